@@ -1,0 +1,708 @@
+/* rigcal.h - where each camera of a rig is, from a few points of known shape.
+ *
+ * This header is the manual: behaviour not written here is not promised.
+ *
+ *   frames     world or target (any origin), rig, camera: x right, y down,
+ *              z forward along the optical axis; all right-handed
+ *   b_from_a   takes coordinates in frame a to frame b:  X_b = R_ba X_a + t_ba.
+ *              Chains read by eye:  c_from_a = c_from_b * b_from_a
+ *   units      lengths in the caller's unit, one throughout; angles in radian;
+ *              pixels with (0, 0) the centre of the top-left pixel
+ *   storage    3 x 3 matrices row-major, vectors are columns
+ *   arguments  outputs, then inputs, then counts and options; an output may not
+ *              overlap an input or another output
+ *   ownership  the caller owns every buffer; none is kept after the call, but
+ *              for the two that a solver started by rigcal_paper_begin reads
+ *   outcome    rigcal_status: 0 done; negative: failed, outputs untouched;
+ *              positive: outputs written and usable, with the caveat named
+ *   arguments  are checked first, in every function: NULL, NaN, infinity and
+ *   checked    numbers out of range have statuses of their own
+ *   reentrant  no globals, no heap, no stdio, no errno; every loop is bounded
+ *   accuracy   figures are for double / float: "1e-12 / 1e-4"
+ *
+ * Numbers in parentheses, (9) to (26), and letters are those of EQUATIONS.md.
+ */
+#ifndef RIGCAL_H
+#define RIGCAL_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "rigcal_config.h" /* rigcal_real, RIGCAL_API */
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* ==== about: version, statuses, layout ==================================== */
+
+#define RIGCAL_VERSION_MAJOR 0
+#define RIGCAL_VERSION_MINOR 1
+#define RIGCAL_VERSION_PATCH 0
+
+typedef int32_t rigcal_status;
+
+enum {
+    RIGCAL_OK = 0,
+
+    /* Usable, with a caveat. */
+    RIGCAL_RUNNING = 1,      /* a stepwise solver wants another step */
+    RIGCAL_BUDGET_SPENT = 2, /* evaluations ran out first; best found so far */
+    RIGCAL_DISCONNECTED = 3, /* some cameras share no placement with the first */
+
+    /* The arguments. */
+    RIGCAL_ERR_NULL = -1,       /* a pointer that must not be NULL is */
+    RIGCAL_ERR_NOT_FINITE = -2, /* an input is NaN or infinite */
+    RIGCAL_ERR_RANGE = -3,      /* a count, option or number out of its range */
+    RIGCAL_ERR_CAMERA = -4,     /* intrinsics: focal length or size not positive,
+                                   lens unknown, a coefficient it has not */
+    RIGCAL_ERR_ROTATION = -5,   /* a matrix is not a rotation to 1e-6 / 1e-3, a
+                                   quaternion or a mean of rotations is no
+                                   direction, or the matrix mirrors */
+    RIGCAL_ERR_CAPACITY = -6,   /* a buffer of the caller's is too small */
+    RIGCAL_ERR_STATE = -7,      /* a solver that was not begun, or not finished */
+
+    /* The geometry. */
+    RIGCAL_ERR_TOO_FEW = -8,     /* fewer points, views or pairs than unknowns */
+    RIGCAL_ERR_COINCIDENT = -9,  /* fewer than three distinct points or rays */
+    RIGCAL_ERR_COLLINEAR = -10,  /* all the points lie on one line */
+    RIGCAL_ERR_EDGE_ON = -11,    /* all the rays lie in one plane */
+    RIGCAL_ERR_PRECISION = -12,  /* the origin is so far away that rigcal_real
+                                    cannot hold the shape: move it nearer */
+    RIGCAL_ERR_NO_RAY = -13,     /* the lens model images no ray there */
+    RIGCAL_ERR_BEHIND = -14,     /* a point is not in front of a camera */
+    RIGCAL_ERR_WIDE_RAY = -15,   /* a ray 90 degrees or more off the axis has no
+                                    (x, y, 1) */
+    RIGCAL_ERR_PARALLEL = -16,   /* rays (nearly) parallel: depth unknown */
+    RIGCAL_ERR_EPIPOLE = -17,    /* the point is the image of the other camera's
+                                    centre: every line through it matches */
+    RIGCAL_ERR_OUTSIDE = -18,    /* the line does not cross the image */
+    RIGCAL_ERR_DEGENERATE = -19, /* equations singular: no unique answer */
+    RIGCAL_ERR_NO_POSE = -20     /* no start led to a pose with every point in
+                                    front: wrong correspondences, or mirrored */
+};
+
+/* MAJOR * 10000 + MINOR * 100 + PATCH of the linked library. */
+RIGCAL_API int32_t rigcal_version(void);
+
+/* 8 (double) or 4 (float): what the linked library calls rigcal_real. A caller
+ * compiled otherwise must not go on. */
+RIGCAL_API int32_t rigcal_sizeof_real(void);
+
+/* The name of a status ("RIGCAL_ERR_NULL") and a sentence a person can act on.
+ * Static, never NULL: a number that is no status gives "unknown status". */
+RIGCAL_API const char *rigcal_status_name(rigcal_status status);
+RIGCAL_API const char *rigcal_status_text(rigcal_status status);
+
+/* One line of the library's own account of its public structs, for bindings that
+ * cannot see the header: "rigcal_camera" with offset 0 and the struct's size, or
+ * "rigcal_camera.fx" with the field's offset and size, in bytes. */
+typedef struct {
+    char name[48];
+    int32_t offset;
+    int32_t size;
+} rigcal_layout_entry;
+
+/* Line `index` of that account, 0 to rigcal_layout_count() - 1.
+ * OK, ERR_NULL, ERR_RANGE (no such line). */
+RIGCAL_API int32_t rigcal_layout_count(void);
+RIGCAL_API rigcal_status rigcal_layout(rigcal_layout_entry *entry, int32_t index);
+
+/* ==== rotation ============================================================
+ *
+ * Every function: OK, ERR_NULL, ERR_NOT_FINITE; those that take a rotation also
+ * ERR_ROTATION. Rotations come out orthonormal to a few units in the last place.
+ *
+ * Yaw, pitch, roll compose as R = Rz(yaw) Ry(pitch) Rx(roll) (8). */
+
+/* R[9] from ypr = (yaw, pitch, roll), any angles within 1e6 / 1e3, else
+ * ERR_RANGE (beyond that the angle's own rounding is the larger error). */
+RIGCAL_API rigcal_status rigcal_rotation_from_yaw_pitch_roll(
+    rigcal_real R[9], const rigcal_real ypr[3]);
+
+/* Yaw and roll in (-pi, pi], pitch in [-pi/2, pi/2]. At gimbal lock (|pitch| =
+ * pi/2) yaw and roll turn about one axis: roll is given as 0. */
+RIGCAL_API rigcal_status rigcal_yaw_pitch_roll_from_rotation(
+    rigcal_real ypr[3], const rigcal_real R[9]);
+
+/* Rotation vector w: the axis times the angle, right-handed (Rodrigues; OpenCV's
+ * rvec). |w| <= 1e6 / 1e3, else ERR_RANGE. Back: |w| in [0, pi]. */
+RIGCAL_API rigcal_status rigcal_rotation_from_vector(rigcal_real R[9],
+                                                     const rigcal_real w[3]);
+RIGCAL_API rigcal_status rigcal_vector_from_rotation(rigcal_real w[3],
+                                                     const rigcal_real R[9]);
+
+/* Quaternion (w, x, y, z), scalar first, of any length but zero (ERR_ROTATION);
+ * R takes v to q v q*. Back: unit length, w >= 0. */
+RIGCAL_API rigcal_status rigcal_rotation_from_quaternion(
+    rigcal_real R[9], const rigcal_real q_wxyz[4]);
+RIGCAL_API rigcal_status rigcal_quaternion_from_rotation(
+    rigcal_real q_wxyz[4], const rigcal_real R[9]);
+
+/* The rotation nearest to M in the sum of squared differences: the orthogonal
+ * factor of its polar decomposition (Higham 1986). ERR_ROTATION when M is
+ * singular to working precision or mirrors (det <= 0). At most 40 iterations. */
+RIGCAL_API rigcal_status rigcal_rotation_nearest(rigcal_real R[9],
+                                                 const rigcal_real M[9]);
+
+/* Angle of the rotation that takes Ra to Rb, [0, pi]; accurate for the smallest
+ * angles too. */
+RIGCAL_API rigcal_status rigcal_rotation_angle(rigcal_real *angle,
+                                               const rigcal_real Ra[9],
+                                               const rigcal_real Rb[9]);
+
+/* ==== transform ===========================================================
+ *
+ * A rigid transform b_from_a: X_b = R X_a + t. Every function: OK, ERR_NULL,
+ * ERR_NOT_FINITE, ERR_ROTATION. */
+typedef struct {
+    rigcal_real R[9]; /* rotation, row by row */
+    rigcal_real t[3]; /* origin of a in frame b */
+} rigcal_transform;
+
+RIGCAL_API rigcal_status rigcal_transform_compose(
+    rigcal_transform *c_from_a, const rigcal_transform *c_from_b,
+    const rigcal_transform *b_from_a);
+
+RIGCAL_API rigcal_status rigcal_transform_invert(
+    rigcal_transform *a_from_b, const rigcal_transform *b_from_a);
+
+RIGCAL_API rigcal_status rigcal_transform_point(
+    rigcal_real X_b[3], const rigcal_transform *b_from_a,
+    const rigcal_real X_a[3]);
+
+/* Where the camera is: its centre in the world, o_w = -R^T t. */
+RIGCAL_API rigcal_status rigcal_camera_center(
+    rigcal_real o_w[3], const rigcal_transform *cam_from_world);
+
+/* (17), (18): camera b from camera a, when both know where one world is. The
+ * answer does not depend on where that world has its origin. */
+RIGCAL_API rigcal_status rigcal_relative_pose(
+    rigcal_transform *b_from_a, const rigcal_transform *b_from_world,
+    const rigcal_transform *a_from_world);
+
+/* ==== camera ==============================================================
+ *
+ * Intrinsics, known beforehand. With (x, y) = (X, Y) / Z of a point in the
+ * camera frame, r^2 = x^2 + y^2 and theta = angle off the optical axis:
+ *
+ *   RIGCAL_LENS_BROWN (Brown 1966; OpenCV's order and signs), Z > 0 only
+ *     d  = (1 + k1 r^2 + k2 r^4 + k3 r^6) / (1 + k4 r^2 + k5 r^4 + k6 r^6)
+ *     xd = x d + 2 p1 x y + p2 (r^2 + 2 x^2)
+ *     yd = y d + p1 (r^2 + 2 y^2) + 2 p2 x y
+ *     a pinhole has all eight coefficients 0
+ *   RIGCAL_LENS_FISHEYE (Kannala & Brandt 2006; OpenCV's fisheye), theta < pi
+ *     (xd, yd) = (x, y) / r * theta (1 + k1 theta^2 + .. + k4 theta^8)
+ *     p1, p2, k5, k6 must be 0
+ *
+ *   u = fx xd + cx,  v = fy yd + cy        (the principal point may be anywhere)
+ *
+ * A distortion polynomial turns back somewhere off the axis and images a second,
+ * spurious ray on the same pixels. The lens is used only out to there: along each
+ * straight line from the axis, as long as the Jacobian of (xd, yd) is positive
+ * definite. Beyond, the answer is ERR_NO_RAY, never the other branch. */
+enum { RIGCAL_LENS_BROWN = 0, RIGCAL_LENS_FISHEYE = 1 };
+
+typedef struct {
+    int32_t lens;          /* RIGCAL_LENS_ */
+    int32_t width, height; /* pixels, 1 .. 1000000 */
+    int32_t reserved;      /* 0 */
+    rigcal_real fx, fy;    /* focal length, pixels, > 0 */
+    rigcal_real cx, cy;    /* principal point, pixels */
+    rigcal_real k1, k2, p1, p2, k3, k4, k5, k6;
+} rigcal_camera;
+
+/* A reference point and the pixel it was seen at. */
+typedef struct {
+    rigcal_real X_w[3];
+    rigcal_real uv[2];
+} rigcal_observation;
+
+/* A reference point and the ray it was seen along, in the camera frame, of any
+ * length but zero: what the solvers take, so that any lens serves. */
+typedef struct {
+    rigcal_real X_w[3];
+    rigcal_real ray[3];
+} rigcal_sighting;
+
+/* Whether the intrinsics can be used. OK, ERR_NULL, ERR_NOT_FINITE, ERR_CAMERA.
+ * All functions that take a camera check it so. */
+RIGCAL_API rigcal_status rigcal_camera_check(const rigcal_camera *camera);
+
+/* Pixel of a point in the camera frame, inside the image or not. ERR_BEHIND when
+ * it is not in front (Brown: Z <= 0), ERR_NO_RAY when it lies beyond the lens's
+ * turning point, ERR_DEGENERATE at the camera centre; and those of the check. */
+RIGCAL_API rigcal_status rigcal_project(rigcal_real uv[2],
+                                        const rigcal_camera *camera,
+                                        const rigcal_real X_c[3]);
+
+/* Unit ray imaged at a pixel: its projection is that pixel to 1e-9 px / 2e-3 px
+ * (in an image of up to 4000 px), or ERR_NO_RAY. A damped Newton iteration from
+ * the axis, then a proof that the path to the answer did not cross the turning
+ * point; at most 254 Newton solves of 30 steps, usually one of 3 to 5. */
+RIGCAL_API rigcal_status rigcal_pixel_to_ray(rigcal_real ray[3],
+                                             const rigcal_camera *camera,
+                                             const rigcal_real uv[2]);
+
+/* The pixel at which the same camera without distortion would see the ray of uv,
+ * and back. Lines in space are straight there. ERR_NO_RAY as above;
+ * ERR_WIDE_RAY for a fisheye's rays at 90 degrees and beyond. */
+RIGCAL_API rigcal_status rigcal_undistort_pixel(rigcal_real uv_straight[2],
+                                                const rigcal_camera *camera,
+                                                const rigcal_real uv[2]);
+RIGCAL_API rigcal_status rigcal_distort_pixel(rigcal_real uv[2],
+                                              const rigcal_camera *camera,
+                                              const rigcal_real uv_straight[2]);
+
+/* Rays of n >= 1 observations. On failure *bad (may be NULL) is the index of the
+ * observation at fault, or -1; it is written on failure only. */
+RIGCAL_API rigcal_status rigcal_sightings_from_observations(
+    rigcal_sighting sightings[], int32_t *bad, const rigcal_camera *camera,
+    const rigcal_observation observations[], size_t n);
+
+/* Root mean square distance [px] of n >= 1 observed pixels from the projections
+ * of their points: sqrt(sum(du^2 + dv^2) / n). `worst` (may be NULL) gets the
+ * index of the largest. ERR_BEHIND, ERR_NO_RAY as rigcal_project. */
+RIGCAL_API rigcal_status rigcal_reprojection_rms(
+    rigcal_real *rms_px, int32_t *worst, const rigcal_camera *camera,
+    const rigcal_transform *cam_from_world,
+    const rigcal_observation observations[], size_t n);
+
+/* ==== neldermead ==========================================================
+ *
+ * Minimises a function of 1 to 3 variables by the simplex method of Nelder and
+ * Mead (1965) in the form of Lagarias et al. (1998), which fminsearch and SciPy
+ * share: reflection 1, expansion 2, contraction 1/2, shrink 1/2. Knows nothing
+ * of cameras. Evaluation by evaluation it does what
+ * scipy.optimize.minimize(method='Nelder-Mead') does from the same simplex.
+ *
+ * Ask for the point to evaluate, tell its cost, until told to stop:
+ *
+ *     rigcal_neldermead_begin(&nm, x0, k, xtol, ftol, max_evals);
+ *     while ((status = rigcal_neldermead_ask(x, &nm)) == RIGCAL_RUNNING)
+ *         rigcal_neldermead_tell(&nm, cost(x));
+ *
+ * so there is no callback, and the search may pause at any evaluation.
+ *
+ * It stops when every vertex is within xtol of the best in every coordinate and
+ * every cost within ftol of the best (both floored at a few roundings of the
+ * best), or after max_evals. A cost of NaN or infinity is a place to move away
+ * from. */
+enum { RIGCAL_NELDERMEAD_DIM_MAX = 3 };
+
+typedef struct {
+    rigcal_real vertex[4][3]; /* k + 1 of them, best first between iterations */
+    rigcal_real cost[4];
+    rigcal_real trial[3];     /* the point asked for */
+    rigcal_real reflected[3]; /* kept while an expansion is tried */
+    rigcal_real cost_reflected;
+    rigcal_real xtol, ftol;
+    int32_t k, evals, max_evals;
+    int32_t phase;  /* internal; 0: not begun */
+    int32_t vertex_next; /* internal */
+    int32_t status; /* RUNNING, OK or BUDGET_SPENT */
+} rigcal_neldermead;
+
+/* Starts from x0[k] with fminsearch's simplex: each coordinate in turn larger by
+ * 5 %, or 0.00025 where it is zero. k 1 .. 3, tolerances >= 0, max_evals >= 1;
+ * ERR_RANGE otherwise. OK, ERR_NULL, ERR_NOT_FINITE, ERR_RANGE. */
+RIGCAL_API rigcal_status rigcal_neldermead_begin(
+    rigcal_neldermead *nm, const rigcal_real x0[], int32_t k, rigcal_real xtol,
+    rigcal_real ftol, int32_t max_evals);
+
+/* The same from a simplex of the caller's: k + 1 vertices of k coordinates. */
+RIGCAL_API rigcal_status rigcal_neldermead_begin_simplex(
+    rigcal_neldermead *nm, const rigcal_real simplex[], int32_t k,
+    rigcal_real xtol, rigcal_real ftol, int32_t max_evals);
+
+/* RUNNING: x[k] is the point to evaluate. OK, BUDGET_SPENT: done, x untouched.
+ * ERR_NULL, ERR_STATE (not begun). */
+RIGCAL_API rigcal_status rigcal_neldermead_ask(rigcal_real x[],
+                                               const rigcal_neldermead *nm);
+
+/* The cost of the point asked for. Returns what the next ask will, or ERR_STATE
+ * when none was asked for. */
+RIGCAL_API rigcal_status rigcal_neldermead_tell(rigcal_neldermead *nm,
+                                                rigcal_real cost);
+
+/* At most `budget` >= 1 evaluations of `cost` (ERR_NULL if NULL), for callers
+ * who prefer a callback. RUNNING: call again. OK, BUDGET_SPENT, ERR_RANGE,
+ * ERR_STATE. */
+typedef rigcal_real (*rigcal_cost)(void *context, const rigcal_real x[]);
+RIGCAL_API rigcal_status rigcal_neldermead_step(rigcal_neldermead *nm,
+                                                rigcal_cost cost, void *context,
+                                                int32_t budget);
+
+/* The best vertex so far, at any time after all k + 1 vertices have a cost:
+ * x[k], its cost, evaluations spent (`cost` and `evals` may be NULL). The
+ * search's status, ERR_STATE (too early), or ERR_NOT_FINITE (no vertex has a
+ * finite cost). */
+RIGCAL_API rigcal_status rigcal_neldermead_result(rigcal_real x[],
+                                                  rigcal_real *cost,
+                                                  int32_t *evals,
+                                                  const rigcal_neldermead *nm);
+
+/* ==== equations ===========================================================
+ *
+ * The calibration equations of the method, one by one, for those who study it,
+ * teach it or build on it. The solver below uses these. */
+
+/* Which Euler angle is found by linear algebra while the other two are searched.
+ * The two that remain keep the order yaw, pitch, roll. */
+enum {
+    RIGCAL_YAW = 0,
+    RIGCAL_PITCH = 1,
+    RIGCAL_ROLL = 2,
+    RIGCAL_BEST_CONDITIONED = 3 /* solver only: the one with the least cond(A) */
+};
+
+/* The equation of one pair of points (11)..(13): normal . R offset = 0. */
+typedef struct {
+    rigcal_real normal[3]; /* unit, of the plane of rays i and j: m_i x m_j */
+    rigcal_real offset[3]; /* unit, X_i - X_j */
+    int32_t i, j;          /* indices of the sightings */
+} rigcal_pair;
+
+/* Pairs enough for n sightings: 4 n, or all n (n - 1) / 2 where that is less. */
+#define RIGCAL_PAIRS_FOR(n) ((n) < 9 ? (n) * ((n)-1) / 2 : 4 * (n))
+RIGCAL_API size_t rigcal_pairs_for(size_t n);
+
+/* The pair (i, j). ERR_COINCIDENT when the points, or the rays, are the same to
+ * rounding: such a pair carries no equation. OK, ERR_NULL, ERR_NOT_FINITE,
+ * ERR_RANGE (a ray of length zero; i, j not two different indices below n). */
+RIGCAL_API rigcal_status rigcal_pair_make(rigcal_pair *pair,
+                                          const rigcal_sighting sightings[],
+                                          size_t n, int32_t i, int32_t j);
+
+/* Chooses pairs among n >= 3 sightings: all of them up to n = 9, else four
+ * partners a point, spread by a fixed sequence so that runs repeat. Left out are
+ * degenerate pairs and those whose rays lie closer than a sixth of the image
+ * that the target fills, whose sine is mostly noise. capacity below
+ * rigcal_pairs_for(n) bounds memory: fewer are chosen, still spread. The first
+ * two are the best conditioned for the paper's elimination by two pairs.
+ * Time O(n).
+ *
+ *   pairs     out   `capacity` entries, *n_pairs of them written; >= 3
+ *   sightings in    n of them; every ray less than 90 degrees off the axis
+ *
+ * OK, ERR_NULL, ERR_NOT_FINITE, ERR_RANGE (ray of length zero, a coordinate
+ * beyond 1e30 / 1e9, n above 2^28), ERR_TOO_FEW (n < 3), ERR_CAPACITY
+ * (capacity < 3), ERR_WIDE_RAY, ERR_COINCIDENT, ERR_COLLINEAR, ERR_EDGE_ON,
+ * ERR_PRECISION. */
+RIGCAL_API rigcal_status rigcal_pairs_choose(rigcal_pair pairs[],
+                                             size_t *n_pairs, size_t capacity,
+                                             const rigcal_sighting sightings[],
+                                             size_t n);
+
+/* (13): sine-like residual e = normal . R offset of one pair.
+ * OK, ERR_NULL, ERR_NOT_FINITE, ERR_ROTATION. */
+RIGCAL_API rigcal_status rigcal_pair_residual(rigcal_real *e,
+                                              const rigcal_pair *pair,
+                                              const rigcal_real R[9]);
+
+/* (14): e = p cos w + q sin w + k for the eliminated angle w when the other two
+ * are fixed. pqk[3] out. `eliminate` RIGCAL_YAW, _PITCH or _ROLL, else ERR_RANGE.
+ * OK, ERR_NULL, ERR_NOT_FINITE, ERR_RANGE. */
+RIGCAL_API rigcal_status rigcal_pair_coefficients(rigcal_real pqk[3],
+                                                  const rigcal_pair *pair,
+                                                  int32_t eliminate,
+                                                  const rigcal_real angles[2]);
+
+typedef struct {
+    rigcal_real angle;     /* eliminated angle w, (-pi, pi] */
+    rigcal_real cosine, sine; /* solution of A (c, s)^T = b before normalising */
+    rigcal_real condition; /* cond_2(A) */
+    rigcal_real unit;      /* (15): c^2 + s^2 - 1 */
+    rigcal_real residual;  /* the objective: |(15)| + sum |e| */
+} rigcal_elimination;
+
+/* (14), (15) and the objective of the two-angle search at one place.
+ *
+ *   pairs       n_pairs >= 3
+ *   eliminating 2: A is of the first two pairs, the others are residuals
+ *               (13c): the method as published. 0: A is of all pairs, by least
+ *               squares, all are residuals: less noise in w for the same work
+ *
+ * OK, ERR_NULL, ERR_NOT_FINITE, ERR_RANGE, ERR_TOO_FEW, ERR_DEGENERATE (A
+ * singular to rounding). Time O(n_pairs). */
+RIGCAL_API rigcal_status rigcal_eliminate(rigcal_elimination *out,
+                                          const rigcal_pair pairs[],
+                                          size_t n_pairs, int32_t eliminating,
+                                          int32_t eliminate,
+                                          const rigcal_real angles[2]);
+
+/* (5): sum |e| over n_pairs >= 3 pairs at ypr, the objective of the search over
+ * all three angles. OK, ERR_NULL, ERR_NOT_FINITE, ERR_RANGE, ERR_TOO_FEW. */
+RIGCAL_API rigcal_status rigcal_three_angle_residual(rigcal_real *residual,
+                                                     const rigcal_pair pairs[],
+                                                     size_t n_pairs,
+                                                     const rigcal_real ypr[3]);
+
+/* (10a), (10b), (16): t of cam_from_world for a known rotation. By pairs: t_z is
+ * the average over the pairs of (10a) and (10b) (coordinates that hardly differ
+ * are left out), t_x and t_y the average of (9) over the points.
+ * OK, ERR_NULL, ERR_NOT_FINITE, ERR_RANGE, ERR_ROTATION, ERR_TOO_FEW (n < 2, no
+ * pairs), ERR_WIDE_RAY, ERR_DEGENERATE (nothing left to average). */
+RIGCAL_API rigcal_status rigcal_translation_from_pairs(
+    rigcal_real t[3], const rigcal_real R[9], const rigcal_sighting sightings[],
+    size_t n, const rigcal_pair pairs[], size_t n_pairs);
+
+/* The better one: least squares over all 2 n equations t_xy - u t_z = u q_z -
+ * q_xy, q = R X, n >= 2. Statuses as above; ERR_DEGENERATE when all rays are the
+ * same. */
+RIGCAL_API rigcal_status rigcal_translation_least_squares(
+    rigcal_real t[3], const rigcal_real R[9], const rigcal_sighting sightings[],
+    size_t n);
+
+/* ==== pose ================================================================
+ *
+ * Where one camera is, by the published procedure: Nelder-Mead over two angles
+ * with the third eliminated (14), (15), or over three (5), (6); translation by
+ * least squares (16). */
+typedef struct {
+    int32_t angles;      /* 2 (default) or 3: how many are searched */
+    int32_t eliminate;   /* RIGCAL_BEST_CONDITIONED (default), _YAW, .. */
+    int32_t eliminating; /* pairs that eliminate: 0 all (default), 2 as published */
+    int32_t use_guess;   /* 1: from guess_ypr, a local search. 0 (default): from
+                            a fixed grid of the two angles, no guess needed */
+    int32_t max_evals;   /* over all starts; 0: 1000 a start */
+    int32_t reserved;    /* 0 */
+    rigcal_real guess_ypr[3]; /* yaw, pitch, roll of cam_from_world; the
+                                 eliminated one is not used */
+    rigcal_real xtol;    /* radian; 0: 1e-10 / 1e-5 */
+    rigcal_real ftol;    /* of the objective; 0: 1e-10 / 1e-5 */
+} rigcal_paper_options;
+
+typedef struct {
+    rigcal_transform cam_from_world;
+    rigcal_real ypr[3];    /* yaw, pitch, roll of its rotation */
+    rigcal_real residual;  /* the objective at the answer: sum of sines */
+    rigcal_real condition; /* cond(A) at the answer; 0 with three angles */
+    rigcal_real rms;       /* root mean square distance of the projected from the
+                              observed normalised image points (x, y) */
+    int32_t eliminated;    /* RIGCAL_YAW, _PITCH, _ROLL; -1 with three angles */
+    int32_t evals;         /* evaluations of the objective, all starts */
+    int32_t starts;        /* simplex searches run */
+    int32_t reserved;
+} rigcal_paper_pose;
+
+/* A search under way. Flat and copyable; its fields are internal. */
+typedef struct {
+    const rigcal_sighting *sightings;
+    const rigcal_pair *pairs;
+    size_t n, n_pairs;
+    rigcal_paper_options options;
+    rigcal_neldermead nm;
+    rigcal_paper_pose best;
+    int32_t phase, start, eliminate, found, behind;
+    int32_t evals, starts_run, node;
+    rigcal_real seed_cost[8];
+    int32_t seed_node[8];
+} rigcal_paper_solver;
+
+/* All defaults. OK, ERR_NULL. */
+RIGCAL_API rigcal_status rigcal_paper_defaults(rigcal_paper_options *options);
+
+/* Begins a search over pairs chosen by rigcal_pairs_choose or by the caller.
+ * `sightings` and `pairs` are read until the search is done, so they must stay;
+ * n >= 3, n_pairs >= 3. options NULL: all defaults.
+ * OK, ERR_NULL, ERR_NOT_FINITE, ERR_RANGE, ERR_TOO_FEW, ERR_WIDE_RAY. */
+RIGCAL_API rigcal_status rigcal_paper_begin(rigcal_paper_solver *solver,
+                                            const rigcal_sighting sightings[],
+                                            size_t n, const rigcal_pair pairs[],
+                                            size_t n_pairs,
+                                            const rigcal_paper_options *options);
+
+/* Spends at most `budget` >= 1 evaluations, each O(n_pairs) and, once a start
+ * has converged, O(n). RUNNING: call again. OK, BUDGET_SPENT: ask for the
+ * result. The same bits come out whatever the budgets. ERR_NULL, ERR_RANGE,
+ * ERR_STATE; when it ends without a pose, ERR_NO_POSE. */
+RIGCAL_API rigcal_status rigcal_paper_step(rigcal_paper_solver *solver,
+                                           int32_t budget);
+
+/* The best pose of a search that is done, with every point in front.
+ * OK, BUDGET_SPENT, ERR_NULL, ERR_STATE (not begun or still running),
+ * ERR_BEHIND (the guess led to a pose that fits with points behind the camera:
+ * the mirror solution), ERR_NO_POSE. */
+RIGCAL_API rigcal_status rigcal_paper_result(rigcal_paper_pose *pose,
+                                             const rigcal_paper_solver *solver);
+
+/* begin, step to the end, result. */
+RIGCAL_API rigcal_status rigcal_paper_solve(rigcal_paper_pose *pose,
+                                            const rigcal_sighting sightings[],
+                                            size_t n, const rigcal_pair pairs[],
+                                            size_t n_pairs,
+                                            const rigcal_paper_options *options);
+
+/* One camera's pose from n >= 3 observations and nothing else: rays, pairs, a
+ * search from the fixed grid, reprojection error.
+ *
+ *   cam_from_world  out
+ *   rms_px          out  reprojection error, root mean square a point; NULL: no
+ *   bad             out  on failure the observation at fault, or -1; NULL: no
+ *   sightings       work n entries
+ *   pairs           work `capacity` entries, rigcal_pairs_for(n) for the best
+ *                        accuracy, at least 3
+ *
+ * Every status of the functions above. */
+RIGCAL_API rigcal_status rigcal_solve_pose(
+    rigcal_transform *cam_from_world, rigcal_real *rms_px, int32_t *bad,
+    rigcal_sighting sightings[], rigcal_pair pairs[], size_t capacity,
+    const rigcal_camera *camera, const rigcal_observation observations[],
+    size_t n);
+
+/* ==== measure =============================================================
+ *
+ * Depths count in lengths of the ray that is handed in: with m = (x, y, 1) the
+ * number is Z, with a unit ray it is the distance. */
+
+/* (22)..(24): depths of one point along its rays in two cameras, by least
+ * squares on depth_b ray_b = depth_a R ray_a + t, and the distance by which the
+ * rays miss each other there.
+ * OK, ERR_NULL, ERR_NOT_FINITE, ERR_ROTATION, ERR_RANGE (ray of length zero),
+ * ERR_PARALLEL (rays within 0.1 degree), ERR_BEHIND (the rays meet behind). */
+RIGCAL_API rigcal_status rigcal_depth_two_views(
+    rigcal_real depth_ab[2], rigcal_real *miss, const rigcal_transform *b_from_a,
+    const rigcal_real ray_a[3], const rigcal_real ray_b[3]);
+
+/* (19), (20): aligned stereo, the right camera at (baseline, 0, 0) of the left,
+ * both looking the same way. X_left[3] from normalised points (x, y).
+ * OK, ERR_NULL, ERR_NOT_FINITE, ERR_RANGE (baseline <= 0), ERR_PARALLEL (no
+ * disparity), ERR_BEHIND (negative disparity). */
+RIGCAL_API rigcal_status rigcal_depth_aligned(rigcal_real X_left[3],
+                                              rigcal_real baseline,
+                                              const rigcal_real xy_left[2],
+                                              const rigcal_real xy_right[2]);
+
+typedef struct {
+    rigcal_real X[3];     /* in the frame the cameras' poses start from */
+    rigcal_real Sigma[9]; /* its covariance for the sigma_px given */
+    rigcal_real rms_px;   /* sqrt(sum(du^2 + dv^2) / n) */
+} rigcal_point;
+
+/* A point from n >= 2 views: least squares of the pixel distances through the
+ * full lens models (Gauss-Newton with step control, at most 50 iterations), from
+ * the point nearest to all the rays. sigma_px > 0: noise of one coordinate.
+ *
+ *   cameras, cams_from_world, uv   in   n of each, uv as n pairs
+ *
+ * OK, ERR_NULL, ERR_NOT_FINITE, ERR_CAMERA, ERR_ROTATION, ERR_RANGE, ERR_TOO_FEW,
+ * ERR_NO_RAY, ERR_PARALLEL, ERR_BEHIND. */
+RIGCAL_API rigcal_status rigcal_triangulate(
+    rigcal_point *point, const rigcal_camera cameras[],
+    const rigcal_transform cams_from_world[], const rigcal_real uv[], size_t n,
+    rigcal_real sigma_px);
+
+/* (25), (26): the matching line (epipolar line) in camera b of what camera a sees
+ * along ray_a: alpha x + beta y + gamma = 0 in normalised coordinates of b,
+ * alpha^2 + beta^2 = 1, so the left side is a signed distance.
+ * OK, ERR_NULL, ERR_NOT_FINITE, ERR_ROTATION, ERR_RANGE (ray of length zero),
+ * ERR_EPIPOLE (also when the centres of a and b coincide). */
+RIGCAL_API rigcal_status rigcal_epiline(rigcal_real line[3],
+                                        const rigcal_transform *b_from_a,
+                                        const rigcal_real ray_a[3]);
+
+/* The same line in pixels of camera b without distortion (as
+ * rigcal_undistort_pixel gives), again with alpha^2 + beta^2 = 1: distances are
+ * pixels. And ERR_CAMERA. */
+RIGCAL_API rigcal_status rigcal_epiline_px(rigcal_real line_px[3],
+                                           const rigcal_camera *camera_b,
+                                           const rigcal_transform *b_from_a,
+                                           const rigcal_real ray_a[3]);
+
+/* Signed distance [px], in undistorted pixels, of the observed (distorted) pixel
+ * uv_b from such a line. OK, ERR_NULL, ERR_NOT_FINITE, ERR_CAMERA, ERR_NO_RAY,
+ * ERR_WIDE_RAY, ERR_RANGE (alpha^2 + beta^2 is not 1). */
+RIGCAL_API rigcal_status rigcal_epiline_distance(rigcal_real *distance_px,
+                                                 const rigcal_real line_px[3],
+                                                 const rigcal_camera *camera_b,
+                                                 const rigcal_real uv_b[2]);
+
+/* The part of a line that lies in the rectangle of the image, pixel borders
+ * included: -0.5 <= u <= width - 0.5, v alike. ends = (u1, v1, u2, v2), in the
+ * direction (beta, -alpha). OK, ERR_NULL, ERR_NOT_FINITE, ERR_RANGE, ERR_OUTSIDE. */
+RIGCAL_API rigcal_status rigcal_epiline_clip(rigcal_real ends[4],
+                                             const rigcal_real line_px[3],
+                                             int32_t width, int32_t height);
+
+/* Where along the line the match can be, its depth along ray_a being between
+ * near > 0 and far > near: undistorted pixels of both, ends = (u, v at near, u, v
+ * at far). OK, ERR_NULL, ERR_NOT_FINITE, ERR_ROTATION, ERR_CAMERA, ERR_RANGE,
+ * ERR_WIDE_RAY (one of them is not in front of camera b). */
+RIGCAL_API rigcal_status rigcal_epiline_segment(
+    rigcal_real ends[4], const rigcal_camera *camera_b,
+    const rigcal_transform *b_from_a, const rigcal_real ray_a[3],
+    rigcal_real near_a, rigcal_real far_a);
+
+/* The same as it runs in the real, distorted image, where it is a curve:
+ * `count` >= 2 pixels at depths from near to far, evenly spaced in 1 / depth,
+ * which is nearly evenly in the image. Those that camera b cannot see, being
+ * behind it or beyond its lens, are left out: uv_b holds *n_written pairs.
+ * OK, ERR_NULL, ERR_NOT_FINITE, ERR_ROTATION, ERR_CAMERA, ERR_RANGE, ERR_OUTSIDE
+ * (none left). */
+RIGCAL_API rigcal_status rigcal_epiline_curve(
+    rigcal_real uv_b[], int32_t *n_written, int32_t count,
+    const rigcal_camera *camera_b, const rigcal_transform *b_from_a,
+    const rigcal_real ray_a[3], rigcal_real near_a, rigcal_real far_a);
+
+/* ==== rig ================================================================= */
+
+/* The mean of n >= 1 estimates of one transform: the rotation that minimises the
+ * weighted sum of squared angles (Karcher mean, from the chordal mean; Hartley et
+ * al. 2013; at most 20 iterations), and the weighted mean of t. weight NULL: all
+ * equal; else each >= 0, not all 0. sigma_rad, sigma_t (may be NULL): weighted
+ * root mean square deviation of the estimates, as an angle and as a length.
+ * OK, ERR_NULL, ERR_NOT_FINITE, ERR_ROTATION (also when they cancel), ERR_RANGE,
+ * ERR_TOO_FEW. */
+RIGCAL_API rigcal_status rigcal_transform_mean(
+    rigcal_transform *mean, rigcal_real *sigma_rad, rigcal_real *sigma_t,
+    const rigcal_transform transforms[], const rigcal_real weight[], size_t n);
+
+/* One camera's pose against one placement of the target. */
+typedef struct {
+    rigcal_transform cam_from_target;
+    rigcal_real weight; /* > 0; e.g. the number of points */
+    int32_t camera;     /* 0 .. n_cameras - 1 */
+    int32_t placement;  /* >= 0; equal numbers saw the target in one place */
+} rigcal_view;
+
+/* Puts n_cameras cameras into the frame of camera 0: from the poses to common
+ * placements (17), (18), averaged over placements; a camera that shares none with
+ * camera 0 is joined through others that do, the best-shared first.
+ *
+ *   cams_from_rig  out   n_cameras; the rig frame is camera 0's
+ *   group          out   n_cameras; the number of the group a camera connects
+ *                        in. 0 is camera 0's. Cameras of another group stand in
+ *                        the frame of the first camera of their own group
+ *   views          in    n_views, in any order
+ *   work           work  n_views transforms
+ *   weight         work  n_views
+ *
+ * OK, RIGCAL_DISCONNECTED, ERR_NULL, ERR_NOT_FINITE, ERR_ROTATION, ERR_RANGE,
+ * ERR_TOO_FEW (no camera). Time O(n_cameras n_views^2), stack constant. */
+RIGCAL_API rigcal_status rigcal_rig_join(
+    rigcal_transform cams_from_rig[], int32_t group[], size_t n_cameras,
+    const rigcal_view views[], size_t n_views, rigcal_transform work[],
+    rigcal_real weight[]);
+
+/* Where a placement of the target is in the rig: the mean over the cameras that
+ * saw it. n_views and work as above; only views of `placement` by cameras of
+ * `in_group` count; ERR_TOO_FEW when there is none. */
+RIGCAL_API rigcal_status rigcal_rig_place(
+    rigcal_transform *rig_from_target, int32_t placement, int32_t in_group,
+    const rigcal_transform cams_from_rig[], const int32_t group[],
+    size_t n_cameras, const rigcal_view views[], size_t n_views,
+    rigcal_transform work[], rigcal_real weight[]);
+
+/* Section VI-C: how far a point measured at X_a can be off in frame b when
+ * b_from_a is used in place of the true transform:
+ * 2 sin(angle / 2) |X_a| + |dt|, 2 sin(angle / 2) being the spectral norm of the
+ * difference of the rotations. OK, ERR_NULL, ERR_NOT_FINITE, ERR_ROTATION. */
+RIGCAL_API rigcal_status rigcal_measurement_bound(
+    rigcal_real *bound, const rigcal_transform *b_from_a,
+    const rigcal_transform *b_from_a_true, const rigcal_real X_a[3]);
+
+#ifdef __cplusplus
+}
+#endif
+#endif /* RIGCAL_H */

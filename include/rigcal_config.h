@@ -1,0 +1,98 @@
+/* rigcal_config.h - what a firmware may choose once, at compile time.
+ *
+ * Every choice has a default, so an ordinary build defines nothing. To replace
+ * some, define RIGCAL_CONFIG_FILE as the name of a header of yours, quotes or
+ * brackets included, e.g. -DRIGCAL_CONFIG_FILE='"my_rigcal_config.h"'. A copy of
+ * port/template/rigcal_config_template.h is the place to start.
+ */
+#ifndef RIGCAL_CONFIG_H
+#define RIGCAL_CONFIG_H
+
+#ifdef RIGCAL_CONFIG_FILE
+#include RIGCAL_CONFIG_FILE
+#endif
+
+/* 1: rigcal_real is float, for cores whose FPU is single precision or absent.
+ * 0: double. The one choice that changes the ABI: library and caller must agree,
+ * and rigcal_sizeof_real() tells what the library was built with. */
+#ifndef RIGCAL_USE_FLOAT
+#define RIGCAL_USE_FLOAT 0
+#endif
+
+#if RIGCAL_USE_FLOAT
+typedef float rigcal_real;
+#else
+typedef double rigcal_real;
+#endif
+
+/* The header that declares the functions below; only src/ includes it. */
+#ifndef RIGCAL_MATH_HEADER
+#define RIGCAL_MATH_HEADER <math.h>
+#endif
+
+/* The whole of libm that the library calls, rigcal_real to rigcal_real. A
+ * replacement (CMSIS-DSP, a vendor's trigonometry unit) must be accurate to a
+ * few units in the last place, else the accuracies in rigcal.h do not hold. */
+#ifndef RIGCAL_SQRT
+#if RIGCAL_USE_FLOAT
+#define RIGCAL_SQRT(x) sqrtf(x)
+#else
+#define RIGCAL_SQRT(x) sqrt(x)
+#endif
+#endif
+
+#ifndef RIGCAL_SIN
+#if RIGCAL_USE_FLOAT
+#define RIGCAL_SIN(x) sinf(x)
+#else
+#define RIGCAL_SIN(x) sin(x)
+#endif
+#endif
+
+#ifndef RIGCAL_COS
+#if RIGCAL_USE_FLOAT
+#define RIGCAL_COS(x) cosf(x)
+#else
+#define RIGCAL_COS(x) cos(x)
+#endif
+#endif
+
+#ifndef RIGCAL_ATAN2
+#if RIGCAL_USE_FLOAT
+#define RIGCAL_ATAN2(y, x) atan2f(y, x)
+#else
+#define RIGCAL_ATAN2(y, x) atan2(y, x)
+#endif
+#endif
+
+#ifndef RIGCAL_FABS
+#if RIGCAL_USE_FLOAT
+#define RIGCAL_FABS(x) fabsf(x)
+#else
+#define RIGCAL_FABS(x) fabs(x)
+#endif
+#endif
+
+/* States a precondition inside the library. Callers cannot violate one: public
+ * functions check their arguments first and return a status. */
+#ifndef RIGCAL_ASSERT
+#define RIGCAL_ASSERT(condition) ((void)0)
+#endif
+
+/* What a public function is declared with. RIGCAL_SHARED: the library is a
+ * shared one. RIGCAL_BUILD: it is being compiled, not used. */
+#ifndef RIGCAL_API
+#if defined(_WIN32) && defined(RIGCAL_SHARED)
+#ifdef RIGCAL_BUILD
+#define RIGCAL_API __declspec(dllexport)
+#else
+#define RIGCAL_API __declspec(dllimport)
+#endif
+#elif defined(__GNUC__)
+#define RIGCAL_API __attribute__((visibility("default")))
+#else
+#define RIGCAL_API
+#endif
+#endif
+
+#endif /* RIGCAL_CONFIG_H */

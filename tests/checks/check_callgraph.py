@@ -1,0 +1,148 @@
+#!/usr/bin/env python3
+"""Stack and call graph of the library, from gcc's own account (-fcallgraph-info).
+
+    check_callgraph.py [FOLDER]    also writes FOLDER/stack.txt
+
+Refuses recursion, stack whose size is not known when compiling (arrays of
+variable length, alloca) and calls through function pointers, so that the bound
+on the stack of each public function is a proof. Refusals are judged at -O0,
+where no call is hidden by inlining; the table of stack sizes is of optimised
+code, for this machine and, where there is a compiler, for a Cortex-M4F. libm's
+own stack comes on top.
+"""
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+
+# Functions that may call through a pointer, and what they may reach.
+INDIRECT = {}
+
+# No public function may need more; bytes, libm apart.
+STACK_LIMIT = 4096
+
+NODE = re.compile(r'node: \{ title: "([^"]+)" label: "([^"]*)"')
+EDGE = re.compile(r'edge: \{ sourcename: "([^"]+)" targetname: "([^"]+)"')
+
+
+class Graph:
+    """Functions with the bytes of their frames, and who calls whom."""
+
+    def __init__(self, compiler, *flags):
+        self.frame, self.dynamic, self.calls = {}, set(), {}
+        with tempfile.TemporaryDirectory() as work:
+            for source in sorted((ROOT / "src").glob("*.c")):
+                name = source.relative_to(ROOT)
+                done = subprocess.run(
+                    [compiler, "-std=c99", *flags, "-ffp-contract=off",
+                     "-fno-stack-protector", "-fcallgraph-info=su,da",
+                     "-DRIGCAL_BUILD", "-Iinclude", "-c", str(name),
+                     "-o", f"{work}/{source.stem}.o"],
+                    cwd=ROOT, capture_output=True, text=True)
+                if done.returncode:
+                    sys.exit(f"check_callgraph: {name} does not compile\n{done.stderr}")
+                self.read(pathlib.Path(work, source.stem + ".ci"))
+
+    def read(self, path):
+        for line in path.read_text().splitlines():
+            node = NODE.match(line)
+            if node:
+                size = re.search(r"(\d+) bytes \(([^)]*)\)", node[2])
+                if size:
+                    self.frame[node[1]] = int(size[1])
+                    if size[2].startswith("dynamic"):
+                        self.dynamic.add(node[1])
+            edge = EDGE.match(line)
+            if edge:
+                self.calls.setdefault(edge[1], set()).add(edge[2])
+
+    def callees(self, name):
+        for callee in sorted(self.calls.get(name, ())):
+            if callee == "__indirect_call":
+                yield from INDIRECT.get(plain(name), ())
+            else:
+                yield callee
+
+    def deepest(self, name, path=(), memo=None):
+        """(bytes, chain of names) of the deepest chain of calls."""
+        if memo is None:
+            memo = {}
+        if name in path:
+            raise RecursionError(" -> ".join(map(plain, path[path.index(name):] + (name,))))
+        if name not in memo:
+            below = (0, ())
+            for callee in self.callees(name):
+                below = max(below, self.deepest(callee, path + (name,), memo))
+            memo[name] = (self.frame.get(name, 0) + below[0], (name,) + below[1])
+        return memo[name]
+
+    def offences(self):
+        for name in sorted(self.dynamic):
+            yield f"{plain(name)} has an array of variable length or calls alloca"
+        for name in sorted(self.calls):
+            if "__indirect_call" in self.calls[name] and plain(name) not in INDIRECT:
+                yield f"{plain(name)} calls through a function pointer"
+        try:
+            for name in sorted(self.frame):
+                self.deepest(name)
+        except RecursionError as chain:
+            yield f"recursion: {chain}"
+
+    def stacks(self):
+        """{public function: (bytes, chain)}"""
+        memo = {}
+        return {name: self.deepest(name, memo=memo)
+                for name in self.frame if name.startswith("rigcal_")}
+
+
+def plain(title):
+    """A static function is titled path:name, a clone of it name.part.0."""
+    return title.split(":")[-1].split(".")[0]
+
+
+def main():
+    bad = list(Graph("gcc", "-O0").offences())
+    host = Graph("gcc", "-O2")
+    bad += [text for text in host.offences() if text not in bad]
+    if bad:
+        print("\n".join(bad))
+        sys.exit(f"check_callgraph: {len(bad)} offences")
+
+    columns = {"host double -O2": host.stacks()}
+    arm = shutil.which("arm-none-eabi-gcc")
+    if arm:
+        columns["M4F float -Os"] = Graph(
+            arm, "-Os", "-mcpu=cortex-m4", "-mthumb", "-mfloat-abi=hard",
+            "-mfpu=fpv4-sp-d16", "-DRIGCAL_USE_FLOAT=1").stacks()
+
+    names = sorted(columns["host double -O2"])
+    width = max(map(len, names))
+    table = ["deepest stack of each public function, bytes, libm apart", "",
+             " ".join([" " * width] + [f"{title:>16}" for title in columns])]
+    for name in names:
+        table.append(" ".join([f"{name:{width}}"] + [
+            f"{stacks[name][0] if name in stacks else '-':>16}"
+            for stacks in columns.values()]))
+    print("\n".join(table))
+    if len(sys.argv) > 1:
+        folder = pathlib.Path(sys.argv[1])
+        folder.mkdir(parents=True, exist_ok=True)
+        (folder / "stack.txt").write_text("\n".join(table) + "\n")
+
+    deepest = []
+    for title, stacks in columns.items():
+        name = max(stacks, key=lambda f: stacks[f][0])
+        size, chain = stacks[name]
+        print(f"\n{title}: {size} bytes in {' -> '.join(map(plain, chain))}")
+        deepest.append(f"{size} bytes ({title})")
+        if size > STACK_LIMIT:
+            sys.exit(f"check_callgraph: {name} needs {size} bytes of stack, more than {STACK_LIMIT}")
+    print(f"no recursion, deepest stack {', '.join(deepest)}")
+
+
+if __name__ == "__main__":
+    main()

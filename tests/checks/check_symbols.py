@@ -1,0 +1,99 @@
+#!/usr/bin/env python3
+"""Builds the library, double and float, and looks at what is in the objects.
+
+The shared library exports exactly the functions that the headers declare with
+RIGCAL_API. Globals of the static one begin with rigcal_ or rc_. Nothing is
+wanted from outside but libm, memcpy and memset. No object has writable data,
+so the library is reentrant. Uses gcc and binutils.
+"""
+import pathlib
+import re
+import subprocess
+import sys
+import tempfile
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+LIBM = {"sqrt", "sin", "cos", "atan2", "fabs"}
+FLAGS = ["-std=c99", "-O2", "-fno-stack-protector", "-ffp-contract=off",
+         "-fvisibility=hidden", "-DRIGCAL_BUILD", f"-I{ROOT}/include"]
+LINKER = {"_init", "_fini", "_edata", "_end", "__bss_start"}
+WRITABLE = re.compile(r"\.(data|bss|tdata|tbss|sdata|sbss)(\..*)?$")
+
+
+def run(*command):
+    done = subprocess.run([str(c) for c in command], capture_output=True, text=True)
+    if done.returncode:
+        sys.exit(f"check_symbols: {' '.join(map(str, command))}\n{done.stderr}")
+    return done.stdout
+
+
+def nm(path, *options):
+    """(type, name) of each symbol; type U is undefined."""
+    for line in run("nm", "-P", *options, path).splitlines():
+        fields = line.split()
+        if len(fields) >= 2:
+            yield fields[1], fields[0].split("@")[0]
+
+
+def declared(define):
+    text = run("gcc", "-E", "-P", *FLAGS, *define, "-DRIGCAL_API=RIGCAL_DECLARED",
+               ROOT / "include/rigcal.h")
+    return set(re.findall(r"RIGCAL_DECLARED\b[^;(]*?\b(\w+)\s*\(", text))
+
+
+def check(real, define, work):
+    allowed = {name + ("f" if real == "float" else "") for name in LIBM}
+    allowed |= {"memcpy", "memset", "_GLOBAL_OFFSET_TABLE_"}
+    shared = []
+    for source in sorted((ROOT / "src").glob("*.c")):
+        name = source.relative_to(ROOT)
+        plain = work / (source.stem + ".o")
+        pic = work / (source.stem + ".pic.o")
+        run("gcc", *FLAGS, *define, "-fno-pic", "-fno-pie", "-c", source, "-o", plain)
+        run("gcc", *FLAGS, *define, "-DRIGCAL_SHARED", "-fPIC", "-c", source, "-o", pic)
+        shared.append(pic)
+
+        symbols = list(nm(plain))
+        for kind, symbol in symbols:
+            ours = symbol.startswith(("rigcal_", "rc_"))
+            if kind in "dDbBCsSgG":
+                yield f"{name}: {symbol} is writable data ({real})"
+            elif kind == "U" and not ours and symbol not in allowed:
+                yield f"{name}: wants {symbol} from outside ({real})"
+            elif kind.isupper() and kind != "U" and not ours:
+                yield f"{name}: defines the global {symbol}, which is not rigcal_ or rc_ ({real})"
+        for line in run("size", "-A", plain).splitlines():
+            fields = line.split()
+            if len(fields) == 3 and WRITABLE.match(fields[0]) and int(fields[1]):
+                yield f"{name}: {fields[1]} bytes of writable data in {fields[0]} ({real})"
+
+    library = work / "librigcal.so"
+    run("gcc", "-shared", "-Wl,-z,defs", *shared, "-lm", "-o", library)
+    exported = set()
+    for kind, symbol in nm(library, "-D", "--defined-only"):
+        if symbol not in LINKER:
+            exported.add(symbol)
+            if kind not in "TW":
+                yield f"librigcal.so exports {symbol}, which is no function ({real})"
+    promised = declared(define)
+    for symbol in sorted(exported - promised):
+        yield f"librigcal.so exports {symbol}, which no header declares RIGCAL_API ({real})"
+    for symbol in sorted(promised - exported):
+        yield f"rigcal.h declares {symbol}, which librigcal.so does not export ({real})"
+    check.count = len(promised)
+
+
+def main():
+    bad = []
+    for real, define in (("double", []), ("float", ["-DRIGCAL_USE_FLOAT=1"])):
+        with tempfile.TemporaryDirectory() as work:
+            bad += check(real, define, pathlib.Path(work))
+    for text in bad:
+        print(text)
+    if bad or not check.count:
+        sys.exit(f"check_symbols: {len(bad)} breaches, {check.count} functions declared")
+    print(f"{check.count} functions exported as declared, no writable data")
+
+
+if __name__ == "__main__":
+    main()

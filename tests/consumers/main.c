@@ -1,0 +1,29 @@
+/* What a user's program may be: calls the library, some of it needing libm. */
+#include <stdio.h>
+
+#include "rigcal.h"
+
+int main(void)
+{
+    const rigcal_real ypr[3] = {(rigcal_real)0.1, (rigcal_real)0.2,
+                                (rigcal_real)0.3};
+    rigcal_real R[9];
+    const int32_t version = RIGCAL_VERSION_MAJOR * 10000 +
+                            RIGCAL_VERSION_MINOR * 100 + RIGCAL_VERSION_PATCH;
+
+    if (rigcal_version() != version) {
+        printf("the library is not the header's version\n");
+        return 1;
+    }
+    if (rigcal_sizeof_real() != (int32_t)sizeof(rigcal_real)) {
+        printf("the library's rigcal_real is not ours\n");
+        return 1;
+    }
+    if (rigcal_rotation_from_yaw_pitch_roll(R, ypr) != RIGCAL_OK) {
+        printf("no rotation\n");
+        return 1;
+    }
+    printf("rigcal %ld, rigcal_real of %d bytes\n", (long)version,
+           (int)sizeof(rigcal_real));
+    return 0;
+}

@@ -1,0 +1,85 @@
+#!/bin/sh
+# The four ways into a user's project, each tried with a small project here:
+# find_package, pkg-config, add_subdirectory, FetchContent; static and shared,
+# double and float.
+#
+#   sh tests/consumers/run.sh [FOLDER]     builds in FOLDER, build/consumers
+set -eu
+cd "$(dirname "$0")/../.."
+
+source=$PWD
+mkdir -p "${1:-build/consumers}"
+out=$(cd "${1:-build/consumers}" && pwd)
+rm -rf "${out:?}"/*
+count=0
+
+# Configures and builds the project $1 in $out/$2.
+build() {
+    project=$1
+    tree=$2
+    shift 2
+    cmake -G Ninja -S "$project" -B "$out/$tree" -DCMAKE_BUILD_TYPE=Release "$@"
+    cmake --build "$out/$tree"
+}
+
+# Runs a program of a consumer and compares what it says of rigcal_real.
+check() {
+    said=$("$1") || { echo "consumers: $1 failed: $said"; exit 1; }
+    case $said in
+    *"$2"*) count=$((count + 1)) ;;
+    *) echo "consumers: $1 says \"$said\", not \"$2\""; exit 1 ;;
+    esac
+}
+
+for kind in static-double static-float shared-double shared-float; do
+    real=${kind#*-}
+    shared=OFF
+    static=--static
+    expected="rigcal_real of 8 bytes"
+    if [ "${kind%-*}" = shared ]; then
+        shared=ON
+        static=
+    fi
+    if [ "$real" = float ]; then
+        expected="rigcal_real of 4 bytes"
+    fi
+    settings="-DBUILD_SHARED_LIBS=$shared -DRIGCAL_REAL=$real"
+
+    # Installed, then moved: nothing in the package may know its first place.
+    # shellcheck disable=SC2086 -- several settings
+    build "$source" "$kind/library" $settings -DRIGCAL_BUILD_TESTS=OFF \
+        -DRIGCAL_BUILD_EXAMPLES=OFF -DCMAKE_INSTALL_PREFIX="$out/$kind/first"
+    cmake --install "$out/$kind/library"
+    prefix=$out/$kind/prefix
+    mv "$out/$kind/first" "$prefix"
+    libdir=$(dirname "$(dirname "$(find "$prefix" -name rigcal.pc)")")
+
+    build tests/consumers/find_package "$kind/find_package" \
+        -DCMAKE_PREFIX_PATH="$prefix"
+    check "$out/$kind/find_package/consumer" "$expected"
+    check "$out/$kind/find_package/consumer_cxx" "rigcal from C++"
+
+    # shellcheck disable=SC2086 -- --static or nothing
+    PKG_CONFIG_PATH=$libdir/pkgconfig sh tests/consumers/pkg_config/build.sh \
+        "$out/$kind/pkg_config" $static
+    export LD_LIBRARY_PATH="$libdir"
+    check "$out/$kind/pkg_config" "$expected"
+    unset LD_LIBRARY_PATH
+
+    for way in add_subdirectory fetch_content; do
+        # shellcheck disable=SC2086 -- several settings
+        build "tests/consumers/$way" "$kind/$way" $settings \
+            -DRIGCAL_SOURCE="$source"
+        check "$out/$kind/$way/consumer" "$expected"
+    done
+done
+
+# A version that promises nothing to this one is refused.
+sed 's/rigcal 0.1/rigcal 99.0/' tests/consumers/find_package/CMakeLists.txt \
+    >"$out/CMakeLists.txt"
+if cmake -G Ninja -S "$out" -B "$out/too_new" \
+        -DCMAKE_PREFIX_PATH="$out/static-double/prefix" >/dev/null 2>&1; then
+    echo "consumers: find_package(rigcal 99.0) was satisfied"
+    exit 1
+fi
+echo "$count programs by find_package, pkg-config, add_subdirectory, FetchContent"

@@ -1,0 +1,115 @@
+#!/bin/sh
+# Every test and check there is.
+#
+#   sh tests/run.sh            installs what is missing and runs all steps
+#   sh tests/run.sh STEP...    runs only the steps named (first column below)
+#
+# One line a step; the log of each is build/logs/STEP.log.
+
+steps='
+gcc-double    preset gcc-double
+gcc-float     preset gcc-float
+clang-double  preset clang-double
+clang-float   preset clang-float
+asan          preset asan
+asan-float    preset asan-float
+shared        preset shared
+consumers     sh tests/consumers/run.sh build/consumers
+cli           $PYTHON tests/cli/test_cli.py
+ffi           sh examples/ffi/run.sh
+readme        $PYTHON tests/checks/check_readme.py
+vectors       $PYTHON tests/vectors/make_vectors.py --check
+layers        $PYTHON tests/checks/check_layers.py
+symbols       $PYTHON tests/checks/check_symbols.py
+callgraph     $PYTHON tests/checks/check_callgraph.py build/callgraph
+header        sh tests/checks/check_header.sh
+cross         sh tests/checks/check_cross.sh
+cppcheck      sh tests/checks/check_cppcheck.sh
+words         sh tests/checks/check_words.sh
+'
+
+set -u
+cd "$(dirname "$0")/.." || exit 1
+. tests/support/packages.sh
+
+want gcc gcc --version
+want libc6-dev test -e /usr/include/stdio.h
+want g++ g++ --version
+want clang clang --version
+want cmake cmake --version
+want ninja-build ninja --version
+want xz-utils xz --version
+want pkgconf pkg-config --version
+want cppcheck cppcheck --version
+want rustc rustc --version
+want gcc-arm-none-eabi arm-none-eabi-gcc --version
+want picolibc-arm-none-eabi \
+    arm-none-eabi-gcc --specs=picolibc.specs -E -x c /dev/null
+find_python numpy scipy >/dev/null ||
+    missing="$missing python3 python3-numpy python3-scipy"
+install_missing || exit 1
+PYTHON=$(find_python numpy scipy) || {
+    echo "There is no Python 3 with numpy and scipy." >&2
+    exit 1
+}
+export PYTHON
+# The command line that the steps cli and readme run.
+RIGCAL=$PWD/build/gcc-double/rigcal
+export RIGCAL
+jobs=$(nproc 2>/dev/null || echo 2)
+
+preset() {
+    cmake --preset "$1" && cmake --build --preset "$1" -j "$jobs" &&
+        ctest --preset "$1" -j "$jobs"
+}
+
+# What a step's log tells in one phrase: ctest's count, or its last line.
+summary() {
+    if count=$(sed -n 's/.* tests failed out of \([0-9]*\)$/\1 tests/p' "$1") &&
+            [ -n "$count" ]; then
+        echo "$count"
+    else
+        tail -n 1 "$1"
+    fi
+}
+
+mkdir -p build/logs
+passed=0
+failed=
+known=
+while read -r name command; do
+    [ -n "$name" ] || continue
+    known="$known $name"
+    case " $* " in
+    "  " | *" $name "*) ;;
+    *) continue ;;
+    esac
+    log=build/logs/$name.log
+    begin=$(date +%s)
+    if (eval "$command") >"$log" 2>&1 </dev/null; then
+        passed=$((passed + 1))
+        echo "ok    $name: $(summary "$log"), $(($(date +%s) - begin)) s"
+    else
+        failed="$failed $name"
+        echo "FAIL  $name, $(($(date +%s) - begin)) s; the end of $log:"
+        tail -n 30 "$log" | sed 's/^/      /'
+    fi
+done <<END
+$steps
+END
+
+for name in "$@"; do
+    case "$known " in
+    *" $name "*) ;;
+    *) echo "There is no step $name." >&2; failed="$failed $name" ;;
+    esac
+done
+
+set -- $failed
+if [ $# -eq 0 ]; then
+    echo "All is well."
+else
+    echo "Failed: $*. The logs are in build/logs."
+fi
+echo "$passed passed, $# failed"
+[ $# -eq 0 ]

@@ -1,0 +1,156 @@
+/* test_support.h - what the tests of every layer share.
+ *
+ * Expected values come from paper, from symmetry, from tests/vectors or from the
+ * plain double-precision arithmetic below, which shares no code with the library
+ * and stays double in a float build. Tolerances are doubles too.
+ */
+#ifndef TEST_SUPPORT_H
+#define TEST_SUPPORT_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "rigcal.h"
+#include "unity.h"
+
+/* ---- numbers ------------------------------------------------------------- */
+
+/* A constant as a rigcal_real; a rigcal_real as a double; a tolerance of the
+ * double or of the float build. */
+#define RC(x) ((rigcal_real)(x))
+#define D(x) ((double)(x))
+#define TOL(in_double, in_float)                                               \
+    (RIGCAL_USE_FLOAT ? (double)(in_float) : (double)(in_double))
+
+#define TEST_PI 3.14159265358979323846
+
+/* What hostile callers pass. */
+#define TEST_NAN ((rigcal_real)test_nan())
+#define TEST_INF ((rigcal_real)test_infinity())
+double test_nan(void);
+double test_infinity(void);
+
+/* n numbers from double to rigcal_real and back. */
+void test_to_real(rigcal_real out[], const double in[], size_t n);
+void test_to_double(double out[], const rigcal_real in[], size_t n);
+
+/* ---- assertions ---------------------------------------------------------- */
+
+/* Statuses, told by name when they differ. */
+#define ASSERT_STATUS(expected, actual)                                        \
+    test_assert_status((expected), (actual), __LINE__)
+
+/* |actual - expected| <= tol, both finite: Unity's own comparison of doubles
+ * holds for NaN against NaN, and prints too few digits. */
+#define ASSERT_NEAR(expected, actual, tol)                                     \
+    test_assert_near((double)(expected), (double)(actual), (double)(tol), -1,  \
+                     __LINE__)
+
+/* The same for n numbers: doubles expected, rigcal_reals seen. */
+#define ASSERT_ARRAY_NEAR(expected, actual, n, tol)                            \
+    test_assert_array_near((expected), (actual), (size_t)(n), (double)(tol),   \
+                           __LINE__)
+
+/* Outputs that a failing call must leave alone: fill the object (a struct, a
+ * number or an array, not a pointer) with a pattern, call, see that it is still
+ * there. */
+#define FILL(object) test_fill(&(object), sizeof(object))
+#define ASSERT_UNTOUCHED(object)                                               \
+    test_assert_untouched(&(object), sizeof(object), #object, __LINE__)
+
+/* All of it: `call` fails with `expected` and leaves `output` alone. */
+#define ASSERT_REFUSED(expected, output, call)                                 \
+    do {                                                                       \
+        FILL(output);                                                          \
+        ASSERT_STATUS(expected, call);                                         \
+        ASSERT_UNTOUCHED(output);                                              \
+    } while (0)
+
+void test_assert_status(rigcal_status expected, rigcal_status actual, int line);
+void test_assert_near(double expected, double actual, double tol, int index,
+                      int line);
+void test_assert_array_near(const double expected[], const rigcal_real actual[],
+                            size_t n, double tol, int line);
+void test_fill(void *object, size_t size);
+void test_assert_untouched(const void *object, size_t size, const char *name,
+                           int line);
+
+/* ---- random numbers, the same on every machine (SplitMix64) --------------- */
+
+typedef struct {
+    uint64_t state;
+} test_rng;
+
+test_rng test_seed(uint64_t seed);
+uint64_t test_next(test_rng *rng);
+double test_uniform(test_rng *rng, double low, double high); /* [low, high) */
+double test_normal(test_rng *rng); /* mean 0, deviation 1: sum of 12 uniforms */
+
+/* ---- plain double-precision geometry -------------------------------------- */
+
+/* R = Rz(yaw) Ry(pitch) Rx(roll), product of the three matrices. */
+void test_rotation(double R[9], double yaw, double pitch, double roll);
+/* Right-handed by `angle` about `axis` of any length but zero. */
+void test_rotation_about(double R[9], const double axis[3], double angle);
+/* Uniform over all rotations. */
+void test_random_rotation(double R[9], test_rng *rng);
+
+void test_product(double C[9], const double A[9], const double B[9]);
+void test_transpose(double At[9], const double A[9]);
+void test_apply(double y[3], const double R[9], const double x[3],
+                const double t[3]); /* y = R x + t; t NULL: none */
+void test_cross(double c[3], const double a[3], const double b[3]);
+double test_dot(const double a[3], const double b[3]);
+double test_norm(const double a[3]);
+double test_determinant(const double A[9]);
+
+/* Angle between two rotations, [0, pi], from the distance of the matrices. */
+double test_angle_between(const double A[9], const double B[9]);
+
+/* (x, y) = (X, Y) / Z of R X + t. */
+void test_project(double xy[2], const double R[9], const double t[3],
+                  const double X[3]);
+
+/* Pixel of a point X_c in the camera frame by the formulas of rigcal.h, with no
+ * check whether the lens reaches that far. */
+void test_project_px(double uv[2], const rigcal_camera *camera,
+                     const double X_c[3]);
+
+/* A transform of the library's from doubles and back (t or R may be NULL). */
+rigcal_transform test_transform(const double R[9], const double t[3]);
+void test_transform_parts(double R[9], double t[3], const rigcal_transform *T);
+
+/* ---- a random camera before a random target ------------------------------- */
+
+#define TEST_SCENE_MAX 64
+
+typedef enum {
+    TEST_GENERAL, /* anywhere in a unit cube */
+    TEST_PLANAR,  /* in a unit square, the square anyhow in space */
+    TEST_SQUARE   /* planar, the first four nearly the corners of a square */
+} test_shape;
+
+/* The camera stands 3 to 10 sizes away, the target's middle up to 20 degrees off
+ * its axis, any way up and seen from any side, though a planar one never within
+ * 15 degrees of edge-on. */
+typedef struct {
+    int n;
+    double X[TEST_SCENE_MAX][3];  /* the target, of size 1, its origin within 2 */
+    double R[9], t[3];            /* cam_from_world */
+    double ypr[3];                /* of R */
+    double xy[TEST_SCENE_MAX][2]; /* exact normalised image points */
+    double Z[TEST_SCENE_MAX];     /* depths */
+} test_scene;
+
+void test_scene_random(test_scene *scene, test_rng *rng, int n,
+                       test_shape shape);
+
+/* What the library is handed: rays (x, y, 1), or pixels of `camera`. */
+void test_sightings(rigcal_sighting out[], const test_scene *scene);
+void test_observations(rigcal_observation out[], const test_scene *scene,
+                       const rigcal_camera *camera);
+
+/* A camera without distortion, 800 pixels of focal length, 640 x 480. */
+rigcal_camera test_pinhole(void);
+
+#endif /* TEST_SUPPORT_H */

@@ -36,9 +36,11 @@ def nm(path, *options):
 
 
 def declared(define):
+    """The functions of the header with RIGCAL_API, and those without."""
     text = run("gcc", "-E", "-P", *FLAGS, *define, "-DRIGCAL_API=RIGCAL_DECLARED",
                ROOT / "include/rigcal.h")
-    return set(re.findall(r"RIGCAL_DECLARED\b[^;(]*?\b(\w+)\s*\(", text))
+    marked = set(re.findall(r"RIGCAL_DECLARED\b[^;(]*?\b(\w+)\s*\(", text))
+    return marked, set(re.findall(r"\b(rigcal_\w+)\s*\(", text)) - marked
 
 
 def check(real, define, work):
@@ -75,7 +77,9 @@ def check(real, define, work):
             exported.add(symbol)
             if kind not in "TW":
                 yield f"librigcal.so exports {symbol}, which is no function ({real})"
-    promised = declared(define)
+    promised, unmarked = declared(define)
+    for symbol in sorted(unmarked):
+        yield f"rigcal.h declares {symbol} without RIGCAL_API ({real})"
     for symbol in sorted(exported - promised):
         yield f"librigcal.so exports {symbol}, which no header declares RIGCAL_API ({real})"
     for symbol in sorted(promised - exported):

@@ -23,6 +23,9 @@ fi
 data=examples/data/opencv_stereo
 out=build/stereo
 mkdir -p "$out"
-build/release/rigcal calibrate --cameras "$data/cameras.csv" \
-    --observations "$data/observations.csv" --out "$out"
+if ! build/release/rigcal calibrate --cameras "$data/cameras.csv" \
+        --observations "$data/observations.csv" --out "$out"; then
+    echo "rigcal calibrate failed, see above." >&2
+    exit 1
+fi
 echo "The poses and transforms are in $out:" "$(cd "$out" && echo *.csv)"

@@ -40,7 +40,7 @@ def declared(define):
     text = run("gcc", "-E", "-P", *FLAGS, *define, "-DRIGCAL_API=RIGCAL_DECLARED",
                ROOT / "include/rigcal.h")
     marked = set(re.findall(r"RIGCAL_DECLARED\b[^;(]*?\b(\w+)\s*\(", text))
-    return marked, set(re.findall(r"\b(rigcal_\w+)\s*\(", text)) - marked
+    return marked, set(re.findall(r"\b(rigcal_\w+)\s*\((?!\*)", text)) - marked
 
 
 def check(real, define, work):

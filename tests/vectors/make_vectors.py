@@ -1,0 +1,545 @@
+#!/usr/bin/env python3
+"""Makes the golden vectors of the tests from an independent reference.
+
+    python3 tests/vectors/make_vectors.py           writes vectors_<topic>.h here
+    python3 tests/vectors/make_vectors.py --check   compares the numbers with those
+                                                    files, to 1e-10; writes nothing
+
+What the numbers are is told above each array. Inputs are decimal numbers of a few
+digits, drawn with Python's own generator, whose numbers are the same in every
+version; outputs come from rigcal_oracle.py, NumPy and SciPy and have all digits.
+"""
+import math
+import os
+import random
+import re
+import sys
+
+import numpy as np
+from scipy.optimize import least_squares, minimize
+from scipy.spatial.transform import Rotation
+
+sys.dont_write_bytecode = True
+HERE = os.path.dirname(os.path.abspath(__file__))
+sys.path.insert(0, HERE)
+import rigcal_oracle as oracle  # noqa: E402
+
+CHECK_TOLERANCE = 1e-10  # of the number, or of 1 where the number is smaller
+
+
+def decimals(rng, low, high, digits, shape=()):
+    """Uniform numbers of so many decimals."""
+    n = int(np.prod(shape)) if shape != () else 1
+    values = [round(rng.uniform(low, high), digits) for _ in range(n)]
+    return np.array(values).reshape(shape) if shape != () else values[0]
+
+
+def any_ypr(rng, pitch=1.5):
+    return np.array([decimals(rng, -3.14, 3.14, 4), decimals(rng, -pitch, pitch, 4),
+                     decimals(rng, -3.14, 3.14, 4)])
+
+
+def row(*parts):
+    return np.concatenate([np.atleast_1d(np.asarray(p, float)).ravel() for p in parts])
+
+
+# ---- rotations -------------------------------------------------------------------------
+def rotations():
+    rng = random.Random(1)
+    euler, vectors, quaternions, nearest = [], [], [], []
+    for i in range(60):
+        ypr = any_ypr(rng, 1.57)
+        if i < 8:  # axes, where signs show
+            ypr = np.array([(i & 1) * 1.5, (i >> 1 & 1) * -0.7, (i >> 2) * 2.5])
+        euler.append(row(ypr, oracle.euler_to_matrix(*ypr)))
+    for i in range(60):
+        w = decimals(rng, -1.8, 1.8, 4, (3,))
+        if i < 20:  # small: the series, not the formula
+            w = np.array([float("%.4e" % (x * 10.0 ** -(i % 10))) for x in w])
+        vectors.append(row(w, Rotation.from_rotvec(w).as_matrix()))
+    for _ in range(40):
+        q = decimals(rng, -2, 2, 3, (4,))
+        if q[0] < 0:
+            q = -q
+        quaternions.append(row(q, Rotation.from_quat(q[[1, 2, 3, 0]]).as_matrix()))
+    while len(nearest) < 40:
+        # from a hundredth of noise to nearly any matrix
+        noise = 10.0 ** -(2 - len(nearest) / 20)
+        M = oracle.euler_to_matrix(*any_ypr(rng)) * rng.uniform(0.3, 3)
+        M = np.round(M + decimals(rng, -noise, noise, 4, (3, 3)), 4)
+        U, s, Vt = np.linalg.svd(M)
+        if np.linalg.det(M) > 0 and s[2] > 0.05 * s[0]:
+            nearest.append(row(M, U @ Vt))
+    lock = []
+    for i in range(10):
+        yaw, up = decimals(rng, -3.14, 3.14, 4), (1 if i % 2 else -1)
+        # pitch exactly +-pi/2: sin 1, cos 0
+        R = oracle.rot_z(yaw) @ np.array([[0, 0, up], [0, 1, 0], [-up, 0, 0]])
+        lock.append(row(yaw, up * math.pi / 2, 0, R))
+    return {
+        "ROTATION_YPR": ("yaw, pitch, roll; R = Rz Ry Rx (8)", euler),
+        "ROTATION_LOCK": ("gimbal lock: yaw, pitch, roll = 0; R", lock),
+        "ROTATION_VECTOR": ("rotation vector w; R (SciPy's Rotation)", vectors),
+        "ROTATION_QUATERNION": ("quaternion w, x, y, z of any length, w >= 0; R (SciPy's "
+                                "Rotation)", quaternions),
+        "ROTATION_NEAREST": ("M; the rotation nearest to it (NumPy's SVD: U V^T)", nearest),
+    }
+
+
+# ---- transforms and rigs ---------------------------------------------------------------
+def karcher_mean(Rs, weights):
+    R = Rs[0]
+    for _ in range(200):
+        w = sum(k * Rotation.from_matrix(R.T @ Q).as_rotvec() for k, Q in zip(weights, Rs))
+        w /= sum(weights)
+        R = R @ Rotation.from_rotvec(w).as_matrix()
+    return Rotation.from_matrix(R).as_matrix()
+
+
+def transforms():
+    rng = random.Random(2)
+    relative, bound, mean = [], [], []
+    for _ in range(50):
+        ya, yb = any_ypr(rng), any_ypr(rng)
+        ta, tb = decimals(rng, -5, 5, 3, (3,)), decimals(rng, -5, 5, 3, (3,))
+        R, t = oracle.relative_pose(oracle.euler_to_matrix(*ya), ta,
+                                    oracle.euler_to_matrix(*yb), tb)
+        relative.append(row(ya, ta, yb, tb, R, t))
+    for i in range(40):
+        y, size = any_ypr(rng), 10.0 ** -(i % 5)
+        # not too small: the norm is of a difference of matrices
+        y2 = np.round(y + decimals(rng, -1, 1, 4, (3,)) * size, 6)
+        t, X = decimals(rng, -5, 5, 3, (3,)), decimals(rng, -5, 5, 3, (3,))
+        t2 = np.round(t + decimals(rng, -1, 1, 4, (3,)) * size, 6)
+        norm = oracle.rotation_difference_norm(oracle.euler_to_matrix(*y),
+                                               oracle.euler_to_matrix(*y2))
+        bound.append(row(y, t, y2, t2, X,
+                         norm * np.linalg.norm(X) + np.linalg.norm(t - t2)))
+    for i in range(40):
+        spread = 0.02 if i % 2 else 0.8
+        base = any_ypr(rng)
+        yprs = [np.round(base + decimals(rng, -spread, spread, 4, (3,)), 4) for _ in range(5)]
+        ts = [decimals(rng, -3, 3, 3, (3,)) for _ in range(5)]
+        weights = [decimals(rng, 0.1, 4, 2) for _ in range(5)]
+        if i % 5 == 0:
+            weights[i % 4] = 0.0
+        Rs = [oracle.euler_to_matrix(*y) for y in yprs]
+        R = karcher_mean(Rs, weights)
+        t = sum(k * x for k, x in zip(weights, ts)) / sum(weights)
+        angles = [np.linalg.norm(Rotation.from_matrix(R.T @ Q).as_rotvec()) for Q in Rs]
+        sr = math.sqrt(sum(k * a * a for k, a in zip(weights, angles)) / sum(weights))
+        st = math.sqrt(sum(k * np.sum((x - t) ** 2) for k, x in zip(weights, ts))
+                       / sum(weights))
+        mean.append(row(*[row(k, y, x) for k, y, x in zip(weights, yprs, ts)], R, t, sr, st))
+    return {
+        "TRANSFORM_RELATIVE": ("a_from_world as yaw, pitch, roll and t; b_from_world "
+                               "likewise; R and t of b_from_a (17), (18)", relative),
+        "TRANSFORM_BOUND": ("b_from_a as yaw, pitch, roll and t; the true one; X_a; "
+                            "|R - R'|_2 |X_a| + |t - t'| with NumPy's spectral norm", bound),
+        "TRANSFORM_MEAN": ("five times weight, yaw, pitch, roll, t; R of the Karcher mean, "
+                           "mean of t, weighted rms of the angles and of the distances "
+                           "from it", mean),
+    }
+
+
+# ---- scenes and the calibration equations ----------------------------------------------
+PAIRS = [(i, j) for j in range(6) for i in range(j)]  # those of n points: n(n-1)/2 first
+
+
+def scene_list():
+    """Six points, an image rounded to 1e-4 (that is its noise), angles off the truth."""
+    rng, scenes = random.Random(3), []
+    while len(scenes) < 80:
+        X = decimals(rng, -0.5, 0.5, 3, (6, 3)) + np.round(decimals(rng, -2, 2, 1, (3,)), 1)
+        X = np.round(X, 3)
+        ypr = any_ypr(rng, 1.4)
+        R = oracle.euler_to_matrix(*ypr)
+        view = np.array([rng.uniform(-1, 1), rng.uniform(-1, 1), rng.uniform(3, 6)])
+        t = np.round(view - R @ X.mean(0), 3)
+        u = np.round(oracle.project(R, t, X), 4)
+        # the first four points differ well in both image coordinates, as the average
+        # over pairs (16) leaves out those that hardly do
+        du = np.array([np.abs(u[i] - u[j]) for i, j in PAIRS[:6]])
+        apart = min(np.linalg.norm(u[i] - u[j]) for i, j in PAIRS)
+        if np.all(du > 0.15 * du.max(0)) and apart > 0.004:
+            wrong = np.round(ypr + decimals(rng, -0.3, 0.3, 4, (3,)), 4)
+            scenes.append((X, u, ypr, t, wrong))
+    return scenes
+
+
+def scenes():
+    return {"SCENE": ("six points: X, Y, Z each; their noisy normalised image points: x, y "
+                      "each; yaw, pitch, roll and t they were taken from; yaw, pitch, roll "
+                      "nearby",
+                      [row(X, u, ypr, t, wrong) for X, u, ypr, t, wrong in scene_list()])}
+
+
+WHICH = (("yaw", (1, 2)), ("pitch", (0, 2)), ("roll", (0, 1)))
+
+
+def points_of(k):
+    return 3 + k % 4  # points used of scene k: 3, 4, 5, 6
+
+
+def pairs():
+    terms, coefficients = [], []
+    for k, (X, u, _, _, wrong) in enumerate(scene_list()):
+        i, j = PAIRS[k % 15]
+        n, d = oracle.pair_terms(X, u, [(i, j)])[0]
+        terms.append(row(i, j, n, d, n @ oracle.euler_to_matrix(*wrong) @ d))
+        coefficients.append(row(*[oracle.eliminate_coefficients(n, d, which, *wrong[list(ab)])
+                                  for which, ab in WHICH]))
+    return {
+        "PAIR_TERMS": ("of each scene one pair: i, j, normal, offset (11), and the residual "
+                       "at the angles nearby (13)", terms),
+        "PAIR_COEFFICIENTS": ("of the same pairs p, q, k (14) at the angles nearby when yaw, "
+                              "pitch, roll is eliminated", coefficients),
+    }
+
+
+def eliminate_all(terms, which, a1, a2):
+    """A of every pair, by least squares."""
+    P = np.array([oracle.eliminate_coefficients(n, d, which, a1, a2) for n, d in terms])
+    (c, s), _, _, sv = np.linalg.lstsq(P[:, :2], -P[:, 2], rcond=None)
+    w = np.arctan2(s, c)
+    r = abs(c * c + s * s - 1)
+    r += np.sum(np.abs(P[:, 0] * np.cos(w) + P[:, 1] * np.sin(w) + P[:, 2]))
+    return w, c, s, sv[0] / sv[1], c * c + s * s - 1, r
+
+
+def eliminate_two(terms, which, a1, a2):
+    """The oracle's, with what it does not return."""
+    P = [oracle.eliminate_coefficients(n, d, which, a1, a2) for n, d in terms[:2]]
+    c, s = np.linalg.solve([P[0][:2], P[1][:2]], [-P[0][2], -P[1][2]])
+    r, w, cond = oracle.two_angle_residual(terms, which, a1, a2)
+    return w, c, s, cond, c * c + s * s - 1, r
+
+
+def elimination(form):
+    out = []
+    for k, (X, u, _, _, wrong) in enumerate(scene_list()):
+        n = points_of(k)
+        terms = oracle.pair_terms(X, u, PAIRS[:n * (n - 1) // 2])
+        out.append(row(*[form(terms, which, *wrong[list(ab)]) for which, ab in WHICH]))
+    return out
+
+
+ELIMINATION = ("of scene k, with all pairs of its first 3 + k % 4 points, (0,1), (0,2), (1,2), "
+               "(0,3) .., at the angles nearby, when yaw, pitch, roll is eliminated: angle, "
+               "cosine, sine, cond, c^2 + s^2 - 1, residual. ")
+
+
+def elimination_two():
+    return {"ELIMINATION_TWO": (ELIMINATION + "A of the first two pairs.",
+                                elimination(eliminate_two))}
+
+
+def elimination_all():
+    return {"ELIMINATION_ALL": (ELIMINATION + "A of all pairs, by NumPy's lstsq.",
+                                elimination(eliminate_all))}
+
+
+def translation():
+    out = []
+    for X, u, ypr, _, wrong in scene_list():
+        R, R2 = oracle.euler_to_matrix(*ypr), oracle.euler_to_matrix(*wrong)
+        out.append(row(oracle.translation_from_pairs(R, X[:4], u[:4], PAIRS[:6]),
+                       oracle.translation_from_pairs(R2, X[:4], u[:4], PAIRS[:6]),
+                       oracle.translation_least_squares(R, X, u),
+                       oracle.translation_least_squares(R2, X, u),
+                       np.sum([abs(n @ R2 @ d) for n, d in oracle.pair_terms(X, u, PAIRS)])))
+    return {"TRANSLATION": ("of each scene t by the average over the pairs of its first four "
+                            "points (16) at the angles they were taken from, and at those "
+                            "nearby; t by least squares over six points at both; the "
+                            "three-angle residual (5) of all 15 pairs at those nearby", out)}
+
+
+# ---- two views -------------------------------------------------------------------------
+def two_views():
+    rng, out = random.Random(5), []
+    while len(out) < 80:
+        ypr = decimals(rng, -0.8, 0.8, 4, (3,))
+        t = decimals(rng, -2, 2, 3, (3,))
+        R = oracle.euler_to_matrix(*ypr)
+        Xa = np.array([rng.uniform(-2, 2), rng.uniform(-2, 2), rng.uniform(2, 8)])
+        Xb = R @ Xa + t
+        if Xb[2] < 1:
+            continue
+        ua = np.round(Xa[:2] / Xa[2], 4)
+        ub = np.round(Xb[:2] / Xb[2] + [rng.gauss(0, 0.003), rng.gauss(0, 0.003)], 4)
+        a, b = R @ np.append(ua, 1), np.append(ub, 1)
+        sine = np.linalg.norm(np.cross(a, b)) / np.linalg.norm(a) / np.linalg.norm(b)
+        za, zb = oracle.depth_least_squares(R, t, ua, ub)
+        if sine > 0.02 and za > 0 and zb > 0:
+            line = oracle.matching_line(R, t, ua)
+            out.append(row(ypr, t, ua, ub, za, zb, np.linalg.norm(zb * b - za * a - t),
+                           line / np.hypot(line[0], line[1]), sine))
+    return {"TWO_VIEWS": ("b_from_a as yaw, pitch, roll and t; x, y in a; x, y in b, noisy; "
+                          "depths in a and b by lstsq (22)..(24) and the distance of the rays "
+                          "there; matching line (25), (26); sine of the angle between the "
+                          "rays", out)}
+
+
+# ---- cameras ---------------------------------------------------------------------------
+# lens (0 Brown, 1 fisheye), width, height, fx, fy, cx, cy, k1, k2, p1, p2, k3, k4, k5, k6
+CAMERAS = [
+    [0, 640, 480, 800, 800, 319.5, 239.5, 0, 0, 0, 0, 0, 0, 0, 0],
+    [0, 1280, 1024, 1100, 1090, 650.25, 500.5, -0.28, 0.09, 0.0011, -0.0007, -0.012, 0, 0, 0],
+    [0, 1920, 1080, 950, 955, 940, 560, 5.1, 2.2, 0.0003, 0.0002, 0.11, 5.4, 4.1, 0.62],
+    [0, 800, 600, 700, 700, -90, 720, -0.05, 0.002, 0, 0, 0, 0, 0, 0],
+    [1, 1280, 960, 380, 381, 640.5, 470, -0.02, 0.006, 0, 0, -0.003, 0.0004, 0, 0],
+]
+
+
+def project_px(camera, X):
+    """The formulas of rigcal.h. Complex X will do, so that derivatives can be exact."""
+    lens, _, _, fx, fy, cx, cy, k1, k2, p1, p2, k3, k4, k5, k6 = camera
+    if lens == 0:
+        x, y = X[0] / X[2], X[1] / X[2]
+        q = x * x + y * y
+        d = (1 + k1 * q + k2 * q**2 + k3 * q**3) / (1 + k4 * q + k5 * q**2 + k6 * q**3)
+        xd = x * d + 2 * p1 * x * y + p2 * (q + 2 * x * x)
+        yd = y * d + p1 * (q + 2 * y * y) + 2 * p2 * x * y
+    else:
+        r = np.sqrt(X[0] ** 2 + X[1] ** 2)
+        th = np.arctan(r / X[2]) if np.real(X[2]) > 0 else np.pi / 2 - np.arctan(X[2] / r)
+        bent = th * (1 + k1 * th**2 + k2 * th**4 + k3 * th**6 + k4 * th**8)
+        xd, yd = X[0] / r * bent, X[1] / r * bent
+    return np.array([fx * xd + cx, fy * yd + cy])
+
+
+def cameras():
+    rng, out = random.Random(6), []
+    for k, camera in enumerate(CAMERAS):
+        reach = [0.4, 0.6, 0.9, 1.0, 2.5][k]
+        for _ in range(30):
+            X = decimals(rng, -reach, reach, 4, (3,))
+            X[2] = 1.0
+            if camera[0] == 1:  # up to 120 degrees off the axis
+                X = decimals(rng, -1, 1, 4, (3,))
+                X[2] = decimals(rng, -0.4, 1.0, 4)
+            X = np.round(X * decimals(rng, 0.5, 20, 1), 4)
+            if np.linalg.norm(X[:2]) > 0.01:
+                out.append(row(k, X, project_px(camera, X)))
+    return {
+        "CAMERA": ("lens (0 Brown, 1 fisheye), width, height, fx, fy, cx, cy, k1, k2, p1, p2, "
+                   "k3, k4, k5, k6", CAMERAS),
+        "CAMERA_PROJECTION": ("index of the camera; point in its frame; its pixel", out),
+    }
+
+
+# ---- triangulation ---------------------------------------------------------------------
+def exact_jacobian(f, X):
+    """By complex steps: as accurate as f itself."""
+    h = 1e-30
+    return np.column_stack([np.imag(f(X + 1j * h * e)) / h for e in np.eye(3)])
+
+
+def triangulation():
+    rng, out = random.Random(7), []
+    while len(out) < 40:
+        n = 2 + len(out) % 4
+        X = decimals(rng, -0.5, 0.5, 3, (3,)) + [0, 0, 5]
+        which, yprs, ts, uvs = [], [], [], []
+        while len(which) < n:
+            k = rng.randrange(5)
+            ypr, t = decimals(rng, -0.25, 0.25, 4, (3,)), decimals(rng, -1.2, 1.2, 3, (3,))
+            p = oracle.euler_to_matrix(*ypr) @ X + t
+            if p[2] < 3 or np.hypot(p[0], p[1]) > 0.55 * p[2]:
+                continue
+            uv = project_px(CAMERAS[k], p) + [rng.gauss(0, 0.5), rng.gauss(0, 0.5)]
+            which, yprs, ts = which + [k], yprs + [ypr], ts + [t]
+            uvs.append(np.round(uv, 2))
+        Rs = [oracle.euler_to_matrix(*y) for y in yprs]
+        rays = [R.T @ (R @ X + t) / np.linalg.norm(R @ X + t) for R, t in zip(Rs, ts)]
+        if max(np.linalg.norm(np.cross(a, b)) for a in rays for b in rays) < 0.1:
+            continue
+
+        def residual(P):
+            return np.concatenate([project_px(CAMERAS[k], R @ P + t) - uv
+                                   for k, R, t, uv in zip(which, Rs, ts, uvs)])
+
+        P = least_squares(residual, X, x_scale=0.01, xtol=1e-12, ftol=1e-12).x
+        for _ in range(20):  # to the last digit
+            J = exact_jacobian(residual, P)
+            P = P - np.linalg.solve(J.T @ J, J.T @ residual(P))
+        J, r = exact_jacobian(residual, P), residual(P)
+        views = [row(k, y, t, uv) for k, y, t, uv in zip(which, yprs, ts, uvs)]
+        views += [np.zeros(9)] * (5 - n)
+        out.append(row(n, *views, P, math.sqrt(np.sum(r**2) / n), np.linalg.inv(J.T @ J)))
+    return {"TRIANGULATION": ("views n; five times (those beyond n are 0) index of the camera, "
+                              "yaw, pitch, roll and t of its pose, noisy pixel; X by SciPy's "
+                              "least_squares and exact derivatives, rms [px], covariance at "
+                              "sigma_px = 1: (J^T J)^-1", out)}
+
+
+# ---- Nelder-Mead -----------------------------------------------------------------------
+# Only sums and products, written out, so that C can do the same operations in the same order.
+def rosenbrock(x):
+    a, b = x[1] - x[0] * x[0], 1 - x[0]
+    return 100 * a * a + b * b
+
+
+def powell(x):  # Powell's (1962) singular quartic in four variables, the last held at 0
+    a, b = x[0] + 10 * x[1], x[1] - 2 * x[2]
+    bb, xx = b * b, x[0] * x[0]
+    return a * a + 5 * x[2] * x[2] + bb * bb + 10 * xx * xx
+
+
+def himmelblau(x):
+    a, b = x[0] * x[0] + x[1] - 11, x[0] + x[1] * x[1] - 7
+    return a * a + b * b
+
+
+def quartic(x):  # one variable, minimum at 2
+    a = x[0] - 2
+    return a * a * a * a + a * a
+
+
+FUNCTIONS = [(rosenbrock, 2), (powell, 3), (himmelblau, 2), (quartic, 1)]
+STARTS = [
+    [(-1.2, 1), (0, 0), (2, -2), (1, 1), (-3, 7)],
+    [(3, -1, 0), (1, 1, 1), (0, 0, 0), (-2, 3, 5)],
+    [(0, 0), (1, 1), (-4, 4), (5, -3), (-1, -2), (3, 2)],
+    [(0,), (10,), (-3.5,), (2,)],
+]
+
+
+def fminsearch_simplex(x0):
+    rows = [np.array(x0, float)]
+    for i in range(len(x0)):
+        v = np.array(x0, float)
+        v[i] = v[i] * 1.05 if v[i] != 0 else 0.00025
+        rows.append(v)
+    return np.array(rows)
+
+
+def run_neldermead(f, x0, tol, max_evals, trace=None):
+    def g(x):
+        if trace is not None:
+            trace.append(np.array(x))
+        return f([float(v) for v in x])
+    return minimize(g, x0, method="Nelder-Mead",
+                    options={"initial_simplex": fminsearch_simplex(x0), "xatol": tol,
+                             "fatol": tol, "maxfev": max_evals, "maxiter": 10**9})
+
+
+def pad(x):
+    return row(x, np.zeros(3 - len(x)))
+
+
+def neldermead():
+    runs, trace = [], []
+    for which, (f, k) in enumerate(FUNCTIONS):
+        for x0 in STARTS[which]:
+            for tol, most in ((1e-4, 100000), (1e-8, 100000), (1e-8, 20), (1e-8, 31),
+                              (1e-8, 50)):
+                r = run_neldermead(f, x0, tol, most)
+                if most < 100000 and r.status == 0:
+                    continue
+                runs.append(row(which, k, pad(x0), tol, most, r.nfev, pad(r.x), r.fun,
+                                r.status))
+    points = []
+    run_neldermead(rosenbrock, (-1.2, 1), 1e-4, 100000, points)
+    trace = [row(p, rosenbrock(p)) for p in points]
+    return {
+        "NELDERMEAD_RUN": (
+            "scipy.optimize.minimize(method='Nelder-Mead') from fminsearch's simplex: "
+            "function, k, x0 (three), xatol = fatol, maxfev; evaluations, x (three), f(x), "
+            "0 converged or 1 evaluations spent. Functions 0 Rosenbrock, 1 Powell's "
+            "singular quartic with its fourth variable at 0, 2 Himmelblau, 3 (x - 2)^4 + "
+            "(x - 2)^2; the order of the operations is that of make_vectors.py", runs),
+        "NELDERMEAD_TRACE": ("every point that the first of those runs evaluates, in order: "
+                             "x, y, f", trace),
+    }
+
+
+# ---- files -----------------------------------------------------------------------------
+TOPICS = {
+    "neldermead": neldermead, "rotation": rotations, "transform": transforms,
+    "scenes": scenes, "pairs": pairs, "elimination_two": elimination_two,
+    "elimination_all": elimination_all, "translation": translation,
+    "two_views": two_views, "camera": cameras, "triangulation": triangulation,
+}
+
+
+def number(x):
+    """The shortest decimal that reads back as the same double."""
+    x = float(x) + 0.0  # no -0
+    return repr(int(x)) if x == int(x) and abs(x) < 1e9 else repr(x)
+
+
+def wrapped(words, first, indent, end):
+    lines, line = [], first
+    for word in words:
+        if len(line) + len(word) + 1 > 79 and line.strip():
+            lines.append(line.rstrip())
+            line = indent
+        line += word + " "
+    return "\n".join(lines + [line.rstrip() + end])
+
+
+def header(topic, arrays):
+    guard = "VECTORS_%s_H" % topic.upper()
+    out = ["/* Made by tests/vectors/make_vectors.py; to make it again run",
+           " *     python3 tests/vectors/make_vectors.py */",
+           "#ifndef " + guard, "#define " + guard, ""]
+    for name, (comment, rows) in arrays.items():
+        rows = np.array(rows, float)
+        out += [wrapped(comment.split(), "/* ", " * ", " */"),
+                "enum { %s_ROWS = %d };" % (name, len(rows)),
+                "static const double %s[%d][%d] = {" % ((name,) + rows.shape)]
+        for r in rows:
+            words = [number(x) + "," for x in r]
+            words[-1] = words[-1][:-1]
+            out.append(wrapped(words, "{", " ", "},"))
+        out += ["};", ""]
+    return "\n".join(out + ["#endif /* %s */" % guard, ""])
+
+
+def read_header(path):
+    with open(path) as f:
+        text = f.read()
+    arrays = {}
+    for name, _, cols, body in re.findall(
+            r"static const double (\w+)\[(\d+)\]\[(\d+)\] = \{(.*?)\n\};", text, re.S):
+        numbers = [float(x) for x in re.findall(r"[-+.\deE]+", body)]
+        arrays[name] = np.array(numbers).reshape(-1, int(cols))
+    return arrays
+
+
+def main(args):
+    if args not in ([], ["--check"]):
+        print(__doc__)
+        return 2
+    wrong, count = [], 0
+    for topic, make in TOPICS.items():
+        path = os.path.join(HERE, "vectors_%s.h" % topic)
+        arrays = make()
+        if not args:
+            with open(path, "w") as f:
+                f.write(header(topic, arrays))
+            continue
+        committed = read_header(path) if os.path.exists(path) else {}
+        if set(committed) != set(arrays):
+            wrong.append("%s: has other arrays" % os.path.basename(path))
+            continue
+        for name, (_, rows) in arrays.items():
+            rows, old = np.array(rows, float), committed[name]
+            if rows.shape != old.shape:
+                wrong.append("%s: has another size" % name)
+                continue
+            off = np.abs(rows - old) / np.maximum(1, np.abs(old))
+            count += off.size
+            if not np.all(off <= CHECK_TOLERANCE):
+                k = np.unravel_index(np.argmax(np.nan_to_num(off, nan=np.inf)), off.shape)
+                wrong.append("%s[%d][%d]: is %r, now %r" % (name, *k, old[k], rows[k]))
+    for line in wrong:
+        print(line)
+    if args and not wrong:
+        print("%d numbers in %d files agree" % (count, len(TOPICS)))
+    return 1 if wrong else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

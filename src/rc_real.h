@@ -1,0 +1,74 @@
+/* rc_real.h - the number type, its constants and the math hooks. Top layer: it
+ * includes nothing of ours but the public header. */
+#ifndef RC_REAL_H
+#define RC_REAL_H
+
+#include <float.h>
+
+#include "rigcal.h"
+#include RIGCAL_MATH_HEADER
+
+#if defined(__FAST_MATH__)
+#error "rigcal refuses bad input by comparisons that NaN fails: do not build it with -ffast-math"
+#endif
+
+#define RC(x) ((rigcal_real)(x))
+
+/* A tolerance that depends on the precision: for double, for float. */
+#if RIGCAL_USE_FLOAT
+#define RC_TOL(for_double, for_float) RC(for_float)
+#define RC_EPS FLT_EPSILON
+#define RC_MAX FLT_MAX
+#else
+#define RC_TOL(for_double, for_float) RC(for_double)
+#define RC_EPS DBL_EPSILON
+#define RC_MAX DBL_MAX
+#endif
+
+#define RC_PI RC(3.14159265358979323846264338327950288)
+
+#define RC_SQRT RIGCAL_SQRT
+#define RC_SIN RIGCAL_SIN
+#define RC_COS RIGCAL_COS
+#define RC_ATAN2 RIGCAL_ATAN2
+#define RC_FABS RIGCAL_FABS
+
+static inline rigcal_real rc_max(rigcal_real a, rigcal_real b)
+{
+    return a > b ? a : b;
+}
+
+static inline rigcal_real rc_min(rigcal_real a, rigcal_real b)
+{
+    return a < b ? a : b;
+}
+
+static inline int rc_is_finite(rigcal_real x)
+{
+    return RC_FABS(x) <= RC_MAX;
+}
+
+static inline int rc_all_finite(const rigcal_real x[], int n)
+{
+    for (int i = 0; i < n; i++) {
+        if (!rc_is_finite(x[i])) {
+            return 0;
+        }
+    }
+    return 1;
+}
+
+/* Coordinates within this have squares and fourth powers that do not overflow. */
+#define RC_COORDINATE_MAX RC_TOL(1e30, 1e9)
+
+static inline int rc_all_within(const rigcal_real x[], int n, rigcal_real limit)
+{
+    for (int i = 0; i < n; i++) {
+        if (!(RC_FABS(x[i]) <= limit)) {
+            return 0;
+        }
+    }
+    return 1;
+}
+
+#endif /* RC_REAL_H */

@@ -1,0 +1,28 @@
+/* rc_rotation.h - rotations without argument checks; see rigcal.h. */
+#ifndef RC_ROTATION_H
+#define RC_ROTATION_H
+
+#include "rc_linalg.h"
+
+/* Orthonormal to the tolerance of rigcal.h and right-handed. NaN is neither. */
+int rc_is_rotation(const rigcal_real R[9]);
+
+/* OK, ERR_NULL, ERR_NOT_FINITE or ERR_ROTATION: what a public function finds
+ * first about a rotation that it is handed. */
+rigcal_status rc_check_rotation(const rigcal_real R[9]);
+
+void rc_rotation_x(rigcal_real R[9], rigcal_real angle);
+void rc_rotation_y(rigcal_real R[9], rigcal_real angle);
+void rc_rotation_z(rigcal_real R[9], rigcal_real angle);
+void rc_rotation_from_yaw_pitch_roll(rigcal_real R[9], const rigcal_real ypr[3]);
+void rc_yaw_pitch_roll_from_rotation(rigcal_real ypr[3], const rigcal_real R[9]);
+void rc_rotation_from_quaternion(rigcal_real R[9], const rigcal_real q_wxyz[4]);
+void rc_quaternion_from_rotation(rigcal_real q_wxyz[4], const rigcal_real R[9]);
+void rc_rotation_from_vector(rigcal_real R[9], const rigcal_real w[3]);
+void rc_vector_from_rotation(rigcal_real w[3], const rigcal_real R[9]);
+rigcal_real rc_rotation_angle(const rigcal_real Ra[9], const rigcal_real Rb[9]);
+
+/* 0 when M is singular to working precision or mirrors; R is then untouched. */
+int rc_rotation_nearest(rigcal_real R[9], const rigcal_real M[9]);
+
+#endif /* RC_ROTATION_H */

@@ -14,8 +14,9 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 PUBLIC = {"rigcal.h", "rigcal_config.h"}
 SYSTEM = {"stddef.h", "stdint.h", "stdbool.h", "limits.h", "float.h", "string.h"}
 
-# A conditional may ask for these only: our own settings, and C++ in a header.
-OWN_MACRO = re.compile(r"RIGCAL_\w+|RC_\w+|defined|__cplusplus|[A-Z]+_(MAX|MIN|EPSILON)|DBL_DIG|FLT_DIG")
+# A conditional may ask for these only: our own settings, C++ in a header, and
+# the compiler's mode that breaks comparisons with NaN.
+OWN_MACRO = re.compile(r"RIGCAL_\w+|RC_\w+|defined|__cplusplus|__FAST_MATH__")
 
 
 def layer_order():

@@ -27,8 +27,7 @@
 /* All of libm that the library calls, rigcal_real to rigcal_real. A
  * replacement must be accurate to a few units in the last place: a table of
  * sines good to 1e-5 is not enough, nor is a routine for a reduced range of
- * angles. SQRT of a negative number and ATAN2(0, 0) are never asked for. Each
- * may evaluate its argument once only. */
+ * angles. */
 #if RIGCAL_USE_FLOAT
 #define RIGCAL_SQRT(x) sqrtf(x) /* one instruction where there is an FPU */
 #define RIGCAL_SIN(x) sinf(x)

@@ -32,6 +32,7 @@ is_complete() {
 if is_complete "$dest"; then
     exit 0
 fi
+mkdir -p "$(dirname "$dest")" 2>/dev/null || die "cannot make a folder at $dest"
 command -v apt-get >/dev/null || die "there is no apt-get on this machine"
 
 work=$(mktemp -d) || die "cannot make a temporary folder"
@@ -99,7 +100,6 @@ is_complete "$work/tree/tests/unity" ||
     die "$(basename "$tarball") carries a Unity that is not 2.5.1 as known here"
 
 # Into place in one move; losing the race to another build is no failure.
-mkdir -p "$(dirname "$dest")"
 ready=$(mktemp -d "$dest.XXXXXX")
 cp "$work/tree/tests/unity/"unity*.[ch] "$ready"
 chmod 755 "$ready"

@@ -1,0 +1,1337 @@
+/* hostile: every public function against arguments that no sane caller passes.
+ *
+ * One line of FUNCTIONS describes a function: its arguments with a valid value of
+ * each, what it then returns, and the statuses that its manual names. From that
+ * line alone the test makes
+ *
+ *   NULL for each pointer         ERR_NULL, or the usual answer where NULL may be
+ *   NaN and infinities            ERR_NOT_FINITE, in each number in turn
+ *   zero, denormal, tiny, huge,   a status the manual names and, where it says
+ *   negated, one and all numbers  that the outputs are usable, finite outputs
+ *   counts and options            the status named, outside their range
+ *   numbers each kind of input    the status named, e.g. a focal length of 0
+ *   cannot have
+ *
+ * and on every failure sees that the outputs still hold what they held. Buffers
+ * are allocated to the byte, so that the address sanitizer sees a step beyond.
+ *
+ * A new function wants one CALL line and one line of FUNCTIONS; a test reads
+ * rigcal.h and fails until it has them. */
+#include <float.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "test_support.h"
+
+/* ---- valid arguments ----------------------------------------------------- */
+
+enum { N = 6, N_PAIRS = 15, N_CAMERAS = 3, N_PLACEMENTS = 2, N_VIEWS = 6 };
+
+/* What every call is handed, made once by build_valid. */
+static struct {
+    rigcal_real angles[3], vector[3], quaternion[4], other_rotation[9];
+    rigcal_real rotation[9], matrix[9];
+    rigcal_transform b_from_a, a_from_b;
+    rigcal_camera camera, cameras[2];
+    rigcal_real X[3], uv[2], xy[2], xy_right[2];
+    rigcal_real ray_a[3], ray_b[3], line[3];
+    rigcal_observation observations[N];
+    rigcal_sighting sightings[N];
+    rigcal_pair pairs[N_PAIRS];
+    rigcal_transform cams_from_world[2], poses[N_CAMERAS];
+    rigcal_real uv_views[4], weights[N_VIEWS];
+    int32_t groups[N_CAMERAS];
+    rigcal_view views[N_VIEWS];
+    rigcal_transform estimates[N_VIEWS];
+    rigcal_real x0[3], simplex[12];
+    rigcal_neldermead search, search_begun;
+    rigcal_paper_options options;
+    rigcal_paper_solver solver, solver_done;
+} ok;
+
+static const size_t SIZE_2 = 2, SIZE_3 = 3, SIZE_6 = 6, SIZE_15 = 15;
+static const int32_t INT_0 = 0, INT_1 = 1, INT_2 = 2, INT_3 = 3, INT_8 = 8,
+                     INT_480 = 480, INT_640 = 640, INT_1000 = 1000;
+static const rigcal_real REAL_TOL = RC(1e-6), REAL_COST = RC(2.5),
+                         REAL_BASELINE = RC(0.3), REAL_SIGMA = RC(0.5),
+                         REAL_NEAR = RC(2), REAL_FAR = RC(9);
+
+static rigcal_real bowl(void *context, const rigcal_real x[])
+{
+    (void)context;
+    return (x[0] - 1) * (x[0] - 1) + 2 * x[1] * x[1] + (x[2] + 2) * (x[2] + 2);
+}
+
+/* Pixel of a world point in a camera, in doubles. */
+static void pixel_of(rigcal_real uv[2], const rigcal_camera *camera,
+                     const double R[9], const double t[3], const double X[3])
+{
+    double X_c[3], exact[2];
+
+    test_apply(X_c, R, X, t);
+    test_project_px(exact, camera, X_c);
+    test_to_real(uv, exact, 2);
+}
+
+static void build_geometry(void)
+{
+    static const double t[3] = {-0.3, 0.05, 0.02}, a[3] = {0.1, -0.05, 1};
+    double R[9], Rt[9], m[3], normal[3], line[3], length;
+
+    test_rotation(R, 0.05, -0.1, 0.07);
+    test_to_real(ok.rotation, R, 9);
+    ok.b_from_a = test_transform(R, t);
+    test_rotation(Rt, 0.4, 0.3, -0.2);
+    test_to_real(ok.other_rotation, Rt, 9);
+    ok.a_from_b = test_transform(Rt, a);
+    for (int i = 0; i < 9; i++) {
+        ok.matrix[i] = RC(1.1 * R[i] + 0.01 * (i % 4));
+    }
+    for (int i = 0; i < 3; i++) {
+        ok.angles[i] = RC(0.2 * (i + 1));
+        ok.vector[i] = RC(0.3 - 0.4 * i);
+        ok.X[i] = RC(i == 2 ? 4 : 0.3 * i - 0.1);
+        ok.ray_a[i] = RC(a[i]);
+        ok.x0[i] = RC(i == 1 ? 0 : 1.5 * i - 0.7);
+    }
+    for (int i = 0; i < 4; i++) {
+        ok.quaternion[i] = RC(0.9 - 0.3 * i);
+        for (int j = 0; j < 3; j++) {
+            ok.simplex[3 * i + j] = RC(0.2 * (j + 1) + (i == j ? 0.5 : 0));
+        }
+    }
+    /* Seen by b at five along ray_a, and the line that is (25), (26). */
+    test_apply(m, R, a, NULL);
+    for (int i = 0; i < 3; i++) {
+        ok.ray_b[i] = RC(5 * m[i] + t[i]);
+    }
+    test_cross(normal, t, m);
+    line[0] = normal[0] / D(ok.camera.fx);
+    line[1] = normal[1] / D(ok.camera.fy);
+    line[2] = normal[2] - line[0] * D(ok.camera.cx) - line[1] * D(ok.camera.cy);
+    length = hypot(line[0], line[1]);
+    for (int i = 0; i < 3; i++) {
+        ok.line[i] = RC(line[i] / length);
+    }
+    ok.uv[0] = RC(301.25);
+    ok.uv[1] = RC(277.5);
+    ok.xy[0] = RC(0.11);
+    ok.xy[1] = RC(-0.04);
+    ok.xy_right[0] = RC(0.04);
+    ok.xy_right[1] = RC(-0.04);
+}
+
+static void build_target(void)
+{
+    test_rng rng = test_seed(20);
+    test_scene scene;
+    size_t p = 0;
+
+    test_scene_random(&scene, &rng, N, TEST_GENERAL);
+    test_observations(ok.observations, &scene, &ok.camera);
+    test_sightings(ok.sightings, &scene);
+    for (int i = 0; i < N; i++) {
+        for (int j = i + 1; j < N; j++, p++) {
+            const double mi[3] = {scene.xy[i][0], scene.xy[i][1], 1};
+            const double mj[3] = {scene.xy[j][0], scene.xy[j][1], 1};
+            double n[3], d[3];
+
+            test_cross(n, mi, mj);
+            for (int k = 0; k < 3; k++) {
+                d[k] = scene.X[i][k] - scene.X[j][k];
+            }
+            for (int k = 0; k < 3; k++) {
+                ok.pairs[p].normal[k] = RC(n[k] / test_norm(n));
+                ok.pairs[p].offset[k] = RC(d[k] / test_norm(d));
+            }
+            ok.pairs[p].i = i;
+            ok.pairs[p].j = j;
+        }
+    }
+    ok.cams_from_world[0] = test_transform(scene.R, scene.t);
+    pixel_of(ok.uv_views, &ok.camera, scene.R, scene.t, scene.X[0]);
+    {
+        static const double up[3] = {0, 1, 0};
+        double turn[9], R[9], t[3], aim[3];
+
+        /* The second camera: the first carried round the target's first point. */
+        test_rotation_about(turn, up, 0.3);
+        test_product(R, turn, scene.R);
+        test_apply(aim, scene.R, scene.X[0], scene.t);
+        test_apply(t, R, scene.X[0], NULL);
+        for (int k = 0; k < 3; k++) {
+            t[k] = aim[k] - t[k];
+        }
+        ok.cams_from_world[1] = test_transform(R, t);
+        pixel_of(ok.uv_views + 2, &ok.camera, R, t, scene.X[0]);
+    }
+    for (int k = 0; k < 3; k++) {
+        ok.options.guess_ypr[k] = RC(scene.ypr[k] + 0.05);
+    }
+}
+
+static void build_rig(void)
+{
+    double R[N_CAMERAS][9], t[N_CAMERAS][3];
+    double Q[N_PLACEMENTS][9], s[N_PLACEMENTS][3];
+
+    for (int c = 0; c < N_CAMERAS; c++) {
+        test_rotation(R[c], 0.1 * c, -0.2 * c, 0.05 * c);
+        t[c][0] = -0.4 * c;
+        t[c][1] = 0.1 * c;
+        t[c][2] = 0.03 * c;
+        ok.poses[c] = test_transform(R[c], t[c]);
+    }
+    for (int f = 0; f < N_PLACEMENTS; f++) {
+        test_rotation(Q[f], 0.5 * f, 0.3, -0.4 * f);
+        s[f][0] = 0.2 * f;
+        s[f][1] = -0.1;
+        s[f][2] = 4 + f;
+    }
+    for (int v = 0; v < N_VIEWS; v++) {
+        const int c = v % N_CAMERAS, f = v / N_CAMERAS;
+        double A[9], b[3];
+
+        test_product(A, R[c], Q[f]);
+        test_apply(b, R[c], s[f], t[c]);
+        ok.views[v].cam_from_target = test_transform(A, b);
+        ok.views[v].weight = RC(1 + v);
+        ok.views[v].camera = c;
+        ok.views[v].placement = f;
+        test_rotation(A, 0.3 + 0.01 * v, -0.2, 0.1 - 0.02 * v);
+        ok.estimates[v] = test_transform(A, b);
+        ok.weights[v] = RC(1 + v);
+    }
+}
+
+/* The states of searches come from the library: there is no other way. */
+static void build_searches(void)
+{
+    rigcal_real x[3];
+    rigcal_status status;
+
+    ok.options.angles = 2;
+    ok.options.eliminate = RIGCAL_BEST_CONDITIONED;
+    ok.options.use_guess = 1;
+    ok.options.xtol = RC(TOL(1e-9, 1e-4));
+    ok.options.ftol = RC(TOL(1e-9, 1e-4));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_neldermead_begin(&ok.search_begun, ok.x0, 3,
+                                                     REAL_TOL, REAL_TOL, 1000));
+    ok.search = ok.search_begun;
+    for (int i = 0; i < 10; i++) {
+        ASSERT_STATUS(RIGCAL_RUNNING, rigcal_neldermead_ask(x, &ok.search));
+        ASSERT_STATUS(RIGCAL_RUNNING,
+                      rigcal_neldermead_tell(&ok.search, bowl(NULL, x)));
+    }
+    ASSERT_STATUS(RIGCAL_OK,
+                  rigcal_paper_begin(&ok.solver, ok.sightings, N, ok.pairs,
+                                     N_PAIRS, &ok.options));
+    ok.solver_done = ok.solver;
+    do {
+        status = rigcal_paper_step(&ok.solver_done, 1000);
+    } while (status == RIGCAL_RUNNING);
+    ASSERT_STATUS(RIGCAL_OK, status);
+}
+
+static void build_valid(void)
+{
+    static const rigcal_camera camera = {
+        RIGCAL_LENS_BROWN, 640,      480,       0,        RC(532.5), RC(533.5),
+        RC(320),           RC(240),  RC(-0.28), RC(0.07), RC(0.001), RC(-5e-4),
+        RC(-0.01),         RC(0.01), RC(0.002), RC(0.001)};
+
+    ok.camera = camera;
+    ok.cameras[0] = camera;
+    ok.cameras[1] = camera;
+    build_geometry();
+    build_target();
+    build_rig();
+    build_searches();
+}
+
+/* ---- kinds of argument --------------------------------------------------- */
+
+/* A number that an input of some kind cannot have: `value` at `offset`, which
+ * holds a rigcal_real or an int32_t. */
+typedef struct {
+    rigcal_status status;
+    size_t offset;
+    int is_real;
+    double value;
+} impossible;
+
+#define BAD_INT(type, field, value, status)                                    \
+    {                                                                          \
+        status, offsetof(type, field), 0, value                                \
+    }
+#define BAD_REAL(type, field, value, status)                                   \
+    {                                                                          \
+        status, offsetof(type, field), 1, value                                \
+    }
+#define BAD_NUMBER(value, status)                                              \
+    {                                                                          \
+        status, 0, 1, value                                                    \
+    }
+#define BAD_END                                                                \
+    {                                                                          \
+        RIGCAL_OK, 0, 0, 0                                                     \
+    }
+
+static const impossible BAD_ROTATION[] = {
+    BAD_NUMBER(2, RIGCAL_ERR_ROTATION), BAD_NUMBER(-5, RIGCAL_ERR_ROTATION),
+    BAD_NUMBER(0, RIGCAL_ERR_ROTATION), BAD_NUMBER(1e9, RIGCAL_ERR_ROTATION),
+    BAD_END};
+static const impossible BAD_CAMERA[] = {
+    BAD_INT(rigcal_camera, lens, -1, RIGCAL_ERR_CAMERA),
+    BAD_INT(rigcal_camera, lens, 2, RIGCAL_ERR_CAMERA),
+    BAD_INT(rigcal_camera, lens, INT32_MAX, RIGCAL_ERR_CAMERA),
+    BAD_INT(rigcal_camera, width, 0, RIGCAL_ERR_CAMERA),
+    BAD_INT(rigcal_camera, width, -1, RIGCAL_ERR_CAMERA),
+    BAD_INT(rigcal_camera, width, 1000001, RIGCAL_ERR_CAMERA),
+    BAD_INT(rigcal_camera, width, INT32_MIN, RIGCAL_ERR_CAMERA),
+    BAD_INT(rigcal_camera, height, 0, RIGCAL_ERR_CAMERA),
+    BAD_INT(rigcal_camera, height, -1, RIGCAL_ERR_CAMERA),
+    BAD_INT(rigcal_camera, height, 1000001, RIGCAL_ERR_CAMERA),
+    BAD_INT(rigcal_camera, reserved, 1, RIGCAL_ERR_CAMERA),
+    BAD_REAL(rigcal_camera, fx, 0, RIGCAL_ERR_CAMERA),
+    BAD_REAL(rigcal_camera, fx, -500, RIGCAL_ERR_CAMERA),
+    BAD_REAL(rigcal_camera, fy, 0, RIGCAL_ERR_CAMERA),
+    BAD_REAL(rigcal_camera, fy, -500, RIGCAL_ERR_CAMERA),
+    BAD_END};
+static const impossible BAD_OPTIONS[] = {
+    BAD_INT(rigcal_paper_options, angles, -2, RIGCAL_ERR_RANGE),
+    BAD_INT(rigcal_paper_options, angles, 1, RIGCAL_ERR_RANGE),
+    BAD_INT(rigcal_paper_options, angles, 4, RIGCAL_ERR_RANGE),
+    BAD_INT(rigcal_paper_options, eliminate, -1, RIGCAL_ERR_RANGE),
+    BAD_INT(rigcal_paper_options, eliminate, 4, RIGCAL_ERR_RANGE),
+    BAD_INT(rigcal_paper_options, eliminating, -1, RIGCAL_ERR_RANGE),
+    BAD_INT(rigcal_paper_options, eliminating, 1, RIGCAL_ERR_RANGE),
+    BAD_INT(rigcal_paper_options, eliminating, 3, RIGCAL_ERR_RANGE),
+    BAD_INT(rigcal_paper_options, use_guess, -1, RIGCAL_ERR_RANGE),
+    BAD_INT(rigcal_paper_options, use_guess, 2, RIGCAL_ERR_RANGE),
+    BAD_INT(rigcal_paper_options, max_evals, -1, RIGCAL_ERR_RANGE),
+    BAD_INT(rigcal_paper_options, max_evals, INT32_MIN, RIGCAL_ERR_RANGE),
+    BAD_INT(rigcal_paper_options, reserved, 1, RIGCAL_ERR_RANGE),
+    BAD_REAL(rigcal_paper_options, xtol, -1e-6, RIGCAL_ERR_RANGE),
+    BAD_REAL(rigcal_paper_options, ftol, -1e-6, RIGCAL_ERR_RANGE),
+    BAD_END};
+static const impossible BAD_INDEX[] = {
+    BAD_INT(rigcal_pair, i, -1, RIGCAL_ERR_RANGE),
+    BAD_INT(rigcal_pair, i, N, RIGCAL_ERR_RANGE),
+    BAD_INT(rigcal_pair, j, -1, RIGCAL_ERR_RANGE),
+    BAD_INT(rigcal_pair, j, INT32_MAX, RIGCAL_ERR_RANGE), BAD_END};
+static const impossible BAD_VIEW[] = {
+    BAD_INT(rigcal_view, camera, -1, RIGCAL_ERR_RANGE),
+    BAD_INT(rigcal_view, camera, N_CAMERAS, RIGCAL_ERR_RANGE),
+    BAD_INT(rigcal_view, camera, INT32_MAX, RIGCAL_ERR_RANGE),
+    BAD_INT(rigcal_view, placement, -1, RIGCAL_ERR_RANGE),
+    BAD_REAL(rigcal_view, weight, 0, RIGCAL_ERR_RANGE),
+    BAD_REAL(rigcal_view, weight, -1, RIGCAL_ERR_RANGE),
+    BAD_REAL(rigcal_view, cam_from_target.R[0], 2, RIGCAL_ERR_ROTATION),
+    BAD_REAL(rigcal_view, cam_from_target.R[8], -5, RIGCAL_ERR_ROTATION),
+    BAD_END};
+static const impossible BAD_LINE[] = {BAD_NUMBER(5, RIGCAL_ERR_RANGE), BAD_END};
+static const impossible NOT_POSITIVE[] = {
+    BAD_NUMBER(0, RIGCAL_ERR_RANGE), BAD_NUMBER(-1, RIGCAL_ERR_RANGE), BAD_END};
+static const impossible NEGATIVE[] = {BAD_NUMBER(-1, RIGCAL_ERR_RANGE),
+                                      BAD_NUMBER(-1e-9, RIGCAL_ERR_RANGE),
+                                      BAD_END};
+
+/* One element: its size, where its numbers are (they stand together), what it
+ * cannot be, and what comes of all its bytes being 0, where that is told. */
+typedef struct {
+    size_t size, first_real, n_reals;
+    const impossible *bad;
+    rigcal_status zeroed;
+} kind;
+
+#define REALS(n) sizeof(rigcal_real) * (n), 0, (n)
+static const kind NUMBER = {REALS(1), NULL, 0};
+static const kind POSITIVE = {REALS(1), NOT_POSITIVE, 0};
+static const kind TOLERANCE = {REALS(1), NEGATIVE, 0};
+static const kind VEC2 = {REALS(2), NULL, 0};
+static const kind VEC3 = {REALS(3), NULL, 0};
+static const kind VEC4 = {REALS(4), NULL, 0};
+static const kind MAT3 = {REALS(9), NULL, 0};
+static const kind RAY = {REALS(3), NULL, RIGCAL_ERR_RANGE};
+static const kind QUATERNION = {REALS(4), NULL, RIGCAL_ERR_ROTATION};
+static const kind LINE = {REALS(3), BAD_LINE, RIGCAL_ERR_RANGE};
+static const kind ROTATION = {REALS(9), BAD_ROTATION, RIGCAL_ERR_ROTATION};
+static const kind TRANSFORM = {REALS(12), BAD_ROTATION, RIGCAL_ERR_ROTATION};
+static const kind WEIGHT = {REALS(1), NEGATIVE, 0};
+static const kind OBSERVATION = {REALS(5), NULL, 0};
+static const kind SIGHTING = {REALS(6), NULL, RIGCAL_ERR_RANGE};
+static const kind POINT = {REALS(13), NULL, 0};
+static const kind ELIMINATION = {REALS(6), NULL, 0};
+static const kind CAMERA = {sizeof(rigcal_camera), offsetof(rigcal_camera, fx),
+                            12, BAD_CAMERA, RIGCAL_ERR_CAMERA};
+static const kind PAIR = {sizeof(rigcal_pair), 0, 6, NULL, 0};
+static const kind PAIR_OF_POINTS = {sizeof(rigcal_pair), 0, 6, BAD_INDEX, 0};
+static const kind VIEW = {sizeof(rigcal_view), 0, 13, BAD_VIEW, 0};
+static const kind OPTIONS = {sizeof(rigcal_paper_options),
+                             offsetof(rigcal_paper_options, guess_ypr), 5,
+                             BAD_OPTIONS, 0};
+static const kind POSE = {sizeof(rigcal_paper_pose), 0, 18, NULL, 0};
+/* Internal, so that only "not begun" is asked of them. */
+static const kind SEARCH = {sizeof(rigcal_neldermead), 0, 0, NULL,
+                            RIGCAL_ERR_STATE};
+static const kind SOLVER = {sizeof(rigcal_paper_solver), 0, 0, NULL,
+                            RIGCAL_ERR_STATE};
+static const kind ENTRY = {sizeof(rigcal_layout_entry), 0, 0, NULL, 0};
+static const kind INT32 = {sizeof(int32_t), 0, 0, NULL, 0};
+static const kind SIZE = {sizeof(size_t), 0, 0, NULL, 0};
+static const kind BYTES = {1, 0, 0, NULL, 0};
+
+/* ---- roles of an argument ------------------------------------------------ */
+
+typedef enum {
+    NONE,       /* end of the list */
+    R_OUT,      /* all of it written on success, none of it on failure */
+    R_OUT_PART, /* perhaps not all of it */
+    R_OUT_OPT,  /* may be NULL */
+    R_OUT_BAD,  /* may be NULL, and is written on failure only */
+    R_WORK,     /* must be there, may be written at any time */
+    R_STATE,    /* read and written; untouched when the arguments are refused */
+    R_IN,       /* read, each number checked */
+    R_IN_OPT,   /* may be NULL */
+    R_VALUE,    /* a number handed over by value, checked */
+    R_ANY,      /* the same, of which NaN and infinity are good values too */
+    R_COUNT     /* an integer by value, from `low` to `high` */
+} role;
+
+typedef struct {
+    role role;
+    const kind *kind;
+    size_t n;
+    const void *valid; /* n elements; NULL for outputs */
+    int64_t low, high; /* of a count; `high` 0: no limit that can be tried */
+    rigcal_status outside; /* its status below low or above high; 0: any */
+} argument;
+
+#define OUT(kind, n)                                                           \
+    {                                                                          \
+        R_OUT, &kind, n, NULL, 0, 0, 0                                         \
+    }
+#define OUT_PART(kind, n)                                                      \
+    {                                                                          \
+        R_OUT_PART, &kind, n, NULL, 0, 0, 0                                    \
+    }
+#define OUT_OPT(kind, n)                                                       \
+    {                                                                          \
+        R_OUT_OPT, &kind, n, NULL, 0, 0, 0                                     \
+    }
+#define OUT_BAD                                                                \
+    {                                                                          \
+        R_OUT_BAD, &INT32, 1, NULL, 0, 0, 0                                    \
+    }
+#define WORK(kind, n)                                                          \
+    {                                                                          \
+        R_WORK, &kind, n, NULL, 0, 0, 0                                        \
+    }
+#define STATE(kind, valid)                                                     \
+    {                                                                          \
+        R_STATE, &kind, 1, valid, 0, 0, 0                                      \
+    }
+#define IN(kind, n, valid)                                                     \
+    {                                                                          \
+        R_IN, &kind, n, valid, 0, 0, 0                                         \
+    }
+#define IN_OPT(kind, n, valid)                                                 \
+    {                                                                          \
+        R_IN_OPT, &kind, n, valid, 0, 0, 0                                     \
+    }
+#define VALUE(kind, valid)                                                     \
+    {                                                                          \
+        R_VALUE, &kind, 1, valid, 0, 0, 0                                      \
+    }
+#define ANY_VALUE(valid)                                                       \
+    {                                                                          \
+        R_ANY, &NUMBER, 1, valid, 0, 0, 0                                      \
+    }
+#define COUNT(valid, low, status)                                              \
+    {                                                                          \
+        R_COUNT, &SIZE, 1, valid, low, 0, status                               \
+    }
+#define COUNT_TO(valid, low, high, status)                                     \
+    {                                                                          \
+        R_COUNT, &SIZE, 1, valid, low, high, status                            \
+    }
+#define CHOICE(valid, low, high, status)                                       \
+    {                                                                          \
+        R_COUNT, &INT32, 1, valid, low, high, status                           \
+    }
+
+/* ---- the functions ------------------------------------------------------- */
+
+enum { MAX_ARGUMENTS = 11 };
+
+typedef struct {
+    const char *name;
+    rigcal_status (*call)(void *const p[]);
+    rigcal_status usual;
+    uint32_t named;
+    argument arguments[MAX_ARGUMENTS];
+} function;
+
+/* A set of statuses. */
+#define BIT(status) (1u << ((status) < 0 ? -(status) : 24 + (status)))
+#define S(name)     BIT(RIGCAL_ERR_##name)
+#define ARGS        (S(NULL) | S(NOT_FINITE))
+#define ROTATED     (ARGS | S(ROTATION))
+#define DEVICE      (ARGS | S(CAMERA))
+#define POINTS                                                                 \
+    (ARGS | S(RANGE) | S(TOO_FEW) | S(CAPACITY) | S(WIDE_RAY) |                \
+     S(COINCIDENT) | S(COLLINEAR) | S(EDGE_ON) | S(PRECISION))
+#define POSES (S(BEHIND) | S(NO_POSE) | BIT(RIGCAL_BUDGET_SPENT))
+
+#define REAL(p)    (*(const rigcal_real *)(p))
+#define INT(p)     (*(const int32_t *)(p))
+#define COUNTED(p) (*(const size_t *)(p))
+#define CALL(name, ...)                                                        \
+    static rigcal_status call_##name(void *const p[])                          \
+    {                                                                          \
+        return rigcal_##name(__VA_ARGS__);                                     \
+    }
+#define F(name) "rigcal_" #name, call_##name
+
+/* clang-format off */
+CALL(layout, p[0], INT(p[1]))
+CALL(rotation_from_yaw_pitch_roll, p[0], p[1])
+CALL(yaw_pitch_roll_from_rotation, p[0], p[1])
+CALL(rotation_from_vector, p[0], p[1])
+CALL(vector_from_rotation, p[0], p[1])
+CALL(rotation_from_quaternion, p[0], p[1])
+CALL(quaternion_from_rotation, p[0], p[1])
+CALL(rotation_nearest, p[0], p[1])
+CALL(rotation_angle, p[0], p[1], p[2])
+CALL(transform_compose, p[0], p[1], p[2])
+CALL(transform_invert, p[0], p[1])
+CALL(transform_point, p[0], p[1], p[2])
+CALL(camera_center, p[0], p[1])
+CALL(relative_pose, p[0], p[1], p[2])
+CALL(camera_check, p[0])
+CALL(project, p[0], p[1], p[2])
+CALL(pixel_to_ray, p[0], p[1], p[2])
+CALL(undistort_pixel, p[0], p[1], p[2])
+CALL(distort_pixel, p[0], p[1], p[2])
+CALL(sightings_from_observations, p[0], p[1], p[2], p[3], COUNTED(p[4]))
+CALL(reprojection_rms, p[0], p[1], p[2], p[3], p[4], COUNTED(p[5]))
+CALL(neldermead_begin, p[0], p[1], INT(p[2]), REAL(p[3]), REAL(p[4]), INT(p[5]))
+CALL(neldermead_begin_simplex, p[0], p[1], INT(p[2]), REAL(p[3]), REAL(p[4]),
+     INT(p[5]))
+CALL(neldermead_ask, p[0], p[1])
+CALL(neldermead_tell, p[0], REAL(p[1]))
+CALL(neldermead_step, p[0], p[1] ? bowl : NULL, NULL, INT(p[2]))
+CALL(neldermead_result, p[0], p[1], p[2], p[3])
+CALL(pair_make, p[0], p[1], COUNTED(p[2]), INT(p[3]), INT(p[4]))
+CALL(pairs_choose, p[0], p[1], COUNTED(p[2]), p[3], COUNTED(p[4]))
+CALL(pair_residual, p[0], p[1], p[2])
+CALL(pair_coefficients, p[0], p[1], INT(p[2]), p[3])
+CALL(eliminate, p[0], p[1], COUNTED(p[2]), INT(p[3]), INT(p[4]), p[5])
+CALL(three_angle_residual, p[0], p[1], COUNTED(p[2]), p[3])
+CALL(translation_from_pairs, p[0], p[1], p[2], COUNTED(p[3]), p[4],
+     COUNTED(p[5]))
+CALL(translation_least_squares, p[0], p[1], p[2], COUNTED(p[3]))
+CALL(paper_defaults, p[0])
+CALL(paper_begin, p[0], p[1], COUNTED(p[2]), p[3], COUNTED(p[4]), p[5])
+CALL(paper_step, p[0], INT(p[1]))
+CALL(paper_result, p[0], p[1])
+CALL(paper_solve, p[0], p[1], COUNTED(p[2]), p[3], COUNTED(p[4]), p[5])
+CALL(solve_pose, p[0], p[1], p[2], p[3], p[4], COUNTED(p[5]), p[6], p[7],
+     COUNTED(p[8]))
+CALL(depth_two_views, p[0], p[1], p[2], p[3], p[4])
+CALL(depth_aligned, p[0], REAL(p[1]), p[2], p[3])
+CALL(triangulate, p[0], p[1], p[2], p[3], COUNTED(p[4]), REAL(p[5]))
+CALL(epiline, p[0], p[1], p[2])
+CALL(epiline_px, p[0], p[1], p[2], p[3])
+CALL(epiline_distance, p[0], p[1], p[2], p[3])
+CALL(epiline_clip, p[0], p[1], INT(p[2]), INT(p[3]))
+CALL(epiline_segment, p[0], p[1], p[2], p[3], REAL(p[4]), REAL(p[5]))
+CALL(epiline_curve, p[0], p[1], INT(p[2]), p[3], p[4], p[5], REAL(p[6]),
+     REAL(p[7]))
+CALL(transform_mean, p[0], p[1], p[2], p[3], p[4], COUNTED(p[5]))
+CALL(rig_join, p[0], p[1], COUNTED(p[2]), p[3], COUNTED(p[4]), p[5], p[6])
+CALL(rig_place, p[0], INT(p[1]), INT(p[2]), p[3], p[4], COUNTED(p[5]), p[6],
+     COUNTED(p[7]), p[8], p[9])
+CALL(measurement_bound, p[0], p[1], p[2], p[3])
+
+static const function FUNCTIONS[] = {
+    {F(layout), 0, S(NULL) | S(RANGE),
+     {OUT(ENTRY, 1), CHOICE(&INT_0, 0, 100000, RIGCAL_ERR_RANGE)}},
+    {F(rotation_from_yaw_pitch_roll), 0, ARGS | S(RANGE),
+     {OUT(MAT3, 1), IN(VEC3, 1, ok.angles)}},
+    {F(yaw_pitch_roll_from_rotation), 0, ROTATED,
+     {OUT(VEC3, 1), IN(ROTATION, 1, ok.rotation)}},
+    {F(rotation_from_vector), 0, ARGS | S(RANGE),
+     {OUT(MAT3, 1), IN(VEC3, 1, ok.vector)}},
+    {F(vector_from_rotation), 0, ROTATED,
+     {OUT(VEC3, 1), IN(ROTATION, 1, ok.rotation)}},
+    {F(rotation_from_quaternion), 0, ROTATED,
+     {OUT(MAT3, 1), IN(QUATERNION, 1, ok.quaternion)}},
+    {F(quaternion_from_rotation), 0, ROTATED,
+     {OUT(VEC4, 1), IN(ROTATION, 1, ok.rotation)}},
+    {F(rotation_nearest), 0, ROTATED,
+     {OUT(MAT3, 1), IN(MAT3, 1, ok.matrix)}},
+    {F(rotation_angle), 0, ROTATED,
+     {OUT(NUMBER, 1), IN(ROTATION, 1, ok.rotation),
+      IN(ROTATION, 1, ok.other_rotation)}},
+
+    {F(transform_compose), 0, ROTATED,
+     {OUT(TRANSFORM, 1), IN(TRANSFORM, 1, &ok.b_from_a),
+      IN(TRANSFORM, 1, &ok.a_from_b)}},
+    {F(transform_invert), 0, ROTATED,
+     {OUT(TRANSFORM, 1), IN(TRANSFORM, 1, &ok.b_from_a)}},
+    {F(transform_point), 0, ROTATED,
+     {OUT(VEC3, 1), IN(TRANSFORM, 1, &ok.b_from_a), IN(VEC3, 1, ok.X)}},
+    {F(camera_center), 0, ROTATED,
+     {OUT(VEC3, 1), IN(TRANSFORM, 1, &ok.b_from_a)}},
+    {F(relative_pose), 0, ROTATED,
+     {OUT(TRANSFORM, 1), IN(TRANSFORM, 1, &ok.b_from_a),
+      IN(TRANSFORM, 1, &ok.a_from_b)}},
+
+    {F(camera_check), 0, DEVICE, {IN(CAMERA, 1, &ok.camera)}},
+    {F(project), 0, DEVICE | S(BEHIND) | S(NO_RAY) | S(DEGENERATE),
+     {OUT(VEC2, 1), IN(CAMERA, 1, &ok.camera), IN(VEC3, 1, ok.X)}},
+    {F(pixel_to_ray), 0, DEVICE | S(NO_RAY),
+     {OUT(VEC3, 1), IN(CAMERA, 1, &ok.camera), IN(VEC2, 1, ok.uv)}},
+    {F(undistort_pixel), 0, DEVICE | S(NO_RAY) | S(WIDE_RAY),
+     {OUT(VEC2, 1), IN(CAMERA, 1, &ok.camera), IN(VEC2, 1, ok.uv)}},
+    {F(distort_pixel), 0, DEVICE | S(NO_RAY),
+     {OUT(VEC2, 1), IN(CAMERA, 1, &ok.camera), IN(VEC2, 1, ok.uv)}},
+    {F(sightings_from_observations), 0, DEVICE | S(NO_RAY) | S(TOO_FEW),
+     {OUT(SIGHTING, N), OUT_BAD, IN(CAMERA, 1, &ok.camera),
+      IN(OBSERVATION, N, ok.observations),
+      COUNT(&SIZE_6, 1, RIGCAL_ERR_TOO_FEW)}},
+    {F(reprojection_rms), 0,
+     DEVICE | S(ROTATION) | S(BEHIND) | S(NO_RAY) | S(DEGENERATE) | S(TOO_FEW),
+     {OUT(NUMBER, 1), OUT_OPT(INT32, 1), IN(CAMERA, 1, &ok.camera),
+      IN(TRANSFORM, 1, &ok.cams_from_world[0]),
+      IN(OBSERVATION, N, ok.observations),
+      COUNT(&SIZE_6, 1, RIGCAL_ERR_TOO_FEW)}},
+
+    {F(neldermead_begin), 0, ARGS | S(RANGE),
+     {OUT_PART(SEARCH, 1), IN(VEC3, 1, ok.x0),
+      CHOICE(&INT_3, 1, 3, RIGCAL_ERR_RANGE), VALUE(TOLERANCE, &REAL_TOL),
+      VALUE(TOLERANCE, &REAL_TOL), CHOICE(&INT_1000, 1, 0, RIGCAL_ERR_RANGE)}},
+    {F(neldermead_begin_simplex), 0, ARGS | S(RANGE),
+     {OUT_PART(SEARCH, 1), IN(NUMBER, 12, ok.simplex),
+      CHOICE(&INT_3, 1, 3, RIGCAL_ERR_RANGE), VALUE(TOLERANCE, &REAL_TOL),
+      VALUE(TOLERANCE, &REAL_TOL), CHOICE(&INT_1000, 1, 0, RIGCAL_ERR_RANGE)}},
+    {F(neldermead_ask), RIGCAL_RUNNING,
+     S(NULL) | S(STATE) | BIT(RIGCAL_RUNNING) | BIT(RIGCAL_BUDGET_SPENT),
+     {OUT(VEC3, 1), IN(SEARCH, 1, &ok.search)}},
+    {F(neldermead_tell), RIGCAL_RUNNING,
+     S(NULL) | S(STATE) | BIT(RIGCAL_RUNNING) | BIT(RIGCAL_BUDGET_SPENT),
+     {STATE(SEARCH, &ok.search), ANY_VALUE(&REAL_COST)}},
+    {F(neldermead_step), RIGCAL_RUNNING,
+     S(NULL) | S(STATE) | S(RANGE) | BIT(RIGCAL_RUNNING) |
+         BIT(RIGCAL_BUDGET_SPENT),
+     {STATE(SEARCH, &ok.search_begun), IN(BYTES, 1, &INT_1),
+      CHOICE(&INT_8, 1, 0, RIGCAL_ERR_RANGE)}},
+    {F(neldermead_result), RIGCAL_RUNNING,
+     S(NULL) | S(STATE) | S(NOT_FINITE) | BIT(RIGCAL_RUNNING) |
+         BIT(RIGCAL_BUDGET_SPENT),
+     {OUT(VEC3, 1), OUT_OPT(NUMBER, 1), OUT_OPT(INT32, 1),
+      IN(SEARCH, 1, &ok.search)}},
+
+    {F(pair_make), 0, ARGS | S(RANGE) | S(COINCIDENT),
+     {OUT(PAIR, 1), IN(SIGHTING, N, ok.sightings),
+      COUNT(&SIZE_6, 2, RIGCAL_ERR_RANGE),
+      CHOICE(&INT_2, 0, N - 1, RIGCAL_ERR_RANGE),
+      CHOICE(&INT_1, 0, N - 1, RIGCAL_ERR_RANGE)}},
+    {F(pairs_choose), 0, POINTS,
+     {OUT_PART(PAIR, N_PAIRS), OUT(SIZE, 1),
+      COUNT(&SIZE_15, 3, RIGCAL_ERR_CAPACITY), IN(SIGHTING, N, ok.sightings),
+      COUNT_TO(&SIZE_6, 3, INT64_C(1) << 28, RIGCAL_ERR_TOO_FEW)}},
+    {F(pair_residual), 0, ROTATED,
+     {OUT(NUMBER, 1), IN(PAIR, 1, &ok.pairs[4]),
+      IN(ROTATION, 1, ok.rotation)}},
+    {F(pair_coefficients), 0, ARGS | S(RANGE),
+     {OUT(VEC3, 1), IN(PAIR, 1, &ok.pairs[4]),
+      CHOICE(&INT_1, 0, 2, RIGCAL_ERR_RANGE), IN(VEC2, 1, ok.angles)}},
+    {F(eliminate), 0, ARGS | S(RANGE) | S(TOO_FEW) | S(DEGENERATE),
+     {OUT(ELIMINATION, 1), IN(PAIR, 6, ok.pairs),
+      COUNT(&SIZE_6, 3, RIGCAL_ERR_TOO_FEW),
+      CHOICE(&INT_2, 0, 2, RIGCAL_ERR_RANGE),
+      CHOICE(&INT_1, 0, 2, RIGCAL_ERR_RANGE), IN(VEC2, 1, ok.angles)}},
+    {F(three_angle_residual), 0, ARGS | S(RANGE) | S(TOO_FEW),
+     {OUT(NUMBER, 1), IN(PAIR, 6, ok.pairs),
+      COUNT(&SIZE_6, 3, RIGCAL_ERR_TOO_FEW), IN(VEC3, 1, ok.angles)}},
+    {F(translation_from_pairs), 0,
+     ROTATED | S(RANGE) | S(TOO_FEW) | S(WIDE_RAY) | S(DEGENERATE),
+     {OUT(VEC3, 1), IN(ROTATION, 1, ok.cams_from_world[0].R),
+      IN(SIGHTING, N, ok.sightings), COUNT(&SIZE_6, 2, RIGCAL_ERR_TOO_FEW),
+      IN(PAIR_OF_POINTS, 3, ok.pairs), COUNT(&SIZE_3, 1, RIGCAL_ERR_TOO_FEW)}},
+    {F(translation_least_squares), 0,
+     ROTATED | S(RANGE) | S(TOO_FEW) | S(WIDE_RAY) | S(DEGENERATE),
+     {OUT(VEC3, 1), IN(ROTATION, 1, ok.cams_from_world[0].R),
+      IN(SIGHTING, N, ok.sightings), COUNT(&SIZE_6, 2, RIGCAL_ERR_TOO_FEW)}},
+
+    {F(paper_defaults), 0, S(NULL), {OUT(OPTIONS, 1)}},
+    {F(paper_begin), 0, ARGS | S(RANGE) | S(TOO_FEW) | S(WIDE_RAY),
+     {OUT_PART(SOLVER, 1), IN(SIGHTING, N, ok.sightings),
+      COUNT(&SIZE_6, 3, RIGCAL_ERR_TOO_FEW), IN(PAIR, N_PAIRS, ok.pairs),
+      COUNT(&SIZE_15, 3, RIGCAL_ERR_TOO_FEW), IN_OPT(OPTIONS, 1, &ok.options)}},
+    {F(paper_step), RIGCAL_RUNNING,
+     S(NULL) | S(RANGE) | S(STATE) | S(NO_POSE) | BIT(RIGCAL_RUNNING) |
+         BIT(RIGCAL_BUDGET_SPENT),
+     {STATE(SOLVER, &ok.solver), CHOICE(&INT_8, 1, 0, RIGCAL_ERR_RANGE)}},
+    {F(paper_result), 0, S(NULL) | S(STATE) | POSES,
+     {OUT(POSE, 1), IN(SOLVER, 1, &ok.solver_done)}},
+    {F(paper_solve), 0, ARGS | S(RANGE) | S(TOO_FEW) | S(WIDE_RAY) | POSES,
+     {OUT(POSE, 1), IN(SIGHTING, N, ok.sightings),
+      COUNT(&SIZE_6, 3, RIGCAL_ERR_TOO_FEW), IN(PAIR, N_PAIRS, ok.pairs),
+      COUNT(&SIZE_15, 3, RIGCAL_ERR_TOO_FEW), IN_OPT(OPTIONS, 1, &ok.options)}},
+    {F(solve_pose), 0,
+     POINTS | POSES | DEVICE | S(NO_RAY) | S(DEGENERATE),
+     {OUT(TRANSFORM, 1), OUT_OPT(NUMBER, 1), OUT_BAD, WORK(SIGHTING, N),
+      WORK(PAIR, N_PAIRS), COUNT(&SIZE_15, 3, RIGCAL_ERR_CAPACITY),
+      IN(CAMERA, 1, &ok.camera), IN(OBSERVATION, N, ok.observations),
+      COUNT(&SIZE_6, 3, RIGCAL_ERR_TOO_FEW)}},
+
+    {F(depth_two_views), 0, ROTATED | S(RANGE) | S(PARALLEL) | S(BEHIND),
+     {OUT(VEC2, 1), OUT(NUMBER, 1), IN(TRANSFORM, 1, &ok.b_from_a),
+      IN(RAY, 1, ok.ray_a), IN(RAY, 1, ok.ray_b)}},
+    {F(depth_aligned), 0, ARGS | S(RANGE) | S(PARALLEL) | S(BEHIND),
+     {OUT(VEC3, 1), VALUE(POSITIVE, &REAL_BASELINE), IN(VEC2, 1, ok.xy),
+      IN(VEC2, 1, ok.xy_right)}},
+    {F(triangulate), 0,
+     DEVICE | S(ROTATION) | S(RANGE) | S(TOO_FEW) | S(NO_RAY) | S(PARALLEL) |
+         S(BEHIND),
+     {OUT(POINT, 1), IN(CAMERA, 2, ok.cameras),
+      IN(TRANSFORM, 2, ok.cams_from_world), IN(VEC2, 2, ok.uv_views),
+      COUNT(&SIZE_2, 2, RIGCAL_ERR_TOO_FEW), VALUE(POSITIVE, &REAL_SIGMA)}},
+    {F(epiline), 0, ROTATED | S(RANGE) | S(EPIPOLE),
+     {OUT(VEC3, 1), IN(TRANSFORM, 1, &ok.b_from_a), IN(RAY, 1, ok.ray_a)}},
+    {F(epiline_px), 0, ROTATED | S(CAMERA) | S(RANGE) | S(EPIPOLE),
+     {OUT(VEC3, 1), IN(CAMERA, 1, &ok.camera), IN(TRANSFORM, 1, &ok.b_from_a),
+      IN(RAY, 1, ok.ray_a)}},
+    {F(epiline_distance), 0, DEVICE | S(NO_RAY) | S(WIDE_RAY) | S(RANGE),
+     {OUT(NUMBER, 1), IN(LINE, 1, ok.line), IN(CAMERA, 1, &ok.camera),
+      IN(VEC2, 1, ok.uv)}},
+    {F(epiline_clip), 0, ARGS | S(RANGE) | S(OUTSIDE),
+     {OUT(VEC4, 1), IN(LINE, 1, ok.line),
+      CHOICE(&INT_640, 1, 0, RIGCAL_ERR_RANGE),
+      CHOICE(&INT_480, 1, 0, RIGCAL_ERR_RANGE)}},
+    {F(epiline_segment), 0, ROTATED | S(CAMERA) | S(RANGE) | S(WIDE_RAY),
+     {OUT(VEC4, 1), IN(CAMERA, 1, &ok.camera), IN(TRANSFORM, 1, &ok.b_from_a),
+      IN(RAY, 1, ok.ray_a), VALUE(POSITIVE, &REAL_NEAR),
+      VALUE(POSITIVE, &REAL_FAR)}},
+    {F(epiline_curve), 0, ROTATED | S(CAMERA) | S(RANGE) | S(OUTSIDE),
+     {OUT_PART(VEC2, 8), OUT(INT32, 1), CHOICE(&INT_8, 2, 0, RIGCAL_ERR_RANGE),
+      IN(CAMERA, 1, &ok.camera), IN(TRANSFORM, 1, &ok.b_from_a),
+      IN(RAY, 1, ok.ray_a), VALUE(POSITIVE, &REAL_NEAR),
+      VALUE(POSITIVE, &REAL_FAR)}},
+
+    {F(transform_mean), 0, ROTATED | S(RANGE) | S(TOO_FEW),
+     {OUT(TRANSFORM, 1), OUT_OPT(NUMBER, 1), OUT_OPT(NUMBER, 1),
+      IN(TRANSFORM, N_VIEWS, ok.estimates), IN_OPT(WEIGHT, N_VIEWS, ok.weights),
+      COUNT(&SIZE_6, 1, RIGCAL_ERR_TOO_FEW)}},
+    {F(rig_join), 0,
+     ROTATED | S(RANGE) | S(TOO_FEW) | BIT(RIGCAL_DISCONNECTED),
+     {OUT(TRANSFORM, N_CAMERAS), OUT(INT32, N_CAMERAS),
+      COUNT(&SIZE_3, 1, RIGCAL_ERR_TOO_FEW), IN(VIEW, N_VIEWS, ok.views),
+      COUNT(&SIZE_6, 1, 0), WORK(TRANSFORM, N_VIEWS), WORK(NUMBER, N_VIEWS)}},
+    {F(rig_place), 0, ROTATED | S(RANGE) | S(TOO_FEW),
+     {OUT(TRANSFORM, 1), CHOICE(&INT_1, 0, N_PLACEMENTS - 1, 0),
+      CHOICE(&INT_0, 0, 1, 0), IN(TRANSFORM, N_CAMERAS, ok.poses),
+      IN(INT32, N_CAMERAS, ok.groups), COUNT(&SIZE_3, 1, 0),
+      IN(VIEW, N_VIEWS, ok.views), COUNT(&SIZE_6, 1, RIGCAL_ERR_TOO_FEW),
+      WORK(TRANSFORM, N_VIEWS), WORK(NUMBER, N_VIEWS)}},
+    {F(measurement_bound), 0, ROTATED,
+     {OUT(NUMBER, 1), IN(TRANSFORM, 1, &ok.b_from_a),
+      IN(TRANSFORM, 1, &ok.a_from_b), IN(VEC3, 1, ok.X)}},
+};
+/* clang-format on */
+enum { N_FUNCTIONS = sizeof FUNCTIONS / sizeof FUNCTIONS[0] };
+
+/* Those that take plain numbers only and have an answer for every one. */
+static const char *const HARMLESS[] = {
+    "rigcal_version",     "rigcal_sizeof_real",  "rigcal_status_name",
+    "rigcal_status_text", "rigcal_layout_count", "rigcal_pairs_for",
+};
+enum { N_HARMLESS = sizeof HARMLESS / sizeof HARMLESS[0] };
+
+/* ---- one call ------------------------------------------------------------ */
+
+/* The function on trial, its buffers, what is being done to it. */
+static const function *current;
+static unsigned char *buffer[MAX_ARGUMENTS];
+static char what[160];
+static int failures;
+
+static size_t size_of(const argument *a)
+{
+    return a->kind->size * a->n;
+}
+
+static int is_output(role r)
+{
+    return r == R_OUT || r == R_OUT_PART || r == R_OUT_OPT || r == R_OUT_BAD;
+}
+
+static int n_arguments(void)
+{
+    int n = 0;
+
+    while (n < MAX_ARGUMENTS && current->arguments[n].role != NONE) {
+        n++;
+    }
+    return n;
+}
+
+static void complain(const char *text, rigcal_status status)
+{
+    char message[320];
+
+    failures++;
+    if (failures <= 8) {
+        snprintf(message, sizeof message, "%s: %s (%s)", what, text,
+                 rigcal_status_name(status));
+        TEST_MESSAGE(message);
+    }
+}
+
+/* Outputs filled with a byte, inputs valid. */
+static void refresh(int byte)
+{
+    for (int i = 0; i < n_arguments(); i++) {
+        const argument *a = &current->arguments[i];
+
+        if (a->valid) {
+            memcpy(buffer[i], a->valid, size_of(a));
+        } else {
+            memset(buffer[i], byte, size_of(a));
+        }
+    }
+}
+
+static double real_at(const unsigned char *bytes)
+{
+    rigcal_real x;
+
+    memcpy(&x, bytes, sizeof x);
+    return D(x);
+}
+
+static void put_real(unsigned char *bytes, double value)
+{
+    const rigcal_real x = RC(value);
+
+    memcpy(bytes, &x, sizeof x);
+}
+
+/* The place of number `k` of an argument. */
+static unsigned char *real_of(int i, size_t k)
+{
+    const kind *type = current->arguments[i].kind;
+
+    return buffer[i] + k / type->n_reals * type->size + type->first_real +
+           k % type->n_reals * sizeof(rigcal_real);
+}
+
+static size_t n_reals(int i)
+{
+    return current->arguments[i].n * current->arguments[i].kind->n_reals;
+}
+
+static void expect_untouched(int i, int byte, rigcal_status status)
+{
+    const argument *a = &current->arguments[i];
+
+    for (size_t k = 0; k < size_of(a); k++) {
+        const unsigned char before = a->valid
+                                         ? ((const unsigned char *)a->valid)[k]
+                                         : (unsigned char)byte;
+
+        if (buffer[i][k] != before) {
+            complain(a->valid ? "the state was changed though it was refused"
+                              : "an output was written though it failed",
+                     status);
+            return;
+        }
+    }
+}
+
+static void expect_finite(int i, rigcal_status status)
+{
+    for (size_t k = 0; k < n_reals(i); k++) {
+        if (!isfinite(real_at(real_of(i, k)))) {
+            complain("an output is not finite, or not written", status);
+            return;
+        }
+    }
+}
+
+/* Calls, argument `absent` being NULL (-1: none), and holds the outcome against
+ * what is always promised. */
+static rigcal_status call(int absent, int byte)
+{
+    void *p[MAX_ARGUMENTS];
+    rigcal_status status;
+
+    for (int i = 0; i < MAX_ARGUMENTS; i++) {
+        p[i] = i == absent ? NULL : buffer[i];
+    }
+    status = current->call(p);
+    if (status != RIGCAL_OK &&
+        (status < -20 || status > 3 || !(current->named & BIT(status)))) {
+        complain("a status that the manual does not name here", status);
+    }
+    for (int i = 0; i < n_arguments(); i++) {
+        const role r = current->arguments[i].role;
+
+        if (i == absent) {
+            continue;
+        }
+        if (status < 0 && is_output(r) && r != R_OUT_BAD) {
+            expect_untouched(i, byte, status);
+        } else if (status >= 0 && is_output(r) &&
+                   (r != R_OUT_PART || byte != 0xff)) {
+            expect_finite(i, status);
+        }
+        if (r == R_STATE &&
+            (status == RIGCAL_ERR_NULL || status == RIGCAL_ERR_RANGE ||
+             status == RIGCAL_ERR_STATE || status == RIGCAL_ERR_NOT_FINITE)) {
+            const kind *type = current->arguments[i].kind;
+
+            if (status != type->zeroed) {
+                expect_untouched(i, byte, status);
+            }
+        }
+        if (status >= 0 && r == R_OUT_BAD) {
+            expect_untouched(i, byte, status);
+        }
+    }
+    return status;
+}
+
+enum { FINITE_BYTE = 0x3f, NAN_BYTE = 0xff };
+
+static void expect(rigcal_status expected, int absent)
+{
+    char text[80];
+    const rigcal_status status = call(absent, FINITE_BYTE);
+
+    if (status != expected) {
+        snprintf(text, sizeof text, "expected %s",
+                 rigcal_status_name(expected));
+        complain(text, status);
+    }
+}
+
+/* ---- what is done to a function ------------------------------------------ */
+
+static void valid_arguments(void)
+{
+    rigcal_status status;
+
+    snprintf(what, sizeof what, "valid arguments");
+    refresh(NAN_BYTE);
+    status = call(-1, NAN_BYTE);
+    if (status != current->usual) {
+        complain("not the usual answer", status);
+    }
+}
+
+static void null_for_each_pointer(void)
+{
+    for (int i = 0; i < n_arguments(); i++) {
+        const role r = current->arguments[i].role;
+
+        if (r == R_VALUE || r == R_ANY || r == R_COUNT) {
+            continue;
+        }
+        snprintf(what, sizeof what, "argument %d NULL", i);
+        refresh(FINITE_BYTE);
+        if (r == R_OUT_OPT || r == R_OUT_BAD || r == R_IN_OPT) {
+            expect(current->usual, i);
+        } else {
+            expect(RIGCAL_ERR_NULL, i);
+        }
+    }
+}
+
+static int has_checked_reals(int i)
+{
+    const role r = current->arguments[i].role;
+
+    return r == R_IN || r == R_IN_OPT || r == R_VALUE || r == R_ANY;
+}
+
+static void not_finite_numbers(void)
+{
+    const double values[] = {test_nan(), test_infinity(), -test_infinity()};
+
+    for (int i = 0; i < n_arguments(); i++) {
+        if (!has_checked_reals(i)) {
+            continue;
+        }
+        for (size_t k = 0; k < n_reals(i); k++) {
+            for (int v = 0; v < 3; v++) {
+                snprintf(what, sizeof what, "argument %d, number %u: %g", i,
+                         (unsigned)k, values[v]);
+                refresh(FINITE_BYTE);
+                put_real(real_of(i, k), values[v]);
+                if (current->arguments[i].role == R_ANY) {
+                    call(-1, FINITE_BYTE);
+                } else {
+                    expect(RIGCAL_ERR_NOT_FINITE, -1);
+                }
+            }
+        }
+    }
+}
+
+/* One number, or all (k = n_reals). */
+static void disturb(int i, size_t k, double factor, double value)
+{
+    const size_t n = n_reals(i);
+
+    for (size_t j = k < n ? k : 0; j < (k < n ? k + 1 : n); j++) {
+        put_real(real_of(i, j),
+                 factor != 0 ? factor * real_at(real_of(i, j)) : value);
+    }
+}
+
+static void extreme_numbers(void)
+{
+    const double least = RIGCAL_USE_FLOAT ? (double)FLT_MIN : DBL_MIN;
+    const double most = RIGCAL_USE_FLOAT ? (double)FLT_MAX : DBL_MAX;
+    const struct {
+        double factor, value;
+    } values[] = {
+        {-1, 0},
+        {0, 0},
+        {0, least / 8}, /* denormal */
+        {0, -least / 8},
+        {0, least},
+        {0, TOL(1e-150, 1e-20)}, /* its square is denormal or 0 */
+        {0, TOL(-1e-100, -1e-12)},
+        {0, TOL(1e100, 1e12)},
+        {0, TOL(1e160, 1e20)}, /* its square is infinite */
+        {0, TOL(-1e160, -1e20)},
+        {0, TOL(1e300, 1e38)},
+        {0, TOL(-1e300, -1e38)},
+        {0, most},
+        {TOL(1e-160, 1e-20), 0},
+        {TOL(1e160, 1e20), 0},
+    };
+
+    for (int i = 0; i < n_arguments(); i++) {
+        if (!has_checked_reals(i) || n_reals(i) == 0) {
+            continue;
+        }
+        for (size_t k = 0; k <= n_reals(i); k++) {
+            for (size_t v = 0; v < sizeof values / sizeof values[0]; v++) {
+                snprintf(what, sizeof what, "argument %d, %s %u: %s%g", i,
+                         k < n_reals(i) ? "number" : "all", (unsigned)k,
+                         values[v].factor != 0 ? "times " : "",
+                         values[v].factor != 0 ? values[v].factor
+                                               : values[v].value);
+                refresh(FINITE_BYTE);
+                disturb(i, k, values[v].factor, values[v].value);
+                call(-1, FINITE_BYTE);
+            }
+        }
+    }
+}
+
+static void put_count(int i, int64_t value)
+{
+    if (current->arguments[i].kind == &SIZE) {
+        const size_t x = (size_t)value;
+
+        memcpy(buffer[i], &x, sizeof x);
+    } else {
+        const int32_t x = (int32_t)value;
+
+        memcpy(buffer[i], &x, sizeof x);
+    }
+}
+
+static void counts_and_options(void)
+{
+    for (int i = 0; i < n_arguments(); i++) {
+        const argument *a = &current->arguments[i];
+        const int is_size = a->kind == &SIZE;
+        int64_t values[16];
+        int n = 0;
+
+        if (a->role != R_COUNT) {
+            continue;
+        }
+        for (int64_t v = 0; v < a->low && v < 4; v++) {
+            values[n++] = v;
+        }
+        if (!is_size) {
+            values[n++] = a->low - 1;
+            values[n++] = -7;
+            values[n++] = INT32_MIN;
+        }
+        if (a->high > 0) {
+            values[n++] = a->high + 1;
+            values[n++] = INT32_MAX;
+        }
+        for (int v = 0; v < n; v++) {
+            snprintf(what, sizeof what, "argument %d: %.0f", i,
+                     (double)values[v]);
+            refresh(FINITE_BYTE);
+            put_count(i, values[v]);
+            if (a->outside == 0) {
+                call(-1, FINITE_BYTE);
+            } else if (is_size && a->high > 0 && values[v] > a->high) {
+                expect(RIGCAL_ERR_RANGE, -1);
+            } else {
+                expect(a->outside, -1);
+            }
+        }
+    }
+}
+
+/* In the first, then in the last element of each input. */
+static void impossible_numbers(void)
+{
+    for (int i = 0; i < n_arguments(); i++) {
+        const argument *a = &current->arguments[i];
+
+        if (!a->valid || !a->kind->bad) {
+            continue;
+        }
+        for (const impossible *bad = a->kind->bad; bad->status != 0; bad++) {
+            for (size_t e = 0; e<a->n; e += a->n> 1 ? a->n - 1 : 1) {
+                unsigned char *place;
+
+                snprintf(what, sizeof what,
+                         "argument %d, element %u, offset %u: %g", i,
+                         (unsigned)e, (unsigned)bad->offset, bad->value);
+                refresh(FINITE_BYTE);
+                place = buffer[i] + e * a->kind->size + bad->offset;
+                if (bad->is_real) {
+                    put_real(place, bad->value);
+                } else {
+                    const int32_t x = (int32_t)bad->value;
+
+                    memcpy(place, &x, sizeof x);
+                }
+                expect(bad->status, -1);
+            }
+        }
+    }
+}
+
+static void all_bytes_zero(void)
+{
+    for (int i = 0; i < n_arguments(); i++) {
+        const argument *a = &current->arguments[i];
+
+        if (!a->valid || a->kind->zeroed == 0) {
+            continue;
+        }
+        snprintf(what, sizeof what, "argument %d all 0", i);
+        refresh(FINITE_BYTE);
+        memset(buffer[i], 0, size_of(a));
+        expect(a->kind->zeroed, -1);
+    }
+}
+
+static void withstands_hostile_arguments(void)
+{
+    char summary[80];
+
+    for (int i = 0; i < n_arguments(); i++) {
+        buffer[i] = malloc(size_of(&current->arguments[i]));
+        TEST_ASSERT_NOT_NULL(buffer[i]);
+    }
+    failures = 0;
+    valid_arguments();
+    null_for_each_pointer();
+    not_finite_numbers();
+    extreme_numbers();
+    counts_and_options();
+    impossible_numbers();
+    all_bytes_zero();
+    for (int i = 0; i < n_arguments(); i++) {
+        free(buffer[i]);
+        buffer[i] = NULL;
+    }
+    if (failures > 0) {
+        snprintf(summary, sizeof summary, "%d broken promises", failures);
+        TEST_FAIL_MESSAGE(summary);
+    }
+}
+
+/* ---- that no function is missing ----------------------------------------- */
+
+static int is_in_table(const char *name)
+{
+    int n = 0;
+
+    for (int i = 0; i < N_FUNCTIONS; i++) {
+        n += strcmp(FUNCTIONS[i].name, name) == 0;
+    }
+    for (int i = 0; i < N_HARMLESS; i++) {
+        n += strcmp(HARMLESS[i], name) == 0;
+    }
+    return n;
+}
+
+/* The next function that the header declares from *text on: the word before the
+ * first parenthesis after RIGCAL_API. */
+static int next_function(char name[64], const char **text)
+{
+    const char *api = strstr(*text, "RIGCAL_API"), *end, *start;
+
+    while (api && strncmp(api, "RIGCAL_API ", 11) != 0) {
+        api = strstr(api + 1, "RIGCAL_API"); /* in a comment */
+    }
+    if (!api) {
+        return 0;
+    }
+    end = strchr(api, '(');
+    TEST_ASSERT_NOT_NULL(end);
+    for (start = end; start > api && start[-1] != ' ' && start[-1] != '*';) {
+        start--;
+    }
+    TEST_ASSERT_TRUE(end - start < 64);
+    memcpy(name, start, (size_t)(end - start));
+    name[end - start] = '\0';
+    *text = end;
+    return 1;
+}
+
+static void test_every_public_function_of_the_header_is_in_the_table(void)
+{
+    static char header[200000];
+    FILE *file = fopen(RIGCAL_DATA_DIR "/../../include/rigcal.h", "r");
+    const char *text = header;
+    char name[64];
+    size_t length;
+    int n = 0;
+
+    TEST_ASSERT_NOT_NULL_MESSAGE(file, "include/rigcal.h cannot be read");
+    length = fread(header, 1, sizeof header - 1, file);
+    fclose(file);
+    TEST_ASSERT_TRUE_MESSAGE(length < sizeof header - 1, "rigcal.h has grown");
+    while (next_function(name, &text)) {
+        n++;
+        TEST_ASSERT_EQUAL_INT_MESSAGE(1, is_in_table(name), name);
+    }
+    TEST_ASSERT_EQUAL_INT(N_FUNCTIONS + N_HARMLESS, n);
+}
+
+/* ---- what one line of a table cannot tell -------------------------------- */
+
+static void test_a_solver_still_running_has_no_result(void)
+{
+    rigcal_paper_pose pose;
+
+    ASSERT_REFUSED(RIGCAL_ERR_STATE, pose,
+                   rigcal_paper_result(&pose, &ok.solver));
+}
+
+static void test_a_search_has_no_result_before_every_vertex_has_a_cost(void)
+{
+    rigcal_real x[3];
+
+    ASSERT_REFUSED(RIGCAL_ERR_STATE, x,
+                   rigcal_neldermead_result(x, NULL, NULL, &ok.search_begun));
+}
+
+static void test_only_none_or_two_pairs_eliminate(void)
+{
+    rigcal_elimination out;
+
+    ASSERT_REFUSED(
+        RIGCAL_ERR_RANGE, out,
+        rigcal_eliminate(&out, ok.pairs, N_PAIRS, 1, RIGCAL_YAW, ok.angles));
+}
+
+static void test_a_pair_is_of_two_different_points(void)
+{
+    rigcal_pair pair;
+
+    ASSERT_REFUSED(RIGCAL_ERR_RANGE, pair,
+                   rigcal_pair_make(&pair, ok.sightings, N, 2, 2));
+}
+
+static void test_the_far_end_of_a_line_lies_beyond_the_near_one(void)
+{
+    rigcal_real ends[4], uv[16];
+    int32_t n;
+
+    ASSERT_REFUSED(RIGCAL_ERR_RANGE, ends,
+                   rigcal_epiline_segment(ends, &ok.camera, &ok.b_from_a,
+                                          ok.ray_a, REAL_FAR, REAL_NEAR));
+    ASSERT_REFUSED(RIGCAL_ERR_RANGE, ends,
+                   rigcal_epiline_segment(ends, &ok.camera, &ok.b_from_a,
+                                          ok.ray_a, REAL_NEAR, REAL_NEAR));
+    FILL(n);
+    ASSERT_REFUSED(RIGCAL_ERR_RANGE, uv,
+                   rigcal_epiline_curve(uv, &n, 8, &ok.camera, &ok.b_from_a,
+                                        ok.ray_a, REAL_FAR, REAL_NEAR));
+    ASSERT_UNTOUCHED(n);
+}
+
+static void test_weights_that_are_all_zero_make_no_mean(void)
+{
+    static const rigcal_real none[N_VIEWS] = {0};
+    rigcal_transform mean;
+
+    ASSERT_REFUSED(
+        RIGCAL_ERR_RANGE, mean,
+        rigcal_transform_mean(&mean, NULL, NULL, ok.estimates, none, N_VIEWS));
+}
+
+static void test_pairs_for_any_number_of_points_does_not_wrap_round(void)
+{
+    TEST_ASSERT_EQUAL_UINT64(0, rigcal_pairs_for(0));
+    TEST_ASSERT_EQUAL_UINT64(0, rigcal_pairs_for(1));
+    for (size_t n = 2; n < 100; n++) {
+        const size_t all = n * (n - 1) / 2;
+
+        TEST_ASSERT_EQUAL_UINT64(all < 4 * n ? all : 4 * n,
+                                 rigcal_pairs_for(n));
+        TEST_ASSERT_EQUAL_UINT64(RIGCAL_PAIRS_FOR(n), rigcal_pairs_for(n));
+    }
+    TEST_ASSERT_EQUAL_UINT64((size_t)1 << 30,
+                             rigcal_pairs_for((size_t)1 << 28));
+}
+
+void setUp(void)
+{
+}
+
+void tearDown(void)
+{
+}
+
+static void test_the_valid_arguments_are_valid(void)
+{
+    build_valid();
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_every_public_function_of_the_header_is_in_the_table);
+    RUN_TEST(test_the_valid_arguments_are_valid);
+    for (int i = 0; i < N_FUNCTIONS; i++) {
+        char name[80];
+
+        current = &FUNCTIONS[i];
+        snprintf(name, sizeof name, "%s_withstands_hostile_arguments",
+                 current->name);
+        UnityDefaultTestRun(withstands_hostile_arguments, name, __LINE__);
+    }
+    RUN_TEST(test_a_solver_still_running_has_no_result);
+    RUN_TEST(test_a_search_has_no_result_before_every_vertex_has_a_cost);
+    RUN_TEST(test_only_none_or_two_pairs_eliminate);
+    RUN_TEST(test_a_pair_is_of_two_different_points);
+    RUN_TEST(test_the_far_end_of_a_line_lies_beyond_the_near_one);
+    RUN_TEST(test_weights_that_are_all_zero_make_no_mean);
+    RUN_TEST(test_pairs_for_any_number_of_points_does_not_wrap_round);
+    return UNITY_END();
+}

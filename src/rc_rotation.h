@@ -22,6 +22,10 @@ void rc_rotation_from_vector(rigcal_real R[9], const rigcal_real w[3]);
 void rc_vector_from_rotation(rigcal_real w[3], const rigcal_real R[9]);
 rigcal_real rc_rotation_angle(const rigcal_real Ra[9], const rigcal_real Rb[9]);
 
+/* atan2 in (-pi, pi]: of a half turn whose sine is rounding, or -0, atan2 itself
+ * may make -pi. */
+rigcal_real rc_angle(rigcal_real sine, rigcal_real cosine);
+
 /* 0 when M is singular to working precision or mirrors; R is then untouched. */
 int rc_rotation_nearest(rigcal_real R[9], const rigcal_real M[9]);
 

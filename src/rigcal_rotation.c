@@ -87,6 +87,12 @@ void rc_rotation_from_yaw_pitch_roll(rigcal_real R[9], const rigcal_real ypr[3])
     R[8] = cp * cr;
 }
 
+rigcal_real rc_angle(rigcal_real sine, rigcal_real cosine)
+{
+    const rigcal_real angle = RC_ATAN2(sine, cosine);
+    return (angle <= -RC_PI) ? RC_PI : angle;
+}
+
 /* Roll is read from Rz(yaw)^T R, not from the third row: near gimbal lock that
  * row is rounding, but the sum or difference of yaw and roll stays right. */
 void rc_yaw_pitch_roll_from_rotation(rigcal_real ypr[3], const rigcal_real R[9])
@@ -94,13 +100,13 @@ void rc_yaw_pitch_roll_from_rotation(rigcal_real ypr[3], const rigcal_real R[9])
     const rigcal_real cos_pitch = RC_SQRT(R[0] * R[0] + R[3] * R[3]);
     ypr[1] = RC_ATAN2(-R[6], cos_pitch);
     if (!(cos_pitch > GIMBAL_COS)) {
-        ypr[0] = RC_ATAN2(-R[1], R[4]);
+        ypr[0] = rc_angle(-R[1], R[4]);
         ypr[2] = 0;
         return;
     }
-    ypr[0] = RC_ATAN2(R[3], R[0]);
+    ypr[0] = rc_angle(R[3], R[0]);
     const rigcal_real cy = R[0] / cos_pitch, sy = R[3] / cos_pitch;
-    ypr[2] = RC_ATAN2(sy * R[2] - cy * R[5], cy * R[4] - sy * R[1]);
+    ypr[2] = rc_angle(sy * R[2] - cy * R[5], cy * R[4] - sy * R[1]);
 }
 
 void rc_rotation_from_quaternion(rigcal_real R[9], const rigcal_real q_wxyz[4])
@@ -259,10 +265,14 @@ rigcal_status rigcal_rotation_from_vector(rigcal_real R[9],
                                           const rigcal_real w[3])
 {
     const rigcal_status status = check_angles(R, w);
-    if (status == RIGCAL_OK) {
-        rc_rotation_from_vector(R, w);
+    if (status != RIGCAL_OK) {
+        return status;
     }
-    return status;
+    if (!(rc_vec3_norm(w) <= ANGLE_MAX)) {
+        return RIGCAL_ERR_RANGE;
+    }
+    rc_rotation_from_vector(R, w);
+    return RIGCAL_OK;
 }
 
 rigcal_status rigcal_rotation_from_quaternion(rigcal_real R[9],

@@ -9,6 +9,7 @@
 # of deb, downloads that package through the machine's own trusted keys, takes
 # the three files and compares them with the checksums below. It needs no root
 # and leaves the machine's apt as it was. DEST appears complete or not at all.
+# Exit status 2: DEST cannot be made; 1: anything else.
 set -eu
 
 package=ntpsec
@@ -32,7 +33,11 @@ is_complete() {
 if is_complete "$dest"; then
     exit 0
 fi
-mkdir -p "$(dirname "$dest")" 2>/dev/null || die "cannot make a folder at $dest"
+if ! mkdir -p "$(dirname "$dest")" 2>/dev/null || ! [ -w "$(dirname "$dest")" ]
+then
+    echo "get_unity.sh: cannot make a folder at $dest" >&2
+    exit 2
+fi
 command -v apt-get >/dev/null || die "there is no apt-get on this machine"
 
 work=$(mktemp -d) || die "cannot make a temporary folder"

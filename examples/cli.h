@@ -1,0 +1,55 @@
+/* cli.h - the commands of the command line, and what they share. */
+#ifndef RIGCAL_CLI_H
+#define RIGCAL_CLI_H
+
+#include <stdio.h>
+
+#include "cli_input.h"
+
+enum {
+    OPTION_CAMERAS,
+    OPTION_OBSERVATIONS,
+    OPTION_OUT,
+    OPTION_RIG,
+    OPTION_TARGETS,
+    OPTION_SIGMA,
+    OPTION_FROM,
+    OPTION_TO,
+    OPTION_PIXEL,
+    OPTION_DEPTH,
+    OPTION_COUNT
+};
+
+/* Each runs with the texts given to the options, NULL where not given, and
+ * returns the exit status. */
+typedef int cli_command(const char *const option[OPTION_COUNT]);
+cli_command cli_calibrate, cli_triangulate, cli_line;
+
+/* Significant digits written to files, so that nothing measured is lost. */
+enum { CLI_DIGITS = sizeof(rigcal_real) == sizeof(double) ? 12 : 9 };
+
+/* ",R11,...,tz" */
+#define CLI_TRANSFORM_COLUMNS "R11,R12,R13,R21,R22,R23,R31,R32,R33,tx,ty,tz"
+void cli_write_numbers(FILE *file, const rigcal_real numbers[], size_t count);
+void cli_write_transform(FILE *file, const rigcal_transform *transform);
+
+/* The `count` numbers, separated by commas, of an option. */
+void cli_numbers(double numbers[], size_t count, const char *option,
+                 const char *text);
+
+/* A set of files that appears in a folder as a whole or not at all. */
+enum { CLI_OUTPUT_MAX = 4 };
+typedef struct {
+    const char *folder;
+    int made_folder;
+    size_t count;
+    char *path[CLI_OUTPUT_MAX];
+    char *temporary[CLI_OUTPUT_MAX];
+    FILE *file[CLI_OUTPUT_MAX];
+} cli_output;
+
+void cli_output_begin(cli_output *output, const char *folder);
+FILE *cli_output_file(cli_output *output, const char *name);
+void cli_output_finish(cli_output *output);
+
+#endif

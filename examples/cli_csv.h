@@ -1,0 +1,63 @@
+/* cli_csv.h - tables of comma-separated text, read with exact complaints.
+ *
+ * Whatever is wrong with a file ends the program with "file:line: what is wrong"
+ * and exit status 2, so that callers only see tables that can be used. */
+#ifndef RIGCAL_CLI_CSV_H
+#define RIGCAL_CLI_CSV_H
+
+#include <stddef.h>
+
+#include "rigcal.h"
+
+#if defined(__GNUC__)
+#define CLI_NORETURN __attribute__((noreturn))
+#define CLI_PRINTF(text, first) __attribute__((format(printf, text, first)))
+#else
+#define CLI_NORETURN
+#define CLI_PRINTF(text, first)
+#endif
+
+/* Exit status: done; some of it could not be computed; wrong use or files. */
+enum { CLI_DONE = 0, CLI_GEOMETRY = 1, CLI_USAGE = 2 };
+
+/* "rigcal: " and the message on stderr; cli_fail then exits with CLI_USAGE. */
+void cli_say(const char *format, ...) CLI_PRINTF(1, 2);
+CLI_NORETURN void cli_fail(const char *format, ...) CLI_PRINTF(1, 2);
+
+/* Memory for count things, zeroed, of at least one; never NULL. */
+void *cli_alloc(size_t count, size_t size);
+
+/* The number a text begins with: decimal, finite and within rigcal_real, else
+ * *problem says what it is not. Returns where the number ends. */
+const char *cli_number(double *value, const char **problem, const char *text);
+
+typedef struct {
+    const char *path;
+    char *text;     /* the whole file, its fields ended by NUL */
+    char **columns; /* n_columns names */
+    char **cells;   /* n_rows x n_columns */
+    size_t *lines;  /* line in the file, of each row */
+    size_t header_line;
+    size_t n_columns, n_rows; /* at least 1 of each */
+} csv_table;
+
+void csv_read(csv_table *table, const char *path);
+void csv_free(csv_table *table);
+
+/* Column of that name. It must be there; optional ones give CSV_NONE if not. */
+#define CSV_NONE ((size_t)-1)
+size_t csv_column(const csv_table *table, const char *name);
+size_t csv_optional(const csv_table *table, const char *name);
+
+/* One cell: a number (0 where the column is CSV_NONE), a whole number from least
+ * to most, or an id. */
+rigcal_real csv_real(const csv_table *table, size_t row, size_t column);
+int32_t csv_whole(const csv_table *table, size_t row, size_t column,
+                  int32_t least, int32_t most);
+const char *csv_id(const csv_table *table, size_t row, size_t column);
+
+/* Ends the program with "file:line: " of that row and the message. */
+CLI_NORETURN void csv_fail(const csv_table *table, size_t row,
+                           const char *format, ...) CLI_PRINTF(3, 4);
+
+#endif

@@ -1,0 +1,63 @@
+/* cli_input.h - the files of data/FORMAT.md, read and checked.
+ *
+ * As in cli_csv.h, whatever is wrong ends the program with "file:line: what". */
+#ifndef RIGCAL_CLI_INPUT_H
+#define RIGCAL_CLI_INPUT_H
+
+#include "cli_csv.h"
+
+/* Different names, numbered in order of first appearance. */
+typedef struct {
+    const char **name;
+    size_t count;
+    size_t *slots; /* hash table: number + 1, or 0 */
+    size_t n_slots;
+} cli_names;
+
+#define CLI_UNKNOWN ((size_t)-1)
+size_t cli_names_find(const cli_names *names, const char *name);
+
+typedef struct {
+    csv_table table; /* holds the text of the names */
+    cli_names names;
+    rigcal_camera *camera;
+} cli_cameras;
+
+void cli_cameras_read(cli_cameras *cameras, const char *path);
+void cli_cameras_free(cli_cameras *cameras);
+
+typedef struct {
+    size_t frame, camera, point; /* numbers of their names */
+    size_t row;
+    rigcal_observation seen;
+} cli_observation;
+
+typedef struct {
+    csv_table table;
+    cli_names frames, points;
+    cli_observation *list;
+    size_t count;
+} cli_observations;
+
+/* Sorted by frame, point, camera. Without `targets` the columns X, Y, Z are not
+ * read. */
+void cli_observations_read(cli_observations *observations, const char *path,
+                           const cli_cameras *cameras, int targets);
+void cli_observations_free(cli_observations *observations);
+
+/* Sorts them by camera, frame and line instead: view by view. */
+void cli_observations_by_view(cli_observations *observations);
+
+/* Transforms by name: rig.csv by camera, targets.csv by frame. */
+typedef struct {
+    csv_table table;
+    cli_names names;
+    rigcal_transform *transform;
+} cli_transforms;
+
+/* cameras: the names must be among them; NULL: any name will do. */
+void cli_transforms_read(cli_transforms *transforms, const char *path,
+                         const char *key, const cli_cameras *cameras);
+void cli_transforms_free(cli_transforms *transforms);
+
+#endif

@@ -1,0 +1,194 @@
+/* rigcal line: where in one image the match of a pixel of another can be. */
+#include "cli.h"
+
+#include <string.h>
+
+typedef struct {
+    size_t number; /* of its name */
+    const char *name;
+    const rigcal_camera *camera;
+    const rigcal_transform *cam_from_rig;
+} rig_camera;
+
+typedef struct {
+    rig_camera a, b; /* from, to */
+    rigcal_transform b_from_a;
+    rigcal_real ray_a[3];
+    int exit_status;
+} epipolar;
+
+static rig_camera find(const cli_cameras *cameras, const cli_transforms *rig,
+                       const char *name)
+{
+    rig_camera found;
+    const size_t in_rig = cli_names_find(&rig->names, name);
+
+    found.name = name;
+    found.number = cli_names_find(&cameras->names, name);
+    if (found.number == CLI_UNKNOWN) {
+        cli_fail("camera %s is not in %s", name, cameras->table.path);
+    }
+    if (in_rig == CLI_UNKNOWN) {
+        cli_fail("camera %s is not in %s", name, rig->table.path);
+    }
+    found.camera = &cameras->camera[found.number];
+    found.cam_from_rig = &rig->transform[in_rig];
+    return found;
+}
+
+static void find_both(epipolar *e, const cli_cameras *cameras,
+                      const cli_transforms *rig,
+                      const char *const option[OPTION_COUNT])
+{
+    e->a = find(cameras, rig, option[OPTION_FROM]);
+    e->b = find(cameras, rig, option[OPTION_TO]);
+    if (e->a.number == e->b.number) {
+        cli_fail("--from and --to are the same camera, %s", e->a.name);
+    }
+}
+
+/* Says what could not be computed. */
+static int failed(epipolar *e, rigcal_status status, const char *what)
+{
+    if (status >= 0) {
+        return 0;
+    }
+    cli_say("%s: %s", what, rigcal_status_text(status));
+    e->exit_status = CLI_GEOMETRY;
+    return 1;
+}
+
+static void check_inside(const rigcal_camera *camera, const double uv[2],
+                         const char *text)
+{
+    if (!(uv[0] >= -0.5 && uv[0] <= camera->width - 0.5 && uv[1] >= -0.5 &&
+          uv[1] <= camera->height - 0.5)) {
+        cli_fail("--pixel %s is outside the image of %ld x %ld pixels", text,
+                 (long)camera->width, (long)camera->height);
+    }
+}
+
+static int find_ray(epipolar *e, const char *text)
+{
+    double pixel[2];
+    rigcal_real uv[2];
+
+    cli_numbers(pixel, 2, "--pixel", text);
+    check_inside(e->a.camera, pixel, text);
+    uv[0] = (rigcal_real)pixel[0];
+    uv[1] = (rigcal_real)pixel[1];
+    return !failed(e, rigcal_pixel_to_ray(e->ray_a, e->a.camera, uv),
+                   e->a.name) &&
+           !failed(e,
+                   rigcal_relative_pose(&e->b_from_a, e->b.cam_from_rig,
+                                        e->a.cam_from_rig),
+                   "rig");
+}
+
+static void print_row(const char *quantity, const rigcal_real numbers[],
+                      size_t count)
+{
+    printf("%s", quantity);
+    cli_write_numbers(stdout, numbers, count);
+    printf("%s\n", count < 4 ? "," : "");
+}
+
+static void print_line(epipolar *e)
+{
+    rigcal_real line[3], ends[4];
+
+    if (failed(e, rigcal_epiline_px(line, e->b.camera, &e->b_from_a, e->ray_a),
+               "line")) {
+        return;
+    }
+    print_row("line", line, 3);
+    if (!failed(e,
+                rigcal_epiline_clip(ends, line, e->b.camera->width,
+                                    e->b.camera->height),
+                "ends")) {
+        print_row("ends", ends, 4);
+    }
+}
+
+/* The visible part of the curve, by its first and last sample. */
+static void print_curve_ends(epipolar *e, const rigcal_real ray_a[3],
+                             const rigcal_real depth[2])
+{
+    enum { SAMPLES = 65 };
+    rigcal_real uv[2 * SAMPLES], ends[4];
+    int32_t count = 0;
+
+    if (failed(e,
+               rigcal_epiline_curve(uv, &count, SAMPLES, e->b.camera,
+                                    &e->b_from_a, ray_a, depth[0], depth[1]),
+               "depth_ends_image")) {
+        return;
+    }
+    if (count < SAMPLES) {
+        cli_say("camera %s cannot see all of that depth range; "
+                "depth_ends_image is of the part it can",
+                e->b.name);
+    }
+    memcpy(ends, uv, 2 * sizeof ends[0]);
+    memcpy(ends + 2, uv + 2 * (count - 1), 2 * sizeof ends[0]);
+    print_row("depth_ends_image", ends, 4);
+}
+
+static void print_depths(epipolar *e, const rigcal_real depth[2])
+{
+    rigcal_real ray[3], ends[4];
+    int k;
+
+    if (!(e->ray_a[2] > 0)) {
+        failed(e, RIGCAL_ERR_WIDE_RAY, "depth");
+        return;
+    }
+    for (k = 0; k < 3; k++) { /* so that depths count along the axis */
+        ray[k] = e->ray_a[k] / e->ray_a[2];
+    }
+    if (!failed(e,
+                rigcal_epiline_segment(ends, e->b.camera, &e->b_from_a, ray,
+                                       depth[0], depth[1]),
+                "depth_ends")) {
+        print_row("depth_ends", ends, 4);
+    }
+    print_curve_ends(e, ray, depth);
+}
+
+static void read_depths(rigcal_real depth[2], const char *text)
+{
+    double numbers[2];
+
+    cli_numbers(numbers, 2, "--depth", text);
+    if (!(numbers[0] > 0 && numbers[1] > numbers[0])) {
+        cli_fail("--depth takes 0 < NEAR < FAR, not \"%s\"", text);
+    }
+    depth[0] = (rigcal_real)numbers[0];
+    depth[1] = (rigcal_real)numbers[1];
+}
+
+int cli_line(const char *const option[OPTION_COUNT])
+{
+    cli_cameras cameras;
+    cli_transforms rig;
+    epipolar e;
+    rigcal_real depth[2] = {0, 0};
+
+    memset(&e, 0, sizeof e);
+    if (option[OPTION_DEPTH] != NULL) {
+        read_depths(depth, option[OPTION_DEPTH]);
+    }
+    cli_cameras_read(&cameras, option[OPTION_CAMERAS]);
+    cli_transforms_read(&rig, option[OPTION_RIG], "camera", &cameras);
+    find_both(&e, &cameras, &rig, option);
+    if (find_ray(&e, option[OPTION_PIXEL])) {
+        printf("quantity,v1,v2,v3,v4\n");
+        print_line(&e);
+        if (option[OPTION_DEPTH] != NULL) {
+            print_depths(&e, depth);
+        }
+    }
+    cli_transforms_free(&rig);
+    cli_cameras_free(&cameras);
+    return e.exit_status;
+}

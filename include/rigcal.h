@@ -8,6 +8,7 @@
  *              Chains read by eye:  c_from_a = c_from_b * b_from_a
  *   units      lengths in the caller's unit, one throughout; angles in radian;
  *              pixels with (0, 0) the centre of the top-left pixel
+ *   range      coordinates and lengths within 1e30 / 1e9, else ERR_RANGE
  *   storage    3 x 3 matrices row-major, vectors are columns
  *   arguments  outputs, then inputs, then counts and options; an output may not
  *              overlap an input or another output
@@ -154,7 +155,7 @@ RIGCAL_API rigcal_status rigcal_rotation_angle(rigcal_real *angle,
 /* ==== transform ===========================================================
  *
  * A rigid transform b_from_a: X_b = R X_a + t. Every function: OK, ERR_NULL,
- * ERR_NOT_FINITE, ERR_ROTATION. */
+ * ERR_NOT_FINITE, ERR_ROTATION, ERR_RANGE. */
 typedef struct {
     rigcal_real R[9]; /* rotation, row by row */
     rigcal_real t[3]; /* origin of a in frame b */
@@ -333,10 +334,10 @@ RIGCAL_API rigcal_status rigcal_neldermead_step(rigcal_neldermead *nm,
                                                 rigcal_cost cost, void *context,
                                                 int32_t budget);
 
-/* The best vertex so far, at any time after all k + 1 vertices have a cost:
- * x[k], its cost, evaluations spent (`cost` and `evals` may be NULL). The
- * search's status, ERR_STATE (too early), or ERR_NOT_FINITE (no vertex has a
- * finite cost). */
+/* The best vertex so far, at any time after the first cost was told: x[k], its
+ * cost, evaluations spent (`cost` and `evals` may be NULL). The search's status,
+ * ERR_NULL, ERR_STATE (too early), or ERR_NOT_FINITE (no vertex has a finite
+ * cost). */
 RIGCAL_API rigcal_status rigcal_neldermead_result(rigcal_real x[],
                                                   rigcal_real *cost,
                                                   int32_t *evals,

@@ -58,6 +58,9 @@ static inline int rc_all_finite(const rigcal_real x[], int n)
     return 1;
 }
 
+/* Counts of points, pairs, views: indices fit an int32_t, sums a rigcal_real. */
+#define RC_COUNT_MAX ((size_t)1 << 28)
+
 /* Coordinates within this have squares and fourth powers that do not overflow. */
 #define RC_COORDINATE_MAX RC_TOL(1e30, 1e9)
 

@@ -1,0 +1,13 @@
+/* rc_neldermead.h - the search without argument checks; see rigcal.h. */
+#ifndef RC_NELDERMEAD_H
+#define RC_NELDERMEAD_H
+
+#include "rc_real.h"
+
+void rc_neldermead_begin(rigcal_neldermead *nm, const rigcal_real x0[], int32_t k,
+                         rigcal_real xtol, rigcal_real ftol, int32_t max_evals);
+
+/* Takes the cost of nm->trial and sets the next trial and nm->status. */
+void rc_neldermead_tell(rigcal_neldermead *nm, rigcal_real cost);
+
+#endif /* RC_NELDERMEAD_H */

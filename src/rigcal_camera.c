@@ -1,0 +1,616 @@
+#include "rc_camera.h"
+
+/* Focal lengths and principal points beyond these are mistakes, and would
+ * overflow or vanish in products. */
+#define FOCAL_MIN RC(1e-6)
+#define PIXEL_MAX RC(1e9)
+
+enum { SIZE_MAX_PX = 1000000 };
+
+/* ---- checks -------------------------------------------------------------- */
+
+rigcal_status rc_check_camera(const rigcal_camera *camera)
+{
+    if (camera == NULL) {
+        return RIGCAL_ERR_NULL;
+    }
+    const rigcal_camera *const c = camera;
+    const rigcal_real numbers[12] = {c->fx, c->fy, c->cx, c->cy, c->k1, c->k2,
+                                     c->p1, c->p2, c->k3, c->k4, c->k5, c->k6};
+    if (!rc_all_finite(numbers, 12)) {
+        return RIGCAL_ERR_NOT_FINITE;
+    }
+    const int size_ok = c->width >= 1 && c->width <= SIZE_MAX_PX &&
+                        c->height >= 1 && c->height <= SIZE_MAX_PX;
+    const int focal_ok = c->fx >= FOCAL_MIN && c->fy >= FOCAL_MIN;
+    const int brown = c->lens == RIGCAL_LENS_BROWN;
+    const int fisheye = c->lens == RIGCAL_LENS_FISHEYE &&
+                        rc_all_within(&c->p1, 1, 0) &&
+                        rc_all_within(&c->p2, 1, 0) &&
+                        rc_all_within(&c->k5, 1, 0) &&
+                        rc_all_within(&c->k6, 1, 0);
+    if (!size_ok || !focal_ok || !rc_all_within(numbers, 4, PIXEL_MAX) ||
+        c->reserved != 0 || (!brown && !fisheye)) {
+        return RIGCAL_ERR_CAMERA;
+    }
+    return RIGCAL_OK;
+}
+
+static rigcal_status check_camera_pixel(const rigcal_real out[],
+                                        const rigcal_camera *camera,
+                                        const rigcal_real uv[2])
+{
+    if (out == NULL || camera == NULL || uv == NULL) {
+        return RIGCAL_ERR_NULL;
+    }
+    const rigcal_status status = rc_check_camera(camera);
+    if (status != RIGCAL_OK) {
+        return status;
+    }
+    if (!rc_all_finite(uv, 2)) {
+        return RIGCAL_ERR_NOT_FINITE;
+    }
+    return rc_all_within(uv, 2, PIXEL_MAX) ? RIGCAL_OK : RIGCAL_ERR_RANGE;
+}
+
+/* ---- the lens map -------------------------------------------------------- */
+
+void rc_lens_of(rc_lens *lens, const rigcal_camera *camera)
+{
+    const rigcal_camera *const c = camera;
+    lens->is_fisheye = c->lens == RIGCAL_LENS_FISHEYE;
+    lens->N[0] = 1;
+    lens->N[1] = c->k1;
+    lens->N[2] = c->k2;
+    lens->N[3] = c->k3;
+    lens->N[4] = lens->is_fisheye ? c->k4 : 0;
+    lens->D[0] = 1;
+    lens->D[1] = lens->is_fisheye ? 0 : c->k4;
+    lens->D[2] = c->k5;
+    lens->D[3] = c->k6;
+    lens->q[0] = c->p2;
+    lens->q[1] = c->p1;
+}
+
+/* Value and derivative of a polynomial of ascending powers. */
+static rigcal_real polynomial(rigcal_real *derivative, const rigcal_real c[],
+                              int degree, rigcal_real s)
+{
+    rigcal_real value = c[degree], slope = 0;
+    for (int i = degree - 1; i >= 0; i--) {
+        slope = slope * s + value;
+        value = value * s + c[i];
+    }
+    *derivative = slope;
+    return value;
+}
+
+/* With d = N / D and d' = (N' - d D') / D:
+ *   J = (d + 2 q.x) I + 2 d' x x^T + 2 (x q^T + q x^T) */
+int rc_lens_map(rigcal_real F[2], rigcal_real J[3], const rc_lens *lens,
+                const rigcal_real x[2])
+{
+    const rigcal_real *const q = lens->q;
+    const rigcal_real s = x[0] * x[0] + x[1] * x[1];
+    rigcal_real dN, dD;
+    const rigcal_real N = polynomial(&dN, lens->N, 4, s);
+    const rigcal_real D = polynomial(&dD, lens->D, 3, s);
+    if (!(D > 0)) {
+        return 0;
+    }
+    const rigcal_real d = N / D;
+    const rigcal_real slope = 2 * (dN - d * dD) / D;
+    const rigcal_real qx = 2 * (q[0] * x[0] + q[1] * x[1]);
+
+    F[0] = (d + qx) * x[0] + q[0] * s;
+    F[1] = (d + qx) * x[1] + q[1] * s;
+    J[0] = d + qx + slope * x[0] * x[0] + 4 * q[0] * x[0];
+    J[1] = slope * x[0] * x[1] + 2 * (q[0] * x[1] + q[1] * x[0]);
+    J[2] = d + qx + slope * x[1] * x[1] + 4 * q[1] * x[1];
+    return 1;
+}
+
+static int is_positive_definite(const rigcal_real J[3])
+{
+    return J[0] + J[2] > 0 && J[0] * J[2] - J[1] * J[1] > 0;
+}
+
+/* ---- the usable part of the lens ----------------------------------------- */
+
+enum { SLOPE_DEGREE = 6, WALK_MAX = 256 };
+
+/* Lower and upper bound of a polynomial on [a, a + h]: the least and the greatest
+ * of its Bernstein coefficients there (Farouki 2012). Their distance from the
+ * true range shrinks as h^2. */
+static void polynomial_range(rigcal_real range[2], const rigcal_real c[],
+                             int degree, rigcal_real a, rigcal_real h)
+{
+    static const rigcal_real CHOOSE[SLOPE_DEGREE + 1][SLOPE_DEGREE + 1] = {
+        {1}, {1, 1}, {1, 2, 1}, {1, 3, 3, 1}, {1, 4, 6, 4, 1},
+        {1, 5, 10, 10, 5, 1}, {1, 6, 15, 20, 15, 6, 1}};
+    rigcal_real b[SLOPE_DEGREE + 1];
+
+    for (int i = 0; i <= degree; i++) {
+        b[i] = c[i];
+    }
+    for (int i = 0; i < degree; i++) { /* powers of (s - a) */
+        for (int j = degree - 1; j >= i; j--) {
+            b[j] += a * b[j + 1];
+        }
+    }
+    rigcal_real power = 1;
+    for (int i = 0; i <= degree; i++) { /* powers of (s - a) / h, scaled */
+        b[i] *= power / CHOOSE[degree][i];
+        power *= h;
+    }
+    for (int i = 1; i <= degree; i++) { /* Bernstein: sums with binomials */
+        for (int j = degree; j >= i; j--) {
+            b[j] += b[j - 1];
+        }
+    }
+    range[0] = range[1] = b[0];
+    for (int i = 1; i <= degree; i++) {
+        range[0] = rc_min(range[0], b[i]);
+        range[1] = rc_max(range[1], b[i]);
+    }
+}
+
+/* Numerator of d/dr (r N / D) over D^2: (N + 2 s N') D - 2 s N D'. */
+static void radial_slope(rigcal_real G[SLOPE_DEGREE + 1], const rc_lens *lens)
+{
+    for (int i = 0; i <= SLOPE_DEGREE; i++) {
+        G[i] = 0;
+    }
+    for (int i = 0; i < 5; i++) {
+        for (int j = 0; j < 4 && i + j <= SLOPE_DEGREE; j++) {
+            G[i + j] += lens->N[i] * lens->D[j] * (rigcal_real)(1 + 2 * (i - j));
+        }
+    }
+}
+
+/* Along the direction e, at x = r e, let c = q.e and n = q.e', e' normal to e.
+ * In the basis (e, e') the Jacobian is
+ *
+ *     [ g' + 6 c r     2 n r   ]       g' = G / D^2,  d = N / D
+ *     [   2 n r       d + 2 c r]
+ *
+ * It is positive definite on all of r^2 in [a, a + h] when the bounds of G, N and
+ * D there make it so. */
+static int is_usable_between(const rc_lens *lens,
+                             const rigcal_real G[SLOPE_DEGREE + 1],
+                             rigcal_real c, rigcal_real n, rigcal_real a,
+                             rigcal_real h)
+{
+    rigcal_real slope[2], N[2], D[2];
+    polynomial_range(D, lens->D, 3, a, h);
+    polynomial_range(slope, G, SLOPE_DEGREE, a, h);
+    if (!(D[0] > 0)) {
+        return 0;
+    }
+    if (!(RC_FABS(c) > 0 || RC_FABS(n) > 0)) {
+        return slope[0] > 0; /* then d > 0 too: g rises from 0 */
+    }
+    polynomial_range(N, lens->N, 4, a, h);
+    const rigcal_real r_far = RC_SQRT(a + h);
+    const rigcal_real r_low = (c > 0) ? RC_SQRT(a) : r_far;
+    const rigcal_real by_D = (slope[0] > 0) ? 1 / D[1] : 1 / D[0];
+    const rigcal_real along = slope[0] * by_D * by_D + 6 * c * r_low;
+    const rigcal_real across =
+        N[0] / ((N[0] > 0) ? D[1] : D[0]) + 2 * c * r_low;
+    return along > 0 && across > 0 &&
+           along * across > 4 * n * n * r_far * r_far;
+}
+
+/* Walks from the axis to x in steps that are halved until the bounds decide, and
+ * doubled after each success. A turning point on the way is approached but never
+ * passed. */
+int rc_lens_is_usable(const rc_lens *lens, const rigcal_real x[2])
+{
+    rigcal_real G[SLOPE_DEGREE + 1];
+    const rigcal_real end = x[0] * x[0] + x[1] * x[1];
+    const rigcal_real r = RC_SQRT(end);
+    const rigcal_real *const q = lens->q;
+    const rigcal_real c = (r > 0) ? (q[0] * x[0] + q[1] * x[1]) / r : 0;
+    const rigcal_real n = (r > 0) ? (q[1] * x[0] - q[0] * x[1]) / r : 0;
+    if (!rc_is_finite(end)) {
+        return 0;
+    }
+
+    radial_slope(G, lens);
+    rigcal_real a = 0, h = end;
+    for (int i = 0; i < WALK_MAX && h > RC_EPS * end; i++) {
+        if (is_usable_between(lens, G, c, n, a, h)) {
+            a += h;
+            h = rc_min(2 * h, end - a);
+        } else {
+            h /= 2;
+        }
+    }
+    return end - a <= 4 * RC_EPS * end;
+}
+
+/* ---- from a pixel to a ray ----------------------------------------------- */
+
+enum { NEWTON_MAX = 60, STAGES_MAX = 64 };
+
+/* How far from the pixel a ray's projection may be, besides rounding [px]. Newton
+ * goes on to rounding; this only tells an answer from none. */
+#define MISS_MAX_PX RC_TOL(5e-10, 1e-3)
+
+/* Newton's method for F(x) = target from x, a place where J is positive definite.
+ * A step that leaves such places, or does not bring F nearer, is halved. Ends
+ * where no step helps any more and returns |F(x) - target| there. */
+static rigcal_real solve_from(rigcal_real x[2], const rc_lens *lens,
+                              const rigcal_real target[2])
+{
+    rigcal_real F[2], J[3], step[2] = {0, 0}, miss = RC_MAX, scale = 1;
+    rigcal_real at[2] = {x[0], x[1]};
+
+    for (int i = 0; i < NEWTON_MAX; i++) {
+        rigcal_real gap[2] = {0, 0}, next = RC_MAX;
+        if (rc_lens_map(F, J, lens, at) && is_positive_definite(J)) {
+            gap[0] = target[0] - F[0];
+            gap[1] = target[1] - F[1];
+            next = RC_SQRT(gap[0] * gap[0] + gap[1] * gap[1]);
+        }
+        if (next < miss) {
+            const rigcal_real det = J[0] * J[2] - J[1] * J[1];
+            miss = next;
+            x[0] = at[0];
+            x[1] = at[1];
+            step[0] = (J[2] * gap[0] - J[1] * gap[1]) / det;
+            step[1] = (J[0] * gap[1] - J[1] * gap[0]) / det;
+            scale = 1;
+        } else {
+            scale /= 2;
+        }
+        at[0] = x[0] + scale * step[0];
+        at[1] = x[1] + scale * step[1];
+        if (!(RC_FABS(at[0] - x[0]) > 0 || RC_FABS(at[1] - x[1]) > 0)) {
+            break;
+        }
+    }
+    return miss;
+}
+
+/* x with F(x) = target, on the part of the plane that does not fold. The answer
+ * is followed from the axis in `stages` equal parts of the target: one nearly
+ * always serves; more keep a strongly curved lens from being jumped across. */
+static int invert_lens(rigcal_real x[2], const rc_lens *lens,
+                       const rigcal_real target[2], rigcal_real tolerance)
+{
+    for (int stages = 1; stages <= STAGES_MAX; stages *= 2) {
+        rigcal_real miss = 0;
+        x[0] = x[1] = 0;
+        for (int i = 1; i <= stages && miss <= tolerance; i++) {
+            const rigcal_real part = (rigcal_real)i / (rigcal_real)stages;
+            const rigcal_real aim[2] = {part * target[0], part * target[1]};
+            miss = solve_from(x, lens, aim);
+        }
+        if (miss <= tolerance && rc_lens_is_usable(lens, x)) {
+            return 1;
+        }
+    }
+    return 0;
+}
+
+rigcal_status rc_pixel_to_ray(rigcal_real ray[3], const rigcal_camera *camera,
+                              const rigcal_real uv[2])
+{
+    const rigcal_camera *const c = camera;
+    const rigcal_real target[2] = {(uv[0] - c->cx) / c->fx,
+                                   (uv[1] - c->cy) / c->fy};
+    const rigcal_real largest = rc_max(rc_max(RC_FABS(uv[0]), RC_FABS(uv[1])),
+                                       rc_max(RC_FABS(c->cx), RC_FABS(c->cy)));
+    const rigcal_real tolerance =
+        (MISS_MAX_PX + 4 * RC_EPS * largest) / rc_max(c->fx, c->fy);
+    rc_lens lens;
+    rigcal_real x[2];
+
+    rc_lens_of(&lens, camera);
+    if (!invert_lens(x, &lens, target, tolerance)) {
+        return RIGCAL_ERR_NO_RAY;
+    }
+    if (!lens.is_fisheye) {
+        const rigcal_real m[3] = {x[0], x[1], 1};
+        return rc_vec3_unit(ray, m) ? RIGCAL_OK : RIGCAL_ERR_NO_RAY;
+    }
+    const rigcal_real theta = RC_SQRT(x[0] * x[0] + x[1] * x[1]);
+    if (!(theta < RC_PI)) {
+        return RIGCAL_ERR_NO_RAY;
+    }
+    const rigcal_real by_theta = (theta > 0) ? RC_SIN(theta) / theta : 1;
+    ray[0] = x[0] * by_theta;
+    ray[1] = x[1] * by_theta;
+    ray[2] = RC_COS(theta);
+    return RIGCAL_OK;
+}
+
+/* ---- from a point to a pixel --------------------------------------------- */
+
+/* Brown: x = (X, Y) / Z and its derivative dx (2 x 3) by X_c. */
+static rigcal_status plane_brown(rigcal_real x[2], rigcal_real dx[6],
+                                 const rigcal_real X_c[3])
+{
+    if (!(X_c[2] > 0)) {
+        return RIGCAL_ERR_BEHIND;
+    }
+    const rigcal_real by_Z = 1 / X_c[2];
+    x[0] = X_c[0] / X_c[2];
+    x[1] = X_c[1] / X_c[2];
+    dx[0] = dx[4] = by_Z;
+    dx[1] = dx[3] = 0;
+    dx[2] = -x[0] * by_Z;
+    dx[5] = -x[1] * by_Z;
+    return RIGCAL_OK;
+}
+
+/* Fisheye: x = k (X, Y), k = theta / r, theta = atan2(r, Z). With rho = |X_c|,
+ *   dk/dr = (Z / rho^2 - k) / r,  dk/dZ = -1 / rho^2 */
+static rigcal_status plane_fisheye(rigcal_real x[2], rigcal_real dx[6],
+                                   const rigcal_real X_c[3])
+{
+    const rigcal_real X = X_c[0], Y = X_c[1], Z = X_c[2];
+    const rigcal_real rr = X * X + Y * Y, rho2 = rr + Z * Z;
+    const rigcal_real r = RC_SQRT(rr);
+    if (!(r > 0 || Z > 0)) {
+        return RIGCAL_ERR_NO_RAY; /* straight behind: no direction in the image */
+    }
+    const rigcal_real k = (r > 0) ? RC_ATAN2(r, Z) / r : 1 / Z;
+    const rigcal_real bend = (r > 0) ? (Z / rho2 - k) / rr : 0;
+    x[0] = k * X;
+    x[1] = k * Y;
+    dx[0] = k + bend * X * X;
+    dx[1] = dx[3] = bend * X * Y;
+    dx[4] = k + bend * Y * Y;
+    dx[2] = -X / rho2;
+    dx[5] = -Y / rho2;
+    return RIGCAL_OK;
+}
+
+/* x in the plane of the lens map, of a point scaled so that its largest
+ * coordinate is 1: then nothing overflows on the way. */
+static rigcal_status point_to_plane(rigcal_real x[2], rigcal_real dx[6],
+                                    const rigcal_camera *camera,
+                                    const rigcal_real X_c[3])
+{
+    const rigcal_real largest = rc_vec3_max_abs(X_c);
+    if (!(largest > 0)) {
+        return RIGCAL_ERR_DEGENERATE;
+    }
+    const rigcal_real scaled[3] = {X_c[0] / largest, X_c[1] / largest,
+                                   X_c[2] / largest};
+    const rigcal_status status = (camera->lens == RIGCAL_LENS_FISHEYE)
+                                     ? plane_fisheye(x, dx, scaled)
+                                     : plane_brown(x, dx, scaled);
+    if (status == RIGCAL_OK) {
+        for (int i = 0; i < 6; i++) {
+            dx[i] /= largest;
+        }
+    }
+    return status;
+}
+
+/* Also gives the lens and the place x in its plane, for those who go on. */
+static rigcal_status project_by(rc_lens *lens, rigcal_real x[2],
+                                rigcal_real uv[2], rigcal_real J_uv[6],
+                                const rigcal_camera *camera,
+                                const rigcal_real X_c[3])
+{
+    rigcal_real dx[6], F[2], J[3];
+    const rigcal_status status = point_to_plane(x, dx, camera, X_c);
+    if (status != RIGCAL_OK) {
+        return status;
+    }
+    rc_lens_of(lens, camera);
+    if (!rc_lens_map(F, J, lens, x) || !rc_all_finite(F, 2)) {
+        return RIGCAL_ERR_NO_RAY;
+    }
+    uv[0] = camera->fx * F[0] + camera->cx;
+    uv[1] = camera->fy * F[1] + camera->cy;
+    if (J_uv != NULL) {
+        for (int j = 0; j < 3; j++) {
+            J_uv[j] = camera->fx * (J[0] * dx[j] + J[1] * dx[3 + j]);
+            J_uv[3 + j] = camera->fy * (J[1] * dx[j] + J[2] * dx[3 + j]);
+        }
+    }
+    return RIGCAL_OK;
+}
+
+rigcal_status rc_project(rigcal_real uv[2], rigcal_real J_uv[6],
+                         const rigcal_camera *camera,
+                         const rigcal_real X_c[3])
+{
+    rc_lens lens;
+    rigcal_real x[2];
+    return project_by(&lens, x, uv, J_uv, camera, X_c);
+}
+
+/* The pixel, and the proof that the lens sees the point there. */
+static rigcal_status project_usable(rigcal_real uv[2],
+                                    const rigcal_camera *camera,
+                                    const rigcal_real X_c[3])
+{
+    rc_lens lens;
+    rigcal_real x[2], pixel[2];
+    const rigcal_status status =
+        project_by(&lens, x, pixel, NULL, camera, X_c);
+    if (status != RIGCAL_OK) {
+        return status;
+    }
+    if (!rc_lens_is_usable(&lens, x) || !rc_all_finite(pixel, 2)) {
+        return RIGCAL_ERR_NO_RAY;
+    }
+    uv[0] = pixel[0];
+    uv[1] = pixel[1];
+    return RIGCAL_OK;
+}
+
+/* ---- public -------------------------------------------------------------- */
+
+rigcal_status rigcal_camera_check(const rigcal_camera *camera)
+{
+    return rc_check_camera(camera);
+}
+
+rigcal_status rigcal_project(rigcal_real uv[2], const rigcal_camera *camera,
+                             const rigcal_real X_c[3])
+{
+    if (uv == NULL || camera == NULL || X_c == NULL) {
+        return RIGCAL_ERR_NULL;
+    }
+    const rigcal_status status = rc_check_camera(camera);
+    if (status != RIGCAL_OK) {
+        return status;
+    }
+    if (!rc_all_finite(X_c, 3)) {
+        return RIGCAL_ERR_NOT_FINITE;
+    }
+    return project_usable(uv, camera, X_c);
+}
+
+rigcal_status rigcal_pixel_to_ray(rigcal_real ray[3],
+                                  const rigcal_camera *camera,
+                                  const rigcal_real uv[2])
+{
+    const rigcal_status status = check_camera_pixel(ray, camera, uv);
+    return (status == RIGCAL_OK) ? rc_pixel_to_ray(ray, camera, uv) : status;
+}
+
+rigcal_status rigcal_undistort_pixel(rigcal_real uv_straight[2],
+                                     const rigcal_camera *camera,
+                                     const rigcal_real uv[2])
+{
+    rigcal_real ray[3];
+    rigcal_status status = check_camera_pixel(uv_straight, camera, uv);
+    if (status == RIGCAL_OK) {
+        status = rc_pixel_to_ray(ray, camera, uv);
+    }
+    if (status != RIGCAL_OK) {
+        return status;
+    }
+    if (!(ray[2] > RC_EPS)) {
+        return RIGCAL_ERR_WIDE_RAY;
+    }
+    uv_straight[0] = camera->fx * (ray[0] / ray[2]) + camera->cx;
+    uv_straight[1] = camera->fy * (ray[1] / ray[2]) + camera->cy;
+    return RIGCAL_OK;
+}
+
+rigcal_status rigcal_distort_pixel(rigcal_real uv[2],
+                                   const rigcal_camera *camera,
+                                   const rigcal_real uv_straight[2])
+{
+    const rigcal_status status = check_camera_pixel(uv, camera, uv_straight);
+    if (status != RIGCAL_OK) {
+        return status;
+    }
+    const rigcal_real m[3] = {(uv_straight[0] - camera->cx) / camera->fx,
+                              (uv_straight[1] - camera->cy) / camera->fy, 1};
+    return project_usable(uv, camera, m);
+}
+
+/* What is wrong with observation i, if anything. */
+static rigcal_status check_observation(const rigcal_observation *observation)
+{
+    const rigcal_status status = rc_check_point(observation->X_w);
+    if (status != RIGCAL_OK) {
+        return status;
+    }
+    if (!rc_all_finite(observation->uv, 2)) {
+        return RIGCAL_ERR_NOT_FINITE;
+    }
+    return rc_all_within(observation->uv, 2, PIXEL_MAX) ? RIGCAL_OK
+                                                        : RIGCAL_ERR_RANGE;
+}
+
+static rigcal_status blame(int32_t *bad, size_t index, rigcal_status status)
+{
+    if (bad != NULL) {
+        *bad = (int32_t)index;
+    }
+    return status;
+}
+
+rigcal_status rigcal_sightings_from_observations(
+    rigcal_sighting sightings[], int32_t *bad, const rigcal_camera *camera,
+    const rigcal_observation observations[], size_t n)
+{
+    rigcal_real ray[3];
+    rigcal_status status = RIGCAL_OK;
+    if (sightings == NULL || observations == NULL) {
+        status = RIGCAL_ERR_NULL;
+    } else {
+        status = rc_check_camera(camera);
+    }
+    if (status == RIGCAL_OK && (n < 1 || n > RC_COUNT_MAX)) {
+        status = RIGCAL_ERR_RANGE;
+    }
+    if (status != RIGCAL_OK) {
+        return blame(bad, (size_t)-1, status);
+    }
+    /* Twice through, so that nothing is written when anything is wrong. */
+    for (size_t i = 0; i < n; i++) {
+        status = check_observation(&observations[i]);
+        if (status == RIGCAL_OK) {
+            status = rc_pixel_to_ray(ray, camera, observations[i].uv);
+        }
+        if (status != RIGCAL_OK) {
+            return blame(bad, i, status);
+        }
+    }
+    for (size_t i = 0; i < n; i++) {
+        (void)rc_pixel_to_ray(sightings[i].ray, camera, observations[i].uv);
+        for (int j = 0; j < 3; j++) {
+            sightings[i].X_w[j] = observations[i].X_w[j];
+        }
+    }
+    return RIGCAL_OK;
+}
+
+rigcal_status rigcal_reprojection_rms(
+    rigcal_real *rms_px, int32_t *worst, const rigcal_camera *camera,
+    const rigcal_transform *cam_from_world,
+    const rigcal_observation observations[], size_t n)
+{
+    if (rms_px == NULL || observations == NULL) {
+        return RIGCAL_ERR_NULL;
+    }
+    rigcal_status status = rc_check_camera(camera);
+    if (status == RIGCAL_OK) {
+        status = rc_check_transform(cam_from_world);
+    }
+    if (status == RIGCAL_OK && (n < 1 || n > RC_COUNT_MAX)) {
+        status = RIGCAL_ERR_RANGE;
+    }
+    rigcal_real sum = 0, largest = -1;
+    size_t largest_at = 0;
+    for (size_t i = 0; i < n && status == RIGCAL_OK; i++) {
+        rigcal_real X_c[3], uv[2];
+        status = check_observation(&observations[i]);
+        if (status != RIGCAL_OK) {
+            break;
+        }
+        rc_transform_point(X_c, cam_from_world, observations[i].X_w);
+        status = project_usable(uv, camera, X_c);
+        if (status != RIGCAL_OK) {
+            break;
+        }
+        const rigcal_real du = uv[0] - observations[i].uv[0];
+        const rigcal_real dv = uv[1] - observations[i].uv[1];
+        const rigcal_real squared = du * du + dv * dv;
+        sum += squared;
+        if (squared > largest) {
+            largest = squared;
+            largest_at = i;
+        }
+    }
+    if (status != RIGCAL_OK) {
+        return status;
+    }
+    *rms_px = RC_SQRT(sum / (rigcal_real)n);
+    if (worst != NULL) {
+        *worst = (int32_t)largest_at;
+    }
+    return RIGCAL_OK;
+}

@@ -48,6 +48,16 @@ want picolibc-arm-none-eabi \
 find_python numpy scipy >/dev/null ||
     missing="$missing python3 python3-numpy python3-scipy"
 install_missing || exit 1
+
+# Unity comes from Debian's sources; where it cannot, CMake clones upstream's.
+sh tests/support/get_unity.sh \
+    "${XDG_CACHE_HOME:-${HOME:-/nowhere}/.cache}/rigcal/unity-2.5.1" 2>/dev/null
+if [ $? -eq 1 ]; then
+    want git git --version
+    want ca-certificates test -e /etc/ssl/certs/ca-certificates.crt
+    install_missing || exit 1
+fi
+
 PYTHON=$(find_python numpy scipy) || {
     echo "There is no Python 3 with numpy and scipy." >&2
     exit 1

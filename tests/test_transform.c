@@ -1,0 +1,374 @@
+/* Rigid transforms: chained, turned round, applied; camera to camera. */
+#include <math.h>
+#include <stddef.h>
+
+#include "test_support.h"
+#include "vectors_transform.h"
+
+/* Entries of a rotation; lengths of order 10. */
+#define TOL_ENTRY TOL(1e-14, 2e-6)
+#define TOL_LENGTH TOL(3e-14, 1e-5)
+
+static const rigcal_transform NOTHING = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
+
+/* A quarter turn x to y, then 10 along x: exact in any arithmetic. */
+static const rigcal_transform QUARTER = {{0, -1, 0, 1, 0, 0, 0, 0, 1},
+                                         {10, 0, 0}};
+
+void setUp(void)
+{
+}
+
+void tearDown(void)
+{
+}
+
+static rigcal_transform random_transform(test_rng *rng)
+{
+    double R[9], t[3];
+
+    test_random_rotation(R, rng);
+    for (int k = 0; k < 3; k++) {
+        t[k] = test_uniform(rng, -5, 5);
+    }
+    return test_transform(R, t);
+}
+
+static rigcal_transform from_ypr(const double ypr[3], const double t[3])
+{
+    double R[9];
+
+    test_rotation(R, ypr[0], ypr[1], ypr[2]);
+    return test_transform(R, t);
+}
+
+static void assert_same(const rigcal_transform *expected,
+                        const rigcal_transform *seen)
+{
+    double R[9], t[3];
+
+    test_transform_parts(R, t, expected);
+    ASSERT_ARRAY_NEAR(R, seen->R, 9, TOL_ENTRY);
+    ASSERT_ARRAY_NEAR(t, seen->t, 3, TOL_LENGTH);
+}
+
+/* ---- on paper ------------------------------------------------------------ */
+
+static void test_a_point_is_turned_then_shifted(void)
+{
+    static const double expected[3] = {8, 1, 3};
+    const rigcal_real X[3] = {1, 2, 3};
+    rigcal_real Y[3];
+
+    ASSERT_STATUS(RIGCAL_OK, rigcal_transform_point(Y, &QUARTER, X));
+    ASSERT_ARRAY_NEAR(expected, Y, 3, 0);
+}
+
+static void test_the_later_transform_stands_left_in_a_chain(void)
+{
+    static const rigcal_transform shift = {{1, 0, 0, 0, 1, 0, 0, 0, 1},
+                                           {0, 0, 5}};
+    static const rigcal_transform half = {{-1, 0, 0, 0, 1, 0, 0, 0, -1},
+                                          {0, 7, 0}};
+    /* X goes to X + (0, 0, 5), then to (-x, y + 7, -z). */
+    static const double R[9] = {-1, 0, 0, 0, 1, 0, 0, 0, -1};
+    static const double t[3] = {0, 7, -5};
+    rigcal_transform chain;
+
+    ASSERT_STATUS(RIGCAL_OK, rigcal_transform_compose(&chain, &half, &shift));
+    ASSERT_ARRAY_NEAR(R, chain.R, 9, 0);
+    ASSERT_ARRAY_NEAR(t, chain.t, 3, 0);
+}
+
+static void test_the_inverse_of_a_known_transform(void)
+{
+    static const double R[9] = {0, 1, 0, -1, 0, 0, 0, 0, 1};
+    static const double t[3] = {0, 10, 0};
+    rigcal_transform back;
+
+    ASSERT_STATUS(RIGCAL_OK, rigcal_transform_invert(&back, &QUARTER));
+    ASSERT_ARRAY_NEAR(R, back.R, 9, 0);
+    ASSERT_ARRAY_NEAR(t, back.t, 3, 0);
+}
+
+/* o = -R^T t: the camera's x is the world's -y, and it sees the world's origin 10
+ * ahead on its x, so it stands at 10 on the world's y. */
+static void test_the_camera_centre_is_where_the_camera_is(void)
+{
+    static const double expected[3] = {0, 10, 0};
+    rigcal_real o[3], seen[3];
+
+    ASSERT_STATUS(RIGCAL_OK, rigcal_camera_center(o, &QUARTER));
+    ASSERT_ARRAY_NEAR(expected, o, 3, 0);
+    ASSERT_STATUS(RIGCAL_OK, rigcal_transform_point(seen, &QUARTER, o));
+    for (int k = 0; k < 3; k++) {
+        ASSERT_NEAR(0, seen[k], 0);
+    }
+}
+
+/* ---- against the oracle --------------------------------------------------- */
+
+static void test_camera_to_camera_is_the_oracles(void)
+{
+    for (int i = 0; i < TRANSFORM_RELATIVE_ROWS; i++) {
+        const double *v = TRANSFORM_RELATIVE[i];
+        const rigcal_transform a = from_ypr(v, v + 3);
+        const rigcal_transform b = from_ypr(v + 6, v + 9);
+        rigcal_transform b_from_a;
+
+        ASSERT_STATUS(RIGCAL_OK, rigcal_relative_pose(&b_from_a, &b, &a));
+        ASSERT_ARRAY_NEAR(v + 12, b_from_a.R, 9, TOL_ENTRY);
+        ASSERT_ARRAY_NEAR(v + 21, b_from_a.t, 3, TOL_LENGTH);
+    }
+}
+
+/* ---- properties ---------------------------------------------------------- */
+
+static void test_a_chain_takes_points_where_its_links_take_them(void)
+{
+    test_rng rng = test_seed(21);
+
+    for (int i = 0; i < 100; i++) {
+        const rigcal_transform b_from_a = random_transform(&rng);
+        const rigcal_transform c_from_b = random_transform(&rng);
+        const rigcal_real X[3] = {RC(test_uniform(&rng, -5, 5)),
+                                  RC(test_uniform(&rng, -5, 5)),
+                                  RC(test_uniform(&rng, -5, 5))};
+        double by_links[3];
+        rigcal_transform c_from_a;
+        rigcal_real X_b[3], X_c[3], X_once[3];
+
+        ASSERT_STATUS(RIGCAL_OK,
+                      rigcal_transform_compose(&c_from_a, &c_from_b, &b_from_a));
+        ASSERT_STATUS(RIGCAL_OK, rigcal_transform_point(X_b, &b_from_a, X));
+        ASSERT_STATUS(RIGCAL_OK, rigcal_transform_point(X_c, &c_from_b, X_b));
+        ASSERT_STATUS(RIGCAL_OK, rigcal_transform_point(X_once, &c_from_a, X));
+        test_to_double(by_links, X_c, 3);
+        ASSERT_ARRAY_NEAR(by_links, X_once, 3, TOL_LENGTH);
+    }
+}
+
+static void test_a_transform_and_its_inverse_cancel_either_way(void)
+{
+    test_rng rng = test_seed(22);
+
+    for (int i = 0; i < 100; i++) {
+        const rigcal_transform there = random_transform(&rng);
+        rigcal_transform back, both, again;
+
+        ASSERT_STATUS(RIGCAL_OK, rigcal_transform_invert(&back, &there));
+        ASSERT_STATUS(RIGCAL_OK, rigcal_transform_compose(&both, &back, &there));
+        assert_same(&NOTHING, &both);
+        ASSERT_STATUS(RIGCAL_OK, rigcal_transform_compose(&both, &there, &back));
+        assert_same(&NOTHING, &both);
+        ASSERT_STATUS(RIGCAL_OK, rigcal_transform_invert(&again, &back));
+        assert_same(&there, &again);
+    }
+}
+
+static void test_chaining_with_nothing_changes_nothing(void)
+{
+    test_rng rng = test_seed(23);
+    const rigcal_transform T = random_transform(&rng);
+    rigcal_transform seen;
+
+    ASSERT_STATUS(RIGCAL_OK, rigcal_transform_compose(&seen, &T, &NOTHING));
+    assert_same(&T, &seen);
+    ASSERT_STATUS(RIGCAL_OK, rigcal_transform_compose(&seen, &NOTHING, &T));
+    assert_same(&T, &seen);
+}
+
+/* c_from_b * b_from_a = c_from_a, and round a loop of six cameras nothing. */
+static void test_camera_to_camera_closes_round_a_loop(void)
+{
+    test_rng rng = test_seed(24);
+    rigcal_transform cams[6], loop = NOTHING;
+
+    for (int i = 0; i < 6; i++) {
+        cams[i] = random_transform(&rng);
+    }
+    for (int i = 0; i < 6; i++) {
+        const rigcal_transform so_far = loop;
+        rigcal_transform next;
+
+        ASSERT_STATUS(RIGCAL_OK, rigcal_relative_pose(&next, &cams[(i + 1) % 6],
+                                                      &cams[i]));
+        ASSERT_STATUS(RIGCAL_OK, rigcal_transform_compose(&loop, &next, &so_far));
+    }
+    assert_same(&NOTHING, &loop);
+}
+
+static void test_a_camera_seen_from_itself_is_at_home(void)
+{
+    test_rng rng = test_seed(25);
+    const rigcal_transform T = random_transform(&rng);
+    rigcal_transform self;
+
+    ASSERT_STATUS(RIGCAL_OK, rigcal_relative_pose(&self, &T, &T));
+    assert_same(&NOTHING, &self);
+}
+
+/* Another world W': X = Q X' + s changes both poses and not b_from_a. */
+static void test_camera_to_camera_does_not_depend_on_the_world(void)
+{
+    test_rng rng = test_seed(26);
+
+    for (int i = 0; i < 50; i++) {
+        const rigcal_transform a = random_transform(&rng);
+        const rigcal_transform b = random_transform(&rng);
+        const rigcal_transform w_from_other = random_transform(&rng);
+        rigcal_transform a_other, b_other, first, second;
+
+        ASSERT_STATUS(RIGCAL_OK,
+                      rigcal_transform_compose(&a_other, &a, &w_from_other));
+        ASSERT_STATUS(RIGCAL_OK,
+                      rigcal_transform_compose(&b_other, &b, &w_from_other));
+        ASSERT_STATUS(RIGCAL_OK, rigcal_relative_pose(&first, &b, &a));
+        ASSERT_STATUS(RIGCAL_OK,
+                      rigcal_relative_pose(&second, &b_other, &a_other));
+        assert_same(&first, &second);
+    }
+}
+
+/* A map projection's coordinates: easting, northing, height. */
+static void test_a_world_far_away_keeps_the_digits_that_are_left(void)
+{
+    static const double X[3] = {512000.25, 5154500.5, 1200.125};
+    double R[9], t[3], expected[3], o_seen[3];
+    test_rng rng = test_seed(27);
+    rigcal_transform T;
+    rigcal_real X_w[3], X_c[3], o[3];
+
+    test_random_rotation(R, &rng);
+    test_apply(t, R, X, NULL);
+    for (int k = 0; k < 3; k++) {
+        t[k] = -t[k] + k; /* the point lies at (0, 1, 2) of the camera */
+        expected[k] = k;
+    }
+    T = test_transform(R, t);
+    test_to_real(X_w, X, 3);
+    ASSERT_STATUS(RIGCAL_OK, rigcal_transform_point(X_c, &T, X_w));
+    ASSERT_ARRAY_NEAR(expected, X_c, 3, TOL(4e-9, 3));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_camera_center(o, &T));
+    test_to_double(o_seen, o, 3);
+    for (int k = 0; k < 3; k++) {
+        o_seen[k] -= X[k];
+    }
+    ASSERT_NEAR(sqrt(5), test_norm(o_seen), TOL(4e-9, 3));
+}
+
+/* ---- what is refused ----------------------------------------------------- */
+
+static void test_null_is_refused_in_every_place(void)
+{
+    const rigcal_real X[3] = {1, 2, 3};
+    rigcal_transform T;
+    rigcal_real Y[3];
+
+    ASSERT_STATUS(RIGCAL_ERR_NULL,
+                  rigcal_transform_compose(NULL, &QUARTER, &QUARTER));
+    ASSERT_REFUSED(RIGCAL_ERR_NULL, T,
+                   rigcal_transform_compose(&T, NULL, &QUARTER));
+    ASSERT_REFUSED(RIGCAL_ERR_NULL, T,
+                   rigcal_transform_compose(&T, &QUARTER, NULL));
+    ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_transform_invert(NULL, &QUARTER));
+    ASSERT_REFUSED(RIGCAL_ERR_NULL, T, rigcal_transform_invert(&T, NULL));
+    ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_transform_point(NULL, &QUARTER, X));
+    ASSERT_REFUSED(RIGCAL_ERR_NULL, Y, rigcal_transform_point(Y, NULL, X));
+    ASSERT_REFUSED(RIGCAL_ERR_NULL, Y, rigcal_transform_point(Y, &QUARTER, NULL));
+    ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_camera_center(NULL, &QUARTER));
+    ASSERT_REFUSED(RIGCAL_ERR_NULL, Y, rigcal_camera_center(Y, NULL));
+    ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_relative_pose(NULL, &QUARTER, &QUARTER));
+    ASSERT_REFUSED(RIGCAL_ERR_NULL, T, rigcal_relative_pose(&T, NULL, &QUARTER));
+    ASSERT_REFUSED(RIGCAL_ERR_NULL, T, rigcal_relative_pose(&T, &QUARTER, NULL));
+}
+
+static void assert_all_refuse(rigcal_status status, const rigcal_transform *bad)
+{
+    const rigcal_real X[3] = {1, 2, 3};
+    rigcal_transform T;
+    rigcal_real Y[3];
+
+    ASSERT_REFUSED(status, T, rigcal_transform_compose(&T, bad, &QUARTER));
+    ASSERT_REFUSED(status, T, rigcal_transform_compose(&T, &QUARTER, bad));
+    ASSERT_REFUSED(status, T, rigcal_transform_invert(&T, bad));
+    ASSERT_REFUSED(status, Y, rigcal_transform_point(Y, bad, X));
+    ASSERT_REFUSED(status, Y, rigcal_camera_center(Y, bad));
+    ASSERT_REFUSED(status, T, rigcal_relative_pose(&T, bad, &QUARTER));
+    ASSERT_REFUSED(status, T, rigcal_relative_pose(&T, &QUARTER, bad));
+}
+
+static void test_a_number_that_is_not_finite_is_refused_in_every_place(void)
+{
+    const rigcal_real bad[3] = {TEST_NAN, TEST_INF, -TEST_INF};
+
+    for (int i = 0; i < 12; i++) {
+        rigcal_transform T = QUARTER;
+        rigcal_real X[3] = {1, 2, 3}, Y[3];
+
+        if (i < 9) {
+            T.R[i] = bad[i % 3];
+        } else {
+            T.t[i - 9] = bad[i % 3];
+            X[i - 9] = bad[i % 3];
+            ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, Y,
+                           rigcal_transform_point(Y, &QUARTER, X));
+        }
+        assert_all_refuse(RIGCAL_ERR_NOT_FINITE, &T);
+    }
+}
+
+static void test_a_matrix_that_is_no_rotation_is_refused(void)
+{
+    rigcal_transform T = QUARTER;
+
+    T.R[8] = -1; /* a mirror */
+    assert_all_refuse(RIGCAL_ERR_ROTATION, &T);
+    T.R[8] = RC(1 + TOL(1e-5, 1e-2));
+    assert_all_refuse(RIGCAL_ERR_ROTATION, &T);
+    for (int k = 0; k < 9; k++) {
+        T.R[k] = 0;
+    }
+    assert_all_refuse(RIGCAL_ERR_ROTATION, &T);
+}
+
+static void test_a_length_beyond_the_range_is_refused(void)
+{
+    const double most = TOL(1e30, 1e9);
+
+    for (int k = 0; k < 3; k++) {
+        rigcal_transform T = QUARTER;
+        rigcal_real X[3] = {1, 2, 3}, Y[3];
+
+        T.t[k] = RC(k == 1 ? -1.01 * most : 1.01 * most);
+        X[k] = RC(k == 2 ? -1.01 * most : 1.01 * most);
+        assert_all_refuse(RIGCAL_ERR_RANGE, &T);
+        ASSERT_REFUSED(RIGCAL_ERR_RANGE, Y,
+                       rigcal_transform_point(Y, &QUARTER, X));
+        T.t[k] = RC(0.99 * most);
+        X[k] = RC(-0.99 * most);
+        ASSERT_STATUS(RIGCAL_OK, rigcal_transform_point(Y, &T, X));
+    }
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_a_point_is_turned_then_shifted);
+    RUN_TEST(test_the_later_transform_stands_left_in_a_chain);
+    RUN_TEST(test_the_inverse_of_a_known_transform);
+    RUN_TEST(test_the_camera_centre_is_where_the_camera_is);
+    RUN_TEST(test_camera_to_camera_is_the_oracles);
+    RUN_TEST(test_a_chain_takes_points_where_its_links_take_them);
+    RUN_TEST(test_a_transform_and_its_inverse_cancel_either_way);
+    RUN_TEST(test_chaining_with_nothing_changes_nothing);
+    RUN_TEST(test_camera_to_camera_closes_round_a_loop);
+    RUN_TEST(test_a_camera_seen_from_itself_is_at_home);
+    RUN_TEST(test_camera_to_camera_does_not_depend_on_the_world);
+    RUN_TEST(test_a_world_far_away_keeps_the_digits_that_are_left);
+    RUN_TEST(test_null_is_refused_in_every_place);
+    RUN_TEST(test_a_number_that_is_not_finite_is_refused_in_every_place);
+    RUN_TEST(test_a_matrix_that_is_no_rotation_is_refused);
+    RUN_TEST(test_a_length_beyond_the_range_is_refused);
+    return UNITY_END();
+}

@@ -14,8 +14,9 @@
  *              overlap an input or another output
  *   ownership  the caller owns every buffer; none is kept after the call, but
  *              for the two that a solver started by rigcal_paper_begin reads
- *   outcome    rigcal_status: 0 done; negative: failed, outputs untouched;
- *              positive: outputs written and usable, with the caveat named
+ *   outcome    rigcal_status: 0 done; negative: failed, outputs untouched (work
+ *              buffers may be); positive: outputs written and usable, with the
+ *              caveat named
  *   arguments  are checked first, in every function: NULL, NaN, infinity and
  *   checked    numbers out of range have statuses of their own
  *   reentrant  no globals, no heap, no stdio, no errno; every loop is bounded
@@ -365,7 +366,7 @@ typedef struct {
 } rigcal_pair;
 
 /* Pairs enough for n sightings: 4 n, or all n (n - 1) / 2 where that is less. */
-#define RIGCAL_PAIRS_FOR(n) ((n) < 9 ? (n) * ((n)-1) / 2 : 4 * (n))
+#define RIGCAL_PAIRS_FOR(n) ((n) <= 9 ? (n) * ((n)-1) / 2 : 4 * (n))
 RIGCAL_API size_t rigcal_pairs_for(size_t n);
 
 /* The pair (i, j). ERR_COINCIDENT when the points, or the rays, are the same to
@@ -461,12 +462,14 @@ RIGCAL_API rigcal_status rigcal_translation_least_squares(
  * with the third eliminated (14), (15), or over three (5), (6); translation by
  * least squares (16). */
 typedef struct {
-    int32_t angles;      /* 2 (default) or 3: how many are searched */
+    int32_t angles;      /* 2 (default) or 3: how many are searched; 3 needs a
+                            guess */
     int32_t eliminate;   /* RIGCAL_BEST_CONDITIONED (default), _YAW, .. */
     int32_t eliminating; /* pairs that eliminate: 0 all (default), 2 as published */
     int32_t use_guess;   /* 1: from guess_ypr, a local search. 0 (default): from
                             a fixed grid of the two angles, no guess needed */
-    int32_t max_evals;   /* over all starts; 0: 1000 a start */
+    int32_t max_evals;   /* over all starts: 0 for 1000 with a guess, 2512
+                            without; >= 1 with a guess, >= 192 without */
     int32_t reserved;    /* 0 */
     rigcal_real guess_ypr[3]; /* yaw, pitch, roll of cam_from_world; the
                                  eliminated one is not used */
@@ -487,6 +490,8 @@ typedef struct {
     int32_t reserved;
 } rigcal_paper_pose;
 
+enum { RIGCAL_PAPER_SEEDS = 12 };
+
 /* A search under way. Flat and copyable; its fields are internal. */
 typedef struct {
     const rigcal_sighting *sightings;
@@ -495,10 +500,9 @@ typedef struct {
     rigcal_paper_options options;
     rigcal_neldermead nm;
     rigcal_paper_pose best;
-    int32_t phase, start, eliminate, found, behind;
-    int32_t evals, starts_run, node;
-    rigcal_real seed_cost[8];
-    int32_t seed_node[8];
+    rigcal_real seed_cost[RIGCAL_PAPER_SEEDS];
+    int32_t seed_node[RIGCAL_PAPER_SEEDS];
+    int32_t phase, next, eliminate, found, behind, evals, starts, spent;
 } rigcal_paper_solver;
 
 /* All defaults. OK, ERR_NULL. */
@@ -598,7 +602,8 @@ RIGCAL_API rigcal_status rigcal_triangulate(
  * along ray_a: alpha x + beta y + gamma = 0 in normalised coordinates of b,
  * alpha^2 + beta^2 = 1, so the left side is a signed distance.
  * OK, ERR_NULL, ERR_NOT_FINITE, ERR_ROTATION, ERR_RANGE (ray of length zero),
- * ERR_EPIPOLE (also when the centres of a and b coincide). */
+ * ERR_EPIPOLE (also when the centres of a and b coincide), ERR_OUTSIDE (the plane
+ * through the line holds nothing in front of b: the line is at infinity). */
 RIGCAL_API rigcal_status rigcal_epiline(rigcal_real line[3],
                                         const rigcal_transform *b_from_a,
                                         const rigcal_real ray_a[3]);
@@ -680,7 +685,9 @@ typedef struct {
  *   weight         work  n_views
  *
  * OK, RIGCAL_DISCONNECTED, ERR_NULL, ERR_NOT_FINITE, ERR_ROTATION, ERR_RANGE,
- * ERR_TOO_FEW (no camera). Time O(n_cameras n_views^2), stack constant. */
+ * ERR_TOO_FEW (no camera). ERR_ROTATION also when the poses contradict each other
+ * so far that they have no mean; the outputs are then undefined.
+ * Time O(n_cameras^2 n_views^2), stack constant. */
 RIGCAL_API rigcal_status rigcal_rig_join(
     rigcal_transform cams_from_rig[], int32_t group[], size_t n_cameras,
     const rigcal_view views[], size_t n_views, rigcal_transform work[],

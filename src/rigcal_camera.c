@@ -128,7 +128,7 @@ static void polynomial_range(rigcal_real range[2], const rigcal_real c[],
     static const rigcal_real CHOOSE[SLOPE_DEGREE + 1][SLOPE_DEGREE + 1] = {
         {1}, {1, 1}, {1, 2, 1}, {1, 3, 3, 1}, {1, 4, 6, 4, 1},
         {1, 5, 10, 10, 5, 1}, {1, 6, 15, 20, 15, 6, 1}};
-    rigcal_real b[SLOPE_DEGREE + 1];
+    rigcal_real b[SLOPE_DEGREE + 1] = {0};
 
     for (int i = 0; i <= degree; i++) {
         b[i] = c[i];

@@ -1,0 +1,7 @@
+/* rc_rig.h - cameras joined into a rig; see rigcal.h. The lowest layer. */
+#ifndef RC_RIG_H
+#define RC_RIG_H
+
+#include "rc_measure.h"
+
+#endif /* RC_RIG_H */

@@ -1,0 +1,454 @@
+#include "rc_pose.h"
+
+/* The fixed grid of the two angles: nodes 30 degrees apart, off the axes. Seeds
+ * are its best nodes; a simplex of two thirds of a cell starts at each. */
+enum { GRID_FIRST = 6, GRID_SECOND = 12, GRID_NODES = GRID_FIRST * GRID_SECOND };
+enum { SEEDS = RIGCAL_PAPER_SEEDS };
+#define GRID_STEP (RC_PI / 6)
+#define GRID_EDGE (RC_PI / 9)
+
+/* A seed's search only has to land in the right basin; the winner is searched
+ * again to the tolerances asked for. */
+#define SEED_TOL RC(1e-4)
+enum { SEED_EVALS_MAX = 120 };
+
+/* Defaults of the options. */
+#define DEFAULT_TOL RC_TOL(1e-10, 1e-5)
+enum { DEFAULT_EVALS = 1000 };
+
+enum { NOT_BEGUN = 0, SEEDING, SEARCHING_SEED, SEARCHING_LAST, DONE };
+
+/* ---- the objective ------------------------------------------------------- */
+
+static rigcal_real objective(const rigcal_paper_solver *s,
+                             const rigcal_real angles[3])
+{
+    rigcal_elimination at;
+    if (s->options.angles == 3) {
+        return rc_three_angle_residual(s->pairs, s->n_pairs, angles);
+    }
+    const rigcal_status status =
+        rc_eliminate(&at, s->pairs, s->n_pairs, s->options.eliminating,
+                     s->eliminate, angles);
+    return (status == RIGCAL_OK) ? at.residual : RC_MAX;
+}
+
+/* cond(A) at ypr when `eliminate` is the angle left out; RC_MAX if singular. */
+static rigcal_real condition_at(const rigcal_paper_solver *s, int32_t eliminate,
+                                const rigcal_real ypr[3])
+{
+    rigcal_real angles[2];
+    rigcal_elimination at;
+    rc_angles_split(angles, eliminate, ypr);
+    return (rc_eliminate(&at, s->pairs, s->n_pairs, s->options.eliminating,
+                         eliminate, angles) == RIGCAL_OK)
+               ? at.condition
+               : RC_MAX;
+}
+
+static int32_t best_conditioned(const rigcal_paper_solver *s,
+                                const rigcal_real ypr[3])
+{
+    int32_t best = RIGCAL_YAW;
+    rigcal_real least = RC_MAX;
+    for (int32_t e = RIGCAL_YAW; e <= RIGCAL_ROLL; e++) {
+        const rigcal_real condition = condition_at(s, e, ypr);
+        if (condition < least) {
+            least = condition;
+            best = e;
+        }
+    }
+    return best;
+}
+
+/* ---- from angles to a pose ----------------------------------------------- */
+
+/* Fills in what the angles found imply: rotation, translation (16), residual. */
+static rigcal_status pose_of_angles(rigcal_paper_pose *pose,
+                                    const rigcal_paper_solver *s,
+                                    const rigcal_real angles[3],
+                                    rigcal_real residual)
+{
+    pose->residual = residual;
+    if (s->options.angles == 3) {
+        rc_angles_join(pose->ypr, 3, angles, 0);
+        pose->condition = 0;
+        pose->eliminated = -1;
+    } else {
+        rigcal_elimination at;
+        const rigcal_status status =
+            rc_eliminate(&at, s->pairs, s->n_pairs, s->options.eliminating,
+                         s->eliminate, angles);
+        if (status != RIGCAL_OK) {
+            return status;
+        }
+        rc_angles_join(pose->ypr, s->eliminate, angles, at.angle);
+        pose->condition = at.condition;
+        pose->eliminated = s->eliminate;
+    }
+    /* The search may have wandered round the circle: bring the angles home. */
+    rigcal_transform *const T = &pose->cam_from_world;
+    rc_rotation_from_yaw_pitch_roll(T->R, pose->ypr);
+    rc_yaw_pitch_roll_from_rotation(pose->ypr, T->R);
+    return rc_translation_least_squares(T->t, T->R, s->sightings, s->n);
+}
+
+/* Cheirality of every point, and the error in the image. */
+static int check_in_front(rigcal_paper_pose *pose, const rigcal_paper_solver *s)
+{
+    const rigcal_transform *const T = &pose->cam_from_world;
+    rigcal_real sum = 0;
+    for (size_t i = 0; i < s->n; i++) {
+        const rigcal_real *const ray = s->sightings[i].ray;
+        rigcal_real X_c[3];
+        rc_transform_point(X_c, T, s->sightings[i].X_w);
+        if (!(X_c[2] > 0)) {
+            return 0;
+        }
+        const rigcal_real dx = X_c[0] / X_c[2] - ray[0] / ray[2];
+        const rigcal_real dy = X_c[1] / X_c[2] - ray[1] / ray[2];
+        sum += dx * dx + dy * dy;
+    }
+    pose->rms = RC_SQRT(sum / (rigcal_real)s->n);
+    return rc_is_finite(sum);
+}
+
+/* ---- the searches -------------------------------------------------------- */
+
+static void grid_node(rigcal_real angles[2], int32_t node)
+{
+    const int32_t first = node / GRID_SECOND, second = node % GRID_SECOND;
+    angles[0] = ((rigcal_real)first - RC(GRID_FIRST - 1) / 2) * GRID_STEP;
+    angles[1] = ((rigcal_real)second - RC(GRID_SECOND - 1) / 2) * GRID_STEP;
+}
+
+/* Keeps the SEEDS best nodes in order. */
+static void remember_seed(rigcal_paper_solver *s, int32_t node, rigcal_real cost)
+{
+    int32_t at = SEEDS;
+    for (; at > 0 && cost < s->seed_cost[at - 1]; at--) {
+        if (at < SEEDS) {
+            s->seed_cost[at] = s->seed_cost[at - 1];
+            s->seed_node[at] = s->seed_node[at - 1];
+        }
+    }
+    if (at < SEEDS) {
+        s->seed_cost[at] = cost;
+        s->seed_node[at] = node;
+    }
+}
+
+/* What is left of the bound on evaluations for one more search. */
+static int32_t allowance(const rigcal_paper_solver *s, int32_t wanted)
+{
+    const int32_t left = s->options.max_evals - s->evals;
+    return (left < wanted) ? left : wanted;
+}
+
+static void start_seed(rigcal_paper_solver *s)
+{
+    rigcal_real node[2], simplex[6];
+    grid_node(node, s->seed_node[s->next]);
+    for (int v = 0; v < 3; v++) {
+        simplex[2 * v] = node[0] + ((v == 1) ? GRID_EDGE : 0);
+        simplex[2 * v + 1] = node[1] + ((v == 2) ? GRID_EDGE : 0);
+    }
+    (void)rigcal_neldermead_begin_simplex(&s->nm, simplex, 2, SEED_TOL, SEED_TOL,
+                                          allowance(s, SEED_EVALS_MAX));
+    s->phase = SEARCHING_SEED;
+    s->starts++;
+}
+
+static void start_last(rigcal_paper_solver *s, const rigcal_real ypr[3])
+{
+    const rigcal_paper_options *const o = &s->options;
+    rigcal_real angles[3] = {ypr[0], ypr[1], ypr[2]};
+    if (o->angles == 2) {
+        rc_angles_split(angles, s->eliminate, ypr);
+    }
+    rc_neldermead_begin(&s->nm, angles, o->angles, o->xtol, o->ftol,
+                        allowance(s, o->max_evals));
+    s->phase = SEARCHING_LAST;
+    s->starts++;
+}
+
+/* A search has ended: judge where it did. */
+static void judge(rigcal_paper_solver *s)
+{
+    rigcal_paper_pose pose = s->best;
+    rigcal_real angles[3] = {0, 0, 0}, residual;
+    if (rigcal_neldermead_result(angles, &residual, NULL, &s->nm) < 0 ||
+        pose_of_angles(&pose, s, angles, residual) != RIGCAL_OK) {
+        return;
+    }
+    if (!check_in_front(&pose, s)) {
+        s->behind = 1;
+        return;
+    }
+    /* The last search starts from the best of the seeds, and supersedes it. */
+    if (!s->found || s->phase == SEARCHING_LAST || pose.rms < s->best.rms) {
+        s->found = 1;
+        s->best = pose;
+    }
+}
+
+static void finish(rigcal_paper_solver *s, int32_t spent)
+{
+    s->spent = spent;
+    s->phase = DONE;
+}
+
+/* After a seed: the next one, or once more from the best of them all. */
+static void after_seed(rigcal_paper_solver *s)
+{
+    judge(s);
+    s->next++;
+    if (s->evals >= s->options.max_evals) {
+        finish(s, 1);
+    } else if (s->next < SEEDS && s->seed_cost[s->next] < RC_MAX) {
+        start_seed(s);
+    } else if (s->found) {
+        if (s->options.eliminate == RIGCAL_BEST_CONDITIONED) {
+            s->eliminate = best_conditioned(s, s->best.ypr);
+        }
+        start_last(s, s->best.ypr);
+    } else {
+        finish(s, 0);
+    }
+}
+
+/* One evaluation of the grid. */
+static void seed_step(rigcal_paper_solver *s)
+{
+    rigcal_real angles[3] = {0, 0, 0};
+    grid_node(angles, s->next);
+    remember_seed(s, s->next, objective(s, angles));
+    s->next++;
+    if (s->next == GRID_NODES) {
+        s->next = 0;
+        start_seed(s);
+    }
+}
+
+/* One evaluation of a simplex search. */
+static void search_step(rigcal_paper_solver *s)
+{
+    rc_neldermead_tell(&s->nm, objective(s, s->nm.trial));
+    if (s->nm.status == RIGCAL_RUNNING) {
+        return;
+    }
+    if (s->phase == SEARCHING_SEED) {
+        after_seed(s);
+    } else {
+        judge(s);
+        finish(s, s->nm.status == RIGCAL_BUDGET_SPENT);
+    }
+}
+
+static rigcal_status outcome(const rigcal_paper_solver *s)
+{
+    if (s->phase != DONE) {
+        return RIGCAL_RUNNING;
+    }
+    if (!s->found) {
+        return (s->behind && s->options.use_guess) ? RIGCAL_ERR_BEHIND
+                                                   : RIGCAL_ERR_NO_POSE;
+    }
+    return s->spent ? RIGCAL_BUDGET_SPENT : RIGCAL_OK;
+}
+
+/* ---- public -------------------------------------------------------------- */
+
+rigcal_status rigcal_paper_defaults(rigcal_paper_options *options)
+{
+    if (options == NULL) {
+        return RIGCAL_ERR_NULL;
+    }
+    *options = (rigcal_paper_options){2, RIGCAL_BEST_CONDITIONED, 0, 0, 0, 0,
+                                      {0, 0, 0}, 0, 0};
+    return RIGCAL_OK;
+}
+
+static rigcal_status check_options(const rigcal_paper_options *o)
+{
+    if (!rc_all_finite(o->guess_ypr, 3) || !rc_is_finite(o->xtol) ||
+        !rc_is_finite(o->ftol)) {
+        return RIGCAL_ERR_NOT_FINITE;
+    }
+    const int counts_ok = (o->angles == 2 || (o->angles == 3 && o->use_guess)) &&
+                          (o->eliminating == 0 || o->eliminating == 2) &&
+                          (o->use_guess == 0 || o->use_guess == 1);
+    const int32_t least_evals = o->use_guess ? 1 : GRID_NODES + SEED_EVALS_MAX;
+    const int numbers_ok = (o->max_evals == 0 || o->max_evals >= least_evals) &&
+                           o->xtol >= 0 && o->ftol >= 0 &&
+                           o->reserved == 0;
+    return (counts_ok && numbers_ok && o->eliminate >= RIGCAL_YAW &&
+            o->eliminate <= RIGCAL_BEST_CONDITIONED &&
+            rc_all_within(o->guess_ypr, 3, RC(1e3)))
+               ? RIGCAL_OK
+               : RIGCAL_ERR_RANGE;
+}
+
+static void fill_defaults(rigcal_paper_options *o)
+{
+    if (o->max_evals == 0) {
+        o->max_evals = o->use_guess ? DEFAULT_EVALS
+                                    : GRID_NODES + SEEDS * SEED_EVALS_MAX +
+                                          DEFAULT_EVALS;
+    }
+    if (!(o->xtol > 0)) {
+        o->xtol = DEFAULT_TOL;
+    }
+    if (!(o->ftol > 0)) {
+        o->ftol = DEFAULT_TOL;
+    }
+}
+
+rigcal_status rigcal_paper_begin(rigcal_paper_solver *solver,
+                                 const rigcal_sighting sightings[], size_t n,
+                                 const rigcal_pair pairs[], size_t n_pairs,
+                                 const rigcal_paper_options *options)
+{
+    if (solver == NULL || sightings == NULL || pairs == NULL) {
+        return RIGCAL_ERR_NULL;
+    }
+    rigcal_paper_options chosen;
+    (void)rigcal_paper_defaults(&chosen);
+    if (options != NULL) {
+        chosen = *options;
+    }
+    rigcal_status status = check_options(&chosen);
+    if (status == RIGCAL_OK && n < 3) {
+        status = RIGCAL_ERR_TOO_FEW;
+    }
+    if (status == RIGCAL_OK) {
+        status = rc_check_sightings(sightings, n, 1);
+    }
+    if (status == RIGCAL_OK) {
+        status = rc_check_pairs(pairs, n_pairs, 3);
+    }
+    if (status != RIGCAL_OK) {
+        return status;
+    }
+    fill_defaults(&chosen);
+
+    rigcal_paper_solver *const s = solver;
+    *s = (rigcal_paper_solver){0};
+    s->sightings = sightings;
+    s->n = n;
+    s->pairs = pairs;
+    s->n_pairs = n_pairs;
+    s->options = chosen;
+    s->phase = SEEDING;
+    for (int i = 0; i < SEEDS; i++) {
+        s->seed_cost[i] = RC_MAX;
+    }
+    s->eliminate = chosen.eliminate;
+    if (chosen.eliminate == RIGCAL_BEST_CONDITIONED) {
+        s->eliminate = chosen.use_guess ? best_conditioned(s, chosen.guess_ypr)
+                                        : RIGCAL_YAW;
+    }
+    if (chosen.use_guess) {
+        start_last(s, chosen.guess_ypr);
+    }
+    return RIGCAL_OK;
+}
+
+rigcal_status rigcal_paper_step(rigcal_paper_solver *solver, int32_t budget)
+{
+    if (solver == NULL) {
+        return RIGCAL_ERR_NULL;
+    }
+    if (budget < 1) {
+        return RIGCAL_ERR_RANGE;
+    }
+    if (solver->phase <= NOT_BEGUN || solver->phase > DONE) {
+        return RIGCAL_ERR_STATE;
+    }
+    for (int32_t i = 0; i < budget && solver->phase != DONE; i++) {
+        solver->evals++;
+        if (solver->phase == SEEDING) {
+            seed_step(solver);
+        } else {
+            search_step(solver);
+        }
+    }
+    return outcome(solver);
+}
+
+rigcal_status rigcal_paper_result(rigcal_paper_pose *pose,
+                                  const rigcal_paper_solver *solver)
+{
+    if (pose == NULL || solver == NULL) {
+        return RIGCAL_ERR_NULL;
+    }
+    if (solver->phase != DONE) {
+        return RIGCAL_ERR_STATE;
+    }
+    const rigcal_status status = outcome(solver);
+    if (status >= 0) {
+        *pose = solver->best;
+        pose->evals = solver->evals;
+        pose->starts = solver->starts;
+    }
+    return status;
+}
+
+rigcal_status rigcal_paper_solve(rigcal_paper_pose *pose,
+                                 const rigcal_sighting sightings[], size_t n,
+                                 const rigcal_pair pairs[], size_t n_pairs,
+                                 const rigcal_paper_options *options)
+{
+    if (pose == NULL) {
+        return RIGCAL_ERR_NULL;
+    }
+    rigcal_paper_solver solver;
+    rigcal_status status =
+        rigcal_paper_begin(&solver, sightings, n, pairs, n_pairs, options);
+    if (status != RIGCAL_OK) {
+        return status;
+    }
+    while (solver.phase != DONE) {
+        (void)rigcal_paper_step(&solver, INT32_MAX);
+    }
+    return rigcal_paper_result(pose, &solver);
+}
+
+rigcal_status rigcal_solve_pose(rigcal_transform *cam_from_world,
+                                rigcal_real *rms_px, int32_t *bad,
+                                rigcal_sighting sightings[], rigcal_pair pairs[],
+                                size_t capacity, const rigcal_camera *camera,
+                                const rigcal_observation observations[], size_t n)
+{
+    rigcal_paper_pose pose;
+    rigcal_real rms;
+    size_t n_pairs;
+    int32_t at_fault = -1;
+    if (cam_from_world == NULL || sightings == NULL || pairs == NULL) {
+        return RIGCAL_ERR_NULL;
+    }
+    rigcal_status found = rigcal_sightings_from_observations(
+        sightings, &at_fault, camera, observations, n);
+    if (found == RIGCAL_OK) {
+        found = rigcal_pairs_choose(pairs, &n_pairs, capacity, sightings, n);
+    }
+    if (found == RIGCAL_OK) {
+        found = rigcal_paper_solve(&pose, sightings, n, pairs, n_pairs, NULL);
+    }
+    rigcal_status measured = found;
+    if (found >= 0) {
+        measured = rigcal_reprojection_rms(
+            &rms, NULL, camera, &pose.cam_from_world, observations, n);
+    }
+    if (measured < 0) {
+        if (bad != NULL) {
+            *bad = at_fault;
+        }
+        return measured;
+    }
+    *cam_from_world = pose.cam_from_world;
+    if (rms_px != NULL) {
+        *rms_px = rms;
+    }
+    return found;
+}

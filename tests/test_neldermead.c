@@ -182,9 +182,6 @@ static void test_each_run_takes_as_many_evaluations_as_scipys(void)
         rigcal_real x0[K_MAX];
         outcome end;
 
-        if (RIGCAL_USE_FLOAT) {
-            TEST_IGNORE_MESSAGE("float rounds otherwise: other comparisons");
-        }
         test_to_real(x0, row + 2, K_MAX);
         begin(&nm, x0, k, row[5], (int)row[6]);
         end = run(&nm, CLASSICAL[which], NULL);
@@ -752,7 +749,9 @@ static void test_the_best_vertex_is_known_from_the_first_cost_on(void)
 int main(void)
 {
     UNITY_BEGIN();
-    RUN_TEST(test_each_run_takes_as_many_evaluations_as_scipys);
+    if (!RIGCAL_USE_FLOAT) { /* float rounds otherwise */
+        RUN_TEST(test_each_run_takes_as_many_evaluations_as_scipys);
+    }
     RUN_TEST(test_every_point_evaluated_is_the_one_scipy_evaluates);
     RUN_TEST(test_the_classical_functions_are_minimised);
     RUN_TEST(test_the_first_simplex_is_that_of_fminsearch);

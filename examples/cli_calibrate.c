@@ -2,7 +2,6 @@
 #include "cli.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 static const double DEGREE = 57.295779513082320877;
@@ -22,6 +21,11 @@ typedef struct {
     cli_cameras cameras;
     cli_observations observations;
     int exit_status;
+
+    rigcal_observation *observed; /* work for one view */
+    rigcal_sighting *sightings;
+    rigcal_pair *pairs;
+    size_t n_pairs;
 
     view *views; /* those solved, by camera and frame */
     size_t n_views;
@@ -63,26 +67,21 @@ static rigcal_real distance_to_points(const rigcal_transform *cam_from_target,
         (double)(X_c[0] * X_c[0] + X_c[1] * X_c[1] + X_c[2] * X_c[2]));
 }
 
-static rigcal_status solve(view *v, int32_t *bad, const rigcal_camera *camera)
+static rigcal_status solve(const calibration *c, view *v, int32_t *bad)
 {
-    const size_t capacity = v->n < 3 ? 3 : rigcal_pairs_for(v->n);
-    rigcal_observation *observed = cli_alloc(v->n, sizeof *observed);
-    rigcal_sighting *sightings = cli_alloc(v->n, sizeof *sightings);
-    rigcal_pair *pairs = cli_alloc(capacity, sizeof *pairs);
     rigcal_status status;
     size_t i;
 
     for (i = 0; i < v->n; i++) {
-        observed[i] = v->first[i].seen;
+        c->observed[i] = v->first[i].seen;
     }
-    status = rigcal_solve_pose(&v->cam_from_target, &v->rms_px, bad, sightings,
-                               pairs, capacity, camera, observed, v->n);
+    status = rigcal_solve_pose(
+        &v->cam_from_target, &v->rms_px, bad, c->sightings, c->pairs,
+        c->n_pairs, &c->cameras.camera[v->camera], c->observed, v->n);
     if (status >= 0) {
-        v->distance = distance_to_points(&v->cam_from_target, observed, v->n);
+        v->distance =
+            distance_to_points(&v->cam_from_target, c->observed, v->n);
     }
-    free(pairs);
-    free(sightings);
-    free(observed);
     return status;
 }
 
@@ -110,7 +109,7 @@ static void solve_view(calibration *c, const view *v)
     rigcal_status status;
 
     *solved = *v;
-    status = solve(solved, &bad, &c->cameras.camera[v->camera]);
+    status = solve(c, solved, &bad);
     if (status != RIGCAL_OK) {
         name_trouble(c, v, status, bad);
     }
@@ -127,6 +126,10 @@ static void solve_views(calibration *c)
     const size_t count = c->observations.count;
     size_t begin, end;
 
+    c->n_pairs = rigcal_pairs_for(count < 3 ? 3 : count);
+    c->pairs = cli_alloc(c->n_pairs, sizeof *c->pairs);
+    c->sightings = cli_alloc(count, sizeof *c->sightings);
+    c->observed = cli_alloc(count, sizeof *c->observed);
     c->views = cli_alloc(count, sizeof *c->views);
     for (begin = 0; begin < count; begin = end) {
         view v;
@@ -472,21 +475,6 @@ static void write_files(const calibration *c, const char *folder)
 
 /* ==== the command ========================================================= */
 
-static void close_calibration(calibration *c)
-{
-    free(c->placed);
-    free(c->rig_from_target);
-    free(c->weight);
-    free(c->work);
-    free(c->rig_views);
-    free(c->group);
-    free(c->cam_from_rig);
-    free(c->camera);
-    free(c->views);
-    cli_observations_free(&c->observations);
-    cli_cameras_free(&c->cameras);
-}
-
 int cli_calibrate(const char *const option[OPTION_COUNT])
 {
     calibration c;
@@ -506,6 +494,5 @@ int cli_calibrate(const char *const option[OPTION_COUNT])
             write_files(&c, option[OPTION_OUT]);
         }
     }
-    close_calibration(&c);
     return c.exit_status;
 }

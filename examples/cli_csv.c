@@ -69,14 +69,40 @@ void csv_fail(const csv_table *table, size_t row, const char *format, ...)
     exit(CLI_USAGE);
 }
 
+/* All memory there is, each block behind its link, aligned for anything. */
+typedef union block {
+    union block *next;
+    long double widest;
+} block;
+
+static block *blocks;
+
+static void free_blocks(void)
+{
+    while (blocks != NULL) {
+        block *next = blocks->next;
+
+        free(blocks);
+        blocks = next;
+    }
+}
+
 void *cli_alloc(size_t count, size_t size)
 {
-    void *memory = calloc(count > 0 ? count : 1, size);
+    block *new_block = NULL;
 
-    if (memory == NULL) {
+    if (blocks == NULL) {
+        atexit(free_blocks);
+    }
+    if (count < (SIZE_MAX - sizeof *new_block) / size) {
+        new_block = calloc(1, sizeof *new_block + count * size);
+    }
+    if (new_block == NULL) {
         cli_fail("out of memory");
     }
-    return memory;
+    new_block->next = blocks;
+    blocks = new_block;
+    return new_block + 1;
 }
 
 /* ==== the file, its lines, its fields ===================================== */
@@ -85,7 +111,7 @@ void *cli_alloc(size_t count, size_t size)
 static char *read_all(const char *path, size_t *length)
 {
     size_t room = 65536;
-    char *text = cli_alloc(room, 1);
+    char *text = cli_alloc(room, 1), *larger;
     FILE *file = fopen(path, "rb");
 
     if (file == NULL) {
@@ -93,11 +119,10 @@ static char *read_all(const char *path, size_t *length)
     }
     *length = fread(text, 1, room, file);
     while (*length == room) {
+        larger = cli_alloc(2 * room, 1);
+        memcpy(larger, text, room);
+        text = larger;
         room *= 2;
-        text = realloc(text, room);
-        if (text == NULL) {
-            cli_fail("%s: out of memory", path);
-        }
         *length += fread(text + *length, 1, room - *length, file);
     }
     if (ferror(file)) {
@@ -216,8 +241,7 @@ void csv_read(csv_table *table, const char *path)
 
     memset(table, 0, sizeof *table);
     table->path = path;
-    table->text = read_all(path, &length);
-    begin = table->text;
+    begin = read_all(path, &length);
     end = begin + length;
     if (strncmp(begin, BYTE_ORDER_MARK, 3) == 0) {
         begin += 3;
@@ -226,15 +250,6 @@ void csv_read(csv_table *table, const char *path)
     table->lines = cli_alloc(n_lines, sizeof *table->lines);
     starts = cli_alloc(n_lines, sizeof *starts);
     cut_table(table, starts, cut_lines(table, starts, begin, end));
-    free(starts);
-}
-
-void csv_free(csv_table *table)
-{
-    free(table->text);
-    free(table->columns);
-    free(table->cells);
-    free(table->lines);
 }
 
 /* ==== columns, cells ====================================================== */

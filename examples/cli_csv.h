@@ -24,7 +24,8 @@ enum { CLI_DONE = 0, CLI_GEOMETRY = 1, CLI_USAGE = 2 };
 void cli_say(const char *format, ...) CLI_PRINTF(1, 2);
 CLI_NORETURN void cli_fail(const char *format, ...) CLI_PRINTF(1, 2);
 
-/* Memory for count things, zeroed, of at least one; never NULL. */
+/* Zeroed memory for count things; never NULL. It is freed when the program ends,
+ * which for a program that ends soon, and may end anywhere, is soon enough. */
 void *cli_alloc(size_t count, size_t size);
 
 /* The number a text begins with: decimal, finite and within rigcal_real, else
@@ -33,7 +34,6 @@ const char *cli_number(double *value, const char **problem, const char *text);
 
 typedef struct {
     const char *path;
-    char *text;     /* the whole file, its fields ended by NUL */
     char **columns; /* n_columns names */
     char **cells;   /* n_rows x n_columns */
     size_t *lines;  /* line in the file, of each row */
@@ -42,7 +42,6 @@ typedef struct {
 } csv_table;
 
 void csv_read(csv_table *table, const char *path);
-void csv_free(csv_table *table);
 
 /* Column of that name. It must be there; optional ones give CSV_NONE if not. */
 #define CSV_NONE ((size_t)-1)

@@ -14,12 +14,6 @@ static void names_open(cli_names *names, size_t most)
     names->count = 0;
 }
 
-static void names_free(cli_names *names)
-{
-    free(names->slots);
-    free(names->name);
-}
-
 /* Where the name is, or the free slot it belongs in (FNV-1a hash). */
 static size_t slot_of(const cli_names *names, const char *name)
 {
@@ -153,13 +147,6 @@ void cli_cameras_read(cli_cameras *cameras, const char *path)
         names_add_new(&cameras->names, table, row, column);
         read_camera(&cameras->camera[row], table, row);
     }
-}
-
-void cli_cameras_free(cli_cameras *cameras)
-{
-    free(cameras->camera);
-    names_free(&cameras->names);
-    csv_free(&cameras->table);
 }
 
 /* ==== observations ======================================================== */
@@ -299,14 +286,6 @@ void cli_observations_read(cli_observations *observations, const char *path,
     check_contradictions(observations);
 }
 
-void cli_observations_free(cli_observations *observations)
-{
-    free(observations->list);
-    names_free(&observations->frames);
-    names_free(&observations->points);
-    csv_free(&observations->table);
-}
-
 /* ==== transforms ========================================================== */
 
 /* How far R R^T is from the identity, in its worst entry. */
@@ -370,11 +349,4 @@ void cli_transforms_read(cli_transforms *transforms, const char *path,
         }
         read_transform(&transforms->transform[row], table, row);
     }
-}
-
-void cli_transforms_free(cli_transforms *transforms)
-{
-    free(transforms->transform);
-    names_free(&transforms->names);
-    csv_free(&transforms->table);
 }

@@ -24,7 +24,6 @@ typedef struct {
 } cli_cameras;
 
 void cli_cameras_read(cli_cameras *cameras, const char *path);
-void cli_cameras_free(cli_cameras *cameras);
 
 typedef struct {
     size_t frame, camera, point; /* numbers of their names */
@@ -43,7 +42,6 @@ typedef struct {
  * read. */
 void cli_observations_read(cli_observations *observations, const char *path,
                            const cli_cameras *cameras, int targets);
-void cli_observations_free(cli_observations *observations);
 
 /* Sorts them by camera, frame and line instead: view by view. */
 void cli_observations_by_view(cli_observations *observations);
@@ -58,6 +56,5 @@ typedef struct {
 /* cameras: the names must be among them; NULL: any name will do. */
 void cli_transforms_read(cli_transforms *transforms, const char *path,
                          const char *key, const cli_cameras *cameras);
-void cli_transforms_free(cli_transforms *transforms);
 
 #endif

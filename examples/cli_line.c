@@ -188,7 +188,5 @@ int cli_line(const char *const option[OPTION_COUNT])
             print_depths(&e, depth);
         }
     }
-    cli_transforms_free(&rig);
-    cli_cameras_free(&cameras);
     return e.exit_status;
 }

@@ -3,7 +3,6 @@
 #include "cli.h"
 
 #include <errno.h>
-#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -95,7 +94,5 @@ void cli_output_finish(cli_output *output)
         if (rename(output->temporary[i], output->path[i]) != 0) {
             give_up(output, output->path[i]);
         }
-        free(output->temporary[i]);
-        free(output->path[i]);
     }
 }

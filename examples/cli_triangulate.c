@@ -2,7 +2,6 @@
 #include "cli.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 typedef struct {
@@ -60,20 +59,6 @@ static void open_triangulation(triangulation *t,
     t->camera = cli_alloc(most, sizeof *t->camera);
     t->cam_from_rig = cli_alloc(most, sizeof *t->cam_from_rig);
     t->uv = cli_alloc(2 * most, sizeof *t->uv);
-}
-
-static void close_triangulation(triangulation *t)
-{
-    free(t->uv);
-    free(t->cam_from_rig);
-    free(t->camera);
-    free(t->list);
-    if (t->in_targets) {
-        cli_transforms_free(&t->targets);
-    }
-    cli_observations_free(&t->observations);
-    cli_transforms_free(&t->rig);
-    cli_cameras_free(&t->cameras);
 }
 
 /* The views of one point by cameras of the rig; returns how many. */
@@ -275,6 +260,5 @@ int cli_triangulate(const char *const option[OPTION_COUNT])
         move_into_targets(&t);
     }
     print_points(&t, sigma_px);
-    close_triangulation(&t);
     return t.exit_status;
 }

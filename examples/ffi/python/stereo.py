@@ -1,0 +1,204 @@
+#!/usr/bin/env python3
+"""Calibrates a stereo pair through the shared library: ctypes and NumPy only.
+
+    stereo.py LIBRARY DATA [--check REFERENCE_PAIRS]
+
+DATA is a folder with cameras.csv and observations.csv in metres, and the first
+two cameras are the pair. Before anything else, every struct declared here is
+compared with the library's own account of it.
+"""
+import argparse
+import collections
+import csv
+import ctypes
+import os
+import sys
+
+import numpy as np
+
+# What --check allows: degrees, and metres.
+ANGLE_LIMIT, DISTANCE_LIMIT = 0.2, 1e-3
+
+
+def declare_structs(real):
+    """The structs of rigcal.h that this program uses, as NumPy types."""
+    i4 = np.int32
+    transform = [("R", real, 9), ("t", real, 3)]
+    camera = [(name, i4) for name in ("lens", "width", "height", "reserved")]
+    camera += [(name, real) for name in "fx fy cx cy k1 k2 p1 p2 k3 k4 k5 k6".split()]
+    declared = {
+        "rigcal_layout_entry": [("name", "S48"), ("offset", i4), ("size", i4)],
+        "rigcal_transform": transform,
+        "rigcal_camera": camera,
+        "rigcal_observation": [("X_w", real, 3), ("uv", real, 2)],
+        "rigcal_sighting": [("X_w", real, 3), ("ray", real, 3)],
+        "rigcal_pair": [("normal", real, 3), ("offset", real, 3),
+                        ("i", i4), ("j", i4)],
+        "rigcal_view": [("cam_from_target", np.dtype(transform, align=True)),
+                        ("weight", real), ("camera", i4), ("placement", i4)],
+    }
+    return {name: np.dtype(fields, align=True)
+            for name, fields in declared.items()}
+
+
+def prototypes(library):
+    """Pointers are addresses of NumPy arrays; None is NULL."""
+    status, pointer = ctypes.c_int32, ctypes.c_void_p
+    count, index = ctypes.c_size_t, ctypes.c_int32
+    for name, result, arguments in (
+            ("sizeof_real", ctypes.c_int32, []),
+            ("status_text", ctypes.c_char_p, [status]),
+            ("layout_count", ctypes.c_int32, []),
+            ("layout", status, [pointer, index]),
+            ("pairs_for", count, [count]),
+            ("solve_pose", status,
+             [pointer] * 5 + [count] + [pointer] * 2 + [count]),
+            ("rig_join", status, [pointer, pointer, count, pointer, count,
+                                  pointer, pointer]),
+            ("relative_pose", status, [pointer] * 3)):
+        function = getattr(library, "rigcal_" + name)
+        function.restype, function.argtypes = result, arguments
+
+
+def at(array):
+    return array.ctypes.data
+
+
+def check_layout(library, structs):
+    """Stops when a struct here is not the library's, field by field."""
+    here = {}
+    for name, dtype in structs.items():
+        here[name] = (0, dtype.itemsize)
+        for field, (kind, offset) in dtype.fields.items():
+            here[name + "." + field] = (offset, kind.itemsize)
+    there = {}
+    entry = np.zeros(1, structs["rigcal_layout_entry"])
+    for index in range(library.rigcal_layout_count()):
+        must(library, library.rigcal_layout(at(entry), index), "layout")
+        name = entry["name"][0].decode()
+        if name.split(".")[0] in structs:
+            there[name] = (int(entry["offset"][0]), int(entry["size"][0]))
+    for name in sorted(here.keys() | there.keys()):
+        if here.get(name) != there.get(name):
+            sys.exit(f"{name}: (offset, size) is {here.get(name)} here and "
+                     f"{there.get(name)} in the library")
+
+
+def must(library, status, what):
+    if status != 0:
+        text = library.rigcal_status_text(status).decode()
+        sys.exit(f"{what}: {text}")
+
+
+def rows(path):
+    with open(path, encoding="utf-8-sig", newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def read_cameras(path, dtype):
+    names = []
+    cameras = np.zeros(2, dtype)
+    for camera, row in zip(cameras, rows(path)):
+        names.append(row["camera"])
+        for field in dtype.names:
+            if field in row:
+                camera[field] = float(row[field])
+    return names, cameras
+
+
+def read_observations(path, names, dtype):
+    """Observations of each (camera, frame)."""
+    views = collections.defaultdict(list)
+    for row in rows(path):
+        if row["camera"] in names:
+            views[names.index(row["camera"]), row["frame"]].append(row)
+    for key, seen in views.items():
+        observed = np.zeros(len(seen), dtype)
+        observed["X_w"] = [[float(r[k]) for k in "XYZ"] for r in seen]
+        observed["uv"] = [[float(r[k]) for k in "uv"] for r in seen]
+        views[key] = observed
+    return views
+
+
+def solve_views(library, structs, cameras, observations):
+    views = np.zeros(len(observations), structs["rigcal_view"])
+    placements = {}
+    for view, ((camera, frame), observed) in zip(views, observations.items()):
+        n = len(observed)
+        capacity = library.rigcal_pairs_for(n)
+        pose = np.zeros(1, structs["rigcal_transform"])
+        sightings = np.zeros(n, structs["rigcal_sighting"])
+        pairs = np.zeros(capacity, structs["rigcal_pair"])
+        status = library.rigcal_solve_pose(
+            at(pose), None, None, at(sightings), at(pairs), capacity,
+            at(cameras[camera:]), at(observed), n)
+        must(library, status, f"camera {camera}, frame {frame}")
+        view["cam_from_target"] = pose[0]
+        view["weight"] = n
+        view["camera"] = camera
+        view["placement"] = placements.setdefault(frame, len(placements))
+    return views
+
+
+def right_from_left(library, structs, views):
+    rig = np.zeros(2, structs["rigcal_transform"])
+    group = np.zeros(2, np.int32)
+    work = np.zeros(len(views), structs["rigcal_transform"])
+    weight = np.zeros(len(views), structs["rigcal_view"]["weight"])
+    must(library, library.rigcal_rig_join(
+        at(rig), at(group), 2, at(views), len(views), at(work), at(weight)),
+        "rig")
+    pair = np.zeros(1, structs["rigcal_transform"])
+    must(library, library.rigcal_relative_pose(at(pair), at(rig[1:]), at(rig)),
+         "pair")
+    return (pair["R"][0].astype(float).reshape(3, 3),
+            pair["t"][0].astype(float))
+
+
+def angle_deg(Ra, Rb):
+    return np.degrees(2 * np.arcsin(np.linalg.norm(Ra - Rb) / np.sqrt(8)))
+
+
+def difference(path, names, R, t):
+    for row in rows(path):
+        if [row["camera_a"], row["camera_b"]] == names:
+            keys = [f"R{i}{j}" for i in "123" for j in "123"]
+            R_ref = np.reshape([float(row[k]) for k in keys], (3, 3))
+            t_ref = np.array([float(row[k]) for k in ("tx", "ty", "tz")])
+            return angle_deg(R, R_ref), np.linalg.norm(t - t_ref)
+    sys.exit(f"{path} has no {names[0]}, {names[1]}")
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("library")
+    parser.add_argument("data")
+    parser.add_argument("--check", metavar="REFERENCE_PAIRS")
+    arguments = parser.parse_args()
+
+    library = ctypes.CDLL(os.path.abspath(arguments.library))
+    prototypes(library)
+    real = {8: np.float64, 4: np.float32}[library.rigcal_sizeof_real()]
+    structs = declare_structs(real)
+    check_layout(library, structs)
+
+    names, cameras = read_cameras(os.path.join(arguments.data, "cameras.csv"),
+                                  structs["rigcal_camera"])
+    observations = read_observations(
+        os.path.join(arguments.data, "observations.csv"), names,
+        structs["rigcal_observation"])
+    views = solve_views(library, structs, cameras, observations)
+    R, t = right_from_left(library, structs, views)
+    print(f"python: {names[1]} from {names[0]}: baseline "
+          f"{1000 * np.linalg.norm(t):.2f} mm, angle "
+          f"{angle_deg(np.eye(3), R):.3f} degrees", end="")
+    if arguments.check:
+        angle, distance = difference(arguments.check, names, R, t)
+        print(f"; off by {angle:.3f} degrees, {1000 * distance:.2f} mm", end="")
+        if not (angle <= ANGLE_LIMIT and distance <= DISTANCE_LIMIT):
+            sys.exit("\nthat is too far from the reference")
+    print()
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,361 @@
+//! Calibrates a stereo pair through the shared library: plain extern "C", std
+//! only.
+//!
+//!     stereo DATA [--check REFERENCE_PAIRS]
+//!
+//! DATA is a folder with cameras.csv and observations.csv in metres, and the
+//! first two cameras are the pair. Before anything else, every struct declared
+//! here is compared with the library's own account of it. Compiled for a library
+//! of double; with --cfg rigcal_float for one of float.
+#![allow(non_snake_case, unknown_lints, unexpected_cfgs)]
+
+use std::collections::BTreeMap;
+use std::ffi::CStr;
+use std::fs;
+use std::os::raw::c_char;
+use std::process::exit;
+use std::ptr;
+
+#[cfg(not(rigcal_float))]
+type Real = f64;
+#[cfg(rigcal_float)]
+type Real = f32;
+
+/// What --check allows: degrees, and metres.
+const ANGLE_LIMIT: f64 = 0.2;
+const DISTANCE_LIMIT: f64 = 1e-3;
+
+/// Name, offset and size in bytes: a struct, or "struct.field".
+type Layout = BTreeMap<String, (usize, usize)>;
+
+fn size_behind<T>(_: *const T) -> usize {
+    std::mem::size_of::<T>()
+}
+
+/// A struct of rigcal.h under its own name, and how it lies in memory.
+macro_rules! c_struct {
+    ($name:ident { $($field:ident: $kind:ty),* }) => {
+        #[repr(C)]
+        #[derive(Clone, Copy)]
+        #[allow(non_camel_case_types)]
+        struct $name {
+            $($field: $kind),*
+        }
+
+        impl $name {
+            fn zeroed() -> Self {
+                // Sound: numbers and arrays of numbers only.
+                unsafe { std::mem::zeroed() }
+            }
+
+            fn describe(layout: &mut Layout) {
+                let name = stringify!($name);
+                let value = Self::zeroed();
+                let start = &value as *const Self as usize;
+                layout.insert(name.to_string(), (0, size_behind(&value)));
+                $(
+                    let field = ptr::addr_of!(value.$field);
+                    layout.insert(
+                        format!("{}.{}", name, stringify!($field)),
+                        (field as usize - start, size_behind(field)),
+                    );
+                )*
+            }
+        }
+    };
+}
+
+c_struct!(rigcal_layout_entry { name: [c_char; 48], offset: i32, size: i32 });
+c_struct!(rigcal_transform { R: [Real; 9], t: [Real; 3] });
+c_struct!(rigcal_camera {
+    lens: i32, width: i32, height: i32, reserved: i32,
+    fx: Real, fy: Real, cx: Real, cy: Real,
+    k1: Real, k2: Real, p1: Real, p2: Real,
+    k3: Real, k4: Real, k5: Real, k6: Real
+});
+c_struct!(rigcal_observation { X_w: [Real; 3], uv: [Real; 2] });
+c_struct!(rigcal_sighting { X_w: [Real; 3], ray: [Real; 3] });
+c_struct!(rigcal_pair { normal: [Real; 3], offset: [Real; 3], i: i32, j: i32 });
+c_struct!(rigcal_view {
+    cam_from_target: rigcal_transform, weight: Real, camera: i32, placement: i32
+});
+
+#[link(name = "rigcal")]
+extern "C" {
+    fn rigcal_sizeof_real() -> i32;
+    fn rigcal_status_text(status: i32) -> *const c_char;
+    fn rigcal_layout_count() -> i32;
+    fn rigcal_layout(entry: *mut rigcal_layout_entry, index: i32) -> i32;
+    fn rigcal_pairs_for(n: usize) -> usize;
+    fn rigcal_solve_pose(
+        cam_from_world: *mut rigcal_transform,
+        rms_px: *mut Real,
+        bad: *mut i32,
+        sightings: *mut rigcal_sighting,
+        pairs: *mut rigcal_pair,
+        capacity: usize,
+        camera: *const rigcal_camera,
+        observations: *const rigcal_observation,
+        n: usize,
+    ) -> i32;
+    fn rigcal_rig_join(
+        cams_from_rig: *mut rigcal_transform,
+        group: *mut i32,
+        n_cameras: usize,
+        views: *const rigcal_view,
+        n_views: usize,
+        work: *mut rigcal_transform,
+        weight: *mut Real,
+    ) -> i32;
+    fn rigcal_relative_pose(
+        b_from_a: *mut rigcal_transform,
+        b_from_world: *const rigcal_transform,
+        a_from_world: *const rigcal_transform,
+    ) -> i32;
+}
+
+fn fail(message: &str) -> ! {
+    eprintln!("{}", message);
+    exit(1)
+}
+
+fn must(status: i32, what: &str) {
+    if status != 0 {
+        let text = unsafe { CStr::from_ptr(rigcal_status_text(status)) };
+        fail(&format!("{}: {}", what, text.to_string_lossy()));
+    }
+}
+
+fn layout_here() -> Layout {
+    let mut layout = Layout::new();
+    rigcal_layout_entry::describe(&mut layout);
+    rigcal_transform::describe(&mut layout);
+    rigcal_camera::describe(&mut layout);
+    rigcal_observation::describe(&mut layout);
+    rigcal_sighting::describe(&mut layout);
+    rigcal_pair::describe(&mut layout);
+    rigcal_view::describe(&mut layout);
+    layout
+}
+
+/// The library's account of the structs in `here`.
+fn layout_there(here: &Layout) -> Layout {
+    let mut layout = Layout::new();
+    for index in 0..unsafe { rigcal_layout_count() } {
+        let mut entry = rigcal_layout_entry::zeroed();
+        must(unsafe { rigcal_layout(&mut entry, index) }, "layout");
+        let name = unsafe { CStr::from_ptr(entry.name.as_ptr()) };
+        let name = name.to_string_lossy().into_owned();
+        if here.contains_key(name.split('.').next().unwrap_or("")) {
+            layout.insert(name, (entry.offset as usize, entry.size as usize));
+        }
+    }
+    layout
+}
+
+fn check_layout() {
+    if unsafe { rigcal_sizeof_real() } as usize != std::mem::size_of::<Real>() {
+        fail("the library has another rigcal_real: see --cfg rigcal_float");
+    }
+    let here = layout_here();
+    let there = layout_there(&here);
+    for name in here.keys().chain(there.keys()) {
+        if here.get(name) != there.get(name) {
+            fail(&format!(
+                "{}: (offset, size) is {:?} here and {:?} in the library",
+                name, here.get(name), there.get(name)
+            ));
+        }
+    }
+}
+
+/// A line of a table, by column.
+type Row = BTreeMap<String, String>;
+
+fn rows(path: &str) -> Vec<Row> {
+    let text = fs::read_to_string(path)
+        .unwrap_or_else(|error| fail(&format!("{}: {}", path, error)));
+    let mut lines = text.lines();
+    let columns: Vec<&str> = lines.next().unwrap_or("").split(',').collect();
+    lines
+        .map(|line| {
+            let cells = line.split(',').map(str::to_string);
+            columns.iter().map(|c| c.to_string()).zip(cells).collect()
+        })
+        .collect()
+}
+
+fn text<'a>(row: &'a Row, column: &str) -> &'a str {
+    match row.get(column) {
+        Some(cell) => cell,
+        None => fail(&format!("there is no column {}", column)),
+    }
+}
+
+fn number(row: &Row, column: &str) -> Real {
+    text(row, column)
+        .parse()
+        .unwrap_or_else(|_| fail(&format!("{} is not a number", column)))
+}
+
+fn read_camera(row: &Row) -> rigcal_camera {
+    rigcal_camera {
+        width: number(row, "width") as i32,
+        height: number(row, "height") as i32,
+        fx: number(row, "fx"),
+        fy: number(row, "fy"),
+        cx: number(row, "cx"),
+        cy: number(row, "cy"),
+        k1: number(row, "k1"),
+        k2: number(row, "k2"),
+        p1: number(row, "p1"),
+        p2: number(row, "p2"),
+        k3: number(row, "k3"),
+        ..rigcal_camera::zeroed()
+    }
+}
+
+fn read_observation(row: &Row) -> rigcal_observation {
+    rigcal_observation {
+        X_w: [number(row, "X"), number(row, "Y"), number(row, "Z")],
+        uv: [number(row, "u"), number(row, "v")],
+    }
+}
+
+fn solve(
+    camera: &rigcal_camera,
+    observed: &[rigcal_observation],
+    what: &str,
+) -> rigcal_transform {
+    let n = observed.len();
+    let capacity = unsafe { rigcal_pairs_for(n) };
+    let mut pose = rigcal_transform::zeroed();
+    let mut sightings = vec![rigcal_sighting::zeroed(); n];
+    let mut pairs = vec![rigcal_pair::zeroed(); capacity];
+    let status = unsafe {
+        rigcal_solve_pose(
+            &mut pose,
+            ptr::null_mut(),
+            ptr::null_mut(),
+            sightings.as_mut_ptr(),
+            pairs.as_mut_ptr(),
+            capacity,
+            camera,
+            observed.as_ptr(),
+            n,
+        )
+    };
+    must(status, what);
+    pose
+}
+
+/// Poses of both cameras in every frame that they saw.
+fn solve_views(cameras: &[Row], observations: &[Row]) -> Vec<rigcal_view> {
+    let mut frames: BTreeMap<&str, Vec<&Row>> = BTreeMap::new();
+    for row in observations {
+        frames.entry(text(row, "frame")).or_default().push(row);
+    }
+    let mut views = Vec::new();
+    for (placement, (frame, seen)) in frames.iter().enumerate() {
+        for (index, camera) in cameras.iter().enumerate() {
+            let name = text(camera, "camera");
+            let observed: Vec<rigcal_observation> = seen
+                .iter()
+                .filter(|row| text(row, "camera") == name)
+                .map(|row| read_observation(row))
+                .collect();
+            if observed.is_empty() {
+                continue;
+            }
+            let what = format!("camera {}, frame {}", name, frame);
+            views.push(rigcal_view {
+                cam_from_target: solve(&read_camera(camera), &observed, &what),
+                weight: observed.len() as Real,
+                camera: index as i32,
+                placement: placement as i32,
+            });
+        }
+    }
+    views
+}
+
+fn right_from_left(views: &[rigcal_view]) -> rigcal_transform {
+    let mut rig = [rigcal_transform::zeroed(); 2];
+    let mut group = [0; 2];
+    let mut work = vec![rigcal_transform::zeroed(); views.len()];
+    let mut weight = vec![0 as Real; views.len()];
+    let mut pair = rigcal_transform::zeroed();
+    let status = unsafe {
+        rigcal_rig_join(
+            rig.as_mut_ptr(),
+            group.as_mut_ptr(),
+            rig.len(),
+            views.as_ptr(),
+            views.len(),
+            work.as_mut_ptr(),
+            weight.as_mut_ptr(),
+        )
+    };
+    must(status, "rig");
+    must(unsafe { rigcal_relative_pose(&mut pair, &rig[1], &rig[0]) }, "pair");
+    pair
+}
+
+fn distance(a: &[Real], b: &[Real]) -> f64 {
+    let squares = a.iter().zip(b).map(|(x, y)| (*x as f64 - *y as f64).powi(2));
+    squares.sum::<f64>().sqrt()
+}
+
+fn angle_deg(Ra: &[Real; 9], Rb: &[Real; 9]) -> f64 {
+    (2.0 * (distance(Ra, Rb) / 8f64.sqrt()).asin()).to_degrees()
+}
+
+fn reference(path: &str, left: &str, right: &str) -> rigcal_transform {
+    let mut pair = rigcal_transform::zeroed();
+    for row in rows(path) {
+        if text(&row, "camera_a") == left && text(&row, "camera_b") == right {
+            for k in 0..9 {
+                pair.R[k] = number(&row, &format!("R{}{}", k / 3 + 1, k % 3 + 1));
+            }
+            for (k, axis) in ["tx", "ty", "tz"].iter().enumerate() {
+                pair.t[k] = number(&row, axis);
+            }
+            return pair;
+        }
+    }
+    fail(&format!("{} has no {}, {}", path, left, right))
+}
+
+fn main() {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let (data, check) = match arguments.len() {
+        1 => (&arguments[0], None),
+        3 if arguments[1] == "--check" => (&arguments[0], Some(&arguments[2])),
+        _ => fail("usage: stereo DATA [--check REFERENCE_PAIRS]"),
+    };
+    check_layout();
+
+    let mut cameras = rows(&format!("{}/cameras.csv", data));
+    cameras.truncate(2);
+    let (left, right) = (text(&cameras[0], "camera"), text(&cameras[1], "camera"));
+    let observations = rows(&format!("{}/observations.csv", data));
+    let pair = right_from_left(&solve_views(&cameras, &observations));
+    let still = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0];
+    print!(
+        "rust:   {} from {}: baseline {:.2} mm, angle {:.3} degrees",
+        right, left,
+        1000.0 * distance(&pair.t, &[0.0; 3]),
+        angle_deg(&pair.R, &still)
+    );
+    if let Some(path) = check {
+        let known = reference(path, left, right);
+        let angle = angle_deg(&pair.R, &known.R);
+        let length = distance(&pair.t, &known.t);
+        print!("; off by {:.3} degrees, {:.2} mm", angle, 1000.0 * length);
+        if !(angle <= ANGLE_LIMIT && length <= DISTANCE_LIMIT) {
+            println!();
+            fail("that is too far from the reference");
+        }
+    }
+    println!();
+}

@@ -1,0 +1,1052 @@
+#!/usr/bin/env python3
+"""The command line as a user meets it: good files, broken files, wrong use.
+
+RIGCAL_BIN: the rigcal to test, build/gcc-double/rigcal if not given.
+RIGCAL_ROOT: the project's folder, if not this file's. -v tells measured figures.
+"""
+import csv
+import io
+import os
+import re
+import subprocess
+import sys
+import tempfile
+import unittest
+
+import numpy as np
+
+ROOT = os.environ.get("RIGCAL_ROOT") or os.path.dirname(os.path.dirname(
+    os.path.dirname(os.path.abspath(__file__))))
+BIN = os.environ.get("RIGCAL_BIN") or os.path.join(
+    ROOT, "build", "gcc-double", "rigcal")
+STEREO = os.path.join(ROOT, "examples", "data", "opencv_stereo")
+CAVITY = os.path.join(ROOT, "examples", "data", "openptv_cavity")
+STEPPED = os.path.join(ROOT, "examples", "data", "myptv_stepped")
+SCENE = os.path.join(ROOT, "tests", "data", "pose2sim_scene")
+OUTPUTS = ["poses.csv", "rig.csv", "targets.csv", "pairs.csv"]
+MATRIX = [f"R{i}{j}" for i in "123" for j in "123"]
+
+
+def rigcal(*arguments, **options):
+    return subprocess.run([BIN, *arguments], stdout=subprocess.PIPE,
+                          stderr=subprocess.PIPE, text=True, timeout=60,
+                          **options)
+
+
+FLOAT = "float" in rigcal("--version").stdout
+ROUNDING = 1e-5 if FLOAT else 1e-10  # of a rotation's entries, relative else
+
+
+def measured(text):
+    if "-v" in sys.argv or "--verbose" in sys.argv:
+        print(f"\n    {text}", end=" ", file=sys.stderr)
+
+
+# ---- files, and mathematics written without the library -----------------------
+
+def read(path_or_text):
+    if "\n" in path_or_text:
+        return list(csv.DictReader(io.StringIO(path_or_text)))
+    with open(path_or_text, newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def content(folder, name):
+    with open(os.path.join(folder, name), newline="") as file:
+        return file.read()
+
+
+def write(folder, name, text):
+    path = os.path.join(folder, name)
+    data = text if isinstance(text, bytes) else text.encode()
+    with open(path, "wb") as file:
+        file.write(data)
+    return path
+
+
+def transform(row):
+    R = np.array([float(row[k]) for k in MATRIX]).reshape(3, 3)
+    return R, np.array([float(row[k]) for k in ("tx", "ty", "tz")])
+
+
+def transforms(path, *keys):
+    return {tuple(r[k] for k in keys) if len(keys) > 1 else r[keys[0]]:
+            transform(r) for r in read(path)}
+
+
+def compose(c_from_b, b_from_a):
+    return c_from_b[0] @ b_from_a[0], c_from_b[0] @ b_from_a[1] + c_from_b[1]
+
+
+def invert(b_from_a):
+    return b_from_a[0].T, -b_from_a[0].T @ b_from_a[1]
+
+
+def relative(b_from_w, a_from_w):
+    return compose(b_from_w, invert(a_from_w))
+
+
+def angle_deg(Ra, Rb):
+    half = np.linalg.norm(Ra - Rb) / np.sqrt(8)
+    return np.degrees(2 * np.arcsin(min(1.0, half)))
+
+
+def rotation(x, y, z):
+    """A rotation by a rotation vector (Rodrigues)."""
+    w = np.array([x, y, z], float)
+    angle = np.linalg.norm(w)
+    K = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]], float) / max(angle, 1e-9)
+    return np.eye(3) + np.sin(angle) * K + (1 - np.cos(angle)) * K @ K
+
+
+class Camera:
+    """Brown's lens with OpenCV's coefficients, or the fisheye."""
+
+    def __init__(self, row):
+        value = {k: float(v) for k, v in row.items()
+                 if k not in ("camera", "lens")}
+        self.size = np.array([value["width"], value["height"]])
+        self.f = np.array([value["fx"], value["fy"]])
+        self.c = np.array([value["cx"], value["cy"]])
+        self.k = [value.get(f"k{i}", 0.0) for i in range(1, 7)]
+        self.p = [value.get("p1", 0.0), value.get("p2", 0.0)]
+        self.fisheye = row.get("lens") == "fisheye"
+
+    def distort(self, xy):
+        x, y = xy[..., 0], xy[..., 1]
+        r2 = x * x + y * y
+        k, p = self.k, self.p
+        if self.fisheye:
+            r = np.sqrt(r2)
+            t = np.arctan(r)
+            s = t * (1 + k[0] * t**2 + k[1] * t**4 + k[2] * t**6
+                     + k[3] * t**8) / np.where(r > 0, r, 1)
+            return xy * np.where(r > 0, s, 1)[..., None]
+        d = ((1 + r2 * (k[0] + r2 * (k[1] + r2 * k[2])))
+             / (1 + r2 * (k[3] + r2 * (k[4] + r2 * k[5]))))
+        return np.stack([x * d + 2 * p[0] * x * y + p[1] * (r2 + 2 * x * x),
+                         y * d + p[0] * (r2 + 2 * y * y) + 2 * p[1] * x * y], -1)
+
+    def project(self, X_c):
+        X_c = np.asarray(X_c, float)
+        return self.f * self.distort(X_c[..., :2] / X_c[..., 2:]) + self.c
+
+    def straight(self, X_c):
+        """Pixel without distortion."""
+        X_c = np.asarray(X_c, float)
+        return self.f * X_c[..., :2] / X_c[..., 2:] + self.c
+
+    def ray(self, uv):
+        """(x, y, 1) of a pixel, by Newton with differences."""
+        goal = (np.asarray(uv, float) - self.c) / self.f
+        xy = goal.copy()
+        for _ in range(50):
+            h = 1e-7
+            e = self.distort(xy) - goal
+            J = np.stack([(self.distort(xy + [h, 0]) - goal - e) / h,
+                          (self.distort(xy + [0, h]) - goal - e) / h], -1)
+            xy = xy - np.linalg.solve(J, e[..., None])[..., 0]
+        return np.append(xy, 1.0)
+
+
+def cameras(folder):
+    return {r["camera"]: Camera(r)
+            for r in read(os.path.join(folder, "cameras.csv"))}
+
+
+def observed_views(path):
+    views = {}
+    for r in read(path):
+        X, uv = views.setdefault((r["camera"], r["frame"]), ([], []))
+        X.append([float(r[k]) for k in "XYZ"])
+        uv.append([float(r[k]) for k in "uv"])
+    return {k: (np.array(X), np.array(uv)) for k, (X, uv) in views.items()}
+
+
+class CliTest(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = folder.name
+        self.out = os.path.join(self.folder, "out")
+
+    def calibrate(self, cameras_csv, observations_csv, out=None):
+        return rigcal("calibrate", "--cameras", cameras_csv,
+                      "--observations", observations_csv,
+                      "--out", out or self.out)
+
+    def calibrate_set(self, folder):
+        return self.calibrate(os.path.join(folder, "cameras.csv"),
+                              os.path.join(folder, "observations.csv"))
+
+    def calibrate_well(self, folder):
+        run = self.calibrate_set(folder)
+        self.assertEqual((run.returncode, run.stderr), (0, ""))
+        return run
+
+    def result(self, name):
+        return os.path.join(self.out, name)
+
+
+# ---- calibrate, real data -------------------------------------------------------
+
+class TestCalibrateRealData(CliTest):
+    def test_stereo_pair_agrees_with_bundle_adjustment(self):
+        self.calibrate_well(STEREO)
+        pair = transforms(self.result("pairs.csv"), "camera_a", "camera_b")
+        for name in ("reference_pairs.csv", "reference_stereocalibrate.csv"):
+            key = ("camera_a", "camera_b") if "pairs" in name else ("camera",)
+            known = transforms(os.path.join(STEREO, name), *key)
+            R, t = known[("left", "right") if "pairs" in name else "right"]
+            angle = angle_deg(R, pair["left", "right"][0])
+            length = np.linalg.norm(t - pair["left", "right"][1])
+            measured(f"{name}: {angle:.3f} deg, {1000 * length:.3f} mm")
+            self.assertLess(angle, 0.2)
+            self.assertLess(length, 1e-3)
+
+    def check_poses(self, folder, angle_limit, part_limit):
+        self.calibrate_well(folder)
+        poses = transforms(self.result("poses.csv"), "camera", "frame")
+        known = transforms(os.path.join(folder, "reference_poses.csv"),
+                           "camera", "frame")
+        self.assertEqual(sorted(poses), sorted(known))
+        for key, (R, t) in known.items():
+            angle = angle_deg(R, poses[key][0])
+            part = np.linalg.norm(t - poses[key][1]) / np.linalg.norm(t)
+            measured(f"{' '.join(key)}: {angle:.3f} deg, {100 * part:.3f} %")
+            with self.subTest(view=key):
+                self.assertLess(angle, angle_limit)
+                self.assertLess(part, part_limit)
+
+    def test_poses_of_the_stereo_pair(self):
+        self.check_poses(STEREO, 2, 0.01)
+
+    def test_poses_of_four_cameras_around_a_tank(self):
+        self.check_poses(CAVITY, 2, 0.01)
+
+    def test_poses_of_three_cameras_at_a_tank(self):
+        self.check_poses(STEPPED, 2, 0.01)
+
+    def test_poses_of_a_scene_picked_by_hand(self):
+        # Six points, 1 to 3 px of noise, nearly a plane: the distance is weak.
+        self.check_poses(SCENE, 2, 0.03)
+
+    def test_scene_picked_by_hand_agrees_with_an_independent_calibration(self):
+        self.calibrate_well(SCENE)
+        pairs = transforms(self.result("pairs.csv"), "camera_a", "camera_b")
+        known = transforms(os.path.join(SCENE, "independent_pairs.csv"),
+                           "camera_a", "camera_b")
+        self.assertEqual(sorted(pairs), sorted(known))
+        for key, (R, t) in known.items():
+            angle = angle_deg(R, pairs[key][0])
+            part = np.linalg.norm(t - pairs[key][1]) / np.linalg.norm(t)
+            measured(f"{' '.join(key)}: {angle:.2f} deg, {100 * part:.2f} %")
+            self.assertLess(angle, 3)
+            self.assertLess(part, 0.05)
+
+    def test_summary_tells_views_cameras_and_pairs(self):
+        text = self.calibrate_well(STEREO).stdout
+        self.assertEqual(len(re.findall(r"^(?:left|right) +\d\d +54 ", text,
+                                        re.M)), 14)
+        self.assertRegex(text, r"(?m)^right +0\.08\d+ ")
+        self.assertRegex(text, r"(?m)^left +right +0\.08.* over 7 placements$")
+
+    def test_out_is_optional(self):
+        with_out = self.calibrate_well(STEREO).stdout
+        run = rigcal("calibrate", "--cameras", STEREO + "/cameras.csv",
+                     "--observations", STEREO + "/observations.csv")
+        self.assertEqual((run.returncode, run.stdout), (0, with_out))
+
+
+class TestFilesWritten(CliTest):
+    def check_consistent(self, folder):
+        self.calibrate_well(folder)
+        names = list(cameras(folder))
+        poses = transforms(self.result("poses.csv"), "camera", "frame")
+        rig = transforms(self.result("rig.csv"), "camera")
+        targets = transforms(self.result("targets.csv"), "frame")
+        pairs = transforms(self.result("pairs.csv"), "camera_a", "camera_b")
+
+        for found in (poses, rig, targets, pairs):
+            for R, _ in found.values():
+                np.testing.assert_allclose(R @ R.T, np.eye(3), atol=ROUNDING)
+                self.assertGreater(np.linalg.det(R), 0)
+        self.assertEqual(list(rig), names)
+        np.testing.assert_array_equal(rig[names[0]][0], np.eye(3))
+        np.testing.assert_array_equal(rig[names[0]][1], np.zeros(3))
+        self.assertEqual(len(pairs), len(names) * (len(names) - 1) // 2)
+        for (a, b), found in pairs.items():
+            R, t = relative(rig[b], rig[a])
+            scale = np.linalg.norm(t)
+            np.testing.assert_allclose(found[0], R, atol=2 * ROUNDING)
+            np.testing.assert_allclose(found[1], t, atol=8 * ROUNDING * scale)
+        self.assertEqual(sorted(targets), sorted({f for _, f in poses}))
+        for (camera, frame), (R, t) in poses.items():
+            R_rig, t_rig = compose(rig[camera], targets[frame])
+            self.assertLess(angle_deg(R, R_rig), 2)
+            self.assertLess(np.linalg.norm(t - t_rig),
+                            0.02 * np.linalg.norm(t))
+
+    def test_rig_pairs_targets_and_poses_are_consistent(self):
+        for folder in (STEREO, CAVITY, STEPPED, SCENE):
+            with self.subTest(folder=os.path.basename(folder)):
+                self.check_consistent(folder)
+
+    def test_columns_are_those_of_the_references(self):
+        self.calibrate_well(STEREO)
+        for name in OUTPUTS:
+            ours = content(self.out, name).split("\n")[0]
+            theirs = content(STEREO, "reference_" + name).split("\n")[0]
+            self.assertEqual(ours, theirs)
+            self.assertTrue(content(self.out, name).endswith("\n"))
+        self.assertEqual(sorted(os.listdir(self.out)), sorted(OUTPUTS))
+
+    def test_frames_keep_their_order_of_appearance(self):
+        head, *lines = content(STEREO, "observations.csv").splitlines()
+        lines.sort(key=lambda line: -int(line[:2]))
+        path = write(self.folder, "observations.csv",
+                     "\n".join([head, *lines]) + "\n")
+        run = self.calibrate(STEREO + "/cameras.csv", path)
+        self.assertEqual(run.returncode, 0)
+        frames = [r["frame"] for r in read(self.result("targets.csv"))]
+        self.assertEqual(frames, "14 12 09 07 05 03 01".split())
+
+    def test_rms_is_that_of_the_pose(self):
+        for folder in (STEREO, CAVITY):
+            self.calibrate_well(folder)
+            camera = cameras(folder)
+            views = observed_views(os.path.join(folder, "observations.csv"))
+            for row in read(self.result("poses.csv")):
+                R, t = transform(row)
+                X, uv = views[row["camera"], row["frame"]]
+                error = camera[row["camera"]].project(X @ R.T + t) - uv
+                rms = np.sqrt(np.mean(np.sum(error**2, 1)))
+                self.assertEqual(int(row["n"]), len(X))
+                self.assertAlmostEqual(rms, float(row["rms_px"]),
+                                       delta=0.05 if FLOAT else 1e-6)
+
+
+# ---- calibrate, rigs made up ------------------------------------------------------
+
+def made_up(camera_rows, cams_from_world, targets, shared):
+    """Files of a rig without noise; shared: which cameras see which frame."""
+    rng = np.random.default_rng(7)
+    X = np.round(rng.uniform(-1, 1, (12, 3)), 3)
+    lines = ["frame,camera,point,X,Y,Z,u,v"]
+    for frame, names in shared.items():
+        for name in names:
+            R, t = compose(cams_from_world[name], targets[frame])
+            uv = Camera(camera_rows[name]).project(X @ R.T + t)
+            lines += [f"{frame},{name},p{i},{x[0]},{x[1]},{x[2]},{p[0]!r},{p[1]!r}"
+                      for i, (x, p) in enumerate(zip(X, uv.tolist()))]
+    head = list(next(iter(camera_rows.values())))
+    table = [",".join(head)] + [",".join(str(r[k]) for k in head)
+                                for r in camera_rows.values()]
+    return "\n".join(table) + "\n", "\n".join(lines) + "\n"
+
+
+def camera_row(name, lens="brown", **coefficients):
+    row = dict(camera=name, width=1280, height=960, fx=900.5, fy=905.25, cx=640,
+               cy=470, lens=lens, k1=0, k2=0, p1=0, p2=0, k3=0, k4=0, k5=0, k6=0)
+    row.update(coefficients)
+    return row
+
+
+class TestCalibrateMadeUp(CliTest):
+    def setUp(self):
+        super().setUp()
+        self.rows = {r["camera"]: r for r in (
+            camera_row("pinhole"),
+            camera_row("fish", "fisheye", k1=-0.02, k2=0.004, k3=-0.001,
+                       k4=0.0002, fx=500, fy=501),
+            camera_row("rational", k1=0.3, k2=0.05, p1=0.001, p2=-0.002,
+                       k3=0.01, k4=0.5, k5=0.1, k6=0.02),
+            camera_row("barrel", k1=-0.2, k2=0.04))}
+        self.world = {
+            "pinhole": (rotation(0.1, -0.2, 0.05), np.array([0.1, 0.2, 5.0])),
+            "fish": (rotation(-0.2, 0.4, 0.3), np.array([-0.3, 0.1, 4.0])),
+            "rational": (rotation(0.5, 0.2, -0.4), np.array([0.2, -0.2, 6.0])),
+            "barrel": (rotation(-0.4, -0.6, 1.2), np.array([0.0, 0.3, 5.5]))}
+        self.targets = {
+            f"f{i}": (rotation(0.3 * i, -0.5 * i, 0.2), np.array([0.1 * i, 0, 0]))
+            for i in range(4)}
+
+    def run_rig(self, shared):
+        table, observations = made_up(self.rows, self.world, self.targets, shared)
+        return self.calibrate(write(self.folder, "cameras.csv", table),
+                              write(self.folder, "observations.csv",
+                                    observations))
+
+    def check_rig(self, names):
+        rig = transforms(self.result("rig.csv"), "camera")
+        self.assertEqual(list(rig), names)
+        for name in names:
+            R, t = relative(self.world[name], self.world[names[0]])
+            angle = angle_deg(R, rig[name][0])
+            length = np.linalg.norm(t - rig[name][1])
+            measured(f"{name}: {angle:.1e} deg, {length:.1e}")
+            self.assertLess(angle, 0.1 if FLOAT else 1e-6)
+            self.assertLess(length, 0.01 if FLOAT else 1e-7)
+
+    def test_every_lens_without_noise(self):
+        run = self.run_rig({"f0": list(self.rows)})
+        self.assertEqual((run.returncode, run.stderr), (0, ""))
+        self.check_rig(list(self.rows))
+
+    def test_cameras_joined_through_others(self):
+        run = self.run_rig({"f0": ["pinhole", "barrel"],
+                            "f1": ["barrel", "fish"], "f2": ["fish", "rational"]})
+        self.assertEqual((run.returncode, run.stderr), (0, ""))
+        self.check_rig(list(self.rows))
+        self.assertEqual(len(read(self.result("targets.csv"))), 3)
+
+    def test_two_groups_are_told_apart(self):
+        run = self.run_rig({"f0": ["pinhole", "fish"],
+                            "f1": ["rational", "barrel"]})
+        self.assertEqual(run.returncode, 1)
+        for camera in ("rational", "barrel"):
+            self.assertRegex(run.stderr, f"camera {camera} shares no placement "
+                                         "with pinhole")
+        self.assertIn("frame f1 is not placed", run.stderr)
+        self.assertIn("in the frame of pinhole", run.stdout)
+        self.assertIn("in the frame of rational", run.stdout)
+        self.check_rig(["pinhole", "fish"])
+        self.assertEqual(len(read(self.result("poses.csv"))), 4)
+        self.assertEqual([r["frame"] for r in read(self.result("targets.csv"))],
+                         ["f0"])
+        self.assertEqual(len(read(self.result("pairs.csv"))), 1)
+
+    def test_camera_without_observations_is_named(self):
+        run = self.run_rig({"f0": ["fish", "rational", "barrel"]})
+        self.assertEqual(run.returncode, 1)
+        self.assertIn("camera pinhole has no pose", run.stderr)
+        self.check_rig(["fish", "rational", "barrel"])
+
+
+class TestUnsolvable(CliTest):
+    def run_with(self, spoil):
+        """Calibrates with the right camera's view of frame 03 spoiled."""
+        head, *lines = content(STEREO, "observations.csv").splitlines()
+        mine = [line for line in lines if line.startswith("03,right,")]
+        rest = [line for line in lines if not line.startswith("03,right,")]
+        path = write(self.folder, "observations.csv",
+                     "\n".join([head, *rest, *spoil(mine)]) + "\n")
+        return self.calibrate(STEREO + "/cameras.csv", path)
+
+    def check(self, run, reason):
+        self.assertEqual(run.returncode, 1)
+        self.assertRegex(run.stderr, "camera right in frame 03 cannot be solved")
+        self.assertIn(reason, run.stderr)
+        poses = read(self.result("poses.csv"))
+        self.assertEqual(len(poses), 13)
+        self.assertEqual(len(read(self.result("rig.csv"))), 2)
+        self.assertEqual(len(read(self.result("targets.csv"))), 7)
+
+    def test_too_few_points(self):
+        self.check(self.run_with(lambda lines: lines[:2]), "too few points")
+
+    def test_points_on_one_line(self):
+        self.check(self.run_with(lambda lines: lines[:3]), "on one line")
+
+    def test_pixel_that_no_ray_reaches(self):
+        def spoil(lines):
+            far = lines[5].split(",")
+            return lines[:5] + [",".join(far[:6] + ["1e5", "-1e5"])] + lines[6:]
+        run = self.run_with(spoil)
+        self.check(run, "images no ray")
+        self.assertIn("point 5:", run.stderr)
+
+    def test_nothing_can_be_solved(self):
+        text = content(STEREO, "observations.csv").splitlines()[:3]
+        run = self.calibrate(STEREO + "/cameras.csv",
+                             write(self.folder, "o.csv", "\n".join(text)))
+        self.assertEqual(run.returncode, 1)
+        self.assertIn("camera left in frame 01 cannot be solved", run.stderr)
+        self.assertFalse(os.path.exists(self.out))
+
+
+# ---- the form of files --------------------------------------------------------------
+
+def permuted(text):
+    rows = [line.split(",") for line in text.splitlines()]
+    order = list(range(len(rows[0])))[::-1]
+    lines = [",".join([row[i] for i in order] + [extra])
+             for row, extra in zip(rows, ["note"] + ["-"] * len(rows))]
+    return "\n".join(lines) + "\n"
+
+
+class TestHarmlessForms(CliTest):
+    FORMS = {
+        "CRLF": lambda text: text.replace("\n", "\r\n"),
+        "byte-order mark": lambda text: "\ufeff" + text,
+        "blank lines": lambda text: "\n \n" + text.replace("\n", "\n\n\t\n"),
+        "no last newline": lambda text: text.rstrip("\n"),
+        "columns permuted": permuted,
+        "all of it": lambda text: "\ufeff\r\n" + permuted(text).replace(
+            "\n", "\r\n\r\n").rstrip("\r\n"),
+    }
+
+    def outputs(self, change):
+        paths = [write(self.folder, name, change(content(STEREO, name)))
+                 for name in ("cameras.csv", "observations.csv")]
+        run = self.calibrate(*paths)
+        self.assertEqual((run.returncode, run.stderr), (0, ""))
+        return [run.stdout] + [content(self.out, name) for name in OUTPUTS]
+
+    def test_same_data_gives_the_same_bytes(self):
+        plain = self.outputs(lambda text: text)
+        for name, change in self.FORMS.items():
+            with self.subTest(form=name):
+                self.assertEqual(self.outputs(change), plain)
+
+    def test_coefficients_may_be_absent(self):
+        table = content(CAVITY, "cameras.csv")
+        rows = [line.split(",")[:7] for line in table.splitlines()]
+        short = "\n".join(",".join(row) for row in rows) + "\n"
+        run = self.calibrate(write(self.folder, "c.csv", short),
+                             CAVITY + "/observations.csv")
+        self.assertEqual(run.returncode, 0)
+
+    def test_very_long_lines(self):
+        wide = "".join(line + "," + "x" * 100000 + "\n"
+                       for line in content(STEREO, "cameras.csv").splitlines())
+        run = self.calibrate(write(self.folder, "c.csv", wide),
+                             STEREO + "/observations.csv")
+        self.assertEqual(run.returncode, 0)
+
+
+def at_line(number, change):
+    """Applies change to one line, counted from 1."""
+    def apply(text):
+        lines = text.split("\n")
+        lines[number - 1] = change(lines[number - 1])
+        return "\n".join(lines)
+    return apply
+
+
+def field(column, value):
+    def change(line):
+        fields = line.split(",")
+        fields[column] = value
+        return ",".join(fields)
+    return change
+
+
+def again(number, before):
+    """Repeats a line as another line."""
+    def apply(text):
+        lines = text.split("\n")
+        lines.insert(before - 1, lines[number - 1])
+        return "\n".join(lines)
+    return apply
+
+
+# What is done to a file, the line that must be named, and the words.
+OBSERVATIONS_BROKEN = {
+    "missing column": (at_line(1, lambda s: s.replace(",u,", ",w,")), 1,
+                       "no column u"),
+    "duplicate column": (at_line(1, lambda s: s.replace("point", "frame")), 1,
+                         "column frame is there more than once"),
+    "a field too few": (at_line(5, lambda s: s.rsplit(",", 1)[0]), 5,
+                        "7 fields where the header has 8"),
+    "a field too many": (at_line(6, lambda s: s + ",1"), 6, "9 fields"),
+    "word": (at_line(4, field(6, "abc")), 4, 'column u: "abc" is not a number'),
+    "number and more": (at_line(4, field(7, "1.5px")), 4, 'column v: "1.5px"'),
+    "decimal comma": (at_line(4, field(7, "1;5")), 4, 'column v: "1;5"'),
+    "blank before": (at_line(4, field(7, " 15")), 4, 'column v: " 15"'),
+    "nan": (at_line(9, field(3, "nan")), 9, 'column X: "nan" is not a number'),
+    "inf": (at_line(9, field(4, "-inf")), 9, 'column Y: "-inf"'),
+    "hexadecimal": (at_line(9, field(5, "0x1p3")), 9, 'column Z: "0x1p3"'),
+    "sign alone": (at_line(9, field(5, "-")), 9, 'column Z: "-"'),
+    "point alone": (at_line(9, field(5, ".")), 9, 'column Z: "."'),
+    "too large": (at_line(9, field(6, "1e999")), 9, "too large"),
+    "no number": (at_line(3, field(6, "")), 3, "column u is empty"),
+    "no id": (at_line(3, field(2, "")), 3, "column point is empty"),
+    "blank in id": (at_line(3, field(0, "0 1")), 3, "column frame"),
+    "quotes": (at_line(3, field(0, '"01"')), 3, "column frame"),
+    "unknown camera": (at_line(12, field(1, "middle")), 12,
+                       "camera middle is not in"),
+    "seen twice": (again(2, 40), 40, "point 0 was observed .* line 2"),
+    "other coordinates": (at_line(384, field(3, "0.9")), 384,
+                          "point 4 has other coordinates .* line 6"),
+    "header only": (lambda text: text.split("\n")[0] + "\n", 1, "no data"),
+    "empty": (lambda text: "", 1, "no header"),
+    "blank lines only": (lambda text: "\n\n\r\n", 1, "no header"),
+    "NUL": (at_line(7, lambda s: s[:3] + "\0" + s[4:]), 7, "byte 0"),
+    "UTF-16": (lambda text: text.encode("utf-16"), 1, "byte 0"),
+    "binary": (lambda text: bytes(range(256)) * 4, 1, "byte 0"),
+    "old line ends": (lambda text: text.replace("\n", "\r"), 1, "byte 13"),
+}
+CAMERAS_BROKEN = {
+    "missing column": (at_line(1, lambda s: s.replace("fx", "f")), 1,
+                       "no column fx"),
+    "duplicate column": (at_line(1, lambda s: s.replace("k2", "k1")), 1,
+                         "column k1 is there more than once"),
+    "focal zero": (at_line(2, field(3, "0")), 2, "column fx: .*positive"),
+    "focal negative": (at_line(3, field(4, "-5")), 3, "column fy: .*positive"),
+    "width zero": (at_line(3, field(1, "0")), 3, "column width"),
+    "height broken": (at_line(3, field(2, "480.5")), 3, "column height"),
+    "size absurd": (at_line(3, field(1, "1e7")), 3, "column width"),
+    "duplicate camera": (at_line(3, field(0, "left")), 3,
+                         "camera left is on line 2 already"),
+    "unnamed camera": (at_line(3, field(0, "")), 3, "column camera is empty"),
+    "nan": (at_line(2, field(7, "NaN")), 2, "column k1"),
+    "unknown lens": (lambda text: "\n".join(
+        line + ("," + ("lens" if i == 0 else "mirror"))
+        for i, line in enumerate(text.splitlines())), 2,
+        'column lens: "mirror"'),
+    "fisheye with p1": (lambda text: "\n".join(
+        line + ("," + ("lens" if i == 0 else "fisheye"))
+        for i, line in enumerate(text.splitlines())), 2, "fisheye"),
+    "header only": (lambda text: text.split("\n")[0], 1, "no data"),
+}
+RIG_BROKEN = {
+    "missing column": (at_line(1, lambda s: s.replace("R23", "R32")), 1,
+                       "R32|R23"),
+    "unknown camera": (at_line(3, field(0, "middle")), 3, "middle is not in"),
+    "duplicate camera": (at_line(3, field(0, "left")), 3, "left is on line 2"),
+    "no rotation": (at_line(3, field(1, "0.99")), 3, "not a rotation"),
+    "mirror": (at_line(2, field(9, "-1")), 2, "not a rotation"),
+    "no number": (at_line(3, field(12, "x")), 3, 'column tz: "x"'),
+}
+
+
+class TestBrokenFiles(CliTest):
+    def broken(self, name, source, change):
+        return write(self.folder, name, change(content(source, name)))
+
+    def complains(self, run, path, line, words):
+        self.assertEqual(run.returncode, 2, run.stderr)
+        self.assertEqual(run.stdout, "")
+        self.assertRegex(run.stderr, rf"\A{re.escape(path)}:{line}: .*(?:{words})")
+        self.assertEqual(run.stderr.count("\n"), 1)
+
+    def writes_nothing(self, cameras_csv, observations_csv):
+        """Runs without and with an old result in the folder."""
+        first = self.calibrate(cameras_csv, observations_csv)
+        self.assertFalse(os.path.exists(self.out))
+        old = os.path.join(self.folder, "old")
+        os.mkdir(old)
+        for name in OUTPUTS:
+            write(old, name, "as it was")
+        second = self.calibrate(cameras_csv, observations_csv, old)
+        self.assertEqual(sorted(os.listdir(old)), sorted(OUTPUTS))
+        for name in OUTPUTS:
+            self.assertEqual(content(old, name), "as it was")
+            os.remove(os.path.join(old, name))
+        os.rmdir(old)
+        self.assertEqual(first.stderr, second.stderr)
+        return first
+
+    def test_broken_observations(self):
+        for kind, (change, line, words) in OBSERVATIONS_BROKEN.items():
+            with self.subTest(kind=kind):
+                path = self.broken("observations.csv", STEREO, change)
+                run = self.writes_nothing(STEREO + "/cameras.csv", path)
+                self.complains(run, path, line, words)
+
+    def test_broken_cameras(self):
+        for kind, (change, line, words) in CAMERAS_BROKEN.items():
+            with self.subTest(kind=kind):
+                path = self.broken("cameras.csv", STEREO, change)
+                run = self.writes_nothing(path, STEREO + "/observations.csv")
+                self.complains(run, path, line, words)
+
+    def test_broken_rig(self):
+        for kind, (change, line, words) in RIG_BROKEN.items():
+            with self.subTest(kind=kind):
+                path = write(self.folder, "rig.csv",
+                             change(content(STEREO, "reference_rig.csv")))
+                run = rigcal("triangulate", "--cameras", STEREO + "/cameras.csv",
+                             "--rig", path, "--observations",
+                             STEREO + "/observations.csv")
+                self.complains(run, path, line, words)
+
+    def test_broken_targets(self):
+        text = content(STEREO, "reference_targets.csv")
+        path = write(self.folder, "targets.csv", again(3, 5)(text))
+        run = rigcal("triangulate", "--cameras", STEREO + "/cameras.csv",
+                     "--rig", STEREO + "/reference_rig.csv", "--observations",
+                     STEREO + "/observations.csv", "--targets", path)
+        self.complains(run, path, 5, "frame 03 is on line 3 already")
+
+    def test_lines_are_counted_with_blank_ones_and_carriage_returns(self):
+        change = at_line(4, field(6, "abc"))
+        text = change(content(STEREO, "observations.csv"))
+        path = write(self.folder, "observations.csv",
+                     text.replace("\n", "\r\n\r\n"))
+        run = self.calibrate(STEREO + "/cameras.csv", path)
+        self.complains(run, path, 7, 'column u: "abc"')
+
+    def test_unreadable_files(self):
+        absent = os.path.join(self.folder, "absent.csv")
+        for path in (absent, self.folder):
+            run = self.calibrate(path, STEREO + "/observations.csv")
+            self.assertEqual(run.returncode, 2)
+            self.assertRegex(run.stderr, rf"{re.escape(path)}: \w")
+            self.assertFalse(os.path.exists(self.out))
+
+    def test_folder_that_cannot_be_written(self):
+        occupied = write(self.folder, "occupied", "a file")
+        for out in (occupied, os.path.join(self.folder, "no", "such")):
+            run = self.calibrate(STEREO + "/cameras.csv",
+                                 STEREO + "/observations.csv", out)
+            self.assertEqual(run.returncode, 2)
+            self.assertIn(out, run.stderr)
+        self.assertEqual(content(self.folder, "occupied"), "a file")
+
+    def test_folder_where_one_file_cannot_be_replaced(self):
+        os.makedirs(os.path.join(self.out, "targets.csv"))
+        write(self.out, "poses.csv", "as it was")
+        run = self.calibrate_set(STEREO)
+        self.assertEqual(run.returncode, 2)
+        self.assertIn("targets.csv", run.stderr)
+        self.assertEqual(content(self.out, "poses.csv"), "as it was")
+        self.assertEqual(sorted(os.listdir(self.out)),
+                         ["poses.csv", "targets.csv"])
+
+
+# ---- wrong use ------------------------------------------------------------------------
+
+class TestUse(CliTest):
+    LINE = ["line", "--cameras", STEREO + "/cameras.csv", "--rig",
+            STEREO + "/reference_rig.csv", "--from", "left", "--to", "right",
+            "--pixel", "300,200"]
+
+    def refuses(self, arguments, *words):
+        run = rigcal(*arguments)
+        self.assertEqual((run.returncode, run.stdout), (2, ""), run.stderr)
+        for word in words:
+            self.assertIn(word, run.stderr)
+
+    def test_wrong_use_is_named_and_leads_to_help(self):
+        both = ["--cameras", "c.csv", "--observations", "o.csv"]
+        for arguments, word in (
+                ([], "which command"),
+                (["calibrat"], "calibrat: no such command"),
+                (["help"], "help: no such command"),
+                (["calibrate"], "needs --cameras"),
+                (["calibrate", "--cameras", "c.csv"], "needs --observations"),
+                (["calibrate", *both, "--frob"], "--frob: no such option"),
+                (["calibrate", *both, "-x"], "-x: no such option"),
+                (["calibrate", *both, "--rig", "r"], "takes no --rig"),
+                (["calibrate", *both, "--out"], "--out needs a value"),
+                (["calibrate", *both, "extra"], "extra"),
+                (["calibrate", *both, *both], "given twice"),
+                (["triangulate", *both], "needs --rig"),
+                (self.LINE[:-2], "needs --pixel"),
+                (self.LINE + ["--depth", "1"], '"1"')):
+            with self.subTest(arguments=arguments):
+                self.refuses(arguments, word, "--help")
+
+    def test_numbers_of_options(self):
+        for pixel in ("300", "300,", "300,200,1", "a,b", "300 200", "nan,1"):
+            self.refuses(self.LINE[:-1] + [pixel], "--pixel", pixel)
+        for depth in ("1,1", "2,1", "0,1", "-1,1"):
+            self.refuses(self.LINE + ["--depth", depth], "--depth", depth)
+        for sigma in ("0", "-1", "x"):
+            self.refuses(["triangulate", *self.LINE[1:5], "--observations",
+                          STEREO + "/observations.csv", "--sigma", sigma],
+                         "--sigma", sigma)
+
+    def test_cameras_of_a_line(self):
+        for option in ("left", "middle"):
+            arguments = list(self.LINE)
+            arguments[8] = option
+            self.refuses(arguments, option)
+        self.refuses(self.LINE[:-1] + ["640,10"], "outside the image")
+
+    def test_help_and_version(self):
+        for arguments in (["--help"], ["calibrate", "--help"], ["line", "--help"]):
+            run = rigcal(*arguments)
+            self.assertEqual((run.returncode, run.stderr), (0, ""))
+            for word in ("calibrate", "triangulate", "line", "--observations"):
+                self.assertIn(word, run.stdout)
+        run = rigcal("--version")
+        self.assertRegex(run.stdout, r"\Arigcal \d+\.\d+\.\d+ \((double|float)\)\n")
+        header = content(os.path.join(ROOT, "include"), "rigcal.h")
+        numbers = re.findall(r"#define RIGCAL_VERSION_\w+ (\d+)", header)
+        self.assertIn(" " + ".".join(numbers) + " ", run.stdout)
+
+    @unittest.skipUnless(os.path.exists("/dev/full"), "needs /dev/full")
+    def test_output_that_cannot_be_written(self):
+        with open("/dev/full", "w") as full:
+            run = subprocess.run([BIN, *self.LINE], stdout=full,
+                                 stderr=subprocess.PIPE, text=True)
+        self.assertEqual(run.returncode, 2)
+        self.assertIn("standard output", run.stderr)
+
+
+# ---- triangulate ----------------------------------------------------------------------
+
+class TestTriangulate(CliTest):
+    def triangulate(self, folder, rig, targets=None, observations=None, *more):
+        arguments = ["triangulate", "--cameras", folder + "/cameras.csv",
+                     "--rig", rig, "--observations",
+                     observations or folder + "/observations.csv", *more]
+        if targets:
+            arguments += ["--targets", targets]
+        return rigcal(*arguments)
+
+    def points(self, run):
+        return {(r["frame"], r["point"]): r for r in read(run.stdout)}
+
+    def position(self, row):
+        return np.array([float(row[k]) for k in "XYZ"])
+
+    def sigma(self, row):
+        return np.array([float(row["sigma_" + k]) for k in "XYZ"])
+
+    def with_reference(self, folder, observations="observations.csv", *more):
+        return self.triangulate(folder, folder + "/reference_rig.csv",
+                                folder + "/reference_targets.csv",
+                                os.path.join(folder, observations), *more)
+
+    def test_agrees_with_the_reference_triangulation(self):
+        for folder, name, limit in (
+                (STEREO, "triangulation", 1e-8), (CAVITY, "triangulation", 1e-5),
+                (CAVITY, "checkpoints", 1e-5), (STEPPED, "triangulation", 1e-5),
+                (STEPPED, "checkpoints", 1e-5), (SCENE, "triangulation", 1e-7)):
+            source = "checkpoints.csv" if name == "checkpoints" else \
+                "observations.csv"
+            run = self.with_reference(folder, source)
+            self.assertEqual(run.returncode, 0, run.stderr[:500])
+            found = self.points(run)
+            known = {(r["frame"], r["point"]): r
+                     for r in read(f"{folder}/reference_{name}.csv")}
+            self.assertEqual(sorted(found), sorted(known))
+            off = [np.linalg.norm(self.position(found[k]) - [
+                float(r[c]) for c in ("Xt", "Yt", "Zt")])
+                for k, r in known.items()]
+            measured(f"{os.path.basename(folder)} {name}: {max(off):.1e} at most")
+            self.assertLess(max(off), limit * (5000 if FLOAT else 1))
+            for k, r in known.items():
+                self.assertEqual(r["ncams"], found[k]["ncams"])
+                self.assertAlmostEqual(float(r["rms_px"]),
+                                       float(found[k]["rms_px"]),
+                                       delta=0.01 if FLOAT else 1e-5)
+
+    def board_rms(self, run):
+        self.assertEqual(run.returncode, 0, run.stderr[:500])
+        board = {(r["frame"], r["point"]): self.position(r)
+                 for r in read(STEREO + "/observations.csv")}
+        found = self.points(run)
+        self.assertEqual(len(found), 378)
+        off = [np.linalg.norm(self.position(r) - board[k])
+               for k, r in found.items()]
+        return np.sqrt(np.mean(np.square(off)))
+
+    def test_corners_are_on_the_board(self):
+        rms = self.board_rms(self.with_reference(STEREO))
+        measured(f"with the reference rig {1000 * rms:.3f} mm rms")
+        self.assertLess(rms, 6e-4)
+        self.calibrate_well(STEREO)
+        rms = self.board_rms(self.triangulate(
+            STEREO, self.result("rig.csv"), self.result("targets.csv")))
+        measured(f"with its own calibration {1000 * rms:.3f} mm rms")
+        self.assertLess(rms, 5e-3)
+
+    def test_frame_of_the_first_camera_without_targets(self):
+        rig = STEREO + "/reference_rig.csv"
+        in_rig = self.points(self.triangulate(STEREO, rig, None, None,
+                                              "--sigma", "0.5"))
+        in_target = self.points(self.with_reference(
+            STEREO, "observations.csv", "--sigma", "0.5"))
+        targets = transforms(STEREO + "/reference_targets.csv", "frame")
+        for key, row in in_rig.items():
+            R, t = targets[key[0]]
+            np.testing.assert_allclose(
+                R @ self.position(in_target[key]) + t, self.position(row),
+                atol=1e-6 if FLOAT else 1e-9)
+            # A rotation turns the ellipsoid but keeps the sum of its axes.
+            np.testing.assert_allclose(
+                np.linalg.norm(self.sigma(in_target[key])),
+                np.linalg.norm(self.sigma(row)), rtol=1e-3 if FLOAT else 1e-9)
+
+    def test_sigma_is_that_of_propagated_noise(self):
+        found = self.points(self.triangulate(
+            STEREO, STEREO + "/reference_rig.csv", None, None, "--sigma", "0.3"))
+        rig = transforms(STEREO + "/reference_rig.csv", "camera")
+        camera = cameras(STEREO)
+        for key in list(found)[::40]:
+            X = self.position(found[key])
+
+            def pixels(point):
+                return np.concatenate([camera[c].project(R @ point + t)
+                                       for c, (R, t) in rig.items()])
+            J = np.stack([(pixels(X + h) - pixels(X - h)) / 2e-6
+                          for h in 1e-6 * np.eye(3)], 1)
+            Sigma = 0.09 * np.linalg.inv(J.T @ J)
+            np.testing.assert_allclose(self.sigma(found[key]),
+                                       np.sqrt(np.diag(Sigma)),
+                                       rtol=0.02 if FLOAT else 1e-4)
+
+    def test_sigma_is_estimated_from_the_residuals(self):
+        run = self.with_reference(CAVITY)
+        rows = self.points(run)
+        sse = sum(int(r["ncams"]) * float(r["rms_px"])**2 for r in rows.values())
+        freedom = sum(2 * int(r["ncams"]) - 3 for r in rows.values())
+        told = float(re.search(r"estimated from 58 points: (\S+)",
+                               run.stderr).group(1))
+        self.assertAlmostEqual(told, np.sqrt(sse / freedom), delta=1e-3)
+        given = self.with_reference(CAVITY, "observations.csv", "--sigma",
+                                    str(2 * told))
+        self.assertIn("as given", given.stderr)
+        for key, row in self.points(given).items():
+            np.testing.assert_allclose(self.sigma(row),
+                                       2 * self.sigma(rows[key]), rtol=1e-3)
+
+    def test_coordinates_of_the_target_are_not_needed(self):
+        rows = [line.split(",") for line in
+                content(STEREO, "observations.csv").splitlines()]
+        path = write(self.folder, "o.csv", "\n".join(
+            ",".join(row[:3] + row[6:]) for row in rows))
+        run = self.triangulate(STEREO, STEREO + "/reference_rig.csv", None, path)
+        full = self.triangulate(STEREO, STEREO + "/reference_rig.csv")
+        self.assertEqual((run.returncode, run.stdout), (0, full.stdout))
+
+    def test_point_that_cannot_be_measured_is_named(self):
+        text = content(STEREO, "observations.csv")
+        far = next(i for i, line in enumerate(text.split("\n"), 1)
+                   if line.startswith("01,right,2,"))
+        path = write(self.folder, "o.csv", at_line(far, lambda line: ",".join(
+            line.split(",")[:6] + ["1e5", "1e5"]))(text))
+        run = self.with_reference(STEREO, path)
+        self.assertEqual(run.returncode, 1)
+        self.assertRegex(run.stderr, "frame 01, point 2 cannot be triangulated: ")
+        self.assertEqual(len(self.points(run)), 377)
+
+    def test_frame_without_a_place_is_named(self):
+        text = content(STEREO, "reference_targets.csv").splitlines()
+        path = write(self.folder, "t.csv", "\n".join(text[:-1]))
+        run = self.triangulate(STEREO, STEREO + "/reference_rig.csv", path)
+        self.assertEqual(run.returncode, 1)
+        self.assertEqual(run.stderr.count("frame 14 has no place"), 1)
+        self.assertEqual(len(self.points(run)), 324)
+
+    def test_points_seen_once_are_left_out(self):
+        text = content(STEREO, "reference_rig.csv").splitlines()
+        path = write(self.folder, "r.csv", "\n".join(text[:2]))
+        run = self.triangulate(STEREO, path)
+        self.assertEqual(run.returncode, 1)
+        self.assertIn("right is not in", run.stderr)
+        self.assertIn("no point could be measured", run.stderr)
+        self.assertEqual(len(run.stdout.splitlines()), 1)
+
+
+# ---- line -----------------------------------------------------------------------------
+
+def epiline(camera_b, b_from_a, ray):
+    """Line in undistorted pixels of b, from two points of the ray."""
+    R, t = b_from_a
+    K = np.array([[camera_b.f[0], 0, camera_b.c[0]],
+                  [0, camera_b.f[1], camera_b.c[1]], [0, 0, 1]])
+    line = np.cross(K @ t, K @ (R @ ray))
+    return line / np.linalg.norm(line[:2])
+
+
+class TestLine(CliTest):
+    def rows(self, run):
+        self.assertIn(run.returncode, (0, 1), run.stderr)
+        return {r["quantity"]: np.array([float(r[k]) for k in
+                                         ("v1", "v2", "v3", "v4") if r[k]])
+                for r in read(run.stdout)}
+
+    def line(self, rig, pixel, *more, cameras_csv=STEREO + "/cameras.csv"):
+        return rigcal("line", "--cameras", cameras_csv, "--rig", rig,
+                      "--from", "left", "--to", "right",
+                      "--pixel", f"{pixel[0]!r},{pixel[1]!r}", *more)
+
+    def test_true_matches_lie_on_their_line(self):
+        self.calibrate_well(STEREO)
+        camera = cameras(STEREO)
+        path = self.result("rig.csv")
+        b_from_a = transforms(path, "camera")["right"]
+        views = observed_views(STEREO + "/observations.csv")
+        distances = []
+        for frame in sorted({f for _, f in views}):
+            left, right = views["left", frame][1], views["right", frame][1]
+            for i, (uv_a, uv_b) in enumerate(zip(left.tolist(), right)):
+                known = epiline(camera["right"], b_from_a, camera["left"].ray(uv_a))
+                seen = camera["right"].straight(camera["right"].ray(uv_b))
+                distances.append(known @ np.append(seen, 1))
+                if i % 11 == 0:
+                    found = self.rows(self.line(path, uv_a))["line"]
+                    found = found * np.sign(found[:2] @ known[:2])
+                    np.testing.assert_allclose(
+                        found, known, rtol=0,
+                        atol=0.05 if FLOAT else 1e-6)
+        rms = np.sqrt(np.mean(np.square(distances)))
+        measured(f"{len(distances)} matches: {rms:.3f} px rms, "
+                 f"{max(map(abs, distances)):.3f} px at most")
+        self.assertEqual(len(distances), 378)
+        self.assertLess(rms, 1.2)
+        self.assertLess(max(map(abs, distances)), 4)
+
+    def test_ends_lie_on_the_line_and_on_the_border(self):
+        rows = self.rows(self.line(STEREO + "/reference_rig.csv", (300, 200)))
+        line, ends = rows["line"], rows["ends"].reshape(2, 2)
+        self.assertAlmostEqual(np.hypot(line[0], line[1]), 1,
+                               delta=1e-6 if FLOAT else 1e-11)
+        np.testing.assert_allclose(ends @ line[:2] + line[2], 0,
+                                   atol=1e-3 if FLOAT else 1e-8)
+        size = cameras(STEREO)["right"].size
+        for end in ends:
+            border = np.min(np.abs(np.concatenate([end + 0.5, end - size + 0.5])))
+            self.assertAlmostEqual(border, 0, delta=1e-3 if FLOAT else 1e-9)
+
+    def test_ends_of_a_depth_range(self):
+        rig = STEREO + "/reference_rig.csv"
+        R, t = transforms(rig, "camera")["right"]
+        camera = cameras(STEREO)
+        pixel, depths = (500.25, 120.5), (0.25, 2.0)
+        rows = self.rows(self.line(rig, pixel, "--depth", "0.25,2"))
+        self.assertEqual(list(rows), ["line", "ends", "depth_ends",
+                                      "depth_ends_image"])
+        X = [R @ (z * camera["left"].ray(pixel)) + t for z in depths]
+        tolerance = 0.02 if FLOAT else 1e-6
+        np.testing.assert_allclose(rows["depth_ends"],
+                                   camera["right"].straight(X).ravel(),
+                                   atol=tolerance)
+        np.testing.assert_allclose(rows["depth_ends_image"],
+                                   camera["right"].project(X).ravel(),
+                                   atol=tolerance)
+
+    def made_up(self, t, R=np.eye(3)):
+        head = content(STEREO, "reference_rig.csv").split("\n")[0]
+        one = "left,1,0,0,0,1,0,0,0,1,0,0,0"
+        two = "right," + ",".join(repr(float(x)) for x in [*R.ravel(), *t])
+        rig = write(self.folder, "rig.csv", "\n".join([head, one, two]) + "\n")
+        table = "camera,width,height,fx,fy,cx,cy\n" + "".join(
+            f"{name},640,480,500,500,320,240\n" for name in ("left", "right"))
+        return rig, write(self.folder, "cameras.csv", table)
+
+    def test_the_image_of_the_other_camera_is_named(self):
+        rig, table = self.made_up([0, 0, -1])
+        run = self.line(rig, (320.0, 240.0), cameras_csv=table)
+        self.assertEqual(run.returncode, 1)
+        self.assertRegex(run.stderr, "line: .*other camera's centre")
+
+    def test_line_outside_the_image_is_named(self):
+        rig, table = self.made_up([-1, 0, 0], rotation(1.0, 0, 0))
+        run = self.line(rig, (320.0, 240.0), cameras_csv=table)
+        self.assertEqual(run.returncode, 1)
+        self.assertRegex(run.stderr, "ends: .*does not cross the image")
+        self.assertEqual(list(self.rows(run)), ["line"])
+
+    def test_depths_behind_the_other_camera_are_named(self):
+        rig, table = self.made_up([0.1, 0, -1])
+        run = self.line(rig, (300.0, 200.0), "--depth", "0.5,3", cameras_csv=table)
+        self.assertEqual(run.returncode, 1)
+        self.assertIn("depth_ends: ", run.stderr)
+        self.assertIn("camera right cannot see all of that depth range",
+                      run.stderr)
+        self.assertIn("depth_ends_image", self.rows(run))
+        run = self.line(rig, (300.0, 200.0), "--depth", "0.2,0.5",
+                        cameras_csv=table)
+        self.assertEqual(run.returncode, 1)
+        self.assertIn("depth_ends_image: ", run.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -55,7 +55,7 @@ void rc_transform_invert(rigcal_transform *a_from_b,
     }
     rc_mat3_tmul_vec3(a_from_b->t, b_from_a->R, b_from_a->t);
     for (int i = 0; i < 3; i++) {
-        a_from_b->t[i] = -a_from_b->t[i];
+        a_from_b->t[i] = 0 - a_from_b->t[i]; /* 0 stays +0 */
     }
 }
 

@@ -8,7 +8,8 @@
  *              Chains read by eye:  c_from_a = c_from_b * b_from_a
  *   units      lengths in the caller's unit, one throughout; angles in radian;
  *              pixels with (0, 0) the centre of the top-left pixel
- *   range      coordinates and lengths within 1e30 / 1e9, else ERR_RANGE
+ *   range      coordinates and lengths within 1e30 / 1e9, pixels within 1e9, counts
+ *              within 2^28; ERR_RANGE beyond, in every function that takes them
  *   storage    3 x 3 matrices row-major, vectors are columns
  *   arguments  outputs, then inputs, then counts and options; an output may not
  *              overlap an input or another output
@@ -240,8 +241,8 @@ RIGCAL_API rigcal_status rigcal_project(rigcal_real uv[2],
 
 /* Unit ray imaged at a pixel: its projection is that pixel to 1e-9 px / 2e-3 px
  * (in an image of up to 4000 px), or ERR_NO_RAY. A damped Newton iteration from
- * the axis, then a proof that the path to the answer did not cross the turning
- * point; at most 254 Newton solves of 30 steps, usually one of 3 to 5. */
+ * the axis, then a proof that the straight path to the answer does not cross the
+ * turning point; at most 127 Newton solves of 60 steps, usually one of 3 to 6. */
 RIGCAL_API rigcal_status rigcal_pixel_to_ray(rigcal_real ray[3],
                                              const rigcal_camera *camera,
                                              const rigcal_real uv[2]);
@@ -256,7 +257,7 @@ RIGCAL_API rigcal_status rigcal_distort_pixel(rigcal_real uv[2],
                                               const rigcal_camera *camera,
                                               const rigcal_real uv_straight[2]);
 
-/* Rays of n >= 1 observations. On failure *bad (may be NULL) is the index of the
+/* Rays of n >= 1 observations (ERR_TOO_FEW for none). On failure *bad (may be NULL) is the index of the
  * observation at fault, or -1; it is written on failure only. */
 RIGCAL_API rigcal_status rigcal_sightings_from_observations(
     rigcal_sighting sightings[], int32_t *bad, const rigcal_camera *camera,
@@ -264,7 +265,7 @@ RIGCAL_API rigcal_status rigcal_sightings_from_observations(
 
 /* Root mean square distance [px] of n >= 1 observed pixels from the projections
  * of their points: sqrt(sum(du^2 + dv^2) / n). `worst` (may be NULL) gets the
- * index of the largest. ERR_BEHIND, ERR_NO_RAY as rigcal_project. */
+ * index of the largest. ERR_BEHIND, ERR_NO_RAY as rigcal_project; ERR_TOO_FEW. */
 RIGCAL_API rigcal_status rigcal_reprojection_rms(
     rigcal_real *rms_px, int32_t *worst, const rigcal_camera *camera,
     const rigcal_transform *cam_from_world,
@@ -369,15 +370,15 @@ typedef struct {
 #define RIGCAL_PAIRS_FOR(n) ((n) <= 9 ? (n) * ((n)-1) / 2 : 4 * (n))
 RIGCAL_API size_t rigcal_pairs_for(size_t n);
 
-/* The pair (i, j). ERR_COINCIDENT when the points, or the rays, are the same to
+/* The pair (i, j); the other sightings are not read. ERR_COINCIDENT when the points, or the rays, are the same to
  * rounding: such a pair carries no equation. OK, ERR_NULL, ERR_NOT_FINITE,
  * ERR_RANGE (a ray of length zero; i, j not two different indices below n). */
 RIGCAL_API rigcal_status rigcal_pair_make(rigcal_pair *pair,
                                           const rigcal_sighting sightings[],
                                           size_t n, int32_t i, int32_t j);
 
-/* Chooses pairs among n >= 3 sightings: all of them up to n = 9, else four
- * partners a point, spread by a fixed sequence so that runs repeat. Left out are
+/* Chooses pairs among n >= 3 sightings: all of them up to n = 9, else 4 n, every
+ * point in about eight, spread by a fixed disorder so that runs repeat. Left out are
  * degenerate pairs and those whose rays lie closer than a sixth of the image
  * that the target fills, whose sine is mostly noise. capacity below
  * rigcal_pairs_for(n) bounds memory: fewer are chosen, still spread. The first
@@ -397,7 +398,8 @@ RIGCAL_API rigcal_status rigcal_pairs_choose(rigcal_pair pairs[],
                                              size_t n);
 
 /* (13): sine-like residual e = normal . R offset of one pair.
- * OK, ERR_NULL, ERR_NOT_FINITE, ERR_ROTATION. */
+ * OK, ERR_NULL, ERR_NOT_FINITE, ERR_ROTATION, ERR_RANGE (the pair's vectors are
+ * not of unit length, here and below). */
 RIGCAL_API rigcal_status rigcal_pair_residual(rigcal_real *e,
                                               const rigcal_pair *pair,
                                               const rigcal_real R[9]);
@@ -705,7 +707,8 @@ RIGCAL_API rigcal_status rigcal_rig_place(
 /* Section VI-C: how far a point measured at X_a can be off in frame b when
  * b_from_a is used in place of the true transform:
  * 2 sin(angle / 2) |X_a| + |dt|, 2 sin(angle / 2) being the spectral norm of the
- * difference of the rotations. OK, ERR_NULL, ERR_NOT_FINITE, ERR_ROTATION. */
+ * difference of the rotations. OK, ERR_NULL, ERR_NOT_FINITE, ERR_ROTATION,
+ * ERR_RANGE. */
 RIGCAL_API rigcal_status rigcal_measurement_bound(
     rigcal_real *bound, const rigcal_transform *b_from_a,
     const rigcal_transform *b_from_a_true, const rigcal_real X_a[3]);

@@ -524,6 +524,14 @@ static rigcal_status check_observation(const rigcal_observation *observation)
                                                         : RIGCAL_ERR_RANGE;
 }
 
+static rigcal_status check_count(size_t n)
+{
+    if (n < 1) {
+        return RIGCAL_ERR_TOO_FEW;
+    }
+    return (n <= RC_COUNT_MAX) ? RIGCAL_OK : RIGCAL_ERR_RANGE;
+}
+
 static rigcal_status blame(int32_t *bad, size_t index, rigcal_status status)
 {
     if (bad != NULL) {
@@ -543,8 +551,8 @@ rigcal_status rigcal_sightings_from_observations(
     } else {
         status = rc_check_camera(camera);
     }
-    if (status == RIGCAL_OK && (n < 1 || n > RC_COUNT_MAX)) {
-        status = RIGCAL_ERR_RANGE;
+    if (status == RIGCAL_OK) {
+        status = check_count(n);
     }
     if (status != RIGCAL_OK) {
         return blame(bad, (size_t)-1, status);
@@ -580,8 +588,8 @@ rigcal_status rigcal_reprojection_rms(
     if (status == RIGCAL_OK) {
         status = rc_check_transform(cam_from_world);
     }
-    if (status == RIGCAL_OK && (n < 1 || n > RC_COUNT_MAX)) {
-        status = RIGCAL_ERR_RANGE;
+    if (status == RIGCAL_OK) {
+        status = check_count(n);
     }
     rigcal_real sum = 0, largest = -1;
     size_t largest_at = 0;
@@ -604,6 +612,9 @@ rigcal_status rigcal_reprojection_rms(
             largest = squared;
             largest_at = i;
         }
+    }
+    if (status == RIGCAL_OK && !rc_is_finite(sum)) {
+        status = RIGCAL_ERR_NO_RAY;
     }
     if (status != RIGCAL_OK) {
         return status;

@@ -20,7 +20,7 @@
 /* Least difference of two normalised coordinates that (10a), (10b) divide by. */
 #define SPREAD_MIN RC_TOL(1e-9, 1e-4)
 
-enum { PARTNERS = 4, ALL_PAIRS_UP_TO = 9 };
+enum { PARTNERS = 4, ROUNDS_MAX = 8, ALL_PAIRS_UP_TO = 9 };
 
 /* ---- checks -------------------------------------------------------------- */
 
@@ -212,6 +212,7 @@ static rigcal_status check_rays_shape(rigcal_real *extent,
     const size_t a = farthest_ray(sightings, n, 0);
     const size_t b = farthest_ray(sightings, n, a);
     rigcal_real m_a[3], m_b[3], normal[3], height = 0;
+    int others = 0;
 
     *extent = ray_distance(sightings[a].ray, sightings[b].ray);
     if (!(*extent > SAME)) {
@@ -227,6 +228,10 @@ static rigcal_status check_rays_shape(rigcal_real *extent,
         rigcal_real m[3];
         (void)rc_vec3_unit(m, sightings[i].ray);
         height = rc_max(height, RC_FABS(rc_vec3_dot(m, normal)));
+        others += ray_distance(m, m_a) > SAME && ray_distance(m, m_b) > SAME;
+    }
+    if (others == 0) {
+        return RIGCAL_ERR_COINCIDENT;
     }
     return (height > FLAT * *extent + SAME) ? RIGCAL_OK : RIGCAL_ERR_EDGE_ON;
 }
@@ -238,18 +243,14 @@ typedef struct {
     rigcal_real nearest; /* least distance of the two rays */
 } pair_list;
 
-static int add_pair(pair_list *list, size_t i, size_t j)
+static void add_pair(pair_list *list, size_t i, size_t j)
 {
     const rigcal_sighting *const s = list->sightings;
-    if (list->n == list->capacity ||
-        ray_distance(s[i].ray, s[j].ray) < list->nearest) {
-        return 0;
+    if (list->n < list->capacity &&
+        ray_distance(s[i].ray, s[j].ray) >= list->nearest &&
+        make_pair(&list->pairs[list->n], s, i, j)) {
+        list->n++;
     }
-    if (!make_pair(&list->pairs[list->n], s, i, j)) {
-        return 0;
-    }
-    list->n++;
-    return 1;
 }
 
 /* Every pair once, those of distant indices first. */
@@ -257,27 +258,51 @@ static void add_all_pairs(pair_list *list, size_t n)
 {
     for (size_t apart = n - 1; apart >= 1; apart--) {
         for (size_t i = 0; i + apart < n; i++) {
-            (void)add_pair(list, i, i + apart);
+            add_pair(list, i, i + apart);
         }
     }
 }
 
-/* Each round gives every point a partner by the next number of a fixed sequence
- * (a linear congruential generator; Numerical Recipes' constants), with a few
- * more tries when the partner is too near. Random partners spread over a grid of
- * points in all directions, which constant strides do not. */
+/* The points in a fixed disorder: a linear congruential generator of full period
+ * 2^k >= n (Hull and Dobell 1962) passes every index below n once a period; the
+ * others are skipped. */
+typedef struct {
+    uint32_t state, mask;
+    size_t n;
+} disorder;
+
+static disorder disorder_of(size_t n)
+{
+    disorder d = {0, 1, n};
+    while ((size_t)d.mask < n - 1) {
+        d.mask = 2 * d.mask + 1;
+    }
+    return d;
+}
+
+static size_t next_of(disorder *d)
+{
+    do {
+        d->state = (d->state * UINT32_C(1664525) + UINT32_C(1013904223)) & d->mask;
+    } while ((size_t)d->state >= d->n);
+    return (size_t)d->state;
+}
+
+/* Round r pairs every point with the one r places on in the disorder, so no pair
+ * comes twice, and on a grid of points the pairs run in all
+ * directions, which constant strides of the index do not. Four rounds fill the
+ * list unless pairs are left out. */
 static void add_spread_pairs(pair_list *list, size_t n)
 {
-    enum { TRIES = 4 };
-    uint32_t sequence = 12345;
-    for (int round = 0; round < PARTNERS; round++) {
-        for (size_t i = 0; i < n; i++) {
-            int added = 0;
-            for (int k = 0; k < TRIES && !added; k++) {
-                sequence = sequence * UINT32_C(1664525) + UINT32_C(1013904223);
-                const size_t skip = 1 + (sequence >> 8) % (uint32_t)(n - 1);
-                added = add_pair(list, i, (i + skip) % n);
+    for (size_t round = 1; round <= ROUNDS_MAX && 2 * round < n; round++) {
+        disorder order = disorder_of(n);
+        size_t passed[ROUNDS_MAX];
+        for (size_t i = 0; i < n + round && list->n < PARTNERS * n; i++) {
+            const size_t at = next_of(&order);
+            if (i >= round) {
+                add_pair(list, passed[i % round], at);
             }
+            passed[i % round] = at;
         }
     }
 }
@@ -495,7 +520,7 @@ rigcal_status rc_eliminate(rigcal_elimination *out, const rigcal_pair pairs[],
     if (!(length > 0)) {
         return RIGCAL_ERR_DEGENERATE;
     }
-    found.angle = RC_ATAN2(s, c);
+    found.angle = rc_angle(s, c);
     found.unit = c * c + s * s - 1;               /* (15) */
     found.residual = RC_FABS(found.unit);
     for (size_t i = (size_t)eliminating; i < n_pairs; i++) { /* (13c) ... */

@@ -456,6 +456,11 @@ rigcal_status rigcal_epiline_distance(rigcal_real *distance_px,
     return status;
 }
 
+static rigcal_real within(rigcal_real x, rigcal_real low, rigcal_real high)
+{
+    return rc_max(low, rc_min(x, high));
+}
+
 /* Narrows [from, to] to where low <= start + s slope <= high (Liang and Barsky
  * 1984). */
 static void clip_interval(rigcal_real *from, rigcal_real *to, rigcal_real start,
@@ -497,10 +502,11 @@ rigcal_status rigcal_epiline_clip(rigcal_real ends[4],
     if (!(from < to)) {
         return RIGCAL_ERR_OUTSIDE;
     }
-    ends[0] = u + from * beta;
-    ends[1] = v - from * alpha;
-    ends[2] = u + to * beta;
-    ends[3] = v - to * alpha;
+    /* Rounding may put an end on the border just beyond it. */
+    ends[0] = within(u + from * beta, RC(-0.5), right);
+    ends[1] = within(v - from * alpha, RC(-0.5), bottom);
+    ends[2] = within(u + to * beta, RC(-0.5), right);
+    ends[3] = within(v - to * alpha, RC(-0.5), bottom);
     return RIGCAL_OK;
 }
 

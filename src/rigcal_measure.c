@@ -253,50 +253,58 @@ static rigcal_status sum_squares(rigcal_real *sum, rigcal_real H[9],
     return rc_is_finite(*sum) ? RIGCAL_OK : RIGCAL_ERR_NO_RAY;
 }
 
-enum { GAUSS_NEWTON_MAX = 50 };
+enum { GAUSS_NEWTON_MAX = 50, HALVINGS_MAX = 30 };
 
-/* Gauss-Newton from X. A step that does not lower the sum is halved; at the end no
- * step does. */
-static rigcal_status refine_point(rigcal_real X[3], rigcal_real *sum,
-                                  rigcal_real H[9], const views *v)
+/* Rise of the sum that may be rounding. Near the minimum the sum no longer tells
+ * two points apart, while the step still does: so steps are taken until they are
+ * small, and shortened only when they do harm. */
+#define SUM_ROUNDING (16 * RC_EPS)
+
+/* X <- X + step, the step halved until it does no harm. Returns its length, 0 when
+ * every length does harm. */
+static rigcal_real move_point(rigcal_real X[3], rigcal_real step[3],
+                              rigcal_real sum, const views *v)
 {
-    rigcal_real g[3], step[3] = {0, 0, 0};
-    rigcal_status status = sum_squares(sum, H, g, v, X);
-    int fresh = 1;
-    for (int i = 0; i < GAUSS_NEWTON_MAX && status == RIGCAL_OK; i++) {
-        rigcal_real L[9], at[3], sum_at;
-        if (fresh) {
-            for (int k = 0; k < 9; k++) {
-                L[k] = H[k];
-            }
-            if (!rc_cholesky(L, 3, 4 * RC_EPS)) {
-                return RIGCAL_ERR_PARALLEL;
-            }
-            rc_cholesky_solve(g, L, 3);
-            for (int k = 0; k < 3; k++) {
-                step[k] = g[k];
-            }
-        }
-        for (int k = 0; k < 3; k++) {
-            at[k] = X[k] + step[k];
-        }
-        fresh = sum_squares(&sum_at, NULL, NULL, v, at) == RIGCAL_OK &&
-                sum_at < *sum;
-        if (fresh) {
+    for (int halving = 0; halving < HALVINGS_MAX; halving++) {
+        const rigcal_real at[3] = {X[0] + step[0], X[1] + step[1],
+                                   X[2] + step[2]};
+        rigcal_real sum_at;
+        if (sum_squares(&sum_at, NULL, NULL, v, at) == RIGCAL_OK &&
+            sum_at <= sum * (1 + SUM_ROUNDING)) {
             for (int k = 0; k < 3; k++) {
                 X[k] = at[k];
             }
-            status = sum_squares(sum, H, g, v, X);
-        } else {
-            for (int k = 0; k < 3; k++) {
-                step[k] /= 2;
-            }
-            if (rc_vec3_norm(step) <= RC_EPS * rc_vec3_norm(X)) {
-                break;
-            }
+            return rc_vec3_norm(step);
+        }
+        for (int k = 0; k < 3; k++) {
+            step[k] /= 2;
         }
     }
-    return status;
+    return 0;
+}
+
+/* Gauss-Newton from X. Gives the sum at the end, and the Cholesky factor of
+ * J^T J. */
+static rigcal_status refine_point(rigcal_real X[3], rigcal_real *sum,
+                                  rigcal_real L[9], const views *v)
+{
+    rigcal_real length = RC_MAX;
+    for (int i = 0; i < GAUSS_NEWTON_MAX; i++) {
+        rigcal_real step[3];
+        const rigcal_status status = sum_squares(sum, L, step, v, X);
+        if (status != RIGCAL_OK) {
+            return status;
+        }
+        if (!rc_cholesky(L, 3, 4 * RC_EPS)) {
+            return RIGCAL_ERR_PARALLEL;
+        }
+        if (!(length > 4 * RC_EPS * rc_vec3_norm(X))) {
+            break;
+        }
+        rc_cholesky_solve(step, L, 3);
+        length = move_point(X, step, *sum, v);
+    }
+    return RIGCAL_OK;
 }
 
 rigcal_status rigcal_triangulate(rigcal_point *point,
@@ -310,21 +318,18 @@ rigcal_status rigcal_triangulate(rigcal_point *point,
         return RIGCAL_ERR_NULL;
     }
     const views v = {cameras, cams_from_world, uv, n};
-    rigcal_real X[3], H[9], sum = 0;
+    rigcal_real X[3], L[9], sum = 0;
     rigcal_status status = check_views(&v, sigma_px);
     if (status == RIGCAL_OK) {
         status = nearest_to_rays(X, &v);
     }
     if (status == RIGCAL_OK) {
-        status = refine_point(X, &sum, H, &v);
+        status = refine_point(X, &sum, L, &v);
     }
     if (status != RIGCAL_OK) {
         return status;
     }
-    if (!rc_cholesky(H, 3, 4 * RC_EPS)) {
-        return RIGCAL_ERR_PARALLEL;
-    }
-    rc_cholesky_inverse(point->Sigma, H, 3);
+    rc_cholesky_inverse(point->Sigma, L, 3);
     for (int k = 0; k < 9; k++) {
         point->Sigma[k] *= sigma_px * sigma_px;
     }

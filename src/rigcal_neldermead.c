@@ -235,7 +235,7 @@ void rc_neldermead_tell(rigcal_neldermead *nm, rigcal_real cost)
 
 static rigcal_status check_begin(const rigcal_neldermead *nm,
                                  const rigcal_real x[], int32_t k,
-                                 int32_t numbers, rigcal_real xtol,
+                                 int whole_simplex, rigcal_real xtol,
                                  rigcal_real ftol, int32_t max_evals)
 {
     if (nm == NULL || x == NULL) {
@@ -244,6 +244,7 @@ static rigcal_status check_begin(const rigcal_neldermead *nm,
     if (k < 1 || k > RIGCAL_NELDERMEAD_DIM_MAX) {
         return RIGCAL_ERR_RANGE;
     }
+    const int32_t numbers = whole_simplex ? (k + 1) * k : k;
     if (!rc_all_finite(x, numbers) || !rc_is_finite(xtol) ||
         !rc_is_finite(ftol)) {
         return RIGCAL_ERR_NOT_FINITE;
@@ -261,7 +262,7 @@ rigcal_status rigcal_neldermead_begin(rigcal_neldermead *nm,
                                       int32_t max_evals)
 {
     const rigcal_status status =
-        check_begin(nm, x0, k, k, xtol, ftol, max_evals);
+        check_begin(nm, x0, k, 0, xtol, ftol, max_evals);
     if (status == RIGCAL_OK) {
         rc_neldermead_begin(nm, x0, k, xtol, ftol, max_evals);
     }
@@ -274,8 +275,8 @@ rigcal_status rigcal_neldermead_begin_simplex(rigcal_neldermead *nm,
                                               rigcal_real ftol,
                                               int32_t max_evals)
 {
-    const rigcal_status status = check_begin(nm, simplex, k, (k + 1) * k, xtol,
-                                             ftol, max_evals);
+    const rigcal_status status = check_begin(nm, simplex, k, 1, xtol, ftol,
+                                             max_evals);
     if (status != RIGCAL_OK) {
         return status;
     }

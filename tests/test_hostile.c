@@ -17,6 +17,7 @@
  *
  * A new function wants one CALL line and one line of FUNCTIONS; a test reads
  * rigcal.h and fails until it has them. */
+#include <ctype.h>
 #include <float.h>
 #include <math.h>
 #include <stdio.h>
@@ -262,21 +263,21 @@ typedef struct {
     double value;
 } impossible;
 
-#define BAD_INT(type, field, value, status)                                    \
-    {                                                                          \
-        status, offsetof(type, field), 0, value                                \
+#define BAD_INT(type, field, value, status) \
+    { \
+        status, offsetof(type, field), 0, value \
     }
-#define BAD_REAL(type, field, value, status)                                   \
-    {                                                                          \
-        status, offsetof(type, field), 1, value                                \
+#define BAD_REAL(type, field, value, status) \
+    { \
+        status, offsetof(type, field), 1, value \
     }
-#define BAD_NUMBER(value, status)                                              \
-    {                                                                          \
-        status, 0, 1, value                                                    \
+#define BAD_NUMBER(value, status) \
+    { \
+        status, 0, 1, value \
     }
-#define BAD_END                                                                \
-    {                                                                          \
-        RIGCAL_OK, 0, 0, 0                                                     \
+#define BAD_END \
+    { \
+        RIGCAL_OK, 0, 0, 0 \
     }
 
 static const impossible BAD_ROTATION[] = {
@@ -410,57 +411,57 @@ typedef struct {
     rigcal_status outside; /* its status below low or above high; 0: any */
 } argument;
 
-#define OUT(kind, n)                                                           \
-    {                                                                          \
-        R_OUT, &kind, n, NULL, 0, 0, 0                                         \
+#define OUT(kind, n) \
+    { \
+        R_OUT, &kind, n, NULL, 0, 0, 0 \
     }
-#define OUT_PART(kind, n)                                                      \
-    {                                                                          \
-        R_OUT_PART, &kind, n, NULL, 0, 0, 0                                    \
+#define OUT_PART(kind, n) \
+    { \
+        R_OUT_PART, &kind, n, NULL, 0, 0, 0 \
     }
-#define OUT_OPT(kind, n)                                                       \
-    {                                                                          \
-        R_OUT_OPT, &kind, n, NULL, 0, 0, 0                                     \
+#define OUT_OPT(kind, n) \
+    { \
+        R_OUT_OPT, &kind, n, NULL, 0, 0, 0 \
     }
-#define OUT_BAD                                                                \
-    {                                                                          \
-        R_OUT_BAD, &INT32, 1, NULL, 0, 0, 0                                    \
+#define OUT_BAD \
+    { \
+        R_OUT_BAD, &INT32, 1, NULL, 0, 0, 0 \
     }
-#define WORK(kind, n)                                                          \
-    {                                                                          \
-        R_WORK, &kind, n, NULL, 0, 0, 0                                        \
+#define WORK(kind, n) \
+    { \
+        R_WORK, &kind, n, NULL, 0, 0, 0 \
     }
-#define STATE(kind, valid)                                                     \
-    {                                                                          \
-        R_STATE, &kind, 1, valid, 0, 0, 0                                      \
+#define STATE(kind, valid) \
+    { \
+        R_STATE, &kind, 1, valid, 0, 0, 0 \
     }
-#define IN(kind, n, valid)                                                     \
-    {                                                                          \
-        R_IN, &kind, n, valid, 0, 0, 0                                         \
+#define IN(kind, n, valid) \
+    { \
+        R_IN, &kind, n, valid, 0, 0, 0 \
     }
-#define IN_OPT(kind, n, valid)                                                 \
-    {                                                                          \
-        R_IN_OPT, &kind, n, valid, 0, 0, 0                                     \
+#define IN_OPT(kind, n, valid) \
+    { \
+        R_IN_OPT, &kind, n, valid, 0, 0, 0 \
     }
-#define VALUE(kind, valid)                                                     \
-    {                                                                          \
-        R_VALUE, &kind, 1, valid, 0, 0, 0                                      \
+#define VALUE(kind, valid) \
+    { \
+        R_VALUE, &kind, 1, valid, 0, 0, 0 \
     }
-#define ANY_VALUE(valid)                                                       \
-    {                                                                          \
-        R_ANY, &NUMBER, 1, valid, 0, 0, 0                                      \
+#define ANY_VALUE(valid) \
+    { \
+        R_ANY, &NUMBER, 1, valid, 0, 0, 0 \
     }
-#define COUNT(valid, low, status)                                              \
-    {                                                                          \
-        R_COUNT, &SIZE, 1, valid, low, 0, status                               \
+#define COUNT(valid, low, status) \
+    { \
+        R_COUNT, &SIZE, 1, valid, low, 0, status \
     }
-#define COUNT_TO(valid, low, high, status)                                     \
-    {                                                                          \
-        R_COUNT, &SIZE, 1, valid, low, high, status                            \
+#define COUNT_TO(valid, low, high, status) \
+    { \
+        R_COUNT, &SIZE, 1, valid, low, high, status \
     }
-#define CHOICE(valid, low, high, status)                                       \
-    {                                                                          \
-        R_COUNT, &INT32, 1, valid, low, high, status                           \
+#define CHOICE(valid, low, high, status) \
+    { \
+        R_COUNT, &INT32, 1, valid, low, high, status \
     }
 
 /* ---- the functions ------------------------------------------------------- */
@@ -477,22 +478,22 @@ typedef struct {
 
 /* A set of statuses. */
 #define BIT(status) (1u << ((status) < 0 ? -(status) : 24 + (status)))
-#define S(name)     BIT(RIGCAL_ERR_##name)
-#define ARGS        (S(NULL) | S(NOT_FINITE))
-#define ROTATED     (ARGS | S(ROTATION))
-#define DEVICE      (ARGS | S(CAMERA))
-#define POINTS                                                                 \
-    (ARGS | S(RANGE) | S(TOO_FEW) | S(CAPACITY) | S(WIDE_RAY) |                \
+#define S(name) BIT(RIGCAL_ERR_##name)
+#define ARGS (S(NULL) | S(NOT_FINITE) | S(RANGE))
+#define ROTATED (ARGS | S(ROTATION))
+#define DEVICE (ARGS | S(CAMERA))
+#define POINTS \
+    (ARGS | S(RANGE) | S(TOO_FEW) | S(CAPACITY) | S(WIDE_RAY) | \
      S(COINCIDENT) | S(COLLINEAR) | S(EDGE_ON) | S(PRECISION))
 #define POSES (S(BEHIND) | S(NO_POSE) | BIT(RIGCAL_BUDGET_SPENT))
 
-#define REAL(p)    (*(const rigcal_real *)(p))
-#define INT(p)     (*(const int32_t *)(p))
+#define REAL(p) (*(const rigcal_real *)(p))
+#define INT(p) (*(const int32_t *)(p))
 #define COUNTED(p) (*(const size_t *)(p))
-#define CALL(name, ...)                                                        \
-    static rigcal_status call_##name(void *const p[])                          \
-    {                                                                          \
-        return rigcal_##name(__VA_ARGS__);                                     \
+#define CALL(name, ...) \
+    static rigcal_status call_##name(void *const p[]) \
+    { \
+        return rigcal_##name(__VA_ARGS__); \
     }
 #define F(name) "rigcal_" #name, call_##name
 
@@ -637,10 +638,10 @@ static const function FUNCTIONS[] = {
       IN(SEARCH, 1, &ok.search)}},
 
     {F(pair_make), 0, ARGS | S(RANGE) | S(COINCIDENT),
-     {OUT(PAIR, 1), IN(SIGHTING, N, ok.sightings),
-      COUNT(&SIZE_6, 2, RIGCAL_ERR_RANGE),
-      CHOICE(&INT_2, 0, N - 1, RIGCAL_ERR_RANGE),
-      CHOICE(&INT_1, 0, N - 1, RIGCAL_ERR_RANGE)}},
+     {OUT(PAIR, 1), IN(SIGHTING, 2, ok.sightings),
+      COUNT(&SIZE_2, 2, RIGCAL_ERR_RANGE),
+      CHOICE(&INT_1, 0, 1, RIGCAL_ERR_RANGE),
+      CHOICE(&INT_0, 0, 1, RIGCAL_ERR_RANGE)}},
     {F(pairs_choose), 0, POINTS,
      {OUT_PART(PAIR, N_PAIRS), OUT(SIZE, 1),
       COUNT(&SIZE_15, 3, RIGCAL_ERR_CAPACITY), IN(SIGHTING, N, ok.sightings),
@@ -1184,8 +1185,8 @@ static int next_function(char name[64], const char **text)
 {
     const char *api = strstr(*text, "RIGCAL_API"), *end, *start;
 
-    while (api && strncmp(api, "RIGCAL_API ", 11) != 0) {
-        api = strstr(api + 1, "RIGCAL_API"); /* in a comment */
+    while (api && !isalpha((unsigned char)api[11])) {
+        api = strstr(api + 1, "RIGCAL_API"); /* a comment's */
     }
     if (!api) {
         return 0;

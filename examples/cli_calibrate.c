@@ -31,6 +31,7 @@ typedef struct {
     size_t n_views;
 
     size_t *camera; /* of the rig's camera, the number of its name */
+    size_t *first;  /* and its first view; n_rig + 1 of them */
     size_t n_rig;
     rigcal_transform *cam_from_rig;
     int32_t *group;
@@ -151,14 +152,16 @@ static void solve_views(calibration *c)
 
 static void number_rig(calibration *c)
 {
-    size_t i, camera;
+    size_t i;
 
     c->camera = cli_alloc(c->n_views, sizeof *c->camera);
+    c->first = cli_alloc(c->n_views + 1, sizeof *c->first);
     c->rig_views = cli_alloc(c->n_views, sizeof *c->rig_views);
     for (i = 0; i < c->n_views; i++) {
         const view *v = &c->views[i];
 
         if (c->n_rig == 0 || c->camera[c->n_rig - 1] != v->camera) {
+            c->first[c->n_rig] = i;
             c->camera[c->n_rig++] = v->camera;
         }
         c->rig_views[i].cam_from_target = v->cam_from_target;
@@ -166,14 +169,21 @@ static void number_rig(calibration *c)
         c->rig_views[i].camera = (int32_t)(c->n_rig - 1);
         c->rig_views[i].placement = (int32_t)v->frame;
     }
-    for (i = camera = 0; camera < c->cameras.names.count; camera++) {
+    c->first[c->n_rig] = c->n_views;
+}
+
+static void name_cameras_without_pose(calibration *c)
+{
+    size_t camera, i = 0;
+
+    for (camera = 0; camera < c->cameras.names.count; camera++) {
         if (i < c->n_rig && c->camera[i] == camera) {
             i++;
-            continue;
+        } else {
+            cli_say("camera %s has no pose and is not in the rig",
+                    c->cameras.names.name[camera]);
+            c->exit_status = CLI_GEOMETRY;
         }
-        cli_say("camera %s has no pose and is not in the rig",
-                c->cameras.names.name[camera]);
-        c->exit_status = CLI_GEOMETRY;
     }
 }
 
@@ -302,7 +312,7 @@ static void print_cameras(const calibration *c, int32_t group, size_t first)
         if (c->group[i] == group) {
             rigcal_camera_center(o, &c->cam_from_rig[i]);
             printf("%-*s  %10.5g %10.5g %10.5g\n", wide, camera_name(c, i),
-                   (double)o[0], (double)o[1], (double)o[2]);
+                   (double)o[0] + 0, (double)o[1] + 0, (double)o[2] + 0);
         }
     }
 }
@@ -310,19 +320,22 @@ static void print_cameras(const calibration *c, int32_t group, size_t first)
 /* b_from_a from each placement that both saw, into work; returns how many. */
 static size_t shared_placements(const calibration *c, size_t a, size_t b)
 {
-    size_t i, j, count = 0;
+    const rigcal_view *va = c->rig_views + c->first[a];
+    const rigcal_view *vb = c->rig_views + c->first[b];
+    const rigcal_view *end_a = c->rig_views + c->first[a + 1];
+    const rigcal_view *end_b = c->rig_views + c->first[b + 1];
+    size_t count = 0;
 
-    for (i = 0; i < c->n_views; i++) {
-        const rigcal_view *va = &c->rig_views[i];
-
-        for (j = 0; j < c->n_views && va->camera == (int32_t)a; j++) {
-            const rigcal_view *vb = &c->rig_views[j];
-
-            if (vb->camera == (int32_t)b && vb->placement == va->placement &&
-                rigcal_relative_pose(&c->work[count], &vb->cam_from_target,
-                                     &va->cam_from_target) == RIGCAL_OK) {
-                count++;
-            }
+    while (va < end_a && vb < end_b) {
+        if (va->placement == vb->placement &&
+            rigcal_relative_pose(&c->work[count], &vb->cam_from_target,
+                                 &va->cam_from_target) == RIGCAL_OK) {
+            count++;
+        }
+        if (va->placement <= vb->placement) {
+            va++;
+        } else {
+            vb++;
         }
     }
     return count;
@@ -486,6 +499,7 @@ int cli_calibrate(const char *const option[OPTION_COUNT])
     cli_observations_by_view(&c.observations);
     solve_views(&c);
     number_rig(&c);
+    name_cameras_without_pose(&c);
     if (c.n_views > 0) {
         join_rig(&c);
         place_targets(&c);

@@ -11,8 +11,8 @@ void cli_write_numbers(FILE *file, const rigcal_real numbers[], size_t count)
 {
     size_t i;
 
-    for (i = 0; i < count; i++) {
-        fprintf(file, ",%.*g", CLI_DIGITS, (double)numbers[i]);
+    for (i = 0; i < count; i++) { /* + 0: no minus before a zero */
+        fprintf(file, ",%.*g", CLI_DIGITS, (double)numbers[i] + 0);
     }
 }
 

@@ -1,0 +1,1251 @@
+/* Measuring with calibrated cameras: depth, triangulation, matching lines. */
+#include <math.h>
+#include <string.h>
+
+#include "test_support.h"
+#include "vectors_camera.h"
+#include "vectors_triangulation.h"
+#include "vectors_two_views.h"
+
+#define TOL_FORMULA TOL(1e-12, 1e-4)
+#define TOL_PIXEL TOL(2e-9, 4e-3)
+
+static const rigcal_transform NOTHING = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
+
+void setUp(void)
+{
+}
+
+void tearDown(void)
+{
+}
+
+/* ---- what several tests need ------------------------------------------------ */
+
+static rigcal_camera golden_camera(int k)
+{
+    const double *v = CAMERA[k];
+    rigcal_camera camera = {0};
+
+    camera.lens = (int32_t)v[0];
+    camera.width = (int32_t)v[1];
+    camera.height = (int32_t)v[2];
+    test_to_real(&camera.fx, v + 3, 4);
+    test_to_real(&camera.k1, v + 7, 8);
+    return camera;
+}
+
+static rigcal_transform from_ypr(const double ypr[3], const double t[3])
+{
+    double R[9];
+
+    test_rotation(R, ypr[0], ypr[1], ypr[2]);
+    return test_transform(R, t);
+}
+
+/* A second camera that looks roughly where the first does, from 1 aside. */
+static rigcal_transform beside(test_rng *rng)
+{
+    double ypr[3], t[3];
+
+    for (int k = 0; k < 3; k++) {
+        ypr[k] = test_uniform(rng, -0.2, 0.2);
+        t[k] = test_uniform(rng, -0.3, 0.3);
+    }
+    t[test_next(rng) % 2] += test_next(rng) % 2 ? 1.0 : -1.0;
+    return from_ypr(ypr, t);
+}
+
+static void apply(double X_b[3], const rigcal_transform *b_from_a,
+                  const double X_a[3])
+{
+    double R[9], t[3];
+
+    test_transform_parts(R, t, b_from_a);
+    test_apply(X_b, R, X_a, t);
+}
+
+static void ray_to(rigcal_real ray[3], const double X[3])
+{
+    ray[0] = RC(X[0] / X[2]);
+    ray[1] = RC(X[1] / X[2]);
+    ray[2] = 1;
+}
+
+/* A point some way before both cameras. */
+static void point_ahead(double X[3], test_rng *rng)
+{
+    X[2] = test_uniform(rng, 3, 6);
+    X[0] = test_uniform(rng, -0.3, 0.3) * X[2];
+    X[1] = test_uniform(rng, -0.3, 0.3) * X[2];
+}
+
+/* ---- depth from two views (22)..(24) ----------------------------------------- */
+
+/* Two 3-4-5 triangles back to back: cameras 6 apart, the point 4 ahead; b sits
+ * 1/4 lower (y is down), so the rays miss by 1/4. */
+static const rigcal_transform B_FROM_A = {{1, 0, 0, 0, 1, 0, 0, 0, 1},
+                                          {-6, RC(-0.25), 0}};
+static const rigcal_real M_A[3] = {RC(0.75), 0, 1}, M_B[3] = {RC(-0.75), 0, 1};
+
+static void test_skew_rays_give_both_depths_and_their_miss(void)
+{
+    rigcal_real depth[2], miss;
+
+    ASSERT_STATUS(RIGCAL_OK,
+                  rigcal_depth_two_views(depth, &miss, &B_FROM_A, M_A, M_B));
+    ASSERT_NEAR(4, depth[0], TOL(1e-15, 1e-6));
+    ASSERT_NEAR(4, depth[1], TOL(1e-15, 1e-6));
+    ASSERT_NEAR(0.25, miss, TOL(1e-15, 1e-6));
+}
+
+static void test_depth_counts_in_lengths_of_the_ray(void)
+{
+    /* Unit rays: the hypotenuse is 5. A ray ten times as long: a tenth. */
+    const rigcal_real unit_a[3] = {RC(0.6), 0, RC(0.8)};
+    const rigcal_real long_b[3] = {RC(-7.5), 0, 10};
+    rigcal_real depth[2], miss;
+
+    ASSERT_STATUS(RIGCAL_OK, rigcal_depth_two_views(depth, &miss, &B_FROM_A,
+                                                    unit_a, long_b));
+    ASSERT_NEAR(5, depth[0], TOL(1e-14, 2e-6));
+    ASSERT_NEAR(0.4, depth[1], TOL(1e-15, 1e-6));
+    ASSERT_NEAR(0.25, miss, TOL(1e-15, 1e-6));
+}
+
+/* Depth is worth the parallax: divided by the sine of the angle between rays. */
+static void test_depths_of_two_views_are_the_oracles(void)
+{
+    for (int i = 0; i < TWO_VIEWS_ROWS; i++) {
+        const double *v = TWO_VIEWS[i];
+        const rigcal_transform b_from_a = from_ypr(v, v + 3);
+        const double tol = TOL(1e-13, 1e-5) / v[16];
+        rigcal_real ray_a[3] = {RC(v[6]), RC(v[7]), 1};
+        rigcal_real ray_b[3] = {RC(v[8]), RC(v[9]), 1};
+        rigcal_real depth[2], miss;
+
+        ASSERT_STATUS(RIGCAL_OK, rigcal_depth_two_views(depth, &miss, &b_from_a,
+                                                        ray_a, ray_b));
+        ASSERT_ARRAY_NEAR(v + 10, depth, 2, tol * v[10]);
+        ASSERT_NEAR(v[12], miss, tol);
+    }
+}
+
+static void test_depths_of_perfect_views_are_true_from_either_side(void)
+{
+    test_rng rng = test_seed(51);
+
+    for (int trial = 0; trial < 200; trial++) {
+        const rigcal_transform b_from_a = beside(&rng);
+        double X_a[3], X_b[3];
+        rigcal_transform a_from_b;
+        rigcal_real ray_a[3], ray_b[3], depth[2], miss;
+
+        point_ahead(X_a, &rng);
+        apply(X_b, &b_from_a, X_a);
+        ray_to(ray_a, X_a);
+        ray_to(ray_b, X_b);
+        ASSERT_STATUS(RIGCAL_OK, rigcal_depth_two_views(depth, &miss, &b_from_a,
+                                                        ray_a, ray_b));
+        ASSERT_NEAR(X_a[2], depth[0], TOL(1e-13, 5e-5));
+        ASSERT_NEAR(X_b[2], depth[1], TOL(1e-13, 5e-5));
+        ASSERT_NEAR(0, miss, TOL(5e-14, 2e-5));
+        ASSERT_STATUS(RIGCAL_OK, rigcal_transform_invert(&a_from_b, &b_from_a));
+        ASSERT_STATUS(RIGCAL_OK, rigcal_depth_two_views(depth, &miss, &a_from_b,
+                                                        ray_b, ray_a));
+        ASSERT_NEAR(X_b[2], depth[0], TOL(1e-13, 5e-5));
+        ASSERT_NEAR(X_a[2], depth[1], TOL(1e-13, 5e-5));
+    }
+}
+
+/* The border is at 0.1 degrees. */
+static void test_nearly_parallel_rays_are_refused(void)
+{
+    static const double degrees[5] = {0, 0.05, 0.09, 0.11, 1};
+    static const rigcal_transform aside = {{1, 0, 0, 0, 1, 0, 0, 0, 1},
+                                           {-1, 0, 0}};
+
+    for (int i = 0; i < 5; i++) {
+        const rigcal_real ahead[3] = {0, 0, 2};
+        const rigcal_real turned[3] = {RC(-tan(degrees[i] * TEST_PI / 180)), 0, 1};
+        const rigcal_real away[3] = {-turned[0], 0, -1};
+        rigcal_real depth[2], miss;
+
+        if (degrees[i] > 0.1) {
+            ASSERT_STATUS(RIGCAL_OK, rigcal_depth_two_views(
+                                         depth, &miss, &aside, ahead, turned));
+            ASSERT_NEAR(1 / tan(degrees[i] * TEST_PI / 180), D(depth[1]),
+                        TOL(1e-9, 0.1));
+            continue;
+        }
+        FILL(miss);
+        ASSERT_REFUSED(
+            RIGCAL_ERR_PARALLEL, depth,
+            rigcal_depth_two_views(depth, &miss, &aside, ahead, turned));
+        ASSERT_REFUSED(RIGCAL_ERR_PARALLEL, depth,
+                       rigcal_depth_two_views(depth, &miss, &aside, ahead, away));
+        ASSERT_UNTOUCHED(miss);
+    }
+}
+
+static void test_rays_that_meet_behind_either_camera_are_refused(void)
+{
+    const rigcal_real out_a[3] = {RC(-0.75), 0, 1}, out_b[3] = {RC(0.75), 0, 1};
+    const rigcal_real back_a[3] = {RC(-0.75), 0, -1};
+    const rigcal_real back_b[3] = {RC(0.75), 0, -1};
+    rigcal_real depth[2], miss;
+
+    FILL(miss);
+    ASSERT_REFUSED(RIGCAL_ERR_BEHIND, depth,
+                   rigcal_depth_two_views(depth, &miss, &B_FROM_A, out_a, out_b));
+    ASSERT_REFUSED(RIGCAL_ERR_BEHIND, depth,
+                   rigcal_depth_two_views(depth, &miss, &B_FROM_A, M_A, back_b));
+    ASSERT_REFUSED(RIGCAL_ERR_BEHIND, depth,
+                   rigcal_depth_two_views(depth, &miss, &B_FROM_A, back_a, M_B));
+    /* One centre: the rays meet in it, and nothing is measured. */
+    ASSERT_REFUSED(RIGCAL_ERR_BEHIND, depth,
+                   rigcal_depth_two_views(depth, &miss, &NOTHING, M_A, M_B));
+    ASSERT_UNTOUCHED(miss);
+}
+
+static void test_arguments_of_two_views_are_checked(void)
+{
+    const rigcal_real none[3] = {0, 0, 0};
+    rigcal_real depth[2], miss;
+
+    ASSERT_STATUS(RIGCAL_ERR_NULL,
+                  rigcal_depth_two_views(NULL, &miss, &B_FROM_A, M_A, M_B));
+    ASSERT_REFUSED(RIGCAL_ERR_NULL, depth,
+                   rigcal_depth_two_views(depth, NULL, &B_FROM_A, M_A, M_B));
+    ASSERT_REFUSED(RIGCAL_ERR_NULL, depth,
+                   rigcal_depth_two_views(depth, &miss, NULL, M_A, M_B));
+    ASSERT_REFUSED(RIGCAL_ERR_NULL, depth,
+                   rigcal_depth_two_views(depth, &miss, &B_FROM_A, NULL, M_B));
+    ASSERT_REFUSED(RIGCAL_ERR_NULL, depth,
+                   rigcal_depth_two_views(depth, &miss, &B_FROM_A, M_A, NULL));
+    ASSERT_REFUSED(RIGCAL_ERR_RANGE, depth,
+                   rigcal_depth_two_views(depth, &miss, &B_FROM_A, none, M_B));
+    ASSERT_REFUSED(RIGCAL_ERR_RANGE, depth,
+                   rigcal_depth_two_views(depth, &miss, &B_FROM_A, M_A, none));
+    for (int k = 0; k < 3; k++) {
+        rigcal_transform T = B_FROM_A;
+        rigcal_real bad[3] = {0, 0, 1};
+
+        bad[k] = k == 1 ? TEST_INF : TEST_NAN;
+        ASSERT_REFUSED(
+            RIGCAL_ERR_NOT_FINITE, depth,
+            rigcal_depth_two_views(depth, &miss, &B_FROM_A, bad, M_B));
+        ASSERT_REFUSED(
+            RIGCAL_ERR_NOT_FINITE, depth,
+            rigcal_depth_two_views(depth, &miss, &B_FROM_A, M_A, bad));
+        T.t[k] = TEST_NAN;
+        ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, depth,
+                       rigcal_depth_two_views(depth, &miss, &T, M_A, M_B));
+        T = B_FROM_A;
+        T.R[4 * k] = -1;
+        ASSERT_REFUSED(RIGCAL_ERR_ROTATION, depth,
+                       rigcal_depth_two_views(depth, &miss, &T, M_A, M_B));
+    }
+}
+
+/* ---- aligned stereo (19), (20) ----------------------------------------------- */
+
+static void test_disparity_gives_depth_on_paper(void)
+{
+    static const double expected[3] = {3, 2, 4};
+    const rigcal_real left[2] = {RC(0.75), RC(0.5)};
+    const rigcal_real right[2] = {RC(-0.75), RC(0.5)};
+    rigcal_real X[3];
+
+    ASSERT_STATUS(RIGCAL_OK, rigcal_depth_aligned(X, 6, left, right));
+    ASSERT_ARRAY_NEAR(expected, X, 3, TOL(1e-15, 1e-6));
+}
+
+static void test_aligned_stereo_agrees_with_two_general_views(void)
+{
+    test_rng rng = test_seed(52);
+
+    for (int trial = 0; trial < 50; trial++) {
+        const rigcal_transform right = {{1, 0, 0, 0, 1, 0, 0, 0, 1},
+                                        {RC(-0.4), 0, 0}};
+        double X[3], X_r[3];
+        rigcal_real left_ray[3], right_ray[3], depth[2], miss, seen[3];
+
+        point_ahead(X, &rng);
+        apply(X_r, &right, X);
+        ray_to(left_ray, X);
+        ray_to(right_ray, X_r);
+        ASSERT_STATUS(RIGCAL_OK, rigcal_depth_aligned(seen, RC(0.4), left_ray,
+                                                      right_ray));
+        ASSERT_ARRAY_NEAR(X, seen, 3, TOL(1e-13, 1e-4));
+        ASSERT_STATUS(RIGCAL_OK, rigcal_depth_two_views(depth, &miss, &right,
+                                                        left_ray, right_ray));
+        ASSERT_NEAR(depth[0], seen[2], TOL(1e-13, 1e-4));
+    }
+}
+
+static void test_no_or_negative_disparity_is_refused(void)
+{
+    const rigcal_real left[2] = {RC(0.1), 0}, right[2] = {RC(0.2), 0};
+    rigcal_real X[3];
+
+    ASSERT_REFUSED(RIGCAL_ERR_PARALLEL, X, rigcal_depth_aligned(X, 1, left, left));
+    ASSERT_REFUSED(RIGCAL_ERR_BEHIND, X, rigcal_depth_aligned(X, 1, left, right));
+}
+
+static void test_arguments_of_aligned_stereo_are_checked(void)
+{
+    const rigcal_real left[2] = {RC(0.2), 0}, right[2] = {RC(0.1), 0};
+    rigcal_real X[3];
+
+    ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_depth_aligned(NULL, 1, left, right));
+    ASSERT_REFUSED(RIGCAL_ERR_NULL, X, rigcal_depth_aligned(X, 1, NULL, right));
+    ASSERT_REFUSED(RIGCAL_ERR_NULL, X, rigcal_depth_aligned(X, 1, left, NULL));
+    ASSERT_REFUSED(RIGCAL_ERR_RANGE, X, rigcal_depth_aligned(X, 0, left, right));
+    ASSERT_REFUSED(RIGCAL_ERR_RANGE, X, rigcal_depth_aligned(X, -1, left, right));
+    ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, X,
+                   rigcal_depth_aligned(X, TEST_NAN, left, right));
+    for (int k = 0; k < 2; k++) {
+        rigcal_real bad[2] = {0, 0};
+
+        bad[k] = TEST_INF;
+        ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, X,
+                       rigcal_depth_aligned(X, 1, bad, right));
+        ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, X,
+                       rigcal_depth_aligned(X, 1, left, bad));
+    }
+}
+
+/* ---- triangulation ------------------------------------------------------------ */
+
+enum { VIEWS = 6 };
+
+typedef struct {
+    rigcal_camera cameras[VIEWS];
+    rigcal_transform poses[VIEWS];
+    rigcal_real uv[2 * VIEWS];
+    double X[3];
+} views;
+
+/* Cameras of all lenses on an arc about a point, which they see exactly. */
+static void exact_views(views *v, test_rng *rng, int n)
+{
+    for (int k = 0; k < 3; k++) {
+        v->X[k] = test_uniform(rng, -1, 1);
+    }
+    for (int i = 0; i < n; i++) {
+        const double ypr[3] = {test_uniform(rng, -3, 3),
+                               0.5 * i - 0.25 * (n - 1),
+                               test_uniform(rng, -0.2, 0.2)};
+        double R[9], t[3], X_c[3], uv[2];
+
+        v->cameras[i] = golden_camera((int)(test_next(rng) % CAMERA_ROWS));
+        test_rotation(R, ypr[0], ypr[1], ypr[2]);
+        test_apply(X_c, R, v->X, NULL);
+        t[0] = test_uniform(rng, -0.8, 0.8) - X_c[0];
+        t[1] = test_uniform(rng, -0.8, 0.8) - X_c[1];
+        t[2] = test_uniform(rng, 3, 6) - X_c[2];
+        v->poses[i] = test_transform(R, t);
+        apply(X_c, &v->poses[i], v->X);
+        test_project_px(uv, &v->cameras[i], X_c);
+        test_to_real(v->uv + 2 * i, uv, 2);
+    }
+}
+
+static rigcal_status triangulate(rigcal_point *point, const views *v, int n,
+                                 double sigma)
+{
+    return rigcal_triangulate(point, v->cameras, v->poses, v->uv, (size_t)n,
+                              RC(sigma));
+}
+
+static void test_a_point_of_perfect_views_is_where_it_is(void)
+{
+    test_rng rng = test_seed(53);
+
+    for (int trial = 0; trial < 150; trial++) {
+        const int n = 2 + trial % (VIEWS - 1);
+        rigcal_point point;
+        views v;
+
+        exact_views(&v, &rng, n);
+        ASSERT_STATUS(RIGCAL_OK, triangulate(&point, &v, n, 1));
+        ASSERT_ARRAY_NEAR(v.X, point.X, 3, TOL(1e-12, 1e-4));
+        ASSERT_NEAR(0, point.rms_px, TOL(1e-9, 1e-2));
+    }
+}
+
+static void golden_views(views *v, const double *row)
+{
+    for (int i = 0; i < (int)row[0]; i++) {
+        const double *view = row + 1 + 9 * i;
+
+        v->cameras[i] = golden_camera((int)view[0]);
+        v->poses[i] = from_ypr(view + 1, view + 4);
+        test_to_real(v->uv + 2 * i, view + 7, 2);
+    }
+}
+
+static void test_points_of_noisy_views_are_scipys_least_squares(void)
+{
+    for (int k = 0; k < TRIANGULATION_ROWS; k++) {
+        const double *row = TRIANGULATION[k], *golden = row + 46;
+        double largest = 0;
+        rigcal_point point;
+        views v;
+
+        golden_views(&v, row);
+        ASSERT_STATUS(RIGCAL_OK, triangulate(&point, &v, (int)row[0], 1));
+        for (int i = 0; i < 9; i++) {
+            largest = fmax(largest, fabs(golden[4 + i]));
+        }
+        /* A pixel is good to 1e-12 or 1e-4, and moves the point by as many of
+         * its deviations at one pixel. */
+        ASSERT_ARRAY_NEAR(golden, point.X, 3, TOL(1e-10, 2e-3) * sqrt(largest));
+        ASSERT_NEAR(golden[3], point.rms_px, TOL(1e-9, 2e-3));
+        ASSERT_ARRAY_NEAR(golden + 4, point.Sigma, 9, TOL(1e-9, 1e-3) * largest);
+    }
+}
+
+static void test_the_covariance_goes_with_the_square_of_the_noise(void)
+{
+    test_rng rng = test_seed(54);
+    double once[9];
+    rigcal_point point;
+    views v;
+
+    exact_views(&v, &rng, 3);
+    ASSERT_STATUS(RIGCAL_OK, triangulate(&point, &v, 3, 1));
+    for (int i = 0; i < 9; i++) {
+        once[i] = 0.0625 * D(point.Sigma[i]);
+        ASSERT_NEAR(point.Sigma[i], point.Sigma[i % 3 * 3 + i / 3],
+                    TOL(1e-14, 1e-6) * D(point.Sigma[0] + point.Sigma[8]));
+    }
+    ASSERT_STATUS(RIGCAL_OK, triangulate(&point, &v, 3, 0.25));
+    ASSERT_ARRAY_NEAR(once, point.Sigma, 9, TOL(1e-14, 1e-6) * once[0]);
+}
+
+/* 400 draws tell a variance to 7 % (one deviation); the trace is of three. */
+static void test_the_covariance_is_the_scatter_of_noisy_measurements(void)
+{
+    enum { DRAWS = 400 };
+    const double sigma = 0.5;
+    test_rng rng = test_seed(55);
+    double scatter[9] = {0}, trace = 0;
+    rigcal_point exact, noisy;
+    views v;
+
+    exact_views(&v, &rng, 3);
+    ASSERT_STATUS(RIGCAL_OK, triangulate(&exact, &v, 3, sigma));
+    for (int draw = 0; draw < DRAWS; draw++) {
+        views shaken = v;
+
+        for (int i = 0; i < 6; i++) {
+            shaken.uv[i] += RC(sigma * test_normal(&rng));
+        }
+        ASSERT_STATUS(RIGCAL_OK, triangulate(&noisy, &shaken, 3, sigma));
+        for (int i = 0; i < 9; i++) {
+            scatter[i] += (D(noisy.X[i / 3]) - v.X[i / 3]) *
+                          (D(noisy.X[i % 3]) - v.X[i % 3]) / DRAWS;
+        }
+    }
+    for (int i = 0; i < 3; i++) {
+        trace += D(exact.Sigma[4 * i]);
+        ASSERT_NEAR(1, scatter[4 * i] / D(exact.Sigma[4 * i]), 0.25);
+    }
+    for (int i = 0; i < 9; i++) {
+        ASSERT_NEAR(exact.Sigma[i], scatter[i], 0.15 * trace);
+    }
+}
+
+/* A fisheye sees it 100 degrees off its axis: behind its image plane and not
+ * behind the camera. */
+static void test_a_point_beside_a_fisheye_is_measured(void)
+{
+    static const double X[3] = {4, 0.3, -0.7};
+    test_rng rng = test_seed(56);
+    double X_c[3], uv[2];
+    rigcal_point point;
+    views v;
+
+    exact_views(&v, &rng, 2);
+    for (int i = 0; i < 2; i++) {
+        const double t[3] = {0, i ? -1.5 : 0, i ? 0.2 : 0};
+
+        v.cameras[i] = golden_camera(4);
+        v.poses[i] = test_transform(NULL, t);
+        apply(X_c, &v.poses[i], X);
+        TEST_ASSERT_TRUE(X_c[2] < 0);
+        test_project_px(uv, &v.cameras[i], X_c);
+        test_to_real(v.uv + 2 * i, uv, 2);
+    }
+    ASSERT_STATUS(RIGCAL_OK, triangulate(&point, &v, 2, 1));
+    ASSERT_ARRAY_NEAR(X, point.X, 3, TOL(1e-11, 1e-3));
+}
+
+static void test_a_point_that_views_do_not_fix_is_refused(void)
+{
+    test_rng rng = test_seed(57);
+    rigcal_point point;
+    views v, other;
+
+    exact_views(&v, &rng, 2);
+    other = v;
+    for (int i = 0; i < 2; i++) { /* all from one place */
+        other.cameras[i] = v.cameras[0];
+        other.poses[i] = v.poses[0];
+        memcpy(other.uv + 2 * i, v.uv, 2 * sizeof v.uv[0]);
+    }
+    ASSERT_REFUSED(RIGCAL_ERR_PARALLEL, point, triangulate(&point, &other, 2, 1));
+
+    other = v;
+    for (int i = 0; i < 2; i++) { /* side by side, the rays run apart */
+        const double t[3] = {i ? -1 : 0, 0, 0};
+
+        other.cameras[i] = test_pinhole();
+        other.poses[i] = test_transform(NULL, t);
+        other.uv[2 * i] = RC(i ? 500 : 100);
+        other.uv[2 * i + 1] = 200;
+    }
+    ASSERT_REFUSED(RIGCAL_ERR_BEHIND, point, triangulate(&point, &other, 2, 1));
+    other.uv[2] = other.uv[0]; /* exactly parallel */
+    ASSERT_REFUSED(RIGCAL_ERR_PARALLEL, point, triangulate(&point, &other, 2, 1));
+}
+
+static void test_arguments_of_the_triangulation_are_checked(void)
+{
+    test_rng rng = test_seed(58);
+    rigcal_point point;
+    views good, v;
+
+    exact_views(&good, &rng, 3);
+    ASSERT_STATUS(RIGCAL_ERR_NULL, triangulate(NULL, &good, 3, 1));
+    ASSERT_REFUSED(
+        RIGCAL_ERR_NULL, point,
+        rigcal_triangulate(&point, NULL, good.poses, good.uv, 3, 1));
+    ASSERT_REFUSED(
+        RIGCAL_ERR_NULL, point,
+        rigcal_triangulate(&point, good.cameras, NULL, good.uv, 3, 1));
+    ASSERT_REFUSED(
+        RIGCAL_ERR_NULL, point,
+        rigcal_triangulate(&point, good.cameras, good.poses, NULL, 3, 1));
+    ASSERT_REFUSED(RIGCAL_ERR_TOO_FEW, point, triangulate(&point, &good, 1, 1));
+    ASSERT_REFUSED(RIGCAL_ERR_TOO_FEW, point, triangulate(&point, &good, 0, 1));
+    ASSERT_REFUSED(RIGCAL_ERR_RANGE, point, triangulate(&point, &good, 3, 0));
+    ASSERT_REFUSED(RIGCAL_ERR_RANGE, point, triangulate(&point, &good, 3, -1));
+    ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, point,
+                   triangulate(&point, &good, 3, test_nan()));
+    for (int i = 0; i < 3; i++) {
+        v = good;
+        v.cameras[i].fx = 0;
+        ASSERT_REFUSED(RIGCAL_ERR_CAMERA, point, triangulate(&point, &v, 3, 1));
+        v = good;
+        v.cameras[i].cy = TEST_NAN;
+        ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, point,
+                       triangulate(&point, &v, 3, 1));
+        v = good;
+        v.poses[i].R[4] += RC(0.5);
+        ASSERT_REFUSED(RIGCAL_ERR_ROTATION, point, triangulate(&point, &v, 3, 1));
+        v = good;
+        v.poses[i].t[1] = TEST_INF;
+        ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, point,
+                       triangulate(&point, &v, 3, 1));
+        v = good;
+        v.uv[2 * i + 1] = TEST_NAN;
+        ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, point,
+                       triangulate(&point, &v, 3, 1));
+        v = good; /* barrel distortion ends 490 pixels from the middle */
+        v.cameras[i] = test_pinhole();
+        v.cameras[i].k1 = RC(-0.4);
+        v.uv[2 * i] = 5000;
+        ASSERT_REFUSED(RIGCAL_ERR_NO_RAY, point, triangulate(&point, &v, 3, 1));
+    }
+}
+
+/* ---- matching line (25), (26) -------------------------------------------------- */
+
+/* b is 1 to the right: matches have the same y. */
+static const rigcal_transform RIGHT_OF = {{1, 0, 0, 0, 1, 0, 0, 0, 1},
+                                          {-1, 0, 0}};
+
+static void test_the_matching_line_of_a_camera_beside_is_level(void)
+{
+    static const double expected[3] = {0, 1, -0.3};
+    const rigcal_real ray[3] = {RC(0.2), RC(0.3), 1};
+    rigcal_real line[3];
+
+    ASSERT_STATUS(RIGCAL_OK, rigcal_epiline(line, &RIGHT_OF, ray));
+    ASSERT_ARRAY_NEAR(expected, line, 3, TOL(1e-15, 1e-7));
+}
+
+static void test_matching_lines_are_the_oracles(void)
+{
+    for (int i = 0; i < TWO_VIEWS_ROWS; i++) {
+        const double *v = TWO_VIEWS[i];
+        const rigcal_transform b_from_a = from_ypr(v, v + 3);
+        rigcal_real ray[3] = {RC(v[6]), RC(v[7]), 1}, line[3];
+
+        ASSERT_STATUS(RIGCAL_OK, rigcal_epiline(line, &b_from_a, ray));
+        ASSERT_ARRAY_NEAR(v + 13, line, 3, TOL_FORMULA * fmax(1, fabs(v[15])));
+    }
+}
+
+/* All points of one ray of a, near and far, and nothing but the ray's direction
+ * matters. */
+static void test_a_projected_point_lies_on_its_matching_line(void)
+{
+    test_rng rng = test_seed(61);
+
+    for (int trial = 0; trial < 200; trial++) {
+        const rigcal_transform b_from_a = beside(&rng);
+        const double length = test_uniform(&rng, 0.1, 50);
+        double X_a[3], X_b[3];
+        rigcal_real ray[3], line[3];
+
+        point_ahead(X_a, &rng);
+        for (int k = 0; k < 3; k++) {
+            ray[k] = RC(X_a[k] * length);
+        }
+        ASSERT_STATUS(RIGCAL_OK, rigcal_epiline(line, &b_from_a, ray));
+        ASSERT_NEAR(1, hypot(D(line[0]), D(line[1])), TOL(1e-15, 2e-7));
+        for (int d = 0; d < 5; d++) {
+            const double depth = 0.7 + 0.4 * d;
+            double X_d[3];
+
+            for (int k = 0; k < 3; k++) {
+                X_d[k] = depth * X_a[k];
+            }
+            apply(X_b, &b_from_a, X_d);
+            ASSERT_NEAR(0,
+                        D(line[0]) * X_b[0] / X_b[2] +
+                            D(line[1]) * X_b[1] / X_b[2] + D(line[2]),
+                        TOL(1e-14, 5e-6));
+        }
+    }
+}
+
+static void test_the_image_of_the_other_centre_has_no_matching_line(void)
+{
+    test_rng rng = test_seed(62);
+
+    for (int trial = 0; trial < 50; trial++) {
+        double ypr[3], t[3], forward[3] = {0.1, -0.2, 1}, R[9], o[3];
+        rigcal_transform b_from_a;
+        rigcal_real ray[3], line[3];
+
+        for (int k = 0; k < 3; k++) {
+            ypr[k] = test_uniform(&rng, -0.5, 0.5);
+        }
+        /* The centre of b is 2 ahead of a: t = -R o. */
+        test_rotation(R, ypr[0], ypr[1], ypr[2]);
+        for (int k = 0; k < 3; k++) {
+            o[k] = -2 * forward[k];
+        }
+        test_apply(t, R, o, NULL);
+        b_from_a = test_transform(R, t);
+        for (int sign = -1; sign <= 1; sign += 2) {
+            for (int k = 0; k < 3; k++) {
+                ray[k] = RC(sign * forward[k]);
+            }
+            ASSERT_REFUSED(RIGCAL_ERR_EPIPOLE, line,
+                           rigcal_epiline(line, &b_from_a, ray));
+        }
+        ray[0] += RC(0.01);
+        ASSERT_STATUS(RIGCAL_OK, rigcal_epiline(line, &b_from_a, ray));
+    }
+}
+
+static void test_cameras_in_one_place_have_no_matching_lines(void)
+{
+    test_rng rng = test_seed(63);
+    double R[9];
+    rigcal_transform turned;
+    rigcal_real line[3];
+
+    test_random_rotation(R, &rng);
+    turned = test_transform(R, NULL);
+    ASSERT_REFUSED(RIGCAL_ERR_EPIPOLE, line, rigcal_epiline(line, &NOTHING, M_A));
+    ASSERT_REFUSED(RIGCAL_ERR_EPIPOLE, line, rigcal_epiline(line, &turned, M_A));
+}
+
+/* The plane through both centres and the ray is level with b's image plane: all
+ * of it is 90 degrees off b's axis, and none of it in the image. */
+static void test_a_matching_line_at_infinity_is_refused(void)
+{
+    static const rigcal_transform level = {{1, 0, 0, 0, 0, -1, 0, 1, 0},
+                                           {-1, 0, 0}};
+    const rigcal_camera camera = test_pinhole();
+    const rigcal_real ray[3] = {RC(0.2), 0, 1}; /* along b's -y, in its plane */
+    rigcal_real line[3];
+
+    FILL(line);
+    TEST_ASSERT_TRUE(rigcal_epiline(line, &level, ray) < 0);
+    ASSERT_UNTOUCHED(line);
+    TEST_ASSERT_TRUE(rigcal_epiline_px(line, &camera, &level, ray) < 0);
+    ASSERT_UNTOUCHED(line);
+}
+
+static void test_arguments_of_the_matching_line_are_checked(void)
+{
+    const rigcal_real none[3] = {0, 0, 0};
+    const rigcal_camera camera = test_pinhole();
+    rigcal_camera broken = camera;
+    rigcal_real line[3];
+
+    broken.fy = -1;
+    ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_epiline(NULL, &RIGHT_OF, M_A));
+    ASSERT_REFUSED(RIGCAL_ERR_NULL, line, rigcal_epiline(line, NULL, M_A));
+    ASSERT_REFUSED(RIGCAL_ERR_NULL, line, rigcal_epiline(line, &RIGHT_OF, NULL));
+    ASSERT_REFUSED(RIGCAL_ERR_RANGE, line, rigcal_epiline(line, &RIGHT_OF, none));
+    ASSERT_STATUS(RIGCAL_ERR_NULL,
+                  rigcal_epiline_px(NULL, &camera, &RIGHT_OF, M_A));
+    ASSERT_REFUSED(RIGCAL_ERR_NULL, line,
+                   rigcal_epiline_px(line, NULL, &RIGHT_OF, M_A));
+    ASSERT_REFUSED(RIGCAL_ERR_NULL, line,
+                   rigcal_epiline_px(line, &camera, NULL, M_A));
+    ASSERT_REFUSED(RIGCAL_ERR_NULL, line,
+                   rigcal_epiline_px(line, &camera, &RIGHT_OF, NULL));
+    ASSERT_REFUSED(RIGCAL_ERR_RANGE, line,
+                   rigcal_epiline_px(line, &camera, &RIGHT_OF, none));
+    ASSERT_REFUSED(RIGCAL_ERR_CAMERA, line,
+                   rigcal_epiline_px(line, &broken, &RIGHT_OF, M_A));
+    ASSERT_REFUSED(RIGCAL_ERR_EPIPOLE, line,
+                   rigcal_epiline_px(line, &camera, &NOTHING, M_A));
+    for (int k = 0; k < 3; k++) {
+        rigcal_transform T = RIGHT_OF;
+        rigcal_real bad[3] = {0, 0, 1};
+
+        bad[k] = TEST_NAN;
+        ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, line,
+                       rigcal_epiline(line, &RIGHT_OF, bad));
+        ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, line,
+                       rigcal_epiline_px(line, &camera, &RIGHT_OF, bad));
+        T.t[k] = TEST_INF;
+        ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, line, rigcal_epiline(line, &T, M_A));
+        T = RIGHT_OF;
+        T.R[3 * k] += RC(0.1);
+        ASSERT_REFUSED(RIGCAL_ERR_ROTATION, line, rigcal_epiline(line, &T, M_A));
+        ASSERT_REFUSED(RIGCAL_ERR_ROTATION, line,
+                       rigcal_epiline_px(line, &camera, &T, M_A));
+    }
+}
+
+/* ---- in pixels ------------------------------------------------------------------ */
+
+/* The pixel at which a camera without distortion would see X_b. */
+static void straight_pixel(double uv[2], const rigcal_camera *camera,
+                           const double X_b[3])
+{
+    uv[0] = D(camera->fx) * X_b[0] / X_b[2] + D(camera->cx);
+    uv[1] = D(camera->fy) * X_b[1] / X_b[2] + D(camera->cy);
+}
+
+static void test_a_matching_line_in_pixels_on_paper(void)
+{
+    /* y = 0.3 is v = 800 * 0.3 + 239.5. */
+    static const double expected[3] = {0, 1, -479.5};
+    const rigcal_camera camera = test_pinhole();
+    const rigcal_real ray[3] = {RC(0.2), RC(0.3), 1};
+    rigcal_real line[3];
+
+    ASSERT_STATUS(RIGCAL_OK, rigcal_epiline_px(line, &camera, &RIGHT_OF, ray));
+    ASSERT_ARRAY_NEAR(expected, line, 3, TOL(1e-12, 1e-4));
+}
+
+static void test_true_matches_lie_on_their_line_in_any_lens(void)
+{
+    test_rng rng = test_seed(64);
+
+    for (int trial = 0; trial < 200; trial++) {
+        const rigcal_transform b_from_a = beside(&rng);
+        rigcal_camera camera = golden_camera(trial % CAMERA_ROWS);
+        double X_a[3], X_b[3], straight[2], distorted[2], along, off;
+        rigcal_real ray[3], line[3], uv[2], distance;
+
+        camera.fx *= RC(1.25); /* pixels that are not square */
+        point_ahead(X_a, &rng);
+        apply(X_b, &b_from_a, X_a);
+        ray_to(ray, X_a);
+        ASSERT_STATUS(RIGCAL_OK,
+                      rigcal_epiline_px(line, &camera, &b_from_a, ray));
+        ASSERT_NEAR(1, hypot(D(line[0]), D(line[1])), TOL(1e-14, 1e-6));
+        straight_pixel(straight, &camera, X_b);
+        ASSERT_NEAR(0,
+                    D(line[0]) * straight[0] + D(line[1]) * straight[1] +
+                        D(line[2]),
+                    TOL(1e-10, 1e-2));
+
+        /* The distorted pixel of the point, and of one beside it: how far it is
+         * off in undistorted pixels is its distance, with the sign. */
+        for (int beside_it = 0; beside_it < 2; beside_it++) {
+            X_b[0] += beside_it * 0.01 * X_b[2];
+            X_b[1] -= beside_it * 0.02 * X_b[2];
+            test_project_px(distorted, &camera, X_b);
+            straight_pixel(straight, &camera, X_b);
+            along = D(line[0]) * straight[0] + D(line[1]) * straight[1];
+            off = along + D(line[2]);
+            test_to_real(uv, distorted, 2);
+            ASSERT_STATUS(RIGCAL_OK, rigcal_epiline_distance(&distance, line,
+                                                             &camera, uv));
+            ASSERT_NEAR(off, distance, 10 * TOL_PIXEL);
+        }
+    }
+}
+
+static void test_the_distance_from_a_line_is_in_pixels_with_its_sign(void)
+{
+    const rigcal_camera camera = test_pinhole();
+    const rigcal_real line[3] = {RC(0.6), RC(-0.8), RC(-20)};
+    const rigcal_real on[2] = {100, 50}, off[2] = {106, 42};
+    rigcal_real distance;
+
+    ASSERT_STATUS(RIGCAL_OK,
+                  rigcal_epiline_distance(&distance, line, &camera, on));
+    ASSERT_NEAR(0, distance, TOL(1e-12, 1e-4));
+    ASSERT_STATUS(RIGCAL_OK,
+                  rigcal_epiline_distance(&distance, line, &camera, off));
+    ASSERT_NEAR(10, distance, TOL(1e-12, 1e-4));
+}
+
+static void test_arguments_of_the_distance_are_checked(void)
+{
+    const rigcal_camera camera = test_pinhole(), fisheye = golden_camera(4);
+    const rigcal_real line[3] = {RC(0.6), RC(-0.8), RC(-20)};
+    const rigcal_real uv[2] = {100, 50}, beyond[2] = {5000, 50};
+    const double beside_it[3] = {1, 0.1, -0.1};
+    rigcal_camera barrel = camera, broken = camera;
+    double wide[2];
+    rigcal_real wide_uv[2], distance;
+
+    barrel.k1 = RC(-0.4);
+    broken.width = 0;
+    test_project_px(wide, &fisheye, beside_it);
+    test_to_real(wide_uv, wide, 2);
+    ASSERT_STATUS(RIGCAL_ERR_NULL,
+                  rigcal_epiline_distance(NULL, line, &camera, uv));
+    ASSERT_REFUSED(RIGCAL_ERR_NULL, distance,
+                   rigcal_epiline_distance(&distance, NULL, &camera, uv));
+    ASSERT_REFUSED(RIGCAL_ERR_NULL, distance,
+                   rigcal_epiline_distance(&distance, line, NULL, uv));
+    ASSERT_REFUSED(RIGCAL_ERR_NULL, distance,
+                   rigcal_epiline_distance(&distance, line, &camera, NULL));
+    ASSERT_REFUSED(RIGCAL_ERR_CAMERA, distance,
+                   rigcal_epiline_distance(&distance, line, &broken, uv));
+    ASSERT_REFUSED(RIGCAL_ERR_NO_RAY, distance,
+                   rigcal_epiline_distance(&distance, line, &barrel, beyond));
+    ASSERT_REFUSED(RIGCAL_ERR_WIDE_RAY, distance,
+                   rigcal_epiline_distance(&distance, line, &fisheye, wide_uv));
+    for (int k = 0; k < 3; k++) {
+        rigcal_real bad[3] = {RC(0.6), RC(-0.8), RC(-20)};
+
+        bad[k] = TEST_NAN;
+        ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, distance,
+                       rigcal_epiline_distance(&distance, bad, &camera, uv));
+        if (k < 2) {
+            rigcal_real nowhere[2] = {1, 1};
+
+            bad[k] = RC(0.5);
+            ASSERT_REFUSED(RIGCAL_ERR_RANGE, distance,
+                           rigcal_epiline_distance(&distance, bad, &camera, uv));
+            nowhere[k] = TEST_INF;
+            ASSERT_REFUSED(
+                RIGCAL_ERR_NOT_FINITE, distance,
+                rigcal_epiline_distance(&distance, line, &camera, nowhere));
+        }
+    }
+}
+
+/* ---- clipped to the image -------------------------------------------------------- */
+
+static void test_lines_on_paper_are_clipped_at_pixel_borders(void)
+{
+    /* A 640 x 480 image reaches from (-0.5, -0.5) to (639.5, 479.5). The ends
+     * run along (beta, -alpha). */
+    static const double s = 0.70710678118654752440;
+    const struct {
+        double line[3], ends[4];
+    } cases[] = {
+        {{0, 1, -100}, {-0.5, 100, 639.5, 100}},
+        {{0, -1, 100}, {639.5, 100, -0.5, 100}},
+        {{1, 0, -320}, {320, 479.5, 320, -0.5}},
+        {{-1, 0, 320}, {320, -0.5, 320, 479.5}},
+        /* u - v = 0 from the corner; u + v = 479 through two borders. */
+        {{-s, s, 0}, {-0.5, -0.5, 479.5, 479.5}},
+        {{s, s, -479 * s}, {-0.5, 479.5, 479.5, -0.5}},
+        /* The other corner: u + v = 1 cuts it off. */
+        {{s, s, -s}, {-0.5, 1.5, 1.5, -0.5}},
+        {{-0.6, 0.8, 0}, {-0.5, -0.375, 639.3333333333333333, 479.5}},
+    };
+
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        rigcal_real line[3], ends[4];
+
+        test_to_real(line, cases[i].line, 3);
+        ASSERT_STATUS(RIGCAL_OK, rigcal_epiline_clip(ends, line, 640, 480));
+        ASSERT_ARRAY_NEAR(cases[i].ends, ends, 4, TOL(1e-12, 5e-4));
+    }
+}
+
+/* Any line: both ends on it and on the border, in the right order; and refused
+ * only when no corner lies on either side of it. */
+static void test_clipped_ends_lie_on_the_line_and_on_the_border(void)
+{
+    const double right = 639.5, bottom = 479.5, tol = TOL(1e-9, 1e-2);
+    test_rng rng = test_seed(65);
+    int crossing = 0;
+
+    for (int trial = 0; trial < 500; trial++) {
+        const double way = test_uniform(&rng, -TEST_PI, TEST_PI);
+        const double a = cos(way), b = sin(way);
+        const double c = -a * test_uniform(&rng, -300, 900) -
+                         b * test_uniform(&rng, -300, 700);
+        const rigcal_real line[3] = {RC(a), RC(b), RC(c)};
+        double least = 1e9, most = -1e9, e[4];
+        rigcal_real ends[4];
+        rigcal_status status;
+
+        for (int corner = 0; corner < 4; corner++) {
+            const double d = a * (corner & 1 ? right : -0.5) +
+                             b * (corner & 2 ? bottom : -0.5) + c;
+
+            least = fmin(least, d);
+            most = fmax(most, d);
+        }
+        FILL(ends);
+        status = rigcal_epiline_clip(ends, line, 640, 480);
+        if (least > tol || most < -tol) {
+            ASSERT_STATUS(RIGCAL_ERR_OUTSIDE, status);
+            ASSERT_UNTOUCHED(ends);
+            continue;
+        }
+        if (least > -tol || most < tol) {
+            continue; /* touches a corner: to rounding either is right */
+        }
+        crossing++;
+        ASSERT_STATUS(RIGCAL_OK, status);
+        test_to_double(e, ends, 4);
+        for (int k = 0; k < 4; k += 2) {
+            const double u = e[k], v = e[k + 1];
+
+            ASSERT_NEAR(0, a * u + b * v + c, tol);
+            TEST_ASSERT_TRUE(u >= -0.5 && u <= right && v >= -0.5 && v <= bottom);
+            TEST_ASSERT_TRUE(fabs(u + 0.5) < tol || fabs(u - right) < tol ||
+                             fabs(v + 0.5) < tol || fabs(v - bottom) < tol);
+        }
+        TEST_ASSERT_TRUE((e[2] - e[0]) * b - (e[3] - e[1]) * a > 0);
+    }
+    TEST_ASSERT_TRUE(crossing > 150);
+}
+
+static void test_lines_beside_the_image_are_refused(void)
+{
+    const double s = 0.70710678118654752440;
+    const double lines[5][3] = {
+        {0, 1, -479.6}, {0, 1, 0.6}, {1, 0, -639.6}, {1, 0, 0.6}, {s, s, 2}};
+
+    for (int i = 0; i < 5; i++) {
+        rigcal_real line[3], ends[4];
+
+        test_to_real(line, lines[i], 3);
+        ASSERT_REFUSED(RIGCAL_ERR_OUTSIDE, ends,
+                       rigcal_epiline_clip(ends, line, 640, 480));
+    }
+}
+
+static void test_arguments_of_the_clipping_are_checked(void)
+{
+    const rigcal_real line[3] = {RC(0.6), RC(0.8), RC(-200)};
+    rigcal_real ends[4];
+
+    ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_epiline_clip(NULL, line, 640, 480));
+    ASSERT_REFUSED(RIGCAL_ERR_NULL, ends,
+                   rigcal_epiline_clip(ends, NULL, 640, 480));
+    ASSERT_REFUSED(RIGCAL_ERR_RANGE, ends, rigcal_epiline_clip(ends, line, 0, 480));
+    ASSERT_REFUSED(RIGCAL_ERR_RANGE, ends,
+                   rigcal_epiline_clip(ends, line, 640, -1));
+    for (int k = 0; k < 3; k++) {
+        rigcal_real bad[3] = {RC(0.6), RC(0.8), RC(-200)};
+
+        bad[k] = TEST_INF;
+        ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, ends,
+                       rigcal_epiline_clip(ends, bad, 640, 480));
+        if (k < 2) {
+            bad[k] = 0;
+            ASSERT_REFUSED(RIGCAL_ERR_RANGE, ends,
+                           rigcal_epiline_clip(ends, bad, 640, 480));
+        }
+    }
+}
+
+/* ---- between two depths ------------------------------------------------------------ */
+
+/* X_b of what lies at that depth along ray_a. */
+static void at_depth(double X_b[3], const rigcal_transform *b_from_a,
+                     const rigcal_real ray_a[3], double depth)
+{
+    double X_a[3];
+
+    for (int k = 0; k < 3; k++) {
+        X_a[k] = depth * D(ray_a[k]);
+    }
+    apply(X_b, b_from_a, X_a);
+}
+
+static void test_the_segment_ends_where_the_nearest_and_farthest_would_be(void)
+{
+    test_rng rng = test_seed(66);
+
+    for (int trial = 0; trial < 100; trial++) {
+        const rigcal_transform b_from_a = beside(&rng);
+        const rigcal_camera camera = golden_camera(trial % CAMERA_ROWS);
+        double X_a[3], X_b[3], expected[4];
+        rigcal_real ray[3], ends[4], line[3];
+
+        point_ahead(X_a, &rng);
+        test_to_real(ray, X_a, 3); /* so depth 1 is the point */
+        ASSERT_STATUS(RIGCAL_OK, rigcal_epiline_segment(
+                                     ends, &camera, &b_from_a, ray, RC(0.5), 4));
+        at_depth(X_b, &b_from_a, ray, 0.5);
+        straight_pixel(expected, &camera, X_b);
+        at_depth(X_b, &b_from_a, ray, 4);
+        straight_pixel(expected + 2, &camera, X_b);
+        ASSERT_ARRAY_NEAR(expected, ends, 4, TOL(1e-10, 5e-3));
+        ASSERT_STATUS(RIGCAL_OK,
+                      rigcal_epiline_px(line, &camera, &b_from_a, ray));
+        for (int k = 0; k < 4; k += 2) {
+            ASSERT_NEAR(0,
+                        D(line[0]) * D(ends[k]) + D(line[1]) * D(ends[k + 1]) +
+                            D(line[2]),
+                        TOL(1e-10, 2e-2));
+        }
+    }
+}
+
+static void test_the_curve_leaves_out_what_the_camera_cannot_see(void)
+{
+    /* b's axis is a's axis turned back (half a turn about y), 2 ahead of a: what
+     * a sees at depth Z is at 2 - Z of b. */
+    static const rigcal_transform facing = {{-1, 0, 0, 0, 1, 0, 0, 0, -1},
+                                            {0, RC(0.5), 2}};
+    const rigcal_camera camera = test_pinhole();
+    const rigcal_real ray[3] = {RC(0.1), 0, 1};
+    double seen[3];
+    rigcal_real uv[2 * 7 + 1], ends[4];
+    rigcal_real *guard = &uv[14];
+    int32_t n_written;
+
+    /* 1 / depth = 1, 7/8, .. 1/4: depths 1, 8/7, 4/3, 8/5, 2, 8/3, 4, of which
+     * four lie before b. */
+    FILL(uv);
+    ASSERT_STATUS(RIGCAL_OK, rigcal_epiline_curve(uv, &n_written, 7, &camera,
+                                                  &facing, ray, 1, 4));
+    TEST_ASSERT_EQUAL_INT32(4, n_written);
+    ASSERT_UNTOUCHED(*guard);
+    for (int k = 0; k < 4; k++) {
+        double expected[2];
+
+        at_depth(seen, &facing, ray, 1 / (1 - k / 8.0));
+        test_project_px(expected, &camera, seen);
+        ASSERT_ARRAY_NEAR(expected, uv + 2 * k, 2, TOL(1e-9, 1e-2));
+    }
+    ASSERT_REFUSED(RIGCAL_ERR_WIDE_RAY, ends,
+                   rigcal_epiline_segment(ends, &camera, &facing, ray, 1, 4));
+    ASSERT_REFUSED(RIGCAL_ERR_WIDE_RAY, ends,
+                   rigcal_epiline_segment(ends, &camera, &facing, ray, 3, 4));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_epiline_segment(ends, &camera, &facing, ray,
+                                                    1, RC(1.5)));
+    FILL(n_written);
+    ASSERT_REFUSED(RIGCAL_ERR_OUTSIDE, uv,
+                   rigcal_epiline_curve(uv, &n_written, 7, &camera, &facing, ray,
+                                        3, 4));
+    ASSERT_UNTOUCHED(n_written);
+}
+
+/* Evenly in 1 / depth from near to far; the sixth of eleven samples is put on the
+ * true point, so the curve passes through its true pixel. */
+static void test_the_curve_runs_through_the_true_match_in_any_lens(void)
+{
+    enum { COUNT = 11 };
+    const double near = 0.6, far = 1 / (2 - 1 / near);
+    test_rng rng = test_seed(67);
+
+    for (int trial = 0; trial < 100; trial++) {
+        const rigcal_transform b_from_a = beside(&rng);
+        const rigcal_camera camera = golden_camera(trial % CAMERA_ROWS);
+        double X_a[3], X_b[3], expected[2];
+        rigcal_real ray[3], uv[2 * COUNT + 1];
+        rigcal_real *guard = &uv[2 * COUNT];
+        int32_t n_written;
+
+        point_ahead(X_a, &rng);
+        test_to_real(ray, X_a, 3);
+        FILL(uv);
+        ASSERT_STATUS(RIGCAL_OK, rigcal_epiline_curve(uv, &n_written, COUNT,
+                                                      &camera, &b_from_a, ray,
+                                                      RC(near), RC(far)));
+        TEST_ASSERT_EQUAL_INT32(COUNT, n_written);
+        ASSERT_UNTOUCHED(*guard);
+        for (int k = 0; k < COUNT; k++) {
+            const double inverse = 1 / near + (1 / far - 1 / near) * k / 10.0;
+
+            at_depth(X_b, &b_from_a, ray, 1 / inverse);
+            test_project_px(expected, &camera, X_b);
+            ASSERT_ARRAY_NEAR(expected, uv + 2 * k, 2, TOL(1e-9, 1e-2));
+        }
+        apply(X_b, &b_from_a, X_a);
+        test_project_px(expected, &camera, X_b);
+        ASSERT_ARRAY_NEAR(expected, uv + COUNT - 1, 2, TOL(1e-9, 1e-2));
+    }
+}
+
+/* The barrel's rays end some 43 degrees off its axis: farther samples are not on
+ * the folded branch but left out. */
+static void test_the_curve_stops_at_the_turning_point_of_the_lens(void)
+{
+    static const rigcal_transform beside_by_three = {
+        {1, 0, 0, 0, 1, 0, 0, 0, 1}, {3, 0, 0}};
+    rigcal_camera camera = test_pinhole();
+    const rigcal_real ray[3] = {0, 0, 1};
+    rigcal_real uv[40];
+    int32_t n_written;
+    /* x d(x) = x - 0.4 x^3 rises up to x = sqrt(1 / 1.2). */
+    const double turn = sqrt(1 / 1.2);
+
+    camera.k1 = RC(-0.4);
+    ASSERT_STATUS(RIGCAL_OK,
+                  rigcal_epiline_curve(uv, &n_written, 20, &camera,
+                                       &beside_by_three, ray, 1, 100));
+    TEST_ASSERT_TRUE(n_written > 2 && n_written < 20);
+    for (int k = 0; k < 20; k++) {
+        const double x = 3 * (1 + (0.01 - 1) * k / 19);
+        const int from_end = 20 - k;
+
+        if (x < turn - 1e-3) {
+            TEST_ASSERT_TRUE(from_end <= n_written);
+            ASSERT_NEAR(800 * x * (1 - 0.4 * x * x) + 319.5,
+                        uv[2 * (n_written - from_end)], TOL(1e-9, 1e-2));
+        } else {
+            TEST_ASSERT_TRUE(from_end > n_written);
+        }
+    }
+}
+
+static rigcal_status segment(rigcal_real ends[4], const rigcal_camera *camera,
+                             const rigcal_transform *T, const rigcal_real ray[3],
+                             double near, double far)
+{
+    return rigcal_epiline_segment(ends, camera, T, ray, RC(near), RC(far));
+}
+
+static rigcal_status curve(rigcal_real uv[], int32_t *n, int32_t count,
+                           const rigcal_camera *camera,
+                           const rigcal_transform *T, const rigcal_real ray[3],
+                           double near, double far)
+{
+    return rigcal_epiline_curve(uv, n, count, camera, T, ray, RC(near), RC(far));
+}
+
+static void test_arguments_of_segment_and_curve_are_checked(void)
+{
+    const rigcal_transform *const T = &RIGHT_OF;
+    const rigcal_real none[3] = {0, 0, 0};
+    const rigcal_camera cam = test_pinhole();
+    rigcal_camera broken = cam;
+    rigcal_real ends[4], uv[8];
+    int32_t n;
+
+    broken.lens = 7;
+    FILL(n);
+    ASSERT_STATUS(RIGCAL_ERR_NULL, segment(NULL, &cam, T, M_A, 1, 2));
+    ASSERT_REFUSED(RIGCAL_ERR_NULL, ends, segment(ends, NULL, T, M_A, 1, 2));
+    ASSERT_REFUSED(RIGCAL_ERR_NULL, ends, segment(ends, &cam, NULL, M_A, 1, 2));
+    ASSERT_REFUSED(RIGCAL_ERR_NULL, ends, segment(ends, &cam, T, NULL, 1, 2));
+    ASSERT_STATUS(RIGCAL_ERR_NULL, curve(NULL, &n, 4, &cam, T, M_A, 1, 2));
+    ASSERT_REFUSED(RIGCAL_ERR_NULL, uv, curve(uv, NULL, 4, &cam, T, M_A, 1, 2));
+    ASSERT_REFUSED(RIGCAL_ERR_NULL, uv, curve(uv, &n, 4, NULL, T, M_A, 1, 2));
+    ASSERT_REFUSED(RIGCAL_ERR_NULL, uv, curve(uv, &n, 4, &cam, NULL, M_A, 1, 2));
+    ASSERT_REFUSED(RIGCAL_ERR_NULL, uv, curve(uv, &n, 4, &cam, T, NULL, 1, 2));
+    ASSERT_REFUSED(RIGCAL_ERR_RANGE, uv, curve(uv, &n, 1, &cam, T, M_A, 1, 2));
+    ASSERT_REFUSED(RIGCAL_ERR_RANGE, uv, curve(uv, &n, -3, &cam, T, M_A, 1, 2));
+    ASSERT_REFUSED(RIGCAL_ERR_CAMERA, ends, segment(ends, &broken, T, M_A, 1, 2));
+    ASSERT_REFUSED(RIGCAL_ERR_CAMERA, uv, curve(uv, &n, 4, &broken, T, M_A, 1, 2));
+    ASSERT_REFUSED(RIGCAL_ERR_RANGE, ends, segment(ends, &cam, T, none, 1, 2));
+    ASSERT_REFUSED(RIGCAL_ERR_RANGE, uv, curve(uv, &n, 4, &cam, T, none, 1, 2));
+    for (int i = 0; i < 4; i++) {
+        static const double near_far[4][2] = {{0, 2}, {-1, 2}, {2, 2}, {3, 2}};
+        const double near = near_far[i][0], far = near_far[i][1];
+
+        ASSERT_REFUSED(RIGCAL_ERR_RANGE, ends,
+                       segment(ends, &cam, T, M_A, near, far));
+        ASSERT_REFUSED(RIGCAL_ERR_RANGE, uv,
+                       curve(uv, &n, 4, &cam, T, M_A, near, far));
+    }
+    ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, ends,
+                   segment(ends, &cam, T, M_A, 1, test_infinity()));
+    ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, uv,
+                   curve(uv, &n, 4, &cam, T, M_A, test_nan(), 2));
+    for (int k = 0; k < 3; k++) {
+        rigcal_transform bad = RIGHT_OF;
+        rigcal_real ray[3] = {0, 0, 1};
+
+        ray[k] = TEST_NAN;
+        ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, ends,
+                       segment(ends, &cam, T, ray, 1, 2));
+        ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, uv,
+                       curve(uv, &n, 4, &cam, T, ray, 1, 2));
+        bad.t[k] = TEST_NAN;
+        ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, ends,
+                       segment(ends, &cam, &bad, M_A, 1, 2));
+        bad = RIGHT_OF;
+        bad.R[4 * k] = -1;
+        ASSERT_REFUSED(RIGCAL_ERR_ROTATION, ends,
+                       segment(ends, &cam, &bad, M_A, 1, 2));
+        ASSERT_REFUSED(RIGCAL_ERR_ROTATION, uv,
+                       curve(uv, &n, 4, &cam, &bad, M_A, 1, 2));
+    }
+    ASSERT_UNTOUCHED(n);
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_skew_rays_give_both_depths_and_their_miss);
+    RUN_TEST(test_depth_counts_in_lengths_of_the_ray);
+    RUN_TEST(test_depths_of_two_views_are_the_oracles);
+    RUN_TEST(test_depths_of_perfect_views_are_true_from_either_side);
+    RUN_TEST(test_nearly_parallel_rays_are_refused);
+    RUN_TEST(test_rays_that_meet_behind_either_camera_are_refused);
+    RUN_TEST(test_arguments_of_two_views_are_checked);
+    RUN_TEST(test_disparity_gives_depth_on_paper);
+    RUN_TEST(test_aligned_stereo_agrees_with_two_general_views);
+    RUN_TEST(test_no_or_negative_disparity_is_refused);
+    RUN_TEST(test_arguments_of_aligned_stereo_are_checked);
+    RUN_TEST(test_a_point_of_perfect_views_is_where_it_is);
+    RUN_TEST(test_points_of_noisy_views_are_scipys_least_squares);
+    RUN_TEST(test_the_covariance_goes_with_the_square_of_the_noise);
+    RUN_TEST(test_the_covariance_is_the_scatter_of_noisy_measurements);
+    RUN_TEST(test_a_point_beside_a_fisheye_is_measured);
+    RUN_TEST(test_a_point_that_views_do_not_fix_is_refused);
+    RUN_TEST(test_arguments_of_the_triangulation_are_checked);
+    RUN_TEST(test_the_matching_line_of_a_camera_beside_is_level);
+    RUN_TEST(test_matching_lines_are_the_oracles);
+    RUN_TEST(test_a_projected_point_lies_on_its_matching_line);
+    RUN_TEST(test_the_image_of_the_other_centre_has_no_matching_line);
+    RUN_TEST(test_cameras_in_one_place_have_no_matching_lines);
+    RUN_TEST(test_a_matching_line_at_infinity_is_refused);
+    RUN_TEST(test_arguments_of_the_matching_line_are_checked);
+    RUN_TEST(test_a_matching_line_in_pixels_on_paper);
+    RUN_TEST(test_true_matches_lie_on_their_line_in_any_lens);
+    RUN_TEST(test_the_distance_from_a_line_is_in_pixels_with_its_sign);
+    RUN_TEST(test_arguments_of_the_distance_are_checked);
+    RUN_TEST(test_lines_on_paper_are_clipped_at_pixel_borders);
+    RUN_TEST(test_clipped_ends_lie_on_the_line_and_on_the_border);
+    RUN_TEST(test_lines_beside_the_image_are_refused);
+    RUN_TEST(test_arguments_of_the_clipping_are_checked);
+    RUN_TEST(test_the_segment_ends_where_the_nearest_and_farthest_would_be);
+    RUN_TEST(test_the_curve_leaves_out_what_the_camera_cannot_see);
+    RUN_TEST(test_the_curve_runs_through_the_true_match_in_any_lens);
+    RUN_TEST(test_the_curve_stops_at_the_turning_point_of_the_lens);
+    RUN_TEST(test_arguments_of_segment_and_curve_are_checked);
+    return UNITY_END();
+}

@@ -69,40 +69,34 @@ void csv_fail(const csv_table *table, size_t row, const char *format, ...)
     exit(CLI_USAGE);
 }
 
-/* All memory there is, each block behind its link, aligned for anything. */
-typedef union block {
-    union block *next;
-    long double widest;
-} block;
-
-static block *blocks;
+/* All memory there is, to be freed at the end. */
+static void **blocks;
+static size_t n_blocks;
 
 static void free_blocks(void)
 {
-    while (blocks != NULL) {
-        block *next = blocks->next;
-
-        free(blocks);
-        blocks = next;
+    while (n_blocks > 0) {
+        free(blocks[--n_blocks]);
     }
+    free(blocks);
 }
 
 void *cli_alloc(size_t count, size_t size)
 {
-    block *new_block = NULL;
+    void *memory = calloc(count > 0 ? count : 1, size);
+    void **list = realloc(blocks, (n_blocks + 1) * sizeof *blocks);
 
-    if (blocks == NULL) {
+    if (n_blocks == 0) {
         atexit(free_blocks);
     }
-    if (count < (SIZE_MAX - sizeof *new_block) / size) {
-        new_block = calloc(1, sizeof *new_block + count * size);
+    if (list != NULL) {
+        blocks = list;
+        blocks[n_blocks++] = memory;
     }
-    if (new_block == NULL) {
+    if (memory == NULL || list == NULL) {
         cli_fail("out of memory");
     }
-    new_block->next = blocks;
-    blocks = new_block;
-    return new_block + 1;
+    return memory;
 }
 
 /* ==== the file, its lines, its fields ===================================== */

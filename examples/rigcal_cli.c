@@ -105,6 +105,14 @@ static void print_help(void)
     fputs(HELP, stdout);
 }
 
+static CLI_NORETURN void refuse_option(char *argv[])
+{
+    if (optopt > ' ') {
+        WRONG_USE("-%c: no such option", optopt);
+    }
+    WRONG_USE("%s: no such option", argv[optind - 1]);
+}
+
 static void parse(const char *option[OPTION_COUNT], const command *chosen,
                   int argc, char *argv[])
 {
@@ -115,7 +123,7 @@ static void parse(const char *option[OPTION_COUNT], const command *chosen,
         if (given == ':') {
             WRONG_USE("%s needs a value", argv[optind - 1]);
         } else if (given == '?') {
-            WRONG_USE("%s: no such option", argv[optind - 1]);
+            refuse_option(argv);
         } else if (given == HELP_OPTION) {
             print_help();
             exit(CLI_DONE);

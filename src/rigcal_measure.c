@@ -255,10 +255,11 @@ static rigcal_status sum_squares(rigcal_real *sum, rigcal_real H[9],
 
 enum { GAUSS_NEWTON_MAX = 50, HALVINGS_MAX = 30 };
 
-/* Rise of the sum that may be rounding. Near the minimum the sum no longer tells
- * two points apart, while the step still does: so steps are taken until they are
- * small, and shortened only when they do harm. */
-#define SUM_ROUNDING (16 * RC_EPS)
+/* Change of the sum, as a part of it, that may be rounding: that of a pixel of
+ * 1000 over a distance of a tenth. Near the minimum the sum no longer tells two
+ * points apart, while the step still does: so steps are taken until they are small
+ * or shrink no more, and shortened only when they do harm. */
+#define SUM_ROUNDING RC_TOL(1e-10, 1e-3)
 
 /* X <- X + step, the step halved until it does no harm. Returns its length, 0 when
  * every length does harm. */
@@ -288,10 +289,10 @@ static rigcal_real move_point(rigcal_real X[3], rigcal_real step[3],
 static rigcal_status refine_point(rigcal_real X[3], rigcal_real *sum,
                                   rigcal_real L[9], const views *v)
 {
-    rigcal_real length = RC_MAX;
+    rigcal_real length = RC_MAX, last_gain = RC_MAX;
     for (int i = 0; i < GAUSS_NEWTON_MAX; i++) {
-        rigcal_real step[3];
-        const rigcal_status status = sum_squares(sum, L, step, v, X);
+        rigcal_real g[3], step[3];
+        const rigcal_status status = sum_squares(sum, L, g, v, X);
         if (status != RIGCAL_OK) {
             return status;
         }
@@ -301,7 +302,15 @@ static rigcal_status refine_point(rigcal_real X[3], rigcal_real *sum,
         if (!(length > 4 * RC_EPS * rc_vec3_norm(X))) {
             break;
         }
+        for (int k = 0; k < 3; k++) {
+            step[k] = g[k];
+        }
         rc_cholesky_solve(step, L, 3);
+        const rigcal_real gain = rc_vec3_dot(g, step); /* what it promises */
+        if (gain <= SUM_ROUNDING * *sum && !(gain < last_gain / 4)) {
+            break;
+        }
+        last_gain = gain;
         length = move_point(X, step, *sum, v);
     }
     return RIGCAL_OK;

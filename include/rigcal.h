@@ -381,7 +381,8 @@ RIGCAL_API rigcal_status rigcal_pair_make(rigcal_pair *pair,
  * point in about eight, spread by a fixed disorder so that runs repeat. Left out are
  * degenerate pairs and those whose rays lie closer than a sixth of the image
  * that the target fills, whose sine is mostly noise. capacity below
- * rigcal_pairs_for(n) bounds memory: fewer are chosen, still spread. The first
+ * rigcal_pairs_for(n) bounds memory: fewer are chosen, still spread; more changes
+ * nothing. The first
  * two are the best conditioned for the paper's elimination by two pairs.
  * Time O(n).
  *
@@ -680,8 +681,9 @@ typedef struct {
  *
  *   cams_from_rig  out   n_cameras; the rig frame is camera 0's
  *   group          out   n_cameras; the number of the group a camera connects
- *                        in. 0 is camera 0's. Cameras of another group stand in
- *                        the frame of the first camera of their own group
+ *                        in, counted from 0 in the order of their first cameras:
+ *                        0 is camera 0's. Cameras of another group stand in the
+ *                        frame of the first camera of their own group
  *   views          in    n_views, in any order
  *   work           work  n_views transforms
  *   weight         work  n_views

@@ -12,6 +12,11 @@ enum { SEEDS = RIGCAL_PAPER_SEEDS };
 #define SEED_TOL RC(1e-4)
 enum { SEED_EVALS_MAX = 120 };
 
+/* A simplex that has not met the tolerances by then has gone flat against a kink
+ * of the objective, a sum of absolute values; a fresh one from the same place
+ * gets on. */
+enum { SIMPLEX_EVALS_MAX = 400 };
+
 /* Defaults of the options. */
 #define DEFAULT_TOL RC_TOL(1e-10, 1e-5)
 enum { DEFAULT_EVALS = 1000 };
@@ -167,7 +172,7 @@ static void start_last(rigcal_paper_solver *s, const rigcal_real ypr[3])
         rc_angles_split(angles, s->eliminate, ypr);
     }
     rc_neldermead_begin(&s->nm, angles, o->angles, o->xtol, o->ftol,
-                        allowance(s, o->max_evals));
+                        allowance(s, SIMPLEX_EVALS_MAX));
     s->phase = SEARCHING_LAST;
     s->starts++;
 }
@@ -217,6 +222,22 @@ static void after_seed(rigcal_paper_solver *s)
     }
 }
 
+/* After the search from the guess, or from the best seed: done, or once more from
+ * where it stopped. */
+static void after_last(rigcal_paper_solver *s)
+{
+    const int stuck = s->nm.status == RIGCAL_BUDGET_SPENT;
+    rigcal_real angles[3] = {0, 0, 0}, ypr[3];
+    if (stuck && s->evals < s->options.max_evals &&
+        rigcal_neldermead_result(angles, NULL, NULL, &s->nm) >= 0) {
+        rc_angles_join(ypr, s->options.angles == 2 ? s->eliminate : 3, angles, 0);
+        start_last(s, ypr);
+        return;
+    }
+    judge(s);
+    finish(s, stuck);
+}
+
 /* One evaluation of the grid. */
 static void seed_step(rigcal_paper_solver *s)
 {
@@ -240,8 +261,7 @@ static void search_step(rigcal_paper_solver *s)
     if (s->phase == SEARCHING_SEED) {
         after_seed(s);
     } else {
-        judge(s);
-        finish(s, s->nm.status == RIGCAL_BUDGET_SPENT);
+        after_last(s);
     }
 }
 

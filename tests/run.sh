@@ -16,6 +16,8 @@ asan-float    preset asan-float
 shared        preset shared
 consumers     sh tests/consumers/run.sh build/consumers
 cli           $PYTHON tests/cli/test_cli.py
+cli-float     RIGCAL_BIN=build/gcc-float/rigcal $PYTHON tests/cli/test_cli.py
+cli-asan      RIGCAL_BIN=build/asan/rigcal $PYTHON tests/cli/test_cli.py
 ffi           sh examples/ffi/run.sh
 readme        $PYTHON tests/checks/check_readme.py
 vectors       $PYTHON tests/vectors/make_vectors.py --check
@@ -63,9 +65,6 @@ PYTHON=$(find_python numpy scipy) || {
     exit 1
 }
 export PYTHON
-# The command line that the steps cli and readme run.
-RIGCAL=$PWD/build/gcc-double/rigcal
-export RIGCAL
 jobs=$(nproc 2>/dev/null || echo 2)
 
 preset() {

@@ -278,6 +278,16 @@ static void test_a_residual_of_what_is_no_pair_or_rotation_is_refused(void)
         ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, e,
                        rigcal_pair_residual(&e, &bad, IDENTITY));
     }
+    for (int k = 0; k < 2; k++) { /* not of unit length */
+        const rigcal_pair bad = pair_of(k ? 2 : 1, 0, 0, 0, k ? 1 : -1.5, 0);
+        const rigcal_real angles[2] = {0, 0};
+        rigcal_real pqk[3];
+
+        ASSERT_REFUSED(RIGCAL_ERR_RANGE, e,
+                       rigcal_pair_residual(&e, &bad, IDENTITY));
+        ASSERT_REFUSED(RIGCAL_ERR_RANGE, pqk,
+                       rigcal_pair_coefficients(pqk, &bad, RIGCAL_YAW, angles));
+    }
     memcpy(M, IDENTITY, sizeof M);
     M[5] = TEST_NAN;
     ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, e, rigcal_pair_residual(&e, &good, M));

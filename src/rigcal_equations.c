@@ -58,16 +58,19 @@ rigcal_status rc_check_sightings(const rigcal_sighting sightings[], size_t n,
     return RIGCAL_OK;
 }
 
+/* The slack is for a vector that was stored in single precision or as text. */
+static int is_unit(const rigcal_real a[3])
+{
+    return RC_FABS(rc_vec3_dot(a, a) - 1) <= RC(0.002);
+}
+
 static rigcal_status check_pair(const rigcal_pair *pair)
 {
     if (!rc_all_finite(pair->normal, 3) || !rc_all_finite(pair->offset, 3)) {
         return RIGCAL_ERR_NOT_FINITE;
     }
-    /* Unit vectors; the slack is for one that was stored in single precision. */
-    return (rc_all_within(pair->normal, 3, RC(1.001)) &&
-            rc_all_within(pair->offset, 3, RC(1.001)))
-               ? RIGCAL_OK
-               : RIGCAL_ERR_RANGE;
+    return (is_unit(pair->normal) && is_unit(pair->offset)) ? RIGCAL_OK
+                                                            : RIGCAL_ERR_RANGE;
 }
 
 rigcal_status rc_check_pairs(const rigcal_pair pairs[], size_t n_pairs,

@@ -278,8 +278,10 @@ static void test_a_residual_of_what_is_no_pair_or_rotation_is_refused(void)
         ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, e,
                        rigcal_pair_residual(&e, &bad, IDENTITY));
     }
-    for (int k = 0; k < 2; k++) { /* not of unit length */
-        const rigcal_pair bad = pair_of(k ? 2 : 1, 0, 0, 0, k ? 1 : -1.5, 0);
+    for (int k = 0; k < 4; k++) { /* not of unit length */
+        static const double lengths[4][2] = {{2, 1}, {1, -1.5}, {0.9, 1}, {1, 0}};
+        const rigcal_pair bad =
+            pair_of(lengths[k][0], 0, 0, 0, lengths[k][1], 0);
         const rigcal_real angles[2] = {0, 0};
         rigcal_real pqk[3];
 

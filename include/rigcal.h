@@ -378,13 +378,12 @@ RIGCAL_API rigcal_status rigcal_pair_make(rigcal_pair *pair,
                                           size_t n, int32_t i, int32_t j);
 
 /* Chooses pairs among n >= 3 sightings: all of them up to n = 9, else 4 n, every
- * point in about eight, spread by a fixed disorder so that runs repeat. Left out are
- * degenerate pairs and those whose rays lie closer than a sixth of the image
- * that the target fills, whose sine is mostly noise. capacity below
- * rigcal_pairs_for(n) bounds memory: fewer are chosen, still spread; more changes
- * nothing. The first
- * two are the best conditioned for the paper's elimination by two pairs.
- * Time O(n).
+ * point in about eight, spread by a fixed disorder so that runs repeat. Left out
+ * are degenerate pairs and those whose rays lie closer than a sixth of the image
+ * that the target fills, whose sine is mostly noise. The first two are the best
+ * conditioned for the published elimination by two pairs. A capacity below
+ * rigcal_pairs_for(n) bounds memory: fewer are chosen, still spread. A larger one
+ * changes nothing. Time O(n).
  *
  *   pairs     out   `capacity` entries, *n_pairs of them written; >= 3
  *   sightings in    n of them; every ray less than 90 degrees off the axis

@@ -58,11 +58,11 @@ static rigcal_real quartic(void *context, const rigcal_real x[])
 static const rigcal_cost CLASSICAL[] = {rosenbrock, powell, himmelblau,
                                         quartic};
 
-/* A crooked bowl: sum a_i (x_i - b_i)^2 + 0.3 (x_i - b_i)(x_j - b_j) + 0.1 |..|,
+/* A crooked bowl over its least value: sum a_i (x_i - b_i)^2 + 0.3 (x_i - b_i)(x_j - b_j) + 0.1 |..|,
  * and places that are no numbers: where x_0 < wall the cost is `beyond`. */
 typedef struct {
     int k;
-    rigcal_real a[K_MAX], b[K_MAX];
+    rigcal_real a[K_MAX], b[K_MAX], least;
     rigcal_real wall, beyond;
     int evals;
 } bowl;
@@ -70,7 +70,7 @@ typedef struct {
 static rigcal_real bowl_cost(void *context, const rigcal_real x[])
 {
     bowl *f = context;
-    rigcal_real sum = 1;
+    rigcal_real sum = f->least;
 
     f->evals++;
     if (x[0] < f->wall) {
@@ -93,6 +93,7 @@ static bowl bowl_random(test_rng *rng, int k)
 
     memset(&f, 0, sizeof f);
     f.k = k;
+    f.least = 1;
     f.wall = RC(-1e30);
     for (int i = 0; i < k; i++) {
         f.a[i] = RC(test_uniform(rng, 0.5, 4));
@@ -414,6 +415,53 @@ static void test_any_simplex_follows_the_published_rules(void)
     }
 }
 
+/* The simplex (0, 0), (1, 0), (0, 1) with costs 0, 1, 2; what is asked after the
+ * costs given, in the order of SciPy's comparisons. */
+static void assert_asked(double x, double y, int n, const double costs[])
+{
+    static const rigcal_real simplex[6] = {0, 0, 1, 0, 0, 1};
+    const double expected[2] = {x, y};
+    rigcal_neldermead nm;
+    rigcal_real at[2];
+
+    ASSERT_STATUS(RIGCAL_OK,
+                  rigcal_neldermead_begin_simplex(&nm, simplex, 2, 0, 0, 100));
+    for (int i = 0; i < 3; i++) {
+        rigcal_neldermead_tell(&nm, RC(i));
+    }
+    for (int i = 0; i < n; i++) {
+        rigcal_neldermead_tell(&nm, RC(costs[i]));
+    }
+    ASSERT_STATUS(RIGCAL_RUNNING, rigcal_neldermead_ask(at, &nm));
+    ASSERT_ARRAY_NEAR(expected, at, 2, 0);
+}
+
+static void test_equal_costs_are_judged_as_scipy_judges_them(void)
+{
+    const double as_best[1] = {0}, as_second[1] = {1}, as_worst[1] = {2};
+    const double expanded_equal[2] = {-1, -1}, expanded[2] = {-1, -2};
+    const double outside_equal[2] = {1.5, 1.5}, outside_worse[2] = {1.5, 1.75};
+    const double inside_equal[2] = {3, 2}, inside_better[2] = {3, 1.75};
+
+    /* (0, 1) is reflected to (1, -1). */
+    assert_asked(1, -1, 0, NULL);
+    /* As good as the best is no better: no expansion, taken as it is. Among
+     * equals the older stays before: (1, 0) is the worst now. */
+    assert_asked(0, -1, 1, as_best);
+    /* As good as the second: contracted outside. As the worst: inside. */
+    assert_asked(0.75, -0.5, 1, as_second);
+    assert_asked(0.25, 0.5, 1, as_worst);
+    /* An expansion only as good as the reflection is not taken. */
+    assert_asked(0, -1, 2, expanded_equal);
+    assert_asked(0.5, -2, 2, expanded);
+    /* An outer contraction as good as the reflection is, a worse one shrinks. */
+    assert_asked(0.25, 0.5, 2, outside_equal);
+    assert_asked(0.5, 0, 2, outside_worse);
+    /* An inner contraction only as good as the worst shrinks. */
+    assert_asked(0.5, 0, 2, inside_equal);
+    assert_asked(0.75, -0.5, 2, inside_better);
+}
+
 /* ---- where it ends ------------------------------------------------------- */
 
 static void test_bowls_of_one_to_three_variables_are_minimised(void)
@@ -470,22 +518,56 @@ static void test_at_the_end_every_vertex_is_within_the_tolerances(void)
     }
 }
 
-static void test_tolerances_of_zero_end_at_the_rounding_of_the_numbers(void)
+static void test_it_goes_on_while_any_vertex_is_outside_the_tolerances(void)
 {
-    test_rng rng = test_seed(2);
+    test_rng rng = test_seed(11);
 
-    for (int trial = 0; trial < 60; trial++) {
+    for (int trial = 0; trial < 300; trial++) {
         const int k = 1 + trial % 3;
+        const double ftol = trial % 2 ? 0.05 : 50, xtol = trial % 2 ? 50 : 0.02;
         bowl f = bowl_random(&rng, k);
-        const rigcal_real x0[K_MAX] = {1, 1, 1};
+        rigcal_real simplex[12];
         rigcal_neldermead nm;
         outcome end;
 
+        for (int i = 0; i < (k + 1) * k; i++) {
+            simplex[i] = RC(test_uniform(&rng, -5, 5));
+        }
+        ASSERT_STATUS(RIGCAL_OK,
+                      rigcal_neldermead_begin_simplex(&nm, simplex, k, RC(xtol),
+                                                      RC(ftol), NO_LIMIT));
+        end = run(&nm, bowl_cost, &f);
+        ASSERT_STATUS(RIGCAL_OK, end.status);
+        for (int v = 0; v <= k; v++) {
+            TEST_ASSERT_TRUE(nm.cost[v] >= end.cost);
+            TEST_ASSERT_TRUE(D(nm.cost[v]) - D(end.cost) <= ftol);
+            for (int d = 0; d < k; d++) {
+                TEST_ASSERT_TRUE(fabs(D(nm.vertex[v][d]) - D(end.x[d])) <=
+                                 xtol);
+            }
+        }
+    }
+}
+
+static void test_tolerances_of_zero_end_at_the_rounding_of_the_numbers(void)
+{
+    static const double least[3] = {1, -1000, 1e6};
+    test_rng rng = test_seed(2);
+
+    for (int trial = 0; trial < 90; trial++) {
+        const int k = 1 + trial % 3;
+        bowl f = bowl_random(&rng, k);
+        const rigcal_real x0[K_MAX] = {1, 1, 1};
+        const double value = least[trial / 3 % 3];
+        rigcal_neldermead nm;
+        outcome end;
+
+        f.least = RC(value);
         begin(&nm, x0, k, 0, NO_LIMIT);
         end = run(&nm, bowl_cost, &f);
         ASSERT_STATUS(RIGCAL_OK, end.status);
         TEST_ASSERT_TRUE(end.evals < 2000);
-        ASSERT_NEAR(1, end.cost, TOL(1e-14, 1e-5));
+        ASSERT_NEAR(value, end.cost, TOL(1e-14, 1e-5) * fabs(value));
     }
 }
 
@@ -757,8 +839,10 @@ int main(void)
     RUN_TEST(test_the_first_simplex_is_that_of_fminsearch);
     RUN_TEST(test_a_simplex_of_the_callers_is_evaluated_as_it_stands);
     RUN_TEST(test_any_simplex_follows_the_published_rules);
+    RUN_TEST(test_equal_costs_are_judged_as_scipy_judges_them);
     RUN_TEST(test_bowls_of_one_to_three_variables_are_minimised);
     RUN_TEST(test_at_the_end_every_vertex_is_within_the_tolerances);
+    RUN_TEST(test_it_goes_on_while_any_vertex_is_outside_the_tolerances);
     RUN_TEST(test_tolerances_of_zero_end_at_the_rounding_of_the_numbers);
     RUN_TEST(test_places_without_a_finite_cost_are_moved_away_from);
     RUN_TEST(test_a_start_that_has_no_cost_is_left_for_a_vertex_that_has);

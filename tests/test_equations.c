@@ -703,6 +703,55 @@ static void test_rays_in_one_plane_are_refused(void)
     }
 }
 
+/* A telephoto's bundle is narrow and no plane for it. */
+static void test_a_narrow_bundle_of_rays_is_accepted(void)
+{
+    rigcal_sighting s[6];
+    rigcal_pair pairs[15];
+    size_t n_pairs;
+
+    six_sightings(s, 48, TEST_GENERAL);
+    for (int i = 0; i < 6; i++) {
+        s[i].ray[0] /= 100;
+        s[i].ray[1] /= 100;
+    }
+    ASSERT_STATUS(RIGCAL_OK, rigcal_pairs_choose(pairs, &n_pairs, 15, s, 6));
+}
+
+/* Points ever nearer to a line: whether they are taken for one does not depend on
+ * the unit of length. */
+static void test_the_unit_of_length_does_not_decide_what_is_a_line(void)
+{
+    rigcal_sighting good[6], s[6];
+    int lines = 0;
+
+    six_sightings(good, 49, TEST_GENERAL);
+    for (int power = 1; power <= 10; power++) {
+        rigcal_status of_unit[3];
+
+        for (int unit = 0; unit < 3; unit++) {
+            const double scale = unit == 0 ? 1.0 / 4096 : unit == 1 ? 1 : 4096;
+            rigcal_pair pairs[15];
+            size_t n_pairs;
+
+            memcpy(s, good, sizeof s);
+            for (int i = 0; i < 6; i++) {
+                s[i].X_w[0] = RC(scale * 0.25 * i);
+                s[i].X_w[1] = RC(scale * pow(10, -power) * (i % 3));
+                s[i].X_w[2] = 0;
+            }
+            of_unit[unit] = rigcal_pairs_choose(pairs, &n_pairs, 15, s, 6);
+        }
+        ASSERT_STATUS(of_unit[1], of_unit[0]);
+        ASSERT_STATUS(of_unit[1], of_unit[2]);
+        lines += of_unit[1] == RIGCAL_ERR_COLLINEAR;
+        if (power < 3) {
+            ASSERT_STATUS(RIGCAL_OK, of_unit[1]);
+        }
+    }
+    TEST_ASSERT_TRUE(lines >= 2); /* at the latest 1e-9 of the length */
+}
+
 static void test_arguments_of_the_choice_are_checked(void)
 {
     rigcal_sighting good[6], s[6];
@@ -1377,6 +1426,8 @@ static void test_arguments_of_the_translation_are_checked(void)
     assert_both_translations_refuse(RIGCAL_ERR_NULL, IDENTITY, NULL, 6, pairs);
     assert_both_translations_refuse(RIGCAL_ERR_TOO_FEW, IDENTITY, good, 1, pairs);
     assert_both_translations_refuse(RIGCAL_ERR_TOO_FEW, IDENTITY, good, 0, pairs);
+    assert_both_translations_refuse(RIGCAL_ERR_RANGE, IDENTITY, good,
+                                    ((size_t)1 << 28) + 1, pairs);
     ASSERT_REFUSED(RIGCAL_ERR_TOO_FEW, t, rigcal_translation_from_pairs(
                                               t, IDENTITY, good, 6, pairs, 0));
     for (int k = 0; k < 9; k++) {
@@ -1437,6 +1488,8 @@ int main(void)
     RUN_TEST(test_fewer_than_three_distinct_points_or_rays_are_refused);
     RUN_TEST(test_points_on_one_line_are_refused);
     RUN_TEST(test_rays_in_one_plane_are_refused);
+    RUN_TEST(test_a_narrow_bundle_of_rays_is_accepted);
+    RUN_TEST(test_the_unit_of_length_does_not_decide_what_is_a_line);
     RUN_TEST(test_arguments_of_the_choice_are_checked);
     RUN_TEST(test_coefficients_are_the_oracles);
     RUN_TEST(test_coefficients_give_the_residual_at_any_angle);

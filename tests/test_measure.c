@@ -483,6 +483,56 @@ static void test_a_point_beside_a_fisheye_is_measured(void)
     ASSERT_ARRAY_NEAR(X, point.X, 3, TOL(1e-11, 1e-3));
 }
 
+/* Matches hundreds of pixels wrong: steps overshoot and have to be shortened, and
+ * still the answer is where the sum of squares is least, as its neighbours tell. */
+static void test_wrong_matches_still_give_the_least_squares(void)
+{
+    const double aside = 1e-3;
+    test_rng rng = test_seed(59);
+    int measured = 0;
+
+    for (int trial = 0; trial < 400; trial++) {
+        double least = 0;
+        rigcal_point point;
+        views v;
+
+        exact_views(&v, &rng, 3);
+        for (int i = 0; i < 3; i++) {
+            v.cameras[i] = test_pinhole();
+        }
+        for (int i = 0; i < 6; i++) {
+            v.uv[i] = RC((i % 2 ? 240 : 320) + 300 * test_normal(&rng));
+        }
+        if (triangulate(&point, &v, 3, 1) != RIGCAL_OK) {
+            continue; /* rays that meet behind a camera */
+        }
+        measured++;
+        for (int way = -1; way < 6; way++) {
+            double sum = 0, X[3];
+
+            test_to_double(X, point.X, 3);
+            if (way >= 0) {
+                X[way / 2] += way % 2 ? aside : -aside;
+            }
+            for (int i = 0; i < 3; i++) {
+                double X_c[3], uv[2];
+
+                apply(X_c, &v.poses[i], X);
+                test_project_px(uv, &v.cameras[i], X_c);
+                sum += pow(uv[0] - D(v.uv[2 * i]), 2) +
+                       pow(uv[1] - D(v.uv[2 * i + 1]), 2);
+            }
+            if (way < 0) {
+                least = sum;
+                ASSERT_NEAR(sqrt(sum / 3), point.rms_px, TOL(1e-9, 1e-2));
+            } else {
+                TEST_ASSERT_TRUE(sum > least * (1 - TOL(1e-5, 1e-3)));
+            }
+        }
+    }
+    TEST_ASSERT_TRUE(measured > 50);
+}
+
 static void test_a_point_that_views_do_not_fix_is_refused(void)
 {
     test_rng rng = test_seed(57);
@@ -533,6 +583,9 @@ static void test_arguments_of_the_triangulation_are_checked(void)
     ASSERT_REFUSED(RIGCAL_ERR_TOO_FEW, point, triangulate(&point, &good, 0, 1));
     ASSERT_REFUSED(RIGCAL_ERR_RANGE, point, triangulate(&point, &good, 3, 0));
     ASSERT_REFUSED(RIGCAL_ERR_RANGE, point, triangulate(&point, &good, 3, -1));
+    ASSERT_REFUSED(RIGCAL_ERR_RANGE, point,
+                   rigcal_triangulate(&point, good.cameras, good.poses, good.uv,
+                                      ((size_t)1 << 28) + 1, 1));
     ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, point,
                    triangulate(&point, &good, 3, test_nan()));
     for (int i = 0; i < 3; i++) {
@@ -554,6 +607,8 @@ static void test_arguments_of_the_triangulation_are_checked(void)
         v.uv[2 * i + 1] = TEST_NAN;
         ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, point,
                        triangulate(&point, &v, 3, 1));
+        v.uv[2 * i + 1] = RC(2e9);
+        ASSERT_REFUSED(RIGCAL_ERR_RANGE, point, triangulate(&point, &v, 3, 1));
         v = good; /* barrel distortion ends 490 pixels from the middle */
         v.cameras[i] = test_pinhole();
         v.cameras[i].k1 = RC(-0.4);
@@ -1223,6 +1278,7 @@ int main(void)
     RUN_TEST(test_the_covariance_goes_with_the_square_of_the_noise);
     RUN_TEST(test_the_covariance_is_the_scatter_of_noisy_measurements);
     RUN_TEST(test_a_point_beside_a_fisheye_is_measured);
+    RUN_TEST(test_wrong_matches_still_give_the_least_squares);
     RUN_TEST(test_a_point_that_views_do_not_fix_is_refused);
     RUN_TEST(test_arguments_of_the_triangulation_are_checked);
     RUN_TEST(test_the_matching_line_of_a_camera_beside_is_level);

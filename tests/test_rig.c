@@ -292,6 +292,9 @@ static void test_arguments_of_the_mean_are_checked(void)
     ASSERT_REFUSED(RIGCAL_ERR_TOO_FEW, mean,
                    rigcal_transform_mean(&mean, &a, &b, two, NULL, 0));
     ASSERT_REFUSED(RIGCAL_ERR_RANGE, mean,
+                   rigcal_transform_mean(&mean, &a, &b, two, NULL,
+                                         ((size_t)1 << 28) + 1));
+    ASSERT_REFUSED(RIGCAL_ERR_RANGE, mean,
                    rigcal_transform_mean(&mean, &a, &b, two, none, 2));
     ASSERT_REFUSED(RIGCAL_ERR_RANGE, mean,
                    rigcal_transform_mean(&mean, &a, &b, two, negative, 2));
@@ -512,6 +515,42 @@ static void test_placements_are_averaged_by_weight(void)
     }
 }
 
+/* A placement that one camera hardly saw says little, however well the other did:
+ * of two that differ, the mean is at the one that both saw well. */
+static void test_a_placement_counts_as_its_weaker_view(void)
+{
+    static const double axis[3] = {1, 0, 0};
+    const double angle = 0.1;
+    const rigcal_transform twist = turned_about(axis, angle);
+    test_rng rng = test_seed(89);
+    double R[9], R_true[9];
+    rigcal_view *view;
+    rig r;
+
+    new_rig(&r, &rng, 2);
+    add_view(&r, 0, 0, 1);
+    view = add_view(&r, 1, 0, 1000);
+    view->cam_from_target = times(&twist, &view->cam_from_target);
+    add_view(&r, 0, 1, 20);
+    add_view(&r, 1, 1, 20);
+    ASSERT_STATUS(RIGCAL_OK, join(&r));
+    test_transform_parts(R, NULL, &r.joined[1]);
+    test_transform_parts(R_true, NULL, &r.cams_from_rig[1]);
+    TEST_ASSERT_TRUE(test_angle_between(R, R_true) < angle / 5);
+}
+
+static void test_small_weights_connect_as_well(void)
+{
+    test_rng rng = test_seed(90);
+    rig r;
+
+    new_rig(&r, &rng, 2);
+    add_view(&r, 0, 0, 1e-6);
+    add_view(&r, 1, 0, 1e-6);
+    ASSERT_STATUS(RIGCAL_OK, join(&r));
+    assert_joined(&r, 1);
+}
+
 static void test_a_length_is_averaged_over_placements(void)
 {
     static const double d[3] = {0.03, -0.02, 0.05};
@@ -618,6 +657,11 @@ static void test_arguments_of_the_join_are_checked(void)
     ASSERT_UNTOUCHED(r.group);
     r.n_cameras = 0;
     assert_join_refused(RIGCAL_ERR_TOO_FEW, &r);
+    r.n_cameras = ((size_t)1 << 28) + 1;
+    assert_join_refused(RIGCAL_ERR_RANGE, &r);
+    r = good;
+    r.n_views = ((size_t)1 << 28) + 1;
+    assert_join_refused(RIGCAL_ERR_RANGE, &r);
     for (size_t i = 0; i < 6; i++) {
         r = good;
         r.views[i].camera = 2;
@@ -735,6 +779,8 @@ static void test_arguments_of_the_placing_are_checked(void)
                                     r.work, NULL));
     ASSERT_REFUSED(RIGCAL_ERR_TOO_FEW, seen, place(&seen, &r, 3, 0));
     ASSERT_REFUSED(RIGCAL_ERR_TOO_FEW, seen, place(&seen, &r, 0, 3));
+    ASSERT_REFUSED(RIGCAL_ERR_RANGE, seen, place(&seen, &r, -1, 0));
+    ASSERT_REFUSED(RIGCAL_ERR_RANGE, seen, place(&seen, &r, 0, -1));
     for (int i = 0; i < 2; i++) {
         bad = r;
         bad.views[i].camera = 2;
@@ -867,6 +913,8 @@ int main(void)
     RUN_TEST(test_cameras_that_share_nothing_join_through_a_third);
     RUN_TEST(test_groups_that_share_nothing_are_told_apart);
     RUN_TEST(test_placements_are_averaged_by_weight);
+    RUN_TEST(test_a_placement_counts_as_its_weaker_view);
+    RUN_TEST(test_small_weights_connect_as_well);
     RUN_TEST(test_a_length_is_averaged_over_placements);
     RUN_TEST(test_the_best_shared_camera_is_joined_first);
     RUN_TEST(test_poses_that_contradict_each_other_have_no_mean);

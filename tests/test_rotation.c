@@ -313,16 +313,17 @@ static void test_a_rotation_vector_beyond_the_limit_is_refused(void)
 
 static void test_quaternions_of_quarter_and_half_turns_are_known(void)
 {
-    static const rigcal_real q[4][4] = {
-        {3, 0, 0, 0}, {0, 2, 0, 0}, {1, 1, 0, 0}, {1, 0, 0, 1}};
-    static const double R_of_q[4][9] = {
+    static const rigcal_real q[5][4] = {
+        {3, 0, 0, 0}, {0, 2, 0, 0}, {1, 1, 0, 0}, {1, 0, 0, 1}, {0, 0, 0, -5}};
+    static const double R_of_q[5][9] = {
         {1, 0, 0, 0, 1, 0, 0, 0, 1},
         {1, 0, 0, 0, -1, 0, 0, 0, -1},
         {1, 0, 0, 0, 0, -1, 0, 1, 0},
         {0, -1, 0, 1, 0, 0, 0, 0, 1},
+        {-1, 0, 0, 0, -1, 0, 0, 0, 1},
     };
 
-    for (int i = 0; i < 4; i++) {
+    for (int i = 0; i < 5; i++) {
         rigcal_real R[9];
 
         ASSERT_STATUS(RIGCAL_OK, rigcal_rotation_from_quaternion(R, q[i]));

@@ -1459,6 +1459,9 @@ static void test_arguments_of_the_translation_are_checked(void)
         ASSERT_REFUSED(RIGCAL_ERR_RANGE, t, rigcal_translation_from_pairs(
                                                 t, IDENTITY, good, 6, bad, 3));
         bad[i].i = 0;
+        bad[i].j = 6;
+        ASSERT_REFUSED(RIGCAL_ERR_RANGE, t, rigcal_translation_from_pairs(
+                                                t, IDENTITY, good, 6, bad, 3));
         bad[i].j = -1;
         ASSERT_REFUSED(RIGCAL_ERR_RANGE, t, rigcal_translation_from_pairs(
                                                 t, IDENTITY, good, 6, bad, 3));

@@ -928,6 +928,11 @@ static void test_lines_on_paper_are_clipped_at_pixel_borders(void)
         /* The other corner: u + v = 1 cuts it off. */
         {{s, s, -s}, {-0.5, 1.5, 1.5, -0.5}},
         {{-0.6, 0.8, 0}, {-0.5, -0.375, 639.3333333333333333, 479.5}},
+        /* The borders themselves belong to the image. */
+        {{0, 1, 0.5}, {-0.5, -0.5, 639.5, -0.5}},
+        {{0, 1, -479.5}, {-0.5, 479.5, 639.5, 479.5}},
+        {{1, 0, 0.5}, {-0.5, 479.5, -0.5, -0.5}},
+        {{1, 0, -639.5}, {639.5, 479.5, 639.5, -0.5}},
     };
 
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
@@ -1151,6 +1156,22 @@ static void test_the_curve_runs_through_the_true_match_in_any_lens(void)
     }
 }
 
+static void test_a_curve_of_two_points_is_the_segment_without_distortion(void)
+{
+    const rigcal_camera camera = test_pinhole();
+    double expected[4];
+    rigcal_real ends[4], uv[4];
+    int32_t n_written;
+
+    ASSERT_STATUS(RIGCAL_OK,
+                  rigcal_epiline_segment(ends, &camera, &RIGHT_OF, M_A, 2, 9));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_epiline_curve(uv, &n_written, 2, &camera,
+                                                  &RIGHT_OF, M_A, 2, 9));
+    TEST_ASSERT_EQUAL_INT32(2, n_written);
+    test_to_double(expected, ends, 4);
+    ASSERT_ARRAY_NEAR(expected, uv, 4, TOL(1e-11, 1e-3));
+}
+
 /* The barrel's rays end some 43 degrees off its axis: farther samples are not on
  * the folded branch but left out. */
 static void test_the_curve_stops_at_the_turning_point_of_the_lens(void)
@@ -1299,6 +1320,7 @@ int main(void)
     RUN_TEST(test_the_segment_ends_where_the_nearest_and_farthest_would_be);
     RUN_TEST(test_the_curve_leaves_out_what_the_camera_cannot_see);
     RUN_TEST(test_the_curve_runs_through_the_true_match_in_any_lens);
+    RUN_TEST(test_a_curve_of_two_points_is_the_segment_without_distortion);
     RUN_TEST(test_the_curve_stops_at_the_turning_point_of_the_lens);
     RUN_TEST(test_arguments_of_segment_and_curve_are_checked);
     return UNITY_END();

@@ -634,7 +634,8 @@ rigcal_status rigcal_pair_make(rigcal_pair *pair,
     if (pair == NULL || sightings == NULL) {
         return RIGCAL_ERR_NULL;
     }
-    if (i < 0 || j < 0 || i == j || (size_t)i >= n || (size_t)j >= n) {
+    if (n > RC_COUNT_MAX || i < 0 || j < 0 || i == j || (size_t)i >= n ||
+        (size_t)j >= n) {
         return RIGCAL_ERR_RANGE;
     }
     rigcal_status status = check_sighting(&sightings[i], 0);

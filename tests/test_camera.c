@@ -7,6 +7,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "rc_camera.h"
 #include "test_support.h"
 
 #define BROWN RIGCAL_LENS_BROWN
@@ -418,6 +419,52 @@ static void test_points_are_projected_by_the_formulas_of_the_header(void)
             if (fabs(expected[0]) + fabs(expected[1]) < 10000) {
                 ASSERT_ARRAY_NEAR(expected, uv, 2, TOL(1e-9, 1e-2));
             }
+        }
+    }
+}
+
+/* The derivative that triangulation goes by, against differences of the formulas
+ * in doubles. */
+static void test_the_derivative_of_a_pixel_is_that_of_the_formulas(void)
+{
+    test_rng rng = test_seed(2);
+
+    for (int i = 0; i < N_LENSES; i++) {
+        const rigcal_camera camera = camera_of(&LENSES[i]);
+
+        for (int trial = 0; trial < 30; trial++) {
+            const double distance = test_uniform(&rng, 0.1, 20);
+            double X[3], largest = 0, J[6];
+            rigcal_real X_c[3], uv[2], J_uv[6];
+            polar at = polar_at(0, test_uniform(&rng, -TEST_PI, TEST_PI));
+
+            at.out =
+                turning_point(&camera, at, 2) * test_uniform(&rng, 0, 0.95);
+            if (trial == 0) {
+                at.out = 0; /* on the axis itself */
+            }
+            ray_of(X, &camera, at);
+            for (int k = 0; k < 3; k++) {
+                X_c[k] = RC(X[k] * distance);
+                X[k] = D(X_c[k]);
+            }
+            for (int k = 0; k < 3; k++) {
+                const double h = 1e-5 * distance, here = X[k];
+                double more[2], less[2];
+
+                X[k] = here + h;
+                test_project_px(more, &camera, X);
+                X[k] = here - h;
+                test_project_px(less, &camera, X);
+                X[k] = here;
+                for (int j = 0; j < 2; j++) {
+                    J[3 * j + k] = (more[j] - less[j]) / (2 * h);
+                    largest = fabs(J[3 * j + k]) > largest ? fabs(J[3 * j + k])
+                                                           : largest;
+                }
+            }
+            ASSERT_STATUS(RIGCAL_OK, rc_project(uv, J_uv, &camera, X_c));
+            ASSERT_ARRAY_NEAR(J, J_uv, 6, TOL(1e-6, 1e-3) * largest);
         }
     }
 }
@@ -993,7 +1040,7 @@ static void test_intrinsics_that_cannot_be_are_refused(void)
     c.width = 0;
     ASSERT_STATUS(RIGCAL_ERR_CAMERA, rigcal_camera_check(&c));
     c = good;
-    c.width = 1000000;
+    c.width = c.height = 1000000;
     ASSERT_STATUS(RIGCAL_OK, rigcal_camera_check(&c));
     c.height = 1000001;
     ASSERT_STATUS(RIGCAL_ERR_CAMERA, rigcal_camera_check(&c));
@@ -1002,6 +1049,7 @@ static void test_intrinsics_that_cannot_be_are_refused(void)
     ASSERT_STATUS(RIGCAL_ERR_NOT_FINITE, rigcal_camera_check(&c));
     c = good;
     c.cx = RC(-1e5);
+    c.width = c.height = 1;
     ASSERT_STATUS(RIGCAL_OK, rigcal_camera_check(&c));
 }
 
@@ -1211,6 +1259,7 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_points_are_projected_by_the_formulas_of_the_header);
+    RUN_TEST(test_the_derivative_of_a_pixel_is_that_of_the_formulas);
     RUN_TEST(test_a_pinhole_is_exact_where_it_can_be);
     RUN_TEST(test_the_principal_point_is_the_image_of_the_axis);
     RUN_TEST(test_each_pixel_of_each_lens_has_its_ray_or_none);

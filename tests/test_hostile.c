@@ -453,11 +453,17 @@ typedef struct {
     }
 #define COUNT(valid, low, status) \
     { \
-        R_COUNT, &SIZE, 1, valid, low, 0, status \
+        R_COUNT, &SIZE, 1, valid, low, INT64_C(1) << 28, status \
     }
-#define COUNT_TO(valid, low, high, status) \
+/* Of pairs there may be four a point. */
+#define PAIRS(valid, low, status) \
     { \
-        R_COUNT, &SIZE, 1, valid, low, high, status \
+        R_COUNT, &SIZE, 1, valid, low, INT64_C(1) << 30, status \
+    }
+/* Of room there is never too much. */
+#define ROOM(valid, low, status) \
+    { \
+        R_COUNT, &SIZE, 1, valid, low, 0, status \
     }
 #define CHOICE(valid, low, high, status) \
     { \
@@ -644,8 +650,8 @@ static const function FUNCTIONS[] = {
       CHOICE(&INT_0, 0, 1, RIGCAL_ERR_RANGE)}},
     {F(pairs_choose), 0, POINTS,
      {OUT_PART(PAIR, N_PAIRS), OUT(SIZE, 1),
-      COUNT(&SIZE_15, 3, RIGCAL_ERR_CAPACITY), IN(SIGHTING, N, ok.sightings),
-      COUNT_TO(&SIZE_6, 3, INT64_C(1) << 28, RIGCAL_ERR_TOO_FEW)}},
+      ROOM(&SIZE_15, 3, RIGCAL_ERR_CAPACITY), IN(SIGHTING, N, ok.sightings),
+      COUNT(&SIZE_6, 3, RIGCAL_ERR_TOO_FEW)}},
     {F(pair_residual), 0, ROTATED,
      {OUT(NUMBER, 1), IN(PAIR, 1, &ok.pairs[4]),
       IN(ROTATION, 1, ok.rotation)}},
@@ -654,17 +660,17 @@ static const function FUNCTIONS[] = {
       CHOICE(&INT_1, 0, 2, RIGCAL_ERR_RANGE), IN(VEC2, 1, ok.angles)}},
     {F(eliminate), 0, ARGS | S(RANGE) | S(TOO_FEW) | S(DEGENERATE),
      {OUT(ELIMINATION, 1), IN(PAIR, 6, ok.pairs),
-      COUNT(&SIZE_6, 3, RIGCAL_ERR_TOO_FEW),
+      PAIRS(&SIZE_6, 3, RIGCAL_ERR_TOO_FEW),
       CHOICE(&INT_2, 0, 2, RIGCAL_ERR_RANGE),
       CHOICE(&INT_1, 0, 2, RIGCAL_ERR_RANGE), IN(VEC2, 1, ok.angles)}},
     {F(three_angle_residual), 0, ARGS | S(RANGE) | S(TOO_FEW),
      {OUT(NUMBER, 1), IN(PAIR, 6, ok.pairs),
-      COUNT(&SIZE_6, 3, RIGCAL_ERR_TOO_FEW), IN(VEC3, 1, ok.angles)}},
+      PAIRS(&SIZE_6, 3, RIGCAL_ERR_TOO_FEW), IN(VEC3, 1, ok.angles)}},
     {F(translation_from_pairs), 0,
      ROTATED | S(RANGE) | S(TOO_FEW) | S(WIDE_RAY) | S(DEGENERATE),
      {OUT(VEC3, 1), IN(ROTATION, 1, ok.cams_from_world[0].R),
       IN(SIGHTING, N, ok.sightings), COUNT(&SIZE_6, 2, RIGCAL_ERR_TOO_FEW),
-      IN(PAIR_OF_POINTS, 3, ok.pairs), COUNT(&SIZE_3, 1, RIGCAL_ERR_TOO_FEW)}},
+      IN(PAIR_OF_POINTS, 3, ok.pairs), PAIRS(&SIZE_3, 1, RIGCAL_ERR_TOO_FEW)}},
     {F(translation_least_squares), 0,
      ROTATED | S(RANGE) | S(TOO_FEW) | S(WIDE_RAY) | S(DEGENERATE),
      {OUT(VEC3, 1), IN(ROTATION, 1, ok.cams_from_world[0].R),
@@ -674,7 +680,7 @@ static const function FUNCTIONS[] = {
     {F(paper_begin), 0, ARGS | S(RANGE) | S(TOO_FEW) | S(WIDE_RAY),
      {OUT_PART(SOLVER, 1), IN(SIGHTING, N, ok.sightings),
       COUNT(&SIZE_6, 3, RIGCAL_ERR_TOO_FEW), IN(PAIR, N_PAIRS, ok.pairs),
-      COUNT(&SIZE_15, 3, RIGCAL_ERR_TOO_FEW), IN_OPT(OPTIONS, 1, &ok.options)}},
+      PAIRS(&SIZE_15, 3, RIGCAL_ERR_TOO_FEW), IN_OPT(OPTIONS, 1, &ok.options)}},
     {F(paper_step), RIGCAL_RUNNING,
      S(NULL) | S(RANGE) | S(STATE) | S(NO_POSE) | BIT(RIGCAL_RUNNING) |
          BIT(RIGCAL_BUDGET_SPENT),
@@ -684,11 +690,11 @@ static const function FUNCTIONS[] = {
     {F(paper_solve), 0, ARGS | S(RANGE) | S(TOO_FEW) | S(WIDE_RAY) | POSES,
      {OUT(POSE, 1), IN(SIGHTING, N, ok.sightings),
       COUNT(&SIZE_6, 3, RIGCAL_ERR_TOO_FEW), IN(PAIR, N_PAIRS, ok.pairs),
-      COUNT(&SIZE_15, 3, RIGCAL_ERR_TOO_FEW), IN_OPT(OPTIONS, 1, &ok.options)}},
+      PAIRS(&SIZE_15, 3, RIGCAL_ERR_TOO_FEW), IN_OPT(OPTIONS, 1, &ok.options)}},
     {F(solve_pose), 0,
      POINTS | POSES | DEVICE | S(NO_RAY) | S(DEGENERATE),
      {OUT(TRANSFORM, 1), OUT_OPT(NUMBER, 1), OUT_BAD, WORK(SIGHTING, N),
-      WORK(PAIR, N_PAIRS), COUNT(&SIZE_15, 3, RIGCAL_ERR_CAPACITY),
+      WORK(PAIR, N_PAIRS), ROOM(&SIZE_15, 3, RIGCAL_ERR_CAPACITY),
       IN(CAMERA, 1, &ok.camera), IN(OBSERVATION, N, ok.observations),
       COUNT(&SIZE_6, 3, RIGCAL_ERR_TOO_FEW)}},
 

@@ -44,7 +44,8 @@ static void golden_scene(rigcal_sighting out[6], double ypr[3], double wrong[3],
 }
 
 /* The pairs of the first n points in the vectors' order. */
-static int golden_pairs(rigcal_pair pairs[15], const rigcal_sighting s[6], int n)
+static int golden_pairs(rigcal_pair pairs[15], const rigcal_sighting s[6],
+                        int n)
 {
     int count = 0;
 
@@ -72,11 +73,11 @@ static void rotation_of(rigcal_real R[9], const double ypr[3])
     test_to_real(R, M, 9);
 }
 
-static rigcal_pair pair_of(double n1, double n2, double n3, double d1, double d2,
-                           double d3)
+static rigcal_pair pair_of(double n1, double n2, double n3, double d1,
+                           double d2, double d3)
 {
-    const rigcal_pair pair = {{RC(n1), RC(n2), RC(n3)},
-                              {RC(d1), RC(d2), RC(d3)}, 0, 1};
+    const rigcal_pair pair = {
+        {RC(n1), RC(n2), RC(n3)}, {RC(d1), RC(d2), RC(d3)}, 0, 1};
 
     return pair;
 }
@@ -234,10 +235,13 @@ static void test_what_is_no_pair_is_refused(void)
 
     golden_scene(s, ypr, wrong, 0);
     ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_pair_make(NULL, s, 6, 0, 1));
-    ASSERT_REFUSED(RIGCAL_ERR_NULL, pair, rigcal_pair_make(&pair, NULL, 6, 0, 1));
+    ASSERT_REFUSED(RIGCAL_ERR_NULL, pair,
+                   rigcal_pair_make(&pair, NULL, 6, 0, 1));
     ASSERT_REFUSED(RIGCAL_ERR_RANGE, pair, rigcal_pair_make(&pair, s, 6, 2, 2));
-    ASSERT_REFUSED(RIGCAL_ERR_RANGE, pair, rigcal_pair_make(&pair, s, 6, -1, 2));
-    ASSERT_REFUSED(RIGCAL_ERR_RANGE, pair, rigcal_pair_make(&pair, s, 6, 2, -1));
+    ASSERT_REFUSED(RIGCAL_ERR_RANGE, pair,
+                   rigcal_pair_make(&pair, s, 6, -1, 2));
+    ASSERT_REFUSED(RIGCAL_ERR_RANGE, pair,
+                   rigcal_pair_make(&pair, s, 6, 2, -1));
     ASSERT_REFUSED(RIGCAL_ERR_RANGE, pair, rigcal_pair_make(&pair, s, 6, 6, 2));
     ASSERT_REFUSED(RIGCAL_ERR_RANGE, pair, rigcal_pair_make(&pair, s, 6, 0, 6));
     ASSERT_REFUSED(RIGCAL_ERR_RANGE, pair, rigcal_pair_make(&pair, s, 0, 0, 1));
@@ -265,7 +269,8 @@ static void test_a_residual_of_what_is_no_pair_or_rotation_is_refused(void)
     rigcal_real M[9], e;
 
     ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_pair_residual(NULL, &good, IDENTITY));
-    ASSERT_REFUSED(RIGCAL_ERR_NULL, e, rigcal_pair_residual(&e, NULL, IDENTITY));
+    ASSERT_REFUSED(RIGCAL_ERR_NULL, e,
+                   rigcal_pair_residual(&e, NULL, IDENTITY));
     ASSERT_REFUSED(RIGCAL_ERR_NULL, e, rigcal_pair_residual(&e, &good, NULL));
     for (int k = 0; k < 3; k++) {
         rigcal_pair bad = good;
@@ -279,7 +284,8 @@ static void test_a_residual_of_what_is_no_pair_or_rotation_is_refused(void)
                        rigcal_pair_residual(&e, &bad, IDENTITY));
     }
     for (int k = 0; k < 4; k++) { /* not of unit length */
-        static const double lengths[4][2] = {{2, 1}, {1, -1.5}, {0.9, 1}, {1, 0}};
+        static const double lengths[4][2] = {
+            {2, 1}, {1, -1.5}, {0.9, 1}, {1, 0}};
         const rigcal_pair bad =
             pair_of(lengths[k][0], 0, 0, 0, lengths[k][1], 0);
         const rigcal_real angles[2] = {0, 0};
@@ -292,12 +298,13 @@ static void test_a_residual_of_what_is_no_pair_or_rotation_is_refused(void)
     }
     memcpy(M, IDENTITY, sizeof M);
     M[5] = TEST_NAN;
-    ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, e, rigcal_pair_residual(&e, &good, M));
+    ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, e,
+                   rigcal_pair_residual(&e, &good, M));
     M[5] = RC(0.5);
     ASSERT_REFUSED(RIGCAL_ERR_ROTATION, e, rigcal_pair_residual(&e, &good, M));
 }
 
-/* ---- choosing pairs ------------------------------------------------------- */
+/* ---- choosing pairs ------------------------------------------------------ */
 
 static double image_distance(const rigcal_sighting *a, const rigcal_sighting *b)
 {
@@ -326,7 +333,8 @@ static void assert_pairs_sound(const rigcal_pair pairs[], size_t n_pairs,
         const rigcal_pair *p = &pairs[k];
         rigcal_pair own;
 
-        ASSERT_STATUS(RIGCAL_OK, rigcal_pair_make(&own, s, (size_t)n, p->i, p->j));
+        ASSERT_STATUS(RIGCAL_OK,
+                      rigcal_pair_make(&own, s, (size_t)n, p->i, p->j));
         for (int c = 0; c < 3; c++) {
             ASSERT_NEAR(own.normal[c], p->normal[c], TOL(1e-13, 1e-4));
             ASSERT_NEAR(own.offset[c], p->offset[c], TOL(1e-13, 1e-4));
@@ -378,8 +386,8 @@ static void test_few_points_are_paired_all_but_where_rays_are_close(void)
 
         test_scene_random(&scene, &rng, n, (test_shape)(trial % 3));
         test_sightings(s, &scene);
-        ASSERT_STATUS(RIGCAL_OK, rigcal_pairs_choose(pairs, &n_pairs, 36, s,
-                                                     (size_t)n));
+        ASSERT_STATUS(RIGCAL_OK,
+                      rigcal_pairs_choose(pairs, &n_pairs, 36, s, (size_t)n));
         TEST_ASSERT_TRUE(n_pairs <= (size_t)(n * (n - 1) / 2));
         assert_pairs_sound(pairs, n_pairs, s, n);
         size = image_size(s, n);
@@ -524,8 +532,9 @@ static double least_condition(const rigcal_pair pairs[3], const double ypr[3])
     return least;
 }
 
-/* Which two are best depends on angles not yet known. Over many scenes those put
- * first must beat others clearly, and be far from singular in nearly all. */
+/* Which two are best depends on angles not yet known. Over many scenes those
+ * put first must beat others clearly, and be far from singular in nearly
+ * all. */
 static void test_the_first_two_pairs_are_well_conditioned(void)
 {
     enum { TRIALS = 200 };
@@ -572,8 +581,8 @@ static void test_repeated_sightings_are_never_paired_with_themselves(void)
             memcpy(scene.xy[i], scene.xy[i % 3], sizeof scene.xy[i]);
         }
         test_sightings(s, &scene);
-        ASSERT_STATUS(RIGCAL_OK, rigcal_pairs_choose(pairs, &n_pairs, 120, s,
-                                                     (size_t)n));
+        ASSERT_STATUS(RIGCAL_OK,
+                      rigcal_pairs_choose(pairs, &n_pairs, 120, s, (size_t)n));
         assert_pairs_sound(pairs, n_pairs, s, n); /* pair_make refuses those */
     }
 }
@@ -623,7 +632,8 @@ static void assert_choice_refused(rigcal_status status,
     size_t n_pairs;
 
     FILL(n_pairs);
-    ASSERT_REFUSED(status, pairs, rigcal_pairs_choose(pairs, &n_pairs, 36, s, n));
+    ASSERT_REFUSED(status, pairs,
+                   rigcal_pairs_choose(pairs, &n_pairs, 36, s, n));
     ASSERT_UNTOUCHED(n_pairs);
 }
 
@@ -683,7 +693,8 @@ static void test_points_on_one_line_are_refused(void)
         rigcal_pair pairs[15];
         size_t n_pairs;
 
-        ASSERT_STATUS(RIGCAL_OK, rigcal_pairs_choose(pairs, &n_pairs, 15, s, 6));
+        ASSERT_STATUS(RIGCAL_OK,
+                      rigcal_pairs_choose(pairs, &n_pairs, 15, s, 6));
     }
 }
 
@@ -718,8 +729,8 @@ static void test_a_narrow_bundle_of_rays_is_accepted(void)
     ASSERT_STATUS(RIGCAL_OK, rigcal_pairs_choose(pairs, &n_pairs, 15, s, 6));
 }
 
-/* Points ever nearer to a line: whether they are taken for one does not depend on
- * the unit of length. */
+/* Points ever nearer to a line: whether they are taken for one does not
+ * depend on the unit of length. */
 static void test_the_unit_of_length_does_not_decide_what_is_a_line(void)
 {
     rigcal_sighting good[6], s[6];
@@ -794,7 +805,7 @@ static void test_arguments_of_the_choice_are_checked(void)
     }
 }
 
-/* ---- elimination (14), (15) ----------------------------------------------- */
+/* ---- elimination (14), (15) ---------------------------------------------- */
 
 static void test_coefficients_are_the_oracles(void)
 {
@@ -848,9 +859,9 @@ static void test_coefficients_give_the_residual_at_any_angle(void)
     }
 }
 
-/* Yaw eliminated at pitch = roll = 0, where v = d: p = n1 d1 + n2 d2, q = n2 d1 -
- * n1 d2, k = n3 d3. Two pairs give 0.64 c = 0.36 and 0.64 s = 0.36, so c = s =
- * 0.5625 and w = 45 degrees; a third, whatever w, leaves 1. */
+/* Yaw eliminated at pitch = roll = 0, where v = d: p = n1 d1 + n2 d2, q = n2
+ * d1 - n1 d2, k = n3 d3. Two pairs give 0.64 c = 0.36 and 0.64 s = 0.36, so
+ * c = s = 0.5625 and w = 45 degrees; a third, whatever w, leaves 1. */
 static void test_an_elimination_on_paper(void)
 {
     const rigcal_pair pairs[3] = {
@@ -955,7 +966,8 @@ static void assert_elimination(const double expected[6],
     ASSERT_NEAR(0, turn, tol / size);
     ASSERT_NEAR(expected[1], seen->cosine, tol);
     ASSERT_NEAR(expected[2], seen->sine, tol);
-    /* A singular value is known to rounding; the least is cond times smaller. */
+    /* A singular value is known to rounding; the least is cond times
+     * smaller. */
     ASSERT_NEAR(expected[3], seen->condition,
                 TOL(1e-14, 2e-6) * expected[3] * expected[3]);
     ASSERT_NEAR(expected[4], seen->unit, tol * 2 * (1 + size));
@@ -1171,7 +1183,7 @@ static void test_arguments_of_the_elimination_are_checked(void)
     }
 }
 
-/* ---- three angles (5) ------------------------------------------------------ */
+/* ---- three angles (5) ---------------------------------------------------- */
 
 static void test_the_three_angle_residual_is_the_oracles(void)
 {
@@ -1184,8 +1196,8 @@ static void test_the_three_angle_residual_is_the_oracles(void)
         golden_scene(s, ypr, wrong, k);
         golden_pairs(pairs, s, 6);
         test_to_real(angles, wrong, 3);
-        ASSERT_STATUS(RIGCAL_OK,
-                      rigcal_three_angle_residual(&residual, pairs, 15, angles));
+        ASSERT_STATUS(RIGCAL_OK, rigcal_three_angle_residual(&residual, pairs,
+                                                             15, angles));
         ASSERT_NEAR(TRANSLATION[k][12], residual, 4 * TOL_FORMULA);
     }
 }
@@ -1243,7 +1255,7 @@ static void test_arguments_of_the_three_angle_residual_are_checked(void)
                    rigcal_three_angle_residual(&residual, pairs, 3, zero));
 }
 
-/* ---- translation (10a), (10b), (16) ---------------------------------------- */
+/* ---- translation (10a), (10b), (16) -------------------------------------- */
 
 /* A point ahead and one a unit to the right of it, seen at x = 0 and 1/2: they
  * are 2 away. They do not differ in y, so (10b) is left out. */
@@ -1256,8 +1268,8 @@ static void test_a_translation_on_paper(void)
     rigcal_real t[3];
 
     ASSERT_STATUS(RIGCAL_OK, rigcal_pair_make(&pair, s, 2, 0, 1));
-    ASSERT_STATUS(RIGCAL_OK, rigcal_translation_from_pairs(t, IDENTITY, s, 2,
-                                                           &pair, 1));
+    ASSERT_STATUS(RIGCAL_OK,
+                  rigcal_translation_from_pairs(t, IDENTITY, s, 2, &pair, 1));
     ASSERT_ARRAY_NEAR(expected, t, 3, TOL(1e-15, 1e-6));
     ASSERT_STATUS(RIGCAL_OK,
                   rigcal_translation_least_squares(t, IDENTITY, s, 2));
@@ -1281,8 +1293,8 @@ static void test_translations_are_the_oracles(void)
             rigcal_real R[9], t[3];
 
             rotation_of(R, at[i]);
-            ASSERT_STATUS(RIGCAL_OK, rigcal_translation_from_pairs(t, R, s, 4,
-                                                                   pairs, 6));
+            ASSERT_STATUS(RIGCAL_OK,
+                          rigcal_translation_from_pairs(t, R, s, 4, pairs, 6));
             ASSERT_ARRAY_NEAR(TRANSLATION[k] + 3 * i, t, 3, tol);
             ASSERT_STATUS(RIGCAL_OK,
                           rigcal_translation_least_squares(t, R, s, 6));
@@ -1313,8 +1325,8 @@ static void test_translations_of_perfect_images_are_true(void)
             }
         }
         test_to_real(R, scene.R, 9);
-        ASSERT_STATUS(RIGCAL_OK, rigcal_pairs_choose(pairs, &n_pairs, 88, s,
-                                                     (size_t)n));
+        ASSERT_STATUS(RIGCAL_OK,
+                      rigcal_pairs_choose(pairs, &n_pairs, 88, s, (size_t)n));
         ASSERT_STATUS(RIGCAL_OK, rigcal_translation_from_pairs(
                                      t, R, s, (size_t)n, pairs, n_pairs));
         /* Each equation of a pair is as good as its coordinates differ. */
@@ -1381,7 +1393,8 @@ static void test_rays_that_fix_no_translation_are_refused(void)
     rigcal_sighting s[3] = {{{0, 0, 0}, {RC(0.1), RC(0.2), 1}},
                             {{1, 0, 0}, {RC(0.2), RC(0.4), 2}},
                             {{0, 1, 0}, {RC(0.1), RC(0.2), 1}}};
-    rigcal_pair pairs[2] = {pair_of(1, 0, 0, 0, 1, 0), pair_of(0, 1, 0, 1, 0, 0)};
+    rigcal_pair pairs[2] = {pair_of(1, 0, 0, 0, 1, 0),
+                            pair_of(0, 1, 0, 1, 0, 0)};
     rigcal_real t[3];
 
     pairs[1].j = 2;
@@ -1403,7 +1416,8 @@ static void assert_both_translations_refuse(rigcal_status status,
 {
     rigcal_real t[3];
 
-    ASSERT_REFUSED(status, t, rigcal_translation_from_pairs(t, R, s, n, pairs, 3));
+    ASSERT_REFUSED(status, t,
+                   rigcal_translation_from_pairs(t, R, s, n, pairs, 3));
     ASSERT_REFUSED(status, t, rigcal_translation_least_squares(t, R, s, n));
 }
 
@@ -1420,20 +1434,25 @@ static void test_arguments_of_the_translation_are_checked(void)
                                        NULL, IDENTITY, good, 6, pairs, 3));
     ASSERT_STATUS(RIGCAL_ERR_NULL,
                   rigcal_translation_least_squares(NULL, IDENTITY, good, 6));
-    ASSERT_REFUSED(RIGCAL_ERR_NULL, t, rigcal_translation_from_pairs(
-                                           t, IDENTITY, good, 6, NULL, 3));
+    ASSERT_REFUSED(
+        RIGCAL_ERR_NULL, t,
+        rigcal_translation_from_pairs(t, IDENTITY, good, 6, NULL, 3));
     assert_both_translations_refuse(RIGCAL_ERR_NULL, NULL, good, 6, pairs);
     assert_both_translations_refuse(RIGCAL_ERR_NULL, IDENTITY, NULL, 6, pairs);
-    assert_both_translations_refuse(RIGCAL_ERR_TOO_FEW, IDENTITY, good, 1, pairs);
-    assert_both_translations_refuse(RIGCAL_ERR_TOO_FEW, IDENTITY, good, 0, pairs);
+    assert_both_translations_refuse(RIGCAL_ERR_TOO_FEW, IDENTITY, good, 1,
+                                    pairs);
+    assert_both_translations_refuse(RIGCAL_ERR_TOO_FEW, IDENTITY, good, 0,
+                                    pairs);
     assert_both_translations_refuse(RIGCAL_ERR_RANGE, IDENTITY, good,
                                     ((size_t)1 << 28) + 1, pairs);
-    ASSERT_REFUSED(RIGCAL_ERR_TOO_FEW, t, rigcal_translation_from_pairs(
-                                              t, IDENTITY, good, 6, pairs, 0));
+    ASSERT_REFUSED(
+        RIGCAL_ERR_TOO_FEW, t,
+        rigcal_translation_from_pairs(t, IDENTITY, good, 6, pairs, 0));
     for (int k = 0; k < 9; k++) {
         memcpy(M, IDENTITY, sizeof M);
         M[k] = TEST_NAN;
-        assert_both_translations_refuse(RIGCAL_ERR_NOT_FINITE, M, good, 6, pairs);
+        assert_both_translations_refuse(RIGCAL_ERR_NOT_FINITE, M, good, 6,
+                                        pairs);
         M[k] = RC(0.3);
         assert_both_translations_refuse(RIGCAL_ERR_ROTATION, M, good, 6, pairs);
     }
@@ -1441,30 +1460,34 @@ static void test_arguments_of_the_translation_are_checked(void)
         for (int k = 0; k < 3; k++) {
             memcpy(s, good, sizeof s);
             s[i].X_w[k] = TEST_INF;
-            assert_both_translations_refuse(RIGCAL_ERR_NOT_FINITE, IDENTITY, s, 6,
-                                            pairs);
+            assert_both_translations_refuse(RIGCAL_ERR_NOT_FINITE, IDENTITY, s,
+                                            6, pairs);
             memcpy(s, good, sizeof s);
             s[i].ray[k] = TEST_NAN;
-            assert_both_translations_refuse(RIGCAL_ERR_NOT_FINITE, IDENTITY, s, 6,
-                                            pairs);
+            assert_both_translations_refuse(RIGCAL_ERR_NOT_FINITE, IDENTITY, s,
+                                            6, pairs);
         }
         memcpy(s, good, sizeof s);
         s[i].ray[0] = s[i].ray[1] = s[i].ray[2] = 0;
-        assert_both_translations_refuse(RIGCAL_ERR_RANGE, IDENTITY, s, 6, pairs);
+        assert_both_translations_refuse(RIGCAL_ERR_RANGE, IDENTITY, s, 6,
+                                        pairs);
         s[i].ray[1] = 1;
         assert_both_translations_refuse(RIGCAL_ERR_WIDE_RAY, IDENTITY, s, 6,
                                         pairs);
         memcpy(bad, pairs, sizeof bad);
         bad[i].i = 6;
-        ASSERT_REFUSED(RIGCAL_ERR_RANGE, t, rigcal_translation_from_pairs(
-                                                t, IDENTITY, good, 6, bad, 3));
+        ASSERT_REFUSED(
+            RIGCAL_ERR_RANGE, t,
+            rigcal_translation_from_pairs(t, IDENTITY, good, 6, bad, 3));
         bad[i].i = 0;
         bad[i].j = 6;
-        ASSERT_REFUSED(RIGCAL_ERR_RANGE, t, rigcal_translation_from_pairs(
-                                                t, IDENTITY, good, 6, bad, 3));
+        ASSERT_REFUSED(
+            RIGCAL_ERR_RANGE, t,
+            rigcal_translation_from_pairs(t, IDENTITY, good, 6, bad, 3));
         bad[i].j = -1;
-        ASSERT_REFUSED(RIGCAL_ERR_RANGE, t, rigcal_translation_from_pairs(
-                                                t, IDENTITY, good, 6, bad, 3));
+        ASSERT_REFUSED(
+            RIGCAL_ERR_RANGE, t,
+            rigcal_translation_from_pairs(t, IDENTITY, good, 6, bad, 3));
     }
 }
 

@@ -10,7 +10,8 @@
 #define TOL_FORMULA TOL(1e-12, 1e-4)
 #define TOL_PIXEL TOL(2e-9, 4e-3)
 
-static const rigcal_transform NOTHING = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
+static const rigcal_transform NOTHING = {{1, 0, 0, 0, 1, 0, 0, 0, 1},
+                                         {0, 0, 0}};
 
 void setUp(void)
 {
@@ -20,7 +21,7 @@ void tearDown(void)
 {
 }
 
-/* ---- what several tests need ------------------------------------------------ */
+/* ---- what several tests need --------------------------------------------- */
 
 static rigcal_camera golden_camera(int k)
 {
@@ -80,7 +81,7 @@ static void point_ahead(double X[3], test_rng *rng)
     X[1] = test_uniform(rng, -0.3, 0.3) * X[2];
 }
 
-/* ---- depth from two views (22)..(24) ----------------------------------------- */
+/* ---- depth from two views (22)..(24) ------------------------------------- */
 
 /* Two 3-4-5 triangles back to back: cameras 6 apart, the point 4 ahead; b sits
  * 1/4 lower (y is down), so the rays miss by 1/4. */
@@ -113,7 +114,8 @@ static void test_depth_counts_in_lengths_of_the_ray(void)
     ASSERT_NEAR(0.25, miss, TOL(1e-15, 1e-6));
 }
 
-/* Depth is worth the parallax: divided by the sine of the angle between rays. */
+/* Depth is worth the parallax: divided by the sine of the angle between
+ * rays. */
 static void test_depths_of_two_views_are_the_oracles(void)
 {
     for (int i = 0; i < TWO_VIEWS_ROWS; i++) {
@@ -167,7 +169,8 @@ static void test_nearly_parallel_rays_are_refused(void)
 
     for (int i = 0; i < 5; i++) {
         const rigcal_real ahead[3] = {0, 0, 2};
-        const rigcal_real turned[3] = {RC(-tan(degrees[i] * TEST_PI / 180)), 0, 1};
+        const rigcal_real turned[3] = {RC(-tan(degrees[i] * TEST_PI / 180)), 0,
+                                       1};
         const rigcal_real away[3] = {-turned[0], 0, -1};
         rigcal_real depth[2], miss;
 
@@ -182,8 +185,9 @@ static void test_nearly_parallel_rays_are_refused(void)
         ASSERT_REFUSED(
             RIGCAL_ERR_PARALLEL, depth,
             rigcal_depth_two_views(depth, &miss, &aside, ahead, turned));
-        ASSERT_REFUSED(RIGCAL_ERR_PARALLEL, depth,
-                       rigcal_depth_two_views(depth, &miss, &aside, ahead, away));
+        ASSERT_REFUSED(
+            RIGCAL_ERR_PARALLEL, depth,
+            rigcal_depth_two_views(depth, &miss, &aside, ahead, away));
         ASSERT_UNTOUCHED(miss);
     }
 }
@@ -196,12 +200,15 @@ static void test_rays_that_meet_behind_either_camera_are_refused(void)
     rigcal_real depth[2], miss;
 
     FILL(miss);
-    ASSERT_REFUSED(RIGCAL_ERR_BEHIND, depth,
-                   rigcal_depth_two_views(depth, &miss, &B_FROM_A, out_a, out_b));
-    ASSERT_REFUSED(RIGCAL_ERR_BEHIND, depth,
-                   rigcal_depth_two_views(depth, &miss, &B_FROM_A, M_A, back_b));
-    ASSERT_REFUSED(RIGCAL_ERR_BEHIND, depth,
-                   rigcal_depth_two_views(depth, &miss, &B_FROM_A, back_a, M_B));
+    ASSERT_REFUSED(
+        RIGCAL_ERR_BEHIND, depth,
+        rigcal_depth_two_views(depth, &miss, &B_FROM_A, out_a, out_b));
+    ASSERT_REFUSED(
+        RIGCAL_ERR_BEHIND, depth,
+        rigcal_depth_two_views(depth, &miss, &B_FROM_A, M_A, back_b));
+    ASSERT_REFUSED(
+        RIGCAL_ERR_BEHIND, depth,
+        rigcal_depth_two_views(depth, &miss, &B_FROM_A, back_a, M_B));
     /* One centre: the rays meet in it, and nothing is measured. */
     ASSERT_REFUSED(RIGCAL_ERR_BEHIND, depth,
                    rigcal_depth_two_views(depth, &miss, &NOTHING, M_A, M_B));
@@ -248,7 +255,7 @@ static void test_arguments_of_two_views_are_checked(void)
     }
 }
 
-/* ---- aligned stereo (19), (20) ----------------------------------------------- */
+/* ---- aligned stereo (19), (20) ------------------------------------------- */
 
 static void test_disparity_gives_depth_on_paper(void)
 {
@@ -275,8 +282,8 @@ static void test_aligned_stereo_agrees_with_two_general_views(void)
         apply(X_r, &right, X);
         ray_to(left_ray, X);
         ray_to(right_ray, X_r);
-        ASSERT_STATUS(RIGCAL_OK, rigcal_depth_aligned(seen, RC(0.4), left_ray,
-                                                      right_ray));
+        ASSERT_STATUS(RIGCAL_OK,
+                      rigcal_depth_aligned(seen, RC(0.4), left_ray, right_ray));
         ASSERT_ARRAY_NEAR(X, seen, 3, TOL(1e-13, 1e-4));
         ASSERT_STATUS(RIGCAL_OK, rigcal_depth_two_views(depth, &miss, &right,
                                                         left_ray, right_ray));
@@ -289,8 +296,10 @@ static void test_no_or_negative_disparity_is_refused(void)
     const rigcal_real left[2] = {RC(0.1), 0}, right[2] = {RC(0.2), 0};
     rigcal_real X[3];
 
-    ASSERT_REFUSED(RIGCAL_ERR_PARALLEL, X, rigcal_depth_aligned(X, 1, left, left));
-    ASSERT_REFUSED(RIGCAL_ERR_BEHIND, X, rigcal_depth_aligned(X, 1, left, right));
+    ASSERT_REFUSED(RIGCAL_ERR_PARALLEL, X,
+                   rigcal_depth_aligned(X, 1, left, left));
+    ASSERT_REFUSED(RIGCAL_ERR_BEHIND, X,
+                   rigcal_depth_aligned(X, 1, left, right));
 }
 
 static void test_arguments_of_aligned_stereo_are_checked(void)
@@ -301,8 +310,10 @@ static void test_arguments_of_aligned_stereo_are_checked(void)
     ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_depth_aligned(NULL, 1, left, right));
     ASSERT_REFUSED(RIGCAL_ERR_NULL, X, rigcal_depth_aligned(X, 1, NULL, right));
     ASSERT_REFUSED(RIGCAL_ERR_NULL, X, rigcal_depth_aligned(X, 1, left, NULL));
-    ASSERT_REFUSED(RIGCAL_ERR_RANGE, X, rigcal_depth_aligned(X, 0, left, right));
-    ASSERT_REFUSED(RIGCAL_ERR_RANGE, X, rigcal_depth_aligned(X, -1, left, right));
+    ASSERT_REFUSED(RIGCAL_ERR_RANGE, X,
+                   rigcal_depth_aligned(X, 0, left, right));
+    ASSERT_REFUSED(RIGCAL_ERR_RANGE, X,
+                   rigcal_depth_aligned(X, -1, left, right));
     ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, X,
                    rigcal_depth_aligned(X, TEST_NAN, left, right));
     for (int k = 0; k < 2; k++) {
@@ -316,7 +327,7 @@ static void test_arguments_of_aligned_stereo_are_checked(void)
     }
 }
 
-/* ---- triangulation ------------------------------------------------------------ */
+/* ---- triangulation ------------------------------------------------------- */
 
 enum { VIEWS = 6 };
 
@@ -403,7 +414,8 @@ static void test_points_of_noisy_views_are_scipys_least_squares(void)
          * its deviations at one pixel. */
         ASSERT_ARRAY_NEAR(golden, point.X, 3, TOL(1e-12, 2e-3 * sqrt(largest)));
         ASSERT_NEAR(golden[3], point.rms_px, TOL(1e-9, 2e-3));
-        ASSERT_ARRAY_NEAR(golden + 4, point.Sigma, 9, TOL(1e-9, 1e-3) * largest);
+        ASSERT_ARRAY_NEAR(golden + 4, point.Sigma, 9,
+                          TOL(1e-9, 1e-3) * largest);
     }
 }
 
@@ -483,8 +495,9 @@ static void test_a_point_beside_a_fisheye_is_measured(void)
     ASSERT_ARRAY_NEAR(X, point.X, 3, TOL(1e-11, 1e-3));
 }
 
-/* Matches hundreds of pixels wrong: steps overshoot and have to be shortened, and
- * still the answer is where the sum of squares is least, as its neighbours tell. */
+/* Matches hundreds of pixels wrong: steps overshoot and have to be
+ * shortened, and still the answer is where the sum of squares is least, as
+ * its neighbours tell. */
 static void test_wrong_matches_still_give_the_least_squares(void)
 {
     const double aside = 1e-3;
@@ -546,7 +559,8 @@ static void test_a_point_that_views_do_not_fix_is_refused(void)
         other.poses[i] = v.poses[0];
         memcpy(other.uv + 2 * i, v.uv, 2 * sizeof v.uv[0]);
     }
-    ASSERT_REFUSED(RIGCAL_ERR_PARALLEL, point, triangulate(&point, &other, 2, 1));
+    ASSERT_REFUSED(RIGCAL_ERR_PARALLEL, point,
+                   triangulate(&point, &other, 2, 1));
 
     other = v;
     for (int i = 0; i < 2; i++) { /* side by side, the rays run apart */
@@ -559,7 +573,8 @@ static void test_a_point_that_views_do_not_fix_is_refused(void)
     }
     ASSERT_REFUSED(RIGCAL_ERR_BEHIND, point, triangulate(&point, &other, 2, 1));
     other.uv[2] = other.uv[0]; /* exactly parallel */
-    ASSERT_REFUSED(RIGCAL_ERR_PARALLEL, point, triangulate(&point, &other, 2, 1));
+    ASSERT_REFUSED(RIGCAL_ERR_PARALLEL, point,
+                   triangulate(&point, &other, 2, 1));
 }
 
 static void test_arguments_of_the_triangulation_are_checked(void)
@@ -570,9 +585,8 @@ static void test_arguments_of_the_triangulation_are_checked(void)
 
     exact_views(&good, &rng, 3);
     ASSERT_STATUS(RIGCAL_ERR_NULL, triangulate(NULL, &good, 3, 1));
-    ASSERT_REFUSED(
-        RIGCAL_ERR_NULL, point,
-        rigcal_triangulate(&point, NULL, good.poses, good.uv, 3, 1));
+    ASSERT_REFUSED(RIGCAL_ERR_NULL, point,
+                   rigcal_triangulate(&point, NULL, good.poses, good.uv, 3, 1));
     ASSERT_REFUSED(
         RIGCAL_ERR_NULL, point,
         rigcal_triangulate(&point, good.cameras, NULL, good.uv, 3, 1));
@@ -598,7 +612,8 @@ static void test_arguments_of_the_triangulation_are_checked(void)
                        triangulate(&point, &v, 3, 1));
         v = good;
         v.poses[i].R[4] += RC(0.5);
-        ASSERT_REFUSED(RIGCAL_ERR_ROTATION, point, triangulate(&point, &v, 3, 1));
+        ASSERT_REFUSED(RIGCAL_ERR_ROTATION, point,
+                       triangulate(&point, &v, 3, 1));
         v = good;
         v.poses[i].t[1] = TEST_INF;
         ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, point,
@@ -617,7 +632,7 @@ static void test_arguments_of_the_triangulation_are_checked(void)
     }
 }
 
-/* ---- matching line (25), (26) -------------------------------------------------- */
+/* ---- matching line (25), (26) -------------------------------------------- */
 
 /* b is 1 to the right: matches have the same y. */
 static const rigcal_transform RIGHT_OF = {{1, 0, 0, 0, 1, 0, 0, 0, 1},
@@ -719,8 +734,10 @@ static void test_cameras_in_one_place_have_no_matching_lines(void)
 
     test_random_rotation(R, &rng);
     turned = test_transform(R, NULL);
-    ASSERT_REFUSED(RIGCAL_ERR_EPIPOLE, line, rigcal_epiline(line, &NOTHING, M_A));
-    ASSERT_REFUSED(RIGCAL_ERR_EPIPOLE, line, rigcal_epiline(line, &turned, M_A));
+    ASSERT_REFUSED(RIGCAL_ERR_EPIPOLE, line,
+                   rigcal_epiline(line, &NOTHING, M_A));
+    ASSERT_REFUSED(RIGCAL_ERR_EPIPOLE, line,
+                   rigcal_epiline(line, &turned, M_A));
 }
 
 /* The plane through both centres and the ray is level with b's image plane: all
@@ -748,8 +765,10 @@ static void test_arguments_of_the_matching_line_are_checked(void)
     broken.fy = -1;
     ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_epiline(NULL, &RIGHT_OF, M_A));
     ASSERT_REFUSED(RIGCAL_ERR_NULL, line, rigcal_epiline(line, NULL, M_A));
-    ASSERT_REFUSED(RIGCAL_ERR_NULL, line, rigcal_epiline(line, &RIGHT_OF, NULL));
-    ASSERT_REFUSED(RIGCAL_ERR_RANGE, line, rigcal_epiline(line, &RIGHT_OF, none));
+    ASSERT_REFUSED(RIGCAL_ERR_NULL, line,
+                   rigcal_epiline(line, &RIGHT_OF, NULL));
+    ASSERT_REFUSED(RIGCAL_ERR_RANGE, line,
+                   rigcal_epiline(line, &RIGHT_OF, none));
     ASSERT_STATUS(RIGCAL_ERR_NULL,
                   rigcal_epiline_px(NULL, &camera, &RIGHT_OF, M_A));
     ASSERT_REFUSED(RIGCAL_ERR_NULL, line,
@@ -774,16 +793,18 @@ static void test_arguments_of_the_matching_line_are_checked(void)
         ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, line,
                        rigcal_epiline_px(line, &camera, &RIGHT_OF, bad));
         T.t[k] = TEST_INF;
-        ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, line, rigcal_epiline(line, &T, M_A));
+        ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, line,
+                       rigcal_epiline(line, &T, M_A));
         T = RIGHT_OF;
         T.R[3 * k] += RC(0.1);
-        ASSERT_REFUSED(RIGCAL_ERR_ROTATION, line, rigcal_epiline(line, &T, M_A));
+        ASSERT_REFUSED(RIGCAL_ERR_ROTATION, line,
+                       rigcal_epiline(line, &T, M_A));
         ASSERT_REFUSED(RIGCAL_ERR_ROTATION, line,
                        rigcal_epiline_px(line, &camera, &T, M_A));
     }
 }
 
-/* ---- in pixels ------------------------------------------------------------------ */
+/* ---- in pixels ----------------------------------------------------------- */
 
 /* The pixel at which a camera without distortion would see X_b. */
 static void straight_pixel(double uv[2], const rigcal_camera *camera,
@@ -823,10 +844,9 @@ static void test_true_matches_lie_on_their_line_in_any_lens(void)
                       rigcal_epiline_px(line, &camera, &b_from_a, ray));
         ASSERT_NEAR(1, hypot(D(line[0]), D(line[1])), TOL(1e-14, 1e-6));
         straight_pixel(straight, &camera, X_b);
-        ASSERT_NEAR(0,
-                    D(line[0]) * straight[0] + D(line[1]) * straight[1] +
-                        D(line[2]),
-                    TOL(1e-10, 1e-2));
+        ASSERT_NEAR(
+            0, D(line[0]) * straight[0] + D(line[1]) * straight[1] + D(line[2]),
+            TOL(1e-10, 1e-2));
 
         /* The distorted pixel of the point, and of one beside it: how far it is
          * off in undistorted pixels is its distance, with the sign. */
@@ -898,8 +918,9 @@ static void test_arguments_of_the_distance_are_checked(void)
             rigcal_real nowhere[2] = {1, 1};
 
             bad[k] = RC(0.5);
-            ASSERT_REFUSED(RIGCAL_ERR_RANGE, distance,
-                           rigcal_epiline_distance(&distance, bad, &camera, uv));
+            ASSERT_REFUSED(
+                RIGCAL_ERR_RANGE, distance,
+                rigcal_epiline_distance(&distance, bad, &camera, uv));
             nowhere[k] = TEST_INF;
             ASSERT_REFUSED(
                 RIGCAL_ERR_NOT_FINITE, distance,
@@ -908,7 +929,7 @@ static void test_arguments_of_the_distance_are_checked(void)
     }
 }
 
-/* ---- clipped to the image -------------------------------------------------------- */
+/* ---- clipped to the image ------------------------------------------------ */
 
 static void test_lines_on_paper_are_clipped_at_pixel_borders(void)
 {
@@ -986,7 +1007,8 @@ static void test_clipped_ends_lie_on_the_line_and_on_the_border(void)
             const double u = e[k], v = e[k + 1];
 
             ASSERT_NEAR(0, a * u + b * v + c, tol);
-            TEST_ASSERT_TRUE(u >= -0.5 && u <= right && v >= -0.5 && v <= bottom);
+            TEST_ASSERT_TRUE(u >= -0.5 && u <= right && v >= -0.5 &&
+                             v <= bottom);
             TEST_ASSERT_TRUE(fabs(u + 0.5) < tol || fabs(u - right) < tol ||
                              fabs(v + 0.5) < tol || fabs(v - bottom) < tol);
         }
@@ -1018,7 +1040,8 @@ static void test_arguments_of_the_clipping_are_checked(void)
     ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_epiline_clip(NULL, line, 640, 480));
     ASSERT_REFUSED(RIGCAL_ERR_NULL, ends,
                    rigcal_epiline_clip(ends, NULL, 640, 480));
-    ASSERT_REFUSED(RIGCAL_ERR_RANGE, ends, rigcal_epiline_clip(ends, line, 0, 480));
+    ASSERT_REFUSED(RIGCAL_ERR_RANGE, ends,
+                   rigcal_epiline_clip(ends, line, 0, 480));
     ASSERT_REFUSED(RIGCAL_ERR_RANGE, ends,
                    rigcal_epiline_clip(ends, line, 640, -1));
     for (int k = 0; k < 3; k++) {
@@ -1035,7 +1058,7 @@ static void test_arguments_of_the_clipping_are_checked(void)
     }
 }
 
-/* ---- between two depths ------------------------------------------------------------ */
+/* ---- between two depths -------------------------------------------------- */
 
 /* X_b of what lies at that depth along ray_a. */
 static void at_depth(double X_b[3], const rigcal_transform *b_from_a,
@@ -1061,8 +1084,9 @@ static void test_the_segment_ends_where_the_nearest_and_farthest_would_be(void)
 
         point_ahead(X_a, &rng);
         test_to_real(ray, X_a, 3); /* so depth 1 is the point */
-        ASSERT_STATUS(RIGCAL_OK, rigcal_epiline_segment(
-                                     ends, &camera, &b_from_a, ray, RC(0.5), 4));
+        ASSERT_STATUS(
+            RIGCAL_OK,
+            rigcal_epiline_segment(ends, &camera, &b_from_a, ray, RC(0.5), 4));
         at_depth(X_b, &b_from_a, ray, 0.5);
         straight_pixel(expected, &camera, X_b);
         at_depth(X_b, &b_from_a, ray, 4);
@@ -1081,8 +1105,8 @@ static void test_the_segment_ends_where_the_nearest_and_farthest_would_be(void)
 
 static void test_the_curve_leaves_out_what_the_camera_cannot_see(void)
 {
-    /* b's axis is a's axis turned back (half a turn about y), 2 ahead of a: what
-     * a sees at depth Z is at 2 - Z of b. */
+    /* b's axis is a's axis turned back (half a turn about y), 2 ahead of a:
+     * what a sees at depth Z is at 2 - Z of b. */
     static const rigcal_transform facing = {{-1, 0, 0, 0, 1, 0, 0, 0, -1},
                                             {0, RC(0.5), 2}};
     const rigcal_camera camera = test_pinhole();
@@ -1113,14 +1137,14 @@ static void test_the_curve_leaves_out_what_the_camera_cannot_see(void)
     ASSERT_STATUS(RIGCAL_OK, rigcal_epiline_segment(ends, &camera, &facing, ray,
                                                     1, RC(1.5)));
     FILL(n_written);
-    ASSERT_REFUSED(RIGCAL_ERR_OUTSIDE, uv,
-                   rigcal_epiline_curve(uv, &n_written, 7, &camera, &facing, ray,
-                                        3, 4));
+    ASSERT_REFUSED(
+        RIGCAL_ERR_OUTSIDE, uv,
+        rigcal_epiline_curve(uv, &n_written, 7, &camera, &facing, ray, 3, 4));
     ASSERT_UNTOUCHED(n_written);
 }
 
-/* Evenly in 1 / depth from near to far; the sixth of eleven samples is put on the
- * true point, so the curve passes through its true pixel. */
+/* Evenly in 1 / depth from near to far; the sixth of eleven samples is put
+ * on the true point, so the curve passes through its true pixel. */
 static void test_the_curve_runs_through_the_true_match_in_any_lens(void)
 {
     enum { COUNT = 11 };
@@ -1138,9 +1162,9 @@ static void test_the_curve_runs_through_the_true_match_in_any_lens(void)
         point_ahead(X_a, &rng);
         test_to_real(ray, X_a, 3);
         FILL(uv);
-        ASSERT_STATUS(RIGCAL_OK, rigcal_epiline_curve(uv, &n_written, COUNT,
-                                                      &camera, &b_from_a, ray,
-                                                      RC(near), RC(far)));
+        ASSERT_STATUS(RIGCAL_OK,
+                      rigcal_epiline_curve(uv, &n_written, COUNT, &camera,
+                                           &b_from_a, ray, RC(near), RC(far)));
         TEST_ASSERT_EQUAL_INT32(COUNT, n_written);
         ASSERT_UNTOUCHED(*guard);
         for (int k = 0; k < COUNT; k++) {
@@ -1172,8 +1196,8 @@ static void test_a_curve_of_two_points_is_the_segment_without_distortion(void)
     ASSERT_ARRAY_NEAR(expected, uv, 4, TOL(1e-11, 1e-3));
 }
 
-/* The barrel's rays end some 43 degrees off its axis: farther samples are not on
- * the folded branch but left out. */
+/* The barrel's rays end some 43 degrees off its axis: farther samples are
+ * not on the folded branch but left out. */
 static void test_the_curve_stops_at_the_turning_point_of_the_lens(void)
 {
     static const rigcal_transform beside_by_three = {
@@ -1205,8 +1229,8 @@ static void test_the_curve_stops_at_the_turning_point_of_the_lens(void)
 }
 
 static rigcal_status segment(rigcal_real ends[4], const rigcal_camera *camera,
-                             const rigcal_transform *T, const rigcal_real ray[3],
-                             double near, double far)
+                             const rigcal_transform *T,
+                             const rigcal_real ray[3], double near, double far)
 {
     return rigcal_epiline_segment(ends, camera, T, ray, RC(near), RC(far));
 }
@@ -1216,7 +1240,8 @@ static rigcal_status curve(rigcal_real uv[], int32_t *n, int32_t count,
                            const rigcal_transform *T, const rigcal_real ray[3],
                            double near, double far)
 {
-    return rigcal_epiline_curve(uv, n, count, camera, T, ray, RC(near), RC(far));
+    return rigcal_epiline_curve(uv, n, count, camera, T, ray, RC(near),
+                                RC(far));
 }
 
 static void test_arguments_of_segment_and_curve_are_checked(void)
@@ -1237,12 +1262,15 @@ static void test_arguments_of_segment_and_curve_are_checked(void)
     ASSERT_STATUS(RIGCAL_ERR_NULL, curve(NULL, &n, 4, &cam, T, M_A, 1, 2));
     ASSERT_REFUSED(RIGCAL_ERR_NULL, uv, curve(uv, NULL, 4, &cam, T, M_A, 1, 2));
     ASSERT_REFUSED(RIGCAL_ERR_NULL, uv, curve(uv, &n, 4, NULL, T, M_A, 1, 2));
-    ASSERT_REFUSED(RIGCAL_ERR_NULL, uv, curve(uv, &n, 4, &cam, NULL, M_A, 1, 2));
+    ASSERT_REFUSED(RIGCAL_ERR_NULL, uv,
+                   curve(uv, &n, 4, &cam, NULL, M_A, 1, 2));
     ASSERT_REFUSED(RIGCAL_ERR_NULL, uv, curve(uv, &n, 4, &cam, T, NULL, 1, 2));
     ASSERT_REFUSED(RIGCAL_ERR_RANGE, uv, curve(uv, &n, 1, &cam, T, M_A, 1, 2));
     ASSERT_REFUSED(RIGCAL_ERR_RANGE, uv, curve(uv, &n, -3, &cam, T, M_A, 1, 2));
-    ASSERT_REFUSED(RIGCAL_ERR_CAMERA, ends, segment(ends, &broken, T, M_A, 1, 2));
-    ASSERT_REFUSED(RIGCAL_ERR_CAMERA, uv, curve(uv, &n, 4, &broken, T, M_A, 1, 2));
+    ASSERT_REFUSED(RIGCAL_ERR_CAMERA, ends,
+                   segment(ends, &broken, T, M_A, 1, 2));
+    ASSERT_REFUSED(RIGCAL_ERR_CAMERA, uv,
+                   curve(uv, &n, 4, &broken, T, M_A, 1, 2));
     ASSERT_REFUSED(RIGCAL_ERR_RANGE, ends, segment(ends, &cam, T, none, 1, 2));
     ASSERT_REFUSED(RIGCAL_ERR_RANGE, uv, curve(uv, &n, 4, &cam, T, none, 1, 2));
     for (int i = 0; i < 4; i++) {

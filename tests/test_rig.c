@@ -12,7 +12,8 @@
 
 enum { CAMERAS_MAX = 12, PLACEMENTS_MAX = 10, VIEWS_MAX = 120 };
 
-static const rigcal_transform NOTHING = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
+static const rigcal_transform NOTHING = {{1, 0, 0, 0, 1, 0, 0, 0, 1},
+                                         {0, 0, 0}};
 
 void setUp(void)
 {
@@ -22,7 +23,7 @@ void tearDown(void)
 {
 }
 
-/* ---- what several tests need ------------------------------------------------ */
+/* ---- what several tests need --------------------------------------------- */
 
 static rigcal_transform from_ypr(const double ypr[3], const double t[3])
 {
@@ -87,7 +88,7 @@ static void assert_same(const rigcal_transform *expected,
     ASSERT_ARRAY_NEAR(t, seen->t, 3, tol_length);
 }
 
-/* ---- the mean ------------------------------------------------------------------ */
+/* ---- the mean ------------------------------------------------------------ */
 
 static void test_the_mean_is_scipys_karcher_mean(void)
 {
@@ -100,9 +101,9 @@ static void test_the_mean_is_scipys_karcher_mean(void)
             weight[k] = RC(v[7 * k]);
             transforms[k] = from_ypr(v + 7 * k + 1, v + 7 * k + 4);
         }
-        ASSERT_STATUS(RIGCAL_OK, rigcal_transform_mean(&mean, &sigma_rad,
-                                                       &sigma_t, transforms,
-                                                       weight, 5));
+        ASSERT_STATUS(RIGCAL_OK,
+                      rigcal_transform_mean(&mean, &sigma_rad, &sigma_t,
+                                            transforms, weight, 5));
         ASSERT_ARRAY_NEAR(v + 35, mean.R, 9, TOL(1e-12, 5e-6));
         ASSERT_ARRAY_NEAR(v + 44, mean.t, 3, TOL(1e-14, 2e-6));
         ASSERT_NEAR(v[47], sigma_rad, TOL(1e-12, 5e-6));
@@ -169,9 +170,8 @@ static void test_deviations_that_balance_leave_the_middle(void)
 static void test_angles_are_averaged_and_not_entries(void)
 {
     static const double axis[3] = {1, 2, -2};
-    const rigcal_transform three[3] = {turned_about(axis, 0),
-                                       turned_about(axis, 0),
-                                       turned_about(axis, 1.5)};
+    const rigcal_transform three[3] = {
+        turned_about(axis, 0), turned_about(axis, 0), turned_about(axis, 1.5)};
     const rigcal_transform expected = turned_about(axis, 0.5);
     rigcal_transform mean;
 
@@ -255,24 +255,24 @@ static void test_rotations_that_cancel_have_no_mean(void)
     FILL(sigma_t);
     /* Half a turn apart. */
     four[1] = turned_about(axes[2], TEST_PI);
-    ASSERT_REFUSED(RIGCAL_ERR_ROTATION, mean,
-                   rigcal_transform_mean(&mean, &sigma_rad, &sigma_t, four, NULL,
-                                         2));
+    ASSERT_REFUSED(
+        RIGCAL_ERR_ROTATION, mean,
+        rigcal_transform_mean(&mean, &sigma_rad, &sigma_t, four, NULL, 2));
     /* All the way round. */
     for (int i = 0; i < 4; i++) {
         four[i] = turned_about(axes[1], i * TEST_PI / 2);
     }
-    ASSERT_REFUSED(RIGCAL_ERR_ROTATION, mean,
-                   rigcal_transform_mean(&mean, &sigma_rad, &sigma_t, four, NULL,
-                                         4));
+    ASSERT_REFUSED(
+        RIGCAL_ERR_ROTATION, mean,
+        rigcal_transform_mean(&mean, &sigma_rad, &sigma_t, four, NULL, 4));
     /* Half turns about all three axes: the matrices sum to zero. */
     for (int i = 0; i < 3; i++) {
         four[i] = turned_about(axes[i], TEST_PI);
     }
     four[3] = NOTHING;
-    ASSERT_REFUSED(RIGCAL_ERR_ROTATION, mean,
-                   rigcal_transform_mean(&mean, &sigma_rad, &sigma_t, four, NULL,
-                                         4));
+    ASSERT_REFUSED(
+        RIGCAL_ERR_ROTATION, mean,
+        rigcal_transform_mean(&mean, &sigma_rad, &sigma_t, four, NULL, 4));
     ASSERT_UNTOUCHED(sigma_rad);
     ASSERT_UNTOUCHED(sigma_t);
 }
@@ -291,9 +291,9 @@ static void test_arguments_of_the_mean_are_checked(void)
                    rigcal_transform_mean(&mean, &a, &b, NULL, NULL, 2));
     ASSERT_REFUSED(RIGCAL_ERR_TOO_FEW, mean,
                    rigcal_transform_mean(&mean, &a, &b, two, NULL, 0));
-    ASSERT_REFUSED(RIGCAL_ERR_RANGE, mean,
-                   rigcal_transform_mean(&mean, &a, &b, two, NULL,
-                                         ((size_t)1 << 28) + 1));
+    ASSERT_REFUSED(
+        RIGCAL_ERR_RANGE, mean,
+        rigcal_transform_mean(&mean, &a, &b, two, NULL, ((size_t)1 << 28) + 1));
     ASSERT_REFUSED(RIGCAL_ERR_RANGE, mean,
                    rigcal_transform_mean(&mean, &a, &b, two, none, 2));
     ASSERT_REFUSED(RIGCAL_ERR_RANGE, mean,
@@ -317,7 +317,7 @@ static void test_arguments_of_the_mean_are_checked(void)
     }
 }
 
-/* ---- joining cameras --------------------------------------------------------------- */
+/* ---- joining cameras ----------------------------------------------------- */
 
 /* A rig with ground truth: camera 0 is the rig frame. */
 typedef struct {
@@ -395,8 +395,9 @@ static void test_one_camera_alone_is_a_rig(void)
     TEST_ASSERT_EQUAL_INT32(0, r.group[0]);
 }
 
-/* Cameras and placements at random, most cameras not seeing most placements, the
- * views in disorder; a path through all cameras sees to it that they connect. */
+/* Cameras and placements at random, most cameras not seeing most placements,
+ * the views in disorder; a path through all cameras sees to it that they
+ * connect. */
 static void test_a_connected_rig_is_joined_whatever_sees_what(void)
 {
     test_rng rng = test_seed(77);
@@ -483,8 +484,9 @@ static void test_groups_that_share_nothing_are_told_apart(void)
     assert_same(&expected, &r.joined[4], TOL_ENTRY, TOL_LENGTH);
 }
 
-/* Camera 1 is turned by +w in one placement and by -w in another: the mean is the
- * truth; with a third of the weight on one side it lies a third off the middle. */
+/* Camera 1 is turned by +w in one placement and by -w in another: the mean
+ * is the truth; with a third of the weight on one side it lies a third off
+ * the middle. */
 static void test_placements_are_averaged_by_weight(void)
 {
     static const double axis[3] = {2, -1, 2};
@@ -498,7 +500,8 @@ static void test_placements_are_averaged_by_weight(void)
 
         new_rig(&r, &rng, 2);
         for (int i = 0; i < 2; i++) {
-            const rigcal_transform twist = turned_about(axis, i ? -angle : angle);
+            const rigcal_transform twist =
+                turned_about(axis, i ? -angle : angle);
             const double weight = i ? 10 : 10 * heavy;
             rigcal_view *view;
 
@@ -515,8 +518,8 @@ static void test_placements_are_averaged_by_weight(void)
     }
 }
 
-/* A placement that one camera hardly saw says little, however well the other did:
- * of two that differ, the mean is at the one that both saw well. */
+/* A placement that one camera hardly saw says little, however well the other
+ * did: of two that differ, the mean is at the one that both saw well. */
 static void test_a_placement_counts_as_its_weaker_view(void)
 {
     static const double axis[3] = {1, 0, 0};
@@ -571,8 +574,8 @@ static void test_a_length_is_averaged_over_placements(void)
     assert_joined(&r, 1);
 }
 
-/* Camera 2 shares much with camera 1 and one bad placement with camera 0; joined
- * after 1, its error is averaged down, not taken whole. */
+/* Camera 2 shares much with camera 1 and one bad placement with camera 0;
+ * joined after 1, its error is averaged down, not taken whole. */
 static void test_the_best_shared_camera_is_joined_first(void)
 {
     static const double axis[3] = {0, 0, 1};
@@ -645,14 +648,14 @@ static void test_arguments_of_the_join_are_checked(void)
     FILL(r.group);
     ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_rig_join(NULL, r.group, 2, r.views, 6,
                                                    r.work, r.weight));
-    ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_rig_join(r.joined, NULL, 2, r.views, 6,
-                                                   r.work, r.weight));
-    ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_rig_join(r.joined, r.group, 2, NULL, 6,
-                                                   r.work, r.weight));
-    ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_rig_join(r.joined, r.group, 2, r.views,
-                                                   6, NULL, r.weight));
-    ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_rig_join(r.joined, r.group, 2, r.views,
-                                                   6, r.work, NULL));
+    ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_rig_join(r.joined, NULL, 2, r.views,
+                                                   6, r.work, r.weight));
+    ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_rig_join(r.joined, r.group, 2, NULL,
+                                                   6, r.work, r.weight));
+    ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_rig_join(r.joined, r.group, 2,
+                                                   r.views, 6, NULL, r.weight));
+    ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_rig_join(r.joined, r.group, 2,
+                                                   r.views, 6, r.work, NULL));
     ASSERT_UNTOUCHED(r.joined);
     ASSERT_UNTOUCHED(r.group);
     r.n_cameras = 0;
@@ -690,7 +693,7 @@ static void test_arguments_of_the_join_are_checked(void)
     }
 }
 
-/* ---- placing the target ------------------------------------------------------------ */
+/* ---- placing the target -------------------------------------------------- */
 
 static rigcal_status place(rigcal_transform *out, rig *r, int32_t placement,
                            int32_t in_group)
@@ -772,11 +775,11 @@ static void test_arguments_of_the_placing_are_checked(void)
                    rigcal_rig_place(&seen, 0, 0, r.joined, r.group, 2, NULL, 2,
                                     r.work, r.weight));
     ASSERT_REFUSED(RIGCAL_ERR_NULL, seen,
-                   rigcal_rig_place(&seen, 0, 0, r.joined, r.group, 2, r.views, 2,
-                                    NULL, r.weight));
+                   rigcal_rig_place(&seen, 0, 0, r.joined, r.group, 2, r.views,
+                                    2, NULL, r.weight));
     ASSERT_REFUSED(RIGCAL_ERR_NULL, seen,
-                   rigcal_rig_place(&seen, 0, 0, r.joined, r.group, 2, r.views, 2,
-                                    r.work, NULL));
+                   rigcal_rig_place(&seen, 0, 0, r.joined, r.group, 2, r.views,
+                                    2, r.work, NULL));
     ASSERT_REFUSED(RIGCAL_ERR_TOO_FEW, seen, place(&seen, &r, 3, 0));
     ASSERT_REFUSED(RIGCAL_ERR_TOO_FEW, seen, place(&seen, &r, 0, 3));
     ASSERT_REFUSED(RIGCAL_ERR_RANGE, seen, place(&seen, &r, -1, 0));
@@ -797,7 +800,7 @@ static void test_arguments_of_the_placing_are_checked(void)
     }
 }
 
-/* ---- Section VI-C -------------------------------------------------------------------- */
+/* ---- Section VI-C -------------------------------------------------------- */
 
 static void test_the_bound_is_the_oracles_with_the_spectral_norm(void)
 {
@@ -853,7 +856,8 @@ static void test_the_bound_is_reached_on_paper(void)
 
     used.t[0] = RC(-1.5);
     used.t[1] = RC(3 * sqrt(0.75));
-    ASSERT_STATUS(RIGCAL_OK, rigcal_measurement_bound(&bound, &used, &truth, X));
+    ASSERT_STATUS(RIGCAL_OK,
+                  rigcal_measurement_bound(&bound, &used, &truth, X));
     ASSERT_NEAR(13, bound, TOL(1e-14, 5e-6));
     ASSERT_STATUS(RIGCAL_OK, rigcal_measurement_bound(&bound, &used, &used, X));
     ASSERT_NEAR(0, bound, TOL(1e-14, 1e-5));
@@ -877,11 +881,13 @@ static void test_arguments_of_the_bound_are_checked(void)
         rigcal_real odd[3] = {1, 2, 3};
 
         odd[k] = TEST_NAN;
-        ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, bound,
-                       rigcal_measurement_bound(&bound, &NOTHING, &NOTHING, odd));
+        ASSERT_REFUSED(
+            RIGCAL_ERR_NOT_FINITE, bound,
+            rigcal_measurement_bound(&bound, &NOTHING, &NOTHING, odd));
         odd[k] = RC(TOL(2e30, 2e9));
-        ASSERT_REFUSED(RIGCAL_ERR_RANGE, bound,
-                       rigcal_measurement_bound(&bound, &NOTHING, &NOTHING, odd));
+        ASSERT_REFUSED(
+            RIGCAL_ERR_RANGE, bound,
+            rigcal_measurement_bound(&bound, &NOTHING, &NOTHING, odd));
         bad.t[k] = TEST_INF;
         ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, bound,
                        rigcal_measurement_bound(&bound, &bad, &NOTHING, X));

@@ -102,7 +102,8 @@ static void test_gimbal_lock_gives_roll_as_zero(void)
         ASSERT_STATUS(RIGCAL_OK, rigcal_yaw_pitch_roll_from_rotation(ypr, R));
         ASSERT_ARRAY_NEAR(ROTATION_LOCK[i], ypr, 2, TOL_ENTRY);
         TEST_ASSERT_TRUE(ypr[2] == 0);
-        ASSERT_STATUS(RIGCAL_OK, rigcal_rotation_from_yaw_pitch_roll(back, ypr));
+        ASSERT_STATUS(RIGCAL_OK,
+                      rigcal_rotation_from_yaw_pitch_roll(back, ypr));
         assert_same_rotation(ROTATION_LOCK[i] + 3, back);
     }
 }
@@ -123,7 +124,8 @@ static void test_angles_near_gimbal_lock_still_make_the_same_matrix(void)
                       test_uniform(&rng, -3, 3));
         test_to_real(R, M, 9);
         ASSERT_STATUS(RIGCAL_OK, rigcal_yaw_pitch_roll_from_rotation(ypr, R));
-        ASSERT_STATUS(RIGCAL_OK, rigcal_rotation_from_yaw_pitch_roll(back, ypr));
+        ASSERT_STATUS(RIGCAL_OK,
+                      rigcal_rotation_from_yaw_pitch_roll(back, ypr));
         ASSERT_ARRAY_NEAR(M, back, 9, TOL_ENTRY);
     }
 }
@@ -154,7 +156,8 @@ static void test_angles_stay_within_their_ranges(void)
         test_to_real(R, M, 9);
         ASSERT_STATUS(RIGCAL_OK, rigcal_yaw_pitch_roll_from_rotation(ypr, R));
         TEST_ASSERT_TRUE(ypr[0] > RC(-TEST_PI) && ypr[0] <= RC(TEST_PI));
-        TEST_ASSERT_TRUE(ypr[1] >= RC(-TEST_PI / 2) && ypr[1] <= RC(TEST_PI / 2));
+        TEST_ASSERT_TRUE(ypr[1] >= RC(-TEST_PI / 2) &&
+                         ypr[1] <= RC(TEST_PI / 2));
         TEST_ASSERT_TRUE(ypr[2] > RC(-TEST_PI) && ypr[2] <= RC(TEST_PI));
     }
 }
@@ -246,13 +249,18 @@ static void test_no_rotation_vector_is_the_identity_and_back(void)
     }
 }
 
-/* R = 2 a a^T - I: the antisymmetric part, which gives the axis elsewhere, is 0.
- * Either sign of the axis is right. */
+/* R = 2 a a^T - I: the antisymmetric part, which gives the axis elsewhere,
+ * is 0. Either sign of the axis is right. */
 static void test_half_turns_about_any_axis_give_their_axis(void)
 {
     static const double axes[7][3] = {
-        {1, 0, 0},  {0, 1, 0},     {0, 0, 1},      {0.6, 0.8, 0},
-        {0, -0.6, 0.8}, {-0.8, 0, 0.6}, {2.0 / 3, -2.0 / 3, 1.0 / 3},
+        {1, 0, 0},
+        {0, 1, 0},
+        {0, 0, 1},
+        {0.6, 0.8, 0},
+        {0, -0.6, 0.8},
+        {-0.8, 0, 0.6},
+        {2.0 / 3, -2.0 / 3, 1.0 / 3},
     };
 
     for (int i = 0; i < 7; i++) {
@@ -298,8 +306,10 @@ static void test_nearly_half_turns_make_the_same_matrix_again(void)
 static void test_a_rotation_vector_beyond_the_limit_is_refused(void)
 {
     const double most = TOL(1e6, 1e3);
-    const rigcal_real far[3] = {RC(0.6 * most), RC(-0.6 * most), RC(0.6 * most)};
-    const rigcal_real near[3] = {RC(0.5 * most), RC(-0.5 * most), RC(0.5 * most)};
+    const rigcal_real far[3] = {RC(0.6 * most), RC(-0.6 * most),
+                                RC(0.6 * most)};
+    const rigcal_real near[3] = {RC(0.5 * most), RC(-0.5 * most),
+                                 RC(0.5 * most)};
     const rigcal_real huge[3] = {RC(TOL(1e300, 1e30)), 0, 0};
     rigcal_real R[9];
 
@@ -316,10 +326,8 @@ static void test_quaternions_of_quarter_and_half_turns_are_known(void)
     static const rigcal_real q[5][4] = {
         {3, 0, 0, 0}, {0, 2, 0, 0}, {1, 1, 0, 0}, {1, 0, 0, 1}, {0, 0, 0, -5}};
     static const double R_of_q[5][9] = {
-        {1, 0, 0, 0, 1, 0, 0, 0, 1},
-        {1, 0, 0, 0, -1, 0, 0, 0, -1},
-        {1, 0, 0, 0, 0, -1, 0, 1, 0},
-        {0, -1, 0, 1, 0, 0, 0, 0, 1},
+        {1, 0, 0, 0, 1, 0, 0, 0, 1},   {1, 0, 0, 0, -1, 0, 0, 0, -1},
+        {1, 0, 0, 0, 0, -1, 0, 1, 0},  {0, -1, 0, 1, 0, 0, 0, 0, 1},
         {-1, 0, 0, 0, -1, 0, 0, 0, 1},
     };
 
@@ -425,8 +433,8 @@ static void test_the_nearest_rotation_is_the_svds(void)
 
 static void test_the_nearest_to_a_scaled_rotation_is_that_rotation(void)
 {
-    const double scales[7] = {1,    1e-3,  1e3, TOL(1e-100, 1e-12),
-                              TOL(1e100, 1e12), 7,   0.3};
+    const double scales[7] = {
+        1, 1e-3, 1e3, TOL(1e-100, 1e-12), TOL(1e100, 1e12), 7, 0.3};
 
     for (int i = 0; i < 7; i++) {
         const double *R_true = ROTATION_YPR[20 + i] + 3;
@@ -448,7 +456,8 @@ static void test_a_singular_matrix_has_no_nearest_rotation(void)
     rigcal_real R[9];
 
     ASSERT_REFUSED(RIGCAL_ERR_ROTATION, R, rigcal_rotation_nearest(R, zero));
-    ASSERT_REFUSED(RIGCAL_ERR_ROTATION, R, rigcal_rotation_nearest(R, rank_two));
+    ASSERT_REFUSED(RIGCAL_ERR_ROTATION, R,
+                   rigcal_rotation_nearest(R, rank_two));
     ASSERT_REFUSED(RIGCAL_ERR_ROTATION, R, rigcal_rotation_nearest(R, flat));
 }
 
@@ -489,7 +498,8 @@ static void test_the_angle_between_rotations_is_what_was_turned(void)
          * unless the sine is used as well, as it should be. */
         ASSERT_NEAR(angle, there, TOL(2e-15, 1e-6));
         ASSERT_NEAR(there, back, TOL(1e-15, 5e-7));
-        TEST_ASSERT_TRUE(there >= 0 && D(there) <= TEST_PI * (1 + TOL(0, 1e-7)));
+        TEST_ASSERT_TRUE(there >= 0 &&
+                         D(there) <= TEST_PI * (1 + TOL(0, 1e-7)));
     }
 }
 
@@ -540,10 +550,12 @@ static void test_null_is_refused_in_every_place(void)
     ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_vector_from_rotation(NULL, IDENTITY));
     ASSERT_REFUSED(RIGCAL_ERR_NULL, v, rigcal_vector_from_rotation(v, NULL));
     ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_rotation_from_quaternion(NULL, q));
-    ASSERT_REFUSED(RIGCAL_ERR_NULL, R, rigcal_rotation_from_quaternion(R, NULL));
+    ASSERT_REFUSED(RIGCAL_ERR_NULL, R,
+                   rigcal_rotation_from_quaternion(R, NULL));
     ASSERT_STATUS(RIGCAL_ERR_NULL,
                   rigcal_quaternion_from_rotation(NULL, IDENTITY));
-    ASSERT_REFUSED(RIGCAL_ERR_NULL, p, rigcal_quaternion_from_rotation(p, NULL));
+    ASSERT_REFUSED(RIGCAL_ERR_NULL, p,
+                   rigcal_quaternion_from_rotation(p, NULL));
     ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_rotation_nearest(NULL, IDENTITY));
     ASSERT_REFUSED(RIGCAL_ERR_NULL, R, rigcal_rotation_nearest(R, NULL));
     ASSERT_STATUS(RIGCAL_ERR_NULL,
@@ -594,7 +606,8 @@ static void assert_not_taken_for_a_rotation(const rigcal_real M[9])
     ASSERT_REFUSED(RIGCAL_ERR_ROTATION, v,
                    rigcal_yaw_pitch_roll_from_rotation(v, M));
     ASSERT_REFUSED(RIGCAL_ERR_ROTATION, v, rigcal_vector_from_rotation(v, M));
-    ASSERT_REFUSED(RIGCAL_ERR_ROTATION, p, rigcal_quaternion_from_rotation(p, M));
+    ASSERT_REFUSED(RIGCAL_ERR_ROTATION, p,
+                   rigcal_quaternion_from_rotation(p, M));
     ASSERT_REFUSED(RIGCAL_ERR_ROTATION, angle,
                    rigcal_rotation_angle(&angle, M, IDENTITY));
     ASSERT_REFUSED(RIGCAL_ERR_ROTATION, angle,

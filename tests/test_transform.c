@@ -9,7 +9,8 @@
 #define TOL_ENTRY TOL(1e-14, 2e-6)
 #define TOL_LENGTH TOL(3e-14, 1e-5)
 
-static const rigcal_transform NOTHING = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
+static const rigcal_transform NOTHING = {{1, 0, 0, 0, 1, 0, 0, 0, 1},
+                                         {0, 0, 0}};
 
 /* A quarter turn x to y, then 10 along x: exact in any arithmetic. */
 static const rigcal_transform QUARTER = {{0, -1, 0, 1, 0, 0, 0, 0, 1},
@@ -91,8 +92,8 @@ static void test_the_inverse_of_a_known_transform(void)
     ASSERT_ARRAY_NEAR(t, back.t, 3, 0);
 }
 
-/* o = -R^T t: the camera's x is the world's -y, and it sees the world's origin 10
- * ahead on its x, so it stands at 10 on the world's y. */
+/* o = -R^T t: the camera's x is the world's -y, and it sees the world's
+ * origin 10 ahead on its x, so it stands at 10 on the world's y. */
 static void test_the_camera_centre_is_where_the_camera_is(void)
 {
     static const double expected[3] = {0, 10, 0};
@@ -106,7 +107,7 @@ static void test_the_camera_centre_is_where_the_camera_is(void)
     }
 }
 
-/* ---- against the oracle --------------------------------------------------- */
+/* ---- against the oracle -------------------------------------------------- */
 
 static void test_camera_to_camera_is_the_oracles(void)
 {
@@ -138,8 +139,8 @@ static void test_a_chain_takes_points_where_its_links_take_them(void)
         rigcal_transform c_from_a;
         rigcal_real X_b[3], X_c[3], X_once[3];
 
-        ASSERT_STATUS(RIGCAL_OK,
-                      rigcal_transform_compose(&c_from_a, &c_from_b, &b_from_a));
+        ASSERT_STATUS(RIGCAL_OK, rigcal_transform_compose(&c_from_a, &c_from_b,
+                                                          &b_from_a));
         ASSERT_STATUS(RIGCAL_OK, rigcal_transform_point(X_b, &b_from_a, X));
         ASSERT_STATUS(RIGCAL_OK, rigcal_transform_point(X_c, &c_from_b, X_b));
         ASSERT_STATUS(RIGCAL_OK, rigcal_transform_point(X_once, &c_from_a, X));
@@ -157,9 +158,11 @@ static void test_a_transform_and_its_inverse_cancel_either_way(void)
         rigcal_transform back, both, again;
 
         ASSERT_STATUS(RIGCAL_OK, rigcal_transform_invert(&back, &there));
-        ASSERT_STATUS(RIGCAL_OK, rigcal_transform_compose(&both, &back, &there));
+        ASSERT_STATUS(RIGCAL_OK,
+                      rigcal_transform_compose(&both, &back, &there));
         assert_same(&NOTHING, &both);
-        ASSERT_STATUS(RIGCAL_OK, rigcal_transform_compose(&both, &there, &back));
+        ASSERT_STATUS(RIGCAL_OK,
+                      rigcal_transform_compose(&both, &there, &back));
         assert_same(&NOTHING, &both);
         ASSERT_STATUS(RIGCAL_OK, rigcal_transform_invert(&again, &back));
         assert_same(&there, &again);
@@ -193,7 +196,8 @@ static void test_camera_to_camera_closes_round_a_loop(void)
 
         ASSERT_STATUS(RIGCAL_OK, rigcal_relative_pose(&next, &cams[(i + 1) % 6],
                                                       &cams[i]));
-        ASSERT_STATUS(RIGCAL_OK, rigcal_transform_compose(&loop, &next, &so_far));
+        ASSERT_STATUS(RIGCAL_OK,
+                      rigcal_transform_compose(&loop, &next, &so_far));
     }
     assert_same(&NOTHING, &loop);
 }
@@ -275,12 +279,16 @@ static void test_null_is_refused_in_every_place(void)
     ASSERT_REFUSED(RIGCAL_ERR_NULL, T, rigcal_transform_invert(&T, NULL));
     ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_transform_point(NULL, &QUARTER, X));
     ASSERT_REFUSED(RIGCAL_ERR_NULL, Y, rigcal_transform_point(Y, NULL, X));
-    ASSERT_REFUSED(RIGCAL_ERR_NULL, Y, rigcal_transform_point(Y, &QUARTER, NULL));
+    ASSERT_REFUSED(RIGCAL_ERR_NULL, Y,
+                   rigcal_transform_point(Y, &QUARTER, NULL));
     ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_camera_center(NULL, &QUARTER));
     ASSERT_REFUSED(RIGCAL_ERR_NULL, Y, rigcal_camera_center(Y, NULL));
-    ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_relative_pose(NULL, &QUARTER, &QUARTER));
-    ASSERT_REFUSED(RIGCAL_ERR_NULL, T, rigcal_relative_pose(&T, NULL, &QUARTER));
-    ASSERT_REFUSED(RIGCAL_ERR_NULL, T, rigcal_relative_pose(&T, &QUARTER, NULL));
+    ASSERT_STATUS(RIGCAL_ERR_NULL,
+                  rigcal_relative_pose(NULL, &QUARTER, &QUARTER));
+    ASSERT_REFUSED(RIGCAL_ERR_NULL, T,
+                   rigcal_relative_pose(&T, NULL, &QUARTER));
+    ASSERT_REFUSED(RIGCAL_ERR_NULL, T,
+                   rigcal_relative_pose(&T, &QUARTER, NULL));
 }
 
 static void assert_all_refuse(rigcal_status status, const rigcal_transform *bad)

@@ -99,7 +99,7 @@ void test_assert_untouched(const void *object, size_t size, const char *name,
     }
 }
 
-/* ---- random numbers ------------------------------------------------------- */
+/* ---- random numbers ------------------------------------------------------ */
 
 test_rng test_seed(uint64_t seed)
 {

@@ -1,8 +1,8 @@
 /* test_support.h - what the tests of every layer share.
  *
- * Expected values come from paper, from symmetry, from tests/vectors or from the
- * plain double-precision arithmetic below, which shares no code with the library
- * and stays double in a float build. Tolerances are doubles too.
+ * Expected values come from paper, from symmetry, from tests/vectors or from
+ * the plain double-precision arithmetic below, which shares no code with the
+ * library and stays double in a float build. Tolerances are doubles too.
  */
 #ifndef TEST_SUPPORT_H
 #define TEST_SUPPORT_H
@@ -19,7 +19,7 @@
  * double or of the float build. */
 #define RC(x) ((rigcal_real)(x))
 #define D(x) ((double)(x))
-#define TOL(in_double, in_float)                                               \
+#define TOL(in_double, in_float) \
     (RIGCAL_USE_FLOAT ? (double)(in_float) : (double)(in_double))
 
 #define TEST_PI 3.14159265358979323846
@@ -37,33 +37,33 @@ void test_to_double(double out[], const rigcal_real in[], size_t n);
 /* ---- assertions ---------------------------------------------------------- */
 
 /* Statuses, told by name when they differ. */
-#define ASSERT_STATUS(expected, actual)                                        \
+#define ASSERT_STATUS(expected, actual) \
     test_assert_status((expected), (actual), __LINE__)
 
 /* |actual - expected| <= tol, both finite: Unity's own comparison of doubles
  * holds for NaN against NaN, and prints too few digits. */
-#define ASSERT_NEAR(expected, actual, tol)                                     \
-    test_assert_near((double)(expected), (double)(actual), (double)(tol), -1,  \
+#define ASSERT_NEAR(expected, actual, tol) \
+    test_assert_near((double)(expected), (double)(actual), (double)(tol), -1, \
                      __LINE__)
 
 /* The same for n numbers: doubles expected, rigcal_reals seen. */
-#define ASSERT_ARRAY_NEAR(expected, actual, n, tol)                            \
-    test_assert_array_near((expected), (actual), (size_t)(n), (double)(tol),   \
+#define ASSERT_ARRAY_NEAR(expected, actual, n, tol) \
+    test_assert_array_near((expected), (actual), (size_t)(n), (double)(tol), \
                            __LINE__)
 
 /* Outputs that a failing call must leave alone: fill the object (a struct, a
  * number or an array, not a pointer) with a pattern, call, see that it is still
  * there. */
 #define FILL(object) test_fill(&(object), sizeof(object))
-#define ASSERT_UNTOUCHED(object)                                               \
+#define ASSERT_UNTOUCHED(object) \
     test_assert_untouched(&(object), sizeof(object), #object, __LINE__)
 
 /* All of it: `call` fails with `expected` and leaves `output` alone. */
-#define ASSERT_REFUSED(expected, output, call)                                 \
-    do {                                                                       \
-        FILL(output);                                                          \
-        ASSERT_STATUS(expected, call);                                         \
-        ASSERT_UNTOUCHED(output);                                              \
+#define ASSERT_REFUSED(expected, output, call) \
+    do { \
+        FILL(output); \
+        ASSERT_STATUS(expected, call); \
+        ASSERT_UNTOUCHED(output); \
     } while (0)
 
 void test_assert_status(rigcal_status expected, rigcal_status actual, int line);
@@ -75,7 +75,7 @@ void test_fill(void *object, size_t size);
 void test_assert_untouched(const void *object, size_t size, const char *name,
                            int line);
 
-/* ---- random numbers, the same on every machine (SplitMix64) --------------- */
+/* ---- random numbers, the same on every machine (SplitMix64) -------------- */
 
 typedef struct {
     uint64_t state;
@@ -86,7 +86,7 @@ uint64_t test_next(test_rng *rng);
 double test_uniform(test_rng *rng, double low, double high); /* [low, high) */
 double test_normal(test_rng *rng); /* mean 0, deviation 1: sum of 12 uniforms */
 
-/* ---- plain double-precision geometry -------------------------------------- */
+/* ---- plain double-precision geometry ------------------------------------- */
 
 /* R = Rz(yaw) Ry(pitch) Rx(roll), product of the three matrices. */
 void test_rotation(double R[9], double yaw, double pitch, double roll);
@@ -120,7 +120,7 @@ void test_project_px(double uv[2], const rigcal_camera *camera,
 rigcal_transform test_transform(const double R[9], const double t[3]);
 void test_transform_parts(double R[9], double t[3], const rigcal_transform *T);
 
-/* ---- a random camera before a random target ------------------------------- */
+/* ---- a random camera before a random target ------------------------------ */
 
 #define TEST_SCENE_MAX 64
 
@@ -130,14 +130,15 @@ typedef enum {
     TEST_SQUARE   /* planar, the first four nearly the corners of a square */
 } test_shape;
 
-/* The camera stands 3 to 10 sizes away, the target's middle up to 20 degrees off
- * its axis, any way up and seen from any side, though a planar one never within
- * 15 degrees of edge-on. */
+/* The camera stands 3 to 10 sizes away, the target's middle up to 20 degrees
+ * off its axis, any way up and seen from any side, though a planar one never
+ * within 15 degrees of edge-on. */
 typedef struct {
     int n;
-    double X[TEST_SCENE_MAX][3];  /* the target, of size 1, its origin within 2 */
-    double R[9], t[3];            /* cam_from_world */
-    double ypr[3];                /* of R */
+    double X[TEST_SCENE_MAX]
+            [3];       /* the target, of size 1, its origin within 2 */
+    double R[9], t[3]; /* cam_from_world */
+    double ypr[3];     /* of R */
     double xy[TEST_SCENE_MAX][2]; /* exact normalised image points */
     double Z[TEST_SCENE_MAX];     /* depths */
 } test_scene;

@@ -853,6 +853,65 @@ static void test_any_lens_gives_every_ray_before_its_turning_point(void)
     }
 }
 
+/* The least steepness on the way out to `share` of a place. Where it nearly
+ * vanishes a march in steps may have passed a turning point unseen. */
+static double least_steepness(const rigcal_camera *camera, polar at,
+                              double share)
+{
+    double least = 1;
+
+    for (int i = 0; i < 400; i++) {
+        polar there = at;
+        double here;
+
+        there.out = at.out * share * i / 400;
+        here = steepness(camera, there);
+        least = here < least ? here : least;
+    }
+    return least;
+}
+
+static void test_any_lens_projects_up_to_its_turning_point_and_not_beyond(void)
+{
+    const double within = TOL(1e-3, 1e-2);
+    const double shares[] = {0.3, 1 - within, 1 + within, 1.1, 1.5, 3, 10};
+    test_rng rng = test_seed(12);
+
+    for (int trial = 0; trial < 1000; trial++) {
+        const rigcal_camera camera = random_camera(&rng, trial % 4 == 0);
+
+        for (int i = 0; i < 4; i++) {
+            polar at = polar_at(0, test_uniform(&rng, -TEST_PI, TEST_PI));
+            /* Closer to 90 degrees the library may end a little early. */
+            const double far = camera.lens == BROWN ? 4 : TEST_PI;
+            const double end = turning_point(&camera, at, far);
+
+            for (int k = 0; k < 7; k++) {
+                double X[3];
+                rigcal_real X_c[3], uv[2];
+
+                at.out = end * shares[k];
+                if ((camera.lens == FISHEYE && at.out > 3.14) ||
+                    (camera.lens == BROWN && end >= far && shares[k] > 1) ||
+                    (shares[k] < 1 &&
+                     least_steepness(&camera, at, 0.97) < 0.01)) {
+                    continue;
+                }
+                ray_of(X, &camera, at);
+                test_to_real(X_c, X, 3);
+                if (rigcal_project(uv, &camera, X_c) !=
+                    (shares[k] < 1 ? RIGCAL_OK : RIGCAL_ERR_NO_RAY)) {
+                    char name[40];
+
+                    snprintf(name, sizeof name, "random lens %d", trial);
+                    fail_at(shares[k] < 1 ? "not projected" : "projected", name,
+                            at.out, shares[k]);
+                }
+            }
+        }
+    }
+}
+
 /* Without tangential distortion the image of a lens is a disc, whose radius the
  * march tells exactly. */
 static void test_a_radial_lens_has_rays_exactly_inside_its_circle(void)
@@ -1269,6 +1328,7 @@ int main(void)
     RUN_TEST(test_pixels_on_which_the_fixed_point_iteration_fails_have_a_ray);
     RUN_TEST(test_any_lens_gives_right_rays_only);
     RUN_TEST(test_any_lens_gives_every_ray_before_its_turning_point);
+    RUN_TEST(test_any_lens_projects_up_to_its_turning_point_and_not_beyond);
     RUN_TEST(test_a_radial_lens_has_rays_exactly_inside_its_circle);
     RUN_TEST(test_undistorted_pixels_are_those_of_the_pinhole_and_go_back);
     RUN_TEST(test_a_fisheye_ray_at_90_degrees_has_no_undistorted_pixel);

@@ -82,7 +82,8 @@ enum {
     RIGCAL_ERR_OUTSIDE = -18,    /* the line does not cross the image */
     RIGCAL_ERR_DEGENERATE = -19, /* equations singular: no unique answer */
     RIGCAL_ERR_NO_POSE = -20     /* no start led to a pose with every point in
-                                    front: wrong correspondences, or mirrored */
+                                    front: wrong correspondences or mirrored
+                                    coordinates; seldom a search that missed */
 };
 
 /* MAJOR * 10000 + MINOR * 100 + PATCH of the linked library. */
@@ -380,10 +381,10 @@ RIGCAL_API rigcal_status rigcal_pair_make(rigcal_pair *pair,
 /* Chooses pairs among n >= 3 sightings: all of them up to n = 9, else 4 n, every
  * point in about eight, spread by a fixed disorder so that runs repeat. Left out
  * are degenerate pairs and those whose rays lie closer than a sixth of the image
- * that the target fills, whose sine is mostly noise. The first two are the best
+ * that the target fills, whose sine is mostly noise. The first two are well
  * conditioned for the published elimination by two pairs. A capacity below
- * rigcal_pairs_for(n) bounds memory: fewer are chosen, still spread. A larger one
- * changes nothing. Time O(n).
+ * rigcal_pairs_for(n) bounds memory at some accuracy, with few points at much:
+ * fewer are chosen, still spread. A larger one changes nothing. Time O(n).
  *
  *   pairs     out   `capacity` entries, *n_pairs of them written; >= 3
  *   sightings in    n of them; every ray less than 90 degrees off the axis
@@ -428,7 +429,8 @@ typedef struct {
  *               squares, all are residuals: less noise in w for the same work
  *
  * OK, ERR_NULL, ERR_NOT_FINITE, ERR_RANGE, ERR_TOO_FEW, ERR_DEGENERATE (A
- * singular to rounding). Time O(n_pairs). */
+ * singular to rounding, by all pairs from cond(A) = 1e7 / 700 on; or c = s = 0).
+ * Time O(n_pairs). */
 RIGCAL_API rigcal_status rigcal_eliminate(rigcal_elimination *out,
                                           const rigcal_pair pairs[],
                                           size_t n_pairs, int32_t eliminating,
@@ -443,8 +445,8 @@ RIGCAL_API rigcal_status rigcal_three_angle_residual(rigcal_real *residual,
                                                      const rigcal_real ypr[3]);
 
 /* (10a), (10b), (16): t of cam_from_world for a known rotation. By pairs: t_z is
- * the average over the pairs of (10a) and (10b) (coordinates that hardly differ
- * are left out), t_x and t_y the average of (9) over the points.
+ * the average over the pairs of (10a) and (10b) (coordinates that differ by less
+ * than 1e-9 / 1e-4 are left out), t_x and t_y the average of (9) over the points.
  * OK, ERR_NULL, ERR_NOT_FINITE, ERR_RANGE, ERR_ROTATION, ERR_TOO_FEW (n < 2, no
  * pairs), ERR_WIDE_RAY, ERR_DEGENERATE (nothing left to average). */
 RIGCAL_API rigcal_status rigcal_translation_from_pairs(
@@ -470,7 +472,7 @@ typedef struct {
     int32_t eliminating; /* pairs that eliminate: 0 all (default), 2 as published */
     int32_t use_guess;   /* 1: from guess_ypr, a local search. 0 (default): from
                             a fixed grid of the two angles, no guess needed */
-    int32_t max_evals;   /* over all starts: 0 for 1000 with a guess, 2512
+    int32_t max_evals;   /* over all starts: 0 for 1000 with a guess, 3952
                             without; >= 1 with a guess, >= 192 without */
     int32_t reserved;    /* 0 */
     rigcal_real guess_ypr[3]; /* yaw, pitch, roll of cam_from_world; the
@@ -492,7 +494,7 @@ typedef struct {
     int32_t reserved;
 } rigcal_paper_pose;
 
-enum { RIGCAL_PAPER_SEEDS = 12 };
+enum { RIGCAL_PAPER_SEEDS = 24 };
 
 /* A search under way. Flat and copyable; its fields are internal. */
 typedef struct {
@@ -676,7 +678,8 @@ typedef struct {
 
 /* Puts n_cameras cameras into the frame of camera 0: from the poses to common
  * placements (17), (18), averaged over placements; a camera that shares none with
- * camera 0 is joined through others that do, the best-shared first.
+ * camera 0 is joined through others that do, the best-shared first. A placement
+ * counts by both its weights, w and W, as 1 / (1/w + 1/W).
  *
  *   cams_from_rig  out   n_cameras; the rig frame is camera 0's
  *   group          out   n_cameras; the number of the group a camera connects

@@ -5,7 +5,7 @@
  *
  * The method is a local search over an objective with kinks, so that a share of
  * all starts ends elsewhere. The shares asked for below are a few percent under
- * those measured over 200 scenes a kind; what is never allowed is a pose that is
+ * those measured over 500 scenes a kind; what is never allowed is a pose that is
  * reported and false: points behind, or an error in the image other than told. */
 #include <math.h>
 #include <string.h>
@@ -26,7 +26,11 @@ void tearDown(void)
 
 /* ---- scenes and searches ------------------------------------------------- */
 
-enum { N_MAX = TEST_SCENE_MAX, PAIRS_MAX = 4 * N_MAX };
+enum {
+    N_MAX = TEST_SCENE_MAX,
+    PAIRS_MAX = 4 * N_MAX,
+    EVALS_WITHOUT_GUESS = 3952 /* the default bound */
+};
 
 static rigcal_sighting sightings[N_MAX];
 static rigcal_pair pairs[PAIRS_MAX];
@@ -434,7 +438,7 @@ static int found_without_guess(int scenes, int n, test_shape shape,
             continue;
         }
         assert_honest(&pose, &scene);
-        TEST_ASSERT_TRUE(pose.starts >= 2 && pose.evals <= 2512);
+        TEST_ASSERT_TRUE(pose.starts >= 2 && pose.evals <= EVALS_WITHOUT_GUESS);
         found += is_right(&pose.cam_from_world, &scene);
     }
     return found;
@@ -442,22 +446,22 @@ static int found_without_guess(int scenes, int n, test_shape shape,
 
 static void test_general_points_need_no_guess(void)
 {
-    TEST_ASSERT_TRUE(found_without_guess(150, 4, TEST_GENERAL, 0, 1) >= 140);
-    TEST_ASSERT_TRUE(found_without_guess(200, 6, TEST_GENERAL, 0, 2) >= 197);
-    TEST_ASSERT_TRUE(found_without_guess(100, 8, TEST_GENERAL, 0, 3) >= 98);
+    TEST_ASSERT_TRUE(found_without_guess(150, 4, TEST_GENERAL, 0, 1) >= 144);
+    TEST_ASSERT_TRUE(found_without_guess(200, 6, TEST_GENERAL, 0, 2) >= 198);
+    TEST_ASSERT_TRUE(found_without_guess(100, 8, TEST_GENERAL, 0, 3) >= 99);
     TEST_ASSERT_TRUE(found_without_guess(40, 20, TEST_GENERAL, 0, 4) >= 39);
     TEST_ASSERT_TRUE(found_without_guess(20, 50, TEST_GENERAL, 0, 5) >= 19);
-    TEST_ASSERT_TRUE(found_without_guess(100, 6, TEST_GENERAL, 2, 6) >= 96);
+    TEST_ASSERT_TRUE(found_without_guess(100, 6, TEST_GENERAL, 2, 6) >= 97);
 }
 
 static void test_points_in_a_plane_need_no_guess(void)
 {
-    TEST_ASSERT_TRUE(found_without_guess(100, 4, TEST_SQUARE, 0, 10) >= 80);
-    TEST_ASSERT_TRUE(found_without_guess(100, 4, TEST_PLANAR, 0, 11) >= 80);
-    TEST_ASSERT_TRUE(found_without_guess(200, 6, TEST_PLANAR, 0, 12) >= 184);
-    TEST_ASSERT_TRUE(found_without_guess(100, 8, TEST_PLANAR, 0, 13) >= 94);
+    TEST_ASSERT_TRUE(found_without_guess(100, 4, TEST_SQUARE, 0, 10) >= 95);
+    TEST_ASSERT_TRUE(found_without_guess(100, 4, TEST_PLANAR, 0, 11) >= 86);
+    TEST_ASSERT_TRUE(found_without_guess(200, 6, TEST_PLANAR, 0, 12) >= 191);
+    TEST_ASSERT_TRUE(found_without_guess(100, 8, TEST_PLANAR, 0, 13) >= 97);
     TEST_ASSERT_TRUE(found_without_guess(40, 20, TEST_PLANAR, 0, 14) >= 38);
-    TEST_ASSERT_TRUE(found_without_guess(100, 6, TEST_PLANAR, 2, 15) >= 82);
+    TEST_ASSERT_TRUE(found_without_guess(100, 6, TEST_PLANAR, 2, 15) >= 91);
 }
 
 /* ---- what is reported ----------------------------------------------------- */
@@ -555,6 +559,90 @@ static void test_the_best_conditioned_angle_is_the_one_eliminated(void)
             chosen = e == pose.eliminated ? condition : chosen;
         }
         TEST_ASSERT_TRUE(chosen <= least * 1.02);
+    }
+}
+
+static void test_without_a_guess_the_angle_eliminated_is_the_one_asked_for(void)
+{
+    test_rng rng = test_seed(34);
+
+    for (int trial = 0; trial < 24; trial++) {
+        const int eliminate = trial % 4;
+        const rigcal_paper_options o =
+            options_of(2, eliminate, trial % 8 < 4 ? 0 : 2);
+        double least = 1e300, chosen = 0, ypr[3];
+        rigcal_paper_pose pose;
+        test_scene scene;
+
+        scene_random(&scene, &rng, 8, TEST_GENERAL);
+        see(&scene);
+        if (solve(&pose, &scene, &o) != RIGCAL_OK) {
+            continue;
+        }
+        if (eliminate != RIGCAL_BEST_CONDITIONED) {
+            TEST_ASSERT_EQUAL_INT32(eliminate, pose.eliminated);
+            continue;
+        }
+        test_to_double(ypr, pose.ypr, 3);
+        for (int e = RIGCAL_YAW; e <= RIGCAL_ROLL; e++) {
+            const double condition = objective_at(&o, e, ypr).condition;
+
+            least = condition < least ? condition : least;
+            chosen = e == pose.eliminated ? condition : chosen;
+        }
+        TEST_ASSERT_TRUE(chosen <= least * 1.02);
+    }
+}
+
+static void test_the_defaults_are_those_of_the_header(void)
+{
+    rigcal_paper_options o, spelled;
+    rigcal_paper_pose by_default, by_null, by_hand;
+    test_rng rng = test_seed(35);
+    test_scene scene;
+
+    memset(&o, 0x5a, sizeof o);
+    ASSERT_STATUS(RIGCAL_OK, rigcal_paper_defaults(&o));
+    TEST_ASSERT_EQUAL_INT32(2, o.angles);
+    TEST_ASSERT_EQUAL_INT32(RIGCAL_BEST_CONDITIONED, o.eliminate);
+    TEST_ASSERT_EQUAL_INT32(0, o.eliminating);
+    TEST_ASSERT_EQUAL_INT32(0, o.use_guess);
+    TEST_ASSERT_EQUAL_INT32(0, o.reserved);
+
+    spelled = o;
+    spelled.max_evals = EVALS_WITHOUT_GUESS;
+    spelled.xtol = RC(TOL(1e-10, 1e-5));
+    spelled.ftol = RC(TOL(1e-10, 1e-5));
+    scene_random(&scene, &rng, 8, TEST_GENERAL);
+    add_noise(&scene, &rng, 1e-3);
+    see(&scene);
+    ASSERT_STATUS(RIGCAL_OK, solve(&by_default, &scene, &o));
+    ASSERT_STATUS(RIGCAL_OK, solve(&by_null, &scene, NULL));
+    ASSERT_STATUS(RIGCAL_OK, solve(&by_hand, &scene, &spelled));
+    TEST_ASSERT_EQUAL_MEMORY(&by_default, &by_null, sizeof by_default);
+    TEST_ASSERT_EQUAL_MEMORY(&by_default, &by_hand, sizeof by_default);
+}
+
+static void test_looser_tolerances_end_sooner(void)
+{
+    static const double tolerances[4] = {1e-2, 1e-3, 1e-4, 1e-5};
+    rigcal_paper_options o = options_of(2, RIGCAL_PITCH, 0);
+    int32_t evals = 0;
+    test_scene scene;
+
+    box_scene(&scene, 8);
+    see(&scene);
+    o.use_guess = 1;
+    for (int k = 0; k < 3; k++) {
+        o.guess_ypr[k] = RC(scene.ypr[k] + 0.1);
+    }
+    for (int i = 0; i < 4; i++) {
+        rigcal_paper_pose pose;
+
+        o.xtol = o.ftol = RC(tolerances[i]);
+        ASSERT_STATUS(RIGCAL_OK, solve(&pose, &scene, &o));
+        TEST_ASSERT_TRUE(pose.evals > evals);
+        evals = pose.evals;
     }
 }
 
@@ -738,7 +826,8 @@ static void test_without_a_guess_the_evaluations_stay_within_their_bound(void)
 
     test_scene_random(&scene, &rng, 8, TEST_GENERAL);
     see(&scene);
-    for (int32_t max_evals = 192; max_evals <= 2512; max_evals += 145) {
+    for (int32_t max_evals = 192; max_evals <= EVALS_WITHOUT_GUESS;
+         max_evals += 235) {
         rigcal_paper_options o = options_of(2, RIGCAL_BEST_CONDITIONED, 0);
         rigcal_paper_pose pose;
         rigcal_status status;
@@ -1119,6 +1208,9 @@ int main(void)
     RUN_TEST(test_residual_and_condition_are_those_of_the_answer);
     RUN_TEST(test_the_answer_is_a_minimum_of_the_objective);
     RUN_TEST(test_the_best_conditioned_angle_is_the_one_eliminated);
+    RUN_TEST(test_without_a_guess_the_angle_eliminated_is_the_one_asked_for);
+    RUN_TEST(test_the_defaults_are_those_of_the_header);
+    RUN_TEST(test_looser_tolerances_end_sooner);
     RUN_TEST(test_the_mirror_solution_is_told_and_never_returned);
     RUN_TEST(test_no_guess_however_wrong_leads_behind_the_camera);
     RUN_TEST(test_the_same_bits_come_out_whatever_the_budgets);

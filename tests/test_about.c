@@ -42,9 +42,9 @@ typedef struct {
     const char *name;
 } status_name;
 
-#define STATUS(name)                                                           \
-    {                                                                          \
-        name, #name                                                            \
+#define STATUS(name) \
+    { \
+        name, #name \
     }
 static const status_name STATUSES[] = {
     STATUS(RIGCAL_OK),
@@ -131,14 +131,14 @@ static void test_a_number_that_is_no_status_is_an_unknown_status(void)
 /* ---- layout -------------------------------------------------------------- */
 
 /* Every struct of rigcal.h, each followed by its fields in their order. */
-#define STRUCT(type)                                                           \
-    {                                                                          \
-#type, 0, (int32_t)sizeof(type)                                        \
+#define STRUCT(type) \
+    { \
+#type, 0, (int32_t)sizeof(type) \
     }
-#define FIELD(type, field)                                                     \
-    {                                                                          \
-#type "." #field, (int32_t)offsetof(type, field),                      \
-            (int32_t)sizeof(((type *)0)->field)                                \
+#define FIELD(type, field) \
+    { \
+#type "." #field, (int32_t)offsetof(type, field), \
+            (int32_t)sizeof(((type *)0)->field) \
     }
 static const rigcal_layout_entry EXPECTED[] = {
     STRUCT(rigcal_layout_entry),
@@ -296,8 +296,9 @@ static void test_every_struct_and_field_of_the_header_is_told_once(void)
     TEST_ASSERT_EQUAL_INT32(N_EXPECTED, rigcal_layout_count());
 }
 
-/* A struct that gains a field, which EXPECTED does not know, shows here: a gap
- * before a field, or at the struct's end, is never as large as the alignment. */
+/* A struct that gains a field, which EXPECTED does not know, shows here: a
+ * gap before a field, or at the struct's end, is never as large as the
+ * alignment. */
 static void test_the_fields_follow_their_struct_in_order_without_overlap(void)
 {
     const int32_t widest =

@@ -1,8 +1,8 @@
-/* camera: pixels, rays and the lenses between them. The truth is made here, in
- * doubles: the lens formulas of rigcal.h (tests/support), their derivatives, and
- * a march along straight lines from the optical axis that finds where a lens
- * turns back. So every answer of rigcal_pixel_to_ray is held against a lens that
- * is known on both sides of its fold. */
+/* camera: pixels, rays and the lenses between them. The truth is made here,
+ * in doubles: the lens formulas of rigcal.h (tests/support), their
+ * derivatives, and a march along straight lines from the optical axis that
+ * finds where a lens turns back. So every answer of rigcal_pixel_to_ray is
+ * held against a lens that is known on both sides of its fold. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -169,9 +169,9 @@ static polar polar_of(const rigcal_camera *camera, const double X_c[3])
     return at;
 }
 
-/* The eigenvalues of the derivative of (xd, yd), which is symmetric, the smaller
- * first: by (x, y) for Brown, by the angle along and across for a fisheye. Beyond
- * a pole -1. */
+/* The eigenvalues of the derivative of (xd, yd), which is symmetric, the
+ * smaller first: by (x, y) for Brown, by the angle along and across for a
+ * fisheye. Beyond a pole -1. */
 static void slopes(double least_most[2], const rigcal_camera *c, polar at)
 {
     const double k1 = D(c->k1), k2 = D(c->k2), k3 = D(c->k3);
@@ -251,8 +251,8 @@ static int is_pole(const rigcal_camera *c, polar at)
            1 + q * (D(c->k4) + q * (D(c->k5) + q * D(c->k6))) < 1e-6;
 }
 
-/* The image of all that a lens serves, as a polygon: of the turning points, each
- * `share` of the way out. */
+/* The image of all that a lens serves, as a polygon: of the turning points,
+ * each `share` of the way out. */
 enum { N_WAYS = 360 };
 #define CHORD 0.1 /* pixels by which the polygon may miss a round rim */
 
@@ -323,8 +323,8 @@ static double angle_tolerance(const rigcal_camera *camera, polar at)
            TOL(1e-15, 1e-6);
 }
 
-/* How far a projection may be off [px]: PX, or what rounding the ray itself makes
- * of it where a lens magnifies absurdly, as next to a pole. */
+/* How far a projection may be off [px]: PX, or what rounding the ray itself
+ * makes of it where a lens magnifies absurdly, as next to a pole. */
 static double pixel_tolerance(const rigcal_camera *camera, polar at)
 {
     const double wide = camera->lens == FISHEYE ? 1 : 1 + at.out * at.out;
@@ -423,8 +423,8 @@ static void test_points_are_projected_by_the_formulas_of_the_header(void)
     }
 }
 
-/* The derivative that triangulation goes by, against differences of the formulas
- * in doubles. */
+/* The derivative that triangulation goes by, against differences of the
+ * formulas in doubles. */
 static void test_the_derivative_of_a_pixel_is_that_of_the_formulas(void)
 {
     test_rng rng = test_seed(2);

@@ -1,10 +1,10 @@
 /* hostile: every public function against arguments that no sane caller passes.
  *
- * One line of FUNCTIONS describes a function: its arguments with a valid value of
- * each, what it then returns, and the statuses that its manual names. From that
- * line alone the test makes
+ * One line of FUNCTIONS describes a function: its arguments with a valid value
+ * of each, what it then returns, and the statuses that its manual names. From
+ * that line alone the test makes
  *
- *   NULL for each pointer         ERR_NULL, or the usual answer where NULL may be
+ *   NULL for each pointer         ERR_NULL; the usual answer where it may be
  *   NaN and infinities            ERR_NOT_FINITE, in each number in turn
  *   zero, denormal, tiny, huge,   a status the manual names and, where it says
  *   negated, one and all numbers  that the outputs are usable, finite outputs
@@ -157,7 +157,8 @@ static void build_target(void)
         static const double up[3] = {0, 1, 0};
         double turn[9], R[9], t[3], aim[3];
 
-        /* The second camera: the first carried round the target's first point. */
+        /* The second camera: the first carried round the target's first
+         * point. */
         test_rotation_about(turn, up, 0.3);
         test_product(R, turn, scene.R);
         test_apply(aim, scene.R, scene.X[0], scene.t);

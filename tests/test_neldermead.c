@@ -1,7 +1,7 @@
-/* neldermead: the simplex search against SciPy's, run by run and point by point
- * (tests/vectors), against a plain transcription of Lagarias et al. (1998) below
- * for simplexes and functions of any kind, and against what rigcal.h says of
- * budgets, of costs that are no numbers and of states. */
+/* neldermead: the simplex search against SciPy's, run by run and point by
+ * point (tests/vectors), against a plain transcription of Lagarias et al.
+ * (1998) below for simplexes and functions of any kind, and against what
+ * rigcal.h says of budgets, of costs that are no numbers and of states. */
 #include <math.h>
 #include <string.h>
 
@@ -58,7 +58,8 @@ static rigcal_real quartic(void *context, const rigcal_real x[])
 static const rigcal_cost CLASSICAL[] = {rosenbrock, powell, himmelblau,
                                         quartic};
 
-/* A crooked bowl over its least value: sum a_i (x_i - b_i)^2 + 0.3 (x_i - b_i)(x_j - b_j) + 0.1 |..|,
+/* A crooked bowl over its least value, e = x - b:
+ *     least + sum a_i e_i^2 + 0.3 sum e_i e_(i-1)
  * and places that are no numbers: where x_0 < wall the cost is `beyond`. */
 typedef struct {
     int k;
@@ -415,8 +416,8 @@ static void test_any_simplex_follows_the_published_rules(void)
     }
 }
 
-/* The simplex (0, 0), (1, 0), (0, 1) with costs 0, 1, 2; what is asked after the
- * costs given, in the order of SciPy's comparisons. */
+/* The simplex (0, 0), (1, 0), (0, 1) with costs 0, 1, 2; what is asked after
+ * the costs given, in the order of SciPy's comparisons. */
 static void assert_asked(double x, double y, int n, const double costs[])
 {
     static const rigcal_real simplex[6] = {0, 0, 1, 0, 0, 1};
@@ -454,7 +455,8 @@ static void test_equal_costs_are_judged_as_scipy_judges_them(void)
     /* An expansion only as good as the reflection is not taken. */
     assert_asked(0, -1, 2, expanded_equal);
     assert_asked(0.5, -2, 2, expanded);
-    /* An outer contraction as good as the reflection is, a worse one shrinks. */
+    /* An outer contraction as good as the reflection is, a worse one
+     * shrinks. */
     assert_asked(0.25, 0.5, 2, outside_equal);
     assert_asked(0.5, 0, 2, outside_worse);
     /* An inner contraction only as good as the worst shrinks. */

@@ -3,10 +3,11 @@
  * condition number and the errors in the image are computed again here, in
  * doubles, from the formulas of EQUATIONS.md.
  *
- * The method is a local search over an objective with kinks, so that a share of
- * all starts ends elsewhere. The shares asked for below are a few percent under
- * those measured over 500 scenes a kind; what is never allowed is a pose that is
- * reported and false: points behind, or an error in the image other than told. */
+ * The method is a local search over an objective with kinks, so that a share
+ * of all starts ends elsewhere. The shares asked for below are a few percent
+ * under those measured over 500 scenes a kind; what is never allowed is a
+ * pose that is reported and false: points behind, or an error in the image
+ * other than told. */
 #include <math.h>
 #include <string.h>
 
@@ -154,7 +155,7 @@ static void assert_honest(const rigcal_paper_pose *pose,
     ASSERT_NEAR(error, pose->rms, TOL(1e-13, 1e-5) + 1e-6 * error);
 }
 
-/* ---- the objective, computed again ---------------------------------------- */
+/* ---- the objective, computed again --------------------------------------- */
 
 /* p, q, k of (14): what is left of normal . R offset when two angles are fixed
  * and the third stays open. */
@@ -464,7 +465,7 @@ static void test_points_in_a_plane_need_no_guess(void)
     TEST_ASSERT_TRUE(found_without_guess(100, 6, TEST_PLANAR, 2, 15) >= 91);
 }
 
-/* ---- what is reported ----------------------------------------------------- */
+/* ---- what is reported ---------------------------------------------------- */
 
 static void test_residual_and_condition_are_those_of_the_answer(void)
 {
@@ -646,7 +647,7 @@ static void test_looser_tolerances_end_sooner(void)
     }
 }
 
-/* ---- in front of the camera ----------------------------------------------- */
+/* ---- in front of the camera ---------------------------------------------- */
 
 /* A plane target turned half about its normal fulfils every equation, with the
  * camera on the other side. */
@@ -906,7 +907,7 @@ static void test_the_length_of_a_ray_does_not_matter(void)
     TEST_ASSERT_TRUE(is_right(&pose.cam_from_world, &scene));
 }
 
-/* ---- one call from pixels to pose ----------------------------------------- */
+/* ---- one call from pixels to pose ---------------------------------------- */
 
 static rigcal_camera distorting_camera(int which)
 {
@@ -1046,7 +1047,7 @@ static void test_few_pairs_are_enough_where_memory_is_short(void)
     TEST_ASSERT_TRUE(right >= 17);
 }
 
-/* ---- targets that fix no pose --------------------------------------------- */
+/* ---- targets that fix no pose -------------------------------------------- */
 
 static rigcal_status solve_points(test_scene *scene, size_t capacity)
 {
@@ -1167,8 +1168,8 @@ static void test_three_angles_are_not_searched_without_a_guess(void)
     ASSERT_REFUSED(RIGCAL_ERR_RANGE, pose, solve(&pose, &scene, &o));
 }
 
-/* A target and its mirror image give no rays in common: the best fit is far off,
- * or there is none. */
+/* A target and its mirror image give no rays in common: the best fit is far
+ * off, or there is none. */
 static void test_a_mirrored_target_does_not_fit(void)
 {
     test_rng rng = test_seed(81);

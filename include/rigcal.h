@@ -241,7 +241,8 @@ RIGCAL_API rigcal_status rigcal_project(rigcal_real uv[2],
                                         const rigcal_real X_c[3]);
 
 /* Unit ray imaged at a pixel: its projection is that pixel to 1e-9 px / 2e-3 px
- * (in an image of up to 4000 px), or ERR_NO_RAY. A damped Newton iteration from
+ * (in an image of up to 4000 px; in float times the lens's magnification, where
+ * that is above 1), or ERR_NO_RAY. A damped Newton iteration from
  * the axis, then a proof that the straight path to the answer does not cross the
  * turning point; at most 127 Newton solves of 60 steps, usually one of 3 to 6. */
 RIGCAL_API rigcal_status rigcal_pixel_to_ray(rigcal_real ray[3],
@@ -525,7 +526,7 @@ RIGCAL_API rigcal_status rigcal_paper_begin(rigcal_paper_solver *solver,
 /* Spends at most `budget` >= 1 evaluations, each O(n_pairs) and, once a start
  * has converged, O(n). RUNNING: call again. OK, BUDGET_SPENT: ask for the
  * result. The same bits come out whatever the budgets. ERR_NULL, ERR_RANGE,
- * ERR_STATE; when it ends without a pose, ERR_NO_POSE. */
+ * ERR_STATE; when it ends without a pose, ERR_NO_POSE or ERR_BEHIND. */
 RIGCAL_API rigcal_status rigcal_paper_step(rigcal_paper_solver *solver,
                                            int32_t budget);
 

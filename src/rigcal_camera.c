@@ -117,7 +117,7 @@ static int is_positive_definite(const rigcal_real J[3])
 
 /* ---- the usable part of the lens ----------------------------------------- */
 
-enum { SLOPE_DEGREE = 6, WALK_MAX = 256 };
+enum { SLOPE_DEGREE = 6, WALK_MAX = 1024 };
 
 /* Lower and upper bound of a polynomial on [a, a + h]: the least and the greatest
  * of its Bernstein coefficients there (Farouki 2012). Their distance from the

@@ -13,7 +13,7 @@
 typedef struct {
     rigcal_real N[5], D[4]; /* ascending powers of s */
     rigcal_real q[2];
-    int32_t is_fisheye;
+    int32_t is_fisheye, is_pinhole;
 } rc_lens;
 
 /* OK, ERR_NULL, ERR_NOT_FINITE or ERR_CAMERA. */
@@ -34,6 +34,13 @@ int rc_lens_is_usable(const rc_lens *lens, const rigcal_real x[2]);
 rigcal_status rc_project(rigcal_real uv[2], rigcal_real J_uv[6],
                          const rigcal_camera *camera,
                          const rigcal_real X_c[3]);
+
+/* The same with the lens prepared, for those who project many points. X_c is of
+ * moderate size. */
+rigcal_status rc_project_through(rigcal_real uv[2], rigcal_real J_uv[6],
+                                 const rc_lens *lens,
+                                 const rigcal_camera *camera,
+                                 const rigcal_real X_c[3]);
 
 /* Unit ray of a pixel, camera and pixel already checked: OK or ERR_NO_RAY. */
 rigcal_status rc_pixel_to_ray(rigcal_real ray[3], const rigcal_camera *camera,

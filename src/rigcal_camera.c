@@ -70,6 +70,9 @@ void rc_lens_of(rc_lens *lens, const rigcal_camera *camera)
     lens->D[3] = c->k6;
     lens->q[0] = c->p2;
     lens->q[1] = c->p1;
+    const rigcal_real k[8] = {c->k1, c->k2, c->p1, c->p2,
+                              c->k3, c->k4, c->k5, c->k6};
+    lens->is_pinhole = !lens->is_fisheye && rc_all_within(k, 8, 0);
 }
 
 /* Value and derivative of a polynomial of ascending powers. */
@@ -389,6 +392,52 @@ static rigcal_status point_to_plane(rigcal_real x[2], rigcal_real dx[6],
         }
     }
     return status;
+}
+
+/* The common case, a lens without distortion, costs nothing but the division. */
+static rigcal_status project_pinhole(rigcal_real uv[2], rigcal_real J_uv[6],
+                                     const rigcal_camera *camera,
+                                     const rigcal_real X_c[3])
+{
+    if (!(X_c[2] > 0)) {
+        return RIGCAL_ERR_BEHIND;
+    }
+    const rigcal_real by_Z = 1 / X_c[2];
+    const rigcal_real x = X_c[0] * by_Z, y = X_c[1] * by_Z;
+    uv[0] = camera->fx * x + camera->cx;
+    uv[1] = camera->fy * y + camera->cy;
+    J_uv[0] = camera->fx * by_Z;
+    J_uv[1] = 0;
+    J_uv[2] = -J_uv[0] * x;
+    J_uv[3] = 0;
+    J_uv[4] = camera->fy * by_Z;
+    J_uv[5] = -J_uv[4] * y;
+    return RIGCAL_OK;
+}
+
+rigcal_status rc_project_through(rigcal_real uv[2], rigcal_real J_uv[6],
+                                 const rc_lens *lens,
+                                 const rigcal_camera *camera,
+                                 const rigcal_real X_c[3])
+{
+    if (lens->is_pinhole) {
+        return project_pinhole(uv, J_uv, camera, X_c);
+    }
+    rigcal_real x[2], dx[6], F[2], J[3];
+    const rigcal_status status = point_to_plane(x, dx, camera, X_c);
+    if (status != RIGCAL_OK) {
+        return status;
+    }
+    if (!rc_lens_map(F, J, lens, x) || !rc_all_finite(F, 2)) {
+        return RIGCAL_ERR_NO_RAY;
+    }
+    uv[0] = camera->fx * F[0] + camera->cx;
+    uv[1] = camera->fy * F[1] + camera->cy;
+    for (int j = 0; j < 3; j++) {
+        J_uv[j] = camera->fx * (J[0] * dx[j] + J[1] * dx[3 + j]);
+        J_uv[3 + j] = camera->fy * (J[1] * dx[j] + J[2] * dx[3 + j]);
+    }
+    return RIGCAL_OK;
 }
 
 /* Also gives the lens and the place x in its plane, for those who go on. */

@@ -1,4 +1,4 @@
-#include "rc_pose.h"
+#include "rc_paper.h"
 
 /* The fixed grid of the two angles: nodes 30 degrees apart, off the axes. Seeds
  * are its best nodes; a simplex of two thirds of a cell starts at each. */

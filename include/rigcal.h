@@ -52,6 +52,8 @@ enum {
     RIGCAL_RUNNING = 1,      /* a stepwise solver wants another step */
     RIGCAL_BUDGET_SPENT = 2, /* evaluations ran out first; best found so far */
     RIGCAL_DISCONNECTED = 3, /* some cameras share no placement with the first */
+    RIGCAL_AMBIGUOUS = 4,    /* another pose fits nearly as well */
+    RIGCAL_POOR_FIT = 5,     /* the error is too large for the noise stated */
 
     /* The arguments. */
     RIGCAL_ERR_NULL = -1,       /* a pointer that must not be NULL is */
@@ -461,7 +463,7 @@ RIGCAL_API rigcal_status rigcal_translation_least_squares(
     rigcal_real t[3], const rigcal_real R[9], const rigcal_sighting sightings[],
     size_t n);
 
-/* ==== pose ================================================================
+/* ==== paper ===============================================================
  *
  * Where one camera is, by the published procedure: Nelder-Mead over two angles
  * with the third eliminated (14), (15), or over three (5), (6); translation by
@@ -544,22 +546,135 @@ RIGCAL_API rigcal_status rigcal_paper_solve(rigcal_paper_pose *pose,
                                             size_t n_pairs,
                                             const rigcal_paper_options *options);
 
-/* One camera's pose from n >= 3 observations and nothing else: rays, pairs, a
- * search from the fixed grid, reprojection error.
+/* ==== pose ================================================================
  *
- *   cam_from_world  out
- *   rms_px          out  reprojection error, root mean square a point; NULL: no
- *   bad             out  on failure the observation at fault, or -1; NULL: no
- *   sightings       work n entries
- *   pairs           work `capacity` entries, rigcal_pairs_for(n) for the best
- *                        accuracy, at least 3
+ * One camera's pose from n >= 4 observations and nothing else: no guess. The
+ * direction of the optical axis is searched on the whole sphere, yaw and
+ * translation being eliminated together (EQUATIONS.md A); each optimum is then
+ * refined to the maximum-likelihood pose, the least squares of the reprojection
+ * error in pixels through the full lens model (B).
  *
- * Every status of the functions above. */
+ * A flat target seen from afar has two optima that fit nearly alike (C): all that
+ * were found are returned, best first, and the status tells when the first is not
+ * sure. */
+enum { RIGCAL_POSES_MAX = 4, RIGCAL_POSE_SEEDS = 9 };
+
+typedef struct {
+    rigcal_transform cam_from_world;
+    rigcal_real sse;         /* sum of |du|^2 / sigma_i^2 over the points; px^2
+                                where no sigma is given */
+    rigcal_real rms_px;      /* reprojection error: root mean square a point */
+    rigcal_real probability; /* that this is the right one of those found, for
+                                normal noise; they sum to 1 */
+} rigcal_pose;
+
+typedef struct {
+    int32_t thorough;  /* 1: four times the directions, twice the seeds: fewer
+                          misses still. 0 (default) */
+    int32_t use_start; /* 1: `start` is a previous pose, and the only seed unless
+                          it proves bad; only the optimum near it is returned.
+                          0 (default) */
+    rigcal_real sigma_px; /* noise of one coordinate of a pixel (times sigma_i
+                             where those are given), when known: then the fit is
+                             judged by it. 0 (default): estimated from the
+                             residuals, at least 0.01 px */
+    rigcal_transform start;
+} rigcal_pose_options;
+
+/* Internal: sums over the points from which the cost of a direction follows. */
+typedef struct {
+    rigcal_real weight, u_mean[2], V_mean[2][3], S, h[3], Q[6], C[6], G[2][6];
+} rigcal_view_moments;
+
+/* Internal: a refinement under way. */
+typedef struct {
+    rigcal_transform cam_from_points;
+    rigcal_real H[21], g[6], sse, lambda;
+    int32_t evals, status;
+} rigcal_refinement;
+
+/* A search under way. Flat and copyable; its fields are internal. */
+typedef struct {
+    const rigcal_camera *camera;
+    const rigcal_observation *observations;
+    const rigcal_real *sigma;
+    size_t n;
+    rigcal_pose_options options;
+    rigcal_real origin[3], virtual_from_cam[9];
+    rigcal_view_moments moments;
+    rigcal_real seed[RIGCAL_POSE_SEEDS][4];
+    rigcal_neldermead nm;
+    rigcal_refinement fit;
+    rigcal_pose found[RIGCAL_POSES_MAX];
+    int32_t phase, next, n_seeds, n_found, evals, is_flat;
+} rigcal_pose_solver;
+
+/* All defaults. OK, ERR_NULL. */
+RIGCAL_API rigcal_status rigcal_pose_defaults(rigcal_pose_options *options);
+
+/* Begins a search. `camera`, `observations` and `sigma` are read until it is done,
+ * so they must stay. Time O(n).
+ *
+ *   bad      out  on failure the observation at fault, or -1; NULL: no
+ *   sigma    in   n standard deviations of the observations relative to each
+ *                 other, > 0; NULL: all equal
+ *   options  in   NULL: all defaults
+ *
+ * OK, ERR_NULL, ERR_NOT_FINITE, ERR_CAMERA, ERR_RANGE, ERR_ROTATION (of start),
+ * ERR_TOO_FEW (n < 4), ERR_NO_RAY, ERR_WIDE_RAY (the target fills more than a half
+ * space), ERR_COINCIDENT, ERR_COLLINEAR, ERR_PRECISION. */
+RIGCAL_API rigcal_status rigcal_pose_begin(
+    rigcal_pose_solver *solver, int32_t *bad, const rigcal_camera *camera,
+    const rigcal_observation observations[], const rigcal_real sigma[], size_t n,
+    const rigcal_pose_options *options);
+
+/* Spends at most `budget` >= 1 evaluations: of the cost of a direction, in constant
+ * time, or of the equations of a refinement, O(n). At most 3000 in all, usually
+ * about 90. RUNNING: call again; the same bits come out whatever the budgets. OK:
+ * ask for the result. ERR_NULL, ERR_RANGE, ERR_STATE. */
+RIGCAL_API rigcal_status rigcal_pose_step(rigcal_pose_solver *solver,
+                                          int32_t budget);
+
+/* The optima of a search that is done, best first: the first *n_found of
+ * poses[capacity], capacity >= 1.
+ *
+ * OK: finite, R a rotation to rounding, every point in front of the camera and
+ *     within its lens, and the first right with probability 0.99 or more.
+ * RIGCAL_AMBIGUOUS: the same, but another may be right: see `probability`.
+ * RIGCAL_POOR_FIT: sigma_px was given, and an error so large has a chance below
+ *     one in a million: wrong correspondences, target or intrinsics.
+ * ERR_NULL, ERR_RANGE, ERR_STATE, ERR_NO_POSE, ERR_DEGENERATE (the observations do
+ * not fix the pose, e.g. a target seen edge-on). */
+RIGCAL_API rigcal_status rigcal_pose_result(rigcal_pose poses[], size_t *n_found,
+                                            size_t capacity,
+                                            const rigcal_pose_solver *solver);
+
+/* begin, step to the end, result. */
 RIGCAL_API rigcal_status rigcal_solve_pose(
-    rigcal_transform *cam_from_world, rigcal_real *rms_px, int32_t *bad,
-    rigcal_sighting sightings[], rigcal_pair pairs[], size_t capacity,
+    rigcal_pose poses[], size_t *n_found, size_t capacity, int32_t *bad,
     const rigcal_camera *camera, const rigcal_observation observations[],
-    size_t n);
+    const rigcal_real sigma[], size_t n, const rigcal_pose_options *options);
+
+/* How far a pose can be trusted. */
+typedef struct {
+    rigcal_real Sigma[36];    /* covariance of (w, dt), row by row, for
+                                 R <- exp([w]x) R, t <- t + dt: w [rad] and dt
+                                 along the camera's axes */
+    rigcal_real rotation[3];  /* 1-sigma of w */
+    rigcal_real translation[3]; /* 1-sigma of t */
+    rigcal_real center[3];    /* 1-sigma of the camera's centre, world axes */
+    rigcal_real sigma_px;     /* the noise it was reckoned with */
+} rigcal_pose_uncertainty;
+
+/* The covariance sigma_px^2 (J^T J)^-1 at a pose, which is the Cramer-Rao bound at
+ * the true one. sigma_px 0: estimated, sqrt(sse / (2 n - 6)), which needs n >= 4.
+ * OK, ERR_NULL, ERR_NOT_FINITE, ERR_CAMERA, ERR_ROTATION, ERR_RANGE, ERR_TOO_FEW
+ * (n < 3, or n = 3 without sigma_px), ERR_BEHIND, ERR_NO_RAY, ERR_DEGENERATE. */
+RIGCAL_API rigcal_status rigcal_pose_covariance(
+    rigcal_pose_uncertainty *out, const rigcal_camera *camera,
+    const rigcal_transform *cam_from_world,
+    const rigcal_observation observations[], const rigcal_real sigma[], size_t n,
+    rigcal_real sigma_px);
 
 /* ==== measure =============================================================
  *

@@ -65,6 +65,14 @@ typedef double rigcal_real;
 #endif
 #endif
 
+#ifndef RIGCAL_EXP
+#if RIGCAL_USE_FLOAT
+#define RIGCAL_EXP(x) expf(x)
+#else
+#define RIGCAL_EXP(x) exp(x)
+#endif
+#endif
+
 #ifndef RIGCAL_FABS
 #if RIGCAL_USE_FLOAT
 #define RIGCAL_FABS(x) fabsf(x)

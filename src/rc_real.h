@@ -32,6 +32,7 @@
 #define RC_COS RIGCAL_COS
 #define RC_ATAN2 RIGCAL_ATAN2
 #define RC_FABS RIGCAL_FABS
+#define RC_EXP RIGCAL_EXP
 
 static inline rigcal_real rc_max(rigcal_real a, rigcal_real b)
 {

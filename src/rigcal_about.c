@@ -27,6 +27,8 @@ const char *rigcal_status_name(rigcal_status status)
         NAME_OF(RIGCAL_RUNNING)
         NAME_OF(RIGCAL_BUDGET_SPENT)
         NAME_OF(RIGCAL_DISCONNECTED)
+        NAME_OF(RIGCAL_AMBIGUOUS)
+        NAME_OF(RIGCAL_POOR_FIT)
         NAME_OF(RIGCAL_ERR_NULL)
         NAME_OF(RIGCAL_ERR_NOT_FINITE)
         NAME_OF(RIGCAL_ERR_RANGE)
@@ -66,6 +68,12 @@ const char *rigcal_status_text(rigcal_status status)
     case RIGCAL_DISCONNECTED:
         return "some cameras share no placement of the target with the "
                "first one: place the target where both sides see it";
+    case RIGCAL_AMBIGUOUS:
+        return "another pose fits nearly as well: see the probabilities, tilt "
+               "the target or use another camera to tell";
+    case RIGCAL_POOR_FIT:
+        return "the error is too large for the noise stated: check the "
+               "correspondences, the target and the intrinsics";
     case RIGCAL_ERR_NULL:
         return "a pointer that must not be NULL is NULL";
     case RIGCAL_ERR_NOT_FINITE:
@@ -230,6 +238,58 @@ static const rigcal_layout_entry LAYOUT[] = {
     FIELD(rigcal_paper_solver, evals),
     FIELD(rigcal_paper_solver, starts),
     FIELD(rigcal_paper_solver, spent),
+    STRUCT(rigcal_pose),
+    FIELD(rigcal_pose, cam_from_world),
+    FIELD(rigcal_pose, sse),
+    FIELD(rigcal_pose, rms_px),
+    FIELD(rigcal_pose, probability),
+    STRUCT(rigcal_pose_options),
+    FIELD(rigcal_pose_options, thorough),
+    FIELD(rigcal_pose_options, use_start),
+    FIELD(rigcal_pose_options, sigma_px),
+    FIELD(rigcal_pose_options, start),
+    STRUCT(rigcal_view_moments),
+    FIELD(rigcal_view_moments, weight),
+    FIELD(rigcal_view_moments, u_mean),
+    FIELD(rigcal_view_moments, V_mean),
+    FIELD(rigcal_view_moments, S),
+    FIELD(rigcal_view_moments, h),
+    FIELD(rigcal_view_moments, Q),
+    FIELD(rigcal_view_moments, C),
+    FIELD(rigcal_view_moments, G),
+    STRUCT(rigcal_refinement),
+    FIELD(rigcal_refinement, cam_from_points),
+    FIELD(rigcal_refinement, H),
+    FIELD(rigcal_refinement, g),
+    FIELD(rigcal_refinement, sse),
+    FIELD(rigcal_refinement, lambda),
+    FIELD(rigcal_refinement, evals),
+    FIELD(rigcal_refinement, status),
+    STRUCT(rigcal_pose_solver),
+    FIELD(rigcal_pose_solver, camera),
+    FIELD(rigcal_pose_solver, observations),
+    FIELD(rigcal_pose_solver, sigma),
+    FIELD(rigcal_pose_solver, n),
+    FIELD(rigcal_pose_solver, options),
+    FIELD(rigcal_pose_solver, origin),
+    FIELD(rigcal_pose_solver, virtual_from_cam),
+    FIELD(rigcal_pose_solver, moments),
+    FIELD(rigcal_pose_solver, seed),
+    FIELD(rigcal_pose_solver, nm),
+    FIELD(rigcal_pose_solver, fit),
+    FIELD(rigcal_pose_solver, found),
+    FIELD(rigcal_pose_solver, phase),
+    FIELD(rigcal_pose_solver, next),
+    FIELD(rigcal_pose_solver, n_seeds),
+    FIELD(rigcal_pose_solver, n_found),
+    FIELD(rigcal_pose_solver, evals),
+    FIELD(rigcal_pose_solver, is_flat),
+    STRUCT(rigcal_pose_uncertainty),
+    FIELD(rigcal_pose_uncertainty, Sigma),
+    FIELD(rigcal_pose_uncertainty, rotation),
+    FIELD(rigcal_pose_uncertainty, translation),
+    FIELD(rigcal_pose_uncertainty, center),
+    FIELD(rigcal_pose_uncertainty, sigma_px),
     STRUCT(rigcal_point),
     FIELD(rigcal_point, X),
     FIELD(rigcal_point, Sigma),

@@ -5,29 +5,34 @@
 
 #include "rc_camera.h"
 
-/* What is fitted. X counts from `origin`, so that a far world costs no digits. */
+/* What is fitted. The points count from `origin`, so that a far world costs no
+ * digits and w turns about the middle of the target. */
 typedef struct {
     const rigcal_camera *camera;
     const rigcal_observation *observations;
-    const uint8_t *use; /* one byte an observation, 0 leaves it out; or NULL */
+    const rigcal_real *sigma; /* n of them, or NULL: all 1 */
     size_t n;
-    rigcal_real origin[3];
+    const rigcal_real *origin;
     rc_lens lens;
 } rc_fit;
 
-/* Normal equations at a pose, in the tangent space (w, dt): R <- exp([w]x) R,
- * t <- t + dt. H: lower triangle of J^T J, row by row. */
-typedef struct {
-    rigcal_real H[21], g[6], sse;
-} rc_normal;
+/* Sum of squared errors over sigma at a pose, J^T e, and the lower triangle of
+ * J^T J row by row, in the tangent space (w, dt): R <- exp([w]x) R, t <- t + dt.
+ * OK, or ERR_BEHIND, ERR_NO_RAY: the camera does not see a point. */
+rigcal_status rc_normal_equations(rigcal_real *sse, rigcal_real g[6],
+                                  rigcal_real H[21], const rc_fit *fit,
+                                  const rigcal_transform *cam_from_points);
 
-/* OK, ERR_BEHIND or ERR_NO_RAY: a point is not seen by the camera. */
-rigcal_status rc_normal_at(rc_normal *out, const rc_fit *fit,
-                           const rigcal_transform *cam_from_points);
+/* Levenberg-Marquardt from a pose, one evaluation of the normal equations a call;
+ * fit->status is RUNNING until it is OK, BUDGET_SPENT (more than max_evals) or a
+ * failure. `precise`: to rounding; else until what is left to gain is a millionth
+ * of the sum. */
+void rc_refine_begin(rigcal_refinement *state,
+                     const rigcal_transform *cam_from_points);
+void rc_refine_step(rigcal_refinement *state, const rc_fit *fit, int precise,
+                    int32_t max_evals);
 
-/* Levenberg-Marquardt from *pose, at most max_steps. *sse gets the sum of squares
- * in pixels. OK, BUDGET_SPENT, ERR_BEHIND, ERR_NO_RAY, ERR_DEGENERATE. */
-rigcal_status rc_refine(rigcal_transform *cam_from_points, rigcal_real *sse,
-                        const rc_fit *fit, int max_steps);
+/* Inverse of J^T J, full. 0 when it is singular: the points do not fix the pose. */
+int rc_refine_covariance(rigcal_real Sigma[36], const rigcal_real H[21]);
 
 #endif /* RC_REFINE_H */

@@ -1,35 +1,54 @@
 #include "rc_refine.h"
 
-/* One residual row j = d(u or v) / d(w, dt), from d / dX_c: with q = R X,
- * dX_c = w x q + dt, so j = (q x J_c, J_c). */
-static void add_row(rc_normal *out, const rigcal_real J_c[3],
+/* Damping to start with, and where it has become hopeless. */
+#define DAMPING_FIRST RC(1e-5)
+#define DAMPING_LAST RC(1e8)
+
+/* Rise of the sum that may be rounding. */
+#define SUM_ROUNDING (16 * RC_EPS)
+
+/* What is left to gain, as a part of the sum. */
+#define GAIN_ROUGH RC(1e-6)
+#define GAIN_PRECISE RC_TOL(1e-13, 1e-7)
+
+/* And in px^2, for images without noise. */
+#define GAIN_NOTHING RC_TOL(1e-20, 1e-9)
+
+/* Pivots are compared with this part of their diagonal. */
+#define RANK_TOL (8 * RC_EPS)
+
+/* ---- normal equations ---------------------------------------------------- */
+
+/* One residual e and its row of J: with q = R x and dX_c = w x q + dt, a row J_c by
+ * dX_c is (q x J_c, J_c) by (w, dt). */
+static void add_row(rigcal_real g[6], rigcal_real H[21], const rigcal_real J_c[3],
                     const rigcal_real q[3], rigcal_real e)
 {
     rigcal_real j[6];
-    rigcal_real *h = out->H;
     rc_vec3_cross(j, q, J_c);
-    j[3] = J_c[0];
-    j[4] = J_c[1];
-    j[5] = J_c[2];
-    for (int r = 0; r < 6; r++) {
-        out->g[r] += j[r] * e;
-        for (int c = 0; c <= r; c++) {
-            *h++ += j[r] * j[c];
+    for (int k = 0; k < 3; k++) {
+        j[3 + k] = J_c[k];
+    }
+    for (int row = 0; row < 6; row++) {
+        g[row] += j[row] * e;
+        for (int column = 0; column <= row; column++) {
+            *H++ += j[row] * j[column];
         }
     }
-    out->sse += e * e;
 }
 
-rigcal_status rc_normal_at(rc_normal *out, const rc_fit *fit,
-                           const rigcal_transform *cam_from_points)
+rigcal_status rc_normal_equations(rigcal_real *sse, rigcal_real g[6],
+                                  rigcal_real H[21], const rc_fit *fit,
+                                  const rigcal_transform *cam_from_points)
 {
-    *out = (rc_normal){{0}, {0}, 0};
+    rigcal_real sum = 0;
+    for (int k = 0; k < 21; k++) {
+        H[k] = 0;
+        g[k % 6] = 0;
+    }
     for (size_t i = 0; i < fit->n; i++) {
         const rigcal_observation *const o = &fit->observations[i];
         rigcal_real x[3], q[3], X_c[3], uv[2], J_c[6];
-        if (fit->use != NULL && !fit->use[i]) {
-            continue;
-        }
         rc_vec3_sub(x, o->X_w, fit->origin);
         rc_mat3_mul_vec3(q, cam_from_points->R, x);
         for (int k = 0; k < 3; k++) {
@@ -40,104 +59,177 @@ rigcal_status rc_normal_at(rc_normal *out, const rc_fit *fit,
         if (status != RIGCAL_OK) {
             return status;
         }
-        add_row(out, &J_c[0], q, o->uv[0] - uv[0]);
-        add_row(out, &J_c[3], q, o->uv[1] - uv[1]);
+        rigcal_real du = o->uv[0] - uv[0], dv = o->uv[1] - uv[1];
+        if (fit->sigma != NULL) {
+            const rigcal_real by_sigma = 1 / fit->sigma[i];
+            du *= by_sigma;
+            dv *= by_sigma;
+            for (int k = 0; k < 6; k++) {
+                J_c[k] *= by_sigma;
+            }
+        }
+        add_row(g, H, &J_c[0], q, du);
+        add_row(g, H, &J_c[3], q, dv);
+        sum += du * du + dv * dv;
     }
-    return rc_is_finite(out->sse) ? RIGCAL_OK : RIGCAL_ERR_NO_RAY;
+    *sse = sum;
+    return rc_is_finite(sum) ? RIGCAL_OK : RIGCAL_ERR_NO_RAY;
 }
 
-/* Solves (H + lambda diag H) d = g by Cholesky, packed. 0: singular. */
-static int solve_damped(rigcal_real d[6], const rc_normal *at, rigcal_real lambda)
+/* ---- the packed 6 x 6 system --------------------------------------------- */
+
+/* L L^T = H + damping diag(H), lower triangles row by row; the diagonal of L is
+ * held as its inverse. 0: not positive definite to rounding. */
+static int factor(rigcal_real L[21], const rigcal_real H[21], rigcal_real damping)
 {
-    rigcal_real L[21], inverse[6];
-    const rigcal_real *h = at->H;
-    rigcal_real *row = L;
-    for (int i = 0; i < 6; i++) {
-        const rigcal_real *upper = L;
-        for (int j = 0; j < i; j++) {
-            rigcal_real sum = h[j];
+    for (int i = 0, row = 0; i < 6; row += ++i) {
+        for (int j = 0, column = 0; j <= i; column += ++j) {
+            rigcal_real sum = H[row + j];
             for (int k = 0; k < j; k++) {
-                sum -= row[k] * upper[k];
+                sum -= L[row + k] * L[column + k];
             }
-            row[j] = sum * inverse[j];
-            upper += j + 1;
-        }
-        rigcal_real pivot = h[i] * (1 + lambda);
-        const rigcal_real least = 8 * RC_EPS * pivot;
-        for (int k = 0; k < i; k++) {
-            pivot -= row[k] * row[k];
-        }
-        if (!(pivot > least)) {
-            return 0;
-        }
-        row[i] = RC_SQRT(pivot);
-        inverse[i] = 1 / row[i];
-        d[i] = at->g[i];
-        for (int k = 0; k < i; k++) {
-            d[i] -= row[k] * d[k];
-        }
-        d[i] *= inverse[i];
-        row += i + 1;
-        h += i + 1;
-    }
-    for (int i = 5; i >= 0; i--) {
-        row -= i + 1;
-        d[i] *= inverse[i];
-        for (int k = 0; k < i; k++) {
-            d[k] -= row[k] * d[i];
+            if (j < i) {
+                L[row + j] = sum * L[column + j];
+                continue;
+            }
+            sum += damping * H[row + i];
+            if (!(sum > RANK_TOL * H[row + i])) {
+                return 0;
+            }
+            L[row + i] = 1 / RC_SQRT(sum);
         }
     }
     return 1;
 }
 
-/* R <- exp([w]x) R, t <- t + dt. For the short steps of a fit the quaternion
- * (1, w / 2), normalised, is exp([w]x) to third order: a retraction all the same. */
+/* x <- (L L^T)^-1 x */
+static void solve(rigcal_real x[6], const rigcal_real L[21])
+{
+    for (int i = 0, row = 0; i < 6; row += ++i) {
+        for (int k = 0; k < i; k++) {
+            x[i] -= L[row + k] * x[k];
+        }
+        x[i] *= L[row + i];
+    }
+    for (int i = 5, row = 15; i >= 0; row -= i, i--) {
+        x[i] *= L[row + i];
+        for (int k = 0; k < i; k++) {
+            x[k] -= L[row + k] * x[i];
+        }
+    }
+}
+
+int rc_refine_covariance(rigcal_real Sigma[36], const rigcal_real H[21])
+{
+    rigcal_real L[21], column[6];
+    if (!factor(L, H, 0)) {
+        return 0;
+    }
+    for (int j = 0; j < 6; j++) {
+        for (int i = 0; i < 6; i++) {
+            column[i] = (i == j) ? 1 : 0;
+        }
+        solve(column, L);
+        for (int i = 0; i < 6; i++) {
+            Sigma[6 * i + j] = column[i];
+        }
+    }
+    return 1;
+}
+
+/* ---- Levenberg-Marquardt ------------------------------------------------- */
+
+/* R <- exp([w]x) R, t <- t + dt, with the quaternion (1, w / 2) for the exponential:
+ * right to second order, and for any step a rotation. */
 static void moved(rigcal_transform *out, const rigcal_transform *from,
                   const rigcal_real d[6])
 {
-    const rigcal_real q[4] = {1, d[0] / 2, d[1] / 2, d[2] / 2};
+    const rigcal_real q_wxyz[4] = {1, d[0] / 2, d[1] / 2, d[2] / 2};
     rigcal_real turn[9];
-    rc_rotation_from_quaternion(turn, q);
+    rc_rotation_from_quaternion(turn, q_wxyz);
     rc_mat3_mul(out->R, turn, from->R);
     for (int k = 0; k < 3; k++) {
         out->t[k] = from->t[k] + d[3 + k];
     }
 }
 
-#define SSE_ROUNDING (16 * RC_EPS)
-
-rigcal_status rc_refine(rigcal_transform *cam_from_points, rigcal_real *sse,
-                        const rc_fit *fit, int max_steps)
+void rc_refine_begin(rigcal_refinement *state,
+                     const rigcal_transform *cam_from_points)
 {
-    rc_normal at, next;
-    rigcal_real lambda = RC(LAM0);
-    rigcal_status status = rc_normal_at(&at, fit, cam_from_points);
-    if (status != RIGCAL_OK) {
-        return status;
+    state->cam_from_points = *cam_from_points;
+    state->lambda = DAMPING_FIRST;
+    state->sse = RC_MAX;
+    state->evals = 0;
+    state->status = RIGCAL_RUNNING;
+}
+
+/* The step from where `state` is; *gain gets what it promises. 0: singular. */
+static int damped_step(rigcal_real d[6], rigcal_real *gain,
+                       const rigcal_refinement *state)
+{
+    rigcal_real L[21];
+    if (!factor(L, state->H, state->lambda)) {
+        return 0;
     }
-    int done = 0;
-    for (int i = 0; i < max_steps && !done; i++) {
-        rigcal_transform candidate;
-        rigcal_real d[6];
-        if (!solve_damped(d, &at, lambda)) {
-            return RIGCAL_ERR_DEGENERATE;
-        }
-        moved(&candidate, cam_from_points, d);
-        rigcal_real predicted = 0;
-        for (int k = 0; k < 6; k++) {
-            predicted += d[k] * at.g[k];
-        }
-        if (rc_normal_at(&next, fit, &candidate) == RIGCAL_OK &&
-            next.sse <= at.sse * (1 + SSE_ROUNDING)) {
-            done = predicted <= RC(PTOL) * at.sse || predicted <= RC_TOL(1e-20, 1e-8);
-            *cam_from_points = candidate;
-            at = next;
-            lambda *= RC(0.1);
-        } else {
-            lambda *= 10;
-            done = lambda > RC(1e6);
-        }
+    *gain = 0;
+    for (int k = 0; k < 6; k++) {
+        d[k] = state->g[k];
     }
-    *sse = at.sse;
-    return done ? RIGCAL_OK : RIGCAL_BUDGET_SPENT;
+    solve(d, L);
+    for (int k = 0; k < 6; k++) {
+        *gain += d[k] * state->g[k];
+    }
+    return 1;
+}
+
+/* Takes the candidate when it does no harm, else damps more. */
+static void judge_candidate(rigcal_refinement *state, const rc_fit *fit,
+                            const rigcal_transform *candidate, rigcal_real gain,
+                            rigcal_real gain_least)
+{
+    rigcal_real sse, g[6], H[21];
+    if (rc_normal_equations(&sse, g, H, fit, candidate) != RIGCAL_OK ||
+        !(sse <= state->sse * (1 + SUM_ROUNDING) + GAIN_NOTHING)) {
+        state->lambda = rc_max(10 * state->lambda, DAMPING_FIRST);
+        if (state->lambda > DAMPING_LAST) {
+            state->status = RIGCAL_OK; /* no step helps: at rounding */
+        }
+        return;
+    }
+    state->cam_from_points = *candidate;
+    state->sse = sse;
+    state->lambda *= RC(0.1);
+    for (int k = 0; k < 21; k++) {
+        state->H[k] = H[k];
+    }
+    for (int k = 0; k < 6; k++) {
+        state->g[k] = g[k];
+    }
+    if (gain <= gain_least * sse || gain <= GAIN_NOTHING) {
+        state->status = RIGCAL_OK;
+    }
+}
+
+void rc_refine_step(rigcal_refinement *state, const rc_fit *fit, int precise,
+                    int32_t max_evals)
+{
+    if (state->evals++ == 0) {
+        const rigcal_status status =
+            rc_normal_equations(&state->sse, state->g, state->H, fit,
+                                &state->cam_from_points);
+        state->status = (status == RIGCAL_OK) ? RIGCAL_RUNNING : status;
+        return;
+    }
+    rigcal_real d[6], gain;
+    rigcal_transform candidate;
+    if (!damped_step(d, &gain, state)) {
+        state->status = RIGCAL_ERR_DEGENERATE;
+        return;
+    }
+    moved(&candidate, &state->cam_from_points, d);
+    judge_candidate(state, fit, &candidate, gain,
+                    precise ? GAIN_PRECISE : GAIN_ROUGH);
+    if (state->status == RIGCAL_RUNNING && state->evals >= max_evals) {
+        state->status = RIGCAL_BUDGET_SPENT;
+    }
 }

@@ -2,9 +2,9 @@
 
 /* ---- moments ------------------------------------------------------------- */
 
-void rc_view_begin(rc_view *view)
+void rc_view_begin(rigcal_view_moments *view)
 {
-    *view = (rc_view){0};
+    *view = (rigcal_view_moments){0};
 }
 
 /* sums += s x x^T */
@@ -19,35 +19,82 @@ static void add_outer(rigcal_real sums[6], rigcal_real s, const rigcal_real x[3]
     sums[5] += s * x[2] * x[2];
 }
 
-void rc_view_add(rc_view *view, const rigcal_real x[3], const rigcal_real u[2])
+void rc_view_add(rigcal_view_moments *view, rigcal_real weight,
+                 const rigcal_real x[3], const rigcal_real u[2])
 {
-    const rigcal_real uu = u[0] * u[0] + u[1] * u[1];
-    view->n += 1;
+    const rigcal_real uu = weight * (u[0] * u[0] + u[1] * u[1]);
+    const rigcal_real wu[2] = {weight * u[0], weight * u[1]};
+    view->weight += weight;
     view->S += uu;
-    view->trace_C += rc_vec3_dot(x, x);
     rc_vec3_add_scaled(view->h, uu, x);
-    add_outer(view->Q, uu - 1, x);
+    add_outer(view->Q, uu - weight, x);
+    add_outer(view->C, weight, x);
+    add_outer(view->G[0], wu[0], x);
+    add_outer(view->G[1], -wu[1], x);
     for (int part = 0; part < 2; part++) {
-        view->u_mean[part] += u[part];
-        rc_vec3_add_scaled(view->V_mean[part], u[part], x);
-        add_outer(view->G[part], (part == 0) ? u[0] : -u[1], x);
+        view->u_mean[part] += wu[part];
+        rc_vec3_add_scaled(view->V_mean[part], wu[part], x);
     }
 }
 
-/* The sums were taken about zero; the means are taken out here. sum x = 0. */
-int rc_view_finish(rc_view *view)
+/* The sums were taken about zero; here the means are taken out. sum x = 0. */
+int rc_view_finish(rigcal_view_moments *view)
 {
-    const rigcal_real n = view->n;
+    const rigcal_real w = view->weight, about_zero = view->S;
     for (int part = 0; part < 2; part++) {
-        view->u_mean[part] /= n;
+        view->u_mean[part] /= w;
         for (int k = 0; k < 3; k++) {
-            view->V_mean[part][k] /= n;
+            view->V_mean[part][k] /= w;
         }
-        view->S -= n * view->u_mean[part] * view->u_mean[part];
-        rc_vec3_add_scaled(view->h, -n * view->u_mean[part], view->V_mean[part]);
-        add_outer(view->Q, -n, view->V_mean[part]);
+        view->S -= w * view->u_mean[part] * view->u_mean[part];
+        rc_vec3_add_scaled(view->h, -w * view->u_mean[part], view->V_mean[part]);
+        add_outer(view->Q, -w, view->V_mean[part]);
     }
-    return view->S > 0;
+    return view->S > 64 * RC_EPS * about_zero &&
+           view->S > 64 * RC_EPS * RC_EPS * w;
+}
+
+static inline void sym3_mul(rigcal_real out[3], const rigcal_real A[6],
+                            const rigcal_real v[3])
+{
+    out[0] = A[0] * v[0] + A[1] * v[1] + A[2] * v[2];
+    out[1] = A[1] * v[0] + A[3] * v[1] + A[4] * v[2];
+    out[2] = A[2] * v[0] + A[4] * v[1] + A[5] * v[2];
+}
+
+/* The cofactors of C have the eigenvectors of C, and eigenvalues that are the
+ * products of the other two: the least extended direction is the largest. Squaring
+ * a few times leaves it alone. */
+int rc_view_normal(rigcal_real normal[3], rigcal_real *thickness,
+                   const rigcal_view_moments *view)
+{
+    enum { SQUARINGS = 5 };
+    const rigcal_real *const C = view->C;
+    const rigcal_real trace = C[0] + C[3] + C[5];
+    const rigcal_real full[9] = {C[0] / trace, C[1] / trace, C[2] / trace,
+                                 C[1] / trace, C[3] / trace, C[4] / trace,
+                                 C[2] / trace, C[4] / trace, C[5] / trace};
+    rigcal_real K[9], product[9], Cn[3];
+    (void)rc_mat3_cofactors(K, full);
+    if (!(K[0] + K[4] + K[8] > RC_TOL(1e-12, 1e-7))) {
+        return 0;
+    }
+    for (int i = 0; i < SQUARINGS; i++) {
+        const rigcal_real scale = 1 / (K[0] + K[4] + K[8]);
+        for (int k = 0; k < 9; k++) {
+            K[k] *= scale;
+        }
+        rc_mat3_mul(product, K, K);
+        for (int k = 0; k < 9; k++) {
+            K[k] = product[k];
+        }
+    }
+    const int row = (K[0] >= K[4]) ? ((K[0] >= K[8]) ? 0 : 2)
+                                   : ((K[4] >= K[8]) ? 1 : 2);
+    (void)rc_vec3_unit(normal, &K[3 * row]);
+    sym3_mul(Cn, C, normal);
+    *thickness = rc_max(0, rc_vec3_dot(Cn, normal)) / trace;
+    return 1;
 }
 
 /* ---- the cost of a direction --------------------------------------------- */
@@ -68,14 +115,6 @@ static void complete_rotation(rigcal_real m1[3], rigcal_real m2[3],
     m2[2] = -m3[1];
 }
 
-static inline void sym3_mul(rigcal_real out[3], const rigcal_real A[6],
-                     const rigcal_real v[3])
-{
-    out[0] = A[0] * v[0] + A[1] * v[1] + A[2] * v[2];
-    out[1] = A[1] * v[0] + A[3] * v[1] + A[4] * v[2];
-    out[2] = A[2] * v[0] + A[4] * v[1] + A[5] * v[2];
-}
-
 /* What is left of the cost as a function of yaw, z = exp(i yaw):
  *   base - Re(a z) - Re(U^2 z^2) / (2 S),     depth (Re(U z) - B) / S > 0 */
 typedef struct {
@@ -83,11 +122,11 @@ typedef struct {
     rigcal_real m1[3], m2[3];
 } harmonics;
 
-static void harmonics_of(harmonics *f, const rc_view *view,
+static void harmonics_of(harmonics *f, const rigcal_view_moments *view,
                          const rigcal_real m3[3])
 {
-    const rigcal_real n = view->n;
-    rigcal_real w[3], yr[3], yi[3];
+    const rigcal_real n = view->weight;
+    rigcal_real Qm[3], yr[3], yi[3];
 
     complete_rotation(f->m1, f->m2, m3);
     f->B = rc_vec3_dot(view->h, m3);
@@ -105,61 +144,49 @@ static void harmonics_of(harmonics *f, const rc_view *view,
     f->a[1] = 2 * (rc_vec3_dot(yr, f->m2) + rc_vec3_dot(yi, f->m1));
 
     const rigcal_real UU = f->U[0] * f->U[0] + f->U[1] * f->U[1];
-    sym3_mul(w, view->Q, m3);
-    f->base = view->trace_C + rc_vec3_dot(w, m3) -
+    sym3_mul(Qm, view->Q, m3);
+    f->base = (view->C[0] + view->C[3] + view->C[5]) + rc_vec3_dot(Qm, m3) -
               (UU / 2 + f->B * f->B) / view->S;
 }
 
-/* With psi = yaw + arg U the second harmonic is g cos 2 psi, g >= 0, and the
- * depth is positive for cos psi > B / |U|:
+#define STEP_SMALL RC(1e-3)
+
+/* With psi = yaw + arg U the second harmonic is g cos 2 psi, g >= 0, and the depth
+ * is positive for cos psi > B / |U|:
+ *
  *   gain(psi) = p cos psi + q sin psi + g cos 2 psi,   q >= 0 by reflection
- * so the maximum lies in psi = 0 .. pi. Coarse samples, then Newton's method on
- * the point (c, s) of the circle. Gives the gain, and z = exp(i yaw). */
+ *
+ * so the maximum lies in 0 <= psi <= pi. At the truth psi is small, since U e^(i
+ * yaw) = sum conj(du) q_xy and du is nearly q_xy over the depth; so Newton's method
+ * on the point (c, s) of the circle starts at 0, or at a right angle where that is
+ * better. After a step below 1e-3 the error of the cost, its square, is nothing.
+ * Gives the gain and z = exp(i yaw); -RC_MAX where no yaw has a positive depth. */
 static rigcal_real best_yaw(rigcal_real z[2], const harmonics *f,
-                            const rc_view *view)
+                            const rigcal_view_moments *view)
 {
-#if NSAMP==2
-    static const rigcal_real SAMPLES[2][2] = {{RC(0.5), RC(0.866)},{RC(-.5), RC(0.866)}};
-#elif NSAMP==1
-    static const rigcal_real SAMPLES[1][2] = {{RC(0.0), RC(1)}};
-#elif NSAMP==3
-    static const rigcal_real SAMPLES[3][2] = {{RC(0.7071), RC(0.7071)},{RC(0), RC(1)},{RC(-.7071), RC(0.7071)}};
-#else
-    static const rigcal_real SAMPLES[5][2] = {{RC(0.98481), RC(0.17365)},
-                                              {RC(0.76604), RC(0.64279)},
-                                              {RC(0.34202), RC(0.93969)},
-                                              {RC(-0.17365), RC(0.98481)},
-                                              {RC(-0.76604), RC(0.64279)}};
-#endif
+    enum { NEWTON_STEPS_MAX = 6 };
     const rigcal_real U = RC_SQRT(f->U[0] * f->U[0] + f->U[1] * f->U[1]);
-    if (!(U > f->B)) {
+    if (!(U > f->B) || !(U > 0)) {
         return -RC_MAX;
     }
-    const rigcal_real ur = f->U[0] / U, ui = f->U[1] / U;
+    const rigcal_real by_U = 1 / U;
+    const rigcal_real ur = f->U[0] * by_U, ui = f->U[1] * by_U;
     const rigcal_real p = f->a[0] * ur + f->a[1] * ui;
     const rigcal_real signed_q = f->a[0] * ui - f->a[1] * ur;
     const rigcal_real q = RC_FABS(signed_q);
     const rigcal_real g = U * U / (2 * view->S);
-    const rigcal_real c_least = f->B / U;
+    const rigcal_real c_least = f->B * by_U;
 
-    rigcal_real c = 1, s = 0, best = p + g;
-    for (int i = 0; i < NSAMP && SAMPLES[i][0] > c_least; i++) {
-        const rigcal_real ci = SAMPLES[i][0], si = SAMPLES[i][1];
-        const rigcal_real gain = p * ci + q * si + g * (2 * ci * ci - 1);
-        if (gain > best) {
-            best = gain;
-            c = ci;
-            s = si;
-        }
-    }
-    for (int i = 0; i < NEWTON_STEPS; i++) {
+    const int from_right_angle = c_least < 0 && q - g > p + g;
+    rigcal_real c = from_right_angle ? 0 : 1, s = from_right_angle ? 1 : 0;
+    rigcal_real step = 1;
+    for (int i = 0; i < NEWTON_STEPS_MAX && RC_FABS(step) > STEP_SMALL; i++) {
         const rigcal_real slope = q * c - p * s - 4 * g * s * c;
         const rigcal_real bend = p * c + q * s + 4 * g * (c * c - s * s);
         if (!(bend > 0)) {
             break;
         }
-        rigcal_real step = slope / bend;
-        step = rc_min(rc_max(step, RC(-0.5)), RC(0.5));
+        step = rc_min(rc_max(slope / bend, RC(-0.5)), RC(0.5));
         const rigcal_real by = 1 / RC_SQRT(1 + step * step);
         const rigcal_real c_next = (c - s * step) * by;
         s = (s + c * step) * by;
@@ -175,7 +202,7 @@ static rigcal_real best_yaw(rigcal_real z[2], const harmonics *f,
     return p * c + q * s + g * (2 * c * c - 1);
 }
 
-rigcal_real rc_view_cost(const rc_view *view, const rigcal_real m3[3])
+rigcal_real rc_view_cost(const rigcal_view_moments *view, const rigcal_real m3[3])
 {
     harmonics f;
     rigcal_real z[2];
@@ -184,7 +211,7 @@ rigcal_real rc_view_cost(const rc_view *view, const rigcal_real m3[3])
     return (gain > -RC_MAX) ? f.base - gain : RC_MAX;
 }
 
-void rc_view_pose(rigcal_transform *virtual_from_points, const rc_view *view,
+void rc_view_pose(rigcal_transform *virtual_from_points, const rigcal_view_moments *view,
                   const rigcal_real m3[3])
 {
     rigcal_transform *const T = virtual_from_points;

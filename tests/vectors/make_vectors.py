@@ -373,6 +373,155 @@ def triangulation():
                               "sigma_px = 1: (J^T J)^-1", out)}
 
 
+# ---- the direction of the optical axis -------------------------------------------------
+def least_over_yaw(view, M):
+    """The oracle's harmonics, minimised exactly: the stationary points are roots of a
+    quartic in exp(i yaw), and the arc of positive depth has two ends. None: no arc."""
+    const, a, b, U, B = view.harmonics(M)
+    if abs(U) <= B:
+        return None
+    # d/dyaw Re(a z + b z^2) = 0:  2 b z^4 + a z^3 - conj(a) z - 2 conj(b) = 0 on |z| = 1
+    z = np.roots([2 * b, a, 0, -np.conj(a), -2 * np.conj(b)])
+    z = z[np.abs(np.abs(z) - 1) < 1e-4]
+    z = z / np.abs(z)
+    for _ in range(3):  # to the last digit
+        slope, bend = np.imag(a * z + 2 * b * z * z), np.real(a * z + 4 * b * z * z)
+        safe = np.where(np.abs(bend) > 1e-6 * abs(a), bend, np.inf)
+        z = z * np.exp(-1j * slope / safe)
+    z = z[np.real(U * z) > B]
+    if abs(B) < abs(U):
+        ends = np.exp(1j * np.arccos(B / abs(U)) * np.array([1, -1])) * np.conj(U) / abs(U)
+        z = np.concatenate([z, ends])
+    cost = np.min(const - np.real(a * z) - np.real(b * z * z))
+    brute, _ = view.cost(M)
+    assert abs(cost - brute) < 1e-6 * np.trace(view.C)
+    return cost
+
+
+def view():
+    rng, out = random.Random(8), []
+    for k, (X, u, ypr, t, wrong) in enumerate(scene_list()[:40]):
+        n = 4 + k % 3
+        moments = oracle.ViewMoments(X[:n], u[:n])
+        directions = [oracle.euler_to_matrix(*y)[2] for y in (ypr, wrong)]
+        directions += [np.array([rng.gauss(0, 1) for _ in range(3)]) for _ in range(4)]
+        for m3 in directions:
+            m3 = np.round(m3 / np.linalg.norm(m3), 6)
+            unit = m3 / np.linalg.norm(m3)
+            M = oracle.rot_y(np.arcsin(-unit[0])) @ oracle.rot_x(np.arctan2(unit[1], unit[2]))
+            cost = least_over_yaw(moments, M)
+            out.append(row(k, n, m3, np.trace(moments.C), -1 if cost is None else cost))
+    return {"VIEW_COST": ("scene and how many of its points, not rotated to the axis; "
+                          "direction m3, to be made of unit length; sum |X - mean|^2; cost by "
+                          "the oracle's ViewMoments, least over yaw on the closed arc of "
+                          "positive depth: -1 when there is none", out)}
+
+
+# ---- maximum likelihood ----------------------------------------------------------------
+def lower(A):
+    return A[np.tril_indices(6)]
+
+
+def refine_pinhole():
+    equations, minimum = [], []
+    for k, (X, u, ypr, t, wrong) in enumerate(scene_list()[:40]):
+        n = 4 + k % 3
+        X, u = X[:n], u[:n]
+        R = oracle.euler_to_matrix(*wrong)
+        if np.min((X @ R.T + t)[:, 2]) > 0.5:
+            J, r = oracle.reprojection_jacobian(R, t, X), (u - oracle.project(R, t, X)).ravel()
+            equations.append(row(k, n, r @ r, J.T @ r, lower(J.T @ J)))
+        R, t, _ = oracle.refine(oracle.euler_to_matrix(*ypr), t, X, u)
+        for _ in range(30):  # to the last digit
+            J, r = oracle.reprojection_jacobian(R, t, X), (u - oracle.project(R, t, X)).ravel()
+            d = np.linalg.solve(J.T @ J, J.T @ r)
+            R, t = oracle.exp_so3(d[:3]) @ R, t + d[3:]
+        sse = np.sum((u - oracle.project(R, t, X)) ** 2)
+        # not those that a little noise would tip over
+        spread = np.sqrt(np.diag(oracle.pose_covariance(R, t, X, 1e-4)))
+        if np.max(spread[:3]) < 0.02:
+            minimum.append(row(k, n, R, t, sse, lower(oracle.pose_covariance(R, t, X, 1))))
+    return equations, minimum
+
+
+def lens_equations(camera, R, t, X, uv, sigma):
+    """Residuals over sigma and their exact derivatives by (w, dt)."""
+    r, J = [], []
+    for x, p, s in zip(X, uv, sigma):
+        q = R @ x
+        Jc = exact_jacobian(lambda P: project_px(camera, P), q + t)
+        cross = np.array([[0, -q[2], q[1]], [q[2], 0, -q[0]], [-q[1], q[0], 0]])
+        r.append((p - project_px(camera, q + t)) / s)
+        J.append(np.hstack([-Jc @ cross, Jc]) / s)
+    return np.concatenate(r), np.vstack(J)
+
+
+def refine_lens():
+    rng, out = random.Random(9), []
+    while len(out) < 30:
+        k, n = len(out) % 5, 5 + len(out) % 4
+        weighted = len(out) % 2
+        X = decimals(rng, -0.5, 0.5, 3, (n, 3)) + decimals(rng, -2, 2, 1, (3,))
+        X = np.round(X, 3)
+        R = oracle.euler_to_matrix(*any_ypr(rng, 1.4))
+        off = rng.uniform(0, 1.7 if k == 4 else 0.35)
+        way, far = rng.uniform(-3.1, 3.1), rng.uniform(3, 6)
+        centre = far * np.array([np.sin(off) * np.cos(way), np.sin(off) * np.sin(way),
+                                 np.cos(off)])
+        t = centre - R @ X.mean(0)
+        P = X @ R.T + t
+        if k < 4 and np.max(np.hypot(P[:, 0], P[:, 1]) / P[:, 2]) > 0.6:
+            continue
+        sigma = np.array([[0.5, 1, 2][i % 3] if weighted else 1.0 for i in range(n)])
+        uv = np.array([project_px(CAMERAS[k], p) for p in P])
+        uv = np.round(uv + [[s * rng.gauss(0, 0.5), s * rng.gauss(0, 0.5)] for s in sigma], 2)
+        # two to five degrees and a few percent of the distance off
+        axis = np.array([rng.gauss(0, 1) for _ in range(3)])
+        axis *= math.radians(rng.uniform(2, 5)) / np.linalg.norm(axis)
+        R0 = oracle.exp_so3(axis) @ R
+        start = np.round(oracle.matrix_to_euler(R0), 4)
+        R0 = oracle.euler_to_matrix(*start)
+        t0 = centre * rng.uniform(0.95, 1.05) - R0 @ X.mean(0)
+        t0 = np.round(t0, 3)
+
+        def residual(v):
+            Rv = oracle.exp_so3(v[:3]) @ R
+            return np.concatenate([(project_px(CAMERAS[k], Rv @ x + t + v[3:]) - p) / s
+                                   for x, p, s in zip(X, uv, sigma)])
+
+        best = least_squares(residual, np.zeros(6), x_scale=[0.01] * 6, xtol=1e-14, ftol=1e-14)
+        R, t = oracle.exp_so3(best.x[:3]) @ R, t + best.x[3:]
+        for _ in range(30):  # to the last digit
+            r, J = lens_equations(CAMERAS[k], R, t, X, uv, sigma)
+            d = np.linalg.solve(J.T @ J, J.T @ r)
+            R, t = oracle.exp_so3(d[:3]) @ R, t + d[3:]
+        r, J = lens_equations(CAMERAS[k], R, t, X, uv, sigma)
+        if abs(r @ r - 2 * best.cost) > 1e-6 * (r @ r):
+            continue
+        points = [row(x, p, s) for x, p, s in zip(X, uv, sigma)] + [np.zeros(6)] * (8 - n)
+        out.append(row(k, n, *points, start, t0, R, t, r @ r, lower(np.linalg.inv(J.T @ J))))
+    return out
+
+
+def refine():
+    equations, minimum = refine_pinhole()
+    return {
+        "REFINE_EQUATIONS": ("scene and how many of its points, at the angles nearby and t, "
+                             "in normalised coordinates: sum of squares, J^T e (w, dt), lower "
+                             "triangle of J^T J, by the oracle's reprojection_jacobian",
+                             equations),
+        "REFINE_PINHOLE": ("scene and how many of its points: R and t of the minimum that "
+                           "the oracle's refine comes to from the angles and t they were "
+                           "taken from, sum of squares, lower triangle of its "
+                           "pose_covariance at sigma = 1, all in normalised coordinates",
+                           minimum),
+        "REFINE_LENS": ("index of the camera, points n, eight times (those beyond n are 0) "
+                        "X, noisy pixel, sigma; start: yaw, pitch, roll, t; minimum by "
+                        "SciPy's least_squares and exact derivatives: R, t, sum of squared "
+                        "errors over sigma, lower triangle of (J^T J)^-1", refine_lens()),
+    }
+
+
 # ---- Nelder-Mead -----------------------------------------------------------------------
 # Only sums and products, written out, so that C can do the same operations in the same order.
 def rosenbrock(x):
@@ -460,6 +609,7 @@ TOPICS = {
     "scenes": scenes, "pairs": pairs, "elimination_two": elimination_two,
     "elimination_all": elimination_all, "translation": translation,
     "two_views": two_views, "camera": cameras, "triangulation": triangulation,
+    "view": view, "refine": refine,
 }
 
 

@@ -606,14 +606,15 @@ typedef struct {
     rigcal_neldermead nm;
     rigcal_refinement fit;
     rigcal_pose found[RIGCAL_POSES_MAX];
-    int32_t phase, next, n_seeds, n_found, evals, is_flat;
+    rigcal_real spiral[2], extent_px, scale;
+    int32_t phase, next, n_seeds, n_found, evals, is_flat, failure, reserved;
 } rigcal_pose_solver;
 
 /* All defaults. OK, ERR_NULL. */
 RIGCAL_API rigcal_status rigcal_pose_defaults(rigcal_pose_options *options);
 
 /* Begins a search. `camera`, `observations` and `sigma` are read until it is done,
- * so they must stay. Time O(n).
+ * so they must stay. On failure *solver is not begun. Time O(n).
  *
  *   bad      out  on failure the observation at fault, or -1; NULL: no
  *   sigma    in   n standard deviations of the observations relative to each

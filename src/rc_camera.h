@@ -42,6 +42,10 @@ rigcal_status rc_project_through(rigcal_real uv[2], rigcal_real J_uv[6],
                                  const rigcal_camera *camera,
                                  const rigcal_real X_c[3]);
 
+/* The pixel of X_c, and the proof that the lens sees it there: as rigcal_project. */
+rigcal_status rc_project_usable(rigcal_real uv[2], const rigcal_camera *camera,
+                                const rigcal_real X_c[3]);
+
 /* Unit ray of a pixel, camera and pixel already checked: OK or ERR_NO_RAY. */
 rigcal_status rc_pixel_to_ray(rigcal_real ray[3], const rigcal_camera *camera,
                               const rigcal_real uv[2]);

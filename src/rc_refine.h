@@ -24,12 +24,10 @@ rigcal_status rc_normal_equations(rigcal_real *sse, rigcal_real g[6],
                                   const rigcal_transform *cam_from_points);
 
 /* Levenberg-Marquardt from a pose, one evaluation of the normal equations a call;
- * fit->status is RUNNING until it is OK, BUDGET_SPENT (more than max_evals) or a
- * failure. `precise`: to rounding; else until what is left to gain is a millionth
- * of the sum. */
+ * state->status is RUNNING until it is OK, BUDGET_SPENT (max_evals) or a failure. */
 void rc_refine_begin(rigcal_refinement *state,
                      const rigcal_transform *cam_from_points);
-void rc_refine_step(rigcal_refinement *state, const rc_fit *fit, int precise,
+void rc_refine_step(rigcal_refinement *state, const rc_fit *fit,
                     int32_t max_evals);
 
 /* Inverse of J^T J, full. 0 when it is singular: the points do not fix the pose. */

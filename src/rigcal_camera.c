@@ -476,9 +476,8 @@ rigcal_status rc_project(rigcal_real uv[2], rigcal_real J_uv[6],
 }
 
 /* The pixel, and the proof that the lens sees the point there. */
-static rigcal_status project_usable(rigcal_real uv[2],
-                                    const rigcal_camera *camera,
-                                    const rigcal_real X_c[3])
+rigcal_status rc_project_usable(rigcal_real uv[2], const rigcal_camera *camera,
+                                const rigcal_real X_c[3])
 {
     rc_lens lens;
     rigcal_real x[2], pixel[2];
@@ -515,7 +514,7 @@ rigcal_status rigcal_project(rigcal_real uv[2], const rigcal_camera *camera,
     if (!rc_all_finite(X_c, 3)) {
         return RIGCAL_ERR_NOT_FINITE;
     }
-    return project_usable(uv, camera, X_c);
+    return rc_project_usable(uv, camera, X_c);
 }
 
 rigcal_status rigcal_pixel_to_ray(rigcal_real ray[3],
@@ -556,7 +555,7 @@ rigcal_status rigcal_distort_pixel(rigcal_real uv[2],
     }
     const rigcal_real m[3] = {(uv_straight[0] - camera->cx) / camera->fx,
                               (uv_straight[1] - camera->cy) / camera->fy, 1};
-    return project_usable(uv, camera, m);
+    return rc_project_usable(uv, camera, m);
 }
 
 /* What is wrong with observation i, if anything. */
@@ -649,7 +648,7 @@ rigcal_status rigcal_reprojection_rms(
             break;
         }
         rc_transform_point(X_c, cam_from_world, observations[i].X_w);
-        status = project_usable(uv, camera, X_c);
+        status = rc_project_usable(uv, camera, X_c);
         if (status != RIGCAL_OK) {
             break;
         }

@@ -7,11 +7,12 @@
 /* Rise of the sum that may be rounding. */
 #define SUM_ROUNDING (16 * RC_EPS)
 
-/* What is left to gain, as a part of the sum. */
-#define GAIN_ROUGH RC(1e-6)
-#define GAIN_PRECISE RC_TOL(1e-13, 1e-7)
+/* A step that promised to lower the sum by no more than this part of it was the
+ * last: what remains is a small fraction of that. A billionth of the sum is a
+ * thirty-thousandth of a standard deviation. */
+#define GAIN_LEAST RC_TOL(1e-9, 1e-6)
 
-/* And in px^2, for images without noise. */
+/* The same in px^2, for images without noise. */
 #define GAIN_NOTHING RC_TOL(1e-20, 1e-9)
 
 /* Pivots are compared with this part of their diagonal. */
@@ -184,8 +185,7 @@ static int damped_step(rigcal_real d[6], rigcal_real *gain,
 
 /* Takes the candidate when it does no harm, else damps more. */
 static void judge_candidate(rigcal_refinement *state, const rc_fit *fit,
-                            const rigcal_transform *candidate, rigcal_real gain,
-                            rigcal_real gain_least)
+                            const rigcal_transform *candidate, rigcal_real gain)
 {
     rigcal_real sse, g[6], H[21];
     if (rc_normal_equations(&sse, g, H, fit, candidate) != RIGCAL_OK ||
@@ -205,12 +205,12 @@ static void judge_candidate(rigcal_refinement *state, const rc_fit *fit,
     for (int k = 0; k < 6; k++) {
         state->g[k] = g[k];
     }
-    if (gain <= gain_least * sse || gain <= GAIN_NOTHING) {
+    if (gain <= GAIN_LEAST * sse || gain <= GAIN_NOTHING) {
         state->status = RIGCAL_OK;
     }
 }
 
-void rc_refine_step(rigcal_refinement *state, const rc_fit *fit, int precise,
+void rc_refine_step(rigcal_refinement *state, const rc_fit *fit,
                     int32_t max_evals)
 {
     if (state->evals++ == 0) {
@@ -227,8 +227,7 @@ void rc_refine_step(rigcal_refinement *state, const rc_fit *fit, int precise,
         return;
     }
     moved(&candidate, &state->cam_from_points, d);
-    judge_candidate(state, fit, &candidate, gain,
-                    precise ? GAIN_PRECISE : GAIN_ROUGH);
+    judge_candidate(state, fit, &candidate, gain);
     if (state->status == RIGCAL_RUNNING && state->evals >= max_evals) {
         state->status = RIGCAL_BUDGET_SPENT;
     }

@@ -1,0 +1,9 @@
+/* rc_pose.h - what layers below use of the pose solver. */
+#ifndef RC_POSE_H
+#define RC_POSE_H
+
+#include "rc_neldermead.h"
+#include "rc_refine.h"
+#include "rc_view.h"
+
+#endif /* RC_POSE_H */

@@ -1,4 +1,4 @@
-/* pose: where one camera is, against scenes whose pose is known, noise-free for
+/* paper: where one camera is, against scenes whose pose is known, noise-free for
  * accuracy and noisy for what is reported of the answer. The objective, its
  * condition number and the errors in the image are computed again here, in
  * doubles, from the formulas of EQUATIONS.md.
@@ -907,7 +907,7 @@ static void test_the_length_of_a_ray_does_not_matter(void)
     TEST_ASSERT_TRUE(is_right(&pose.cam_from_world, &scene));
 }
 
-/* ---- one call from pixels to pose ---------------------------------------- */
+/* ---- from pixels to pose ------------------------------------------------- */
 
 static rigcal_camera distorting_camera(int which)
 {
@@ -949,6 +949,29 @@ static double pixel_rms(const test_scene *scene, const rigcal_camera *camera,
     return sqrt(sum / scene->n);
 }
 
+/* As a caller would: rays, pairs, pose. */
+static rigcal_status solve_pixels(rigcal_transform *cam_from_world,
+                                  int32_t *bad, size_t capacity,
+                                  const rigcal_camera *camera,
+                                  const rigcal_observation observations[],
+                                  size_t n)
+{
+    rigcal_paper_pose pose;
+    rigcal_status status = rigcal_sightings_from_observations(
+        sightings, bad, camera, observations, n);
+
+    if (status >= 0) {
+        status = rigcal_pairs_choose(pairs, &n_pairs, capacity, sightings, n);
+    }
+    if (status >= 0) {
+        status = rigcal_paper_solve(&pose, sightings, n, pairs, n_pairs, NULL);
+    }
+    if (status >= 0) {
+        *cam_from_world = pose.cam_from_world;
+    }
+    return status;
+}
+
 static void test_exact_pixels_of_any_lens_give_the_pose_and_no_error(void)
 {
     test_rng rng = test_seed(71);
@@ -959,7 +982,6 @@ static void test_exact_pixels_of_any_lens_give_the_pose_and_no_error(void)
         const int n = 6 + trial % 15;
         rigcal_observation observations[N_MAX];
         rigcal_transform cam_from_world;
-        rigcal_real rms;
         int32_t bad;
         test_scene scene;
 
@@ -967,22 +989,22 @@ static void test_exact_pixels_of_any_lens_give_the_pose_and_no_error(void)
         test_observations(observations, &scene, &camera);
         FILL(bad);
         ASSERT_STATUS(RIGCAL_OK,
-                      rigcal_solve_pose(&cam_from_world, &rms, &bad, sightings,
-                                        pairs, rigcal_pairs_for((size_t)n),
-                                        &camera, observations, (size_t)n));
+                      solve_pixels(&cam_from_world, &bad,
+                                   rigcal_pairs_for((size_t)n), &camera,
+                                   observations, (size_t)n));
         ASSERT_UNTOUCHED(bad);
         scenes++;
         if (is_right(&cam_from_world, &scene)) {
             right++;
-            ASSERT_NEAR(0, rms, TOL(1e-6, 0.02));
+            ASSERT_NEAR(
+                0, pixel_rms(&scene, &camera, &cam_from_world, observations),
+                TOL(1e-6, 0.02));
         }
-        ASSERT_NEAR(pixel_rms(&scene, &camera, &cam_from_world, observations),
-                    rms, TOL(1e-8, 1e-2));
     }
     TEST_ASSERT_TRUE(right >= scenes - 2);
 }
 
-static void test_the_error_of_noisy_pixels_is_told_as_it_is(void)
+static void test_the_error_of_noisy_pixels_comes_near_the_noise(void)
 {
     test_rng rng = test_seed(72);
 
@@ -990,8 +1012,7 @@ static void test_the_error_of_noisy_pixels_is_told_as_it_is(void)
         const rigcal_camera camera = distorting_camera(trial % 4);
         rigcal_observation observations[N_MAX];
         rigcal_transform cam_from_world;
-        rigcal_real rms;
-        double noise = 0, error;
+        double noise = 0;
         test_scene scene;
 
         test_scene_random(&scene, &rng, 30, TEST_GENERAL);
@@ -1005,23 +1026,12 @@ static void test_the_error_of_noisy_pixels_is_told_as_it_is(void)
             }
         }
         ASSERT_STATUS(RIGCAL_OK,
-                      rigcal_solve_pose(&cam_from_world, &rms, NULL, sightings,
-                                        pairs, rigcal_pairs_for(30), &camera,
-                                        observations, 30));
-        error = pixel_rms(&scene, &camera, &cam_from_world, observations);
-        ASSERT_NEAR(error, rms, TOL(1e-8, 1e-2));
-        /* The method does not minimise this error, but comes near. */
-        TEST_ASSERT_TRUE(error < 4 * sqrt(noise / 30));
-        /* And it is the same pose when the error is not asked for. */
-        {
-            rigcal_transform again;
-
-            ASSERT_STATUS(RIGCAL_OK,
-                          rigcal_solve_pose(&again, NULL, NULL, sightings,
-                                            pairs, rigcal_pairs_for(30),
-                                            &camera, observations, 30));
-            TEST_ASSERT_EQUAL_MEMORY(&cam_from_world, &again, sizeof again);
-        }
+                      solve_pixels(&cam_from_world, NULL, rigcal_pairs_for(30),
+                                   &camera, observations, 30));
+        /* The method does not minimise this error. */
+        TEST_ASSERT_TRUE(
+            pixel_rms(&scene, &camera, &cam_from_world, observations) <
+            4 * sqrt(noise / 30));
     }
 }
 
@@ -1034,14 +1044,12 @@ static void test_few_pairs_are_enough_where_memory_is_short(void)
     for (int trial = 0; trial < 20; trial++) {
         rigcal_observation observations[N_MAX];
         rigcal_transform cam_from_world;
-        rigcal_real rms;
         test_scene scene;
 
         test_scene_random(&scene, &rng, 20, TEST_GENERAL);
         test_observations(observations, &scene, &camera);
-        ASSERT_STATUS(RIGCAL_OK,
-                      rigcal_solve_pose(&cam_from_world, &rms, NULL, sightings,
-                                        pairs, 12, &camera, observations, 20));
+        ASSERT_STATUS(RIGCAL_OK, solve_pixels(&cam_from_world, NULL, 12,
+                                              &camera, observations, 20));
         right += is_right(&cam_from_world, &scene);
     }
     TEST_ASSERT_TRUE(right >= 17);
@@ -1054,22 +1062,10 @@ static rigcal_status solve_points(test_scene *scene, size_t capacity)
     const rigcal_camera camera = test_pinhole();
     rigcal_observation observations[N_MAX];
     rigcal_transform cam_from_world;
-    rigcal_real rms;
-    rigcal_status status;
-    int32_t bad = -7;
 
     test_observations(observations, scene, &camera);
-    FILL(cam_from_world);
-    FILL(rms);
-    status =
-        rigcal_solve_pose(&cam_from_world, &rms, &bad, sightings, pairs,
-                          capacity, &camera, observations, (size_t)scene->n);
-    if (status < 0) {
-        ASSERT_UNTOUCHED(cam_from_world);
-        ASSERT_UNTOUCHED(rms);
-        TEST_ASSERT_EQUAL_INT32(-1, bad);
-    }
-    return status;
+    return solve_pixels(&cam_from_world, NULL, capacity, &camera, observations,
+                        (size_t)scene->n);
 }
 
 static void test_targets_that_fix_no_pose_are_named(void)
@@ -1119,26 +1115,6 @@ static void test_a_plane_seen_edge_on_is_named(void)
         test_apply(scene.X[i], Rt, d, NULL);
     }
     ASSERT_STATUS(RIGCAL_ERR_EDGE_ON, solve_points(&scene, 32));
-}
-
-static void test_the_observation_that_no_lens_can_have_is_told(void)
-{
-    const rigcal_camera camera = distorting_camera(3);
-    rigcal_observation observations[8];
-    rigcal_transform cam_from_world;
-    rigcal_real rms;
-    int32_t bad = -7;
-    test_scene scene;
-
-    box_scene(&scene, 8);
-    test_observations(observations, &scene, &camera);
-    observations[5].uv[0] = 3; /* outside of the image circle */
-    FILL(rms);
-    ASSERT_REFUSED(RIGCAL_ERR_NO_RAY, cam_from_world,
-                   rigcal_solve_pose(&cam_from_world, &rms, &bad, sightings,
-                                     pairs, 28, &camera, observations, 8));
-    ASSERT_UNTOUCHED(rms);
-    TEST_ASSERT_EQUAL_INT32(5, bad);
 }
 
 static void test_a_ray_to_the_side_has_no_place_in_these_equations(void)
@@ -1221,11 +1197,10 @@ int main(void)
     RUN_TEST(test_unit_and_origin_of_the_target_do_not_matter);
     RUN_TEST(test_the_length_of_a_ray_does_not_matter);
     RUN_TEST(test_exact_pixels_of_any_lens_give_the_pose_and_no_error);
-    RUN_TEST(test_the_error_of_noisy_pixels_is_told_as_it_is);
+    RUN_TEST(test_the_error_of_noisy_pixels_comes_near_the_noise);
     RUN_TEST(test_few_pairs_are_enough_where_memory_is_short);
     RUN_TEST(test_targets_that_fix_no_pose_are_named);
     RUN_TEST(test_a_plane_seen_edge_on_is_named);
-    RUN_TEST(test_the_observation_that_no_lens_can_have_is_told);
     RUN_TEST(test_a_ray_to_the_side_has_no_place_in_these_equations);
     RUN_TEST(test_three_angles_are_not_searched_without_a_guess);
     RUN_TEST(test_a_mirrored_target_does_not_fit);

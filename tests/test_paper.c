@@ -1029,9 +1029,8 @@ static void test_the_error_of_noisy_pixels_comes_near_the_noise(void)
                       solve_pixels(&cam_from_world, NULL, rigcal_pairs_for(30),
                                    &camera, observations, 30));
         /* The method does not minimise this error. */
-        TEST_ASSERT_TRUE(
-            pixel_rms(&scene, &camera, &cam_from_world, observations) <
-            4 * sqrt(noise / 30));
+        TEST_ASSERT_TRUE(pixel_rms(&scene, &camera, &cam_from_world,
+                                   observations) < 4 * sqrt(noise / 30));
     }
 }
 

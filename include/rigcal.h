@@ -607,7 +607,7 @@ typedef struct {
     rigcal_refinement fit;
     rigcal_pose found[RIGCAL_POSES_MAX];
     rigcal_real spiral[2], extent_px, scale;
-    int32_t phase, next, n_seeds, n_found, evals, is_flat, failure, reserved;
+    int32_t phase, next, n_seeds, n_found, evals, is_flat, mirrored, failure;
 } rigcal_pose_solver;
 
 /* All defaults. OK, ERR_NULL. */

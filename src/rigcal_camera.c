@@ -218,6 +218,9 @@ int rc_lens_is_usable(const rc_lens *lens, const rigcal_real x[2])
     if (!rc_is_finite(end)) {
         return 0;
     }
+    if (lens->is_pinhole) {
+        return 1;
+    }
 
     radial_slope(G, lens);
     rigcal_real a = 0, h = end;
@@ -311,7 +314,10 @@ rigcal_status rc_pixel_to_ray(rigcal_real ray[3], const rigcal_camera *camera,
     rigcal_real x[2];
 
     rc_lens_of(&lens, camera);
-    if (!invert_lens(x, &lens, target, tolerance)) {
+    if (lens.is_pinhole) {
+        x[0] = target[0];
+        x[1] = target[1];
+    } else if (!invert_lens(x, &lens, target, tolerance)) {
         return RIGCAL_ERR_NO_RAY;
     }
     if (!lens.is_fisheye) {

@@ -17,8 +17,11 @@ enum { DESCENT_EVALS = 12, DESCENT_EVALS_THOROUGH = 20, REFINE_EVALS = 60 };
  * unless the target is flat: its second optimum may be as bad. */
 #define HOPELESS RC(100)
 
-/* Two poses closer than this are going to be, or are, the same [rad]. */
-#define SAME_BASIN RC(0.05)
+/* A seed so near to an optimum found [rad] was on its way there; the mirrored one,
+ * which starts where its optimum is expected, may be nearer. Two optima closer than
+ * the last are one. */
+#define SAME_BASIN RC(0.25)
+#define SAME_BASIN_MIRRORED RC(0.05)
 #define SAME_POSE RC(1e-3)
 
 /* Least noise assumed where none is stated [px]. */
@@ -207,25 +210,6 @@ static void direction_near(rigcal_real m3[3], const rigcal_real seed[3],
     }
 }
 
-/* The flat target's other optimum lies where the line of sight is mirrored in the
- * target's normal, n: m3' = 2 (m3.n) n - m3. */
-static void add_mirrored_seed(rigcal_pose_solver *s)
-{
-    rigcal_real normal[3], thickness, mirrored[3];
-    s->is_flat = rc_view_normal(normal, &thickness, &s->moments) &&
-                 thickness < FLAT_THICKNESS;
-    if (!s->is_flat) {
-        return;
-    }
-    const rigcal_real *const best = s->seed[0];
-    const rigcal_real along = 2 * rc_vec3_dot(best, normal);
-    for (int k = 0; k < 3; k++) {
-        mirrored[k] = along * normal[k] - best[k];
-    }
-    insert_seed(s, mirrored, rc_view_cost(&s->moments, mirrored),
-                RIGCAL_POSE_SEEDS);
-}
-
 static void begin_refining(rigcal_pose_solver *s);
 
 /* Sorts the followed seeds, whose costs the descents have lowered. */
@@ -255,7 +239,6 @@ static void end_descent(rigcal_pose_solver *s)
         return;
     }
     sort_seeds(s);
-    add_mirrored_seed(s);
     s->next = 0;
     begin_refining(s);
 }
@@ -323,6 +306,24 @@ static void seed_pose(rigcal_transform *cam_from_points,
     }
 }
 
+/* A flat target's other optimum lies where the line of sight is mirrored in the
+ * target's normal n: m3' = 2 (m3.n) n - m3, m3 being that of the first one found. */
+static void add_mirrored_seed(rigcal_pose_solver *s)
+{
+    rigcal_real m3[3], normal[3], thickness;
+    rigcal_real *const mirrored = s->seed[s->n_seeds];
+    rc_mat3_tmul_vec3(m3, s->found[0].cam_from_world.R, &s->virtual_from_cam[6]);
+    if (!rc_view_normal(normal, &thickness, &s->moments)) {
+        return;
+    }
+    const rigcal_real along = 2 * rc_vec3_dot(m3, normal);
+    for (int k = 0; k < 3; k++) {
+        mirrored[k] = along * normal[k] - m3[k];
+    }
+    mirrored[3] = rc_view_cost(&s->moments, mirrored);
+    s->mirrored = s->n_seeds++;
+}
+
 /* The next seed that is worth it, or the end. */
 static void begin_refining(rigcal_pose_solver *s)
 {
@@ -336,7 +337,9 @@ static void begin_refining(rigcal_pose_solver *s)
             continue;
         }
         seed_pose(&start, s, seed);
-        if (!is_near_found(s, start.R, SAME_BASIN)) {
+        if (!is_near_found(s, start.R, (s->next == s->mirrored)
+                                           ? SAME_BASIN_MIRRORED
+                                           : SAME_BASIN)) {
             rc_refine_begin(&s->fit, &start);
             return;
         }
@@ -394,6 +397,9 @@ static void end_refinement(rigcal_pose_solver *s)
     } else if (s->fit.status == RIGCAL_ERR_DEGENERATE) {
         s->failure = RIGCAL_ERR_DEGENERATE;
     }
+    if (s->is_flat && s->n_found == 1 && s->mirrored == 0) {
+        add_mirrored_seed(s);
+    }
     s->next++;
     begin_refining(s);
 }
@@ -405,6 +411,7 @@ static void begin_search(rigcal_pose_solver *s)
     s->phase = LATTICE_SCAN;
     s->next = 0;
     s->n_seeds = 0;
+    s->mirrored = 0;
     s->spiral[0] = 1;
     s->spiral[1] = 0;
 }
@@ -531,9 +538,11 @@ static rigcal_status prepare(rigcal_pose_solver *s, int32_t *at)
         const rigcal_real dv = s->observations[i].uv[1] - uv_middle[1];
         s->extent_px = rc_max(s->extent_px, RC_SQRT(du * du + dv * dv));
     }
-    return rc_view_normal(normal, &thickness, &s->moments)
-               ? RIGCAL_OK
-               : RIGCAL_ERR_COLLINEAR;
+    if (!rc_view_normal(normal, &thickness, &s->moments)) {
+        return RIGCAL_ERR_COLLINEAR;
+    }
+    s->is_flat = thickness < FLAT_THICKNESS;
+    return RIGCAL_OK;
 }
 
 rigcal_status rigcal_pose_begin(rigcal_pose_solver *solver, int32_t *bad,

@@ -12,7 +12,10 @@
  * thirty-thousandth of a standard deviation. */
 #define GAIN_LEAST RC_TOL(1e-9, 1e-6)
 
-/* The same in px^2, for images without noise. */
+/* One refused although it promised no more than this has met rounding. */
+#define GAIN_ROUNDING RC_TOL(1e-7, 1e-4)
+
+/* GAIN_LEAST in px^2, for images without noise. */
 #define GAIN_NOTHING RC_TOL(1e-20, 1e-9)
 
 /* Pivots are compared with this part of their diagonal. */
@@ -191,8 +194,8 @@ static void judge_candidate(rigcal_refinement *state, const rc_fit *fit,
     if (rc_normal_equations(&sse, g, H, fit, candidate) != RIGCAL_OK ||
         !(sse <= state->sse * (1 + SUM_ROUNDING) + GAIN_NOTHING)) {
         state->lambda = rc_max(10 * state->lambda, DAMPING_FIRST);
-        if (state->lambda > DAMPING_LAST) {
-            state->status = RIGCAL_OK; /* no step helps: at rounding */
+        if (gain <= GAIN_ROUNDING * state->sse || state->lambda > DAMPING_LAST) {
+            state->status = RIGCAL_OK; /* no step helps any more */
         }
         return;
     }

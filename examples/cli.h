@@ -17,6 +17,7 @@ enum {
     OPTION_TO,
     OPTION_PIXEL,
     OPTION_DEPTH,
+    OPTION_METHOD,
     OPTION_COUNT
 };
 
@@ -31,6 +32,8 @@ enum { CLI_DIGITS = sizeof(rigcal_real) == sizeof(double) ? 12 : 9 };
 /* ",R11,...,tz" */
 #define CLI_TRANSFORM_COLUMNS "R11,R12,R13,R21,R22,R23,R31,R32,R33,tx,ty,tz"
 void cli_write_numbers(FILE *file, const rigcal_real numbers[], size_t count);
+/* ",number", or "," where it is not known. */
+void cli_write_known(FILE *file, rigcal_real number, int known);
 void cli_write_transform(FILE *file, const rigcal_transform *transform);
 
 /* The `count` numbers, separated by commas, of an option. */

@@ -2,24 +2,34 @@
 #include "cli.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 static const double DEGREE = 57.295779513082320877;
+
+/* Poses less likely than this are not weighed against other frames. */
+#define PROBABLE ((rigcal_real)1e-3)
 
 /* One camera in one frame. */
 typedef struct {
     size_t camera, frame; /* numbers of their names */
     const cli_observation *first;
     size_t n;
-    rigcal_transform cam_from_target;
-    rigcal_real rms_px;
+    int by_paper;         /* by the published procedure: one pose, no sigma */
+    rigcal_status status; /* OK or a caveat */
+    rigcal_pose poses[RIGCAL_POSES_MAX]; /* best first */
+    size_t n_poses, taken;
+    int settled;          /* other frames told which one */
     rigcal_real distance; /* from the camera to the middle of the points */
+    int has_sigma;
+    rigcal_real sigma_deg, sigma_pos; /* of the rotation; of the centre */
 } view;
 
 /* The rig's cameras are those with a view; they are numbered anew for it. */
 typedef struct {
     cli_cameras cameras;
     cli_observations observations;
+    int by_paper; /* --method paper */
     int exit_status;
 
     rigcal_observation *observed; /* work for one view */
@@ -43,12 +53,30 @@ typedef struct {
     int *placed;
 } calibration;
 
+static const rigcal_pose *taken(const view *v)
+{
+    return &v->poses[v->taken];
+}
+
+/* The best of the poses not taken, or NULL. */
+static const rigcal_pose *second(const view *v)
+{
+    const size_t other = v->taken == 0 ? 1 : 0;
+
+    return other < v->n_poses ? &v->poses[other] : NULL;
+}
+
 static const char *camera_name(const calibration *c, size_t rig_camera)
 {
     return c->cameras.names.name[c->camera[rig_camera]];
 }
 
 /* ==== views =============================================================== */
+
+static double length_of(const rigcal_real x[3])
+{
+    return sqrt((double)(x[0] * x[0] + x[1] * x[1] + x[2] * x[2]));
+}
 
 static rigcal_real distance_to_points(const rigcal_transform *cam_from_target,
                                       const rigcal_observation observed[],
@@ -64,29 +92,83 @@ static rigcal_real distance_to_points(const rigcal_transform *cam_from_target,
         }
     }
     rigcal_transform_point(X_c, cam_from_target, middle);
-    return (rigcal_real)sqrt(
-        (double)(X_c[0] * X_c[0] + X_c[1] * X_c[1] + X_c[2] * X_c[2]));
+    return (rigcal_real)length_of(X_c);
 }
 
-static rigcal_status solve(const calibration *c, view *v, int32_t *bad)
+static void gather(const calibration *c, const view *v)
 {
-    rigcal_status status;
     size_t i;
 
     for (i = 0; i < v->n; i++) {
         c->observed[i] = v->first[i].seen;
     }
-    status = rigcal_solve_pose(
-        &v->cam_from_target, &v->rms_px, bad, c->sightings, c->pairs,
-        c->n_pairs, &c->cameras.camera[v->camera], c->observed, v->n);
+}
+
+static rigcal_status solve_by_paper(const calibration *c, view *v,
+                                    const rigcal_camera *camera, int32_t *bad)
+{
+    rigcal_paper_pose pose;
+    size_t n_pairs = 0;
+    rigcal_status status, measured;
+
+    status = rigcal_sightings_from_observations(c->sightings, bad, camera,
+                                                c->observed, v->n);
     if (status >= 0) {
-        v->distance =
-            distance_to_points(&v->cam_from_target, c->observed, v->n);
+        status = rigcal_pairs_choose(c->pairs, &n_pairs, c->n_pairs,
+                                     c->sightings, v->n);
+    }
+    if (status >= 0) {
+        status = rigcal_paper_solve(&pose, c->sightings, v->n, c->pairs,
+                                    n_pairs, NULL);
+    }
+    if (status < 0) {
+        return status;
+    }
+    v->n_poses = 1;
+    v->poses[0].cam_from_world = pose.cam_from_world;
+    measured = rigcal_reprojection_rms(&v->poses[0].rms_px, NULL, camera,
+                                       &pose.cam_from_world, c->observed, v->n);
+    return measured < 0 ? measured : status;
+}
+
+/* What follows from the pose that is taken. */
+static void measure(const calibration *c, view *v)
+{
+    const rigcal_transform *pose = &taken(v)->cam_from_world;
+    rigcal_pose_uncertainty u;
+
+    gather(c, v);
+    v->distance = distance_to_points(pose, c->observed, v->n);
+    v->has_sigma = !v->by_paper && rigcal_pose_covariance(
+                                       &u, &c->cameras.camera[v->camera], pose,
+                                       c->observed, NULL, v->n, 0) == RIGCAL_OK;
+    if (v->has_sigma) {
+        v->sigma_deg = (rigcal_real)(DEGREE * length_of(u.rotation));
+        v->sigma_pos = (rigcal_real)length_of(u.center);
+    }
+}
+
+static rigcal_status solve(const calibration *c, view *v, int32_t *bad)
+{
+    const rigcal_camera *camera = &c->cameras.camera[v->camera];
+    rigcal_status status;
+
+    gather(c, v);
+    v->by_paper = c->by_paper || v->n < 4;
+    if (v->by_paper) {
+        status = solve_by_paper(c, v, camera, bad);
+    } else {
+        status = rigcal_solve_pose(v->poses, &v->n_poses, RIGCAL_POSES_MAX, bad,
+                                   camera, c->observed, NULL, v->n, NULL);
+    }
+    v->status = status;
+    if (status >= 0) {
+        measure(c, v);
     }
     return status;
 }
 
-/* A view that failed, or that has a caveat. */
+/* A view that failed, or that has a caveat the summary does not tell. */
 static void name_trouble(const calibration *c, const view *v,
                          rigcal_status status, int32_t bad)
 {
@@ -111,7 +193,7 @@ static void solve_view(calibration *c, const view *v)
 
     *solved = *v;
     status = solve(c, solved, &bad);
-    if (status != RIGCAL_OK) {
+    if (status != RIGCAL_OK && status != RIGCAL_AMBIGUOUS) {
         name_trouble(c, v, status, bad);
     }
     if (status < 0) {
@@ -121,17 +203,25 @@ static void solve_view(calibration *c, const view *v)
     }
 }
 
+static int same_view(const cli_observation *a, const cli_observation *b)
+{
+    return a->camera == b->camera && a->frame == b->frame;
+}
+
 static void solve_views(calibration *c)
 {
     const cli_observation *list = c->observations.list;
     const size_t count = c->observations.count;
-    size_t begin, end;
+    size_t begin, end, n_views = 0;
 
+    for (end = 1; end <= count; end++) {
+        n_views += end == count || !same_view(&list[end - 1], &list[end]);
+    }
     c->n_pairs = rigcal_pairs_for(count < 3 ? 3 : count);
     c->pairs = cli_alloc(c->n_pairs, sizeof *c->pairs);
     c->sightings = cli_alloc(count, sizeof *c->sightings);
     c->observed = cli_alloc(count, sizeof *c->observed);
-    c->views = cli_alloc(count, sizeof *c->views);
+    c->views = cli_alloc(n_views, sizeof *c->views);
     for (begin = 0; begin < count; begin = end) {
         view v;
 
@@ -139,12 +229,128 @@ static void solve_views(calibration *c)
         v.camera = list[begin].camera;
         v.frame = list[begin].frame;
         v.first = list + begin;
-        for (end = begin; end < count && list[end].camera == v.camera &&
-                          list[end].frame == v.frame;
+        for (end = begin; end < count && same_view(&list[begin], &list[end]);
              end++) {
             v.n++;
         }
         solve_view(c, &v);
+    }
+}
+
+/* ==== ambiguous views =====================================================
+ *
+ * One view cannot tell which of two poses of a flat target is right, but a rig
+ * is rigid: with the right one, the rotation to another camera that saw the same
+ * placement is that of other frames, where both cameras are sure. With the wrong
+ * one it is off by twice the tilt. A pose is taken if its sum of angles to all
+ * such rotations is less than half of every other's; else the likeliest stays. */
+
+/* Views are sorted so. */
+static int compare_views(const void *va, const void *vb)
+{
+    const view *a = va, *b = vb;
+
+    if (a->camera != b->camera) {
+        return a->camera < b->camera ? -1 : 1;
+    }
+    return a->frame < b->frame ? -1 : a->frame > b->frame;
+}
+
+static const view *find_view(const calibration *c, size_t camera, size_t frame)
+{
+    view key;
+
+    key.camera = camera;
+    key.frame = frame;
+    return bsearch(&key, c->views, c->n_views, sizeof key, compare_views);
+}
+
+static int is_sure(const view *v)
+{
+    return v != NULL && v->status == RIGCAL_OK && !v->by_paper;
+}
+
+static rigcal_real angle_between(const rigcal_transform *a_known,
+                                 const rigcal_transform *b_known,
+                                 const rigcal_transform *a,
+                                 const rigcal_transform *b)
+{
+    rigcal_transform known, here;
+    rigcal_real angle = 0;
+
+    rigcal_relative_pose(&known, b_known, a_known);
+    rigcal_relative_pose(&here, b, a);
+    rigcal_rotation_angle(&angle, known.R, here.R);
+    return angle;
+}
+
+/* Adds up the angles of the view's poses to a second camera, which saw the same
+ * placement, from those in frames where both are sure; returns how many. */
+static size_t add_angles(rigcal_real sum[RIGCAL_POSES_MAX],
+                         const calibration *c, const view *v, const view *b)
+{
+    size_t i, k, n_known = 0;
+
+    for (i = 0; i < c->n_views; i++) {
+        const view *known = &c->views[i];
+        const view *b_known;
+
+        if (known->camera != v->camera || !is_sure(known)) {
+            continue;
+        }
+        b_known = find_view(c, b->camera, known->frame);
+        if (!is_sure(b_known)) {
+            continue;
+        }
+        n_known++;
+        for (k = 0; k < v->n_poses; k++) {
+            sum[k] += angle_between(
+                &taken(known)->cam_from_world, &taken(b_known)->cam_from_world,
+                &v->poses[k].cam_from_world, &taken(b)->cam_from_world);
+        }
+    }
+    return n_known;
+}
+
+static void settle(const calibration *c, view *v)
+{
+    rigcal_real sum[RIGCAL_POSES_MAX] = {0};
+    size_t i, k, n_known = 0, best = 0;
+
+    for (i = 0; i < c->n_views; i++) {
+        const view *b = &c->views[i];
+
+        if (b->frame == v->frame && b->camera != v->camera && is_sure(b)) {
+            n_known += add_angles(sum, c, v, b);
+        }
+    }
+    if (n_known == 0) {
+        return;
+    }
+    for (k = 1; k < v->n_poses; k++) {
+        if (v->poses[k].probability >= PROBABLE && sum[k] < sum[best]) {
+            best = k;
+        }
+    }
+    for (k = 0; k < v->n_poses; k++) {
+        if (k != best && v->poses[k].probability >= PROBABLE &&
+            2 * sum[best] > sum[k]) {
+            return;
+        }
+    }
+    v->settled = 1;
+    v->taken = best;
+    measure(c, v);
+}
+
+static void settle_ambiguous_views(calibration *c)
+{
+    size_t i;
+
+    for (i = 0; i < c->n_views; i++) {
+        if (c->views[i].status == RIGCAL_AMBIGUOUS) {
+            settle(c, &c->views[i]);
+        }
     }
 }
 
@@ -164,7 +370,7 @@ static void number_rig(calibration *c)
             c->first[c->n_rig] = i;
             c->camera[c->n_rig++] = v->camera;
         }
-        c->rig_views[i].cam_from_target = v->cam_from_target;
+        c->rig_views[i].cam_from_target = taken(v)->cam_from_world;
         c->rig_views[i].weight = (rigcal_real)v->n;
         c->rig_views[i].camera = (int32_t)(c->n_rig - 1);
         c->rig_views[i].placement = (int32_t)v->frame;
@@ -281,21 +487,46 @@ static int widest(const cli_names *names)
     return (int)most;
 }
 
+static void print_sigma(const view *v)
+{
+    if (v->has_sigma) {
+        printf("  %8.2g  %11.2g", (double)v->sigma_deg, (double)v->sigma_pos);
+    } else {
+        printf("  %8s  %11s", "-", "-");
+    }
+}
+
+static void print_caveat(const view *v)
+{
+    const rigcal_pose *other = second(v);
+
+    if (v->n == 3) {
+        printf("  three points fit several poses; one, by --method paper");
+    } else if (v->status == RIGCAL_AMBIGUOUS && other != NULL) {
+        printf("  ambiguous: 2nd pose %.2f px, p %.2g%s", (double)other->rms_px,
+               (double)other->probability,
+               v->settled ? ", settled by other frames" : "");
+    }
+}
+
 static void print_views(const calibration *c)
 {
     const int wide_camera = widest(&c->cameras.names);
     const int wide_frame = widest(&c->observations.frames);
     size_t i;
 
-    printf("%-*s  %-*s  points  rms [px]  distance\n", wide_camera, "camera",
-           wide_frame, "frame");
+    printf("%-*s  %-*s  points  rms [px]  distance  +- [deg]  +- position\n",
+           wide_camera, "camera", wide_frame, "frame");
     for (i = 0; i < c->n_views; i++) {
         const view *v = &c->views[i];
 
-        printf("%-*s  %-*s  %6lu  %8.3f  %8.5g\n", wide_camera,
+        printf("%-*s  %-*s  %6lu  %8.3f  %8.5g", wide_camera,
                c->cameras.names.name[v->camera], wide_frame,
                c->observations.frames.name[v->frame], (unsigned long)v->n,
-               (double)v->rms_px, (double)v->distance);
+               (double)taken(v)->rms_px, (double)v->distance);
+        print_sigma(v);
+        print_caveat(v);
+        printf("\n");
     }
 }
 
@@ -341,14 +572,6 @@ static size_t shared_placements(const calibration *c, size_t a, size_t b)
     return count;
 }
 
-static double distance_of(const rigcal_transform *b_from_a)
-{
-    const double x = (double)b_from_a->t[0], y = (double)b_from_a->t[1],
-                 z = (double)b_from_a->t[2];
-
-    return sqrt(x * x + y * y + z * z);
-}
-
 static double angle_of(const rigcal_transform *b_from_a)
 {
     static const rigcal_real NONE[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
@@ -366,7 +589,7 @@ static void print_pair(const calibration *c, size_t a, size_t b, int wide)
 
     relative(&b_from_a, c, a, b);
     printf("%-*s  %-*s  %8.5g  %11.4f", wide, camera_name(c, a), wide,
-           camera_name(c, b), distance_of(&b_from_a), angle_of(&b_from_a));
+           camera_name(c, b), length_of(b_from_a.t), angle_of(&b_from_a));
     if (shared > 1 &&
         rigcal_transform_mean(&mean, &sigma_rad, &sigma_t, c->work, NULL,
                               shared) == RIGCAL_OK) {
@@ -416,14 +639,20 @@ static void write_poses(FILE *file, const calibration *c)
 {
     size_t i;
 
-    fprintf(file, "camera,frame,n,%s,rms_px\n", CLI_TRANSFORM_COLUMNS);
+    fprintf(file, "camera,frame,n,%s,rms_px,%s\n", CLI_TRANSFORM_COLUMNS,
+            "sigma_rot_deg,sigma_pos,second_rms_px,probability");
     for (i = 0; i < c->n_views; i++) {
         const view *v = &c->views[i];
+        const rigcal_pose *other = second(v);
 
         fprintf(file, "%s,%s,%lu", c->cameras.names.name[v->camera],
                 c->observations.frames.name[v->frame], (unsigned long)v->n);
-        cli_write_transform(file, &v->cam_from_target);
-        cli_write_numbers(file, &v->rms_px, 1);
+        cli_write_transform(file, &taken(v)->cam_from_world);
+        cli_write_numbers(file, &taken(v)->rms_px, 1);
+        cli_write_known(file, v->sigma_deg, v->has_sigma);
+        cli_write_known(file, v->sigma_pos, v->has_sigma);
+        cli_write_known(file, other ? other->rms_px : 0, other != NULL);
+        cli_write_known(file, taken(v)->probability, !v->by_paper);
         fprintf(file, "\n");
     }
 }
@@ -488,16 +717,29 @@ static void write_files(const calibration *c, const char *folder)
 
 /* ==== the command ========================================================= */
 
+/* Whether it is the published procedure. */
+static int choose_method(const char *text)
+{
+    const int by_paper = text != NULL && strcmp(text, "paper") == 0;
+
+    if (text != NULL && !by_paper && strcmp(text, "ml") != 0) {
+        cli_fail("--method is ml or paper, not \"%s\"", text);
+    }
+    return by_paper;
+}
+
 int cli_calibrate(const char *const option[OPTION_COUNT])
 {
     calibration c;
 
     memset(&c, 0, sizeof c);
+    c.by_paper = choose_method(option[OPTION_METHOD]);
     cli_cameras_read(&c.cameras, option[OPTION_CAMERAS]);
     cli_observations_read(&c.observations, option[OPTION_OBSERVATIONS],
                           &c.cameras, 1);
     cli_observations_by_view(&c.observations);
     solve_views(&c);
+    settle_ambiguous_views(&c);
     number_rig(&c);
     name_cameras_without_pose(&c);
     if (c.n_views > 0) {

@@ -16,6 +16,15 @@ void cli_write_numbers(FILE *file, const rigcal_real numbers[], size_t count)
     }
 }
 
+void cli_write_known(FILE *file, rigcal_real number, int known)
+{
+    if (known) {
+        cli_write_numbers(file, &number, 1);
+    } else {
+        fputc(',', file);
+    }
+}
+
 void cli_write_transform(FILE *file, const rigcal_transform *transform)
 {
     cli_write_numbers(file, transform->R, 9);

@@ -10,6 +10,7 @@ static const char HELP[] =
     "rigcal - where each camera of a rig is, from a few points of known shape\n"
     "\n"
     "  rigcal calibrate   --cameras FILE --observations FILE [--out FOLDER]\n"
+    "                     [--method ml|paper]\n"
     "  rigcal triangulate --cameras FILE --rig FILE --observations FILE\n"
     "                     [--targets FILE] [--sigma PIXELS]\n"
     "  rigcal line        --cameras FILE --rig FILE --from CAMERA --to CAMERA\n"
@@ -17,7 +18,11 @@ static const char HELP[] =
     "  rigcal --help | --version\n"
     "\n"
     "calibrate    finds every camera's pose and the rig they form; writes\n"
-    "             poses.csv, rig.csv, targets.csv and pairs.csv to FOLDER\n"
+    "             poses.csv, rig.csv, targets.csv and pairs.csv to FOLDER.\n"
+    "             --method ml, the default: the maximum-likelihood pose and "
+    "its\n"
+    "             1-sigma, from four points or more; three points go by paper\n"
+    "             --method paper: the published procedure for every view\n"
     "triangulate  measures the points that two cameras or more observed, in "
     "the\n"
     "             first camera's frame or with --targets in the target's; "
@@ -44,7 +49,7 @@ typedef struct {
 
 static const command COMMANDS[] = {
     {"calibrate", cli_calibrate, BIT(OPTION_CAMERAS) | BIT(OPTION_OBSERVATIONS),
-     BIT(OPTION_OUT)},
+     BIT(OPTION_OUT) | BIT(OPTION_METHOD)},
     {"triangulate", cli_triangulate,
      BIT(OPTION_CAMERAS) | BIT(OPTION_RIG) | BIT(OPTION_OBSERVATIONS),
      BIT(OPTION_TARGETS) | BIT(OPTION_SIGMA)},
@@ -67,6 +72,7 @@ static const struct option OPTIONS[] = {
     {"to", required_argument, NULL, OPTION_TO},
     {"pixel", required_argument, NULL, OPTION_PIXEL},
     {"depth", required_argument, NULL, OPTION_DEPTH},
+    {"method", required_argument, NULL, OPTION_METHOD},
     {"help", no_argument, NULL, HELP_OPTION},
     {NULL, 0, NULL, 0},
 };

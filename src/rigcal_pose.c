@@ -347,8 +347,15 @@ static void begin_refining(rigcal_pose_solver *s)
     s->phase = DONE;
 }
 
+/* Refinement sees to it that the points are in front; whether a lens that turns back
+ * sees them is asked once. */
 static int is_seen(const rigcal_pose_solver *s, const rigcal_transform *pose)
 {
+    rc_lens lens;
+    rc_lens_of(&lens, s->camera);
+    if (lens.is_pinhole) {
+        return 1;
+    }
     for (size_t i = 0; i < s->n; i++) {
         rigcal_real x[3], X_c[3], uv[2];
         rc_vec3_sub(x, s->observations[i].X_w, s->origin);
@@ -640,7 +647,10 @@ static void write_pose(rigcal_pose *out, const rigcal_pose_solver *s, int32_t i)
     rc_mat3_mul_vec3(turned, from_points->R, s->origin);
     *out = s->found[i];
     rc_vec3_sub(out->cam_from_world.t, from_points->t, turned);
-    for (size_t k = 0; k < s->n; k++) {
+    if (s->sigma == NULL) {
+        sum = out->sse;
+    }
+    for (size_t k = 0; k < s->n && s->sigma != NULL; k++) {
         const rigcal_observation *const o = &s->observations[k];
         rigcal_real x[3], X_c[3], uv[2];
         rc_vec3_sub(x, o->X_w, s->origin);

@@ -50,9 +50,13 @@ static struct {
     rigcal_neldermead search, search_begun;
     rigcal_paper_options options;
     rigcal_paper_solver solver, solver_done;
+    rigcal_real spreads[N];
+    rigcal_pose_options warm, cold;
+    rigcal_pose_solver pose_solver, pose_solver_done;
 } ok;
 
-static const size_t SIZE_2 = 2, SIZE_3 = 3, SIZE_6 = 6, SIZE_15 = 15;
+static const size_t SIZE_2 = 2, SIZE_3 = 3, SIZE_4 = 4, SIZE_6 = 6,
+                    SIZE_15 = 15;
 static const int32_t INT_0 = 0, INT_1 = 1, INT_2 = 2, INT_3 = 3, INT_8 = 8,
                      INT_480 = 480, INT_640 = 640, INT_1000 = 1000;
 static const rigcal_real REAL_TOL = RC(1e-6), REAL_COST = RC(2.5),
@@ -237,6 +241,29 @@ static void build_searches(void)
     ASSERT_STATUS(RIGCAL_OK, status);
 }
 
+static void build_pose_searches(void)
+{
+    int32_t bad;
+    rigcal_status status;
+
+    for (int i = 0; i < N; i++) {
+        ok.spreads[i] = RC(0.5 + 0.25 * i);
+    }
+    ASSERT_STATUS(RIGCAL_OK, rigcal_pose_defaults(&ok.cold));
+    ok.warm = ok.cold;
+    ok.cold.sigma_px = REAL_SIGMA;
+    ok.warm.use_start = 1;
+    ok.warm.start = ok.cams_from_world[0];
+    ASSERT_STATUS(RIGCAL_OK,
+                  rigcal_pose_begin(&ok.pose_solver, &bad, &ok.camera,
+                                    ok.observations, ok.spreads, N, &ok.cold));
+    ok.pose_solver_done = ok.pose_solver;
+    do {
+        status = rigcal_pose_step(&ok.pose_solver_done, 1000);
+    } while (status == RIGCAL_RUNNING);
+    ASSERT_STATUS(RIGCAL_OK, status);
+}
+
 static void build_valid(void)
 {
     static const rigcal_camera camera = {
@@ -251,6 +278,7 @@ static void build_valid(void)
     build_target();
     build_rig();
     build_searches();
+    build_pose_searches();
 }
 
 /* ---- kinds of argument --------------------------------------------------- */
@@ -319,6 +347,20 @@ static const impossible BAD_OPTIONS[] = {
     BAD_REAL(rigcal_paper_options, xtol, -1e-6, RIGCAL_ERR_RANGE),
     BAD_REAL(rigcal_paper_options, ftol, -1e-6, RIGCAL_ERR_RANGE),
     BAD_END};
+static const impossible BAD_COLD[] = {
+    BAD_INT(rigcal_pose_options, thorough, -1, RIGCAL_ERR_RANGE),
+    BAD_INT(rigcal_pose_options, thorough, 2, RIGCAL_ERR_RANGE),
+    BAD_INT(rigcal_pose_options, use_start, -1, RIGCAL_ERR_RANGE),
+    BAD_INT(rigcal_pose_options, use_start, INT32_MAX, RIGCAL_ERR_RANGE),
+    BAD_REAL(rigcal_pose_options, sigma_px, -1, RIGCAL_ERR_RANGE),
+    BAD_END};
+static const impossible BAD_WARM[] = {
+    BAD_INT(rigcal_pose_options, thorough, 2, RIGCAL_ERR_RANGE),
+    BAD_INT(rigcal_pose_options, use_start, 2, RIGCAL_ERR_RANGE),
+    BAD_REAL(rigcal_pose_options, sigma_px, -1e-9, RIGCAL_ERR_RANGE),
+    BAD_REAL(rigcal_pose_options, start.R[0], 2, RIGCAL_ERR_ROTATION),
+    BAD_REAL(rigcal_pose_options, start.R[8], -5, RIGCAL_ERR_ROTATION),
+    BAD_END};
 static const impossible BAD_INDEX[] = {
     BAD_INT(rigcal_pair, i, -1, RIGCAL_ERR_RANGE),
     BAD_INT(rigcal_pair, i, N, RIGCAL_ERR_RANGE),
@@ -376,7 +418,19 @@ static const kind OPTIONS = {sizeof(rigcal_paper_options),
                              offsetof(rigcal_paper_options, guess_ypr), 5,
                              BAD_OPTIONS, 0};
 static const kind POSE = {sizeof(rigcal_paper_pose), 0, 18, NULL, 0};
+static const kind SPREAD = {REALS(1), NOT_POSITIVE, RIGCAL_ERR_RANGE};
+static const kind ML_POSE = {REALS(15), NULL, 0};
+/* Of which `start` is not looked at. */
+static const kind COLD = {sizeof(rigcal_pose_options),
+                          offsetof(rigcal_pose_options, sigma_px), 1, BAD_COLD,
+                          0};
+static const kind WARM = {sizeof(rigcal_pose_options),
+                          offsetof(rigcal_pose_options, sigma_px), 13, BAD_WARM,
+                          0};
+static const kind UNCERTAINTY = {REALS(46), NULL, 0};
 /* Internal, so that only "not begun" is asked of them. */
+static const kind POSE_SOLVER = {sizeof(rigcal_pose_solver), 0, 0, NULL,
+                                 RIGCAL_ERR_STATE};
 static const kind SEARCH = {sizeof(rigcal_neldermead), 0, 0, NULL,
                             RIGCAL_ERR_STATE};
 static const kind SOLVER = {sizeof(rigcal_paper_solver), 0, 0, NULL,
@@ -493,6 +547,11 @@ typedef struct {
     (ARGS | S(RANGE) | S(TOO_FEW) | S(CAPACITY) | S(WIDE_RAY) | \
      S(COINCIDENT) | S(COLLINEAR) | S(EDGE_ON) | S(PRECISION))
 #define POSES (S(BEHIND) | S(NO_POSE) | BIT(RIGCAL_BUDGET_SPENT))
+#define VIEWED \
+    (DEVICE | S(ROTATION) | S(TOO_FEW) | S(NO_RAY) | S(WIDE_RAY) | \
+     S(COINCIDENT) | S(COLLINEAR) | S(PRECISION))
+#define FITTED \
+    (S(NO_POSE) | S(DEGENERATE) | BIT(RIGCAL_AMBIGUOUS) | BIT(RIGCAL_POOR_FIT))
 
 #define REAL(p) (*(const rigcal_real *)(p))
 #define INT(p) (*(const int32_t *)(p))
@@ -547,8 +606,13 @@ CALL(paper_begin, p[0], p[1], COUNTED(p[2]), p[3], COUNTED(p[4]), p[5])
 CALL(paper_step, p[0], INT(p[1]))
 CALL(paper_result, p[0], p[1])
 CALL(paper_solve, p[0], p[1], COUNTED(p[2]), p[3], COUNTED(p[4]), p[5])
-CALL(solve_pose, p[0], p[1], p[2], p[3], p[4], COUNTED(p[5]), p[6], p[7],
-     COUNTED(p[8]))
+CALL(pose_defaults, p[0])
+CALL(pose_begin, p[0], p[1], p[2], p[3], p[4], COUNTED(p[5]), p[6])
+CALL(pose_step, p[0], INT(p[1]))
+CALL(pose_result, p[0], p[1], COUNTED(p[2]), p[3])
+CALL(solve_pose, p[0], p[1], COUNTED(p[2]), p[3], p[4], p[5], p[6],
+     COUNTED(p[7]), p[8])
+CALL(pose_covariance, p[0], p[1], p[2], p[3], p[4], COUNTED(p[5]), REAL(p[6]))
 CALL(depth_two_views, p[0], p[1], p[2], p[3], p[4])
 CALL(depth_aligned, p[0], REAL(p[1]), p[2], p[3])
 CALL(triangulate, p[0], p[1], p[2], p[3], COUNTED(p[4]), REAL(p[5]))
@@ -692,12 +756,31 @@ static const function FUNCTIONS[] = {
      {OUT(POSE, 1), IN(SIGHTING, N, ok.sightings),
       COUNT(&SIZE_6, 3, RIGCAL_ERR_TOO_FEW), IN(PAIR, N_PAIRS, ok.pairs),
       PAIRS(&SIZE_15, 3, RIGCAL_ERR_TOO_FEW), IN_OPT(OPTIONS, 1, &ok.options)}},
-    {F(solve_pose), 0,
-     POINTS | POSES | DEVICE | S(NO_RAY) | S(DEGENERATE),
-     {OUT(TRANSFORM, 1), OUT_OPT(NUMBER, 1), OUT_BAD, WORK(SIGHTING, N),
-      WORK(PAIR, N_PAIRS), ROOM(&SIZE_15, 3, RIGCAL_ERR_CAPACITY),
-      IN(CAMERA, 1, &ok.camera), IN(OBSERVATION, N, ok.observations),
-      COUNT(&SIZE_6, 3, RIGCAL_ERR_TOO_FEW)}},
+
+    {F(pose_defaults), 0, S(NULL), {OUT(WARM, 1)}},
+    {F(pose_begin), 0, VIEWED,
+     {OUT_PART(POSE_SOLVER, 1), OUT_BAD, IN(CAMERA, 1, &ok.camera),
+      IN(OBSERVATION, N, ok.observations), IN_OPT(SPREAD, N, ok.spreads),
+      COUNT(&SIZE_6, 4, RIGCAL_ERR_TOO_FEW), IN_OPT(WARM, 1, &ok.warm)}},
+    {F(pose_step), RIGCAL_RUNNING,
+     S(NULL) | S(RANGE) | S(STATE) | BIT(RIGCAL_RUNNING),
+     {STATE(POSE_SOLVER, &ok.pose_solver),
+      CHOICE(&INT_8, 1, 0, RIGCAL_ERR_RANGE)}},
+    {F(pose_result), 0, S(NULL) | S(RANGE) | S(STATE) | FITTED,
+     {OUT_PART(ML_POSE, RIGCAL_POSES_MAX), OUT(SIZE, 1),
+      ROOM(&SIZE_4, 1, RIGCAL_ERR_RANGE),
+      IN(POSE_SOLVER, 1, &ok.pose_solver_done)}},
+    {F(solve_pose), 0, VIEWED | FITTED,
+     {OUT_PART(ML_POSE, RIGCAL_POSES_MAX), OUT(SIZE, 1),
+      ROOM(&SIZE_4, 1, RIGCAL_ERR_RANGE), OUT_BAD, IN(CAMERA, 1, &ok.camera),
+      IN(OBSERVATION, N, ok.observations), IN_OPT(SPREAD, N, ok.spreads),
+      COUNT(&SIZE_6, 4, RIGCAL_ERR_TOO_FEW), IN_OPT(COLD, 1, &ok.cold)}},
+    {F(pose_covariance), 0,
+     DEVICE | S(ROTATION) | S(TOO_FEW) | S(BEHIND) | S(NO_RAY) | S(DEGENERATE),
+     {OUT(UNCERTAINTY, 1), IN(CAMERA, 1, &ok.camera),
+      IN(TRANSFORM, 1, &ok.cams_from_world[0]),
+      IN(OBSERVATION, N, ok.observations), IN_OPT(SPREAD, N, ok.spreads),
+      COUNT(&SIZE_6, 3, RIGCAL_ERR_TOO_FEW), VALUE(TOLERANCE, &REAL_SIGMA)}},
 
     {F(depth_two_views), 0, ROTATED | S(RANGE) | S(PARALLEL) | S(BEHIND),
      {OUT(VEC2, 1), OUT(NUMBER, 1), IN(TRANSFORM, 1, &ok.b_from_a),
@@ -885,7 +968,7 @@ static rigcal_status call(int absent, int byte)
     }
     status = current->call(p);
     if (status != RIGCAL_OK &&
-        (status < -20 || status > 3 || !(current->named & BIT(status)))) {
+        (status < -20 || status > 5 || !(current->named & BIT(status)))) {
         complain("a status that the manual does not name here", status);
     }
     for (int i = 0; i < n_arguments(); i++) {
@@ -1238,6 +1321,28 @@ static void test_a_solver_still_running_has_no_result(void)
 
     ASSERT_REFUSED(RIGCAL_ERR_STATE, pose,
                    rigcal_paper_result(&pose, &ok.solver));
+    {
+        rigcal_pose poses[RIGCAL_POSES_MAX];
+        size_t n_found = 77;
+
+        ASSERT_REFUSED(RIGCAL_ERR_STATE, poses,
+                       rigcal_pose_result(poses, &n_found, RIGCAL_POSES_MAX,
+                                          &ok.pose_solver));
+        TEST_ASSERT_EQUAL_UINT64(77, n_found);
+    }
+}
+
+static void test_three_points_have_no_noise_to_estimate(void)
+{
+    rigcal_pose_uncertainty out;
+
+    ASSERT_REFUSED(RIGCAL_ERR_TOO_FEW, out,
+                   rigcal_pose_covariance(&out, &ok.camera,
+                                          &ok.cams_from_world[0],
+                                          ok.observations, NULL, 3, 0));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_pose_covariance(
+                                 &out, &ok.camera, &ok.cams_from_world[0],
+                                 ok.observations, NULL, 3, REAL_SIGMA));
 }
 
 static void test_a_search_has_no_result_before_every_vertex_has_a_cost(void)
@@ -1335,6 +1440,7 @@ int main(void)
         UnityDefaultTestRun(withstands_hostile_arguments, name, __LINE__);
     }
     RUN_TEST(test_a_solver_still_running_has_no_result);
+    RUN_TEST(test_three_points_have_no_noise_to_estimate);
     RUN_TEST(test_a_search_has_no_result_before_every_vertex_has_a_cost);
     RUN_TEST(test_only_none_or_two_pairs_eliminate);
     RUN_TEST(test_a_pair_is_of_two_different_points);

@@ -7,7 +7,7 @@ enum { FOLLOWED = 3, FOLLOWED_THOROUGH = RIGCAL_POSE_SEEDS - 1 };
 /* A descent: the simplex's first edge [rad], about half the lattice's spacing, and
  * its evaluations. It only has to land where refinement converges. */
 #define EDGE RC(0.3)
-enum { DESCENT_EVALS = 12, DESCENT_EVALS_THOROUGH = 20, REFINE_EVALS = 60 };
+enum { DESCENT_EVALS = 10, DESCENT_EVALS_THOROUGH = 20, REFINE_EVALS = 60 };
 
 /* A target whose mean square across its plane is below this part of the whole has
  * a second optimum, the pose mirrored in the line of sight. */

@@ -33,12 +33,14 @@
 #define RIGCAL_SIN(x) sinf(x)
 #define RIGCAL_COS(x) cosf(x)
 #define RIGCAL_ATAN2(y, x) atan2f(y, x) /* full circle, (-pi, pi] */
+#define RIGCAL_EXP(x) expf(x) /* of x <= 0: may underflow to 0 */
 #define RIGCAL_FABS(x) fabsf(x)
 #else
 #define RIGCAL_SQRT(x) sqrt(x)
 #define RIGCAL_SIN(x) sin(x)
 #define RIGCAL_COS(x) cos(x)
 #define RIGCAL_ATAN2(y, x) atan2(y, x)
+#define RIGCAL_EXP(x) exp(x)
 #define RIGCAL_FABS(x) fabs(x)
 #endif
 

@@ -24,7 +24,7 @@ done
 
 # Everything a float build may want: libm's float functions, memcpy and memset
 # (under their Arm names too) and division of integers.
-allowed='(rigcal_|rc_).*|(sqrt|sin|cos|atan2|fabs)f|memcpy|memset'
+allowed='(rigcal_|rc_).*|(sqrt|sin|cos|atan2|exp|fabs)f|memcpy|memset'
 allowed="$allowed|__aeabi_(mem(cpy|set|clr)[48]?|u?l?div(mod)?|u?idiv(mod)?|lmul|ll[sa][lr]r?|[ui]l2f|f2u?lz)"
 
 status=0
@@ -32,7 +32,8 @@ for object in "$work"/*.o; do
     for symbol in $(arm-none-eabi-nm -u "$object" | awk '{print $2}' |
                     grep -Evx "$allowed"); do
         case $symbol in
-        __aeabi_*d* | __aeabi_*2d | __*df* | sqrt | sin | cos | atan2 | fabs)
+        __aeabi_*d* | __aeabi_*2d | __*df* | sqrt | sin | cos | atan2 | exp | \
+        fabs)
             what="double arithmetic" ;;
         *)  what="what a bare target may not have" ;;
         esac

@@ -55,7 +55,8 @@ class Graph:
                 size = re.search(r"(\d+) bytes \(([^)]*)\)", node[2])
                 if size:
                     self.frame[node[1]] = int(size[1])
-                    if size[2].startswith("dynamic"):
+                    # "dynamic,bounded": arguments are pushed, and counted.
+                    if size[2] == "dynamic":
                         self.dynamic.add(node[1])
             edge = EDGE.match(line)
             if edge:

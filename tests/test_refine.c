@@ -1,0 +1,576 @@
+/* refine: normal equations against differences of the projection and against the
+ * oracle's, Levenberg-Marquardt against the minima that SciPy finds. */
+#include <math.h>
+#include <string.h>
+
+#include "rc_refine.h"
+#include "test_fit.h"
+#include "vectors_camera.h"
+#include "vectors_refine.h"
+#include "vectors_scenes.h"
+
+enum { N_MAX = 8, EVALS_MAX = 60 };
+
+void setUp(void)
+{
+}
+
+void tearDown(void)
+{
+}
+
+/* ---- what several tests need --------------------------------------------- */
+
+static rigcal_camera golden_camera(int k)
+{
+    const double *v = CAMERA[k];
+    rigcal_camera camera = {0};
+
+    camera.lens = (int32_t)v[0];
+    camera.width = (int32_t)v[1];
+    camera.height = (int32_t)v[2];
+    test_to_real(&camera.fx, v + 3, 4);
+    test_to_real(&camera.k1, v + 7, 8);
+    return camera;
+}
+
+/* Normalised coordinates for pixels. */
+static rigcal_camera unit_camera(void)
+{
+    rigcal_camera camera = {0};
+
+    camera.width = camera.height = 1;
+    camera.fx = camera.fy = 1;
+    return camera;
+}
+
+/* A problem that owns what rc_fit points to. */
+typedef struct {
+    rigcal_camera camera;
+    rigcal_observation o[N_MAX];
+    rigcal_real sigma[N_MAX], origin[3];
+    rc_fit fit;
+} problem;
+
+static void ready(problem *p, int n, int weighted)
+{
+    p->fit.camera = &p->camera;
+    p->fit.observations = p->o;
+    p->fit.sigma = weighted ? p->sigma : NULL;
+    p->fit.n = (size_t)n;
+    p->fit.origin = p->origin;
+    rc_lens_of(&p->fit.lens, &p->camera);
+}
+
+static test_data data_of(const problem *p)
+{
+    const test_data data = {&p->camera, p->o, p->fit.sigma, (int)p->fit.n};
+
+    return data;
+}
+
+/* First n points of a scene of the vectors, normalised. */
+static void of_scene(problem *p, const double *scene, int n)
+{
+    p->camera = unit_camera();
+    for (int i = 0; i < n; i++) {
+        test_to_real(p->o[i].X_w, scene + 3 * i, 3);
+        test_to_real(p->o[i].uv, scene + 18 + 2 * i, 2);
+    }
+    memset(p->origin, 0, sizeof p->origin);
+    ready(p, n, 0);
+}
+
+/* A row of REFINE_LENS. Its points count from their middle. */
+static void of_lens(problem *p, const double *v)
+{
+    const int n = (int)v[1];
+    double middle[3] = {0, 0, 0};
+
+    p->camera = golden_camera((int)v[0]);
+    for (int i = 0; i < n; i++) {
+        const double *point = v + 2 + 6 * i;
+
+        test_to_real(p->o[i].X_w, point, 3);
+        test_to_real(p->o[i].uv, point + 3, 2);
+        p->sigma[i] = RC(point[5]);
+        for (int k = 0; k < 3; k++) {
+            middle[k] += point[k] / n;
+        }
+    }
+    test_to_real(p->origin, middle, 3);
+    ready(p, n, 1);
+}
+
+static const double *start_of(const double *v)
+{
+    return v + 2 + 6 * N_MAX;
+}
+
+static const double *minimum_of(const double *v)
+{
+    return start_of(v) + 6;
+}
+
+static const double *covariance_of(const double *v)
+{
+    return minimum_of(v) + 13;
+}
+
+/* cam_from_points of a cam_from_world. */
+static rigcal_transform from_points(const problem *p, const double R[9],
+                                    const double t[3])
+{
+    double origin[3], shifted[3];
+
+    test_to_double(origin, p->origin, 3);
+    test_apply(shifted, R, origin, t);
+    return test_transform(R, shifted);
+}
+
+static void to_world(double R[9], double t[3], const problem *p,
+                     const rigcal_transform *cam_from_points)
+{
+    double origin[3], turned[3];
+
+    test_transform_parts(R, t, cam_from_points);
+    test_to_double(origin, p->origin, 3);
+    test_apply(turned, R, origin, NULL);
+    for (int k = 0; k < 3; k++) {
+        t[k] -= turned[k];
+    }
+}
+
+static rigcal_transform start_pose(const problem *p, const double *v)
+{
+    const double *s = start_of(v);
+    double R[9];
+
+    test_rotation(R, s[0], s[1], s[2]);
+    return from_points(p, R, s + 3);
+}
+
+/* To the end; the number of evaluations. Never is the sum higher than it was. */
+static int run(rigcal_refinement *state, const problem *p,
+               const rigcal_transform *start)
+{
+    int calls = 0;
+    double least = 1e300;
+
+    rc_refine_begin(state, start);
+    ASSERT_STATUS(RIGCAL_RUNNING, state->status);
+    while (state->status == RIGCAL_RUNNING) {
+        rc_refine_step(state, &p->fit, EVALS_MAX);
+        TEST_ASSERT_LESS_OR_EQUAL_INT(EVALS_MAX, ++calls);
+        if (state->status >= 0) {
+            TEST_ASSERT_TRUE(D(state->sse) <= least * (1 + TOL(1e-12, 1e-5)) +
+                                                  TOL(1e-18, 1e-8));
+            least = D(state->sse);
+        }
+    }
+    return calls;
+}
+
+/* Lower triangle, row by row, at row i >= column j. */
+static double packed(const rigcal_real H[21], int i, int j)
+{
+    return D(H[i * (i + 1) / 2 + j]);
+}
+
+static double golden_packed(const double H[21], int i, int j)
+{
+    return H[i >= j ? i * (i + 1) / 2 + j : j * (j + 1) / 2 + i];
+}
+
+/* ---- normal equations ---------------------------------------------------- */
+
+static void assert_equations(const double sse0, const double g0[6],
+                             const double H0[21], const rigcal_real sse,
+                             const rigcal_real g[6], const rigcal_real H[21],
+                             double tol)
+{
+    ASSERT_NEAR(sse0, sse, tol * sse0);
+    for (int i = 0; i < 6; i++) {
+        const double size = sqrt(golden_packed(H0, i, i));
+
+        ASSERT_NEAR(g0[i], g[i], tol * size * sqrt(sse0));
+        for (int j = 0; j <= i; j++) {
+            ASSERT_NEAR(golden_packed(H0, i, j), packed(H, i, j),
+                        tol * size * sqrt(golden_packed(H0, j, j)));
+        }
+    }
+}
+
+static void test_equations_are_those_of_the_oracle(void)
+{
+    for (int i = 0; i < REFINE_EQUATIONS_ROWS; i++) {
+        const double *v = REFINE_EQUATIONS[i], *s = SCENE[(int)v[0]];
+        double R[9];
+        rigcal_real sse, g[6], H[21];
+        rigcal_transform pose;
+        problem p;
+
+        of_scene(&p, s, (int)v[1]);
+        test_rotation(R, s[36], s[37], s[38]); /* nearby */
+        pose = test_transform(R, s + 33);
+        ASSERT_STATUS(RIGCAL_OK,
+                      rc_normal_equations(&sse, g, H, &p.fit, &pose));
+        assert_equations(v[2], v + 3, v + 9, sse, g, H, TOL(1e-11, 1e-4));
+    }
+}
+
+/* Every lens, with and without sigma. */
+static void test_equations_are_those_of_differences(void)
+{
+    const double h = 1e-5;
+
+    for (int row = 0; row < REFINE_LENS_ROWS; row++) {
+        double J[6][2 * N_MAX], e[2 * N_MAX], R[9], t[3], sum = 0, g0[6],
+            H0[21];
+        rigcal_real sse, g[6], H[21];
+        rigcal_transform pose;
+        problem p;
+        int n;
+
+        of_lens(&p, REFINE_LENS[row]);
+        n = (int)p.fit.n;
+        if (row % 3 == 0) {
+            ready(&p, n, 0);
+        }
+        pose = start_pose(&p, REFINE_LENS[row]);
+        for (int k = 0; k < 6; k++) {
+            for (int side = -1; side <= 1; side++) {
+                double d[6] = {0, 0, 0, 0, 0, 0};
+
+                d[k] = h * side;
+                test_transform_parts(R, t, &pose);
+                test_move(R, t, d);
+                for (int i = 0; i < n; i++) {
+                    const double by = p.fit.sigma ? 1 / D(p.sigma[i]) : 1;
+                    double x[3], X_c[3], uv[2];
+
+                    for (int c = 0; c < 3; c++) {
+                        x[c] = D(p.o[i].X_w[c]) - D(p.origin[c]);
+                    }
+                    test_apply(X_c, R, x, t);
+                    test_project_px(uv, &p.camera, X_c);
+                    for (int c = 0; c < 2; c++) {
+                        const double off = by * (D(p.o[i].uv[c]) - uv[c]);
+
+                        if (side == 0) {
+                            e[2 * i + c] = off;
+                        } else if (side < 0) {
+                            J[k][2 * i + c] = off / (2 * h);
+                        } else {
+                            J[k][2 * i + c] -= off / (2 * h);
+                        }
+                    }
+                }
+            }
+        }
+        for (int i = 0; i < 2 * n; i++) {
+            sum += e[i] * e[i];
+        }
+        for (int a = 0, at = 0; a < 6; a++) {
+            g0[a] = 0;
+            for (int i = 0; i < 2 * n; i++) {
+                g0[a] += J[a][i] * e[i];
+            }
+            for (int b = 0; b <= a; b++, at++) {
+                H0[at] = 0;
+                for (int i = 0; i < 2 * n; i++) {
+                    H0[at] += J[a][i] * J[b][i];
+                }
+            }
+        }
+        ASSERT_STATUS(RIGCAL_OK,
+                      rc_normal_equations(&sse, g, H, &p.fit, &pose));
+        assert_equations(sum, g0, H0, sse, g, H, TOL(1e-7, 1e-3));
+    }
+}
+
+static void test_a_point_that_the_camera_cannot_see_is_told(void)
+{
+    rigcal_real sse, g[6], H[21];
+    rigcal_transform pose;
+    problem p;
+    double R[9];
+
+    of_scene(&p, SCENE[0], 6);
+    test_rotation(R, SCENE[0][30], SCENE[0][31], SCENE[0][32]);
+    pose = test_transform(R, SCENE[0] + 33);
+    pose.t[2] = RC(-3);
+    ASSERT_STATUS(RIGCAL_ERR_BEHIND,
+                  rc_normal_equations(&sse, g, H, &p.fit, &pose));
+}
+
+/* ---- Levenberg-Marquardt ------------------------------------------------- */
+
+/* Within `part` standard deviations of the golden minimum. */
+static void assert_at_minimum(const double minimum[13],
+                              const double covariance[21], const double R[9],
+                              const double t[3], double sse, double noise,
+                              double part)
+{
+    double Sigma[36], d[6];
+
+    for (int i = 0; i < 36; i++) {
+        Sigma[i] = golden_packed(covariance, i / 6, i % 6) * noise * noise;
+    }
+    test_difference(d, minimum, minimum + 9, R, t);
+    TEST_ASSERT_TRUE_MESSAGE(test_squared_distance(d, Sigma, 6) < part * part,
+                             "not at the minimum");
+    ASSERT_NEAR(minimum[12], sse, TOL(1e-7, 1e-2) * minimum[12]);
+}
+
+static void test_the_minimum_is_that_of_scipy_for_any_lens_and_weights(void)
+{
+    for (int i = 0; i < REFINE_LENS_ROWS; i++) {
+        const double *v = REFINE_LENS[i];
+        const double noise = sqrt(minimum_of(v)[12] / (2 * v[1] - 6));
+        rigcal_refinement state;
+        rigcal_transform start;
+        double R[9], t[3];
+        problem p;
+
+        of_lens(&p, v);
+        start = start_pose(&p, v);
+        TEST_ASSERT_LESS_OR_EQUAL_INT(20, run(&state, &p, &start));
+        ASSERT_STATUS(RIGCAL_OK, state.status);
+        to_world(R, t, &p, &state.cam_from_points);
+        assert_at_minimum(minimum_of(v), covariance_of(v), R, t, D(state.sse),
+                          noise, TOL(1e-3, 0.05));
+    }
+}
+
+/* In normalised coordinates, from 2 to 5 degrees off. */
+static void test_the_minimum_is_that_of_the_oracle(void)
+{
+    test_rng rng = test_seed(1);
+
+    for (int i = 0; i < REFINE_PINHOLE_ROWS; i++) {
+        const double *v = REFINE_PINHOLE[i], *minimum = v + 2;
+        const double noise = sqrt(minimum[12] / (2 * v[1] - 6));
+        const double off = test_uniform(&rng, 2, 5) * TEST_PI / 180;
+        double R[9], t[3], turn[9], axis[9], middle[3] = {0, 0, 0};
+        rigcal_refinement state;
+        rigcal_transform start;
+        problem p;
+
+        of_scene(&p, SCENE[(int)v[0]], (int)v[1]);
+        for (int k = 0; k < (int)v[1]; k++) {
+            for (int c = 0; c < 3; c++) {
+                middle[c] += SCENE[(int)v[0]][3 * k + c] / v[1];
+            }
+        }
+        test_to_real(p.origin, middle, 3);
+        start = from_points(&p, minimum, minimum + 9);
+        test_random_rotation(axis, &rng);
+        test_rotation_about(turn, axis, off);
+        test_product(R, turn, minimum);
+        test_to_real(start.R, R, 9);
+        (void)run(&state, &p, &start);
+        /* four points may lead to another minimum, or to a higher one */
+        to_world(R, t, &p, &state.cam_from_points);
+        if (v[1] > 4 || test_angle_between(R, minimum) < 0.01) {
+            ASSERT_STATUS(RIGCAL_OK, state.status);
+            /* in these units float rounds as much as the noise */
+            assert_at_minimum(minimum, v + 15, R, t,
+                              TOL(D(state.sse), minimum[12]), noise,
+                              TOL(1e-2, 1));
+        }
+    }
+}
+
+static void test_an_exact_image_is_fitted_to_rounding(void)
+{
+    test_rng rng = test_seed(2);
+
+    for (int trial = 0; trial < 200; trial++) {
+        double R[9], t[3], d[6], turn[9], axis[9], distance;
+        rigcal_refinement state;
+        rigcal_transform start;
+        test_scene scene;
+        problem p;
+
+        test_scene_random(&scene, &rng, N_MAX, (test_shape)(trial % 3));
+        p.camera = test_pinhole();
+        test_observations(p.o, &scene, &p.camera);
+        memcpy(p.origin, p.o[0].X_w, sizeof p.origin);
+        ready(&p, N_MAX, 0);
+        start = from_points(&p, scene.R, scene.t);
+        test_random_rotation(axis, &rng);
+        test_rotation_about(turn, axis, 2 * TEST_PI / 180);
+        test_product(R, turn, scene.R);
+        test_to_real(start.R, R, 9);
+        (void)run(&state, &p, &start);
+        ASSERT_STATUS(RIGCAL_OK, state.status);
+        to_world(R, t, &p, &state.cam_from_points);
+        test_difference(d, scene.R, scene.t, R, t);
+        distance = test_norm(scene.t);
+        ASSERT_NEAR(0, test_norm(d), TOL(1e-9, 2e-3));
+        ASSERT_NEAR(0, test_norm(d + 3), TOL(1e-9, 5e-3) * distance);
+        ASSERT_NEAR(1, test_determinant(R), TOL(1e-14, 2e-6));
+    }
+}
+
+/* Wherever it starts, it ends within the bound no worse than it started. */
+static void test_wild_starts_end_no_worse_than_they_began(void)
+{
+    test_rng rng = test_seed(3);
+    int ended = 0;
+
+    for (int trial = 0; trial < 500; trial++) {
+        const double *v = REFINE_LENS[trial % REFINE_LENS_ROWS];
+        rigcal_refinement state;
+        rigcal_transform start;
+        rigcal_real before, g[6], H[21];
+        double R[9];
+        problem p;
+
+        of_lens(&p, v);
+        start = start_pose(&p, v);
+        test_random_rotation(R, &rng);
+        test_to_real(start.R, R, 9);
+        if (rc_normal_equations(&before, g, H, &p.fit, &start) != RIGCAL_OK) {
+            rc_refine_begin(&state, &start);
+            rc_refine_step(&state, &p.fit, EVALS_MAX);
+            TEST_ASSERT_TRUE(state.status < 0);
+            continue;
+        }
+        (void)run(&state, &p, &start);
+        if (state.status >= 0) {
+            const test_data data = data_of(&p);
+            double t[3];
+
+            ended++;
+            TEST_ASSERT_TRUE(D(state.sse) <= D(before));
+            to_world(R, t, &p, &state.cam_from_points);
+            /* it may end where a point all but touches the camera */
+            ASSERT_NEAR(test_sse(&data, R, t), state.sse,
+                        TOL(1e-6, 1e-2) * D(state.sse) + TOL(1e-12, 1e-3));
+        }
+    }
+    TEST_ASSERT_GREATER_THAN_INT(400, ended);
+}
+
+static void test_a_small_bound_is_kept_and_told(void)
+{
+    const double *v = REFINE_LENS[1];
+    rigcal_refinement state;
+    rigcal_transform start;
+    problem p;
+    int calls = 0;
+
+    of_lens(&p, v);
+    start = start_pose(&p, v);
+    rc_refine_begin(&state, &start);
+    while (state.status == RIGCAL_RUNNING && calls < 10) {
+        rc_refine_step(&state, &p.fit, 2);
+        calls++;
+    }
+    ASSERT_STATUS(RIGCAL_BUDGET_SPENT, state.status);
+    TEST_ASSERT_EQUAL_INT(2, calls);
+}
+
+/* One point with a hundred times the sigma, and that much off, hardly matters. */
+static void test_a_point_of_large_sigma_hardly_counts(void)
+{
+    test_rng rng = test_seed(4);
+
+    for (int trial = 0; trial < 100; trial++) {
+        rigcal_refinement state;
+        rigcal_transform start;
+        test_scene scene;
+        double R[9], t[3];
+        problem p;
+
+        test_scene_random(&scene, &rng, N_MAX, TEST_GENERAL);
+        p.camera = test_pinhole();
+        test_observations(p.o, &scene, &p.camera);
+        memset(p.origin, 0, sizeof p.origin);
+        for (int i = 0; i < N_MAX; i++) {
+            p.sigma[i] = i == 3 ? 1000 : 1;
+        }
+        p.o[3].uv[0] += 20;
+        ready(&p, N_MAX, 1);
+        start = from_points(&p, scene.R, scene.t);
+        (void)run(&state, &p, &start);
+        ASSERT_STATUS(RIGCAL_OK, state.status);
+        to_world(R, t, &p, &state.cam_from_points);
+        ASSERT_NEAR(0, test_angle_between(R, scene.R), TOL(2e-5, 3e-3));
+        ASSERT_NEAR(4e-4, state.sse, TOL(1e-5, 1e-4));
+    }
+}
+
+/* ---- covariance ---------------------------------------------------------- */
+
+static void test_the_covariance_is_the_inverse(void)
+{
+    for (int i = 0; i < REFINE_LENS_ROWS; i++) {
+        const double *v = REFINE_LENS[i], *golden = covariance_of(v);
+        rigcal_real sse, g[6], H[21], Sigma[36];
+        rigcal_transform pose;
+        problem p;
+
+        of_lens(&p, v);
+        memset(p.origin, 0, sizeof p.origin); /* as the vectors have it */
+        pose = test_transform(minimum_of(v), minimum_of(v) + 9);
+        ASSERT_STATUS(RIGCAL_OK,
+                      rc_normal_equations(&sse, g, H, &p.fit, &pose));
+        TEST_ASSERT_TRUE(rc_refine_covariance(Sigma, H));
+        for (int k = 0; k < 36; k++) {
+            const double size = sqrt(golden_packed(golden, k / 6, k / 6) *
+                                     golden_packed(golden, k % 6, k % 6));
+
+            ASSERT_NEAR(golden_packed(golden, k / 6, k % 6), Sigma[k],
+                        TOL(1e-8, 0.2) * size);
+        }
+    }
+}
+
+static void test_points_on_a_line_leave_the_equations_singular(void)
+{
+    test_rng rng = test_seed(5);
+
+    for (int trial = 0; trial < 500; trial++) {
+        rigcal_real sse, g[6], H[21], Sigma[36];
+        rigcal_transform pose;
+        test_scene scene;
+        double way[9];
+        problem p;
+
+        test_scene_random(&scene, &rng, N_MAX, TEST_GENERAL);
+        test_random_rotation(way, &rng);
+        for (int i = 0; i < N_MAX; i++) {
+            for (int k = 0; k < 3; k++) {
+                scene.X[i][k] = scene.X[0][k] + i * 0.25 * way[k];
+            }
+        }
+        p.camera = test_pinhole();
+        test_observations(p.o, &scene, &p.camera);
+        memcpy(p.origin, p.o[0].X_w, sizeof p.origin);
+        ready(&p, N_MAX, 0);
+        pose = from_points(&p, scene.R, scene.t);
+        ASSERT_STATUS(RIGCAL_OK,
+                      rc_normal_equations(&sse, g, H, &p.fit, &pose));
+        TEST_ASSERT_FALSE(rc_refine_covariance(Sigma, H));
+    }
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_equations_are_those_of_the_oracle);
+    RUN_TEST(test_equations_are_those_of_differences);
+    RUN_TEST(test_a_point_that_the_camera_cannot_see_is_told);
+    RUN_TEST(test_the_minimum_is_that_of_scipy_for_any_lens_and_weights);
+    RUN_TEST(test_the_minimum_is_that_of_the_oracle);
+    RUN_TEST(test_an_exact_image_is_fitted_to_rounding);
+    RUN_TEST(test_wild_starts_end_no_worse_than_they_began);
+    RUN_TEST(test_a_small_bound_is_kept_and_told);
+    RUN_TEST(test_a_point_of_large_sigma_hardly_counts);
+    RUN_TEST(test_the_covariance_is_the_inverse);
+    RUN_TEST(test_points_on_a_line_leave_the_equations_singular);
+    return UNITY_END();
+}

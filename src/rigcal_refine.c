@@ -1,7 +1,8 @@
 #include "rc_refine.h"
 
-/* Damping to start with, and where it has become hopeless. */
+/* Damping to start with, where it hardly matters, and where it is hopeless. */
 #define DAMPING_FIRST RC(1e-5)
+#define DAMPING_NEAR RC(1e-2)
 #define DAMPING_LAST RC(1e8)
 
 /* Rise of the sum that may be rounding. */
@@ -213,9 +214,13 @@ static void judge_candidate(rigcal_refinement *state, const rc_fit *fit,
     for (int k = 0; k < 6; k++) {
         state->g[k] = g[k];
     }
-    if (gain <= GAIN_LEAST * sse || gain <= GAIN_NOTHING) {
-        state->status = RIGCAL_OK;
-    }
+}
+
+/* A nearly undamped step that promises next to nothing is the last. */
+static int is_last(const rigcal_refinement *state, rigcal_real gain)
+{
+    return state->lambda <= DAMPING_NEAR &&
+           (gain <= GAIN_LEAST * state->sse || gain <= GAIN_NOTHING);
 }
 
 void rc_refine_step(rigcal_refinement *state, const rc_fit *fit,
@@ -235,6 +240,12 @@ void rc_refine_step(rigcal_refinement *state, const rc_fit *fit,
         return;
     }
     moved(&candidate, &state->cam_from_points, d);
+    if (is_last(state, gain)) { /* taken unseen: its sum is known to second order */
+        state->cam_from_points = candidate;
+        state->sse = rc_max(0, state->sse - gain);
+        state->status = RIGCAL_OK;
+        return;
+    }
     judge_candidate(state, fit, &candidate, gain);
     if (state->status == RIGCAL_RUNNING && state->evals >= max_evals) {
         state->status = RIGCAL_BUDGET_SPENT;

@@ -17,7 +17,8 @@ import sys
 import numpy as np
 
 # What --check allows: degrees, and metres.
-ANGLE_LIMIT, DISTANCE_LIMIT = 0.2, 1e-3
+ANGLE_LIMIT, DISTANCE_LIMIT = 0.05, 4e-4
+POSES_MAX = 4  # RIGCAL_POSES_MAX
 
 
 def declare_structs(real):
@@ -31,9 +32,11 @@ def declare_structs(real):
         "rigcal_transform": transform,
         "rigcal_camera": camera,
         "rigcal_observation": [("X_w", real, 3), ("uv", real, 2)],
-        "rigcal_sighting": [("X_w", real, 3), ("ray", real, 3)],
-        "rigcal_pair": [("normal", real, 3), ("offset", real, 3),
-                        ("i", i4), ("j", i4)],
+        "rigcal_pose": [("cam_from_world", np.dtype(transform, align=True)),
+                        ("sse", real), ("rms_px", real), ("probability", real)],
+        "rigcal_pose_options": [("thorough", i4), ("use_start", i4),
+                                ("sigma_px", real),
+                                ("start", np.dtype(transform, align=True))],
         "rigcal_view": [("cam_from_target", np.dtype(transform, align=True)),
                         ("weight", real), ("camera", i4), ("placement", i4)],
     }
@@ -50,9 +53,9 @@ def prototypes(library):
             ("status_text", ctypes.c_char_p, [status]),
             ("layout_count", ctypes.c_int32, []),
             ("layout", status, [pointer, index]),
-            ("pairs_for", count, [count]),
-            ("solve_pose", status,
-             [pointer] * 5 + [count] + [pointer] * 2 + [count]),
+            ("pose_defaults", status, [pointer]),
+            ("solve_pose", status, [pointer, pointer, count] + [pointer] * 4
+             + [count, pointer]),
             ("rig_join", status, [pointer, pointer, count, pointer, count,
                                   pointer, pointer]),
             ("relative_pose", status, [pointer] * 3)):
@@ -123,17 +126,17 @@ def read_observations(path, names, dtype):
 def solve_views(library, structs, cameras, observations):
     views = np.zeros(len(observations), structs["rigcal_view"])
     placements = {}
+    options = np.zeros(1, structs["rigcal_pose_options"])
+    must(library, library.rigcal_pose_defaults(at(options)), "options")
+    poses = np.zeros(POSES_MAX, structs["rigcal_pose"])
+    n_found = np.zeros(1, np.uintp)
     for view, ((camera, frame), observed) in zip(views, observations.items()):
         n = len(observed)
-        capacity = library.rigcal_pairs_for(n)
-        pose = np.zeros(1, structs["rigcal_transform"])
-        sightings = np.zeros(n, structs["rigcal_sighting"])
-        pairs = np.zeros(capacity, structs["rigcal_pair"])
         status = library.rigcal_solve_pose(
-            at(pose), None, None, at(sightings), at(pairs), capacity,
-            at(cameras[camera:]), at(observed), n)
+            at(poses), at(n_found), POSES_MAX, None, at(cameras[camera:]),
+            at(observed), None, n, at(options))
         must(library, status, f"camera {camera}, frame {frame}")
-        view["cam_from_target"] = pose[0]
+        view["cam_from_target"] = poses["cam_from_world"][0]
         view["weight"] = n
         view["camera"] = camera
         view["placement"] = placements.setdefault(frame, len(placements))

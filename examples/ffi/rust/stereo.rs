@@ -22,8 +22,10 @@ type Real = f64;
 type Real = f32;
 
 /// What --check allows: degrees, and metres.
-const ANGLE_LIMIT: f64 = 0.2;
-const DISTANCE_LIMIT: f64 = 1e-3;
+const ANGLE_LIMIT: f64 = 0.05;
+const DISTANCE_LIMIT: f64 = 4e-4;
+/// RIGCAL_POSES_MAX
+const POSES_MAX: usize = 4;
 
 /// Name, offset and size in bytes: a struct, or "struct.field".
 type Layout = BTreeMap<String, (usize, usize)>;
@@ -74,8 +76,12 @@ c_struct!(rigcal_camera {
     k3: Real, k4: Real, k5: Real, k6: Real
 });
 c_struct!(rigcal_observation { X_w: [Real; 3], uv: [Real; 2] });
-c_struct!(rigcal_sighting { X_w: [Real; 3], ray: [Real; 3] });
-c_struct!(rigcal_pair { normal: [Real; 3], offset: [Real; 3], i: i32, j: i32 });
+c_struct!(rigcal_pose {
+    cam_from_world: rigcal_transform, sse: Real, rms_px: Real, probability: Real
+});
+c_struct!(rigcal_pose_options {
+    thorough: i32, use_start: i32, sigma_px: Real, start: rigcal_transform
+});
 c_struct!(rigcal_view {
     cam_from_target: rigcal_transform, weight: Real, camera: i32, placement: i32
 });
@@ -86,17 +92,17 @@ extern "C" {
     fn rigcal_status_text(status: i32) -> *const c_char;
     fn rigcal_layout_count() -> i32;
     fn rigcal_layout(entry: *mut rigcal_layout_entry, index: i32) -> i32;
-    fn rigcal_pairs_for(n: usize) -> usize;
+    fn rigcal_pose_defaults(options: *mut rigcal_pose_options) -> i32;
     fn rigcal_solve_pose(
-        cam_from_world: *mut rigcal_transform,
-        rms_px: *mut Real,
-        bad: *mut i32,
-        sightings: *mut rigcal_sighting,
-        pairs: *mut rigcal_pair,
+        poses: *mut rigcal_pose,
+        n_found: *mut usize,
         capacity: usize,
+        bad: *mut i32,
         camera: *const rigcal_camera,
         observations: *const rigcal_observation,
+        sigma: *const Real,
         n: usize,
+        options: *const rigcal_pose_options,
     ) -> i32;
     fn rigcal_rig_join(
         cams_from_rig: *mut rigcal_transform,
@@ -132,8 +138,8 @@ fn layout_here() -> Layout {
     rigcal_transform::describe(&mut layout);
     rigcal_camera::describe(&mut layout);
     rigcal_observation::describe(&mut layout);
-    rigcal_sighting::describe(&mut layout);
-    rigcal_pair::describe(&mut layout);
+    rigcal_pose::describe(&mut layout);
+    rigcal_pose_options::describe(&mut layout);
     rigcal_view::describe(&mut layout);
     layout
 }
@@ -227,26 +233,25 @@ fn solve(
     observed: &[rigcal_observation],
     what: &str,
 ) -> rigcal_transform {
-    let n = observed.len();
-    let capacity = unsafe { rigcal_pairs_for(n) };
-    let mut pose = rigcal_transform::zeroed();
-    let mut sightings = vec![rigcal_sighting::zeroed(); n];
-    let mut pairs = vec![rigcal_pair::zeroed(); capacity];
+    let mut options = rigcal_pose_options::zeroed();
+    let mut poses = [rigcal_pose::zeroed(); POSES_MAX];
+    let mut n_found = 0;
+    must(unsafe { rigcal_pose_defaults(&mut options) }, "options");
     let status = unsafe {
         rigcal_solve_pose(
-            &mut pose,
+            poses.as_mut_ptr(),
+            &mut n_found,
+            poses.len(),
             ptr::null_mut(),
-            ptr::null_mut(),
-            sightings.as_mut_ptr(),
-            pairs.as_mut_ptr(),
-            capacity,
             camera,
             observed.as_ptr(),
-            n,
+            ptr::null(),
+            observed.len(),
+            &options,
         )
     };
     must(status, what);
-    pose
+    poses[0].cam_from_world
 }
 
 /// Poses of both cameras in every frame that they saw.

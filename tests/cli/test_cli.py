@@ -24,6 +24,7 @@ CAVITY = os.path.join(ROOT, "examples", "data", "openptv_cavity")
 STEPPED = os.path.join(ROOT, "examples", "data", "myptv_stepped")
 SCENE = os.path.join(ROOT, "tests", "data", "pose2sim_scene")
 OUTPUTS = ["poses.csv", "rig.csv", "targets.csv", "pairs.csv"]
+ADDED = ["sigma_rot_deg", "sigma_pos", "second_rms_px", "probability"]
 MATRIX = [f"R{i}{j}" for i in "123" for j in "123"]
 
 
@@ -170,17 +171,18 @@ class CliTest(unittest.TestCase):
         self.folder = folder.name
         self.out = os.path.join(self.folder, "out")
 
-    def calibrate(self, cameras_csv, observations_csv, out=None):
+    def calibrate(self, cameras_csv, observations_csv, out=None, *more):
         return rigcal("calibrate", "--cameras", cameras_csv,
                       "--observations", observations_csv,
-                      "--out", out or self.out)
+                      "--out", out or self.out, *more)
 
-    def calibrate_set(self, folder):
+    def calibrate_set(self, folder, *more):
         return self.calibrate(os.path.join(folder, "cameras.csv"),
-                              os.path.join(folder, "observations.csv"))
+                              os.path.join(folder, "observations.csv"),
+                              None, *more)
 
-    def calibrate_well(self, folder):
-        run = self.calibrate_set(folder)
+    def calibrate_well(self, folder, *more):
+        run = self.calibrate_set(folder, *more)
         self.assertEqual((run.returncode, run.stderr), (0, ""))
         return run
 
@@ -201,35 +203,97 @@ class TestCalibrateRealData(CliTest):
             angle = angle_deg(R, pair["left", "right"][0])
             length = np.linalg.norm(t - pair["left", "right"][1])
             measured(f"{name}: {angle:.3f} deg, {1000 * length:.3f} mm")
-            self.assertLess(angle, 0.2)
-            self.assertLess(length, 1e-3)
+            # The mean of seven pairs of poses, not a bundle adjustment.
+            self.assertLess(angle, 0.045)
+            self.assertLess(length, 3.5e-4)
 
-    def check_poses(self, folder, angle_limit, part_limit):
-        self.calibrate_well(folder)
-        poses = transforms(self.result("poses.csv"), "camera", "frame")
-        known = transforms(os.path.join(folder, "reference_poses.csv"),
-                           "camera", "frame")
-        self.assertEqual(sorted(poses), sorted(known))
-        for key, (R, t) in known.items():
-            angle = angle_deg(R, poses[key][0])
-            part = np.linalg.norm(t - poses[key][1]) / np.linalg.norm(t)
-            measured(f"{' '.join(key)}: {angle:.3f} deg, {100 * part:.3f} %")
+    def check_poses(self, folder, angle_limit, part_limit, rms_limit, *more):
+        self.calibrate_well(folder, *more)
+        found, known = ({(r["camera"], r["frame"]): r for r in read(path)}
+                        for path in (self.result("poses.csv"), os.path.join(
+                            folder, "reference_poses.csv")))
+        self.assertEqual(sorted(found), sorted(known))
+        for key, row in known.items():
+            (R, t), (R_found, t_found) = transform(row), transform(found[key])
+            angle = angle_deg(R, R_found)
+            part = np.linalg.norm(t - t_found) / np.linalg.norm(t)
+            rms = float(found[key]["rms_px"]) / float(row["rms_px"]) - 1
+            measured(f"{' '.join(key)}: {angle:.1e} deg, {100 * part:.1e} %, "
+                     f"rms {100 * rms:+.1e} %")
             with self.subTest(view=key):
                 self.assertLess(angle, angle_limit)
                 self.assertLess(part, part_limit)
+                self.assertLess(abs(rms), rms_limit)
+
+    # The reference is the optimum, so what is off is rounding, of its digits too.
+    BEST = (0.01, 5e-5, 1e-3) if FLOAT else (1e-5, 1e-8, 1e-8)
 
     def test_poses_of_the_stereo_pair(self):
-        self.check_poses(STEREO, 2, 0.01)
+        self.check_poses(STEREO, *self.BEST)
 
     def test_poses_of_four_cameras_around_a_tank(self):
-        self.check_poses(CAVITY, 2, 0.01)
+        self.check_poses(CAVITY, *self.BEST)
 
     def test_poses_of_three_cameras_at_a_tank(self):
-        self.check_poses(STEPPED, 2, 0.01)
+        self.check_poses(STEPPED, *self.BEST)
 
     def test_poses_of_a_scene_picked_by_hand(self):
+        self.check_poses(SCENE, *self.BEST)
+
+    def test_published_procedure_for_the_stereo_pair(self):
+        self.check_poses(STEREO, 2, 0.01, 0.2, "--method", "paper")
+        for row in read(self.result("poses.csv")):
+            self.assertEqual([row[k] for k in ADDED], [""] * 4)
+
+    def test_published_procedure_for_four_cameras_around_a_tank(self):
+        self.check_poses(CAVITY, 2, 0.01, 0.2, "--method", "paper")
+
+    def test_published_procedure_for_three_cameras_at_a_tank(self):
+        self.check_poses(STEPPED, 2, 0.01, 0.2, "--method", "paper")
+
+    def test_published_procedure_for_a_scene_picked_by_hand(self):
         # Six points, 1 to 3 px of noise, nearly a plane: the distance is weak.
-        self.check_poses(SCENE, 2, 0.03)
+        self.check_poses(SCENE, 2, 0.03, 1, "--method", "paper")
+
+    def check_sigma(self, folder, key):
+        """Of the least squares' normal equations, by differences."""
+        self.calibrate_well(folder)
+        row = next(r for r in read(self.result("poses.csv"))
+                   if (r["camera"], r["frame"]) == key)
+        R, t = transform(row)
+        X, uv = observed_views(os.path.join(folder, "observations.csv"))[key]
+        camera = cameras(folder)[key[0]]
+        scale = np.linalg.norm(t)
+
+        def pose(x):
+            return rotation(*x[:3]) @ R, t + scale * x[3:]
+
+        def errors(x):
+            R_x, t_x = pose(x)
+            return (camera.project(X @ R_x.T + t_x) - uv).ravel()
+
+        def centre(x):
+            R_x, t_x = pose(x)
+            return -R_x.T @ t_x
+
+        def slope(function):
+            return np.stack([(function(h) - function(-h)) / 2e-6
+                             for h in 1e-6 * np.eye(6)], 1)
+        e = errors(np.zeros(6))
+        J = slope(errors)
+        Sigma = e @ e / (len(e) - 6) * np.linalg.inv(J.T @ J)
+        C = slope(centre)
+        known = [np.degrees(np.sqrt(np.trace(Sigma[:3, :3]))),
+                 np.sqrt(np.trace(C @ Sigma @ C.T))]
+        found = [float(row[k]) for k in ADDED[:2]]
+        measured(f"{' '.join(key)}: {found[0]:.3g} deg, {found[1]:.3g}")
+        np.testing.assert_allclose(found, known, rtol=0.02 if FLOAT else 1e-5)
+
+    def test_sigma_is_that_of_the_least_squares(self):
+        self.check_sigma(STEREO, ("right", "07"))
+        self.check_sigma(CAVITY, ("cam3", "0"))
+        self.check_sigma(STEPPED, ("cam2", "0"))
+        self.check_sigma(SCENE, ("cam03", "0"))
 
     def test_scene_picked_by_hand_agrees_with_an_independent_calibration(self):
         self.calibrate_well(SCENE)
@@ -241,13 +305,14 @@ class TestCalibrateRealData(CliTest):
             angle = angle_deg(R, pairs[key][0])
             part = np.linalg.norm(t - pairs[key][1]) / np.linalg.norm(t)
             measured(f"{' '.join(key)}: {angle:.2f} deg, {100 * part:.2f} %")
-            self.assertLess(angle, 3)
-            self.assertLess(part, 0.05)
+            self.assertLess(angle, 2.4)
+            self.assertLess(part, 0.037)
 
     def test_summary_tells_views_cameras_and_pairs(self):
         text = self.calibrate_well(STEREO).stdout
-        self.assertEqual(len(re.findall(r"^(?:left|right) +\d\d +54 ", text,
-                                        re.M)), 14)
+        self.assertEqual(len(re.findall(
+            r"^(?:left|right) +\d\d +54 +0\.\d{3} +0\.[234]\d* +0\.0[3-9]\d* "
+            r"+0\.000\d+$", text, re.M)), 14)
         self.assertRegex(text, r"(?m)^right +0\.08\d+ ")
         self.assertRegex(text, r"(?m)^left +right +0\.08.* over 7 placements$")
 
@@ -283,9 +348,11 @@ class TestFilesWritten(CliTest):
         self.assertEqual(sorted(targets), sorted({f for _, f in poses}))
         for (camera, frame), (R, t) in poses.items():
             R_rig, t_rig = compose(rig[camera], targets[frame])
-            self.assertLess(angle_deg(R, R_rig), 2)
-            self.assertLess(np.linalg.norm(t - t_rig),
-                            0.02 * np.linalg.norm(t))
+            angle = angle_deg(R, R_rig)
+            part = np.linalg.norm(t - t_rig) / np.linalg.norm(t)
+            measured(f"{camera} {frame}: {angle:.3f} deg, {100 * part:.3f} %")
+            self.assertLess(angle, 0.17)
+            self.assertLess(part, 0.0012)
 
     def test_rig_pairs_targets_and_poses_are_consistent(self):
         for folder in (STEREO, CAVITY, STEPPED, SCENE):
@@ -297,7 +364,8 @@ class TestFilesWritten(CliTest):
         for name in OUTPUTS:
             ours = content(self.out, name).split("\n")[0]
             theirs = content(STEREO, "reference_" + name).split("\n")[0]
-            self.assertEqual(ours, theirs)
+            self.assertEqual(ours, ",".join(
+                [theirs] + (ADDED if name == "poses.csv" else [])))
             self.assertTrue(content(self.out, name).endswith("\n"))
         self.assertEqual(sorted(os.listdir(self.out)), sorted(OUTPUTS))
 
@@ -421,6 +489,92 @@ class TestCalibrateMadeUp(CliTest):
         self.assertEqual(run.returncode, 1)
         self.assertIn("camera pinhole has no pose", run.stderr)
         self.check_rig(["fish", "rational", "barrel"])
+
+
+class TestCaveats(CliTest):
+    """Two cameras, three placements of a plate; of one the left camera sees
+    four points close together."""
+
+    ROWS = {name: camera_row(name) for name in ("left", "right")}
+    RIGHT = (rotation(0.05, -0.7, 0.1), np.array([3.0, 0.1, 1.0]))
+
+    def observations(self, seed):
+        rng = np.random.default_rng(seed)
+        grid = np.array([(x, y, 0) for x in range(5) for y in range(4)], float)
+        lines, truth = ["frame,camera,point,X,Y,Z,u,v"], {}
+        for frame in range(3):
+            target = (rotation(0.5, 0.2 * frame - 0.4, 0.3 * frame),
+                      np.array([-0.3, -0.2, 5 + 0.5 * frame]))
+            for name in self.ROWS:
+                truth[name, str(frame)] = target if name == "left" else \
+                    compose(self.RIGHT, target)
+                R, t = truth[name, str(frame)]
+                X = 0.25 * grid
+                uv = Camera(self.ROWS[name]).project(X @ R.T + t)
+                uv = uv + 0.4 * rng.standard_normal(uv.shape)
+                few = [0, 1, 4, 5] if (name, frame) == ("left", 2) else range(20)
+                lines += [f"{frame},{name},{i}," + ",".join(
+                    repr(x) for x in [*X[i].tolist(), *uv[i].tolist()])
+                    for i in few]
+        return lines, truth
+
+    def run_on(self, lines):
+        head = list(self.ROWS["left"])
+        table = [head] + [[str(r[k]) for k in head] for r in self.ROWS.values()]
+        run = self.calibrate(
+            write(self.folder, "c.csv", "\n".join(",".join(r) for r in table)),
+            write(self.folder, "o.csv", "\n".join(lines)))
+        return run, {(r["camera"], r["frame"]): r
+                     for r in read(self.result("poses.csv"))}
+
+    def test_ambiguous_view_is_settled_by_other_frames(self):
+        ambiguous = unlikely = 0
+        for seed in range(40):
+            lines, truth = self.observations(seed)
+            run, poses = self.run_on(lines)
+            self.assertEqual((run.returncode, run.stderr), (0, ""))
+            row = poses["left", "2"]
+            told = re.search(r"(?m)^left +2 +4 .*  ambiguous: 2nd pose "
+                             r"([\d.]+) px, p ([\d.e-]+), settled by other frames$",
+                             run.stdout)
+            if "ambiguous" not in run.stdout:
+                continue
+            self.assertTrue(told, run.stdout)
+            ambiguous += 1
+            unlikely += float(row["probability"]) < 0.5
+            self.assertLess(float(row["probability"]), 0.99)
+            self.assertAlmostEqual(float(told[1]), float(row["second_rms_px"]),
+                                   delta=0.006)
+            self.assertAlmostEqual(float(told[2]) + float(row["probability"]), 1,
+                                   delta=0.06)
+            angle = angle_deg(transform(row)[0], truth["left", "2"][0])
+            measured(f"p {float(row['probability']):.2f}: {angle:.1f} deg")
+            self.assertLess(angle, 25)
+        measured(f"{ambiguous} ambiguous, {unlikely} of them the less likely pose")
+        self.assertGreater(ambiguous, 10)
+        self.assertGreater(unlikely, 0)
+
+    def test_ambiguous_view_alone_keeps_the_likeliest_pose(self):
+        found = 0
+        for seed in range(20):
+            lines = [line for line in self.observations(seed)[0]
+                     if line.startswith(("frame", "2,"))]
+            run, poses = self.run_on(lines)
+            self.assertEqual((run.returncode, run.stderr), (0, ""))
+            told = re.search(r"(?m)^left +2 +4 .*  ambiguous: 2nd pose "
+                             r"[\d.]+ px, p [\d.e-]+$", run.stdout)
+            found += told is not None
+            self.assertGreater(float(poses["left", "2"]["probability"]), 0.49)
+        self.assertGreater(found, 4)
+
+    def test_three_points_go_by_the_published_procedure(self):
+        lines = [line for line in self.observations(1)[0]
+                 if not line.startswith("2,left,0,")]
+        run, poses = self.run_on(lines)
+        self.assertEqual((run.returncode, run.stderr), (0, ""))
+        self.assertRegex(run.stdout, r"(?m)^left +2 +3 .* -  three points ")
+        self.assertEqual([poses["left", "2"][k] for k in ADDED], [""] * 4)
+        self.assertNotIn("", [poses["right", "2"][k] for k in ADDED[:2]])
 
 
 class TestUnsolvable(CliTest):
@@ -732,6 +886,7 @@ class TestUse(CliTest):
                 (["calibrate", *both, "--help=me"], "--help=me"),
                 (["calibrate", *both, "--rig", "r"], "takes no --rig"),
                 (["calibrate", *both, "--out"], "--out needs a value"),
+                (["line", "--method", "ml"], "takes no --method"),
                 (["calibrate", *both, "extra"], "extra"),
                 (["calibrate", *both, *both], "given twice"),
                 (["triangulate", *both], "needs --rig"),
@@ -739,6 +894,12 @@ class TestUse(CliTest):
                 (self.LINE + ["--depth", "1"], '"1"')):
             with self.subTest(arguments=arguments):
                 self.refuses(arguments, word, "--help")
+
+    def test_method(self):
+        for method in ("", "p3p", "Paper", "ml,paper"):
+            self.refuses(["calibrate", "--cameras", STEREO + "/cameras.csv",
+                          "--observations", STEREO + "/observations.csv",
+                          "--method", method], f'ml or paper, not "{method}"')
 
     def test_numbers_of_options(self):
         for pixel in ("300", "300,", "300,200,1", "a,b", "300 200", "nan,1"):
@@ -761,7 +922,8 @@ class TestUse(CliTest):
         for arguments in (["--help"], ["calibrate", "--help"], ["line", "--help"]):
             run = rigcal(*arguments)
             self.assertEqual((run.returncode, run.stderr), (0, ""))
-            for word in ("calibrate", "triangulate", "line", "--observations"):
+            for word in ("calibrate", "triangulate", "line", "--observations",
+                         "--method"):
                 self.assertIn(word, run.stdout)
         run = rigcal("--version")
         self.assertRegex(run.stdout, r"\Arigcal \d+\.\d+\.\d+ \((double|float)\)\n")
@@ -845,7 +1007,7 @@ class TestTriangulate(CliTest):
         rms = self.board_rms(self.triangulate(
             STEREO, self.result("rig.csv"), self.result("targets.csv")))
         measured(f"with its own calibration {1000 * rms:.3f} mm rms")
-        self.assertLess(rms, 5e-3)
+        self.assertLess(rms, 1e-3)
 
     def test_frame_of_the_first_camera_without_targets(self):
         rig = STEREO + "/reference_rig.csv"
@@ -981,8 +1143,8 @@ class TestLine(CliTest):
         measured(f"{len(distances)} matches: {rms:.3f} px rms, "
                  f"{max(map(abs, distances)):.3f} px at most")
         self.assertEqual(len(distances), 378)
-        self.assertLess(rms, 1.2)
-        self.assertLess(max(map(abs, distances)), 4)
+        self.assertLess(rms, 0.4)
+        self.assertLess(max(map(abs, distances)), 1.4)
 
     def test_ends_lie_on_the_line_and_on_the_border(self):
         rows = self.rows(self.line(STEREO + "/reference_rig.csv", (300, 200)))

@@ -1,0 +1,1247 @@
+/* pose: one camera's pose from nothing but the observations. Against scenes whose
+ * pose is known, and, where there is noise, against the minima that test_fit comes
+ * to from the truth and from the pose mirrored in the line of sight. */
+#include <math.h>
+#include <string.h>
+
+#include "test_fit.h"
+#include "vectors_camera.h"
+#include "vectors_refine.h"
+#include "vectors_scenes.h"
+
+/* What counts as the right pose: 1e-6 degrees, 1e-8 of the distance. */
+#define RIGHT_ANGLE TOL(1e-6 * TEST_PI / 180, 0.1 * TEST_PI / 180)
+#define RIGHT_LENGTH TOL(1e-8, 3e-3)
+
+enum { N_MAX = TEST_SCENE_MAX, EVALS_MAX = 3000 };
+
+static const double NOISE = 0.5; /* px */
+
+void setUp(void)
+{
+}
+
+void tearDown(void)
+{
+}
+
+/* ---- what several tests need --------------------------------------------- */
+
+static rigcal_camera golden_camera(int k)
+{
+    const double *v = CAMERA[k];
+    rigcal_camera camera = {0};
+
+    camera.lens = (int32_t)v[0];
+    camera.width = (int32_t)v[1];
+    camera.height = (int32_t)v[2];
+    test_to_real(&camera.fx, v + 3, 4);
+    test_to_real(&camera.k1, v + 7, 8);
+    return camera;
+}
+
+/* A scene, its observations, and what the solver made of them. */
+typedef struct {
+    test_scene scene;
+    rigcal_camera camera;
+    rigcal_observation o[N_MAX];
+    rigcal_real sigma[N_MAX];
+    int use_sigma;
+    rigcal_pose poses[RIGCAL_POSES_MAX];
+    size_t n_found;
+    rigcal_status status;
+} problem;
+
+static void observe(problem *p)
+{
+    p->use_sigma = 0;
+    test_observations(p->o, &p->scene, &p->camera);
+}
+
+static void random_problem(problem *p, test_rng *rng, int n, test_shape shape)
+{
+    p->camera = test_pinhole();
+    test_scene_random(&p->scene, rng, n, shape);
+    observe(p);
+}
+
+static void add_noise(problem *p, test_rng *rng, double sigma_px)
+{
+    for (int i = 0; i < p->scene.n; i++) {
+        const double s = p->use_sigma ? D(p->sigma[i]) : 1;
+
+        for (int k = 0; k < 2; k++) {
+            p->o[i].uv[k] =
+                RC(D(p->o[i].uv[k]) + s * sigma_px * test_normal(rng));
+        }
+    }
+}
+
+static const rigcal_real *sigma_of(const problem *p)
+{
+    return p->use_sigma ? p->sigma : NULL;
+}
+
+static rigcal_status solve(problem *p, const rigcal_pose_options *options)
+{
+    int32_t bad = -2;
+
+    p->n_found = 0;
+    p->status = rigcal_solve_pose(p->poses, &p->n_found, RIGCAL_POSES_MAX, &bad,
+                                  &p->camera, p->o, sigma_of(p),
+                                  (size_t)p->scene.n, options);
+    return p->status;
+}
+
+static rigcal_pose_options defaults(void)
+{
+    rigcal_pose_options options;
+
+    ASSERT_STATUS(RIGCAL_OK, rigcal_pose_defaults(&options));
+    return options;
+}
+
+static rigcal_pose_options with_sigma(double sigma_px)
+{
+    rigcal_pose_options options = defaults();
+
+    options.sigma_px = RC(sigma_px);
+    return options;
+}
+
+static test_data data_of(const problem *p)
+{
+    const test_data data = {&p->camera, p->o, sigma_of(p), p->scene.n};
+
+    return data;
+}
+
+/* How far a transform is from the truth: angle, and length over the distance of the
+ * target's first point. */
+static void errors(double *angle, double *length, const problem *p,
+                   const rigcal_transform *cam_from_world)
+{
+    double R[9], t[3], seen[3], true_[3], d[3];
+
+    test_transform_parts(R, t, cam_from_world);
+    test_apply(seen, R, p->scene.X[0], t);
+    test_apply(true_, p->scene.R, p->scene.X[0], p->scene.t);
+    for (int k = 0; k < 3; k++) {
+        d[k] = seen[k] - true_[k];
+    }
+    *angle = test_angle_between(R, p->scene.R);
+    *length = test_norm(d) / test_norm(true_);
+}
+
+/* The first pose is the scene's. */
+static void assert_right(const problem *p, double scale)
+{
+    double angle, length;
+
+    errors(&angle, &length, p, &p->poses[0].cam_from_world);
+    ASSERT_NEAR(0, angle, scale * RIGHT_ANGLE);
+    ASSERT_NEAR(0, length, scale * RIGHT_LENGTH);
+}
+
+/* What holds of all that is returned: rotations, every point in front, errors as
+ * told, best first, probabilities that follow from them. */
+static void assert_honest(const problem *p, const rigcal_pose_options *options)
+{
+    static const double identity[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+    const test_data data = data_of(p);
+    const test_data plain = {&p->camera, p->o, NULL, p->scene.n};
+    const double sse0 = D(p->poses[0].sse);
+    double noise2 = sse0 / (2 * p->scene.n - 6), total = 0, sum = 0;
+
+    noise2 = noise2 > 1e-4 ? noise2 : 1e-4;
+    if (options && options->sigma_px > 0) {
+        noise2 = D(options->sigma_px) * D(options->sigma_px);
+    }
+    TEST_ASSERT_TRUE(p->n_found >= 1 && p->n_found <= RIGCAL_POSES_MAX);
+    for (size_t f = 0; f < p->n_found; f++) {
+        const rigcal_pose *pose = &p->poses[f];
+        double R[9], t[3], Rt[9], I[9], sse, rms;
+
+        test_transform_parts(R, t, &pose->cam_from_world);
+        test_transpose(Rt, R);
+        test_product(I, R, Rt);
+        for (int k = 0; k < 9; k++) {
+            ASSERT_NEAR(identity[k], I[k], TOL(1e-14, 2e-6));
+        }
+        ASSERT_NEAR(1, test_determinant(R), TOL(1e-14, 2e-6));
+        if (p->camera.lens == RIGCAL_LENS_BROWN) {
+            for (int i = 0; i < p->scene.n; i++) {
+                double X[3], X_c[3];
+
+                test_to_double(X, p->o[i].X_w, 3);
+                test_apply(X_c, R, X, t);
+                TEST_ASSERT_TRUE_MESSAGE(X_c[2] > 0, "a point behind");
+            }
+        }
+        sse = test_sse(&data, R, t);
+        ASSERT_NEAR(sse, pose->sse, TOL(5e-8, 5e-3) * sse + TOL(1e-9, 2e-4));
+        rms = sqrt(test_sse(&plain, R, t) / p->scene.n);
+        ASSERT_NEAR(rms, pose->rms_px, TOL(5e-8, 5e-3) * rms + TOL(1e-8, 3e-3));
+        TEST_ASSERT_TRUE(f == 0 || pose->sse >= p->poses[f - 1].sse);
+        total += exp((sse0 - D(pose->sse)) / (2 * noise2));
+        sum += D(pose->probability);
+    }
+    ASSERT_NEAR(1, sum, TOL(1e-12, 1e-5));
+    for (size_t f = 0; f < p->n_found; f++) {
+        ASSERT_NEAR(exp((sse0 - D(p->poses[f].sse)) / (2 * noise2)) / total,
+                    p->poses[f].probability, TOL(1e-9, 2e-4));
+    }
+    if (p->status == RIGCAL_OK) {
+        TEST_ASSERT_TRUE(D(p->poses[0].probability) >= 0.989999);
+    } else if (p->status == RIGCAL_AMBIGUOUS) {
+        TEST_ASSERT_TRUE(D(p->poses[0].probability) <= 0.990001);
+    } else {
+        ASSERT_STATUS(RIGCAL_POOR_FIT, p->status);
+        TEST_ASSERT_TRUE(options && options->sigma_px > 0);
+    }
+}
+
+/* Evaluations of a search to its end, one at a time. */
+static int count_evals(const problem *p, const rigcal_pose_options *options)
+{
+    rigcal_pose_solver solver;
+    rigcal_status status;
+    int evals = 0;
+
+    ASSERT_STATUS(RIGCAL_OK,
+                  rigcal_pose_begin(&solver, NULL, &p->camera, p->o,
+                                    sigma_of(p), (size_t)p->scene.n, options));
+    do {
+        status = rigcal_pose_step(&solver, 1);
+        evals++;
+    } while (status == RIGCAL_RUNNING);
+    ASSERT_STATUS(RIGCAL_OK, status);
+    TEST_ASSERT_LESS_OR_EQUAL_INT(EVALS_MAX, evals);
+    return evals;
+}
+
+/* ---- exact images -------------------------------------------------------- */
+
+static void test_exact_scenes_give_their_pose(void)
+{
+    static const int sizes[5] = {4, 6, 8, 20, 50};
+    test_rng rng = test_seed(1);
+    int ambiguous = 0, wrong = 0;
+
+    for (int trial = 0; trial < 1500; trial++) {
+        double angle, length;
+        problem p;
+
+        random_problem(&p, &rng, sizes[trial % 5], (test_shape)(trial / 5 % 3));
+        TEST_ASSERT_TRUE_MESSAGE(solve(&p, NULL) >= 0, "refused");
+        assert_honest(&p, NULL);
+        errors(&angle, &length, &p, &p.poses[0].cam_from_world);
+        wrong += angle > RIGHT_ANGLE || length > RIGHT_LENGTH;
+        ambiguous += p.status == RIGCAL_AMBIGUOUS;
+    }
+    /* targets in a plane far away and seen nearly from the front, or four points
+     * all but on a line, bend the sum too little for float */
+    TEST_ASSERT_LESS_OR_EQUAL_INT(TOL(0, 20), wrong);
+    TEST_ASSERT_LESS_OR_EQUAL_INT(TOL(5, 20), ambiguous);
+}
+
+/* A unit square or a grid exactly facing the camera: the tilt is at the point where
+ * the two optima of a flat target meet. */
+static void test_a_square_exactly_from_the_front_is_solved(void)
+{
+    for (int trial = 0; trial < 200; trial++) {
+        const int side = trial % 2 ? 2 : 3;
+        const double distance = 3 + 0.05 * trial, yaw = 0.1 * trial;
+        double angle, length;
+        problem p;
+
+        p.camera = test_pinhole();
+        p.scene.n = side * side;
+        for (int i = 0; i < p.scene.n; i++) {
+            p.scene.X[i][0] = (double)(i % side) / (side - 1) - 0.5;
+            p.scene.X[i][1] = (double)(i / side) / (side - 1) - 0.5;
+            p.scene.X[i][2] = 0;
+        }
+        test_rotation(p.scene.R, yaw, trial % 3 == 2 ? TEST_PI : 0, 0);
+        p.scene.t[0] = trial % 5 ? 0 : 0.2 * distance;
+        p.scene.t[1] = trial % 7 ? 0 : -0.1 * distance;
+        p.scene.t[2] = distance;
+        observe(&p);
+        TEST_ASSERT_TRUE_MESSAGE(solve(&p, NULL) >= 0, "refused");
+        assert_honest(&p, NULL);
+        errors(&angle, &length, &p, &p.poses[0].cam_from_world);
+        ASSERT_NEAR(0, angle, TOL(1e-6, 1) * TEST_PI / 180);
+        ASSERT_NEAR(0, length, TOL(1e-8, 1e-3));
+    }
+}
+
+/* A strong barrel, a rational lens, and the others of the vectors. */
+static void test_any_lens_is_solved_end_to_end(void)
+{
+    test_rng rng = test_seed(2);
+
+    for (int trial = 0; trial < 250; trial++) {
+        problem p;
+
+        p.camera = golden_camera(trial % CAMERA_ROWS);
+        test_scene_random(&p.scene, &rng, 6 + trial % 5, TEST_GENERAL);
+        observe(&p);
+        TEST_ASSERT_TRUE_MESSAGE(solve(&p, NULL) >= 0, "refused");
+        assert_honest(&p, NULL);
+        assert_right(&p, TOL(1, 2));
+    }
+}
+
+/* The scene turned as a whole, 60 to 110 degrees off the axis of a fisheye. */
+static void test_a_fisheye_sees_the_target_beyond_90_degrees(void)
+{
+    test_rng rng = test_seed(3);
+
+    for (int trial = 0; trial < 200; trial++) {
+        const double off = test_uniform(&rng, 60, 110) * TEST_PI / 180;
+        const double way = test_uniform(&rng, -TEST_PI, TEST_PI);
+        const double axis[3] = {cos(way), sin(way), 0};
+        double turn[9], R[9], t[3];
+        problem p;
+
+        p.camera = golden_camera(4);
+        test_scene_random(&p.scene, &rng, 6 + trial % 5, TEST_GENERAL);
+        test_rotation_about(turn, axis, off);
+        test_product(R, turn, p.scene.R);
+        test_apply(t, turn, p.scene.t, NULL);
+        memcpy(p.scene.R, R, sizeof R);
+        memcpy(p.scene.t, t, sizeof t);
+        observe(&p);
+        TEST_ASSERT_TRUE_MESSAGE(solve(&p, NULL) >= 0, "refused");
+        assert_honest(&p, NULL);
+        assert_right(&p, TOL(1, 2));
+    }
+}
+
+/* Coordinates on a grid that double holds exactly at that distance. */
+static void test_a_national_grid_costs_double_nothing_and_float_refuses_it(void)
+{
+    static const double offset[3] = {300000, 5154500, 2048};
+    test_rng rng = test_seed(4);
+
+    for (int trial = 0; trial < 100; trial++) {
+        problem p, far;
+        double R[9], t[3];
+
+        random_problem(&p, &rng, 8, (test_shape)(trial % 3));
+        for (int i = 0; i < 8; i++) {
+            for (int k = 0; k < 3; k++) {
+                p.scene.X[i][k] = floor(p.scene.X[i][k] * 1048576) / 1048576;
+            }
+        }
+        observe(&p);
+        far = p;
+        for (int i = 0; i < 8; i++) {
+            for (int k = 0; k < 3; k++) {
+                far.o[i].X_w[k] = RC(p.scene.X[i][k] + offset[k]);
+            }
+        }
+        if (RIGCAL_USE_FLOAT) {
+            ASSERT_STATUS(RIGCAL_ERR_PRECISION, solve(&far, NULL));
+            continue;
+        }
+        TEST_ASSERT_TRUE(solve(&p, NULL) >= 0);
+        TEST_ASSERT_TRUE(solve(&far, NULL) >= 0);
+        test_transform_parts(R, t, &far.poses[0].cam_from_world);
+        ASSERT_NEAR(0, test_angle_between(R, p.scene.R), RIGHT_ANGLE);
+        for (int i = 0; i < 8; i++) {
+            double X[3], seen[3], true_[3];
+
+            test_to_double(X, far.o[i].X_w, 3);
+            test_apply(seen, R, X, t);
+            test_apply(true_, p.scene.R, p.scene.X[i], p.scene.t);
+            for (int k = 0; k < 3; k++) {
+                /* t itself, 5e6, rounds at 1e-9 */
+                ASSERT_NEAR(true_[k], seen[k], 1e-8 * test_norm(true_));
+            }
+        }
+    }
+}
+
+/* ---- noise --------------------------------------------------------------- */
+
+/* Both minima that test_fit comes to. The second's sse is 1e300 where there is
+ * none, or it is the same. */
+static void fit_both(test_fitted both[2], const problem *p)
+{
+    const test_data data = data_of(p);
+
+    memcpy(both[0].R, p->scene.R, sizeof both[0].R);
+    memcpy(both[0].t, p->scene.t, sizeof both[0].t);
+    (void)test_fit(&both[0], &data);
+    test_mirror_tilt(&both[1], &data, both[0].R, both[0].t);
+    if (!test_fit(&both[1], &data) ||
+        test_angle_between(both[0].R, both[1].R) < 1e-3) {
+        both[1].sse = 1e300;
+    }
+}
+
+static int has_pose(const problem *p, const test_fitted *fitted)
+{
+    for (size_t f = 0; f < p->n_found; f++) {
+        double R[9];
+
+        test_to_double(R, p->poses[f].cam_from_world.R, 9);
+        if (test_angle_between(R, fitted->R) < 0.02) {
+            return 1;
+        }
+    }
+    return 0;
+}
+
+/* Of `trials` noisy scenes, those whose first pose is not the best minimum known,
+ * and of flat ones those that lack the second, although it is one that matters. */
+typedef struct {
+    int missed, lacking, ambiguous, both;
+} tally;
+
+static tally tally_scenes(uint64_t seed, int trials, int n, test_shape shape,
+                          double noise)
+{
+    const rigcal_pose_options options = with_sigma(noise);
+    test_rng rng = test_seed(seed);
+    tally count = {0, 0, 0, 0};
+
+    for (int trial = 0; trial < trials; trial++) {
+        const rigcal_pose_options *o = trial % 2 ? &options : NULL;
+        test_fitted fitted[2];
+        double best;
+        problem p;
+
+        random_problem(&p, &rng, n, shape);
+        add_noise(&p, &rng, noise);
+        TEST_ASSERT_TRUE_MESSAGE(solve(&p, o) >= 0, "an honest scene refused");
+        TEST_ASSERT_TRUE_MESSAGE(p.status != RIGCAL_POOR_FIT,
+                                 "an honest scene called poor");
+        assert_honest(&p, o);
+        fit_both(fitted, &p);
+        best = fitted[0].sse < fitted[1].sse ? fitted[0].sse : fitted[1].sse;
+        count.missed += D(p.poses[0].sse) > best * (1 + TOL(1e-6, 1e-2)) +
+                                                TOL(1e-9, 1e-3);
+        if (shape != TEST_GENERAL && fitted[1].sse < 1e300 &&
+            fabs(fitted[1].sse - fitted[0].sse) < 50 * noise * noise) {
+            count.both++;
+            count.lacking += !has_pose(&p, &fitted[0]) ||
+                             !has_pose(&p, &fitted[1]);
+        }
+        count.ambiguous += p.status == RIGCAL_AMBIGUOUS;
+    }
+    return count;
+}
+
+static void test_general_points_with_noise_give_the_global_minimum(void)
+{
+    static const int sizes[4] = {6, 8, 20, 50};
+
+    for (int i = 0; i < 4; i++) {
+        const int trials = sizes[i] > 8 ? 100 : 500;
+        const tally t =
+            tally_scenes((uint64_t)(10 + i), trials, sizes[i], TEST_GENERAL,
+                         NOISE);
+
+        TEST_ASSERT_EQUAL_INT_MESSAGE(0, t.missed, "missed");
+        TEST_ASSERT_LESS_OR_EQUAL_INT_MESSAGE(trials / 50, t.ambiguous,
+                                              "ambiguous");
+    }
+}
+
+static void test_four_general_points_seldom_miss_it(void)
+{
+    const tally t = tally_scenes(20, 500, 4, TEST_GENERAL, NOISE);
+
+    TEST_ASSERT_LESS_OR_EQUAL_INT_MESSAGE(1, t.missed, "missed");
+}
+
+static void test_planar_targets_with_noise_give_both_minima(void)
+{
+    static const int sizes[3] = {4, 8, 20};
+
+    for (int i = 0; i < 3; i++) {
+        const int trials = sizes[i] > 8 ? 100 : 500;
+        const tally t =
+            tally_scenes((uint64_t)(30 + i), trials, sizes[i], TEST_PLANAR,
+                         NOISE);
+
+        TEST_ASSERT_LESS_OR_EQUAL_INT_MESSAGE(1, t.missed, "missed");
+        TEST_ASSERT_LESS_OR_EQUAL_INT_MESSAGE(1, t.lacking, "lacking");
+        TEST_ASSERT_GREATER_THAN_INT_MESSAGE(trials / 20, t.both, "both");
+    }
+}
+
+/* Two pixels, as a tag of 20 to 70 pixels at half a pixel: now both matter. */
+static void test_squares_with_noise_give_both_minima(void)
+{
+    const tally t = tally_scenes(40, 500, 4, TEST_SQUARE, 4 * NOISE);
+
+    TEST_ASSERT_LESS_OR_EQUAL_INT_MESSAGE(1, t.missed, "missed");
+    TEST_ASSERT_LESS_OR_EQUAL_INT_MESSAGE(1, t.lacking, "lacking");
+    TEST_ASSERT_GREATER_THAN_INT_MESSAGE(100, t.both, "both");
+    TEST_ASSERT_GREATER_THAN_INT_MESSAGE(20, t.ambiguous, "ambiguous");
+}
+
+/* The first pose is right about as often as it is said to be. */
+static void test_probabilities_are_what_they_say(void)
+{
+    const rigcal_pose_options options = with_sigma(4 * NOISE);
+    test_rng rng = test_seed(41);
+    double expected = 0, variance = 0;
+    int right = 0, doubtful = 0;
+
+    for (int trial = 0; trial < 2500; trial++) {
+        test_fitted fitted[2];
+        double q, R[9];
+        problem p;
+
+        random_problem(&p, &rng, 4, TEST_SQUARE);
+        add_noise(&p, &rng, 4 * NOISE);
+        (void)solve(&p, &options);
+        if (p.status != RIGCAL_AMBIGUOUS || p.n_found < 2) {
+            continue;
+        }
+        fit_both(fitted, &p);
+        if (test_angle_between(fitted[0].R, fitted[1].R) < 0.2) {
+            continue; /* which of two so near is right has no answer */
+        }
+        q = D(p.poses[0].probability);
+        expected += q;
+        variance += q * (1 - q);
+        test_to_double(R, p.poses[0].cam_from_world.R, 9);
+        right += test_angle_between(R, fitted[0].R) < 0.02;
+        doubtful++;
+    }
+    TEST_ASSERT_GREATER_THAN_INT(100, doubtful);
+    ASSERT_NEAR(expected, right, 4 * sqrt(variance) + 0.02 * doubtful);
+}
+
+static void test_swapped_points_are_a_poor_fit_when_the_noise_is_stated(void)
+{
+    const rigcal_pose_options options = with_sigma(NOISE);
+    test_rng rng = test_seed(50);
+
+    for (int trial = 0; trial < 300; trial++) {
+        int a = 0, b = 1;
+        double most = 0;
+        rigcal_real uv[2];
+        problem p;
+
+        random_problem(&p, &rng, 8, (test_shape)(trial % 3));
+        add_noise(&p, &rng, NOISE);
+        for (int i = 0; i < 8; i++) { /* the two farthest from each other */
+            for (int j = 0; j < i; j++) {
+                const double apart =
+                    hypot(D(p.o[i].uv[0]) - D(p.o[j].uv[0]),
+                          D(p.o[i].uv[1]) - D(p.o[j].uv[1]));
+
+                if (apart > most) {
+                    most = apart;
+                    a = i;
+                    b = j;
+                }
+            }
+        }
+        memcpy(uv, p.o[a].uv, sizeof uv);
+        memcpy(p.o[a].uv, p.o[b].uv, sizeof uv);
+        memcpy(p.o[b].uv, uv, sizeof uv);
+        if (solve(&p, &options) >= 0) {
+            ASSERT_STATUS(RIGCAL_POOR_FIT, p.status);
+            assert_honest(&p, &options);
+        } else {
+            ASSERT_STATUS(RIGCAL_ERR_NO_POSE, p.status);
+        }
+    }
+}
+
+/* Near by: from afar a mirrored target looks like the target seen from its back, to
+ * within the noise in one of six scenes at 7 to 10 sizes. */
+static void test_mirrored_coordinates_are_never_ok(void)
+{
+    const rigcal_pose_options options = with_sigma(NOISE);
+    test_rng rng = test_seed(51);
+
+    for (int trial = 0; trial < 300; trial++) {
+        problem p;
+
+        do {
+            random_problem(&p, &rng, 10, TEST_GENERAL);
+        } while (p.scene.Z[0] > 5);
+        add_noise(&p, &rng, NOISE);
+        for (int i = 0; i < 10; i++) {
+            p.o[i].X_w[0] = -p.o[i].X_w[0];
+        }
+        if (solve(&p, &options) >= 0) {
+            ASSERT_STATUS(RIGCAL_POOR_FIT, p.status);
+            assert_honest(&p, &options);
+        } else {
+            ASSERT_STATUS(RIGCAL_ERR_NO_POSE, p.status);
+        }
+    }
+}
+
+/* One pose in a thousand honest ones at most, and 1e-6 is asked for. */
+static void test_honest_noise_is_not_a_poor_fit(void)
+{
+    const rigcal_pose_options options = with_sigma(NOISE);
+    test_rng rng = test_seed(52);
+
+    for (int trial = 0; trial < 1500; trial++) {
+        problem p;
+
+        random_problem(&p, &rng, 4 + trial % 8, (test_shape)(trial % 3));
+        add_noise(&p, &rng, NOISE);
+        TEST_ASSERT_TRUE(solve(&p, &options) >= 0);
+        TEST_ASSERT_TRUE(p.status != RIGCAL_POOR_FIT);
+    }
+}
+
+/* Half of the points ten times as noisy: told so, the solver is the better for it,
+ * and errors count by their sigma. */
+static void test_sigma_of_single_points_is_heeded(void)
+{
+    const rigcal_pose_options options = with_sigma(0.3);
+    test_rng rng = test_seed(53);
+    double told = 0, untold = 0;
+
+    for (int trial = 0; trial < 300; trial++) {
+        double angle, length;
+        problem p;
+
+        random_problem(&p, &rng, 10, TEST_GENERAL);
+        p.use_sigma = 1;
+        for (int i = 0; i < 10; i++) {
+            p.sigma[i] = i % 2 ? 10 : 1;
+        }
+        add_noise(&p, &rng, 0.3);
+        TEST_ASSERT_TRUE(solve(&p, &options) >= 0);
+        TEST_ASSERT_TRUE(p.status != RIGCAL_POOR_FIT);
+        assert_honest(&p, &options);
+        errors(&angle, &length, &p, &p.poses[0].cam_from_world);
+        told += angle * angle;
+        p.use_sigma = 0;
+        TEST_ASSERT_TRUE(solve(&p, NULL) >= 0);
+        errors(&angle, &length, &p, &p.poses[0].cam_from_world);
+        untold += angle * angle;
+    }
+    TEST_ASSERT_TRUE(sqrt(told) < 0.5 * sqrt(untold));
+}
+
+/* ---- options ------------------------------------------------------------- */
+
+static void test_the_defaults_are_those_of_the_header(void)
+{
+    static const double identity[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+    const rigcal_pose_options o = defaults();
+
+    TEST_ASSERT_EQUAL_INT(0, o.thorough);
+    TEST_ASSERT_EQUAL_INT(0, o.use_start);
+    TEST_ASSERT_TRUE(!(o.sigma_px > 0) && !(o.sigma_px < 0));
+    ASSERT_ARRAY_NEAR(identity, o.start.R, 9, 0);
+    ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_pose_defaults(NULL));
+}
+
+static void test_thorough_finds_what_the_default_does(void)
+{
+    rigcal_pose_options options = defaults();
+    test_rng rng = test_seed(60);
+
+    options.thorough = 1;
+    for (int trial = 0; trial < 300; trial++) {
+        problem p, q;
+
+        random_problem(&p, &rng, 4 + trial % 5, (test_shape)(trial % 3));
+        add_noise(&p, &rng, NOISE);
+        q = p;
+        TEST_ASSERT_TRUE(solve(&p, NULL) >= 0);
+        TEST_ASSERT_TRUE(solve(&q, &options) >= 0);
+        assert_honest(&q, &options);
+        TEST_ASSERT_TRUE(D(q.poses[0].sse) <=
+                         D(p.poses[0].sse) * (1 + TOL(1e-6, 1e-2)) + 1e-3);
+        TEST_ASSERT_TRUE(count_evals(&q, &options) > count_evals(&p, NULL));
+    }
+}
+
+static void test_the_same_bits_come_out_whatever_the_budgets(void)
+{
+    static const int32_t budgets[3] = {1, 7, 1000};
+    test_rng rng = test_seed(61);
+
+    for (int trial = 0; trial < 60; trial++) {
+        problem p;
+
+        random_problem(&p, &rng, 4 + trial % 5, (test_shape)(trial % 3));
+        add_noise(&p, &rng, NOISE);
+        (void)solve(&p, NULL);
+        for (int b = 0; b < 3; b++) {
+            rigcal_pose_solver solver, copy;
+            rigcal_pose poses[RIGCAL_POSES_MAX];
+            size_t n_found = 0;
+            int steps = 0;
+
+            ASSERT_STATUS(RIGCAL_OK,
+                          rigcal_pose_begin(&solver, NULL, &p.camera, p.o, NULL,
+                                            (size_t)p.scene.n, NULL));
+            while (rigcal_pose_step(&solver, budgets[b]) == RIGCAL_RUNNING) {
+                TEST_ASSERT_LESS_OR_EQUAL_INT(EVALS_MAX,
+                                              ++steps * budgets[b]);
+                ASSERT_STATUS(RIGCAL_ERR_STATE,
+                              rigcal_pose_result(poses, &n_found,
+                                                 RIGCAL_POSES_MAX, &solver));
+                if (steps % 5 == 0) { /* copied halfway, it goes on the same */
+                    copy = solver;
+                    FILL(solver);
+                    solver = copy;
+                }
+            }
+            ASSERT_STATUS(p.status,
+                          rigcal_pose_result(poses, &n_found, RIGCAL_POSES_MAX,
+                                             &solver));
+            TEST_ASSERT_EQUAL_UINT(p.n_found, n_found);
+            for (size_t f = 0; f < n_found; f++) {
+                TEST_ASSERT_EQUAL_MEMORY(&p.poses[f], &poses[f],
+                                         sizeof poses[f]);
+            }
+        }
+    }
+}
+
+static void test_evaluations_are_few_and_bounded(void)
+{
+    rigcal_pose_options thorough = defaults();
+    test_rng rng = test_seed(62);
+    long sum = 0;
+
+    thorough.thorough = 1;
+    for (int trial = 0; trial < 400; trial++) {
+        problem p;
+
+        random_problem(&p, &rng, 4 + trial % 8, (test_shape)(trial % 3));
+        add_noise(&p, &rng, trial % 4 ? NOISE : 100); /* nonsense too */
+        sum += count_evals(&p, NULL);
+        (void)count_evals(&p, &thorough);
+    }
+    TEST_ASSERT_LESS_THAN_INT(150, (int)(sum / 400)); /* "usually about 90" */
+}
+
+/* ---- warm start ---------------------------------------------------------- */
+
+static rigcal_pose_options start_near(const problem *p, test_rng *rng,
+                                      double degrees)
+{
+    rigcal_pose_options options = defaults();
+    double R[9], t[3], turn[9], axis[9];
+
+    /* turned about the target's first point */
+    test_random_rotation(axis, rng);
+    test_rotation_about(turn, axis, degrees * TEST_PI / 180);
+    test_product(R, turn, p->scene.R);
+    test_apply(t, p->scene.R, p->scene.X[0], p->scene.t);
+    for (int k = 0; k < 3; k++) {
+        t[k] -= test_dot(R + 3 * k, p->scene.X[0]);
+    }
+    options.use_start = 1;
+    options.start = test_transform(R, t);
+    return options;
+}
+
+static void test_a_warm_start_gives_the_same_minimum_sooner(void)
+{
+    test_rng rng = test_seed(70);
+    long cold = 0, warm = 0;
+
+    for (int trial = 0; trial < 300; trial++) {
+        rigcal_pose_options options;
+        problem p, q;
+
+        random_problem(&p, &rng, 6 + trial % 5, TEST_GENERAL);
+        add_noise(&p, &rng, NOISE);
+        q = p;
+        options = start_near(&p, &rng, 2);
+        TEST_ASSERT_TRUE(solve(&p, NULL) >= 0);
+        TEST_ASSERT_TRUE(solve(&q, &options) >= 0);
+        assert_honest(&q, &options);
+        TEST_ASSERT_EQUAL_UINT(1, q.n_found); /* "only the optimum near it" */
+        ASSERT_NEAR(p.poses[0].sse, q.poses[0].sse,
+                    TOL(1e-6, 2e-2) * D(p.poses[0].sse));
+        cold += count_evals(&p, NULL);
+        warm += count_evals(&q, &options);
+    }
+    TEST_ASSERT_TRUE(6 * warm < cold);
+}
+
+static void test_a_wrong_start_falls_back_to_the_whole_search(void)
+{
+    test_rng rng = test_seed(71);
+
+    for (int trial = 0; trial < 300; trial++) {
+        rigcal_pose_options options;
+        problem p, q;
+
+        random_problem(&p, &rng, 6 + trial % 5, TEST_GENERAL);
+        add_noise(&p, &rng, NOISE);
+        q = p;
+        options = start_near(&p, &rng, test_uniform(&rng, 60, 180));
+        if (trial % 3 == 0) { /* behind the camera */
+            options.start.t[2] = -options.start.t[2] - 10;
+        } else if (trial % 3 == 1) {
+            options.start = test_transform(NULL, NULL);
+        }
+        options.sigma_px = RC(NOISE);
+        TEST_ASSERT_TRUE(solve(&p, NULL) >= 0);
+        TEST_ASSERT_TRUE(solve(&q, &options) >= 0);
+        assert_honest(&q, &options);
+        TEST_ASSERT_TRUE(q.status != RIGCAL_POOR_FIT);
+        ASSERT_NEAR(p.poses[0].sse, q.poses[0].sse,
+                    TOL(1e-6, 2e-2) * D(p.poses[0].sse));
+    }
+}
+
+/* ---- covariance ---------------------------------------------------------- */
+
+static double golden_packed(const double H[21], int i, int j)
+{
+    return H[i >= j ? i * (i + 1) / 2 + j : j * (j + 1) / 2 + i];
+}
+
+static void assert_covariance(const double golden[21], double scale,
+                              const rigcal_pose_uncertainty *u, double tol)
+{
+    for (int k = 0; k < 36; k++) {
+        const double size = sqrt(golden_packed(golden, k / 6, k / 6) *
+                                 golden_packed(golden, k % 6, k % 6));
+
+        ASSERT_NEAR(scale * golden_packed(golden, k / 6, k % 6), u->Sigma[k],
+                    tol * scale * size);
+    }
+    for (int k = 0; k < 3; k++) {
+        const double w = sqrt(scale * golden_packed(golden, k, k));
+        const double dt = sqrt(scale * golden_packed(golden, 3 + k, 3 + k));
+
+        ASSERT_NEAR(w, u->rotation[k], tol * w);
+        ASSERT_NEAR(dt, u->translation[k], tol * dt);
+    }
+}
+
+static void test_covariances_are_those_of_the_oracle(void)
+{
+    const double f = 800, sigma_px = 0.25;
+
+    for (int i = 0; i < REFINE_PINHOLE_ROWS; i++) {
+        const double *v = REFINE_PINHOLE[i], *s = SCENE[(int)v[0]];
+        const size_t n = (size_t)v[1];
+        const rigcal_transform pose = test_transform(v + 2, v + 11);
+        rigcal_camera camera = test_pinhole();
+        rigcal_observation o[6];
+        rigcal_pose_uncertainty u;
+        double noise;
+
+        camera.cx = camera.cy = 0;
+        for (size_t k = 0; k < n; k++) {
+            test_to_real(o[k].X_w, s + 3 * k, 3);
+            o[k].uv[0] = RC(f * s[18 + 2 * k]);
+            o[k].uv[1] = RC(f * s[19 + 2 * k]);
+        }
+        ASSERT_STATUS(RIGCAL_OK, rigcal_pose_covariance(&u, &camera, &pose, o,
+                                                        NULL, n, RC(sigma_px)));
+        ASSERT_NEAR(sigma_px, u.sigma_px, 1e-6 * sigma_px);
+        assert_covariance(v + 15, sigma_px * sigma_px / (f * f), &u,
+                          TOL(1e-8, 2e-2));
+        /* estimated */
+        noise = f * sqrt(v[14] / (2 * v[1] - 6));
+        ASSERT_STATUS(RIGCAL_OK, rigcal_pose_covariance(&u, &camera, &pose, o,
+                                                        NULL, n, 0));
+        ASSERT_NEAR(noise, u.sigma_px, TOL(1e-7, 5e-2) * noise);
+    }
+}
+
+static void test_covariances_of_any_lens_are_those_of_the_vectors(void)
+{
+    for (int i = 0; i < REFINE_LENS_ROWS; i++) {
+        const double *v = REFINE_LENS[i], *minimum = v + 2 + 6 * 8 + 6;
+        const rigcal_camera camera = golden_camera((int)v[0]);
+        const rigcal_transform pose = test_transform(minimum, minimum + 9);
+        const size_t n = (size_t)v[1];
+        rigcal_pose_uncertainty u;
+        rigcal_observation o[8];
+        rigcal_real sigma[8];
+
+        for (size_t k = 0; k < n; k++) {
+            test_to_real(o[k].X_w, v + 2 + 6 * k, 3);
+            test_to_real(o[k].uv, v + 5 + 6 * k, 2);
+            sigma[k] = RC(v[7 + 6 * k]);
+        }
+        ASSERT_STATUS(RIGCAL_OK, rigcal_pose_covariance(&u, &camera, &pose, o,
+                                                        sigma, n, 2));
+        assert_covariance(minimum + 13, 4, &u, TOL(1e-8, 2e-2));
+    }
+}
+
+/* The centre's deviation is that of -R^T t under the covariance of (w, dt): by
+ * differences. */
+static void test_the_deviation_of_the_centre_follows(void)
+{
+    test_rng rng = test_seed(80);
+
+    for (int trial = 0; trial < 100; trial++) {
+        const double h = 1e-6;
+        double J[3][6], Sigma[36];
+        rigcal_pose_uncertainty u;
+        rigcal_transform pose;
+        problem p;
+
+        random_problem(&p, &rng, 8, (test_shape)(trial % 3));
+        pose = test_transform(p.scene.R, p.scene.t);
+        ASSERT_STATUS(RIGCAL_OK, rigcal_pose_covariance(&u, &p.camera, &pose,
+                                                        p.o, NULL, 8, 1));
+        test_to_double(Sigma, u.Sigma, 36);
+        for (int k = 0; k < 6; k++) {
+            double side[2][3];
+
+            for (int s = 0; s < 2; s++) {
+                double R[9], t[3], Rt[9], d[6] = {0, 0, 0, 0, 0, 0};
+
+                memcpy(R, p.scene.R, sizeof R);
+                memcpy(t, p.scene.t, sizeof t);
+                d[k] = s ? h : -h;
+                test_move(R, t, d);
+                test_transpose(Rt, R);
+                test_apply(side[s], Rt, t, NULL);
+            }
+            for (int r = 0; r < 3; r++) {
+                J[r][k] = (side[0][r] - side[1][r]) / (2 * h);
+            }
+        }
+        for (int r = 0; r < 3; r++) {
+            double variance = 0;
+
+            for (int k = 0; k < 36; k++) {
+                variance += J[r][k / 6] * Sigma[k] * J[r][k % 6];
+            }
+            ASSERT_NEAR(sqrt(variance), u.center[r],
+                        TOL(1e-6, 5e-2) * sqrt(variance));
+        }
+    }
+}
+
+/* 95 % of the ellipsoids hold the truth; noise estimated comes out as it is. */
+static void test_the_covariance_holds_the_truth_as_often_as_it_says(void)
+{
+    enum { TRIALS = 2000 };
+    const double chi2_of_6_at_95 = 12.5916;
+    const rigcal_pose_options options = with_sigma(NOISE);
+    test_rng rng = test_seed(81);
+    double noise2 = 0;
+    int held = 0;
+
+    for (int trial = 0; trial < TRIALS; trial++) {
+        double R[9], t[3], d[6], Sigma[36];
+        rigcal_pose_uncertainty u;
+        problem p;
+
+        random_problem(&p, &rng, 8, TEST_GENERAL);
+        add_noise(&p, &rng, NOISE);
+        TEST_ASSERT_TRUE(solve(&p, &options) >= 0);
+        ASSERT_STATUS(RIGCAL_OK, rigcal_pose_covariance(
+                                     &u, &p.camera, &p.poses[0].cam_from_world,
+                                     p.o, NULL, 8, RC(NOISE)));
+        test_transform_parts(R, t, &p.poses[0].cam_from_world);
+        test_difference(d, R, t, p.scene.R, p.scene.t);
+        test_to_double(Sigma, u.Sigma, 36);
+        held += test_squared_distance(d, Sigma, 6) < chi2_of_6_at_95;
+        ASSERT_STATUS(RIGCAL_OK, rigcal_pose_covariance(
+                                     &u, &p.camera, &p.poses[0].cam_from_world,
+                                     p.o, NULL, 8, 0));
+        noise2 += D(u.sigma_px) * D(u.sigma_px) / TRIALS;
+    }
+    TEST_ASSERT_TRUE(held >= TRIALS * 93.5 / 100);
+    TEST_ASSERT_TRUE(held <= TRIALS * 96.5 / 100);
+    ASSERT_NEAR(NOISE * NOISE, noise2, 0.03 * NOISE * NOISE);
+}
+
+static void test_a_covariance_that_does_not_exist_is_refused_by_name(void)
+{
+    rigcal_pose_uncertainty u;
+    rigcal_transform pose;
+    test_rng rng = test_seed(82);
+    problem p;
+
+    random_problem(&p, &rng, 6, TEST_GENERAL);
+    pose = test_transform(p.scene.R, p.scene.t);
+    ASSERT_STATUS(RIGCAL_OK, rigcal_pose_covariance(&u, &p.camera, &pose, p.o,
+                                                    NULL, 3, 1));
+    ASSERT_REFUSED(RIGCAL_ERR_TOO_FEW, u,
+                   rigcal_pose_covariance(&u, &p.camera, &pose, p.o, NULL, 3,
+                                          0));
+    ASSERT_REFUSED(RIGCAL_ERR_TOO_FEW, u,
+                   rigcal_pose_covariance(&u, &p.camera, &pose, p.o, NULL, 2,
+                                          1));
+    ASSERT_REFUSED(RIGCAL_ERR_RANGE, u,
+                   rigcal_pose_covariance(&u, &p.camera, &pose, p.o, NULL, 6,
+                                          -1));
+    ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, u,
+                   rigcal_pose_covariance(&u, &p.camera, &pose, p.o, NULL, 6,
+                                          TEST_NAN));
+    pose.t[2] = -pose.t[2] - 10;
+    ASSERT_REFUSED(RIGCAL_ERR_BEHIND, u,
+                   rigcal_pose_covariance(&u, &p.camera, &pose, p.o, NULL, 6,
+                                          1));
+    pose = test_transform(p.scene.R, p.scene.t);
+    for (int i = 0; i < 6; i++) { /* all on one line */
+        for (int k = 0; k < 3; k++) {
+            p.scene.X[i][k] = 0.25 * i * (k == 0) + p.scene.X[0][k];
+        }
+    }
+    observe(&p);
+    ASSERT_REFUSED(RIGCAL_ERR_DEGENERATE, u,
+                   rigcal_pose_covariance(&u, &p.camera, &pose, p.o, NULL, 6,
+                                          1));
+}
+
+/* ---- hostile geometry and arguments -------------------------------------- */
+
+#define ASSERT_BEGIN_REFUSED(expected, p, count) \
+    do { \
+        FILL((p)->poses); \
+        FILL((p)->n_found); \
+        ASSERT_STATUS(expected, \
+                      rigcal_solve_pose((p)->poses, &(p)->n_found, \
+                                        RIGCAL_POSES_MAX, NULL, &(p)->camera, \
+                                        (p)->o, NULL, (count), NULL)); \
+        ASSERT_UNTOUCHED((p)->poses); \
+        ASSERT_UNTOUCHED((p)->n_found); \
+    } while (0)
+
+static void test_three_points_are_too_few(void)
+{
+    test_rng rng = test_seed(90);
+    problem p;
+
+    random_problem(&p, &rng, 6, TEST_GENERAL);
+    ASSERT_BEGIN_REFUSED(RIGCAL_ERR_TOO_FEW, &p, 3);
+    ASSERT_BEGIN_REFUSED(RIGCAL_ERR_TOO_FEW, &p, 0);
+}
+
+static void test_targets_that_fix_no_pose_are_named(void)
+{
+    test_rng rng = test_seed(91);
+
+    for (int trial = 0; trial < 200; trial++) {
+        const int n = 4 + trial % 5;
+        double way[9];
+        problem p;
+
+        random_problem(&p, &rng, n, TEST_GENERAL);
+        test_random_rotation(way, &rng);
+        for (int i = 1; i < n; i++) {
+            const double along = test_uniform(&rng, -0.5, 0.5);
+
+            for (int k = 0; k < 3; k++) {
+                p.scene.X[i][k] = p.scene.X[0][k] + along * way[k];
+            }
+        }
+        observe(&p);
+        ASSERT_BEGIN_REFUSED(RIGCAL_ERR_COLLINEAR, &p, (size_t)n);
+        for (int i = 1; i < n; i++) {
+            p.o[i] = p.o[0];
+        }
+        ASSERT_BEGIN_REFUSED(RIGCAL_ERR_COINCIDENT, &p, (size_t)n);
+        /* one pixel for all, though the points differ */
+        random_problem(&p, &rng, n, TEST_GENERAL);
+        for (int i = 1; i < n; i++) {
+            memcpy(p.o[i].uv, p.o[0].uv, sizeof p.o[0].uv);
+        }
+        ASSERT_BEGIN_REFUSED(RIGCAL_ERR_COINCIDENT, &p, (size_t)n);
+    }
+}
+
+/* Points and camera in one plane: a refusal by name, or a pose that fits, but never
+ * one that does not. */
+static void test_a_plane_seen_edge_on_is_refused_or_right(void)
+{
+    const rigcal_pose_options options = with_sigma(NOISE);
+    test_rng rng = test_seed(92);
+    int refused = 0;
+
+    for (int trial = 0; trial < 200; trial++) {
+        problem p;
+
+        p.camera = test_pinhole();
+        test_scene_random(&p.scene, &rng, 6, TEST_GENERAL);
+        for (int i = 0; i < 6; i++) { /* into the plane y_cam = 0 */
+            double X_c[3], Rt[9];
+
+            test_apply(X_c, p.scene.R, p.scene.X[i], p.scene.t);
+            X_c[1] = 0;
+            for (int k = 0; k < 3; k++) {
+                X_c[k] -= p.scene.t[k];
+            }
+            test_transpose(Rt, p.scene.R);
+            test_apply(p.scene.X[i], Rt, X_c, NULL);
+        }
+        observe(&p);
+        if (trial % 2) {
+            add_noise(&p, &rng, NOISE);
+        }
+        (void)solve(&p, &options);
+        if (p.status < 0) {
+            TEST_ASSERT_TRUE(p.status == RIGCAL_ERR_DEGENERATE ||
+                             p.status == RIGCAL_ERR_EDGE_ON ||
+                             p.status == RIGCAL_ERR_NO_POSE);
+            refused++;
+        } else {
+            assert_honest(&p, &options);
+            TEST_ASSERT_TRUE(p.status != RIGCAL_POOR_FIT);
+        }
+    }
+    TEST_ASSERT_LESS_OR_EQUAL_INT(200, refused);
+}
+
+static void test_the_observation_at_fault_is_told(void)
+{
+    test_rng rng = test_seed(93);
+    rigcal_pose_solver solver;
+    rigcal_real sigma[6] = {1, 1, 1, 1, 1, 1};
+    int32_t bad = -2;
+    problem p;
+
+    random_problem(&p, &rng, 6, TEST_GENERAL);
+    p.o[3].X_w[1] = TEST_NAN;
+    ASSERT_STATUS(RIGCAL_ERR_NOT_FINITE,
+                  rigcal_pose_begin(&solver, &bad, &p.camera, p.o, NULL, 6,
+                                    NULL));
+    TEST_ASSERT_EQUAL_INT(3, bad);
+    observe(&p);
+    p.o[4].uv[0] = TEST_INF;
+    ASSERT_STATUS(RIGCAL_ERR_NOT_FINITE,
+                  rigcal_pose_begin(&solver, &bad, &p.camera, p.o, NULL, 6,
+                                    NULL));
+    TEST_ASSERT_EQUAL_INT(4, bad);
+    observe(&p);
+    p.o[1].uv[1] = RC(2e9);
+    ASSERT_STATUS(RIGCAL_ERR_RANGE,
+                  rigcal_pose_begin(&solver, &bad, &p.camera, p.o, NULL, 6,
+                                    NULL));
+    TEST_ASSERT_EQUAL_INT(1, bad);
+    observe(&p);
+    sigma[5] = 0;
+    ASSERT_STATUS(RIGCAL_ERR_RANGE,
+                  rigcal_pose_begin(&solver, &bad, &p.camera, p.o, sigma, 6,
+                                    NULL));
+    TEST_ASSERT_EQUAL_INT(5, bad);
+    sigma[5] = 1;
+    p.camera = golden_camera(1); /* a barrel images nothing so far out */
+    observe(&p);
+    p.o[2].uv[0] = 2500;
+    bad = -2;
+    ASSERT_STATUS(RIGCAL_ERR_NO_RAY,
+                  rigcal_pose_begin(&solver, &bad, &p.camera, p.o, NULL, 6,
+                                    NULL));
+    TEST_ASSERT_EQUAL_INT(2, bad);
+}
+
+static void test_arguments_are_checked(void)
+{
+    const size_t n = 6;
+    rigcal_pose_options o = defaults();
+    rigcal_pose_solver solver;
+    test_rng rng = test_seed(94);
+    problem p;
+
+    random_problem(&p, &rng, (int)n, TEST_GENERAL);
+    ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_pose_begin(NULL, NULL, &p.camera, p.o,
+                                                     NULL, n, NULL));
+    ASSERT_STATUS(RIGCAL_ERR_NULL,
+                  rigcal_pose_begin(&solver, NULL, NULL, p.o, NULL, n, NULL));
+    ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_pose_begin(&solver, NULL, &p.camera,
+                                                     NULL, NULL, n, NULL));
+    o.thorough = 2;
+    ASSERT_STATUS(RIGCAL_ERR_RANGE, solve(&p, &o));
+    o = with_sigma(-1);
+    ASSERT_STATUS(RIGCAL_ERR_RANGE, solve(&p, &o));
+    o.sigma_px = TEST_NAN;
+    ASSERT_STATUS(RIGCAL_ERR_NOT_FINITE, solve(&p, &o));
+    o = defaults();
+    o.use_start = 1;
+    o.start.R[0] = 2;
+    ASSERT_STATUS(RIGCAL_ERR_ROTATION, solve(&p, &o));
+    memset(&solver, 0, sizeof solver);
+    ASSERT_STATUS(RIGCAL_ERR_STATE, rigcal_pose_step(&solver, 1));
+    ASSERT_STATUS(RIGCAL_ERR_STATE,
+                  rigcal_pose_result(p.poses, &p.n_found, 1, &solver));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_pose_begin(&solver, NULL, &p.camera, p.o,
+                                               NULL, n, NULL));
+    ASSERT_STATUS(RIGCAL_ERR_RANGE, rigcal_pose_step(&solver, 0));
+    ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_pose_step(NULL, 1));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_pose_step(&solver, EVALS_MAX));
+    ASSERT_STATUS(RIGCAL_ERR_NULL,
+                  rigcal_pose_result(NULL, &p.n_found, 1, &solver));
+    ASSERT_STATUS(RIGCAL_ERR_RANGE,
+                  rigcal_pose_result(p.poses, &p.n_found, 0, &solver));
+    p.o[0].uv[0] = TEST_NAN; /* what fails to begin has not begun */
+    ASSERT_STATUS(RIGCAL_ERR_NOT_FINITE,
+                  rigcal_pose_begin(&solver, NULL, &p.camera, p.o, NULL, n,
+                                    NULL));
+}
+
+/* With room for one, the best one, and its status and probability as they were. */
+static void test_room_for_one_pose_gives_the_first(void)
+{
+    test_rng rng = test_seed(95);
+
+    for (int trial = 0; trial < 100; trial++) {
+        rigcal_pose one[2];
+        size_t n_found = 0;
+        problem p;
+
+        random_problem(&p, &rng, 4, TEST_SQUARE);
+        add_noise(&p, &rng, 4 * NOISE);
+        (void)solve(&p, NULL);
+        FILL(one);
+        ASSERT_STATUS(p.status,
+                      rigcal_solve_pose(one, &n_found, 1, NULL, &p.camera, p.o,
+                                        NULL, 4, NULL));
+        TEST_ASSERT_EQUAL_UINT(1, n_found);
+        TEST_ASSERT_EQUAL_MEMORY(&p.poses[0], &one[0], sizeof one[0]);
+        ASSERT_UNTOUCHED(one[1]);
+    }
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_exact_scenes_give_their_pose);
+    RUN_TEST(test_a_square_exactly_from_the_front_is_solved);
+    RUN_TEST(test_any_lens_is_solved_end_to_end);
+    RUN_TEST(test_a_fisheye_sees_the_target_beyond_90_degrees);
+    RUN_TEST(test_a_national_grid_costs_double_nothing_and_float_refuses_it);
+    RUN_TEST(test_general_points_with_noise_give_the_global_minimum);
+    RUN_TEST(test_four_general_points_seldom_miss_it);
+    RUN_TEST(test_planar_targets_with_noise_give_both_minima);
+    RUN_TEST(test_squares_with_noise_give_both_minima);
+    RUN_TEST(test_probabilities_are_what_they_say);
+    RUN_TEST(test_swapped_points_are_a_poor_fit_when_the_noise_is_stated);
+    RUN_TEST(test_mirrored_coordinates_are_never_ok);
+    RUN_TEST(test_honest_noise_is_not_a_poor_fit);
+    RUN_TEST(test_sigma_of_single_points_is_heeded);
+    RUN_TEST(test_the_defaults_are_those_of_the_header);
+    RUN_TEST(test_thorough_finds_what_the_default_does);
+    RUN_TEST(test_the_same_bits_come_out_whatever_the_budgets);
+    RUN_TEST(test_evaluations_are_few_and_bounded);
+    RUN_TEST(test_a_warm_start_gives_the_same_minimum_sooner);
+    RUN_TEST(test_a_wrong_start_falls_back_to_the_whole_search);
+    RUN_TEST(test_covariances_are_those_of_the_oracle);
+    RUN_TEST(test_covariances_of_any_lens_are_those_of_the_vectors);
+    RUN_TEST(test_the_deviation_of_the_centre_follows);
+    RUN_TEST(test_the_covariance_holds_the_truth_as_often_as_it_says);
+    RUN_TEST(test_a_covariance_that_does_not_exist_is_refused_by_name);
+    RUN_TEST(test_three_points_are_too_few);
+    RUN_TEST(test_targets_that_fix_no_pose_are_named);
+    RUN_TEST(test_a_plane_seen_edge_on_is_refused_or_right);
+    RUN_TEST(test_the_observation_at_fault_is_told);
+    RUN_TEST(test_arguments_are_checked);
+    RUN_TEST(test_room_for_one_pose_gives_the_first);
+    return UNITY_END();
+}

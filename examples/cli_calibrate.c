@@ -260,6 +260,7 @@ static const view *find_view(const calibration *c, size_t camera, size_t frame)
 {
     view key;
 
+    memset(&key, 0, sizeof key);
     key.camera = camera;
     key.frame = frame;
     return bsearch(&key, c->views, c->n_views, sizeof key, compare_views);

@@ -239,10 +239,8 @@ static void test_exact_scenes_give_their_pose(void)
         wrong += angle > RIGHT_ANGLE || length > RIGHT_LENGTH;
         ambiguous += p.status == RIGCAL_AMBIGUOUS;
     }
-    /* targets in a plane far away and seen nearly from the front, or four points
-     * all but on a line, bend the sum too little for float */
-    TEST_ASSERT_LESS_OR_EQUAL_INT(TOL(0, 20), wrong);
-    TEST_ASSERT_LESS_OR_EQUAL_INT(TOL(5, 20), ambiguous);
+    TEST_ASSERT_EQUAL_INT(0, wrong);
+    TEST_ASSERT_LESS_OR_EQUAL_INT(3, ambiguous);
 }
 
 /* A unit square or a grid exactly facing the camera: the tilt is at the point where
@@ -482,6 +480,38 @@ static void test_squares_with_noise_give_both_minima(void)
     TEST_ASSERT_LESS_OR_EQUAL_INT_MESSAGE(1, t.lacking, "lacking");
     TEST_ASSERT_GREATER_THAN_INT_MESSAGE(100, t.both, "both");
     TEST_ASSERT_GREATER_THAN_INT_MESSAGE(20, t.ambiguous, "ambiguous");
+}
+
+/* test_fit gains nothing from any pose returned and ends in no two at the same. In
+ * the valley where two optima are about to meet refinement may stop early, in float
+ * above all: measured, 3 in 10 000 scenes, 40 in float. */
+static void test_what_is_returned_are_minima_and_no_two_the_same(void)
+{
+    test_rng rng = test_seed(42);
+    int same = 0, early = 0;
+
+    for (int trial = 0; trial < 1500; trial++) {
+        test_fitted fitted[RIGCAL_POSES_MAX];
+        test_data data;
+        problem p;
+
+        random_problem(&p, &rng, 4 + trial % 5, (test_shape)(trial % 3));
+        add_noise(&p, &rng, trial % 2 ? NOISE : 4 * NOISE);
+        TEST_ASSERT_TRUE(solve(&p, NULL) >= 0);
+        data = data_of(&p);
+        for (size_t f = 0; f < p.n_found; f++) {
+            test_transform_parts(fitted[f].R, fitted[f].t,
+                                 &p.poses[f].cam_from_world);
+            (void)test_fit(&fitted[f], &data);
+            early += D(p.poses[f].sse) >
+                     fitted[f].sse * (1 + TOL(1e-4, 1e-2)) + TOL(1e-9, 1e-3);
+            for (size_t g = 0; g < f; g++) {
+                same += test_angle_between(fitted[f].R, fitted[g].R) < 1e-3;
+            }
+        }
+    }
+    TEST_ASSERT_LESS_OR_EQUAL_INT(TOL(3, 8), early);
+    TEST_ASSERT_LESS_OR_EQUAL_INT(TOL(3, 15), same);
 }
 
 /* The first pose is right about as often as it is said to be. */
@@ -1057,15 +1087,16 @@ static void test_targets_that_fix_no_pose_are_named(void)
     }
 }
 
-/* Points and camera in one plane: a refusal by name, or a pose that fits, but never
- * one that does not. */
+/* Points and camera in one plane: their image is a line, which leaves the side from
+ * which the plane is seen to the last of the noise, and the rest is as well known as
+ * ever. A refusal by name would do as well. */
 static void test_a_plane_seen_edge_on_is_refused_or_right(void)
 {
     const rigcal_pose_options options = with_sigma(NOISE);
     test_rng rng = test_seed(92);
-    int refused = 0;
 
     for (int trial = 0; trial < 200; trial++) {
+        double angle, length;
         problem p;
 
         p.camera = test_pinhole();
@@ -1090,13 +1121,16 @@ static void test_a_plane_seen_edge_on_is_refused_or_right(void)
             TEST_ASSERT_TRUE(p.status == RIGCAL_ERR_DEGENERATE ||
                              p.status == RIGCAL_ERR_EDGE_ON ||
                              p.status == RIGCAL_ERR_NO_POSE);
-            refused++;
-        } else {
-            assert_honest(&p, &options);
-            TEST_ASSERT_TRUE(p.status != RIGCAL_POOR_FIT);
+            continue;
+        }
+        assert_honest(&p, &options);
+        TEST_ASSERT_TRUE(p.status != RIGCAL_POOR_FIT);
+        if (trial % 2 == 0) {
+            errors(&angle, &length, &p, &p.poses[0].cam_from_world);
+            ASSERT_NEAR(0, angle, TOL(1e-6, 1) * TEST_PI / 180);
+            ASSERT_NEAR(0, length, TOL(1e-8, 1e-2));
         }
     }
-    TEST_ASSERT_LESS_OR_EQUAL_INT(200, refused);
 }
 
 static void test_the_observation_at_fault_is_told(void)
@@ -1221,6 +1255,7 @@ int main(void)
     RUN_TEST(test_four_general_points_seldom_miss_it);
     RUN_TEST(test_planar_targets_with_noise_give_both_minima);
     RUN_TEST(test_squares_with_noise_give_both_minima);
+    RUN_TEST(test_what_is_returned_are_minima_and_no_two_the_same);
     RUN_TEST(test_probabilities_are_what_they_say);
     RUN_TEST(test_swapped_points_are_a_poor_fit_when_the_noise_is_stated);
     RUN_TEST(test_mirrored_coordinates_are_never_ok);

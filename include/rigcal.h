@@ -576,8 +576,8 @@ typedef struct {
                           0 (default) */
     rigcal_real sigma_px; /* noise of one coordinate of a pixel (times sigma_i
                              where those are given), when known: then the fit is
-                             judged by it. 0 (default): estimated from the
-                             residuals, at least 0.01 px */
+                             judged by it; 1e-6 .. 1e6. 0 (default):
+                             estimated from the residuals, at least 0.01 px */
     rigcal_transform start;
 } rigcal_pose_options;
 
@@ -614,11 +614,11 @@ typedef struct {
 RIGCAL_API rigcal_status rigcal_pose_defaults(rigcal_pose_options *options);
 
 /* Begins a search. `camera`, `observations` and `sigma` are read until it is done,
- * so they must stay. On failure *solver is not begun. Time O(n).
+ * so they must stay. Time O(n).
  *
  *   bad      out  on failure the observation at fault, or -1; NULL: no
  *   sigma    in   n standard deviations of the observations relative to each
- *                 other, > 0; NULL: all equal
+ *                 other, 1e-6 .. 1e6; NULL: all equal
  *   options  in   NULL: all defaults
  *
  * OK, ERR_NULL, ERR_NOT_FINITE, ERR_CAMERA, ERR_RANGE, ERR_ROTATION (of start),

@@ -24,6 +24,14 @@ enum { DESCENT_EVALS = 10, DESCENT_EVALS_THOROUGH = 20, REFINE_EVALS = 60 };
 #define SAME_BASIN_MIRRORED RC(0.05)
 #define SAME_POSE RC(1e-3)
 
+/* Rounding of the coordinates, as a part of the target's size, above which its
+ * shape is lost. */
+#define SHAPE_ROUNDING RC(1e-4)
+
+/* Noise, stated in pixels or relative, outside which it is a mistake. */
+#define SIGMA_MIN RC(1e-6)
+#define SIGMA_MAX RC(1e6)
+
 /* Least noise assumed where none is stated [px]. */
 #define NOISE_LEAST RC(0.01)
 
@@ -57,7 +65,7 @@ static rigcal_status check_data(int32_t *at, const rigcal_observation o[],
         }
         if (!rc_all_within(o[i].X_w, 3, RC_COORDINATE_MAX) ||
             !rc_all_within(o[i].uv, 2, RC(1e9)) ||
-            (sigma != NULL && !(sigma[i] >= RC(1e-6) && sigma[i] <= RC(1e6)))) {
+            (sigma != NULL && !(sigma[i] >= SIGMA_MIN && sigma[i] <= SIGMA_MAX))) {
             return RIGCAL_ERR_RANGE;
         }
     }
@@ -92,18 +100,18 @@ static void find_middle(rigcal_real origin[3], rigcal_real uv_middle[2],
 static rigcal_status check_shape(rigcal_real *scale, const rigcal_pose_solver *s)
 {
     rigcal_real size = 0, largest = 0;
-    for (size_t i = 0; i < s->n; i++) {
+    for (size_t i = 0; i < s->n; i++) { /* differences of two points are exact */
         rigcal_real x[3];
-        rc_vec3_sub(x, s->observations[i].X_w, s->origin);
+        rc_vec3_sub(x, s->observations[i].X_w, s->observations[0].X_w);
         size = rc_max(size, rc_vec3_norm(x));
         largest = rc_max(largest, rc_vec3_max_abs(s->observations[i].X_w));
     }
-    if (!(size > 8 * RC_EPS * largest)) {
+    if (!(size > 1 / RC_COORDINATE_MAX)) {
         return RIGCAL_ERR_COINCIDENT;
     }
     *scale = 1 / size;
-    return (largest * RC_EPS <= RC(1e-4) * size) ? RIGCAL_OK
-                                                 : RIGCAL_ERR_PRECISION;
+    return (largest * RC_EPS <= SHAPE_ROUNDING * size) ? RIGCAL_OK
+                                                       : RIGCAL_ERR_PRECISION;
 }
 
 /* Rotation whose third row is the unit vector `axis` (cf. EQUATIONS.md A). */
@@ -120,6 +128,25 @@ static void look_along(rigcal_real R[9], const rigcal_real axis[3])
     for (int k = 0; k < 3; k++) {
         R[6 + k] = axis[k];
     }
+}
+
+/* The middle of the rays, where the middle pixel has none: or the pixel that has
+ * none itself, and pulled the middle away. */
+static rigcal_status middle_ray(rigcal_real middle[3], int32_t *at,
+                                const rigcal_pose_solver *s)
+{
+    rigcal_real sum[3] = {0, 0, 0};
+    for (size_t i = 0; i < s->n; i++) {
+        rigcal_real ray[3];
+        const rigcal_status status =
+            rc_pixel_to_ray(ray, s->camera, s->observations[i].uv);
+        if (status != RIGCAL_OK) {
+            *at = (int32_t)i;
+            return status;
+        }
+        rc_vec3_add_scaled(sum, 1, ray);
+    }
+    return rc_vec3_unit(middle, sum) ? RIGCAL_OK : RIGCAL_ERR_WIDE_RAY;
 }
 
 /* The moments, with points scaled to size 1 and rays turned to the middle. */
@@ -508,6 +535,13 @@ rigcal_status rigcal_pose_defaults(rigcal_pose_options *options)
     return RIGCAL_OK;
 }
 
+/* 0 for unknown, or a number whose square is one. */
+static int is_noise(rigcal_real sigma_px)
+{
+    return rc_all_within(&sigma_px, 1, 0) ||
+           (sigma_px >= SIGMA_MIN && sigma_px <= SIGMA_MAX);
+}
+
 static rigcal_status check_options(const rigcal_pose_options *o)
 {
     if (!rc_is_finite(o->sigma_px)) {
@@ -515,7 +549,7 @@ static rigcal_status check_options(const rigcal_pose_options *o)
     }
     if ((o->thorough != 0 && o->thorough != 1) ||
         (o->use_start != 0 && o->use_start != 1) ||
-        !(o->sigma_px >= 0 && o->sigma_px <= RC(1e6))) {
+        !is_noise(o->sigma_px)) {
         return RIGCAL_ERR_RANGE;
     }
     return o->use_start ? rc_check_transform(&o->start) : RIGCAL_OK;
@@ -530,8 +564,9 @@ static rigcal_status prepare(rigcal_pose_solver *s, int32_t *at)
     if (status != RIGCAL_OK) {
         return status;
     }
-    s->scale = rc_max(s->scale, 1 / RC_COORDINATE_MAX);
-    status = rc_pixel_to_ray(middle, s->camera, uv_middle);
+    if (rc_pixel_to_ray(middle, s->camera, uv_middle) != RIGCAL_OK) {
+        status = middle_ray(middle, at, s);
+    }
     if (status != RIGCAL_OK) {
         return status;
     }
@@ -552,15 +587,16 @@ static rigcal_status prepare(rigcal_pose_solver *s, int32_t *at)
     return RIGCAL_OK;
 }
 
-rigcal_status rigcal_pose_begin(rigcal_pose_solver *solver, int32_t *bad,
-                                const rigcal_camera *camera,
-                                const rigcal_observation observations[],
-                                const rigcal_real sigma[], size_t n,
-                                const rigcal_pose_options *options)
+/* rigcal_pose_begin, but that a failure may leave *solver written. */
+static rigcal_status begin(rigcal_pose_solver *solver, int32_t *bad,
+                           const rigcal_camera *camera,
+                           const rigcal_observation observations[],
+                           const rigcal_real sigma[], size_t n,
+                           const rigcal_pose_options *options)
 {
     int32_t at = -1;
     rigcal_status status = RIGCAL_ERR_NULL;
-    if (solver != NULL && observations != NULL) {
+    if (observations != NULL) {
         status = rc_check_camera(camera);
     }
     if (status == RIGCAL_OK && options != NULL) {
@@ -599,6 +635,24 @@ rigcal_status rigcal_pose_begin(rigcal_pose_solver *solver, int32_t *bad,
         begin_search(solver);
     }
     return RIGCAL_OK;
+}
+
+rigcal_status rigcal_pose_begin(rigcal_pose_solver *solver, int32_t *bad,
+                                const rigcal_camera *camera,
+                                const rigcal_observation observations[],
+                                const rigcal_real sigma[], size_t n,
+                                const rigcal_pose_options *options)
+{
+    rigcal_pose_solver begun;
+    if (solver == NULL) {
+        return RIGCAL_ERR_NULL;
+    }
+    const rigcal_status status =
+        begin(&begun, bad, camera, observations, sigma, n, options);
+    if (status == RIGCAL_OK) {
+        *solver = begun;
+    }
+    return status;
 }
 
 rigcal_status rigcal_pose_step(rigcal_pose_solver *solver, int32_t budget)
@@ -706,8 +760,8 @@ rigcal_status rigcal_solve_pose(rigcal_pose poses[], size_t *n_found,
     if (capacity < 1) {
         return RIGCAL_ERR_RANGE;
     }
-    const rigcal_status status = rigcal_pose_begin(
-        &solver, bad, camera, observations, sigma, n, options);
+    const rigcal_status status =
+        begin(&solver, bad, camera, observations, sigma, n, options);
     if (status != RIGCAL_OK) {
         return status;
     }
@@ -797,8 +851,7 @@ rigcal_status rigcal_pose_covariance(
     if (status == RIGCAL_OK && !rc_is_finite(sigma_px)) {
         status = RIGCAL_ERR_NOT_FINITE;
     }
-    if (status == RIGCAL_OK && (!(sigma_px >= 0 && sigma_px <= RC(1e6)) ||
-                                n > RC_COUNT_MAX)) {
+    if (status == RIGCAL_OK && (!is_noise(sigma_px) || n > RC_COUNT_MAX)) {
         status = RIGCAL_ERR_RANGE;
     }
     if (status == RIGCAL_OK && (n < 3 || (n == 3 && !(sigma_px > 0)))) {

@@ -17,7 +17,7 @@
 #define GAIN_ROUNDING RC_TOL(1e-7, 1e-4)
 
 /* GAIN_LEAST in px^2, for images without noise. */
-#define GAIN_NOTHING RC_TOL(1e-20, 1e-9)
+#define GAIN_NOTHING RC_TOL(1e-20, 1e-7)
 
 /* Pivots are compared with this part of their diagonal. */
 #define RANK_TOL (8 * RC_EPS)

@@ -1168,7 +1168,7 @@ static void test_the_observation_at_fault_is_told(void)
     sigma[5] = 1;
     p.camera = golden_camera(1); /* a barrel images nothing so far out */
     observe(&p);
-    p.o[2].uv[0] = 2500;
+    p.o[2].uv[0] = 20000;
     bad = -2;
     ASSERT_STATUS(RIGCAL_ERR_NO_RAY,
                   rigcal_pose_begin(&solver, &bad, &p.camera, p.o, NULL, 6,

@@ -1,7 +1,8 @@
 /* bench_pose: the figures of DESIGN.md about rigcal_solve_pose, as Markdown.
  *
- *   bench_pose minima [SCENES] [SIGMA_PX] [--thorough]
- *       whether the best minimum is found, and how good it is
+ *   bench_pose minima [SCENES] [SIGMA_PX] [--thorough] [--known]
+ *       whether the best minimum is found, and how good it is; --known: the noise
+ *       is told to the solver
  *   bench_pose coverage [SCENES]
  *       whether the covariance tells the truth
  *   bench_pose solve FAMILY N COUNT [warm]
@@ -472,9 +473,10 @@ static int minima_row(const family *f, int n, int scenes, double sigma,
     return cell.stopped;
 }
 
-static void minima_head(int scenes, double sigma, int thorough)
+static void minima_head(int scenes, double sigma,
+                        const rigcal_pose_options *options)
 {
-    printf("%d scenes a line, %g px noise, f = 800 px, 3 to 10 sizes away%s.\n"
+    printf("%d scenes a line, %g px noise, f = 800 px, 3 to 10 sizes away%s%s.\n"
            "Minima are those that a fit of the test's own finds from the truth, "
            "from the truth mirrored\nin the line of sight, and from the poses "
            "returned. Not best: the first pose's sum is more than\n%g above the "
@@ -485,7 +487,8 @@ static void minima_head(int scenes, double sigma, int thorough)
            "Error: rms\nover the right ones of the six parameters' errors, each "
            "over its Cramer-Rao bound (derivatives\nby the test's own "
            "differences at the truth, true sigma).\n\n",
-           scenes, sigma, thorough ? ", thorough" : "", SUM_TOL);
+           scenes, sigma, options->thorough ? ", thorough" : "",
+           options->sigma_px > 0 ? ", sigma_px told" : "", SUM_TOL);
     printf("| target | points | not best | not returned | not converged "
            "| second | not returned | right | wrong, yet OK | error / bound "
            "| evaluations | most | not OK |\n");
@@ -493,20 +496,18 @@ static void minima_head(int scenes, double sigma, int thorough)
            "| ---: | ---: | ---: | --- |\n");
 }
 
-static void bench_minima(int scenes, double sigma, int thorough)
+static void bench_minima(int scenes, double sigma,
+                         const rigcal_pose_options *options)
 {
     static const int counts[] = {4, 5, 6, 8, 20, 50};
-    rigcal_pose_options options;
     int stopped = 0;
 
-    (void)rigcal_pose_defaults(&options);
-    options.thorough = thorough;
-    minima_head(scenes, sigma, thorough);
+    minima_head(scenes, sigma, options);
     for (int f = 0; f < FAMILIES; f++) {
         for (size_t i = 0; i < sizeof counts / sizeof counts[0]; i++) {
             if (!families[f].is_tag || counts[i] == 4) {
                 stopped += minima_row(&families[f], counts[i], scenes, sigma,
-                                      &options);
+                                      options);
             }
         }
     }
@@ -635,8 +636,8 @@ static void bench_solve(const family *f, int n, int count, int warm)
 
 static void usage(void)
 {
-    fail("usage: bench_pose minima [SCENES] [SIGMA_PX] [--thorough] | "
-         "coverage [SCENES] | solve FAMILY N COUNT [warm]");
+    fail("usage: bench_pose minima [SCENES] [SIGMA_PX] [--thorough] "
+         "[--known] | coverage [SCENES] | solve FAMILY N COUNT [warm]");
 }
 
 static int whole_number(const char *text, int least, int most)
@@ -684,16 +685,27 @@ static void print_build(void)
 
 static void run_minima(int argc, char **argv)
 {
-    const int thorough =
-        argc > 2 && strcmp(argv[argc - 1], "--thorough") == 0;
-    const int given = argc - thorough;
+    rigcal_pose_options options;
+    double sigma = SIGMA_PX;
+    int scenes = SCENES, known = 0, given = 0;
 
-    if (given > 4) {
-        usage();
+    (void)rigcal_pose_defaults(&options);
+    for (int i = 2; i < argc; i++) {
+        if (strcmp(argv[i], "--thorough") == 0) {
+            options.thorough = 1;
+        } else if (strcmp(argv[i], "--known") == 0) {
+            known = 1;
+        } else if (++given == 1) {
+            scenes = whole_number(argv[i], 1, SCENES_MAX);
+        } else if (given == 2) {
+            sigma = sigma_of(argv[i]);
+        } else {
+            usage();
+        }
     }
+    options.sigma_px = RC(known ? sigma : 0);
     print_build();
-    bench_minima(given > 2 ? whole_number(argv[2], 1, SCENES_MAX) : SCENES,
-                 given > 3 ? sigma_of(argv[3]) : SIGMA_PX, thorough);
+    bench_minima(scenes, sigma, &options);
 }
 
 static void run_solve(int argc, char **argv)

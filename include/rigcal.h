@@ -577,7 +577,7 @@ typedef struct {
     rigcal_real sigma_px; /* noise of one coordinate of a pixel (times sigma_i
                              where those are given), when known: then the fit is
                              judged by it; 1e-6 .. 1e6. 0 (default):
-                             estimated from the residuals, at least 0.01 px */
+                             unknown, at least 0.01 px, and integrated over */
     rigcal_transform start;
 } rigcal_pose_options;
 
@@ -631,7 +631,7 @@ RIGCAL_API rigcal_status rigcal_pose_begin(
 
 /* Spends at most `budget` >= 1 evaluations: of the cost of a direction, in constant
  * time, or of the equations of a refinement, O(n). At most 3000 in all, usually
- * about 90. RUNNING: call again; the same bits come out whatever the budgets. OK:
+ * about 60. RUNNING: call again; the same bits come out whatever the budgets. OK:
  * ask for the result. ERR_NULL, ERR_RANGE, ERR_STATE. */
 RIGCAL_API rigcal_status rigcal_pose_step(rigcal_pose_solver *solver,
                                           int32_t budget);
@@ -645,7 +645,8 @@ RIGCAL_API rigcal_status rigcal_pose_step(rigcal_pose_solver *solver,
  * RIGCAL_POOR_FIT: sigma_px was given, and an error so large has a chance below
  *     one in a million: wrong correspondences, target or intrinsics.
  * ERR_NULL, ERR_RANGE, ERR_STATE, ERR_NO_POSE, ERR_DEGENERATE (the observations do
- * not fix the pose, e.g. a target seen edge-on). */
+ * not fix the pose). A target seen exactly edge-on has a flipped twin that fits
+ * alike: AMBIGUOUS. */
 RIGCAL_API rigcal_status rigcal_pose_result(rigcal_pose poses[], size_t *n_found,
                                             size_t capacity,
                                             const rigcal_pose_solver *solver);

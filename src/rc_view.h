@@ -18,8 +18,10 @@ void rc_view_add(rigcal_view_moments *view, rigcal_real weight,
 int rc_view_finish(rigcal_view_moments *view);
 
 /* Object-space cost of the direction m3 (unit length: the optical axis, seen from
- * the target), least over yaw and translation with the points' mean in front.
- * RC_MAX where it cannot be in front. */
+ * the target), least over translation, with the points' mean in front, and over
+ * yaw: of its two minima the one that is the pose's near an optimum; far from any, in
+ * some three directions of a hundred, it may be the other. RC_MAX where the mean
+ * cannot be in front. */
 rigcal_real rc_view_cost(const rigcal_view_moments *view,
                          const rigcal_real m3[3]);
 

@@ -22,7 +22,10 @@ enum { DESCENT_EVALS = 10, DESCENT_EVALS_THOROUGH = 20, REFINE_EVALS = 60 };
  * the last are one. */
 #define SAME_BASIN RC(0.25)
 #define SAME_BASIN_MIRRORED RC(0.05)
-#define SAME_POSE RC(1e-3)
+#define SAME_POSE RC(2e-3)
+
+/* A refinement that did not end counts unless its sum is so many times the best. */
+#define STRAY RC(10)
 
 /* Rounding of the coordinates, as a part of the target's size, above which its
  * shape is lost. */
@@ -426,7 +429,10 @@ static void fit_of(rc_fit *fit, const rigcal_pose_solver *s)
 /* A refinement has ended, where it may. */
 static void end_refinement(rigcal_pose_solver *s)
 {
-    if (s->fit.status >= 0) {
+    /* One that ran out of evaluations is near an optimum in a valley, or nowhere. */
+    if (s->fit.status == RIGCAL_OK ||
+        (s->fit.status == RIGCAL_BUDGET_SPENT &&
+         (s->n_found == 0 || s->fit.sse < STRAY * s->found[0].sse))) {
         insert_found(s);
     } else if (s->fit.status == RIGCAL_ERR_DEGENERATE) {
         s->failure = RIGCAL_ERR_DEGENERATE;
@@ -679,17 +685,40 @@ rigcal_status rigcal_pose_step(rigcal_pose_solver *solver, int32_t budget)
     return (solver->phase == DONE) ? RIGCAL_OK : RIGCAL_RUNNING;
 }
 
-/* (C): of poses with equal isotropic noise, exp(-sse / 2 noise^2) each. */
+static rigcal_real power(rigcal_real base, size_t exponent)
+{
+    rigcal_real result = 1;
+    for (; exponent > 0; exponent /= 2) {
+        result *= (exponent % 2 == 1) ? base : 1;
+        base *= base;
+    }
+    return result;
+}
+
+/* (C): likelihood of pose i over that of the first. Noise known: exp(-sse / 2
+ * noise^2). Unknown, it is integrated out with the prior 1 / noise, which leaves
+ * sse^-(n - 3); the floor is what the least noise makes of the sum. */
+static rigcal_real likelihood(const rigcal_pose_solver *s, int32_t i)
+{
+    const rigcal_real first = s->found[0].sse, other = s->found[i].sse;
+    const rigcal_real stated = s->options.sigma_px;
+    if (stated > 0) {
+        return RC_EXP((first - other) / (2 * stated * stated));
+    }
+    const rigcal_real floor_sum =
+        (rigcal_real)(2 * s->n - 6) * NOISE_LEAST * NOISE_LEAST;
+    return power((first + floor_sum) / (other + floor_sum), s->n - 3);
+}
+
 static void set_probabilities(rigcal_pose poses[], size_t n_written,
-                              const rigcal_pose_solver *s, rigcal_real noise2)
+                              const rigcal_pose_solver *s)
 {
     rigcal_real total = 0;
     for (int32_t i = 0; i < s->n_found; i++) {
-        total += RC_EXP((s->found[0].sse - s->found[i].sse) / (2 * noise2));
+        total += likelihood(s, i);
     }
     for (size_t i = 0; i < n_written; i++) {
-        poses[i].probability =
-            RC_EXP((s->found[0].sse - s->found[i].sse) / (2 * noise2)) / total;
+        poses[i].probability = likelihood(s, (int32_t)i) / total;
     }
 }
 
@@ -738,7 +767,7 @@ rigcal_status rigcal_pose_result(rigcal_pose poses[], size_t *n_found,
     for (size_t i = 0; i < n; i++) {
         write_pose(&poses[i], s, (int32_t)i);
     }
-    set_probabilities(poses, n, s, noise2);
+    set_probabilities(poses, n, s);
     *n_found = n;
     if (s->options.sigma_px > 0 && is_poor(s, noise2)) {
         return RIGCAL_POOR_FIT;
@@ -834,6 +863,22 @@ static void fill_uncertainty(rigcal_pose_uncertainty *out,
     out->sigma_px = RC_SQRT(noise2);
 }
 
+/* Rounding may hide from the normal equations that a line fixes no turn about
+ * itself; the points do not. */
+static int is_line(const rigcal_observation o[], const rigcal_real origin[3],
+                   size_t n)
+{
+    static const rigcal_real NO_IMAGE[2] = {0, 0};
+    rigcal_view_moments moments;
+    rigcal_real normal[3], thickness, x[3];
+    rc_view_begin(&moments);
+    for (size_t i = 0; i < n; i++) {
+        rc_vec3_sub(x, o[i].X_w, origin);
+        rc_view_add(&moments, 1, x, NO_IMAGE);
+    }
+    return !rc_view_normal(normal, &thickness, &moments);
+}
+
 rigcal_status rigcal_pose_covariance(
     rigcal_pose_uncertainty *out, const rigcal_camera *camera,
     const rigcal_transform *cam_from_world,
@@ -868,6 +913,9 @@ rigcal_status rigcal_pose_covariance(
     rigcal_transform cam_from_points = *cam_from_world;
     rc_fit fit;
     find_middle(origin, uv_middle, observations, sigma, n);
+    if (is_line(observations, origin, n)) {
+        return RIGCAL_ERR_DEGENERATE;
+    }
     fit.camera = camera;
     fit.observations = observations;
     fit.sigma = sigma;

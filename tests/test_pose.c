@@ -143,6 +143,15 @@ static void assert_right(const problem *p, double scale)
     ASSERT_NEAR(0, length, scale * RIGHT_LENGTH);
 }
 
+/* EQUATIONS.md C: noise stated, or integrated out with at least 0.01 px of it. */
+static double likelihood(int n, double sigma, double sse0, double sse)
+{
+    const double least = (2 * n - 6) * 1e-4;
+
+    return sigma > 0 ? exp((sse0 - sse) / (2 * sigma * sigma))
+                     : pow((sse0 + least) / (sse + least), n - 3);
+}
+
 /* What holds of all that is returned: rotations, every point in front, errors as
  * told, best first, probabilities that follow from them. */
 static void assert_honest(const problem *p, const rigcal_pose_options *options)
@@ -151,12 +160,9 @@ static void assert_honest(const problem *p, const rigcal_pose_options *options)
     const test_data data = data_of(p);
     const test_data plain = {&p->camera, p->o, NULL, p->scene.n};
     const double sse0 = D(p->poses[0].sse);
-    double noise2 = sse0 / (2 * p->scene.n - 6), total = 0, sum = 0;
+    const double sigma = options ? D(options->sigma_px) : 0;
+    double total = 0, sum = 0;
 
-    noise2 = noise2 > 1e-4 ? noise2 : 1e-4;
-    if (options && options->sigma_px > 0) {
-        noise2 = D(options->sigma_px) * D(options->sigma_px);
-    }
     TEST_ASSERT_TRUE(p->n_found >= 1 && p->n_found <= RIGCAL_POSES_MAX);
     for (size_t f = 0; f < p->n_found; f++) {
         const rigcal_pose *pose = &p->poses[f];
@@ -183,12 +189,13 @@ static void assert_honest(const problem *p, const rigcal_pose_options *options)
         rms = sqrt(test_sse(&plain, R, t) / p->scene.n);
         ASSERT_NEAR(rms, pose->rms_px, TOL(5e-8, 5e-3) * rms + TOL(1e-8, 3e-3));
         TEST_ASSERT_TRUE(f == 0 || pose->sse >= p->poses[f - 1].sse);
-        total += exp((sse0 - D(pose->sse)) / (2 * noise2));
+        total += likelihood(p->scene.n, sigma, sse0, D(pose->sse));
         sum += D(pose->probability);
     }
     ASSERT_NEAR(1, sum, TOL(1e-12, 1e-5));
     for (size_t f = 0; f < p->n_found; f++) {
-        ASSERT_NEAR(exp((sse0 - D(p->poses[f].sse)) / (2 * noise2)) / total,
+        ASSERT_NEAR(likelihood(p->scene.n, sigma, sse0, D(p->poses[f].sse)) /
+                        total,
                     p->poses[f].probability, TOL(1e-9, 2e-4));
     }
     if (p->status == RIGCAL_OK) {
@@ -240,7 +247,8 @@ static void test_exact_scenes_give_their_pose(void)
         ambiguous += p.status == RIGCAL_AMBIGUOUS;
     }
     TEST_ASSERT_EQUAL_INT(0, wrong);
-    TEST_ASSERT_LESS_OR_EQUAL_INT(3, ambiguous);
+    /* where the twin fits to hundredths of a pixel too */
+    TEST_ASSERT_LESS_OR_EQUAL_INT(10, ambiguous);
 }
 
 /* A unit square or a grid exactly facing the camera: the tilt is at the point where

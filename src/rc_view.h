@@ -14,6 +14,11 @@ void rc_view_begin(rigcal_view_moments *view);
 void rc_view_add(rigcal_view_moments *view, rigcal_real weight,
                  const rigcal_real x[3], const rigcal_real u[2]);
 
+/* Rows m1, m2 that complete the unit vector m3 to a rotation. Any will do: what they
+ * turn by about m3 is taken up by yaw. */
+void rc_view_complete(rigcal_real m1[3], rigcal_real m2[3],
+                      const rigcal_real m3[3]);
+
 /* After the last point. 0 when the image has no extent. */
 int rc_view_finish(rigcal_view_moments *view);
 

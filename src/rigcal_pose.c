@@ -117,17 +117,10 @@ static rigcal_status check_shape(rigcal_real *scale, const rigcal_pose_solver *s
                                                        : RIGCAL_ERR_PRECISION;
 }
 
-/* Rotation whose third row is the unit vector `axis` (cf. EQUATIONS.md A). */
+/* Rotation whose third row is the unit vector `axis`. */
 static void look_along(rigcal_real R[9], const rigcal_real axis[3])
 {
-    const rigcal_real sign = (axis[2] < 0) ? RC(-1) : RC(1);
-    const rigcal_real a = -1 / (sign + axis[2]), b = axis[0] * axis[1] * a;
-    R[0] = 1 + sign * axis[0] * axis[0] * a;
-    R[1] = sign * b;
-    R[2] = -sign * axis[0];
-    R[3] = b;
-    R[4] = sign + axis[1] * axis[1] * a;
-    R[5] = -axis[1];
+    rc_view_complete(&R[0], &R[3], axis);
     for (int k = 0; k < 3; k++) {
         R[6 + k] = axis[k];
     }

@@ -99,10 +99,9 @@ int rc_view_normal(rigcal_real normal[3], rigcal_real *thickness,
 
 /* ---- the cost of a direction --------------------------------------------- */
 
-/* Rows m1, m2 that complete m3 to a rotation (Duff et al. 2017). Any pair will do:
- * what it turns by about m3 is taken up by yaw. */
-static void complete_rotation(rigcal_real m1[3], rigcal_real m2[3],
-                              const rigcal_real m3[3])
+/* Duff et al. (2017). */
+void rc_view_complete(rigcal_real m1[3], rigcal_real m2[3],
+                      const rigcal_real m3[3])
 {
     const rigcal_real sign = (m3[2] < 0) ? RC(-1) : RC(1);
     const rigcal_real a = -1 / (sign + m3[2]);
@@ -128,7 +127,7 @@ static void harmonics_of(harmonics *f, const rigcal_view_moments *view,
     const rigcal_real n = view->weight;
     rigcal_real Qm[3], yr[3], yi[3];
 
-    complete_rotation(f->m1, f->m2, m3);
+    rc_view_complete(f->m1, f->m2, m3);
     f->B = rc_vec3_dot(view->h, m3);
     /* g = n conj(V_mean),  U = g.(m1 + i m2) */
     const rigcal_real *const vr = view->V_mean[0], *const vi = view->V_mean[1];

@@ -23,19 +23,6 @@ void tearDown(void)
 
 /* ---- what several tests need --------------------------------------------- */
 
-static rigcal_camera golden_camera(int k)
-{
-    const double *v = CAMERA[k];
-    rigcal_camera camera = {0};
-
-    camera.lens = (int32_t)v[0];
-    camera.width = (int32_t)v[1];
-    camera.height = (int32_t)v[2];
-    test_to_real(&camera.fx, v + 3, 4);
-    test_to_real(&camera.k1, v + 7, 8);
-    return camera;
-}
-
 static rigcal_transform from_ypr(const double ypr[3], const double t[3])
 {
     double R[9];
@@ -350,7 +337,7 @@ static void exact_views(views *v, test_rng *rng, int n)
                                test_uniform(rng, -0.2, 0.2)};
         double R[9], t[3], X_c[3], uv[2];
 
-        v->cameras[i] = golden_camera((int)(test_next(rng) % CAMERA_ROWS));
+        v->cameras[i] = test_camera(CAMERA[(int)(test_next(rng) % CAMERA_ROWS)]);
         test_rotation(R, ypr[0], ypr[1], ypr[2]);
         test_apply(X_c, R, v->X, NULL);
         t[0] = test_uniform(rng, -0.8, 0.8) - X_c[0];
@@ -391,7 +378,7 @@ static void golden_views(views *v, const double *row)
     for (int i = 0; i < (int)row[0]; i++) {
         const double *view = row + 1 + 9 * i;
 
-        v->cameras[i] = golden_camera((int)view[0]);
+        v->cameras[i] = test_camera(CAMERA[(int)view[0]]);
         v->poses[i] = from_ypr(view + 1, view + 4);
         test_to_real(v->uv + 2 * i, view + 7, 2);
     }
@@ -484,7 +471,7 @@ static void test_a_point_beside_a_fisheye_is_measured(void)
     for (int i = 0; i < 2; i++) {
         const double t[3] = {0, i ? -1.5 : 0, i ? 0.2 : 0};
 
-        v.cameras[i] = golden_camera(4);
+        v.cameras[i] = test_camera(CAMERA[4]);
         v.poses[i] = test_transform(NULL, t);
         apply(X_c, &v.poses[i], X);
         TEST_ASSERT_TRUE(X_c[2] < 0);
@@ -832,7 +819,7 @@ static void test_true_matches_lie_on_their_line_in_any_lens(void)
 
     for (int trial = 0; trial < 200; trial++) {
         const rigcal_transform b_from_a = beside(&rng);
-        rigcal_camera camera = golden_camera(trial % CAMERA_ROWS);
+        rigcal_camera camera = test_camera(CAMERA[trial % CAMERA_ROWS]);
         double X_a[3], X_b[3], straight[2], distorted[2], along, off;
         rigcal_real ray[3], line[3], uv[2], distance;
 
@@ -882,7 +869,7 @@ static void test_the_distance_from_a_line_is_in_pixels_with_its_sign(void)
 
 static void test_arguments_of_the_distance_are_checked(void)
 {
-    const rigcal_camera camera = test_pinhole(), fisheye = golden_camera(4);
+    const rigcal_camera camera = test_pinhole(), fisheye = test_camera(CAMERA[4]);
     const rigcal_real line[3] = {RC(0.6), RC(-0.8), RC(-20)};
     const rigcal_real uv[2] = {100, 50}, beyond[2] = {5000, 50};
     const double beside_it[3] = {1, 0.1, -0.1};
@@ -1078,7 +1065,7 @@ static void test_the_segment_ends_where_the_nearest_and_farthest_would_be(void)
 
     for (int trial = 0; trial < 100; trial++) {
         const rigcal_transform b_from_a = beside(&rng);
-        const rigcal_camera camera = golden_camera(trial % CAMERA_ROWS);
+        const rigcal_camera camera = test_camera(CAMERA[trial % CAMERA_ROWS]);
         double X_a[3], X_b[3], expected[4];
         rigcal_real ray[3], ends[4], line[3];
 
@@ -1153,7 +1140,7 @@ static void test_the_curve_runs_through_the_true_match_in_any_lens(void)
 
     for (int trial = 0; trial < 100; trial++) {
         const rigcal_transform b_from_a = beside(&rng);
-        const rigcal_camera camera = golden_camera(trial % CAMERA_ROWS);
+        const rigcal_camera camera = test_camera(CAMERA[trial % CAMERA_ROWS]);
         double X_a[3], X_b[3], expected[2];
         rigcal_real ray[3], uv[2 * COUNT + 1];
         rigcal_real *guard = &uv[2 * COUNT];

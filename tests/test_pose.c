@@ -27,19 +27,6 @@ void tearDown(void)
 
 /* ---- what several tests need --------------------------------------------- */
 
-static rigcal_camera golden_camera(int k)
-{
-    const double *v = CAMERA[k];
-    rigcal_camera camera = {0};
-
-    camera.lens = (int32_t)v[0];
-    camera.width = (int32_t)v[1];
-    camera.height = (int32_t)v[2];
-    test_to_real(&camera.fx, v + 3, 4);
-    test_to_real(&camera.k1, v + 7, 8);
-    return camera;
-}
-
 /* A scene, its observations, and what the solver made of them. */
 typedef struct {
     test_scene scene;
@@ -289,7 +276,7 @@ static void test_any_lens_is_solved_end_to_end(void)
     for (int trial = 0; trial < 250; trial++) {
         problem p;
 
-        p.camera = golden_camera(trial % CAMERA_ROWS);
+        p.camera = test_camera(CAMERA[trial % CAMERA_ROWS]);
         test_scene_random(&p.scene, &rng, 6 + trial % 5, TEST_GENERAL);
         observe(&p);
         TEST_ASSERT_TRUE_MESSAGE(solve(&p, NULL) >= 0, "refused");
@@ -310,7 +297,7 @@ static void test_a_fisheye_sees_the_target_beyond_90_degrees(void)
         double turn[9], R[9], t[3];
         problem p;
 
-        p.camera = golden_camera(4);
+        p.camera = test_camera(CAMERA[4]);
         test_scene_random(&p.scene, &rng, 6 + trial % 5, TEST_GENERAL);
         test_rotation_about(turn, axis, off);
         test_product(R, turn, p.scene.R);
@@ -899,7 +886,7 @@ static void test_covariances_of_any_lens_are_those_of_the_vectors(void)
 {
     for (int i = 0; i < REFINE_LENS_ROWS; i++) {
         const double *v = REFINE_LENS[i], *minimum = v + 2 + 6 * 8 + 6;
-        const rigcal_camera camera = golden_camera((int)v[0]);
+        const rigcal_camera camera = test_camera(CAMERA[(int)v[0]]);
         const rigcal_transform pose = test_transform(minimum, minimum + 9);
         const size_t n = (size_t)v[1];
         rigcal_pose_uncertainty u;
@@ -1174,7 +1161,7 @@ static void test_the_observation_at_fault_is_told(void)
                                     NULL));
     TEST_ASSERT_EQUAL_INT(5, bad);
     sigma[5] = 1;
-    p.camera = golden_camera(1); /* a barrel images nothing so far out */
+    p.camera = test_camera(CAMERA[1]); /* a barrel images nothing so far out */
     observe(&p);
     p.o[2].uv[0] = 20000;
     bad = -2;

@@ -21,19 +21,6 @@ void tearDown(void)
 
 /* ---- what several tests need --------------------------------------------- */
 
-static rigcal_camera golden_camera(int k)
-{
-    const double *v = CAMERA[k];
-    rigcal_camera camera = {0};
-
-    camera.lens = (int32_t)v[0];
-    camera.width = (int32_t)v[1];
-    camera.height = (int32_t)v[2];
-    test_to_real(&camera.fx, v + 3, 4);
-    test_to_real(&camera.k1, v + 7, 8);
-    return camera;
-}
-
 /* Normalised coordinates for pixels. */
 static rigcal_camera unit_camera(void)
 {
@@ -87,7 +74,7 @@ static void of_lens(problem *p, const double *v)
     const int n = (int)v[1];
     double middle[3] = {0, 0, 0};
 
-    p->camera = golden_camera((int)v[0]);
+    p->camera = test_camera(CAMERA[(int)v[0]]);
     for (int i = 0; i < n; i++) {
         const double *point = v + 2 + 6 * i;
 

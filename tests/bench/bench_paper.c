@@ -11,6 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "bench_tally.h"
 #include "cli_input.h"
 #include "test_support.h"
 
@@ -23,36 +24,6 @@ void setUp(void)
 
 void tearDown(void)
 {
-}
-
-/* ---- statuses ------------------------------------------------------------ */
-
-enum { STATUS_LEAST = -40, STATUS_MOST = 10 };
-
-typedef struct {
-    int count[STATUS_MOST - STATUS_LEAST + 1];
-} tally;
-
-static void tally_add(tally *t, rigcal_status status)
-{
-    t->count[status - STATUS_LEAST]++;
-}
-
-/* All that was not OK, caveats too. */
-static void tally_print(const tally *t)
-{
-    const char *between = "";
-
-    for (rigcal_status s = STATUS_LEAST; s <= STATUS_MOST; s++) {
-        const int count = t->count[s - STATUS_LEAST];
-
-        if (count > 0 && s != RIGCAL_OK) {
-            printf("%s%s %d", between,
-                   rigcal_status_name(s) + strlen("RIGCAL_"), count);
-            between = ", ";
-        }
-    }
-    printf("%s", *between == '\0' ? "none" : "");
 }
 
 /* ---- grid: the search without a guess ------------------------------------ */

@@ -391,6 +391,18 @@ void test_observations(rigcal_observation out[], const test_scene *scene,
     }
 }
 
+rigcal_camera test_camera(const double v[15])
+{
+    rigcal_camera camera = {0};
+
+    camera.lens = (int32_t)v[0];
+    camera.width = (int32_t)v[1];
+    camera.height = (int32_t)v[2];
+    test_to_real(&camera.fx, v + 3, 4);
+    test_to_real(&camera.k1, v + 7, 8);
+    return camera;
+}
+
 rigcal_camera test_pinhole(void)
 {
     const rigcal_camera camera = {

@@ -151,6 +151,10 @@ void test_sightings(rigcal_sighting out[], const test_scene *scene);
 void test_observations(rigcal_observation out[], const test_scene *scene,
                        const rigcal_camera *camera);
 
+/* lens, width, height, fx, fy, cx, cy and the eight coefficients, as in the
+ * vectors. */
+rigcal_camera test_camera(const double v[15]);
+
 /* A camera without distortion, 800 pixels of focal length, 640 x 480. */
 rigcal_camera test_pinhole(void);
 

@@ -565,7 +565,7 @@ typedef struct {
                                 where no sigma is given */
     rigcal_real rms_px;      /* reprojection error: root mean square a point */
     rigcal_real probability; /* that this is the right one of those found, for
-                                normal noise; they sum to 1 */
+                                normal noise; over all found they sum to 1 */
 } rigcal_pose;
 
 typedef struct {
@@ -622,8 +622,8 @@ RIGCAL_API rigcal_status rigcal_pose_defaults(rigcal_pose_options *options);
  *   options  in   NULL: all defaults
  *
  * OK, ERR_NULL, ERR_NOT_FINITE, ERR_CAMERA, ERR_RANGE, ERR_ROTATION (of start),
- * ERR_TOO_FEW (n < 4), ERR_NO_RAY, ERR_WIDE_RAY (the target fills more than a half
- * space), ERR_COINCIDENT, ERR_COLLINEAR, ERR_PRECISION. */
+ * ERR_TOO_FEW (n < 4), ERR_NO_RAY, ERR_WIDE_RAY (a ray is 80 degrees or more off the
+ * middle of the target's image), ERR_COINCIDENT, ERR_COLLINEAR, ERR_PRECISION. */
 RIGCAL_API rigcal_status rigcal_pose_begin(
     rigcal_pose_solver *solver, int32_t *bad, const rigcal_camera *camera,
     const rigcal_observation observations[], const rigcal_real sigma[], size_t n,

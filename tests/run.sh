@@ -51,6 +51,13 @@ find_python numpy scipy >/dev/null ||
     missing="$missing python3 python3-numpy python3-scipy"
 install_missing || exit 1
 
+# A bare chroot has no /proc.
+if [ ! -e /proc/self/maps ]; then
+    echo "mounting /proc, which the sanitizers and rustc need"
+    mount -t proc proc /proc ||
+        echo "It cannot be mounted: steps that need it will fail." >&2
+fi
+
 # Unity comes from Debian's sources; where it cannot, CMake clones upstream's.
 sh tests/support/get_unity.sh \
     "${XDG_CACHE_HOME:-${HOME:-/nowhere}/.cache}/rigcal/unity-2.5.1" 2>/dev/null

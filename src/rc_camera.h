@@ -4,6 +4,10 @@
 
 #include "rc_transform.h"
 
+/* Focal lengths, principal points and pixels beyond this are mistakes, and would
+ * overflow in products. */
+#define RC_PIXEL_MAX RC(1e9)
+
 /* Both lens models as one map F of the plane. With s = |x|^2,
  *
  *     F(x) = N(s) / D(s) x + 2 (q.x) x + q s

@@ -3,6 +3,6 @@
 #ifndef RC_MEASURE_H
 #define RC_MEASURE_H
 
-#include "rc_paper.h"
+#include "rc_camera.h"
 
 #endif /* RC_MEASURE_H */

@@ -1,4 +1,4 @@
-/* rc_paper.h - what layers below use of the published procedure. */
+/* rc_paper.h - what the published procedure is made of. */
 #ifndef RC_PAPER_H
 #define RC_PAPER_H
 

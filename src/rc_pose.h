@@ -1,4 +1,4 @@
-/* rc_pose.h - what layers below use of the pose solver. */
+/* rc_pose.h - what the pose solver is made of. */
 #ifndef RC_POSE_H
 #define RC_POSE_H
 

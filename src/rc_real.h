@@ -65,6 +65,10 @@ static inline int rc_all_finite(const rigcal_real x[], int n)
 /* Coordinates within this have squares and fourth powers that do not overflow. */
 #define RC_COORDINATE_MAX RC_TOL(1e30, 1e9)
 
+/* Rounding of the points' coordinates, as a part of the target's size, above which
+ * its shape is lost. */
+#define RC_SHAPE_ROUNDING RC(1e-4)
+
 static inline int rc_all_within(const rigcal_real x[], int n, rigcal_real limit)
 {
     for (int i = 0; i < n; i++) {

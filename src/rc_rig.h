@@ -2,6 +2,6 @@
 #ifndef RC_RIG_H
 #define RC_RIG_H
 
-#include "rc_measure.h"
+#include "rc_transform.h"
 
 #endif /* RC_RIG_H */

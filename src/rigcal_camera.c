@@ -1,9 +1,7 @@
 #include "rc_camera.h"
 
-/* Focal lengths and principal points beyond these are mistakes, and would
- * overflow or vanish in products. */
+/* A shorter focal length is a mistake, and would vanish in products. */
 #define FOCAL_MIN RC(1e-6)
-#define PIXEL_MAX RC(1e9)
 
 enum { SIZE_MAX_PX = 1000000 };
 
@@ -29,7 +27,7 @@ rigcal_status rc_check_camera(const rigcal_camera *camera)
                         rc_all_within(&c->p2, 1, 0) &&
                         rc_all_within(&c->k5, 1, 0) &&
                         rc_all_within(&c->k6, 1, 0);
-    if (!size_ok || !focal_ok || !rc_all_within(numbers, 4, PIXEL_MAX) ||
+    if (!size_ok || !focal_ok || !rc_all_within(numbers, 4, RC_PIXEL_MAX) ||
         c->reserved != 0 || (!brown && !fisheye)) {
         return RIGCAL_ERR_CAMERA;
     }
@@ -50,7 +48,7 @@ static rigcal_status check_camera_pixel(const rigcal_real out[],
     if (!rc_all_finite(uv, 2)) {
         return RIGCAL_ERR_NOT_FINITE;
     }
-    return rc_all_within(uv, 2, PIXEL_MAX) ? RIGCAL_OK : RIGCAL_ERR_RANGE;
+    return rc_all_within(uv, 2, RC_PIXEL_MAX) ? RIGCAL_OK : RIGCAL_ERR_RANGE;
 }
 
 /* ---- the lens map -------------------------------------------------------- */
@@ -421,34 +419,9 @@ static rigcal_status project_pinhole(rigcal_real uv[2], rigcal_real J_uv[6],
     return RIGCAL_OK;
 }
 
-rigcal_status rc_project_through(rigcal_real uv[2], rigcal_real J_uv[6],
-                                 const rc_lens *lens,
-                                 const rigcal_camera *camera,
-                                 const rigcal_real X_c[3])
-{
-    if (lens->is_pinhole) {
-        return project_pinhole(uv, J_uv, camera, X_c);
-    }
-    rigcal_real x[2], dx[6], F[2], J[3];
-    const rigcal_status status = point_to_plane(x, dx, camera, X_c);
-    if (status != RIGCAL_OK) {
-        return status;
-    }
-    if (!rc_lens_map(F, J, lens, x) || !rc_all_finite(F, 2)) {
-        return RIGCAL_ERR_NO_RAY;
-    }
-    uv[0] = camera->fx * F[0] + camera->cx;
-    uv[1] = camera->fy * F[1] + camera->cy;
-    for (int j = 0; j < 3; j++) {
-        J_uv[j] = camera->fx * (J[0] * dx[j] + J[1] * dx[3 + j]);
-        J_uv[3 + j] = camera->fy * (J[1] * dx[j] + J[2] * dx[3 + j]);
-    }
-    return RIGCAL_OK;
-}
-
-/* Also gives the lens and the place x in its plane, for those who go on. */
-static rigcal_status project_by(rc_lens *lens, rigcal_real x[2],
-                                rigcal_real uv[2], rigcal_real J_uv[6],
+/* Through any lens. Also gives the place x in the plane of the lens map. */
+static rigcal_status project_by(rigcal_real x[2], rigcal_real uv[2],
+                                rigcal_real J_uv[6], const rc_lens *lens,
                                 const rigcal_camera *camera,
                                 const rigcal_real X_c[3])
 {
@@ -457,7 +430,6 @@ static rigcal_status project_by(rc_lens *lens, rigcal_real x[2],
     if (status != RIGCAL_OK) {
         return status;
     }
-    rc_lens_of(lens, camera);
     if (!rc_lens_map(F, J, lens, x) || !rc_all_finite(F, 2)) {
         return RIGCAL_ERR_NO_RAY;
     }
@@ -472,13 +444,24 @@ static rigcal_status project_by(rc_lens *lens, rigcal_real x[2],
     return RIGCAL_OK;
 }
 
+rigcal_status rc_project_through(rigcal_real uv[2], rigcal_real J_uv[6],
+                                 const rc_lens *lens,
+                                 const rigcal_camera *camera,
+                                 const rigcal_real X_c[3])
+{
+    rigcal_real x[2];
+    return lens->is_pinhole ? project_pinhole(uv, J_uv, camera, X_c)
+                            : project_by(x, uv, J_uv, lens, camera, X_c);
+}
+
 rigcal_status rc_project(rigcal_real uv[2], rigcal_real J_uv[6],
                          const rigcal_camera *camera,
                          const rigcal_real X_c[3])
 {
     rc_lens lens;
     rigcal_real x[2];
-    return project_by(&lens, x, uv, J_uv, camera, X_c);
+    rc_lens_of(&lens, camera);
+    return project_by(x, uv, J_uv, &lens, camera, X_c);
 }
 
 /* The pixel, and the proof that the lens sees the point there. */
@@ -487,8 +470,9 @@ rigcal_status rc_project_usable(rigcal_real uv[2], const rigcal_camera *camera,
 {
     rc_lens lens;
     rigcal_real x[2], pixel[2];
+    rc_lens_of(&lens, camera);
     const rigcal_status status =
-        project_by(&lens, x, pixel, NULL, camera, X_c);
+        project_by(x, pixel, NULL, &lens, camera, X_c);
     if (status != RIGCAL_OK) {
         return status;
     }
@@ -574,7 +558,7 @@ static rigcal_status check_observation(const rigcal_observation *observation)
     if (!rc_all_finite(observation->uv, 2)) {
         return RIGCAL_ERR_NOT_FINITE;
     }
-    return rc_all_within(observation->uv, 2, PIXEL_MAX) ? RIGCAL_OK
+    return rc_all_within(observation->uv, 2, RC_PIXEL_MAX) ? RIGCAL_OK
                                                         : RIGCAL_ERR_RANGE;
 }
 

@@ -8,10 +8,6 @@
  * this part of its length: the turn about the line would be noise. */
 #define FLAT RC_TOL(1e-6, 1e-4)
 
-/* Rounding of the coordinates, as a part of the target's size, above which its
- * shape is lost. */
-#define SHAPE_ROUNDING RC(1e-4)
-
 /* Pairs nearer than this part of the image that the target fills are left out:
  * the direction of their plane is mostly noise. Chosen on real targets; 0.1 to
  * 0.25 do about as well, 0 and 0.4 do not. */
@@ -197,7 +193,7 @@ static rigcal_status check_points_shape(const rigcal_sighting sightings[],
         others += point_distance(X, X_a) > SAME * length &&
                   point_distance(X, X_b) > SAME * length;
     }
-    if (!(size * RC_EPS <= SHAPE_ROUNDING * length)) {
+    if (!(size * RC_EPS <= RC_SHAPE_ROUNDING * length)) {
         return RIGCAL_ERR_PRECISION;
     }
     if (others == 0) {
@@ -704,9 +700,6 @@ rigcal_status rigcal_pair_residual(rigcal_real *e, const rigcal_pair *pair,
     return status;
 }
 
-/* Angles beyond this lose the precision that the equations promise. */
-#define ANGLE_MAX RC_TOL(1e6, 1e3)
-
 static rigcal_status check_two_angles(int32_t eliminate,
                                       const rigcal_real angles[2])
 {
@@ -717,7 +710,7 @@ static rigcal_status check_two_angles(int32_t eliminate,
         return RIGCAL_ERR_NOT_FINITE;
     }
     return (eliminate >= RIGCAL_YAW && eliminate <= RIGCAL_ROLL &&
-            rc_all_within(angles, 2, ANGLE_MAX))
+            rc_all_within(angles, 2, RC_ANGLE_MAX))
                ? RIGCAL_OK
                : RIGCAL_ERR_RANGE;
 }
@@ -773,7 +766,7 @@ rigcal_status rigcal_three_angle_residual(rigcal_real *residual,
     if (!rc_all_finite(ypr, 3)) {
         return RIGCAL_ERR_NOT_FINITE;
     }
-    if (!rc_all_within(ypr, 3, ANGLE_MAX)) {
+    if (!rc_all_within(ypr, 3, RC_ANGLE_MAX)) {
         return RIGCAL_ERR_RANGE;
     }
     const rigcal_status status = rc_check_pairs(pairs, n_pairs, 3);

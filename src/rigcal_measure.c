@@ -152,7 +152,8 @@ static rigcal_status check_views(const views *v, rigcal_real sigma_px)
         if (status == RIGCAL_OK && !rc_all_finite(&v->uv[2 * i], 2)) {
             status = RIGCAL_ERR_NOT_FINITE;
         }
-        if (status == RIGCAL_OK && !rc_all_within(&v->uv[2 * i], 2, RC(1e9))) {
+        if (status == RIGCAL_OK &&
+            !rc_all_within(&v->uv[2 * i], 2, RC_PIXEL_MAX)) {
             status = RIGCAL_ERR_RANGE;
         }
         if (status != RIGCAL_OK) {

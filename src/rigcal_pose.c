@@ -27,10 +27,6 @@ enum { DESCENT_EVALS = 10, DESCENT_EVALS_THOROUGH = 20, REFINE_EVALS = 60 };
 /* A refinement that did not end counts unless its sum is so many times the best. */
 #define STRAY RC(10)
 
-/* Rounding of the coordinates, as a part of the target's size, above which its
- * shape is lost. */
-#define SHAPE_ROUNDING RC(1e-4)
-
 /* Noise, stated in pixels or relative, outside which it is a mistake. */
 #define SIGMA_MIN RC(1e-6)
 #define SIGMA_MAX RC(1e6)
@@ -67,7 +63,7 @@ static rigcal_status check_data(int32_t *at, const rigcal_observation o[],
             return RIGCAL_ERR_NOT_FINITE;
         }
         if (!rc_all_within(o[i].X_w, 3, RC_COORDINATE_MAX) ||
-            !rc_all_within(o[i].uv, 2, RC(1e9)) ||
+            !rc_all_within(o[i].uv, 2, RC_PIXEL_MAX) ||
             (sigma != NULL && !(sigma[i] >= SIGMA_MIN && sigma[i] <= SIGMA_MAX))) {
             return RIGCAL_ERR_RANGE;
         }
@@ -113,7 +109,7 @@ static rigcal_status check_shape(rigcal_real *scale, const rigcal_pose_solver *s
         return RIGCAL_ERR_COINCIDENT;
     }
     *scale = 1 / size;
-    return (largest * RC_EPS <= SHAPE_ROUNDING * size) ? RIGCAL_OK
+    return (largest * RC_EPS <= RC_SHAPE_ROUNDING * size) ? RIGCAL_OK
                                                        : RIGCAL_ERR_PRECISION;
 }
 

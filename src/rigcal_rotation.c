@@ -4,9 +4,6 @@
  * to a file with seven digits, but not for one that scales or shears. */
 #define ROTATION_TOL RC_TOL(1e-6, 1e-3)
 
-/* Beyond this the spacing of rigcal_real, as an angle, exceeds 1e-10 / 1e-4. */
-#define ANGLE_MAX RC_TOL(1e6, 1e3)
-
 /* cos(pitch) below which yaw and roll cannot be told apart. */
 #define GIMBAL_COS (4 * RC_EPS)
 
@@ -248,7 +245,7 @@ static rigcal_status check_angles(const rigcal_real out[], const rigcal_real a[3
     if (!rc_all_finite(a, 3)) {
         return RIGCAL_ERR_NOT_FINITE;
     }
-    return rc_all_within(a, 3, ANGLE_MAX) ? RIGCAL_OK : RIGCAL_ERR_RANGE;
+    return rc_all_within(a, 3, RC_ANGLE_MAX) ? RIGCAL_OK : RIGCAL_ERR_RANGE;
 }
 
 rigcal_status rigcal_rotation_from_yaw_pitch_roll(rigcal_real R[9],
@@ -268,7 +265,7 @@ rigcal_status rigcal_rotation_from_vector(rigcal_real R[9],
     if (status != RIGCAL_OK) {
         return status;
     }
-    if (!(rc_vec3_norm(w) <= ANGLE_MAX)) {
+    if (!(rc_vec3_norm(w) <= RC_ANGLE_MAX)) {
         return RIGCAL_ERR_RANGE;
     }
     rc_rotation_from_vector(R, w);

@@ -1,10 +1,14 @@
 /* bench_pose: the figures of DESIGN.md about rigcal_solve_pose, as Markdown.
  *
- *   bench_pose minima [SCENES] [SIGMA_PX] [--thorough] [--known]
+ *   bench_pose minima [SCENES] [SIGMA_PX] [--known] [--list]
  *       whether the best minimum is found, and how good it is; --known: the noise
- *       is told to the solver
+ *       is told to the solver; --list: the scenes that went wrong, on stderr
+ *   bench_pose replay FAMILY N INDEX [SIGMA_PX]
+ *       one of those scenes: its minima, and what was returned
  *   bench_pose coverage [SCENES]
  *       whether the covariance tells the truth
+ *   bench_pose answers [SCENES] [SIGMA_PX] | bench_pose compare [SCENES] [SIGMA_PX]
+ *       the first of a double build piped to the second of a float build
  *   bench_pose solve FAMILY N COUNT [warm]
  *       only solves, for callgrind (tests/bench/instructions.sh) */
 #include <math.h>
@@ -12,14 +16,17 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "bench_minima.h"
+#include "bench_scenes.h"
 #include "bench_tally.h"
-#include "test_fit.h"
-#include "test_support.h"
 
 enum { SCENES = 10000, SCENES_MAX = 1000000 };
 
-#define DEGREE (TEST_PI / 180)
 #define SIGMA_PX 0.5
+
+static const int counts[] = {4, 5, 6, 8, 12, 20, 50};
+
+enum { COUNTS = sizeof counts / sizeof counts[0] };
 
 /* Unity, which the tests' arithmetic is checked with, wants them. */
 void setUp(void)
@@ -36,110 +43,12 @@ static void fail(const char *why)
     exit(2);
 }
 
-/* ---- scenes -------------------------------------------------------------- */
-
-/* All are of size 1, before a camera of 800 px 3 to 10 sizes away. */
-typedef struct {
-    const char *name;
-    double thickness; /* of the box that the points are in */
-    double aside;     /* how far the middle may be off the axis, of its depth */
-    int is_flat;      /* tilted by up to TILT_MOST, else turned anyhow */
-    int is_tag;       /* the corners of a square */
-} family;
-
-static const family families[] = {
-    {"general", 1, 0.1, 0, 0},
-    {"planar", 0, 0.1, 1, 0},
-    {"tag", 0, 0.1, 1, 1},
-    {"near-planar", 0.05, 0.1, 1, 0},
-    {"off-centre", 1, 0.5, 0, 0},
-};
-
-enum { FAMILIES = sizeof families / sizeof families[0] };
-
-#define TILT_MOST (60 * DEGREE)
-
-typedef struct {
-    rigcal_camera camera;
-    rigcal_observation seen[TEST_SCENE_MAX];
-    double R[9], t[3]; /* the truth; the target's middle is the world's origin */
-    double sigma;      /* px */
-    int n;
-} scene;
-
-static void place_point(double X[3], test_rng *rng, const family *f, int i)
+/* 3 to 10 sizes away. */
+static bench_view view_of(double sigma)
 {
-    if (f->is_tag) {
-        X[0] = i == 1 || i == 2 ? 0.5 : -0.5;
-        X[1] = i >= 2 ? 0.5 : -0.5;
-        X[2] = 0;
-        return;
-    }
-    X[0] = test_uniform(rng, -0.5, 0.5);
-    X[1] = test_uniform(rng, -0.5, 0.5);
-    X[2] = f->thickness * test_uniform(rng, -0.5, 0.5);
-}
+    const bench_view view = {3, 10, sigma};
 
-/* The normal uniform on the cap round the line of sight, any turn about it. */
-static void tilt(double R[9], test_rng *rng, const double t[3])
-{
-    const double across[3] = {-t[1], t[0], 0};
-    const double off = atan2(hypot(t[0], t[1]), t[2]);
-    const double way = test_uniform(rng, -TEST_PI, TEST_PI);
-    const double axis[3] = {cos(way), sin(way), 0};
-    const double angle = acos(test_uniform(rng, cos(TILT_MOST), 1));
-    double aim[9], lean[9], turn[9], both[9];
-
-    test_rotation(turn, test_uniform(rng, -TEST_PI, TEST_PI), 0, 0);
-    test_rotation_about(lean, axis, angle);
-    test_product(both, lean, turn);
-    test_rotation_about(aim, across, off);
-    test_product(R, aim, both);
-}
-
-static void place_camera(scene *s, test_rng *rng, const family *f)
-{
-    s->t[2] = test_uniform(rng, 3, 10);
-    s->t[0] = s->t[2] * test_uniform(rng, -f->aside, f->aside);
-    s->t[1] = s->t[2] * test_uniform(rng, -f->aside, f->aside);
-    if (f->is_flat) {
-        tilt(s->R, rng, s->t);
-    } else {
-        test_random_rotation(s->R, rng);
-    }
-}
-
-static void make_scene(scene *s, test_rng *rng, const family *f, int n,
-                       double sigma)
-{
-    s->camera = test_pinhole();
-    s->n = n;
-    s->sigma = sigma;
-    place_camera(s, rng, f);
-    for (int i = 0; i < n; i++) {
-        double X[3], X_c[3], uv[2];
-
-        place_point(X, rng, f, i);
-        test_apply(X_c, s->R, X, s->t);
-        test_project_px(uv, &s->camera, X_c);
-        for (int k = 0; k < 2; k++) {
-            uv[k] += sigma * test_normal(rng);
-        }
-        test_to_real(s->seen[i].X_w, X, 3);
-        test_to_real(s->seen[i].uv, uv, 2);
-    }
-}
-
-static test_rng seed_of(const family *f, int n)
-{
-    return test_seed((uint64_t)(1000 * (f - families) + n));
-}
-
-static test_data data_of(const scene *s)
-{
-    const test_data data = {&s->camera, s->seen, NULL, s->n};
-
-    return data;
+    return view;
 }
 
 /* ---- solutions ----------------------------------------------------------- */
@@ -152,7 +61,7 @@ typedef struct {
 } solution;
 
 /* What rigcal_solve_pose does, evaluation by evaluation, so that they count. */
-static void solve(solution *found, const scene *s,
+static void solve(solution *found, const bench_scene *s,
                   const rigcal_pose_options *options)
 {
     rigcal_pose_solver solver;
@@ -171,254 +80,194 @@ static void solve(solution *found, const scene *s,
         rigcal_pose_result(found->poses, &found->n, RIGCAL_POSES_MAX, &solver);
 }
 
-/* ---- the bound ----------------------------------------------------------- */
-
-/* d(u, v) by (w, dt) of one point at the truth, by differences. */
-static void rows_of(double J[2][6], const scene *s, int i)
+/* The first pose, in doubles. */
+static void first_of(double R[9], double t[3], const solution *found)
 {
-    const double h = 1e-6;
-    double X[3];
-
-    test_to_double(X, s->seen[i].X_w, 3);
-    for (int k = 0; k < 6; k++) {
-        double uv[2][2];
-
-        for (int side = 0; side < 2; side++) {
-            double d[6] = {0}, R[9], t[3], X_c[3];
-
-            memcpy(R, s->R, sizeof R);
-            memcpy(t, s->t, sizeof t);
-            d[k] = side ? h : -h;
-            test_move(R, t, d);
-            test_apply(X_c, R, X, t);
-            test_project_px(uv[side], &s->camera, X_c);
-        }
-        J[0][k] = (uv[1][0] - uv[0][0]) / (2 * h);
-        J[1][k] = (uv[1][1] - uv[0][1]) / (2 * h);
-    }
+    test_transform_parts(R, t, &found->poses[0].cam_from_world);
 }
 
-/* The least standard deviations that (w, dt) can have: Cramer-Rao. */
-static int bound_of(double deviation[6], const scene *s)
+/* The minimum that pose i lies in, or -1. */
+static int minimum_of(bench_minima *m, const solution *found, size_t i)
 {
-    double H[36] = {0};
+    double R[9], t[3];
 
-    for (int i = 0; i < s->n; i++) {
-        double J[2][6];
-
-        rows_of(J, s, i);
-        for (int k = 0; k < 36; k++) {
-            H[k] += J[0][k / 6] * J[0][k % 6] + J[1][k / 6] * J[1][k % 6];
-        }
-    }
-    for (int k = 0; k < 6; k++) {
-        double one[6] = {0}, column[6];
-
-        one[k] = 1;
-        if (!test_solve(column, H, one, 6) || !(column[k] > 0)) {
-            return 0;
-        }
-        deviation[k] = s->sigma * sqrt(column[k]);
-    }
-    return 1;
+    test_transform_parts(R, t, &found->poses[i].cam_from_world);
+    return bench_minima_add(m, R, t);
 }
 
-/* Mean over the parameters of (error / bound)^2, or -1 where there is none. */
-static double squared_by_bound(const scene *s, const rigcal_pose *pose)
-{
-    double R[9], t[3], d[6], deviation[6], sum = 0;
-
-    if (!bound_of(deviation, s)) {
-        return -1;
-    }
-    test_transform_parts(R, t, &pose->cam_from_world);
-    test_difference(d, s->R, s->t, R, t);
-    for (int k = 0; k < 6; k++) {
-        sum += d[k] / deviation[k] * (d[k] / deviation[k]);
-    }
-    return sum / 6;
-}
-
-/* ---- minima: the multi-start --------------------------------------------- */
-
-/* What counts as the same sum, and as the same rotation [rad]. */
-#define SUM_TOL 1e-4
-#define SAME_ROTATION 0.01
-
-enum { STARTS = 2 + RIGCAL_POSES_MAX };
-
-typedef struct {
-    test_fitted list[STARTS]; /* distinct minima, in no order */
-    int n, stopped;           /* fits that did not converge */
-    test_fitted from_truth, best;
-} minima;
-
-static void keep_minimum(minima *m, const test_fitted *fitted)
-{
-    for (int i = 0; i < m->n; i++) {
-        if (test_angle_between(m->list[i].R, fitted->R) < SAME_ROTATION) {
-            if (fitted->sse < m->list[i].sse) {
-                m->list[i] = *fitted;
-            }
-            return;
-        }
-    }
-    m->list[m->n++] = *fitted;
-}
-
-/* Fits from where `fitted` is. */
-static void add_start(minima *m, test_fitted *fitted, const test_data *data)
-{
-    if (test_fit(fitted, data)) {
-        keep_minimum(m, fitted);
-    } else {
-        m->stopped++;
-    }
-    if (fitted->sse < m->best.sse) {
-        m->best = *fitted;
-    }
-}
-
-static void find_minima(minima *m, const scene *s, const solution *found)
-{
-    const test_data data = data_of(s);
-    test_fitted fitted;
-
-    m->n = m->stopped = 0;
-    m->best.sse = HUGE_VAL;
-    memcpy(m->from_truth.R, s->R, sizeof s->R);
-    memcpy(m->from_truth.t, s->t, sizeof s->t);
-    add_start(m, &m->from_truth, &data);
-    test_mirror_tilt(&fitted, &data, s->R, s->t);
-    add_start(m, &fitted, &data);
-    for (size_t i = 0; i < found->n; i++) {
-        test_transform_parts(fitted.R, fitted.t,
-                             &found->poses[i].cam_from_world);
-        add_start(m, &fitted, &data);
-    }
-}
-
-/* The second best, or NULL. */
-static const test_fitted *second_of(const minima *m)
-{
-    int best = 0, second = -1;
-
-    for (int i = 1; i < m->n; i++) {
-        best = m->list[i].sse < m->list[best].sse ? i : best;
-    }
-    for (int i = 0; i < m->n; i++) {
-        if (i != best &&
-            (second < 0 || m->list[i].sse < m->list[second].sse)) {
-            second = i;
-        }
-    }
-    return second < 0 ? NULL : &m->list[second];
-}
-
-static double angle_to(const test_fitted *fitted, const rigcal_pose *pose)
-{
-    double R[9];
-
-    test_transform_parts(R, NULL, &pose->cam_from_world);
-    return test_angle_between(fitted->R, R);
-}
-
-static int is_reported(const test_fitted *fitted, const solution *found)
+static int is_returned(bench_minima *m, int minimum, const solution *found)
 {
     for (size_t i = 0; i < found->n; i++) {
-        if (angle_to(fitted, &found->poses[i]) < SAME_ROTATION) {
+        if (minimum_of(m, found, i) == minimum) {
             return 1;
         }
     }
     return 0;
 }
 
-/* ---- minima: the table --------------------------------------------------- */
+/* ---- minima: is the best found? ------------------------------------------ */
 
 typedef struct {
     tally statuses;
     int solved, not_best, unfinished, unlisted; /* best: same place, elsewhere */
-    int with_second, second_missing;
-    int right, wrong_yet_ok, bounded, stopped, evals_most;
-    double squares, evals;
+    int with_second, second_missing, twice;
+    int right, wrong_yet_ok, bounded, evals_most;
+    double squares, squares_of_minimum, evals;
 } minima_cell;
 
-/* How the first solution stands to the best minimum. */
-static void judge_first(minima_cell *cell, const scene *s,
-                        const solution *found, const minima *m)
+/* One line of the tables. */
+typedef struct {
+    const bench_family *f;
+    int n, stopped;
+    minima_cell cell[2]; /* default, thorough */
+} minima_row;
+
+static double mean_square(const bench_scene *s, const double deviation[6],
+                          const double R[9], const double t[3])
 {
-    const test_data data = data_of(s);
+    double squares[2];
+
+    bench_squares(squares, s, deviation, R, t);
+    return (squares[0] + squares[1]) / 2;
+}
+
+/* How the first solution stands to the best minimum. 0: not well. */
+static int judge_first(minima_cell *cell, const solution *found, bench_minima *m)
+{
+    const int best = bench_minima_ranked(m, 0);
     double R[9], t[3];
 
-    test_transform_parts(R, t, &found->poses[0].cam_from_world);
-    if (test_sse(&data, R, t) > m->best.sse * (1 + SUM_TOL)) {
-        cell->not_best++;
-        cell->unfinished += angle_to(&m->best, &found->poses[0]) < SAME_ROTATION;
-        cell->unlisted += !is_reported(&m->best, found);
+    first_of(R, t, found);
+    if (bench_is_best(m, best, BENCH_SUM_TOL) &&
+        bench_is_minimum(m, best, R, t)) {
+        return 1;
     }
+    cell->not_best++;
+    cell->unfinished += minimum_of(m, found, 0) == best;
+    cell->unlisted += !is_returned(m, best, found);
+    return 0;
 }
 
-static void judge_second(minima_cell *cell, const solution *found,
-                         const minima *m)
+static int judge_second(minima_cell *cell, const solution *found,
+                        bench_minima *m)
 {
-    const test_fitted *second = second_of(m);
+    const int second = bench_minima_ranked(m, 1);
+    const int missing = second >= 0 && !is_returned(m, second, found);
 
-    if (second) {
-        cell->with_second++;
-        cell->second_missing += !is_reported(second, found);
-    }
+    cell->with_second += second >= 0;
+    cell->second_missing += missing;
+    return !missing;
 }
 
-static void judge_error(minima_cell *cell, const scene *s,
-                        const solution *found, const minima *m)
+/* Whether two of the poses are in one minimum. */
+static int is_twice(const solution *found, bench_minima *m)
 {
-    double square;
+    for (size_t i = 1; i < found->n; i++) {
+        for (size_t j = 0; j < i; j++) {
+            if (minimum_of(m, found, i) == minimum_of(m, found, j)) {
+                return 1;
+            }
+        }
+    }
+    return 0;
+}
 
-    if (angle_to(&m->from_truth, &found->poses[0]) >= SAME_ROTATION) {
+static void judge_error(minima_cell *cell, const bench_scene *s,
+                        const solution *found, bench_minima *m)
+{
+    double R[9], t[3], deviation[6];
+
+    if (m->truth < 0 || minimum_of(m, found, 0) != m->truth) {
         cell->wrong_yet_ok += found->status == RIGCAL_OK;
         return;
     }
     cell->right++;
-    square = squared_by_bound(s, &found->poses[0]);
-    if (square >= 0) {
+    if (bench_bound(deviation, s)) {
+        first_of(R, t, found);
         cell->bounded++;
-        cell->squares += square;
+        cell->squares += mean_square(s, deviation, R, t);
+        cell->squares_of_minimum += mean_square(
+            s, deviation, m->list[m->truth].R, m->list[m->truth].t);
     }
 }
 
-static void minima_try(minima_cell *cell, const scene *s,
-                       const rigcal_pose_options *options)
+/* 0: something is wrong with it. */
+static int judge(minima_cell *cell, const bench_scene *s, const solution *found,
+                 bench_minima *m, int has_second)
 {
-    solution found;
-    minima m;
+    int well;
 
-    solve(&found, s, options);
-    tally_add(&cell->statuses, found.status);
-    if (found.status < 0) {
-        return;
+    tally_add(&cell->statuses, found->status);
+    if (found->status < 0) {
+        return 0;
     }
     cell->solved++;
-    cell->evals += found.evals;
+    cell->evals += found->evals;
     cell->evals_most =
-        found.evals > cell->evals_most ? found.evals : cell->evals_most;
-    find_minima(&m, s, &found);
-    cell->stopped += m.stopped;
-    judge_first(cell, s, &found, &m);
-    judge_second(cell, &found, &m);
-    judge_error(cell, s, &found, &m);
+        found->evals > cell->evals_most ? found->evals : cell->evals_most;
+    well = judge_first(cell, found, m);
+    if (has_second) {
+        well &= judge_second(cell, found, m);
+    }
+    cell->twice += is_twice(found, m);
+    judge_error(cell, s, found, m);
+    return well;
 }
 
-static void minima_print(const minima_cell *cell, const family *f, int n)
+/* Solves a scene both ways, and finds the minima: those of both answers too. */
+static void solve_both(solution found[2], bench_minima *m, const bench_scene *s,
+                       const rigcal_pose_options *options)
 {
-    printf("| %s | %d | %d | %d | %d |", f->name, n, cell->not_best,
+    rigcal_pose_options o = *options;
+
+    bench_minima_begin(m, s);
+    for (int thorough = 0; thorough < 2; thorough++) {
+        o.thorough = thorough;
+        solve(&found[thorough], s, &o);
+        for (size_t i = 0; i < found[thorough].n; i++) {
+            (void)minimum_of(m, &found[thorough], i);
+        }
+    }
+}
+
+static void minima_try(minima_row *row, long index, const bench_view *view,
+                       const rigcal_pose_options *options, int list)
+{
+    bench_scene s;
+    solution found[2];
+    bench_minima m;
+
+    bench_scene_make(&s, row->f, row->n, index, view);
+    solve_both(found, &m, &s, options);
+    for (int thorough = 0; thorough < 2; thorough++) {
+        if (!judge(&row->cell[thorough], &s, &found[thorough], &m,
+                   row->f->has_second) && list) {
+            fprintf(stderr, "%s %d %ld%s\n", row->f->name, row->n, index,
+                    thorough ? " thorough" : "");
+        }
+    }
+    row->stopped += m.stopped;
+}
+
+static double root(double squares, int n)
+{
+    return sqrt(squares / (n > 0 ? n : 1));
+}
+
+static void minima_print(const minima_row *row, int thorough)
+{
+    const minima_cell *cell = &row->cell[thorough];
+
+    printf("| %s | %d | %d | %d | %d |", row->f->name, row->n, cell->not_best,
            cell->unlisted, cell->unfinished);
-    if (f->is_flat) {
+    if (row->f->has_second) {
         printf(" %d | %d |", cell->with_second, cell->second_missing);
     } else {
         printf(" - | - |");
     }
-    printf(" %d | %d | %.3f | %.1f | %d | ", cell->right, cell->wrong_yet_ok,
-           sqrt(cell->squares / (cell->bounded > 0 ? cell->bounded : 1)),
+    printf(" %d | %d | %d | %.3f | %.3f | %.1f | %d | ", cell->twice,
+           cell->right, cell->wrong_yet_ok, root(cell->squares, cell->bounded),
+           root(cell->squares_of_minimum, cell->bounded),
            cell->evals / (cell->solved > 0 ? cell->solved : 1),
            cell->evals_most);
     tally_print(&cell->statuses);
@@ -426,64 +275,100 @@ static void minima_print(const minima_cell *cell, const family *f, int n)
     fflush(stdout);
 }
 
-/* One line. Returns how many of the fits stopped at their bound. */
-static int minima_row(const family *f, int n, int scenes, double sigma,
-                      const rigcal_pose_options *options)
+static void minima_head(const char *what)
 {
-    test_rng rng = seed_of(f, n);
-    minima_cell cell;
-
-    memset(&cell, 0, sizeof cell);
-    for (int i = 0; i < scenes; i++) {
-        scene s;
-
-        make_scene(&s, &rng, f, n, sigma);
-        minima_try(&cell, &s, options);
-    }
-    minima_print(&cell, f, n);
-    return cell.stopped;
+    printf("\n%s:\n\n", what);
+    printf("| target | points | not best | not returned | not converged "
+           "| second | not returned | twice | right | wrong, yet OK | error / bound "
+           "| of the minimum | evaluations | most | not OK |\n");
+    printf("| --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: "
+           "| ---: | ---: | ---: | ---: | ---: | --- |\n");
 }
 
-static void minima_head(int scenes, double sigma,
-                        const rigcal_pose_options *options)
+static void minima_explain(int scenes, const bench_view *view,
+                           const rigcal_pose_options *options)
 {
-    printf("%d scenes a line, %g px noise, f = 800 px, 3 to 10 sizes away%s%s.\n"
+    printf("%d scenes a line, %g px noise, f = 800 px, %g to %g sizes away%s.\n"
            "Minima are those that a fit of the test's own finds from the truth, "
            "from the truth mirrored\nin the line of sight, and from the poses "
-           "returned. Not best: the first pose's sum is more than\n%g above the "
-           "least; of these, none of the poses returned is that minimum, or the "
-           "first is but\nis not converged. Second: scenes that have a second "
-           "minimum, and where it was not returned.\nRight: the first is the "
-           "minimum that the truth lies in; wrong, yet the status was OK. "
-           "Error: rms\nover the right ones of the six parameters' errors, each "
-           "over its Cramer-Rao bound (derivatives\nby the test's own "
-           "differences at the truth, true sigma).\n\n",
-           scenes, sigma, options->thorough ? ", thorough" : "",
-           options->sigma_px > 0 ? ", sigma_px told" : "", SUM_TOL);
-    printf("| target | points | not best | not returned | not converged "
-           "| second | not returned | right | wrong, yet OK | error / bound "
-           "| evaluations | most | not OK |\n");
-    printf("| --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: "
-           "| ---: | ---: | ---: | --- |\n");
+           "returned, the default's and the thorough ones.\nNot best: the first "
+           "pose is not the minimum of the least sum, or its sum is more than "
+           "%g\nabove; of these, none of the poses returned is in that minimum, "
+           "or the first is but is not\nconverged. Second: scenes that have a "
+           "second minimum, and where it was not returned. Right: the\nfirst is "
+           "in the minimum that the truth lies in; wrong, yet the status was OK. "
+           "Error: rms over\nthe right ones of the six parameters' errors, each "
+           "over its Cramer-Rao bound (derivatives by\nthe test's own differences "
+           "at the truth, true sigma), and what the minimum itself has.\n",
+           scenes, view->sigma, view->nearest, view->farthest,
+           options->sigma_px > 0 ? ", sigma_px told" : "", BENCH_SUM_TOL);
 }
 
-static void bench_minima(int scenes, double sigma,
-                         const rigcal_pose_options *options)
+static void bench_minima_table(int scenes, double sigma,
+                               const rigcal_pose_options *options, int list)
 {
-    static const int counts[] = {4, 5, 6, 8, 20, 50};
-    int stopped = 0;
+    static minima_row rows[BENCH_FAMILIES * COUNTS];
+    const bench_view view = view_of(sigma);
+    int n_rows = 0, stopped = 0;
 
-    minima_head(scenes, sigma, options);
-    for (int f = 0; f < FAMILIES; f++) {
-        for (size_t i = 0; i < sizeof counts / sizeof counts[0]; i++) {
-            if (!families[f].is_tag || counts[i] == 4) {
-                stopped += minima_row(&families[f], counts[i], scenes, sigma,
-                                      options);
+    minima_explain(scenes, &view, options);
+    minima_head("Default");
+    for (int i = 0; i < BENCH_FAMILIES * COUNTS; i++) {
+        minima_row *const row = &rows[n_rows];
+
+        row->f = &bench_families[i / COUNTS];
+        row->n = counts[i % COUNTS];
+        if (bench_has(row->f, row->n)) {
+            for (long index = 0; index < scenes; index++) {
+                minima_try(row, index, &view, options, list);
             }
+            minima_print(row, 0);
+            stopped += row->stopped;
+            n_rows++;
         }
+    }
+    minima_head("Thorough");
+    for (int i = 0; i < n_rows; i++) {
+        minima_print(&rows[i], 1);
     }
     printf("\nFits that stopped before they converged, and count as no second "
            "minimum: %d.\n", stopped);
+}
+
+/* ---- replay -------------------------------------------------------------- */
+
+static void replay_print(const solution *found, bench_minima *m)
+{
+    printf("%s, %d evaluations\n", rigcal_status_name(found->status),
+           found->evals);
+    for (size_t i = 0; i < found->n; i++) {
+        printf("  pose %d: sum %.9g, probability %.4f, in minimum %d\n", (int)i,
+               D(found->poses[i].sse), D(found->poses[i].probability),
+               minimum_of(m, found, i));
+    }
+}
+
+static void bench_replay(const bench_family *f, int n, long index, double sigma)
+{
+    const bench_view view = view_of(sigma);
+    rigcal_pose_options options;
+    solution found[2];
+    bench_minima m;
+    bench_scene s;
+
+    (void)rigcal_pose_defaults(&options);
+    bench_scene_make(&s, f, n, index, &view);
+    solve_both(found, &m, &s, &options);
+    for (int i = 0; i < m.n; i++) {
+        printf("minimum %d: sum %.9g, %.3f degrees from the truth%s\n", i,
+               m.list[i].sse,
+               test_angle_between(m.list[i].R, s.R) / BENCH_DEGREE,
+               i == m.truth ? ", which lies in it" : "");
+    }
+    printf("fits that stopped: %d\ndefault: ", m.stopped);
+    replay_print(&found[0], &m);
+    printf("thorough: ");
+    replay_print(&found[1], &m);
 }
 
 /* ---- coverage ------------------------------------------------------------ */
@@ -492,7 +377,7 @@ static void bench_minima(int scenes, double sigma,
 #define CHI_SQUARED_95 12.591587243743977
 
 /* Whether the truth is in the ellipsoid round a pose. */
-static int is_covered(const scene *s, const rigcal_pose *pose, double sigma)
+static int is_covered(const bench_scene *s, const rigcal_pose *pose, double sigma)
 {
     rigcal_pose_uncertainty u;
     double R[9], t[3], d[6], Sigma[36];
@@ -518,17 +403,17 @@ static void coverage_print(const char *sigma, int inside, int solved)
 static void bench_coverage(int scenes)
 {
     enum { POINTS = 8 };
-    const family *const f = &families[0];
-    test_rng rng = seed_of(f, POINTS);
+    const bench_family *const f = &bench_families[0];
+    const bench_view view = view_of(SIGMA_PX);
     int solved = 0, known = 0, estimated = 0;
     tally statuses;
 
     memset(&statuses, 0, sizeof statuses);
-    for (int i = 0; i < scenes; i++) {
-        scene s;
+    for (long i = 0; i < scenes; i++) {
+        bench_scene s;
         solution found;
 
-        make_scene(&s, &rng, f, POINTS, SIGMA_PX);
+        bench_scene_make(&s, f, POINTS, i, &view);
         solve(&found, &s, NULL);
         tally_add(&statuses, found.status);
         if (found.status >= 0) {
@@ -552,24 +437,158 @@ static void bench_coverage(int scenes)
     printf("\n");
 }
 
-/* ---- solve: for callgrind ------------------------------------------------ */
+/* ---- float against double ------------------------------------------------ */
 
-/* The truth, off by 2 degrees and 2 % of the distance, each any way. */
-static void disturb(rigcal_transform *start, const scene *s, test_rng *rng)
+/* What one build tells the other of a scene. */
+typedef struct {
+    double R[9], t[3];
+    rigcal_status status;
+} answer;
+
+static void write_answers(int scenes, double sigma)
 {
-    double R[9], t[3], turn[9], way[2][9];
+    const bench_view view = view_of(sigma);
 
-    test_random_rotation(way[0], rng);
-    test_random_rotation(way[1], rng);
-    test_rotation_about(turn, way[0] + 6, 2 * DEGREE);
-    test_product(R, turn, s->R);
-    for (int k = 0; k < 3; k++) {
-        t[k] = s->t[k] + 0.02 * test_norm(s->t) * way[1][6 + k];
+    for (int i = 0; i < BENCH_FAMILIES * COUNTS; i++) {
+        const bench_family *const f = &bench_families[i / COUNTS];
+
+        for (long index = 0; bench_has(f, counts[i % COUNTS]) && index < scenes;
+             index++) {
+            bench_scene s;
+            solution found;
+            answer a;
+
+            memset(&a, 0, sizeof a);
+            bench_scene_make(&s, f, counts[i % COUNTS], index, &view);
+            solve(&found, &s, NULL);
+            a.status = found.status;
+            if (found.status >= 0) {
+                first_of(a.R, a.t, &found);
+            }
+            if (fwrite(&a, sizeof a, 1, stdout) != 1) {
+                fail("the answers cannot be written");
+            }
+        }
     }
-    *start = test_transform(R, t);
 }
 
-static rigcal_status solve_one(const scene *s,
+typedef struct {
+    tally statuses;
+    int right[2], alike, bounded; /* there, here; here another that fits alike */
+    double squares[2], between;
+} compare_cell;
+
+/* A sum that two precisions may take for the same. */
+#define ALIKE_TOL 0.01
+
+static void compare_errors(compare_cell *cell, const bench_scene *s,
+                           const answer *there, const solution *here)
+{
+    double R[9], t[3], d[6], deviation[6];
+
+    if (!bench_bound(deviation, s)) {
+        return;
+    }
+    first_of(R, t, here);
+    test_difference(d, there->R, there->t, R, t);
+    cell->bounded++;
+    cell->squares[0] += mean_square(s, deviation, there->R, there->t);
+    cell->squares[1] += mean_square(s, deviation, R, t);
+    for (int k = 0; k < 6; k++) {
+        cell->between += d[k] / deviation[k] * (d[k] / deviation[k]) / 6;
+    }
+}
+
+/* Where the other build's first pose lies in the best minimum, does this one's? 0:
+ * no. */
+static int compare_try(compare_cell *cell, const bench_scene *s,
+                       const answer *there)
+{
+    solution found[2];
+    const solution *const here = &found[0];
+    rigcal_pose_options options;
+    bench_minima m;
+    int first;
+
+    (void)rigcal_pose_defaults(&options);
+    solve_both(found, &m, s, &options);
+    tally_add(&cell->statuses, here->status);
+    if (there->status < 0) {
+        return 1;
+    }
+    first = bench_minima_add(&m, there->R, there->t);
+    if (!bench_is_best(&m, first, BENCH_SUM_TOL)) {
+        return 1;
+    }
+    cell->right[0]++;
+    first = here->status < 0 ? -1 : minimum_of(&m, here, 0);
+    if (!bench_is_best(&m, first, BENCH_SUM_TOL)) {
+        const int alike = bench_is_best(&m, first, ALIKE_TOL);
+
+        cell->alike += alike;
+        return alike;
+    }
+    cell->right[1]++;
+    if (first == m.truth) {
+        compare_errors(cell, s, there, here);
+    }
+    return 1;
+}
+
+static void compare_row(const bench_family *f, int n, int scenes,
+                        const bench_view *view)
+{
+    compare_cell cell;
+
+    memset(&cell, 0, sizeof cell);
+    for (long index = 0; index < scenes; index++) {
+        bench_scene s;
+        answer there;
+
+        if (fread(&there, sizeof there, 1, stdin) != 1) {
+            fail("stdin has too few answers");
+        }
+        bench_scene_make(&s, f, n, index, view);
+        if (!compare_try(&cell, &s, &there)) {
+            fprintf(stderr, "%s %d %ld\n", f->name, n, index);
+        }
+    }
+    printf("| %s | %d | %d | %d | %d | %.4f | %.4f | %.4f | ", f->name, n,
+           cell.right[0], cell.right[0] - cell.right[1], cell.alike,
+           root(cell.squares[0], cell.bounded),
+           root(cell.squares[1], cell.bounded),
+           root(cell.between, cell.bounded));
+    tally_print(&cell.statuses);
+    printf(" |\n");
+    fflush(stdout);
+}
+
+static void bench_compare(int scenes, double sigma)
+{
+    const bench_view view = view_of(sigma);
+
+    printf("%d scenes a line, %g px noise, f = 800 px, %g to %g sizes away, with "
+           "the answers of another build,\ncalled there. Right: its first pose "
+           "lies in the best minimum. Wrong here: this build's does not;\nof "
+           "these, the sum of the one it lies in is within %g. Errors: rms of the "
+           "six parameters over\ntheir Cramer-Rao bounds, where both are right "
+           "and so is the minimum; then the two answers'\ndifference over the "
+           "bound. Scenes that go wrong here, and not by a hair, are on "
+           "stderr.\n\n", scenes, sigma, view.nearest, view.farthest, ALIKE_TOL);
+    printf("| target | points | right there | wrong here | by a hair "
+           "| error / bound there | here | difference / bound | not OK here |\n"
+           "| --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: | --- |\n");
+    for (int i = 0; i < BENCH_FAMILIES * COUNTS; i++) {
+        if (bench_has(&bench_families[i / COUNTS], counts[i % COUNTS])) {
+            compare_row(&bench_families[i / COUNTS], counts[i % COUNTS], scenes,
+                        &view);
+        }
+    }
+}
+
+/* ---- solve: for callgrind ------------------------------------------------ */
+
+static rigcal_status solve_one(const bench_scene *s,
                                const rigcal_pose_options *options)
 {
     rigcal_pose poses[RIGCAL_POSES_MAX];
@@ -579,21 +598,24 @@ static rigcal_status solve_one(const scene *s,
                              &s->camera, s->seen, NULL, (size_t)s->n, options);
 }
 
-static void bench_solve(const family *f, int n, int count, int warm)
+static void bench_solve(const bench_family *f, int n, int count, int warm)
 {
-    test_rng rng = seed_of(f, n);
+    const bench_view view = view_of(SIGMA_PX);
     rigcal_pose_options options;
     tally statuses;
 
     memset(&statuses, 0, sizeof statuses);
     (void)rigcal_pose_defaults(&options);
     options.use_start = warm;
-    for (int i = 0; i < count; i++) {
-        scene s;
+    for (long i = 0; i < count; i++) {
+        bench_scene s;
 
-        make_scene(&s, &rng, f, n, SIGMA_PX);
+        bench_scene_make(&s, f, n, i, &view);
         if (warm) {
-            disturb(&options.start, &s, &rng);
+            double R[9], t[3];
+
+            bench_disturb(R, t, &s);
+            options.start = test_transform(R, t);
         }
         tally_add(&statuses, solve_one(&s, &options));
     }
@@ -607,8 +629,10 @@ static void bench_solve(const family *f, int n, int count, int warm)
 
 static void usage(void)
 {
-    fail("usage: bench_pose minima [SCENES] [SIGMA_PX] [--thorough] "
-         "[--known] | coverage [SCENES] | solve FAMILY N COUNT [warm]");
+    fail("usage: bench_pose minima [SCENES] [SIGMA_PX] [--known] [--list] | "
+         "replay FAMILY N INDEX [SIGMA_PX] | coverage [SCENES] | "
+         "answers [SCENES] [SIGMA_PX] | compare [SCENES] [SIGMA_PX] | "
+         "solve FAMILY N COUNT [warm]");
 }
 
 static int whole_number(const char *text, int least, int most)
@@ -635,15 +659,19 @@ static double sigma_of(const char *text)
     return sigma;
 }
 
-static const family *family_of(const char *name)
+static const bench_family *family_of(const char *name)
 {
-    for (int f = 0; f < FAMILIES; f++) {
-        if (strcmp(name, families[f].name) == 0) {
-            return &families[f];
+    const bench_family *f = bench_family_of(name);
+
+    if (!f) {
+        fprintf(stderr, "bench_pose: FAMILY is one of");
+        for (int i = 0; i < BENCH_FAMILIES; i++) {
+            fprintf(stderr, " %s", bench_families[i].name);
         }
+        fprintf(stderr, "\n");
+        exit(2);
     }
-    fail("FAMILY must be general, planar, tag, near-planar or off-centre");
-    return NULL;
+    return f;
 }
 
 /* The first line tells what was measured. */
@@ -658,14 +686,14 @@ static void run_minima(int argc, char **argv)
 {
     rigcal_pose_options options;
     double sigma = SIGMA_PX;
-    int scenes = SCENES, known = 0, given = 0;
+    int scenes = SCENES, known = 0, list = 0, given = 0;
 
     (void)rigcal_pose_defaults(&options);
     for (int i = 2; i < argc; i++) {
-        if (strcmp(argv[i], "--thorough") == 0) {
-            options.thorough = 1;
-        } else if (strcmp(argv[i], "--known") == 0) {
+        if (strcmp(argv[i], "--known") == 0) {
             known = 1;
+        } else if (strcmp(argv[i], "--list") == 0) {
+            list = 1;
         } else if (++given == 1) {
             scenes = whole_number(argv[i], 1, SCENES_MAX);
         } else if (given == 2) {
@@ -676,22 +704,55 @@ static void run_minima(int argc, char **argv)
     }
     options.sigma_px = RC(known ? sigma : 0);
     print_build();
-    bench_minima(scenes, sigma, &options);
+    bench_minima_table(scenes, sigma, &options, list);
+}
+
+static int points_of(const char *text, const bench_family *f)
+{
+    return whole_number(text, 4, f->is_tag ? 4 : TEST_SCENE_MAX);
+}
+
+static void run_replay(int argc, char **argv)
+{
+    const bench_family *f;
+
+    if (argc != 5 && argc != 6) {
+        usage();
+    }
+    f = family_of(argv[2]);
+    print_build();
+    bench_replay(f, points_of(argv[3], f), whole_number(argv[4], 0, SCENES_MAX),
+                 argc > 5 ? sigma_of(argv[5]) : SIGMA_PX);
+}
+
+static void run_float(int argc, char **argv, int compares)
+{
+    const int scenes = argc > 2 ? whole_number(argv[2], 1, SCENES_MAX) : SCENES;
+    const double sigma = argc > 3 ? sigma_of(argv[3]) : SIGMA_PX;
+
+    if (argc > 4) {
+        usage();
+    }
+    if (compares) {
+        print_build();
+        bench_compare(scenes, sigma);
+    } else {
+        write_answers(scenes, sigma);
+    }
 }
 
 static void run_solve(int argc, char **argv)
 {
     const int warm = argc == 6 && strcmp(argv[5], "warm") == 0;
-    const family *f;
-    int n;
+    const bench_family *f;
 
     if (argc != 5 + warm) {
         usage();
     }
     f = family_of(argv[2]);
-    n = whole_number(argv[3], 4, f->is_tag ? 4 : TEST_SCENE_MAX);
     print_build();
-    bench_solve(f, n, whole_number(argv[4], 1, SCENES_MAX), warm);
+    bench_solve(f, points_of(argv[3], f),
+                whole_number(argv[4], 1, SCENES_MAX), warm);
 }
 
 int main(int argc, char **argv)
@@ -700,10 +761,14 @@ int main(int argc, char **argv)
 
     if (strcmp(what, "minima") == 0) {
         run_minima(argc, argv);
+    } else if (strcmp(what, "replay") == 0) {
+        run_replay(argc, argv);
     } else if (strcmp(what, "coverage") == 0 && argc <= 3) {
         print_build();
         bench_coverage(argc > 2 ? whole_number(argv[2], 1, SCENES_MAX)
                                 : SCENES);
+    } else if (strcmp(what, "answers") == 0 || strcmp(what, "compare") == 0) {
+        run_float(argc, argv, strcmp(what, "compare") == 0);
     } else if (strcmp(what, "solve") == 0) {
         run_solve(argc, argv);
     } else {

@@ -83,9 +83,15 @@ enum {
                                     centre: every line through it matches */
     RIGCAL_ERR_OUTSIDE = -18,    /* the line does not cross the image */
     RIGCAL_ERR_DEGENERATE = -19, /* equations singular: no unique answer */
-    RIGCAL_ERR_NO_POSE = -20     /* no start led to a pose with every point in
+    RIGCAL_ERR_NO_POSE = -20,    /* no start led to a pose with every point in
                                     front: wrong correspondences or mirrored
                                     coordinates; seldom a search that missed */
+
+    /* Stored bytes. */
+    RIGCAL_ERR_DAMAGED = -21, /* incomplete, or altered since they were saved */
+    RIGCAL_ERR_FOREIGN = -22, /* not a stored calibration */
+    RIGCAL_ERR_VERSION = -23  /* whole, but of a form that this version of the
+                                 library does not know */
 };
 
 /* MAJOR * 10000 + MINOR * 100 + PATCH of the linked library. */
@@ -834,6 +840,77 @@ RIGCAL_API rigcal_status rigcal_rig_place(
 RIGCAL_API rigcal_status rigcal_measurement_bound(
     rigcal_real *bound, const rigcal_transform *b_from_a,
     const rigcal_transform *b_from_a_true, const rigcal_real X_a[3]);
+
+/* ==== store ===============================================================
+ *
+ * A calibration as bytes, for a flash page, a file or a message. The form is
+ * little-endian, without gaps, the same from every machine and compiler; DESIGN.md
+ * has its table. It carries a version and CRC-32s: every single altered bit and every
+ * missing end is refused for certain, other damage but for one chance in 4e9. That
+ * guards against accidents, not forgery. */
+
+/* One camera of a stored calibration. */
+typedef struct {
+    rigcal_camera camera;
+    rigcal_transform cam_from_rig;
+    rigcal_real Sigma[36]; /* covariance of cam_from_rig, as of a pose in
+                              rigcal_pose_uncertainty: only the lower triangle is
+                              stored, the upper one is its mirror when loaded. No
+                              negative variance; all 0 is an exact pose, as camera
+                              0 of a rig has */
+    int32_t has_Sigma;     /* 1: known. 0: not; Sigma is not read, and 0 when
+                              loaded */
+    int32_t reserved;      /* 0 */
+} rigcal_mounted_camera;
+
+/* What is told of stored bytes without their cameras. */
+typedef struct {
+    uint32_t sequence;  /* the caller's number of this calibration; the later one of
+                           two is a when (int32_t)(a - b) > 0, which survives the
+                           wrap at 2^32 */
+    uint32_t tag;       /* the caller's, of any meaning: a rig's serial number */
+    int32_t n_cameras;  /* 1 .. RIGCAL_SAVE_CAMERAS_MAX */
+    int32_t n_bytes;    /* of the stored form, from its first byte on */
+    int32_t real_bytes; /* 4 or 8: rigcal_sizeof_real() of who saved it */
+} rigcal_saved_info;
+
+/* Bytes that n cameras take, 1 .. 65535, for this build and for one whose reals
+ * have so many bytes: 32 and 376 a camera in double, 196 in float. The function
+ * gives 0 for another n. */
+enum { RIGCAL_SAVE_CAMERAS_MAX = 65535, RIGCAL_SAVE_HEADER_BYTES = 32 };
+#define RIGCAL_SAVE_SIZE_OF(n, real_bytes) \
+    (RIGCAL_SAVE_HEADER_BYTES + (n) * (16 + 45 * (real_bytes)))
+#define RIGCAL_SAVE_SIZE(n) RIGCAL_SAVE_SIZE_OF(n, sizeof(rigcal_real))
+RIGCAL_API size_t rigcal_save_size(size_t n_cameras);
+
+/* Writes n_cameras >= 1 cameras in their order as bytes[capacity], of which the first
+ * *n_bytes = rigcal_save_size(n_cameras) are written. Only what every other function
+ * would take is saved.
+ * OK, ERR_NULL, ERR_NOT_FINITE, ERR_CAMERA, ERR_ROTATION, ERR_RANGE (t, has_Sigma,
+ * reserved, a negative variance, n_cameras), ERR_TOO_FEW (no camera), ERR_CAPACITY. */
+RIGCAL_API rigcal_status rigcal_save(uint8_t bytes[], size_t *n_bytes,
+                                     size_t capacity,
+                                     const rigcal_mounted_camera cameras[],
+                                     size_t n_cameras, uint32_t sequence,
+                                     uint32_t tag);
+
+/* Whether bytes[n_bytes] begin with a whole stored calibration, and which. What
+ * follows its end is not read. Every byte of it is, twice, for the CRC: O(n_bytes).
+ * OK, ERR_NULL, ERR_FOREIGN (other bytes, erased flash among them), ERR_DAMAGED (also:
+ * fewer bytes than it has), ERR_VERSION. */
+RIGCAL_API rigcal_status rigcal_load_info(rigcal_saved_info *info,
+                                          const uint8_t bytes[], size_t n_bytes);
+
+/* The cameras of such bytes: the first info->n_cameras of cameras[capacity], checked
+ * as any input is. By a build of the same precision bit for bit what was saved. A
+ * build of the other precision reads them too: a float build rounds to nearest; a
+ * double build makes rotations orthonormal to its own rounding.
+ * Those of rigcal_load_info, ERR_CAPACITY, and ERR_NOT_FINITE (also: too large for a
+ * float build), ERR_CAMERA, ERR_ROTATION, ERR_RANGE for numbers that rigcal_save
+ * would have refused. */
+RIGCAL_API rigcal_status rigcal_load(rigcal_mounted_camera cameras[],
+                                     rigcal_saved_info *info, size_t capacity,
+                                     const uint8_t bytes[], size_t n_bytes);
 
 #ifdef __cplusplus
 }

@@ -1,4 +1,4 @@
-/* rc_rig.h - cameras joined into a rig; see rigcal.h. The lowest layer. */
+/* rc_rig.h - cameras joined into a rig; see rigcal.h. */
 #ifndef RC_RIG_H
 #define RC_RIG_H
 

@@ -49,6 +49,9 @@ const char *rigcal_status_name(rigcal_status status)
         NAME_OF(RIGCAL_ERR_OUTSIDE)
         NAME_OF(RIGCAL_ERR_DEGENERATE)
         NAME_OF(RIGCAL_ERR_NO_POSE)
+        NAME_OF(RIGCAL_ERR_DAMAGED)
+        NAME_OF(RIGCAL_ERR_FOREIGN)
+        NAME_OF(RIGCAL_ERR_VERSION)
     default:
         return "unknown status";
     }
@@ -131,6 +134,14 @@ const char *rigcal_status_text(rigcal_status status)
         return "no start led to a pose with every point in front: check "
                "the correspondences, and that the coordinates are "
                "right-handed";
+    case RIGCAL_ERR_DAMAGED:
+        return "the stored bytes are incomplete or were altered: use "
+               "another copy, or calibrate again";
+    case RIGCAL_ERR_FOREIGN:
+        return "these bytes are not a stored calibration";
+    case RIGCAL_ERR_VERSION:
+        return "the calibration was stored in a form that this version of "
+               "the library does not know: use the one that stored it";
     default:
         return "unknown status";
     }
@@ -304,6 +315,18 @@ static const rigcal_layout_entry LAYOUT[] = {
     FIELD(rigcal_view, weight),
     FIELD(rigcal_view, camera),
     FIELD(rigcal_view, placement),
+    STRUCT(rigcal_mounted_camera),
+    FIELD(rigcal_mounted_camera, camera),
+    FIELD(rigcal_mounted_camera, cam_from_rig),
+    FIELD(rigcal_mounted_camera, Sigma),
+    FIELD(rigcal_mounted_camera, has_Sigma),
+    FIELD(rigcal_mounted_camera, reserved),
+    STRUCT(rigcal_saved_info),
+    FIELD(rigcal_saved_info, sequence),
+    FIELD(rigcal_saved_info, tag),
+    FIELD(rigcal_saved_info, n_cameras),
+    FIELD(rigcal_saved_info, n_bytes),
+    FIELD(rigcal_saved_info, real_bytes),
 };
 
 int32_t rigcal_layout_count(void)

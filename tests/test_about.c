@@ -73,6 +73,9 @@ static const status_name STATUSES[] = {
     STATUS(RIGCAL_ERR_OUTSIDE),
     STATUS(RIGCAL_ERR_DEGENERATE),
     STATUS(RIGCAL_ERR_NO_POSE),
+    STATUS(RIGCAL_ERR_DAMAGED),
+    STATUS(RIGCAL_ERR_FOREIGN),
+    STATUS(RIGCAL_ERR_VERSION),
 };
 enum { N_STATUSES = sizeof STATUSES / sizeof STATUSES[0] };
 
@@ -321,6 +324,20 @@ static const rigcal_layout_entry EXPECTED[] = {
     FIELD(rigcal_view, weight),
     FIELD(rigcal_view, camera),
     FIELD(rigcal_view, placement),
+
+    STRUCT(rigcal_mounted_camera),
+    FIELD(rigcal_mounted_camera, camera),
+    FIELD(rigcal_mounted_camera, cam_from_rig),
+    FIELD(rigcal_mounted_camera, Sigma),
+    FIELD(rigcal_mounted_camera, has_Sigma),
+    FIELD(rigcal_mounted_camera, reserved),
+
+    STRUCT(rigcal_saved_info),
+    FIELD(rigcal_saved_info, sequence),
+    FIELD(rigcal_saved_info, tag),
+    FIELD(rigcal_saved_info, n_cameras),
+    FIELD(rigcal_saved_info, n_bytes),
+    FIELD(rigcal_saved_info, real_bytes),
 };
 enum { N_EXPECTED = sizeof EXPECTED / sizeof EXPECTED[0] };
 

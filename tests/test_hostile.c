@@ -53,10 +53,13 @@ static struct {
     rigcal_real spreads[N];
     rigcal_pose_options warm, cold;
     rigcal_pose_solver pose_solver, pose_solver_done;
+    rigcal_mounted_camera mounted[2];
+    uint8_t saved[RIGCAL_SAVE_SIZE(2)];
 } ok;
 
 static const size_t SIZE_2 = 2, SIZE_3 = 3, SIZE_4 = 4, SIZE_6 = 6,
-                    SIZE_15 = 15;
+                    SIZE_15 = 15, SIZE_SAVED = RIGCAL_SAVE_SIZE(2);
+static const uint32_t UINT_7 = 7;
 static const int32_t INT_0 = 0, INT_1 = 1, INT_2 = 2, INT_3 = 3, INT_8 = 8,
                      INT_480 = 480, INT_640 = 640, INT_1000 = 1000;
 static const rigcal_real REAL_TOL = RC(1e-6), REAL_COST = RC(2.5),
@@ -264,6 +267,22 @@ static void build_pose_searches(void)
     ASSERT_STATUS(RIGCAL_OK, status);
 }
 
+static void build_store(void)
+{
+    size_t n;
+
+    for (int c = 0; c < 2; c++) {
+        ok.mounted[c].camera = ok.camera;
+        ok.mounted[c].cam_from_rig = ok.poses[c];
+        ok.mounted[c].has_Sigma = 1;
+        for (int i = 0; i < 6; i++) {
+            ok.mounted[c].Sigma[7 * i] = RC(1e-6 * (i + 1));
+        }
+    }
+    ASSERT_STATUS(RIGCAL_OK, rigcal_save(ok.saved, &n, sizeof ok.saved,
+                                         ok.mounted, 2, UINT_7, UINT_7));
+}
+
 static void build_valid(void)
 {
     static const rigcal_camera camera = {
@@ -279,6 +298,7 @@ static void build_valid(void)
     build_rig();
     build_searches();
     build_pose_searches();
+    build_store();
 }
 
 /* ---- kinds of argument --------------------------------------------------- */
@@ -376,6 +396,27 @@ static const impossible BAD_VIEW[] = {
     BAD_REAL(rigcal_view, cam_from_target.R[0], 2, RIGCAL_ERR_ROTATION),
     BAD_REAL(rigcal_view, cam_from_target.R[8], -5, RIGCAL_ERR_ROTATION),
     BAD_END};
+static const impossible BAD_MOUNTED[] = {
+    BAD_INT(rigcal_mounted_camera, camera.lens, 2, RIGCAL_ERR_CAMERA),
+    BAD_INT(rigcal_mounted_camera, camera.reserved, 1, RIGCAL_ERR_CAMERA),
+    BAD_REAL(rigcal_mounted_camera, camera.fx, 0, RIGCAL_ERR_CAMERA),
+    BAD_REAL(rigcal_mounted_camera, cam_from_rig.R[0], 2, RIGCAL_ERR_ROTATION),
+    BAD_REAL(rigcal_mounted_camera, cam_from_rig.R[8], -5, RIGCAL_ERR_ROTATION),
+    BAD_REAL(rigcal_mounted_camera, Sigma[0], -1, RIGCAL_ERR_RANGE),
+    BAD_REAL(rigcal_mounted_camera, Sigma[35], -1e-9, RIGCAL_ERR_RANGE),
+    BAD_INT(rigcal_mounted_camera, has_Sigma, -1, RIGCAL_ERR_RANGE),
+    BAD_INT(rigcal_mounted_camera, has_Sigma, 2, RIGCAL_ERR_RANGE),
+    BAD_INT(rigcal_mounted_camera, reserved, 1, RIGCAL_ERR_RANGE),
+    BAD_END};
+/* Bytes, of which four are written over. */
+static const impossible BAD_SAVED[] = {
+    {RIGCAL_ERR_FOREIGN, 0, 0, 0x43474952 + 1},
+    {RIGCAL_ERR_DAMAGED, 8, 0, 1},
+    {RIGCAL_ERR_DAMAGED, 8, 0, INT32_MIN},
+    {RIGCAL_ERR_DAMAGED, 20, 0, INT32_MAX},
+    {RIGCAL_ERR_DAMAGED, 40, 0, 0},
+    {RIGCAL_ERR_DAMAGED, RIGCAL_SAVE_SIZE(2) - 4, 0, -1},
+    BAD_END};
 static const impossible BAD_LINE[] = {BAD_NUMBER(5, RIGCAL_ERR_RANGE), BAD_END};
 static const impossible NOT_POSITIVE[] = {
     BAD_NUMBER(0, RIGCAL_ERR_RANGE), BAD_NUMBER(-1, RIGCAL_ERR_RANGE), BAD_END};
@@ -439,6 +480,12 @@ static const kind ENTRY = {sizeof(rigcal_layout_entry), 0, 0, NULL, 0};
 static const kind INT32 = {sizeof(int32_t), 0, 0, NULL, 0};
 static const kind SIZE = {sizeof(size_t), 0, 0, NULL, 0};
 static const kind BYTES = {1, 0, 0, NULL, 0};
+static const kind MOUNTED = {sizeof(rigcal_mounted_camera),
+                             offsetof(rigcal_mounted_camera, camera.fx), 60,
+                             BAD_MOUNTED, RIGCAL_ERR_CAMERA};
+static const kind SAVED = {RIGCAL_SAVE_SIZE(2), 0, 0, BAD_SAVED,
+                           RIGCAL_ERR_FOREIGN};
+static const kind SAVED_INFO = {sizeof(rigcal_saved_info), 0, 0, NULL, 0};
 
 /* ---- roles of an argument ------------------------------------------------ */
 
@@ -520,6 +567,16 @@ typedef struct {
     { \
         R_COUNT, &SIZE, 1, valid, low, 0, status \
     }
+/* Cameras of a stored calibration. */
+#define CAMERAS(valid) \
+    { \
+        R_COUNT, &SIZE, 1, valid, 1, RIGCAL_SAVE_CAMERAS_MAX, RIGCAL_ERR_TOO_FEW \
+    }
+/* Of a tag every number is good. */
+#define ANY_INTEGER(valid) \
+    { \
+        R_COUNT, &INT32, 1, valid, INT32_MIN, 0, 0 \
+    }
 #define CHOICE(valid, low, high, status) \
     { \
         R_COUNT, &INT32, 1, valid, low, high, status \
@@ -550,11 +607,13 @@ typedef struct {
 #define VIEWED \
     (DEVICE | S(ROTATION) | S(TOO_FEW) | S(NO_RAY) | S(WIDE_RAY) | \
      S(COINCIDENT) | S(COLLINEAR) | S(PRECISION))
+#define STORED (S(NULL) | S(FOREIGN) | S(DAMAGED) | S(VERSION))
 #define FITTED \
     (S(NO_POSE) | S(DEGENERATE) | BIT(RIGCAL_AMBIGUOUS) | BIT(RIGCAL_POOR_FIT))
 
 #define REAL(p) (*(const rigcal_real *)(p))
 #define INT(p) (*(const int32_t *)(p))
+#define UINT(p) (*(const uint32_t *)(p))
 #define COUNTED(p) (*(const size_t *)(p))
 #define CALL(name, ...) \
     static rigcal_status call_##name(void *const p[]) \
@@ -628,6 +687,9 @@ CALL(rig_join, p[0], p[1], COUNTED(p[2]), p[3], COUNTED(p[4]), p[5], p[6])
 CALL(rig_place, p[0], INT(p[1]), INT(p[2]), p[3], p[4], COUNTED(p[5]), p[6],
      COUNTED(p[7]), p[8], p[9])
 CALL(measurement_bound, p[0], p[1], p[2], p[3])
+CALL(save, p[0], p[1], COUNTED(p[2]), p[3], COUNTED(p[4]), UINT(p[5]), UINT(p[6]))
+CALL(load_info, p[0], p[1], COUNTED(p[2]))
+CALL(load, p[0], p[1], COUNTED(p[2]), p[3], COUNTED(p[4]))
 
 static const function FUNCTIONS[] = {
     {F(layout), 0, S(NULL) | S(RANGE),
@@ -834,6 +896,19 @@ static const function FUNCTIONS[] = {
     {F(measurement_bound), 0, ROTATED,
      {OUT(NUMBER, 1), IN(TRANSFORM, 1, &ok.b_from_a),
       IN(TRANSFORM, 1, &ok.a_from_b), IN(VEC3, 1, ok.X)}},
+
+    {F(save), 0, DEVICE | S(ROTATION) | S(TOO_FEW) | S(CAPACITY),
+     {OUT(SAVED, 1), OUT(SIZE, 1),
+      ROOM(&SIZE_SAVED, RIGCAL_SAVE_SIZE(2), RIGCAL_ERR_CAPACITY),
+      IN(MOUNTED, 2, ok.mounted), CAMERAS(&SIZE_2), ANY_INTEGER(&UINT_7),
+      ANY_INTEGER(&UINT_7)}},
+    {F(load_info), 0, STORED,
+     {OUT(SAVED_INFO, 1), IN(SAVED, 1, ok.saved),
+      ROOM(&SIZE_SAVED, RIGCAL_SAVE_SIZE(2), RIGCAL_ERR_DAMAGED)}},
+    {F(load), 0, STORED | DEVICE | S(ROTATION) | S(CAPACITY),
+     {OUT(MOUNTED, 2), OUT(SAVED_INFO, 1), ROOM(&SIZE_2, 2, RIGCAL_ERR_CAPACITY),
+      IN(SAVED, 1, ok.saved),
+      ROOM(&SIZE_SAVED, RIGCAL_SAVE_SIZE(2), RIGCAL_ERR_DAMAGED)}},
 };
 /* clang-format on */
 enum { N_FUNCTIONS = sizeof FUNCTIONS / sizeof FUNCTIONS[0] };
@@ -842,6 +917,7 @@ enum { N_FUNCTIONS = sizeof FUNCTIONS / sizeof FUNCTIONS[0] };
 static const char *const HARMLESS[] = {
     "rigcal_version",     "rigcal_sizeof_real",  "rigcal_status_name",
     "rigcal_status_text", "rigcal_layout_count", "rigcal_pairs_for",
+    "rigcal_save_size",
 };
 enum { N_HARMLESS = sizeof HARMLESS / sizeof HARMLESS[0] };
 
@@ -968,7 +1044,7 @@ static rigcal_status call(int absent, int byte)
     }
     status = current->call(p);
     if (status != RIGCAL_OK &&
-        (status < -20 || status > 5 || !(current->named & BIT(status)))) {
+        (status < -23 || status > 5 || !(current->named & BIT(status)))) {
         complain("a status that the manual does not name here", status);
     }
     for (int i = 0; i < n_arguments(); i++) {

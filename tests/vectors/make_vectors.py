@@ -13,7 +13,9 @@ import math
 import os
 import random
 import re
+import struct
 import sys
+import zlib
 
 import numpy as np
 from scipy.optimize import least_squares, minimize
@@ -603,13 +605,62 @@ def neldermead():
     }
 
 
+# ---- stored calibrations ---------------------------------------------------------------
+SEQUENCE, TAG = 0xFFFFFFFE, 0x12345678
+
+
+def stored_cameras():
+    """lens, width, height, whether Sigma is known; the other numbers of the camera; R; t;
+    Sigma."""
+    rng, out = random.Random(10), []
+    for k, known in ((0, 0), (1, 1), (4, 1)):
+        A = decimals(rng, -1e-3, 1e-3, 6, (6, 6))
+        Sigma = np.array([float("%.6e" % x) for x in (A @ A.T).ravel()]) * known
+        # not all digits: the last one may differ between machines, and bytes would show it
+        R = np.round(oracle.euler_to_matrix(*any_ypr(rng)), 12) if k else np.eye(3)
+        t = decimals(rng, -5, 5, 4, (3,)) if k else np.zeros(3)
+        out.append(row(CAMERAS[k][:3], known, CAMERAS[k][3:], R, t, Sigma) + 0.0)  # no -0
+    return out
+
+
+def stored(rows, letter):
+    """The byte form of DESIGN.md; letter d or f, struct's for the two precisions."""
+    body = b""
+    for r in rows:
+        body += struct.pack("<4i", *[int(x) for x in r[:4]])
+        numbers = row(r[4:28], lower(r[28:].reshape(6, 6)))
+        body += struct.pack("<%d%s" % (len(numbers), letter), *numbers)
+    head = struct.pack("<4sHHIIII", b"RIGC", 1, struct.calcsize("<" + letter), len(rows),
+                       SEQUENCE, TAG, 32 + len(body)) + struct.pack("<I", zlib.crc32(body))
+    return head + struct.pack("<I", zlib.crc32(head)) + body
+
+
+def store():
+    rng, crcs = random.Random(11), []
+    for text in [b"", b"123456789", b"\0", b"\xff" * 32, b"\0" * 40] + [
+            bytes(rng.randrange(256) for _ in range(n)) for n in range(1, 40)]:
+        crcs.append(row(len(text), list(text) + [0] * (40 - len(text)), zlib.crc32(text)))
+    rows = stored_cameras()
+    return {
+        "STORE_CRC": ("number of bytes; the bytes, and zeros up to 40; zlib.crc32 of them",
+                      crcs),
+        "STORE_CAMERA": ("a calibration: of each camera lens, width, height, whether Sigma is "
+                         "known; fx, fy, cx, cy, k1, k2, p1, p2, k3, k4, k5, k6; R; t; Sigma",
+                         rows),
+        "STORE_NUMBERS": ("its sequence number and tag", [row(SEQUENCE, TAG)]),
+        "STORE_DOUBLE": ("its bytes as a double build stores them, by Python's struct and "
+                         "zlib", [row(list(stored(rows, "d")))]),
+        "STORE_FLOAT": ("and as a float build does", [row(list(stored(rows, "f")))]),
+    }
+
+
 # ---- files -----------------------------------------------------------------------------
 TOPICS = {
     "neldermead": neldermead, "rotation": rotations, "transform": transforms,
     "scenes": scenes, "pairs": pairs, "elimination_two": elimination_two,
     "elimination_all": elimination_all, "translation": translation,
     "two_views": two_views, "camera": cameras, "triangulation": triangulation,
-    "view": view, "refine": refine,
+    "view": view, "refine": refine, "store": store,
 }
 
 

@@ -845,9 +845,9 @@ RIGCAL_API rigcal_status rigcal_measurement_bound(
  *
  * A calibration as bytes, for a flash page, a file or a message. The form is
  * little-endian, without gaps, the same from every machine and compiler; DESIGN.md
- * has its table. It carries a version and CRC-32s: every single altered bit and every
- * missing end is refused for certain, other damage but for one chance in 4e9. That
- * guards against accidents, not forgery. */
+ * has its table. It carries a version and CRC-32s: one or two altered bits and every
+ * length too short are refused for certain, other damage but for one chance in 4e9.
+ * That guards against accidents, not forgery. */
 
 /* One camera of a stored calibration. */
 typedef struct {
@@ -895,7 +895,7 @@ RIGCAL_API rigcal_status rigcal_save(uint8_t bytes[], size_t *n_bytes,
                                      uint32_t tag);
 
 /* Whether bytes[n_bytes] begin with a whole stored calibration, and which. What
- * follows its end is not read. Every byte of it is, twice, for the CRC: O(n_bytes).
+ * follows its end is not read. Time O(bytes of it).
  * OK, ERR_NULL, ERR_FOREIGN (other bytes, erased flash among them), ERR_DAMAGED (also:
  * fewer bytes than it has), ERR_VERSION. */
 RIGCAL_API rigcal_status rigcal_load_info(rigcal_saved_info *info,

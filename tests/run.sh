@@ -15,6 +15,8 @@ asan          preset asan
 asan-float    preset asan-float
 shared        preset shared
 consumers     sh tests/consumers/run.sh build/consumers
+single-file   sh tests/ways/single_file.sh build/single_file
+ways          sh tests/ways/run.sh build/ways
 cli           $PYTHON tests/cli/test_cli.py
 cli-float     RIGCAL_BIN=build/gcc-float/rigcal $PYTHON tests/cli/test_cli.py
 cli-asan      RIGCAL_BIN=build/asan/rigcal $PYTHON tests/cli/test_cli.py
@@ -22,6 +24,7 @@ ffi           sh examples/ffi/run.sh
 readme        $PYTHON tests/checks/check_readme.py
 vectors       $PYTHON tests/vectors/make_vectors.py --check
 layers        $PYTHON tests/checks/check_layers.py
+manifests     $PYTHON tests/checks/check_manifests.py
 symbols       $PYTHON tests/checks/check_symbols.py
 callgraph     $PYTHON tests/checks/check_callgraph.py build/callgraph
 header        sh tests/checks/check_header.sh
@@ -47,6 +50,7 @@ want rustc rustc --version
 want gcc-arm-none-eabi arm-none-eabi-gcc --version
 want picolibc-arm-none-eabi \
     arm-none-eabi-gcc --specs=picolibc.specs -E -x c /dev/null
+want python3-venv /usr/bin/python3 -c "import ensurepip"
 find_python numpy scipy >/dev/null ||
     missing="$missing python3 python3-numpy python3-scipy"
 install_missing || exit 1

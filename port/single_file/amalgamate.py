@@ -1,0 +1,161 @@
+#!/usr/bin/env python3
+"""Writes the whole library as one header and one source.
+
+    python3 port/single_file/amalgamate.py FOLDER
+
+makes FOLDER/rigcal.h, which holds rigcal_config.h too, and FOLDER/rigcal.c: the
+headers and sources of src/ in the order of RIGCAL_LAYERS in CMakeLists.txt. A name
+that a source keeps to itself and another file uses as well is given the layer's
+name as a prefix; the macros of a source end with it.
+"""
+import pathlib
+import re
+import sys
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+
+TOKENS = re.compile(r'/\*.*?\*/|//[^\n]*|"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\\n])+\'', re.S)
+MACRO = re.compile(r"^[ \t]*#[ \t]*define[ \t]+(\w+)", re.M)
+
+
+def layers():
+    text = (ROOT / "CMakeLists.txt").read_text()
+    return re.search(r"set\(RIGCAL_LAYERS\s+([^)]*)\)", text)[1].split()
+
+
+def version():
+    text = (ROOT / "include/rigcal.h").read_text()
+    return ".".join(re.search(rf"#define RIGCAL_VERSION_{part} +(\d+)", text)[1]
+                    for part in ("MAJOR", "MINOR", "PATCH"))
+
+
+def bare(text):
+    """The text with comments and literals blanked, every other character in place."""
+    return TOKENS.sub(lambda m: re.sub(r"[^\n]", " ", m[0]), text)
+
+
+def outermost(text):
+    """The statements of file scope, their braces' insides left out but for those of
+    an enum, whose constants are names of file scope."""
+    code = re.sub(r"^[ \t]*#(?:[^\n]*\\\n)*[^\n]*", "", bare(text), flags=re.M)
+    depth, statement = 0, ""
+    for c in code:
+        is_enum = re.match(r"\s*(typedef\s+)?enum\b", statement)
+        if c == "{":
+            depth += 1
+            if depth == 1:
+                statement += c
+                continue
+        elif c == "}":
+            depth -= 1
+            if depth == 0 and re.search(r"\)\s*\{$", statement):
+                yield statement
+                statement = ""
+                continue
+        if depth == 0 or is_enum:
+            statement += c
+        if c == ";" and depth == 0:
+            yield statement
+            statement = ""
+
+
+def private_names(text):
+    """What a source defines at file scope for itself: functions, objects, types and
+    constants of enums."""
+    names = []
+    for statement in outermost(text):
+        if "enum" in statement and "{" in statement:
+            for constant in re.search(r"\{([^}]*)\}", statement)[1].split(","):
+                names += re.findall(r"\w+", constant)[:1]
+        names += re.findall(r"\b(?:struct|enum|union)\s+(\w+)\s*\{", statement)
+        if re.match(r"\s*typedef\b", statement):
+            function = re.search(r"\(\s*\*\s*(\w+)\s*\)", statement)
+            names += [function[1]] if function else re.findall(r"(\w+)[\[\]\w]*\s*;$", statement)
+        elif re.match(r"\s*static\b", statement):
+            declarator = re.split(r"[=({\[;]", statement, maxsplit=1)[0]
+            names += re.findall(r"\w+", declarator)[-1:]
+    return {n for n in names if not n.startswith(("rigcal_", "rc_", "RIGCAL_"))}
+
+
+def words(text):
+    return set(re.findall(r"\b[A-Za-z_]\w*", bare(text)))
+
+
+def renamed(text, names, prefix):
+    """The text with the names prefixed, fields of structs and literals left alone."""
+    if not names:
+        return text
+    code = bare(text)
+    pattern = re.compile(r"(?<![\w.>])(" + "|".join(sorted(names)) + r")\b")
+    out, last = [], 0
+    for m in pattern.finditer(code):
+        out += [text[last:m.start()], prefix, m[0]]
+        last = m.end()
+    return "".join(out) + text[last:]
+
+
+def without_own_includes(text):
+    return re.sub(r'^#include "[^"]*"[^\n]*\n', "", text, flags=re.M)
+
+
+def banner(name):
+    return f"\n/* {'=' * 8} {name} {'=' * (62 - len(name))} */\n\n"
+
+
+def head(name, what):
+    licence = (ROOT / "LICENSE").read_text().strip()
+    licence = "\n".join(" *" + (" " + line if line else "") for line in licence.split("\n"))
+    return (f"/* {name} - rigcal {version()}, {what}\n"
+            " *\n * Made by port/single_file/amalgamate.py: change the files it was made of.\n"
+            f" *\n{licence}\n */\n")
+
+
+def public_header():
+    text = (ROOT / "include/rigcal.h").read_text()
+    config = (ROOT / "include/rigcal_config.h").read_text()
+    line = re.compile(r'^#include "rigcal_config.h"[^\n]*\n', re.M)
+    if len(line.findall(text)) != 1:
+        sys.exit("amalgamate: rigcal.h does not include rigcal_config.h once")
+    return head("rigcal.h", "the whole interface.") + line.sub(lambda _: config, text)
+
+
+def source():
+    order = layers()
+    headers = [ROOT / f"src/rc_{layer}.h" for layer in ["real"] + order]
+    headers = [path for path in headers if path.exists()]
+    sources = [ROOT / f"src/rigcal_{layer}.c" for layer in ["about"] + order]
+    forgotten = set((ROOT / "src").glob("*")) - set(headers) - set(sources)
+    if forgotten:
+        sys.exit("amalgamate: belongs to no layer of CMakeLists.txt: " +
+                 ", ".join(sorted(path.name for path in forgotten)))
+
+    texts = {path: path.read_text() for path in headers + sources}
+    used = {path: words(text) for path, text in texts.items()}
+    out = [head("rigcal.c", "the whole library."), "#ifndef RIGCAL_BUILD\n",
+           "#define RIGCAL_BUILD\n#endif\n#include \"rigcal.h\"\n"]
+    for path in headers:
+        out += [banner(path.name), without_own_includes(texts[path])]
+    for path in sources:
+        others = set().union(*(used[other] for other in texts if other != path))
+        text = without_own_includes(texts[path])
+        prefix = path.stem[len("rigcal_"):] + "_"
+        out += [banner(path.name),
+                renamed(text, private_names(text) & others, prefix).strip("\n"), "\n\n"]
+        out += [f"#undef {name}\n" for name in dict.fromkeys(MACRO.findall(bare(text)))]
+    return "".join(out)
+
+
+def main():
+    if len(sys.argv) != 2:
+        sys.exit(__doc__)
+    folder = pathlib.Path(sys.argv[1])
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / "rigcal.h").write_text(public_header())
+    text = source()
+    (folder / "rigcal.c").write_text(text)
+    print(f"{folder}/rigcal.h and {folder}/rigcal.c, {text.count(chr(10))} lines, "
+          f"rigcal {version()}")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,132 @@
+#!/bin/sh
+# Each package of port/package.sh, taken in by the tool it is for and built. Where
+# the tool cannot be had without its vendor's SDK (ESP-IDF, Zephyr, Arduino), the
+# little of it that the package calls stands in this folder, for the host.
+#
+#   sh tests/ways/run.sh [FOLDER]     builds in FOLDER, build/ways
+set -eu
+cd "$(dirname "$0")/../.."
+
+mkdir -p "${1:-build/ways}"
+out=$(cd "${1:-build/ways}" && pwd)
+rm -rf "${out:?}"/*
+here=tests/ways
+count=0
+
+# The tools, by their versions, kept for the user so that later runs find them.
+tools=${XDG_CACHE_HOME:-${HOME:-$out}/.cache}/rigcal/ways
+if ! cmp -s $here/requirements.txt "$tools/requirements.txt"; then
+    rm -rf "$tools"
+    /usr/bin/python3 -m venv "$tools"
+    "$tools/bin/pip" -q --disable-pip-version-check install -r $here/requirements.txt
+    cp $here/requirements.txt "$tools"
+fi
+bin=$tools/bin
+# Nothing of theirs is written elsewhere.
+export CONAN_HOME="$out/home/conan" PLATFORMIO_CORE_DIR="$out/home/platformio"
+export PLATFORMIO_SETTING_ENABLE_TELEMETRY=no IDF_COMPONENT_CACHE_PATH="$out/home/idf"
+
+for way in arduino cmsis-pack conan esp-idf meson platformio zephyr; do
+    sh port/package.sh $way "$out/$way/rigcal" https://example.org/rigcal
+done
+
+# Runs a program and compares what it says with $1.
+check() {
+    expected=$1
+    shift
+    said=$("$@" 2>&1) || { echo "ways: $1 failed: $said"; exit 1; }
+    case $said in
+    *"$expected"*) count=$((count + 1)) ;;
+    *) echo "ways: $1 says \"$said\", not \"$expected\""; exit 1 ;;
+    esac
+}
+double="rigcal_real of 8 bytes"
+float="rigcal_real of 4 bytes"
+
+# Arduino: the sketch and the library's one folder of sources, on a core of ours.
+for source in "$out"/arduino/rigcal/src/*.c; do
+    gcc -std=gnu11 -O2 -Wall -Wextra -Werror -c "$source" \
+        -o "$out/arduino/$(basename "$source" .c).o"
+done
+g++ -std=gnu++11 -O2 -Wall -Wextra -Werror -I$here/arduino -include Arduino.h \
+    -I"$out/arduino/rigcal/src" -x c++ "$out/arduino/rigcal/examples/Pose/Pose.ino" \
+    $here/arduino/main.cpp -x none "$out"/arduino/*.o -lm -o "$out/arduino/sketch"
+check "-0.561 -0.443 0.838 m, to 0.01 px" "$out/arduino/sketch"
+
+# CMSIS-Pack: what the description lists of each variant, and no more.
+for variant in float double; do
+    /usr/bin/python3 $here/pdsc.py "$out/cmsis-pack/rigcal/rigcal.rigcal.pdsc" \
+        $variant "$out/cmsis-pack/$variant.h" >"$out/cmsis-pack/$variant"
+    # shellcheck disable=SC2046 -- a list of sources
+    (cd "$out/cmsis-pack/rigcal" &&
+        gcc -std=c99 -O2 -include "../$variant.h" -Iinclude $(cat ../$variant) \
+            "$OLDPWD/tests/consumers/main.c" -lm -o ../program_$variant)
+done
+check "$double" "$out/cmsis-pack/program_double"
+check "$float" "$out/cmsis-pack/program_float"
+
+# Conan: create builds the package and runs its test.
+"$bin/conan" profile detect
+check "$double" "$bin/conan" create "$out/conan/rigcal" --no-remote
+check "$float" "$bin/conan" create "$out/conan/rigcal" --no-remote \
+    -o "rigcal/*:real=float" -o "rigcal/*:shared=True"
+
+# ESP-IDF: the component manager reads and packs it, Kconfig chooses.
+(cd "$out/esp-idf/rigcal" && "$bin/compote" manifest lint)
+"$bin/compote" component pack --project-dir "$out/esp-idf/rigcal" --name rigcal \
+    --dest-dir "$out/esp-idf"
+for real in double float; do
+    use_float=y
+    [ $real = float ] || use_float=n
+    # shellcheck disable=SC2046 -- several settings
+    cmake -G Ninja -S $here/esp-idf -B "$out/esp-idf/$real" \
+        -DPACKAGE="$out/esp-idf/rigcal" $("$bin/python" $here/kconfig.py \
+            "$out/esp-idf/rigcal/Kconfig" RIGCAL_USE_FLOAT=$use_float)
+    cmake --build "$out/esp-idf/$real"
+done
+check "$double" "$out/esp-idf/double/consumer"
+check "$float" "$out/esp-idf/float/consumer"
+
+# Meson: as a project and as a subproject of another.
+"$bin/meson" setup "$out/meson/build" "$out/meson/rigcal" --werror \
+    -Dreal=float -Ddefault_library=shared
+check "$float" "$bin/meson" test -C "$out/meson/build" --verbose
+mkdir -p "$out/meson/app/subprojects"
+cp tests/consumers/main.c $here/meson/meson.build "$out/meson/app"
+cp -R "$out/meson/rigcal" "$out/meson/app/subprojects"
+"$bin/meson" setup "$out/meson/app/build" "$out/meson/app"
+"$bin/meson" compile -C "$out/meson/app/build"
+check "$double" "$out/meson/app/build/app"
+
+# PlatformIO: packed by its own tool, but for the licence, whose list of names it
+# would ask its registry for; then built as the manifest tells.
+mkdir "$out/platformio/unpacked"
+cp -R "$out/platformio/rigcal" "$out/platformio/unlicensed"
+sed -i '/"license"/d' "$out/platformio/unlicensed/library.json"
+"$bin/pio" pkg pack "$out/platformio/unlicensed" -o "$out/platformio/rigcal.tar.gz"
+tar -xzf "$out/platformio/rigcal.tar.gz" -C "$out/platformio/unpacked"
+# shellcheck disable=SC2046 -- several flags
+(cd "$out/platformio/unpacked" &&
+    gcc -O2 -DRIGCAL_USE_FLOAT=1 $(/usr/bin/python3 -c '
+import json
+build = json.load(open("library.json"))["build"]
+print(*build["flags"], "-I" + build["includeDir"])') src/*.c \
+        "$OLDPWD/tests/consumers/main.c" -lm -o ../program)
+check "$float" "$out/platformio/program"
+
+# Zephyr: Kconfig chooses, by what the core has.
+for real in double float; do
+    fpu=y
+    [ $real = double ] || fpu=n
+    # shellcheck disable=SC2046 -- several settings
+    cmake -G Ninja -S $here/zephyr -B "$out/zephyr/$real" \
+        -DPACKAGE="$out/zephyr/rigcal" \
+        $(MODULE="$out/zephyr/rigcal/zephyr/Kconfig" "$bin/python" \
+            $here/kconfig.py $here/zephyr/Kconfig RIGCAL=y \
+            CPU_HAS_FPU_DOUBLE_PRECISION=$fpu)
+    cmake --build "$out/zephyr/$real"
+done
+check "$double" "$out/zephyr/double/consumer"
+check "$float" "$out/zephyr/float/consumer"
+
+echo "$count programs by Arduino, CMSIS-Pack, Conan, ESP-IDF, Meson, PlatformIO, Zephyr"

@@ -46,6 +46,5 @@ for build in gcc-double clang-float; do
     cmake --build "$out/$build"
     ctest --test-dir "$out/$build" --output-on-failure >"$out/$build.log" ||
         { cat "$out/$build.log"; exit 1; }
-    grep "tests passed" "$out/$build.log"
 done
 echo "$(wc -l <"$out/parts.txt") global names, every test twice, on one source"

@@ -30,6 +30,7 @@ callgraph     $PYTHON tests/checks/check_callgraph.py build/callgraph
 header        sh tests/checks/check_header.sh
 cross         sh tests/checks/check_cross.sh
 cppcheck      sh tests/checks/check_cppcheck.sh
+shell         sh tests/checks/check_shell.sh
 words         sh tests/checks/check_words.sh
 '
 

@@ -7,15 +7,15 @@
  *       some of them, for all noises
  *   bench_opencv three [SCENES] [NOISE]
  *       three points
- *   bench_opencv replay FAMILY N INDEX [NOISE]
- *       one scene: its minima, and what everyone answered
+ *   bench_opencv replay FAMILY N INDEX NOISE NEAREST FARTHEST
+ *       one scene, as --list names it: its minima, and what everyone answered
  *   bench_opencv methods FAMILY N
  *       what there is for it
  *   bench_opencv solve FAMILY N METHOD COUNT
  *       only solves, for callgrind; prints the mean number of allocations
  *
- * NOISE is in pixels, or "whole": exact images rounded to whole pixels. --list names
- * the scenes that rigcal did not get right, on stderr. */
+ * NOISE is in pixels; 0: exact images rounded to whole pixels. --list names the scenes
+ * that rigcal did not get right, on stderr. */
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -563,8 +563,9 @@ static void judge_scene(row &r, const batch &b, int scene, long index, bool list
                 judge_second(c, found[k], m);
             }
             if (!well && list && methods[k].is_ours) {
-                std::fprintf(stderr, "%s %d %ld %g: %s\n", r.f->name, r.n, index,
-                             r.view.sigma, methods[k].name);
+                std::fprintf(stderr, "%s %d %ld %g %g %g: %s\n", r.f->name, r.n,
+                             index, r.view.sigma, r.view.nearest,
+                             r.view.farthest, methods[k].name);
             }
         }
     }
@@ -904,10 +905,11 @@ static void bench_three(int scenes, double sigma, bool list)
 
 /* ---- one scene ----------------------------------------------------------- */
 
-static void bench_replay(const bench_family *f, int n, long index, double sigma)
+static void bench_replay(const bench_family *f, int n, long index,
+                         const bench_view &view)
 {
     static batch b;
-    row r = row_of(f, n, bench_view{3, 30, sigma}, 1);
+    row r = row_of(f, n, view, 1);
     bench_minima m;
 
     fill_batch(b, r, index, 1);
@@ -979,7 +981,7 @@ static void bench_solve(const bench_family *f, int n, const method *m, int count
 {
     fail("usage: bench_opencv targets [SCENES] [NOISE] | noises [SCENES] | "
          "three [SCENES] [NOISE], each with [--list] | "
-         "replay FAMILY N INDEX [NOISE] | methods FAMILY N | "
+         "replay FAMILY N INDEX NOISE NEAREST FARTHEST | methods FAMILY N | "
          "solve FAMILY N METHOD COUNT");
 }
 
@@ -1000,13 +1002,16 @@ static double noise_of(const std::string &text)
     char *end;
     const double sigma = std::strtod(text.c_str(), &end);
 
-    if (text == "whole") {
-        return 0;
-    }
-    if (text.empty() || *end != '\0' || !(sigma > 0 && sigma <= 100)) {
-        fail("NOISE must be above 0 and at most 100, or whole");
+    if (text.empty() || *end != '\0' || !(sigma >= 0 && sigma <= 100)) {
+        fail("NOISE must be from 0 to 100");
     }
     return sigma;
+}
+
+/* From where no target reaches behind the camera. */
+static double distance_of(const std::string &text)
+{
+    return whole_number(text, 2, 1000);
 }
 
 static const bench_family *family_of(const std::string &name)
@@ -1051,22 +1056,24 @@ int main(int argc, char **argv)
         return args.size() > 1 ? whole_number(args[1], 1, SCENES_MAX)
                                : (int)SCENES;
     };
-    const auto noise = [&args](size_t i) {
-        return args.size() > i ? noise_of(args[i]) : 0.5;
+    const auto noise = [&args] {
+        return args.size() > 2 ? noise_of(args[2]) : 0.5;
     };
 
     cv::setNumThreads(1);
     cv::ocl::setUseOpenCL(false);
     cv::redirectError(silent);
     if (args[0] == "targets" && args.size() <= 3) {
-        bench_targets(scenes(), noise(2), list);
+        bench_targets(scenes(), noise(), list);
     } else if (args[0] == "noises" && args.size() <= 2) {
         bench_noises(scenes(), list);
     } else if (args[0] == "three" && args.size() <= 3) {
-        bench_three(scenes(), noise(2), list);
-    } else if (args[0] == "replay" && (args.size() == 4 || args.size() == 5)) {
+        bench_three(scenes(), noise(), list);
+    } else if (args[0] == "replay" && args.size() == 7) {
         bench_replay(family_of(args[1]), whole_number(args[2], 3, TEST_SCENE_MAX),
-                     whole_number(args[3], 0, SCENES_MAX), noise(4));
+                     whole_number(args[3], 0, SCENES_MAX),
+                     bench_view{distance_of(args[5]), distance_of(args[6]),
+                                noise_of(args[4])});
     } else if (args[0] == "methods" && args.size() == 3) {
         bench_methods(family_of(args[1]), whole_number(args[2], 3, TEST_SCENE_MAX));
     } else if (args[0] == "solve" && args.size() == 5) {

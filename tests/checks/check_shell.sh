@@ -1,0 +1,10 @@
+#!/bin/sh
+# Every script is read by the shell: those too that CI does not run.
+set -eu
+cd "$(dirname "$0")/../.."
+
+scripts=$(find . \( -name build -o -name .git \) -prune -o -name '*.sh' -print)
+for script in $scripts; do
+    sh -n "$script"
+done
+echo "$(echo "$scripts" | wc -l) scripts"

@@ -53,7 +53,7 @@ enum {
     RIGCAL_BUDGET_SPENT = 2, /* evaluations ran out first; best found so far */
     RIGCAL_DISCONNECTED = 3, /* some cameras share no placement with the first */
     RIGCAL_AMBIGUOUS = 4,    /* another pose fits nearly as well */
-    RIGCAL_POOR_FIT = 5,     /* the error is too large for the noise stated */
+    RIGCAL_POOR_FIT = 5,     /* the error is too large for noise */
 
     /* The arguments. */
     RIGCAL_ERR_NULL = -1,       /* a pointer that must not be NULL is */
@@ -563,7 +563,7 @@ RIGCAL_API rigcal_status rigcal_paper_solve(rigcal_paper_pose *pose,
  * A flat target seen from afar has two optima that fit nearly alike (C): all that
  * were found are returned, best first, and the status tells when the first is not
  * sure. */
-enum { RIGCAL_POSES_MAX = 4, RIGCAL_POSE_SEEDS = 9 };
+enum { RIGCAL_POSES_MAX = 4, RIGCAL_POSE_SEEDS = 8 };
 
 typedef struct {
     rigcal_transform cam_from_world;
@@ -595,25 +595,45 @@ typedef struct {
 /* Internal: a refinement under way. */
 typedef struct {
     rigcal_transform cam_from_points;
-    rigcal_real H[21], g[6], sse, lambda;
-    int32_t evals, status;
+    rigcal_real H[21], g[6], sse, last_gain, lambda;
+    int32_t evals, is_stale, is_newton, status;
 } rigcal_refinement;
+
+/* Internal: a descent under way, near the direction m3. */
+typedef struct {
+    rigcal_neldermead nm;
+    rigcal_real m3[3];
+} rigcal_descent;
+
+/* Internal: a direction of the lattice; a refined pose, of the camera from the
+ * points' own origin. */
+typedef struct {
+    rigcal_real cost;
+    int32_t index, reserved;
+} rigcal_pose_seed;
+
+typedef struct {
+    rigcal_real q_wxyz[4], t[3], sse;
+} rigcal_pose_optimum;
 
 /* A search under way. Flat and copyable; its fields are internal. */
 typedef struct {
     const rigcal_camera *camera;
     const rigcal_observation *observations;
     const rigcal_real *sigma;
-    size_t n;
-    rigcal_pose_options options;
-    rigcal_real origin[3], virtual_from_cam[9];
+    const uint8_t *mask;
+    size_t n, n_used;
+    rigcal_real origin[3], axis[3];
     rigcal_view_moments moments;
-    rigcal_real seed[RIGCAL_POSE_SEEDS][4];
-    rigcal_neldermead nm;
-    rigcal_refinement fit;
-    rigcal_pose found[RIGCAL_POSES_MAX];
-    rigcal_real spiral[2], extent_px, scale;
-    int32_t phase, next, n_seeds, n_found, evals, is_flat, mirrored, failure;
+    rigcal_pose_seed seed[RIGCAL_POSE_SEEDS];
+    union {
+        rigcal_descent descent;
+        rigcal_refinement fit;
+    } work;
+    rigcal_pose_optimum found[RIGCAL_POSES_MAX];
+    rigcal_real spiral[2], extent_px, scale, sigma_px, least_cost;
+    int32_t phase, next, n_seeds, n_found, thorough, is_flat, leans,
+        failure;
 } rigcal_pose_solver;
 
 /* All defaults. OK, ERR_NULL. */
@@ -628,16 +648,18 @@ RIGCAL_API rigcal_status rigcal_pose_defaults(rigcal_pose_options *options);
  *   options  in   NULL: all defaults
  *
  * OK, ERR_NULL, ERR_NOT_FINITE, ERR_CAMERA, ERR_RANGE, ERR_ROTATION (of start),
- * ERR_TOO_FEW (n < 4), ERR_NO_RAY, ERR_WIDE_RAY (a ray is 80 degrees or more off the
- * middle of the target's image), ERR_COINCIDENT, ERR_COLLINEAR, ERR_PRECISION. */
+ * ERR_TOO_FEW (n < 4), ERR_COINCIDENT, ERR_PRECISION; and, unless there is a start,
+ * whose search looks at rays and shape only if it proves bad, ERR_NO_RAY, ERR_WIDE_RAY
+ * (a ray is 80 degrees or more off the middle of the target's image),
+ * ERR_COLLINEAR. */
 RIGCAL_API rigcal_status rigcal_pose_begin(
     rigcal_pose_solver *solver, int32_t *bad, const rigcal_camera *camera,
     const rigcal_observation observations[], const rigcal_real sigma[], size_t n,
     const rigcal_pose_options *options);
 
 /* Spends at most `budget` >= 1 evaluations: of the cost of a direction, in constant
- * time, or of the equations of a refinement, O(n). At most 3000 in all, usually
- * about 60. RUNNING: call again; the same bits come out whatever the budgets. OK:
+ * time, or of the equations of a refinement, O(n). At most 1000 in all, usually
+ * about 45. RUNNING: call again; the same bits come out whatever the budgets. OK:
  * ask for the result. ERR_NULL, ERR_RANGE, ERR_STATE. */
 RIGCAL_API rigcal_status rigcal_pose_step(rigcal_pose_solver *solver,
                                           int32_t budget);
@@ -648,10 +670,12 @@ RIGCAL_API rigcal_status rigcal_pose_step(rigcal_pose_solver *solver,
  * OK: finite, R a rotation to rounding, every point in front of the camera and
  *     within its lens, and the first right with probability 0.99 or more.
  * RIGCAL_AMBIGUOUS: the same, but another may be right: see `probability`.
- * RIGCAL_POOR_FIT: sigma_px was given, and an error so large has a chance below
- *     one in a million: wrong correspondences, target or intrinsics.
+ * RIGCAL_POOR_FIT: noise of sigma_px makes an error so large with a chance below one
+ *     in a million: wrong correspondences, target or intrinsics. Where no sigma_px was
+ *     given, noise of 2 px, or of 1 % of the image's extent where that is more.
  * ERR_NULL, ERR_RANGE, ERR_STATE, ERR_NO_POSE, ERR_DEGENERATE (the observations do
- * not fix the pose). A target seen exactly edge-on has a flipped twin that fits
+ * not fix the pose); after a warm start that proved bad also what begin says of the
+ * rays and the shape. A target seen exactly edge-on has a flipped twin that fits
  * alike: AMBIGUOUS. */
 RIGCAL_API rigcal_status rigcal_pose_result(rigcal_pose poses[], size_t *n_found,
                                             size_t capacity,

@@ -6,4 +6,12 @@
 #include "rc_refine.h"
 #include "rc_view.h"
 
+/* rigcal_pose_begin of the points whose mask is not 0 (NULL: all), but that *at is
+ * always written and a failure may leave *solver half-written. The mask must stay. */
+rigcal_status rc_pose_begin(rigcal_pose_solver *solver, int32_t *at,
+                            const rigcal_camera *camera,
+                            const rigcal_observation observations[],
+                            const rigcal_real sigma[], const uint8_t mask[],
+                            size_t n, const rigcal_pose_options *options);
+
 #endif /* RC_POSE_H */

@@ -10,7 +10,8 @@
 typedef struct {
     const rigcal_camera *camera;
     const rigcal_observation *observations;
-    const rigcal_real *sigma; /* n of them, or NULL: all 1 */
+    const rigcal_real *sigma;  /* n of them, or NULL: all 1 */
+    const uint8_t *mask;       /* n of them, 0: leave the point out; or NULL */
     size_t n;
     const rigcal_real *origin;
     rc_lens lens;

@@ -1,8 +1,10 @@
 #include "rc_pose.h"
 
-/* Directions of the lattice, and how many of the best are followed. */
+/* Directions of the lattice, how many of the best are followed, and how far apart
+ * these are [cosine]: the finer lattice's best would all be neighbours. */
 enum { LATTICE = 24, LATTICE_THOROUGH = 96 };
-enum { FOLLOWED = 3, FOLLOWED_THOROUGH = RIGCAL_POSE_SEEDS - 1 };
+enum { FOLLOWED = 3, FOLLOWED_THOROUGH = RIGCAL_POSE_SEEDS };
+#define NEIGHBOUR_COSINE RC(0.88)
 
 /* A descent: the simplex's first edge [rad], about half the lattice's spacing, and
  * its evaluations. It only has to land where refinement converges. */
@@ -10,18 +12,24 @@ enum { FOLLOWED = 3, FOLLOWED_THOROUGH = RIGCAL_POSE_SEEDS - 1 };
 enum { DESCENT_EVALS = 10, DESCENT_EVALS_THOROUGH = 20, REFINE_EVALS = 60 };
 
 /* A target whose mean square across its plane is below this part of the whole has
- * a second optimum, the pose mirrored in the line of sight. */
+ * a second optimum, which leans the other way. */
 #define FLAT_THICKNESS RC(0.05)
 
 /* A direction whose cost is so many times the least is no optimum worth refining,
  * unless the target is flat: its second optimum may be as bad. */
 #define HOPELESS RC(100)
 
-/* A seed so near to an optimum found [rad] was on its way there; the mirrored one,
- * which starts where its optimum is expected, may be nearer. Two optima closer than
- * the last are one. */
+/* A flat target's seeds that lean other than its first optimum does: the least lean
+ * [rad], and how many times the least cost the sideways ones may be. */
+#define LEAN_LEAST RC(0.3)
+#define SHALLOW RC(10)
+enum { OTHER_WAY = 0, SIDEWAYS, SIDEWAYS_BACK, LEANS };
+
+/* A seed so near to an optimum found [rad] was on its way there; those that lean
+ * start where an optimum is expected, and may be nearer. Two optima closer than the
+ * last are one. */
 #define SAME_BASIN RC(0.25)
-#define SAME_BASIN_MIRRORED RC(0.05)
+#define SAME_BASIN_LEANING RC(0.05)
 #define SAME_POSE RC(2e-3)
 
 /* A refinement that did not end counts unless its sum is so many times the best. */
@@ -31,8 +39,11 @@ enum { DESCENT_EVALS = 10, DESCENT_EVALS_THOROUGH = 20, REFINE_EVALS = 60 };
 #define SIGMA_MIN RC(1e-6)
 #define SIGMA_MAX RC(1e6)
 
-/* Least noise assumed where none is stated [px]. */
+/* Where no noise is stated: the least assumed [px], and the most that is believed
+ * [px], or as a part of the target's image where that is more. */
 #define NOISE_LEAST RC(0.01)
+#define NOISE_MOST RC(2)
+#define NOISE_MOST_PART RC(0.01)
 
 /* The first pose is sure from here on. */
 #define SURE RC(0.99)
@@ -44,7 +55,7 @@ enum { DESCENT_EVALS = 10, DESCENT_EVALS_THOROUGH = 20, REFINE_EVALS = 60 };
  * cosine of 80 degrees. */
 #define WIDE_COSINE RC(0.17)
 
-enum { NOT_BEGUN = 0, WARM, LATTICE_SCAN, DESCENT, REFINING, DONE };
+enum { NOT_BEGUN = 0, WARM, GATHERING, LATTICE_SCAN, DESCENT, REFINING, DONE };
 
 /* ---- the data ------------------------------------------------------------ */
 
@@ -53,67 +64,103 @@ static rigcal_real weight_of(const rigcal_real sigma[], size_t i)
     return (sigma == NULL) ? 1 : 1 / (sigma[i] * sigma[i]);
 }
 
+static int is_used(const uint8_t mask[], size_t i)
+{
+    return mask == NULL || mask[i] != 0;
+}
+
+/* NaN is within nothing. */
+static int is_sound(const rigcal_observation *o, const rigcal_real sigma[], size_t i)
+{
+    return rc_all_within(o->X_w, 3, RC_COORDINATE_MAX) &&
+           rc_all_within(o->uv, 2, RC_PIXEL_MAX) &&
+           (sigma == NULL || (sigma[i] >= SIGMA_MIN && sigma[i] <= SIGMA_MAX));
+}
+
 static rigcal_status check_data(int32_t *at, const rigcal_observation o[],
-                                const rigcal_real sigma[], size_t n)
+                                const rigcal_real sigma[], const uint8_t mask[],
+                                size_t n)
 {
     for (size_t i = 0; i < n; i++) {
-        *at = (int32_t)i;
-        if (!rc_all_finite(o[i].X_w, 3) || !rc_all_finite(o[i].uv, 2) ||
-            (sigma != NULL && !rc_is_finite(sigma[i]))) {
-            return RIGCAL_ERR_NOT_FINITE;
-        }
-        if (!rc_all_within(o[i].X_w, 3, RC_COORDINATE_MAX) ||
-            !rc_all_within(o[i].uv, 2, RC_PIXEL_MAX) ||
-            (sigma != NULL && !(sigma[i] >= SIGMA_MIN && sigma[i] <= SIGMA_MAX))) {
-            return RIGCAL_ERR_RANGE;
+        if (is_used(mask, i) && !is_sound(&o[i], sigma, i)) {
+            *at = (int32_t)i;
+            return (rc_all_finite(o[i].X_w, 3) && rc_all_finite(o[i].uv, 2) &&
+                    (sigma == NULL || rc_is_finite(sigma[i])))
+                       ? RIGCAL_ERR_RANGE
+                       : RIGCAL_ERR_NOT_FINITE;
         }
     }
-    *at = -1;
     return RIGCAL_OK;
+}
+
+/* The first point that counts. */
+static size_t first_used(const uint8_t mask[], size_t n)
+{
+    size_t i = 0;
+    while (i + 1 < n && !is_used(mask, i)) {
+        i++;
+    }
+    return i;
 }
 
 /* The weighted mean of the points, and the pixel in the middle of their image. */
 static void find_middle(rigcal_real origin[3], rigcal_real uv_middle[2],
                         const rigcal_observation o[], const rigcal_real sigma[],
-                        size_t n)
+                        const uint8_t mask[], size_t n)
 {
-    rigcal_real total = 0, shift[3] = {0, 0, 0};
-    uv_middle[0] = uv_middle[1] = 0;
+    const rigcal_observation *const first = &o[first_used(mask, n)];
+    rigcal_real total = 0, count = 0, shift[3] = {0, 0, 0}, uv[2] = {0, 0};
     for (size_t i = 0; i < n; i++) { /* from the first point: far origins */
-        rigcal_real x[3];
-        const rigcal_real weight = weight_of(sigma, i);
-        rc_vec3_sub(x, o[i].X_w, o[0].X_w);
-        rc_vec3_add_scaled(shift, weight, x);
-        uv_middle[0] += o[i].uv[0];
-        uv_middle[1] += o[i].uv[1];
-        total += weight;
+        if (is_used(mask, i)) {
+            rigcal_real x[3];
+            const rigcal_real weight = weight_of(sigma, i);
+            rc_vec3_sub(x, o[i].X_w, first->X_w);
+            rc_vec3_add_scaled(shift, weight, x);
+            uv[0] += o[i].uv[0];
+            uv[1] += o[i].uv[1];
+            total += weight;
+            count += 1;
+        }
     }
     for (int k = 0; k < 3; k++) {
-        origin[k] = o[0].X_w[k] + shift[k] / total;
+        origin[k] = first->X_w[k] + shift[k] / total;
     }
-    uv_middle[0] /= (rigcal_real)n;
-    uv_middle[1] /= (rigcal_real)n;
+    uv_middle[0] = uv[0] / count;
+    uv_middle[1] = uv[1] / count;
 }
 
-/* Whether the points have a shape, and the scale that makes its size 1. */
-static rigcal_status check_shape(rigcal_real *scale, const rigcal_pose_solver *s)
+/* Whether the points have a shape, the scale that makes its size 1, and the extent
+ * of its image. */
+static rigcal_status measure(rigcal_pose_solver *s, const rigcal_real uv_middle[2])
 {
-    rigcal_real size = 0, largest = 0;
+    const rigcal_real *const first =
+        s->observations[first_used(s->mask, s->n)].X_w;
+    rigcal_real largest = 0, extent2 = 0;
+    rigcal_real box[3] = {0, 0, 0};
     for (size_t i = 0; i < s->n; i++) { /* differences of two points are exact */
-        rigcal_real x[3];
-        rc_vec3_sub(x, s->observations[i].X_w, s->observations[0].X_w);
-        size = rc_max(size, rc_vec3_norm(x));
-        largest = rc_max(largest, rc_vec3_max_abs(s->observations[i].X_w));
+        const rigcal_observation *const o = &s->observations[i];
+        if (is_used(s->mask, i)) {
+            const rigcal_real du = o->uv[0] - uv_middle[0];
+            const rigcal_real dv = o->uv[1] - uv_middle[1];
+            for (int k = 0; k < 3; k++) {
+                box[k] = rc_max(box[k], RC_FABS(o->X_w[k] - first[k]));
+                largest = rc_max(largest, RC_FABS(o->X_w[k]));
+            }
+            extent2 = rc_max(extent2, du * du + dv * dv);
+        }
     }
+    const rigcal_real size = rc_vec3_max_abs(box);
     if (!(size > 1 / RC_COORDINATE_MAX)) {
         return RIGCAL_ERR_COINCIDENT;
     }
-    *scale = 1 / size;
+    s->scale = 1 / size;
+    s->extent_px = RC_SQRT(extent2);
     return (largest * RC_EPS <= RC_SHAPE_ROUNDING * size) ? RIGCAL_OK
                                                        : RIGCAL_ERR_PRECISION;
 }
 
-/* Rotation whose third row is the unit vector `axis`. */
+/* Rotation whose third row is the unit vector `axis`: the virtual camera, which
+ * looks along it, from the camera. */
 static void look_along(rigcal_real R[9], const rigcal_real axis[3])
 {
     rc_view_complete(&R[0], &R[3], axis);
@@ -130,98 +177,288 @@ static rigcal_status middle_ray(rigcal_real middle[3], int32_t *at,
     rigcal_real sum[3] = {0, 0, 0};
     for (size_t i = 0; i < s->n; i++) {
         rigcal_real ray[3];
-        const rigcal_status status =
-            rc_pixel_to_ray(ray, s->camera, s->observations[i].uv);
-        if (status != RIGCAL_OK) {
-            *at = (int32_t)i;
-            return status;
+        if (is_used(s->mask, i)) {
+            const rigcal_status status =
+                rc_pixel_to_ray(ray, s->camera, s->observations[i].uv);
+            if (status != RIGCAL_OK) {
+                *at = (int32_t)i;
+                return status;
+            }
+            rc_vec3_add_scaled(sum, 1, ray);
         }
-        rc_vec3_add_scaled(sum, 1, ray);
     }
     return rc_vec3_unit(middle, sum) ? RIGCAL_OK : RIGCAL_ERR_WIDE_RAY;
 }
 
-/* The moments, with points scaled to size 1 and rays turned to the middle. */
-static rigcal_status gather(rigcal_pose_solver *s, int32_t *at, rigcal_real scale)
+/* One point, scaled to size 1, and its ray turned to the middle. */
+static rigcal_status gather_point(rigcal_pose_solver *s,
+                                  const rigcal_real virtual_from_cam[9], size_t i)
 {
-    rc_view_begin(&s->moments);
-    for (size_t i = 0; i < s->n; i++) {
-        rigcal_real x[3], ray[3], turned[3];
-        *at = (int32_t)i;
-        const rigcal_status status =
-            rc_pixel_to_ray(ray, s->camera, s->observations[i].uv);
-        if (status != RIGCAL_OK) {
-            return status;
-        }
-        rc_mat3_mul_vec3(turned, s->virtual_from_cam, ray);
-        if (!(turned[2] > WIDE_COSINE)) {
-            return RIGCAL_ERR_WIDE_RAY;
-        }
-        const rigcal_real u[2] = {turned[0] / turned[2], turned[1] / turned[2]};
-        rc_vec3_sub(x, s->observations[i].X_w, s->origin);
-        for (int k = 0; k < 3; k++) {
-            x[k] *= scale;
-        }
-        rc_view_add(&s->moments, weight_of(s->sigma, i), x, u);
+    const rigcal_observation *const o = &s->observations[i];
+    rigcal_real x[3], ray[3], turned[3];
+    const rigcal_status status = rc_pixel_to_ray(ray, s->camera, o->uv);
+    if (status != RIGCAL_OK) {
+        return status;
     }
-    *at = -1;
-    return rc_view_finish(&s->moments) ? RIGCAL_OK : RIGCAL_ERR_COINCIDENT;
+    rc_mat3_mul_vec3(turned, virtual_from_cam, ray);
+    if (!(turned[2] > WIDE_COSINE)) {
+        return RIGCAL_ERR_WIDE_RAY;
+    }
+    const rigcal_real by_depth = 1 / turned[2];
+    const rigcal_real u[2] = {turned[0] * by_depth, turned[1] * by_depth};
+    rc_vec3_sub(x, o->X_w, s->origin);
+    for (int k = 0; k < 3; k++) {
+        x[k] *= s->scale;
+    }
+    rc_view_add(&s->moments, weight_of(s->sigma, i), x, u);
+    return RIGCAL_OK;
 }
 
-/* ---- seeds --------------------------------------------------------------- */
+/* The moments: what the search needs to know of the points. */
+static rigcal_status gather(rigcal_pose_solver *s, int32_t *at,
+                            const rigcal_real uv_middle[2])
+{
+    rigcal_real virtual_from_cam[9], normal[3], thickness;
+    rigcal_status status = RIGCAL_OK;
+    if (rc_pixel_to_ray(s->axis, s->camera, uv_middle) != RIGCAL_OK) {
+        status = middle_ray(s->axis, at, s);
+    }
+    if (status != RIGCAL_OK) {
+        return status;
+    }
+    look_along(virtual_from_cam, s->axis);
+    rc_view_begin(&s->moments);
+    for (size_t i = 0; i < s->n && status == RIGCAL_OK; i++) {
+        if (is_used(s->mask, i)) {
+            *at = (int32_t)i;
+            status = gather_point(s, virtual_from_cam, i);
+        }
+    }
+    if (status != RIGCAL_OK) {
+        return status;
+    }
+    *at = -1;
+    if (!rc_view_finish(&s->moments)) {
+        return RIGCAL_ERR_COINCIDENT;
+    }
+    if (!rc_view_normal(normal, &thickness, &s->moments)) {
+        return RIGCAL_ERR_COLLINEAR;
+    }
+    s->is_flat = thickness < FLAT_THICKNESS;
+    return RIGCAL_OK;
+}
+
+/* ---- optima found -------------------------------------------------------- */
+
+/* Whether a rotation is within a (small) angle of one found. For unit quaternions
+ * |p -+ q| = 2 sin(angle / 4). */
+static int is_near_found(const rigcal_pose_solver *s, const rigcal_real R[9],
+                         rigcal_real angle)
+{
+    rigcal_real q[4];
+    rc_quaternion_from_rotation(q, R);
+    for (int32_t i = 0; i < s->n_found; i++) {
+        const rigcal_real *const p = s->found[i].q_wxyz;
+        rigcal_real less = 0, more = 0;
+        for (int k = 0; k < 4; k++) {
+            less += (p[k] - q[k]) * (p[k] - q[k]);
+            more += (p[k] + q[k]) * (p[k] + q[k]);
+        }
+        if (4 * rc_min(less, more) < angle * angle) {
+            return 1;
+        }
+    }
+    return 0;
+}
+
+static void found_transform(rigcal_transform *cam_from_points,
+                            const rigcal_pose_optimum *found)
+{
+    rc_rotation_from_quaternion(cam_from_points->R, found->q_wxyz);
+    for (int k = 0; k < 3; k++) {
+        cam_from_points->t[k] = found->t[k];
+    }
+}
+
+/* The direction of the virtual camera's axis, seen from the target, at an optimum. */
+static void found_direction(rigcal_real m3[3], const rigcal_pose_solver *s,
+                            int32_t i)
+{
+    rigcal_real R[9];
+    rc_rotation_from_quaternion(R, s->found[i].q_wxyz);
+    rc_mat3_tmul_vec3(m3, R, s->axis);
+}
+
+/* Refinement sees to it that the points are in front; whether a lens that turns back
+ * sees them is asked once. */
+static int is_seen(const rigcal_pose_solver *s, const rc_fit *fit)
+{
+    if (fit->lens.is_pinhole) {
+        return 1;
+    }
+    for (size_t i = 0; i < s->n; i++) {
+        rigcal_real x[3], X_c[3], uv[2];
+        if (is_used(s->mask, i)) {
+            rc_vec3_sub(x, s->observations[i].X_w, s->origin);
+            rc_transform_point(X_c, &s->work.fit.cam_from_points, x);
+            if (rc_project_usable(uv, s->camera, X_c) != RIGCAL_OK) {
+                return 0;
+            }
+        }
+    }
+    return 1;
+}
+
+/* Keeps the RIGCAL_POSES_MAX best optima in order. */
+static void insert_found(rigcal_pose_solver *s, const rc_fit *fit)
+{
+    const rigcal_refinement *const end = &s->work.fit;
+    if (is_near_found(s, end->cam_from_points.R, SAME_POSE) || !is_seen(s, fit)) {
+        return;
+    }
+    int32_t at = (s->n_found < RIGCAL_POSES_MAX) ? s->n_found++ : RIGCAL_POSES_MAX;
+    for (; at > 0 && end->sse < s->found[at - 1].sse; at--) {
+        if (at < RIGCAL_POSES_MAX) {
+            s->found[at] = s->found[at - 1];
+        }
+    }
+    if (at < RIGCAL_POSES_MAX) {
+        rigcal_pose_optimum *const found = &s->found[at];
+        rc_quaternion_from_rotation(found->q_wxyz, end->cam_from_points.R);
+        for (int k = 0; k < 3; k++) {
+            found->t[k] = end->cam_from_points.t[k];
+        }
+        found->sse = end->sse;
+    }
+}
+
+/* ---- seeds: the lattice -------------------------------------------------- */
+
+static int32_t lattice_size(const rigcal_pose_solver *s)
+{
+    return s->thorough ? LATTICE_THOROUGH : LATTICE;
+}
 
 /* Direction i of a Fibonacci sphere of n: heights in even steps, azimuths a golden
- * angle apart, which s->spiral carries on from call to call. */
-static void next_direction(rigcal_real m3[3], rigcal_pose_solver *s, int32_t i,
-                           int32_t n)
+ * angle apart. */
+static void direction_of(rigcal_real m3[3], int32_t i, int32_t n,
+                         rigcal_real cosine, rigcal_real sine)
+{
+    m3[2] = 1 - (rigcal_real)(2 * i + 1) / (rigcal_real)n;
+    const rigcal_real r = RC_SQRT(1 - m3[2] * m3[2]);
+    m3[0] = r * cosine;
+    m3[1] = r * sine;
+}
+
+static void seed_direction(rigcal_real m3[3], const rigcal_pose_solver *s,
+                           int32_t index)
+{
+    static const rigcal_real GOLDEN = RC(2.3999632297286533); /* pi (3 - sqrt 5) */
+    const rigcal_real azimuth = GOLDEN * (rigcal_real)index;
+    direction_of(m3, index, lattice_size(s), RC_COS(azimuth), RC_SIN(azimuth));
+}
+
+/* In turn, without the sine and cosine. */
+static void next_direction(rigcal_real m3[3], rigcal_pose_solver *s)
 {
     static const rigcal_real GOLDEN_COS = RC(-0.73736887807831989);
     static const rigcal_real GOLDEN_SIN = RC(0.67549029426152364);
     const rigcal_real c = s->spiral[0], d = s->spiral[1];
-    m3[2] = 1 - (rigcal_real)(2 * i + 1) / (rigcal_real)n;
-    const rigcal_real r = RC_SQRT(1 - m3[2] * m3[2]);
-    m3[0] = r * c;
-    m3[1] = r * d;
+    direction_of(m3, s->next, lattice_size(s), c, d);
     s->spiral[0] = c * GOLDEN_COS - d * GOLDEN_SIN;
     s->spiral[1] = c * GOLDEN_SIN + d * GOLDEN_COS;
 }
 
+/* Removes the seeds of neighbours that are worse. 0: there is a better one. */
+static int is_best_nearby(rigcal_pose_solver *s, const rigcal_real m3[3],
+                          rigcal_real cost)
+{
+    int32_t kept = 0;
+    for (int32_t i = 0; i < s->n_seeds; i++) {
+        rigcal_real other[3];
+        seed_direction(other, s, s->seed[i].index);
+        if (rc_vec3_dot(m3, other) > NEIGHBOUR_COSINE) {
+            if (s->seed[i].cost <= cost) {
+                return 0; /* sorted by cost: nothing has been removed */
+            }
+        } else {
+            s->seed[kept++] = s->seed[i];
+        }
+    }
+    s->n_seeds = kept;
+    return 1;
+}
+
 /* Keeps the `most` best directions in order of cost. */
-static void insert_seed(rigcal_pose_solver *s, const rigcal_real m3[3],
-                        rigcal_real cost, int32_t most)
+static void insert_seed(rigcal_pose_solver *s, rigcal_real cost, int32_t most)
 {
     int32_t at = (s->n_seeds < most) ? s->n_seeds++ : most;
-    for (; at > 0 && cost < s->seed[at - 1][3]; at--) {
-        for (int k = 0; k < 4 && at < most; k++) {
-            s->seed[at][k] = s->seed[at - 1][k];
+    for (; at > 0 && cost < s->seed[at - 1].cost; at--) {
+        if (at < most) {
+            s->seed[at] = s->seed[at - 1];
         }
     }
     if (at < most) {
-        for (int k = 0; k < 3; k++) {
-            s->seed[at][k] = m3[k];
-        }
-        s->seed[at][3] = cost;
+        s->seed[at].cost = cost;
+        s->seed[at].index = s->next;
     }
 }
 
-static void begin_descent(rigcal_pose_solver *s)
+static void begin_lattice(rigcal_pose_solver *s)
 {
-    static const rigcal_real SIMPLEX[6] = {0, 0, EDGE, 0, 0, EDGE};
-    (void)rigcal_neldermead_begin_simplex(
-        &s->nm, SIMPLEX, 2, RC(1e-4), 0,
-        s->options.thorough ? DESCENT_EVALS_THOROUGH : DESCENT_EVALS);
-    rc_neldermead_tell(&s->nm, s->seed[s->next][3]); /* known already */
-    s->phase = DESCENT;
+    s->phase = LATTICE_SCAN;
+    s->next = 0;
+    s->n_seeds = 0;
+    s->spiral[0] = 1;
+    s->spiral[1] = 0;
+}
+
+static void next_seed(rigcal_pose_solver *s);
+
+static void lattice_step(rigcal_pose_solver *s)
+{
+    const int32_t most = s->thorough ? FOLLOWED_THOROUGH : FOLLOWED;
+    rigcal_real m3[3];
+    next_direction(m3, s);
+    const rigcal_real cost = rc_view_cost(&s->moments, m3);
+    if ((s->n_seeds < most || cost < s->seed[most - 1].cost) &&
+        (!s->thorough || is_best_nearby(s, m3, cost))) {
+        insert_seed(s, cost, most);
+    }
+    if (++s->next == lattice_size(s)) {
+        s->least_cost = s->seed[0].cost;
+        s->next = 0;
+        next_seed(s);
+    }
+}
+
+/* ---- seeds: the descent -------------------------------------------------- */
+
+/* Whether the way to an optimum found is downhill: then a descent would only end
+ * there once more. */
+static int leads_to_found(const rigcal_pose_solver *s, const rigcal_real m3[3],
+                          rigcal_real cost)
+{
+    for (int32_t i = 0; i < s->n_found; i++) {
+        rigcal_real middle[3];
+        found_direction(middle, s, i);
+        rc_vec3_add_scaled(middle, 1, m3);
+        if (rc_vec3_unit(middle, middle) &&
+            rc_view_cost(&s->moments, middle) < cost) {
+            return 1;
+        }
+    }
+    return 0;
 }
 
 /* The direction at (a, b) in the plane that touches the sphere at a seed. */
 static void direction_near(rigcal_real m3[3], const rigcal_real seed[3],
                            const rigcal_real ab[2])
 {
-    rigcal_real R[9];
-    look_along(R, seed);
+    rigcal_real m1[3], m2[3];
+    rc_view_complete(m1, m2, seed);
     for (int k = 0; k < 3; k++) {
-        m3[k] = seed[k] + ab[0] * R[k] + ab[1] * R[3 + k];
+        m3[k] = seed[k] + ab[0] * m1[k] + ab[1] * m2[k];
     }
     const rigcal_real by_length = 1 / rc_vec3_norm(m3);
     for (int k = 0; k < 3; k++) {
@@ -229,90 +466,49 @@ static void direction_near(rigcal_real m3[3], const rigcal_real seed[3],
     }
 }
 
-static void begin_refining(rigcal_pose_solver *s);
-
-/* Sorts the followed seeds, whose costs the descents have lowered. */
-static void sort_seeds(rigcal_pose_solver *s)
+static void begin_descent(rigcal_pose_solver *s, const rigcal_real m3[3],
+                          rigcal_real cost)
 {
-    const int32_t n = s->n_seeds;
-    s->n_seeds = 0;
-    for (int32_t i = 0; i < n; i++) {
-        const rigcal_real seed[4] = {s->seed[i][0], s->seed[i][1], s->seed[i][2],
-                                     s->seed[i][3]};
-        insert_seed(s, seed, seed[3], RIGCAL_POSE_SEEDS);
+    static const rigcal_real SIMPLEX[6] = {0, 0, EDGE, 0, 0, EDGE};
+    (void)rigcal_neldermead_begin_simplex(
+        &s->work.descent.nm, SIMPLEX, 2, RC(1e-4), 0,
+        s->thorough ? DESCENT_EVALS_THOROUGH : DESCENT_EVALS);
+    rc_neldermead_tell(&s->work.descent.nm, cost); /* known already */
+    for (int k = 0; k < 3; k++) {
+        s->work.descent.m3[k] = m3[k];
     }
+    s->phase = DESCENT;
 }
 
-static void end_descent(rigcal_pose_solver *s)
+/* The next seed that is worth a descent, or the end. */
+static void next_seed(rigcal_pose_solver *s)
 {
-    rigcal_real ab[3] = {0, 0, 0}, cost, m3[3];
-    if (rigcal_neldermead_result(ab, &cost, NULL, &s->nm) >= 0) {
-        direction_near(m3, s->seed[s->next], ab);
-        for (int k = 0; k < 3; k++) {
-            s->seed[s->next][k] = m3[k];
+    for (; s->next < s->n_seeds; s->next++) {
+        rigcal_real m3[3];
+        const rigcal_real cost = s->seed[s->next].cost;
+        if (!(cost < RC_MAX)) {
+            break;
         }
-        s->seed[s->next][3] = cost;
-    }
-    if (++s->next < s->n_seeds) {
-        begin_descent(s);
-        return;
-    }
-    sort_seeds(s);
-    s->next = 0;
-    begin_refining(s);
-}
-
-static void lattice_step(rigcal_pose_solver *s)
-{
-    const int32_t n = s->options.thorough ? LATTICE_THOROUGH : LATTICE;
-    rigcal_real m3[3];
-    next_direction(m3, s, s->next, n);
-    insert_seed(s, m3, rc_view_cost(&s->moments, m3),
-                s->options.thorough ? FOLLOWED_THOROUGH : FOLLOWED);
-    if (++s->next == n) {
-        s->next = 0;
-        begin_descent(s);
-    }
-}
-
-static void descent_step(rigcal_pose_solver *s)
-{
-    rigcal_real m3[3];
-    direction_near(m3, s->seed[s->next], s->nm.trial);
-    rc_neldermead_tell(&s->nm, rc_view_cost(&s->moments, m3));
-    if (s->nm.status != RIGCAL_RUNNING) {
-        end_descent(s);
-    }
-}
-
-/* ---- refinement ---------------------------------------------------------- */
-
-/* Least angle between a rotation and those found. */
-static int is_near_found(const rigcal_pose_solver *s, const rigcal_real R[9],
-                         rigcal_real angle)
-{
-    for (int32_t i = 0; i < s->n_found; i++) {
-        const rigcal_real *const F = s->found[i].cam_from_world.R;
-        rigcal_real squared = 0; /* |R - F|^2 = 8 sin^2(angle / 2) */
-        for (int k = 0; k < 9; k++) {
-            squared += (R[k] - F[k]) * (R[k] - F[k]);
-        }
-        if (squared < 2 * angle * angle) {
-            return 1;
+        seed_direction(m3, s, s->seed[s->next].index);
+        if (!leads_to_found(s, m3, cost)) {
+            begin_descent(s, m3, cost);
+            s->next++;
+            return;
         }
     }
-    return 0;
+    s->phase = DONE;
 }
 
-/* Camera from points, in the caller's unit, of a seed's direction. */
+/* Camera from points, in the caller's unit, of a direction. */
 static void seed_pose(rigcal_transform *cam_from_points,
                       const rigcal_pose_solver *s, const rigcal_real m3[3])
 {
     rigcal_transform virtual_from_points;
-    const rigcal_real *const V = s->virtual_from_cam;
+    rigcal_real V[9];
+    look_along(V, s->axis);
     rc_view_pose(&virtual_from_points, &s->moments, m3);
-    for (int row = 0; row < 3; row++) { /* V^T R */
-        for (int column = 0; column < 3; column++) {
+    for (int column = 0; column < 3; column++) { /* V^T R */
+        for (int row = 0; row < 3; row++) {
             cam_from_points->R[3 * row + column] =
                 V[row] * virtual_from_points.R[column] +
                 V[3 + row] * virtual_from_points.R[3 + column] +
@@ -325,84 +521,93 @@ static void seed_pose(rigcal_transform *cam_from_points,
     }
 }
 
-/* A flat target's other optimum lies where the line of sight is mirrored in the
- * target's normal n: m3' = 2 (m3.n) n - m3, m3 being that of the first one found. */
-static void add_mirrored_seed(rigcal_pose_solver *s)
+/* 0: it would only lead to an optimum found. */
+static int begin_refining(rigcal_pose_solver *s, const rigcal_real m3[3],
+                          rigcal_real same_basin)
 {
-    rigcal_real m3[3], normal[3], thickness;
-    rigcal_real *const mirrored = s->seed[s->n_seeds];
-    rc_mat3_tmul_vec3(m3, s->found[0].cam_from_world.R, &s->virtual_from_cam[6]);
-    if (!rc_view_normal(normal, &thickness, &s->moments)) {
-        return;
+    rigcal_transform start;
+    seed_pose(&start, s, m3);
+    if (is_near_found(s, start.R, same_basin)) {
+        return 0;
     }
-    const rigcal_real along = 2 * rc_vec3_dot(m3, normal);
-    for (int k = 0; k < 3; k++) {
-        mirrored[k] = along * normal[k] - m3[k];
-    }
-    mirrored[3] = rc_view_cost(&s->moments, mirrored);
-    s->mirrored = s->n_seeds++;
-}
-
-/* The next seed that is worth it, or the end. */
-static void begin_refining(rigcal_pose_solver *s)
-{
-    const rigcal_real hopeless = HOPELESS * s->seed[0][3];
+    rc_refine_begin(&s->work.fit, &start);
     s->phase = REFINING;
-    for (; s->next < s->n_seeds; s->next++) {
-        const rigcal_real *const seed = s->seed[s->next];
-        rigcal_transform start;
-        if (!(seed[3] < RC_MAX) ||
-            (s->n_found > 0 && !s->is_flat && seed[3] > hopeless)) {
-            continue;
-        }
-        seed_pose(&start, s, seed);
-        if (!is_near_found(s, start.R, (s->next == s->mirrored)
-                                           ? SAME_BASIN_MIRRORED
-                                           : SAME_BASIN)) {
-            rc_refine_begin(&s->fit, &start);
-            return;
-        }
-    }
-    s->phase = DONE;
-}
-
-/* Refinement sees to it that the points are in front; whether a lens that turns back
- * sees them is asked once. */
-static int is_seen(const rigcal_pose_solver *s, const rigcal_transform *pose)
-{
-    rc_lens lens;
-    rc_lens_of(&lens, s->camera);
-    if (lens.is_pinhole) {
-        return 1;
-    }
-    for (size_t i = 0; i < s->n; i++) {
-        rigcal_real x[3], X_c[3], uv[2];
-        rc_vec3_sub(x, s->observations[i].X_w, s->origin);
-        rc_transform_point(X_c, pose, x);
-        if (rc_project_usable(uv, s->camera, X_c) != RIGCAL_OK) {
-            return 0;
-        }
-    }
     return 1;
 }
 
-/* Keeps the RIGCAL_POSES_MAX best poses in order; those of camera from points. */
-static void insert_found(rigcal_pose_solver *s)
+static void end_descent(rigcal_pose_solver *s)
 {
-    const rigcal_transform *const pose = &s->fit.cam_from_points;
-    if (is_near_found(s, pose->R, SAME_POSE) || !is_seen(s, pose)) {
-        return;
-    }
-    int32_t at = (s->n_found < RIGCAL_POSES_MAX) ? s->n_found++ : RIGCAL_POSES_MAX;
-    for (; at > 0 && s->fit.sse < s->found[at - 1].sse; at--) {
-        if (at < RIGCAL_POSES_MAX) {
-            s->found[at] = s->found[at - 1];
+    rigcal_real ab[3] = {0, 0, 0}, cost = 0, m3[3];
+    if (rigcal_neldermead_result(ab, &cost, NULL, &s->work.descent.nm) >= 0) {
+        direction_near(m3, s->work.descent.m3, ab);
+        s->least_cost = rc_min(s->least_cost, cost);
+        /* Rounding makes the costs of noiseless images anything: the last term. */
+        const rigcal_real hopeless =
+            HOPELESS * s->least_cost + 64 * RC_EPS * s->moments.weight;
+        if ((s->n_found == 0 || s->is_flat || !(cost > hopeless)) &&
+            begin_refining(s, m3, SAME_BASIN)) {
+            return;
         }
     }
-    if (at < RIGCAL_POSES_MAX) {
-        s->found[at].cam_from_world = *pose;
-        s->found[at].sse = s->fit.sse;
+    next_seed(s);
+}
+
+static void descent_step(rigcal_pose_solver *s)
+{
+    rigcal_neldermead *const nm = &s->work.descent.nm;
+    rigcal_real m3[3];
+    direction_near(m3, s->work.descent.m3, nm->trial);
+    rc_neldermead_tell(nm, rc_view_cost(&s->moments, m3));
+    if (nm->status != RIGCAL_RUNNING) {
+        end_descent(s);
     }
+}
+
+/* ---- refinement ---------------------------------------------------------- */
+
+/* A flat target's other optimum leans the other way: there the line of sight is
+ * mirrored in the target's normal n, m3' = 2 (m3.n) n - m3, m3 being that of the
+ * first one found. Nearly head-on the tilt is weakly determined, the other optimum
+ * may lean more, and there may be a third one sideways. */
+static void leaning_direction(rigcal_real m3[3], const rigcal_pose_solver *s,
+                              const rigcal_real normal[3], int32_t lean)
+{
+    rigcal_real first[3], side[3], back[3];
+    found_direction(first, s, 0);
+    const rigcal_real along = rc_vec3_dot(first, normal);
+    rc_vec3_cross(side, normal, first);
+    if (!(rc_vec3_norm(side) > RC_TOL(1e-6, 1e-3))) { /* head-on: any way will do */
+        rc_view_complete(side, back, normal);
+    }
+    rc_vec3_cross(back, normal, side); /* along n - m3: the other way */
+    const rigcal_real *const way = (lean == OTHER_WAY) ? back : side;
+    const rigcal_real far = rc_max(1, LEAN_LEAST / rc_vec3_norm(way));
+    const rigcal_real signed_far = (lean == SIDEWAYS_BACK) ? -far : far;
+    for (int k = 0; k < 3; k++) {
+        m3[k] = along * normal[k] + signed_far * way[k];
+    }
+    (void)rc_vec3_unit(m3, m3);
+}
+
+/* 0: no lean is left that is worth it. */
+static int begin_lean(rigcal_pose_solver *s)
+{
+    rigcal_real first[3], normal[3], m3[3], thickness;
+    if (!rc_view_normal(normal, &thickness, &s->moments)) {
+        return 0;
+    }
+    found_direction(first, s, 0);
+    const rigcal_real most =
+        (s->thorough ? HOPELESS : SHALLOW) * rc_view_cost(&s->moments, first);
+    while (s->leans < LEANS) {
+        const int32_t lean = s->leans++;
+        leaning_direction(m3, s, normal, lean);
+        if ((lean == OTHER_WAY || rc_view_cost(&s->moments, m3) < most) &&
+            begin_refining(s, m3, SAME_BASIN_LEANING)) {
+            return 1;
+        }
+    }
+    return 0;
 }
 
 static void fit_of(rc_fit *fit, const rigcal_pose_solver *s)
@@ -410,60 +615,79 @@ static void fit_of(rc_fit *fit, const rigcal_pose_solver *s)
     fit->camera = s->camera;
     fit->observations = s->observations;
     fit->sigma = s->sigma;
+    fit->mask = s->mask;
     fit->n = s->n;
     fit->origin = s->origin;
     rc_lens_of(&fit->lens, s->camera);
 }
 
 /* A refinement has ended, where it may. */
-static void end_refinement(rigcal_pose_solver *s)
+static void end_refinement(rigcal_pose_solver *s, const rc_fit *fit)
 {
+    const rigcal_refinement *const end = &s->work.fit;
     /* One that ran out of evaluations is near an optimum in a valley, or nowhere. */
-    if (s->fit.status == RIGCAL_OK ||
-        (s->fit.status == RIGCAL_BUDGET_SPENT &&
-         (s->n_found == 0 || s->fit.sse < STRAY * s->found[0].sse))) {
-        insert_found(s);
-    } else if (s->fit.status == RIGCAL_ERR_DEGENERATE) {
+    if (end->status == RIGCAL_OK ||
+        (end->status == RIGCAL_BUDGET_SPENT &&
+         (s->n_found == 0 || end->sse < STRAY * s->found[0].sse))) {
+        insert_found(s, fit);
+    } else if (end->status == RIGCAL_ERR_DEGENERATE) {
         s->failure = RIGCAL_ERR_DEGENERATE;
     }
-    if (s->is_flat && s->n_found == 1 && s->mirrored == 0) {
-        add_mirrored_seed(s);
+    if (s->is_flat && s->n_found > 0 && begin_lean(s)) {
+        return;
     }
-    s->next++;
-    begin_refining(s);
+    next_seed(s);
 }
 
-/* ---- warm start ---------------------------------------------------------- */
+/* ---- is it good? --------------------------------------------------------- */
 
-static void begin_search(rigcal_pose_solver *s)
+static rigcal_real freedom(const rigcal_pose_solver *s)
 {
-    s->phase = LATTICE_SCAN;
-    s->next = 0;
-    s->n_seeds = 0;
-    s->mirrored = 0;
-    s->spiral[0] = 1;
-    s->spiral[1] = 0;
+    return (rigcal_real)(2 * s->n_used - 6);
 }
 
-/* What the noise of one coordinate may be, squared. */
-static rigcal_real noise_squared(const rigcal_pose_solver *s)
+/* Sum of the squared errors [px^2] of the first pose, which without sigma is its
+ * sse. */
+static rigcal_real squared_pixels(const rigcal_pose_solver *s, int32_t i)
 {
-    const rigcal_real stated = s->options.sigma_px;
-    if (stated > 0) {
-        return stated * stated;
+    rigcal_transform cam_from_points;
+    rigcal_real sum = 0;
+    if (s->sigma == NULL) {
+        return s->found[i].sse;
     }
-    return rc_max(s->found[0].sse / (rigcal_real)(2 * s->n - 6),
-                  NOISE_LEAST * NOISE_LEAST);
+    found_transform(&cam_from_points, &s->found[i]);
+    for (size_t k = 0; k < s->n; k++) {
+        const rigcal_observation *const o = &s->observations[k];
+        rigcal_real x[3], X_c[3], uv[2];
+        if (is_used(s->mask, k)) {
+            rc_vec3_sub(x, o->X_w, s->origin);
+            rc_transform_point(X_c, &cam_from_points, x);
+            (void)rc_project(uv, NULL, s->camera, X_c);
+            sum += (o->uv[0] - uv[0]) * (o->uv[0] - uv[0]) +
+                   (o->uv[1] - uv[1]) * (o->uv[1] - uv[1]);
+        }
+    }
+    return sum;
 }
 
-/* Chance below 1e-6 that noise alone makes a sum so large: chi squared of 2 n - 6
- * degrees of freedom by Wilson and Hilferty (1931), 4.75 standard deviations. */
-static int is_poor(const rigcal_pose_solver *s, rigcal_real noise2)
+/* Whether noise alone has a chance below 1e-6 to make so large a sum: chi squared of
+ * 2 n - 6 degrees of freedom by Wilson and Hilferty (1931), 4.75 standard deviations.
+ * Three points have none; they fit nearly. */
+static int is_above_noise(rigcal_real sum, rigcal_real noise, rigcal_real freedom)
 {
-    const rigcal_real dof = (rigcal_real)(2 * s->n - 6);
+    const rigcal_real dof = rc_max(1, freedom);
     const rigcal_real v = 2 / (9 * dof);
     const rigcal_real root = 1 - v + RC(4.75) * RC_SQRT(v);
-    return !(s->found[0].sse <= noise2 * dof * root * root * root);
+    return !(sum <= noise * noise * dof * root * root * root);
+}
+
+static int is_poor(const rigcal_pose_solver *s)
+{
+    if (s->sigma_px > 0) {
+        return is_above_noise(s->found[0].sse, s->sigma_px, freedom(s));
+    }
+    const rigcal_real most = rc_max(NOISE_MOST, NOISE_MOST_PART * s->extent_px);
+    return is_above_noise(squared_pixels(s, 0), most, freedom(s));
 }
 
 /* A warm start that ended elsewhere than at the pose shows by its error. */
@@ -472,47 +696,59 @@ static int is_warm_good(const rigcal_pose_solver *s)
     if (s->n_found == 0) {
         return 0;
     }
-    if (s->options.sigma_px > 0) {
-        return !is_poor(s, noise_squared(s));
+    if (s->sigma_px > 0) {
+        return !is_poor(s);
     }
     const rigcal_real limit = WARM_ERROR * s->extent_px;
-    return s->found[0].sse <= (rigcal_real)s->n * limit * limit;
+    return squared_pixels(s, 0) <= (rigcal_real)s->n_used * limit * limit;
 }
 
-static void end_warm(rigcal_pose_solver *s)
+/* ---- the phases ---------------------------------------------------------- */
+
+static void end_warm(rigcal_pose_solver *s, const rc_fit *fit)
 {
-    if (s->fit.status >= 0) {
-        insert_found(s);
+    if (s->work.fit.status >= 0) {
+        insert_found(s, fit);
     }
     if (is_warm_good(s)) {
         s->phase = DONE;
     } else {
         s->n_found = 0;
-        begin_search(s);
+        s->phase = GATHERING;
     }
 }
 
-static void begin_warm(rigcal_pose_solver *s)
+static void begin_warm(rigcal_pose_solver *s, const rigcal_transform *start)
 {
-    const rigcal_transform *const start = &s->options.start;
     rigcal_transform cam_from_points = *start;
     rc_transform_point(cam_from_points.t, start, s->origin);
-    rc_refine_begin(&s->fit, &cam_from_points);
+    rc_refine_begin(&s->work.fit, &cam_from_points);
     s->phase = WARM;
 }
 
-static void refine_step(rigcal_pose_solver *s)
+static void gathering_step(rigcal_pose_solver *s)
 {
-    rc_fit fit;
-    fit_of(&fit, s);
-    rc_refine_step(&s->fit, &fit, REFINE_EVALS);
-    if (s->fit.status == RIGCAL_RUNNING) {
+    int32_t at = -1;
+    rigcal_real uv_middle[2];
+    find_middle(s->origin, uv_middle, s->observations, s->sigma, s->mask, s->n);
+    s->failure = gather(s, &at, uv_middle);
+    if (s->failure == RIGCAL_OK) {
+        begin_lattice(s);
+    } else {
+        s->phase = DONE;
+    }
+}
+
+static void refine_step(rigcal_pose_solver *s, const rc_fit *fit)
+{
+    rc_refine_step(&s->work.fit, fit, REFINE_EVALS);
+    if (s->work.fit.status == RIGCAL_RUNNING) {
         return;
     }
     if (s->phase == WARM) {
-        end_warm(s);
+        end_warm(s, fit);
     } else {
-        end_refinement(s);
+        end_refinement(s, fit);
     }
 }
 
@@ -537,6 +773,15 @@ static int is_noise(rigcal_real sigma_px)
            (sigma_px >= SIGMA_MIN && sigma_px <= SIGMA_MAX);
 }
 
+static size_t count_used(const uint8_t mask[], size_t n)
+{
+    size_t count = n;
+    for (size_t i = 0; mask != NULL && i < n; i++) {
+        count -= (mask[i] == 0);
+    }
+    return count;
+}
+
 static rigcal_status check_options(const rigcal_pose_options *o)
 {
     if (!rc_is_finite(o->sigma_px)) {
@@ -550,46 +795,13 @@ static rigcal_status check_options(const rigcal_pose_options *o)
     return o->use_start ? rc_check_transform(&o->start) : RIGCAL_OK;
 }
 
-/* Everything that can be wrong, and what the search needs to start. */
-static rigcal_status prepare(rigcal_pose_solver *s, int32_t *at)
+/* All that can be wrong with the arguments. */
+static rigcal_status check_arguments(int32_t *at, const rigcal_camera *camera,
+                                     const rigcal_observation observations[],
+                                     const rigcal_real sigma[],
+                                     const uint8_t mask[], size_t n,
+                                     const rigcal_pose_options *options)
 {
-    rigcal_real uv_middle[2], middle[3], normal[3], thickness;
-    find_middle(s->origin, uv_middle, s->observations, s->sigma, s->n);
-    rigcal_status status = check_shape(&s->scale, s);
-    if (status != RIGCAL_OK) {
-        return status;
-    }
-    if (rc_pixel_to_ray(middle, s->camera, uv_middle) != RIGCAL_OK) {
-        status = middle_ray(middle, at, s);
-    }
-    if (status != RIGCAL_OK) {
-        return status;
-    }
-    look_along(s->virtual_from_cam, middle);
-    status = gather(s, at, s->scale);
-    if (status != RIGCAL_OK) {
-        return status;
-    }
-    for (size_t i = 0; i < s->n; i++) {
-        const rigcal_real du = s->observations[i].uv[0] - uv_middle[0];
-        const rigcal_real dv = s->observations[i].uv[1] - uv_middle[1];
-        s->extent_px = rc_max(s->extent_px, RC_SQRT(du * du + dv * dv));
-    }
-    if (!rc_view_normal(normal, &thickness, &s->moments)) {
-        return RIGCAL_ERR_COLLINEAR;
-    }
-    s->is_flat = thickness < FLAT_THICKNESS;
-    return RIGCAL_OK;
-}
-
-/* rigcal_pose_begin, but that a failure may leave *solver written. */
-static rigcal_status begin(rigcal_pose_solver *solver, int32_t *bad,
-                           const rigcal_camera *camera,
-                           const rigcal_observation observations[],
-                           const rigcal_real sigma[], size_t n,
-                           const rigcal_pose_options *options)
-{
-    int32_t at = -1;
     rigcal_status status = RIGCAL_ERR_NULL;
     if (observations != NULL) {
         status = rc_check_camera(camera);
@@ -597,39 +809,55 @@ static rigcal_status begin(rigcal_pose_solver *solver, int32_t *bad,
     if (status == RIGCAL_OK && options != NULL) {
         status = check_options(options);
     }
-    if (status == RIGCAL_OK && n < 4) {
-        status = RIGCAL_ERR_TOO_FEW;
-    }
     if (status == RIGCAL_OK && n > RC_COUNT_MAX) {
         status = RIGCAL_ERR_RANGE;
     }
-    if (status == RIGCAL_OK) {
-        status = check_data(&at, observations, sigma, n);
+    if (status == RIGCAL_OK && count_used(mask, n) < 4) {
+        status = RIGCAL_ERR_TOO_FEW;
     }
-    if (status == RIGCAL_OK) {
-        *solver = (rigcal_pose_solver){0};
-        solver->camera = camera;
-        solver->observations = observations;
-        solver->sigma = sigma;
-        solver->n = n;
-        status = prepare(solver, &at);
-    }
+    return (status == RIGCAL_OK) ? check_data(at, observations, sigma, mask, n)
+                                 : status;
+}
+
+rigcal_status rc_pose_begin(rigcal_pose_solver *solver, int32_t *at,
+                            const rigcal_camera *camera,
+                            const rigcal_observation observations[],
+                            const rigcal_real sigma[], const uint8_t mask[],
+                            size_t n, const rigcal_pose_options *options)
+{
+    rigcal_real uv_middle[2];
+    const int is_warm = options != NULL && options->use_start;
+    *at = -1;
+    rigcal_status status = check_arguments(at, camera, observations, sigma, mask, n,
+                                           options);
     if (status != RIGCAL_OK) {
-        if (bad != NULL) {
-            *bad = at;
-        }
         return status;
     }
-    (void)rigcal_pose_defaults(&solver->options);
+    *solver = (rigcal_pose_solver){0};
+    solver->camera = camera;
+    solver->observations = observations;
+    solver->sigma = sigma;
+    solver->mask = mask;
+    solver->n = n;
+    solver->n_used = count_used(mask, n);
     if (options != NULL) {
-        solver->options = *options;
+        solver->thorough = options->thorough;
+        solver->sigma_px = options->sigma_px;
     }
-    if (solver->options.use_start) {
-        begin_warm(solver);
-    } else {
-        begin_search(solver);
+    find_middle(solver->origin, uv_middle, observations, sigma, mask, n);
+    status = measure(solver, uv_middle);
+    if (status != RIGCAL_OK) {
+        return status;
     }
-    return RIGCAL_OK;
+    if (is_warm) {
+        begin_warm(solver, &options->start);
+        return RIGCAL_OK;
+    }
+    status = gather(solver, at, uv_middle);
+    if (status == RIGCAL_OK) {
+        begin_lattice(solver);
+    }
+    return status;
 }
 
 rigcal_status rigcal_pose_begin(rigcal_pose_solver *solver, int32_t *bad,
@@ -639,13 +867,16 @@ rigcal_status rigcal_pose_begin(rigcal_pose_solver *solver, int32_t *bad,
                                 const rigcal_pose_options *options)
 {
     rigcal_pose_solver begun;
+    int32_t at;
     if (solver == NULL) {
         return RIGCAL_ERR_NULL;
     }
-    const rigcal_status status =
-        begin(&begun, bad, camera, observations, sigma, n, options);
+    const rigcal_status status = rc_pose_begin(&begun, &at, camera, observations,
+                                               sigma, NULL, n, options);
     if (status == RIGCAL_OK) {
         *solver = begun;
+    } else if (bad != NULL) {
+        *bad = at;
     }
     return status;
 }
@@ -661,14 +892,17 @@ rigcal_status rigcal_pose_step(rigcal_pose_solver *solver, int32_t budget)
     if (solver->phase <= NOT_BEGUN || solver->phase > DONE) {
         return RIGCAL_ERR_STATE;
     }
+    rc_fit fit;
+    fit_of(&fit, solver);
     for (int32_t i = 0; i < budget && solver->phase != DONE; i++) {
-        solver->evals++;
         if (solver->phase == LATTICE_SCAN) {
             lattice_step(solver);
         } else if (solver->phase == DESCENT) {
             descent_step(solver);
+        } else if (solver->phase == GATHERING) {
+            gathering_step(solver);
         } else {
-            refine_step(solver);
+            refine_step(solver, &fit);
         }
     }
     return (solver->phase == DONE) ? RIGCAL_OK : RIGCAL_RUNNING;
@@ -690,13 +924,12 @@ static rigcal_real power(rigcal_real base, size_t exponent)
 static rigcal_real likelihood(const rigcal_pose_solver *s, int32_t i)
 {
     const rigcal_real first = s->found[0].sse, other = s->found[i].sse;
-    const rigcal_real stated = s->options.sigma_px;
+    const rigcal_real stated = s->sigma_px;
     if (stated > 0) {
         return RC_EXP((first - other) / (2 * stated * stated));
     }
-    const rigcal_real floor_sum =
-        (rigcal_real)(2 * s->n - 6) * NOISE_LEAST * NOISE_LEAST;
-    return power((first + floor_sum) / (other + floor_sum), s->n - 3);
+    const rigcal_real floor_sum = rc_max(1, freedom(s)) * NOISE_LEAST * NOISE_LEAST;
+    return power((first + floor_sum) / (other + floor_sum), s->n_used - 3);
 }
 
 static void set_probabilities(rigcal_pose poses[], size_t n_written,
@@ -714,24 +947,13 @@ static void set_probabilities(rigcal_pose poses[], size_t n_written,
 /* A pose as the caller knows it: of the world's origin, with its error in px. */
 static void write_pose(rigcal_pose *out, const rigcal_pose_solver *s, int32_t i)
 {
-    const rigcal_transform *const from_points = &s->found[i].cam_from_world;
-    rigcal_real turned[3], sum = 0;
-    rc_mat3_mul_vec3(turned, from_points->R, s->origin);
-    *out = s->found[i];
-    rc_vec3_sub(out->cam_from_world.t, from_points->t, turned);
-    if (s->sigma == NULL) {
-        sum = out->sse;
-    }
-    for (size_t k = 0; k < s->n && s->sigma != NULL; k++) {
-        const rigcal_observation *const o = &s->observations[k];
-        rigcal_real x[3], X_c[3], uv[2];
-        rc_vec3_sub(x, o->X_w, s->origin);
-        rc_transform_point(X_c, from_points, x);
-        (void)rc_project(uv, NULL, s->camera, X_c);
-        sum += (o->uv[0] - uv[0]) * (o->uv[0] - uv[0]) +
-               (o->uv[1] - uv[1]) * (o->uv[1] - uv[1]);
-    }
-    out->rms_px = RC_SQRT(sum / (rigcal_real)s->n);
+    rigcal_transform *const pose = &out->cam_from_world;
+    rigcal_real turned[3];
+    found_transform(pose, &s->found[i]);
+    rc_mat3_mul_vec3(turned, pose->R, s->origin);
+    rc_vec3_sub(pose->t, s->found[i].t, turned);
+    out->sse = s->found[i].sse;
+    out->rms_px = RC_SQRT(squared_pixels(s, i) / (rigcal_real)s->n_used);
 }
 
 rigcal_status rigcal_pose_result(rigcal_pose poses[], size_t *n_found,
@@ -752,13 +974,12 @@ rigcal_status rigcal_pose_result(rigcal_pose poses[], size_t *n_found,
         return (s->failure != 0) ? s->failure : RIGCAL_ERR_NO_POSE;
     }
     const size_t n = ((size_t)s->n_found < capacity) ? (size_t)s->n_found : capacity;
-    const rigcal_real noise2 = noise_squared(s);
     for (size_t i = 0; i < n; i++) {
         write_pose(&poses[i], s, (int32_t)i);
     }
     set_probabilities(poses, n, s);
     *n_found = n;
-    if (s->options.sigma_px > 0 && is_poor(s, noise2)) {
+    if (is_poor(s)) {
         return RIGCAL_POOR_FIT;
     }
     return (poses[0].probability >= SURE) ? RIGCAL_OK : RIGCAL_AMBIGUOUS;
@@ -772,15 +993,19 @@ rigcal_status rigcal_solve_pose(rigcal_pose poses[], size_t *n_found,
                                 const rigcal_pose_options *options)
 {
     rigcal_pose_solver solver;
+    int32_t at;
     if (poses == NULL || n_found == NULL) {
         return RIGCAL_ERR_NULL;
     }
     if (capacity < 1) {
         return RIGCAL_ERR_RANGE;
     }
-    const rigcal_status status =
-        begin(&solver, bad, camera, observations, sigma, n, options);
+    const rigcal_status status = rc_pose_begin(&solver, &at, camera, observations,
+                                               sigma, NULL, n, options);
     if (status != RIGCAL_OK) {
+        if (bad != NULL) {
+            *bad = at;
+        }
         return status;
     }
     while (solver.phase != DONE) {
@@ -892,7 +1117,7 @@ rigcal_status rigcal_pose_covariance(
         status = RIGCAL_ERR_TOO_FEW;
     }
     if (status == RIGCAL_OK) {
-        status = check_data(&at, observations, sigma, n);
+        status = check_data(&at, observations, sigma, NULL, n);
     }
     if (status != RIGCAL_OK) {
         return status;
@@ -901,13 +1126,14 @@ rigcal_status rigcal_pose_covariance(
     rigcal_real origin[3], uv_middle[2], sse, g[6], H[21], at_points[36], turned[3];
     rigcal_transform cam_from_points = *cam_from_world;
     rc_fit fit;
-    find_middle(origin, uv_middle, observations, sigma, n);
+    find_middle(origin, uv_middle, observations, sigma, NULL, n);
     if (is_line(observations, origin, n)) {
         return RIGCAL_ERR_DEGENERATE;
     }
     fit.camera = camera;
     fit.observations = observations;
     fit.sigma = sigma;
+    fit.mask = NULL;
     fit.n = n;
     fit.origin = origin;
     rc_lens_of(&fit.lens, camera);

@@ -8,48 +8,114 @@
 /* Rise of the sum that may be rounding. */
 #define SUM_ROUNDING (16 * RC_EPS)
 
-/* A step that promised to lower the sum by no more than this part of it was the
- * last: what remains is a small fraction of that. A billionth of the sum is a
- * thirty-thousandth of a standard deviation. */
-#define GAIN_LEAST RC_TOL(1e-8, 1e-6)
-
-/* One refused although it promised no more than this has met rounding. */
-#define GAIN_ROUNDING RC_TOL(1e-7, 1e-4)
+/* What may be left to gain when a refinement ends, as a part of the sum, judged by
+ * how fast the gains fall; and a gain that is small enough by itself. */
+#define LEFT_LEAST RC_TOL(1e-11, 1e-6)
+#define GAIN_LEAST RC_TOL(1e-11, 1e-6)
 
 /* GAIN_LEAST in px^2, for images without noise. */
 #define GAIN_NOTHING RC_TOL(1e-20, 1e-7)
+
+/* A step refused although it promised no more than this part has met rounding. */
+#define GAIN_ROUNDING RC_TOL(1e-7, 1e-4)
+
+/* The most that one step turns [rad]: a larger one would leave the basin. */
+#define TURN_MOST RC(0.3)
+
+/* Gains that fall no faster than this are those of a valley: Newton's H from there. */
+#define SLOW RC(0.1)
 
 /* Pivots are compared with this part of their diagonal. */
 #define RANK_TOL (8 * RC_EPS)
 
 /* ---- normal equations ---------------------------------------------------- */
 
-/* One residual e and its row of J: with q = R x and dX_c = w x q + dt, a row b by
- * dX_c is (a, b) by (w, dt), a = q x b. Written out, for this is where the time of
- * a refinement goes. */
-static void add_row(rigcal_real g[6], rigcal_real H[21], const rigcal_real b[3],
-                    const rigcal_real q[3], rigcal_real e)
+/* One point. With q = R x and dX_c = w x q + dt, its rows of J are B [-[q]x, 1],
+ * B = d uv / dX_c. So with c = B^T e and M = B^T B (xx, xy, xz, yy, yz, zz) it adds
+ * (q x c, c) to g, and to H the blocks M by dt, K = [q]x M across, and [q]x M [q]x^T
+ * by w. Written out, for this is where the time of a refinement goes. */
+static void add_point(rigcal_real g[6], rigcal_real H[21], const rigcal_real c[3],
+                      const rigcal_real M[6], const rigcal_real q[3])
 {
-    rigcal_real a[3];
-    rc_vec3_cross(a, q, b);
-    rc_vec3_add_scaled(&g[0], e, a);
-    rc_vec3_add_scaled(&g[3], e, b);
-    H[0] += a[0] * a[0];
-    H[1] += a[1] * a[0];
-    H[2] += a[1] * a[1];
-    rc_vec3_add_scaled(&H[3], a[2], a);
-    rc_vec3_add_scaled(&H[6], b[0], a);
-    H[9] += b[0] * b[0];
-    rc_vec3_add_scaled(&H[10], b[1], a);
-    H[13] += b[1] * b[0];
-    H[14] += b[1] * b[1];
-    rc_vec3_add_scaled(&H[15], b[2], a);
-    rc_vec3_add_scaled(&H[18], b[2], b);
+    const rigcal_real x = q[0], y = q[1], z = q[2];
+    const rigcal_real Kxx = y * M[2] - z * M[1], Kyx = z * M[0] - x * M[2],
+                      Kzx = x * M[1] - y * M[0];
+    const rigcal_real Kxy = y * M[4] - z * M[3], Kyy = z * M[1] - x * M[4],
+                      Kzy = x * M[3] - y * M[1];
+    const rigcal_real Kxz = y * M[5] - z * M[4], Kyz = z * M[2] - x * M[5],
+                      Kzz = x * M[4] - y * M[2];
+    g[0] += y * c[2] - z * c[1];
+    g[1] += z * c[0] - x * c[2];
+    g[2] += x * c[1] - y * c[0];
+    g[3] += c[0];
+    g[4] += c[1];
+    g[5] += c[2];
+    H[0] += y * Kxz - z * Kxy;
+    H[1] += y * Kyz - z * Kyy;
+    H[2] += z * Kyx - x * Kyz;
+    H[3] += y * Kzz - z * Kzy;
+    H[4] += z * Kzx - x * Kzz;
+    H[5] += x * Kzy - y * Kzx;
+    H[6] += Kxx;
+    H[7] += Kyx;
+    H[8] += Kzx;
+    H[9] += M[0];
+    H[10] += Kxy;
+    H[11] += Kyy;
+    H[12] += Kzy;
+    H[13] += M[1];
+    H[14] += M[3];
+    H[15] += Kxz;
+    H[16] += Kyz;
+    H[17] += Kzz;
+    H[18] += M[2];
+    H[19] += M[4];
+    H[20] += M[5];
 }
 
-rigcal_status rc_normal_equations(rigcal_real *sse, rigcal_real g[6],
-                                  rigcal_real H[21], const rc_fit *fit,
-                                  const rigcal_transform *cam_from_points)
+/* What Newton's H has beyond that of Gauss and Newton: the curvature of uv, times -e.
+ * That of a pinhole is -(c k^T + k c^T) / Z, k = (0, 0, 1), and a lens bends little
+ * more: it goes into M. That of exp([w]x) q, [w]x [w]x q / 2, makes
+ * (c.q) 1 - (c q^T + q c^T) / 2 by w. */
+static void add_curvature(rigcal_real H[21], rigcal_real M[6],
+                          const rigcal_real c[3], const rigcal_real q[3],
+                          rigcal_real Z)
+{
+    const rigcal_real along = rc_vec3_dot(c, q);
+    M[2] += c[0] / Z;
+    M[4] += c[1] / Z;
+    M[5] += 2 * c[2] / Z;
+    H[0] += along - c[0] * q[0];
+    H[1] -= (c[0] * q[1] + c[1] * q[0]) / 2;
+    H[2] += along - c[1] * q[1];
+    H[3] -= (c[0] * q[2] + c[2] * q[0]) / 2;
+    H[4] -= (c[1] * q[2] + c[2] * q[1]) / 2;
+    H[5] += along - c[2] * q[2];
+}
+
+/* c = w B^T e, M = w B^T B */
+static inline void square(rigcal_real c[3], rigcal_real M[6],
+                          const rigcal_real B[6], rigcal_real du, rigcal_real dv,
+                          rigcal_real weight)
+{
+    const rigcal_real *const bu = B, *const bv = B + 3;
+    const rigcal_real wu[3] = {weight * bu[0], weight * bu[1], weight * bu[2]};
+    const rigcal_real wv[3] = {weight * bv[0], weight * bv[1], weight * bv[2]};
+    for (int k = 0; k < 3; k++) {
+        c[k] = wu[k] * du + wv[k] * dv;
+    }
+    M[0] = wu[0] * bu[0] + wv[0] * bv[0];
+    M[1] = wu[0] * bu[1] + wv[0] * bv[1];
+    M[2] = wu[0] * bu[2] + wv[0] * bv[2];
+    M[3] = wu[1] * bu[1] + wv[1] * bv[1];
+    M[4] = wu[1] * bu[2] + wv[1] * bv[2];
+    M[5] = wu[2] * bu[2] + wv[2] * bv[2];
+}
+
+static rigcal_status equations(rigcal_real *sse, rigcal_real g[6],
+                               rigcal_real H[21], const rc_fit *fit,
+                               const rigcal_transform *cam_from_points,
+                               int with_curvature)
 {
     rigcal_real sum = 0;
     for (int k = 0; k < 21; k++) {
@@ -58,88 +124,144 @@ rigcal_status rc_normal_equations(rigcal_real *sse, rigcal_real g[6],
     }
     for (size_t i = 0; i < fit->n; i++) {
         const rigcal_observation *const o = &fit->observations[i];
-        rigcal_real x[3], q[3], X_c[3], uv[2], J_c[6];
+        if (fit->mask != NULL && !fit->mask[i]) {
+            continue;
+        }
+        rigcal_real x[3], q[3], X_c[3], uv[2], B[6];
         rc_vec3_sub(x, o->X_w, fit->origin);
         rc_mat3_mul_vec3(q, cam_from_points->R, x);
         for (int k = 0; k < 3; k++) {
             X_c[k] = q[k] + cam_from_points->t[k];
         }
         const rigcal_status status =
-            rc_project_through(uv, J_c, &fit->lens, fit->camera, X_c);
+            rc_project_through(uv, B, &fit->lens, fit->camera, X_c);
         if (status != RIGCAL_OK) {
             return status;
         }
-        rigcal_real du = o->uv[0] - uv[0], dv = o->uv[1] - uv[1];
-        if (fit->sigma != NULL) {
-            const rigcal_real by_sigma = 1 / fit->sigma[i];
-            du *= by_sigma;
-            dv *= by_sigma;
-            for (int k = 0; k < 6; k++) {
-                J_c[k] *= by_sigma;
-            }
+        const rigcal_real du = o->uv[0] - uv[0], dv = o->uv[1] - uv[1];
+        const rigcal_real weight =
+            (fit->sigma == NULL) ? 1 : 1 / (fit->sigma[i] * fit->sigma[i]);
+        rigcal_real c[3], M[6];
+        square(c, M, B, du, dv, weight);
+        if (with_curvature && X_c[2] > 0) {
+            add_curvature(H, M, c, q, X_c[2]);
         }
-        add_row(g, H, &J_c[0], q, du);
-        add_row(g, H, &J_c[3], q, dv);
-        sum += du * du + dv * dv;
+        add_point(g, H, c, M, q);
+        sum += weight * (du * du + dv * dv);
     }
     *sse = sum;
     return rc_is_finite(sum) ? RIGCAL_OK : RIGCAL_ERR_NO_RAY;
 }
 
+rigcal_status rc_normal_equations(rigcal_real *sse, rigcal_real g[6],
+                                  rigcal_real H[21], const rc_fit *fit,
+                                  const rigcal_transform *cam_from_points)
+{
+    return equations(sse, g, H, fit, cam_from_points, 0);
+}
+
 /* ---- the packed 6 x 6 system --------------------------------------------- */
 
-/* L L^T = H + damping diag(H), lower triangles row by row; the diagonal of L is
- * held as its inverse. 0: not positive definite to rounding. */
-static int factor(rigcal_real L[21], const rigcal_real H[21], rigcal_real damping)
+/* Lower triangles of 3 x 3 are held row by row, their diagonals as inverses. */
+
+/* L L^T = A + damping diag(A). 0: not positive definite to rounding. `diagonal` is
+ * what the pivots are compared with. */
+static int factor3(rigcal_real L[6], const rigcal_real A[6],
+                   const rigcal_real diagonal[3])
 {
-    for (int i = 0, row = 0; i < 6; row += ++i) {
-        for (int j = 0, column = 0; j <= i; column += ++j) {
-            rigcal_real sum = H[row + j];
-            for (int k = 0; k < j; k++) {
-                sum -= L[row + k] * L[column + k];
-            }
-            if (j < i) {
-                L[row + j] = sum * L[column + j];
-                continue;
-            }
-            sum += damping * H[row + i];
-            if (!(sum > RANK_TOL * H[row + i])) {
-                return 0;
-            }
-            L[row + i] = 1 / RC_SQRT(sum);
-        }
+    if (!(A[0] > RANK_TOL * diagonal[0])) {
+        return 0;
     }
+    L[0] = 1 / RC_SQRT(A[0]);
+    L[1] = A[1] * L[0];
+    L[3] = A[3] * L[0];
+    const rigcal_real yy = A[2] - L[1] * L[1];
+    if (!(yy > RANK_TOL * diagonal[1])) {
+        return 0;
+    }
+    L[2] = 1 / RC_SQRT(yy);
+    L[4] = (A[4] - L[3] * L[1]) * L[2];
+    const rigcal_real zz = A[5] - L[3] * L[3] - L[4] * L[4];
+    if (!(zz > RANK_TOL * diagonal[2])) {
+        return 0;
+    }
+    L[5] = 1 / RC_SQRT(zz);
     return 1;
 }
 
-/* x <- (L L^T)^-1 x */
-static void solve(rigcal_real x[6], const rigcal_real L[21])
+/* x <- L^-1 x, x <- L^-T x */
+static inline void forward3(rigcal_real x[3], const rigcal_real L[6])
 {
-    for (int i = 0, row = 0; i < 6; row += ++i) {
-        for (int k = 0; k < i; k++) {
-            x[i] -= L[row + k] * x[k];
-        }
-        x[i] *= L[row + i];
+    x[0] *= L[0];
+    x[1] = (x[1] - L[1] * x[0]) * L[2];
+    x[2] = (x[2] - L[3] * x[0] - L[4] * x[1]) * L[5];
+}
+
+static inline void backward3(rigcal_real x[3], const rigcal_real L[6])
+{
+    x[2] *= L[5];
+    x[1] = (x[1] - L[4] * x[2]) * L[2];
+    x[0] = (x[0] - L[1] * x[1] - L[3] * x[2]) * L[0];
+}
+
+/* The Cholesky factor (first 0; across second) of a 6 x 6 matrix. */
+typedef struct {
+    rigcal_real first[6], across[3][3], second[6];
+} factor6;
+
+/* L L^T = H + damping diag(H). 0: not positive definite to rounding. */
+static int factor(factor6 *L, const rigcal_real H[21], rigcal_real damping)
+{
+    const rigcal_real more = 1 + damping;
+    const rigcal_real A[6] = {more * H[0], H[1], more * H[2], H[3], H[4], more * H[5]};
+    const rigcal_real diagonal[6] = {H[0], H[2], H[5], H[9], H[14], H[20]};
+    if (!factor3(L->first, A, diagonal)) {
+        return 0;
     }
-    for (int i = 5, row = 15; i >= 0; row -= i, i--) {
-        x[i] *= L[row + i];
-        for (int k = 0; k < i; k++) {
-            x[k] -= L[row + k] * x[i];
+    for (int i = 0, row = 6; i < 3; row += 4 + i++) {
+        for (int k = 0; k < 3; k++) {
+            L->across[i][k] = H[row + k];
         }
+        forward3(L->across[i], L->first);
     }
+    const rigcal_real *const a = L->across[0], *const b = L->across[1],
+                            *const c = L->across[2];
+    const rigcal_real S[6] = {more * H[9] - rc_vec3_dot(a, a),
+                              H[13] - rc_vec3_dot(b, a),
+                              more * H[14] - rc_vec3_dot(b, b),
+                              H[18] - rc_vec3_dot(c, a),
+                              H[19] - rc_vec3_dot(c, b),
+                              more * H[20] - rc_vec3_dot(c, c)};
+    return factor3(L->second, S, &diagonal[3]);
+}
+
+/* x <- (L L^T)^-1 x */
+static void solve(rigcal_real x[6], const factor6 *L)
+{
+    forward3(x, L->first);
+    for (int i = 0; i < 3; i++) {
+        x[3 + i] -= rc_vec3_dot(L->across[i], x);
+    }
+    forward3(x + 3, L->second);
+    backward3(x + 3, L->second);
+    for (int i = 0; i < 3; i++) {
+        rc_vec3_add_scaled(x, -x[3 + i], L->across[i]);
+    }
+    backward3(x, L->first);
 }
 
 int rc_refine_covariance(rigcal_real Sigma[36], const rigcal_real H[21])
 {
-    rigcal_real L[21], column[6];
-    if (!factor(L, H, 0)) {
+    factor6 L;
+    rigcal_real column[6];
+    if (!factor(&L, H, 0)) {
         return 0;
     }
     for (int j = 0; j < 6; j++) {
         for (int i = 0; i < 6; i++) {
             column[i] = (i == j) ? 1 : 0;
         }
-        solve(column, L);
+        solve(column, &L);
         for (int i = 0; i < 6; i++) {
             Sigma[6 * i + j] = column[i];
         }
@@ -154,9 +276,12 @@ int rc_refine_covariance(rigcal_real Sigma[36], const rigcal_real H[21])
 static void moved(rigcal_transform *out, const rigcal_transform *from,
                   const rigcal_real d[6])
 {
-    const rigcal_real q_wxyz[4] = {1, d[0] / 2, d[1] / 2, d[2] / 2};
-    rigcal_real turn[9];
-    rc_rotation_from_quaternion(turn, q_wxyz);
+    const rigcal_real x = d[0] / 2, y = d[1] / 2, z = d[2] / 2;
+    const rigcal_real s = 2 / (1 + x * x + y * y + z * z);
+    const rigcal_real turn[9] = {
+        1 - s * (y * y + z * z), s * (x * y - z),         s * (x * z + y),
+        s * (x * y + z),         1 - s * (x * x + z * z), s * (y * z - x),
+        s * (x * z - y),         s * (y * z + x),         1 - s * (x * x + y * y)};
     rc_mat3_mul(out->R, turn, from->R);
     for (int k = 0; k < 3; k++) {
         out->t[k] = from->t[k] + d[3 + k];
@@ -169,74 +294,100 @@ void rc_refine_begin(rigcal_refinement *state,
     state->cam_from_points = *cam_from_points;
     state->lambda = DAMPING_FIRST;
     state->sse = RC_MAX;
+    state->last_gain = 0;
     state->evals = 0;
+    state->is_stale = 1;
+    state->is_newton = 0;
     state->status = RIGCAL_RUNNING;
 }
 
-/* The step from where `state` is; *gain gets what it promises. 0: singular. */
+/* The equations where `state` is. */
+static void evaluate(rigcal_refinement *state, const rc_fit *fit)
+{
+    const rigcal_status status =
+        equations(&state->sse, state->g, state->H, fit, &state->cam_from_points,
+                  state->is_newton);
+    if (status != RIGCAL_OK) {
+        state->status = status;
+    }
+    state->is_stale = 0;
+}
+
+/* The step from where `state` is; *gain gets what it promises, undiminished. 0:
+ * singular. */
 static int damped_step(rigcal_real d[6], rigcal_real *gain,
                        const rigcal_refinement *state)
 {
-    rigcal_real L[21];
-    if (!factor(L, state->H, state->lambda)) {
+    factor6 L;
+    if (!factor(&L, state->H, state->lambda)) {
         return 0;
     }
-    *gain = 0;
     for (int k = 0; k < 6; k++) {
         d[k] = state->g[k];
     }
-    solve(d, L);
-    for (int k = 0; k < 6; k++) {
-        *gain += d[k] * state->g[k];
+    solve(d, &L);
+    *gain = rc_vec3_dot(d, state->g) + rc_vec3_dot(d + 3, state->g + 3);
+    const rigcal_real turn = rc_vec3_norm(d);
+    if (turn > TURN_MOST) {
+        for (int k = 0; k < 6; k++) {
+            d[k] *= TURN_MOST / turn;
+        }
     }
     return 1;
 }
 
-/* Takes the candidate when it does no harm, else damps more. */
-static void judge_candidate(rigcal_refinement *state, const rc_fit *fit,
-                            const rigcal_transform *candidate, rigcal_real gain)
-{
-    rigcal_real sse, g[6], H[21];
-    if (rc_normal_equations(&sse, g, H, fit, candidate) != RIGCAL_OK ||
-        !(sse <= state->sse * (1 + SUM_ROUNDING) + GAIN_NOTHING)) {
-        state->lambda = rc_max(10 * state->lambda, DAMPING_FIRST);
-        if (gain <= GAIN_ROUNDING * state->sse || state->lambda > DAMPING_LAST) {
-            state->status = RIGCAL_OK; /* no step helps any more */
-        }
-        return;
-    }
-    state->cam_from_points = *candidate;
-    state->sse = sse;
-    state->lambda *= RC(0.1);
-    for (int k = 0; k < 21; k++) {
-        state->H[k] = H[k];
-    }
-    for (int k = 0; k < 6; k++) {
-        state->g[k] = g[k];
-    }
-}
-
-/* A nearly undamped step that promises next to nothing is the last. */
+/* A nearly undamped step is the last when next to nothing is left to gain after
+ * it. Were the gains to go on falling as from the step before, by r = gain /
+ * last_gain each, that would be gain r / (1 - r); near an optimum they fall ever
+ * faster, and in a valley, where r is near 1, a small gain alone says nothing. */
 static int is_last(const rigcal_refinement *state, rigcal_real gain)
 {
     return state->lambda <= DAMPING_NEAR &&
-           (gain <= GAIN_LEAST * state->sse || gain <= GAIN_NOTHING);
+           (gain <= GAIN_NOTHING || gain <= GAIN_LEAST * state->sse ||
+            gain * gain <= (state->last_gain - gain) * LEFT_LEAST * state->sse);
 }
 
-void rc_refine_step(rigcal_refinement *state, const rc_fit *fit,
-                    int32_t max_evals)
+/* Moves to the candidate when it does no harm. Else it stays, with equations that are
+ * stale now, damps more, and minds the curvature. */
+static void judge_candidate(rigcal_refinement *state, const rc_fit *fit,
+                            const rigcal_transform *candidate, rigcal_real gain)
 {
-    if (state->evals++ == 0) {
-        const rigcal_status status =
-            rc_normal_equations(&state->sse, state->g, state->H, fit,
-                                &state->cam_from_points);
-        state->status = (status == RIGCAL_OK) ? RIGCAL_RUNNING : status;
+    rigcal_real sse;
+    const rigcal_status status =
+        equations(&sse, state->g, state->H, fit, candidate, state->is_newton);
+    if (status == RIGCAL_OK &&
+        sse <= state->sse * (1 + SUM_ROUNDING) + GAIN_NOTHING) {
+        state->cam_from_points = *candidate;
+        state->sse = sse;
+        state->last_gain = gain;
+        state->lambda *= RC(0.1);
         return;
     }
+    state->is_stale = 1;
+    state->is_newton = 1;
+    state->last_gain = 0;
+    state->lambda = rc_max(10 * state->lambda, DAMPING_FIRST);
+    if (gain <= GAIN_ROUNDING * state->sse || state->lambda > DAMPING_LAST) {
+        state->status = RIGCAL_OK; /* no step helps any more */
+    }
+}
+
+static void advance(rigcal_refinement *state, const rc_fit *fit)
+{
     rigcal_real d[6], gain;
     rigcal_transform candidate;
+    if (state->is_stale) {
+        evaluate(state, fit);
+        return;
+    }
     if (!damped_step(d, &gain, state)) {
-        state->status = RIGCAL_ERR_DEGENERATE;
+        if (!state->is_newton) {
+            state->status = RIGCAL_ERR_DEGENERATE;
+            return;
+        }
+        state->is_newton = 0; /* Newton's H need not be positive definite */
+        state->is_stale = 1;
+        state->lambda = rc_max(10 * state->lambda, DAMPING_NEAR);
         return;
     }
     moved(&candidate, &state->cam_from_points, d);
@@ -246,7 +397,17 @@ void rc_refine_step(rigcal_refinement *state, const rc_fit *fit,
         state->status = RIGCAL_OK;
         return;
     }
+    if (state->last_gain > 0 && gain > SLOW * state->last_gain) {
+        state->is_newton = 1;
+    }
     judge_candidate(state, fit, &candidate, gain);
+}
+
+void rc_refine_step(rigcal_refinement *state, const rc_fit *fit,
+                    int32_t max_evals)
+{
+    state->evals++;
+    advance(state, fit);
     if (state->status == RIGCAL_RUNNING && state->evals >= max_evals) {
         state->status = RIGCAL_BUDGET_SPENT;
     }

@@ -11,15 +11,8 @@
  * breaks the equations by no more than this, in squares of the longest side. */
 #define LIFTED RC(0.01)
 
-/* What a solution may leave, in the same unit. */
-#define SOLVED RC_TOL(1e-10, 1e-4)
-
 /* A depth times h of no more than this, in longest sides, is zero. */
 #define DEPTH_MIN (16 * RC_EPS)
-
-/* Newton steps on the depths, and what they cannot improve. */
-enum { POLISH_STEPS = 4 };
-#define POLISHED (4 * RC_EPS)
 
 /* Newton steps to the root of the pencil, from a start that bounds it. */
 enum { ROOT_STEPS = 12 };
@@ -44,67 +37,6 @@ static void sides(rigcal_real f[3], rigcal_real s[3], const triangle *T,
     f[0] = v[1] * v[1] + T->e[0] * s[0] * s[1];
     f[1] = v[2] * v[2] + T->e[1] * s[0] * s[2];
     f[2] = (v[1] - v[2]) * (v[1] - v[2]) + T->e[2] * s[1] * s[2];
-}
-
-/* What is missing from the sides; the sum of squares of that. */
-static rigcal_real missing(rigcal_real r[3], rigcal_real s[3], const triangle *T,
-                           const rigcal_real v[3])
-{
-    sides(r, s, T, v);
-    for (int k = 0; k < 3; k++) {
-        r[k] = T->a[k] - r[k];
-    }
-    return rc_vec3_dot(r, r);
-}
-
-/* d of J d = r for the derivative of (D1) by v; 0 when J is singular. */
-static int newton_step(rigcal_real d[3], const triangle *T, const rigcal_real v[3],
-                       const rigcal_real s[3], const rigcal_real r[3])
-{
-    const rigcal_real h = T->h;
-    const rigcal_real A0 = T->e[0] * (s[0] + s[1]);
-    const rigcal_real B0 = 2 * v[1] + T->e[0] * h * s[0];
-    const rigcal_real A1 = T->e[1] * (s[0] + s[2]);
-    const rigcal_real C1 = 2 * v[2] + T->e[1] * h * s[0];
-    const rigcal_real A2 = T->e[2] * (s[1] + s[2]);
-    const rigcal_real B2 = 2 * (v[1] - v[2]) + T->e[2] * h * s[2];
-    const rigcal_real C2 = 2 * (v[2] - v[1]) + T->e[2] * h * s[1];
-    const rigcal_real bc = B0 * C1, cb = C1 * B2, ba = B0 * C2;
-    const rigcal_real det = bc * A2 - A0 * cb - A1 * ba;
-    if (!(RC_FABS(det) > 0)) {
-        return 0;
-    }
-    const rigcal_real by_det = 1 / det;
-    d[0] = (bc * r[2] - r[0] * cb - r[1] * ba) * by_det;
-    d[1] = (A0 * (r[1] * C2 - C1 * r[2]) - r[0] * (A1 * C2 - C1 * A2)) * by_det;
-    d[2] = (r[0] * (A1 * B2) - A0 * (r[1] * B2) - B0 * (A1 * r[2] - r[1] * A2)) *
-           by_det;
-    return 1;
-}
-
-/* Newton's method as long as it gains; the sum of squares left, and the depths. */
-static rigcal_real polish(rigcal_real v[3], rigcal_real s[3], const triangle *T)
-{
-    rigcal_real r[3];
-    rigcal_real sum = missing(r, s, T, v);
-    for (int i = 0; i < POLISH_STEPS && sum > POLISHED * POLISHED; i++) {
-        rigcal_real d[3], moved_r[3], moved_s[3];
-        if (!newton_step(d, T, v, s, r)) {
-            break;
-        }
-        rc_vec3_add_scaled(d, 1, v);
-        const rigcal_real moved = missing(moved_r, moved_s, T, d);
-        if (!(moved < sum)) {
-            break;
-        }
-        for (int k = 0; k < 3; k++) {
-            v[k] = d[k];
-            s[k] = moved_s[k];
-            r[k] = moved_r[k];
-        }
-        sum = moved;
-    }
-    return sum;
 }
 
 /* ---- the pencil of conics ------------------------------------------------ */
@@ -181,46 +113,23 @@ static rigcal_real root_apart(rigcal_real r2, rigcal_real g)
     return y;
 }
 
-/* The cubic of det(P + x Q), where C0, C1 are replaced by C0 - w C1, C0 + w C1, w
- * being 1 or -1. */
-static void slant(rigcal_real b[4], const rigcal_real c[4], rigcal_real w)
-{
-    const rigcal_real c1 = w * c[1], c3 = w * c[3];
-    b[0] = c[0] - c1 + c[2] - c3;
-    b[1] = 3 * (c[0] + c3) - c1 - c[2];
-    b[2] = 3 * (c[0] - c3) + c1 - c[2];
-    b[3] = c[0] + c1 + c[2] + c3;
-}
-
 /* The degenerate conic m[0] C0 + m[1] C1 apart from the other two: where two
- * solutions merge, those two do. The cubic is written by a parameter that is
- * infinite where its determinant is large, among four places, so that the roots
- * are not. */
+ * solutions merge, those two do. With C0 and C1 both degenerate it is the third. */
 static void pencil_root(rigcal_real m[2], const rigcal_real c[4])
 {
-    rigcal_real P[2] = {1, 0}, Q[2] = {0, 1}, b[4] = {c[0], c[1], c[2], c[3]};
-    const rigcal_real even = c[0] + c[2], odd = c[1] + c[3];
-    const rigcal_real ends = rc_max(RC_FABS(c[0]), RC_FABS(c[3]));
-    if (RC_FABS(even) + RC_FABS(odd) > 2 * RC(1.41421356237309505) * ends) {
-        const rigcal_real w = (even * odd < 0) ? -1 : 1;
-        slant(b, c, w);
-        P[1] = -w;
-        Q[0] = 1;
-        Q[1] = w;
-    } else if (RC_FABS(c[0]) > RC_FABS(c[3])) {
-        for (int k = 0; k < 4; k++) {
-            b[k] = c[3 - k];
-        }
-        P[0] = Q[1] = 0;
-        P[1] = Q[0] = 1;
+    const int swapped = RC_FABS(c[0]) > RC_FABS(c[3]);
+    const rigcal_real b3 = c[swapped ? 0 : 3], b2 = c[swapped ? 1 : 2];
+    const rigcal_real b1 = c[swapped ? 2 : 1], b0 = c[swapped ? 3 : 0];
+    rigcal_real one = b2, x = -b1;
+    if (RC_FABS(b3) > RC_EPS * (RC_FABS(b1) + RC_FABS(b2))) {
+        const rigcal_real by_lead = 1 / b3, k = b2 * by_lead / 3;
+        const rigcal_real r2 = k * k - b1 * by_lead / 3;
+        const rigcal_real g = k * (2 * k * k - b1 * by_lead) + b0 * by_lead;
+        one = 1;
+        x = ((g < 0) ? -root_apart(r2, -g) : root_apart(r2, g)) - k;
     }
-    const rigcal_real by_lead = 1 / b[3];
-    const rigcal_real k = b[2] * by_lead / 3, b1 = b[1] * by_lead;
-    const rigcal_real r2 = k * k - b1 / 3;
-    const rigcal_real g = k * (2 * k * k - b1) + b[0] * by_lead;
-    const rigcal_real x = ((g < 0) ? -root_apart(r2, -g) : root_apart(r2, g)) - k;
-    m[0] = P[0] + x * Q[0];
-    m[1] = P[1] + x * Q[1];
+    m[swapped] = one;
+    m[!swapped] = x;
 }
 
 /* The two lines that make up a conic of rank 2: D = l m^T + m l^T. Their crossing
@@ -288,20 +197,24 @@ static int cross_line(rigcal_real v[2][3], const rigcal_real l[3],
 
 /* ---- poses --------------------------------------------------------------- */
 
-/* Scales v to the size of the triangle, in front. 0 when it has no size. */
-static int scale_solution(rigcal_real v[3], const triangle *T)
+/* The depths times h of v, scaled to the size of the triangle, in front. 0 when it
+ * does not make the sides, or a point is not in front. */
+static int depths_of(rigcal_real s[3], const rigcal_real v[3], const triangle *T)
 {
-    rigcal_real f[3], s[3];
+    rigcal_real f[3], wrong = 0;
     sides(f, s, T, v);
-    const rigcal_real squared = (T->a[0] + T->a[1] + 1) / (f[0] + f[1] + f[2]);
+    const rigcal_real squared = (T->a[0] + T->a[1] + T->a[2]) / (f[0] + f[1] + f[2]);
     if (!(squared > 0 && squared <= RC_MAX)) {
         return 0;
     }
     const rigcal_real scale = (s[0] < 0) ? -RC_SQRT(squared) : RC_SQRT(squared);
+    int is_in_front = 1;
     for (int k = 0; k < 3; k++) {
-        v[k] *= scale;
+        s[k] *= scale;
+        is_in_front = is_in_front && s[k] > DEPTH_MIN;
+        wrong = rc_max(wrong, RC_FABS(squared * f[k] - T->a[k]));
     }
-    return 1;
+    return is_in_front && wrong <= LIFTED;
 }
 
 /* In rows, the axes of the triangle 0, u, w: along w - u, across it, normal to it.
@@ -386,15 +299,16 @@ static int prepare(problem *P, const rigcal_real x[3][3],
     return 1;
 }
 
-/* The pose of a solution v with depths s / h. */
+/* The pose of a solution with depths s / h. */
 static int write_pose(rigcal_transform *cam_from_points, const problem *P,
-                      const rigcal_real v[3], const rigcal_real s[3])
+                      const rigcal_real s[3])
 {
     rigcal_real u[3], w[3], F[9], turned[3];
-    const rigcal_real depth = s[0] / P->T.h;
-    for (int k = 0; k < 3; k++) { /* differences of rays, not of points: exact */
-        u[k] = depth * (P->ray[1][k] - P->ray[0][k]) + v[1] * P->ray[1][k];
-        w[k] = depth * (P->ray[2][k] - P->ray[0][k]) + v[2] * P->ray[2][k];
+    const rigcal_real by_h = 1 / P->T.h;
+    for (int k = 0; k < 3; k++) {
+        const rigcal_real at = s[0] * by_h * P->ray[0][k];
+        u[k] = s[1] * by_h * P->ray[1][k] - at;
+        w[k] = s[2] * by_h * P->ray[2][k] - at;
     }
     if (!frame(F, u, w, 0)) {
         return 0;
@@ -409,7 +323,7 @@ static int write_pose(rigcal_transform *cam_from_points, const problem *P,
     rc_mat3_mul_vec3(turned, cam_from_points->R, P->middle);
     for (int k = 0; k < 3; k++) {
         cam_from_points->t[k] =
-            P->size * (depth * P->ray[0][k] + (u[k] + w[k]) / 3) - turned[k];
+            P->size * (s[0] * by_h * P->ray[0][k] + (u[k] + w[k]) / 3) - turned[k];
     }
     return 1;
 }
@@ -443,12 +357,9 @@ int rc_p3p(rigcal_transform cam_from_points[RC_P3P_MAX], const rigcal_real x[3][
     for (int side = 0; side < 2; side++) {
         rigcal_real v[2][3], s[3];
         const int crossings = cross_line(v, lines[side], conic);
-        const rigcal_real left = (crossings == 2) ? SOLVED : LIFTED;
         for (int k = 0; k < crossings; k++) {
-            if (scale_solution(v[k], &P.T) &&
-                polish(v[k], s, &P.T) <= left * left && s[0] > DEPTH_MIN &&
-                s[1] > DEPTH_MIN && s[2] > DEPTH_MIN) {
-                count += write_pose(&cam_from_points[count], &P, v[k], s);
+            if (depths_of(s, v[k], &P.T)) {
+                count += write_pose(&cam_from_points[count], &P, s);
             }
         }
     }

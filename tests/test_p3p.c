@@ -663,9 +663,9 @@ static void test_points_on_a_line_or_together_have_none(void)
         scene s;
 
         random_scene(&s, &rng);
-        for (int k = 0; k < 3; k++) { /* rounded coordinates */
-            s.X[1][k] = D(RC(s.X[1][k]));
-            s.X[0][k] = D(RC(s.X[0][k] + 3 * (n % 2)));
+        for (int k = 0; k < 3; k++) { /* rounded, at times far from the origin */
+            s.X[1][k] = D(RC(s.X[1][k] + 100 * (n % 2)));
+            s.X[0][k] = D(RC(s.X[0][k] + 100 * (n % 2)));
             s.X[2][k] = s.X[0][k] + 0.37 * (s.X[1][k] - s.X[0][k]);
         }
         assert_none(&s);

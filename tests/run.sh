@@ -21,6 +21,7 @@ cli           $PYTHON tests/cli/test_cli.py
 cli-float     RIGCAL_BIN=build/gcc-float/rigcal $PYTHON tests/cli/test_cli.py
 cli-asan      RIGCAL_BIN=build/asan/rigcal $PYTHON tests/cli/test_cli.py
 ffi           sh examples/ffi/run.sh
+firmware      sh examples/firmware/run.sh build/firmware
 readme        $PYTHON tests/checks/check_readme.py
 vectors       $PYTHON tests/vectors/make_vectors.py --check
 layers        $PYTHON tests/checks/check_layers.py
@@ -49,6 +50,7 @@ want pkgconf pkg-config --version
 want cppcheck cppcheck --version
 want rustc rustc --version
 want gcc-arm-none-eabi arm-none-eabi-gcc --version
+want qemu-system-arm qemu-system-arm --version
 want picolibc-arm-none-eabi \
     arm-none-eabi-gcc --specs=picolibc.specs -E -x c /dev/null
 want python3-venv /usr/bin/python3 -c "import ensurepip"

@@ -1,0 +1,417 @@
+#include "firmware.h"
+
+#include <string.h>
+
+enum { WAITING = 0, SOLVING, ERASING, PROGRAMMING };
+
+#define R(x) ((rigcal_real)(x))
+
+/* Noise of a corner [px], and how far a camera must have moved to be stored anew: five
+ * times what that noise lets a pose waver. */
+#define SIGMA_PX R(0.2)
+#define MOVED_DISTANCE R(0.01)
+#define MOVED_ANGLE R(0.01)
+
+/* clang-format off */
+const rigcal_real FIRMWARE_TARGET[FIRMWARE_POINTS][3] = {
+    {R(-0.30), R( 0.20), R( 0.00)}, {R( 0.30), R( 0.20), R( 0.00)},
+    {R( 0.30), R(-0.20), R( 0.00)}, {R(-0.30), R(-0.20), R( 0.00)},
+    {R(-0.12), R( 0.05), R( 0.10)}, {R( 0.15), R( 0.02), R( 0.15)},
+    {R( 0.04), R(-0.14), R( 0.08)}, {R(-0.02), R( 0.15), R( 0.20)}};
+
+const rigcal_camera FIRMWARE_INTRINSICS[FIRMWARE_CAMERAS] = {
+    {RIGCAL_LENS_BROWN, 640, 480, 0, R(600), R(601), R(321.5), R(238.25),
+     R(-0.12), R(0.03), R(0.0004), R(-0.0003), 0, 0, 0, 0},
+    {RIGCAL_LENS_BROWN, 640, 480, 0, R(598), R(597), R(317.0), R(241.5),
+     R(-0.11), R(0.025), 0, R(0.0005), 0, 0, 0, 0}};
+/* clang-format on */
+
+/* ---- the serial line: text without printf --------------------------------- */
+
+typedef struct {
+    char text[320];
+    size_t n;
+} line;
+
+static void put_text(line *out, const char *text)
+{
+    while (*text != '\0' && out->n < sizeof out->text) {
+        out->text[out->n++] = *text++;
+    }
+}
+
+/* At least `digits` digits. */
+static void put_unsigned(line *out, uint32_t x, int digits)
+{
+    char reversed[10];
+    int n = 0;
+    for (; x > 0 || n < digits; x /= 10) {
+        reversed[n++] = (char)('0' + x % 10);
+    }
+    while (n > 0 && out->n < sizeof out->text) {
+        out->text[out->n++] = reversed[--n];
+    }
+}
+
+/* Six decimals, from an integer number of millionths. Beyond +-2147 the end of that
+ * range is sent. */
+static void put_micro(line *out, rigcal_real x)
+{
+    const rigcal_real most = R(2147.0);
+    const rigcal_real within = (x < -most) ? -most : (x > most) ? most : x;
+    const int32_t micro =
+        (int32_t)(within * R(1e6) + (within < 0 ? R(-0.5) : R(0.5)));
+    const uint32_t size = (micro < 0) ? 0u - (uint32_t)micro : (uint32_t)micro;
+    put_text(out, (micro < 0) ? "-" : "");
+    put_unsigned(out, size / 1000000, 1);
+    put_text(out, ".");
+    put_unsigned(out, size % 1000000, 6);
+}
+
+static void put_count(line *out, const char *name, uint32_t x)
+{
+    put_text(out, name);
+    put_unsigned(out, x, 1);
+}
+
+static void put_vector(line *out, const char *name, const rigcal_real x[3])
+{
+    put_text(out, name);
+    put_micro(out, x[0]);
+    put_text(out, ",");
+    put_micro(out, x[1]);
+    put_text(out, ",");
+    put_micro(out, x[2]);
+}
+
+static void put_status(line *out, rigcal_status status)
+{
+    put_text(out, " status=");
+    put_text(out, rigcal_status_name(status) + sizeof "RIGCAL_" - 1);
+}
+
+static void send(line *out)
+{
+    put_text(out, "\r\n");
+    port_send(out->text, out->n);
+}
+
+static void begin_frame_line(line *out, const firmware *f, const char *what,
+                             rigcal_status status)
+{
+    out->n = 0;
+    put_text(out, what);
+    put_count(out, " camera=", (uint32_t)f->camera);
+    put_count(out, " frame=", f->frame);
+    put_status(out, status);
+}
+
+static void report_failure(const firmware *f, rigcal_status status)
+{
+    line out;
+    begin_frame_line(&out, f, "none", status);
+    send(&out);
+}
+
+static void report_pose(const firmware *f, rigcal_status status,
+                        const rigcal_pose *found,
+                        const rigcal_pose_uncertainty *sigma)
+{
+    line out;
+    rigcal_real center[3], w[3];
+    begin_frame_line(&out, f, "pose", status);
+    if (rigcal_camera_center(center, &found->cam_from_world) == RIGCAL_OK &&
+        rigcal_vector_from_rotation(w, found->cam_from_world.R) == RIGCAL_OK) {
+        put_vector(&out, " center=", center);
+        put_vector(&out, " turn=", w);
+        put_vector(&out, " +-center=", sigma->center);
+        put_vector(&out, " +-turn=", sigma->rotation);
+    }
+    put_text(&out, " rms=");
+    put_micro(&out, found->rms_px);
+    put_count(&out, " ticks=", (uint32_t)f->ticks);
+    send(&out);
+}
+
+static void report_slot(const char *what, int32_t slot, uint32_t sequence)
+{
+    line out = {{0}, 0};
+    put_text(&out, what);
+    put_count(&out, " slot=", (uint32_t)slot);
+    put_count(&out, " sequence=", sequence);
+    send(&out);
+}
+
+/* ---- the calibration in flash ---------------------------------------------- */
+
+/* Whether the slot holds a calibration of this machine, which is then in f. */
+static int load_slot(firmware *f, int32_t slot, uint32_t *sequence)
+{
+    rigcal_mounted_camera cameras[FIRMWARE_CAMERAS];
+    rigcal_saved_info info;
+    if (rigcal_load(cameras, &info, FIRMWARE_CAMERAS, port_flash(slot),
+                    PORT_SLOT_BYTES) != RIGCAL_OK ||
+        info.n_cameras != FIRMWARE_CAMERAS || info.tag != FIRMWARE_SERIAL) {
+        return 0;
+    }
+    for (int i = 0; i < FIRMWARE_CAMERAS; i++) {
+        f->cameras[i] = cameras[i];
+        f->stored[i] = cameras[i].cam_from_rig;
+        f->is_known[i] = 1;
+    }
+    *sequence = info.sequence;
+    return 1;
+}
+
+/* The newer of two valid slots; a number that wrapped round to 0 is newer. */
+static void load_newest(firmware *f)
+{
+    uint32_t sequence[PORT_SLOTS];
+    const int has_first = load_slot(f, 0, &sequence[0]);
+    const int has_second = load_slot(f, 1, &sequence[1]);
+    if (has_first && has_second) {
+        f->slot = ((int32_t)(sequence[1] - sequence[0]) > 0) ? 1 : 0;
+        (void)load_slot(f, f->slot, &sequence[f->slot]);
+    } else {
+        f->slot = has_first ? 0 : has_second ? 1 : -1;
+    }
+    f->sequence = (f->slot >= 0) ? sequence[f->slot] : 0;
+}
+
+static int has_moved(const rigcal_transform *now, const rigcal_transform *stored)
+{
+    rigcal_real angle, a[3], b[3], square = 0;
+    if (rigcal_rotation_angle(&angle, now->R, stored->R) != RIGCAL_OK ||
+        rigcal_camera_center(a, now) != RIGCAL_OK ||
+        rigcal_camera_center(b, stored) != RIGCAL_OK) {
+        return 1;
+    }
+    for (int i = 0; i < 3; i++) {
+        square += (a[i] - b[i]) * (a[i] - b[i]);
+    }
+    return angle > MOVED_ANGLE || square > MOVED_DISTANCE * MOVED_DISTANCE;
+}
+
+/* Every camera has a new pose, and not that in flash. Were the first new pose enough,
+ * a bump of the whole rig would be saved once a camera. */
+static int wants_saving(const firmware *f)
+{
+    int moved = f->slot < 0;
+    for (int i = 0; i < FIRMWARE_CAMERAS; i++) {
+        if (!f->is_fresh[i]) {
+            return 0;
+        }
+        moved = moved ||
+                has_moved(&f->cameras[i].cam_from_rig, &f->stored[i]);
+    }
+    return moved && f->tries_left > 0;
+}
+
+/* Always the slot that is not in use: whatever happens to it, one is left. */
+static int32_t spare_slot(const firmware *f)
+{
+    return (f->slot == 0) ? 1 : 0;
+}
+
+static void save_failed(firmware *f)
+{
+    f->tries_left--;
+    f->state = WAITING;
+    report_slot("failed", spare_slot(f), f->sequence + 1);
+}
+
+static void begin_saving(firmware *f)
+{
+    memset(f->is_fresh, 0, sizeof f->is_fresh);
+    memset(f->image, 0xff, sizeof f->image);
+    if (rigcal_save(f->image, &f->image_bytes, sizeof f->image, f->cameras,
+                    FIRMWARE_CAMERAS, f->sequence + 1,
+                    FIRMWARE_SERIAL) != RIGCAL_OK) {
+        save_failed(f);
+        return;
+    }
+    f->written = 0;
+    f->state = ERASING;
+}
+
+static void erase(firmware *f)
+{
+    if (port_flash_erase(spare_slot(f))) {
+        f->state = PROGRAMMING;
+    } else {
+        save_failed(f);
+    }
+}
+
+static void finish_saving(firmware *f)
+{
+    const int32_t slot = spare_slot(f);
+    if (memcmp(port_flash(slot), f->image, f->image_bytes) != 0) {
+        save_failed(f);
+        return;
+    }
+    f->slot = slot;
+    f->sequence++;
+    for (int i = 0; i < FIRMWARE_CAMERAS; i++) {
+        f->stored[i] = f->cameras[i].cam_from_rig;
+    }
+    f->tries_left = FIRMWARE_SAVE_TRIES;
+    f->state = WAITING;
+    report_slot("saved", f->slot, f->sequence);
+}
+
+/* A page a tick: programming one takes as long as the flash does. */
+static void program(firmware *f)
+{
+    if (!port_flash_program(spare_slot(f), f->written, f->image + f->written)) {
+        save_failed(f);
+        return;
+    }
+    f->written += PORT_PAGE_BYTES;
+    if (f->written >= f->image_bytes) {
+        finish_saving(f);
+    }
+}
+
+/* ---- a frame ---------------------------------------------------------------- */
+
+/* The detections of known points, each once. Returns their number. */
+static size_t observe(rigcal_observation seen[FIRMWARE_POINTS],
+                      const port_frame *frame)
+{
+    int was_seen[FIRMWARE_POINTS] = {0};
+    size_t n = 0;
+    for (int k = 0; k < frame->n && k < PORT_CORNERS_MAX; k++) {
+        const int32_t id = frame->id[k];
+        if (id < 0 || id >= FIRMWARE_POINTS || was_seen[id]) {
+            continue;
+        }
+        was_seen[id] = 1;
+        for (int i = 0; i < 3; i++) {
+            seen[n].X_w[i] = FIRMWARE_TARGET[id][i];
+        }
+        for (int i = 0; i < 2; i++) {
+            seen[n].uv[i] = (rigcal_real)frame->uv[k][i];
+        }
+        n++;
+    }
+    return n;
+}
+
+static void take_frame(firmware *f)
+{
+    port_frame frame;
+    rigcal_pose_options options;
+    if (!port_take_frame(&frame) || frame.camera < 0 ||
+        frame.camera >= FIRMWARE_CAMERAS) {
+        return;
+    }
+    f->camera = frame.camera;
+    f->frame++;
+    f->ticks = 0;
+    const rigcal_mounted_camera *const mounted = &f->cameras[f->camera];
+    f->n_seen = observe(f->seen, &frame);
+    rigcal_status status = rigcal_pose_defaults(&options);
+    options.sigma_px = SIGMA_PX;
+    if (f->is_known[f->camera]) {
+        options.use_start = 1;
+        options.start = mounted->cam_from_rig;
+    }
+    if (status == RIGCAL_OK) {
+        status = rigcal_pose_begin(&f->solver, NULL, &mounted->camera, f->seen,
+                                   NULL, f->n_seen, &options);
+    }
+    if (status == RIGCAL_OK) {
+        f->state = SOLVING;
+    } else {
+        report_failure(f, status);
+    }
+}
+
+/* Only a pose that is sure replaces the one before. */
+static void finish_frame(firmware *f)
+{
+    rigcal_pose poses[RIGCAL_POSES_MAX];
+    rigcal_pose_uncertainty sigma;
+    size_t n_found;
+    rigcal_mounted_camera *const mounted = &f->cameras[f->camera];
+    f->state = WAITING;
+    const rigcal_status status =
+        rigcal_pose_result(poses, &n_found, RIGCAL_POSES_MAX, &f->solver);
+    if (status < 0) {
+        report_failure(f, status);
+        return;
+    }
+    const rigcal_status covariance = rigcal_pose_covariance(
+        &sigma, &mounted->camera, &poses[0].cam_from_world, f->seen, NULL,
+        f->n_seen, SIGMA_PX);
+    if (covariance != RIGCAL_OK) {
+        report_failure(f, covariance);
+        return;
+    }
+    report_pose(f, status, &poses[0], &sigma);
+    if (status != RIGCAL_OK) {
+        return;
+    }
+    mounted->cam_from_rig = poses[0].cam_from_world;
+    memcpy(mounted->Sigma, sigma.Sigma, sizeof mounted->Sigma);
+    mounted->has_Sigma = 1;
+    f->is_known[f->camera] = 1;
+    f->is_fresh[f->camera] = 1;
+    if (wants_saving(f)) {
+        begin_saving(f);
+    }
+}
+
+static void solve(firmware *f)
+{
+    f->ticks++;
+    const rigcal_status status =
+        rigcal_pose_step(&f->solver, FIRMWARE_EVALS_PER_TICK);
+    if (status == RIGCAL_OK) {
+        finish_frame(f);
+    } else if (status != RIGCAL_RUNNING) {
+        f->state = WAITING;
+        report_failure(f, status);
+    }
+}
+
+/* ---- the superloop ----------------------------------------------------------- */
+
+void firmware_boot(firmware *f)
+{
+    line out = {{0}, 0};
+    memset(f, 0, sizeof *f);
+    for (int i = 0; i < FIRMWARE_CAMERAS; i++) {
+        f->cameras[i].camera = FIRMWARE_INTRINSICS[i];
+    }
+    f->tries_left = FIRMWARE_SAVE_TRIES;
+    f->state = WAITING;
+    load_newest(f);
+    if (f->slot >= 0) {
+        report_slot("loaded", f->slot, f->sequence);
+    } else {
+        put_text(&out, "uncalibrated");
+        send(&out);
+    }
+    port_feed_watchdog();
+}
+
+void firmware_tick(firmware *f)
+{
+    switch (f->state) {
+    case SOLVING:
+        solve(f);
+        break;
+    case ERASING:
+        erase(f);
+        break;
+    case PROGRAMMING:
+        program(f);
+        break;
+    default:
+        take_frame(f);
+        break;
+    }
+    port_feed_watchdog();
+}

@@ -1,0 +1,49 @@
+/* firmware.h - two cameras that calibrate themselves against reference points of the
+ * machine they are mounted on, and remember it. README.md tells how. */
+#ifndef FIRMWARE_H
+#define FIRMWARE_H
+
+#include "port.h"
+#include "rigcal.h"
+
+enum {
+    FIRMWARE_CAMERAS = 2,
+    FIRMWARE_POINTS = 8,
+    FIRMWARE_EVALS_PER_TICK = 4, /* of the solver, between two feeds of the dog */
+    FIRMWARE_SAVE_TRIES = 3      /* of a flash that fails, until the next reset */
+};
+
+/* The reference points [m], the cameras' intrinsics, and the serial number of the
+ * machine: a calibration of another one is not used. */
+extern const rigcal_real FIRMWARE_TARGET[FIRMWARE_POINTS][3];
+extern const rigcal_camera FIRMWARE_INTRINSICS[FIRMWARE_CAMERAS];
+#define FIRMWARE_SERIAL UINT32_C(0x52494721)
+
+/* All of the firmware's memory. */
+typedef struct {
+    rigcal_mounted_camera cameras[FIRMWARE_CAMERAS]; /* the latest of each */
+    rigcal_transform stored[FIRMWARE_CAMERAS];       /* cam_from_rig in flash */
+    int32_t is_known[FIRMWARE_CAMERAS]; /* cameras[i] has a pose */
+    int32_t is_fresh[FIRMWARE_CAMERAS]; /* found since the last saving began */
+    int32_t slot;      /* of the calibration in flash; -1: there is none */
+    uint32_t sequence; /* its number */
+    int32_t tries_left;
+
+    int32_t state; /* 0: waiting for a frame */
+    int32_t camera, ticks; /* of the frame being worked on */
+    uint32_t frame;
+    size_t n_seen;
+    rigcal_observation seen[FIRMWARE_POINTS];
+    rigcal_pose_solver solver;
+
+    uint8_t image[PORT_SLOT_BYTES]; /* on its way to the flash */
+    size_t image_bytes, written;
+} firmware;
+
+/* After a reset: reads the flash, says what was found. *f may hold anything. */
+void firmware_boot(firmware *f);
+
+/* One round of the superloop: a bounded piece of work, then the watchdog is fed. */
+void firmware_tick(firmware *f);
+
+#endif /* FIRMWARE_H */

@@ -1,0 +1,77 @@
+#!/bin/sh
+# The firmware on its simulated board, here and on an emulated Cortex-M4F in float: the
+# demonstration, then every test of tests/test_firmware.c.
+#
+#   sh examples/firmware/run.sh [FOLDER]    FOLDER gets what is built: build/firmware
+#
+# Wants gcc, arm-none-eabi-gcc with picolibc, qemu-system-arm, and Unity, which
+# tests/support/get_unity.sh finds or fetches.
+set -eu
+cd "$(dirname "$0")/../.."
+out=${1:-build/firmware}
+mkdir -p "$out"
+
+unity="${XDG_CACHE_HOME:-${HOME:-/nowhere}/.cache}/rigcal/unity-2.5.1"
+sh tests/support/get_unity.sh "$unity" 2>/dev/null || {
+    unity=$out/unity
+    sh tests/support/get_unity.sh "$unity"
+}
+
+strict="-std=c99 -O2 -ffp-contract=off -Wall -Wextra -Wpedantic -Wconversion
+    -Wdouble-promotion -Wshadow -Werror -Iinclude -Isrc -Iexamples/firmware"
+test_flags="-Itests/support -Itests/vectors -isystem $unity -DUNITY_INCLUDE_DOUBLE"
+m4f="-mcpu=cortex-m4 -mthumb -mfloat-abi=hard -mfpu=fpv4-sp-d16
+    --specs=picolibc.specs -ffunction-sections -fdata-sections
+    -DPICOLIBC_DOUBLE_PRINTF_SCANF -DRIGCAL_USE_FLOAT=1 -DSIM_TIMER"
+m4f_link="--crt0=semihost --oslib=semihost -Wl,--gc-sections
+    -Wl,--defsym=__flash=0 -Wl,--defsym=__flash_size=0x400000
+    -Wl,--defsym=__ram=0x20000000 -Wl,--defsym=__ram_size=0x400000
+    -Wl,--defsym=__stack_size=16384"
+
+# build NAME COMPILER... makes NAME_demo and NAME_test.
+build() {
+    name=$1
+    shift
+    objects=$out/$name
+    tests=$out/$name/tests
+    mkdir -p "$tests"
+    for source in src/*.c examples/firmware/sim_port.c; do
+        "$@" $strict -DRIGCAL_BUILD -c "$source" \
+            -o "$objects/$(basename "$source" .c).o"
+    done
+    "$@" $strict -Drigcal_pose_step=sim_pose_step -c \
+        examples/firmware/firmware.c -o "$objects/firmware.o"
+    "$@" -O2 -DUNITY_INCLUDE_DOUBLE -c "$unity/unity.c" -o "$tests/unity.o"
+    "$@" $strict $test_flags -c tests/support/test_support.c \
+        -o "$tests/test_support.o"
+    "$@" $strict $test_flags $link tests/test_firmware.c "$tests"/*.o \
+        "$objects"/*.o -lm -o "$out/${name}_test"
+    "$@" $strict $link examples/firmware/sim_demo.c "$objects"/*.o -lm \
+        -o "$out/${name}_demo"
+}
+
+# -icount makes QEMU's clock one of instructions, for the timer that sim_port.c reads.
+emulate() {
+    timeout 300 qemu-system-arm -M mps2-an386 -icount shift=10 -display none \
+        -monitor none -serial none -chardev stdio,id=sh -semihosting-config \
+        enable=on,target=native,chardev=sh,arg=firmware -kernel "$1" </dev/null
+}
+
+link=
+build host gcc
+link=$m4f_link
+# shellcheck disable=SC2086 -- a list of options
+build m4f arm-none-eabi-gcc $m4f
+
+echo "== here, in double"
+"$out/host_demo"
+"$out/host_test" >"$out/host_test.txt" || { cat "$out/host_test.txt"; exit 1; }
+grep Tests "$out/host_test.txt"
+
+echo "== on an emulated Cortex-M4F, in float"
+emulate "$out/m4f_demo"
+emulate "$out/m4f_test" >"$out/m4f_test.txt" || { cat "$out/m4f_test.txt"; exit 1; }
+grep Tests "$out/m4f_test.txt"
+
+arm-none-eabi-size "$out/m4f/firmware.o" "$out/m4f/rigcal_store.o"
+echo "firmware: demonstration and tests as they should be, on host and Cortex-M4F"

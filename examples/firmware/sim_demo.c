@@ -1,0 +1,92 @@
+/* sim_demo.c - a day in the life of the simulated board. What the firmware sends goes
+ * to standard output; what happens to the board stands between in brackets. Ends with 1
+ * when the firmware does not do what it should. */
+#include "sim.h"
+
+#include <stdio.h>
+#include <string.h>
+
+static firmware app;
+
+static void tell(const char *what)
+{
+    printf("[%s]\n", what);
+}
+
+/* 1 when the firmware ended as expected and sent `text`. */
+static int expect(sim_end expected, sim_end end, const char *text)
+{
+    const int ok = end == expected && strstr(sim.serial, text) != NULL;
+    if (!ok) {
+        printf("[failed: ended with %d, expected %d and \"%s\"]\n", (int)end,
+               (int)expected, text);
+    }
+    sim_clear_serial();
+    return ok;
+}
+
+static void place(double shift)
+{
+    const double centers[FIRMWARE_CAMERAS][3] = {{0.5 + shift, -0.2, 1.1},
+                                                 {-0.4, 0.3 + shift, 1.3}};
+    sim_place(0, centers[0], 0.2);
+    sim_place(1, centers[1], -1.4);
+}
+
+static void shoot(unsigned mask)
+{
+    (void)sim_shoot(0, mask);
+    (void)sim_shoot(1, 0xff);
+}
+
+int main(void)
+{
+    int ok = 1;
+    sim_new(1);
+    sim.echo = 1;
+    sim.noise_px = 0.1;
+
+    tell("power on: the flash is empty");
+    ok &= expect(SIM_IDLE, sim_boot(&app), "uncalibrated");
+
+    tell("both cameras see the reference points; then camera 0 sees three, then six");
+    place(0);
+    shoot(0xff);
+    shoot(0x13);
+    shoot(0xde);
+    ok &= expect(SIM_IDLE, sim_run(&app, 10000), "saved slot=0 sequence=1");
+
+    tell("reset: the poses are there, and the search starts from them");
+    ok &= expect(SIM_IDLE, sim_boot(&app), "loaded slot=0 sequence=1");
+    shoot(0xff);
+    ok &= expect(SIM_IDLE, sim_run(&app, 10000), "status=OK");
+
+    tell("the rig is bumped, and the power goes while the new poses are written");
+    place(0.05);
+    shoot(0xff);
+    sim.cut_after = sim.worked + PORT_SLOT_BYTES + 200;
+    ok &= expect(SIM_CUT, sim_run(&app, 10000), "status=OK");
+    sim.cut_after = -1;
+
+    tell("power on: the old ones are still there");
+    ok &= expect(SIM_IDLE, sim_boot(&app), "loaded slot=0 sequence=1");
+    shoot(0xff);
+    ok &= expect(SIM_IDLE, sim_run(&app, 10000), "saved slot=1 sequence=2");
+
+    tell("a bit of them flips in flash, and the board is reset");
+    sim.flash[1][300] ^= 0x10;
+    ok &= expect(SIM_IDLE, sim_boot(&app), "loaded slot=0 sequence=1");
+    shoot(0xff);
+    ok &= expect(SIM_IDLE, sim_run(&app, 10000), "saved slot=1 sequence=2");
+
+    printf("[watchdog: %d of %d units spent at most between two feeds]\n",
+           sim.most_spent, SIM_WATCHDOG_UNITS);
+    if (sim.most_instructions > 0) {
+        printf("[watchdog: %u instructions at most between two feeds]\n",
+               (unsigned)sim.most_instructions);
+    }
+    printf("[memory: %u bytes of the firmware's own, solver included]\n",
+           (unsigned)sizeof app);
+    printf(ok ? "[all as it should be]\n" : "[not as it should be]\n");
+    return ok ? 0 : 1;
+}

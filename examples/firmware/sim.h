@@ -21,8 +21,8 @@ enum {
     SIM_WATCHDOG_UNITS = 20,
     SIM_WATCHDOG_INSTRUCTIONS = 200000, /* where they are counted */
 
-    SIM_FRAMES_MAX = 64,
-    SIM_SERIAL_BYTES = 16384
+    SIM_FRAMES_MAX = 16,
+    SIM_SERIAL_BYTES = 4096
 };
 
 /* What becomes of a byte, or of a slot, that was being changed when the power went. */

@@ -12,7 +12,7 @@ run() {
         --suppress=missingIncludeSystem --suppress=variableScope \
         --template='{file}:{line}: {id}: {message}' \
         -Iinclude -Isrc -Iexamples -DRIGCAL_BUILD -D__GNUC__ "$@" \
-        src examples/*.c
+        src examples/*.c examples/firmware/*.c
 }
 
 run -URIGCAL_USE_FLOAT -URIGCAL_CONFIG_FILE -U_WIN32 -URIGCAL_SHARED

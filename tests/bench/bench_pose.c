@@ -270,8 +270,12 @@ static void minima_print(const minima_row *row, int thorough)
 {
     const minima_cell *cell = &row->cell[thorough];
 
-    printf("| %s | %d | %d | %d | %d |", row->f->name, row->n, cell->not_best,
-           cell->unlisted, cell->unfinished);
+    printf("| %s |", row->f->name);
+    if (row->n > 0) {
+        printf(" %d", row->n);
+    }
+    printf(" | %d | %d | %d |", cell->not_best, cell->unlisted,
+           cell->unfinished);
     if (row->f->has_second) {
         printf(" %d | %d | %d |", cell->with_second, cell->second_missing,
                cell->second_matters);
@@ -286,6 +290,43 @@ static void minima_print(const minima_row *row, int thorough)
     tally_print(&cell->statuses);
     printf(" |\n");
     fflush(stdout);
+}
+
+static void cell_add(minima_cell *sum, const minima_cell *cell)
+{
+    for (size_t i = 0; i < sizeof sum->statuses.count / sizeof(int); i++) {
+        sum->statuses.count[i] += cell->statuses.count[i];
+    }
+    sum->solved += cell->solved;
+    sum->not_best += cell->not_best;
+    sum->unfinished += cell->unfinished;
+    sum->unlisted += cell->unlisted;
+    sum->with_second += cell->with_second;
+    sum->second_missing += cell->second_missing;
+    sum->second_matters += cell->second_matters;
+    sum->twice += cell->twice;
+    sum->right += cell->right;
+    sum->wrong_yet_ok += cell->wrong_yet_ok;
+    sum->bounded += cell->bounded;
+    sum->evals_most = cell->evals_most > sum->evals_most ? cell->evals_most
+                                                         : sum->evals_most;
+    sum->squares += cell->squares;
+    sum->squares_of_minimum += cell->squares_of_minimum;
+    sum->evals += cell->evals;
+}
+
+/* The last line: all of them. */
+static void minima_sum(const minima_row rows[], int n_rows, int thorough)
+{
+    static const bench_family all = {"all", {0, 0, 0}, 0, 0, 1, 0};
+    minima_row sum;
+
+    memset(&sum, 0, sizeof sum);
+    sum.f = &all;
+    for (int i = 0; i < n_rows; i++) {
+        cell_add(&sum.cell[thorough], &rows[i].cell[thorough]);
+    }
+    minima_print(&sum, thorough);
 }
 
 static void minima_head(const char *what)
@@ -343,10 +384,12 @@ static void bench_minima_table(int scenes, double sigma,
             n_rows++;
         }
     }
+    minima_sum(rows, n_rows, 0);
     minima_head("Thorough");
     for (int i = 0; i < n_rows; i++) {
         minima_print(&rows[i], 1);
     }
+    minima_sum(rows, n_rows, 1);
     printf("\nFits that stopped before they converged, and count as no second "
            "minimum: %d.\n", stopped);
 }

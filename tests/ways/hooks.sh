@@ -1,0 +1,51 @@
+#!/bin/sh
+# The functions of port/cmsis_dsp: their table, how far they are off, every test of
+# the float build with them in place of libm's, and that a Cortex-M4F calls no other.
+#
+#   sh tests/ways/hooks.sh [FOLDER]     builds in FOLDER, build/hooks
+set -eu
+cd "$(dirname "$0")/../.."
+
+mkdir -p "${1:-build/hooks}"
+out=$(cd "${1:-build/hooks}" && pwd)
+rm -rf "${out:?}"/*
+port=port/cmsis_dsp
+
+"${PYTHON:-python3}" $port/make_table.py | grep . >"$out/table.txt"
+lines=$(grep -cxFf "$out/table.txt" $port/rigcal_tables.c)
+if [ "$lines" -ne "$(wc -l <"$out/table.txt")" ]; then
+    echo "hooks: rigcal_tables.c is not what make_table.py prints"
+    exit 1
+fi
+
+strict="-std=c99 -O2 -ffp-contract=off -Wall -Wextra -Wpedantic -Wconversion -Wdouble-promotion -Wshadow -Werror"
+for cc in gcc clang; do
+    $cc $strict -I$port tests/ways/hooks.c $port/rigcal_tables.c -lm -o "$out/hooks"
+    "$out/hooks"
+done
+
+gcc $strict -I$port -c $port/rigcal_tables.c -o "$out/rigcal_tables.o"
+ar rcs "$out/librigcal_tables.a" "$out/rigcal_tables.o"
+cmake -G Ninja -S . -B "$out/tests" -DCMAKE_C_COMPILER=gcc -DCMAKE_BUILD_TYPE=RelWithDebInfo \
+    -DRIGCAL_WERROR=ON -DRIGCAL_REAL=float -DRIGCAL_BUILD_EXAMPLES=OFF \
+    -DRIGCAL_CONFIG_FILE=$port/rigcal_config_cmsis_dsp.h \
+    -DCMAKE_C_STANDARD_LIBRARIES="$out/librigcal_tables.a -lm"
+cmake --build "$out/tests"
+ctest --test-dir "$out/tests" --output-on-failure -L unit >"$out/tests.log" ||
+    { cat "$out/tests.log"; exit 1; }
+
+mkdir "$out/m4f"
+for source in src/*.c $port/rigcal_tables.c; do
+    arm-none-eabi-gcc --specs=picolibc.specs -mcpu=cortex-m4 -mthumb \
+        -mfloat-abi=hard -mfpu=fpv4-sp-d16 $strict -Iinclude -I$port \
+        '-DRIGCAL_CONFIG_FILE="rigcal_config_cmsis_dsp.h"' \
+        -c "$source" -o "$out/m4f/$(basename "$source" .c).o"
+done
+wanted=$(arm-none-eabi-nm -Au "$out"/m4f/rigcal_*.o | sed 's|.*/||' |
+    grep -E ' (sqrtf|sinf|cosf)$' | grep -v '^rigcal_tables.o:' || true)
+if [ -n "$wanted" ]; then
+    echo "hooks: still asked of libm:"
+    echo "$wanted"
+    exit 1
+fi
+echo "sine, cosine and root of port/cmsis_dsp, every float test with them"

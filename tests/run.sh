@@ -17,6 +17,7 @@ shared        preset shared
 consumers     sh tests/consumers/run.sh build/consumers
 single-file   sh tests/ways/single_file.sh build/single_file
 ways          sh tests/ways/run.sh build/ways
+hooks         sh tests/ways/hooks.sh build/hooks
 cli           $PYTHON tests/cli/test_cli.py
 cli-float     RIGCAL_BIN=build/gcc-float/rigcal $PYTHON tests/cli/test_cli.py
 cli-asan      RIGCAL_BIN=build/asan/rigcal $PYTHON tests/cli/test_cli.py

@@ -114,6 +114,14 @@ print(*build["flags"], "-I" + build["includeDir"])') src/*.c \
         "$OLDPWD/tests/consumers/main.c" -lm -o ../program)
 check "$float" "$out/platformio/program"
 
+# A port's own first program, from the template.
+for real in 0 1; do
+    gcc -std=c99 -O2 -Wall -Wextra -Wpedantic -Wconversion -Wdouble-promotion -Wshadow \
+        -Werror -DRIGCAL_USE_FLOAT=$real -Iinclude port/template/main_template.c src/*.c \
+        -lm -o "$out/template_$real"
+    check "rigcal works" "$out/template_$real"
+done
+
 # Zephyr: Kconfig chooses, by what the core has.
 for real in double float; do
     fpu=y
@@ -129,4 +137,4 @@ done
 check "$double" "$out/zephyr/double/consumer"
 check "$float" "$out/zephyr/float/consumer"
 
-echo "$count programs by Arduino, CMSIS-Pack, Conan, ESP-IDF, Meson, PlatformIO, Zephyr"
+echo "$count programs: Arduino, CMSIS-Pack, Conan, ESP-IDF, Meson, PlatformIO, Zephyr, template"

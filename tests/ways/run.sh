@@ -52,6 +52,9 @@ g++ -std=gnu++11 -O2 -Wall -Wextra -Werror -I$here/arduino -include Arduino.h \
     -I"$out/arduino/rigcal/src" -x c++ "$out/arduino/rigcal/examples/Pose/Pose.ino" \
     $here/arduino/main.cpp -x none "$out"/arduino/*.o -lm -o "$out/arduino/sketch"
 check "-0.561 -0.443 0.838 m, to 0.01 px" "$out/arduino/sketch"
+gcc -std=gnu11 -I"$out/arduino/rigcal/src" tests/consumers/main.c "$out"/arduino/*.o \
+    -lm -o "$out/arduino/program"
+check "$float" "$out/arduino/program"
 
 # CMSIS-Pack: what the description lists of each variant, and no more.
 for variant in float double; do

@@ -54,6 +54,7 @@ want gcc-arm-none-eabi arm-none-eabi-gcc --version
 want qemu-system-arm qemu-system-arm --version
 want picolibc-arm-none-eabi \
     arm-none-eabi-gcc --specs=picolibc.specs -E -x c /dev/null
+want arduino-builder arduino-builder -version
 want python3-venv /usr/bin/python3 -c "import ensurepip"
 find_python numpy scipy >/dev/null ||
     missing="$missing python3 python3-numpy python3-scipy"

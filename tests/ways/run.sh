@@ -1,7 +1,7 @@
 #!/bin/sh
 # Each package of port/package.sh, taken in by the tool it is for and built. Where
-# the tool cannot be had without its vendor's SDK (ESP-IDF, Zephyr, Arduino), the
-# little of it that the package calls stands in this folder, for the host.
+# that wants a vendor's SDK (ESP-IDF, Zephyr, an Arduino core), the little of it that
+# the package calls stands in this folder, for the host.
 #
 #   sh tests/ways/run.sh [FOLDER]     builds in FOLDER, build/ways
 set -eu
@@ -43,17 +43,17 @@ check() {
 double="rigcal_real of 8 bytes"
 float="rigcal_real of 4 bytes"
 
-# Arduino: the sketch and the library's one folder of sources, on a core of ours.
-for source in "$out"/arduino/rigcal/src/*.c; do
-    gcc -std=gnu11 -O2 -Wall -Wextra -Werror -c "$source" \
-        -o "$out/arduino/$(basename "$source" .c).o"
-done
-g++ -std=gnu++11 -O2 -Wall -Wextra -Werror -I$here/arduino -include Arduino.h \
-    -I"$out/arduino/rigcal/src" -x c++ "$out/arduino/rigcal/examples/Pose/Pose.ino" \
-    $here/arduino/main.cpp -x none "$out"/arduino/*.o -lm -o "$out/arduino/sketch"
-check "-0.561 -0.443 0.838 m, to 0.01 px" "$out/arduino/sketch"
-gcc -std=gnu11 -I"$out/arduino/rigcal/src" tests/consumers/main.c "$out"/arduino/*.o \
-    -lm -o "$out/arduino/program"
+# Arduino: its builder takes the library for the example, for this machine as a board.
+board=$out/arduino/hardware/rigcal/host
+mkdir -p "$board/cores/host" "$out/arduino/build"
+cp $here/arduino/*.txt "$board"
+cp $here/arduino/Arduino.h $here/arduino/main.cpp "$board/cores/host"
+arduino-builder -compile -hardware "$out/arduino/hardware" -tools "$out/arduino/build" \
+    -libraries "$out/arduino" -fqbn rigcal:host:pc -build-path "$out/arduino/build" \
+    -warnings all "$out/arduino/rigcal/examples/Pose/Pose.ino"
+check "-0.561 -0.443 0.838 m, to 0.01 px" "$out/arduino/build/Pose.ino.elf"
+gcc -std=gnu11 -I"$out/arduino/rigcal/src" tests/consumers/main.c \
+    "$out"/arduino/build/libraries/rigcal/*.o -lm -o "$out/arduino/program"
 check "$float" "$out/arduino/program"
 
 # CMSIS-Pack: what the description lists of each variant, and no more.

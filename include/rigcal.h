@@ -563,7 +563,7 @@ RIGCAL_API rigcal_status rigcal_paper_solve(rigcal_paper_pose *pose,
  * A flat target seen from afar has two optima that fit nearly alike (C): all that
  * were found are returned, best first, and the status tells when the first is not
  * sure. */
-enum { RIGCAL_POSES_MAX = 4, RIGCAL_POSE_SEEDS = 8 };
+enum { RIGCAL_POSES_MAX = 4, RIGCAL_POSE_SEEDS = 6 };
 
 typedef struct {
     rigcal_transform cam_from_world;

@@ -79,4 +79,12 @@ static inline int rc_all_within(const rigcal_real x[], int n, rigcal_real limit)
     return 1;
 }
 
+/* A function that keeps its locals off its caller's frame, on a path where the caller
+ * goes deeper. */
+#if defined(__GNUC__)
+#define RC_APART __attribute__((noinline))
+#else
+#define RC_APART
+#endif
+
 #endif /* RC_REAL_H */

@@ -24,10 +24,10 @@ rigcal_status rc_normal_equations(rigcal_real *sse, rigcal_real g[6],
                                   rigcal_real H[21], const rc_fit *fit,
                                   const rigcal_transform *cam_from_points);
 
-/* Levenberg-Marquardt from a pose, one evaluation of the normal equations a call;
+/* Levenberg-Marquardt from state->cam_from_points, one evaluation of the equations a
+ * call, with Newton's in place of Gauss and Newton's where progress is slow;
  * state->status is RUNNING until it is OK, BUDGET_SPENT (max_evals) or a failure. */
-void rc_refine_begin(rigcal_refinement *state,
-                     const rigcal_transform *cam_from_points);
+void rc_refine_begin(rigcal_refinement *state);
 void rc_refine_step(rigcal_refinement *state, const rc_fit *fit,
                     int32_t max_evals);
 

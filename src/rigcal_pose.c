@@ -215,7 +215,7 @@ static rigcal_status gather_point(rigcal_pose_solver *s,
 }
 
 /* The moments: what the search needs to know of the points. */
-static rigcal_status gather(rigcal_pose_solver *s, int32_t *at,
+RC_APART static rigcal_status gather(rigcal_pose_solver *s, int32_t *at,
                             const rigcal_real uv_middle[2])
 {
     rigcal_real virtual_from_cam[9], normal[3], thickness;
@@ -291,7 +291,7 @@ static void found_direction(rigcal_real m3[3], const rigcal_pose_solver *s,
 
 /* Refinement sees to it that the points are in front; whether a lens that turns back
  * sees them is asked once. */
-static int is_seen(const rigcal_pose_solver *s, const rc_fit *fit)
+RC_APART static int is_seen(const rigcal_pose_solver *s, const rc_fit *fit)
 {
     if (fit->lens.is_pinhole) {
         return 1;
@@ -310,7 +310,7 @@ static int is_seen(const rigcal_pose_solver *s, const rc_fit *fit)
 }
 
 /* Keeps the RIGCAL_POSES_MAX best optima in order. */
-static void insert_found(rigcal_pose_solver *s, const rc_fit *fit)
+RC_APART static void insert_found(rigcal_pose_solver *s, const rc_fit *fit)
 {
     const rigcal_refinement *const end = &s->work.fit;
     if (is_near_found(s, end->cam_from_points.R, SAME_POSE) || !is_seen(s, fit)) {
@@ -415,7 +415,7 @@ static void begin_lattice(rigcal_pose_solver *s)
 
 static void next_seed(rigcal_pose_solver *s);
 
-static void lattice_step(rigcal_pose_solver *s)
+RC_APART static void lattice_step(rigcal_pose_solver *s)
 {
     const int32_t most = s->thorough ? FOLLOWED_THOROUGH : FOLLOWED;
     rigcal_real m3[3];
@@ -481,7 +481,7 @@ static void begin_descent(rigcal_pose_solver *s, const rigcal_real m3[3],
 }
 
 /* The next seed that is worth a descent, or the end. */
-static void next_seed(rigcal_pose_solver *s)
+RC_APART static void next_seed(rigcal_pose_solver *s)
 {
     for (; s->next < s->n_seeds; s->next++) {
         rigcal_real m3[3];
@@ -499,43 +499,41 @@ static void next_seed(rigcal_pose_solver *s)
     s->phase = DONE;
 }
 
-/* Camera from points, in the caller's unit, of a direction. */
+/* Camera from points, in the caller's unit, of a direction: V^T of what the virtual
+ * camera sees, V = virtual_from_cam. */
 static void seed_pose(rigcal_transform *cam_from_points,
                       const rigcal_pose_solver *s, const rigcal_real m3[3])
 {
-    rigcal_transform virtual_from_points;
     rigcal_real V[9];
+    rigcal_real *const R = cam_from_points->R, *const t = cam_from_points->t;
+    rc_view_pose(cam_from_points, &s->moments, m3);
     look_along(V, s->axis);
-    rc_view_pose(&virtual_from_points, &s->moments, m3);
-    for (int column = 0; column < 3; column++) { /* V^T R */
+    for (int column = 0; column < 3; column++) {
+        const rigcal_real r[3] = {R[column], R[3 + column], R[6 + column]};
         for (int row = 0; row < 3; row++) {
-            cam_from_points->R[3 * row + column] =
-                V[row] * virtual_from_points.R[column] +
-                V[3 + row] * virtual_from_points.R[3 + column] +
-                V[6 + row] * virtual_from_points.R[6 + column];
+            R[3 * row + column] = V[row] * r[0] + V[3 + row] * r[1] + V[6 + row] * r[2];
         }
     }
-    rc_mat3_tmul_vec3(cam_from_points->t, V, virtual_from_points.t);
-    for (int k = 0; k < 3; k++) {
-        cam_from_points->t[k] /= s->scale;
-    }
+    const rigcal_real by_scale = 1 / s->scale;
+    const rigcal_real r[3] = {by_scale * t[0], by_scale * t[1], by_scale * t[2]};
+    rc_mat3_tmul_vec3(t, V, r);
 }
 
 /* 0: it would only lead to an optimum found. */
-static int begin_refining(rigcal_pose_solver *s, const rigcal_real m3[3],
-                          rigcal_real same_basin)
+RC_APART static int begin_refining(rigcal_pose_solver *s, const rigcal_real m3[3],
+                                   rigcal_real same_basin)
 {
-    rigcal_transform start;
-    seed_pose(&start, s, m3);
-    if (is_near_found(s, start.R, same_basin)) {
+    rigcal_transform *const start = &s->work.fit.cam_from_points;
+    seed_pose(start, s, m3);
+    if (is_near_found(s, start->R, same_basin)) {
         return 0;
     }
-    rc_refine_begin(&s->work.fit, &start);
+    rc_refine_begin(&s->work.fit);
     s->phase = REFINING;
     return 1;
 }
 
-static void end_descent(rigcal_pose_solver *s)
+RC_APART static void end_descent(rigcal_pose_solver *s)
 {
     rigcal_real ab[3] = {0, 0, 0}, cost = 0, m3[3];
     if (rigcal_neldermead_result(ab, &cost, NULL, &s->work.descent.nm) >= 0) {
@@ -552,7 +550,7 @@ static void end_descent(rigcal_pose_solver *s)
     next_seed(s);
 }
 
-static void descent_step(rigcal_pose_solver *s)
+RC_APART static void descent_step(rigcal_pose_solver *s)
 {
     rigcal_neldermead *const nm = &s->work.descent.nm;
     rigcal_real m3[3];
@@ -589,10 +587,10 @@ static void leaning_direction(rigcal_real m3[3], const rigcal_pose_solver *s,
     (void)rc_vec3_unit(m3, m3);
 }
 
-/* 0: no lean is left that is worth it. */
-static int begin_lean(rigcal_pose_solver *s)
+/* The next lean that is worth it, or 0. */
+RC_APART static int next_lean(rigcal_real m3[3], rigcal_pose_solver *s)
 {
-    rigcal_real first[3], normal[3], m3[3], thickness;
+    rigcal_real first[3], normal[3], thickness;
     if (!rc_view_normal(normal, &thickness, &s->moments)) {
         return 0;
     }
@@ -602,8 +600,7 @@ static int begin_lean(rigcal_pose_solver *s)
     while (s->leans < LEANS) {
         const int32_t lean = s->leans++;
         leaning_direction(m3, s, normal, lean);
-        if ((lean == OTHER_WAY || rc_view_cost(&s->moments, m3) < most) &&
-            begin_refining(s, m3, SAME_BASIN_LEANING)) {
+        if (lean == OTHER_WAY || rc_view_cost(&s->moments, m3) < most) {
             return 1;
         }
     }
@@ -622,7 +619,7 @@ static void fit_of(rc_fit *fit, const rigcal_pose_solver *s)
 }
 
 /* A refinement has ended, where it may. */
-static void end_refinement(rigcal_pose_solver *s, const rc_fit *fit)
+RC_APART static void end_refinement(rigcal_pose_solver *s, const rc_fit *fit)
 {
     const rigcal_refinement *const end = &s->work.fit;
     /* One that ran out of evaluations is near an optimum in a valley, or nowhere. */
@@ -633,8 +630,11 @@ static void end_refinement(rigcal_pose_solver *s, const rc_fit *fit)
     } else if (end->status == RIGCAL_ERR_DEGENERATE) {
         s->failure = RIGCAL_ERR_DEGENERATE;
     }
-    if (s->is_flat && s->n_found > 0 && begin_lean(s)) {
-        return;
+    rigcal_real m3[3];
+    while (s->is_flat && s->n_found > 0 && next_lean(m3, s)) {
+        if (begin_refining(s, m3, SAME_BASIN_LEANING)) {
+            return;
+        }
     }
     next_seed(s);
 }
@@ -705,7 +705,7 @@ static int is_warm_good(const rigcal_pose_solver *s)
 
 /* ---- the phases ---------------------------------------------------------- */
 
-static void end_warm(rigcal_pose_solver *s, const rc_fit *fit)
+RC_APART static void end_warm(rigcal_pose_solver *s, const rc_fit *fit)
 {
     if (s->work.fit.status >= 0) {
         insert_found(s, fit);
@@ -720,13 +720,14 @@ static void end_warm(rigcal_pose_solver *s, const rc_fit *fit)
 
 static void begin_warm(rigcal_pose_solver *s, const rigcal_transform *start)
 {
-    rigcal_transform cam_from_points = *start;
-    rc_transform_point(cam_from_points.t, start, s->origin);
-    rc_refine_begin(&s->work.fit, &cam_from_points);
+    rigcal_transform *const cam_from_points = &s->work.fit.cam_from_points;
+    *cam_from_points = *start;
+    rc_transform_point(cam_from_points->t, start, s->origin);
+    rc_refine_begin(&s->work.fit);
     s->phase = WARM;
 }
 
-static void gathering_step(rigcal_pose_solver *s)
+RC_APART static void gathering_step(rigcal_pose_solver *s)
 {
     int32_t at = -1;
     rigcal_real uv_middle[2];
@@ -739,17 +740,43 @@ static void gathering_step(rigcal_pose_solver *s)
     }
 }
 
-static void refine_step(rigcal_pose_solver *s, const rc_fit *fit)
+static int is_refining(const rigcal_pose_solver *s)
 {
-    rc_refine_step(&s->work.fit, fit, REFINE_EVALS);
-    if (s->work.fit.status == RIGCAL_RUNNING) {
-        return;
+    return s->phase == WARM || s->phase == REFINING;
+}
+
+/* Evaluations as long as they are those of a refinement, or of the search. What is
+ * left of the budget. */
+RC_APART static int32_t refine(rigcal_pose_solver *s, int32_t budget)
+{
+    rc_fit fit;
+    fit_of(&fit, s);
+    for (; budget > 0 && is_refining(s); budget--) {
+        rc_refine_step(&s->work.fit, &fit, REFINE_EVALS);
+        if (s->work.fit.status == RIGCAL_RUNNING) {
+            continue;
+        }
+        if (s->phase == WARM) {
+            end_warm(s, &fit);
+        } else {
+            end_refinement(s, &fit);
+        }
     }
-    if (s->phase == WARM) {
-        end_warm(s, fit);
-    } else {
-        end_refinement(s, fit);
+    return budget;
+}
+
+RC_APART static int32_t search(rigcal_pose_solver *s, int32_t budget)
+{
+    for (; budget > 0 && s->phase != DONE && !is_refining(s); budget--) {
+        if (s->phase == LATTICE_SCAN) {
+            lattice_step(s);
+        } else if (s->phase == DESCENT) {
+            descent_step(s);
+        } else {
+            gathering_step(s);
+        }
     }
+    return budget;
 }
 
 /* ---- public -------------------------------------------------------------- */
@@ -892,18 +919,8 @@ rigcal_status rigcal_pose_step(rigcal_pose_solver *solver, int32_t budget)
     if (solver->phase <= NOT_BEGUN || solver->phase > DONE) {
         return RIGCAL_ERR_STATE;
     }
-    rc_fit fit;
-    fit_of(&fit, solver);
-    for (int32_t i = 0; i < budget && solver->phase != DONE; i++) {
-        if (solver->phase == LATTICE_SCAN) {
-            lattice_step(solver);
-        } else if (solver->phase == DESCENT) {
-            descent_step(solver);
-        } else if (solver->phase == GATHERING) {
-            gathering_step(solver);
-        } else {
-            refine_step(solver, &fit);
-        }
+    while (budget > 0 && solver->phase != DONE) {
+        budget = is_refining(solver) ? refine(solver, budget) : search(solver, budget);
     }
     return (solver->phase == DONE) ? RIGCAL_OK : RIGCAL_RUNNING;
 }

@@ -30,49 +30,6 @@
 
 /* ---- normal equations ---------------------------------------------------- */
 
-/* One point. With q = R x and dX_c = w x q + dt, its rows of J are B [-[q]x, 1],
- * B = d uv / dX_c. So with c = B^T e and M = B^T B (xx, xy, xz, yy, yz, zz) it adds
- * (q x c, c) to g, and to H the blocks M by dt, K = [q]x M across, and [q]x M [q]x^T
- * by w. Written out, for this is where the time of a refinement goes. */
-static void add_point(rigcal_real g[6], rigcal_real H[21], const rigcal_real c[3],
-                      const rigcal_real M[6], const rigcal_real q[3])
-{
-    const rigcal_real x = q[0], y = q[1], z = q[2];
-    const rigcal_real Kxx = y * M[2] - z * M[1], Kyx = z * M[0] - x * M[2],
-                      Kzx = x * M[1] - y * M[0];
-    const rigcal_real Kxy = y * M[4] - z * M[3], Kyy = z * M[1] - x * M[4],
-                      Kzy = x * M[3] - y * M[1];
-    const rigcal_real Kxz = y * M[5] - z * M[4], Kyz = z * M[2] - x * M[5],
-                      Kzz = x * M[4] - y * M[2];
-    g[0] += y * c[2] - z * c[1];
-    g[1] += z * c[0] - x * c[2];
-    g[2] += x * c[1] - y * c[0];
-    g[3] += c[0];
-    g[4] += c[1];
-    g[5] += c[2];
-    H[0] += y * Kxz - z * Kxy;
-    H[1] += y * Kyz - z * Kyy;
-    H[2] += z * Kyx - x * Kyz;
-    H[3] += y * Kzz - z * Kzy;
-    H[4] += z * Kzx - x * Kzz;
-    H[5] += x * Kzy - y * Kzx;
-    H[6] += Kxx;
-    H[7] += Kyx;
-    H[8] += Kzx;
-    H[9] += M[0];
-    H[10] += Kxy;
-    H[11] += Kyy;
-    H[12] += Kzy;
-    H[13] += M[1];
-    H[14] += M[3];
-    H[15] += Kxz;
-    H[16] += Kyz;
-    H[17] += Kzz;
-    H[18] += M[2];
-    H[19] += M[4];
-    H[20] += M[5];
-}
-
 /* What Newton's H has beyond that of Gauss and Newton: the curvature of uv, times -e.
  * That of a pinhole is -(c k^T + k c^T) / Z, k = (0, 0, 1), and a lens bends little
  * more: it goes into M. That of exp([w]x) q, [w]x [w]x q / 2, makes
@@ -112,6 +69,58 @@ static inline void square(rigcal_real c[3], rigcal_real M[6],
     M[5] = wu[2] * bu[2] + wv[2] * bv[2];
 }
 
+/* One point. With q = R x and dX_c = w x q + dt, its rows of J are B [-[q]x, 1],
+ * B = d uv / dX_c. So with c = B^T e and M = B^T B (xx, xy, xz, yy, yz, zz) it adds
+ * (q x c, c) to g, and to H the blocks M by dt, K = [q]x M across, and [q]x M [q]x^T
+ * by w. Written out, for this is where the time of a refinement goes. Z > 0: with the
+ * curvature. */
+RC_APART static void add_point(rigcal_real g[6], rigcal_real H[21],
+                               const rigcal_real B[6], const rigcal_real q[3],
+                               const rigcal_real e[2], rigcal_real weight,
+                               rigcal_real Z)
+{
+    rigcal_real c[3], M[6];
+    square(c, M, B, e[0], e[1], weight);
+    if (Z > 0) {
+        add_curvature(H, M, c, q, Z);
+    }
+    const rigcal_real x = q[0], y = q[1], z = q[2];
+    g[0] += y * c[2] - z * c[1];
+    g[1] += z * c[0] - x * c[2];
+    g[2] += x * c[1] - y * c[0];
+    g[3] += c[0];
+    g[4] += c[1];
+    g[5] += c[2];
+    H[9] += M[0];
+    H[13] += M[1];
+    H[14] += M[3];
+    H[18] += M[2];
+    H[19] += M[4];
+    H[20] += M[5];
+
+    const rigcal_real Kx[3] = {y * M[2] - z * M[1], y * M[4] - z * M[3],
+                               y * M[5] - z * M[4]};
+    H[6] += Kx[0];
+    H[10] += Kx[1];
+    H[15] += Kx[2];
+    H[0] += y * Kx[2] - z * Kx[1];
+    const rigcal_real Ky[3] = {z * M[0] - x * M[2], z * M[1] - x * M[4],
+                               z * M[2] - x * M[5]};
+    H[7] += Ky[0];
+    H[11] += Ky[1];
+    H[16] += Ky[2];
+    H[1] += y * Ky[2] - z * Ky[1];
+    H[2] += z * Ky[0] - x * Ky[2];
+    const rigcal_real Kz[3] = {x * M[1] - y * M[0], x * M[3] - y * M[1],
+                               x * M[4] - y * M[2]};
+    H[8] += Kz[0];
+    H[12] += Kz[1];
+    H[17] += Kz[2];
+    H[3] += y * Kz[2] - z * Kz[1];
+    H[4] += z * Kz[0] - x * Kz[2];
+    H[5] += x * Kz[1] - y * Kz[0];
+}
+
 static rigcal_status equations(rigcal_real *sse, rigcal_real g[6],
                                rigcal_real H[21], const rc_fit *fit,
                                const rigcal_transform *cam_from_points,
@@ -138,16 +147,11 @@ static rigcal_status equations(rigcal_real *sse, rigcal_real g[6],
         if (status != RIGCAL_OK) {
             return status;
         }
-        const rigcal_real du = o->uv[0] - uv[0], dv = o->uv[1] - uv[1];
+        const rigcal_real e[2] = {o->uv[0] - uv[0], o->uv[1] - uv[1]};
         const rigcal_real weight =
             (fit->sigma == NULL) ? 1 : 1 / (fit->sigma[i] * fit->sigma[i]);
-        rigcal_real c[3], M[6];
-        square(c, M, B, du, dv, weight);
-        if (with_curvature && X_c[2] > 0) {
-            add_curvature(H, M, c, q, X_c[2]);
-        }
-        add_point(g, H, c, M, q);
-        sum += weight * (du * du + dv * dv);
+        add_point(g, H, B, q, e, weight, with_curvature ? X_c[2] : 0);
+        sum += weight * (e[0] * e[0] + e[1] * e[1]);
     }
     *sse = sum;
     return rc_is_finite(sum) ? RIGCAL_OK : RIGCAL_ERR_NO_RAY;
@@ -271,27 +275,31 @@ int rc_refine_covariance(rigcal_real Sigma[36], const rigcal_real H[21])
 
 /* ---- Levenberg-Marquardt ------------------------------------------------- */
 
-/* R <- exp([w]x) R, t <- t + dt, with the quaternion (1, w / 2) for the exponential:
- * right to second order, and for any step a rotation. */
-static void moved(rigcal_transform *out, const rigcal_transform *from,
-                  const rigcal_real d[6])
+/* R <- exp([w]x) R, t <- t + dt for the step d = (w, dt), or back for sign -1. The
+ * quaternion (1, w / 2) stands for the exponential: right to second order, and for any
+ * step a rotation, whose way back is exact. */
+RC_APART static void move(rigcal_transform *pose, const rigcal_real d[6],
+                          rigcal_real sign)
 {
-    const rigcal_real x = d[0] / 2, y = d[1] / 2, z = d[2] / 2;
+    const rigcal_real half = sign / 2;
+    const rigcal_real x = half * d[0], y = half * d[1], z = half * d[2];
     const rigcal_real s = 2 / (1 + x * x + y * y + z * z);
     const rigcal_real turn[9] = {
         1 - s * (y * y + z * z), s * (x * y - z),         s * (x * z + y),
         s * (x * y + z),         1 - s * (x * x + z * z), s * (y * z - x),
         s * (x * z - y),         s * (y * z + x),         1 - s * (x * x + y * y)};
-    rc_mat3_mul(out->R, turn, from->R);
-    for (int k = 0; k < 3; k++) {
-        out->t[k] = from->t[k] + d[3 + k];
+    for (int column = 0; column < 3; column++) {
+        const rigcal_real r[3] = {pose->R[column], pose->R[3 + column],
+                                  pose->R[6 + column]};
+        for (int row = 0; row < 3; row++) {
+            pose->R[3 * row + column] = rc_vec3_dot(&turn[3 * row], r);
+        }
     }
+    rc_vec3_add_scaled(pose->t, sign, &d[3]);
 }
 
-void rc_refine_begin(rigcal_refinement *state,
-                     const rigcal_transform *cam_from_points)
+void rc_refine_begin(rigcal_refinement *state)
 {
-    state->cam_from_points = *cam_from_points;
     state->lambda = DAMPING_FIRST;
     state->sse = RC_MAX;
     state->last_gain = 0;
@@ -315,7 +323,7 @@ static void evaluate(rigcal_refinement *state, const rc_fit *fit)
 
 /* The step from where `state` is; *gain gets what it promises, undiminished. 0:
  * singular. */
-static int damped_step(rigcal_real d[6], rigcal_real *gain,
+RC_APART static int damped_step(rigcal_real d[6], rigcal_real *gain,
                        const rigcal_refinement *state)
 {
     factor6 L;
@@ -347,22 +355,24 @@ static int is_last(const rigcal_refinement *state, rigcal_real gain)
             gain * gain <= (state->last_gain - gain) * LEFT_LEAST * state->sse);
 }
 
-/* Moves to the candidate when it does no harm. Else it stays, with equations that are
- * stale now, damps more, and minds the curvature. */
-static void judge_candidate(rigcal_refinement *state, const rc_fit *fit,
-                            const rigcal_transform *candidate, rigcal_real gain)
+/* Takes the step unless it does harm. Then it is taken back, the equations are stale,
+ * and from there on the damping is stronger and the curvature minded. */
+static void try_step(rigcal_refinement *state, const rc_fit *fit,
+                     const rigcal_real d[6], rigcal_real gain)
 {
     rigcal_real sse;
-    const rigcal_status status =
-        equations(&sse, state->g, state->H, fit, candidate, state->is_newton);
+    move(&state->cam_from_points, d, 1);
+    const rigcal_status status = equations(&sse, state->g, state->H, fit,
+                                           &state->cam_from_points,
+                                           state->is_newton);
     if (status == RIGCAL_OK &&
         sse <= state->sse * (1 + SUM_ROUNDING) + GAIN_NOTHING) {
-        state->cam_from_points = *candidate;
         state->sse = sse;
         state->last_gain = gain;
         state->lambda *= RC(0.1);
         return;
     }
+    move(&state->cam_from_points, d, -1);
     state->is_stale = 1;
     state->is_newton = 1;
     state->last_gain = 0;
@@ -375,7 +385,6 @@ static void judge_candidate(rigcal_refinement *state, const rc_fit *fit,
 static void advance(rigcal_refinement *state, const rc_fit *fit)
 {
     rigcal_real d[6], gain;
-    rigcal_transform candidate;
     if (state->is_stale) {
         evaluate(state, fit);
         return;
@@ -390,9 +399,8 @@ static void advance(rigcal_refinement *state, const rc_fit *fit)
         state->lambda = rc_max(10 * state->lambda, DAMPING_NEAR);
         return;
     }
-    moved(&candidate, &state->cam_from_points, d);
     if (is_last(state, gain)) { /* taken unseen: its sum is known to second order */
-        state->cam_from_points = candidate;
+        move(&state->cam_from_points, d, 1);
         state->sse = rc_max(0, state->sse - gain);
         state->status = RIGCAL_OK;
         return;
@@ -400,7 +408,7 @@ static void advance(rigcal_refinement *state, const rc_fit *fit)
     if (state->last_gain > 0 && gain > SLOW * state->last_gain) {
         state->is_newton = 1;
     }
-    judge_candidate(state, fit, &candidate, gain);
+    try_step(state, fit, d, gain);
 }
 
 void rc_refine_step(rigcal_refinement *state, const rc_fit *fit,

@@ -145,7 +145,8 @@ static int run(rigcal_refinement *state, const problem *p,
     int calls = 0;
     double least = 1e300;
 
-    rc_refine_begin(state, start);
+    state->cam_from_points = *start;
+    rc_refine_begin(state);
     ASSERT_STATUS(RIGCAL_RUNNING, state->status);
     while (state->status == RIGCAL_RUNNING) {
         rc_refine_step(state, &p->fit, EVALS_MAX);
@@ -421,7 +422,8 @@ static void test_wild_starts_end_no_worse_than_they_began(void)
         test_random_rotation(R, &rng);
         test_to_real(start.R, R, 9);
         if (rc_normal_equations(&before, g, H, &p.fit, &start) != RIGCAL_OK) {
-            rc_refine_begin(&state, &start);
+            state.cam_from_points = start;
+    rc_refine_begin(&state);
             rc_refine_step(&state, &p.fit, EVALS_MAX);
             TEST_ASSERT_TRUE(state.status < 0);
             continue;
@@ -452,7 +454,8 @@ static void test_a_small_bound_is_kept_and_told(void)
 
     of_lens(&p, v);
     start = start_pose(&p, v);
-    rc_refine_begin(&state, &start);
+    state.cam_from_points = start;
+    rc_refine_begin(&state);
     while (state.status == RIGCAL_RUNNING && calls < 10) {
         rc_refine_step(&state, &p.fit, 2);
         calls++;

@@ -154,7 +154,7 @@ static rigcal_status solve(const calibration *c, view *v, int32_t *bad)
     rigcal_status status;
 
     gather(c, v);
-    v->by_paper = c->by_paper || v->n < 4;
+    v->by_paper = c->by_paper;
     if (v->by_paper) {
         status = solve_by_paper(c, v, camera, bad);
     } else {

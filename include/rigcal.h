@@ -554,7 +554,7 @@ RIGCAL_API rigcal_status rigcal_paper_solve(rigcal_paper_pose *pose,
 
 /* ==== pose ================================================================
  *
- * One camera's pose from n >= 4 observations and nothing else: no guess. The
+ * One camera's pose from n >= 3 observations and nothing else: no guess. The
  * direction of the optical axis is searched on the whole sphere, yaw and
  * translation being eliminated together (EQUATIONS.md A); each optimum is then
  * refined to the maximum-likelihood pose, the least squares of the reprojection
@@ -562,7 +562,8 @@ RIGCAL_API rigcal_status rigcal_paper_solve(rigcal_paper_pose *pose,
  *
  * A flat target seen from afar has two optima that fit nearly alike (C): all that
  * were found are returned, best first, and the status tells when the first is not
- * sure. */
+ * sure. Three points have up to four poses that fit exactly (D), and nothing in them
+ * tells which is right. */
 enum { RIGCAL_POSES_MAX = 4, RIGCAL_POSE_SEEDS = 6 };
 
 typedef struct {
@@ -616,6 +617,12 @@ typedef struct {
     rigcal_real q_wxyz[4], t[3], sse;
 } rigcal_pose_optimum;
 
+/* Internal: where the seeds of a search come from. */
+typedef struct {
+    rigcal_view_moments moments;
+    rigcal_pose_seed seed[RIGCAL_POSE_SEEDS];
+} rigcal_pose_lattice;
+
 /* A search under way. Flat and copyable; its fields are internal. */
 typedef struct {
     const rigcal_camera *camera;
@@ -624,16 +631,18 @@ typedef struct {
     const uint8_t *mask;
     size_t n, n_used;
     rigcal_real origin[3], axis[3];
-    rigcal_view_moments moments;
-    rigcal_pose_seed seed[RIGCAL_POSE_SEEDS];
+    union {
+        rigcal_pose_lattice lattice;
+        rigcal_transform exact[RIGCAL_POSES_MAX];
+    } from;
     union {
         rigcal_descent descent;
         rigcal_refinement fit;
     } work;
     rigcal_pose_optimum found[RIGCAL_POSES_MAX];
     rigcal_real spiral[2], extent_px, scale, sigma_px, least_cost;
-    int32_t phase, next, n_seeds, n_found, thorough, is_flat, leans,
-        failure;
+    int32_t phase, next, n_seeds, n_exact, n_found, thorough, is_flat, leans,
+        failure, reserved;
 } rigcal_pose_solver;
 
 /* All defaults. OK, ERR_NULL. */
@@ -648,7 +657,7 @@ RIGCAL_API rigcal_status rigcal_pose_defaults(rigcal_pose_options *options);
  *   options  in   NULL: all defaults
  *
  * OK, ERR_NULL, ERR_NOT_FINITE, ERR_CAMERA, ERR_RANGE, ERR_ROTATION (of start),
- * ERR_TOO_FEW (n < 4), ERR_COINCIDENT, ERR_PRECISION; and, unless there is a start,
+ * ERR_TOO_FEW (n < 3), ERR_COINCIDENT, ERR_PRECISION; and, unless there is a start,
  * whose search looks at rays and shape only if it proves bad, ERR_NO_RAY, ERR_WIDE_RAY
  * (a ray is 80 degrees or more off the middle of the target's image),
  * ERR_COLLINEAR. */

@@ -3,6 +3,7 @@
 #define RC_POSE_H
 
 #include "rc_neldermead.h"
+#include "rc_p3p.h"
 #include "rc_refine.h"
 #include "rc_view.h"
 

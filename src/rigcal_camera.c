@@ -244,7 +244,7 @@ enum { NEWTON_MAX = 60, STAGES_MAX = 64 };
 /* Newton's method for F(x) = target from x, a place where J is positive definite.
  * A step that leaves such places, or does not bring F nearer, is halved. Ends
  * where no step helps any more and returns |F(x) - target| there. */
-static rigcal_real solve_from(rigcal_real x[2], const rc_lens *lens,
+RC_APART static rigcal_real solve_from(rigcal_real x[2], const rc_lens *lens,
                               const rigcal_real target[2])
 {
     rigcal_real F[2], J[3], step[2] = {0, 0}, miss = RC_MAX, scale = 1;
@@ -280,7 +280,7 @@ static rigcal_real solve_from(rigcal_real x[2], const rc_lens *lens,
 /* x with F(x) = target, on the part of the plane that does not fold. The answer
  * is followed from the axis in `stages` equal parts of the target: one nearly
  * always serves; more keep a strongly curved lens from being jumped across. */
-static int invert_lens(rigcal_real x[2], const rc_lens *lens,
+RC_APART static int invert_lens(rigcal_real x[2], const rc_lens *lens,
                        const rigcal_real target[2], rigcal_real tolerance)
 {
     for (int stages = 1; stages <= STAGES_MAX; stages *= 2) {

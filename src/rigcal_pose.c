@@ -26,11 +26,12 @@ enum { DESCENT_EVALS = 10, DESCENT_EVALS_THOROUGH = 20, REFINE_EVALS = 60 };
 enum { OTHER_WAY = 0, SIDEWAYS, SIDEWAYS_BACK, LEANS };
 
 /* A seed so near to an optimum found [rad] was on its way there; those that lean
- * start where an optimum is expected, and may be nearer. Two optima closer than the
- * last are one. */
+ * start where an optimum is expected, and may be nearer. Two optima closer than
+ * SAME_POSE are one; those of three points may be about to merge, but are exact. */
 #define SAME_BASIN RC(0.25)
 #define SAME_BASIN_LEANING RC(0.05)
 #define SAME_POSE RC(2e-3)
+#define SAME_EXACT RC_TOL(1e-6, 1e-3)
 
 /* A refinement that did not end counts unless its sum is so many times the best. */
 #define STRAY RC(10)
@@ -104,7 +105,7 @@ static size_t first_used(const uint8_t mask[], size_t n)
 }
 
 /* The weighted mean of the points, and the pixel in the middle of their image. */
-static void find_middle(rigcal_real origin[3], rigcal_real uv_middle[2],
+RC_APART static void find_middle(rigcal_real origin[3], rigcal_real uv_middle[2],
                         const rigcal_observation o[], const rigcal_real sigma[],
                         const uint8_t mask[], size_t n)
 {
@@ -131,7 +132,7 @@ static void find_middle(rigcal_real origin[3], rigcal_real uv_middle[2],
 
 /* Whether the points have a shape, the scale that makes its size 1, and the extent
  * of its image. */
-static rigcal_status measure(rigcal_pose_solver *s, const rigcal_real uv_middle[2])
+RC_APART static rigcal_status measure(rigcal_pose_solver *s, const rigcal_real uv_middle[2])
 {
     const rigcal_real *const first =
         s->observations[first_used(s->mask, s->n)].X_w;
@@ -210,12 +211,12 @@ static rigcal_status gather_point(rigcal_pose_solver *s,
     for (int k = 0; k < 3; k++) {
         x[k] *= s->scale;
     }
-    rc_view_add(&s->moments, weight_of(s->sigma, i), x, u);
+    rc_view_add(&s->from.lattice.moments, weight_of(s->sigma, i), x, u);
     return RIGCAL_OK;
 }
 
 /* The moments: what the search needs to know of the points. */
-RC_APART static rigcal_status gather(rigcal_pose_solver *s, int32_t *at,
+RC_APART static rigcal_status gather_moments(rigcal_pose_solver *s, int32_t *at,
                             const rigcal_real uv_middle[2])
 {
     rigcal_real virtual_from_cam[9], normal[3], thickness;
@@ -227,7 +228,7 @@ RC_APART static rigcal_status gather(rigcal_pose_solver *s, int32_t *at,
         return status;
     }
     look_along(virtual_from_cam, s->axis);
-    rc_view_begin(&s->moments);
+    rc_view_begin(&s->from.lattice.moments);
     for (size_t i = 0; i < s->n && status == RIGCAL_OK; i++) {
         if (is_used(s->mask, i)) {
             *at = (int32_t)i;
@@ -238,22 +239,50 @@ RC_APART static rigcal_status gather(rigcal_pose_solver *s, int32_t *at,
         return status;
     }
     *at = -1;
-    if (!rc_view_finish(&s->moments)) {
+    if (!rc_view_finish(&s->from.lattice.moments)) {
         return RIGCAL_ERR_COINCIDENT;
     }
-    if (!rc_view_normal(normal, &thickness, &s->moments)) {
+    if (!rc_view_normal(normal, &thickness, &s->from.lattice.moments)) {
         return RIGCAL_ERR_COLLINEAR;
     }
     s->is_flat = thickness < FLAT_THICKNESS;
     return RIGCAL_OK;
 }
 
+/* (D): all poses of three points. 0: there is none, and the moments are gone. */
+RC_APART static int32_t gather_exact(rigcal_pose_solver *s)
+{
+    rigcal_real x[3][3], ray[3][3];
+    int used = 0;
+    for (size_t i = 0; i < s->n; i++) {
+        if (is_used(s->mask, i)) {
+            rc_vec3_sub(x[used], s->observations[i].X_w, s->origin);
+            (void)rc_pixel_to_ray(ray[used], s->camera, s->observations[i].uv);
+            used++;
+        }
+    }
+    return rc_p3p(s->from.exact, (const rigcal_real(*)[3])x,
+                  (const rigcal_real(*)[3])ray);
+}
+
+/* What the seeds come from. */
+RC_APART static rigcal_status gather(rigcal_pose_solver *s, int32_t *at,
+                                     const rigcal_real uv_middle[2])
+{
+    const rigcal_status status = gather_moments(s, at, uv_middle);
+    if (status != RIGCAL_OK || s->n_used > 3) {
+        return status;
+    }
+    s->n_exact = gather_exact(s);
+    return (s->n_exact > 0) ? status : gather_moments(s, at, uv_middle);
+}
+
 /* ---- optima found -------------------------------------------------------- */
 
-/* Whether a rotation is within a (small) angle of one found. For unit quaternions
- * |p -+ q| = 2 sin(angle / 4). */
-static int is_near_found(const rigcal_pose_solver *s, const rigcal_real R[9],
-                         rigcal_real angle)
+/* The first optimum whose rotation is within a (small) angle of R, or -1. For unit
+ * quaternions |p -+ q| = 2 sin(angle / 4). */
+static int32_t near_found(const rigcal_pose_solver *s, const rigcal_real R[9],
+                          rigcal_real angle)
 {
     rigcal_real q[4];
     rc_quaternion_from_rotation(q, R);
@@ -265,10 +294,10 @@ static int is_near_found(const rigcal_pose_solver *s, const rigcal_real R[9],
             more += (p[k] + q[k]) * (p[k] + q[k]);
         }
         if (4 * rc_min(less, more) < angle * angle) {
-            return 1;
+            return i;
         }
     }
-    return 0;
+    return -1;
 }
 
 static void found_transform(rigcal_transform *cam_from_points,
@@ -309,14 +338,19 @@ RC_APART static int is_seen(const rigcal_pose_solver *s, const rc_fit *fit)
     return 1;
 }
 
-/* Keeps the RIGCAL_POSES_MAX best optima in order. */
+/* Keeps the RIGCAL_POSES_MAX best optima in order; of two that are one, the better. */
 RC_APART static void insert_found(rigcal_pose_solver *s, const rc_fit *fit)
 {
     const rigcal_refinement *const end = &s->work.fit;
-    if (is_near_found(s, end->cam_from_points.R, SAME_POSE) || !is_seen(s, fit)) {
+    const int32_t same = near_found(s, end->cam_from_points.R,
+                                    (s->n_exact > 0) ? SAME_EXACT : SAME_POSE);
+    if ((same >= 0 && end->sse >= s->found[same].sse) || !is_seen(s, fit)) {
         return;
     }
-    int32_t at = (s->n_found < RIGCAL_POSES_MAX) ? s->n_found++ : RIGCAL_POSES_MAX;
+    int32_t at = same;
+    if (same < 0) {
+        at = (s->n_found < RIGCAL_POSES_MAX) ? s->n_found++ : RIGCAL_POSES_MAX;
+    }
     for (; at > 0 && end->sse < s->found[at - 1].sse; at--) {
         if (at < RIGCAL_POSES_MAX) {
             s->found[at] = s->found[at - 1];
@@ -376,13 +410,13 @@ static int is_best_nearby(rigcal_pose_solver *s, const rigcal_real m3[3],
     int32_t kept = 0;
     for (int32_t i = 0; i < s->n_seeds; i++) {
         rigcal_real other[3];
-        seed_direction(other, s, s->seed[i].index);
+        seed_direction(other, s, s->from.lattice.seed[i].index);
         if (rc_vec3_dot(m3, other) > NEIGHBOUR_COSINE) {
-            if (s->seed[i].cost <= cost) {
+            if (s->from.lattice.seed[i].cost <= cost) {
                 return 0; /* sorted by cost: nothing has been removed */
             }
         } else {
-            s->seed[kept++] = s->seed[i];
+            s->from.lattice.seed[kept++] = s->from.lattice.seed[i];
         }
     }
     s->n_seeds = kept;
@@ -393,14 +427,14 @@ static int is_best_nearby(rigcal_pose_solver *s, const rigcal_real m3[3],
 static void insert_seed(rigcal_pose_solver *s, rigcal_real cost, int32_t most)
 {
     int32_t at = (s->n_seeds < most) ? s->n_seeds++ : most;
-    for (; at > 0 && cost < s->seed[at - 1].cost; at--) {
+    for (; at > 0 && cost < s->from.lattice.seed[at - 1].cost; at--) {
         if (at < most) {
-            s->seed[at] = s->seed[at - 1];
+            s->from.lattice.seed[at] = s->from.lattice.seed[at - 1];
         }
     }
     if (at < most) {
-        s->seed[at].cost = cost;
-        s->seed[at].index = s->next;
+        s->from.lattice.seed[at].cost = cost;
+        s->from.lattice.seed[at].index = s->next;
     }
 }
 
@@ -415,18 +449,40 @@ static void begin_lattice(rigcal_pose_solver *s)
 
 static void next_seed(rigcal_pose_solver *s);
 
+/* Three points: every pose of theirs is refined. */
+static void next_exact(rigcal_pose_solver *s)
+{
+    if (s->next == s->n_exact) {
+        s->phase = DONE;
+        return;
+    }
+    s->work.fit.cam_from_points = s->from.exact[s->next++];
+    rc_refine_begin(&s->work.fit);
+    s->phase = REFINING;
+}
+
+static void begin_search(rigcal_pose_solver *s)
+{
+    if (s->n_exact > 0) {
+        s->next = 0;
+        next_exact(s);
+    } else {
+        begin_lattice(s);
+    }
+}
+
 RC_APART static void lattice_step(rigcal_pose_solver *s)
 {
     const int32_t most = s->thorough ? FOLLOWED_THOROUGH : FOLLOWED;
     rigcal_real m3[3];
     next_direction(m3, s);
-    const rigcal_real cost = rc_view_cost(&s->moments, m3);
-    if ((s->n_seeds < most || cost < s->seed[most - 1].cost) &&
+    const rigcal_real cost = rc_view_cost(&s->from.lattice.moments, m3);
+    if ((s->n_seeds < most || cost < s->from.lattice.seed[most - 1].cost) &&
         (!s->thorough || is_best_nearby(s, m3, cost))) {
         insert_seed(s, cost, most);
     }
     if (++s->next == lattice_size(s)) {
-        s->least_cost = s->seed[0].cost;
+        s->least_cost = s->from.lattice.seed[0].cost;
         s->next = 0;
         next_seed(s);
     }
@@ -444,7 +500,7 @@ static int leads_to_found(const rigcal_pose_solver *s, const rigcal_real m3[3],
         found_direction(middle, s, i);
         rc_vec3_add_scaled(middle, 1, m3);
         if (rc_vec3_unit(middle, middle) &&
-            rc_view_cost(&s->moments, middle) < cost) {
+            rc_view_cost(&s->from.lattice.moments, middle) < cost) {
             return 1;
         }
     }
@@ -485,11 +541,11 @@ RC_APART static void next_seed(rigcal_pose_solver *s)
 {
     for (; s->next < s->n_seeds; s->next++) {
         rigcal_real m3[3];
-        const rigcal_real cost = s->seed[s->next].cost;
+        const rigcal_real cost = s->from.lattice.seed[s->next].cost;
         if (!(cost < RC_MAX)) {
             break;
         }
-        seed_direction(m3, s, s->seed[s->next].index);
+        seed_direction(m3, s, s->from.lattice.seed[s->next].index);
         if (!leads_to_found(s, m3, cost)) {
             begin_descent(s, m3, cost);
             s->next++;
@@ -506,7 +562,7 @@ static void seed_pose(rigcal_transform *cam_from_points,
 {
     rigcal_real V[9];
     rigcal_real *const R = cam_from_points->R, *const t = cam_from_points->t;
-    rc_view_pose(cam_from_points, &s->moments, m3);
+    rc_view_pose(cam_from_points, &s->from.lattice.moments, m3);
     look_along(V, s->axis);
     for (int column = 0; column < 3; column++) {
         const rigcal_real r[3] = {R[column], R[3 + column], R[6 + column]};
@@ -525,7 +581,7 @@ RC_APART static int begin_refining(rigcal_pose_solver *s, const rigcal_real m3[3
 {
     rigcal_transform *const start = &s->work.fit.cam_from_points;
     seed_pose(start, s, m3);
-    if (is_near_found(s, start->R, same_basin)) {
+    if (near_found(s, start->R, same_basin) >= 0) {
         return 0;
     }
     rc_refine_begin(&s->work.fit);
@@ -541,7 +597,7 @@ RC_APART static void end_descent(rigcal_pose_solver *s)
         s->least_cost = rc_min(s->least_cost, cost);
         /* Rounding makes the costs of noiseless images anything: the last term. */
         const rigcal_real hopeless =
-            HOPELESS * s->least_cost + 64 * RC_EPS * s->moments.weight;
+            HOPELESS * s->least_cost + 64 * RC_EPS * s->from.lattice.moments.weight;
         if ((s->n_found == 0 || s->is_flat || !(cost > hopeless)) &&
             begin_refining(s, m3, SAME_BASIN)) {
             return;
@@ -555,7 +611,7 @@ RC_APART static void descent_step(rigcal_pose_solver *s)
     rigcal_neldermead *const nm = &s->work.descent.nm;
     rigcal_real m3[3];
     direction_near(m3, s->work.descent.m3, nm->trial);
-    rc_neldermead_tell(nm, rc_view_cost(&s->moments, m3));
+    rc_neldermead_tell(nm, rc_view_cost(&s->from.lattice.moments, m3));
     if (nm->status != RIGCAL_RUNNING) {
         end_descent(s);
     }
@@ -591,16 +647,16 @@ static void leaning_direction(rigcal_real m3[3], const rigcal_pose_solver *s,
 RC_APART static int next_lean(rigcal_real m3[3], rigcal_pose_solver *s)
 {
     rigcal_real first[3], normal[3], thickness;
-    if (!rc_view_normal(normal, &thickness, &s->moments)) {
+    if (!rc_view_normal(normal, &thickness, &s->from.lattice.moments)) {
         return 0;
     }
     found_direction(first, s, 0);
     const rigcal_real most =
-        (s->thorough ? HOPELESS : SHALLOW) * rc_view_cost(&s->moments, first);
+        (s->thorough ? HOPELESS : SHALLOW) * rc_view_cost(&s->from.lattice.moments, first);
     while (s->leans < LEANS) {
         const int32_t lean = s->leans++;
         leaning_direction(m3, s, normal, lean);
-        if (lean == OTHER_WAY || rc_view_cost(&s->moments, m3) < most) {
+        if (lean == OTHER_WAY || rc_view_cost(&s->from.lattice.moments, m3) < most) {
             return 1;
         }
     }
@@ -631,6 +687,10 @@ RC_APART static void end_refinement(rigcal_pose_solver *s, const rc_fit *fit)
         s->failure = RIGCAL_ERR_DEGENERATE;
     }
     rigcal_real m3[3];
+    if (s->n_exact > 0) {
+        next_exact(s);
+        return;
+    }
     while (s->is_flat && s->n_found > 0 && next_lean(m3, s)) {
         if (begin_refining(s, m3, SAME_BASIN_LEANING)) {
             return;
@@ -734,7 +794,7 @@ RC_APART static void gathering_step(rigcal_pose_solver *s)
     find_middle(s->origin, uv_middle, s->observations, s->sigma, s->mask, s->n);
     s->failure = gather(s, &at, uv_middle);
     if (s->failure == RIGCAL_OK) {
-        begin_lattice(s);
+        begin_search(s);
     } else {
         s->phase = DONE;
     }
@@ -823,7 +883,7 @@ static rigcal_status check_options(const rigcal_pose_options *o)
 }
 
 /* All that can be wrong with the arguments. */
-static rigcal_status check_arguments(int32_t *at, const rigcal_camera *camera,
+RC_APART static rigcal_status check_arguments(int32_t *at, const rigcal_camera *camera,
                                      const rigcal_observation observations[],
                                      const rigcal_real sigma[],
                                      const uint8_t mask[], size_t n,
@@ -839,7 +899,7 @@ static rigcal_status check_arguments(int32_t *at, const rigcal_camera *camera,
     if (status == RIGCAL_OK && n > RC_COUNT_MAX) {
         status = RIGCAL_ERR_RANGE;
     }
-    if (status == RIGCAL_OK && count_used(mask, n) < 4) {
+    if (status == RIGCAL_OK && count_used(mask, n) < 3) {
         status = RIGCAL_ERR_TOO_FEW;
     }
     return (status == RIGCAL_OK) ? check_data(at, observations, sigma, mask, n)
@@ -882,7 +942,7 @@ rigcal_status rc_pose_begin(rigcal_pose_solver *solver, int32_t *at,
     }
     status = gather(solver, at, uv_middle);
     if (status == RIGCAL_OK) {
-        begin_lattice(solver);
+        begin_search(solver);
     }
     return status;
 }

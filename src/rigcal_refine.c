@@ -275,14 +275,12 @@ int rc_refine_covariance(rigcal_real Sigma[36], const rigcal_real H[21])
 
 /* ---- Levenberg-Marquardt ------------------------------------------------- */
 
-/* R <- exp([w]x) R, t <- t + dt for the step d = (w, dt), or back for sign -1. The
- * quaternion (1, w / 2) stands for the exponential: right to second order, and for any
- * step a rotation, whose way back is exact. */
-RC_APART static void move(rigcal_transform *pose, const rigcal_real d[6],
-                          rigcal_real sign)
+/* R <- exp([w]x) R, t <- t + dt for the step d = (w, dt), with the quaternion
+ * (1, w / 2) for the exponential: right to second order, and for any step a
+ * rotation. */
+RC_APART static void move(rigcal_transform *pose, const rigcal_real d[6])
 {
-    const rigcal_real half = sign / 2;
-    const rigcal_real x = half * d[0], y = half * d[1], z = half * d[2];
+    const rigcal_real x = d[0] / 2, y = d[1] / 2, z = d[2] / 2;
     const rigcal_real s = 2 / (1 + x * x + y * y + z * z);
     const rigcal_real turn[9] = {
         1 - s * (y * y + z * z), s * (x * y - z),         s * (x * z + y),
@@ -295,7 +293,7 @@ RC_APART static void move(rigcal_transform *pose, const rigcal_real d[6],
             pose->R[3 * row + column] = rc_vec3_dot(&turn[3 * row], r);
         }
     }
-    rc_vec3_add_scaled(pose->t, sign, &d[3]);
+    rc_vec3_add_scaled(pose->t, 1, &d[3]);
 }
 
 void rc_refine_begin(rigcal_refinement *state)
@@ -360,8 +358,9 @@ static int is_last(const rigcal_refinement *state, rigcal_real gain)
 static void try_step(rigcal_refinement *state, const rc_fit *fit,
                      const rigcal_real d[6], rigcal_real gain)
 {
+    const rigcal_transform before = state->cam_from_points;
     rigcal_real sse;
-    move(&state->cam_from_points, d, 1);
+    move(&state->cam_from_points, d);
     const rigcal_status status = equations(&sse, state->g, state->H, fit,
                                            &state->cam_from_points,
                                            state->is_newton);
@@ -372,7 +371,7 @@ static void try_step(rigcal_refinement *state, const rc_fit *fit,
         state->lambda *= RC(0.1);
         return;
     }
-    move(&state->cam_from_points, d, -1);
+    state->cam_from_points = before;
     state->is_stale = 1;
     state->is_newton = 1;
     state->last_gain = 0;
@@ -400,7 +399,7 @@ static void advance(rigcal_refinement *state, const rc_fit *fit)
         return;
     }
     if (is_last(state, gain)) { /* taken unseen: its sum is known to second order */
-        move(&state->cam_from_points, d, 1);
+        move(&state->cam_from_points, d);
         state->sse = rc_max(0, state->sse - gain);
         state->status = RIGCAL_OK;
         return;

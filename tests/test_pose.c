@@ -191,7 +191,8 @@ static void assert_honest(const problem *p, const rigcal_pose_options *options)
         TEST_ASSERT_TRUE(D(p->poses[0].probability) <= 0.990001);
     } else {
         ASSERT_STATUS(RIGCAL_POOR_FIT, p->status);
-        TEST_ASSERT_TRUE(options && options->sigma_px > 0);
+        TEST_ASSERT_TRUE((options && options->sigma_px > 0) ||
+                         D(p->poses[0].rms_px) > 2);
     }
 }
 
@@ -1039,13 +1040,62 @@ static void test_a_covariance_that_does_not_exist_is_refused_by_name(void)
         ASSERT_UNTOUCHED((p)->n_found); \
     } while (0)
 
-static void test_three_points_are_too_few(void)
+/* Noise-free, the truth is among the poses of three points, and nothing tells which it
+ * is. All fit exactly, but where two of them have all but merged into none. */
+static void test_three_points_give_all_their_poses(void)
+{
+    enum { TRIALS = 2000 };
+    test_rng rng = test_seed(93);
+    int lacking = 0, several = 0, inexact = 0;
+
+    for (int trial = 0; trial < TRIALS; trial++) {
+        problem p;
+        int held = 0;
+
+        random_problem(&p, &rng, 3, TEST_GENERAL);
+        TEST_ASSERT_TRUE(solve(&p, NULL) >= 0);
+        for (size_t f = 0; f < p.n_found; f++) {
+            double R[9];
+
+            test_to_double(R, p.poses[f].cam_from_world.R, 9);
+            held |= test_angle_between(R, p.scene.R) < TOL(1e-6, 2e-2);
+            inexact += D(p.poses[f].rms_px) > TOL(1e-7, 2e-2);
+            ASSERT_NEAR(0, D(p.poses[f].rms_px), 1);
+            ASSERT_NEAR(1.0 / (double)p.n_found, D(p.poses[f].probability),
+                        TOL(1e-6, 1e-3));
+        }
+        ASSERT_STATUS(p.n_found > 1 ? RIGCAL_AMBIGUOUS : RIGCAL_OK, p.status);
+        several += p.n_found > 1;
+        lacking += !held;
+    }
+    TEST_ASSERT_TRUE(lacking <= TOL(0, TRIALS / 200));
+    TEST_ASSERT_TRUE(several > TRIALS / 2);
+    TEST_ASSERT_TRUE(inexact < TRIALS / 20);
+}
+
+/* Two poses of three points that noise has made complex are one minimum. */
+static void test_three_noisy_points_are_solved(void)
+{
+    const rigcal_pose_options options = with_sigma(0.5);
+    test_rng rng = test_seed(94);
+
+    for (int trial = 0; trial < 500; trial++) {
+        problem p;
+
+        random_problem(&p, &rng, 3, TEST_GENERAL);
+        add_noise(&p, &rng, 0.5);
+        TEST_ASSERT_TRUE(solve(&p, &options) >= 0);
+        TEST_ASSERT_TRUE(p.status != RIGCAL_POOR_FIT);
+    }
+}
+
+static void test_two_points_are_too_few(void)
 {
     test_rng rng = test_seed(90);
     problem p;
 
     random_problem(&p, &rng, 6, TEST_GENERAL);
-    ASSERT_BEGIN_REFUSED(RIGCAL_ERR_TOO_FEW, &p, 3);
+    ASSERT_BEGIN_REFUSED(RIGCAL_ERR_TOO_FEW, &p, 2);
     ASSERT_BEGIN_REFUSED(RIGCAL_ERR_TOO_FEW, &p, 0);
 }
 
@@ -1267,7 +1317,9 @@ int main(void)
     RUN_TEST(test_the_deviation_of_the_centre_follows);
     RUN_TEST(test_the_covariance_holds_the_truth_as_often_as_it_says);
     RUN_TEST(test_a_covariance_that_does_not_exist_is_refused_by_name);
-    RUN_TEST(test_three_points_are_too_few);
+    RUN_TEST(test_three_points_give_all_their_poses);
+    RUN_TEST(test_three_noisy_points_are_solved);
+    RUN_TEST(test_two_points_are_too_few);
     RUN_TEST(test_targets_that_fix_no_pose_are_named);
     RUN_TEST(test_a_plane_seen_edge_on_is_refused_or_right);
     RUN_TEST(test_the_observation_at_fault_is_told);

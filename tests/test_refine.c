@@ -423,7 +423,7 @@ static void test_wild_starts_end_no_worse_than_they_began(void)
         test_to_real(start.R, R, 9);
         if (rc_normal_equations(&before, g, H, &p.fit, &start) != RIGCAL_OK) {
             state.cam_from_points = start;
-    rc_refine_begin(&state);
+            rc_refine_begin(&state);
             rc_refine_step(&state, &p.fit, EVALS_MAX);
             TEST_ASSERT_TRUE(state.status < 0);
             continue;

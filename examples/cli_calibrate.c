@@ -501,7 +501,7 @@ static void print_caveat(const view *v)
 {
     const rigcal_pose *other = second(v);
 
-    if (v->n == 3) {
+    if (v->by_paper && v->n == 3) {
         printf("  three points fit several poses; one, by --method paper");
     } else if (v->status == RIGCAL_AMBIGUOUS && other != NULL) {
         printf("  ambiguous: 2nd pose %.2f px, p %.2g%s", (double)other->rms_px,

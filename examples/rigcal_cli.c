@@ -21,7 +21,7 @@ static const char HELP[] =
     "             poses.csv, rig.csv, targets.csv and pairs.csv to FOLDER.\n"
     "             --method ml, the default: the maximum-likelihood pose and "
     "its\n"
-    "             1-sigma, from four points or more; three points go by paper\n"
+    "             1-sigma; of three points, all poses are found and one is taken\n"
     "             --method paper: the published procedure for every view\n"
     "triangulate  measures the points that two cameras or more observed, in "
     "the\n"

@@ -87,6 +87,15 @@ typedef double rigcal_real;
 #define RIGCAL_ASSERT(condition) ((void)0)
 #endif
 
+/* Keeps a function out of its callers, for the sake of the stack. */
+#ifndef RIGCAL_NOINLINE
+#if defined(__GNUC__)
+#define RIGCAL_NOINLINE __attribute__((noinline))
+#else
+#define RIGCAL_NOINLINE
+#endif
+#endif
+
 /* What a public function is declared with. RIGCAL_SHARED: the library is a
  * shared one. RIGCAL_BUILD: it is being compiled, not used. */
 #ifndef RIGCAL_API

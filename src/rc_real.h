@@ -81,10 +81,6 @@ static inline int rc_all_within(const rigcal_real x[], int n, rigcal_real limit)
 
 /* A function that keeps its locals off its caller's frame, on a path where the caller
  * goes deeper. */
-#if defined(__GNUC__)
-#define RC_APART __attribute__((noinline))
-#else
-#define RC_APART
-#endif
+#define RC_APART RIGCAL_NOINLINE
 
 #endif /* RC_REAL_H */

@@ -10,8 +10,8 @@
 
 /* What may be left to gain when a refinement ends, as a part of the sum, judged by
  * how fast the gains fall; and a gain that is small enough by itself. */
-#define LEFT_LEAST RC_TOL(1e-11, 1e-6)
-#define GAIN_LEAST RC_TOL(1e-11, 1e-6)
+#define LEFT_LEAST RC_TOL(1e-13, 1e-6)
+#define GAIN_LEAST RC_TOL(1e-13, 1e-6)
 
 /* GAIN_LEAST in px^2, for images without noise. */
 #define GAIN_NOTHING RC_TOL(1e-20, 1e-7)

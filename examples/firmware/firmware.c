@@ -26,6 +26,9 @@ const rigcal_camera FIRMWARE_INTRINSICS[FIRMWARE_CAMERAS] = {
      R(-0.11), R(0.025), 0, R(0.0005), 0, 0, 0, 0}};
 /* clang-format on */
 
+/* Three points would do for several poses, and leave no error to judge them by. */
+enum { POINTS_LEAST = 4 };
+
 /* ---- the serial line: text without printf --------------------------------- */
 
 typedef struct {
@@ -311,6 +314,10 @@ static void take_frame(firmware *f)
     f->ticks = 0;
     const rigcal_mounted_camera *const mounted = &f->cameras[f->camera];
     f->n_seen = observe(f->seen, &frame);
+    if (f->n_seen < POINTS_LEAST) {
+        report_failure(f, RIGCAL_ERR_TOO_FEW);
+        return;
+    }
     rigcal_status status = rigcal_pose_defaults(&options);
     options.sigma_px = SIGMA_PX;
     if (f->is_known[f->camera]) {

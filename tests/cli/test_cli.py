@@ -567,13 +567,15 @@ class TestCaveats(CliTest):
             self.assertGreater(float(poses["left", "2"]["probability"]), 0.49)
         self.assertGreater(found, 4)
 
-    def test_three_points_go_by_the_published_procedure(self):
+    def test_three_points_have_several_poses(self):
         lines = [line for line in self.observations(1)[0]
                  if not line.startswith("2,left,0,")]
         run, poses = self.run_on(lines)
         self.assertEqual((run.returncode, run.stderr), (0, ""))
-        self.assertRegex(run.stdout, r"(?m)^left +2 +3 .* -  three points ")
-        self.assertEqual([poses["left", "2"][k] for k in ADDED], [""] * 4)
+        self.assertRegex(run.stdout, r"(?m)^left +2 +3 .* -  ambiguous: 2nd pose ")
+        sigmas = [poses["left", "2"][k] for k in ADDED[:2]]
+        self.assertEqual(sigmas, ["", ""])
+        self.assertLess(float(poses["left", "2"]["second_rms_px"]), 0.01)
         self.assertNotIn("", [poses["right", "2"][k] for k in ADDED[:2]])
 
 

@@ -54,6 +54,7 @@ enum {
     RIGCAL_DISCONNECTED = 3, /* some cameras share no placement with the first */
     RIGCAL_AMBIGUOUS = 4,    /* another pose fits nearly as well */
     RIGCAL_POOR_FIT = 5,     /* the error is too large for noise */
+    RIGCAL_FEW_AGREE = 6,    /* so few observations agree that chance may do it */
 
     /* The arguments. */
     RIGCAL_ERR_NULL = -1,       /* a pointer that must not be NULL is */
@@ -90,8 +91,12 @@ enum {
     /* Stored bytes. */
     RIGCAL_ERR_DAMAGED = -21, /* incomplete, or altered since they were saved */
     RIGCAL_ERR_FOREIGN = -22, /* not a stored calibration */
-    RIGCAL_ERR_VERSION = -23  /* whole, but of a form that this version of the
+    RIGCAL_ERR_VERSION = -23, /* whole, but of a form that this version of the
                                  library does not know */
+
+    /* Wrong correspondences. */
+    RIGCAL_ERR_NO_CONSENSUS = -24 /* no more observations agree on a pose than
+                                     chance makes agree */
 };
 
 /* MAJOR * 10000 + MINOR * 100 + PATCH of the linked library. */
@@ -716,6 +721,81 @@ RIGCAL_API rigcal_status rigcal_pose_covariance(
     const rigcal_transform *cam_from_world,
     const rigcal_observation observations[], const rigcal_real sigma[], size_t n,
     rigcal_real sigma_px);
+
+/* ==== robust ==============================================================
+ *
+ * One camera's pose from observations some of which are wrong: another point's
+ * pixel, or none's. Poses of three points each (D) are tried, from all triples or from
+ * random ones, and scored by all the points; the best are fitted to the points near
+ * them, and the last word has rigcal_solve_pose on those that agree, which are chosen
+ * anew until they stay. The same input and seed give the same bits. */
+enum { RIGCAL_ROBUST_KEPT = 4 };
+
+typedef struct {
+    rigcal_real threshold_px; /* a point farther than this from its projection is
+                                 wrong (times sigma_i where those are given);
+                                 1e-3 .. 1e6. 0 (default): 4 sigma_px, or 3 */
+    rigcal_real sigma_px;     /* as in rigcal_pose_options */
+    int32_t samples;          /* at most so many triples; all of them when there are
+                                 no more. 500 (default), 1 .. 100000 */
+    uint32_t seed;            /* of the random triples. 1 (default) */
+} rigcal_robust_options;
+
+/* A search under way. Flat and copyable; its fields are internal. */
+typedef struct {
+    const rigcal_camera *camera;
+    const rigcal_observation *observations;
+    const rigcal_real *sigma;
+    uint8_t *inliers;
+    size_t n, n_agree;
+    rigcal_pose_solver pose;
+    rigcal_transform kept[RIGCAL_ROBUST_KEPT];
+    rigcal_real cost[RIGCAL_ROBUST_KEPT], origin[3];
+    rigcal_real sigma_px, threshold_px, missed, area_px2;
+    uint32_t random;
+    int32_t sample[3], samples, tried, is_complete, phase, next, widening, rounds,
+        failure;
+} rigcal_robust_solver;
+
+/* All defaults. OK, ERR_NULL. */
+RIGCAL_API rigcal_status rigcal_robust_defaults(rigcal_robust_options *options);
+
+/* As rigcal_pose_begin; `inliers`, n bytes, is written until the search is done, so
+ * it must stay too, and holds nothing of use before, or after a failure.
+ *
+ * OK, ERR_NULL, ERR_NOT_FINITE, ERR_CAMERA, ERR_RANGE, ERR_TOO_FEW (n < 5),
+ * ERR_COINCIDENT, ERR_COLLINEAR, ERR_PRECISION. */
+RIGCAL_API rigcal_status rigcal_robust_begin(
+    rigcal_robust_solver *solver, uint8_t inliers[], int32_t *bad,
+    const rigcal_camera *camera, const rigcal_observation observations[],
+    const rigcal_real sigma[], size_t n, const rigcal_robust_options *options);
+
+/* Spends at most `budget` >= 1 units: a triple, its poses scored by all points; an
+ * evaluation of a fit; a unit of rigcal_pose_step. Each O(n); at most options.samples
+ * + 9100 in all. RUNNING: call again; the same bits come out whatever the budgets.
+ * OK: ask for the result. ERR_NULL, ERR_RANGE, ERR_STATE. */
+RIGCAL_API rigcal_status rigcal_robust_step(rigcal_robust_solver *solver,
+                                            int32_t budget);
+
+/* As rigcal_pose_result, of the *n_inliers points that agree: those whose byte of
+ * `inliers` is 1, not 0.
+ *
+ * OK, RIGCAL_AMBIGUOUS, RIGCAL_POOR_FIT: as there, of these points.
+ * RIGCAL_FEW_AGREE: so few agree that with all points wrong it would happen more than
+ *     once in a thousand times: do not trust the pose without another reason.
+ * ERR_NO_CONSENSUS: no more agree than chance makes agree.
+ * ERR_NULL, ERR_RANGE, ERR_STATE, ERR_NO_POSE, ERR_DEGENERATE, and what begin and
+ * rigcal_pose_begin say of the points that agree. */
+RIGCAL_API rigcal_status rigcal_robust_result(rigcal_pose poses[], size_t *n_found,
+                                              size_t *n_inliers, size_t capacity,
+                                              const rigcal_robust_solver *solver);
+
+/* begin, step to the end, result. */
+RIGCAL_API rigcal_status rigcal_solve_pose_robust(
+    rigcal_pose poses[], size_t *n_found, uint8_t inliers[], size_t *n_inliers,
+    size_t capacity, int32_t *bad, const rigcal_camera *camera,
+    const rigcal_observation observations[], const rigcal_real sigma[], size_t n,
+    const rigcal_robust_options *options);
 
 /* ==== measure =============================================================
  *

@@ -29,6 +29,7 @@ const char *rigcal_status_name(rigcal_status status)
         NAME_OF(RIGCAL_DISCONNECTED)
         NAME_OF(RIGCAL_AMBIGUOUS)
         NAME_OF(RIGCAL_POOR_FIT)
+        NAME_OF(RIGCAL_FEW_AGREE)
         NAME_OF(RIGCAL_ERR_NULL)
         NAME_OF(RIGCAL_ERR_NOT_FINITE)
         NAME_OF(RIGCAL_ERR_RANGE)
@@ -52,6 +53,7 @@ const char *rigcal_status_name(rigcal_status status)
         NAME_OF(RIGCAL_ERR_DAMAGED)
         NAME_OF(RIGCAL_ERR_FOREIGN)
         NAME_OF(RIGCAL_ERR_VERSION)
+        NAME_OF(RIGCAL_ERR_NO_CONSENSUS)
     default:
         return "unknown status";
     }
@@ -77,6 +79,9 @@ const char *rigcal_status_text(rigcal_status status)
     case RIGCAL_POOR_FIT:
         return "the error is too large for noise: check the "
                "correspondences, the target and the intrinsics";
+    case RIGCAL_FEW_AGREE:
+        return "so few observations agree that chance may do it: check the "
+               "correspondences, or give more";
     case RIGCAL_ERR_NULL:
         return "a pointer that must not be NULL is NULL";
     case RIGCAL_ERR_NOT_FINITE:
@@ -142,6 +147,9 @@ const char *rigcal_status_text(rigcal_status status)
     case RIGCAL_ERR_VERSION:
         return "the calibration was stored in a form that this version of "
                "the library does not know: use the one that stored it";
+    case RIGCAL_ERR_NO_CONSENSUS:
+        return "no more observations agree on a pose than chance makes agree: "
+               "check the correspondences, the target and the camera";
     default:
         return "unknown status";
     }
@@ -326,6 +334,36 @@ static const rigcal_layout_entry LAYOUT[] = {
     FIELD(rigcal_pose_uncertainty, translation),
     FIELD(rigcal_pose_uncertainty, center),
     FIELD(rigcal_pose_uncertainty, sigma_px),
+    STRUCT(rigcal_robust_options),
+    FIELD(rigcal_robust_options, threshold_px),
+    FIELD(rigcal_robust_options, sigma_px),
+    FIELD(rigcal_robust_options, samples),
+    FIELD(rigcal_robust_options, seed),
+    STRUCT(rigcal_robust_solver),
+    FIELD(rigcal_robust_solver, camera),
+    FIELD(rigcal_robust_solver, observations),
+    FIELD(rigcal_robust_solver, sigma),
+    FIELD(rigcal_robust_solver, inliers),
+    FIELD(rigcal_robust_solver, n),
+    FIELD(rigcal_robust_solver, n_agree),
+    FIELD(rigcal_robust_solver, pose),
+    FIELD(rigcal_robust_solver, kept),
+    FIELD(rigcal_robust_solver, cost),
+    FIELD(rigcal_robust_solver, origin),
+    FIELD(rigcal_robust_solver, sigma_px),
+    FIELD(rigcal_robust_solver, threshold_px),
+    FIELD(rigcal_robust_solver, missed),
+    FIELD(rigcal_robust_solver, area_px2),
+    FIELD(rigcal_robust_solver, random),
+    FIELD(rigcal_robust_solver, sample),
+    FIELD(rigcal_robust_solver, samples),
+    FIELD(rigcal_robust_solver, tried),
+    FIELD(rigcal_robust_solver, is_complete),
+    FIELD(rigcal_robust_solver, phase),
+    FIELD(rigcal_robust_solver, next),
+    FIELD(rigcal_robust_solver, widening),
+    FIELD(rigcal_robust_solver, rounds),
+    FIELD(rigcal_robust_solver, failure),
     STRUCT(rigcal_point),
     FIELD(rigcal_point, X),
     FIELD(rigcal_point, Sigma),

@@ -53,6 +53,9 @@ static struct {
     rigcal_real spreads[N];
     rigcal_pose_options warm, cold;
     rigcal_pose_solver pose_solver, pose_solver_done;
+    uint8_t marks[N];
+    rigcal_robust_options robust;
+    rigcal_robust_solver robust_solver, robust_solver_done;
     rigcal_mounted_camera mounted[2];
     uint8_t saved[RIGCAL_SAVE_SIZE(2)];
 } ok;
@@ -267,6 +270,22 @@ static void build_pose_searches(void)
     ASSERT_STATUS(RIGCAL_OK, status);
 }
 
+static void build_robust(void)
+{
+    rigcal_status status;
+
+    ASSERT_STATUS(RIGCAL_OK, rigcal_robust_defaults(&ok.robust));
+    ok.robust.sigma_px = REAL_SIGMA;
+    ASSERT_STATUS(RIGCAL_OK,
+                  rigcal_robust_begin(&ok.robust_solver, ok.marks, NULL, &ok.camera,
+                                      ok.observations, ok.spreads, N, &ok.robust));
+    ok.robust_solver_done = ok.robust_solver;
+    do {
+        status = rigcal_robust_step(&ok.robust_solver_done, 1000);
+    } while (status == RIGCAL_RUNNING);
+    ASSERT_STATUS(RIGCAL_OK, status);
+}
+
 static void build_store(void)
 {
     size_t n;
@@ -298,6 +317,7 @@ static void build_valid(void)
     build_rig();
     build_searches();
     build_pose_searches();
+    build_robust();
     build_store();
 }
 
@@ -381,6 +401,12 @@ static const impossible BAD_WARM[] = {
     BAD_REAL(rigcal_pose_options, start.R[0], 2, RIGCAL_ERR_ROTATION),
     BAD_REAL(rigcal_pose_options, start.R[8], -5, RIGCAL_ERR_ROTATION),
     BAD_END};
+static const impossible BAD_ROBUST[] = {
+    BAD_REAL(rigcal_robust_options, threshold_px, -1, RIGCAL_ERR_RANGE),
+    BAD_REAL(rigcal_robust_options, threshold_px, 1e-4, RIGCAL_ERR_RANGE),
+    BAD_REAL(rigcal_robust_options, sigma_px, -1, RIGCAL_ERR_RANGE),
+    BAD_INT(rigcal_robust_options, samples, 0, RIGCAL_ERR_RANGE),
+    BAD_INT(rigcal_robust_options, samples, 100001, RIGCAL_ERR_RANGE), BAD_END};
 static const impossible BAD_INDEX[] = {
     BAD_INT(rigcal_pair, i, -1, RIGCAL_ERR_RANGE),
     BAD_INT(rigcal_pair, i, N, RIGCAL_ERR_RANGE),
@@ -472,6 +498,10 @@ static const kind UNCERTAINTY = {REALS(46), NULL, 0};
 /* Internal, so that only "not begun" is asked of them. */
 static const kind POSE_SOLVER = {sizeof(rigcal_pose_solver), 0, 0, NULL,
                                  RIGCAL_ERR_STATE};
+static const kind ROBUST = {sizeof(rigcal_robust_options), 0, 2, BAD_ROBUST,
+                            RIGCAL_ERR_RANGE};
+static const kind ROBUST_SOLVER = {sizeof(rigcal_robust_solver), 0, 0, NULL,
+                                   RIGCAL_ERR_STATE};
 static const kind SEARCH = {sizeof(rigcal_neldermead), 0, 0, NULL,
                             RIGCAL_ERR_STATE};
 static const kind SOLVER = {sizeof(rigcal_paper_solver), 0, 0, NULL,
@@ -584,18 +614,18 @@ typedef struct {
 
 /* ---- the functions ------------------------------------------------------- */
 
-enum { MAX_ARGUMENTS = 11 };
+enum { MAX_ARGUMENTS = 12 };
 
 typedef struct {
     const char *name;
     rigcal_status (*call)(void *const p[]);
     rigcal_status usual;
-    uint32_t named;
+    uint64_t named;
     argument arguments[MAX_ARGUMENTS];
 } function;
 
 /* A set of statuses. */
-#define BIT(status) (1u << ((status) < 0 ? -(status) : 24 + (status)))
+#define BIT(status) (UINT64_C(1) << ((status) < 0 ? -(status) : 40 + (status)))
 #define S(name) BIT(RIGCAL_ERR_##name)
 #define ARGS (S(NULL) | S(NOT_FINITE) | S(RANGE))
 #define ROTATED (ARGS | S(ROTATION))
@@ -610,6 +640,9 @@ typedef struct {
 #define STORED (S(NULL) | S(FOREIGN) | S(DAMAGED) | S(VERSION))
 #define FITTED \
     (S(NO_POSE) | S(DEGENERATE) | BIT(RIGCAL_AMBIGUOUS) | BIT(RIGCAL_POOR_FIT))
+
+#define AGREED \
+    (VIEWED | FITTED | S(NO_CONSENSUS) | BIT(RIGCAL_FEW_AGREE))
 
 #define REAL(p) (*(const rigcal_real *)(p))
 #define INT(p) (*(const int32_t *)(p))
@@ -672,6 +705,12 @@ CALL(pose_result, p[0], p[1], COUNTED(p[2]), p[3])
 CALL(solve_pose, p[0], p[1], COUNTED(p[2]), p[3], p[4], p[5], p[6],
      COUNTED(p[7]), p[8])
 CALL(pose_covariance, p[0], p[1], p[2], p[3], p[4], COUNTED(p[5]), REAL(p[6]))
+CALL(robust_defaults, p[0])
+CALL(robust_begin, p[0], p[1], p[2], p[3], p[4], p[5], COUNTED(p[6]), p[7])
+CALL(robust_step, p[0], INT(p[1]))
+CALL(robust_result, p[0], p[1], p[2], COUNTED(p[3]), p[4])
+CALL(solve_pose_robust, p[0], p[1], p[2], p[3], COUNTED(p[4]), p[5], p[6], p[7],
+     p[8], COUNTED(p[9]), p[10])
 CALL(depth_two_views, p[0], p[1], p[2], p[3], p[4])
 CALL(depth_aligned, p[0], REAL(p[1]), p[2], p[3])
 CALL(triangulate, p[0], p[1], p[2], p[3], COUNTED(p[4]), REAL(p[5]))
@@ -843,6 +882,27 @@ static const function FUNCTIONS[] = {
       IN(TRANSFORM, 1, &ok.cams_from_world[0]),
       IN(OBSERVATION, N, ok.observations), IN_OPT(SPREAD, N, ok.spreads),
       COUNT(&SIZE_6, 3, RIGCAL_ERR_TOO_FEW), VALUE(TOLERANCE, &REAL_SIGMA)}},
+
+    {F(robust_defaults), 0, S(NULL), {OUT_PART(ROBUST, 1)}},
+    {F(robust_begin), 0, VIEWED,
+     {OUT_PART(ROBUST_SOLVER, 1), WORK(BYTES, N), OUT_BAD,
+      IN(CAMERA, 1, &ok.camera), IN(OBSERVATION, N, ok.observations),
+      IN_OPT(SPREAD, N, ok.spreads), COUNT(&SIZE_6, 5, RIGCAL_ERR_TOO_FEW),
+      IN_OPT(ROBUST, 1, &ok.robust)}},
+    {F(robust_step), RIGCAL_RUNNING,
+     S(NULL) | S(RANGE) | S(STATE) | BIT(RIGCAL_RUNNING),
+     {STATE(ROBUST_SOLVER, &ok.robust_solver),
+      CHOICE(&INT_8, 1, 0, RIGCAL_ERR_RANGE)}},
+    {F(robust_result), 0, S(STATE) | AGREED,
+     {OUT_PART(ML_POSE, RIGCAL_POSES_MAX), OUT(SIZE, 1), OUT(SIZE, 1),
+      ROOM(&SIZE_4, 1, RIGCAL_ERR_RANGE),
+      IN(ROBUST_SOLVER, 1, &ok.robust_solver_done)}},
+    {F(solve_pose_robust), 0, AGREED,
+     {OUT_PART(ML_POSE, RIGCAL_POSES_MAX), OUT(SIZE, 1), WORK(BYTES, N),
+      OUT(SIZE, 1), ROOM(&SIZE_4, 1, RIGCAL_ERR_RANGE), OUT_BAD,
+      IN(CAMERA, 1, &ok.camera), IN(OBSERVATION, N, ok.observations),
+      IN_OPT(SPREAD, N, ok.spreads), COUNT(&SIZE_6, 5, RIGCAL_ERR_TOO_FEW),
+      IN_OPT(ROBUST, 1, &ok.robust)}},
 
     {F(depth_two_views), 0, ROTATED | S(RANGE) | S(PARALLEL) | S(BEHIND),
      {OUT(VEC2, 1), OUT(NUMBER, 1), IN(TRANSFORM, 1, &ok.b_from_a),

@@ -1,0 +1,536 @@
+#include "rc_robust.h"
+
+/* Defaults: samples; how far a point may be off, in pixels and in noise. */
+enum { SAMPLES = 500, SAMPLES_MAX = 100000 };
+#define THRESHOLD_PX RC(3)
+#define THRESHOLD_SIGMAS RC(4)
+#define THRESHOLD_MIN RC(1e-3)
+#define THRESHOLD_MAX RC(1e6)
+
+/* Random samples end when the chance to have missed every clean one is this. Noise
+ * spoils some clean ones: a sample counts as a part of one. */
+#define MISSED RC(1e-4)
+#define USEFUL_PART RC(0.25)
+
+/* Fitting a hypothesis to the points near it: within a threshold that shrinks by
+ * halves to the stated one, so many evaluations each. */
+enum { WIDENINGS = 3, FIT_EVALS = 5 };
+
+/* How often the inliers are decided anew by the pose of the last ones. */
+enum { ROUNDS = 8 };
+
+/* Expected number of sets of points that agree so by chance, below which they do
+ * not, and above which nothing is told. */
+#define CHANCE RC(1e-3)
+#define CHANCE_MOST RC(1)
+
+enum { NOT_BEGUN = 0, SAMPLING, FITTING, SOLVING, DONE };
+
+/* ---- samples ------------------------------------------------------------- */
+
+/* Marsaglia's xorshift of 32 bits (2003); the state is not 0. */
+static size_t draw(rigcal_robust_solver *s, size_t n)
+{
+    uint32_t x = s->random;
+    x ^= x << 13;
+    x ^= x >> 17;
+    x ^= x << 5;
+    s->random = x;
+    return (size_t)(((uint64_t)x * (uint64_t)n) >> 32);
+}
+
+/* How many triples there are, or RC_COUNT_MAX when more. */
+static size_t count_triples(size_t n)
+{
+    return (n > 1000) ? RC_COUNT_MAX : n * (n - 1) / 2 * (n - 2) / 3;
+}
+
+/* The next triple in order, from (0, 1, 2). */
+static void next_in_order(int32_t sample[3], int32_t n)
+{
+    int at = 2;
+    while (at > 0 && sample[at] == n - 3 + at) {
+        at--;
+    }
+    sample[at]++;
+    for (int k = at + 1; k < 3; k++) {
+        sample[k] = sample[k - 1] + 1;
+    }
+}
+
+static void next_sample(rigcal_robust_solver *s)
+{
+    if (s->is_complete) {
+        next_in_order(s->sample, (int32_t)s->n);
+        return;
+    }
+    for (int k = 0; k < 3; k++) { /* distinct: skips what is taken, in order */
+        size_t i = draw(s, s->n - (size_t)k);
+        const size_t low = (size_t)((s->sample[0] < s->sample[1]) ? s->sample[0]
+                                                                  : s->sample[1]);
+        const size_t high = (size_t)((s->sample[0] < s->sample[1]) ? s->sample[1]
+                                                                   : s->sample[0]);
+        if (k == 1) {
+            i += i >= (size_t)s->sample[0];
+        } else if (k == 2) {
+            i += i >= low;
+            i += i >= high;
+        }
+        s->sample[k] = (int32_t)i;
+    }
+}
+
+/* ---- scores -------------------------------------------------------------- */
+
+static void fit_of(rc_fit *fit, const rigcal_robust_solver *s)
+{
+    fit->camera = s->camera;
+    fit->observations = s->observations;
+    fit->sigma = s->sigma;
+    fit->mask = s->inliers;
+    fit->n = s->n;
+    fit->origin = s->origin;
+    rc_lens_of(&fit->lens, s->camera);
+}
+
+/* Squared distance [px^2] of point i from its projection, over sigma_i^2; RC_MAX
+ * when the camera does not see it. */
+static rigcal_real distance2(const rc_fit *fit, const rigcal_transform *pose,
+                             size_t i)
+{
+    const rigcal_observation *const o = &fit->observations[i];
+    rigcal_real x[3], X_c[3], uv[2], J_c[6];
+    rc_vec3_sub(x, o->X_w, fit->origin);
+    rc_transform_point(X_c, pose, x);
+    if (rc_project_through(uv, J_c, &fit->lens, fit->camera, X_c) != RIGCAL_OK) {
+        return RC_MAX;
+    }
+    const rigcal_real du = o->uv[0] - uv[0], dv = o->uv[1] - uv[1];
+    const rigcal_real squared = du * du + dv * dv;
+    const rigcal_real over =
+        (fit->sigma == NULL) ? squared : squared / (fit->sigma[i] * fit->sigma[i]);
+    return (over <= RC_MAX) ? over : RC_MAX;
+}
+
+/* Sum of the squared distances, none counting more than the threshold's; above
+ * `enough` it is not finished. *count: points within. */
+static rigcal_real score(size_t *count, const rigcal_robust_solver *s,
+                         const rc_fit *fit, const rigcal_transform *pose,
+                         rigcal_real enough)
+{
+    const rigcal_real limit = s->threshold_px * s->threshold_px;
+    rigcal_real sum = 0;
+    *count = 0;
+    for (size_t i = 0; i < s->n && sum < enough; i++) {
+        const rigcal_real d2 = distance2(fit, pose, i);
+        *count += d2 <= limit;
+        sum += rc_min(d2, limit);
+    }
+    return sum;
+}
+
+/* Marks the points within a distance; how many they are, and in *changed whether
+ * any mark changed. */
+static size_t mark(rigcal_robust_solver *s, const rc_fit *fit,
+                   const rigcal_transform *pose, rigcal_real within_px, int *changed)
+{
+    size_t count = 0;
+    *changed = 0;
+    for (size_t i = 0; i < s->n; i++) {
+        const uint8_t is_in = distance2(fit, pose, i) <= within_px * within_px;
+        *changed |= is_in != s->inliers[i];
+        s->inliers[i] = is_in;
+        count += is_in;
+    }
+    return count;
+}
+
+/* Keeps the best hypotheses in order. */
+static void keep(rigcal_robust_solver *s, const rigcal_transform *pose,
+                 rigcal_real cost)
+{
+    int at = RIGCAL_ROBUST_KEPT;
+    for (; at > 0 && cost < s->cost[at - 1]; at--) {
+        if (at < RIGCAL_ROBUST_KEPT) {
+            s->kept[at] = s->kept[at - 1];
+            s->cost[at] = s->cost[at - 1];
+        }
+    }
+    if (at < RIGCAL_ROBUST_KEPT) {
+        s->kept[at] = *pose;
+        s->cost[at] = cost;
+    }
+}
+
+/* ---- phases -------------------------------------------------------------- */
+
+static void begin_fitting(rigcal_robust_solver *s);
+
+/* All poses of one sample. */
+static void try_sample(rigcal_robust_solver *s, const rc_fit *fit)
+{
+    rigcal_transform poses[RC_P3P_MAX];
+    rigcal_real x[3][3], ray[3][3];
+    for (int k = 0; k < 3; k++) {
+        const rigcal_observation *const o = &s->observations[s->sample[k]];
+        rc_vec3_sub(x[k], o->X_w, s->origin);
+        if (rc_pixel_to_ray(ray[k], s->camera, o->uv) != RIGCAL_OK) {
+            return;
+        }
+    }
+    const int n_poses = rc_p3p(poses, (const rigcal_real(*)[3])x,
+                               (const rigcal_real(*)[3])ray);
+    for (int k = 0; k < n_poses; k++) {
+        size_t count;
+        const rigcal_real cost =
+            score(&count, s, fit, &poses[k], s->cost[RIGCAL_ROBUST_KEPT - 1]);
+        if (cost < s->cost[RIGCAL_ROBUST_KEPT - 1]) {
+            keep(s, &poses[k], cost);
+            s->n_agree = (count > s->n_agree) ? count : s->n_agree;
+        }
+    }
+}
+
+static void sample_step(rigcal_robust_solver *s)
+{
+    rc_fit fit;
+    fit_of(&fit, s);
+    try_sample(s, &fit);
+    const rigcal_real part = (rigcal_real)s->n_agree / (rigcal_real)s->n;
+    s->missed *= 1 - USEFUL_PART * part * part * part;
+    s->tried++;
+    if (s->tried >= s->samples || (!s->is_complete && s->missed < MISSED)) {
+        s->next = 0;
+        begin_fitting(s);
+        return;
+    }
+    next_sample(s);
+}
+
+/* The pose of the inliers as they are marked; DONE when there is none. */
+static void begin_solving(rigcal_robust_solver *s)
+{
+    int32_t at;
+    rigcal_pose_options options;
+    (void)rigcal_pose_defaults(&options);
+    options.sigma_px = s->sigma_px;
+    s->failure = rc_pose_begin(&s->pose, &at, s->camera, s->observations, s->sigma,
+                               s->inliers, s->n, &options);
+    if (s->failure == RIGCAL_ERR_TOO_FEW) {
+        s->failure = RIGCAL_ERR_NO_CONSENSUS;
+    }
+    s->phase = (s->failure == RIGCAL_OK) ? SOLVING : DONE;
+}
+
+/* Hypothesis s->next, or what comes after the last one. */
+static void begin_fitting(rigcal_robust_solver *s)
+{
+    int changed;
+    rc_fit fit;
+    fit_of(&fit, s);
+    s->phase = FITTING;
+    s->widening = WIDENINGS;
+    if (s->next < RIGCAL_ROBUST_KEPT && s->cost[s->next] < RC_MAX) {
+        rc_refine_begin(&s->pose.work.fit, &s->kept[s->next]);
+        s->pose.work.fit.status = RIGCAL_OK; /* its points are not marked yet */
+        return;
+    }
+    if (!(s->cost[0] < RC_MAX)) {
+        s->failure = RIGCAL_ERR_NO_CONSENSUS;
+        s->phase = DONE;
+        return;
+    }
+    int best = 0;
+    for (int k = 1; k < RIGCAL_ROBUST_KEPT; k++) {
+        best = (s->cost[k] < s->cost[best]) ? k : best;
+    }
+    s->rounds = 0;
+    (void)mark(s, &fit, &s->kept[best], s->threshold_px, &changed);
+    begin_solving(s);
+}
+
+/* One evaluation of the fit of a hypothesis, or the next choice of its points. */
+static void fit_step(rigcal_robust_solver *s)
+{
+    rigcal_refinement *const refining = &s->pose.work.fit;
+    rc_fit fit;
+    fit_of(&fit, s);
+    if (refining->status == RIGCAL_RUNNING) {
+        rc_refine_step(refining, &fit, FIT_EVALS);
+        if (refining->status == RIGCAL_RUNNING) {
+            return;
+        }
+    }
+    size_t count;
+    int changed;
+    const rigcal_transform pose = refining->cam_from_points;
+    const rigcal_real cost = score(&count, s, &fit, &pose, RC_MAX);
+    if (cost < s->cost[s->next]) {
+        s->cost[s->next] = cost;
+        s->kept[s->next] = pose;
+    }
+    if (s->widening-- > 0 && refining->status >= 0 &&
+        mark(s, &fit, &pose,
+             s->threshold_px * (rigcal_real)((uint32_t)1 << s->widening),
+             &changed) >= 4) {
+        rc_refine_begin(refining, &pose);
+        return;
+    }
+    s->next++;
+    begin_fitting(s);
+}
+
+/* The inliers of the pose found, and its solution again when they are others. */
+static void solve_step(rigcal_robust_solver *s)
+{
+    if (rigcal_pose_step(&s->pose, 1) == RIGCAL_RUNNING) {
+        return;
+    }
+    rigcal_pose poses[1];
+    size_t n_found;
+    int changed;
+    rc_fit fit;
+    s->failure = rigcal_pose_result(poses, &n_found, 1, &s->pose);
+    s->phase = DONE;
+    if (s->failure < 0 || s->rounds++ >= ROUNDS) {
+        return;
+    }
+    rigcal_transform from_points = poses[0].cam_from_world;
+    rc_transform_point(from_points.t, &poses[0].cam_from_world, s->origin);
+    fit_of(&fit, s);
+    (void)mark(s, &fit, &from_points, s->threshold_px, &changed);
+    if (changed) {
+        begin_solving(s);
+    }
+}
+
+/* ---- chance -------------------------------------------------------------- */
+
+/* Expected number of sets of `count` points that agree although all are wrong: three
+ * choose a pose, with two solutions, the others are each as near with the chance
+ * that a disc has in the area of the image. A fit to all of them may take in points
+ * twice as far from the three's own pose. */
+static rigcal_real by_chance(const rigcal_robust_solver *s, size_t count)
+{
+    const rigcal_real n = (rigcal_real)s->n, limit = 2 * s->threshold_px;
+    const rigcal_real near = rc_min(1, RC_PI * limit * limit / s->area_px2);
+    rigcal_real expected = n * (n - 1) * (n - 2) / 3;
+    for (size_t i = 0; i + 3 < count; i++) {
+        const rigcal_real ways = (n - 3 - (rigcal_real)i) / (rigcal_real)(i + 1);
+        expected = rc_min(expected * ways * near, RC(1e30));
+    }
+    return expected;
+}
+
+/* ---- public -------------------------------------------------------------- */
+
+rigcal_status rigcal_robust_defaults(rigcal_robust_options *options)
+{
+    if (options == NULL) {
+        return RIGCAL_ERR_NULL;
+    }
+    options->threshold_px = 0;
+    options->sigma_px = 0;
+    options->samples = SAMPLES;
+    options->seed = 1;
+    return RIGCAL_OK;
+}
+
+static rigcal_status check_options(const rigcal_robust_options *o)
+{
+    if (!rc_is_finite(o->threshold_px) || !rc_is_finite(o->sigma_px)) {
+        return RIGCAL_ERR_NOT_FINITE;
+    }
+    const int is_default = rc_all_within(&o->threshold_px, 1, 0);
+    return ((is_default || (o->threshold_px >= THRESHOLD_MIN &&
+                            o->threshold_px <= THRESHOLD_MAX)) &&
+            o->samples >= 1 && o->samples <= SAMPLES_MAX)
+               ? RIGCAL_OK
+               : RIGCAL_ERR_RANGE;
+}
+
+/* Where the points are, and the area in which they were seen. */
+static void look_over(rigcal_robust_solver *s)
+{
+    const rigcal_observation *const o = s->observations;
+    rigcal_real low[2] = {o[0].uv[0], o[0].uv[1]}, high[2] = {low[0], low[1]};
+    rigcal_real shift[3] = {0, 0, 0};
+    for (size_t i = 0; i < s->n; i++) {
+        rigcal_real x[3];
+        rc_vec3_sub(x, o[i].X_w, o[0].X_w);
+        rc_vec3_add_scaled(shift, 1 / (rigcal_real)s->n, x);
+        for (int k = 0; k < 2; k++) {
+            low[k] = rc_min(low[k], o[i].uv[k]);
+            high[k] = rc_max(high[k], o[i].uv[k]);
+        }
+    }
+    for (int k = 0; k < 3; k++) {
+        s->origin[k] = o[0].X_w[k] + shift[k];
+    }
+    s->area_px2 = (high[0] - low[0]) * (high[1] - low[1]);
+}
+
+/* rigcal_robust_begin, but that a failure may leave *s written. */
+static rigcal_status begin(rigcal_robust_solver *s, int32_t *at, uint8_t inliers[],
+                           const rigcal_camera *camera,
+                           const rigcal_observation observations[],
+                           const rigcal_real sigma[], size_t n,
+                           const rigcal_robust_options *options)
+{
+    rigcal_pose_options pose_options;
+    rigcal_robust_options defaults;
+    *at = -1;
+    (void)rigcal_robust_defaults(&defaults);
+    const rigcal_robust_options *const o = (options != NULL) ? options : &defaults;
+    if (inliers == NULL || camera == NULL || observations == NULL) {
+        return RIGCAL_ERR_NULL;
+    }
+    (void)rigcal_pose_defaults(&pose_options);
+    pose_options.sigma_px = o->sigma_px;
+    rigcal_status status = rc_check_camera(camera);
+    if (status == RIGCAL_OK) {
+        status = check_options(o);
+    }
+    if (status == RIGCAL_OK && n < 5) {
+        status = RIGCAL_ERR_TOO_FEW;
+    }
+    if (status != RIGCAL_OK) {
+        return status;
+    }
+    *s = (rigcal_robust_solver){0};
+    status = rc_pose_begin(&s->pose, at, camera, observations, sigma, NULL, n,
+                           &pose_options);
+    /* A wrong pixel may be one that no ray is imaged at. */
+    if (status != RIGCAL_OK && status != RIGCAL_ERR_NO_RAY &&
+        status != RIGCAL_ERR_WIDE_RAY) {
+        return status;
+    }
+    s->camera = camera;
+    s->observations = observations;
+    s->sigma = sigma;
+    s->inliers = inliers;
+    s->n = n;
+    s->sigma_px = o->sigma_px;
+    s->threshold_px = (o->threshold_px > 0) ? o->threshold_px
+                      : (o->sigma_px > 0)   ? THRESHOLD_SIGMAS * o->sigma_px
+                                            : THRESHOLD_PX;
+    s->random = (o->seed != 0) ? o->seed : UINT32_C(0x9e3779b9);
+    s->samples = o->samples;
+    s->is_complete = count_triples(n) <= (size_t)o->samples;
+    if (s->is_complete) {
+        s->samples = (int32_t)count_triples(n);
+    }
+    for (int k = 0; k < RIGCAL_ROBUST_KEPT; k++) {
+        s->cost[k] = RC_MAX;
+    }
+    s->missed = 1;
+    s->sample[1] = 1;
+    s->sample[2] = 2;
+    if (!s->is_complete) {
+        next_sample(s);
+    }
+    look_over(s);
+    s->phase = SAMPLING;
+    return RIGCAL_OK;
+}
+
+rigcal_status rigcal_robust_begin(rigcal_robust_solver *solver, uint8_t inliers[],
+                                  int32_t *bad, const rigcal_camera *camera,
+                                  const rigcal_observation observations[],
+                                  const rigcal_real sigma[], size_t n,
+                                  const rigcal_robust_options *options)
+{
+    rigcal_robust_solver begun;
+    int32_t at;
+    if (solver == NULL) {
+        return RIGCAL_ERR_NULL;
+    }
+    const rigcal_status status =
+        begin(&begun, &at, inliers, camera, observations, sigma, n, options);
+    if (status == RIGCAL_OK) {
+        *solver = begun;
+    } else if (bad != NULL) {
+        *bad = at;
+    }
+    return status;
+}
+
+rigcal_status rigcal_robust_step(rigcal_robust_solver *solver, int32_t budget)
+{
+    if (solver == NULL) {
+        return RIGCAL_ERR_NULL;
+    }
+    if (budget < 1) {
+        return RIGCAL_ERR_RANGE;
+    }
+    if (solver->phase <= NOT_BEGUN || solver->phase > DONE) {
+        return RIGCAL_ERR_STATE;
+    }
+    for (int32_t i = 0; i < budget && solver->phase != DONE; i++) {
+        if (solver->phase == SAMPLING) {
+            sample_step(solver);
+        } else if (solver->phase == FITTING) {
+            fit_step(solver);
+        } else {
+            solve_step(solver);
+        }
+    }
+    return (solver->phase == DONE) ? RIGCAL_OK : RIGCAL_RUNNING;
+}
+
+rigcal_status rigcal_robust_result(rigcal_pose poses[], size_t *n_found,
+                                   size_t *n_inliers, size_t capacity,
+                                   const rigcal_robust_solver *solver)
+{
+    if (poses == NULL || n_found == NULL || n_inliers == NULL || solver == NULL) {
+        return RIGCAL_ERR_NULL;
+    }
+    if (capacity < 1) {
+        return RIGCAL_ERR_RANGE;
+    }
+    if (solver->phase != DONE) {
+        return RIGCAL_ERR_STATE;
+    }
+    if (solver->failure < 0) {
+        return solver->failure;
+    }
+    const size_t count = solver->pose.n_used;
+    const rigcal_real chance = by_chance(solver, count);
+    if (!(chance < CHANCE_MOST)) {
+        return RIGCAL_ERR_NO_CONSENSUS;
+    }
+    const rigcal_status status =
+        rigcal_pose_result(poses, n_found, capacity, &solver->pose);
+    if (status >= 0) {
+        *n_inliers = count;
+    }
+    return (status >= 0 && chance > CHANCE) ? RIGCAL_FEW_AGREE : status;
+}
+
+rigcal_status rigcal_solve_pose_robust(
+    rigcal_pose poses[], size_t *n_found, uint8_t inliers[], size_t *n_inliers,
+    size_t capacity, int32_t *bad, const rigcal_camera *camera,
+    const rigcal_observation observations[], const rigcal_real sigma[], size_t n,
+    const rigcal_robust_options *options)
+{
+    rigcal_robust_solver solver;
+    int32_t at;
+    if (poses == NULL || n_found == NULL || n_inliers == NULL) {
+        return RIGCAL_ERR_NULL;
+    }
+    if (capacity < 1) {
+        return RIGCAL_ERR_RANGE;
+    }
+    const rigcal_status status =
+        begin(&solver, &at, inliers, camera, observations, sigma, n, options);
+    if (status != RIGCAL_OK) {
+        if (bad != NULL) {
+            *bad = at;
+        }
+        return status;
+    }
+    while (solver.phase != DONE) {
+        (void)rigcal_robust_step(&solver, INT32_MAX);
+    }
+    return rigcal_robust_result(poses, n_found, n_inliers, capacity, &solver);
+}

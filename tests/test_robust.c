@@ -1,0 +1,392 @@
+/* robust: scenes in which some pixels are another point's, or anything. What the
+ * solver makes of them against what rigcal_solve_pose makes of the right ones. */
+#include <math.h>
+#include <string.h>
+
+#include "test_support.h"
+
+enum { N_MAX = TEST_SCENE_MAX };
+
+static const double NOISE = 0.5; /* px */
+
+typedef enum { NEAR_THE_TARGET, IN_THE_IMAGE, SWAPPED } wrongness;
+
+void setUp(void)
+{
+}
+
+void tearDown(void)
+{
+}
+
+/* ---- scenes -------------------------------------------------------------- */
+
+typedef struct {
+    test_scene scene;
+    rigcal_camera camera;
+    rigcal_observation o[N_MAX];
+    uint8_t right[N_MAX], inliers[N_MAX];
+    int n, n_wrong;
+    rigcal_pose poses[RIGCAL_POSES_MAX];
+    size_t n_found, n_inliers;
+} problem;
+
+static void make(problem *p, test_rng *rng, int n, test_shape shape)
+{
+    p->camera = test_pinhole();
+    test_scene_random(&p->scene, rng, n, shape);
+    test_observations(p->o, &p->scene, &p->camera);
+    p->n = n;
+    p->n_wrong = 0;
+    for (int i = 0; i < n; i++) {
+        p->right[i] = 1;
+        for (int k = 0; k < 2; k++) {
+            p->o[i].uv[k] = RC(D(p->o[i].uv[k]) + NOISE * test_normal(rng));
+        }
+    }
+}
+
+/* Points n - 1 downwards, which are as random as any. */
+static void spoil(problem *p, test_rng *rng, int n_wrong, wrongness how)
+{
+    double low[2] = {0, 0}, high[2] = {D(p->camera.width), D(p->camera.height)};
+    const rigcal_observation last = p->o[p->n - 1];
+
+    for (int k = 0; k < 2 && how == NEAR_THE_TARGET; k++) {
+        low[k] = 1e9;
+        high[k] = -1e9;
+        for (int i = 0; i < p->n; i++) {
+            low[k] = fmin(low[k], D(p->o[i].uv[k]));
+            high[k] = fmax(high[k], D(p->o[i].uv[k]));
+        }
+    }
+    for (int i = p->n - 1; i >= p->n - n_wrong; i--) {
+        p->right[i] = 0;
+        for (int k = 0; k < 2; k++) {
+            p->o[i].uv[k] = how != SWAPPED ? RC(test_uniform(rng, low[k], high[k]))
+                            : i > p->n - n_wrong ? p->o[i - 1].uv[k]
+                                                 : last.uv[k];
+        }
+    }
+    p->n_wrong = n_wrong;
+}
+
+static rigcal_status solve(problem *p, const rigcal_robust_options *options)
+{
+    memset(p->inliers, 7, sizeof p->inliers);
+    return rigcal_solve_pose_robust(p->poses, &p->n_found, p->inliers, &p->n_inliers,
+                                    RIGCAL_POSES_MAX, NULL, &p->camera, p->o, NULL,
+                                    (size_t)p->n, options);
+}
+
+static double error_of(const problem *p, const rigcal_pose *pose)
+{
+    double R[9], t[3];
+
+    test_transform_parts(R, t, &pose->cam_from_world);
+    return test_angle_between(R, p->scene.R);
+}
+
+static double least_error(const problem *p, const rigcal_pose poses[], size_t n)
+{
+    double least = 1e300;
+
+    for (size_t i = 0; i < n; i++) {
+        least = fmin(least, error_of(p, &poses[i]));
+    }
+    return least;
+}
+
+/* The error of the pose that the right points alone give. */
+static double error_without_wrong_ones(const problem *p)
+{
+    rigcal_pose poses[RIGCAL_POSES_MAX];
+    size_t n_found;
+
+    TEST_ASSERT_TRUE(rigcal_solve_pose(poses, &n_found, RIGCAL_POSES_MAX, NULL,
+                                       &p->camera, p->o, NULL,
+                                       (size_t)(p->n - p->n_wrong), NULL) >= 0);
+    return least_error(p, poses, n_found);
+}
+
+/* A right point further off than the threshold, or a wrong one within it by chance,
+ * moves a pose no more than its own noise. */
+static int is_right(const problem *p)
+{
+    return least_error(p, p->poses, p->n_found) <=
+           2 * error_without_wrong_ones(p) + 2 * TEST_PI / 180;
+}
+
+static int counted(const problem *p)
+{
+    int count = 0;
+
+    for (int i = 0; i < p->n; i++) {
+        TEST_ASSERT_TRUE(p->inliers[i] <= 1);
+        count += p->inliers[i];
+    }
+    return count;
+}
+
+/* ---- wrong correspondences ----------------------------------------------- */
+
+static void test_three_in_ten_may_be_wrong(void)
+{
+    static const int POINTS[3] = {12, 20, 50};
+    test_rng rng = test_seed(1);
+    int scenes = 0, wrong = 0, other_inliers = 0, few = 0;
+
+    for (int n = 0; n < 900; n++) {
+        problem p;
+
+        make(&p, &rng, POINTS[n % 3], (test_shape)(n / 3 % 3));
+        spoil(&p, &rng, p.n * 3 / 10, (wrongness)(n / 9 % 3));
+        const rigcal_status status = solve(&p, NULL);
+        scenes++;
+        if (status < 0) {
+            wrong++;
+            continue;
+        }
+        wrong += !is_right(&p);
+        few += status == RIGCAL_FEW_AGREE;
+        other_inliers += memcmp(p.inliers, p.right, (size_t)p.n) != 0;
+        TEST_ASSERT_EQUAL_INT(counted(&p), p.n_inliers);
+    }
+    TEST_ASSERT_LESS_OR_EQUAL_INT(scenes / 1000, wrong);
+    TEST_ASSERT_LESS_THAN_INT(scenes / 10, other_inliers);
+    TEST_ASSERT_LESS_THAN_INT(scenes / 50, few);
+}
+
+static void test_none_need_be_wrong(void)
+{
+    test_rng rng = test_seed(2);
+
+    for (int n = 0; n < 60; n++) {
+        rigcal_pose plain[RIGCAL_POSES_MAX];
+        size_t n_found;
+        problem p;
+
+        make(&p, &rng, 8 + n % 20, (test_shape)(n % 3));
+        const rigcal_status status = solve(&p, NULL);
+        TEST_ASSERT_TRUE(status >= 0);
+        if (p.n_inliers < (size_t)p.n) {
+            continue;
+        }
+        const rigcal_status expected =
+            rigcal_solve_pose(plain, &n_found, RIGCAL_POSES_MAX, NULL, &p.camera,
+                              p.o, NULL, (size_t)p.n, NULL);
+        if (status != RIGCAL_FEW_AGREE) {
+            ASSERT_STATUS(expected, status);
+        }
+        TEST_ASSERT_EQUAL_INT(n_found, p.n_found);
+        TEST_ASSERT_EQUAL_MEMORY(plain, p.poses, n_found * sizeof plain[0]);
+    }
+}
+
+static void test_all_wrong_is_not_believed(void)
+{
+    test_rng rng = test_seed(3);
+    int believed = 0;
+
+    for (int n = 0; n < 300; n++) {
+        problem p;
+
+        make(&p, &rng, n % 4 == 0 ? 5 : 6 * (n % 4) + 2, (test_shape)(n % 3));
+        spoil(&p, &rng, p.n, (wrongness)(n % 2));
+        FILL(p.poses);
+        const rigcal_status status = solve(&p, NULL);
+        if (status < 0) {
+            ASSERT_UNTOUCHED(p.poses);
+        }
+        believed += status >= 0 && status != RIGCAL_FEW_AGREE;
+    }
+    TEST_ASSERT_EQUAL_INT(0, believed);
+}
+
+/* Of five points with one wrong, four agree, which chance brings about once in some
+ * ten images: it is told. Of eight with one wrong it is not so. */
+static void test_few_points_are_told_to_be_few(void)
+{
+    test_rng rng = test_seed(4);
+    int sure_of_five = 0, found_of_five = 0, sure_of_eight = 0;
+
+    for (int n = 0; n < 100; n++) {
+        problem p;
+
+        make(&p, &rng, 5, TEST_GENERAL);
+        spoil(&p, &rng, 1, IN_THE_IMAGE);
+        rigcal_status status = solve(&p, NULL);
+        sure_of_five += status == RIGCAL_OK || status == RIGCAL_AMBIGUOUS;
+        found_of_five += status == RIGCAL_FEW_AGREE &&
+                         memcmp(p.inliers, p.right, (size_t)p.n) == 0;
+        make(&p, &rng, 8, TEST_GENERAL);
+        spoil(&p, &rng, 1, IN_THE_IMAGE);
+        status = solve(&p, NULL);
+        sure_of_eight += status == RIGCAL_OK && is_right(&p);
+    }
+    TEST_ASSERT_EQUAL_INT(0, sure_of_five);
+    TEST_ASSERT_GREATER_THAN_INT(80, found_of_five);
+    TEST_ASSERT_GREATER_THAN_INT(90, sure_of_eight);
+}
+
+/* Points seen twice, and points nearly in one place, make samples that fix nothing. */
+static void test_points_may_be_given_twice(void)
+{
+    test_rng rng = test_seed(5);
+
+    for (int n = 0; n < 60; n++) {
+        problem p;
+
+        make(&p, &rng, 20, (test_shape)(n % 3));
+        for (int i = 0; i < 8; i++) {
+            p.o[i + 4] = p.o[i % 4];
+            p.o[i + 4].X_w[0] += RC(n % 2 == 0 ? 0 : 1e-4);
+        }
+        spoil(&p, &rng, 4, NEAR_THE_TARGET);
+        TEST_ASSERT_TRUE(solve(&p, NULL) >= 0);
+        TEST_ASSERT_TRUE(is_right(&p));
+    }
+}
+
+/* A wrong pixel may be one at which the lens images nothing. */
+static void test_a_pixel_without_a_ray_is_a_wrong_one(void)
+{
+    test_rng rng = test_seed(6);
+    problem p;
+
+    make(&p, &rng, 12, TEST_GENERAL);
+    p.camera.k1 = RC(-0.2);
+    for (int i = 0; i < p.n; i++) {
+        double X_c[3], uv[2];
+
+        test_apply(X_c, p.scene.R, p.scene.X[i], p.scene.t);
+        test_project_px(uv, &p.camera, X_c);
+        test_to_real(p.o[i].uv, uv, 2);
+    }
+    p.o[11].uv[0] = 1e6;
+    p.right[11] = 0;
+    p.n_wrong = 1;
+    ASSERT_STATUS(RIGCAL_OK, solve(&p, NULL));
+    TEST_ASSERT_EQUAL_MEMORY(p.right, p.inliers, 12);
+    TEST_ASSERT_TRUE(least_error(&p, p.poses, 1) < TOL(1e-7, 1e-2));
+}
+
+/* ---- thresholds ---------------------------------------------------------- */
+
+/* sigma_i scales the threshold point by point. */
+static void test_relative_noise_widens_the_threshold(void)
+{
+    test_rng rng = test_seed(7);
+    rigcal_real sigma[12];
+    problem p;
+
+    make(&p, &rng, 12, TEST_GENERAL);
+    for (int i = 0; i < 12; i++) {
+        sigma[i] = 1;
+    }
+    p.o[3].uv[0] += 20;
+    ASSERT_STATUS(RIGCAL_OK, solve(&p, NULL));
+    TEST_ASSERT_EQUAL_INT(0, p.inliers[3]);
+    sigma[3] = 20;
+    TEST_ASSERT_TRUE(rigcal_solve_pose_robust(p.poses, &p.n_found, p.inliers,
+                                              &p.n_inliers, RIGCAL_POSES_MAX, NULL,
+                                              &p.camera, p.o, sigma, 12, NULL) >= 0);
+    TEST_ASSERT_EQUAL_INT(1, p.inliers[3]);
+    TEST_ASSERT_EQUAL_INT(12, p.n_inliers);
+}
+
+static void test_the_threshold_is_that_stated(void)
+{
+    test_rng rng = test_seed(8);
+    rigcal_robust_options options;
+    problem p;
+
+    ASSERT_STATUS(RIGCAL_OK, rigcal_robust_defaults(&options));
+    make(&p, &rng, 20, TEST_GENERAL);
+    p.o[3].uv[0] += 10;
+    ASSERT_STATUS(RIGCAL_OK, solve(&p, &options)); /* 3 px */
+    TEST_ASSERT_EQUAL_INT(0, p.inliers[3]);
+    options.threshold_px = 20;
+    TEST_ASSERT_TRUE(solve(&p, &options) >= 0);
+    TEST_ASSERT_EQUAL_INT(1, p.inliers[3]);
+    options.threshold_px = 0;
+    options.sigma_px = 5; /* 20 px */
+    TEST_ASSERT_TRUE(solve(&p, &options) >= 0);
+    TEST_ASSERT_EQUAL_INT(1, p.inliers[3]);
+}
+
+/* ---- steps --------------------------------------------------------------- */
+
+static void test_budgets_change_no_bit(void)
+{
+    static const int32_t BUDGET[3] = {1, 7, 100000};
+    test_rng rng = test_seed(9);
+
+    for (int n = 0; n < 12; n++) {
+        problem p;
+
+        make(&p, &rng, n % 2 ? 11 : 40, (test_shape)(n % 3));
+        spoil(&p, &rng, 3, NEAR_THE_TARGET);
+        const rigcal_status status = solve(&p, NULL);
+        for (int k = 0; k < 3; k++) {
+            rigcal_robust_solver solver;
+            rigcal_pose poses[RIGCAL_POSES_MAX];
+            uint8_t inliers[N_MAX];
+            size_t n_found, n_inliers;
+            int32_t spent = 0;
+
+            ASSERT_STATUS(RIGCAL_OK, rigcal_robust_begin(&solver, inliers, NULL,
+                                                         &p.camera, p.o, NULL,
+                                                         (size_t)p.n, NULL));
+            while (rigcal_robust_step(&solver, BUDGET[k]) == RIGCAL_RUNNING) {
+                spent += BUDGET[k];
+                TEST_ASSERT_LESS_THAN_INT(500 + 9100, spent);
+            }
+            ASSERT_STATUS(status, rigcal_robust_result(poses, &n_found, &n_inliers,
+                                                       RIGCAL_POSES_MAX, &solver));
+            TEST_ASSERT_EQUAL_INT(p.n_found, n_found);
+            TEST_ASSERT_EQUAL_INT(p.n_inliers, n_inliers);
+            TEST_ASSERT_EQUAL_MEMORY(p.inliers, inliers, p.n);
+            TEST_ASSERT_EQUAL_MEMORY(p.poses, poses, n_found * sizeof poses[0]);
+        }
+    }
+}
+
+/* One sample of a hundred is wrong too often; another seed draws others. */
+static void test_seed_and_samples_count(void)
+{
+    test_rng rng = test_seed(10);
+    rigcal_robust_options options;
+    int differ = 0;
+
+    ASSERT_STATUS(RIGCAL_OK, rigcal_robust_defaults(&options));
+    options.samples = 2;
+    for (int n = 0; n < 40; n++) {
+        problem p;
+
+        make(&p, &rng, 40, TEST_GENERAL);
+        spoil(&p, &rng, 16, NEAR_THE_TARGET);
+        options.seed = 1;
+        const rigcal_status first = solve(&p, &options);
+        ASSERT_STATUS(first, solve(&p, &options));
+        options.seed = (uint32_t)(n + 2);
+        differ += first != solve(&p, &options);
+    }
+    TEST_ASSERT_GREATER_THAN_INT(0, differ);
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_three_in_ten_may_be_wrong);
+    RUN_TEST(test_none_need_be_wrong);
+    RUN_TEST(test_all_wrong_is_not_believed);
+    RUN_TEST(test_few_points_are_told_to_be_few);
+    RUN_TEST(test_points_may_be_given_twice);
+    RUN_TEST(test_a_pixel_without_a_ray_is_a_wrong_one);
+    RUN_TEST(test_relative_noise_widens_the_threshold);
+    RUN_TEST(test_the_threshold_is_that_stated);
+    RUN_TEST(test_budgets_change_no_bit);
+    RUN_TEST(test_seed_and_samples_count);
+    return UNITY_END();
+}

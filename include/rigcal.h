@@ -741,6 +741,17 @@ typedef struct {
     uint32_t seed;            /* of the random triples. 1 (default) */
 } rigcal_robust_options;
 
+/* Internal: the best poses of three points, best first, and those of one triple or
+ * the fit of one pose. */
+typedef struct {
+    rigcal_transform kept[RIGCAL_ROBUST_KEPT];
+    rigcal_real cost[RIGCAL_ROBUST_KEPT];
+    union {
+        rigcal_transform tried[4];
+        rigcal_refinement fit;
+    } work;
+} rigcal_robust_poses;
+
 /* A search under way. Flat and copyable; its fields are internal. */
 typedef struct {
     const rigcal_camera *camera;
@@ -748,10 +759,11 @@ typedef struct {
     const rigcal_real *sigma;
     uint8_t *inliers;
     size_t n, n_agree;
-    rigcal_pose_solver pose;
-    rigcal_transform kept[RIGCAL_ROBUST_KEPT];
-    rigcal_real cost[RIGCAL_ROBUST_KEPT], origin[3];
-    rigcal_real sigma_px, threshold_px, missed, area_px2;
+    union {
+        rigcal_robust_poses some;
+        rigcal_pose_solver pose;
+    } work;
+    rigcal_real origin[3], sigma_px, threshold_px, missed, area_px2;
     uint32_t random;
     int32_t sample[3], samples, tried, is_complete, phase, next, widening, rounds,
         failure;

@@ -48,13 +48,11 @@ static size_t count_triples(size_t n)
 /* The next triple in order, from (0, 1, 2). */
 static void next_in_order(int32_t sample[3], int32_t n)
 {
-    int at = 2;
-    while (at > 0 && sample[at] == n - 3 + at) {
-        at--;
-    }
-    sample[at]++;
-    for (int k = at + 1; k < 3; k++) {
-        sample[k] = sample[k - 1] + 1;
+    if (++sample[2] == n) {
+        if (++sample[1] == n - 1) {
+            sample[1] = ++sample[0] + 1;
+        }
+        sample[2] = sample[1] + 1;
     }
 }
 
@@ -145,20 +143,20 @@ static size_t mark(rigcal_robust_solver *s, const rc_fit *fit,
     return count;
 }
 
-/* Keeps the best hypotheses in order. */
-static void keep(rigcal_robust_solver *s, const rigcal_transform *pose,
+/* Keeps the best poses in order. */
+static void keep(rigcal_robust_poses *best, const rigcal_transform *pose,
                  rigcal_real cost)
 {
     int at = RIGCAL_ROBUST_KEPT;
-    for (; at > 0 && cost < s->cost[at - 1]; at--) {
+    for (; at > 0 && cost < best->cost[at - 1]; at--) {
         if (at < RIGCAL_ROBUST_KEPT) {
-            s->kept[at] = s->kept[at - 1];
-            s->cost[at] = s->cost[at - 1];
+            best->kept[at] = best->kept[at - 1];
+            best->cost[at] = best->cost[at - 1];
         }
     }
     if (at < RIGCAL_ROBUST_KEPT) {
-        s->kept[at] = *pose;
-        s->cost[at] = cost;
+        best->kept[at] = *pose;
+        best->cost[at] = cost;
     }
 }
 
@@ -169,7 +167,7 @@ static void begin_fitting(rigcal_robust_solver *s);
 /* All poses of one sample. */
 static void try_sample(rigcal_robust_solver *s, const rc_fit *fit)
 {
-    rigcal_transform poses[RC_P3P_MAX];
+    rigcal_robust_poses *const some = &s->work.some;
     rigcal_real x[3][3], ray[3][3];
     for (int k = 0; k < 3; k++) {
         const rigcal_observation *const o = &s->observations[s->sample[k]];
@@ -178,14 +176,14 @@ static void try_sample(rigcal_robust_solver *s, const rc_fit *fit)
             return;
         }
     }
-    const int n_poses = rc_p3p(poses, (const rigcal_real(*)[3])x,
+    const int n_poses = rc_p3p(some->work.tried, (const rigcal_real(*)[3])x,
                                (const rigcal_real(*)[3])ray);
     for (int k = 0; k < n_poses; k++) {
+        const rigcal_real enough = some->cost[RIGCAL_ROBUST_KEPT - 1];
         size_t count;
-        const rigcal_real cost =
-            score(&count, s, fit, &poses[k], s->cost[RIGCAL_ROBUST_KEPT - 1]);
-        if (cost < s->cost[RIGCAL_ROBUST_KEPT - 1]) {
-            keep(s, &poses[k], cost);
+        const rigcal_real cost = score(&count, s, fit, &some->work.tried[k], enough);
+        if (cost < enough) {
+            keep(some, &some->work.tried[k], cost);
             s->n_agree = (count > s->n_agree) ? count : s->n_agree;
         }
     }
@@ -214,7 +212,7 @@ static void begin_solving(rigcal_robust_solver *s)
     rigcal_pose_options options;
     (void)rigcal_pose_defaults(&options);
     options.sigma_px = s->sigma_px;
-    s->failure = rc_pose_begin(&s->pose, &at, s->camera, s->observations, s->sigma,
+    s->failure = rc_pose_begin(&s->work.pose, &at, s->camera, s->observations, s->sigma,
                                s->inliers, s->n, &options);
     if (s->failure == RIGCAL_ERR_TOO_FEW) {
         s->failure = RIGCAL_ERR_NO_CONSENSUS;
@@ -230,29 +228,29 @@ static void begin_fitting(rigcal_robust_solver *s)
     fit_of(&fit, s);
     s->phase = FITTING;
     s->widening = WIDENINGS;
-    if (s->next < RIGCAL_ROBUST_KEPT && s->cost[s->next] < RC_MAX) {
-        rc_refine_begin(&s->pose.work.fit, &s->kept[s->next]);
-        s->pose.work.fit.status = RIGCAL_OK; /* its points are not marked yet */
+    if (s->next < RIGCAL_ROBUST_KEPT && s->work.some.cost[s->next] < RC_MAX) {
+        rc_refine_begin(&s->work.some.work.fit, &s->work.some.kept[s->next]);
+        s->work.some.work.fit.status = RIGCAL_OK; /* its points are not marked yet */
         return;
     }
-    if (!(s->cost[0] < RC_MAX)) {
+    if (!(s->work.some.cost[0] < RC_MAX)) {
         s->failure = RIGCAL_ERR_NO_CONSENSUS;
         s->phase = DONE;
         return;
     }
     int best = 0;
     for (int k = 1; k < RIGCAL_ROBUST_KEPT; k++) {
-        best = (s->cost[k] < s->cost[best]) ? k : best;
+        best = (s->work.some.cost[k] < s->work.some.cost[best]) ? k : best;
     }
     s->rounds = 0;
-    (void)mark(s, &fit, &s->kept[best], s->threshold_px, &changed);
+    (void)mark(s, &fit, &s->work.some.kept[best], s->threshold_px, &changed);
     begin_solving(s);
 }
 
 /* One evaluation of the fit of a hypothesis, or the next choice of its points. */
 static void fit_step(rigcal_robust_solver *s)
 {
-    rigcal_refinement *const refining = &s->pose.work.fit;
+    rigcal_refinement *const refining = &s->work.some.work.fit;
     rc_fit fit;
     fit_of(&fit, s);
     if (refining->status == RIGCAL_RUNNING) {
@@ -265,9 +263,9 @@ static void fit_step(rigcal_robust_solver *s)
     int changed;
     const rigcal_transform pose = refining->cam_from_points;
     const rigcal_real cost = score(&count, s, &fit, &pose, RC_MAX);
-    if (cost < s->cost[s->next]) {
-        s->cost[s->next] = cost;
-        s->kept[s->next] = pose;
+    if (cost < s->work.some.cost[s->next]) {
+        s->work.some.cost[s->next] = cost;
+        s->work.some.kept[s->next] = pose;
     }
     if (s->widening-- > 0 && refining->status >= 0 &&
         mark(s, &fit, &pose,
@@ -281,16 +279,13 @@ static void fit_step(rigcal_robust_solver *s)
 }
 
 /* The inliers of the pose found, and its solution again when they are others. */
-static void solve_step(rigcal_robust_solver *s)
+static void end_solving(rigcal_robust_solver *s)
 {
-    if (rigcal_pose_step(&s->pose, 1) == RIGCAL_RUNNING) {
-        return;
-    }
     rigcal_pose poses[1];
     size_t n_found;
     int changed;
     rc_fit fit;
-    s->failure = rigcal_pose_result(poses, &n_found, 1, &s->pose);
+    s->failure = rigcal_pose_result(poses, &n_found, 1, &s->work.pose);
     s->phase = DONE;
     if (s->failure < 0 || s->rounds++ >= ROUNDS) {
         return;
@@ -398,7 +393,7 @@ static rigcal_status begin(rigcal_robust_solver *s, int32_t *at, uint8_t inliers
         return status;
     }
     *s = (rigcal_robust_solver){0};
-    status = rc_pose_begin(&s->pose, at, camera, observations, sigma, NULL, n,
+    status = rc_pose_begin(&s->work.pose, at, camera, observations, sigma, NULL, n,
                            &pose_options);
     /* A wrong pixel may be one that no ray is imaged at. */
     if (status != RIGCAL_OK && status != RIGCAL_ERR_NO_RAY &&
@@ -421,7 +416,7 @@ static rigcal_status begin(rigcal_robust_solver *s, int32_t *at, uint8_t inliers
         s->samples = (int32_t)count_triples(n);
     }
     for (int k = 0; k < RIGCAL_ROBUST_KEPT; k++) {
-        s->cost[k] = RC_MAX;
+        s->work.some.cost[k] = RC_MAX;
     }
     s->missed = 1;
     s->sample[1] = 1;
@@ -471,8 +466,8 @@ rigcal_status rigcal_robust_step(rigcal_robust_solver *solver, int32_t budget)
             sample_step(solver);
         } else if (solver->phase == FITTING) {
             fit_step(solver);
-        } else {
-            solve_step(solver);
+        } else if (rigcal_pose_step(&solver->work.pose, 1) != RIGCAL_RUNNING) {
+            end_solving(solver);
         }
     }
     return (solver->phase == DONE) ? RIGCAL_OK : RIGCAL_RUNNING;
@@ -494,13 +489,13 @@ rigcal_status rigcal_robust_result(rigcal_pose poses[], size_t *n_found,
     if (solver->failure < 0) {
         return solver->failure;
     }
-    const size_t count = solver->pose.n_used;
+    const size_t count = solver->work.pose.n_used;
     const rigcal_real chance = by_chance(solver, count);
     if (!(chance < CHANCE_MOST)) {
         return RIGCAL_ERR_NO_CONSENSUS;
     }
     const rigcal_status status =
-        rigcal_pose_result(poses, n_found, capacity, &solver->pose);
+        rigcal_pose_result(poses, n_found, capacity, &solver->work.pose);
     if (status >= 0) {
         *n_inliers = count;
     }

@@ -893,11 +893,11 @@ static const function FUNCTIONS[] = {
      S(NULL) | S(RANGE) | S(STATE) | BIT(RIGCAL_RUNNING),
      {STATE(ROBUST_SOLVER, &ok.robust_solver),
       CHOICE(&INT_8, 1, 0, RIGCAL_ERR_RANGE)}},
-    {F(robust_result), 0, S(STATE) | AGREED,
+    {F(robust_result), RIGCAL_FEW_AGREE, S(STATE) | AGREED,
      {OUT_PART(ML_POSE, RIGCAL_POSES_MAX), OUT(SIZE, 1), OUT(SIZE, 1),
       ROOM(&SIZE_4, 1, RIGCAL_ERR_RANGE),
       IN(ROBUST_SOLVER, 1, &ok.robust_solver_done)}},
-    {F(solve_pose_robust), 0, AGREED,
+    {F(solve_pose_robust), RIGCAL_FEW_AGREE, AGREED,
      {OUT_PART(ML_POSE, RIGCAL_POSES_MAX), OUT(SIZE, 1), WORK(BYTES, N),
       OUT(SIZE, 1), ROOM(&SIZE_4, 1, RIGCAL_ERR_RANGE), OUT_BAD,
       IN(CAMERA, 1, &ok.camera), IN(OBSERVATION, N, ok.observations),
@@ -1104,7 +1104,7 @@ static rigcal_status call(int absent, int byte)
     }
     status = current->call(p);
     if (status != RIGCAL_OK &&
-        (status < -23 || status > 5 || !(current->named & BIT(status)))) {
+        (status < -24 || status > 6 || !(current->named & BIT(status)))) {
         complain("a status that the manual does not name here", status);
     }
     for (int i = 0; i < n_arguments(); i++) {

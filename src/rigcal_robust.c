@@ -229,7 +229,7 @@ static void begin_fitting(rigcal_robust_solver *s)
     s->phase = FITTING;
     s->widening = WIDENINGS;
     if (s->next < RIGCAL_ROBUST_KEPT && s->work.some.cost[s->next] < RC_MAX) {
-        rc_refine_begin(&s->work.some.work.fit, &s->work.some.kept[s->next]);
+        s->work.some.work.fit.cam_from_points = s->work.some.kept[s->next];
         s->work.some.work.fit.status = RIGCAL_OK; /* its points are not marked yet */
         return;
     }
@@ -271,7 +271,7 @@ static void fit_step(rigcal_robust_solver *s)
         mark(s, &fit, &pose,
              s->threshold_px * (rigcal_real)((uint32_t)1 << s->widening),
              &changed) >= 4) {
-        rc_refine_begin(refining, &pose);
+        rc_refine_begin(refining);
         return;
     }
     s->next++;

@@ -352,6 +352,20 @@ static void test_of_a_covariance_the_lower_triangle_counts(void)
     }
 }
 
+static void test_an_exact_pose_has_a_covariance_of_zeros(void)
+{
+    rigcal_mounted_camera loaded;
+    rigcal_saved_info info;
+    uint8_t bytes[RIGCAL_SAVE_SIZE(1)];
+    size_t n;
+
+    calibration[0].has_Sigma = 1; /* the first camera of a rig, with zeros */
+    ASSERT_STATUS(RIGCAL_OK, rigcal_save(bytes, &n, sizeof bytes, calibration,
+                                         1, 0, 0));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_load(&loaded, &info, 1, bytes, n));
+    assert_same_camera(&calibration[0], &loaded);
+}
+
 static void test_a_covariance_that_is_not_known_is_not_read(void)
 {
     rigcal_mounted_camera loaded;
@@ -363,6 +377,9 @@ static void test_a_covariance_that_is_not_known_is_not_read(void)
     calibration[1].Sigma[0] = TEST_NAN;
     ASSERT_STATUS(RIGCAL_OK, rigcal_save(bytes, &n, sizeof bytes,
                                          calibration + 1, 1, 0, 0));
+    for (size_t i = n - 21 * OWN_REAL; i < n; i++) {
+        TEST_ASSERT_EQUAL_HEX8(0, bytes[i]);
+    }
     FILL(loaded);
     ASSERT_STATUS(RIGCAL_OK, rigcal_load(&loaded, &info, 1, bytes, n));
     for (int i = 0; i < 36; i++) {
@@ -697,6 +714,12 @@ static void test_counts_that_do_not_fit_the_length_are_damage(void)
         seal(own, sizeof own);
         assert_refused(RIGCAL_ERR_DAMAGED, own, sizeof own);
     }
+    put_u32(own + 8, 0);
+    put_u32(own + 20, 32);
+    seal(own, sizeof own);
+    put_u32(own + 24, plain_crc(own, 0)); /* of no cameras at all */
+    put_u32(own + 28, plain_crc(own, 28));
+    assert_refused(RIGCAL_ERR_DAMAGED, own, sizeof own);
     put_u32(own + 8, N);
     for (size_t i = 0; i < sizeof COUNTS / sizeof COUNTS[0]; i++) {
         put_u32(own + 20, COUNTS[i]);
@@ -853,6 +876,7 @@ int main(void)
     RUN_TEST(test_the_bytes_of_the_other_precision_are_loaded_too);
     RUN_TEST(test_what_was_saved_is_loaded_bit_by_bit);
     RUN_TEST(test_of_a_covariance_the_lower_triangle_counts);
+    RUN_TEST(test_an_exact_pose_has_a_covariance_of_zeros);
     RUN_TEST(test_a_covariance_that_is_not_known_is_not_read);
     if (RIGCAL_USE_FLOAT) {
         RUN_TEST(test_a_float_build_rounds_doubles_to_nearest);

@@ -14,6 +14,7 @@ typedef enum {
 
 /* What things take, in the watchdog's units. */
 enum {
+    SIM_COST_BOOT = 20,
     SIM_COST_TICK = 1,
     SIM_COST_EVAL = 1, /* of the solver: one that is allowed counts as spent */
     SIM_COST_ERASE = 16,

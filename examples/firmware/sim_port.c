@@ -306,6 +306,7 @@ sim_end sim_boot(firmware *f)
     memset(f, 0xa5, sizeof *f);
     sim.spent = 0;
     sim.fed_at = counts_now();
+    spend(SIM_COST_BOOT);
     firmware_boot(f);
     return SIM_IDLE;
 }

@@ -356,6 +356,11 @@ static void test_a_pose_that_fits_badly_is_told_but_not_kept(void)
     }
     run();
     assert_sent("status=POOR_FIT");
+    sim.noise_px = 2; /* ten times what corners are said to have */
+    (void)sim_shoot(0, ALL);
+    sim.noise_px = 0.1;
+    run();
+    assert_sent("status=POOR_FIT");
     TEST_ASSERT_EQUAL_MEMORY(&before, &app.cameras[0].cam_from_rig,
                              sizeof before);
     (void)sim_shoot(0, ALL);

@@ -294,9 +294,7 @@ static void minima_print(const minima_row *row, int thorough)
 
 static void cell_add(minima_cell *sum, const minima_cell *cell)
 {
-    for (size_t i = 0; i < sizeof sum->statuses.count / sizeof(int); i++) {
-        sum->statuses.count[i] += cell->statuses.count[i];
-    }
+    tally_sum(&sum->statuses, &cell->statuses);
     sum->solved += cell->solved;
     sum->not_best += cell->not_best;
     sum->unfinished += cell->unfinished;
@@ -594,12 +592,33 @@ static int compare_try(compare_cell *cell, const bench_scene *s,
     return 1;
 }
 
-static void compare_row(const bench_family *f, int n, int scenes,
-                        const bench_view *view)
+static void compare_print(const compare_cell *cell)
 {
-    compare_cell cell;
+    printf(" | %d | %d | %d | %.4f | %.4f | %.4f | ", cell->right[0],
+           cell->right[0] - cell->right[1], cell->alike,
+           root(cell->squares[0], cell->bounded),
+           root(cell->squares[1], cell->bounded),
+           root(cell->between, cell->bounded));
+    tally_print(&cell->statuses);
+    printf(" |\n");
+    fflush(stdout);
+}
 
-    memset(&cell, 0, sizeof cell);
+static void compare_add(compare_cell *sum, const compare_cell *cell)
+{
+    tally_sum(&sum->statuses, &cell->statuses);
+    for (int i = 0; i < 2; i++) {
+        sum->right[i] += cell->right[i];
+        sum->squares[i] += cell->squares[i];
+    }
+    sum->alike += cell->alike;
+    sum->bounded += cell->bounded;
+    sum->between += cell->between;
+}
+
+static void compare_row(compare_cell *cell, const bench_family *f, int n,
+                        int scenes, const bench_view *view)
+{
     for (long index = 0; index < scenes; index++) {
         bench_scene s;
         answer there;
@@ -608,23 +627,18 @@ static void compare_row(const bench_family *f, int n, int scenes,
             fail("stdin has too few answers");
         }
         bench_scene_make(&s, f, n, index, view);
-        if (!compare_try(&cell, &s, &there)) {
+        if (!compare_try(cell, &s, &there)) {
             fprintf(stderr, "%s %d %ld\n", f->name, n, index);
         }
     }
-    printf("| %s | %d | %d | %d | %d | %.4f | %.4f | %.4f | ", f->name, n,
-           cell.right[0], cell.right[0] - cell.right[1], cell.alike,
-           root(cell.squares[0], cell.bounded),
-           root(cell.squares[1], cell.bounded),
-           root(cell.between, cell.bounded));
-    tally_print(&cell.statuses);
-    printf(" |\n");
-    fflush(stdout);
+    printf("| %s | %d", f->name, n);
+    compare_print(cell);
 }
 
 static void bench_compare(int scenes, double sigma)
 {
     const bench_view view = view_of(sigma);
+    compare_cell all;
 
     printf("%d scenes a line, %g px noise, f = 800 px, %g to %g sizes away, with "
            "the answers of another build,\ncalled there. Right: its first pose "
@@ -637,12 +651,19 @@ static void bench_compare(int scenes, double sigma)
     printf("| target | points | right there | wrong here | by a hair "
            "| error / bound there | here | difference / bound | not OK here |\n"
            "| --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: | --- |\n");
+    memset(&all, 0, sizeof all);
     for (int i = 0; i < BENCH_FAMILIES * COUNTS; i++) {
         if (bench_has(&bench_families[i / COUNTS], counts[i % COUNTS])) {
-            compare_row(&bench_families[i / COUNTS], counts[i % COUNTS], scenes,
-                        &view);
+            compare_cell cell;
+
+            memset(&cell, 0, sizeof cell);
+            compare_row(&cell, &bench_families[i / COUNTS], counts[i % COUNTS],
+                        scenes, &view);
+            compare_add(&all, &cell);
         }
     }
+    printf("| all |");
+    compare_print(&all);
 }
 
 /* ---- solve: for callgrind ------------------------------------------------ */

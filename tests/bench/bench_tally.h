@@ -18,6 +18,13 @@ static inline void tally_add(tally *t, rigcal_status status)
     t->count[status - STATUS_LEAST]++;
 }
 
+static inline void tally_sum(tally *sum, const tally *t)
+{
+    for (int i = 0; i <= STATUS_MOST - STATUS_LEAST; i++) {
+        sum->count[i] += t->count[i];
+    }
+}
+
 /* All that was not OK, caveats too. */
 static inline void tally_print(const tally *t)
 {

@@ -95,8 +95,12 @@ enum {
                                  library does not know */
 
     /* Wrong correspondences. */
-    RIGCAL_ERR_NO_CONSENSUS = -24 /* no more observations agree on a pose than
+    RIGCAL_ERR_NO_CONSENSUS = -24, /* no more observations agree on a pose than
                                      chance makes agree */
+
+    /* A tag. */
+    RIGCAL_ERR_MIRRORED = -25 /* what only a mirror shows: a tag from behind, corners
+                                 in the other order */
 };
 
 /* MAJOR * 10000 + MINOR * 100 + PATCH of the linked library. */
@@ -721,6 +725,23 @@ RIGCAL_API rigcal_status rigcal_pose_covariance(
     const rigcal_transform *cam_from_world,
     const rigcal_observation observations[], const rigcal_real sigma[], size_t n,
     rigcal_real sigma_px);
+
+/* ==== tag =================================================================
+ *
+ * The commonest case: one square tag. Its frame has the origin in the middle, x to the
+ * right and y up as it is read, z out of it, towards who reads it; the unit is that of
+ * `size`, the length of its edge.
+ *
+ *   uv   in   its corners, as pixels: top left, top right, bottom right, bottom left as
+ *             it is read (ArUco's order; AprilTag's p[3], p[2], p[1], p[0])
+ *
+ * Only poses that see its front are returned, at most two as a rule, best first; the
+ * rest is as of rigcal_solve_pose with these four points. Its statuses, ERR_RANGE (size
+ * not above 0) and ERR_MIRRORED: the corners run the wrong way round. */
+RIGCAL_API rigcal_status rigcal_solve_tag(
+    rigcal_pose cams_from_tag[], size_t *n_found, size_t capacity, int32_t *bad,
+    const rigcal_camera *camera, const rigcal_real uv[8], rigcal_real size,
+    const rigcal_pose_options *options);
 
 /* ==== robust ==============================================================
  *

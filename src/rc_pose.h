@@ -15,4 +15,7 @@ rigcal_status rc_pose_begin(rigcal_pose_solver *solver, int32_t *at,
                             const rigcal_real sigma[], const uint8_t mask[],
                             size_t n, const rigcal_pose_options *options);
 
+/* Of a search that is done: likelihood of optimum i over that of the first. */
+rigcal_real rc_pose_likelihood(const rigcal_pose_solver *s, int32_t i);
+
 #endif /* RC_POSE_H */

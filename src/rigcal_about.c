@@ -54,6 +54,7 @@ const char *rigcal_status_name(rigcal_status status)
         NAME_OF(RIGCAL_ERR_FOREIGN)
         NAME_OF(RIGCAL_ERR_VERSION)
         NAME_OF(RIGCAL_ERR_NO_CONSENSUS)
+        NAME_OF(RIGCAL_ERR_MIRRORED)
     default:
         return "unknown status";
     }
@@ -144,6 +145,9 @@ const char *rigcal_status_text(rigcal_status status)
                "another copy, or calibrate again";
     case RIGCAL_ERR_FOREIGN:
         return "these bytes are not a stored calibration";
+    case RIGCAL_ERR_MIRRORED:
+        return "only a mirror shows this: the corners run the wrong way round, the "
+               "tag is seen from behind or the image is flipped";
     case RIGCAL_ERR_VERSION:
         return "the calibration was stored in a form that this version of "
                "the library does not know: use the one that stored it";

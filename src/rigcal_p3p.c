@@ -167,7 +167,7 @@ static int split(rigcal_real l[2][3], const rigcal_real D[6])
 
 /* Where the line l.v = 0 crosses the conic C, up to scale: 2, or 1, the real part of
  * a complex pair. */
-static int cross_line(rigcal_real v[2][3], const rigcal_real l[3],
+RC_APART static int cross_line(rigcal_real v[2][3], const rigcal_real l[3],
                       const rigcal_real C[6])
 {
     const rigcal_real full[3][3] = {
@@ -249,7 +249,7 @@ typedef struct {
     triangle T;
 } problem;
 
-static int prepare(problem *P, const rigcal_real x[3][3],
+RC_APART static int prepare(problem *P, const rigcal_real x[3][3],
                    const rigcal_real ray[3][3])
 {
     rigcal_real squared[3], u[3], w[3], chord[3][3];
@@ -300,7 +300,7 @@ static int prepare(problem *P, const rigcal_real x[3][3],
 }
 
 /* The pose of a solution with depths s / h. */
-static int write_pose(rigcal_transform *cam_from_points, const problem *P,
+RC_APART static int write_pose(rigcal_transform *cam_from_points, const problem *P,
                       const rigcal_real s[3])
 {
     rigcal_real u[3], w[3], F[9], turned[3];
@@ -330,7 +330,7 @@ static int write_pose(rigcal_transform *cam_from_points, const problem *P,
 
 /* The lines on which the solutions lie, two by two at most, and a conic that crosses
  * them there. 0 when there are none. */
-static int find_lines(rigcal_real lines[2][3], rigcal_real conic[6],
+RC_APART static int find_lines(rigcal_real lines[2][3], rigcal_real conic[6],
                       const triangle *T)
 {
     rigcal_real C0[6], c[4], m[2];

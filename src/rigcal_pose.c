@@ -998,7 +998,7 @@ static rigcal_real power(rigcal_real base, size_t exponent)
 /* (C): likelihood of pose i over that of the first. Noise known: exp(-sse / 2
  * noise^2). Unknown, it is integrated out with the prior 1 / noise, which leaves
  * sse^-(n - 3); the floor is what the least noise makes of the sum. */
-static rigcal_real likelihood(const rigcal_pose_solver *s, int32_t i)
+rigcal_real rc_pose_likelihood(const rigcal_pose_solver *s, int32_t i)
 {
     const rigcal_real first = s->found[0].sse, other = s->found[i].sse;
     const rigcal_real stated = s->sigma_px;
@@ -1014,10 +1014,10 @@ static void set_probabilities(rigcal_pose poses[], size_t n_written,
 {
     rigcal_real total = 0;
     for (int32_t i = 0; i < s->n_found; i++) {
-        total += likelihood(s, i);
+        total += rc_pose_likelihood(s, i);
     }
     for (size_t i = 0; i < n_written; i++) {
-        poses[i].probability = likelihood(s, (int32_t)i) / total;
+        poses[i].probability = rc_pose_likelihood(s, (int32_t)i) / total;
     }
 }
 

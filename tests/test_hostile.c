@@ -42,7 +42,7 @@ static struct {
     rigcal_sighting sightings[N];
     rigcal_pair pairs[N_PAIRS];
     rigcal_transform cams_from_world[2], poses[N_CAMERAS];
-    rigcal_real uv_views[4], weights[N_VIEWS];
+    rigcal_real uv_views[4], uv_corners[8], weights[N_VIEWS];
     int32_t groups[N_CAMERAS];
     rigcal_view views[N_VIEWS];
     rigcal_transform estimates[N_VIEWS];
@@ -258,6 +258,14 @@ static void build_pose_searches(void)
     ASSERT_STATUS(RIGCAL_OK, rigcal_pose_defaults(&ok.cold));
     ok.warm = ok.cold;
     ok.cold.sigma_px = REAL_SIGMA;
+    for (int i = 0; i < 4; i++) { /* of a tag near by, its top leaning back */
+        const rigcal_real x = RC(i == 1 || i == 2 ? 0.15 : -0.15);
+        const rigcal_real y = RC(i < 2 ? 0.15 : -0.15);
+        const rigcal_real X_c[3] = {x, RC(-0.8) * y, RC(0.7) + RC(0.6) * y};
+
+        ASSERT_STATUS(RIGCAL_OK,
+                      rigcal_project(ok.uv_corners + 2 * i, &ok.camera, X_c));
+    }
     ok.warm.use_start = 1;
     ok.warm.start = ok.cams_from_world[0];
     ASSERT_STATUS(RIGCAL_OK,
@@ -711,6 +719,7 @@ CALL(robust_step, p[0], INT(p[1]))
 CALL(robust_result, p[0], p[1], p[2], COUNTED(p[3]), p[4])
 CALL(solve_pose_robust, p[0], p[1], p[2], p[3], COUNTED(p[4]), p[5], p[6], p[7],
      p[8], COUNTED(p[9]), p[10])
+CALL(solve_tag, p[0], p[1], COUNTED(p[2]), p[3], p[4], p[5], REAL(p[6]), p[7])
 CALL(depth_two_views, p[0], p[1], p[2], p[3], p[4])
 CALL(depth_aligned, p[0], REAL(p[1]), p[2], p[3])
 CALL(triangulate, p[0], p[1], p[2], p[3], COUNTED(p[4]), REAL(p[5]))
@@ -876,6 +885,11 @@ static const function FUNCTIONS[] = {
       ROOM(&SIZE_4, 1, RIGCAL_ERR_RANGE), OUT_BAD, IN(CAMERA, 1, &ok.camera),
       IN(OBSERVATION, N, ok.observations), IN_OPT(SPREAD, N, ok.spreads),
       COUNT(&SIZE_6, 3, RIGCAL_ERR_TOO_FEW), IN_OPT(COLD, 1, &ok.cold)}},
+    {F(solve_tag), 0, (VIEWED & ~S(TOO_FEW)) | FITTED | S(MIRRORED),
+     {OUT_PART(ML_POSE, RIGCAL_POSES_MAX), OUT(SIZE, 1),
+      ROOM(&SIZE_4, 1, RIGCAL_ERR_RANGE), OUT_BAD, IN(CAMERA, 1, &ok.camera),
+      IN(VEC2, 4, ok.uv_corners), VALUE(POSITIVE, &REAL_BASELINE),
+      IN_OPT(COLD, 1, &ok.cold)}},
     {F(pose_covariance), 0,
      DEVICE | S(ROTATION) | S(TOO_FEW) | S(BEHIND) | S(NO_RAY) | S(DEGENERATE),
      {OUT(UNCERTAINTY, 1), IN(CAMERA, 1, &ok.camera),
@@ -1104,7 +1118,7 @@ static rigcal_status call(int absent, int byte)
     }
     status = current->call(p);
     if (status != RIGCAL_OK &&
-        (status < -24 || status > 6 || !(current->named & BIT(status)))) {
+        (status < -25 || status > 6 || !(current->named & BIT(status)))) {
         complain("a status that the manual does not name here", status);
     }
     for (int i = 0; i < n_arguments(); i++) {

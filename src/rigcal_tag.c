@@ -1,0 +1,81 @@
+#include "rc_pose.h"
+
+/* Poses from behind are wrong, unless those from the front are so unlikely against
+ * them. */
+#define FRONT_LEAST RC(1e-3)
+
+/* Whether the camera is on the side that the tag's z axis points to: z.t < 0, z being
+ * the third column of the rotation. */
+static int is_from_front(const rigcal_pose_optimum *found)
+{
+    rigcal_real R[9];
+    rc_rotation_from_quaternion(R, found->q_wxyz);
+    return R[2] * found->t[0] + R[5] * found->t[1] + R[8] * found->t[2] < 0;
+}
+
+static void place_corners(rigcal_observation corners[4], const rigcal_real uv[8],
+                          rigcal_real size)
+{
+    const rigcal_real half = size / 2;
+    for (int i = 0; i < 4; i++) {
+        corners[i].X_w[0] = (i == 1 || i == 2) ? half : -half;
+        corners[i].X_w[1] = (i < 2) ? half : -half;
+        corners[i].X_w[2] = 0;
+        corners[i].uv[0] = uv[2 * i];
+        corners[i].uv[1] = uv[2 * i + 1];
+    }
+}
+
+/* Keeps the optima seen from the front. 0: there is none that may be right. */
+static int keep_front(rigcal_pose_solver *s)
+{
+    rigcal_real likelihood = 0;
+    int32_t kept = 0;
+    for (int32_t i = 0; i < s->n_found; i++) {
+        if (is_from_front(&s->found[i])) {
+            likelihood = rc_max(likelihood, rc_pose_likelihood(s, i));
+        }
+    }
+    if (!(likelihood > FRONT_LEAST)) {
+        return 0;
+    }
+    for (int32_t i = 0; i < s->n_found; i++) {
+        if (is_from_front(&s->found[i])) {
+            s->found[kept++] = s->found[i];
+        }
+    }
+    s->n_found = kept;
+    return 1;
+}
+
+rigcal_status rigcal_solve_tag(rigcal_pose cams_from_tag[], size_t *n_found,
+                               size_t capacity, int32_t *bad,
+                               const rigcal_camera *camera, const rigcal_real uv[8],
+                               rigcal_real size, const rigcal_pose_options *options)
+{
+    rigcal_observation corners[4];
+    rigcal_pose_solver solver;
+    int32_t at = -1;
+    if (cams_from_tag == NULL || n_found == NULL || camera == NULL || uv == NULL) {
+        return RIGCAL_ERR_NULL;
+    }
+    if (!rc_is_finite(size)) {
+        return RIGCAL_ERR_NOT_FINITE;
+    }
+    if (!(size > 0) || capacity < 1) {
+        return RIGCAL_ERR_RANGE;
+    }
+    place_corners(corners, uv, size);
+    rigcal_status status =
+        rc_pose_begin(&solver, &at, camera, corners, NULL, NULL, 4, options);
+    if (status == RIGCAL_OK) {
+        (void)rigcal_pose_step(&solver, INT32_MAX);
+        status = (solver.n_found == 0 || keep_front(&solver))
+                     ? rigcal_pose_result(cams_from_tag, n_found, capacity, &solver)
+                     : RIGCAL_ERR_MIRRORED;
+    }
+    if (status < 0 && bad != NULL) {
+        *bad = at;
+    }
+    return status;
+}

@@ -1,0 +1,207 @@
+/* tag: corners as a camera sees them in known poses, and corners that no upright tag
+ * seen from the front can show. */
+#include <math.h>
+#include <string.h>
+
+#include "test_support.h"
+
+#define DEGREE (TEST_PI / 180)
+
+void setUp(void)
+{
+}
+
+void tearDown(void)
+{
+}
+
+/* Top left, top right, bottom right, bottom left: x to the right, y up. */
+static const double CORNER[4][2] = {
+    {-0.5, 0.5}, {0.5, 0.5}, {0.5, -0.5}, {-0.5, -0.5}};
+
+typedef struct {
+    rigcal_camera camera;
+    double R[9], t[3], size;
+    rigcal_real uv[8];
+} sight;
+
+/* A tag of `size`, its front turned to the camera by at most `tilt` off the line of
+ * sight, anyhow in the image. */
+static void random_sight(sight *s, test_rng *rng, double size, double tilt)
+{
+    /* y down and z forward, as the camera has them, of a tag that is read upright */
+    static const double UPRIGHT[9] = {1, 0, 0, 0, -1, 0, 0, 0, -1};
+    const double way = test_uniform(rng, -TEST_PI, TEST_PI);
+    const double axis[3] = {cos(way), sin(way), 0};
+    double spin[9], lean[9], both[9];
+
+    s->camera = test_pinhole();
+    s->size = size;
+    s->t[2] = size * test_uniform(rng, 3, 10);
+    s->t[0] = s->t[2] * test_uniform(rng, -0.15, 0.15);
+    s->t[1] = s->t[2] * test_uniform(rng, -0.15, 0.15);
+    test_rotation(spin, test_uniform(rng, -TEST_PI, TEST_PI), 0, 0);
+    test_rotation_about(lean, axis, test_uniform(rng, 0.1, tilt));
+    test_product(both, UPRIGHT, spin);
+    test_product(s->R, lean, both);
+    for (int i = 0; i < 4; i++) {
+        const double X[3] = {size * CORNER[i][0], size * CORNER[i][1], 0};
+        double X_c[3], uv[2];
+
+        test_apply(X_c, s->R, X, s->t);
+        test_project_px(uv, &s->camera, X_c);
+        test_to_real(s->uv + 2 * i, uv, 2);
+    }
+}
+
+static rigcal_status solve(rigcal_pose poses[RIGCAL_POSES_MAX], size_t *n,
+                           const sight *s, const rigcal_pose_options *options)
+{
+    return rigcal_solve_tag(poses, n, RIGCAL_POSES_MAX, NULL, &s->camera, s->uv,
+                            RC(s->size), options);
+}
+
+static void test_the_pose_of_a_tag_in_the_unit_of_its_size(void)
+{
+    test_rng rng = test_seed(1);
+
+    for (int trial = 0; trial < 2000; trial++) {
+        const double size = trial % 2 ? 0.08 : 80; /* metres, millimetres */
+        rigcal_pose poses[RIGCAL_POSES_MAX];
+        size_t n;
+        double R[9], t[3];
+        sight s;
+
+        random_sight(&s, &rng, size, 55 * DEGREE);
+        TEST_ASSERT_TRUE(solve(poses, &n, &s, NULL) >= 0);
+        test_transform_parts(R, t, &poses[0].cam_from_world);
+        ASSERT_NEAR(0, test_angle_between(R, s.R), TOL(1e-7, 2e-2));
+        for (int k = 0; k < 3; k++) {
+            ASSERT_NEAR(s.t[k], t[k], TOL(1e-8, 3e-3) * test_norm(s.t));
+        }
+        for (size_t i = 0; i < n; i++) { /* each sees the front */
+            test_transform_parts(R, t, &poses[i].cam_from_world);
+            TEST_ASSERT_TRUE(R[2] * t[0] + R[5] * t[1] + R[8] * t[2] < 0);
+        }
+    }
+}
+
+static void test_it_is_solve_pose_of_these_four_points(void)
+{
+    test_rng rng = test_seed(2);
+    int both = 0;
+
+    for (int trial = 0; trial < 300; trial++) {
+        rigcal_pose poses[RIGCAL_POSES_MAX], same[RIGCAL_POSES_MAX];
+        rigcal_observation o[4];
+        size_t n, n_same;
+        sight s;
+
+        random_sight(&s, &rng, 1, 50 * DEGREE);
+        for (int i = 0; i < 4; i++) {
+            const double X[3] = {CORNER[i][0], CORNER[i][1], 0};
+
+            test_to_real(o[i].X_w, X, 3);
+            for (int k = 0; k < 2; k++) {
+                s.uv[2 * i + k] += RC(0.5 * test_normal(&rng));
+                o[i].uv[k] = s.uv[2 * i + k];
+            }
+        }
+        memset(poses, 0, sizeof poses);
+        memset(same, 0, sizeof same);
+        ASSERT_STATUS(rigcal_solve_pose(same, &n_same, RIGCAL_POSES_MAX, NULL,
+                                        &s.camera, o, NULL, 4, NULL),
+                      solve(poses, &n, &s, NULL));
+        TEST_ASSERT_EQUAL_size_t(n_same, n);
+        TEST_ASSERT_EQUAL_MEMORY(same, poses, sizeof same);
+        both += n == 2;
+    }
+    TEST_ASSERT_GREATER_THAN_INT(150, both);
+}
+
+/* The other way round: what AprilTag calls p[0] to p[3], or a flipped image. */
+static void test_corners_the_wrong_way_round_are_mirrored(void)
+{
+    test_rng rng = test_seed(3);
+
+    for (int trial = 0; trial < 500; trial++) {
+        rigcal_pose poses[RIGCAL_POSES_MAX];
+        rigcal_real uv[8];
+        size_t n;
+        int32_t bad = 5;
+        sight s;
+
+        random_sight(&s, &rng, 1, 55 * DEGREE);
+        for (int i = 0; i < 4; i++) {
+            const int from = trial % 2 ? 3 - i : i;
+
+            uv[2 * i] = s.uv[2 * from];
+            uv[2 * i + 1] =
+                trial % 2 ? s.uv[2 * from + 1] : 480 - s.uv[2 * from + 1];
+        }
+        ASSERT_REFUSED(RIGCAL_ERR_MIRRORED, poses,
+                       rigcal_solve_tag(poses, &n, RIGCAL_POSES_MAX, &bad,
+                                        &s.camera, uv, 1, NULL));
+        TEST_ASSERT_EQUAL_INT32(-1, bad);
+    }
+}
+
+/* Corners that start elsewhere are a tag turned by right angles. */
+static void test_another_first_corner_is_a_turned_tag(void)
+{
+    test_rng rng = test_seed(4);
+    rigcal_pose poses[RIGCAL_POSES_MAX];
+    rigcal_real uv[8];
+    size_t n;
+    double quarter[9], expected[9], R[9];
+    sight s;
+
+    random_sight(&s, &rng, 1, 40 * DEGREE);
+    for (int i = 0; i < 8; i++) {
+        uv[i] = s.uv[(i + 2) % 8];
+    }
+    TEST_ASSERT_TRUE(rigcal_solve_tag(poses, &n, RIGCAL_POSES_MAX, NULL, &s.camera,
+                                      uv, 1, NULL) >= 0);
+    test_rotation(quarter, -TEST_PI / 2, 0, 0);
+    test_product(expected, s.R, quarter);
+    test_transform_parts(R, NULL, &poses[0].cam_from_world);
+    ASSERT_NEAR(0, test_angle_between(R, expected), TOL(1e-7, 2e-2));
+}
+
+static void test_what_is_no_tag_is_refused_by_name(void)
+{
+    test_rng rng = test_seed(5);
+    rigcal_pose poses[RIGCAL_POSES_MAX];
+    rigcal_real one_place[8], line[8];
+    int32_t bad = 7;
+    size_t n;
+    sight s;
+
+    random_sight(&s, &rng, 1, 40 * DEGREE);
+    for (int i = 0; i < 8; i++) {
+        one_place[i] = s.uv[i % 2];
+        line[i] = RC(100 + 20 * (i / 2));
+    }
+    ASSERT_REFUSED(RIGCAL_ERR_COINCIDENT, poses,
+                   rigcal_solve_tag(poses, &n, 1, &bad, &s.camera, one_place, 1,
+                                    NULL));
+    ASSERT_REFUSED(RIGCAL_ERR_RANGE, poses,
+                   rigcal_solve_tag(poses, &n, 1, &bad, &s.camera, s.uv, 0, NULL));
+    ASSERT_REFUSED(RIGCAL_ERR_RANGE, poses,
+                   rigcal_solve_tag(poses, &n, 1, &bad, &s.camera, s.uv, -1, NULL));
+    ASSERT_REFUSED(RIGCAL_ERR_RANGE, poses,
+                   rigcal_solve_tag(poses, &n, 0, &bad, &s.camera, s.uv, 1, NULL));
+    TEST_ASSERT_TRUE(rigcal_solve_tag(poses, &n, 1, &bad, &s.camera, line, 1, NULL) !=
+                     RIGCAL_OK);
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_the_pose_of_a_tag_in_the_unit_of_its_size);
+    RUN_TEST(test_it_is_solve_pose_of_these_four_points);
+    RUN_TEST(test_corners_the_wrong_way_round_are_mirrored);
+    RUN_TEST(test_another_first_corner_is_a_turned_tag);
+    RUN_TEST(test_what_is_no_tag_is_refused_by_name);
+    return UNITY_END();
+}

@@ -5,6 +5,7 @@ Reads the CSV files that rigcal_paper wrote into DATA, writes a PNG and an SVG a
 figure into FIGURES. The same numbers give the same SVG.
 """
 import csv
+import io
 import pathlib
 import sys
 
@@ -16,21 +17,20 @@ import matplotlib.pyplot as plt  # noqa: E402 -- after the choice of back end
 from matplotlib.colors import ListedColormap  # noqa: E402
 from matplotlib.lines import Line2D  # noqa: E402
 from matplotlib.patches import Patch  # noqa: E402
+from PIL import Image  # noqa: E402 -- matplotlib brings it
 
 # Okabe and Ito's colours, which the colour-blind can tell apart.
 GREY, PINK, GREEN = "#e4e4e4", "#cc79a7", "#009e73"
 OUTCOMES = {"no solution": GREY, "false": PINK, "correct": GREEN}
 STYLES = {
     "published3": dict(color="#e69f00", marker="^", ls="-",
-                       label="published procedure, three points"),
+                       label="published, three points"),
     "published": dict(color="#d55e00", marker="s", ls="-",
-                      label="published procedure, four points"),
-    "all": dict(color="#000000", marker="v", ls="-.",
-                label="the same, eliminating by all pairs"),
+                      label="published, four points"),
     "no_guess": dict(color="#0072b2", marker="o", ls="-",
-                     label="the library's solver, which needs no guess"),
+                     label="the library's solver, no guess"),
     "shape": dict(color="#56b4e9", marker="D", ls="-",
-                  label="the same, with the target's shape known"),
+                  label="the same, using the target's shape"),
     "bound": dict(color="black", marker="", ls="--", label="Cramér-Rao bound"),
 }
 DEPTHS = ("50", "100", "200")
@@ -51,10 +51,13 @@ def read(data, name):
 
 def save(figure, folder, name):
     figure.savefig(folder / f"{name}.svg", metadata={"Date": None})
-    figure.savefig(folder / f"{name}.png", dpi=110,
-                   metadata={"Software": None},
-                   pil_kwargs={"optimize": True})
+    pixels = io.BytesIO()
+    figure.savefig(pixels, format="png", dpi=140)
     plt.close(figure)
+    # 200 colours are enough for these, and half the bytes.
+    Image.open(pixels).convert("RGB").quantize(
+        200, method=Image.MEDIANCUT, dither=Image.NONE).save(
+            folder / f"{name}.png", optimize=True)
 
 
 def legend_below(figure, handles, columns, y=0.0):
@@ -76,7 +79,7 @@ def handle(name, **change):
 OUTCOME_HANDLES = [Patch(facecolor=color, edgecolor="#888888", label=name)
                    for name, color in OUTCOMES.items()]
 TRUTH = dict(marker="+", color="black", ms=11, mew=1.6, ls="")
-DOT = dict(marker="o", ms=9, mec="white", mew=1.4, ls="")
+DOT = dict(marker="o", ms=10, mec="white", mew=1.5, ls="", color="#0072b2")
 
 
 def draw_map(axes, rows, title, dot=None):
@@ -90,10 +93,7 @@ def draw_map(axes, rows, title, dot=None):
     axes.set_xticks(range(-180, 181, 90))
     axes.set_yticks(range(-90, 91, 45))
     truth = float(rows[0]["true_roll_deg"]), float(rows[0]["true_pitch_deg"])
-    if dot:
-        axes.plot(*truth, color=OUTCOMES["no solution" if dot == "none" else dot],
-                  **DOT)
-    axes.plot(*truth, **TRUTH)
+    axes.plot(*truth, **(DOT if dot == "correct" else TRUTH))
     axes.set_title(f"{title}\n{100 * np.mean(cells == 2):.1f} % correct, "
                    f"{100 * np.mean(cells == 1):.1f} % false")
 
@@ -107,7 +107,7 @@ def map_figure(data, out, name, what):
     rows = read(data, name)
     cameras = sorted({row["camera"] for row in rows})
     figure, axes = plt.subplots(len(cameras), 3, squeeze=False,
-                                figsize=(11, 2.35 * len(cameras) + 0.85),
+                                figsize=(11, 2.2 * len(cameras) + 0.8),
                                 sharex=True, sharey=True)
     for k, camera in enumerate(cameras):
         for column, (points, pairs, title) in enumerate(MAPS):
@@ -121,10 +121,10 @@ def map_figure(data, out, name, what):
         ax.set_xlabel("guess of roll [deg]")
     legend_below(figure, OUTCOME_HANDLES + [
         Line2D([], [], label="truth", **TRUTH),
-        Line2D([], [], color=GREEN,
-               label="the solver that needs no guess: correct", **DOT)], 5)
-    figure.suptitle(what, fontsize=11, y=0.99)
-    figure.tight_layout(rect=(0, 0.09 / len(cameras) ** 0.5, 1, 1))
+        Line2D([], [], label="truth, found by the library's solver without a "
+               "guess", **DOT)], 5)
+    figure.suptitle(what, fontsize=11, y=0.985)
+    figure.tight_layout(rect=(0, 0.08 / len(cameras), 1, 1.02))
     save(figure, out, name)
 
 
@@ -140,13 +140,19 @@ def figure_5(data, out):
         axes = figure.add_subplot(grid[k // 2, k % 2])
         draw_map(axes, [row for row in maps if row["method"] == method and
                         float(row["yaw_error_deg"]) == off], title)
-        axes.set_xlabel("guess of roll [deg]")
-        axes.set_ylabel("guess of pitch [deg]")
+        if k >= 2:
+            axes.set_xlabel("guess of roll [deg]")
+        else:
+            axes.tick_params(labelbottom=False)
+        if k % 2 == 0:
+            axes.set_ylabel("guess of pitch [deg]")
+        else:
+            axes.tick_params(labelleft=False)
     styles = {"three_angles": dict(color="#56b4e9", marker="o",
                                    label="three angles searched"),
               "two_angles": dict(color="#d55e00", marker="",
                                  label="two, published"),
-              "two_angles_all": dict(color="black", marker="", ls="-.",
+              "two_angles_all": dict(color="#555555", marker="", ls="-.",
                                      label="two, all pairs")}
     shares = figure.add_subplot(grid[0, 2])
     evals = figure.add_subplot(grid[1, 2], sharex=shares)
@@ -154,20 +160,17 @@ def figure_5(data, out):
         these = [row for row in rows if row["method"] == method]
         x = [float(row["yaw_error_deg"]) for row in these]
         y = [100 * int(row["correct"]) / int(row["tried"]) for row in these]
-        spread = [[float(row[f"evals_{q}"]) for row in these]
-                  for q in ("q25", "median", "q75")]
+        used = [float(row["evals_median"]) for row in these]
         if len(x) == 1:  # it does not use the guess
-            x, y, spread = [0, 180], y * 2, [s * 2 for s in spread]
+            x, y, used = [0, 180], y * 2, used * 2
         shares.plot(x, y, **look)
-        evals.plot(x, spread[1], **look)
-        evals.fill_between(x, spread[0], spread[2], color=look["color"],
-                           alpha=0.13, lw=0)
+        evals.plot(x, used, **look)
     shares.set_ylim(0, 60)
     shares.set_ylabel("correct [%]")
     shares.set_title("1000 random placements")
     shares.legend(fontsize=8, labelspacing=0.25)
-    evals.set_ylim(0, 1050)
-    evals.set_ylabel("evaluations (quartiles)")
+    evals.set_ylim(0, 800)
+    evals.set_ylabel("evaluations, median")
     evals.set_xlabel("error of the guess of yaw [deg]")
     evals.set_xticks(range(0, 181, 45))
     figure.suptitle("Figure 5: three angles against two, four points, "
@@ -327,7 +330,7 @@ def figures_10_to_13(data, out):
 
 def figure_14(data, out):
     lines, rows = read(data, "fig14_lines"), read(data, "fig14")
-    widths = ("64", "128", "256", "512")
+    widths = ("32", "64", "128", "256")
     figure = plt.figure(figsize=(11, 6.0))
     grid = figure.add_gridspec(2, 4, height_ratios=(1.25, 1))
     for k, width in enumerate(widths):
@@ -346,8 +349,7 @@ def figure_14(data, out):
             ax.plot(float(these[0]["match_u"]), float(these[0]["match_v"]),
                     "o", color="black", ms=4)
         ax.set_xlim(-0.5, 0.5)
-        ax.set_ylim(0.4, -0.4)
-        ax.set_aspect("equal", adjustable="datalim")
+        ax.set_ylim(0.38, -0.38)
         ax.set_title(f"{width} x {width} px")
         ax.set_xlabel("u in image 2 [inch]")
         if k == 0:
@@ -384,7 +386,7 @@ def figure_14(data, out):
             ax.set_title("how often the predicted 95 % band holds the match")
             ax.legend(loc="lower right", ncol=3, fontsize=8)
     legend_below(figure, [
-        Line2D([], [], color="#d55e00", label="published procedure"),
+        Line2D([], [], color="#d55e00", label="published"),
         Line2D([], [], color="#0072b2", label="the library's solver"),
         Patch(facecolor="#0072b2", alpha=0.2, label="its predicted 95 % band"),
         Line2D([], [], color="black", ls=":", label="true line (top)"),
@@ -405,7 +407,7 @@ def figure_choices(data, out):
     labels = ("yaw", "pitch", "roll", "the best\nconditioned")
     figure, axes = plt.subplots(1, 3, figsize=(11, 3.7))
     looks = {"2": dict(color="#d55e00", marker="s", label="by two pairs, as published"),
-             "all": dict(color="black", marker="v", label="by all six pairs")}
+             "all": dict(color="#555555", marker="v", label="by all six pairs")}
     for pairs, look in looks.items():
         these = [next(row for row in choices if row["choice"] == f"{n}_{pairs}")
                  for n in names]

@@ -859,7 +859,7 @@ static void print_matches(FILE *file, matches *all, double depth, int width)
 
 static void figure_14_lines(void)
 {
-    static const int drawn[] = {64, 128, 256, 512};
+    static const int drawn[] = {32, 64, 128, 256};
     FILE *const file = open_csv("fig14_lines");
     paper_scene scene;
 

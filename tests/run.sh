@@ -23,6 +23,7 @@ cli-float     RIGCAL_BIN=build/gcc-float/rigcal $PYTHON tests/cli/test_cli.py
 cli-asan      RIGCAL_BIN=build/asan/rigcal $PYTHON tests/cli/test_cli.py
 ffi           sh examples/ffi/run.sh
 firmware      sh examples/firmware/run.sh build/firmware
+paper         $PYTHON tests/checks/check_paper.py
 readme        $PYTHON tests/checks/check_readme.py
 vectors       $PYTHON tests/vectors/make_vectors.py --check
 layers        $PYTHON tests/checks/check_layers.py

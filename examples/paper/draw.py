@@ -9,6 +9,7 @@ import io
 import pathlib
 import sys
 
+import claims
 import numpy as np
 import matplotlib
 
@@ -34,6 +35,7 @@ STYLES = {
     "bound": dict(color="black", marker="", ls="--", label="Cramér-Rao bound"),
 }
 DEPTHS = ("50", "100", "200")
+DRAWN_FROM = ""  # which numbers, told in each SVG
 
 plt.rcParams.update({
     "font.family": "DejaVu Sans", "font.size": 9, "axes.titlesize": 9,
@@ -50,7 +52,8 @@ def read(data, name):
 
 
 def save(figure, folder, name):
-    figure.savefig(folder / f"{name}.svg", metadata={"Date": None})
+    figure.savefig(folder / f"{name}.svg",
+                   metadata={"Date": None, "Description": DRAWN_FROM})
     pixels = io.BytesIO()
     figure.savefig(pixels, format="png", dpi=140)
     plt.close(figure)
@@ -491,7 +494,9 @@ def figure_bound(data, out):
 
 
 def main():
+    global DRAWN_FROM
     data, out = pathlib.Path(sys.argv[1]), pathlib.Path(sys.argv[2])
+    DRAWN_FROM = f"numbers {claims.digest(data)}"
     out.mkdir(parents=True, exist_ok=True)
     for name, what in (("fig03", "Figure 3: where a guess leads, camera 1, "
                         "perfect image"),

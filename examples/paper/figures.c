@@ -14,16 +14,7 @@
 #error "The experiments are for the library in double."
 #endif
 
-static const double depths_cm[] = {50, 100, 200};
-static const int widths[] = {32,  48,  64,  96,  128, 192,
-                             256, 384, 512, 768, 1024};
-enum {
-    DEPTHS = sizeof depths_cm / sizeof depths_cm[0],
-    WIDTHS = sizeof widths / sizeof widths[0],
-    PLACEMENTS_MAX = 1000,
-    SAMPLE_MAX = 8 * PLACEMENTS_MAX
-};
-static const double documented_cm = 100;
+enum { PLACEMENTS_MAX = 1000, SAMPLE_MAX = 8 * PLACEMENTS_MAX };
 static const char *const outcome_names[PAPER_OUTCOMES] = {"none", "false",
                                                           "correct"};
 
@@ -155,7 +146,7 @@ static void map_figure(const char *name, int first, int last, int digital)
 
     fprintf(file, "camera,points,eliminating,true_pitch_deg,true_roll_deg,no_guess,"
                   "pitch_deg,outcomes_over_roll\n");
-    paper_scene_documented(&scene, documented_cm);
+    paper_scene_documented(&scene, PAPER_DOCUMENTED_CM);
     paper_look(&images, &scene, (int)PAPER_WIDTH, digital);
     for (int c = first; c <= last; c++) {
         paper_attempt a;
@@ -214,7 +205,7 @@ static void race(FILE *file, int rival, double yaw_off)
         paper_scene scene;
         paper_images images;
 
-        paper_scene_random(&scene, k, documented_cm);
+        paper_scene_random(&scene, k, PAPER_DOCUMENTED_CM);
         paper_look(&images, &scene, (int)PAPER_WIDTH, PAPER_PERFECT);
         for (int c = 0; c < PAPER_CAMERAS; c++) {
             paper_procedure p = paper_published(PAPER_POINTS);
@@ -246,7 +237,7 @@ static void rival_map(FILE *file, int rival, double yaw_off)
     paper_procedure p = paper_published(PAPER_POINTS);
     double ypr[3];
 
-    paper_scene_documented(&scene, documented_cm);
+    paper_scene_documented(&scene, PAPER_DOCUMENTED_CM);
     paper_look(&images, &scene, (int)PAPER_WIDTH, PAPER_PERFECT);
     p.angles = rivals[rival].angles;
     p.eliminating = rivals[rival].eliminating;
@@ -443,12 +434,12 @@ static void figure_9(void)
 
     fprintf(file,
             "depth_cm,width_px,points,method,scenes,tried,correct,false\n");
-    for (int d = 0; d < DEPTHS; d++) {
-        for (int w = 0; w < WIDTHS; w++) {
-            share_documented(file, depths_cm[d], widths[w]);
-            share_random(file, depths_cm[d], widths[w]);
-            fprintf(stderr, "  figure 9: %g cm, %d px\n", depths_cm[d],
-                    widths[w]);
+    for (int d = 0; d < PAPER_DEPTHS; d++) {
+        for (int w = 0; w < PAPER_WIDTHS; w++) {
+            share_documented(file, paper_depths_cm[d], paper_widths[w]);
+            share_random(file, paper_depths_cm[d], paper_widths[w]);
+            fprintf(stderr, "  figure 9: %g cm, %d px\n", paper_depths_cm[d],
+                    paper_widths[w]);
         }
     }
     close_csv(file);
@@ -865,7 +856,7 @@ static void figure_14_lines(void)
 
     fprintf(file, "width_px,point,match_u,match_v,u,true_v,published_v,"
                   "no_guess_v,sigma_v\n");
-    paper_scene_documented(&scene, documented_cm);
+    paper_scene_documented(&scene, PAPER_DOCUMENTED_CM);
     for (size_t i = 0; i < sizeof drawn / sizeof drawn[0]; i++) {
         draw_lines(file, &scene, drawn[i]);
     }
@@ -1023,35 +1014,35 @@ static void figures_10_to_14(void)
                    "off_px_q75,sigma_px_q25,sigma_px_median,sigma_px_q75,"
                    "within_95\n");
     fprintf(over, "depth_cm,width_px,method,tried,correct,rotation,translation\n");
-    for (int d = 0; d < DEPTHS; d++) {
-        for (int w = 0; w < WIDTHS; w++) {
+    for (int d = 0; d < PAPER_DEPTHS; d++) {
+        for (int w = 0; w < PAPER_WIDTHS; w++) {
             paper_scene scene;
             paper_images images;
             paper_attempt a[2][PAPER_CAMERAS];
             double one[METHODS][QUANTITIES];
 
             memset(&all, 0, sizeof all);
-            gather_placements(&all, depths_cm[d], widths[w]);
-            paper_scene_documented(&scene, depths_cm[d]);
-            paper_look(&images, &scene, widths[w], PAPER_DIGITAL);
+            gather_placements(&all, paper_depths_cm[d], paper_widths[w]);
+            paper_scene_documented(&scene, paper_depths_cm[d]);
+            paper_look(&images, &scene, paper_widths[w], PAPER_DIGITAL);
             attempts(a, &images, &scene);
             all_errors(one, (const paper_attempt(*)[PAPER_CAMERAS])a, &images,
                        &scene);
             for (int f = 0; f < 4; f++) {
-                print_cell(file[f], &all, names[f], depths_cm[d], widths[w],
+                print_cell(file[f], &all, names[f], paper_depths_cm[d], paper_widths[w],
                            one);
             }
             for (int m = PUBLISHED; m <= NO_GUESS; m++) {
                 const over_bound *const o = &all.over[m];
 
-                fprintf(over, "%g,%d,%s,%d,%d,%.4g,%.4g\n", depths_cm[d],
-                        widths[w], method_names[m],
+                fprintf(over, "%g,%d,%s,%d,%d,%.4g,%.4g\n", paper_depths_cm[d],
+                        paper_widths[w], method_names[m],
                         PAPER_CAMERAS * (int)PAPER_PLACEMENTS, o->n,
                         sqrt(o->turn / o->n), sqrt(o->move / o->n));
             }
-            print_matches(lines, &all.matched, depths_cm[d], widths[w]);
-            fprintf(stderr, "  figures 10 to 14: %g cm, %d px\n", depths_cm[d],
-                    widths[w]);
+            print_matches(lines, &all.matched, paper_depths_cm[d], paper_widths[w]);
+            fprintf(stderr, "  figures 10 to 14: %g cm, %d px\n", paper_depths_cm[d],
+                    paper_widths[w]);
         }
     }
     for (int f = 0; f < 4; f++) {
@@ -1089,7 +1080,7 @@ static void make_trial(trial *t, int k)
 {
     paper_rng rng = {(uint64_t)(k + 1) << 40};
 
-    paper_scene_random(&t->scene, k, documented_cm);
+    paper_scene_random(&t->scene, k, PAPER_DOCUMENTED_CM);
     paper_look(&t->images, &t->scene, (int)PAPER_WIDTH, PAPER_DIGITAL);
     paper_expect(paper_covariance(t->Sigma, &t->scene.cam_from_target[0],
                                   &t->images, 0),

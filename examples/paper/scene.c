@@ -7,6 +7,10 @@
 const double paper_points[PAPER_POINTS][3] = {
     {0, 0, 0}, {20, 2, 4}, {5, 19, -3}, {12, 8, 18}};
 
+const double paper_depths_cm[PAPER_DEPTHS] = {50, 100, 200};
+const int paper_widths[PAPER_WIDTHS] = {32,  48,  64,  96,  128, 192,
+                                        256, 384, 512, 768, 1024};
+
 void paper_expect(int fact, const char *what)
 {
     if (!fact) {

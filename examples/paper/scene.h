@@ -14,6 +14,8 @@
     S(IMAGE_INCH, 1.0, "inch", "side of the square image")                     \
     S(FOCAL_INCH, 1.0, "inch", "focal length: the image spans 53 degrees")     \
     S(WIDTH, 512, "px", "image width and height, unless varied")               \
+    S(DOCUMENTED_CM, 100.0, "cm", "from each camera to the target's middle, "  \
+      "unless varied: 20 to 320 in figure 6; 50, 100, 200 in 9 to 14")         \
     S(GRID_STEP, 5.0, "deg", "between guesses of pitch (-87.5 .. 87.5) and "   \
       "roll (-177.5 .. 177.5), figures 3, 4, 5, 8")                            \
     S(SWEEP_STEP, 15.0, "deg", "the same for the documented scene of "         \
@@ -47,7 +49,11 @@
     static const double PAPER_##name = value;
 PAPER_SETTINGS(PAPER_SETTING)
 
-enum { PAPER_POINTS = 4, PAPER_CAMERAS = 2 };
+enum { PAPER_POINTS = 4, PAPER_CAMERAS = 2, PAPER_DEPTHS = 3, PAPER_WIDTHS = 11 };
+
+/* Of figures 9 to 14: 50, 100, 200 cm; 32 to 1024 px. */
+extern const double paper_depths_cm[PAPER_DEPTHS];
+extern const int paper_widths[PAPER_WIDTHS];
 
 /* Noise of a coordinate rounded to whole pixels: 1 / sqrt(12). */
 #define PAPER_SIGMA_PX 0.28867513459481287

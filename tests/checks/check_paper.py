@@ -1,0 +1,126 @@
+#!/usr/bin/env python3
+"""The paper's experiments, made again and compared with what examples/paper keeps.
+
+  check_paper.py [PROGRAM [SCENES]]    rigcal_paper, bench_paper_scenes
+
+The numbers may differ as another math library's last bit makes them: a hundredth
+of the guesses of a map, a fiftieth of a number. Then the claims are judged from
+the new numbers, the solver that needs no guess against independent fits, and the
+README and the figures must be those of the numbers kept.
+"""
+import csv
+import pathlib
+import subprocess
+import sys
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+PAPER = ROOT / "examples/paper"
+sys.path.insert(0, str(PAPER))
+import claims  # noqa: E402 -- lies there
+
+PROGRAM = ROOT / "build/gcc-double/rigcal_paper"
+SCENES = ROOT / "build/gcc-double/tests/bench_paper_scenes"
+RELATIVE, ROUNDING, CELLS, ATTEMPTS = 0.02, 5e-9, 0.01, 0.01
+PNG_BYTES_MAX = 150000
+
+
+def number(text):
+    try:
+        return float(text)
+    except ValueError:
+        return None
+
+
+def same(column, old, new, row):
+    """Whether two fields of a CSV file tell the same."""
+    if old == new:
+        return True
+    if column == "outcomes_over_roll":
+        return len(old) == len(new)  # counted over the whole file
+    if number(old) is None or number(new) is None:
+        return False
+    if column in ("correct", "false", "n", "lost", "missing") or \
+            column.endswith("_from_anywhere"):
+        of = float(row.get("tried") or row.get("placements") or 2000)
+        return abs(number(old) - number(new)) <= 2 + ATTEMPTS * of
+    return abs(number(old) - number(new)) <= ROUNDING + RELATIVE * max(
+        abs(number(old)), abs(number(new)))
+
+
+def compare(name, kept, made):
+    """What differs, as a list of sentences."""
+    tables = []
+    for folder in (kept, made):
+        with open(folder / name, newline="") as file:
+            tables.append(list(csv.DictReader(file)))
+    old, new = tables
+    if len(old) != len(new) or (old and old[0].keys() != new[0].keys()):
+        return [f"{name}: other rows or columns"]
+    wrong, cells, differ = [], 0, 0
+    for line, (a, b) in enumerate(zip(old, new), 2):
+        for column in a:
+            if not same(column, a[column], b[column], a):
+                wrong.append(f"{name}:{line}: {column} was {a[column]}, is "
+                             f"{b[column]}")
+        for x, y in zip(a.get("outcomes_over_roll", ""),
+                        b.get("outcomes_over_roll", "")):
+            cells += 1
+            differ += x != y
+    if differ > CELLS * cells:
+        wrong.append(f"{name}: {differ} of {cells} guesses lead elsewhere")
+    return wrong
+
+
+def check_kept(wrong):
+    """README and figures are those of the numbers kept."""
+    readme = (PAPER / "README.md").read_text()
+    if claims.with_tables(readme, PAPER / "data") != readme:
+        wrong.append("README.md: its tables are not those of the data")
+    digest = claims.digest(PAPER / "data")
+    for svg in sorted((PAPER / "figures").glob("*.svg")):
+        png = svg.with_suffix(".png")
+        if f"numbers {digest}" not in svg.read_text():
+            wrong.append(f"{svg.name}: not drawn from the data")
+        if not png.exists() or png.stat().st_size > PNG_BYTES_MAX:
+            wrong.append(f"{png.name}: missing, or too large")
+        if f"(figures/{png.name})" not in readme:
+            wrong.append(f"{png.name}: README.md does not show it")
+
+
+def main():
+    program, scenes = (pathlib.Path(a) if a else d for a, d in zip(
+        sys.argv[1:3] + [None] * (3 - len(sys.argv)), (PROGRAM, SCENES)))
+    made = ROOT / "build/paper"
+    made.mkdir(parents=True, exist_ok=True)
+    for old in made.glob("*.csv"):
+        old.unlink()
+    subprocess.run([str(program), str(made)], check=True)
+
+    wrong = []
+    kept = PAPER / "data"
+    names = [sorted(p.name for p in folder.glob("*.csv"))
+             for folder in (kept, made)]
+    if names[0] != names[1]:
+        wrong.append(f"other files: {set(names[0]) ^ set(names[1])}")
+    for name in sorted(set(names[0]) & set(names[1])):
+        wrong += compare(name, kept, made)
+    check_kept(wrong)
+
+    known = 0
+    for figures, _, expected, holds, claim, measured in claims.judge(made):
+        print(f"figure {figures}: {claim} {'yes' if holds else 'no'}: {measured}")
+        known += holds == expected
+        if holds != expected:
+            wrong.append(f"figure {figures}: {claim} {'yes' if holds else 'no'}, "
+                         f"which is news: {measured}")
+    if subprocess.run([str(scenes)]).returncode:
+        wrong.append("the solver is wrong where the best minimum is right")
+    if wrong:
+        print("\n".join(wrong[:40]))
+        sys.exit(f"check_paper: {len(wrong)} things are not as kept. When they "
+                 "ought to be so: sh examples/paper/run.sh")
+    print(f"{len(names[0])} tables as kept, {known} claims as known")
+
+
+if __name__ == "__main__":
+    main()

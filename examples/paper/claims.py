@@ -20,9 +20,9 @@ OURS, THEIRS = "no_guess", "published"
 CHANCE, CHANCE_POINTS = 0.10, 2.4
 
 
-def read(data, name, delimiter=","):
+def read(data, name):
     with open(data / f"{name}.csv", newline="") as file:
-        return list(csv.DictReader(file, delimiter=delimiter))
+        return list(csv.DictReader(file))
 
 
 def digest(data):
@@ -54,7 +54,7 @@ def shares(rows):
 
 
 def four_beat_three(data):
-    """Four points: no fewer correct, no more false solutions than three."""
+    """Four points give no fewer correct and no more false solutions than three."""
     holds, said = True, []
     for name in ("fig03", "fig04", "fig08"):
         rows = read(data, name)
@@ -98,13 +98,13 @@ def two_lose_near(data):
 def two_win_far(data):
     """Two angles win when the guess of the third is far off (as published)."""
     two, _, three = race(data)
-    return two > min(three.values()), (
+    return two > min(three.values()) + CHANCE_POINTS, (
         f"correct: two angles {two:.1f} %; three angles never below "
-        f"{min(three.values()):.1f} %")
+        f"{min(three.values()):.1f} % (chance: {CHANCE_POINTS} points)")
 
 
 def two_win_far_all(data):
-    """The same, when all pairs eliminate."""
+    """Two angles win then, when all pairs eliminate."""
     _, every, three = race(data)
     better = [off for off in three if every > three[off]]
     return 180 in better, (
@@ -144,7 +144,7 @@ def depth_does_not_matter(data):
 # ---- figures 9 to 13 -------------------------------------------------------
 
 def four_beat_three_digital(data):
-    """Figure 9: the same at every resolution and depth."""
+    """So do digital images, at every resolution and depth."""
     rows = pick(read(data, "fig09"), scenes="random")
     worst, at_512 = -100, []
     for row in pick(rows, points=4, method=THEIRS):
@@ -163,7 +163,7 @@ def four_beat_three_digital(data):
 
 
 def shares_are_stable(data):
-    """Figure 9: nothing changes from 512 px on."""
+    """The shares of correct and false do not change from 512 px on."""
     rows, worst = pick(read(data, "fig09"), scenes="random"), 0
     for row in pick(rows, width_px=512):
         other, = pick(rows, width_px=1024, depth_cm=row["depth_cm"],
@@ -214,7 +214,7 @@ def nearer_is_better(data):
 
 
 def nearer_is_found_more(data):
-    """Figure 9: nearer targets give no fewer correct and no more false solutions."""
+    """Nearer targets give no fewer correct and no more false solutions."""
     rows, worst = pick(read(data, "fig09"), scenes="random", points=4), -100
     for near, far in zip(DEPTHS, DEPTHS[1:]):
         for row in pick(rows, depth_cm=near):
@@ -240,7 +240,7 @@ def near_the_bound(data):
 
 
 def no_guess_is_correct(data):
-    """Figure 9: from how many pixels on no scene is lost without a guess."""
+    """The solver that needs no guess is correct in all, if pixels are fine enough."""
     rows = pick(read(data, "fig09"), scenes="random", method=OURS)
     first = {}
     for depth in DEPTHS:
@@ -338,7 +338,7 @@ def claims_table(data):
 
 def settings_table(data):
     lines = ["| setting | value | unit | meaning |", "| --- | ---: | --- | --- |"]
-    for row in read(data, "settings", ";"):
+    for row in read(data, "settings"):
         lines.append("| {name} | {value} | {unit} | {meaning} |".format(**row))
     return "\n".join(lines)
 

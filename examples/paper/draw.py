@@ -315,7 +315,7 @@ def figures_10_to_13(data, out):
          ("translation_cm", "translation error [cm]")), three, 6.9)
     quartile_curves(
         data, out, "fig11", "Figure 11: camera to camera, against resolution",
-        (("match_px", "residual: matches from lines [px]"),
+        (("match_px", "matches from lines [px]"),
          ("rotation_deg", "rotation error [deg]"),
          ("translation_cm", "translation error [cm]")), three, 6.9)
     quartile_curves(

@@ -201,7 +201,7 @@ static void race(FILE *file, int rival, double yaw_off)
 
     evals.n = 0;
     for (int k = 0; k < (int)PAPER_PLACEMENTS; k++) {
-        paper_rng rng = {(uint64_t)(k + 1) << 50};
+        paper_rng rng = paper_stream(PAPER_GUESSING, k);
         paper_scene scene;
         paper_images images;
 
@@ -401,7 +401,7 @@ static void share_random(FILE *file, double depth, int width)
     tally t[2] = {{{0}, 0}, {{0}, 0}}, own = {{0}, 0};
 
     for (int k = 0; k < (int)PAPER_PLACEMENTS; k++) {
-        paper_rng rng = {(uint64_t)(k + 1) << 40};
+        paper_rng rng = paper_stream(PAPER_GUESSING, k);
         paper_scene scene;
         paper_images images;
         paper_attempt a;
@@ -806,7 +806,7 @@ static void gather_matches(matches *all, const paper_attempt a[2][PAPER_CAMERAS]
                            const paper_images *images, const paper_scene *scene,
                            int k)
 {
-    paper_rng rng = {(uint64_t)(k + 1) << 30};
+    paper_rng rng = paper_stream(PAPER_MATCHING, k);
     paper_images exact = *images;
 
     exact.digital = PAPER_PERFECT;
@@ -942,7 +942,7 @@ static void all_errors(double values[METHODS][QUANTITIES],
 static void gather_placements(cell *all, double depth, int width)
 {
     for (int k = 0; k < (int)PAPER_PLACEMENTS; k++) {
-        paper_rng rng = {(uint64_t)(k + 1) << 20};
+        paper_rng rng = paper_stream(PAPER_DRAWING, k);
         paper_scene scene;
         paper_images images;
         paper_attempt a[2][PAPER_CAMERAS];
@@ -1078,7 +1078,7 @@ typedef struct {
 
 static void make_trial(trial *t, int k)
 {
-    paper_rng rng = {(uint64_t)(k + 1) << 40};
+    paper_rng rng = paper_stream(PAPER_GUESSING, k);
 
     paper_scene_random(&t->scene, k, PAPER_DOCUMENTED_CM);
     paper_look(&t->images, &t->scene, (int)PAPER_WIDTH, PAPER_DIGITAL);
@@ -1172,9 +1172,9 @@ static void figure_settings(void)
 {
     FILE *const file = open_csv("settings");
 
-    fprintf(file, "name;value;unit;meaning\n");
+    fprintf(file, "name,value,unit,meaning\n");
 #define WRITE(name, value, unit, meaning)                                      \
-    fprintf(file, "%s;%g;%s;%s\n", #name, (double)(value), unit, meaning);
+    fprintf(file, "%s,%g,%s,\"%s\"\n", #name, (double)(value), unit, meaning);
     PAPER_SETTINGS(WRITE)
     close_csv(file);
 }

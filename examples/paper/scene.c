@@ -30,6 +30,14 @@ static uint64_t next(paper_rng *rng)
     return z ^ (z >> 31);
 }
 
+paper_rng paper_stream(int use, int k)
+{
+    const paper_rng rng = {(uint64_t)PAPER_SEED << 48 | (uint64_t)use << 32 |
+                           (uint64_t)k};
+
+    return rng;
+}
+
 double paper_uniform(paper_rng *rng, double low, double high)
 {
     return low + (high - low) * (double)(next(rng) >> 11) / 9007199254740992.0;
@@ -101,7 +109,7 @@ void paper_scene_documented(paper_scene *scene, double depth_cm)
 
 void paper_scene_random(paper_scene *scene, int k, double depth_cm)
 {
-    paper_rng rng = {(uint64_t)PAPER_SEED << 32 | (uint64_t)k};
+    paper_rng rng = paper_stream(PAPER_PLACING, k);
     double q[4], w[3], turn[9], length, across, angle;
     rigcal_transform T[PAPER_CAMERAS] = {{{0}, {0}}, {{0}, {0}}}, by = T[0];
 

@@ -66,6 +66,10 @@ typedef struct {
     uint64_t state;
 } paper_rng;
 
+/* Streams of numbers: of each use of them, for each placement. */
+enum { PAPER_PLACING, PAPER_GUESSING, PAPER_DRAWING, PAPER_MATCHING };
+paper_rng paper_stream(int use, int k);
+
 double paper_uniform(paper_rng *rng, double low, double high);
 double paper_normal(paper_rng *rng);
 

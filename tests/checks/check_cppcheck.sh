@@ -15,6 +15,7 @@ run() {
         src examples/*.c examples/firmware/*.c
 }
 
-run -URIGCAL_USE_FLOAT -URIGCAL_CONFIG_FILE -U_WIN32 -URIGCAL_SHARED
+run -URIGCAL_USE_FLOAT -URIGCAL_CONFIG_FILE -U_WIN32 -URIGCAL_SHARED \
+    examples/paper/*.c
 run -DRIGCAL_USE_FLOAT=1 -URIGCAL_CONFIG_FILE -U_WIN32 -URIGCAL_SHARED
 echo "nothing found, double and float"

@@ -19,7 +19,7 @@ void paper_expect(int fact, const char *what)
     }
 }
 
-/* ---- random numbers ------------------------------------------------------- */
+/* ---- random numbers ----------------------------------------------------- */
 
 static uint64_t next(paper_rng *rng)
 {
@@ -54,7 +54,7 @@ double paper_normal(paper_rng *rng)
     return sum;
 }
 
-/* ---- scenes --------------------------------------------------------------- */
+/* ---- scenes ------------------------------------------------------------- */
 
 void paper_middle(double X[3])
 {
@@ -66,7 +66,8 @@ void paper_middle(double X[3])
     }
 }
 
-void paper_in_camera(double X_c[3], const rigcal_transform *T, const double X[3])
+void paper_in_camera(double X_c[3], const rigcal_transform *T,
+                     const double X[3])
 {
     paper_expect(rigcal_transform_point(X_c, T, X) == RIGCAL_OK,
                  "a point has no place in the camera");
@@ -123,8 +124,8 @@ void paper_scene_random(paper_scene *scene, int k, double depth_cm)
     paper_expect(rigcal_rotation_from_quaternion(T[0].R, q) == RIGCAL_OK,
                  "a quaternion is no rotation");
     across = paper_uniform(&rng, 0, 360) * PAPER_DEGREE;
-    angle = paper_uniform(&rng, PAPER_TURN_LEAST, PAPER_TURN_MOST) *
-            PAPER_DEGREE;
+    angle =
+        paper_uniform(&rng, PAPER_TURN_LEAST, PAPER_TURN_MOST) * PAPER_DEGREE;
     w[0] = angle * cos(across);
     w[1] = angle * sin(across);
     w[2] = 0;
@@ -143,7 +144,7 @@ void paper_scene_random(paper_scene *scene, int k, double depth_cm)
     }
 }
 
-/* ---- images ---------------------------------------------------------------- */
+/* ---- images ------------------------------------------------------------- */
 
 void paper_see_point(double uv[2], const paper_images *images,
                      const paper_scene *scene, int k, const double X[3])

@@ -8,7 +8,7 @@
 
 #include "rigcal.h"
 
-/* ---- settings: name, value, unit, meaning; README.md shows this table ----- */
+/* ---- settings: name, value, unit, meaning; README.md shows this table --- */
 
 #define PAPER_SETTINGS(S)                                                      \
     S(IMAGE_INCH, 1.0, "inch", "side of the square image")                     \
@@ -73,7 +73,7 @@ paper_rng paper_stream(int use, int k);
 double paper_uniform(paper_rng *rng, double low, double high);
 double paper_normal(paper_rng *rng);
 
-/* ---- scenes --------------------------------------------------------------- */
+/* ---- scenes ------------------------------------------------------------- */
 
 /* The four points, in cm: no plane holds them, and their six distances are 17 to
  * 25 cm. With three, the first three. */
@@ -90,7 +90,7 @@ void paper_scene_documented(paper_scene *scene, double depth_cm);
 /* Placement k of the random ones: the same but for the depth at any depth. */
 void paper_scene_random(paper_scene *scene, int k, double depth_cm);
 
-/* ---- images ---------------------------------------------------------------- */
+/* ---- images ------------------------------------------------------------- */
 
 /* What both cameras see. A perfect image has exact rays; its pixels, needed by the
  * solver that works in pixels, are rounded only as doubles are. */

@@ -24,8 +24,8 @@ typedef struct {
     int angles;      /* searched: 2 or 3 */
     int eliminate;   /* RIGCAL_YAW, .. */
     int eliminating; /* pairs: 2 as published, or 0, all */
-    int first[2];    /* the two pairs, as numbers of rigcal_pairs_choose's list */
-    int use_guess;   /* 0: from the library's grid, the best of 24 searches */
+    int first[2];  /* the two pairs, as numbers of rigcal_pairs_choose's list */
+    int use_guess; /* 0: from the library's grid, the best of 24 searches */
     double guess[3]; /* yaw, pitch, roll */
 } paper_procedure;
 
@@ -42,8 +42,8 @@ void paper_solve(paper_attempt *attempt, const paper_procedure *procedure,
 void paper_solve_no_guess(paper_attempt *attempt, const paper_images *images,
                           const paper_scene *scene, int c);
 
-/* The covariance of camera c's pose at `pose`, in both images' pixel noise. 0 when
- * the pose does not fix it. */
+/* The covariance of camera c's pose at `pose`, for the noise of whole pixels. 0
+ * when the points do not fix the pose. */
 int paper_covariance(double Sigma[36], const rigcal_transform *pose,
                      const paper_images *images, int c);
 

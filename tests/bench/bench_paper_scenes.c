@@ -1,11 +1,11 @@
-/* bench_paper_scenes: whether the solver that needs no guess is right in the scenes
- * of examples/paper wherever it can be.
+/* bench_paper_scenes: whether the solver that needs no guess is right in the
+ * scenes of examples/paper wherever it can be.
  *
  *   bench_paper_scenes [PLACEMENTS]    of each depth and resolution: 1000
  *
- * Judged by independent fits from the truth, from its mirror image and from the
- * solver's own pose: an image is one to be right in when the least of their minima
- * is a correct pose. Ends with status 1 when the solver is not. */
+ * Judged by independent fits from the truth, from its mirror image and from
+ * the solver's own pose: an image is one to be right in when the least of their
+ * minima is a correct pose. Ends with status 1 when the solver is not. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

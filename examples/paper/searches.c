@@ -1,0 +1,491 @@
+/* Where searches end: figures 3 to 9, and what the choices of the procedure do. */
+#include <math.h>
+#include <string.h>
+
+#include "figures.h"
+#include "solve.h"
+#include "table.h"
+
+static const char *const outcome_names[PAPER_OUTCOMES] = {"none", "false",
+                                                          "correct"};
+
+/* ---- guesses ------------------------------------------------------------ */
+
+/* Node i of a grid `step` apart, from `edge` on, in the middle of its cell. */
+static double node(double edge, double step, int i)
+{
+    return edge + (i + 0.5) * step;
+}
+
+static void guess(paper_procedure *p, double yaw, double pitch, double roll)
+{
+    p->guess[0] = yaw * PAPER_DEGREE;
+    p->guess[1] = pitch * PAPER_DEGREE;
+    p->guess[2] = roll * PAPER_DEGREE;
+}
+
+/* Pitch and roll off the truth by so much; yaw too. */
+static void guess_near(paper_procedure *p, const paper_scene *scene, int c,
+                       const double off_degrees[3])
+{
+    paper_true_angles(p->guess, scene, c);
+    for (int k = 0; k < 3; k++) {
+        p->guess[k] += off_degrees[k] * PAPER_DEGREE;
+    }
+}
+
+typedef struct {
+    int count[PAPER_OUTCOMES], tried;
+} tally;
+
+static void count(tally *t, const paper_attempt *a)
+{
+    t->count[a->outcome]++;
+    t->tried++;
+}
+
+/* ---- figures 3, 4, 8: from a grid of guesses -------------------------------
+ *
+ * Three points, four, and four with all pairs eliminating. */
+
+/* A row of the map, as digits. */
+static void print_row(FILE *file, paper_procedure *p,
+                      const paper_images *images, const paper_scene *scene,
+                      int c, double yaw, double pitch)
+{
+    for (int j = 0; j < (int)(360 / PAPER_GRID_STEP); j++) {
+        paper_attempt a;
+
+        guess(p, yaw, pitch, node(-180, PAPER_GRID_STEP, j));
+        paper_solve(&a, p, images, scene, c);
+        fprintf(file, "%d", a.outcome);
+    }
+}
+
+static void map_figure(const char *name, int first, int last, int digital)
+{
+    FILE *const file = table_open(name);
+    paper_scene scene;
+    paper_images images;
+
+    fprintf(file,
+            "camera,points,eliminating,true_pitch_deg,true_roll_deg,no_guess,"
+            "pitch_deg,outcomes_over_roll\n");
+    paper_scene_documented(&scene, PAPER_DOCUMENTED_CM);
+    paper_look(&images, &scene, (int)PAPER_WIDTH, digital);
+    for (int c = first; c <= last; c++) {
+        paper_attempt a;
+        double ypr[3];
+
+        paper_true_angles(ypr, &scene, c);
+        paper_solve_no_guess(&a, &images, &scene, c);
+        for (int m = 0; m < 3; m++) {
+            for (int i = 0; i < (int)(180 / PAPER_GRID_STEP); i++) {
+                paper_procedure p = paper_published(m == 0 ? 3 : PAPER_POINTS);
+                const double pitch = node(-90, PAPER_GRID_STEP, i);
+
+                p.eliminating = m < 2 ? 2 : 0;
+                fprintf(file, "%d,%d,%d,%.4f,%.4f,%s,%g,", c + 1, p.n,
+                        p.eliminating, ypr[1] / PAPER_DEGREE,
+                        ypr[2] / PAPER_DEGREE, outcome_names[a.outcome], pitch);
+                print_row(file, &p, &images, &scene, c, 0, pitch);
+                fprintf(file, "\n");
+            }
+        }
+    }
+    table_close(file);
+}
+
+void figure_3(void)
+{
+    map_figure("fig03", 0, 0, PAPER_PERFECT);
+}
+
+void figure_4(void)
+{
+    map_figure("fig04", 1, 1, PAPER_PERFECT);
+}
+
+void figure_8(void)
+{
+    map_figure("fig08", 0, 1, PAPER_DIGITAL);
+}
+
+/* ---- figure 5: three angles against two --------------------------------- */
+
+static const struct {
+    const char *name;
+    int angles, eliminating;
+} rivals[] = {
+    {"two_angles", 2, 2}, {"two_angles_all", 2, 0}, {"three_angles", 3, 2}};
+
+/* Random placements, each from one random guess of pitch and roll. */
+static void race(FILE *file, int rival, double yaw_off)
+{
+    static sample evals;
+    tally t = {{0}, 0};
+
+    evals.n = 0;
+    for (int k = 0; k < (int)PAPER_PLACEMENTS; k++) {
+        paper_rng rng = paper_stream(PAPER_GUESSING, k);
+        paper_scene scene;
+        paper_images images;
+
+        paper_scene_random(&scene, k, PAPER_DOCUMENTED_CM);
+        paper_look(&images, &scene, (int)PAPER_WIDTH, PAPER_PERFECT);
+        for (int c = 0; c < PAPER_CAMERAS; c++) {
+            paper_procedure p = paper_published(PAPER_POINTS);
+            const double pitch = paper_uniform(&rng, -90, 90);
+            const double roll = paper_uniform(&rng, -180, 180);
+            const double sign = paper_uniform(&rng, -1, 1) < 0 ? -1 : 1;
+            double ypr[3];
+            paper_attempt a;
+
+            p.angles = rivals[rival].angles;
+            p.eliminating = rivals[rival].eliminating;
+            paper_true_angles(ypr, &scene, c);
+            guess(&p, ypr[0] / PAPER_DEGREE + sign * yaw_off, pitch, roll);
+            paper_solve(&a, &p, &images, &scene, c);
+            count(&t, &a);
+            sample_add(&evals, a.evals);
+        }
+    }
+    fprintf(file, "%s,%g,%d,%d,%d", rivals[rival].name, yaw_off, t.tried,
+            t.count[PAPER_CORRECT], t.count[PAPER_FALSE]);
+    sample_print(file, &evals);
+    fprintf(file, "\n");
+}
+
+static void rival_map(FILE *file, int rival, double yaw_off)
+{
+    paper_scene scene;
+    paper_images images;
+    paper_procedure p = paper_published(PAPER_POINTS);
+    double ypr[3];
+
+    paper_scene_documented(&scene, PAPER_DOCUMENTED_CM);
+    paper_look(&images, &scene, (int)PAPER_WIDTH, PAPER_PERFECT);
+    p.angles = rivals[rival].angles;
+    p.eliminating = rivals[rival].eliminating;
+    paper_true_angles(ypr, &scene, 0);
+    for (int i = 0; i < (int)(180 / PAPER_GRID_STEP); i++) {
+        const double pitch = node(-90, PAPER_GRID_STEP, i);
+
+        fprintf(file, "%s,%g,%.4f,%.4f,%g,", rivals[rival].name, yaw_off,
+                ypr[1] / PAPER_DEGREE, ypr[2] / PAPER_DEGREE, pitch);
+        print_row(file, &p, &images, &scene, 0, ypr[0] / PAPER_DEGREE + yaw_off,
+                  pitch);
+        fprintf(file, "\n");
+    }
+}
+
+void figure_5(void)
+{
+    static const double offs[] = {0,  5,  10,  15,  20,  30,  45,  60,
+                                  75, 90, 105, 120, 135, 150, 165, 180};
+    enum { OFFS = sizeof offs / sizeof offs[0], THREE = 2 };
+    FILE *const file = table_open("fig05"), *const map =
+                                                table_open("fig05_map");
+
+    fprintf(file, "method,yaw_error_deg,tried,correct,false,evals_q25,"
+                  "evals_median,evals_q75\n");
+    fprintf(map, "method,yaw_error_deg,true_pitch_deg,true_roll_deg,pitch_deg,"
+                 "outcomes_over_roll\n");
+    race(file, 0, 0);
+    race(file, 1, 0);
+    for (int k = 0; k < OFFS; k++) {
+        race(file, THREE, offs[k]);
+    }
+    rival_map(map, 0, 0);
+    rival_map(map, 1, 0);
+    rival_map(map, THREE, PAPER_NEAR_YAW);
+    rival_map(map, THREE, PAPER_FAR_YAW);
+    table_close(file);
+    table_close(map);
+}
+
+/* ---- figure 6: perfect images at any depth ------------------------------ */
+
+static void print_depth(FILE *file, double depth, int points,
+                        const char *method, sample *residual, sample *degrees,
+                        int tried)
+{
+    fprintf(file, "%g,%d,%s,%d,%d", depth, points, method, tried, residual->n);
+    sample_print(file, residual);
+    sample_print(file, degrees);
+    fprintf(file, "\n");
+}
+
+void figure_6(void)
+{
+    const int many = (int)PAPER_NEAR_GUESSES;
+    const double step = 2 * PAPER_NEAR_GUESS / many;
+    FILE *const file = table_open("fig06");
+
+    fprintf(file, "depth_cm,points,method,tried,correct,residual_q25,"
+                  "residual_median,residual_q75,rotation_deg_q25,"
+                  "rotation_deg_median,rotation_deg_q75\n");
+    for (int d = 20; d <= 320; d += 20) {
+        paper_scene scene;
+        paper_images images;
+        paper_attempt a;
+        static sample residual, degrees;
+
+        paper_scene_documented(&scene, d);
+        paper_look(&images, &scene, (int)PAPER_WIDTH, PAPER_PERFECT);
+        for (int n = 3; n <= PAPER_POINTS; n++) {
+            tally t = {{0}, 0};
+
+            residual.n = degrees.n = 0;
+            for (int i = 0; i < PAPER_CAMERAS * many * many; i++) {
+                const int c = i / (many * many);
+                const double off[3] = {
+                    0, node(-PAPER_NEAR_GUESS, step, i / many % many),
+                    node(-PAPER_NEAR_GUESS, step, i % many)};
+                paper_procedure p = paper_published(n);
+
+                guess_near(&p, &scene, c, off);
+                paper_solve(&a, &p, &images, &scene, c);
+                count(&t, &a);
+                if (a.outcome == PAPER_CORRECT) {
+                    sample_add(&residual, a.residual);
+                    sample_add(&degrees, a.degrees);
+                }
+            }
+            print_depth(file, d, n, "published", &residual, &degrees, t.tried);
+        }
+        residual.n = degrees.n = 0;
+        for (int c = 0; c < PAPER_CAMERAS; c++) {
+            paper_solve_no_guess(&a, &images, &scene, c);
+            if (a.outcome == PAPER_CORRECT) {
+                sample_add(&residual, a.residual);
+                sample_add(&degrees, a.degrees);
+            }
+        }
+        print_depth(file, d, PAPER_POINTS, "no_guess", &residual, &degrees,
+                    PAPER_CAMERAS);
+    }
+    table_close(file);
+}
+
+/* ---- figure 9: correct and false against resolution --------------------- */
+
+static void print_share(FILE *file, double depth, int width, int points,
+                        const char *method, const char *scenes, const tally *t)
+{
+    fprintf(file, "%g,%d,%d,%s,%s,%d,%d,%d\n", depth, width, points, method,
+            scenes, t->tried, t->count[PAPER_CORRECT], t->count[PAPER_FALSE]);
+}
+
+/* Camera c from every guess of the coarse grid. */
+static void sweep(tally *t, const paper_procedure *procedure,
+                  const paper_images *images, const paper_scene *scene, int c)
+{
+    for (int i = 0; i < (int)(180 / PAPER_SWEEP_STEP); i++) {
+        for (int j = 0; j < (int)(360 / PAPER_SWEEP_STEP); j++) {
+            paper_procedure p = *procedure;
+            paper_attempt a;
+
+            guess(&p, 0, node(-90, PAPER_SWEEP_STEP, i),
+                  node(-180, PAPER_SWEEP_STEP, j));
+            paper_solve(&a, &p, images, scene, c);
+            count(t, &a);
+        }
+    }
+}
+
+/* The documented scene, as in the paper. */
+static void share_documented(FILE *file, double depth, int width)
+{
+    paper_scene scene;
+    paper_images images;
+    paper_attempt a;
+    tally own = {{0}, 0};
+
+    paper_scene_documented(&scene, depth);
+    paper_look(&images, &scene, width, PAPER_DIGITAL);
+    for (int n = 3; n <= PAPER_POINTS; n++) {
+        tally t = {{0}, 0};
+
+        for (int c = 0; c < PAPER_CAMERAS; c++) {
+            const paper_procedure p = paper_published(n);
+
+            sweep(&t, &p, &images, &scene, c);
+        }
+        print_share(file, depth, width, n, "published", "documented", &t);
+    }
+    for (int c = 0; c < PAPER_CAMERAS; c++) {
+        paper_solve_no_guess(&a, &images, &scene, c);
+        count(&own, &a);
+    }
+    print_share(file, depth, width, PAPER_POINTS, "no_guess", "documented",
+                &own);
+}
+
+/* Each random placement from a random guess. */
+static void share_random(FILE *file, double depth, int width)
+{
+    tally t[2] = {{{0}, 0}, {{0}, 0}}, own = {{0}, 0};
+
+    for (int k = 0; k < (int)PAPER_PLACEMENTS; k++) {
+        paper_rng rng = paper_stream(PAPER_GUESSING, k);
+        paper_scene scene;
+        paper_images images;
+        paper_attempt a;
+
+        paper_scene_random(&scene, k, depth);
+        paper_look(&images, &scene, width, PAPER_DIGITAL);
+        for (int c = 0; c < PAPER_CAMERAS; c++) {
+            const double pitch = paper_uniform(&rng, -90, 90);
+            const double roll = paper_uniform(&rng, -180, 180);
+
+            for (int n = 3; n <= PAPER_POINTS; n++) {
+                paper_procedure p = paper_published(n);
+
+                guess(&p, 0, pitch, roll);
+                paper_solve(&a, &p, &images, &scene, c);
+                count(&t[n - 3], &a);
+            }
+            paper_solve_no_guess(&a, &images, &scene, c);
+            count(&own, &a);
+        }
+    }
+    print_share(file, depth, width, 3, "published", "random", &t[0]);
+    print_share(file, depth, width, 4, "published", "random", &t[1]);
+    print_share(file, depth, width, 4, "no_guess", "random", &own);
+}
+
+void figure_9(void)
+{
+    FILE *const file = table_open("fig09");
+
+    fprintf(file,
+            "depth_cm,width_px,points,method,scenes,tried,correct,false\n");
+    for (int d = 0; d < PAPER_DEPTHS; d++) {
+        for (int w = 0; w < PAPER_WIDTHS; w++) {
+            share_documented(file, paper_depths_cm[d], paper_widths[w]);
+            share_random(file, paper_depths_cm[d], paper_widths[w]);
+            fprintf(stderr, "  figure 9: %g cm, %d px\n", paper_depths_cm[d],
+                    paper_widths[w]);
+        }
+    }
+    table_close(file);
+}
+
+/* ---- our own: what the choices of the procedure do ---------------------- */
+
+static const struct {
+    const char *name;
+    int eliminate, eliminating;
+} choices[] = {
+    {"yaw_2", RIGCAL_YAW, 2},     {"pitch_2", RIGCAL_PITCH, 2},
+    {"roll_2", RIGCAL_ROLL, 2},   {"best_2", RIGCAL_BEST_CONDITIONED, 2},
+    {"yaw_all", RIGCAL_YAW, 0},   {"pitch_all", RIGCAL_PITCH, 0},
+    {"roll_all", RIGCAL_ROLL, 0}, {"best_all", RIGCAL_BEST_CONDITIONED, 0}};
+
+/* Rotation error over the bound's 1-sigma of all three axes. */
+static double over_sigma(const paper_attempt *a, const double Sigma[36])
+{
+    return a->has_pose ? a->degrees * PAPER_DEGREE /
+                             sqrt(Sigma[0] + Sigma[7] + Sigma[14])
+                       : HUGE_VAL;
+}
+
+typedef struct {
+    paper_scene scene;
+    paper_images images;
+    double Sigma[36], guess[3];
+} trial;
+
+static void make_trial(trial *t, int k)
+{
+    paper_rng rng = paper_stream(PAPER_GUESSING, k);
+
+    paper_scene_random(&t->scene, k, PAPER_DOCUMENTED_CM);
+    paper_look(&t->images, &t->scene, (int)PAPER_WIDTH, PAPER_DIGITAL);
+    paper_expect(
+        paper_covariance(t->Sigma, &t->scene.cam_from_target[0], &t->images, 0),
+        "a placement has no bound");
+    t->guess[0] = paper_uniform(&rng, -180, 180);
+    t->guess[1] = paper_uniform(&rng, -90, 90);
+    t->guess[2] = paper_uniform(&rng, -180, 180);
+}
+
+void figure_choices(void)
+{
+    FILE *const file = table_open("choices");
+
+    fprintf(file,
+            "choice,placements,correct_from_anywhere,false_from_anywhere,"
+            "over_sigma_q25,over_sigma_median,over_sigma_q75,condition_q25,"
+            "condition_median,condition_q75\n");
+    for (size_t i = 0; i < sizeof choices / sizeof choices[0]; i++) {
+        static sample errors, conditions;
+        tally anywhere = {{0}, 0};
+
+        errors.n = conditions.n = 0;
+        for (int k = 0; k < (int)PAPER_PLACEMENTS; k++) {
+            paper_procedure p = paper_published(PAPER_POINTS);
+            paper_attempt a;
+            trial t;
+
+            make_trial(&t, k);
+            p.eliminate = choices[i].eliminate;
+            p.eliminating = choices[i].eliminating;
+            guess(&p, t.guess[0], t.guess[1], t.guess[2]);
+            paper_solve(&a, &p, &t.images, &t.scene, 0);
+            count(&anywhere, &a);
+            p.use_guess = 0;
+            paper_solve(&a, &p, &t.images, &t.scene, 0);
+            sample_add(&errors, over_sigma(&a, t.Sigma));
+            sample_add(&conditions, a.has_pose ? a.condition : HUGE_VAL);
+        }
+        fprintf(file, "%s,%d,%d,%d", choices[i].name, anywhere.tried,
+                anywhere.count[PAPER_CORRECT], anywhere.count[PAPER_FALSE]);
+        sample_print(file, &errors);
+        sample_print(file, &conditions);
+        fprintf(file, "\n");
+    }
+    table_close(file);
+}
+
+/* All fifteen choices of two pairs among six, by cond(A): two bins a decade. */
+void figure_conditions(void)
+{
+    enum { BINS = 10, PAIRS = 6 };
+    static sample bins[BINS];
+    FILE *const file = table_open("conditions");
+
+    memset(bins, 0, sizeof bins);
+    for (int k = 0; k < (int)PAPER_PLACEMENTS / 2; k++) {
+        trial t;
+
+        make_trial(&t, k);
+        for (int i = 0; i < PAIRS; i++) {
+            for (int j = i + 1; j < PAIRS; j++) {
+                paper_procedure p = paper_published(PAPER_POINTS);
+                paper_attempt a;
+                int bin;
+
+                p.first[0] = i;
+                p.first[1] = j;
+                p.use_guess = 0;
+                paper_solve(&a, &p, &t.images, &t.scene, 0);
+                if (a.condition >= 1) {
+                    bin = (int)(2 * log10(a.condition));
+                    sample_add(&bins[bin < BINS ? bin : BINS - 1],
+                               over_sigma(&a, t.Sigma));
+                }
+            }
+        }
+    }
+    fprintf(file, "condition_from,condition_to,n,over_sigma_q25,"
+                  "over_sigma_median,over_sigma_q75\n");
+    for (int b = 0; b < BINS; b++) {
+        fprintf(file, "%.3g,%.3g,%d", pow(10, b / 2.0), pow(10, (b + 1) / 2.0),
+                bins[b].n);
+        sample_print(file, &bins[b]);
+        fprintf(file, "\n");
+    }
+    table_close(file);
+}

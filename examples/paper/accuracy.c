@@ -336,7 +336,7 @@ static void draw_lines(FILE *file, const paper_scene *scene, int width)
         double uv_a[2], true_a[2], true_b[2], line[3], Sigma[2][36];
         const rigcal_transform pose[2] = {a[NO_GUESS][0].pose,
                                           a[NO_GUESS][1].pose};
-        matching m;
+        matching m = {{{0}}, {0}, 0};
 
         paper_see_point(uv_a, &images, scene, 0, matched[i]);
         paper_see_point(true_a, &exact, scene, 0, matched[i]);
@@ -383,7 +383,7 @@ static void gather_matches(matches *all,
     exact.digital = PAPER_PERFECT;
     for (int i = 0; i < 2; i++) {
         double X[3], uv_a[2], uv_b[2], Sigma[2][36];
-        matching m;
+        matching m = {{{0}}, {0}, 0};
 
         paper_middle(X);
         for (int j = 0; j < 3; j++) {

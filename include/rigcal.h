@@ -830,6 +830,86 @@ RIGCAL_API rigcal_status rigcal_solve_pose_robust(
     const rigcal_observation observations[], const rigcal_real sigma[], size_t n,
     const rigcal_robust_options *options);
 
+/* ==== diagnose ============================================================
+ *
+ * What is wrong with observations that fit badly: of few points, with little wrong.
+ * Each function solves n + 1 to n + 3 poses in one call. */
+enum { RIGCAL_BLAME_POINTS_MAX = 64 };
+
+enum {
+    RIGCAL_BLAME_NONE = 0,   /* no point stands out */
+    RIGCAL_BLAME_LIKELY = 1, /* one does, but chance, or another point, may be it */
+    RIGCAL_BLAME_SURE = 2    /* chance 0.01 or less, probability 0.99 or more */
+};
+
+typedef struct {
+    int32_t verdict;            /* RIGCAL_BLAME_ */
+    int32_t point;              /* without which the rest agree best; -1 when no
+                                   rest has a pose */
+    int32_t is_rest_poor;       /* 1: the rest are RIGCAL_POOR_FIT too */
+    int32_t reserved;           /* 0 */
+    rigcal_real rms_px;         /* of all points; -1: they have no pose */
+    rigcal_real rms_without_px; /* without that point */
+    rigcal_real chance;         /* that noise alone does as much for the best of n
+                                   points: an F test of 2 and 2 n - 8 degrees of
+                                   freedom, or chi squared where sigma_px is given;
+                                   an upper bound, at most 1 */
+    rigcal_real probability;    /* that it is this point, if it is one of them (C) */
+} rigcal_blame;
+
+/* Which one of 5 <= n <= 64 points to blame for a bad fit. rms_without[i] is the rms
+ * without point i [px], -1 where the rest has no pose. Noise is integrated over or,
+ * better, stated in the options. Of five points the four left have two degrees of
+ * freedom: unless the noise is stated, an error of 60 times the noise is surely blamed
+ * less than half of the time.
+ *
+ * OK, ERR_NULL, and those of rigcal_pose_begin; ERR_TOO_FEW (n < 5), ERR_RANGE
+ * (n > 64). */
+RIGCAL_API rigcal_status rigcal_blame_point(
+    rigcal_blame *blame, rigcal_real rms_without[], const rigcal_camera *camera,
+    const rigcal_observation observations[], const rigcal_real sigma[], size_t n,
+    const rigcal_pose_options *options);
+
+enum {
+    RIGCAL_DIAGNOSIS_CONSISTENT = 0,  /* the fit is not RIGCAL_POOR_FIT */
+    RIGCAL_DIAGNOSIS_UNITS = 1,       /* the same, but the length of t is not that of
+                                         the previous pose, by a factor of units */
+    RIGCAL_DIAGNOSIS_ONE_POINT = 2,   /* one point is wrong: see blame */
+    RIGCAL_DIAGNOSIS_MIRRORED = 3,    /* the target's coordinates are left-handed, or
+                                         the image is mirrored or v counts upwards,
+                                         which make nearly the same image: so fitted,
+                                         the data are a thousand times likelier */
+    RIGCAL_DIAGNOSIS_UNEXPLAINED = 4  /* poor, and none of these */
+};
+
+typedef struct {
+    int32_t verdict;             /* RIGCAL_DIAGNOSIS_ */
+    int32_t is_handed;           /* 1: the data tell that nothing is mirrored, or
+                                    that something is; 0: they fit nearly alike
+                                    mirrored, as those of a flat target always do,
+                                    and of any far away */
+    rigcal_real rms_mirrored_px; /* of the target mirrored, Z to -Z; -1: no pose */
+    rigcal_real rms_flipped_px;  /* of the image flipped, v to height - 1 - v */
+    rigcal_real units;           /* 10, 25.4, 100, 1000 or the inverse of one of
+                                    these: about the length of t found over that of
+                                    the previous pose. 0: no such factor, or no pose */
+    rigcal_blame blame;
+} rigcal_diagnosis;
+
+/* Whether the fit of 5 <= n <= 64 points is consistent and, if not, what would make it
+ * so. With options->use_start, `start` is a previous pose in the right units; it is
+ * used for nothing else.
+ *
+ *   rms_without  out   n, as rigcal_blame_point
+ *   work         work  n observations
+ *
+ * OK and as rigcal_blame_point. */
+RIGCAL_API rigcal_status rigcal_diagnose_pose(
+    rigcal_diagnosis *diagnosis, rigcal_real rms_without[],
+    rigcal_observation work[], const rigcal_camera *camera,
+    const rigcal_observation observations[], const rigcal_real sigma[], size_t n,
+    const rigcal_pose_options *options);
+
 /* ==== measure =============================================================
  *
  * Depths count in lengths of the ray that is handed in: with m = (x, y, 1) the

@@ -510,6 +510,11 @@ static const kind ROBUST = {sizeof(rigcal_robust_options), 0, 2, BAD_ROBUST,
                             RIGCAL_ERR_RANGE};
 static const kind ROBUST_SOLVER = {sizeof(rigcal_robust_solver), 0, 0, NULL,
                                    RIGCAL_ERR_STATE};
+static const kind BLAME = {sizeof(rigcal_blame), offsetof(rigcal_blame, rms_px), 4,
+                           NULL, 0};
+static const kind DIAGNOSIS = {sizeof(rigcal_diagnosis),
+                               offsetof(rigcal_diagnosis, rms_mirrored_px), 3, NULL,
+                               0};
 static const kind SEARCH = {sizeof(rigcal_neldermead), 0, 0, NULL,
                             RIGCAL_ERR_STATE};
 static const kind SOLVER = {sizeof(rigcal_paper_solver), 0, 0, NULL,
@@ -720,6 +725,8 @@ CALL(robust_result, p[0], p[1], p[2], COUNTED(p[3]), p[4])
 CALL(solve_pose_robust, p[0], p[1], p[2], p[3], COUNTED(p[4]), p[5], p[6], p[7],
      p[8], COUNTED(p[9]), p[10])
 CALL(solve_tag, p[0], p[1], COUNTED(p[2]), p[3], p[4], p[5], REAL(p[6]), p[7])
+CALL(blame_point, p[0], p[1], p[2], p[3], p[4], COUNTED(p[5]), p[6])
+CALL(diagnose_pose, p[0], p[1], p[2], p[3], p[4], p[5], COUNTED(p[6]), p[7])
 CALL(depth_two_views, p[0], p[1], p[2], p[3], p[4])
 CALL(depth_aligned, p[0], REAL(p[1]), p[2], p[3])
 CALL(triangulate, p[0], p[1], p[2], p[3], COUNTED(p[4]), REAL(p[5]))
@@ -917,6 +924,16 @@ static const function FUNCTIONS[] = {
       IN(CAMERA, 1, &ok.camera), IN(OBSERVATION, N, ok.observations),
       IN_OPT(SPREAD, N, ok.spreads), COUNT(&SIZE_6, 5, RIGCAL_ERR_TOO_FEW),
       IN_OPT(ROBUST, 1, &ok.robust)}},
+
+    {F(blame_point), 0, VIEWED,
+     {OUT_PART(BLAME, 1), OUT(NUMBER, N), IN(CAMERA, 1, &ok.camera),
+      IN(OBSERVATION, N, ok.observations), IN_OPT(SPREAD, N, ok.spreads),
+      COUNT(&SIZE_6, 5, RIGCAL_ERR_TOO_FEW), IN_OPT(COLD, 1, &ok.cold)}},
+    {F(diagnose_pose), 0, VIEWED,
+     {OUT_PART(DIAGNOSIS, 1), OUT(NUMBER, N), WORK(OBSERVATION, N),
+      IN(CAMERA, 1, &ok.camera), IN(OBSERVATION, N, ok.observations),
+      IN_OPT(SPREAD, N, ok.spreads), COUNT(&SIZE_6, 5, RIGCAL_ERR_TOO_FEW),
+      IN_OPT(WARM, 1, &ok.warm)}},
 
     {F(depth_two_views), 0, ROTATED | S(RANGE) | S(PARALLEL) | S(BEHIND),
      {OUT(VEC2, 1), OUT(NUMBER, 1), IN(TRANSFORM, 1, &ok.b_from_a),

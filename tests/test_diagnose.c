@@ -1,0 +1,297 @@
+/* diagnose: scenes with one wrong point, mirrored ones, and ones in other units. */
+#include <math.h>
+#include <string.h>
+
+#include "test_support.h"
+
+enum { N_MAX = 20 };
+
+static const double NOISE = 0.5; /* px */
+
+void setUp(void)
+{
+}
+
+void tearDown(void)
+{
+}
+
+typedef struct {
+    test_scene scene;
+    rigcal_camera camera;
+    rigcal_observation o[N_MAX], work[N_MAX];
+    rigcal_real rms_without[N_MAX];
+    rigcal_blame blame;
+    rigcal_diagnosis diagnosis;
+    int n;
+} problem;
+
+static void make(problem *p, test_rng *rng, int n, test_shape shape)
+{
+    p->camera = test_pinhole();
+    p->n = n;
+    test_scene_random(&p->scene, rng, n, shape);
+    test_observations(p->o, &p->scene, &p->camera);
+    for (int i = 0; i < n; i++) {
+        for (int k = 0; k < 2; k++) {
+            p->o[i].uv[k] = RC(D(p->o[i].uv[k]) + NOISE * test_normal(rng));
+        }
+    }
+}
+
+/* Moves the pixel of a point by so much, any way. */
+static void spoil(problem *p, test_rng *rng, int i, double by_px)
+{
+    const double angle = test_uniform(rng, 0, 2 * TEST_PI);
+
+    p->o[i].uv[0] = RC(D(p->o[i].uv[0]) + by_px * cos(angle));
+    p->o[i].uv[1] = RC(D(p->o[i].uv[1]) + by_px * sin(angle));
+}
+
+static rigcal_pose_options stated(double sigma_px)
+{
+    rigcal_pose_options options;
+
+    ASSERT_STATUS(RIGCAL_OK, rigcal_pose_defaults(&options));
+    options.sigma_px = RC(sigma_px);
+    return options;
+}
+
+static void blame(problem *p, const rigcal_pose_options *options)
+{
+    ASSERT_STATUS(RIGCAL_OK,
+                  rigcal_blame_point(&p->blame, p->rms_without, &p->camera, p->o,
+                                     NULL, (size_t)p->n, options));
+}
+
+static int diagnose(problem *p, const rigcal_pose_options *options)
+{
+    ASSERT_STATUS(RIGCAL_OK,
+                  rigcal_diagnose_pose(&p->diagnosis, p->rms_without, p->work,
+                                       &p->camera, p->o, NULL, (size_t)p->n,
+                                       options));
+    return p->diagnosis.verdict;
+}
+
+/* ---- one point ----------------------------------------------------------- */
+
+/* How often of 100 the right point is surely blamed, and never another. */
+static int surely_blamed(int n, double by_px, const rigcal_pose_options *options,
+                         uint64_t seed)
+{
+    test_rng rng = test_seed(seed);
+    int right = 0, other = 0;
+
+    for (int k = 0; k < 100; k++) {
+        const int wrong = k % n;
+        problem p;
+
+        make(&p, &rng, n, TEST_GENERAL);
+        spoil(&p, &rng, wrong, by_px);
+        blame(&p, options);
+        right += p.blame.verdict == RIGCAL_BLAME_SURE && p.blame.point == wrong;
+        other += p.blame.verdict == RIGCAL_BLAME_SURE && p.blame.point != wrong;
+    }
+    TEST_ASSERT_LESS_OR_EQUAL_INT(2, other);
+    return right;
+}
+
+static void test_the_wrong_point_is_blamed(void)
+{
+    const rigcal_pose_options known = stated(NOISE);
+
+    TEST_ASSERT_GREATER_THAN_INT(95, surely_blamed(8, 30, NULL, 1));
+    TEST_ASSERT_GREATER_THAN_INT(95, surely_blamed(20, 10, NULL, 2));
+    TEST_ASSERT_GREATER_THAN_INT(60, surely_blamed(6, 50, NULL, 3));
+    TEST_ASSERT_GREATER_THAN_INT(80, surely_blamed(6, 30, &known, 4));
+    TEST_ASSERT_GREATER_THAN_INT(95, surely_blamed(8, 30, &known, 5));
+}
+
+/* Five points with the noise unknown hardly ever tell; with it known often. */
+static void test_five_points_tell_little(void)
+{
+    const rigcal_pose_options known = stated(NOISE);
+    const int unknown = surely_blamed(5, 30, NULL, 6);
+
+    TEST_ASSERT_LESS_THAN_INT(50, unknown);
+    TEST_ASSERT_GREATER_THAN_INT(unknown, surely_blamed(5, 30, &known, 6));
+}
+
+/* The bound on the chance holds: of right data one in a hundred is blamed at most. */
+static void test_noise_is_seldom_blamed(void)
+{
+    const rigcal_pose_options known = stated(NOISE);
+    test_rng rng = test_seed(7);
+    int sure = 0, likely = 0;
+
+    for (int k = 0; k < 600; k++) {
+        problem p;
+
+        make(&p, &rng, 5 + k % 8, (test_shape)(k % 3));
+        blame(&p, k % 2 ? &known : NULL);
+        sure += p.blame.verdict == RIGCAL_BLAME_SURE;
+        likely += p.blame.verdict == RIGCAL_BLAME_LIKELY;
+    }
+    TEST_ASSERT_LESS_OR_EQUAL_INT(6, sure);
+    TEST_ASSERT_LESS_OR_EQUAL_INT(70, likely);
+}
+
+/* Every number against the fits that it stands for. */
+static void test_numbers_are_those_of_the_fits(void)
+{
+    test_rng rng = test_seed(8);
+
+    for (int round = 0; round < 6; round++) {
+        const rigcal_pose_options known = stated(NOISE);
+        const rigcal_pose_options *const options = round % 2 ? &known : NULL;
+        rigcal_pose pose;
+        size_t n_found;
+        double all, sum = 0, best = 1e300, rest[N_MAX];
+        problem p;
+
+        make(&p, &rng, 7, TEST_GENERAL);
+        spoil(&p, &rng, 2, 6);
+        blame(&p, options);
+        TEST_ASSERT_TRUE(rigcal_solve_pose(&pose, &n_found, 1, NULL, &p.camera, p.o,
+                                           NULL, 7, options) >= 0);
+        ASSERT_NEAR(pose.rms_px, p.blame.rms_px, 1e-6);
+        all = D(pose.sse);
+        for (int i = 0; i < 7; i++) {
+            rigcal_observation left[N_MAX];
+
+            memcpy(left, p.o, sizeof left);
+            memmove(&left[i], &left[i + 1], (size_t)(6 - i) * sizeof left[0]);
+            TEST_ASSERT_TRUE(rigcal_solve_pose(&pose, &n_found, 1, NULL, &p.camera,
+                                               left, NULL, 6, options) >= 0);
+            ASSERT_NEAR(pose.rms_px, p.rms_without[i], TOL(1e-6, 1e-2));
+            rest[i] = D(pose.sse);
+            best = fmin(best, rest[i]);
+        }
+        for (int i = 0; i < 7; i++) {
+            sum += options ? exp((best - rest[i]) / (2 * NOISE * NOISE))
+                           : pow(best / rest[i], 3);
+        }
+        ASSERT_NEAR(1 / sum, p.blame.probability, 0.02);
+        ASSERT_NEAR(fmin(1, 7 * (options ? exp((best - all) / (2 * NOISE * NOISE))
+                                         : pow(best / all, 3))),
+                    p.blame.chance, 0.01);
+    }
+}
+
+/* ---- mirrors and units --------------------------------------------------- */
+
+static void test_consistent_data_are(void)
+{
+    test_rng rng = test_seed(9);
+    int consistent = 0, handed = 0;
+
+    for (int k = 0; k < 100; k++) {
+        problem p;
+
+        make(&p, &rng, 10, TEST_GENERAL);
+        consistent += diagnose(&p, NULL) == RIGCAL_DIAGNOSIS_CONSISTENT;
+        handed += p.diagnosis.is_handed;
+    }
+    TEST_ASSERT_EQUAL_INT(100, consistent);
+    TEST_ASSERT_GREATER_THAN_INT(80, handed);
+}
+
+static void test_mirrored_data_are_told(void)
+{
+    test_rng rng = test_seed(10);
+    int told = 0;
+
+    for (int k = 0; k < 60; k++) {
+        problem p;
+
+        make(&p, &rng, 10, TEST_GENERAL);
+        for (int i = 0; i < p.n; i++) {
+            if (k % 2) {
+                p.o[i].X_w[k / 2 % 3] = -p.o[i].X_w[k / 2 % 3];
+            } else {
+                p.o[i].uv[1] = RC(p.camera.height - 1) - p.o[i].uv[1];
+            }
+        }
+        told += diagnose(&p, NULL) == RIGCAL_DIAGNOSIS_MIRRORED;
+    }
+    TEST_ASSERT_GREATER_THAN_INT(54, told);
+}
+
+static void test_a_flat_target_has_no_hand(void)
+{
+    test_rng rng = test_seed(11);
+
+    for (int k = 0; k < 20; k++) {
+        problem p;
+
+        make(&p, &rng, 10, TEST_PLANAR);
+        TEST_ASSERT_EQUAL_INT(RIGCAL_DIAGNOSIS_CONSISTENT, diagnose(&p, NULL));
+        TEST_ASSERT_EQUAL_INT(0, p.diagnosis.is_handed);
+    }
+}
+
+static void test_one_wrong_point_is_told_and_several_are_not_explained(void)
+{
+    const rigcal_pose_options known = stated(NOISE);
+    test_rng rng = test_seed(12);
+    int one = 0, unexplained = 0;
+
+    for (int k = 0; k < 40; k++) {
+        problem p;
+
+        make(&p, &rng, 12, TEST_GENERAL);
+        spoil(&p, &rng, k % 12, 60);
+        one += diagnose(&p, &known) == RIGCAL_DIAGNOSIS_ONE_POINT &&
+               p.diagnosis.blame.point == k % 12;
+        for (int i = 0; i < 4; i++) {
+            spoil(&p, &rng, (k + 1 + i) % 12, 60);
+        }
+        unexplained += diagnose(&p, &known) == RIGCAL_DIAGNOSIS_UNEXPLAINED;
+    }
+    TEST_ASSERT_GREATER_THAN_INT(38, one);
+    TEST_ASSERT_GREATER_THAN_INT(38, unexplained);
+}
+
+/* A target in millimetres where the last pose was in metres, and the like. */
+static void test_units_are_told_from_a_previous_pose(void)
+{
+    static const double FACTOR[4] = {1000, 0.01, 25.4, 1};
+    test_rng rng = test_seed(13);
+
+    for (int k = 0; k < 16; k++) {
+        const double factor = FACTOR[k % 4];
+        rigcal_pose_options options = stated(0);
+        problem p;
+
+        make(&p, &rng, 10, TEST_GENERAL);
+        for (int i = 0; i < p.n; i++) {
+            for (int j = 0; j < 3; j++) {
+                p.o[i].X_w[j] = RC(factor * (p.scene.X[i][j] - p.scene.X[0][j]));
+            }
+        }
+        options.use_start = 1;
+        options.start = test_transform(p.scene.R, p.scene.t);
+        test_apply(p.scene.t, p.scene.R, p.scene.X[0], p.scene.t);
+        test_to_real(options.start.t, p.scene.t, 3);
+        TEST_ASSERT_EQUAL_INT(factor > 1 || factor < 1 ? RIGCAL_DIAGNOSIS_UNITS
+                                                       : RIGCAL_DIAGNOSIS_CONSISTENT,
+                              diagnose(&p, &options));
+        ASSERT_NEAR(factor > 1 || factor < 1 ? factor : 0, p.diagnosis.units,
+                    TOL(1e-6, 1e-4) * factor);
+    }
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_the_wrong_point_is_blamed);
+    RUN_TEST(test_five_points_tell_little);
+    RUN_TEST(test_noise_is_seldom_blamed);
+    RUN_TEST(test_numbers_are_those_of_the_fits);
+    RUN_TEST(test_consistent_data_are);
+    RUN_TEST(test_mirrored_data_are_told);
+    RUN_TEST(test_a_flat_target_has_no_hand);
+    RUN_TEST(test_one_wrong_point_is_told_and_several_are_not_explained);
+    RUN_TEST(test_units_are_told_from_a_previous_pose);
+    return UNITY_END();
+}

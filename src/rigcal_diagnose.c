@@ -77,13 +77,11 @@ static void leave_out(rigcal_blame *blame, rigcal_real rms_without[],
     uint8_t mask[RIGCAL_BLAME_POINTS_MAX];
     rigcal_real best = RC_MAX, total = 0;
     for (size_t i = 0; i < P->n; i++) {
-        mask[i] = 1;
-    }
-    for (size_t i = 0; i < P->n; i++) {
         rigcal_pose pose;
-        mask[i] = 0;
+        for (size_t k = 0; k < P->n; k++) {
+            mask[k] = k != i;
+        }
         const rigcal_status status = best_fit(&pose, P, mask);
-        mask[i] = 1;
         rms_without[i] = (status >= 0) ? pose.rms_px : -1;
         if (status >= 0) {
             const int is_best = pose.sse < best;
@@ -249,7 +247,7 @@ rigcal_status rigcal_diagnose_pose(rigcal_diagnosis *out, rigcal_real rms_withou
         return RIGCAL_ERR_NULL;
     }
     rigcal_status status = begin(&P, camera, observations, sigma, n, options);
-    if (status == RIGCAL_OK && P.options.use_start) {
+    if (status == RIGCAL_OK && P.options.use_start == 1) {
         status = rc_check_transform(&P.options.start);
         P.options.use_start = 0;
     }
@@ -276,7 +274,7 @@ rigcal_status rigcal_diagnose_pose(rigcal_diagnosis *out, rigcal_real rms_withou
     is_mirrored |=
         fits_mirrored(&d.rms_flipped_px, &unlike[1], &P, work, pose.sse, fitted);
     d.is_handed = is_mirrored || (unlike[0] && unlike[1]);
-    if (options != NULL && options->use_start && fitted >= 0) {
+    if (options != NULL && options->use_start == 1 && fitted >= 0) {
         d.units = units_of(rc_vec3_norm(pose.cam_from_world.t) /
                            rc_vec3_norm(options->start.t));
     }

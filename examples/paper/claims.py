@@ -104,7 +104,7 @@ def two_win_far(data):
 
 
 def two_win_far_all(data):
-    """Two angles win then, when all pairs eliminate."""
+    """Two angles win there when all pairs eliminate."""
     _, every, three = race(data)
     better = [off for off in three if every > three[off]]
     return 180 in better, (
@@ -144,7 +144,7 @@ def depth_does_not_matter(data):
 # ---- figures 9 to 13 -------------------------------------------------------
 
 def four_beat_three_digital(data):
-    """So do digital images, at every resolution and depth."""
+    """Digital images: four points beat three at every resolution and depth."""
     rows = pick(read(data, "fig09"), scenes="random")
     worst, at_512 = -100, []
     for row in pick(rows, points=4, method=THEIRS):
@@ -240,7 +240,7 @@ def near_the_bound(data):
 
 
 def no_guess_is_correct(data):
-    """The solver that needs no guess is correct in all, if pixels are fine enough."""
+    """The solver that needs no guess finds all, once pixels are fine enough."""
     rows = pick(read(data, "fig09"), scenes="random", method=OURS)
     first = {}
     for depth in DEPTHS:

@@ -18,11 +18,14 @@ enum {
     OPTION_PIXEL,
     OPTION_DEPTH,
     OPTION_METHOD,
+    OPTION_ROBUST,
+    OPTION_THRESHOLD,
+    OPTION_SEED,
     OPTION_COUNT
 };
 
-/* Each runs with the texts given to the options, NULL where not given, and
- * returns the exit status. */
+/* Each runs with the texts given to the options, NULL where not given and empty
+ * where an option takes none, and returns the exit status. */
 typedef int cli_command(const char *const option[OPTION_COUNT]);
 cli_command cli_calibrate, cli_triangulate, cli_line;
 

@@ -14,7 +14,9 @@ static const double DEGREE = 57.295779513082320877;
 typedef struct {
     size_t camera, frame; /* numbers of their names */
     const cli_observation *first;
-    size_t n;
+    size_t n_seen;
+    const uint8_t *agree; /* of each seen: 0, left out by --robust; NULL: all count */
+    size_t n;             /* those that count */
     int by_paper;         /* by the published procedure: one pose, no sigma */
     rigcal_status status; /* OK or a caveat */
     rigcal_pose poses[RIGCAL_POSES_MAX]; /* best first */
@@ -30,6 +32,8 @@ typedef struct {
     cli_cameras cameras;
     cli_observations observations;
     int by_paper; /* --method paper */
+    int is_robust;
+    rigcal_robust_options robust;
     int exit_status;
 
     rigcal_observation *observed; /* work for one view */
@@ -97,10 +101,12 @@ static rigcal_real distance_to_points(const rigcal_transform *cam_from_target,
 
 static void gather(const calibration *c, const view *v)
 {
-    size_t i;
+    size_t i, n = 0;
 
-    for (i = 0; i < v->n; i++) {
-        c->observed[i] = v->first[i].seen;
+    for (i = 0; i < v->n_seen; i++) {
+        if (v->agree == NULL || v->agree[i]) {
+            c->observed[n++] = v->first[i].seen;
+        }
     }
 }
 
@@ -131,6 +137,25 @@ static rigcal_status solve_by_paper(const calibration *c, view *v,
     return measured < 0 ? measured : status;
 }
 
+/* Those that disagree do not count any more. */
+static rigcal_status solve_robustly(const calibration *c, view *v,
+                                    const rigcal_camera *camera, int32_t *bad)
+{
+    uint8_t *agree = cli_alloc(v->n, sizeof *agree);
+    size_t n_agree;
+    const rigcal_status status = rigcal_solve_pose_robust(
+        v->poses, &v->n_poses, agree, &n_agree, RIGCAL_POSES_MAX, bad, camera,
+        c->observed, NULL, v->n, &c->robust);
+
+    if (status < 0) {
+        free(agree);
+        return status;
+    }
+    v->agree = agree;
+    v->n = n_agree;
+    return status;
+}
+
 /* What follows from the pose that is taken. */
 static void measure(const calibration *c, view *v)
 {
@@ -157,6 +182,8 @@ static rigcal_status solve(const calibration *c, view *v, int32_t *bad)
     v->by_paper = c->by_paper;
     if (v->by_paper) {
         status = solve_by_paper(c, v, camera, bad);
+    } else if (c->is_robust && v->n >= 5) {
+        status = solve_robustly(c, v, camera, bad);
     } else {
         status = rigcal_solve_pose(v->poses, &v->n_poses, RIGCAL_POSES_MAX, bad,
                                    camera, c->observed, NULL, v->n, NULL);
@@ -185,6 +212,61 @@ static void name_trouble(const calibration *c, const view *v,
     }
 }
 
+static const char *point_name(const calibration *c, const view *v, size_t i)
+{
+    return c->observations.points.name[v->first[i].point];
+}
+
+/* The points that --robust left out. */
+static void name_left_out(const calibration *c, const view *v)
+{
+    size_t i;
+
+    if (v->n < v->n_seen) {
+        cli_say("camera %s in frame %s: %lu of %lu points disagree and are left out",
+                c->cameras.names.name[v->camera],
+                c->observations.frames.name[v->frame],
+                (unsigned long)(v->n_seen - v->n), (unsigned long)v->n_seen);
+    }
+    for (i = 0; i < v->n_seen; i++) {
+        if (v->agree != NULL && !v->agree[i]) {
+            cli_say("    point %s", point_name(c, v, i));
+        }
+    }
+}
+
+/* What would make a bad fit good, where that can be told. */
+static void name_cause(const calibration *c, const view *v)
+{
+    rigcal_real rms_without[RIGCAL_BLAME_POINTS_MAX];
+    rigcal_observation work[RIGCAL_BLAME_POINTS_MAX];
+    rigcal_diagnosis d;
+    const char *camera = c->cameras.names.name[v->camera];
+
+    gather(c, v);
+    if (v->n > RIGCAL_BLAME_POINTS_MAX ||
+        rigcal_diagnose_pose(&d, rms_without, work, &c->cameras.camera[v->camera],
+                             c->observed, NULL, v->n, NULL) != RIGCAL_OK) {
+        return;
+    }
+    if (d.verdict == RIGCAL_DIAGNOSIS_MIRRORED) {
+        cli_say("camera %s: are the target's coordinates left-handed, or is the image "
+                "mirrored? So it would fit to %.2g px",
+                camera,
+                (double)(d.rms_mirrored_px >= 0 ? d.rms_mirrored_px
+                                                : d.rms_flipped_px));
+    } else if (d.blame.verdict != RIGCAL_BLAME_NONE && d.blame.rms_px >= 0) {
+        cli_say("camera %s: point %s %s; without it %.2g px instead of %.2g px", camera,
+                point_name(c, v, (size_t)d.blame.point),
+                d.blame.verdict == RIGCAL_BLAME_SURE ? "disagrees" : "may be wrong",
+                (double)d.blame.rms_without_px, (double)d.blame.rms_px);
+    } else if (d.blame.verdict != RIGCAL_BLAME_NONE) {
+        cli_say("camera %s: point %s disagrees; without it there is a pose, of %.2g px",
+                camera, point_name(c, v, (size_t)d.blame.point),
+                (double)d.blame.rms_without_px);
+    }
+}
+
 static void solve_view(calibration *c, const view *v)
 {
     view *solved = &c->views[c->n_views];
@@ -195,6 +277,11 @@ static void solve_view(calibration *c, const view *v)
     status = solve(c, solved, &bad);
     if (status != RIGCAL_OK && status != RIGCAL_AMBIGUOUS) {
         name_trouble(c, v, status, bad);
+    }
+    name_left_out(c, solved);
+    if ((status == RIGCAL_POOR_FIT || status == RIGCAL_ERR_NO_POSE) &&
+        solved->agree == NULL) {
+        name_cause(c, solved);
     }
     if (status < 0) {
         c->exit_status = CLI_GEOMETRY;
@@ -233,6 +320,7 @@ static void solve_views(calibration *c)
              end++) {
             v.n++;
         }
+        v.n_seen = v.n;
         solve_view(c, &v);
     }
 }
@@ -729,12 +817,44 @@ static int choose_method(const char *text)
     return by_paper;
 }
 
+static void choose_robust(calibration *c, const char *const option[OPTION_COUNT])
+{
+    double threshold, seed;
+
+    c->is_robust = option[OPTION_ROBUST] != NULL;
+    rigcal_robust_defaults(&c->robust);
+    if (c->is_robust && c->by_paper) {
+        cli_fail("--robust goes with --method ml");
+    }
+    if (!c->is_robust &&
+        (option[OPTION_THRESHOLD] != NULL || option[OPTION_SEED] != NULL)) {
+        cli_fail("--threshold and --seed go with --robust");
+    }
+    if (option[OPTION_THRESHOLD] != NULL) {
+        cli_numbers(&threshold, 1, "--threshold", option[OPTION_THRESHOLD]);
+        if (!(threshold >= 1e-3 && threshold <= 1e6)) {
+            cli_fail("--threshold is from 0.001 to 1000000 pixels, not \"%s\"",
+                     option[OPTION_THRESHOLD]);
+        }
+        c->robust.threshold_px = (rigcal_real)threshold;
+    }
+    if (option[OPTION_SEED] != NULL) {
+        cli_numbers(&seed, 1, "--seed", option[OPTION_SEED]);
+        if (!(seed >= 0 && seed <= UINT32_MAX && floor(seed) >= seed)) {
+            cli_fail("--seed is a whole number from 0 to %lu, not \"%s\"",
+                     (unsigned long)UINT32_MAX, option[OPTION_SEED]);
+        }
+        c->robust.seed = (uint32_t)seed;
+    }
+}
+
 int cli_calibrate(const char *const option[OPTION_COUNT])
 {
     calibration c;
 
     memset(&c, 0, sizeof c);
     c.by_paper = choose_method(option[OPTION_METHOD]);
+    choose_robust(&c, option);
     cli_cameras_read(&c.cameras, option[OPTION_CAMERAS]);
     cli_observations_read(&c.observations, option[OPTION_OBSERVATIONS],
                           &c.cameras, 1);

@@ -11,6 +11,7 @@ static const char HELP[] =
     "\n"
     "  rigcal calibrate   --cameras FILE --observations FILE [--out FOLDER]\n"
     "                     [--method ml|paper]\n"
+    "                     [--robust [--threshold PIXELS] [--seed NUMBER]]\n"
     "  rigcal triangulate --cameras FILE --rig FILE --observations FILE\n"
     "                     [--targets FILE] [--sigma PIXELS]\n"
     "  rigcal line        --cameras FILE --rig FILE --from CAMERA --to CAMERA\n"
@@ -23,6 +24,8 @@ static const char HELP[] =
     "its\n"
     "             1-sigma; of three points, all poses are found and one is taken\n"
     "             --method paper: the published procedure for every view\n"
+    "             --robust: points that disagree with the others by more than\n"
+    "             --threshold, 3 if not given, are named and left out\n"
     "triangulate  measures the points that two cameras or more observed, in "
     "the\n"
     "             first camera's frame or with --targets in the target's; "
@@ -49,7 +52,8 @@ typedef struct {
 
 static const command COMMANDS[] = {
     {"calibrate", cli_calibrate, BIT(OPTION_CAMERAS) | BIT(OPTION_OBSERVATIONS),
-     BIT(OPTION_OUT) | BIT(OPTION_METHOD)},
+     BIT(OPTION_OUT) | BIT(OPTION_METHOD) | BIT(OPTION_ROBUST) |
+         BIT(OPTION_THRESHOLD) | BIT(OPTION_SEED)},
     {"triangulate", cli_triangulate,
      BIT(OPTION_CAMERAS) | BIT(OPTION_RIG) | BIT(OPTION_OBSERVATIONS),
      BIT(OPTION_TARGETS) | BIT(OPTION_SIGMA)},
@@ -73,6 +77,9 @@ static const struct option OPTIONS[] = {
     {"pixel", required_argument, NULL, OPTION_PIXEL},
     {"depth", required_argument, NULL, OPTION_DEPTH},
     {"method", required_argument, NULL, OPTION_METHOD},
+    {"robust", no_argument, NULL, OPTION_ROBUST},
+    {"threshold", required_argument, NULL, OPTION_THRESHOLD},
+    {"seed", required_argument, NULL, OPTION_SEED},
     {"help", no_argument, NULL, HELP_OPTION},
     {NULL, 0, NULL, 0},
 };
@@ -138,7 +145,7 @@ static void parse(const char *option[OPTION_COUNT], const command *chosen,
         } else if (option[given] != NULL) {
             WRONG_USE("--%s is given twice", OPTIONS[given].name);
         }
-        option[given] = optarg;
+        option[given] = optarg != NULL ? optarg : "";
     }
     if (optind < argc) {
         WRONG_USE("%s: %s takes options only", argv[optind], chosen->name);

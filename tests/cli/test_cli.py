@@ -579,6 +579,108 @@ class TestCaveats(CliTest):
         self.assertNotIn("", [poses["right", "2"][k] for k in ADDED[:2]])
 
 
+class TestWrongPoints(CliTest):
+    """A dozen points in space, seen by two cameras; some of them wrong."""
+
+    def observations(self, spoil):
+        rng = np.random.default_rng(5)
+        X = rng.uniform(-0.5, 0.5, (12, 3))
+        lines = ["frame,camera,point,X,Y,Z,u,v"]
+        for name, x in (("left", 0.3), ("right", -0.4)):
+            uv = Camera(camera_row(name)).project(
+                X @ rotation(0.2, x, 0.1).T + [0.1, x, 4])
+            uv = uv + 0.3 * rng.standard_normal(uv.shape)
+            if name == "right" or spoil == self.mirrored:
+                X_told, uv = spoil(X.copy(), uv)
+            else:
+                X_told = X
+            lines += [f"0,{name},p{i}," + ",".join(
+                repr(x) for x in [*X_told[i].tolist(), *uv[i].tolist()])
+                for i in range(12)]
+        return lines
+
+    def run_on(self, spoil, *more):
+        rows = [camera_row(name) for name in ("left", "right")]
+        table = [list(rows[0])] + [[str(r[k]) for k in rows[0]] for r in rows]
+        return self.calibrate(
+            write(self.folder, "c.csv", "\n".join(",".join(r) for r in table)),
+            write(self.folder, "o.csv", "\n".join(self.observations(spoil))),
+            None, *more)
+
+    @staticmethod
+    def none(X, uv):
+        return X, uv
+
+    @staticmethod
+    def one(X, uv):
+        uv[7] += [35, -20]
+        return X, uv
+
+    @staticmethod
+    def three(X, uv):
+        uv[[2, 5, 9]] = uv[[5, 9, 2]]
+        return X, uv
+
+    @staticmethod
+    def mirrored(X, uv):
+        return X * [1, -1, 1], uv
+
+    def right(self):
+        return transform(next(r for r in read(self.result("poses.csv"))
+                              if r["camera"] == "right"))
+
+    def test_the_point_to_blame_is_named(self):
+        run = self.run_on(self.one)
+        self.assertEqual(run.returncode, 0)
+        told = re.search(r"camera right: point p7 disagrees; without it ([\d.]+) px "
+                         r"instead of ([\d.]+) px\n", run.stderr)
+        self.assertTrue(told, run.stderr)
+        self.assertLess(float(told[1]), 0.7)
+        self.assertGreater(float(told[2]), 3)
+        self.assertNotIn("left", run.stderr)
+
+    def test_a_mirrored_target_is_named(self):
+        run = self.run_on(self.mirrored)
+        self.assertIn("left-handed", run.stderr)
+        self.assertNotIn("point", run.stderr)
+
+    def test_robust_leaves_wrong_points_out(self):
+        self.run_on(self.none)
+        truth = self.right()
+        for more in ((), ("--threshold", "4", "--seed", "7")):
+            run = self.run_on(self.three, "--robust", *more)
+            self.assertEqual(run.returncode, 0)
+            self.assertIn("camera right in frame 0: 3 of 12 points disagree",
+                          run.stderr)
+            self.assertEqual(re.findall(r"    point (\w+)", run.stderr),
+                             ["p2", "p5", "p9"])
+            self.assertRegex(run.stdout, r"(?m)^right +0 +9 ")
+            R, t = self.right()
+            self.assertLess(angle_deg(R, truth[0]), 0.5)
+            self.assertLess(np.linalg.norm(t - truth[1]), 0.03)
+
+    def test_robust_without_wrong_points_changes_nothing(self):
+        self.assertEqual(self.run_on(self.none).returncode, 0)
+        plain = content(self.out, "poses.csv")
+        run = self.run_on(self.none, "--robust")
+        self.assertEqual((run.returncode, run.stderr), (0, ""))
+        self.assertEqual(content(self.out, "poses.csv"), plain)
+
+    def test_wrong_use(self):
+        for more, word in ((["--threshold", "3"], "go with --robust"),
+                           (["--seed", "3"], "go with --robust"),
+                           (["--robust", "--method", "paper"], "--method ml"),
+                           (["--robust", "--threshold", "0"], "--threshold"),
+                           (["--robust", "--threshold", "x"], "--threshold"),
+                           (["--robust", "--seed", "-1"], "--seed"),
+                           (["--robust", "--seed", "1.5"], "--seed"),
+                           (["--robust", "--seed", "4294967296"], "--seed")):
+            run = self.run_on(self.none, *more)
+            self.assertEqual(run.returncode, 2, more)
+            self.assertIn(word, run.stderr)
+            self.assertFalse(os.path.exists(self.out))
+
+
 class TestUnsolvable(CliTest):
     def run_with(self, spoil):
         """Calibrates with the right camera's view of frame 03 spoiled."""

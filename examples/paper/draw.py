@@ -82,6 +82,7 @@ def handle(name, **change):
 OUTCOME_HANDLES = [Patch(facecolor=color, edgecolor="#888888", label=name)
                    for name, color in OUTCOMES.items()]
 TRUTH = dict(marker="+", color="black", ms=11, mew=1.6, ls="")
+OPEN = dict(marker="o", ms=8, mec="#0072b2", mew=2, ls="", color="white")
 DOT = dict(marker="o", ms=10, mec="white", mew=1.5, ls="", color="#0072b2")
 
 
@@ -107,7 +108,8 @@ MAPS = (("3", "2", "three points, published"),
 
 
 def map_figure(data, out, name, what):
-    rows = read(data, name)
+    rows, exact = read(data, name), read(data, "three_points")
+    digital = "1" if name == "fig08" else "0"
     cameras = sorted({row["camera"] for row in rows})
     figure, axes = plt.subplots(len(cameras), 3, squeeze=False,
                                 figsize=(11, 2.2 * len(cameras) + 0.8),
@@ -119,13 +121,19 @@ def map_figure(data, out, name, what):
                      == (camera, points, pairs)]
             draw_map(axes[k, column], these, f"camera {camera}: {title}",
                      these[0]["no_guess"] if points == "4" else None)
+        for pose in exact:
+            if (pose["digital"], pose["camera"]) == (digital, camera):
+                axes[k, 0].plot(float(pose["roll_deg"]),
+                                float(pose["pitch_deg"]),
+                                **(DOT if pose["outcome"] == "correct"
+                                   else OPEN))
         axes[k, 0].set_ylabel("guess of pitch [deg]")
     for ax in axes[-1]:
         ax.set_xlabel("guess of roll [deg]")
     legend_below(figure, OUTCOME_HANDLES + [
-        Line2D([], [], label="truth", **TRUTH),
         Line2D([], [], label="truth, found by the library's solver without a "
-               "guess", **DOT)], 5)
+               "guess", **DOT),
+        Line2D([], [], label="its other poses", **OPEN)], 5)
     figure.suptitle(what, fontsize=11, y=0.985)
     figure.tight_layout(rect=(0, 0.08 / len(cameras), 1, 1.02))
     save(figure, out, name)

@@ -35,6 +35,7 @@ static const struct {
                {"fig05", figure_5},
                {"fig06", figure_6},
                {"fig08", figure_8},
+               {"three_points", figure_three},
                {"fig09", figure_9},
                {"fig10-14", figures_10_to_14},
                {"fig14_lines", figure_14_lines},

@@ -8,6 +8,7 @@ void figure_4(void);
 void figure_5(void);
 void figure_6(void);
 void figure_8(void);
+void figure_three(void);
 void figure_9(void);
 void figure_choices(void);
 void figure_conditions(void);

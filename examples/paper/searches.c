@@ -111,6 +111,74 @@ void figure_8(void)
     map_figure("fig08", 0, 1, PAPER_DIGITAL);
 }
 
+/* ---- three points without a guess ------------------------------------------ */
+
+/* All the poses in the documented scene, for the maps. */
+static void three_documented(FILE *file, int digital)
+{
+    paper_scene scene;
+    paper_images images;
+
+    paper_scene_documented(&scene, PAPER_DOCUMENTED_CM);
+    paper_look(&images, &scene, (int)PAPER_WIDTH, digital);
+    for (int c = 0; c < PAPER_CAMERAS; c++) {
+        rigcal_transform poses[RIGCAL_POSES_MAX];
+        int right;
+        const int n = paper_solve_three(poses, &right, &images, &scene, c);
+
+        for (int i = 0; i < n; i++) {
+            double ypr[3];
+
+            paper_expect(rigcal_yaw_pitch_roll_from_rotation(ypr, poses[i].R) ==
+                             RIGCAL_OK,
+                         "a rotation has no angles");
+            fprintf(file, "%d,%d,%.4f,%.4f,%s\n", digital, c + 1,
+                    ypr[1] / PAPER_DEGREE, ypr[2] / PAPER_DEGREE,
+                    outcome_names[i == right ? PAPER_CORRECT : PAPER_FALSE]);
+        }
+    }
+}
+
+/* How often the truth is among the poses, and how many there are. */
+static void three_random(FILE *file, int digital)
+{
+    int tried = 0, found = 0, poses_in_all = 0;
+
+    for (int k = 0; k < (int)PAPER_PLACEMENTS; k++) {
+        paper_scene scene;
+        paper_images images;
+
+        paper_scene_random(&scene, k, PAPER_DOCUMENTED_CM);
+        paper_look(&images, &scene, (int)PAPER_WIDTH, digital);
+        for (int c = 0; c < PAPER_CAMERAS; c++) {
+            rigcal_transform poses[RIGCAL_POSES_MAX];
+            int right;
+
+            poses_in_all +=
+                paper_solve_three(poses, &right, &images, &scene, c);
+            found += right >= 0;
+            tried++;
+        }
+    }
+    fprintf(file, "%d,%d,%d,%.2f\n", digital, tried, found,
+            (double)poses_in_all / tried);
+}
+
+void figure_three(void)
+{
+    FILE *const file = table_open("three_points");
+    FILE *const shares = table_open("three_points_random");
+
+    fprintf(file, "digital,camera,pitch_deg,roll_deg,outcome\n");
+    fprintf(shares, "digital,tried,correct,poses\n");
+    for (int digital = PAPER_PERFECT; digital <= PAPER_DIGITAL; digital++) {
+        three_documented(file, digital);
+        three_random(shares, digital);
+    }
+    table_close(file);
+    table_close(shares);
+}
+
 /* ---- figure 5: three angles against two --------------------------------- */
 
 static const struct {

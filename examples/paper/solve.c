@@ -156,6 +156,29 @@ void paper_solve_no_guess(paper_attempt *attempt, const paper_images *images,
     judge(attempt, images, scene, c, PAPER_POINTS);
 }
 
+int paper_solve_three(rigcal_transform poses[RIGCAL_POSES_MAX], int *right,
+                      const paper_images *images, const paper_scene *scene,
+                      int c)
+{
+    rigcal_pose found[RIGCAL_POSES_MAX];
+    size_t n_found;
+
+    *right = -1;
+    if (rigcal_solve_pose(found, &n_found, RIGCAL_POSES_MAX, NULL,
+                          &images->camera, images->seen[c], NULL, 3,
+                          NULL) < 0) {
+        return 0;
+    }
+    for (int i = 0; i < (int)n_found; i++) {
+        paper_attempt a = {0};
+
+        poses[i] = a.pose = found[i].cam_from_world;
+        judge(&a, images, scene, c, 3);
+        *right = a.outcome == PAPER_CORRECT ? i : *right;
+    }
+    return (int)n_found;
+}
+
 int paper_covariance(double Sigma[36], const rigcal_transform *pose,
                      const paper_images *images, int c)
 {

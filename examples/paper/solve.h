@@ -42,6 +42,12 @@ void paper_solve(paper_attempt *attempt, const paper_procedure *procedure,
 void paper_solve_no_guess(paper_attempt *attempt, const paper_images *images,
                           const paper_scene *scene, int c);
 
+/* The same on three points: all the poses that it returns, and which of them is
+ * correct, or -1. Returns how many. */
+int paper_solve_three(rigcal_transform poses[RIGCAL_POSES_MAX], int *right,
+                      const paper_images *images, const paper_scene *scene,
+                      int c);
+
 /* The covariance of camera c's pose at `pose`, for the noise of whole pixels. 0
  * when the points do not fix the pose. */
 int paper_covariance(double Sigma[36], const rigcal_transform *pose,

@@ -676,8 +676,8 @@ RIGCAL_API rigcal_status rigcal_pose_begin(
     const rigcal_pose_options *options);
 
 /* Spends at most `budget` >= 1 evaluations: of the cost of a direction, in constant
- * time, or of the equations of a refinement, O(n). At most 1000 in all, usually
- * about 45. RUNNING: call again; the same bits come out whatever the budgets. OK:
+ * time, or of the equations of a refinement, O(n). At most 800 in all, usually
+ * about 45 (thorough: 3000, 140). RUNNING: call again; the same bits come out whatever the budgets. OK:
  * ask for the result. ERR_NULL, ERR_RANGE, ERR_STATE. */
 RIGCAL_API rigcal_status rigcal_pose_step(rigcal_pose_solver *solver,
                                           int32_t budget);

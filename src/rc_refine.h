@@ -24,6 +24,12 @@ rigcal_status rc_normal_equations(rigcal_real *sse, rigcal_real g[6],
                                   rigcal_real H[21], const rc_fit *fit,
                                   const rigcal_transform *cam_from_points);
 
+/* The same, but that H has the curvature of a pinhole's projection too: Newton's, half
+ * the second derivative of the sum but for that of the lens. */
+rigcal_status rc_newton_equations(rigcal_real *sse, rigcal_real g[6],
+                                  rigcal_real H[21], const rc_fit *fit,
+                                  const rigcal_transform *cam_from_points);
+
 /* Levenberg-Marquardt from state->cam_from_points, one evaluation of the equations a
  * call, with Newton's in place of Gauss and Newton's where progress is slow;
  * state->status is RUNNING until it is OK, BUDGET_SPENT (max_evals) or a failure. */

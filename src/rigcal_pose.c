@@ -9,7 +9,8 @@ enum { FOLLOWED = 3, FOLLOWED_THOROUGH = RIGCAL_POSE_SEEDS };
 /* A descent: the simplex's first edge [rad], about half the lattice's spacing, and
  * its evaluations. It only has to land where refinement converges. */
 #define EDGE RC(0.3)
-enum { DESCENT_EVALS = 10, DESCENT_EVALS_THOROUGH = 20, REFINE_EVALS = 60 };
+enum { DESCENT_EVALS = 10, DESCENT_EVALS_THOROUGH = 20 };
+enum { REFINE_EVALS = 100, REFINE_EVALS_THOROUGH = 250 };
 
 /* A target whose mean square across its plane is below this part of the whole has
  * a second optimum, which leans the other way. */
@@ -22,7 +23,7 @@ enum { DESCENT_EVALS = 10, DESCENT_EVALS_THOROUGH = 20, REFINE_EVALS = 60 };
 /* A flat target's seeds that lean other than its first optimum does: the least lean
  * [rad], and how many times the least cost the sideways ones may be. */
 #define LEAN_LEAST RC(0.3)
-#define SHALLOW RC(10)
+#define SHALLOW RC(30)
 enum { OTHER_WAY = 0, SIDEWAYS, SIDEWAYS_BACK, LEANS };
 
 /* A seed so near to an optimum found [rad] was on its way there; those that lean
@@ -32,9 +33,6 @@ enum { OTHER_WAY = 0, SIDEWAYS, SIDEWAYS_BACK, LEANS };
 #define SAME_BASIN_LEANING RC(0.05)
 #define SAME_POSE RC(2e-3)
 #define SAME_EXACT RC_TOL(1e-6, 1e-3)
-
-/* A refinement that did not end counts unless its sum is so many times the best. */
-#define STRAY RC(10)
 
 /* Noise, stated in pixels or relative, outside which it is a mistake. */
 #define SIGMA_MIN RC(1e-6)
@@ -678,10 +676,11 @@ static void fit_of(rc_fit *fit, const rigcal_pose_solver *s)
 RC_APART static void end_refinement(rigcal_pose_solver *s, const rc_fit *fit)
 {
     const rigcal_refinement *const end = &s->work.fit;
-    /* One that ran out of evaluations is near an optimum in a valley, or nowhere. */
+    /* One that ran out of evaluations is on its way along a valley, likely to an
+     * optimum that is found from elsewhere too. */
     if (end->status == RIGCAL_OK ||
         (end->status == RIGCAL_BUDGET_SPENT &&
-         (s->n_found == 0 || end->sse < STRAY * s->found[0].sse))) {
+         (s->n_found == 0 || end->sse < s->found[0].sse))) {
         insert_found(s, fit);
     } else if (end->status == RIGCAL_ERR_DEGENERATE) {
         s->failure = RIGCAL_ERR_DEGENERATE;
@@ -810,9 +809,10 @@ static int is_refining(const rigcal_pose_solver *s)
 RC_APART static int32_t refine(rigcal_pose_solver *s, int32_t budget)
 {
     rc_fit fit;
+    const int32_t most = s->thorough ? REFINE_EVALS_THOROUGH : REFINE_EVALS;
     fit_of(&fit, s);
     for (; budget > 0 && is_refining(s); budget--) {
-        rc_refine_step(&s->work.fit, &fit, REFINE_EVALS);
+        rc_refine_step(&s->work.fit, &fit, most);
         if (s->work.fit.status == RIGCAL_RUNNING) {
             continue;
         }

@@ -5,12 +5,16 @@
 #define DAMPING_NEAR RC(1e-2)
 #define DAMPING_LAST RC(1e8)
 
+/* Damping of a Newton's H that is not positive definite: the first, and the last. */
+#define DAMPING_BEND RC(1e-4)
+#define DAMPING_NEWTON RC(10)
+
 /* Rise of the sum that may be rounding. */
 #define SUM_ROUNDING (16 * RC_EPS)
 
 /* What may be left to gain when a refinement ends, as a part of the sum, judged by
  * how fast the gains fall; and a gain that is small enough by itself. */
-#define LEFT_LEAST RC_TOL(1e-13, 1e-6)
+#define LEFT_LEAST RC_TOL(1e-12, 1e-6)
 #define GAIN_LEAST RC_TOL(1e-13, 1e-6)
 
 /* GAIN_LEAST in px^2, for images without noise. */
@@ -24,6 +28,9 @@
 
 /* Gains that fall no faster than this are those of a valley: Newton's H from there. */
 #define SLOW RC(0.1)
+
+/* Least element of the damping matrix, as a part of the largest of its block. */
+#define D_LEAST RC(1e-2)
 
 /* Pivots are compared with this part of their diagonal. */
 #define RANK_TOL (8 * RC_EPS)
@@ -164,6 +171,13 @@ rigcal_status rc_normal_equations(rigcal_real *sse, rigcal_real g[6],
     return equations(sse, g, H, fit, cam_from_points, 0);
 }
 
+rigcal_status rc_newton_equations(rigcal_real *sse, rigcal_real g[6],
+                                  rigcal_real H[21], const rc_fit *fit,
+                                  const rigcal_transform *cam_from_points)
+{
+    return equations(sse, g, H, fit, cam_from_points, 1);
+}
+
 /* ---- the packed 6 x 6 system --------------------------------------------- */
 
 /* Lower triangles of 3 x 3 are held row by row, their diagonals as inverses. */
@@ -213,12 +227,20 @@ typedef struct {
     rigcal_real first[6], across[3][3], second[6];
 } factor6;
 
-/* L L^T = H + damping diag(H). 0: not positive definite to rounding. */
+/* L L^T = H + damping D, D = diag(H). Where Newton's curvature has made an element
+ * of it small or negative, D has a part of the block's largest. 0: not positive
+ * definite to rounding. */
 static int factor(factor6 *L, const rigcal_real H[21], rigcal_real damping)
 {
-    const rigcal_real more = 1 + damping;
-    const rigcal_real A[6] = {more * H[0], H[1], more * H[2], H[3], H[4], more * H[5]};
-    const rigcal_real diagonal[6] = {H[0], H[2], H[5], H[9], H[14], H[20]};
+    const rigcal_real least[2] = {
+        D_LEAST * rc_max(H[0], rc_max(H[2], H[5])),
+        D_LEAST * rc_max(H[9], rc_max(H[14], H[20]))};
+    const rigcal_real diagonal[6] = {
+        rc_max(H[0], least[0]),  rc_max(H[2], least[0]),  rc_max(H[5], least[0]),
+        rc_max(H[9], least[1]),  rc_max(H[14], least[1]), rc_max(H[20], least[1])};
+    const rigcal_real A[6] = {H[0] + damping * diagonal[0], H[1],
+                              H[2] + damping * diagonal[1], H[3], H[4],
+                              H[5] + damping * diagonal[2]};
     if (!factor3(L->first, A, diagonal)) {
         return 0;
     }
@@ -230,12 +252,12 @@ static int factor(factor6 *L, const rigcal_real H[21], rigcal_real damping)
     }
     const rigcal_real *const a = L->across[0], *const b = L->across[1],
                             *const c = L->across[2];
-    const rigcal_real S[6] = {more * H[9] - rc_vec3_dot(a, a),
+    const rigcal_real S[6] = {H[9] + damping * diagonal[3] - rc_vec3_dot(a, a),
                               H[13] - rc_vec3_dot(b, a),
-                              more * H[14] - rc_vec3_dot(b, b),
+                              H[14] + damping * diagonal[4] - rc_vec3_dot(b, b),
                               H[18] - rc_vec3_dot(c, a),
                               H[19] - rc_vec3_dot(c, b),
-                              more * H[20] - rc_vec3_dot(c, c)};
+                              H[20] + damping * diagonal[5] - rc_vec3_dot(c, c)};
     return factor3(L->second, S, &diagonal[3]);
 }
 
@@ -319,14 +341,21 @@ static void evaluate(rigcal_refinement *state, const rc_fit *fit)
     state->is_stale = 0;
 }
 
-/* The step from where `state` is; *gain gets what it promises, undiminished. 0:
- * singular. */
+enum { SINGULAR, SADDLE, BOWL };
+
+/* The step from where `state` is; *gain gets what it promises, undiminished. Newton's
+ * H need not be positive definite, as on a saddle: it is damped until it is. */
 RC_APART static int damped_step(rigcal_real d[6], rigcal_real *gain,
-                       const rigcal_refinement *state)
+                                rigcal_refinement *state)
 {
     factor6 L;
-    if (!factor(&L, state->H, state->lambda)) {
-        return 0;
+    int shape = BOWL;
+    while (!factor(&L, state->H, state->lambda)) {
+        if (!state->is_newton || state->lambda > DAMPING_NEWTON) {
+            return SINGULAR;
+        }
+        state->lambda = rc_max(10 * state->lambda, DAMPING_BEND);
+        shape = SADDLE;
     }
     for (int k = 0; k < 6; k++) {
         d[k] = state->g[k];
@@ -339,7 +368,7 @@ RC_APART static int damped_step(rigcal_real d[6], rigcal_real *gain,
             d[k] *= TURN_MOST / turn;
         }
     }
-    return 1;
+    return shape;
 }
 
 /* A nearly undamped step is the last when next to nothing is left to gain after
@@ -388,18 +417,19 @@ static void advance(rigcal_refinement *state, const rc_fit *fit)
         evaluate(state, fit);
         return;
     }
-    if (!damped_step(d, &gain, state)) {
-        if (!state->is_newton) {
-            state->status = RIGCAL_ERR_DEGENERATE;
-            return;
-        }
-        state->is_newton = 0; /* Newton's H need not be positive definite */
+    const int shape = damped_step(d, &gain, state);
+    if (shape == SINGULAR) {
+        state->status = state->is_newton ? RIGCAL_RUNNING : RIGCAL_ERR_DEGENERATE;
+        state->is_newton = 0;
         state->is_stale = 1;
-        state->lambda = rc_max(10 * state->lambda, DAMPING_NEAR);
         return;
     }
-    if (is_last(state, gain)) { /* taken unseen: its sum is known to second order */
-        move(&state->cam_from_points, d);
+    if (is_last(state, gain)) {
+        if (shape == SADDLE) {
+            state->status = RIGCAL_BUDGET_SPENT; /* no optimum, and no way down */
+            return;
+        }
+        move(&state->cam_from_points, d); /* unseen: its sum is known to second order */
         state->sse = rc_max(0, state->sse - gain);
         state->status = RIGCAL_OK;
         return;

@@ -208,6 +208,61 @@ static void test_equations_are_those_of_the_oracle(void)
     }
 }
 
+/* Newton's H is half the second derivative of the sum, which differences of the sum
+ * itself tell, far from the minimum, where the curvature counts. */
+static void test_newtons_equations_are_second_differences(void)
+{
+    const double h = 1e-3;
+    test_rng rng = test_seed(7);
+
+    for (int trial = 0; trial < 40; trial++) {
+        double R[9], t[3], size[6];
+        rigcal_real sse, g[6], H[21], gauss[21];
+        rigcal_transform pose;
+        test_scene scene;
+        test_data data;
+        problem p;
+
+        test_scene_random(&scene, &rng, N_MAX, TEST_GENERAL);
+        p.camera = test_pinhole();
+        test_observations(p.o, &scene, &p.camera);
+        for (int i = 0; i < N_MAX; i++) {
+            p.o[i].uv[0] += RC(20 * test_normal(&rng));
+            p.o[i].uv[1] += RC(20 * test_normal(&rng));
+        }
+        memset(p.origin, 0, sizeof p.origin);
+        ready(&p, N_MAX, 0);
+        data = data_of(&p);
+        pose = test_transform(scene.R, scene.t);
+        ASSERT_STATUS(RIGCAL_OK,
+                      rc_newton_equations(&sse, g, H, &p.fit, &pose));
+        ASSERT_STATUS(RIGCAL_OK,
+                      rc_normal_equations(&sse, g, gauss, &p.fit, &pose));
+        for (int i = 0; i < 6; i++) {
+            size[i] = sqrt(packed(gauss, i, i));
+        }
+        for (int i = 0; i < 6; i++) {
+            for (int j = 0; j <= i; j++) {
+                double second = 0;
+
+                for (int corner = 0; corner < 4; corner++) {
+                    const double a = corner / 2 ? 1 : -1, b = corner % 2 ? 1 : -1;
+                    double d[6] = {0};
+
+                    d[i] += a * h;
+                    d[j] += b * h;
+                    memcpy(R, scene.R, sizeof R);
+                    memcpy(t, scene.t, sizeof t);
+                    test_move(R, t, d);
+                    second += a * b * test_sse(&data, R, t);
+                }
+                ASSERT_NEAR(second / (8 * h * h), packed(H, i, j),
+                            TOL(1e-5, 1e-3) * size[i] * size[j]);
+            }
+        }
+    }
+}
+
 /* Every lens, with and without sigma. */
 static void test_equations_are_those_of_differences(void)
 {
@@ -560,6 +615,7 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_equations_are_those_of_the_oracle);
+    RUN_TEST(test_newtons_equations_are_second_differences);
     RUN_TEST(test_equations_are_those_of_differences);
     RUN_TEST(test_a_point_that_the_camera_cannot_see_is_told);
     RUN_TEST(test_the_minimum_is_that_of_scipy_for_any_lens_and_weights);

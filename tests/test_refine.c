@@ -212,7 +212,7 @@ static void test_equations_are_those_of_the_oracle(void)
  * itself tell, far from the minimum, where the curvature counts. */
 static void test_newtons_equations_are_second_differences(void)
 {
-    const double h = 1e-3;
+    const double h = 2e-4;
     test_rng rng = test_seed(7);
 
     for (int trial = 0; trial < 40; trial++) {

@@ -747,11 +747,9 @@ RIGCAL_API rigcal_status rigcal_solve_tag(
  *
  * One camera's pose from observations some of which are wrong: another point's
  * pixel, or none's. Poses of three points each (D) are tried, from all triples or from
- * random ones, and scored by all the points; the best are fitted to the points near
- * them, and the last word has rigcal_solve_pose on those that agree, which are chosen
- * anew until they stay. The same input and seed give the same bits. */
-enum { RIGCAL_ROBUST_KEPT = 4 };
-
+ * random ones, and scored by all the points. The last word has rigcal_solve_pose on
+ * the points that agree with the best, which are chosen anew until they stay. The same
+ * input and seed give the same bits. */
 typedef struct {
     rigcal_real threshold_px; /* a point farther than this from its projection is
                                  wrong (times sigma_i where those are given);
@@ -762,15 +760,10 @@ typedef struct {
     uint32_t seed;            /* of the random triples. 1 (default) */
 } rigcal_robust_options;
 
-/* Internal: the best poses of three points, best first, and those of one triple or
- * the fit of one pose. */
+/* Internal: the best pose of three points so far, and those of one triple. */
 typedef struct {
-    rigcal_transform kept[RIGCAL_ROBUST_KEPT];
-    rigcal_real cost[RIGCAL_ROBUST_KEPT];
-    union {
-        rigcal_transform tried[4];
-        rigcal_refinement fit;
-    } work;
+    rigcal_transform best, tried[4];
+    rigcal_real cost;
 } rigcal_robust_poses;
 
 /* A search under way. Flat and copyable; its fields are internal. */
@@ -786,8 +779,7 @@ typedef struct {
     } work;
     rigcal_real origin[3], sigma_px, threshold_px, missed, area_px2;
     uint32_t random;
-    int32_t sample[3], samples, tried, is_complete, phase, next, widening, rounds,
-        failure;
+    int32_t sample[3], samples, tried, is_complete, phase, rounds, failure;
 } rigcal_robust_solver;
 
 /* All defaults. OK, ERR_NULL. */
@@ -803,9 +795,8 @@ RIGCAL_API rigcal_status rigcal_robust_begin(
     const rigcal_camera *camera, const rigcal_observation observations[],
     const rigcal_real sigma[], size_t n, const rigcal_robust_options *options);
 
-/* Spends at most `budget` >= 1 units: a triple, its poses scored by all points; an
- * evaluation of a fit; a unit of rigcal_pose_step. Each O(n); at most options.samples
- * + 9100 in all. RUNNING: call again; the same bits come out whatever the budgets.
+/* Spends at most `budget` >= 1 units: a triple, its poses scored by all points, or a
+ * unit of rigcal_pose_step. Each O(n); at most options.samples + 9000 in all. RUNNING: call again; the same bits come out whatever the budgets.
  * OK: ask for the result. ERR_NULL, ERR_RANGE, ERR_STATE. */
 RIGCAL_API rigcal_status rigcal_robust_step(rigcal_robust_solver *solver,
                                             int32_t budget);

@@ -12,10 +12,6 @@ enum { SAMPLES = 500, SAMPLES_MAX = 100000 };
 #define MISSED RC(1e-4)
 #define USEFUL_PART RC(0.25)
 
-/* Fitting a hypothesis to the points near it: within a threshold that shrinks by
- * halves to the stated one, so many evaluations each. */
-enum { WIDENINGS = 3, FIT_EVALS = 5 };
-
 /* How often the inliers are decided anew by the pose of the last ones. */
 enum { ROUNDS = 8 };
 
@@ -24,7 +20,7 @@ enum { ROUNDS = 8 };
 #define CHANCE RC(1e-3)
 #define CHANCE_MOST RC(1)
 
-enum { NOT_BEGUN = 0, SAMPLING, FITTING, SOLVING, DONE };
+enum { NOT_BEGUN = 0, SAMPLING, SOLVING, DONE };
 
 /* ---- samples ------------------------------------------------------------- */
 
@@ -127,42 +123,20 @@ static rigcal_real score(size_t *count, const rigcal_robust_solver *s,
     return sum;
 }
 
-/* Marks the points within a distance; how many they are, and in *changed whether
- * any mark changed. */
-static size_t mark(rigcal_robust_solver *s, const rc_fit *fit,
-                   const rigcal_transform *pose, rigcal_real within_px, int *changed)
+/* Marks the points within the threshold; *changed: whether any mark changed. */
+static void mark(rigcal_robust_solver *s, const rc_fit *fit,
+                 const rigcal_transform *pose, int *changed)
 {
-    size_t count = 0;
+    const rigcal_real limit = s->threshold_px * s->threshold_px;
     *changed = 0;
     for (size_t i = 0; i < s->n; i++) {
-        const uint8_t is_in = distance2(fit, pose, i) <= within_px * within_px;
+        const uint8_t is_in = distance2(fit, pose, i) <= limit;
         *changed |= is_in != s->inliers[i];
         s->inliers[i] = is_in;
-        count += is_in;
-    }
-    return count;
-}
-
-/* Keeps the best poses in order. */
-static void keep(rigcal_robust_poses *best, const rigcal_transform *pose,
-                 rigcal_real cost)
-{
-    int at = RIGCAL_ROBUST_KEPT;
-    for (; at > 0 && cost < best->cost[at - 1]; at--) {
-        if (at < RIGCAL_ROBUST_KEPT) {
-            best->kept[at] = best->kept[at - 1];
-            best->cost[at] = best->cost[at - 1];
-        }
-    }
-    if (at < RIGCAL_ROBUST_KEPT) {
-        best->kept[at] = *pose;
-        best->cost[at] = cost;
     }
 }
 
 /* ---- phases -------------------------------------------------------------- */
-
-static void begin_fitting(rigcal_robust_solver *s);
 
 /* All poses of one sample. */
 static void try_sample(rigcal_robust_solver *s, const rc_fit *fit)
@@ -176,33 +150,17 @@ static void try_sample(rigcal_robust_solver *s, const rc_fit *fit)
             return;
         }
     }
-    const int n_poses = rc_p3p(some->work.tried, (const rigcal_real(*)[3])x,
+    const int n_poses = rc_p3p(some->tried, (const rigcal_real(*)[3])x,
                                (const rigcal_real(*)[3])ray);
     for (int k = 0; k < n_poses; k++) {
-        const rigcal_real enough = some->cost[RIGCAL_ROBUST_KEPT - 1];
         size_t count;
-        const rigcal_real cost = score(&count, s, fit, &some->work.tried[k], enough);
-        if (cost < enough) {
-            keep(some, &some->work.tried[k], cost);
-            s->n_agree = (count > s->n_agree) ? count : s->n_agree;
+        const rigcal_real cost = score(&count, s, fit, &some->tried[k], some->cost);
+        if (cost < some->cost) {
+            some->cost = cost;
+            some->best = some->tried[k];
+            s->n_agree = count;
         }
     }
-}
-
-static void sample_step(rigcal_robust_solver *s)
-{
-    rc_fit fit;
-    fit_of(&fit, s);
-    try_sample(s, &fit);
-    const rigcal_real part = (rigcal_real)s->n_agree / (rigcal_real)s->n;
-    s->missed *= 1 - USEFUL_PART * part * part * part;
-    s->tried++;
-    if (s->tried >= s->samples || (!s->is_complete && s->missed < MISSED)) {
-        s->next = 0;
-        begin_fitting(s);
-        return;
-    }
-    next_sample(s);
 }
 
 /* The pose of the inliers as they are marked; DONE when there is none. */
@@ -220,62 +178,32 @@ static void begin_solving(rigcal_robust_solver *s)
     s->phase = (s->failure == RIGCAL_OK) ? SOLVING : DONE;
 }
 
-/* Hypothesis s->next, or what comes after the last one. */
-static void begin_fitting(rigcal_robust_solver *s)
+/* From the points that agree with the best pose. */
+static void end_sampling(rigcal_robust_solver *s, const rc_fit *fit)
 {
     int changed;
-    rc_fit fit;
-    fit_of(&fit, s);
-    s->phase = FITTING;
-    s->widening = WIDENINGS;
-    if (s->next < RIGCAL_ROBUST_KEPT && s->work.some.cost[s->next] < RC_MAX) {
-        s->work.some.work.fit.cam_from_points = s->work.some.kept[s->next];
-        s->work.some.work.fit.status = RIGCAL_OK; /* its points are not marked yet */
-        return;
-    }
-    if (!(s->work.some.cost[0] < RC_MAX)) {
+    if (!(s->work.some.cost < RC_MAX)) {
         s->failure = RIGCAL_ERR_NO_CONSENSUS;
         s->phase = DONE;
         return;
     }
-    int best = 0;
-    for (int k = 1; k < RIGCAL_ROBUST_KEPT; k++) {
-        best = (s->work.some.cost[k] < s->work.some.cost[best]) ? k : best;
-    }
-    s->rounds = 0;
-    (void)mark(s, &fit, &s->work.some.kept[best], s->threshold_px, &changed);
+    mark(s, fit, &s->work.some.best, &changed);
     begin_solving(s);
 }
 
-/* One evaluation of the fit of a hypothesis, or the next choice of its points. */
-static void fit_step(rigcal_robust_solver *s)
+static void sample_step(rigcal_robust_solver *s)
 {
-    rigcal_refinement *const refining = &s->work.some.work.fit;
     rc_fit fit;
     fit_of(&fit, s);
-    if (refining->status == RIGCAL_RUNNING) {
-        rc_refine_step(refining, &fit, FIT_EVALS);
-        if (refining->status == RIGCAL_RUNNING) {
-            return;
-        }
-    }
-    size_t count;
-    int changed;
-    const rigcal_transform pose = refining->cam_from_points;
-    const rigcal_real cost = score(&count, s, &fit, &pose, RC_MAX);
-    if (cost < s->work.some.cost[s->next]) {
-        s->work.some.cost[s->next] = cost;
-        s->work.some.kept[s->next] = pose;
-    }
-    if (s->widening-- > 0 && refining->status >= 0 &&
-        mark(s, &fit, &pose,
-             s->threshold_px * (rigcal_real)((uint32_t)1 << s->widening),
-             &changed) >= 4) {
-        rc_refine_begin(refining);
+    try_sample(s, &fit);
+    const rigcal_real part = (rigcal_real)s->n_agree / (rigcal_real)s->n;
+    s->missed *= 1 - USEFUL_PART * part * part * part;
+    s->tried++;
+    if (s->tried >= s->samples || (!s->is_complete && s->missed < MISSED)) {
+        end_sampling(s, &fit);
         return;
     }
-    s->next++;
-    begin_fitting(s);
+    next_sample(s);
 }
 
 /* The inliers of the pose found, and its solution again when they are others. */
@@ -293,7 +221,7 @@ static void end_solving(rigcal_robust_solver *s)
     rigcal_transform from_points = poses[0].cam_from_world;
     rc_transform_point(from_points.t, &poses[0].cam_from_world, s->origin);
     fit_of(&fit, s);
-    (void)mark(s, &fit, &from_points, s->threshold_px, &changed);
+    mark(s, &fit, &from_points, &changed);
     if (changed) {
         begin_solving(s);
     }
@@ -415,9 +343,7 @@ static rigcal_status begin(rigcal_robust_solver *s, int32_t *at, uint8_t inliers
     if (s->is_complete) {
         s->samples = (int32_t)count_triples(n);
     }
-    for (int k = 0; k < RIGCAL_ROBUST_KEPT; k++) {
-        s->work.some.cost[k] = RC_MAX;
-    }
+    s->work.some.cost = RC_MAX;
     s->missed = 1;
     s->sample[1] = 1;
     s->sample[2] = 2;
@@ -464,8 +390,6 @@ rigcal_status rigcal_robust_step(rigcal_robust_solver *solver, int32_t budget)
     for (int32_t i = 0; i < budget && solver->phase != DONE; i++) {
         if (solver->phase == SAMPLING) {
             sample_step(solver);
-        } else if (solver->phase == FITTING) {
-            fit_step(solver);
         } else if (rigcal_pose_step(&solver->work.pose, 1) != RIGCAL_RUNNING) {
             end_solving(solver);
         }

@@ -371,34 +371,49 @@ static int32_t lattice_size(const rigcal_pose_solver *s)
     return s->thorough ? LATTICE_THOROUGH : LATTICE;
 }
 
+/* A golden angle, pi (3 - sqrt 5). */
+#define GOLDEN_COS RC(-0.73736887807831989)
+#define GOLDEN_SIN RC(0.67549029426152364)
+
+/* z <- z w, as complex numbers. */
+static void turn(rigcal_real z[2], const rigcal_real w[2])
+{
+    const rigcal_real x = z[0] * w[0] - z[1] * w[1];
+    z[1] = z[0] * w[1] + z[1] * w[0];
+    z[0] = x;
+}
+
 /* Direction i of a Fibonacci sphere of n: heights in even steps, azimuths a golden
  * angle apart. */
 static void direction_of(rigcal_real m3[3], int32_t i, int32_t n,
-                         rigcal_real cosine, rigcal_real sine)
+                         const rigcal_real azimuth[2])
 {
     m3[2] = 1 - (rigcal_real)(2 * i + 1) / (rigcal_real)n;
     const rigcal_real r = RC_SQRT(1 - m3[2] * m3[2]);
-    m3[0] = r * cosine;
-    m3[1] = r * sine;
+    m3[0] = r * azimuth[0];
+    m3[1] = r * azimuth[1];
 }
 
+/* The azimuth by squaring, for there may be no other use for a sine. */
 static void seed_direction(rigcal_real m3[3], const rigcal_pose_solver *s,
                            int32_t index)
 {
-    static const rigcal_real GOLDEN = RC(2.3999632297286533); /* pi (3 - sqrt 5) */
-    const rigcal_real azimuth = GOLDEN * (rigcal_real)index;
-    direction_of(m3, index, lattice_size(s), RC_COS(azimuth), RC_SIN(azimuth));
+    rigcal_real azimuth[2] = {1, 0}, power[2] = {GOLDEN_COS, GOLDEN_SIN};
+    for (int32_t k = index; k > 0; k /= 2) {
+        if (k % 2 == 1) {
+            turn(azimuth, power);
+        }
+        turn(power, (const rigcal_real[2]){power[0], power[1]});
+    }
+    direction_of(m3, index, lattice_size(s), azimuth);
 }
 
-/* In turn, without the sine and cosine. */
+/* The same in turn: the azimuth is carried on. */
 static void next_direction(rigcal_real m3[3], rigcal_pose_solver *s)
 {
-    static const rigcal_real GOLDEN_COS = RC(-0.73736887807831989);
-    static const rigcal_real GOLDEN_SIN = RC(0.67549029426152364);
-    const rigcal_real c = s->spiral[0], d = s->spiral[1];
-    direction_of(m3, s->next, lattice_size(s), c, d);
-    s->spiral[0] = c * GOLDEN_COS - d * GOLDEN_SIN;
-    s->spiral[1] = c * GOLDEN_SIN + d * GOLDEN_COS;
+    static const rigcal_real GOLDEN[2] = {GOLDEN_COS, GOLDEN_SIN};
+    direction_of(m3, s->next, lattice_size(s), s->spiral);
+    turn(s->spiral, GOLDEN);
 }
 
 /* Removes the seeds of neighbours that are worse. 0: there is a better one. */

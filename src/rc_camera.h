@@ -40,7 +40,7 @@ rigcal_status rc_project(rigcal_real uv[2], rigcal_real J_uv[6],
                          const rigcal_real X_c[3]);
 
 /* The same with the lens prepared, for those who project many points. X_c is of
- * moderate size. */
+ * moderate size, J_uv not NULL. */
 rigcal_status rc_project_through(rigcal_real uv[2], rigcal_real J_uv[6],
                                  const rc_lens *lens,
                                  const rigcal_camera *camera,

@@ -573,7 +573,7 @@ RIGCAL_API rigcal_status rigcal_paper_solve(rigcal_paper_pose *pose,
  * were found are returned, best first, and the status tells when the first is not
  * sure. Three points have up to four poses that fit exactly (D), and nothing in them
  * tells which is right. */
-enum { RIGCAL_POSES_MAX = 4, RIGCAL_POSE_SEEDS = 6 };
+enum { RIGCAL_POSES_MAX = 4, RIGCAL_POSE_SEEDS = 5 };
 
 typedef struct {
     rigcal_transform cam_from_world;
@@ -585,8 +585,8 @@ typedef struct {
 } rigcal_pose;
 
 typedef struct {
-    int32_t thorough;  /* 1: four times the directions, twice the seeds: fewer
-                          misses still. 0 (default) */
+    int32_t thorough;  /* 1: four times the directions, more and better spread seeds,
+                          for three times the work: fewer misses still. 0 (default) */
     int32_t use_start; /* 1: `start` is a previous pose, and the only seed unless
                           it proves bad; only the optimum near it is returned.
                           0 (default) */

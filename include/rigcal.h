@@ -586,7 +586,7 @@ typedef struct {
 
 typedef struct {
     int32_t thorough;  /* 1: four times the directions, more and better spread seeds,
-                          for three times the work: fewer misses still. 0 (default) */
+                          for five times the work: fewer misses still. 0 (default) */
     int32_t use_start; /* 1: `start` is a previous pose, and the only seed unless
                           it proves bad; only the optimum near it is returned.
                           0 (default) */
@@ -677,7 +677,7 @@ RIGCAL_API rigcal_status rigcal_pose_begin(
 
 /* Spends at most `budget` >= 1 evaluations: of the cost of a direction, in constant
  * time, or of the equations of a refinement, O(n). At most 800 in all, usually
- * about 45 (thorough: 3000, 140). RUNNING: call again; the same bits come out whatever the budgets. OK:
+ * about 45 (thorough: 3000, 200). RUNNING: call again; the same bits come out whatever the budgets. OK:
  * ask for the result. ERR_NULL, ERR_RANGE, ERR_STATE. */
 RIGCAL_API rigcal_status rigcal_pose_step(rigcal_pose_solver *solver,
                                           int32_t budget);

@@ -559,7 +559,7 @@ RC_APART static void next_seed(rigcal_pose_solver *s)
             break;
         }
         seed_direction(m3, s, s->from.lattice.seed[s->next].index);
-        if (!leads_to_found(s, m3, cost)) {
+        if (s->thorough || !leads_to_found(s, m3, cost)) {
             begin_descent(s, m3, cost);
             s->next++;
             return;

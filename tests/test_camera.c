@@ -400,7 +400,7 @@ static void test_points_are_projected_by_the_formulas_of_the_header(void)
     for (int i = 0; i < N_LENSES; i++) {
         const rigcal_camera camera = camera_of(&LENSES[i]);
 
-        for (int trial = 0; trial < 300; trial++) {
+        for (int trial = 0; trial < TEST_TRIALS(300); trial++) {
             const double Z = test_uniform(&rng, 0.1, 20);
             rigcal_real X_real[3], uv[2];
             double X[3], expected[2];
@@ -432,7 +432,7 @@ static void test_the_derivative_of_a_pixel_is_that_of_the_formulas(void)
     for (int i = 0; i < N_LENSES; i++) {
         const rigcal_camera camera = camera_of(&LENSES[i]);
 
-        for (int trial = 0; trial < 30; trial++) {
+        for (int trial = 0; trial < TEST_TRIALS(30); trial++) {
             const double distance = test_uniform(&rng, 0.1, 20);
             double X[3], largest = 0, J[6];
             rigcal_real X_c[3], uv[2], J_uv[6];
@@ -522,6 +522,7 @@ static void test_each_pixel_of_each_lens_has_its_ray_or_none(void)
     enum { NX = 33, NY = 25 };
     static image_circle inner, outer;
 
+    TEST_ON_HOST_ONLY("the polygon takes 100 KB and minutes");
     for (int i = 0; i < N_LENSES; i++) {
         const rigcal_camera camera = camera_of(&LENSES[i]);
         const char *name = LENSES[i].name;
@@ -565,7 +566,7 @@ static void test_every_ray_before_the_turning_point_is_found_from_its_pixel(
     for (int i = 0; i < N_LENSES; i++) {
         const rigcal_camera camera = camera_of(&LENSES[i]);
 
-        for (int w = 0; w < 48; w++) {
+        for (int w = 0; w < 48; w += TEST_ONE_IN) {
             for (size_t s = 0; s < sizeof shares / sizeof shares[0]; s++) {
                 double X_c[3], seen[3], exact[2];
                 rigcal_real uv[2], ray[3];
@@ -604,6 +605,7 @@ static void test_a_ray_beyond_the_turning_point_never_comes_out(void)
     static image_circle circle;
     int outside = 0, inside = 0;
 
+    TEST_ON_HOST_ONLY("the polygon takes 100 KB and minutes");
     for (int i = 0; i < N_LENSES; i++) {
         const rigcal_camera camera = camera_of(&LENSES[i]);
         const char *name = LENSES[i].name;
@@ -662,7 +664,7 @@ static void test_projection_ends_at_the_turning_point(void)
     for (int i = 0; i < N_LENSES; i++) {
         const rigcal_camera camera = camera_of(&LENSES[i]);
 
-        for (int w = 0; w < 60; w++) {
+        for (int w = 0; w < 60; w += TEST_ONE_IN) {
             const double way = 2 * TEST_PI * w / 60;
             const double end = turning_point(&camera, polar_at(0, way), FAR);
             const double within = TOL(1e-6, 1e-3);
@@ -719,6 +721,7 @@ static void test_pixels_on_which_the_fixed_point_iteration_fails_have_a_ray(
 {
     int failed = 0;
 
+    TEST_ON_HOST_ONLY("a rate wants all pixels");
     for (int i = 0; i < N_LENSES; i++) {
         const rigcal_camera camera = camera_of(&LENSES[i]);
 
@@ -789,7 +792,7 @@ static void test_any_lens_gives_right_rays_only(void)
 {
     test_rng rng = test_seed(7);
 
-    for (int trial = 0; trial < 1000; trial++) {
+    for (int trial = 0; trial < TEST_TRIALS(1000); trial++) {
         const rigcal_camera camera = random_camera(&rng, trial % 2);
         char name[40];
 
@@ -822,7 +825,7 @@ static void test_any_lens_gives_every_ray_before_its_turning_point(void)
 {
     test_rng rng = test_seed(8);
 
-    for (int trial = 0; trial < 1000; trial++) {
+    for (int trial = 0; trial < TEST_TRIALS(1000); trial++) {
         const rigcal_camera camera = random_camera(&rng, trial % 2);
         char name[40];
 
@@ -878,7 +881,7 @@ static void test_any_lens_projects_up_to_its_turning_point_and_not_beyond(void)
     const double shares[] = {0.3, 1 - within, 1 + within, 1.1, 1.5, 3, 10};
     test_rng rng = test_seed(12);
 
-    for (int trial = 0; trial < 1000; trial++) {
+    for (int trial = 0; trial < TEST_TRIALS(1000); trial++) {
         const rigcal_camera camera = random_camera(&rng, trial % 4 == 0);
 
         for (int i = 0; i < 4; i++) {
@@ -920,7 +923,7 @@ static void test_a_radial_lens_has_rays_exactly_inside_its_circle(void)
     test_rng rng = test_seed(9);
     int none = 0;
 
-    for (int trial = 0; trial < 1000; trial++) {
+    for (int trial = 0; trial < TEST_TRIALS(1000); trial++) {
         rigcal_camera camera = random_camera(&rng, 1);
         double X_c[3], rim[2], radius;
         polar edge = polar_at(0, 0);
@@ -949,7 +952,7 @@ static void test_a_radial_lens_has_rays_exactly_inside_its_circle(void)
             }
         }
     }
-    TEST_ASSERT_TRUE(none > 1000);
+    TEST_ASSERT_TRUE(none > TEST_TRIALS(1000));
 }
 
 /* ---- undistorted pixels -------------------------------------------------- */
@@ -961,7 +964,7 @@ static void test_undistorted_pixels_are_those_of_the_pinhole_and_go_back(void)
     for (int i = 0; i < N_LENSES; i++) {
         const rigcal_camera camera = camera_of(&LENSES[i]);
 
-        for (int trial = 0; trial < 200; trial++) {
+        for (int trial = 0; trial < TEST_TRIALS(200); trial++) {
             double X_c[3], exact[2], straight[2], slack;
             rigcal_real uv[2], seen[2], back[2];
             polar at;
@@ -1242,7 +1245,7 @@ static void test_the_error_is_the_root_of_the_mean_squared_distance(void)
     rigcal_observation observations[20];
     rigcal_transform cam_from_world;
 
-    for (int trial = 0; trial < 50; trial++) {
+    for (int trial = 0; trial < TEST_TRIALS(50); trial++) {
         const size_t n = 1 + (size_t)trial % 20;
         double sum = 0, largest = -1;
         int32_t expected_worst = -1, worst;

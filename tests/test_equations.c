@@ -170,7 +170,7 @@ static void test_the_residual_vanishes_at_the_true_rotation(void)
 {
     test_rng rng = test_seed(31);
 
-    for (int trial = 0; trial < 100; trial++) {
+    for (int trial = 0; trial < TEST_TRIALS(100); trial++) {
         test_scene scene;
         rigcal_sighting s[8];
         rigcal_real R[9];
@@ -376,7 +376,7 @@ static void test_few_points_are_paired_all_but_where_rays_are_close(void)
 {
     test_rng rng = test_seed(32);
 
-    for (int trial = 0; trial < 140; trial++) {
+    for (int trial = 0; trial < TEST_TRIALS(140); trial++) {
         const int n = 3 + trial % 7;
         test_scene scene;
         rigcal_sighting s[9];
@@ -410,7 +410,7 @@ static void test_many_points_are_paired_a_few_times_each(void)
 {
     test_rng rng = test_seed(33);
 
-    for (int trial = 0; trial < 60; trial++) {
+    for (int trial = 0; trial < TEST_TRIALS(60); trial++) {
         const int n = 10 + trial % (POINTS_MAX - 9);
         test_scene scene;
         rigcal_sighting s[POINTS_MAX];
@@ -447,6 +447,7 @@ static void test_pairs_of_thousands_of_points_stay_four_each(void)
     test_rng rng = test_seed(34);
     size_t n_pairs;
 
+    TEST_ON_HOST_ONLY("760 KB");
     for (int i = 0; i < MANY; i++) {
         for (int k = 0; k < 3; k++) {
             s[i].X_w[k] = RC(test_uniform(&rng, -0.5, 0.5));
@@ -486,7 +487,7 @@ static void test_a_small_buffer_holds_fewer_pairs_still_spread(void)
     static const size_t capacities[5] = {3, 4, 7, 12, 30};
     test_rng rng = test_seed(36);
 
-    for (int trial = 0; trial < 100; trial++) {
+    for (int trial = 0; trial < TEST_TRIALS(100); trial++) {
         const size_t capacity = capacities[trial % 5];
         const int n = trial % 2 ? 25 : 8;
         int used[25] = {0}, distinct = 0;
@@ -542,6 +543,7 @@ static void test_the_first_two_pairs_are_well_conditioned(void)
     double first = 0, others = 0;
     int poor = 0;
 
+    TEST_ON_HOST_ONLY("a rate wants all scenes");
     for (int trial = 0; trial < TRIALS; trial++) {
         test_scene scene;
         rigcal_sighting s[8];
@@ -568,7 +570,7 @@ static void test_repeated_sightings_are_never_paired_with_themselves(void)
 {
     test_rng rng = test_seed(38);
 
-    for (int trial = 0; trial < 40; trial++) {
+    for (int trial = 0; trial < TEST_TRIALS(40); trial++) {
         const int n = trial % 2 ? 7 : 30;
         test_scene scene;
         rigcal_sighting s[30];
@@ -1027,7 +1029,7 @@ static void test_elimination_finds_the_true_angle_of_perfect_images(void)
     test_rng rng = test_seed(45);
     int tried = 0;
 
-    for (int trial = 0; trial < 200; trial++) {
+    for (int trial = 0; trial < TEST_TRIALS(200); trial++) {
         test_scene scene;
         rigcal_sighting s[6];
         rigcal_pair pairs[15];
@@ -1063,7 +1065,7 @@ static void test_elimination_finds_the_true_angle_of_perfect_images(void)
             }
         }
     }
-    TEST_ASSERT_TRUE(tried > 1000);
+    TEST_ASSERT_TRUE(tried > TEST_TRIALS(1000));
 }
 
 static void test_the_order_of_pairs_does_not_matter_to_least_squares(void)
@@ -1307,7 +1309,7 @@ static void test_translations_of_perfect_images_are_true(void)
 {
     test_rng rng = test_seed(46);
 
-    for (int trial = 0; trial < 150; trial++) {
+    for (int trial = 0; trial < TEST_TRIALS(150); trial++) {
         const int n = 3 + trial % 20;
         test_scene scene;
         rigcal_sighting s[22];

@@ -1463,12 +1463,14 @@ static int next_function(char name[64], const char **text)
 static void test_every_public_function_of_the_header_is_in_the_table(void)
 {
     static char header[200000];
-    FILE *file = fopen(RIGCAL_DATA_DIR "/../../include/rigcal.h", "r");
     const char *text = header;
     char name[64];
+    FILE *file;
     size_t length;
     int n = 0;
 
+    TEST_ON_HOST_ONLY("it reads the header");
+    file = fopen(RIGCAL_DATA_DIR "/../../include/rigcal.h", "r");
     TEST_ASSERT_NOT_NULL_MESSAGE(file, "include/rigcal.h cannot be read");
     length = fread(header, 1, sizeof header - 1, file);
     fclose(file);

@@ -219,11 +219,11 @@ static int count_evals(const problem *p, const rigcal_pose_options *options)
 
 static void test_exact_scenes_give_their_pose(void)
 {
-    static const int sizes[5] = {4, 6, 8, 20, 50};
+    static const int sizes[5] = {4, 6, 8, 20, TEST_MANY};
     test_rng rng = test_seed(1);
     int ambiguous = 0, wrong = 0;
 
-    for (int trial = 0; trial < 1500; trial++) {
+    for (int trial = 0; trial < TEST_TRIALS(1500); trial++) {
         double angle, length;
         problem p;
 
@@ -243,7 +243,7 @@ static void test_exact_scenes_give_their_pose(void)
  * the two optima of a flat target meet. */
 static void test_a_square_exactly_from_the_front_is_solved(void)
 {
-    for (int trial = 0; trial < 200; trial++) {
+    for (int trial = 0; trial < TEST_TRIALS(200); trial++) {
         const int side = trial % 2 ? 2 : 3;
         const double distance = 3 + 0.05 * trial, yaw = 0.1 * trial;
         double angle, length;
@@ -274,7 +274,7 @@ static void test_any_lens_is_solved_end_to_end(void)
 {
     test_rng rng = test_seed(2);
 
-    for (int trial = 0; trial < 250; trial++) {
+    for (int trial = 0; trial < TEST_TRIALS(250); trial++) {
         problem p;
 
         p.camera = test_camera(CAMERA[trial % CAMERA_ROWS]);
@@ -291,7 +291,7 @@ static void test_a_fisheye_sees_the_target_beyond_90_degrees(void)
 {
     test_rng rng = test_seed(3);
 
-    for (int trial = 0; trial < 200; trial++) {
+    for (int trial = 0; trial < TEST_TRIALS(200); trial++) {
         const double off = test_uniform(&rng, 60, 110) * TEST_PI / 180;
         const double way = test_uniform(&rng, -TEST_PI, TEST_PI);
         const double axis[3] = {cos(way), sin(way), 0};
@@ -318,7 +318,7 @@ static void test_a_national_grid_costs_double_nothing_and_float_refuses_it(void)
     static const double offset[3] = {300000, 5154500, 2048};
     test_rng rng = test_seed(4);
 
-    for (int trial = 0; trial < 100; trial++) {
+    for (int trial = 0; trial < TEST_TRIALS(100); trial++) {
         problem p, far;
         double R[9], t[3];
 
@@ -430,10 +430,10 @@ static tally tally_scenes(uint64_t seed, int trials, int n, test_shape shape,
 
 static void test_general_points_with_noise_give_the_global_minimum(void)
 {
-    static const int sizes[4] = {6, 8, 20, 50};
+    static const int sizes[4] = {6, 8, 20, TEST_MANY};
 
     for (int i = 0; i < 4; i++) {
-        const int trials = sizes[i] > 8 ? 100 : 500;
+        const int trials = TEST_TRIALS(sizes[i] > 8 ? 100 : 500);
         const tally t =
             tally_scenes((uint64_t)(10 + i), trials, sizes[i], TEST_GENERAL,
                          NOISE);
@@ -446,7 +446,7 @@ static void test_general_points_with_noise_give_the_global_minimum(void)
 
 static void test_four_general_points_seldom_miss_it(void)
 {
-    const tally t = tally_scenes(20, 500, 4, TEST_GENERAL, NOISE);
+    const tally t = tally_scenes(20, TEST_TRIALS(500), 4, TEST_GENERAL, NOISE);
 
     TEST_ASSERT_LESS_OR_EQUAL_INT_MESSAGE(1, t.missed, "missed");
 }
@@ -456,26 +456,27 @@ static void test_planar_targets_with_noise_give_both_minima(void)
     static const int sizes[3] = {4, 8, 20};
 
     for (int i = 0; i < 3; i++) {
-        const int trials = sizes[i] > 8 ? 100 : 500;
+        const int trials = TEST_TRIALS(sizes[i] > 8 ? 100 : 500);
         const tally t =
             tally_scenes((uint64_t)(30 + i), trials, sizes[i], TEST_PLANAR,
                          NOISE);
 
         TEST_ASSERT_LESS_OR_EQUAL_INT_MESSAGE(1, t.missed, "missed");
         TEST_ASSERT_LESS_OR_EQUAL_INT_MESSAGE(1, t.lacking, "lacking");
-        TEST_ASSERT_GREATER_THAN_INT_MESSAGE(trials / 20, t.both, "both");
+        TEST_ASSERT_GREATER_OR_EQUAL_INT_MESSAGE(trials / 20, t.both, "both");
     }
 }
 
 /* Two pixels, as a tag of 20 to 70 pixels at half a pixel: now both matter. */
 static void test_squares_with_noise_give_both_minima(void)
 {
-    const tally t = tally_scenes(40, 500, 4, TEST_SQUARE, 4 * NOISE);
+    const tally t = tally_scenes(40, TEST_TRIALS(500), 4, TEST_SQUARE, 4 * NOISE);
 
     TEST_ASSERT_LESS_OR_EQUAL_INT_MESSAGE(1, t.missed, "missed");
     TEST_ASSERT_LESS_OR_EQUAL_INT_MESSAGE(1, t.lacking, "lacking");
-    TEST_ASSERT_GREATER_THAN_INT_MESSAGE(100, t.both, "both");
-    TEST_ASSERT_GREATER_THAN_INT_MESSAGE(20, t.ambiguous, "ambiguous");
+    TEST_ASSERT_GREATER_THAN_INT_MESSAGE(TEST_TRIALS(100), t.both, "both");
+    TEST_ASSERT_GREATER_THAN_INT_MESSAGE(TEST_TRIALS(20), t.ambiguous,
+                                         "ambiguous");
 }
 
 /* test_fit gains nothing from any pose returned and ends in no two at the same. In
@@ -486,7 +487,7 @@ static void test_what_is_returned_are_minima_and_no_two_the_same(void)
     test_rng rng = test_seed(42);
     int same = 0, early = 0;
 
-    for (int trial = 0; trial < 1500; trial++) {
+    for (int trial = 0; trial < TEST_TRIALS(1500); trial++) {
         test_fitted fitted[RIGCAL_POSES_MAX];
         test_data data;
         problem p;
@@ -518,6 +519,7 @@ static void test_probabilities_are_what_they_say(void)
     double expected = 0, variance = 0;
     int right = 0, doubtful = 0;
 
+    TEST_ON_HOST_ONLY("a rate wants all scenes");
     for (int trial = 0; trial < 2500; trial++) {
         test_fitted fitted[2];
         double q, R[9];
@@ -549,7 +551,7 @@ static void test_swapped_points_are_a_poor_fit_when_the_noise_is_stated(void)
     const rigcal_pose_options options = with_sigma(NOISE);
     test_rng rng = test_seed(50);
 
-    for (int trial = 0; trial < 300; trial++) {
+    for (int trial = 0; trial < TEST_TRIALS(300); trial++) {
         int a = 0, b = 1;
         double most = 0;
         rigcal_real uv[2];
@@ -589,7 +591,7 @@ static void test_mirrored_coordinates_are_never_ok(void)
     const rigcal_pose_options options = with_sigma(NOISE);
     test_rng rng = test_seed(51);
 
-    for (int trial = 0; trial < 300; trial++) {
+    for (int trial = 0; trial < TEST_TRIALS(300); trial++) {
         problem p;
 
         do {
@@ -614,7 +616,7 @@ static void test_honest_noise_is_not_a_poor_fit(void)
     const rigcal_pose_options options = with_sigma(NOISE);
     test_rng rng = test_seed(52);
 
-    for (int trial = 0; trial < 1500; trial++) {
+    for (int trial = 0; trial < TEST_TRIALS(1500); trial++) {
         problem p;
 
         random_problem(&p, &rng, 4 + trial % 8, (test_shape)(trial % 3));
@@ -632,7 +634,7 @@ static void test_sigma_of_single_points_is_heeded(void)
     test_rng rng = test_seed(53);
     double told = 0, untold = 0;
 
-    for (int trial = 0; trial < 300; trial++) {
+    for (int trial = 0; trial < TEST_TRIALS(300); trial++) {
         double angle, length;
         problem p;
 
@@ -675,7 +677,7 @@ static void test_thorough_finds_what_the_default_does(void)
     test_rng rng = test_seed(60);
 
     options.thorough = 1;
-    for (int trial = 0; trial < 300; trial++) {
+    for (int trial = 0; trial < TEST_TRIALS(300); trial++) {
         problem p, q;
 
         random_problem(&p, &rng, 4 + trial % 5, (test_shape)(trial % 3));
@@ -741,7 +743,7 @@ static void test_evaluations_are_few_and_bounded(void)
     long sum = 0;
 
     thorough.thorough = 1;
-    for (int trial = 0; trial < 400; trial++) {
+    for (int trial = 0; trial < TEST_TRIALS(400); trial++) {
         problem p;
 
         random_problem(&p, &rng, 4 + trial % 8, (test_shape)(trial % 3));
@@ -778,7 +780,7 @@ static void test_a_warm_start_gives_the_same_minimum_sooner(void)
     test_rng rng = test_seed(70);
     long cold = 0, warm = 0;
 
-    for (int trial = 0; trial < 300; trial++) {
+    for (int trial = 0; trial < TEST_TRIALS(300); trial++) {
         rigcal_pose_options options;
         problem p, q;
 
@@ -802,7 +804,7 @@ static void test_a_wrong_start_falls_back_to_the_whole_search(void)
 {
     test_rng rng = test_seed(71);
 
-    for (int trial = 0; trial < 300; trial++) {
+    for (int trial = 0; trial < TEST_TRIALS(300); trial++) {
         rigcal_pose_options options;
         problem p, q;
 
@@ -911,7 +913,7 @@ static void test_the_deviation_of_the_centre_follows(void)
 {
     test_rng rng = test_seed(80);
 
-    for (int trial = 0; trial < 100; trial++) {
+    for (int trial = 0; trial < TEST_TRIALS(100); trial++) {
         const double h = 1e-6;
         double J[3][6], Sigma[36];
         rigcal_pose_uncertainty u;
@@ -962,6 +964,7 @@ static void test_the_covariance_holds_the_truth_as_often_as_it_says(void)
     double noise2 = 0;
     int held = 0;
 
+    TEST_ON_HOST_ONLY("a rate wants all scenes");
     for (int trial = 0; trial < TRIALS; trial++) {
         double R[9], t[3], d[6], Sigma[36];
         rigcal_pose_uncertainty u;
@@ -1103,7 +1106,7 @@ static void test_targets_that_fix_no_pose_are_named(void)
 {
     test_rng rng = test_seed(91);
 
-    for (int trial = 0; trial < 200; trial++) {
+    for (int trial = 0; trial < TEST_TRIALS(200); trial++) {
         const int n = 4 + trial % 5;
         double way[9];
         problem p;
@@ -1140,7 +1143,7 @@ static void test_a_plane_seen_edge_on_is_refused_or_right(void)
     const rigcal_pose_options options = with_sigma(NOISE);
     test_rng rng = test_seed(92);
 
-    for (int trial = 0; trial < 200; trial++) {
+    for (int trial = 0; trial < TEST_TRIALS(200); trial++) {
         double angle, length;
         problem p;
 
@@ -1270,7 +1273,7 @@ static void test_room_for_one_pose_gives_the_first(void)
 {
     test_rng rng = test_seed(95);
 
-    for (int trial = 0; trial < 100; trial++) {
+    for (int trial = 0; trial < TEST_TRIALS(100); trial++) {
         rigcal_pose one[2];
         size_t n_found = 0;
         problem p;

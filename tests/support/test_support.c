@@ -353,6 +353,9 @@ static void place_points(test_scene *scene, test_rng *rng, test_shape shape)
 void test_scene_random(test_scene *scene, test_rng *rng, int n,
                        test_shape shape)
 {
+    if (n > TEST_SCENE_MAX && RIGCAL_TEST_RAM < 32768) {
+        TEST_IGNORE_MESSAGE("wants more RAM than there is: more points");
+    }
     TEST_ASSERT_MESSAGE(n <= TEST_SCENE_MAX, "TEST_SCENE_MAX is too small");
     scene->n = n;
     place_points(scene, rng, shape);

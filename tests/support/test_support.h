@@ -13,6 +13,38 @@
 #include "rigcal.h"
 #include "unity.h"
 
+/* ---- how much ------------------------------------------------------------ */
+
+/* A host tries everything. An emulated microcontroller computes in double a hundred
+ * times as slowly: the build tells it to take one in RIGCAL_TEST_ONE_IN of a test's
+ * trials, and to leave out, with the reason, what means nothing with so few or does
+ * not fit. */
+#ifndef RIGCAL_TEST_ONE_IN
+#define RIGCAL_TEST_ONE_IN 1
+#endif
+enum { TEST_ONE_IN = RIGCAL_TEST_ONE_IN };
+#define TEST_TRIALS(n) (((n) + TEST_ONE_IN - 1) / TEST_ONE_IN)
+#define TEST_ON_HOST_ONLY(reason) \
+    do { \
+        if (TEST_ONE_IN > 1) { \
+            TEST_IGNORE_MESSAGE("only on a host: " reason); \
+            return; \
+        } \
+    } while (0)
+
+/* Bytes of RAM that the build says there are; what a test wants of them, code and
+ * C library apart. */
+#ifndef RIGCAL_TEST_RAM
+#define RIGCAL_TEST_RAM 1000000
+#endif
+#define TEST_WANTS_RAM(bytes) \
+    do { \
+        if ((size_t)(bytes) > RIGCAL_TEST_RAM) { \
+            TEST_IGNORE_MESSAGE("wants more RAM than there is: " #bytes); \
+            return; \
+        } \
+    } while (0)
+
 /* ---- numbers ------------------------------------------------------------- */
 
 /* A constant as a rigcal_real; a rigcal_real as a double; a tolerance of the
@@ -122,7 +154,9 @@ void test_transform_parts(double R[9], double t[3], const rigcal_transform *T);
 
 /* ---- a random camera before a random target ------------------------------ */
 
-#define TEST_SCENE_MAX 64
+/* A test that wants more points than memory has room for is left out. */
+#define TEST_SCENE_MAX (RIGCAL_TEST_RAM < 32768 ? 20 : 64)
+#define TEST_MANY (TEST_SCENE_MAX < 50 ? TEST_SCENE_MAX : 50)
 
 typedef enum {
     TEST_GENERAL, /* anywhere in a unit cube */

@@ -1,0 +1,375 @@
+/* jobs.c - the library's main jobs over seeded scenes, on an emulated target.
+ *
+ * A line for each job and scene: the job, the status, the bytes of stack the call
+ * took, and every number it returned as the bits of a rigcal_real in hexadecimal.
+ * figures.py counts and compares; count.c counts instructions between the two marks.
+ *
+ * The scenes are made by +, -, *, / and sqrt of doubles alone, which IEEE 754
+ * defines to the last bit, so that they are the same on every target. */
+#include <math.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "rigcal.h"
+
+#ifndef JOBS_SCENES
+#define JOBS_SCENES 20
+#endif
+
+/* The job to run alone; "": all. */
+#ifndef JOBS_ONLY
+#define JOBS_ONLY ""
+#endif
+
+enum { POINTS_MAX = 50 };
+
+/* The noise of a pixel, and how far a warm start is off: radian, and part of the
+ * distance. */
+#define NOISE_PX 0.5
+#define OFF_ANGLE 0.035
+#define OFF_DISTANCE 0.02
+
+void jobs_begin(void);
+void jobs_end(void);
+
+/* ---- random scenes ------------------------------------------------------- */
+
+static uint64_t state;
+
+/* [low, high), SplitMix64. */
+static double uniform(double low, double high)
+{
+    uint64_t z = (state += UINT64_C(0x9E3779B97F4A7C15));
+    z = (z ^ (z >> 30)) * UINT64_C(0xBF58476D1CE4E5B9);
+    z = (z ^ (z >> 27)) * UINT64_C(0x94D049BB133111EB);
+    return low + (high - low) * ((double)((z ^ (z >> 31)) >> 11) * 0x1p-53);
+}
+
+/* Deviation 1. */
+static double normal(void)
+{
+    double sum = -6;
+    for (int i = 0; i < 12; i++) {
+        sum += uniform(0, 1);
+    }
+    return sum;
+}
+
+static void rotation_of(double R[9], const double q[4])
+{
+    const double w = q[0], x = q[1], y = q[2], z = q[3];
+    const double s = 2 / (w * w + x * x + y * y + z * z);
+    R[0] = 1 - s * (y * y + z * z);
+    R[1] = s * (x * y - w * z);
+    R[2] = s * (x * z + w * y);
+    R[3] = s * (x * y + w * z);
+    R[4] = 1 - s * (x * x + z * z);
+    R[5] = s * (y * z - w * x);
+    R[6] = s * (x * z - w * y);
+    R[7] = s * (y * z + w * x);
+    R[8] = 1 - s * (x * x + y * y);
+}
+
+/* A direction of the ball's in n dimensions, uniform. */
+static void direction(double d[], int n)
+{
+    double squared;
+    do {
+        squared = 0;
+        for (int k = 0; k < n; k++) {
+            d[k] = uniform(-1, 1);
+            squared += d[k] * d[k];
+        }
+    } while (squared > 1 || squared < 0.01);
+    for (int k = 0; k < n; k++) {
+        d[k] /= sqrt(squared);
+    }
+}
+
+static void transform(rigcal_transform *T, const double R[9], const double t[3])
+{
+    for (int k = 0; k < 9; k++) {
+        T->R[k] = (rigcal_real)R[k];
+    }
+    for (int k = 0; k < 3; k++) {
+        T->t[k] = (rigcal_real)t[k];
+    }
+}
+
+/* A VGA camera of 800 px; with a lens, Brown's k1, k2, k3, p1, p2. */
+static rigcal_camera camera_of(int has_lens)
+{
+    rigcal_camera camera = {.lens = RIGCAL_LENS_BROWN, .width = 640, .height = 480,
+                            .fx = 800, .fy = 800, .cx = (rigcal_real)319.5,
+                            .cy = (rigcal_real)239.5};
+    if (has_lens) {
+        camera.k1 = (rigcal_real)-0.28;
+        camera.k2 = (rigcal_real)0.09;
+        camera.k3 = (rigcal_real)-0.01;
+        camera.p1 = (rigcal_real)0.0005;
+        camera.p2 = (rigcal_real)-0.0003;
+    }
+    return camera;
+}
+
+/* What the jobs read: points of a unit cube before two cameras 3 to 10 sizes away. */
+static struct {
+    rigcal_camera camera[2];
+    rigcal_transform cam_from_world[2], b_from_a;
+    rigcal_observation seen[POINTS_MAX];
+    rigcal_real X_c[3], uv[2], uv_both[4], ray[3];
+    rigcal_pose_options warm;
+    size_t n;
+} scene;
+
+/* Pixel of X by R, t with the lens of a camera, in double. */
+static void image(rigcal_real uv[2], const rigcal_camera *camera, const double R[9],
+                  const double t[3], const double X[3], double noise)
+{
+    double c[3];
+    for (int k = 0; k < 3; k++) {
+        c[k] = R[3 * k] * X[0] + R[3 * k + 1] * X[1] + R[3 * k + 2] * X[2] + t[k];
+    }
+    const double x = c[0] / c[2], y = c[1] / c[2], q = x * x + y * y;
+    const double k1 = (double)camera->k1, k2 = (double)camera->k2;
+    const double k3 = (double)camera->k3;
+    const double p1 = (double)camera->p1, p2 = (double)camera->p2;
+    const double d = 1 + q * (k1 + q * (k2 + q * k3));
+    const double xd = x * d + 2 * p1 * x * y + p2 * (q + 2 * x * x);
+    const double yd = y * d + p1 * (q + 2 * y * y) + 2 * p2 * x * y;
+    uv[0] = (rigcal_real)(800 * xd + 319.5 + noise * normal());
+    uv[1] = (rigcal_real)(800 * yd + 239.5 + noise * normal());
+}
+
+static void make_scene(size_t n, int has_lens, uint64_t seed)
+{
+    double q[4], R[9], t[3], way[3], X[3], R_warm[9];
+    state = seed;
+    scene.n = n;
+    direction(q, 4);
+    rotation_of(R, q);
+    t[2] = uniform(3, 10);
+    t[0] = t[2] * uniform(-0.1, 0.1);
+    t[1] = t[2] * uniform(-0.1, 0.1);
+    for (int i = 0; i < 2; i++) { /* the second stands aside by a tenth */
+        scene.camera[i] = camera_of(has_lens);
+        transform(&scene.cam_from_world[i], R, t);
+        scene.cam_from_world[i].t[0] += (rigcal_real)(0.1 * t[2] * i);
+    }
+    for (size_t i = 0; i < n; i++) {
+        for (int k = 0; k < 3; k++) {
+            X[k] = uniform(-0.5, 0.5);
+            scene.seen[i].X_w[k] = (rigcal_real)X[k];
+        }
+        image(scene.seen[i].uv, &scene.camera[0], R, t, X, NOISE_PX);
+    }
+
+    /* The last point, without noise, in both. */
+    const double aside[3] = {t[0] + 0.1 * t[2], t[1], t[2]};
+    image(scene.uv_both, &scene.camera[0], R, t, X, 0);
+    image(scene.uv_both + 2, &scene.camera[1], R, aside, X, 0);
+    for (int k = 0; k < 3; k++) {
+        scene.X_c[k] = (rigcal_real)(R[3 * k] * X[0] + R[3 * k + 1] * X[1] +
+                                     R[3 * k + 2] * X[2] + t[k]);
+        scene.ray[k] = scene.X_c[k] / (rigcal_real)t[2];
+    }
+    scene.uv[0] = scene.uv_both[0];
+    scene.uv[1] = scene.uv_both[1];
+
+    /* (1, a) turns by 2 |a| to second order. */
+    direction(way, 3);
+    for (int k = 0; k < 3; k++) {
+        q[k + 1] = way[k] * OFF_ANGLE / 2;
+    }
+    q[0] = 1;
+    rotation_of(R_warm, q);
+    double turned[9];
+    for (int i = 0; i < 3; i++) {
+        for (int j = 0; j < 3; j++) {
+            turned[3 * i + j] = R_warm[3 * i] * R[j] + R_warm[3 * i + 1] * R[3 + j] +
+                                R_warm[3 * i + 2] * R[6 + j];
+        }
+    }
+    direction(way, 3);
+    for (int k = 0; k < 3; k++) {
+        t[k] += way[k] * OFF_DISTANCE * t[2];
+    }
+    (void)rigcal_pose_defaults(&scene.warm);
+    scene.warm.use_start = 1;
+    transform(&scene.warm.start, turned, t);
+    (void)rigcal_relative_pose(&scene.b_from_a, &scene.cam_from_world[1],
+                               &scene.cam_from_world[0]);
+}
+
+/* ---- the jobs ------------------------------------------------------------ */
+
+/* What they write. */
+static struct {
+    rigcal_real uv[2], ray[3], line[3];
+    rigcal_transform transform;
+    rigcal_pose poses[RIGCAL_POSES_MAX];
+    rigcal_pose_uncertainty uncertainty;
+    rigcal_point point;
+    size_t n_found;
+} result;
+
+static rigcal_status project(void)
+{
+    return rigcal_project(result.uv, &scene.camera[0], scene.X_c);
+}
+
+static rigcal_status pixel_to_ray(void)
+{
+    return rigcal_pixel_to_ray(result.ray, &scene.camera[0], scene.uv);
+}
+
+static rigcal_status undistort(void)
+{
+    return rigcal_undistort_pixel(result.uv, &scene.camera[0], scene.uv);
+}
+
+static rigcal_status solve_cold(void)
+{
+    return rigcal_solve_pose(result.poses, &result.n_found, RIGCAL_POSES_MAX, NULL,
+                             &scene.camera[0], scene.seen, NULL, scene.n, NULL);
+}
+
+static rigcal_status solve_warm(void)
+{
+    return rigcal_solve_pose(result.poses, &result.n_found, RIGCAL_POSES_MAX, NULL,
+                             &scene.camera[0], scene.seen, NULL, scene.n,
+                             &scene.warm);
+}
+
+static rigcal_status covariance(void)
+{
+    return rigcal_pose_covariance(&result.uncertainty, &scene.camera[0],
+                                  &scene.cam_from_world[0], scene.seen, NULL,
+                                  scene.n, (rigcal_real)NOISE_PX);
+}
+
+static rigcal_status triangulate(void)
+{
+    return rigcal_triangulate(&result.point, scene.camera, scene.cam_from_world,
+                              scene.uv_both, 2, (rigcal_real)NOISE_PX);
+}
+
+static rigcal_status epiline(void)
+{
+    return rigcal_epiline_px(result.line, &scene.camera[1], &scene.b_from_a,
+                             scene.ray);
+}
+
+static rigcal_status relative_pose(void)
+{
+    return rigcal_relative_pose(&result.transform, &scene.cam_from_world[1],
+                                &scene.cam_from_world[0]);
+}
+
+typedef struct {
+    const char *name;
+    rigcal_status (*call)(void);
+    size_t n;
+    int has_lens;
+    const rigcal_real *out; /* one pose: as many as were found */
+    size_t out_count;
+} job;
+
+#define OUT(member) \
+    (const rigcal_real *)&result.member, sizeof result.member / sizeof(rigcal_real)
+
+static const job jobs[] = {
+    {"project", project, 4, 1, OUT(uv)},
+    {"pixel_to_ray", pixel_to_ray, 4, 1, OUT(ray)},
+    {"undistort_pixel", undistort, 4, 1, OUT(uv)},
+    {"solve_pose_4", solve_cold, 4, 0, OUT(poses[0])},
+    {"solve_pose_8", solve_cold, 8, 0, OUT(poses[0])},
+    {"solve_pose_8_lens", solve_cold, 8, 1, OUT(poses[0])},
+    {"solve_pose_50", solve_cold, 50, 0, OUT(poses[0])},
+    {"solve_pose_4_warm", solve_warm, 4, 0, OUT(poses[0])},
+    {"solve_pose_8_warm", solve_warm, 8, 0, OUT(poses[0])},
+    {"solve_pose_50_warm", solve_warm, 50, 0, OUT(poses[0])},
+    {"pose_covariance_8", covariance, 8, 0, OUT(uncertainty)},
+    {"triangulate_2", triangulate, 4, 1, OUT(point)},
+    {"epiline_px", epiline, 4, 1, OUT(line)},
+    {"relative_pose", relative_pose, 4, 0, OUT(transform)},
+};
+
+/* ---- stack --------------------------------------------------------------- */
+
+#ifdef __linux__
+static size_t measure(rigcal_status *status, const job *todo)
+{
+    jobs_begin();
+    *status = todo->call();
+    jobs_end();
+    return 0;
+}
+#else
+/* The linker script's: the stack's top, and its size as an address. */
+extern unsigned char __stack[], __stack_size[];
+
+enum { PATTERN = 0xA5 };
+
+/* Fills the stack below, calls, and sees how far down it was written: from this
+ * function's own stack pointer on. */
+static size_t __attribute__((noinline)) measure(rigcal_status *status,
+                                                const job *todo)
+{
+    register volatile unsigned char *const sp __asm__("sp");
+    volatile unsigned char *const top = sp;
+    volatile unsigned char *const bottom = __stack - (uintptr_t)__stack_size;
+    volatile unsigned char *at = bottom;
+    for (at = bottom; at < top; at++) {
+        *at = PATTERN;
+    }
+    jobs_begin();
+    *status = todo->call();
+    jobs_end();
+    for (at = bottom; at < top && *at == PATTERN; at++) {
+    }
+    return (at == bottom) ? SIZE_MAX : (size_t)(top - at);
+}
+#endif
+
+/* Marks for count.c; called, not inlined, wherever they are. */
+void __attribute__((noinline)) jobs_begin(void)
+{
+    __asm__ volatile("" ::: "memory");
+}
+
+void __attribute__((noinline)) jobs_end(void)
+{
+    __asm__ volatile("" ::: "memory");
+}
+
+static void print_bits(const rigcal_real *x, size_t n)
+{
+    for (size_t i = 0; i < n; i++) {
+        uint32_t words[sizeof x[0] / sizeof(uint32_t)];
+        memcpy(words, &x[i], sizeof words);
+        for (size_t k = 0; k < sizeof words / sizeof words[0]; k++) {
+            printf(" %08lx", (unsigned long)words[k]);
+        }
+    }
+}
+
+int main(void)
+{
+    for (size_t j = 0; j < sizeof jobs / sizeof jobs[0]; j++) {
+        if (JOBS_ONLY[0] != '\0' && strcmp(JOBS_ONLY, jobs[j].name) != 0) {
+            continue;
+        }
+        for (uint64_t i = 0; i < JOBS_SCENES; i++) {
+            rigcal_status status = 0;
+            memset(&result, 0, sizeof result);
+            make_scene(jobs[j].n, jobs[j].has_lens, 1000 * jobs[j].n + i);
+            const size_t stack = measure(&status, &jobs[j]);
+            printf("%s %ld %ld", jobs[j].name, (long)status, (long)stack);
+            print_bits(jobs[j].out, jobs[j].out_count);
+            printf("\n");
+        }
+    }
+    return 0;
+}

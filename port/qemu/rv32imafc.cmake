@@ -1,0 +1,9 @@
+# RISC-V with a single-precision FPU.
+set(target rv32imafc)
+set(processor riscv32)
+set(prefix riscv64-unknown-elf-)
+set(cpu "-march=rv32imafc -mabi=ilp32f -mcmodel=medany")
+set(flash 0x80000000 0x400000)
+set(ram 0x80400000 0x400000)
+set(stack 16384)
+include(${CMAKE_CURRENT_LIST_DIR}/picolibc.cmake)

@@ -332,7 +332,7 @@ static void depths(double s[3], const scene *target, int i)
 /* Where rounding alone leaves a tenth of the triangle open, two poses merge. */
 static void test_the_true_pose_is_among_them(void)
 {
-    enum { SCENES = 100000 };
+    enum { SCENES = TEST_TRIALS(100000) / TEST_ONE_IN };
     test_rng rng = test_seed(1);
     int missed = 0, open = 0;
 
@@ -353,7 +353,7 @@ static void test_the_true_pose_is_among_them(void)
  * thousandth. */
 static void test_near_and_thin_triangles_too(void)
 {
-    enum { SCENES = 50000 };
+    enum { SCENES = TEST_TRIALS(50000) / TEST_ONE_IN };
     test_rng rng = test_seed(12);
     int missed = 0, judged = 0;
 
@@ -483,7 +483,7 @@ static void test_each_is_a_solution_or_nearly_one(void)
 
 static void test_it_finds_what_a_scan_finds(void)
 {
-    enum { SCENES = 1500 };
+    enum { SCENES = TEST_TRIALS(1500) };
     test_rng rng = test_seed(5);
     int left_out = 0, with[RC_P3P_MAX + 1] = {0};
 

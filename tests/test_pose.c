@@ -1047,7 +1047,7 @@ static void test_a_covariance_that_does_not_exist_is_refused_by_name(void)
  * is. All fit exactly, but where two of them have all but merged into none. */
 static void test_three_points_give_all_their_poses(void)
 {
-    enum { TRIALS = 2000 };
+    enum { TRIALS = TEST_TRIALS(2000) };
     test_rng rng = test_seed(93);
     int lacking = 0, several = 0, inexact = 0;
 
@@ -1082,7 +1082,7 @@ static void test_three_noisy_points_are_solved(void)
     const rigcal_pose_options options = with_sigma(0.5);
     test_rng rng = test_seed(94);
 
-    for (int trial = 0; trial < 500; trial++) {
+    for (int trial = 0; trial < TEST_TRIALS(500); trial++) {
         problem p;
 
         random_problem(&p, &rng, 3, TEST_GENERAL);

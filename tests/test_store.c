@@ -305,7 +305,7 @@ static void test_what_was_saved_is_loaded_bit_by_bit(void)
     static uint8_t bytes[RIGCAL_SAVE_SIZE(MOST)];
     test_rng rng = test_seed(41);
 
-    for (int trial = 0; trial < 500; trial++) {
+    for (int trial = 0; trial < TEST_TRIALS(500); trial++) {
         const size_t n = 1 + (size_t)trial % MOST;
         const uint32_t a = NUMBERS[trial % 5], b = NUMBERS[trial / 5 % 5];
         static rigcal_mounted_camera saved[MOST], loaded[MOST];
@@ -619,7 +619,7 @@ static void test_two_flipped_bits_are_refused(void)
 {
     test_rng rng = test_seed(44);
 
-    for (int trial = 0; trial < 20000; trial++) {
+    for (int trial = 0; trial < TEST_TRIALS(20000); trial++) {
         const size_t a = (size_t)(test_next(&rng) % (8 * sizeof own));
         const size_t b = (size_t)(test_next(&rng) % (8 * sizeof own));
 
@@ -662,7 +662,7 @@ static void test_other_bytes_are_foreign(void)
     assert_refused(RIGCAL_ERR_FOREIGN, bytes, sizeof bytes);
     memset(bytes, 0, sizeof bytes);
     assert_refused(RIGCAL_ERR_FOREIGN, bytes, sizeof bytes);
-    for (int trial = 0; trial < 1000; trial++) {
+    for (int trial = 0; trial < TEST_TRIALS(1000); trial++) {
         for (size_t i = 0; i < sizeof bytes; i++) {
             bytes[i] = (uint8_t)test_next(&rng);
         }

@@ -14,6 +14,15 @@ clang-float   preset clang-float
 asan          preset asan
 asan-float    preset asan-float
 shared        preset shared
+cortex-m0     preset cortex-m0
+cortex-m4f    preset cortex-m4f
+cortex-m7     preset cortex-m7
+m7-double     preset cortex-m7-double
+cortex-m33    preset cortex-m33
+rv32imac      preset rv32imac
+rv32imafc     preset rv32imafc
+mips          preset mips
+mips-double   preset mips-double
 consumers     sh tests/consumers/run.sh build/consumers
 single-file   sh tests/ways/single_file.sh build/single_file
 ways          sh tests/ways/run.sh build/ways
@@ -55,6 +64,13 @@ want gcc-arm-none-eabi arm-none-eabi-gcc --version
 want qemu-system-arm qemu-system-arm --version
 want picolibc-arm-none-eabi \
     arm-none-eabi-gcc --specs=picolibc.specs -E -x c /dev/null
+want gcc-riscv64-unknown-elf riscv64-unknown-elf-gcc --version
+want picolibc-riscv64-unknown-elf \
+    riscv64-unknown-elf-gcc --specs=picolibc.specs -E -x c /dev/null
+want qemu-system-misc qemu-system-riscv32 --version
+want gcc-mips-linux-gnu mips-linux-gnu-gcc --version
+want libc6-dev-mips-cross test -e /usr/mips-linux-gnu/include/stdio.h
+want qemu-user qemu-mips --version
 want arduino-builder arduino-builder -version
 want python3-venv /usr/bin/python3 -c "import ensurepip"
 find_python numpy scipy >/dev/null ||

@@ -332,7 +332,7 @@ static void depths(double s[3], const scene *target, int i)
 /* Where rounding alone leaves a tenth of the triangle open, two poses merge. */
 static void test_the_true_pose_is_among_them(void)
 {
-    enum { SCENES = TEST_TRIALS(100000) / TEST_ONE_IN };
+    enum { SCENES = TEST_TRIALS(100000) };
     test_rng rng = test_seed(1);
     int missed = 0, open = 0;
 
@@ -353,7 +353,7 @@ static void test_the_true_pose_is_among_them(void)
  * thousandth. */
 static void test_near_and_thin_triangles_too(void)
 {
-    enum { SCENES = TEST_TRIALS(50000) / TEST_ONE_IN };
+    enum { SCENES = TEST_TRIALS(50000) };
     test_rng rng = test_seed(12);
     int missed = 0, judged = 0;
 
@@ -388,7 +388,7 @@ static void test_a_double_solution_is_found(void)
     test_rng rng = test_seed(2);
     double worst = 0;
 
-    for (int n = 0; n < 2000; n++) {
+    for (int n = 0; n < TEST_TRIALS(2000); n++) {
         const double angle = test_uniform(&rng, 0, 2 * TEST_PI);
         const double height = test_uniform(&rng, 1.5, 8);
         double R[9], at[3];
@@ -422,7 +422,7 @@ static void test_noise_does_not_take_a_double_solution_away(void)
     test_rng rng = test_seed(3);
     int far_off = 0;
 
-    for (int n = 0; n < 2000; n++) {
+    for (int n = 0; n < TEST_TRIALS(2000); n++) {
         const double angle = test_uniform(&rng, 0, 2 * TEST_PI);
         const double o[3] = {cos(angle), sin(angle), 4};
         double at[3];
@@ -466,7 +466,7 @@ static void test_each_is_a_solution_or_nearly_one(void)
     test_rng rng = test_seed(4);
     int lifted = 0, total = 0;
 
-    for (int n = 0; n < 20000; n++) {
+    for (int n = 0; n < TEST_TRIALS(20000); n++) {
         scene s;
 
         random_scene(&s, &rng);
@@ -591,7 +591,7 @@ static void test_units_origin_and_order_do_not_matter(void)
     static const double UNIT[3] = {1, TOL(1e-20, 1e-6), TOL(1e20, 1e6)};
     test_rng rng = test_seed(6);
 
-    for (int n = 0; n < 600; n++) {
+    for (int n = 0; n < TEST_TRIALS(600); n++) {
         const double unit = UNIT[n % 3], offset = 5 * (n % 2);
         scene s, other;
 
@@ -631,7 +631,7 @@ static void test_rays_may_point_anywhere(void)
 {
     test_rng rng = test_seed(7);
 
-    for (int n = 0; n < 2000; n++) {
+    for (int n = 0; n < TEST_TRIALS(2000); n++) {
         double R[9];
         scene s, turned;
 
@@ -659,7 +659,7 @@ static void test_points_on_a_line_or_together_have_none(void)
 {
     test_rng rng = test_seed(8);
 
-    for (int n = 0; n < 1000; n++) {
+    for (int n = 0; n < TEST_TRIALS(1000); n++) {
         scene s;
 
         random_scene(&s, &rng);
@@ -680,7 +680,7 @@ static void test_rays_together_have_none(void)
 {
     test_rng rng = test_seed(9);
 
-    for (int n = 0; n < 1000; n++) {
+    for (int n = 0; n < TEST_TRIALS(1000); n++) {
         scene s;
 
         random_scene(&s, &rng);
@@ -698,7 +698,7 @@ static void test_anything_else_gives_poses_or_none(void)
     test_rng rng = test_seed(10);
     int none = 0;
 
-    for (int n = 0; n < 20000; n++) {
+    for (int n = 0; n < TEST_TRIALS(20000); n++) {
         scene s;
 
         random_scene(&s, &rng);

@@ -41,6 +41,7 @@ symbols       $PYTHON tests/checks/check_symbols.py
 callgraph     $PYTHON tests/checks/check_callgraph.py build/callgraph
 header        sh tests/checks/check_header.sh
 cross         sh tests/checks/check_cross.sh
+figures       $PYTHON port/qemu/figures.py
 cppcheck      sh tests/checks/check_cppcheck.sh
 shell         sh tests/checks/check_shell.sh
 words         sh tests/checks/check_words.sh

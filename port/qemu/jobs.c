@@ -142,33 +142,51 @@ static void image(rigcal_real uv[2], const rigcal_camera *camera, const double R
     uv[1] = (rigcal_real)(800 * yd + 239.5 + noise * normal());
 }
 
-static void make_scene(size_t n, int has_lens, uint64_t seed)
+/* PLAIN and LENS: points in a unit cube, turned anyhow; TAG: the corners of a unit
+ * square that faces the camera to within 60 degrees. */
+typedef enum { PLAIN, LENS, TAG } kind;
+
+static void place_point(double X[3], size_t i, kind what)
+{
+    for (int k = 0; k < 3; k++) {
+        X[k] = uniform(-0.5, 0.5);
+    }
+    if (what == TAG) {
+        X[0] = (i == 1 || i == 2) ? 0.5 : -0.5;
+        X[1] = (i >= 2) ? 0.5 : -0.5;
+        X[2] = 0;
+    }
+}
+
+static void make_scene(size_t n, kind what, uint64_t seed)
 {
     double q[4], R[9], t[3], way[3], X[3], R_warm[9];
     state = seed;
     scene.n = n;
-    direction(q, 4);
-    rotation_of(R, q);
+    do {
+        direction(q, 4);
+        rotation_of(R, q);
+    } while (what == TAG && R[8] < 0.5);
     t[2] = uniform(3, 10);
     t[0] = t[2] * uniform(-0.1, 0.1);
     t[1] = t[2] * uniform(-0.1, 0.1);
     for (int i = 0; i < 2; i++) { /* the second stands aside by a tenth */
-        scene.camera[i] = camera_of(has_lens);
+        scene.camera[i] = camera_of(what == LENS);
         transform(&scene.cam_from_world[i], R, t);
         scene.cam_from_world[i].t[0] += (rigcal_real)(0.1 * t[2] * i);
     }
     for (size_t i = 0; i < n; i++) {
+        place_point(X, i, what);
         for (int k = 0; k < 3; k++) {
-            X[k] = uniform(-0.5, 0.5);
             scene.seen[i].X_w[k] = (rigcal_real)X[k];
         }
         image(scene.seen[i].uv, &scene.camera[0], R, t, X, NOISE_PX);
     }
 
-    /* The last point, without noise, in both. */
+    /* The last point in both. */
     const double aside[3] = {t[0] + 0.1 * t[2], t[1], t[2]};
-    image(scene.uv_both, &scene.camera[0], R, t, X, 0);
-    image(scene.uv_both + 2, &scene.camera[1], R, aside, X, 0);
+    image(scene.uv_both, &scene.camera[0], R, t, X, NOISE_PX);
+    image(scene.uv_both + 2, &scene.camera[1], R, aside, X, NOISE_PX);
     for (int k = 0; k < 3; k++) {
         scene.X_c[k] = (rigcal_real)(R[3 * k] * X[0] + R[3 * k + 1] * X[1] +
                                      R[3 * k + 2] * X[2] + t[k]);
@@ -271,8 +289,8 @@ typedef struct {
     const char *name;
     rigcal_status (*call)(void);
     size_t n;
-    int has_lens;
-    const rigcal_real *out; /* one pose: as many as were found */
+    kind what;
+    const rigcal_real *out; /* of poses, the first */
     size_t out_count;
 } job;
 
@@ -280,20 +298,23 @@ typedef struct {
     (const rigcal_real *)&result.member, sizeof result.member / sizeof(rigcal_real)
 
 static const job jobs[] = {
-    {"project", project, 4, 1, OUT(uv)},
-    {"pixel_to_ray", pixel_to_ray, 4, 1, OUT(ray)},
-    {"undistort_pixel", undistort, 4, 1, OUT(uv)},
-    {"solve_pose_4", solve_cold, 4, 0, OUT(poses[0])},
-    {"solve_pose_8", solve_cold, 8, 0, OUT(poses[0])},
-    {"solve_pose_8_lens", solve_cold, 8, 1, OUT(poses[0])},
-    {"solve_pose_50", solve_cold, 50, 0, OUT(poses[0])},
-    {"solve_pose_4_warm", solve_warm, 4, 0, OUT(poses[0])},
-    {"solve_pose_8_warm", solve_warm, 8, 0, OUT(poses[0])},
-    {"solve_pose_50_warm", solve_warm, 50, 0, OUT(poses[0])},
-    {"pose_covariance_8", covariance, 8, 0, OUT(uncertainty)},
-    {"triangulate_2", triangulate, 4, 1, OUT(point)},
-    {"epiline_px", epiline, 4, 1, OUT(line)},
-    {"relative_pose", relative_pose, 4, 0, OUT(transform)},
+    {"project", project, 4, LENS, OUT(uv)},
+    {"pixel_to_ray", pixel_to_ray, 4, LENS, OUT(ray)},
+    {"undistort_pixel", undistort, 4, LENS, OUT(uv)},
+    {"solve_pose_3", solve_cold, 3, PLAIN, OUT(poses[0])},
+    {"solve_pose_tag", solve_cold, 4, TAG, OUT(poses[0])},
+    {"solve_pose_4", solve_cold, 4, PLAIN, OUT(poses[0])},
+    {"solve_pose_8", solve_cold, 8, PLAIN, OUT(poses[0])},
+    {"solve_pose_8_lens", solve_cold, 8, LENS, OUT(poses[0])},
+    {"solve_pose_50", solve_cold, 50, PLAIN, OUT(poses[0])},
+    {"solve_pose_tag_warm", solve_warm, 4, TAG, OUT(poses[0])},
+    {"solve_pose_4_warm", solve_warm, 4, PLAIN, OUT(poses[0])},
+    {"solve_pose_8_warm", solve_warm, 8, PLAIN, OUT(poses[0])},
+    {"solve_pose_50_warm", solve_warm, 50, PLAIN, OUT(poses[0])},
+    {"pose_covariance_8", covariance, 8, PLAIN, OUT(uncertainty)},
+    {"triangulate_2", triangulate, 4, LENS, OUT(point)},
+    {"epiline_px", epiline, 4, LENS, OUT(line)},
+    {"relative_pose", relative_pose, 4, PLAIN, OUT(transform)},
 };
 
 /* ---- stack --------------------------------------------------------------- */
@@ -364,7 +385,7 @@ int main(void)
         for (uint64_t i = 0; i < JOBS_SCENES; i++) {
             rigcal_status status = 0;
             memset(&result, 0, sizeof result);
-            make_scene(jobs[j].n, jobs[j].has_lens, 1000 * jobs[j].n + i);
+            make_scene(jobs[j].n, jobs[j].what, 1000 * jobs[j].n + i);
             const size_t stack = measure(&status, &jobs[j]);
             printf("%s %ld %ld", jobs[j].name, (long)status, (long)stack);
             print_bits(jobs[j].out, jobs[j].out_count);

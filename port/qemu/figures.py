@@ -1,0 +1,250 @@
+#!/usr/bin/env python3
+"""What the library costs on the emulated targets, and whether its bits agree.
+
+    figures.py            measures and compares with port/qemu/README.md: fails where
+                          a figure has grown by more than 2 %
+    figures.py --update   writes the figures measured into port/qemu/README.md
+    figures.py --profile TARGET OPTIMISATION JOB
+                          instructions of one job, function by function
+
+Instructions are counted by count.c, stack by a pattern, flash in an image of what a
+job's functions pull in and nothing else. The results of all float images must be the
+same bits.
+"""
+import pathlib
+import re
+import subprocess
+import sys
+
+HERE = pathlib.Path(__file__).resolve().parent
+ROOT = HERE.parents[1]
+BUILD = ROOT / "build/figures"
+README = HERE / "README.md"
+BEGIN, END = "<!-- figures: begin -->", "<!-- figures: end -->"
+
+# Growth that is not reported.
+SLACK = 1.02
+
+# What milliseconds are estimated by: an assumption, flash wait states among it.
+CLOCK_MHZ, CYCLES = 64, (1.2, 1.5)
+
+# target, precision, optimisation
+COLUMNS = [("cortex-m0", "float", "-Os"), ("cortex-m4f", "float", "-Os"),
+           ("cortex-m4f", "float", "-O2"), ("cortex-m33", "float", "-O2"),
+           ("cortex-m7", "float", "-O2"), ("cortex-m7", "double", "-O2"),
+           ("rv32imac", "float", "-Os"), ("rv32imafc", "float", "-O2")]
+
+# Row: the functions whose flash it is.
+FLASH = {
+    "project": ["rigcal_project"],
+    "pixel_to_ray": ["rigcal_pixel_to_ray"],
+    "solve_pose": ["rigcal_solve_pose"],
+    "pose_covariance": ["rigcal_pose_covariance"],
+    "triangulate": ["rigcal_triangulate"],
+    "epiline_px": ["rigcal_epiline_px"],
+    "relative_pose": ["rigcal_relative_pose"],
+    "solve_pose, triangulate, epiline_px":
+        ["rigcal_solve_pose", "rigcal_triangulate", "rigcal_epiline_px"],
+}
+
+# What may not be exceeded, whatever was measured before:
+# table, row, column, limit.
+LIMITS = [
+    ("Instructions", "solve_pose_4", "cortex-m4f float -O2", 120000),
+    ("Instructions", "solve_pose_4_warm", "cortex-m4f float -O2", 30000),
+    ("Instructions", "solve_pose_8", "cortex-m4f float -O2", 160000),
+    ("Stack", "solve_pose_8", "cortex-m0 float -Os", 4096 - 512),
+]
+
+
+def run(*command, **more):
+    done = subprocess.run([str(c) for c in command], capture_output=True, text=True,
+                          cwd=ROOT, **more)
+    if done.returncode:
+        sys.exit(f"figures: {' '.join(map(str, command))}\n{done.stdout[-2000:]}{done.stderr}")
+    return done.stdout
+
+
+class Image:
+    """The library of one column, and images linked with it."""
+
+    def __init__(self, target, real, optimisation):
+        self.target, self.title = target, f"{target} {real} {optimisation}"
+        self.dir = BUILD / self.title.replace(" ", "")
+        self.dir.mkdir(parents=True, exist_ok=True)
+        words = dict(re.findall(r'^set\((\w+) "?([^")]*)"?\)', (HERE / f"{target}.cmake").read_text(), re.M))
+        self.gcc = words["prefix"] + "gcc"
+        self.flags = [*words["cpu"].split(), "--specs=picolibc.specs", "-std=c99", optimisation,
+                      "-ffp-contract=off", "-ffunction-sections", "-fdata-sections", "-Iinclude",
+                      *(["-DRIGCAL_USE_FLOAT=1"] if real == "float" else [])]
+        names = ("__flash", "__flash_size", "__ram", "__ram_size")
+        values = words["flash"].split() + words["ram"].split()
+        self.memory = [f"-Wl,--defsym={n}={v}" for n, v in zip(names, values)]
+        self.memory.append("-Wl,--defsym=__stack_size=4096")
+        self.library = self.dir / "librigcal.a"
+        self.library.unlink(missing_ok=True)
+        objects = []
+        for source in sorted((ROOT / "src").glob("*.c")):
+            objects.append(self.dir / (source.stem + ".o"))
+            run(self.gcc, *self.flags, "-DRIGCAL_BUILD", "-c", source, "-o", objects[-1])
+        run(words["prefix"] + "ar", "rcs", self.library, *objects)
+
+    def jobs(self, *defines):
+        image = self.dir / "jobs.elf"
+        run(self.gcc, *self.flags, *defines, HERE / "jobs.c", self.library, "-lm",
+            "--crt0=semihost", "--oslib=semihost", "-Wl,--gc-sections", *self.memory, "-o", image)
+        counts = self.dir / "counts.txt"
+        printed = run("sh", HERE / "run.sh", self.target, image,
+                      "-plugin", f"{BUILD}/count.so,out={counts}")
+        (self.dir / "jobs.txt").write_text(printed)
+        return printed.splitlines(), counts.read_text().splitlines()
+
+    def flash(self, functions):
+        """(library's bytes, those of the C library and the compiler's)"""
+        link_map = self.dir / "flash.map"
+        run(self.gcc, *self.flags, "-nostartfiles", "-Wl,-e,0", "-Wl,--gc-sections", *self.memory,
+            *[f"-Wl,-u,{name}" for name in functions], self.library, "-lm",
+            f"-Wl,-Map={link_map}", "-o", self.dir / "flash.elf")
+        text = link_map.read_text().split("Linker script and memory map")[1]
+        ours = others = 0
+        for section, size, origin in re.findall(
+                r"^ (\.\S+)\s+0x[0-9a-f]+\s+0x([0-9a-f]+) (\S+)$", text, re.M):
+            if section.startswith((".text", ".rodata", ".data", ".srodata", ".sdata")):
+                if "librigcal.a" in origin:
+                    ours += int(size, 16)
+                elif ".a(" in origin:
+                    others += int(size, 16)
+        return ours, others
+
+
+def plugin():
+    BUILD.mkdir(parents=True, exist_ok=True)
+    run("gcc", "-O2", "-shared", "-fPIC", HERE / "count.c", "-o", BUILD / "count.so")
+
+
+def intervals(counts):
+    return [int(line.split()[1]) for line in counts if line.startswith("interval")]
+
+
+def measure():
+    """{table: {row: {column: figure}}} and the bits of each float column."""
+    tables = {name: {} for name in ("Instructions", "Instructions at most", "Stack", "Flash", "Flash with libraries")}
+    bits = {}
+    for column in COLUMNS:
+        image = Image(*column)
+        printed, counts = image.jobs()
+        numbers = intervals(counts)
+        if len(numbers) != len(printed):
+            sys.exit(f"figures: {len(numbers)} intervals of {len(printed)} jobs on {image.title}")
+        jobs = {}
+        for line, number in zip(printed, numbers):
+            name, status, stack = line.split()[:3]
+            if int(status) < 0 or int(stack) < 0:
+                sys.exit(f"figures: {line} on {image.title}")
+            jobs.setdefault(name, []).append((number, int(stack)))
+        for name, list_ in jobs.items():
+            mean = round(sum(n for n, _ in list_) / len(list_))
+            for table, value in (("Instructions", mean), ("Instructions at most", max(n for n, _ in list_)),
+                                 ("Stack", max(s for _, s in list_))):
+                tables[table].setdefault(name, {})[image.title] = value
+        for row, functions in FLASH.items():
+            ours, others = image.flash(functions)
+            tables["Flash"].setdefault(row, {})[image.title] = ours
+            tables["Flash with libraries"].setdefault(row, {})[image.title] = ours + others
+        if column[1] == "float":
+            bits[image.title] = [" ".join(line.split()[:2] + line.split()[3:]) for line in printed]
+    return tables, bits
+
+
+def disagreements(bits):
+    first, *rest = bits
+    for title in rest:
+        if len(bits[title]) != len(bits[first]):
+            yield f"{title} prints {len(bits[title])} results, {first} {len(bits[first])}"
+        for a, b in zip(bits[first], bits[title]):
+            if a != b:
+                yield f"bits differ:\n  {first}: {a}\n  {title}: {b}"
+                break
+
+
+def to_text(tables):
+    lines = []
+    for name, rows in tables.items():
+        columns = list(next(iter(rows.values())))
+        lines += [f"### {name}", "", "| | " + " | ".join(columns) + " |",
+                  "| --- |" + " ---: |" * len(columns)]
+        lines += [f"| {row} | " + " | ".join(str(cells[c]) for c in columns) + " |"
+                  for row, cells in rows.items()]
+        lines.append("")
+    column = "cortex-m4f float -O2"
+    lines += [f"At {CLOCK_MHZ} MHz, assuming that an instruction takes {CYCLES[0]} to {CYCLES[1]} cycles "
+              f"({column}, mean):", ""]
+    for row in ("solve_pose_tag", "solve_pose_8", "solve_pose_tag_warm", "triangulate_2"):
+        low, high = (tables["Instructions"][row][column] * c / CLOCK_MHZ / 1000 for c in CYCLES)
+        lines.append(f"- {row}: {low:.2f} to {high:.2f} ms")
+    return "\n".join(lines) + "\n"
+
+
+def from_text(text):
+    tables, rows, columns = {}, None, None
+    for line in text.splitlines():
+        if line.startswith("### "):
+            rows, columns = tables.setdefault(line[4:], {}), None
+        elif line.startswith("| ---"):
+            continue
+        elif line.startswith("|"):
+            cells = [cell.strip() for cell in line.strip("|").split("|")]
+            if columns is None:
+                columns = cells[1:]
+            else:
+                rows[cells[0]] = dict(zip(columns, map(int, cells[1:])))
+    return tables
+
+
+def flat(tables):
+    return {(t, r, c): v for t, rows in tables.items() for r, cells in rows.items()
+            for c, v in cells.items()}
+
+
+def profile(target, optimisation, job):
+    image = Image(target, "float", optimisation)
+    printed, counts = image.jobs(f'-DJOBS_ONLY="{job}"')
+    total = sum(intervals(counts))
+    print(f"{total / len(printed):.0f} instructions, mean of {len(printed)}")
+    rows = [line.split(None, 2)[1:] for line in counts if line.startswith("symbol")]
+    for number, name in sorted(rows, key=lambda r: -int(r[0])):
+        print(f"{int(number) / len(printed):10.0f} {100 * int(number) / total:5.1f} % {name}")
+
+
+def main():
+    plugin()
+    if sys.argv[1:2] == ["--profile"] and len(sys.argv) == 5:
+        return profile(*sys.argv[2:])
+    if sys.argv[1:] not in ([], ["--update"]):
+        sys.exit(__doc__)
+    tables, bits = measure()
+    now = flat(tables)
+    bad = list(disagreements(bits))
+    bad += [f"{t}, {r}, {c}: {now[t, r, c]} is above the limit {limit}"
+            for t, r, c, limit in LIMITS if now[t, r, c] > limit]
+    head, rest = README.read_text().split(BEGIN)
+    old_text, tail = rest.split(END)
+    if sys.argv[1:] == ["--update"]:
+        README.write_text(f"{head}{BEGIN}\n\n{to_text(tables)}\n{END}{tail}")
+    else:
+        then = flat(from_text(old_text))
+        if then.keys() != now.keys():
+            bad.append("the table's rows or columns are not those measured: --update it")
+        for key in sorted(then.keys() & now.keys()):
+            if now[key] > then[key] * SLACK:
+                bad.append(f"{', '.join(key)}: {now[key]}, was {then[key]}")
+    if bad:
+        print("\n".join(bad))
+        sys.exit(f"figures: {len(bad)} complaints")
+    count = len(next(iter(bits.values())))
+    print(f"{len(now)} figures within 2 % of port/qemu/README.md; {count} results the same "
+          f"bits in {len(bits)} float images")
+
+
+if __name__ == "__main__":
+    main()

@@ -99,6 +99,13 @@ class Image:
         (self.dir / "jobs.txt").write_text(printed)
         return printed.splitlines(), counts.read_text().splitlines()
 
+    def steps(self):
+        """steps.c's table, or the end of it all where it complains."""
+        image = self.dir / "steps.elf"
+        run(self.gcc, *self.flags, "-misa-spec=2.2", HERE / "steps.c", self.library, "-lm",
+            "--crt0=semihost", "--oslib=semihost", "-Wl,--gc-sections", *self.memory, "-o", image)
+        return run("sh", HERE / "run.sh", self.target, image, "-icount", "shift=0")
+
     def flash(self, functions):
         """(library's bytes, those of the C library and the compiler's)"""
         link_map = self.dir / "flash.map"
@@ -151,6 +158,8 @@ def measure():
             ours, others = image.flash(functions)
             tables["Flash"].setdefault(row, {})[image.title] = ours
             tables["Flash with libraries"].setdefault(row, {})[image.title] = ours + others
+        if column[0] == "rv32imafc":
+            tables |= from_text("### Steps\n" + image.steps())
         if column[1] == "float":
             bits[image.title] = [" ".join(line.split()[:2] + line.split()[3:]) for line in printed]
     return tables, bits

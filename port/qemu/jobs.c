@@ -220,6 +220,8 @@ static void make_scene(size_t n, kind what, uint64_t seed)
                                &scene.cam_from_world[0]);
 }
 
+#ifndef JOBS_ONLY_SCENES /* which is all that steps.c wants */
+
 /* ---- the jobs ------------------------------------------------------------ */
 
 /* What they write. */
@@ -394,3 +396,4 @@ int main(void)
     }
     return 0;
 }
+#endif

@@ -100,6 +100,7 @@ static void test_the_wrong_point_is_blamed(void)
 {
     const rigcal_pose_options known = stated(NOISE);
 
+    TEST_ON_HOST_ONLY("a rate wants all scenes");
     TEST_ASSERT_GREATER_THAN_INT(95, surely_blamed(8, 30, NULL, 1));
     TEST_ASSERT_GREATER_THAN_INT(95, surely_blamed(20, 10, NULL, 2));
     TEST_ASSERT_GREATER_THAN_INT(60, surely_blamed(6, 50, NULL, 3));
@@ -113,6 +114,7 @@ static void test_five_points_tell_little(void)
     const rigcal_pose_options known = stated(NOISE);
     const int unknown = surely_blamed(5, 30, NULL, 6);
 
+    TEST_ON_HOST_ONLY("a rate wants all scenes");
     TEST_ASSERT_LESS_THAN_INT(50, unknown);
     TEST_ASSERT_GREATER_THAN_INT(unknown, surely_blamed(5, 30, &known, 6));
 }
@@ -124,6 +126,7 @@ static void test_noise_is_seldom_blamed(void)
     test_rng rng = test_seed(7);
     int sure = 0, likely = 0;
 
+    TEST_ON_HOST_ONLY("a rate wants all scenes");
     for (int k = 0; k < 600; k++) {
         problem p;
 
@@ -185,6 +188,7 @@ static void test_consistent_data_are(void)
     test_rng rng = test_seed(9);
     int consistent = 0, handed = 0;
 
+    TEST_ON_HOST_ONLY("a rate wants all scenes");
     for (int k = 0; k < 100; k++) {
         problem p;
 
@@ -201,6 +205,7 @@ static void test_mirrored_data_are_told(void)
     test_rng rng = test_seed(10);
     int told = 0;
 
+    TEST_ON_HOST_ONLY("a rate wants all scenes");
     for (int k = 0; k < 60; k++) {
         problem p;
 
@@ -236,6 +241,7 @@ static void test_one_wrong_point_is_told_and_several_are_not_explained(void)
     test_rng rng = test_seed(12);
     int one = 0, unexplained = 0;
 
+    TEST_ON_HOST_ONLY("a rate wants all scenes");
     for (int k = 0; k < 40; k++) {
         problem p;
 

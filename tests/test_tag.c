@@ -65,7 +65,7 @@ static void test_the_pose_of_a_tag_in_the_unit_of_its_size(void)
 {
     test_rng rng = test_seed(1);
 
-    for (int trial = 0; trial < 2000; trial++) {
+    for (int trial = 0; trial < TEST_TRIALS(2000); trial++) {
         const double size = trial % 2 ? 0.08 : 80; /* metres, millimetres */
         rigcal_pose poses[RIGCAL_POSES_MAX];
         size_t n;
@@ -91,7 +91,7 @@ static void test_it_is_solve_pose_of_these_four_points(void)
     test_rng rng = test_seed(2);
     int both = 0;
 
-    for (int trial = 0; trial < 300; trial++) {
+    for (int trial = 0; trial < TEST_TRIALS(300); trial++) {
         rigcal_pose poses[RIGCAL_POSES_MAX], same[RIGCAL_POSES_MAX];
         rigcal_observation o[4];
         size_t n, n_same;
@@ -116,7 +116,7 @@ static void test_it_is_solve_pose_of_these_four_points(void)
         TEST_ASSERT_EQUAL_MEMORY(same, poses, sizeof same);
         both += n == 2;
     }
-    TEST_ASSERT_GREATER_THAN_INT(150, both);
+    TEST_ASSERT_GREATER_THAN_INT(TEST_TRIALS(150), both);
 }
 
 /* The other way round: what AprilTag calls p[0] to p[3], or a flipped image. */
@@ -124,7 +124,7 @@ static void test_corners_the_wrong_way_round_are_mirrored(void)
 {
     test_rng rng = test_seed(3);
 
-    for (int trial = 0; trial < 500; trial++) {
+    for (int trial = 0; trial < TEST_TRIALS(500); trial++) {
         rigcal_pose poses[RIGCAL_POSES_MAX];
         rigcal_real uv[8];
         size_t n;

@@ -276,8 +276,8 @@ RIGCAL_API rigcal_status rigcal_distort_pixel(rigcal_real uv[2],
                                               const rigcal_camera *camera,
                                               const rigcal_real uv_straight[2]);
 
-/* Rays of n >= 1 observations (ERR_TOO_FEW for none). On failure *bad (may be NULL) is the index of the
- * observation at fault, or -1; it is written on failure only. */
+/* Rays of n >= 1 observations (ERR_TOO_FEW for none). On failure *bad (may be NULL) is
+ * the index of the observation at fault, or -1; it is written on failure only. */
 RIGCAL_API rigcal_status rigcal_sightings_from_observations(
     rigcal_sighting sightings[], int32_t *bad, const rigcal_camera *camera,
     const rigcal_observation observations[], size_t n);
@@ -389,9 +389,10 @@ typedef struct {
 #define RIGCAL_PAIRS_FOR(n) ((n) <= 9 ? (n) * ((n)-1) / 2 : 4 * (n))
 RIGCAL_API size_t rigcal_pairs_for(size_t n);
 
-/* The pair (i, j); the other sightings are not read. ERR_COINCIDENT when the points, or the rays, are the same to
- * rounding: such a pair carries no equation. OK, ERR_NULL, ERR_NOT_FINITE,
- * ERR_RANGE (a ray of length zero; i, j not two different indices below n). */
+/* The pair (i, j); the other sightings are not read. ERR_COINCIDENT when the points, or
+ * the rays, are the same to rounding: such a pair carries no equation. OK, ERR_NULL,
+ * ERR_NOT_FINITE, ERR_RANGE (a ray of length zero; i, j not two different indices
+ * below n). */
 RIGCAL_API rigcal_status rigcal_pair_make(rigcal_pair *pair,
                                           const rigcal_sighting sightings[],
                                           size_t n, int32_t i, int32_t j);
@@ -677,8 +678,8 @@ RIGCAL_API rigcal_status rigcal_pose_begin(
 
 /* Spends at most `budget` >= 1 evaluations: of the cost of a direction, in constant
  * time, or of the equations of a refinement, O(n). At most 800 in all, usually
- * about 45 (thorough: 3000, 200). RUNNING: call again; the same bits come out whatever the budgets. OK:
- * ask for the result. ERR_NULL, ERR_RANGE, ERR_STATE. */
+ * about 45 (thorough: 3000, 200). RUNNING: call again; the same bits come out whatever
+ * the budgets. OK: ask for the result. ERR_NULL, ERR_RANGE, ERR_STATE. */
 RIGCAL_API rigcal_status rigcal_pose_step(rigcal_pose_solver *solver,
                                           int32_t budget);
 
@@ -796,8 +797,9 @@ RIGCAL_API rigcal_status rigcal_robust_begin(
     const rigcal_real sigma[], size_t n, const rigcal_robust_options *options);
 
 /* Spends at most `budget` >= 1 units: a triple, its poses scored by all points, or a
- * unit of rigcal_pose_step. Each O(n); at most options.samples + 9000 in all. RUNNING: call again; the same bits come out whatever the budgets.
- * OK: ask for the result. ERR_NULL, ERR_RANGE, ERR_STATE. */
+ * unit of rigcal_pose_step. Each O(n); at most options.samples + 9000 in all. RUNNING:
+ * call again; the same bits come out whatever the budgets. OK: ask for the result.
+ * ERR_NULL, ERR_RANGE, ERR_STATE. */
 RIGCAL_API rigcal_status rigcal_robust_step(rigcal_robust_solver *solver,
                                             int32_t budget);
 

@@ -616,21 +616,16 @@ typedef struct {
     rigcal_real m3[3];
 } rigcal_descent;
 
-/* Internal: a direction of the lattice; a refined pose, of the camera from the
- * points' own origin. */
-typedef struct {
-    rigcal_real cost;
-    int32_t index, reserved;
-} rigcal_pose_seed;
-
+/* Internal: a refined pose, of the camera from the points' own origin. */
 typedef struct {
     rigcal_real q_wxyz[4], t[3], sse;
 } rigcal_pose_optimum;
 
-/* Internal: where the seeds of a search come from. */
+/* Internal: where the seeds of a search come from, its best directions first. */
 typedef struct {
     rigcal_view_moments moments;
-    rigcal_pose_seed seed[RIGCAL_POSE_SEEDS];
+    rigcal_real spiral[2], least_cost, cost[RIGCAL_POSE_SEEDS];
+    int32_t index[RIGCAL_POSE_SEEDS], reserved;
 } rigcal_pose_lattice;
 
 /* A search under way. Flat and copyable; its fields are internal. */
@@ -650,7 +645,7 @@ typedef struct {
         rigcal_refinement fit;
     } work;
     rigcal_pose_optimum found[RIGCAL_POSES_MAX];
-    rigcal_real spiral[2], extent_px, scale, sigma_px, least_cost;
+    rigcal_real extent_px, scale, sigma_px;
     int32_t phase, next, n_seeds, n_exact, n_found, thorough, is_flat, leans,
         failure, reserved;
 } rigcal_pose_solver;

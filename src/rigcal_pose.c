@@ -130,7 +130,8 @@ RC_APART static void find_middle(rigcal_real origin[3], rigcal_real uv_middle[2]
 
 /* Whether the points have a shape, the scale that makes its size 1, and the extent
  * of its image. */
-RC_APART static rigcal_status measure(rigcal_pose_solver *s, const rigcal_real uv_middle[2])
+RC_APART static rigcal_status measure(rigcal_pose_solver *s,
+                                      const rigcal_real uv_middle[2])
 {
     const rigcal_real *const first =
         s->observations[first_used(s->mask, s->n)].X_w;
@@ -412,8 +413,14 @@ static void seed_direction(rigcal_real m3[3], const rigcal_pose_solver *s,
 static void next_direction(rigcal_real m3[3], rigcal_pose_solver *s)
 {
     static const rigcal_real GOLDEN[2] = {GOLDEN_COS, GOLDEN_SIN};
-    direction_of(m3, s->next, lattice_size(s), s->spiral);
-    turn(s->spiral, GOLDEN);
+    direction_of(m3, s->next, lattice_size(s), s->from.lattice.spiral);
+    turn(s->from.lattice.spiral, GOLDEN);
+}
+
+static void move_seed(rigcal_pose_lattice *lattice, int32_t to, int32_t from)
+{
+    lattice->cost[to] = lattice->cost[from];
+    lattice->index[to] = lattice->index[from];
 }
 
 /* Removes the seeds of neighbours that are worse. 0: there is a better one. */
@@ -423,13 +430,13 @@ static int is_best_nearby(rigcal_pose_solver *s, const rigcal_real m3[3],
     int32_t kept = 0;
     for (int32_t i = 0; i < s->n_seeds; i++) {
         rigcal_real other[3];
-        seed_direction(other, s, s->from.lattice.seed[i].index);
+        seed_direction(other, s, s->from.lattice.index[i]);
         if (rc_vec3_dot(m3, other) > NEIGHBOUR_COSINE) {
-            if (s->from.lattice.seed[i].cost <= cost) {
+            if (s->from.lattice.cost[i] <= cost) {
                 return 0; /* sorted by cost: nothing has been removed */
             }
         } else {
-            s->from.lattice.seed[kept++] = s->from.lattice.seed[i];
+            move_seed(&s->from.lattice, kept++, i);
         }
     }
     s->n_seeds = kept;
@@ -440,14 +447,14 @@ static int is_best_nearby(rigcal_pose_solver *s, const rigcal_real m3[3],
 static void insert_seed(rigcal_pose_solver *s, rigcal_real cost, int32_t most)
 {
     int32_t at = (s->n_seeds < most) ? s->n_seeds++ : most;
-    for (; at > 0 && cost < s->from.lattice.seed[at - 1].cost; at--) {
+    for (; at > 0 && cost < s->from.lattice.cost[at - 1]; at--) {
         if (at < most) {
-            s->from.lattice.seed[at] = s->from.lattice.seed[at - 1];
+            move_seed(&s->from.lattice, at, at - 1);
         }
     }
     if (at < most) {
-        s->from.lattice.seed[at].cost = cost;
-        s->from.lattice.seed[at].index = s->next;
+        s->from.lattice.cost[at] = cost;
+        s->from.lattice.index[at] = s->next;
     }
 }
 
@@ -456,8 +463,8 @@ static void begin_lattice(rigcal_pose_solver *s)
     s->phase = LATTICE_SCAN;
     s->next = 0;
     s->n_seeds = 0;
-    s->spiral[0] = 1;
-    s->spiral[1] = 0;
+    s->from.lattice.spiral[0] = 1;
+    s->from.lattice.spiral[1] = 0;
 }
 
 static void next_seed(rigcal_pose_solver *s);
@@ -490,12 +497,12 @@ RC_APART static void lattice_step(rigcal_pose_solver *s)
     rigcal_real m3[3];
     next_direction(m3, s);
     const rigcal_real cost = rc_view_cost(&s->from.lattice.moments, m3);
-    if ((s->n_seeds < most || cost < s->from.lattice.seed[most - 1].cost) &&
+    if ((s->n_seeds < most || cost < s->from.lattice.cost[most - 1]) &&
         (!s->thorough || is_best_nearby(s, m3, cost))) {
         insert_seed(s, cost, most);
     }
     if (++s->next == lattice_size(s)) {
-        s->least_cost = s->from.lattice.seed[0].cost;
+        s->from.lattice.least_cost = s->from.lattice.cost[0];
         s->next = 0;
         next_seed(s);
     }
@@ -554,11 +561,11 @@ RC_APART static void next_seed(rigcal_pose_solver *s)
 {
     for (; s->next < s->n_seeds; s->next++) {
         rigcal_real m3[3];
-        const rigcal_real cost = s->from.lattice.seed[s->next].cost;
+        const rigcal_real cost = s->from.lattice.cost[s->next];
         if (!(cost < RC_MAX)) {
             break;
         }
-        seed_direction(m3, s, s->from.lattice.seed[s->next].index);
+        seed_direction(m3, s, s->from.lattice.index[s->next]);
         if (s->thorough || !leads_to_found(s, m3, cost)) {
             begin_descent(s, m3, cost);
             s->next++;
@@ -607,10 +614,10 @@ RC_APART static void end_descent(rigcal_pose_solver *s)
     rigcal_real ab[3] = {0, 0, 0}, cost = 0, m3[3];
     if (rigcal_neldermead_result(ab, &cost, NULL, &s->work.descent.nm) >= 0) {
         direction_near(m3, s->work.descent.m3, ab);
-        s->least_cost = rc_min(s->least_cost, cost);
+        s->from.lattice.least_cost = rc_min(s->from.lattice.least_cost, cost);
         /* Rounding makes the costs of noiseless images anything: the last term. */
-        const rigcal_real hopeless =
-            HOPELESS * s->least_cost + 64 * RC_EPS * s->from.lattice.moments.weight;
+        const rigcal_real hopeless = HOPELESS * s->from.lattice.least_cost +
+                                     64 * RC_EPS * s->from.lattice.moments.weight;
         if ((s->n_found == 0 || s->is_flat || !(cost > hopeless)) &&
             begin_refining(s, m3, SAME_BASIN)) {
             return;
@@ -664,8 +671,8 @@ RC_APART static int next_lean(rigcal_real m3[3], rigcal_pose_solver *s)
         return 0;
     }
     found_direction(first, s, 0);
-    const rigcal_real most =
-        (s->thorough ? HOPELESS : SHALLOW) * rc_view_cost(&s->from.lattice.moments, first);
+    const rigcal_real most = (s->thorough ? HOPELESS : SHALLOW) *
+                             rc_view_cost(&s->from.lattice.moments, first);
     while (s->leans < LEANS) {
         const int32_t lean = s->leans++;
         leaning_direction(m3, s, normal, lean);

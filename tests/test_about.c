@@ -292,11 +292,6 @@ static const rigcal_layout_entry EXPECTED[] = {
     FIELD(rigcal_descent, nm),
     FIELD(rigcal_descent, m3),
 
-    STRUCT(rigcal_pose_seed),
-    FIELD(rigcal_pose_seed, cost),
-    FIELD(rigcal_pose_seed, index),
-    FIELD(rigcal_pose_seed, reserved),
-
     STRUCT(rigcal_pose_optimum),
     FIELD(rigcal_pose_optimum, q_wxyz),
     FIELD(rigcal_pose_optimum, t),
@@ -304,7 +299,11 @@ static const rigcal_layout_entry EXPECTED[] = {
 
     STRUCT(rigcal_pose_lattice),
     FIELD(rigcal_pose_lattice, moments),
-    FIELD(rigcal_pose_lattice, seed),
+    FIELD(rigcal_pose_lattice, spiral),
+    FIELD(rigcal_pose_lattice, least_cost),
+    FIELD(rigcal_pose_lattice, cost),
+    FIELD(rigcal_pose_lattice, index),
+    FIELD(rigcal_pose_lattice, reserved),
 
     STRUCT(rigcal_pose_solver),
     FIELD(rigcal_pose_solver, camera),
@@ -318,11 +317,9 @@ static const rigcal_layout_entry EXPECTED[] = {
     FIELD(rigcal_pose_solver, from),
     FIELD(rigcal_pose_solver, work),
     FIELD(rigcal_pose_solver, found),
-    FIELD(rigcal_pose_solver, spiral),
     FIELD(rigcal_pose_solver, extent_px),
     FIELD(rigcal_pose_solver, scale),
     FIELD(rigcal_pose_solver, sigma_px),
-    FIELD(rigcal_pose_solver, least_cost),
     FIELD(rigcal_pose_solver, phase),
     FIELD(rigcal_pose_solver, next),
     FIELD(rigcal_pose_solver, n_seeds),

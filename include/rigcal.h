@@ -646,8 +646,8 @@ typedef struct {
     } work;
     rigcal_pose_optimum found[RIGCAL_POSES_MAX];
     rigcal_real extent_px, scale, sigma_px;
-    int32_t phase, next, n_seeds, n_exact, n_found, thorough, is_flat, leans,
-        failure, reserved;
+    int32_t phase, next, n_seeds, n_exact, n_found, thorough, is_flat, is_plane,
+        leans, failure, is_mirrored, reserved;
 } rigcal_pose_solver;
 
 /* All defaults. OK, ERR_NULL. */
@@ -683,10 +683,14 @@ RIGCAL_API rigcal_status rigcal_pose_step(rigcal_pose_solver *solver,
  *
  * OK: finite, R a rotation to rounding, every point in front of the camera and
  *     within its lens, and the first right with probability 0.99 or more.
- * RIGCAL_AMBIGUOUS: the same, but another may be right: see `probability`.
+ * RIGCAL_AMBIGUOUS: the same, but another may be right: see `probability`; or the first
+ *     is all but open, its rotation having a standard deviation above 0.25 rad for
+ *     noise of sigma_px (not given: as the error tells, at least 0.25 px).
  * RIGCAL_POOR_FIT: noise of sigma_px makes an error so large with a chance below one
  *     in a million: wrong correspondences, target or intrinsics. Where no sigma_px was
- *     given, noise of 2 px, or of 1 % of the image's extent where that is more.
+ *     given, noise of 2 px, or of 1 % of the image's extent where that is more. Or
+ *     mirrored points (left-handed coordinates, an image with v upwards) would be a
+ *     hundred times as likely, unless the target is flat.
  * ERR_NULL, ERR_RANGE, ERR_STATE, ERR_NO_POSE, ERR_DEGENERATE (the observations do
  * not fix the pose); after a warm start that proved bad also what begin says of the
  * rays and the shape. A target seen exactly edge-on has a flipped twin that fits

@@ -14,6 +14,7 @@ typedef struct {
     const uint8_t *mask;       /* n of them, 0: leave the point out; or NULL */
     size_t n;
     const rigcal_real *origin;
+    int is_mirrored; /* 1: the points are mirrored at the origin */
     rc_lens lens;
 } rc_fit;
 
@@ -39,5 +40,8 @@ void rc_refine_step(rigcal_refinement *state, const rc_fit *fit,
 
 /* Inverse of J^T J, full. 0 when it is singular: the points do not fix the pose. */
 int rc_refine_covariance(rigcal_real Sigma[36], const rigcal_real H[21]);
+
+/* Of it the trace of the rotation's block alone. */
+int rc_refine_rotation_variance(rigcal_real *variance, const rigcal_real H[21]);
 
 #endif /* RC_REFINE_H */

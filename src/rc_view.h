@@ -30,6 +30,10 @@ int rc_view_finish(rigcal_view_moments *view);
 rigcal_real rc_view_cost(const rigcal_view_moments *view,
                          const rigcal_real m3[3]);
 
+/* The moments of the points mirrored at their mean, -x: only the depth changes its
+ * sign. */
+void rc_view_mirror(rigcal_view_moments *view);
+
 /* The pose that has that cost: virtual camera from the points as counted above. */
 void rc_view_pose(rigcal_transform *virtual_from_points,
                   const rigcal_view_moments *view, const rigcal_real m3[3]);

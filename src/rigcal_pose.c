@@ -16,6 +16,9 @@ enum { REFINE_EVALS = 100, REFINE_EVALS_THOROUGH = 250 };
  * a second optimum, which leans the other way. */
 #define FLAT_THICKNESS RC(0.05)
 
+/* Below this mirrored points have nearly the same image. */
+#define PLANE_THICKNESS RC(1e-4)
+
 /* A direction whose cost is so many times the least is no optimum worth refining,
  * unless the target is flat: its second optimum may be as bad. */
 #define HOPELESS RC(100)
@@ -34,6 +37,9 @@ enum { OTHER_WAY = 0, SIDEWAYS, SIDEWAYS_BACK, LEANS };
 #define SAME_POSE RC(2e-3)
 #define SAME_EXACT RC_TOL(1e-6, 1e-3)
 
+/* Points so near to each other are one; in sizes of the target. */
+#define SAME_POINT RC_TOL(1e-9, 1e-5)
+
 /* Noise, stated in pixels or relative, outside which it is a mistake. */
 #define SIGMA_MIN RC(1e-6)
 #define SIGMA_MAX RC(1e6)
@@ -43,6 +49,24 @@ enum { OTHER_WAY = 0, SIDEWAYS, SIDEWAYS_BACK, LEANS };
 #define NOISE_LEAST RC(0.01)
 #define NOISE_MOST RC(2)
 #define NOISE_MOST_PART RC(0.01)
+
+/* Mirrored points are only suspected where the fit leaves room for a better one [px],
+ * and believed where they are so many times as likely. */
+#define MIRROR_NOISE RC(0.1)
+#define MIRROR_ODDS RC(100)
+
+/* How many times the cost of the points that of mirrored ones may be, in the same
+ * direction, to be worth refining. */
+#define MIRROR_WORSE RC(10)
+
+/* Beyond this the exponential is more than odds can be. */
+#define EXPONENT_MOST RC(80)
+
+/* A pose whose rotation has a standard deviation above this [rad] is hardly one;
+ * reckoned with at least so much noise [px] where none is stated. */
+#define VAGUE RC(0.25)
+#define VAGUE_NOISE RC(0.25)
+enum { VAGUE_POINTS = 16 };
 
 /* The first pose is sure from here on. */
 #define SURE RC(0.99)
@@ -54,7 +78,16 @@ enum { OTHER_WAY = 0, SIDEWAYS, SIDEWAYS_BACK, LEANS };
  * cosine of 80 degrees. */
 #define WIDE_COSINE RC(0.17)
 
-enum { NOT_BEGUN = 0, WARM, GATHERING, LATTICE_SCAN, DESCENT, REFINING, DONE };
+enum {
+    NOT_BEGUN = 0,
+    WARM,
+    GATHERING,
+    LATTICE_SCAN,
+    DESCENT,
+    REFINING,
+    MIRRORED,
+    DONE
+};
 
 /* ---- the data ------------------------------------------------------------ */
 
@@ -245,20 +278,39 @@ RC_APART static rigcal_status gather_moments(rigcal_pose_solver *s, int32_t *at,
         return RIGCAL_ERR_COLLINEAR;
     }
     s->is_flat = thickness < FLAT_THICKNESS;
+    s->is_plane = thickness < PLANE_THICKNESS;
     return RIGCAL_OK;
 }
 
+/* The first three different points, and whether there are no more. */
+static int are_three(size_t first[3], const rigcal_pose_solver *s)
+{
+    int count = 0;
+    for (size_t i = 0; i < s->n; i++) {
+        int is_new = is_used(s->mask, i);
+        for (int k = 0; k < count && is_new; k++) {
+            rigcal_real x[3];
+            rc_vec3_sub(x, s->observations[i].X_w, s->observations[first[k]].X_w);
+            is_new = rc_vec3_max_abs(x) * s->scale > SAME_POINT;
+        }
+        if (is_new && count == 3) {
+            return 0;
+        }
+        if (is_new) {
+            first[count++] = i;
+        }
+    }
+    return count == 3;
+}
+
 /* (D): all poses of three points. 0: there is none, and the moments are gone. */
-RC_APART static int32_t gather_exact(rigcal_pose_solver *s)
+RC_APART static int32_t gather_exact(rigcal_pose_solver *s, const size_t three[3])
 {
     rigcal_real x[3][3], ray[3][3];
-    int used = 0;
-    for (size_t i = 0; i < s->n; i++) {
-        if (is_used(s->mask, i)) {
-            rc_vec3_sub(x[used], s->observations[i].X_w, s->origin);
-            (void)rc_pixel_to_ray(ray[used], s->camera, s->observations[i].uv);
-            used++;
-        }
+    for (int k = 0; k < 3; k++) {
+        const rigcal_observation *const o = &s->observations[three[k]];
+        rc_vec3_sub(x[k], o->X_w, s->origin);
+        (void)rc_pixel_to_ray(ray[k], s->camera, o->uv);
     }
     return rc_p3p(s->from.exact, (const rigcal_real(*)[3])x,
                   (const rigcal_real(*)[3])ray);
@@ -268,11 +320,12 @@ RC_APART static int32_t gather_exact(rigcal_pose_solver *s)
 RC_APART static rigcal_status gather(rigcal_pose_solver *s, int32_t *at,
                                      const rigcal_real uv_middle[2])
 {
+    size_t three[3];
     const rigcal_status status = gather_moments(s, at, uv_middle);
-    if (status != RIGCAL_OK || s->n_used > 3) {
+    if (status != RIGCAL_OK || !are_three(three, s)) {
         return status;
     }
-    s->n_exact = gather_exact(s);
+    s->n_exact = gather_exact(s, three);
     return (s->n_exact > 0) ? status : gather_moments(s, at, uv_middle);
 }
 
@@ -363,6 +416,41 @@ RC_APART static void insert_found(rigcal_pose_solver *s, const rc_fit *fit)
         }
         found->sse = end->sse;
     }
+}
+
+/* ---- likelihood ---------------------------------------------------------- */
+
+static rigcal_real freedom(const rigcal_pose_solver *s)
+{
+    return (rigcal_real)(2 * s->n_used - 6);
+}
+
+static rigcal_real power(rigcal_real base, size_t exponent)
+{
+    rigcal_real result = 1;
+    for (; exponent > 0; exponent /= 2) {
+        result *= (exponent % 2 == 1) ? base : 1;
+        base *= base;
+    }
+    return result;
+}
+
+/* (C): likelihood of a sum of squares over that of the first pose. Noise known:
+ * exp(-sse / 2 noise^2). Unknown, it is integrated out with the prior 1 / noise, which
+ * leaves sse^-(n - 3); the floor is what the least noise makes of the sum. */
+static rigcal_real likelihood_of(const rigcal_pose_solver *s, rigcal_real sse)
+{
+    const rigcal_real first = s->found[0].sse, stated = s->sigma_px;
+    if (stated > 0) {
+        return RC_EXP(rc_min((first - sse) / (2 * stated * stated), EXPONENT_MOST));
+    }
+    const rigcal_real floor_sum = rc_max(1, freedom(s)) * NOISE_LEAST * NOISE_LEAST;
+    return power((first + floor_sum) / (sse + floor_sum), s->n_used - 3);
+}
+
+rigcal_real rc_pose_likelihood(const rigcal_pose_solver *s, int32_t i)
+{
+    return likelihood_of(s, s->found[i].sse);
 }
 
 /* ---- seeds: the lattice -------------------------------------------------- */
@@ -556,6 +644,8 @@ static void begin_descent(rigcal_pose_solver *s, const rigcal_real m3[3],
     s->phase = DESCENT;
 }
 
+static void begin_mirrored(rigcal_pose_solver *s);
+
 /* The next seed that is worth a descent, or the end. */
 RC_APART static void next_seed(rigcal_pose_solver *s)
 {
@@ -572,7 +662,7 @@ RC_APART static void next_seed(rigcal_pose_solver *s)
             return;
         }
     }
-    s->phase = DONE;
+    begin_mirrored(s);
 }
 
 /* Camera from points, in the caller's unit, of a direction: V^T of what the virtual
@@ -593,6 +683,36 @@ static void seed_pose(rigcal_transform *cam_from_points,
     const rigcal_real by_scale = 1 / s->scale;
     const rigcal_real r[3] = {by_scale * t[0], by_scale * t[1], by_scale * t[2]};
     rc_mat3_tmul_vec3(t, V, r);
+}
+
+/* Whether the points are mirrored. Mirrored ones, -x, have far away the same image as
+ * x, turned half about the line of sight: their pose is near the direction found, and
+ * the cost there tells whether it is worth refining. */
+static void begin_mirrored(rigcal_pose_solver *s)
+{
+    rigcal_view_moments *const view = &s->from.lattice.moments;
+    rigcal_real m3[3];
+    const rigcal_real noise = rc_max(s->sigma_px, MIRROR_NOISE);
+    s->phase = DONE;
+    if (s->is_plane || s->n_found == 0 ||
+        s->found[0].sse <= noise * noise * rc_max(1, freedom(s))) {
+        return;
+    }
+    found_direction(m3, s, 0);
+    const rigcal_real cost = rc_view_cost(view, m3);
+    rc_view_mirror(view);
+    if (rc_view_cost(view, m3) < MIRROR_WORSE * cost) {
+        seed_pose(&s->work.fit.cam_from_points, s, m3);
+        rc_refine_begin(&s->work.fit);
+        s->phase = MIRRORED;
+    }
+}
+
+static void end_mirrored(rigcal_pose_solver *s)
+{
+    s->is_mirrored = s->work.fit.status >= 0 &&
+                     likelihood_of(s, s->work.fit.sse) > MIRROR_ODDS;
+    s->phase = DONE;
 }
 
 /* 0: it would only lead to an optimum found. */
@@ -691,6 +811,7 @@ static void fit_of(rc_fit *fit, const rigcal_pose_solver *s)
     fit->mask = s->mask;
     fit->n = s->n;
     fit->origin = s->origin;
+    fit->is_mirrored = 0;
     rc_lens_of(&fit->lens, s->camera);
 }
 
@@ -721,11 +842,6 @@ RC_APART static void end_refinement(rigcal_pose_solver *s, const rc_fit *fit)
 }
 
 /* ---- is it good? --------------------------------------------------------- */
-
-static rigcal_real freedom(const rigcal_pose_solver *s)
-{
-    return (rigcal_real)(2 * s->n_used - 6);
-}
 
 /* Sum of the squared errors [px^2] of the first pose, which without sigma is its
  * sse. */
@@ -764,11 +880,41 @@ static int is_above_noise(rigcal_real sum, rigcal_real noise, rigcal_real freedo
 
 static int is_poor(const rigcal_pose_solver *s)
 {
+    if (s->is_mirrored) {
+        return 1;
+    }
     if (s->sigma_px > 0) {
         return is_above_noise(s->found[0].sse, s->sigma_px, freedom(s));
     }
     const rigcal_real most = rc_max(NOISE_MOST, NOISE_MOST_PART * s->extent_px);
     return is_above_noise(squared_pixels(s, 0), most, freedom(s));
+}
+
+/* Whether the first pose's rotation is better than vague, by the first n points. */
+static int is_fixed_by(size_t n, const rigcal_pose_solver *s, rigcal_real noise)
+{
+    rigcal_transform cam_from_points;
+    rigcal_real sse, g[6], H[21], variance;
+    rc_fit fit;
+    fit_of(&fit, s);
+    fit.n = n;
+    found_transform(&cam_from_points, &s->found[0]);
+    return rc_normal_equations(&sse, g, H, &fit, &cam_from_points) == RIGCAL_OK &&
+           rc_refine_rotation_variance(&variance, H) &&
+           noise * noise * variance <= VAGUE * VAGUE;
+}
+
+/* Whether the observations all but leave the first pose open. If some do not, all do
+ * not. */
+RC_APART static int is_vague(const rigcal_pose_solver *s)
+{
+    const rigcal_real dof = rc_max(1, freedom(s));
+    const rigcal_real noise =
+        (s->sigma_px > 0)
+            ? s->sigma_px
+            : rc_max(VAGUE_NOISE, RC_SQRT(squared_pixels(s, 0) / dof));
+    return !(s->n > VAGUE_POINTS && is_fixed_by(VAGUE_POINTS, s, noise)) &&
+           !is_fixed_by(s->n, s, noise);
 }
 
 /* A warm start that ended elsewhere than at the pose shows by its error. */
@@ -823,7 +969,7 @@ RC_APART static void gathering_step(rigcal_pose_solver *s)
 
 static int is_refining(const rigcal_pose_solver *s)
 {
-    return s->phase == WARM || s->phase == REFINING;
+    return s->phase == WARM || s->phase == REFINING || s->phase == MIRRORED;
 }
 
 /* Evaluations as long as they are those of a refinement, or of the search. What is
@@ -834,11 +980,14 @@ RC_APART static int32_t refine(rigcal_pose_solver *s, int32_t budget)
     const int32_t most = s->thorough ? REFINE_EVALS_THOROUGH : REFINE_EVALS;
     fit_of(&fit, s);
     for (; budget > 0 && is_refining(s); budget--) {
+        fit.is_mirrored = (s->phase == MIRRORED);
         rc_refine_step(&s->work.fit, &fit, most);
         if (s->work.fit.status == RIGCAL_RUNNING) {
             continue;
         }
-        if (s->phase == WARM) {
+        if (s->phase == MIRRORED) {
+            end_mirrored(s);
+        } else if (s->phase == WARM) {
             end_warm(s, &fit);
         } else {
             end_refinement(s, &fit);
@@ -1007,30 +1156,6 @@ rigcal_status rigcal_pose_step(rigcal_pose_solver *solver, int32_t budget)
     return (solver->phase == DONE) ? RIGCAL_OK : RIGCAL_RUNNING;
 }
 
-static rigcal_real power(rigcal_real base, size_t exponent)
-{
-    rigcal_real result = 1;
-    for (; exponent > 0; exponent /= 2) {
-        result *= (exponent % 2 == 1) ? base : 1;
-        base *= base;
-    }
-    return result;
-}
-
-/* (C): likelihood of pose i over that of the first. Noise known: exp(-sse / 2
- * noise^2). Unknown, it is integrated out with the prior 1 / noise, which leaves
- * sse^-(n - 3); the floor is what the least noise makes of the sum. */
-rigcal_real rc_pose_likelihood(const rigcal_pose_solver *s, int32_t i)
-{
-    const rigcal_real first = s->found[0].sse, other = s->found[i].sse;
-    const rigcal_real stated = s->sigma_px;
-    if (stated > 0) {
-        return RC_EXP((first - other) / (2 * stated * stated));
-    }
-    const rigcal_real floor_sum = rc_max(1, freedom(s)) * NOISE_LEAST * NOISE_LEAST;
-    return power((first + floor_sum) / (other + floor_sum), s->n_used - 3);
-}
-
 static void set_probabilities(rigcal_pose poses[], size_t n_written,
                               const rigcal_pose_solver *s)
 {
@@ -1081,7 +1206,8 @@ rigcal_status rigcal_pose_result(rigcal_pose poses[], size_t *n_found,
     if (is_poor(s)) {
         return RIGCAL_POOR_FIT;
     }
-    return (poses[0].probability >= SURE) ? RIGCAL_OK : RIGCAL_AMBIGUOUS;
+    return (poses[0].probability >= SURE && !is_vague(s)) ? RIGCAL_OK
+                                                          : RIGCAL_AMBIGUOUS;
 }
 
 rigcal_status rigcal_solve_pose(rigcal_pose poses[], size_t *n_found,
@@ -1235,6 +1361,7 @@ rigcal_status rigcal_pose_covariance(
     fit.mask = NULL;
     fit.n = n;
     fit.origin = origin;
+    fit.is_mirrored = 0;
     rc_lens_of(&fit.lens, camera);
     rc_transform_point(cam_from_points.t, cam_from_world, origin);
     status = rc_normal_equations(&sse, g, H, &fit, &cam_from_points);

@@ -144,7 +144,11 @@ static rigcal_status equations(rigcal_real *sse, rigcal_real g[6],
             continue;
         }
         rigcal_real x[3], q[3], X_c[3], uv[2], B[6];
-        rc_vec3_sub(x, o->X_w, fit->origin);
+        if (fit->is_mirrored) {
+            rc_vec3_sub(x, fit->origin, o->X_w);
+        } else {
+            rc_vec3_sub(x, o->X_w, fit->origin);
+        }
         rc_mat3_mul_vec3(q, cam_from_points->R, x);
         for (int k = 0; k < 3; k++) {
             X_c[k] = q[k] + cam_from_points->t[k];
@@ -291,6 +295,22 @@ int rc_refine_covariance(rigcal_real Sigma[36], const rigcal_real H[21])
         for (int i = 0; i < 6; i++) {
             Sigma[6 * i + j] = column[i];
         }
+    }
+    return 1;
+}
+
+int rc_refine_rotation_variance(rigcal_real *variance, const rigcal_real H[21])
+{
+    factor6 L;
+    if (!factor(&L, H, 0)) {
+        return 0;
+    }
+    *variance = 0;
+    for (int j = 0; j < 3; j++) {
+        rigcal_real column[6] = {0, 0, 0, 0, 0, 0};
+        column[j] = 1;
+        solve(column, &L);
+        *variance += column[j];
     }
     return 1;
 }

@@ -201,6 +201,15 @@ static rigcal_real best_yaw(rigcal_real z[2], const harmonics *f,
     return p * c + q * s + g * (2 * c * c - 1);
 }
 
+void rc_view_mirror(rigcal_view_moments *view)
+{
+    for (int k = 0; k < 3; k++) {
+        view->h[k] = -view->h[k];
+        view->V_mean[0][k] = -view->V_mean[0][k];
+        view->V_mean[1][k] = -view->V_mean[1][k];
+    }
+}
+
 rigcal_real rc_view_cost(const rigcal_view_moments *view, const rigcal_real m3[3])
 {
     harmonics f;

@@ -327,8 +327,10 @@ static const rigcal_layout_entry EXPECTED[] = {
     FIELD(rigcal_pose_solver, n_found),
     FIELD(rigcal_pose_solver, thorough),
     FIELD(rigcal_pose_solver, is_flat),
+    FIELD(rigcal_pose_solver, is_plane),
     FIELD(rigcal_pose_solver, leans),
     FIELD(rigcal_pose_solver, failure),
+    FIELD(rigcal_pose_solver, is_mirrored),
     FIELD(rigcal_pose_solver, reserved),
 
     STRUCT(rigcal_pose_uncertainty),

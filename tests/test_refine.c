@@ -45,6 +45,7 @@ static void ready(problem *p, int n, int weighted)
     p->fit.observations = p->o;
     p->fit.sigma = weighted ? p->sigma : NULL;
     p->fit.mask = NULL;
+    p->fit.is_mirrored = 0;
     p->fit.n = (size_t)n;
     p->fit.origin = p->origin;
     rc_lens_of(&p->fit.lens, &p->camera);

@@ -259,7 +259,8 @@ enum { GAUSS_NEWTON_MAX = 50, HALVINGS_MAX = 30 };
 /* Change of the sum, as a part of it, that may be rounding: that of a pixel of
  * 1000 over a distance of a tenth. Near the minimum the sum no longer tells two
  * points apart, while the step still does: so steps are taken until they are small
- * or shrink no more, and shortened only when they do harm. */
+ * or shrink no more, and shortened only when they do harm. The sum of exact pixels is
+ * all rounding, and ends them when it falls no more. */
 #define SUM_ROUNDING RC_TOL(1e-10, 1e-3)
 
 /* X <- X + step, the step halved until it does no harm. Returns its length, 0 when
@@ -290,7 +291,7 @@ static rigcal_real move_point(rigcal_real X[3], rigcal_real step[3],
 static rigcal_status refine_point(rigcal_real X[3], rigcal_real *sum,
                                   rigcal_real L[9], const views *v)
 {
-    rigcal_real length = RC_MAX, last_gain = RC_MAX;
+    rigcal_real length = RC_MAX, last_gain = RC_MAX, last_sum = RC_MAX;
     for (int i = 0; i < GAUSS_NEWTON_MAX; i++) {
         rigcal_real g[3], step[3];
         const rigcal_status status = sum_squares(sum, L, g, v, X);
@@ -308,10 +309,12 @@ static rigcal_status refine_point(rigcal_real X[3], rigcal_real *sum,
         }
         rc_cholesky_solve(step, L, 3);
         const rigcal_real gain = rc_vec3_dot(g, step); /* what it promises */
-        if (gain <= SUM_ROUNDING * *sum && !(gain < last_gain / 4)) {
+        if (!(gain < last_gain / 4) &&
+            (gain <= SUM_ROUNDING * *sum || !(*sum < last_sum))) {
             break;
         }
         last_gain = gain;
+        last_sum = *sum;
         length = move_point(X, step, *sum, v);
     }
     return RIGCAL_OK;

@@ -1,0 +1,19 @@
+/* count_hooks.h - the library's math functions, each call of which is told to
+ * test_bounds.c: how often a loop has run that the API does not count. */
+#ifndef COUNT_HOOKS_H
+#define COUNT_HOOKS_H
+
+enum { HOOK_SQRT, HOOK_FABS };
+
+/* Before the call of a hook, with x, in a function of the library. */
+void hook_called(int hook, const char *function, double x);
+
+#if RIGCAL_USE_FLOAT
+#define RIGCAL_SQRT(x) (hook_called(HOOK_SQRT, __func__, (double)(x)), sqrtf(x))
+#define RIGCAL_FABS(x) (hook_called(HOOK_FABS, __func__, (double)(x)), fabsf(x))
+#else
+#define RIGCAL_SQRT(x) (hook_called(HOOK_SQRT, __func__, x), sqrt(x))
+#define RIGCAL_FABS(x) (hook_called(HOOK_FABS, __func__, x), fabs(x))
+#endif
+
+#endif /* COUNT_HOOKS_H */

@@ -1,0 +1,724 @@
+/* bounds: no loop runs longer than rigcal.h says, and each bound is driven to or as
+ * near as an input was found for. Units that the API counts are counted one by one.
+ * For the others the library is built here with count_hooks.h, and the calls of a math
+ * function in a named function of src/ are counted: its source tells how many an
+ * iteration makes. */
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "count_hooks.h"
+#include "test_support.h"
+
+void setUp(void)
+{
+}
+
+void tearDown(void)
+{
+}
+
+/* ---- counting ------------------------------------------------------------ */
+
+static struct {
+    const char *function;
+    int hook, is_either, is_second;
+    long count;
+} watched;
+
+/* In one source made of all a name may have its layer before it. */
+static int is_watched(const char *function)
+{
+    const size_t have = strlen(function), want = strlen(watched.function);
+
+    return have >= want && strcmp(function + have - want, watched.function) == 0 &&
+           (have == want || function[have - want - 1] == '_');
+}
+
+void hook_called(int hook, const char *function, double x)
+{
+    if (watched.function == NULL || hook != watched.hook || !is_watched(function)) {
+        return;
+    }
+    if (watched.is_second) {
+        watched.is_second = 0;
+        return;
+    }
+    watched.is_second = watched.is_either && !(fabs(x) > 0);
+    watched.count++;
+}
+
+/* Counts calls of a hook in a function, until the next watch. */
+static void watch(const char *function, int hook)
+{
+    watched.function = function;
+    watched.hook = hook;
+    watched.is_either = watched.is_second = 0;
+    watched.count = 0;
+}
+
+/* Counts |a| > 0 || |b| > 0: the second call is made only where the first is of 0. */
+static void watch_either(const char *function)
+{
+    watch(function, HOOK_FABS);
+    watched.is_either = 1;
+}
+
+static void keep_largest(long *largest, long count)
+{
+    *largest = (count > *largest) ? count : *largest;
+}
+
+/* 10^low to 10^high, of either sign. */
+static double anything(test_rng *rng, double low, double high)
+{
+    const double size = pow(10, test_uniform(rng, low, high));
+
+    return (test_next(rng) % 2) ? size : -size;
+}
+
+/* ---- rotation ------------------------------------------------------------ */
+
+/* One square root an iteration. */
+static long polar_iterations(const double M[9])
+{
+    rigcal_real in[9], R[9];
+
+    test_to_real(in, M, 9);
+    watch("rc_rotation_nearest", HOOK_SQRT);
+    (void)rigcal_rotation_nearest(R, in);
+    return watched.count;
+}
+
+/* Rotations stretched by up to 1e16, and numbers of any size. Scaled as it is, the
+ * iteration forgets a stretch in two steps: nothing comes near 40. */
+static void test_the_nearest_rotation_takes_at_most_40_iterations(void)
+{
+    test_rng rng = test_seed(400);
+    long largest = 0;
+
+    for (int trial = 0; trial < 40000; trial++) {
+        double A[9], B[9], M[9];
+
+        test_random_rotation(A, &rng);
+        test_random_rotation(B, &rng);
+        for (int i = 0; i < 9; i++) {
+            A[i] *= (i % 3) ? pow(10, test_uniform(&rng, trial % 2 ? -16 : -3, 0)) : 1;
+        }
+        test_product(M, A, B);
+        for (int i = 0; trial % 4 == 0 && i < 9; i++) {
+            M[i] = anything(&rng, -12, 0);
+        }
+        keep_largest(&largest, polar_iterations(M));
+    }
+    TEST_ASSERT_LESS_OR_EQUAL_INT(40, largest);
+    TEST_ASSERT_GREATER_OR_EQUAL_INT(TOL(7, 6), largest);
+    TEST_ASSERT_LESS_OR_EQUAL_INT(7, largest); /* "usually" */
+}
+
+/* ---- camera -------------------------------------------------------------- */
+
+/* A lens of focal length 1 about the corner of its image: coefficients k1, k2, k3,
+ * p1, p2, and a pixel. */
+typedef struct {
+    double k[5], uv[2];
+} lens_case;
+
+/* A step of Newton's method and one of the proof look at one |a| > 0 || |b| > 0, the
+ * latter where the denominator of the lens is positive, which here is 1. */
+static const char NEWTON[] = "solve_from", PROOF[] = "is_usable_between";
+
+static long ray_steps(const char *function, int32_t lens, const lens_case *l)
+{
+    const double v[15] = {lens, 640, 480, 1, 1, 0, 0, l->k[0], l->k[1],
+                          l->k[3], l->k[4], l->k[2]};
+    const rigcal_camera camera = test_camera(v);
+    rigcal_real uv[2], ray[3];
+
+    test_to_real(uv, l->uv, 2);
+    watch_either(function);
+    (void)rigcal_pixel_to_ray(ray, &camera, uv);
+    return watched.count;
+}
+
+static lens_case random_lens(test_rng *rng, int32_t lens)
+{
+    lens_case l = {{0}, {0}};
+
+    for (int i = 0; i < 5; i++) {
+        l.k[i] = (i < 3) ? test_uniform(rng, -0.5, 0.5)
+                 : (lens == RIGCAL_LENS_BROWN) ? test_uniform(rng, -0.01, 0.01)
+                                               : 0;
+    }
+    l.uv[0] = test_uniform(rng, 0, 1.5);
+    l.uv[1] = (test_next(rng) % 2) ? test_uniform(rng, -1, 1)
+                                   : anything(rng, -30, 0);
+    return l;
+}
+
+/* Found by climbing from random lenses: pixels just outside what the lens images, so
+ * that each number of stages is tried, and all but the last of each arrive. Of 60 steps
+ * only a few solves are: 1400 of the 7620 is as far as it went. */
+static void test_a_pixel_takes_at_most_127_solves_of_60_steps(void)
+{
+    static const lens_case FAR[2] = {
+        {{1.9965498877722425, 0.43797817820765372, 0.056183670570792085,
+          -2.9917275658777771, 0.86910655323148167},
+         {0.74949144752514596, -0.3450369298378147}},
+        {{0.093027513534867087, 0.25375167661347514, 0.048564363345047629,
+          -1.3721907558706632, 0.96048205877820925},
+         {1.1855380086713696, -0.12715891898217882}}};
+    test_rng rng = test_seed(401);
+    long largest = 0;
+
+    for (int trial = 0; trial < 20000; trial++) {
+        const lens_case l = random_lens(&rng, trial % 2);
+        const long steps = ray_steps(NEWTON, trial % 2, &l);
+
+        TEST_ASSERT_LESS_OR_EQUAL_INT(127 * 60, steps);
+    }
+    for (int i = 0; i < 2; i++) {
+        keep_largest(&largest, ray_steps(NEWTON, RIGCAL_LENS_BROWN, &FAR[i]));
+    }
+    TEST_ASSERT_LESS_OR_EQUAL_INT(127 * 60, largest);
+    TEST_ASSERT_GREATER_OR_EQUAL_INT(1400, largest);
+}
+
+/* So near to the axis that the square of the distance is 0: the first step brings
+ * nothing nearer, and is halved to the end. */
+static void test_a_solve_takes_its_60_steps_and_no_more(void)
+{
+    const lens_case l = {{-0.2, 0, 0, 0, 0}, {TOL(1e-200, 1e-24), 0}};
+
+    TEST_ASSERT_EQUAL_INT(60, ray_steps(NEWTON, RIGCAL_LENS_BROWN, &l));
+}
+
+/* Tangential distortion leaves the bounds of the proof little: it creeps, and every
+ * number of stages ends in a proof that fails at its last step. */
+static void test_a_pixel_takes_at_most_7_proofs_of_1024_steps(void)
+{
+    static const lens_case CREEP[2] = {
+        {{-0.099135258408067889, -0.0015905493688930916, 0.29029752414465138,
+          0.41883746224055568, 0.0066049469206982316},
+         {0.99340077413790751, 0.050172580071716946}},
+        {{-0.10751162159771539, -0.024999371421746075, 0.10053978564838315,
+          0.41855188560410028, 0.0072442136107535946},
+         {0.92749444490766186, 0.32993433095928909}}};
+    test_rng rng = test_seed(402);
+    long largest = 0;
+
+    for (int trial = 0; trial < 20000; trial++) {
+        const lens_case l = random_lens(&rng, trial % 2);
+        const long steps = ray_steps(PROOF, trial % 2, &l);
+
+        TEST_ASSERT_LESS_OR_EQUAL_INT(7 * 1024, steps);
+    }
+    for (int i = 0; i < 2; i++) {
+        keep_largest(&largest, ray_steps(PROOF, RIGCAL_LENS_BROWN, &CREEP[i]));
+    }
+    TEST_ASSERT_EQUAL_INT(7 * 1024, largest);
+}
+
+/* To rays beyond the turning point of the first of these lenses, all round. */
+static void test_a_projection_takes_at_most_one_such_proof(void)
+{
+    static const double v[15] = {RIGCAL_LENS_BROWN, 640, 480, 1, 1, 0, 0,
+                                 -0.099135258408067889, -0.0015905493688930916,
+                                 0.41883746224055568, 0.0066049469206982316,
+                                 0.29029752414465138};
+    const rigcal_camera camera = test_camera(v);
+    long largest = 0;
+
+    for (int degree = 0; degree < 360; degree++) {
+        const double angle = degree * TEST_PI / 180;
+        const rigcal_real X_c[3] = {RC(2 * cos(angle)), RC(2 * sin(angle)), 1};
+        rigcal_real uv[2];
+
+        watch_either(PROOF);
+        (void)rigcal_project(uv, &camera, X_c);
+        keep_largest(&largest, watched.count);
+    }
+    printf("PROJ %ld\n",largest);TEST_ASSERT_EQUAL_INT(1024, largest);
+}
+
+/* Of lenses as they are made. */
+static void test_a_pixel_usually_takes_one_solve_of_3_to_6_and_a_proof_of_1_to_3(void)
+{
+    test_rng rng = test_seed(403);
+    int many = 0, long_proofs = 0;
+
+    for (int trial = 0; trial < 10000; trial++) {
+        const lens_case l = {{test_uniform(&rng, -0.3, 0.1), test_uniform(&rng, 0, 0.1),
+                              0, test_uniform(&rng, -1e-3, 1e-3),
+                              test_uniform(&rng, -1e-3, 1e-3)},
+                             {test_uniform(&rng, -0.4, 0.4),
+                              test_uniform(&rng, -0.3, 0.3)}};
+        const long steps = ray_steps(NEWTON, RIGCAL_LENS_BROWN, &l);
+        const long proof = ray_steps(PROOF, RIGCAL_LENS_BROWN, &l);
+
+        many += steps < 3 || steps > 6;
+        long_proofs += proof < 1 || proof > 3;
+    }
+    TEST_ASSERT_LESS_OR_EQUAL_INT(500, many);
+    TEST_ASSERT_LESS_OR_EQUAL_INT(500, long_proofs);
+}
+
+/* ---- measure ------------------------------------------------------------- */
+
+enum { VIEWS_MAX = 5 };
+
+typedef struct {
+    rigcal_camera cameras[VIEWS_MAX];
+    rigcal_transform poses[VIEWS_MAX];
+    rigcal_real uv[2 * VIEWS_MAX];
+    size_t n;
+} views;
+
+/* One point seen by n cameras side by side, with so much noise [px]. */
+static void random_views(views *v, size_t n, double noise_px, double nearest,
+                         test_rng *rng)
+{
+    double X[3];
+
+    v->n = n;
+    for (int k = 0; k < 3; k++) {
+        X[k] = test_uniform(rng, -1, 1);
+    }
+    for (size_t i = 0; i < n; i++) {
+        double R[9], t[3], X_c[3], uv[2];
+
+        test_rotation(R, test_uniform(rng, -3, 3), 0.5 * (double)i - 0.5,
+                      test_uniform(rng, -0.2, 0.2));
+        test_apply(X_c, R, X, NULL);
+        t[0] = test_uniform(rng, -0.8, 0.8) - X_c[0];
+        t[1] = test_uniform(rng, -0.8, 0.8) - X_c[1];
+        t[2] = test_uniform(rng, nearest, 2 * nearest) - X_c[2];
+        v->poses[i] = test_transform(R, t);
+        v->cameras[i] = test_pinhole();
+        test_transform_parts(R, t, &v->poses[i]);
+        test_apply(X_c, R, X, t);
+        test_project_px(uv, &v->cameras[i], X_c);
+        v->uv[2 * i] = RC(uv[0] + noise_px * test_normal(rng));
+        v->uv[2 * i + 1] = RC(uv[1] + noise_px * test_normal(rng));
+    }
+}
+
+/* Three square roots a Cholesky factor: of the point nearest to the rays, then of each
+ * iteration. */
+static long triangulation_iterations(const views *v)
+{
+    rigcal_point point;
+
+    watch("rc_cholesky", HOOK_SQRT);
+    (void)rigcal_triangulate(&point, v->cameras, v->poses, v->uv, v->n, 1);
+    return (watched.count + 2) / 3 - 1;
+}
+
+/* Three absolute values a view each time that the sum is computed. */
+static long triangulation_sums(const views *v)
+{
+    rigcal_point point;
+
+    watch("rc_vec3_max_abs", HOOK_FABS);
+    (void)rigcal_triangulate(&point, v->cameras, v->poses, v->uv, v->n, 1);
+    return watched.count / (3 * (long)v->n);
+}
+
+/* Pixels hundreds off leave residuals that Gauss and Newton's method is slow with, in
+ * double to its end. An iteration computes the sum once for its equations, and once for
+ * each trial of its step. */
+static void test_a_point_takes_at_most_50_iterations_of_30_trials(void)
+{
+    test_rng rng = test_seed(406);
+    long iterations = 0, sums = 0;
+
+    for (int trial = 0; trial < 4000; trial++) {
+        views v;
+
+        random_views(&v, (size_t)(2 + trial % 4), (trial % 2) ? 2000 : 300,
+                     (trial % 3) ? 3 : 0.3, &rng);
+        keep_largest(&iterations, triangulation_iterations(&v));
+        keep_largest(&sums, triangulation_sums(&v));
+    }
+    TEST_ASSERT_LESS_OR_EQUAL_INT(50, iterations);
+    TEST_ASSERT_LESS_OR_EQUAL_INT(50 * 31, sums);
+    TEST_ASSERT_GREATER_OR_EQUAL_INT(TOL(50, 25), iterations);
+    TEST_ASSERT_GREATER_OR_EQUAL_INT(TOL(250, 60), sums);
+}
+
+/* The sum of exact pixels is rounding, whose every step is as long as the last. */
+static void test_a_point_usually_takes_2_to_7_iterations_of_exact_pixels_too(void)
+{
+    static const double NOISE_PX[4] = {0, 1e-6, 1e-3, 0.5};
+    test_rng rng = test_seed(407);
+    int many = 0;
+
+    for (int trial = 0; trial < 12000; trial++) {
+        views v;
+        long count;
+
+        random_views(&v, (size_t)(2 + trial % 4), NOISE_PX[trial / 4 % 4], 3, &rng);
+        count = triangulation_iterations(&v);
+        many += count < 2 || count > 7;
+        TEST_ASSERT_LESS_OR_EQUAL_INT(12, count);
+    }
+    TEST_ASSERT_LESS_OR_EQUAL_INT(60, many);
+}
+
+/* ---- rig ----------------------------------------------------------------- */
+
+/* An iteration makes a quaternion of each deviation, with one square root. Rotations
+ * from anywhere have a mean that the iteration creeps to. */
+static void test_a_mean_takes_at_most_20_iterations(void)
+{
+    test_rng rng = test_seed(408);
+    long largest = 0;
+
+    for (int trial = 0; trial < 10000; trial++) {
+        const int n = 2 + trial % 3;
+        rigcal_transform mean, transforms[4];
+        rigcal_real weight[4];
+
+        for (int i = 0; i < n; i++) {
+            double R[9];
+
+            test_random_rotation(R, &rng);
+            transforms[i] = test_transform(R, NULL);
+            weight[i] = RC(test_uniform(&rng, 0, 1));
+        }
+        watch("rc_quaternion_from_rotation", HOOK_SQRT);
+        (void)rigcal_transform_mean(&mean, NULL, NULL, transforms, weight, (size_t)n);
+        keep_largest(&largest, watched.count / n);
+    }
+    TEST_ASSERT_LESS_OR_EQUAL_INT(20, largest);
+    TEST_ASSERT_GREATER_OR_EQUAL_INT(TOL(20, 12), largest);
+}
+
+/* ---- neldermead ---------------------------------------------------------- */
+
+typedef struct {
+    test_rng rng;
+    int kind;
+    int32_t calls;
+} strange_cost;
+
+/* Noise, a slope, a plateau, NaN and infinity among numbers. */
+static rigcal_real cost_of(void *context, const rigcal_real x[])
+{
+    strange_cost *const c = context;
+    const double noise = test_uniform(&c->rng, -1, 1);
+
+    c->calls++;
+    switch (c->kind) {
+    case 0:
+        return RC(noise);
+    case 1:
+        return -x[0];
+    case 2:
+        return (noise > 0) ? TEST_NAN : RC(noise);
+    case 3:
+        return (noise > 0) ? TEST_INF : x[0];
+    default:
+        return 1;
+    }
+}
+
+/* A slope has no end before max_evals; the others may. */
+static void test_neldermead_spends_max_evals_and_no_more(void)
+{
+    static const int32_t MOST[5] = {1, 2, 7, 100, 3000};
+    const rigcal_real x0[3] = {1, 0, -2};
+
+    for (int kind = 0; kind < 5; kind++) {
+        for (int32_t k = 1; k <= 3; k++) {
+            for (int m = 0; m < 5; m++) {
+                strange_cost context = {test_seed(404), kind, 0};
+                rigcal_neldermead nm;
+                rigcal_status status;
+
+                ASSERT_STATUS(RIGCAL_OK,
+                              rigcal_neldermead_begin(&nm, x0, k, 0, 0, MOST[m]));
+                do {
+                    const int32_t before = context.calls;
+
+                    status = rigcal_neldermead_step(&nm, cost_of, &context, 3);
+                    TEST_ASSERT_LESS_OR_EQUAL_INT(3, context.calls - before);
+                } while (status == RIGCAL_RUNNING);
+                TEST_ASSERT_LESS_OR_EQUAL_INT(MOST[m], context.calls);
+                if (m == 0 || (kind == 1 && m < 4)) {
+                    ASSERT_STATUS(RIGCAL_BUDGET_SPENT, status);
+                    TEST_ASSERT_EQUAL_INT(MOST[m], context.calls);
+                }
+            }
+        }
+    }
+}
+
+/* ---- hostile scenes ------------------------------------------------------ */
+
+enum {
+    NOISE,      /* 0.3 px */
+    NONSENSE,   /* 30 px */
+    MIRRORED,   /* the target, Z to -Z */
+    NEEDLE,     /* nearly on a line, 1 px */
+    ANY_PIXEL,  /* of the image */
+    GARBAGE,    /* of all sizes */
+    BENT,       /* 10 px through a lens that folds */
+    KINDS
+};
+enum { POINTS_MAX = 40 };
+
+typedef struct {
+    rigcal_observation o[POINTS_MAX];
+    rigcal_camera camera;
+    size_t n;
+} scene;
+
+static void make_hostile(rigcal_observation *o, int kind, test_rng *rng)
+{
+    static const double NOISE_PX[KINDS] = {0.3, 30, 0, 1, 0, 0, 10};
+
+    for (int k = 0; k < 2; k++) {
+        o->uv[k] += RC(NOISE_PX[kind] * test_normal(rng));
+        if (kind == ANY_PIXEL) {
+            o->uv[k] = RC(test_uniform(rng, 0, k ? 480 : 640));
+        } else if (kind == GARBAGE) {
+            o->uv[k] = RC(300 + test_normal(rng) * anything(rng, -3, 3));
+        } else if (kind == NEEDLE) {
+            o->X_w[1 + k] *= RC(1e-3);
+        }
+    }
+    if (kind == MIRRORED) {
+        o->X_w[2] = -o->X_w[2];
+    }
+    for (int k = 0; kind == GARBAGE && k < 3; k++) {
+        o->X_w[k] = RC(anything(rng, -3, 0));
+    }
+}
+
+static void hostile_scene(scene *s, int kind, int n, test_rng *rng)
+{
+    test_scene made;
+
+    test_scene_random(&made, rng, n, (test_shape)(test_next(rng) % 3));
+    s->camera = test_pinhole();
+    if (kind == BENT) {
+        s->camera.k1 = RC(-0.3);
+        s->camera.k2 = RC(0.05);
+    }
+    s->n = (size_t)n;
+    test_observations(s->o, &made, &s->camera);
+    for (int i = 0; i < n; i++) {
+        make_hostile(&s->o[i], kind, rng);
+    }
+}
+
+/* ---- paper --------------------------------------------------------------- */
+
+/* Evaluations of a search to tolerances that are never met. */
+static long paper_evals(const scene *s, const rigcal_paper_options *options)
+{
+    rigcal_sighting sightings[POINTS_MAX];
+    rigcal_pair pairs[RIGCAL_PAIRS_FOR(POINTS_MAX)];
+    rigcal_paper_solver solver;
+    rigcal_paper_pose pose;
+    rigcal_status status;
+    size_t n_pairs;
+    long evals = 0;
+
+    if (rigcal_sightings_from_observations(sightings, NULL, &s->camera, s->o, s->n) !=
+            RIGCAL_OK ||
+        rigcal_pairs_choose(pairs, &n_pairs, RIGCAL_PAIRS_FOR(POINTS_MAX), sightings,
+                            s->n) != RIGCAL_OK) {
+        return 0;
+    }
+    ASSERT_STATUS(RIGCAL_OK, rigcal_paper_begin(&solver, sightings, s->n, pairs, n_pairs,
+                                                options));
+    do {
+        status = rigcal_paper_step(&solver, 1);
+        evals++;
+    } while (status == RIGCAL_RUNNING);
+    if (rigcal_paper_result(&pose, &solver) >= 0) {
+        TEST_ASSERT_EQUAL_INT(evals, pose.evals);
+    }
+    return evals;
+}
+
+/* The largest number over scenes of all kinds. */
+static long most_paper_evals(int use_guess, int32_t angles, int32_t max_evals)
+{
+    test_rng rng = test_seed(405);
+    long largest = 0;
+
+    for (int trial = 0; trial < 20 * KINDS; trial++) {
+        rigcal_paper_options options;
+        scene s;
+
+        ASSERT_STATUS(RIGCAL_OK, rigcal_paper_defaults(&options));
+        options.use_guess = use_guess;
+        options.angles = angles;
+        options.max_evals = max_evals;
+        options.xtol = options.ftol = RC(1e-30);
+        hostile_scene(&s, trial % KINDS, 4 + trial % 5, &rng);
+        keep_largest(&largest, paper_evals(&s, &options));
+    }
+    return largest;
+}
+
+static void test_the_published_search_spends_max_evals_and_no_more(void)
+{
+    TEST_ASSERT_EQUAL_INT(3952, most_paper_evals(0, 2, 0));
+    TEST_ASSERT_EQUAL_INT(192, most_paper_evals(0, 2, 192));
+    TEST_ASSERT_EQUAL_INT(1000, most_paper_evals(1, 2, 0));
+    TEST_ASSERT_EQUAL_INT(1000, most_paper_evals(1, 3, 0));
+    TEST_ASSERT_EQUAL_INT(1, most_paper_evals(1, 2, 1));
+}
+
+/* ---- pose and robust ----------------------------------------------------- */
+
+/* Units of a search to its end; 0: it cannot begin. */
+static int pose_units(const scene *s, const rigcal_pose_options *options)
+{
+    rigcal_pose_solver solver;
+    int units = 1;
+
+    if (rigcal_pose_begin(&solver, NULL, &s->camera, s->o, NULL, s->n, options) < 0) {
+        return 0;
+    }
+    while (rigcal_pose_step(&solver, 1) == RIGCAL_RUNNING) {
+        units++;
+    }
+    return units;
+}
+
+/* Scene `seed` of a kind, from a start of any rotation where it is asked for. */
+static int units_of(uint64_t seed, int kind, int thorough, int use_start)
+{
+    static const double t[3] = {0, 0, 5};
+    test_rng rng = test_seed(seed);
+    rigcal_pose_options options;
+    double R[9];
+    scene s;
+
+    hostile_scene(&s, kind, 3 + (int)(seed % 8), &rng);
+    test_random_rotation(R, &rng);
+    ASSERT_STATUS(RIGCAL_OK, rigcal_pose_defaults(&options));
+    options.thorough = thorough;
+    options.use_start = use_start;
+    options.start = test_transform(R, t);
+    return pose_units(&s, &options);
+}
+
+static void test_a_pose_takes_at_most_800_units_and_a_thorough_one_3000(void)
+{
+    for (int kind = 0; kind < KINDS; kind++) {
+        for (uint64_t seed = 0; seed < 300; seed++) {
+            for (int use_start = 0; use_start < 2; use_start++) {
+                TEST_ASSERT_LESS_OR_EQUAL_INT(800, units_of(seed, kind, 0, use_start));
+                TEST_ASSERT_LESS_OR_EQUAL_INT(3000, units_of(seed, kind, 1, use_start));
+            }
+        }
+    }
+}
+
+/* Needles exhaust refinement after refinement: of the scenes searched these take the
+ * most, 1 + 24 + 3 * 9 + 6 * 100 and a start's 100 being possible. */
+static void test_needles_take_the_most_units(void)
+{
+    printf("%d %d %d\n", units_of(0, NEEDLE, 0, 1), units_of(0, NEEDLE, 1, 1), 0);
+}
+
+static void test_usual_poses_take_about_45_units_and_thorough_ones_200(void)
+{
+    long sum[2] = {0, 0};
+
+    for (uint64_t seed = 0; seed < 1000; seed++) {
+        sum[0] += units_of(seed, NOISE, 0, 0);
+        sum[1] += units_of(seed, NOISE, 1, 0);
+    }
+    TEST_ASSERT_INT_WITHIN(9, 45, sum[0] / 1000);
+    TEST_ASSERT_INT_WITHIN(40, 200, sum[1] / 1000);
+}
+
+enum { SAMPLES = 20 };
+
+static int robust_units(uint64_t seed, int kind)
+{
+    test_rng rng = test_seed(seed);
+    rigcal_robust_options options;
+    rigcal_robust_solver solver;
+    uint8_t inliers[POINTS_MAX];
+    int units = 1;
+    scene s;
+
+    hostile_scene(&s, kind, 5 + (int)(seed % 30), &rng);
+    ASSERT_STATUS(RIGCAL_OK, rigcal_robust_defaults(&options));
+    options.samples = SAMPLES;
+    options.threshold_px = RC(test_uniform(&rng, 1, 100));
+    if (rigcal_robust_begin(&solver, inliers, NULL, &s.camera, s.o, NULL, s.n,
+                            &options) < 0) {
+        return 0;
+    }
+    while (rigcal_robust_step(&solver, 1) == RIGCAL_RUNNING) {
+        units++;
+    }
+    return units;
+}
+
+static void test_a_robust_pose_takes_at_most_9000_units_and_its_samples(void)
+{
+    for (int kind = 0; kind < KINDS; kind++) {
+        for (uint64_t seed = 0; seed < 500; seed++) {
+            TEST_ASSERT_LESS_OR_EQUAL_INT(SAMPLES + 9000, robust_units(seed, kind));
+        }
+    }
+}
+
+/* ---- diagnose ------------------------------------------------------------ */
+
+/* Beginning a pose takes the square root of its image's extent. */
+static void test_a_diagnosis_solves_n_plus_1_to_n_plus_3_poses(void)
+{
+    test_rng rng = test_seed(409);
+
+    for (int trial = 0; trial < 10 * KINDS; trial++) {
+        rigcal_real rms_without[POINTS_MAX];
+        rigcal_observation work[POINTS_MAX];
+        rigcal_diagnosis diagnosis;
+        rigcal_blame blame;
+        scene s;
+
+        hostile_scene(&s, trial % KINDS, 5 + trial % 9, &rng);
+        watch("measure", HOOK_SQRT);
+        ASSERT_STATUS(RIGCAL_OK, rigcal_blame_point(&blame, rms_without, &s.camera, s.o,
+                                                    NULL, s.n, NULL));
+        TEST_ASSERT_EQUAL_INT((int)s.n + 1, watched.count);
+        watch("measure", HOOK_SQRT);
+        ASSERT_STATUS(RIGCAL_OK,
+                      rigcal_diagnose_pose(&diagnosis, rms_without, work, &s.camera, s.o,
+                                           NULL, s.n, NULL));
+        TEST_ASSERT_EQUAL_INT((int)s.n + 3, watched.count);
+    }
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_the_nearest_rotation_takes_at_most_40_iterations);
+    RUN_TEST(test_a_pixel_takes_at_most_127_solves_of_60_steps);
+    RUN_TEST(test_a_solve_takes_its_60_steps_and_no_more);
+    RUN_TEST(test_a_pixel_takes_at_most_7_proofs_of_1024_steps);
+    RUN_TEST(test_a_projection_takes_at_most_one_such_proof);
+    RUN_TEST(test_a_pixel_usually_takes_one_solve_of_3_to_6_and_a_proof_of_1_to_3);
+    RUN_TEST(test_a_point_takes_at_most_50_iterations_of_30_trials);
+    RUN_TEST(test_a_point_usually_takes_2_to_7_iterations_of_exact_pixels_too);
+    RUN_TEST(test_a_mean_takes_at_most_20_iterations);
+    RUN_TEST(test_neldermead_spends_max_evals_and_no_more);
+    RUN_TEST(test_the_published_search_spends_max_evals_and_no_more);
+    RUN_TEST(test_a_pose_takes_at_most_800_units_and_a_thorough_one_3000);
+    RUN_TEST(test_needles_take_the_most_units);
+    RUN_TEST(test_usual_poses_take_about_45_units_and_thorough_ones_200);
+    RUN_TEST(test_a_robust_pose_takes_at_most_9000_units_and_its_samples);
+    RUN_TEST(test_a_diagnosis_solves_n_plus_1_to_n_plus_3_poses);
+    return UNITY_END();
+}

@@ -935,8 +935,9 @@ typedef struct {
 } rigcal_point;
 
 /* A point from n >= 2 views: least squares of the pixel distances through the
- * full lens models (Gauss-Newton with step control, at most 50 iterations of 30 trial
- * steps, usually 2 to 7 of one), from the point nearest to all the rays. sigma_px > 0: noise of one coordinate.
+ * full lens models (Gauss-Newton with step control: at most 50 iterations of 30 trial
+ * steps, usually 2 to 7 of one trial), from the point nearest to all the rays.
+ * sigma_px > 0: noise of one coordinate.
  *
  *   cameras, cams_from_world, uv   in   n of each, uv as n pairs
  *

@@ -4,7 +4,6 @@
  * function in a named function of src/ are counted: its source tells how many an
  * iteration makes. */
 #include <math.h>
-#include <stdio.h>
 #include <string.h>
 
 #include "count_hooks.h"
@@ -219,26 +218,29 @@ static void test_a_pixel_takes_at_most_7_proofs_of_1024_steps(void)
     TEST_ASSERT_EQUAL_INT(7 * 1024, largest);
 }
 
-/* To rays beyond the turning point of the first of these lenses, all round. */
+/* Strong tangential distortion, and a ray beyond the turning point: p1, k3, azimuth and
+ * slope of the ray. */
 static void test_a_projection_takes_at_most_one_such_proof(void)
 {
-    static const double v[15] = {RIGCAL_LENS_BROWN, 640, 480, 1, 1, 0, 0,
-                                 -0.099135258408067889, -0.0015905493688930916,
-                                 0.41883746224055568, 0.0066049469206982316,
-                                 0.29029752414465138};
-    const rigcal_camera camera = test_camera(v);
+    static const double CREEP[2][4] = {
+        {2.7738321057003175, 0, 0.48327839051926169, 2.6068236704425982},
+        {2.5882822884732257, 0.091947163839681934, 2.7528422509227464,
+         1.8089854563414371}};
     long largest = 0;
 
-    for (int degree = 0; degree < 360; degree++) {
-        const double angle = degree * TEST_PI / 180;
-        const rigcal_real X_c[3] = {RC(2 * cos(angle)), RC(2 * sin(angle)), 1};
+    for (int i = 0; i < 2; i++) {
+        const double *const c = CREEP[i];
+        const double v[15] = {RIGCAL_LENS_BROWN, 640, 480, 1, 1, 0, 0, 0, 0, c[0], 0,
+                              c[1]};
+        const rigcal_camera camera = test_camera(v);
+        const rigcal_real X_c[3] = {RC(c[3] * cos(c[2])), RC(c[3] * sin(c[2])), 1};
         rigcal_real uv[2];
 
         watch_either(PROOF);
-        (void)rigcal_project(uv, &camera, X_c);
+        ASSERT_STATUS(RIGCAL_ERR_NO_RAY, rigcal_project(uv, &camera, X_c));
         keep_largest(&largest, watched.count);
     }
-    printf("PROJ %ld\n",largest);TEST_ASSERT_EQUAL_INT(1024, largest);
+    TEST_ASSERT_EQUAL_INT(1024, largest);
 }
 
 /* Of lenses as they are made. */
@@ -621,11 +623,23 @@ static void test_a_pose_takes_at_most_800_units_and_a_thorough_one_3000(void)
     }
 }
 
-/* Needles exhaust refinement after refinement: of the scenes searched these take the
- * most, 1 + 24 + 3 * 9 + 6 * 100 and a start's 100 being possible. */
-static void test_needles_take_the_most_units(void)
+/* Needles exhaust refinement after refinement. Of 400 thousand, for each precision, these
+ * took the most: the first of them all that there can be, a start's 100, gathering, 24
+ * directions, 3 descents of 9 and 6 refinements of 100. */
+static void test_needles_take_752_units_and_thorough_ones_2000(void)
 {
-    printf("%d %d %d\n", units_of(0, NEEDLE, 0, 1), units_of(0, NEEDLE, 1, 1), 0);
+    static const uint64_t WORST[2] = {56552, 186080};
+    static const uint64_t WORST_THOROUGH[2] = {306001, 30816};
+    long largest = 0, thorough = 0;
+
+    for (int i = 0; i < 2; i++) {
+        keep_largest(&largest, units_of(WORST[i], NEEDLE, 0, 1));
+        keep_largest(&thorough, units_of(WORST_THOROUGH[i], NEEDLE, 1, 1));
+    }
+    TEST_ASSERT_LESS_OR_EQUAL_INT(800, largest);
+    TEST_ASSERT_LESS_OR_EQUAL_INT(3000, thorough);
+    TEST_ASSERT_GREATER_OR_EQUAL_INT(TOL(752, 752), largest);
+    TEST_ASSERT_GREATER_OR_EQUAL_INT(TOL(2062, 1814), thorough);
 }
 
 static void test_usual_poses_take_about_45_units_and_thorough_ones_200(void)
@@ -642,13 +656,13 @@ static void test_usual_poses_take_about_45_units_and_thorough_ones_200(void)
 
 enum { SAMPLES = 20 };
 
-static int robust_units(uint64_t seed, int kind)
+static long robust_units(uint64_t seed, int kind)
 {
     test_rng rng = test_seed(seed);
     rigcal_robust_options options;
     rigcal_robust_solver solver;
     uint8_t inliers[POINTS_MAX];
-    int units = 1;
+    long units = 1;
     scene s;
 
     hostile_scene(&s, kind, 5 + (int)(seed % 30), &rng);
@@ -662,16 +676,27 @@ static int robust_units(uint64_t seed, int kind)
     while (rigcal_robust_step(&solver, 1) == RIGCAL_RUNNING) {
         units++;
     }
+    TEST_ASSERT_LESS_OR_EQUAL_INT(SAMPLES, solver.tried);
     return units;
 }
 
+/* Of 140 thousand needles these took the most: of 9 solutions of 652 units each, few
+ * are of other points than the last. */
 static void test_a_robust_pose_takes_at_most_9000_units_and_its_samples(void)
 {
+    static const uint64_t WORST[2] = {127996, 18296};
+    long largest = 0;
+
     for (int kind = 0; kind < KINDS; kind++) {
         for (uint64_t seed = 0; seed < 500; seed++) {
             TEST_ASSERT_LESS_OR_EQUAL_INT(SAMPLES + 9000, robust_units(seed, kind));
         }
     }
+    for (int i = 0; i < 2; i++) {
+        keep_largest(&largest, robust_units(WORST[i], NEEDLE));
+    }
+    TEST_ASSERT_LESS_OR_EQUAL_INT(SAMPLES + 9000, largest);
+    TEST_ASSERT_GREATER_OR_EQUAL_INT(TOL(3616, 2774), largest);
 }
 
 /* ---- diagnose ------------------------------------------------------------ */
@@ -716,7 +741,7 @@ int main(void)
     RUN_TEST(test_neldermead_spends_max_evals_and_no_more);
     RUN_TEST(test_the_published_search_spends_max_evals_and_no_more);
     RUN_TEST(test_a_pose_takes_at_most_800_units_and_a_thorough_one_3000);
-    RUN_TEST(test_needles_take_the_most_units);
+    RUN_TEST(test_needles_take_752_units_and_thorough_ones_2000);
     RUN_TEST(test_usual_poses_take_about_45_units_and_thorough_ones_200);
     RUN_TEST(test_a_robust_pose_takes_at_most_9000_units_and_its_samples);
     RUN_TEST(test_a_diagnosis_solves_n_plus_1_to_n_plus_3_poses);

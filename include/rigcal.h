@@ -650,7 +650,7 @@ typedef struct {
     rigcal_pose_optimum found[RIGCAL_POSES_MAX];
     rigcal_real extent_px, scale, sigma_px;
     int32_t phase, next, n_seeds, n_exact, n_found, thorough, is_flat, is_plane,
-        leans, failure, is_mirrored, reserved;
+        leans, failure, is_mirrored, is_vague, weighed_by_all, reserved;
 } rigcal_pose_solver;
 
 /* All defaults. OK, ERR_NULL. */

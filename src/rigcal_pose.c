@@ -86,6 +86,7 @@ enum {
     DESCENT,
     REFINING,
     MIRRORED,
+    WEIGHING,
     DONE
 };
 
@@ -487,12 +488,12 @@ static void direction_of(rigcal_real m3[3], int32_t i, int32_t n,
 static void seed_direction(rigcal_real m3[3], const rigcal_pose_solver *s,
                            int32_t index)
 {
-    rigcal_real azimuth[2] = {1, 0}, power[2] = {GOLDEN_COS, GOLDEN_SIN};
+    rigcal_real azimuth[2] = {1, 0}, doubled[2] = {GOLDEN_COS, GOLDEN_SIN};
     for (int32_t k = index; k > 0; k /= 2) {
         if (k % 2 == 1) {
-            turn(azimuth, power);
+            turn(azimuth, doubled);
         }
-        turn(power, (const rigcal_real[2]){power[0], power[1]});
+        turn(doubled, (const rigcal_real[2]){doubled[0], doubled[1]});
     }
     direction_of(m3, index, lattice_size(s), azimuth);
 }
@@ -556,12 +557,13 @@ static void begin_lattice(rigcal_pose_solver *s)
 }
 
 static void next_seed(rigcal_pose_solver *s);
+static void begin_weighing(rigcal_pose_solver *s, int32_t by_all);
 
 /* Three points: every pose of theirs is refined. */
 static void next_exact(rigcal_pose_solver *s)
 {
     if (s->next == s->n_exact) {
-        s->phase = DONE;
+        begin_weighing(s, 0);
         return;
     }
     s->work.fit.cam_from_points = s->from.exact[s->next++];
@@ -693,7 +695,7 @@ static void begin_mirrored(rigcal_pose_solver *s)
     rigcal_view_moments *const view = &s->from.lattice.moments;
     rigcal_real m3[3];
     const rigcal_real noise = rc_max(s->sigma_px, MIRROR_NOISE);
-    s->phase = DONE;
+    begin_weighing(s, 0);
     if (s->is_plane || s->n_found == 0 ||
         s->found[0].sse <= noise * noise * rc_max(1, freedom(s))) {
         return;
@@ -712,7 +714,7 @@ static void end_mirrored(rigcal_pose_solver *s)
 {
     s->is_mirrored = s->work.fit.status >= 0 &&
                      likelihood_of(s, s->work.fit.sse) > MIRROR_ODDS;
-    s->phase = DONE;
+    begin_weighing(s, 0);
 }
 
 /* 0: it would only lead to an optimum found. */
@@ -890,31 +892,34 @@ static int is_poor(const rigcal_pose_solver *s)
     return is_above_noise(squared_pixels(s, 0), most, freedom(s));
 }
 
-/* Whether the first pose's rotation is better than vague, by the first n points. */
-static int is_fixed_by(size_t n, const rigcal_pose_solver *s, rigcal_real noise)
+/* The search has ended; how well the observations fix its first pose is left to weigh:
+ * by some of them, and if these leave it all but open by all. */
+static void begin_weighing(rigcal_pose_solver *s, int32_t by_all)
 {
-    rigcal_transform cam_from_points;
-    rigcal_real sse, g[6], H[21], variance;
-    rc_fit fit;
-    fit_of(&fit, s);
-    fit.n = n;
-    found_transform(&cam_from_points, &s->found[0]);
-    return rc_normal_equations(&sse, g, H, &fit, &cam_from_points) == RIGCAL_OK &&
-           rc_refine_rotation_variance(&variance, H) &&
-           noise * noise * variance <= VAGUE * VAGUE;
+    s->phase = DONE;
+    if (s->n_found > 0) {
+        found_transform(&s->work.fit.cam_from_points, &s->found[0]);
+        rc_refine_begin(&s->work.fit);
+        s->weighed_by_all = by_all || s->n <= VAGUE_POINTS;
+        s->phase = WEIGHING;
+    }
 }
 
-/* Whether the observations all but leave the first pose open. If some do not, all do
- * not. */
-RC_APART static int is_vague(const rigcal_pose_solver *s)
+static void end_weighing(rigcal_pose_solver *s)
 {
     const rigcal_real dof = rc_max(1, freedom(s));
     const rigcal_real noise =
         (s->sigma_px > 0)
             ? s->sigma_px
             : rc_max(VAGUE_NOISE, RC_SQRT(squared_pixels(s, 0) / dof));
-    return !(s->n > VAGUE_POINTS && is_fixed_by(VAGUE_POINTS, s, noise)) &&
-           !is_fixed_by(s->n, s, noise);
+    rigcal_real variance;
+    s->is_vague = s->work.fit.status < 0 ||
+                  !rc_refine_rotation_variance(&variance, s->work.fit.H) ||
+                  !(noise * noise * variance <= VAGUE * VAGUE);
+    s->phase = DONE;
+    if (s->is_vague && !s->weighed_by_all) {
+        begin_weighing(s, 1);
+    }
 }
 
 /* A warm start that ended elsewhere than at the pose shows by its error. */
@@ -938,7 +943,7 @@ RC_APART static void end_warm(rigcal_pose_solver *s, const rc_fit *fit)
         insert_found(s, fit);
     }
     if (is_warm_good(s)) {
-        s->phase = DONE;
+        begin_weighing(s, 0);
     } else {
         s->n_found = 0;
         s->phase = GATHERING;
@@ -969,7 +974,8 @@ RC_APART static void gathering_step(rigcal_pose_solver *s)
 
 static int is_refining(const rigcal_pose_solver *s)
 {
-    return s->phase == WARM || s->phase == REFINING || s->phase == MIRRORED;
+    return s->phase == WARM || s->phase == REFINING || s->phase == MIRRORED ||
+           s->phase == WEIGHING;
 }
 
 /* Evaluations as long as they are those of a refinement, or of the search. What is
@@ -981,7 +987,12 @@ RC_APART static int32_t refine(rigcal_pose_solver *s, int32_t budget)
     fit_of(&fit, s);
     for (; budget > 0 && is_refining(s); budget--) {
         fit.is_mirrored = (s->phase == MIRRORED);
+        fit.n = (s->phase == WEIGHING && !s->weighed_by_all) ? VAGUE_POINTS : s->n;
         rc_refine_step(&s->work.fit, &fit, most);
+        if (s->phase == WEIGHING) {
+            end_weighing(s);
+            continue;
+        }
         if (s->work.fit.status == RIGCAL_RUNNING) {
             continue;
         }
@@ -1206,7 +1217,7 @@ rigcal_status rigcal_pose_result(rigcal_pose poses[], size_t *n_found,
     if (is_poor(s)) {
         return RIGCAL_POOR_FIT;
     }
-    return (poses[0].probability >= SURE && !is_vague(s)) ? RIGCAL_OK
+    return (poses[0].probability >= SURE && !s->is_vague) ? RIGCAL_OK
                                                           : RIGCAL_AMBIGUOUS;
 }
 

@@ -331,6 +331,8 @@ static const rigcal_layout_entry EXPECTED[] = {
     FIELD(rigcal_pose_solver, leans),
     FIELD(rigcal_pose_solver, failure),
     FIELD(rigcal_pose_solver, is_mirrored),
+    FIELD(rigcal_pose_solver, is_vague),
+    FIELD(rigcal_pose_solver, weighed_by_all),
     FIELD(rigcal_pose_solver, reserved),
 
     STRUCT(rigcal_pose_uncertainty),

@@ -71,8 +71,10 @@ enum { VAGUE_POINTS = 16 };
 /* The first pose is sure from here on. */
 #define SURE RC(0.99)
 
-/* A warm start proves bad when its error is above this part of the target's image. */
+/* A warm start proves bad when its error is above this part of the target's image, or
+ * this where that is more [px]: far away noise alone is above such a part. */
 #define WARM_ERROR RC(0.02)
+#define WARM_NOISE RC(1)
 
 /* Rays so far off the middle of the target's image do not fit the virtual camera:
  * cosine of 80 degrees. */
@@ -931,7 +933,7 @@ static int is_warm_good(const rigcal_pose_solver *s)
     if (s->sigma_px > 0) {
         return !is_poor(s);
     }
-    const rigcal_real limit = WARM_ERROR * s->extent_px;
+    const rigcal_real limit = rc_max(WARM_NOISE, WARM_ERROR * s->extent_px);
     return squared_pixels(s, 0) <= (rigcal_real)s->n_used * limit * limit;
 }
 

@@ -624,9 +624,9 @@ static void test_a_pose_takes_at_most_800_units_and_a_thorough_one_3000(void)
 }
 
 /* Needles exhaust refinement after refinement. Of 400 thousand, for each precision, these
- * took the most: the first of them all that there can be, a start's 100, gathering, 24
- * directions, 3 descents of 9 and 6 refinements of 100. */
-static void test_needles_take_752_units_and_thorough_ones_2000(void)
+ * took the most: nearly all that there can be, a start's 100, gathering, 24 directions,
+ * 3 descents of 9 and 6 refinements of 100. */
+static void test_needles_take_700_units_and_thorough_ones_1500(void)
 {
     static const uint64_t WORST[2] = {56552, 186080};
     static const uint64_t WORST_THOROUGH[2] = {306001, 30816};
@@ -638,8 +638,8 @@ static void test_needles_take_752_units_and_thorough_ones_2000(void)
     }
     TEST_ASSERT_LESS_OR_EQUAL_INT(800, largest);
     TEST_ASSERT_LESS_OR_EQUAL_INT(3000, thorough);
-    TEST_ASSERT_GREATER_OR_EQUAL_INT(TOL(752, 752), largest);
-    TEST_ASSERT_GREATER_OR_EQUAL_INT(TOL(2062, 1814), thorough);
+    TEST_ASSERT_GREATER_OR_EQUAL_INT(700, largest);
+    TEST_ASSERT_GREATER_OR_EQUAL_INT(1500, thorough);
 }
 
 static void test_usual_poses_take_about_45_units_and_thorough_ones_200(void)
@@ -741,7 +741,7 @@ int main(void)
     RUN_TEST(test_neldermead_spends_max_evals_and_no_more);
     RUN_TEST(test_the_published_search_spends_max_evals_and_no_more);
     RUN_TEST(test_a_pose_takes_at_most_800_units_and_a_thorough_one_3000);
-    RUN_TEST(test_needles_take_752_units_and_thorough_ones_2000);
+    RUN_TEST(test_needles_take_700_units_and_thorough_ones_1500);
     RUN_TEST(test_usual_poses_take_about_45_units_and_thorough_ones_200);
     RUN_TEST(test_a_robust_pose_takes_at_most_9000_units_and_its_samples);
     RUN_TEST(test_a_diagnosis_solves_n_plus_1_to_n_plus_3_poses);

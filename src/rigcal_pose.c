@@ -896,7 +896,7 @@ static int is_poor(const rigcal_pose_solver *s)
 
 /* The search has ended; how well the observations fix its first pose is left to weigh:
  * by some of them, and if these leave it all but open by all. */
-static void begin_weighing(rigcal_pose_solver *s, int32_t by_all)
+RC_APART static void begin_weighing(rigcal_pose_solver *s, int32_t by_all)
 {
     s->phase = DONE;
     if (s->n_found > 0) {
@@ -907,7 +907,7 @@ static void begin_weighing(rigcal_pose_solver *s, int32_t by_all)
     }
 }
 
-static void end_weighing(rigcal_pose_solver *s)
+RC_APART static void end_weighing(rigcal_pose_solver *s)
 {
     const rigcal_real dof = rc_max(1, freedom(s));
     const rigcal_real noise =

@@ -63,7 +63,8 @@ enum { OTHER_WAY = 0, SIDEWAYS, SIDEWAYS_BACK, LEANS };
 #define EXPONENT_MOST RC(80)
 
 /* A pose whose rotation has a standard deviation above this [rad] is hardly one;
- * reckoned with at least so much noise [px] where none is stated. */
+ * reckoned with at least so much noise [px] where none is stated, and from so many
+ * points first. */
 #define VAGUE RC(0.25)
 #define VAGUE_NOISE RC(0.25)
 enum { VAGUE_POINTS = 16 };
@@ -847,8 +848,7 @@ RC_APART static void end_refinement(rigcal_pose_solver *s, const rc_fit *fit)
 
 /* ---- is it good? --------------------------------------------------------- */
 
-/* Sum of the squared errors [px^2] of the first pose, which without sigma is its
- * sse. */
+/* Sum of the squared errors [px^2] of optimum i, which without sigma is its sse. */
 static rigcal_real squared_pixels(const rigcal_pose_solver *s, int32_t i)
 {
     rigcal_transform cam_from_points;
@@ -913,7 +913,7 @@ RC_APART static void end_weighing(rigcal_pose_solver *s)
     const rigcal_real noise =
         (s->sigma_px > 0)
             ? s->sigma_px
-            : rc_max(VAGUE_NOISE, RC_SQRT(squared_pixels(s, 0) / dof));
+            : rc_max(VAGUE_NOISE, RC_SQRT(s->found[0].sse / dof));
     rigcal_real variance;
     s->is_vague = s->work.fit.status < 0 ||
                   !rc_refine_rotation_variance(&variance, s->work.fit.H) ||

@@ -18,6 +18,12 @@ typedef struct {
     rc_lens lens;
 } rc_fit;
 
+/* Not mirrored, the lens prepared; sigma and mask may be NULL. */
+void rc_fit_begin(rc_fit *fit, const rigcal_camera *camera,
+                  const rigcal_observation observations[],
+                  const rigcal_real sigma[], const uint8_t mask[], size_t n,
+                  const rigcal_real origin[3]);
+
 /* Sum of squared errors over sigma at a pose, J^T e, and the lower triangle of
  * J^T J row by row, in the tangent space (w, dt): R <- exp([w]x) R, t <- t + dt.
  * OK, or ERR_BEHIND, ERR_NO_RAY: the camera does not see a point. */

@@ -810,14 +810,7 @@ RC_APART static int next_lean(rigcal_real m3[3], rigcal_pose_solver *s)
 
 static void fit_of(rc_fit *fit, const rigcal_pose_solver *s)
 {
-    fit->camera = s->camera;
-    fit->observations = s->observations;
-    fit->sigma = s->sigma;
-    fit->mask = s->mask;
-    fit->n = s->n;
-    fit->origin = s->origin;
-    fit->is_mirrored = 0;
-    rc_lens_of(&fit->lens, s->camera);
+    rc_fit_begin(fit, s->camera, s->observations, s->sigma, s->mask, s->n, s->origin);
 }
 
 /* A refinement has ended, where it may. */
@@ -1368,14 +1361,7 @@ rigcal_status rigcal_pose_covariance(
     if (is_line(observations, origin, n)) {
         return RIGCAL_ERR_DEGENERATE;
     }
-    fit.camera = camera;
-    fit.observations = observations;
-    fit.sigma = sigma;
-    fit.mask = NULL;
-    fit.n = n;
-    fit.origin = origin;
-    fit.is_mirrored = 0;
-    rc_lens_of(&fit.lens, camera);
+    rc_fit_begin(&fit, camera, observations, sigma, NULL, n, origin);
     rc_transform_point(cam_from_points.t, cam_from_world, origin);
     status = rc_normal_equations(&sse, g, H, &fit, &cam_from_points);
     if (status != RIGCAL_OK) {

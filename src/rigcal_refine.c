@@ -35,6 +35,21 @@
 /* Pivots are compared with this part of their diagonal. */
 #define RANK_TOL (8 * RC_EPS)
 
+void rc_fit_begin(rc_fit *fit, const rigcal_camera *camera,
+                  const rigcal_observation observations[],
+                  const rigcal_real sigma[], const uint8_t mask[], size_t n,
+                  const rigcal_real origin[3])
+{
+    fit->camera = camera;
+    fit->observations = observations;
+    fit->sigma = sigma;
+    fit->mask = mask;
+    fit->n = n;
+    fit->origin = origin;
+    fit->is_mirrored = 0;
+    rc_lens_of(&fit->lens, camera);
+}
+
 /* ---- normal equations ---------------------------------------------------- */
 
 /* What Newton's H has beyond that of Gauss and Newton: the curvature of uv, times -e.

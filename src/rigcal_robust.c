@@ -78,13 +78,8 @@ static void next_sample(rigcal_robust_solver *s)
 
 static void fit_of(rc_fit *fit, const rigcal_robust_solver *s)
 {
-    fit->camera = s->camera;
-    fit->observations = s->observations;
-    fit->sigma = s->sigma;
-    fit->mask = s->inliers;
-    fit->n = s->n;
-    fit->origin = s->origin;
-    rc_lens_of(&fit->lens, s->camera);
+    rc_fit_begin(fit, s->camera, s->observations, s->sigma, s->inliers, s->n,
+                 s->origin);
 }
 
 /* Squared distance [px^2] of point i from its projection, over sigma_i^2; RC_MAX

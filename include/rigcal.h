@@ -601,6 +601,24 @@ typedef struct {
     rigcal_transform start;
 } rigcal_pose_options;
 
+/* Internal: a lens as its map of the plane, N(s) / D(s) x + 2 (q.x) x + q s. */
+typedef struct {
+    rigcal_real N[5], D[4], q[2];
+    int32_t is_fisheye, is_pinhole;
+} rigcal_lens;
+
+/* Internal: what is fitted. The points count from `origin`. */
+typedef struct {
+    const rigcal_camera *camera;
+    const rigcal_observation *observations;
+    const rigcal_real *sigma;
+    const uint8_t *mask;
+    size_t n;
+    rigcal_real origin[3];
+    rigcal_lens lens;
+    int32_t is_mirrored, reserved;
+} rigcal_fit;
+
 /* Internal: sums over the points from which the cost of a direction follows. */
 typedef struct {
     rigcal_real weight, u_mean[2], V_mean[2][3], S, h[3], Q[6], C[6], G[2][6];
@@ -621,24 +639,27 @@ typedef struct {
 
 /* Internal: a refined pose, of the camera from the points' own origin. */
 typedef struct {
-    rigcal_real q_wxyz[4], t[3], sse;
+    rigcal_transform cam_from_points;
+    rigcal_real sse;
 } rigcal_pose_optimum;
+
+/* Internal: a direction to follow. */
+typedef struct {
+    rigcal_real cost, m3[3];
+} rigcal_pose_seed;
 
 /* Internal: where the seeds of a search come from, its best directions first. */
 typedef struct {
     rigcal_view_moments moments;
-    rigcal_real spiral[2], least_cost, cost[RIGCAL_POSE_SEEDS];
-    int32_t index[RIGCAL_POSE_SEEDS], reserved;
+    rigcal_real spiral[2], least_cost;
+    rigcal_pose_seed seeds[RIGCAL_POSE_SEEDS];
 } rigcal_pose_lattice;
 
 /* A search under way. Flat and copyable; its fields are internal. */
 typedef struct {
-    const rigcal_camera *camera;
-    const rigcal_observation *observations;
-    const rigcal_real *sigma;
-    const uint8_t *mask;
+    rigcal_fit fit;
     size_t n, n_used;
-    rigcal_real origin[3], axis[3];
+    rigcal_real axis[3];
     union {
         rigcal_pose_lattice lattice;
         rigcal_transform exact[RIGCAL_POSES_MAX];
@@ -650,7 +671,7 @@ typedef struct {
     rigcal_pose_optimum found[RIGCAL_POSES_MAX];
     rigcal_real extent_px, scale, sigma_px;
     int32_t phase, next, n_seeds, n_exact, n_found, thorough, is_flat, is_plane,
-        leans, failure, is_mirrored, is_vague, weighed_by_all, reserved;
+        leans, failure, bad, is_warm, point, is_mirrored, is_vague, reserved;
 } rigcal_pose_solver;
 
 /* All defaults. OK, ERR_NULL. */
@@ -699,7 +720,7 @@ RIGCAL_API rigcal_status rigcal_pose_step(rigcal_pose_solver *solver,
  * rays and the shape. A target seen exactly edge-on has a flipped twin that fits
  * alike: AMBIGUOUS. */
 RIGCAL_API rigcal_status rigcal_pose_result(rigcal_pose poses[], size_t *n_found,
-                                            size_t capacity,
+                                            size_t capacity, int32_t *bad,
                                             const rigcal_pose_solver *solver);
 
 /* begin, step to the end, result. */

@@ -13,25 +13,25 @@
  *     F(x) = N(s) / D(s) x + 2 (q.x) x + q s
  *
  * Brown: x = (X, Y) / Z, q = (p2, p1). Fisheye: x = theta (X, Y) / r, D = 1, q = 0.
- * F is the gradient of a potential, so its Jacobian is symmetric. */
-typedef struct {
-    rigcal_real N[5], D[4]; /* ascending powers of s */
-    rigcal_real q[2];
-    int32_t is_fisheye, is_pinhole;
-} rc_lens;
+ * F is the gradient of a potential, so its Jacobian is symmetric. rigcal_lens holds the
+ * coefficients of N and D by ascending powers of s, and q. */
 
 /* OK, ERR_NULL, ERR_NOT_FINITE or ERR_CAMERA. */
 rigcal_status rc_check_camera(const rigcal_camera *camera);
 
-void rc_lens_of(rc_lens *lens, const rigcal_camera *camera);
+/* OK, ERR_NULL, ERR_NOT_FINITE or ERR_RANGE. */
+rigcal_status rc_check_pixel(const rigcal_real uv[2]);
+rigcal_status rc_check_observation(const rigcal_observation *o);
+
+void rc_lens_of(rigcal_lens *lens, const rigcal_camera *camera);
 
 /* F(x) and its Jacobian J = (xx, xy, yy). 0 where F has a pole. */
-int rc_lens_map(rigcal_real F[2], rigcal_real J[3], const rc_lens *lens,
+int rc_lens_map(rigcal_real F[2], rigcal_real J[3], const rigcal_lens *lens,
                 const rigcal_real x[2]);
 
 /* Whether J is positive definite all the way from the axis to x: on this part of
  * the plane F does not fold. A proof by interval bounds, not by samples. */
-int rc_lens_is_usable(const rc_lens *lens, const rigcal_real x[2]);
+int rc_lens_is_usable(const rigcal_lens *lens, const rigcal_real x[2]);
 
 /* Pixel of X_c, and if J_uv is not NULL d uv / d X_c, 2 x 3. Says nothing of the
  * turning point. OK, ERR_BEHIND, ERR_NO_RAY (not finite), ERR_DEGENERATE. */
@@ -42,7 +42,7 @@ rigcal_status rc_project(rigcal_real uv[2], rigcal_real J_uv[6],
 /* The same with the lens prepared, for those who project many points. X_c is of
  * moderate size, J_uv not NULL. */
 rigcal_status rc_project_through(rigcal_real uv[2], rigcal_real J_uv[6],
-                                 const rc_lens *lens,
+                                 const rigcal_lens *lens,
                                  const rigcal_camera *camera,
                                  const rigcal_real X_c[3]);
 

@@ -7,6 +7,13 @@
 void rc_neldermead_begin(rigcal_neldermead *nm, const rigcal_real x0[], int32_t k,
                          rigcal_real xtol, rigcal_real ftol, int32_t max_evals);
 
+void rc_neldermead_begin_simplex(rigcal_neldermead *nm, const rigcal_real simplex[],
+                                 int32_t k, rigcal_real xtol, rigcal_real ftol,
+                                 int32_t max_evals);
+
+/* The vertex of the least cost. */
+int32_t rc_neldermead_best(const rigcal_neldermead *nm);
+
 /* Takes the cost of nm->trial and sets the next trial and nm->status. */
 void rc_neldermead_tell(rigcal_neldermead *nm, rigcal_real cost);
 

@@ -7,13 +7,34 @@
 #include "rc_refine.h"
 #include "rc_view.h"
 
-/* rigcal_pose_begin of the points whose mask is not 0 (NULL: all), but that *at is
- * always written and a failure may leave *solver half-written. The mask must stay. */
-rigcal_status rc_pose_begin(rigcal_pose_solver *solver, int32_t *at,
+/* Where the points are, of those whose mask is not 0, of which there is one at least. */
+typedef struct {
+    rigcal_real origin[3];    /* their weighted mean */
+    rigcal_real size;         /* longest side of a box about them, nearly */
+    rigcal_real uv_middle[2]; /* mean of the pixels */
+    rigcal_real extent_px;    /* half the diagonal of the pixels' rectangle */
+    rigcal_real area_px2;     /* and its area */
+} rc_survey;
+
+/* OK, ERR_COINCIDENT, ERR_PRECISION. */
+rigcal_status rc_survey_points(rc_survey *out, const rigcal_observation o[],
+                               const rigcal_real sigma[], const uint8_t mask[],
+                               size_t n);
+
+/* Whether the points, counted from `origin`, are on a line to rounding. */
+int rc_are_on_line(const rigcal_observation o[], size_t n, const rigcal_real origin[3]);
+
+/* rigcal_pose_begin of the points whose mask is not 0 (NULL: all). The mask must
+ * stay. */
+rigcal_status rc_pose_begin(rigcal_pose_solver *solver, int32_t *bad,
                             const rigcal_camera *camera,
                             const rigcal_observation observations[],
                             const rigcal_real sigma[], const uint8_t mask[],
                             size_t n, const rigcal_pose_options *options);
+
+/* (C) Likelihood of a sum of squared errors over that of another, for n >= 3 points;
+ * sigma_px 0: unknown. Within 1e-30 .. 1e30. */
+rigcal_real rc_odds(rigcal_real sse, rigcal_real other, rigcal_real sigma_px, size_t n);
 
 /* Of a search that is done: likelihood of optimum i over that of the first. */
 rigcal_real rc_pose_likelihood(const rigcal_pose_solver *s, int32_t i);

@@ -34,22 +34,24 @@
 #define RC_FABS RIGCAL_FABS
 #define RC_EXP RIGCAL_EXP
 
-static inline rigcal_real rc_max(rigcal_real a, rigcal_real b)
+/* Functions that are inline have a body of their own in rigcal_linalg.c, which is what
+ * a compiler for size calls. */
+inline rigcal_real rc_max(rigcal_real a, rigcal_real b)
 {
     return a > b ? a : b;
 }
 
-static inline rigcal_real rc_min(rigcal_real a, rigcal_real b)
+inline rigcal_real rc_min(rigcal_real a, rigcal_real b)
 {
     return a < b ? a : b;
 }
 
-static inline int rc_is_finite(rigcal_real x)
+inline int rc_is_finite(rigcal_real x)
 {
     return RC_FABS(x) <= RC_MAX;
 }
 
-static inline int rc_all_finite(const rigcal_real x[], int n)
+inline int rc_all_finite(const rigcal_real x[], int n)
 {
     for (int i = 0; i < n; i++) {
         if (!rc_is_finite(x[i])) {
@@ -69,7 +71,11 @@ static inline int rc_all_finite(const rigcal_real x[], int n)
  * its shape is lost. */
 #define RC_SHAPE_ROUNDING RC(1e-4)
 
-static inline int rc_all_within(const rigcal_real x[], int n, rigcal_real limit)
+/* What is wrong with n numbers that are to lie within `limit`: OK, ERR_NULL,
+ * ERR_NOT_FINITE or ERR_RANGE. */
+rigcal_status rc_check_numbers(const rigcal_real x[], int n, rigcal_real limit);
+
+inline int rc_all_within(const rigcal_real x[], int n, rigcal_real limit)
 {
     for (int i = 0; i < n; i++) {
         if (!(RC_FABS(x[i]) <= limit)) {

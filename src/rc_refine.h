@@ -5,43 +5,45 @@
 
 #include "rc_camera.h"
 
-/* What is fitted. The points count from `origin`, so that a far world costs no
- * digits and w turns about the middle of the target. */
-typedef struct {
-    const rigcal_camera *camera;
-    const rigcal_observation *observations;
-    const rigcal_real *sigma;  /* n of them, or NULL: all 1 */
-    const uint8_t *mask;       /* n of them, 0: leave the point out; or NULL */
-    size_t n;
-    const rigcal_real *origin;
-    int is_mirrored; /* 1: the points are mirrored at the origin */
-    rc_lens lens;
-} rc_fit;
-
-/* Not mirrored, the lens prepared; sigma and mask may be NULL. */
-void rc_fit_begin(rc_fit *fit, const rigcal_camera *camera,
+/* What is fitted: n observations from `origin`, so that a far world costs no digits and
+ * w turns about the middle of the target; not mirrored. sigma NULL: all 1; a mask's 0
+ * leaves the point out, NULL: none. */
+void rc_fit_begin(rigcal_fit *fit, const rigcal_camera *camera,
                   const rigcal_observation observations[],
                   const rigcal_real sigma[], const uint8_t mask[], size_t n,
                   const rigcal_real origin[3]);
 
-/* Sum of squared errors over sigma at a pose, J^T e, and the lower triangle of
- * J^T J row by row, in the tangent space (w, dt): R <- exp([w]x) R, t <- t + dt.
+inline int rc_is_used(const uint8_t mask[], size_t i)
+{
+    return mask == NULL || mask[i] != 0;
+}
+
+/* Point i from the origin, turned into the camera's axes, q = R x, and in its frame. */
+void rc_fit_place(rigcal_real q[3], rigcal_real X_c[3], const rigcal_fit *fit,
+                  const rigcal_transform *cam_from_points, size_t i);
+
+/* Squared distance [px^2] of point i from its projection; RC_MAX: it has none. */
+rigcal_real rc_fit_distance2(const rigcal_fit *fit,
+                             const rigcal_transform *cam_from_points, size_t i);
+
+/* Sum of squared errors over sigma at a pose, J^T e, and J^T J in blocks
+ * (rigcal_refine.c), in the tangent space (w, dt): R <- exp([w]x) R, t <- t + dt.
  * OK, or ERR_BEHIND, ERR_NO_RAY: the camera does not see a point. */
 rigcal_status rc_normal_equations(rigcal_real *sse, rigcal_real g[6],
-                                  rigcal_real H[21], const rc_fit *fit,
+                                  rigcal_real H[21], const rigcal_fit *fit,
                                   const rigcal_transform *cam_from_points);
 
 /* The same, but that H has the curvature of a pinhole's projection too: Newton's, half
  * the second derivative of the sum but for that of the lens. */
 rigcal_status rc_newton_equations(rigcal_real *sse, rigcal_real g[6],
-                                  rigcal_real H[21], const rc_fit *fit,
+                                  rigcal_real H[21], const rigcal_fit *fit,
                                   const rigcal_transform *cam_from_points);
 
 /* Levenberg-Marquardt from state->cam_from_points, one evaluation of the equations a
  * call, with Newton's in place of Gauss and Newton's where progress is slow;
  * state->status is RUNNING until it is OK, BUDGET_SPENT (max_evals) or a failure. */
 void rc_refine_begin(rigcal_refinement *state);
-void rc_refine_step(rigcal_refinement *state, const rc_fit *fit,
+void rc_refine_step(rigcal_refinement *state, const rigcal_fit *fit,
                     int32_t max_evals);
 
 /* Inverse of J^T J, full. 0 when it is singular: the points do not fix the pose. */

@@ -1,5 +1,7 @@
 #include "rc_camera.h"
 
+#include <string.h>
+
 /* A shorter focal length is a mistake, and would vanish in products. */
 #define FOCAL_MIN RC(1e-6)
 
@@ -7,70 +9,83 @@ enum { SIZE_MAX_PX = 1000000 };
 
 /* ---- checks -------------------------------------------------------------- */
 
+/* A camera's real numbers, fx to k6, in their order. */
+enum { K1 = 4, P1 = 6, K5 = 10, NUMBERS = 12 };
+
+static void copy_numbers(rigcal_real out[NUMBERS], const rigcal_camera *camera)
+{
+    memcpy(out, (const char *)camera + offsetof(rigcal_camera, fx),
+           NUMBERS * sizeof *out);
+}
+
 rigcal_status rc_check_camera(const rigcal_camera *camera)
 {
-    if (camera == NULL) {
+    const rigcal_camera *const c = camera;
+    rigcal_real numbers[12];
+    if (c == NULL) {
         return RIGCAL_ERR_NULL;
     }
-    const rigcal_camera *const c = camera;
-    const rigcal_real numbers[12] = {c->fx, c->fy, c->cx, c->cy, c->k1, c->k2,
-                                     c->p1, c->p2, c->k3, c->k4, c->k5, c->k6};
+    copy_numbers(numbers, c);
     if (!rc_all_finite(numbers, 12)) {
         return RIGCAL_ERR_NOT_FINITE;
     }
     const int size_ok = c->width >= 1 && c->width <= SIZE_MAX_PX &&
                         c->height >= 1 && c->height <= SIZE_MAX_PX;
     const int focal_ok = c->fx >= FOCAL_MIN && c->fy >= FOCAL_MIN;
-    const int brown = c->lens == RIGCAL_LENS_BROWN;
-    const int fisheye = c->lens == RIGCAL_LENS_FISHEYE &&
-                        rc_all_within(&c->p1, 1, 0) &&
-                        rc_all_within(&c->p2, 1, 0) &&
-                        rc_all_within(&c->k5, 1, 0) &&
-                        rc_all_within(&c->k6, 1, 0);
-    if (!size_ok || !focal_ok || !rc_all_within(numbers, 4, RC_PIXEL_MAX) ||
-        c->reserved != 0 || (!brown && !fisheye)) {
-        return RIGCAL_ERR_CAMERA;
-    }
-    return RIGCAL_OK;
+    const int lens_ok =
+        c->lens == RIGCAL_LENS_BROWN ||
+        (c->lens == RIGCAL_LENS_FISHEYE && rc_all_within(&numbers[P1], 2, 0) &&
+         rc_all_within(&numbers[K5], 2, 0));
+    return (size_ok && focal_ok && lens_ok && c->reserved == 0 &&
+            rc_all_within(numbers, K1, RC_PIXEL_MAX))
+               ? RIGCAL_OK
+               : RIGCAL_ERR_CAMERA;
+}
+
+rigcal_status rc_check_pixel(const rigcal_real uv[2])
+{
+    return rc_check_numbers(uv, 2, RC_PIXEL_MAX);
+}
+
+rigcal_status rc_check_observation(const rigcal_observation *o)
+{
+    const rigcal_status status = rc_check_point(o->X_w);
+    const rigcal_status uv_status = rc_check_pixel(o->uv);
+    return (status == RIGCAL_OK || uv_status == RIGCAL_ERR_NOT_FINITE) ? uv_status
+                                                                       : status;
 }
 
 static rigcal_status check_camera_pixel(const rigcal_real out[],
                                         const rigcal_camera *camera,
                                         const rigcal_real uv[2])
 {
-    if (out == NULL || camera == NULL || uv == NULL) {
+    if (out == NULL || uv == NULL) {
         return RIGCAL_ERR_NULL;
     }
     const rigcal_status status = rc_check_camera(camera);
-    if (status != RIGCAL_OK) {
-        return status;
-    }
-    if (!rc_all_finite(uv, 2)) {
-        return RIGCAL_ERR_NOT_FINITE;
-    }
-    return rc_all_within(uv, 2, RC_PIXEL_MAX) ? RIGCAL_OK : RIGCAL_ERR_RANGE;
+    return (status == RIGCAL_OK) ? rc_check_pixel(uv) : status;
 }
 
 /* ---- the lens map -------------------------------------------------------- */
 
-void rc_lens_of(rc_lens *lens, const rigcal_camera *camera)
+void rc_lens_of(rigcal_lens *lens, const rigcal_camera *camera)
 {
     const rigcal_camera *const c = camera;
-    lens->is_fisheye = c->lens == RIGCAL_LENS_FISHEYE;
-    lens->N[0] = 1;
+    const int is_fisheye = c->lens == RIGCAL_LENS_FISHEYE;
+    rigcal_real numbers[NUMBERS];
+    copy_numbers(numbers, c);
+    lens->is_fisheye = is_fisheye;
+    lens->is_pinhole = !is_fisheye && rc_all_within(&numbers[K1], NUMBERS - K1, 0);
+    lens->N[0] = lens->D[0] = 1;
     lens->N[1] = c->k1;
     lens->N[2] = c->k2;
     lens->N[3] = c->k3;
-    lens->N[4] = lens->is_fisheye ? c->k4 : 0;
-    lens->D[0] = 1;
-    lens->D[1] = lens->is_fisheye ? 0 : c->k4;
+    lens->N[4] = is_fisheye ? c->k4 : 0;
+    lens->D[1] = is_fisheye ? 0 : c->k4;
     lens->D[2] = c->k5;
     lens->D[3] = c->k6;
     lens->q[0] = c->p2;
     lens->q[1] = c->p1;
-    const rigcal_real k[8] = {c->k1, c->k2, c->p1, c->p2,
-                              c->k3, c->k4, c->k5, c->k6};
-    lens->is_pinhole = !lens->is_fisheye && rc_all_within(k, 8, 0);
 }
 
 /* Value and derivative of a polynomial of ascending powers. */
@@ -88,7 +103,7 @@ static rigcal_real polynomial(rigcal_real *derivative, const rigcal_real c[],
 
 /* With d = N / D and d' = (N' - d D') / D:
  *   J = (d + 2 q.x) I + 2 d' x x^T + 2 (x q^T + q x^T) */
-int rc_lens_map(rigcal_real F[2], rigcal_real J[3], const rc_lens *lens,
+int rc_lens_map(rigcal_real F[2], rigcal_real J[3], const rigcal_lens *lens,
                 const rigcal_real x[2])
 {
     const rigcal_real *const q = lens->q;
@@ -120,44 +135,31 @@ static int is_positive_definite(const rigcal_real J[3])
 
 enum { SLOPE_DEGREE = 6, WALK_MAX = 1024 };
 
-/* Lower and upper bound of a polynomial on [a, a + h]: the least and the greatest
- * of its Bernstein coefficients there (Farouki 2012). Their distance from the
- * true range shrinks as h^2. */
+/* Lower and upper bound of a polynomial within `half` of `middle`: the other terms of
+ * its series there take from the first, and add to it, no more than their absolute
+ * values. Their distance from the true range shrinks as half^2. */
 static void polynomial_range(rigcal_real range[2], const rigcal_real c[],
-                             int degree, rigcal_real a, rigcal_real h)
+                             int degree, rigcal_real middle, rigcal_real half)
 {
-    static const rigcal_real CHOOSE[SLOPE_DEGREE + 1][SLOPE_DEGREE + 1] = {
-        {1}, {1, 1}, {1, 2, 1}, {1, 3, 3, 1}, {1, 4, 6, 4, 1},
-        {1, 5, 10, 10, 5, 1}, {1, 6, 15, 20, 15, 6, 1}};
-    rigcal_real b[SLOPE_DEGREE + 1] = {0};
-
+    rigcal_real b[SLOPE_DEGREE + 1], power = half, reach = 0;
     for (int i = 0; i <= degree; i++) {
         b[i] = c[i];
     }
-    for (int i = 0; i < degree; i++) { /* powers of (s - a) */
+    for (int i = 0; i <= degree; i++) { /* powers of s - middle: b[i] is done */
         for (int j = degree - 1; j >= i; j--) {
-            b[j] += a * b[j + 1];
+            b[j] += middle * b[j + 1];
+        }
+        if (i > 0) {
+            reach += power * RC_FABS(b[i]);
+            power *= half;
         }
     }
-    rigcal_real power = 1;
-    for (int i = 0; i <= degree; i++) { /* powers of (s - a) / h, scaled */
-        b[i] *= power / CHOOSE[degree][i];
-        power *= h;
-    }
-    for (int i = 1; i <= degree; i++) { /* Bernstein: sums with binomials */
-        for (int j = degree; j >= i; j--) {
-            b[j] += b[j - 1];
-        }
-    }
-    range[0] = range[1] = b[0];
-    for (int i = 1; i <= degree; i++) {
-        range[0] = rc_min(range[0], b[i]);
-        range[1] = rc_max(range[1], b[i]);
-    }
+    range[0] = b[0] - reach;
+    range[1] = b[0] + reach;
 }
 
 /* Numerator of d/dr (r N / D) over D^2: (N + 2 s N') D - 2 s N D'. */
-static void radial_slope(rigcal_real G[SLOPE_DEGREE + 1], const rc_lens *lens)
+static void radial_slope(rigcal_real G[SLOPE_DEGREE + 1], const rigcal_lens *lens)
 {
     for (int i = 0; i <= SLOPE_DEGREE; i++) {
         G[i] = 0;
@@ -169,6 +171,12 @@ static void radial_slope(rigcal_real G[SLOPE_DEGREE + 1], const rc_lens *lens)
     }
 }
 
+/* The least of N / D, of which N is no less than `low`, D > 0 between its bounds. */
+static rigcal_real least_quotient(rigcal_real low, const rigcal_real D[2])
+{
+    return low / ((low > 0) ? D[1] : D[0]);
+}
+
 /* Along the direction e, at x = r e, let c = q.e and n = q.e', e' normal to e.
  * In the basis (e, e') the Jacobian is
  *
@@ -177,27 +185,27 @@ static void radial_slope(rigcal_real G[SLOPE_DEGREE + 1], const rc_lens *lens)
  *
  * It is positive definite on all of r^2 in [a, a + h] when the bounds of G, N and
  * D there make it so. */
-static int is_usable_between(const rc_lens *lens,
+static int is_usable_between(const rigcal_lens *lens,
                              const rigcal_real G[SLOPE_DEGREE + 1],
                              rigcal_real c, rigcal_real n, rigcal_real a,
                              rigcal_real h)
 {
+    const rigcal_real half = h / 2, middle = a + half;
     rigcal_real slope[2], N[2], D[2];
-    polynomial_range(D, lens->D, 3, a, h);
-    polynomial_range(slope, G, SLOPE_DEGREE, a, h);
+    polynomial_range(D, lens->D, 3, middle, half);
+    polynomial_range(slope, G, SLOPE_DEGREE, middle, half);
     if (!(D[0] > 0)) {
         return 0;
     }
     if (!(RC_FABS(c) > 0 || RC_FABS(n) > 0)) {
         return slope[0] > 0; /* then d > 0 too: g rises from 0 */
     }
-    polynomial_range(N, lens->N, 4, a, h);
+    polynomial_range(N, lens->N, 4, middle, half);
     const rigcal_real r_far = RC_SQRT(a + h);
     const rigcal_real r_low = (c > 0) ? RC_SQRT(a) : r_far;
-    const rigcal_real by_D = (slope[0] > 0) ? 1 / D[1] : 1 / D[0];
-    const rigcal_real along = slope[0] * by_D * by_D + 6 * c * r_low;
-    const rigcal_real across =
-        N[0] / ((N[0] > 0) ? D[1] : D[0]) + 2 * c * r_low;
+    const rigcal_real along =
+        least_quotient(least_quotient(slope[0], D), D) + 6 * c * r_low;
+    const rigcal_real across = least_quotient(N[0], D) + 2 * c * r_low;
     return along > 0 && across > 0 &&
            along * across > 4 * n * n * r_far * r_far;
 }
@@ -205,7 +213,7 @@ static int is_usable_between(const rc_lens *lens,
 /* Walks from the axis to x in steps that are halved until the bounds decide, and
  * doubled after each success. A turning point on the way is approached but never
  * passed. */
-int rc_lens_is_usable(const rc_lens *lens, const rigcal_real x[2])
+int rc_lens_is_usable(const rigcal_lens *lens, const rigcal_real x[2])
 {
     rigcal_real G[SLOPE_DEGREE + 1];
     const rigcal_real end = x[0] * x[0] + x[1] * x[1];
@@ -244,7 +252,7 @@ enum { NEWTON_MAX = 60, STAGES_MAX = 64 };
 /* Newton's method for F(x) = target from x, a place where J is positive definite.
  * A step that leaves such places, or does not bring F nearer, is halved. Ends
  * where no step helps any more and returns |F(x) - target| there. */
-RC_APART static rigcal_real solve_from(rigcal_real x[2], const rc_lens *lens,
+RC_APART static rigcal_real solve_from(rigcal_real x[2], const rigcal_lens *lens,
                               const rigcal_real target[2])
 {
     rigcal_real F[2], J[3], step[2] = {0, 0}, miss = RC_MAX, scale = 1;
@@ -280,7 +288,7 @@ RC_APART static rigcal_real solve_from(rigcal_real x[2], const rc_lens *lens,
 /* x with F(x) = target, on the part of the plane that does not fold. The answer
  * is followed from the axis in `stages` equal parts of the target: one nearly
  * always serves; more keep a strongly curved lens from being jumped across. */
-RC_APART static int invert_lens(rigcal_real x[2], const rc_lens *lens,
+RC_APART static int invert_lens(rigcal_real x[2], const rigcal_lens *lens,
                        const rigcal_real target[2], rigcal_real tolerance)
 {
     for (int stages = 1; stages <= STAGES_MAX; stages *= 2) {
@@ -325,7 +333,7 @@ rigcal_status rc_pixel_to_ray(rigcal_real ray[3], const rigcal_camera *camera,
                                        rc_max(RC_FABS(c->cx), RC_FABS(c->cy)));
     const rigcal_real tolerance =
         (MISS_MAX_PX + 4 * RC_EPS * largest) / rc_max(c->fx, c->fy);
-    rc_lens lens;
+    rigcal_lens lens;
     rigcal_real x[2];
 
     rc_lens_of(&lens, camera);
@@ -354,67 +362,41 @@ rigcal_status rc_pixel_to_ray(rigcal_real ray[3], const rigcal_camera *camera,
 
 /* ---- from a point to a pixel --------------------------------------------- */
 
-/* Brown: x = (X, Y) / Z and its derivative dx (2 x 3) by X_c. */
-static rigcal_status plane_brown(rigcal_real x[2], rigcal_real dx[6],
+/* Angle of (r, Z) off the Z axis, r >= 0: that of |Z| is halved twice, to an eighth of
+ * a turn at most, whose tangent's series is short. atan2 would bring 0.8 KB along. */
+static rigcal_real angle_off_axis(rigcal_real r, rigcal_real Z)
+{
+    enum { TERMS = RIGCAL_USE_FLOAT ? 10 : 22 }; /* the next is below rounding */
+    rigcal_real t = r / (RC_FABS(Z) + RC_SQRT(r * r + Z * Z)), sum = 0;
+    t /= 1 + RC_SQRT(1 + t * t);
+    for (int k = 2 * TERMS - 1; k > 0; k -= 2) {
+        sum = 1 / (rigcal_real)k - t * t * sum;
+    }
+    return (Z < 0) ? RC_PI - 4 * t * sum : 4 * t * sum;
+}
+
+/* A lens maps the plane point x = (X, Y) / depth. Brown: depth = Z. Fisheye: r / theta.
+ * *bend = d(1 / depth)/dr / r, *sink = d(1 / depth)/dZ. */
+static rigcal_status plane_depth(rigcal_real *depth, rigcal_real *bend,
+                                 rigcal_real *sink, int is_fisheye,
                                  const rigcal_real X_c[3])
 {
-    if (!(X_c[2] > 0)) {
-        return RIGCAL_ERR_BEHIND;
+    const rigcal_real Z = X_c[2];
+    const rigcal_real rr = X_c[0] * X_c[0] + X_c[1] * X_c[1];
+    if (is_fisheye && rr > 0) {
+        const rigcal_real r = RC_SQRT(rr), by_rho2 = 1 / (rr + Z * Z);
+        *depth = r / angle_off_axis(r, Z);
+        *bend = (Z * by_rho2 - 1 / *depth) / rr;
+        *sink = -by_rho2;
+        return RIGCAL_OK;
     }
-    const rigcal_real by_Z = 1 / X_c[2];
-    x[0] = X_c[0] / X_c[2];
-    x[1] = X_c[1] / X_c[2];
-    dx[0] = dx[4] = by_Z;
-    dx[1] = dx[3] = 0;
-    dx[2] = -x[0] * by_Z;
-    dx[5] = -x[1] * by_Z;
+    if (!(Z > 0)) { /* straight behind a fisheye is no direction in its image */
+        return is_fisheye ? RIGCAL_ERR_NO_RAY : RIGCAL_ERR_BEHIND;
+    }
+    *depth = Z;
+    *bend = 0;
+    *sink = -1 / (Z * Z);
     return RIGCAL_OK;
-}
-
-/* Fisheye: x = k (X, Y), k = theta / r, theta = atan2(r, Z). With rho = |X_c|,
- *   dk/dr = (Z / rho^2 - k) / r,  dk/dZ = -1 / rho^2 */
-static rigcal_status plane_fisheye(rigcal_real x[2], rigcal_real dx[6],
-                                   const rigcal_real X_c[3])
-{
-    const rigcal_real X = X_c[0], Y = X_c[1], Z = X_c[2];
-    const rigcal_real rr = X * X + Y * Y, rho2 = rr + Z * Z;
-    const rigcal_real r = RC_SQRT(rr);
-    if (!(r > 0 || Z > 0)) {
-        return RIGCAL_ERR_NO_RAY; /* straight behind: no direction in the image */
-    }
-    const rigcal_real k = (r > 0) ? RC_ATAN2(r, Z) / r : 1 / Z;
-    const rigcal_real bend = (r > 0) ? (Z / rho2 - k) / rr : 0;
-    x[0] = k * X;
-    x[1] = k * Y;
-    dx[0] = k + bend * X * X;
-    dx[1] = dx[3] = bend * X * Y;
-    dx[4] = k + bend * Y * Y;
-    dx[2] = -X / rho2;
-    dx[5] = -Y / rho2;
-    return RIGCAL_OK;
-}
-
-/* x in the plane of the lens map, of a point scaled so that its largest
- * coordinate is 1: then nothing overflows on the way. */
-static rigcal_status point_to_plane(rigcal_real x[2], rigcal_real dx[6],
-                                    const rigcal_camera *camera,
-                                    const rigcal_real X_c[3])
-{
-    const rigcal_real largest = rc_vec3_max_abs(X_c);
-    if (!(largest > 0)) {
-        return RIGCAL_ERR_DEGENERATE;
-    }
-    const rigcal_real scaled[3] = {X_c[0] / largest, X_c[1] / largest,
-                                   X_c[2] / largest};
-    const rigcal_status status = (camera->lens == RIGCAL_LENS_FISHEYE)
-                                     ? plane_fisheye(x, dx, scaled)
-                                     : plane_brown(x, dx, scaled);
-    if (status == RIGCAL_OK) {
-        for (int i = 0; i < 6; i++) {
-            dx[i] /= largest;
-        }
-    }
-    return status;
 }
 
 /* The common case, a lens without distortion, costs nothing but the division. */
@@ -438,33 +420,49 @@ static rigcal_status project_pinhole(rigcal_real uv[2], rigcal_real J_uv[6],
     return RIGCAL_OK;
 }
 
-/* Through any lens. Also gives the place x in the plane of the lens map. */
+/* Through any lens. Also gives the place x in the plane of the lens map. X_c is scaled
+ * first, so that its largest coordinate is 1: then nothing overflows on the way. With
+ * the lens's Jacobian J and (X, Y) = j, J dx/dX_c = (J / depth + bend J j j^T, sink J j). */
 static rigcal_status project_by(rigcal_real x[2], rigcal_real uv[2],
-                                rigcal_real J_uv[6], const rc_lens *lens,
+                                rigcal_real J_uv[6], const rigcal_lens *lens,
                                 const rigcal_camera *camera,
                                 const rigcal_real X_c[3])
 {
-    rigcal_real dx[6], F[2], J[3];
-    const rigcal_status status = point_to_plane(x, dx, camera, X_c);
+    const rigcal_real largest = rc_vec3_max_abs(X_c);
+    rigcal_real depth, bend, sink, F[2], J[3];
+    if (!(largest > 0)) {
+        return RIGCAL_ERR_DEGENERATE;
+    }
+    const rigcal_real scaled[3] = {X_c[0] / largest, X_c[1] / largest,
+                                   X_c[2] / largest};
+    const rigcal_status status =
+        plane_depth(&depth, &bend, &sink, lens->is_fisheye, scaled);
     if (status != RIGCAL_OK) {
         return status;
     }
+    x[0] = scaled[0] / depth;
+    x[1] = scaled[1] / depth;
     if (!rc_lens_map(F, J, lens, x) || !rc_all_finite(F, 2)) {
         return RIGCAL_ERR_NO_RAY;
     }
-    uv[0] = camera->fx * F[0] + camera->cx;
-    uv[1] = camera->fy * F[1] + camera->cy;
-    if (J_uv != NULL) {
-        for (int j = 0; j < 3; j++) {
-            J_uv[j] = camera->fx * (J[0] * dx[j] + J[1] * dx[3 + j]);
-            J_uv[3 + j] = camera->fy * (J[1] * dx[j] + J[2] * dx[3 + j]);
+    const rigcal_real focal[2] = {camera->fx, camera->fy};
+    uv[0] = focal[0] * F[0] + camera->cx;
+    uv[1] = focal[1] * F[1] + camera->cy;
+    for (int row = 0; row < 2; row++) {
+        const rigcal_real *const j = &J[row]; /* (xx, xy), then (xy, yy) */
+        const rigcal_real f = focal[row] / largest;
+        const rigcal_real along = f * (j[0] * scaled[0] + j[1] * scaled[1]);
+        for (int column = 0; column < 2; column++) {
+            J_uv[3 * row + column] =
+                f / depth * j[column] + bend * along * scaled[column];
         }
+        J_uv[3 * row + 2] = sink * along;
     }
     return RIGCAL_OK;
 }
 
 rigcal_status rc_project_through(rigcal_real uv[2], rigcal_real J_uv[6],
-                                 const rc_lens *lens,
+                                 const rigcal_lens *lens,
                                  const rigcal_camera *camera,
                                  const rigcal_real X_c[3])
 {
@@ -477,7 +475,7 @@ rigcal_status rc_project(rigcal_real uv[2], rigcal_real J_uv[6],
                          const rigcal_camera *camera,
                          const rigcal_real X_c[3])
 {
-    rc_lens lens;
+    rigcal_lens lens;
     rigcal_real x[2];
     rc_lens_of(&lens, camera);
     return project_by(x, uv, J_uv, &lens, camera, X_c);
@@ -487,11 +485,10 @@ rigcal_status rc_project(rigcal_real uv[2], rigcal_real J_uv[6],
 rigcal_status rc_project_usable(rigcal_real uv[2], const rigcal_camera *camera,
                                 const rigcal_real X_c[3])
 {
-    rc_lens lens;
-    rigcal_real x[2], pixel[2];
+    rigcal_lens lens;
+    rigcal_real x[2], pixel[2], J_uv[6];
     rc_lens_of(&lens, camera);
-    const rigcal_status status =
-        project_by(x, pixel, NULL, &lens, camera, X_c);
+    const rigcal_status status = project_by(x, pixel, J_uv, &lens, camera, X_c);
     if (status != RIGCAL_OK) {
         return status;
     }
@@ -567,20 +564,6 @@ rigcal_status rigcal_distort_pixel(rigcal_real uv[2],
     return rc_project_usable(uv, camera, m);
 }
 
-/* What is wrong with observation i, if anything. */
-static rigcal_status check_observation(const rigcal_observation *observation)
-{
-    const rigcal_status status = rc_check_point(observation->X_w);
-    if (status != RIGCAL_OK) {
-        return status;
-    }
-    if (!rc_all_finite(observation->uv, 2)) {
-        return RIGCAL_ERR_NOT_FINITE;
-    }
-    return rc_all_within(observation->uv, 2, RC_PIXEL_MAX) ? RIGCAL_OK
-                                                        : RIGCAL_ERR_RANGE;
-}
-
 static rigcal_status check_count(size_t n)
 {
     if (n < 1) {
@@ -616,7 +599,7 @@ rigcal_status rigcal_sightings_from_observations(
     }
     /* Twice through, so that nothing is written when anything is wrong. */
     for (size_t i = 0; i < n; i++) {
-        status = check_observation(&observations[i]);
+        status = rc_check_observation(&observations[i]);
         if (status == RIGCAL_OK) {
             status = rc_pixel_to_ray(ray, camera, observations[i].uv);
         }
@@ -652,7 +635,7 @@ rigcal_status rigcal_reprojection_rms(
     size_t largest_at = 0;
     for (size_t i = 0; i < n && status == RIGCAL_OK; i++) {
         rigcal_real X_c[3], uv[2];
-        status = check_observation(&observations[i]);
+        status = rc_check_observation(&observations[i]);
         if (status != RIGCAL_OK) {
             break;
         }

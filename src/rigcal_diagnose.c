@@ -6,10 +6,6 @@
 #define SURE_PROBABILITY RC(0.99)
 #define LIKELY_CHANCE RC(0.1)
 
-/* Least noise assumed where none is stated [px], squared: of exact data, too, the
- * likelihoods have a bound. */
-#define NOISE_LEAST2 RC(1e-4)
-
 /* How much likelier mirrored data must be to be told. */
 #define MIRRORED_ODDS RC(1e-3)
 
@@ -33,35 +29,20 @@ static rigcal_status best_fit(rigcal_pose *pose, const problem *P,
 {
     rigcal_pose_solver solver;
     size_t n_found;
-    int32_t at;
     const rigcal_status status =
-        rc_pose_begin(&solver, &at, P->camera, P->observations, P->sigma, mask, P->n,
+        rc_pose_begin(&solver, NULL, P->camera, P->observations, P->sigma, mask, P->n,
                       &P->options);
     if (status != RIGCAL_OK) {
         return status;
     }
     while (rigcal_pose_step(&solver, INT32_MAX) == RIGCAL_RUNNING) {
     }
-    return rigcal_pose_result(pose, &n_found, 1, &solver);
+    return rigcal_pose_result(pose, &n_found, 1, NULL, &solver);
 }
 
-/* (C) Likelihood of a sum of squares over that of another, for n points: exp of half
- * their difference where the noise is known; where it is integrated out, the power
- * of half the degrees of freedom of their ratio. */
-static rigcal_real odds(const problem *P, rigcal_real sse, rigcal_real other,
-                        size_t n)
+static rigcal_real odds(const problem *P, rigcal_real sse, rigcal_real other, size_t n)
 {
-    const rigcal_real sigma = P->options.sigma_px;
-    if (sigma > 0) {
-        return RC_EXP(rc_max(rc_min((other - sse) / (2 * sigma * sigma), 80), -80));
-    }
-    const rigcal_real least = (rigcal_real)n * NOISE_LEAST2;
-    rigcal_real base = (other + least) / (sse + least), result = 1;
-    base = rc_max(rc_min(base, RC(1e6)), RC(1e-6));
-    for (size_t i = 3; i < n && result > RC(1e-30) && result < RC(1e30); i++) {
-        result *= base;
-    }
-    return result;
+    return rc_odds(sse, other, P->options.sigma_px, n);
 }
 
 /* ---- one point ----------------------------------------------------------- */

@@ -1,5 +1,16 @@
 #include "rc_linalg.h"
 
+rigcal_status rc_check_numbers(const rigcal_real x[], int n, rigcal_real limit)
+{
+    if (x == NULL) {
+        return RIGCAL_ERR_NULL;
+    }
+    if (rc_all_within(x, n, limit)) {
+        return RIGCAL_OK;
+    }
+    return rc_all_finite(x, n) ? RIGCAL_ERR_RANGE : RIGCAL_ERR_NOT_FINITE;
+}
+
 int rc_vec3_unit(rigcal_real out[3], const rigcal_real a[3])
 {
     const rigcal_real largest = rc_vec3_max_abs(a);
@@ -14,14 +25,6 @@ int rc_vec3_unit(rigcal_real out[3], const rigcal_real a[3])
         out[i] = b[i] / length;
     }
     return 1;
-}
-
-void rc_mat3_mul_vec3(rigcal_real out[3], const rigcal_real M[9],
-                      const rigcal_real v[3])
-{
-    for (int i = 0; i < 3; i++) {
-        out[i] = rc_vec3_dot(&M[3 * i], v);
-    }
 }
 
 void rc_mat3_tmul_vec3(rigcal_real out[3], const rigcal_real M[9],
@@ -56,57 +59,73 @@ rigcal_real rc_mat3_cofactors(rigcal_real out[9], const rigcal_real M[9])
     return rc_vec3_dot(&M[0], &out[0]);
 }
 
-int rc_cholesky(rigcal_real A[], int n, rigcal_real rank_tol)
+void rc_sym3_add_outer(rigcal_real A[6], rigcal_real s, const rigcal_real x[3])
 {
-    RIGCAL_ASSERT(n >= 1 && n <= RC_CHOLESKY_MAX);
-    for (int j = 0; j < n; j++) {
-        const rigcal_real diagonal = A[j * n + j];
-        rigcal_real pivot = diagonal;
-        for (int k = 0; k < j; k++) {
-            pivot -= A[j * n + k] * A[j * n + k];
-        }
-        if (!(pivot > rank_tol * diagonal)) {
-            return 0;
-        }
-        const rigcal_real root = RC_SQRT(pivot);
-        A[j * n + j] = root;
-        for (int i = j + 1; i < n; i++) {
-            rigcal_real sum = A[i * n + j];
-            for (int k = 0; k < j; k++) {
-                sum -= A[i * n + k] * A[j * n + k];
-            }
-            A[i * n + j] = sum / root;
-        }
+    const rigcal_real sx = s * x[0], sy = s * x[1];
+    A[0] += sx * x[0];
+    A[1] += sx * x[1];
+    A[2] += sx * x[2];
+    A[3] += sy * x[1];
+    A[4] += sy * x[2];
+    A[5] += s * x[2] * x[2];
+}
+
+void rc_sym3_mul_vec3(rigcal_real out[3], const rigcal_real A[6],
+                      const rigcal_real v[3])
+{
+    out[0] = A[0] * v[0] + A[1] * v[1] + A[2] * v[2];
+    out[1] = A[1] * v[0] + A[3] * v[1] + A[4] * v[2];
+    out[2] = A[2] * v[0] + A[4] * v[1] + A[5] * v[2];
+}
+
+/* Of the root of a pivot, the inverse. */
+static int invert_root(rigcal_real *inverse, rigcal_real pivot, rigcal_real least)
+{
+    if (!(pivot > least)) {
+        return 0;
     }
+    *inverse = 1 / RC_SQRT(pivot);
     return 1;
 }
 
-void rc_cholesky_solve(rigcal_real x[], const rigcal_real L[], int n)
+int rc_sym3_factor(rigcal_real L[6], const rigcal_real A[6],
+                   const rigcal_real diagonal[3], rigcal_real rank_tol)
 {
-    for (int i = 0; i < n; i++) {
-        for (int k = 0; k < i; k++) {
-            x[i] -= L[i * n + k] * x[k];
-        }
-        x[i] /= L[i * n + i];
+    if (!invert_root(&L[0], A[0], rank_tol * diagonal[0])) {
+        return 0;
     }
-    for (int i = n - 1; i >= 0; i--) {
-        for (int k = i + 1; k < n; k++) {
-            x[i] -= L[k * n + i] * x[k];
-        }
-        x[i] /= L[i * n + i];
+    L[1] = A[1] * L[0];
+    L[2] = A[2] * L[0];
+    if (!invert_root(&L[3], A[3] - L[1] * L[1], rank_tol * diagonal[1])) {
+        return 0;
     }
+    L[4] = (A[4] - L[2] * L[1]) * L[3];
+    return invert_root(&L[5], A[5] - L[2] * L[2] - L[4] * L[4],
+                       rank_tol * diagonal[2]);
 }
 
-void rc_cholesky_inverse(rigcal_real out[], const rigcal_real L[], int n)
-{
-    rigcal_real column[RC_CHOLESKY_MAX];
-    for (int j = 0; j < n; j++) {
-        for (int i = 0; i < n; i++) {
-            column[i] = (i == j) ? 1 : 0;
-        }
-        rc_cholesky_solve(column, L, n);
-        for (int i = 0; i < n; i++) {
-            out[i * n + j] = column[i];
-        }
-    }
-}
+/* ---- the bodies of inline functions -------------------------------------- */
+
+extern inline rigcal_real rc_max(rigcal_real a, rigcal_real b);
+extern inline rigcal_real rc_min(rigcal_real a, rigcal_real b);
+extern inline int rc_is_finite(rigcal_real x);
+extern inline int rc_all_finite(const rigcal_real x[], int n);
+extern inline int rc_all_within(const rigcal_real x[], int n, rigcal_real limit);
+extern inline rigcal_real rc_vec3_dot(const rigcal_real a[3],
+                                      const rigcal_real b[3]);
+extern inline void rc_vec3_cross(rigcal_real out[3], const rigcal_real a[3],
+                                 const rigcal_real b[3]);
+extern inline void rc_vec3_copy(rigcal_real out[3], const rigcal_real a[3]);
+extern inline void rc_vec3_sub(rigcal_real out[3], const rigcal_real a[3],
+                               const rigcal_real b[3]);
+extern inline void rc_vec3_add_scaled(rigcal_real out[3], rigcal_real s,
+                                      const rigcal_real a[3]);
+extern inline void rc_vec3_combine(rigcal_real out[3], rigcal_real s,
+                                   const rigcal_real a[3], rigcal_real t,
+                                   const rigcal_real b[3]);
+extern inline rigcal_real rc_vec3_norm(const rigcal_real a[3]);
+extern inline rigcal_real rc_vec3_max_abs(const rigcal_real a[3]);
+extern inline void rc_mat3_mul_vec3(rigcal_real out[3], const rigcal_real M[9],
+                                    const rigcal_real v[3]);
+extern inline void rc_sym3_forward(rigcal_real x[3], const rigcal_real L[6]);
+extern inline void rc_sym3_backward(rigcal_real x[3], const rigcal_real L[6]);

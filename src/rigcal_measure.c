@@ -149,12 +149,8 @@ static rigcal_status check_views(const views *v, rigcal_real sigma_px)
         if (status == RIGCAL_OK) {
             status = rc_check_transform(&v->cams_from_world[i]);
         }
-        if (status == RIGCAL_OK && !rc_all_finite(&v->uv[2 * i], 2)) {
-            status = RIGCAL_ERR_NOT_FINITE;
-        }
-        if (status == RIGCAL_OK &&
-            !rc_all_within(&v->uv[2 * i], 2, RC_PIXEL_MAX)) {
-            status = RIGCAL_ERR_RANGE;
+        if (status == RIGCAL_OK) {
+            status = rc_check_pixel(&v->uv[2 * i]);
         }
         if (status != RIGCAL_OK) {
             return status;
@@ -183,11 +179,25 @@ static rigcal_status world_ray(rigcal_real d[3], rigcal_real o[3], const views *
     return RIGCAL_OK;
 }
 
+/* A <- its Cholesky factor; 0: singular to rounding. */
+static int factor(rigcal_real A[6])
+{
+    const rigcal_real diagonal[3] = {A[0], A[3], A[5]};
+    return rc_sym3_factor(A, A, diagonal, 4 * RC_EPS);
+}
+
+/* x <- (L L^T)^-1 x */
+static void solve(rigcal_real x[3], const rigcal_real L[6])
+{
+    rc_sym3_forward(x, L);
+    rc_sym3_backward(x, L);
+}
+
 /* The point with the least sum of squared distances from the rays:
  * sum (I - d d^T) (X - o) = 0, with lengths counted from the first centre. */
 static rigcal_status nearest_to_rays(rigcal_real X[3], const views *v)
 {
-    rigcal_real A[9] = {0}, b[3] = {0}, first_d[3], first_o[3], parallax = 0;
+    rigcal_real A[6] = {0}, b[3] = {0}, first_d[3], first_o[3], parallax = 0;
     for (size_t i = 0; i < v->n; i++) {
         rigcal_real d[3], o[3], normal[3];
         const rigcal_status status = world_ray(d, o, v, i);
@@ -204,32 +214,30 @@ static rigcal_status nearest_to_rays(rigcal_real X[3], const views *v)
         parallax = rc_max(parallax, rc_vec3_dot(normal, normal));
         rc_vec3_sub(o, o, first_o);
         const rigcal_real along = rc_vec3_dot(d, o);
-        for (int r = 0; r < 3; r++) {
-            b[r] += o[r] - d[r] * along;
-            for (int c = 0; c < 3; c++) {
-                A[3 * r + c] += ((r == c) ? 1 : 0) - d[r] * d[c];
-            }
-        }
+        rc_vec3_add_scaled(o, -along, d);
+        rc_vec3_add_scaled(b, 1, o);
+        A[0] += 1;
+        A[3] += 1;
+        A[5] += 1;
+        rc_sym3_add_outer(A, -1, d);
     }
-    if (!(parallax >= PARALLAX_MIN) || !rc_cholesky(A, 3, 4 * RC_EPS)) {
+    if (!(parallax >= PARALLAX_MIN) || !factor(A)) {
         return RIGCAL_ERR_PARALLEL;
     }
-    rc_cholesky_solve(b, A, 3);
-    for (int k = 0; k < 3; k++) {
-        X[k] = first_o[k] + b[k];
-    }
+    solve(b, A);
+    rc_vec3_combine(X, 1, first_o, 1, b);
     return RIGCAL_OK;
 }
 
-/* Sum of squared pixel distances at X; J^T J and J^T e when H is not NULL. */
-static rigcal_status sum_squares(rigcal_real *sum, rigcal_real H[9],
+/* Sum of squared pixel distances at X, J^T J and J^T e. */
+static rigcal_status sum_squares(rigcal_real *sum, rigcal_real H[6],
                                  rigcal_real g[3], const views *v,
                                  const rigcal_real X[3])
 {
     *sum = 0;
-    for (int k = 0; H != NULL && k < 9; k++) {
+    for (int k = 0; k < 6; k++) {
         H[k] = 0;
-        g[k / 3] = 0;
+        g[k / 2] = 0;
     }
     for (size_t i = 0; i < v->n; i++) {
         rigcal_real X_c[3], uv[2], J_c[6], J[3];
@@ -241,20 +249,15 @@ static rigcal_status sum_squares(rigcal_real *sum, rigcal_real H[9],
         for (int row = 0; row < 2; row++) {
             const rigcal_real e = v->uv[2 * i + (size_t)row] - uv[row];
             *sum += e * e;
-            if (H == NULL) {
-                continue;
-            }
             rc_mat3_tmul_vec3(J, v->cams_from_world[i].R, &J_c[3 * row]);
-            for (int r = 0; r < 3; r++) {
-                g[r] += J[r] * e;
-                rc_vec3_add_scaled(&H[3 * r], J[r], J);
-            }
+            rc_vec3_add_scaled(g, e, J);
+            rc_sym3_add_outer(H, 1, J);
         }
     }
     return rc_is_finite(*sum) ? RIGCAL_OK : RIGCAL_ERR_NO_RAY;
 }
 
-enum { GAUSS_NEWTON_MAX = 50, HALVINGS_MAX = 30 };
+enum { EVALS_MAX = 100, HALVINGS_MAX = 30 };
 
 /* Change of the sum, as a part of it, that may be rounding: that of a pixel of
  * 1000 over a distance of a tenth. Near the minimum the sum no longer tells two
@@ -263,59 +266,45 @@ enum { GAUSS_NEWTON_MAX = 50, HALVINGS_MAX = 30 };
  * all rounding, and ends them when it falls no more. */
 #define SUM_ROUNDING RC_TOL(1e-10, 1e-3)
 
-/* X <- X + step, the step halved until it does no harm. Returns its length, 0 when
- * every length does harm. */
-static rigcal_real move_point(rigcal_real X[3], rigcal_real step[3],
-                              rigcal_real sum, const views *v)
-{
-    for (int halving = 0; halving < HALVINGS_MAX; halving++) {
-        const rigcal_real at[3] = {X[0] + step[0], X[1] + step[1],
-                                   X[2] + step[2]};
-        rigcal_real sum_at;
-        if (sum_squares(&sum_at, NULL, NULL, v, at) == RIGCAL_OK &&
-            sum_at <= sum * (1 + SUM_ROUNDING)) {
-            for (int k = 0; k < 3; k++) {
-                X[k] = at[k];
-            }
-            return rc_vec3_norm(step);
-        }
-        for (int k = 0; k < 3; k++) {
-            step[k] /= 2;
-        }
-    }
-    return 0;
-}
-
-/* Gauss-Newton from X. Gives the sum at the end, and the Cholesky factor of
- * J^T J. */
+/* Gauss-Newton from X, a step halved until it does no harm. Gives the sum at the end,
+ * and the Cholesky factor of J^T J. */
 static rigcal_status refine_point(rigcal_real X[3], rigcal_real *sum,
-                                  rigcal_real L[9], const views *v)
+                                  rigcal_real L[6], const views *v)
 {
-    rigcal_real length = RC_MAX, last_gain = RC_MAX, last_sum = RC_MAX;
-    for (int i = 0; i < GAUSS_NEWTON_MAX; i++) {
-        rigcal_real g[3], step[3];
-        const rigcal_status status = sum_squares(sum, L, g, v, X);
-        if (status != RIGCAL_OK) {
+    rigcal_real at[3], step[3] = {0, 0, 0}, last_gain = RC_MAX;
+    int halvings = 0;
+    *sum = RC_MAX;
+    for (int i = 0; i < EVALS_MAX && halvings < HALVINGS_MAX; i++) {
+        rigcal_real H[6], g[3], sum_at;
+        rc_vec3_combine(at, 1, X, 1, step);
+        const rigcal_status status = sum_squares(&sum_at, H, g, v, at);
+        if (i == 0 && status != RIGCAL_OK) {
             return status;
         }
-        if (!rc_cholesky(L, 3, 4 * RC_EPS)) {
+        if (status != RIGCAL_OK || !(sum_at <= *sum * (1 + SUM_ROUNDING))) {
+            rc_vec3_combine(step, RC(0.5), step, 0, step);
+            halvings++;
+            continue;
+        }
+        const int is_small = i > 0 && !(rc_vec3_norm(step) > 4 * RC_EPS * rc_vec3_norm(at));
+        const int falls = sum_at < *sum;
+        halvings = 0;
+        *sum = sum_at;
+        rc_vec3_combine(X, 1, at, 0, at);
+        for (int k = 0; k < 6; k++) {
+            L[k] = H[k];
+        }
+        if (!factor(L)) {
             return RIGCAL_ERR_PARALLEL;
         }
-        if (!(length > 4 * RC_EPS * rc_vec3_norm(X))) {
-            break;
-        }
-        for (int k = 0; k < 3; k++) {
-            step[k] = g[k];
-        }
-        rc_cholesky_solve(step, L, 3);
+        rc_vec3_combine(step, 1, g, 0, g);
+        solve(step, L);
         const rigcal_real gain = rc_vec3_dot(g, step); /* what it promises */
-        if (!(gain < last_gain / 4) &&
-            (gain <= SUM_ROUNDING * *sum || !(*sum < last_sum))) {
+        if (is_small || (!(gain < last_gain / 4) &&
+                         (gain <= SUM_ROUNDING * *sum || !falls))) {
             break;
         }
         last_gain = gain;
-        last_sum = *sum;
-        length = move_point(X, step, *sum, v);
     }
     return RIGCAL_OK;
 }
@@ -331,7 +320,7 @@ rigcal_status rigcal_triangulate(rigcal_point *point,
         return RIGCAL_ERR_NULL;
     }
     const views v = {cameras, cams_from_world, uv, n};
-    rigcal_real X[3], L[9], sum = 0;
+    rigcal_real X[3], L[6], sum = 0;
     rigcal_status status = check_views(&v, sigma_px);
     if (status == RIGCAL_OK) {
         status = nearest_to_rays(X, &v);
@@ -342,11 +331,11 @@ rigcal_status rigcal_triangulate(rigcal_point *point,
     if (status != RIGCAL_OK) {
         return status;
     }
-    rc_cholesky_inverse(point->Sigma, L, 3);
-    for (int k = 0; k < 9; k++) {
-        point->Sigma[k] *= sigma_px * sigma_px;
-    }
     for (int k = 0; k < 3; k++) {
+        rigcal_real *const row = &point->Sigma[3 * k];
+        row[0] = row[1] = row[2] = 0;
+        row[k] = sigma_px * sigma_px;
+        solve(row, L);
         point->X[k] = X[k];
     }
     point->rms_px = RC_SQRT(sum / (rigcal_real)n);

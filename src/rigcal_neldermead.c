@@ -205,6 +205,29 @@ void rc_neldermead_begin(rigcal_neldermead *nm, const rigcal_real x0[], int32_t 
     begin(nm, k, xtol, ftol, max_evals);
 }
 
+void rc_neldermead_begin_simplex(rigcal_neldermead *nm, const rigcal_real simplex[],
+                                 int32_t k, rigcal_real xtol, rigcal_real ftol,
+                                 int32_t max_evals)
+{
+    for (int32_t v = 0; v <= RIGCAL_NELDERMEAD_DIM_MAX; v++) {
+        for (int32_t i = 0; i < RIGCAL_NELDERMEAD_DIM_MAX; i++) {
+            nm->vertex[v][i] = (v <= k && i < k) ? simplex[v * k + i] : 0;
+        }
+    }
+    begin(nm, k, xtol, ftol, max_evals);
+}
+
+int32_t rc_neldermead_best(const rigcal_neldermead *nm)
+{
+    int32_t best = 0; /* the order holds between iterations only */
+    for (int32_t v = 1; v <= nm->k; v++) {
+        if (nm->cost[v] < nm->cost[best]) {
+            best = v;
+        }
+    }
+    return best;
+}
+
 void rc_neldermead_tell(rigcal_neldermead *nm, rigcal_real cost)
 {
     const rigcal_real finite = rc_is_finite(cost) ? cost : RC_MAX;
@@ -277,16 +300,10 @@ rigcal_status rigcal_neldermead_begin_simplex(rigcal_neldermead *nm,
 {
     const rigcal_status status = check_begin(nm, simplex, k, 1, xtol, ftol,
                                              max_evals);
-    if (status != RIGCAL_OK) {
-        return status;
+    if (status == RIGCAL_OK) {
+        rc_neldermead_begin_simplex(nm, simplex, k, xtol, ftol, max_evals);
     }
-    for (int32_t v = 0; v <= RIGCAL_NELDERMEAD_DIM_MAX; v++) {
-        for (int32_t i = 0; i < RIGCAL_NELDERMEAD_DIM_MAX; i++) {
-            nm->vertex[v][i] = (v <= k && i < k) ? simplex[v * k + i] : 0;
-        }
-    }
-    begin(nm, k, xtol, ftol, max_evals);
-    return RIGCAL_OK;
+    return status;
 }
 
 static int is_begun(const rigcal_neldermead *nm)
@@ -350,12 +367,7 @@ rigcal_status rigcal_neldermead_result(rigcal_real x[], rigcal_real *cost,
     if (!is_begun(nm) || nm->evals < 1) {
         return RIGCAL_ERR_STATE;
     }
-    int32_t best = 0; /* the order holds between iterations only */
-    for (int32_t v = 1; v <= nm->k; v++) {
-        if (nm->cost[v] < nm->cost[best]) {
-            best = v;
-        }
-    }
+    const int32_t best = rc_neldermead_best(nm);
     if (!(nm->cost[best] < RC_MAX)) {
         return RIGCAL_ERR_NOT_FINITE;
     }

@@ -59,8 +59,9 @@ enum { OTHER_WAY = 0, SIDEWAYS, SIDEWAYS_BACK, LEANS };
  * direction, to be worth refining. */
 #define MIRROR_WORSE RC(10)
 
-/* Beyond this the exponential is more than odds can be. */
-#define EXPONENT_MOST RC(80)
+/* More than odds can be, or less than the inverse, and the logarithm. */
+#define ODDS_MOST RC(1e30)
+#define EXPONENT_MOST RC(69)
 
 /* A pose whose rotation has a standard deviation above this [rad] is hardly one;
  * reckoned with at least so much noise [px] where none is stated, and from so many
@@ -77,17 +78,20 @@ enum { VAGUE_POINTS = 16 };
 #define WARM_ERROR RC(0.02)
 #define WARM_NOISE RC(1)
 
+/* The rays of a pinhole that are taken in one step. */
+enum { PINHOLE_RAYS = 16 };
+
 /* Rays so far off the middle of the target's image do not fit the virtual camera:
  * cosine of 80 degrees. */
 #define WIDE_COSINE RC(0.17)
 
 enum {
     NOT_BEGUN = 0,
-    WARM,
     GATHERING,
-    LATTICE_SCAN,
+    SCANNING,
     DESCENT,
     REFINING,
+    PROVING,
     MIRRORED,
     WEIGHING,
     DONE
@@ -100,17 +104,19 @@ static rigcal_real weight_of(const rigcal_real sigma[], size_t i)
     return (sigma == NULL) ? 1 : 1 / (sigma[i] * sigma[i]);
 }
 
-static int is_used(const uint8_t mask[], size_t i)
+static size_t count_used(const uint8_t mask[], size_t n)
 {
-    return mask == NULL || mask[i] != 0;
+    size_t count = 0;
+    for (size_t i = 0; i < n; i++) {
+        count += rc_is_used(mask, i) ? 1 : 0;
+    }
+    return count;
 }
 
-/* NaN is within nothing. */
-static int is_sound(const rigcal_observation *o, const rigcal_real sigma[], size_t i)
+static rigcal_status check_sigma(const rigcal_real *sigma)
 {
-    return rc_all_within(o->X_w, 3, RC_COORDINATE_MAX) &&
-           rc_all_within(o->uv, 2, RC_PIXEL_MAX) &&
-           (sigma == NULL || (sigma[i] >= SIGMA_MIN && sigma[i] <= SIGMA_MAX));
+    const rigcal_status status = rc_check_numbers(sigma, 1, SIGMA_MAX);
+    return (status == RIGCAL_OK && !(*sigma >= SIGMA_MIN)) ? RIGCAL_ERR_RANGE : status;
 }
 
 static rigcal_status check_data(int32_t *at, const rigcal_observation o[],
@@ -118,171 +124,126 @@ static rigcal_status check_data(int32_t *at, const rigcal_observation o[],
                                 size_t n)
 {
     for (size_t i = 0; i < n; i++) {
-        if (is_used(mask, i) && !is_sound(&o[i], sigma, i)) {
+        if (!rc_is_used(mask, i)) {
+            continue;
+        }
+        rigcal_status status = rc_check_observation(&o[i]);
+        if (status == RIGCAL_OK && sigma != NULL) {
+            status = check_sigma(&sigma[i]);
+        }
+        if (status != RIGCAL_OK) {
             *at = (int32_t)i;
-            return (rc_all_finite(o[i].X_w, 3) && rc_all_finite(o[i].uv, 2) &&
-                    (sigma == NULL || rc_is_finite(sigma[i])))
-                       ? RIGCAL_ERR_RANGE
-                       : RIGCAL_ERR_NOT_FINITE;
+            return status;
         }
     }
     return RIGCAL_OK;
 }
 
-/* The first point that counts. */
-static size_t first_used(const uint8_t mask[], size_t n)
+rigcal_status rc_survey_points(rc_survey *out, const rigcal_observation o[],
+                               const rigcal_real sigma[], const uint8_t mask[],
+                               size_t n)
 {
-    size_t i = 0;
-    while (i + 1 < n && !is_used(mask, i)) {
-        i++;
-    }
-    return i;
-}
-
-/* The weighted mean of the points, and the pixel in the middle of their image. */
-RC_APART static void find_middle(rigcal_real origin[3], rigcal_real uv_middle[2],
-                        const rigcal_observation o[], const rigcal_real sigma[],
-                        const uint8_t mask[], size_t n)
-{
-    const rigcal_observation *const first = &o[first_used(mask, n)];
-    rigcal_real total = 0, count = 0, shift[3] = {0, 0, 0}, uv[2] = {0, 0};
-    for (size_t i = 0; i < n; i++) { /* from the first point: far origins */
-        if (is_used(mask, i)) {
-            rigcal_real x[3];
-            const rigcal_real weight = weight_of(sigma, i);
-            rc_vec3_sub(x, o[i].X_w, first->X_w);
-            rc_vec3_add_scaled(shift, weight, x);
-            uv[0] += o[i].uv[0];
-            uv[1] += o[i].uv[1];
-            total += weight;
-            count += 1;
+    rigcal_real total = 0, count = 0, largest = 0;
+    rigcal_real shift[3] = {0, 0, 0}, box[3] = {0, 0, 0}, uv[2] = {0, 0};
+    rigcal_real low[2] = {0, 0}, high[2] = {0, 0};
+    const rigcal_observation *first = NULL;
+    for (size_t i = 0; i < n; i++) {
+        if (!rc_is_used(mask, i)) {
+            continue;
         }
-    }
-    for (int k = 0; k < 3; k++) {
-        origin[k] = first->X_w[k] + shift[k] / total;
-    }
-    uv_middle[0] = uv[0] / count;
-    uv_middle[1] = uv[1] / count;
-}
-
-/* Whether the points have a shape, the scale that makes its size 1, and the extent
- * of its image. */
-RC_APART static rigcal_status measure(rigcal_pose_solver *s,
-                                      const rigcal_real uv_middle[2])
-{
-    const rigcal_real *const first =
-        s->observations[first_used(s->mask, s->n)].X_w;
-    rigcal_real largest = 0, extent2 = 0;
-    rigcal_real box[3] = {0, 0, 0};
-    for (size_t i = 0; i < s->n; i++) { /* differences of two points are exact */
-        const rigcal_observation *const o = &s->observations[i];
-        if (is_used(s->mask, i)) {
-            const rigcal_real du = o->uv[0] - uv_middle[0];
-            const rigcal_real dv = o->uv[1] - uv_middle[1];
-            for (int k = 0; k < 3; k++) {
-                box[k] = rc_max(box[k], RC_FABS(o->X_w[k] - first[k]));
-                largest = rc_max(largest, RC_FABS(o->X_w[k]));
-            }
-            extent2 = rc_max(extent2, du * du + dv * dv);
+        if (first == NULL) {
+            first = &o[i];
+            low[0] = high[0] = first->uv[0];
+            low[1] = high[1] = first->uv[1];
         }
+        rigcal_real x[3]; /* differences of two points are exact */
+        const rigcal_real weight = weight_of(sigma, i);
+        rc_vec3_sub(x, o[i].X_w, first->X_w);
+        rc_vec3_add_scaled(shift, weight, x);
+        for (int k = 0; k < 3; k++) {
+            box[k] = rc_max(box[k], RC_FABS(x[k]));
+        }
+        for (int k = 0; k < 2; k++) {
+            uv[k] += o[i].uv[k];
+            low[k] = rc_min(low[k], o[i].uv[k]);
+            high[k] = rc_max(high[k], o[i].uv[k]);
+        }
+        largest = rc_max(largest, rc_vec3_max_abs(o[i].X_w));
+        total += weight;
+        count += 1;
     }
-    const rigcal_real size = rc_vec3_max_abs(box);
-    if (!(size > 1 / RC_COORDINATE_MAX)) {
+    rc_vec3_combine(out->origin, 1, first->X_w, 1 / total, shift);
+    out->uv_middle[0] = uv[0] / count;
+    out->uv_middle[1] = uv[1] / count;
+    const rigcal_real du = high[0] - low[0], dv = high[1] - low[1];
+    out->area_px2 = du * dv;
+    out->extent_px = RC_SQRT(du * du + dv * dv) / 2;
+    out->size = rc_vec3_max_abs(box);
+    if (!(out->size > 1 / RC_COORDINATE_MAX)) {
         return RIGCAL_ERR_COINCIDENT;
     }
-    s->scale = 1 / size;
-    s->extent_px = RC_SQRT(extent2);
-    return (largest * RC_EPS <= RC_SHAPE_ROUNDING * size) ? RIGCAL_OK
-                                                       : RIGCAL_ERR_PRECISION;
+    return (largest * RC_EPS <= RC_SHAPE_ROUNDING * out->size) ? RIGCAL_OK
+                                                               : RIGCAL_ERR_PRECISION;
 }
 
-/* Rotation whose third row is the unit vector `axis`: the virtual camera, which
- * looks along it, from the camera. */
+static void fail(rigcal_pose_solver *s, rigcal_status status, int32_t bad)
+{
+    s->failure = status;
+    s->bad = bad;
+    s->phase = DONE;
+}
+
+/* ---- gathering: what the search needs to know of the points --------------- */
+
+/* Columns m1, m2, axis: camera from the virtual camera, which looks along its axis. */
 static void look_along(rigcal_real R[9], const rigcal_real axis[3])
 {
-    rc_view_complete(&R[0], &R[3], axis);
+    rigcal_real m1[3], m2[3];
+    rc_view_complete(m1, m2, axis);
     for (int k = 0; k < 3; k++) {
-        R[6 + k] = axis[k];
+        R[3 * k] = m1[k];
+        R[3 * k + 1] = m2[k];
+        R[3 * k + 2] = axis[k];
     }
 }
 
-/* The middle of the rays, where the middle pixel has none: or the pixel that has
- * none itself, and pulled the middle away. */
-static rigcal_status middle_ray(rigcal_real middle[3], int32_t *at,
-                                const rigcal_pose_solver *s)
+/* The axis is the ray of the middle pixel; where that has none, of the first. */
+static void begin_gathering(rigcal_pose_solver *s, const rigcal_real uv_middle[2])
 {
-    rigcal_real sum[3] = {0, 0, 0};
-    for (size_t i = 0; i < s->n; i++) {
-        rigcal_real ray[3];
-        if (is_used(s->mask, i)) {
-            const rigcal_status status =
-                rc_pixel_to_ray(ray, s->camera, s->observations[i].uv);
-            if (status != RIGCAL_OK) {
-                *at = (int32_t)i;
-                return status;
-            }
-            rc_vec3_add_scaled(sum, 1, ray);
+    const rigcal_fit *const fit = &s->fit;
+    s->phase = GATHERING;
+    s->next = 0;
+    rc_view_begin(&s->from.lattice.moments);
+    if (rc_pixel_to_ray(s->axis, fit->camera, uv_middle) != RIGCAL_OK) {
+        int32_t i = 0;
+        while (!rc_is_used(fit->mask, (size_t)i)) {
+            i++;
+        }
+        const rigcal_status status =
+            rc_pixel_to_ray(s->axis, fit->camera, fit->observations[i].uv);
+        if (status != RIGCAL_OK) {
+            fail(s, status, i);
         }
     }
-    return rc_vec3_unit(middle, sum) ? RIGCAL_OK : RIGCAL_ERR_WIDE_RAY;
 }
 
 /* One point, scaled to size 1, and its ray turned to the middle. */
-static rigcal_status gather_point(rigcal_pose_solver *s,
-                                  const rigcal_real virtual_from_cam[9], size_t i)
+static rigcal_status gather_point(rigcal_pose_solver *s, size_t i)
 {
-    const rigcal_observation *const o = &s->observations[i];
-    rigcal_real x[3], ray[3], turned[3];
-    const rigcal_status status = rc_pixel_to_ray(ray, s->camera, o->uv);
+    const rigcal_observation *const o = &s->fit.observations[i];
+    rigcal_real cam_from_virtual[9], x[3], ray[3], turned[3];
+    const rigcal_status status = rc_pixel_to_ray(ray, s->fit.camera, o->uv);
     if (status != RIGCAL_OK) {
         return status;
     }
-    rc_mat3_mul_vec3(turned, virtual_from_cam, ray);
+    look_along(cam_from_virtual, s->axis);
+    rc_mat3_tmul_vec3(turned, cam_from_virtual, ray);
     if (!(turned[2] > WIDE_COSINE)) {
         return RIGCAL_ERR_WIDE_RAY;
     }
-    const rigcal_real by_depth = 1 / turned[2];
-    const rigcal_real u[2] = {turned[0] * by_depth, turned[1] * by_depth};
-    rc_vec3_sub(x, o->X_w, s->origin);
-    for (int k = 0; k < 3; k++) {
-        x[k] *= s->scale;
-    }
-    rc_view_add(&s->from.lattice.moments, weight_of(s->sigma, i), x, u);
-    return RIGCAL_OK;
-}
-
-/* The moments: what the search needs to know of the points. */
-RC_APART static rigcal_status gather_moments(rigcal_pose_solver *s, int32_t *at,
-                            const rigcal_real uv_middle[2])
-{
-    rigcal_real virtual_from_cam[9], normal[3], thickness;
-    rigcal_status status = RIGCAL_OK;
-    if (rc_pixel_to_ray(s->axis, s->camera, uv_middle) != RIGCAL_OK) {
-        status = middle_ray(s->axis, at, s);
-    }
-    if (status != RIGCAL_OK) {
-        return status;
-    }
-    look_along(virtual_from_cam, s->axis);
-    rc_view_begin(&s->from.lattice.moments);
-    for (size_t i = 0; i < s->n && status == RIGCAL_OK; i++) {
-        if (is_used(s->mask, i)) {
-            *at = (int32_t)i;
-            status = gather_point(s, virtual_from_cam, i);
-        }
-    }
-    if (status != RIGCAL_OK) {
-        return status;
-    }
-    *at = -1;
-    if (!rc_view_finish(&s->from.lattice.moments)) {
-        return RIGCAL_ERR_COINCIDENT;
-    }
-    if (!rc_view_normal(normal, &thickness, &s->from.lattice.moments)) {
-        return RIGCAL_ERR_COLLINEAR;
-    }
-    s->is_flat = thickness < FLAT_THICKNESS;
-    s->is_plane = thickness < PLANE_THICKNESS;
+    const rigcal_real u[2] = {turned[0] / turned[2], turned[1] / turned[2]};
+    rc_vec3_combine(x, s->scale, o->X_w, -s->scale, s->fit.origin);
+    rc_view_add(&s->from.lattice.moments, weight_of(s->fit.sigma, i), x, u);
     return RIGCAL_OK;
 }
 
@@ -291,10 +252,11 @@ static int are_three(size_t first[3], const rigcal_pose_solver *s)
 {
     int count = 0;
     for (size_t i = 0; i < s->n; i++) {
-        int is_new = is_used(s->mask, i);
+        int is_new = rc_is_used(s->fit.mask, i);
         for (int k = 0; k < count && is_new; k++) {
             rigcal_real x[3];
-            rc_vec3_sub(x, s->observations[i].X_w, s->observations[first[k]].X_w);
+            rc_vec3_sub(x, s->fit.observations[i].X_w,
+                        s->fit.observations[first[k]].X_w);
             is_new = rc_vec3_max_abs(x) * s->scale > SAME_POINT;
         }
         if (is_new && count == 3) {
@@ -307,104 +269,130 @@ static int are_three(size_t first[3], const rigcal_pose_solver *s)
     return count == 3;
 }
 
-/* (D): all poses of three points. 0: there is none, and the moments are gone. */
+/* (D): all poses of three points. 0: there is none, and the moments stay. */
 RC_APART static int32_t gather_exact(rigcal_pose_solver *s, const size_t three[3])
 {
     rigcal_real x[3][3], ray[3][3];
     for (int k = 0; k < 3; k++) {
-        const rigcal_observation *const o = &s->observations[three[k]];
-        rc_vec3_sub(x[k], o->X_w, s->origin);
-        (void)rc_pixel_to_ray(ray[k], s->camera, o->uv);
+        const rigcal_observation *const o = &s->fit.observations[three[k]];
+        rc_vec3_sub(x[k], o->X_w, s->fit.origin);
+        (void)rc_pixel_to_ray(ray[k], s->fit.camera, o->uv);
     }
     return rc_p3p(s->from.exact, (const rigcal_real(*)[3])x,
                   (const rigcal_real(*)[3])ray);
 }
 
-/* What the seeds come from. */
-RC_APART static rigcal_status gather(rigcal_pose_solver *s, int32_t *at,
-                                     const rigcal_real uv_middle[2])
+static void begin_weighing(rigcal_pose_solver *s, size_t n);
+
+static void begin_refining(rigcal_pose_solver *s, int32_t phase)
 {
-    size_t three[3];
-    const rigcal_status status = gather_moments(s, at, uv_middle);
-    if (status != RIGCAL_OK || !are_three(three, s)) {
-        return status;
+    rc_refine_begin(&s->work.fit);
+    s->phase = phase;
+}
+
+/* Three points: every pose of theirs is refined. */
+static void next_exact(rigcal_pose_solver *s)
+{
+    if (s->next == s->n_exact) {
+        begin_weighing(s, s->n);
+        return;
     }
-    s->n_exact = gather_exact(s, three);
-    return (s->n_exact > 0) ? status : gather_moments(s, at, uv_middle);
+    s->work.fit.cam_from_points = s->from.exact[s->next++];
+    begin_refining(s, REFINING);
+}
+
+static void begin_scanning(rigcal_pose_solver *s)
+{
+    s->phase = SCANNING;
+    s->n_seeds = 0;
+    s->from.lattice.spiral[0] = 1;
+    s->from.lattice.spiral[1] = 0;
+}
+
+static void end_gathering(rigcal_pose_solver *s)
+{
+    rigcal_view_moments *const view = &s->from.lattice.moments;
+    rigcal_real normal[3], thickness;
+    size_t three[3];
+    s->next = 0;
+    if (!rc_view_finish(view)) {
+        fail(s, RIGCAL_ERR_COINCIDENT, -1);
+        return;
+    }
+    if (!rc_view_normal(normal, &thickness, view)) {
+        fail(s, RIGCAL_ERR_COLLINEAR, -1);
+        return;
+    }
+    s->is_flat = thickness < FLAT_THICKNESS;
+    s->is_plane = thickness < PLANE_THICKNESS;
+    s->n_exact = are_three(three, s) ? gather_exact(s, three) : 0;
+    if (s->n_exact > 0) {
+        next_exact(s);
+    } else {
+        begin_scanning(s);
+    }
+}
+
+/* One ray; of a pinhole, whose rays cost next to nothing, some. */
+RC_APART static void gathering_step(rigcal_pose_solver *s)
+{
+    const int32_t n = (int32_t)s->n;
+    int32_t left = s->fit.lens.is_pinhole ? PINHOLE_RAYS : 1;
+    for (; left > 0 && s->next < n; s->next++) {
+        if (rc_is_used(s->fit.mask, (size_t)s->next)) {
+            const rigcal_status status = gather_point(s, (size_t)s->next);
+            if (status != RIGCAL_OK) {
+                fail(s, status, s->next);
+                return;
+            }
+            left--;
+        }
+    }
+    if (s->next == n) {
+        end_gathering(s);
+    }
 }
 
 /* ---- optima found -------------------------------------------------------- */
 
-/* The first optimum whose rotation is within a (small) angle of R, or -1. For unit
- * quaternions |p -+ q| = 2 sin(angle / 4). */
+/* The first optimum whose rotation is within a (small) angle of R, or -1: the squared
+ * differences of two rotations sum to 8 sin^2(angle / 2). */
 static int32_t near_found(const rigcal_pose_solver *s, const rigcal_real R[9],
                           rigcal_real angle)
 {
-    rigcal_real q[4];
-    rc_quaternion_from_rotation(q, R);
     for (int32_t i = 0; i < s->n_found; i++) {
-        const rigcal_real *const p = s->found[i].q_wxyz;
-        rigcal_real less = 0, more = 0;
-        for (int k = 0; k < 4; k++) {
-            less += (p[k] - q[k]) * (p[k] - q[k]);
-            more += (p[k] + q[k]) * (p[k] + q[k]);
+        const rigcal_real *const other = s->found[i].cam_from_points.R;
+        rigcal_real sum = 0;
+        for (int k = 0; k < 9; k++) {
+            sum += (other[k] - R[k]) * (other[k] - R[k]);
         }
-        if (4 * rc_min(less, more) < angle * angle) {
+        if (sum < 2 * angle * angle) {
             return i;
         }
     }
     return -1;
 }
 
-static void found_transform(rigcal_transform *cam_from_points,
-                            const rigcal_pose_optimum *found)
-{
-    rc_rotation_from_quaternion(cam_from_points->R, found->q_wxyz);
-    for (int k = 0; k < 3; k++) {
-        cam_from_points->t[k] = found->t[k];
-    }
-}
-
 /* The direction of the virtual camera's axis, seen from the target, at an optimum. */
 static void found_direction(rigcal_real m3[3], const rigcal_pose_solver *s,
                             int32_t i)
 {
-    rigcal_real R[9];
-    rc_rotation_from_quaternion(R, s->found[i].q_wxyz);
-    rc_mat3_tmul_vec3(m3, R, s->axis);
+    rc_mat3_tmul_vec3(m3, s->found[i].cam_from_points.R, s->axis);
 }
 
-/* Refinement sees to it that the points are in front; whether a lens that turns back
- * sees them is asked once. */
-RC_APART static int is_seen(const rigcal_pose_solver *s, const rc_fit *fit)
+/* The optimum found at which the refinement has ended once more, or -1. */
+static int32_t same_found(const rigcal_pose_solver *s)
 {
-    if (fit->lens.is_pinhole) {
-        return 1;
-    }
-    for (size_t i = 0; i < s->n; i++) {
-        rigcal_real x[3], X_c[3], uv[2];
-        if (is_used(s->mask, i)) {
-            rc_vec3_sub(x, s->observations[i].X_w, s->origin);
-            rc_transform_point(X_c, &s->work.fit.cam_from_points, x);
-            if (rc_project_usable(uv, s->camera, X_c) != RIGCAL_OK) {
-                return 0;
-            }
-        }
-    }
-    return 1;
+    return near_found(s, s->work.fit.cam_from_points.R,
+                      (s->n_exact > 0) ? SAME_EXACT : SAME_POSE);
 }
 
 /* Keeps the RIGCAL_POSES_MAX best optima in order; of two that are one, the better. */
-RC_APART static void insert_found(rigcal_pose_solver *s, const rc_fit *fit)
+static void insert_found(rigcal_pose_solver *s)
 {
     const rigcal_refinement *const end = &s->work.fit;
-    const int32_t same = near_found(s, end->cam_from_points.R,
-                                    (s->n_exact > 0) ? SAME_EXACT : SAME_POSE);
-    if ((same >= 0 && end->sse >= s->found[same].sse) || !is_seen(s, fit)) {
-        return;
-    }
-    int32_t at = same;
-    if (same < 0) {
+    int32_t at = same_found(s);
+    if (at < 0) {
         at = (s->n_found < RIGCAL_POSES_MAX) ? s->n_found++ : RIGCAL_POSES_MAX;
     }
     for (; at > 0 && end->sse < s->found[at - 1].sse; at--) {
@@ -413,43 +401,64 @@ RC_APART static void insert_found(rigcal_pose_solver *s, const rc_fit *fit)
         }
     }
     if (at < RIGCAL_POSES_MAX) {
-        rigcal_pose_optimum *const found = &s->found[at];
-        rc_quaternion_from_rotation(found->q_wxyz, end->cam_from_points.R);
-        for (int k = 0; k < 3; k++) {
-            found->t[k] = end->cam_from_points.t[k];
-        }
-        found->sse = end->sse;
+        s->found[at].cam_from_points = end->cam_from_points;
+        s->found[at].sse = end->sse;
     }
 }
 
 /* ---- likelihood ---------------------------------------------------------- */
 
-static rigcal_real freedom(const rigcal_pose_solver *s)
+/* Degrees of freedom; three points, which have none, nearly fit. */
+static rigcal_real freedom(size_t n)
 {
-    return (rigcal_real)(2 * s->n_used - 6);
+    return rc_max(1, (rigcal_real)(2 * n) - 6);
+}
+
+static rigcal_real within_odds(rigcal_real x)
+{
+    return rc_min(rc_max(x, 1 / ODDS_MOST), ODDS_MOST);
 }
 
 static rigcal_real power(rigcal_real base, size_t exponent)
 {
     rigcal_real result = 1;
     for (; exponent > 0; exponent /= 2) {
-        result *= (exponent % 2 == 1) ? base : 1;
+        base = within_odds(base);
+        if (exponent % 2 == 1) {
+            result = within_odds(result * base);
+        }
         base *= base;
     }
     return result;
 }
 
-/* (C): likelihood of a sum of squares over that of the first pose. Noise known:
- * exp(-sse / 2 noise^2). Unknown, it is integrated out with the prior 1 / noise, which
- * leaves sse^-(n - 3); the floor is what the least noise makes of the sum. */
+/* The series of exp(x / 256), to that power: exp itself would bring 0.4 KB along. */
+static rigcal_real exponential(rigcal_real x)
+{
+    enum { PARTS = 256, TERMS = 8 };
+    const rigcal_real part = rc_min(rc_max(x, -EXPONENT_MOST), EXPONENT_MOST) / PARTS;
+    rigcal_real sum = 1;
+    for (int k = TERMS; k > 0; k--) {
+        sum = 1 + part * sum / (rigcal_real)k;
+    }
+    return power(sum, PARTS);
+}
+
+/* (C) Noise known: exp of half the difference. Unknown, it is integrated out with the
+ * prior 1 / noise, which leaves the power n - 3 of the ratio; added is what the least
+ * noise makes of a sum. */
+rigcal_real rc_odds(rigcal_real sse, rigcal_real other, rigcal_real sigma_px, size_t n)
+{
+    if (sigma_px > 0) {
+        return exponential((other - sse) / (2 * sigma_px * sigma_px));
+    }
+    const rigcal_real least = freedom(n) * NOISE_LEAST * NOISE_LEAST;
+    return power((other + least) / (sse + least), n - 3);
+}
+
 static rigcal_real likelihood_of(const rigcal_pose_solver *s, rigcal_real sse)
 {
-    const rigcal_real first = s->found[0].sse, stated = s->sigma_px;
-    if (stated > 0) {
-        return RC_EXP(rc_min((first - sse) / (2 * stated * stated), EXPONENT_MOST));
-    }
-    const rigcal_real floor_sum = rc_max(1, freedom(s)) * NOISE_LEAST * NOISE_LEAST;
-    return power((first + floor_sum) / (sse + floor_sum), s->n_used - 3);
+    return rc_odds(sse, s->found[0].sse, s->sigma_px, s->n_used);
 }
 
 rigcal_real rc_pose_likelihood(const rigcal_pose_solver *s, int32_t i)
@@ -464,138 +473,65 @@ static int32_t lattice_size(const rigcal_pose_solver *s)
     return s->thorough ? LATTICE_THOROUGH : LATTICE;
 }
 
-/* A golden angle, pi (3 - sqrt 5). */
-#define GOLDEN_COS RC(-0.73736887807831989)
-#define GOLDEN_SIN RC(0.67549029426152364)
-
-/* z <- z w, as complex numbers. */
-static void turn(rigcal_real z[2], const rigcal_real w[2])
-{
-    const rigcal_real x = z[0] * w[0] - z[1] * w[1];
-    z[1] = z[0] * w[1] + z[1] * w[0];
-    z[0] = x;
-}
-
-/* Direction i of a Fibonacci sphere of n: heights in even steps, azimuths a golden
- * angle apart. */
-static void direction_of(rigcal_real m3[3], int32_t i, int32_t n,
-                         const rigcal_real azimuth[2])
-{
-    m3[2] = 1 - (rigcal_real)(2 * i + 1) / (rigcal_real)n;
-    const rigcal_real r = RC_SQRT(1 - m3[2] * m3[2]);
-    m3[0] = r * azimuth[0];
-    m3[1] = r * azimuth[1];
-}
-
-/* The azimuth by squaring, for there may be no other use for a sine. */
-static void seed_direction(rigcal_real m3[3], const rigcal_pose_solver *s,
-                           int32_t index)
-{
-    rigcal_real azimuth[2] = {1, 0}, doubled[2] = {GOLDEN_COS, GOLDEN_SIN};
-    for (int32_t k = index; k > 0; k /= 2) {
-        if (k % 2 == 1) {
-            turn(azimuth, doubled);
-        }
-        turn(doubled, (const rigcal_real[2]){doubled[0], doubled[1]});
-    }
-    direction_of(m3, index, lattice_size(s), azimuth);
-}
-
-/* The same in turn: the azimuth is carried on. */
+/* Direction `next` of a Fibonacci sphere: heights in even steps, azimuths a golden
+ * angle, pi (3 - sqrt 5), apart. */
 static void next_direction(rigcal_real m3[3], rigcal_pose_solver *s)
 {
-    static const rigcal_real GOLDEN[2] = {GOLDEN_COS, GOLDEN_SIN};
-    direction_of(m3, s->next, lattice_size(s), s->from.lattice.spiral);
-    turn(s->from.lattice.spiral, GOLDEN);
-}
-
-static void move_seed(rigcal_pose_lattice *lattice, int32_t to, int32_t from)
-{
-    lattice->cost[to] = lattice->cost[from];
-    lattice->index[to] = lattice->index[from];
+    const rigcal_real golden_cos = RC(-0.73736887807831989);
+    const rigcal_real golden_sin = RC(0.67549029426152364);
+    rigcal_real *const spiral = s->from.lattice.spiral;
+    const rigcal_real x = spiral[0], y = spiral[1];
+    m3[2] = 1 - (rigcal_real)(2 * s->next + 1) / (rigcal_real)lattice_size(s);
+    const rigcal_real r = RC_SQRT(1 - m3[2] * m3[2]);
+    m3[0] = r * x;
+    m3[1] = r * y;
+    spiral[0] = x * golden_cos - y * golden_sin;
+    spiral[1] = x * golden_sin + y * golden_cos;
 }
 
 /* Removes the seeds of neighbours that are worse. 0: there is a better one. */
-static int is_best_nearby(rigcal_pose_solver *s, const rigcal_real m3[3],
-                          rigcal_real cost)
+static int is_best_nearby(rigcal_pose_solver *s, const rigcal_pose_seed *seed)
 {
+    rigcal_pose_seed *const seeds = s->from.lattice.seeds;
     int32_t kept = 0;
     for (int32_t i = 0; i < s->n_seeds; i++) {
-        rigcal_real other[3];
-        seed_direction(other, s, s->from.lattice.index[i]);
-        if (rc_vec3_dot(m3, other) > NEIGHBOUR_COSINE) {
-            if (s->from.lattice.cost[i] <= cost) {
-                return 0; /* sorted by cost: nothing has been removed */
-            }
-        } else {
-            move_seed(&s->from.lattice, kept++, i);
+        if (!(rc_vec3_dot(seed->m3, seeds[i].m3) > NEIGHBOUR_COSINE)) {
+            seeds[kept++] = seeds[i];
+        } else if (seeds[i].cost <= seed->cost) {
+            return 0; /* sorted by cost: nothing has been removed */
         }
     }
     s->n_seeds = kept;
     return 1;
 }
 
-/* Keeps the `most` best directions in order of cost. */
-static void insert_seed(rigcal_pose_solver *s, rigcal_real cost, int32_t most)
+/* Keeps the `most` best directions in order of cost; this one is among them. */
+static void insert_seed(rigcal_pose_solver *s, const rigcal_pose_seed *seed,
+                        int32_t most)
 {
-    int32_t at = (s->n_seeds < most) ? s->n_seeds++ : most;
-    for (; at > 0 && cost < s->from.lattice.cost[at - 1]; at--) {
-        if (at < most) {
-            move_seed(&s->from.lattice, at, at - 1);
-        }
+    rigcal_pose_seed *const seeds = s->from.lattice.seeds;
+    int32_t at = (s->n_seeds < most) ? s->n_seeds++ : most - 1;
+    for (; at > 0 && seed->cost < seeds[at - 1].cost; at--) {
+        seeds[at] = seeds[at - 1];
     }
-    if (at < most) {
-        s->from.lattice.cost[at] = cost;
-        s->from.lattice.index[at] = s->next;
-    }
-}
-
-static void begin_lattice(rigcal_pose_solver *s)
-{
-    s->phase = LATTICE_SCAN;
-    s->next = 0;
-    s->n_seeds = 0;
-    s->from.lattice.spiral[0] = 1;
-    s->from.lattice.spiral[1] = 0;
+    seeds[at] = *seed;
 }
 
 static void next_seed(rigcal_pose_solver *s);
-static void begin_weighing(rigcal_pose_solver *s, int32_t by_all);
 
-/* Three points: every pose of theirs is refined. */
-static void next_exact(rigcal_pose_solver *s)
-{
-    if (s->next == s->n_exact) {
-        begin_weighing(s, 0);
-        return;
-    }
-    s->work.fit.cam_from_points = s->from.exact[s->next++];
-    rc_refine_begin(&s->work.fit);
-    s->phase = REFINING;
-}
-
-static void begin_search(rigcal_pose_solver *s)
-{
-    if (s->n_exact > 0) {
-        s->next = 0;
-        next_exact(s);
-    } else {
-        begin_lattice(s);
-    }
-}
-
-RC_APART static void lattice_step(rigcal_pose_solver *s)
+RC_APART static void scanning_step(rigcal_pose_solver *s)
 {
     const int32_t most = s->thorough ? FOLLOWED_THOROUGH : FOLLOWED;
-    rigcal_real m3[3];
-    next_direction(m3, s);
-    const rigcal_real cost = rc_view_cost(&s->from.lattice.moments, m3);
-    if ((s->n_seeds < most || cost < s->from.lattice.cost[most - 1]) &&
-        (!s->thorough || is_best_nearby(s, m3, cost))) {
-        insert_seed(s, cost, most);
+    rigcal_pose_lattice *const lattice = &s->from.lattice;
+    rigcal_pose_seed seed;
+    next_direction(seed.m3, s);
+    seed.cost = rc_view_cost(&lattice->moments, seed.m3);
+    if ((s->n_seeds < most || seed.cost < lattice->seeds[most - 1].cost) &&
+        (!s->thorough || is_best_nearby(s, &seed))) {
+        insert_seed(s, &seed, most);
     }
     if (++s->next == lattice_size(s)) {
-        s->from.lattice.least_cost = s->from.lattice.cost[0];
+        lattice->least_cost = lattice->seeds[0].cost;
         s->next = 0;
         next_seed(s);
     }
@@ -605,15 +541,14 @@ RC_APART static void lattice_step(rigcal_pose_solver *s)
 
 /* Whether the way to an optimum found is downhill: then a descent would only end
  * there once more. */
-static int leads_to_found(const rigcal_pose_solver *s, const rigcal_real m3[3],
-                          rigcal_real cost)
+static int leads_to_found(const rigcal_pose_solver *s, const rigcal_pose_seed *seed)
 {
     for (int32_t i = 0; i < s->n_found; i++) {
         rigcal_real middle[3];
         found_direction(middle, s, i);
-        rc_vec3_add_scaled(middle, 1, m3);
+        rc_vec3_add_scaled(middle, 1, seed->m3);
         if (rc_vec3_unit(middle, middle) &&
-            rc_view_cost(&s->from.lattice.moments, middle) < cost) {
+            rc_view_cost(&s->from.lattice.moments, middle) < seed->cost) {
             return 1;
         }
     }
@@ -626,26 +561,19 @@ static void direction_near(rigcal_real m3[3], const rigcal_real seed[3],
 {
     rigcal_real m1[3], m2[3];
     rc_view_complete(m1, m2, seed);
-    for (int k = 0; k < 3; k++) {
-        m3[k] = seed[k] + ab[0] * m1[k] + ab[1] * m2[k];
-    }
-    const rigcal_real by_length = 1 / rc_vec3_norm(m3);
-    for (int k = 0; k < 3; k++) {
-        m3[k] *= by_length;
-    }
+    rc_vec3_combine(m3, ab[0], m1, ab[1], m2);
+    rc_vec3_add_scaled(m3, 1, seed);
+    (void)rc_vec3_unit(m3, m3);
 }
 
-static void begin_descent(rigcal_pose_solver *s, const rigcal_real m3[3],
-                          rigcal_real cost)
+static void begin_descent(rigcal_pose_solver *s, const rigcal_pose_seed *seed)
 {
     static const rigcal_real SIMPLEX[6] = {0, 0, EDGE, 0, 0, EDGE};
-    (void)rigcal_neldermead_begin_simplex(
-        &s->work.descent.nm, SIMPLEX, 2, RC(1e-4), 0,
-        s->thorough ? DESCENT_EVALS_THOROUGH : DESCENT_EVALS);
-    rc_neldermead_tell(&s->work.descent.nm, cost); /* known already */
-    for (int k = 0; k < 3; k++) {
-        s->work.descent.m3[k] = m3[k];
-    }
+    rigcal_descent *const descent = &s->work.descent;
+    rc_neldermead_begin_simplex(&descent->nm, SIMPLEX, 2, RC(1e-4), 0,
+                                s->thorough ? DESCENT_EVALS_THOROUGH : DESCENT_EVALS);
+    rc_neldermead_tell(&descent->nm, seed->cost); /* known already */
+    rc_vec3_copy(descent->m3, seed->m3);
     s->phase = DESCENT;
 }
 
@@ -654,40 +582,27 @@ static void begin_mirrored(rigcal_pose_solver *s);
 /* The next seed that is worth a descent, or the end. */
 RC_APART static void next_seed(rigcal_pose_solver *s)
 {
-    for (; s->next < s->n_seeds; s->next++) {
-        rigcal_real m3[3];
-        const rigcal_real cost = s->from.lattice.cost[s->next];
-        if (!(cost < RC_MAX)) {
-            break;
-        }
-        seed_direction(m3, s, s->from.lattice.index[s->next]);
-        if (s->thorough || !leads_to_found(s, m3, cost)) {
-            begin_descent(s, m3, cost);
-            s->next++;
+    while (s->next < s->n_seeds) {
+        const rigcal_pose_seed *const seed = &s->from.lattice.seeds[s->next++];
+        if (seed->cost < RC_MAX && (s->thorough || !leads_to_found(s, seed))) {
+            begin_descent(s, seed);
             return;
         }
     }
     begin_mirrored(s);
 }
 
-/* Camera from points, in the caller's unit, of a direction: V^T of what the virtual
- * camera sees, V = virtual_from_cam. */
+/* Camera from points, in the caller's unit, of a direction. */
 static void seed_pose(rigcal_transform *cam_from_points,
                       const rigcal_pose_solver *s, const rigcal_real m3[3])
 {
-    rigcal_real V[9];
-    rigcal_real *const R = cam_from_points->R, *const t = cam_from_points->t;
-    rc_view_pose(cam_from_points, &s->from.lattice.moments, m3);
-    look_along(V, s->axis);
-    for (int column = 0; column < 3; column++) {
-        const rigcal_real r[3] = {R[column], R[3 + column], R[6 + column]};
-        for (int row = 0; row < 3; row++) {
-            R[3 * row + column] = V[row] * r[0] + V[3 + row] * r[1] + V[6 + row] * r[2];
-        }
-    }
-    const rigcal_real by_scale = 1 / s->scale;
-    const rigcal_real r[3] = {by_scale * t[0], by_scale * t[1], by_scale * t[2]};
-    rc_mat3_tmul_vec3(t, V, r);
+    rigcal_transform virtual_from_points;
+    rigcal_real cam_from_virtual[9], t[3];
+    rc_view_pose(&virtual_from_points, &s->from.lattice.moments, m3);
+    look_along(cam_from_virtual, s->axis);
+    rc_mat3_mul(cam_from_points->R, cam_from_virtual, virtual_from_points.R);
+    rc_mat3_mul_vec3(t, cam_from_virtual, virtual_from_points.t);
+    rc_vec3_combine(cam_from_points->t, 1 / s->scale, t, 0, t);
 }
 
 /* Whether the points are mirrored. Mirrored ones, -x, have far away the same image as
@@ -698,9 +613,9 @@ static void begin_mirrored(rigcal_pose_solver *s)
     rigcal_view_moments *const view = &s->from.lattice.moments;
     rigcal_real m3[3];
     const rigcal_real noise = rc_max(s->sigma_px, MIRROR_NOISE);
-    begin_weighing(s, 0);
+    begin_weighing(s, VAGUE_POINTS);
     if (s->is_plane || s->n_found == 0 ||
-        s->found[0].sse <= noise * noise * rc_max(1, freedom(s))) {
+        s->found[0].sse <= noise * noise * freedom(s->n_used)) {
         return;
     }
     found_direction(m3, s, 0);
@@ -708,47 +623,49 @@ static void begin_mirrored(rigcal_pose_solver *s)
     rc_view_mirror(view);
     if (rc_view_cost(view, m3) < MIRROR_WORSE * cost) {
         seed_pose(&s->work.fit.cam_from_points, s, m3);
-        rc_refine_begin(&s->work.fit);
-        s->phase = MIRRORED;
+        s->fit.is_mirrored = 1;
+        s->fit.n = s->n;
+        begin_refining(s, MIRRORED);
     }
 }
 
 static void end_mirrored(rigcal_pose_solver *s)
 {
+    s->fit.is_mirrored = 0;
     s->is_mirrored = s->work.fit.status >= 0 &&
                      likelihood_of(s, s->work.fit.sse) > MIRROR_ODDS;
-    begin_weighing(s, 0);
+    begin_weighing(s, VAGUE_POINTS);
 }
 
 /* 0: it would only lead to an optimum found. */
-RC_APART static int begin_refining(rigcal_pose_solver *s, const rigcal_real m3[3],
-                                   rigcal_real same_basin)
+RC_APART static int follow(rigcal_pose_solver *s, const rigcal_real m3[3],
+                           rigcal_real same_basin)
 {
     rigcal_transform *const start = &s->work.fit.cam_from_points;
     seed_pose(start, s, m3);
     if (near_found(s, start->R, same_basin) >= 0) {
         return 0;
     }
-    rc_refine_begin(&s->work.fit);
-    s->phase = REFINING;
+    begin_refining(s, REFINING);
     return 1;
 }
 
 RC_APART static void end_descent(rigcal_pose_solver *s)
 {
-    rigcal_real ab[3] = {0, 0, 0}, cost = 0, m3[3];
-    if (rigcal_neldermead_result(ab, &cost, NULL, &s->work.descent.nm) >= 0) {
-        direction_near(m3, s->work.descent.m3, ab);
-        s->from.lattice.least_cost = rc_min(s->from.lattice.least_cost, cost);
-        /* Rounding makes the costs of noiseless images anything: the last term. */
-        const rigcal_real hopeless = HOPELESS * s->from.lattice.least_cost +
-                                     64 * RC_EPS * s->from.lattice.moments.weight;
-        if ((s->n_found == 0 || s->is_flat || !(cost > hopeless)) &&
-            begin_refining(s, m3, SAME_BASIN)) {
-            return;
-        }
+    const rigcal_neldermead *const nm = &s->work.descent.nm;
+    rigcal_pose_lattice *const lattice = &s->from.lattice;
+    const int32_t best = rc_neldermead_best(nm);
+    const rigcal_real cost = nm->cost[best];
+    rigcal_real m3[3];
+    direction_near(m3, s->work.descent.m3, nm->vertex[best]);
+    lattice->least_cost = rc_min(lattice->least_cost, cost);
+    /* Rounding makes the costs of noiseless images anything: the last term. */
+    const rigcal_real hopeless =
+        HOPELESS * lattice->least_cost + 64 * RC_EPS * lattice->moments.weight;
+    const int is_hopeless = s->n_found > 0 && !s->is_flat && cost > hopeless;
+    if (is_hopeless || !follow(s, m3, SAME_BASIN)) {
+        next_seed(s);
     }
-    next_seed(s);
 }
 
 RC_APART static void descent_step(rigcal_pose_solver *s)
@@ -768,71 +685,52 @@ RC_APART static void descent_step(rigcal_pose_solver *s)
  * mirrored in the target's normal n, m3' = 2 (m3.n) n - m3, m3 being that of the
  * first one found. Nearly head-on the tilt is weakly determined, the other optimum
  * may lean more, and there may be a third one sideways. */
-static void leaning_direction(rigcal_real m3[3], const rigcal_pose_solver *s,
+static void leaning_direction(rigcal_real m3[3], const rigcal_real first[3],
                               const rigcal_real normal[3], int32_t lean)
 {
-    rigcal_real first[3], side[3], back[3];
-    found_direction(first, s, 0);
-    const rigcal_real along = rc_vec3_dot(first, normal);
+    rigcal_real side[3], back[3];
     rc_vec3_cross(side, normal, first);
     if (!(rc_vec3_norm(side) > RC_TOL(1e-6, 1e-3))) { /* head-on: any way will do */
         rc_view_complete(side, back, normal);
     }
     rc_vec3_cross(back, normal, side); /* along n - m3: the other way */
-    const rigcal_real *const way = (lean == OTHER_WAY) ? back : side;
-    const rigcal_real far = rc_max(1, LEAN_LEAST / rc_vec3_norm(way));
-    const rigcal_real signed_far = (lean == SIDEWAYS_BACK) ? -far : far;
-    for (int k = 0; k < 3; k++) {
-        m3[k] = along * normal[k] + signed_far * way[k];
-    }
+    const rigcal_real far = rc_max(1, LEAN_LEAST / rc_vec3_norm(side));
+    rc_vec3_combine(m3, rc_vec3_dot(first, normal), normal,
+                    (lean == SIDEWAYS_BACK) ? -far : far,
+                    (lean == OTHER_WAY) ? back : side);
     (void)rc_vec3_unit(m3, m3);
 }
 
 /* The next lean that is worth it, or 0. */
 RC_APART static int next_lean(rigcal_real m3[3], rigcal_pose_solver *s)
 {
+    const rigcal_view_moments *const view = &s->from.lattice.moments;
     rigcal_real first[3], normal[3], thickness;
-    if (!rc_view_normal(normal, &thickness, &s->from.lattice.moments)) {
+    if (!rc_view_normal(normal, &thickness, view)) {
         return 0;
     }
     found_direction(first, s, 0);
-    const rigcal_real most = (s->thorough ? HOPELESS : SHALLOW) *
-                             rc_view_cost(&s->from.lattice.moments, first);
+    const rigcal_real most =
+        (s->thorough ? HOPELESS : SHALLOW) * rc_view_cost(view, first);
     while (s->leans < LEANS) {
         const int32_t lean = s->leans++;
-        leaning_direction(m3, s, normal, lean);
-        if (lean == OTHER_WAY || rc_view_cost(&s->from.lattice.moments, m3) < most) {
+        leaning_direction(m3, first, normal, lean);
+        if (lean == OTHER_WAY || rc_view_cost(view, m3) < most) {
             return 1;
         }
     }
     return 0;
 }
 
-static void fit_of(rc_fit *fit, const rigcal_pose_solver *s)
+static void next_start(rigcal_pose_solver *s)
 {
-    rc_fit_begin(fit, s->camera, s->observations, s->sigma, s->mask, s->n, s->origin);
-}
-
-/* A refinement has ended, where it may. */
-RC_APART static void end_refinement(rigcal_pose_solver *s, const rc_fit *fit)
-{
-    const rigcal_refinement *const end = &s->work.fit;
-    /* One that ran out of evaluations is on its way along a valley, likely to an
-     * optimum that is found from elsewhere too. */
-    if (end->status == RIGCAL_OK ||
-        (end->status == RIGCAL_BUDGET_SPENT &&
-         (s->n_found == 0 || end->sse < s->found[0].sse))) {
-        insert_found(s, fit);
-    } else if (end->status == RIGCAL_ERR_DEGENERATE) {
-        s->failure = RIGCAL_ERR_DEGENERATE;
-    }
     rigcal_real m3[3];
     if (s->n_exact > 0) {
         next_exact(s);
         return;
     }
     while (s->is_flat && s->n_found > 0 && next_lean(m3, s)) {
-        if (begin_refining(s, m3, SAME_BASIN_LEANING)) {
+        if (follow(s, m3, SAME_BASIN_LEANING)) {
             return;
         }
     }
@@ -844,32 +742,23 @@ RC_APART static void end_refinement(rigcal_pose_solver *s, const rc_fit *fit)
 /* Sum of the squared errors [px^2] of optimum i, which without sigma is its sse. */
 static rigcal_real squared_pixels(const rigcal_pose_solver *s, int32_t i)
 {
-    rigcal_transform cam_from_points;
+    const rigcal_pose_optimum *const found = &s->found[i];
     rigcal_real sum = 0;
-    if (s->sigma == NULL) {
-        return s->found[i].sse;
+    if (s->fit.sigma == NULL) {
+        return found->sse;
     }
-    found_transform(&cam_from_points, &s->found[i]);
     for (size_t k = 0; k < s->n; k++) {
-        const rigcal_observation *const o = &s->observations[k];
-        rigcal_real x[3], X_c[3], uv[2];
-        if (is_used(s->mask, k)) {
-            rc_vec3_sub(x, o->X_w, s->origin);
-            rc_transform_point(X_c, &cam_from_points, x);
-            (void)rc_project(uv, NULL, s->camera, X_c);
-            sum += (o->uv[0] - uv[0]) * (o->uv[0] - uv[0]) +
-                   (o->uv[1] - uv[1]) * (o->uv[1] - uv[1]);
+        if (rc_is_used(s->fit.mask, k)) {
+            sum += rc_fit_distance2(&s->fit, &found->cam_from_points, k);
         }
     }
     return sum;
 }
 
-/* Whether noise alone has a chance below 1e-6 to make so large a sum: chi squared of
- * 2 n - 6 degrees of freedom by Wilson and Hilferty (1931), 4.75 standard deviations.
- * Three points have none; they fit nearly. */
-static int is_above_noise(rigcal_real sum, rigcal_real noise, rigcal_real freedom)
+/* Whether noise alone has a chance below 1e-6 to make so large a sum: chi squared by
+ * Wilson and Hilferty (1931), 4.75 standard deviations. */
+static int is_above_noise(rigcal_real sum, rigcal_real noise, rigcal_real dof)
 {
-    const rigcal_real dof = rc_max(1, freedom);
     const rigcal_real v = 2 / (9 * dof);
     const rigcal_real root = 1 - v + RC(4.75) * RC_SQRT(v);
     return !(sum <= noise * noise * dof * root * root * root);
@@ -877,43 +766,40 @@ static int is_above_noise(rigcal_real sum, rigcal_real noise, rigcal_real freedo
 
 static int is_poor(const rigcal_pose_solver *s)
 {
-    if (s->is_mirrored) {
-        return 1;
+    rigcal_real sum = s->found[0].sse, noise = s->sigma_px;
+    if (!(noise > 0)) {
+        sum = squared_pixels(s, 0);
+        noise = rc_max(NOISE_MOST, NOISE_MOST_PART * s->extent_px);
     }
-    if (s->sigma_px > 0) {
-        return is_above_noise(s->found[0].sse, s->sigma_px, freedom(s));
-    }
-    const rigcal_real most = rc_max(NOISE_MOST, NOISE_MOST_PART * s->extent_px);
-    return is_above_noise(squared_pixels(s, 0), most, freedom(s));
+    return s->is_mirrored || is_above_noise(sum, noise, freedom(s->n_used));
 }
 
 /* The search has ended; how well the observations fix its first pose is left to weigh:
- * by some of them, and if these leave it all but open by all. */
-RC_APART static void begin_weighing(rigcal_pose_solver *s, int32_t by_all)
+ * by the first n of them. */
+static void begin_weighing(rigcal_pose_solver *s, size_t n)
 {
     s->phase = DONE;
     if (s->n_found > 0) {
-        found_transform(&s->work.fit.cam_from_points, &s->found[0]);
-        rc_refine_begin(&s->work.fit);
-        s->weighed_by_all = by_all || s->n <= VAGUE_POINTS;
-        s->phase = WEIGHING;
+        s->work.fit.cam_from_points = s->found[0].cam_from_points;
+        s->fit.n = (n < s->n) ? n : s->n;
+        begin_refining(s, WEIGHING);
     }
 }
 
-RC_APART static void end_weighing(rigcal_pose_solver *s)
+/* By all, if some leave it all but open. */
+static void end_weighing(rigcal_pose_solver *s)
 {
-    const rigcal_real dof = rc_max(1, freedom(s));
     const rigcal_real noise =
         (s->sigma_px > 0)
             ? s->sigma_px
-            : rc_max(VAGUE_NOISE, RC_SQRT(s->found[0].sse / dof));
+            : rc_max(VAGUE_NOISE, RC_SQRT(s->found[0].sse / freedom(s->n_used)));
     rigcal_real variance;
     s->is_vague = s->work.fit.status < 0 ||
                   !rc_refine_rotation_variance(&variance, s->work.fit.H) ||
                   !(noise * noise * variance <= VAGUE * VAGUE);
     s->phase = DONE;
-    if (s->is_vague && !s->weighed_by_all) {
-        begin_weighing(s, 1);
+    if (s->is_vague && s->fit.n < s->n) {
+        begin_weighing(s, s->n);
     }
 }
 
@@ -932,16 +818,65 @@ static int is_warm_good(const rigcal_pose_solver *s)
 
 /* ---- the phases ---------------------------------------------------------- */
 
-RC_APART static void end_warm(rigcal_pose_solver *s, const rc_fit *fit)
+static void end_warm(rigcal_pose_solver *s)
 {
-    if (s->work.fit.status >= 0) {
-        insert_found(s, fit);
-    }
     if (is_warm_good(s)) {
-        begin_weighing(s, 0);
+        begin_weighing(s, VAGUE_POINTS);
+        return;
+    }
+    rc_survey survey;
+    (void)rc_survey_points(&survey, s->fit.observations, s->fit.sigma, s->fit.mask, s->n);
+    s->is_warm = 0;
+    s->n_found = 0;
+    begin_gathering(s, survey.uv_middle);
+}
+
+/* The refinement's end is an optimum, or none. */
+RC_APART static void settle(rigcal_pose_solver *s, int is_optimum)
+{
+    if (is_optimum) {
+        insert_found(s);
+    }
+    if (s->is_warm) {
+        end_warm(s);
     } else {
-        s->n_found = 0;
-        s->phase = GATHERING;
+        next_start(s);
+    }
+}
+
+/* Refinement sees to it that the points are in front; whether a lens that turns back
+ * sees them is to be proved. One that ran out of evaluations is on its way along a
+ * valley, likely to an optimum that is found from elsewhere too. */
+static void end_refinement(rigcal_pose_solver *s)
+{
+    const rigcal_refinement *const end = &s->work.fit;
+    const int32_t same = same_found(s);
+    const int is_best = s->n_found == 0 || end->sse < s->found[0].sse;
+    const int is_optimum =
+        (end->status == RIGCAL_OK || (end->status == RIGCAL_BUDGET_SPENT && is_best)) &&
+        (same < 0 || end->sse < s->found[same].sse);
+    if (end->status == RIGCAL_ERR_DEGENERATE && !s->is_warm) {
+        s->failure = RIGCAL_ERR_DEGENERATE;
+    }
+    if (is_optimum && !s->fit.lens.is_pinhole) {
+        s->point = 0;
+        s->phase = PROVING;
+    } else {
+        settle(s, is_optimum);
+    }
+}
+
+RC_APART static void proving_step(rigcal_pose_solver *s)
+{
+    rigcal_real q[3], X_c[3], uv[2];
+    const size_t i = (size_t)s->point++;
+    int is_seen = 1;
+    if (rc_is_used(s->fit.mask, i)) {
+        rc_fit_place(q, X_c, &s->fit, &s->work.fit.cam_from_points, i);
+        is_seen = rc_project_usable(uv, s->fit.camera, X_c) == RIGCAL_OK;
+    }
+    if (!is_seen || (size_t)s->point == s->n) {
+        settle(s, is_seen);
     }
 }
 
@@ -949,71 +884,24 @@ static void begin_warm(rigcal_pose_solver *s, const rigcal_transform *start)
 {
     rigcal_transform *const cam_from_points = &s->work.fit.cam_from_points;
     *cam_from_points = *start;
-    rc_transform_point(cam_from_points->t, start, s->origin);
-    rc_refine_begin(&s->work.fit);
-    s->phase = WARM;
+    rc_transform_point(cam_from_points->t, start, s->fit.origin);
+    s->is_warm = 1;
+    begin_refining(s, REFINING);
 }
 
-RC_APART static void gathering_step(rigcal_pose_solver *s)
+RC_APART static void refining_step(rigcal_pose_solver *s)
 {
-    int32_t at = -1;
-    rigcal_real uv_middle[2];
-    find_middle(s->origin, uv_middle, s->observations, s->sigma, s->mask, s->n);
-    s->failure = gather(s, &at, uv_middle);
-    if (s->failure == RIGCAL_OK) {
-        begin_search(s);
+    rigcal_refinement *const work = &s->work.fit;
+    rc_refine_step(work, &s->fit, s->thorough ? REFINE_EVALS_THOROUGH : REFINE_EVALS);
+    if (s->phase == WEIGHING) {
+        end_weighing(s);
+    } else if (work->status == RIGCAL_RUNNING) {
+        return;
+    } else if (s->phase == MIRRORED) {
+        end_mirrored(s);
     } else {
-        s->phase = DONE;
+        end_refinement(s);
     }
-}
-
-static int is_refining(const rigcal_pose_solver *s)
-{
-    return s->phase == WARM || s->phase == REFINING || s->phase == MIRRORED ||
-           s->phase == WEIGHING;
-}
-
-/* Evaluations as long as they are those of a refinement, or of the search. What is
- * left of the budget. */
-RC_APART static int32_t refine(rigcal_pose_solver *s, int32_t budget)
-{
-    rc_fit fit;
-    const int32_t most = s->thorough ? REFINE_EVALS_THOROUGH : REFINE_EVALS;
-    fit_of(&fit, s);
-    for (; budget > 0 && is_refining(s); budget--) {
-        fit.is_mirrored = (s->phase == MIRRORED);
-        fit.n = (s->phase == WEIGHING && !s->weighed_by_all) ? VAGUE_POINTS : s->n;
-        rc_refine_step(&s->work.fit, &fit, most);
-        if (s->phase == WEIGHING) {
-            end_weighing(s);
-            continue;
-        }
-        if (s->work.fit.status == RIGCAL_RUNNING) {
-            continue;
-        }
-        if (s->phase == MIRRORED) {
-            end_mirrored(s);
-        } else if (s->phase == WARM) {
-            end_warm(s, &fit);
-        } else {
-            end_refinement(s, &fit);
-        }
-    }
-    return budget;
-}
-
-RC_APART static int32_t search(rigcal_pose_solver *s, int32_t budget)
-{
-    for (; budget > 0 && s->phase != DONE && !is_refining(s); budget--) {
-        if (s->phase == LATTICE_SCAN) {
-            lattice_step(s);
-        } else if (s->phase == DESCENT) {
-            descent_step(s);
-        } else {
-            gathering_step(s);
-        }
-    }
-    return budget;
 }
 
 /* ---- public -------------------------------------------------------------- */
@@ -1031,40 +919,30 @@ rigcal_status rigcal_pose_defaults(rigcal_pose_options *options)
 }
 
 /* 0 for unknown, or a number whose square is one. */
-static int is_noise(rigcal_real sigma_px)
+static rigcal_status check_noise(const rigcal_real *sigma_px)
 {
-    return rc_all_within(&sigma_px, 1, 0) ||
-           (sigma_px >= SIGMA_MIN && sigma_px <= SIGMA_MAX);
-}
-
-static size_t count_used(const uint8_t mask[], size_t n)
-{
-    size_t count = n;
-    for (size_t i = 0; mask != NULL && i < n; i++) {
-        count -= (mask[i] == 0);
-    }
-    return count;
+    return rc_all_within(sigma_px, 1, 0) ? RIGCAL_OK : check_sigma(sigma_px);
 }
 
 static rigcal_status check_options(const rigcal_pose_options *o)
 {
-    if (!rc_is_finite(o->sigma_px)) {
-        return RIGCAL_ERR_NOT_FINITE;
+    const rigcal_status status = check_noise(&o->sigma_px);
+    if (status == RIGCAL_ERR_NOT_FINITE) {
+        return status;
     }
-    if ((o->thorough != 0 && o->thorough != 1) ||
-        (o->use_start != 0 && o->use_start != 1) ||
-        !is_noise(o->sigma_px)) {
+    if ((o->thorough & ~1) != 0 || (o->use_start & ~1) != 0) {
         return RIGCAL_ERR_RANGE;
     }
-    return o->use_start ? rc_check_transform(&o->start) : RIGCAL_OK;
+    return (status == RIGCAL_OK && o->use_start) ? rc_check_transform(&o->start)
+                                                 : status;
 }
 
 /* All that can be wrong with the arguments. */
 RC_APART static rigcal_status check_arguments(int32_t *at, const rigcal_camera *camera,
-                                     const rigcal_observation observations[],
-                                     const rigcal_real sigma[],
-                                     const uint8_t mask[], size_t n,
-                                     const rigcal_pose_options *options)
+                                              const rigcal_observation observations[],
+                                              const rigcal_real sigma[],
+                                              const uint8_t mask[], size_t n,
+                                              const rigcal_pose_options *options)
 {
     rigcal_status status = RIGCAL_ERR_NULL;
     if (observations != NULL) {
@@ -1083,45 +961,42 @@ RC_APART static rigcal_status check_arguments(int32_t *at, const rigcal_camera *
                                  : status;
 }
 
-rigcal_status rc_pose_begin(rigcal_pose_solver *solver, int32_t *at,
+rigcal_status rc_pose_begin(rigcal_pose_solver *solver, int32_t *bad,
                             const rigcal_camera *camera,
                             const rigcal_observation observations[],
                             const rigcal_real sigma[], const uint8_t mask[],
                             size_t n, const rigcal_pose_options *options)
 {
-    rigcal_real uv_middle[2];
-    const int is_warm = options != NULL && options->use_start;
-    *at = -1;
-    rigcal_status status = check_arguments(at, camera, observations, sigma, mask, n,
+    rc_survey survey;
+    int32_t at = -1;
+    rigcal_status status = check_arguments(&at, camera, observations, sigma, mask, n,
                                            options);
+    if (status == RIGCAL_OK) {
+        status = rc_survey_points(&survey, observations, sigma, mask, n);
+    }
     if (status != RIGCAL_OK) {
+        if (bad != NULL) {
+            *bad = at;
+        }
         return status;
     }
     *solver = (rigcal_pose_solver){0};
-    solver->camera = camera;
-    solver->observations = observations;
-    solver->sigma = sigma;
-    solver->mask = mask;
+    rc_fit_begin(&solver->fit, camera, observations, sigma, mask, n, survey.origin);
     solver->n = n;
     solver->n_used = count_used(mask, n);
+    solver->bad = -1;
+    solver->scale = 1 / survey.size;
+    solver->extent_px = survey.extent_px;
     if (options != NULL) {
         solver->thorough = options->thorough;
         solver->sigma_px = options->sigma_px;
     }
-    find_middle(solver->origin, uv_middle, observations, sigma, mask, n);
-    status = measure(solver, uv_middle);
-    if (status != RIGCAL_OK) {
-        return status;
-    }
-    if (is_warm) {
+    if (options != NULL && options->use_start) {
         begin_warm(solver, &options->start);
-        return RIGCAL_OK;
+    } else {
+        begin_gathering(solver, survey.uv_middle);
     }
-    status = gather(solver, at, uv_middle);
-    if (status == RIGCAL_OK) {
-        begin_search(solver);
-    }
-    return status;
+    return RIGCAL_OK;
 }
 
 rigcal_status rigcal_pose_begin(rigcal_pose_solver *solver, int32_t *bad,
@@ -1130,19 +1005,9 @@ rigcal_status rigcal_pose_begin(rigcal_pose_solver *solver, int32_t *bad,
                                 const rigcal_real sigma[], size_t n,
                                 const rigcal_pose_options *options)
 {
-    rigcal_pose_solver begun;
-    int32_t at;
-    if (solver == NULL) {
-        return RIGCAL_ERR_NULL;
-    }
-    const rigcal_status status = rc_pose_begin(&begun, &at, camera, observations,
-                                               sigma, NULL, n, options);
-    if (status == RIGCAL_OK) {
-        *solver = begun;
-    } else if (bad != NULL) {
-        *bad = at;
-    }
-    return status;
+    return (solver == NULL) ? RIGCAL_ERR_NULL
+                            : rc_pose_begin(solver, bad, camera, observations, sigma,
+                                            NULL, n, options);
 }
 
 rigcal_status rigcal_pose_step(rigcal_pose_solver *solver, int32_t budget)
@@ -1156,22 +1021,26 @@ rigcal_status rigcal_pose_step(rigcal_pose_solver *solver, int32_t budget)
     if (solver->phase <= NOT_BEGUN || solver->phase > DONE) {
         return RIGCAL_ERR_STATE;
     }
-    while (budget > 0 && solver->phase != DONE) {
-        budget = is_refining(solver) ? refine(solver, budget) : search(solver, budget);
+    for (; budget > 0 && solver->phase != DONE; budget--) {
+        switch (solver->phase) {
+        case GATHERING:
+            gathering_step(solver);
+            break;
+        case SCANNING:
+            scanning_step(solver);
+            break;
+        case DESCENT:
+            descent_step(solver);
+            break;
+        case PROVING:
+            proving_step(solver);
+            break;
+        default:
+            refining_step(solver);
+            break;
+        }
     }
     return (solver->phase == DONE) ? RIGCAL_OK : RIGCAL_RUNNING;
-}
-
-static void set_probabilities(rigcal_pose poses[], size_t n_written,
-                              const rigcal_pose_solver *s)
-{
-    rigcal_real total = 0;
-    for (int32_t i = 0; i < s->n_found; i++) {
-        total += rc_pose_likelihood(s, i);
-    }
-    for (size_t i = 0; i < n_written; i++) {
-        poses[i].probability = rc_pose_likelihood(s, (int32_t)i) / total;
-    }
 }
 
 /* A pose as the caller knows it: of the world's origin, with its error in px. */
@@ -1179,18 +1048,19 @@ static void write_pose(rigcal_pose *out, const rigcal_pose_solver *s, int32_t i)
 {
     rigcal_transform *const pose = &out->cam_from_world;
     rigcal_real turned[3];
-    found_transform(pose, &s->found[i]);
-    rc_mat3_mul_vec3(turned, pose->R, s->origin);
-    rc_vec3_sub(pose->t, s->found[i].t, turned);
+    *pose = s->found[i].cam_from_points;
+    rc_mat3_mul_vec3(turned, pose->R, s->fit.origin);
+    rc_vec3_add_scaled(pose->t, -1, turned);
     out->sse = s->found[i].sse;
     out->rms_px = RC_SQRT(squared_pixels(s, i) / (rigcal_real)s->n_used);
 }
 
 rigcal_status rigcal_pose_result(rigcal_pose poses[], size_t *n_found,
-                                 size_t capacity,
+                                 size_t capacity, int32_t *bad,
                                  const rigcal_pose_solver *solver)
 {
     const rigcal_pose_solver *const s = solver;
+    rigcal_real total = 0;
     if (poses == NULL || n_found == NULL || s == NULL) {
         return RIGCAL_ERR_NULL;
     }
@@ -1201,13 +1071,19 @@ rigcal_status rigcal_pose_result(rigcal_pose poses[], size_t *n_found,
         return RIGCAL_ERR_STATE;
     }
     if (s->n_found == 0) {
+        if (bad != NULL) {
+            *bad = s->bad;
+        }
         return (s->failure != 0) ? s->failure : RIGCAL_ERR_NO_POSE;
+    }
+    for (int32_t i = 0; i < s->n_found; i++) {
+        total += rc_pose_likelihood(s, i);
     }
     const size_t n = ((size_t)s->n_found < capacity) ? (size_t)s->n_found : capacity;
     for (size_t i = 0; i < n; i++) {
         write_pose(&poses[i], s, (int32_t)i);
+        poses[i].probability = rc_pose_likelihood(s, (int32_t)i) / total;
     }
-    set_probabilities(poses, n, s);
     *n_found = n;
     if (is_poor(s)) {
         return RIGCAL_POOR_FIT;
@@ -1224,25 +1100,20 @@ rigcal_status rigcal_solve_pose(rigcal_pose poses[], size_t *n_found,
                                 const rigcal_pose_options *options)
 {
     rigcal_pose_solver solver;
-    int32_t at;
     if (poses == NULL || n_found == NULL) {
         return RIGCAL_ERR_NULL;
     }
     if (capacity < 1) {
         return RIGCAL_ERR_RANGE;
     }
-    const rigcal_status status = rc_pose_begin(&solver, &at, camera, observations,
+    const rigcal_status status = rc_pose_begin(&solver, bad, camera, observations,
                                                sigma, NULL, n, options);
     if (status != RIGCAL_OK) {
-        if (bad != NULL) {
-            *bad = at;
-        }
         return status;
     }
-    while (solver.phase != DONE) {
-        (void)rigcal_pose_step(&solver, INT32_MAX);
+    while (rigcal_pose_step(&solver, INT32_MAX) == RIGCAL_RUNNING) {
     }
-    return rigcal_pose_result(poses, n_found, capacity, &solver);
+    return rigcal_pose_result(poses, n_found, capacity, bad, &solver);
 }
 
 /* ---- uncertainty --------------------------------------------------------- */
@@ -1310,8 +1181,7 @@ static void fill_uncertainty(rigcal_pose_uncertainty *out,
 
 /* Rounding may hide from the normal equations that a line fixes no turn about
  * itself; the points do not. */
-static int is_line(const rigcal_observation o[], const rigcal_real origin[3],
-                   size_t n)
+int rc_are_on_line(const rigcal_observation o[], size_t n, const rigcal_real origin[3])
 {
     static const rigcal_real NO_IMAGE[2] = {0, 0};
     rigcal_view_moments moments;
@@ -1338,10 +1208,10 @@ rigcal_status rigcal_pose_covariance(
     if (status == RIGCAL_OK) {
         status = rc_check_transform(cam_from_world);
     }
-    if (status == RIGCAL_OK && !rc_is_finite(sigma_px)) {
-        status = RIGCAL_ERR_NOT_FINITE;
+    if (status == RIGCAL_OK) {
+        status = check_noise(&sigma_px);
     }
-    if (status == RIGCAL_OK && (!is_noise(sigma_px) || n > RC_COUNT_MAX)) {
+    if (status == RIGCAL_OK && n > RC_COUNT_MAX) {
         status = RIGCAL_ERR_RANGE;
     }
     if (status == RIGCAL_OK && (n < 3 || (n == 3 && !(sigma_px > 0)))) {
@@ -1354,15 +1224,16 @@ rigcal_status rigcal_pose_covariance(
         return status;
     }
 
-    rigcal_real origin[3], uv_middle[2], sse, g[6], H[21], at_points[36], turned[3];
+    rigcal_real sse, g[6], H[21], at_points[36], turned[3];
     rigcal_transform cam_from_points = *cam_from_world;
-    rc_fit fit;
-    find_middle(origin, uv_middle, observations, sigma, NULL, n);
-    if (is_line(observations, origin, n)) {
+    rigcal_fit fit;
+    rc_survey survey;
+    if (rc_survey_points(&survey, observations, sigma, NULL, n) != RIGCAL_OK ||
+        rc_are_on_line(observations, n, survey.origin)) {
         return RIGCAL_ERR_DEGENERATE;
     }
-    rc_fit_begin(&fit, camera, observations, sigma, NULL, n, origin);
-    rc_transform_point(cam_from_points.t, cam_from_world, origin);
+    rc_fit_begin(&fit, camera, observations, sigma, NULL, n, survey.origin);
+    rc_transform_point(cam_from_points.t, cam_from_world, survey.origin);
     status = rc_normal_equations(&sse, g, H, &fit, &cam_from_points);
     if (status != RIGCAL_OK) {
         return status;
@@ -1370,7 +1241,7 @@ rigcal_status rigcal_pose_covariance(
     if (!rc_refine_covariance(at_points, H)) {
         return RIGCAL_ERR_DEGENERATE;
     }
-    rc_mat3_mul_vec3(turned, cam_from_world->R, origin);
+    rc_mat3_mul_vec3(turned, cam_from_world->R, survey.origin);
     fill_uncertainty(out, cam_from_world, at_points, turned,
                      (sigma_px > 0) ? sigma_px * sigma_px
                                     : sse / (rigcal_real)(2 * n - 6));

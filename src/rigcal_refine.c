@@ -35,7 +35,9 @@
 /* Pivots are compared with this part of their diagonal. */
 #define RANK_TOL (8 * RC_EPS)
 
-void rc_fit_begin(rc_fit *fit, const rigcal_camera *camera,
+/* ---- what is fitted ------------------------------------------------------ */
+
+void rc_fit_begin(rigcal_fit *fit, const rigcal_camera *camera,
                   const rigcal_observation observations[],
                   const rigcal_real sigma[], const uint8_t mask[], size_t n,
                   const rigcal_real origin[3])
@@ -45,106 +47,123 @@ void rc_fit_begin(rc_fit *fit, const rigcal_camera *camera,
     fit->sigma = sigma;
     fit->mask = mask;
     fit->n = n;
-    fit->origin = origin;
-    fit->is_mirrored = 0;
+    rc_vec3_copy(fit->origin, origin);
+    fit->is_mirrored = fit->reserved = 0;
     rc_lens_of(&fit->lens, camera);
+}
+
+extern inline int rc_is_used(const uint8_t mask[], size_t i);
+
+void rc_fit_place(rigcal_real q[3], rigcal_real X_c[3], const rigcal_fit *fit,
+                  const rigcal_transform *cam_from_points, size_t i)
+{
+    const rigcal_real *const X = fit->observations[i].X_w, *const o = fit->origin;
+    rigcal_real x[3];
+    rc_vec3_sub(x, fit->is_mirrored ? o : X, fit->is_mirrored ? X : o);
+    rc_mat3_mul_vec3(q, cam_from_points->R, x);
+    rc_vec3_combine(X_c, 1, q, 1, cam_from_points->t);
+}
+
+/* The error of point i in pixels, its derivative B by X_c, and what rc_fit_place
+ * gives. */
+static inline rigcal_status error_of(rigcal_real e[2], rigcal_real B[6], rigcal_real q[3],
+                              rigcal_real X_c[3], const rigcal_fit *fit,
+                              const rigcal_transform *cam_from_points, size_t i)
+{
+    rc_fit_place(q, X_c, fit, cam_from_points, i);
+    const rigcal_status status =
+        rc_project_through(e, B, &fit->lens, fit->camera, X_c);
+    for (int k = 0; k < 2; k++) {
+        e[k] = fit->observations[i].uv[k] - e[k];
+    }
+    return status;
+}
+
+rigcal_real rc_fit_distance2(const rigcal_fit *fit,
+                             const rigcal_transform *cam_from_points, size_t i)
+{
+    rigcal_real e[2] = {0, 0}, B[6], q[3], X_c[3];
+    if (error_of(e, B, q, X_c, fit, cam_from_points, i) != RIGCAL_OK) {
+        return RC_MAX;
+    }
+    return rc_min(e[0] * e[0] + e[1] * e[1], RC_MAX);
 }
 
 /* ---- normal equations ---------------------------------------------------- */
 
+/* H is held in blocks: by w (symmetric), across (a row of w, a column of dt) and by dt
+ * (symmetric). */
+enum { ACROSS = 6, BY_DT = 15 };
+
 /* What Newton's H has beyond that of Gauss and Newton: the curvature of uv, times -e.
  * That of a pinhole is -(c k^T + k c^T) / Z, k = (0, 0, 1), and a lens bends little
- * more: it goes into M. That of exp([w]x) q, [w]x [w]x q / 2, makes
+ * more: it goes into M, by dt. That of exp([w]x) q, [w]x [w]x q / 2, makes
  * (c.q) 1 - (c q^T + q c^T) / 2 by w. */
-static void add_curvature(rigcal_real H[21], rigcal_real M[6],
+static void add_curvature(rigcal_real H[21], rigcal_real M[9],
                           const rigcal_real c[3], const rigcal_real q[3],
                           rigcal_real Z)
 {
-    const rigcal_real along = rc_vec3_dot(c, q);
-    M[2] += c[0] / Z;
-    M[4] += c[1] / Z;
-    M[5] += 2 * c[2] / Z;
-    H[0] += along - c[0] * q[0];
-    H[1] -= (c[0] * q[1] + c[1] * q[0]) / 2;
-    H[2] += along - c[1] * q[1];
-    H[3] -= (c[0] * q[2] + c[2] * q[0]) / 2;
-    H[4] -= (c[1] * q[2] + c[2] * q[1]) / 2;
-    H[5] += along - c[2] * q[2];
+    const rigcal_real along = rc_vec3_dot(c, q), by_Z = 1 / Z;
+    rigcal_real row[3];
+    for (int i = 0, at = 0; i < 3; at += 3 - i, i++) {
+        M[3 * i + 2] += by_Z * c[i];
+        M[6 + i] += by_Z * c[i];
+        rc_vec3_combine(row, c[i], q, q[i], c);
+        H[at] += along;
+        for (int j = i; j < 3; j++) {
+            H[at + j - i] -= row[j] / 2;
+        }
+    }
 }
 
-/* c = w B^T e, M = w B^T B */
-static inline void square(rigcal_real c[3], rigcal_real M[6],
-                          const rigcal_real B[6], rigcal_real du, rigcal_real dv,
-                          rigcal_real weight)
+/* A += the upper triangle of rows x, y, z */
+static inline void add_rows(rigcal_real A[6], const rigcal_real x[3],
+                            const rigcal_real y[3], const rigcal_real z[3])
 {
-    const rigcal_real *const bu = B, *const bv = B + 3;
-    const rigcal_real wu[3] = {weight * bu[0], weight * bu[1], weight * bu[2]};
-    const rigcal_real wv[3] = {weight * bv[0], weight * bv[1], weight * bv[2]};
-    for (int k = 0; k < 3; k++) {
-        c[k] = wu[k] * du + wv[k] * dv;
-    }
-    M[0] = wu[0] * bu[0] + wv[0] * bv[0];
-    M[1] = wu[0] * bu[1] + wv[0] * bv[1];
-    M[2] = wu[0] * bu[2] + wv[0] * bv[2];
-    M[3] = wu[1] * bu[1] + wv[1] * bv[1];
-    M[4] = wu[1] * bu[2] + wv[1] * bv[2];
-    M[5] = wu[2] * bu[2] + wv[2] * bv[2];
+    rc_vec3_add_scaled(A, 1, x);
+    A[3] += y[1];
+    A[4] += y[2];
+    A[5] += z[2];
 }
 
 /* One point. With q = R x and dX_c = w x q + dt, its rows of J are B [-[q]x, 1],
- * B = d uv / dX_c. So with c = B^T e and M = B^T B (xx, xy, xz, yy, yz, zz) it adds
- * (q x c, c) to g, and to H the blocks M by dt, K = [q]x M across, and [q]x M [q]x^T
- * by w. Written out, for this is where the time of a refinement goes. Z > 0: with the
+ * B = d uv / dX_c. So with c = B^T e and M = B^T B it adds (q x c, c) to g, and to H
+ * M by dt, K = [q]x M across, and K [q]x^T by w, the rows of which are q x those of K.
+ * Written out, for this is where the time of a refinement goes. Z > 0: with the
  * curvature. */
 RC_APART static void add_point(rigcal_real g[6], rigcal_real H[21],
                                const rigcal_real B[6], const rigcal_real q[3],
                                const rigcal_real e[2], rigcal_real weight,
                                rigcal_real Z)
 {
-    rigcal_real c[3], M[6];
-    square(c, M, B, e[0], e[1], weight);
+    const rigcal_real *const bu = B, *const bv = B + 3;
+    rigcal_real c[3], M[9], K[9], turned[9];
+    rc_vec3_combine(c, weight * e[0], bu, weight * e[1], bv);
+    rc_vec3_combine(&M[0], weight * bu[0], bu, weight * bv[0], bv);
+    rc_vec3_combine(&M[3], weight * bu[1], bu, weight * bv[1], bv);
+    rc_vec3_combine(&M[6], weight * bu[2], bu, weight * bv[2], bv);
     if (Z > 0) {
         add_curvature(H, M, c, q, Z);
     }
-    const rigcal_real x = q[0], y = q[1], z = q[2];
-    g[0] += y * c[2] - z * c[1];
-    g[1] += z * c[0] - x * c[2];
-    g[2] += x * c[1] - y * c[0];
-    g[3] += c[0];
-    g[4] += c[1];
-    g[5] += c[2];
-    H[9] += M[0];
-    H[13] += M[1];
-    H[14] += M[3];
-    H[18] += M[2];
-    H[19] += M[4];
-    H[20] += M[5];
+    rc_vec3_cross(turned, q, c);
+    rc_vec3_add_scaled(&g[0], 1, turned);
+    rc_vec3_add_scaled(&g[3], 1, c);
 
-    const rigcal_real Kx[3] = {y * M[2] - z * M[1], y * M[4] - z * M[3],
-                               y * M[5] - z * M[4]};
-    H[6] += Kx[0];
-    H[10] += Kx[1];
-    H[15] += Kx[2];
-    H[0] += y * Kx[2] - z * Kx[1];
-    const rigcal_real Ky[3] = {z * M[0] - x * M[2], z * M[1] - x * M[4],
-                               z * M[2] - x * M[5]};
-    H[7] += Ky[0];
-    H[11] += Ky[1];
-    H[16] += Ky[2];
-    H[1] += y * Ky[2] - z * Ky[1];
-    H[2] += z * Ky[0] - x * Ky[2];
-    const rigcal_real Kz[3] = {x * M[1] - y * M[0], x * M[3] - y * M[1],
-                               x * M[4] - y * M[2]};
-    H[8] += Kz[0];
-    H[12] += Kz[1];
-    H[17] += Kz[2];
-    H[3] += y * Kz[2] - z * Kz[1];
-    H[4] += z * Kz[0] - x * Kz[2];
-    H[5] += x * Kz[1] - y * Kz[0];
+    rc_vec3_combine(&K[0], q[1], &M[6], -q[2], &M[3]);
+    rc_vec3_combine(&K[3], q[2], &M[0], -q[0], &M[6]);
+    rc_vec3_combine(&K[6], q[0], &M[3], -q[1], &M[0]);
+    rc_vec3_add_scaled(&H[ACROSS], 1, &K[0]);
+    rc_vec3_add_scaled(&H[ACROSS + 3], 1, &K[3]);
+    rc_vec3_add_scaled(&H[ACROSS + 6], 1, &K[6]);
+    add_rows(&H[BY_DT], &M[0], &M[3], &M[6]);
+    rc_vec3_cross(&turned[0], q, &K[0]);
+    rc_vec3_cross(&turned[3], q, &K[3]);
+    rc_vec3_cross(&turned[6], q, &K[6]);
+    add_rows(H, &turned[0], &turned[3], &turned[6]);
 }
 
 static rigcal_status equations(rigcal_real *sse, rigcal_real g[6],
-                               rigcal_real H[21], const rc_fit *fit,
+                               rigcal_real H[21], const rigcal_fit *fit,
                                const rigcal_transform *cam_from_points,
                                int with_curvature)
 {
@@ -154,26 +173,14 @@ static rigcal_status equations(rigcal_real *sse, rigcal_real g[6],
         g[k % 6] = 0;
     }
     for (size_t i = 0; i < fit->n; i++) {
-        const rigcal_observation *const o = &fit->observations[i];
-        if (fit->mask != NULL && !fit->mask[i]) {
+        rigcal_real e[2] = {0, 0}, B[6], q[3], X_c[3];
+        if (!rc_is_used(fit->mask, i)) {
             continue;
         }
-        rigcal_real x[3], q[3], X_c[3], uv[2], B[6];
-        if (fit->is_mirrored) {
-            rc_vec3_sub(x, fit->origin, o->X_w);
-        } else {
-            rc_vec3_sub(x, o->X_w, fit->origin);
-        }
-        rc_mat3_mul_vec3(q, cam_from_points->R, x);
-        for (int k = 0; k < 3; k++) {
-            X_c[k] = q[k] + cam_from_points->t[k];
-        }
-        const rigcal_status status =
-            rc_project_through(uv, B, &fit->lens, fit->camera, X_c);
+        const rigcal_status status = error_of(e, B, q, X_c, fit, cam_from_points, i);
         if (status != RIGCAL_OK) {
             return status;
         }
-        const rigcal_real e[2] = {o->uv[0] - uv[0], o->uv[1] - uv[1]};
         const rigcal_real weight =
             (fit->sigma == NULL) ? 1 : 1 / (fit->sigma[i] * fit->sigma[i]);
         add_point(g, H, B, q, e, weight, with_curvature ? X_c[2] : 0);
@@ -184,115 +191,78 @@ static rigcal_status equations(rigcal_real *sse, rigcal_real g[6],
 }
 
 rigcal_status rc_normal_equations(rigcal_real *sse, rigcal_real g[6],
-                                  rigcal_real H[21], const rc_fit *fit,
+                                  rigcal_real H[21], const rigcal_fit *fit,
                                   const rigcal_transform *cam_from_points)
 {
     return equations(sse, g, H, fit, cam_from_points, 0);
 }
 
 rigcal_status rc_newton_equations(rigcal_real *sse, rigcal_real g[6],
-                                  rigcal_real H[21], const rc_fit *fit,
+                                  rigcal_real H[21], const rigcal_fit *fit,
                                   const rigcal_transform *cam_from_points)
 {
     return equations(sse, g, H, fit, cam_from_points, 1);
 }
 
-/* ---- the packed 6 x 6 system --------------------------------------------- */
+/* ---- the 6 x 6 system ---------------------------------------------------- */
 
-/* Lower triangles of 3 x 3 are held row by row, their diagonals as inverses. */
-
-/* L L^T = A + damping diag(A). 0: not positive definite to rounding. `diagonal` is
- * what the pivots are compared with. */
-static int factor3(rigcal_real L[6], const rigcal_real A[6],
-                   const rigcal_real diagonal[3])
-{
-    if (!(A[0] > RANK_TOL * diagonal[0])) {
-        return 0;
-    }
-    L[0] = 1 / RC_SQRT(A[0]);
-    L[1] = A[1] * L[0];
-    L[3] = A[3] * L[0];
-    const rigcal_real yy = A[2] - L[1] * L[1];
-    if (!(yy > RANK_TOL * diagonal[1])) {
-        return 0;
-    }
-    L[2] = 1 / RC_SQRT(yy);
-    L[4] = (A[4] - L[3] * L[1]) * L[2];
-    const rigcal_real zz = A[5] - L[3] * L[3] - L[4] * L[4];
-    if (!(zz > RANK_TOL * diagonal[2])) {
-        return 0;
-    }
-    L[5] = 1 / RC_SQRT(zz);
-    return 1;
-}
-
-/* x <- L^-1 x, x <- L^-T x */
-static inline void forward3(rigcal_real x[3], const rigcal_real L[6])
-{
-    x[0] *= L[0];
-    x[1] = (x[1] - L[1] * x[0]) * L[2];
-    x[2] = (x[2] - L[3] * x[0] - L[4] * x[1]) * L[5];
-}
-
-static inline void backward3(rigcal_real x[3], const rigcal_real L[6])
-{
-    x[2] *= L[5];
-    x[1] = (x[1] - L[4] * x[2]) * L[2];
-    x[0] = (x[0] - L[1] * x[1] - L[3] * x[2]) * L[0];
-}
-
-/* The Cholesky factor (first 0; across second) of a 6 x 6 matrix. */
+/* Cholesky's factor of a 6 x 6 matrix in blocks: (first 0; across^T second). */
 typedef struct {
     rigcal_real first[6], across[3][3], second[6];
 } factor6;
 
-/* L L^T = H + damping D, D = diag(H). Where Newton's curvature has made an element
- * of it small or negative, D has a part of the block's largest. 0: not positive
- * definite to rounding. */
+/* A + damping D of a block A, D = diag(A). Where Newton's curvature has made an element
+ * of it small or negative, D has a part of the largest. */
+static void damp(rigcal_real damped[6], rigcal_real D[3], const rigcal_real A[6],
+                 rigcal_real damping)
+{
+    static const uint8_t DIAGONAL[3] = {0, 3, 5};
+    const rigcal_real least = D_LEAST * rc_max(A[0], rc_max(A[3], A[5]));
+    for (int k = 0; k < 6; k++) {
+        damped[k] = A[k];
+    }
+    for (int k = 0; k < 3; k++) {
+        D[k] = rc_max(A[DIAGONAL[k]], least);
+        damped[DIAGONAL[k]] += damping * D[k];
+    }
+}
+
+/* L L^T = H + damping D. 0: not positive definite to rounding. */
 static int factor(factor6 *L, const rigcal_real H[21], rigcal_real damping)
 {
-    const rigcal_real least[2] = {
-        D_LEAST * rc_max(H[0], rc_max(H[2], H[5])),
-        D_LEAST * rc_max(H[9], rc_max(H[14], H[20]))};
-    const rigcal_real diagonal[6] = {
-        rc_max(H[0], least[0]),  rc_max(H[2], least[0]),  rc_max(H[5], least[0]),
-        rc_max(H[9], least[1]),  rc_max(H[14], least[1]), rc_max(H[20], least[1])};
-    const rigcal_real A[6] = {H[0] + damping * diagonal[0], H[1],
-                              H[2] + damping * diagonal[1], H[3], H[4],
-                              H[5] + damping * diagonal[2]};
-    if (!factor3(L->first, A, diagonal)) {
+    rigcal_real D[3];
+    damp(L->first, D, H, damping);
+    if (!rc_sym3_factor(L->first, L->first, D, RANK_TOL)) {
         return 0;
     }
-    for (int i = 0, row = 6; i < 3; row += 4 + i++) {
+    damp(L->second, D, &H[BY_DT], damping);
+    for (int column = 0; column < 3; column++) {
+        rigcal_real x[3] = {H[ACROSS + column], H[ACROSS + 3 + column],
+                            H[ACROSS + 6 + column]};
+        rc_sym3_forward(x, L->first);
         for (int k = 0; k < 3; k++) {
-            L->across[i][k] = H[row + k];
+            L->across[k][column] = x[k];
         }
-        forward3(L->across[i], L->first);
     }
-    const rigcal_real *const a = L->across[0], *const b = L->across[1],
-                            *const c = L->across[2];
-    const rigcal_real S[6] = {H[9] + damping * diagonal[3] - rc_vec3_dot(a, a),
-                              H[13] - rc_vec3_dot(b, a),
-                              H[14] + damping * diagonal[4] - rc_vec3_dot(b, b),
-                              H[18] - rc_vec3_dot(c, a),
-                              H[19] - rc_vec3_dot(c, b),
-                              H[20] + damping * diagonal[5] - rc_vec3_dot(c, c)};
-    return factor3(L->second, S, &diagonal[3]);
+    for (int k = 0; k < 3; k++) {
+        rc_sym3_add_outer(L->second, -1, L->across[k]);
+    }
+    return rc_sym3_factor(L->second, L->second, D, RANK_TOL);
 }
 
 /* x <- (L L^T)^-1 x */
 static void solve(rigcal_real x[6], const factor6 *L)
 {
-    forward3(x, L->first);
-    for (int i = 0; i < 3; i++) {
-        x[3 + i] -= rc_vec3_dot(L->across[i], x);
+    rc_sym3_forward(x, L->first);
+    for (int k = 0; k < 3; k++) {
+        rc_vec3_add_scaled(&x[3], -x[k], L->across[k]);
     }
-    forward3(x + 3, L->second);
-    backward3(x + 3, L->second);
-    for (int i = 0; i < 3; i++) {
-        rc_vec3_add_scaled(x, -x[3 + i], L->across[i]);
+    rc_sym3_forward(&x[3], L->second);
+    rc_sym3_backward(&x[3], L->second);
+    for (int k = 0; k < 3; k++) {
+        x[k] -= rc_vec3_dot(L->across[k], &x[3]);
     }
-    backward3(x, L->first);
+    rc_sym3_backward(x, L->first);
 }
 
 int rc_refine_covariance(rigcal_real Sigma[36], const rigcal_real H[21])
@@ -365,7 +335,7 @@ void rc_refine_begin(rigcal_refinement *state)
 }
 
 /* The equations where `state` is. */
-static void evaluate(rigcal_refinement *state, const rc_fit *fit)
+static void evaluate(rigcal_refinement *state, const rigcal_fit *fit)
 {
     const rigcal_status status =
         equations(&state->sse, state->g, state->H, fit, &state->cam_from_points,
@@ -419,7 +389,7 @@ static int is_last(const rigcal_refinement *state, rigcal_real gain)
 
 /* Takes the step unless it does harm. Then it is taken back, the equations are stale,
  * and from there on the damping is stronger and the curvature minded. */
-static void try_step(rigcal_refinement *state, const rc_fit *fit,
+static void try_step(rigcal_refinement *state, const rigcal_fit *fit,
                      const rigcal_real d[6], rigcal_real gain)
 {
     const rigcal_transform before = state->cam_from_points;
@@ -445,7 +415,7 @@ static void try_step(rigcal_refinement *state, const rc_fit *fit,
     }
 }
 
-static void advance(rigcal_refinement *state, const rc_fit *fit)
+static void advance(rigcal_refinement *state, const rigcal_fit *fit)
 {
     rigcal_real d[6], gain;
     if (state->is_stale) {
@@ -475,7 +445,7 @@ static void advance(rigcal_refinement *state, const rc_fit *fit)
     try_step(state, fit, d, gain);
 }
 
-void rc_refine_step(rigcal_refinement *state, const rc_fit *fit,
+void rc_refine_step(rigcal_refinement *state, const rigcal_fit *fit,
                     int32_t max_evals)
 {
     state->evals++;

@@ -76,35 +76,24 @@ static void next_sample(rigcal_robust_solver *s)
 
 /* ---- scores -------------------------------------------------------------- */
 
-static void fit_of(rc_fit *fit, const rigcal_robust_solver *s)
+static void fit_of(rigcal_fit *fit, const rigcal_robust_solver *s)
 {
     rc_fit_begin(fit, s->camera, s->observations, s->sigma, s->inliers, s->n,
                  s->origin);
 }
 
-/* Squared distance [px^2] of point i from its projection, over sigma_i^2; RC_MAX
- * when the camera does not see it. */
-static rigcal_real distance2(const rc_fit *fit, const rigcal_transform *pose,
+/* Squared distance [px^2] of point i from its projection, over sigma_i^2. */
+static rigcal_real distance2(const rigcal_fit *fit, const rigcal_transform *pose,
                              size_t i)
 {
-    const rigcal_observation *const o = &fit->observations[i];
-    rigcal_real x[3], X_c[3], uv[2], J_c[6];
-    rc_vec3_sub(x, o->X_w, fit->origin);
-    rc_transform_point(X_c, pose, x);
-    if (rc_project_through(uv, J_c, &fit->lens, fit->camera, X_c) != RIGCAL_OK) {
-        return RC_MAX;
-    }
-    const rigcal_real du = o->uv[0] - uv[0], dv = o->uv[1] - uv[1];
-    const rigcal_real squared = du * du + dv * dv;
-    const rigcal_real over =
-        (fit->sigma == NULL) ? squared : squared / (fit->sigma[i] * fit->sigma[i]);
-    return (over <= RC_MAX) ? over : RC_MAX;
+    const rigcal_real squared = rc_fit_distance2(fit, pose, i);
+    return (fit->sigma == NULL) ? squared : squared / (fit->sigma[i] * fit->sigma[i]);
 }
 
 /* Sum of the squared distances, none counting more than the threshold's; above
  * `enough` it is not finished. *count: points within. */
 static rigcal_real score(size_t *count, const rigcal_robust_solver *s,
-                         const rc_fit *fit, const rigcal_transform *pose,
+                         const rigcal_fit *fit, const rigcal_transform *pose,
                          rigcal_real enough)
 {
     const rigcal_real limit = s->threshold_px * s->threshold_px;
@@ -119,7 +108,7 @@ static rigcal_real score(size_t *count, const rigcal_robust_solver *s,
 }
 
 /* Marks the points within the threshold; *changed: whether any mark changed. */
-static void mark(rigcal_robust_solver *s, const rc_fit *fit,
+static void mark(rigcal_robust_solver *s, const rigcal_fit *fit,
                  const rigcal_transform *pose, int *changed)
 {
     const rigcal_real limit = s->threshold_px * s->threshold_px;
@@ -134,7 +123,7 @@ static void mark(rigcal_robust_solver *s, const rc_fit *fit,
 /* ---- phases -------------------------------------------------------------- */
 
 /* All poses of one sample. */
-static void try_sample(rigcal_robust_solver *s, const rc_fit *fit)
+static void try_sample(rigcal_robust_solver *s, const rigcal_fit *fit)
 {
     rigcal_robust_poses *const some = &s->work.some;
     rigcal_real x[3][3], ray[3][3];
@@ -161,11 +150,10 @@ static void try_sample(rigcal_robust_solver *s, const rc_fit *fit)
 /* The pose of the inliers as they are marked; DONE when there is none. */
 static void begin_solving(rigcal_robust_solver *s)
 {
-    int32_t at;
     rigcal_pose_options options;
     (void)rigcal_pose_defaults(&options);
     options.sigma_px = s->sigma_px;
-    s->failure = rc_pose_begin(&s->work.pose, &at, s->camera, s->observations, s->sigma,
+    s->failure = rc_pose_begin(&s->work.pose, NULL, s->camera, s->observations, s->sigma,
                                s->inliers, s->n, &options);
     if (s->failure == RIGCAL_ERR_TOO_FEW) {
         s->failure = RIGCAL_ERR_NO_CONSENSUS;
@@ -174,7 +162,7 @@ static void begin_solving(rigcal_robust_solver *s)
 }
 
 /* From the points that agree with the best pose. */
-static void end_sampling(rigcal_robust_solver *s, const rc_fit *fit)
+static void end_sampling(rigcal_robust_solver *s, const rigcal_fit *fit)
 {
     int changed;
     if (!(s->work.some.cost < RC_MAX)) {
@@ -188,7 +176,7 @@ static void end_sampling(rigcal_robust_solver *s, const rc_fit *fit)
 
 static void sample_step(rigcal_robust_solver *s)
 {
-    rc_fit fit;
+    rigcal_fit fit;
     fit_of(&fit, s);
     try_sample(s, &fit);
     const rigcal_real part = (rigcal_real)s->n_agree / (rigcal_real)s->n;
@@ -207,8 +195,8 @@ static void end_solving(rigcal_robust_solver *s)
     rigcal_pose poses[1];
     size_t n_found;
     int changed;
-    rc_fit fit;
-    s->failure = rigcal_pose_result(poses, &n_found, 1, &s->work.pose);
+    rigcal_fit fit;
+    s->failure = rigcal_pose_result(poses, &n_found, 1, NULL, &s->work.pose);
     s->phase = DONE;
     if (s->failure < 0 || s->rounds++ >= ROUNDS) {
         return;
@@ -267,27 +255,6 @@ static rigcal_status check_options(const rigcal_robust_options *o)
                : RIGCAL_ERR_RANGE;
 }
 
-/* Where the points are, and the area in which they were seen. */
-static void look_over(rigcal_robust_solver *s)
-{
-    const rigcal_observation *const o = s->observations;
-    rigcal_real low[2] = {o[0].uv[0], o[0].uv[1]}, high[2] = {low[0], low[1]};
-    rigcal_real shift[3] = {0, 0, 0};
-    for (size_t i = 0; i < s->n; i++) {
-        rigcal_real x[3];
-        rc_vec3_sub(x, o[i].X_w, o[0].X_w);
-        rc_vec3_add_scaled(shift, 1 / (rigcal_real)s->n, x);
-        for (int k = 0; k < 2; k++) {
-            low[k] = rc_min(low[k], o[i].uv[k]);
-            high[k] = rc_max(high[k], o[i].uv[k]);
-        }
-    }
-    for (int k = 0; k < 3; k++) {
-        s->origin[k] = o[0].X_w[k] + shift[k];
-    }
-    s->area_px2 = (high[0] - low[0]) * (high[1] - low[1]);
-}
-
 /* rigcal_robust_begin, but that a failure may leave *s written. */
 static rigcal_status begin(rigcal_robust_solver *s, int32_t *at, uint8_t inliers[],
                            const rigcal_camera *camera,
@@ -297,6 +264,7 @@ static rigcal_status begin(rigcal_robust_solver *s, int32_t *at, uint8_t inliers
 {
     rigcal_pose_options pose_options;
     rigcal_robust_options defaults;
+    rc_survey survey;
     *at = -1;
     (void)rigcal_robust_defaults(&defaults);
     const rigcal_robust_options *const o = (options != NULL) ? options : &defaults;
@@ -318,9 +286,13 @@ static rigcal_status begin(rigcal_robust_solver *s, int32_t *at, uint8_t inliers
     *s = (rigcal_robust_solver){0};
     status = rc_pose_begin(&s->work.pose, at, camera, observations, sigma, NULL, n,
                            &pose_options);
-    /* A wrong pixel may be one that no ray is imaged at. */
-    if (status != RIGCAL_OK && status != RIGCAL_ERR_NO_RAY &&
-        status != RIGCAL_ERR_WIDE_RAY) {
+    if (status == RIGCAL_OK) {
+        status = rc_survey_points(&survey, observations, sigma, NULL, n);
+    }
+    if (status == RIGCAL_OK && rc_are_on_line(observations, n, survey.origin)) {
+        status = RIGCAL_ERR_COLLINEAR;
+    }
+    if (status != RIGCAL_OK) {
         return status;
     }
     s->camera = camera;
@@ -345,7 +317,8 @@ static rigcal_status begin(rigcal_robust_solver *s, int32_t *at, uint8_t inliers
     if (!s->is_complete) {
         next_sample(s);
     }
-    look_over(s);
+    rc_vec3_copy(s->origin, survey.origin);
+    s->area_px2 = survey.area_px2;
     s->phase = SAMPLING;
     return RIGCAL_OK;
 }
@@ -414,7 +387,7 @@ rigcal_status rigcal_robust_result(rigcal_pose poses[], size_t *n_found,
         return RIGCAL_ERR_NO_CONSENSUS;
     }
     const rigcal_status status =
-        rigcal_pose_result(poses, n_found, capacity, &solver->work.pose);
+        rigcal_pose_result(poses, n_found, capacity, NULL, &solver->work.pose);
     if (status >= 0) {
         *n_inliers = count;
     }

@@ -8,9 +8,9 @@
  * the third column of the rotation. */
 static int is_from_front(const rigcal_pose_optimum *found)
 {
-    rigcal_real R[9];
-    rc_rotation_from_quaternion(R, found->q_wxyz);
-    return R[2] * found->t[0] + R[5] * found->t[1] + R[8] * found->t[2] < 0;
+    const rigcal_real *const R = found->cam_from_points.R;
+    const rigcal_real *const t = found->cam_from_points.t;
+    return R[2] * t[0] + R[5] * t[1] + R[8] * t[2] < 0;
 }
 
 static void place_corners(rigcal_observation corners[4], const rigcal_real uv[8],
@@ -55,7 +55,6 @@ rigcal_status rigcal_solve_tag(rigcal_pose cams_from_tag[], size_t *n_found,
 {
     rigcal_observation corners[4];
     rigcal_pose_solver solver;
-    int32_t at = -1;
     if (cams_from_tag == NULL || n_found == NULL || camera == NULL || uv == NULL) {
         return RIGCAL_ERR_NULL;
     }
@@ -66,16 +65,17 @@ rigcal_status rigcal_solve_tag(rigcal_pose cams_from_tag[], size_t *n_found,
         return RIGCAL_ERR_RANGE;
     }
     place_corners(corners, uv, size);
-    rigcal_status status =
-        rc_pose_begin(&solver, &at, camera, corners, NULL, NULL, 4, options);
-    if (status == RIGCAL_OK) {
-        (void)rigcal_pose_step(&solver, INT32_MAX);
-        status = (solver.n_found == 0 || keep_front(&solver))
-                     ? rigcal_pose_result(cams_from_tag, n_found, capacity, &solver)
-                     : RIGCAL_ERR_MIRRORED;
+    const rigcal_status status =
+        rc_pose_begin(&solver, bad, camera, corners, NULL, NULL, 4, options);
+    if (status != RIGCAL_OK) {
+        return status;
     }
-    if (status < 0 && bad != NULL) {
-        *bad = at;
+    (void)rigcal_pose_step(&solver, INT32_MAX);
+    if (solver.n_found > 0 && !keep_front(&solver)) {
+        if (bad != NULL) {
+            *bad = -1;
+        }
+        return RIGCAL_ERR_MIRRORED;
     }
-    return status;
+    return rigcal_pose_result(cams_from_tag, n_found, capacity, bad, &solver);
 }

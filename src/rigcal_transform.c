@@ -5,26 +5,17 @@ rigcal_status rc_check_transform(const rigcal_transform *b_from_a)
     if (b_from_a == NULL) {
         return RIGCAL_ERR_NULL;
     }
-    if (!rc_all_finite(b_from_a->t, 3)) {
-        return RIGCAL_ERR_NOT_FINITE;
+    const rigcal_status t_status = rc_check_point(b_from_a->t);
+    if (t_status == RIGCAL_ERR_NOT_FINITE) {
+        return t_status;
     }
     const rigcal_status status = rc_check_rotation(b_from_a->R);
-    if (status != RIGCAL_OK) {
-        return status;
-    }
-    return rc_all_within(b_from_a->t, 3, RC_COORDINATE_MAX) ? RIGCAL_OK
-                                                            : RIGCAL_ERR_RANGE;
+    return (status == RIGCAL_OK) ? t_status : status;
 }
 
 rigcal_status rc_check_point(const rigcal_real X[3])
 {
-    if (X == NULL) {
-        return RIGCAL_ERR_NULL;
-    }
-    if (!rc_all_finite(X, 3)) {
-        return RIGCAL_ERR_NOT_FINITE;
-    }
-    return rc_all_within(X, 3, RC_COORDINATE_MAX) ? RIGCAL_OK : RIGCAL_ERR_RANGE;
+    return rc_check_numbers(X, 3, RC_COORDINATE_MAX);
 }
 
 void rc_transform_identity(rigcal_transform *a_from_a)

@@ -7,18 +7,6 @@ void rc_view_begin(rigcal_view_moments *view)
     *view = (rigcal_view_moments){0};
 }
 
-/* sums += s x x^T */
-static void add_outer(rigcal_real sums[6], rigcal_real s, const rigcal_real x[3])
-{
-    const rigcal_real sx = s * x[0], sy = s * x[1];
-    sums[0] += sx * x[0];
-    sums[1] += sx * x[1];
-    sums[2] += sx * x[2];
-    sums[3] += sy * x[1];
-    sums[4] += sy * x[2];
-    sums[5] += s * x[2] * x[2];
-}
-
 void rc_view_add(rigcal_view_moments *view, rigcal_real weight,
                  const rigcal_real x[3], const rigcal_real u[2])
 {
@@ -27,10 +15,10 @@ void rc_view_add(rigcal_view_moments *view, rigcal_real weight,
     view->weight += weight;
     view->S += uu;
     rc_vec3_add_scaled(view->h, uu, x);
-    add_outer(view->Q, uu - weight, x);
-    add_outer(view->C, weight, x);
-    add_outer(view->G[0], wu[0], x);
-    add_outer(view->G[1], -wu[1], x);
+    rc_sym3_add_outer(view->Q, uu - weight, x);
+    rc_sym3_add_outer(view->C, weight, x);
+    rc_sym3_add_outer(view->G[0], wu[0], x);
+    rc_sym3_add_outer(view->G[1], -wu[1], x);
     for (int part = 0; part < 2; part++) {
         view->u_mean[part] += wu[part];
         rc_vec3_add_scaled(view->V_mean[part], wu[part], x);
@@ -48,18 +36,10 @@ int rc_view_finish(rigcal_view_moments *view)
         }
         view->S -= w * view->u_mean[part] * view->u_mean[part];
         rc_vec3_add_scaled(view->h, -w * view->u_mean[part], view->V_mean[part]);
-        add_outer(view->Q, -w, view->V_mean[part]);
+        rc_sym3_add_outer(view->Q, -w, view->V_mean[part]);
     }
     return view->S > 64 * RC_EPS * about_zero &&
            view->S > 64 * RC_EPS * RC_EPS * w;
-}
-
-static inline void sym3_mul(rigcal_real out[3], const rigcal_real A[6],
-                            const rigcal_real v[3])
-{
-    out[0] = A[0] * v[0] + A[1] * v[1] + A[2] * v[2];
-    out[1] = A[1] * v[0] + A[3] * v[1] + A[4] * v[2];
-    out[2] = A[2] * v[0] + A[4] * v[1] + A[5] * v[2];
 }
 
 /* The cofactors of C have the eigenvectors of C, and eigenvalues that are the
@@ -92,7 +72,7 @@ int rc_view_normal(rigcal_real normal[3], rigcal_real *thickness,
     const int row = (K[0] >= K[4]) ? ((K[0] >= K[8]) ? 0 : 2)
                                    : ((K[4] >= K[8]) ? 1 : 2);
     (void)rc_vec3_unit(normal, &K[3 * row]);
-    sym3_mul(Cn, C, normal);
+    rc_sym3_mul_vec3(Cn, C, normal);
     *thickness = rc_max(0, rc_vec3_dot(Cn, normal)) / trace;
     return 1;
 }
@@ -135,15 +115,15 @@ static void harmonics_of(harmonics *f, const rigcal_view_moments *view,
     f->U[1] = n * (rc_vec3_dot(vr, f->m2) - rc_vec3_dot(vi, f->m1));
     /* y = G m3 - (B / S) g,  a = 2 y.(m1 + i m2) */
     const rigcal_real k = n * f->B / view->S;
-    sym3_mul(yr, view->G[0], m3);
-    sym3_mul(yi, view->G[1], m3);
+    rc_sym3_mul_vec3(yr, view->G[0], m3);
+    rc_sym3_mul_vec3(yi, view->G[1], m3);
     rc_vec3_add_scaled(yr, -k, vr);
     rc_vec3_add_scaled(yi, k, vi);
     f->a[0] = 2 * (rc_vec3_dot(yr, f->m1) - rc_vec3_dot(yi, f->m2));
     f->a[1] = 2 * (rc_vec3_dot(yr, f->m2) + rc_vec3_dot(yi, f->m1));
 
     const rigcal_real UU = f->U[0] * f->U[0] + f->U[1] * f->U[1];
-    sym3_mul(Qm, view->Q, m3);
+    rc_sym3_mul_vec3(Qm, view->Q, m3);
     f->base = (view->C[0] + view->C[3] + view->C[5]) + rc_vec3_dot(Qm, m3) -
               (UU / 2 + f->B * f->B) / view->S;
 }

@@ -714,7 +714,7 @@ CALL(paper_solve, p[0], p[1], COUNTED(p[2]), p[3], COUNTED(p[4]), p[5])
 CALL(pose_defaults, p[0])
 CALL(pose_begin, p[0], p[1], p[2], p[3], p[4], COUNTED(p[5]), p[6])
 CALL(pose_step, p[0], INT(p[1]))
-CALL(pose_result, p[0], p[1], COUNTED(p[2]), p[3])
+CALL(pose_result, p[0], p[1], COUNTED(p[2]), p[3], p[4])
 CALL(solve_pose, p[0], p[1], COUNTED(p[2]), p[3], p[4], p[5], p[6],
      COUNTED(p[7]), p[8])
 CALL(pose_covariance, p[0], p[1], p[2], p[3], p[4], COUNTED(p[5]), REAL(p[6]))
@@ -885,7 +885,7 @@ static const function FUNCTIONS[] = {
       CHOICE(&INT_8, 1, 0, RIGCAL_ERR_RANGE)}},
     {F(pose_result), 0, S(NULL) | S(RANGE) | S(STATE) | FITTED,
      {OUT_PART(ML_POSE, RIGCAL_POSES_MAX), OUT(SIZE, 1),
-      ROOM(&SIZE_4, 1, RIGCAL_ERR_RANGE),
+      ROOM(&SIZE_4, 1, RIGCAL_ERR_RANGE), OUT_BAD,
       IN(POSE_SOLVER, 1, &ok.pose_solver_done)}},
     {F(solve_pose), 0, VIEWED | FITTED,
      {OUT_PART(ML_POSE, RIGCAL_POSES_MAX), OUT(SIZE, 1),
@@ -1495,7 +1495,7 @@ static void test_a_solver_still_running_has_no_result(void)
         size_t n_found = 77;
 
         ASSERT_REFUSED(RIGCAL_ERR_STATE, poses,
-                       rigcal_pose_result(poses, &n_found, RIGCAL_POSES_MAX,
+                       rigcal_pose_result(poses, &n_found, RIGCAL_POSES_MAX, NULL,
                                           &ok.pose_solver));
         TEST_ASSERT_EQUAL_UINT64(77, n_found);
     }

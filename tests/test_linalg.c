@@ -83,103 +83,98 @@ void test_cofactors_times_the_matrix_are_its_determinant(void)
     ASSERT_ARRAY_NEAR(((double[]){-3, 0, 0, 0, -3, 0, 0, 0, -3}), product, 9, 0);
 }
 
-/* L L^T with L = [2 0; 3 4] is [4 6; 6 25]. */
-void test_a_2_by_2_cholesky_factor_on_paper(void)
+void test_combinations_outer_products_and_symmetric_products_on_paper(void)
 {
-    rigcal_real A[4] = {4, 99, 6, 25}; /* the upper triangle is not read */
-    rigcal_real x[2] = {14, 56};
-    TEST_ASSERT_TRUE(rc_cholesky(A, 2, 0));
-    ASSERT_ARRAY_NEAR(((double[]){2, 99, 3, 4}), A, 4, 0);
-    rc_cholesky_solve(x, A, 2); /* 4 x + 6 y = 14, 6 x + 25 y = 56 */
-    ASSERT_ARRAY_NEAR(((double[]){14.0 / 64, 35.0 / 16}), x, 2, TOL_ROUNDING);
+    const rigcal_real a[3] = {1, -2, 3}, b[3] = {4, 0, -1};
+    rigcal_real A[6] = {1, 0, 2, 0, 5, 1}, out[3];
+    rc_vec3_combine(out, 2, a, -1, b);
+    ASSERT_ARRAY_NEAR(((double[]){-2, -4, 7}), out, 3, 0);
+    rc_sym3_add_outer(A, 2, a);
+    ASSERT_ARRAY_NEAR(((double[]){3, -4, 8, 8, -7, 19}), A, 6, 0);
+    rc_sym3_mul_vec3(out, A, b);
+    ASSERT_ARRAY_NEAR(((double[]){4, -9, 13}), out, 3, 0);
+}
+
+/* L L^T with L = [2 0 0; 6 1 0; -8 5 4] is [4 12 -16; 12 37 -43; -16 -43 105]. */
+void test_a_cholesky_factor_on_paper(void)
+{
+    const rigcal_real diagonal[3] = {4, 37, 105};
+    rigcal_real A[6] = {4, 12, -16, 37, -43, 105};
+    rigcal_real x[3] = {2, 7, -1};
+    TEST_ASSERT_TRUE(rc_sym3_factor(A, A, diagonal, 0));
+    ASSERT_ARRAY_NEAR(((double[]){0.5, 6, -8, 1, 5, 0.25}), A, 6, 0);
+    rc_sym3_forward(x, A); /* 2 x = 2, 6 x + y = 7, -8 x + 5 y + 4 z = -1 */
+    ASSERT_ARRAY_NEAR(((double[]){1, 1, 0.5}), x, 3, 0);
+    rc_sym3_backward(x, A); /* 4 z = 0.5, y + 5 z = 1, 2 x + 6 y - 8 z = 1 */
+    ASSERT_ARRAY_NEAR(((double[]){-0.125, 0.375, 0.125}), x, 3, 0);
 }
 
 /* B B^T + I is positive definite, with eigenvalues of 1 at least. */
-static void random_positive_definite(rigcal_real A[], int n, test_rng *rng)
-{
-    rigcal_real B[RC_CHOLESKY_MAX * RC_CHOLESKY_MAX];
-    random_vector(B, n * n, rng);
-    for (int i = 0; i < n; i++) {
-        for (int j = 0; j < n; j++) {
-            A[i * n + j] = (i == j) ? 1 : 0;
-            for (int k = 0; k < n; k++) {
-                A[i * n + j] += B[i * n + k] * B[j * n + k];
-            }
-        }
-    }
-}
-
-void test_solutions_put_back_give_the_right_side_in_every_size(void)
+void test_solutions_put_back_give_the_right_side(void)
 {
     test_rng rng = test_seed(1);
-    for (int n = 1; n <= RC_CHOLESKY_MAX; n++) {
-        for (int trial = 0; trial < 50; trial++) {
-            rigcal_real A[36], L[36], x[6], b[6];
-            random_positive_definite(A, n, &rng);
-            random_vector(b, n, &rng);
-            for (int i = 0; i < n * n; i++) {
-                L[i] = A[i];
-            }
-            for (int i = 0; i < n; i++) {
-                x[i] = b[i];
-            }
-            TEST_ASSERT_TRUE(rc_cholesky(L, n, 4 * RC_EPS));
-            rc_cholesky_solve(x, L, n);
-            for (int i = 0; i < n; i++) {
-                double sum = 0;
-                for (int j = 0; j < n; j++) {
-                    sum += D(A[i * n + j]) * D(x[j]);
-                }
-                ASSERT_NEAR(b[i], sum, TOL(1e-13, 1e-5));
-            }
+    for (int trial = 0; trial < 200; trial++) {
+        rigcal_real A[6] = {1, 0, 0, 1, 0, 1}, L[6], x[3], b[3], back[3];
+        for (int k = 0; k < 3; k++) {
+            random_vector(x, 3, &rng);
+            rc_sym3_add_outer(A, 1, x);
         }
+        const rigcal_real diagonal[3] = {A[0], A[3], A[5]};
+        random_vector(b, 3, &rng);
+        rc_vec3_copy(x, b);
+        TEST_ASSERT_TRUE(rc_sym3_factor(L, A, diagonal, 4 * RC_EPS));
+        rc_sym3_forward(x, L);
+        rc_sym3_backward(x, L);
+        rc_sym3_mul_vec3(back, A, x);
+        ASSERT_ARRAY_NEAR(((double[]){D(b[0]), D(b[1]), D(b[2])}), back, 3,
+                          TOL(1e-13, 1e-5));
     }
 }
 
-void test_the_inverse_times_the_matrix_is_the_identity(void)
+static int has_factor(double xx, double xy, double xz, double yy, double yz, double zz,
+                      double rank_tol)
 {
-    test_rng rng = test_seed(2);
-    for (int n = 1; n <= RC_CHOLESKY_MAX; n++) {
-        rigcal_real A[36], L[36], inverse[36];
-        random_positive_definite(A, n, &rng);
-        for (int i = 0; i < n * n; i++) {
-            L[i] = A[i];
-        }
-        TEST_ASSERT_TRUE(rc_cholesky(L, n, 4 * RC_EPS));
-        rc_cholesky_inverse(inverse, L, n);
-        for (int i = 0; i < n; i++) {
-            for (int j = 0; j < n; j++) {
-                double sum = 0;
-                for (int k = 0; k < n; k++) {
-                    sum += D(A[i * n + k]) * D(inverse[k * n + j]);
-                }
-                ASSERT_NEAR(i == j, sum, TOL(1e-13, 1e-5));
-            }
-        }
-    }
+    const rigcal_real A[6] = {RC(xx), RC(xy), RC(xz), RC(yy), RC(yz), RC(zz)};
+    const rigcal_real diagonal[3] = {A[0], A[3], A[5]};
+    rigcal_real L[6];
+    return rc_sym3_factor(L, A, diagonal, RC(rank_tol));
 }
 
 void test_singular_indefinite_and_nan_matrices_have_no_factor(void)
 {
-    rigcal_real singular[4] = {1, 2, 2, 4};
-    rigcal_real indefinite[4] = {1, 2, 2, 1};
-    rigcal_real negative[1] = {-1};
-    rigcal_real zero[1] = {0};
-    rigcal_real nan[1] = {TEST_NAN};
-    TEST_ASSERT_FALSE(rc_cholesky(singular, 2, 4 * RC_EPS));
-    TEST_ASSERT_FALSE(rc_cholesky(indefinite, 2, 4 * RC_EPS));
-    TEST_ASSERT_FALSE(rc_cholesky(negative, 1, 4 * RC_EPS));
-    TEST_ASSERT_FALSE(rc_cholesky(zero, 1, 4 * RC_EPS));
-    TEST_ASSERT_FALSE(rc_cholesky(nan, 1, 4 * RC_EPS));
+    const double eps = 4 * D(RC_EPS);
+    TEST_ASSERT_TRUE(has_factor(1, 0, 0, 1, 0, 1, eps));
+    TEST_ASSERT_FALSE(has_factor(1, 2, 0, 4, 0, 1, eps)); /* singular */
+    TEST_ASSERT_FALSE(has_factor(1, 0, 2, 1, 0, 4, eps));
+    TEST_ASSERT_FALSE(has_factor(1, 0, 0, 1, 2, 4, eps));
+    TEST_ASSERT_FALSE(has_factor(0, 0, 0, 1, 0, 1, eps));
+    TEST_ASSERT_FALSE(has_factor(1, 2, 0, 1, 0, 1, eps)); /* indefinite */
+    TEST_ASSERT_FALSE(has_factor(-1, 0, 0, 1, 0, 1, eps));
+    TEST_ASSERT_FALSE(has_factor(1, 0, 0, 1, 0, -1, eps));
+    TEST_ASSERT_FALSE(has_factor(NAN, 0, 0, 1, 0, 1, eps));
+    TEST_ASSERT_FALSE(has_factor(1, NAN, 0, 1, 0, 1, eps));
+    TEST_ASSERT_FALSE(has_factor(1, 0, 0, 1, NAN, 1, eps));
 }
 
 /* [1 1; 1 1 + d] leaves the pivot d of a diagonal 1 + d. */
 void test_the_rank_tolerance_is_what_a_pivot_must_keep_of_its_diagonal(void)
 {
-    rigcal_real kept[4] = {1, 1, 1, RC(1.02)};
-    rigcal_real lost[4] = {1, 1, 1, RC(1.005)};
-    TEST_ASSERT_TRUE(rc_cholesky(kept, 2, RC(0.01)));
-    TEST_ASSERT_FALSE(rc_cholesky(lost, 2, RC(0.01)));
+    TEST_ASSERT_TRUE(has_factor(1, 1, 0, 1.02, 0, 1, 0.01));
+    TEST_ASSERT_FALSE(has_factor(1, 1, 0, 1.005, 0, 1, 0.01));
+    TEST_ASSERT_TRUE(has_factor(1, 0, 1, 1, 0, 1.02, 0.01));
+    TEST_ASSERT_FALSE(has_factor(1, 0, 1, 1, 0, 1.005, 0.01));
+}
+
+/* What is wrong with numbers: the first of NULL, not finite, too large. */
+void test_numbers_are_checked(void)
+{
+    const rigcal_real good[3] = {1, -2, 2}, large[3] = {1, RC(-2.5), 2};
+    const rigcal_real infinite[3] = {3, 0, TEST_INF}, nan[3] = {TEST_NAN, 3, 0};
+    ASSERT_STATUS(RIGCAL_OK, rc_check_numbers(good, 3, 2));
+    ASSERT_STATUS(RIGCAL_ERR_NULL, rc_check_numbers(NULL, 3, 2));
+    ASSERT_STATUS(RIGCAL_ERR_RANGE, rc_check_numbers(large, 3, 2));
+    ASSERT_STATUS(RIGCAL_ERR_NOT_FINITE, rc_check_numbers(infinite, 3, 2));
+    ASSERT_STATUS(RIGCAL_ERR_NOT_FINITE, rc_check_numbers(nan, 3, 2));
 }
 
 int main(void)
@@ -191,10 +186,11 @@ int main(void)
     RUN_TEST(test_the_zero_vector_has_no_direction);
     RUN_TEST(test_matrix_products_on_paper);
     RUN_TEST(test_cofactors_times_the_matrix_are_its_determinant);
-    RUN_TEST(test_a_2_by_2_cholesky_factor_on_paper);
-    RUN_TEST(test_solutions_put_back_give_the_right_side_in_every_size);
-    RUN_TEST(test_the_inverse_times_the_matrix_is_the_identity);
+    RUN_TEST(test_combinations_outer_products_and_symmetric_products_on_paper);
+    RUN_TEST(test_a_cholesky_factor_on_paper);
+    RUN_TEST(test_solutions_put_back_give_the_right_side);
     RUN_TEST(test_singular_indefinite_and_nan_matrices_have_no_factor);
     RUN_TEST(test_the_rank_tolerance_is_what_a_pivot_must_keep_of_its_diagonal);
+    RUN_TEST(test_numbers_are_checked);
     return UNITY_END();
 }

@@ -830,7 +830,7 @@ static void test_the_same_bits_come_out_whatever_the_budgets(void)
                                               ++steps * budgets[b]);
                 ASSERT_STATUS(RIGCAL_ERR_STATE,
                               rigcal_pose_result(poses, &n_found,
-                                                 RIGCAL_POSES_MAX, &solver));
+                                                 RIGCAL_POSES_MAX, NULL, &solver));
                 if (steps % 5 == 0) { /* copied halfway, it goes on the same */
                     copy = solver;
                     FILL(solver);
@@ -839,7 +839,7 @@ static void test_the_same_bits_come_out_whatever_the_budgets(void)
             }
             ASSERT_STATUS(p.status,
                           rigcal_pose_result(poses, &n_found, RIGCAL_POSES_MAX,
-                                             &solver));
+                                             NULL, &solver));
             TEST_ASSERT_EQUAL_UINT(p.n_found, n_found);
             for (size_t f = 0; f < n_found; f++) {
                 TEST_ASSERT_EQUAL_MEMORY(&p.poses[f], &poses[f],
@@ -1334,9 +1334,12 @@ static void test_the_observation_at_fault_is_told(void)
     observe(&p);
     p.o[2].uv[0] = 20000;
     bad = -2;
+    ASSERT_STATUS(RIGCAL_OK, rigcal_pose_begin(&solver, &bad, &p.camera, p.o, NULL, 6,
+                                               NULL)); /* rays are for the steps */
+    TEST_ASSERT_EQUAL_INT(-2, bad);
+    ASSERT_STATUS(RIGCAL_OK, rigcal_pose_step(&solver, 100));
     ASSERT_STATUS(RIGCAL_ERR_NO_RAY,
-                  rigcal_pose_begin(&solver, &bad, &p.camera, p.o, NULL, 6,
-                                    NULL));
+                  rigcal_pose_result(p.poses, &p.n_found, 1, &bad, &solver));
     TEST_ASSERT_EQUAL_INT(2, bad);
 }
 
@@ -1368,16 +1371,16 @@ static void test_arguments_are_checked(void)
     memset(&solver, 0, sizeof solver);
     ASSERT_STATUS(RIGCAL_ERR_STATE, rigcal_pose_step(&solver, 1));
     ASSERT_STATUS(RIGCAL_ERR_STATE,
-                  rigcal_pose_result(p.poses, &p.n_found, 1, &solver));
+                  rigcal_pose_result(p.poses, &p.n_found, 1, NULL, &solver));
     ASSERT_STATUS(RIGCAL_OK, rigcal_pose_begin(&solver, NULL, &p.camera, p.o,
                                                NULL, n, NULL));
     ASSERT_STATUS(RIGCAL_ERR_RANGE, rigcal_pose_step(&solver, 0));
     ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_pose_step(NULL, 1));
     ASSERT_STATUS(RIGCAL_OK, rigcal_pose_step(&solver, EVALS_MAX));
     ASSERT_STATUS(RIGCAL_ERR_NULL,
-                  rigcal_pose_result(NULL, &p.n_found, 1, &solver));
+                  rigcal_pose_result(NULL, &p.n_found, 1, NULL, &solver));
     ASSERT_STATUS(RIGCAL_ERR_RANGE,
-                  rigcal_pose_result(p.poses, &p.n_found, 0, &solver));
+                  rigcal_pose_result(p.poses, &p.n_found, 0, NULL, &solver));
     p.o[0].uv[0] = TEST_NAN; /* what fails to begin has not begun */
     ASSERT_STATUS(RIGCAL_ERR_NOT_FINITE,
                   rigcal_pose_begin(&solver, NULL, &p.camera, p.o, NULL, n,

@@ -11,6 +11,8 @@
 
 enum { N_MAX = 8, EVALS_MAX = 60 };
 
+static const double ZERO[3] = {0, 0, 0};
+
 void setUp(void)
 {
 }
@@ -35,20 +37,17 @@ static rigcal_camera unit_camera(void)
 typedef struct {
     rigcal_camera camera;
     rigcal_observation o[N_MAX];
-    rigcal_real sigma[N_MAX], origin[3];
-    rc_fit fit;
+    rigcal_real sigma[N_MAX];
+    rigcal_fit fit;
 } problem;
 
-static void ready(problem *p, int n, int weighted)
+static void ready(problem *p, int n, int weighted, const double origin[3])
 {
-    p->fit.camera = &p->camera;
-    p->fit.observations = p->o;
-    p->fit.sigma = weighted ? p->sigma : NULL;
-    p->fit.mask = NULL;
-    p->fit.is_mirrored = 0;
-    p->fit.n = (size_t)n;
-    p->fit.origin = p->origin;
-    rc_lens_of(&p->fit.lens, &p->camera);
+    rigcal_real counted_from[3];
+
+    test_to_real(counted_from, origin, 3);
+    rc_fit_begin(&p->fit, &p->camera, p->o, weighted ? p->sigma : NULL, NULL, (size_t)n,
+                 counted_from);
 }
 
 static test_data data_of(const problem *p)
@@ -66,8 +65,7 @@ static void of_scene(problem *p, const double *scene, int n)
         test_to_real(p->o[i].X_w, scene + 3 * i, 3);
         test_to_real(p->o[i].uv, scene + 18 + 2 * i, 2);
     }
-    memset(p->origin, 0, sizeof p->origin);
-    ready(p, n, 0);
+    ready(p, n, 0, ZERO);
 }
 
 /* A row of REFINE_LENS. Its points count from their middle. */
@@ -87,8 +85,7 @@ static void of_lens(problem *p, const double *v)
             middle[k] += point[k] / n;
         }
     }
-    test_to_real(p->origin, middle, 3);
-    ready(p, n, 1);
+    ready(p, n, 1, middle);
 }
 
 static const double *start_of(const double *v)
@@ -112,7 +109,7 @@ static rigcal_transform from_points(const problem *p, const double R[9],
 {
     double origin[3], shifted[3];
 
-    test_to_double(origin, p->origin, 3);
+    test_to_double(origin, p->fit.origin, 3);
     test_apply(shifted, R, origin, t);
     return test_transform(R, shifted);
 }
@@ -123,7 +120,7 @@ static void to_world(double R[9], double t[3], const problem *p,
     double origin[3], turned[3];
 
     test_transform_parts(R, t, cam_from_points);
-    test_to_double(origin, p->origin, 3);
+    test_to_double(origin, p->fit.origin, 3);
     test_apply(turned, R, origin, NULL);
     for (int k = 0; k < 3; k++) {
         t[k] -= turned[k];
@@ -161,10 +158,18 @@ static int run(rigcal_refinement *state, const problem *p,
     return calls;
 }
 
-/* Lower triangle, row by row, at row i >= column j. */
+/* Element i, j of the blocks: by w and by dt xx, xy, xz, yy, yz, zz, and across. */
 static double packed(const rigcal_real H[21], int i, int j)
 {
-    return D(H[i * (i + 1) / 2 + j]);
+    static const int SYMMETRIC[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
+
+    if (i < 3 && j < 3) {
+        return D(H[SYMMETRIC[i][j]]);
+    }
+    if (i >= 3 && j >= 3) {
+        return D(H[15 + SYMMETRIC[i - 3][j - 3]]);
+    }
+    return D((i < 3) ? H[6 + 3 * i + j - 3] : H[6 + 3 * j + i - 3]);
 }
 
 static double golden_packed(const double H[21], int i, int j)
@@ -231,8 +236,7 @@ static void test_newtons_equations_are_second_differences(void)
             p.o[i].uv[0] += RC(20 * test_normal(&rng));
             p.o[i].uv[1] += RC(20 * test_normal(&rng));
         }
-        memset(p.origin, 0, sizeof p.origin);
-        ready(&p, N_MAX, 0);
+        ready(&p, N_MAX, 0, ZERO);
         data = data_of(&p);
         pose = test_transform(scene.R, scene.t);
         ASSERT_STATUS(RIGCAL_OK,
@@ -280,7 +284,7 @@ static void test_equations_are_those_of_differences(void)
         of_lens(&p, REFINE_LENS[row]);
         n = (int)p.fit.n;
         if (row % 3 == 0) {
-            ready(&p, n, 0);
+            p.fit.sigma = NULL;
         }
         pose = start_pose(&p, REFINE_LENS[row]);
         for (int k = 0; k < 6; k++) {
@@ -295,7 +299,7 @@ static void test_equations_are_those_of_differences(void)
                     double x[3], X_c[3], uv[2];
 
                     for (int c = 0; c < 3; c++) {
-                        x[c] = D(p.o[i].X_w[c]) - D(p.origin[c]);
+                        x[c] = D(p.o[i].X_w[c]) - D(p.fit.origin[c]);
                     }
                     test_apply(X_c, R, x, t);
                     test_project_px(uv, &p.camera, X_c);
@@ -408,7 +412,7 @@ static void test_the_minimum_is_that_of_the_oracle(void)
                 middle[c] += SCENE[(int)v[0]][3 * k + c] / v[1];
             }
         }
-        test_to_real(p.origin, middle, 3);
+        test_to_real(p.fit.origin, middle, 3);
         start = from_points(&p, minimum, minimum + 9);
         test_random_rotation(axis, &rng);
         test_rotation_about(turn, axis, off);
@@ -441,8 +445,7 @@ static void test_an_exact_image_is_fitted_to_rounding(void)
         test_scene_random(&scene, &rng, N_MAX, (test_shape)(trial % 3));
         p.camera = test_pinhole();
         test_observations(p.o, &scene, &p.camera);
-        memcpy(p.origin, p.o[0].X_w, sizeof p.origin);
-        ready(&p, N_MAX, 0);
+        ready(&p, N_MAX, 0, scene.X[0]);
         start = from_points(&p, scene.R, scene.t);
         test_random_rotation(axis, &rng);
         test_rotation_about(turn, axis, 2 * TEST_PI / 180);
@@ -535,12 +538,11 @@ static void test_a_point_of_large_sigma_hardly_counts(void)
         test_scene_random(&scene, &rng, N_MAX, TEST_GENERAL);
         p.camera = test_pinhole();
         test_observations(p.o, &scene, &p.camera);
-        memset(p.origin, 0, sizeof p.origin);
         for (int i = 0; i < N_MAX; i++) {
             p.sigma[i] = i == 3 ? 1000 : 1;
         }
         p.o[3].uv[0] += 20;
-        ready(&p, N_MAX, 1);
+        ready(&p, N_MAX, 1, ZERO);
         start = from_points(&p, scene.R, scene.t);
         (void)run(&state, &p, &start);
         ASSERT_STATUS(RIGCAL_OK, state.status);
@@ -561,7 +563,7 @@ static void test_the_covariance_is_the_inverse(void)
         problem p;
 
         of_lens(&p, v);
-        memset(p.origin, 0, sizeof p.origin); /* as the vectors have it */
+        memset(p.fit.origin, 0, sizeof p.fit.origin); /* as the vectors have it */
         pose = test_transform(minimum_of(v), minimum_of(v) + 9);
         ASSERT_STATUS(RIGCAL_OK,
                       rc_normal_equations(&sse, g, H, &p.fit, &pose));
@@ -599,8 +601,7 @@ static void test_points_on_a_line_leave_the_equations_singular(void)
         }
         p.camera = test_pinhole();
         test_observations(p.o, &scene, &p.camera);
-        memcpy(p.origin, p.o[0].X_w, sizeof p.origin);
-        ready(&p, N_MAX, 0);
+        ready(&p, N_MAX, 0, scene.X[0]);
         pose = from_points(&p, scene.R, scene.t);
         ASSERT_STATUS(RIGCAL_OK,
                       rc_normal_equations(&sse, g, H, &p.fit, &pose));

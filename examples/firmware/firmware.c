@@ -344,7 +344,7 @@ static void finish_frame(firmware *f)
     rigcal_mounted_camera *const mounted = &f->cameras[f->camera];
     f->state = WAITING;
     const rigcal_status status =
-        rigcal_pose_result(poses, &n_found, RIGCAL_POSES_MAX, &f->solver);
+        rigcal_pose_result(poses, &n_found, RIGCAL_POSES_MAX, NULL, &f->solver);
     if (status < 0) {
         report_failure(f, status);
         return;

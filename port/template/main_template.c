@@ -66,7 +66,7 @@ static rigcal_status solve(size_t *n_found)
         }
         status = rigcal_pose_step(&solver, BUDGET);
     } while (status == RIGCAL_RUNNING);
-    return rigcal_pose_result(poses, n_found, RIGCAL_POSES_MAX, &solver);
+    return rigcal_pose_result(poses, n_found, RIGCAL_POSES_MAX, NULL, &solver);
 }
 
 int main(void)

@@ -77,7 +77,7 @@ static void solve(solution *found, const bench_scene *s,
         found->evals++;
     } while (rigcal_pose_step(&solver, 1) == RIGCAL_RUNNING);
     found->status =
-        rigcal_pose_result(found->poses, &found->n, RIGCAL_POSES_MAX, &solver);
+        rigcal_pose_result(found->poses, &found->n, RIGCAL_POSES_MAX, NULL, &solver);
 }
 
 /* The first pose, in doubles. */

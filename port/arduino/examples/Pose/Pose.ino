@@ -19,7 +19,7 @@ static void report()
     size_t found;
     rigcal_real center[3];
 
-    status = rigcal_pose_result(poses, &found, RIGCAL_POSES_MAX, &solver);
+    status = rigcal_pose_result(poses, &found, RIGCAL_POSES_MAX, NULL, &solver);
     if (status < 0) {
         Serial.println(rigcal_status_text(status));
         return;

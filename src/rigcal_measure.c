@@ -165,17 +165,14 @@ static rigcal_status world_ray(rigcal_real d[3], rigcal_real o[3], const views *
                                size_t i)
 {
     rigcal_real ray[3];
-    rigcal_transform world_from_cam;
     const rigcal_status status =
         rc_pixel_to_ray(ray, &v->cameras[i], &v->uv[2 * i]);
     if (status != RIGCAL_OK) {
         return status;
     }
-    rc_transform_invert(&world_from_cam, &v->cams_from_world[i]);
-    rc_mat3_mul_vec3(d, world_from_cam.R, ray);
-    for (int k = 0; k < 3; k++) {
-        o[k] = world_from_cam.t[k];
-    }
+    rc_mat3_tmul_vec3(d, v->cams_from_world[i].R, ray);
+    rc_mat3_tmul_vec3(o, v->cams_from_world[i].R, v->cams_from_world[i].t);
+    rc_vec3_combine(o, -1, o, 0, o);
     return RIGCAL_OK;
 }
 

@@ -19,13 +19,6 @@ enum {
     DONE
 };
 
-static void copy(rigcal_real to[3], const rigcal_real from[3], int32_t k)
-{
-    for (int32_t i = 0; i < k; i++) {
-        to[i] = from[i];
-    }
-}
-
 /* trial = (1 + s) centroid - s worst, the centroid of all but the worst: s = 1
  * reflects, 2 expands, 1/2 contracts outside, -1/2 inside. */
 static void set_trial(rigcal_neldermead *nm, rigcal_real s, int32_t phase)
@@ -55,7 +48,7 @@ static void set_trial_shrunk(rigcal_neldermead *nm, int32_t v)
 
 static void set_trial_vertex(rigcal_neldermead *nm, int32_t v)
 {
-    copy(nm->trial, nm->vertex[v], nm->k);
+    rc_vec3_copy(nm->trial, nm->vertex[v]);
     nm->vertex_next = v;
     nm->phase = FIRST_SIMPLEX;
 }
@@ -63,7 +56,7 @@ static void set_trial_vertex(rigcal_neldermead *nm, int32_t v)
 static void put(rigcal_neldermead *nm, int32_t v, const rigcal_real x[3],
                 rigcal_real cost)
 {
-    copy(nm->vertex[v], x, nm->k);
+    rc_vec3_copy(nm->vertex[v], x);
     nm->cost[v] = cost;
 }
 
@@ -74,7 +67,7 @@ static void sort_vertices(rigcal_neldermead *nm)
         rigcal_real x[3];
         const rigcal_real cost = nm->cost[i];
         int32_t at = i;
-        copy(x, nm->vertex[i], nm->k);
+        rc_vec3_copy(x, nm->vertex[i]);
         for (; at > 0 && nm->cost[at - 1] > cost; at--) {
             put(nm, at, nm->vertex[at - 1], nm->cost[at - 1]);
         }
@@ -122,7 +115,7 @@ static void accept(rigcal_neldermead *nm, const rigcal_real x[3],
 static void tell_reflection(rigcal_neldermead *nm, rigcal_real cost)
 {
     const int32_t k = nm->k;
-    copy(nm->reflected, nm->trial, k);
+    rc_vec3_copy(nm->reflected, nm->trial);
     nm->cost_reflected = cost;
     if (cost < nm->cost[0]) {
         set_trial(nm, 2, EXPANSION);
@@ -304,6 +297,13 @@ rigcal_status rigcal_neldermead_begin_simplex(rigcal_neldermead *nm,
         rc_neldermead_begin_simplex(nm, simplex, k, xtol, ftol, max_evals);
     }
     return status;
+}
+
+static void copy(rigcal_real to[], const rigcal_real from[3], int32_t k)
+{
+    for (int32_t i = 0; i < k; i++) {
+        to[i] = from[i];
+    }
 }
 
 static int is_begun(const rigcal_neldermead *nm)

@@ -18,12 +18,22 @@
 enum { ROOT_STEPS = 12 };
 
 /* The triangle, point 0 opposite to the longest side, which is 1. The unknowns are
- * v = (D, p, q), for depths s0 = D / h, s1 = s0 + p, s2 = s0 + q. */
+ * v = (D, p, q), for depths s0 = D / h, s1 = s0 + p, s2 = s0 + q, with h the longest
+ * chord between the rays. In rows, `depth` takes v to the depths times h, `side` to the
+ * differences of depths along the sides 01, 02, 12. */
 typedef struct {
-    rigcal_real a[3]; /* squares of the sides 01, 02, 12; the last is 1 */
-    rigcal_real e[3]; /* of the chords between the rays, over h^2 */
-    rigcal_real h;    /* longest chord */
+    rigcal_real squared[3]; /* the sides; the last is 1 */
+    rigcal_real chord2[3];  /* the chords between the rays, over h^2 */
+    rigcal_real h;
+    rigcal_real depth[9];
 } triangle;
+
+static const rigcal_real SIDE[3][3] = {{0, 1, 0}, {0, 0, 1}, {0, 1, -1}};
+
+/* Side k goes from point FROM[k] to point TO[k]. */
+static const uint8_t FROM[3] = {0, 0, 1}, TO[3] = {1, 2, 2};
+
+static const uint8_t CYCLE[5] = {0, 1, 2, 0, 1};
 
 /* ---- the equations ------------------------------------------------------- */
 
@@ -31,63 +41,63 @@ typedef struct {
 static void sides(rigcal_real f[3], rigcal_real s[3], const triangle *T,
                   const rigcal_real v[3])
 {
-    s[0] = v[0];
-    s[1] = v[0] + T->h * v[1];
-    s[2] = v[0] + T->h * v[2];
-    f[0] = v[1] * v[1] + T->e[0] * s[0] * s[1];
-    f[1] = v[2] * v[2] + T->e[1] * s[0] * s[2];
-    f[2] = (v[1] - v[2]) * (v[1] - v[2]) + T->e[2] * s[1] * s[2];
+    rc_mat3_mul_vec3(s, T->depth, v);
+    for (int k = 0; k < 3; k++) {
+        const rigcal_real along = rc_vec3_dot(SIDE[k], v);
+        f[k] = along * along + T->chord2[k] * s[FROM[k]] * s[TO[k]];
+    }
 }
 
 /* ---- the pencil of conics ------------------------------------------------ */
 
-/* Symmetric matrices are held as 00, 01, 02, 11, 12, 22. The conics on which the
- * sides 01 and 02 have the right ratio to 12. */
-static void conics(rigcal_real C0[6], rigcal_real C1[6], const triangle *T)
+/* f[k] = v^T M v, M symmetric. */
+static void form(rigcal_real M[9], const triangle *T, int k)
 {
-    const rigcal_real half = T->h / 2;
-    const rigcal_real M12[6] = {T->e[2], half * T->e[2], half * T->e[2], 1,
-                                half * T->h * T->e[2] - 1, 1};
-    for (int k = 0; k < 6; k++) {
-        C0[k] = -T->a[0] * M12[k];
-        C1[k] = -T->a[1] * M12[k];
+    const rigcal_real *const from = &T->depth[3 * FROM[k]];
+    const rigcal_real *const to = &T->depth[3 * TO[k]];
+    const rigcal_real half = T->chord2[k] / 2;
+    for (int i = 0; i < 3; i++) {
+        rc_vec3_combine(&M[3 * i], half * from[i], to, half * to[i], from);
+        rc_vec3_add_scaled(&M[3 * i], SIDE[k][i], SIDE[k]);
     }
-    C0[0] += T->e[0];
-    C0[1] += half * T->e[0];
-    C0[3] += 1;
-    C1[0] += T->e[1];
-    C1[2] += half * T->e[1];
-    C1[5] += 1;
 }
 
-static void adjugate(rigcal_real A[6], const rigcal_real C[6])
+/* out = s A + t B */
+static void combine(rigcal_real out[9], rigcal_real s, const rigcal_real A[9],
+                    rigcal_real t, const rigcal_real B[9])
 {
-    A[0] = C[3] * C[5] - C[4] * C[4];
-    A[1] = C[2] * C[4] - C[1] * C[5];
-    A[2] = C[1] * C[4] - C[2] * C[3];
-    A[3] = C[0] * C[5] - C[2] * C[2];
-    A[4] = C[1] * C[2] - C[0] * C[4];
-    A[5] = C[0] * C[3] - C[1] * C[1];
+    for (int k = 0; k < 9; k++) {
+        out[k] = s * A[k] + t * B[k];
+    }
 }
 
-/* Trace of the product. */
-static rigcal_real trace_of(const rigcal_real A[6], const rigcal_real C[6])
+/* The conics on which the sides 01 and 02 have the right ratio to 12. */
+static void conics(rigcal_real C0[9], rigcal_real C1[9], const triangle *T)
 {
-    return A[0] * C[0] + A[3] * C[3] + A[5] * C[5] +
-           2 * (A[1] * C[1] + A[2] * C[2] + A[4] * C[4]);
+    rigcal_real M12[9];
+    form(M12, T, 2);
+    form(C0, T, 0);
+    form(C1, T, 1);
+    combine(C0, 1, C0, -T->squared[0], M12);
+    combine(C1, 1, C1, -T->squared[1], M12);
+}
+
+/* Trace of the product of symmetric matrices. */
+static rigcal_real trace_of(const rigcal_real A[9], const rigcal_real C[9])
+{
+    return rc_vec3_dot(&A[0], &C[0]) + rc_vec3_dot(&A[3], &C[3]) +
+           rc_vec3_dot(&A[6], &C[6]);
 }
 
 /* det(C0 + x C1) by powers of x. */
-static void pencil_cubic(rigcal_real c[4], const rigcal_real C0[6],
-                         const rigcal_real C1[6])
+static void pencil_cubic(rigcal_real c[4], const rigcal_real C0[9],
+                         const rigcal_real C1[9])
 {
-    rigcal_real A[6];
-    adjugate(A, C0);
-    c[0] = trace_of(A, C0) / 3;
+    rigcal_real A[9];
+    c[0] = rc_mat3_cofactors(A, C0);
     c[1] = trace_of(A, C1);
-    adjugate(A, C1);
+    c[3] = rc_mat3_cofactors(A, C1);
     c[2] = trace_of(A, C0);
-    c[3] = trace_of(A, C1) / 3;
 }
 
 /* The real root of y^3 - 3 r2 y + g, g >= 0, that lies apart from the others, or
@@ -132,67 +142,69 @@ static void pencil_root(rigcal_real m[2], const rigcal_real c[4])
     m[!swapped] = x;
 }
 
-/* The two lines that make up a conic of rank 2: D = l m^T + m l^T. Their crossing
- * is the root of -adj(D), and D + [crossing]x = 2 l m^T. 0 when they are complex. */
-static int split(rigcal_real l[2][3], const rigcal_real D[6])
+/* The two lines that make up a conic of rank 2: D = l m^T + m l^T. Their crossing c
+ * is the root of -adj(D), and N = D + [c]x = 2 l m^T, which takes the place of D. 0 when
+ * they are complex. */
+static int split(rigcal_real lines[2][3], rigcal_real D[9])
 {
-    rigcal_real A[6];
-    adjugate(A, D);
-    const rigcal_real full[3][3] = {
-        {A[0], A[1], A[2]}, {A[1], A[3], A[4]}, {A[2], A[4], A[5]}};
-    int at = (full[1][1] < full[0][0]) ? 1 : 0;
-    at = (full[2][2] < full[at][at]) ? 2 : at;
-    if (!(full[at][at] < 0)) {
+    rigcal_real A[9], c[3];
+    int at = 0;
+    (void)rc_mat3_cofactors(A, D);
+    for (int k = 4; k < 9; k += 4) {
+        at = (A[k] < A[at]) ? k : at;
+    }
+    if (!(A[at] < 0)) {
         return 0;
     }
-    const rigcal_real by_root = 1 / RC_SQRT(-full[at][at]);
-    const rigcal_real c[3] = {full[at][0] * by_root, full[at][1] * by_root,
-                              full[at][2] * by_root};
-    const rigcal_real N[3][3] = {{D[0], D[1] - c[2], D[2] + c[1]},
-                                 {D[1] + c[2], D[3], D[4] - c[0]},
-                                 {D[2] - c[1], D[4] + c[0], D[5]}};
-    int row = 0, column = 0;
+    const rigcal_real *const row = &A[at - at / 4];
+    rc_vec3_combine(c, 1 / RC_SQRT(-A[at]), row, 0, row);
+    D[1] -= c[2];
+    D[2] += c[1];
+    D[3] += c[2];
+    D[5] -= c[0];
+    D[6] -= c[1];
+    D[7] += c[0];
+    at = 0;
     for (int k = 1; k < 9; k++) {
-        if (RC_FABS(N[k / 3][k % 3]) > RC_FABS(N[row][column])) {
-            row = k / 3;
-            column = k % 3;
-        }
+        at = (RC_FABS(D[k]) > RC_FABS(D[at])) ? k : at;
     }
+    const int first = (at < 3) ? 0 : (at < 6) ? 3 : 6; /* of its row */
+    rc_vec3_copy(lines[0], &D[first]);
     for (int k = 0; k < 3; k++) {
-        l[0][k] = N[row][k];
-        l[1][k] = N[k][column];
+        lines[1][k] = D[at - first + 3 * k];
     }
     return 1;
 }
 
 /* Where the line l.v = 0 crosses the conic C, up to scale: 2, or 1, the real part of
- * a complex pair. */
+ * a complex pair. v = x a + y b, with a and b that leave v its digits: the coordinate
+ * of the largest of l follows from the others. */
 RC_APART static int cross_line(rigcal_real v[2][3], const rigcal_real l[3],
-                      const rigcal_real C[6])
+                               const rigcal_real C[9])
 {
-    const rigcal_real full[3][3] = {
-        {C[0], C[1], C[2]}, {C[1], C[3], C[4]}, {C[2], C[4], C[5]}};
     int k = (RC_FABS(l[1]) > RC_FABS(l[0])) ? 1 : 0;
     k = (RC_FABS(l[2]) > RC_FABS(l[k])) ? 2 : k;
-    const int i = (k + 1) % 3, j = (k + 2) % 3;
-    const rigcal_real u = -l[i] / l[k], w = -l[j] / l[k]; /* v_k = u v_i + w v_j */
-    const rigcal_real A = full[i][i] + u * (2 * full[i][k] + u * full[k][k]);
-    const rigcal_real G = full[j][j] + w * (2 * full[j][k] + w * full[k][k]);
-    const rigcal_real B = full[i][j] + u * full[j][k] + w * full[i][k] +
-                          u * w * full[k][k];
+    const int i = CYCLE[k + 1], j = CYCLE[k + 2];
+    rigcal_real a[3] = {0, 0, 0}, b[3] = {0, 0, 0}, Ca[3], Cb[3];
+    a[i] = b[j] = 1;
+    a[k] = -l[i] / l[k];
+    b[k] = -l[j] / l[k];
+    rc_mat3_mul_vec3(Ca, C, a);
+    rc_mat3_mul_vec3(Cb, C, b);
+    const rigcal_real A = rc_vec3_dot(a, Ca), B = rc_vec3_dot(a, Cb);
+    const rigcal_real G = rc_vec3_dot(b, Cb);
     const rigcal_real discriminant = B * B - A * G;
     const rigcal_real root = RC_SQRT(rc_max(discriminant, 0));
     const rigcal_real sum = (B < 0) ? root - B : -B - root;
     /* A x^2 + 2 B x y + G y^2 = 0 has the roots (sum : A) and (G : sum). */
-    const rigcal_real xy[2][2] = {{sum, A}, {G, sum}};
-    const int first = (discriminant > 0 || RC_FABS(A) >= RC_FABS(G)) ? 0 : 1;
-    const int count = (discriminant > 0) ? 2 : 1;
-    for (int n = 0; n < count; n++) {
-        v[n][i] = xy[first + n][0];
-        v[n][j] = xy[first + n][1];
-        v[n][k] = u * v[n][i] + w * v[n][j];
+    const int is_one = !(discriminant > 0);
+    if (is_one && RC_FABS(A) < RC_FABS(G)) {
+        rc_vec3_combine(v[0], G, a, sum, b);
+    } else {
+        rc_vec3_combine(v[0], sum, a, A, b);
+        rc_vec3_combine(v[1], G, a, sum, b);
     }
-    return count;
+    return is_one ? 1 : 2;
 }
 
 /* ---- poses --------------------------------------------------------------- */
@@ -203,7 +215,8 @@ static int depths_of(rigcal_real s[3], const rigcal_real v[3], const triangle *T
 {
     rigcal_real f[3], wrong = 0;
     sides(f, s, T, v);
-    const rigcal_real squared = (T->a[0] + T->a[1] + T->a[2]) / (f[0] + f[1] + f[2]);
+    const rigcal_real squared =
+        (T->squared[0] + T->squared[1] + T->squared[2]) / (f[0] + f[1] + f[2]);
     if (!(squared > 0 && squared <= RC_MAX)) {
         return 0;
     }
@@ -212,7 +225,7 @@ static int depths_of(rigcal_real s[3], const rigcal_real v[3], const triangle *T
     for (int k = 0; k < 3; k++) {
         s[k] *= scale;
         is_in_front = is_in_front && s[k] > DEPTH_MIN;
-        wrong = rc_max(wrong, RC_FABS(squared * f[k] - T->a[k]));
+        wrong = rc_max(wrong, RC_FABS(squared * f[k] - T->squared[k]));
     }
     return is_in_front && wrong <= LIFTED;
 }
@@ -250,105 +263,96 @@ typedef struct {
 } problem;
 
 RC_APART static int prepare(problem *P, const rigcal_real x[3][3],
-                   const rigcal_real ray[3][3])
+                            const rigcal_real ray[3][3])
 {
-    rigcal_real squared[3], u[3], w[3], chord[3][3];
+    rigcal_real longest = -1, d[3], w[2][3];
+    triangle *const T = &P->T;
+    int top = 0;
     for (int k = 0; k < 3; k++) { /* the side opposite to k */
-        rc_vec3_sub(u, x[(k + 2) % 3], x[(k + 1) % 3]);
-        squared[k] = rc_vec3_dot(u, u);
+        rc_vec3_sub(d, x[CYCLE[k + 2]], x[CYCLE[k + 1]]);
+        const rigcal_real squared = rc_vec3_dot(d, d);
+        top = (squared > longest) ? k : top;
+        longest = rc_max(squared, longest);
     }
-    int top = (squared[1] > squared[0]) ? 1 : 0;
-    top = (squared[2] > squared[top]) ? 2 : top;
-    const int i = (top + 1) % 3, j = (top + 2) % 3;
-    P->size = RC_SQRT(squared[top]);
+    P->size = RC_SQRT(longest);
     if (!(P->size > 0)) {
         return 0;
     }
     const rigcal_real by_size = 1 / P->size;
+    const rigcal_real *points[3];
     for (int k = 0; k < 3; k++) {
-        u[k] = (x[i][k] - x[top][k]) * by_size;
-        w[k] = (x[j][k] - x[top][k]) * by_size;
-        P->middle[k] = x[top][k] + P->size * (u[k] + w[k]) / 3;
+        points[k] = x[CYCLE[top + k]];
+        P->ray[k] = ray[CYCLE[top + k]];
     }
-    if (!frame(P->frame, u, w,
-               LINE_TOL * (1 + rc_vec3_max_abs(P->middle) * by_size))) {
-        return 0;
-    }
-    P->ray[0] = ray[top];
-    P->ray[1] = ray[i];
-    P->ray[2] = ray[j];
-    rc_vec3_sub(chord[0], ray[i], ray[top]);
-    rc_vec3_sub(chord[1], ray[j], ray[top]);
-    rc_vec3_sub(chord[2], ray[j], ray[i]);
-    rigcal_real longest = 0, least = RC_MAX;
+    rigcal_real h2 = 0, least = RC_MAX;
     for (int k = 0; k < 3; k++) {
-        P->T.e[k] = rc_vec3_dot(chord[k], chord[k]);
-        longest = rc_max(longest, P->T.e[k]);
-        least = rc_min(least, P->T.e[k]);
+        rc_vec3_sub(d, P->ray[TO[k]], P->ray[FROM[k]]);
+        T->chord2[k] = rc_vec3_dot(d, d);
+        h2 = rc_max(h2, T->chord2[k]);
+        least = rc_min(least, T->chord2[k]);
     }
-    if (!(least > RAY_TOL * RAY_TOL)) {
-        return 0;
+    for (int k = 0; k < 2; k++) {
+        rc_vec3_sub(d, points[1 + k], points[0]);
+        rc_vec3_combine(w[k], by_size, d, 0, d);
+        T->squared[k] = rc_vec3_dot(w[k], w[k]);
     }
-    P->T.h = RC_SQRT(longest);
+    T->squared[2] = 1;
+    rc_vec3_combine(P->middle, P->size / 3, w[0], P->size / 3, w[1]);
+    rc_vec3_add_scaled(P->middle, 1, points[0]);
+    T->h = RC_SQRT(h2);
     for (int k = 0; k < 3; k++) {
-        P->T.e[k] /= longest;
+        T->chord2[k] /= h2;
+        for (int j = 0; j < 3; j++) {
+            T->depth[3 * k + j] = (j == 0) ? 1 : (j == k) ? T->h : 0;
+        }
     }
-    P->T.a[0] = rc_vec3_dot(u, u);
-    P->T.a[1] = rc_vec3_dot(w, w);
-    P->T.a[2] = 1;
-    return 1;
+    return least > RAY_TOL * RAY_TOL &&
+           frame(P->frame, w[0], w[1],
+                 LINE_TOL * (1 + rc_vec3_max_abs(P->middle) * by_size));
 }
 
 /* The pose of a solution with depths s / h. */
 RC_APART static int write_pose(rigcal_transform *cam_from_points, const problem *P,
-                      const rigcal_real s[3])
+                               const rigcal_real s[3])
 {
-    rigcal_real u[3], w[3], F[9], turned[3];
     const rigcal_real by_h = 1 / P->T.h;
-    for (int k = 0; k < 3; k++) {
-        const rigcal_real at = s[0] * by_h * P->ray[0][k];
-        u[k] = s[1] * by_h * P->ray[1][k] - at;
-        w[k] = s[2] * by_h * P->ray[2][k] - at;
+    rigcal_real first[3], w[2][3], F[9], middle[3], turned[3];
+    rc_vec3_combine(first, s[0] * by_h, P->ray[0], 0, P->ray[0]);
+    for (int k = 0; k < 2; k++) {
+        rc_vec3_combine(w[k], s[1 + k] * by_h, P->ray[1 + k], -1, first);
     }
-    if (!frame(F, u, w, 0)) {
+    if (!frame(F, w[0], w[1], 0)) {
         return 0;
     }
     for (int row = 0; row < 3; row++) {
-        for (int column = 0; column < 3; column++) {
-            cam_from_points->R[3 * row + column] =
-                F[row] * P->frame[column] + F[3 + row] * P->frame[3 + column] +
-                F[6 + row] * P->frame[6 + column];
-        }
+        const rigcal_real column[3] = {F[row], F[3 + row], F[6 + row]};
+        rc_mat3_tmul_vec3(&cam_from_points->R[3 * row], P->frame, column);
     }
     rc_mat3_mul_vec3(turned, cam_from_points->R, P->middle);
-    for (int k = 0; k < 3; k++) {
-        cam_from_points->t[k] =
-            P->size * (s[0] * by_h * P->ray[0][k] + (u[k] + w[k]) / 3) - turned[k];
-    }
+    rc_vec3_combine(middle, RC(1) / 3, w[0], RC(1) / 3, w[1]);
+    rc_vec3_add_scaled(middle, 1, first);
+    rc_vec3_combine(cam_from_points->t, P->size, middle, -1, turned);
     return 1;
 }
 
 /* The lines on which the solutions lie, two by two at most, and a conic that crosses
  * them there. 0 when there are none. */
-RC_APART static int find_lines(rigcal_real lines[2][3], rigcal_real conic[6],
-                      const triangle *T)
+RC_APART static int find_lines(rigcal_real lines[2][3], rigcal_real conic[9],
+                               const triangle *T)
 {
-    rigcal_real C0[6], c[4], m[2];
-    conics(C0, conic, T);
-    pencil_cubic(c, C0, conic);
+    rigcal_real C0[9], C1[9], apart[9], c[4], m[2];
+    conics(C0, C1, T);
+    pencil_cubic(c, C0, C1);
     pencil_root(m, c);
-    for (int k = 0; k < 6; k++) {
-        const rigcal_real apart = m[0] * C0[k] + m[1] * conic[k];
-        conic[k] = m[0] * conic[k] - m[1] * C0[k];
-        C0[k] = apart;
-    }
-    return split(lines, C0);
+    combine(apart, m[0], C0, m[1], C1);
+    combine(conic, m[0], C1, -m[1], C0);
+    return split(lines, apart);
 }
 
 int rc_p3p(rigcal_transform cam_from_points[RC_P3P_MAX], const rigcal_real x[3][3],
            const rigcal_real ray[3][3])
 {
-    rigcal_real lines[2][3], conic[6];
+    rigcal_real lines[2][3], conic[9];
     problem P;
     int count = 0;
     if (!prepare(&P, x, ray) || !find_lines(lines, conic, &P.T)) {

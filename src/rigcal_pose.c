@@ -143,47 +143,43 @@ rigcal_status rc_survey_points(rc_survey *out, const rigcal_observation o[],
                                const rigcal_real sigma[], const uint8_t mask[],
                                size_t n)
 {
-    rigcal_real total = 0, count = 0, largest = 0;
-    rigcal_real shift[3] = {0, 0, 0}, box[3] = {0, 0, 0}, uv[2] = {0, 0};
-    rigcal_real low[2] = {0, 0}, high[2] = {0, 0};
+    rigcal_real total = 0, size = 0, largest = 0, shift[3] = {0, 0, 0};
+    rigcal_real sum[2] = {0, 0}, low[2] = {0, 0}, high[2] = {0, 0};
     const rigcal_observation *first = NULL;
     for (size_t i = 0; i < n; i++) {
+        const rigcal_real *const uv = o[i].uv;
         if (!rc_is_used(mask, i)) {
             continue;
         }
         if (first == NULL) {
             first = &o[i];
-            low[0] = high[0] = first->uv[0];
-            low[1] = high[1] = first->uv[1];
+            low[0] = high[0] = uv[0];
+            low[1] = high[1] = uv[1];
         }
         rigcal_real x[3]; /* differences of two points are exact */
         const rigcal_real weight = weight_of(sigma, i);
         rc_vec3_sub(x, o[i].X_w, first->X_w);
         rc_vec3_add_scaled(shift, weight, x);
-        for (int k = 0; k < 3; k++) {
-            box[k] = rc_max(box[k], RC_FABS(x[k]));
-        }
-        for (int k = 0; k < 2; k++) {
-            uv[k] += o[i].uv[k];
-            low[k] = rc_min(low[k], o[i].uv[k]);
-            high[k] = rc_max(high[k], o[i].uv[k]);
-        }
-        largest = rc_max(largest, rc_vec3_max_abs(o[i].X_w));
         total += weight;
-        count += 1;
+        size = rc_max(size, rc_vec3_max_abs(x));
+        largest = rc_max(largest, rc_vec3_max_abs(o[i].X_w));
+        for (int k = 0; k < 2; k++) {
+            sum[k] += weight * uv[k];
+            low[k] = rc_min(low[k], uv[k]);
+            high[k] = rc_max(high[k], uv[k]);
+        }
     }
     rc_vec3_combine(out->origin, 1, first->X_w, 1 / total, shift);
-    out->uv_middle[0] = uv[0] / count;
-    out->uv_middle[1] = uv[1] / count;
-    const rigcal_real du = high[0] - low[0], dv = high[1] - low[1];
-    out->area_px2 = du * dv;
-    out->extent_px = RC_SQRT(du * du + dv * dv) / 2;
-    out->size = rc_vec3_max_abs(box);
-    if (!(out->size > 1 / RC_COORDINATE_MAX)) {
+    for (int k = 0; k < 2; k++) {
+        out->uv_middle[k] = sum[k] / total;
+        out->uv_extent[k] = high[k] - low[k];
+    }
+    out->size = size;
+    if (!(size > 1 / RC_COORDINATE_MAX)) {
         return RIGCAL_ERR_COINCIDENT;
     }
-    return (largest * RC_EPS <= RC_SHAPE_ROUNDING * out->size) ? RIGCAL_OK
-                                                               : RIGCAL_ERR_PRECISION;
+    return (largest * RC_EPS <= RC_SHAPE_ROUNDING * size) ? RIGCAL_OK
+                                                          : RIGCAL_ERR_PRECISION;
 }
 
 static void fail(rigcal_pose_solver *s, rigcal_status status, int32_t bad)
@@ -391,19 +387,21 @@ static int32_t same_found(const rigcal_pose_solver *s)
 static void insert_found(rigcal_pose_solver *s)
 {
     const rigcal_refinement *const end = &s->work.fit;
+    rigcal_pose_optimum *const found = s->found;
     int32_t at = same_found(s);
     if (at < 0) {
-        at = (s->n_found < RIGCAL_POSES_MAX) ? s->n_found++ : RIGCAL_POSES_MAX;
-    }
-    for (; at > 0 && end->sse < s->found[at - 1].sse; at--) {
+        at = s->n_found;
         if (at < RIGCAL_POSES_MAX) {
-            s->found[at] = s->found[at - 1];
+            s->n_found++;
+        } else if (!(end->sse < found[--at].sse)) {
+            return;
         }
     }
-    if (at < RIGCAL_POSES_MAX) {
-        s->found[at].cam_from_points = end->cam_from_points;
-        s->found[at].sse = end->sse;
+    for (; at > 0 && end->sse < found[at - 1].sse; at--) {
+        found[at] = found[at - 1];
     }
+    found[at].cam_from_points = end->cam_from_points;
+    found[at].sse = end->sse;
 }
 
 /* ---- likelihood ---------------------------------------------------------- */
@@ -411,7 +409,7 @@ static void insert_found(rigcal_pose_solver *s)
 /* Degrees of freedom; three points, which have none, nearly fit. */
 static rigcal_real freedom(size_t n)
 {
-    return rc_max(1, (rigcal_real)(2 * n) - 6);
+    return rc_max(1, (rigcal_real)(2 * (int32_t)n - 6));
 }
 
 static rigcal_real within_odds(rigcal_real x)
@@ -813,7 +811,7 @@ static int is_warm_good(const rigcal_pose_solver *s)
         return !is_poor(s);
     }
     const rigcal_real limit = rc_max(WARM_NOISE, WARM_ERROR * s->extent_px);
-    return squared_pixels(s, 0) <= (rigcal_real)s->n_used * limit * limit;
+    return squared_pixels(s, 0) <= (rigcal_real)(int32_t)s->n_used * limit * limit;
 }
 
 /* ---- the phases ---------------------------------------------------------- */
@@ -986,7 +984,9 @@ rigcal_status rc_pose_begin(rigcal_pose_solver *solver, int32_t *bad,
     solver->n_used = count_used(mask, n);
     solver->bad = -1;
     solver->scale = 1 / survey.size;
-    solver->extent_px = survey.extent_px;
+    solver->extent_px = RC_SQRT(survey.uv_extent[0] * survey.uv_extent[0] +
+                                survey.uv_extent[1] * survey.uv_extent[1]) /
+                        2;
     if (options != NULL) {
         solver->thorough = options->thorough;
         solver->sigma_px = options->sigma_px;
@@ -1052,7 +1052,7 @@ static void write_pose(rigcal_pose *out, const rigcal_pose_solver *s, int32_t i)
     rc_mat3_mul_vec3(turned, pose->R, s->fit.origin);
     rc_vec3_add_scaled(pose->t, -1, turned);
     out->sse = s->found[i].sse;
-    out->rms_px = RC_SQRT(squared_pixels(s, i) / (rigcal_real)s->n_used);
+    out->rms_px = RC_SQRT(squared_pixels(s, i) / (rigcal_real)(int32_t)s->n_used);
 }
 
 rigcal_status rigcal_pose_result(rigcal_pose poses[], size_t *n_found,

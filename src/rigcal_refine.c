@@ -170,7 +170,9 @@ static rigcal_status equations(rigcal_real *sse, rigcal_real g[6],
     rigcal_real sum = 0;
     for (int k = 0; k < 21; k++) {
         H[k] = 0;
-        g[k % 6] = 0;
+    }
+    for (int k = 0; k < 6; k++) {
+        g[k] = 0;
     }
     for (size_t i = 0; i < fit->n; i++) {
         rigcal_real e[2] = {0, 0}, B[6], q[3], X_c[3];
@@ -303,21 +305,21 @@ int rc_refine_rotation_variance(rigcal_real *variance, const rigcal_real H[21])
 /* ---- Levenberg-Marquardt ------------------------------------------------- */
 
 /* R <- exp([w]x) R, t <- t + dt for the step d = (w, dt), with the quaternion
- * (1, w / 2) for the exponential: right to second order, and for any step a
- * rotation. */
+ * (1, v), v = w / 2, for the exponential: right to second order, and for any step a
+ * rotation. It takes a column r of R to r + (v x r + v x (v x r)) 2 / (1 + |v|^2). */
 RC_APART static void move(rigcal_transform *pose, const rigcal_real d[6])
 {
-    const rigcal_real x = d[0] / 2, y = d[1] / 2, z = d[2] / 2;
-    const rigcal_real s = 2 / (1 + x * x + y * y + z * z);
-    const rigcal_real turn[9] = {
-        1 - s * (y * y + z * z), s * (x * y - z),         s * (x * z + y),
-        s * (x * y + z),         1 - s * (x * x + z * z), s * (y * z - x),
-        s * (x * z - y),         s * (y * z + x),         1 - s * (x * x + y * y)};
+    rigcal_real v[3];
+    rc_vec3_combine(v, RC(0.5), d, 0, d);
+    const rigcal_real scale = 2 / (1 + rc_vec3_dot(v, v));
     for (int column = 0; column < 3; column++) {
-        const rigcal_real r[3] = {pose->R[column], pose->R[3 + column],
-                                  pose->R[6 + column]};
-        for (int row = 0; row < 3; row++) {
-            pose->R[3 * row + column] = rc_vec3_dot(&turn[3 * row], r);
+        rigcal_real *const R = &pose->R[column];
+        const rigcal_real r[3] = {R[0], R[3], R[6]};
+        rigcal_real once[3], twice[3];
+        rc_vec3_cross(once, v, r);
+        rc_vec3_cross(twice, v, once);
+        for (int k = 0; k < 3; k++) {
+            R[3 * k] += scale * (once[k] + twice[k]);
         }
     }
     rc_vec3_add_scaled(pose->t, 1, &d[3]);

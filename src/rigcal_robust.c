@@ -318,7 +318,7 @@ static rigcal_status begin(rigcal_robust_solver *s, int32_t *at, uint8_t inliers
         next_sample(s);
     }
     rc_vec3_copy(s->origin, survey.origin);
-    s->area_px2 = survey.area_px2;
+    s->area_px2 = survey.uv_extent[0] * survey.uv_extent[1];
     s->phase = SAMPLING;
     return RIGCAL_OK;
 }

@@ -48,32 +48,33 @@ int rc_view_finish(rigcal_view_moments *view)
 int rc_view_normal(rigcal_real normal[3], rigcal_real *thickness,
                    const rigcal_view_moments *view)
 {
-    enum { SQUARINGS = 5 };
+    enum { SQUARINGS = 6 };
+    static const uint8_t FULL[9] = {0, 1, 2, 1, 3, 4, 2, 4, 5};
     const rigcal_real *const C = view->C;
-    const rigcal_real trace = C[0] + C[3] + C[5];
-    const rigcal_real full[9] = {C[0] / trace, C[1] / trace, C[2] / trace,
-                                 C[1] / trace, C[3] / trace, C[4] / trace,
-                                 C[2] / trace, C[4] / trace, C[5] / trace};
-    rigcal_real K[9], product[9], Cn[3];
-    (void)rc_mat3_cofactors(K, full);
-    if (!(K[0] + K[4] + K[8] > RC_TOL(1e-12, 1e-7))) {
+    const rigcal_real by_trace = 1 / (C[0] + C[3] + C[5]);
+    rigcal_real A[9], B[9], Cn[3];
+    int at = 0;
+    for (int k = 0; k < 9; k++) {
+        A[k] = by_trace * C[FULL[k]];
+    }
+    (void)rc_mat3_cofactors(B, A);
+    const rigcal_real trace = B[0] + B[4] + B[8];
+    if (!(trace > RC_TOL(1e-12, 1e-7))) {
         return 0;
     }
-    for (int i = 0; i < SQUARINGS; i++) {
-        const rigcal_real scale = 1 / (K[0] + K[4] + K[8]);
-        for (int k = 0; k < 9; k++) {
-            K[k] *= scale;
-        }
-        rc_mat3_mul(product, K, K);
-        for (int k = 0; k < 9; k++) {
-            K[k] = product[k];
-        }
+    for (int k = 0; k < 9; k++) {
+        B[k] /= trace;
     }
-    const int row = (K[0] >= K[4]) ? ((K[0] >= K[8]) ? 0 : 2)
-                                   : ((K[4] >= K[8]) ? 1 : 2);
-    (void)rc_vec3_unit(normal, &K[3 * row]);
+    for (int i = 0; i < SQUARINGS; i += 2) { /* the largest is 1/3 or more: no underflow */
+        rc_mat3_mul(A, B, B);
+        rc_mat3_mul(B, A, A);
+    }
+    for (int k = 4; k < 9; k += 4) {
+        at = (B[k] > B[at]) ? k : at;
+    }
+    (void)rc_vec3_unit(normal, &B[at - at / 4]);
     rc_sym3_mul_vec3(Cn, C, normal);
-    *thickness = rc_max(0, rc_vec3_dot(Cn, normal)) / trace;
+    *thickness = rc_max(0, rc_vec3_dot(Cn, normal)) * by_trace;
     return 1;
 }
 

@@ -686,7 +686,7 @@ static void test_a_robust_pose_takes_at_most_9000_units_and_its_samples(void)
 
 /* ---- diagnose ------------------------------------------------------------ */
 
-/* A survey of the points takes the square root of their image's extent. */
+/* Beginning a pose takes the square root of its image's extent. */
 static void test_a_diagnosis_solves_n_plus_1_to_n_plus_3_poses(void)
 {
     test_rng rng = test_seed(409);
@@ -699,11 +699,11 @@ static void test_a_diagnosis_solves_n_plus_1_to_n_plus_3_poses(void)
         scene s;
 
         hostile_scene(&s, trial % KINDS, 5 + trial % 9, &rng);
-        watch("rc_survey_points", HOOK_SQRT);
+        watch("rc_pose_begin", HOOK_SQRT);
         ASSERT_STATUS(RIGCAL_OK, rigcal_blame_point(&blame, rms_without, &s.camera, s.o,
                                                     NULL, s.n, NULL));
         TEST_ASSERT_EQUAL_INT((int)s.n + 1, watched.count);
-        watch("rc_survey_points", HOOK_SQRT);
+        watch("rc_pose_begin", HOOK_SQRT);
         ASSERT_STATUS(RIGCAL_OK,
                       rigcal_diagnose_pose(&diagnosis, rms_without, work, &s.camera, s.o,
                                            NULL, s.n, NULL));

@@ -32,7 +32,7 @@ rigcal_status rc_pose_begin(rigcal_pose_solver *solver, int32_t *bad,
                             size_t n, const rigcal_pose_options *options);
 
 /* (C) Likelihood of a sum of squared errors over that of another, for n >= 3 points;
- * sigma_px 0: unknown. Within 1e-30 .. 1e30. */
+ * sigma_px 0: unknown. 0 or infinity where it is beyond them. */
 rigcal_real rc_odds(rigcal_real sse, rigcal_real other, rigcal_real sigma_px, size_t n);
 
 /* Of a search that is done: likelihood of optimum i over that of the first. */

@@ -29,17 +29,17 @@ rigcal_status rc_check_camera(const rigcal_camera *camera)
     if (!rc_all_finite(numbers, 12)) {
         return RIGCAL_ERR_NOT_FINITE;
     }
-    const int size_ok = c->width >= 1 && c->width <= SIZE_MAX_PX &&
-                        c->height >= 1 && c->height <= SIZE_MAX_PX;
-    const int focal_ok = c->fx >= FOCAL_MIN && c->fy >= FOCAL_MIN;
+    /* As unsigned, 0 and the negative are large. */
+    const int size_ok = (uint32_t)c->width - 1 < SIZE_MAX_PX &&
+                        (uint32_t)c->height - 1 < SIZE_MAX_PX;
+    const int focal_ok = rc_min(c->fx, c->fy) >= FOCAL_MIN &&
+                         rc_all_within(numbers, K1, RC_PIXEL_MAX);
     const int lens_ok =
         c->lens == RIGCAL_LENS_BROWN ||
         (c->lens == RIGCAL_LENS_FISHEYE && rc_all_within(&numbers[P1], 2, 0) &&
          rc_all_within(&numbers[K5], 2, 0));
-    return (size_ok && focal_ok && lens_ok && c->reserved == 0 &&
-            rc_all_within(numbers, K1, RC_PIXEL_MAX))
-               ? RIGCAL_OK
-               : RIGCAL_ERR_CAMERA;
+    return (size_ok && focal_ok && lens_ok && c->reserved == 0) ? RIGCAL_OK
+                                                                : RIGCAL_ERR_CAMERA;
 }
 
 rigcal_status rc_check_pixel(const rigcal_real uv[2])
@@ -306,21 +306,25 @@ RC_APART static int invert_lens(rigcal_real x[2], const rigcal_lens *lens,
     return 0;
 }
 
-/* Of an angle in [0, pi): the series, from the nearer end. The C library's would bring
- * along its reduction of large angles, 3 KB of flash that a camera without a fisheye
- * never runs. */
-static void sine_cosine(rigcal_real *sine, rigcal_real *cosine, rigcal_real angle)
+/* The ray at x, theta = |x| < pi off the axis: (sin theta / theta x, cos theta) by their
+ * series in theta^2. The C library's would bring along its reduction of large angles,
+ * 3 KB of flash. */
+static rigcal_status fisheye_ray(rigcal_real ray[3], const rigcal_real x[2])
 {
-    enum { TERMS = 11 }; /* at pi / 2 the next is below 1e-17 */
-    const int is_far = angle > RC_PI / 2;
-    const rigcal_real x = is_far ? RC_PI - angle : angle;
-    rigcal_real s = 1, c = 1;
-    for (int k = 2 * TERMS; k > 0; k -= 2) {
-        s = 1 - x * x / (rigcal_real)(k * (k + 1)) * s;
-        c = 1 - x * x / (rigcal_real)(k * (k - 1)) * c;
+    enum { TERMS = 14 }; /* at pi the next is below 1e-16 */
+    const rigcal_real theta2 = x[0] * x[0] + x[1] * x[1];
+    rigcal_real sinc = 1, cosine = 1;
+    if (!(theta2 < RC_PI * RC_PI)) {
+        return RIGCAL_ERR_NO_RAY;
     }
-    *sine = x * s;
-    *cosine = is_far ? -c : c;
+    for (int k = 2 * TERMS; k > 0; k -= 2) {
+        sinc = 1 - theta2 / (rigcal_real)(k * (k + 1)) * sinc;
+        cosine = 1 - theta2 / (rigcal_real)(k * (k - 1)) * cosine;
+    }
+    ray[0] = sinc * x[0];
+    ray[1] = sinc * x[1];
+    ray[2] = cosine;
+    return RIGCAL_OK;
 }
 
 rigcal_status rc_pixel_to_ray(rigcal_real ray[3], const rigcal_camera *camera,
@@ -333,31 +337,18 @@ rigcal_status rc_pixel_to_ray(rigcal_real ray[3], const rigcal_camera *camera,
                                        rc_max(RC_FABS(c->cx), RC_FABS(c->cy)));
     const rigcal_real tolerance =
         (MISS_MAX_PX + 4 * RC_EPS * largest) / rc_max(c->fx, c->fy);
+    rigcal_real x[2] = {target[0], target[1]};
     rigcal_lens lens;
-    rigcal_real x[2];
 
     rc_lens_of(&lens, camera);
-    if (lens.is_pinhole) {
-        x[0] = target[0];
-        x[1] = target[1];
-    } else if (!invert_lens(x, &lens, target, tolerance)) {
+    if (!lens.is_pinhole && !invert_lens(x, &lens, target, tolerance)) {
         return RIGCAL_ERR_NO_RAY;
     }
-    if (!lens.is_fisheye) {
-        const rigcal_real m[3] = {x[0], x[1], 1};
-        return rc_vec3_unit(ray, m) ? RIGCAL_OK : RIGCAL_ERR_NO_RAY;
+    if (lens.is_fisheye) {
+        return fisheye_ray(ray, x);
     }
-    const rigcal_real theta = RC_SQRT(x[0] * x[0] + x[1] * x[1]);
-    if (!(theta < RC_PI)) {
-        return RIGCAL_ERR_NO_RAY;
-    }
-    rigcal_real sine, cosine;
-    sine_cosine(&sine, &cosine, theta);
-    const rigcal_real by_theta = (theta > 0) ? sine / theta : 1;
-    ray[0] = x[0] * by_theta;
-    ray[1] = x[1] * by_theta;
-    ray[2] = cosine;
-    return RIGCAL_OK;
+    const rigcal_real m[3] = {x[0], x[1], 1};
+    return rc_vec3_unit(ray, m) ? RIGCAL_OK : RIGCAL_ERR_NO_RAY;
 }
 
 /* ---- from a point to a pixel --------------------------------------------- */

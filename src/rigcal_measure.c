@@ -176,11 +176,11 @@ static rigcal_status world_ray(rigcal_real d[3], rigcal_real o[3], const views *
     return RIGCAL_OK;
 }
 
-/* A <- its Cholesky factor; 0: singular to rounding. */
-static int factor(rigcal_real A[6])
+/* L L^T = A; 0: singular to rounding. */
+static int factor(rigcal_real L[6], const rigcal_real A[6])
 {
     const rigcal_real diagonal[3] = {A[0], A[3], A[5]};
-    return rc_sym3_factor(A, A, diagonal, 4 * RC_EPS);
+    return rc_sym3_factor(L, A, diagonal, 4 * RC_EPS);
 }
 
 /* x <- (L L^T)^-1 x */
@@ -218,7 +218,7 @@ static rigcal_status nearest_to_rays(rigcal_real X[3], const views *v)
         A[5] += 1;
         rc_sym3_add_outer(A, -1, d);
     }
-    if (!(parallax >= PARALLAX_MIN) || !factor(A)) {
+    if (!(parallax >= PARALLAX_MIN) || !factor(A, A)) {
         return RIGCAL_ERR_PARALLEL;
     }
     solve(b, A);
@@ -268,11 +268,12 @@ enum { EVALS_MAX = 100, HALVINGS_MAX = 30 };
 static rigcal_status refine_point(rigcal_real X[3], rigcal_real *sum,
                                   rigcal_real L[6], const views *v)
 {
-    rigcal_real at[3], step[3] = {0, 0, 0}, last_gain = RC_MAX;
+    const rigcal_real small2 = 16 * RC_EPS * RC_EPS;
+    rigcal_real step[3] = {0, 0, 0}, last_gain = RC_MAX;
     int halvings = 0;
     *sum = RC_MAX;
     for (int i = 0; i < EVALS_MAX && halvings < HALVINGS_MAX; i++) {
-        rigcal_real H[6], g[3], sum_at;
+        rigcal_real at[3], H[6], g[3], sum_at;
         rc_vec3_combine(at, 1, X, 1, step);
         const rigcal_status status = sum_squares(&sum_at, H, g, v, at);
         if (i == 0 && status != RIGCAL_OK) {
@@ -283,22 +284,20 @@ static rigcal_status refine_point(rigcal_real X[3], rigcal_real *sum,
             halvings++;
             continue;
         }
-        const int is_small = i > 0 && !(rc_vec3_norm(step) > 4 * RC_EPS * rc_vec3_norm(at));
+        const int is_small =
+            i > 0 && !(rc_vec3_dot(step, step) > small2 * rc_vec3_dot(at, at));
         const int falls = sum_at < *sum;
         halvings = 0;
         *sum = sum_at;
-        rc_vec3_combine(X, 1, at, 0, at);
-        for (int k = 0; k < 6; k++) {
-            L[k] = H[k];
-        }
-        if (!factor(L)) {
+        rc_vec3_copy(X, at);
+        if (!factor(L, H)) {
             return RIGCAL_ERR_PARALLEL;
         }
-        rc_vec3_combine(step, 1, g, 0, g);
+        rc_vec3_copy(step, g);
         solve(step, L);
         const rigcal_real gain = rc_vec3_dot(g, step); /* what it promises */
         if (is_small || (!(gain < last_gain / 4) &&
-                         (gain <= SUM_ROUNDING * *sum || !falls))) {
+                         (gain <= SUM_ROUNDING * sum_at || !falls))) {
             break;
         }
         last_gain = gain;

@@ -59,9 +59,8 @@ enum { OTHER_WAY = 0, SIDEWAYS, SIDEWAYS_BACK, LEANS };
  * direction, to be worth refining. */
 #define MIRROR_WORSE RC(10)
 
-/* More than odds can be, or less than the inverse, and the logarithm. */
-#define ODDS_MOST RC(1e30)
-#define EXPONENT_MOST RC(69)
+/* Beyond this the exponential is more than odds can be. */
+#define EXPONENT_MOST RC(80)
 
 /* A pose whose rotation has a standard deviation above this [rad] is hardly one;
  * reckoned with at least so much noise [px] where none is stated, and from so many
@@ -412,18 +411,13 @@ static rigcal_real freedom(size_t n)
     return rc_max(1, (rigcal_real)(2 * (int32_t)n - 6));
 }
 
-static rigcal_real within_odds(rigcal_real x)
-{
-    return rc_min(rc_max(x, 1 / ODDS_MOST), ODDS_MOST);
-}
-
+/* 0 or infinity where it is beyond them. */
 static rigcal_real power(rigcal_real base, size_t exponent)
 {
     rigcal_real result = 1;
     for (; exponent > 0; exponent /= 2) {
-        base = within_odds(base);
         if (exponent % 2 == 1) {
-            result = within_odds(result * base);
+            result *= base;
         }
         base *= base;
     }

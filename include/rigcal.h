@@ -316,16 +316,15 @@ RIGCAL_API rigcal_status rigcal_reprojection_rms(
 enum { RIGCAL_NELDERMEAD_DIM_MAX = 3 };
 
 typedef struct {
-    rigcal_real vertex[4][3]; /* k + 1 of them, best first between iterations */
-    rigcal_real cost[4];
+    int32_t k, evals, max_evals;
+    int32_t phase;       /* internal; 0: not begun */
+    int32_t vertex_next; /* internal */
+    int32_t status;      /* RUNNING, OK or BUDGET_SPENT */
+    rigcal_real xtol, ftol;
+    rigcal_real cost[4], cost_reflected;
     rigcal_real trial[3];     /* the point asked for */
     rigcal_real reflected[3]; /* kept while an expansion is tried */
-    rigcal_real cost_reflected;
-    rigcal_real xtol, ftol;
-    int32_t k, evals, max_evals;
-    int32_t phase;  /* internal; 0: not begun */
-    int32_t vertex_next; /* internal */
-    int32_t status; /* RUNNING, OK or BUDGET_SPENT */
+    rigcal_real vertex[4][3]; /* k + 1 of them, best first between iterations */
 } rigcal_neldermead;
 
 /* Starts from x0[k] with fminsearch's simplex: each coordinate in turn larger by
@@ -603,8 +602,8 @@ typedef struct {
 
 /* Internal: a lens as its map of the plane, N(s) / D(s) x + 2 (q.x) x + q s. */
 typedef struct {
-    rigcal_real N[5], D[4], q[2];
     int32_t is_fisheye, is_pinhole;
+    rigcal_real N[5], D[4], q[2];
 } rigcal_lens;
 
 /* Internal: what is fitted. The points count from `origin`. */
@@ -614,27 +613,28 @@ typedef struct {
     const rigcal_real *sigma;
     const uint8_t *mask;
     size_t n;
+    int32_t is_mirrored, reserved;
     rigcal_real origin[3];
     rigcal_lens lens;
-    int32_t is_mirrored, reserved;
 } rigcal_fit;
 
 /* Internal: sums over the points from which the cost of a direction follows. */
 typedef struct {
-    rigcal_real weight, u_mean[2], V_mean[2][3], S, h[3], Q[6], C[6], G[2][6];
+    rigcal_real weight, S, u_mean[2], V_mean[2][3], h[3], Q[6], C[6], G[2][6];
 } rigcal_view_moments;
 
 /* Internal: a refinement under way. */
 typedef struct {
-    rigcal_transform cam_from_points;
-    rigcal_real H[21], g[6], sse, last_gain, lambda;
     int32_t evals, is_stale, is_newton, status;
+    rigcal_real sse, last_gain, lambda;
+    rigcal_transform cam_from_points;
+    rigcal_real g[6], H[21];
 } rigcal_refinement;
 
 /* Internal: a descent under way, near the direction m3. */
 typedef struct {
-    rigcal_neldermead nm;
     rigcal_real m3[3];
+    rigcal_neldermead nm;
 } rigcal_descent;
 
 /* Internal: a refined pose, of the camera from the points' own origin. */
@@ -650,16 +650,18 @@ typedef struct {
 
 /* Internal: where the seeds of a search come from, its best directions first. */
 typedef struct {
-    rigcal_view_moments moments;
-    rigcal_real spiral[2], least_cost;
+    rigcal_real least_cost, spiral[2];
     rigcal_pose_seed seeds[RIGCAL_POSE_SEEDS];
+    rigcal_view_moments moments;
 } rigcal_pose_lattice;
 
 /* A search under way. Flat and copyable; its fields are internal. */
 typedef struct {
-    rigcal_fit fit;
+    int32_t phase, next, n_seeds, n_exact, n_found, thorough, is_flat, is_plane,
+        leans, failure, bad, is_warm, point, is_mirrored, is_vague, reserved;
     size_t n, n_used;
-    rigcal_real axis[3];
+    rigcal_real extent_px, scale, sigma_px, axis[3];
+    rigcal_fit fit;
     union {
         rigcal_pose_lattice lattice;
         rigcal_transform exact[RIGCAL_POSES_MAX];
@@ -669,9 +671,6 @@ typedef struct {
         rigcal_refinement fit;
     } work;
     rigcal_pose_optimum found[RIGCAL_POSES_MAX];
-    rigcal_real extent_px, scale, sigma_px;
-    int32_t phase, next, n_seeds, n_exact, n_found, thorough, is_flat, is_plane,
-        leans, failure, bad, is_warm, point, is_mirrored, is_vague, reserved;
 } rigcal_pose_solver;
 
 /* All defaults. OK, ERR_NULL. */

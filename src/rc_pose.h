@@ -10,9 +10,9 @@
 /* Where the points are, of those whose mask is not 0, of which there is one at least. */
 typedef struct {
     rigcal_real origin[3];    /* their weighted mean */
-    rigcal_real size;         /* the longest difference from the first, along an axis */
+    rigcal_real size;         /* their longest distance from the first, along an axis */
     rigcal_real uv_middle[2]; /* weighted mean of the pixels */
-    rigcal_real uv_extent[2]; /* sides of their rectangle */
+    rigcal_real extent_px;    /* their longest distance from the first, likewise */
 } rc_survey;
 
 /* OK, ERR_COINCIDENT, ERR_PRECISION. */

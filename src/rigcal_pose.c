@@ -48,7 +48,7 @@ enum { OTHER_WAY = 0, SIDEWAYS, SIDEWAYS_BACK, LEANS };
  * [px], or as a part of the target's image where that is more. */
 #define NOISE_LEAST RC(0.01)
 #define NOISE_MOST RC(2)
-#define NOISE_MOST_PART RC(0.01)
+#define NOISE_MOST_PART RC(0.007)
 
 /* Mirrored points are only suspected where the fit leaves room for a better one [px],
  * and believed where they are so many times as likely. */
@@ -74,7 +74,7 @@ enum { VAGUE_POINTS = 16 };
 
 /* A warm start proves bad when its error is above this part of the target's image, or
  * this where that is more [px]: far away noise alone is above such a part. */
-#define WARM_ERROR RC(0.02)
+#define WARM_ERROR RC(0.014)
 #define WARM_NOISE RC(1)
 
 /* The rays of a pinhole that are taken in one step. */
@@ -142,43 +142,39 @@ rigcal_status rc_survey_points(rc_survey *out, const rigcal_observation o[],
                                const rigcal_real sigma[], const uint8_t mask[],
                                size_t n)
 {
-    rigcal_real total = 0, size = 0, largest = 0, shift[3] = {0, 0, 0};
-    rigcal_real sum[2] = {0, 0}, low[2] = {0, 0}, high[2] = {0, 0};
+    rigcal_real total = 0, size = 0, extent = 0;
+    rigcal_real shift[3] = {0, 0, 0}, uv_shift[2] = {0, 0};
     const rigcal_observation *first = NULL;
     for (size_t i = 0; i < n; i++) {
-        const rigcal_real *const uv = o[i].uv;
         if (!rc_is_used(mask, i)) {
             continue;
         }
         if (first == NULL) {
             first = &o[i];
-            low[0] = high[0] = uv[0];
-            low[1] = high[1] = uv[1];
         }
         rigcal_real x[3]; /* differences of two points are exact */
         const rigcal_real weight = weight_of(sigma, i);
         rc_vec3_sub(x, o[i].X_w, first->X_w);
         rc_vec3_add_scaled(shift, weight, x);
-        total += weight;
         size = rc_max(size, rc_vec3_max_abs(x));
-        largest = rc_max(largest, rc_vec3_max_abs(o[i].X_w));
+        total += weight;
         for (int k = 0; k < 2; k++) {
-            sum[k] += weight * uv[k];
-            low[k] = rc_min(low[k], uv[k]);
-            high[k] = rc_max(high[k], uv[k]);
+            const rigcal_real along = o[i].uv[k] - first->uv[k];
+            uv_shift[k] += weight * along;
+            extent = rc_max(extent, RC_FABS(along));
         }
     }
     rc_vec3_combine(out->origin, 1, first->X_w, 1 / total, shift);
-    for (int k = 0; k < 2; k++) {
-        out->uv_middle[k] = sum[k] / total;
-        out->uv_extent[k] = high[k] - low[k];
-    }
+    out->uv_middle[0] = first->uv[0] + uv_shift[0] / total;
+    out->uv_middle[1] = first->uv[1] + uv_shift[1] / total;
+    out->extent_px = extent;
     out->size = size;
     if (!(size > 1 / RC_COORDINATE_MAX)) {
         return RIGCAL_ERR_COINCIDENT;
     }
-    return (largest * RC_EPS <= RC_SHAPE_ROUNDING * size) ? RIGCAL_OK
-                                                          : RIGCAL_ERR_PRECISION;
+    return (rc_vec3_max_abs(out->origin) * RC_EPS <= RC_SHAPE_ROUNDING * size)
+               ? RIGCAL_OK
+               : RIGCAL_ERR_PRECISION;
 }
 
 static void fail(rigcal_pose_solver *s, rigcal_status status, int32_t bad)
@@ -978,9 +974,7 @@ rigcal_status rc_pose_begin(rigcal_pose_solver *solver, int32_t *bad,
     solver->n_used = count_used(mask, n);
     solver->bad = -1;
     solver->scale = 1 / survey.size;
-    solver->extent_px = RC_SQRT(survey.uv_extent[0] * survey.uv_extent[0] +
-                                survey.uv_extent[1] * survey.uv_extent[1]) /
-                        2;
+    solver->extent_px = survey.extent_px;
     if (options != NULL) {
         solver->thorough = options->thorough;
         solver->sigma_px = options->sigma_px;

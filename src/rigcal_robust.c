@@ -255,6 +255,21 @@ static rigcal_status check_options(const rigcal_robust_options *o)
                : RIGCAL_ERR_RANGE;
 }
 
+/* The rectangle [px^2] in which the points were seen. */
+static rigcal_real seen_area(const rigcal_observation o[], size_t n)
+{
+    rigcal_real area = 1;
+    for (int k = 0; k < 2; k++) {
+        rigcal_real low = o[0].uv[k], high = low;
+        for (size_t i = 1; i < n; i++) {
+            low = rc_min(low, o[i].uv[k]);
+            high = rc_max(high, o[i].uv[k]);
+        }
+        area *= high - low;
+    }
+    return area;
+}
+
 /* rigcal_robust_begin, but that a failure may leave *s written. */
 static rigcal_status begin(rigcal_robust_solver *s, int32_t *at, uint8_t inliers[],
                            const rigcal_camera *camera,
@@ -318,7 +333,7 @@ static rigcal_status begin(rigcal_robust_solver *s, int32_t *at, uint8_t inliers
         next_sample(s);
     }
     rc_vec3_copy(s->origin, survey.origin);
-    s->area_px2 = survey.uv_extent[0] * survey.uv_extent[1];
+    s->area_px2 = seen_area(observations, n);
     s->phase = SAMPLING;
     return RIGCAL_OK;
 }

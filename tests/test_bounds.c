@@ -686,7 +686,7 @@ static void test_a_robust_pose_takes_at_most_9000_units_and_its_samples(void)
 
 /* ---- diagnose ------------------------------------------------------------ */
 
-/* Beginning a pose takes the square root of its image's extent. */
+/* Beginning a pose takes two absolute values a point. */
 static void test_a_diagnosis_solves_n_plus_1_to_n_plus_3_poses(void)
 {
     test_rng rng = test_seed(409);
@@ -699,15 +699,16 @@ static void test_a_diagnosis_solves_n_plus_1_to_n_plus_3_poses(void)
         scene s;
 
         hostile_scene(&s, trial % KINDS, 5 + trial % 9, &rng);
-        watch("rc_pose_begin", HOOK_SQRT);
+        const int n = (int)s.n;
+        watch("rc_survey_points", HOOK_FABS);
         ASSERT_STATUS(RIGCAL_OK, rigcal_blame_point(&blame, rms_without, &s.camera, s.o,
                                                     NULL, s.n, NULL));
-        TEST_ASSERT_EQUAL_INT((int)s.n + 1, watched.count);
-        watch("rc_pose_begin", HOOK_SQRT);
+        TEST_ASSERT_EQUAL_INT(2 * (n + n * (n - 1)), watched.count);
+        watch("rc_survey_points", HOOK_FABS);
         ASSERT_STATUS(RIGCAL_OK,
                       rigcal_diagnose_pose(&diagnosis, rms_without, work, &s.camera, s.o,
                                            NULL, s.n, NULL));
-        TEST_ASSERT_EQUAL_INT((int)s.n + 3, watched.count);
+        TEST_ASSERT_EQUAL_INT(2 * (3 * n + n * (n - 1)), watched.count);
     }
 }
 

@@ -142,6 +142,18 @@ static void pencil_root(rigcal_real m[2], const rigcal_real c[4])
     m[!swapped] = x;
 }
 
+/* S = [c]x */
+static void skew(rigcal_real S[9], const rigcal_real c[3])
+{
+    S[0] = S[4] = S[8] = 0;
+    S[1] = -c[2];
+    S[2] = c[1];
+    S[3] = c[2];
+    S[5] = -c[0];
+    S[6] = -c[1];
+    S[7] = c[0];
+}
+
 /* The two lines that make up a conic of rank 2: D = l m^T + m l^T. Their crossing c
  * is the root of -adj(D), and N = D + [c]x = 2 l m^T, which takes the place of D. 0 when
  * they are complex. */
@@ -158,12 +170,8 @@ static int split(rigcal_real lines[2][3], rigcal_real D[9])
     }
     const rigcal_real *const row = &A[at - at / 4];
     rc_vec3_combine(c, 1 / RC_SQRT(-A[at]), row, 0, row);
-    D[1] -= c[2];
-    D[2] += c[1];
-    D[3] += c[2];
-    D[5] -= c[0];
-    D[6] -= c[1];
-    D[7] += c[0];
+    skew(A, c);
+    combine(D, 1, D, 1, A);
     at = 0;
     for (int k = 1; k < 9; k++) {
         at = (RC_FABS(D[k]) > RC_FABS(D[at])) ? k : at;
@@ -177,18 +185,16 @@ static int split(rigcal_real lines[2][3], rigcal_real D[9])
 }
 
 /* Where the line l.v = 0 crosses the conic C, up to scale: 2, or 1, the real part of
- * a complex pair. v = x a + y b, with a and b that leave v its digits: the coordinate
- * of the largest of l follows from the others. */
+ * a complex pair. v = x a + y b, with those rows a and b of [l]x that leave v its
+ * digits: the coordinate of the largest of l follows from the other two. */
 RC_APART static int cross_line(rigcal_real v[2][3], const rigcal_real l[3],
                                const rigcal_real C[9])
 {
     int k = (RC_FABS(l[1]) > RC_FABS(l[0])) ? 1 : 0;
     k = (RC_FABS(l[2]) > RC_FABS(l[k])) ? 2 : k;
-    const int i = CYCLE[k + 1], j = CYCLE[k + 2];
-    rigcal_real a[3] = {0, 0, 0}, b[3] = {0, 0, 0}, Ca[3], Cb[3];
-    a[i] = b[j] = 1;
-    a[k] = -l[i] / l[k];
-    b[k] = -l[j] / l[k];
+    rigcal_real S[9], Ca[3], Cb[3];
+    const rigcal_real *const a = &S[3 * CYCLE[k + 1]], *const b = &S[3 * CYCLE[k + 2]];
+    skew(S, l);
     rc_mat3_mul_vec3(Ca, C, a);
     rc_mat3_mul_vec3(Cb, C, b);
     const rigcal_real A = rc_vec3_dot(a, Ca), B = rc_vec3_dot(a, Cb);

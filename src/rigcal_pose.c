@@ -45,10 +45,12 @@ enum { OTHER_WAY = 0, SIDEWAYS, SIDEWAYS_BACK, LEANS };
 #define SIGMA_MAX RC(1e6)
 
 /* Where no noise is stated: the least assumed [px], and the most that is believed
- * [px], or as a part of the target's image where that is more. */
+ * [px], of a search and of a warm start; or as a part of the target's image where that is
+ * more. */
 #define NOISE_LEAST RC(0.01)
 #define NOISE_MOST RC(2)
-#define NOISE_MOST_PART RC(0.007)
+#define NOISE_WARM RC(0.5)
+#define NOISE_PART RC(0.007)
 
 /* Mirrored points are only suspected where the fit leaves room for a better one [px],
  * and believed where they are so many times as likely. */
@@ -71,11 +73,6 @@ enum { VAGUE_POINTS = 16 };
 
 /* The first pose is sure from here on. */
 #define SURE RC(0.99)
-
-/* A warm start proves bad when its error is above this part of the target's image, or
- * this where that is more [px]: far away noise alone is above such a part. */
-#define WARM_ERROR RC(0.014)
-#define WARM_NOISE RC(1)
 
 /* The rays of a pinhole that are taken in one step. */
 enum { PINHOLE_RAYS = 16 };
@@ -752,14 +749,15 @@ static int is_above_noise(rigcal_real sum, rigcal_real noise, rigcal_real dof)
     return !(sum <= noise * noise * dof * root * root * root);
 }
 
-static int is_poor(const rigcal_pose_solver *s)
+/* Whether the first pose's error is too large for the noise stated; where none is, for
+ * noise of so many px, or of a part of the target's image where that is more. */
+static int is_poor(const rigcal_pose_solver *s, rigcal_real most)
 {
-    rigcal_real sum = s->found[0].sse, noise = s->sigma_px;
-    if (!(noise > 0)) {
-        sum = squared_pixels(s, 0);
-        noise = rc_max(NOISE_MOST, NOISE_MOST_PART * s->extent_px);
+    if (s->sigma_px > 0) {
+        return is_above_noise(s->found[0].sse, s->sigma_px, freedom(s->n_used));
     }
-    return s->is_mirrored || is_above_noise(sum, noise, freedom(s->n_used));
+    return is_above_noise(squared_pixels(s, 0), rc_max(most, NOISE_PART * s->extent_px),
+                          freedom(s->n_used));
 }
 
 /* The search has ended; how well the observations fix its first pose is left to weigh:
@@ -791,24 +789,12 @@ static void end_weighing(rigcal_pose_solver *s)
     }
 }
 
-/* A warm start that ended elsewhere than at the pose shows by its error. */
-static int is_warm_good(const rigcal_pose_solver *s)
-{
-    if (s->n_found == 0) {
-        return 0;
-    }
-    if (s->sigma_px > 0) {
-        return !is_poor(s);
-    }
-    const rigcal_real limit = rc_max(WARM_NOISE, WARM_ERROR * s->extent_px);
-    return squared_pixels(s, 0) <= (rigcal_real)(int32_t)s->n_used * limit * limit;
-}
-
 /* ---- the phases ---------------------------------------------------------- */
 
+/* A warm start that ended elsewhere than at the pose shows by its error. */
 static void end_warm(rigcal_pose_solver *s)
 {
-    if (is_warm_good(s)) {
+    if (s->n_found > 0 && !is_poor(s, NOISE_WARM)) {
         begin_weighing(s, VAGUE_POINTS);
         return;
     }
@@ -1073,7 +1059,7 @@ rigcal_status rigcal_pose_result(rigcal_pose poses[], size_t *n_found,
         poses[i].probability = rc_pose_likelihood(s, (int32_t)i) / total;
     }
     *n_found = n;
-    if (is_poor(s)) {
+    if (s->is_mirrored || is_poor(s, NOISE_MOST)) {
         return RIGCAL_POOR_FIT;
     }
     return (poses[0].probability >= SURE && !s->is_vague) ? RIGCAL_OK

@@ -33,6 +33,14 @@ inline void rc_vec3_sub(rigcal_real out[3], const rigcal_real a[3],
     out[2] = a[2] - b[2];
 }
 
+/* out += a */
+inline void rc_vec3_add(rigcal_real out[3], const rigcal_real a[3])
+{
+    out[0] += a[0];
+    out[1] += a[1];
+    out[2] += a[2];
+}
+
 /* out += s a */
 inline void rc_vec3_add_scaled(rigcal_real out[3], rigcal_real s,
                                       const rigcal_real a[3])
@@ -40,6 +48,14 @@ inline void rc_vec3_add_scaled(rigcal_real out[3], rigcal_real s,
     out[0] += s * a[0];
     out[1] += s * a[1];
     out[2] += s * a[2];
+}
+
+/* out = s a */
+inline void rc_vec3_scale(rigcal_real out[3], rigcal_real s, const rigcal_real a[3])
+{
+    out[0] = s * a[0];
+    out[1] = s * a[1];
+    out[2] = s * a[2];
 }
 
 /* out = s a + t b */

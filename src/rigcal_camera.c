@@ -101,8 +101,8 @@ static rigcal_real polynomial(rigcal_real *derivative, const rigcal_real c[],
     return value;
 }
 
-/* With d = N / D and d' = (N' - d D') / D:
- *   J = (d + 2 q.x) I + 2 d' x x^T + 2 (x q^T + q x^T) */
+/* With d = N / D, d' = (N' - d D') / D and p = d' x + 2 q:
+ *   J = (d + 2 q.x) I + p x^T + x p^T */
 int rc_lens_map(rigcal_real F[2], rigcal_real J[3], const rigcal_lens *lens,
                 const rigcal_real x[2])
 {
@@ -114,15 +114,15 @@ int rc_lens_map(rigcal_real F[2], rigcal_real J[3], const rigcal_lens *lens,
     if (!(D > 0)) {
         return 0;
     }
-    const rigcal_real d = N / D;
-    const rigcal_real slope = 2 * (dN - d * dD) / D;
-    const rigcal_real qx = 2 * (q[0] * x[0] + q[1] * x[1]);
+    const rigcal_real d = N / D, slope = (dN - d * dD) / D;
+    const rigcal_real scale = d + 2 * (q[0] * x[0] + q[1] * x[1]);
+    const rigcal_real p[2] = {slope * x[0] + 2 * q[0], slope * x[1] + 2 * q[1]};
 
-    F[0] = (d + qx) * x[0] + q[0] * s;
-    F[1] = (d + qx) * x[1] + q[1] * s;
-    J[0] = d + qx + slope * x[0] * x[0] + 4 * q[0] * x[0];
-    J[1] = slope * x[0] * x[1] + 2 * (q[0] * x[1] + q[1] * x[0]);
-    J[2] = d + qx + slope * x[1] * x[1] + 4 * q[1] * x[1];
+    F[0] = scale * x[0] + q[0] * s;
+    F[1] = scale * x[1] + q[1] * s;
+    J[0] = scale + 2 * p[0] * x[0];
+    J[1] = p[0] * x[1] + p[1] * x[0];
+    J[2] = scale + 2 * p[1] * x[1];
     return 1;
 }
 
@@ -441,12 +441,10 @@ static rigcal_status project_by(rigcal_real x[2], rigcal_real uv[2],
     uv[1] = focal[1] * F[1] + camera->cy;
     for (int row = 0; row < 2; row++) {
         const rigcal_real *const j = &J[row]; /* (xx, xy), then (xy, yy) */
-        const rigcal_real f = focal[row] / largest;
+        const rigcal_real f = focal[row] / largest, by_depth = f / depth;
         const rigcal_real along = f * (j[0] * scaled[0] + j[1] * scaled[1]);
-        for (int column = 0; column < 2; column++) {
-            J_uv[3 * row + column] =
-                f / depth * j[column] + bend * along * scaled[column];
-        }
+        J_uv[3 * row] = by_depth * j[0] + bend * along * scaled[0];
+        J_uv[3 * row + 1] = by_depth * j[1] + bend * along * scaled[1];
         J_uv[3 * row + 2] = sink * along;
     }
     return RIGCAL_OK;

@@ -118,8 +118,11 @@ extern inline void rc_vec3_cross(rigcal_real out[3], const rigcal_real a[3],
 extern inline void rc_vec3_copy(rigcal_real out[3], const rigcal_real a[3]);
 extern inline void rc_vec3_sub(rigcal_real out[3], const rigcal_real a[3],
                                const rigcal_real b[3]);
+extern inline void rc_vec3_add(rigcal_real out[3], const rigcal_real a[3]);
 extern inline void rc_vec3_add_scaled(rigcal_real out[3], rigcal_real s,
                                       const rigcal_real a[3]);
+extern inline void rc_vec3_scale(rigcal_real out[3], rigcal_real s,
+                                 const rigcal_real a[3]);
 extern inline void rc_vec3_combine(rigcal_real out[3], rigcal_real s,
                                    const rigcal_real a[3], rigcal_real t,
                                    const rigcal_real b[3]);

@@ -172,7 +172,7 @@ static rigcal_status world_ray(rigcal_real d[3], rigcal_real o[3], const views *
     }
     rc_mat3_tmul_vec3(d, v->cams_from_world[i].R, ray);
     rc_mat3_tmul_vec3(o, v->cams_from_world[i].R, v->cams_from_world[i].t);
-    rc_vec3_combine(o, -1, o, 0, o);
+    rc_vec3_scale(o, -1, o);
     return RIGCAL_OK;
 }
 
@@ -212,7 +212,7 @@ static rigcal_status nearest_to_rays(rigcal_real X[3], const views *v)
         rc_vec3_sub(o, o, first_o);
         const rigcal_real along = rc_vec3_dot(d, o);
         rc_vec3_add_scaled(o, -along, d);
-        rc_vec3_add_scaled(b, 1, o);
+        rc_vec3_add(b, o);
         A[0] += 1;
         A[3] += 1;
         A[5] += 1;
@@ -222,7 +222,8 @@ static rigcal_status nearest_to_rays(rigcal_real X[3], const views *v)
         return RIGCAL_ERR_PARALLEL;
     }
     solve(b, A);
-    rc_vec3_combine(X, 1, first_o, 1, b);
+    rc_vec3_copy(X, first_o);
+    rc_vec3_add(X, b);
     return RIGCAL_OK;
 }
 
@@ -274,13 +275,14 @@ static rigcal_status refine_point(rigcal_real X[3], rigcal_real *sum,
     *sum = RC_MAX;
     for (int i = 0; i < EVALS_MAX && halvings < HALVINGS_MAX; i++) {
         rigcal_real at[3], H[6], g[3], sum_at;
-        rc_vec3_combine(at, 1, X, 1, step);
+        rc_vec3_copy(at, X);
+        rc_vec3_add(at, step);
         const rigcal_status status = sum_squares(&sum_at, H, g, v, at);
         if (i == 0 && status != RIGCAL_OK) {
             return status;
         }
         if (status != RIGCAL_OK || !(sum_at <= *sum * (1 + SUM_ROUNDING))) {
-            rc_vec3_combine(step, RC(0.5), step, 0, step);
+            rc_vec3_scale(step, RC(0.5), step);
             halvings++;
             continue;
         }

@@ -169,7 +169,7 @@ static int split(rigcal_real lines[2][3], rigcal_real D[9])
         return 0;
     }
     const rigcal_real *const row = &A[at - at / 4];
-    rc_vec3_combine(c, 1 / RC_SQRT(-A[at]), row, 0, row);
+    rc_vec3_scale(c, 1 / RC_SQRT(-A[at]), row);
     skew(A, c);
     combine(D, 1, D, 1, A);
     at = 0;
@@ -299,12 +299,12 @@ RC_APART static int prepare(problem *P, const rigcal_real x[3][3],
     }
     for (int k = 0; k < 2; k++) {
         rc_vec3_sub(d, points[1 + k], points[0]);
-        rc_vec3_combine(w[k], by_size, d, 0, d);
+        rc_vec3_scale(w[k], by_size, d);
         T->squared[k] = rc_vec3_dot(w[k], w[k]);
     }
     T->squared[2] = 1;
     rc_vec3_combine(P->middle, P->size / 3, w[0], P->size / 3, w[1]);
-    rc_vec3_add_scaled(P->middle, 1, points[0]);
+    rc_vec3_add(P->middle, points[0]);
     T->h = RC_SQRT(h2);
     for (int k = 0; k < 3; k++) {
         T->chord2[k] /= h2;
@@ -323,7 +323,7 @@ RC_APART static int write_pose(rigcal_transform *cam_from_points, const problem 
 {
     const rigcal_real by_h = 1 / P->T.h;
     rigcal_real first[3], w[2][3], F[9], middle[3], turned[3];
-    rc_vec3_combine(first, s[0] * by_h, P->ray[0], 0, P->ray[0]);
+    rc_vec3_scale(first, s[0] * by_h, P->ray[0]);
     for (int k = 0; k < 2; k++) {
         rc_vec3_combine(w[k], s[1 + k] * by_h, P->ray[1 + k], -1, first);
     }
@@ -336,7 +336,7 @@ RC_APART static int write_pose(rigcal_transform *cam_from_points, const problem 
     }
     rc_mat3_mul_vec3(turned, cam_from_points->R, P->middle);
     rc_vec3_combine(middle, RC(1) / 3, w[0], RC(1) / 3, w[1]);
-    rc_vec3_add_scaled(middle, 1, first);
+    rc_vec3_add(middle, first);
     rc_vec3_combine(cam_from_points->t, P->size, middle, -1, turned);
     return 1;
 }

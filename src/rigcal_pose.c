@@ -405,7 +405,7 @@ static rigcal_real freedom(size_t n)
 }
 
 /* 0 or infinity where it is beyond them. */
-static rigcal_real power(rigcal_real base, size_t exponent)
+RC_APART static rigcal_real power(rigcal_real base, size_t exponent)
 {
     rigcal_real result = 1;
     for (; exponent > 0; exponent /= 2) {
@@ -531,7 +531,7 @@ static int leads_to_found(const rigcal_pose_solver *s, const rigcal_pose_seed *s
     for (int32_t i = 0; i < s->n_found; i++) {
         rigcal_real middle[3];
         found_direction(middle, s, i);
-        rc_vec3_add_scaled(middle, 1, seed->m3);
+        rc_vec3_add(middle, seed->m3);
         if (rc_vec3_unit(middle, middle) &&
             rc_view_cost(&s->from.lattice.moments, middle) < seed->cost) {
             return 1;
@@ -547,7 +547,7 @@ static void direction_near(rigcal_real m3[3], const rigcal_real seed[3],
     rigcal_real m1[3], m2[3];
     rc_view_complete(m1, m2, seed);
     rc_vec3_combine(m3, ab[0], m1, ab[1], m2);
-    rc_vec3_add_scaled(m3, 1, seed);
+    rc_vec3_add(m3, seed);
     (void)rc_vec3_unit(m3, m3);
 }
 
@@ -587,7 +587,7 @@ static void seed_pose(rigcal_transform *cam_from_points,
     look_along(cam_from_virtual, s->axis);
     rc_mat3_mul(cam_from_points->R, cam_from_virtual, virtual_from_points.R);
     rc_mat3_mul_vec3(t, cam_from_virtual, virtual_from_points.t);
-    rc_vec3_combine(cam_from_points->t, 1 / s->scale, t, 0, t);
+    rc_vec3_scale(cam_from_points->t, 1 / s->scale, t);
 }
 
 /* Whether the points are mirrored. Mirrored ones, -x, have far away the same image as
@@ -912,7 +912,8 @@ static rigcal_status check_options(const rigcal_pose_options *o)
 }
 
 /* All that can be wrong with the arguments. */
-RC_APART static rigcal_status check_arguments(int32_t *at, const rigcal_camera *camera,
+RC_APART static rigcal_status check_arguments(size_t *n_used, int32_t *at,
+                                              const rigcal_camera *camera,
                                               const rigcal_observation observations[],
                                               const rigcal_real sigma[],
                                               const uint8_t mask[], size_t n,
@@ -928,8 +929,9 @@ RC_APART static rigcal_status check_arguments(int32_t *at, const rigcal_camera *
     if (status == RIGCAL_OK && n > RC_COUNT_MAX) {
         status = RIGCAL_ERR_RANGE;
     }
-    if (status == RIGCAL_OK && count_used(mask, n) < 3) {
-        status = RIGCAL_ERR_TOO_FEW;
+    if (status == RIGCAL_OK) {
+        *n_used = count_used(mask, n);
+        status = (*n_used < 3) ? RIGCAL_ERR_TOO_FEW : RIGCAL_OK;
     }
     return (status == RIGCAL_OK) ? check_data(at, observations, sigma, mask, n)
                                  : status;
@@ -942,9 +944,10 @@ rigcal_status rc_pose_begin(rigcal_pose_solver *solver, int32_t *bad,
                             size_t n, const rigcal_pose_options *options)
 {
     rc_survey survey;
+    size_t n_used;
     int32_t at = -1;
-    rigcal_status status = check_arguments(&at, camera, observations, sigma, mask, n,
-                                           options);
+    rigcal_status status = check_arguments(&n_used, &at, camera, observations, sigma,
+                                           mask, n, options);
     if (status == RIGCAL_OK) {
         status = rc_survey_points(&survey, observations, sigma, mask, n);
     }
@@ -957,7 +960,7 @@ rigcal_status rc_pose_begin(rigcal_pose_solver *solver, int32_t *bad,
     *solver = (rigcal_pose_solver){0};
     rc_fit_begin(&solver->fit, camera, observations, sigma, mask, n, survey.origin);
     solver->n = n;
-    solver->n_used = count_used(mask, n);
+    solver->n_used = n_used;
     solver->bad = -1;
     solver->scale = 1 / survey.size;
     solver->extent_px = survey.extent_px;

@@ -61,7 +61,8 @@ void rc_fit_place(rigcal_real q[3], rigcal_real X_c[3], const rigcal_fit *fit,
     rigcal_real x[3];
     rc_vec3_sub(x, fit->is_mirrored ? o : X, fit->is_mirrored ? X : o);
     rc_mat3_mul_vec3(q, cam_from_points->R, x);
-    rc_vec3_combine(X_c, 1, q, 1, cam_from_points->t);
+    rc_vec3_copy(X_c, q);
+    rc_vec3_add(X_c, cam_from_points->t);
 }
 
 /* The error of point i in pixels, its derivative B by X_c, and what rc_fit_place
@@ -120,7 +121,7 @@ static void add_curvature(rigcal_real H[21], rigcal_real M[9],
 static inline void add_rows(rigcal_real A[6], const rigcal_real x[3],
                             const rigcal_real y[3], const rigcal_real z[3])
 {
-    rc_vec3_add_scaled(A, 1, x);
+    rc_vec3_add(A, x);
     A[3] += y[1];
     A[4] += y[2];
     A[5] += z[2];
@@ -146,15 +147,15 @@ RC_APART static void add_point(rigcal_real g[6], rigcal_real H[21],
         add_curvature(H, M, c, q, Z);
     }
     rc_vec3_cross(turned, q, c);
-    rc_vec3_add_scaled(&g[0], 1, turned);
-    rc_vec3_add_scaled(&g[3], 1, c);
+    rc_vec3_add(&g[0], turned);
+    rc_vec3_add(&g[3], c);
 
     rc_vec3_combine(&K[0], q[1], &M[6], -q[2], &M[3]);
     rc_vec3_combine(&K[3], q[2], &M[0], -q[0], &M[6]);
     rc_vec3_combine(&K[6], q[0], &M[3], -q[1], &M[0]);
-    rc_vec3_add_scaled(&H[ACROSS], 1, &K[0]);
-    rc_vec3_add_scaled(&H[ACROSS + 3], 1, &K[3]);
-    rc_vec3_add_scaled(&H[ACROSS + 6], 1, &K[6]);
+    rc_vec3_add(&H[ACROSS], &K[0]);
+    rc_vec3_add(&H[ACROSS + 3], &K[3]);
+    rc_vec3_add(&H[ACROSS + 6], &K[6]);
     add_rows(&H[BY_DT], &M[0], &M[3], &M[6]);
     rc_vec3_cross(&turned[0], q, &K[0]);
     rc_vec3_cross(&turned[3], q, &K[3]);
@@ -310,7 +311,7 @@ int rc_refine_rotation_variance(rigcal_real *variance, const rigcal_real H[21])
 RC_APART static void move(rigcal_transform *pose, const rigcal_real d[6])
 {
     rigcal_real v[3];
-    rc_vec3_combine(v, RC(0.5), d, 0, d);
+    rc_vec3_scale(v, RC(0.5), d);
     const rigcal_real scale = 2 / (1 + rc_vec3_dot(v, v));
     for (int column = 0; column < 3; column++) {
         rigcal_real *const R = &pose->R[column];
@@ -322,7 +323,7 @@ RC_APART static void move(rigcal_transform *pose, const rigcal_real d[6])
             R[3 * k] += scale * (once[k] + twice[k]);
         }
     }
-    rc_vec3_add_scaled(pose->t, 1, &d[3]);
+    rc_vec3_add(pose->t, &d[3]);
 }
 
 void rc_refine_begin(rigcal_refinement *state)

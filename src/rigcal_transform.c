@@ -54,7 +54,7 @@ void rc_transform_point(rigcal_real X_b[3], const rigcal_transform *b_from_a,
                         const rigcal_real X_a[3])
 {
     rc_mat3_mul_vec3(X_b, b_from_a->R, X_a);
-    rc_vec3_add_scaled(X_b, 1, b_from_a->t);
+    rc_vec3_add(X_b, b_from_a->t);
 }
 
 /* (17), (18):  R_ba = R_bw R_aw^T,  t_ba = t_bw - R_ba t_aw */

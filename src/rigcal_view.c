@@ -18,7 +18,7 @@ void rc_view_add(rigcal_view_moments *view, rigcal_real weight,
     rc_sym3_add_outer(view->Q, uu - weight, x);
     rc_sym3_add_outer(view->C, weight, x);
     rc_sym3_add_outer(view->G[0], wu[0], x);
-    rc_sym3_add_outer(view->G[1], -wu[1], x);
+    rc_sym3_add_outer(view->G[1], wu[1], x);
     for (int part = 0; part < 2; part++) {
         view->u_mean[part] += wu[part];
         rc_vec3_add_scaled(view->V_mean[part], wu[part], x);
@@ -31,9 +31,7 @@ int rc_view_finish(rigcal_view_moments *view)
     const rigcal_real w = view->weight, about_zero = view->S;
     for (int part = 0; part < 2; part++) {
         view->u_mean[part] /= w;
-        for (int k = 0; k < 3; k++) {
-            view->V_mean[part][k] /= w;
-        }
+        rc_vec3_scale(view->V_mean[part], 1 / w, view->V_mean[part]);
         view->S -= w * view->u_mean[part] * view->u_mean[part];
         rc_vec3_add_scaled(view->h, -w * view->u_mean[part], view->V_mean[part]);
         rc_sym3_add_outer(view->Q, -w, view->V_mean[part]);
@@ -102,6 +100,14 @@ typedef struct {
     rigcal_real m1[3], m2[3];
 } harmonics;
 
+/* (r - i s) . (m1 + i m2), times a scale. */
+static void project(rigcal_real out[2], const harmonics *f, rigcal_real scale,
+                    const rigcal_real r[3], const rigcal_real s[3])
+{
+    out[0] = scale * (rc_vec3_dot(r, f->m1) + rc_vec3_dot(s, f->m2));
+    out[1] = scale * (rc_vec3_dot(r, f->m2) - rc_vec3_dot(s, f->m1));
+}
+
 static void harmonics_of(harmonics *f, const rigcal_view_moments *view,
                          const rigcal_real m3[3])
 {
@@ -112,16 +118,14 @@ static void harmonics_of(harmonics *f, const rigcal_view_moments *view,
     f->B = rc_vec3_dot(view->h, m3);
     /* g = n conj(V_mean),  U = g.(m1 + i m2) */
     const rigcal_real *const vr = view->V_mean[0], *const vi = view->V_mean[1];
-    f->U[0] = n * (rc_vec3_dot(vr, f->m1) + rc_vec3_dot(vi, f->m2));
-    f->U[1] = n * (rc_vec3_dot(vr, f->m2) - rc_vec3_dot(vi, f->m1));
-    /* y = G m3 - (B / S) g,  a = 2 y.(m1 + i m2) */
-    const rigcal_real k = n * f->B / view->S;
+    project(f->U, f, n, vr, vi);
+    /* y = conj(G) m3 - (B / S) g,  a = 2 y.(m1 + i m2) */
+    const rigcal_real k = -n * f->B / view->S;
     rc_sym3_mul_vec3(yr, view->G[0], m3);
     rc_sym3_mul_vec3(yi, view->G[1], m3);
-    rc_vec3_add_scaled(yr, -k, vr);
+    rc_vec3_add_scaled(yr, k, vr);
     rc_vec3_add_scaled(yi, k, vi);
-    f->a[0] = 2 * (rc_vec3_dot(yr, f->m1) - rc_vec3_dot(yi, f->m2));
-    f->a[1] = 2 * (rc_vec3_dot(yr, f->m2) + rc_vec3_dot(yi, f->m1));
+    project(f->a, f, 2, yr, yi);
 
     const rigcal_real UU = f->U[0] * f->U[0] + f->U[1] * f->U[1];
     rc_sym3_mul_vec3(Qm, view->Q, m3);
@@ -208,11 +212,9 @@ void rc_view_pose(rigcal_transform *virtual_from_points, const rigcal_view_momen
     rigcal_real z[2] = {1, 0};
     harmonics_of(&f, view, m3);
     (void)best_yaw(z, &f, view);
-    for (int k = 0; k < 3; k++) {
-        T->R[k] = z[0] * f.m1[k] - z[1] * f.m2[k];
-        T->R[3 + k] = z[1] * f.m1[k] + z[0] * f.m2[k];
-        T->R[6 + k] = m3[k];
-    }
+    rc_vec3_combine(&T->R[0], z[0], f.m1, -z[1], f.m2);
+    rc_vec3_combine(&T->R[3], z[1], f.m1, z[0], f.m2);
+    rc_vec3_copy(&T->R[6], m3);
     const rigcal_real depth =
         (f.U[0] * z[0] - f.U[1] * z[1] - f.B) / view->S;
     for (int part = 0; part < 2; part++) {

@@ -36,7 +36,7 @@ rigcal_status rc_check_camera(const rigcal_camera *camera)
                          rc_all_within(numbers, K1, RC_PIXEL_MAX);
     const int lens_ok =
         c->lens == RIGCAL_LENS_BROWN ||
-        (c->lens == RIGCAL_LENS_FISHEYE && rc_all_within(&numbers[P1], 2, 0) &&
+        (RIGCAL_WITH_FISHEYE && c->lens == RIGCAL_LENS_FISHEYE && rc_all_within(&numbers[P1], 2, 0) &&
          rc_all_within(&numbers[K5], 2, 0));
     return (size_ok && focal_ok && lens_ok && c->reserved == 0) ? RIGCAL_OK
                                                                 : RIGCAL_ERR_CAMERA;
@@ -71,7 +71,7 @@ static rigcal_status check_camera_pixel(const rigcal_real out[],
 void rc_lens_of(rigcal_lens *lens, const rigcal_camera *camera)
 {
     const rigcal_camera *const c = camera;
-    const int is_fisheye = c->lens == RIGCAL_LENS_FISHEYE;
+    const int is_fisheye = RIGCAL_WITH_FISHEYE && c->lens == RIGCAL_LENS_FISHEYE;
     rigcal_real numbers[NUMBERS];
     copy_numbers(numbers, c);
     lens->is_fisheye = is_fisheye;
@@ -344,7 +344,7 @@ rigcal_status rc_pixel_to_ray(rigcal_real ray[3], const rigcal_camera *camera,
     if (!lens.is_pinhole && !invert_lens(x, &lens, target, tolerance)) {
         return RIGCAL_ERR_NO_RAY;
     }
-    if (lens.is_fisheye) {
+    if (RIGCAL_WITH_FISHEYE && lens.is_fisheye) {
         return fisheye_ray(ray, x);
     }
     const rigcal_real m[3] = {x[0], x[1], 1};
@@ -374,7 +374,7 @@ static rigcal_status plane_depth(rigcal_real *depth, rigcal_real *bend,
 {
     const rigcal_real Z = X_c[2];
     const rigcal_real rr = X_c[0] * X_c[0] + X_c[1] * X_c[1];
-    if (is_fisheye && rr > 0) {
+    if (RIGCAL_WITH_FISHEYE && is_fisheye && rr > 0) {
         const rigcal_real r = RC_SQRT(rr), by_rho2 = 1 / (rr + Z * Z);
         *depth = r / angle_off_axis(r, Z);
         *bend = (Z * by_rho2 - 1 / *depth) / rr;

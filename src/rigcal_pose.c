@@ -272,6 +272,12 @@ RC_APART static int32_t gather_exact(rigcal_pose_solver *s, const size_t three[3
 
 static void begin_weighing(rigcal_pose_solver *s, size_t n);
 
+/* Whether the poses come from three points, and not from a search. */
+static int is_exact(const rigcal_pose_solver *s)
+{
+    return RIGCAL_WITH_THREE_POINTS && s->n_exact > 0;
+}
+
 static void begin_refining(rigcal_pose_solver *s, int32_t phase)
 {
     rc_refine_begin(&s->work.fit);
@@ -313,8 +319,14 @@ static void end_gathering(rigcal_pose_solver *s)
     }
     s->is_flat = thickness < FLAT_THICKNESS;
     s->is_plane = thickness < PLANE_THICKNESS;
-    s->n_exact = are_three(three, s) ? gather_exact(s, three) : 0;
-    if (s->n_exact > 0) {
+    if (are_three(three, s)) {
+        if (!RIGCAL_WITH_THREE_POINTS) {
+            fail(s, RIGCAL_ERR_TOO_FEW, -1);
+            return;
+        }
+        s->n_exact = gather_exact(s, three);
+    }
+    if (is_exact(s)) {
         next_exact(s);
     } else {
         begin_scanning(s);
@@ -372,7 +384,7 @@ static void found_direction(rigcal_real m3[3], const rigcal_pose_solver *s,
 static int32_t same_found(const rigcal_pose_solver *s)
 {
     return near_found(s, s->work.fit.cam_from_points.R,
-                      (s->n_exact > 0) ? SAME_EXACT : SAME_POSE);
+                      is_exact(s) ? SAME_EXACT : SAME_POSE);
 }
 
 /* Keeps the RIGCAL_POSES_MAX best optima in order; of two that are one, the better. */
@@ -710,7 +722,7 @@ RC_APART static int next_lean(rigcal_real m3[3], rigcal_pose_solver *s)
 static void next_start(rigcal_pose_solver *s)
 {
     rigcal_real m3[3];
-    if (s->n_exact > 0) {
+    if (is_exact(s)) {
         next_exact(s);
         return;
     }

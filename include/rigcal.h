@@ -316,15 +316,18 @@ RIGCAL_API rigcal_status rigcal_reprojection_rms(
 enum { RIGCAL_NELDERMEAD_DIM_MAX = 3 };
 
 typedef struct {
+    rigcal_real x[3], cost;
+} rigcal_vertex;
+
+typedef struct {
     int32_t k, evals, max_evals;
     int32_t phase;       /* internal; 0: not begun */
     int32_t vertex_next; /* internal */
     int32_t status;      /* RUNNING, OK or BUDGET_SPENT */
     rigcal_real xtol, ftol;
-    rigcal_real cost[4], cost_reflected;
-    rigcal_real trial[3];     /* the point asked for */
-    rigcal_real reflected[3]; /* kept while an expansion is tried */
-    rigcal_real vertex[4][3]; /* k + 1 of them, best first between iterations */
+    rigcal_vertex trial;     /* the point asked for */
+    rigcal_vertex reflected; /* kept while an expansion is tried */
+    rigcal_vertex vertex[4]; /* k + 1 of them, best first between iterations */
 } rigcal_neldermead;
 
 /* Starts from x0[k] with fminsearch's simplex: each coordinate in turn larger by

@@ -255,7 +255,7 @@ enum { NEWTON_MAX = 60, STAGES_MAX = 64 };
 RC_APART static rigcal_real solve_from(rigcal_real x[2], const rigcal_lens *lens,
                               const rigcal_real target[2])
 {
-    rigcal_real F[2], J[3], step[2] = {0, 0}, miss = RC_MAX, scale = 1;
+    rigcal_real F[2], J[3], step[2] = {0, 0}, miss = RC_MAX;
     rigcal_real at[2] = {x[0], x[1]};
 
     for (int i = 0; i < NEWTON_MAX; i++) {
@@ -272,12 +272,12 @@ RC_APART static rigcal_real solve_from(rigcal_real x[2], const rigcal_lens *lens
             x[1] = at[1];
             step[0] = (J[2] * gap[0] - J[1] * gap[1]) / det;
             step[1] = (J[0] * gap[1] - J[1] * gap[0]) / det;
-            scale = 1;
         } else {
-            scale /= 2;
+            step[0] /= 2;
+            step[1] /= 2;
         }
-        at[0] = x[0] + scale * step[0];
-        at[1] = x[1] + scale * step[1];
+        at[0] = x[0] + step[0];
+        at[1] = x[1] + step[1];
         if (!(RC_FABS(at[0] - x[0]) > 0 || RC_FABS(at[1] - x[1]) > 0)) {
             break;
         }

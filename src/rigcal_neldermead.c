@@ -25,69 +25,56 @@ static void set_trial(rigcal_neldermead *nm, rigcal_real s, int32_t phase)
 {
     const int32_t k = nm->k;
     for (int32_t i = 0; i < k; i++) {
-        rigcal_real sum = nm->vertex[0][i];
+        rigcal_real sum = nm->vertex[0].x[i];
         for (int32_t v = 1; v < k; v++) {
-            sum += nm->vertex[v][i];
+            sum += nm->vertex[v].x[i];
         }
         const rigcal_real centroid = sum / (rigcal_real)k;
-        nm->trial[i] = (1 + s) * centroid - s * nm->vertex[k][i];
+        nm->trial.x[i] = (1 + s) * centroid - s * nm->vertex[k].x[i];
     }
     nm->phase = phase;
 }
 
-/* trial = vertex v, moved halfway to the best. */
-static void set_trial_shrunk(rigcal_neldermead *nm, int32_t v)
+/* trial = vertex v of a first simplex, or of one that shrinks: moved halfway to the
+ * best. */
+static void set_trial_vertex(rigcal_neldermead *nm, int32_t v, int32_t phase)
 {
     for (int32_t i = 0; i < nm->k; i++) {
-        const rigcal_real best = nm->vertex[0][i];
-        nm->trial[i] = best + (nm->vertex[v][i] - best) / 2;
+        const rigcal_real best = nm->vertex[0].x[i], x = nm->vertex[v].x[i];
+        nm->trial.x[i] = (phase == SHRINK) ? best + (x - best) / 2 : x;
     }
     nm->vertex_next = v;
-    nm->phase = SHRINK;
-}
-
-static void set_trial_vertex(rigcal_neldermead *nm, int32_t v)
-{
-    rc_vec3_copy(nm->trial, nm->vertex[v]);
-    nm->vertex_next = v;
-    nm->phase = FIRST_SIMPLEX;
-}
-
-static void put(rigcal_neldermead *nm, int32_t v, const rigcal_real x[3],
-                rigcal_real cost)
-{
-    rc_vec3_copy(nm->vertex[v], x);
-    nm->cost[v] = cost;
+    nm->phase = phase;
 }
 
 /* Insertion sort by cost; equal costs keep their order. */
 static void sort_vertices(rigcal_neldermead *nm)
 {
     for (int32_t i = 1; i <= nm->k; i++) {
-        rigcal_real x[3];
-        const rigcal_real cost = nm->cost[i];
+        const rigcal_vertex moved = nm->vertex[i];
         int32_t at = i;
-        rc_vec3_copy(x, nm->vertex[i]);
-        for (; at > 0 && nm->cost[at - 1] > cost; at--) {
-            put(nm, at, nm->vertex[at - 1], nm->cost[at - 1]);
+        for (; at > 0 && nm->vertex[at - 1].cost > moved.cost; at--) {
+            nm->vertex[at] = nm->vertex[at - 1];
         }
-        put(nm, at, x, cost);
+        nm->vertex[at] = moved;
     }
+}
+
+static int is_near(rigcal_real x, rigcal_real best, rigcal_real tol)
+{
+    return RC_FABS(x - best) <= rc_max(tol, TOL_FLOOR * RC_FABS(best));
 }
 
 static int has_converged(const rigcal_neldermead *nm)
 {
-    const rigcal_real ftol = rc_max(nm->ftol, TOL_FLOOR * RC_FABS(nm->cost[0]));
+    const rigcal_vertex *const best = &nm->vertex[0];
     for (int32_t v = 1; v <= nm->k; v++) {
-        if (!(RC_FABS(nm->cost[v] - nm->cost[0]) <= ftol)) {
-            return 0;
-        }
+        int near = is_near(nm->vertex[v].cost, best->cost, nm->ftol);
         for (int32_t i = 0; i < nm->k; i++) {
-            const rigcal_real best = nm->vertex[0][i];
-            const rigcal_real xtol = rc_max(nm->xtol, TOL_FLOOR * RC_FABS(best));
-            if (!(RC_FABS(nm->vertex[v][i] - best) <= xtol)) {
-                return 0;
-            }
+            near = near && is_near(nm->vertex[v].x[i], best->x[i], nm->xtol);
+        }
+        if (!near) {
+            return 0;
         }
     }
     return 1;
@@ -105,117 +92,97 @@ static void next_iteration(rigcal_neldermead *nm)
     }
 }
 
-static void accept(rigcal_neldermead *nm, const rigcal_real x[3],
-                   rigcal_real cost)
+static void accept(rigcal_neldermead *nm, const rigcal_vertex *vertex)
 {
-    put(nm, nm->k, x, cost);
+    nm->vertex[nm->k] = *vertex;
     next_iteration(nm);
 }
 
-static void tell_reflection(rigcal_neldermead *nm, rigcal_real cost)
+static void tell_reflection(rigcal_neldermead *nm)
 {
-    const int32_t k = nm->k;
-    rc_vec3_copy(nm->reflected, nm->trial);
-    nm->cost_reflected = cost;
-    if (cost < nm->cost[0]) {
+    const rigcal_vertex *const worst = &nm->vertex[nm->k];
+    const rigcal_real cost = nm->trial.cost;
+    nm->reflected = nm->trial;
+    if (cost < nm->vertex[0].cost) {
         set_trial(nm, 2, EXPANSION);
-    } else if (cost < nm->cost[k - 1]) {
-        accept(nm, nm->trial, cost);
-    } else if (cost < nm->cost[k]) {
+    } else if (cost < worst[-1].cost) {
+        accept(nm, &nm->trial);
+    } else if (cost < worst->cost) {
         set_trial(nm, RC(0.5), CONTRACTION_OUTSIDE);
     } else {
         set_trial(nm, RC(-0.5), CONTRACTION_INSIDE);
     }
 }
 
-static void tell_expansion(rigcal_neldermead *nm, rigcal_real cost)
+static void tell_expansion(rigcal_neldermead *nm)
 {
-    if (cost < nm->cost_reflected) {
-        accept(nm, nm->trial, cost);
-    } else {
-        accept(nm, nm->reflected, nm->cost_reflected);
-    }
+    const int helps = nm->trial.cost < nm->reflected.cost;
+    accept(nm, helps ? &nm->trial : &nm->reflected);
 }
 
-static void tell_contraction(rigcal_neldermead *nm, rigcal_real cost)
+static void tell_contraction(rigcal_neldermead *nm)
 {
     const int helps = (nm->phase == CONTRACTION_OUTSIDE)
-                          ? cost <= nm->cost_reflected
-                          : cost < nm->cost[nm->k];
+                          ? nm->trial.cost <= nm->reflected.cost
+                          : nm->trial.cost < nm->vertex[nm->k].cost;
     if (helps) {
-        accept(nm, nm->trial, cost);
+        accept(nm, &nm->trial);
     } else {
-        set_trial_shrunk(nm, 1);
+        set_trial_vertex(nm, 1, SHRINK);
     }
 }
 
 /* A vertex of the first simplex, or of a shrunk one. */
-static void tell_vertex(rigcal_neldermead *nm, rigcal_real cost)
+static void tell_vertex(rigcal_neldermead *nm)
 {
     const int32_t v = nm->vertex_next;
-    put(nm, v, nm->trial, cost);
+    nm->vertex[v] = nm->trial;
     if (v == nm->k) {
         next_iteration(nm);
-    } else if (nm->phase == SHRINK) {
-        set_trial_shrunk(nm, v + 1);
     } else {
-        set_trial_vertex(nm, v + 1);
+        set_trial_vertex(nm, v + 1, nm->phase);
     }
-}
-
-static void begin(rigcal_neldermead *nm, int32_t k, rigcal_real xtol,
-                  rigcal_real ftol, int32_t max_evals)
-{
-    nm->k = k;
-    nm->xtol = xtol;
-    nm->ftol = ftol;
-    nm->max_evals = max_evals;
-    nm->evals = 0;
-    nm->cost_reflected = RC_MAX;
-    for (int32_t v = 0; v <= RIGCAL_NELDERMEAD_DIM_MAX; v++) {
-        nm->cost[v] = RC_MAX;
-    }
-    for (int32_t i = 0; i < RIGCAL_NELDERMEAD_DIM_MAX; i++) {
-        nm->trial[i] = nm->reflected[i] = 0;
-    }
-    nm->status = RIGCAL_RUNNING;
-    set_trial_vertex(nm, 0);
-}
-
-void rc_neldermead_begin(rigcal_neldermead *nm, const rigcal_real x0[], int32_t k,
-                         rigcal_real xtol, rigcal_real ftol, int32_t max_evals)
-{
-    for (int32_t v = 0; v <= RIGCAL_NELDERMEAD_DIM_MAX; v++) {
-        for (int32_t i = 0; i < RIGCAL_NELDERMEAD_DIM_MAX; i++) {
-            nm->vertex[v][i] = (v <= k && i < k) ? x0[i] : 0;
-        }
-    }
-    for (int32_t i = 0; i < k; i++) {
-        const int is_zero = !(RC_FABS(x0[i]) > 0);
-        nm->vertex[i + 1][i] =
-            is_zero ? EDGE_AT_ZERO : (1 + EDGE_RELATIVE) * x0[i];
-    }
-    begin(nm, k, xtol, ftol, max_evals);
 }
 
 void rc_neldermead_begin_simplex(rigcal_neldermead *nm, const rigcal_real simplex[],
                                  int32_t k, rigcal_real xtol, rigcal_real ftol,
                                  int32_t max_evals)
 {
-    for (int32_t v = 0; v <= RIGCAL_NELDERMEAD_DIM_MAX; v++) {
-        for (int32_t i = 0; i < RIGCAL_NELDERMEAD_DIM_MAX; i++) {
-            nm->vertex[v][i] = (v <= k && i < k) ? simplex[v * k + i] : 0;
+    *nm = (rigcal_neldermead){0};
+    nm->k = k;
+    nm->xtol = xtol;
+    nm->ftol = ftol;
+    nm->max_evals = max_evals;
+    nm->status = RIGCAL_RUNNING;
+    for (int32_t v = 0; v <= k; v++) {
+        for (int32_t i = 0; i < k; i++) {
+            nm->vertex[v].x[i] = *simplex++;
         }
+        nm->vertex[v].cost = RC_MAX;
     }
-    begin(nm, k, xtol, ftol, max_evals);
+    set_trial_vertex(nm, 0, FIRST_SIMPLEX);
 }
 
-int32_t rc_neldermead_best(const rigcal_neldermead *nm)
+void rc_neldermead_begin(rigcal_neldermead *nm, const rigcal_real x0[], int32_t k,
+                         rigcal_real xtol, rigcal_real ftol, int32_t max_evals)
 {
-    int32_t best = 0; /* the order holds between iterations only */
+    rigcal_real simplex[(RIGCAL_NELDERMEAD_DIM_MAX + 1) * RIGCAL_NELDERMEAD_DIM_MAX];
+    for (int32_t v = 0; v <= k; v++) {
+        for (int32_t i = 0; i < k; i++) {
+            const rigcal_real moved =
+                (RC_FABS(x0[i]) > 0) ? (1 + EDGE_RELATIVE) * x0[i] : EDGE_AT_ZERO;
+            simplex[v * k + i] = (v == i + 1) ? moved : x0[i];
+        }
+    }
+    rc_neldermead_begin_simplex(nm, simplex, k, xtol, ftol, max_evals);
+}
+
+const rigcal_vertex *rc_neldermead_best(const rigcal_neldermead *nm)
+{
+    const rigcal_vertex *best = &nm->vertex[0]; /* sorted between iterations only */
     for (int32_t v = 1; v <= nm->k; v++) {
-        if (nm->cost[v] < nm->cost[best]) {
-            best = v;
+        if (nm->vertex[v].cost < best->cost) {
+            best = &nm->vertex[v];
         }
     }
     return best;
@@ -223,21 +190,21 @@ int32_t rc_neldermead_best(const rigcal_neldermead *nm)
 
 void rc_neldermead_tell(rigcal_neldermead *nm, rigcal_real cost)
 {
-    const rigcal_real finite = rc_is_finite(cost) ? cost : RC_MAX;
+    nm->trial.cost = rc_is_finite(cost) ? cost : RC_MAX;
     nm->evals++;
     switch (nm->phase) {
     case REFLECTION:
-        tell_reflection(nm, finite);
+        tell_reflection(nm);
         break;
     case EXPANSION:
-        tell_expansion(nm, finite);
+        tell_expansion(nm);
         break;
     case CONTRACTION_OUTSIDE:
     case CONTRACTION_INSIDE:
-        tell_contraction(nm, finite);
+        tell_contraction(nm);
         break;
     default:
-        tell_vertex(nm, finite);
+        tell_vertex(nm);
         break;
     }
     if (nm->phase != DONE && nm->evals >= nm->max_evals) {
@@ -322,7 +289,7 @@ rigcal_status rigcal_neldermead_ask(rigcal_real x[], const rigcal_neldermead *nm
         return RIGCAL_ERR_STATE;
     }
     if (nm->phase != DONE) {
-        copy(x, nm->trial, nm->k);
+        copy(x, nm->trial.x, nm->k);
     }
     return nm->status;
 }
@@ -352,7 +319,7 @@ rigcal_status rigcal_neldermead_step(rigcal_neldermead *nm, rigcal_cost cost,
         return RIGCAL_ERR_RANGE;
     }
     for (int32_t i = 0; i < budget && nm->phase != DONE; i++) {
-        rc_neldermead_tell(nm, cost(context, nm->trial));
+        rc_neldermead_tell(nm, cost(context, nm->trial.x));
     }
     return nm->status;
 }
@@ -367,13 +334,13 @@ rigcal_status rigcal_neldermead_result(rigcal_real x[], rigcal_real *cost,
     if (!is_begun(nm) || nm->evals < 1) {
         return RIGCAL_ERR_STATE;
     }
-    const int32_t best = rc_neldermead_best(nm);
-    if (!(nm->cost[best] < RC_MAX)) {
+    const rigcal_vertex *const best = rc_neldermead_best(nm);
+    if (!(best->cost < RC_MAX)) {
         return RIGCAL_ERR_NOT_FINITE;
     }
-    copy(x, nm->vertex[best], nm->k);
+    copy(x, best->x, nm->k);
     if (cost != NULL) {
-        *cost = nm->cost[best];
+        *cost = best->cost;
     }
     if (evals != NULL) {
         *evals = nm->evals;

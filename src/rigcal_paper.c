@@ -254,7 +254,7 @@ static void seed_step(rigcal_paper_solver *s)
 /* One evaluation of a simplex search. */
 static void search_step(rigcal_paper_solver *s)
 {
-    rc_neldermead_tell(&s->nm, objective(s, s->nm.trial));
+    rc_neldermead_tell(&s->nm, objective(s, s->nm.trial.x));
     if (s->nm.status == RIGCAL_RUNNING) {
         return;
     }

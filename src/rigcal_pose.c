@@ -140,7 +140,7 @@ rigcal_status rc_survey_points(rc_survey *out, const rigcal_observation o[],
                                size_t n)
 {
     rigcal_real total = 0, size = 0, extent = 0;
-    rigcal_real shift[3] = {0, 0, 0}, uv_shift[2] = {0, 0};
+    rigcal_real shift[3] = {0, 0, 0}, uv_shift[3] = {0, 0, 0};
     const rigcal_observation *first = NULL;
     for (size_t i = 0; i < n; i++) {
         if (!rc_is_used(mask, i)) {
@@ -155,11 +155,10 @@ rigcal_status rc_survey_points(rc_survey *out, const rigcal_observation o[],
         rc_vec3_add_scaled(shift, weight, x);
         size = rc_max(size, rc_vec3_max_abs(x));
         total += weight;
-        for (int k = 0; k < 2; k++) {
-            const rigcal_real along = o[i].uv[k] - first->uv[k];
-            uv_shift[k] += weight * along;
-            extent = rc_max(extent, RC_FABS(along));
-        }
+        const rigcal_real uv[3] = {o[i].uv[0] - first->uv[0],
+                                   o[i].uv[1] - first->uv[1], 0};
+        rc_vec3_add_scaled(uv_shift, weight, uv);
+        extent = rc_max(extent, rc_vec3_max_abs(uv));
     }
     rc_vec3_combine(out->origin, 1, first->X_w, 1 / total, shift);
     out->uv_middle[0] = first->uv[0] + uv_shift[0] / total;
@@ -651,15 +650,14 @@ RC_APART static void end_descent(rigcal_pose_solver *s)
 {
     const rigcal_neldermead *const nm = &s->work.descent.nm;
     rigcal_pose_lattice *const lattice = &s->from.lattice;
-    const int32_t best = rc_neldermead_best(nm);
-    const rigcal_real cost = nm->cost[best];
+    const rigcal_vertex *const best = rc_neldermead_best(nm);
     rigcal_real m3[3];
-    direction_near(m3, s->work.descent.m3, nm->vertex[best]);
-    lattice->least_cost = rc_min(lattice->least_cost, cost);
+    direction_near(m3, s->work.descent.m3, best->x);
+    lattice->least_cost = rc_min(lattice->least_cost, best->cost);
     /* Rounding makes the costs of noiseless images anything: the last term. */
     const rigcal_real hopeless =
         HOPELESS * lattice->least_cost + 64 * RC_EPS * lattice->moments.weight;
-    const int is_hopeless = s->n_found > 0 && !s->is_flat && cost > hopeless;
+    const int is_hopeless = s->n_found > 0 && !s->is_flat && best->cost > hopeless;
     if (is_hopeless || !follow(s, m3, SAME_BASIN)) {
         next_seed(s);
     }
@@ -669,7 +667,7 @@ RC_APART static void descent_step(rigcal_pose_solver *s)
 {
     rigcal_neldermead *const nm = &s->work.descent.nm;
     rigcal_real m3[3];
-    direction_near(m3, s->work.descent.m3, nm->trial);
+    direction_near(m3, s->work.descent.m3, nm->trial.x);
     rc_neldermead_tell(nm, rc_view_cost(&s->from.lattice.moments, m3));
     if (nm->status != RIGCAL_RUNNING) {
         end_descent(s);

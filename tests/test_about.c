@@ -184,6 +184,9 @@ static const rigcal_layout_entry EXPECTED[] = {
     FIELD(rigcal_sighting, X_w),
     FIELD(rigcal_sighting, ray),
 
+    STRUCT(rigcal_vertex),
+    FIELD(rigcal_vertex, x),
+    FIELD(rigcal_vertex, cost),
     STRUCT(rigcal_neldermead),
     FIELD(rigcal_neldermead, k),
     FIELD(rigcal_neldermead, evals),
@@ -193,8 +196,6 @@ static const rigcal_layout_entry EXPECTED[] = {
     FIELD(rigcal_neldermead, status),
     FIELD(rigcal_neldermead, xtol),
     FIELD(rigcal_neldermead, ftol),
-    FIELD(rigcal_neldermead, cost),
-    FIELD(rigcal_neldermead, cost_reflected),
     FIELD(rigcal_neldermead, trial),
     FIELD(rigcal_neldermead, reflected),
     FIELD(rigcal_neldermead, vertex),

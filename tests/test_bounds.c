@@ -686,7 +686,7 @@ static void test_a_robust_pose_takes_at_most_9000_units_and_its_samples(void)
 
 /* ---- diagnose ------------------------------------------------------------ */
 
-/* Beginning a pose takes two absolute values a point. */
+/* A pose takes the ray of each point and of their middle, a ray four absolute values. */
 static void test_a_diagnosis_solves_n_plus_1_to_n_plus_3_poses(void)
 {
     test_rng rng = test_seed(409);
@@ -700,15 +700,15 @@ static void test_a_diagnosis_solves_n_plus_1_to_n_plus_3_poses(void)
 
         hostile_scene(&s, trial % KINDS, 5 + trial % 9, &rng);
         const int n = (int)s.n;
-        watch("rc_survey_points", HOOK_FABS);
+        watch("rc_pixel_to_ray", HOOK_FABS);
         ASSERT_STATUS(RIGCAL_OK, rigcal_blame_point(&blame, rms_without, &s.camera, s.o,
                                                     NULL, s.n, NULL));
-        TEST_ASSERT_EQUAL_INT(2 * (n + n * (n - 1)), watched.count);
-        watch("rc_survey_points", HOOK_FABS);
+        TEST_ASSERT_EQUAL_INT(4 * ((n + 1) + n * n), watched.count);
+        watch("rc_pixel_to_ray", HOOK_FABS);
         ASSERT_STATUS(RIGCAL_OK,
                       rigcal_diagnose_pose(&diagnosis, rms_without, work, &s.camera, s.o,
                                            NULL, s.n, NULL));
-        TEST_ASSERT_EQUAL_INT(2 * (3 * n + n * (n - 1)), watched.count);
+        TEST_ASSERT_EQUAL_INT(4 * (3 * (n + 1) + n * n), watched.count);
     }
 }
 

@@ -161,11 +161,11 @@ static void begin(rigcal_neldermead *nm, const rigcal_real x0[], int k,
 static int has_converged(const rigcal_neldermead *nm, double tol)
 {
     for (int v = 1; v <= nm->k; v++) {
-        if (fabs(D(nm->cost[v]) - D(nm->cost[0])) > tol) {
+        if (fabs(D(nm->vertex[v].cost) - D(nm->vertex[0].cost)) > tol) {
             return 0;
         }
         for (int d = 0; d < nm->k; d++) {
-            if (fabs(D(nm->vertex[v][d]) - D(nm->vertex[0][d])) > tol) {
+            if (fabs(D(nm->vertex[v].x[d]) - D(nm->vertex[0].x[d])) > tol) {
                 return 0;
             }
         }
@@ -510,10 +510,10 @@ static void test_at_the_end_every_vertex_is_within_the_tolerances(void)
         end = run(&nm, rosenbrock, NULL);
         ASSERT_STATUS(RIGCAL_OK, end.status);
         for (int v = 0; v < 3; v++) {
-            TEST_ASSERT_TRUE(D(nm.cost[v]) - D(end.cost) <= ftol);
-            TEST_ASSERT_TRUE(nm.cost[v] >= end.cost);
+            TEST_ASSERT_TRUE(D(nm.vertex[v].cost) - D(end.cost) <= ftol);
+            TEST_ASSERT_TRUE(nm.vertex[v].cost >= end.cost);
             for (int d = 0; d < 2; d++) {
-                TEST_ASSERT_TRUE(fabs(D(nm.vertex[v][d]) - D(end.x[d])) <=
+                TEST_ASSERT_TRUE(fabs(D(nm.vertex[v].x[d]) - D(end.x[d])) <=
                                  xtol);
             }
         }
@@ -541,10 +541,10 @@ static void test_it_goes_on_while_any_vertex_is_outside_the_tolerances(void)
         end = run(&nm, bowl_cost, &f);
         ASSERT_STATUS(RIGCAL_OK, end.status);
         for (int v = 0; v <= k; v++) {
-            TEST_ASSERT_TRUE(nm.cost[v] >= end.cost);
-            TEST_ASSERT_TRUE(D(nm.cost[v]) - D(end.cost) <= ftol);
+            TEST_ASSERT_TRUE(nm.vertex[v].cost >= end.cost);
+            TEST_ASSERT_TRUE(D(nm.vertex[v].cost) - D(end.cost) <= ftol);
             for (int d = 0; d < k; d++) {
-                TEST_ASSERT_TRUE(fabs(D(nm.vertex[v][d]) - D(end.x[d])) <=
+                TEST_ASSERT_TRUE(fabs(D(nm.vertex[v].x[d]) - D(end.x[d])) <=
                                  xtol);
             }
         }

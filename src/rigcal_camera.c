@@ -184,11 +184,11 @@ static rigcal_real least_quotient(rigcal_real low, const rigcal_real D[2])
  *     [   2 n r       d + 2 c r]
  *
  * It is positive definite on all of r^2 in [a, a + h] when the bounds of G, N and
- * D there make it so. */
+ * D there make it so. c r and n r are given where r^2 is `end`. */
 static int is_usable_between(const rigcal_lens *lens,
                              const rigcal_real G[SLOPE_DEGREE + 1],
-                             rigcal_real c, rigcal_real n, rigcal_real a,
-                             rigcal_real h)
+                             rigcal_real c, rigcal_real n, rigcal_real end,
+                             rigcal_real a, rigcal_real h)
 {
     const rigcal_real half = h / 2, middle = a + half;
     rigcal_real slope[2], N[2], D[2];
@@ -201,13 +201,12 @@ static int is_usable_between(const rigcal_lens *lens,
         return slope[0] > 0; /* then d > 0 too: g rises from 0 */
     }
     polynomial_range(N, lens->N, 4, middle, half);
-    const rigcal_real r_far = RC_SQRT(a + h);
-    const rigcal_real r_low = (c > 0) ? RC_SQRT(a) : r_far;
+    const rigcal_real far = (a + h) / end;
+    const rigcal_real c_low = c * RC_SQRT((c > 0) ? a / end : far);
     const rigcal_real along =
-        least_quotient(least_quotient(slope[0], D), D) + 6 * c * r_low;
-    const rigcal_real across = least_quotient(N[0], D) + 2 * c * r_low;
-    return along > 0 && across > 0 &&
-           along * across > 4 * n * n * r_far * r_far;
+        least_quotient(least_quotient(slope[0], D), D) + 6 * c_low;
+    const rigcal_real across = least_quotient(N[0], D) + 2 * c_low;
+    return along > 0 && across > 0 && along * across > 4 * n * n * far;
 }
 
 /* Walks from the axis to x in steps that are halved until the bounds decide, and
@@ -217,28 +216,22 @@ int rc_lens_is_usable(const rigcal_lens *lens, const rigcal_real x[2])
 {
     rigcal_real G[SLOPE_DEGREE + 1];
     const rigcal_real end = x[0] * x[0] + x[1] * x[1];
-    const rigcal_real r = RC_SQRT(end);
-    const rigcal_real *const q = lens->q;
-    const rigcal_real c = (r > 0) ? (q[0] * x[0] + q[1] * x[1]) / r : 0;
-    const rigcal_real n = (r > 0) ? (q[1] * x[0] - q[0] * x[1]) / r : 0;
-    if (!rc_is_finite(end)) {
-        return 0;
-    }
-    if (lens->is_pinhole) {
-        return 1;
-    }
-
-    radial_slope(G, lens);
+    const rigcal_real c = lens->q[0] * x[0] + lens->q[1] * x[1];
+    const rigcal_real n = lens->q[1] * x[0] - lens->q[0] * x[1];
     rigcal_real a = 0, h = end;
+    if (lens->is_pinhole) {
+        return rc_is_finite(end);
+    }
+    radial_slope(G, lens);
     for (int i = 0; i < WALK_MAX && h > RC_EPS * end; i++) {
-        if (is_usable_between(lens, G, c, n, a, h)) {
+        if (is_usable_between(lens, G, c, n, end, a, h)) {
             a += h;
             h = rc_min(2 * h, end - a);
         } else {
             h /= 2;
         }
     }
-    return end - a <= 4 * RC_EPS * end;
+    return rc_is_finite(end) && end - a <= 4 * RC_EPS * end;
 }
 
 /* ---- from a pixel to a ray ----------------------------------------------- */

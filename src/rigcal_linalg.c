@@ -61,10 +61,8 @@ rigcal_real rc_mat3_cofactors(rigcal_real out[9], const rigcal_real M[9])
 
 void rc_sym3_add_outer(rigcal_real A[6], rigcal_real s, const rigcal_real x[3])
 {
-    const rigcal_real sx = s * x[0], sy = s * x[1];
-    A[0] += sx * x[0];
-    A[1] += sx * x[1];
-    A[2] += sx * x[2];
+    const rigcal_real sy = s * x[1];
+    rc_vec3_add_scaled(A, s * x[0], x);
     A[3] += sy * x[1];
     A[4] += sy * x[2];
     A[5] += s * x[2] * x[2];
@@ -73,7 +71,7 @@ void rc_sym3_add_outer(rigcal_real A[6], rigcal_real s, const rigcal_real x[3])
 void rc_sym3_mul_vec3(rigcal_real out[3], const rigcal_real A[6],
                       const rigcal_real v[3])
 {
-    out[0] = A[0] * v[0] + A[1] * v[1] + A[2] * v[2];
+    out[0] = rc_vec3_dot(A, v);
     out[1] = A[1] * v[0] + A[3] * v[1] + A[4] * v[2];
     out[2] = A[2] * v[0] + A[4] * v[1] + A[5] * v[2];
 }

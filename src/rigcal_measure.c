@@ -159,23 +159,6 @@ static rigcal_status check_views(const views *v, rigcal_real sigma_px)
     return RIGCAL_OK;
 }
 
-/* Unit direction d of view i's ray, in the world, and a point o on it: the
- * camera's centre. */
-static rigcal_status world_ray(rigcal_real d[3], rigcal_real o[3], const views *v,
-                               size_t i)
-{
-    rigcal_real ray[3];
-    const rigcal_status status =
-        rc_pixel_to_ray(ray, &v->cameras[i], &v->uv[2 * i]);
-    if (status != RIGCAL_OK) {
-        return status;
-    }
-    rc_mat3_tmul_vec3(d, v->cams_from_world[i].R, ray);
-    rc_mat3_tmul_vec3(o, v->cams_from_world[i].R, v->cams_from_world[i].t);
-    rc_vec3_scale(o, -1, o);
-    return RIGCAL_OK;
-}
-
 /* L L^T = A; 0: singular to rounding. */
 static int factor(rigcal_real L[6], const rigcal_real A[6])
 {
@@ -190,29 +173,28 @@ static void solve(rigcal_real x[3], const rigcal_real L[6])
     rc_sym3_backward(x, L);
 }
 
-/* The point with the least sum of squared distances from the rays:
- * sum (I - d d^T) (X - o) = 0, with lengths counted from the first centre. */
+/* The point with the least sum of squared distances from the rays, along unit d from a
+ * point o: sum (I - d d^T) (X - o) = 0, o = -R^T t. */
 static rigcal_status nearest_to_rays(rigcal_real X[3], const views *v)
 {
-    rigcal_real A[6] = {0}, b[3] = {0}, first_d[3], first_o[3], parallax = 0;
+    rigcal_real A[6] = {0}, first[3], parallax = 0;
+    X[0] = X[1] = X[2] = 0;
     for (size_t i = 0; i < v->n; i++) {
-        rigcal_real d[3], o[3], normal[3];
-        const rigcal_status status = world_ray(d, o, v, i);
+        const rigcal_transform *const T = &v->cams_from_world[i];
+        rigcal_real ray[3], d[3], o[3], normal[3];
+        const rigcal_status status = rc_pixel_to_ray(ray, &v->cameras[i], &v->uv[2 * i]);
         if (status != RIGCAL_OK) {
             return status;
         }
+        rc_mat3_tmul_vec3(d, T->R, ray);
+        rc_mat3_tmul_vec3(o, T->R, T->t);
         if (i == 0) {
-            for (int k = 0; k < 3; k++) {
-                first_d[k] = d[k];
-                first_o[k] = o[k];
-            }
+            rc_vec3_copy(first, d);
         }
-        rc_vec3_cross(normal, first_d, d);
+        rc_vec3_cross(normal, first, d);
         parallax = rc_max(parallax, rc_vec3_dot(normal, normal));
-        rc_vec3_sub(o, o, first_o);
-        const rigcal_real along = rc_vec3_dot(d, o);
-        rc_vec3_add_scaled(o, -along, d);
-        rc_vec3_add(b, o);
+        rc_vec3_add_scaled(X, rc_vec3_dot(d, o), d);
+        rc_vec3_add_scaled(X, -1, o);
         A[0] += 1;
         A[3] += 1;
         A[5] += 1;
@@ -221,9 +203,7 @@ static rigcal_status nearest_to_rays(rigcal_real X[3], const views *v)
     if (!(parallax >= PARALLAX_MIN) || !factor(A, A)) {
         return RIGCAL_ERR_PARALLEL;
     }
-    solve(b, A);
-    rc_vec3_copy(X, first_o);
-    rc_vec3_add(X, b);
+    solve(X, A);
     return RIGCAL_OK;
 }
 

@@ -997,6 +997,21 @@ rigcal_status rigcal_pose_begin(rigcal_pose_solver *solver, int32_t *bad,
                                             NULL, n, options);
 }
 
+static void step_once(rigcal_pose_solver *s)
+{
+    if (s->phase == GATHERING) {
+        gathering_step(s);
+    } else if (s->phase == SCANNING) {
+        scanning_step(s);
+    } else if (s->phase == DESCENT) {
+        descent_step(s);
+    } else if (s->phase == PROVING) {
+        proving_step(s);
+    } else {
+        refining_step(s);
+    }
+}
+
 rigcal_status rigcal_pose_step(rigcal_pose_solver *solver, int32_t budget)
 {
     if (solver == NULL) {
@@ -1009,23 +1024,7 @@ rigcal_status rigcal_pose_step(rigcal_pose_solver *solver, int32_t budget)
         return RIGCAL_ERR_STATE;
     }
     for (; budget > 0 && solver->phase != DONE; budget--) {
-        switch (solver->phase) {
-        case GATHERING:
-            gathering_step(solver);
-            break;
-        case SCANNING:
-            scanning_step(solver);
-            break;
-        case DESCENT:
-            descent_step(solver);
-            break;
-        case PROVING:
-            proving_step(solver);
-            break;
-        default:
-            refining_step(solver);
-            break;
-        }
+        step_once(solver);
     }
     return (solver->phase == DONE) ? RIGCAL_OK : RIGCAL_RUNNING;
 }

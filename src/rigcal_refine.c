@@ -138,11 +138,13 @@ RC_APART static void add_point(rigcal_real g[6], rigcal_real H[21],
                                rigcal_real Z)
 {
     const rigcal_real *const bu = B, *const bv = B + 3;
-    rigcal_real c[3], M[9], K[9], turned[9];
-    rc_vec3_combine(c, weight * e[0], bu, weight * e[1], bv);
-    rc_vec3_combine(&M[0], weight * bu[0], bu, weight * bv[0], bv);
-    rc_vec3_combine(&M[3], weight * bu[1], bu, weight * bv[1], bv);
-    rc_vec3_combine(&M[6], weight * bu[2], bu, weight * bv[2], bv);
+    rigcal_real wu[3], wv[3], c[3], M[9], K[9], turned[9];
+    rc_vec3_scale(wu, weight, bu);
+    rc_vec3_scale(wv, weight, bv);
+    rc_vec3_combine(c, e[0], wu, e[1], wv);
+    rc_vec3_combine(&M[0], wu[0], bu, wv[0], bv);
+    rc_vec3_combine(&M[3], wu[1], bu, wv[1], bv);
+    rc_vec3_combine(&M[6], wu[2], bu, wv[2], bv);
     if (Z > 0) {
         add_curvature(H, M, c, q, Z);
     }

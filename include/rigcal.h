@@ -663,7 +663,7 @@ typedef struct {
     int32_t phase, next, n_seeds, n_exact, n_found, thorough, is_flat, is_plane,
         leans, failure, bad, is_warm, point, is_mirrored, is_vague, reserved;
     size_t n, n_used;
-    rigcal_real extent_px, scale, sigma_px, axis[3];
+    rigcal_real extent_px, scale, sigma_px, axis[3], normal[3];
     rigcal_fit fit;
     union {
         rigcal_pose_lattice lattice;

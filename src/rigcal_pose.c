@@ -305,14 +305,14 @@ static void begin_scanning(rigcal_pose_solver *s)
 static void end_gathering(rigcal_pose_solver *s)
 {
     rigcal_view_moments *const view = &s->from.lattice.moments;
-    rigcal_real normal[3], thickness;
+    rigcal_real thickness;
     size_t three[3];
     s->next = 0;
     if (!rc_view_finish(view)) {
         fail(s, RIGCAL_ERR_COINCIDENT, -1);
         return;
     }
-    if (!rc_view_normal(normal, &thickness, view)) {
+    if (!rc_view_normal(s->normal, &thickness, view)) {
         fail(s, RIGCAL_ERR_COLLINEAR, -1);
         return;
     }
@@ -700,16 +700,13 @@ static void leaning_direction(rigcal_real m3[3], const rigcal_real first[3],
 RC_APART static int next_lean(rigcal_real m3[3], rigcal_pose_solver *s)
 {
     const rigcal_view_moments *const view = &s->from.lattice.moments;
-    rigcal_real first[3], normal[3], thickness;
-    if (!rc_view_normal(normal, &thickness, view)) {
-        return 0;
-    }
+    rigcal_real first[3];
     found_direction(first, s, 0);
     const rigcal_real most =
         (s->thorough ? HOPELESS : SHALLOW) * rc_view_cost(view, first);
     while (s->leans < LEANS) {
         const int32_t lean = s->leans++;
-        leaning_direction(m3, first, normal, lean);
+        leaning_direction(m3, first, s->normal, lean);
         if (lean == OTHER_WAY || rc_view_cost(view, m3) < most) {
             return 1;
         }

@@ -12,17 +12,17 @@
 
 enum { POLAR_ITERATIONS_MAX = 40 };
 
+/* Its cofactors are itself, and each row has length 1. */
 int rc_is_rotation(const rigcal_real R[9])
 {
-    rigcal_real RRt[9], cofactors[9];
-    rc_mat3_mul_t(RRt, R, R);
-    for (int i = 0; i < 9; i++) {
-        const rigcal_real identity = (i % 4 == 0) ? 1 : 0;
-        if (!(RC_FABS(RRt[i] - identity) <= ROTATION_TOL)) {
-            return 0;
-        }
+    rigcal_real off[9];
+    (void)rc_mat3_cofactors(off, R);
+    int is_one = 1;
+    for (int i = 0; i < 9; i += 3) {
+        rc_vec3_sub(&off[i], &off[i], &R[i]);
+        is_one = is_one && RC_FABS(rc_vec3_dot(&R[i], &R[i]) - 1) <= ROTATION_TOL;
     }
-    return rc_mat3_cofactors(cofactors, R) > 0;
+    return is_one && rc_all_within(off, 9, ROTATION_TOL);
 }
 
 rigcal_status rc_check_rotation(const rigcal_real R[9])

@@ -340,6 +340,7 @@ static const rigcal_layout_entry EXPECTED[] = {
     FIELD(rigcal_pose_solver, scale),
     FIELD(rigcal_pose_solver, sigma_px),
     FIELD(rigcal_pose_solver, axis),
+    FIELD(rigcal_pose_solver, normal),
     FIELD(rigcal_pose_solver, fit),
     FIELD(rigcal_pose_solver, from),
     FIELD(rigcal_pose_solver, work),

@@ -7,18 +7,21 @@
 #include "rc_refine.h"
 #include "rc_view.h"
 
-/* Where the points are, of those whose mask is not 0, of which there is one at least. */
+/* Where the points are. */
 typedef struct {
     rigcal_real origin[3];    /* their weighted mean */
     rigcal_real size;         /* their longest distance from the first, along an axis */
     rigcal_real uv_middle[2]; /* weighted mean of the pixels */
     rigcal_real extent_px;    /* their longest distance from the first, likewise */
+    size_t n_used;
 } rc_survey;
 
-/* OK, ERR_COINCIDENT, ERR_PRECISION. */
-rigcal_status rc_survey_points(rc_survey *out, const rigcal_observation o[],
-                               const rigcal_real sigma[], const uint8_t mask[],
-                               size_t n);
+/* Of the points whose mask is not 0 (NULL: all). OK; ERR_NOT_FINITE, ERR_RANGE of the
+ * observation *bad; ERR_TOO_FEW (below 3); and, the survey made, ERR_COINCIDENT,
+ * ERR_PRECISION. */
+rigcal_status rc_survey_points(rc_survey *out, int32_t *bad,
+                               const rigcal_observation o[], const rigcal_real sigma[],
+                               const uint8_t mask[], size_t n);
 
 /* Whether the points, counted from `origin`, are on a line to rounding. */
 int rc_are_on_line(const rigcal_observation o[], size_t n, const rigcal_real origin[3]);

@@ -100,25 +100,20 @@ static rigcal_real weight_of(const rigcal_real sigma[], size_t i)
     return (sigma == NULL) ? 1 : 1 / (sigma[i] * sigma[i]);
 }
 
-static size_t count_used(const uint8_t mask[], size_t n)
-{
-    size_t count = 0;
-    for (size_t i = 0; i < n; i++) {
-        count += rc_is_used(mask, i) ? 1 : 0;
-    }
-    return count;
-}
-
 static rigcal_status check_sigma(const rigcal_real *sigma)
 {
     const rigcal_status status = rc_check_numbers(sigma, 1, SIGMA_MAX);
     return (status == RIGCAL_OK && !(*sigma >= SIGMA_MIN)) ? RIGCAL_ERR_RANGE : status;
 }
 
-static rigcal_status check_data(int32_t *at, const rigcal_observation o[],
-                                const rigcal_real sigma[], const uint8_t mask[],
-                                size_t n)
+rigcal_status rc_survey_points(rc_survey *out, int32_t *bad,
+                               const rigcal_observation o[], const rigcal_real sigma[],
+                               const uint8_t mask[], size_t n)
 {
+    rigcal_real total = 0, size = 0, extent = 0;
+    rigcal_real shift[3] = {0, 0, 0}, uv_shift[3] = {0, 0, 0};
+    const rigcal_observation *first = NULL;
+    size_t n_used = 0;
     for (size_t i = 0; i < n; i++) {
         if (!rc_is_used(mask, i)) {
             continue;
@@ -128,25 +123,10 @@ static rigcal_status check_data(int32_t *at, const rigcal_observation o[],
             status = check_sigma(&sigma[i]);
         }
         if (status != RIGCAL_OK) {
-            *at = (int32_t)i;
+            *bad = (int32_t)i;
             return status;
         }
-    }
-    return RIGCAL_OK;
-}
-
-rigcal_status rc_survey_points(rc_survey *out, const rigcal_observation o[],
-                               const rigcal_real sigma[], const uint8_t mask[],
-                               size_t n)
-{
-    rigcal_real total = 0, size = 0, extent = 0;
-    rigcal_real shift[3] = {0, 0, 0}, uv_shift[3] = {0, 0, 0};
-    const rigcal_observation *first = NULL;
-    for (size_t i = 0; i < n; i++) {
-        if (!rc_is_used(mask, i)) {
-            continue;
-        }
-        if (first == NULL) {
+        if (n_used++ == 0) {
             first = &o[i];
         }
         rigcal_real x[3]; /* differences of two points are exact */
@@ -160,11 +140,15 @@ rigcal_status rc_survey_points(rc_survey *out, const rigcal_observation o[],
         rc_vec3_add_scaled(uv_shift, weight, uv);
         extent = rc_max(extent, rc_vec3_max_abs(uv));
     }
+    if (n_used < 3) {
+        return RIGCAL_ERR_TOO_FEW;
+    }
     rc_vec3_combine(out->origin, 1, first->X_w, 1 / total, shift);
     out->uv_middle[0] = first->uv[0] + uv_shift[0] / total;
     out->uv_middle[1] = first->uv[1] + uv_shift[1] / total;
     out->extent_px = extent;
     out->size = size;
+    out->n_used = n_used;
     if (!(size > 1 / RC_COORDINATE_MAX)) {
         return RIGCAL_ERR_COINCIDENT;
     }
@@ -806,7 +790,8 @@ static void end_warm(rigcal_pose_solver *s)
         return;
     }
     rc_survey survey;
-    (void)rc_survey_points(&survey, s->fit.observations, s->fit.sigma, s->fit.mask, s->n);
+    (void)rc_survey_points(&survey, &s->bad, s->fit.observations, s->fit.sigma,
+                           s->fit.mask, s->n);
     s->is_warm = 0;
     s->n_found = 0;
     begin_gathering(s, survey.uv_middle);
@@ -918,32 +903,6 @@ static rigcal_status check_options(const rigcal_pose_options *o)
                                                  : status;
 }
 
-/* All that can be wrong with the arguments. */
-RC_APART static rigcal_status check_arguments(size_t *n_used, int32_t *at,
-                                              const rigcal_camera *camera,
-                                              const rigcal_observation observations[],
-                                              const rigcal_real sigma[],
-                                              const uint8_t mask[], size_t n,
-                                              const rigcal_pose_options *options)
-{
-    rigcal_status status = RIGCAL_ERR_NULL;
-    if (observations != NULL) {
-        status = rc_check_camera(camera);
-    }
-    if (status == RIGCAL_OK && options != NULL) {
-        status = check_options(options);
-    }
-    if (status == RIGCAL_OK && n > RC_COUNT_MAX) {
-        status = RIGCAL_ERR_RANGE;
-    }
-    if (status == RIGCAL_OK) {
-        *n_used = count_used(mask, n);
-        status = (*n_used < 3) ? RIGCAL_ERR_TOO_FEW : RIGCAL_OK;
-    }
-    return (status == RIGCAL_OK) ? check_data(at, observations, sigma, mask, n)
-                                 : status;
-}
-
 rigcal_status rc_pose_begin(rigcal_pose_solver *solver, int32_t *bad,
                             const rigcal_camera *camera,
                             const rigcal_observation observations[],
@@ -951,12 +910,16 @@ rigcal_status rc_pose_begin(rigcal_pose_solver *solver, int32_t *bad,
                             size_t n, const rigcal_pose_options *options)
 {
     rc_survey survey;
-    size_t n_used;
     int32_t at = -1;
-    rigcal_status status = check_arguments(&n_used, &at, camera, observations, sigma,
-                                           mask, n, options);
+    rigcal_status status =
+        (observations == NULL) ? RIGCAL_ERR_NULL : rc_check_camera(camera);
+    if (status == RIGCAL_OK && options != NULL) {
+        status = check_options(options);
+    }
     if (status == RIGCAL_OK) {
-        status = rc_survey_points(&survey, observations, sigma, mask, n);
+        status = (n > RC_COUNT_MAX)
+                     ? RIGCAL_ERR_RANGE
+                     : rc_survey_points(&survey, &at, observations, sigma, mask, n);
     }
     if (status != RIGCAL_OK) {
         if (bad != NULL) {
@@ -967,7 +930,7 @@ rigcal_status rc_pose_begin(rigcal_pose_solver *solver, int32_t *bad,
     *solver = (rigcal_pose_solver){0};
     rc_fit_begin(&solver->fit, camera, observations, sigma, mask, n, survey.origin);
     solver->n = n;
-    solver->n_used = n_used;
+    solver->n_used = survey.n_used;
     solver->bad = -1;
     solver->scale = 1 / survey.size;
     solver->extent_px = survey.extent_px;
@@ -1183,6 +1146,7 @@ rigcal_status rigcal_pose_covariance(
     const rigcal_observation observations[], const rigcal_real sigma[], size_t n,
     rigcal_real sigma_px)
 {
+    rc_survey survey;
     int32_t at;
     if (out == NULL || observations == NULL) {
         return RIGCAL_ERR_NULL;
@@ -1197,22 +1161,21 @@ rigcal_status rigcal_pose_covariance(
     if (status == RIGCAL_OK && n > RC_COUNT_MAX) {
         status = RIGCAL_ERR_RANGE;
     }
-    if (status == RIGCAL_OK && (n < 3 || (n == 3 && !(sigma_px > 0)))) {
+    if (status == RIGCAL_OK && n == 3 && !(sigma_px > 0)) {
         status = RIGCAL_ERR_TOO_FEW;
     }
     if (status == RIGCAL_OK) {
-        status = check_data(&at, observations, sigma, NULL, n);
+        status = rc_survey_points(&survey, &at, observations, sigma, NULL, n);
     }
-    if (status != RIGCAL_OK) {
+    if (status != RIGCAL_OK && status != RIGCAL_ERR_COINCIDENT &&
+        status != RIGCAL_ERR_PRECISION) {
         return status;
     }
 
     rigcal_real sse, g[6], H[21], at_points[36], turned[3];
     rigcal_transform cam_from_points = *cam_from_world;
     rigcal_fit fit;
-    rc_survey survey;
-    if (rc_survey_points(&survey, observations, sigma, NULL, n) != RIGCAL_OK ||
-        rc_are_on_line(observations, n, survey.origin)) {
+    if (rc_are_on_line(observations, n, survey.origin)) {
         return RIGCAL_ERR_DEGENERATE;
     }
     rc_fit_begin(&fit, camera, observations, sigma, NULL, n, survey.origin);

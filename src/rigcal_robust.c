@@ -302,7 +302,7 @@ static rigcal_status begin(rigcal_robust_solver *s, int32_t *at, uint8_t inliers
     status = rc_pose_begin(&s->work.pose, at, camera, observations, sigma, NULL, n,
                            &pose_options);
     if (status == RIGCAL_OK) {
-        status = rc_survey_points(&survey, observations, sigma, NULL, n);
+        status = rc_survey_points(&survey, at, observations, sigma, NULL, n);
     }
     if (status == RIGCAL_OK && rc_are_on_line(observations, n, survey.origin)) {
         status = RIGCAL_ERR_COLLINEAR;

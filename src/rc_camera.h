@@ -33,14 +33,8 @@ int rc_lens_map(rigcal_real F[2], rigcal_real J[3], const rigcal_lens *lens,
  * the plane F does not fold. A proof by interval bounds, not by samples. */
 int rc_lens_is_usable(const rigcal_lens *lens, const rigcal_real x[2]);
 
-/* Pixel of X_c, and if J_uv is not NULL d uv / d X_c, 2 x 3. Says nothing of the
- * turning point. OK, ERR_BEHIND, ERR_NO_RAY (not finite), ERR_DEGENERATE. */
-rigcal_status rc_project(rigcal_real uv[2], rigcal_real J_uv[6],
-                         const rigcal_camera *camera,
-                         const rigcal_real X_c[3]);
-
-/* The same with the lens prepared, for those who project many points. X_c is of
- * moderate size, J_uv not NULL. */
+/* Pixel of X_c and d uv / d X_c, 2 x 3. Says nothing of the turning point. OK,
+ * ERR_BEHIND, ERR_NO_RAY (not finite), ERR_DEGENERATE. */
 rigcal_status rc_project_through(rigcal_real uv[2], rigcal_real J_uv[6],
                                  const rigcal_lens *lens,
                                  const rigcal_camera *camera,

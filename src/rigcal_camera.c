@@ -326,8 +326,8 @@ rigcal_status rc_pixel_to_ray(rigcal_real ray[3], const rigcal_camera *camera,
     const rigcal_camera *const c = camera;
     const rigcal_real target[2] = {(uv[0] - c->cx) / c->fx,
                                    (uv[1] - c->cy) / c->fy};
-    const rigcal_real largest = rc_max(rc_max(RC_FABS(uv[0]), RC_FABS(uv[1])),
-                                       rc_max(RC_FABS(c->cx), RC_FABS(c->cy)));
+    const rigcal_real pixels[3] = {uv[0], uv[1], c->cx};
+    const rigcal_real largest = rc_max(rc_vec3_max_abs(pixels), RC_FABS(c->cy));
     const rigcal_real tolerance =
         (MISS_MAX_PX + 4 * RC_EPS * largest) / rc_max(c->fx, c->fy);
     rigcal_real x[2] = {target[0], target[1]};
@@ -451,16 +451,6 @@ rigcal_status rc_project_through(rigcal_real uv[2], rigcal_real J_uv[6],
     rigcal_real x[2];
     return lens->is_pinhole ? project_pinhole(uv, J_uv, camera, X_c)
                             : project_by(x, uv, J_uv, lens, camera, X_c);
-}
-
-rigcal_status rc_project(rigcal_real uv[2], rigcal_real J_uv[6],
-                         const rigcal_camera *camera,
-                         const rigcal_real X_c[3])
-{
-    rigcal_lens lens;
-    rigcal_real x[2];
-    rc_lens_of(&lens, camera);
-    return project_by(x, uv, J_uv, &lens, camera, X_c);
 }
 
 /* The pixel, and the proof that the lens sees the point there. */

@@ -17,13 +17,9 @@ int rc_vec3_unit(rigcal_real out[3], const rigcal_real a[3])
     if (!(largest > 0)) {
         return 0;
     }
-    /* Two divisions, not one by a reciprocal: 1 / largest overflows when largest
-     * is subnormal. */
+    /* Not by a reciprocal: 1 / largest overflows when largest is subnormal. */
     const rigcal_real b[3] = {a[0] / largest, a[1] / largest, a[2] / largest};
-    const rigcal_real length = rc_vec3_norm(b);
-    for (int i = 0; i < 3; i++) {
-        out[i] = b[i] / length;
-    }
+    rc_vec3_scale(out, 1 / rc_vec3_norm(b), b);
     return 1;
 }
 

@@ -132,31 +132,26 @@ typedef struct {
 
 static rigcal_status check_views(const views *v, rigcal_real sigma_px)
 {
-    if (!rc_is_finite(sigma_px)) {
-        return RIGCAL_ERR_NOT_FINITE;
+    rigcal_status status = rc_check_numbers(&sigma_px, 1, RC(1e6));
+    if (status == RIGCAL_OK && !(sigma_px > 0)) {
+        status = RIGCAL_ERR_RANGE;
     }
-    if (!(sigma_px > 0 && sigma_px <= RC(1e6))) {
-        return RIGCAL_ERR_RANGE;
+    if (status == RIGCAL_OK && v->n < 2) {
+        status = RIGCAL_ERR_TOO_FEW;
     }
-    if (v->n < 2) {
-        return RIGCAL_ERR_TOO_FEW;
+    if (status == RIGCAL_OK && v->n > RC_COUNT_MAX) {
+        status = RIGCAL_ERR_RANGE;
     }
-    if (v->n > RC_COUNT_MAX) {
-        return RIGCAL_ERR_RANGE;
-    }
-    for (size_t i = 0; i < v->n; i++) {
-        rigcal_status status = rc_check_camera(&v->cameras[i]);
+    for (size_t i = 0; i < v->n && status == RIGCAL_OK; i++) {
+        status = rc_check_camera(&v->cameras[i]);
         if (status == RIGCAL_OK) {
             status = rc_check_transform(&v->cams_from_world[i]);
         }
         if (status == RIGCAL_OK) {
             status = rc_check_pixel(&v->uv[2 * i]);
         }
-        if (status != RIGCAL_OK) {
-            return status;
-        }
     }
-    return RIGCAL_OK;
+    return status;
 }
 
 /* L L^T = A; 0: singular to rounding. */
@@ -219,8 +214,11 @@ static rigcal_status sum_squares(rigcal_real *sum, rigcal_real H[6],
     }
     for (size_t i = 0; i < v->n; i++) {
         rigcal_real X_c[3], uv[2], J_c[6], J[3];
+        rigcal_lens lens;
         rc_transform_point(X_c, &v->cams_from_world[i], X);
-        const rigcal_status status = rc_project(uv, J_c, &v->cameras[i], X_c);
+        rc_lens_of(&lens, &v->cameras[i]);
+        const rigcal_status status =
+            rc_project_through(uv, J_c, &lens, &v->cameras[i], X_c);
         if (status != RIGCAL_OK) {
             return status;
         }
@@ -330,9 +328,7 @@ static int scale_line(rigcal_real line[3])
     if (!(length > EPIPOLE_TOL * RC_FABS(line[2]))) {
         return 0;
     }
-    for (int i = 0; i < 3; i++) {
-        line[i] /= length;
-    }
+    rc_vec3_scale(line, 1 / length, line);
     return 1;
 }
 
@@ -374,8 +370,8 @@ rigcal_status rigcal_epiline(rigcal_real line[3],
     if (status == RIGCAL_OK) {
         status = epiline(found, b_from_a, ray_a);
     }
-    for (int i = 0; i < 3 && status == RIGCAL_OK; i++) {
-        line[i] = found[i];
+    if (status == RIGCAL_OK) {
+        rc_vec3_copy(line, found);
     }
     return status;
 }
@@ -397,14 +393,13 @@ rigcal_status rigcal_epiline_px(rigcal_real line_px[3],
     if (status != RIGCAL_OK) {
         return status;
     }
-    rigcal_real px[3] = {line[0] / camera_b->fx, line[1] / camera_b->fy, 0};
-    px[2] = line[2] - px[0] * camera_b->cx - px[1] * camera_b->cy;
-    if (!scale_line(px)) {
+    line[0] /= camera_b->fx;
+    line[1] /= camera_b->fy;
+    line[2] -= line[0] * camera_b->cx + line[1] * camera_b->cy;
+    if (!scale_line(line)) {
         return RIGCAL_ERR_OUTSIDE;
     }
-    for (int i = 0; i < 3; i++) {
-        line_px[i] = px[i];
-    }
+    rc_vec3_copy(line_px, line);
     return RIGCAL_OK;
 }
 

@@ -297,6 +297,7 @@ static void random_views(views *v, size_t n, double noise_px, double nearest,
         t[2] = test_uniform(rng, nearest, 2 * nearest) - X_c[2];
         v->poses[i] = test_transform(R, t);
         v->cameras[i] = test_pinhole();
+        v->cameras[i].k1 = RC(1e-6); /* else it would be a shorter way */
         test_transform_parts(R, t, &v->poses[i]);
         test_apply(X_c, R, X, t);
         test_project_px(uv, &v->cameras[i], X_c);
@@ -305,7 +306,7 @@ static void random_views(views *v, size_t n, double noise_px, double nearest,
     }
 }
 
-/* Three absolute values a view for its ray, and three each time that the equations are
+/* Three absolute values a view twice for its ray, and each time that the equations are
  * evaluated. */
 static long triangulation_evals(const views *v)
 {
@@ -313,7 +314,7 @@ static long triangulation_evals(const views *v)
 
     watch("rc_vec3_max_abs", HOOK_FABS);
     (void)rigcal_triangulate(&point, v->cameras, v->poses, v->uv, v->n, 1);
-    return watched.count / (3 * (long)v->n) - 1;
+    return watched.count / (3 * (long)v->n) - 2;
 }
 
 /* Pixels hundreds off leave residuals that Gauss and Newton's method is slow with. */
@@ -686,7 +687,7 @@ static void test_a_robust_pose_takes_at_most_9000_units_and_its_samples(void)
 
 /* ---- diagnose ------------------------------------------------------------ */
 
-/* A pose takes the ray of each point and of their middle, a ray four absolute values. */
+/* A pose takes the ray of each point and of their middle, a ray one absolute value. */
 static void test_a_diagnosis_solves_n_plus_1_to_n_plus_3_poses(void)
 {
     test_rng rng = test_seed(409);
@@ -703,12 +704,12 @@ static void test_a_diagnosis_solves_n_plus_1_to_n_plus_3_poses(void)
         watch("rc_pixel_to_ray", HOOK_FABS);
         ASSERT_STATUS(RIGCAL_OK, rigcal_blame_point(&blame, rms_without, &s.camera, s.o,
                                                     NULL, s.n, NULL));
-        TEST_ASSERT_EQUAL_INT(4 * ((n + 1) + n * n), watched.count);
+        TEST_ASSERT_EQUAL_INT((n + 1) + n * n, watched.count);
         watch("rc_pixel_to_ray", HOOK_FABS);
         ASSERT_STATUS(RIGCAL_OK,
                       rigcal_diagnose_pose(&diagnosis, rms_without, work, &s.camera, s.o,
                                            NULL, s.n, NULL));
-        TEST_ASSERT_EQUAL_INT(4 * (3 * (n + 1) + n * n), watched.count);
+        TEST_ASSERT_EQUAL_INT(3 * (n + 1) + n * n, watched.count);
     }
 }
 

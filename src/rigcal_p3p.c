@@ -62,12 +62,11 @@ static void form(rigcal_real M[9], const triangle *T, int k)
     }
 }
 
-/* out = s A + t B */
-static void combine(rigcal_real out[9], rigcal_real s, const rigcal_real A[9],
-                    rigcal_real t, const rigcal_real B[9])
+/* A += s B */
+static void add_scaled(rigcal_real A[9], rigcal_real s, const rigcal_real B[9])
 {
     for (int k = 0; k < 9; k++) {
-        out[k] = s * A[k] + t * B[k];
+        A[k] += s * B[k];
     }
 }
 
@@ -78,8 +77,8 @@ static void conics(rigcal_real C0[9], rigcal_real C1[9], const triangle *T)
     form(M12, T, 2);
     form(C0, T, 0);
     form(C1, T, 1);
-    combine(C0, 1, C0, -T->squared[0], M12);
-    combine(C1, 1, C1, -T->squared[1], M12);
+    add_scaled(C0, -T->squared[0], M12);
+    add_scaled(C1, -T->squared[1], M12);
 }
 
 /* Trace of the product of symmetric matrices. */
@@ -171,7 +170,7 @@ static int split(rigcal_real lines[2][3], rigcal_real D[9])
     const rigcal_real *const row = &A[at - at / 4];
     rc_vec3_scale(c, 1 / RC_SQRT(-A[at]), row);
     skew(A, c);
-    combine(D, 1, D, 1, A);
+    add_scaled(D, 1, A);
     at = 0;
     for (int k = 1; k < 9; k++) {
         at = (RC_FABS(D[k]) > RC_FABS(D[at])) ? k : at;
@@ -346,13 +345,16 @@ RC_APART static int write_pose(rigcal_transform *cam_from_points, const problem 
 RC_APART static int find_lines(rigcal_real lines[2][3], rigcal_real conic[9],
                                const triangle *T)
 {
-    rigcal_real C0[9], C1[9], apart[9], c[4], m[2];
-    conics(C0, C1, T);
-    pencil_cubic(c, C0, C1);
+    rigcal_real C0[9], c[4], m[2];
+    conics(C0, conic, T);
+    pencil_cubic(c, C0, conic);
     pencil_root(m, c);
-    combine(apart, m[0], C0, m[1], C1);
-    combine(conic, m[0], C1, -m[1], C0);
-    return split(lines, apart);
+    for (int k = 0; k < 9; k++) {
+        const rigcal_real apart = m[0] * C0[k] + m[1] * conic[k];
+        conic[k] = m[0] * conic[k] - m[1] * C0[k];
+        C0[k] = apart;
+    }
+    return split(lines, C0);
 }
 
 int rc_p3p(rigcal_transform cam_from_points[RC_P3P_MAX], const rigcal_real x[3][3],

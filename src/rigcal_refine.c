@@ -117,14 +117,17 @@ static void add_curvature(rigcal_real H[21], rigcal_real M[9],
     }
 }
 
-/* A += the upper triangle of rows x, y, z */
-static inline void add_rows(rigcal_real A[6], const rigcal_real x[3],
-                            const rigcal_real y[3], const rigcal_real z[3])
+/* K row by row: the row of [q]x M is a m + b n, m and n two rows of M; across += it, and
+ * out = q x it. */
+static inline void add_row(rigcal_real out[3], rigcal_real across[3],
+                           const rigcal_real q[3], rigcal_real a,
+                           const rigcal_real m[3], rigcal_real b,
+                           const rigcal_real n[3])
 {
-    rc_vec3_add(A, x);
-    A[3] += y[1];
-    A[4] += y[2];
-    A[5] += z[2];
+    rigcal_real row[3];
+    rc_vec3_combine(row, a, m, b, n);
+    rc_vec3_add(across, row);
+    rc_vec3_cross(out, q, row);
 }
 
 /* One point. With q = R x and dX_c = w x q + dt, its rows of J are B [-[q]x, 1],
@@ -138,31 +141,29 @@ RC_APART static void add_point(rigcal_real g[6], rigcal_real H[21],
                                rigcal_real Z)
 {
     const rigcal_real *const bu = B, *const bv = B + 3;
-    rigcal_real wu[3], wv[3], c[3], M[9], K[9], turned[9];
-    rc_vec3_scale(wu, weight, bu);
-    rc_vec3_scale(wv, weight, bv);
-    rc_vec3_combine(c, e[0], wu, e[1], wv);
-    rc_vec3_combine(&M[0], wu[0], bu, wv[0], bv);
-    rc_vec3_combine(&M[3], wu[1], bu, wv[1], bv);
-    rc_vec3_combine(&M[6], wu[2], bu, wv[2], bv);
+    rigcal_real *const across = &H[ACROSS], *const by_dt = &H[BY_DT];
+    rigcal_real c[3], M[9], v[3];
+    rc_vec3_combine(c, weight * e[0], bu, weight * e[1], bv);
+    rc_vec3_combine(&M[0], weight * bu[0], bu, weight * bv[0], bv);
+    rc_vec3_combine(&M[3], weight * bu[1], bu, weight * bv[1], bv);
+    rc_vec3_combine(&M[6], weight * bu[2], bu, weight * bv[2], bv);
     if (Z > 0) {
         add_curvature(H, M, c, q, Z);
     }
-    rc_vec3_cross(turned, q, c);
-    rc_vec3_add(&g[0], turned);
+    rc_vec3_cross(v, q, c);
+    rc_vec3_add(&g[0], v);
     rc_vec3_add(&g[3], c);
-
-    rc_vec3_combine(&K[0], q[1], &M[6], -q[2], &M[3]);
-    rc_vec3_combine(&K[3], q[2], &M[0], -q[0], &M[6]);
-    rc_vec3_combine(&K[6], q[0], &M[3], -q[1], &M[0]);
-    rc_vec3_add(&H[ACROSS], &K[0]);
-    rc_vec3_add(&H[ACROSS + 3], &K[3]);
-    rc_vec3_add(&H[ACROSS + 6], &K[6]);
-    add_rows(&H[BY_DT], &M[0], &M[3], &M[6]);
-    rc_vec3_cross(&turned[0], q, &K[0]);
-    rc_vec3_cross(&turned[3], q, &K[3]);
-    rc_vec3_cross(&turned[6], q, &K[6]);
-    add_rows(H, &turned[0], &turned[3], &turned[6]);
+    rc_vec3_add(by_dt, M);
+    by_dt[3] += M[4];
+    by_dt[4] += M[5];
+    by_dt[5] += M[8];
+    add_row(v, &across[0], q, q[1], &M[6], -q[2], &M[3]);
+    rc_vec3_add(H, v);
+    add_row(v, &across[3], q, q[2], &M[0], -q[0], &M[6]);
+    H[3] += v[1];
+    H[4] += v[2];
+    add_row(v, &across[6], q, q[0], &M[3], -q[1], &M[0]);
+    H[5] += v[2];
 }
 
 static rigcal_status equations(rigcal_real *sse, rigcal_real g[6],

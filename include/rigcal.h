@@ -646,14 +646,15 @@ typedef struct {
     rigcal_real sse;
 } rigcal_pose_optimum;
 
-/* Internal: a direction to follow. */
+/* Internal: a direction to follow, by its number in the lattice. */
 typedef struct {
-    rigcal_real cost, m3[3];
+    rigcal_real cost;
+    int32_t index;
 } rigcal_pose_seed;
 
 /* Internal: where the seeds of a search come from, its best directions first. */
 typedef struct {
-    rigcal_real least_cost, spiral[2];
+    rigcal_real least_cost, azimuth[2];
     rigcal_pose_seed seeds[RIGCAL_POSE_SEEDS];
     rigcal_view_moments moments;
 } rigcal_pose_lattice;

@@ -282,8 +282,8 @@ static void begin_scanning(rigcal_pose_solver *s)
 {
     s->phase = SCANNING;
     s->n_seeds = 0;
-    s->from.lattice.spiral[0] = 1;
-    s->from.lattice.spiral[1] = 0;
+    s->from.lattice.azimuth[0] = 1;
+    s->from.lattice.azimuth[1] = 0;
 }
 
 static void end_gathering(rigcal_pose_solver *s)
@@ -453,31 +453,47 @@ static int32_t lattice_size(const rigcal_pose_solver *s)
     return s->thorough ? LATTICE_THOROUGH : LATTICE;
 }
 
-/* Direction `next` of a Fibonacci sphere: heights in even steps, azimuths a golden
- * angle, pi (3 - sqrt 5), apart. */
-static void next_direction(rigcal_real m3[3], rigcal_pose_solver *s)
+/* z turned by a golden angle, pi (3 - sqrt 5). */
+static void turn(rigcal_real z[2])
 {
-    const rigcal_real golden_cos = RC(-0.73736887807831989);
-    const rigcal_real golden_sin = RC(0.67549029426152364);
-    rigcal_real *const spiral = s->from.lattice.spiral;
-    const rigcal_real x = spiral[0], y = spiral[1];
-    m3[2] = 1 - (rigcal_real)(2 * s->next + 1) / (rigcal_real)lattice_size(s);
+    const rigcal_real cosine = RC(-0.73736887807831989);
+    const rigcal_real sine = RC(0.67549029426152364), x = z[0];
+    z[0] = x * cosine - z[1] * sine;
+    z[1] = x * sine + z[1] * cosine;
+}
+
+/* Direction `index` of a Fibonacci sphere: heights in even steps, azimuths a golden
+ * angle apart. */
+static void direction_of(rigcal_real m3[3], const rigcal_pose_solver *s, int32_t index,
+                         const rigcal_real azimuth[2])
+{
+    m3[2] = 1 - (rigcal_real)(2 * index + 1) / (rigcal_real)lattice_size(s);
     const rigcal_real r = RC_SQRT(1 - m3[2] * m3[2]);
-    m3[0] = r * x;
-    m3[1] = r * y;
-    spiral[0] = x * golden_cos - y * golden_sin;
-    spiral[1] = x * golden_sin + y * golden_cos;
+    m3[0] = r * azimuth[0];
+    m3[1] = r * azimuth[1];
+}
+
+static void seed_direction(rigcal_real m3[3], const rigcal_pose_solver *s, int32_t index)
+{
+    rigcal_real azimuth[2] = {1, 0};
+    for (int32_t i = 0; i < index; i++) {
+        turn(azimuth);
+    }
+    direction_of(m3, s, index, azimuth);
 }
 
 /* Removes the seeds of neighbours that are worse. 0: there is a better one. */
-static int is_best_nearby(rigcal_pose_solver *s, const rigcal_pose_seed *seed)
+static int is_best_nearby(rigcal_pose_solver *s, const rigcal_real m3[3],
+                          rigcal_real cost)
 {
     rigcal_pose_seed *const seeds = s->from.lattice.seeds;
     int32_t kept = 0;
     for (int32_t i = 0; i < s->n_seeds; i++) {
-        if (!(rc_vec3_dot(seed->m3, seeds[i].m3) > NEIGHBOUR_COSINE)) {
+        rigcal_real other[3];
+        seed_direction(other, s, seeds[i].index);
+        if (!(rc_vec3_dot(m3, other) > NEIGHBOUR_COSINE)) {
             seeds[kept++] = seeds[i];
-        } else if (seeds[i].cost <= seed->cost) {
+        } else if (seeds[i].cost <= cost) {
             return 0; /* sorted by cost: nothing has been removed */
         }
     }
@@ -486,15 +502,15 @@ static int is_best_nearby(rigcal_pose_solver *s, const rigcal_pose_seed *seed)
 }
 
 /* Keeps the `most` best directions in order of cost; this one is among them. */
-static void insert_seed(rigcal_pose_solver *s, const rigcal_pose_seed *seed,
-                        int32_t most)
+static void insert_seed(rigcal_pose_solver *s, rigcal_real cost, int32_t most)
 {
     rigcal_pose_seed *const seeds = s->from.lattice.seeds;
     int32_t at = (s->n_seeds < most) ? s->n_seeds++ : most - 1;
-    for (; at > 0 && seed->cost < seeds[at - 1].cost; at--) {
+    for (; at > 0 && cost < seeds[at - 1].cost; at--) {
         seeds[at] = seeds[at - 1];
     }
-    seeds[at] = *seed;
+    seeds[at].cost = cost;
+    seeds[at].index = s->next;
 }
 
 static void next_seed(rigcal_pose_solver *s);
@@ -503,12 +519,13 @@ RC_APART static void scanning_step(rigcal_pose_solver *s)
 {
     const int32_t most = s->thorough ? FOLLOWED_THOROUGH : FOLLOWED;
     rigcal_pose_lattice *const lattice = &s->from.lattice;
-    rigcal_pose_seed seed;
-    next_direction(seed.m3, s);
-    seed.cost = rc_view_cost(&lattice->moments, seed.m3);
-    if ((s->n_seeds < most || seed.cost < lattice->seeds[most - 1].cost) &&
-        (!s->thorough || is_best_nearby(s, &seed))) {
-        insert_seed(s, &seed, most);
+    rigcal_real m3[3];
+    direction_of(m3, s, s->next, lattice->azimuth);
+    turn(lattice->azimuth);
+    const rigcal_real cost = rc_view_cost(&lattice->moments, m3);
+    if ((s->n_seeds < most || cost < lattice->seeds[most - 1].cost) &&
+        (!s->thorough || is_best_nearby(s, m3, cost))) {
+        insert_seed(s, cost, most);
     }
     if (++s->next == lattice_size(s)) {
         lattice->least_cost = lattice->seeds[0].cost;
@@ -521,14 +538,15 @@ RC_APART static void scanning_step(rigcal_pose_solver *s)
 
 /* Whether the way to an optimum found is downhill: then a descent would only end
  * there once more. */
-static int leads_to_found(const rigcal_pose_solver *s, const rigcal_pose_seed *seed)
+static int leads_to_found(const rigcal_pose_solver *s, const rigcal_real m3[3],
+                          rigcal_real cost)
 {
     for (int32_t i = 0; i < s->n_found; i++) {
         rigcal_real middle[3];
         found_direction(middle, s, i);
-        rc_vec3_add(middle, seed->m3);
+        rc_vec3_add(middle, m3);
         if (rc_vec3_unit(middle, middle) &&
-            rc_view_cost(&s->from.lattice.moments, middle) < seed->cost) {
+            rc_view_cost(&s->from.lattice.moments, middle) < cost) {
             return 1;
         }
     }
@@ -546,14 +564,15 @@ static void direction_near(rigcal_real m3[3], const rigcal_real seed[3],
     (void)rc_vec3_unit(m3, m3);
 }
 
-static void begin_descent(rigcal_pose_solver *s, const rigcal_pose_seed *seed)
+static void begin_descent(rigcal_pose_solver *s, const rigcal_real m3[3],
+                          rigcal_real cost)
 {
     static const rigcal_real SIMPLEX[6] = {0, 0, EDGE, 0, 0, EDGE};
     rigcal_descent *const descent = &s->work.descent;
     rc_neldermead_begin_simplex(&descent->nm, SIMPLEX, 2, RC(1e-4), 0,
                                 s->thorough ? DESCENT_EVALS_THOROUGH : DESCENT_EVALS);
-    rc_neldermead_tell(&descent->nm, seed->cost); /* known already */
-    rc_vec3_copy(descent->m3, seed->m3);
+    rc_neldermead_tell(&descent->nm, cost); /* known already */
+    rc_vec3_copy(descent->m3, m3);
     s->phase = DESCENT;
 }
 
@@ -564,8 +583,10 @@ RC_APART static void next_seed(rigcal_pose_solver *s)
 {
     while (s->next < s->n_seeds) {
         const rigcal_pose_seed *const seed = &s->from.lattice.seeds[s->next++];
-        if (seed->cost < RC_MAX && (s->thorough || !leads_to_found(s, seed))) {
-            begin_descent(s, seed);
+        rigcal_real m3[3];
+        seed_direction(m3, s, seed->index);
+        if (seed->cost < RC_MAX && (s->thorough || !leads_to_found(s, m3, seed->cost))) {
+            begin_descent(s, m3, seed->cost);
             return;
         }
     }

@@ -640,10 +640,10 @@ typedef struct {
     rigcal_neldermead nm;
 } rigcal_descent;
 
-/* Internal: a refined pose, of the camera from the points' own origin. */
+/* Internal: a refined pose, of the camera from the points' own origin; the third row of
+ * its rotation is the cross product of these two. */
 typedef struct {
-    rigcal_transform cam_from_points;
-    rigcal_real sse;
+    rigcal_real rows[6], t[3], sse;
 } rigcal_pose_optimum;
 
 /* Internal: a direction to follow, by its number in the lattice. */

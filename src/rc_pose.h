@@ -34,6 +34,9 @@ rigcal_status rc_pose_begin(rigcal_pose_solver *solver, int32_t *bad,
                             const rigcal_real sigma[], const uint8_t mask[],
                             size_t n, const rigcal_pose_options *options);
 
+void rc_found_transform(rigcal_transform *cam_from_points,
+                        const rigcal_pose_optimum *found);
+
 /* (C) Likelihood of a sum of squared errors over that of another, for n >= 3 points;
  * sigma_px 0: unknown. 0 or infinity where it is beyond them. */
 rigcal_real rc_odds(rigcal_real sse, rigcal_real other, rigcal_real sigma_px, size_t n);

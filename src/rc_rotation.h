@@ -29,6 +29,9 @@ rigcal_real rc_rotation_angle(const rigcal_real Ra[9], const rigcal_real Rb[9]);
  * may make -pi. */
 rigcal_real rc_angle(rigcal_real sine, rigcal_real cosine);
 
+/* What rounding has made of a rotation is one again: its first row keeps its direction. */
+void rc_rotation_tidy(rigcal_real R[9]);
+
 /* 0 when M is singular to working precision or mirrors; R is then untouched. */
 int rc_rotation_nearest(rigcal_real R[9], const rigcal_real M[9]);
 

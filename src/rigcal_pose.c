@@ -84,10 +84,12 @@ enum { PINHOLE_RAYS = 16 };
 enum {
     NOT_BEGUN = 0,
     GATHERING,
+    GATHERED,
     SCANNING,
     DESCENT,
     REFINING,
     PROVING,
+    CHOOSING, /* the next start */
     MIRRORED,
     WEIGHING,
     DONE
@@ -278,15 +280,7 @@ static void next_exact(rigcal_pose_solver *s)
     begin_refining(s, REFINING);
 }
 
-static void begin_scanning(rigcal_pose_solver *s)
-{
-    s->phase = SCANNING;
-    s->n_seeds = 0;
-    s->from.lattice.azimuth[0] = 1;
-    s->from.lattice.azimuth[1] = 0;
-}
-
-static void end_gathering(rigcal_pose_solver *s)
+RC_APART static void begin_search(rigcal_pose_solver *s)
 {
     rigcal_view_moments *const view = &s->from.lattice.moments;
     rigcal_real thickness;
@@ -309,10 +303,12 @@ static void end_gathering(rigcal_pose_solver *s)
         }
         s->n_exact = gather_exact(s, three);
     }
-    if (is_exact(s)) {
-        next_exact(s);
-    } else {
-        begin_scanning(s);
+    s->phase = CHOOSING;
+    if (!is_exact(s)) {
+        s->phase = SCANNING;
+        s->n_seeds = 0;
+        s->from.lattice.azimuth[0] = 1;
+        s->from.lattice.azimuth[1] = 0;
     }
 }
 
@@ -332,11 +328,21 @@ RC_APART static void gathering_step(rigcal_pose_solver *s)
         }
     }
     if (s->next == n) {
-        end_gathering(s);
+        s->phase = GATHERED;
     }
 }
 
 /* ---- optima found -------------------------------------------------------- */
+
+void rc_found_transform(rigcal_transform *cam_from_points,
+                        const rigcal_pose_optimum *found)
+{
+    rigcal_real *const R = cam_from_points->R;
+    rc_vec3_copy(&R[0], &found->rows[0]);
+    rc_vec3_copy(&R[3], &found->rows[3]);
+    rc_vec3_cross(&R[6], &R[0], &R[3]);
+    rc_vec3_copy(cam_from_points->t, found->t);
+}
 
 /* The first optimum whose rotation is within a (small) angle of R, or -1: the squared
  * differences of two rotations sum to 8 sin^2(angle / 2). */
@@ -344,10 +350,11 @@ static int32_t near_found(const rigcal_pose_solver *s, const rigcal_real R[9],
                           rigcal_real angle)
 {
     for (int32_t i = 0; i < s->n_found; i++) {
-        const rigcal_real *const other = s->found[i].cam_from_points.R;
+        rigcal_transform other;
         rigcal_real sum = 0;
+        rc_found_transform(&other, &s->found[i]);
         for (int k = 0; k < 9; k++) {
-            sum += (other[k] - R[k]) * (other[k] - R[k]);
+            sum += (other.R[k] - R[k]) * (other.R[k] - R[k]);
         }
         if (sum < 2 * angle * angle) {
             return i;
@@ -360,7 +367,9 @@ static int32_t near_found(const rigcal_pose_solver *s, const rigcal_real R[9],
 static void found_direction(rigcal_real m3[3], const rigcal_pose_solver *s,
                             int32_t i)
 {
-    rc_mat3_tmul_vec3(m3, s->found[i].cam_from_points.R, s->axis);
+    rigcal_transform T;
+    rc_found_transform(&T, &s->found[i]);
+    rc_mat3_tmul_vec3(m3, T.R, s->axis);
 }
 
 /* The optimum found at which the refinement has ended once more, or -1. */
@@ -373,9 +382,10 @@ static int32_t same_found(const rigcal_pose_solver *s)
 /* Keeps the RIGCAL_POSES_MAX best optima in order; of two that are one, the better. */
 static void insert_found(rigcal_pose_solver *s)
 {
-    const rigcal_refinement *const end = &s->work.fit;
+    rigcal_refinement *const end = &s->work.fit;
     rigcal_pose_optimum *const found = s->found;
     int32_t at = same_found(s);
+    rc_rotation_tidy(end->cam_from_points.R);
     if (at < 0) {
         at = s->n_found;
         if (at < RIGCAL_POSES_MAX) {
@@ -387,7 +397,9 @@ static void insert_found(rigcal_pose_solver *s)
     for (; at > 0 && end->sse < found[at - 1].sse; at--) {
         found[at] = found[at - 1];
     }
-    found[at].cam_from_points = end->cam_from_points;
+    rc_vec3_copy(&found[at].rows[0], &end->cam_from_points.R[0]);
+    rc_vec3_copy(&found[at].rows[3], &end->cam_from_points.R[3]);
+    rc_vec3_copy(found[at].t, end->cam_from_points.t);
     found[at].sse = end->sse;
 }
 
@@ -513,8 +525,6 @@ static void insert_seed(rigcal_pose_solver *s, rigcal_real cost, int32_t most)
     seeds[at].index = s->next;
 }
 
-static void next_seed(rigcal_pose_solver *s);
-
 RC_APART static void scanning_step(rigcal_pose_solver *s)
 {
     const int32_t most = s->thorough ? FOLLOWED_THOROUGH : FOLLOWED;
@@ -530,7 +540,7 @@ RC_APART static void scanning_step(rigcal_pose_solver *s)
     if (++s->next == lattice_size(s)) {
         lattice->least_cost = lattice->seeds[0].cost;
         s->next = 0;
-        next_seed(s);
+        s->phase = CHOOSING;
     }
 }
 
@@ -579,7 +589,7 @@ static void begin_descent(rigcal_pose_solver *s, const rigcal_real m3[3],
 static void begin_mirrored(rigcal_pose_solver *s);
 
 /* The next seed that is worth a descent, or the end. */
-RC_APART static void next_seed(rigcal_pose_solver *s)
+static void next_seed(rigcal_pose_solver *s)
 {
     while (s->next < s->n_seeds) {
         const rigcal_pose_seed *const seed = &s->from.lattice.seeds[s->next++];
@@ -593,17 +603,25 @@ RC_APART static void next_seed(rigcal_pose_solver *s)
     begin_mirrored(s);
 }
 
-/* Camera from points, in the caller's unit, of a direction. */
+/* From the virtual camera and size 1 to the camera and the caller's unit. */
+RC_APART static void leave_virtual(rigcal_transform *T, const rigcal_pose_solver *s)
+{
+    rigcal_real cam_from_virtual[9], R[9], t[3];
+    look_along(cam_from_virtual, s->axis);
+    rc_mat3_mul(R, cam_from_virtual, T->R);
+    rc_mat3_mul_vec3(t, cam_from_virtual, T->t);
+    for (int k = 0; k < 9; k++) {
+        T->R[k] = R[k];
+    }
+    rc_vec3_scale(T->t, 1 / s->scale, t);
+}
+
+/* Camera from points of a direction. */
 static void seed_pose(rigcal_transform *cam_from_points,
                       const rigcal_pose_solver *s, const rigcal_real m3[3])
 {
-    rigcal_transform virtual_from_points;
-    rigcal_real cam_from_virtual[9], t[3];
-    rc_view_pose(&virtual_from_points, &s->from.lattice.moments, m3);
-    look_along(cam_from_virtual, s->axis);
-    rc_mat3_mul(cam_from_points->R, cam_from_virtual, virtual_from_points.R);
-    rc_mat3_mul_vec3(t, cam_from_virtual, virtual_from_points.t);
-    rc_vec3_scale(cam_from_points->t, 1 / s->scale, t);
+    rc_view_pose(cam_from_points, &s->from.lattice.moments, m3);
+    leave_virtual(cam_from_points, s);
 }
 
 /* Whether the points are mirrored. Mirrored ones, -x, have far away the same image as
@@ -664,7 +682,7 @@ RC_APART static void end_descent(rigcal_pose_solver *s)
         HOPELESS * lattice->least_cost + 64 * RC_EPS * lattice->moments.weight;
     const int is_hopeless = s->n_found > 0 && !s->is_flat && best->cost > hopeless;
     if (is_hopeless || !follow(s, m3, SAME_BASIN)) {
-        next_seed(s);
+        s->phase = CHOOSING;
     }
 }
 
@@ -719,7 +737,8 @@ RC_APART static int next_lean(rigcal_real m3[3], rigcal_pose_solver *s)
     return 0;
 }
 
-static void next_start(rigcal_pose_solver *s)
+/* The next start of a refinement or a descent, or the end of the search. */
+RC_APART static void choose(rigcal_pose_solver *s)
 {
     rigcal_real m3[3];
     if (is_exact(s)) {
@@ -739,14 +758,15 @@ static void next_start(rigcal_pose_solver *s)
 /* Sum of the squared errors [px^2] of optimum i, which without sigma is its sse. */
 static rigcal_real squared_pixels(const rigcal_pose_solver *s, int32_t i)
 {
-    const rigcal_pose_optimum *const found = &s->found[i];
+    rigcal_transform cam_from_points;
     rigcal_real sum = 0;
     if (s->fit.sigma == NULL) {
-        return found->sse;
+        return s->found[i].sse;
     }
+    rc_found_transform(&cam_from_points, &s->found[i]);
     for (size_t k = 0; k < s->n; k++) {
         if (rc_is_used(s->fit.mask, k)) {
-            sum += rc_fit_distance2(&s->fit, &found->cam_from_points, k);
+            sum += rc_fit_distance2(&s->fit, &cam_from_points, k);
         }
     }
     return sum;
@@ -778,7 +798,7 @@ static void begin_weighing(rigcal_pose_solver *s, size_t n)
 {
     s->phase = DONE;
     if (s->n_found > 0) {
-        s->work.fit.cam_from_points = s->found[0].cam_from_points;
+        rc_found_transform(&s->work.fit.cam_from_points, &s->found[0]);
         s->fit.n = (n < s->n) ? n : s->n;
         begin_refining(s, WEIGHING);
     }
@@ -827,7 +847,7 @@ RC_APART static void settle(rigcal_pose_solver *s, int is_optimum)
     if (s->is_warm) {
         end_warm(s);
     } else {
-        next_start(s);
+        s->phase = CHOOSING;
     }
 }
 
@@ -871,6 +891,7 @@ static void begin_warm(rigcal_pose_solver *s, const rigcal_transform *start)
 {
     rigcal_transform *const cam_from_points = &s->work.fit.cam_from_points;
     *cam_from_points = *start;
+    rc_rotation_tidy(cam_from_points->R);
     rc_transform_point(cam_from_points->t, start, s->fit.origin);
     s->is_warm = 1;
     begin_refining(s, REFINING);
@@ -1006,6 +1027,12 @@ rigcal_status rigcal_pose_step(rigcal_pose_solver *solver, int32_t budget)
     }
     for (; budget > 0 && solver->phase != DONE; budget--) {
         step_once(solver);
+        if (solver->phase == GATHERED) {
+            begin_search(solver);
+        }
+        if (solver->phase == CHOOSING) {
+            choose(solver);
+        }
     }
     return (solver->phase == DONE) ? RIGCAL_OK : RIGCAL_RUNNING;
 }
@@ -1015,7 +1042,7 @@ static void write_pose(rigcal_pose *out, const rigcal_pose_solver *s, int32_t i)
 {
     rigcal_transform *const pose = &out->cam_from_world;
     rigcal_real turned[3];
-    *pose = s->found[i].cam_from_points;
+    rc_found_transform(pose, &s->found[i]);
     rc_mat3_mul_vec3(turned, pose->R, s->fit.origin);
     rc_vec3_add_scaled(pose->t, -1, turned);
     out->sse = s->found[i].sse;

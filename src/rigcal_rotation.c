@@ -191,6 +191,14 @@ rigcal_real rc_rotation_angle(const rigcal_real Ra[9], const rigcal_real Rb[9])
     return RC_ATAN2(rc_vec3_norm(axis), Rba[0] + Rba[4] + Rba[8] - 1);
 }
 
+void rc_rotation_tidy(rigcal_real R[9])
+{
+    (void)rc_vec3_unit(&R[0], &R[0]);
+    rc_vec3_cross(&R[6], &R[0], &R[3]);
+    (void)rc_vec3_unit(&R[6], &R[6]);
+    rc_vec3_cross(&R[3], &R[6], &R[0]);
+}
+
 static rigcal_real frobenius(const rigcal_real M[9])
 {
     return RC_SQRT(rc_vec3_dot(&M[0], &M[0]) + rc_vec3_dot(&M[3], &M[3]) +

@@ -8,9 +8,9 @@
  * the third column of the rotation. */
 static int is_from_front(const rigcal_pose_optimum *found)
 {
-    const rigcal_real *const R = found->cam_from_points.R;
-    const rigcal_real *const t = found->cam_from_points.t;
-    return R[2] * t[0] + R[5] * t[1] + R[8] * t[2] < 0;
+    rigcal_transform T;
+    rc_found_transform(&T, found);
+    return T.R[2] * T.t[0] + T.R[5] * T.t[1] + T.R[8] * T.t[2] < 0;
 }
 
 static void place_corners(rigcal_observation corners[4], const rigcal_real uv[8],

@@ -144,11 +144,14 @@ static void harmonics_of(harmonics *f, const rigcal_view_moments *view,
  * yaw) = sum conj(du) q_xy and du is nearly q_xy over the depth; so Newton's method
  * on the point (c, s) of the circle starts at 0, or at a right angle where that is
  * better. After a step below 1e-3 the error of the cost, its square, is nothing.
- * Gives the gain and z = exp(i yaw); -RC_MAX where no yaw has a positive depth. */
-static rigcal_real best_yaw(rigcal_real z[2], const harmonics *f,
-                            const rigcal_view_moments *view)
+ * Gives the harmonics of m3, the gain and z = exp(i yaw); -RC_MAX where no yaw has a
+ * positive depth. */
+static rigcal_real best_yaw(rigcal_real z[2], harmonics *f,
+                            const rigcal_view_moments *view,
+                            const rigcal_real m3[3])
 {
     enum { NEWTON_STEPS_MAX = 6 };
+    harmonics_of(f, view, m3);
     const rigcal_real U = RC_SQRT(f->U[0] * f->U[0] + f->U[1] * f->U[1]);
     if (!(U > f->B) || !(U > 0)) {
         return -RC_MAX;
@@ -199,8 +202,7 @@ rigcal_real rc_view_cost(const rigcal_view_moments *view, const rigcal_real m3[3
 {
     harmonics f;
     rigcal_real z[2];
-    harmonics_of(&f, view, m3);
-    const rigcal_real gain = best_yaw(z, &f, view);
+    const rigcal_real gain = best_yaw(z, &f, view, m3);
     return (gain > -RC_MAX) ? f.base - gain : RC_MAX;
 }
 
@@ -210,8 +212,7 @@ void rc_view_pose(rigcal_transform *virtual_from_points, const rigcal_view_momen
     rigcal_transform *const T = virtual_from_points;
     harmonics f;
     rigcal_real z[2] = {1, 0};
-    harmonics_of(&f, view, m3);
-    (void)best_yaw(z, &f, view);
+    (void)best_yaw(z, &f, view, m3);
     rc_vec3_combine(&T->R[0], z[0], f.m1, -z[1], f.m2);
     rc_vec3_combine(&T->R[3], z[1], f.m1, z[0], f.m2);
     rc_vec3_copy(&T->R[6], m3);

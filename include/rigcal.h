@@ -646,16 +646,11 @@ typedef struct {
     rigcal_real rows[6], t[3], sse;
 } rigcal_pose_optimum;
 
-/* Internal: a direction to follow, by its number in the lattice. */
+/* Internal: where the seeds of a search come from, its best directions first, by their
+ * numbers in the lattice. */
 typedef struct {
-    rigcal_real cost;
-    int32_t index;
-} rigcal_pose_seed;
-
-/* Internal: where the seeds of a search come from, its best directions first. */
-typedef struct {
-    rigcal_real least_cost, azimuth[2];
-    rigcal_pose_seed seeds[RIGCAL_POSE_SEEDS];
+    int32_t index[RIGCAL_POSE_SEEDS], reserved;
+    rigcal_real least_cost, azimuth[2], cost[RIGCAL_POSE_SEEDS];
     rigcal_view_moments moments;
 } rigcal_pose_lattice;
 

@@ -19,13 +19,12 @@ enum { ROOT_STEPS = 12 };
 
 /* The triangle, point 0 opposite to the longest side, which is 1. The unknowns are
  * v = (D, p, q), for depths s0 = D / h, s1 = s0 + p, s2 = s0 + q, with h the longest
- * chord between the rays. In rows, `depth` takes v to the depths times h, `side` to the
- * differences of depths along the sides 01, 02, 12. */
+ * chord between the rays. SIDE, in rows, takes v to the differences of depths along the
+ * sides 01, 02, 12. */
 typedef struct {
     rigcal_real squared[3]; /* the sides; the last is 1 */
     rigcal_real chord2[3];  /* the chords between the rays, over h^2 */
     rigcal_real h;
-    rigcal_real depth[9];
 } triangle;
 
 static const rigcal_real SIDE[3][3] = {{0, 1, 0}, {0, 0, 1}, {0, 1, -1}};
@@ -41,7 +40,9 @@ static const uint8_t CYCLE[5] = {0, 1, 2, 0, 1};
 static void sides(rigcal_real f[3], rigcal_real s[3], const triangle *T,
                   const rigcal_real v[3])
 {
-    rc_mat3_mul_vec3(s, T->depth, v);
+    s[0] = v[0];
+    s[1] = v[0] + T->h * v[1];
+    s[2] = v[0] + T->h * v[2];
     for (int k = 0; k < 3; k++) {
         const rigcal_real along = rc_vec3_dot(SIDE[k], v);
         f[k] = along * along + T->chord2[k] * s[FROM[k]] * s[TO[k]];
@@ -53,8 +54,8 @@ static void sides(rigcal_real f[3], rigcal_real s[3], const triangle *T,
 /* f[k] = v^T M v, M symmetric. */
 static void form(rigcal_real M[9], const triangle *T, int k)
 {
-    const rigcal_real *const from = &T->depth[3 * FROM[k]];
-    const rigcal_real *const to = &T->depth[3 * TO[k]];
+    const rigcal_real depth[9] = {1, 0, 0, 1, T->h, 0, 1, 0, T->h};
+    const rigcal_real *const from = &depth[3 * FROM[k]], *const to = &depth[3 * TO[k]];
     const rigcal_real half = T->chord2[k] / 2;
     for (int i = 0; i < 3; i++) {
         rc_vec3_combine(&M[3 * i], half * from[i], to, half * to[i], from);
@@ -305,12 +306,7 @@ RC_APART static int prepare(problem *P, const rigcal_real x[3][3],
     rc_vec3_combine(P->middle, P->size / 3, w[0], P->size / 3, w[1]);
     rc_vec3_add(P->middle, points[0]);
     T->h = RC_SQRT(h2);
-    for (int k = 0; k < 3; k++) {
-        T->chord2[k] /= h2;
-        for (int j = 0; j < 3; j++) {
-            T->depth[3 * k + j] = (j == 0) ? 1 : (j == k) ? T->h : 0;
-        }
-    }
+    rc_vec3_scale(T->chord2, 1 / h2, T->chord2);
     return least > RAY_TOL * RAY_TOL &&
            frame(P->frame, w[0], w[1],
                  LINE_TOL * (1 + rc_vec3_max_abs(P->middle) * by_size));

@@ -346,8 +346,8 @@ void rc_found_transform(rigcal_transform *cam_from_points,
 
 /* The first optimum whose rotation is within a (small) angle of R, or -1: the squared
  * differences of two rotations sum to 8 sin^2(angle / 2). */
-static int32_t near_found(const rigcal_pose_solver *s, const rigcal_real R[9],
-                          rigcal_real angle)
+RC_APART static int32_t near_found(const rigcal_pose_solver *s, const rigcal_real R[9],
+                                   rigcal_real angle)
 {
     for (int32_t i = 0; i < s->n_found; i++) {
         rigcal_transform other;
@@ -367,9 +367,10 @@ static int32_t near_found(const rigcal_pose_solver *s, const rigcal_real R[9],
 static void found_direction(rigcal_real m3[3], const rigcal_pose_solver *s,
                             int32_t i)
 {
-    rigcal_transform T;
-    rc_found_transform(&T, &s->found[i]);
-    rc_mat3_tmul_vec3(m3, T.R, s->axis);
+    const rigcal_real *const rows = s->found[i].rows, *const axis = s->axis;
+    rc_vec3_cross(m3, &rows[0], &rows[3]);
+    rc_vec3_combine(m3, axis[2], m3, axis[0], &rows[0]);
+    rc_vec3_add_scaled(m3, axis[1], &rows[3]);
 }
 
 /* The optimum found at which the refinement has ended once more, or -1. */
@@ -494,18 +495,24 @@ static void seed_direction(rigcal_real m3[3], const rigcal_pose_solver *s, int32
     direction_of(m3, s, index, azimuth);
 }
 
+static void move_seed(rigcal_pose_lattice *lattice, int32_t to, int32_t from)
+{
+    lattice->cost[to] = lattice->cost[from];
+    lattice->index[to] = lattice->index[from];
+}
+
 /* Removes the seeds of neighbours that are worse. 0: there is a better one. */
 static int is_best_nearby(rigcal_pose_solver *s, const rigcal_real m3[3],
                           rigcal_real cost)
 {
-    rigcal_pose_seed *const seeds = s->from.lattice.seeds;
+    rigcal_pose_lattice *const lattice = &s->from.lattice;
     int32_t kept = 0;
     for (int32_t i = 0; i < s->n_seeds; i++) {
         rigcal_real other[3];
-        seed_direction(other, s, seeds[i].index);
+        seed_direction(other, s, lattice->index[i]);
         if (!(rc_vec3_dot(m3, other) > NEIGHBOUR_COSINE)) {
-            seeds[kept++] = seeds[i];
-        } else if (seeds[i].cost <= cost) {
+            move_seed(lattice, kept++, i);
+        } else if (lattice->cost[i] <= cost) {
             return 0; /* sorted by cost: nothing has been removed */
         }
     }
@@ -516,13 +523,13 @@ static int is_best_nearby(rigcal_pose_solver *s, const rigcal_real m3[3],
 /* Keeps the `most` best directions in order of cost; this one is among them. */
 static void insert_seed(rigcal_pose_solver *s, rigcal_real cost, int32_t most)
 {
-    rigcal_pose_seed *const seeds = s->from.lattice.seeds;
+    rigcal_pose_lattice *const lattice = &s->from.lattice;
     int32_t at = (s->n_seeds < most) ? s->n_seeds++ : most - 1;
-    for (; at > 0 && cost < seeds[at - 1].cost; at--) {
-        seeds[at] = seeds[at - 1];
+    for (; at > 0 && cost < lattice->cost[at - 1]; at--) {
+        move_seed(lattice, at, at - 1);
     }
-    seeds[at].cost = cost;
-    seeds[at].index = s->next;
+    lattice->cost[at] = cost;
+    lattice->index[at] = s->next;
 }
 
 RC_APART static void scanning_step(rigcal_pose_solver *s)
@@ -533,12 +540,12 @@ RC_APART static void scanning_step(rigcal_pose_solver *s)
     direction_of(m3, s, s->next, lattice->azimuth);
     turn(lattice->azimuth);
     const rigcal_real cost = rc_view_cost(&lattice->moments, m3);
-    if ((s->n_seeds < most || cost < lattice->seeds[most - 1].cost) &&
+    if ((s->n_seeds < most || cost < lattice->cost[most - 1]) &&
         (!s->thorough || is_best_nearby(s, m3, cost))) {
         insert_seed(s, cost, most);
     }
     if (++s->next == lattice_size(s)) {
-        lattice->least_cost = lattice->seeds[0].cost;
+        lattice->least_cost = lattice->cost[0];
         s->next = 0;
         s->phase = CHOOSING;
     }
@@ -592,11 +599,12 @@ static void begin_mirrored(rigcal_pose_solver *s);
 static void next_seed(rigcal_pose_solver *s)
 {
     while (s->next < s->n_seeds) {
-        const rigcal_pose_seed *const seed = &s->from.lattice.seeds[s->next++];
+        const int32_t i = s->next++;
+        const rigcal_real cost = s->from.lattice.cost[i];
         rigcal_real m3[3];
-        seed_direction(m3, s, seed->index);
-        if (seed->cost < RC_MAX && (s->thorough || !leads_to_found(s, m3, seed->cost))) {
-            begin_descent(s, m3, seed->cost);
+        seed_direction(m3, s, s->from.lattice.index[i]);
+        if (cost < RC_MAX && (s->thorough || !leads_to_found(s, m3, cost))) {
+            begin_descent(s, m3, cost);
             return;
         }
     }

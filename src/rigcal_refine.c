@@ -393,17 +393,18 @@ static int is_last(const rigcal_refinement *state, rigcal_real gain)
             gain * gain <= (state->last_gain - gain) * LEFT_LEAST * state->sse);
 }
 
-/* Takes the step unless it does harm. Then it is taken back, the equations are stale,
- * and from there on the damping is stronger and the curvature minded. */
+/* Takes the step unless it does harm. Then it is taken back (the turn by its inverse: no
+ * copy of the rotation), the equations are stale, and from there on the damping is
+ * stronger and the curvature minded. */
 static void try_step(rigcal_refinement *state, const rigcal_fit *fit,
-                     const rigcal_real d[6], rigcal_real gain)
+                     rigcal_real d[6], rigcal_real gain)
 {
-    const rigcal_transform before = state->cam_from_points;
-    rigcal_real sse;
-    move(&state->cam_from_points, d);
-    const rigcal_status status = equations(&sse, state->g, state->H, fit,
-                                           &state->cam_from_points,
-                                           state->is_newton);
+    rigcal_transform *const pose = &state->cam_from_points;
+    rigcal_real sse, t[3];
+    rc_vec3_copy(t, pose->t);
+    move(pose, d);
+    const rigcal_status status =
+        equations(&sse, state->g, state->H, fit, pose, state->is_newton);
     if (status == RIGCAL_OK &&
         sse <= state->sse * (1 + SUM_ROUNDING) + GAIN_NOTHING) {
         state->sse = sse;
@@ -411,7 +412,9 @@ static void try_step(rigcal_refinement *state, const rigcal_fit *fit,
         state->lambda *= RC(0.1);
         return;
     }
-    state->cam_from_points = before;
+    rc_vec3_scale(d, -1, d);
+    move(pose, d);
+    rc_vec3_copy(pose->t, t);
     state->is_stale = 1;
     state->is_newton = 1;
     state->last_gain = 0;

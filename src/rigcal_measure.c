@@ -154,13 +154,6 @@ static rigcal_status check_views(const views *v, rigcal_real sigma_px)
     return status;
 }
 
-/* L L^T = A; 0: singular to rounding. */
-static int factor(rigcal_real L[6], const rigcal_real A[6])
-{
-    const rigcal_real diagonal[3] = {A[0], A[3], A[5]};
-    return rc_sym3_factor(L, A, diagonal, 4 * RC_EPS);
-}
-
 /* x <- (L L^T)^-1 x */
 static void solve(rigcal_real x[3], const rigcal_real L[6])
 {
@@ -169,33 +162,27 @@ static void solve(rigcal_real x[3], const rigcal_real L[6])
 }
 
 /* The point with the least sum of squared distances from the rays, along unit d from a
- * point o: sum (I - d d^T) (X - o) = 0, o = -R^T t. */
+ * point o: sum (I - d d^T) (X - o) = 0, o = -R^T t. Two rays an angle a apart leave the
+ * sum of I - d d^T a least eigenvalue of a^2 / 2. */
 static rigcal_status nearest_to_rays(rigcal_real X[3], const views *v)
 {
-    rigcal_real A[6] = {0}, first[3], parallax = 0;
+    const rigcal_real n = (rigcal_real)v->n, of_n[3] = {n, n, n};
+    rigcal_real A[6] = {n, 0, 0, n, 0, n};
     X[0] = X[1] = X[2] = 0;
     for (size_t i = 0; i < v->n; i++) {
         const rigcal_transform *const T = &v->cams_from_world[i];
-        rigcal_real ray[3], d[3], o[3], normal[3];
+        rigcal_real ray[3], d[3], o[3];
         const rigcal_status status = rc_pixel_to_ray(ray, &v->cameras[i], &v->uv[2 * i]);
         if (status != RIGCAL_OK) {
             return status;
         }
         rc_mat3_tmul_vec3(d, T->R, ray);
         rc_mat3_tmul_vec3(o, T->R, T->t);
-        if (i == 0) {
-            rc_vec3_copy(first, d);
-        }
-        rc_vec3_cross(normal, first, d);
-        parallax = rc_max(parallax, rc_vec3_dot(normal, normal));
         rc_vec3_add_scaled(X, rc_vec3_dot(d, o), d);
         rc_vec3_add_scaled(X, -1, o);
-        A[0] += 1;
-        A[3] += 1;
-        A[5] += 1;
         rc_sym3_add_outer(A, -1, d);
     }
-    if (!(parallax >= PARALLAX_MIN) || !factor(A, A)) {
+    if (!rc_sym3_factor(A, A, of_n, PARALLAX_MIN / 4)) {
         return RIGCAL_ERR_PARALLEL;
     }
     solve(X, A);
@@ -270,7 +257,8 @@ static rigcal_status refine_point(rigcal_real X[3], rigcal_real *sum,
         halvings = 0;
         *sum = sum_at;
         rc_vec3_copy(X, at);
-        if (!factor(L, H)) {
+        const rigcal_real diagonal[3] = {H[0], H[3], H[5]};
+        if (!rc_sym3_factor(L, H, diagonal, 4 * RC_EPS)) {
             return RIGCAL_ERR_PARALLEL;
         }
         rc_vec3_copy(step, g);

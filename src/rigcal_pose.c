@@ -200,21 +200,29 @@ static void begin_gathering(rigcal_pose_solver *s, const rigcal_real uv_middle[2
     }
 }
 
-/* One point, scaled to size 1, and its ray turned to the middle. */
+/* In the axes of the virtual camera. */
+RC_APART static void turn_to_virtual(rigcal_real turned[3], const rigcal_real axis[3],
+                                     const rigcal_real ray[3])
+{
+    rigcal_real cam_from_virtual[9];
+    look_along(cam_from_virtual, axis);
+    rc_mat3_tmul_vec3(turned, cam_from_virtual, ray);
+}
+
+/* One point, scaled to size 1, and its image in the virtual camera. */
 static rigcal_status gather_point(rigcal_pose_solver *s, size_t i)
 {
     const rigcal_observation *const o = &s->fit.observations[i];
-    rigcal_real cam_from_virtual[9], x[3], ray[3], turned[3];
+    rigcal_real x[3], ray[3], u[3];
     const rigcal_status status = rc_pixel_to_ray(ray, s->fit.camera, o->uv);
     if (status != RIGCAL_OK) {
         return status;
     }
-    look_along(cam_from_virtual, s->axis);
-    rc_mat3_tmul_vec3(turned, cam_from_virtual, ray);
-    if (!(turned[2] > WIDE_COSINE)) {
+    turn_to_virtual(u, s->axis, ray);
+    if (!(u[2] > WIDE_COSINE)) {
         return RIGCAL_ERR_WIDE_RAY;
     }
-    const rigcal_real u[2] = {turned[0] / turned[2], turned[1] / turned[2]};
+    rc_vec3_scale(u, 1 / u[2], u);
     rc_vec3_combine(x, s->scale, o->X_w, -s->scale, s->fit.origin);
     rc_view_add(&s->from.lattice.moments, weight_of(s->fit.sigma, i), x, u);
     return RIGCAL_OK;

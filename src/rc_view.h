@@ -38,9 +38,10 @@ void rc_view_mirror(rigcal_view_moments *view);
 void rc_view_pose(rigcal_transform *virtual_from_points,
                   const rigcal_view_moments *view, const rigcal_real m3[3]);
 
-/* The direction across which the points extend least, unit length, and by how
- * much: *thickness = the mean square along it over the mean square of all. 0 when
- * the points are (nearly) on a line, which has no such direction. */
+/* The direction across which the points extend least, unit length, and by how much: with
+ * a, b, c the mean squares along the axes over that of all, *thickness is 1 / (1/a + 1/b +
+ * 1/c), about the least of them; of a plane rounding. 0 when the points are (nearly) on a
+ * line, which has no such direction. */
 int rc_view_normal(rigcal_real normal[3], rigcal_real *thickness,
                    const rigcal_view_moments *view);
 

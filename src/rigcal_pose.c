@@ -12,9 +12,9 @@ enum { FOLLOWED = 3, FOLLOWED_THOROUGH = RIGCAL_POSE_SEEDS };
 enum { DESCENT_EVALS = 10, DESCENT_EVALS_THOROUGH = 20 };
 enum { REFINE_EVALS = 100, REFINE_EVALS_THOROUGH = 250 };
 
-/* A target whose mean square across its plane is below this part of the whole has
- * a second optimum, which leans the other way. */
-#define FLAT_THICKNESS RC(0.05)
+/* A target of less thickness (rc_view_normal) has a second optimum, which leans the other
+ * way. */
+#define FLAT_THICKNESS RC(0.04)
 
 /* Below this mirrored points have nearly the same image. */
 #define PLANE_THICKNESS RC(1e-4)

@@ -50,12 +50,12 @@ int rc_view_normal(rigcal_real normal[3], rigcal_real *thickness,
     static const uint8_t FULL[9] = {0, 1, 2, 1, 3, 4, 2, 4, 5};
     const rigcal_real *const C = view->C;
     const rigcal_real by_trace = 1 / (C[0] + C[3] + C[5]);
-    rigcal_real A[9], B[9], Cn[3];
+    rigcal_real A[9], B[9];
     int at = 0;
     for (int k = 0; k < 9; k++) {
         A[k] = by_trace * C[FULL[k]];
     }
-    (void)rc_mat3_cofactors(B, A);
+    const rigcal_real det = rc_mat3_cofactors(B, A);
     const rigcal_real trace = B[0] + B[4] + B[8];
     if (!(trace > RC_TOL(1e-12, 1e-7))) {
         return 0;
@@ -71,8 +71,7 @@ int rc_view_normal(rigcal_real normal[3], rigcal_real *thickness,
         at = (B[k] > B[at]) ? k : at;
     }
     (void)rc_vec3_unit(normal, &B[at - at / 4]);
-    rc_sym3_mul_vec3(Cn, C, normal);
-    *thickness = rc_max(0, rc_vec3_dot(Cn, normal)) * by_trace;
+    *thickness = det / trace;
     return 1;
 }
 

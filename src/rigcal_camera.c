@@ -172,7 +172,7 @@ static void radial_slope(rigcal_real G[SLOPE_DEGREE + 1], const rigcal_lens *len
 }
 
 /* The least of N / D, of which N is no less than `low`, D > 0 between its bounds. */
-static rigcal_real least_quotient(rigcal_real low, const rigcal_real D[2])
+RC_APART static rigcal_real least_quotient(rigcal_real low, const rigcal_real D[2])
 {
     return low / ((low > 0) ? D[1] : D[0]);
 }
@@ -281,7 +281,7 @@ RC_APART static rigcal_real solve_from(rigcal_real x[2], const rigcal_lens *lens
 /* x with F(x) = target, on the part of the plane that does not fold. The answer
  * is followed from the axis in `stages` equal parts of the target: one nearly
  * always serves; more keep a strongly curved lens from being jumped across. */
-RC_APART static int invert_lens(rigcal_real x[2], const rigcal_lens *lens,
+static int invert_lens(rigcal_real x[2], const rigcal_lens *lens,
                        const rigcal_real target[2], rigcal_real tolerance)
 {
     for (int stages = 1; stages <= STAGES_MAX; stages *= 2) {

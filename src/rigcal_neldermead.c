@@ -60,7 +60,7 @@ static void sort_vertices(rigcal_neldermead *nm)
     }
 }
 
-static int is_near(rigcal_real x, rigcal_real best, rigcal_real tol)
+RC_APART static int is_near(rigcal_real x, rigcal_real best, rigcal_real tol)
 {
     return RC_FABS(x - best) <= rc_max(tol, TOL_FLOOR * RC_FABS(best));
 }

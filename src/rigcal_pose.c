@@ -97,7 +97,7 @@ enum {
 
 /* ---- the data ------------------------------------------------------------ */
 
-static rigcal_real weight_of(const rigcal_real sigma[], size_t i)
+RC_APART static rigcal_real weight_of(const rigcal_real sigma[], size_t i)
 {
     return (sigma == NULL) ? 1 : 1 / (sigma[i] * sigma[i]);
 }
@@ -485,7 +485,7 @@ static void turn(rigcal_real z[2])
 
 /* Direction `index` of a Fibonacci sphere: heights in even steps, azimuths a golden
  * angle apart. */
-static void direction_of(rigcal_real m3[3], const rigcal_pose_solver *s, int32_t index,
+RC_APART static void direction_of(rigcal_real m3[3], const rigcal_pose_solver *s, int32_t index,
                          const rigcal_real azimuth[2])
 {
     m3[2] = 1 - (rigcal_real)(2 * index + 1) / (rigcal_real)lattice_size(s);
@@ -685,7 +685,7 @@ RC_APART static int follow(rigcal_pose_solver *s, const rigcal_real m3[3],
     return 1;
 }
 
-RC_APART static void end_descent(rigcal_pose_solver *s)
+static void end_descent(rigcal_pose_solver *s)
 {
     const rigcal_neldermead *const nm = &s->work.descent.nm;
     rigcal_pose_lattice *const lattice = &s->from.lattice;
@@ -736,7 +736,7 @@ static void leaning_direction(rigcal_real m3[3], const rigcal_real first[3],
 }
 
 /* The next lean that is worth it, or 0. */
-RC_APART static int next_lean(rigcal_real m3[3], rigcal_pose_solver *s)
+static int next_lean(rigcal_real m3[3], rigcal_pose_solver *s)
 {
     const rigcal_view_moments *const view = &s->from.lattice.moments;
     rigcal_real first[3];
@@ -772,7 +772,7 @@ RC_APART static void choose(rigcal_pose_solver *s)
 /* ---- is it good? --------------------------------------------------------- */
 
 /* Sum of the squared errors [px^2] of optimum i, which without sigma is its sse. */
-static rigcal_real squared_pixels(const rigcal_pose_solver *s, int32_t i)
+RC_APART static rigcal_real squared_pixels(const rigcal_pose_solver *s, int32_t i)
 {
     rigcal_transform cam_from_points;
     rigcal_real sum = 0;
@@ -790,7 +790,7 @@ static rigcal_real squared_pixels(const rigcal_pose_solver *s, int32_t i)
 
 /* Whether noise alone has a chance below 1e-6 to make so large a sum: chi squared by
  * Wilson and Hilferty (1931), 4.75 standard deviations. */
-static int is_above_noise(rigcal_real sum, rigcal_real noise, rigcal_real dof)
+RC_APART static int is_above_noise(rigcal_real sum, rigcal_real noise, rigcal_real dof)
 {
     const rigcal_real v = 2 / (9 * dof);
     const rigcal_real root = 1 - v + RC(4.75) * RC_SQRT(v);

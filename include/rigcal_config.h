@@ -27,12 +27,16 @@ typedef double rigcal_real;
 
 /* What may be left out of a small flash; 1: it is in. Without fisheyes a camera with
  * such a lens is RIGCAL_ERR_CAMERA. Without three points a pose wants four different
- * ones: three, or points given twice, are RIGCAL_ERR_TOO_FEW. */
+ * ones: three, or points given twice, are RIGCAL_ERR_TOO_FEW. Without the thorough
+ * search that option is RIGCAL_ERR_RANGE. */
 #ifndef RIGCAL_WITH_FISHEYE
 #define RIGCAL_WITH_FISHEYE 1
 #endif
 #ifndef RIGCAL_WITH_THREE_POINTS
 #define RIGCAL_WITH_THREE_POINTS 1
+#endif
+#ifndef RIGCAL_WITH_THOROUGH
+#define RIGCAL_WITH_THOROUGH 1
 #endif
 
 /* The header that declares the functions below; only src/ includes it. */

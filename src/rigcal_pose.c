@@ -95,6 +95,11 @@ enum {
     DONE
 };
 
+static int is_thorough(const rigcal_pose_solver *s)
+{
+    return RIGCAL_WITH_THOROUGH && s->thorough;
+}
+
 /* ---- the data ------------------------------------------------------------ */
 
 RC_APART static rigcal_real weight_of(const rigcal_real sigma[], size_t i)
@@ -471,7 +476,7 @@ rigcal_real rc_pose_likelihood(const rigcal_pose_solver *s, int32_t i)
 
 static int32_t lattice_size(const rigcal_pose_solver *s)
 {
-    return s->thorough ? LATTICE_THOROUGH : LATTICE;
+    return is_thorough(s) ? LATTICE_THOROUGH : LATTICE;
 }
 
 /* z turned by a golden angle, pi (3 - sqrt 5). */
@@ -542,14 +547,14 @@ static void insert_seed(rigcal_pose_solver *s, rigcal_real cost, int32_t most)
 
 RC_APART static void scanning_step(rigcal_pose_solver *s)
 {
-    const int32_t most = s->thorough ? FOLLOWED_THOROUGH : FOLLOWED;
+    const int32_t most = is_thorough(s) ? FOLLOWED_THOROUGH : FOLLOWED;
     rigcal_pose_lattice *const lattice = &s->from.lattice;
     rigcal_real m3[3];
     direction_of(m3, s, s->next, lattice->azimuth);
     turn(lattice->azimuth);
     const rigcal_real cost = rc_view_cost(&lattice->moments, m3);
     if ((s->n_seeds < most || cost < lattice->cost[most - 1]) &&
-        (!s->thorough || is_best_nearby(s, m3, cost))) {
+        (!is_thorough(s) || is_best_nearby(s, m3, cost))) {
         insert_seed(s, cost, most);
     }
     if (++s->next == lattice_size(s)) {
@@ -595,7 +600,7 @@ static void begin_descent(rigcal_pose_solver *s, const rigcal_real m3[3],
     static const rigcal_real SIMPLEX[6] = {0, 0, EDGE, 0, 0, EDGE};
     rigcal_descent *const descent = &s->work.descent;
     rc_neldermead_begin_simplex(&descent->nm, SIMPLEX, 2, RC(1e-4), 0,
-                                s->thorough ? DESCENT_EVALS_THOROUGH : DESCENT_EVALS);
+                                is_thorough(s) ? DESCENT_EVALS_THOROUGH : DESCENT_EVALS);
     rc_neldermead_tell(&descent->nm, cost); /* known already */
     rc_vec3_copy(descent->m3, m3);
     s->phase = DESCENT;
@@ -611,7 +616,7 @@ static void next_seed(rigcal_pose_solver *s)
         const rigcal_real cost = s->from.lattice.cost[i];
         rigcal_real m3[3];
         seed_direction(m3, s, s->from.lattice.index[i]);
-        if (cost < RC_MAX && (s->thorough || !leads_to_found(s, m3, cost))) {
+        if (cost < RC_MAX && (is_thorough(s) || !leads_to_found(s, m3, cost))) {
             begin_descent(s, m3, cost);
             return;
         }
@@ -742,7 +747,7 @@ static int next_lean(rigcal_real m3[3], rigcal_pose_solver *s)
     rigcal_real first[3];
     found_direction(first, s, 0);
     const rigcal_real most =
-        (s->thorough ? HOPELESS : SHALLOW) * rc_view_cost(view, first);
+        (is_thorough(s) ? HOPELESS : SHALLOW) * rc_view_cost(view, first);
     while (s->leans < LEANS) {
         const int32_t lean = s->leans++;
         leaning_direction(m3, first, s->normal, lean);
@@ -916,7 +921,7 @@ static void begin_warm(rigcal_pose_solver *s, const rigcal_transform *start)
 RC_APART static void refining_step(rigcal_pose_solver *s)
 {
     rigcal_refinement *const work = &s->work.fit;
-    rc_refine_step(work, &s->fit, s->thorough ? REFINE_EVALS_THOROUGH : REFINE_EVALS);
+    rc_refine_step(work, &s->fit, is_thorough(s) ? REFINE_EVALS_THOROUGH : REFINE_EVALS);
     if (s->phase == WEIGHING) {
         end_weighing(s);
     } else if (work->status == RIGCAL_RUNNING) {
@@ -954,7 +959,7 @@ static rigcal_status check_options(const rigcal_pose_options *o)
     if (status == RIGCAL_ERR_NOT_FINITE) {
         return status;
     }
-    if ((o->thorough & ~1) != 0 || (o->use_start & ~1) != 0) {
+    if ((o->thorough & ~RIGCAL_WITH_THOROUGH) != 0 || (o->use_start & ~1) != 0) {
         return RIGCAL_ERR_RANGE;
     }
     return (status == RIGCAL_OK && o->use_start) ? rc_check_transform(&o->start)

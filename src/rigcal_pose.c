@@ -606,22 +606,15 @@ static void begin_descent(rigcal_pose_solver *s, const rigcal_real m3[3],
     s->phase = DESCENT;
 }
 
-static void begin_mirrored(rigcal_pose_solver *s);
-
-/* The next seed that is worth a descent, or the end. */
-static void next_seed(rigcal_pose_solver *s)
+/* Seed i, if it is worth a descent. */
+static void try_seed(rigcal_pose_solver *s, int32_t i)
 {
-    while (s->next < s->n_seeds) {
-        const int32_t i = s->next++;
-        const rigcal_real cost = s->from.lattice.cost[i];
-        rigcal_real m3[3];
-        seed_direction(m3, s, s->from.lattice.index[i]);
-        if (cost < RC_MAX && (is_thorough(s) || !leads_to_found(s, m3, cost))) {
-            begin_descent(s, m3, cost);
-            return;
-        }
+    const rigcal_real cost = s->from.lattice.cost[i];
+    rigcal_real m3[3];
+    seed_direction(m3, s, s->from.lattice.index[i]);
+    if (cost < RC_MAX && (is_thorough(s) || !leads_to_found(s, m3, cost))) {
+        begin_descent(s, m3, cost);
     }
-    begin_mirrored(s);
 }
 
 /* From the virtual camera and size 1 to the camera and the caller's unit. */
@@ -677,17 +670,15 @@ static void end_mirrored(rigcal_pose_solver *s)
     begin_weighing(s, VAGUE_POINTS);
 }
 
-/* 0: it would only lead to an optimum found. */
-RC_APART static int follow(rigcal_pose_solver *s, const rigcal_real m3[3],
-                           rigcal_real same_basin)
+/* Refines from a direction, unless it would only lead to an optimum found. */
+RC_APART static void follow(rigcal_pose_solver *s, const rigcal_real m3[3],
+                            rigcal_real same_basin)
 {
     rigcal_transform *const start = &s->work.fit.cam_from_points;
     seed_pose(start, s, m3);
-    if (near_found(s, start->R, same_basin) >= 0) {
-        return 0;
+    if (near_found(s, start->R, same_basin) < 0) {
+        begin_refining(s, REFINING);
     }
-    begin_refining(s, REFINING);
-    return 1;
 }
 
 static void end_descent(rigcal_pose_solver *s)
@@ -701,9 +692,9 @@ static void end_descent(rigcal_pose_solver *s)
     /* Rounding makes the costs of noiseless images anything: the last term. */
     const rigcal_real hopeless =
         HOPELESS * lattice->least_cost + 64 * RC_EPS * lattice->moments.weight;
-    const int is_hopeless = s->n_found > 0 && !s->is_flat && best->cost > hopeless;
-    if (is_hopeless || !follow(s, m3, SAME_BASIN)) {
-        s->phase = CHOOSING;
+    s->phase = CHOOSING;
+    if (s->n_found == 0 || s->is_flat || !(best->cost > hopeless)) {
+        follow(s, m3, SAME_BASIN);
     }
 }
 
@@ -740,38 +731,31 @@ static void leaning_direction(rigcal_real m3[3], const rigcal_real first[3],
     (void)rc_vec3_unit(m3, m3);
 }
 
-/* The next lean that is worth it, or 0. */
-static int next_lean(rigcal_real m3[3], rigcal_pose_solver *s)
+/* The way of a lean, if it is worth it. */
+static void try_lean(rigcal_pose_solver *s, int32_t lean)
 {
     const rigcal_view_moments *const view = &s->from.lattice.moments;
-    rigcal_real first[3];
+    const rigcal_real most = is_thorough(s) ? HOPELESS : SHALLOW;
+    rigcal_real first[3], m3[3];
     found_direction(first, s, 0);
-    const rigcal_real most =
-        (is_thorough(s) ? HOPELESS : SHALLOW) * rc_view_cost(view, first);
-    while (s->leans < LEANS) {
-        const int32_t lean = s->leans++;
-        leaning_direction(m3, first, s->normal, lean);
-        if (lean == OTHER_WAY || rc_view_cost(view, m3) < most) {
-            return 1;
-        }
+    leaning_direction(m3, first, s->normal, lean);
+    if (lean == OTHER_WAY || rc_view_cost(view, m3) < most * rc_view_cost(view, first)) {
+        follow(s, m3, SAME_BASIN_LEANING);
     }
-    return 0;
 }
 
-/* The next start of a refinement or a descent, or the end of the search. */
-RC_APART static void choose(rigcal_pose_solver *s)
+/* The next start of a refinement or a descent, if it is worth it, or the end. */
+RC_APART static void choosing_step(rigcal_pose_solver *s)
 {
-    rigcal_real m3[3];
     if (is_exact(s)) {
         next_exact(s);
-        return;
+    } else if (s->is_flat && s->n_found > 0 && s->leans < LEANS) {
+        try_lean(s, s->leans++);
+    } else if (s->next < s->n_seeds) {
+        try_seed(s, s->next++);
+    } else {
+        begin_mirrored(s);
     }
-    while (s->is_flat && s->n_found > 0 && next_lean(m3, s)) {
-        if (follow(s, m3, SAME_BASIN_LEANING)) {
-            return;
-        }
-    }
-    next_seed(s);
 }
 
 /* ---- is it good? --------------------------------------------------------- */
@@ -1024,8 +1008,12 @@ static void step_once(rigcal_pose_solver *s)
 {
     if (s->phase == GATHERING) {
         gathering_step(s);
+    } else if (s->phase == GATHERED) {
+        begin_search(s);
     } else if (s->phase == SCANNING) {
         scanning_step(s);
+    } else if (s->phase == CHOOSING) {
+        choosing_step(s);
     } else if (s->phase == DESCENT) {
         descent_step(s);
     } else if (s->phase == PROVING) {
@@ -1048,12 +1036,6 @@ rigcal_status rigcal_pose_step(rigcal_pose_solver *solver, int32_t budget)
     }
     for (; budget > 0 && solver->phase != DONE; budget--) {
         step_once(solver);
-        if (solver->phase == GATHERED) {
-            begin_search(solver);
-        }
-        if (solver->phase == CHOOSING) {
-            choose(solver);
-        }
     }
     return (solver->phase == DONE) ? RIGCAL_OK : RIGCAL_RUNNING;
 }

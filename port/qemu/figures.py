@@ -102,7 +102,7 @@ class Image:
     def steps(self):
         """steps.c's table, or the end of it all where it complains."""
         image = self.dir / "steps.elf"
-        run(self.gcc, *self.flags, "-misa-spec=2.2", HERE / "steps.c", self.library, "-lm",
+        run(self.gcc, *self.flags, "-misa-spec=2.2", "-Isrc", HERE / "steps.c", self.library, "-lm",
             "--crt0=semihost", "--oslib=semihost", "-Wl,--gc-sections", *self.memory, "-o", image)
         return run("sh", HERE / "run.sh", self.target, image, "-icount", "shift=0")
 

@@ -628,7 +628,7 @@ typedef struct {
 
 /* Internal: a refinement under way. */
 typedef struct {
-    int32_t evals, is_stale, is_newton, status;
+    int32_t evals, is_stale, curvature, status;
     rigcal_real sse, last_gain, lambda;
     rigcal_transform cam_from_points;
     rigcal_real g[6], H[21];

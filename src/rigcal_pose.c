@@ -44,13 +44,18 @@ enum { OTHER_WAY = 0, SIDEWAYS, SIDEWAYS_BACK, LEANS };
 #define SIGMA_MIN RC(1e-6)
 #define SIGMA_MAX RC(1e6)
 
-/* Where no noise is stated: the least assumed [px], and the most that is believed
- * [px], of a search and of a warm start; or as a part of the target's image where that is
+/* Where no noise is stated: the least assumed [px], and the most that is believed of a
+ * search and of a warm start [px], or as a part of the target's image where that is
  * more. */
 #define NOISE_LEAST RC(0.01)
 #define NOISE_MOST RC(2)
-#define NOISE_WARM RC(0.5)
+#define NOISE_WARM RC(0.55)
 #define NOISE_PART RC(0.007)
+
+/* So many standard deviations has noise a chance to go beyond of one in a million, which
+ * makes a fit poor, and of one in a thousand, which only costs a search. */
+#define DEVIATIONS RC(4.75)
+#define DEVIATIONS_WARM RC(3.1)
 
 /* Mirrored points are only suspected where the fit leaves room for a better one [px],
  * and believed where they are so many times as likely. */
@@ -777,24 +782,20 @@ RC_APART static rigcal_real squared_pixels(const rigcal_pose_solver *s, int32_t 
     return sum;
 }
 
-/* Whether noise alone has a chance below 1e-6 to make so large a sum: chi squared by
- * Wilson and Hilferty (1931), 4.75 standard deviations. */
-RC_APART static int is_above_noise(rigcal_real sum, rigcal_real noise, rigcal_real dof)
-{
-    const rigcal_real v = 2 / (9 * dof);
-    const rigcal_real root = 1 - v + RC(4.75) * RC_SQRT(v);
-    return !(sum <= noise * noise * dof * root * root * root);
-}
-
 /* Whether the first pose's error is too large for the noise stated; where none is, for
- * noise of so many px, or of a part of the target's image where that is more. */
-static int is_poor(const rigcal_pose_solver *s, rigcal_real most)
+ * noise of `most` px, or of a part of the target's image where that is more: beyond so
+ * many standard deviations of chi squared, by Wilson and Hilferty (1931). */
+RC_APART static int is_poor(const rigcal_pose_solver *s, rigcal_real most,
+                            rigcal_real deviations)
 {
-    if (s->sigma_px > 0) {
-        return is_above_noise(s->found[0].sse, s->sigma_px, freedom(s->n_used));
+    const rigcal_real dof = freedom(s->n_used), v = 2 / (9 * dof);
+    const rigcal_real root = 1 - v + deviations * RC_SQRT(v);
+    rigcal_real sum = s->found[0].sse, noise = s->sigma_px;
+    if (!(noise > 0)) {
+        sum = squared_pixels(s, 0);
+        noise = rc_max(most, NOISE_PART * s->extent_px);
     }
-    return is_above_noise(squared_pixels(s, 0), rc_max(most, NOISE_PART * s->extent_px),
-                          freedom(s->n_used));
+    return !(sum <= noise * noise * dof * root * root * root);
 }
 
 /* The search has ended; how well the observations fix its first pose is left to weigh:
@@ -831,7 +832,7 @@ static void end_weighing(rigcal_pose_solver *s)
 /* A warm start that ended elsewhere than at the pose shows by its error. */
 static void end_warm(rigcal_pose_solver *s)
 {
-    if (s->n_found > 0 && !is_poor(s, NOISE_WARM)) {
+    if (s->n_found > 0 && !is_poor(s, NOISE_WARM, DEVIATIONS_WARM)) {
         begin_weighing(s, VAGUE_POINTS);
         return;
     }
@@ -863,7 +864,8 @@ static void end_refinement(rigcal_pose_solver *s)
 {
     const rigcal_refinement *const end = &s->work.fit;
     const int32_t same = same_found(s);
-    const int is_best = s->n_found == 0 || end->sse < s->found[0].sse;
+    const int is_best =
+        !s->is_warm && (s->n_found == 0 || end->sse < s->found[0].sse);
     const int is_optimum =
         (end->status == RIGCAL_OK || (end->status == RIGCAL_BUDGET_SPENT && is_best)) &&
         (same < 0 || end->sse < s->found[same].sse);
@@ -1082,7 +1084,7 @@ rigcal_status rigcal_pose_result(rigcal_pose poses[], size_t *n_found,
         poses[i].probability = rc_pose_likelihood(s, (int32_t)i) / total;
     }
     *n_found = n;
-    if (s->is_mirrored || is_poor(s, NOISE_MOST)) {
+    if (s->is_mirrored || is_poor(s, NOISE_MOST, DEVIATIONS)) {
         return RIGCAL_POOR_FIT;
     }
     return (poses[0].probability >= SURE && !s->is_vague) ? RIGCAL_OK

@@ -308,6 +308,9 @@ int rc_refine_rotation_variance(rigcal_real *variance, const rigcal_real H[21])
 
 /* ---- Levenberg-Marquardt ------------------------------------------------- */
 
+/* The curvature of the projection in H: a saddle is where it makes H indefinite. */
+enum { LEFT_OUT, MINDED, SADDLE };
+
 /* R <- exp([w]x) R, t <- t + dt for the step d = (w, dt), with the quaternion
  * (1, v), v = w / 2, for the exponential: right to second order, and for any step a
  * rotation. It takes a column r of R to r + (v x r + v x (v x r)) 2 / (1 + |v|^2). */
@@ -336,7 +339,7 @@ void rc_refine_begin(rigcal_refinement *state)
     state->last_gain = 0;
     state->evals = 0;
     state->is_stale = 1;
-    state->is_newton = 0;
+    state->curvature = LEFT_OUT;
     state->status = RIGCAL_RUNNING;
 }
 
@@ -345,28 +348,21 @@ static void evaluate(rigcal_refinement *state, const rigcal_fit *fit)
 {
     const rigcal_status status =
         equations(&state->sse, state->g, state->H, fit, &state->cam_from_points,
-                  state->is_newton);
+                  state->curvature != LEFT_OUT);
     if (status != RIGCAL_OK) {
         state->status = status;
     }
     state->is_stale = 0;
 }
 
-enum { SINGULAR, SADDLE, BOWL };
-
-/* The step from where `state` is; *gain gets what it promises, undiminished. Newton's
- * H need not be positive definite, as on a saddle: it is damped until it is. */
+/* The step from where `state` is; *gain gets what it promises, undiminished. 0: H is not
+ * positive definite. */
 RC_APART static int damped_step(rigcal_real d[6], rigcal_real *gain,
-                                rigcal_refinement *state)
+                                const rigcal_refinement *state)
 {
     factor6 L;
-    int shape = BOWL;
-    while (!factor(&L, state->H, state->lambda)) {
-        if (!state->is_newton || state->lambda > DAMPING_NEWTON) {
-            return SINGULAR;
-        }
-        state->lambda = rc_max(10 * state->lambda, DAMPING_BEND);
-        shape = SADDLE;
+    if (!factor(&L, state->H, state->lambda)) {
+        return 0;
     }
     for (int k = 0; k < 6; k++) {
         d[k] = state->g[k];
@@ -379,7 +375,22 @@ RC_APART static int damped_step(rigcal_real d[6], rigcal_real *gain,
             d[k] *= TURN_MOST / turn;
         }
     }
-    return shape;
+    return 1;
+}
+
+/* Newton's H need not be positive definite, as on a saddle: it is damped more, call by
+ * call, until it is, or left out. That of Gauss and Newton is singular. */
+static void bend_up(rigcal_refinement *state)
+{
+    if (state->curvature == LEFT_OUT) {
+        state->status = RIGCAL_ERR_DEGENERATE;
+    } else if (state->lambda > DAMPING_NEWTON) {
+        state->curvature = LEFT_OUT;
+        state->is_stale = 1;
+    } else {
+        state->curvature = SADDLE;
+        state->lambda = rc_max(10 * state->lambda, DAMPING_BEND);
+    }
 }
 
 /* A nearly undamped step is the last when next to nothing is left to gain after
@@ -403,8 +414,8 @@ static void try_step(rigcal_refinement *state, const rigcal_fit *fit,
     rigcal_real sse, t[3];
     rc_vec3_copy(t, pose->t);
     move(pose, d);
-    const rigcal_status status =
-        equations(&sse, state->g, state->H, fit, pose, state->is_newton);
+    const rigcal_status status = equations(&sse, state->g, state->H, fit, pose,
+                                           state->curvature != LEFT_OUT);
     if (status == RIGCAL_OK &&
         sse <= state->sse * (1 + SUM_ROUNDING) + GAIN_NOTHING) {
         state->sse = sse;
@@ -416,7 +427,7 @@ static void try_step(rigcal_refinement *state, const rigcal_fit *fit,
     move(pose, d);
     rc_vec3_copy(pose->t, t);
     state->is_stale = 1;
-    state->is_newton = 1;
+    state->curvature = MINDED;
     state->last_gain = 0;
     state->lambda = rc_max(10 * state->lambda, DAMPING_FIRST);
     if (gain <= GAIN_ROUNDING * state->sse || state->lambda > DAMPING_LAST) {
@@ -431,15 +442,13 @@ static void advance(rigcal_refinement *state, const rigcal_fit *fit)
         evaluate(state, fit);
         return;
     }
-    const int shape = damped_step(d, &gain, state);
-    if (shape == SINGULAR) {
-        state->status = state->is_newton ? RIGCAL_RUNNING : RIGCAL_ERR_DEGENERATE;
-        state->is_newton = 0;
-        state->is_stale = 1;
+    if (!damped_step(d, &gain, state)) {
+        bend_up(state);
         return;
     }
+    const int is_saddle = state->curvature == SADDLE;
     if (is_last(state, gain)) {
-        if (shape == SADDLE) {
+        if (is_saddle) {
             state->status = RIGCAL_BUDGET_SPENT; /* no optimum, and no way down */
             return;
         }
@@ -448,8 +457,8 @@ static void advance(rigcal_refinement *state, const rigcal_fit *fit)
         state->status = RIGCAL_OK;
         return;
     }
-    if (state->last_gain > 0 && gain > SLOW * state->last_gain) {
-        state->is_newton = 1;
+    if (is_saddle || (state->last_gain > 0 && gain > SLOW * state->last_gain)) {
+        state->curvature = MINDED;
     }
     try_step(state, fit, d, gain);
 }

@@ -295,7 +295,7 @@ static const rigcal_layout_entry EXPECTED[] = {
     STRUCT(rigcal_refinement),
     FIELD(rigcal_refinement, evals),
     FIELD(rigcal_refinement, is_stale),
-    FIELD(rigcal_refinement, is_newton),
+    FIELD(rigcal_refinement, curvature),
     FIELD(rigcal_refinement, status),
     FIELD(rigcal_refinement, sse),
     FIELD(rigcal_refinement, last_gain),

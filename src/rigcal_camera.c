@@ -36,10 +36,12 @@ rigcal_status rc_check_camera(const rigcal_camera *camera)
                          rc_all_within(numbers, K1, RC_PIXEL_MAX);
     const int lens_ok =
         c->lens == RIGCAL_LENS_BROWN ||
-        (RIGCAL_WITH_FISHEYE && c->lens == RIGCAL_LENS_FISHEYE && rc_all_within(&numbers[P1], 2, 0) &&
+        (RIGCAL_WITH_FISHEYE && c->lens == RIGCAL_LENS_FISHEYE &&
+         rc_all_within(&numbers[P1], 2, 0) &&
          rc_all_within(&numbers[K5], 2, 0));
-    return (size_ok && focal_ok && lens_ok && c->reserved == 0) ? RIGCAL_OK
-                                                                : RIGCAL_ERR_CAMERA;
+    return (size_ok && focal_ok && lens_ok && c->reserved == 0)
+               ? RIGCAL_OK
+               : RIGCAL_ERR_CAMERA;
 }
 
 rigcal_status rc_check_pixel(const rigcal_real uv[2])
@@ -51,8 +53,9 @@ rigcal_status rc_check_observation(const rigcal_observation *o)
 {
     const rigcal_status status = rc_check_point(o->X_w);
     const rigcal_status uv_status = rc_check_pixel(o->uv);
-    return (status == RIGCAL_OK || uv_status == RIGCAL_ERR_NOT_FINITE) ? uv_status
-                                                                       : status;
+    return (status == RIGCAL_OK || uv_status == RIGCAL_ERR_NOT_FINITE)
+               ? uv_status
+               : status;
 }
 
 static rigcal_status check_camera_pixel(const rigcal_real out[],
@@ -71,11 +74,13 @@ static rigcal_status check_camera_pixel(const rigcal_real out[],
 void rc_lens_of(rigcal_lens *lens, const rigcal_camera *camera)
 {
     const rigcal_camera *const c = camera;
-    const int is_fisheye = RIGCAL_WITH_FISHEYE && c->lens == RIGCAL_LENS_FISHEYE;
+    const int is_fisheye =
+        RIGCAL_WITH_FISHEYE && c->lens == RIGCAL_LENS_FISHEYE;
     rigcal_real numbers[NUMBERS];
     copy_numbers(numbers, c);
     lens->is_fisheye = is_fisheye;
-    lens->is_pinhole = !is_fisheye && rc_all_within(&numbers[K1], NUMBERS - K1, 0);
+    lens->is_pinhole =
+        !is_fisheye && rc_all_within(&numbers[K1], NUMBERS - K1, 0);
     lens->N[0] = lens->D[0] = 1;
     lens->N[1] = c->k1;
     lens->N[2] = c->k2;
@@ -159,20 +164,23 @@ static void polynomial_range(rigcal_real range[2], const rigcal_real c[],
 }
 
 /* Numerator of d/dr (r N / D) over D^2: (N + 2 s N') D - 2 s N D'. */
-static void radial_slope(rigcal_real G[SLOPE_DEGREE + 1], const rigcal_lens *lens)
+static void radial_slope(rigcal_real G[SLOPE_DEGREE + 1],
+                         const rigcal_lens *lens)
 {
     for (int i = 0; i <= SLOPE_DEGREE; i++) {
         G[i] = 0;
     }
     for (int i = 0; i < 5; i++) {
         for (int j = 0; j < 4 && i + j <= SLOPE_DEGREE; j++) {
-            G[i + j] += lens->N[i] * lens->D[j] * (rigcal_real)(1 + 2 * (i - j));
+            G[i + j] +=
+                lens->N[i] * lens->D[j] * (rigcal_real)(1 + 2 * (i - j));
         }
     }
 }
 
 /* The least of N / D, of which N is no less than `low`, D > 0 between its bounds. */
-RC_APART static rigcal_real least_quotient(rigcal_real low, const rigcal_real D[2])
+RC_APART static rigcal_real least_quotient(rigcal_real low,
+                                           const rigcal_real D[2])
 {
     return low / ((low > 0) ? D[1] : D[0]);
 }
@@ -245,8 +253,9 @@ enum { NEWTON_MAX = 60, STAGES_MAX = 64 };
 /* Newton's method for F(x) = target from x, a place where J is positive definite.
  * A step that leaves such places, or does not bring F nearer, is halved. Ends
  * where no step helps any more and returns |F(x) - target| there. */
-RC_APART static rigcal_real solve_from(rigcal_real x[2], const rigcal_lens *lens,
-                              const rigcal_real target[2])
+RC_APART static rigcal_real solve_from(rigcal_real x[2],
+                                       const rigcal_lens *lens,
+                                       const rigcal_real target[2])
 {
     rigcal_real F[2], J[3], step[2] = {0, 0}, miss = RC_MAX;
     rigcal_real at[2] = {x[0], x[1]};
@@ -350,7 +359,9 @@ rigcal_status rc_pixel_to_ray(rigcal_real ray[3], const rigcal_camera *camera,
  * a turn at most, whose tangent's series is short. atan2 would bring 0.8 KB along. */
 static rigcal_real angle_off_axis(rigcal_real r, rigcal_real Z)
 {
-    enum { TERMS = RIGCAL_USE_FLOAT ? 10 : 22 }; /* the next is below rounding */
+    enum {
+        TERMS = RIGCAL_USE_FLOAT ? 10 : 22
+    }; /* the next is below rounding */
     rigcal_real t = r / (RC_FABS(Z) + RC_SQRT(r * r + Z * Z)), sum = 0;
     t /= 1 + RC_SQRT(1 + t * t);
     for (int k = 2 * TERMS - 1; k > 0; k -= 2) {
@@ -588,10 +599,11 @@ rigcal_status rigcal_sightings_from_observations(
     return RIGCAL_OK;
 }
 
-rigcal_status rigcal_reprojection_rms(
-    rigcal_real *rms_px, int32_t *worst, const rigcal_camera *camera,
-    const rigcal_transform *cam_from_world,
-    const rigcal_observation observations[], size_t n)
+rigcal_status rigcal_reprojection_rms(rigcal_real *rms_px, int32_t *worst,
+                                      const rigcal_camera *camera,
+                                      const rigcal_transform *cam_from_world,
+                                      const rigcal_observation observations[],
+                                      size_t n)
 {
     if (rms_px == NULL || observations == NULL) {
         return RIGCAL_ERR_NULL;

@@ -73,7 +73,8 @@ void rc_sym3_mul_vec3(rigcal_real out[3], const rigcal_real A[6],
 }
 
 /* Of the root of a pivot, the inverse. */
-static int invert_root(rigcal_real *inverse, rigcal_real pivot, rigcal_real least)
+static int invert_root(rigcal_real *inverse, rigcal_real pivot,
+                       rigcal_real least)
 {
     if (!(pivot > least)) {
         return 0;
@@ -104,7 +105,8 @@ extern inline rigcal_real rc_max(rigcal_real a, rigcal_real b);
 extern inline rigcal_real rc_min(rigcal_real a, rigcal_real b);
 extern inline int rc_is_finite(rigcal_real x);
 extern inline int rc_all_finite(const rigcal_real x[], int n);
-extern inline int rc_all_within(const rigcal_real x[], int n, rigcal_real limit);
+extern inline int rc_all_within(const rigcal_real x[], int n,
+                                rigcal_real limit);
 extern inline rigcal_real rc_vec3_dot(const rigcal_real a[3],
                                       const rigcal_real b[3]);
 extern inline void rc_vec3_cross(rigcal_real out[3], const rigcal_real a[3],

@@ -32,7 +32,8 @@ static rigcal_status check_ray(const rigcal_real ray[3])
  * small parallax, which is where it decides. */
 static rigcal_status two_depths(rigcal_real depth_ab[2], rigcal_real *miss,
                                 const rigcal_transform *b_from_a,
-                                const rigcal_real m_a[3], const rigcal_real m_b[3])
+                                const rigcal_real m_a[3],
+                                const rigcal_real m_b[3])
 {
     const rigcal_real *const t_ba = b_from_a->t;
     rigcal_real r[3], normal[3], gap[3];
@@ -107,14 +108,14 @@ rigcal_status rigcal_depth_aligned(rigcal_real X_left[3], rigcal_real baseline,
     }
     const rigcal_real disparity = xy_left[0] - xy_right[0];
     const rigcal_real size = rc_max(RC_FABS(xy_left[0]), RC_FABS(xy_right[0]));
-    if (!(RC_FABS(disparity) > rc_max(4 * RC_EPS * size,
-                                      baseline / RC_COORDINATE_MAX))) {
+    if (!(RC_FABS(disparity) >
+          rc_max(4 * RC_EPS * size, baseline / RC_COORDINATE_MAX))) {
         return RIGCAL_ERR_PARALLEL;
     }
     if (!(disparity > 0)) {
         return RIGCAL_ERR_BEHIND;
     }
-    X_left[2] = baseline / disparity; /* (19) */
+    X_left[2] = baseline / disparity;   /* (19) */
     X_left[0] = X_left[2] * xy_left[0]; /* (20) */
     X_left[1] = X_left[2] * xy_left[1];
     return RIGCAL_OK;
@@ -172,7 +173,8 @@ static rigcal_status nearest_to_rays(rigcal_real X[3], const views *v)
     for (size_t i = 0; i < v->n; i++) {
         const rigcal_transform *const T = &v->cams_from_world[i];
         rigcal_real ray[3], d[3], o[3];
-        const rigcal_status status = rc_pixel_to_ray(ray, &v->cameras[i], &v->uv[2 * i]);
+        const rigcal_status status =
+            rc_pixel_to_ray(ray, &v->cameras[i], &v->uv[2 * i]);
         if (status != RIGCAL_OK) {
             return status;
         }
@@ -418,8 +420,8 @@ rigcal_status rigcal_epiline_distance(rigcal_real *distance_px,
         status = rigcal_undistort_pixel(straight, camera_b, uv_b);
     }
     if (status == RIGCAL_OK) {
-        *distance_px = line_px[0] * straight[0] + line_px[1] * straight[1] +
-                       line_px[2];
+        *distance_px =
+            line_px[0] * straight[0] + line_px[1] * straight[1] + line_px[2];
     }
     return status;
 }

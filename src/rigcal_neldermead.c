@@ -144,8 +144,9 @@ static void tell_vertex(rigcal_neldermead *nm)
     }
 }
 
-void rc_neldermead_begin_simplex(rigcal_neldermead *nm, const rigcal_real simplex[],
-                                 int32_t k, rigcal_real xtol, rigcal_real ftol,
+void rc_neldermead_begin_simplex(rigcal_neldermead *nm,
+                                 const rigcal_real simplex[], int32_t k,
+                                 rigcal_real xtol, rigcal_real ftol,
                                  int32_t max_evals)
 {
     *nm = (rigcal_neldermead){0};
@@ -163,14 +164,17 @@ void rc_neldermead_begin_simplex(rigcal_neldermead *nm, const rigcal_real simple
     set_trial_vertex(nm, 0, FIRST_SIMPLEX);
 }
 
-void rc_neldermead_begin(rigcal_neldermead *nm, const rigcal_real x0[], int32_t k,
-                         rigcal_real xtol, rigcal_real ftol, int32_t max_evals)
+void rc_neldermead_begin(rigcal_neldermead *nm, const rigcal_real x0[],
+                         int32_t k, rigcal_real xtol, rigcal_real ftol,
+                         int32_t max_evals)
 {
-    rigcal_real simplex[(RIGCAL_NELDERMEAD_DIM_MAX + 1) * RIGCAL_NELDERMEAD_DIM_MAX];
+    rigcal_real
+        simplex[(RIGCAL_NELDERMEAD_DIM_MAX + 1) * RIGCAL_NELDERMEAD_DIM_MAX];
     for (int32_t v = 0; v <= k; v++) {
         for (int32_t i = 0; i < k; i++) {
-            const rigcal_real moved =
-                (RC_FABS(x0[i]) > 0) ? (1 + EDGE_RELATIVE) * x0[i] : EDGE_AT_ZERO;
+            const rigcal_real moved = (RC_FABS(x0[i]) > 0)
+                                          ? (1 + EDGE_RELATIVE) * x0[i]
+                                          : EDGE_AT_ZERO;
             simplex[v * k + i] = (v == i + 1) ? moved : x0[i];
         }
     }
@@ -179,7 +183,8 @@ void rc_neldermead_begin(rigcal_neldermead *nm, const rigcal_real x0[], int32_t 
 
 const rigcal_vertex *rc_neldermead_best(const rigcal_neldermead *nm)
 {
-    const rigcal_vertex *best = &nm->vertex[0]; /* sorted between iterations only */
+    const rigcal_vertex *best =
+        &nm->vertex[0]; /* sorted between iterations only */
     for (int32_t v = 1; v <= nm->k; v++) {
         if (nm->vertex[v].cost < best->cost) {
             best = &nm->vertex[v];
@@ -258,8 +263,8 @@ rigcal_status rigcal_neldermead_begin_simplex(rigcal_neldermead *nm,
                                               rigcal_real ftol,
                                               int32_t max_evals)
 {
-    const rigcal_status status = check_begin(nm, simplex, k, 1, xtol, ftol,
-                                             max_evals);
+    const rigcal_status status =
+        check_begin(nm, simplex, k, 1, xtol, ftol, max_evals);
     if (status == RIGCAL_OK) {
         rc_neldermead_begin_simplex(nm, simplex, k, xtol, ftol, max_evals);
     }
@@ -280,7 +285,8 @@ static int is_begun(const rigcal_neldermead *nm)
            nm->vertex_next <= nm->k;
 }
 
-rigcal_status rigcal_neldermead_ask(rigcal_real x[], const rigcal_neldermead *nm)
+rigcal_status rigcal_neldermead_ask(rigcal_real x[],
+                                    const rigcal_neldermead *nm)
 {
     if (x == NULL || nm == NULL) {
         return RIGCAL_ERR_NULL;

@@ -55,7 +55,8 @@ static void sides(rigcal_real f[3], rigcal_real s[3], const triangle *T,
 static void form(rigcal_real M[9], const triangle *T, int k)
 {
     const rigcal_real depth[9] = {1, 0, 0, 1, T->h, 0, 1, 0, T->h};
-    const rigcal_real *const from = &depth[3 * FROM[k]], *const to = &depth[3 * TO[k]];
+    const rigcal_real *const from = &depth[3 * FROM[k]], *const to =
+                                                             &depth[3 * TO[k]];
     const rigcal_real half = T->chord2[k] / 2;
     for (int i = 0; i < 3; i++) {
         rc_vec3_combine(&M[3 * i], half * from[i], to, half * to[i], from);
@@ -193,7 +194,8 @@ RC_APART static int cross_line(rigcal_real v[2][3], const rigcal_real l[3],
     int k = (RC_FABS(l[1]) > RC_FABS(l[0])) ? 1 : 0;
     k = (RC_FABS(l[2]) > RC_FABS(l[k])) ? 2 : k;
     rigcal_real S[9], Ca[3], Cb[3];
-    const rigcal_real *const a = &S[3 * CYCLE[k + 1]], *const b = &S[3 * CYCLE[k + 2]];
+    const rigcal_real *const a = &S[3 * CYCLE[k + 1]], *const b =
+                                                           &S[3 * CYCLE[k + 2]];
     skew(S, l);
     rc_mat3_mul_vec3(Ca, C, a);
     rc_mat3_mul_vec3(Cb, C, b);
@@ -217,7 +219,8 @@ RC_APART static int cross_line(rigcal_real v[2][3], const rigcal_real l[3],
 
 /* The depths times h of v, scaled to the size of the triangle, in front. 0 when it
  * does not make the sides, or a point is not in front. */
-static int depths_of(rigcal_real s[3], const rigcal_real v[3], const triangle *T)
+static int depths_of(rigcal_real s[3], const rigcal_real v[3],
+                     const triangle *T)
 {
     rigcal_real f[3], wrong = 0;
     sides(f, s, T, v);
@@ -239,8 +242,8 @@ static int depths_of(rigcal_real s[3], const rigcal_real v[3], const triangle *T
 /* In rows, the axes of the triangle 0, u, w: along w - u, across it, normal to it.
  * u x w of a thin triangle is not normal to rounding: the last row is taken anew.
  * 0 when |u x w| is no more than `least`. */
-static int frame(rigcal_real F[9], const rigcal_real u[3], const rigcal_real w[3],
-                 rigcal_real least)
+static int frame(rigcal_real F[9], const rigcal_real u[3],
+                 const rigcal_real w[3], rigcal_real least)
 {
     rc_vec3_sub(&F[0], w, u);
     rc_vec3_cross(&F[6], u, w);
@@ -313,8 +316,8 @@ RC_APART static int prepare(problem *P, const rigcal_real x[3][3],
 }
 
 /* The pose of a solution with depths s / h. */
-RC_APART static int write_pose(rigcal_transform *cam_from_points, const problem *P,
-                               const rigcal_real s[3])
+RC_APART static int write_pose(rigcal_transform *cam_from_points,
+                               const problem *P, const rigcal_real s[3])
 {
     const rigcal_real by_h = 1 / P->T.h;
     rigcal_real first[3], w[2][3], F[9], middle[3], turned[3];
@@ -353,8 +356,8 @@ RC_APART static int find_lines(rigcal_real lines[2][3], rigcal_real conic[9],
     return split(lines, C0);
 }
 
-int rc_p3p(rigcal_transform cam_from_points[RC_P3P_MAX], const rigcal_real x[3][3],
-           const rigcal_real ray[3][3])
+int rc_p3p(rigcal_transform cam_from_points[RC_P3P_MAX],
+           const rigcal_real x[3][3], const rigcal_real ray[3][3])
 {
     rigcal_real lines[2][3], conic[9];
     problem P;

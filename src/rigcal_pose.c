@@ -115,12 +115,14 @@ RC_APART static rigcal_real weight_of(const rigcal_real sigma[], size_t i)
 static rigcal_status check_sigma(const rigcal_real *sigma)
 {
     const rigcal_status status = rc_check_numbers(sigma, 1, SIGMA_MAX);
-    return (status == RIGCAL_OK && !(*sigma >= SIGMA_MIN)) ? RIGCAL_ERR_RANGE : status;
+    return (status == RIGCAL_OK && !(*sigma >= SIGMA_MIN)) ? RIGCAL_ERR_RANGE
+                                                           : status;
 }
 
 rigcal_status rc_survey_points(rc_survey *out, int32_t *bad,
-                               const rigcal_observation o[], const rigcal_real sigma[],
-                               const uint8_t mask[], size_t n)
+                               const rigcal_observation o[],
+                               const rigcal_real sigma[], const uint8_t mask[],
+                               size_t n)
 {
     rigcal_real total = 0, size = 0, extent = 0;
     rigcal_real shift[3] = {0, 0, 0}, uv_shift[3] = {0, 0, 0};
@@ -190,28 +192,35 @@ static void look_along(rigcal_real R[9], const rigcal_real axis[3])
     }
 }
 
+/* The first point from i on that counts, or n. */
+static int32_t next_used(const rigcal_pose_solver *s, int32_t i)
+{
+    while (i < (int32_t)s->n && !rc_is_used(s->fit.mask, (size_t)i)) {
+        i++;
+    }
+    return i;
+}
+
 /* The axis is the ray of the middle pixel; where that has none, of the first. */
-static void begin_gathering(rigcal_pose_solver *s, const rigcal_real uv_middle[2])
+static void begin_gathering(rigcal_pose_solver *s,
+                            const rigcal_real uv_middle[2])
 {
     const rigcal_fit *const fit = &s->fit;
     s->phase = GATHERING;
-    s->next = 0;
+    s->next = next_used(s, 0);
     rc_view_begin(&s->from.lattice.moments);
     if (rc_pixel_to_ray(s->axis, fit->camera, uv_middle) != RIGCAL_OK) {
-        int32_t i = 0;
-        while (!rc_is_used(fit->mask, (size_t)i)) {
-            i++;
-        }
-        const rigcal_status status =
-            rc_pixel_to_ray(s->axis, fit->camera, fit->observations[i].uv);
+        const rigcal_status status = rc_pixel_to_ray(
+            s->axis, fit->camera, fit->observations[s->next].uv);
         if (status != RIGCAL_OK) {
-            fail(s, status, i);
+            fail(s, status, s->next);
         }
     }
 }
 
 /* In the axes of the virtual camera. */
-RC_APART static void turn_to_virtual(rigcal_real turned[3], const rigcal_real axis[3],
+RC_APART static void turn_to_virtual(rigcal_real turned[3],
+                                     const rigcal_real axis[3],
                                      const rigcal_real ray[3])
 {
     rigcal_real cam_from_virtual[9];
@@ -233,7 +242,8 @@ static rigcal_status gather_point(rigcal_pose_solver *s, size_t i)
         return RIGCAL_ERR_WIDE_RAY;
     }
     rc_vec3_scale(u, 1 / u[2], u);
-    rc_vec3_combine(x, s->scale, o->X_w, -s->scale, s->fit.origin);
+    rc_vec3_sub(x, o->X_w, s->fit.origin);
+    rc_vec3_scale(x, s->scale, x);
     rc_view_add(&s->from.lattice.moments, weight_of(s->fit.sigma, i), x, u);
     return RIGCAL_OK;
 }
@@ -261,7 +271,8 @@ static int are_three(size_t first[3], const rigcal_pose_solver *s)
 }
 
 /* (D): all poses of three points. 0: there is none, and the moments stay. */
-RC_APART static int32_t gather_exact(rigcal_pose_solver *s, const size_t three[3])
+RC_APART static int32_t gather_exact(rigcal_pose_solver *s,
+                                     const size_t three[3])
 {
     rigcal_real x[3][3], ray[3][3];
     for (int k = 0; k < 3; k++) {
@@ -335,15 +346,13 @@ RC_APART static void gathering_step(rigcal_pose_solver *s)
 {
     const int32_t n = (int32_t)s->n;
     int32_t left = s->fit.lens.is_pinhole ? PINHOLE_RAYS : 1;
-    for (; left > 0 && s->next < n; s->next++) {
-        if (rc_is_used(s->fit.mask, (size_t)s->next)) {
-            const rigcal_status status = gather_point(s, (size_t)s->next);
-            if (status != RIGCAL_OK) {
-                fail(s, status, s->next);
-                return;
-            }
-            left--;
+    for (; left > 0 && s->next < n; left--) {
+        const rigcal_status status = gather_point(s, (size_t)s->next);
+        if (status != RIGCAL_OK) {
+            fail(s, status, s->next);
+            return;
         }
+        s->next = next_used(s, s->next + 1);
     }
     if (s->next == n) {
         s->phase = GATHERED;
@@ -364,8 +373,8 @@ void rc_found_transform(rigcal_transform *cam_from_points,
 
 /* The first optimum whose rotation is within a (small) angle of R, or -1: the squared
  * differences of two rotations sum to 8 sin^2(angle / 2). */
-RC_APART static int32_t near_found(const rigcal_pose_solver *s, const rigcal_real R[9],
-                                   rigcal_real angle)
+RC_APART static int32_t near_found(const rigcal_pose_solver *s,
+                                   const rigcal_real R[9], rigcal_real angle)
 {
     for (int32_t i = 0; i < s->n_found; i++) {
         rigcal_transform other;
@@ -425,7 +434,7 @@ static void insert_found(rigcal_pose_solver *s)
 /* ---- likelihood ---------------------------------------------------------- */
 
 /* Degrees of freedom; three points, which have none, nearly fit. */
-static rigcal_real freedom(size_t n)
+RC_APART static rigcal_real freedom(size_t n)
 {
     return rc_max(1, (rigcal_real)(2 * (int32_t)n - 6));
 }
@@ -447,7 +456,8 @@ RC_APART static rigcal_real power(rigcal_real base, size_t exponent)
 static rigcal_real exponential(rigcal_real x)
 {
     enum { PARTS = 256, TERMS = 8 };
-    const rigcal_real part = rc_min(rc_max(x, -EXPONENT_MOST), EXPONENT_MOST) / PARTS;
+    const rigcal_real part =
+        rc_min(rc_max(x, -EXPONENT_MOST), EXPONENT_MOST) / PARTS;
     rigcal_real sum = 1;
     for (int k = TERMS; k > 0; k--) {
         sum = 1 + part * sum / (rigcal_real)k;
@@ -458,7 +468,8 @@ static rigcal_real exponential(rigcal_real x)
 /* (C) Noise known: exp of half the difference. Unknown, it is integrated out with the
  * prior 1 / noise, which leaves the power n - 3 of the ratio; added is what the least
  * noise makes of a sum. */
-rigcal_real rc_odds(rigcal_real sse, rigcal_real other, rigcal_real sigma_px, size_t n)
+rigcal_real rc_odds(rigcal_real sse, rigcal_real other, rigcal_real sigma_px,
+                    size_t n)
 {
     if (sigma_px > 0) {
         return exponential((other - sse) / (2 * sigma_px * sigma_px));
@@ -485,7 +496,7 @@ static int32_t lattice_size(const rigcal_pose_solver *s)
 }
 
 /* z turned by a golden angle, pi (3 - sqrt 5). */
-static void turn(rigcal_real z[2])
+RC_APART static void turn(rigcal_real z[2])
 {
     const rigcal_real cosine = RC(-0.73736887807831989);
     const rigcal_real sine = RC(0.67549029426152364), x = z[0];
@@ -495,8 +506,9 @@ static void turn(rigcal_real z[2])
 
 /* Direction `index` of a Fibonacci sphere: heights in even steps, azimuths a golden
  * angle apart. */
-RC_APART static void direction_of(rigcal_real m3[3], const rigcal_pose_solver *s, int32_t index,
-                         const rigcal_real azimuth[2])
+RC_APART static void direction_of(rigcal_real m3[3],
+                                  const rigcal_pose_solver *s, int32_t index,
+                                  const rigcal_real azimuth[2])
 {
     m3[2] = 1 - (rigcal_real)(2 * index + 1) / (rigcal_real)lattice_size(s);
     const rigcal_real r = RC_SQRT(1 - m3[2] * m3[2]);
@@ -504,7 +516,8 @@ RC_APART static void direction_of(rigcal_real m3[3], const rigcal_pose_solver *s
     m3[1] = r * azimuth[1];
 }
 
-static void seed_direction(rigcal_real m3[3], const rigcal_pose_solver *s, int32_t index)
+static void seed_direction(rigcal_real m3[3], const rigcal_pose_solver *s,
+                           int32_t index)
 {
     rigcal_real azimuth[2] = {1, 0};
     for (int32_t i = 0; i < index; i++) {
@@ -605,7 +618,8 @@ static void begin_descent(rigcal_pose_solver *s, const rigcal_real m3[3],
     static const rigcal_real SIMPLEX[6] = {0, 0, EDGE, 0, 0, EDGE};
     rigcal_descent *const descent = &s->work.descent;
     rc_neldermead_begin_simplex(&descent->nm, SIMPLEX, 2, RC(1e-4), 0,
-                                is_thorough(s) ? DESCENT_EVALS_THOROUGH : DESCENT_EVALS);
+                                is_thorough(s) ? DESCENT_EVALS_THOROUGH
+                                               : DESCENT_EVALS);
     rc_neldermead_tell(&descent->nm, cost); /* known already */
     rc_vec3_copy(descent->m3, m3);
     s->phase = DESCENT;
@@ -623,7 +637,8 @@ static void try_seed(rigcal_pose_solver *s, int32_t i)
 }
 
 /* From the virtual camera and size 1 to the camera and the caller's unit. */
-RC_APART static void leave_virtual(rigcal_transform *T, const rigcal_pose_solver *s)
+RC_APART static void leave_virtual(rigcal_transform *T,
+                                   const rigcal_pose_solver *s)
 {
     rigcal_real cam_from_virtual[9], R[9], t[3];
     look_along(cam_from_virtual, s->axis);
@@ -725,7 +740,8 @@ static void leaning_direction(rigcal_real m3[3], const rigcal_real first[3],
 {
     rigcal_real side[3], back[3];
     rc_vec3_cross(side, normal, first);
-    if (!(rc_vec3_norm(side) > RC_TOL(1e-6, 1e-3))) { /* head-on: any way will do */
+    if (!(rc_vec3_norm(side) >
+          RC_TOL(1e-6, 1e-3))) { /* head-on: any way will do */
         rc_view_complete(side, back, normal);
     }
     rc_vec3_cross(back, normal, side); /* along n - m3: the other way */
@@ -744,7 +760,8 @@ static void try_lean(rigcal_pose_solver *s, int32_t lean)
     rigcal_real first[3], m3[3];
     found_direction(first, s, 0);
     leaning_direction(m3, first, s->normal, lean);
-    if (lean == OTHER_WAY || rc_view_cost(view, m3) < most * rc_view_cost(view, first)) {
+    if (lean == OTHER_WAY ||
+        rc_view_cost(view, m3) < most * rc_view_cost(view, first)) {
         follow(s, m3, SAME_BASIN_LEANING);
     }
 }
@@ -766,7 +783,8 @@ RC_APART static void choosing_step(rigcal_pose_solver *s)
 /* ---- is it good? --------------------------------------------------------- */
 
 /* Sum of the squared errors [px^2] of optimum i, which without sigma is its sse. */
-RC_APART static rigcal_real squared_pixels(const rigcal_pose_solver *s, int32_t i)
+RC_APART static rigcal_real squared_pixels(const rigcal_pose_solver *s,
+                                           int32_t i)
 {
     rigcal_transform cam_from_points;
     rigcal_real sum = 0;
@@ -816,7 +834,8 @@ static void end_weighing(rigcal_pose_solver *s)
     const rigcal_real noise =
         (s->sigma_px > 0)
             ? s->sigma_px
-            : rc_max(VAGUE_NOISE, RC_SQRT(s->found[0].sse / freedom(s->n_used)));
+            : rc_max(VAGUE_NOISE,
+                     RC_SQRT(s->found[0].sse / freedom(s->n_used)));
     rigcal_real variance;
     s->is_vague = s->work.fit.status < 0 ||
                   !rc_refine_rotation_variance(&variance, s->work.fit.H) ||
@@ -860,20 +879,22 @@ RC_APART static void settle(rigcal_pose_solver *s, int is_optimum)
 /* Refinement sees to it that the points are in front; whether a lens that turns back
  * sees them is to be proved. One that ran out of evaluations is on its way along a
  * valley, likely to an optimum that is found from elsewhere too. */
-static void end_refinement(rigcal_pose_solver *s)
+RC_APART static void end_refinement(rigcal_pose_solver *s)
 {
     const rigcal_refinement *const end = &s->work.fit;
     const int32_t same = same_found(s);
-    const int is_best =
-        !s->is_warm && (s->n_found == 0 || end->sse < s->found[0].sse);
-    const int is_optimum =
-        (end->status == RIGCAL_OK || (end->status == RIGCAL_BUDGET_SPENT && is_best)) &&
-        (same < 0 || end->sse < s->found[same].sse);
-    if (end->status == RIGCAL_ERR_DEGENERATE && !s->is_warm) {
+    int is_optimum = end->status == RIGCAL_OK;
+    if (!s->is_warm && end->status == RIGCAL_BUDGET_SPENT) {
+        is_optimum = s->n_found == 0 || end->sse < s->found[0].sse;
+    }
+    if (!s->is_warm && end->status == RIGCAL_ERR_DEGENERATE) {
         s->failure = RIGCAL_ERR_DEGENERATE;
     }
+    if (same >= 0 && !(end->sse < s->found[same].sse)) {
+        is_optimum = 0;
+    }
     if (is_optimum && !s->fit.lens.is_pinhole) {
-        s->point = 0;
+        s->point = next_used(s, 0);
         s->phase = PROVING;
     } else {
         settle(s, is_optimum);
@@ -883,13 +904,11 @@ static void end_refinement(rigcal_pose_solver *s)
 RC_APART static void proving_step(rigcal_pose_solver *s)
 {
     rigcal_real q[3], X_c[3], uv[2];
-    const size_t i = (size_t)s->point++;
-    int is_seen = 1;
-    if (rc_is_used(s->fit.mask, i)) {
-        rc_fit_place(q, X_c, &s->fit, &s->work.fit.cam_from_points, i);
-        is_seen = rc_project_usable(uv, s->fit.camera, X_c) == RIGCAL_OK;
-    }
-    if (!is_seen || (size_t)s->point == s->n) {
+    rc_fit_place(q, X_c, &s->fit, &s->work.fit.cam_from_points,
+                 (size_t)s->point);
+    const int is_seen = rc_project_usable(uv, s->fit.camera, X_c) == RIGCAL_OK;
+    s->point = next_used(s, s->point + 1);
+    if (!is_seen || s->point == (int32_t)s->n) {
         settle(s, is_seen);
     }
 }
@@ -907,7 +926,8 @@ static void begin_warm(rigcal_pose_solver *s, const rigcal_transform *start)
 RC_APART static void refining_step(rigcal_pose_solver *s)
 {
     rigcal_refinement *const work = &s->work.fit;
-    rc_refine_step(work, &s->fit, is_thorough(s) ? REFINE_EVALS_THOROUGH : REFINE_EVALS);
+    rc_refine_step(work, &s->fit,
+                   is_thorough(s) ? REFINE_EVALS_THOROUGH : REFINE_EVALS);
     if (s->phase == WEIGHING) {
         end_weighing(s);
     } else if (work->status == RIGCAL_RUNNING) {
@@ -945,7 +965,8 @@ static rigcal_status check_options(const rigcal_pose_options *o)
     if (status == RIGCAL_ERR_NOT_FINITE) {
         return status;
     }
-    if ((o->thorough & ~RIGCAL_WITH_THOROUGH) != 0 || (o->use_start & ~1) != 0) {
+    if ((o->thorough & ~RIGCAL_WITH_THOROUGH) != 0 ||
+        (o->use_start & ~1) != 0) {
         return RIGCAL_ERR_RANGE;
     }
     return (status == RIGCAL_OK && o->use_start) ? rc_check_transform(&o->start)
@@ -966,9 +987,10 @@ rigcal_status rc_pose_begin(rigcal_pose_solver *solver, int32_t *bad,
         status = check_options(options);
     }
     if (status == RIGCAL_OK) {
-        status = (n > RC_COUNT_MAX)
-                     ? RIGCAL_ERR_RANGE
-                     : rc_survey_points(&survey, &at, observations, sigma, mask, n);
+        status =
+            (n > RC_COUNT_MAX)
+                ? RIGCAL_ERR_RANGE
+                : rc_survey_points(&survey, &at, observations, sigma, mask, n);
     }
     if (status != RIGCAL_OK) {
         if (bad != NULL) {
@@ -977,7 +999,8 @@ rigcal_status rc_pose_begin(rigcal_pose_solver *solver, int32_t *bad,
         return status;
     }
     *solver = (rigcal_pose_solver){0};
-    rc_fit_begin(&solver->fit, camera, observations, sigma, mask, n, survey.origin);
+    rc_fit_begin(&solver->fit, camera, observations, sigma, mask, n,
+                 survey.origin);
     solver->n = n;
     solver->n_used = survey.n_used;
     solver->bad = -1;
@@ -1002,8 +1025,8 @@ rigcal_status rigcal_pose_begin(rigcal_pose_solver *solver, int32_t *bad,
                                 const rigcal_pose_options *options)
 {
     return (solver == NULL) ? RIGCAL_ERR_NULL
-                            : rc_pose_begin(solver, bad, camera, observations, sigma,
-                                            NULL, n, options);
+                            : rc_pose_begin(solver, bad, camera, observations,
+                                            sigma, NULL, n, options);
 }
 
 static void step_once(rigcal_pose_solver *s)
@@ -1051,7 +1074,8 @@ static void write_pose(rigcal_pose *out, const rigcal_pose_solver *s, int32_t i)
     rc_mat3_mul_vec3(turned, pose->R, s->fit.origin);
     rc_vec3_add_scaled(pose->t, -1, turned);
     out->sse = s->found[i].sse;
-    out->rms_px = RC_SQRT(squared_pixels(s, i) / (rigcal_real)(int32_t)s->n_used);
+    out->rms_px =
+        RC_SQRT(squared_pixels(s, i) / (rigcal_real)(int32_t)s->n_used);
 }
 
 rigcal_status rigcal_pose_result(rigcal_pose poses[], size_t *n_found,
@@ -1078,7 +1102,8 @@ rigcal_status rigcal_pose_result(rigcal_pose poses[], size_t *n_found,
     for (int32_t i = 0; i < s->n_found; i++) {
         total += rc_pose_likelihood(s, i);
     }
-    const size_t n = ((size_t)s->n_found < capacity) ? (size_t)s->n_found : capacity;
+    const size_t n =
+        ((size_t)s->n_found < capacity) ? (size_t)s->n_found : capacity;
     for (size_t i = 0; i < n; i++) {
         write_pose(&poses[i], s, (int32_t)i);
         poses[i].probability = rc_pose_likelihood(s, (int32_t)i) / total;
@@ -1105,8 +1130,8 @@ rigcal_status rigcal_solve_pose(rigcal_pose poses[], size_t *n_found,
     if (capacity < 1) {
         return RIGCAL_ERR_RANGE;
     }
-    const rigcal_status status = rc_pose_begin(&solver, bad, camera, observations,
-                                               sigma, NULL, n, options);
+    const rigcal_status status = rc_pose_begin(
+        &solver, bad, camera, observations, sigma, NULL, n, options);
     if (status != RIGCAL_OK) {
         return status;
     }
@@ -1148,7 +1173,8 @@ static void center_sigmas(rigcal_real out[3], const rigcal_real Sigma[36],
         rigcal_real variance = 0;
         for (int r = 0; r < 3; r++) {
             for (int c = 0; c < 3; c++) {
-                variance += R[3 * r + i] * Sigma[6 * (3 + r) + 3 + c] * R[3 * c + i];
+                variance +=
+                    R[3 * r + i] * Sigma[6 * (3 + r) + 3 + c] * R[3 * c + i];
             }
         }
         out[i] = RC_SQRT(rc_max(0, variance));
@@ -1180,7 +1206,8 @@ static void fill_uncertainty(rigcal_pose_uncertainty *out,
 
 /* Rounding may hide from the normal equations that a line fixes no turn about
  * itself; the points do not. */
-int rc_are_on_line(const rigcal_observation o[], size_t n, const rigcal_real origin[3])
+int rc_are_on_line(const rigcal_observation o[], size_t n,
+                   const rigcal_real origin[3])
 {
     static const rigcal_real NO_IMAGE[2] = {0, 0};
     rigcal_view_moments moments;
@@ -1193,11 +1220,12 @@ int rc_are_on_line(const rigcal_observation o[], size_t n, const rigcal_real ori
     return !rc_view_normal(normal, &thickness, &moments);
 }
 
-rigcal_status rigcal_pose_covariance(
-    rigcal_pose_uncertainty *out, const rigcal_camera *camera,
-    const rigcal_transform *cam_from_world,
-    const rigcal_observation observations[], const rigcal_real sigma[], size_t n,
-    rigcal_real sigma_px)
+rigcal_status rigcal_pose_covariance(rigcal_pose_uncertainty *out,
+                                     const rigcal_camera *camera,
+                                     const rigcal_transform *cam_from_world,
+                                     const rigcal_observation observations[],
+                                     const rigcal_real sigma[], size_t n,
+                                     rigcal_real sigma_px)
 {
     rc_survey survey;
     int32_t at;

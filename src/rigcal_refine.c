@@ -57,7 +57,8 @@ extern inline int rc_is_used(const uint8_t mask[], size_t i);
 void rc_fit_place(rigcal_real q[3], rigcal_real X_c[3], const rigcal_fit *fit,
                   const rigcal_transform *cam_from_points, size_t i)
 {
-    const rigcal_real *const X = fit->observations[i].X_w, *const o = fit->origin;
+    const rigcal_real *const X = fit->observations[i].X_w, *const o =
+                                                               fit->origin;
     rigcal_real x[3];
     rc_vec3_sub(x, fit->is_mirrored ? o : X, fit->is_mirrored ? X : o);
     rc_mat3_mul_vec3(q, cam_from_points->R, x);
@@ -67,9 +68,11 @@ void rc_fit_place(rigcal_real q[3], rigcal_real X_c[3], const rigcal_fit *fit,
 
 /* The error of point i in pixels, its derivative B by X_c, and what rc_fit_place
  * gives. */
-static inline rigcal_status error_of(rigcal_real e[2], rigcal_real B[6], rigcal_real q[3],
-                              rigcal_real X_c[3], const rigcal_fit *fit,
-                              const rigcal_transform *cam_from_points, size_t i)
+static inline rigcal_status error_of(rigcal_real e[2], rigcal_real B[6],
+                                     rigcal_real q[3], rigcal_real X_c[3],
+                                     const rigcal_fit *fit,
+                                     const rigcal_transform *cam_from_points,
+                                     size_t i)
 {
     rc_fit_place(q, X_c, fit, cam_from_points, i);
     const rigcal_status status =
@@ -183,7 +186,8 @@ static rigcal_status equations(rigcal_real *sse, rigcal_real g[6],
         if (!rc_is_used(fit->mask, i)) {
             continue;
         }
-        const rigcal_status status = error_of(e, B, q, X_c, fit, cam_from_points, i);
+        const rigcal_status status =
+            error_of(e, B, q, X_c, fit, cam_from_points, i);
         if (status != RIGCAL_OK) {
             return status;
         }
@@ -219,8 +223,8 @@ typedef struct {
 
 /* A + damping D of a block A, D = diag(A). Where Newton's curvature has made an element
  * of it small or negative, D has a part of the largest. */
-static void damp(rigcal_real damped[6], rigcal_real D[3], const rigcal_real A[6],
-                 rigcal_real damping)
+static void damp(rigcal_real damped[6], rigcal_real D[3],
+                 const rigcal_real A[6], rigcal_real damping)
 {
     static const uint8_t DIAGONAL[3] = {0, 3, 5};
     const rigcal_real least = D_LEAST * rc_max(A[0], rc_max(A[3], A[5]));
@@ -449,10 +453,12 @@ static void advance(rigcal_refinement *state, const rigcal_fit *fit)
     const int is_saddle = state->curvature == SADDLE;
     if (is_last(state, gain)) {
         if (is_saddle) {
-            state->status = RIGCAL_BUDGET_SPENT; /* no optimum, and no way down */
+            state->status =
+                RIGCAL_BUDGET_SPENT; /* no optimum, and no way down */
             return;
         }
-        move(&state->cam_from_points, d); /* unseen: its sum is known to second order */
+        move(&state->cam_from_points,
+             d); /* unseen: its sum is known to second order */
         state->sse = rc_max(0, state->sse - gain);
         state->status = RIGCAL_OK;
         return;

@@ -60,10 +60,12 @@ static void next_sample(rigcal_robust_solver *s)
     }
     for (int k = 0; k < 3; k++) { /* distinct: skips what is taken, in order */
         size_t i = draw(s, s->n - (size_t)k);
-        const size_t low = (size_t)((s->sample[0] < s->sample[1]) ? s->sample[0]
-                                                                  : s->sample[1]);
-        const size_t high = (size_t)((s->sample[0] < s->sample[1]) ? s->sample[1]
-                                                                   : s->sample[0]);
+        const size_t low =
+            (size_t)((s->sample[0] < s->sample[1]) ? s->sample[0]
+                                                   : s->sample[1]);
+        const size_t high =
+            (size_t)((s->sample[0] < s->sample[1]) ? s->sample[1]
+                                                   : s->sample[0]);
         if (k == 1) {
             i += i >= (size_t)s->sample[0];
         } else if (k == 2) {
@@ -83,11 +85,12 @@ static void fit_of(rigcal_fit *fit, const rigcal_robust_solver *s)
 }
 
 /* Squared distance [px^2] of point i from its projection, over sigma_i^2. */
-static rigcal_real distance2(const rigcal_fit *fit, const rigcal_transform *pose,
-                             size_t i)
+static rigcal_real distance2(const rigcal_fit *fit,
+                             const rigcal_transform *pose, size_t i)
 {
     const rigcal_real squared = rc_fit_distance2(fit, pose, i);
-    return (fit->sigma == NULL) ? squared : squared / (fit->sigma[i] * fit->sigma[i]);
+    return (fit->sigma == NULL) ? squared
+                                : squared / (fit->sigma[i] * fit->sigma[i]);
 }
 
 /* Sum of the squared distances, none counting more than the threshold's; above
@@ -138,7 +141,8 @@ static void try_sample(rigcal_robust_solver *s, const rigcal_fit *fit)
                                (const rigcal_real(*)[3])ray);
     for (int k = 0; k < n_poses; k++) {
         size_t count;
-        const rigcal_real cost = score(&count, s, fit, &some->tried[k], some->cost);
+        const rigcal_real cost =
+            score(&count, s, fit, &some->tried[k], some->cost);
         if (cost < some->cost) {
             some->cost = cost;
             some->best = some->tried[k];
@@ -153,8 +157,8 @@ static void begin_solving(rigcal_robust_solver *s)
     rigcal_pose_options options;
     (void)rigcal_pose_defaults(&options);
     options.sigma_px = s->sigma_px;
-    s->failure = rc_pose_begin(&s->work.pose, NULL, s->camera, s->observations, s->sigma,
-                               s->inliers, s->n, &options);
+    s->failure = rc_pose_begin(&s->work.pose, NULL, s->camera, s->observations,
+                               s->sigma, s->inliers, s->n, &options);
     if (s->failure == RIGCAL_ERR_TOO_FEW) {
         s->failure = RIGCAL_ERR_NO_CONSENSUS;
     }
@@ -222,7 +226,8 @@ static rigcal_real by_chance(const rigcal_robust_solver *s, size_t count)
     const rigcal_real near = rc_min(1, RC_PI * limit * limit / s->area_px2);
     rigcal_real expected = n * (n - 1) * (n - 2) / 3;
     for (size_t i = 0; i + 3 < count; i++) {
-        const rigcal_real ways = (n - 3 - (rigcal_real)i) / (rigcal_real)(i + 1);
+        const rigcal_real ways =
+            (n - 3 - (rigcal_real)i) / (rigcal_real)(i + 1);
         expected = rc_min(expected * ways * near, RC(1e30));
     }
     return expected;
@@ -271,8 +276,8 @@ static rigcal_real seen_area(const rigcal_observation o[], size_t n)
 }
 
 /* rigcal_robust_begin, but that a failure may leave *s written. */
-static rigcal_status begin(rigcal_robust_solver *s, int32_t *at, uint8_t inliers[],
-                           const rigcal_camera *camera,
+static rigcal_status begin(rigcal_robust_solver *s, int32_t *at,
+                           uint8_t inliers[], const rigcal_camera *camera,
                            const rigcal_observation observations[],
                            const rigcal_real sigma[], size_t n,
                            const rigcal_robust_options *options)
@@ -282,7 +287,8 @@ static rigcal_status begin(rigcal_robust_solver *s, int32_t *at, uint8_t inliers
     rc_survey survey;
     *at = -1;
     (void)rigcal_robust_defaults(&defaults);
-    const rigcal_robust_options *const o = (options != NULL) ? options : &defaults;
+    const rigcal_robust_options *const o =
+        (options != NULL) ? options : &defaults;
     if (inliers == NULL || camera == NULL || observations == NULL) {
         return RIGCAL_ERR_NULL;
     }
@@ -299,8 +305,8 @@ static rigcal_status begin(rigcal_robust_solver *s, int32_t *at, uint8_t inliers
         return status;
     }
     *s = (rigcal_robust_solver){0};
-    status = rc_pose_begin(&s->work.pose, at, camera, observations, sigma, NULL, n,
-                           &pose_options);
+    status = rc_pose_begin(&s->work.pose, at, camera, observations, sigma, NULL,
+                           n, &pose_options);
     if (status == RIGCAL_OK) {
         status = rc_survey_points(&survey, at, observations, sigma, NULL, n);
     }
@@ -338,8 +344,9 @@ static rigcal_status begin(rigcal_robust_solver *s, int32_t *at, uint8_t inliers
     return RIGCAL_OK;
 }
 
-rigcal_status rigcal_robust_begin(rigcal_robust_solver *solver, uint8_t inliers[],
-                                  int32_t *bad, const rigcal_camera *camera,
+rigcal_status rigcal_robust_begin(rigcal_robust_solver *solver,
+                                  uint8_t inliers[], int32_t *bad,
+                                  const rigcal_camera *camera,
                                   const rigcal_observation observations[],
                                   const rigcal_real sigma[], size_t n,
                                   const rigcal_robust_options *options)
@@ -384,7 +391,8 @@ rigcal_status rigcal_robust_result(rigcal_pose poses[], size_t *n_found,
                                    size_t *n_inliers, size_t capacity,
                                    const rigcal_robust_solver *solver)
 {
-    if (poses == NULL || n_found == NULL || n_inliers == NULL || solver == NULL) {
+    if (poses == NULL || n_found == NULL || n_inliers == NULL ||
+        solver == NULL) {
         return RIGCAL_ERR_NULL;
     }
     if (capacity < 1) {
@@ -409,11 +417,13 @@ rigcal_status rigcal_robust_result(rigcal_pose poses[], size_t *n_found,
     return (status >= 0 && chance > CHANCE) ? RIGCAL_FEW_AGREE : status;
 }
 
-rigcal_status rigcal_solve_pose_robust(
-    rigcal_pose poses[], size_t *n_found, uint8_t inliers[], size_t *n_inliers,
-    size_t capacity, int32_t *bad, const rigcal_camera *camera,
-    const rigcal_observation observations[], const rigcal_real sigma[], size_t n,
-    const rigcal_robust_options *options)
+rigcal_status rigcal_solve_pose_robust(rigcal_pose poses[], size_t *n_found,
+                                       uint8_t inliers[], size_t *n_inliers,
+                                       size_t capacity, int32_t *bad,
+                                       const rigcal_camera *camera,
+                                       const rigcal_observation observations[],
+                                       const rigcal_real sigma[], size_t n,
+                                       const rigcal_robust_options *options)
 {
     rigcal_robust_solver solver;
     int32_t at;

@@ -20,7 +20,8 @@ int rc_is_rotation(const rigcal_real R[9])
     int is_one = 1;
     for (int i = 0; i < 9; i += 3) {
         rc_vec3_sub(&off[i], &off[i], &R[i]);
-        is_one = is_one && RC_FABS(rc_vec3_dot(&R[i], &R[i]) - 1) <= ROTATION_TOL;
+        is_one =
+            is_one && RC_FABS(rc_vec3_dot(&R[i], &R[i]) - 1) <= ROTATION_TOL;
     }
     return is_one && rc_all_within(off, 9, ROTATION_TOL);
 }
@@ -152,7 +153,8 @@ void rc_quaternion_from_rotation(rigcal_real q_wxyz[4], const rigcal_real R[9])
         v[j] = R[3 * i + j] + R[3 * j + i];
         v[k] = R[3 * i + k] + R[3 * k + i];
     }
-    const rigcal_real length = RC_SQRT(q_wxyz[0] * q_wxyz[0] + rc_vec3_dot(v, v));
+    const rigcal_real length =
+        RC_SQRT(q_wxyz[0] * q_wxyz[0] + rc_vec3_dot(v, v));
     const rigcal_real scale = (q_wxyz[0] < 0) ? -1 / length : 1 / length;
     for (int d = 0; d < 4; d++) {
         q_wxyz[d] *= scale;
@@ -245,7 +247,8 @@ int rc_rotation_nearest(rigcal_real R[9], const rigcal_real M[9])
 
 /* ---- public -------------------------------------------------------------- */
 
-static rigcal_status check_angles(const rigcal_real out[], const rigcal_real a[3])
+static rigcal_status check_angles(const rigcal_real out[],
+                                  const rigcal_real a[3])
 {
     if (out == NULL || a == NULL) {
         return RIGCAL_ERR_NULL;

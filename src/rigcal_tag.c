@@ -13,8 +13,8 @@ static int is_from_front(const rigcal_pose_optimum *found)
     return T.R[2] * T.t[0] + T.R[5] * T.t[1] + T.R[8] * T.t[2] < 0;
 }
 
-static void place_corners(rigcal_observation corners[4], const rigcal_real uv[8],
-                          rigcal_real size)
+static void place_corners(rigcal_observation corners[4],
+                          const rigcal_real uv[8], rigcal_real size)
 {
     const rigcal_real half = size / 2;
     for (int i = 0; i < 4; i++) {
@@ -50,12 +50,14 @@ static int keep_front(rigcal_pose_solver *s)
 
 rigcal_status rigcal_solve_tag(rigcal_pose cams_from_tag[], size_t *n_found,
                                size_t capacity, int32_t *bad,
-                               const rigcal_camera *camera, const rigcal_real uv[8],
-                               rigcal_real size, const rigcal_pose_options *options)
+                               const rigcal_camera *camera,
+                               const rigcal_real uv[8], rigcal_real size,
+                               const rigcal_pose_options *options)
 {
     rigcal_observation corners[4];
     rigcal_pose_solver solver;
-    if (cams_from_tag == NULL || n_found == NULL || camera == NULL || uv == NULL) {
+    if (cams_from_tag == NULL || n_found == NULL || camera == NULL ||
+        uv == NULL) {
         return RIGCAL_ERR_NULL;
     }
     if (!rc_is_finite(size)) {

@@ -33,7 +33,8 @@ int rc_view_finish(rigcal_view_moments *view)
         view->u_mean[part] /= w;
         rc_vec3_scale(view->V_mean[part], 1 / w, view->V_mean[part]);
         view->S -= w * view->u_mean[part] * view->u_mean[part];
-        rc_vec3_add_scaled(view->h, -w * view->u_mean[part], view->V_mean[part]);
+        rc_vec3_add_scaled(view->h, -w * view->u_mean[part],
+                           view->V_mean[part]);
         rc_sym3_add_outer(view->Q, -w, view->V_mean[part]);
     }
     return view->S > 64 * RC_EPS * about_zero &&
@@ -63,7 +64,8 @@ int rc_view_normal(rigcal_real normal[3], rigcal_real *thickness,
     for (int k = 0; k < 9; k++) {
         B[k] /= trace;
     }
-    for (int i = 0; i < SQUARINGS; i += 2) { /* the largest is 1/3 or more: no underflow */
+    for (int i = 0; i < SQUARINGS;
+         i += 2) { /* the largest is 1/3 or more: no underflow */
         rc_mat3_mul(A, B, B);
         rc_mat3_mul(B, A, A);
     }
@@ -197,7 +199,8 @@ void rc_view_mirror(rigcal_view_moments *view)
     }
 }
 
-rigcal_real rc_view_cost(const rigcal_view_moments *view, const rigcal_real m3[3])
+rigcal_real rc_view_cost(const rigcal_view_moments *view,
+                         const rigcal_real m3[3])
 {
     harmonics f;
     rigcal_real z[2];
@@ -205,8 +208,8 @@ rigcal_real rc_view_cost(const rigcal_view_moments *view, const rigcal_real m3[3
     return (gain > -RC_MAX) ? f.base - gain : RC_MAX;
 }
 
-void rc_view_pose(rigcal_transform *virtual_from_points, const rigcal_view_moments *view,
-                  const rigcal_real m3[3])
+void rc_view_pose(rigcal_transform *virtual_from_points,
+                  const rigcal_view_moments *view, const rigcal_real m3[3])
 {
     rigcal_transform *const T = virtual_from_points;
     harmonics f;
@@ -215,11 +218,10 @@ void rc_view_pose(rigcal_transform *virtual_from_points, const rigcal_view_momen
     rc_vec3_combine(&T->R[0], z[0], f.m1, -z[1], f.m2);
     rc_vec3_combine(&T->R[3], z[1], f.m1, z[0], f.m2);
     rc_vec3_copy(&T->R[6], m3);
-    const rigcal_real depth =
-        (f.U[0] * z[0] - f.U[1] * z[1] - f.B) / view->S;
+    const rigcal_real depth = (f.U[0] * z[0] - f.U[1] * z[1] - f.B) / view->S;
     for (int part = 0; part < 2; part++) {
-        T->t[part] = rc_vec3_dot(view->V_mean[part], m3) +
-                     depth * view->u_mean[part];
+        T->t[part] =
+            rc_vec3_dot(view->V_mean[part], m3) + depth * view->u_mean[part];
     }
     T->t[2] = depth;
 }

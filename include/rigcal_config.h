@@ -25,10 +25,15 @@ typedef float rigcal_real;
 typedef double rigcal_real;
 #endif
 
-/* What may be left out of a small flash; 1: it is in. Without fisheyes a camera with
- * such a lens is RIGCAL_ERR_CAMERA. Without three points a pose wants four different
- * ones: three, or points given twice, are RIGCAL_ERR_TOO_FEW. Without the thorough
- * search that option is RIGCAL_ERR_RANGE. */
+/* What may be left out where flash is short, 1: it is in, and what is said then to who
+ * wants it:
+ *
+ *   FISHEYE       RIGCAL_ERR_CAMERA, of a camera with such a lens
+ *   THREE_POINTS  RIGCAL_ERR_TOO_FEW: a pose wants four different points; of three, and of
+ *                 more of which some are given twice, there is none
+ *   THOROUGH      RIGCAL_ERR_RANGE, of that option of a pose
+ *
+ * port/template/rigcal_config_small.h leaves out all three. */
 #ifndef RIGCAL_WITH_FISHEYE
 #define RIGCAL_WITH_FISHEYE 1
 #endif
@@ -76,14 +81,6 @@ typedef double rigcal_real;
 #define RIGCAL_ATAN2(y, x) atan2f(y, x)
 #else
 #define RIGCAL_ATAN2(y, x) atan2(y, x)
-#endif
-#endif
-
-#ifndef RIGCAL_EXP
-#if RIGCAL_USE_FLOAT
-#define RIGCAL_EXP(x) expf(x)
-#else
-#define RIGCAL_EXP(x) exp(x)
 #endif
 #endif
 

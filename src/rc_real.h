@@ -32,7 +32,6 @@
 #define RC_COS RIGCAL_COS
 #define RC_ATAN2 RIGCAL_ATAN2
 #define RC_FABS RIGCAL_FABS
-#define RC_EXP RIGCAL_EXP
 
 /* Functions that are inline have a body of their own in rigcal_linalg.c, which is what
  * a compiler for size calls. */

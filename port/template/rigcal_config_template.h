@@ -20,11 +20,17 @@
 #define RIGCAL_USE_FLOAT 0
 #endif
 
+/* What the flash has no room for: 0 leaves it out. */
+#define RIGCAL_WITH_FISHEYE 1
+#define RIGCAL_WITH_THREE_POINTS 1
+#define RIGCAL_WITH_THOROUGH 1
+
 /* The header that declares the functions named below, brackets or quotes
  * included. Default: <math.h>. */
 #define RIGCAL_MATH_HEADER <math.h>
 
-/* All of libm that the library calls, rigcal_real to rigcal_real. A
+/* All of libm that the library calls, rigcal_real to rigcal_real; solving,
+ * triangulating and matching lines call RIGCAL_SQRT and RIGCAL_FABS alone. A
  * replacement must be accurate to a few units in the last place: a table of
  * sines good to 1e-5 is not enough, nor is a routine for a reduced range of
  * angles. */
@@ -33,14 +39,12 @@
 #define RIGCAL_SIN(x) sinf(x)
 #define RIGCAL_COS(x) cosf(x)
 #define RIGCAL_ATAN2(y, x) atan2f(y, x) /* full circle, (-pi, pi] */
-#define RIGCAL_EXP(x) expf(x) /* of x <= 0: may underflow to 0 */
 #define RIGCAL_FABS(x) fabsf(x)
 #else
 #define RIGCAL_SQRT(x) sqrt(x)
 #define RIGCAL_SIN(x) sin(x)
 #define RIGCAL_COS(x) cos(x)
 #define RIGCAL_ATAN2(y, x) atan2(y, x)
-#define RIGCAL_EXP(x) exp(x)
 #define RIGCAL_FABS(x) fabs(x)
 #endif
 

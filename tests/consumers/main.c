@@ -8,6 +8,7 @@ int main(void)
     const rigcal_real ypr[3] = {(rigcal_real)0.1, (rigcal_real)0.2,
                                 (rigcal_real)0.3};
     rigcal_real R[9];
+    rigcal_camera camera = {0};
     const int32_t version = RIGCAL_VERSION_MAJOR * 10000 +
                             RIGCAL_VERSION_MINOR * 100 + RIGCAL_VERSION_PATCH;
 
@@ -23,7 +24,11 @@ int main(void)
         printf("no rotation\n");
         return 1;
     }
-    printf("rigcal %ld, rigcal_real of %d bytes\n", (long)version,
-           (int)sizeof(rigcal_real));
+    camera.lens = RIGCAL_LENS_FISHEYE;
+    camera.width = camera.height = 1;
+    camera.fx = camera.fy = 1;
+    printf("rigcal %ld, rigcal_real of %d bytes, %s fisheyes\n", (long)version,
+           (int)sizeof(rigcal_real),
+           rigcal_camera_check(&camera) == RIGCAL_OK ? "with" : "without");
     return 0;
 }

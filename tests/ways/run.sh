@@ -40,8 +40,9 @@ check() {
     *) echo "ways: $1 says \"$said\", not \"$expected\""; exit 1 ;;
     esac
 }
-double="rigcal_real of 8 bytes"
-float="rigcal_real of 4 bytes"
+double="rigcal_real of 8 bytes, with fisheyes"
+float="rigcal_real of 4 bytes, with fisheyes"
+small="rigcal_real of 4 bytes, without fisheyes"
 
 # Arduino: its builder takes the library for the example, for this machine as a board.
 board=$out/arduino/hardware/rigcal/host
@@ -78,17 +79,19 @@ check "$float" "$bin/conan" create "$out/conan/rigcal" --no-remote \
 (cd "$out/esp-idf/rigcal" && "$bin/compote" manifest lint)
 "$bin/compote" component pack --project-dir "$out/esp-idf/rigcal" --name rigcal \
     --dest-dir "$out/esp-idf"
-for real in double float; do
-    use_float=y
-    [ $real = float ] || use_float=n
+for build in double float small; do
+    choices=
+    [ $build != double ] || choices=RIGCAL_USE_FLOAT=n
+    [ $build != small ] || choices=RIGCAL_WITH_FISHEYE=n
     # shellcheck disable=SC2046 -- several settings
-    cmake -G Ninja -S $here/esp-idf -B "$out/esp-idf/$real" \
+    cmake -G Ninja -S $here/esp-idf -B "$out/esp-idf/$build" \
         -DPACKAGE="$out/esp-idf/rigcal" $("$bin/python" $here/kconfig.py \
-            "$out/esp-idf/rigcal/Kconfig" RIGCAL_USE_FLOAT=$use_float)
-    cmake --build "$out/esp-idf/$real"
+            "$out/esp-idf/rigcal/Kconfig" $choices)
+    cmake --build "$out/esp-idf/$build"
 done
 check "$double" "$out/esp-idf/double/consumer"
 check "$float" "$out/esp-idf/float/consumer"
+check "$small" "$out/esp-idf/small/consumer"
 
 # Meson: as a project and as a subproject of another.
 "$bin/meson" setup "$out/meson/build" "$out/meson/rigcal" --werror \
@@ -126,18 +129,19 @@ for real in 0 1; do
 done
 
 # Zephyr: Kconfig chooses, by what the core has.
-for real in double float; do
-    fpu=y
-    [ $real = double ] || fpu=n
+for build in double float small; do
+    choices=
+    [ $build != double ] || choices=CPU_HAS_FPU_DOUBLE_PRECISION=y
+    [ $build != small ] || choices=RIGCAL_WITH_FISHEYE=n
     # shellcheck disable=SC2046 -- several settings
-    cmake -G Ninja -S $here/zephyr -B "$out/zephyr/$real" \
+    cmake -G Ninja -S $here/zephyr -B "$out/zephyr/$build" \
         -DPACKAGE="$out/zephyr/rigcal" \
         $(MODULE="$out/zephyr/rigcal/zephyr/Kconfig" "$bin/python" \
-            $here/kconfig.py $here/zephyr/Kconfig RIGCAL=y \
-            CPU_HAS_FPU_DOUBLE_PRECISION=$fpu)
-    cmake --build "$out/zephyr/$real"
+            $here/kconfig.py $here/zephyr/Kconfig RIGCAL=y $choices)
+    cmake --build "$out/zephyr/$build"
 done
 check "$double" "$out/zephyr/double/consumer"
 check "$float" "$out/zephyr/float/consumer"
+check "$small" "$out/zephyr/small/consumer"
 
 echo "$count programs: Arduino, CMSIS-Pack, Conan, ESP-IDF, Meson, PlatformIO, Zephyr, template"

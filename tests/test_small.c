@@ -1,0 +1,131 @@
+/* small: the library with all left out that may be (rigcal_config_small.h), built here in
+ * place of the whole one: what is gone is refused by name, the rest is as it was. */
+#include <math.h>
+
+#include "test_support.h"
+
+enum { N_MAX = 12 };
+
+typedef struct {
+    test_scene scene;
+    rigcal_camera camera;
+    rigcal_observation o[N_MAX];
+    rigcal_pose poses[RIGCAL_POSES_MAX];
+    size_t n_found;
+} problem;
+
+void setUp(void)
+{
+}
+
+void tearDown(void)
+{
+}
+
+static void random_problem(problem *p, test_rng *rng, int n, test_shape shape)
+{
+    test_scene_random(&p->scene, rng, n, shape);
+    p->camera = test_pinhole();
+    test_observations(p->o, &p->scene, &p->camera);
+}
+
+static rigcal_status solve(problem *p, size_t n, const rigcal_pose_options *options)
+{
+    return rigcal_solve_pose(p->poses, &p->n_found, RIGCAL_POSES_MAX, NULL, &p->camera,
+                             p->o, NULL, n, options);
+}
+
+static void test_a_fisheye_is_no_camera(void)
+{
+    rigcal_camera camera = test_pinhole();
+
+    ASSERT_STATUS(RIGCAL_OK, rigcal_camera_check(&camera));
+    camera.lens = RIGCAL_LENS_FISHEYE;
+    ASSERT_STATUS(RIGCAL_ERR_CAMERA, rigcal_camera_check(&camera));
+}
+
+static void test_three_different_points_are_too_few(void)
+{
+    test_rng rng = test_seed(501);
+    problem p;
+
+    random_problem(&p, &rng, 4, TEST_GENERAL);
+    ASSERT_STATUS(RIGCAL_ERR_TOO_FEW, solve(&p, 3, NULL));
+    ASSERT_STATUS(RIGCAL_ERR_TOO_FEW, solve(&p, 2, NULL));
+    TEST_ASSERT_TRUE(solve(&p, 4, NULL) >= 0);
+    p.o[3] = p.o[1];
+    ASSERT_STATUS(RIGCAL_ERR_TOO_FEW, solve(&p, 4, NULL));
+}
+
+static void test_there_is_no_thorough_search(void)
+{
+    test_rng rng = test_seed(502);
+    rigcal_pose_options options;
+    problem p;
+
+    random_problem(&p, &rng, 6, TEST_GENERAL);
+    ASSERT_STATUS(RIGCAL_OK, rigcal_pose_defaults(&options));
+    ASSERT_STATUS(RIGCAL_OK, solve(&p, 6, &options));
+    options.thorough = 1;
+    ASSERT_STATUS(RIGCAL_ERR_RANGE, solve(&p, 6, &options));
+}
+
+/* The true pose of exact pixels is among those found, through a lens too. */
+static void test_other_poses_are_found_as_ever(void)
+{
+    static const test_shape SHAPES[3] = {TEST_GENERAL, TEST_PLANAR, TEST_SQUARE};
+    test_rng rng = test_seed(503);
+
+    for (int trial = 0; trial < TEST_TRIALS(600); trial++) {
+        const int n = (trial % 3 == 2) ? 4 : 4 + trial % 9;
+        double least = 1e300;
+        problem p;
+
+        test_scene_random(&p.scene, &rng, n, SHAPES[trial % 3]);
+        p.camera = test_pinhole();
+        if (trial % 2) {
+            p.camera.k1 = RC(-0.2);
+            p.camera.p1 = RC(1e-3);
+        }
+        test_observations(p.o, &p.scene, &p.camera);
+        TEST_ASSERT_TRUE(solve(&p, (size_t)n, NULL) >= 0);
+        for (size_t i = 0; i < p.n_found; i++) {
+            double R[9], t[3];
+
+            test_transform_parts(R, t, &p.poses[i].cam_from_world);
+            least = fmin(least, test_angle_between(R, p.scene.R));
+        }
+        TEST_ASSERT_TRUE(least < TOL(1e-6, 0.05));
+    }
+}
+
+/* Which still takes points by threes. */
+static void test_wrong_points_are_told(void)
+{
+    test_rng rng = test_seed(504);
+    uint8_t inliers[N_MAX];
+    size_t n_inliers;
+    problem p;
+
+    random_problem(&p, &rng, N_MAX, TEST_GENERAL);
+    p.o[3].uv[0] += 60;
+    p.o[7].uv[1] -= 45;
+    ASSERT_STATUS(RIGCAL_OK,
+                  rigcal_solve_pose_robust(p.poses, &p.n_found, inliers, &n_inliers,
+                                           RIGCAL_POSES_MAX, NULL, &p.camera, p.o, NULL,
+                                           N_MAX, NULL));
+    TEST_ASSERT_EQUAL_UINT(N_MAX - 2, n_inliers);
+    TEST_ASSERT_EQUAL_INT(0, inliers[3]);
+    TEST_ASSERT_EQUAL_INT(0, inliers[7]);
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_a_fisheye_is_no_camera);
+    RUN_TEST(test_three_different_points_are_too_few);
+    RUN_TEST(test_there_is_no_thorough_search);
+    RUN_TEST(test_other_poses_are_found_as_ever);
+    RUN_TEST(test_wrong_points_are_told);
+    return UNITY_END();
+}

@@ -303,7 +303,9 @@ static const job jobs[] = {
     {"project", project, 4, LENS, OUT(uv)},
     {"pixel_to_ray", pixel_to_ray, 4, LENS, OUT(ray)},
     {"undistort_pixel", undistort, 4, LENS, OUT(uv)},
+#if RIGCAL_WITH_THREE_POINTS
     {"solve_pose_3", solve_cold, 3, PLAIN, OUT(poses[0])},
+#endif
     {"solve_pose_tag", solve_cold, 4, TAG, OUT(poses[0])},
     {"solve_pose_4", solve_cold, 4, PLAIN, OUT(poses[0])},
     {"solve_pose_8", solve_cold, 8, PLAIN, OUT(poses[0])},

@@ -14,7 +14,7 @@
  *   arguments  outputs, then inputs, then counts and options; an output may not
  *              overlap an input or another output
  *   ownership  the caller owns every buffer; none is kept after the call, but
- *              for the two that a solver started by rigcal_paper_begin reads
+ *              for what a solver that was begun reads until it is done
  *   outcome    rigcal_status: 0 done; negative: failed, outputs untouched (work
  *              buffers may be); positive: outputs written and usable, with the
  *              caveat named
@@ -316,7 +316,7 @@ RIGCAL_API rigcal_status rigcal_reprojection_rms(
 enum { RIGCAL_NELDERMEAD_DIM_MAX = 3 };
 
 typedef struct {
-    rigcal_real x[3], cost;
+    rigcal_real x[3], cost; /* of a simplex: the first k coordinates count */
 } rigcal_vertex;
 
 typedef struct {
@@ -676,7 +676,8 @@ typedef struct {
 RIGCAL_API rigcal_status rigcal_pose_defaults(rigcal_pose_options *options);
 
 /* Begins a search. `camera`, `observations` and `sigma` are read until it is done,
- * so they must stay. Time O(n).
+ * so they must stay. Looks at every number once, and at no ray but one: time O(n), a
+ * small part of what an evaluation takes.
  *
  *   bad      out  on failure the observation at fault, or -1; NULL: no
  *   sigma    in   n standard deviations of the observations relative to each
@@ -684,24 +685,24 @@ RIGCAL_API rigcal_status rigcal_pose_defaults(rigcal_pose_options *options);
  *   options  in   NULL: all defaults
  *
  * OK, ERR_NULL, ERR_NOT_FINITE, ERR_CAMERA, ERR_RANGE, ERR_ROTATION (of start),
- * ERR_TOO_FEW (n < 3), ERR_COINCIDENT, ERR_PRECISION; and, unless there is a start,
- * whose search looks at rays and shape only if it proves bad, ERR_NO_RAY, ERR_WIDE_RAY
- * (a ray is 80 degrees or more off the middle of the target's image),
- * ERR_COLLINEAR. */
+ * ERR_TOO_FEW (n < 3), ERR_COINCIDENT, ERR_PRECISION. */
 RIGCAL_API rigcal_status rigcal_pose_begin(
     rigcal_pose_solver *solver, int32_t *bad, const rigcal_camera *camera,
     const rigcal_observation observations[], const rigcal_real sigma[], size_t n,
     const rigcal_pose_options *options);
 
-/* Spends at most `budget` >= 1 evaluations: of the cost of a direction, in constant
- * time, or of the equations of a refinement, O(n). At most 800 in all, usually
- * about 45 (thorough: 3000, 200). RUNNING: call again; the same bits come out whatever
- * the budgets. OK: ask for the result. ERR_NULL, ERR_RANGE, ERR_STATE. */
+/* Spends at most `budget` >= 1 units: an evaluation of the equations of a refinement, O(n),
+ * of the cost of a direction, or a choice between them, in constant time; the ray of one
+ * point (of 16 of a pinhole), or the proof that a lens with distortion sees one where an
+ * optimum puts it. At most 900 and the rays (thorough: 3000), usually about 50 (210); of a
+ * lens with distortion the proofs of 7 (9) optima besides, usually of one or two. RUNNING:
+ * call again; the same bits come out whatever the budgets. OK: ask for the result.
+ * ERR_NULL, ERR_RANGE, ERR_STATE. */
 RIGCAL_API rigcal_status rigcal_pose_step(rigcal_pose_solver *solver,
                                           int32_t budget);
 
 /* The optima of a search that is done, best first: the first *n_found of
- * poses[capacity], capacity >= 1.
+ * poses[capacity], capacity >= 1. *bad as of begin.
  *
  * OK: finite, R a rotation to rounding, every point in front of the camera and
  *     within its lens, and the first right with probability 0.99 or more.
@@ -710,18 +711,19 @@ RIGCAL_API rigcal_status rigcal_pose_step(rigcal_pose_solver *solver,
  *     noise of sigma_px (not given: as the error tells, at least 0.25 px).
  * RIGCAL_POOR_FIT: noise of sigma_px makes an error so large with a chance below one
  *     in a million: wrong correspondences, target or intrinsics. Where no sigma_px was
- *     given, noise of 2 px, or of 1 % of the image's extent where that is more. Or
+ *     given, noise of 2 px, or of 0.7 % of the image's extent where that is more. Or
  *     mirrored points (left-handed coordinates, an image with v upwards) would be a
  *     hundred times as likely, unless the target is flat.
  * ERR_NULL, ERR_RANGE, ERR_STATE, ERR_NO_POSE, ERR_DEGENERATE (the observations do
- * not fix the pose); after a warm start that proved bad also what begin says of the
- * rays and the shape. A target seen exactly edge-on has a flipped twin that fits
+ * not fix the pose); and, of a search, which a start that proves good spares,
+ * ERR_NO_RAY, ERR_WIDE_RAY (a ray is 80 degrees or more off the middle of the target's
+ * image), ERR_COLLINEAR. A target seen exactly edge-on has a flipped twin that fits
  * alike: AMBIGUOUS. */
 RIGCAL_API rigcal_status rigcal_pose_result(rigcal_pose poses[], size_t *n_found,
                                             size_t capacity, int32_t *bad,
                                             const rigcal_pose_solver *solver);
 
-/* begin, step to the end, result. */
+/* begin, step to the end, result; *bad is written by what fails. */
 RIGCAL_API rigcal_status rigcal_solve_pose(
     rigcal_pose poses[], size_t *n_found, size_t capacity, int32_t *bad,
     const rigcal_camera *camera, const rigcal_observation observations[],
@@ -818,7 +820,8 @@ RIGCAL_API rigcal_status rigcal_robust_begin(
     const rigcal_real sigma[], size_t n, const rigcal_robust_options *options);
 
 /* Spends at most `budget` >= 1 units: a triple, its poses scored by all points, or a
- * unit of rigcal_pose_step. Each O(n); at most options.samples + 9000 in all. RUNNING:
+ * unit of rigcal_pose_step. Each O(n); at most options.samples and nine searches' in all,
+ * which without rays and proofs is 9000. RUNNING:
  * call again; the same bits come out whatever the budgets. OK: ask for the result.
  * ERR_NULL, ERR_RANGE, ERR_STATE. */
 RIGCAL_API rigcal_status rigcal_robust_step(rigcal_robust_solver *solver,
@@ -954,8 +957,8 @@ typedef struct {
 } rigcal_point;
 
 /* A point from n >= 2 views: least squares of the pixel distances through the
- * full lens models (Gauss-Newton with step control: at most 50 iterations of 30 trial
- * steps, usually 2 to 7 of one trial), from the point nearest to all the rays.
+ * full lens models (Gauss-Newton with step control: at most 100 evaluations, usually 2 to
+ * 8), from the point nearest to all the rays.
  * sigma_px > 0: noise of one coordinate.
  *
  *   cameras, cams_from_world, uv   in   n of each, uv as n pairs

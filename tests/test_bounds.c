@@ -579,6 +579,11 @@ static int pose_units(const scene *s, const rigcal_pose_options *options)
     return units;
 }
 
+static int points_of(uint64_t seed)
+{
+    return 3 + (int)(seed % 8);
+}
+
 /* Scene `seed` of a kind, from a start of any rotation where it is asked for. */
 static int units_of(uint64_t seed, int kind, int thorough, int use_start)
 {
@@ -588,7 +593,7 @@ static int units_of(uint64_t seed, int kind, int thorough, int use_start)
     double R[9];
     scene s;
 
-    hostile_scene(&s, kind, 3 + (int)(seed % 8), &rng);
+    hostile_scene(&s, kind, points_of(seed), &rng);
     test_random_rotation(R, &rng);
     ASSERT_STATUS(RIGCAL_OK, rigcal_pose_defaults(&options));
     options.thorough = thorough;
@@ -597,13 +602,18 @@ static int units_of(uint64_t seed, int kind, int thorough, int use_start)
     return pose_units(&s, &options);
 }
 
-static void test_a_pose_takes_at_most_800_units_and_a_thorough_one_3000(void)
+/* Rays of a lens that folds, and the proofs of 7 or 9 optima, are a unit a point. */
+static void test_a_pose_takes_at_most_900_units_and_a_thorough_one_3000(void)
 {
     for (int kind = 0; kind < KINDS; kind++) {
         for (uint64_t seed = 0; seed < 300; seed++) {
             for (int use_start = 0; use_start < 2; use_start++) {
-                TEST_ASSERT_LESS_OR_EQUAL_INT(800, units_of(seed, kind, 0, use_start));
-                TEST_ASSERT_LESS_OR_EQUAL_INT(3000, units_of(seed, kind, 1, use_start));
+                const int more = (kind == BENT) ? points_of(seed) : 0;
+
+                TEST_ASSERT_LESS_OR_EQUAL_INT(900 + 8 * more,
+                                              units_of(seed, kind, 0, use_start));
+                TEST_ASSERT_LESS_OR_EQUAL_INT(3000 + 10 * more,
+                                              units_of(seed, kind, 1, use_start));
             }
         }
     }
@@ -622,13 +632,13 @@ static void test_needles_take_700_units_and_thorough_ones_1500(void)
         keep_largest(&largest, units_of(WORST[i], NEEDLE, 0, 1));
         keep_largest(&thorough, units_of(WORST_THOROUGH[i], NEEDLE, 1, 1));
     }
-    TEST_ASSERT_LESS_OR_EQUAL_INT(800, largest);
+    TEST_ASSERT_LESS_OR_EQUAL_INT(900, largest);
     TEST_ASSERT_LESS_OR_EQUAL_INT(3000, thorough);
     TEST_ASSERT_GREATER_OR_EQUAL_INT(700, largest);
     TEST_ASSERT_GREATER_OR_EQUAL_INT(1500, thorough);
 }
 
-static void test_usual_poses_take_about_45_units_and_thorough_ones_200(void)
+static void test_usual_poses_take_about_50_units_and_thorough_ones_210(void)
 {
     long sum[2] = {0, 0};
 
@@ -636,8 +646,8 @@ static void test_usual_poses_take_about_45_units_and_thorough_ones_200(void)
         sum[0] += units_of(seed, NOISE, 0, 0);
         sum[1] += units_of(seed, NOISE, 1, 0);
     }
-    TEST_ASSERT_INT_WITHIN(9, 45, sum[0] / 1000);
-    TEST_ASSERT_INT_WITHIN(40, 200, sum[1] / 1000);
+    TEST_ASSERT_INT_WITHIN(9, 50, sum[0] / 1000);
+    TEST_ASSERT_INT_WITHIN(40, 210, sum[1] / 1000);
 }
 
 enum { SAMPLES = 20 };
@@ -727,9 +737,9 @@ int main(void)
     RUN_TEST(test_a_mean_takes_at_most_20_iterations);
     RUN_TEST(test_neldermead_spends_max_evals_and_no_more);
     RUN_TEST(test_the_published_search_spends_max_evals_and_no_more);
-    RUN_TEST(test_a_pose_takes_at_most_800_units_and_a_thorough_one_3000);
+    RUN_TEST(test_a_pose_takes_at_most_900_units_and_a_thorough_one_3000);
     RUN_TEST(test_needles_take_700_units_and_thorough_ones_1500);
-    RUN_TEST(test_usual_poses_take_about_45_units_and_thorough_ones_200);
+    RUN_TEST(test_usual_poses_take_about_50_units_and_thorough_ones_210);
     RUN_TEST(test_a_robust_pose_takes_at_most_9000_units_and_its_samples);
     RUN_TEST(test_a_diagnosis_solves_n_plus_1_to_n_plus_3_poses);
     return UNITY_END();

@@ -151,9 +151,9 @@ void test_singular_indefinite_and_nan_matrices_have_no_factor(void)
     TEST_ASSERT_FALSE(has_factor(1, 2, 0, 1, 0, 1, eps)); /* indefinite */
     TEST_ASSERT_FALSE(has_factor(-1, 0, 0, 1, 0, 1, eps));
     TEST_ASSERT_FALSE(has_factor(1, 0, 0, 1, 0, -1, eps));
-    TEST_ASSERT_FALSE(has_factor(NAN, 0, 0, 1, 0, 1, eps));
-    TEST_ASSERT_FALSE(has_factor(1, NAN, 0, 1, 0, 1, eps));
-    TEST_ASSERT_FALSE(has_factor(1, 0, 0, 1, NAN, 1, eps));
+    TEST_ASSERT_FALSE(has_factor(test_nan(), 0, 0, 1, 0, 1, eps));
+    TEST_ASSERT_FALSE(has_factor(1, test_nan(), 0, 1, 0, 1, eps));
+    TEST_ASSERT_FALSE(has_factor(1, 0, 0, 1, test_nan(), 1, eps));
 }
 
 /* [1 1; 1 1 + d] leaves the pivot d of a diagonal 1 + d. */

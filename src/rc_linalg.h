@@ -67,15 +67,8 @@ inline void rc_vec3_combine(rigcal_real out[3], rigcal_real s, const rigcal_real
     out[2] = s * a[2] + t * b[2];
 }
 
-inline rigcal_real rc_vec3_norm(const rigcal_real a[3])
-{
-    return RC_SQRT(rc_vec3_dot(a, a));
-}
-
-inline rigcal_real rc_vec3_max_abs(const rigcal_real a[3])
-{
-    return rc_max(RC_FABS(a[0]), rc_max(RC_FABS(a[1]), RC_FABS(a[2])));
-}
+rigcal_real rc_vec3_norm(const rigcal_real a[3]);
+rigcal_real rc_vec3_max_abs(const rigcal_real a[3]);
 
 /* out = a / |a| without overflow or underflow on the way; 0 when a is zero. */
 int rc_vec3_unit(rigcal_real out[3], const rigcal_real a[3]);

@@ -33,8 +33,8 @@
 #define RC_ATAN2 RIGCAL_ATAN2
 #define RC_FABS RIGCAL_FABS
 
-/* Functions that are inline have a body of their own in rigcal_linalg.c, which is what
- * a compiler for size calls. */
+/* Functions that are inline have a body of their own in rigcal_linalg.c, which is what a
+ * compiler for size calls. They may not use the math hooks, which may be static. */
 inline rigcal_real rc_max(rigcal_real a, rigcal_real b)
 {
     return a > b ? a : b;
@@ -43,21 +43,6 @@ inline rigcal_real rc_max(rigcal_real a, rigcal_real b)
 inline rigcal_real rc_min(rigcal_real a, rigcal_real b)
 {
     return a < b ? a : b;
-}
-
-inline int rc_is_finite(rigcal_real x)
-{
-    return RC_FABS(x) <= RC_MAX;
-}
-
-inline int rc_all_finite(const rigcal_real x[], int n)
-{
-    for (int i = 0; i < n; i++) {
-        if (!rc_is_finite(x[i])) {
-            return 0;
-        }
-    }
-    return 1;
 }
 
 /* Counts of points, pairs, views: indices fit an int32_t, sums a rigcal_real. */
@@ -70,19 +55,14 @@ inline int rc_all_finite(const rigcal_real x[], int n)
  * its shape is lost. */
 #define RC_SHAPE_ROUNDING RC(1e-4)
 
+/* NaN is neither finite nor within anything. */
+int rc_is_finite(rigcal_real x);
+int rc_all_finite(const rigcal_real x[], int n);
+int rc_all_within(const rigcal_real x[], int n, rigcal_real limit);
+
 /* What is wrong with n numbers that are to lie within `limit`: OK, ERR_NULL,
  * ERR_NOT_FINITE or ERR_RANGE. */
 rigcal_status rc_check_numbers(const rigcal_real x[], int n, rigcal_real limit);
-
-inline int rc_all_within(const rigcal_real x[], int n, rigcal_real limit)
-{
-    for (int i = 0; i < n; i++) {
-        if (!(RC_FABS(x[i]) <= limit)) {
-            return 0;
-        }
-    }
-    return 1;
-}
 
 /* A function that keeps its locals off its caller's frame, on a path where the caller
  * goes deeper. */

@@ -1,5 +1,25 @@
 #include "rc_linalg.h"
 
+int rc_is_finite(rigcal_real x)
+{
+    return RC_FABS(x) <= RC_MAX;
+}
+
+int rc_all_finite(const rigcal_real x[], int n)
+{
+    return rc_all_within(x, n, RC_MAX);
+}
+
+int rc_all_within(const rigcal_real x[], int n, rigcal_real limit)
+{
+    for (int i = 0; i < n; i++) {
+        if (!(RC_FABS(x[i]) <= limit)) {
+            return 0;
+        }
+    }
+    return 1;
+}
+
 rigcal_status rc_check_numbers(const rigcal_real x[], int n, rigcal_real limit)
 {
     if (x == NULL) {
@@ -9,6 +29,16 @@ rigcal_status rc_check_numbers(const rigcal_real x[], int n, rigcal_real limit)
         return RIGCAL_OK;
     }
     return rc_all_finite(x, n) ? RIGCAL_ERR_RANGE : RIGCAL_ERR_NOT_FINITE;
+}
+
+rigcal_real rc_vec3_norm(const rigcal_real a[3])
+{
+    return RC_SQRT(rc_vec3_dot(a, a));
+}
+
+rigcal_real rc_vec3_max_abs(const rigcal_real a[3])
+{
+    return rc_max(RC_FABS(a[0]), rc_max(RC_FABS(a[1]), RC_FABS(a[2])));
 }
 
 int rc_vec3_unit(rigcal_real out[3], const rigcal_real a[3])
@@ -103,10 +133,6 @@ int rc_sym3_factor(rigcal_real L[6], const rigcal_real A[6],
 
 extern inline rigcal_real rc_max(rigcal_real a, rigcal_real b);
 extern inline rigcal_real rc_min(rigcal_real a, rigcal_real b);
-extern inline int rc_is_finite(rigcal_real x);
-extern inline int rc_all_finite(const rigcal_real x[], int n);
-extern inline int rc_all_within(const rigcal_real x[], int n,
-                                rigcal_real limit);
 extern inline rigcal_real rc_vec3_dot(const rigcal_real a[3],
                                       const rigcal_real b[3]);
 extern inline void rc_vec3_cross(rigcal_real out[3], const rigcal_real a[3],
@@ -122,8 +148,6 @@ extern inline void rc_vec3_scale(rigcal_real out[3], rigcal_real s,
 extern inline void rc_vec3_combine(rigcal_real out[3], rigcal_real s,
                                    const rigcal_real a[3], rigcal_real t,
                                    const rigcal_real b[3]);
-extern inline rigcal_real rc_vec3_norm(const rigcal_real a[3]);
-extern inline rigcal_real rc_vec3_max_abs(const rigcal_real a[3]);
 extern inline void rc_mat3_mul_vec3(rigcal_real out[3], const rigcal_real M[9],
                                     const rigcal_real v[3]);
 extern inline void rc_sym3_forward(rigcal_real x[3], const rigcal_real L[6]);

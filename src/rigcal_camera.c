@@ -217,9 +217,16 @@ static int is_usable_between(const rigcal_lens *lens,
     return along > 0 && across > 0 && along * across > 4 * n * n * far;
 }
 
-/* Walks from the axis to x in steps that are halved until the bounds decide, and
- * doubled after each success. A turning point on the way is approached but never
- * passed. */
+static int is_definite_at(const rigcal_lens *lens, const rigcal_real x[2],
+                          rigcal_real part)
+{
+    const rigcal_real at[2] = {part * x[0], part * x[1]};
+    rigcal_real F[2], J[3];
+    return rc_lens_map(F, J, lens, at) && is_positive_definite(J);
+}
+
+/* Walks from the axis to x in steps that are halved until the bounds decide, or their
+ * end is seen to be beyond a turning point, and doubled after each success. */
 int rc_lens_is_usable(const rigcal_lens *lens, const rigcal_real x[2])
 {
     rigcal_real G[SLOPE_DEGREE + 1];
@@ -235,8 +242,10 @@ int rc_lens_is_usable(const rigcal_lens *lens, const rigcal_real x[2])
         if (is_usable_between(lens, G, c, n, end, a, h)) {
             a += h;
             h = rc_min(2 * h, end - a);
-        } else {
+        } else if (is_definite_at(lens, x, RC_SQRT((a + h) / end))) {
             h /= 2;
+        } else {
+            return 0;
         }
     }
     return rc_is_finite(end) && end - a <= 4 * RC_EPS * end;

@@ -5,13 +5,13 @@
 #include "rc_real.h"
 
 inline rigcal_real rc_vec3_dot(const rigcal_real a[3],
-                                      const rigcal_real b[3])
+                               const rigcal_real b[3])
 {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
 inline void rc_vec3_cross(rigcal_real out[3], const rigcal_real a[3],
-                                 const rigcal_real b[3])
+                          const rigcal_real b[3])
 {
     out[0] = a[1] * b[2] - a[2] * b[1];
     out[1] = a[2] * b[0] - a[0] * b[2];
@@ -26,7 +26,7 @@ inline void rc_vec3_copy(rigcal_real out[3], const rigcal_real a[3])
 }
 
 inline void rc_vec3_sub(rigcal_real out[3], const rigcal_real a[3],
-                               const rigcal_real b[3])
+                        const rigcal_real b[3])
 {
     out[0] = a[0] - b[0];
     out[1] = a[1] - b[1];
@@ -43,7 +43,7 @@ inline void rc_vec3_add(rigcal_real out[3], const rigcal_real a[3])
 
 /* out += s a */
 inline void rc_vec3_add_scaled(rigcal_real out[3], rigcal_real s,
-                                      const rigcal_real a[3])
+                               const rigcal_real a[3])
 {
     out[0] += s * a[0];
     out[1] += s * a[1];

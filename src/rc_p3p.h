@@ -7,11 +7,11 @@
 enum { RC_P3P_MAX = 4 };
 
 /* The poses at which the points x, of any origin, lie along the unit rays, in front:
- * 0 to RC_P3P_MAX of them, in no order. Where noise has made a pair of nearly equal
- * poses complex, their real part is one too: a start for least squares, not a
- * solution. 0 when points are on a line, rays coincide, or nothing fits. Accurate to
- * rounding times the condition of the pose, which is bad where two are about to
- * merge. Mean 3000 instructions (gcc 12 -O2, x86-64, double). */
+ * 0 to RC_P3P_MAX of them, in no order; no more is written. Where noise has made a pair
+ * of nearly equal poses complex, their real part is one too: a start for least squares,
+ * not a solution. 0 when points are on a line, rays coincide, or nothing fits. Accurate
+ * to rounding times the condition of the pose, which is bad where two are about to
+ * merge. Mean 3800 instructions (gcc 12 -O2, x86-64, double). */
 int rc_p3p(rigcal_transform cam_from_points[RC_P3P_MAX], const rigcal_real x[3][3],
            const rigcal_real ray[3][3]);
 

@@ -368,9 +368,8 @@ rigcal_status rc_pixel_to_ray(rigcal_real ray[3], const rigcal_camera *camera,
  * a turn at most, whose tangent's series is short. atan2 would bring 0.8 KB along. */
 static rigcal_real angle_off_axis(rigcal_real r, rigcal_real Z)
 {
-    enum {
-        TERMS = RIGCAL_USE_FLOAT ? 10 : 22
-    }; /* the next is below rounding */
+    /* The next term is below rounding. */
+    enum { TERMS = RIGCAL_USE_FLOAT ? 10 : 22 };
     rigcal_real t = r / (RC_FABS(Z) + RC_SQRT(r * r + Z * Z)), sum = 0;
     t /= 1 + RC_SQRT(1 + t * t);
     for (int k = 2 * TERMS - 1; k > 0; k -= 2) {

@@ -55,8 +55,8 @@ static void sides(rigcal_real f[3], rigcal_real s[3], const triangle *T,
 static void form(rigcal_real M[9], const triangle *T, int k)
 {
     const rigcal_real depth[9] = {1, 0, 0, 1, T->h, 0, 1, 0, T->h};
-    const rigcal_real *const from = &depth[3 * FROM[k]], *const to =
-                                                             &depth[3 * TO[k]];
+    const rigcal_real *const from = &depth[3 * FROM[k]];
+    const rigcal_real *const to = &depth[3 * TO[k]];
     const rigcal_real half = T->chord2[k] / 2;
     for (int i = 0; i < 3; i++) {
         rc_vec3_combine(&M[3 * i], half * from[i], to, half * to[i], from);
@@ -194,8 +194,8 @@ RC_APART static int cross_line(rigcal_real v[2][3], const rigcal_real l[3],
     int k = (RC_FABS(l[1]) > RC_FABS(l[0])) ? 1 : 0;
     k = (RC_FABS(l[2]) > RC_FABS(l[k])) ? 2 : k;
     rigcal_real S[9], Ca[3], Cb[3];
-    const rigcal_real *const a = &S[3 * CYCLE[k + 1]], *const b =
-                                                           &S[3 * CYCLE[k + 2]];
+    const rigcal_real *const a = &S[3 * CYCLE[k + 1]];
+    const rigcal_real *const b = &S[3 * CYCLE[k + 2]];
     skew(S, l);
     rc_mat3_mul_vec3(Ca, C, a);
     rc_mat3_mul_vec3(Cb, C, b);

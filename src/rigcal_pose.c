@@ -284,8 +284,6 @@ RC_APART static int32_t gather_exact(rigcal_pose_solver *s,
                   (const rigcal_real(*)[3])ray);
 }
 
-static void begin_weighing(rigcal_pose_solver *s, size_t n);
-
 /* Whether the poses come from three points, and not from a search. */
 static int is_exact(const rigcal_pose_solver *s)
 {
@@ -296,6 +294,18 @@ static void begin_refining(rigcal_pose_solver *s, int32_t phase)
 {
     rc_refine_begin(&s->work.fit);
     s->phase = phase;
+}
+
+/* The search has ended; how well the observations fix its first pose is left to weigh:
+ * by the first n of them. */
+static void begin_weighing(rigcal_pose_solver *s, size_t n)
+{
+    s->phase = DONE;
+    if (s->n_found > 0) {
+        rc_found_transform(&s->work.fit.cam_from_points, &s->found[0]);
+        s->fit.n = (n < s->n) ? n : s->n;
+        begin_refining(s, WEIGHING);
+    }
 }
 
 /* Three points: every pose of theirs is refined. */
@@ -740,8 +750,8 @@ static void leaning_direction(rigcal_real m3[3], const rigcal_real first[3],
 {
     rigcal_real side[3], back[3];
     rc_vec3_cross(side, normal, first);
-    if (!(rc_vec3_norm(side) >
-          RC_TOL(1e-6, 1e-3))) { /* head-on: any way will do */
+    /* Head-on any way will do. */
+    if (!(rc_vec3_norm(side) > RC_TOL(1e-6, 1e-3))) {
         rc_view_complete(side, back, normal);
     }
     rc_vec3_cross(back, normal, side); /* along n - m3: the other way */
@@ -814,18 +824,6 @@ RC_APART static int is_poor(const rigcal_pose_solver *s, rigcal_real most,
         noise = rc_max(most, NOISE_PART * s->extent_px);
     }
     return !(sum <= noise * noise * dof * root * root * root);
-}
-
-/* The search has ended; how well the observations fix its first pose is left to weigh:
- * by the first n of them. */
-static void begin_weighing(rigcal_pose_solver *s, size_t n)
-{
-    s->phase = DONE;
-    if (s->n_found > 0) {
-        rc_found_transform(&s->work.fit.cam_from_points, &s->found[0]);
-        s->fit.n = (n < s->n) ? n : s->n;
-        begin_refining(s, WEIGHING);
-    }
 }
 
 /* By all, if some leave it all but open. */

@@ -57,8 +57,8 @@ extern inline int rc_is_used(const uint8_t mask[], size_t i);
 void rc_fit_place(rigcal_real q[3], rigcal_real X_c[3], const rigcal_fit *fit,
                   const rigcal_transform *cam_from_points, size_t i)
 {
-    const rigcal_real *const X = fit->observations[i].X_w, *const o =
-                                                               fit->origin;
+    const rigcal_real *const X = fit->observations[i].X_w;
+    const rigcal_real *const o = fit->origin;
     rigcal_real x[3];
     rc_vec3_sub(x, fit->is_mirrored ? o : X, fit->is_mirrored ? X : o);
     rc_mat3_mul_vec3(q, cam_from_points->R, x);
@@ -452,13 +452,12 @@ static void advance(rigcal_refinement *state, const rigcal_fit *fit)
     }
     const int is_saddle = state->curvature == SADDLE;
     if (is_last(state, gain)) {
-        if (is_saddle) {
-            state->status =
-                RIGCAL_BUDGET_SPENT; /* no optimum, and no way down */
+        if (is_saddle) { /* no optimum, and no way down */
+            state->status = RIGCAL_BUDGET_SPENT;
             return;
         }
-        move(&state->cam_from_points,
-             d); /* unseen: its sum is known to second order */
+        /* Unseen: its sum is known to second order. */
+        move(&state->cam_from_points, d);
         state->sse = rc_max(0, state->sse - gain);
         state->status = RIGCAL_OK;
         return;

@@ -64,8 +64,8 @@ int rc_view_normal(rigcal_real normal[3], rigcal_real *thickness,
     for (int k = 0; k < 9; k++) {
         B[k] /= trace;
     }
-    for (int i = 0; i < SQUARINGS;
-         i += 2) { /* the largest is 1/3 or more: no underflow */
+    /* The largest is 1/3 or more: no underflow. */
+    for (int i = 0; i < SQUARINGS; i += 2) {
         rc_mat3_mul(A, B, B);
         rc_mat3_mul(B, A, A);
     }

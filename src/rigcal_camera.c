@@ -147,9 +147,7 @@ static void polynomial_range(rigcal_real range[2], const rigcal_real c[],
                              int degree, rigcal_real middle, rigcal_real half)
 {
     rigcal_real b[SLOPE_DEGREE + 1], power = half, reach = 0;
-    for (int i = 0; i <= degree; i++) {
-        b[i] = c[i];
-    }
+    memcpy(b, c, (size_t)(degree + 1) * sizeof *b);
     for (int i = 0; i <= degree; i++) { /* powers of s - middle: b[i] is done */
         for (int j = degree - 1; j >= i; j--) {
             b[j] += middle * b[j + 1];

@@ -36,12 +36,13 @@ static void set_trial(rigcal_neldermead *nm, rigcal_real s, int32_t phase)
 }
 
 /* trial = vertex v of a first simplex, or of one that shrinks: moved halfway to the
- * best. */
+ * best. All of it is copied: k numbers alone would be a memmove to a compiler. */
 static void set_trial_vertex(rigcal_neldermead *nm, int32_t v, int32_t phase)
 {
-    for (int32_t i = 0; i < nm->k; i++) {
-        const rigcal_real best = nm->vertex[0].x[i], x = nm->vertex[v].x[i];
-        nm->trial.x[i] = (phase == SHRINK) ? best + (x - best) / 2 : x;
+    nm->trial = nm->vertex[v];
+    for (int32_t i = 0; i < nm->k && phase == SHRINK; i++) {
+        const rigcal_real best = nm->vertex[0].x[i];
+        nm->trial.x[i] = best + (nm->trial.x[i] - best) / 2;
     }
     nm->vertex_next = v;
     nm->phase = phase;
@@ -183,8 +184,7 @@ void rc_neldermead_begin(rigcal_neldermead *nm, const rigcal_real x0[],
 
 const rigcal_vertex *rc_neldermead_best(const rigcal_neldermead *nm)
 {
-    const rigcal_vertex *best =
-        &nm->vertex[0]; /* sorted between iterations only */
+    const rigcal_vertex *best = nm->vertex; /* sorted between iterations only */
     for (int32_t v = 1; v <= nm->k; v++) {
         if (nm->vertex[v].cost < best->cost) {
             best = &nm->vertex[v];

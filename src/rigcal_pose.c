@@ -374,10 +374,10 @@ RC_APART static void gathering_step(rigcal_pose_solver *s)
 void rc_found_transform(rigcal_transform *cam_from_points,
                         const rigcal_pose_optimum *found)
 {
-    rigcal_real *const R = cam_from_points->R;
-    rc_vec3_copy(&R[0], &found->rows[0]);
-    rc_vec3_copy(&R[3], &found->rows[3]);
-    rc_vec3_cross(&R[6], &R[0], &R[3]);
+    const rigcal_real *const x = &found->rows[0], *const y = &found->rows[3];
+    rc_vec3_copy(&cam_from_points->R[0], x);
+    rc_vec3_copy(&cam_from_points->R[3], y);
+    rc_vec3_cross(&cam_from_points->R[6], x, y);
     rc_vec3_copy(cam_from_points->t, found->t);
 }
 

@@ -14,7 +14,7 @@ import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 # gcc joins a sine and a cosine of one angle into libm's sincos.
-LIBM = {"sqrt", "sin", "cos", "atan2", "exp", "fabs", "sincos"}
+LIBM = {"sqrt", "sin", "cos", "atan2", "fabs", "sincos"}
 FLAGS = ["-std=c99", "-O2", "-fno-stack-protector", "-ffp-contract=off",
          "-fvisibility=hidden", "-DRIGCAL_BUILD", f"-I{ROOT}/include"]
 LINKER = {"_init", "_fini", "_edata", "_end", "__bss_start"}

@@ -619,13 +619,13 @@ static void test_a_pose_takes_at_most_900_units_and_a_thorough_one_3000(void)
     }
 }
 
-/* Needles exhaust refinement after refinement. Of 400 thousand, for each precision, these
+/* Needles exhaust refinement after refinement. Of 6 million, for each precision, these
  * took the most: nearly all that there can be, a start's 100, gathering, 24 directions,
  * 3 descents of 9 and 6 refinements of 100. */
-static void test_needles_take_700_units_and_thorough_ones_1500(void)
+static void test_needles_take_761_units_and_thorough_ones_2453(void)
 {
-    static const uint64_t WORST[2] = {56552, 186080};
-    static const uint64_t WORST_THOROUGH[2] = {306001, 30816};
+    static const uint64_t WORST[2] = {21793, 186080};
+    static const uint64_t WORST_THOROUGH[2] = {1044600, 2758400};
     long largest = 0, thorough = 0;
 
     for (int i = 0; i < 2; i++) {
@@ -634,8 +634,8 @@ static void test_needles_take_700_units_and_thorough_ones_1500(void)
     }
     TEST_ASSERT_LESS_OR_EQUAL_INT(900, largest);
     TEST_ASSERT_LESS_OR_EQUAL_INT(3000, thorough);
-    TEST_ASSERT_GREATER_OR_EQUAL_INT(700, largest);
-    TEST_ASSERT_GREATER_OR_EQUAL_INT(1500, thorough);
+    TEST_ASSERT_GREATER_OR_EQUAL_INT(761, largest);
+    TEST_ASSERT_GREATER_OR_EQUAL_INT(TOL(2453, 1953), thorough);
 }
 
 static void test_usual_poses_take_about_50_units_and_thorough_ones_210(void)
@@ -676,11 +676,11 @@ static long robust_units(uint64_t seed, int kind)
     return units;
 }
 
-/* Of 140 thousand needles these took the most: of 9 solutions of 652 units each, few
- * are of other points than the last. */
+/* Of 2 million needles these took the most: of 9 solutions of 761 units each, few are of
+ * other points than the last. */
 static void test_a_robust_pose_takes_at_most_9000_units_and_its_samples(void)
 {
-    static const uint64_t WORST[2] = {127996, 18296};
+    static const uint64_t WORST[2] = {311805, 1296296};
     long largest = 0;
 
     for (int kind = 0; kind < KINDS; kind++) {
@@ -692,7 +692,7 @@ static void test_a_robust_pose_takes_at_most_9000_units_and_its_samples(void)
         keep_largest(&largest, robust_units(WORST[i], NEEDLE));
     }
     TEST_ASSERT_LESS_OR_EQUAL_INT(SAMPLES + 9000, largest);
-    TEST_ASSERT_GREATER_OR_EQUAL_INT(TOL(3616, 2774), largest);
+    TEST_ASSERT_GREATER_OR_EQUAL_INT(TOL(4730, 4075), largest);
 }
 
 /* ---- diagnose ------------------------------------------------------------ */
@@ -738,7 +738,7 @@ int main(void)
     RUN_TEST(test_neldermead_spends_max_evals_and_no_more);
     RUN_TEST(test_the_published_search_spends_max_evals_and_no_more);
     RUN_TEST(test_a_pose_takes_at_most_900_units_and_a_thorough_one_3000);
-    RUN_TEST(test_needles_take_700_units_and_thorough_ones_1500);
+    RUN_TEST(test_needles_take_761_units_and_thorough_ones_2453);
     RUN_TEST(test_usual_poses_take_about_50_units_and_thorough_ones_210);
     RUN_TEST(test_a_robust_pose_takes_at_most_9000_units_and_its_samples);
     RUN_TEST(test_a_diagnosis_solves_n_plus_1_to_n_plus_3_poses);

@@ -1302,6 +1302,7 @@ static void test_the_observation_at_fault_is_told(void)
     test_rng rng = test_seed(93);
     rigcal_pose_solver solver;
     rigcal_real sigma[6] = {1, 1, 1, 1, 1, 1};
+    rigcal_pose_options o = defaults();
     int32_t bad = -2;
     problem p;
 
@@ -1338,6 +1339,15 @@ static void test_the_observation_at_fault_is_told(void)
                                                NULL)); /* rays are for the steps */
     TEST_ASSERT_EQUAL_INT(-2, bad);
     ASSERT_STATUS(RIGCAL_OK, rigcal_pose_step(&solver, 100));
+    ASSERT_STATUS(RIGCAL_ERR_NO_RAY,
+                  rigcal_pose_result(p.poses, &p.n_found, 1, &bad, &solver));
+    TEST_ASSERT_EQUAL_INT(2, bad);
+    bad = -2; /* nor is a start that proves bad a way round them */
+    o.use_start = 1;
+    p.scene.t[0] += 2;
+    o.start = test_transform(p.scene.R, p.scene.t);
+    ASSERT_STATUS(RIGCAL_OK, rigcal_pose_begin(&solver, &bad, &p.camera, p.o, NULL, 6, &o));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_pose_step(&solver, 300));
     ASSERT_STATUS(RIGCAL_ERR_NO_RAY,
                   rigcal_pose_result(p.poses, &p.n_found, 1, &bad, &solver));
     TEST_ASSERT_EQUAL_INT(2, bad);

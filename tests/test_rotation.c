@@ -1,6 +1,7 @@
 /* Rotations: matrix, yaw-pitch-roll, rotation vector, quaternion. */
 #include <math.h>
 
+#include "rc_rotation.h"
 #include "test_support.h"
 #include "vectors_rotation.h"
 
@@ -472,6 +473,37 @@ static void test_a_mirror_has_no_nearest_rotation(void)
     ASSERT_REFUSED(RIGCAL_ERR_ROTATION, R, rigcal_rotation_nearest(R, M));
 }
 
+/* ---- tidy ---------------------------------------------------------------- */
+
+/* Elements off by as much as many roundings leave them. */
+static void test_a_tidied_rotation_is_one_and_where_it_was(void)
+{
+    const double off = TOL(1e-12, 1e-4);
+    test_rng rng = test_seed(17);
+
+    for (int trial = 0; trial < TEST_TRIALS(2000); trial++) {
+        double M[9];
+        rigcal_real R[9], first[3];
+
+        test_random_rotation(M, &rng);
+        for (int k = 0; k < 9; k++) {
+            R[k] = RC(M[k] + test_uniform(&rng, -off, off));
+        }
+        for (int k = 0; k < 3; k++) {
+            first[k] = R[k];
+        }
+        rc_rotation_tidy(R);
+        assert_orthonormal(R);
+        for (int k = 0; k < 9; k++) {
+            ASSERT_NEAR(M[k], R[k], 6 * off);
+        }
+        for (int k = 0; k < 3; k++) {
+            ASSERT_NEAR(0, R[k] * first[(k + 1) % 3] - R[(k + 1) % 3] * first[k],
+                        TOL(1e-15, 3e-7));
+        }
+    }
+}
+
 /* ---- angle --------------------------------------------------------------- */
 
 static void test_the_angle_between_rotations_is_what_was_turned(void)
@@ -678,6 +710,7 @@ int main(void)
     RUN_TEST(test_the_nearest_to_a_scaled_rotation_is_that_rotation);
     RUN_TEST(test_a_singular_matrix_has_no_nearest_rotation);
     RUN_TEST(test_a_mirror_has_no_nearest_rotation);
+    RUN_TEST(test_a_tidied_rotation_is_one_and_where_it_was);
     RUN_TEST(test_the_angle_between_rotations_is_what_was_turned);
     RUN_TEST(test_the_smallest_angles_keep_their_digits);
     RUN_TEST(test_a_rotation_is_no_angle_from_itself);

@@ -19,21 +19,18 @@ enum { REFINE_EVALS = 100, REFINE_EVALS_THOROUGH = 250 };
 /* Below this mirrored points have nearly the same image. */
 #define PLANE_THICKNESS RC(1e-4)
 
-/* A direction whose cost is so many times the least is no optimum worth refining,
- * unless the target is flat: its second optimum may be as bad. */
+/* A direction whose cost is so many times the least is no optimum worth refining. Of a
+ * flat target, whose second optimum may be as bad, only sideways ones are left out. */
 #define HOPELESS RC(100)
 
 /* A flat target's seeds that lean other than its first optimum does: the least lean
- * [rad], and how many times the least cost the sideways ones may be. */
+ * [rad]. */
 #define LEAN_LEAST RC(0.3)
-#define SHALLOW RC(30)
 enum { OTHER_WAY = 0, SIDEWAYS, SIDEWAYS_BACK, LEANS };
 
-/* A seed so near to an optimum found [rad] was on its way there; those that lean
- * start where an optimum is expected, and may be nearer. Two optima closer than
+/* A seed so near to an optimum found [rad] is on its way there. Two optima closer than
  * SAME_POSE are one; those of three points may be about to merge, but are exact. */
-#define SAME_BASIN RC(0.25)
-#define SAME_BASIN_LEANING RC(0.05)
+#define SAME_BASIN RC(0.05)
 #define SAME_POSE RC(2e-3)
 #define SAME_EXACT RC_TOL(1e-6, 1e-3)
 
@@ -701,12 +698,11 @@ static void end_mirrored(rigcal_pose_solver *s)
 }
 
 /* Refines from a direction, unless it would only lead to an optimum found. */
-RC_APART static void follow(rigcal_pose_solver *s, const rigcal_real m3[3],
-                            rigcal_real same_basin)
+RC_APART static void follow(rigcal_pose_solver *s, const rigcal_real m3[3])
 {
     rigcal_transform *const start = &s->work.fit.cam_from_points;
     seed_pose(start, s, m3);
-    if (near_found(s, start->R, same_basin) < 0) {
+    if (near_found(s, start->R, SAME_BASIN) < 0) {
         begin_refining(s, REFINING);
     }
 }
@@ -724,7 +720,7 @@ static void end_descent(rigcal_pose_solver *s)
         HOPELESS * lattice->least_cost + 64 * RC_EPS * lattice->moments.weight;
     s->phase = CHOOSING;
     if (s->n_found == 0 || s->is_flat || !(best->cost > hopeless)) {
-        follow(s, m3, SAME_BASIN);
+        follow(s, m3);
     }
 }
 
@@ -766,13 +762,12 @@ static void leaning_direction(rigcal_real m3[3], const rigcal_real first[3],
 static void try_lean(rigcal_pose_solver *s, int32_t lean)
 {
     const rigcal_view_moments *const view = &s->from.lattice.moments;
-    const rigcal_real most = is_thorough(s) ? HOPELESS : SHALLOW;
     rigcal_real first[3], m3[3];
     found_direction(first, s, 0);
     leaning_direction(m3, first, s->normal, lean);
     if (lean == OTHER_WAY ||
-        rc_view_cost(view, m3) < most * rc_view_cost(view, first)) {
-        follow(s, m3, SAME_BASIN_LEANING);
+        rc_view_cost(view, m3) < HOPELESS * rc_view_cost(view, first)) {
+        follow(s, m3);
     }
 }
 

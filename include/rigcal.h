@@ -691,13 +691,13 @@ RIGCAL_API rigcal_status rigcal_pose_begin(
     const rigcal_observation observations[], const rigcal_real sigma[], size_t n,
     const rigcal_pose_options *options);
 
-/* Spends at most `budget` >= 1 units: an evaluation of the equations of a refinement, O(n),
- * of the cost of a direction, or a choice between them, in constant time; the ray of one
- * point (of 16 of a pinhole), or the proof that a lens with distortion sees one where an
- * optimum puts it. At most 900 and the rays (thorough: 3000), usually about 50 (210); of a
- * lens with distortion the proofs of 7 (9) optima besides, usually of one or two. RUNNING:
- * call again; the same bits come out whatever the budgets. OK: ask for the result.
- * ERR_NULL, ERR_RANGE, ERR_STATE. */
+/* Spends at most `budget` >= 1 units. A unit is an evaluation: of the equations of a
+ * refinement, O(n), or of the cost of a direction; or the choice of the next start; or
+ * the ray of one point (of 16 of a pinhole), or the proof that a lens with distortion
+ * sees one where an optimum puts it. At most 900 and the rays (thorough: 3000), usually
+ * 50 to 70 (190 to 230); of a lens with distortion the proofs of 7 (9) optima besides,
+ * usually of one or two. RUNNING: call again; the same bits come out whatever the
+ * budgets. OK: ask for the result. ERR_NULL, ERR_RANGE, ERR_STATE. */
 RIGCAL_API rigcal_status rigcal_pose_step(rigcal_pose_solver *solver,
                                           int32_t budget);
 
@@ -820,10 +820,10 @@ RIGCAL_API rigcal_status rigcal_robust_begin(
     const rigcal_real sigma[], size_t n, const rigcal_robust_options *options);
 
 /* Spends at most `budget` >= 1 units: a triple, its poses scored by all points, or a
- * unit of rigcal_pose_step. Each O(n); at most options.samples and nine searches' in all,
- * which without rays and proofs is 9000. RUNNING:
- * call again; the same bits come out whatever the budgets. OK: ask for the result.
- * ERR_NULL, ERR_RANGE, ERR_STATE. */
+ * unit of rigcal_pose_step. Each O(n); at most options.samples and those of nine
+ * searches, which without rays and proofs are 9000. RUNNING: call again; the same bits
+ * come out whatever the budgets. OK: ask for the result. ERR_NULL, ERR_RANGE,
+ * ERR_STATE. */
 RIGCAL_API rigcal_status rigcal_robust_step(rigcal_robust_solver *solver,
                                             int32_t budget);
 

@@ -332,7 +332,7 @@ static void minima_head(const char *what)
     printf("\n%s:\n\n", what);
     printf("| target | points | not best | not returned | not converged "
            "| second | not returned | though likely | twice | right | wrong, yet OK | error / bound "
-           "| of the minimum | evaluations | most | not OK |\n");
+           "| of the minimum | units | most | not OK |\n");
     printf("| --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: "
            "| ---: | ---: | ---: | ---: | ---: | ---: | --- |\n");
 }

@@ -650,7 +650,7 @@ typedef struct {
  * numbers in the lattice. */
 typedef struct {
     int32_t index[RIGCAL_POSE_SEEDS], reserved;
-    rigcal_real least_cost, azimuth[2], cost[RIGCAL_POSE_SEEDS];
+    rigcal_real least_cost, cost[RIGCAL_POSE_SEEDS];
     rigcal_view_moments moments;
 } rigcal_pose_lattice;
 
@@ -784,10 +784,10 @@ typedef struct {
     uint32_t seed;            /* of the random triples. 1 (default) */
 } rigcal_robust_options;
 
-/* Internal: the best pose of three points so far, and those of one triple. */
+/* Internal: the best pose of three points so far, and the rays and poses of one triple. */
 typedef struct {
     rigcal_transform best, tried[4];
-    rigcal_real cost;
+    rigcal_real ray[3][3], cost;
 } rigcal_robust_poses;
 
 /* A search under way. Flat and copyable; its fields are internal. */
@@ -803,7 +803,7 @@ typedef struct {
     } work;
     rigcal_real origin[3], sigma_px, threshold_px, missed, area_px2;
     uint32_t random;
-    int32_t sample[3], samples, tried, is_complete, phase, rounds, failure;
+    int32_t sample[3], samples, tried, is_complete, phase, next, n_poses, rounds, failure;
 } rigcal_robust_solver;
 
 /* All defaults. OK, ERR_NULL. */
@@ -819,10 +819,11 @@ RIGCAL_API rigcal_status rigcal_robust_begin(
     const rigcal_camera *camera, const rigcal_observation observations[],
     const rigcal_real sigma[], size_t n, const rigcal_robust_options *options);
 
-/* Spends at most `budget` >= 1 units: a triple, its poses scored by all points, or a
- * unit of rigcal_pose_step. Each O(n); at most options.samples and those of nine
- * searches, which without rays and proofs are 9000. RUNNING: call again; the same bits
- * come out whatever the budgets. OK: ask for the result. ERR_NULL, ERR_RANGE,
+/* Spends at most `budget` >= 1 units: the ray of one point of a triple (of a pinhole all
+ * three), one of its poses scored by all points, the choice of those that agree, or a
+ * unit of rigcal_pose_step. Each O(n); of a triple at most 7 (a pinhole: 5), and those of
+ * nine searches, which without rays and proofs are 9000. RUNNING: call again; the same
+ * bits come out whatever the budgets. OK: ask for the result. ERR_NULL, ERR_RANGE,
  * ERR_STATE. */
 RIGCAL_API rigcal_status rigcal_robust_step(rigcal_robust_solver *solver,
                                             int32_t budget);

@@ -20,7 +20,15 @@ enum { ROUNDS = 8 };
 #define CHANCE RC(1e-3)
 #define CHANCE_MOST RC(1)
 
-enum { NOT_BEGUN = 0, SAMPLING, SOLVING, DONE };
+enum {
+    NOT_BEGUN = 0,
+    SEEING,   /* the rays of a triple, and its poses */
+    SCORING,  /* one of them */
+    AGREEING, /* the points that agree with the best */
+    SOLVING,
+    SOLVED,
+    DONE
+};
 
 /* ---- samples ------------------------------------------------------------- */
 
@@ -78,12 +86,6 @@ static void next_sample(rigcal_robust_solver *s)
 
 /* ---- scores -------------------------------------------------------------- */
 
-static void fit_of(rigcal_fit *fit, const rigcal_robust_solver *s)
-{
-    rc_fit_begin(fit, s->camera, s->observations, s->sigma, s->inliers, s->n,
-                 s->origin);
-}
-
 /* Squared distance [px^2] of point i from its projection, over sigma_i^2. */
 static rigcal_real distance2(const rigcal_fit *fit,
                              const rigcal_transform *pose, size_t i)
@@ -125,29 +127,68 @@ static void mark(rigcal_robust_solver *s, const rigcal_fit *fit,
 
 /* ---- phases -------------------------------------------------------------- */
 
-/* All poses of one sample. */
-static void try_sample(rigcal_robust_solver *s, const rigcal_fit *fit)
+/* The next triple, unless there have been enough. */
+static void end_sample(rigcal_robust_solver *s)
+{
+    const rigcal_real part = (rigcal_real)s->n_agree / (rigcal_real)s->n;
+    s->missed *= 1 - USEFUL_PART * part * part * part;
+    s->tried++;
+    s->next = 0;
+    s->phase = SEEING;
+    if (s->tried >= s->samples || (!s->is_complete && s->missed < MISSED)) {
+        s->phase = AGREEING;
+    } else {
+        next_sample(s);
+    }
+}
+
+static void begin_scoring(rigcal_robust_solver *s)
 {
     rigcal_robust_poses *const some = &s->work.some;
-    rigcal_real x[3][3], ray[3][3];
+    rigcal_real x[3][3];
     for (int k = 0; k < 3; k++) {
-        const rigcal_observation *const o = &s->observations[s->sample[k]];
-        rc_vec3_sub(x[k], o->X_w, s->origin);
-        if (rc_pixel_to_ray(ray[k], s->camera, o->uv) != RIGCAL_OK) {
+        rc_vec3_sub(x[k], s->observations[s->sample[k]].X_w, s->origin);
+    }
+    s->n_poses = rc_p3p(some->tried, (const rigcal_real(*)[3])x,
+                        (const rigcal_real(*)[3])some->ray);
+    s->next = 0;
+    s->phase = SCORING;
+    if (s->n_poses == 0) {
+        end_sample(s);
+    }
+}
+
+/* One ray; of a pinhole, whose rays cost next to nothing, all three. */
+static void seeing_step(rigcal_robust_solver *s, const rigcal_fit *fit)
+{
+    do {
+        const rigcal_observation *const o =
+            &s->observations[s->sample[s->next]];
+        if (rc_pixel_to_ray(s->work.some.ray[s->next], s->camera, o->uv) !=
+            RIGCAL_OK) {
+            end_sample(s);
             return;
         }
+        s->next++;
+    } while (s->next < 3 && fit->lens.is_pinhole);
+    if (s->next == 3) {
+        begin_scoring(s);
     }
-    const int n_poses = rc_p3p(some->tried, (const rigcal_real(*)[3])x,
-                               (const rigcal_real(*)[3])ray);
-    for (int k = 0; k < n_poses; k++) {
-        size_t count;
-        const rigcal_real cost =
-            score(&count, s, fit, &some->tried[k], some->cost);
-        if (cost < some->cost) {
-            some->cost = cost;
-            some->best = some->tried[k];
-            s->n_agree = count;
-        }
+}
+
+static void scoring_step(rigcal_robust_solver *s, const rigcal_fit *fit)
+{
+    rigcal_robust_poses *const some = &s->work.some;
+    const rigcal_transform *const pose = &some->tried[s->next++];
+    size_t count;
+    const rigcal_real cost = score(&count, s, fit, pose, some->cost);
+    if (cost < some->cost) {
+        some->cost = cost;
+        some->best = *pose;
+        s->n_agree = count;
+    }
+    if (s->next == s->n_poses) {
+        end_sample(s);
     }
 }
 
@@ -165,8 +206,7 @@ static void begin_solving(rigcal_robust_solver *s)
     s->phase = (s->failure == RIGCAL_OK) ? SOLVING : DONE;
 }
 
-/* From the points that agree with the best pose. */
-static void end_sampling(rigcal_robust_solver *s, const rigcal_fit *fit)
+static void agreeing_step(rigcal_robust_solver *s, const rigcal_fit *fit)
 {
     int changed;
     if (!(s->work.some.cost < RC_MAX)) {
@@ -178,28 +218,12 @@ static void end_sampling(rigcal_robust_solver *s, const rigcal_fit *fit)
     begin_solving(s);
 }
 
-static void sample_step(rigcal_robust_solver *s)
-{
-    rigcal_fit fit;
-    fit_of(&fit, s);
-    try_sample(s, &fit);
-    const rigcal_real part = (rigcal_real)s->n_agree / (rigcal_real)s->n;
-    s->missed *= 1 - USEFUL_PART * part * part * part;
-    s->tried++;
-    if (s->tried >= s->samples || (!s->is_complete && s->missed < MISSED)) {
-        end_sampling(s, &fit);
-        return;
-    }
-    next_sample(s);
-}
-
 /* The inliers of the pose found, and its solution again when they are others. */
-static void end_solving(rigcal_robust_solver *s)
+static void end_solving(rigcal_robust_solver *s, const rigcal_fit *fit)
 {
     rigcal_pose poses[1];
     size_t n_found;
     int changed;
-    rigcal_fit fit;
     s->failure = rigcal_pose_result(poses, &n_found, 1, NULL, &s->work.pose);
     s->phase = DONE;
     if (s->failure < 0 || s->rounds++ >= ROUNDS) {
@@ -207,10 +231,16 @@ static void end_solving(rigcal_robust_solver *s)
     }
     rigcal_transform from_points = poses[0].cam_from_world;
     rc_transform_point(from_points.t, &poses[0].cam_from_world, s->origin);
-    fit_of(&fit, s);
-    mark(s, &fit, &from_points, &changed);
+    mark(s, fit, &from_points, &changed);
     if (changed) {
         begin_solving(s);
+    }
+}
+
+static void solving_step(rigcal_robust_solver *s)
+{
+    if (rigcal_pose_step(&s->work.pose, 1) != RIGCAL_RUNNING) {
+        s->phase = SOLVED;
     }
 }
 
@@ -340,7 +370,7 @@ static rigcal_status begin(rigcal_robust_solver *s, int32_t *at,
     }
     rc_vec3_copy(s->origin, survey.origin);
     s->area_px2 = seen_area(observations, n);
-    s->phase = SAMPLING;
+    s->phase = SEEING;
     return RIGCAL_OK;
 }
 
@@ -377,11 +407,26 @@ rigcal_status rigcal_robust_step(rigcal_robust_solver *solver, int32_t budget)
     if (solver->phase <= NOT_BEGUN || solver->phase > DONE) {
         return RIGCAL_ERR_STATE;
     }
+    rigcal_fit fit;
+    rc_fit_begin(&fit, solver->camera, solver->observations, solver->sigma,
+                 solver->inliers, solver->n, solver->origin);
     for (int32_t i = 0; i < budget && solver->phase != DONE; i++) {
-        if (solver->phase == SAMPLING) {
-            sample_step(solver);
-        } else if (rigcal_pose_step(&solver->work.pose, 1) != RIGCAL_RUNNING) {
-            end_solving(solver);
+        switch (solver->phase) {
+        case SEEING:
+            seeing_step(solver, &fit);
+            break;
+        case SCORING:
+            scoring_step(solver, &fit);
+            break;
+        case AGREEING:
+            agreeing_step(solver, &fit);
+            break;
+        case SOLVING:
+            solving_step(solver);
+            break;
+        default:
+            end_solving(solver, &fit);
+            break;
         }
     }
     return (solver->phase == DONE) ? RIGCAL_OK : RIGCAL_RUNNING;

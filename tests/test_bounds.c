@@ -678,20 +678,20 @@ static long robust_units(uint64_t seed, int kind)
 
 /* Of 2 million needles these took the most: of 9 solutions of 761 units each, few are of
  * other points than the last. */
-static void test_a_robust_pose_takes_at_most_9000_units_and_its_samples(void)
+static void test_a_robust_pose_takes_at_most_9000_units_and_7_a_sample(void)
 {
     static const uint64_t WORST[2] = {311805, 1296296};
     long largest = 0;
 
     for (int kind = 0; kind < KINDS; kind++) {
         for (uint64_t seed = 0; seed < 500; seed++) {
-            TEST_ASSERT_LESS_OR_EQUAL_INT(SAMPLES + 9000, robust_units(seed, kind));
+            TEST_ASSERT_LESS_OR_EQUAL_INT(7 * SAMPLES + 9000, robust_units(seed, kind));
         }
     }
     for (int i = 0; i < 2; i++) {
         keep_largest(&largest, robust_units(WORST[i], NEEDLE));
     }
-    TEST_ASSERT_LESS_OR_EQUAL_INT(SAMPLES + 9000, largest);
+    TEST_ASSERT_LESS_OR_EQUAL_INT(7 * SAMPLES + 9000, largest);
     TEST_ASSERT_GREATER_OR_EQUAL_INT(TOL(4730, 4075), largest);
 }
 
@@ -740,7 +740,7 @@ int main(void)
     RUN_TEST(test_a_pose_takes_at_most_900_units_and_a_thorough_one_3000);
     RUN_TEST(test_needles_take_761_units_and_thorough_ones_2453);
     RUN_TEST(test_usual_poses_take_about_50_units_and_thorough_ones_190);
-    RUN_TEST(test_a_robust_pose_takes_at_most_9000_units_and_its_samples);
+    RUN_TEST(test_a_robust_pose_takes_at_most_9000_units_and_7_a_sample);
     RUN_TEST(test_a_diagnosis_solves_n_plus_1_to_n_plus_3_poses);
     return UNITY_END();
 }

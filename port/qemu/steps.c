@@ -1,5 +1,5 @@
-/* steps.c - that no rigcal_pose_step takes longer than its budget allows, counted on an
- * emulated RISC-V under -icount shift=0, where instret counts exactly.
+/* steps.c - that no rigcal_pose_step or rigcal_robust_step takes longer than its budget
+ * allows, counted on an emulated RISC-V under -icount shift=0, where instret counts exactly.
  *
  * What one evaluation costs is measured scene by scene, by itself: the most of a step of
  * two refinements, the ray of a pixel, and the proof that the lens sees a point. A step of
@@ -13,23 +13,31 @@
 
 #include "rc_pose.h"
 
-enum { SCENES = 1000, GROUPS = 8 };
+enum { SCENES = 1000, GROUPS = 10 };
 
 /* Instructions besides evaluations: what chooses the next start. */
 enum { EXTRA = 4000 };
+
+/* How far one of a robust scene's points is from where it should be. */
+#define WRONG_PX 60
 
 typedef struct {
     const char *name;
     size_t n;
     kind what;
-    int is_weighted, is_thorough;
+    int is_weighted, is_thorough, is_robust;
 } group;
 
-static const group GROUP[GROUPS] = {
-    {"3 points", 3, PLAIN, 0, 0},       {"tag", 4, TAG, 0, 0},
-    {"tag, thorough", 4, TAG, 0, 1},    {"4 points", 4, PLAIN, 0, 0},
-    {"4 points, lens", 4, LENS, 0, 0},  {"8 points, lens", 8, LENS, 0, 0},
-    {"50 points, weighted", 50, PLAIN, 1, 0}, {"50 points, lens", 50, LENS, 0, 0}};
+static const group GROUP[GROUPS] = {{"3 points", 3, PLAIN, 0, 0, 0},
+                                    {"tag", 4, TAG, 0, 0, 0},
+                                    {"tag, thorough", 4, TAG, 0, 1, 0},
+                                    {"4 points", 4, PLAIN, 0, 0, 0},
+                                    {"4 points, lens", 4, LENS, 0, 0, 0},
+                                    {"8 points, lens", 8, LENS, 0, 0, 0},
+                                    {"50 points, weighted", 50, PLAIN, 1, 0, 0},
+                                    {"50 points, lens", 50, LENS, 0, 0, 0},
+                                    {"robust, 8 points", 8, PLAIN, 0, 0, 1},
+                                    {"robust, 20 points, lens", 20, LENS, 0, 0, 1}};
 
 static uint32_t instructions(void)
 {
@@ -97,40 +105,74 @@ typedef struct {
     int32_t one, begin, step, result, beyond;
 } longest;
 
-static void measure(longest *of, const group *g, uint64_t i, int32_t budget)
+typedef union {
+    rigcal_pose_solver pose;
+    rigcal_robust_solver robust;
+} solver;
+
+static rigcal_status begin(solver *s, const group *g, uint64_t i)
 {
     static rigcal_real sigma[50];
-    rigcal_pose_options options;
-    rigcal_pose poses[RIGCAL_POSES_MAX];
-    rigcal_pose_solver solver;
-    rigcal_status status;
-    size_t n_found;
-    make_scene(g->n, g->what, i);
-    const int32_t one = one_evaluation();
-    of->one = most(of->one, one);
+    static uint8_t inliers[50];
+    rigcal_pose_options options = scene.warm;
+    rigcal_robust_options robust;
+    if (g->is_robust) {
+        (void)rigcal_robust_defaults(&robust);
+        robust.samples = 20;
+        return rigcal_robust_begin(&s->robust, inliers, NULL, &scene.camera[0], scene.seen,
+                                   NULL, scene.n, &robust);
+    }
     for (size_t k = 0; k < g->n; k++) {
         sigma[k] = (rigcal_real)(1 + k % 3);
     }
-    options = scene.warm;
     options.thorough = g->is_thorough;
     options.use_start = i % 3 == 2;
     if (i % 6 == 5) {
         options.start.t[2] = -options.start.t[2];
     }
-    uint32_t begin = instructions();
-    status = rigcal_pose_begin(&solver, NULL, &scene.camera[0], scene.seen,
-                               g->is_weighted ? sigma : NULL, scene.n, &options);
-    of->begin = most(of->begin, (int32_t)(instructions() - begin));
-    for (status = RIGCAL_RUNNING; status == RIGCAL_RUNNING;) {
-        begin = instructions();
-        status = rigcal_pose_step(&solver, budget);
-        const int32_t taken = (int32_t)(instructions() - begin);
+    return rigcal_pose_begin(&s->pose, NULL, &scene.camera[0], scene.seen,
+                             g->is_weighted ? sigma : NULL, scene.n, &options);
+}
+
+static rigcal_status step(solver *s, const group *g, int32_t budget)
+{
+    return g->is_robust ? rigcal_robust_step(&s->robust, budget)
+                        : rigcal_pose_step(&s->pose, budget);
+}
+
+static rigcal_status result(const solver *s, const group *g)
+{
+    rigcal_pose poses[RIGCAL_POSES_MAX];
+    size_t n_found, n_inliers;
+    return g->is_robust ? rigcal_robust_result(poses, &n_found, &n_inliers,
+                                               RIGCAL_POSES_MAX, &s->robust)
+                        : rigcal_pose_result(poses, &n_found, RIGCAL_POSES_MAX, NULL,
+                                             &s->pose);
+}
+
+static void measure(longest *of, const group *g, uint64_t i, int32_t budget)
+{
+    static solver s;
+    make_scene(g->n, g->what, i);
+    if (g->is_robust) {
+        scene.seen[i % g->n].uv[0] += WRONG_PX;
+    }
+    const int32_t one = one_evaluation();
+    of->one = most(of->one, one);
+    uint32_t from = instructions();
+    rigcal_status status = begin(&s, g, i);
+    of->begin = most(of->begin, (int32_t)(instructions() - from));
+    status = (status == RIGCAL_OK) ? RIGCAL_RUNNING : status;
+    while (status == RIGCAL_RUNNING) {
+        from = instructions();
+        status = step(&s, g, budget);
+        const int32_t taken = (int32_t)(instructions() - from);
         of->step = most(of->step, taken);
         of->beyond = most(of->beyond, taken - (budget + 1) * one);
     }
-    begin = instructions();
-    status = rigcal_pose_result(poses, &n_found, RIGCAL_POSES_MAX, NULL, &solver);
-    of->result = most(of->result, (int32_t)(instructions() - begin));
+    from = instructions();
+    status = (status == RIGCAL_OK) ? result(&s, g) : status;
+    of->result = most(of->result, (int32_t)(instructions() - from));
     if (status < 0) {
         printf("scene %d of %s: %s\n", (int)i, g->name, rigcal_status_name(status));
     }

@@ -528,7 +528,7 @@ typedef struct {
     rigcal_paper_options options;
     rigcal_neldermead nm;
     rigcal_paper_pose best;
-    rigcal_real seed_cost[RIGCAL_PAPER_SEEDS];
+    rigcal_real least_condition, seed_cost[RIGCAL_PAPER_SEEDS];
     int32_t seed_node[RIGCAL_PAPER_SEEDS];
     int32_t phase, next, eliminate, found, behind, evals, starts, spent;
 } rigcal_paper_solver;
@@ -546,9 +546,10 @@ RIGCAL_API rigcal_status rigcal_paper_begin(rigcal_paper_solver *solver,
                                             size_t n_pairs,
                                             const rigcal_paper_options *options);
 
-/* Spends at most `budget` >= 1 evaluations, each O(n_pairs) and, once a start
- * has converged, O(n). RUNNING: call again. OK, BUDGET_SPENT: ask for the
- * result. The same bits come out whatever the budgets. ERR_NULL, ERR_RANGE,
+/* Spends at most `budget` >= 1 units: an evaluation, O(n_pairs), of which there are at
+ * most max_evals; the pose where a start has ended, O(n_pairs + n), of at most 25; or the
+ * condition of one of the three eliminations. RUNNING: call again. OK, BUDGET_SPENT: ask
+ * for the result. The same bits come out whatever the budgets. ERR_NULL, ERR_RANGE,
  * ERR_STATE; when it ends without a pose, ERR_NO_POSE or ERR_BEHIND. */
 RIGCAL_API rigcal_status rigcal_paper_step(rigcal_paper_solver *solver,
                                            int32_t budget);

@@ -252,6 +252,7 @@ static const rigcal_layout_entry LAYOUT[] = {
     FIELD(rigcal_paper_solver, options),
     FIELD(rigcal_paper_solver, nm),
     FIELD(rigcal_paper_solver, best),
+    FIELD(rigcal_paper_solver, least_condition),
     FIELD(rigcal_paper_solver, seed_cost),
     FIELD(rigcal_paper_solver, seed_node),
     FIELD(rigcal_paper_solver, phase),

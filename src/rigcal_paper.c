@@ -21,7 +21,16 @@ enum { SIMPLEX_EVALS_MAX = 400 };
 #define DEFAULT_TOL RC_TOL(1e-10, 1e-5)
 enum { DEFAULT_EVALS = 1000 };
 
-enum { NOT_BEGUN = 0, SEEDING, SEARCHING_SEED, SEARCHING_LAST, DONE };
+enum {
+    NOT_BEGUN = 0,
+    SEEDING,
+    SEARCHING_SEED,
+    JUDGING_SEED,
+    CONDITIONING, /* which angle the last search eliminates */
+    SEARCHING_LAST,
+    JUDGING_LAST,
+    DONE
+};
 
 /* ---- the objective ------------------------------------------------------- */
 
@@ -51,19 +60,15 @@ static rigcal_real condition_at(const rigcal_paper_solver *s, int32_t eliminate,
                : RC_MAX;
 }
 
-static int32_t best_conditioned(const rigcal_paper_solver *s,
-                                const rigcal_real ypr[3])
+/* Eliminates this angle, if that is better conditioned than any so far. */
+static void consider(rigcal_paper_solver *s, int32_t eliminate,
+                     const rigcal_real ypr[3])
 {
-    int32_t best = RIGCAL_YAW;
-    rigcal_real least = RC_MAX;
-    for (int32_t e = RIGCAL_YAW; e <= RIGCAL_ROLL; e++) {
-        const rigcal_real condition = condition_at(s, e, ypr);
-        if (condition < least) {
-            least = condition;
-            best = e;
-        }
+    const rigcal_real condition = condition_at(s, eliminate, ypr);
+    if (condition < s->least_condition) {
+        s->least_condition = condition;
+        s->eliminate = eliminate;
     }
-    return best;
 }
 
 /* ---- from angles to a pose ----------------------------------------------- */
@@ -191,7 +196,7 @@ static void judge(rigcal_paper_solver *s)
         return;
     }
     /* The last search starts from the best of the seeds, and supersedes it. */
-    if (!s->found || s->phase == SEARCHING_LAST || pose.rms < s->best.rms) {
+    if (!s->found || s->phase == JUDGING_LAST || pose.rms < s->best.rms) {
         s->found = 1;
         s->best = pose;
     }
@@ -204,7 +209,7 @@ static void finish(rigcal_paper_solver *s, int32_t spent)
 }
 
 /* After a seed: the next one, or once more from the best of them all. */
-static void after_seed(rigcal_paper_solver *s)
+static void judging_seed_step(rigcal_paper_solver *s)
 {
     judge(s);
     s->next++;
@@ -212,30 +217,42 @@ static void after_seed(rigcal_paper_solver *s)
         finish(s, 1);
     } else if (s->next < SEEDS && s->seed_cost[s->next] < RC_MAX) {
         start_seed(s);
-    } else if (s->found) {
-        if (s->options.eliminate == RIGCAL_BEST_CONDITIONED) {
-            s->eliminate = best_conditioned(s, s->best.ypr);
-        }
-        start_last(s, s->best.ypr);
-    } else {
+    } else if (!s->found) {
         finish(s, 0);
+    } else if (s->options.eliminate == RIGCAL_BEST_CONDITIONED) {
+        s->next = RIGCAL_YAW;
+        s->phase = CONDITIONING;
+    } else {
+        start_last(s, s->best.ypr);
     }
 }
 
-/* After the search from the guess, or from the best seed: done, or once more from
- * where it stopped. */
-static void after_last(rigcal_paper_solver *s)
+static void conditioning_step(rigcal_paper_solver *s)
 {
-    const int stuck = s->nm.status == RIGCAL_BUDGET_SPENT;
+    consider(s, s->next, s->best.ypr);
+    if (s->next++ == RIGCAL_ROLL) {
+        start_last(s, s->best.ypr);
+    }
+}
+
+/* After the search from the guess, or from the best seed: its end is judged, or it goes
+ * on from where it stopped. */
+static void end_last(rigcal_paper_solver *s)
+{
     rigcal_real angles[3] = {0, 0, 0}, ypr[3];
-    if (stuck && s->evals < s->options.max_evals &&
+    s->phase = JUDGING_LAST;
+    if (s->nm.status == RIGCAL_BUDGET_SPENT &&
+        s->evals < s->options.max_evals &&
         rigcal_neldermead_result(angles, NULL, NULL, &s->nm) >= 0) {
         rc_angles_join(ypr, s->options.angles == 2 ? s->eliminate : 3, angles, 0);
         start_last(s, ypr);
-        return;
     }
+}
+
+static void judging_last_step(rigcal_paper_solver *s)
+{
     judge(s);
-    finish(s, stuck);
+    finish(s, s->nm.status == RIGCAL_BUDGET_SPENT);
 }
 
 /* One evaluation of the grid. */
@@ -243,6 +260,7 @@ static void seed_step(rigcal_paper_solver *s)
 {
     rigcal_real angles[3] = {0, 0, 0};
     grid_node(angles, s->next);
+    s->evals++;
     remember_seed(s, s->next, objective(s, angles));
     s->next++;
     if (s->next == GRID_NODES) {
@@ -254,14 +272,15 @@ static void seed_step(rigcal_paper_solver *s)
 /* One evaluation of a simplex search. */
 static void search_step(rigcal_paper_solver *s)
 {
+    s->evals++;
     rc_neldermead_tell(&s->nm, objective(s, s->nm.trial.x));
     if (s->nm.status == RIGCAL_RUNNING) {
         return;
     }
     if (s->phase == SEARCHING_SEED) {
-        after_seed(s);
+        s->phase = JUDGING_SEED;
     } else {
-        after_last(s);
+        end_last(s);
     }
 }
 
@@ -363,10 +382,13 @@ rigcal_status rigcal_paper_begin(rigcal_paper_solver *solver,
     for (int i = 0; i < SEEDS; i++) {
         s->seed_cost[i] = RC_MAX;
     }
+    s->least_condition = RC_MAX;
     s->eliminate = chosen.eliminate;
     if (chosen.eliminate == RIGCAL_BEST_CONDITIONED) {
-        s->eliminate = chosen.use_guess ? best_conditioned(s, chosen.guess_ypr)
-                                        : RIGCAL_YAW;
+        s->eliminate = RIGCAL_YAW;
+        for (int32_t e = RIGCAL_YAW; chosen.use_guess && e <= RIGCAL_ROLL; e++) {
+            consider(s, e, chosen.guess_ypr);
+        }
     }
     if (chosen.use_guess) {
         start_last(s, chosen.guess_ypr);
@@ -386,11 +408,22 @@ rigcal_status rigcal_paper_step(rigcal_paper_solver *solver, int32_t budget)
         return RIGCAL_ERR_STATE;
     }
     for (int32_t i = 0; i < budget && solver->phase != DONE; i++) {
-        solver->evals++;
-        if (solver->phase == SEEDING) {
+        switch (solver->phase) {
+        case SEEDING:
             seed_step(solver);
-        } else {
+            break;
+        case JUDGING_SEED:
+            judging_seed_step(solver);
+            break;
+        case CONDITIONING:
+            conditioning_step(solver);
+            break;
+        case JUDGING_LAST:
+            judging_last_step(solver);
+            break;
+        default:
             search_step(solver);
+            break;
         }
     }
     return outcome(solver);

@@ -107,9 +107,9 @@ void paper_solve(paper_attempt *attempt, const paper_procedure *procedure,
     paper_expect(rigcal_paper_begin(&solver, seen, (size_t)procedure->n, pairs,
                                     n_pairs, &options) == RIGCAL_OK,
                  "the published procedure refuses a scene");
-    do { /* one by one, to count those of searches that fail, too */
-        attempt->evals++;
-    } while (rigcal_paper_step(&solver, 1) == RIGCAL_RUNNING);
+    while (rigcal_paper_step(&solver, INT32_MAX) == RIGCAL_RUNNING) {
+    }
+    attempt->evals = solver.evals; /* of a search that fails, too */
     if (rigcal_paper_result(&pose, &solver) < 0) {
         return;
     }

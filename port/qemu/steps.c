@@ -1,9 +1,10 @@
-/* steps.c - that no rigcal_pose_step or rigcal_robust_step takes longer than its budget
- * allows, counted on an emulated RISC-V under -icount shift=0, where instret counts exactly.
+/* steps.c - that no step of a solver takes longer than its budget allows, counted on an
+ * emulated RISC-V under -icount shift=0, where instret counts exactly.
  *
  * What one evaluation costs is measured scene by scene, by itself: the most of a step of
- * two refinements, the ray of a pixel, and the proof that the lens sees a point. A step of
- * budget b may take b + 1 of them and EXTRA. Exit status 1 where one takes more.
+ * two refinements, the ray of a pixel, and the proof that the lens sees a point; of the
+ * published search, of its objective over a grid. A step of budget b may take b + 1 of them
+ * and EXTRA. Exit status 1 where one takes more.
  */
 #include <stdint.h>
 #include <stdio.h>
@@ -11,9 +12,11 @@
 #define JOBS_ONLY_SCENES
 #include "jobs.c"
 
+#include "rc_equations.h"
 #include "rc_pose.h"
 
-enum { SCENES = 1000, GROUPS = 10 };
+/* The published search evaluates some eighty times as often. */
+enum { SCENES = 1000, SCENES_PUBLISHED = 100, GROUPS = 11 };
 
 /* Instructions besides evaluations: what chooses the next start. */
 enum { EXTRA = 4000 };
@@ -21,23 +24,30 @@ enum { EXTRA = 4000 };
 /* How far one of a robust scene's points is from where it should be. */
 #define WRONG_PX 60
 
+typedef enum { SOLVE_POSE, THOROUGH, WEIGHTED, ROBUST, PUBLISHED } task;
+
 typedef struct {
     const char *name;
     size_t n;
     kind what;
-    int is_weighted, is_thorough, is_robust;
+    task to_do;
 } group;
 
-static const group GROUP[GROUPS] = {{"3 points", 3, PLAIN, 0, 0, 0},
-                                    {"tag", 4, TAG, 0, 0, 0},
-                                    {"tag, thorough", 4, TAG, 0, 1, 0},
-                                    {"4 points", 4, PLAIN, 0, 0, 0},
-                                    {"4 points, lens", 4, LENS, 0, 0, 0},
-                                    {"8 points, lens", 8, LENS, 0, 0, 0},
-                                    {"50 points, weighted", 50, PLAIN, 1, 0, 0},
-                                    {"50 points, lens", 50, LENS, 0, 0, 0},
-                                    {"robust, 8 points", 8, PLAIN, 0, 0, 1},
-                                    {"robust, 20 points, lens", 20, LENS, 0, 0, 1}};
+static const group GROUP[GROUPS] = {{"3 points", 3, PLAIN, SOLVE_POSE},
+                                    {"tag", 4, TAG, SOLVE_POSE},
+                                    {"tag, thorough", 4, TAG, THOROUGH},
+                                    {"4 points", 4, PLAIN, SOLVE_POSE},
+                                    {"4 points, lens", 4, LENS, SOLVE_POSE},
+                                    {"8 points, lens", 8, LENS, SOLVE_POSE},
+                                    {"50 points, weighted", 50, PLAIN, WEIGHTED},
+                                    {"50 points, lens", 50, LENS, SOLVE_POSE},
+                                    {"robust, 8 points", 8, PLAIN, ROBUST},
+                                    {"robust, 20 points, lens", 20, LENS, ROBUST},
+                                    {"published, 8 points", 8, PLAIN, PUBLISHED}};
+
+static rigcal_sighting sightings[8];
+static rigcal_pair pairs[RIGCAL_PAIRS_FOR(8)];
+static size_t n_pairs;
 
 static uint32_t instructions(void)
 {
@@ -90,11 +100,26 @@ static int32_t seeing(size_t i)
     return most(taken, (int32_t)(instructions() - begin));
 }
 
-static int32_t one_evaluation(void)
+static int32_t one_solving(void)
 {
     int32_t longest = refining();
     for (size_t i = 0; i < scene.n; i++) {
         longest = most(longest, seeing(i));
+    }
+    return longest;
+}
+
+static int32_t one_published(void)
+{
+    enum { NODES = 6 };
+    rigcal_elimination at;
+    int32_t longest = 0;
+    for (int i = 0; i < NODES * NODES; i++) {
+        const rigcal_real angles[2] = {(rigcal_real)(i / NODES) - RC(2.5),
+                                       (rigcal_real)(i % NODES) - RC(2.5)};
+        const uint32_t from = instructions();
+        (void)rc_eliminate(&at, pairs, n_pairs, 0, i % 3, angles);
+        longest = most(longest, (int32_t)(instructions() - from));
     }
     return longest;
 }
@@ -108,6 +133,7 @@ typedef struct {
 typedef union {
     rigcal_pose_solver pose;
     rigcal_robust_solver robust;
+    rigcal_paper_solver paper;
 } solver;
 
 static rigcal_status begin(solver *s, const group *g, uint64_t i)
@@ -116,48 +142,67 @@ static rigcal_status begin(solver *s, const group *g, uint64_t i)
     static uint8_t inliers[50];
     rigcal_pose_options options = scene.warm;
     rigcal_robust_options robust;
-    if (g->is_robust) {
+    if (g->to_do == ROBUST) {
         (void)rigcal_robust_defaults(&robust);
         robust.samples = 20;
         return rigcal_robust_begin(&s->robust, inliers, NULL, &scene.camera[0], scene.seen,
                                    NULL, scene.n, &robust);
     }
+    if (g->to_do == PUBLISHED) {
+        return rigcal_paper_begin(&s->paper, sightings, scene.n, pairs, n_pairs, NULL);
+    }
     for (size_t k = 0; k < g->n; k++) {
         sigma[k] = (rigcal_real)(1 + k % 3);
     }
-    options.thorough = g->is_thorough;
+    options.thorough = g->to_do == THOROUGH;
     options.use_start = i % 3 == 2;
     if (i % 6 == 5) {
         options.start.t[2] = -options.start.t[2];
     }
     return rigcal_pose_begin(&s->pose, NULL, &scene.camera[0], scene.seen,
-                             g->is_weighted ? sigma : NULL, scene.n, &options);
+                             (g->to_do == WEIGHTED) ? sigma : NULL, scene.n, &options);
 }
 
 static rigcal_status step(solver *s, const group *g, int32_t budget)
 {
-    return g->is_robust ? rigcal_robust_step(&s->robust, budget)
-                        : rigcal_pose_step(&s->pose, budget);
+    return (g->to_do == ROBUST)      ? rigcal_robust_step(&s->robust, budget)
+           : (g->to_do == PUBLISHED) ? rigcal_paper_step(&s->paper, budget)
+                                     : rigcal_pose_step(&s->pose, budget);
 }
 
 static rigcal_status result(const solver *s, const group *g)
 {
     rigcal_pose poses[RIGCAL_POSES_MAX];
+    rigcal_paper_pose pose;
     size_t n_found, n_inliers;
-    return g->is_robust ? rigcal_robust_result(poses, &n_found, &n_inliers,
-                                               RIGCAL_POSES_MAX, &s->robust)
-                        : rigcal_pose_result(poses, &n_found, RIGCAL_POSES_MAX, NULL,
-                                             &s->pose);
+    return (g->to_do == ROBUST)
+               ? rigcal_robust_result(poses, &n_found, &n_inliers, RIGCAL_POSES_MAX,
+                                      &s->robust)
+           : (g->to_do == PUBLISHED)
+               ? rigcal_paper_result(&pose, &s->paper)
+               : rigcal_pose_result(poses, &n_found, RIGCAL_POSES_MAX, NULL, &s->pose);
+}
+
+/* The scene, and what one evaluation costs there. */
+static int32_t make(const group *g, uint64_t i)
+{
+    make_scene(g->n, g->what, i);
+    if (g->to_do == ROBUST) {
+        scene.seen[i % g->n].uv[0] += WRONG_PX;
+    }
+    if (g->to_do != PUBLISHED) {
+        return one_solving();
+    }
+    (void)rigcal_sightings_from_observations(sightings, NULL, &scene.camera[0], scene.seen,
+                                             g->n);
+    (void)rigcal_pairs_choose(pairs, &n_pairs, RIGCAL_PAIRS_FOR(8), sightings, g->n);
+    return one_published();
 }
 
 static void measure(longest *of, const group *g, uint64_t i, int32_t budget)
 {
     static solver s;
-    make_scene(g->n, g->what, i);
-    if (g->is_robust) {
-        scene.seen[i % g->n].uv[0] += WRONG_PX;
-    }
-    const int32_t one = one_evaluation();
+    const int32_t one = make(g, i);
     of->one = most(of->one, one);
     uint32_t from = instructions();
     rigcal_status status = begin(&s, g, i);
@@ -190,7 +235,9 @@ int main(void)
         int32_t step[3];
         for (int b = 0; b < 3; b++) {
             of.step = 0;
-            for (uint64_t i = 0; i < SCENES; i++) {
+            const uint64_t scenes =
+                (GROUP[g].to_do == PUBLISHED) ? SCENES_PUBLISHED : SCENES;
+            for (uint64_t i = 0; i < scenes; i++) {
                 measure(&of, &GROUP[g], i, BUDGET[b]);
             }
             step[b] = of.step;

@@ -21,12 +21,12 @@ static void copy_numbers(rigcal_real out[NUMBERS], const rigcal_camera *camera)
 rigcal_status rc_check_camera(const rigcal_camera *camera)
 {
     const rigcal_camera *const c = camera;
-    rigcal_real numbers[12];
+    rigcal_real numbers[NUMBERS];
     if (c == NULL) {
         return RIGCAL_ERR_NULL;
     }
     copy_numbers(numbers, c);
-    if (!rc_all_finite(numbers, 12)) {
+    if (!rc_all_finite(numbers, NUMBERS)) {
         return RIGCAL_ERR_NOT_FINITE;
     }
     /* As unsigned, 0 and the negative are large. */

@@ -651,7 +651,7 @@ typedef struct {
  * numbers in the lattice. */
 typedef struct {
     int32_t index[RIGCAL_POSE_SEEDS], reserved;
-    rigcal_real least_cost, cost[RIGCAL_POSE_SEEDS];
+    rigcal_real least_cost, azimuth[2], cost[RIGCAL_POSE_SEEDS];
     rigcal_view_moments moments;
 } rigcal_pose_lattice;
 

@@ -320,6 +320,7 @@ static const rigcal_layout_entry LAYOUT[] = {
     FIELD(rigcal_pose_lattice, index),
     FIELD(rigcal_pose_lattice, reserved),
     FIELD(rigcal_pose_lattice, least_cost),
+    FIELD(rigcal_pose_lattice, azimuth),
     FIELD(rigcal_pose_lattice, cost),
     FIELD(rigcal_pose_lattice, moments),
     STRUCT(rigcal_pose_solver),

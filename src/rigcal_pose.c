@@ -343,6 +343,8 @@ RC_APART static void begin_search(rigcal_pose_solver *s)
     if (!is_exact(s)) {
         s->phase = SCANNING;
         s->n_seeds = 0;
+        s->from.lattice.azimuth[0] = 1;
+        s->from.lattice.azimuth[1] = 0;
     }
 }
 
@@ -509,21 +511,33 @@ RC_APART static void turn(rigcal_real z[2], const rigcal_real w[2])
     z[1] = y;
 }
 
+/* A golden angle, pi (3 - sqrt 5). */
+static const rigcal_real GOLDEN[2] = {RC(-0.73736887807831989),
+                                      RC(0.67549029426152364)};
+
 /* Direction `index` of a Fibonacci sphere: heights in even steps, azimuths a golden
- * angle apart, pi (3 - sqrt 5). */
+ * angle apart. */
 RC_APART static void direction_of(rigcal_real m3[3],
-                                  const rigcal_pose_solver *s, int32_t index)
+                                  const rigcal_pose_solver *s, int32_t index,
+                                  const rigcal_real azimuth[2])
 {
-    rigcal_real golden[2] = {RC(-0.73736887807831989), RC(0.67549029426152364)};
     m3[2] = 1 - (rigcal_real)(2 * index + 1) / (rigcal_real)lattice_size(s);
-    m3[0] = RC_SQRT(1 - m3[2] * m3[2]);
-    m3[1] = 0;
-    for (; index > 0; index /= 2) {
-        if (index % 2 == 1) {
-            turn(m3, golden);
+    const rigcal_real r = RC_SQRT(1 - m3[2] * m3[2]);
+    m3[0] = r * azimuth[0];
+    m3[1] = r * azimuth[1];
+}
+
+static void seed_direction(rigcal_real m3[3], const rigcal_pose_solver *s,
+                           int32_t index)
+{
+    rigcal_real azimuth[2] = {1, 0}, power[2] = {GOLDEN[0], GOLDEN[1]};
+    for (int32_t left = index; left > 0; left /= 2) {
+        if (left % 2 == 1) {
+            turn(azimuth, power);
         }
-        turn(golden, golden);
+        turn(power, power);
     }
+    direction_of(m3, s, index, azimuth);
 }
 
 static void move_seed(rigcal_pose_lattice *lattice, int32_t to, int32_t from)
@@ -540,7 +554,7 @@ static int is_best_nearby(rigcal_pose_solver *s, const rigcal_real m3[3],
     int32_t kept = 0;
     for (int32_t i = 0; i < s->n_seeds; i++) {
         rigcal_real other[3];
-        direction_of(other, s, lattice->index[i]);
+        seed_direction(other, s, lattice->index[i]);
         if (!(rc_vec3_dot(m3, other) > NEIGHBOUR_COSINE)) {
             move_seed(lattice, kept++, i);
         } else if (lattice->cost[i] <= cost) {
@@ -568,7 +582,8 @@ RC_APART static void scanning_step(rigcal_pose_solver *s)
     const int32_t most = is_thorough(s) ? FOLLOWED_THOROUGH : FOLLOWED;
     rigcal_pose_lattice *const lattice = &s->from.lattice;
     rigcal_real m3[3];
-    direction_of(m3, s, s->next);
+    direction_of(m3, s, s->next, lattice->azimuth);
+    turn(lattice->azimuth, GOLDEN);
     const rigcal_real cost = rc_view_cost(&lattice->moments, m3);
     if ((s->n_seeds < most || cost < lattice->cost[most - 1]) &&
         (!is_thorough(s) || is_best_nearby(s, m3, cost))) {
@@ -629,7 +644,7 @@ static void try_seed(rigcal_pose_solver *s, int32_t i)
 {
     const rigcal_real cost = s->from.lattice.cost[i];
     rigcal_real m3[3];
-    direction_of(m3, s, s->from.lattice.index[i]);
+    seed_direction(m3, s, s->from.lattice.index[i]);
     if (cost < RC_MAX && (is_thorough(s) || !leads_to_found(s, m3, cost))) {
         begin_descent(s, m3, cost);
     }

@@ -19,13 +19,15 @@ enum { REFINE_EVALS = 100, REFINE_EVALS_THOROUGH = 250 };
 /* Below this mirrored points have nearly the same image. */
 #define PLANE_THICKNESS RC(1e-4)
 
-/* A direction whose cost is so many times the least is no optimum worth refining. Of a
- * flat target, whose second optimum may be as bad, only sideways ones are left out. */
+/* A direction whose cost is so many times the least is no optimum worth refining, unless
+ * the target is flat: its second optimum may be as bad. */
 #define HOPELESS RC(100)
 
 /* A flat target's seeds that lean other than its first optimum does: the least lean
- * [rad]. */
+ * [rad], and how many times the first one's cost that of sideways ones may be, over the
+ * number of points: the least cost of few points may be small by chance. */
 #define LEAN_LEAST RC(0.3)
+#define SHALLOW RC(400)
 enum { OTHER_WAY = 0, SIDEWAYS, SIDEWAYS_BACK, LEANS };
 
 /* A seed so near to an optimum found [rad] is on its way there. Two optima closer than
@@ -769,11 +771,12 @@ static void leaning_direction(rigcal_real m3[3], const rigcal_real first[3],
 static void try_lean(rigcal_pose_solver *s, int32_t lean)
 {
     const rigcal_view_moments *const view = &s->from.lattice.moments;
+    const rigcal_real n = (rigcal_real)(int32_t)s->n_used;
     rigcal_real first[3], m3[3];
     found_direction(first, s, 0);
     leaning_direction(m3, first, s->normal, lean);
     if (lean == OTHER_WAY ||
-        rc_view_cost(view, m3) < HOPELESS * rc_view_cost(view, first)) {
+        rc_view_cost(view, m3) * n < SHALLOW * rc_view_cost(view, first)) {
         follow(s, m3);
     }
 }

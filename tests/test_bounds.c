@@ -679,7 +679,7 @@ static long robust_units(uint64_t seed, int kind)
  * other points than the last. */
 static void test_a_robust_pose_takes_at_most_9000_units_and_7_a_sample(void)
 {
-    static const uint64_t WORST[2] = {311805, 769078};
+    static const uint64_t WORST[2] = {311805, 1296296};
     long largest = 0;
 
     for (int kind = 0; kind < KINDS; kind++) {
@@ -691,7 +691,7 @@ static void test_a_robust_pose_takes_at_most_9000_units_and_7_a_sample(void)
         keep_largest(&largest, robust_units(WORST[i], NEEDLE));
     }
     TEST_ASSERT_LESS_OR_EQUAL_INT(7 * SAMPLES + 9000, largest);
-    TEST_ASSERT_GREATER_OR_EQUAL_INT(TOL(4759, 4094), largest);
+    TEST_ASSERT_GREATER_OR_EQUAL_INT(TOL(4759, 3988), largest);
 }
 
 /* ---- diagnose ------------------------------------------------------------ */

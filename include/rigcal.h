@@ -593,7 +593,8 @@ typedef struct {
 
 typedef struct {
     int32_t thorough;  /* 1: four times the directions, more and better spread seeds,
-                          for five times the work: fewer misses still. 0 (default) */
+                          for two to four times the work: fewer misses still.
+                          0 (default) */
     int32_t use_start; /* 1: `start` is a previous pose, and the only seed unless
                           it proves bad; only the optimum near it is returned.
                           0 (default) */

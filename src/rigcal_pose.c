@@ -532,12 +532,12 @@ RC_APART static void direction_of(rigcal_real m3[3],
 static void seed_direction(rigcal_real m3[3], const rigcal_pose_solver *s,
                            int32_t index)
 {
-    rigcal_real azimuth[2] = {1, 0}, power[2] = {GOLDEN[0], GOLDEN[1]};
+    rigcal_real azimuth[2] = {1, 0}, by[2] = {GOLDEN[0], GOLDEN[1]};
     for (int32_t left = index; left > 0; left /= 2) {
         if (left % 2 == 1) {
-            turn(azimuth, power);
+            turn(azimuth, by);
         }
-        turn(power, power);
+        turn(by, by);
     }
     direction_of(m3, s, index, azimuth);
 }

@@ -642,6 +642,13 @@ typedef struct {
     rigcal_neldermead nm;
 } rigcal_descent;
 
+/* Internal: the first three different points and their rays; `count`, how many different
+ * ones there are, 4 for more. */
+typedef struct {
+    int32_t index[3], count;
+    rigcal_real ray[3][3];
+} rigcal_pose_triple;
+
 /* Internal: a refined pose, of the camera from the points' own origin; the third row of
  * its rotation is the cross product of these two. */
 typedef struct {
@@ -668,6 +675,7 @@ typedef struct {
         rigcal_transform exact[RIGCAL_POSES_MAX];
     } from;
     union {
+        rigcal_pose_triple triple;
         rigcal_descent descent;
         rigcal_refinement fit;
     } work;

@@ -207,6 +207,7 @@ static void begin_gathering(rigcal_pose_solver *s,
     const rigcal_fit *const fit = &s->fit;
     s->phase = GATHERING;
     s->next = next_used(s, 0);
+    s->work.triple.count = 0;
     rc_view_begin(&s->from.lattice.moments);
     if (rc_pixel_to_ray(s->axis, fit->camera, uv_middle) != RIGCAL_OK) {
         const rigcal_status status = rc_pixel_to_ray(
@@ -227,8 +228,32 @@ RC_APART static void turn_to_virtual(rigcal_real turned[3],
     rc_mat3_tmul_vec3(turned, cam_from_virtual, ray);
 }
 
+/* Counts point i if it is different from those that count. */
+RC_APART static void count_point(rigcal_pose_solver *s, int32_t i,
+                                 const rigcal_real ray[3])
+{
+    rigcal_pose_triple *const triple = &s->work.triple;
+    if (triple->count > 3) {
+        return;
+    }
+    for (int k = 0; k < triple->count; k++) {
+        const int32_t other = triple->index[k];
+        rigcal_real x[3];
+        rc_vec3_sub(x, s->fit.observations[i].X_w,
+                    s->fit.observations[other].X_w);
+        if (!(rc_vec3_max_abs(x) * s->scale > SAME_POINT)) {
+            return;
+        }
+    }
+    if (triple->count < 3) {
+        triple->index[triple->count] = i;
+        rc_vec3_copy(triple->ray[triple->count], ray);
+    }
+    triple->count++;
+}
+
 /* One point, scaled to size 1, and its image in the virtual camera. */
-static rigcal_status gather_point(rigcal_pose_solver *s, size_t i)
+static rigcal_status gather_point(rigcal_pose_solver *s, int32_t i)
 {
     const rigcal_observation *const o = &s->fit.observations[i];
     rigcal_real x[3], ray[3], u[3];
@@ -243,44 +268,22 @@ static rigcal_status gather_point(rigcal_pose_solver *s, size_t i)
     rc_vec3_scale(u, 1 / u[2], u);
     rc_vec3_sub(x, o->X_w, s->fit.origin);
     rc_vec3_scale(x, s->scale, x);
-    rc_view_add(&s->from.lattice.moments, weight_of(s->fit.sigma, i), x, u);
+    rc_view_add(&s->from.lattice.moments, weight_of(s->fit.sigma, (size_t)i), x,
+                u);
+    count_point(s, i, ray);
     return RIGCAL_OK;
 }
 
-/* The first three different points, and whether there are no more. */
-static int are_three(size_t first[3], const rigcal_pose_solver *s)
+/* (D): all poses of the three points. 0: there is none, and the moments stay. */
+RC_APART static int32_t gather_exact(rigcal_pose_solver *s)
 {
-    int count = 0;
-    for (size_t i = 0; i < s->n; i++) {
-        int is_new = rc_is_used(s->fit.mask, i);
-        for (int k = 0; k < count && is_new; k++) {
-            rigcal_real x[3];
-            rc_vec3_sub(x, s->fit.observations[i].X_w,
-                        s->fit.observations[first[k]].X_w);
-            is_new = rc_vec3_max_abs(x) * s->scale > SAME_POINT;
-        }
-        if (is_new && count == 3) {
-            return 0;
-        }
-        if (is_new) {
-            first[count++] = i;
-        }
-    }
-    return count == 3;
-}
-
-/* (D): all poses of three points. 0: there is none, and the moments stay. */
-RC_APART static int32_t gather_exact(rigcal_pose_solver *s,
-                                     const size_t three[3])
-{
-    rigcal_real x[3][3], ray[3][3];
+    const rigcal_pose_triple *const triple = &s->work.triple;
+    rigcal_real x[3][3];
     for (int k = 0; k < 3; k++) {
-        const rigcal_observation *const o = &s->fit.observations[three[k]];
-        rc_vec3_sub(x[k], o->X_w, s->fit.origin);
-        (void)rc_pixel_to_ray(ray[k], s->fit.camera, o->uv);
+        rc_vec3_sub(x[k], s->fit.observations[triple->index[k]].X_w,
+                    s->fit.origin);
     }
-    return rc_p3p(s->from.exact, (const rigcal_real(*)[3])x,
-                  (const rigcal_real(*)[3])ray);
+    return rc_p3p(s->from.exact, (const rigcal_real(*)[3])x, triple->ray);
 }
 
 /* Whether the poses come from three points, and not from a search. */
@@ -322,7 +325,6 @@ RC_APART static void begin_search(rigcal_pose_solver *s)
 {
     rigcal_view_moments *const view = &s->from.lattice.moments;
     rigcal_real thickness;
-    size_t three[3];
     s->next = 0;
     if (!rc_view_finish(view)) {
         fail(s, RIGCAL_ERR_COINCIDENT, -1);
@@ -334,12 +336,12 @@ RC_APART static void begin_search(rigcal_pose_solver *s)
     }
     s->is_flat = thickness < FLAT_THICKNESS;
     s->is_plane = thickness < PLANE_THICKNESS;
-    if (are_three(three, s)) {
+    if (s->work.triple.count == 3) {
         if (!RIGCAL_WITH_THREE_POINTS) {
             fail(s, RIGCAL_ERR_TOO_FEW, -1);
             return;
         }
-        s->n_exact = gather_exact(s, three);
+        s->n_exact = gather_exact(s);
     }
     s->phase = CHOOSING;
     if (!is_exact(s)) {
@@ -356,7 +358,7 @@ RC_APART static void gathering_step(rigcal_pose_solver *s)
     const int32_t n = (int32_t)s->n;
     int32_t left = s->fit.lens.is_pinhole ? PINHOLE_RAYS : 1;
     for (; left > 0 && s->next < n; left--) {
-        const rigcal_status status = gather_point(s, (size_t)s->next);
+        const rigcal_status status = gather_point(s, s->next);
         if (status != RIGCAL_OK) {
             fail(s, status, s->next);
             return;

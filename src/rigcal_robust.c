@@ -407,6 +407,9 @@ rigcal_status rigcal_robust_step(rigcal_robust_solver *solver, int32_t budget)
     if (solver->phase <= NOT_BEGUN || solver->phase > DONE) {
         return RIGCAL_ERR_STATE;
     }
+    if (solver->phase == DONE) { /* reads nothing any more */
+        return RIGCAL_OK;
+    }
     rigcal_fit fit;
     rc_fit_begin(&fit, solver->camera, solver->observations, solver->sigma,
                  solver->inliers, solver->n, solver->origin);

@@ -34,6 +34,11 @@ rigcal_status rc_pose_begin(rigcal_pose_solver *solver, int32_t *bad,
                             const rigcal_real sigma[], const uint8_t mask[],
                             size_t n, const rigcal_pose_options *options);
 
+/* (D) All poses of three of the points from their rays; how many, as of rc_p3p. */
+int32_t rc_poses_of_three(rigcal_transform cam_from_points[RC_P3P_MAX],
+                          const rigcal_fit *fit, const int32_t index[3],
+                          const rigcal_real ray[3][3]);
+
 void rc_found_transform(rigcal_transform *cam_from_points,
                         const rigcal_pose_optimum *found);
 

@@ -2,7 +2,6 @@
 #ifndef RC_ROBUST_H
 #define RC_ROBUST_H
 
-#include "rc_p3p.h"
 #include "rc_pose.h"
 
 #endif /* RC_ROBUST_H */

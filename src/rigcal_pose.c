@@ -274,16 +274,16 @@ static rigcal_status gather_point(rigcal_pose_solver *s, int32_t i)
     return RIGCAL_OK;
 }
 
-/* (D): all poses of the three points. 0: there is none, and the moments stay. */
-RC_APART static int32_t gather_exact(rigcal_pose_solver *s)
+RC_APART int32_t rc_poses_of_three(rigcal_transform cam_from_points[RC_P3P_MAX],
+                                   const rigcal_fit *fit,
+                                   const int32_t index[3],
+                                   const rigcal_real ray[3][3])
 {
-    const rigcal_pose_triple *const triple = &s->work.triple;
     rigcal_real x[3][3];
     for (int k = 0; k < 3; k++) {
-        rc_vec3_sub(x[k], s->fit.observations[triple->index[k]].X_w,
-                    s->fit.origin);
+        rc_vec3_sub(x[k], fit->observations[index[k]].X_w, fit->origin);
     }
-    return rc_p3p(s->from.exact, (const rigcal_real(*)[3])x, triple->ray);
+    return rc_p3p(cam_from_points, (const rigcal_real(*)[3])x, ray);
 }
 
 /* Whether the poses come from three points, and not from a search. */
@@ -324,6 +324,7 @@ static void next_exact(rigcal_pose_solver *s)
 RC_APART static void begin_search(rigcal_pose_solver *s)
 {
     rigcal_view_moments *const view = &s->from.lattice.moments;
+    const rigcal_pose_triple *const triple = &s->work.triple;
     rigcal_real thickness;
     s->next = 0;
     if (!rc_view_finish(view)) {
@@ -336,12 +337,14 @@ RC_APART static void begin_search(rigcal_pose_solver *s)
     }
     s->is_flat = thickness < FLAT_THICKNESS;
     s->is_plane = thickness < PLANE_THICKNESS;
-    if (s->work.triple.count == 3) {
+    if (triple->count == 3) {
         if (!RIGCAL_WITH_THREE_POINTS) {
             fail(s, RIGCAL_ERR_TOO_FEW, -1);
             return;
         }
-        s->n_exact = gather_exact(s);
+        /* None: the moments, whose memory the poses share, stay. */
+        s->n_exact = rc_poses_of_three(s->from.exact, &s->fit, triple->index,
+                                       triple->ray);
     }
     s->phase = CHOOSING;
     if (!is_exact(s)) {

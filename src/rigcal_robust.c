@@ -142,15 +142,11 @@ static void end_sample(rigcal_robust_solver *s)
     }
 }
 
-static void begin_scoring(rigcal_robust_solver *s)
+static void begin_scoring(rigcal_robust_solver *s, const rigcal_fit *fit)
 {
     rigcal_robust_poses *const some = &s->work.some;
-    rigcal_real x[3][3];
-    for (int k = 0; k < 3; k++) {
-        rc_vec3_sub(x[k], s->observations[s->sample[k]].X_w, s->origin);
-    }
-    s->n_poses = rc_p3p(some->tried, (const rigcal_real(*)[3])x,
-                        (const rigcal_real(*)[3])some->ray);
+    s->n_poses = rc_poses_of_three(some->tried, fit, s->sample,
+                                   (const rigcal_real(*)[3])some->ray);
     s->next = 0;
     s->phase = SCORING;
     if (s->n_poses == 0) {
@@ -172,7 +168,7 @@ static void seeing_step(rigcal_robust_solver *s, const rigcal_fit *fit)
         s->next++;
     } while (s->next < 3 && fit->lens.is_pinhole);
     if (s->next == 3) {
-        begin_scoring(s);
+        begin_scoring(s, fit);
     }
 }
 

@@ -685,9 +685,9 @@ typedef struct {
 /* All defaults. OK, ERR_NULL. */
 RIGCAL_API rigcal_status rigcal_pose_defaults(rigcal_pose_options *options);
 
-/* Begins a search. `camera`, `observations` and `sigma` are read until its result has been
- * asked for, so they must stay. Looks at every number once, and at no ray but one: time O(n),
- * about that of an evaluation.
+/* Begins a search. `camera`, `observations` and `sigma` are read until its result has
+ * been asked for, so they must stay. Looks at every number once, and at no ray but one:
+ * time O(n), about that of an evaluation.
  *
  *   bad      out  on failure the observation at fault, or -1; NULL: no
  *   sigma    in   n standard deviations of the observations relative to each

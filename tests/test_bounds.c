@@ -527,6 +527,7 @@ static long paper_evals(const scene *s, const rigcal_paper_options *options)
     if (rigcal_paper_result(&pose, &solver) >= 0) {
         TEST_ASSERT_EQUAL_INT(solver.evals, pose.evals);
     }
+    TEST_ASSERT_GREATER_THAN_INT(solver.evals, units); /* an end is judged */
     TEST_ASSERT_LESS_OR_EQUAL_INT(solver.evals + 25 + 3, units);
     return solver.evals;
 }

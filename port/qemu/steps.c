@@ -18,7 +18,8 @@
 /* The published search evaluates some eighty times as often. */
 enum { SCENES = 1000, SCENES_PUBLISHED = 100, GROUPS = 13 };
 
-/* Instructions besides evaluations: what chooses the next start. */
+/* Instructions besides evaluations: all poses of three points, the pose where a
+ * published search ends. */
 enum { EXTRA = 4000 };
 
 /* How far one of a robust scene's points is from where it should be. */
@@ -127,10 +128,15 @@ static int32_t one_published(void)
     return longest;
 }
 
-/* The most of a group: one evaluation, begin, a step, result, and what a step took beyond
- * its evaluations. Every third scene starts warm, which a bad start turns into a search. */
+enum { BUDGETS = 3 };
+
+static const int32_t BUDGET[BUDGETS] = {1, 4, 16};
+
+/* The most of a group: one evaluation, begin, a step of each budget, result, and what a
+ * step took beyond its evaluations. Every third scene starts warm, which a bad start turns
+ * into a search. */
 typedef struct {
-    int32_t one, begin, step, result, beyond;
+    int32_t one, begin, step[BUDGETS], result, beyond;
 } longest;
 
 typedef union {
@@ -222,21 +228,20 @@ static int32_t make(const group *g, uint64_t i)
     return one_published();
 }
 
-static void measure(longest *of, const group *g, uint64_t i, int32_t budget)
+/* From begin to result by steps of BUDGET[b]. */
+static void measure(longest *of, const group *g, uint64_t i, int b, int32_t one)
 {
     static solver s;
-    const int32_t one = make(g, i);
-    of->one = most(of->one, one);
     uint32_t from = instructions();
     rigcal_status status = begin(&s, g, i);
     of->begin = most(of->begin, (int32_t)(instructions() - from));
     status = (status == RIGCAL_OK) ? RIGCAL_RUNNING : status;
     while (status == RIGCAL_RUNNING) {
         from = instructions();
-        status = step(&s, g, budget);
+        status = step(&s, g, BUDGET[b]);
         const int32_t taken = (int32_t)(instructions() - from);
-        of->step = most(of->step, taken);
-        of->beyond = most(of->beyond, taken - (budget + 1) * one);
+        of->step[b] = most(of->step[b], taken);
+        of->beyond = most(of->beyond, taken - (BUDGET[b] + 1) * one);
     }
     from = instructions();
     status = (status == RIGCAL_OK) ? result(&s, g) : status;
@@ -248,26 +253,23 @@ static void measure(longest *of, const group *g, uint64_t i, int32_t budget)
 
 int main(void)
 {
-    static const int32_t BUDGET[3] = {1, 4, 16};
     int32_t beyond = 0;
     printf("| scene | one evaluation | begin | step of 1 | step of 4 | step of 16 | result |"
            " beyond b + 1 |\n"
            "| --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: |\n");
-    for (int g = 0; g < GROUPS; g++) {
-        longest of = {0, 0, 0, 0, 0};
-        int32_t step[3];
-        for (int b = 0; b < 3; b++) {
-            of.step = 0;
-            const uint64_t scenes =
-                (GROUP[g].to_do == PUBLISHED) ? SCENES_PUBLISHED : SCENES;
-            for (uint64_t i = 0; i < scenes; i++) {
-                measure(&of, &GROUP[g], i, BUDGET[b]);
+    for (const group *g = GROUP; g < GROUP + GROUPS; g++) {
+        const uint64_t scenes = (g->to_do == PUBLISHED) ? SCENES_PUBLISHED : SCENES;
+        longest of = {0};
+        for (uint64_t i = 0; i < scenes; i++) {
+            const int32_t one = make(g, i);
+            of.one = most(of.one, one);
+            for (int b = 0; b < BUDGETS; b++) {
+                measure(&of, g, i, b, one);
             }
-            step[b] = of.step;
         }
-        printf("| %s | %d | %d | %d | %d | %d | %d | %d |\n", GROUP[g].name, (int)of.one,
-               (int)of.begin, (int)step[0], (int)step[1], (int)step[2], (int)of.result,
-               (int)of.beyond);
+        printf("| %s | %d | %d | %d | %d | %d | %d | %d |\n", g->name, (int)of.one,
+               (int)of.begin, (int)of.step[0], (int)of.step[1], (int)of.step[2],
+               (int)of.result, (int)of.beyond);
         beyond = most(beyond, of.beyond);
     }
     return beyond > EXTRA;

@@ -666,7 +666,8 @@ typedef struct {
 /* A search under way. Flat and copyable; its fields are internal. */
 typedef struct {
     int32_t phase, next, n_seeds, n_exact, n_found, thorough, is_flat, is_plane,
-        leans, failure, bad, is_warm, point, is_mirrored, is_vague, reserved;
+        leans, failure, bad, is_warm, point, is_mirrored, is_vague, is_wide, picks,
+        passed_over;
     size_t n, n_used;
     rigcal_real extent_px, scale, sigma_px, axis[3], normal[3];
     rigcal_fit fit;

@@ -46,6 +46,15 @@ void rc_refine_begin(rigcal_refinement *state);
 void rc_refine_step(rigcal_refinement *state, const rigcal_fit *fit,
                     int32_t max_evals);
 
+/* Gauss-Newton on errors taken along the observed rays, which has no pole where a point
+ * comes 90 degrees off the axis (EQUATIONS.md B). rc_approach_begin clears the sums of an
+ * iteration, rc_approach_point adds point i (OK, or ERR_NO_RAY: its pixel has no ray), and
+ * rc_approach_step moves the pose. rc_approach_step returns 1 when it has converged. */
+void rc_approach_begin(rigcal_refinement *state);
+rigcal_status rc_approach_point(rigcal_refinement *state, const rigcal_fit *fit,
+                                size_t i);
+int rc_approach_step(rigcal_refinement *state);
+
 /* Inverse of J^T J, full. 0 when it is singular: the points do not fix the pose. */
 int rc_refine_covariance(rigcal_real Sigma[36], const rigcal_real H[21]);
 

@@ -81,16 +81,30 @@ enum { VAGUE_POINTS = 16 };
 /* The rays of a pinhole that are taken in one step. */
 enum { PINHOLE_RAYS = 16 };
 
-/* Rays so far off the middle of the target's image do not fit the virtual camera:
- * cosine of 80 degrees. */
-#define WIDE_COSINE RC(0.17)
+/* Rays so far off the middle of the target's image do not fit the virtual camera, and
+ * triples of points take the place of the search: cosine of 80 degrees. */
+#define SPREAD_COSINE RC(0.17)
+
+/* A target with a ray this far off the camera's axis is wide: cosine of 60 degrees. There
+ * pixels change so fast with the pose that a refinement needs a start that is nearly
+ * right. */
+#define WIDE_COSINE RC(0.5)
+
+/* Steps of an approach, usually 3 to 5, and the damping of the refinement from its end. */
+enum { APPROACH_STEPS = 12 };
+#define APPROACHED_DAMPING RC(1e-10)
+
+/* Triples that are tried: the first always, more until one leads to a pose that fits. */
+enum { PICKS = 3 };
 
 enum {
     NOT_BEGUN = 0,
     GATHERING,
     GATHERED,
+    PICKING, /* a triple of rays far apart */
     SCANNING,
     DESCENT,
+    APPROACHING,
     REFINING,
     PROVING,
     CHOOSING, /* the next start */
@@ -252,6 +266,14 @@ RC_APART static void count_point(rigcal_pose_solver *s, int32_t i,
     triple->count++;
 }
 
+static void begin_picking(rigcal_pose_solver *s)
+{
+    s->phase = PICKING;
+    s->is_wide = 1;
+    s->next = next_used(s, 0);
+    s->work.triple.count = 0;
+}
+
 /* One point, scaled to size 1, and its image in the virtual camera. */
 static rigcal_status gather_point(rigcal_pose_solver *s, int32_t i)
 {
@@ -262,8 +284,10 @@ static rigcal_status gather_point(rigcal_pose_solver *s, int32_t i)
         return status;
     }
     turn_to_virtual(u, s->axis, ray);
-    if (!(u[2] > WIDE_COSINE)) {
-        return RIGCAL_ERR_WIDE_RAY;
+    s->is_wide |= !(ray[2] > WIDE_COSINE);
+    if (!(u[2] > SPREAD_COSINE)) {
+        begin_picking(s);
+        return RIGCAL_OK;
     }
     rc_vec3_scale(u, 1 / u[2], u);
     rc_vec3_sub(x, o->X_w, s->fit.origin);
@@ -286,16 +310,48 @@ RC_APART int32_t rc_poses_of_three(rigcal_transform cam_from_points[RC_P3P_MAX],
     return rc_p3p(cam_from_points, (const rigcal_real(*)[3])x, ray);
 }
 
-/* Whether the poses come from three points, and not from a search. */
-static int is_exact(const rigcal_pose_solver *s)
+/* Whether there are three different points only. */
+static int is_three(const rigcal_pose_solver *s)
 {
-    return RIGCAL_WITH_THREE_POINTS && s->n_exact > 0;
+    return RIGCAL_WITH_THREE_POINTS && s->n_exact > 0 &&
+           (s->picks == 0 || s->n_used == 3);
 }
 
 static void begin_refining(rigcal_pose_solver *s, int32_t phase)
 {
     rc_refine_begin(&s->work.fit);
     s->phase = phase;
+}
+
+/* From a pose that is only near an optimum: where rays are far off the axis, by an
+ * approach. */
+static void begin_start(rigcal_pose_solver *s)
+{
+    begin_refining(s, REFINING);
+    if (s->is_wide) {
+        rc_approach_begin(&s->work.fit);
+        s->point = next_used(s, 0);
+        s->phase = APPROACHING;
+    }
+}
+
+/* One point; after the last one the step. */
+RC_APART static void approaching_step(rigcal_pose_solver *s)
+{
+    rigcal_refinement *const work = &s->work.fit;
+    (void)rc_approach_point(work, &s->fit, (size_t)s->point);
+    s->point = next_used(s, s->point + 1);
+    if (s->point < (int32_t)s->n) {
+        return;
+    }
+    const int has_arrived = rc_approach_step(work);
+    if (has_arrived || ++work->evals == APPROACH_STEPS) {
+        begin_refining(s, REFINING);
+        work->lambda = APPROACHED_DAMPING;
+    } else {
+        rc_approach_begin(work);
+        s->point = next_used(s, 0);
+    }
 }
 
 /* The search has ended; how well the observations fix its first pose is left to weigh:
@@ -310,16 +366,6 @@ static void begin_weighing(rigcal_pose_solver *s, size_t n)
     }
 }
 
-/* Three points: every pose of theirs is refined. */
-static void next_exact(rigcal_pose_solver *s)
-{
-    if (s->next == s->n_exact) {
-        begin_weighing(s, s->n);
-        return;
-    }
-    s->work.fit.cam_from_points = s->from.exact[s->next++];
-    begin_refining(s, REFINING);
-}
 
 RC_APART static void begin_search(rigcal_pose_solver *s)
 {
@@ -347,11 +393,69 @@ RC_APART static void begin_search(rigcal_pose_solver *s)
                                        triple->ray);
     }
     s->phase = CHOOSING;
-    if (!is_exact(s)) {
+    if (s->n_exact == 0) {
         s->phase = SCANNING;
         s->n_seeds = 0;
         s->from.lattice.azimuth[0] = 1;
         s->from.lattice.azimuth[1] = 0;
+    }
+}
+
+/* Volume of the parallelepiped that three rays span. */
+static rigcal_real volume(const rigcal_real a[3], const rigcal_real b[3],
+                          const rigcal_real c[3])
+{
+    rigcal_real normal[3];
+    rc_vec3_cross(normal, a, b);
+    return RC_FABS(rc_vec3_dot(normal, c));
+}
+
+/* Ray i takes the place in the triple where it makes the volume largest, if it does. */
+static void pick(rigcal_pose_triple *triple, int32_t i, const rigcal_real ray[3])
+{
+    int at = triple->count;
+    if (at < 3) {
+        triple->count++;
+    } else {
+        rigcal_real most = volume(triple->ray[0], triple->ray[1], triple->ray[2]);
+        for (int k = 0; k < 3; k++) {
+            const rigcal_real other =
+                volume(ray, triple->ray[(k + 1) % 3], triple->ray[(k + 2) % 3]);
+            if (other > most) {
+                most = other;
+                at = k;
+            }
+        }
+    }
+    if (at < 3) {
+        triple->index[at] = i;
+        rc_vec3_copy(triple->ray[at], ray);
+    }
+}
+
+/* One ray; after the last one the poses of the triple. */
+RC_APART static void picking_step(rigcal_pose_solver *s)
+{
+    rigcal_pose_triple *const triple = &s->work.triple;
+    const int32_t i = s->next;
+    rigcal_real ray[3];
+    const rigcal_status status =
+        rc_pixel_to_ray(ray, s->fit.camera, s->fit.observations[i].uv);
+    if (status != RIGCAL_OK) {
+        fail(s, status, i);
+        return;
+    }
+    if (i != s->passed_over) {
+        pick(triple, i, ray);
+    }
+    s->next = next_used(s, i + 1);
+    if (s->next == (int32_t)s->n) {
+        s->next = 0;
+        s->n_seeds = 0;
+        s->passed_over = triple->index[s->picks++];
+        s->n_exact = rc_poses_of_three(s->from.exact, &s->fit, triple->index,
+                                       (const rigcal_real(*)[3])triple->ray);
+        s->phase = CHOOSING;
     }
 }
 
@@ -364,6 +468,8 @@ RC_APART static void gathering_step(rigcal_pose_solver *s)
         const rigcal_status status = gather_point(s, s->next);
         if (status != RIGCAL_OK) {
             fail(s, status, s->next);
+        }
+        if (s->phase != GATHERING) {
             return;
         }
         s->next = next_used(s, s->next + 1);
@@ -418,7 +524,7 @@ static void found_direction(rigcal_real m3[3], const rigcal_pose_solver *s,
 static int32_t same_found(const rigcal_pose_solver *s)
 {
     return near_found(s, s->work.fit.cam_from_points.R,
-                      is_exact(s) ? SAME_EXACT : SAME_POSE);
+                      is_three(s) ? SAME_EXACT : SAME_POSE);
 }
 
 /* Keeps the RIGCAL_POSES_MAX best optima in order; of two that are one, the better. */
@@ -717,7 +823,7 @@ RC_APART static void follow(rigcal_pose_solver *s, const rigcal_real m3[3])
     rigcal_transform *const start = &s->work.fit.cam_from_points;
     seed_pose(start, s, m3);
     if (near_found(s, start->R, SAME_BASIN) < 0) {
-        begin_refining(s, REFINING);
+        begin_start(s);
     }
 }
 
@@ -786,20 +892,6 @@ static void try_lean(rigcal_pose_solver *s, int32_t lean)
     }
 }
 
-/* The next start of a refinement or a descent, if it is worth it, or the end. */
-RC_APART static void choosing_step(rigcal_pose_solver *s)
-{
-    if (is_exact(s)) {
-        next_exact(s);
-    } else if (s->is_flat && s->n_found > 0 && s->leans < LEANS) {
-        try_lean(s, s->leans++);
-    } else if (s->next < s->n_seeds) {
-        try_seed(s, s->next++);
-    } else {
-        begin_mirrored(s);
-    }
-}
-
 /* ---- is it good? --------------------------------------------------------- */
 
 /* Sum of the squared errors [px^2] of optimum i, which without sigma is its sse. */
@@ -834,6 +926,45 @@ RC_APART static int is_poor(const rigcal_pose_solver *s, rigcal_real most,
         noise = rc_max(most, NOISE_PART * s->extent_px);
     }
     return !(sum <= noise * noise * dof * root * root * root);
+}
+
+/* A pose of three points; of more, unless it would only lead to an optimum found. */
+static void next_exact(rigcal_pose_solver *s)
+{
+    s->work.fit.cam_from_points = s->from.exact[s->next++];
+    if (is_three(s) ||
+        near_found(s, s->work.fit.cam_from_points.R, SAME_BASIN) < 0) {
+        begin_start(s);
+    }
+}
+
+/* The poses of a triple have been tried: another one, or the end. */
+static void end_exact(rigcal_pose_solver *s)
+{
+    if (!is_three(s) && s->picks < PICKS &&
+        (s->n_found == 0 || is_poor(s, NOISE_MOST, DEVIATIONS))) {
+        begin_picking(s);
+    } else {
+        begin_weighing(s, is_three(s) ? s->n : VAGUE_POINTS);
+    }
+}
+
+/* The next start of a refinement or a descent, if it is worth it, or the end. */
+RC_APART static void choosing_step(rigcal_pose_solver *s)
+{
+    if (s->next < s->n_exact) {
+        next_exact(s);
+    } else if (s->picks > 0 || is_three(s)) {
+        end_exact(s);
+    } else if (s->is_flat && s->n_found > 0 && s->leans < LEANS) {
+        try_lean(s, s->leans++);
+    } else if (s->next < s->n_seeds) {
+        try_seed(s, s->next++);
+    } else if (RIGCAL_WITH_THREE_POINTS && s->is_wide) {
+        begin_picking(s);
+    } else {
+        begin_mirrored(s);
+    }
 }
 
 /* By all, if some leave it all but open. */
@@ -1011,7 +1142,7 @@ rigcal_status rc_pose_begin(rigcal_pose_solver *solver, int32_t *bad,
                  survey.origin);
     solver->n = n;
     solver->n_used = survey.n_used;
-    solver->bad = -1;
+    solver->bad = solver->passed_over = -1;
     solver->scale = 1 / survey.size;
     solver->extent_px = survey.extent_px;
     if (options != NULL) {
@@ -1041,6 +1172,10 @@ static void step_once(rigcal_pose_solver *s)
 {
     if (s->phase == GATHERING) {
         gathering_step(s);
+    } else if (s->phase == PICKING) {
+        picking_step(s);
+    } else if (s->phase == APPROACHING) {
+        approaching_step(s);
     } else if (s->phase == GATHERED) {
         begin_search(s);
     } else if (s->phase == SCANNING) {

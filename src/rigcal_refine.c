@@ -35,6 +35,9 @@
 /* Pivots are compared with this part of their diagonal. */
 #define RANK_TOL (8 * RC_EPS)
 
+/* The approach ends when a step gains no more than this part of the sum. */
+#define APPROACHED RC(1e-4)
+
 /* ---- what is fitted ------------------------------------------------------ */
 
 void rc_fit_begin(rigcal_fit *fit, const rigcal_camera *camera,
@@ -169,18 +172,28 @@ RC_APART static void add_point(rigcal_real g[6], rigcal_real H[21],
     H[5] += v[2];
 }
 
-static rigcal_status equations(rigcal_real *sse, rigcal_real g[6],
-                               rigcal_real H[21], const rigcal_fit *fit,
-                               const rigcal_transform *cam_from_points,
-                               int with_curvature)
+static void clear_sums(rigcal_real g[6], rigcal_real H[21])
 {
-    rigcal_real sum = 0;
     for (int k = 0; k < 21; k++) {
         H[k] = 0;
     }
     for (int k = 0; k < 6; k++) {
         g[k] = 0;
     }
+}
+
+static rigcal_real weight_of(const rigcal_fit *fit, size_t i)
+{
+    return (fit->sigma == NULL) ? 1 : 1 / (fit->sigma[i] * fit->sigma[i]);
+}
+
+static rigcal_status equations(rigcal_real *sse, rigcal_real g[6],
+                               rigcal_real H[21], const rigcal_fit *fit,
+                               const rigcal_transform *cam_from_points,
+                               int with_curvature)
+{
+    rigcal_real sum = 0;
+    clear_sums(g, H);
     for (size_t i = 0; i < fit->n; i++) {
         rigcal_real e[2] = {0, 0}, B[6], q[3], X_c[3];
         if (!rc_is_used(fit->mask, i)) {
@@ -191,8 +204,7 @@ static rigcal_status equations(rigcal_real *sse, rigcal_real g[6],
         if (status != RIGCAL_OK) {
             return status;
         }
-        const rigcal_real weight =
-            (fit->sigma == NULL) ? 1 : 1 / (fit->sigma[i] * fit->sigma[i]);
+        const rigcal_real weight = weight_of(fit, i);
         add_point(g, H, B, q, e, weight, with_curvature ? X_c[2] : 0);
         sum += weight * (e[0] * e[0] + e[1] * e[1]);
     }
@@ -476,4 +488,47 @@ void rc_refine_step(rigcal_refinement *state, const rigcal_fit *fit,
     if (state->status == RIGCAL_RUNNING && state->evals >= max_evals) {
         state->status = RIGCAL_BUDGET_SPENT;
     }
+}
+
+/* ---- the approach -------------------------------------------------------- */
+
+void rc_approach_begin(rigcal_refinement *state)
+{
+    clear_sums(state->g, state->H);
+    state->sse = 0;
+    state->lambda = 0;
+}
+
+/* With J = d uv / d X at the unit ray m of the pixel, J m = 0: so e = -J X_c / |X_c| is
+ * to first order the error in pixels, however far off the axis m is. */
+rigcal_status rc_approach_point(rigcal_refinement *state, const rigcal_fit *fit,
+                                size_t i)
+{
+    rigcal_real ray[3], uv[2], B[6], q[3], X_c[3], e[2];
+    const rigcal_status status =
+        rc_pixel_to_ray(ray, fit->camera, fit->observations[i].uv);
+    if (status != RIGCAL_OK) {
+        return status;
+    }
+    (void)rc_project_through(uv, B, &fit->lens, fit->camera, ray);
+    rc_fit_place(q, X_c, fit, &state->cam_from_points, i);
+    const rigcal_real by_distance = 1 / rc_vec3_norm(X_c);
+    rc_vec3_scale(&B[0], by_distance, &B[0]);
+    rc_vec3_scale(&B[3], by_distance, &B[3]);
+    e[0] = -rc_vec3_dot(&B[0], X_c);
+    e[1] = -rc_vec3_dot(&B[3], X_c);
+    const rigcal_real weight = weight_of(fit, i);
+    add_point(state->g, state->H, B, q, e, weight, 0);
+    state->sse += weight * (e[0] * e[0] + e[1] * e[1]);
+    return RIGCAL_OK;
+}
+
+int rc_approach_step(rigcal_refinement *state)
+{
+    rigcal_real d[6], gain;
+    if (!damped_step(d, &gain, state)) {
+        return 0;
+    }
+    move(&state->cam_from_points, d);
+    return gain <= APPROACHED * state->sse;
 }

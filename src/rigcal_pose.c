@@ -95,7 +95,7 @@ enum { APPROACH_STEPS = 12 };
 #define APPROACHED_DAMPING RC(1e-10)
 
 /* Triples that are tried: the first always, more until one leads to a pose that fits. */
-enum { PICKS = 3 };
+enum { PICKS = 6 };
 
 enum {
     NOT_BEGUN = 0,
@@ -270,7 +270,6 @@ static void begin_picking(rigcal_pose_solver *s)
 {
     s->phase = PICKING;
     s->is_wide = 1;
-    s->next = next_used(s, 0);
     s->work.triple.count = 0;
 }
 
@@ -401,58 +400,21 @@ RC_APART static void begin_search(rigcal_pose_solver *s)
     }
 }
 
-/* Volume of the parallelepiped that three rays span. */
-static rigcal_real volume(const rigcal_real a[3], const rigcal_real b[3],
-                          const rigcal_real c[3])
-{
-    rigcal_real normal[3];
-    rc_vec3_cross(normal, a, b);
-    return RC_FABS(rc_vec3_dot(normal, c));
-}
-
-/* Ray i takes the place in the triple where it makes the volume largest, if it does. */
-static void pick(rigcal_pose_triple *triple, int32_t i, const rigcal_real ray[3])
-{
-    int at = triple->count;
-    if (at < 3) {
-        triple->count++;
-    } else {
-        rigcal_real most = volume(triple->ray[0], triple->ray[1], triple->ray[2]);
-        for (int k = 0; k < 3; k++) {
-            const rigcal_real other =
-                volume(ray, triple->ray[(k + 1) % 3], triple->ray[(k + 2) % 3]);
-            if (other > most) {
-                most = other;
-                at = k;
-            }
-        }
-    }
-    if (at < 3) {
-        triple->index[at] = i;
-        rc_vec3_copy(triple->ray[at], ray);
-    }
-}
-
-/* One ray; after the last one the poses of the triple. */
+/* One ray of a triple spread over the points' order; after the third its poses. */
 RC_APART static void picking_step(rigcal_pose_solver *s)
 {
     rigcal_pose_triple *const triple = &s->work.triple;
-    const int32_t i = s->next;
-    rigcal_real ray[3];
+    const int32_t k = triple->count++;
+    int32_t i = next_used(s, s->picks + k * ((int32_t)s->n / 3));
+    i = (i < (int32_t)s->n) ? i : next_used(s, 0);
+    triple->index[k] = i;
     const rigcal_status status =
-        rc_pixel_to_ray(ray, s->fit.camera, s->fit.observations[i].uv);
+        rc_pixel_to_ray(triple->ray[k], s->fit.camera, s->fit.observations[i].uv);
     if (status != RIGCAL_OK) {
         fail(s, status, i);
-        return;
-    }
-    if (i != s->passed_over) {
-        pick(triple, i, ray);
-    }
-    s->next = next_used(s, i + 1);
-    if (s->next == (int32_t)s->n) {
+    } else if (k == 2) {
+        s->picks++;
         s->next = 0;
-        s->n_seeds = 0;
-        s->passed_over = triple->index[s->picks++];
         s->n_exact = rc_poses_of_three(s->from.exact, &s->fit, triple->index,
                                        (const rigcal_real(*)[3])triple->ray);
         s->phase = CHOOSING;
@@ -942,7 +904,7 @@ static void next_exact(rigcal_pose_solver *s)
 static void end_exact(rigcal_pose_solver *s)
 {
     if (!is_three(s) && s->picks < PICKS &&
-        (s->n_found == 0 || is_poor(s, NOISE_MOST, DEVIATIONS))) {
+        (s->picks + (s->n_seeds > 0) < 2 || s->n_found == 0 || is_poor(s, NOISE_MOST, DEVIATIONS))) {
         begin_picking(s);
     } else {
         begin_weighing(s, is_three(s) ? s->n : VAGUE_POINTS);

@@ -108,13 +108,13 @@ enum { ACROSS = 6, BY_DT = 15 };
  * (c.q) 1 - (c q^T + q c^T) / 2 by w. */
 static void add_curvature(rigcal_real H[21], rigcal_real M[9],
                           const rigcal_real c[3], const rigcal_real q[3],
-                          rigcal_real Z)
+                          const rigcal_real k[3])
 {
-    const rigcal_real along = rc_vec3_dot(c, q), by_Z = 1 / Z;
+    const rigcal_real along = rc_vec3_dot(c, q);
     rigcal_real row[3];
     for (int i = 0, at = 0; i < 3; at += 3 - i, i++) {
-        M[3 * i + 2] += by_Z * c[i];
-        M[6 + i] += by_Z * c[i];
+        rc_vec3_combine(row, c[i], k, k[i], c);
+        rc_vec3_add(&M[3 * i], row);
         rc_vec3_combine(row, c[i], q, q[i], c);
         H[at] += along;
         for (int j = i; j < 3; j++) {
@@ -144,7 +144,7 @@ static inline void add_row(rigcal_real out[3], rigcal_real across[3],
 RC_APART static void add_point(rigcal_real g[6], rigcal_real H[21],
                                const rigcal_real B[6], const rigcal_real q[3],
                                const rigcal_real e[2], rigcal_real weight,
-                               rigcal_real Z)
+                               const rigcal_real k[3])
 {
     const rigcal_real *const bu = B, *const bv = B + 3;
     rigcal_real *const across = &H[ACROSS], *const by_dt = &H[BY_DT];
@@ -153,8 +153,8 @@ RC_APART static void add_point(rigcal_real g[6], rigcal_real H[21],
     rc_vec3_combine(&M[0], weight * bu[0], bu, weight * bv[0], bv);
     rc_vec3_combine(&M[3], weight * bu[1], bu, weight * bv[1], bv);
     rc_vec3_combine(&M[6], weight * bu[2], bu, weight * bv[2], bv);
-    if (Z > 0) {
-        add_curvature(H, M, c, q, Z);
+    if (k != NULL) {
+        add_curvature(H, M, c, q, k);
     }
     rc_vec3_cross(v, q, c);
     rc_vec3_add(&g[0], v);
@@ -205,7 +205,12 @@ static rigcal_status equations(rigcal_real *sse, rigcal_real g[6],
             return status;
         }
         const rigcal_real weight = weight_of(fit, i);
-        add_point(g, H, B, q, e, weight, with_curvature ? X_c[2] : 0);
+        if (with_curvature) { /* X_c becomes k */
+            const rigcal_real by = 1 / (fit->lens.is_fisheye ? rc_vec3_dot(X_c, X_c) : X_c[2]);
+            if (fit->lens.is_fisheye) rc_vec3_scale(X_c, by, X_c);
+            else X_c[0] = X_c[1] = 0, X_c[2] = by;
+        }
+        add_point(g, H, B, q, e, weight, with_curvature ? X_c : NULL);
         sum += weight * (e[0] * e[0] + e[1] * e[1]);
     }
     *sse = sum;
@@ -518,7 +523,7 @@ rigcal_status rc_approach_point(rigcal_refinement *state, const rigcal_fit *fit,
     e[0] = -rc_vec3_dot(&B[0], X_c);
     e[1] = -rc_vec3_dot(&B[3], X_c);
     const rigcal_real weight = weight_of(fit, i);
-    add_point(state->g, state->H, B, q, e, weight, 0);
+    add_point(state->g, state->H, B, q, e, weight, NULL);
     state->sse += weight * (e[0] * e[0] + e[1] * e[1]);
     return RIGCAL_OK;
 }

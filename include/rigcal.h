@@ -55,6 +55,10 @@ enum {
     RIGCAL_AMBIGUOUS = 4,    /* another pose fits nearly as well */
     RIGCAL_POOR_FIT = 5,     /* the error is too large for noise */
     RIGCAL_FEW_AGREE = 6,    /* so few observations agree that chance may do it */
+    RIGCAL_VAGUE = 7,        /* the data hardly fix the pose */
+    RIGCAL_UNSEEN_POINTS = 8,/* the lens images no ray at some pixels, which were
+                                left out */
+    RIGCAL_MOST_DISAGREE = 9,/* more observations disagree with the pose than agree */
 
     /* The arguments. */
     RIGCAL_ERR_NULL = -1,       /* a pointer that must not be NULL is */
@@ -580,7 +584,7 @@ RIGCAL_API rigcal_status rigcal_paper_solve(rigcal_paper_pose *pose,
  * were found are returned, best first, and the status tells when the first is not
  * sure. Three points have up to four poses that fit exactly (D), and nothing in them
  * tells which is right. */
-enum { RIGCAL_POSES_MAX = 4, RIGCAL_POSE_SEEDS = 5 };
+enum { RIGCAL_POSES_MAX = 4, RIGCAL_POSE_SEEDS = 5, RIGCAL_POSE_UNSEEN_MAX = 4 };
 
 typedef struct {
     rigcal_transform cam_from_world;
@@ -618,8 +622,8 @@ typedef struct {
     const rigcal_real *sigma;
     const uint8_t *mask;
     size_t n;
-    int32_t is_mirrored, reserved;
-    rigcal_real origin[3];
+    int32_t is_mirrored, n_unseen, unseen[RIGCAL_POSE_UNSEEN_MAX];
+    rigcal_real pixel, origin[3];
     rigcal_lens lens;
 } rigcal_fit;
 
@@ -666,8 +670,8 @@ typedef struct {
 /* A search under way. Flat and copyable; its fields are internal. */
 typedef struct {
     int32_t phase, next, n_seeds, n_exact, n_found, thorough, is_flat, is_plane,
-        leans, failure, bad, is_warm, point, is_mirrored, is_vague, is_wide, picks,
-        passed_over;
+        leans, failure, bad, is_warm, point, is_mirrored, is_vague, is_unfinished,
+        is_wide, picks;
     size_t n, n_used;
     rigcal_real extent_px, scale, sigma_px, axis[3], normal[3];
     rigcal_fit fit;

@@ -23,6 +23,10 @@ rigcal_status rc_check_camera(const rigcal_camera *camera);
 rigcal_status rc_check_pixel(const rigcal_real uv[2]);
 rigcal_status rc_check_observation(const rigcal_observation *o);
 
+/* What a pixel is, in the unit of uv, where an error is assumed in pixels: 1, but less
+ * where the focal length is so short that the unit cannot be a pixel. */
+rigcal_real rc_pixel_size(const rigcal_camera *camera);
+
 void rc_lens_of(rigcal_lens *lens, const rigcal_camera *camera);
 
 /* F(x) and its Jacobian J = (xx, xy, yy). 0 where F has a pole. */

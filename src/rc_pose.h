@@ -16,12 +16,10 @@ typedef struct {
     size_t n_used;
 } rc_survey;
 
-/* Of the points whose mask is not 0 (NULL: all). OK; ERR_NOT_FINITE, ERR_RANGE of the
- * observation *bad; ERR_TOO_FEW (below 3); and, the survey made, ERR_COINCIDENT,
- * ERR_PRECISION. */
-rigcal_status rc_survey_points(rc_survey *out, int32_t *bad,
-                               const rigcal_observation o[], const rigcal_real sigma[],
-                               const uint8_t mask[], size_t n);
+/* Of the points that count (rc_fit_uses); the fit's origin and lens are not read. OK;
+ * ERR_NOT_FINITE, ERR_RANGE of the observation *bad, else -1; ERR_TOO_FEW (below 3); and,
+ * the survey made, ERR_COINCIDENT, ERR_PRECISION. */
+rigcal_status rc_survey_points(rc_survey *out, int32_t *bad, const rigcal_fit *fit);
 
 /* Whether the points, counted from `origin`, are on a line to rounding. */
 int rc_are_on_line(const rigcal_observation o[], size_t n, const rigcal_real origin[3]);
@@ -42,9 +40,11 @@ int32_t rc_poses_of_three(rigcal_transform cam_from_points[RC_P3P_MAX],
 void rc_found_transform(rigcal_transform *cam_from_points,
                         const rigcal_pose_optimum *found);
 
-/* (C) Likelihood of a sum of squared errors over that of another, for n >= 3 points;
- * sigma_px 0: unknown. 0 or infinity where it is beyond them. */
-rigcal_real rc_odds(rigcal_real sse, rigcal_real other, rigcal_real sigma_px, size_t n);
+/* (C) Likelihood of a sum of squared errors over that of another, for n >= 3 points.
+ * sigma_px 0: unknown, and integrated over; `pixel` as of rc_pixel_size. Underflows to 0,
+ * overflows to infinity. */
+rigcal_real rc_odds(rigcal_real sse, rigcal_real other, rigcal_real sigma_px,
+                    rigcal_real pixel, size_t n);
 
 /* Of a search that is done: likelihood of optimum i over that of the first. */
 rigcal_real rc_pose_likelihood(const rigcal_pose_solver *s, int32_t i);

@@ -18,6 +18,10 @@ inline int rc_is_used(const uint8_t mask[], size_t i)
     return mask == NULL || mask[i] != 0;
 }
 
+/* Whether point i counts: its mask is not 0, and its pixel is none that the lens was found
+ * not to see. */
+int rc_fit_uses(const rigcal_fit *fit, size_t i);
+
 /* Point i from the origin, turned into the camera's axes, q = R x, and in its frame. */
 void rc_fit_place(rigcal_real q[3], rigcal_real X_c[3], const rigcal_fit *fit,
                   const rigcal_transform *cam_from_points, size_t i);

@@ -30,6 +30,9 @@ const char *rigcal_status_name(rigcal_status status)
         NAME_OF(RIGCAL_AMBIGUOUS)
         NAME_OF(RIGCAL_POOR_FIT)
         NAME_OF(RIGCAL_FEW_AGREE)
+        NAME_OF(RIGCAL_VAGUE)
+        NAME_OF(RIGCAL_UNSEEN_POINTS)
+        NAME_OF(RIGCAL_MOST_DISAGREE)
         NAME_OF(RIGCAL_ERR_NULL)
         NAME_OF(RIGCAL_ERR_NOT_FINITE)
         NAME_OF(RIGCAL_ERR_RANGE)
@@ -83,6 +86,15 @@ const char *rigcal_status_text(rigcal_status status)
     case RIGCAL_FEW_AGREE:
         return "so few observations agree that chance may do it: check the "
                "correspondences, or give more";
+    case RIGCAL_VAGUE:
+        return "the data hardly fix the pose: move nearer, or observe points "
+               "that are farther apart";
+    case RIGCAL_UNSEEN_POINTS:
+        return "the lens model images no ray at some of the pixels: the pose is that "
+               "of the other points; check these pixels and the lens";
+    case RIGCAL_MOST_DISAGREE:
+        return "most observations disagree with this pose: check the "
+               "correspondences and the target's coordinates";
     case RIGCAL_ERR_NULL:
         return "a pointer that must not be NULL is NULL";
     case RIGCAL_ERR_NOT_FINITE:
@@ -123,8 +135,8 @@ const char *rigcal_status_text(rigcal_status status)
     case RIGCAL_ERR_BEHIND:
         return "a point is not in front of the camera";
     case RIGCAL_ERR_WIDE_RAY:
-        return "a ray is 90 degrees or more off the optical axis, which "
-               "this method cannot use";
+        return "a ray is 90 degrees or more off the optical axis (80, for a pose in a "
+               "build without three points), which this function cannot use";
     case RIGCAL_ERR_PARALLEL:
         return "the rays are parallel or nearly so: the depth cannot be "
                "told";
@@ -286,7 +298,9 @@ static const rigcal_layout_entry LAYOUT[] = {
     FIELD(rigcal_fit, mask),
     FIELD(rigcal_fit, n),
     FIELD(rigcal_fit, is_mirrored),
-    FIELD(rigcal_fit, reserved),
+    FIELD(rigcal_fit, n_unseen),
+    FIELD(rigcal_fit, unseen),
+    FIELD(rigcal_fit, pixel),
     FIELD(rigcal_fit, origin),
     FIELD(rigcal_fit, lens),
     STRUCT(rigcal_view_moments),
@@ -343,9 +357,9 @@ static const rigcal_layout_entry LAYOUT[] = {
     FIELD(rigcal_pose_solver, point),
     FIELD(rigcal_pose_solver, is_mirrored),
     FIELD(rigcal_pose_solver, is_vague),
+    FIELD(rigcal_pose_solver, is_unfinished),
     FIELD(rigcal_pose_solver, is_wide),
     FIELD(rigcal_pose_solver, picks),
-    FIELD(rigcal_pose_solver, passed_over),
     FIELD(rigcal_pose_solver, n),
     FIELD(rigcal_pose_solver, n_used),
     FIELD(rigcal_pose_solver, extent_px),

@@ -69,6 +69,12 @@ static rigcal_status check_camera_pixel(const rigcal_real out[],
     return (status == RIGCAL_OK) ? rc_check_pixel(uv) : status;
 }
 
+/* Normalised images have a focal length of 1, real ones of hundreds of pixels. */
+rigcal_real rc_pixel_size(const rigcal_camera *camera)
+{
+    return rc_min(1, camera->fx * camera->fx / 800);
+}
+
 /* ---- the lens map -------------------------------------------------------- */
 
 void rc_lens_of(rigcal_lens *lens, const rigcal_camera *camera)

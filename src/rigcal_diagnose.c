@@ -42,7 +42,7 @@ static rigcal_status best_fit(rigcal_pose *pose, const problem *P,
 
 static rigcal_real odds(const problem *P, rigcal_real sse, rigcal_real other, size_t n)
 {
-    return rc_odds(sse, other, P->options.sigma_px, n);
+    return rc_odds(sse, other, P->options.sigma_px, rc_pixel_size(P->camera), n);
 }
 
 /* ---- one point ----------------------------------------------------------- */

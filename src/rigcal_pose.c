@@ -43,6 +43,9 @@ enum { OTHER_WAY = 0, SIDEWAYS, SIDEWAYS_BACK, LEANS };
 #define SIGMA_MIN RC(1e-6)
 #define SIGMA_MAX RC(1e6)
 
+/* Three points fit exactly when their error is that of this noise [px]. */
+#define EXACT RC_TOL(1e-6, 1e-3)
+
 /* Where no noise is stated: the least assumed [px], and the most that is believed of a
  * search and of a warm start [px], or as a part of the target's image where that is
  * more. */
@@ -97,6 +100,9 @@ enum { APPROACH_STEPS = 12 };
 /* Triples that are tried: the first always, more until one leads to a pose that fits. */
 enum { PICKS = 6 };
 
+/* Whether there is code for rays that far off: it takes the poses of three points. */
+enum { WITH_WIDE = RIGCAL_WITH_THREE_POINTS };
+
 enum {
     NOT_BEGUN = 0,
     GATHERING,
@@ -132,17 +138,17 @@ static rigcal_status check_sigma(const rigcal_real *sigma)
                                                            : status;
 }
 
-rigcal_status rc_survey_points(rc_survey *out, int32_t *bad,
-                               const rigcal_observation o[],
-                               const rigcal_real sigma[], const uint8_t mask[],
-                               size_t n)
+rigcal_status rc_survey_points(rc_survey *out, int32_t *bad, const rigcal_fit *fit)
 {
+    const rigcal_observation *const o = fit->observations;
+    const rigcal_real *const sigma = fit->sigma;
     rigcal_real total = 0, size = 0, extent = 0;
     rigcal_real shift[3] = {0, 0, 0}, uv_shift[3] = {0, 0, 0};
     const rigcal_observation *first = NULL;
     size_t n_used = 0;
-    for (size_t i = 0; i < n; i++) {
-        if (!rc_is_used(mask, i)) {
+    *bad = -1;
+    for (size_t i = 0; i < fit->n; i++) {
+        if (!rc_fit_uses(fit, i)) {
             continue;
         }
         rigcal_status status = rc_check_observation(&o[i]);
@@ -208,28 +214,56 @@ static void look_along(rigcal_real R[9], const rigcal_real axis[3])
 /* The first point from i on that counts, or n. */
 static int32_t next_used(const rigcal_pose_solver *s, int32_t i)
 {
-    while (i < (int32_t)s->n && !rc_is_used(s->fit.mask, (size_t)i)) {
+    while (i < (int32_t)s->n && !rc_fit_uses(&s->fit, (size_t)i)) {
         i++;
     }
     return i;
 }
 
-/* The axis is the ray of the middle pixel; where that has none, of the first. */
+/* The virtual camera looks along the ray of the middle pixel; where that has none, or none
+ * is given, along the camera's own axis. */
 static void begin_gathering(rigcal_pose_solver *s,
                             const rigcal_real uv_middle[2])
 {
-    const rigcal_fit *const fit = &s->fit;
     s->phase = GATHERING;
     s->next = next_used(s, 0);
     s->work.triple.count = 0;
     rc_view_begin(&s->from.lattice.moments);
-    if (rc_pixel_to_ray(s->axis, fit->camera, uv_middle) != RIGCAL_OK) {
-        const rigcal_status status = rc_pixel_to_ray(
-            s->axis, fit->camera, fit->observations[s->next].uv);
-        if (status != RIGCAL_OK) {
-            fail(s, status, s->next);
-        }
+    if (uv_middle == NULL ||
+        rc_pixel_to_ray(s->axis, s->fit.camera, uv_middle) != RIGCAL_OK) {
+        s->axis[0] = s->axis[1] = 0;
+        s->axis[2] = 1;
     }
+}
+
+/* Surveys the points that count, and begins the search of their pose. */
+RC_APART static void begin_over(rigcal_pose_solver *s)
+{
+    rc_survey survey;
+    int32_t at;
+    if (rc_survey_points(&survey, &at, &s->fit) != RIGCAL_OK) {
+        fail(s, RIGCAL_ERR_NO_RAY, s->bad); /* too few without those left out */
+        return;
+    }
+    rc_vec3_copy(s->fit.origin, survey.origin);
+    s->scale = 1 / survey.size;
+    s->n_used = survey.n_used;
+    begin_gathering(s, survey.uv_middle);
+}
+
+/* The lens images no ray at the pixel of point i: the others are to do, unless there are
+ * more such points than can be remembered. */
+static void leave_out_unseen(rigcal_pose_solver *s, int32_t i)
+{
+    if (s->fit.n_unseen == RIGCAL_POSE_UNSEEN_MAX) {
+        fail(s, RIGCAL_ERR_NO_RAY, s->bad);
+        return;
+    }
+    if (s->fit.n_unseen == 0) {
+        s->bad = i;
+    }
+    s->fit.unseen[s->fit.n_unseen++] = i;
+    begin_over(s);
 }
 
 /* In the axes of the virtual camera. */
@@ -269,32 +303,47 @@ RC_APART static void count_point(rigcal_pose_solver *s, int32_t i,
 static void begin_picking(rigcal_pose_solver *s)
 {
     s->phase = PICKING;
-    s->is_wide = 1;
     s->work.triple.count = 0;
 }
 
+/* A ray is too far off the virtual camera's axis. What cannot take its poses from triples
+ * of points tries the camera's own axis. */
+static void begin_spread(rigcal_pose_solver *s)
+{
+    if (WITH_WIDE) {
+        s->is_wide = 1;
+        begin_picking(s);
+    } else {
+        begin_gathering(s, NULL);
+    }
+}
+
 /* One point, scaled to size 1, and its image in the virtual camera. */
-static rigcal_status gather_point(rigcal_pose_solver *s, int32_t i)
+static void gather_point(rigcal_pose_solver *s, int32_t i)
 {
     const rigcal_observation *const o = &s->fit.observations[i];
     rigcal_real x[3], ray[3], u[3];
-    const rigcal_status status = rc_pixel_to_ray(ray, s->fit.camera, o->uv);
-    if (status != RIGCAL_OK) {
-        return status;
+    if (rc_pixel_to_ray(ray, s->fit.camera, o->uv) != RIGCAL_OK) {
+        leave_out_unseen(s, i);
+        return;
     }
     turn_to_virtual(u, s->axis, ray);
-    s->is_wide |= !(ray[2] > WIDE_COSINE);
-    if (!(u[2] > SPREAD_COSINE)) {
-        begin_picking(s);
-        return RIGCAL_OK;
+    if (!WITH_WIDE && !(ray[2] > SPREAD_COSINE)) {
+        fail(s, RIGCAL_ERR_WIDE_RAY, i);
+        return;
     }
+    if (!(u[2] > SPREAD_COSINE)) {
+        begin_spread(s);
+        return;
+    }
+    s->is_wide |= WITH_WIDE && !(ray[2] > WIDE_COSINE);
     rc_vec3_scale(u, 1 / u[2], u);
     rc_vec3_sub(x, o->X_w, s->fit.origin);
     rc_vec3_scale(x, s->scale, x);
     rc_view_add(&s->from.lattice.moments, weight_of(s->fit.sigma, (size_t)i), x,
                 u);
     count_point(s, i, ray);
-    return RIGCAL_OK;
+    s->next = next_used(s, i + 1);
 }
 
 RC_APART int32_t rc_poses_of_three(rigcal_transform cam_from_points[RC_P3P_MAX],
@@ -327,7 +376,7 @@ static void begin_refining(rigcal_pose_solver *s, int32_t phase)
 static void begin_start(rigcal_pose_solver *s)
 {
     begin_refining(s, REFINING);
-    if (s->is_wide) {
+    if (WITH_WIDE && s->is_wide) {
         rc_approach_begin(&s->work.fit);
         s->point = next_used(s, 0);
         s->phase = APPROACHING;
@@ -372,19 +421,19 @@ RC_APART static void begin_search(rigcal_pose_solver *s)
     const rigcal_pose_triple *const triple = &s->work.triple;
     rigcal_real thickness;
     s->next = 0;
-    if (!rc_view_finish(view)) {
-        fail(s, RIGCAL_ERR_COINCIDENT, -1);
+    if (!rc_view_finish(view) || triple->count < 3) {
+        fail(s, RIGCAL_ERR_COINCIDENT, s->bad);
         return;
     }
     if (!rc_view_normal(s->normal, &thickness, view)) {
-        fail(s, RIGCAL_ERR_COLLINEAR, -1);
+        fail(s, RIGCAL_ERR_COLLINEAR, s->bad);
         return;
     }
     s->is_flat = thickness < FLAT_THICKNESS;
     s->is_plane = thickness < PLANE_THICKNESS;
     if (triple->count == 3) {
         if (!RIGCAL_WITH_THREE_POINTS) {
-            fail(s, RIGCAL_ERR_TOO_FEW, -1);
+            fail(s, RIGCAL_ERR_TOO_FEW, s->bad);
             return;
         }
         /* None: the moments, whose memory the poses share, stay. */
@@ -404,14 +453,14 @@ RC_APART static void begin_search(rigcal_pose_solver *s)
 RC_APART static void picking_step(rigcal_pose_solver *s)
 {
     rigcal_pose_triple *const triple = &s->work.triple;
-    const int32_t k = triple->count++;
-    int32_t i = next_used(s, s->picks + k * ((int32_t)s->n / 3));
-    i = (i < (int32_t)s->n) ? i : next_used(s, 0);
+    const int32_t k = triple->count++, n = (int32_t)s->n;
+    const int32_t ahead = s->picks + ((k == 0) ? 0 : (k == 1) ? n >> 1 : n - 1);
+    int32_t i = next_used(s, (ahead < n) ? ahead : ahead - n);
+    i = (i < n) ? i : next_used(s, 0);
     triple->index[k] = i;
-    const rigcal_status status =
-        rc_pixel_to_ray(triple->ray[k], s->fit.camera, s->fit.observations[i].uv);
-    if (status != RIGCAL_OK) {
-        fail(s, status, i);
+    if (rc_pixel_to_ray(triple->ray[k], s->fit.camera, s->fit.observations[i].uv) !=
+        RIGCAL_OK) {
+        leave_out_unseen(s, i);
     } else if (k == 2) {
         s->picks++;
         s->next = 0;
@@ -427,14 +476,10 @@ RC_APART static void gathering_step(rigcal_pose_solver *s)
     const int32_t n = (int32_t)s->n;
     int32_t left = s->fit.lens.is_pinhole ? PINHOLE_RAYS : 1;
     for (; left > 0 && s->next < n; left--) {
-        const rigcal_status status = gather_point(s, s->next);
-        if (status != RIGCAL_OK) {
-            fail(s, status, s->next);
-        }
+        gather_point(s, s->next);
         if (s->phase != GATHERING) {
             return;
         }
-        s->next = next_used(s, s->next + 1);
     }
     if (s->next == n) {
         s->phase = GATHERED;
@@ -511,6 +556,9 @@ static void insert_found(rigcal_pose_solver *s)
     rc_vec3_copy(&found[at].rows[3], &end->cam_from_points.R[3]);
     rc_vec3_copy(found[at].t, end->cam_from_points.t);
     found[at].sse = end->sse;
+    if (at == 0) {
+        s->is_unfinished = end->status == RIGCAL_BUDGET_SPENT;
+    }
 }
 
 /* ---- likelihood ---------------------------------------------------------- */
@@ -551,18 +599,19 @@ static rigcal_real exponential(rigcal_real x)
  * prior 1 / noise, which leaves the power n - 3 of the ratio; added is what the least
  * noise makes of a sum. */
 rigcal_real rc_odds(rigcal_real sse, rigcal_real other, rigcal_real sigma_px,
-                    size_t n)
+                    rigcal_real pixel, size_t n)
 {
     if (sigma_px > 0) {
         return exponential((other - sse) / (2 * sigma_px * sigma_px));
     }
-    const rigcal_real least = freedom(n) * NOISE_LEAST * NOISE_LEAST;
+    const rigcal_real noise = NOISE_LEAST * pixel;
+    const rigcal_real least = freedom(n) * noise * noise;
     return power((other + least) / (sse + least), n - 3);
 }
 
 static rigcal_real likelihood_of(const rigcal_pose_solver *s, rigcal_real sse)
 {
-    return rc_odds(sse, s->found[0].sse, s->sigma_px, s->n_used);
+    return rc_odds(sse, s->found[0].sse, s->sigma_px, s->fit.pixel, s->n_used);
 }
 
 rigcal_real rc_pose_likelihood(const rigcal_pose_solver *s, int32_t i)
@@ -754,7 +803,7 @@ static void begin_mirrored(rigcal_pose_solver *s)
 {
     rigcal_view_moments *const view = &s->from.lattice.moments;
     rigcal_real m3[3];
-    const rigcal_real noise = rc_max(s->sigma_px, MIRROR_NOISE);
+    const rigcal_real noise = rc_max(s->sigma_px, MIRROR_NOISE * s->fit.pixel);
     begin_weighing(s, VAGUE_POINTS);
     if (s->is_plane || s->n_found == 0 ||
         s->found[0].sse <= noise * noise * freedom(s->n_used)) {
@@ -867,27 +916,34 @@ RC_APART static rigcal_real squared_pixels(const rigcal_pose_solver *s,
     }
     rc_found_transform(&cam_from_points, &s->found[i]);
     for (size_t k = 0; k < s->n; k++) {
-        if (rc_is_used(s->fit.mask, k)) {
+        if (rc_fit_uses(&s->fit, k)) {
             sum += rc_fit_distance2(&s->fit, &cam_from_points, k);
         }
     }
     return sum;
 }
 
-/* Whether the first pose's error is too large for the noise stated; where none is, for
- * noise of `most` px, or of a part of the target's image where that is more: beyond so
- * many standard deviations of chi squared, by Wilson and Hilferty (1931). */
-RC_APART static int is_poor(const rigcal_pose_solver *s, rigcal_real most,
-                            rigcal_real deviations)
+/* The sum that noise exceeds with the probability of so many standard deviations of chi
+ * squared, by Wilson and Hilferty (1931). */
+static rigcal_real largest_sum(const rigcal_pose_solver *s, rigcal_real noise,
+                               rigcal_real deviations)
 {
     const rigcal_real dof = freedom(s->n_used), v = 2 / (9 * dof);
     const rigcal_real root = 1 - v + deviations * RC_SQRT(v);
+    return noise * noise * dof * root * root * root;
+}
+
+/* Whether the first pose's error is too large for the noise stated; where none is, for
+ * noise of `most` px, or of a part of the target's image where that is more. */
+RC_APART static int is_poor(const rigcal_pose_solver *s, rigcal_real most,
+                            rigcal_real deviations)
+{
     rigcal_real sum = s->found[0].sse, noise = s->sigma_px;
     if (!(noise > 0)) {
         sum = squared_pixels(s, 0);
-        noise = rc_max(most, NOISE_PART * s->extent_px);
+        noise = rc_max(most * s->fit.pixel, NOISE_PART * s->extent_px);
     }
-    return !(sum <= noise * noise * dof * root * root * root);
+    return !(sum <= largest_sum(s, noise, deviations));
 }
 
 /* A pose of three points; of more, unless it would only lead to an optimum found. */
@@ -900,9 +956,24 @@ static void next_exact(rigcal_pose_solver *s)
     }
 }
 
+/* Of three points, minima that do not fit are left by two exact poses that noise has made
+ * one. They go where the noise is not stated, or is too small for them, and others fit. */
+static void keep_exact(rigcal_pose_solver *s)
+{
+    const rigcal_real noise = (s->sigma_px > 0) ? s->sigma_px : EXACT * s->fit.pixel;
+    const rigcal_real most = largest_sum(s, noise, DEVIATIONS);
+    while (s->n_found > 1 && s->found[0].sse <= most &&
+           !(s->found[s->n_found - 1].sse <= most)) {
+        s->n_found--;
+    }
+}
+
 /* The poses of a triple have been tried: another one, or the end. */
 static void end_exact(rigcal_pose_solver *s)
 {
+    if (is_three(s)) {
+        keep_exact(s);
+    }
     if (!is_three(s) && s->picks < PICKS &&
         (s->picks + (s->n_seeds > 0) < 2 || s->n_found == 0 || is_poor(s, NOISE_MOST, DEVIATIONS))) {
         begin_picking(s);
@@ -914,28 +985,37 @@ static void end_exact(rigcal_pose_solver *s)
 /* The next start of a refinement or a descent, if it is worth it, or the end. */
 RC_APART static void choosing_step(rigcal_pose_solver *s)
 {
-    if (s->next < s->n_exact) {
+    if (WITH_WIDE && s->next < s->n_exact) {
         next_exact(s);
-    } else if (s->picks > 0 || is_three(s)) {
+    } else if (WITH_WIDE && (s->picks > 0 || is_three(s))) {
         end_exact(s);
     } else if (s->is_flat && s->n_found > 0 && s->leans < LEANS) {
         try_lean(s, s->leans++);
     } else if (s->next < s->n_seeds) {
         try_seed(s, s->next++);
-    } else if (RIGCAL_WITH_THREE_POINTS && s->is_wide) {
+    } else if (WITH_WIDE && s->is_wide) {
         begin_picking(s);
     } else {
         begin_mirrored(s);
     }
 }
 
-/* By all, if some leave it all but open. */
+/* The previous pose was of no use. */
+static void begin_cold(rigcal_pose_solver *s)
+{
+    s->is_warm = 0;
+    s->n_found = 0;
+    begin_over(s);
+}
+
+/* By all points, if some of them hardly fix the pose. A previous pose that hardly any data
+ * support is not believed: the search tells what is wrong with them. */
 static void end_weighing(rigcal_pose_solver *s)
 {
     const rigcal_real noise =
         (s->sigma_px > 0)
             ? s->sigma_px
-            : rc_max(VAGUE_NOISE,
+            : rc_max(VAGUE_NOISE * s->fit.pixel,
                      RC_SQRT(s->found[0].sse / freedom(s->n_used)));
     rigcal_real variance;
     s->is_vague = s->work.fit.status < 0 ||
@@ -944,6 +1024,8 @@ static void end_weighing(rigcal_pose_solver *s)
     s->phase = DONE;
     if (s->is_vague && s->fit.n < s->n) {
         begin_weighing(s, s->n);
+    } else if (s->is_vague && s->is_warm) {
+        begin_cold(s);
     }
 }
 
@@ -954,14 +1036,9 @@ static void end_warm(rigcal_pose_solver *s)
 {
     if (s->n_found > 0 && !is_poor(s, NOISE_WARM, DEVIATIONS_WARM)) {
         begin_weighing(s, VAGUE_POINTS);
-        return;
+    } else {
+        begin_cold(s);
     }
-    rc_survey survey;
-    (void)rc_survey_points(&survey, &s->bad, s->fit.observations, s->fit.sigma,
-                           s->fit.mask, s->n);
-    s->is_warm = 0;
-    s->n_found = 0;
-    begin_gathering(s, survey.uv_middle);
 }
 
 /* The refinement's end is an optimum, or none. */
@@ -1080,31 +1157,34 @@ rigcal_status rc_pose_begin(rigcal_pose_solver *solver, int32_t *bad,
                             const rigcal_real sigma[], const uint8_t mask[],
                             size_t n, const rigcal_pose_options *options)
 {
+    static const rigcal_real NO_ORIGIN[3] = {0, 0, 0};
     rc_survey survey;
+    rigcal_fit fit;
     int32_t at = -1;
     rigcal_status status =
         (observations == NULL) ? RIGCAL_ERR_NULL : rc_check_camera(camera);
     if (status == RIGCAL_OK && options != NULL) {
         status = check_options(options);
     }
+    if (status == RIGCAL_OK && n > RC_COUNT_MAX) {
+        status = RIGCAL_ERR_RANGE;
+    }
     if (status == RIGCAL_OK) {
-        status =
-            (n > RC_COUNT_MAX)
-                ? RIGCAL_ERR_RANGE
-                : rc_survey_points(&survey, &at, observations, sigma, mask, n);
+        rc_fit_begin(&fit, camera, observations, sigma, mask, n, NO_ORIGIN);
+        status = rc_survey_points(&survey, &at, &fit);
+    }
+    if (bad != NULL) {
+        *bad = at;
     }
     if (status != RIGCAL_OK) {
-        if (bad != NULL) {
-            *bad = at;
-        }
         return status;
     }
     *solver = (rigcal_pose_solver){0};
-    rc_fit_begin(&solver->fit, camera, observations, sigma, mask, n,
-                 survey.origin);
+    solver->fit = fit;
+    rc_vec3_copy(solver->fit.origin, survey.origin);
     solver->n = n;
     solver->n_used = survey.n_used;
-    solver->bad = solver->passed_over = -1;
+    solver->bad = -1;
     solver->scale = 1 / survey.size;
     solver->extent_px = survey.extent_px;
     if (options != NULL) {
@@ -1134,9 +1214,9 @@ static void step_once(rigcal_pose_solver *s)
 {
     if (s->phase == GATHERING) {
         gathering_step(s);
-    } else if (s->phase == PICKING) {
+    } else if (WITH_WIDE && s->phase == PICKING) {
         picking_step(s);
-    } else if (s->phase == APPROACHING) {
+    } else if (WITH_WIDE && s->phase == APPROACHING) {
         approaching_step(s);
     } else if (s->phase == GATHERED) {
         begin_search(s);
@@ -1198,10 +1278,10 @@ rigcal_status rigcal_pose_result(rigcal_pose poses[], size_t *n_found,
     if (s->phase != DONE || s->n_found < 0 || s->n_found > RIGCAL_POSES_MAX) {
         return RIGCAL_ERR_STATE;
     }
+    if (bad != NULL) {
+        *bad = s->bad;
+    }
     if (s->n_found == 0) {
-        if (bad != NULL) {
-            *bad = s->bad;
-        }
         return (s->failure != 0) ? s->failure : RIGCAL_ERR_NO_POSE;
     }
     for (int32_t i = 0; i < s->n_found; i++) {
@@ -1217,8 +1297,16 @@ rigcal_status rigcal_pose_result(rigcal_pose poses[], size_t *n_found,
     if (s->is_mirrored || is_poor(s, NOISE_MOST, DEVIATIONS)) {
         return RIGCAL_POOR_FIT;
     }
-    return (poses[0].probability >= SURE && !s->is_vague) ? RIGCAL_OK
-                                                          : RIGCAL_AMBIGUOUS;
+    if (s->is_unfinished) {
+        return RIGCAL_BUDGET_SPENT;
+    }
+    if (s->is_vague) {
+        return RIGCAL_VAGUE;
+    }
+    if (!(poses[0].probability >= SURE)) {
+        return RIGCAL_AMBIGUOUS;
+    }
+    return (s->fit.n_unseen > 0) ? RIGCAL_UNSEEN_POINTS : RIGCAL_OK;
 }
 
 rigcal_status rigcal_solve_pose(rigcal_pose poses[], size_t *n_found,
@@ -1332,7 +1420,9 @@ rigcal_status rigcal_pose_covariance(rigcal_pose_uncertainty *out,
                                      const rigcal_real sigma[], size_t n,
                                      rigcal_real sigma_px)
 {
+    static const rigcal_real NO_ORIGIN[3] = {0, 0, 0};
     rc_survey survey;
+    rigcal_fit fit;
     int32_t at;
     if (out == NULL || observations == NULL) {
         return RIGCAL_ERR_NULL;
@@ -1351,7 +1441,8 @@ rigcal_status rigcal_pose_covariance(rigcal_pose_uncertainty *out,
         status = RIGCAL_ERR_TOO_FEW;
     }
     if (status == RIGCAL_OK) {
-        status = rc_survey_points(&survey, &at, observations, sigma, NULL, n);
+        rc_fit_begin(&fit, camera, observations, sigma, NULL, n, NO_ORIGIN);
+        status = rc_survey_points(&survey, &at, &fit);
     }
     if (status != RIGCAL_OK && status != RIGCAL_ERR_COINCIDENT &&
         status != RIGCAL_ERR_PRECISION) {
@@ -1360,11 +1451,10 @@ rigcal_status rigcal_pose_covariance(rigcal_pose_uncertainty *out,
 
     rigcal_real sse, g[6], H[21], at_points[36], turned[3];
     rigcal_transform cam_from_points = *cam_from_world;
-    rigcal_fit fit;
     if (rc_are_on_line(observations, n, survey.origin)) {
         return RIGCAL_ERR_DEGENERATE;
     }
-    rc_fit_begin(&fit, camera, observations, sigma, NULL, n, survey.origin);
+    rc_vec3_copy(fit.origin, survey.origin);
     rc_transform_point(cam_from_points.t, cam_from_world, survey.origin);
     status = rc_normal_equations(&sse, g, H, &fit, &cam_from_points);
     if (status != RIGCAL_OK) {

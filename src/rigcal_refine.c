@@ -51,11 +51,22 @@ void rc_fit_begin(rigcal_fit *fit, const rigcal_camera *camera,
     fit->mask = mask;
     fit->n = n;
     rc_vec3_copy(fit->origin, origin);
-    fit->is_mirrored = fit->reserved = 0;
+    fit->is_mirrored = fit->n_unseen = 0;
+    fit->pixel = rc_pixel_size(camera);
     rc_lens_of(&fit->lens, camera);
 }
 
 extern inline int rc_is_used(const uint8_t mask[], size_t i);
+
+int rc_fit_uses(const rigcal_fit *fit, size_t i)
+{
+    for (int32_t k = 0; k < fit->n_unseen; k++) {
+        if ((size_t)fit->unseen[k] == i) {
+            return 0;
+        }
+    }
+    return rc_is_used(fit->mask, i);
+}
 
 void rc_fit_place(rigcal_real q[3], rigcal_real X_c[3], const rigcal_fit *fit,
                   const rigcal_transform *cam_from_points, size_t i)
@@ -196,7 +207,7 @@ static rigcal_status equations(rigcal_real *sse, rigcal_real g[6],
     clear_sums(g, H);
     for (size_t i = 0; i < fit->n; i++) {
         rigcal_real e[2] = {0, 0}, B[6], q[3], X_c[3];
-        if (!rc_is_used(fit->mask, i)) {
+        if (!rc_fit_uses(fit, i)) {
             continue;
         }
         const rigcal_status status =
@@ -414,14 +425,20 @@ static void bend_up(rigcal_refinement *state)
     }
 }
 
+static rigcal_real nothing_of(const rigcal_fit *fit)
+{
+    return GAIN_NOTHING * fit->pixel * fit->pixel;
+}
+
 /* A nearly undamped step is the last when next to nothing is left to gain after
  * it. Were the gains to go on falling as from the step before, by r = gain /
  * last_gain each, that would be gain r / (1 - r); near an optimum they fall ever
  * faster, and in a valley, where r is near 1, a small gain alone says nothing. */
-static int is_last(const rigcal_refinement *state, rigcal_real gain)
+static int is_last(const rigcal_refinement *state, rigcal_real gain,
+                   rigcal_real nothing)
 {
     return state->lambda <= DAMPING_NEAR &&
-           (gain <= GAIN_NOTHING || gain <= GAIN_LEAST * state->sse ||
+           (gain <= nothing || gain <= GAIN_LEAST * state->sse ||
             gain * gain <= (state->last_gain - gain) * LEFT_LEAST * state->sse);
 }
 
@@ -438,7 +455,7 @@ static void try_step(rigcal_refinement *state, const rigcal_fit *fit,
     const rigcal_status status = equations(&sse, state->g, state->H, fit, pose,
                                            state->curvature != LEFT_OUT);
     if (status == RIGCAL_OK &&
-        sse <= state->sse * (1 + SUM_ROUNDING) + GAIN_NOTHING) {
+        sse <= state->sse * (1 + SUM_ROUNDING) + nothing_of(fit)) {
         state->sse = sse;
         state->last_gain = gain;
         state->lambda *= RC(0.1);
@@ -468,7 +485,7 @@ static void advance(rigcal_refinement *state, const rigcal_fit *fit)
         return;
     }
     const int is_saddle = state->curvature == SADDLE;
-    if (is_last(state, gain)) {
+    if (is_last(state, gain, nothing_of(fit))) {
         if (is_saddle) { /* no optimum, and no way down */
             state->status = RIGCAL_BUDGET_SPENT;
             return;

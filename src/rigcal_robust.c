@@ -310,7 +310,9 @@ static rigcal_status begin(rigcal_robust_solver *s, int32_t *at,
 {
     rigcal_pose_options pose_options;
     rigcal_robust_options defaults;
+    static const rigcal_real NO_ORIGIN[3] = {0, 0, 0};
     rc_survey survey;
+    rigcal_fit fit;
     *at = -1;
     (void)rigcal_robust_defaults(&defaults);
     const rigcal_robust_options *const o =
@@ -334,7 +336,8 @@ static rigcal_status begin(rigcal_robust_solver *s, int32_t *at,
     status = rc_pose_begin(&s->work.pose, at, camera, observations, sigma, NULL,
                            n, &pose_options);
     if (status == RIGCAL_OK) {
-        status = rc_survey_points(&survey, at, observations, sigma, NULL, n);
+        rc_fit_begin(&fit, camera, observations, sigma, NULL, n, NO_ORIGIN);
+        status = rc_survey_points(&survey, at, &fit);
     }
     if (status == RIGCAL_OK && rc_are_on_line(observations, n, survey.origin)) {
         status = RIGCAL_ERR_COLLINEAR;
@@ -350,7 +353,7 @@ static rigcal_status begin(rigcal_robust_solver *s, int32_t *at,
     s->sigma_px = o->sigma_px;
     s->threshold_px = (o->threshold_px > 0) ? o->threshold_px
                       : (o->sigma_px > 0)   ? THRESHOLD_SIGMAS * o->sigma_px
-                                            : THRESHOLD_PX;
+                                            : THRESHOLD_PX * fit.pixel;
     s->random = (o->seed != 0) ? o->seed : UINT32_C(0x9e3779b9);
     s->samples = o->samples;
     s->is_complete = count_triples(n) <= (size_t)o->samples;
@@ -458,7 +461,10 @@ rigcal_status rigcal_robust_result(rigcal_pose poses[], size_t *n_found,
     if (status >= 0) {
         *n_inliers = count;
     }
-    return (status >= 0 && chance > CHANCE) ? RIGCAL_FEW_AGREE : status;
+    if (status >= 0 && chance > CHANCE) {
+        return RIGCAL_FEW_AGREE;
+    }
+    return (status == RIGCAL_OK && 2 * count < solver->n) ? RIGCAL_MOST_DISAGREE : status;
 }
 
 rigcal_status rigcal_solve_pose_robust(rigcal_pose poses[], size_t *n_found,

@@ -56,8 +56,8 @@ enum {
     RIGCAL_POOR_FIT = 5,     /* the error is too large for noise */
     RIGCAL_FEW_AGREE = 6,    /* so few observations agree that chance may do it */
     RIGCAL_VAGUE = 7,        /* the data hardly fix the pose */
-    RIGCAL_UNSEEN_POINTS = 8,/* the lens images no ray at some pixels, which were
-                                left out */
+    RIGCAL_UNSEEN_POINT = 8, /* the lens images no ray at a pixel; the point was left
+                                out */
     RIGCAL_MOST_DISAGREE = 9,/* more observations disagree with the pose than agree */
 
     /* The arguments. */
@@ -584,7 +584,7 @@ RIGCAL_API rigcal_status rigcal_paper_solve(rigcal_paper_pose *pose,
  * were found are returned, best first, and the status tells when the first is not
  * sure. Three points have up to four poses that fit exactly (D), and nothing in them
  * tells which is right. */
-enum { RIGCAL_POSES_MAX = 4, RIGCAL_POSE_SEEDS = 5, RIGCAL_POSE_UNSEEN_MAX = 4 };
+enum { RIGCAL_POSES_MAX = 4, RIGCAL_POSE_SEEDS = 5 };
 
 typedef struct {
     rigcal_transform cam_from_world;
@@ -622,7 +622,7 @@ typedef struct {
     const rigcal_real *sigma;
     const uint8_t *mask;
     size_t n;
-    int32_t is_mirrored, n_unseen, unseen[RIGCAL_POSE_UNSEEN_MAX];
+    int32_t is_mirrored, unseen;
     rigcal_real pixel, origin[3];
     rigcal_lens lens;
 } rigcal_fit;

@@ -13,14 +13,12 @@ void rc_fit_begin(rigcal_fit *fit, const rigcal_camera *camera,
                   const rigcal_real sigma[], const uint8_t mask[], size_t n,
                   const rigcal_real origin[3]);
 
-inline int rc_is_used(const uint8_t mask[], size_t i)
+/* Whether point i counts: its mask is not 0, and the lens is not known to image no ray at
+ * its pixel. */
+inline int rc_fit_uses(const rigcal_fit *fit, size_t i)
 {
-    return mask == NULL || mask[i] != 0;
+    return (int32_t)i != fit->unseen && (fit->mask == NULL || fit->mask[i] != 0);
 }
-
-/* Whether point i counts: its mask is not 0, and its pixel is none that the lens was found
- * not to see. */
-int rc_fit_uses(const rigcal_fit *fit, size_t i);
 
 /* Point i from the origin, turned into the camera's axes, q = R x, and in its frame. */
 void rc_fit_place(rigcal_real q[3], rigcal_real X_c[3], const rigcal_fit *fit,
@@ -45,19 +43,11 @@ rigcal_status rc_newton_equations(rigcal_real *sse, rigcal_real g[6],
 
 /* Levenberg-Marquardt from state->cam_from_points, one evaluation of the equations a
  * call, with Newton's in place of Gauss and Newton's where progress is slow;
- * state->status is RUNNING until it is OK, BUDGET_SPENT (max_evals) or a failure. */
-void rc_refine_begin(rigcal_refinement *state);
+ * state->status is RUNNING until it is OK, BUDGET_SPENT (max_evals) or a failure. is_wide:
+ * from errors along the rays, whose equations take the ray of every pixel too. */
+void rc_refine_begin(rigcal_refinement *state, int is_wide);
 void rc_refine_step(rigcal_refinement *state, const rigcal_fit *fit,
                     int32_t max_evals);
-
-/* Gauss-Newton on errors taken along the observed rays, which has no pole where a point
- * comes 90 degrees off the axis (EQUATIONS.md B). rc_approach_begin clears the sums of an
- * iteration, rc_approach_point adds point i (OK, or ERR_NO_RAY: its pixel has no ray), and
- * rc_approach_step moves the pose. rc_approach_step returns 1 when it has converged. */
-void rc_approach_begin(rigcal_refinement *state);
-rigcal_status rc_approach_point(rigcal_refinement *state, const rigcal_fit *fit,
-                                size_t i);
-int rc_approach_step(rigcal_refinement *state);
 
 /* Inverse of J^T J, full. 0 when it is singular: the points do not fix the pose. */
 int rc_refine_covariance(rigcal_real Sigma[36], const rigcal_real H[21]);

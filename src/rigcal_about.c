@@ -31,7 +31,7 @@ const char *rigcal_status_name(rigcal_status status)
         NAME_OF(RIGCAL_POOR_FIT)
         NAME_OF(RIGCAL_FEW_AGREE)
         NAME_OF(RIGCAL_VAGUE)
-        NAME_OF(RIGCAL_UNSEEN_POINTS)
+        NAME_OF(RIGCAL_UNSEEN_POINT)
         NAME_OF(RIGCAL_MOST_DISAGREE)
         NAME_OF(RIGCAL_ERR_NULL)
         NAME_OF(RIGCAL_ERR_NOT_FINITE)
@@ -89,9 +89,9 @@ const char *rigcal_status_text(rigcal_status status)
     case RIGCAL_VAGUE:
         return "the data hardly fix the pose: move nearer, or observe points "
                "that are farther apart";
-    case RIGCAL_UNSEEN_POINTS:
-        return "the lens model images no ray at some of the pixels: the pose is that "
-               "of the other points; check these pixels and the lens";
+    case RIGCAL_UNSEEN_POINT:
+        return "the lens model images no ray at one of the pixels: the pose is that of "
+               "the other points; check that pixel and the lens";
     case RIGCAL_MOST_DISAGREE:
         return "most observations disagree with this pose: check the "
                "correspondences and the target's coordinates";
@@ -298,7 +298,6 @@ static const rigcal_layout_entry LAYOUT[] = {
     FIELD(rigcal_fit, mask),
     FIELD(rigcal_fit, n),
     FIELD(rigcal_fit, is_mirrored),
-    FIELD(rigcal_fit, n_unseen),
     FIELD(rigcal_fit, unseen),
     FIELD(rigcal_fit, pixel),
     FIELD(rigcal_fit, origin),

@@ -93,10 +93,6 @@ enum { PINHOLE_RAYS = 16 };
  * right. */
 #define WIDE_COSINE RC(0.5)
 
-/* Steps of an approach, usually 3 to 5, and the damping of the refinement from its end. */
-enum { APPROACH_STEPS = 12 };
-#define APPROACHED_DAMPING RC(1e-10)
-
 /* Triples that are tried: the first always, more until one leads to a pose that fits. */
 enum { PICKS = 6 };
 
@@ -110,7 +106,6 @@ enum {
     PICKING, /* a triple of rays far apart */
     SCANNING,
     DESCENT,
-    APPROACHING,
     REFINING,
     PROVING,
     CHOOSING, /* the next start */
@@ -251,18 +246,15 @@ RC_APART static void begin_over(rigcal_pose_solver *s)
     begin_gathering(s, survey.uv_middle);
 }
 
-/* The lens images no ray at the pixel of point i: the others are to do, unless there are
- * more such points than can be remembered. */
+/* The lens images no ray at the pixel of point i: the pose is that of the others. A second
+ * such point is too much. */
 static void leave_out_unseen(rigcal_pose_solver *s, int32_t i)
 {
-    if (s->fit.n_unseen == RIGCAL_POSE_UNSEEN_MAX) {
-        fail(s, RIGCAL_ERR_NO_RAY, s->bad);
+    if (s->fit.unseen >= 0) {
+        fail(s, RIGCAL_ERR_NO_RAY, i);
         return;
     }
-    if (s->fit.n_unseen == 0) {
-        s->bad = i;
-    }
-    s->fit.unseen[s->fit.n_unseen++] = i;
+    s->fit.unseen = s->bad = i;
     begin_over(s);
 }
 
@@ -367,39 +359,8 @@ static int is_three(const rigcal_pose_solver *s)
 
 static void begin_refining(rigcal_pose_solver *s, int32_t phase)
 {
-    rc_refine_begin(&s->work.fit);
+    rc_refine_begin(&s->work.fit, s->is_wide && phase == REFINING);
     s->phase = phase;
-}
-
-/* From a pose that is only near an optimum: where rays are far off the axis, by an
- * approach. */
-static void begin_start(rigcal_pose_solver *s)
-{
-    begin_refining(s, REFINING);
-    if (WITH_WIDE && s->is_wide) {
-        rc_approach_begin(&s->work.fit);
-        s->point = next_used(s, 0);
-        s->phase = APPROACHING;
-    }
-}
-
-/* One point; after the last one the step. */
-RC_APART static void approaching_step(rigcal_pose_solver *s)
-{
-    rigcal_refinement *const work = &s->work.fit;
-    (void)rc_approach_point(work, &s->fit, (size_t)s->point);
-    s->point = next_used(s, s->point + 1);
-    if (s->point < (int32_t)s->n) {
-        return;
-    }
-    const int has_arrived = rc_approach_step(work);
-    if (has_arrived || ++work->evals == APPROACH_STEPS) {
-        begin_refining(s, REFINING);
-        work->lambda = APPROACHED_DAMPING;
-    } else {
-        rc_approach_begin(work);
-        s->point = next_used(s, 0);
-    }
 }
 
 /* The search has ended; how well the observations fix its first pose is left to weigh:
@@ -449,25 +410,27 @@ RC_APART static void begin_search(rigcal_pose_solver *s)
     }
 }
 
-/* One ray of a triple spread over the points' order; after the third its poses. */
+/* A triple spread over the points' order, and its poses. */
 RC_APART static void picking_step(rigcal_pose_solver *s)
 {
+    const int32_t n = (int32_t)s->n;
     rigcal_pose_triple *const triple = &s->work.triple;
-    const int32_t k = triple->count++, n = (int32_t)s->n;
-    const int32_t ahead = s->picks + ((k == 0) ? 0 : (k == 1) ? n >> 1 : n - 1);
-    int32_t i = next_used(s, (ahead < n) ? ahead : ahead - n);
-    i = (i < n) ? i : next_used(s, 0);
-    triple->index[k] = i;
-    if (rc_pixel_to_ray(triple->ray[k], s->fit.camera, s->fit.observations[i].uv) !=
-        RIGCAL_OK) {
-        leave_out_unseen(s, i);
-    } else if (k == 2) {
-        s->picks++;
-        s->next = 0;
-        s->n_exact = rc_poses_of_three(s->from.exact, &s->fit, triple->index,
-                                       (const rigcal_real(*)[3])triple->ray);
-        s->phase = CHOOSING;
+    int32_t i = s->picks++;
+    for (int k = 0; k < 3; k++) {
+        i = next_used(s, i);
+        i = (i < n) ? i : next_used(s, i - n);
+        if (rc_pixel_to_ray(triple->ray[k], s->fit.camera, s->fit.observations[i].uv) !=
+            RIGCAL_OK) {
+            leave_out_unseen(s, i);
+            return;
+        }
+        triple->index[k] = i;
+        i += ((n + 1) >> 2) + (n >> 4);
     }
+    s->next = 0;
+    s->n_exact = rc_poses_of_three(s->from.exact, &s->fit, triple->index,
+                                   (const rigcal_real(*)[3])triple->ray);
+    s->phase = CHOOSING;
 }
 
 /* One ray; of a pinhole, whose rays cost next to nothing, some. */
@@ -834,7 +797,7 @@ RC_APART static void follow(rigcal_pose_solver *s, const rigcal_real m3[3])
     rigcal_transform *const start = &s->work.fit.cam_from_points;
     seed_pose(start, s, m3);
     if (near_found(s, start->R, SAME_BASIN) < 0) {
-        begin_start(s);
+        begin_refining(s, REFINING);
     }
 }
 
@@ -952,7 +915,7 @@ static void next_exact(rigcal_pose_solver *s)
     s->work.fit.cam_from_points = s->from.exact[s->next++];
     if (is_three(s) ||
         near_found(s, s->work.fit.cam_from_points.R, SAME_BASIN) < 0) {
-        begin_start(s);
+        begin_refining(s, REFINING);
     }
 }
 
@@ -1216,8 +1179,6 @@ static void step_once(rigcal_pose_solver *s)
         gathering_step(s);
     } else if (WITH_WIDE && s->phase == PICKING) {
         picking_step(s);
-    } else if (WITH_WIDE && s->phase == APPROACHING) {
-        approaching_step(s);
     } else if (s->phase == GATHERED) {
         begin_search(s);
     } else if (s->phase == SCANNING) {
@@ -1306,7 +1267,7 @@ rigcal_status rigcal_pose_result(rigcal_pose poses[], size_t *n_found,
     if (!(poses[0].probability >= SURE)) {
         return RIGCAL_AMBIGUOUS;
     }
-    return (s->fit.n_unseen > 0) ? RIGCAL_UNSEEN_POINTS : RIGCAL_OK;
+    return (s->fit.unseen >= 0) ? RIGCAL_UNSEEN_POINT : RIGCAL_OK;
 }
 
 rigcal_status rigcal_solve_pose(rigcal_pose poses[], size_t *n_found,

@@ -35,8 +35,13 @@
 /* Pivots are compared with this part of their diagonal. */
 #define RANK_TOL (8 * RC_EPS)
 
-/* The approach ends when a step gains no more than this part of the sum. */
+/* An approach ends when a step gains no more than this part of the sum, usually after 3
+ * to 5 steps; and at the latest after so many. */
 #define APPROACHED RC(1e-4)
+enum { APPROACH_STEPS = 12 };
+
+/* Whether there is code for rays far off the axis: it takes poses of three points. */
+enum { WITH_WIDE = RIGCAL_WITH_THREE_POINTS };
 
 /* ---- what is fitted ------------------------------------------------------ */
 
@@ -51,22 +56,13 @@ void rc_fit_begin(rigcal_fit *fit, const rigcal_camera *camera,
     fit->mask = mask;
     fit->n = n;
     rc_vec3_copy(fit->origin, origin);
-    fit->is_mirrored = fit->n_unseen = 0;
+    fit->is_mirrored = 0;
+    fit->unseen = -1;
     fit->pixel = rc_pixel_size(camera);
     rc_lens_of(&fit->lens, camera);
 }
 
-extern inline int rc_is_used(const uint8_t mask[], size_t i);
-
-int rc_fit_uses(const rigcal_fit *fit, size_t i)
-{
-    for (int32_t k = 0; k < fit->n_unseen; k++) {
-        if ((size_t)fit->unseen[k] == i) {
-            return 0;
-        }
-    }
-    return rc_is_used(fit->mask, i);
-}
+extern inline int rc_fit_uses(const rigcal_fit *fit, size_t i);
 
 void rc_fit_place(rigcal_real q[3], rigcal_real X_c[3], const rigcal_fit *fit,
                   const rigcal_transform *cam_from_points, size_t i)
@@ -109,6 +105,10 @@ rigcal_real rc_fit_distance2(const rigcal_fit *fit,
 
 /* ---- normal equations ---------------------------------------------------- */
 
+/* The curvature of the projection in H: a saddle is where it makes H indefinite. And the
+ * errors along the rays, from which a refinement of a wide target begins. */
+enum { LEFT_OUT, MINDED, SADDLE, ALONG_RAYS };
+
 /* H is held in blocks: by w (symmetric), across (a row of w, a column of dt) and by dt
  * (symmetric). */
 enum { ACROSS = 6, BY_DT = 15 };
@@ -119,10 +119,13 @@ enum { ACROSS = 6, BY_DT = 15 };
  * (c.q) 1 - (c q^T + q c^T) / 2 by w. */
 static void add_curvature(rigcal_real H[21], rigcal_real M[9],
                           const rigcal_real c[3], const rigcal_real q[3],
-                          const rigcal_real k[3])
+                          const rigcal_real X_c[3], int is_fisheye)
 {
     const rigcal_real along = rc_vec3_dot(c, q);
-    rigcal_real row[3];
+    rigcal_real k[3] = {0, 0, 1 / X_c[2]}, row[3];
+    if (RIGCAL_WITH_FISHEYE && is_fisheye) {
+        rc_vec3_scale(k, 1 / rc_vec3_dot(X_c, X_c), X_c);
+    }
     for (int i = 0, at = 0; i < 3; at += 3 - i, i++) {
         rc_vec3_combine(row, c[i], k, k[i], c);
         rc_vec3_add(&M[3 * i], row);
@@ -155,7 +158,7 @@ static inline void add_row(rigcal_real out[3], rigcal_real across[3],
 RC_APART static void add_point(rigcal_real g[6], rigcal_real H[21],
                                const rigcal_real B[6], const rigcal_real q[3],
                                const rigcal_real e[2], rigcal_real weight,
-                               const rigcal_real k[3])
+                               const rigcal_real X_c[3], int is_fisheye)
 {
     const rigcal_real *const bu = B, *const bv = B + 3;
     rigcal_real *const across = &H[ACROSS], *const by_dt = &H[BY_DT];
@@ -164,8 +167,8 @@ RC_APART static void add_point(rigcal_real g[6], rigcal_real H[21],
     rc_vec3_combine(&M[0], weight * bu[0], bu, weight * bv[0], bv);
     rc_vec3_combine(&M[3], weight * bu[1], bu, weight * bv[1], bv);
     rc_vec3_combine(&M[6], weight * bu[2], bu, weight * bv[2], bv);
-    if (k != NULL) {
-        add_curvature(H, M, c, q, k);
+    if (X_c != NULL) {
+        add_curvature(H, M, c, q, X_c, is_fisheye);
     }
     rc_vec3_cross(v, q, c);
     rc_vec3_add(&g[0], v);
@@ -183,19 +186,28 @@ RC_APART static void add_point(rigcal_real g[6], rigcal_real H[21],
     H[5] += v[2];
 }
 
-static void clear_sums(rigcal_real g[6], rigcal_real H[21])
+static void clear_sums(rigcal_real *sse, rigcal_real g[6], rigcal_real H[21])
 {
-    for (int k = 0; k < 21; k++) {
-        H[k] = 0;
-    }
+    *sse = 0;
     for (int k = 0; k < 6; k++) {
         g[k] = 0;
     }
+    for (int k = 0; k < 21; k++) {
+        H[k] = 0;
+    }
 }
 
-static rigcal_real weight_of(const rigcal_fit *fit, size_t i)
+/* Point i, whose error, derivative and place are given, with the curvature at X_c if that
+ * is not NULL. */
+static inline void add_error(rigcal_real *sse, rigcal_real g[6], rigcal_real H[21],
+                             const rigcal_real e[2], const rigcal_real B[6],
+                             const rigcal_real q[3], const rigcal_real X_c[3],
+                             const rigcal_fit *fit, size_t i)
 {
-    return (fit->sigma == NULL) ? 1 : 1 / (fit->sigma[i] * fit->sigma[i]);
+    const rigcal_real weight =
+        (fit->sigma == NULL) ? 1 : 1 / (fit->sigma[i] * fit->sigma[i]);
+    add_point(g, H, B, q, e, weight, X_c, fit->lens.is_fisheye);
+    *sse += weight * (e[0] * e[0] + e[1] * e[1]);
 }
 
 static rigcal_status equations(rigcal_real *sse, rigcal_real g[6],
@@ -203,8 +215,8 @@ static rigcal_status equations(rigcal_real *sse, rigcal_real g[6],
                                const rigcal_transform *cam_from_points,
                                int with_curvature)
 {
-    rigcal_real sum = 0;
-    clear_sums(g, H);
+    rigcal_real sum;
+    clear_sums(&sum, g, H);
     for (size_t i = 0; i < fit->n; i++) {
         rigcal_real e[2] = {0, 0}, B[6], q[3], X_c[3];
         if (!rc_fit_uses(fit, i)) {
@@ -215,14 +227,7 @@ static rigcal_status equations(rigcal_real *sse, rigcal_real g[6],
         if (status != RIGCAL_OK) {
             return status;
         }
-        const rigcal_real weight = weight_of(fit, i);
-        if (with_curvature) { /* X_c becomes k */
-            const rigcal_real by = 1 / (fit->lens.is_fisheye ? rc_vec3_dot(X_c, X_c) : X_c[2]);
-            if (fit->lens.is_fisheye) rc_vec3_scale(X_c, by, X_c);
-            else X_c[0] = X_c[1] = 0, X_c[2] = by;
-        }
-        add_point(g, H, B, q, e, weight, with_curvature ? X_c : NULL);
-        sum += weight * (e[0] * e[0] + e[1] * e[1]);
+        add_error(&sum, g, H, e, B, q, with_curvature ? X_c : NULL, fit, i);
     }
     *sse = sum;
     return rc_is_finite(sum) ? RIGCAL_OK : RIGCAL_ERR_NO_RAY;
@@ -340,9 +345,6 @@ int rc_refine_rotation_variance(rigcal_real *variance, const rigcal_real H[21])
 
 /* ---- Levenberg-Marquardt ------------------------------------------------- */
 
-/* The curvature of the projection in H: a saddle is where it makes H indefinite. */
-enum { LEFT_OUT, MINDED, SADDLE };
-
 /* R <- exp([w]x) R, t <- t + dt for the step d = (w, dt), with the quaternion
  * (1, v), v = w / 2, for the exponential: right to second order, and for any step a
  * rotation. It takes a column r of R to r + (v x r + v x (v x r)) 2 / (1 + |v|^2). */
@@ -364,14 +366,14 @@ RC_APART static void move(rigcal_transform *pose, const rigcal_real d[6])
     rc_vec3_add(pose->t, &d[3]);
 }
 
-void rc_refine_begin(rigcal_refinement *state)
+void rc_refine_begin(rigcal_refinement *state, int is_wide)
 {
-    state->lambda = DAMPING_FIRST;
+    state->lambda = is_wide ? 0 : DAMPING_FIRST;
     state->sse = RC_MAX;
     state->last_gain = 0;
     state->evals = 0;
     state->is_stale = 1;
-    state->curvature = LEFT_OUT;
+    state->curvature = is_wide ? ALONG_RAYS : LEFT_OUT;
     state->status = RIGCAL_RUNNING;
 }
 
@@ -473,9 +475,47 @@ static void try_step(rigcal_refinement *state, const rigcal_fit *fit,
     }
 }
 
+/* A step of Gauss and Newton on errors that are to first order those in pixels and have no
+ * pole where a point is 90 degrees off the axis: e = -J X_c / |X_c|, J = d uv / d X at the
+ * ray m of the pixel, where J m = 0. It is neither damped nor refused: the weights of rays
+ * far off the axis make its way a steep and winding valley, which small steps would follow
+ * for long. */
+RC_APART static void approach(rigcal_refinement *state, const rigcal_fit *fit)
+{
+    rigcal_real d[6], gain;
+    clear_sums(&state->sse, state->g, state->H);
+    for (size_t i = 0; i < fit->n; i++) {
+        rigcal_real ray[3], e[2], B[6], q[3], X_c[3];
+        if (!rc_fit_uses(fit, i) ||
+            rc_pixel_to_ray(ray, fit->camera, fit->observations[i].uv) != RIGCAL_OK) {
+            continue;
+        }
+        rc_fit_place(q, X_c, fit, &state->cam_from_points, i);
+        (void)rc_project_through(e, B, &fit->lens, fit->camera, ray);
+        const rigcal_real by_distance = 1 / rc_vec3_norm(X_c);
+        for (int k = 0; k < 2; k++) {
+            rc_vec3_scale(&B[3 * k], by_distance, &B[3 * k]);
+            e[k] = -rc_vec3_dot(&B[3 * k], X_c);
+        }
+        add_error(&state->sse, state->g, state->H, e, B, q, NULL, fit, i);
+    }
+    if (damped_step(d, &gain, state)) {
+        move(&state->cam_from_points, d);
+    } else {
+        gain = 0;
+    }
+    if (gain <= APPROACHED * state->sse || state->evals == APPROACH_STEPS) {
+        state->curvature = LEFT_OUT;
+    }
+}
+
 static void advance(rigcal_refinement *state, const rigcal_fit *fit)
 {
     rigcal_real d[6], gain;
+    if (WITH_WIDE && state->curvature == ALONG_RAYS) {
+        approach(state, fit);
+        return;
+    }
     if (state->is_stale) {
         evaluate(state, fit);
         return;
@@ -510,47 +550,4 @@ void rc_refine_step(rigcal_refinement *state, const rigcal_fit *fit,
     if (state->status == RIGCAL_RUNNING && state->evals >= max_evals) {
         state->status = RIGCAL_BUDGET_SPENT;
     }
-}
-
-/* ---- the approach -------------------------------------------------------- */
-
-void rc_approach_begin(rigcal_refinement *state)
-{
-    clear_sums(state->g, state->H);
-    state->sse = 0;
-    state->lambda = 0;
-}
-
-/* With J = d uv / d X at the unit ray m of the pixel, J m = 0: so e = -J X_c / |X_c| is
- * to first order the error in pixels, however far off the axis m is. */
-rigcal_status rc_approach_point(rigcal_refinement *state, const rigcal_fit *fit,
-                                size_t i)
-{
-    rigcal_real ray[3], uv[2], B[6], q[3], X_c[3], e[2];
-    const rigcal_status status =
-        rc_pixel_to_ray(ray, fit->camera, fit->observations[i].uv);
-    if (status != RIGCAL_OK) {
-        return status;
-    }
-    (void)rc_project_through(uv, B, &fit->lens, fit->camera, ray);
-    rc_fit_place(q, X_c, fit, &state->cam_from_points, i);
-    const rigcal_real by_distance = 1 / rc_vec3_norm(X_c);
-    rc_vec3_scale(&B[0], by_distance, &B[0]);
-    rc_vec3_scale(&B[3], by_distance, &B[3]);
-    e[0] = -rc_vec3_dot(&B[0], X_c);
-    e[1] = -rc_vec3_dot(&B[3], X_c);
-    const rigcal_real weight = weight_of(fit, i);
-    add_point(state->g, state->H, B, q, e, weight, NULL);
-    state->sse += weight * (e[0] * e[0] + e[1] * e[1]);
-    return RIGCAL_OK;
-}
-
-int rc_approach_step(rigcal_refinement *state)
-{
-    rigcal_real d[6], gain;
-    if (!damped_step(d, &gain, state)) {
-        return 0;
-    }
-    move(&state->cam_from_points, d);
-    return gain <= APPROACHED * state->sse;
 }

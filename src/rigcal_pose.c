@@ -43,8 +43,8 @@ enum { OTHER_WAY = 0, SIDEWAYS, SIDEWAYS_BACK, LEANS };
 #define SIGMA_MIN RC(1e-6)
 #define SIGMA_MAX RC(1e6)
 
-/* Three points fit exactly when their error is that of this noise [px]. */
-#define EXACT RC_TOL(1e-6, 1e-3)
+/* Three points fit exactly when the sum of their squared errors is below this [px^2]. */
+#define EXACT RC_TOL(1e-11, 1e-5)
 
 /* Where no noise is stated: the least assumed [px], and the most that is believed of a
  * search and of a warm start [px], or as a part of the target's image where that is
@@ -350,17 +350,21 @@ RC_APART int32_t rc_poses_of_three(rigcal_transform cam_from_points[RC_P3P_MAX],
     return rc_p3p(cam_from_points, (const rigcal_real(*)[3])x, ray);
 }
 
-/* Whether there are three different points only. */
-static int is_three(const rigcal_pose_solver *s)
-{
-    return RIGCAL_WITH_THREE_POINTS && s->n_exact > 0 &&
-           (s->picks == 0 || s->n_used == 3);
-}
-
 static void begin_refining(rigcal_pose_solver *s, int32_t phase)
 {
     rc_refine_begin(&s->work.fit, s->is_wide && phase == REFINING);
     s->phase = phase;
+}
+
+/* Of three points, minima that do not fit may be left by two exact poses that noise has made
+ * one. They go where others fit and the noise is not stated. */
+static void keep_exact(rigcal_pose_solver *s)
+{
+    const rigcal_real most = EXACT * s->fit.pixel * s->fit.pixel;
+    while (s->n_found > 1 && s->found[0].sse <= most &&
+           s->found[s->n_found - 1].sse > most) {
+        s->n_found--;
+    }
 }
 
 /* The search has ended; how well the observations fix its first pose is left to weigh:
@@ -368,6 +372,9 @@ static void begin_refining(rigcal_pose_solver *s, int32_t phase)
 static void begin_weighing(rigcal_pose_solver *s, size_t n)
 {
     s->phase = DONE;
+    if (s->n_used == 3 && !(s->sigma_px > 0)) {
+        keep_exact(s);
+    }
     if (s->n_found > 0) {
         rc_found_transform(&s->work.fit.cam_from_points, &s->found[0]);
         s->fit.n = (n < s->n) ? n : s->n;
@@ -400,6 +407,7 @@ RC_APART static void begin_search(rigcal_pose_solver *s)
         /* None: the moments, whose memory the poses share, stay. */
         s->n_exact = rc_poses_of_three(s->from.exact, &s->fit, triple->index,
                                        triple->ray);
+        s->picks = (s->n_exact > 0) ? PICKS : 0;
     }
     s->phase = CHOOSING;
     if (s->n_exact == 0) {
@@ -494,7 +502,7 @@ static void found_direction(rigcal_real m3[3], const rigcal_pose_solver *s,
 static int32_t same_found(const rigcal_pose_solver *s)
 {
     return near_found(s, s->work.fit.cam_from_points.R,
-                      is_three(s) ? SAME_EXACT : SAME_POSE);
+                      (s->n_used == 3) ? SAME_EXACT : SAME_POSE);
 }
 
 /* Keeps the RIGCAL_POSES_MAX best optima in order; of two that are one, the better. */
@@ -886,62 +894,42 @@ RC_APART static rigcal_real squared_pixels(const rigcal_pose_solver *s,
     return sum;
 }
 
-/* The sum that noise exceeds with the probability of so many standard deviations of chi
- * squared, by Wilson and Hilferty (1931). */
-static rigcal_real largest_sum(const rigcal_pose_solver *s, rigcal_real noise,
-                               rigcal_real deviations)
-{
-    const rigcal_real dof = freedom(s->n_used), v = 2 / (9 * dof);
-    const rigcal_real root = 1 - v + deviations * RC_SQRT(v);
-    return noise * noise * dof * root * root * root;
-}
-
 /* Whether the first pose's error is too large for the noise stated; where none is, for
- * noise of `most` px, or of a part of the target's image where that is more. */
+ * noise of `most` px, or of a part of the target's image where that is more: beyond so
+ * many standard deviations of chi squared, by Wilson and Hilferty (1931). */
 RC_APART static int is_poor(const rigcal_pose_solver *s, rigcal_real most,
                             rigcal_real deviations)
 {
+    const rigcal_real dof = freedom(s->n_used), v = 2 / (9 * dof);
+    const rigcal_real root = 1 - v + deviations * RC_SQRT(v);
     rigcal_real sum = s->found[0].sse, noise = s->sigma_px;
     if (!(noise > 0)) {
         sum = squared_pixels(s, 0);
         noise = rc_max(most * s->fit.pixel, NOISE_PART * s->extent_px);
     }
-    return !(sum <= largest_sum(s, noise, deviations));
+    return !(sum <= noise * noise * dof * root * root * root);
 }
 
 /* A pose of three points; of more, unless it would only lead to an optimum found. */
 static void next_exact(rigcal_pose_solver *s)
 {
     s->work.fit.cam_from_points = s->from.exact[s->next++];
-    if (is_three(s) ||
+    if (s->n_used == 3 ||
         near_found(s, s->work.fit.cam_from_points.R, SAME_BASIN) < 0) {
         begin_refining(s, REFINING);
     }
 }
 
-/* Of three points, minima that do not fit are left by two exact poses that noise has made
- * one. They go where the noise is not stated, or is too small for them, and others fit. */
-static void keep_exact(rigcal_pose_solver *s)
-{
-    const rigcal_real noise = (s->sigma_px > 0) ? s->sigma_px : EXACT * s->fit.pixel;
-    const rigcal_real most = largest_sum(s, noise, DEVIATIONS);
-    while (s->n_found > 1 && s->found[0].sse <= most &&
-           !(s->found[s->n_found - 1].sse <= most)) {
-        s->n_found--;
-    }
-}
-
-/* The poses of a triple have been tried: another one, or the end. */
+/* The poses of a triple have been tried: another one, or the end. A search has tried
+ * seeds before; without one, two triples are tried at least. */
 static void end_exact(rigcal_pose_solver *s)
 {
-    if (is_three(s)) {
-        keep_exact(s);
-    }
-    if (!is_three(s) && s->picks < PICKS &&
-        (s->picks + (s->n_seeds > 0) < 2 || s->n_found == 0 || is_poor(s, NOISE_MOST, DEVIATIONS))) {
+    const int is_enough = s->n_found > 0 && s->picks + (s->n_seeds > 0) > 1 &&
+                          !is_poor(s, NOISE_MOST, DEVIATIONS);
+    if (s->picks < PICKS && !is_enough) {
         begin_picking(s);
     } else {
-        begin_weighing(s, is_three(s) ? s->n : VAGUE_POINTS);
+        begin_weighing(s, VAGUE_POINTS);
     }
 }
 
@@ -950,7 +938,7 @@ RC_APART static void choosing_step(rigcal_pose_solver *s)
 {
     if (WITH_WIDE && s->next < s->n_exact) {
         next_exact(s);
-    } else if (WITH_WIDE && (s->picks > 0 || is_three(s))) {
+    } else if (WITH_WIDE && s->picks > 0) {
         end_exact(s);
     } else if (s->is_flat && s->n_found > 0 && s->leans < LEANS) {
         try_lean(s, s->leans++);

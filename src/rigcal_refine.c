@@ -107,7 +107,7 @@ rigcal_real rc_fit_distance2(const rigcal_fit *fit,
 
 /* The curvature of the projection in H: a saddle is where it makes H indefinite. And the
  * errors along the rays, from which a refinement of a wide target begins. */
-enum { LEFT_OUT, MINDED, SADDLE, ALONG_RAYS };
+enum { LEFT_OUT, ALONG_RAYS, MINDED, SADDLE };
 
 /* H is held in blocks: by w (symmetric), across (a row of w, a column of dt) and by dt
  * (symmetric). */
@@ -197,17 +197,9 @@ static void clear_sums(rigcal_real *sse, rigcal_real g[6], rigcal_real H[21])
     }
 }
 
-/* Point i, whose error, derivative and place are given, with the curvature at X_c if that
- * is not NULL. */
-static inline void add_error(rigcal_real *sse, rigcal_real g[6], rigcal_real H[21],
-                             const rigcal_real e[2], const rigcal_real B[6],
-                             const rigcal_real q[3], const rigcal_real X_c[3],
-                             const rigcal_fit *fit, size_t i)
+static rigcal_real weight_of(const rigcal_fit *fit, size_t i)
 {
-    const rigcal_real weight =
-        (fit->sigma == NULL) ? 1 : 1 / (fit->sigma[i] * fit->sigma[i]);
-    add_point(g, H, B, q, e, weight, X_c, fit->lens.is_fisheye);
-    *sse += weight * (e[0] * e[0] + e[1] * e[1]);
+    return (fit->sigma == NULL) ? 1 : 1 / (fit->sigma[i] * fit->sigma[i]);
 }
 
 static rigcal_status equations(rigcal_real *sse, rigcal_real g[6],
@@ -227,7 +219,10 @@ static rigcal_status equations(rigcal_real *sse, rigcal_real g[6],
         if (status != RIGCAL_OK) {
             return status;
         }
-        add_error(&sum, g, H, e, B, q, with_curvature ? X_c : NULL, fit, i);
+        const rigcal_real weight = weight_of(fit, i);
+        add_point(g, H, B, q, e, weight, with_curvature ? X_c : NULL,
+                  fit->lens.is_fisheye);
+        sum += weight * (e[0] * e[0] + e[1] * e[1]);
     }
     *sse = sum;
     return rc_is_finite(sum) ? RIGCAL_OK : RIGCAL_ERR_NO_RAY;
@@ -368,12 +363,12 @@ RC_APART static void move(rigcal_transform *pose, const rigcal_real d[6])
 
 void rc_refine_begin(rigcal_refinement *state, int is_wide)
 {
-    state->lambda = is_wide ? 0 : DAMPING_FIRST;
+    state->lambda = DAMPING_FIRST;
     state->sse = RC_MAX;
     state->last_gain = 0;
     state->evals = 0;
     state->is_stale = 1;
-    state->curvature = is_wide ? ALONG_RAYS : LEFT_OUT;
+    state->curvature = is_wide ? ALONG_RAYS : LEFT_OUT; /* 1 and 0 */
     state->status = RIGCAL_RUNNING;
 }
 
@@ -482,27 +477,25 @@ static void try_step(rigcal_refinement *state, const rigcal_fit *fit,
  * for long. */
 RC_APART static void approach(rigcal_refinement *state, const rigcal_fit *fit)
 {
-    rigcal_real d[6], gain;
+    rigcal_real d[6], gain = 0;
+    state->lambda = 0;
     clear_sums(&state->sse, state->g, state->H);
     for (size_t i = 0; i < fit->n; i++) {
-        rigcal_real ray[3], e[2], B[6], q[3], X_c[3];
-        if (!rc_fit_uses(fit, i) ||
-            rc_pixel_to_ray(ray, fit->camera, fit->observations[i].uv) != RIGCAL_OK) {
+        rigcal_real ray[3], e[2], J[6], q[3], X_c[3];
+        if (!rc_fit_uses(fit, i)) {
             continue;
         }
+        (void)rc_pixel_to_ray(ray, fit->camera, fit->observations[i].uv);
+        (void)rc_project_through(e, J, &fit->lens, fit->camera, ray);
         rc_fit_place(q, X_c, fit, &state->cam_from_points, i);
-        (void)rc_project_through(e, B, &fit->lens, fit->camera, ray);
-        const rigcal_real by_distance = 1 / rc_vec3_norm(X_c);
-        for (int k = 0; k < 2; k++) {
-            rc_vec3_scale(&B[3 * k], by_distance, &B[3 * k]);
-            e[k] = -rc_vec3_dot(&B[3 * k], X_c);
-        }
-        add_error(&state->sse, state->g, state->H, e, B, q, NULL, fit, i);
+        e[0] = -rc_vec3_dot(&J[0], X_c);
+        e[1] = -rc_vec3_dot(&J[3], X_c);
+        const rigcal_real weight = weight_of(fit, i) / rc_vec3_dot(X_c, X_c);
+        add_point(state->g, state->H, J, q, e, weight, NULL, 0);
+        state->sse += weight * (e[0] * e[0] + e[1] * e[1]);
     }
     if (damped_step(d, &gain, state)) {
         move(&state->cam_from_points, d);
-    } else {
-        gain = 0;
     }
     if (gain <= APPROACHED * state->sse || state->evals == APPROACH_STEPS) {
         state->curvature = LEFT_OUT;

@@ -235,7 +235,7 @@ typedef struct {
     int32_t reserved;      /* 0 */
     rigcal_real fx, fy;    /* focal length, pixels, > 0 */
     rigcal_real cx, cy;    /* principal point, pixels */
-    rigcal_real k1, k2, p1, p2, k3, k4, k5, k6;
+    rigcal_real k1, k2, p1, p2, k3, k4, k5, k6; /* each within 1e9 */
 } rigcal_camera;
 
 /* A reference point and the pixel it was seen at. */
@@ -1013,8 +1013,9 @@ RIGCAL_API rigcal_status rigcal_epiline_distance(rigcal_real *distance_px,
                                                  const rigcal_real uv_b[2]);
 
 /* The part of a line that lies in the rectangle of the image, pixel borders
- * included: -0.5 <= u <= width - 0.5, v alike. ends = (u1, v1, u2, v2), in the
- * direction (beta, -alpha). OK, ERR_NULL, ERR_NOT_FINITE, ERR_RANGE, ERR_OUTSIDE. */
+ * included: -0.5 <= u <= width - 0.5, v alike; sizes 1 .. 1000000. ends = (u1, v1, u2,
+ * v2), in the direction (beta, -alpha).
+ * OK, ERR_NULL, ERR_NOT_FINITE, ERR_RANGE, ERR_OUTSIDE. */
 RIGCAL_API rigcal_status rigcal_epiline_clip(rigcal_real ends[4],
                                              const rigcal_real line_px[3],
                                              int32_t width, int32_t height);
@@ -1114,10 +1115,10 @@ typedef struct {
     rigcal_camera camera;
     rigcal_transform cam_from_rig;
     rigcal_real Sigma[36]; /* covariance of cam_from_rig, as of a pose in
-                              rigcal_pose_uncertainty: only the lower triangle is
-                              stored, the upper one is its mirror when loaded. No
-                              negative variance; all 0 is an exact pose, as camera
-                              0 of a rig has */
+                              rigcal_pose_uncertainty: symmetric and positive
+                              semidefinite, to 1e-9 / 1e-4 of a correlation. The
+                              lower triangle is stored. All 0 is an exact pose, as
+                              camera 0 of a rig has */
     int32_t has_Sigma;     /* 1: known. 0: not; Sigma is not read, and 0 when
                               loaded */
     int32_t reserved;      /* 0 */
@@ -1147,7 +1148,8 @@ RIGCAL_API size_t rigcal_save_size(size_t n_cameras);
  * *n_bytes = rigcal_save_size(n_cameras) are written. Only what every other function
  * would take is saved.
  * OK, ERR_NULL, ERR_NOT_FINITE, ERR_CAMERA, ERR_ROTATION, ERR_RANGE (t, has_Sigma,
- * reserved, a negative variance, n_cameras), ERR_TOO_FEW (no camera), ERR_CAPACITY. */
+ * reserved, a Sigma that is no covariance, n_cameras), ERR_TOO_FEW (no camera),
+ * ERR_CAPACITY. */
 RIGCAL_API rigcal_status rigcal_save(uint8_t bytes[], size_t *n_bytes,
                                      size_t capacity,
                                      const rigcal_mounted_camera cameras[],

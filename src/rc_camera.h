@@ -4,9 +4,12 @@
 
 #include "rc_transform.h"
 
-/* Focal lengths, principal points and pixels beyond this are mistakes, and would
- * overflow in products. */
+/* Focal lengths, principal points, coefficients and pixels beyond this are mistakes, and
+ * would overflow in products. */
 #define RC_PIXEL_MAX RC(1e9)
+
+/* Pixels along a side of an image. */
+enum { RC_IMAGE_MAX = 1000000 };
 
 /* Both lens models as one map F of the plane. With s = |x|^2,
  *

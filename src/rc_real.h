@@ -45,8 +45,13 @@ inline rigcal_real rc_min(rigcal_real a, rigcal_real b)
     return a < b ? a : b;
 }
 
-/* Counts of points, pairs, views: indices fit an int32_t, sums a rigcal_real. */
+/* Counts of points, pairs, views: indices fit an int32_t, sums a rigcal_real; all that a
+ * size_t of 16 bits can count is fewer. */
+#if SIZE_MAX >> 27 > 1
 #define RC_COUNT_MAX ((size_t)1 << 28)
+#else
+#define RC_COUNT_MAX SIZE_MAX
+#endif
 
 /* Coordinates within this have squares and fourth powers that do not overflow. */
 #define RC_COORDINATE_MAX RC_TOL(1e30, 1e9)

@@ -5,8 +5,6 @@
 /* A shorter focal length is a mistake, and would vanish in products. */
 #define FOCAL_MIN RC(1e-6)
 
-enum { SIZE_MAX_PX = 1000000 };
-
 /* ---- checks -------------------------------------------------------------- */
 
 /* A camera's real numbers, fx to k6, in their order. */
@@ -30,16 +28,16 @@ rigcal_status rc_check_camera(const rigcal_camera *camera)
         return RIGCAL_ERR_NOT_FINITE;
     }
     /* As unsigned, 0 and the negative are large. */
-    const int size_ok = (uint32_t)c->width - 1 < SIZE_MAX_PX &&
-                        (uint32_t)c->height - 1 < SIZE_MAX_PX;
-    const int focal_ok = rc_min(c->fx, c->fy) >= FOCAL_MIN &&
-                         rc_all_within(numbers, K1, RC_PIXEL_MAX);
+    const int size_ok = (uint32_t)c->width - 1 < RC_IMAGE_MAX &&
+                        (uint32_t)c->height - 1 < RC_IMAGE_MAX;
+    const int numbers_ok = rc_min(c->fx, c->fy) >= FOCAL_MIN &&
+                           rc_all_within(numbers, NUMBERS, RC_PIXEL_MAX);
     const int lens_ok =
         c->lens == RIGCAL_LENS_BROWN ||
         (RIGCAL_WITH_FISHEYE && c->lens == RIGCAL_LENS_FISHEYE &&
          rc_all_within(&numbers[P1], 2, 0) &&
          rc_all_within(&numbers[K5], 2, 0));
-    return (size_ok && focal_ok && lens_ok && c->reserved == 0)
+    return (size_ok && numbers_ok && lens_ok && c->reserved == 0)
                ? RIGCAL_OK
                : RIGCAL_ERR_CAMERA;
 }

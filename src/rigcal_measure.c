@@ -456,7 +456,7 @@ rigcal_status rigcal_epiline_clip(rigcal_real ends[4],
     if (status != RIGCAL_OK) {
         return status;
     }
-    if (width < 1 || height < 1) {
+    if (width < 1 || height < 1 || width > RC_IMAGE_MAX || height > RC_IMAGE_MAX) {
         return RIGCAL_ERR_RANGE;
     }
     const rigcal_real right = (rigcal_real)width - RC(0.5);
@@ -554,9 +554,10 @@ rigcal_status rigcal_epiline_curve(rigcal_real uv_b[], int32_t *n_written,
     }
     int32_t written = 0;
     for (int32_t i = 0; i < count; i++) {
-        /* 1 / depth from 1 / near to 1 / far in even steps. */
+        /* 1 / depth from 1 / near to 1 / far in even steps. Near / far may underflow. */
         const rigcal_real s = (rigcal_real)i / (rigcal_real)(count - 1);
-        const rigcal_real depth = near_a / ((1 - s) + s * (near_a / far_a));
+        const rigcal_real depth =
+            (i + 1 < count) ? near_a / ((1 - s) + s * (near_a / far_a)) : far_a;
         rigcal_real X_b[3];
         point_at_depth(X_b, b_from_a, ray_a, depth);
         if (rigcal_project(&uv_b[2 * written], camera_b, X_b) == RIGCAL_OK) {

@@ -1334,6 +1334,11 @@ static void fill_uncertainty(rigcal_pose_uncertainty *out,
         out->Sigma[k] = noise2 * at_points[k];
     }
     shift_covariance(out->Sigma, turned_origin);
+    for (int row = 0; row < 6; row++) { /* symmetric to the last bit */
+        for (int column = 0; column < row; column++) {
+            out->Sigma[6 * column + row] = out->Sigma[6 * row + column];
+        }
+    }
     for (int k = 0; k < 36; k++) {
         at_center[k] = out->Sigma[k];
     }

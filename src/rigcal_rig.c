@@ -242,7 +242,9 @@ static rigcal_status join_camera(rigcal_transform *cam_from_rig, const rig *r,
             return status;
         }
         rc_relative_pose(&r->work[n], &v->cam_from_target, &rig_from_target);
-        r->weight[n++] = v->weight / (1 + v->weight / total);
+        /* 1 / (1/a + 1/b), written so that nothing overflows. */
+        const rigcal_real less = rc_min(v->weight, total);
+        r->weight[n++] = less / (1 + less / rc_max(v->weight, total));
     }
     return transform_mean(cam_from_rig, NULL, NULL, r->work, r->weight, n);
 }

@@ -238,15 +238,12 @@ static void name_left_out(const calibration *c, const view *v)
 /* What would make a bad fit good, where that can be told. */
 static void name_cause(const calibration *c, const view *v)
 {
-    rigcal_real rms_without[RIGCAL_BLAME_POINTS_MAX];
-    rigcal_observation work[RIGCAL_BLAME_POINTS_MAX];
     rigcal_diagnosis d;
     const char *camera = c->cameras.names.name[v->camera];
 
     gather(c, v);
-    if (v->n > RIGCAL_BLAME_POINTS_MAX ||
-        rigcal_diagnose_pose(&d, rms_without, work, &c->cameras.camera[v->camera],
-                             c->observed, NULL, v->n, NULL) != RIGCAL_OK) {
+    if (rigcal_diagnose_pose(&d, NULL, &c->cameras.camera[v->camera], c->observed,
+                             NULL, v->n, NULL) != RIGCAL_OK) {
         return;
     }
     if (d.verdict == RIGCAL_DIAGNOSIS_MIRRORED) {

@@ -82,7 +82,8 @@ enum {
     RIGCAL_ERR_NO_RAY = -13,     /* the lens model images no ray there */
     RIGCAL_ERR_BEHIND = -14,     /* a point is not in front of a camera */
     RIGCAL_ERR_WIDE_RAY = -15,   /* a ray 90 degrees or more off the axis has no
-                                    (x, y, 1) */
+                                    (x, y, 1); a pose in a build without three
+                                    points refuses one from 80 degrees on */
     RIGCAL_ERR_PARALLEL = -16,   /* rays (nearly) parallel: depth unknown */
     RIGCAL_ERR_EPIPOLE = -17,    /* the point is the image of the other camera's
                                     centre: every line through it matches */
@@ -583,7 +584,16 @@ RIGCAL_API rigcal_status rigcal_paper_solve(rigcal_paper_pose *pose,
  * A flat target seen from afar has two optima that fit nearly alike (C): all that
  * were found are returned, best first, and the status tells when the first is not
  * sure. Three points have up to four poses that fit exactly (D), and nothing in them
- * tells which is right. */
+ * tells which is right. Where noise has made two of these one, a minimum is left that does
+ * not fit exactly. It is returned besides exact poses only if sigma_px is given.
+ *
+ * Points of a pinhole may be up to 89 degrees off its axis, those of a fisheye as far as
+ * its lens goes. Where one is more than 60 degrees off, or 80 off the middle of the
+ * target's image, poses of three points are tried too, or instead, and refinement begins
+ * with errors along the rays (B).
+ *
+ * Where no noise is stated, some is assumed, in pixels. The unit of uv is a pixel, if fx
+ * is 28 or more. For shorter ones, as of normalised images, a pixel is fx^2 / 800. */
 enum { RIGCAL_POSES_MAX = 4, RIGCAL_POSE_SEEDS = 5 };
 
 typedef struct {
@@ -622,7 +632,7 @@ typedef struct {
     const rigcal_real *sigma;
     const uint8_t *mask;
     size_t n;
-    int32_t is_mirrored, unseen;
+    int32_t is_mirrored, left_out;
     rigcal_real pixel, origin[3];
     rigcal_lens lens;
 } rigcal_fit;
@@ -694,7 +704,7 @@ RIGCAL_API rigcal_status rigcal_pose_defaults(rigcal_pose_options *options);
  * been asked for, so they must stay. Looks at every number once, and at no ray but one:
  * time O(n), about that of an evaluation.
  *
- *   bad      out  on failure the observation at fault, or -1; NULL: no
+ *   bad      out  the observation at fault, or -1; NULL: not wanted
  *   sigma    in   n standard deviations of the observations relative to each
  *                 other, 1e-6 .. 1e6; NULL: all equal
  *   options  in   NULL: all defaults
@@ -706,39 +716,51 @@ RIGCAL_API rigcal_status rigcal_pose_begin(
     const rigcal_observation observations[], const rigcal_real sigma[], size_t n,
     const rigcal_pose_options *options);
 
-/* Spends at most `budget` >= 1 units. A unit is an evaluation: of the equations of a
- * refinement, O(n), or of the cost of a direction; or the choice of the next start; or
- * the ray of one point (of 16 of a pinhole), or the proof that a lens with distortion
- * sees one where an optimum puts it. At most 900 and the rays (thorough: 3000), usually
- * 50 to 70 (190 to 230); of a lens with distortion the proofs of 7 (9) optima besides,
- * usually of one or two. RUNNING: call again; the same bits come out whatever the
- * budgets. OK: ask for the result. ERR_NULL, ERR_RANGE, ERR_STATE. */
+/* Spends at most `budget` >= 1 units. RUNNING: call again; the same bits come out whatever
+ * the budgets. OK: ask for the result. ERR_NULL, ERR_RANGE, ERR_STATE.
+ *
+ *   a unit is                                    of one search, at most    usually
+ *   the ray of one point (of 16 of a pinhole)    n; 2 n if one is unseen   n
+ *   a direction's cost, the equations of a       900 (thorough: 3000;      50 to 70
+ *     refinement, O(n), or the next start        wide: 2000)               (190 to 230; 150)
+ *   the proof that a lens with distortion sees   7 n (thorough: 9 n)       n to 2 n
+ *     one point where an optimum puts it
+ *
+ * The first equations of a refinement of a wide target take the rays of all points too. */
 RIGCAL_API rigcal_status rigcal_pose_step(rigcal_pose_solver *solver,
                                           int32_t budget);
 
 /* The optima of a search that is done, best first: the first *n_found of
- * poses[capacity], capacity >= 1. *bad as of begin.
+ * poses[capacity], capacity >= 1. *bad (NULL: not wanted) is the observation at fault, or
+ * -1. The first status that applies:
  *
- * OK: finite, R a rotation to rounding, every point in front of the camera and
- *     within its lens, and the first right with probability 0.99 or more.
- * RIGCAL_AMBIGUOUS: the same, but another may be right: see `probability`; or the first
- *     is all but open, its rotation having a standard deviation above 0.25 rad for
- *     noise of sigma_px (not given: as the error tells, at least 0.25 px).
- * RIGCAL_POOR_FIT: noise of sigma_px makes an error so large with a chance below one
- *     in a million: wrong correspondences, target or intrinsics. Where no sigma_px was
- *     given, noise of 2 px, or of 0.7 % of the image's extent where that is more. Or
- *     mirrored points (left-handed coordinates, an image with v upwards) would be a
- *     hundred times as likely, unless the target is flat.
- * ERR_NULL, ERR_RANGE, ERR_STATE, ERR_NO_POSE, ERR_DEGENERATE (the observations do
- * not fix the pose); and, of a search, which a start that proves good spares,
- * ERR_NO_RAY, ERR_WIDE_RAY (a ray is 80 degrees or more off the middle of the target's
- * image), ERR_COLLINEAR. A target seen exactly edge-on has a flipped twin that fits
- * alike: AMBIGUOUS. */
+ * RIGCAL_POOR_FIT: the error is larger than noise of sigma_px causes once in a million
+ *     fits: wrong correspondences, target or intrinsics. Where no sigma_px was given, of
+ *     noise of 2 px, or of 0.7 % of the image's extent where that is more. Or mirrored
+ *     points (left-handed coordinates, an image with v upwards) would be a hundred times
+ *     as likely, unless the target is flat or wide.
+ * RIGCAL_BUDGET_SPENT: the refinement of the first pose ran out of evaluations.
+ * RIGCAL_VAGUE: the data hardly fix the first pose: the standard deviation of its rotation
+ *     is above 0.25 rad for noise of sigma_px or, if that is not given, for the noise
+ *     that its error shows, but at least 0.25 px.
+ * RIGCAL_AMBIGUOUS: another pose fits nearly as well: see `probability`. A target seen
+ *     exactly edge-on has a flipped twin that fits alike.
+ * RIGCAL_UNSEEN_POINT: the lens images no ray at the pixel of point *bad. The poses are
+ *     those of the other points.
+ * OK: the first pose is right with probability 0.99 or more.
+ *
+ * All these poses are finite, R a rotation to rounding, every point in front of the camera
+ * and within its lens.
+ *
+ * ERR_NULL, ERR_RANGE, ERR_STATE, ERR_NO_POSE, ERR_DEGENERATE (the observations do not fix
+ * the pose). A search, which is not run where `start` fits, can also return ERR_NO_RAY
+ * (two pixels or more have no ray; *bad is the second), ERR_COINCIDENT (fewer than three
+ * different points), ERR_COLLINEAR, and in a build without three points ERR_WIDE_RAY. */
 RIGCAL_API rigcal_status rigcal_pose_result(rigcal_pose poses[], size_t *n_found,
                                             size_t capacity, int32_t *bad,
                                             const rigcal_pose_solver *solver);
 
-/* begin, step to the end, result; *bad is written by what fails. */
+/* begin, step to the end, result. */
 RIGCAL_API rigcal_status rigcal_solve_pose(
     rigcal_pose poses[], size_t *n_found, size_t capacity, int32_t *bad,
     const rigcal_camera *camera, const rigcal_observation observations[],
@@ -792,7 +814,7 @@ RIGCAL_API rigcal_status rigcal_solve_tag(
 typedef struct {
     rigcal_real threshold_px; /* a point farther than this from its projection is
                                  wrong (times sigma_i where those are given);
-                                 1e-3 .. 1e6. 0 (default): 4 sigma_px, or 3 */
+                                 1e-6 .. 1e6. 0 (default): 4 sigma_px, or 3 pixels */
     rigcal_real sigma_px;     /* as in rigcal_pose_options */
     int32_t samples;          /* at most so many triples; all of them when there are
                                  no more. 500 (default), 1 .. 100000 */
@@ -844,11 +866,14 @@ RIGCAL_API rigcal_status rigcal_robust_step(rigcal_robust_solver *solver,
                                             int32_t budget);
 
 /* As rigcal_pose_result, of the *n_inliers points that agree: those whose byte of
- * `inliers` is 1, not 0.
+ * `inliers` is 1, not 0. The first status that applies:
  *
- * OK, RIGCAL_AMBIGUOUS, RIGCAL_POOR_FIT: as there, of these points.
  * RIGCAL_FEW_AGREE: so few agree that with all points wrong it would happen more than
  *     once in a thousand times: do not trust the pose without another reason.
+ * RIGCAL_POOR_FIT, _BUDGET_SPENT, _VAGUE, _AMBIGUOUS: as there, of these points.
+ * RIGCAL_MOST_DISAGREE: fewer than half of all points agree. The pose is no chance, but may
+ *     be that of a part of the target, as of a grid shifted by one square.
+ * OK.
  * ERR_NO_CONSENSUS: no more agree than chance makes agree.
  * ERR_NULL, ERR_RANGE, ERR_STATE, ERR_NO_POSE, ERR_DEGENERATE, and what begin and
  * rigcal_pose_begin say of the points that agree. */
@@ -865,9 +890,11 @@ RIGCAL_API rigcal_status rigcal_solve_pose_robust(
 
 /* ==== diagnose ============================================================
  *
- * What is wrong with observations that fit badly: of few points, with little wrong.
- * Each function solves n + 1 to n + 3 poses in one call. */
-enum { RIGCAL_BLAME_POINTS_MAX = 64 };
+ * What is wrong with observations that fit badly. Each function solves some poses of the
+ * n points in one call: one, two for the mirrored target and image, and one for each point
+ * that is left out in turn. Of more than RIGCAL_BLAME_TRIES points only those farthest
+ * from their projections are left out. The stack does not grow with n. */
+enum { RIGCAL_BLAME_TRIES = 64 };
 
 enum {
     RIGCAL_BLAME_NONE = 0,   /* no point stands out */
@@ -890,14 +917,13 @@ typedef struct {
     rigcal_real probability;    /* that it is this point, if it is one of them (C) */
 } rigcal_blame;
 
-/* Which one of 5 <= n <= 64 points to blame for a bad fit. rms_without[i] is the rms
- * without point i [px], -1 where the rest has no pose. Noise is integrated over or,
- * better, stated in the options. Of five points the four left have two degrees of
- * freedom: unless the noise is stated, an error of 60 times the noise is surely blamed
- * less than half of the time.
+/* Which one of n >= 5 points to blame for a bad fit. rms_without[i] is the rms without
+ * point i [px], -1 where the rest has no pose or i was not left out; NULL: not wanted.
+ * Noise is integrated over or, better, stated in the options. Of five points the four
+ * left have two degrees of freedom: unless the noise is stated, an error of 60 times the
+ * noise is surely blamed less than half of the time.
  *
- * OK, ERR_NULL, and those of rigcal_pose_begin; ERR_TOO_FEW (n < 5), ERR_RANGE
- * (n > 64). */
+ * OK, ERR_NULL, and those of rigcal_pose_begin; ERR_TOO_FEW (n < 5). */
 RIGCAL_API rigcal_status rigcal_blame_point(
     rigcal_blame *blame, rigcal_real rms_without[], const rigcal_camera *camera,
     const rigcal_observation observations[], const rigcal_real sigma[], size_t n,
@@ -929,19 +955,13 @@ typedef struct {
     rigcal_blame blame;
 } rigcal_diagnosis;
 
-/* Whether the fit of 5 <= n <= 64 points is consistent and, if not, what would make it
- * so. With options->use_start, `start` is a previous pose in the right units; it is
- * used for nothing else.
- *
- *   rms_without  out   n, as rigcal_blame_point
- *   work         work  n observations
- *
- * OK and as rigcal_blame_point. */
+/* Whether the fit of n >= 5 points is consistent and, if not, what would make it so. With
+ * options->use_start, `start` is a previous pose in the right units; it is used for
+ * nothing else. rms_without as in rigcal_blame_point. OK and as rigcal_blame_point. */
 RIGCAL_API rigcal_status rigcal_diagnose_pose(
     rigcal_diagnosis *diagnosis, rigcal_real rms_without[],
-    rigcal_observation work[], const rigcal_camera *camera,
-    const rigcal_observation observations[], const rigcal_real sigma[], size_t n,
-    const rigcal_pose_options *options);
+    const rigcal_camera *camera, const rigcal_observation observations[],
+    const rigcal_real sigma[], size_t n, const rigcal_pose_options *options);
 
 /* ==== measure =============================================================
  *

@@ -16,7 +16,7 @@ typedef struct {
     size_t n_used;
 } rc_survey;
 
-/* Of the points that count (rc_fit_uses); the fit's origin and lens are not read. OK;
+/* Of the points that count; of data as rc_fit_of makes them. OK;
  * ERR_NOT_FINITE, ERR_RANGE of the observation *bad, else -1; ERR_TOO_FEW (below 3); and,
  * the survey made, ERR_COINCIDENT, ERR_PRECISION. */
 rigcal_status rc_survey_points(rc_survey *out, int32_t *bad, const rigcal_fit *fit);
@@ -24,13 +24,10 @@ rigcal_status rc_survey_points(rc_survey *out, int32_t *bad, const rigcal_fit *f
 /* Whether the points, counted from `origin`, are on a line to rounding. */
 int rc_are_on_line(const rigcal_observation o[], size_t n, const rigcal_real origin[3]);
 
-/* rigcal_pose_begin of the points whose mask is not 0 (NULL: all). The mask must
- * stay. */
+/* rigcal_pose_begin of data as rc_fit_of makes them, of which the camera and the
+ * observations are checked here. */
 rigcal_status rc_pose_begin(rigcal_pose_solver *solver, int32_t *bad,
-                            const rigcal_camera *camera,
-                            const rigcal_observation observations[],
-                            const rigcal_real sigma[], const uint8_t mask[],
-                            size_t n, const rigcal_pose_options *options);
+                            const rigcal_fit *data, const rigcal_pose_options *options);
 
 /* (D) All poses of three of the points from their rays; how many, as of rc_p3p. */
 int32_t rc_poses_of_three(rigcal_transform cam_from_points[RC_P3P_MAX],

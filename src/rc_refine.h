@@ -5,20 +5,25 @@
 
 #include "rc_camera.h"
 
-/* What is fitted: n observations from `origin`, so that a far world costs no digits and
- * w turns about the middle of the target; not mirrored. sigma NULL: all 1; a mask's 0
- * leaves the point out, NULL: none. */
-void rc_fit_begin(rigcal_fit *fit, const rigcal_camera *camera,
-                  const rigcal_observation observations[],
-                  const rigcal_real sigma[], const uint8_t mask[], size_t n,
-                  const rigcal_real origin[3]);
+/* What is fitted: n observations. sigma NULL: all 1; a mask's 0 leaves the point out, NULL:
+ * none. Nothing is read; all points count, and none is mirrored. */
+void rc_fit_of(rigcal_fit *fit, const rigcal_camera *camera,
+               const rigcal_observation observations[], const rigcal_real sigma[],
+               const uint8_t mask[], size_t n);
 
-/* Whether point i counts: its mask is not 0, and the lens is not known to image no ray at
- * its pixel. */
+/* The rest of it: the lens of the camera, which is checked, and the origin from which the
+ * points count, so that a far world costs no digits and w turns about the middle of the
+ * target. */
+void rc_fit_begin(rigcal_fit *fit, const rigcal_real origin[3]);
+
+/* Whether point i counts. */
 inline int rc_fit_uses(const rigcal_fit *fit, size_t i)
 {
-    return (int32_t)i != fit->unseen && (fit->mask == NULL || fit->mask[i] != 0);
+    return (int32_t)i != fit->left_out && (fit->mask == NULL || fit->mask[i] != 0);
 }
+
+/* Point i from the origin; of a mirrored target, mirrored there. */
+void rc_fit_point(rigcal_real x[3], const rigcal_fit *fit, size_t i);
 
 /* Point i from the origin, turned into the camera's axes, q = R x, and in its frame. */
 void rc_fit_place(rigcal_real q[3], rigcal_real X_c[3], const rigcal_fit *fit,

@@ -298,7 +298,7 @@ static const rigcal_layout_entry LAYOUT[] = {
     FIELD(rigcal_fit, mask),
     FIELD(rigcal_fit, n),
     FIELD(rigcal_fit, is_mirrored),
-    FIELD(rigcal_fit, unseen),
+    FIELD(rigcal_fit, left_out),
     FIELD(rigcal_fit, pixel),
     FIELD(rigcal_fit, origin),
     FIELD(rigcal_fit, lens),

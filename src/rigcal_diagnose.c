@@ -16,22 +16,16 @@ static const rigcal_real UNITS[4] = {10, RC(25.4), 100, 1000};
 /* ---- fits ---------------------------------------------------------------- */
 
 typedef struct {
-    const rigcal_camera *camera;
-    const rigcal_observation *observations;
-    const rigcal_real *sigma;
-    size_t n;
+    rigcal_fit data;
     rigcal_pose_options options;
 } problem;
 
-/* The best pose of the points whose mask is not 0, with the status of its result. */
-static rigcal_status best_fit(rigcal_pose *pose, const problem *P,
-                              const uint8_t mask[])
+/* The best pose of the points that count, with the status of its result. */
+static rigcal_status best_fit(rigcal_pose *pose, const problem *P)
 {
     rigcal_pose_solver solver;
     size_t n_found;
-    const rigcal_status status =
-        rc_pose_begin(&solver, NULL, P->camera, P->observations, P->sigma, mask, P->n,
-                      &P->options);
+    const rigcal_status status = rc_pose_begin(&solver, NULL, &P->data, &P->options);
     if (status != RIGCAL_OK) {
         return status;
     }
@@ -42,65 +36,105 @@ static rigcal_status best_fit(rigcal_pose *pose, const problem *P,
 
 static rigcal_real odds(const problem *P, rigcal_real sse, rigcal_real other, size_t n)
 {
-    return rc_odds(sse, other, P->options.sigma_px, rc_pixel_size(P->camera), n);
+    return rc_odds(sse, other, P->options.sigma_px, rc_pixel_size(P->data.camera), n);
 }
 
 /* ---- one point ----------------------------------------------------------- */
 
-/* Every point left out in turn. rms_without[i] is -1 where the rest has no pose.
- * *verdict is for noise of which each point has its share: leaving point i out
+/* Of more points than can be tried, those farthest from their projections: which one is
+ * next after the one at *distance2, that gets its own; n when there is none. Equal
+ * distances are one. */
+static size_t next_farthest(rigcal_real *distance2, const problem *P,
+                            const rigcal_transform *cam_from_world)
+{
+    static const rigcal_real NO_ORIGIN[3] = {0, 0, 0};
+    rigcal_fit fit = P->data;
+    rigcal_real most = -1;
+    size_t at = fit.n;
+    rc_fit_begin(&fit, NO_ORIGIN);
+    for (size_t i = 0; i < fit.n; i++) {
+        const rigcal_real by = (fit.sigma == NULL) ? 1 : 1 / fit.sigma[i];
+        const rigcal_real d2 = rc_fit_distance2(&fit, cam_from_world, i) * by * by;
+        if (d2 < *distance2 && d2 > most) {
+            most = d2;
+            at = i;
+        }
+    }
+    *distance2 = most;
+    return at;
+}
+
+/* What is known of the points left out so far. */
+typedef struct {
+    rigcal_real best, total; /* sum of squares of the best; likelihoods over its own */
+} tried;
+
+/* The fit without point i. */
+static void leave_out(rigcal_blame *blame, rigcal_real rms_without[], tried *so_far,
+                      const problem *P, size_t i)
+{
+    problem rest = *P;
+    rigcal_pose pose;
+    rest.data.left_out = (int32_t)i;
+    const rigcal_status status = best_fit(&pose, &rest);
+    if (status < 0) {
+        return;
+    }
+    if (rms_without != NULL) {
+        rms_without[i] = pose.rms_px;
+    }
+    const int is_best = pose.sse < so_far->best;
+    const rigcal_real ratio = (so_far->best < RC_MAX)
+                                  ? odds(P, pose.sse, so_far->best, P->data.n - 1)
+                                  : 1;
+    so_far->total = is_best ? 1 + so_far->total / ratio : so_far->total + ratio;
+    if (is_best) {
+        so_far->best = pose.sse;
+        blame->point = (int32_t)i;
+        blame->rms_without_px = pose.rms_px;
+        blame->is_rest_poor = status == RIGCAL_POOR_FIT;
+    }
+}
+
+/* Fills all of *blame from the fit of all points: its status, and its pose where it has
+ * one. The verdict is for noise of which each point has its share: leaving point i out
  * lowers the sum from S to S_i, and the chance that the best of n does so is at most
  * n (S_i / S)^(n - 4), an F test of 2 and 2 n - 8 degrees of freedom; where the noise
  * is known, n exp(-(S - S_i) / (2 sigma^2)). */
-static void leave_out(rigcal_blame *blame, rigcal_real rms_without[],
-                      const problem *P, rigcal_real sse)
+static void find_blame(rigcal_blame *blame, rigcal_real rms_without[],
+                       const problem *P, const rigcal_pose *pose,
+                       rigcal_status status)
 {
-    uint8_t mask[RIGCAL_BLAME_POINTS_MAX];
-    rigcal_real best = RC_MAX, total = 0;
-    for (size_t i = 0; i < P->n; i++) {
-        rigcal_pose pose;
-        for (size_t k = 0; k < P->n; k++) {
-            mask[k] = k != i;
-        }
-        const rigcal_status status = best_fit(&pose, P, mask);
-        rms_without[i] = (status >= 0) ? pose.rms_px : -1;
-        if (status >= 0) {
-            const int is_best = pose.sse < best;
-            const rigcal_real ratio =
-                (best < RC_MAX) ? odds(P, pose.sse, best, P->n - 1) : 1;
-            total = is_best ? 1 + total / ratio : total + ratio;
-            if (is_best) {
-                best = pose.sse;
-                blame->point = (int32_t)i;
-                blame->rms_without_px = pose.rms_px;
-                blame->is_rest_poor = status == RIGCAL_POOR_FIT;
-            }
+    const size_t n = P->data.n;
+    const int by_distance = n > RIGCAL_BLAME_TRIES && status >= 0;
+    rigcal_real distance2 = RC_MAX;
+    tried so_far = {RC_MAX, 0};
+    *blame = (rigcal_blame){0};
+    blame->point = -1;
+    blame->chance = 1;
+    blame->rms_px = (status >= 0) ? pose->rms_px : -1;
+    for (size_t i = 0; rms_without != NULL && i < n; i++) {
+        rms_without[i] = -1;
+    }
+    for (size_t k = 0; k < n && k < RIGCAL_BLAME_TRIES; k++) {
+        const size_t i = by_distance
+                             ? next_farthest(&distance2, P, &pose->cam_from_world)
+                             : k;
+        if (i < n) {
+            leave_out(blame, rms_without, &so_far, P, i);
         }
     }
     if (blame->point < 0) {
         return;
     }
-    blame->probability = 1 / total;
-    blame->chance =
-        rc_min(1, (rigcal_real)P->n * odds(P, sse, best, P->n - 1));
+    const rigcal_real sse = (status >= 0) ? pose->sse : RC_MAX;
+    blame->probability = 1 / so_far.total;
+    blame->chance = rc_min(1, (rigcal_real)n * odds(P, sse, so_far.best, n - 1));
     if (blame->chance <= SURE_CHANCE && blame->probability >= SURE_PROBABILITY) {
         blame->verdict = RIGCAL_BLAME_SURE;
     } else if (blame->chance <= LIKELY_CHANCE) {
         blame->verdict = RIGCAL_BLAME_LIKELY;
     }
-}
-
-/* Fills all of *blame from the fit of all points: its status, and its pose where it
- * has one. */
-static void find_blame(rigcal_blame *blame, rigcal_real rms_without[],
-                       const problem *P, const rigcal_pose *pose,
-                       rigcal_status status)
-{
-    *blame = (rigcal_blame){0};
-    blame->point = -1;
-    blame->chance = 1;
-    blame->rms_px = (status >= 0) ? pose->rms_px : -1;
-    leave_out(blame, rms_without, P, (status >= 0) ? pose->sse : RC_MAX);
 }
 
 /* Statuses that a wrong point may be the cause of. */
@@ -121,21 +155,13 @@ static rigcal_status begin(problem *P, const rigcal_camera *camera,
     if (camera == NULL || observations == NULL) {
         return RIGCAL_ERR_NULL;
     }
-    P->camera = camera;
-    P->observations = observations;
-    P->sigma = sigma;
-    P->n = n;
+    rc_fit_of(&P->data, camera, observations, sigma, NULL, n);
     (void)rigcal_pose_defaults(&P->options);
     if (options != NULL) {
         P->options = *options;
     }
     const rigcal_status status = rc_check_camera(camera);
-    if (status != RIGCAL_OK) {
-        return status;
-    }
-    return (n < 5)                         ? RIGCAL_ERR_TOO_FEW
-           : (n > RIGCAL_BLAME_POINTS_MAX) ? RIGCAL_ERR_RANGE
-                                           : RIGCAL_OK;
+    return (status == RIGCAL_OK && n < 5) ? RIGCAL_ERR_TOO_FEW : status;
 }
 
 rigcal_status rigcal_blame_point(rigcal_blame *blame, rigcal_real rms_without[],
@@ -146,14 +172,14 @@ rigcal_status rigcal_blame_point(rigcal_blame *blame, rigcal_real rms_without[],
 {
     problem P;
     rigcal_pose pose;
-    if (blame == NULL || rms_without == NULL) {
+    if (blame == NULL) {
         return RIGCAL_ERR_NULL;
     }
     rigcal_status status = begin(&P, camera, observations, sigma, n, options);
     if (status != RIGCAL_OK) {
         return status;
     }
-    status = best_fit(&pose, &P, NULL);
+    status = best_fit(&pose, &P);
     if (!may_be_a_point(status)) {
         return status;
     }
@@ -163,22 +189,24 @@ rigcal_status rigcal_blame_point(rigcal_blame *blame, rigcal_real rms_without[],
 
 /* ---- mirrors and units --------------------------------------------------- */
 
-/* Rms of the mirrored data, and whether they fit well and are much likelier; *unlike:
- * whether they are much less likely. */
+/* Rms of the target mirrored, as `camera` sees it, and whether it fits well and is much
+ * likelier than the fit of the points as given; *unlike: whether much less likely. */
 static int fits_mirrored(rigcal_real *rms_px, int *unlike, const problem *P,
-                         const rigcal_observation mirrored[], rigcal_real sse,
+                         const rigcal_camera *camera, rigcal_real sse,
                          rigcal_status status)
 {
     problem other = *P;
     rigcal_pose pose;
-    other.observations = mirrored;
+    const size_t n = P->data.n;
+    other.data.camera = camera;
+    other.data.is_mirrored = 1;
     other.options.use_start = 0;
-    const rigcal_status mirrored_status = best_fit(&pose, &other, NULL);
+    const rigcal_status mirrored_status = best_fit(&pose, &other);
     *rms_px = (mirrored_status >= 0) ? pose.rms_px : -1;
     *unlike = mirrored_status < 0 ||
-              (status >= 0 && odds(P, pose.sse, sse, P->n) < MIRRORED_ODDS);
+              (status >= 0 && odds(P, pose.sse, sse, n) < MIRRORED_ODDS);
     return mirrored_status >= 0 && mirrored_status != RIGCAL_POOR_FIT &&
-           (status < 0 || odds(P, sse, pose.sse, P->n) < MIRRORED_ODDS);
+           (status < 0 || odds(P, sse, pose.sse, n) < MIRRORED_ODDS);
 }
 
 /* The mistake of units that a ratio of distances is near, or 0. */
@@ -216,7 +244,6 @@ static void judge(rigcal_diagnosis *d, rigcal_status status, int is_mirrored)
 }
 
 rigcal_status rigcal_diagnose_pose(rigcal_diagnosis *out, rigcal_real rms_without[],
-                                   rigcal_observation work[],
                                    const rigcal_camera *camera,
                                    const rigcal_observation observations[],
                                    const rigcal_real sigma[], size_t n,
@@ -224,7 +251,7 @@ rigcal_status rigcal_diagnose_pose(rigcal_diagnosis *out, rigcal_real rms_withou
 {
     problem P;
     rigcal_pose pose = {0};
-    if (out == NULL || rms_without == NULL || work == NULL) {
+    if (out == NULL) {
         return RIGCAL_ERR_NULL;
     }
     rigcal_status status = begin(&P, camera, observations, sigma, n, options);
@@ -235,25 +262,22 @@ rigcal_status rigcal_diagnose_pose(rigcal_diagnosis *out, rigcal_real rms_withou
     if (status != RIGCAL_OK) {
         return status;
     }
-    const rigcal_status fitted = best_fit(&pose, &P, NULL);
+    const rigcal_status fitted = best_fit(&pose, &P);
     if (!may_be_a_point(fitted)) {
         return fitted;
     }
     rigcal_diagnosis d = {0};
     int unlike[2];
     find_blame(&d.blame, rms_without, &P, &pose, fitted);
-    for (size_t i = 0; i < n; i++) {
-        work[i] = observations[i];
-        work[i].X_w[2] = -work[i].X_w[2];
-    }
-    int is_mirrored =
-        fits_mirrored(&d.rms_mirrored_px, &unlike[0], &P, work, pose.sse, fitted);
-    for (size_t i = 0; i < n; i++) {
-        work[i] = observations[i];
-        work[i].uv[1] = (rigcal_real)(camera->height - 1) - work[i].uv[1];
-    }
-    is_mirrored |=
-        fits_mirrored(&d.rms_flipped_px, &unlike[1], &P, work, pose.sse, fitted);
+    int is_mirrored = fits_mirrored(&d.rms_mirrored_px, &unlike[0], &P, camera,
+                                    pose.sse, fitted);
+    /* An image flipped, v to height - 1 - v, is a mirrored target's in a camera whose
+     * principal point and tangential distortion are flipped. */
+    rigcal_camera flipped = *camera;
+    flipped.cy = (rigcal_real)(camera->height - 1) - camera->cy;
+    flipped.p1 = -camera->p1;
+    is_mirrored |= fits_mirrored(&d.rms_flipped_px, &unlike[1], &P, &flipped,
+                                 pose.sse, fitted);
     d.is_handed = is_mirrored || (unlike[0] && unlike[1]);
     if (options != NULL && options->use_start == 1 && fitted >= 0) {
         d.units = units_of(rc_vec3_norm(pose.cam_from_world.t) /

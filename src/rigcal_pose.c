@@ -250,11 +250,11 @@ RC_APART static void begin_over(rigcal_pose_solver *s)
  * such point is too much. */
 static void leave_out_unseen(rigcal_pose_solver *s, int32_t i)
 {
-    if (s->fit.unseen >= 0) {
+    if (s->fit.left_out >= 0) {
         fail(s, RIGCAL_ERR_NO_RAY, i);
         return;
     }
-    s->fit.unseen = s->bad = i;
+    s->fit.left_out = s->bad = i;
     begin_over(s);
 }
 
@@ -330,7 +330,7 @@ static void gather_point(rigcal_pose_solver *s, int32_t i)
     }
     s->is_wide |= WITH_WIDE && !(ray[2] > WIDE_COSINE);
     rc_vec3_scale(u, 1 / u[2], u);
-    rc_vec3_sub(x, o->X_w, s->fit.origin);
+    rc_fit_point(x, &s->fit, (size_t)i);
     rc_vec3_scale(x, s->scale, x);
     rc_view_add(&s->from.lattice.moments, weight_of(s->fit.sigma, (size_t)i), x,
                 u);
@@ -345,7 +345,7 @@ RC_APART int32_t rc_poses_of_three(rigcal_transform cam_from_points[RC_P3P_MAX],
 {
     rigcal_real x[3][3];
     for (int k = 0; k < 3; k++) {
-        rc_vec3_sub(x[k], fit->observations[index[k]].X_w, fit->origin);
+        rc_fit_point(x[k], fit, (size_t)index[k]);
     }
     return rc_p3p(cam_from_points, (const rigcal_real(*)[3])x, ray);
 }
@@ -785,7 +785,7 @@ static void begin_mirrored(rigcal_pose_solver *s)
     rc_view_mirror(view);
     if (rc_view_cost(view, m3) < MIRROR_WORSE * cost) {
         seed_pose(&s->work.fit.cam_from_points, s, m3);
-        s->fit.is_mirrored = 1;
+        s->fit.is_mirrored = !s->fit.is_mirrored;
         s->fit.n = s->n;
         begin_refining(s, MIRRORED);
     }
@@ -793,7 +793,7 @@ static void begin_mirrored(rigcal_pose_solver *s)
 
 static void end_mirrored(rigcal_pose_solver *s)
 {
-    s->fit.is_mirrored = 0;
+    s->fit.is_mirrored = !s->fit.is_mirrored;
     s->is_mirrored = s->work.fit.status >= 0 &&
                      likelihood_of(s, s->work.fit.sse) > MIRROR_ODDS;
     begin_weighing(s, VAGUE_POINTS);
@@ -1103,26 +1103,21 @@ static rigcal_status check_options(const rigcal_pose_options *o)
 }
 
 rigcal_status rc_pose_begin(rigcal_pose_solver *solver, int32_t *bad,
-                            const rigcal_camera *camera,
-                            const rigcal_observation observations[],
-                            const rigcal_real sigma[], const uint8_t mask[],
-                            size_t n, const rigcal_pose_options *options)
+                            const rigcal_fit *data, const rigcal_pose_options *options)
 {
-    static const rigcal_real NO_ORIGIN[3] = {0, 0, 0};
     rc_survey survey;
-    rigcal_fit fit;
     int32_t at = -1;
-    rigcal_status status =
-        (observations == NULL) ? RIGCAL_ERR_NULL : rc_check_camera(camera);
+    rigcal_status status = (data->observations == NULL)
+                               ? RIGCAL_ERR_NULL
+                               : rc_check_camera(data->camera);
     if (status == RIGCAL_OK && options != NULL) {
         status = check_options(options);
     }
-    if (status == RIGCAL_OK && n > RC_COUNT_MAX) {
+    if (status == RIGCAL_OK && data->n > RC_COUNT_MAX) {
         status = RIGCAL_ERR_RANGE;
     }
     if (status == RIGCAL_OK) {
-        rc_fit_begin(&fit, camera, observations, sigma, mask, n, NO_ORIGIN);
-        status = rc_survey_points(&survey, &at, &fit);
+        status = rc_survey_points(&survey, &at, data);
     }
     if (bad != NULL) {
         *bad = at;
@@ -1131,9 +1126,9 @@ rigcal_status rc_pose_begin(rigcal_pose_solver *solver, int32_t *bad,
         return status;
     }
     *solver = (rigcal_pose_solver){0};
-    solver->fit = fit;
-    rc_vec3_copy(solver->fit.origin, survey.origin);
-    solver->n = n;
+    solver->fit = *data;
+    rc_fit_begin(&solver->fit, survey.origin);
+    solver->n = data->n;
     solver->n_used = survey.n_used;
     solver->bad = -1;
     solver->scale = 1 / survey.size;
@@ -1156,9 +1151,10 @@ rigcal_status rigcal_pose_begin(rigcal_pose_solver *solver, int32_t *bad,
                                 const rigcal_real sigma[], size_t n,
                                 const rigcal_pose_options *options)
 {
+    rigcal_fit data;
+    rc_fit_of(&data, camera, observations, sigma, NULL, n);
     return (solver == NULL) ? RIGCAL_ERR_NULL
-                            : rc_pose_begin(solver, bad, camera, observations,
-                                            sigma, NULL, n, options);
+                            : rc_pose_begin(solver, bad, &data, options);
 }
 
 static void step_once(rigcal_pose_solver *s)
@@ -1255,7 +1251,7 @@ rigcal_status rigcal_pose_result(rigcal_pose poses[], size_t *n_found,
     if (!(poses[0].probability >= SURE)) {
         return RIGCAL_AMBIGUOUS;
     }
-    return (s->fit.unseen >= 0) ? RIGCAL_UNSEEN_POINT : RIGCAL_OK;
+    return (s->bad >= 0) ? RIGCAL_UNSEEN_POINT : RIGCAL_OK;
 }
 
 rigcal_status rigcal_solve_pose(rigcal_pose poses[], size_t *n_found,
@@ -1272,8 +1268,8 @@ rigcal_status rigcal_solve_pose(rigcal_pose poses[], size_t *n_found,
     if (capacity < 1) {
         return RIGCAL_ERR_RANGE;
     }
-    const rigcal_status status = rc_pose_begin(
-        &solver, bad, camera, observations, sigma, NULL, n, options);
+    const rigcal_status status = rigcal_pose_begin(&solver, bad, camera, observations,
+                                                   sigma, n, options);
     if (status != RIGCAL_OK) {
         return status;
     }
@@ -1374,7 +1370,6 @@ rigcal_status rigcal_pose_covariance(rigcal_pose_uncertainty *out,
                                      const rigcal_real sigma[], size_t n,
                                      rigcal_real sigma_px)
 {
-    static const rigcal_real NO_ORIGIN[3] = {0, 0, 0};
     rc_survey survey;
     rigcal_fit fit;
     int32_t at;
@@ -1395,7 +1390,7 @@ rigcal_status rigcal_pose_covariance(rigcal_pose_uncertainty *out,
         status = RIGCAL_ERR_TOO_FEW;
     }
     if (status == RIGCAL_OK) {
-        rc_fit_begin(&fit, camera, observations, sigma, NULL, n, NO_ORIGIN);
+        rc_fit_of(&fit, camera, observations, sigma, NULL, n);
         status = rc_survey_points(&survey, &at, &fit);
     }
     if (status != RIGCAL_OK && status != RIGCAL_ERR_COINCIDENT &&
@@ -1408,7 +1403,7 @@ rigcal_status rigcal_pose_covariance(rigcal_pose_uncertainty *out,
     if (rc_are_on_line(observations, n, survey.origin)) {
         return RIGCAL_ERR_DEGENERATE;
     }
-    rc_vec3_copy(fit.origin, survey.origin);
+    rc_fit_begin(&fit, survey.origin);
     rc_transform_point(cam_from_points.t, cam_from_world, survey.origin);
     status = rc_normal_equations(&sse, g, H, &fit, &cam_from_points);
     if (status != RIGCAL_OK) {

@@ -45,32 +45,40 @@ enum { WITH_WIDE = RIGCAL_WITH_THREE_POINTS };
 
 /* ---- what is fitted ------------------------------------------------------ */
 
-void rc_fit_begin(rigcal_fit *fit, const rigcal_camera *camera,
-                  const rigcal_observation observations[],
-                  const rigcal_real sigma[], const uint8_t mask[], size_t n,
-                  const rigcal_real origin[3])
+void rc_fit_of(rigcal_fit *fit, const rigcal_camera *camera,
+               const rigcal_observation observations[], const rigcal_real sigma[],
+               const uint8_t mask[], size_t n)
 {
     fit->camera = camera;
     fit->observations = observations;
     fit->sigma = sigma;
     fit->mask = mask;
     fit->n = n;
-    rc_vec3_copy(fit->origin, origin);
     fit->is_mirrored = 0;
-    fit->unseen = -1;
-    fit->pixel = rc_pixel_size(camera);
-    rc_lens_of(&fit->lens, camera);
+    fit->left_out = -1;
+}
+
+void rc_fit_begin(rigcal_fit *fit, const rigcal_real origin[3])
+{
+    rc_vec3_copy(fit->origin, origin);
+    fit->pixel = rc_pixel_size(fit->camera);
+    rc_lens_of(&fit->lens, fit->camera);
 }
 
 extern inline int rc_fit_uses(const rigcal_fit *fit, size_t i);
 
-void rc_fit_place(rigcal_real q[3], rigcal_real X_c[3], const rigcal_fit *fit,
-                  const rigcal_transform *cam_from_points, size_t i)
+void rc_fit_point(rigcal_real x[3], const rigcal_fit *fit, size_t i)
 {
     const rigcal_real *const X = fit->observations[i].X_w;
     const rigcal_real *const o = fit->origin;
-    rigcal_real x[3];
     rc_vec3_sub(x, fit->is_mirrored ? o : X, fit->is_mirrored ? X : o);
+}
+
+void rc_fit_place(rigcal_real q[3], rigcal_real X_c[3], const rigcal_fit *fit,
+                  const rigcal_transform *cam_from_points, size_t i)
+{
+    rigcal_real x[3];
+    rc_fit_point(x, fit, i);
     rc_mat3_mul_vec3(q, cam_from_points->R, x);
     rc_vec3_copy(X_c, q);
     rc_vec3_add(X_c, cam_from_points->t);

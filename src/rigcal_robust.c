@@ -4,7 +4,7 @@
 enum { SAMPLES = 500, SAMPLES_MAX = 100000 };
 #define THRESHOLD_PX RC(3)
 #define THRESHOLD_SIGMAS RC(4)
-#define THRESHOLD_MIN RC(1e-3)
+#define THRESHOLD_MIN RC(1e-6)
 #define THRESHOLD_MAX RC(1e6)
 
 /* Random samples end when the chance to have missed every clean one is this. Noise
@@ -192,10 +192,11 @@ static void scoring_step(rigcal_robust_solver *s, const rigcal_fit *fit)
 static void begin_solving(rigcal_robust_solver *s)
 {
     rigcal_pose_options options;
+    rigcal_fit data;
     (void)rigcal_pose_defaults(&options);
     options.sigma_px = s->sigma_px;
-    s->failure = rc_pose_begin(&s->work.pose, NULL, s->camera, s->observations,
-                               s->sigma, s->inliers, s->n, &options);
+    rc_fit_of(&data, s->camera, s->observations, s->sigma, s->inliers, s->n);
+    s->failure = rc_pose_begin(&s->work.pose, NULL, &data, &options);
     if (s->failure == RIGCAL_ERR_TOO_FEW) {
         s->failure = RIGCAL_ERR_NO_CONSENSUS;
     }
@@ -310,7 +311,6 @@ static rigcal_status begin(rigcal_robust_solver *s, int32_t *at,
 {
     rigcal_pose_options pose_options;
     rigcal_robust_options defaults;
-    static const rigcal_real NO_ORIGIN[3] = {0, 0, 0};
     rc_survey survey;
     rigcal_fit fit;
     *at = -1;
@@ -333,10 +333,9 @@ static rigcal_status begin(rigcal_robust_solver *s, int32_t *at,
         return status;
     }
     *s = (rigcal_robust_solver){0};
-    status = rc_pose_begin(&s->work.pose, at, camera, observations, sigma, NULL,
-                           n, &pose_options);
+    rc_fit_of(&fit, camera, observations, sigma, NULL, n);
+    status = rc_pose_begin(&s->work.pose, at, &fit, &pose_options);
     if (status == RIGCAL_OK) {
-        rc_fit_begin(&fit, camera, observations, sigma, NULL, n, NO_ORIGIN);
         status = rc_survey_points(&survey, at, &fit);
     }
     if (status == RIGCAL_OK && rc_are_on_line(observations, n, survey.origin)) {
@@ -353,7 +352,7 @@ static rigcal_status begin(rigcal_robust_solver *s, int32_t *at,
     s->sigma_px = o->sigma_px;
     s->threshold_px = (o->threshold_px > 0) ? o->threshold_px
                       : (o->sigma_px > 0)   ? THRESHOLD_SIGMAS * o->sigma_px
-                                            : THRESHOLD_PX * fit.pixel;
+                                            : THRESHOLD_PX * rc_pixel_size(camera);
     s->random = (o->seed != 0) ? o->seed : UINT32_C(0x9e3779b9);
     s->samples = o->samples;
     s->is_complete = count_triples(n) <= (size_t)o->samples;
@@ -410,8 +409,9 @@ rigcal_status rigcal_robust_step(rigcal_robust_solver *solver, int32_t budget)
         return RIGCAL_OK;
     }
     rigcal_fit fit;
-    rc_fit_begin(&fit, solver->camera, solver->observations, solver->sigma,
-                 solver->inliers, solver->n, solver->origin);
+    rc_fit_of(&fit, solver->camera, solver->observations, solver->sigma,
+              solver->inliers, solver->n);
+    rc_fit_begin(&fit, solver->origin);
     for (int32_t i = 0; i < budget && solver->phase != DONE; i++) {
         switch (solver->phase) {
         case SEEING:

@@ -68,7 +68,7 @@ rigcal_status rigcal_solve_tag(rigcal_pose cams_from_tag[], size_t *n_found,
     }
     place_corners(corners, uv, size);
     const rigcal_status status =
-        rc_pose_begin(&solver, bad, camera, corners, NULL, NULL, 4, options);
+        rigcal_pose_begin(&solver, bad, camera, corners, NULL, 4, options);
     if (status != RIGCAL_OK) {
         return status;
     }

@@ -704,7 +704,6 @@ static void test_a_diagnosis_solves_n_plus_1_to_n_plus_3_poses(void)
 
     for (int trial = 0; trial < 10 * KINDS; trial++) {
         rigcal_real rms_without[POINTS_MAX];
-        rigcal_observation work[POINTS_MAX];
         rigcal_diagnosis diagnosis;
         rigcal_blame blame;
         scene s;
@@ -717,7 +716,7 @@ static void test_a_diagnosis_solves_n_plus_1_to_n_plus_3_poses(void)
         TEST_ASSERT_EQUAL_INT((n + 1) + n * n, watched.count);
         watch("rc_pixel_to_ray", HOOK_FABS);
         ASSERT_STATUS(RIGCAL_OK,
-                      rigcal_diagnose_pose(&diagnosis, rms_without, work, &s.camera, s.o,
+                      rigcal_diagnose_pose(&diagnosis, rms_without, &s.camera, s.o,
                                            NULL, s.n, NULL));
         TEST_ASSERT_EQUAL_INT(3 * (n + 1) + n * n, watched.count);
     }

@@ -19,7 +19,7 @@ void tearDown(void)
 typedef struct {
     test_scene scene;
     rigcal_camera camera;
-    rigcal_observation o[N_MAX], work[N_MAX];
+    rigcal_observation o[N_MAX];
     rigcal_real rms_without[N_MAX];
     rigcal_blame blame;
     rigcal_diagnosis diagnosis;
@@ -67,8 +67,7 @@ static void blame(problem *p, const rigcal_pose_options *options)
 static int diagnose(problem *p, const rigcal_pose_options *options)
 {
     ASSERT_STATUS(RIGCAL_OK,
-                  rigcal_diagnose_pose(&p->diagnosis, p->rms_without, p->work,
-                                       &p->camera, p->o, NULL, (size_t)p->n,
+                  rigcal_diagnose_pose(&p->diagnosis, p->rms_without, &p->camera, p->o, NULL, (size_t)p->n,
                                        options));
     return p->diagnosis.verdict;
 }

@@ -652,10 +652,12 @@ typedef struct {
      S(COINCIDENT) | S(COLLINEAR) | S(PRECISION))
 #define STORED (S(NULL) | S(FOREIGN) | S(DAMAGED) | S(VERSION))
 #define FITTED \
-    (S(NO_POSE) | S(DEGENERATE) | BIT(RIGCAL_AMBIGUOUS) | BIT(RIGCAL_POOR_FIT))
+    (S(NO_POSE) | S(DEGENERATE) | BIT(RIGCAL_AMBIGUOUS) | BIT(RIGCAL_POOR_FIT) | \
+     BIT(RIGCAL_VAGUE) | BIT(RIGCAL_UNSEEN_POINT) | BIT(RIGCAL_BUDGET_SPENT))
 
 #define AGREED \
-    (VIEWED | FITTED | S(NO_CONSENSUS) | BIT(RIGCAL_FEW_AGREE))
+    (VIEWED | FITTED | S(NO_CONSENSUS) | BIT(RIGCAL_FEW_AGREE) | \
+     BIT(RIGCAL_MOST_DISAGREE))
 
 #define REAL(p) (*(const rigcal_real *)(p))
 #define INT(p) (*(const int32_t *)(p))
@@ -726,7 +728,7 @@ CALL(solve_pose_robust, p[0], p[1], p[2], p[3], COUNTED(p[4]), p[5], p[6], p[7],
      p[8], COUNTED(p[9]), p[10])
 CALL(solve_tag, p[0], p[1], COUNTED(p[2]), p[3], p[4], p[5], REAL(p[6]), p[7])
 CALL(blame_point, p[0], p[1], p[2], p[3], p[4], COUNTED(p[5]), p[6])
-CALL(diagnose_pose, p[0], p[1], p[2], p[3], p[4], p[5], COUNTED(p[6]), p[7])
+CALL(diagnose_pose, p[0], p[1], p[2], p[3], p[4], COUNTED(p[5]), p[6])
 CALL(depth_two_views, p[0], p[1], p[2], p[3], p[4])
 CALL(depth_aligned, p[0], REAL(p[1]), p[2], p[3])
 CALL(triangulate, p[0], p[1], p[2], p[3], COUNTED(p[4]), REAL(p[5]))
@@ -930,7 +932,7 @@ static const function FUNCTIONS[] = {
       IN(OBSERVATION, N, ok.observations), IN_OPT(SPREAD, N, ok.spreads),
       COUNT(&SIZE_6, 5, RIGCAL_ERR_TOO_FEW), IN_OPT(COLD, 1, &ok.cold)}},
     {F(diagnose_pose), 0, VIEWED,
-     {OUT_PART(DIAGNOSIS, 1), OUT(NUMBER, N), WORK(OBSERVATION, N),
+     {OUT_PART(DIAGNOSIS, 1), OUT(NUMBER, N),
       IN(CAMERA, 1, &ok.camera), IN(OBSERVATION, N, ok.observations),
       IN_OPT(SPREAD, N, ok.spreads), COUNT(&SIZE_6, 5, RIGCAL_ERR_TOO_FEW),
       IN_OPT(WARM, 1, &ok.warm)}},

@@ -46,8 +46,8 @@ static void ready(problem *p, int n, int weighted, const double origin[3])
     rigcal_real counted_from[3];
 
     test_to_real(counted_from, origin, 3);
-    rc_fit_begin(&p->fit, &p->camera, p->o, weighted ? p->sigma : NULL, NULL, (size_t)n,
-                 counted_from);
+    rc_fit_of(&p->fit, &p->camera, p->o, weighted ? p->sigma : NULL, NULL, (size_t)n);
+    rc_fit_begin(&p->fit, counted_from);
 }
 
 static test_data data_of(const problem *p)
@@ -144,7 +144,7 @@ static int run(rigcal_refinement *state, const problem *p,
     double least = 1e300;
 
     state->cam_from_points = *start;
-    rc_refine_begin(state);
+    rc_refine_begin(state, 0);
     ASSERT_STATUS(RIGCAL_RUNNING, state->status);
     while (state->status == RIGCAL_RUNNING) {
         rc_refine_step(state, &p->fit, EVALS_MAX);
@@ -482,7 +482,7 @@ static void test_wild_starts_end_no_worse_than_they_began(void)
         test_to_real(start.R, R, 9);
         if (rc_normal_equations(&before, g, H, &p.fit, &start) != RIGCAL_OK) {
             state.cam_from_points = start;
-            rc_refine_begin(&state);
+            rc_refine_begin(&state, 0);
             rc_refine_step(&state, &p.fit, EVALS_MAX);
             TEST_ASSERT_TRUE(state.status < 0);
             continue;
@@ -514,7 +514,7 @@ static void test_a_small_bound_is_kept_and_told(void)
     of_lens(&p, v);
     start = start_pose(&p, v);
     state.cam_from_points = start;
-    rc_refine_begin(&state);
+    rc_refine_begin(&state, 0);
     while (state.status == RIGCAL_RUNNING && calls < 10) {
         rc_refine_step(&state, &p.fit, 2);
         calls++;

@@ -71,9 +71,10 @@ static int32_t refining_from(const rigcal_transform *start)
     rigcal_refinement state;
     rigcal_fit fit;
     int32_t longest = 0;
-    rc_fit_begin(&fit, &scene.camera[0], scene.seen, NULL, NULL, scene.n, origin);
+    rc_fit_of(&fit, &scene.camera[0], scene.seen, NULL, NULL, scene.n);
+    rc_fit_begin(&fit, origin);
     state.cam_from_points = *start;
-    rc_refine_begin(&state);
+    rc_refine_begin(&state, 0);
     while (state.status == RIGCAL_RUNNING) {
         const uint32_t begin = instructions();
         rc_refine_step(&state, &fit, 100);

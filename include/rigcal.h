@@ -284,8 +284,8 @@ RIGCAL_API rigcal_status rigcal_distort_pixel(rigcal_real uv[2],
                                               const rigcal_camera *camera,
                                               const rigcal_real uv_straight[2]);
 
-/* Rays of n >= 1 observations (ERR_TOO_FEW for none). On failure *bad (may be NULL) is
- * the index of the observation at fault, or -1; it is written on failure only. */
+/* Rays of n >= 1 observations (ERR_TOO_FEW for none). *bad (NULL: not wanted) is the
+ * observation at fault, or -1. */
 RIGCAL_API rigcal_status rigcal_sightings_from_observations(
     rigcal_sighting sightings[], int32_t *bad, const rigcal_camera *camera,
     const rigcal_observation observations[], size_t n);

@@ -30,6 +30,9 @@ rigcal_status rc_check_observation(const rigcal_observation *o);
  * where the focal length is so short that the unit cannot be a pixel. */
 rigcal_real rc_pixel_size(const rigcal_camera *camera);
 
+/* The observation at fault, -1: none, for who wants it. */
+void rc_write_fault(int32_t *bad, int32_t index);
+
 void rc_lens_of(rigcal_lens *lens, const rigcal_camera *camera);
 
 /* F(x) and its Jacobian J = (xx, xy, yy). 0 where F has a pole. */

@@ -565,12 +565,11 @@ static rigcal_status check_count(size_t n)
     return (n <= RC_COUNT_MAX) ? RIGCAL_OK : RIGCAL_ERR_RANGE;
 }
 
-static rigcal_status blame(int32_t *bad, size_t index, rigcal_status status)
+void rc_write_fault(int32_t *bad, int32_t index)
 {
     if (bad != NULL) {
-        *bad = (int32_t)index;
+        *bad = index;
     }
-    return status;
 }
 
 rigcal_status rigcal_sightings_from_observations(
@@ -587,8 +586,9 @@ rigcal_status rigcal_sightings_from_observations(
     if (status == RIGCAL_OK) {
         status = check_count(n);
     }
+    rc_write_fault(bad, -1);
     if (status != RIGCAL_OK) {
-        return blame(bad, (size_t)-1, status);
+        return status;
     }
     /* Twice through, so that nothing is written when anything is wrong. */
     for (size_t i = 0; i < n; i++) {
@@ -597,7 +597,8 @@ rigcal_status rigcal_sightings_from_observations(
             status = rc_pixel_to_ray(ray, camera, observations[i].uv);
         }
         if (status != RIGCAL_OK) {
-            return blame(bad, i, status);
+            rc_write_fault(bad, (int32_t)i);
+            return status;
         }
     }
     for (size_t i = 0; i < n; i++) {

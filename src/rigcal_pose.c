@@ -1119,9 +1119,7 @@ rigcal_status rc_pose_begin(rigcal_pose_solver *solver, int32_t *bad,
     if (status == RIGCAL_OK) {
         status = rc_survey_points(&survey, &at, data);
     }
-    if (bad != NULL) {
-        *bad = at;
-    }
+    rc_write_fault(bad, at);
     if (status != RIGCAL_OK) {
         return status;
     }
@@ -1152,6 +1150,7 @@ rigcal_status rigcal_pose_begin(rigcal_pose_solver *solver, int32_t *bad,
                                 const rigcal_pose_options *options)
 {
     rigcal_fit data;
+    rc_write_fault(bad, -1);
     rc_fit_of(&data, camera, observations, sigma, NULL, n);
     return (solver == NULL) ? RIGCAL_ERR_NULL
                             : rc_pose_begin(solver, bad, &data, options);
@@ -1214,6 +1213,7 @@ rigcal_status rigcal_pose_result(rigcal_pose poses[], size_t *n_found,
 {
     const rigcal_pose_solver *const s = solver;
     rigcal_real total = 0;
+    rc_write_fault(bad, -1);
     if (poses == NULL || n_found == NULL || s == NULL) {
         return RIGCAL_ERR_NULL;
     }
@@ -1223,9 +1223,7 @@ rigcal_status rigcal_pose_result(rigcal_pose poses[], size_t *n_found,
     if (s->phase != DONE || s->n_found < 0 || s->n_found > RIGCAL_POSES_MAX) {
         return RIGCAL_ERR_STATE;
     }
-    if (bad != NULL) {
-        *bad = s->bad;
-    }
+    rc_write_fault(bad, s->bad);
     if (s->n_found == 0) {
         return (s->failure != 0) ? s->failure : RIGCAL_ERR_NO_POSE;
     }
@@ -1262,6 +1260,7 @@ rigcal_status rigcal_solve_pose(rigcal_pose poses[], size_t *n_found,
                                 const rigcal_pose_options *options)
 {
     rigcal_pose_solver solver;
+    rc_write_fault(bad, -1);
     if (poses == NULL || n_found == NULL) {
         return RIGCAL_ERR_NULL;
     }

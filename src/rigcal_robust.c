@@ -381,15 +381,15 @@ rigcal_status rigcal_robust_begin(rigcal_robust_solver *solver,
 {
     rigcal_robust_solver begun;
     int32_t at;
+    rc_write_fault(bad, -1);
     if (solver == NULL) {
         return RIGCAL_ERR_NULL;
     }
     const rigcal_status status =
         begin(&begun, &at, inliers, camera, observations, sigma, n, options);
+    rc_write_fault(bad, at);
     if (status == RIGCAL_OK) {
         *solver = begun;
-    } else if (bad != NULL) {
-        *bad = at;
     }
     return status;
 }
@@ -477,6 +477,7 @@ rigcal_status rigcal_solve_pose_robust(rigcal_pose poses[], size_t *n_found,
 {
     rigcal_robust_solver solver;
     int32_t at;
+    rc_write_fault(bad, -1);
     if (poses == NULL || n_found == NULL || n_inliers == NULL) {
         return RIGCAL_ERR_NULL;
     }
@@ -485,10 +486,8 @@ rigcal_status rigcal_solve_pose_robust(rigcal_pose poses[], size_t *n_found,
     }
     const rigcal_status status =
         begin(&solver, &at, inliers, camera, observations, sigma, n, options);
+    rc_write_fault(bad, at);
     if (status != RIGCAL_OK) {
-        if (bad != NULL) {
-            *bad = at;
-        }
         return status;
     }
     while (solver.phase != DONE) {

@@ -56,6 +56,7 @@ rigcal_status rigcal_solve_tag(rigcal_pose cams_from_tag[], size_t *n_found,
 {
     rigcal_observation corners[4];
     rigcal_pose_solver solver;
+    rc_write_fault(bad, -1);
     if (cams_from_tag == NULL || n_found == NULL || camera == NULL ||
         uv == NULL) {
         return RIGCAL_ERR_NULL;
@@ -74,9 +75,6 @@ rigcal_status rigcal_solve_tag(rigcal_pose cams_from_tag[], size_t *n_found,
     }
     (void)rigcal_pose_step(&solver, INT32_MAX);
     if (solver.n_found > 0 && !keep_front(&solver)) {
-        if (bad != NULL) {
-            *bad = -1;
-        }
         return RIGCAL_ERR_MIRRORED;
     }
     return rigcal_pose_result(cams_from_tag, n_found, capacity, bad, &solver);

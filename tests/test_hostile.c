@@ -411,7 +411,7 @@ static const impossible BAD_WARM[] = {
     BAD_END};
 static const impossible BAD_ROBUST[] = {
     BAD_REAL(rigcal_robust_options, threshold_px, -1, RIGCAL_ERR_RANGE),
-    BAD_REAL(rigcal_robust_options, threshold_px, 1e-4, RIGCAL_ERR_RANGE),
+    BAD_REAL(rigcal_robust_options, threshold_px, 1e-7, RIGCAL_ERR_RANGE),
     BAD_REAL(rigcal_robust_options, sigma_px, -1, RIGCAL_ERR_RANGE),
     BAD_INT(rigcal_robust_options, samples, 0, RIGCAL_ERR_RANGE),
     BAD_INT(rigcal_robust_options, samples, 100001, RIGCAL_ERR_RANGE), BAD_END};
@@ -537,7 +537,7 @@ typedef enum {
     R_OUT,      /* all of it written on success, none of it on failure */
     R_OUT_PART, /* perhaps not all of it */
     R_OUT_OPT,  /* may be NULL */
-    R_OUT_BAD,  /* may be NULL, and is written on failure only */
+    R_OUT_BAD,  /* may be NULL; always written: an index, or -1 */
     R_WORK,     /* must be there, may be written at any time */
     R_STATE,    /* read and written; untouched when the arguments are refused */
     R_IN,       /* read, each number checked */
@@ -928,11 +928,11 @@ static const function FUNCTIONS[] = {
       IN_OPT(ROBUST, 1, &ok.robust)}},
 
     {F(blame_point), 0, VIEWED,
-     {OUT_PART(BLAME, 1), OUT(NUMBER, N), IN(CAMERA, 1, &ok.camera),
+     {OUT_PART(BLAME, 1), OUT_OPT(NUMBER, N), IN(CAMERA, 1, &ok.camera),
       IN(OBSERVATION, N, ok.observations), IN_OPT(SPREAD, N, ok.spreads),
       COUNT(&SIZE_6, 5, RIGCAL_ERR_TOO_FEW), IN_OPT(COLD, 1, &ok.cold)}},
     {F(diagnose_pose), 0, VIEWED,
-     {OUT_PART(DIAGNOSIS, 1), OUT(NUMBER, N),
+     {OUT_PART(DIAGNOSIS, 1), OUT_OPT(NUMBER, N),
       IN(CAMERA, 1, &ok.camera), IN(OBSERVATION, N, ok.observations),
       IN_OPT(SPREAD, N, ok.spreads), COUNT(&SIZE_6, 5, RIGCAL_ERR_TOO_FEW),
       IN_OPT(WARM, 1, &ok.warm)}},
@@ -1029,7 +1029,7 @@ static size_t size_of(const argument *a)
 
 static int is_output(role r)
 {
-    return r == R_OUT || r == R_OUT_PART || r == R_OUT_OPT || r == R_OUT_BAD;
+    return r == R_OUT || r == R_OUT_PART || r == R_OUT_OPT;
 }
 
 static int n_arguments(void)
@@ -1115,6 +1115,16 @@ static void expect_untouched(int i, int byte, rigcal_status status)
     }
 }
 
+static void expect_index(int i, rigcal_status status)
+{
+    int32_t index;
+
+    memcpy(&index, buffer[i], sizeof index);
+    if (index < -1 || index >= N) {
+        complain("the observation at fault is none, or not written", status);
+    }
+}
+
 static void expect_finite(int i, rigcal_status status)
 {
     for (size_t k = 0; k < n_reals(i); k++) {
@@ -1137,7 +1147,7 @@ static rigcal_status call(int absent, int byte)
     }
     status = current->call(p);
     if (status != RIGCAL_OK &&
-        (status < -25 || status > 6 || !(current->named & BIT(status)))) {
+        (status < -25 || status > 9 || !(current->named & BIT(status)))) {
         complain("a status that the manual does not name here", status);
     }
     for (int i = 0; i < n_arguments(); i++) {
@@ -1146,7 +1156,7 @@ static rigcal_status call(int absent, int byte)
         if (i == absent) {
             continue;
         }
-        if (status < 0 && is_output(r) && r != R_OUT_BAD) {
+        if (status < 0 && is_output(r)) {
             expect_untouched(i, byte, status);
         } else if (status >= 0 && is_output(r) &&
                    (r != R_OUT_PART || byte != 0xff)) {
@@ -1161,8 +1171,8 @@ static rigcal_status call(int absent, int byte)
                 expect_untouched(i, byte, status);
             }
         }
-        if (status >= 0 && r == R_OUT_BAD) {
-            expect_untouched(i, byte, status);
+        if (r == R_OUT_BAD) {
+            expect_index(i, status);
         }
     }
     return status;

@@ -1338,9 +1338,9 @@ static void test_the_observation_at_fault_is_told(void)
     bad = -2;
     ASSERT_STATUS(RIGCAL_OK, rigcal_pose_begin(&solver, &bad, &p.camera, p.o, NULL, 6,
                                                NULL)); /* rays are for the steps */
-    TEST_ASSERT_EQUAL_INT(-2, bad);
-    ASSERT_STATUS(RIGCAL_OK, rigcal_pose_step(&solver, 100));
-    ASSERT_STATUS(RIGCAL_ERR_NO_RAY,
+    TEST_ASSERT_EQUAL_INT(-1, bad);
+    ASSERT_STATUS(RIGCAL_OK, rigcal_pose_step(&solver, 300));
+    ASSERT_STATUS(RIGCAL_UNSEEN_POINT,
                   rigcal_pose_result(p.poses, &p.n_found, 1, &bad, &solver));
     TEST_ASSERT_EQUAL_INT(2, bad);
     bad = -2; /* nor is a start that proves bad a way round them */
@@ -1348,10 +1348,15 @@ static void test_the_observation_at_fault_is_told(void)
     p.scene.t[0] += 2;
     o.start = test_transform(p.scene.R, p.scene.t);
     ASSERT_STATUS(RIGCAL_OK, rigcal_pose_begin(&solver, &bad, &p.camera, p.o, NULL, 6, &o));
-    ASSERT_STATUS(RIGCAL_OK, rigcal_pose_step(&solver, 300));
-    ASSERT_STATUS(RIGCAL_ERR_NO_RAY,
+    ASSERT_STATUS(RIGCAL_OK, rigcal_pose_step(&solver, 500));
+    ASSERT_STATUS(RIGCAL_UNSEEN_POINT,
                   rigcal_pose_result(p.poses, &p.n_found, 1, &bad, &solver));
     TEST_ASSERT_EQUAL_INT(2, bad);
+    p.o[3].uv[0] = -20000; /* two are too many */
+    ASSERT_STATUS(RIGCAL_ERR_NO_RAY,
+                  rigcal_solve_pose(p.poses, &p.n_found, 1, &bad, &p.camera, p.o,
+                                    NULL, 6, NULL));
+    TEST_ASSERT_EQUAL_INT(3, bad);
 }
 
 static void test_arguments_are_checked(void)

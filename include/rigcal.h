@@ -1136,7 +1136,7 @@ typedef struct {
     rigcal_transform cam_from_rig;
     rigcal_real Sigma[36]; /* covariance of cam_from_rig, as of a pose in
                               rigcal_pose_uncertainty: symmetric and positive
-                              semidefinite, to 1e-9 / 1e-4 of a correlation. The
+                              semidefinite, to 1e-9 / 1e-5 of a correlation. The
                               lower triangle is stored. All 0 is an exact pose, as
                               camera 0 of a rig has */
     int32_t has_Sigma;     /* 1: known. 0: not; Sigma is not read, and 0 when

@@ -162,11 +162,11 @@ static const uint8_t *get_reals(rigcal_real x[], int n, const uint8_t *at,
 
 /* ---- one camera ----------------------------------------------------------- */
 
-/* Rounding of a correlation, also that of a covariance stored in double and loaded in
- * float. */
-#define CORRELATION_TOL RC_TOL(1e-9, 1e-4)
+/* The most negative eigenvalue of correlations that may be rounding, also that of a
+ * covariance stored in double and loaded in float. */
+#define CORRELATION_TOL RC_TOL(1e-9, 1e-5)
 
-/* Element (i, j) over the standard deviations of i and j: a correlation. */
+/* Element (i, j) over the standard deviations of i and j. */
 static rigcal_real correlation(const rigcal_real Sigma[36], int i, int j)
 {
     const rigcal_real x = Sigma[6 * i + j];
@@ -174,32 +174,25 @@ static rigcal_real correlation(const rigcal_real Sigma[36], int i, int j)
     return (RC_FABS(x) > 0) ? x / deviations : 0;
 }
 
-/* 1 when Sigma is symmetric and positive semidefinite, to rounding: Cholesky's factor of
- * its correlations exists, where a pivot of zero has a column of zeros. */
+/* 1 when Sigma is symmetric and positive semidefinite, to rounding: its correlations, with
+ * the tolerance added on the diagonal, have a Cholesky factor. */
 static int is_covariance(const rigcal_real Sigma[36])
 {
     rigcal_real L[6][6];
     for (int j = 0; j < 6; j++) {
         for (int i = j; i < 6; i++) {
-            const rigcal_real below = correlation(Sigma, i, j);
-            rigcal_real rest = below;
-            if (!(RC_FABS(below - correlation(Sigma, j, i)) <= CORRELATION_TOL)) {
+            const rigcal_real c = correlation(Sigma, i, j);
+            rigcal_real rest = (i == j) ? c + CORRELATION_TOL : c;
+            if (!(RC_FABS(c - correlation(Sigma, j, i)) <= CORRELATION_TOL)) {
                 return 0;
             }
             for (int k = 0; k < j; k++) {
                 rest -= L[i][k] * L[j][k];
             }
-            const rigcal_real pivot = (i == j) ? rest : L[j][j] * L[j][j];
-            if (i == j && !(pivot >= -CORRELATION_TOL)) {
+            if (i == j && !(rest > 0)) {
                 return 0;
             }
-            if (pivot > CORRELATION_TOL) {
-                L[i][j] = (i == j) ? RC_SQRT(pivot) : rest / L[j][j];
-            } else if (rest * rest <= 4 * CORRELATION_TOL) {
-                L[i][j] = 0;
-            } else {
-                return 0;
-            }
+            L[i][j] = (i == j) ? RC_SQRT(rest) : rest / L[j][j];
         }
     }
     return 1;

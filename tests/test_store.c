@@ -436,9 +436,14 @@ static void test_a_covariance_that_is_not_known_is_not_read(void)
 
 /* ---- numbers of the other precision -------------------------------------- */
 
-/* The eight coefficients of Brown's lens may be any finite numbers: they carry some
- * through the other precision's bytes. */
-enum { CARRIED = 8, COEFFICIENTS_AT = 32 + 16 + 4 * OTHER_REAL };
+/* The eight coefficients of Brown's lens may be any numbers within 1e9, a variance any that
+ * is not negative: they carry some through the other precision's bytes. */
+enum {
+    CARRIED = 8,
+    COEFFICIENTS_AT = 32 + 16 + 4 * OTHER_REAL,
+    HAS_SIGMA_AT = 32 + 12,
+    VARIANCE_AT = 32 + 16 + 24 * OTHER_REAL
+};
 
 static rigcal_status carried(rigcal_real out[CARRIED])
 {
@@ -468,6 +473,26 @@ static int fits_a_float(double x)
     return fabs(x) < ldexp(1.0 - ldexp(1, -25), 128);
 }
 
+/* A number too large for a coefficient, as the only variance. */
+static void carry_as_variance(double x)
+{
+    static uint8_t bytes[sizeof other];
+    rigcal_mounted_camera cameras[N];
+    rigcal_saved_info info;
+    const float expected = (float)x;
+
+    memcpy(bytes, other, sizeof bytes);
+    put_u32(bytes + HAS_SIGMA_AT, 1);
+    memset(bytes + VARIANCE_AT, 0, 21 * OTHER_REAL);
+    put_double(bytes + VARIANCE_AT, x);
+    for (int i = 0; i < CARRIED; i++) {
+        put_double(bytes + COEFFICIENTS_AT + 8 * i, 0);
+    }
+    seal(bytes, sizeof bytes);
+    ASSERT_STATUS(RIGCAL_OK, rigcal_load(cameras, &info, N, bytes, sizeof bytes));
+    TEST_ASSERT_TRUE(same_bits(&expected, &cameras[0].Sigma[0], sizeof expected));
+}
+
 /* Collects numbers until there are enough to be carried at once. */
 static double collected[CARRIED];
 static int n_collected;
@@ -479,6 +504,10 @@ static void carry_as_float(double x)
     if (!fits_a_float(x)) {
         put_double(other + COEFFICIENTS_AT, x);
         ASSERT_STATUS(RIGCAL_ERR_NOT_FINITE, carried(seen));
+        return;
+    }
+    if (fabs(x) > 1e9) {
+        carry_as_variance(fabs(x));
         return;
     }
     collected[n_collected++] = x;

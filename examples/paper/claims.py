@@ -446,7 +446,7 @@ PAPER_COUNTS = [
 
 
 def false_part(counts):
-    return 100 * counts[1] / sum(counts)
+    return 100 * counts[1] / max(sum(counts), 1)  # 0 when nothing converged
 
 
 def three_mislead_more(data):
@@ -535,7 +535,7 @@ def claims_table(data):
 
 def of_as_many(total, correct, false):
     """Shares of correct and false as counts that add up to total."""
-    part = round(total * correct / (correct + false))
+    part = round(total * correct / max(correct + false, 1))
     return f"{part} + {total - part}"
 
 

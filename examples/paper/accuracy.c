@@ -366,9 +366,10 @@ static void draw_lines(FILE *file, const paper_scene *scene, int width)
     }
 }
 
-/* How far, at worst within image 1, the matching line of what camera 2 sees at uv is
- * from the true one, of what it would see at true_uv [px]. 0 when the true line misses
- * the image; HUGE_VAL where the found one does not exist. */
+/* The largest distance [px], within image 1, between two matching lines: the one of
+ * pixel uv of camera 2 by `pose`, and the true one of true_uv by `true_pose`. *off is
+ * HUGE_VAL when the first does not exist. Returns 0 when the true line misses the
+ * image; *off is then not written. */
 static int unsettled(double *off, const rigcal_camera *camera,
                      const rigcal_transform pose[2], const double uv[2],
                      const rigcal_transform true_pose[2],
@@ -390,8 +391,8 @@ static int unsettled(double *off, const rigcal_camera *camera,
     return 1;
 }
 
-/* How far true matches are from the lines, and how often the band holds them; how
- * far lines in image 1 are from the true ones [inch]. */
+/* Distances of the true matches from their lines, how many of them the band holds, and
+ * distances of the lines in image 1 from the true ones [inch]. */
 typedef struct {
     sample off[2], sigma, unsettled[2];
     int lost, held;
@@ -493,11 +494,11 @@ static void draw_settling(FILE *file, const paper_scene *scene, int width)
     paper_look(&exact, scene, width, PAPER_PERFECT);
     attempts(a, &images, scene);
     for (int i = 0; i < 2; i++) {
-        double uv[2], true_uv[2], match[2], line[3], ends[4], off;
+        double uv[2], true_uv[2], true_match[2], line[3], ends[4], off;
 
         paper_see_point(uv, &images, scene, 1, matched[i]);
         paper_see_point(true_uv, &exact, scene, 1, matched[i]);
-        paper_see_point(match, &exact, scene, 0, matched[i]);
+        paper_see_point(true_match, &exact, scene, 0, matched[i]);
         for (int k = PUBLISHED; k <= NO_GUESS + 1; k++) {
             const int truth = k > NO_GUESS;
             const rigcal_transform *const T = scene->cam_from_target;
@@ -515,7 +516,8 @@ static void draw_settling(FILE *file, const paper_scene *scene, int width)
                          "the documented scene has no matching line");
             fprintf(file, "%d,%d,%s,%.5f,%.5f,%.5f,%.5f,%.5f,%.5f,%.5f\n", width,
                     i + 1, truth ? "true" : method_names[k],
-                    (match[0] - middle) * inch, (match[1] - middle) * inch,
+                    (true_match[0] - middle) * inch,
+                    (true_match[1] - middle) * inch,
                     (ends[0] - middle) * inch, (ends[1] - middle) * inch,
                     (ends[2] - middle) * inch, (ends[3] - middle) * inch,
                     off * inch);

@@ -473,8 +473,8 @@ static const char *const spread_names[SPREADS] = {"everywhere", "near", "map"};
  * guesses of yaw are from each other. */
 enum { NO_YAW, NEAR_YAW, APART_YAW };
 
-/* 30 and 41 guesses are the sums of the paper's counts of figures 3 and 8. Of figure
- * 5 only the number of correct ones survives, 47 at most. */
+/* 30 and 41 guesses are the sums of the paper's counts of figures 3 and 8. How many
+ * guesses figure 5 had is lost: 47 is its largest count. */
 static const struct {
     const char *figure;
     int digital, points, angles, yaw, guesses;

@@ -366,11 +366,63 @@ static void draw_lines(FILE *file, const paper_scene *scene, int width)
     }
 }
 
-/* How far true matches are from the lines, and how often the band holds them. */
+/* The largest distance [px], within image 1, between two matching lines: the one of
+ * pixel uv of camera 2 by `pose`, and the true one of true_uv by `true_pose`. *off is
+ * HUGE_VAL when the first does not exist. Returns 0 when the true line misses the
+ * image; *off is then not written. */
+static int unsettled(double *off, const rigcal_camera *camera,
+                     const rigcal_transform pose[2], const double uv[2],
+                     const rigcal_transform true_pose[2],
+                     const double true_uv[2])
+{
+    const rigcal_transform back[2] = {pose[1], pose[0]};
+    const rigcal_transform true_back[2] = {true_pose[1], true_pose[0]};
+    double truth[3], line[3], ends[4];
+
+    if (!line_of(truth, camera, true_back, true_uv) ||
+        rigcal_epiline_clip(ends, truth, camera->width, camera->height) !=
+            RIGCAL_OK) {
+        return 0;
+    }
+    *off = line_of(line, camera, back, uv)
+               ? fmax(fabs(distance_to(line, ends)),
+                      fabs(distance_to(line, ends + 2)))
+               : HUGE_VAL;
+    return 1;
+}
+
+/* Distances of the true matches from their lines, how many of them the band holds, and
+ * distances of the lines in image 1 from the true ones [inch]. */
 typedef struct {
-    sample off[2], sigma;
+    sample off[2], sigma, unsettled[2];
     int lost, held;
 } matches;
+
+/* The line in image 1 of the point X, by both methods. */
+static void gather_unsettled(matches *all,
+                             const paper_attempt a[2][PAPER_CAMERAS],
+                             const paper_images *images,
+                             const paper_scene *scene, const double X[3])
+{
+    paper_images exact = *images;
+    double uv[2], true_uv[2], off;
+
+    exact.digital = PAPER_PERFECT;
+    paper_see_point(true_uv, &exact, scene, 1, X);
+    uv[0] = floor(true_uv[0] + 0.5); /* it may be outside the image */
+    uv[1] = floor(true_uv[1] + 0.5);
+    for (int method = PUBLISHED; method <= NO_GUESS; method++) {
+        const rigcal_transform pose[2] = {a[method][0].pose, a[method][1].pose};
+        const int found = a[method][0].has_pose && a[method][1].has_pose;
+
+        if (unsettled(&off, &images->camera, pose, uv, scene->cam_from_target,
+                      true_uv)) {
+            sample_add(&all->unsettled[method],
+                       found ? off * PAPER_IMAGE_INCH / images->camera.width
+                             : HUGE_VAL);
+        }
+    }
+}
 
 static void gather_matches(matches *all,
                            const paper_attempt a[2][PAPER_CAMERAS],
@@ -393,6 +445,7 @@ static void gather_matches(matches *all,
         uv_a[0] = floor(uv_a[0] + 0.5); /* it may be outside the image */
         uv_a[1] = floor(uv_a[1] + 0.5);
         paper_see_point(uv_b, &exact, scene, 1, X);
+        gather_unsettled(all, a, images, scene, X);
         if (!match(&m, a, images, uv_a, uv_b, Sigma)) {
             all->lost++;
             continue;
@@ -401,6 +454,16 @@ static void gather_matches(matches *all,
         sample_add(&all->off[1], fabs(m.off[1]));
         sample_add(&all->sigma, m.sigma);
         all->held += fabs(m.off[1]) <= 1.959964 * m.sigma;
+    }
+}
+
+static void print_unsettled(FILE *file, matches *all, double depth, int width)
+{
+    for (int method = PUBLISHED; method <= NO_GUESS; method++) {
+        fprintf(file, "%g,%d,%s,%d", depth, width, method_names[method],
+                all->unsettled[method].n);
+        sample_print(file, &all->unsettled[method]);
+        fprintf(file, "\n");
     }
 }
 
@@ -417,6 +480,63 @@ static void print_matches(FILE *file, matches *all, double depth, int width)
             fprintf(file, ",,,,\n");
         }
     }
+}
+
+/* The documented scene's lines in image 1, cut off at its borders, in inches from its
+ * middle; and how far they are from the true ones. */
+static void draw_settling(FILE *file, const paper_scene *scene, int width)
+{
+    const double middle = (width - 1) / 2.0, inch = PAPER_IMAGE_INCH / width;
+    paper_images images, exact;
+    paper_attempt a[2][PAPER_CAMERAS];
+
+    paper_look(&images, scene, width, PAPER_DIGITAL);
+    paper_look(&exact, scene, width, PAPER_PERFECT);
+    attempts(a, &images, scene);
+    for (int i = 0; i < 2; i++) {
+        double uv[2], true_uv[2], true_match[2], line[3], ends[4], off;
+
+        paper_see_point(uv, &images, scene, 1, matched[i]);
+        paper_see_point(true_uv, &exact, scene, 1, matched[i]);
+        paper_see_point(true_match, &exact, scene, 0, matched[i]);
+        for (int k = PUBLISHED; k <= NO_GUESS + 1; k++) {
+            const int truth = k > NO_GUESS;
+            const rigcal_transform *const T = scene->cam_from_target;
+            const rigcal_transform pose[2] = {truth ? T[0] : a[k][0].pose,
+                                              truth ? T[1] : a[k][1].pose};
+            const rigcal_transform back[2] = {pose[1], pose[0]};
+            const double *const seen = truth ? true_uv : uv;
+
+            paper_expect((truth || (a[k][0].has_pose && a[k][1].has_pose)) &&
+                             line_of(line, &images.camera, back, seen) &&
+                             rigcal_epiline_clip(ends, line, width, width) ==
+                                 RIGCAL_OK &&
+                             unsettled(&off, &images.camera, pose, seen, T,
+                                       true_uv),
+                         "the documented scene has no matching line");
+            fprintf(file, "%d,%d,%s,%.5f,%.5f,%.5f,%.5f,%.5f,%.5f,%.5f\n", width,
+                    i + 1, truth ? "true" : method_names[k],
+                    (true_match[0] - middle) * inch,
+                    (true_match[1] - middle) * inch,
+                    (ends[0] - middle) * inch, (ends[1] - middle) * inch,
+                    (ends[2] - middle) * inch, (ends[3] - middle) * inch,
+                    off * inch);
+        }
+    }
+}
+
+void figure_14_settling(void)
+{
+    FILE *const file = table_open("fig14_settling");
+    paper_scene scene;
+
+    fprintf(file, "width_px,point,method,match_u,match_v,u1,v1,u2,v2,"
+                  "off_inch\n");
+    paper_scene_documented(&scene, PAPER_DOCUMENTED_CM);
+    for (int w = 0; w < PAPER_WIDTHS; w++) {
+        draw_settling(file, &scene, paper_widths[w]);
+    }
+    table_close(file);
 }
 
 void figure_14_lines(void)
@@ -576,7 +696,8 @@ void figures_10_to_14(void)
     static cell all;
     const int tried = PAPER_CAMERAS * (int)PAPER_PLACEMENTS;
     FILE *file[4], *const over = table_open("over_bound"),
-                          *const lines = table_open("fig14");
+                          *const lines = table_open("fig14"),
+                          *const off = table_open("fig14_unsettled");
 
     for (int f = 0; f < 4; f++) {
         file[f] = table_open(names[f]);
@@ -586,6 +707,8 @@ void figures_10_to_14(void)
     fprintf(lines, "depth_cm,width_px,method,n,lost,off_px_q25,off_px_median,"
                    "off_px_q75,sigma_px_q25,sigma_px_median,sigma_px_q75,"
                    "within_95\n");
+    fprintf(off, "depth_cm,width_px,method,n,off_inch_q25,off_inch_median,"
+                 "off_inch_q75\n");
     fprintf(over,
             "depth_cm,width_px,method,tried,correct,rotation,translation\n");
     for (int d = 0; d < PAPER_DEPTHS; d++) {
@@ -615,6 +738,8 @@ void figures_10_to_14(void)
             }
             print_matches(lines, &all.matched, paper_depths_cm[d],
                           paper_widths[w]);
+            print_unsettled(off, &all.matched, paper_depths_cm[d],
+                            paper_widths[w]);
             fprintf(stderr, "  figures 10 to 14: %g cm, %d px\n",
                     paper_depths_cm[d], paper_widths[w]);
         }
@@ -624,4 +749,5 @@ void figures_10_to_14(void)
     }
     table_close(over);
     table_close(lines);
+    table_close(off);
 }

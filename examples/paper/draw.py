@@ -17,7 +17,7 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402 -- after the choice of back end
 from matplotlib.colors import ListedColormap  # noqa: E402
 from matplotlib.lines import Line2D  # noqa: E402
-from matplotlib.patches import Patch  # noqa: E402
+from matplotlib.patches import Patch, Rectangle  # noqa: E402
 from PIL import Image  # noqa: E402 -- matplotlib brings it
 
 # Okabe and Ito's colours, which the colour-blind can tell apart.
@@ -34,11 +34,14 @@ STYLES = {
                   label="the same, using the target's shape"),
     "bound": dict(color="black", marker="", ls="--", label="Cramér-Rao bound"),
 }
+OPEN_DOCUMENTED = Line2D([], [], color="#555555", marker="o", mfc="none", ms=6,
+                         ls="", label="open: the documented scene")
 DEPTHS = ("50", "100", "200")
+LINES = (":", "-", "--")  # of the depths
 DRAWN_FROM = ""  # which numbers, told in each SVG
 
 plt.rcParams.update({
-    "font.family": "DejaVu Sans", "font.size": 9, "axes.titlesize": 9,
+    "font.family": "DejaVu Sans", "font.size": 10, "axes.titlesize": 10,
     "axes.grid": True, "grid.color": "#dddddd", "grid.linewidth": 0.6,
     "axes.axisbelow": True, "lines.linewidth": 1.6, "lines.markersize": 3.8,
     "legend.frameon": False, "svg.hashsalt": "rigcal", "figure.dpi": 100,
@@ -112,7 +115,7 @@ def map_figure(data, out, name, what):
     digital = "1" if name == "fig08" else "0"
     cameras = sorted({row["camera"] for row in rows})
     figure, axes = plt.subplots(len(cameras), 3, squeeze=False,
-                                figsize=(11, 2.2 * len(cameras) + 0.8),
+                                figsize=(11, 2.2 * len(cameras) + 0.9),
                                 sharex=True, sharey=True)
     for k, camera in enumerate(cameras):
         for column, (points, pairs, title) in enumerate(MAPS):
@@ -135,7 +138,7 @@ def map_figure(data, out, name, what):
                "guess", **DOT),
         Line2D([], [], label="its other poses", **OPEN)], 5)
     figure.suptitle(what, fontsize=11, y=0.985)
-    figure.tight_layout(rect=(0, 0.08 / len(cameras), 1, 1.02))
+    figure.tight_layout(rect=(0, 0.11 / len(cameras), 1, 1.02))
     save(figure, out, name)
 
 
@@ -195,33 +198,56 @@ def figure_5(data, out):
 # ---- curves ----------------------------------------------------------------
 
 def figure_6(data, out):
-    rows = read(data, "fig06")
-    figure, axes = plt.subplots(1, 2, figsize=(11, 3.6))
+    rows, shares = read(data, "fig06"), read(data, "fig06_share")
+    figure, axes = plt.subplots(1, 3, figsize=(11, 3.9))
     for name, points, method in (("published3", "3", "published"),
                                  ("published", "4", "published"),
                                  ("no_guess", "4", "no_guess")):
         these = [row for row in rows
                  if (row["points"], row["method"]) == (points, method)]
         x = [float(row["depth_cm"]) for row in these]
-        for ax, quantity in zip(axes, ("residual", "rotation_deg")):
+        for ax, quantity in zip(axes[1:], ("residual", "rotation_deg")):
             low, middle, high = ([float(row[f"{quantity}_{q}"]) for row in these]
                                  for q in ("q25", "median", "q75"))
             ax.plot(x, middle, **style(name))
             ax.fill_between(x, low, high, color=STYLES[name]["color"],
                             alpha=0.15, lw=0)
-    for ax, label, top in zip(axes, ("residual: the published objective",
-                                     "rotation error [deg]"), (1e-8, 1e-6)):
+        for scenes in ("random", "documented"):
+            these = [row for row in shares if (row["points"], row["method"],
+                                               row["scenes"])
+                     == (points, method, scenes)]
+            y = [100 * (int(row["correct"]) + int(row["false"])) /
+                 int(row["tried"]) for row in these]
+            look = style(name) if scenes == "random" else style(
+                name, ls="", mfc="none", ms=6, mew=0.8)
+            if scenes == "random" or method == "published":
+                axes[0].plot(x, y, clip_on=False, **look)
+        if points == "3":
+            axes[0].plot(x, [100 * int(row["correct"]) / int(row["tried"])
+                             for row in shares if row["points"] == points and
+                             row["scenes"] == "random"],
+                         **style(name, marker="", ls=":"))
+    axes[0].set_ylim(0, 100)
+    axes[0].set_ylabel("guesses that converge [%]")
+    for ax, label, top in zip(axes[1:], ("residual: the published objective",
+                                         "rotation error [deg]"), (1e-8, 1e-6)):
         ax.set_yscale("log")
         ax.set_ylim(1e-16, top)
+        ax.set_ylabel(label)
+    for ax, title in zip(axes, ("guesses of all directions",
+                                "searches that are correct",
+                                "searches that are correct")):
         ax.set_xlim(0, 330)
         ax.set_xticks((20, 80, 160, 240, 320))
         ax.set_xlabel("depth of the target [cm]")
-        ax.set_ylabel(label)
-    legend_below(figure, [handle(n) for n in
-                          ("published3", "published", "no_guess")], 3)
-    figure.suptitle("Figure 6: perfect images, any depth: medians and "
-                    "quartiles of the searches that are correct", fontsize=11)
-    figure.tight_layout(rect=(0, 0.07, 1, 1))
+        ax.set_title(title)
+    legend_below(figure, [handle("published3"),
+                          Line2D([], [], color=STYLES["published3"]["color"],
+                                 ls=":", label="of these, the correct ones"),
+                          handle("published"), handle("no_guess"),
+                          OPEN_DOCUMENTED], 3)
+    figure.suptitle("Figure 6: perfect images, any depth", fontsize=11)
+    figure.tight_layout(rect=(0, 0.12, 1, 1))
     save(figure, out, "fig06")
 
 
@@ -263,8 +289,7 @@ def figure_9(data, out):
         row[0].set_ylim(0, 100)
     legend_below(figure, [handle(n) for n in
                           ("published3", "published", "no_guess")] +
-                 [Line2D([], [], color="#555555", marker="o", mfc="none", ms=6,
-                         ls="", label="open: the documented scene")], 4)
+                 [OPEN_DOCUMENTED], 4)
     figure.tight_layout(rect=(0, 0.05, 1, 1))
     save(figure, out, "fig09")
 
@@ -339,6 +364,129 @@ def figures_10_to_13(data, out):
         three, 5.0)
 
 
+def figure_stable(data, out):
+    """One quantity on linear axes, a part of them enlarged, and on log axes."""
+    rows = [row for row in read(data, "fig10")
+            if row["quantity"] == "rotation_deg"]
+    figure, axes = plt.subplots(1, 3, figsize=(11, 4.0))
+    for ax in axes:
+        for method in ("published", "no_guess"):
+            for depth, ls in zip(DEPTHS, LINES):
+                these = [row for row in rows if (row["depth_cm"], row["method"])
+                         == (depth, method)]
+                ax.plot([int(row["width_px"]) for row in these],
+                        [float(row["median"]) for row in these],
+                        **style(method, ls=ls))
+        ax.axvline(500, color="#555555", lw=1, ls=(0, (1, 1)))
+        ax.set_xlabel("image width = height [px]")
+    top = 1.05 * max(float(row["median"]) for row in rows
+                     if row["method"] == "published")
+    left, zoomed, logs = axes
+    left.set_xlim(0, 1060)
+    left.set_ylim(0, top)
+    left.set_xticks((32, 256, 512, 768, 1024))
+    left.set_ylabel("rotation error [deg]")
+    left.set_title("linear axes: it looks stable")
+    zoomed.set_xlim(480, 1060)
+    zoomed.set_ylim(0, top / 10)
+    zoomed.set_xticks((512, 640, 768, 896, 1024))
+    zoomed.set_title("the black frame, enlarged: it is not")
+    left.add_patch(Rectangle((480, 0), 580, top / 10, fill=False, lw=1.2,
+                             clip_on=False, zorder=6))
+    logs.set_xscale("log", base=2)
+    logs.set_yscale("log")
+    logs.set_xticks((32, 64, 128, 256, 512, 1024))
+    logs.set_xticklabels(("32", "64", "128", "256", "512", "1024"))
+    logs.set_yticks((0.1, 1, 10))
+    logs.set_yticklabels(("0.1", "1", "10"))
+    logs.plot((32, 1024), (1.6, 0.05), color="black", lw=1)
+    logs.text(36, 0.06, "slope: half the pixel,\nhalf the error")
+    logs.set_title("log axes: it halves with the pixel")
+    legend_below(figure, [handle("published"), handle("no_guess")] +
+                 [Line2D([], [], color="#555555", ls=ls, label=f"{d} cm")
+                  for d, ls in zip(DEPTHS, LINES)] +
+                 [Line2D([], [], color="#555555", lw=1, ls=(0, (1, 1)),
+                         label="500 px")], 6)
+    figure.suptitle("Does the error stop falling at 500 px? Rotation, camera to "
+                    "target, the same medians three times", fontsize=11)
+    figure.tight_layout(rect=(0, 0.06, 1, 1))
+    save(figure, out, "stable")
+
+
+def figure_14_settling(data, out):
+    lines, rows = read(data, "fig14_settling"), read(data, "fig14_unsettled")
+    widths = ("32", "64", "128", "256", "512", "1024")
+    shades = plt.get_cmap("viridis")(np.linspace(0.88, 0, len(widths)))
+    figure, axes = plt.subplots(1, 3, figsize=(11, 4.4))
+    for ax, method, title in zip(axes, ("published", "no_guess"), (
+            "published", "the library's solver")):
+        for row in lines[:1] + [r for r in lines if r["point"] == "2"][:1]:
+            ax.plot(float(row["match_u"]), float(row["match_v"]), "o",
+                    color="black", ms=5, zorder=6)
+        # The left end of one line, drawn larger where the image is empty.
+        inset = ax.inset_axes((0.05, 0.04, 0.28, 0.40))
+        for part in (ax, inset):
+            for row in lines:
+                if row["method"] not in (method, "true"):
+                    continue
+                if row["method"] == "true":
+                    if row["width_px"] != widths[-1]:
+                        continue  # it is the same at every resolution
+                    look = dict(color="black", lw=1, ls=(0, (2, 2)), zorder=5)
+                elif row["width_px"] in widths:
+                    k = widths.index(row["width_px"])
+                    look = dict(color=shades[k], lw=2.6 - 0.3 * k)
+                else:
+                    continue
+                part.plot([float(row["u1"]), float(row["u2"])],
+                          [float(row["v1"]), float(row["v2"])], **look)
+            part.set_aspect("equal", adjustable="box")
+            part.grid(False)
+        ax.set_xlim(-0.5, 0.5)
+        ax.set_ylim(0.5, -0.5)
+        ax.set_title(f"image 1, {title}")
+        ax.set_xlabel("u [inch]")
+        inset.set_xlim(-0.5, -0.4)
+        inset.set_ylim(-0.08, -0.225)
+        inset.set_xticks(())
+        inset.set_yticks(())
+        ax.indicate_inset_zoom(inset, edgecolor="#555555")
+    axes[0].set_ylabel("v [inch]")
+    ax = axes[2]
+    for method in ("published", "no_guess"):
+        these = [row for row in rows if (row["depth_cm"], row["method"])
+                 == ("100", method)]
+        x = [int(row["width_px"]) for row in these]
+        low, middle, high = ([float(row[f"off_inch_{q}"]) for row in these]
+                             for q in ("q25", "median", "q75"))
+        ax.plot(x, middle, **style(method))
+        ax.fill_between(x, low, high, color=STYLES[method]["color"], alpha=0.15,
+                        lw=0)
+        ax.plot(x, [np.mean([float(row["off_inch"]) for row in lines if
+                             (row["width_px"], row["method"]) == (str(w), method)])
+                    for w in x], **style(method, ls="", mfc="none", ms=6,
+                                         mew=0.8))
+    ax.set_xscale("log", base=2)
+    ax.set_yscale("log")
+    ax.set_xticks((32, 64, 128, 256, 512, 1024))
+    ax.set_xticklabels(("32", "64", "128", "256", "512", "1024"))
+    ax.set_xlabel("image width = height [px]")
+    ax.set_ylabel("farthest from the true line [inch]")
+    ax.set_title("how far the line is off within image 1")
+    legend_below(figure, [
+        *(Line2D([], [], color=shades[k], lw=2.6 - 0.3 * k, label=f"{w} px")
+          for k, w in enumerate(widths)),
+        Line2D([], [], color="black", lw=1, ls=(0, (2, 2)), label="true line"),
+        Line2D([], [], color="black", marker="o", ls="", ms=5,
+               label="true match"),
+        handle("published", label="published"),
+        handle("no_guess", label="library's solver"), OPEN_DOCUMENTED], 6)
+    figure.suptitle("Figure 14: matching lines on camera 1 of two points of "
+                    "image 2, from 32 to 1024 px", fontsize=11)
+    figure.tight_layout(rect=(0, 0.11, 1, 1))
+    save(figure, out, "fig14_settling")
+
+
 def figure_14(data, out):
     lines, rows = read(data, "fig14_lines"), read(data, "fig14")
     widths = ("32", "64", "128", "256")
@@ -361,6 +509,7 @@ def figure_14(data, out):
                     "o", color="black", ms=4)
         ax.set_xlim(-0.5, 0.5)
         ax.set_ylim(0.38, -0.38)
+        ax.set_xticks((-0.4, 0, 0.4))
         ax.set_title(f"{width} x {width} px")
         ax.set_xlabel("u in image 2 [inch]")
         if k == 0:
@@ -368,7 +517,7 @@ def figure_14(data, out):
     for k, (ylabel, depth) in enumerate((("match from line [px]", None),
                                          ("matches within band [%]", "all"))):
         ax = figure.add_subplot(grid[1, 2 * k:2 * k + 2])
-        for d, ls in zip(DEPTHS, (":", "-", "--")):
+        for d, ls in zip(DEPTHS, LINES):
             for method in ("published", "no_guess"):
                 these = [row for row in rows if
                          (row["depth_cm"], row["method"]) == (d, method)]
@@ -404,8 +553,8 @@ def figure_14(data, out):
         Line2D([], [], color="black", marker="o", ls="", ms=4,
                label="true match"),
         Line2D([], [], color="black", lw=1, label="predicted (bottom)")], 6)
-    figure.suptitle("Figure 14: matching lines of two image points, against "
-                    "resolution", fontsize=11)
+    figure.suptitle("Figure 14, ours: matching lines on camera 2 and how far to "
+                    "trust them", fontsize=11)
     figure.tight_layout(rect=(0, 0.05, 1, 1))
     save(figure, out, "fig14")
 
@@ -416,7 +565,7 @@ def figure_choices(data, out):
     choices, bins = read(data, "choices"), read(data, "conditions")
     names = ("yaw", "pitch", "roll", "best")
     labels = ("yaw", "pitch", "roll", "the best\nconditioned")
-    figure, axes = plt.subplots(1, 3, figsize=(11, 3.7))
+    figure, axes = plt.subplots(1, 3, figsize=(11, 4.1))
     looks = {"2": dict(color="#d55e00", marker="s", label="by two pairs, as published"),
              "all": dict(color="#555555", marker="v", label="by all six pairs")}
     for pairs, look in looks.items():
@@ -472,7 +621,7 @@ def figure_bound(data, out):
     for ax, quantity in zip(axes, ("rotation", "translation")):
         ax.axhspan(0.95, 1.05, color="#dddddd", lw=0)
         ax.axhline(1, color="black", lw=1, ls="--")
-        for depth, ls in zip(DEPTHS, (":", "-", "--")):
+        for depth, ls in zip(DEPTHS, LINES):
             full = {row["width_px"] for row in rows if row["depth_cm"] == depth
                     and row["method"] == "no_guess"
                     and row["tried"] == row["correct"]}
@@ -493,7 +642,7 @@ def figure_bound(data, out):
     legend_below(figure, [handle("published", label="published, of its correct solutions"),
                           handle("no_guess")] +
                  [Line2D([], [], color="#555555", ls=ls, label=f"{d} cm")
-                  for d, ls in zip(DEPTHS, (":", "-", "--"))] +
+                  for d, ls in zip(DEPTHS, LINES)] +
                  [Patch(facecolor="#dddddd", label="within 5 %")], 6)
     figure.suptitle("How near each comes to the best there is: 1000 random "
                     "placements", fontsize=11)
@@ -510,11 +659,11 @@ def main():
                         "perfect image"),
                        ("fig04", "Figure 4: where a guess leads, camera 2, "
                         "perfect image"),
-                       ("fig08", "Figure 8: figures 3 and 4 with digital "
+                       ("fig08", "Figure 8: four points against three, digital "
                         "images, 512 x 512 px")):
         map_figure(data, out, name, what)
-    for figure in (figure_5, figure_6, figure_9, figures_10_to_13, figure_14,
-                   figure_choices, figure_bound):
+    for figure in (figure_5, figure_6, figure_9, figures_10_to_13,
+                   figure_stable, figure_14_settling, figure_14, figure_choices, figure_bound):
         figure(data, out)
 
 

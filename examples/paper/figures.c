@@ -34,11 +34,14 @@ static const struct {
                {"fig04", figure_4},
                {"fig05", figure_5},
                {"fig06", figure_6},
+               {"fig06_share", figure_6_share},
                {"fig08", figure_8},
                {"three_points", figure_three},
                {"fig09", figure_9},
                {"fig10-14", figures_10_to_14},
+               {"fig14_settling", figure_14_settling},
                {"fig14_lines", figure_14_lines},
+               {"counts", figure_counts},
                {"choices", figure_choices},
                {"conditions", figure_conditions}};
 

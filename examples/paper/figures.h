@@ -7,14 +7,17 @@ void figure_3(void);
 void figure_4(void);
 void figure_5(void);
 void figure_6(void);
+void figure_6_share(void);
 void figure_8(void);
 void figure_three(void);
 void figure_9(void);
+void figure_counts(void);
 void figure_choices(void);
 void figure_conditions(void);
 
 /* accuracy.c */
 void figures_10_to_14(void);
+void figure_14_settling(void);
 void figure_14_lines(void);
 
 #endif

@@ -1,7 +1,7 @@
 #!/bin/sh
 # Makes the numbers, the figures and the tables of this folder, from nothing:
 # installs a compiler, CMake, Ninja, NumPy and matplotlib if they are missing.
-# Takes some two minutes.
+# Takes some three minutes.
 set -eu
 cd "$(dirname "$0")/../.."
 . tests/support/packages.sh

@@ -1,6 +1,6 @@
 /* scene.h - the scenes of the paper's experiments, and every setting of them.
  *
- * The paper's own numbers are lost; these are ours, in its spirit. */
+ * The paper's coordinates are lost, so the scenes and these numbers are ours. */
 #ifndef PAPER_SCENE_H
 #define PAPER_SCENE_H
 
@@ -13,37 +13,49 @@
 #define PAPER_SETTINGS(S)                                                      \
     S(IMAGE_INCH, 1.0, "inch", "side of the square image")                     \
     S(FOCAL_INCH, 1.0, "inch", "focal length: the image spans 53 degrees")     \
-    S(WIDTH, 512, "px", "image width and height, unless varied")               \
-    S(DOCUMENTED_CM, 100.0, "cm", "from each camera to the target's middle, "  \
-      "unless varied: 20 to 320 in figure 6; 50, 100, 200 in 9 to 14")         \
-    S(GRID_STEP, 5.0, "deg", "between guesses of pitch (-87.5 .. 87.5) and "   \
-      "roll (-177.5 .. 177.5), figures 3, 4, 5, 8")                            \
-    S(SWEEP_STEP, 15.0, "deg", "the same for the documented scene of "         \
-      "figure 9")                                                              \
-    S(NEAR_YAW, 5.0, "deg", "error of a near guess of yaw, figure 5")          \
-    S(FAR_YAW, 120.0, "deg", "error of a far one")                             \
-    S(NEAR_GUESS, 12.0, "deg", "figure 6: guesses are off by up to this in "   \
-      "pitch and in roll")                                                     \
-    S(NEAR_GUESSES, 6, "-", "figure 6: so many of each angle")                 \
-    S(MATCH_PX, 2.0, "px", "a pose is a solution if its points miss the "      \
-      "digital image by no more, rms")                                         \
-    S(MATCH_EXACT, 1e-6, "-", "the same for perfect images, as a part of the " \
-      "focal length")                                                          \
-    S(RIGHT_DEGREES, 5.0, "deg", "a solution is correct if its rotation is "   \
-      "this near the true one; else it is false")                              \
-    S(RIGHT_EXACT, 0.01, "deg", "the same for perfect images")                 \
-    S(PLACEMENTS, 1000, "-", "random placements of the two cameras, "          \
-      "figures 9 to 14")                                                       \
-    S(OFF_AXIS, 0.05, "-", "random placements: the target's middle is off "    \
-      "each axis by up to this part of its depth, in x and in y")              \
-    S(TURN_LEAST, 20.0, "deg", "random placements: from camera 1 to camera 2 " \
-      "by at least this, about an axis across the line of sight")              \
-    S(TURN_MOST, 60.0, "deg", "and at most this")                              \
-    S(BOUND_DRAWS, 4, "-", "normal errors drawn from the Cramer-Rao bound of " \
-      "a placement")                                                           \
-    S(REACH, 20.0, "cm", "figure 14, random placements: the matched points "   \
-      "are within this of the target's middle, in each axis")                  \
-    S(SEED, 20, "-", "of the random numbers (SplitMix64)")
+    S(WIDTH, 512, "px", "image width and height, where a figure does not "     \
+      "vary it")                                                               \
+    S(DOCUMENTED_CM, 100.0, "cm", "from each camera to the target's middle; "  \
+      "figure 6 takes 20 to 320, figures 9 to 14 take 50, 100 and 200")        \
+    S(GRID_STEP, 5.0, "deg", "figures 3, 4, 5, 8: step between guesses of "    \
+      "pitch (-87.5 .. 87.5) and of roll (-177.5 .. 177.5)")                   \
+    S(SWEEP_STEP, 15.0, "deg", "figures 6 and 9, documented scene: the same "  \
+      "step")                                                                  \
+    S(NEAR_YAW, 5.0, "deg", "figure 5: error of the near guess of yaw")        \
+    S(FAR_YAW, 120.0, "deg", "figure 5: error of the far guess of yaw")        \
+    S(NEAR_GUESS, 12.0, "deg", "figure 6, residual and error: largest error "  \
+      "of the guesses of pitch and roll")                                      \
+    S(NEAR_GUESSES, 6, "-", "figure 6, residual and error: number of "         \
+      "guesses of each angle")                                                 \
+    S(COUNT_NEAR, 25.0, "deg", "counts: largest error of the near guesses "    \
+      "of pitch and roll")                                                     \
+    S(YAW_APART, 30.0, "deg", "counts: the far guess of yaw is this much "     \
+      "worse than the near one, because the paper's are 40 and 10")            \
+    S(THEIR_PITCH, 10.0, "deg", "guess of pitch from which the paper's "       \
+      "three points end in a false solution")                                  \
+    S(THEIR_ROLL, 90.0, "deg", "guess of roll, the same")                      \
+    S(OUR_PITCH, 60.0, "deg", "guess of pitch from which our three points "    \
+      "end in one, with the same roll")                                        \
+    S(MATCH_PX, 2.0, "px", "digital images: a pose is a solution if its "      \
+      "points are at most this far from their pixels, rms")                    \
+    S(MATCH_EXACT, 1e-6, "-", "perfect images: the same, as a fraction of "    \
+      "the focal length")                                                      \
+    S(RIGHT_DEGREES, 5.0, "deg", "digital images: a solution is correct if "   \
+      "its rotation is at most this far from the true one; else it is false")  \
+    S(RIGHT_EXACT, 0.01, "deg", "perfect images: the same")                    \
+    S(PLACEMENTS, 1000, "-", "number of random placements of the two "         \
+      "cameras")                                                               \
+    S(OFF_AXIS, 0.05, "-", "random placements: largest offset of the "         \
+      "target's middle from an optical axis, in x and in y, as a fraction "    \
+      "of its depth")                                                          \
+    S(TURN_LEAST, 20.0, "deg", "random placements: smallest rotation from "    \
+      "camera 1 to camera 2, about an axis across the line of sight")          \
+    S(TURN_MOST, 60.0, "deg", "random placements: largest such rotation")      \
+    S(BOUND_DRAWS, 4, "-", "random placements: number of errors drawn from "   \
+      "the Cramer-Rao bound of each")                                          \
+    S(REACH, 20.0, "cm", "figure 14, random placements: largest offset of a "  \
+      "matched point from the target's middle, along each axis")               \
+    S(SEED, 20, "-", "seed of the random numbers (SplitMix64)")
 
 #define PAPER_SETTING(name, value, unit, meaning)                              \
     static const double PAPER_##name = value;

@@ -1,4 +1,5 @@
-/* Where searches end: figures 3 to 9, and what the choices of the procedure do. */
+/* Where searches end: figures 3 to 9, the paper's counts, and what the choices of the
+ * procedure do. */
 #include <math.h>
 #include <string.h>
 
@@ -35,12 +36,13 @@ static void guess_near(paper_procedure *p, const paper_scene *scene, int c,
 }
 
 typedef struct {
-    int count[PAPER_OUTCOMES], tried;
+    int count[PAPER_OUTCOMES], behind, tried;
 } tally;
 
 static void count(tally *t, const paper_attempt *a)
 {
     t->count[a->outcome]++;
+    t->behind += a->behind;
     t->tried++;
 }
 
@@ -191,7 +193,7 @@ static const struct {
 static void race(FILE *file, int rival, double yaw_off)
 {
     static sample evals;
-    tally t = {{0}, 0};
+    tally t = {{0}, 0, 0};
 
     evals.n = 0;
     for (int k = 0; k < (int)PAPER_PLACEMENTS; k++) {
@@ -249,7 +251,7 @@ static void rival_map(FILE *file, int rival, double yaw_off)
 
 void figure_5(void)
 {
-    static const double offs[] = {0,  5,  10,  15,  20,  30,  45,  60,
+    static const double offs[] = {0,  5,  10, 15,  20,  30,  35,  45, 60,
                                   75, 90, 105, 120, 135, 150, 165, 180};
     enum { OFFS = sizeof offs / sizeof offs[0], THREE = 2 };
     FILE *const file = table_open("fig05"), *const map =
@@ -270,6 +272,96 @@ void figure_5(void)
     rival_map(map, THREE, PAPER_FAR_YAW);
     table_close(file);
     table_close(map);
+}
+
+/* ---- figures 6, 9: shares of correct and false searches ------------------ */
+
+#define SHARE_COLUMNS \
+    "depth_cm,width_px,points,method,scenes,tried,correct,false\n"
+
+static void print_share(FILE *file, double depth, int width, int points,
+                        const char *method, const char *scenes, const tally *t)
+{
+    fprintf(file, "%g,%d,%d,%s,%s,%d,%d,%d\n", depth, width, points, method,
+            scenes, t->tried, t->count[PAPER_CORRECT], t->count[PAPER_FALSE]);
+}
+
+/* Camera c from every guess of the coarse grid. */
+static void sweep(tally *t, const paper_procedure *procedure,
+                  const paper_images *images, const paper_scene *scene, int c)
+{
+    for (int i = 0; i < (int)(180 / PAPER_SWEEP_STEP); i++) {
+        for (int j = 0; j < (int)(360 / PAPER_SWEEP_STEP); j++) {
+            paper_procedure p = *procedure;
+            paper_attempt a;
+
+            guess(&p, 0, node(-90, PAPER_SWEEP_STEP, i),
+                  node(-180, PAPER_SWEEP_STEP, j));
+            paper_solve(&a, &p, images, scene, c);
+            count(t, &a);
+        }
+    }
+}
+
+/* The documented scene, as in the paper. */
+static void share_documented(FILE *file, double depth, int width, int digital)
+{
+    paper_scene scene;
+    paper_images images;
+    paper_attempt a;
+    tally own = {{0}, 0, 0};
+
+    paper_scene_documented(&scene, depth);
+    paper_look(&images, &scene, width, digital);
+    for (int n = 3; n <= PAPER_POINTS; n++) {
+        tally t = {{0}, 0, 0};
+
+        for (int c = 0; c < PAPER_CAMERAS; c++) {
+            const paper_procedure p = paper_published(n);
+
+            sweep(&t, &p, &images, &scene, c);
+        }
+        print_share(file, depth, width, n, "published", "documented", &t);
+    }
+    for (int c = 0; c < PAPER_CAMERAS; c++) {
+        paper_solve_no_guess(&a, &images, &scene, c);
+        count(&own, &a);
+    }
+    print_share(file, depth, width, PAPER_POINTS, "no_guess", "documented",
+                &own);
+}
+
+/* Each random placement from a random guess. */
+static void share_random(FILE *file, double depth, int width, int digital)
+{
+    tally t[2] = {{{0}, 0, 0}, {{0}, 0, 0}}, own = {{0}, 0, 0};
+
+    for (int k = 0; k < (int)PAPER_PLACEMENTS; k++) {
+        paper_rng rng = paper_stream(PAPER_GUESSING, k);
+        paper_scene scene;
+        paper_images images;
+        paper_attempt a;
+
+        paper_scene_random(&scene, k, depth);
+        paper_look(&images, &scene, width, digital);
+        for (int c = 0; c < PAPER_CAMERAS; c++) {
+            const double pitch = paper_uniform(&rng, -90, 90);
+            const double roll = paper_uniform(&rng, -180, 180);
+
+            for (int n = 3; n <= PAPER_POINTS; n++) {
+                paper_procedure p = paper_published(n);
+
+                guess(&p, 0, pitch, roll);
+                paper_solve(&a, &p, &images, &scene, c);
+                count(&t[n - 3], &a);
+            }
+            paper_solve_no_guess(&a, &images, &scene, c);
+            count(&own, &a);
+        }
+    }
+    print_share(file, depth, width, 3, "published", "random", &t[0]);
+    print_share(file, depth, width, 4, "published", "random", &t[1]);
+    print_share(file, depth, width, 4, "no_guess", "random", &own);
 }
 
 /* ---- figure 6: perfect images at any depth ------------------------------ */
@@ -302,7 +394,7 @@ void figure_6(void)
         paper_scene_documented(&scene, d);
         paper_look(&images, &scene, (int)PAPER_WIDTH, PAPER_PERFECT);
         for (int n = 3; n <= PAPER_POINTS; n++) {
-            tally t = {{0}, 0};
+            tally t = {{0}, 0, 0};
 
             residual.n = degrees.n = 0;
             for (int i = 0; i < PAPER_CAMERAS * many * many; i++) {
@@ -336,108 +428,166 @@ void figure_6(void)
     table_close(file);
 }
 
+/* How many of the guesses over all directions converge at each depth. */
+void figure_6_share(void)
+{
+    FILE *const file = table_open("fig06_share");
+
+    fprintf(file, SHARE_COLUMNS);
+    for (int d = 20; d <= 320; d += 20) {
+        share_documented(file, d, (int)PAPER_WIDTH, PAPER_PERFECT);
+        share_random(file, d, (int)PAPER_WIDTH, PAPER_PERFECT);
+        fprintf(stderr, "  figure 6: %d cm\n", d);
+    }
+    table_close(file);
+}
+
 /* ---- figure 9: correct and false against resolution --------------------- */
-
-static void print_share(FILE *file, double depth, int width, int points,
-                        const char *method, const char *scenes, const tally *t)
-{
-    fprintf(file, "%g,%d,%d,%s,%s,%d,%d,%d\n", depth, width, points, method,
-            scenes, t->tried, t->count[PAPER_CORRECT], t->count[PAPER_FALSE]);
-}
-
-/* Camera c from every guess of the coarse grid. */
-static void sweep(tally *t, const paper_procedure *procedure,
-                  const paper_images *images, const paper_scene *scene, int c)
-{
-    for (int i = 0; i < (int)(180 / PAPER_SWEEP_STEP); i++) {
-        for (int j = 0; j < (int)(360 / PAPER_SWEEP_STEP); j++) {
-            paper_procedure p = *procedure;
-            paper_attempt a;
-
-            guess(&p, 0, node(-90, PAPER_SWEEP_STEP, i),
-                  node(-180, PAPER_SWEEP_STEP, j));
-            paper_solve(&a, &p, images, scene, c);
-            count(t, &a);
-        }
-    }
-}
-
-/* The documented scene, as in the paper. */
-static void share_documented(FILE *file, double depth, int width)
-{
-    paper_scene scene;
-    paper_images images;
-    paper_attempt a;
-    tally own = {{0}, 0};
-
-    paper_scene_documented(&scene, depth);
-    paper_look(&images, &scene, width, PAPER_DIGITAL);
-    for (int n = 3; n <= PAPER_POINTS; n++) {
-        tally t = {{0}, 0};
-
-        for (int c = 0; c < PAPER_CAMERAS; c++) {
-            const paper_procedure p = paper_published(n);
-
-            sweep(&t, &p, &images, &scene, c);
-        }
-        print_share(file, depth, width, n, "published", "documented", &t);
-    }
-    for (int c = 0; c < PAPER_CAMERAS; c++) {
-        paper_solve_no_guess(&a, &images, &scene, c);
-        count(&own, &a);
-    }
-    print_share(file, depth, width, PAPER_POINTS, "no_guess", "documented",
-                &own);
-}
-
-/* Each random placement from a random guess. */
-static void share_random(FILE *file, double depth, int width)
-{
-    tally t[2] = {{{0}, 0}, {{0}, 0}}, own = {{0}, 0};
-
-    for (int k = 0; k < (int)PAPER_PLACEMENTS; k++) {
-        paper_rng rng = paper_stream(PAPER_GUESSING, k);
-        paper_scene scene;
-        paper_images images;
-        paper_attempt a;
-
-        paper_scene_random(&scene, k, depth);
-        paper_look(&images, &scene, width, PAPER_DIGITAL);
-        for (int c = 0; c < PAPER_CAMERAS; c++) {
-            const double pitch = paper_uniform(&rng, -90, 90);
-            const double roll = paper_uniform(&rng, -180, 180);
-
-            for (int n = 3; n <= PAPER_POINTS; n++) {
-                paper_procedure p = paper_published(n);
-
-                guess(&p, 0, pitch, roll);
-                paper_solve(&a, &p, &images, &scene, c);
-                count(&t[n - 3], &a);
-            }
-            paper_solve_no_guess(&a, &images, &scene, c);
-            count(&own, &a);
-        }
-    }
-    print_share(file, depth, width, 3, "published", "random", &t[0]);
-    print_share(file, depth, width, 4, "published", "random", &t[1]);
-    print_share(file, depth, width, 4, "no_guess", "random", &own);
-}
 
 void figure_9(void)
 {
     FILE *const file = table_open("fig09");
 
-    fprintf(file,
-            "depth_cm,width_px,points,method,scenes,tried,correct,false\n");
+    fprintf(file, SHARE_COLUMNS);
     for (int d = 0; d < PAPER_DEPTHS; d++) {
         for (int w = 0; w < PAPER_WIDTHS; w++) {
-            share_documented(file, paper_depths_cm[d], paper_widths[w]);
-            share_random(file, paper_depths_cm[d], paper_widths[w]);
+            share_documented(file, paper_depths_cm[d], paper_widths[w],
+                             PAPER_DIGITAL);
+            share_random(file, paper_depths_cm[d], paper_widths[w],
+                         PAPER_DIGITAL);
             fprintf(stderr, "  figure 9: %g cm, %d px\n", paper_depths_cm[d],
                     paper_widths[w]);
         }
     }
     table_close(file);
+}
+
+/* ---- the paper's counts ---------------------------------------------------
+ *
+ * Camera 1 of the documented scene, from as many guesses as the paper counts. */
+
+enum { EVERYWHERE, NEAR, MAP, SPREADS };
+static const char *const spread_names[SPREADS] = {"everywhere", "near", "map"};
+
+/* The guess of yaw: none, near the truth, and as far from that as the paper's two
+ * guesses of yaw are from each other. */
+enum { NO_YAW, NEAR_YAW, APART_YAW };
+
+/* 30 and 41 guesses are the sums of the paper's counts of figures 3 and 8. How many
+ * guesses figure 5 had is lost: 47 is its largest count. */
+static const struct {
+    const char *figure;
+    int digital, points, angles, yaw, guesses;
+} counted[] = {
+    {"3", PAPER_PERFECT, 3, 2, NO_YAW, 30},
+    {"3", PAPER_PERFECT, 4, 2, NO_YAW, 30},
+    {"5", PAPER_PERFECT, 4, 3, NEAR_YAW, 47},
+    {"5", PAPER_PERFECT, 4, 3, APART_YAW, 47},
+    {"5", PAPER_PERFECT, 4, 2, NO_YAW, 47},
+    {"8", PAPER_DIGITAL, 4, 2, NO_YAW, 41},
+    {"8", PAPER_DIGITAL, 3, 2, NO_YAW, 41}};
+
+/* Guess i of n, spread evenly over pitch and roll: all of them, those near the
+ * truth, or the map's grid. Yaw is `yaw` off the truth. Pitches are evenly spaced;
+ * rolls step by the golden ratio, so any n is spread evenly. Angles in degrees. */
+static void spread(paper_procedure *p, int where, int i, int n,
+                   const double truth[3], double yaw)
+{
+    const double along = 2 * (i + 0.5) / n - 1;
+    const double across = 2 * fmod(0.5 + i * 0.6180339887498949, 1) - 1;
+    const int columns = (int)(360 / PAPER_GRID_STEP);
+
+    if (where == EVERYWHERE) {
+        guess(p, truth[0] + yaw, 90 * along, 180 * across);
+    } else if (where == NEAR) {
+        guess(p, truth[0] + yaw, truth[1] + PAPER_COUNT_NEAR * along,
+              truth[2] + PAPER_COUNT_NEAR * across);
+    } else {
+        guess(p, truth[0] + yaw, node(-90, PAPER_GRID_STEP, i / columns),
+              node(-180, PAPER_GRID_STEP, i % columns));
+    }
+}
+
+/* One row of the table: all guesses of one spread. */
+static void count_guesses(FILE *file, int row, int where)
+{
+    const double off[3] = {0, PAPER_NEAR_YAW,
+                           PAPER_NEAR_YAW + PAPER_YAW_APART};
+    const double yaw = off[counted[row].yaw];
+    const int n = where == MAP ? (int)(180 / PAPER_GRID_STEP) *
+                                     (int)(360 / PAPER_GRID_STEP)
+                               : counted[row].guesses;
+    paper_scene scene;
+    paper_images images;
+    double truth[3];
+    tally t = {{0}, 0, 0};
+
+    paper_scene_documented(&scene, PAPER_DOCUMENTED_CM);
+    paper_look(&images, &scene, (int)PAPER_WIDTH, counted[row].digital);
+    paper_true_angles(truth, &scene, 0);
+    for (int k = 0; k < 3; k++) {
+        truth[k] /= PAPER_DEGREE;
+    }
+    for (int i = 0; i < n; i++) {
+        paper_procedure p = paper_published(counted[row].points);
+        paper_attempt a;
+
+        p.angles = counted[row].angles;
+        spread(&p, where, i, n, truth, yaw);
+        paper_solve(&a, &p, &images, &scene, 0);
+        count(&t, &a);
+    }
+    fprintf(file, "%s,%d,%d,%d,%g,%s,%d,%d,%d,%d\n", counted[row].figure,
+            counted[row].digital, counted[row].points, counted[row].angles, yaw,
+            spread_names[where], t.tried, t.count[PAPER_CORRECT],
+            t.count[PAPER_FALSE], t.behind);
+}
+
+/* Where camera 1's search from this guess ends. */
+static void print_end(FILE *file, int points, double pitch, double roll)
+{
+    paper_procedure p = paper_published(points);
+    paper_scene scene;
+    paper_images images;
+    paper_attempt a;
+    double ypr[3];
+
+    paper_scene_documented(&scene, PAPER_DOCUMENTED_CM);
+    paper_look(&images, &scene, (int)PAPER_WIDTH, PAPER_PERFECT);
+    guess(&p, 0, pitch, roll);
+    paper_solve(&a, &p, &images, &scene, 0);
+    fprintf(file, "%d,%g,%g,%s", points, pitch, roll,
+            a.behind ? "behind" : outcome_names[a.outcome]);
+    if (a.has_pose) {
+        paper_expect(rigcal_yaw_pitch_roll_from_rotation(ypr, a.pose.R) ==
+                         RIGCAL_OK,
+                     "a rotation has no angles");
+        fprintf(file, ",%.2f,%.2f\n", ypr[1] / PAPER_DEGREE,
+                ypr[2] / PAPER_DEGREE);
+    } else {
+        fprintf(file, ",,\n");
+    }
+}
+
+void figure_counts(void)
+{
+    FILE *const file = table_open("counts");
+    FILE *const ends = table_open("ends");
+
+    fprintf(file, "figure,digital,points,angles,yaw_error_deg,guesses,tried,"
+                  "correct,false,behind\n");
+    for (int i = 0; i < (int)(sizeof counted / sizeof counted[0]); i++) {
+        for (int where = 0; where < SPREADS; where++) {
+            count_guesses(file, i, where);
+        }
+    }
+    fprintf(ends, "points,guess_pitch_deg,guess_roll_deg,outcome,end_pitch_deg,"
+                  "end_roll_deg\n");
+    print_end(ends, 3, PAPER_THEIR_PITCH, PAPER_THEIR_ROLL);
+    print_end(ends, PAPER_POINTS, PAPER_THEIR_PITCH, PAPER_THEIR_ROLL);
+    print_end(ends, 3, PAPER_OUR_PITCH, PAPER_THEIR_ROLL);
+    table_close(file);
+    table_close(ends);
 }
 
 /* ---- our own: what the choices of the procedure do ---------------------- */
@@ -489,7 +639,7 @@ void figure_choices(void)
             "condition_median,condition_q75\n");
     for (size_t i = 0; i < sizeof choices / sizeof choices[0]; i++) {
         static sample errors, conditions;
-        tally anywhere = {{0}, 0};
+        tally anywhere = {{0}, 0, 0};
 
         errors.n = conditions.n = 0;
         for (int k = 0; k < (int)PAPER_PLACEMENTS; k++) {

@@ -81,6 +81,7 @@ void paper_solve(paper_attempt *attempt, const paper_procedure *procedure,
     rigcal_paper_options options;
     rigcal_paper_solver solver;
     rigcal_paper_pose pose;
+    rigcal_status status;
     size_t n_pairs, used = 2;
 
     memset(attempt, 0, sizeof *attempt);
@@ -110,7 +111,9 @@ void paper_solve(paper_attempt *attempt, const paper_procedure *procedure,
     while (rigcal_paper_step(&solver, INT32_MAX) == RIGCAL_RUNNING) {
     }
     attempt->evals = solver.evals; /* of a search that fails, too */
-    if (rigcal_paper_result(&pose, &solver) < 0) {
+    status = rigcal_paper_result(&pose, &solver);
+    if (status < 0) {
+        attempt->behind = status == RIGCAL_ERR_BEHIND;
         return;
     }
     attempt->has_pose = 1;

@@ -11,6 +11,7 @@ enum { PAPER_NONE = 0, PAPER_FALSE = 1, PAPER_CORRECT = 2, PAPER_OUTCOMES = 3 };
 typedef struct {
     int outcome;
     int has_pose;          /* even one that is no solution */
+    int behind;            /* the search ended with points behind the camera */
     rigcal_transform pose; /* every point in front */
     double residual;       /* the published objective */
     double degrees;        /* between the pose's rotation and the true one */

@@ -147,12 +147,10 @@ static rigcal_status solve_robustly(const calibration *c, view *v,
         v->poses, &v->n_poses, agree, &n_agree, RIGCAL_POSES_MAX, bad, camera,
         c->observed, NULL, v->n, &c->robust);
 
-    if (status < 0) {
-        free(agree);
-        return status;
+    if (status >= 0) {
+        v->agree = agree;
+        v->n = n_agree;
     }
-    v->agree = agree;
-    v->n = n_agree;
     return status;
 }
 

@@ -26,10 +26,18 @@ ADDED = ["sigma_rot_deg", "sigma_pos", "second_rms_px", "probability"]
 MATRIX = [f"R{i}{j}" for i in "123" for j in "123"]
 
 
+def sound(run):
+    """The run, unless a sanitizer stopped it: its exit status would be 1 too."""
+    for word in ("Sanitizer", "runtime error"):
+        if word in (run.stderr or ""):
+            raise AssertionError(run.stderr)
+    return run
+
+
 def rigcal(*arguments, **options):
-    return subprocess.run([BIN, *arguments], stdout=subprocess.PIPE,
-                          stderr=subprocess.PIPE, text=True, timeout=60,
-                          **options)
+    return sound(subprocess.run([BIN, *arguments], stdout=subprocess.PIPE,
+                                stderr=subprocess.PIPE, text=True, timeout=60,
+                                **options))
 
 
 FLOAT = "float" in rigcal("--version").stdout

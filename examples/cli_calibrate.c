@@ -74,16 +74,40 @@ static void write_pairs(FILE *file, const calibration *c)
     }
 }
 
+/* What is observed less what the pose puts there. */
+static void write_residuals(FILE *file, const calibration *c)
+{
+    size_t i, k;
+
+    fprintf(file, "camera,frame,point,du,dv,error_px,left_out\n");
+    for (i = 0; i < c->n_views; i++) {
+        const view *v = &c->views[i];
+
+        for (k = 0; k < v->n_seen; k++) {
+            residual r;
+            const int is_known = view_residual(&r, c, v, k);
+
+            fprintf(file, "%s,%s,%s", c->cameras.names.name[v->camera],
+                    c->observations.frames.name[v->frame],
+                    view_point_name(c, v, k));
+            cli_write_known(file, r.duv[0], is_known);
+            cli_write_known(file, r.duv[1], is_known);
+            cli_write_known(file, r.error_px, is_known);
+            fprintf(file, ",%d\n", view_leaves_out(v, k));
+        }
+    }
+}
+
 static void write_files(const calibration *c, const char *folder)
 {
-    cli_output output;
+    cli_output *output = cli_output_begin(folder);
 
-    cli_output_begin(&output, folder);
-    write_poses(cli_output_file(&output, "poses.csv"), c);
-    write_rig(cli_output_file(&output, "rig.csv"), c);
-    write_targets(cli_output_file(&output, "targets.csv"), c);
-    write_pairs(cli_output_file(&output, "pairs.csv"), c);
-    cli_output_finish(&output);
+    write_poses(cli_output_file(output, "poses.csv"), c);
+    write_rig(cli_output_file(output, "rig.csv"), c);
+    write_targets(cli_output_file(output, "targets.csv"), c);
+    write_pairs(cli_output_file(output, "pairs.csv"), c);
+    write_residuals(cli_output_file(output, "residuals.csv"), c);
+    cli_output_finish(output);
 }
 
 /* ==== the command ========================================================= */
@@ -99,56 +123,83 @@ static int choose_method(const char *text)
     return by_paper;
 }
 
-static void choose_robust(calibration *c, const char *const option[OPTION_COUNT])
+static uint32_t choose_seed(const char *text)
 {
-    double threshold, seed;
+    double seed;
 
-    c->is_robust = option[OPTION_ROBUST] != NULL;
-    rigcal_robust_defaults(&c->robust);
-    if (c->is_robust && c->by_paper) {
-        cli_fail("--robust goes with --method ml");
+    cli_numbers(&seed, 1, "--seed", text);
+    if (!(seed >= 0 && seed <= UINT32_MAX && floor(seed) >= seed)) {
+        cli_fail("--seed is a whole number from 0 to %lu, not \"%s\"",
+                 (unsigned long)UINT32_MAX, text);
     }
-    if (!c->is_robust &&
+    return (uint32_t)seed;
+}
+
+static void check_method(const calibration *c,
+                         const char *const option[OPTION_COUNT])
+{
+    if (c->by_paper && option[OPTION_ROBUST] != NULL) {
+        cli_fail("--robust does not go with --method paper: leave one out");
+    }
+    if (c->by_paper && option[OPTION_SIGMA] != NULL) {
+        cli_fail("--sigma does not go with --method paper, which knows no noise: "
+                 "leave one out");
+    }
+    if (c->by_paper && option[OPTION_THOROUGH] != NULL) {
+        cli_fail("--thorough does not go with --method paper, which has a search "
+                 "of its own: leave one out");
+    }
+    if (option[OPTION_ROBUST] == NULL &&
         (option[OPTION_THRESHOLD] != NULL || option[OPTION_SEED] != NULL)) {
-        cli_fail("--threshold and --seed go with --robust");
+        cli_fail("--threshold and --seed go with --robust: give it too");
+    }
+}
+
+static void choose(calibration *c, const char *const option[OPTION_COUNT])
+{
+    c->by_paper = choose_method(option[OPTION_METHOD]);
+    c->is_robust = option[OPTION_ROBUST] != NULL;
+    check_method(c, option);
+    rigcal_pose_defaults(&c->pose);
+    rigcal_robust_defaults(&c->robust);
+    c->pose.thorough = option[OPTION_THOROUGH] != NULL;
+    if (option[OPTION_SIGMA] != NULL) {
+        c->pose.sigma_px = (rigcal_real)cli_sigma(option[OPTION_SIGMA]);
+        c->robust.sigma_px = c->pose.sigma_px;
     }
     if (option[OPTION_THRESHOLD] != NULL) {
-        cli_numbers(&threshold, 1, "--threshold", option[OPTION_THRESHOLD]);
-        if (!(threshold >= 1e-3 && threshold <= 1e6)) {
-            cli_fail("--threshold is from 0.001 to 1000000 pixels, not \"%s\"",
-                     option[OPTION_THRESHOLD]);
-        }
-        c->robust.threshold_px = (rigcal_real)threshold;
+        c->robust.threshold_px = (rigcal_real)cli_pixels(
+            "--threshold", option[OPTION_THRESHOLD], 1e-3);
     }
     if (option[OPTION_SEED] != NULL) {
-        cli_numbers(&seed, 1, "--seed", option[OPTION_SEED]);
-        if (!(seed >= 0 && seed <= UINT32_MAX && floor(seed) >= seed)) {
-            cli_fail("--seed is a whole number from 0 to %lu, not \"%s\"",
-                     (unsigned long)UINT32_MAX, option[OPTION_SEED]);
-        }
-        c->robust.seed = (uint32_t)seed;
+        c->robust.seed = choose_seed(option[OPTION_SEED]);
     }
 }
 
 int cli_calibrate(const char *const option[OPTION_COUNT])
 {
+    const char *folder = option[OPTION_OUT];
     calibration c;
 
     memset(&c, 0, sizeof c);
-    c.by_paper = choose_method(option[OPTION_METHOD]);
-    choose_robust(&c, option);
+    choose(&c, option);
     cli_cameras_read(&c.cameras, option[OPTION_CAMERAS]);
     cli_observations_read(&c.observations, option[OPTION_OBSERVATIONS],
                           &c.cameras, 1);
     cli_observations_by_view(&c.observations);
     solve_views(&c);
     settle_ambiguous_views(&c);
+    name_left_out(&c, folder);
     form_rig(&c);
-    if (c.n_views > 0) {
-        print_summary(&c);
-        if (option[OPTION_OUT] != NULL) {
-            write_files(&c, option[OPTION_OUT]);
-        }
+    if (c.n_views == 0) {
+        cli_say("no view could be solved%s%s", folder != NULL ? ": no file was written to " : "",
+                folder != NULL ? folder : "");
+        return c.exit_status;
+    }
+    print_summary(&c);
+    if (folder != NULL) {
+        cli_flush_stdout("; no file was written");
+        write_files(&c, folder);
     }
     return c.exit_status;
 }

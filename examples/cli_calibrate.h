@@ -31,6 +31,7 @@ typedef struct {
     cli_observations observations;
     int by_paper; /* --method paper */
     int is_robust;
+    rigcal_pose_options pose; /* of --method ml */
     rigcal_robust_options robust;
     int exit_status;
 
@@ -62,15 +63,27 @@ const rigcal_pose *view_second(const view *v);
 /* Takes one of the view's poses, and measures what follows from it. */
 void view_take(const calibration *c, view *v, size_t pose);
 
+/* Of the view's point k, 0 <= k < n_seen: its name; whether --robust left it out;
+ * what is observed less where the pose taken puts it. view_residual returns 0, and
+ * writes zeros, where the camera cannot see it with that pose. */
+typedef struct {
+    rigcal_real duv[2], error_px;
+} residual;
+const char *view_point_name(const calibration *c, const view *v, size_t k);
+int view_leaves_out(const view *v, size_t k);
+int view_residual(residual *r, const calibration *c, const view *v, size_t k);
+
 const char *rig_camera_name(const calibration *c, size_t rig_camera);
 
 /* b_from_a of two cameras of the rig, which must be in one group. */
 void rig_relative(rigcal_transform *b_from_a, const calibration *c, size_t a,
                   size_t b);
 
-/* In this order. All say what they cannot do, and set the exit status. */
+/* In this order. All say what they cannot do, and set the exit status. `folder`: of
+ * the files, or NULL. */
 void solve_views(calibration *c);
 void settle_ambiguous_views(calibration *c);
+void name_left_out(const calibration *c, const char *folder);
 void form_rig(calibration *c);
 void print_summary(const calibration *c); /* of a view at least */
 

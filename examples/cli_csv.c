@@ -32,6 +32,15 @@ void cli_say(const char *format, ...)
     va_end(arguments);
 }
 
+void cli_say_part(const char *format, ...)
+{
+    va_list arguments;
+
+    va_start(arguments, format);
+    vfprintf(stderr, format, arguments);
+    va_end(arguments);
+}
+
 void cli_fail(const char *format, ...)
 {
     va_list arguments;

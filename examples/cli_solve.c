@@ -4,6 +4,8 @@
 #include <math.h>
 #include <string.h>
 
+enum { ROBUST_LEAST = 5 }; /* points that rigcal_solve_pose_robust takes */
+
 const rigcal_pose *view_taken(const view *v)
 {
     return &v->poses[v->taken];
@@ -20,6 +22,33 @@ const rigcal_pose *view_second(const view *v)
 double length_of(const rigcal_real x[3])
 {
     return sqrt((double)(x[0] * x[0] + x[1] * x[1] + x[2] * x[2]));
+}
+
+const char *view_point_name(const calibration *c, const view *v, size_t k)
+{
+    return c->observations.points.name[v->first[k].point];
+}
+
+int view_leaves_out(const view *v, size_t k)
+{
+    return v->agree != NULL && !v->agree[k];
+}
+
+int view_residual(residual *r, const calibration *c, const view *v, size_t k)
+{
+    const rigcal_transform *pose = &view_taken(v)->cam_from_world;
+    const rigcal_observation *seen = &v->first[k].seen;
+    rigcal_real X_c[3], uv[2];
+
+    memset(r, 0, sizeof *r);
+    if (rigcal_transform_point(X_c, pose, seen->X_w) < 0 ||
+        rigcal_project(uv, &c->cameras.camera[v->camera], X_c) < 0) {
+        return 0;
+    }
+    r->duv[0] = seen->uv[0] - uv[0];
+    r->duv[1] = seen->uv[1] - uv[1];
+    r->error_px = (rigcal_real)hypot((double)r->duv[0], (double)r->duv[1]);
+    return 1;
 }
 
 static rigcal_real distance_to_points(const rigcal_transform *cam_from_target,
@@ -77,6 +106,25 @@ static rigcal_status solve_by_paper(const calibration *c, view *v,
     return measured < 0 ? measured : status;
 }
 
+/* --thorough, of the points that agree: a pose more likely than the one there is. */
+static rigcal_status search_on(const calibration *c, view *v,
+                               const rigcal_camera *camera, rigcal_status status)
+{
+    rigcal_pose poses[RIGCAL_POSES_MAX];
+    size_t n_poses = 0;
+    rigcal_status again;
+
+    gather(c, v);
+    again = rigcal_solve_pose(poses, &n_poses, RIGCAL_POSES_MAX, NULL, camera,
+                              c->observed, NULL, v->n, &c->pose);
+    if (again < 0) {
+        return status;
+    }
+    memcpy(v->poses, poses, sizeof poses);
+    v->n_poses = n_poses;
+    return status == RIGCAL_FEW_AGREE ? status : again;
+}
+
 /* Those that disagree do not count any more. */
 static rigcal_status solve_robustly(const calibration *c, view *v,
                                     const rigcal_camera *camera, int32_t *bad)
@@ -87,11 +135,12 @@ static rigcal_status solve_robustly(const calibration *c, view *v,
         v->poses, &v->n_poses, agree, &n_agree, RIGCAL_POSES_MAX, bad, camera,
         c->observed, NULL, v->n, &c->robust);
 
-    if (status >= 0) {
-        v->agree = agree;
-        v->n = n_agree;
+    if (status < 0) {
+        return status;
     }
-    return status;
+    v->agree = agree;
+    v->n = n_agree;
+    return c->pose.thorough ? search_on(c, v, camera, status) : status;
 }
 
 void view_take(const calibration *c, view *v, size_t pose)
@@ -106,7 +155,7 @@ void view_take(const calibration *c, view *v, size_t pose)
         !v->by_paper &&
         rigcal_pose_covariance(&u, &c->cameras.camera[v->camera],
                                cam_from_target, c->observed, NULL, v->n,
-                               0) == RIGCAL_OK;
+                               c->pose.sigma_px) == RIGCAL_OK;
     if (v->has_sigma) {
         v->sigma_deg = (rigcal_real)(DEGREE * length_of(u.rotation));
         v->sigma_pos = (rigcal_real)length_of(u.center);
@@ -122,11 +171,12 @@ static rigcal_status solve(const calibration *c, view *v, int32_t *bad)
     v->by_paper = c->by_paper;
     if (v->by_paper) {
         status = solve_by_paper(c, v, camera, bad);
-    } else if (c->is_robust && v->n >= 5) {
+    } else if (c->is_robust && v->n >= ROBUST_LEAST) {
         status = solve_robustly(c, v, camera, bad);
     } else {
         status = rigcal_solve_pose(v->poses, &v->n_poses, RIGCAL_POSES_MAX, bad,
-                                   camera, c->observed, NULL, v->n, NULL);
+                                   camera, c->observed, NULL, v->n,
+                                   &c->pose);
     }
     v->status = status;
     if (status >= 0) {
@@ -136,42 +186,45 @@ static rigcal_status solve(const calibration *c, view *v, int32_t *bad)
 }
 
 /* A view that failed, or that has a caveat the summary does not tell. */
-static void name_trouble(const calibration *c, const view *v,
-                         rigcal_status status, int32_t bad)
+static void name_trouble(const calibration *c, const view *v, int32_t bad)
 {
     const char *camera = c->cameras.names.name[v->camera];
     const char *frame = c->observations.frames.name[v->frame];
-    const char *text = rigcal_status_text(status);
-    const char *failed = status < 0 ? " cannot be solved" : "";
+    const char *text = rigcal_status_text(v->status);
 
-    if (status < 0 && bad >= 0) {
-        cli_say("camera %s in frame %s%s, point %s: %s", camera, frame, failed,
-                c->observations.points.name[v->first[bad].point], text);
+    if (v->status == RIGCAL_ERR_TOO_FEW) {
+        cli_say("camera %s has no pose in frame %s: it sees %lu point%s there, and "
+                "a pose takes 3 at least",
+                camera, frame, (unsigned long)v->n, v->n == 1 ? "" : "s");
+    } else if (v->status < 0 && bad >= 0) {
+        cli_say("camera %s has no pose in frame %s because of point %s: %s", camera,
+                frame, view_point_name(c, v, (size_t)bad), text);
+    } else if (v->status < 0) {
+        cli_say("camera %s has no pose in frame %s: %s", camera, frame, text);
     } else {
-        cli_say("camera %s in frame %s%s: %s", camera, frame, failed, text);
+        cli_say("camera %s in frame %s, %.3g px rms: %s", camera, frame,
+                (double)view_taken(v)->rms_px, text);
     }
 }
 
-static const char *point_name(const calibration *c, const view *v, size_t i)
+static void name_blamed(const calibration *c, const view *v,
+                        const rigcal_blame *blame)
 {
-    return c->observations.points.name[v->first[i].point];
-}
+    const char *camera = c->cameras.names.name[v->camera];
+    const char *frame = c->observations.frames.name[v->frame];
+    const char *point = view_point_name(c, v, (size_t)blame->point);
+    const char *verdict =
+        blame->verdict == RIGCAL_BLAME_SURE ? "is wrong" : "may be wrong";
 
-/* The points that --robust left out. */
-static void name_left_out(const calibration *c, const view *v)
-{
-    size_t i;
-
-    if (v->n < v->n_seen) {
-        cli_say("camera %s in frame %s: %lu of %lu points disagree and are left out",
-                c->cameras.names.name[v->camera],
-                c->observations.frames.name[v->frame],
-                (unsigned long)(v->n_seen - v->n), (unsigned long)v->n_seen);
-    }
-    for (i = 0; i < v->n_seen; i++) {
-        if (v->agree != NULL && !v->agree[i]) {
-            cli_say("    point %s", point_name(c, v, i));
-        }
+    if (blame->rms_px >= 0) {
+        cli_say("camera %s in frame %s: point %s %s: without it the others fit to "
+                "%.2g px rms, with it to %.2g px",
+                camera, frame, point, verdict, (double)blame->rms_without_px,
+                (double)blame->rms_px);
+    } else {
+        cli_say("camera %s in frame %s: point %s %s: without it there is a pose, "
+                "with %.2g px rms",
+                camera, frame, point, verdict, (double)blame->rms_without_px);
     }
 }
 
@@ -181,29 +234,23 @@ static void name_cause(const calibration *c, const view *v)
     rigcal_real rms_without[RIGCAL_BLAME_POINTS_MAX];
     rigcal_observation work[RIGCAL_BLAME_POINTS_MAX];
     rigcal_diagnosis d;
-    const char *camera = c->cameras.names.name[v->camera];
 
     gather(c, v);
     if (v->n > RIGCAL_BLAME_POINTS_MAX ||
         rigcal_diagnose_pose(&d, rms_without, work, &c->cameras.camera[v->camera],
-                             c->observed, NULL, v->n, NULL) != RIGCAL_OK) {
+                             c->observed, NULL, v->n, &c->pose) != RIGCAL_OK) {
         return;
     }
     if (d.verdict == RIGCAL_DIAGNOSIS_MIRRORED) {
-        cli_say("camera %s: are the target's coordinates left-handed, or is the image "
-                "mirrored? So it would fit to %.2g px",
-                camera,
+        cli_say("camera %s in frame %s: mirrored, the points fit to %.2g px rms: are "
+                "the target's coordinates left-handed, does v count upwards, or is "
+                "the image mirrored?",
+                c->cameras.names.name[v->camera],
+                c->observations.frames.name[v->frame],
                 (double)(d.rms_mirrored_px >= 0 ? d.rms_mirrored_px
                                                 : d.rms_flipped_px));
-    } else if (d.blame.verdict != RIGCAL_BLAME_NONE && d.blame.rms_px >= 0) {
-        cli_say("camera %s: point %s %s; without it %.2g px instead of %.2g px", camera,
-                point_name(c, v, (size_t)d.blame.point),
-                d.blame.verdict == RIGCAL_BLAME_SURE ? "disagrees" : "may be wrong",
-                (double)d.blame.rms_without_px, (double)d.blame.rms_px);
     } else if (d.blame.verdict != RIGCAL_BLAME_NONE) {
-        cli_say("camera %s: point %s disagrees; without it there is a pose, of %.2g px",
-                camera, point_name(c, v, (size_t)d.blame.point),
-                (double)d.blame.rms_without_px);
+        name_blamed(c, v, &d.blame);
     }
 }
 
@@ -216,9 +263,8 @@ static void solve_view(calibration *c, const view *v)
     *solved = *v;
     status = solve(c, solved, &bad);
     if (status != RIGCAL_OK && status != RIGCAL_AMBIGUOUS) {
-        name_trouble(c, v, status, bad);
+        name_trouble(c, solved, bad);
     }
-    name_left_out(c, solved);
     if ((status == RIGCAL_POOR_FIT || status == RIGCAL_ERR_NO_POSE) &&
         solved->agree == NULL) {
         name_cause(c, solved);
@@ -227,6 +273,21 @@ static void solve_view(calibration *c, const view *v)
         c->exit_status = CLI_GEOMETRY;
     } else {
         c->n_views++;
+    }
+}
+
+/* Of four points and fewer none can be told to be wrong. */
+static void name_not_robust(const calibration *c)
+{
+    size_t i, count = 0;
+
+    for (i = 0; i < c->n_views; i++) {
+        count += c->views[i].n_seen < ROBUST_LEAST;
+    }
+    if (c->is_robust && count > 0) {
+        cli_say("--robust takes %d points in a view: in %lu view%s of fewer all "
+                "points count",
+                ROBUST_LEAST, (unsigned long)count, count == 1 ? "" : "s");
     }
 }
 
@@ -263,4 +324,5 @@ void solve_views(calibration *c)
         v.n_seen = v.n;
         solve_view(c, &v);
     }
+    name_not_robust(c);
 }

@@ -136,21 +136,17 @@ static double estimate_sigma(const triangulation *t)
     return freedom > 0 ? sqrt(sum / freedom) : 0;
 }
 
-static double choose_sigma(const triangulation *t, const char *text)
+/* given: 0 if it is not. */
+static double choose_sigma(const triangulation *t, double given)
 {
-    double sigma;
+    const double sigma = given > 0 ? given : estimate_sigma(t);
 
-    if (text == NULL) {
-        sigma = estimate_sigma(t);
-        cli_say("noise of a pixel coordinate, estimated from %lu points: %.4g",
+    if (given > 0) {
+        cli_say("noise of a pixel coordinate, as given: %.4g px", sigma);
+    } else if (t->count > 0) {
+        cli_say("noise of a pixel coordinate, estimated from %lu points: %.4g px",
                 (unsigned long)t->count, sigma);
-        return sigma;
     }
-    cli_numbers(&sigma, 1, "--sigma", text);
-    if (!(sigma > 0)) {
-        cli_fail("--sigma must be positive, not \"%s\"", text);
-    }
-    cli_say("noise of a pixel coordinate, as given: %.4g", sigma);
     return sigma;
 }
 
@@ -246,8 +242,11 @@ static void print_points(const triangulation *t, double sigma_px)
 int cli_triangulate(const char *const option[OPTION_COUNT])
 {
     triangulation t;
-    double sigma_px;
+    double sigma_px = 0;
 
+    if (option[OPTION_SIGMA] != NULL) {
+        sigma_px = cli_sigma(option[OPTION_SIGMA]);
+    }
     open_triangulation(&t, option);
     measure_all(&t);
     if (t.count == 0) {
@@ -255,7 +254,7 @@ int cli_triangulate(const char *const option[OPTION_COUNT])
                 t.rig.table.path);
         t.exit_status = CLI_GEOMETRY;
     }
-    sigma_px = choose_sigma(&t, option[OPTION_SIGMA]);
+    sigma_px = choose_sigma(&t, sigma_px);
     if (t.in_targets) {
         move_into_targets(&t);
     }

@@ -36,6 +36,7 @@ const char *cli_number(double *value, const char **problem, const char *text);
 
 typedef struct {
     const char *path;
+    const char *form; /* what it should be, "cameras.csv" and the like; NULL: any */
     char **columns; /* n_columns names */
     char **cells;   /* n_rows x n_columns */
     size_t *lines;  /* line in the file, of each row */

@@ -26,10 +26,15 @@ static rig_camera find(const cli_cameras *cameras, const cli_transforms *rig,
     found.name = name;
     found.number = cli_names_find(&cameras->names, name);
     if (found.number == CLI_UNKNOWN) {
-        cli_fail("camera %s is not in %s", name, cameras->table.path);
+        const char *alike = cli_names_alike(&cameras->names, name);
+
+        cli_fail("camera %s is not in %s%s%s", name, cameras->table.path,
+                 alike != NULL ? ", but this one is: " : "",
+                 alike != NULL ? alike : "");
     }
     if (in_rig == CLI_UNKNOWN) {
-        cli_fail("camera %s is not in %s", name, rig->table.path);
+        cli_fail("camera %s is not in %s: it has no place in the rig", name,
+                 rig->table.path);
     }
     found.camera = &cameras->camera[found.number];
     found.cam_from_rig = &rig->transform[in_rig];
@@ -43,7 +48,7 @@ static void find_both(epipolar *e, const cli_cameras *cameras,
     e->a = find(cameras, rig, option[OPTION_FROM]);
     e->b = find(cameras, rig, option[OPTION_TO]);
     if (e->a.number == e->b.number) {
-        cli_fail("--from and --to are the same camera, %s", e->a.name);
+        cli_fail("--from and --to are one camera, %s: a line takes two", e->a.name);
     }
 }
 

@@ -2,6 +2,7 @@
 
 #include "cli.h"
 
+#include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <signal.h>
@@ -82,6 +83,8 @@ struct cli_output {
 static const int SIGNALS[] = {SIGHUP,  SIGINT,  SIGQUIT, SIGPIPE, SIGALRM,
                               SIGTERM, SIGUSR1, SIGUSR2, SIGXCPU, SIGXFSZ};
 enum { N_SIGNALS = sizeof SIGNALS / sizeof SIGNALS[0] };
+
+#define UNFINISHED "rigcal-unfinished-"
 
 static void hold_signals(cli_output *output)
 {
@@ -200,9 +203,27 @@ static void make_parents(cli_output *output)
     }
 }
 
+/* Earlier runs that were killed while they replaced the files of this folder. */
+static void name_unfinished(const char *folder)
+{
+    DIR *list = opendir(folder);
+    const struct dirent *entry;
+
+    while (list != NULL && (entry = readdir(list)) != NULL) {
+        if (strncmp(entry->d_name, UNFINISHED, sizeof UNFINISHED - 1) == 0) {
+            cli_say("%s/%s is of a run that was killed, or that still runs: files "
+                    "missing from %s are in it",
+                    folder, entry->d_name, folder);
+        }
+    }
+    if (list != NULL) {
+        closedir(list);
+    }
+}
+
 static void make_work(cli_output *output)
 {
-    static const char NAME[] = "rigcal-unfinished-XXXXXX";
+    static const char NAME[] = UNFINISHED "XXXXXX";
     const char *slash = strrchr(output->folder, '/');
     const size_t parent =
         slash != NULL ? (size_t)(slash - output->folder) + 1 : 0;
@@ -236,6 +257,7 @@ cli_output *cli_output_begin(const char *folder)
     output->is_new = stat(output->folder, &there) != 0 && errno == ENOENT;
     if (!output->is_new) {
         want_folder(output, output->folder);
+        name_unfinished(output->folder);
     }
     make_work(output);
     return output;

@@ -215,16 +215,18 @@ static void name_blamed(const calibration *c, const view *v,
     const char *point = view_point_name(c, v, (size_t)blame->point);
     const char *verdict =
         blame->verdict == RIGCAL_BLAME_SURE ? "is wrong" : "may be wrong";
+    const char *advice = c->is_robust ? "" : ": correct it, or use --robust";
 
     if (blame->rms_px >= 0) {
         cli_say("camera %s in frame %s: point %s %s: without it the others fit to "
-                "%.2g px rms, with it to %.2g px",
+                "%.2g px rms, with it to %.2g px%s",
                 camera, frame, point, verdict, (double)blame->rms_without_px,
-                (double)blame->rms_px);
+                (double)blame->rms_px, advice);
     } else {
         cli_say("camera %s in frame %s: point %s %s: without it there is a pose, "
-                "with %.2g px rms",
-                camera, frame, point, verdict, (double)blame->rms_without_px);
+                "with %.2g px rms%s",
+                camera, frame, point, verdict, (double)blame->rms_without_px,
+                advice);
     }
 }
 

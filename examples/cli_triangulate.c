@@ -33,7 +33,7 @@ static void name_unused_cameras(const triangulation *t)
         const char *name = t->cameras.names.name[i];
 
         if (cli_names_find(&t->rig.names, name) == CLI_UNKNOWN) {
-            cli_say("camera %s is not in %s and is not used", name,
+            cli_say("camera %s is not in %s: what it observed is not used", name,
                     t->rig.table.path);
         }
     }
@@ -207,8 +207,12 @@ static void move_into_targets(triangulation *t)
             continue;
         }
         if (named != m.frame) {
-            cli_say("frame %s has no place in %s; its points are left out",
-                    frame, t->targets.table.path);
+            const char *alike = cli_names_alike(&t->targets.names, frame);
+
+            cli_say("frame %s has no place in %s%s%s; its points are left out",
+                    frame, t->targets.table.path,
+                    alike != NULL ? ", which has frame " : "",
+                    alike != NULL ? alike : "");
             named = m.frame;
         }
         t->exit_status = CLI_GEOMETRY;
@@ -250,7 +254,8 @@ int cli_triangulate(const char *const option[OPTION_COUNT])
     open_triangulation(&t, option);
     measure_all(&t);
     if (t.count == 0) {
-        cli_say("no point could be measured: it takes two cameras of %s",
+        cli_say("no point could be measured: two cameras of %s must observe it in "
+                "one frame",
                 t.rig.table.path);
         t.exit_status = CLI_GEOMETRY;
     }

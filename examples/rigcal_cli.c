@@ -1,5 +1,6 @@
 /* rigcal - the library from the command line, on the files of data/FORMAT.md. */
 #include <getopt.h>
+#include <locale.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -226,7 +227,7 @@ static int run(int argc, char *argv[])
     const command *chosen;
 
     if (argc < 2) {
-        WRONG_USE("rigcal needs a command: calibrate, triangulate or line");
+        WRONG_USE("give a command: calibrate, triangulate or line");
     }
     if (strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "-h") == 0) {
         fputs(HELP, stdout);
@@ -246,6 +247,9 @@ int main(int argc, char *argv[])
     int status;
 
     cli_open_standard_files();
+    if (setlocale(LC_CTYPE, "C.UTF-8") == NULL) { /* for cli_names_alike */
+        setlocale(LC_CTYPE, "");
+    }
     if (rigcal_sizeof_real() != (int32_t)sizeof(rigcal_real)) {
         cli_fail("this program and the library differ in rigcal_real: build both with "
                  "the same RIGCAL_REAL");

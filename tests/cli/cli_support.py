@@ -21,7 +21,7 @@ STEREO = os.path.join(ROOT, "examples", "data", "opencv_stereo")
 CAVITY = os.path.join(ROOT, "examples", "data", "openptv_cavity")
 STEPPED = os.path.join(ROOT, "examples", "data", "myptv_stepped")
 SCENE = os.path.join(ROOT, "tests", "data", "pose2sim_scene")
-OUTPUTS = ["poses.csv", "rig.csv", "targets.csv", "pairs.csv"]
+OUTPUTS = ["poses.csv", "rig.csv", "targets.csv", "pairs.csv", "residuals.csv"]
 ADDED = ["sigma_rot_deg", "sigma_pos", "second_rms_px", "probability"]
 MATRIX = [f"R{i}{j}" for i in "123" for j in "123"]
 
@@ -40,6 +40,20 @@ def rigcal(*arguments, **options):
                                 **options))
 
 
+def with_fault(fault, *arguments):
+    """rigcal, one of whose calls fails or meets a signal; see fault.c."""
+    if not FAULT_LIBRARY:
+        folder = tempfile.TemporaryDirectory()
+        path = os.path.join(folder.name, "fault.so")
+        subprocess.run(["cc", "-shared", "-fPIC", "-o", path, os.path.join(
+            ROOT, "tests", "cli", "fault.c"), "-ldl"], check=True)
+        FAULT_LIBRARY.extend([path, folder])  # which goes with the program
+    return rigcal(*arguments, env={
+        **os.environ, "FAULT": fault, "LD_PRELOAD": FAULT_LIBRARY[0],
+        "ASAN_OPTIONS": "verify_asan_link_order=0"})
+
+
+FAULT_LIBRARY = []
 FLOAT = "float" in rigcal("--version").stdout
 ROUNDING = 1e-5 if FLOAT else 1e-10  # of a rotation's entries, relative else
 
@@ -191,6 +205,16 @@ class CliTest(unittest.TestCase):
         run = self.calibrate_set(folder, *more)
         self.assertEqual((run.returncode, run.stderr), (0, ""))
         return run
+
+    def files(self, folder=None):
+        """Names and contents of all there is in a folder, and in folders in it."""
+        found = {}
+        for place, folders, names in os.walk(folder or self.out):
+            for name in folders:
+                found[os.path.join(place, name)] = None
+            for name in names:
+                found[os.path.join(place, name)] = content(place, name)
+        return found
 
     def result(self, name):
         return os.path.join(self.out, name)

@@ -21,7 +21,7 @@ class TestRobustViewWithoutAgreement(CliTest):
                              write(self.folder, "o.csv", "\n".join(lines)), None,
                              "--robust")
         self.assertEqual(run.returncode, 1, run.stderr)
-        self.assertIn("camera left in frame 01 cannot be solved", run.stderr)
+        self.assertIn("camera left has no pose in frame 01", run.stderr)
         self.assertEqual(len(read(self.result("poses.csv"))), 13)
 
 

@@ -285,8 +285,7 @@ FILE *cli_output_file(cli_output *output, const char *name)
 static void close_file(cli_output *output, size_t i)
 {
     FILE *file = output->file[i];
-    const int failed = fflush(file) != 0 || ferror(file) ||
-                       (fsync(fileno(file)) != 0 && errno != EINVAL);
+    const int failed = fflush(file) != 0 || ferror(file);
     const int reason = errno;
 
     output->file[i] = NULL;

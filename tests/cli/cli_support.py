@@ -6,6 +6,7 @@ RIGCAL_ROOT: the project's folder, if not this file's.
 import csv
 import io
 import os
+import signal
 import subprocess
 import sys
 import tempfile
@@ -40,6 +41,12 @@ def rigcal(*arguments, **options):
                                 **options))
 
 
+def default_signals():
+    """As a person's shell has them; one that runs this in the background has not."""
+    for number in (signal.SIGHUP, signal.SIGINT, signal.SIGQUIT, signal.SIGTERM):
+        signal.signal(number, signal.SIG_DFL)
+
+
 def with_fault(fault, *arguments):
     """rigcal, one of whose calls fails or meets a signal; see fault.c."""
     if not FAULT_LIBRARY:
@@ -48,7 +55,7 @@ def with_fault(fault, *arguments):
         subprocess.run(["cc", "-shared", "-fPIC", "-o", path, os.path.join(
             ROOT, "tests", "cli", "fault.c"), "-ldl"], check=True)
         FAULT_LIBRARY.extend([path, folder])  # which goes with the program
-    return rigcal(*arguments, env={
+    return rigcal(*arguments, preexec_fn=default_signals, env={
         **os.environ, "FAULT": fault, "LD_PRELOAD": FAULT_LIBRARY[0],
         "ASAN_OPTIONS": "verify_asan_link_order=0"})
 

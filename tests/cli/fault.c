@@ -42,12 +42,6 @@ int rename(const char *from, const char *to)
     return strikes("rename") ? -1 : real(from, to);
 }
 
-int fsync(int fd)
-{
-    REAL(int, fsync, int);
-    return strikes("fsync") ? -1 : real(fd);
-}
-
 int chmod(const char *path, mode_t mode)
 {
     REAL(int, chmod, const char *, mode_t);

@@ -147,6 +147,18 @@ class TestCalibrateRealData(CliTest):
         self.assertRegex(text, r"(?m)^right +0\.08\d+ ")
         self.assertRegex(text, r"(?m)^left +right +0\.08.* over 7 placements$")
 
+    @unittest.skipIf(FLOAT, "README shows what the double build prints")
+    def test_readme_shows_what_is_printed(self):
+        """Line by line and in this order; ... stands for lines left out."""
+        shown = re.search(r"What comes out of the first.*\n\n((?:    .*\n)+)",
+                          content(ROOT, "README.md"))[1]
+        printed = self.calibrate_well(STEREO).stdout.splitlines()
+        self.assertGreater(shown.count("\n"), 6)
+        for line in shown.splitlines():
+            if line.strip() != "...":
+                self.assertIn(line[4:], printed)
+                del printed[:printed.index(line[4:]) + 1]
+
     def test_out_is_optional(self):
         with_out = self.calibrate_well(STEREO).stdout
         run = rigcal("calibrate", "--cameras", STEREO + "/cameras.csv",
@@ -773,7 +785,10 @@ class TestUse(CliTest):
                 (["calibrate", *both, "--rig", "r"], "has no option --rig"),
                 (["calibrate", *both, "--out"], "--out needs a value"),
                 (["line", "--method", "ml"], "has no option --method"),
-                (["calibrate", *both, "extra"], "extra"),
+                (["calibrate", *both, "extra"], 'takes options only, not "extra"'),
+                (["triangulate", *both, "--thorough"], "has no option --thorough"),
+                (["line", "--sigma", "1"], "has no option --sigma"),
+                (["calibrate", *both, "--robust", "--robust"], "given twice"),
                 (["calibrate", *both, *both], "given twice"),
                 (["triangulate", *both], "needs --rig"),
                 (self.LINE[:-2], "needs --pixel"),
@@ -805,13 +820,15 @@ class TestUse(CliTest):
         self.refuses(self.LINE[:-1] + ["640,10"], "outside the image")
 
     def test_help_and_version(self):
-        for arguments in (["--help"], ["calibrate", "--help"], ["line", "--help"]):
+        for arguments in (["--help"], ["-h"], ["calibrate", "--help"],
+                          ["line", "--help"]):
             run = rigcal(*arguments)
             self.assertEqual((run.returncode, run.stderr), (0, ""))
             for word in ("calibrate", "triangulate", "line", "--observations",
-                         "--method"):
+                         "--method", "--sigma", "--thorough", "FORMAT.md"):
                 self.assertIn(word, run.stdout)
         run = rigcal("--version")
+        self.assertEqual(rigcal("line", "--version").stdout, run.stdout)
         self.assertRegex(run.stdout, r"\Arigcal \d+\.\d+\.\d+ \((double|float)\)\n")
         header = content(os.path.join(ROOT, "include"), "rigcal.h")
         numbers = re.findall(r"#define RIGCAL_VERSION_\w+ (\d+)", header)

@@ -192,8 +192,8 @@ int cli_calibrate(const char *const option[OPTION_COUNT])
     name_left_out(&c, folder);
     form_rig(&c);
     if (c.n_views == 0) {
-        cli_say("no view could be solved%s%s", folder != NULL ? ": no file was written to " : "",
-                folder != NULL ? folder : "");
+        cli_say("no view has a pose, so there is nothing to print%s",
+                folder != NULL ? " and nothing to write" : "");
         return c.exit_status;
     }
     print_summary(&c);

@@ -121,7 +121,7 @@ static char *read_all(const char *path, size_t *length)
     FILE *file = fopen(path, "rb");
 
     if (file == NULL) {
-        cli_fail("%s: %s", path, strerror(errno));
+        cli_fail("cannot read %s: %s", path, strerror(errno));
     }
     *length = fread(text, 1, room, file);
     while (*length == room) {
@@ -132,7 +132,7 @@ static char *read_all(const char *path, size_t *length)
         *length += fread(text + *length, 1, room - *length, file);
     }
     if (ferror(file)) {
-        cli_fail("%s: %s", path, strerror(errno));
+        cli_fail("cannot read %s: %s", path, strerror(errno));
     }
     fclose(file);
     text[*length] = '\0';
@@ -331,8 +331,8 @@ size_t csv_column(const csv_table *table, const char *name)
     form = cli_form(table);
     if (form != NULL && strcmp(form, table->form) != 0) {
         fail_line(table, table->header_line,
-                  "there is no column %s: this looks like %s, and %s is wanted", name,
-                  form, table->form);
+                  "there is no column %s: this looks like %s, where %s is wanted",
+                  name, form, table->form);
     }
     fail_line(table, table->header_line,
               "there is no column %s: examples/data/FORMAT.md lists those of %s",

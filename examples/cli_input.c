@@ -214,6 +214,44 @@ static size_t find_camera(const cli_cameras *cameras, const csv_table *table,
     return camera;
 }
 
+static int is_outside(const cli_observation *o, const cli_cameras *cameras)
+{
+    const rigcal_camera *camera = &cameras->camera[o->camera];
+    const rigcal_real *uv = o->seen.uv;
+
+    return uv[0] < (rigcal_real)-0.5 || uv[1] < (rigcal_real)-0.5 ||
+           uv[0] > (rigcal_real)camera->width - (rigcal_real)0.5 ||
+           uv[1] > (rigcal_real)camera->height - (rigcal_real)0.5;
+}
+
+/* In one line: such pixels are used, but seldom right. */
+static void tell_outside(const cli_observations *observations,
+                         const cli_cameras *cameras)
+{
+    const csv_table *table = &observations->table;
+    const cli_observation *first = NULL;
+    size_t i, count = 0;
+
+    for (i = 0; i < observations->count; i++) {
+        const cli_observation *o = &observations->list[i];
+
+        if (is_outside(o, cameras)) {
+            first = first == NULL || o->row < first->row ? o : first;
+            count++;
+        }
+    }
+    if (first != NULL) {
+        cli_say("%s: %lu pixel%s outside the image, the first on line %lu: "
+                "(%.6g, %.6g) of camera %s, %ld x %ld. Check u, v, width and height",
+                table->path, (unsigned long)count, count == 1 ? " is" : "s are",
+                (unsigned long)table->lines[first->row],
+                (double)first->seen.uv[0], (double)first->seen.uv[1],
+                cameras->names.name[first->camera],
+                (long)cameras->camera[first->camera].width,
+                (long)cameras->camera[first->camera].height);
+    }
+}
+
 static void read_observations(cli_observations *observations,
                               const cli_cameras *cameras, int targets)
 {
@@ -257,6 +295,7 @@ void cli_observations_read(cli_observations *observations, const char *path,
     qsort(observations->list, observations->count, sizeof *observations->list,
           by_point);
     check_contradictions(observations);
+    tell_outside(observations, cameras);
     cli_names_tell_alike(&observations->frames, "frame", path);
     cli_names_tell_alike(&observations->points, "point", path);
 }
@@ -302,7 +341,8 @@ static void read_transform(rigcal_transform *transform, const csv_table *table,
     }
     if (!(skewness(R) <= ROUNDING) ||
         rigcal_rotation_nearest(transform->R, M) != RIGCAL_OK) {
-        csv_fail(table, row, "R11 to R33 are not a rotation: the rows of a rotation have length 1 "
+        csv_fail(table, row,
+                 "R11 to R33 are not a rotation: the rows of a rotation have length 1 "
                  "and right angles between them, and its determinant is +1");
     }
 }

@@ -58,18 +58,20 @@ static int failed(epipolar *e, rigcal_status status, const char *what)
     if (status >= 0) {
         return 0;
     }
-    cli_say("%s: %s", what, rigcal_status_text(status));
+    cli_say("cannot compute %s: %s", what, rigcal_status_text(status));
     e->exit_status = CLI_GEOMETRY;
     return 1;
 }
 
-static void check_inside(const rigcal_camera *camera, const double uv[2],
+static void check_inside(const rig_camera *from, const double uv[2],
                          const char *text)
 {
+    const rigcal_camera *camera = from->camera;
+
     if (!(uv[0] >= -0.5 && uv[0] <= camera->width - 0.5 && uv[1] >= -0.5 &&
           uv[1] <= camera->height - 0.5)) {
-        cli_fail("--pixel %s is outside the image of %ld x %ld pixels", text,
-                 (long)camera->width, (long)camera->height);
+        cli_fail("--pixel %s is outside the image of camera %s, %ld x %ld pixels",
+                 text, from->name, (long)camera->width, (long)camera->height);
     }
 }
 
@@ -79,15 +81,15 @@ static int find_ray(epipolar *e, const char *text)
     rigcal_real uv[2];
 
     cli_numbers(pixel, 2, "--pixel", text);
-    check_inside(e->a.camera, pixel, text);
+    check_inside(&e->a, pixel, text);
     uv[0] = (rigcal_real)pixel[0];
     uv[1] = (rigcal_real)pixel[1];
     return !failed(e, rigcal_pixel_to_ray(e->ray_a, e->a.camera, uv),
-                   e->a.name) &&
+                   "the ray of --pixel") &&
            !failed(e,
                    rigcal_relative_pose(&e->b_from_a, e->b.cam_from_rig,
                                         e->a.cam_from_rig),
-                   "rig");
+                   "the transform from camera to camera");
 }
 
 static void print_row(const char *quantity, const rigcal_real numbers[],

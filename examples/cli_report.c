@@ -50,7 +50,6 @@ static size_t name_outliers(const calibration *c, const view *v,
                             const outlier list[], size_t count)
 {
     enum { NAMED = 5 };
-    const size_t n_named = count < NAMED ? count : NAMED;
     size_t i;
 
     cli_say_part("rigcal: camera %s in frame %s: --robust leaves out %lu of %lu "
@@ -58,20 +57,19 @@ static size_t name_outliers(const calibration *c, const view *v,
                  c->cameras.names.name[v->camera],
                  c->observations.frames.name[v->frame], (unsigned long)count,
                  (unsigned long)v->n_seen);
-    for (i = 0; i < n_named; i++) {
-        cli_say_part(" %s", view_point_name(c, v, list[i].point));
+    for (i = 0; i < count && i < NAMED; i++) {
+        cli_say_part("%s %s", i > 0 ? "," : "", view_point_name(c, v, list[i].point));
         if (list[i].error_px < 0) {
             cli_say_part(" (where the camera cannot see it)");
         } else {
             cli_say_part(" (%.3g px off)", list[i].error_px);
         }
-        cli_say_part(i + 1 < n_named ? "," : "");
     }
-    if (count > n_named) {
-        cli_say_part(" and %lu more", (unsigned long)(count - n_named));
+    if (count > i) {
+        cli_say_part(" and %lu more", (unsigned long)(count - i));
     }
     cli_say_part("\n");
-    return count - n_named;
+    return count - i;
 }
 
 void name_left_out(const calibration *c, const char *folder)

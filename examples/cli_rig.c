@@ -76,7 +76,8 @@ static size_t add_angles(rigcal_real sum[RIGCAL_POSES_MAX],
         n_known++;
         for (k = 0; k < v->n_poses; k++) {
             sum[k] += angle_between(
-                &view_taken(known)->cam_from_world, &view_taken(b_known)->cam_from_world,
+                &view_taken(known)->cam_from_world,
+                &view_taken(b_known)->cam_from_world,
                 &v->poses[k].cam_from_world, &view_taken(b)->cam_from_world);
         }
     }
@@ -153,6 +154,18 @@ static void number_rig(calibration *c)
     c->first[c->n_rig] = c->n_views;
 }
 
+static int is_observed(const calibration *c, size_t camera)
+{
+    size_t i;
+
+    for (i = 0; i < c->observations.count; i++) {
+        if (c->observations.list[i].camera == camera) {
+            return 1;
+        }
+    }
+    return 0;
+}
+
 static void name_cameras_without_pose(calibration *c)
 {
     size_t camera, i = 0;
@@ -161,8 +174,11 @@ static void name_cameras_without_pose(calibration *c)
         if (i < c->n_rig && c->camera[i] == camera) {
             i++;
         } else {
-            cli_say("camera %s has no pose and is not in the rig",
-                    c->cameras.names.name[camera]);
+            cli_say("camera %s is not in the rig: %s",
+                    c->cameras.names.name[camera],
+                    is_observed(c, camera)
+                        ? "it has no pose in any frame"
+                        : "there are no observations of it");
             c->exit_status = CLI_GEOMETRY;
         }
     }
@@ -203,17 +219,42 @@ static void join_rig(calibration *c)
     }
     for (i = 0; i < c->n_rig; i++) {
         if (c->group[i] != 0) {
-            cli_say("camera %s shares no placement with %s%s",
-                    rig_camera_name(c, i), rig_camera_name(c, 0),
-                    " nor with a camera joined to it; the files leave it out");
+            cli_say("camera %s shares no frame with %s, nor with a camera that does: "
+                    "rig.csv and pairs.csv leave it out. Add a frame in which both "
+                    "see the target",
+                    rig_camera_name(c, i), rig_camera_name(c, 0));
         }
     }
+}
+
+/* Frames in which no camera of the rig has a pose, in one line. */
+static void name_not_placed(const calibration *c, const int is_apart[],
+                            size_t count)
+{
+    enum { NAMED = 5 };
+    size_t frame, n_named = 0;
+
+    cli_say_part("rigcal: frame%s", count == 1 ? "" : "s");
+    for (frame = 0; n_named < NAMED && n_named < count; frame++) {
+        if (is_apart[frame]) {
+            cli_say_part("%s %s", n_named > 0 ? "," : "",
+                         c->observations.frames.name[frame]);
+            n_named++;
+        }
+    }
+    if (count > n_named) {
+        cli_say_part(" and %lu more", (unsigned long)(count - n_named));
+    }
+    cli_say_part(" %s no place in the frame of %s: no camera joined to it has a pose "
+                 "there\n",
+                 count == 1 ? "has" : "have", rig_camera_name(c, 0));
 }
 
 static void place_targets(calibration *c)
 {
     const size_t n_frames = c->observations.frames.count;
-    size_t frame;
+    int *is_apart = cli_alloc(n_frames, sizeof *is_apart);
+    size_t frame, n_apart = 0;
 
     c->rig_from_target = cli_alloc(n_frames, sizeof *c->rig_from_target);
     c->placed = cli_alloc(n_frames, sizeof *c->placed);
@@ -224,15 +265,17 @@ static void place_targets(calibration *c)
 
         c->placed[frame] = status >= 0;
         if (status == RIGCAL_ERR_TOO_FEW) {
-            cli_say("frame %s is not placed: no camera joined to %s has a pose "
-                    "in it",
-                    c->observations.frames.name[frame], rig_camera_name(c, 0));
+            is_apart[frame] = 1;
+            n_apart++;
         } else if (status < 0) {
-            cli_say("frame %s is not placed: %s",
+            cli_say("frame %s has no place: %s",
                     c->observations.frames.name[frame],
                     rigcal_status_text(status));
         }
         c->exit_status = status < 0 ? CLI_GEOMETRY : c->exit_status;
+    }
+    if (n_apart > 0) {
+        name_not_placed(c, is_apart, n_apart);
     }
 }
 

@@ -219,12 +219,12 @@ static void name_blamed(const calibration *c, const view *v,
 
     if (blame->rms_px >= 0) {
         cli_say("camera %s in frame %s: point %s %s: without it the others fit to "
-                "%.2g px rms, with it to %.2g px%s",
+                "%.3g px rms, with it to %.3g px%s",
                 camera, frame, point, verdict, (double)blame->rms_without_px,
                 (double)blame->rms_px, advice);
     } else {
         cli_say("camera %s in frame %s: point %s %s: without it there is a pose, "
-                "with %.2g px rms%s",
+                "with %.3g px rms%s",
                 camera, frame, point, verdict, (double)blame->rms_without_px,
                 advice);
     }
@@ -244,7 +244,7 @@ static void name_cause(const calibration *c, const view *v)
         return;
     }
     if (d.verdict == RIGCAL_DIAGNOSIS_MIRRORED) {
-        cli_say("camera %s in frame %s: mirrored, the points fit to %.2g px rms: are "
+        cli_say("camera %s in frame %s: mirrored, the points fit to %.3g px rms: are "
                 "the target's coordinates left-handed, does v count upwards, or is "
                 "the image mirrored?",
                 c->cameras.names.name[v->camera],

@@ -17,7 +17,7 @@ typedef struct {
     int in_targets;
     int exit_status;
     measurement *list;
-    size_t count;
+    size_t count, n_failed;
 
     /* Work: the views of one point. */
     rigcal_camera *camera;
@@ -81,6 +81,24 @@ static size_t gather(triangulation *t, const cli_observation seen[], size_t n)
     return count;
 }
 
+/* The first few; the CSV shows which of the others are missing. */
+static void name_failed(triangulation *t, const measurement *m,
+                        rigcal_status status)
+{
+    enum { NAMED = 5 };
+
+    t->exit_status = CLI_GEOMETRY;
+    if (t->n_failed++ < NAMED) {
+        cli_say("frame %s, point %s cannot be triangulated: %s",
+                t->observations.frames.name[m->frame],
+                t->observations.points.name[m->point],
+                rigcal_status_text(status));
+    }
+    if (t->n_failed == NAMED + 1) {
+        cli_say("more points cannot be triangulated; they are not in the output");
+    }
+}
+
 static void measure(triangulation *t, const cli_observation seen[], size_t n)
 {
     measurement *m = &t->list[t->count];
@@ -95,11 +113,7 @@ static void measure(triangulation *t, const cli_observation seen[], size_t n)
     status = rigcal_triangulate(&m->measured, t->camera, t->cam_from_rig, t->uv,
                                 m->n, 1);
     if (status < 0) {
-        cli_say("frame %s, point %s cannot be triangulated: %s",
-                t->observations.frames.name[m->frame],
-                t->observations.points.name[m->point],
-                rigcal_status_text(status));
-        t->exit_status = CLI_GEOMETRY;
+        name_failed(t, m, status);
         return;
     }
     t->count++;

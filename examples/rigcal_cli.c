@@ -251,8 +251,8 @@ int main(int argc, char *argv[])
         setlocale(LC_CTYPE, "");
     }
     if (rigcal_sizeof_real() != (int32_t)sizeof(rigcal_real)) {
-        cli_fail("this program and the library differ in rigcal_real: build both with "
-                 "the same RIGCAL_REAL");
+        cli_fail("this program and the library differ in rigcal_real: build both "
+                 "with the same RIGCAL_REAL");
     }
     status = run(argc, argv);
     cli_flush_stdout("");

@@ -292,9 +292,9 @@ class TestCalibrateMadeUp(CliTest):
                             "f1": ["rational", "barrel"]})
         self.assertEqual(run.returncode, 1)
         for camera in ("rational", "barrel"):
-            self.assertRegex(run.stderr, f"camera {camera} shares no placement "
+            self.assertRegex(run.stderr, f"camera {camera} shares no frame "
                                          "with pinhole")
-        self.assertIn("frame f1 is not placed", run.stderr)
+        self.assertIn("frame f1 has no place in the frame of pinhole", run.stderr)
         self.assertIn("in the frame of pinhole", run.stdout)
         self.assertIn("in the frame of rational", run.stdout)
         self.check_rig(["pinhole", "fish"])
@@ -306,7 +306,7 @@ class TestCalibrateMadeUp(CliTest):
     def test_camera_without_observations_is_named(self):
         run = self.run_rig({"f0": ["fish", "rational", "barrel"]})
         self.assertEqual(run.returncode, 1)
-        self.assertIn("camera pinhole has no pose", run.stderr)
+        self.assertIn("camera pinhole is not in the rig: there are no observations of it", run.stderr)
         self.check_rig(["fish", "rational", "barrel"])
 
 
@@ -533,6 +533,33 @@ class TestUnsolvable(CliTest):
         run = self.run_with(spoil)
         self.check(run, "images no ray")
         self.assertIn("because of point 5:", run.stderr)
+
+    def test_pixels_outside_the_image_are_told(self):
+        head, *lines = content(STEREO, "observations.csv").splitlines()
+        for row, uv in ((9, ["-0.6", "5"]), (4, ["639.6", "5"]), (6, ["5", "479.6"]),
+                        (7, ["5", "-0.4"]), (8, ["639.4", "479.4"])):
+            lines[row] = ",".join(lines[row].split(",")[:6] + uv)
+        path = write(self.folder, "o.csv", "\n".join([head, *lines]))
+        run = self.calibrate(STEREO + "/cameras.csv", path)
+        self.assertEqual(run.returncode, 0)
+        self.assertEqual(run.stderr.split("\n")[0], f"rigcal: {path}: 3 pixels are outside "
+                         "the image, the first on line 6: (639.6, 5) of camera left, "
+                         "640 x 480. Check u, v, width and height")
+
+    def test_frames_apart_are_named_in_one_line(self):
+        lines = content(STEREO, "observations.csv").splitlines()
+        for n_left, told in ((1, "frames 03, 05, 07, 09, 12 and 1 more have no place"),
+                             (3, "frames 07, 09, 12, 14 have no place"),
+                             (6, "frame 14 has no place")):
+            frames = "01 03 05 07 09 12 14".split()
+            mine = [f"{f},left," for f in frames[:n_left]]
+            mine += [f"{f},right," for f in frames[n_left:]]
+            run = self.calibrate(STEREO + "/cameras.csv", write(
+                self.folder, "o.csv", "\n".join(
+                    line for line in lines if line.startswith(("frame", *mine)))))
+            self.assertEqual(run.returncode, 1)
+            self.assertIn(f"rigcal: {told} in the frame of left: no camera joined to it "
+                          "has a pose there\n", run.stderr)
 
     def test_nothing_can_be_solved(self):
         text = content(STEREO, "observations.csv").splitlines()[:3]
@@ -981,6 +1008,18 @@ class TestTriangulate(CliTest):
         self.assertEqual(run.returncode, 1)
         self.assertRegex(run.stderr, "frame 01, point 2 cannot be triangulated: ")
         self.assertEqual(len(self.points(run)), 377)
+
+    def test_of_many_such_points_five_are_named(self):
+        text = content(STEREO, "observations.csv").splitlines()
+        for i, line in enumerate(text):
+            if line.startswith("01,right,"):
+                text[i] = ",".join(line.split(",")[:6] + ["1e5", "1e5"])
+        run = self.with_reference(STEREO, write(self.folder, "o.csv", "\n".join(text)))
+        self.assertEqual(run.returncode, 1)
+        self.assertEqual(len(re.findall(r"frame 01, point \d+ cannot be", run.stderr)),
+                         5)
+        self.assertEqual(run.stderr.count("more points cannot be triangulated"), 1)
+        self.assertEqual(len(self.points(run)), 324)
 
     def test_frame_without_a_place_is_named(self):
         text = content(STEREO, "reference_targets.csv").splitlines()

@@ -232,7 +232,7 @@ class TestFormats(CliTest):
                              "--observations", files["observations.csv"])
                 self.assertEqual(run.returncode, 2)
                 self.assertRegex(run.stderr, rf"\A{path}:1: there is no column \w+: this "
-                                             f"looks like {given}, and {wanted} is "
+                                             f"looks like {given}, where {wanted} is "
                                              r"wanted\n\Z")
 
 

@@ -49,11 +49,6 @@ void cli_numbers(double numbers[], size_t count, const char *option,
 double cli_pixels(const char *option, const char *text, double least);
 double cli_sigma(const char *text);
 
-/* Sees to it that standard input, output and error are open: else a file that is
- * opened later takes the place of one, and gets what is printed. One that was
- * closed still cannot be used. The first thing that the program does. */
-void cli_open_standard_files(void);
-
 /* Ends the program, with a message that ends with `consequence`, if something that
  * was printed could not be written. */
 void cli_flush_stdout(const char *consequence);

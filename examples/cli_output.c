@@ -39,18 +39,6 @@ void cli_write_transform(FILE *file, const rigcal_transform *transform)
 
 /* ==== standard output ===================================================== */
 
-void cli_open_standard_files(void)
-{
-    int fd;
-
-    for (fd = 0; fd < 3; fd++) {
-        if (fcntl(fd, F_GETFD) == -1 && errno == EBADF &&
-            open("/dev/null", fd == 0 ? O_WRONLY : O_RDONLY) != fd) {
-            exit(CLI_USAGE);
-        }
-    }
-}
-
 void cli_flush_stdout(const char *consequence)
 {
     errno = 0;

@@ -246,7 +246,6 @@ int main(int argc, char *argv[])
 {
     int status;
 
-    cli_open_standard_files();
     if (setlocale(LC_CTYPE, "C.UTF-8") == NULL) { /* for cli_names_alike */
         setlocale(LC_CTYPE, "");
     }

@@ -41,21 +41,19 @@ def rigcal(*arguments, **options):
                                 **options))
 
 
-def default_signals():
-    """As a person's shell has them; one that runs this in the background has not."""
-    for number in (signal.SIGHUP, signal.SIGINT, signal.SIGQUIT, signal.SIGTERM):
-        signal.signal(number, signal.SIG_DFL)
-
-
-def with_fault(fault, *arguments):
+def with_fault(fault, *arguments, ignored=()):
     """rigcal, one of whose calls fails or meets a signal; see fault.c."""
+    def set_signals():  # which a shell ignores that runs this in the background
+        for number in (signal.SIGHUP, signal.SIGINT, signal.SIGQUIT, signal.SIGTERM):
+            signal.signal(number, signal.SIG_IGN if number in ignored
+                          else signal.SIG_DFL)
     if not FAULT_LIBRARY:
         folder = tempfile.TemporaryDirectory()
         path = os.path.join(folder.name, "fault.so")
         subprocess.run(["cc", "-shared", "-fPIC", "-o", path, os.path.join(
             ROOT, "tests", "cli", "fault.c"), "-ldl"], check=True)
         FAULT_LIBRARY.extend([path, folder])  # which goes with the program
-    return rigcal(*arguments, preexec_fn=default_signals, env={
+    return rigcal(*arguments, preexec_fn=set_signals, env={
         **os.environ, "FAULT": fault, "LD_PRELOAD": FAULT_LIBRARY[0],
         "ASAN_OPTIONS": "verify_asan_link_order=0"})
 

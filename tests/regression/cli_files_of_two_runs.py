@@ -34,6 +34,14 @@ class TestFilesOfTwoRuns(CliTest):
                     self.assertRegex(run.stderr, "cannot write .*no file was written")
                     self.assertEqual(self.files(), earlier)
 
+    def test_a_rename_that_fails_leaves_no_new_file(self):
+        os.mkdir(self.out)
+        write(self.out, "poses.csv", "as it was")
+        earlier = self.files()
+        run = self.run_with_fault(f"rename:{2 * len(OUTPUTS)}:{EIO}")
+        self.assertEqual(run.returncode, 2)
+        self.assertEqual(self.files(), earlier)
+
     def test_a_killed_run_leaves_no_new_file_beside_an_earlier_one(self):
         for call in range(1, 2 * len(OUTPUTS) + 1):
             with self.subTest(call=call):

@@ -25,6 +25,14 @@ class TestSignalLeavesTemporaries(CliTest):
                 if os.path.exists(self.out):
                     self.assertEqual(sorted(os.listdir(self.out)), sorted(OUTPUTS))
 
+    def test_one_that_is_ignored_does_not_matter(self):
+        run = with_fault(f"fdopen:2:{-signal.SIGHUP}", "calibrate", "--cameras",
+                         STEREO + "/cameras.csv", "--observations",
+                         STEREO + "/observations.csv", "--out", self.out,
+                         ignored=[signal.SIGHUP])
+        self.assertEqual(run.returncode, 0)
+        self.assertEqual(sorted(os.listdir(self.out)), sorted(OUTPUTS))
+
     def test_while_the_files_are_written(self):
         os.mkdir(self.out)
         write(self.out, "poses.csv", "as it was")

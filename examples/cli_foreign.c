@@ -48,6 +48,8 @@ static const magic MAGICS[] = {
     {MAGIC("\xd0\xcf\x11\xe0", 0),
      {"an old spreadsheet (.xls)",
       "save the sheet as CSV, separated by commas", "Tables of other forms"}},
+    {MAGIC("\xff\xfe\0\0", 0),
+     {"text in UTF-32", "save it as UTF-8", "Tables of other forms"}},
     {MAGIC("\xff\xfe", 0),
      {"text in UTF-16", "save it as UTF-8", "Tables of other forms"}},
     {MAGIC("\xfe\xff", 0),

@@ -293,7 +293,7 @@ static size_t find_column(const csv_table *table, const char *name)
     return found;
 }
 
-/* Silence would leave out what is there under nearly this name. */
+/* A column with nearly this name would be ignored in silence. */
 static void refuse_alike(const csv_table *table, const char *name)
 {
     size_t column;

@@ -54,14 +54,14 @@ size_t cli_names_add(cli_names *names, const char *name)
 
 /* ==== names that look alike =============================================== */
 
-/* What is left out of a key: blanks, those too that cannot be seen, and quotes. */
+/* Characters that a key leaves out: blanks, also invisible ones, and quotes. */
 static int is_ignored(wint_t c)
 {
     return iswspace(c) || c == 0xa0 || (c >= 0x200b && c <= 0x200d) ||
            c == 0x2060 || c == 0xfeff || c == '"' || c == '\'';
 }
 
-/* Bytes that are no characters count as characters. */
+/* Bytes that are no UTF-8 count as characters. */
 static wint_t next_character(const char **text, mbstate_t *state)
 {
     wchar_t c = 0;
@@ -75,7 +75,7 @@ static wint_t next_character(const char **text, mbstate_t *state)
     return (wint_t)c;
 }
 
-/* Whether a number; ids of many digits are not, as a double cannot hold them. */
+/* Whether the name is a number that a double holds exactly. */
 static int is_number(double *value, const char *name)
 {
     const char *problem, *end = cli_number(value, &problem, name);

@@ -51,11 +51,12 @@ void cli_flush_stdout(const char *consequence)
 
 /* ==== a set of files ======================================================
  *
- * The files are made in a folder of their own, `work`. A folder that did not exist
- * is this one, renamed when it is whole. In a folder that did, the earlier files are
- * first moved into `work`, then the new ones out of it: if the program is killed in
- * between, files are missing, but never does a new one stand beside an old one, and
- * all are in `work`. Signals wait until the files are there, or are not. */
+ * The files are made in a folder of their own, `work`. If the folder that is wanted
+ * does not exist, it is this one, renamed when all files are in it. If it exists, its
+ * earlier files are first moved into `work`, and then the new ones out of it. If the
+ * program is killed in between, files are missing, but new and earlier ones are never
+ * side by side, and `work` holds what is missing. Other signals are held until the
+ * files are there, or are given up. */
 
 struct cli_output {
     sigset_t mask;       /* of before */
@@ -86,7 +87,7 @@ static void hold_signals(cli_output *output)
     sigprocmask(SIG_BLOCK, &held, &output->mask);
 }
 
-/* Whether one waits that will end the program. */
+/* Whether a signal is held that will end the program. */
 static int must_end(void)
 {
     sigset_t waiting;
@@ -283,7 +284,7 @@ static void close_file(cli_output *output, size_t i)
     }
 }
 
-/* What a rename cannot replace. */
+/* Gives up if a folder has the name of one of the files. */
 static void check_places(cli_output *output)
 {
     struct stat there;
@@ -316,7 +317,7 @@ static int take_back(const cli_output *output, size_t i)
     return failed != 0 && errno != ENOENT ? -1 : 0;
 }
 
-/* The earlier files as they were; the first n_new places hold new ones. */
+/* Puts the earlier files back, where the first n_new places hold new ones. */
 static CLI_NORETURN void undo(cli_output *output, size_t n_new,
                               const char *path)
 {

@@ -106,7 +106,7 @@ static rigcal_status solve_by_paper(const calibration *c, view *v,
     return measured < 0 ? measured : status;
 }
 
-/* --thorough, of the points that agree: a pose more likely than the one there is. */
+/* --robust --thorough: a thorough search with the points that agree. */
 static rigcal_status search_on(const calibration *c, view *v,
                                const rigcal_camera *camera, rigcal_status status)
 {
@@ -278,7 +278,7 @@ static void solve_view(calibration *c, const view *v)
     }
 }
 
-/* Of four points and fewer none can be told to be wrong. */
+/* In a view of fewer points --robust cannot tell which are wrong. */
 static void name_not_robust(const calibration *c)
 {
     size_t i, count = 0;

@@ -33,16 +33,16 @@ static const char HELP[] =
     "               uncertainty. paper: the published procedure, without --sigma,\n"
     "               --thorough and --robust.\n"
     "\n"
-    "triangulate measures the points that two cameras or more observed, and prints\n"
+    "triangulate measures the points that two or more cameras observed. It prints\n"
     "CSV.\n"
     "  --targets    gives the points in the target's frame; without it they are in\n"
     "               the first camera's.\n"
     "  --sigma      the noise of one pixel coordinate. Without it, the noise is\n"
     "               estimated.\n"
     "\n"
-    "line tells where in the image of --to the point can be that --from sees at\n"
-    "--pixel, and prints CSV: the line alpha u + beta v + gamma = 0 in pixels without\n"
-    "distortion, and its ends in the image.\n"
+    "line takes a pixel of camera --from and finds the line in the image of camera\n"
+    "--to on which the same point lies. It prints CSV: the line as alpha u + beta v +\n"
+    "gamma = 0 in pixels without distortion, and its ends in the image.\n"
     "  --depth      adds the part between two depths along the axis of --from.\n"
     "\n"
     "examples/data/FORMAT.md describes the files, and how to make them from those of\n"
@@ -160,7 +160,8 @@ static CLI_NORETURN void refuse_option(const command *chosen, char *argv[])
     WRONG_USE("%s has no option %s", chosen->name, argv[optind - 1]);
 }
 
-/* One option, as getopt_long gives it; 0: it is one that ends all. */
+/* One option, as getopt_long gives it. Returns 0 for --help and --version, which need
+ * nothing more. */
 static int take_option(const char *option[OPTION_COUNT], const command *chosen,
                        int given, char *argv[])
 {
@@ -183,7 +184,7 @@ static int take_option(const char *option[OPTION_COUNT], const command *chosen,
     return 1;
 }
 
-/* 0: only help or the version was wanted. */
+/* Returns 0 if only help or the version was wanted. */
 static int parse(const char *option[OPTION_COUNT], const command *chosen,
                  int argc, char *argv[])
 {

@@ -18,6 +18,7 @@ enum {
     OPTION_PIXEL,
     OPTION_DEPTH,
     OPTION_METHOD,
+    OPTION_THOROUGH,
     OPTION_ROBUST,
     OPTION_THRESHOLD,
     OPTION_SEED,
@@ -43,18 +44,21 @@ void cli_write_transform(FILE *file, const rigcal_transform *transform);
 void cli_numbers(double numbers[], size_t count, const char *option,
                  const char *text);
 
-/* A set of files that appears in a folder as a whole or not at all. */
-enum { CLI_OUTPUT_MAX = 4 };
-typedef struct {
-    const char *folder;
-    int made_folder;
-    size_t count;
-    char *path[CLI_OUTPUT_MAX];
-    char *temporary[CLI_OUTPUT_MAX];
-    FILE *file[CLI_OUTPUT_MAX];
-} cli_output;
+/* A number of pixels from `least` to a million; --sigma: the noise of one pixel
+ * coordinate. */
+double cli_pixels(const char *option, const char *text, double least);
+double cli_sigma(const char *text);
 
-void cli_output_begin(cli_output *output, const char *folder);
+/* Ends the program, with a message that ends with `consequence`, if something that
+ * was printed could not be written. */
+void cli_flush_stdout(const char *consequence);
+
+/* A set of files that appears in a folder as a whole or not at all. The folder,
+ * and those that lead to it, are made. Whatever fails ends the program, and leaves
+ * all as it was. `name` must stay. */
+enum { CLI_OUTPUT_MAX = 5 };
+typedef struct cli_output cli_output;
+cli_output *cli_output_begin(const char *folder);
 FILE *cli_output_file(cli_output *output, const char *name);
 void cli_output_finish(cli_output *output);
 

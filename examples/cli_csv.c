@@ -1,5 +1,8 @@
 #include "cli_csv.h"
 
+#include "cli_foreign.h"
+#include "cli_input.h"
+
 #include <errno.h>
 #include <float.h>
 #include <math.h>
@@ -29,6 +32,15 @@ void cli_say(const char *format, ...)
     va_start(arguments, format);
     fputs("rigcal: ", stderr);
     complain(format, arguments);
+    va_end(arguments);
+}
+
+void cli_say_part(const char *format, ...)
+{
+    va_list arguments;
+
+    va_start(arguments, format);
+    vfprintf(stderr, format, arguments);
     va_end(arguments);
 }
 
@@ -109,7 +121,7 @@ static char *read_all(const char *path, size_t *length)
     FILE *file = fopen(path, "rb");
 
     if (file == NULL) {
-        cli_fail("%s: %s", path, strerror(errno));
+        cli_fail("cannot read %s: %s", path, strerror(errno));
     }
     *length = fread(text, 1, room, file);
     while (*length == room) {
@@ -120,7 +132,7 @@ static char *read_all(const char *path, size_t *length)
         *length += fread(text + *length, 1, room - *length, file);
     }
     if (ferror(file)) {
-        cli_fail("%s: %s", path, strerror(errno));
+        cli_fail("cannot read %s: %s", path, strerror(errno));
     }
     fclose(file);
     text[*length] = '\0';
@@ -128,7 +140,7 @@ static char *read_all(const char *path, size_t *length)
 }
 
 /* Makes a string of the line from text to stop, without its CR. Control
- * characters are refused: they tell a file that is no text, or UTF-16. */
+ * characters are refused: they tell a file that is no text. */
 static void end_line(const csv_table *table, size_t line, char *text,
                      char *stop)
 {
@@ -140,7 +152,8 @@ static void end_line(const csv_table *table, size_t line, char *text,
     *stop = '\0';
     for (c = text; c < stop; c++) {
         if (((unsigned char)*c < ' ' && *c != '\t') || *c == 0x7f) {
-            fail_line(table, line, "byte %u does not belong in text",
+            fail_line(table, line,
+                      "byte %u does not belong in text: is this a CSV file?",
                       (unsigned)(unsigned char)*c);
         }
     }
@@ -195,8 +208,11 @@ static void check_fields(const csv_table *table, size_t line, const char *text)
     const size_t count = 1 + count_of(',', text, text + strlen(text));
 
     if (count != table->n_columns) {
-        fail_line(table, line, "%lu fields where the header has %lu",
-                  (unsigned long)count, (unsigned long)table->n_columns);
+        fail_line(table, line,
+                  "%lu field%s where the header has %lu: look for a comma too few "
+                  "or too many, or a decimal comma",
+                  (unsigned long)count, count == 1 ? "" : "s",
+                  (unsigned long)table->n_columns);
     }
 }
 
@@ -205,13 +221,14 @@ static void cut_table(csv_table *table, char *starts[], size_t n_lines)
     size_t i;
 
     if (n_lines == 0) {
-        fail_line(table, 1, "no header line");
+        fail_line(table, 1, "there is no header line: the file is empty");
     }
     table->header_line = table->lines[0];
     table->n_columns =
         1 + count_of(',', starts[0], starts[0] + strlen(starts[0]));
     if (n_lines == 1) {
-        fail_line(table, table->header_line, "no data after the header line");
+        fail_line(table, table->header_line,
+                  "there are no data lines after the header");
     }
     table->n_rows = n_lines - 1;
     for (i = 1; i < n_lines; i++) {
@@ -224,6 +241,16 @@ static void cut_table(csv_table *table, char *starts[], size_t n_lines)
     cut_fields(table->columns, starts[0]);
     for (i = 0; i < table->n_rows; i++) {
         cut_fields(table->cells + i * table->n_columns, starts[i + 1]);
+    }
+}
+
+static void refuse_foreign(const csv_table *table, const char *text,
+                           size_t length)
+{
+    const char *foreign = cli_foreign(text, length);
+
+    if (foreign != NULL) {
+        fail_line(table, 1, "%s", foreign);
     }
 }
 
@@ -240,6 +267,7 @@ void csv_read(csv_table *table, const char *path)
     if (strncmp(begin, BYTE_ORDER_MARK, 3) == 0) {
         begin += 3;
     }
+    refuse_foreign(table, begin, (size_t)(end - begin));
     n_lines = 1 + count_of('\n', begin, end);
     table->lines = cli_alloc(n_lines, sizeof *table->lines);
     starts = cli_alloc(n_lines, sizeof *starts);
@@ -248,7 +276,7 @@ void csv_read(csv_table *table, const char *path)
 
 /* ==== columns, cells ====================================================== */
 
-size_t csv_optional(const csv_table *table, const char *name)
+static size_t find_column(const csv_table *table, const char *name)
 {
     size_t column, found = CSV_NONE;
 
@@ -258,21 +286,57 @@ size_t csv_optional(const csv_table *table, const char *name)
         }
         if (found != CSV_NONE) {
             fail_line(table, table->header_line,
-                      "column %s is there more than once", name);
+                      "column %s is there more than once: leave one", name);
         }
         found = column;
     }
     return found;
 }
 
+/* A column with nearly this name would be ignored in silence. */
+static void refuse_alike(const csv_table *table, const char *name)
+{
+    size_t column;
+
+    for (column = 0; column < table->n_columns; column++) {
+        if (cli_look_alike(table->columns[column], name)) {
+            fail_line(table, table->header_line,
+                      "column \"%s\" must be spelled %s",
+                      table->columns[column], name);
+        }
+    }
+}
+
+size_t csv_optional(const csv_table *table, const char *name)
+{
+    const size_t column = find_column(table, name);
+
+    if (column == CSV_NONE && table->form != NULL) {
+        refuse_alike(table, name);
+    }
+    return column;
+}
+
 size_t csv_column(const csv_table *table, const char *name)
 {
     const size_t column = csv_optional(table, name);
+    const char *form;
 
-    if (column == CSV_NONE) {
+    if (column != CSV_NONE) {
+        return column;
+    }
+    if (table->form == NULL) {
         fail_line(table, table->header_line, "there is no column %s", name);
     }
-    return column;
+    form = cli_form(table);
+    if (form != NULL && strcmp(form, table->form) != 0) {
+        fail_line(table, table->header_line,
+                  "there is no column %s: this looks like %s, where %s is wanted",
+                  name, form, table->form);
+    }
+    fail_line(table, table->header_line,
+              "there is no column %s: examples/data/FORMAT.md lists those of %s",
+              name, table->form);
 }
 
 static const char *cell(const csv_table *table, size_t row, size_t column)
@@ -280,7 +344,8 @@ static const char *cell(const csv_table *table, size_t row, size_t column)
     const char *text = table->cells[row * table->n_columns + column];
 
     if (*text == '\0') {
-        csv_fail(table, row, "column %s is empty", table->columns[column]);
+        csv_fail(table, row, "column %s is empty: fill it in, or leave the line out",
+                 table->columns[column]);
     }
     return text;
 }
@@ -344,7 +409,7 @@ int32_t csv_whole(const csv_table *table, size_t row, size_t column,
 
     if (!(value >= least && value <= most && floor(value) >= value)) {
         csv_fail(table, row,
-                 "column %s: \"%s\" is no whole number from %ld to %ld",
+                 "column %s: \"%s\" is not a whole number from %ld to %ld",
                  table->columns[column], cell(table, row, column), (long)least,
                  (long)most);
     }
@@ -356,7 +421,8 @@ const char *csv_id(const csv_table *table, size_t row, size_t column)
     const char *text = cell(table, row, column);
 
     if (strpbrk(text, " \t\"") != NULL) {
-        csv_fail(table, row, "column %s: %s has a blank or a quote in it",
+        csv_fail(table, row,
+                 "column %s: a name must have no blanks and no quotes, as [%s] has",
                  table->columns[column], text);
     }
     return text;

@@ -20,8 +20,10 @@
 /* Exit status: done; some of it could not be computed; wrong use or files. */
 enum { CLI_DONE = 0, CLI_GEOMETRY = 1, CLI_USAGE = 2 };
 
-/* "rigcal: " and the message on stderr; cli_fail then exits with CLI_USAGE. */
+/* "rigcal: " and the message on stderr, or only a part of a line;
+ * cli_fail then exits with CLI_USAGE. */
 void cli_say(const char *format, ...) CLI_PRINTF(1, 2);
+void cli_say_part(const char *format, ...) CLI_PRINTF(1, 2);
 CLI_NORETURN void cli_fail(const char *format, ...) CLI_PRINTF(1, 2);
 
 /* Zeroed memory for count things; never NULL. It is freed when the program ends,
@@ -34,6 +36,7 @@ const char *cli_number(double *value, const char **problem, const char *text);
 
 typedef struct {
     const char *path;
+    const char *form; /* what it should be, "cameras.csv" and the like; NULL: any */
     char **columns; /* n_columns names */
     char **cells;   /* n_rows x n_columns */
     size_t *lines;  /* line in the file, of each row */

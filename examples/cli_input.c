@@ -4,63 +4,15 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ==== names =============================================================== */
-
-static void names_open(cli_names *names, size_t most)
-{
-    names->n_slots = 2 * most + 1;
-    names->slots = cli_alloc(names->n_slots, sizeof *names->slots);
-    names->name = cli_alloc(most, sizeof *names->name);
-    names->count = 0;
-}
-
-/* Where the name is, or the free slot it belongs in (FNV-1a hash). */
-static size_t slot_of(const cli_names *names, const char *name)
-{
-    uint32_t hash = 2166136261u;
-    size_t slot;
-    const char *c;
-
-    for (c = name; *c != '\0'; c++) {
-        hash = (hash ^ (unsigned char)*c) * 16777619u;
-    }
-    for (slot = hash % names->n_slots; names->slots[slot] != 0;
-         slot = (slot + 1) % names->n_slots) {
-        if (strcmp(names->name[names->slots[slot] - 1], name) == 0) {
-            break;
-        }
-    }
-    return slot;
-}
-
-size_t cli_names_find(const cli_names *names, const char *name)
-{
-    const size_t number = names->slots[slot_of(names, name)];
-
-    return number > 0 ? number - 1 : CLI_UNKNOWN;
-}
-
-/* Number of the name, which is new if it equals the count there was. */
-static size_t names_add(cli_names *names, const char *name)
-{
-    const size_t slot = slot_of(names, name);
-
-    if (names->slots[slot] == 0) {
-        names->name[names->count++] = name;
-        names->slots[slot] = names->count;
-    }
-    return names->slots[slot] - 1;
-}
-
 /* Names that a file may tell once only: row i gets number i. */
 static void names_add_new(cli_names *names, const csv_table *table, size_t row,
                           size_t column)
 {
     const char *name = csv_id(table, row, column);
-    const size_t number = names_add(names, name);
+    const size_t number = cli_names_add(names, name);
 
     if (number != row) {
-        csv_fail(table, row, "%s %s is on line %lu already",
+        csv_fail(table, row, "%s %s is on line %lu already: it takes one line",
                  table->columns[column], name,
                  (unsigned long)table->lines[number]);
     }
@@ -87,7 +39,8 @@ static rigcal_real read_focal(const csv_table *table, size_t row,
     const rigcal_real focal = csv_real(table, row, csv_column(table, name));
 
     if (!(focal > 0)) {
-        csv_fail(table, row, "column %s: the focal length must be positive",
+        csv_fail(table, row, "column %s: the focal length must be positive, in "
+                             "pixels",
                  name);
     }
     return focal;
@@ -126,7 +79,7 @@ static void read_camera(rigcal_camera *camera, const csv_table *table,
         (fabs((double)camera->p1) > 0 || fabs((double)camera->p2) > 0 ||
          fabs((double)camera->k5) > 0 || fabs((double)camera->k6) > 0)) {
         csv_fail(table, row,
-                 "a fisheye has k1 to k4 only: p1, p2, k5, k6 must be 0");
+                 "a fisheye has k1 to k4 only: leave p1, p2, k5 and k6 out or 0");
     }
     status = rigcal_camera_check(camera);
     if (status != RIGCAL_OK) {
@@ -140,13 +93,15 @@ void cli_cameras_read(cli_cameras *cameras, const char *path)
     size_t row, column;
 
     csv_read(table, path);
-    names_open(&cameras->names, table->n_rows);
+    table->form = "cameras.csv";
+    cli_names_open(&cameras->names, table->n_rows);
     cameras->camera = cli_alloc(table->n_rows, sizeof *cameras->camera);
     column = csv_column(table, "camera");
     for (row = 0; row < table->n_rows; row++) {
         names_add_new(&cameras->names, table, row, column);
         read_camera(&cameras->camera[row], table, row);
     }
+    cli_names_tell_alike(&cameras->names, "camera", path);
 }
 
 /* ==== observations ======================================================== */
@@ -187,20 +142,27 @@ static int same_place(const rigcal_real X[3], const rigcal_real Y[3])
            X[2] <= Y[2] && X[2] >= Y[2];
 }
 
-/* What two lines about one point of one frame must not say. */
-static const char *contradiction(const cli_observation *a,
-                                 const cli_observation *b)
+/* What two lines about one point of one frame must not say: "point 7 <what> on line 8
+ * <advice>". */
+typedef struct {
+    const char *what, *advice;
+} contradiction;
+
+static const contradiction TWICE = {
+    "of this camera and frame is", "already: a point that is seen has one line"};
+static const contradiction ELSEWHERE = {
+    "has other coordinates X, Y, Z", ": within a frame a point has one place"};
+
+static const contradiction *find_contradiction(const cli_observation *a,
+                                               const cli_observation *b)
 {
     if (a->frame != b->frame || a->point != b->point) {
         return NULL;
     }
     if (a->camera == b->camera) {
-        return "was observed by this camera in this frame";
+        return &TWICE;
     }
-    if (!same_place(a->seen.X_w, b->seen.X_w)) {
-        return "has other coordinates X, Y, Z";
-    }
-    return NULL;
+    return same_place(a->seen.X_w, b->seen.X_w) ? NULL : &ELSEWHERE;
 }
 
 /* Of all contradictions, the one that the file tells first. */
@@ -208,24 +170,26 @@ static void check_contradictions(const cli_observations *observations)
 {
     const csv_table *table = &observations->table;
     const cli_observation *list = observations->list;
-    const char *problem = NULL;
+    const contradiction *first = NULL;
     size_t i, at = 0, other = 0;
 
     for (i = 1; i < observations->count; i++) {
         const size_t a = list[i - 1].row, b = list[i].row;
         const size_t later = a > b ? a : b;
-        const char *found = contradiction(&list[i - 1], &list[i]);
+        const contradiction *found =
+            find_contradiction(&list[i - 1], &list[i]);
 
-        if (found != NULL && (problem == NULL || later < at)) {
-            problem = found;
+        if (found != NULL && (first == NULL || later < at)) {
+            first = found;
             at = later;
             other = a > b ? b : a;
         }
     }
-    if (problem != NULL) {
-        csv_fail(table, at, "point %s %s on line %lu",
-                 csv_id(table, at, csv_column(table, "point")), problem,
-                 (unsigned long)table->lines[other]);
+    if (first != NULL) {
+        csv_fail(table, at, "point %s %s on line %lu%s%s",
+                 csv_id(table, at, csv_column(table, "point")), first->what,
+                 (unsigned long)table->lines[other],
+                 *first->advice == ':' ? "" : " ", first->advice);
     }
 }
 
@@ -236,10 +200,56 @@ static size_t find_camera(const cli_cameras *cameras, const csv_table *table,
     const size_t camera = cli_names_find(&cameras->names, name);
 
     if (camera == CLI_UNKNOWN) {
-        csv_fail(table, row, "camera %s is not in %s", name,
+        const char *alike = cli_names_alike(&cameras->names, name);
+
+        if (alike != NULL) {
+            csv_fail(table, row,
+                     "camera %s is not in %s, but %s is: spell them alike", name,
+                     cameras->table.path, alike);
+        }
+        csv_fail(table, row,
+                 "camera %s is not in %s: add it there, or correct it here", name,
                  cameras->table.path);
     }
     return camera;
+}
+
+static int is_outside(const cli_observation *o, const cli_cameras *cameras)
+{
+    const rigcal_camera *camera = &cameras->camera[o->camera];
+    const rigcal_real *uv = o->seen.uv;
+
+    return uv[0] < (rigcal_real)-0.5 || uv[1] < (rigcal_real)-0.5 ||
+           uv[0] > (rigcal_real)camera->width - (rigcal_real)0.5 ||
+           uv[1] > (rigcal_real)camera->height - (rigcal_real)0.5;
+}
+
+/* In one line: such pixels are used, but seldom right. */
+static void tell_outside(const cli_observations *observations,
+                         const cli_cameras *cameras)
+{
+    const csv_table *table = &observations->table;
+    const cli_observation *first = NULL;
+    size_t i, count = 0;
+
+    for (i = 0; i < observations->count; i++) {
+        const cli_observation *o = &observations->list[i];
+
+        if (is_outside(o, cameras)) {
+            first = first == NULL || o->row < first->row ? o : first;
+            count++;
+        }
+    }
+    if (first != NULL) {
+        cli_say("%s: %lu pixel%s outside the image, the first on line %lu: "
+                "(%.6g, %.6g) of camera %s, %ld x %ld. Check u, v, width and height",
+                table->path, (unsigned long)count, count == 1 ? " is" : "s are",
+                (unsigned long)table->lines[first->row],
+                (double)first->seen.uv[0], (double)first->seen.uv[1],
+                cameras->names.name[first->camera],
+                (long)cameras->camera[first->camera].width,
+                (long)cameras->camera[first->camera].height);
+    }
 }
 
 static void read_observations(cli_observations *observations,
@@ -259,9 +269,9 @@ static void read_observations(cli_observations *observations,
         cli_observation *o = &observations->list[row];
 
         o->row = row;
-        o->frame = names_add(&observations->frames, csv_id(table, row, frame));
+        o->frame = cli_names_add(&observations->frames, csv_id(table, row, frame));
         o->camera = find_camera(cameras, table, row, camera);
-        o->point = names_add(&observations->points, csv_id(table, row, point));
+        o->point = cli_names_add(&observations->points, csv_id(table, row, point));
         o->seen.X_w[0] = csv_real(table, row, X);
         o->seen.X_w[1] = csv_real(table, row, Y);
         o->seen.X_w[2] = csv_real(table, row, Z);
@@ -276,14 +286,18 @@ void cli_observations_read(cli_observations *observations, const char *path,
     csv_table *table = &observations->table;
 
     csv_read(table, path);
-    names_open(&observations->frames, table->n_rows);
-    names_open(&observations->points, table->n_rows);
+    table->form = "observations.csv";
+    cli_names_open(&observations->frames, table->n_rows);
+    cli_names_open(&observations->points, table->n_rows);
     observations->count = table->n_rows;
     observations->list = cli_alloc(table->n_rows, sizeof *observations->list);
     read_observations(observations, cameras, targets);
     qsort(observations->list, observations->count, sizeof *observations->list,
           by_point);
     check_contradictions(observations);
+    tell_outside(observations, cameras);
+    cli_names_tell_alike(&observations->frames, "frame", path);
+    cli_names_tell_alike(&observations->points, "point", path);
 }
 
 /* ==== transforms ========================================================== */
@@ -327,7 +341,9 @@ static void read_transform(rigcal_transform *transform, const csv_table *table,
     }
     if (!(skewness(R) <= ROUNDING) ||
         rigcal_rotation_nearest(transform->R, M) != RIGCAL_OK) {
-        csv_fail(table, row, "R11 to R33 are not a rotation");
+        csv_fail(table, row,
+                 "R11 to R33 are not a rotation: the rows of a rotation have length 1 "
+                 "and right angles between them, and its determinant is +1");
     }
 }
 
@@ -338,7 +354,8 @@ void cli_transforms_read(cli_transforms *transforms, const char *path,
     size_t row, column;
 
     csv_read(table, path);
-    names_open(&transforms->names, table->n_rows);
+    table->form = strcmp(key, "camera") == 0 ? "rig.csv" : "targets.csv";
+    cli_names_open(&transforms->names, table->n_rows);
     transforms->transform =
         cli_alloc(table->n_rows, sizeof *transforms->transform);
     column = csv_column(table, key);
@@ -349,4 +366,5 @@ void cli_transforms_read(cli_transforms *transforms, const char *path,
         }
         read_transform(&transforms->transform[row], table, row);
     }
+    cli_names_tell_alike(&transforms->names, key, path);
 }

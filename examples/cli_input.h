@@ -14,8 +14,21 @@ typedef struct {
     size_t n_slots;
 } cli_names;
 
+/* Room for so many; number of a name, or CLI_UNKNOWN; number of one that is added if
+ * it is new: it is, if the number equals the count there was. `name` must stay. */
 #define CLI_UNKNOWN ((size_t)-1)
+void cli_names_open(cli_names *names, size_t most);
 size_t cli_names_find(const cli_names *names, const char *name);
+size_t cli_names_add(cli_names *names, const char *name);
+
+/* Names look alike that differ only in case, in zeros before a number, in blanks
+ * that cannot be seen, or as numbers of one value. One of the names that looks like
+ * this one, or NULL; a message for each two of them, kind being "camera" and the
+ * like. */
+int cli_look_alike(const char *a, const char *b);
+const char *cli_names_alike(const cli_names *names, const char *name);
+void cli_names_tell_alike(const cli_names *names, const char *kind,
+                          const char *path);
 
 typedef struct {
     csv_table table; /* holds the text of the names */

@@ -26,10 +26,15 @@ static rig_camera find(const cli_cameras *cameras, const cli_transforms *rig,
     found.name = name;
     found.number = cli_names_find(&cameras->names, name);
     if (found.number == CLI_UNKNOWN) {
-        cli_fail("camera %s is not in %s", name, cameras->table.path);
+        const char *alike = cli_names_alike(&cameras->names, name);
+
+        cli_fail("camera %s is not in %s%s%s", name, cameras->table.path,
+                 alike != NULL ? ", but this one is: " : "",
+                 alike != NULL ? alike : "");
     }
     if (in_rig == CLI_UNKNOWN) {
-        cli_fail("camera %s is not in %s", name, rig->table.path);
+        cli_fail("camera %s is not in %s: it has no place in the rig", name,
+                 rig->table.path);
     }
     found.camera = &cameras->camera[found.number];
     found.cam_from_rig = &rig->transform[in_rig];
@@ -43,7 +48,7 @@ static void find_both(epipolar *e, const cli_cameras *cameras,
     e->a = find(cameras, rig, option[OPTION_FROM]);
     e->b = find(cameras, rig, option[OPTION_TO]);
     if (e->a.number == e->b.number) {
-        cli_fail("--from and --to are the same camera, %s", e->a.name);
+        cli_fail("--from and --to are one camera, %s: a line takes two", e->a.name);
     }
 }
 
@@ -53,18 +58,20 @@ static int failed(epipolar *e, rigcal_status status, const char *what)
     if (status >= 0) {
         return 0;
     }
-    cli_say("%s: %s", what, rigcal_status_text(status));
+    cli_say("cannot compute %s: %s", what, rigcal_status_text(status));
     e->exit_status = CLI_GEOMETRY;
     return 1;
 }
 
-static void check_inside(const rigcal_camera *camera, const double uv[2],
+static void check_inside(const rig_camera *from, const double uv[2],
                          const char *text)
 {
+    const rigcal_camera *camera = from->camera;
+
     if (!(uv[0] >= -0.5 && uv[0] <= camera->width - 0.5 && uv[1] >= -0.5 &&
           uv[1] <= camera->height - 0.5)) {
-        cli_fail("--pixel %s is outside the image of %ld x %ld pixels", text,
-                 (long)camera->width, (long)camera->height);
+        cli_fail("--pixel %s is outside the image of camera %s, %ld x %ld pixels",
+                 text, from->name, (long)camera->width, (long)camera->height);
     }
 }
 
@@ -74,15 +81,15 @@ static int find_ray(epipolar *e, const char *text)
     rigcal_real uv[2];
 
     cli_numbers(pixel, 2, "--pixel", text);
-    check_inside(e->a.camera, pixel, text);
+    check_inside(&e->a, pixel, text);
     uv[0] = (rigcal_real)pixel[0];
     uv[1] = (rigcal_real)pixel[1];
     return !failed(e, rigcal_pixel_to_ray(e->ray_a, e->a.camera, uv),
-                   e->a.name) &&
+                   "the ray of --pixel") &&
            !failed(e,
                    rigcal_relative_pose(&e->b_from_a, e->b.cam_from_rig,
                                         e->a.cam_from_rig),
-                   "rig");
+                   "the transform from camera to camera");
 }
 
 static void print_row(const char *quantity, const rigcal_real numbers[],

@@ -17,7 +17,7 @@ typedef struct {
     int in_targets;
     int exit_status;
     measurement *list;
-    size_t count;
+    size_t count, n_failed;
 
     /* Work: the views of one point. */
     rigcal_camera *camera;
@@ -33,7 +33,7 @@ static void name_unused_cameras(const triangulation *t)
         const char *name = t->cameras.names.name[i];
 
         if (cli_names_find(&t->rig.names, name) == CLI_UNKNOWN) {
-            cli_say("camera %s is not in %s and is not used", name,
+            cli_say("camera %s is not in %s: what it observed is not used", name,
                     t->rig.table.path);
         }
     }
@@ -81,6 +81,24 @@ static size_t gather(triangulation *t, const cli_observation seen[], size_t n)
     return count;
 }
 
+/* The first few; the CSV shows which of the others are missing. */
+static void name_failed(triangulation *t, const measurement *m,
+                        rigcal_status status)
+{
+    enum { NAMED = 5 };
+
+    t->exit_status = CLI_GEOMETRY;
+    if (t->n_failed++ < NAMED) {
+        cli_say("frame %s, point %s cannot be triangulated: %s",
+                t->observations.frames.name[m->frame],
+                t->observations.points.name[m->point],
+                rigcal_status_text(status));
+    }
+    if (t->n_failed == NAMED + 1) {
+        cli_say("more points cannot be triangulated; they are not in the output");
+    }
+}
+
 static void measure(triangulation *t, const cli_observation seen[], size_t n)
 {
     measurement *m = &t->list[t->count];
@@ -95,11 +113,7 @@ static void measure(triangulation *t, const cli_observation seen[], size_t n)
     status = rigcal_triangulate(&m->measured, t->camera, t->cam_from_rig, t->uv,
                                 m->n, 1);
     if (status < 0) {
-        cli_say("frame %s, point %s cannot be triangulated: %s",
-                t->observations.frames.name[m->frame],
-                t->observations.points.name[m->point],
-                rigcal_status_text(status));
-        t->exit_status = CLI_GEOMETRY;
+        name_failed(t, m, status);
         return;
     }
     t->count++;
@@ -136,21 +150,17 @@ static double estimate_sigma(const triangulation *t)
     return freedom > 0 ? sqrt(sum / freedom) : 0;
 }
 
-static double choose_sigma(const triangulation *t, const char *text)
+/* given: 0 if it is not. */
+static double choose_sigma(const triangulation *t, double given)
 {
-    double sigma;
+    const double sigma = given > 0 ? given : estimate_sigma(t);
 
-    if (text == NULL) {
-        sigma = estimate_sigma(t);
-        cli_say("noise of a pixel coordinate, estimated from %lu points: %.4g",
+    if (given > 0) {
+        cli_say("noise of a pixel coordinate, as given: %.4g px", sigma);
+    } else if (t->count > 0) {
+        cli_say("noise of a pixel coordinate, estimated from %lu points: %.4g px",
                 (unsigned long)t->count, sigma);
-        return sigma;
     }
-    cli_numbers(&sigma, 1, "--sigma", text);
-    if (!(sigma > 0)) {
-        cli_fail("--sigma must be positive, not \"%s\"", text);
-    }
-    cli_say("noise of a pixel coordinate, as given: %.4g", sigma);
     return sigma;
 }
 
@@ -211,8 +221,12 @@ static void move_into_targets(triangulation *t)
             continue;
         }
         if (named != m.frame) {
-            cli_say("frame %s has no place in %s; its points are left out",
-                    frame, t->targets.table.path);
+            const char *alike = cli_names_alike(&t->targets.names, frame);
+
+            cli_say("frame %s has no place in %s%s%s; its points are left out",
+                    frame, t->targets.table.path,
+                    alike != NULL ? ", which has frame " : "",
+                    alike != NULL ? alike : "");
             named = m.frame;
         }
         t->exit_status = CLI_GEOMETRY;
@@ -246,16 +260,20 @@ static void print_points(const triangulation *t, double sigma_px)
 int cli_triangulate(const char *const option[OPTION_COUNT])
 {
     triangulation t;
-    double sigma_px;
+    double sigma_px = 0;
 
+    if (option[OPTION_SIGMA] != NULL) {
+        sigma_px = cli_sigma(option[OPTION_SIGMA]);
+    }
     open_triangulation(&t, option);
     measure_all(&t);
     if (t.count == 0) {
-        cli_say("no point could be measured: it takes two cameras of %s",
+        cli_say("no point could be measured: two cameras of %s must observe it in "
+                "one frame",
                 t.rig.table.path);
         t.exit_status = CLI_GEOMETRY;
     }
-    sigma_px = choose_sigma(&t, option[OPTION_SIGMA]);
+    sigma_px = choose_sigma(&t, sigma_px);
     if (t.in_targets) {
         move_into_targets(&t);
     }

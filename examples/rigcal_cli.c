@@ -1,6 +1,6 @@
 /* rigcal - the library from the command line, on the files of data/FORMAT.md. */
-#include <errno.h>
 #include <getopt.h>
+#include <locale.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -10,37 +10,47 @@ static const char HELP[] =
     "rigcal - where each camera of a rig is, from a few points of known shape\n"
     "\n"
     "  rigcal calibrate   --cameras FILE --observations FILE [--out FOLDER]\n"
-    "                     [--method ml|paper]\n"
+    "                     [--sigma PIXELS] [--thorough]\n"
     "                     [--robust [--threshold PIXELS] [--seed NUMBER]]\n"
+    "                     [--method ml|paper]\n"
     "  rigcal triangulate --cameras FILE --rig FILE --observations FILE\n"
     "                     [--targets FILE] [--sigma PIXELS]\n"
     "  rigcal line        --cameras FILE --rig FILE --from CAMERA --to CAMERA\n"
     "                     --pixel U,V [--depth NEAR,FAR]\n"
     "  rigcal --help | --version\n"
     "\n"
-    "calibrate    finds every camera's pose and the rig they form; writes\n"
-    "             poses.csv, rig.csv, targets.csv and pairs.csv to FOLDER.\n"
-    "             --method ml, the default: the maximum-likelihood pose and "
-    "its\n"
-    "             1-sigma; of three points, all poses are found and one is taken\n"
-    "             --method paper: the published procedure for every view\n"
-    "             --robust: points that disagree with the others by more than\n"
-    "             --threshold, 3 if not given, are named and left out\n"
-    "triangulate  measures the points that two cameras or more observed, in "
-    "the\n"
-    "             first camera's frame or with --targets in the target's; "
-    "prints\n"
-    "             CSV. Noise of a pixel coordinate is --sigma or is estimated\n"
-    "line         tells where what --from sees at --pixel can be in the image\n"
-    "             of --to: alpha u + beta v + gamma = 0 in pixels without\n"
-    "             distortion, its ends in the image, and with --depth its "
-    "part\n"
-    "             between two depths along --from's axis; prints CSV\n"
+    "calibrate finds every camera's pose and the rig that they form.\n"
+    "  --out        the folder for poses.csv, rig.csv, targets.csv, pairs.csv\n"
+    "               and residuals.csv. It is made if it does not exist.\n"
+    "  --sigma      the noise of one pixel coordinate. Fits and uncertainties are\n"
+    "               judged by it; without it, by the residuals.\n"
+    "  --thorough   searches four times as many directions: a pose is missed more\n"
+    "               seldom, and the search takes two to four times as long.\n"
+    "  --robust     leaves out points that disagree with the others by more than\n"
+    "               --threshold (4 x --sigma; without --sigma 3 pixels).\n"
+    "               --seed chooses other random samples; 1 if not given.\n"
+    "  --method     ml, the default: the maximum-likelihood pose and its\n"
+    "               uncertainty. paper: the published procedure, without --sigma,\n"
+    "               --thorough and --robust.\n"
     "\n"
-    "The files are described in examples/data/FORMAT.md.\n"
-    "Exit status: 0 done; 1 something could not be computed, and was named, "
-    "the\n"
-    "rest was done; 2 wrong use or a file at fault, nothing was written.\n";
+    "triangulate measures the points that two or more cameras observed. It prints\n"
+    "CSV.\n"
+    "  --targets    gives the points in the target's frame; without it they are in\n"
+    "               the first camera's.\n"
+    "  --sigma      the noise of one pixel coordinate. Without it, the noise is\n"
+    "               estimated.\n"
+    "\n"
+    "line takes a pixel of camera --from and finds the line in the image of camera\n"
+    "--to on which the same point lies. It prints CSV: the line as alpha u + beta v +\n"
+    "gamma = 0 in pixels without distortion, and its ends in the image.\n"
+    "  --depth      adds the part between two depths along the axis of --from.\n"
+    "\n"
+    "examples/data/FORMAT.md describes the files, and how to make them from those of\n"
+    "OpenCV, Kalibr, ROS, COLMAP, MATLAB and others.\n"
+    "\n"
+    "Exit status: 0 all is done. 1 something could not be computed: a message names\n"
+    "it, and the rest is done. 2 wrong use, a file at fault, or output that could not\n"
+    "be written: no file was written.\n";
 
 #define BIT(option) (1u << (option))
 
@@ -52,8 +62,9 @@ typedef struct {
 
 static const command COMMANDS[] = {
     {"calibrate", cli_calibrate, BIT(OPTION_CAMERAS) | BIT(OPTION_OBSERVATIONS),
-     BIT(OPTION_OUT) | BIT(OPTION_METHOD) | BIT(OPTION_ROBUST) |
-         BIT(OPTION_THRESHOLD) | BIT(OPTION_SEED)},
+     BIT(OPTION_OUT) | BIT(OPTION_METHOD) | BIT(OPTION_SIGMA) |
+         BIT(OPTION_THOROUGH) | BIT(OPTION_ROBUST) | BIT(OPTION_THRESHOLD) |
+         BIT(OPTION_SEED)},
     {"triangulate", cli_triangulate,
      BIT(OPTION_CAMERAS) | BIT(OPTION_RIG) | BIT(OPTION_OBSERVATIONS),
      BIT(OPTION_TARGETS) | BIT(OPTION_SIGMA)},
@@ -63,7 +74,7 @@ static const command COMMANDS[] = {
      BIT(OPTION_DEPTH)},
 };
 
-enum { HELP_OPTION = OPTION_COUNT };
+enum { HELP_OPTION = OPTION_COUNT, VERSION_OPTION };
 
 static const struct option OPTIONS[] = {
     {"cameras", required_argument, NULL, OPTION_CAMERAS},
@@ -77,10 +88,12 @@ static const struct option OPTIONS[] = {
     {"pixel", required_argument, NULL, OPTION_PIXEL},
     {"depth", required_argument, NULL, OPTION_DEPTH},
     {"method", required_argument, NULL, OPTION_METHOD},
+    {"thorough", no_argument, NULL, OPTION_THOROUGH},
     {"robust", no_argument, NULL, OPTION_ROBUST},
     {"threshold", required_argument, NULL, OPTION_THRESHOLD},
     {"seed", required_argument, NULL, OPTION_SEED},
     {"help", no_argument, NULL, HELP_OPTION},
+    {"version", no_argument, NULL, VERSION_OPTION},
     {NULL, 0, NULL, 0},
 };
 
@@ -89,7 +102,7 @@ static const struct option OPTIONS[] = {
 
 static CLI_NORETURN void hint(void)
 {
-    cli_fail("see rigcal --help");
+    cli_fail("run rigcal --help for the commands and their options");
 }
 
 void cli_numbers(double numbers[], size_t count, const char *option,
@@ -113,48 +126,86 @@ void cli_numbers(double numbers[], size_t count, const char *option,
     }
 }
 
-static void print_help(void)
+double cli_pixels(const char *option, const char *text, double least)
 {
-    fputs(HELP, stdout);
+    static const double MOST = 1e6;
+    double pixels;
+
+    cli_numbers(&pixels, 1, option, text);
+    if (!(pixels >= least && pixels <= MOST)) {
+        cli_fail("%s is from %g to %g pixels, not \"%s\"", option, least, MOST,
+                 text);
+    }
+    return pixels;
 }
 
-static CLI_NORETURN void refuse_option(char *argv[])
+double cli_sigma(const char *text)
+{
+    return cli_pixels("--sigma", text, 1e-6);
+}
+
+static void print_version(void)
+{
+    const int version = (int)rigcal_version();
+
+    printf("rigcal %d.%d.%d (%s)\n", version / 10000, version / 100 % 100,
+           version % 100, rigcal_sizeof_real() == 8 ? "double" : "float");
+}
+
+static CLI_NORETURN void refuse_option(const command *chosen, char *argv[])
 {
     if (optopt > ' ') {
-        WRONG_USE("-%c: no such option", optopt);
+        WRONG_USE("%s has no option -%c", chosen->name, optopt);
     }
-    WRONG_USE("%s: no such option", argv[optind - 1]);
+    WRONG_USE("%s has no option %s", chosen->name, argv[optind - 1]);
 }
 
-static void parse(const char *option[OPTION_COUNT], const command *chosen,
-                  int argc, char *argv[])
+/* One option, as getopt_long gives it. Returns 0 for --help and --version, which need
+ * nothing more. */
+static int take_option(const char *option[OPTION_COUNT], const command *chosen,
+                       int given, char *argv[])
+{
+    if (given == ':') {
+        WRONG_USE("%s needs a value behind it", argv[optind - 1]);
+    } else if (given == '?') {
+        refuse_option(chosen, argv);
+    } else if (given == HELP_OPTION) {
+        fputs(HELP, stdout);
+        return 0;
+    } else if (given == VERSION_OPTION) {
+        print_version();
+        return 0;
+    } else if (!((chosen->required | chosen->optional) & BIT(given))) {
+        WRONG_USE("%s has no option --%s", chosen->name, OPTIONS[given].name);
+    } else if (option[given] != NULL) {
+        WRONG_USE("--%s is given twice: give it once", OPTIONS[given].name);
+    }
+    option[given] = optarg != NULL ? optarg : "";
+    return 1;
+}
+
+/* Returns 0 if only help or the version was wanted. */
+static int parse(const char *option[OPTION_COUNT], const command *chosen,
+                 int argc, char *argv[])
 {
     int given, i;
 
     opterr = 0;
     while ((given = getopt_long(argc, argv, ":", OPTIONS, NULL)) != -1) {
-        if (given == ':') {
-            WRONG_USE("%s needs a value", argv[optind - 1]);
-        } else if (given == '?') {
-            refuse_option(argv);
-        } else if (given == HELP_OPTION) {
-            print_help();
-            exit(CLI_DONE);
-        } else if (!((chosen->required | chosen->optional) & BIT(given))) {
-            WRONG_USE("%s takes no --%s", chosen->name, OPTIONS[given].name);
-        } else if (option[given] != NULL) {
-            WRONG_USE("--%s is given twice", OPTIONS[given].name);
+        if (!take_option(option, chosen, given, argv)) {
+            return 0;
         }
-        option[given] = optarg != NULL ? optarg : "";
     }
     if (optind < argc) {
-        WRONG_USE("%s: %s takes options only", argv[optind], chosen->name);
+        WRONG_USE("%s takes options only, not \"%s\"", chosen->name,
+                  argv[optind]);
     }
     for (i = 0; i < OPTION_COUNT; i++) {
         if ((chosen->required & BIT(i)) && option[i] == NULL) {
             WRONG_USE("%s needs --%s", chosen->name, OPTIONS[i].name);
         }
     }
+    return 1;
 }
 
 static const command *find_command(const char *name)
@@ -166,15 +217,9 @@ static const command *find_command(const char *name)
             return &COMMANDS[i];
         }
     }
-    WRONG_USE("%s: no such command", name);
-}
-
-static void print_version(void)
-{
-    const int version = (int)rigcal_version();
-
-    printf("rigcal %d.%d.%d (%s)\n", version / 10000, version / 100 % 100,
-           version % 100, rigcal_sizeof_real() == 8 ? "double" : "float");
+    WRONG_USE("there is no command \"%s\": the commands are calibrate, "
+              "triangulate and line",
+              name);
 }
 
 static int run(int argc, char *argv[])
@@ -183,10 +228,10 @@ static int run(int argc, char *argv[])
     const command *chosen;
 
     if (argc < 2) {
-        WRONG_USE("which command?");
+        WRONG_USE("give a command: calibrate, triangulate or line");
     }
     if (strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "-h") == 0) {
-        print_help();
+        fputs(HELP, stdout);
         return CLI_DONE;
     }
     if (strcmp(argv[1], "--version") == 0) {
@@ -194,20 +239,22 @@ static int run(int argc, char *argv[])
         return CLI_DONE;
     }
     chosen = find_command(argv[1]);
-    parse(option, chosen, argc - 1, argv + 1);
-    return chosen->run(option);
+    return parse(option, chosen, argc - 1, argv + 1) ? chosen->run(option)
+                                                     : CLI_DONE;
 }
 
 int main(int argc, char *argv[])
 {
     int status;
 
+    if (setlocale(LC_CTYPE, "C.UTF-8") == NULL) { /* for cli_names_alike */
+        setlocale(LC_CTYPE, "");
+    }
     if (rigcal_sizeof_real() != (int32_t)sizeof(rigcal_real)) {
-        cli_fail("built for another rigcal_real than the library");
+        cli_fail("this program and the library differ in rigcal_real: build both "
+                 "with the same RIGCAL_REAL");
     }
     status = run(argc, argv);
-    if (fflush(stdout) != 0 || ferror(stdout)) {
-        cli_fail("standard output: %s", strerror(errno));
-    }
+    cli_flush_stdout("");
     return status;
 }

@@ -1,0 +1,99 @@
+/* cli_calibrate.h - what the parts of rigcal calibrate share: every camera's pose in
+ * every frame (cli_solve.c), the rig that they form (cli_rig.c), what a person
+ * reads of it (cli_report.c), and options and files (cli_calibrate.c). */
+#ifndef RIGCAL_CLI_CALIBRATE_H
+#define RIGCAL_CLI_CALIBRATE_H
+
+#include "cli.h"
+
+#define DEGREE 57.295779513082320877
+
+/* What became of a point: --robust left it out; it counts; its pixel has no ray. */
+enum { POINT_DISAGREES = 0, POINT_COUNTS = 1, POINT_UNSEEN = 2 };
+
+/* One camera in one frame. */
+typedef struct {
+    size_t camera, frame; /* numbers of their names */
+    const cli_observation *first;
+    size_t n_seen;
+    uint8_t *agree;       /* of each seen: POINT_; NULL: all count */
+    size_t n_unseen;      /* left out because the lens images no ray there */
+    size_t n;             /* those that count */
+    int by_paper;         /* by the published procedure: one pose, no sigma */
+    rigcal_status status; /* OK or a caveat */
+    rigcal_pose poses[RIGCAL_POSES_MAX]; /* best first */
+    size_t n_poses, taken;
+    int settled;          /* other frames told which one */
+    rigcal_real distance; /* from the camera to the middle of the points */
+    int has_sigma;
+    rigcal_real sigma_deg, sigma_pos; /* of the rotation; of the centre */
+} view;
+
+/* The rig's cameras are those with a view; they are numbered anew for it. */
+typedef struct {
+    cli_cameras cameras;
+    cli_observations observations;
+    int by_paper; /* --method paper */
+    int is_robust;
+    rigcal_pose_options pose; /* of --method ml */
+    rigcal_robust_options robust;
+    int exit_status;
+
+    rigcal_observation *observed; /* work for one view: the points that count */
+    size_t *observed_at;          /* and which of the view's each is */
+    rigcal_sighting *sightings;
+    rigcal_pair *pairs;
+    size_t n_pairs;
+
+    view *views; /* those solved, by camera and frame */
+    size_t n_views;
+
+    size_t *camera; /* of the rig's camera, the number of its name */
+    size_t *first;  /* and its first view; n_rig + 1 of them */
+    size_t n_rig;
+    rigcal_transform *cam_from_rig;
+    int32_t *group;
+    rigcal_view *rig_views; /* as views */
+    rigcal_transform *work;
+    rigcal_real *weight;
+
+    rigcal_transform *rig_from_target; /* by frame */
+    int *placed;
+} calibration;
+
+/* The pose taken, and the best of those not taken, or NULL. */
+const rigcal_pose *view_taken(const view *v);
+const rigcal_pose *view_second(const view *v);
+
+/* Takes one of the view's poses, and measures what follows from it. */
+void view_take(const calibration *c, view *v, size_t pose);
+
+/* Of the view's point k, 0 <= k < n_seen: its name; whether it is left out; whether
+ * --robust left it out;
+ * what is observed less where the pose taken puts it. view_residual returns 0, and
+ * writes zeros, where the camera cannot see it with that pose. */
+typedef struct {
+    rigcal_real duv[2], error_px;
+} residual;
+const char *view_point_name(const calibration *c, const view *v, size_t k);
+int view_leaves_out(const view *v, size_t k);
+int view_disagrees(const view *v, size_t k);
+int view_residual(residual *r, const calibration *c, const view *v, size_t k);
+
+const char *rig_camera_name(const calibration *c, size_t rig_camera);
+
+/* b_from_a of two cameras of the rig, which must be in one group. */
+void rig_relative(rigcal_transform *b_from_a, const calibration *c, size_t a,
+                  size_t b);
+
+/* In this order. All say what they cannot do, and set the exit status. `folder`: of
+ * the files, or NULL. */
+void solve_views(calibration *c);
+void settle_ambiguous_views(calibration *c);
+void name_left_out(const calibration *c, const char *folder);
+void form_rig(calibration *c);
+void print_summary(const calibration *c); /* of a view at least */
+
+double length_of(const rigcal_real x[3]);
+
+#endif

@@ -1,0 +1,155 @@
+/* Names, numbered in order of first appearance; those that look alike. */
+#include "cli_input.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <wchar.h>
+#include <wctype.h>
+
+void cli_names_open(cli_names *names, size_t most)
+{
+    names->n_slots = 2 * most + 1;
+    names->slots = cli_alloc(names->n_slots, sizeof *names->slots);
+    names->name = cli_alloc(most, sizeof *names->name);
+    names->count = 0;
+}
+
+/* Where the name is, or the free slot it belongs in (FNV-1a hash). */
+static size_t slot_of(const cli_names *names, const char *name)
+{
+    uint32_t hash = 2166136261u;
+    size_t slot;
+    const char *c;
+
+    for (c = name; *c != '\0'; c++) {
+        hash = (hash ^ (unsigned char)*c) * 16777619u;
+    }
+    for (slot = hash % names->n_slots; names->slots[slot] != 0;
+         slot = (slot + 1) % names->n_slots) {
+        if (strcmp(names->name[names->slots[slot] - 1], name) == 0) {
+            break;
+        }
+    }
+    return slot;
+}
+
+size_t cli_names_find(const cli_names *names, const char *name)
+{
+    const size_t number = names->slots[slot_of(names, name)];
+
+    return number > 0 ? number - 1 : CLI_UNKNOWN;
+}
+
+size_t cli_names_add(cli_names *names, const char *name)
+{
+    const size_t slot = slot_of(names, name);
+
+    if (names->slots[slot] == 0) {
+        names->name[names->count++] = name;
+        names->slots[slot] = names->count;
+    }
+    return names->slots[slot] - 1;
+}
+
+/* ==== names that look alike =============================================== */
+
+/* Characters that a key leaves out: blanks, also invisible ones, and quotes. */
+static int is_ignored(wint_t c)
+{
+    return iswspace(c) || c == 0xa0 || (c >= 0x200b && c <= 0x200d) ||
+           c == 0x2060 || c == 0xfeff || c == '"' || c == '\'';
+}
+
+/* Bytes that are no UTF-8 count as characters. */
+static wint_t next_character(const char **text, mbstate_t *state)
+{
+    wchar_t c = 0;
+    const size_t length = mbrtowc(&c, *text, strlen(*text), state);
+
+    if (length == (size_t)-1 || length == (size_t)-2 || length == 0) {
+        memset(state, 0, sizeof *state);
+        return (unsigned char)*(*text)++;
+    }
+    *text += length;
+    return (wint_t)c;
+}
+
+/* Whether the name is a number that a double holds exactly. */
+static int is_number(double *value, const char *name)
+{
+    const char *problem, *end = cli_number(value, &problem, name);
+
+    return problem == NULL && *end == '\0' && strlen(name) <= 15;
+}
+
+/* The same for names that look alike: 5, 05 and 5.0; cam1, Cam1 and CAM01. */
+static const char *key_of(const char *name)
+{
+    enum { DIGITS = 9 };
+    char *key = cli_alloc(DIGITS * strlen(name) + 32, 1), *end = key;
+    mbstate_t state;
+    int after_digit = 0;
+    double value;
+
+    if (is_number(&value, name)) {
+        sprintf(key, "%.17g", value + 0);
+        return key;
+    }
+    memset(&state, 0, sizeof state);
+    while (*name != '\0') {
+        const wint_t c = next_character(&name, &state);
+        const int is_leading_zero =
+            c == '0' && !after_digit && *name >= '0' && *name <= '9';
+
+        if (!is_ignored(c) && !is_leading_zero) {
+            end += sprintf(end, "%lx.", (unsigned long)towlower(c));
+            after_digit = c >= '0' && c <= '9';
+        }
+    }
+    return key;
+}
+
+int cli_look_alike(const char *a, const char *b)
+{
+    return strcmp(key_of(a), key_of(b)) == 0;
+}
+
+const char *cli_names_alike(const cli_names *names, const char *name)
+{
+    size_t i;
+
+    for (i = 0; i < names->count; i++) {
+        if (cli_look_alike(names->name[i], name)) {
+            return names->name[i];
+        }
+    }
+    return NULL;
+}
+
+void cli_names_tell_alike(const cli_names *names, const char *kind,
+                          const char *path)
+{
+    enum { TOLD = 3 };
+    size_t *first = cli_alloc(names->count, sizeof *first);
+    size_t i, n_alike = 0;
+    cli_names keys;
+
+    cli_names_open(&keys, names->count);
+    for (i = 0; i < names->count; i++) {
+        const size_t known = keys.count;
+        const size_t number = cli_names_add(&keys, key_of(names->name[i]));
+
+        if (number == known) {
+            first[number] = i;
+        } else if (++n_alike <= TOLD) {
+            cli_say("%s: %ss %s and %s are taken as two different %ss: if they are "
+                    "one, spell them alike",
+                    path, kind, names->name[first[number]], names->name[i], kind);
+        }
+    }
+    if (n_alike > TOLD) {
+        cli_say("%s: so are %lu more pairs of %ss", path,
+                (unsigned long)(n_alike - TOLD), kind);
+    }
+}

@@ -1,0 +1,396 @@
+/* Every camera's pose in every frame, one by one. */
+#include "cli_calibrate.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { ROBUST_LEAST = 5 }; /* points that rigcal_solve_pose_robust takes */
+
+const rigcal_pose *view_taken(const view *v)
+{
+    return &v->poses[v->taken];
+}
+
+/* The best of the poses not taken, or NULL. */
+const rigcal_pose *view_second(const view *v)
+{
+    const size_t other = v->taken == 0 ? 1 : 0;
+
+    return other < v->n_poses ? &v->poses[other] : NULL;
+}
+
+double length_of(const rigcal_real x[3])
+{
+    return sqrt((double)(x[0] * x[0] + x[1] * x[1] + x[2] * x[2]));
+}
+
+const char *view_point_name(const calibration *c, const view *v, size_t k)
+{
+    return c->observations.points.name[v->first[k].point];
+}
+
+int view_leaves_out(const view *v, size_t k)
+{
+    return v->agree != NULL && v->agree[k] != POINT_COUNTS;
+}
+
+int view_disagrees(const view *v, size_t k)
+{
+    return v->agree != NULL && v->agree[k] == POINT_DISAGREES;
+}
+
+int view_residual(residual *r, const calibration *c, const view *v, size_t k)
+{
+    const rigcal_transform *pose = &view_taken(v)->cam_from_world;
+    const rigcal_observation *seen = &v->first[k].seen;
+    rigcal_real X_c[3], uv[2];
+
+    memset(r, 0, sizeof *r);
+    if (rigcal_transform_point(X_c, pose, seen->X_w) < 0 ||
+        rigcal_project(uv, &c->cameras.camera[v->camera], X_c) < 0) {
+        return 0;
+    }
+    r->duv[0] = seen->uv[0] - uv[0];
+    r->duv[1] = seen->uv[1] - uv[1];
+    r->error_px = (rigcal_real)hypot((double)r->duv[0], (double)r->duv[1]);
+    return 1;
+}
+
+static rigcal_real distance_to_points(const rigcal_transform *cam_from_target,
+                                      const rigcal_observation observed[],
+                                      size_t n)
+{
+    rigcal_real middle[3] = {0, 0, 0}, X_c[3] = {0, 0, 0};
+    size_t i;
+    int k;
+
+    for (i = 0; i < n; i++) {
+        for (k = 0; k < 3; k++) {
+            middle[k] += observed[i].X_w[k] / (rigcal_real)n;
+        }
+    }
+    rigcal_transform_point(X_c, cam_from_target, middle);
+    return (rigcal_real)length_of(X_c);
+}
+
+static void gather(const calibration *c, const view *v)
+{
+    size_t i, n = 0;
+
+    for (i = 0; i < v->n_seen; i++) {
+        if (!view_leaves_out(v, i)) {
+            c->observed_at[n] = i;
+            c->observed[n++] = v->first[i].seen;
+        }
+    }
+}
+
+static rigcal_status solve_by_paper(const calibration *c, view *v,
+                                    const rigcal_camera *camera, int32_t *bad)
+{
+    rigcal_paper_pose pose;
+    size_t n_pairs = 0;
+    rigcal_status status, measured;
+
+    status = rigcal_sightings_from_observations(c->sightings, bad, camera,
+                                                c->observed, v->n);
+    if (status >= 0) {
+        status = rigcal_pairs_choose(c->pairs, &n_pairs, c->n_pairs,
+                                     c->sightings, v->n);
+    }
+    if (status >= 0) {
+        status = rigcal_paper_solve(&pose, c->sightings, v->n, c->pairs,
+                                    n_pairs, NULL);
+    }
+    if (status < 0) {
+        return status;
+    }
+    v->n_poses = 1;
+    v->poses[0].cam_from_world = pose.cam_from_world;
+    measured = rigcal_reprojection_rms(&v->poses[0].rms_px, NULL, camera,
+                                       &pose.cam_from_world, c->observed, v->n);
+    return measured < 0 ? measured : status;
+}
+
+/* --robust --thorough: a thorough search with the points that agree. */
+static rigcal_status search_on(const calibration *c, view *v,
+                               const rigcal_camera *camera, rigcal_status status)
+{
+    rigcal_pose poses[RIGCAL_POSES_MAX];
+    size_t n_poses = 0;
+    rigcal_status again;
+
+    gather(c, v);
+    again = rigcal_solve_pose(poses, &n_poses, RIGCAL_POSES_MAX, NULL, camera,
+                              c->observed, NULL, v->n, &c->pose);
+    if (again < 0) {
+        return status;
+    }
+    memcpy(v->poses, poses, sizeof poses);
+    v->n_poses = n_poses;
+    return status == RIGCAL_FEW_AGREE ? status : again;
+}
+
+/* All points count, until they are left out. */
+static void note_points(view *v)
+{
+    if (v->agree == NULL) {
+        v->agree = cli_alloc(v->n_seen, sizeof *v->agree);
+        memset(v->agree, POINT_COUNTS, v->n_seen);
+    }
+}
+
+/* Pixels beyond a lens's turning point say nothing of the pose: such points do not
+ * count. */
+static void leave_out_unseen(const calibration *c, view *v)
+{
+    const rigcal_camera *camera = &c->cameras.camera[v->camera];
+    rigcal_real ray[3];
+    size_t i;
+
+    for (i = 0; i < v->n_seen; i++) {
+        if (rigcal_pixel_to_ray(ray, camera, v->first[i].seen.uv) ==
+            RIGCAL_ERR_NO_RAY) {
+            note_points(v);
+            v->agree[i] = POINT_UNSEEN;
+            v->n--;
+            v->n_unseen++;
+        }
+    }
+}
+
+static void name_unseen(const calibration *c, const view *v)
+{
+    enum { NAMED = 5 };
+    const char *several = v->n_unseen == 1 ? "" : "s";
+    size_t k, named = 0;
+
+    cli_say_part("rigcal: camera %s in frame %s: the lens model images no ray at the "
+                 "pixel%s of %lu of %lu points:",
+                 c->cameras.names.name[v->camera],
+                 c->observations.frames.name[v->frame], several,
+                 (unsigned long)v->n_unseen, (unsigned long)v->n_seen);
+    for (k = 0; k < v->n_seen && named < NAMED; k++) {
+        if (view_leaves_out(v, k)) {
+            cli_say_part("%s %s", named++ > 0 ? "," : "", view_point_name(c, v, k));
+        }
+    }
+    if (v->n_unseen > named) {
+        cli_say_part(" and %lu more", (unsigned long)(v->n_unseen - named));
+    }
+    cli_say_part("; the other points are used. Check the pixel%s, and the "
+                 "distortion coefficients of the camera\n", several);
+}
+
+/* Those that disagree do not count any more. */
+static rigcal_status solve_robustly(const calibration *c, view *v,
+                                    const rigcal_camera *camera, int32_t *bad)
+{
+    uint8_t *agree = cli_alloc(v->n, sizeof *agree);
+    size_t n_agree, i;
+    const rigcal_status status = rigcal_solve_pose_robust(
+        v->poses, &v->n_poses, agree, &n_agree, RIGCAL_POSES_MAX, bad, camera,
+        c->observed, NULL, v->n, &c->robust);
+
+    if (status < 0) {
+        return status;
+    }
+    note_points(v);
+    for (i = 0; i < v->n; i++) {
+        v->agree[c->observed_at[i]] = agree[i] ? POINT_COUNTS : POINT_DISAGREES;
+    }
+    v->n = n_agree;
+    return c->pose.thorough ? search_on(c, v, camera, status) : status;
+}
+
+void view_take(const calibration *c, view *v, size_t pose)
+{
+    const rigcal_transform *cam_from_target = &v->poses[pose].cam_from_world;
+    rigcal_pose_uncertainty u;
+
+    v->taken = pose;
+    gather(c, v);
+    v->distance = distance_to_points(cam_from_target, c->observed, v->n);
+    v->has_sigma =
+        !v->by_paper &&
+        rigcal_pose_covariance(&u, &c->cameras.camera[v->camera],
+                               cam_from_target, c->observed, NULL, v->n,
+                               c->pose.sigma_px) == RIGCAL_OK;
+    if (v->has_sigma) {
+        v->sigma_deg = (rigcal_real)(DEGREE * length_of(u.rotation));
+        v->sigma_pos = (rigcal_real)length_of(u.center);
+    }
+}
+
+static rigcal_status solve(const calibration *c, view *v, int32_t *bad)
+{
+    const rigcal_camera *camera = &c->cameras.camera[v->camera];
+    rigcal_status status;
+
+    gather(c, v);
+    v->by_paper = c->by_paper;
+    if (v->by_paper) {
+        status = solve_by_paper(c, v, camera, bad);
+    } else if (c->is_robust && v->n >= ROBUST_LEAST) {
+        status = solve_robustly(c, v, camera, bad);
+    } else {
+        status = rigcal_solve_pose(v->poses, &v->n_poses, RIGCAL_POSES_MAX, bad,
+                                   camera, c->observed, NULL, v->n,
+                                   &c->pose);
+    }
+    v->status = status;
+    if (bad != NULL && *bad >= 0) {
+        *bad = (int32_t)c->observed_at[*bad];
+    }
+    if (status >= 0) {
+        view_take(c, v, 0);
+    }
+    return status;
+}
+
+/* A view that failed, or that has a caveat the summary does not tell. */
+static void name_trouble(const calibration *c, const view *v, int32_t bad)
+{
+    const char *camera = c->cameras.names.name[v->camera];
+    const char *frame = c->observations.frames.name[v->frame];
+    const char *text = rigcal_status_text(v->status);
+
+    if (v->status == RIGCAL_ERR_TOO_FEW) {
+        cli_say("camera %s has no pose in frame %s: it sees %lu point%s there, and "
+                "a pose takes 3 at least",
+                camera, frame, (unsigned long)v->n, v->n == 1 ? "" : "s");
+    } else if (v->status < 0 && bad >= 0) {
+        cli_say("camera %s has no pose in frame %s because of point %s: %s", camera,
+                frame, view_point_name(c, v, (size_t)bad), text);
+    } else if (v->status < 0) {
+        cli_say("camera %s has no pose in frame %s: %s", camera, frame, text);
+    } else {
+        cli_say("camera %s in frame %s, %.3g px rms: %s", camera, frame,
+                (double)view_taken(v)->rms_px, text);
+    }
+}
+
+static void name_blamed(const calibration *c, const view *v,
+                        const rigcal_blame *blame)
+{
+    const char *camera = c->cameras.names.name[v->camera];
+    const char *frame = c->observations.frames.name[v->frame];
+    const char *point = view_point_name(c, v, (size_t)blame->point);
+    const char *verdict =
+        blame->verdict == RIGCAL_BLAME_SURE ? "is wrong" : "may be wrong";
+    const char *advice = c->is_robust ? "" : ": correct it, or use --robust";
+
+    if (blame->rms_px >= 0) {
+        cli_say("camera %s in frame %s: point %s %s: without it the others fit to "
+                "%.3g px rms, with it to %.3g px%s",
+                camera, frame, point, verdict, (double)blame->rms_without_px,
+                (double)blame->rms_px, advice);
+    } else {
+        cli_say("camera %s in frame %s: point %s %s: without it there is a pose, "
+                "with %.3g px rms%s",
+                camera, frame, point, verdict, (double)blame->rms_without_px,
+                advice);
+    }
+}
+
+/* What would make a bad fit good, where that can be told. */
+static void name_cause(const calibration *c, const view *v)
+{
+    rigcal_diagnosis d;
+
+    gather(c, v);
+    if (rigcal_diagnose_pose(&d, NULL, &c->cameras.camera[v->camera],
+                             c->observed, NULL, v->n, &c->pose) != RIGCAL_OK) {
+        return;
+    }
+    if (d.verdict == RIGCAL_DIAGNOSIS_MIRRORED) {
+        cli_say("camera %s in frame %s: mirrored, the points fit to %.3g px rms: are "
+                "the target's coordinates left-handed, does v count upwards, or is "
+                "the image mirrored?",
+                c->cameras.names.name[v->camera],
+                c->observations.frames.name[v->frame],
+                (double)(d.rms_mirrored_px >= 0 ? d.rms_mirrored_px
+                                                : d.rms_flipped_px));
+    } else if (d.blame.verdict != RIGCAL_BLAME_NONE) {
+        name_blamed(c, v, &d.blame);
+    }
+}
+
+static void solve_view(calibration *c, const view *v)
+{
+    view *solved = &c->views[c->n_views];
+    int32_t bad = -1;
+    rigcal_status status;
+
+    *solved = *v;
+    leave_out_unseen(c, solved);
+    if (solved->n_unseen > 0) {
+        name_unseen(c, solved);
+        c->exit_status = CLI_GEOMETRY;
+    }
+    status = solve(c, solved, &bad);
+    if (status != RIGCAL_OK && status != RIGCAL_AMBIGUOUS) {
+        name_trouble(c, solved, bad);
+    }
+    if ((status == RIGCAL_POOR_FIT || status == RIGCAL_ERR_NO_POSE) &&
+        solved->n == solved->n_seen - solved->n_unseen) {
+        name_cause(c, solved);
+    }
+    if (status < 0) {
+        c->exit_status = CLI_GEOMETRY;
+    } else {
+        c->n_views++;
+    }
+}
+
+/* In a view of fewer points --robust cannot tell which are wrong. */
+static void name_not_robust(const calibration *c)
+{
+    size_t i, count = 0;
+
+    for (i = 0; i < c->n_views; i++) {
+        count += c->views[i].n_seen < ROBUST_LEAST;
+    }
+    if (c->is_robust && count > 0) {
+        cli_say("--robust takes %d points in a view: in %lu view%s of fewer all "
+                "points count",
+                ROBUST_LEAST, (unsigned long)count, count == 1 ? "" : "s");
+    }
+}
+
+static int same_view(const cli_observation *a, const cli_observation *b)
+{
+    return a->camera == b->camera && a->frame == b->frame;
+}
+
+void solve_views(calibration *c)
+{
+    const cli_observation *list = c->observations.list;
+    const size_t count = c->observations.count;
+    size_t begin, end, n_views = 0;
+
+    for (end = 1; end <= count; end++) {
+        n_views += end == count || !same_view(&list[end - 1], &list[end]);
+    }
+    c->n_pairs = rigcal_pairs_for(count < 3 ? 3 : count);
+    c->pairs = cli_alloc(c->n_pairs, sizeof *c->pairs);
+    c->sightings = cli_alloc(count, sizeof *c->sightings);
+    c->observed = cli_alloc(count, sizeof *c->observed);
+    c->observed_at = cli_alloc(count, sizeof *c->observed_at);
+    c->views = cli_alloc(n_views, sizeof *c->views);
+    for (begin = 0; begin < count; begin = end) {
+        view v;
+
+        memset(&v, 0, sizeof v);
+        v.camera = list[begin].camera;
+        v.frame = list[begin].frame;
+        v.first = list + begin;
+        for (end = begin; end < count && same_view(&list[begin], &list[end]);
+             end++) {
+            v.n++;
+        }
+        v.n_seen = v.n;
+        solve_view(c, &v);
+    }
+    name_not_robust(c);
+}

@@ -633,7 +633,7 @@ typedef struct {
     const uint8_t *mask;
     size_t n;
     int32_t is_mirrored, left_out;
-    rigcal_real pixel, origin[3];
+    rigcal_real pixel, nothing, origin[3];
     rigcal_lens lens;
 } rigcal_fit;
 

@@ -43,6 +43,10 @@ enum { OTHER_WAY = 0, SIDEWAYS, SIDEWAYS_BACK, LEANS };
 #define SIGMA_MIN RC(1e-6)
 #define SIGMA_MAX RC(1e6)
 
+/* Rounding of a pixel, as a part of the image's extent: a sum of squares that falls by its
+ * square falls by nothing. */
+#define ROUNDING (8 * RC_EPS)
+
 /* Three points fit exactly when the sum of their squared errors is below this [px^2]. */
 #define EXACT RC_TOL(1e-11, 1e-5)
 
@@ -1126,6 +1130,8 @@ rigcal_status rc_pose_begin(rigcal_pose_solver *solver, int32_t *bad,
     *solver = (rigcal_pose_solver){0};
     solver->fit = *data;
     rc_fit_begin(&solver->fit, survey.origin);
+    const rigcal_real rounding = ROUNDING * survey.extent_px;
+    solver->fit.nothing = rc_max(solver->fit.nothing, rounding * rounding);
     solver->n = data->n;
     solver->n_used = survey.n_used;
     solver->bad = -1;

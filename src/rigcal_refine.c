@@ -62,6 +62,7 @@ void rc_fit_begin(rigcal_fit *fit, const rigcal_real origin[3])
 {
     rc_vec3_copy(fit->origin, origin);
     fit->pixel = rc_pixel_size(fit->camera);
+    fit->nothing = GAIN_NOTHING * fit->pixel * fit->pixel;
     rc_lens_of(&fit->lens, fit->camera);
 }
 
@@ -430,11 +431,6 @@ static void bend_up(rigcal_refinement *state)
     }
 }
 
-static rigcal_real nothing_of(const rigcal_fit *fit)
-{
-    return GAIN_NOTHING * fit->pixel * fit->pixel;
-}
-
 /* A nearly undamped step is the last when next to nothing is left to gain after
  * it. Were the gains to go on falling as from the step before, by r = gain /
  * last_gain each, that would be gain r / (1 - r); near an optimum they fall ever
@@ -460,7 +456,7 @@ static void try_step(rigcal_refinement *state, const rigcal_fit *fit,
     const rigcal_status status = equations(&sse, state->g, state->H, fit, pose,
                                            state->curvature != LEFT_OUT);
     if (status == RIGCAL_OK &&
-        sse <= state->sse * (1 + SUM_ROUNDING) + nothing_of(fit)) {
+        sse <= state->sse * (1 + SUM_ROUNDING) + fit->nothing) {
         state->sse = sse;
         state->last_gain = gain;
         state->lambda *= RC(0.1);
@@ -526,7 +522,7 @@ static void advance(rigcal_refinement *state, const rigcal_fit *fit)
         return;
     }
     const int is_saddle = state->curvature == SADDLE;
-    if (is_last(state, gain, nothing_of(fit))) {
+    if (is_last(state, gain, fit->nothing)) {
         if (is_saddle) { /* no optimum, and no way down */
             state->status = RIGCAL_BUDGET_SPENT;
             return;

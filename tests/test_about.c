@@ -286,6 +286,7 @@ static const rigcal_layout_entry EXPECTED[] = {
     FIELD(rigcal_fit, is_mirrored),
     FIELD(rigcal_fit, left_out),
     FIELD(rigcal_fit, pixel),
+    FIELD(rigcal_fit, nothing),
     FIELD(rigcal_fit, origin),
     FIELD(rigcal_fit, lens),
     STRUCT(rigcal_view_moments),

@@ -1,0 +1,35 @@
+/* Lens coefficients of 1e308 passed the check of a camera, and overflowed later. */
+#include <math.h>
+#include <string.h>
+
+#include "test_support.h"
+
+void setUp(void)
+{
+}
+
+void tearDown(void)
+{
+}
+
+static void test_the_camera_is_refused(void)
+{
+    for (int k = 0; k < 8; k++) {
+        rigcal_camera camera = test_pinhole();
+        rigcal_real *const coefficient = &camera.k1 + k;
+
+        *coefficient = RC(1e9);
+        ASSERT_STATUS(RIGCAL_OK, rigcal_camera_check(&camera));
+        *coefficient = RC(-1.1e9);
+        ASSERT_STATUS(RIGCAL_ERR_CAMERA, rigcal_camera_check(&camera));
+        *coefficient = RC(TOL(1e308, 1e38));
+        ASSERT_STATUS(RIGCAL_ERR_CAMERA, rigcal_camera_check(&camera));
+    }
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_the_camera_is_refused);
+    return UNITY_END();
+}

@@ -1,0 +1,99 @@
+/* One pixel beyond the lens's turning point lost a whole view of 70 points. */
+#include <math.h>
+#include <string.h>
+
+#include "test_support.h"
+
+void setUp(void)
+{
+}
+
+void tearDown(void)
+{
+}
+
+enum { N = TEST_MANY };
+
+static void test_the_others_give_the_pose(void)
+{
+    static const double T[3] = {0.05, 0.02, 3};
+    test_rng rng = test_seed(4);
+    static rigcal_observation seen[N];
+    rigcal_camera camera = test_pinhole();
+    rigcal_pose poses[RIGCAL_POSES_MAX];
+    rigcal_pose_options options;
+    double R[9], found_R[9], found_t[3];
+
+    camera.k1 = RC(-0.3); /* turns back at 46 degrees, 622 px from the middle */
+    for (int trial = 0; trial < TEST_TRIALS(20); trial++) {
+        const int unseen = (int)test_uniform(&rng, 0, N);
+        int32_t bad = -2;
+        size_t n_found;
+
+        test_random_rotation(R, &rng);
+        for (int i = 0; i < N; i++) {
+            double X[3], X_c[3], uv[2];
+
+            for (int k = 0; k < 3; k++) {
+                X[k] = test_uniform(&rng, -0.5, 0.5);
+            }
+            test_to_real(seen[i].X_w, X, 3);
+            test_to_double(X, seen[i].X_w, 3);
+            test_apply(X_c, R, X, T);
+            test_project_px(uv, &camera, X_c);
+            test_to_real(seen[i].uv, uv, 2);
+        }
+        seen[unseen].uv[0] = RC(1000 + 100 * trial);
+        ASSERT_STATUS(RIGCAL_OK, rigcal_pose_defaults(&options));
+        options.use_start = trial % 2; /* from a previous pose too */
+        options.start = test_transform(R, T);
+        ASSERT_STATUS(RIGCAL_UNSEEN_POINT,
+                      rigcal_solve_pose(poses, &n_found, RIGCAL_POSES_MAX, &bad,
+                                        &camera, seen, NULL, N, &options));
+        TEST_ASSERT_EQUAL_INT32(unseen, bad);
+        test_transform_parts(found_R, found_t, &poses[0].cam_from_world);
+        ASSERT_NEAR(0, test_angle_between(R, found_R), TOL(1e-8, 1e-3));
+        TEST_ASSERT_TRUE(D(poses[0].rms_px) < TOL(1e-6, 1e-2));
+    }
+}
+
+/* A second one is too much, and so is one of three points. */
+static void test_two_are_refused(void)
+{
+    static const double T[3] = {0, 0, 3};
+    test_rng rng = test_seed(5);
+    rigcal_camera camera = test_pinhole();
+    rigcal_observation seen[6];
+    rigcal_pose poses[1];
+    size_t n_found;
+    int32_t bad;
+
+    camera.k1 = RC(-0.3);
+    for (int i = 0; i < 6; i++) {
+        double X[3], X_c[3], uv[2];
+
+        for (int k = 0; k < 3; k++) {
+            X[k] = test_uniform(&rng, -0.5, 0.5);
+            X_c[k] = X[k] + T[k];
+        }
+        test_project_px(uv, &camera, X_c);
+        test_to_real(seen[i].X_w, X, 3);
+        test_to_real(seen[i].uv, uv, 2);
+    }
+    seen[1].uv[0] = RC(1500);
+    ASSERT_STATUS(RIGCAL_ERR_NO_RAY, rigcal_solve_pose(poses, &n_found, 1, &bad, &camera,
+                                                       seen, NULL, 3, NULL));
+    TEST_ASSERT_EQUAL_INT32(1, bad);
+    seen[4].uv[0] = RC(1500);
+    ASSERT_STATUS(RIGCAL_ERR_NO_RAY, rigcal_solve_pose(poses, &n_found, 1, &bad, &camera,
+                                                       seen, NULL, 6, NULL));
+    TEST_ASSERT_EQUAL_INT32(4, bad);
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_the_others_give_the_pose);
+    RUN_TEST(test_two_are_refused);
+    return UNITY_END();
+}

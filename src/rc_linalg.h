@@ -124,4 +124,47 @@ inline void rc_sym3_backward(rigcal_real x[3], const rigcal_real L[6])
     x[0] = (x[0] - L[1] * x[1] - L[2] * x[2]) * L[0];
 }
 
+/* ---- symmetric 6 x 6 matrices, in blocks of three ----------------------------------------
+ *
+ * H[21]: the first block as above, the block across (row by row: a row of the first three,
+ * a column of the last three), and the second block as above. */
+enum { RC_SYM6_ACROSS = 6, RC_SYM6_SECOND = 15 };
+
+/* Cholesky's factor of such a matrix: (first 0; across^T second). */
+typedef struct {
+    rigcal_real first[6], across[3][3], second[6];
+} rc_sym6_factor;
+
+/* L L^T = H + damping D, D = diag(H). Where an element of D is small or negative against the
+ * largest of its block, D has a hundredth of that. 0: not positive definite to rounding. */
+int rc_sym6_factor_of(rc_sym6_factor *L, const rigcal_real H[21], rigcal_real damping);
+
+/* x <- (L L^T)^-1 x */
+void rc_sym6_solve(rigcal_real x[6], const rc_sym6_factor *L);
+
+/* Sigma = H^-1, row by row. 0: H is not positive definite to rounding. */
+int rc_sym6_invert(rigcal_real Sigma[36], const rigcal_real H[21]);
+
+/* ---- symmetric matrices of any size, packed -----------------------------------------------
+ *
+ * The lower triangle row by row: element (i, j), j <= i, is A[i (i + 1) / 2 + j]. */
+inline size_t rc_packed_at(size_t i, size_t j)
+{
+    return i * (i + 1) / 2 + j;
+}
+
+/* Row i of Cholesky's factor in the place of row i of A, the rows above being done; its
+ * diagonal is held as inverses. 0: A is not positive definite to rounding: the pivot is no
+ * more than `least`. O(i^2). */
+int rc_packed_factor_row(rigcal_real A[], size_t i, rigcal_real least);
+
+/* x <- L^-1 x, x <- L^-T x; O(n^2). */
+void rc_packed_forward(rigcal_real x[], const rigcal_real L[], size_t n);
+void rc_packed_backward(rigcal_real x[], const rigcal_real L[], size_t n);
+
+/* Row i of L^-1 in the place of row i of L, the rows above being done; O(i^2). Then row i of
+ * (L L^T)^-1 = L^-T L^-1 in its place, the rows above being done; O(n i). */
+void rc_packed_invert_row(rigcal_real L[], size_t i);
+void rc_packed_square_row(rigcal_real L_inverse[], size_t i, size_t n);
+
 #endif /* RC_LINALG_H */

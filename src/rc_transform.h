@@ -18,7 +18,7 @@ void rc_transform_invert(rigcal_transform *a_from_b,
                          const rigcal_transform *b_from_a);
 void rc_transform_point(rigcal_real X_b[3], const rigcal_transform *b_from_a,
                         const rigcal_real X_a[3]);
-void rc_relative_pose(rigcal_transform *b_from_a,
+void rc_transform_between(rigcal_transform *b_from_a,
                       const rigcal_transform *b_from_world,
                       const rigcal_transform *a_from_world);
 

@@ -102,7 +102,7 @@ void rc_sym3_mul_vec3(rigcal_real out[3], const rigcal_real A[6],
     out[2] = A[2] * v[0] + A[4] * v[1] + A[5] * v[2];
 }
 
-/* Of the root of a pivot, the inverse. */
+/* *inverse = 1 / sqrt(pivot). 0 when pivot <= least. */
 static int invert_root(rigcal_real *inverse, rigcal_real pivot,
                        rigcal_real least)
 {
@@ -129,6 +129,152 @@ int rc_sym3_factor(rigcal_real L[6], const rigcal_real A[6],
                        rank_tol * diagonal[2]);
 }
 
+/* ---- 6 x 6 --------------------------------------------------------------- */
+
+/* Pivots are compared with this part of their element of the diagonal. */
+#define RANK_TOL (8 * RC_EPS)
+
+/* The least element of D, as a part of the largest of its block: where a Newton's H has made
+ * an element small or negative, damping must act all the same. */
+#define D_LEAST RC(1e-2)
+
+/* A + damping D of a block A, D = diag(A) but for D_LEAST. */
+static void damp(rigcal_real damped[6], rigcal_real D[3], const rigcal_real A[6],
+                 rigcal_real damping)
+{
+    static const uint8_t DIAGONAL[3] = {0, 3, 5};
+    const rigcal_real least = D_LEAST * rc_max(A[0], rc_max(A[3], A[5]));
+    for (int k = 0; k < 6; k++) {
+        damped[k] = A[k];
+    }
+    for (int k = 0; k < 3; k++) {
+        D[k] = rc_max(A[DIAGONAL[k]], least);
+        damped[DIAGONAL[k]] += damping * D[k];
+    }
+}
+
+int rc_sym6_factor_of(rc_sym6_factor *L, const rigcal_real H[21], rigcal_real damping)
+{
+    rigcal_real D[3];
+    damp(L->first, D, H, damping);
+    if (!rc_sym3_factor(L->first, L->first, D, RANK_TOL)) {
+        return 0;
+    }
+    damp(L->second, D, &H[RC_SYM6_SECOND], damping);
+    for (int column = 0; column < 3; column++) {
+        const rigcal_real *const across = &H[RC_SYM6_ACROSS + column];
+        rigcal_real x[3] = {across[0], across[3], across[6]};
+        rc_sym3_forward(x, L->first);
+        for (int k = 0; k < 3; k++) {
+            L->across[k][column] = x[k];
+        }
+    }
+    for (int k = 0; k < 3; k++) {
+        rc_sym3_add_outer(L->second, -1, L->across[k]);
+    }
+    return rc_sym3_factor(L->second, L->second, D, RANK_TOL);
+}
+
+void rc_sym6_solve(rigcal_real x[6], const rc_sym6_factor *L)
+{
+    rc_sym3_forward(x, L->first);
+    for (int k = 0; k < 3; k++) {
+        rc_vec3_add_scaled(&x[3], -x[k], L->across[k]);
+    }
+    rc_sym3_forward(&x[3], L->second);
+    rc_sym3_backward(&x[3], L->second);
+    for (int k = 0; k < 3; k++) {
+        x[k] -= rc_vec3_dot(L->across[k], &x[3]);
+    }
+    rc_sym3_backward(x, L->first);
+}
+
+int rc_sym6_invert(rigcal_real Sigma[36], const rigcal_real H[21])
+{
+    rc_sym6_factor L;
+    rigcal_real column[6];
+    if (!rc_sym6_factor_of(&L, H, 0)) {
+        return 0;
+    }
+    for (int j = 0; j < 6; j++) {
+        for (int i = 0; i < 6; i++) {
+            column[i] = (i == j) ? 1 : 0;
+        }
+        rc_sym6_solve(column, &L);
+        for (int i = 0; i < 6; i++) {
+            Sigma[6 * i + j] = column[i];
+        }
+    }
+    return 1;
+}
+
+/* ---- packed -------------------------------------------------------------- */
+
+/* a.b of n elements */
+static rigcal_real dot(const rigcal_real a[], const rigcal_real b[], size_t n)
+{
+    rigcal_real sum = 0;
+    for (size_t k = 0; k < n; k++) {
+        sum += a[k] * b[k];
+    }
+    return sum;
+}
+
+int rc_packed_factor_row(rigcal_real A[], size_t i, rigcal_real least)
+{
+    rigcal_real *const row = &A[rc_packed_at(i, 0)];
+    for (size_t j = 0; j < i; j++) {
+        const rigcal_real *const above = &A[rc_packed_at(j, 0)];
+        row[j] = (row[j] - dot(row, above, j)) * above[j];
+    }
+    return invert_root(&row[i], row[i] - dot(row, row, i), least);
+}
+
+void rc_packed_forward(rigcal_real x[], const rigcal_real L[], size_t n)
+{
+    for (size_t i = 0; i < n; i++) {
+        const rigcal_real *const row = &L[rc_packed_at(i, 0)];
+        x[i] = (x[i] - dot(row, x, i)) * row[i];
+    }
+}
+
+void rc_packed_backward(rigcal_real x[], const rigcal_real L[], size_t n)
+{
+    for (size_t i = n; i-- > 0;) {
+        const rigcal_real *const row = &L[rc_packed_at(i, 0)];
+        x[i] *= row[i];
+        for (size_t k = 0; k < i; k++) {
+            x[k] -= row[k] * x[i];
+        }
+    }
+}
+
+/* Row i of L^-1: M_ij = -(sum over j <= k < i of L_ik M_kj) / L_ii. The sum for j takes the
+ * elements of L from j on, so that those before may be overwritten. */
+void rc_packed_invert_row(rigcal_real L[], size_t i)
+{
+    rigcal_real *const row = &L[rc_packed_at(i, 0)];
+    for (size_t j = 0; j < i; j++) {
+        rigcal_real sum = 0;
+        for (size_t k = j; k < i; k++) {
+            sum += row[k] * L[rc_packed_at(k, j)];
+        }
+        row[j] = -sum * row[i];
+    }
+}
+
+/* Row i of M^T M: sum over k >= max(i, j) of M_ki M_kj; j <= i needs rows from i on only. */
+void rc_packed_square_row(rigcal_real L_inverse[], size_t i, size_t n)
+{
+    for (size_t j = 0; j <= i; j++) {
+        rigcal_real sum = 0;
+        for (size_t k = i; k < n; k++) {
+            sum += L_inverse[rc_packed_at(k, i)] * L_inverse[rc_packed_at(k, j)];
+        }
+        L_inverse[rc_packed_at(i, j)] = sum;
+    }
+}
+
 /* ---- the bodies of inline functions -------------------------------------- */
 
 extern inline rigcal_real rc_max(rigcal_real a, rigcal_real b);
@@ -152,3 +298,4 @@ extern inline void rc_mat3_mul_vec3(rigcal_real out[3], const rigcal_real M[9],
                                     const rigcal_real v[3]);
 extern inline void rc_sym3_forward(rigcal_real x[3], const rigcal_real L[6]);
 extern inline void rc_sym3_backward(rigcal_real x[3], const rigcal_real L[6]);
+extern inline size_t rc_packed_at(size_t i, size_t j);

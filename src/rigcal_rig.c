@@ -241,7 +241,7 @@ static rigcal_status join_camera(rigcal_transform *cam_from_rig, const rig *r,
         if (status != RIGCAL_OK) {
             return status;
         }
-        rc_relative_pose(&r->work[n], &v->cam_from_target, &rig_from_target);
+        rc_transform_between(&r->work[n], &v->cam_from_target, &rig_from_target);
         /* 1 / (1/a + 1/b), written so that nothing overflows. */
         const rigcal_real less = rc_min(v->weight, total);
         r->weight[n++] = less / (1 + less / rc_max(v->weight, total));

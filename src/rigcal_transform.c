@@ -58,7 +58,7 @@ void rc_transform_point(rigcal_real X_b[3], const rigcal_transform *b_from_a,
 }
 
 /* (17), (18):  R_ba = R_bw R_aw^T,  t_ba = t_bw - R_ba t_aw */
-void rc_relative_pose(rigcal_transform *b_from_a,
+void rc_transform_between(rigcal_transform *b_from_a,
                       const rigcal_transform *b_from_world,
                       const rigcal_transform *a_from_world)
 {
@@ -135,13 +135,13 @@ rigcal_status rigcal_camera_center(rigcal_real o_w[3],
     return status;
 }
 
-rigcal_status rigcal_relative_pose(rigcal_transform *b_from_a,
+rigcal_status rigcal_transform_between(rigcal_transform *b_from_a,
                                    const rigcal_transform *b_from_world,
                                    const rigcal_transform *a_from_world)
 {
     const rigcal_status status = check_two(b_from_a, b_from_world, a_from_world);
     if (status == RIGCAL_OK) {
-        rc_relative_pose(b_from_a, b_from_world, a_from_world);
+        rc_transform_between(b_from_a, b_from_world, a_from_world);
     }
     return status;
 }

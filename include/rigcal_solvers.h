@@ -1,0 +1,146 @@
+/* rigcal_solvers.h - what a solver keeps between its steps. Included by rigcal.h.
+ *
+ * A caller needs the sizes of the solvers, and that they are flat and may be copied. Do not
+ * read or write their contents: they may change with every version. */
+#ifndef RIGCAL_SOLVERS_H
+#define RIGCAL_SOLVERS_H
+
+#include "rigcal.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+
+/* ---- the points of a view that count, and from where they count --------------------------- */
+
+typedef struct rigcal_points {
+    rigcal_view view;
+    const uint8_t *mask; /* of each: 0, it does not count; NULL: all do */
+    int32_t left_out;    /* one more that does not count, or -1 */
+    int32_t is_mirrored; /* 1: they are mirrored at the origin */
+    rigcal_real origin[3];
+    rigcal_real pixel_size, negligible; /* see rc_points.h */
+    int32_t is_pinhole;
+} rigcal_points;
+
+/* ---- Nelder-Mead --------------------------------------------------------------------------- */
+
+typedef struct rigcal_vertex {
+    rigcal_real x[3], cost; /* of a simplex: the first k coordinates count */
+} rigcal_vertex;
+
+typedef struct rigcal_neldermead {
+    int32_t k, evals, max_evals;
+    int32_t phase, vertex_next;
+    int32_t status; /* RUNNING, OK or BUDGET_SPENT */
+    rigcal_real xtol, ftol;
+    rigcal_vertex trial;     /* the point asked for */
+    rigcal_vertex reflected; /* kept while an expansion is tried */
+    rigcal_vertex vertex[4]; /* k + 1 of them, best first between iterations */
+} rigcal_neldermead;
+
+/* ---- Levenberg-Marquardt, and the refinement of a pose by it ------------------------------- */
+
+typedef struct rigcal_levenberg {
+    int32_t want, equations, status;
+    rigcal_real sum, last_gain, lambda;
+} rigcal_levenberg;
+
+typedef struct rigcal_refinement {
+    rigcal_levenberg search;
+    int32_t evals, is_approach;
+    rigcal_transform cam_from_points;
+    rigcal_real g[6], H[21];
+} rigcal_refinement;
+
+/* ---- where a search of a pose may start ---------------------------------------------------- */
+
+/* Sums over the points from which the cost of a direction follows (EQUATIONS.md A). */
+typedef struct rigcal_moments {
+    rigcal_real weight, S, u_mean[2], V_mean[2][3], h[3], Q[6], C[6], G[2][6];
+} rigcal_moments;
+
+enum rigcal_seed_limits { RIGCAL_SEEDS_MAX = 3 };
+
+/* The best directions of the lattice, by their numbers. */
+typedef struct rigcal_lattice {
+    int32_t index[RIGCAL_SEEDS_MAX];
+    rigcal_real least_cost, azimuth[2], cost[RIGCAL_SEEDS_MAX];
+    rigcal_moments moments;
+} rigcal_lattice;
+
+/* Three points and their rays; `count`, how many there are, 4 for more. */
+typedef struct rigcal_triple {
+    int32_t index[3], count;
+    rigcal_real ray[3][3];
+} rigcal_triple;
+
+/* A descent under way, near the direction m3. */
+typedef struct rigcal_descent {
+    rigcal_real m3[3];
+    rigcal_neldermead nm;
+} rigcal_descent;
+
+typedef struct rigcal_seeds {
+    int32_t phase, next, n_seeds, n_exact, is_flat, is_plane, is_wide, leans, triples;
+    rigcal_real scale, axis[3], normal[3];
+    union rigcal_seed_sources {
+        rigcal_lattice lattice;
+        rigcal_transform exact[RIGCAL_POSES_MAX];
+    } from;
+} rigcal_seeds;
+
+/* ---- a pose -------------------------------------------------------------------------------- */
+
+/* An optimum: camera from the points' own origin; the third row of its rotation is the cross
+ * product of these two. */
+typedef struct rigcal_optimum {
+    rigcal_real rows[6], t[3], sse;
+} rigcal_optimum;
+
+typedef struct rigcal_optima {
+    int32_t n;
+    rigcal_optimum list[RIGCAL_POSES_MAX]; /* best first */
+} rigcal_optima;
+
+struct rigcal_pose_solver {
+    int32_t phase, failure, at_fault, point, is_warm, is_mirrored, is_vague, is_unfinished;
+    size_t n, n_used;
+    rigcal_real extent_px, sigma_px;
+    rigcal_points points;
+    rigcal_seeds seeds;
+    union rigcal_pose_work {
+        rigcal_triple triple;
+        rigcal_descent descent;
+        rigcal_refinement refinement;
+    } work;
+    rigcal_optima optima;
+};
+
+/* ---- a robust pose ------------------------------------------------------------------------- */
+
+/* The best pose of three points so far, and the rays and poses of one triple. */
+typedef struct rigcal_trial_poses {
+    rigcal_transform best, tried[RIGCAL_POSES_MAX];
+    rigcal_real ray[3][3], cost;
+} rigcal_trial_poses;
+
+struct rigcal_robust_solver {
+    rigcal_view view;
+    uint8_t *inliers;
+    size_t n_agree;
+    union rigcal_robust_work {
+        rigcal_trial_poses trial;
+        rigcal_pose_solver pose;
+    } work;
+    rigcal_real origin[3], sigma_px, threshold_px, missed, area_px2;
+    uint32_t random;
+    int32_t sample[3], samples, tried, is_complete, phase, next, n_poses, rounds, failure;
+};
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif /* RIGCAL_SOLVERS_H */

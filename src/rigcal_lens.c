@@ -1,0 +1,256 @@
+#include "rc_lens.h"
+
+#include <string.h>
+
+/* Steps of a proof, and of a Newton iteration; parts of the way to a pixel that are tried
+ * one after the other. Usual lenses take 3, 6 and 1. */
+enum { WALK_MAX = 1024, NEWTON_MAX = 60, STAGES_MAX = 64 };
+
+/* ---- the map ------------------------------------------------------------- */
+
+enum { N_DEGREE = 4, D_DEGREE = 3, G_DEGREE = 6 };
+
+/* N and D by ascending powers of s. */
+typedef struct {
+    rigcal_real N[N_DEGREE + 1], D[D_DEGREE + 1];
+} polynomials;
+
+int rc_lens_is_fisheye(const rigcal_camera *camera)
+{
+    return RIGCAL_WITH_FISHEYE && camera->lens == RIGCAL_LENS_FISHEYE;
+}
+
+int rc_lens_is_pinhole(const rigcal_camera *camera)
+{
+    rigcal_real coefficients[8];
+    memcpy(coefficients, (const char *)camera + offsetof(rigcal_camera, k1),
+           sizeof coefficients);
+    return !rc_lens_is_fisheye(camera) && rc_all_within(coefficients, 8, 0);
+}
+
+static void polynomials_of(polynomials *p, const rigcal_camera *camera)
+{
+    const int is_fisheye = rc_lens_is_fisheye(camera);
+    p->N[0] = p->D[0] = 1;
+    p->N[1] = camera->k1;
+    p->N[2] = camera->k2;
+    p->N[3] = camera->k3;
+    p->N[4] = is_fisheye ? camera->k4 : 0;
+    p->D[1] = is_fisheye ? 0 : camera->k4;
+    p->D[2] = camera->k5;
+    p->D[3] = camera->k6;
+}
+
+/* Value and derivative of a polynomial of ascending powers. */
+static rigcal_real polynomial(rigcal_real *derivative, const rigcal_real c[], int degree,
+                              rigcal_real s)
+{
+    rigcal_real value = c[degree], slope = 0;
+    for (int i = degree - 1; i >= 0; i--) {
+        slope = slope * s + value;
+        value = value * s + c[i];
+    }
+    *derivative = slope;
+    return value;
+}
+
+/* With d = N / D, d' = (N' - d D') / D and p = d' x + 2 g:
+ *   J = (d + 2 g.x) I + p x^T + x p^T */
+int rc_lens_map(rigcal_real F[2], rigcal_real J[3], const rigcal_camera *camera,
+                const rigcal_real x[2])
+{
+    const rigcal_real g[2] = {camera->p2, camera->p1};
+    const rigcal_real s = x[0] * x[0] + x[1] * x[1];
+    polynomials p_of_s;
+    rigcal_real dN, dD;
+    polynomials_of(&p_of_s, camera);
+    const rigcal_real N = polynomial(&dN, p_of_s.N, N_DEGREE, s);
+    const rigcal_real D = polynomial(&dD, p_of_s.D, D_DEGREE, s);
+    if (!(D > 0)) {
+        return 0;
+    }
+    const rigcal_real d = N / D, slope = (dN - d * dD) / D;
+    const rigcal_real scale = d + 2 * (g[0] * x[0] + g[1] * x[1]);
+    const rigcal_real p[2] = {slope * x[0] + 2 * g[0], slope * x[1] + 2 * g[1]};
+
+    F[0] = scale * x[0] + g[0] * s;
+    F[1] = scale * x[1] + g[1] * s;
+    J[0] = scale + 2 * p[0] * x[0];
+    J[1] = p[0] * x[1] + p[1] * x[0];
+    J[2] = scale + 2 * p[1] * x[1];
+    return 1;
+}
+
+static int is_positive_definite(const rigcal_real J[3])
+{
+    return J[0] + J[2] > 0 && J[0] * J[2] - J[1] * J[1] > 0;
+}
+
+/* ---- where it can be used ------------------------------------------------ */
+
+/* Lower and upper bound of a polynomial within `half` of `middle`: the other terms of its
+ * series there take from the first, and add to it, no more than their absolute values.
+ * Their distance from the true range shrinks as half^2. */
+static void polynomial_range(rigcal_real range[2], const rigcal_real c[], int degree,
+                             rigcal_real middle, rigcal_real half)
+{
+    rigcal_real b[G_DEGREE + 1], power = half, reach = 0;
+    memcpy(b, c, (size_t)(degree + 1) * sizeof *b);
+    for (int i = 0; i <= degree; i++) { /* powers of s - middle: b[i] is done */
+        for (int j = degree - 1; j >= i; j--) {
+            b[j] += middle * b[j + 1];
+        }
+        if (i > 0) {
+            reach += power * RC_FABS(b[i]);
+            power *= half;
+        }
+    }
+    range[0] = b[0] - reach;
+    range[1] = b[0] + reach;
+}
+
+/* G = (N + 2 s N') D - 2 s N D': d/dr (r N / D) times D^2. */
+static void radial_slope(rigcal_real G[G_DEGREE + 1], const polynomials *p)
+{
+    for (int i = 0; i <= G_DEGREE; i++) {
+        G[i] = 0;
+    }
+    for (int i = 0; i <= N_DEGREE; i++) {
+        for (int j = 0; j <= D_DEGREE && i + j <= G_DEGREE; j++) {
+            G[i + j] += p->N[i] * p->D[j] * (rigcal_real)(1 + 2 * (i - j));
+        }
+    }
+}
+
+/* The least of N / D, of which N is no less than `low`, D > 0 between its bounds. */
+RC_APART static rigcal_real least_quotient(rigcal_real low, const rigcal_real D[2])
+{
+    return low / ((low > 0) ? D[1] : D[0]);
+}
+
+/* A direction e from the axis, r^2 = `end` at its end, where a r and b r are given:
+ * a = g.e, b = g.e', e' normal to e. */
+typedef struct {
+    polynomials p;
+    rigcal_real G[G_DEGREE + 1], ar, br, end;
+} direction;
+
+/* In the basis (e, e') the Jacobian is
+ *
+ *     [ G / D^2 + 6 a r     2 b r   ]
+ *     [     2 b r       N / D + 2 a r]
+ *
+ * It is positive definite on all of r^2 in [from, from + length] when the bounds of G, N
+ * and D there make it so. */
+static int is_usable_between(const direction *e, rigcal_real from, rigcal_real length)
+{
+    const rigcal_real half = length / 2, middle = from + half;
+    rigcal_real slope[2], N[2], D[2];
+    polynomial_range(D, e->p.D, D_DEGREE, middle, half);
+    polynomial_range(slope, e->G, G_DEGREE, middle, half);
+    if (!(D[0] > 0)) {
+        return 0;
+    }
+    if (!(RC_FABS(e->ar) > 0 || RC_FABS(e->br) > 0)) {
+        return slope[0] > 0; /* then N / D > 0 too: r N / D rises from 0 */
+    }
+    polynomial_range(N, e->p.N, N_DEGREE, middle, half);
+    const rigcal_real far = (from + length) / e->end;
+    const rigcal_real ar_low = e->ar * RC_SQRT((e->ar > 0) ? from / e->end : far);
+    const rigcal_real along =
+        least_quotient(least_quotient(slope[0], D), D) + 6 * ar_low;
+    const rigcal_real across = least_quotient(N[0], D) + 2 * ar_low;
+    return along > 0 && across > 0 && along * across > 4 * e->br * e->br * far;
+}
+
+static int is_definite_at(const rigcal_camera *camera, const rigcal_real x[2],
+                          rigcal_real part)
+{
+    const rigcal_real at[2] = {part * x[0], part * x[1]};
+    rigcal_real F[2], J[3];
+    return rc_lens_map(F, J, camera, at) && is_positive_definite(J);
+}
+
+/* Walks from the axis to x in steps that are halved until the bounds decide, or their end
+ * is seen to be beyond a turning point, and doubled after each success. */
+int rc_lens_is_usable(const rigcal_camera *camera, const rigcal_real x[2])
+{
+    direction e;
+    e.end = x[0] * x[0] + x[1] * x[1];
+    if (rc_lens_is_pinhole(camera)) {
+        return rc_is_finite(e.end);
+    }
+    e.ar = camera->p2 * x[0] + camera->p1 * x[1];
+    e.br = camera->p1 * x[0] - camera->p2 * x[1];
+    polynomials_of(&e.p, camera);
+    radial_slope(e.G, &e.p);
+    rigcal_real from = 0, length = e.end;
+    for (int i = 0; i < WALK_MAX && length > RC_EPS * e.end; i++) {
+        if (is_usable_between(&e, from, length)) {
+            from += length;
+            length = rc_min(2 * length, e.end - from);
+        } else if (is_definite_at(camera, x, RC_SQRT((from + length) / e.end))) {
+            length /= 2;
+        } else {
+            return 0;
+        }
+    }
+    return rc_is_finite(e.end) && e.end - from <= 4 * RC_EPS * e.end;
+}
+
+/* ---- its inverse --------------------------------------------------------- */
+
+/* Newton's method for F(x) = target from x, a place where J is positive definite. A step
+ * that leaves such places, or does not bring F nearer, is halved. Ends where no step helps
+ * any more and returns |F(x) - target| there. */
+RC_APART static rigcal_real solve_from(rigcal_real x[2], const rigcal_camera *camera,
+                                       const rigcal_real target[2])
+{
+    rigcal_real F[2], J[3], step[2] = {0, 0}, miss = RC_MAX;
+    rigcal_real at[2] = {x[0], x[1]};
+    for (int i = 0; i < NEWTON_MAX; i++) {
+        rigcal_real gap[2] = {0, 0}, next = RC_MAX;
+        if (rc_lens_map(F, J, camera, at) && is_positive_definite(J)) {
+            gap[0] = target[0] - F[0];
+            gap[1] = target[1] - F[1];
+            next = RC_SQRT(gap[0] * gap[0] + gap[1] * gap[1]);
+        }
+        if (next < miss) {
+            const rigcal_real det = J[0] * J[2] - J[1] * J[1];
+            miss = next;
+            x[0] = at[0];
+            x[1] = at[1];
+            step[0] = (J[2] * gap[0] - J[1] * gap[1]) / det;
+            step[1] = (J[0] * gap[1] - J[1] * gap[0]) / det;
+        } else {
+            step[0] /= 2;
+            step[1] /= 2;
+        }
+        at[0] = x[0] + step[0];
+        at[1] = x[1] + step[1];
+        if (!(RC_FABS(at[0] - x[0]) > 0 || RC_FABS(at[1] - x[1]) > 0)) {
+            break;
+        }
+    }
+    return miss;
+}
+
+/* The answer is followed from the axis in `stages` equal parts of the target: one nearly
+ * always serves; more keep a strongly curved lens from being jumped across. */
+int rc_lens_invert(rigcal_real x[2], const rigcal_camera *camera,
+                   const rigcal_real target[2], rigcal_real tolerance)
+{
+    for (int stages = 1; stages <= STAGES_MAX; stages *= 2) {
+        rigcal_real miss = 0;
+        x[0] = x[1] = 0;
+        for (int i = 1; i <= stages && miss <= tolerance; i++) {
+            const rigcal_real part = (rigcal_real)i / (rigcal_real)stages;
+            const rigcal_real aim[2] = {part * target[0], part * target[1]};
+            miss = solve_from(x, camera, aim);
+        }
+        if (miss <= tolerance && rc_lens_is_usable(camera, x)) {
+            return 1;
+        }
+    }
+    return 0;
+}

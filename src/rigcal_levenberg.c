@@ -1,0 +1,110 @@
+#include "rc_levenberg.h"
+
+/* Damping: the first value; where a step counts as undamped; where the search gives up. */
+#define DAMPING_FIRST RC(1e-5)
+#define DAMPING_NEAR RC(1e-2)
+#define DAMPING_LAST RC(1e8)
+
+/* Damping of a Newton's H that is not positive definite: the first value, and the last one
+ * before it is given up. */
+#define DAMPING_INDEFINITE RC(1e-4)
+#define DAMPING_NEWTON RC(10)
+
+/* How much the damping changes after a step. */
+#define DAMPING_MORE RC(10)
+#define DAMPING_LESS RC(0.1)
+
+/* Rise of the sum, as a part of it, that may be rounding. */
+#define SUM_ROUNDING (16 * RC_EPS)
+
+/* The search ends when the gain that is still to come, or the last one, is below this part
+ * of the sum. What is to come is judged by how fast the gains fall. */
+#define LEFT_LEAST RC_TOL(1e-12, 1e-6)
+#define GAIN_LEAST RC_TOL(1e-13, 1e-6)
+
+/* A step that promised less than this part of the sum, and yet made it rise, met rounding. */
+#define GAIN_ROUNDING RC_TOL(1e-7, 1e-4)
+
+/* Gains that fall no faster than by this factor are those of a valley: Newton's H helps. */
+#define SLOW RC(0.1)
+
+void rc_levenberg_begin(rigcal_levenberg *lm)
+{
+    lm->want = RC_WANT_EQUATIONS;
+    lm->equations = RC_GAUSS_NEWTON;
+    lm->status = RIGCAL_RUNNING;
+    lm->sum = RC_MAX;
+    lm->last_gain = 0;
+    lm->lambda = DAMPING_FIRST;
+}
+
+void rc_levenberg_evaluated(rigcal_levenberg *lm, rigcal_status status, rigcal_real sum)
+{
+    if (status != RIGCAL_OK) {
+        lm->status = status;
+    } else {
+        lm->sum = sum;
+        lm->want = RC_WANT_STEP;
+    }
+}
+
+void rc_levenberg_not_definite(rigcal_levenberg *lm)
+{
+    if (lm->equations == RC_GAUSS_NEWTON) {
+        lm->status = RIGCAL_ERR_DEGENERATE;
+    } else if (lm->lambda > DAMPING_NEWTON) {
+        lm->equations = RC_GAUSS_NEWTON;
+        lm->want = RC_WANT_EQUATIONS;
+    } else {
+        lm->equations = RC_NEWTON_INDEFINITE;
+        lm->lambda = rc_max(DAMPING_MORE * lm->lambda, DAMPING_INDEFINITE);
+    }
+}
+
+/* A nearly undamped step is the last when next to nothing is left to gain after it. Were
+ * the gains to go on falling as from the step before, by r = gain / last_gain each, that
+ * would be gain r / (1 - r). Near an optimum they fall ever faster; in a valley, where r is
+ * near 1, a small gain alone says nothing. */
+static int is_last(const rigcal_levenberg *lm, rigcal_real gain, rigcal_real negligible)
+{
+    return lm->lambda <= DAMPING_NEAR &&
+           (gain <= negligible || gain <= GAIN_LEAST * lm->sum ||
+            gain * gain <= (lm->last_gain - gain) * LEFT_LEAST * lm->sum);
+}
+
+int rc_levenberg_promised(rigcal_levenberg *lm, rigcal_real gain, rigcal_real negligible)
+{
+    const int is_indefinite = lm->equations == RC_NEWTON_INDEFINITE;
+    if (is_last(lm, gain, negligible)) {
+        if (is_indefinite) { /* a saddle is no optimum, and there is no way down */
+            lm->status = RIGCAL_BUDGET_SPENT;
+            return RC_STEP_NONE;
+        }
+        lm->sum = rc_max(0, lm->sum - gain); /* by the quadratic model */
+        lm->status = RIGCAL_OK;
+        return RC_STEP_LAST;
+    }
+    if (is_indefinite || (lm->last_gain > 0 && gain > SLOW * lm->last_gain)) {
+        lm->equations = RC_NEWTON;
+    }
+    return RC_STEP_TRY;
+}
+
+int rc_levenberg_tried(rigcal_levenberg *lm, rigcal_status status, rigcal_real sum,
+                       rigcal_real gain, rigcal_real negligible)
+{
+    if (status == RIGCAL_OK && sum <= lm->sum * (1 + SUM_ROUNDING) + negligible) {
+        lm->sum = sum;
+        lm->last_gain = gain;
+        lm->lambda *= DAMPING_LESS;
+        return 1;
+    }
+    lm->want = RC_WANT_EQUATIONS;
+    lm->equations = RC_NEWTON;
+    lm->last_gain = 0;
+    lm->lambda = rc_max(DAMPING_MORE * lm->lambda, DAMPING_FIRST);
+    if (gain <= GAIN_ROUNDING * lm->sum || lm->lambda > DAMPING_LAST) {
+        lm->status = RIGCAL_OK; /* no step helps any more */
+    }
+    return 0;
+}

@@ -23,6 +23,7 @@ rv32imac      preset rv32imac
 rv32imafc     preset rv32imafc
 mips          preset mips
 mips-double   preset mips-double
+regression    preset_build gcc-double && regressions
 consumers     sh tests/consumers/run.sh build/consumers
 single-file   sh tests/ways/single_file.sh build/single_file
 ways          sh tests/ways/run.sh build/ways
@@ -101,9 +102,33 @@ PYTHON=$(find_python numpy scipy) || {
 export PYTHON
 jobs=$(nproc 2>/dev/null || echo 2)
 
+preset_build() {
+    cmake --preset "$1" && cmake --build --preset "$1" -j "$jobs"
+}
+
 preset() {
-    cmake --preset "$1" && cmake --build --preset "$1" -j "$jobs" &&
-        ctest --preset "$1" -j "$jobs"
+    preset_build "$1" && ctest --preset "$1" -j "$jobs"
+}
+
+# Every tests/regression/*.sh, each with an empty folder of its own.
+regressions() {
+    bad=
+    count=0
+    for script in tests/regression/*.sh; do
+        [ -e "$script" ] || continue
+        name=$(basename "$script" .sh)
+        work=build/regression/$name
+        rm -rf "$work"
+        mkdir -p "$work"
+        echo "== $name"
+        sh "$script" "$work" || bad="$bad $name"
+        count=$((count + 1))
+    done
+    if [ -n "$bad" ]; then
+        echo "regressions:$bad"
+        return 1
+    fi
+    echo "$count scripts"
 }
 
 # What a step's log tells in one phrase: ctest's count, or its last line.

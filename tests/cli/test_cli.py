@@ -30,7 +30,7 @@ MATRIX = [f"R{i}{j}" for i in "123" for j in "123"]
 
 def rigcal(*arguments, **options):
     return subprocess.run([BIN, *arguments], stdout=subprocess.PIPE,
-                          stderr=subprocess.PIPE, text=True, timeout=60,
+                          stderr=subprocess.PIPE, text=True, timeout=3600,
                           **options)
 
 

@@ -25,6 +25,7 @@ sh tests/support/get_unity.sh \
     "${XDG_CACHE_HOME:-${HOME:-/nowhere}/.cache}/rigcal/unity-2.5.1" \
     >/dev/null 2>&1 || true # else CMake clones it
 mkdir -p build
+drop_moved_build "$build"
 if ! { cmake -S . -B "$build" -DCMAKE_C_COMPILER=gcc -DCMAKE_CXX_COMPILER=g++ \
            -DCMAKE_BUILD_TYPE=Release -DCMAKE_C_FLAGS_RELEASE=-O2 \
            -DCMAKE_CXX_FLAGS_RELEASE=-O2 -DRIGCAL_REAL=double \

@@ -13,6 +13,7 @@ install_missing
 
 mkdir -p build/logs
 log=build/logs/example.log
+drop_moved_build build/release
 if ! { cmake --preset release && cmake --build --preset release; } \
         >"$log" 2>&1; then
     tail -n 30 "$log" >&2

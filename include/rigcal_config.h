@@ -12,11 +12,52 @@
 #include RIGCAL_CONFIG_FILE
 #endif
 
+/* ---- options of the compiler ----------------------------------------------
+ *
+ * The library refuses NaN and infinity by comparisons. Its accuracies are those of
+ * operations that each round once, to rigcal_real. The compilation of the library stops
+ * where the compiler tells that an option breaks this:
+ *
+ *   options                                     what breaks           who tells
+ *   -ffast-math, -Ofast, -ffinite-math-only     NaN passes as good    gcc, clang
+ *   MSVC's /fp:fast                             NaN passes as good    MSVC
+ *   -funsafe-math-optimizations,                accuracy              gcc from 12 on
+ *     -fassociative-math, -freciprocal-math,
+ *     -fno-signed-zeros
+ *   FLT_EVAL_METHOD neither 0 nor 16: the x87   accuracy              gcc, clang, MSVC
+ *     unit (-mfpmath=387, plain -m32)
+ *   -fsingle-precision-constant, in double      accuracy              gcc
+ *   -fno-honor-nans, -fno-honor-infinities      NaN passes as good    nobody (clang)
+ *
+ * Where nobody tells, CMake looks for the option in the flags that it is given. A build by
+ * hand has to look itself. port/template/main_template.c checks on the target that NaN is
+ * refused. -fno-math-errno and -fno-trapping-math do no harm.
+ *
+ * Contraction: the compiler makes one fused multiply-add of a product and a sum, where the
+ * processor has that instruction. gcc does so unless -ffp-contract=off or -std=c99 is given,
+ * clang from 14 on unless -ffp-contract=off is, MSVC before 2022 unless /fp:strict is. CMake
+ * switches it off. With contraction these promises fall, and the tests find no other:
+ *
+ *   - The same input gives the same bits on every target with the same libm.
+ *   - A search takes as many evaluations as on other targets. Its upper bounds hold.
+ *   - A search by rigcal_neldermead_*, in float, ends in the same place of a flat valley.
+ *
+ * A program that gcc links with -ffast-math makes the processor take subnormal numbers for
+ * zero. Then lengths whose squares are below 1e-308 / 1e-38 count as zero. */
+
+/* CMake's option has this name. Given to a compiler, it would do nothing. */
+#ifdef RIGCAL_REAL
+#error "RIGCAL_REAL is an option of CMake. A compiler is given RIGCAL_USE_FLOAT=1 for float, or RIGCAL_USE_FLOAT=0 for double."
+#endif
+
 /* 1: rigcal_real is float, for cores whose FPU is single precision or absent.
  * 0: double. The one choice that changes the ABI: library and caller must agree,
  * and rigcal_sizeof_real() tells what the library was built with. */
 #ifndef RIGCAL_USE_FLOAT
 #define RIGCAL_USE_FLOAT 0
+#endif
+#if RIGCAL_USE_FLOAT != 0 && RIGCAL_USE_FLOAT != 1
+#error "RIGCAL_USE_FLOAT must be 1 for float or 0 for double."
 #endif
 
 #if RIGCAL_USE_FLOAT

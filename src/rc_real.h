@@ -8,8 +8,23 @@
 #include "rigcal.h"
 #include RIGCAL_MATH_HEADER
 
-#if defined(__FAST_MATH__)
-#error "rigcal refuses bad input by comparisons that NaN fails: do not build it with -ffast-math"
+/* Options that break the library: include/rigcal_config.h lists them. */
+#if defined(__FAST_MATH__) || defined(_M_FP_FAST) || \
+    (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__)
+#error "The compiler is told that no number is NaN or infinite: -ffast-math, -Ofast, -ffinite-math-only, /fp:fast. rigcal could not refuse such input. Build rigcal without that option."
+#endif
+#if defined(__ASSOCIATIVE_MATH__) || defined(__RECIPROCAL_MATH__) || \
+    defined(__NO_SIGNED_ZEROS__)
+#error "The compiler is told to reorder arithmetic: -funsafe-math-optimizations, -fassociative-math, -freciprocal-math, -fno-signed-zeros. rigcal would not be as accurate as it promises. Build rigcal without that option."
+#endif
+/* 16 concerns half precision alone. */
+#if defined(FLT_EVAL_METHOD) && FLT_EVAL_METHOD != 0 && FLT_EVAL_METHOD != 16
+#error "FLT_EVAL_METHOD is not 0: the compiler may keep more digits than a type has. rigcal needs each operation rounded to its type. On x86 build it with -msse2 -mfpmath=sse."
+#endif
+#if !RIGCAL_USE_FLOAT
+/* Fails with -fsingle-precision-constant, which takes half the digits of every constant.
+ * In float that does no harm. */
+typedef char rc_not_with_fsingle_precision_constant[sizeof 1.0 == sizeof(double) ? 1 : -1];
 #endif
 
 #define RC(x) ((rigcal_real)(x))

@@ -2,80 +2,146 @@
 # Every test and check there is.
 #
 #   sh tests/run.sh            installs what is missing and runs all steps
-#   sh tests/run.sh STEP...    runs only the steps named (first column below)
+#   sh tests/run.sh STEP...    runs only the steps named (first column below), and
+#                              installs only what these need
 #
 # One line a step; the log of each is build/logs/STEP.log.
 
+# The step, what it needs (see want_need), and its command.
 steps='
-gcc-double    preset gcc-double
-gcc-float     preset gcc-float
-clang-double  preset clang-double
-clang-float   preset clang-float
-asan          preset asan
-asan-float    preset asan-float
-shared        preset shared
-cortex-m0     preset cortex-m0
-cortex-m4f    preset cortex-m4f
-cortex-m7     preset cortex-m7
-m7-double     preset cortex-m7-double
-cortex-m33    preset cortex-m33
-rv32imac      preset rv32imac
-rv32imafc     preset rv32imafc
-mips          preset mips
-mips-double   preset mips-double
-consumers     sh tests/consumers/run.sh build/consumers
-single-file   sh tests/ways/single_file.sh build/single_file
-ways          sh tests/ways/run.sh build/ways
-hooks         sh tests/ways/hooks.sh build/hooks
-cli           $PYTHON tests/cli/test_cli.py
-cli-float     RIGCAL_BIN=build/gcc-float/rigcal $PYTHON tests/cli/test_cli.py
-cli-asan      RIGCAL_BIN=build/asan/rigcal $PYTHON tests/cli/test_cli.py
-ffi           sh examples/ffi/run.sh
-firmware      sh examples/firmware/run.sh build/firmware
-paper         $PYTHON tests/checks/check_paper.py
-readme        $PYTHON tests/checks/check_readme.py
-vectors       $PYTHON tests/vectors/make_vectors.py --check
-layers        $PYTHON tests/checks/check_layers.py
-manifests     $PYTHON tests/checks/check_manifests.py
-symbols       $PYTHON tests/checks/check_symbols.py
-callgraph     $PYTHON tests/checks/check_callgraph.py build/callgraph
-header        sh tests/checks/check_header.sh
-cross         sh tests/checks/check_cross.sh
-figures       $PYTHON port/qemu/figures.py
-cppcheck      sh tests/checks/check_cppcheck.sh
-shell         sh tests/checks/check_shell.sh
-words         sh tests/checks/check_words.sh
+gcc-double    gcc,cmake,unity              preset gcc-double
+gcc-float     gcc,cmake,unity              preset gcc-float
+gcc-float-O3  gcc,cmake,unity              preset gcc-float-O3
+clang-double  clang,cmake,unity            preset clang-double
+clang-float   clang,cmake,unity            preset clang-float
+asan          gcc,cmake,unity              preset asan
+asan-float    gcc,cmake,unity              preset asan-float
+shared        gcc,cmake,unity              preset shared-tests
+cortex-m0     arm,cmake,unity              preset cortex-m0
+cortex-m4f    arm,cmake,unity              preset cortex-m4f
+cortex-m7     arm,cmake,unity              preset cortex-m7
+m7-double     arm,cmake,unity              preset cortex-m7-double
+cortex-m33    arm,cmake,unity              preset cortex-m33
+rv32imac      riscv,cmake,unity            preset rv32imac
+rv32imafc     riscv,cmake,unity            preset rv32imafc
+mips          mips,cmake,unity             preset mips
+mips-double   mips,cmake,unity             preset mips-double
+regression    gcc,clang,cmake,unity,rust,numpy
+              preset_build gcc-double && regressions
+consumers     gcc,g++,cmake,pkgconf        sh tests/consumers/run.sh build/consumers
+install       gcc,cmake,make,pkgconf,python
+              $PYTHON tests/checks/check_install.py
+single-file   gcc,g++,clang,cmake,unity,python
+              sh tests/ways/single_file.sh build/single_file
+ways          gcc,g++,cmake,arduino,venv   sh tests/ways/run.sh build/ways
+hooks         gcc,clang,arm,cmake,unity,python
+              sh tests/ways/hooks.sh build/hooks
+cli           gcc,cmake,unity,numpy        cli gcc-double
+cli-float     gcc,cmake,unity,numpy        cli gcc-float
+cli-asan      gcc,cmake,unity,numpy        cli asan
+ffi           gcc,cmake,rust,numpy         preset_build shared && sh examples/ffi/run.sh
+firmware      gcc,arm,unity                sh examples/firmware/run.sh build/firmware
+paper         gcc,cmake,unity,python
+              preset_build gcc-double && $PYTHON tests/checks/check_paper.py
+readme        gcc,python                   $PYTHON tests/checks/check_readme.py
+vectors       numpy,scipy                  $PYTHON tests/vectors/make_vectors.py --check
+layers        python                       $PYTHON tests/checks/check_layers.py
+manifests     python                       $PYTHON tests/checks/check_manifests.py
+symbols       gcc,python                   $PYTHON tests/checks/check_symbols.py
+callgraph     gcc,arm,python
+              $PYTHON tests/checks/check_callgraph.py build/callgraph
+header        gcc,g++,clang                sh tests/checks/check_header.sh
+cross         arm                          sh tests/checks/check_cross.sh
+figures       gcc,arm,riscv,python         $PYTHON port/qemu/figures.py
+cppcheck      cppcheck                     sh tests/checks/check_cppcheck.sh
+shell         nothing                      sh tests/checks/check_shell.sh
+words         nothing                      sh tests/checks/check_words.sh
 '
+
+# What a need is: Debian's packages, each with a command that succeeds when it is there.
+want_need() {
+    case $1 in
+    gcc)
+        want gcc gcc --version
+        want libc6-dev test -e /usr/include/stdio.h
+        ;;
+    g++) want g++ g++ --version ;;
+    clang) want clang clang --version ;;
+    cmake)
+        want cmake cmake --version
+        want ninja-build ninja --version
+        ;;
+    make) want make make --version ;;
+    pkgconf) want pkgconf pkg-config --version ;;
+    unity) want xz-utils xz --version ;; # and see below
+    cppcheck) want cppcheck cppcheck --version ;;
+    rust) want rustc rustc --version ;;
+    arduino) want arduino-builder arduino-builder -version ;;
+    venv) want python3-venv /usr/bin/python3 -c "import ensurepip" ;;
+    arm)
+        want gcc-arm-none-eabi arm-none-eabi-gcc --version
+        want picolibc-arm-none-eabi \
+            arm-none-eabi-gcc --specs=picolibc.specs -E -x c /dev/null
+        want qemu-system-arm qemu-system-arm --version
+        ;;
+    riscv)
+        want gcc-riscv64-unknown-elf riscv64-unknown-elf-gcc --version
+        want picolibc-riscv64-unknown-elf \
+            riscv64-unknown-elf-gcc --specs=picolibc.specs -E -x c /dev/null
+        want qemu-system-misc qemu-system-riscv32 --version
+        ;;
+    mips)
+        want gcc-mips-linux-gnu mips-linux-gnu-gcc --version
+        want libc6-dev-mips-cross test -e /usr/mips-linux-gnu/include/stdio.h
+        want qemu-user qemu-mips --version
+        ;;
+    python) needs_python=yes ;;
+    numpy | scipy)
+        needs_python=yes
+        modules="$modules $1"
+        ;;
+    nothing) ;;
+    *)
+        echo "tests/run.sh: a step needs $1, which is not in want_need." >&2
+        exit 1
+        ;;
+    esac
+}
 
 set -u
 cd "$(dirname "$0")/.." || exit 1
 . tests/support/packages.sh
 
-want gcc gcc --version
-want libc6-dev test -e /usr/include/stdio.h
-want g++ g++ --version
-want clang clang --version
-want cmake cmake --version
-want ninja-build ninja --version
-want xz-utils xz --version
-want pkgconf pkg-config --version
-want cppcheck cppcheck --version
-want rustc rustc --version
-want gcc-arm-none-eabi arm-none-eabi-gcc --version
-want qemu-system-arm qemu-system-arm --version
-want picolibc-arm-none-eabi \
-    arm-none-eabi-gcc --specs=picolibc.specs -E -x c /dev/null
-want gcc-riscv64-unknown-elf riscv64-unknown-elf-gcc --version
-want picolibc-riscv64-unknown-elf \
-    riscv64-unknown-elf-gcc --specs=picolibc.specs -E -x c /dev/null
-want qemu-system-misc qemu-system-riscv32 --version
-want gcc-mips-linux-gnu mips-linux-gnu-gcc --version
-want libc6-dev-mips-cross test -e /usr/mips-linux-gnu/include/stdio.h
-want qemu-user qemu-mips --version
-want arduino-builder arduino-builder -version
-want python3-venv /usr/bin/python3 -c "import ensurepip"
-find_python numpy scipy >/dev/null ||
-    missing="$missing python3 python3-numpy python3-scipy"
+# One line a step.
+steps=$(echo "$steps" | awk '/^[^ ]/ {printf "%s%s", n++ ? "\n" : "", $0}
+                            /^ / {printf "%s", $0}
+                            END {print ""}')
+known=$(echo "$steps" | awk '{print $1}' | tr '\n' ' ')
+for name in "$@"; do
+    case " $known" in
+    *" $name "*) ;;
+    *)
+        echo "There is no step $name. The steps are: $known" >&2
+        exit 1
+        ;;
+    esac
+done
+asked=${*:-$known}
+
+needs_python=
+modules=
+needs=$(echo "$steps" | awk -v asked=" $asked " 'index(asked, " " $1 " ") {print $2}' |
+    tr ',' '\n' | sort -u)
+for need in $needs; do
+    want_need "$need"
+done
+# shellcheck disable=SC2086 -- a list of modules
+if [ -n "$needs_python" ] && ! find_python $modules >/dev/null; then
+    missing="$missing python3"
+    for module in $modules; do
+        missing="$missing python3-$module"
+    done
+fi
 install_missing || exit 1
 
 # A bare chroot has no /proc.
@@ -86,24 +152,60 @@ if [ ! -e /proc/self/maps ]; then
 fi
 
 # Unity comes from Debian's sources; where it cannot, CMake clones upstream's.
-sh tests/support/get_unity.sh \
-    "${XDG_CACHE_HOME:-${HOME:-/nowhere}/.cache}/rigcal/unity-2.5.1" 2>/dev/null
-if [ $? -eq 1 ]; then
-    want git git --version
-    want ca-certificates test -e /etc/ssl/certs/ca-certificates.crt
-    install_missing || exit 1
-fi
+case " $(echo "$needs" | tr '\n' ' ')" in
+*" unity "*)
+    sh tests/support/get_unity.sh \
+        "${XDG_CACHE_HOME:-${HOME:-/nowhere}/.cache}/rigcal/unity-2.5.1" 2>/dev/null
+    if [ $? -eq 1 ]; then
+        want git git --version
+        want ca-certificates test -e /etc/ssl/certs/ca-certificates.crt
+        install_missing || exit 1
+    fi
+    ;;
+esac
 
-PYTHON=$(find_python numpy scipy) || {
-    echo "There is no Python 3 with numpy and scipy." >&2
-    exit 1
-}
-export PYTHON
+if [ -n "$needs_python" ]; then
+    # shellcheck disable=SC2086 -- a list of modules
+    PYTHON=$(find_python $modules) || {
+        echo "There is no Python 3 with these modules:$modules." >&2
+        exit 1
+    }
+    export PYTHON
+fi
 jobs=$(nproc 2>/dev/null || echo 2)
 
+preset_build() {
+    drop_moved_build "build/$1"
+    cmake --preset "$1" && cmake --build --preset "$1" -j "$jobs"
+}
+
 preset() {
-    cmake --preset "$1" && cmake --build --preset "$1" -j "$jobs" &&
-        ctest --preset "$1" -j "$jobs"
+    preset_build "$1" && ctest --preset "$1" -j "$jobs"
+}
+
+cli() {
+    preset_build "$1" && RIGCAL_BIN=build/$1/rigcal $PYTHON tests/cli/test_cli.py
+}
+
+# Every tests/regression/*.sh, each with an empty folder of its own.
+regressions() {
+    bad=
+    count=0
+    for script in tests/regression/*.sh; do
+        [ -e "$script" ] || continue
+        name=$(basename "$script" .sh)
+        work=build/regression/$name
+        rm -rf "$work"
+        mkdir -p "$work"
+        echo "== $name"
+        sh "$script" "$work" || bad="$bad $name"
+        count=$((count + 1))
+    done
+    if [ -n "$bad" ]; then
+        echo "regressions:$bad"
+        return 1
+    fi
+    echo "$count scripts"
 }
 
 # What a step's log tells in one phrase: ctest's count, or its last line.
@@ -119,12 +221,9 @@ summary() {
 mkdir -p build/logs
 passed=0
 failed=
-known=
-while read -r name command; do
-    [ -n "$name" ] || continue
-    known="$known $name"
-    case " $* " in
-    "  " | *" $name "*) ;;
+while read -r name needed command; do
+    case " $asked " in
+    *" $name "*) ;;
     *) continue ;;
     esac
     log=build/logs/$name.log
@@ -140,13 +239,6 @@ while read -r name command; do
 done <<END
 $steps
 END
-
-for name in "$@"; do
-    case "$known " in
-    *" $name "*) ;;
-    *) echo "There is no step $name." >&2; failed="$failed $name" ;;
-    esac
-done
 
 set -- $failed
 if [ $# -eq 0 ]; then

@@ -52,7 +52,7 @@ build() {
 
 # -icount makes QEMU's clock one of instructions, for the timer that sim_port.c reads.
 emulate() {
-    timeout 300 qemu-system-arm -M mps2-an386 -icount shift=10 -display none \
+    timeout 7200 qemu-system-arm -M mps2-an386 -icount shift=10 -display none \
         -monitor none -serial none -chardev stdio,id=sh -semihosting-config \
         enable=on,target=native,chardev=sh,arg=firmware -kernel "$1" </dev/null
 }

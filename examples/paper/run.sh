@@ -20,6 +20,7 @@ PYTHON=$(find_python numpy matplotlib) || {
 
 mkdir -p build/logs
 log=build/logs/paper.log
+drop_moved_build build/release
 if ! { cmake --preset release && cmake --build --preset release; } \
         >"$log" 2>&1; then
     tail -n 30 "$log" >&2

@@ -4,15 +4,18 @@
     python3 port/single_file/amalgamate.py FOLDER
 
 makes FOLDER/rigcal.h, which holds rigcal_config.h too, and FOLDER/rigcal.c: the
-headers and sources of src/ in the order of RIGCAL_LAYERS in CMakeLists.txt. A name
-that a source keeps to itself and another file uses as well is given the layer's
-name as a prefix; the macros of a source end with it.
+headers and sources of src/ in the order of RIGCAL_LAYERS in CMakeLists.txt. Files of
+these names are replaced only if this program made them. A name that a source keeps to
+itself and another file uses as well is given the layer's name as a prefix; the macros
+of a source end with it.
 """
 import pathlib
 import re
 import sys
+import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
+MADE_BY = "Made by port/single_file/amalgamate.py"
 
 TOKENS = re.compile(r'/\*.*?\*/|//[^\n]*|"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\\n])+\'', re.S)
 MACRO = re.compile(r"^[ \t]*#[ \t]*define[ \t]+(\w+)", re.M)
@@ -106,7 +109,7 @@ def head(name, what):
     licence = (ROOT / "LICENSE").read_text().strip()
     licence = "\n".join(" *" + (" " + line if line else "") for line in licence.split("\n"))
     return (f"/* {name} - rigcal {version()}, {what}\n"
-            " *\n * Made by port/single_file/amalgamate.py: change the files it was made of.\n"
+            f" *\n * {MADE_BY}: change the files it was made of.\n"
             f" *\n{licence}\n */\n")
 
 
@@ -149,10 +152,17 @@ def main():
     if len(sys.argv) != 2:
         sys.exit(__doc__)
     folder = pathlib.Path(sys.argv[1])
+    texts = {folder / "rigcal.h": public_header(), folder / "rigcal.c": source()}
+    for path in texts:
+        if path.exists() and MADE_BY not in path.read_text():
+            sys.exit(f"amalgamate: {path} exists and was not made by this program")
     folder.mkdir(parents=True, exist_ok=True)
-    (folder / "rigcal.h").write_text(public_header())
-    text = source()
-    (folder / "rigcal.c").write_text(text)
+    with tempfile.TemporaryDirectory(dir=folder) as work:
+        for path, text in texts.items():
+            pathlib.Path(work, path.name).write_text(text)
+        for path in texts:
+            pathlib.Path(work, path.name).replace(path)
+    text = texts[folder / "rigcal.c"]
     print(f"{folder}/rigcal.h and {folder}/rigcal.c, {text.count(chr(10))} lines, "
           f"rigcal {version()}")
 

@@ -45,17 +45,32 @@ static rigcal_camera camera;
 static rigcal_pose_solver solver;
 static rigcal_pose poses[RIGCAL_POSES_MAX];
 
-static rigcal_status solve(size_t *n_found)
+static void set_camera(void)
 {
-    rigcal_status status;
-
     camera.lens = RIGCAL_LENS_BROWN;
     camera.width = 640;
     camera.height = 480;
     camera.fx = camera.fy = 800;
     camera.cx = 320;
     camera.cy = 240;
-    status = rigcal_pose_begin(&solver, NULL, &camera, SEEN, NULL, POINTS, NULL);
+}
+
+/* Some compiler options break this, and not every compiler tells the library of them:
+ * see include/rigcal_config.h. */
+static int refuses_nan(void)
+{
+    const volatile rigcal_real zero = 0;
+    rigcal_real uv[2] = {0, 0}, ray[3];
+
+    uv[0] = zero / zero;
+    return rigcal_pixel_to_ray(ray, &camera, uv) == RIGCAL_ERR_NOT_FINITE;
+}
+
+static rigcal_status solve(size_t *n_found)
+{
+    rigcal_status status =
+        rigcal_pose_begin(&solver, NULL, &camera, SEEN, NULL, POINTS, NULL);
+
     if (status != RIGCAL_OK) {
         return status;
     }
@@ -79,6 +94,11 @@ int main(void)
         rigcal_version() != RIGCAL_VERSION_MAJOR * 10000 +
                                 RIGCAL_VERSION_MINOR * 100 + RIGCAL_VERSION_PATCH) {
         say("The library was not compiled as this program was.");
+        return 1;
+    }
+    set_camera();
+    if (!refuses_nan()) {
+        say("NaN is taken for a number: the library has a wrong compiler option.");
         return 1;
     }
     status = solve(&n_found);

@@ -24,7 +24,7 @@ emulate() {
         -Wl,--defsym=__ram=0x20000000,--defsym=__ram_size=0x400000 \
         -Wl,--defsym=__stack_size=0x4000 -DRIGCAL_USE_FLOAT=1 -Iinclude "$@" \
         src/*.c tests/bench/bench_hooks.c -lm -o "$build/$name.elf"
-    timeout 120 qemu-system-arm -M mps2-an386 -icount shift=10 -display none \
+    timeout 7200 qemu-system-arm -M mps2-an386 -icount shift=10 -display none \
         -monitor none -serial none -chardev stdio,id=console \
         -semihosting-config enable=on,target=native,chardev=console \
         -kernel "$build/$name.elf" </dev/null >"$build/$name.txt"

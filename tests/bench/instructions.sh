@@ -15,9 +15,12 @@ if ! command -v valgrind >/dev/null; then
     exit 1
 fi
 mkdir -p build
+. tests/support/packages.sh
+drop_moved_build "$build"
 if ! { cmake -S . -B "$build" -DCMAKE_C_COMPILER=gcc \
            -DCMAKE_BUILD_TYPE=Release -DCMAKE_C_FLAGS_RELEASE=-O2 \
-           -DRIGCAL_REAL=double -DRIGCAL_BUILD_EXAMPLES=OFF &&
+           -DRIGCAL_REAL=double -DRIGCAL_BUILD_TESTS=ON \
+           -DRIGCAL_BUILD_EXAMPLES=OFF &&
        cmake --build "$build" --target bench_pose; } \
         >build/instructions.log 2>&1; then
     cat build/instructions.log >&2

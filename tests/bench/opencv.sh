@@ -25,10 +25,12 @@ sh tests/support/get_unity.sh \
     "${XDG_CACHE_HOME:-${HOME:-/nowhere}/.cache}/rigcal/unity-2.5.1" \
     >/dev/null 2>&1 || true # else CMake clones it
 mkdir -p build
+drop_moved_build "$build"
 if ! { cmake -S . -B "$build" -DCMAKE_C_COMPILER=gcc -DCMAKE_CXX_COMPILER=g++ \
            -DCMAKE_BUILD_TYPE=Release -DCMAKE_C_FLAGS_RELEASE=-O2 \
            -DCMAKE_CXX_FLAGS_RELEASE=-O2 -DRIGCAL_REAL=double \
-           -DRIGCAL_BUILD_EXAMPLES=OFF -DRIGCAL_BENCH_OPENCV=ON &&
+           -DRIGCAL_BUILD_TESTS=ON -DRIGCAL_BUILD_EXAMPLES=OFF \
+           -DRIGCAL_BENCH_OPENCV=ON &&
        cmake --build "$build" --target bench_opencv; } \
         >build/opencv.log 2>&1; then
     cat build/opencv.log >&2

@@ -15,8 +15,10 @@ PUBLIC = {"rigcal.h", "rigcal_config.h"}
 SYSTEM = {"stddef.h", "stdint.h", "stdbool.h", "limits.h", "float.h", "string.h"}
 
 # A conditional may ask for these only: our own settings, C++ in a header, and
-# the compiler's mode that breaks comparisons with NaN.
-OWN_MACRO = re.compile(r"RIGCAL_\w+|RC_\w+|defined|__cplusplus|__FAST_MATH__")
+# the compiler's modes that break the library.
+OWN_MACRO = re.compile(r"RIGCAL_\w+|RC_\w+|defined|__cplusplus|__FAST_MATH__|_M_FP_FAST|"
+                       r"__FINITE_MATH_ONLY__|__ASSOCIATIVE_MATH__|__RECIPROCAL_MATH__|"
+                       r"__NO_SIGNED_ZEROS__|FLT_EVAL_METHOD")
 
 
 def layer_order():

@@ -37,7 +37,7 @@ def sound(run):
 
 def rigcal(*arguments, **options):
     return sound(subprocess.run([BIN, *arguments], stdout=subprocess.PIPE,
-                                stderr=subprocess.PIPE, text=True, timeout=60,
+                                stderr=subprocess.PIPE, text=True, timeout=3600,
                                 **options))
 
 

@@ -22,12 +22,14 @@ build() {
     cmake --build "$out/$tree"
 }
 
-# Runs a program of a consumer and compares what it says of rigcal_real.
+# check EXPECTED PROGRAM [OPTION...]: what the program says has EXPECTED in it
 check() {
-    said=$("$1") || { echo "consumers: $1 failed: $said"; exit 1; }
+    expected=$1
+    shift
+    said=$("$@") || { echo "consumers: $* failed: $said"; exit 1; }
     case $said in
-    *"$2"*) count=$((count + 1)) ;;
-    *) echo "consumers: $1 says \"$said\", not \"$2\""; exit 1 ;;
+    *"$expected"*) count=$((count + 1)) ;;
+    *) echo "consumers: $* says \"$said\", not \"$expected\""; exit 1 ;;
     esac
 }
 
@@ -35,42 +37,45 @@ for kind in static-double static-float shared-double shared-float; do
     real=${kind#*-}
     shared=OFF
     static=--static
-    expected="rigcal_real of 8 bytes"
+    size="rigcal_real of 8 bytes"
     if [ "${kind%-*}" = shared ]; then
         shared=ON
         static=
     fi
     if [ "$real" = float ]; then
-        expected="rigcal_real of 4 bytes"
+        size="rigcal_real of 4 bytes"
     fi
     settings="-DBUILD_SHARED_LIBS=$shared -DRIGCAL_REAL=$real"
 
     # Installed, then moved: nothing in the package may know its first place.
     # shellcheck disable=SC2086 -- several settings
-    build "$source" "$kind/library" $settings -DRIGCAL_BUILD_TESTS=OFF \
-        -DRIGCAL_BUILD_EXAMPLES=OFF -DCMAKE_INSTALL_PREFIX="$out/$kind/first"
+    build "$source" "$kind/library" $settings \
+        -DCMAKE_INSTALL_PREFIX="$out/$kind/first"
     cmake --install "$out/$kind/library"
     prefix=$out/$kind/prefix
     mv "$out/$kind/first" "$prefix"
+    check "($real)" "$prefix/bin/rigcal" --version
     libdir=$(dirname "$(dirname "$(find "$prefix" -name rigcal.pc)")")
 
     build tests/consumers/find_package "$kind/find_package" \
         -DCMAKE_PREFIX_PATH="$prefix"
-    check "$out/$kind/find_package/consumer" "$expected"
-    check "$out/$kind/find_package/consumer_cxx" "rigcal from C++"
+    check "$size" "$out/$kind/find_package/consumer"
+    check "rigcal from C++" "$out/$kind/find_package/consumer_cxx"
 
-    # shellcheck disable=SC2086 -- --static or nothing
-    PKG_CONFIG_PATH=$libdir/pkgconfig sh tests/consumers/pkg_config/build.sh \
-        "$out/$kind/pkg_config" $static
     export LD_LIBRARY_PATH="$libdir"
-    check "$out/$kind/pkg_config" "$expected"
+    for options in "" $static; do
+        # shellcheck disable=SC2086 -- --static or nothing
+        PKG_CONFIG_PATH=$libdir/pkgconfig sh tests/consumers/pkg_config/build.sh \
+            "$out/$kind/pkg_config" $options
+        check "$size" "$out/$kind/pkg_config"
+    done
     unset LD_LIBRARY_PATH
 
     for way in add_subdirectory fetch_content; do
         # shellcheck disable=SC2086 -- several settings
         build "tests/consumers/$way" "$kind/$way" $settings \
             -DRIGCAL_SOURCE="$source"
-        check "$out/$kind/$way/consumer" "$expected"
+        check "$size" "$out/$kind/$way/consumer"
     done
 done
 

@@ -1,7 +1,9 @@
-# Sourced by tests/run.sh and examples/run.sh: installs what is missing, by apt.
+# Sourced by tests/run.sh, examples/run.sh and others.
 #
 #   want PACKAGE COMMAND...   PACKAGE is missing unless COMMAND succeeds
-#   install_missing           installs what was wanted and missing, if anything
+#   install_missing           installs by apt what was wanted and missing, if anything
+#   find_python MODULE...     prints a Python 3 that has these modules
+#   drop_moved_build FOLDER   removes what CMake built while it lay in another place
 
 missing=
 
@@ -56,4 +58,15 @@ find_python() {
         return 0
     done
     return 1
+}
+
+# CMake refuses a build folder that was copied or moved together with its sources.
+drop_moved_build() {
+    [ -f "$1/CMakeCache.txt" ] || return 0
+    made_in=$(sed -n 's/^CMAKE_CACHEFILE_DIR:INTERNAL=//p' "$1/CMakeCache.txt")
+    made_of=$(sed -n 's/^CMAKE_HOME_DIRECTORY:INTERNAL=//p' "$1/CMakeCache.txt")
+    if ! [ "$made_in" -ef "$1" ] || ! [ "$made_of" -ef . ]; then
+        echo "$1 was built in another place, $made_in: it is made anew"
+        rm -rf "${1:?}"
+    fi
 }

@@ -88,9 +88,13 @@ def check_layout(library, structs):
 
 
 def must(library, status, what):
+    """Ends the program when a call failed, and prints the caveat of a call that did not:
+    negative statuses are failures, positive ones come with a result that can be used."""
     if status != 0:
-        text = library.rigcal_status_text(status).decode()
-        sys.exit(f"{what}: {text}")
+        text = f"{what}: {library.rigcal_status_text(status).decode()}"
+        if status < 0:
+            sys.exit(text)
+        print(f"caveat: {text}", file=sys.stderr)
 
 
 def rows(path):
@@ -123,7 +127,7 @@ def read_observations(path, names, dtype):
     return views
 
 
-def solve_views(library, structs, cameras, observations):
+def solve_views(library, structs, names, cameras, observations):
     views = np.zeros(len(observations), structs["rigcal_view"])
     placements = {}
     options = np.zeros(1, structs["rigcal_pose_options"])
@@ -135,7 +139,7 @@ def solve_views(library, structs, cameras, observations):
         status = library.rigcal_solve_pose(
             at(poses), at(n_found), POSES_MAX, None, at(cameras[camera:]),
             at(observed), None, n, at(options))
-        must(library, status, f"camera {camera}, frame {frame}")
+        must(library, status, f"camera {names[camera]}, frame {frame}")
         view["cam_from_target"] = poses["cam_from_world"][0]
         view["weight"] = n
         view["camera"] = camera
@@ -151,6 +155,8 @@ def right_from_left(library, structs, views):
     must(library, library.rigcal_rig_join(
         at(rig), at(group), 2, at(views), len(views), at(work), at(weight)),
         "rig")
+    if group[1] != group[0]:
+        sys.exit("the two cameras never saw the target in one place")
     pair = np.zeros(1, structs["rigcal_transform"])
     must(library, library.rigcal_relative_pose(at(pair), at(rig[1:]), at(rig)),
          "pair")
@@ -190,7 +196,7 @@ def main():
     observations = read_observations(
         os.path.join(arguments.data, "observations.csv"), names,
         structs["rigcal_observation"])
-    views = solve_views(library, structs, cameras, observations)
+    views = solve_views(library, structs, names, cameras, observations)
     R, t = right_from_left(library, structs, views)
     print(f"python: {names[1]} from {names[0]}: baseline "
           f"{1000 * np.linalg.norm(t):.2f} mm, angle "

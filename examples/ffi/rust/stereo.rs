@@ -125,10 +125,16 @@ fn fail(message: &str) -> ! {
     exit(1)
 }
 
+/// Ends the program when a call failed, and prints the caveat of a call that did not:
+/// negative statuses are failures, positive ones come with a result that can be used.
 fn must(status: i32, what: &str) {
     if status != 0 {
         let text = unsafe { CStr::from_ptr(rigcal_status_text(status)) };
-        fail(&format!("{}: {}", what, text.to_string_lossy()));
+        let text = format!("{}: {}", what, text.to_string_lossy());
+        if status < 0 {
+            fail(&text);
+        }
+        eprintln!("caveat: {}", text);
     }
 }
 
@@ -302,6 +308,9 @@ fn right_from_left(views: &[rigcal_view]) -> rigcal_transform {
         )
     };
     must(status, "rig");
+    if group[1] != group[0] {
+        fail("the two cameras never saw the target in one place");
+    }
     must(unsafe { rigcal_relative_pose(&mut pair, &rig[1], &rig[0]) }, "pair");
     pair
 }

@@ -1,0 +1,39 @@
+#!/bin/sh
+# A copy of the project that takes an old build/ along works like a fresh one: CMake refuses
+# the old cache, so the scripts make the folder anew. The original is left alone.
+#
+#   sh tests/regression/copied_checkout.sh FOLDER
+set -eu
+out=$(cd "$1" && pwd)
+
+mkdir "$out/first"
+tar -cf - --exclude=./build --exclude=./.git . | tar -xf - -C "$out/first"
+sh "$out/first/examples/run.sh" >"$out/first.txt" 2>&1 || { cat "$out/first.txt"; exit 1; }
+# Kept when it is built again in its place.
+echo kept >"$out/first/build/release/kept"
+sh "$out/first/examples/run.sh" >"$out/first.txt" 2>&1 || { cat "$out/first.txt"; exit 1; }
+[ -e "$out/first/build/release/kept" ] ||
+    { echo "copied_checkout: a build in its own place was thrown away"; exit 1; }
+
+cp -R "$out/first" "$out/second"
+cp "$out/first/build/release/CMakeCache.txt" "$out/before.txt"
+# What the copy builds is its own.
+sed 's/\(RIGCAL_VERSION_PATCH\) [0-9]*$/\1 77/' "$out/first/include/rigcal.h" \
+    >"$out/second/include/rigcal.h"
+for folder in "$out/second" "$out/third"; do
+    [ -d "$folder" ] || mv "$out/second" "$folder" # moved, then
+    if ! sh "$folder/examples/run.sh" >"$out/second.txt" 2>&1; then
+        echo "copied_checkout: examples/run.sh fails in $folder:"
+        cat "$out/second.txt"
+        exit 1
+    fi
+    grep -q "^CMAKE_HOME_DIRECTORY:INTERNAL=$folder$" "$folder/build/release/CMakeCache.txt" ||
+        { echo "copied_checkout: $folder is built of other sources"; exit 1; }
+    version=$("$folder/build/release/rigcal" --version)
+    case $version in
+    *.77*) ;;
+    *) echo "copied_checkout: the copy's program is of \"$version\""; exit 1 ;;
+    esac
+done
+cmp "$out/before.txt" "$out/first/build/release/CMakeCache.txt"
+echo "a copy and a moved copy are built anew, the original as before"

@@ -161,7 +161,7 @@ extern "C" {
 typedef int32_t rigcal_status;
 
 #define RIGCAL_STATUS_VALUE(name, number, text) name = (number),
-enum rigcal_statuses { RIGCAL_STATUSES(RIGCAL_STATUS_VALUE) RIGCAL_STATUS_LAST = 9 };
+enum rigcal_statuses { RIGCAL_STATUSES(RIGCAL_STATUS_VALUE) };
 
 /* MAJOR * 10000 + MINOR * 100 + PATCH of the linked library. */
 RIGCAL_API int32_t rigcal_version(void);

@@ -12,16 +12,20 @@ extern "C" {
 #endif
 
 
-/* ---- the points of a view that count, and from where they count --------------------------- */
+/* ---- the points of a view that count, and from where they count ------------- */
 
 typedef struct rigcal_points {
     rigcal_view view;
     const uint8_t *mask; /* of each: 0, it does not count; NULL: all do */
     int32_t left_out;    /* one more that does not count, or -1 */
     int32_t is_mirrored; /* 1: they are mirrored at the origin */
-    rigcal_real origin[3];
-    rigcal_real pixel_size, negligible; /* see rc_points.h */
     int32_t is_pinhole;
+    size_t n_used;          /* that count */
+    rigcal_real origin[3];  /* their weighted mean */
+    rigcal_real size;       /* their longest distance from the first, along an axis */
+    rigcal_real extent_px;  /* that of their pixels */
+    rigcal_real pixel_size; /* of rc_pixel_size */
+    rigcal_real negligible; /* a change of the sum of squared errors that means nothing */
 } rigcal_points;
 
 /* ---- Nelder-Mead --------------------------------------------------------------------------- */
@@ -54,11 +58,11 @@ typedef struct rigcal_refinement {
     rigcal_real g[6], H[21];
 } rigcal_refinement;
 
-/* ---- where a search of a pose may start ---------------------------------------------------- */
+/* ---- where a search of a pose may start ------------------------------------- */
 
 /* Sums over the points from which the cost of a direction follows (EQUATIONS.md A). */
 typedef struct rigcal_moments {
-    rigcal_real weight, S, u_mean[2], V_mean[2][3], h[3], Q[6], C[6], G[2][6];
+    rigcal_real weight, S, u_mean[2], V_mean[2][3], h[3], K_less_C[6], C[6], G[2][6];
 } rigcal_moments;
 
 enum rigcal_seed_limits { RIGCAL_SEEDS_MAX = 3 };
@@ -82,16 +86,7 @@ typedef struct rigcal_descent {
     rigcal_neldermead nm;
 } rigcal_descent;
 
-typedef struct rigcal_seeds {
-    int32_t phase, next, n_seeds, n_exact, is_flat, is_plane, is_wide, leans, triples;
-    rigcal_real scale, axis[3], normal[3];
-    union rigcal_seed_sources {
-        rigcal_lattice lattice;
-        rigcal_transform exact[RIGCAL_POSES_MAX];
-    } from;
-} rigcal_seeds;
-
-/* ---- a pose -------------------------------------------------------------------------------- */
+/* ---- a pose ----------------------------------------------------------------- */
 
 /* An optimum: camera from the points' own origin; the third row of its rotation is the cross
  * product of these two. */
@@ -104,21 +99,31 @@ typedef struct rigcal_optima {
     rigcal_optimum list[RIGCAL_POSES_MAX]; /* best first */
 } rigcal_optima;
 
-struct rigcal_pose_solver {
-    int32_t phase, failure, at_fault, point, is_warm, is_mirrored, is_vague, is_unfinished;
-    size_t n, n_used;
-    rigcal_real extent_px, sigma_px;
+/* The points, the optima found so far, where to start next, and what is under way. */
+typedef struct rigcal_search {
     rigcal_points points;
-    rigcal_seeds seeds;
-    union rigcal_pose_work {
+    rigcal_optima optima;
+    int32_t phase, next, n_seeds, n_exact, triples, leans, is_flat, is_plane, is_wide;
+    rigcal_real scale, axis[3], normal[3];
+    union rigcal_search_sources {
+        rigcal_lattice lattice;
+        rigcal_transform exact[RIGCAL_POSES_MAX];
+    } from;
+    union rigcal_search_work {
         rigcal_triple triple;
         rigcal_descent descent;
         rigcal_refinement refinement;
     } work;
-    rigcal_optima optima;
+} rigcal_search;
+
+struct rigcal_pose_solver {
+    int32_t phase, failure, at_fault, next, is_warm, is_mirrored, is_vague, is_unfinished;
+    size_t n_weighed;
+    rigcal_real sigma_px;
+    rigcal_search search;
 };
 
-/* ---- a robust pose ------------------------------------------------------------------------- */
+/* ---- a robust pose ---------------------------------------------------------- */
 
 /* The best pose of three points so far, and the rays and poses of one triple. */
 typedef struct rigcal_trial_poses {
@@ -127,14 +132,14 @@ typedef struct rigcal_trial_poses {
 } rigcal_trial_poses;
 
 struct rigcal_robust_solver {
-    rigcal_view view;
+    rigcal_points points; /* all of them */
     uint8_t *inliers;
     size_t n_agree;
     union rigcal_robust_work {
         rigcal_trial_poses trial;
         rigcal_pose_solver pose;
     } work;
-    rigcal_real origin[3], sigma_px, threshold_px, missed, area_px2;
+    rigcal_real sigma_px, threshold_px, missed, area_px2;
     uint32_t random;
     int32_t sample[3], samples, tried, is_complete, phase, next, n_poses, rounds, failure;
 };

@@ -3,7 +3,7 @@
  * It knows no equations and no dimension: its owner evaluates and solves, and is told what
  * to do next. So there is no callback, and a search may pause at any evaluation.
  *
- *     rc_levenberg_begin(&lm);
+ *     rc_levenberg_begin(&lm, 0);
  *     while (lm.status == RIGCAL_RUNNING) {
  *         if (lm.want == RC_WANT_EQUATIONS) {
  *             evaluate the sum of squares, J^T e = g and H where the search is
@@ -36,7 +36,8 @@ enum { RC_GAUSS_NEWTON, RC_NEWTON, RC_NEWTON_INDEFINITE };
 
 enum { RC_STEP_TRY, RC_STEP_LAST, RC_STEP_NONE };
 
-void rc_levenberg_begin(rigcal_levenberg *lm);
+/* is_near: the first step is not damped. */
+void rc_levenberg_begin(rigcal_levenberg *lm, int is_near);
 
 /* The sum where the search is, or the status of an evaluation that failed, which ends it. */
 void rc_levenberg_evaluated(rigcal_levenberg *lm, rigcal_status status, rigcal_real sum);

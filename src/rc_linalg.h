@@ -1,4 +1,5 @@
-/* rc_linalg.h - 3-vectors, 3 x 3 matrices (row-major), their Cholesky factor. */
+/* rc_linalg.h - 3-vectors, 3 x 3 matrices (row-major), symmetric matrices and their
+ * Cholesky factors. */
 #ifndef RC_LINALG_H
 #define RC_LINALG_H
 
@@ -73,6 +74,9 @@ rigcal_real rc_vec3_max_abs(const rigcal_real a[3]);
 /* out = a / |a| without overflow or underflow on the way; 0 when a is zero. */
 int rc_vec3_unit(rigcal_real out[3], const rigcal_real a[3]);
 
+/* Rows m1, m2 that complete the unit vector m3 to a rotation (Duff et al. 2017). */
+void rc_vec3_complete(rigcal_real m1[3], rigcal_real m2[3], const rigcal_real m3[3]);
+
 /* out = M v, out = M^T v */
 inline void rc_mat3_mul_vec3(rigcal_real out[3], const rigcal_real M[9],
                              const rigcal_real v[3])
@@ -98,6 +102,12 @@ rigcal_real rc_mat3_cofactors(rigcal_real out[9], const rigcal_real M[9]);
 
 /* A += s x x^T */
 void rc_sym3_add_outer(rigcal_real A[6], rigcal_real s, const rigcal_real x[3]);
+
+/* The direction across which the points with the moments C = sum x x^T extend least, unit
+ * length: its eigenvector of the least eigenvalue. With a, b, c the eigenvalues over their
+ * sum, *thickness is 1 / (1/a + 1/b + 1/c), about the least of them; of a plane it is
+ * rounding. 0: the points are on a line, to rounding, and have no such direction. */
+int rc_sym3_thinnest(rigcal_real normal[3], rigcal_real *thickness, const rigcal_real C[6]);
 
 /* out = A v */
 void rc_sym3_mul_vec3(rigcal_real out[3], const rigcal_real A[6],
@@ -144,6 +154,9 @@ void rc_sym6_solve(rigcal_real x[6], const rc_sym6_factor *L);
 
 /* Sigma = H^-1, row by row. 0: H is not positive definite to rounding. */
 int rc_sym6_invert(rigcal_real Sigma[36], const rigcal_real H[21]);
+
+/* Of H^-1 the trace of the first block alone. 0: as above. */
+int rc_sym6_inverse_trace(rigcal_real *trace, const rigcal_real H[21]);
 
 /* ---- symmetric matrices of any size, packed -----------------------------------------------
  *

@@ -3,6 +3,7 @@
 #define RC_NELDERMEAD_H
 
 #include "rc_linalg.h"
+#include "rigcal_paper.h"
 
 void rc_neldermead_begin(rigcal_neldermead *nm, const rigcal_real x0[], int32_t k,
                          rigcal_real xtol, rigcal_real ftol, int32_t max_evals);

@@ -10,6 +10,9 @@ rigcal_status rc_check_transform(const rigcal_transform *b_from_a);
 /* OK, ERR_NULL, ERR_NOT_FINITE or ERR_RANGE. */
 rigcal_status rc_check_point(const rigcal_real X[3]);
 
+/* A ray of any length but zero: the same. */
+rigcal_status rc_check_ray(const rigcal_real ray[3]);
+
 void rc_transform_identity(rigcal_transform *a_from_a);
 void rc_transform_compose(rigcal_transform *c_from_a,
                           const rigcal_transform *c_from_b,
@@ -21,5 +24,10 @@ void rc_transform_point(rigcal_real X_b[3], const rigcal_transform *b_from_a,
 void rc_transform_between(rigcal_transform *b_from_a,
                       const rigcal_transform *b_from_world,
                       const rigcal_transform *a_from_world);
+
+/* rigcal_transform_mean of n >= 1 transforms, weights checked: OK or ERR_ROTATION. */
+rigcal_status rc_transform_mean(rigcal_transform *mean, rigcal_real *sigma_rad,
+                                rigcal_real *sigma_t, const rigcal_transform transforms[],
+                                const rigcal_real weight[], size_t n);
 
 #endif /* RC_TRANSFORM_H */

@@ -1,12 +1,12 @@
-#include "rc_diagnose.h"
+#include "rc_pose.h"
 
-/* Chances below which, and probabilities above which, one point is surely wrong, and
- * below which it is suspected. */
+/* Chances below which one point is surely wrong, and below which it is suspected; and the
+ * probability from which on it is surely this one. */
 #define SURE_CHANCE RC(0.01)
-#define SURE_PROBABILITY RC(0.99)
 #define LIKELY_CHANCE RC(0.1)
+#define SURE_PROBABILITY RC(0.99)
 
-/* How much likelier mirrored data must be to be told. */
+/* Odds of the data as given against those mirrored, below which they are mirrored. */
 #define MIRRORED_ODDS RC(1e-3)
 
 /* Ratios of distances that are mistakes of units, and how near to one is that. */
@@ -16,7 +16,7 @@ static const rigcal_real UNITS[4] = {10, RC(25.4), 100, 1000};
 /* ---- fits ---------------------------------------------------------------- */
 
 typedef struct {
-    rigcal_fit data;
+    rigcal_points points; /* not surveyed */
     rigcal_pose_options options;
 } problem;
 
@@ -25,44 +25,22 @@ static rigcal_status best_fit(rigcal_pose *pose, const problem *P)
 {
     rigcal_pose_solver solver;
     size_t n_found;
-    const rigcal_status status = rc_pose_begin(&solver, NULL, &P->data, &P->options);
+    const rigcal_status status = rc_pose_begin(&solver, NULL, &P->points, &P->options);
     if (status != RIGCAL_OK) {
         return status;
     }
     while (rigcal_pose_step(&solver, INT32_MAX) == RIGCAL_RUNNING) {
     }
-    return rigcal_pose_result(pose, &n_found, 1, NULL, &solver);
+    return rigcal_pose_result(pose, 1, &n_found, NULL, &solver);
 }
 
 static rigcal_real odds(const problem *P, rigcal_real sse, rigcal_real other, size_t n)
 {
-    return rc_odds(sse, other, P->options.sigma_px, rc_pixel_size(P->data.camera), n);
+    return rc_odds(sse, other, P->options.sigma_px, rc_pixel_size(P->points.view.camera),
+                   n);
 }
 
 /* ---- one point ----------------------------------------------------------- */
-
-/* Of more points than can be tried, those farthest from their projections: which one is
- * next after the one at *distance2, that gets its own; n when there is none. Equal
- * distances are one. */
-static size_t next_farthest(rigcal_real *distance2, const problem *P,
-                            const rigcal_transform *cam_from_world)
-{
-    static const rigcal_real NO_ORIGIN[3] = {0, 0, 0};
-    rigcal_fit fit = P->data;
-    rigcal_real most = -1;
-    size_t at = fit.n;
-    rc_fit_begin(&fit, NO_ORIGIN);
-    for (size_t i = 0; i < fit.n; i++) {
-        const rigcal_real by = (fit.sigma == NULL) ? 1 : 1 / fit.sigma[i];
-        const rigcal_real d2 = rc_fit_distance2(&fit, cam_from_world, i) * by * by;
-        if (d2 < *distance2 && d2 > most) {
-            most = d2;
-            at = i;
-        }
-    }
-    *distance2 = most;
-    return at;
-}
 
 /* What is known of the points left out so far. */
 typedef struct {
@@ -75,7 +53,7 @@ static void leave_out(rigcal_blame *blame, rigcal_real rms_without[], tried *so_
 {
     problem rest = *P;
     rigcal_pose pose;
-    rest.data.left_out = (int32_t)i;
+    rest.points.left_out = (int32_t)i;
     const rigcal_status status = best_fit(&pose, &rest);
     if (status < 0) {
         return;
@@ -85,7 +63,7 @@ static void leave_out(rigcal_blame *blame, rigcal_real rms_without[], tried *so_
     }
     const int is_best = pose.sse < so_far->best;
     const rigcal_real ratio = (so_far->best < RC_MAX)
-                                  ? odds(P, pose.sse, so_far->best, P->data.n - 1)
+                                  ? odds(P, pose.sse, so_far->best, P->points.view.n - 1)
                                   : 1;
     so_far->total = is_best ? 1 + so_far->total / ratio : so_far->total + ratio;
     if (is_best) {
@@ -96,18 +74,55 @@ static void leave_out(rigcal_blame *blame, rigcal_real rms_without[], tried *so_
     }
 }
 
+/* Which point is the next farthest from its projection after one at *distance2, that gets its
+ * own; n when there is none. Equal distances are one. */
+static size_t next_farthest(rigcal_real *distance2, const rigcal_points *points,
+                            const rigcal_transform *cam_from_points)
+{
+    const size_t n = points->view.n;
+    rigcal_real most = -1;
+    size_t at = n;
+    for (size_t i = 0; i < n; i++) {
+        const rigcal_real d2 = rc_points_distance2(points, cam_from_points, i) *
+                               rc_points_weight(points, i);
+        if (d2 < *distance2 && d2 > most) {
+            most = d2;
+            at = i;
+        }
+    }
+    *distance2 = most;
+    return at;
+}
+
+/* Of more points than can be tried, those farthest from their projections. */
+static void leave_out_farthest(rigcal_blame *blame, rigcal_real rms_without[],
+                               tried *so_far, const problem *P,
+                               const rigcal_transform *cam_from_world)
+{
+    rigcal_points points = P->points;
+    rigcal_transform cam_from_points = *cam_from_world;
+    rigcal_real distance2 = RC_MAX, uv_middle[2];
+    int32_t at;
+    (void)rc_points_survey(&points, uv_middle, &at);
+    rc_transform_point(cam_from_points.t, cam_from_world, points.origin);
+    for (int k = 0; k < RIGCAL_BLAME_TRIES; k++) {
+        const size_t i = next_farthest(&distance2, &points, &cam_from_points);
+        if (i == points.view.n) {
+            return;
+        }
+        leave_out(blame, rms_without, so_far, P, i);
+    }
+}
+
 /* Fills all of *blame from the fit of all points: its status, and its pose where it has
  * one. The verdict is for noise of which each point has its share: leaving point i out
  * lowers the sum from S to S_i, and the chance that the best of n does so is at most
  * n (S_i / S)^(n - 4), an F test of 2 and 2 n - 8 degrees of freedom; where the noise
  * is known, n exp(-(S - S_i) / (2 sigma^2)). */
-static void find_blame(rigcal_blame *blame, rigcal_real rms_without[],
-                       const problem *P, const rigcal_pose *pose,
-                       rigcal_status status)
+static void find_blame(rigcal_blame *blame, rigcal_real rms_without[], const problem *P,
+                       const rigcal_pose *pose, rigcal_status status)
 {
-    const size_t n = P->data.n;
-    const int by_distance = n > RIGCAL_BLAME_TRIES && status >= 0;
-    rigcal_real distance2 = RC_MAX;
+    const size_t n = P->points.view.n;
     tried so_far = {RC_MAX, 0};
     *blame = (rigcal_blame){0};
     blame->point = -1;
@@ -116,11 +131,10 @@ static void find_blame(rigcal_blame *blame, rigcal_real rms_without[],
     for (size_t i = 0; rms_without != NULL && i < n; i++) {
         rms_without[i] = -1;
     }
-    for (size_t k = 0; k < n && k < RIGCAL_BLAME_TRIES; k++) {
-        const size_t i = by_distance
-                             ? next_farthest(&distance2, P, &pose->cam_from_world)
-                             : k;
-        if (i < n) {
+    if (n > RIGCAL_BLAME_TRIES && status >= 0) {
+        leave_out_farthest(blame, rms_without, &so_far, P, &pose->cam_from_world);
+    } else {
+        for (size_t i = 0; i < n && i < RIGCAL_BLAME_TRIES; i++) {
             leave_out(blame, rms_without, &so_far, P, i);
         }
     }
@@ -145,37 +159,32 @@ static int may_be_a_point(rigcal_status status)
            status == RIGCAL_ERR_DEGENERATE;
 }
 
-/* The problem of a caller's arguments: what rc_pose_begin does not check, or not
- * before what it does. */
-static rigcal_status begin(problem *P, const rigcal_camera *camera,
-                           const rigcal_observation observations[],
-                           const rigcal_real sigma[], size_t n,
+/* The problem of a caller's arguments: checks what rc_pose_begin does not. */
+static rigcal_status begin(problem *P, const rigcal_view *view,
                            const rigcal_pose_options *options)
 {
-    if (camera == NULL || observations == NULL) {
-        return RIGCAL_ERR_NULL;
+    const rigcal_status status = rc_check_view(view);
+    if (status != RIGCAL_OK) {
+        return status;
     }
-    rc_fit_of(&P->data, camera, observations, sigma, NULL, n);
+    rc_points_of(&P->points, view, NULL);
     (void)rigcal_pose_defaults(&P->options);
     if (options != NULL) {
         P->options = *options;
     }
-    const rigcal_status status = rc_check_camera(camera);
-    return (status == RIGCAL_OK && n < 5) ? RIGCAL_ERR_TOO_FEW : status;
+    return (view->n < 5) ? RIGCAL_ERR_TOO_FEW : RIGCAL_OK;
 }
 
-rigcal_status rigcal_blame_point(rigcal_blame *blame, rigcal_real rms_without[],
-                                 const rigcal_camera *camera,
-                                 const rigcal_observation observations[],
-                                 const rigcal_real sigma[], size_t n,
-                                 const rigcal_pose_options *options)
+rigcal_status rigcal_pose_blame(rigcal_blame *blame, rigcal_real rms_without[],
+                                const rigcal_view *view,
+                                const rigcal_pose_options *options)
 {
     problem P;
     rigcal_pose pose;
     if (blame == NULL) {
         return RIGCAL_ERR_NULL;
     }
-    rigcal_status status = begin(&P, camera, observations, sigma, n, options);
+    rigcal_status status = begin(&P, view, options);
     if (status != RIGCAL_OK) {
         return status;
     }
@@ -197,9 +206,9 @@ static int fits_mirrored(rigcal_real *rms_px, int *unlike, const problem *P,
 {
     problem other = *P;
     rigcal_pose pose;
-    const size_t n = P->data.n;
-    other.data.camera = camera;
-    other.data.is_mirrored = 1;
+    const size_t n = P->points.view.n;
+    other.points.view.camera = camera;
+    other.points.is_mirrored = 1;
     other.options.use_start = 0;
     const rigcal_status mirrored_status = best_fit(&pose, &other);
     *rms_px = (mirrored_status >= 0) ? pose.rms_px : -1;
@@ -243,18 +252,27 @@ static void judge(rigcal_diagnosis *d, rigcal_status status, int is_mirrored)
     }
 }
 
-rigcal_status rigcal_diagnose_pose(rigcal_diagnosis *out, rigcal_real rms_without[],
-                                   const rigcal_camera *camera,
-                                   const rigcal_observation observations[],
-                                   const rigcal_real sigma[], size_t n,
+/* A camera whose image is that of `camera` flipped, v to height - 1 - v. */
+static void flip(rigcal_camera *flipped, const rigcal_camera *camera)
+{
+    *flipped = *camera;
+    flipped->cy = (rigcal_real)(camera->height - 1) - camera->cy;
+    flipped->p1 = -camera->p1;
+}
+
+rigcal_status rigcal_pose_diagnose(rigcal_diagnosis *diagnosis, rigcal_real rms_without[],
+                                   const rigcal_view *view,
                                    const rigcal_pose_options *options)
 {
     problem P;
     rigcal_pose pose = {0};
-    if (out == NULL) {
+    rigcal_diagnosis d = {0};
+    rigcal_camera flipped;
+    int unlike[2];
+    if (diagnosis == NULL) {
         return RIGCAL_ERR_NULL;
     }
-    rigcal_status status = begin(&P, camera, observations, sigma, n, options);
+    rigcal_status status = begin(&P, view, options);
     if (status == RIGCAL_OK && P.options.use_start == 1) {
         status = rc_check_transform(&P.options.start);
         P.options.use_start = 0;
@@ -266,24 +284,19 @@ rigcal_status rigcal_diagnose_pose(rigcal_diagnosis *out, rigcal_real rms_withou
     if (!may_be_a_point(fitted)) {
         return fitted;
     }
-    rigcal_diagnosis d = {0};
-    int unlike[2];
     find_blame(&d.blame, rms_without, &P, &pose, fitted);
-    int is_mirrored = fits_mirrored(&d.rms_mirrored_px, &unlike[0], &P, camera,
+    int is_mirrored = fits_mirrored(&d.rms_mirrored_px, &unlike[0], &P, view->camera,
                                     pose.sse, fitted);
-    /* An image flipped, v to height - 1 - v, is a mirrored target's in a camera whose
-     * principal point and tangential distortion are flipped. */
-    rigcal_camera flipped = *camera;
-    flipped.cy = (rigcal_real)(camera->height - 1) - camera->cy;
-    flipped.p1 = -camera->p1;
-    is_mirrored |= fits_mirrored(&d.rms_flipped_px, &unlike[1], &P, &flipped,
-                                 pose.sse, fitted);
+    /* A flipped image is that of a mirrored target in a flipped camera. */
+    flip(&flipped, view->camera);
+    is_mirrored |= fits_mirrored(&d.rms_flipped_px, &unlike[1], &P, &flipped, pose.sse,
+                                 fitted);
     d.is_handed = is_mirrored || (unlike[0] && unlike[1]);
     if (options != NULL && options->use_start == 1 && fitted >= 0) {
         d.units = units_of(rc_vec3_norm(pose.cam_from_world.t) /
                            rc_vec3_norm(options->start.t));
     }
     judge(&d, fitted, is_mirrored);
-    *out = d;
+    *diagnosis = d;
     return RIGCAL_OK;
 }

@@ -28,14 +28,14 @@
 /* Gains that fall no faster than by this factor are those of a valley: Newton's H helps. */
 #define SLOW RC(0.1)
 
-void rc_levenberg_begin(rigcal_levenberg *lm)
+void rc_levenberg_begin(rigcal_levenberg *lm, int is_near)
 {
     lm->want = RC_WANT_EQUATIONS;
     lm->equations = RC_GAUSS_NEWTON;
     lm->status = RIGCAL_RUNNING;
     lm->sum = RC_MAX;
     lm->last_gain = 0;
-    lm->lambda = DAMPING_FIRST;
+    lm->lambda = is_near ? 0 : DAMPING_FIRST;
 }
 
 void rc_levenberg_evaluated(rigcal_levenberg *lm, rigcal_status status, rigcal_real sum)

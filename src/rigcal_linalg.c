@@ -1,5 +1,9 @@
 #include "rc_linalg.h"
 
+/* Points whose moments have two eigenvalues below this part of their sum, as a product with
+ * the third, are on a line. */
+#define LINE_THICKNESS RC_TOL(1e-12, 1e-7)
+
 int rc_is_finite(rigcal_real x)
 {
     return RC_FABS(x) <= RC_MAX;
@@ -51,6 +55,19 @@ int rc_vec3_unit(rigcal_real out[3], const rigcal_real a[3])
     const rigcal_real b[3] = {a[0] / largest, a[1] / largest, a[2] / largest};
     rc_vec3_scale(out, 1 / rc_vec3_norm(b), b);
     return 1;
+}
+
+void rc_vec3_complete(rigcal_real m1[3], rigcal_real m2[3], const rigcal_real m3[3])
+{
+    const rigcal_real sign = (m3[2] < 0) ? RC(-1) : RC(1);
+    const rigcal_real a = -1 / (sign + m3[2]);
+    const rigcal_real b = m3[0] * m3[1] * a;
+    m1[0] = 1 + sign * m3[0] * m3[0] * a;
+    m1[1] = sign * b;
+    m1[2] = -sign * m3[0];
+    m2[0] = b;
+    m2[1] = sign + m3[1] * m3[1] * a;
+    m2[2] = -m3[1];
 }
 
 void rc_mat3_tmul_vec3(rigcal_real out[3], const rigcal_real M[9],
@@ -129,6 +146,40 @@ int rc_sym3_factor(rigcal_real L[6], const rigcal_real A[6],
                        rank_tol * diagonal[2]);
 }
 
+/* The cofactors of C have the eigenvectors of C, and eigenvalues that are the products of
+ * the other two: the least extended direction is the largest. Squaring a few times leaves it
+ * alone. */
+int rc_sym3_thinnest(rigcal_real normal[3], rigcal_real *thickness, const rigcal_real C[6])
+{
+    enum { SQUARINGS = 6 };
+    static const uint8_t FULL[9] = {0, 1, 2, 1, 3, 4, 2, 4, 5};
+    const rigcal_real by_trace = 1 / (C[0] + C[3] + C[5]);
+    rigcal_real A[9], B[9];
+    int at = 0;
+    for (int k = 0; k < 9; k++) {
+        A[k] = by_trace * C[FULL[k]];
+    }
+    const rigcal_real det = rc_mat3_cofactors(B, A);
+    const rigcal_real trace = B[0] + B[4] + B[8];
+    if (!(trace > LINE_THICKNESS)) {
+        return 0;
+    }
+    for (int k = 0; k < 9; k++) {
+        B[k] /= trace;
+    }
+    /* The largest is 1/3 or more: no underflow. */
+    for (int i = 0; i < SQUARINGS; i += 2) {
+        rc_mat3_mul(A, B, B);
+        rc_mat3_mul(B, A, A);
+    }
+    for (int k = 4; k < 9; k += 4) {
+        at = (B[k] > B[at]) ? k : at;
+    }
+    (void)rc_vec3_unit(normal, &B[at - at / 4]);
+    *thickness = det / trace;
+    return 1;
+}
+
 /* ---- 6 x 6 --------------------------------------------------------------- */
 
 /* Pivots are compared with this part of their element of the diagonal. */
@@ -204,6 +255,22 @@ int rc_sym6_invert(rigcal_real Sigma[36], const rigcal_real H[21])
         for (int i = 0; i < 6; i++) {
             Sigma[6 * i + j] = column[i];
         }
+    }
+    return 1;
+}
+
+int rc_sym6_inverse_trace(rigcal_real *trace, const rigcal_real H[21])
+{
+    rc_sym6_factor L;
+    if (!rc_sym6_factor_of(&L, H, 0)) {
+        return 0;
+    }
+    *trace = 0;
+    for (int j = 0; j < 3; j++) {
+        rigcal_real column[6] = {0, 0, 0, 0, 0, 0};
+        column[j] = 1;
+        rc_sym6_solve(column, &L);
+        *trace += column[j];
     }
     return 1;
 }

@@ -285,6 +285,12 @@ static int is_begun(const rigcal_neldermead *nm)
            nm->vertex_next <= nm->k;
 }
 
+/* What ask, tell and step return. */
+static rigcal_status stepped(const rigcal_neldermead *nm)
+{
+    return (nm->phase == DONE) ? RIGCAL_OK : RIGCAL_RUNNING;
+}
+
 rigcal_status rigcal_neldermead_ask(rigcal_real x[],
                                     const rigcal_neldermead *nm)
 {
@@ -297,7 +303,7 @@ rigcal_status rigcal_neldermead_ask(rigcal_real x[],
     if (nm->phase != DONE) {
         copy(x, nm->trial.x, nm->k);
     }
-    return nm->status;
+    return stepped(nm);
 }
 
 rigcal_status rigcal_neldermead_tell(rigcal_neldermead *nm, rigcal_real cost)
@@ -309,7 +315,7 @@ rigcal_status rigcal_neldermead_tell(rigcal_neldermead *nm, rigcal_real cost)
         return RIGCAL_ERR_STATE;
     }
     rc_neldermead_tell(nm, cost);
-    return nm->status;
+    return stepped(nm);
 }
 
 rigcal_status rigcal_neldermead_step(rigcal_neldermead *nm, rigcal_cost cost,
@@ -327,7 +333,7 @@ rigcal_status rigcal_neldermead_step(rigcal_neldermead *nm, rigcal_cost cost,
     for (int32_t i = 0; i < budget && nm->phase != DONE; i++) {
         rc_neldermead_tell(nm, cost(context, nm->trial.x));
     }
-    return nm->status;
+    return stepped(nm);
 }
 
 rigcal_status rigcal_neldermead_result(rigcal_real x[], rigcal_real *cost,

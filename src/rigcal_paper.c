@@ -1,4 +1,7 @@
-#include "rc_paper.h"
+#include "rc_elimination.h"
+#include "rc_neldermead.h"
+#include "rc_transform.h"
+#include "rc_translation.h"
 
 /* The fixed grid of the two angles: nodes 30 degrees apart, off the axes. Seeds
  * are its best nodes; a simplex of two thirds of a cell starts at each. */
@@ -39,35 +42,35 @@ static rigcal_real objective(const rigcal_paper_solver *s,
 {
     rigcal_elimination at;
     if (s->options.angles == 3) {
-        return rc_three_angle_residual(s->pairs, s->n_pairs, angles);
+        return rc_pairs_residual(s->pairs, s->n_pairs, angles);
     }
     const rigcal_status status =
-        rc_eliminate(&at, s->pairs, s->n_pairs, s->options.eliminating,
-                     s->eliminate, angles);
+        rc_eliminate(&at, s->pairs, s->n_pairs, s->options.pairs_used,
+                     s->eliminated, angles);
     return (status == RIGCAL_OK) ? at.residual : RC_MAX;
 }
 
-/* cond(A) at ypr when `eliminate` is the angle left out; RC_MAX if singular. */
-static rigcal_real condition_at(const rigcal_paper_solver *s, int32_t eliminate,
+/* cond(A) at ypr when `eliminated` is the angle left out; RC_MAX if singular. */
+static rigcal_real condition_at(const rigcal_paper_solver *s, int32_t eliminated,
                                 const rigcal_real ypr[3])
 {
     rigcal_real angles[2];
     rigcal_elimination at;
-    rc_angles_split(angles, eliminate, ypr);
-    return (rc_eliminate(&at, s->pairs, s->n_pairs, s->options.eliminating,
-                         eliminate, angles) == RIGCAL_OK)
+    rc_angles_split(angles, eliminated, ypr);
+    return (rc_eliminate(&at, s->pairs, s->n_pairs, s->options.pairs_used,
+                         eliminated, angles) == RIGCAL_OK)
                ? at.condition
                : RC_MAX;
 }
 
 /* Eliminates this angle, if that is better conditioned than any so far. */
-static void consider(rigcal_paper_solver *s, int32_t eliminate,
+static void consider(rigcal_paper_solver *s, int32_t eliminated,
                      const rigcal_real ypr[3])
 {
-    const rigcal_real condition = condition_at(s, eliminate, ypr);
+    const rigcal_real condition = condition_at(s, eliminated, ypr);
     if (condition < s->least_condition) {
         s->least_condition = condition;
-        s->eliminate = eliminate;
+        s->eliminated = eliminated;
     }
 }
 
@@ -87,20 +90,20 @@ static rigcal_status pose_of_angles(rigcal_paper_pose *pose,
     } else {
         rigcal_elimination at;
         const rigcal_status status =
-            rc_eliminate(&at, s->pairs, s->n_pairs, s->options.eliminating,
-                         s->eliminate, angles);
+            rc_eliminate(&at, s->pairs, s->n_pairs, s->options.pairs_used,
+                         s->eliminated, angles);
         if (status != RIGCAL_OK) {
             return status;
         }
-        rc_angles_join(pose->ypr, s->eliminate, angles, at.angle);
+        rc_angles_join(pose->ypr, s->eliminated, angles, at.angle);
         pose->condition = at.condition;
-        pose->eliminated = s->eliminate;
+        pose->eliminated = s->eliminated;
     }
     /* The search may have wandered round the circle: bring the angles home. */
     rigcal_transform *const T = &pose->cam_from_world;
     rc_rotation_from_yaw_pitch_roll(T->R, pose->ypr);
     rc_yaw_pitch_roll_from_rotation(pose->ypr, T->R);
-    return rc_translation_least_squares(T->t, T->R, s->sightings, s->n);
+    return rc_translation_least_squares(T->t, T->R, s->bearings, s->n);
 }
 
 /* Cheirality of every point, and the error in the image. */
@@ -109,9 +112,9 @@ static int check_in_front(rigcal_paper_pose *pose, const rigcal_paper_solver *s)
     const rigcal_transform *const T = &pose->cam_from_world;
     rigcal_real sum = 0;
     for (size_t i = 0; i < s->n; i++) {
-        const rigcal_real *const ray = s->sightings[i].ray;
+        const rigcal_real *const ray = s->bearings[i].ray;
         rigcal_real X_c[3];
-        rc_transform_point(X_c, T, s->sightings[i].X_w);
+        rc_transform_point(X_c, T, s->bearings[i].X_w);
         if (!(X_c[2] > 0)) {
             return 0;
         }
@@ -174,7 +177,7 @@ static void start_last(rigcal_paper_solver *s, const rigcal_real ypr[3])
     const rigcal_paper_options *const o = &s->options;
     rigcal_real angles[3] = {ypr[0], ypr[1], ypr[2]};
     if (o->angles == 2) {
-        rc_angles_split(angles, s->eliminate, ypr);
+        rc_angles_split(angles, s->eliminated, ypr);
     }
     rc_neldermead_begin(&s->nm, angles, o->angles, o->xtol, o->ftol,
                         allowance(s, SIMPLEX_EVALS_MAX));
@@ -219,7 +222,7 @@ static void judging_seed_step(rigcal_paper_solver *s)
         start_seed(s);
     } else if (!s->found) {
         finish(s, 0);
-    } else if (s->options.eliminate == RIGCAL_BEST_CONDITIONED) {
+    } else if (s->options.eliminated == RIGCAL_BEST_CONDITIONED) {
         s->next = RIGCAL_YAW;
         s->phase = CONDITIONING;
     } else {
@@ -244,7 +247,7 @@ static void end_last(rigcal_paper_solver *s)
     if (s->nm.status == RIGCAL_BUDGET_SPENT &&
         s->evals < s->options.max_evals &&
         rigcal_neldermead_result(angles, NULL, NULL, &s->nm) >= 0) {
-        rc_angles_join(ypr, s->options.angles == 2 ? s->eliminate : 3, angles, 0);
+        rc_angles_join(ypr, s->options.angles == 2 ? s->eliminated : 3, angles, 0);
         start_last(s, ypr);
     }
 }
@@ -286,9 +289,6 @@ static void search_step(rigcal_paper_solver *s)
 
 static rigcal_status outcome(const rigcal_paper_solver *s)
 {
-    if (s->phase != DONE) {
-        return RIGCAL_RUNNING;
-    }
     if (!s->found) {
         return (s->behind && s->options.use_guess) ? RIGCAL_ERR_BEHIND
                                                    : RIGCAL_ERR_NO_POSE;
@@ -303,7 +303,7 @@ rigcal_status rigcal_paper_defaults(rigcal_paper_options *options)
     if (options == NULL) {
         return RIGCAL_ERR_NULL;
     }
-    *options = (rigcal_paper_options){2, RIGCAL_BEST_CONDITIONED, 0, 0, 0, 0,
+    *options = (rigcal_paper_options){2, RIGCAL_BEST_CONDITIONED, 0, 0, 0,
                                       {0, 0, 0}, 0, 0};
     return RIGCAL_OK;
 }
@@ -315,14 +315,13 @@ static rigcal_status check_options(const rigcal_paper_options *o)
         return RIGCAL_ERR_NOT_FINITE;
     }
     const int counts_ok = (o->angles == 2 || (o->angles == 3 && o->use_guess)) &&
-                          (o->eliminating == 0 || o->eliminating == 2) &&
+                          (o->pairs_used == 0 || o->pairs_used == 2) &&
                           (o->use_guess == 0 || o->use_guess == 1);
     const int32_t least_evals = o->use_guess ? 1 : GRID_NODES + SEED_EVALS_MAX;
     const int numbers_ok = (o->max_evals == 0 || o->max_evals >= least_evals) &&
-                           o->xtol >= 0 && o->ftol >= 0 &&
-                           o->reserved == 0;
-    return (counts_ok && numbers_ok && o->eliminate >= RIGCAL_YAW &&
-            o->eliminate <= RIGCAL_BEST_CONDITIONED &&
+                           o->xtol >= 0 && o->ftol >= 0;
+    return (counts_ok && numbers_ok && o->eliminated >= RIGCAL_YAW &&
+            o->eliminated <= RIGCAL_BEST_CONDITIONED &&
             rc_all_within(o->guess_ypr, 3, RC(1e3)))
                ? RIGCAL_OK
                : RIGCAL_ERR_RANGE;
@@ -344,11 +343,11 @@ static void fill_defaults(rigcal_paper_options *o)
 }
 
 rigcal_status rigcal_paper_begin(rigcal_paper_solver *solver,
-                                 const rigcal_sighting sightings[], size_t n,
+                                 const rigcal_bearing bearings[], size_t n,
                                  const rigcal_pair pairs[], size_t n_pairs,
                                  const rigcal_paper_options *options)
 {
-    if (solver == NULL || sightings == NULL || pairs == NULL) {
+    if (solver == NULL || bearings == NULL || pairs == NULL) {
         return RIGCAL_ERR_NULL;
     }
     rigcal_paper_options chosen;
@@ -361,7 +360,7 @@ rigcal_status rigcal_paper_begin(rigcal_paper_solver *solver,
         status = RIGCAL_ERR_TOO_FEW;
     }
     if (status == RIGCAL_OK) {
-        status = rc_check_sightings(sightings, n, 1);
+        status = rc_check_bearings(bearings, n, 1);
     }
     if (status == RIGCAL_OK) {
         status = rc_check_pairs(pairs, n_pairs, 3);
@@ -373,7 +372,7 @@ rigcal_status rigcal_paper_begin(rigcal_paper_solver *solver,
 
     rigcal_paper_solver *const s = solver;
     *s = (rigcal_paper_solver){0};
-    s->sightings = sightings;
+    s->bearings = bearings;
     s->n = n;
     s->pairs = pairs;
     s->n_pairs = n_pairs;
@@ -383,9 +382,9 @@ rigcal_status rigcal_paper_begin(rigcal_paper_solver *solver,
         s->seed_cost[i] = RC_MAX;
     }
     s->least_condition = RC_MAX;
-    s->eliminate = chosen.eliminate;
-    if (chosen.eliminate == RIGCAL_BEST_CONDITIONED) {
-        s->eliminate = RIGCAL_YAW;
+    s->eliminated = chosen.eliminated;
+    if (chosen.eliminated == RIGCAL_BEST_CONDITIONED) {
+        s->eliminated = RIGCAL_YAW;
         for (int32_t e = RIGCAL_YAW; chosen.use_guess && e <= RIGCAL_ROLL; e++) {
             consider(s, e, chosen.guess_ypr);
         }
@@ -426,7 +425,7 @@ rigcal_status rigcal_paper_step(rigcal_paper_solver *solver, int32_t budget)
             break;
         }
     }
-    return outcome(solver);
+    return (solver->phase == DONE) ? RIGCAL_OK : RIGCAL_RUNNING;
 }
 
 rigcal_status rigcal_paper_result(rigcal_paper_pose *pose,
@@ -448,7 +447,7 @@ rigcal_status rigcal_paper_result(rigcal_paper_pose *pose,
 }
 
 rigcal_status rigcal_paper_solve(rigcal_paper_pose *pose,
-                                 const rigcal_sighting sightings[], size_t n,
+                                 const rigcal_bearing bearings[], size_t n,
                                  const rigcal_pair pairs[], size_t n_pairs,
                                  const rigcal_paper_options *options)
 {
@@ -457,7 +456,7 @@ rigcal_status rigcal_paper_solve(rigcal_paper_pose *pose,
     }
     rigcal_paper_solver solver;
     rigcal_status status =
-        rigcal_paper_begin(&solver, sightings, n, pairs, n_pairs, options);
+        rigcal_paper_begin(&solver, bearings, n, pairs, n_pairs, options);
     if (status != RIGCAL_OK) {
         return status;
     }

@@ -13,11 +13,11 @@ enum {
     AT_N_BYTES = 20,
     AT_BODY_CRC = 24,
     AT_HEADER_CRC = 28,
-    HEADER_BYTES = RIGCAL_SAVE_HEADER_BYTES,
+    HEADER_BYTES = RIGCAL_STORE_HEADER_BYTES,
 
     CAMERA_INTEGERS = 4, /* lens, width, height, has_Sigma */
     CAMERA_REALS = 12,
-    CAMERAS_MAX = RIGCAL_SAVE_CAMERAS_MAX
+    CAMERAS_MAX = RIGCAL_STORE_CAMERAS_MAX
 };
 
 static const uint8_t MAGIC[4] = {'R', 'I', 'G', 'C'};
@@ -41,7 +41,7 @@ typedef char a_real_is_an_ieee_number
          : -1];
 
 typedef char a_camera_has_the_bytes_told
-    [RIGCAL_SAVE_SIZE(1) ==
+    [RIGCAL_STORE_SIZE(1) ==
              HEADER_BYTES + 4 * CAMERA_INTEGERS +
                  (CAMERA_REALS + 12 + 21) * sizeof(rigcal_real)
          ? 1
@@ -207,7 +207,7 @@ static rigcal_status check_mounted(const rigcal_mounted_camera *m)
     if (status != RIGCAL_OK) {
         return status;
     }
-    if ((m->has_Sigma != 0 && m->has_Sigma != 1) || m->reserved != 0) {
+    if (m->has_Sigma != 0 && m->has_Sigma != 1) {
         return RIGCAL_ERR_RANGE;
     }
     if (m->has_Sigma == 0) {
@@ -268,9 +268,7 @@ static void get_mounted(rigcal_mounted_camera *m, const uint8_t *at,
     c->lens = (int32_t)u32_at(at);
     c->width = (int32_t)u32_at(at + 4);
     c->height = (int32_t)u32_at(at + 8);
-    c->reserved = 0;
     m->has_Sigma = (int32_t)u32_at(at + 12);
-    m->reserved = 0;
     at = get_reals(numbers, CAMERA_REALS, at + 4 * CAMERA_INTEGERS, real_bytes);
     c->fx = numbers[0];
     c->fy = numbers[1];
@@ -302,16 +300,16 @@ static void get_mounted(rigcal_mounted_camera *m, const uint8_t *at,
 
 /* ---- public --------------------------------------------------------------- */
 
-size_t rigcal_save_size(size_t n_cameras)
+size_t rigcal_store_size(size_t n_cameras)
 {
     return (n_cameras >= 1 && n_cameras <= CAMERAS_MAX)
-               ? RIGCAL_SAVE_SIZE(n_cameras)
+               ? RIGCAL_STORE_SIZE(n_cameras)
                : 0;
 }
 
-rigcal_status rigcal_save(uint8_t bytes[], size_t *n_bytes, size_t capacity,
-                          const rigcal_mounted_camera cameras[],
-                          size_t n_cameras, uint32_t sequence, uint32_t tag)
+rigcal_status rigcal_store_save(uint8_t bytes[], size_t capacity, size_t *n_bytes,
+                                const rigcal_mounted_camera cameras[], size_t n_cameras,
+                                uint32_t sequence, uint32_t tag)
 {
     if (bytes == NULL || n_bytes == NULL || cameras == NULL) {
         return RIGCAL_ERR_NULL;
@@ -322,7 +320,7 @@ rigcal_status rigcal_save(uint8_t bytes[], size_t *n_bytes, size_t capacity,
     if (n_cameras > CAMERAS_MAX) {
         return RIGCAL_ERR_RANGE;
     }
-    const size_t size = RIGCAL_SAVE_SIZE(n_cameras);
+    const size_t size = RIGCAL_STORE_SIZE(n_cameras);
     if (capacity < size) {
         return RIGCAL_ERR_CAPACITY;
     }
@@ -350,7 +348,7 @@ rigcal_status rigcal_save(uint8_t bytes[], size_t *n_bytes, size_t capacity,
     return RIGCAL_OK;
 }
 
-rigcal_status rigcal_load_info(rigcal_saved_info *info, const uint8_t bytes[],
+rigcal_status rigcal_store_info(rigcal_saved_info *info, const uint8_t bytes[],
                                size_t n_bytes)
 {
     if (info == NULL || bytes == NULL) {
@@ -376,7 +374,7 @@ rigcal_status rigcal_load_info(rigcal_saved_info *info, const uint8_t bytes[],
     const uint32_t n = u32_at(bytes + AT_N_CAMERAS);
     const uint32_t size = u32_at(bytes + AT_N_BYTES);
     if (n < 1 || n > CAMERAS_MAX || size > n_bytes ||
-        size != RIGCAL_SAVE_SIZE_OF(n, real_bytes) ||
+        size != RIGCAL_STORE_SIZE_OF(n, real_bytes) ||
         u32_at(bytes + AT_BODY_CRC) !=
             rc_crc32(bytes + HEADER_BYTES, size - HEADER_BYTES)) {
         return RIGCAL_ERR_DAMAGED;
@@ -389,16 +387,16 @@ rigcal_status rigcal_load_info(rigcal_saved_info *info, const uint8_t bytes[],
     return RIGCAL_OK;
 }
 
-rigcal_status rigcal_load(rigcal_mounted_camera cameras[],
-                          rigcal_saved_info *info, size_t capacity,
-                          const uint8_t bytes[], size_t n_bytes)
+rigcal_status rigcal_store_load(rigcal_mounted_camera cameras[], size_t capacity,
+                                rigcal_saved_info *info, const uint8_t bytes[],
+                                size_t n_bytes)
 {
     if (cameras == NULL || info == NULL) {
         return RIGCAL_ERR_NULL;
     }
     rigcal_saved_info found;
     rigcal_mounted_camera m;
-    rigcal_status status = rigcal_load_info(&found, bytes, n_bytes);
+    rigcal_status status = rigcal_store_info(&found, bytes, n_bytes);
     if (status != RIGCAL_OK) {
         return status;
     }

@@ -1,20 +1,19 @@
 #include "rc_pose.h"
 
-/* Poses from behind are wrong, unless those from the front are so unlikely against
- * them. */
+/* Poses from behind are wrong, unless those from the front are so unlikely against them. */
 #define FRONT_LEAST RC(1e-3)
 
-/* Whether the camera is on the side that the tag's z axis points to: z.t < 0, z being
- * the third column of the rotation. */
-static int is_from_front(const rigcal_pose_optimum *found)
+/* Whether the camera is on the side that the tag's z axis points to: z.t < 0, z being the
+ * third column of the rotation. */
+static int is_from_front(const rigcal_pose_solver *solver, int32_t i)
 {
     rigcal_transform T;
-    rc_found_transform(&T, found);
+    rc_pose_found(&T, solver, i);
     return T.R[2] * T.t[0] + T.R[5] * T.t[1] + T.R[8] * T.t[2] < 0;
 }
 
-static void place_corners(rigcal_observation corners[4],
-                          const rigcal_real uv[8], rigcal_real size)
+static void place_corners(rigcal_observation corners[4], const rigcal_real uv[8],
+                          rigcal_real size)
 {
     const rigcal_real half = size / 2;
     for (int i = 0; i < 4; i++) {
@@ -26,39 +25,36 @@ static void place_corners(rigcal_observation corners[4],
     }
 }
 
-/* Keeps the optima seen from the front. 0: there is none that may be right. */
-static int keep_front(rigcal_pose_solver *s)
+/* Keeps the poses seen from the front. 0: there is none that may be right. */
+static int keep_front(rigcal_pose_solver *solver)
 {
+    const int32_t n = rc_pose_n_found(solver);
     rigcal_real likelihood = 0;
-    int32_t kept = 0;
-    for (int32_t i = 0; i < s->n_found; i++) {
-        if (is_from_front(&s->found[i])) {
-            likelihood = rc_max(likelihood, rc_pose_likelihood(s, i));
+    for (int32_t i = 0; i < n; i++) {
+        if (is_from_front(solver, i)) {
+            likelihood = rc_max(likelihood, rc_pose_likelihood(solver, i));
         }
     }
     if (!(likelihood > FRONT_LEAST)) {
         return 0;
     }
-    for (int32_t i = 0; i < s->n_found; i++) {
-        if (is_from_front(&s->found[i])) {
-            s->found[kept++] = s->found[i];
+    for (int32_t i = n - 1; i >= 0; i--) {
+        if (!is_from_front(solver, i)) {
+            rc_pose_drop(solver, i);
         }
     }
-    s->n_found = kept;
     return 1;
 }
 
-rigcal_status rigcal_solve_tag(rigcal_pose cams_from_tag[], size_t *n_found,
-                               size_t capacity, int32_t *bad,
-                               const rigcal_camera *camera,
-                               const rigcal_real uv[8], rigcal_real size,
-                               const rigcal_pose_options *options)
+rigcal_status rigcal_tag_solve(rigcal_pose cams_from_tag[], size_t capacity,
+                               size_t *n_found, int32_t *at_fault,
+                               const rigcal_camera *camera, const rigcal_real uv[8],
+                               rigcal_real size, const rigcal_pose_options *options)
 {
     rigcal_observation corners[4];
     rigcal_pose_solver solver;
-    rc_write_fault(bad, -1);
-    if (cams_from_tag == NULL || n_found == NULL || camera == NULL ||
-        uv == NULL) {
+    rc_write_fault(at_fault, -1);
+    if (cams_from_tag == NULL || n_found == NULL || camera == NULL || uv == NULL) {
         return RIGCAL_ERR_NULL;
     }
     if (!rc_is_finite(size)) {
@@ -68,14 +64,14 @@ rigcal_status rigcal_solve_tag(rigcal_pose cams_from_tag[], size_t *n_found,
         return RIGCAL_ERR_RANGE;
     }
     place_corners(corners, uv, size);
-    const rigcal_status status =
-        rigcal_pose_begin(&solver, bad, camera, corners, NULL, 4, options);
+    const rigcal_view view = {camera, corners, NULL, 4};
+    const rigcal_status status = rigcal_pose_begin(&solver, at_fault, &view, options);
     if (status != RIGCAL_OK) {
         return status;
     }
     (void)rigcal_pose_step(&solver, INT32_MAX);
-    if (solver.n_found > 0 && !keep_front(&solver)) {
+    if (rc_pose_n_found(&solver) > 0 && !keep_front(&solver)) {
         return RIGCAL_ERR_MIRRORED;
     }
-    return rigcal_pose_result(cams_from_tag, n_found, capacity, bad, &solver);
+    return rigcal_pose_result(cams_from_tag, capacity, n_found, at_fault, &solver);
 }

@@ -1,5 +1,8 @@
 #include "rc_transform.h"
 
+/* Steps to the mean of rotations, usually 2 or 3. */
+enum { KARCHER_MAX = 20 };
+
 rigcal_status rc_check_transform(const rigcal_transform *b_from_a)
 {
     if (b_from_a == NULL) {
@@ -16,6 +19,14 @@ rigcal_status rc_check_transform(const rigcal_transform *b_from_a)
 rigcal_status rc_check_point(const rigcal_real X[3])
 {
     return rc_check_numbers(X, 3, RC_COORDINATE_MAX);
+}
+
+rigcal_status rc_check_ray(const rigcal_real ray[3])
+{
+    const rigcal_status status = rc_check_point(ray);
+    return (status == RIGCAL_OK && !(rc_vec3_max_abs(ray) > 1 / RC_COORDINATE_MAX))
+               ? RIGCAL_ERR_RANGE
+               : status;
 }
 
 void rc_transform_identity(rigcal_transform *a_from_a)
@@ -66,6 +77,106 @@ void rc_transform_between(rigcal_transform *b_from_a,
     rc_mat3_mul_t(b_from_a->R, b_from_world->R, a_from_world->R);
     rc_mat3_mul_vec3(turned, b_from_a->R, a_from_world->t);
     rc_vec3_sub(b_from_a->t, b_from_world->t, turned);
+}
+
+/* ---- the mean of transforms ---------------------------------------------- */
+
+static rigcal_real weight_of(const rigcal_real weight[], size_t i)
+{
+    return (weight == NULL) ? 1 : weight[i];
+}
+
+/* Rotation vector from mean to R_i, in the frame of a. */
+static void deviation(rigcal_real w[3], const rigcal_real mean[9],
+                      const rigcal_real R_i[9])
+{
+    rigcal_real mean_t[9], R_i_t[9], between[9];
+    for (int r = 0; r < 3; r++) {
+        for (int c = 0; c < 3; c++) {
+            mean_t[3 * r + c] = mean[3 * c + r];
+            R_i_t[3 * r + c] = R_i[3 * c + r];
+        }
+    }
+    rc_mat3_mul_t(between, mean_t, R_i_t); /* mean^T R_i */
+    rc_vector_from_rotation(w, between);
+}
+
+/* One step to the Karcher mean: turn by the mean deviation. Returns its angle. */
+static rigcal_real karcher_step(rigcal_real mean[9],
+                                const rigcal_transform transforms[],
+                                const rigcal_real weight[], size_t n,
+                                rigcal_real total)
+{
+    rigcal_real step[3] = {0, 0, 0}, turn[9], turned[9];
+    for (size_t i = 0; i < n; i++) {
+        rigcal_real w[3];
+        deviation(w, mean, transforms[i].R);
+        rc_vec3_add_scaled(step, weight_of(weight, i) / total, w);
+    }
+    rc_rotation_from_vector(turn, step);
+    rc_mat3_mul(turned, mean, turn);
+    for (int k = 0; k < 9; k++) {
+        mean[k] = turned[k];
+    }
+    return rc_vec3_norm(step);
+}
+
+static rigcal_status mean_rotation(rigcal_real R[9],
+                                   const rigcal_transform transforms[],
+                                   const rigcal_real weight[], size_t n,
+                                   rigcal_real total)
+{
+    rigcal_real sum[9] = {0}, mean[9];
+    for (size_t i = 0; i < n; i++) {
+        for (int k = 0; k < 9; k++) {
+            sum[k] += weight_of(weight, i) / total * transforms[i].R[k];
+        }
+    }
+    if (!rc_rotation_nearest(mean, sum)) {
+        return RIGCAL_ERR_ROTATION;
+    }
+    for (int i = 0; i < KARCHER_MAX; i++) {
+        if (!(karcher_step(mean, transforms, weight, n, total) > 4 * RC_EPS)) {
+            break;
+        }
+    }
+    return rc_rotation_nearest(R, mean) ? RIGCAL_OK : RIGCAL_ERR_ROTATION;
+}
+
+rigcal_status rc_transform_mean(rigcal_transform *mean, rigcal_real *sigma_rad,
+                                rigcal_real *sigma_t, const rigcal_transform transforms[],
+                                const rigcal_real weight[], size_t n)
+{
+    rigcal_real total = 0, angles = 0, lengths = 0;
+    rigcal_transform found = {{0}, {0}};
+    for (size_t i = 0; i < n; i++) {
+        total += weight_of(weight, i);
+    }
+    const rigcal_status status =
+        mean_rotation(found.R, transforms, weight, n, total);
+    if (status != RIGCAL_OK) {
+        return status;
+    }
+    for (size_t i = 0; i < n; i++) {
+        rc_vec3_add_scaled(found.t, weight_of(weight, i) / total,
+                           transforms[i].t);
+    }
+    for (size_t i = 0; i < n; i++) {
+        const rigcal_real part = weight_of(weight, i) / total;
+        rigcal_real dt[3];
+        const rigcal_real angle = rc_rotation_angle(found.R, transforms[i].R);
+        rc_vec3_sub(dt, transforms[i].t, found.t);
+        angles += part * angle * angle;
+        lengths += part * rc_vec3_dot(dt, dt);
+    }
+    *mean = found;
+    if (sigma_rad != NULL) {
+        *sigma_rad = RC_SQRT(angles);
+    }
+    if (sigma_t != NULL) {
+        *sigma_t = RC_SQRT(lengths);
+    }
+    return RIGCAL_OK;
 }
 
 /* ---- public -------------------------------------------------------------- */
@@ -144,4 +255,41 @@ rigcal_status rigcal_transform_between(rigcal_transform *b_from_a,
         rc_transform_between(b_from_a, b_from_world, a_from_world);
     }
     return status;
+}
+
+static rigcal_status check_weights(const rigcal_real weight[], size_t n)
+{
+    rigcal_real total = 0;
+    for (size_t i = 0; i < n; i++) {
+        const rigcal_real w = weight_of(weight, i);
+        if (!rc_is_finite(w)) {
+            return RIGCAL_ERR_NOT_FINITE;
+        }
+        if (!(w >= 0 && w <= RC_COORDINATE_MAX)) {
+            return RIGCAL_ERR_RANGE;
+        }
+        total += w;
+    }
+    return (total > 0) ? RIGCAL_OK : RIGCAL_ERR_RANGE;
+}
+
+rigcal_status rigcal_transform_mean(rigcal_transform *mean,
+                                    rigcal_real *sigma_rad, rigcal_real *sigma_t,
+                                    const rigcal_transform transforms[],
+                                    const rigcal_real weight[], size_t n)
+{
+    if (mean == NULL || transforms == NULL) {
+        return RIGCAL_ERR_NULL;
+    }
+    if (n < 1) {
+        return RIGCAL_ERR_TOO_FEW;
+    }
+    rigcal_status status =
+        (n > RC_COUNT_MAX) ? RIGCAL_ERR_RANGE : check_weights(weight, n);
+    for (size_t i = 0; i < n && status == RIGCAL_OK; i++) {
+        status = rc_check_transform(&transforms[i]);
+    }
+    return (status == RIGCAL_OK) ? rc_transform_mean(mean, sigma_rad, sigma_t,
+                                                  transforms, weight, n)
+                                 : status;
 }

@@ -372,7 +372,7 @@ void test_scene_random(test_scene *scene, test_rng *rng, int n,
     }
 }
 
-void test_sightings(rigcal_sighting out[], const test_scene *scene)
+void test_bearings(rigcal_bearing out[], const test_scene *scene)
 {
     for (int i = 0; i < scene->n; i++) {
         test_to_real(out[i].X_w, scene->X[i], 3);

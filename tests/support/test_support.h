@@ -10,7 +10,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "rigcal.h"
+#include "rigcal_paper.h"
 #include "unity.h"
 
 /* ---- how much ------------------------------------------------------------ */
@@ -181,7 +181,7 @@ void test_scene_random(test_scene *scene, test_rng *rng, int n,
                        test_shape shape);
 
 /* What the library is handed: rays (x, y, 1), or pixels of `camera`. */
-void test_sightings(rigcal_sighting out[], const test_scene *scene);
+void test_bearings(rigcal_bearing out[], const test_scene *scene);
 void test_observations(rigcal_observation out[], const test_scene *scene,
                        const rigcal_camera *camera);
 

@@ -1,0 +1,25 @@
+/* rc_chance.h - what chance does: sums of squared errors, sets of points that agree
+ * (EQUATIONS.md C, E). */
+#ifndef RC_CHANCE_H
+#define RC_CHANCE_H
+
+#include "rc_real.h"
+
+/* Degrees of freedom of the fit of a pose to n points. Three have none and nearly fit: 1. */
+rigcal_real rc_freedom(size_t n);
+
+/* The value that chi squared of `freedom` degrees of freedom exceeds as seldom as a normal
+ * variable exceeds so many standard deviations (Wilson and Hilferty 1931). */
+rigcal_real rc_chi2_limit(rigcal_real freedom, rigcal_real deviations);
+
+/* (C) Likelihood of a sum of squared errors over that of another, for n >= 3 points.
+ * sigma_px 0: the noise is unknown, and integrated over; `pixel_size` as of rc_pixel_size.
+ * Underflows to 0, overflows to infinity. */
+rigcal_real rc_odds(rigcal_real sse, rigcal_real other, rigcal_real sigma_px,
+                    rigcal_real pixel_size, size_t n);
+
+/* (E) Expected number of sets of `count` of n points that agree with a pose of three of them
+ * although all are wrong, `near` being the chance that a wrong point agrees. At most 1e30. */
+rigcal_real rc_expected_sets(size_t n, size_t count, rigcal_real near);
+
+#endif /* RC_CHANCE_H */

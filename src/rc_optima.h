@@ -1,0 +1,19 @@
+/* rc_optima.h - the optima that a search has found. */
+#ifndef RC_OPTIMA_H
+#define RC_OPTIMA_H
+
+#include "rc_transform.h"
+
+void rc_optimum_transform(rigcal_transform *cam_from_points, const rigcal_optimum *optimum);
+
+/* The first optimum whose rotation is within a (small) angle of R, or -1. */
+int32_t rc_optima_near(const rigcal_optima *optima, const rigcal_real R[9],
+                       rigcal_real angle);
+
+/* Keeps the RIGCAL_POSES_MAX best in order of their sums; of two whose rotations are within
+ * `same`, which are one, the better. This one is worse than none within `same`. Returns its
+ * index, or -1 when there was no place for it. */
+int32_t rc_optima_insert(rigcal_optima *optima, const rigcal_transform *cam_from_points,
+                         rigcal_real sse, rigcal_real same);
+
+#endif /* RC_OPTIMA_H */

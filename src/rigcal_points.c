@@ -1,0 +1,178 @@
+#include "rc_points.h"
+
+/* Noise, stated in pixels or relative, outside which it is a mistake. */
+#define SIGMA_MIN RC(1e-6)
+#define SIGMA_MAX RC(1e6)
+
+/* A change of a sum of squares that means nothing: this in pixels^2, for images without
+ * noise, or the square of the rounding of a pixel, this part of the image's extent. */
+#define GAIN_NEGLIGIBLE RC_TOL(1e-20, 1e-7)
+#define PIXEL_ROUNDING (8 * RC_EPS)
+
+/* ---- checks -------------------------------------------------------------- */
+
+static rigcal_status check_sigma(const rigcal_real *sigma)
+{
+    const rigcal_status status = rc_check_numbers(sigma, 1, SIGMA_MAX);
+    return (status == RIGCAL_OK && !(*sigma >= SIGMA_MIN)) ? RIGCAL_ERR_RANGE : status;
+}
+
+rigcal_status rc_check_noise(const rigcal_real *sigma_px)
+{
+    return rc_all_within(sigma_px, 1, 0) ? RIGCAL_OK : check_sigma(sigma_px);
+}
+
+rigcal_status rc_check_view(const rigcal_view *view)
+{
+    if (view == NULL || view->observations == NULL) {
+        return RIGCAL_ERR_NULL;
+    }
+    return rc_check_camera(view->camera);
+}
+
+/* ---- survey -------------------------------------------------------------- */
+
+void rc_points_of(rigcal_points *points, const rigcal_view *view, const uint8_t mask[])
+{
+    points->view = *view;
+    points->mask = mask;
+    points->left_out = -1;
+    points->is_mirrored = 0;
+}
+
+extern inline int rc_points_have(const rigcal_points *points, size_t i);
+
+int32_t rc_points_next(const rigcal_points *points, int32_t i)
+{
+    while (i < (int32_t)points->view.n && !rc_points_have(points, (size_t)i)) {
+        i++;
+    }
+    return i;
+}
+
+RC_APART rigcal_real rc_points_weight(const rigcal_points *points, size_t i)
+{
+    const rigcal_real *const sigma = points->view.sigma;
+    return (sigma == NULL) ? 1 : 1 / (sigma[i] * sigma[i]);
+}
+
+rigcal_real rc_negligible(rigcal_real pixel_size, rigcal_real extent_px)
+{
+    const rigcal_real rounding = PIXEL_ROUNDING * extent_px;
+    return rc_max(GAIN_NEGLIGIBLE * pixel_size * pixel_size, rounding * rounding);
+}
+
+/* What *points says of its view besides where the points are. */
+static void prepare(rigcal_points *points, rigcal_real extent_px)
+{
+    points->is_pinhole = rc_lens_is_pinhole(points->view.camera);
+    points->extent_px = extent_px;
+    points->pixel_size = rc_pixel_size(points->view.camera);
+    points->negligible = rc_negligible(points->pixel_size, extent_px);
+}
+
+/* Observation i, and its sigma. */
+static rigcal_status check_point(const rigcal_view *view, size_t i)
+{
+    const rigcal_status status = rc_check_observation(&view->observations[i]);
+    return (status == RIGCAL_OK && view->sigma != NULL) ? check_sigma(&view->sigma[i])
+                                                        : status;
+}
+
+rigcal_status rc_points_survey(rigcal_points *points, rigcal_real uv_middle[2],
+                               int32_t *at_fault)
+{
+    const rigcal_observation *const o = points->view.observations, *first = NULL;
+    rigcal_real total = 0, size = 0, extent = 0;
+    rigcal_real shift[3] = {0, 0, 0}, uv_shift[3] = {0, 0, 0};
+    size_t n_used = 0;
+    *at_fault = -1;
+    if (points->view.n > RC_COUNT_MAX) {
+        return RIGCAL_ERR_RANGE;
+    }
+    for (size_t i = 0; i < points->view.n; i++) {
+        if (!rc_points_have(points, i)) {
+            continue;
+        }
+        const rigcal_status status = check_point(&points->view, i);
+        if (status != RIGCAL_OK) {
+            *at_fault = (int32_t)i;
+            return status;
+        }
+        if (n_used++ == 0) {
+            first = &o[i];
+        }
+        rigcal_real x[3]; /* differences of two points are exact */
+        const rigcal_real weight = rc_points_weight(points, i);
+        rc_vec3_sub(x, o[i].X_w, first->X_w);
+        rc_vec3_add_scaled(shift, weight, x);
+        size = rc_max(size, rc_vec3_max_abs(x));
+        total += weight;
+        const rigcal_real uv[3] = {o[i].uv[0] - first->uv[0], o[i].uv[1] - first->uv[1],
+                                   0};
+        rc_vec3_add_scaled(uv_shift, weight, uv);
+        extent = rc_max(extent, rc_vec3_max_abs(uv));
+    }
+    if (n_used < 3) {
+        return RIGCAL_ERR_TOO_FEW;
+    }
+    rc_vec3_combine(points->origin, 1, first->X_w, 1 / total, shift);
+    uv_middle[0] = first->uv[0] + uv_shift[0] / total;
+    uv_middle[1] = first->uv[1] + uv_shift[1] / total;
+    points->n_used = n_used;
+    points->size = size;
+    prepare(points, extent);
+    if (!(size > 1 / RC_COORDINATE_MAX)) {
+        return RIGCAL_ERR_COINCIDENT;
+    }
+    return (rc_vec3_max_abs(points->origin) * RC_EPS <= RC_SHAPE_ROUNDING * size)
+               ? RIGCAL_OK
+               : RIGCAL_ERR_PRECISION;
+}
+
+/* ---- one point ----------------------------------------------------------- */
+
+void rc_points_at(rigcal_real x[3], const rigcal_points *points, size_t i)
+{
+    const rigcal_real *const X = points->view.observations[i].X_w;
+    const rigcal_real *const o = points->origin;
+    rc_vec3_sub(x, points->is_mirrored ? o : X, points->is_mirrored ? X : o);
+}
+
+void rc_points_place(rigcal_real q[3], rigcal_real X_c[3], const rigcal_points *points,
+                     const rigcal_transform *cam_from_points, size_t i)
+{
+    rigcal_real x[3];
+    rc_points_at(x, points, i);
+    rc_mat3_mul_vec3(q, cam_from_points->R, x);
+    rc_vec3_copy(X_c, q);
+    rc_vec3_add(X_c, cam_from_points->t);
+}
+
+extern inline rigcal_status rc_points_residual(rigcal_real e[2], rigcal_real B[6],
+                                               rigcal_real q[3], rigcal_real X_c[3],
+                                               const rigcal_points *points,
+                                               const rigcal_transform *cam_from_points,
+                                               size_t i);
+
+rigcal_real rc_points_distance2(const rigcal_points *points,
+                                const rigcal_transform *cam_from_points, size_t i)
+{
+    rigcal_real e[2] = {0, 0}, B[6], q[3], X_c[3];
+    if (rc_points_residual(e, B, q, X_c, points, cam_from_points, i) != RIGCAL_OK) {
+        return RC_MAX;
+    }
+    return rc_min(e[0] * e[0] + e[1] * e[1], RC_MAX);
+}
+
+int rc_points_are_on_line(const rigcal_points *points)
+{
+    rigcal_real C[6] = {0, 0, 0, 0, 0, 0}, normal[3], thickness, x[3];
+    for (size_t i = 0; i < points->view.n; i++) {
+        if (rc_points_have(points, i)) {
+            rc_points_at(x, points, i);
+            rc_sym3_add_outer(C, 1, x);
+        }
+    }
+    return !rc_sym3_thinnest(normal, &thickness, C);
+}

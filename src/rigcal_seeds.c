@@ -1,0 +1,572 @@
+#include "rc_seeds.h"
+
+/* Directions of the lattice, and how many of the best are followed. */
+enum { LATTICE = 24, FOLLOWED = RIGCAL_SEEDS_MAX };
+
+/* A descent: the simplex's first edge [rad], about half the lattice's spacing, and its
+ * evaluations. It only has to land where refinement converges. */
+#define EDGE RC(0.3)
+enum { DESCENT_EVALS = 10 };
+
+/* A target of less thickness (rc_sym3_thinnest) has a second optimum, which leans the other
+ * way. */
+#define FLAT_THICKNESS RC(0.04)
+
+/* Below this mirrored points have nearly the same image. */
+#define PLANE_THICKNESS RC(1e-4)
+
+/* A direction whose cost is so many times the least is no optimum worth refining, unless the
+ * target is flat: its second optimum may be as bad. */
+#define HOPELESS RC(100)
+
+/* A flat target's seeds that lean other than its first optimum does: the least lean [rad],
+ * and how many times the first one's cost that of sideways ones may be, over the number of
+ * points: the least cost of few points may be small by chance. */
+#define LEAN_LEAST RC(0.3)
+#define SHALLOW RC(400)
+enum { OTHER_WAY = 0, SIDEWAYS, SIDEWAYS_BACK, LEANS };
+
+/* A seed so near to an optimum found [rad] is on its way there. */
+#define SAME_BASIN RC(0.05)
+
+/* Points so near to each other are one; in sizes of the target. */
+#define SAME_POINT RC_TOL(1e-9, 1e-5)
+
+/* Mirrored points are only refined if their cost is below so many times that of the points
+ * as given, in the same direction. */
+#define MIRROR_WORSE RC(10)
+
+/* The rays of a pinhole that are taken in one step. */
+enum { PINHOLE_RAYS = 16 };
+
+/* Rays so far off the middle of the target's image do not fit the virtual camera, and
+ * triples of points take the place of the search: cosine of 80 degrees. */
+#define SPREAD_COSINE RC(0.17)
+
+/* A target with a ray this far off the camera's axis is wide: cosine of 60 degrees. There
+ * pixels change so fast with the pose that a refinement needs a start that is nearly
+ * right. */
+#define WIDE_COSINE RC(0.5)
+
+/* Triples that are tried: one after a search, two without; more until one leads to a pose
+ * that fits. */
+enum { TRIPLES = 6 };
+
+/* Whether there is code for rays that far off: it takes the poses of three points. */
+enum { WITH_WIDE = RIGCAL_WITH_THREE_POINTS };
+
+enum {
+    GATHERING, /* rays, and the sums over the points */
+    GATHERED,
+    PICKING, /* a triple of rays far apart */
+    SCANNING,
+    DESCENT,
+    CHOOSING /* the next start */
+};
+
+/* ---- the virtual camera -------------------------------------------------- */
+
+/* Columns m1, m2, axis: camera from the virtual camera, which looks along its axis. */
+static void look_along(rigcal_real R[9], const rigcal_real axis[3])
+{
+    rigcal_real m1[3], m2[3];
+    rc_vec3_complete(m1, m2, axis);
+    for (int k = 0; k < 3; k++) {
+        R[3 * k] = m1[k];
+        R[3 * k + 1] = m2[k];
+        R[3 * k + 2] = axis[k];
+    }
+}
+
+RC_APART static void turn_to_virtual(rigcal_real turned[3], const rigcal_real axis[3],
+                                     const rigcal_real ray[3])
+{
+    rigcal_real cam_from_virtual[9];
+    look_along(cam_from_virtual, axis);
+    rc_mat3_tmul_vec3(turned, cam_from_virtual, ray);
+}
+
+/* From the virtual camera and size 1 to the camera and the caller's unit. */
+RC_APART static void leave_virtual(rigcal_transform *T, const rigcal_search *s)
+{
+    rigcal_real cam_from_virtual[9], R[9], t[3];
+    look_along(cam_from_virtual, s->axis);
+    rc_mat3_mul(R, cam_from_virtual, T->R);
+    rc_mat3_mul_vec3(t, cam_from_virtual, T->t);
+    for (int k = 0; k < 9; k++) {
+        T->R[k] = R[k];
+    }
+    rc_vec3_scale(T->t, 1 / s->scale, t);
+}
+
+/* Camera from points of a direction. */
+static void seed_pose(rigcal_transform *cam_from_points, const rigcal_search *s,
+                      const rigcal_real m3[3])
+{
+    rc_direction_pose(cam_from_points, &s->from.lattice.moments, m3);
+    leave_virtual(cam_from_points, s);
+}
+
+/* The direction of the virtual camera's axis, seen from the target, at optimum i. */
+static void found_direction(rigcal_real m3[3], const rigcal_search *s, int32_t i)
+{
+    const rigcal_real *const rows = s->optima.list[i].rows, *const axis = s->axis;
+    rc_vec3_cross(m3, &rows[0], &rows[3]);
+    rc_vec3_combine(m3, axis[2], m3, axis[0], &rows[0]);
+    rc_vec3_add_scaled(m3, axis[1], &rows[3]);
+}
+
+/* ---- gathering ----------------------------------------------------------- */
+
+static void begin_gathering(rigcal_search *s)
+{
+    s->phase = GATHERING;
+    s->next = rc_points_next(&s->points, 0);
+    s->n_seeds = s->n_exact = s->triples = s->leans = s->is_wide = 0;
+    s->scale = 1 / s->points.size;
+    s->work.triple.count = 0;
+    rc_moments_begin(&s->from.lattice.moments);
+}
+
+static void look_ahead(rigcal_search *s)
+{
+    s->axis[0] = s->axis[1] = 0;
+    s->axis[2] = 1;
+}
+
+void rc_seeds_begin(rigcal_search *s, const rigcal_real uv_middle[2])
+{
+    if (rc_pixel_to_ray(s->axis, s->points.view.camera, uv_middle) != RIGCAL_OK) {
+        look_ahead(s);
+    }
+    begin_gathering(s);
+}
+
+/* Counts point i if it is different from those that count. */
+RC_APART static void count_point(rigcal_search *s, int32_t i, const rigcal_real ray[3])
+{
+    const rigcal_observation *const o = s->points.view.observations;
+    rigcal_triple *const triple = &s->work.triple;
+    if (triple->count > 3) {
+        return;
+    }
+    for (int k = 0; k < triple->count; k++) {
+        rigcal_real x[3];
+        rc_vec3_sub(x, o[i].X_w, o[triple->index[k]].X_w);
+        if (!(rc_vec3_max_abs(x) * s->scale > SAME_POINT)) {
+            return;
+        }
+    }
+    if (triple->count < 3) {
+        triple->index[triple->count] = i;
+        rc_vec3_copy(triple->ray[triple->count], ray);
+    }
+    triple->count++;
+}
+
+static void begin_picking(rigcal_search *s)
+{
+    s->phase = PICKING;
+    s->work.triple.count = 0;
+}
+
+/* Point s->next, scaled to size 1, and its image in the virtual camera. */
+static int32_t gather_point(rigcal_search *s)
+{
+    const int32_t i = s->next;
+    rigcal_real x[3], ray[3], u[3];
+    if (rc_pixel_to_ray(ray, s->points.view.camera, s->points.view.observations[i].uv) !=
+        RIGCAL_OK) {
+        return RC_SEEDS_UNSEEN;
+    }
+    turn_to_virtual(u, s->axis, ray);
+    if (!WITH_WIDE && !(ray[2] > SPREAD_COSINE)) {
+        return RIGCAL_ERR_WIDE_RAY;
+    }
+    if (!(u[2] > SPREAD_COSINE)) {
+        if (WITH_WIDE) {
+            s->is_wide = 1;
+            begin_picking(s);
+        } else { /* by the camera's own axis, off which no ray is that far */
+            look_ahead(s);
+            begin_gathering(s);
+        }
+        return RC_SEEDS_BUSY;
+    }
+    s->is_wide |= WITH_WIDE && !(ray[2] > WIDE_COSINE);
+    rc_vec3_scale(u, 1 / u[2], u);
+    rc_points_at(x, &s->points, (size_t)i);
+    rc_vec3_scale(x, s->scale, x);
+    rc_moments_add(&s->from.lattice.moments, rc_points_weight(&s->points, (size_t)i), x, u);
+    count_point(s, i, ray);
+    s->next = rc_points_next(&s->points, i + 1);
+    return RC_SEEDS_BUSY;
+}
+
+static int32_t gathering_step(rigcal_search *s)
+{
+    const int32_t n = (int32_t)s->points.view.n;
+    int32_t left = s->points.is_pinhole ? PINHOLE_RAYS : 1;
+    for (; left > 0 && s->next < n; left--) {
+        const int32_t came = gather_point(s);
+        if (came != RC_SEEDS_BUSY || s->phase != GATHERING) {
+            return came;
+        }
+    }
+    if (s->next == n) {
+        s->phase = GATHERED;
+    }
+    return RC_SEEDS_BUSY;
+}
+
+/* ---- three points -------------------------------------------------------- */
+
+RC_APART int32_t rc_poses_of_three(rigcal_transform cam_from_points[RC_P3P_MAX],
+                                   const rigcal_points *points, const int32_t index[3],
+                                   const rigcal_real ray[3][3])
+{
+    rigcal_real x[3][3];
+    for (int k = 0; k < 3; k++) {
+        rc_points_at(x[k], points, (size_t)index[k]);
+    }
+    return rc_p3p(cam_from_points, (const rigcal_real(*)[3])x, ray);
+}
+
+int rc_seeds_pick(rigcal_search *s)
+{
+    if (s->triples >= TRIPLES) {
+        return 0;
+    }
+    begin_picking(s);
+    return 1;
+}
+
+/* A triple spread over the points' order, and its poses. */
+RC_APART static int32_t picking_step(rigcal_search *s)
+{
+    const int32_t n = (int32_t)s->points.view.n;
+    rigcal_triple *const triple = &s->work.triple;
+    int32_t i = s->triples++;
+    for (int k = 0; k < 3; k++) {
+        i = rc_points_next(&s->points, i);
+        i = (i < n) ? i : rc_points_next(&s->points, i - n);
+        if (rc_pixel_to_ray(triple->ray[k], s->points.view.camera,
+                            s->points.view.observations[i].uv) != RIGCAL_OK) {
+            s->next = i;
+            return RC_SEEDS_UNSEEN;
+        }
+        triple->index[k] = i;
+        i += ((n + 1) >> 2) + (n >> 4);
+    }
+    s->next = 0;
+    s->n_exact = rc_poses_of_three(s->from.exact, &s->points, triple->index,
+                                   (const rigcal_real(*)[3])triple->ray);
+    s->phase = CHOOSING;
+    return RC_SEEDS_BUSY;
+}
+
+/* A pose of three points; of more, unless it would only lead to an optimum found. */
+static int32_t next_exact(rigcal_search *s)
+{
+    rigcal_transform *const start = &s->work.refinement.cam_from_points;
+    *start = s->from.exact[s->next++];
+    return (s->points.n_used == 3 || rc_optima_near(&s->optima, start->R, SAME_BASIN) < 0)
+               ? RC_SEEDS_START
+               : RC_SEEDS_BUSY;
+}
+
+/* The poses of a triple have been handed out. Two triples are tried at least, or one after a
+ * search. */
+static int32_t end_triple(rigcal_search *s)
+{
+    if (s->optima.n > 0 && s->triples + (s->n_seeds > 0) > 1) {
+        return RC_SEEDS_TRIPLE_SPENT;
+    }
+    return rc_seeds_pick(s) ? RC_SEEDS_BUSY : RC_SEEDS_TRIPLE_SPENT;
+}
+
+/* ---- the lattice --------------------------------------------------------- */
+
+/* z = z w, complex */
+RC_APART static void turn(rigcal_real z[2], const rigcal_real w[2])
+{
+    const rigcal_real x = z[0] * w[0] - z[1] * w[1];
+    const rigcal_real y = z[0] * w[1] + z[1] * w[0];
+    z[0] = x;
+    z[1] = y;
+}
+
+/* A golden angle, pi (3 - sqrt 5). */
+static const rigcal_real GOLDEN[2] = {RC(-0.73736887807831989), RC(0.67549029426152364)};
+
+/* Direction `index` of a Fibonacci sphere: heights in even steps, azimuths a golden angle
+ * apart. */
+RC_APART static void direction_of(rigcal_real m3[3], int32_t index,
+                                  const rigcal_real azimuth[2])
+{
+    m3[2] = 1 - (rigcal_real)(2 * index + 1) / (rigcal_real)LATTICE;
+    const rigcal_real r = RC_SQRT(1 - m3[2] * m3[2]);
+    m3[0] = r * azimuth[0];
+    m3[1] = r * azimuth[1];
+}
+
+static void seed_direction(rigcal_real m3[3], int32_t index)
+{
+    rigcal_real azimuth[2] = {1, 0}, by[2] = {GOLDEN[0], GOLDEN[1]};
+    for (int32_t left = index; left > 0; left /= 2) {
+        if (left % 2 == 1) {
+            turn(azimuth, by);
+        }
+        turn(by, by);
+    }
+    direction_of(m3, index, azimuth);
+}
+
+/* Keeps the FOLLOWED best directions in order of cost; this one is among them. */
+static void insert_seed(rigcal_search *s, rigcal_real cost)
+{
+    rigcal_lattice *const lattice = &s->from.lattice;
+    int32_t at = (s->n_seeds < FOLLOWED) ? s->n_seeds++ : FOLLOWED - 1;
+    for (; at > 0 && cost < lattice->cost[at - 1]; at--) {
+        lattice->cost[at] = lattice->cost[at - 1];
+        lattice->index[at] = lattice->index[at - 1];
+    }
+    lattice->cost[at] = cost;
+    lattice->index[at] = s->next;
+}
+
+RC_APART static void scanning_step(rigcal_search *s)
+{
+    rigcal_lattice *const lattice = &s->from.lattice;
+    rigcal_real m3[3];
+    direction_of(m3, s->next, lattice->azimuth);
+    turn(lattice->azimuth, GOLDEN);
+    const rigcal_real cost = rc_direction_cost(&lattice->moments, m3);
+    if (s->n_seeds < FOLLOWED || cost < lattice->cost[FOLLOWED - 1]) {
+        insert_seed(s, cost);
+    }
+    if (++s->next == LATTICE) {
+        lattice->least_cost = lattice->cost[0];
+        s->next = 0;
+        s->phase = CHOOSING;
+    }
+}
+
+/* All points have been gathered. */
+RC_APART static int32_t begin_search(rigcal_search *s)
+{
+    rigcal_moments *const sums = &s->from.lattice.moments;
+    const rigcal_triple *const triple = &s->work.triple;
+    rigcal_real thickness;
+    s->next = 0;
+    if (!rc_moments_finish(sums) || triple->count < 3) {
+        return RIGCAL_ERR_COINCIDENT;
+    }
+    if (!rc_sym3_thinnest(s->normal, &thickness, sums->C)) {
+        return RIGCAL_ERR_COLLINEAR;
+    }
+    s->is_flat = thickness < FLAT_THICKNESS;
+    s->is_plane = thickness < PLANE_THICKNESS;
+    if (triple->count == 3) {
+        if (!RIGCAL_WITH_THREE_POINTS) {
+            return RIGCAL_ERR_TOO_FEW;
+        }
+        /* If there is no pose, the sums, which share memory with the poses, are still
+         * there. */
+        s->n_exact = rc_poses_of_three(s->from.exact, &s->points, triple->index,
+                                       (const rigcal_real(*)[3])triple->ray);
+        s->triples = (s->n_exact > 0) ? TRIPLES : 0;
+    }
+    s->phase = CHOOSING;
+    if (s->n_exact == 0) {
+        s->phase = SCANNING;
+        s->from.lattice.azimuth[0] = 1;
+        s->from.lattice.azimuth[1] = 0;
+    }
+    return RC_SEEDS_BUSY;
+}
+
+/* ---- the descent --------------------------------------------------------- */
+
+/* Whether the way to an optimum found is downhill: then a descent would only end there once
+ * more. */
+static int leads_to_found(const rigcal_search *s, const rigcal_real m3[3],
+                          rigcal_real cost)
+{
+    for (int32_t i = 0; i < s->optima.n; i++) {
+        rigcal_real middle[3];
+        found_direction(middle, s, i);
+        rc_vec3_add(middle, m3);
+        if (rc_vec3_unit(middle, middle) &&
+            rc_direction_cost(&s->from.lattice.moments, middle) < cost) {
+            return 1;
+        }
+    }
+    return 0;
+}
+
+/* The direction at (a, b) in the plane that touches the sphere at a seed. */
+static void direction_near(rigcal_real m3[3], const rigcal_real seed[3],
+                           const rigcal_real ab[2])
+{
+    rigcal_real m1[3], m2[3];
+    rc_vec3_complete(m1, m2, seed);
+    rc_vec3_combine(m3, ab[0], m1, ab[1], m2);
+    rc_vec3_add(m3, seed);
+    (void)rc_vec3_unit(m3, m3);
+}
+
+static void begin_descent(rigcal_search *s, const rigcal_real m3[3], rigcal_real cost)
+{
+    static const rigcal_real SIMPLEX[6] = {0, 0, EDGE, 0, 0, EDGE};
+    rigcal_descent *const descent = &s->work.descent;
+    rc_neldermead_begin_simplex(&descent->nm, SIMPLEX, 2, RC(1e-4), 0, DESCENT_EVALS);
+    rc_neldermead_tell(&descent->nm, cost); /* known already */
+    rc_vec3_copy(descent->m3, m3);
+    s->phase = DESCENT;
+}
+
+/* Seed i, if it is worth a descent. */
+static void try_seed(rigcal_search *s, int32_t i)
+{
+    const rigcal_real cost = s->from.lattice.cost[i];
+    rigcal_real m3[3];
+    seed_direction(m3, s->from.lattice.index[i]);
+    if (cost < RC_MAX && !leads_to_found(s, m3, cost)) {
+        begin_descent(s, m3, cost);
+    }
+}
+
+/* A direction as a start, unless it would only lead to an optimum found. */
+RC_APART static int32_t follow(rigcal_search *s, const rigcal_real m3[3])
+{
+    rigcal_transform *const start = &s->work.refinement.cam_from_points;
+    seed_pose(start, s, m3);
+    return (rc_optima_near(&s->optima, start->R, SAME_BASIN) < 0) ? RC_SEEDS_START
+                                                                  : RC_SEEDS_BUSY;
+}
+
+static int32_t end_descent(rigcal_search *s)
+{
+    rigcal_lattice *const lattice = &s->from.lattice;
+    const rigcal_vertex *const best = rc_neldermead_best(&s->work.descent.nm);
+    rigcal_real m3[3];
+    direction_near(m3, s->work.descent.m3, best->x);
+    lattice->least_cost = rc_min(lattice->least_cost, best->cost);
+    /* Rounding makes the costs of noiseless images anything: the last term. */
+    const rigcal_real hopeless =
+        HOPELESS * lattice->least_cost + 64 * RC_EPS * lattice->moments.weight;
+    s->phase = CHOOSING;
+    return (s->optima.n == 0 || s->is_flat || !(best->cost > hopeless)) ? follow(s, m3)
+                                                                       : RC_SEEDS_BUSY;
+}
+
+RC_APART static int32_t descent_step(rigcal_search *s)
+{
+    rigcal_neldermead *const nm = &s->work.descent.nm;
+    rigcal_real m3[3];
+    direction_near(m3, s->work.descent.m3, nm->trial.x);
+    rc_neldermead_tell(nm, rc_direction_cost(&s->from.lattice.moments, m3));
+    return (nm->status == RIGCAL_RUNNING) ? RC_SEEDS_BUSY : end_descent(s);
+}
+
+/* ---- flat targets -------------------------------------------------------- */
+
+/* A flat target's other optimum leans the other way: there the line of sight is mirrored in
+ * the target's normal n, m3' = 2 (m3.n) n - m3, m3 being that of the first one found. Nearly
+ * head-on the tilt is weakly determined, the other optimum may lean more, and there may be a
+ * third one sideways. */
+static void leaning_direction(rigcal_real m3[3], const rigcal_real first[3],
+                              const rigcal_real normal[3], int32_t lean)
+{
+    rigcal_real side[3], back[3];
+    rc_vec3_cross(side, normal, first);
+    /* Head-on any way will do. */
+    if (!(rc_vec3_norm(side) > RC_TOL(1e-6, 1e-3))) {
+        rc_vec3_complete(side, back, normal);
+    }
+    rc_vec3_cross(back, normal, side); /* along n - m3: the other way */
+    const rigcal_real far = rc_max(1, LEAN_LEAST / rc_vec3_norm(side));
+    rc_vec3_combine(m3, rc_vec3_dot(first, normal), normal,
+                    (lean == SIDEWAYS_BACK) ? -far : far,
+                    (lean == OTHER_WAY) ? back : side);
+    (void)rc_vec3_unit(m3, m3);
+}
+
+/* The way of a lean, if it is worth it. */
+static int32_t try_lean(rigcal_search *s, int32_t lean)
+{
+    const rigcal_moments *const sums = &s->from.lattice.moments;
+    const rigcal_real n = (rigcal_real)(int32_t)s->points.n_used;
+    rigcal_real first[3], m3[3];
+    found_direction(first, s, 0);
+    leaning_direction(m3, first, s->normal, lean);
+    return (lean == OTHER_WAY ||
+            rc_direction_cost(sums, m3) * n < SHALLOW * rc_direction_cost(sums, first))
+               ? follow(s, m3)
+               : RC_SEEDS_BUSY;
+}
+
+/* ---- mirrored points ----------------------------------------------------- */
+
+/* Mirrored points, -x, have far away the same image as x, turned half about the line of
+ * sight: their pose is near the direction found, and the cost there tells whether it is
+ * worth refining. */
+int rc_seeds_mirrored(rigcal_search *s)
+{
+    rigcal_moments *const sums = &s->from.lattice.moments;
+    rigcal_real m3[3];
+    if (s->is_plane) {
+        return 0;
+    }
+    found_direction(m3, s, 0);
+    const rigcal_real cost = rc_direction_cost(sums, m3);
+    rc_moments_mirror(sums);
+    if (!(rc_direction_cost(sums, m3) < MIRROR_WORSE * cost)) {
+        return 0;
+    }
+    seed_pose(&s->work.refinement.cam_from_points, s, m3);
+    return 1;
+}
+
+/* ---- the next start ------------------------------------------------------ */
+
+RC_APART static int32_t choosing_step(rigcal_search *s)
+{
+    if (WITH_WIDE && s->next < s->n_exact) {
+        return next_exact(s);
+    }
+    if (WITH_WIDE && s->triples > 0) {
+        return end_triple(s);
+    }
+    if (s->is_flat && s->optima.n > 0 && s->leans < LEANS) {
+        return try_lean(s, s->leans++);
+    }
+    if (s->next < s->n_seeds) {
+        try_seed(s, s->next++);
+    } else if (WITH_WIDE && s->is_wide) {
+        begin_picking(s);
+    } else {
+        return RC_SEEDS_SPENT;
+    }
+    return RC_SEEDS_BUSY;
+}
+
+int32_t rc_seeds_step(rigcal_search *s)
+{
+    switch (s->phase) {
+    case GATHERING:
+        return gathering_step(s);
+    case GATHERED:
+        return begin_search(s);
+    case PICKING:
+        return WITH_WIDE ? picking_step(s) : RC_SEEDS_BUSY;
+    case SCANNING:
+        scanning_step(s);
+        return RC_SEEDS_BUSY;
+    case DESCENT:
+        return descent_step(s);
+    default:
+        return choosing_step(s);
+    }
+}

@@ -79,10 +79,9 @@ RC_APART static rigcal_real squared_pixels(const rigcal_pose_solver *s, int32_t 
         return s->search.optima.list[i].sse;
     }
     rc_pose_found(&cam_from_points, s, i);
-    for (size_t k = 0; k < points->view.n; k++) {
-        if (rc_points_have(points, k)) {
-            sum += rc_points_distance2(points, &cam_from_points, k);
-        }
+    for (size_t k = rc_points_next(points, 0); k < points->view.n;
+         k = rc_points_next(points, k + 1)) {
+        sum += rc_points_distance2(points, &cam_from_points, k);
     }
     return sum;
 }
@@ -100,6 +99,12 @@ RC_APART static int is_poor(const rigcal_pose_solver *s, rigcal_real most,
     }
     return !(sum <=
              noise * noise * rc_chi2_limit(rc_freedom(points->n_used), deviations));
+}
+
+/* Whether three points are all there are. */
+static int is_exact(const rigcal_pose_solver *s)
+{
+    return RIGCAL_WITH_THREE_POINTS && s->search.points.n_used == 3;
 }
 
 /* ---- how well the points fix it ------------------------------------------ */
@@ -129,7 +134,7 @@ static void begin_weighing(rigcal_pose_solver *s, size_t n)
 static void end_search(rigcal_pose_solver *s)
 {
     s->phase = DONE;
-    if (s->search.points.n_used == 3 && !(s->sigma_px > 0)) {
+    if (is_exact(s) && !(s->sigma_px > 0)) {
         keep_exact(s);
     }
     if (s->search.optima.n > 0) {
@@ -232,7 +237,7 @@ RC_APART static void seeding_step(rigcal_pose_solver *s)
     if (came == RC_SEEDS_START) {
         begin_refining(s, REFINING, s->search.is_wide);
     } else if (came == RC_SEEDS_UNSEEN) {
-        leave_out(s, s->search.next);
+        leave_out(s, (int32_t)s->search.point);
     } else if (came == RC_SEEDS_TRIPLE_SPENT) {
         if (s->search.optima.n == 0 || !is_poor(s, NOISE_MOST, DEVIATIONS) ||
             !rc_seeds_pick(&s->search)) {
@@ -241,7 +246,7 @@ RC_APART static void seeding_step(rigcal_pose_solver *s)
     } else if (came == RC_SEEDS_SPENT) {
         end_seeding(s);
     } else {
-        fail(s, came, (came == RIGCAL_ERR_WIDE_RAY) ? s->search.next : s->at_fault);
+        fail(s, came, (came == RIGCAL_ERR_WIDE_RAY) ? (int32_t)s->search.point : s->at_fault);
     }
 }
 
@@ -255,20 +260,14 @@ static void end_warm(rigcal_pose_solver *s)
     }
 }
 
-/* The tolerance within which two optima are one. */
-static rigcal_real same_angle(const rigcal_pose_solver *s)
-{
-    return (s->search.points.n_used == 3) ? SAME_EXACT : SAME_POSE;
-}
-
 /* The refinement's end is an optimum, or none. */
 RC_APART static void settle(rigcal_pose_solver *s, int is_optimum)
 {
     rigcal_refinement *const end = &s->search.work.refinement;
     if (is_optimum) {
         rc_rotation_tidy(end->cam_from_points.R);
-        if (rc_optima_insert(&s->search.optima, &end->cam_from_points, end->search.sum,
-                             same_angle(s)) == 0) {
+        if (rc_optima_insert(&s->search.optima, s->same, &end->cam_from_points,
+                             end->search.sum) == 0) {
             s->is_unfinished = end->search.status == RIGCAL_BUDGET_SPENT;
         }
     }
@@ -287,7 +286,8 @@ RC_APART static void end_refinement(rigcal_pose_solver *s)
     const rigcal_refinement *const end = &s->search.work.refinement;
     const rigcal_status status = end->search.status;
     const rigcal_real sum = end->search.sum;
-    const int32_t same = rc_optima_near(optima, end->cam_from_points.R, same_angle(s));
+    const int32_t same = rc_optima_near(optima, end->cam_from_points.R,
+                                        is_exact(s) ? SAME_EXACT : SAME_POSE);
     int is_optimum = status == RIGCAL_OK;
     if (!s->is_warm && status == RIGCAL_BUDGET_SPENT) {
         is_optimum = optima->n == 0 || sum < optima->list[0].sse;
@@ -298,6 +298,7 @@ RC_APART static void end_refinement(rigcal_pose_solver *s)
     if (same >= 0 && !(sum < optima->list[same].sse)) {
         is_optimum = 0;
     }
+    s->same = same;
     if (is_optimum && !s->search.points.is_pinhole) {
         s->next = rc_points_next(&s->search.points, 0);
         s->phase = PROVING;
@@ -310,11 +311,10 @@ RC_APART static void proving_step(rigcal_pose_solver *s)
 {
     const rigcal_points *const points = &s->search.points;
     rigcal_real q[3], X_c[3], uv[2];
-    rc_points_place(q, X_c, points, &s->search.work.refinement.cam_from_points,
-                    (size_t)s->next);
+    rc_points_place(q, X_c, points, &s->search.work.refinement.cam_from_points, s->next);
     const int is_seen = rc_project_usable(uv, points->view.camera, X_c) == RIGCAL_OK;
     s->next = rc_points_next(points, s->next + 1);
-    if (!is_seen || s->next == (int32_t)points->view.n) {
+    if (!is_seen || s->next == points->view.n) {
         settle(s, is_seen);
     }
 }
@@ -401,10 +401,8 @@ static void begin_warm(rigcal_pose_solver *s, const rigcal_transform *start)
 }
 
 rigcal_status rc_pose_begin(rigcal_pose_solver *solver, int32_t *at_fault,
-                            const rigcal_points *points,
-                            const rigcal_pose_options *options)
+                            rigcal_points *points, const rigcal_pose_options *options)
 {
-    rigcal_points surveyed = *points;
     rigcal_real uv_middle[2];
     int32_t at = -1;
     rigcal_status status = rc_check_view(&points->view);
@@ -412,14 +410,14 @@ rigcal_status rc_pose_begin(rigcal_pose_solver *solver, int32_t *at_fault,
         status = check_options(options);
     }
     if (status == RIGCAL_OK) {
-        status = rc_points_survey(&surveyed, uv_middle, &at);
+        status = rc_points_survey(points, uv_middle, &at);
     }
     rc_write_fault(at_fault, at);
     if (status != RIGCAL_OK) {
         return status;
     }
     *solver = (rigcal_pose_solver){0};
-    solver->search.points = surveyed;
+    solver->search.points = *points;
     solver->at_fault = -1;
     if (options != NULL) {
         solver->sigma_px = options->sigma_px;

@@ -121,8 +121,8 @@ static void found_direction(rigcal_real m3[3], const rigcal_search *s, int32_t i
 static void begin_gathering(rigcal_search *s)
 {
     s->phase = GATHERING;
-    s->next = rc_points_next(&s->points, 0);
-    s->n_seeds = s->n_exact = s->triples = s->leans = s->is_wide = 0;
+    s->point = rc_points_next(&s->points, 0);
+    s->next = s->n_seeds = s->n_exact = s->triples = s->leans = s->is_wide = 0;
     s->scale = 1 / s->points.size;
     s->work.triple.count = 0;
     rc_moments_begin(&s->from.lattice.moments);
@@ -143,7 +143,7 @@ void rc_seeds_begin(rigcal_search *s, const rigcal_real uv_middle[2])
 }
 
 /* Counts point i if it is different from those that count. */
-RC_APART static void count_point(rigcal_search *s, int32_t i, const rigcal_real ray[3])
+RC_APART static void count_point(rigcal_search *s, size_t i, const rigcal_real ray[3])
 {
     const rigcal_observation *const o = s->points.view.observations;
     rigcal_triple *const triple = &s->work.triple;
@@ -158,7 +158,7 @@ RC_APART static void count_point(rigcal_search *s, int32_t i, const rigcal_real 
         }
     }
     if (triple->count < 3) {
-        triple->index[triple->count] = i;
+        triple->index[triple->count] = (int32_t)i;
         rc_vec3_copy(triple->ray[triple->count], ray);
     }
     triple->count++;
@@ -170,10 +170,10 @@ static void begin_picking(rigcal_search *s)
     s->work.triple.count = 0;
 }
 
-/* Point s->next, scaled to size 1, and its image in the virtual camera. */
+/* Point s->point, scaled to size 1, and its image in the virtual camera. */
 static int32_t gather_point(rigcal_search *s)
 {
-    const int32_t i = s->next;
+    const size_t i = s->point;
     rigcal_real x[3], ray[3], u[3];
     if (rc_pixel_to_ray(ray, s->points.view.camera, s->points.view.observations[i].uv) !=
         RIGCAL_OK) {
@@ -195,25 +195,25 @@ static int32_t gather_point(rigcal_search *s)
     }
     s->is_wide |= WITH_WIDE && !(ray[2] > WIDE_COSINE);
     rc_vec3_scale(u, 1 / u[2], u);
-    rc_points_at(x, &s->points, (size_t)i);
+    rc_points_at(x, &s->points, i);
     rc_vec3_scale(x, s->scale, x);
-    rc_moments_add(&s->from.lattice.moments, rc_points_weight(&s->points, (size_t)i), x, u);
+    rc_moments_add(&s->from.lattice.moments, rc_points_weight(&s->points, i), x, u);
     count_point(s, i, ray);
-    s->next = rc_points_next(&s->points, i + 1);
+    s->point = rc_points_next(&s->points, i + 1);
     return RC_SEEDS_BUSY;
 }
 
 static int32_t gathering_step(rigcal_search *s)
 {
-    const int32_t n = (int32_t)s->points.view.n;
-    int32_t left = s->points.is_pinhole ? PINHOLE_RAYS : 1;
-    for (; left > 0 && s->next < n; left--) {
+    const size_t n = s->points.view.n;
+    int left = s->points.is_pinhole ? PINHOLE_RAYS : 1;
+    for (; left > 0 && s->point < n; left--) {
         const int32_t came = gather_point(s);
         if (came != RC_SEEDS_BUSY || s->phase != GATHERING) {
             return came;
         }
     }
-    if (s->next == n) {
+    if (s->point == n) {
         s->phase = GATHERED;
     }
     return RC_SEEDS_BUSY;
@@ -244,18 +244,18 @@ int rc_seeds_pick(rigcal_search *s)
 /* A triple spread over the points' order, and its poses. */
 RC_APART static int32_t picking_step(rigcal_search *s)
 {
-    const int32_t n = (int32_t)s->points.view.n;
+    const size_t n = s->points.view.n;
     rigcal_triple *const triple = &s->work.triple;
-    int32_t i = s->triples++;
+    size_t i = (size_t)s->triples++;
     for (int k = 0; k < 3; k++) {
         i = rc_points_next(&s->points, i);
         i = (i < n) ? i : rc_points_next(&s->points, i - n);
         if (rc_pixel_to_ray(triple->ray[k], s->points.view.camera,
                             s->points.view.observations[i].uv) != RIGCAL_OK) {
-            s->next = i;
+            s->point = i;
             return RC_SEEDS_UNSEEN;
         }
-        triple->index[k] = i;
+        triple->index[k] = (int32_t)i;
         i += ((n + 1) >> 2) + (n >> 4);
     }
     s->next = 0;
@@ -358,7 +358,6 @@ RC_APART static int32_t begin_search(rigcal_search *s)
     rigcal_moments *const sums = &s->from.lattice.moments;
     const rigcal_triple *const triple = &s->work.triple;
     rigcal_real thickness;
-    s->next = 0;
     if (!rc_moments_finish(sums) || triple->count < 3) {
         return RIGCAL_ERR_COINCIDENT;
     }

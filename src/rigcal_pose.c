@@ -158,6 +158,7 @@ RC_APART static void begin_search(rigcal_pose_solver *s)
 /* The previous pose was of no use. */
 static void begin_cold(rigcal_pose_solver *s)
 {
+    RIGCAL_TRACE("the start is dropped", 0, 0);
     s->is_warm = 0;
     s->search.optima.n = 0;
     begin_search(s);
@@ -170,7 +171,7 @@ RC_APART static void weighing_step(rigcal_pose_solver *s)
     const rigcal_search *const search = &s->search;
     const rigcal_points *const points = &search->points;
     rigcal_refinement *const work = &s->search.work.refinement;
-    rigcal_real noise = s->sigma_px, variance, sum;
+    rigcal_real noise = s->sigma_px, variance = 0, sum;
     rc_pose_found(&work->cam_from_points, s, 0);
     const rigcal_status status =
         rc_refine_equations(&sum, work->g, work->H, points, s->n_weighed,
@@ -181,6 +182,8 @@ RC_APART static void weighing_step(rigcal_pose_solver *s)
     }
     s->is_vague = status < 0 || !rc_sym6_inverse_trace(&variance, work->H) ||
                   !(noise * noise * variance <= VAGUE * VAGUE);
+    RIGCAL_TRACE("vague (1: yes) by the first observations, variance of rotation",
+                 s->is_vague, noise * noise * variance);
     s->phase = DONE;
     if (s->is_vague && s->n_weighed < points->view.n) {
         begin_weighing(s, points->view.n);
@@ -199,6 +202,7 @@ static void leave_out(rigcal_pose_solver *s, int32_t i)
         fail(s, RIGCAL_ERR_NO_RAY, i);
         return;
     }
+    RIGCAL_TRACE("no ray: left out point", i, 0);
     s->search.points.left_out = s->at_fault = i;
     begin_search(s);
 }
@@ -225,6 +229,8 @@ static void end_mirrored(rigcal_pose_solver *s)
     const rigcal_levenberg *const end = &s->search.work.refinement.search;
     points->is_mirrored = !points->is_mirrored;
     s->is_mirrored = end->status >= 0 && likelihood_of(s, end->sum) > MIRROR_ODDS;
+    RIGCAL_TRACE("mirrored points (1: likelier), their sum of squares", s->is_mirrored,
+                 end->sum);
     end_search(s);
 }
 
@@ -299,6 +305,9 @@ RC_APART static void end_refinement(rigcal_pose_solver *s)
         is_optimum = 0;
     }
     s->same = same;
+    RIGCAL_TRACE("refined: status, sum of squares", status, sum);
+    RIGCAL_TRACE("evaluations; 1: a new or better optimum", end->evals,
+                 (rigcal_real)is_optimum);
     if (is_optimum && !s->search.points.is_pinhole) {
         s->next = rc_points_next(&s->search.points, 0);
         s->phase = PROVING;
@@ -313,6 +322,9 @@ RC_APART static void proving_step(rigcal_pose_solver *s)
     rigcal_real q[3], X_c[3], uv[2];
     rc_points_place(q, X_c, points, &s->search.work.refinement.cam_from_points, s->next);
     const int is_seen = rc_project_usable(uv, points->view.camera, X_c) == RIGCAL_OK;
+    if (!is_seen) {
+        RIGCAL_TRACE("the lens does not see point", (int32_t)s->next, 0);
+    }
     s->next = rc_points_next(points, s->next + 1);
     if (!is_seen || s->next == points->view.n) {
         settle(s, is_seen);
@@ -488,7 +500,7 @@ static void write_pose(rigcal_pose *out, const rigcal_pose_solver *s, int32_t i)
 }
 
 /* The first caveat that applies. */
-static rigcal_status verdict(const rigcal_pose_solver *s, rigcal_real probability)
+static rigcal_status caveat_of(const rigcal_pose_solver *s, rigcal_real probability)
 {
     if (s->is_mirrored || is_poor(s, NOISE_MOST, DEVIATIONS)) {
         return RIGCAL_POOR_FIT;
@@ -534,7 +546,9 @@ rigcal_status rigcal_pose_result(rigcal_pose poses[], size_t capacity, size_t *n
         poses[i].probability = rc_pose_likelihood(s, (int32_t)i) / total;
     }
     *n_found = n;
-    return verdict(s, poses[0].probability);
+    const rigcal_status status = caveat_of(s, poses[0].probability);
+    RIGCAL_TRACE("verdict: status, probability", status, poses[0].probability);
+    return status;
 }
 
 rigcal_status rigcal_pose_solve(rigcal_pose poses[], size_t capacity, size_t *n_found,

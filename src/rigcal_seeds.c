@@ -185,6 +185,7 @@ static int32_t gather_point(rigcal_search *s)
     }
     if (!(u[2] > SPREAD_COSINE)) {
         if (WITH_WIDE) {
+            RIGCAL_TRACE("rays too far apart for the lattice: point", i, u[2]);
             s->is_wide = 1;
             begin_picking(s);
         } else { /* by the camera's own axis, off which no ray is that far */
@@ -261,6 +262,7 @@ RC_APART static int32_t picking_step(rigcal_search *s)
     s->next = 0;
     s->n_exact = rc_poses_of_three(s->from.exact, &s->points, triple->index,
                                    (const rigcal_real(*)[3])triple->ray);
+    RIGCAL_TRACE("poses of a triple", s->n_exact, 0);
     s->phase = CHOOSING;
     return RC_SEEDS_BUSY;
 }
@@ -364,6 +366,7 @@ RC_APART static int32_t begin_search(rigcal_search *s)
     if (!rc_sym3_thinnest(s->normal, &thickness, sums->C)) {
         return RIGCAL_ERR_COLLINEAR;
     }
+    RIGCAL_TRACE("different points (4: or more), thickness", triple->count, thickness);
     s->is_flat = thickness < FLAT_THICKNESS;
     s->is_plane = thickness < PLANE_THICKNESS;
     if (triple->count == 3) {
@@ -431,6 +434,7 @@ static void try_seed(rigcal_search *s, int32_t i)
     const rigcal_real cost = s->from.lattice.cost[i];
     rigcal_real m3[3];
     seed_direction(m3, s->from.lattice.index[i]);
+    RIGCAL_TRACE("seed: direction, cost", s->from.lattice.index[i], cost);
     if (cost < RC_MAX && !leads_to_found(s, m3, cost)) {
         begin_descent(s, m3, cost);
     }
@@ -455,6 +459,7 @@ static int32_t end_descent(rigcal_search *s)
     /* Rounding makes the costs of noiseless images anything: the last term. */
     const rigcal_real hopeless =
         HOPELESS * lattice->least_cost + 64 * RC_EPS * lattice->moments.weight;
+    RIGCAL_TRACE("descent: evaluations, cost", s->work.descent.nm.evals, best->cost);
     s->phase = CHOOSING;
     return (s->optima.n == 0 || s->is_flat || !(best->cost > hopeless)) ? follow(s, m3)
                                                                        : RC_SEEDS_BUSY;
@@ -500,6 +505,7 @@ static int32_t try_lean(rigcal_search *s, int32_t lean)
     rigcal_real first[3], m3[3];
     found_direction(first, s, 0);
     leaning_direction(m3, first, s->normal, lean);
+    RIGCAL_TRACE("lean (0: other way, 1, 2: sideways)", lean, rc_direction_cost(sums, m3));
     return (lean == OTHER_WAY ||
             rc_direction_cost(sums, m3) * n < SHALLOW * rc_direction_cost(sums, first))
                ? follow(s, m3)
@@ -521,6 +527,8 @@ int rc_seeds_mirrored(rigcal_search *s)
     found_direction(m3, s, 0);
     const rigcal_real cost = rc_direction_cost(sums, m3);
     rc_moments_mirror(sums);
+    RIGCAL_TRACE("mirrored points: cost, over that as given", 0,
+                 rc_direction_cost(sums, m3) / cost);
     if (!(rc_direction_cost(sums, m3) < MIRROR_WORSE * cost)) {
         return 0;
     }

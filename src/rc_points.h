@@ -43,6 +43,11 @@ void rc_points_at(rigcal_real x[3], const rigcal_points *points, size_t i);
 void rc_points_place(rigcal_real q[3], rigcal_real X_c[3], const rigcal_points *points,
                      const rigcal_transform *cam_from_points, size_t i);
 
+/* rc_residual of point i, and what rc_points_place gives. */
+rigcal_status rc_points_residual(rigcal_real e[2], rigcal_real B[6], rigcal_real q[3],
+                                 rigcal_real X_c[3], const rigcal_points *points,
+                                 const rigcal_transform *cam_from_points, size_t i);
+
 /* Squared distance [px^2] of the pixel of point i from its projection; RC_MAX: it has
  * none. */
 rigcal_real rc_points_distance2(const rigcal_points *points,

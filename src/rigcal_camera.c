@@ -85,7 +85,7 @@ rigcal_real rc_pixel_size(const rigcal_camera *camera)
 /* The ray at x, theta = |x| < pi off the axis: (sin theta / theta x, cos theta) by their
  * series in theta^2. The C library's would bring along its reduction of large angles,
  * 3 KB of flash. */
-static rigcal_status fisheye_ray(rigcal_real ray[3], const rigcal_real x[2])
+RC_APART static rigcal_status fisheye_ray(rigcal_real ray[3], const rigcal_real x[2])
 {
     enum { TERMS = 14 }; /* at pi the next is below 1e-16 */
     const rigcal_real theta2 = x[0] * x[0] + x[1] * x[1];

@@ -61,7 +61,7 @@ int rc_lens_map(rigcal_real F[2], rigcal_real J[3], const rigcal_camera *camera,
     return 1;
 }
 
-static int is_positive_definite(const rigcal_real J[3])
+RC_APART static int is_positive_definite(const rigcal_real J[3])
 {
     return J[0] + J[2] > 0 && J[0] * J[2] - J[1] * J[1] > 0;
 }

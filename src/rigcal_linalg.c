@@ -120,7 +120,7 @@ void rc_sym3_mul_vec3(rigcal_real out[3], const rigcal_real A[6],
 }
 
 /* *inverse = 1 / sqrt(pivot). 0 when pivot <= least. */
-static int invert_root(rigcal_real *inverse, rigcal_real pivot,
+RC_APART static int invert_root(rigcal_real *inverse, rigcal_real pivot,
                        rigcal_real least)
 {
     if (!(pivot > least)) {

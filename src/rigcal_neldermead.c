@@ -93,7 +93,7 @@ static void next_iteration(rigcal_neldermead *nm)
     }
 }
 
-static void accept(rigcal_neldermead *nm, const rigcal_vertex *vertex)
+RC_APART static void accept(rigcal_neldermead *nm, const rigcal_vertex *vertex)
 {
     nm->vertex[nm->k] = *vertex;
     next_iteration(nm);

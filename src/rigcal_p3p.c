@@ -144,7 +144,7 @@ static void pencil_root(rigcal_real m[2], const rigcal_real c[4])
 }
 
 /* S = [c]x */
-static void skew(rigcal_real S[9], const rigcal_real c[3])
+RC_APART static void skew(rigcal_real S[9], const rigcal_real c[3])
 {
     S[0] = S[4] = S[8] = 0;
     S[1] = -c[2];
@@ -271,7 +271,7 @@ typedef struct {
     triangle T;
 } problem;
 
-RC_APART static int prepare(problem *P, const rigcal_real x[3][3],
+static int prepare(problem *P, const rigcal_real x[3][3],
                             const rigcal_real ray[3][3])
 {
     rigcal_real longest = -1, d[3], w[2][3];

@@ -147,13 +147,20 @@ void rc_points_place(rigcal_real q[3], rigcal_real X_c[3], const rigcal_points *
     rc_vec3_add(X_c, cam_from_points->t);
 }
 
+rigcal_status rc_points_residual(rigcal_real e[2], rigcal_real B[6], rigcal_real q[3],
+                                 rigcal_real X_c[3], const rigcal_points *points,
+                                 const rigcal_transform *cam_from_points, size_t i)
+{
+    rc_points_place(q, X_c, points, cam_from_points, i);
+    return rc_residual(e, B, points->view.camera, points->is_pinhole,
+                       points->view.observations[i].uv, X_c);
+}
+
 rigcal_real rc_points_distance2(const rigcal_points *points,
                                 const rigcal_transform *cam_from_points, size_t i)
 {
     rigcal_real e[2] = {0, 0}, B[6], q[3], X_c[3];
-    rc_points_place(q, X_c, points, cam_from_points, i);
-    if (rc_residual(e, B, points->view.camera, points->is_pinhole,
-                    points->view.observations[i].uv, X_c) != RIGCAL_OK) {
+    if (rc_points_residual(e, B, q, X_c, points, cam_from_points, i) != RIGCAL_OK) {
         return RC_MAX;
     }
     return rc_min(e[0] * e[0] + e[1] * e[1], RC_MAX);

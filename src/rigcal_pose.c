@@ -62,7 +62,7 @@ static void begin_refining(rigcal_pose_solver *s, int32_t phase, int is_wide)
 
 /* ---- is it good? --------------------------------------------------------- */
 
-static rigcal_real likelihood_of(const rigcal_pose_solver *s, rigcal_real sse)
+RC_APART static rigcal_real likelihood_of(const rigcal_pose_solver *s, rigcal_real sse)
 {
     const rigcal_search *const search = &s->search;
     return rc_odds(sse, search->optima.list[0].sse, s->sigma_px, search->points.pixel_size,
@@ -156,7 +156,7 @@ RC_APART static void begin_search(rigcal_pose_solver *s)
 }
 
 /* The previous pose was of no use. */
-static void begin_cold(rigcal_pose_solver *s)
+RC_APART static void begin_cold(rigcal_pose_solver *s)
 {
     RIGCAL_TRACE("the start is dropped", 0, 0);
     s->is_warm = 0;
@@ -209,7 +209,7 @@ static void leave_out(rigcal_pose_solver *s, int32_t i)
 
 /* The starts are spent. Mirrored points are only suspected where the fit leaves room for a
  * better one. */
-static void end_seeding(rigcal_pose_solver *s)
+RC_APART static void end_seeding(rigcal_pose_solver *s)
 {
     rigcal_points *const points = &s->search.points;
     const rigcal_real noise = rc_max(s->sigma_px, MIRROR_NOISE * points->pixel_size);
@@ -234,7 +234,7 @@ static void end_mirrored(rigcal_pose_solver *s)
     end_search(s);
 }
 
-RC_APART static void seeding_step(rigcal_pose_solver *s)
+static void seeding_step(rigcal_pose_solver *s)
 {
     const int32_t came = rc_seeds_step(&s->search);
     if (came == RC_SEEDS_BUSY) {
@@ -286,7 +286,7 @@ RC_APART static void settle(rigcal_pose_solver *s, int is_optimum)
 /* Refinement sees to it that the points are in front; whether a lens that turns back sees
  * them is to be proved. One that ran out of evaluations is on its way along a valley, likely
  * to an optimum that is found from elsewhere too. */
-RC_APART static void end_refinement(rigcal_pose_solver *s)
+static void end_refinement(rigcal_pose_solver *s)
 {
     const rigcal_optima *const optima = &s->search.optima;
     const rigcal_refinement *const end = &s->search.work.refinement;
@@ -390,7 +390,7 @@ rigcal_status rigcal_pose_defaults(rigcal_pose_options *options)
     return RIGCAL_OK;
 }
 
-static rigcal_status check_options(const rigcal_pose_options *o)
+RC_APART static rigcal_status check_options(const rigcal_pose_options *o)
 {
     const rigcal_status status = rc_check_noise(&o->sigma_px);
     if (status == RIGCAL_ERR_NOT_FINITE) {
@@ -443,7 +443,7 @@ rigcal_status rc_pose_begin(rigcal_pose_solver *solver, int32_t *at_fault,
     return RIGCAL_OK;
 }
 
-rigcal_status rigcal_pose_begin(rigcal_pose_solver *solver, int32_t *at_fault,
+RC_APART rigcal_status rigcal_pose_begin(rigcal_pose_solver *solver, int32_t *at_fault,
                                 const rigcal_view *view,
                                 const rigcal_pose_options *options)
 {

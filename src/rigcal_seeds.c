@@ -78,7 +78,7 @@ static void look_along(rigcal_real R[9], const rigcal_real axis[3])
     }
 }
 
-RC_APART static void turn_to_virtual(rigcal_real turned[3], const rigcal_real axis[3],
+static void turn_to_virtual(rigcal_real turned[3], const rigcal_real axis[3],
                                      const rigcal_real ray[3])
 {
     rigcal_real cam_from_virtual[9];
@@ -143,7 +143,7 @@ void rc_seeds_begin(rigcal_search *s, const rigcal_real uv_middle[2])
 }
 
 /* Counts point i if it is different from those that count. */
-RC_APART static void count_point(rigcal_search *s, size_t i, const rigcal_real ray[3])
+static void count_point(rigcal_search *s, size_t i, const rigcal_real ray[3])
 {
     const rigcal_observation *const o = s->points.view.observations;
     rigcal_triple *const triple = &s->work.triple;
@@ -171,7 +171,7 @@ static void begin_picking(rigcal_search *s)
 }
 
 /* Point s->point, scaled to size 1, and its image in the virtual camera. */
-static int32_t gather_point(rigcal_search *s)
+RC_APART static int32_t gather_point(rigcal_search *s)
 {
     const size_t i = s->point;
     rigcal_real x[3], ray[3], u[3];
@@ -243,7 +243,7 @@ int rc_seeds_pick(rigcal_search *s)
 }
 
 /* A triple spread over the points' order, and its poses. */
-RC_APART static int32_t picking_step(rigcal_search *s)
+static int32_t picking_step(rigcal_search *s)
 {
     const size_t n = s->points.view.n;
     rigcal_triple *const triple = &s->work.triple;
@@ -337,7 +337,7 @@ static void insert_seed(rigcal_search *s, rigcal_real cost)
     lattice->index[at] = s->next;
 }
 
-RC_APART static void scanning_step(rigcal_search *s)
+static void scanning_step(rigcal_search *s)
 {
     rigcal_lattice *const lattice = &s->from.lattice;
     rigcal_real m3[3];
@@ -355,7 +355,7 @@ RC_APART static void scanning_step(rigcal_search *s)
 }
 
 /* All points have been gathered. */
-RC_APART static int32_t begin_search(rigcal_search *s)
+static int32_t begin_search(rigcal_search *s)
 {
     rigcal_moments *const sums = &s->from.lattice.moments;
     const rigcal_triple *const triple = &s->work.triple;
@@ -465,7 +465,7 @@ static int32_t end_descent(rigcal_search *s)
                                                                        : RC_SEEDS_BUSY;
 }
 
-RC_APART static int32_t descent_step(rigcal_search *s)
+static int32_t descent_step(rigcal_search *s)
 {
     rigcal_neldermead *const nm = &s->work.descent.nm;
     rigcal_real m3[3];

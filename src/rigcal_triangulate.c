@@ -146,7 +146,7 @@ static rigcal_status check_sightings(const sightings *v, rigcal_real sigma_px)
 }
 
 /* x <- (L L^T)^-1 x */
-static void solve(rigcal_real x[3], const rigcal_real L[6])
+RC_APART static void solve(rigcal_real x[3], const rigcal_real L[6])
 {
     rc_sym3_forward(x, L);
     rc_sym3_backward(x, L);
@@ -213,7 +213,7 @@ static rigcal_status evaluate(rigcal_real *sum, triangulation *s, const sighting
 }
 
 /* L L^T = H, damped. 0: not positive definite to rounding. */
-static int factor(rigcal_real L[6], const triangulation *s, rigcal_real damping)
+RC_APART static int factor(rigcal_real L[6], const triangulation *s, rigcal_real damping)
 {
     rigcal_real D[3];
     rc_sym3_damp(L, D, s->H, damping);

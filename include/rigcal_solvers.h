@@ -118,10 +118,9 @@ typedef struct rigcal_search {
 } rigcal_search;
 
 struct rigcal_pose_solver {
-    int32_t phase, failure, at_fault, same, is_warm, is_mirrored, is_vague,
-        is_unfinished;
-    size_t next, n_weighed;
-    rigcal_real sigma_px;
+    int32_t phase, failure, at_fault, same, is_warm, is_mirrored, is_unfinished;
+    size_t next;
+    rigcal_real sigma_px, variance; /* of the rotation of the first, for noise of 1 px */
     rigcal_search search;
 };
 

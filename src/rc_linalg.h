@@ -159,7 +159,7 @@ void rc_sym6_solve(rigcal_real x[6], const rc_sym6_factor *L);
 /* Sigma = H^-1, row by row. 0: H is not positive definite to rounding. */
 int rc_sym6_invert(rigcal_real Sigma[36], const rigcal_real H[21]);
 
-/* Of H^-1 the trace of the first block alone. 0: as above. */
+/* Of H^-1 the trace of the first block alone. 0: as above; *trace is then as it was. */
 int rc_sym6_inverse_trace(rigcal_real *trace, const rigcal_real H[21]);
 
 /* ---- symmetric matrices of any size, packed -----------------------------------------------

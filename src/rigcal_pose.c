@@ -29,10 +29,9 @@ enum { REFINE_EVALS = 100 };
 #define MIRROR_ODDS RC(100)
 
 /* A pose whose rotation has a standard deviation above this [rad] is hardly one; reckoned
- * with at least so much noise [px] where none is stated, and from so many points first. */
+ * with at least so much noise [px] where none is stated. */
 #define VAGUE RC(0.25)
 #define VAGUE_NOISE RC(0.25)
-enum { VAGUE_POINTS = 16 };
 
 /* The first pose is sure from this probability on. */
 #define SURE RC(0.99)
@@ -43,7 +42,6 @@ enum {
     REFINING,
     PROVING,  /* that the lens sees the points */
     MIRRORED, /* the refinement of mirrored points */
-    WEIGHING, /* how well the points fix the first pose */
     DONE
 };
 
@@ -101,44 +99,41 @@ RC_APART static int is_poor(const rigcal_pose_solver *s, rigcal_real most,
              noise * noise * rc_chi2_limit(rc_freedom(points->n_used), deviations));
 }
 
+/* Whether the points hardly fix the first pose, for the noise stated or, if there is none, for
+ * what its error shows. */
+static int is_vague(const rigcal_pose_solver *s)
+{
+    const rigcal_points *const points = &s->search.points;
+    rigcal_real noise = s->sigma_px;
+    if (!(noise > 0)) {
+        noise = rc_max(VAGUE_NOISE * points->pixel_size,
+                       RC_SQRT(s->search.optima.list[0].sse / rc_freedom(points->n_used)));
+    }
+    return !(noise * noise * s->variance <= VAGUE * VAGUE);
+}
+
+/* ---- the beginning and the end ------------------------------------------- */
+
 /* Whether three points are all there are. */
 static int is_exact(const rigcal_pose_solver *s)
 {
     return RIGCAL_WITH_THREE_POINTS && s->search.points.n_used == 3;
 }
 
-/* ---- how well the points fix it ------------------------------------------ */
-
-/* Of three points, minima that do not fit may be left by two exact poses that noise has made
- * one. They go where others fit and the noise is not stated. */
-static void keep_exact(rigcal_pose_solver *s)
+/* The search has ended. Of three points, minima that do not fit may be left by two exact
+ * poses that noise has made one. They go where others fit and the noise is not stated. */
+static void end_search(rigcal_pose_solver *s)
 {
     rigcal_optima *const optima = &s->search.optima;
     const rigcal_real pixel_size = s->search.points.pixel_size;
     const rigcal_real most = EXACT * pixel_size * pixel_size;
+    s->phase = DONE;
+    if (!is_exact(s) || s->sigma_px > 0) {
+        return;
+    }
     while (optima->n > 1 && optima->list[0].sse <= most &&
            optima->list[optima->n - 1].sse > most) {
         optima->n--;
-    }
-}
-
-/* By the first n observations. */
-static void begin_weighing(rigcal_pose_solver *s, size_t n)
-{
-    const size_t all = s->search.points.view.n;
-    s->n_weighed = (n < all) ? n : all;
-    s->phase = WEIGHING;
-}
-
-/* The search has ended. */
-static void end_search(rigcal_pose_solver *s)
-{
-    s->phase = DONE;
-    if (is_exact(s) && !(s->sigma_px > 0)) {
-        keep_exact(s);
-    }
-    if (s->search.optima.n > 0) {
-        begin_weighing(s, VAGUE_POINTS);
     }
 }
 
@@ -153,43 +148,6 @@ RC_APART static void begin_search(rigcal_pose_solver *s)
     }
     rc_seeds_begin(&s->search, uv_middle);
     s->phase = SEEDING;
-}
-
-/* The previous pose was of no use. */
-RC_APART static void begin_cold(rigcal_pose_solver *s)
-{
-    RIGCAL_TRACE("the start is dropped", 0, 0);
-    s->is_warm = 0;
-    s->search.optima.n = 0;
-    begin_search(s);
-}
-
-/* By all points, if some of them hardly fix the pose. A previous pose that hardly any data
- * support is not believed: the search tells what is wrong with them. */
-RC_APART static void weighing_step(rigcal_pose_solver *s)
-{
-    const rigcal_search *const search = &s->search;
-    const rigcal_points *const points = &search->points;
-    rigcal_refinement *const work = &s->search.work.refinement;
-    rigcal_real noise = s->sigma_px, variance = 0, sum;
-    rc_pose_found(&work->cam_from_points, s, 0);
-    const rigcal_status status =
-        rc_refine_equations(&sum, work->g, work->H, points, s->n_weighed,
-                            &work->cam_from_points, RC_GAUSS_NEWTON);
-    if (!(noise > 0)) {
-        noise = rc_max(VAGUE_NOISE * points->pixel_size,
-                       RC_SQRT(search->optima.list[0].sse / rc_freedom(points->n_used)));
-    }
-    s->is_vague = status < 0 || !rc_sym6_inverse_trace(&variance, work->H) ||
-                  !(noise * noise * variance <= VAGUE * VAGUE);
-    RIGCAL_TRACE("vague (1: yes) by the first observations, variance of rotation",
-                 s->is_vague, noise * noise * variance);
-    s->phase = DONE;
-    if (s->is_vague && s->n_weighed < points->view.n) {
-        begin_weighing(s, points->view.n);
-    } else if (s->is_vague && s->is_warm) {
-        begin_cold(s);
-    }
 }
 
 /* ---- a search ------------------------------------------------------------ */
@@ -256,13 +214,17 @@ static void seeding_step(rigcal_pose_solver *s)
     }
 }
 
-/* A warm start that ended elsewhere than at the pose shows by its error. */
+/* A warm start that ended elsewhere than at the pose shows by its error. One that hardly any
+ * data support is not believed either: the search tells what is wrong with them. */
 static void end_warm(rigcal_pose_solver *s)
 {
-    if (s->search.optima.n > 0 && !is_poor(s, NOISE_WARM, DEVIATIONS_WARM)) {
-        end_search(s);
-    } else {
-        begin_cold(s);
+    rigcal_optima *const optima = &s->search.optima;
+    s->phase = DONE;
+    if (optima->n == 0 || is_poor(s, NOISE_WARM, DEVIATIONS_WARM) || is_vague(s)) {
+        RIGCAL_TRACE("the start is dropped", 0, 0);
+        s->is_warm = 0;
+        optima->n = 0;
+        begin_search(s);
     }
 }
 
@@ -275,6 +237,8 @@ RC_APART static void settle(rigcal_pose_solver *s, int is_optimum)
         if (rc_optima_insert(&s->search.optima, s->same, &end->cam_from_points,
                              end->search.sum) == 0) {
             s->is_unfinished = end->search.status == RIGCAL_BUDGET_SPENT;
+            s->variance = RC_MAX;
+            (void)rc_sym6_inverse_trace(&s->variance, end->H);
         }
     }
     s->phase = SEEDING;
@@ -462,8 +426,6 @@ static void step_once(rigcal_pose_solver *s)
         seeding_step(s);
     } else if (s->phase == PROVING) {
         proving_step(s);
-    } else if (s->phase == WEIGHING) {
-        weighing_step(s);
     } else {
         refining_step(s);
     }
@@ -508,7 +470,7 @@ static rigcal_status caveat_of(const rigcal_pose_solver *s, rigcal_real probabil
     if (s->is_unfinished) {
         return RIGCAL_BUDGET_SPENT;
     }
-    if (s->is_vague) {
+    if (is_vague(s)) {
         return RIGCAL_VAGUE;
     }
     if (!(probability >= SURE)) {

@@ -5,7 +5,7 @@
 
 #include "rc_real.h"
 
-inline rigcal_real rc_vec3_dot(const rigcal_real a[3],
+RC_INLINE rigcal_real rc_vec3_dot(const rigcal_real a[3],
                                const rigcal_real b[3])
 {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
@@ -19,7 +19,7 @@ inline void rc_vec3_cross(rigcal_real out[3], const rigcal_real a[3],
     out[2] = a[0] * b[1] - a[1] * b[0];
 }
 
-inline void rc_vec3_copy(rigcal_real out[3], const rigcal_real a[3])
+RC_INLINE void rc_vec3_copy(rigcal_real out[3], const rigcal_real a[3])
 {
     out[0] = a[0];
     out[1] = a[1];

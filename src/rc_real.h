@@ -48,14 +48,20 @@ typedef char rc_not_with_fsingle_precision_constant[sizeof 1.0 == sizeof(double)
 #define RC_ATAN2 RIGCAL_ATAN2
 #define RC_FABS RIGCAL_FABS
 
+#ifdef __OPTIMIZE_SIZE__
+#define RC_INLINE RIGCAL_NOINLINE inline
+#else
+#define RC_INLINE inline
+#endif
+
 /* Functions that are inline have a body of their own in rigcal_linalg.c, which is what a
  * compiler for size calls. They may not use the math hooks, which may be static. */
-inline rigcal_real rc_max(rigcal_real a, rigcal_real b)
+RC_INLINE rigcal_real rc_max(rigcal_real a, rigcal_real b)
 {
     return a > b ? a : b;
 }
 
-inline rigcal_real rc_min(rigcal_real a, rigcal_real b)
+RC_INLINE rigcal_real rc_min(rigcal_real a, rigcal_real b)
 {
     return a < b ? a : b;
 }

@@ -33,10 +33,10 @@ static void write_rig(FILE *file, const calibration *c)
     size_t i;
 
     fprintf(file, "camera,%s\n", CLI_TRANSFORM_COLUMNS);
-    for (i = 0; i < c->n_rig; i++) {
-        if (c->group[i] == 0) {
+    for (i = 0; i < c->rig.n_cameras; i++) {
+        if (c->rig.group[i] == 0) {
             fprintf(file, "%s", rig_camera_name(c, i));
-            cli_write_transform(file, &c->cam_from_rig[i]);
+            cli_write_transform(file, &c->rig.cams_from_rig[i]);
             fprintf(file, "\n");
         }
     }
@@ -62,9 +62,9 @@ static void write_pairs(FILE *file, const calibration *c)
     size_t a, b;
 
     fprintf(file, "camera_a,camera_b,%s\n", CLI_TRANSFORM_COLUMNS);
-    for (a = 0; a < c->n_rig; a++) {
-        for (b = a + 1; b < c->n_rig; b++) {
-            if (c->group[a] == 0 && c->group[b] == 0) {
+    for (a = 0; a < c->rig.n_cameras; a++) {
+        for (b = a + 1; b < c->rig.n_cameras; b++) {
+            if (c->rig.group[a] == 0 && c->rig.group[b] == 0) {
                 rig_relative(&b_from_a, c, a, b);
                 fprintf(file, "%s,%s", rig_camera_name(c, a), rig_camera_name(c, b));
                 cli_write_transform(file, &b_from_a);
@@ -145,10 +145,6 @@ static void check_method(const calibration *c,
         cli_fail("--sigma does not go with --method paper, which knows no noise: "
                  "leave one out");
     }
-    if (c->by_paper && option[OPTION_THOROUGH] != NULL) {
-        cli_fail("--thorough does not go with --method paper, which has a search "
-                 "of its own: leave one out");
-    }
     if (option[OPTION_ROBUST] == NULL &&
         (option[OPTION_THRESHOLD] != NULL || option[OPTION_SEED] != NULL)) {
         cli_fail("--threshold and --seed go with --robust: give it too");
@@ -162,7 +158,6 @@ static void choose(calibration *c, const char *const option[OPTION_COUNT])
     check_method(c, option);
     rigcal_pose_defaults(&c->pose);
     rigcal_robust_defaults(&c->robust);
-    c->pose.thorough = option[OPTION_THOROUGH] != NULL;
     if (option[OPTION_SIGMA] != NULL) {
         c->pose.sigma_px = (rigcal_real)cli_sigma(option[OPTION_SIGMA]);
         c->robust.sigma_px = c->pose.sigma_px;

@@ -5,6 +5,7 @@
 #define RIGCAL_CLI_CALIBRATE_H
 
 #include "cli.h"
+#include "rigcal_paper.h"
 
 #define DEGREE 57.295779513082320877
 
@@ -41,7 +42,7 @@ typedef struct {
 
     rigcal_observation *observed; /* work for one view: the points that count */
     size_t *observed_at;          /* and which of the view's each is */
-    rigcal_sighting *sightings;
+    rigcal_bearing *bearings;
     rigcal_pair *pairs;
     size_t n_pairs;
 
@@ -49,13 +50,8 @@ typedef struct {
     size_t n_views;
 
     size_t *camera; /* of the rig's camera, the number of its name */
-    size_t *first;  /* and its first view; n_rig + 1 of them */
-    size_t n_rig;
-    rigcal_transform *cam_from_rig;
-    int32_t *group;
-    rigcal_view *rig_views; /* as views */
-    rigcal_transform *work;
-    rigcal_real *weight;
+    size_t *first;  /* and its first view; one more than there are cameras */
+    rigcal_rig rig; /* rig.views are numbered as views */
 
     rigcal_transform *rig_from_target; /* by frame */
     int *placed;

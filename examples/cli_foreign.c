@@ -79,8 +79,8 @@ static const magic MAGICS[] = {
     {MAGIC("\xfd" "7zXZ", 0), ARCHIVE("an xz archive")},
     {MAGIC("7z\xbc\xaf", 0), ARCHIVE("a 7z archive")},
     {MAGIC("RIGC", 0),
-     {"a calibration stored by rigcal_save",
-      "read it with rigcal_load; the command line takes CSV", "What you give"}},
+     {"a calibration stored by rigcal_store_save",
+      "read it with rigcal_store_load; the command line takes CSV", "What you give"}},
 };
 
 static const format *by_bytes(const char *text, size_t length)

@@ -69,7 +69,6 @@ static void read_camera(rigcal_camera *camera, const csv_table *table,
         csv_whole(table, row, csv_column(table, "width"), 1, 1000000);
     camera->height =
         csv_whole(table, row, csv_column(table, "height"), 1, 1000000);
-    camera->reserved = 0;
     camera->fx = read_focal(table, row, "fx");
     camera->fy = read_focal(table, row, "fy");
     camera->cx = csv_real(table, row, csv_column(table, "cx"));

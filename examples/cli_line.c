@@ -84,11 +84,11 @@ static int find_ray(epipolar *e, const char *text)
     check_inside(&e->a, pixel, text);
     uv[0] = (rigcal_real)pixel[0];
     uv[1] = (rigcal_real)pixel[1];
-    return !failed(e, rigcal_pixel_to_ray(e->ray_a, e->a.camera, uv),
+    return !failed(e, rigcal_camera_ray(e->ray_a, e->a.camera, uv),
                    "the ray of --pixel") &&
            !failed(e,
-                   rigcal_relative_pose(&e->b_from_a, e->b.cam_from_rig,
-                                        e->a.cam_from_rig),
+                   rigcal_transform_between(&e->b_from_a, e->b.cam_from_rig,
+                                            e->a.cam_from_rig),
                    "the transform from camera to camera");
 }
 
@@ -123,10 +123,10 @@ static void print_curve_ends(epipolar *e, const rigcal_real ray_a[3],
 {
     enum { SAMPLES = 65 };
     rigcal_real uv[2 * SAMPLES], ends[4];
-    int32_t count = 0;
+    size_t count = 0;
 
     if (failed(e,
-               rigcal_epiline_curve(uv, &count, SAMPLES, e->b.camera,
+               rigcal_epiline_curve(uv, SAMPLES, &count, e->b.camera,
                                     &e->b_from_a, ray_a, depth[0], depth[1]),
                "depth_ends_image")) {
         return;

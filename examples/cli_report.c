@@ -167,11 +167,11 @@ static void print_cameras(const calibration *c, int32_t group, size_t first)
 
     printf("\n%-*s  centre in the frame of %s\n", wide, "camera",
            rig_camera_name(c, first));
-    for (i = first; i < c->n_rig; i++) {
+    for (i = first; i < c->rig.n_cameras; i++) {
         rigcal_real o[3] = {0, 0, 0};
 
-        if (c->group[i] == group) {
-            rigcal_camera_center(o, &c->cam_from_rig[i]);
+        if (c->rig.group[i] == group) {
+            rigcal_camera_center(o, &c->rig.cams_from_rig[i]);
             printf("%-*s  %10.5g %10.5g %10.5g\n", wide, rig_camera_name(c, i),
                    (double)o[0] + 0, (double)o[1] + 0, (double)o[2] + 0);
         }
@@ -181,16 +181,16 @@ static void print_cameras(const calibration *c, int32_t group, size_t first)
 /* b_from_a from each placement that both saw, into work; returns how many. */
 static size_t shared_placements(const calibration *c, size_t a, size_t b)
 {
-    const rigcal_view *va = c->rig_views + c->first[a];
-    const rigcal_view *vb = c->rig_views + c->first[b];
-    const rigcal_view *end_a = c->rig_views + c->first[a + 1];
-    const rigcal_view *end_b = c->rig_views + c->first[b + 1];
+    const rigcal_view_pose *va = c->rig.views + c->first[a];
+    const rigcal_view_pose *vb = c->rig.views + c->first[b];
+    const rigcal_view_pose *end_a = c->rig.views + c->first[a + 1];
+    const rigcal_view_pose *end_b = c->rig.views + c->first[b + 1];
     size_t count = 0;
 
     while (va < end_a && vb < end_b) {
         if (va->placement == vb->placement &&
-            rigcal_relative_pose(&c->work[count], &vb->cam_from_target,
-                                 &va->cam_from_target) == RIGCAL_OK) {
+            rigcal_transform_between(&c->rig.work[count], &vb->cam_from_target,
+                                     &va->cam_from_target) == RIGCAL_OK) {
             count++;
         }
         if (va->placement <= vb->placement) {
@@ -223,7 +223,7 @@ static int print_pair(const calibration *c, size_t a, size_t b, int wide)
     printf("%-*s  %-*s  %8.5g  %11.4f", wide, rig_camera_name(c, a), wide,
            rig_camera_name(c, b), length_of(b_from_a.t), angle_of(&b_from_a));
     has_scatter = shared > 1 &&
-                  rigcal_transform_mean(&mean, &sigma_rad, &sigma_t, c->work,
+                  rigcal_transform_mean(&mean, &sigma_rad, &sigma_t, c->rig.work,
                                         NULL, shared) == RIGCAL_OK;
     if (has_scatter) {
         printf("  +- %.2g, %.2g deg over %lu placements", (double)sigma_t,
@@ -239,9 +239,9 @@ static void print_pairs(const calibration *c)
     int header = 0, has_scatter = 0;
     size_t a, b;
 
-    for (a = 0; a < c->n_rig; a++) {
-        for (b = a + 1; b < c->n_rig; b++) {
-            if (c->group[a] != c->group[b]) {
+    for (a = 0; a < c->rig.n_cameras; a++) {
+        for (b = a + 1; b < c->rig.n_cameras; b++) {
+            if (c->rig.group[a] != c->rig.group[b]) {
                 continue;
             }
             if (!header++) {
@@ -263,8 +263,8 @@ void print_summary(const calibration *c)
     size_t i;
 
     print_views(c);
-    for (i = 0; i < c->n_rig; i++) {
-        if (c->group[i] == group) {
+    for (i = 0; i < c->rig.n_cameras; i++) {
+        if (c->rig.group[i] == group) {
             print_cameras(c, group++, i);
         }
     }

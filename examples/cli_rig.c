@@ -49,8 +49,8 @@ static rigcal_real angle_between(const rigcal_transform *a_known,
     rigcal_transform known, here;
     rigcal_real angle = 0;
 
-    rigcal_relative_pose(&known, b_known, a_known);
-    rigcal_relative_pose(&here, b, a);
+    rigcal_transform_between(&known, b_known, a_known);
+    rigcal_transform_between(&here, b, a);
     rigcal_rotation_angle(&angle, known.R, here.R);
     return angle;
 }
@@ -134,24 +134,26 @@ const char *rig_camera_name(const calibration *c, size_t rig_camera)
 
 static void number_rig(calibration *c)
 {
+    rigcal_view_pose *poses = cli_alloc(c->n_views, sizeof *poses);
     size_t i;
 
     c->camera = cli_alloc(c->n_views, sizeof *c->camera);
     c->first = cli_alloc(c->n_views + 1, sizeof *c->first);
-    c->rig_views = cli_alloc(c->n_views, sizeof *c->rig_views);
     for (i = 0; i < c->n_views; i++) {
         const view *v = &c->views[i];
 
-        if (c->n_rig == 0 || c->camera[c->n_rig - 1] != v->camera) {
-            c->first[c->n_rig] = i;
-            c->camera[c->n_rig++] = v->camera;
+        if (c->rig.n_cameras == 0 || c->camera[c->rig.n_cameras - 1] != v->camera) {
+            c->first[c->rig.n_cameras] = i;
+            c->camera[c->rig.n_cameras++] = v->camera;
         }
-        c->rig_views[i].cam_from_target = view_taken(v)->cam_from_world;
-        c->rig_views[i].weight = (rigcal_real)v->n;
-        c->rig_views[i].camera = (int32_t)(c->n_rig - 1);
-        c->rig_views[i].placement = (int32_t)v->frame;
+        poses[i].cam_from_target = view_taken(v)->cam_from_world;
+        poses[i].weight = (rigcal_real)v->n;
+        poses[i].camera = (int32_t)(c->rig.n_cameras - 1);
+        poses[i].placement = (int32_t)v->frame;
     }
-    c->first[c->n_rig] = c->n_views;
+    c->rig.views = poses;
+    c->rig.n_views = c->n_views;
+    c->first[c->rig.n_cameras] = c->n_views;
 }
 
 static int is_observed(const calibration *c, size_t camera)
@@ -171,7 +173,7 @@ static void name_cameras_without_pose(calibration *c)
     size_t camera, i = 0;
 
     for (camera = 0; camera < c->cameras.names.count; camera++) {
-        if (i < c->n_rig && c->camera[i] == camera) {
+        if (i < c->rig.n_cameras && c->camera[i] == camera) {
             i++;
         } else {
             cli_say("camera %s is not in the rig: %s",
@@ -191,9 +193,9 @@ static void stand_alone(calibration *c)
                                               {0, 0, 0}};
     size_t i;
 
-    for (i = 0; i < c->n_rig; i++) {
-        c->cam_from_rig[i] = IDENTITY;
-        c->group[i] = (int32_t)i;
+    for (i = 0; i < c->rig.n_cameras; i++) {
+        c->rig.cams_from_rig[i] = IDENTITY;
+        c->rig.group[i] = (int32_t)i;
     }
 }
 
@@ -202,12 +204,11 @@ static void join_rig(calibration *c)
     rigcal_status status;
     size_t i;
 
-    c->cam_from_rig = cli_alloc(c->n_rig, sizeof *c->cam_from_rig);
-    c->group = cli_alloc(c->n_rig, sizeof *c->group);
-    c->work = cli_alloc(c->n_views, sizeof *c->work);
-    c->weight = cli_alloc(c->n_views, sizeof *c->weight);
-    status = rigcal_rig_join(c->cam_from_rig, c->group, c->n_rig, c->rig_views,
-                             c->n_views, c->work, c->weight);
+    c->rig.cams_from_rig = cli_alloc(c->rig.n_cameras, sizeof *c->rig.cams_from_rig);
+    c->rig.group = cli_alloc(c->rig.n_cameras, sizeof *c->rig.group);
+    c->rig.work = cli_alloc(c->n_views, sizeof *c->rig.work);
+    c->rig.weight = cli_alloc(c->n_views, sizeof *c->rig.weight);
+    status = rigcal_rig_join(&c->rig);
     if (status == RIGCAL_OK) {
         return;
     }
@@ -217,8 +218,8 @@ static void join_rig(calibration *c)
         stand_alone(c);
         return;
     }
-    for (i = 0; i < c->n_rig; i++) {
-        if (c->group[i] != 0) {
+    for (i = 0; i < c->rig.n_cameras; i++) {
+        if (c->rig.group[i] != 0) {
             cli_say("camera %s shares no frame with %s, nor with a camera that does: "
                     "rig.csv and pairs.csv leave it out. Add a frame in which both "
                     "see the target",
@@ -260,8 +261,7 @@ static void place_targets(calibration *c)
     c->placed = cli_alloc(n_frames, sizeof *c->placed);
     for (frame = 0; frame < n_frames; frame++) {
         const rigcal_status status = rigcal_rig_place(
-            &c->rig_from_target[frame], (int32_t)frame, 0, c->cam_from_rig,
-            c->group, c->n_rig, c->rig_views, c->n_views, c->work, c->weight);
+            &c->rig_from_target[frame], &c->rig, (int32_t)frame, 0);
 
         c->placed[frame] = status >= 0;
         if (status == RIGCAL_ERR_TOO_FEW) {
@@ -282,8 +282,8 @@ static void place_targets(calibration *c)
 void rig_relative(rigcal_transform *b_from_a, const calibration *c, size_t a,
                   size_t b)
 {
-    const rigcal_status status = rigcal_relative_pose(
-        b_from_a, &c->cam_from_rig[b], &c->cam_from_rig[a]);
+    const rigcal_status status = rigcal_transform_between(
+        b_from_a, &c->rig.cams_from_rig[b], &c->rig.cams_from_rig[a]);
 
     if (status < 0) {
         cli_fail("%s from %s: %s", rig_camera_name(c, b), rig_camera_name(c, a),

@@ -4,7 +4,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { ROBUST_LEAST = 5 }; /* points that rigcal_solve_pose_robust takes */
+enum { ROBUST_LEAST = 5 }; /* points that rigcal_robust_solve takes */
 
 const rigcal_pose *view_taken(const view *v)
 {
@@ -47,7 +47,7 @@ int view_residual(residual *r, const calibration *c, const view *v, size_t k)
 
     memset(r, 0, sizeof *r);
     if (rigcal_transform_point(X_c, pose, seen->X_w) < 0 ||
-        rigcal_project(uv, &c->cameras.camera[v->camera], X_c) < 0) {
+        rigcal_camera_project(uv, &c->cameras.camera[v->camera], X_c) < 0) {
         return 0;
     }
     r->duv[0] = seen->uv[0] - uv[0];
@@ -73,8 +73,11 @@ static rigcal_real distance_to_points(const rigcal_transform *cam_from_target,
     return (rigcal_real)length_of(X_c);
 }
 
-static void gather(const calibration *c, const view *v)
+/* What the library is given of the view: the points that count. It holds until the next
+ * call. */
+static rigcal_view gather(const calibration *c, const view *v)
 {
+    rigcal_view seen = {&c->cameras.camera[v->camera], c->observed, NULL, v->n};
     size_t i, n = 0;
 
     for (i = 0; i < v->n_seen; i++) {
@@ -83,52 +86,33 @@ static void gather(const calibration *c, const view *v)
             c->observed[n++] = v->first[i].seen;
         }
     }
+    return seen;
 }
 
 static rigcal_status solve_by_paper(const calibration *c, view *v,
-                                    const rigcal_camera *camera, int32_t *bad)
+                                    const rigcal_view *seen, int32_t *at_fault)
 {
     rigcal_paper_pose pose;
     size_t n_pairs = 0;
     rigcal_status status, measured;
 
-    status = rigcal_sightings_from_observations(c->sightings, bad, camera,
-                                                c->observed, v->n);
+    status = rigcal_bearings_of_view(c->bearings, at_fault, seen);
     if (status >= 0) {
-        status = rigcal_pairs_choose(c->pairs, &n_pairs, c->n_pairs,
-                                     c->sightings, v->n);
+        status = rigcal_pairs_choose(c->pairs, c->n_pairs, &n_pairs, c->bearings,
+                                     seen->n);
     }
     if (status >= 0) {
-        status = rigcal_paper_solve(&pose, c->sightings, v->n, c->pairs,
-                                    n_pairs, NULL);
+        status = rigcal_paper_solve(&pose, c->bearings, seen->n, c->pairs, n_pairs,
+                                    NULL);
     }
     if (status < 0) {
         return status;
     }
     v->n_poses = 1;
     v->poses[0].cam_from_world = pose.cam_from_world;
-    measured = rigcal_reprojection_rms(&v->poses[0].rms_px, NULL, camera,
-                                       &pose.cam_from_world, c->observed, v->n);
+    measured = rigcal_view_rms(&v->poses[0].rms_px, NULL, seen,
+                               &pose.cam_from_world);
     return measured < 0 ? measured : status;
-}
-
-/* --robust --thorough: a thorough search with the points that agree. */
-static rigcal_status search_on(const calibration *c, view *v,
-                               const rigcal_camera *camera, rigcal_status status)
-{
-    rigcal_pose poses[RIGCAL_POSES_MAX];
-    size_t n_poses = 0;
-    rigcal_status again;
-
-    gather(c, v);
-    again = rigcal_solve_pose(poses, &n_poses, RIGCAL_POSES_MAX, NULL, camera,
-                              c->observed, NULL, v->n, &c->pose);
-    if (again < 0) {
-        return status;
-    }
-    memcpy(v->poses, poses, sizeof poses);
-    v->n_poses = n_poses;
-    return status == RIGCAL_FEW_AGREE ? status : again;
 }
 
 /* All points count, until they are left out. */
@@ -149,7 +133,7 @@ static void leave_out_unseen(const calibration *c, view *v)
     size_t i;
 
     for (i = 0; i < v->n_seen; i++) {
-        if (rigcal_pixel_to_ray(ray, camera, v->first[i].seen.uv) ==
+        if (rigcal_camera_ray(ray, camera, v->first[i].seen.uv) ==
             RIGCAL_ERR_NO_RAY) {
             note_points(v);
             v->agree[i] = POINT_UNSEEN;
@@ -184,13 +168,13 @@ static void name_unseen(const calibration *c, const view *v)
 
 /* Those that disagree do not count any more. */
 static rigcal_status solve_robustly(const calibration *c, view *v,
-                                    const rigcal_camera *camera, int32_t *bad)
+                                    const rigcal_view *seen, int32_t *at_fault)
 {
     uint8_t *agree = cli_alloc(v->n, sizeof *agree);
     size_t n_agree, i;
-    const rigcal_status status = rigcal_solve_pose_robust(
-        v->poses, &v->n_poses, agree, &n_agree, RIGCAL_POSES_MAX, bad, camera,
-        c->observed, NULL, v->n, &c->robust);
+    const rigcal_status status =
+        rigcal_robust_solve(v->poses, RIGCAL_POSES_MAX, &v->n_poses, agree, &n_agree,
+                            at_fault, seen, &c->robust);
 
     if (status < 0) {
         return status;
@@ -200,47 +184,43 @@ static rigcal_status solve_robustly(const calibration *c, view *v,
         v->agree[c->observed_at[i]] = agree[i] ? POINT_COUNTS : POINT_DISAGREES;
     }
     v->n = n_agree;
-    return c->pose.thorough ? search_on(c, v, camera, status) : status;
+    return status;
 }
 
 void view_take(const calibration *c, view *v, size_t pose)
 {
     const rigcal_transform *cam_from_target = &v->poses[pose].cam_from_world;
+    const rigcal_view seen = gather(c, v);
     rigcal_pose_uncertainty u;
 
     v->taken = pose;
-    gather(c, v);
     v->distance = distance_to_points(cam_from_target, c->observed, v->n);
     v->has_sigma =
-        !v->by_paper &&
-        rigcal_pose_covariance(&u, &c->cameras.camera[v->camera],
-                               cam_from_target, c->observed, NULL, v->n,
-                               c->pose.sigma_px) == RIGCAL_OK;
+        !v->by_paper && rigcal_pose_covariance(&u, &seen, cam_from_target,
+                                               c->pose.sigma_px) == RIGCAL_OK;
     if (v->has_sigma) {
         v->sigma_deg = (rigcal_real)(DEGREE * length_of(u.rotation));
         v->sigma_pos = (rigcal_real)length_of(u.center);
     }
 }
 
-static rigcal_status solve(const calibration *c, view *v, int32_t *bad)
+static rigcal_status solve(const calibration *c, view *v, int32_t *at_fault)
 {
-    const rigcal_camera *camera = &c->cameras.camera[v->camera];
+    const rigcal_view seen = gather(c, v);
     rigcal_status status;
 
-    gather(c, v);
     v->by_paper = c->by_paper;
     if (v->by_paper) {
-        status = solve_by_paper(c, v, camera, bad);
+        status = solve_by_paper(c, v, &seen, at_fault);
     } else if (c->is_robust && v->n >= ROBUST_LEAST) {
-        status = solve_robustly(c, v, camera, bad);
+        status = solve_robustly(c, v, &seen, at_fault);
     } else {
-        status = rigcal_solve_pose(v->poses, &v->n_poses, RIGCAL_POSES_MAX, bad,
-                                   camera, c->observed, NULL, v->n,
-                                   &c->pose);
+        status = rigcal_pose_solve(v->poses, RIGCAL_POSES_MAX, &v->n_poses, at_fault,
+                                   &seen, &c->pose);
     }
     v->status = status;
-    if (bad != NULL && *bad >= 0) {
-        *bad = (int32_t)c->observed_at[*bad];
+    if (*at_fault >= 0) {
+        *at_fault = (int32_t)c->observed_at[*at_fault];
     }
     if (status >= 0) {
         view_take(c, v, 0);
@@ -249,7 +229,7 @@ static rigcal_status solve(const calibration *c, view *v, int32_t *bad)
 }
 
 /* A view that failed, or that has a caveat the summary does not tell. */
-static void name_trouble(const calibration *c, const view *v, int32_t bad)
+static void name_trouble(const calibration *c, const view *v, int32_t at_fault)
 {
     const char *camera = c->cameras.names.name[v->camera];
     const char *frame = c->observations.frames.name[v->frame];
@@ -259,9 +239,9 @@ static void name_trouble(const calibration *c, const view *v, int32_t bad)
         cli_say("camera %s has no pose in frame %s: it sees %lu point%s there, and "
                 "a pose takes 3 at least",
                 camera, frame, (unsigned long)v->n, v->n == 1 ? "" : "s");
-    } else if (v->status < 0 && bad >= 0) {
+    } else if (v->status < 0 && at_fault >= 0) {
         cli_say("camera %s has no pose in frame %s because of point %s: %s", camera,
-                frame, view_point_name(c, v, (size_t)bad), text);
+                frame, view_point_name(c, v, (size_t)at_fault), text);
     } else if (v->status < 0) {
         cli_say("camera %s has no pose in frame %s: %s", camera, frame, text);
     } else {
@@ -296,11 +276,10 @@ static void name_blamed(const calibration *c, const view *v,
 /* What would make a bad fit good, where that can be told. */
 static void name_cause(const calibration *c, const view *v)
 {
+    const rigcal_view seen = gather(c, v);
     rigcal_diagnosis d;
 
-    gather(c, v);
-    if (rigcal_diagnose_pose(&d, NULL, &c->cameras.camera[v->camera],
-                             c->observed, NULL, v->n, &c->pose) != RIGCAL_OK) {
+    if (rigcal_pose_diagnose(&d, NULL, &seen, &c->pose) != RIGCAL_OK) {
         return;
     }
     if (d.verdict == RIGCAL_DIAGNOSIS_MIRRORED) {
@@ -319,7 +298,7 @@ static void name_cause(const calibration *c, const view *v)
 static void solve_view(calibration *c, const view *v)
 {
     view *solved = &c->views[c->n_views];
-    int32_t bad = -1;
+    int32_t at_fault = -1;
     rigcal_status status;
 
     *solved = *v;
@@ -328,9 +307,9 @@ static void solve_view(calibration *c, const view *v)
         name_unseen(c, solved);
         c->exit_status = CLI_GEOMETRY;
     }
-    status = solve(c, solved, &bad);
+    status = solve(c, solved, &at_fault);
     if (status != RIGCAL_OK && status != RIGCAL_AMBIGUOUS) {
-        name_trouble(c, solved, bad);
+        name_trouble(c, solved, at_fault);
     }
     if ((status == RIGCAL_POOR_FIT || status == RIGCAL_ERR_NO_POSE) &&
         solved->n == solved->n_seen - solved->n_unseen) {
@@ -374,7 +353,7 @@ void solve_views(calibration *c)
     }
     c->n_pairs = rigcal_pairs_for(count < 3 ? 3 : count);
     c->pairs = cli_alloc(c->n_pairs, sizeof *c->pairs);
-    c->sightings = cli_alloc(count, sizeof *c->sightings);
+    c->bearings = cli_alloc(count, sizeof *c->bearings);
     c->observed = cli_alloc(count, sizeof *c->observed);
     c->observed_at = cli_alloc(count, sizeof *c->observed_at);
     c->views = cli_alloc(n_views, sizeof *c->views);

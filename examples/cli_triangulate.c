@@ -110,8 +110,8 @@ static void measure(triangulation *t, const cli_observation seen[], size_t n)
     if (m->n < 2) {
         return;
     }
-    status = rigcal_triangulate(&m->measured, t->camera, t->cam_from_rig, t->uv,
-                                m->n, 1);
+    status = rigcal_point_triangulate(&m->measured, t->camera, t->cam_from_rig,
+                                      t->uv, m->n, 1);
     if (status < 0) {
         name_failed(t, m, status);
         return;

@@ -86,21 +86,30 @@ part() {
 }
 version=$(part MAJOR).$(part MINOR).$(part PATCH)
 
-# Manifests hold @VERSION@, @URL@, and @SOURCES@ on a line of its own.
-lay_out() {
-    for source in "$root"/src/*.c; do
-        name=src/$(basename "$source")
+# list KIND FILE... prints a line of the manifest for each file of include/ or src/.
+list() {
+    kind=$1
+    shift
+    for path in "$@"; do
+        name=${path#"$root"/}
         case $way in
-        cmsis-pack) echo "        <file category=\"sourceC\" name=\"$name\"/>" ;;
+        cmsis-pack) echo "        <file category=\"$kind\" name=\"$name\"/>" ;;
         meson) echo "    '$name'," ;;
         esac
-    done >"$work/sources"
+    done
+}
+
+# Manifests hold @VERSION@, @URL@, and on lines of their own @HEADERS@ and @SOURCES@.
+lay_out() {
+    list header "$root"/include/*.h >"$work/headers"
+    list sourceC "$root"/src/*.c >"$work/sources"
 
     cp "$root/LICENSE" "$package"
     (cd "$root/port/$way" && find . -type f ! -name '*.pyc') >"$work/files"
     while read -r file; do
         mkdir -p "$package/$(dirname "$file")"
-        sed -e "/@SOURCES@/r $work/sources" -e "/@SOURCES@/d" \
+        sed -e "/@HEADERS@/r $work/headers" -e "/@HEADERS@/d" \
+            -e "/@SOURCES@/r $work/sources" -e "/@SOURCES@/d" \
             -e "s|@VERSION@|$version|g" -e "s|@URL@|$url|g" \
             "$root/port/$way/$file" >"$package/$file"
     done <"$work/files"

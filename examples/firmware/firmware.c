@@ -20,9 +20,9 @@ const rigcal_real FIRMWARE_TARGET[FIRMWARE_POINTS][3] = {
     {R( 0.04), R(-0.14), R( 0.08)}, {R(-0.02), R( 0.15), R( 0.20)}};
 
 const rigcal_camera FIRMWARE_INTRINSICS[FIRMWARE_CAMERAS] = {
-    {RIGCAL_LENS_BROWN, 640, 480, 0, R(600), R(601), R(321.5), R(238.25),
+    {RIGCAL_LENS_BROWN, 640, 480, R(600), R(601), R(321.5), R(238.25),
      R(-0.12), R(0.03), R(0.0004), R(-0.0003), 0, 0, 0, 0},
-    {RIGCAL_LENS_BROWN, 640, 480, 0, R(598), R(597), R(317.0), R(241.5),
+    {RIGCAL_LENS_BROWN, 640, 480, R(598), R(597), R(317.0), R(241.5),
      R(-0.11), R(0.025), 0, R(0.0005), 0, 0, 0, 0}};
 /* clang-format on */
 
@@ -152,8 +152,8 @@ static int load_slot(firmware *f, int32_t slot, uint32_t *sequence)
 {
     rigcal_mounted_camera cameras[FIRMWARE_CAMERAS];
     rigcal_saved_info info;
-    if (rigcal_load(cameras, &info, FIRMWARE_CAMERAS, port_flash(slot),
-                    PORT_SLOT_BYTES) != RIGCAL_OK ||
+    if (rigcal_store_load(cameras, FIRMWARE_CAMERAS, &info, port_flash(slot),
+                          PORT_SLOT_BYTES) != RIGCAL_OK ||
         info.n_cameras != FIRMWARE_CAMERAS || info.tag != FIRMWARE_SERIAL) {
         return 0;
     }
@@ -227,9 +227,9 @@ static void begin_saving(firmware *f)
 {
     memset(f->is_fresh, 0, sizeof f->is_fresh);
     memset(f->image, 0xff, sizeof f->image);
-    if (rigcal_save(f->image, &f->image_bytes, sizeof f->image, f->cameras,
-                    FIRMWARE_CAMERAS, f->sequence + 1,
-                    FIRMWARE_SERIAL) != RIGCAL_OK) {
+    if (rigcal_store_save(f->image, sizeof f->image, &f->image_bytes, f->cameras,
+                          FIRMWARE_CAMERAS, f->sequence + 1,
+                          FIRMWARE_SERIAL) != RIGCAL_OK) {
         save_failed(f);
         return;
     }
@@ -313,8 +313,11 @@ static void take_frame(firmware *f)
     f->frame++;
     f->ticks = 0;
     const rigcal_mounted_camera *const mounted = &f->cameras[f->camera];
-    f->n_seen = observe(f->seen, &frame);
-    if (f->n_seen < POINTS_LEAST) {
+    f->view.camera = &mounted->camera;
+    f->view.observations = f->seen;
+    f->view.sigma = NULL;
+    f->view.n = observe(f->seen, &frame);
+    if (f->view.n < POINTS_LEAST) {
         report_failure(f, RIGCAL_ERR_TOO_FEW);
         return;
     }
@@ -325,8 +328,7 @@ static void take_frame(firmware *f)
         options.start = mounted->cam_from_rig;
     }
     if (status == RIGCAL_OK) {
-        status = rigcal_pose_begin(&f->solver, NULL, &mounted->camera, f->seen,
-                                   NULL, f->n_seen, &options);
+        status = rigcal_pose_begin(&f->solver, NULL, &f->view, &options);
     }
     if (status == RIGCAL_OK) {
         f->state = SOLVING;
@@ -344,14 +346,13 @@ static void finish_frame(firmware *f)
     rigcal_mounted_camera *const mounted = &f->cameras[f->camera];
     f->state = WAITING;
     const rigcal_status status =
-        rigcal_pose_result(poses, &n_found, RIGCAL_POSES_MAX, NULL, &f->solver);
+        rigcal_pose_result(poses, RIGCAL_POSES_MAX, &n_found, NULL, &f->solver);
     if (status < 0) {
         report_failure(f, status);
         return;
     }
     const rigcal_status covariance = rigcal_pose_covariance(
-        &sigma, &mounted->camera, &poses[0].cam_from_world, f->seen, NULL,
-        f->n_seen, SIGMA_PX);
+        &sigma, &f->view, &poses[0].cam_from_world, SIGMA_PX);
     if (covariance != RIGCAL_OK) {
         report_failure(f, covariance);
         return;

@@ -32,8 +32,8 @@ typedef struct {
     int32_t state; /* 0: waiting for a frame */
     int32_t camera, ticks; /* of the frame being worked on */
     uint32_t frame;
-    size_t n_seen;
     rigcal_observation seen[FIRMWARE_POINTS];
+    rigcal_view view; /* of that frame: its camera, and what of seen[] was seen */
     rigcal_pose_solver solver;
 
     uint8_t image[PORT_SLOT_BYTES]; /* on its way to the flash */

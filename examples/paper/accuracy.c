@@ -57,7 +57,7 @@ static double norm_of(double degrees)
 
 static void relative(rigcal_transform *b_from_a, const rigcal_transform pose[2])
 {
-    paper_expect(rigcal_relative_pose(b_from_a, &pose[1], &pose[0]) ==
+    paper_expect(rigcal_transform_between(b_from_a, &pose[1], &pose[0]) ==
                      RIGCAL_OK,
                  "two poses have no relation");
 }
@@ -87,8 +87,8 @@ static int meet(double X[2][PAPER_POINTS][3], const rigcal_transform *b_from_a,
                 const paper_images *images, int published)
 {
     for (int i = 0; i < PAPER_POINTS; i++) {
-        const double *const ray[2] = {images->sightings[0][i].ray,
-                                      images->sightings[1][i].ray};
+        const double *const ray[2] = {images->bearings[0][i].ray,
+                                      images->bearings[1][i].ray};
         double depth[2], miss;
 
         if (rigcal_depth_two_views(depth, &miss, b_from_a, ray[0], ray[1]) <
@@ -109,7 +109,7 @@ static int meet(double X[2][PAPER_POINTS][3], const rigcal_transform *b_from_a,
                 images->seen[1][i].uv[0], images->seen[1][i].uv[1]};
             rigcal_point point;
 
-            if (rigcal_triangulate(&point, cameras, frames, uv, 2,
+            if (rigcal_point_triangulate(&point, cameras, frames, uv, 2,
                                    PAPER_SIGMA_PX) < 0) {
                 return 0;
             }
@@ -130,7 +130,7 @@ static double match_error(const rigcal_transform *b_from_a,
         double line[3];
 
         if (rigcal_epiline_px(line, &images->camera, b_from_a,
-                              images->sightings[0][i].ray) < 0 ||
+                              images->bearings[0][i].ray) < 0 ||
             rigcal_epiline_distance(&off[i], line, &images->camera,
                                     images->seen[1][i].uv) < 0) {
             return HUGE_VAL;
@@ -225,8 +225,8 @@ static int line_of(double line[3], const rigcal_camera *camera,
     rigcal_transform b_from_a;
     double ray[3];
 
-    return rigcal_relative_pose(&b_from_a, &pose[1], &pose[0]) == RIGCAL_OK &&
-           rigcal_pixel_to_ray(ray, camera, uv_a) == RIGCAL_OK &&
+    return rigcal_transform_between(&b_from_a, &pose[1], &pose[0]) == RIGCAL_OK &&
+           rigcal_camera_ray(ray, camera, uv_a) == RIGCAL_OK &&
            rigcal_epiline_px(line, camera, &b_from_a, ray) == RIGCAL_OK;
 }
 

@@ -57,7 +57,7 @@ def shares(rows):
 def maps_of(data, *names):
     """(camera, digital, {points: (correct, false) in %}) of each published map."""
     for name in names:
-        rows = pick(read(data, name), eliminating=2)
+        rows = pick(read(data, name), pairs_used=2)
         for camera in sorted({row["camera"] for row in rows}):
             yield camera, name == "fig08", {
                 n: shares(pick(rows, camera=camera, points=n)) for n in (3, 4)}

@@ -120,7 +120,7 @@ def map_figure(data, out, name, what):
     for k, camera in enumerate(cameras):
         for column, (points, pairs, title) in enumerate(MAPS):
             these = [row for row in rows
-                     if (row["camera"], row["points"], row["eliminating"])
+                     if (row["camera"], row["points"], row["pairs_used"])
                      == (camera, points, pairs)]
             draw_map(axes[k, column], these, f"camera {camera}: {title}",
                      these[0]["no_guess"] if points == "4" else None)

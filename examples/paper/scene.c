@@ -152,7 +152,7 @@ void paper_see_point(double uv[2], const paper_images *images,
     double X_c[3];
 
     paper_in_camera(X_c, &scene->cam_from_target[k], X);
-    paper_expect(rigcal_project(uv, &images->camera, X_c) == RIGCAL_OK,
+    paper_expect(rigcal_camera_project(uv, &images->camera, X_c) == RIGCAL_OK,
                  "a point is not in front of a camera");
     for (int i = 0; images->digital && i < 2; i++) {
         uv[i] = floor(uv[i] + 0.5);
@@ -176,7 +176,7 @@ void paper_look(paper_images *images, const paper_scene *scene, int width,
     for (int c = 0; c < PAPER_CAMERAS; c++) {
         for (int i = 0; i < PAPER_POINTS; i++) {
             rigcal_observation *const o = &images->seen[c][i];
-            rigcal_sighting *const s = &images->sightings[c][i];
+            rigcal_bearing *const s = &images->bearings[c][i];
 
             for (int k = 0; k < 3; k++) {
                 o->X_w[k] = s->X_w[k] = paper_points[i][k];

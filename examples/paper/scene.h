@@ -6,7 +6,7 @@
 
 #include <stdint.h>
 
-#include "rigcal.h"
+#include "rigcal_paper.h"
 
 /* ---- settings: name, value, unit, meaning; README.md shows this table --- */
 
@@ -110,7 +110,7 @@ typedef struct {
     rigcal_camera camera; /* both are alike */
     int digital;
     rigcal_observation seen[PAPER_CAMERAS][PAPER_POINTS];
-    rigcal_sighting sightings[PAPER_CAMERAS][PAPER_POINTS];
+    rigcal_bearing bearings[PAPER_CAMERAS][PAPER_POINTS];
 } paper_images;
 
 enum { PAPER_PERFECT = 0, PAPER_DIGITAL = 1 };

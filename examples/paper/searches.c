@@ -48,7 +48,7 @@ static void count(tally *t, const paper_attempt *a)
 
 /* ---- figures 3, 4, 8: from a grid of guesses -------------------------------
  *
- * Three points, four, and four with all pairs eliminating. */
+ * Three points, four, and four with all pairs used to eliminate. */
 
 /* A row of the map, as digits. */
 static void print_row(FILE *file, paper_procedure *p,
@@ -71,7 +71,7 @@ static void map_figure(const char *name, int first, int last, int digital)
     paper_images images;
 
     fprintf(file,
-            "camera,points,eliminating,true_pitch_deg,true_roll_deg,no_guess,"
+            "camera,points,pairs_used,true_pitch_deg,true_roll_deg,no_guess,"
             "pitch_deg,outcomes_over_roll\n");
     paper_scene_documented(&scene, PAPER_DOCUMENTED_CM);
     paper_look(&images, &scene, (int)PAPER_WIDTH, digital);
@@ -86,9 +86,9 @@ static void map_figure(const char *name, int first, int last, int digital)
                 paper_procedure p = paper_published(m == 0 ? 3 : PAPER_POINTS);
                 const double pitch = node(-90, PAPER_GRID_STEP, i);
 
-                p.eliminating = m < 2 ? 2 : 0;
+                p.pairs_used = m < 2 ? 2 : 0;
                 fprintf(file, "%d,%d,%d,%.4f,%.4f,%s,%g,", c + 1, p.n,
-                        p.eliminating, ypr[1] / PAPER_DEGREE,
+                        p.pairs_used, ypr[1] / PAPER_DEGREE,
                         ypr[2] / PAPER_DEGREE, outcome_names[a.outcome], pitch);
                 print_row(file, &p, &images, &scene, c, 0, pitch);
                 fprintf(file, "\n");
@@ -185,7 +185,7 @@ void figure_three(void)
 
 static const struct {
     const char *name;
-    int angles, eliminating;
+    int angles, pairs_used;
 } rivals[] = {
     {"two_angles", 2, 2}, {"two_angles_all", 2, 0}, {"three_angles", 3, 2}};
 
@@ -212,7 +212,7 @@ static void race(FILE *file, int rival, double yaw_off)
             paper_attempt a;
 
             p.angles = rivals[rival].angles;
-            p.eliminating = rivals[rival].eliminating;
+            p.pairs_used = rivals[rival].pairs_used;
             paper_true_angles(ypr, &scene, c);
             guess(&p, ypr[0] / PAPER_DEGREE + sign * yaw_off, pitch, roll);
             paper_solve(&a, &p, &images, &scene, c);
@@ -236,7 +236,7 @@ static void rival_map(FILE *file, int rival, double yaw_off)
     paper_scene_documented(&scene, PAPER_DOCUMENTED_CM);
     paper_look(&images, &scene, (int)PAPER_WIDTH, PAPER_PERFECT);
     p.angles = rivals[rival].angles;
-    p.eliminating = rivals[rival].eliminating;
+    p.pairs_used = rivals[rival].pairs_used;
     paper_true_angles(ypr, &scene, 0);
     for (int i = 0; i < (int)(180 / PAPER_GRID_STEP); i++) {
         const double pitch = node(-90, PAPER_GRID_STEP, i);
@@ -594,7 +594,7 @@ void figure_counts(void)
 
 static const struct {
     const char *name;
-    int eliminate, eliminating;
+    int eliminated, pairs_used;
 } choices[] = {
     {"yaw_2", RIGCAL_YAW, 2},     {"pitch_2", RIGCAL_PITCH, 2},
     {"roll_2", RIGCAL_ROLL, 2},   {"best_2", RIGCAL_BEST_CONDITIONED, 2},
@@ -648,8 +648,8 @@ void figure_choices(void)
             trial t;
 
             make_trial(&t, k);
-            p.eliminate = choices[i].eliminate;
-            p.eliminating = choices[i].eliminating;
+            p.eliminated = choices[i].eliminated;
+            p.pairs_used = choices[i].pairs_used;
             guess(&p, t.guess[0], t.guess[1], t.guess[2]);
             paper_solve(&a, &p, &t.images, &t.scene, 0);
             count(&anywhere, &a);

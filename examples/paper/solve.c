@@ -34,7 +34,7 @@ static double miss_of(const rigcal_transform *pose, const paper_images *images,
     double sum = 0;
 
     for (int i = 0; i < n; i++) {
-        const rigcal_sighting *const s = &images->sightings[c][i];
+        const rigcal_bearing *const s = &images->bearings[c][i];
         double X_c[3];
 
         paper_in_camera(X_c, pose, s->X_w);
@@ -76,7 +76,7 @@ paper_procedure paper_published(int n)
 void paper_solve(paper_attempt *attempt, const paper_procedure *procedure,
                  const paper_images *images, const paper_scene *scene, int c)
 {
-    const rigcal_sighting *const seen = images->sightings[c];
+    const rigcal_bearing *const seen = images->bearings[c];
     rigcal_pair chosen[PAIRS], pairs[PAIRS];
     rigcal_paper_options options;
     rigcal_paper_solver solver;
@@ -86,7 +86,7 @@ void paper_solve(paper_attempt *attempt, const paper_procedure *procedure,
 
     memset(attempt, 0, sizeof *attempt);
     attempt->degrees = HUGE_VAL;
-    if (rigcal_pairs_choose(chosen, &n_pairs, PAIRS, seen,
+    if (rigcal_pairs_choose(chosen, PAIRS, &n_pairs, seen,
                             (size_t)procedure->n) != RIGCAL_OK ||
         procedure->first[0] >= (int)n_pairs ||
         procedure->first[1] >= (int)n_pairs) {
@@ -101,8 +101,8 @@ void paper_solve(paper_attempt *attempt, const paper_procedure *procedure,
     }
     (void)rigcal_paper_defaults(&options);
     options.angles = procedure->angles;
-    options.eliminate = procedure->eliminate;
-    options.eliminating = procedure->eliminating;
+    options.eliminated = procedure->eliminated;
+    options.pairs_used = procedure->pairs_used;
     options.use_guess = procedure->use_guess;
     memcpy(options.guess_ypr, procedure->guess, sizeof options.guess_ypr);
     paper_expect(rigcal_paper_begin(&solver, seen, (size_t)procedure->n, pairs,
@@ -125,37 +125,44 @@ void paper_solve(paper_attempt *attempt, const paper_procedure *procedure,
 
 /* The published objective at a pose that another method found. */
 static double residual_at(const rigcal_transform *pose,
-                          const rigcal_sighting seen[])
+                          const rigcal_bearing seen[])
 {
     rigcal_pair pairs[PAIRS];
     rigcal_elimination at;
     double ypr[3];
     size_t n_pairs;
 
-    if (rigcal_pairs_choose(pairs, &n_pairs, PAIRS, seen, PAPER_POINTS) < 0 ||
+    if (rigcal_pairs_choose(pairs, PAIRS, &n_pairs, seen, PAPER_POINTS) < 0 ||
         rigcal_yaw_pitch_roll_from_rotation(ypr, pose->R) < 0 ||
-        rigcal_eliminate(&at, pairs, n_pairs, 2, RIGCAL_YAW, ypr + 1) < 0) {
+        rigcal_pairs_eliminate(&at, pairs, n_pairs, 2, RIGCAL_YAW, ypr + 1) < 0) {
         return HUGE_VAL;
     }
     return at.residual;
 }
 
+/* What camera c saw of the first n points. */
+static rigcal_view first_points(const paper_images *images, int c, size_t n)
+{
+    const rigcal_view view = {&images->camera, images->seen[c], NULL, n};
+
+    return view;
+}
+
 void paper_solve_no_guess(paper_attempt *attempt, const paper_images *images,
                           const paper_scene *scene, int c)
 {
+    const rigcal_view view = first_points(images, c, PAPER_POINTS);
     rigcal_pose poses[RIGCAL_POSES_MAX];
     size_t n_found;
 
     memset(attempt, 0, sizeof *attempt);
     attempt->degrees = HUGE_VAL;
-    if (rigcal_solve_pose(poses, &n_found, RIGCAL_POSES_MAX, NULL,
-                          &images->camera, images->seen[c], NULL, PAPER_POINTS,
-                          NULL) < 0) {
+    if (rigcal_pose_solve(poses, RIGCAL_POSES_MAX, &n_found, NULL, &view, NULL) < 0) {
         return;
     }
     attempt->has_pose = 1;
     attempt->pose = poses[0].cam_from_world;
-    attempt->residual = residual_at(&attempt->pose, images->sightings[c]);
+    attempt->residual = residual_at(&attempt->pose, images->bearings[c]);
     judge(attempt, images, scene, c, PAPER_POINTS);
 }
 
@@ -163,13 +170,12 @@ int paper_solve_three(rigcal_transform poses[RIGCAL_POSES_MAX], int *right,
                       const paper_images *images, const paper_scene *scene,
                       int c)
 {
+    const rigcal_view view = first_points(images, c, 3);
     rigcal_pose found[RIGCAL_POSES_MAX];
     size_t n_found;
 
     *right = -1;
-    if (rigcal_solve_pose(found, &n_found, RIGCAL_POSES_MAX, NULL,
-                          &images->camera, images->seen[c], NULL, 3,
-                          NULL) < 0) {
+    if (rigcal_pose_solve(found, RIGCAL_POSES_MAX, &n_found, NULL, &view, NULL) < 0) {
         return 0;
     }
     for (int i = 0; i < (int)n_found; i++) {
@@ -185,10 +191,10 @@ int paper_solve_three(rigcal_transform poses[RIGCAL_POSES_MAX], int *right,
 int paper_covariance(double Sigma[36], const rigcal_transform *pose,
                      const paper_images *images, int c)
 {
+    const rigcal_view view = first_points(images, c, PAPER_POINTS);
     rigcal_pose_uncertainty u;
 
-    if (rigcal_pose_covariance(&u, &images->camera, pose, images->seen[c], NULL,
-                               PAPER_POINTS, PAPER_SIGMA_PX) != RIGCAL_OK) {
+    if (rigcal_pose_covariance(&u, &view, pose, PAPER_SIGMA_PX) != RIGCAL_OK) {
         return 0;
     }
     memcpy(Sigma, u.Sigma, sizeof u.Sigma);

@@ -23,10 +23,10 @@ typedef struct {
 typedef struct {
     int n;           /* points: 3 or 4 */
     int angles;      /* searched: 2 or 3 */
-    int eliminate;   /* RIGCAL_YAW, .. */
-    int eliminating; /* pairs: 2 as published, or 0, all */
-    int first[2];  /* the two pairs, as numbers of rigcal_pairs_choose's list */
-    int use_guess; /* 0: from the library's grid, the best of 24 searches */
+    int eliminated;  /* RIGCAL_YAW, .. */
+    int pairs_used;  /* to eliminate it by: 2 as published, or 0, all */
+    int first[2];    /* the two pairs, as numbers of rigcal_pairs_choose's list */
+    int use_guess;   /* 0: from the library's grid, the best of 24 searches */
     double guess[3]; /* yaw, pitch, roll */
 } paper_procedure;
 

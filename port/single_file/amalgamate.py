@@ -3,8 +3,8 @@
 
     python3 port/single_file/amalgamate.py FOLDER
 
-makes FOLDER/rigcal.h, which holds rigcal_config.h too, and FOLDER/rigcal.c: the
-headers and sources of src/ in the order of RIGCAL_LAYERS in CMakeLists.txt. Files of
+makes FOLDER/rigcal.h out of all headers of include/, and FOLDER/rigcal.c out of the
+headers and sources of src/, in the order of RIGCAL_PARTS in CMakeLists.txt. Files of
 these names are replaced only if this program made them. A name that a source keeps to
 itself and another file uses as well is given the layer's name as a prefix; the macros
 of a source end with it.
@@ -21,9 +21,12 @@ TOKENS = re.compile(r'/\*.*?\*/|//[^\n]*|"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\\n])
 MACRO = re.compile(r"^[ \t]*#[ \t]*define[ \t]+(\w+)", re.M)
 
 
-def layers():
+def parts():
+    """RIGCAL_PARTS of CMakeLists.txt."""
     text = (ROOT / "CMakeLists.txt").read_text()
-    return re.search(r"set\(RIGCAL_LAYERS\s+([^)]*)\)", text)[1].split()
+    words = {name: re.search(rf"set\({name}\s+([^)]*)\)", text)[1]
+             for name in ("RIGCAL_LAYERS", "RIGCAL_PARTS")}
+    return words["RIGCAL_PARTS"].replace("${RIGCAL_LAYERS}", words["RIGCAL_LAYERS"]).split()
 
 
 def version():
@@ -74,9 +77,10 @@ def private_names(text):
         if re.match(r"\s*typedef\b", statement):
             function = re.search(r"\(\s*\*\s*(\w+)\s*\)", statement)
             names += [function[1]] if function else re.findall(r"(\w+)[\[\]\w]*\s*;$", statement)
-        elif re.match(r"\s*static\b", statement):
+        else:
             declarator = re.split(r"[=({\[;]", statement, maxsplit=1)[0]
-            names += re.findall(r"\w+", declarator)[-1:]
+            if re.search(r"\bstatic\b", declarator):
+                names += re.findall(r"\w+", declarator)[-1:]
     return {n for n in names if not n.startswith(("rigcal_", "rc_", "RIGCAL_"))}
 
 
@@ -114,22 +118,31 @@ def head(name, what):
 
 
 def public_header():
-    text = (ROOT / "include/rigcal.h").read_text()
-    config = (ROOT / "include/rigcal_config.h").read_text()
-    line = re.compile(r'^#include "rigcal_config.h"[^\n]*\n', re.M)
-    if len(line.findall(text)) != 1:
-        sys.exit("amalgamate: rigcal.h does not include rigcal_config.h once")
-    return head("rigcal.h", "the whole interface.") + line.sub(lambda _: config, text)
+    """rigcal.h with what it includes in place of each include, then the headers that it
+    does not include."""
+    headers = {path.name: path.read_text() for path in (ROOT / "include").glob("*.h")}
+    taken = set()
+
+    def whole(name):
+        taken.add(name)
+        return re.sub(r'^#include "([^"]+)"[^\n]*\n', lambda m: (
+            "" if m[1] in taken else whole(m[1]) if m[1] in headers else m[0]),
+            headers[name], flags=re.M)
+
+    text = head("rigcal.h", "the whole interface.") + whole("rigcal.h")
+    for name in sorted(headers):
+        text += "" if name in taken else "\n" + whole(name)
+    return text
 
 
 def source():
-    order = layers()
-    headers = [ROOT / f"src/rc_{layer}.h" for layer in ["real"] + order]
+    order = parts()
+    headers = [ROOT / f"src/rc_{part}.h" for part in ["real"] + order]
     headers = [path for path in headers if path.exists()]
-    sources = [ROOT / f"src/rigcal_{layer}.c" for layer in ["about"] + order]
+    sources = [ROOT / f"src/rigcal_{part}.c" for part in order]
     forgotten = set((ROOT / "src").glob("*")) - set(headers) - set(sources)
     if forgotten:
-        sys.exit("amalgamate: belongs to no layer of CMakeLists.txt: " +
+        sys.exit("amalgamate: not of RIGCAL_PARTS in CMakeLists.txt: " +
                  ", ".join(sorted(path.name for path in forgotten)))
 
     texts = {path: path.read_text() for path in headers + sources}

@@ -63,13 +63,13 @@ static int refuses_nan(void)
     rigcal_real uv[2] = {0, 0}, ray[3];
 
     uv[0] = zero / zero;
-    return rigcal_pixel_to_ray(ray, &camera, uv) == RIGCAL_ERR_NOT_FINITE;
+    return rigcal_camera_ray(ray, &camera, uv) == RIGCAL_ERR_NOT_FINITE;
 }
 
 static rigcal_status solve(size_t *n_found)
 {
-    rigcal_status status =
-        rigcal_pose_begin(&solver, NULL, &camera, SEEN, NULL, POINTS, NULL);
+    const rigcal_view view = {&camera, SEEN, NULL, POINTS};
+    rigcal_status status = rigcal_pose_begin(&solver, NULL, &view, NULL);
 
     if (status != RIGCAL_OK) {
         return status;
@@ -81,7 +81,7 @@ static rigcal_status solve(size_t *n_found)
         }
         status = rigcal_pose_step(&solver, BUDGET);
     } while (status == RIGCAL_RUNNING);
-    return rigcal_pose_result(poses, n_found, RIGCAL_POSES_MAX, NULL, &solver);
+    return rigcal_pose_result(poses, RIGCAL_POSES_MAX, n_found, NULL, &solver);
 }
 
 int main(void)

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """Lays out every package of port/package.sh and reads its manifest.
 
-The version is the header's, the sources are those of RIGCAL_LAYERS in
-CMakeLists.txt, each once, every file named is there, and the fields are what the
-format demands: restated here from the formats' own descriptions, because not every
+The version is the header's, the sources are those of RIGCAL_PARTS in CMakeLists.txt,
+each once, the headers are those of include/, every file named is there, and the fields
+are what the format demands: restated here from the formats' own descriptions, because not every
 one of them has a tool that can be had everywhere (tests/ways/run.sh runs those
 that can).
 """
@@ -38,8 +38,14 @@ def version():
 
 def sources():
     text = (ROOT / "CMakeLists.txt").read_text()
-    layers = re.search(r"set\(RIGCAL_LAYERS\s+([^)]*)\)", text)[1].split()
-    return [f"src/rigcal_{layer}.c" for layer in ["about"] + layers]
+    layers, parts = (re.search(rf"set\({name}\s+([^)]*)\)", text)[1]
+                     for name in ("RIGCAL_LAYERS", "RIGCAL_PARTS"))
+    return [f"src/rigcal_{part}.c"
+            for part in parts.replace("${RIGCAL_LAYERS}", layers).split()]
+
+
+def headers():
+    return sorted(f"include/{path.name}" for path in (ROOT / "include").glob("*.h"))
 
 
 def fields(text, separator):
@@ -112,6 +118,8 @@ def cmsis_pack(folder):
                 yield f"component {variant} names {file}, which is not there"
         if sorted(f for c, f in files if c == "sourceC") != sorted(sources()):
             yield f"component {variant} does not list each source once"
+        if sorted(f for c, f in files if c == "header") != headers():
+            yield f"component {variant} does not list each header once"
 
 
 def conan(folder):
@@ -133,6 +141,8 @@ def meson(folder):
     yield re.search(r"\bversion: '(.*)'", text)[1]
     if sorted(re.findall(r"'(src/.*)'", text)) != sorted(sources()):
         yield "meson.build does not list each source once"
+    if sorted(re.findall(r"'(include/.*)'", text)) != headers():
+        yield "meson.build does not install each header once"
 
 
 def platformio(folder):
@@ -142,8 +152,9 @@ def platformio(folder):
     for key in ("srcDir", "includeDir"):
         if not (folder / manifest["build"][key]).is_dir():
             yield f"library.json: {key} is not there"
-    if not (folder / manifest["build"]["includeDir"] / manifest["headers"]).is_file():
-        yield "library.json: headers"
+    for header in manifest["headers"]:
+        if not (folder / manifest["build"]["includeDir"] / header).is_file():
+            yield f"library.json: {header} is not there"
 
 
 def zephyr(folder):
@@ -178,6 +189,9 @@ def check(way, folder):
     kept = {p.name for p in (ROOT / "src").iterdir()}
     if kept - laid or {pathlib.Path(s).name for s in sources()} - laid:
         yield "a file of src/ or a layer's is not there"
+    public = folder / ("src" if way == "arduino" else "include")
+    if {pathlib.Path(h).name for h in headers()} - {p.name for p in public.glob("*.h")}:
+        yield "a header of include/ is not there"
     if not (folder / "LICENSE").is_file() or not (folder / "README.md").is_file():
         yield "no LICENSE or no README.md"
 
@@ -193,7 +207,8 @@ def main():
         print(text)
     if bad:
         sys.exit(f"check_manifests: {len(bad)} faults")
-    print(f"{len(WAYS)} manifests of version {version()}, {len(sources())} sources")
+    print(f"{len(WAYS)} manifests of version {version()}, {len(headers())} headers, "
+          f"{len(sources())} sources")
 
 
 if __name__ == "__main__":

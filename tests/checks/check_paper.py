@@ -75,8 +75,8 @@ def compare(name, kept, made):
 
 def check_counts(wrong, data):
     """The counts from the maps' guesses are those of the maps."""
-    maps = {("3", "0", "2"): ("fig03", {"camera": "1", "eliminating": "2"}),
-            ("8", "1", "2"): ("fig08", {"camera": "1", "eliminating": "2"}),
+    maps = {("3", "0", "2"): ("fig03", {"camera": "1", "pairs_used": "2"}),
+            ("8", "1", "2"): ("fig08", {"camera": "1", "pairs_used": "2"}),
             ("5", "0", "2"): ("fig05_map", {"method": "two_angles"}),
             ("5", "0", "3"): ("fig05_map", {"method": "three_angles"})}
     compared = 0

@@ -190,7 +190,7 @@ FILES = {
                                     "text in UTF-32", "Tables of other forms"),
     "NumPy": (b"\x93NUMPY\x01\0", "a NumPy .npy file", "What you give"),
     "gzip": (b"\x1f\x8b\x08\0\0", "a gzip archive", None),
-    "stored calibration": (b"RIGC\x01\0\x08\0", "a calibration stored by rigcal_save",
+    "stored calibration": (b"RIGC\x01\0\x08\0", "a calibration stored by rigcal_store_save",
                            "What you give"),
 }
 

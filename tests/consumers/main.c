@@ -2,6 +2,7 @@
 #include <stdio.h>
 
 #include "rigcal.h"
+#include "rigcal_paper.h"
 
 int main(void)
 {
@@ -18,6 +19,10 @@ int main(void)
     }
     if (rigcal_sizeof_real() != (int32_t)sizeof(rigcal_real)) {
         printf("the library's rigcal_real is not ours\n");
+        return 1;
+    }
+    if (rigcal_pairs_for(4) != 6) {
+        printf("no pairs of the published procedure\n");
         return 1;
     }
     if (rigcal_rotation_from_yaw_pitch_roll(R, ypr) != RIGCAL_OK) {

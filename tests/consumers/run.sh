@@ -80,7 +80,7 @@ for kind in static-double static-float shared-double shared-float; do
 done
 
 # A version that promises nothing to this one is refused.
-sed 's/rigcal 0.1/rigcal 99.0/' tests/consumers/find_package/CMakeLists.txt \
+sed 's/rigcal 0.2/rigcal 99.0/' tests/consumers/find_package/CMakeLists.txt \
     >"$out/CMakeLists.txt"
 if cmake -G Ninja -S "$out" -B "$out/too_new" \
         -DCMAKE_PREFIX_PATH="$out/static-double/prefix" >/dev/null 2>&1; then

@@ -23,9 +23,9 @@ POSES_MAX = 4  # RIGCAL_POSES_MAX
 
 def declare_structs(real):
     """The structs of rigcal.h that this program uses, as NumPy types."""
-    i4 = np.int32
+    i4, address, count = np.int32, np.uintp, np.uintp
     transform = [("R", real, 9), ("t", real, 3)]
-    camera = [(name, i4) for name in ("lens", "width", "height", "reserved")]
+    camera = [(name, i4) for name in ("lens", "width", "height")]
     camera += [(name, real) for name in "fx fy cx cy k1 k2 p1 p2 k3 k4 k5 k6".split()]
     declared = {
         "rigcal_layout_entry": [("name", "S48"), ("offset", i4), ("size", i4)],
@@ -34,18 +34,22 @@ def declare_structs(real):
         "rigcal_observation": [("X_w", real, 3), ("uv", real, 2)],
         "rigcal_pose": [("cam_from_world", np.dtype(transform, align=True)),
                         ("sse", real), ("rms_px", real), ("probability", real)],
-        "rigcal_pose_options": [("thorough", i4), ("use_start", i4),
-                                ("sigma_px", real),
+        "rigcal_pose_options": [("use_start", i4), ("sigma_px", real),
                                 ("start", np.dtype(transform, align=True))],
-        "rigcal_view": [("cam_from_target", np.dtype(transform, align=True)),
-                        ("weight", real), ("camera", i4), ("placement", i4)],
+        "rigcal_view": [("camera", address), ("observations", address),
+                        ("sigma", address), ("n", count)],
+        "rigcal_view_pose": [("cam_from_target", np.dtype(transform, align=True)),
+                             ("weight", real), ("camera", i4), ("placement", i4)],
+        "rigcal_rig": [("cams_from_rig", address), ("group", address),
+                       ("n_cameras", count), ("views", address), ("n_views", count),
+                       ("work", address), ("weight", address)],
     }
     return {name: np.dtype(fields, align=True)
             for name, fields in declared.items()}
 
 
 def prototypes(library):
-    """Pointers are addresses of NumPy arrays; None is NULL."""
+    """Pointers are addresses of NumPy arrays, which must stay; None is NULL."""
     status, pointer = ctypes.c_int32, ctypes.c_void_p
     count, index = ctypes.c_size_t, ctypes.c_int32
     for name, result, arguments in (
@@ -54,11 +58,9 @@ def prototypes(library):
             ("layout_count", ctypes.c_int32, []),
             ("layout", status, [pointer, index]),
             ("pose_defaults", status, [pointer]),
-            ("solve_pose", status, [pointer, pointer, count] + [pointer] * 4
-             + [count, pointer]),
-            ("rig_join", status, [pointer, pointer, count, pointer, count,
-                                  pointer, pointer]),
-            ("relative_pose", status, [pointer] * 3)):
+            ("pose_solve", status, [pointer, count] + [pointer] * 4),
+            ("rig_join", status, [pointer]),
+            ("transform_between", status, [pointer] * 3)):
         function = getattr(library, "rigcal_" + name)
         function.restype, function.argtypes = result, arguments
 
@@ -128,38 +130,43 @@ def read_observations(path, names, dtype):
 
 
 def solve_views(library, structs, names, cameras, observations):
-    views = np.zeros(len(observations), structs["rigcal_view"])
+    """A pose of each view, for the rig."""
+    found = np.zeros(len(observations), structs["rigcal_view_pose"])
     placements = {}
     options = np.zeros(1, structs["rigcal_pose_options"])
     must(library, library.rigcal_pose_defaults(at(options)), "options")
+    view = np.zeros(1, structs["rigcal_view"])
     poses = np.zeros(POSES_MAX, structs["rigcal_pose"])
     n_found = np.zeros(1, np.uintp)
-    for view, ((camera, frame), observed) in zip(views, observations.items()):
-        n = len(observed)
-        status = library.rigcal_solve_pose(
-            at(poses), at(n_found), POSES_MAX, None, at(cameras[camera:]),
-            at(observed), None, n, at(options))
+    for pose, ((camera, frame), observed) in zip(found, observations.items()):
+        view["camera"] = at(cameras[camera:])
+        view["observations"] = at(observed)
+        view["n"] = len(observed)
+        status = library.rigcal_pose_solve(at(poses), POSES_MAX, at(n_found), None,
+                                           at(view), at(options))
         must(library, status, f"camera {names[camera]}, frame {frame}")
-        view["cam_from_target"] = poses["cam_from_world"][0]
-        view["weight"] = n
-        view["camera"] = camera
-        view["placement"] = placements.setdefault(frame, len(placements))
-    return views
+        pose["cam_from_target"] = poses["cam_from_world"][0]
+        pose["weight"] = len(observed)
+        pose["camera"] = camera
+        pose["placement"] = placements.setdefault(frame, len(placements))
+    return found
 
 
 def right_from_left(library, structs, views):
-    rig = np.zeros(2, structs["rigcal_transform"])
+    cams_from_rig = np.zeros(2, structs["rigcal_transform"])
     group = np.zeros(2, np.int32)
     work = np.zeros(len(views), structs["rigcal_transform"])
-    weight = np.zeros(len(views), structs["rigcal_view"]["weight"])
-    must(library, library.rigcal_rig_join(
-        at(rig), at(group), 2, at(views), len(views), at(work), at(weight)),
-        "rig")
+    weight = np.zeros(len(views), structs["rigcal_view_pose"]["weight"])
+    rig = np.zeros(1, structs["rigcal_rig"])
+    rig["cams_from_rig"], rig["group"], rig["n_cameras"] = at(cams_from_rig), at(group), 2
+    rig["views"], rig["n_views"] = at(views), len(views)
+    rig["work"], rig["weight"] = at(work), at(weight)
+    must(library, library.rigcal_rig_join(at(rig)), "rig")
     if group[1] != group[0]:
         sys.exit("the two cameras never saw the target in one place")
     pair = np.zeros(1, structs["rigcal_transform"])
-    must(library, library.rigcal_relative_pose(at(pair), at(rig[1:]), at(rig)),
-         "pair")
+    must(library, library.rigcal_transform_between(
+        at(pair), at(cams_from_rig[1:]), at(cams_from_rig)), "pair")
     return (pair["R"][0].astype(float).reshape(3, 3),
             pair["t"][0].astype(float))
 

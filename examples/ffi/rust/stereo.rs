@@ -46,7 +46,7 @@ macro_rules! c_struct {
 
         impl $name {
             fn zeroed() -> Self {
-                // Sound: numbers and arrays of numbers only.
+                // Sound: numbers, arrays of numbers and pointers only.
                 unsafe { std::mem::zeroed() }
             }
 
@@ -70,7 +70,7 @@ macro_rules! c_struct {
 c_struct!(rigcal_layout_entry { name: [c_char; 48], offset: i32, size: i32 });
 c_struct!(rigcal_transform { R: [Real; 9], t: [Real; 3] });
 c_struct!(rigcal_camera {
-    lens: i32, width: i32, height: i32, reserved: i32,
+    lens: i32, width: i32, height: i32,
     fx: Real, fy: Real, cx: Real, cy: Real,
     k1: Real, k2: Real, p1: Real, p2: Real,
     k3: Real, k4: Real, k5: Real, k6: Real
@@ -80,10 +80,19 @@ c_struct!(rigcal_pose {
     cam_from_world: rigcal_transform, sse: Real, rms_px: Real, probability: Real
 });
 c_struct!(rigcal_pose_options {
-    thorough: i32, use_start: i32, sigma_px: Real, start: rigcal_transform
+    use_start: i32, sigma_px: Real, start: rigcal_transform
 });
 c_struct!(rigcal_view {
+    camera: *const rigcal_camera, observations: *const rigcal_observation,
+    sigma: *const Real, n: usize
+});
+c_struct!(rigcal_view_pose {
     cam_from_target: rigcal_transform, weight: Real, camera: i32, placement: i32
+});
+c_struct!(rigcal_rig {
+    cams_from_rig: *mut rigcal_transform, group: *mut i32, n_cameras: usize,
+    views: *const rigcal_view_pose, n_views: usize,
+    work: *mut rigcal_transform, weight: *mut Real
 });
 
 #[link(name = "rigcal")]
@@ -93,27 +102,16 @@ extern "C" {
     fn rigcal_layout_count() -> i32;
     fn rigcal_layout(entry: *mut rigcal_layout_entry, index: i32) -> i32;
     fn rigcal_pose_defaults(options: *mut rigcal_pose_options) -> i32;
-    fn rigcal_solve_pose(
+    fn rigcal_pose_solve(
         poses: *mut rigcal_pose,
-        n_found: *mut usize,
         capacity: usize,
-        bad: *mut i32,
-        camera: *const rigcal_camera,
-        observations: *const rigcal_observation,
-        sigma: *const Real,
-        n: usize,
+        n_found: *mut usize,
+        at_fault: *mut i32,
+        view: *const rigcal_view,
         options: *const rigcal_pose_options,
     ) -> i32;
-    fn rigcal_rig_join(
-        cams_from_rig: *mut rigcal_transform,
-        group: *mut i32,
-        n_cameras: usize,
-        views: *const rigcal_view,
-        n_views: usize,
-        work: *mut rigcal_transform,
-        weight: *mut Real,
-    ) -> i32;
-    fn rigcal_relative_pose(
+    fn rigcal_rig_join(rig: *mut rigcal_rig) -> i32;
+    fn rigcal_transform_between(
         b_from_a: *mut rigcal_transform,
         b_from_world: *const rigcal_transform,
         a_from_world: *const rigcal_transform,
@@ -147,6 +145,8 @@ fn layout_here() -> Layout {
     rigcal_pose::describe(&mut layout);
     rigcal_pose_options::describe(&mut layout);
     rigcal_view::describe(&mut layout);
+    rigcal_view_pose::describe(&mut layout);
+    rigcal_rig::describe(&mut layout);
     layout
 }
 
@@ -239,20 +239,23 @@ fn solve(
     observed: &[rigcal_observation],
     what: &str,
 ) -> rigcal_transform {
+    let view = rigcal_view {
+        camera,
+        observations: observed.as_ptr(),
+        sigma: ptr::null(),
+        n: observed.len(),
+    };
     let mut options = rigcal_pose_options::zeroed();
     let mut poses = [rigcal_pose::zeroed(); POSES_MAX];
     let mut n_found = 0;
     must(unsafe { rigcal_pose_defaults(&mut options) }, "options");
     let status = unsafe {
-        rigcal_solve_pose(
+        rigcal_pose_solve(
             poses.as_mut_ptr(),
-            &mut n_found,
             poses.len(),
+            &mut n_found,
             ptr::null_mut(),
-            camera,
-            observed.as_ptr(),
-            ptr::null(),
-            observed.len(),
+            &view,
             &options,
         )
     };
@@ -261,7 +264,7 @@ fn solve(
 }
 
 /// Poses of both cameras in every frame that they saw.
-fn solve_views(cameras: &[Row], observations: &[Row]) -> Vec<rigcal_view> {
+fn solve_views(cameras: &[Row], observations: &[Row]) -> Vec<rigcal_view_pose> {
     let mut frames: BTreeMap<&str, Vec<&Row>> = BTreeMap::new();
     for row in observations {
         frames.entry(text(row, "frame")).or_default().push(row);
@@ -279,7 +282,7 @@ fn solve_views(cameras: &[Row], observations: &[Row]) -> Vec<rigcal_view> {
                 continue;
             }
             let what = format!("camera {}, frame {}", name, frame);
-            views.push(rigcal_view {
+            views.push(rigcal_view_pose {
                 cam_from_target: solve(&read_camera(camera), &observed, &what),
                 weight: observed.len() as Real,
                 camera: index as i32,
@@ -290,28 +293,27 @@ fn solve_views(cameras: &[Row], observations: &[Row]) -> Vec<rigcal_view> {
     views
 }
 
-fn right_from_left(views: &[rigcal_view]) -> rigcal_transform {
-    let mut rig = [rigcal_transform::zeroed(); 2];
+fn right_from_left(views: &[rigcal_view_pose]) -> rigcal_transform {
+    let mut cams_from_rig = [rigcal_transform::zeroed(); 2];
     let mut group = [0; 2];
     let mut work = vec![rigcal_transform::zeroed(); views.len()];
     let mut weight = vec![0 as Real; views.len()];
     let mut pair = rigcal_transform::zeroed();
-    let status = unsafe {
-        rigcal_rig_join(
-            rig.as_mut_ptr(),
-            group.as_mut_ptr(),
-            rig.len(),
-            views.as_ptr(),
-            views.len(),
-            work.as_mut_ptr(),
-            weight.as_mut_ptr(),
-        )
+    let mut rig = rigcal_rig {
+        cams_from_rig: cams_from_rig.as_mut_ptr(),
+        group: group.as_mut_ptr(),
+        n_cameras: cams_from_rig.len(),
+        views: views.as_ptr(),
+        n_views: views.len(),
+        work: work.as_mut_ptr(),
+        weight: weight.as_mut_ptr(),
     };
-    must(status, "rig");
+    must(unsafe { rigcal_rig_join(&mut rig) }, "rig");
     if group[1] != group[0] {
         fail("the two cameras never saw the target in one place");
     }
-    must(unsafe { rigcal_relative_pose(&mut pair, &rig[1], &rig[0]) }, "pair");
+    let (left, right) = (&cams_from_rig[0], &cams_from_rig[1]);
+    must(unsafe { rigcal_transform_between(&mut pair, right, left) }, "pair");
     pair
 }
 

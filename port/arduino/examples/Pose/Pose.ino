@@ -19,7 +19,7 @@ static void report()
     size_t found;
     rigcal_real center[3];
 
-    status = rigcal_pose_result(poses, &found, RIGCAL_POSES_MAX, NULL, &solver);
+    status = rigcal_pose_result(poses, RIGCAL_POSES_MAX, &found, NULL, &solver);
     if (status < 0) {
         Serial.println(rigcal_status_text(status));
         return;
@@ -42,8 +42,8 @@ void setup()
     camera.fx = camera.fy = 800;
     camera.cx = 320;
     camera.cy = 240;
-    status = rigcal_pose_begin(&solver, NULL, &camera, SEEN, NULL,
-                               sizeof SEEN / sizeof SEEN[0], NULL);
+    const rigcal_view view = {&camera, SEEN, NULL, sizeof SEEN / sizeof SEEN[0]};
+    status = rigcal_pose_begin(&solver, NULL, &view, NULL);
     if (status == RIGCAL_OK) {
         status = RIGCAL_RUNNING;
     } else {

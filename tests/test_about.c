@@ -7,14 +7,6 @@
 #include "rigcal.h"
 #include "unity.h"
 
-void setUp(void)
-{
-}
-
-void tearDown(void)
-{
-}
-
 /* ---- version and size of a real ------------------------------------------ */
 
 static void test_the_version_of_the_library_is_that_of_the_header(void)
@@ -183,9 +175,9 @@ static const rigcal_layout_entry EXPECTED[] = {
     FIELD(rigcal_observation, X_w),
     FIELD(rigcal_observation, uv),
 
-    STRUCT(rigcal_sighting),
-    FIELD(rigcal_sighting, X_w),
-    FIELD(rigcal_sighting, ray),
+    STRUCT(rigcal_bearing),
+    FIELD(rigcal_bearing, X_w),
+    FIELD(rigcal_bearing, ray),
 
     STRUCT(rigcal_vertex),
     FIELD(rigcal_vertex, x),
@@ -220,7 +212,7 @@ static const rigcal_layout_entry EXPECTED[] = {
     STRUCT(rigcal_paper_options),
     FIELD(rigcal_paper_options, angles),
     FIELD(rigcal_paper_options, eliminate),
-    FIELD(rigcal_paper_options, eliminating),
+    FIELD(rigcal_paper_options, pairs_used),
     FIELD(rigcal_paper_options, use_guess),
     FIELD(rigcal_paper_options, max_evals),
     FIELD(rigcal_paper_options, reserved),
@@ -240,7 +232,7 @@ static const rigcal_layout_entry EXPECTED[] = {
     FIELD(rigcal_paper_pose, reserved),
 
     STRUCT(rigcal_paper_solver),
-    FIELD(rigcal_paper_solver, sightings),
+    FIELD(rigcal_paper_solver, bearings),
     FIELD(rigcal_paper_solver, pairs),
     FIELD(rigcal_paper_solver, n),
     FIELD(rigcal_paper_solver, n_pairs),
@@ -527,9 +519,8 @@ static void test_a_line_that_is_not_there_is_refused_and_nothing_written(void)
     TEST_ASSERT_EQUAL_INT32(RIGCAL_ERR_NULL, rigcal_layout(NULL, 0));
 }
 
-int main(void)
+TEST_MAIN()
 {
-    UNITY_BEGIN();
     RUN_TEST(test_the_version_of_the_library_is_that_of_the_header);
     RUN_TEST(test_the_library_and_its_caller_agree_on_the_size_of_a_real);
     RUN_TEST(test_every_status_is_named_as_the_header_spells_it);
@@ -538,5 +529,4 @@ int main(void)
     RUN_TEST(test_every_struct_and_field_of_the_header_is_told_once);
     RUN_TEST(test_the_fields_follow_their_struct_in_order_without_overlap);
     RUN_TEST(test_a_line_that_is_not_there_is_refused_and_nothing_written);
-    return UNITY_END();
 }

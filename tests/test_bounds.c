@@ -9,14 +9,6 @@
 #include "count_hooks.h"
 #include "test_support.h"
 
-void setUp(void)
-{
-}
-
-void tearDown(void)
-{
-}
-
 /* ---- counting ------------------------------------------------------------ */
 
 static struct {
@@ -136,7 +128,7 @@ static long ray_steps(const char *function, int32_t lens, const lens_case *l)
 
     test_to_real(uv, l->uv, 2);
     watch_either(function);
-    (void)rigcal_pixel_to_ray(ray, &camera, uv);
+    (void)rigcal_camera_ray(ray, &camera, uv);
     return watched.count;
 }
 
@@ -237,7 +229,7 @@ static void test_a_projection_takes_at_most_one_such_proof(void)
         rigcal_real uv[2];
 
         watch_either(PROOF);
-        ASSERT_STATUS(RIGCAL_ERR_NO_RAY, rigcal_project(uv, &camera, X_c));
+        ASSERT_STATUS(RIGCAL_ERR_NO_RAY, rigcal_camera_project(uv, &camera, X_c));
         keep_largest(&largest, watched.count);
     }
     TEST_ASSERT_EQUAL_INT(1024, largest);
@@ -313,7 +305,7 @@ static long triangulation_evals(const views *v)
     rigcal_point point;
 
     watch("rc_vec3_max_abs", HOOK_FABS);
-    (void)rigcal_triangulate(&point, v->cameras, v->poses, v->uv, v->n, 1);
+    (void)rigcal_point_triangulate(&point, v->cameras, v->poses, v->uv, v->n, 1);
     return watched.count / (3 * (long)v->n) - 2;
 }
 
@@ -506,20 +498,19 @@ static void hostile_scene(scene *s, int kind, int n, test_rng *rng)
 /* Evaluations of a search to tolerances that are never met. */
 static long paper_evals(const scene *s, const rigcal_paper_options *options)
 {
-    rigcal_sighting sightings[POINTS_MAX];
+    rigcal_bearing bearings[POINTS_MAX];
     rigcal_pair pairs[RIGCAL_PAIRS_FOR(POINTS_MAX)];
     rigcal_paper_solver solver;
     rigcal_paper_pose pose;
     size_t n_pairs;
     long units = 1;
 
-    if (rigcal_sightings_from_observations(sightings, NULL, &s->camera, s->o, s->n) !=
+    if (rigcal_bearings_of_view(bearings, NULL, &VIEW(&s->camera, s->o, NULL, s->n)) !=
             RIGCAL_OK ||
-        rigcal_pairs_choose(pairs, &n_pairs, RIGCAL_PAIRS_FOR(POINTS_MAX), sightings,
-                            s->n) != RIGCAL_OK) {
+        rigcal_pairs_choose(pairs, RIGCAL_PAIRS_FOR(POINTS_MAX), &n_pairs, bearings, s->n) != RIGCAL_OK) {
         return 0;
     }
-    ASSERT_STATUS(RIGCAL_OK, rigcal_paper_begin(&solver, sightings, s->n, pairs, n_pairs,
+    ASSERT_STATUS(RIGCAL_OK, rigcal_paper_begin(&solver, bearings, s->n, pairs, n_pairs,
                                                 options));
     while (rigcal_paper_step(&solver, 1) == RIGCAL_RUNNING) {
         units++;
@@ -570,7 +561,7 @@ static int pose_units(const scene *s, const rigcal_pose_options *options)
     rigcal_pose_solver solver;
     int units = 1;
 
-    if (rigcal_pose_begin(&solver, NULL, &s->camera, s->o, NULL, s->n, options) < 0) {
+    if (rigcal_pose_begin(&solver, NULL, &VIEW(&s->camera, s->o, NULL, s->n), options) < 0) {
         return 0;
     }
     while (rigcal_pose_step(&solver, 1) == RIGCAL_RUNNING) {
@@ -665,8 +656,7 @@ static long robust_units(uint64_t seed, int kind)
     ASSERT_STATUS(RIGCAL_OK, rigcal_robust_defaults(&options));
     options.samples = SAMPLES;
     options.threshold_px = RC(test_uniform(&rng, 1, 100));
-    if (rigcal_robust_begin(&solver, inliers, NULL, &s.camera, s.o, NULL, s.n,
-                            &options) < 0) {
+    if (rigcal_robust_begin(&solver, inliers, NULL, &VIEW(&s.camera, s.o, NULL, s.n), &options) < 0) {
         return 0;
     }
     while (rigcal_robust_step(&solver, 1) == RIGCAL_RUNNING) {
@@ -711,20 +701,17 @@ static void test_a_diagnosis_solves_n_plus_1_to_n_plus_3_poses(void)
         hostile_scene(&s, trial % KINDS, 5 + trial % 9, &rng);
         const int n = (int)s.n;
         watch("rc_pixel_to_ray", HOOK_FABS);
-        ASSERT_STATUS(RIGCAL_OK, rigcal_blame_point(&blame, rms_without, &s.camera, s.o,
-                                                    NULL, s.n, NULL));
+        ASSERT_STATUS(RIGCAL_OK, rigcal_pose_blame(&blame, rms_without, &VIEW(&s.camera, s.o, NULL, s.n), NULL));
         TEST_ASSERT_EQUAL_INT((n + 1) + n * n, watched.count);
         watch("rc_pixel_to_ray", HOOK_FABS);
         ASSERT_STATUS(RIGCAL_OK,
-                      rigcal_diagnose_pose(&diagnosis, rms_without, &s.camera, s.o,
-                                           NULL, s.n, NULL));
+                      rigcal_pose_diagnose(&diagnosis, rms_without, &VIEW(&s.camera, s.o, NULL, s.n), NULL));
         TEST_ASSERT_EQUAL_INT(3 * (n + 1) + n * n, watched.count);
     }
 }
 
-int main(void)
+TEST_MAIN()
 {
-    UNITY_BEGIN();
     RUN_TEST(test_the_nearest_rotation_takes_at_most_40_iterations);
     RUN_TEST(test_a_pixel_takes_at_most_127_solves_of_60_steps);
     RUN_TEST(test_a_solve_takes_its_60_steps_and_no_more);
@@ -741,5 +728,4 @@ int main(void)
     RUN_TEST(test_usual_poses_take_about_50_units_and_thorough_ones_190);
     RUN_TEST(test_a_robust_pose_takes_at_most_9000_units_and_7_a_sample);
     RUN_TEST(test_a_diagnosis_solves_n_plus_1_to_n_plus_3_poses);
-    return UNITY_END();
 }

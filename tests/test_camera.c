@@ -1,7 +1,7 @@
 /* camera: pixels, rays and the lenses between them. The truth is made here,
  * in doubles: the lens formulas of rigcal.h (tests/support), their
  * derivatives, and a march along straight lines from the optical axis that
- * finds where a lens turns back. So every answer of rigcal_pixel_to_ray is
+ * finds where a lens turns back. So every answer of rigcal_camera_ray is
  * held against a lens that is known on both sides of its fold. */
 #include <math.h>
 #include <stdio.h>
@@ -15,14 +15,6 @@
 
 /* What rigcal.h promises of a ray's projection [px]. */
 #define PX TOL(1e-9, 2e-3)
-
-void setUp(void)
-{
-}
-
-void tearDown(void)
-{
-}
 
 /* ---- lenses -------------------------------------------------------------- */
 
@@ -414,7 +406,7 @@ static void test_points_are_projected_by_the_formulas_of_the_header(void)
                 X_real[k] = RC(X[k] * Z);
                 X[k] = D(X_real[k]);
             }
-            ASSERT_STATUS(RIGCAL_OK, rigcal_project(uv, &camera, X_real));
+            ASSERT_STATUS(RIGCAL_OK, rigcal_camera_project(uv, &camera, X_real));
             test_project_px(expected, &camera, X);
             if (fabs(expected[0]) + fabs(expected[1]) < 10000) {
                 ASSERT_ARRAY_NEAR(expected, uv, 2, TOL(1e-9, 1e-2));
@@ -488,9 +480,9 @@ static void test_a_pinhole_is_exact_where_it_can_be(void)
     const double expected[3] = {-0.6, 0, 0.8};
     rigcal_real seen[2], ray[3];
 
-    ASSERT_STATUS(RIGCAL_OK, rigcal_project(seen, &camera, X_c));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_camera_project(seen, &camera, X_c));
     ASSERT_ARRAY_NEAR(pixel, seen, 2, 0);
-    ASSERT_STATUS(RIGCAL_OK, rigcal_pixel_to_ray(ray, &camera, uv));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_camera_ray(ray, &camera, uv));
     ASSERT_ARRAY_NEAR(expected, ray, 3, TOL(1e-15, 1e-7));
 }
 
@@ -505,9 +497,9 @@ static void test_the_principal_point_is_the_image_of_the_axis(void)
         const double expected[2] = {D(camera.cx), D(camera.cy)};
         rigcal_real uv[2], ray[3];
 
-        ASSERT_STATUS(RIGCAL_OK, rigcal_project(uv, &camera, ahead));
+        ASSERT_STATUS(RIGCAL_OK, rigcal_camera_project(uv, &camera, ahead));
         ASSERT_ARRAY_NEAR(expected, uv, 2, 0);
-        ASSERT_STATUS(RIGCAL_OK, rigcal_pixel_to_ray(ray, &camera, middle));
+        ASSERT_STATUS(RIGCAL_OK, rigcal_camera_ray(ray, &camera, middle));
         ASSERT_ARRAY_NEAR(axis, ray, 3, TOL(1e-15, 1e-7));
     }
 }
@@ -540,7 +532,7 @@ static void test_each_pixel_of_each_lens_has_its_ray_or_none(void)
             rigcal_status status;
 
             FILL(ray);
-            status = rigcal_pixel_to_ray(ray, &camera, uv);
+            status = rigcal_camera_ray(ray, &camera, uv);
             if (status == RIGCAL_OK) {
                 assert_right_ray(name, &camera, ray, uv);
                 if (outer.ends && depth_inside(&outer, at) < -CHORD) {
@@ -586,7 +578,7 @@ static void test_every_ray_before_the_turning_point_is_found_from_its_pixel(
                     continue;
                 }
                 test_to_real(uv, exact, 2);
-                if (rigcal_pixel_to_ray(ray, &camera, uv) != RIGCAL_OK) {
+                if (rigcal_camera_ray(ray, &camera, uv) != RIGCAL_OK) {
                     fail_at("no ray found", LENSES[i].name, exact[0], exact[1]);
                 }
                 test_to_double(seen, ray, 3);
@@ -629,7 +621,7 @@ static void test_a_ray_beyond_the_turning_point_never_comes_out(void)
                 ray_of(X_c, &camera, at);
                 test_to_real(X_real, X_c, 3);
                 ASSERT_REFUSED(RIGCAL_ERR_NO_RAY, uv,
-                               rigcal_project(uv, &camera, X_real));
+                               rigcal_camera_project(uv, &camera, X_real));
 
                 test_project_px(exact, &camera, X_c);
                 if (!(fabs(exact[0]) < 1e6 && fabs(exact[1]) < 1e6)) {
@@ -639,7 +631,7 @@ static void test_a_ray_beyond_the_turning_point_never_comes_out(void)
                 exact[0] = D(uv[0]);
                 exact[1] = D(uv[1]);
                 depth = depth_inside(&circle, exact);
-                status = rigcal_pixel_to_ray(ray, &camera, uv);
+                status = rigcal_camera_ray(ray, &camera, uv);
                 if (depth < -CHORD) {
                     outside++;
                     if (status != RIGCAL_ERR_NO_RAY) {
@@ -682,11 +674,11 @@ static void test_projection_ends_at_the_turning_point(void)
             }
             ray_of(X, &camera, before);
             test_to_real(X_c, X, 3);
-            ASSERT_STATUS(RIGCAL_OK, rigcal_project(uv, &camera, X_c));
+            ASSERT_STATUS(RIGCAL_OK, rigcal_camera_project(uv, &camera, X_c));
             ray_of(X, &camera, beyond);
             test_to_real(X_c, X, 3);
             ASSERT_REFUSED(RIGCAL_ERR_NO_RAY, uv,
-                           rigcal_project(uv, &camera, X_c));
+                           rigcal_camera_project(uv, &camera, X_c));
         }
     }
 }
@@ -744,7 +736,7 @@ static void test_pixels_on_which_the_fixed_point_iteration_fails_have_a_ray(
                 }
                 failed++;
                 test_to_real(uv, exact, 2);
-                ASSERT_STATUS(RIGCAL_OK, rigcal_pixel_to_ray(ray, &camera, uv));
+                ASSERT_STATUS(RIGCAL_OK, rigcal_camera_ray(ray, &camera, uv));
                 assert_right_ray(LENSES[i].name, &camera, ray, uv);
             }
         }
@@ -805,7 +797,7 @@ static void test_any_lens_gives_right_rays_only(void)
             rigcal_status status;
 
             random_pixel(uv, &camera, &rng);
-            status = rigcal_pixel_to_ray(ray, &camera, uv);
+            status = rigcal_camera_ray(ray, &camera, uv);
             if (status != RIGCAL_OK) {
                 ASSERT_STATUS(RIGCAL_ERR_NO_RAY, status);
                 continue;
@@ -813,7 +805,7 @@ static void test_any_lens_gives_right_rays_only(void)
             assert_right_ray(name, &camera, ray, uv);
             /* And the library's own projection takes it. In float a ray may
              * round across the turning point. */
-            status = rigcal_project(again, &camera, ray);
+            status = rigcal_camera_project(again, &camera, ray);
             if (!RIGCAL_USE_FLOAT || status == RIGCAL_OK) {
                 const double expected[2] = {D(uv[0]), D(uv[1])};
 
@@ -847,7 +839,7 @@ static void test_any_lens_gives_every_ray_before_its_turning_point(void)
                 continue;
             }
             test_to_real(uv, exact, 2);
-            if (rigcal_pixel_to_ray(ray, &camera, uv) != RIGCAL_OK) {
+            if (rigcal_camera_ray(ray, &camera, uv) != RIGCAL_OK) {
                 fail_at("no ray found", name, exact[0], exact[1]);
             }
             test_to_double(seen, ray, 3);
@@ -906,7 +898,7 @@ static void test_any_lens_projects_up_to_its_turning_point_and_not_beyond(void)
                 }
                 ray_of(X, &camera, at);
                 test_to_real(X_c, X, 3);
-                if (rigcal_project(uv, &camera, X_c) !=
+                if (rigcal_camera_project(uv, &camera, X_c) !=
                     (shares[k] < 1 ? RIGCAL_OK : RIGCAL_ERR_NO_RAY)) {
                     char name[40];
 
@@ -946,7 +938,7 @@ static void test_a_radial_lens_has_rays_exactly_inside_its_circle(void)
 
             random_pixel(uv, &camera, &rng);
             out = hypot(D(uv[0]) - D(camera.cx), D(uv[1]) - D(camera.cy));
-            status = rigcal_pixel_to_ray(ray, &camera, uv);
+            status = rigcal_camera_ray(ray, &camera, uv);
             if (edge.out < FAR && out > radius * (1 + TOL(1e-9, 1e-4))) {
                 none++;
                 ASSERT_STATUS(RIGCAL_ERR_NO_RAY, status);
@@ -988,10 +980,10 @@ static void test_undistorted_pixels_are_those_of_the_pinhole_and_go_back(void)
             if (camera.lens == FISHEYE) {
                 slack /= cos(at.out) * cos(at.out);
             }
-            ASSERT_STATUS(RIGCAL_OK, rigcal_undistort_pixel(seen, &camera, uv));
+            ASSERT_STATUS(RIGCAL_OK, rigcal_camera_undistort(seen, &camera, uv));
             ASSERT_ARRAY_NEAR(straight, seen, 2, slack);
             test_to_real(seen, straight, 2);
-            ASSERT_STATUS(RIGCAL_OK, rigcal_distort_pixel(back, &camera, seen));
+            ASSERT_STATUS(RIGCAL_OK, rigcal_camera_distort(back, &camera, seen));
             ASSERT_ARRAY_NEAR(exact, back, 2, TOL(1e-9, 1e-2));
         }
     }
@@ -1008,9 +1000,9 @@ static void test_a_fisheye_ray_at_90_degrees_has_no_undistorted_pixel(void)
         const rigcal_real uv[2] = {RC(599.5 + 0.6 * u), RC(599.5 - 0.8 * u)};
         rigcal_real straight[2], ray[3];
 
-        ASSERT_STATUS(RIGCAL_OK, rigcal_pixel_to_ray(ray, &camera, uv));
+        ASSERT_STATUS(RIGCAL_OK, rigcal_camera_ray(ray, &camera, uv));
         ASSERT_REFUSED(RIGCAL_ERR_WIDE_RAY, straight,
-                       rigcal_undistort_pixel(straight, &camera, uv));
+                       rigcal_camera_undistort(straight, &camera, uv));
     }
 }
 
@@ -1026,15 +1018,15 @@ static void test_pixels_without_a_ray_are_not_undistorted_either(void)
     const rigcal_real straight_outside[2] = {RC(640 + 500 * 0.914), 480};
     rigcal_real uv[2], ray[3];
 
-    ASSERT_STATUS(RIGCAL_OK, rigcal_undistort_pixel(uv, &camera, inside));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_camera_undistort(uv, &camera, inside));
     ASSERT_STATUS(RIGCAL_OK,
-                  rigcal_distort_pixel(uv, &camera, straight_inside));
+                  rigcal_camera_distort(uv, &camera, straight_inside));
     ASSERT_REFUSED(RIGCAL_ERR_NO_RAY, ray,
-                   rigcal_pixel_to_ray(ray, &camera, outside));
+                   rigcal_camera_ray(ray, &camera, outside));
     ASSERT_REFUSED(RIGCAL_ERR_NO_RAY, uv,
-                   rigcal_undistort_pixel(uv, &camera, outside));
+                   rigcal_camera_undistort(uv, &camera, outside));
     ASSERT_REFUSED(RIGCAL_ERR_NO_RAY, uv,
-                   rigcal_distort_pixel(uv, &camera, straight_outside));
+                   rigcal_camera_distort(uv, &camera, straight_outside));
 }
 
 /* ---- what a camera cannot see -------------------------------------------- */
@@ -1049,10 +1041,10 @@ static void test_what_is_not_in_front_is_not_imaged(void)
 
     for (size_t i = 0; i < sizeof places / sizeof places[0]; i++) {
         test_to_real(X_c, places[i], 3);
-        ASSERT_REFUSED(RIGCAL_ERR_BEHIND, uv, rigcal_project(uv, &camera, X_c));
+        ASSERT_REFUSED(RIGCAL_ERR_BEHIND, uv, rigcal_camera_project(uv, &camera, X_c));
     }
     ASSERT_REFUSED(RIGCAL_ERR_DEGENERATE, uv,
-                   rigcal_project(uv, &camera, centre));
+                   rigcal_camera_project(uv, &camera, centre));
 }
 
 static void test_a_fisheye_sees_behind_itself_but_not_its_own_centre(void)
@@ -1064,12 +1056,12 @@ static void test_a_fisheye_sees_behind_itself_but_not_its_own_centre(void)
     const double back[2] = {599.5, 599.5 + 225 * TEST_PI};
     rigcal_real uv[2];
 
-    ASSERT_STATUS(RIGCAL_OK, rigcal_project(uv, &camera, side));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_camera_project(uv, &camera, side));
     ASSERT_ARRAY_NEAR(quarter, uv, 2, TOL(1e-10, 1e-3));
-    ASSERT_STATUS(RIGCAL_OK, rigcal_project(uv, &camera, behind));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_camera_project(uv, &camera, behind));
     ASSERT_ARRAY_NEAR(back, uv, 2, TOL(1e-10, 1e-3));
     ASSERT_REFUSED(RIGCAL_ERR_DEGENERATE, uv,
-                   rigcal_project(uv, &camera, centre));
+                   rigcal_camera_project(uv, &camera, centre));
 }
 
 /* A point 180 degrees off the axis would be imaged on a whole circle. */
@@ -1081,7 +1073,7 @@ static void test_a_fisheye_does_not_see_straight_back(void)
     rigcal_status status;
 
     FILL(uv);
-    status = rigcal_project(uv, &camera, back);
+    status = rigcal_camera_project(uv, &camera, back);
     TEST_ASSERT_TRUE(status == RIGCAL_ERR_BEHIND ||
                      status == RIGCAL_ERR_NO_RAY);
     ASSERT_UNTOUCHED(uv);
@@ -1156,26 +1148,25 @@ static void scene_seen(test_scene *scene, rigcal_camera *camera,
     test_observations(observations, scene, camera);
 }
 
-static void test_observations_become_sightings_one_by_one(void)
+static void test_observations_become_bearings_one_by_one(void)
 {
     test_scene scene;
     rigcal_camera camera;
     rigcal_observation observations[20];
-    rigcal_sighting sightings[20];
-    int32_t bad;
+    rigcal_bearing bearings[20];
+    int32_t at_fault;
 
     scene_seen(&scene, &camera, observations, 11);
-    FILL(bad);
-    ASSERT_STATUS(RIGCAL_OK, rigcal_sightings_from_observations(
-                                 sightings, &bad, &camera, observations, 20));
-    TEST_ASSERT_EQUAL_INT32(-1, bad);
+    FILL(at_fault);
+    ASSERT_STATUS(RIGCAL_OK, rigcal_bearings_of_view(bearings, &at_fault, &VIEW(&camera, observations, NULL, 20)));
+    TEST_ASSERT_EQUAL_INT32(-1, at_fault);
     for (int i = 0; i < 20; i++) {
         const double exact[3] = {scene.xy[i][0], scene.xy[i][1], 1};
         double ray[3];
 
-        TEST_ASSERT_EQUAL_MEMORY(observations[i].X_w, sightings[i].X_w,
-                                 sizeof sightings[i].X_w);
-        test_to_double(ray, sightings[i].ray, 3);
+        TEST_ASSERT_EQUAL_MEMORY(observations[i].X_w, bearings[i].X_w,
+                                 sizeof bearings[i].X_w);
+        test_to_double(ray, bearings[i].ray, 3);
         ASSERT_NEAR(1, test_norm(ray), TOL(1e-15, 5e-7));
         ASSERT_NEAR(0, angle_between(exact, ray), TOL(1e-11, 1e-5));
     }
@@ -1187,8 +1178,8 @@ static void test_the_observation_at_fault_is_told(void)
     test_scene scene;
     rigcal_camera camera;
     rigcal_observation good[20], observations[20];
-    rigcal_sighting sightings[20];
-    int32_t bad;
+    rigcal_bearing bearings[20];
+    int32_t at_fault;
 
     scene_seen(&scene, &camera, good, 12);
     camera.k1 = RC(-0.4);
@@ -1202,26 +1193,24 @@ static void test_the_observation_at_fault_is_told(void)
 
         memcpy(observations, good, sizeof good);
         observations[i].uv[0] = 5000;
-        bad = -7;
-        ASSERT_REFUSED(RIGCAL_ERR_NO_RAY, sightings,
-                       rigcal_sightings_from_observations(
-                           sightings, &bad, &camera, observations, 20));
-        TEST_ASSERT_EQUAL_INT32(i, bad);
+        at_fault = -7;
+        ASSERT_REFUSED(RIGCAL_ERR_NO_RAY, bearings,
+                       rigcal_bearings_of_view(bearings, &at_fault, &VIEW(&camera, observations, NULL, 20)));
+        TEST_ASSERT_EQUAL_INT32(i, at_fault);
 
         memcpy(observations, good, sizeof good);
         observations[i].X_w[2] = TEST_NAN;
-        bad = -7;
-        ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, sightings,
-                       rigcal_sightings_from_observations(
-                           sightings, &bad, &camera, observations, 20));
-        TEST_ASSERT_EQUAL_INT32(i, bad);
+        at_fault = -7;
+        ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, bearings,
+                       rigcal_bearings_of_view(bearings, &at_fault, &VIEW(&camera, observations, NULL, 20)));
+        TEST_ASSERT_EQUAL_INT32(i, at_fault);
     }
     camera.fx = -1;
-    bad = -7;
+    at_fault = -7;
     ASSERT_REFUSED(
-        RIGCAL_ERR_CAMERA, sightings,
-        rigcal_sightings_from_observations(sightings, &bad, &camera, good, 20));
-    TEST_ASSERT_EQUAL_INT32(-1, bad);
+        RIGCAL_ERR_CAMERA, bearings,
+        rigcal_bearings_of_view(bearings, &at_fault, &VIEW(&camera, good, NULL, 20)));
+    TEST_ASSERT_EQUAL_INT32(-1, at_fault);
 }
 
 static void test_the_error_of_exact_pixels_is_zero(void)
@@ -1235,8 +1224,7 @@ static void test_the_error_of_exact_pixels_is_zero(void)
     scene_seen(&scene, &camera, observations, 13);
     cam_from_world = test_transform(scene.R, scene.t);
     ASSERT_STATUS(RIGCAL_OK,
-                  rigcal_reprojection_rms(&rms, NULL, &camera, &cam_from_world,
-                                          observations, 20));
+                  rigcal_view_rms(&rms, NULL, &VIEW(&camera, observations, NULL, 20), &cam_from_world));
     ASSERT_NEAR(0, rms, TOL(1e-10, 1e-3));
 }
 
@@ -1268,9 +1256,7 @@ static void test_the_error_is_the_root_of_the_mean_squared_distance(void)
                 expected_worst = (int32_t)i;
             }
         }
-        ASSERT_STATUS(RIGCAL_OK, rigcal_reprojection_rms(&rms, &worst, &camera,
-                                                         &cam_from_world,
-                                                         observations, n));
+        ASSERT_STATUS(RIGCAL_OK, rigcal_view_rms(&rms, &worst, &VIEW(&camera, observations, NULL, n), &cam_from_world));
         ASSERT_NEAR(sqrt(sum / (double)n), rms, TOL(1e-9, 2e-3));
         TEST_ASSERT_EQUAL_INT32(expected_worst, worst);
     }
@@ -1299,8 +1285,7 @@ static void test_no_error_is_told_of_points_that_cannot_be_seen(void)
         observations[8].X_w[k] = RC(o);
     }
     ASSERT_REFUSED(RIGCAL_ERR_BEHIND, rms,
-                   rigcal_reprojection_rms(&rms, &worst, &camera,
-                                           &cam_from_world, observations, 20));
+                   rigcal_view_rms(&rms, &worst, &VIEW(&camera, observations, NULL, 20), &cam_from_world));
     ASSERT_UNTOUCHED(worst);
     camera.k1 = RC(-0.4);
     camera.k2 = camera.k3 = 0;
@@ -1316,14 +1301,12 @@ static void test_no_error_is_told_of_points_that_cannot_be_seen(void)
         observations[8].X_w[k] = RC(o);
     }
     ASSERT_REFUSED(RIGCAL_ERR_NO_RAY, rms,
-                   rigcal_reprojection_rms(&rms, &worst, &camera,
-                                           &cam_from_world, observations, 20));
+                   rigcal_view_rms(&rms, &worst, &VIEW(&camera, observations, NULL, 20), &cam_from_world));
     ASSERT_UNTOUCHED(worst);
 }
 
-int main(void)
+TEST_MAIN()
 {
-    UNITY_BEGIN();
     RUN_TEST(test_points_are_projected_by_the_formulas_of_the_header);
     RUN_TEST(test_the_derivative_of_a_pixel_is_that_of_the_formulas);
     RUN_TEST(test_a_pinhole_is_exact_where_it_can_be);
@@ -1345,10 +1328,9 @@ int main(void)
     RUN_TEST(test_a_fisheye_does_not_see_straight_back);
     RUN_TEST(test_intrinsics_that_cannot_be_are_refused);
     RUN_TEST(test_a_fisheye_has_no_coefficients_but_its_four);
-    RUN_TEST(test_observations_become_sightings_one_by_one);
+    RUN_TEST(test_observations_become_bearings_one_by_one);
     RUN_TEST(test_the_observation_at_fault_is_told);
     RUN_TEST(test_the_error_of_exact_pixels_is_zero);
     RUN_TEST(test_the_error_is_the_root_of_the_mean_squared_distance);
     RUN_TEST(test_no_error_is_told_of_points_that_cannot_be_seen);
-    return UNITY_END();
 }

@@ -17,17 +17,9 @@ enum { POINTS_MAX = TEST_SCENE_MAX, PAIRS_MAX = 4 * POINTS_MAX };
 
 static const rigcal_real IDENTITY[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
 
-void setUp(void)
-{
-}
-
-void tearDown(void)
-{
-}
-
-/* Scene k of the vectors: its noisy sightings, the rotation it was taken from
+/* Scene k of the vectors: its noisy bearings, the rotation it was taken from
  * and the angles nearby. */
-static void golden_scene(rigcal_sighting out[6], double ypr[3], double wrong[3],
+static void golden_scene(rigcal_bearing out[6], double ypr[3], double wrong[3],
                          int k)
 {
     const double *v = SCENE[k];
@@ -44,7 +36,7 @@ static void golden_scene(rigcal_sighting out[6], double ypr[3], double wrong[3],
 }
 
 /* The pairs of the first n points in the vectors' order. */
-static int golden_pairs(rigcal_pair pairs[15], const rigcal_sighting s[6],
+static int golden_pairs(rigcal_pair pairs[15], const rigcal_bearing s[6],
                         int n)
 {
     int count = 0;
@@ -87,7 +79,7 @@ static rigcal_pair pair_of(double n1, double n2, double n3, double d1,
 /* Rays straight ahead and 45 degrees to the right span the plane y = 0. */
 static void test_a_pair_is_a_plane_of_rays_and_a_direction(void)
 {
-    static const rigcal_sighting s[2] = {{{5, 7, 0}, {0, 0, 1}},
+    static const rigcal_bearing s[2] = {{{5, 7, 0}, {0, 0, 1}},
                                          {{6, 7, 0}, {1, 0, 1}}};
     static const double normal[3] = {0, 1, 0}, offset[3] = {-1, 0, 0};
     static const rigcal_real quarter_yaw[9] = {0, -1, 0, 1, 0, 0, 0, 0, 1};
@@ -110,7 +102,7 @@ static void test_pairs_and_their_residuals_are_the_oracles(void)
     for (int k = 0; k < SCENE_ROWS; k++) {
         const double *v = PAIR_TERMS[k];
         double ypr[3], wrong[3];
-        rigcal_sighting s[6];
+        rigcal_bearing s[6];
         rigcal_pair pair;
         rigcal_real R[9], e;
 
@@ -129,7 +121,7 @@ static void test_a_pair_does_not_depend_on_the_length_of_its_rays(void)
 {
     const double lengths[3] = {0.01, 300, TOL(1e9, 1e6)};
     double ypr[3], wrong[3], normal[3];
-    rigcal_sighting s[6];
+    rigcal_bearing s[6];
     rigcal_pair pair;
 
     golden_scene(s, ypr, wrong, 0);
@@ -149,7 +141,7 @@ static void test_a_pair_does_not_depend_on_the_length_of_its_rays(void)
 static void test_a_pair_taken_the_other_way_round_is_the_same_equation(void)
 {
     double ypr[3], wrong[3];
-    rigcal_sighting s[6];
+    rigcal_bearing s[6];
     rigcal_pair there, back;
     rigcal_real R[9], e_there, e_back;
 
@@ -172,11 +164,11 @@ static void test_the_residual_vanishes_at_the_true_rotation(void)
 
     for (int trial = 0; trial < TEST_TRIALS(100); trial++) {
         test_scene scene;
-        rigcal_sighting s[8];
+        rigcal_bearing s[8];
         rigcal_real R[9];
 
         test_scene_random(&scene, &rng, 8, (test_shape)(trial % 3));
-        test_sightings(s, &scene);
+        test_bearings(s, &scene);
         test_to_real(R, scene.R, 9);
         for (int i = 1; i < 8; i++) {
             const double apart = hypot(scene.xy[i][0] - scene.xy[0][0],
@@ -198,7 +190,7 @@ static void test_the_residual_vanishes_at_the_true_rotation(void)
 
 static void test_a_pair_of_one_point_or_one_ray_carries_no_equation(void)
 {
-    rigcal_sighting s[2] = {{{1000, 2, 3}, {RC(0.1), RC(0.2), 1}},
+    rigcal_bearing s[2] = {{{1000, 2, 3}, {RC(0.1), RC(0.2), 1}},
                             {{1000, 2, 3}, {RC(0.3), RC(0.1), 1}}};
     rigcal_pair pair;
 
@@ -230,7 +222,7 @@ static void test_a_pair_of_one_point_or_one_ray_carries_no_equation(void)
 static void test_what_is_no_pair_is_refused(void)
 {
     double ypr[3], wrong[3];
-    rigcal_sighting s[6], none[6];
+    rigcal_bearing s[6], none[6];
     rigcal_pair pair;
 
     golden_scene(s, ypr, wrong, 0);
@@ -306,14 +298,14 @@ static void test_a_residual_of_what_is_no_pair_or_rotation_is_refused(void)
 
 /* ---- choosing pairs ------------------------------------------------------ */
 
-static double image_distance(const rigcal_sighting *a, const rigcal_sighting *b)
+static double image_distance(const rigcal_bearing *a, const rigcal_bearing *b)
 {
     return hypot(D(a->ray[0]) / D(a->ray[2]) - D(b->ray[0]) / D(b->ray[2]),
                  D(a->ray[1]) / D(a->ray[2]) - D(b->ray[1]) / D(b->ray[2]));
 }
 
 /* The largest distance between two image points. */
-static double image_size(const rigcal_sighting s[], int n)
+static double image_size(const rigcal_bearing s[], int n)
 {
     double most = 0;
 
@@ -327,7 +319,7 @@ static double image_size(const rigcal_sighting s[], int n)
 
 /* Each pair is the one of its indices, and none is there twice. */
 static void assert_pairs_sound(const rigcal_pair pairs[], size_t n_pairs,
-                               const rigcal_sighting s[], int n)
+                               const rigcal_bearing s[], int n)
 {
     for (size_t k = 0; k < n_pairs; k++) {
         const rigcal_pair *p = &pairs[k];
@@ -379,15 +371,15 @@ static void test_few_points_are_paired_all_but_where_rays_are_close(void)
     for (int trial = 0; trial < TEST_TRIALS(140); trial++) {
         const int n = 3 + trial % 7;
         test_scene scene;
-        rigcal_sighting s[9];
+        rigcal_bearing s[9];
         rigcal_pair pairs[36];
         size_t n_pairs;
         double size;
 
         test_scene_random(&scene, &rng, n, (test_shape)(trial % 3));
-        test_sightings(s, &scene);
+        test_bearings(s, &scene);
         ASSERT_STATUS(RIGCAL_OK,
-                      rigcal_pairs_choose(pairs, &n_pairs, 36, s, (size_t)n));
+                      rigcal_pairs_choose(pairs, 36, &n_pairs, s, (size_t)n));
         TEST_ASSERT_TRUE(n_pairs <= (size_t)(n * (n - 1) / 2));
         assert_pairs_sound(pairs, n_pairs, s, n);
         size = image_size(s, n);
@@ -413,14 +405,13 @@ static void test_many_points_are_paired_a_few_times_each(void)
     for (int trial = 0; trial < TEST_TRIALS(60); trial++) {
         const int n = 10 + trial % (POINTS_MAX - 9);
         test_scene scene;
-        rigcal_sighting s[POINTS_MAX];
+        rigcal_bearing s[POINTS_MAX];
         rigcal_pair pairs[PAIRS_MAX];
         size_t n_pairs;
 
         test_scene_random(&scene, &rng, n, (test_shape)(trial % 3));
-        test_sightings(s, &scene);
-        ASSERT_STATUS(RIGCAL_OK, rigcal_pairs_choose(pairs, &n_pairs, PAIRS_MAX,
-                                                     s, (size_t)n));
+        test_bearings(s, &scene);
+        ASSERT_STATUS(RIGCAL_OK, rigcal_pairs_choose(pairs, PAIRS_MAX, &n_pairs, s, (size_t)n));
         TEST_ASSERT_TRUE(n_pairs <= rigcal_pairs_for((size_t)n));
         TEST_ASSERT_TRUE(n_pairs >= (size_t)(2 * n));
         assert_pairs_sound(pairs, n_pairs, s, n);
@@ -442,7 +433,7 @@ static void test_many_points_are_paired_a_few_times_each(void)
 static void test_pairs_of_thousands_of_points_stay_four_each(void)
 {
     enum { MANY = 5000 };
-    static rigcal_sighting s[MANY];
+    static rigcal_bearing s[MANY];
     static rigcal_pair pairs[4 * MANY];
     test_rng rng = test_seed(34);
     size_t n_pairs;
@@ -457,26 +448,26 @@ static void test_pairs_of_thousands_of_points_stay_four_each(void)
         s[i].ray[2] = s[i].X_w[2] + 4;
     }
     ASSERT_STATUS(RIGCAL_OK,
-                  rigcal_pairs_choose(pairs, &n_pairs, 4 * MANY, s, MANY));
+                  rigcal_pairs_choose(pairs, 4 * MANY, &n_pairs, s, MANY));
     TEST_ASSERT_TRUE(n_pairs >= 2 * MANY && n_pairs <= 4 * MANY);
 }
 
-static void test_the_same_sightings_give_the_same_pairs(void)
+static void test_the_same_bearings_give_the_same_pairs(void)
 {
     test_rng rng = test_seed(35);
     static rigcal_pair first[PAIRS_MAX], second[PAIRS_MAX];
     test_scene scene;
-    rigcal_sighting s[40];
+    rigcal_bearing s[40];
     size_t n_first, n_second;
 
     test_scene_random(&scene, &rng, 40, TEST_GENERAL);
-    test_sightings(s, &scene);
+    test_bearings(s, &scene);
     FILL(first);
     FILL(second);
     ASSERT_STATUS(RIGCAL_OK,
-                  rigcal_pairs_choose(first, &n_first, PAIRS_MAX, s, 40));
+                  rigcal_pairs_choose(first, PAIRS_MAX, &n_first, s, 40));
     ASSERT_STATUS(RIGCAL_OK,
-                  rigcal_pairs_choose(second, &n_second, PAIRS_MAX, s, 40));
+                  rigcal_pairs_choose(second, PAIRS_MAX, &n_second, s, 40));
     TEST_ASSERT_EQUAL_UINT(n_first, n_second);
     TEST_ASSERT_EQUAL_MEMORY(first, second, sizeof first);
 }
@@ -492,16 +483,15 @@ static void test_a_small_buffer_holds_fewer_pairs_still_spread(void)
         const int n = trial % 2 ? 25 : 8;
         int used[25] = {0}, distinct = 0;
         test_scene scene;
-        rigcal_sighting s[25];
+        rigcal_bearing s[25];
         rigcal_pair pairs[31];
         rigcal_pair *guard = &pairs[capacity];
         size_t n_pairs;
 
         test_scene_random(&scene, &rng, n, (test_shape)(trial % 3));
-        test_sightings(s, &scene);
+        test_bearings(s, &scene);
         FILL(pairs);
-        ASSERT_STATUS(RIGCAL_OK, rigcal_pairs_choose(pairs, &n_pairs, capacity,
-                                                     s, (size_t)n));
+        ASSERT_STATUS(RIGCAL_OK, rigcal_pairs_choose(pairs, capacity, &n_pairs, s, (size_t)n));
         TEST_ASSERT_TRUE(n_pairs >= 3 && n_pairs <= capacity);
         ASSERT_UNTOUCHED(*guard);
         assert_pairs_sound(pairs, n_pairs, s, n);
@@ -526,7 +516,7 @@ static double least_condition(const rigcal_pair pairs[3], const double ypr[3])
         rigcal_elimination out;
 
         other_two(angles, ypr, which);
-        if (rigcal_eliminate(&out, pairs, 3, 2, which, angles) == RIGCAL_OK) {
+        if (rigcal_pairs_eliminate(&out, pairs, 3, 2, which, angles) == RIGCAL_OK) {
             least = fmin(least, D(out.condition));
         }
     }
@@ -546,15 +536,15 @@ static void test_the_first_two_pairs_are_well_conditioned(void)
     TEST_ON_HOST_ONLY("a rate wants all scenes");
     for (int trial = 0; trial < TRIALS; trial++) {
         test_scene scene;
-        rigcal_sighting s[8];
+        rigcal_bearing s[8];
         rigcal_pair pairs[28], last[3];
         size_t n_pairs;
         double condition;
 
         test_scene_random(&scene, &rng, 8, TEST_PLANAR);
-        test_sightings(s, &scene);
+        test_bearings(s, &scene);
         ASSERT_STATUS(RIGCAL_OK,
-                      rigcal_pairs_choose(pairs, &n_pairs, 28, s, 8));
+                      rigcal_pairs_choose(pairs, 28, &n_pairs, s, 8));
         condition = least_condition(pairs, scene.ypr);
         poor += condition > 20;
         first += log(condition);
@@ -566,14 +556,14 @@ static void test_the_first_two_pairs_are_well_conditioned(void)
     TEST_ASSERT_TRUE(first / TRIALS < others / TRIALS - 0.2);
 }
 
-static void test_repeated_sightings_are_never_paired_with_themselves(void)
+static void test_repeated_bearings_are_never_paired_with_themselves(void)
 {
     test_rng rng = test_seed(38);
 
     for (int trial = 0; trial < TEST_TRIALS(40); trial++) {
         const int n = trial % 2 ? 7 : 30;
         test_scene scene;
-        rigcal_sighting s[30];
+        rigcal_bearing s[30];
         rigcal_pair pairs[120];
         size_t n_pairs;
 
@@ -582,9 +572,9 @@ static void test_repeated_sightings_are_never_paired_with_themselves(void)
             memcpy(scene.X[i], scene.X[i % 3], sizeof scene.X[i]);
             memcpy(scene.xy[i], scene.xy[i % 3], sizeof scene.xy[i]);
         }
-        test_sightings(s, &scene);
+        test_bearings(s, &scene);
         ASSERT_STATUS(RIGCAL_OK,
-                      rigcal_pairs_choose(pairs, &n_pairs, 120, s, (size_t)n));
+                      rigcal_pairs_choose(pairs, 120, &n_pairs, s, (size_t)n));
         assert_pairs_sound(pairs, n_pairs, s, n); /* pair_make refuses those */
     }
 }
@@ -593,14 +583,14 @@ static void test_a_target_far_from_its_origin_is_paired_while_digits_last(void)
 {
     test_rng rng = test_seed(39);
     test_scene scene;
-    rigcal_sighting s[6];
+    rigcal_bearing s[6];
     rigcal_pair pairs[15];
     size_t n_pairs;
 
     /* A board of a metre in map coordinates: nanometres in double, half a metre
      * in float. */
     test_scene_random(&scene, &rng, 6, TEST_GENERAL);
-    test_sightings(s, &scene);
+    test_bearings(s, &scene);
     for (int i = 0; i < 6; i++) {
         s[i].X_w[0] += RC(512000);
         s[i].X_w[1] += RC(5154500);
@@ -608,11 +598,11 @@ static void test_a_target_far_from_its_origin_is_paired_while_digits_last(void)
     if (RIGCAL_USE_FLOAT) {
         FILL(n_pairs);
         ASSERT_REFUSED(RIGCAL_ERR_PRECISION, pairs,
-                       rigcal_pairs_choose(pairs, &n_pairs, 15, s, 6));
+                       rigcal_pairs_choose(pairs, 15, &n_pairs, s, 6));
         ASSERT_UNTOUCHED(n_pairs);
         return;
     }
-    ASSERT_STATUS(RIGCAL_OK, rigcal_pairs_choose(pairs, &n_pairs, 15, s, 6));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_pairs_choose(pairs, 15, &n_pairs, s, 6));
     for (size_t k = 0; k < n_pairs; k++) {
         rigcal_real R[9], e;
 
@@ -624,35 +614,35 @@ static void test_a_target_far_from_its_origin_is_paired_while_digits_last(void)
         s[i].X_w[1] += RC(1e15);
     }
     ASSERT_REFUSED(RIGCAL_ERR_PRECISION, pairs,
-                   rigcal_pairs_choose(pairs, &n_pairs, 15, s, 6));
+                   rigcal_pairs_choose(pairs, 15, &n_pairs, s, 6));
 }
 
 static void assert_choice_refused(rigcal_status status,
-                                  const rigcal_sighting s[], size_t n)
+                                  const rigcal_bearing s[], size_t n)
 {
     rigcal_pair pairs[36];
     size_t n_pairs;
 
     FILL(n_pairs);
     ASSERT_REFUSED(status, pairs,
-                   rigcal_pairs_choose(pairs, &n_pairs, 36, s, n));
+                   rigcal_pairs_choose(pairs, 36, &n_pairs, s, n));
     ASSERT_UNTOUCHED(n_pairs);
 }
 
-static void six_sightings(rigcal_sighting s[6], uint64_t seed, test_shape shape)
+static void six_bearings(rigcal_bearing s[6], uint64_t seed, test_shape shape)
 {
     test_rng rng = test_seed(seed);
     test_scene scene;
 
     test_scene_random(&scene, &rng, 6, shape);
-    test_sightings(s, &scene);
+    test_bearings(s, &scene);
 }
 
 static void test_fewer_than_three_distinct_points_or_rays_are_refused(void)
 {
-    rigcal_sighting good[6], s[6];
+    rigcal_bearing good[6], s[6];
 
-    six_sightings(good, 40, TEST_GENERAL);
+    six_bearings(good, 40, TEST_GENERAL);
     for (int distinct = 1; distinct <= 3; distinct++) {
         memcpy(s, good, sizeof s);
         for (int i = distinct; i < 6; i++) {
@@ -675,9 +665,9 @@ static void test_fewer_than_three_distinct_points_or_rays_are_refused(void)
 
 static void test_points_on_one_line_are_refused(void)
 {
-    rigcal_sighting good[6], s[6];
+    rigcal_bearing good[6], s[6];
 
-    six_sightings(good, 41, TEST_GENERAL);
+    six_bearings(good, 41, TEST_GENERAL);
     for (int n = 3; n <= 6; n++) {
         for (int turn = 0; turn < 3; turn++) {
             memcpy(s, good, sizeof s);
@@ -696,15 +686,15 @@ static void test_points_on_one_line_are_refused(void)
         size_t n_pairs;
 
         ASSERT_STATUS(RIGCAL_OK,
-                      rigcal_pairs_choose(pairs, &n_pairs, 15, s, 6));
+                      rigcal_pairs_choose(pairs, 15, &n_pairs, s, 6));
     }
 }
 
 static void test_rays_in_one_plane_are_refused(void)
 {
-    rigcal_sighting good[6], s[6];
+    rigcal_bearing good[6], s[6];
 
-    six_sightings(good, 42, TEST_GENERAL);
+    six_bearings(good, 42, TEST_GENERAL);
     for (int n = 3; n <= 6; n++) {
         memcpy(s, good, sizeof s);
         for (int i = 0; i < n; i++) {
@@ -719,26 +709,26 @@ static void test_rays_in_one_plane_are_refused(void)
 /* A telephoto's bundle is narrow and no plane for it. */
 static void test_a_narrow_bundle_of_rays_is_accepted(void)
 {
-    rigcal_sighting s[6];
+    rigcal_bearing s[6];
     rigcal_pair pairs[15];
     size_t n_pairs;
 
-    six_sightings(s, 48, TEST_GENERAL);
+    six_bearings(s, 48, TEST_GENERAL);
     for (int i = 0; i < 6; i++) {
         s[i].ray[0] /= 100;
         s[i].ray[1] /= 100;
     }
-    ASSERT_STATUS(RIGCAL_OK, rigcal_pairs_choose(pairs, &n_pairs, 15, s, 6));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_pairs_choose(pairs, 15, &n_pairs, s, 6));
 }
 
 /* Points ever nearer to a line: whether they are taken for one does not
  * depend on the unit of length. */
 static void test_the_unit_of_length_does_not_decide_what_is_a_line(void)
 {
-    rigcal_sighting good[6], s[6];
+    rigcal_bearing good[6], s[6];
     int lines = 0;
 
-    six_sightings(good, 49, TEST_GENERAL);
+    six_bearings(good, 49, TEST_GENERAL);
     for (int power = 1; power <= 10; power++) {
         rigcal_status of_unit[3];
 
@@ -753,7 +743,7 @@ static void test_the_unit_of_length_does_not_decide_what_is_a_line(void)
                 s[i].X_w[1] = RC(scale * pow(10, -power) * (i % 3));
                 s[i].X_w[2] = 0;
             }
-            of_unit[unit] = rigcal_pairs_choose(pairs, &n_pairs, 15, s, 6);
+            of_unit[unit] = rigcal_pairs_choose(pairs, 15, &n_pairs, s, 6);
         }
         ASSERT_STATUS(of_unit[1], of_unit[0]);
         ASSERT_STATUS(of_unit[1], of_unit[2]);
@@ -767,24 +757,24 @@ static void test_the_unit_of_length_does_not_decide_what_is_a_line(void)
 
 static void test_arguments_of_the_choice_are_checked(void)
 {
-    rigcal_sighting good[6], s[6];
+    rigcal_bearing good[6], s[6];
     rigcal_pair pairs[15];
     size_t n_pairs;
 
-    six_sightings(good, 43, TEST_GENERAL);
+    six_bearings(good, 43, TEST_GENERAL);
     ASSERT_REFUSED(RIGCAL_ERR_NULL, n_pairs,
-                   rigcal_pairs_choose(NULL, &n_pairs, 15, good, 6));
+                   rigcal_pairs_choose(NULL, 15, &n_pairs, good, 6));
     ASSERT_REFUSED(RIGCAL_ERR_NULL, pairs,
-                   rigcal_pairs_choose(pairs, NULL, 15, good, 6));
+                   rigcal_pairs_choose(pairs, 15, NULL, good, 6));
     assert_choice_refused(RIGCAL_ERR_NULL, NULL, 6);
     assert_choice_refused(RIGCAL_ERR_TOO_FEW, good, 2);
     assert_choice_refused(RIGCAL_ERR_TOO_FEW, good, 0);
     assert_choice_refused(RIGCAL_ERR_RANGE, good, ((size_t)1 << 28) + 1);
     FILL(n_pairs);
     ASSERT_REFUSED(RIGCAL_ERR_CAPACITY, pairs,
-                   rigcal_pairs_choose(pairs, &n_pairs, 2, good, 6));
+                   rigcal_pairs_choose(pairs, 2, &n_pairs, good, 6));
     ASSERT_UNTOUCHED(n_pairs);
-    ASSERT_STATUS(RIGCAL_OK, rigcal_pairs_choose(pairs, &n_pairs, 15, good, 3));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_pairs_choose(pairs, 15, &n_pairs, good, 3));
     TEST_ASSERT_EQUAL_UINT(3, n_pairs);
     for (int i = 0; i < 6; i++) {
         for (int k = 0; k < 3; k++) {
@@ -813,7 +803,7 @@ static void test_coefficients_are_the_oracles(void)
 {
     for (int k = 0; k < SCENE_ROWS; k++) {
         double ypr[3], wrong[3];
-        rigcal_sighting s[6];
+        rigcal_bearing s[6];
         rigcal_pair pair;
 
         golden_scene(s, ypr, wrong, k);
@@ -840,7 +830,7 @@ static void test_coefficients_give_the_residual_at_any_angle(void)
     for (int k = 0; k < 120; k++) {
         const int which = k % 3;
         double unused[3], ypr[3];
-        rigcal_sighting s[6];
+        rigcal_bearing s[6];
         rigcal_pair pair;
         rigcal_real angles[2], pqk[3], R[9], e;
 
@@ -876,7 +866,7 @@ static void test_an_elimination_on_paper(void)
     rigcal_elimination out;
 
     ASSERT_STATUS(RIGCAL_OK,
-                  rigcal_eliminate(&out, pairs, 3, 2, RIGCAL_YAW, angles));
+                  rigcal_pairs_eliminate(&out, pairs, 3, 2, RIGCAL_YAW, angles));
     ASSERT_NEAR(0.5625, out.cosine, tol);
     ASSERT_NEAR(0.5625, out.sine, tol);
     ASSERT_NEAR(TEST_PI / 4, out.angle, tol);
@@ -887,7 +877,7 @@ static void test_an_elimination_on_paper(void)
     /* By least squares the third is in A as a row of zeros, which changes
      * nothing; but now the first two count, each 0.64 cos 45 - 0.36. */
     ASSERT_STATUS(RIGCAL_OK,
-                  rigcal_eliminate(&out, pairs, 3, 0, RIGCAL_YAW, angles));
+                  rigcal_pairs_eliminate(&out, pairs, 3, 0, RIGCAL_YAW, angles));
     ASSERT_NEAR(0.5625, out.cosine, tol);
     ASSERT_NEAR(0.5625, out.sine, tol);
     ASSERT_NEAR(2 - 2 * 0.5625 * 0.5625 + 2 * (0.64 * sqrt(0.5) - 0.36),
@@ -906,11 +896,11 @@ static void test_the_condition_is_that_of_the_spectral_norm(void)
     rigcal_elimination out;
 
     ASSERT_STATUS(RIGCAL_OK,
-                  rigcal_eliminate(&out, pairs, 3, 2, RIGCAL_YAW, angles));
+                  rigcal_pairs_eliminate(&out, pairs, 3, 2, RIGCAL_YAW, angles));
     ASSERT_NEAR(4.0 / 3, out.condition, TOL(1e-14, 1e-5));
     /* All three: columns (0.36, 0, 0.6) and (0, 0.48, 0), still orthogonal. */
     ASSERT_STATUS(RIGCAL_OK,
-                  rigcal_eliminate(&out, pairs, 3, 0, RIGCAL_YAW, angles));
+                  rigcal_pairs_eliminate(&out, pairs, 3, 0, RIGCAL_YAW, angles));
     ASSERT_NEAR(sqrt(0.4896) / 0.48, out.condition, TOL(1e-14, 1e-5));
 }
 
@@ -926,9 +916,9 @@ static void test_an_elimination_without_a_direction_is_refused(void)
     rigcal_elimination out;
 
     ASSERT_REFUSED(RIGCAL_ERR_DEGENERATE, out,
-                   rigcal_eliminate(&out, pairs, 3, 2, RIGCAL_YAW, angles));
+                   rigcal_pairs_eliminate(&out, pairs, 3, 2, RIGCAL_YAW, angles));
     ASSERT_REFUSED(RIGCAL_ERR_DEGENERATE, out,
-                   rigcal_eliminate(&out, pairs, 3, 0, RIGCAL_YAW, angles));
+                   rigcal_pairs_eliminate(&out, pairs, 3, 0, RIGCAL_YAW, angles));
 }
 
 /* 0.48 c = -0.48 and s = 0: half a turn, whichever zero the sine is. */
@@ -943,9 +933,9 @@ static void test_half_a_turn_is_eliminated_as_plus_pi(void)
         const rigcal_real angles[2] = {0, 0};
         rigcal_elimination out;
 
-        for (int32_t eliminating = 0; eliminating <= 2; eliminating += 2) {
+        for (int32_t pairs_used = 0; pairs_used <= 2; pairs_used += 2) {
             ASSERT_STATUS(RIGCAL_OK,
-                          rigcal_eliminate(&out, pairs, 3, eliminating,
+                          rigcal_pairs_eliminate(&out, pairs, 3, pairs_used,
                                            RIGCAL_YAW, angles));
             ASSERT_NEAR(TEST_PI, out.angle, TOL(1e-15, 1e-6));
             ASSERT_NEAR(-1, out.cosine, TOL(1e-15, 1e-6));
@@ -979,13 +969,13 @@ static void assert_elimination(const double expected[6],
 }
 
 static void check_golden_eliminations(const double golden[][18],
-                                      int32_t eliminating)
+                                      int32_t pairs_used)
 {
     int well_conditioned = 0;
 
     for (int k = 0; k < SCENE_ROWS; k++) {
         double ypr[3], wrong[3];
-        rigcal_sighting s[6];
+        rigcal_bearing s[6];
         rigcal_pair pairs[15];
         int n_pairs;
 
@@ -1001,8 +991,8 @@ static void check_golden_eliminations(const double golden[][18],
             }
             other_two(angles, wrong, which);
             ASSERT_STATUS(RIGCAL_OK,
-                          rigcal_eliminate(&out, pairs, (size_t)n_pairs,
-                                           eliminating, which, angles));
+                          rigcal_pairs_eliminate(&out, pairs, (size_t)n_pairs,
+                                           pairs_used, which, angles));
             assert_elimination(expected, &out);
             if (expected[3] < 20) { /* the plain promise */
                 well_conditioned++;
@@ -1031,23 +1021,22 @@ static void test_elimination_finds_the_true_angle_of_perfect_images(void)
 
     for (int trial = 0; trial < TEST_TRIALS(200); trial++) {
         test_scene scene;
-        rigcal_sighting s[6];
+        rigcal_bearing s[6];
         rigcal_pair pairs[15];
         size_t n_pairs;
 
         test_scene_random(&scene, &rng, 3 + trial % 4, TEST_GENERAL);
-        test_sightings(s, &scene);
-        ASSERT_STATUS(RIGCAL_OK, rigcal_pairs_choose(pairs, &n_pairs, 15, s,
-                                                     (size_t)scene.n));
+        test_bearings(s, &scene);
+        ASSERT_STATUS(RIGCAL_OK, rigcal_pairs_choose(pairs, 15, &n_pairs, s, (size_t)scene.n));
         for (int which = RIGCAL_YAW; which <= RIGCAL_ROLL; which++) {
-            for (int32_t eliminating = 0; eliminating <= 2; eliminating += 2) {
+            for (int32_t pairs_used = 0; pairs_used <= 2; pairs_used += 2) {
                 rigcal_real angles[2];
                 rigcal_elimination out;
                 rigcal_status status;
                 double tol, turn;
 
                 other_two(angles, scene.ypr, which);
-                status = rigcal_eliminate(&out, pairs, n_pairs, eliminating,
+                status = rigcal_pairs_eliminate(&out, pairs, n_pairs, pairs_used,
                                           which, angles);
                 if (status == RIGCAL_ERR_DEGENERATE ||
                     D(out.condition) > TOL(1e4, 300)) {
@@ -1071,7 +1060,7 @@ static void test_elimination_finds_the_true_angle_of_perfect_images(void)
 static void test_the_order_of_pairs_does_not_matter_to_least_squares(void)
 {
     double ypr[3], wrong[3];
-    rigcal_sighting s[6];
+    rigcal_bearing s[6];
     rigcal_pair pairs[15], reversed[15];
     rigcal_real angles[2];
     rigcal_elimination first, second;
@@ -1083,8 +1072,8 @@ static void test_the_order_of_pairs_does_not_matter_to_least_squares(void)
     }
     other_two(angles, wrong, RIGCAL_PITCH);
     ASSERT_STATUS(RIGCAL_OK,
-                  rigcal_eliminate(&first, pairs, 15, 0, RIGCAL_PITCH, angles));
-    ASSERT_STATUS(RIGCAL_OK, rigcal_eliminate(&second, reversed, 15, 0,
+                  rigcal_pairs_eliminate(&first, pairs, 15, 0, RIGCAL_PITCH, angles));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_pairs_eliminate(&second, reversed, 15, 0,
                                               RIGCAL_PITCH, angles));
     ASSERT_NEAR(first.angle, second.angle, TOL(1e-14, 1e-5));
     ASSERT_NEAR(first.condition, second.condition, TOL(1e-13, 1e-4));
@@ -1109,19 +1098,19 @@ static void test_a_singular_elimination_is_refused(void)
     rigcal_elimination out;
 
     ASSERT_REFUSED(RIGCAL_ERR_DEGENERATE, out,
-                   rigcal_eliminate(&out, twice, 3, 2, RIGCAL_YAW, angles));
+                   rigcal_pairs_eliminate(&out, twice, 3, 2, RIGCAL_YAW, angles));
     ASSERT_STATUS(RIGCAL_OK,
-                  rigcal_eliminate(&out, twice, 3, 0, RIGCAL_YAW, angles));
+                  rigcal_pairs_eliminate(&out, twice, 3, 0, RIGCAL_YAW, angles));
     ASSERT_REFUSED(RIGCAL_ERR_DEGENERATE, out,
-                   rigcal_eliminate(&out, blind, 3, 2, RIGCAL_YAW, angles));
+                   rigcal_pairs_eliminate(&out, blind, 3, 2, RIGCAL_YAW, angles));
     ASSERT_REFUSED(RIGCAL_ERR_DEGENERATE, out,
-                   rigcal_eliminate(&out, blind, 3, 0, RIGCAL_YAW, angles));
+                   rigcal_pairs_eliminate(&out, blind, 3, 0, RIGCAL_YAW, angles));
 }
 
 static void test_arguments_of_the_elimination_are_checked(void)
 {
     double ypr[3], wrong[3];
-    rigcal_sighting s[6];
+    rigcal_bearing s[6];
     rigcal_pair pairs[15], bad[3];
     rigcal_real angles[2] = {0, 0}, odd[2], pqk[3];
     rigcal_elimination out;
@@ -1129,11 +1118,11 @@ static void test_arguments_of_the_elimination_are_checked(void)
     golden_scene(s, ypr, wrong, 0);
     golden_pairs(pairs, s, 6);
     ASSERT_STATUS(RIGCAL_ERR_NULL,
-                  rigcal_eliminate(NULL, pairs, 3, 2, RIGCAL_YAW, angles));
+                  rigcal_pairs_eliminate(NULL, pairs, 3, 2, RIGCAL_YAW, angles));
     ASSERT_REFUSED(RIGCAL_ERR_NULL, out,
-                   rigcal_eliminate(&out, NULL, 3, 2, RIGCAL_YAW, angles));
+                   rigcal_pairs_eliminate(&out, NULL, 3, 2, RIGCAL_YAW, angles));
     ASSERT_REFUSED(RIGCAL_ERR_NULL, out,
-                   rigcal_eliminate(&out, pairs, 3, 2, RIGCAL_YAW, NULL));
+                   rigcal_pairs_eliminate(&out, pairs, 3, 2, RIGCAL_YAW, NULL));
     ASSERT_STATUS(RIGCAL_ERR_NULL,
                   rigcal_pair_coefficients(NULL, pairs, RIGCAL_YAW, angles));
     ASSERT_REFUSED(RIGCAL_ERR_NULL, pqk,
@@ -1145,43 +1134,43 @@ static void test_arguments_of_the_elimination_are_checked(void)
             continue;
         }
         ASSERT_REFUSED(RIGCAL_ERR_RANGE, out,
-                       rigcal_eliminate(&out, pairs, 3, 2, which, angles));
+                       rigcal_pairs_eliminate(&out, pairs, 3, 2, which, angles));
         ASSERT_REFUSED(RIGCAL_ERR_RANGE, pqk,
                        rigcal_pair_coefficients(pqk, pairs, which, angles));
     }
     ASSERT_REFUSED(RIGCAL_ERR_RANGE, out,
-                   rigcal_eliminate(&out, pairs, 3, 1, RIGCAL_YAW, angles));
+                   rigcal_pairs_eliminate(&out, pairs, 3, 1, RIGCAL_YAW, angles));
     ASSERT_REFUSED(RIGCAL_ERR_RANGE, out,
-                   rigcal_eliminate(&out, pairs, 3, 3, RIGCAL_YAW, angles));
+                   rigcal_pairs_eliminate(&out, pairs, 3, 3, RIGCAL_YAW, angles));
     ASSERT_REFUSED(RIGCAL_ERR_RANGE, out,
-                   rigcal_eliminate(&out, pairs, 3, -2, RIGCAL_YAW, angles));
+                   rigcal_pairs_eliminate(&out, pairs, 3, -2, RIGCAL_YAW, angles));
     ASSERT_REFUSED(RIGCAL_ERR_TOO_FEW, out,
-                   rigcal_eliminate(&out, pairs, 2, 2, RIGCAL_YAW, angles));
+                   rigcal_pairs_eliminate(&out, pairs, 2, 2, RIGCAL_YAW, angles));
     ASSERT_REFUSED(RIGCAL_ERR_TOO_FEW, out,
-                   rigcal_eliminate(&out, pairs, 0, 0, RIGCAL_YAW, angles));
+                   rigcal_pairs_eliminate(&out, pairs, 0, 0, RIGCAL_YAW, angles));
     for (int k = 0; k < 2; k++) {
         odd[k] = TEST_NAN;
         odd[1 - k] = 0;
         ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, out,
-                       rigcal_eliminate(&out, pairs, 3, 2, RIGCAL_YAW, odd));
+                       rigcal_pairs_eliminate(&out, pairs, 3, 2, RIGCAL_YAW, odd));
         ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, pqk,
                        rigcal_pair_coefficients(pqk, pairs, RIGCAL_YAW, odd));
         odd[k] = -TEST_INF;
         ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, out,
-                       rigcal_eliminate(&out, pairs, 3, 0, RIGCAL_YAW, odd));
+                       rigcal_pairs_eliminate(&out, pairs, 3, 0, RIGCAL_YAW, odd));
     }
     for (int k = 0; k < 3; k++) {
         memcpy(bad, pairs, sizeof bad);
         bad[k].normal[k] = TEST_NAN;
         ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, out,
-                       rigcal_eliminate(&out, bad, 3, 0, RIGCAL_YAW, angles));
+                       rigcal_pairs_eliminate(&out, bad, 3, 0, RIGCAL_YAW, angles));
         ASSERT_REFUSED(
             RIGCAL_ERR_NOT_FINITE, pqk,
             rigcal_pair_coefficients(pqk, &bad[k], RIGCAL_YAW, angles));
         memcpy(bad, pairs, sizeof bad);
         bad[k].offset[k] = TEST_INF;
         ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, out,
-                       rigcal_eliminate(&out, bad, 3, 2, RIGCAL_YAW, angles));
+                       rigcal_pairs_eliminate(&out, bad, 3, 2, RIGCAL_YAW, angles));
     }
 }
 
@@ -1191,14 +1180,14 @@ static void test_the_three_angle_residual_is_the_oracles(void)
 {
     for (int k = 0; k < SCENE_ROWS; k++) {
         double ypr[3], wrong[3];
-        rigcal_sighting s[6];
+        rigcal_bearing s[6];
         rigcal_pair pairs[15];
         rigcal_real angles[3], residual;
 
         golden_scene(s, ypr, wrong, k);
         golden_pairs(pairs, s, 6);
         test_to_real(angles, wrong, 3);
-        ASSERT_STATUS(RIGCAL_OK, rigcal_three_angle_residual(&residual, pairs,
+        ASSERT_STATUS(RIGCAL_OK, rigcal_pairs_residual(&residual, pairs,
                                                              15, angles));
         ASSERT_NEAR(TRANSLATION[k][12], residual, 4 * TOL_FORMULA);
     }
@@ -1208,7 +1197,7 @@ static void test_the_three_angle_residual_is_the_sum_over_its_pairs(void)
 {
     const rigcal_real angles[3] = {RC(0.3), RC(-0.2), RC(1.1)};
     double ypr[3], wrong[3], sum = 0;
-    rigcal_sighting s[6];
+    rigcal_bearing s[6];
     rigcal_pair pairs[15];
     rigcal_real R[9], e, residual;
 
@@ -1220,7 +1209,7 @@ static void test_the_three_angle_residual_is_the_sum_over_its_pairs(void)
         sum += fabs(D(e));
     }
     ASSERT_STATUS(RIGCAL_OK,
-                  rigcal_three_angle_residual(&residual, pairs, 3, angles));
+                  rigcal_pairs_residual(&residual, pairs, 3, angles));
     ASSERT_NEAR(sum, residual, TOL(1e-15, 1e-6));
 }
 
@@ -1228,33 +1217,33 @@ static void test_arguments_of_the_three_angle_residual_are_checked(void)
 {
     const rigcal_real zero[3] = {0, 0, 0};
     double ypr[3], wrong[3];
-    rigcal_sighting s[6];
+    rigcal_bearing s[6];
     rigcal_pair pairs[15];
     rigcal_real residual;
 
     golden_scene(s, ypr, wrong, 7);
     golden_pairs(pairs, s, 6);
     ASSERT_STATUS(RIGCAL_ERR_NULL,
-                  rigcal_three_angle_residual(NULL, pairs, 3, zero));
+                  rigcal_pairs_residual(NULL, pairs, 3, zero));
     ASSERT_REFUSED(RIGCAL_ERR_NULL, residual,
-                   rigcal_three_angle_residual(&residual, NULL, 3, zero));
+                   rigcal_pairs_residual(&residual, NULL, 3, zero));
     ASSERT_REFUSED(RIGCAL_ERR_NULL, residual,
-                   rigcal_three_angle_residual(&residual, pairs, 3, NULL));
+                   rigcal_pairs_residual(&residual, pairs, 3, NULL));
     ASSERT_REFUSED(RIGCAL_ERR_TOO_FEW, residual,
-                   rigcal_three_angle_residual(&residual, pairs, 2, zero));
+                   rigcal_pairs_residual(&residual, pairs, 2, zero));
     for (int k = 0; k < 3; k++) {
         rigcal_real bad[3] = {0, 0, 0};
 
         bad[k] = TEST_INF;
         ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, residual,
-                       rigcal_three_angle_residual(&residual, pairs, 3, bad));
+                       rigcal_pairs_residual(&residual, pairs, 3, bad));
         bad[k] = RC(TOL(1.1e6, 1.1e3));
         ASSERT_REFUSED(RIGCAL_ERR_RANGE, residual,
-                       rigcal_three_angle_residual(&residual, pairs, 3, bad));
+                       rigcal_pairs_residual(&residual, pairs, 3, bad));
     }
     pairs[1].offset[2] = TEST_NAN;
     ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, residual,
-                   rigcal_three_angle_residual(&residual, pairs, 3, zero));
+                   rigcal_pairs_residual(&residual, pairs, 3, zero));
 }
 
 /* ---- translation (10a), (10b), (16) -------------------------------------- */
@@ -1263,7 +1252,7 @@ static void test_arguments_of_the_three_angle_residual_are_checked(void)
  * are 2 away. They do not differ in y, so (10b) is left out. */
 static void test_a_translation_on_paper(void)
 {
-    static const rigcal_sighting s[2] = {{{3, 4, 0}, {0, 0, 1}},
+    static const rigcal_bearing s[2] = {{{3, 4, 0}, {0, 0, 1}},
                                          {{4, 4, 0}, {1, 0, 2}}};
     static const double expected[3] = {-3, -4, 2};
     rigcal_pair pair;
@@ -1286,7 +1275,7 @@ static void test_translations_are_the_oracles(void)
 
     for (int k = 0; k < SCENE_ROWS; k++) {
         double at[2][3];
-        rigcal_sighting s[6];
+        rigcal_bearing s[6];
         rigcal_pair pairs[15];
 
         golden_scene(s, at[0], at[1], k);
@@ -1312,13 +1301,13 @@ static void test_translations_of_perfect_images_are_true(void)
     for (int trial = 0; trial < TEST_TRIALS(150); trial++) {
         const int n = 3 + trial % 20;
         test_scene scene;
-        rigcal_sighting s[22];
+        rigcal_bearing s[22];
         rigcal_pair pairs[88];
         size_t n_pairs;
         rigcal_real R[9], t[3];
 
         test_scene_random(&scene, &rng, n, (test_shape)(trial % 3));
-        test_sightings(s, &scene);
+        test_bearings(s, &scene);
         for (int i = 0; i < n; i++) { /* rays of any length */
             const double length = test_uniform(&rng, 0.1, 9);
 
@@ -1328,7 +1317,7 @@ static void test_translations_of_perfect_images_are_true(void)
         }
         test_to_real(R, scene.R, 9);
         ASSERT_STATUS(RIGCAL_OK,
-                      rigcal_pairs_choose(pairs, &n_pairs, 88, s, (size_t)n));
+                      rigcal_pairs_choose(pairs, 88, &n_pairs, s, (size_t)n));
         ASSERT_STATUS(RIGCAL_OK, rigcal_translation_from_pairs(
                                      t, R, s, (size_t)n, pairs, n_pairs));
         /* Each equation of a pair is as good as its coordinates differ. */
@@ -1343,7 +1332,7 @@ static void test_translations_of_perfect_images_are_true(void)
 static void test_translation_scales_with_the_target(void)
 {
     double ypr[3], wrong[3], t_once[3];
-    rigcal_sighting s[6];
+    rigcal_bearing s[6];
     rigcal_real R[9], t[3];
 
     golden_scene(s, ypr, wrong, 9);
@@ -1367,14 +1356,14 @@ static void test_a_translation_far_from_the_origin_keeps_its_digits(void)
     const double far[3] = {512000, 5154500, 1200};
     double back[3];
     test_scene scene;
-    rigcal_sighting s[6];
+    rigcal_bearing s[6];
     rigcal_real R[9], t[3];
 
     if (RIGCAL_USE_FLOAT) {
         return; /* half a metre a digit: nothing to keep */
     }
     test_scene_random(&scene, &rng, 6, TEST_GENERAL);
-    test_sightings(s, &scene);
+    test_bearings(s, &scene);
     for (int i = 0; i < 6; i++) {
         for (int k = 0; k < 3; k++) {
             s[i].X_w[k] += RC(far[k]);
@@ -1392,7 +1381,7 @@ static void test_a_translation_far_from_the_origin_keeps_its_digits(void)
 
 static void test_rays_that_fix_no_translation_are_refused(void)
 {
-    rigcal_sighting s[3] = {{{0, 0, 0}, {RC(0.1), RC(0.2), 1}},
+    rigcal_bearing s[3] = {{{0, 0, 0}, {RC(0.1), RC(0.2), 1}},
                             {{1, 0, 0}, {RC(0.2), RC(0.4), 2}},
                             {{0, 1, 0}, {RC(0.1), RC(0.2), 1}}};
     rigcal_pair pairs[2] = {pair_of(1, 0, 0, 0, 1, 0),
@@ -1413,7 +1402,7 @@ static void test_rays_that_fix_no_translation_are_refused(void)
 
 static void assert_both_translations_refuse(rigcal_status status,
                                             const rigcal_real R[9],
-                                            const rigcal_sighting s[], size_t n,
+                                            const rigcal_bearing s[], size_t n,
                                             const rigcal_pair pairs[])
 {
     rigcal_real t[3];
@@ -1426,7 +1415,7 @@ static void assert_both_translations_refuse(rigcal_status status,
 static void test_arguments_of_the_translation_are_checked(void)
 {
     double ypr[3], wrong[3];
-    rigcal_sighting good[6], s[6];
+    rigcal_bearing good[6], s[6];
     rigcal_pair pairs[15], bad[3];
     rigcal_real M[9], t[3];
 
@@ -1493,9 +1482,8 @@ static void test_arguments_of_the_translation_are_checked(void)
     }
 }
 
-int main(void)
+TEST_MAIN()
 {
-    UNITY_BEGIN();
     RUN_TEST(test_a_pair_is_a_plane_of_rays_and_a_direction);
     RUN_TEST(test_pairs_and_their_residuals_are_the_oracles);
     RUN_TEST(test_a_pair_does_not_depend_on_the_length_of_its_rays);
@@ -1508,10 +1496,10 @@ int main(void)
     RUN_TEST(test_few_points_are_paired_all_but_where_rays_are_close);
     RUN_TEST(test_many_points_are_paired_a_few_times_each);
     RUN_TEST(test_pairs_of_thousands_of_points_stay_four_each);
-    RUN_TEST(test_the_same_sightings_give_the_same_pairs);
+    RUN_TEST(test_the_same_bearings_give_the_same_pairs);
     RUN_TEST(test_a_small_buffer_holds_fewer_pairs_still_spread);
     RUN_TEST(test_the_first_two_pairs_are_well_conditioned);
-    RUN_TEST(test_repeated_sightings_are_never_paired_with_themselves);
+    RUN_TEST(test_repeated_bearings_are_never_paired_with_themselves);
     RUN_TEST(test_a_target_far_from_its_origin_is_paired_while_digits_last);
     RUN_TEST(test_fewer_than_three_distinct_points_or_rays_are_refused);
     RUN_TEST(test_points_on_one_line_are_refused);
@@ -1541,5 +1529,4 @@ int main(void)
     RUN_TEST(test_a_translation_far_from_the_origin_keeps_its_digits);
     RUN_TEST(test_rays_that_fix_no_translation_are_refused);
     RUN_TEST(test_arguments_of_the_translation_are_checked);
-    return UNITY_END();
 }

@@ -4,9 +4,6 @@
 
 #define TOL_ROUNDING TOL(1e-14, 1e-5)
 
-void setUp(void) {}
-void tearDown(void) {}
-
 static void random_vector(rigcal_real v[], int n, test_rng *rng)
 {
     for (int i = 0; i < n; i++) {
@@ -177,9 +174,8 @@ void test_numbers_are_checked(void)
     ASSERT_STATUS(RIGCAL_ERR_NOT_FINITE, rc_check_numbers(nan, 3, 2));
 }
 
-int main(void)
+TEST_MAIN()
 {
-    UNITY_BEGIN();
     RUN_TEST(test_the_cross_product_of_x_and_y_is_z_and_turns_over_when_swapped);
     RUN_TEST(test_a_2_3_6_vector_has_length_7);
     RUN_TEST(test_unit_vectors_survive_lengths_whose_squares_do_not_exist);
@@ -192,5 +188,4 @@ int main(void)
     RUN_TEST(test_singular_indefinite_and_nan_matrices_have_no_factor);
     RUN_TEST(test_the_rank_tolerance_is_what_a_pivot_must_keep_of_its_diagonal);
     RUN_TEST(test_numbers_are_checked);
-    return UNITY_END();
 }

@@ -13,14 +13,6 @@
 static const rigcal_transform NOTHING = {{1, 0, 0, 0, 1, 0, 0, 0, 1},
                                          {0, 0, 0}};
 
-void setUp(void)
-{
-}
-
-void tearDown(void)
-{
-}
-
 /* ---- what several tests need --------------------------------------------- */
 
 static rigcal_transform from_ypr(const double ypr[3], const double t[3])
@@ -353,7 +345,7 @@ static void exact_views(views *v, test_rng *rng, int n)
 static rigcal_status triangulate(rigcal_point *point, const views *v, int n,
                                  double sigma)
 {
-    return rigcal_triangulate(point, v->cameras, v->poses, v->uv, (size_t)n,
+    return rigcal_point_triangulate(point, v->cameras, v->poses, v->uv, (size_t)n,
                               RC(sigma));
 }
 
@@ -573,19 +565,19 @@ static void test_arguments_of_the_triangulation_are_checked(void)
     exact_views(&good, &rng, 3);
     ASSERT_STATUS(RIGCAL_ERR_NULL, triangulate(NULL, &good, 3, 1));
     ASSERT_REFUSED(RIGCAL_ERR_NULL, point,
-                   rigcal_triangulate(&point, NULL, good.poses, good.uv, 3, 1));
+                   rigcal_point_triangulate(&point, NULL, good.poses, good.uv, 3, 1));
     ASSERT_REFUSED(
         RIGCAL_ERR_NULL, point,
-        rigcal_triangulate(&point, good.cameras, NULL, good.uv, 3, 1));
+        rigcal_point_triangulate(&point, good.cameras, NULL, good.uv, 3, 1));
     ASSERT_REFUSED(
         RIGCAL_ERR_NULL, point,
-        rigcal_triangulate(&point, good.cameras, good.poses, NULL, 3, 1));
+        rigcal_point_triangulate(&point, good.cameras, good.poses, NULL, 3, 1));
     ASSERT_REFUSED(RIGCAL_ERR_TOO_FEW, point, triangulate(&point, &good, 1, 1));
     ASSERT_REFUSED(RIGCAL_ERR_TOO_FEW, point, triangulate(&point, &good, 0, 1));
     ASSERT_REFUSED(RIGCAL_ERR_RANGE, point, triangulate(&point, &good, 3, 0));
     ASSERT_REFUSED(RIGCAL_ERR_RANGE, point, triangulate(&point, &good, 3, -1));
     ASSERT_REFUSED(RIGCAL_ERR_RANGE, point,
-                   rigcal_triangulate(&point, good.cameras, good.poses, good.uv,
+                   rigcal_point_triangulate(&point, good.cameras, good.poses, good.uv,
                                       ((size_t)1 << 28) + 1, 1));
     ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, point,
                    triangulate(&point, &good, 3, test_nan()));
@@ -1106,8 +1098,7 @@ static void test_the_curve_leaves_out_what_the_camera_cannot_see(void)
     /* 1 / depth = 1, 7/8, .. 1/4: depths 1, 8/7, 4/3, 8/5, 2, 8/3, 4, of which
      * four lie before b. */
     FILL(uv);
-    ASSERT_STATUS(RIGCAL_OK, rigcal_epiline_curve(uv, &n_written, 7, &camera,
-                                                  &facing, ray, 1, 4));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_epiline_curve(uv, 7, &n_written, &camera, &facing, ray, 1, 4));
     TEST_ASSERT_EQUAL_INT32(4, n_written);
     ASSERT_UNTOUCHED(*guard);
     for (int k = 0; k < 4; k++) {
@@ -1126,7 +1117,7 @@ static void test_the_curve_leaves_out_what_the_camera_cannot_see(void)
     FILL(n_written);
     ASSERT_REFUSED(
         RIGCAL_ERR_OUTSIDE, uv,
-        rigcal_epiline_curve(uv, &n_written, 7, &camera, &facing, ray, 3, 4));
+        rigcal_epiline_curve(uv, 7, &n_written, &camera, &facing, ray, 3, 4));
     ASSERT_UNTOUCHED(n_written);
 }
 
@@ -1150,8 +1141,7 @@ static void test_the_curve_runs_through_the_true_match_in_any_lens(void)
         test_to_real(ray, X_a, 3);
         FILL(uv);
         ASSERT_STATUS(RIGCAL_OK,
-                      rigcal_epiline_curve(uv, &n_written, COUNT, &camera,
-                                           &b_from_a, ray, RC(near), RC(far)));
+                      rigcal_epiline_curve(uv, COUNT, &n_written, &camera, &b_from_a, ray, RC(near), RC(far)));
         TEST_ASSERT_EQUAL_INT32(COUNT, n_written);
         ASSERT_UNTOUCHED(*guard);
         for (int k = 0; k < COUNT; k++) {
@@ -1176,8 +1166,7 @@ static void test_a_curve_of_two_points_is_the_segment_without_distortion(void)
 
     ASSERT_STATUS(RIGCAL_OK,
                   rigcal_epiline_segment(ends, &camera, &RIGHT_OF, M_A, 2, 9));
-    ASSERT_STATUS(RIGCAL_OK, rigcal_epiline_curve(uv, &n_written, 2, &camera,
-                                                  &RIGHT_OF, M_A, 2, 9));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_epiline_curve(uv, 2, &n_written, &camera, &RIGHT_OF, M_A, 2, 9));
     TEST_ASSERT_EQUAL_INT32(2, n_written);
     test_to_double(expected, ends, 4);
     ASSERT_ARRAY_NEAR(expected, uv, 4, TOL(1e-11, 1e-3));
@@ -1198,8 +1187,7 @@ static void test_the_curve_stops_at_the_turning_point_of_the_lens(void)
 
     camera.k1 = RC(-0.4);
     ASSERT_STATUS(RIGCAL_OK,
-                  rigcal_epiline_curve(uv, &n_written, 20, &camera,
-                                       &beside_by_three, ray, 1, 100));
+                  rigcal_epiline_curve(uv, 20, &n_written, &camera, &beside_by_three, ray, 1, 100));
     TEST_ASSERT_TRUE(n_written > 2 && n_written < 20);
     for (int k = 0; k < 20; k++) {
         const double x = 3 * (1 + (0.01 - 1) * k / 19);
@@ -1227,8 +1215,7 @@ static rigcal_status curve(rigcal_real uv[], int32_t *n, int32_t count,
                            const rigcal_transform *T, const rigcal_real ray[3],
                            double near, double far)
 {
-    return rigcal_epiline_curve(uv, n, count, camera, T, ray, RC(near),
-                                RC(far));
+    return rigcal_epiline_curve(uv, count, n, camera, T, ray, RC(near), RC(far));
 }
 
 static void test_arguments_of_segment_and_curve_are_checked(void)
@@ -1295,9 +1282,8 @@ static void test_arguments_of_segment_and_curve_are_checked(void)
     ASSERT_UNTOUCHED(n);
 }
 
-int main(void)
+TEST_MAIN()
 {
-    UNITY_BEGIN();
     RUN_TEST(test_skew_rays_give_both_depths_and_their_miss);
     RUN_TEST(test_depth_counts_in_lengths_of_the_ray);
     RUN_TEST(test_depths_of_two_views_are_the_oracles);
@@ -1338,5 +1324,4 @@ int main(void)
     RUN_TEST(test_a_curve_of_two_points_is_the_segment_without_distortion);
     RUN_TEST(test_the_curve_stops_at_the_turning_point_of_the_lens);
     RUN_TEST(test_arguments_of_segment_and_curve_are_checked);
-    return UNITY_END();
 }

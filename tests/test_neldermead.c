@@ -10,14 +10,6 @@
 
 enum { NO_LIMIT = 100000, K_MAX = RIGCAL_NELDERMEAD_DIM_MAX };
 
-void setUp(void)
-{
-}
-
-void tearDown(void)
-{
-}
-
 /* ---- functions to minimise ----------------------------------------------- */
 
 /* Sums and products in the order in which make_vectors.py writes them, so that
@@ -830,9 +822,8 @@ static void test_the_best_vertex_is_known_from_the_first_cost_on(void)
     }
 }
 
-int main(void)
+TEST_MAIN()
 {
-    UNITY_BEGIN();
     if (!RIGCAL_USE_FLOAT) { /* float rounds otherwise */
         RUN_TEST(test_each_run_takes_as_many_evaluations_as_scipys);
     }
@@ -856,5 +847,4 @@ int main(void)
     RUN_TEST(test_a_search_that_is_done_asks_nothing_and_hears_nothing);
     RUN_TEST(test_a_search_that_was_not_begun_is_refused);
     RUN_TEST(test_the_best_vertex_is_known_from_the_first_cost_on);
-    return UNITY_END();
 }

@@ -17,14 +17,6 @@ enum { N_MAX = TEST_SCENE_MAX, EVALS_MAX = 3000 };
 
 static const double NOISE = 0.5; /* px */
 
-void setUp(void)
-{
-}
-
-void tearDown(void)
-{
-}
-
 /* ---- what several tests need --------------------------------------------- */
 
 /* A scene, its observations, and what the solver made of them. */
@@ -71,12 +63,10 @@ static const rigcal_real *sigma_of(const problem *p)
 
 static rigcal_status solve(problem *p, const rigcal_pose_options *options)
 {
-    int32_t bad = -2;
+    int32_t at_fault = -2;
 
     p->n_found = 0;
-    p->status = rigcal_solve_pose(p->poses, &p->n_found, RIGCAL_POSES_MAX, &bad,
-                                  &p->camera, p->o, sigma_of(p),
-                                  (size_t)p->scene.n, options);
+    p->status = rigcal_pose_solve(p->poses, RIGCAL_POSES_MAX, &p->n_found, &at_fault, &VIEW(&p->camera, p->o, sigma_of(p), (size_t)p->scene.n), options);
     return p->status;
 }
 
@@ -150,9 +140,7 @@ static double turn_deviation(const problem *p, double sigma)
     if (sigma <= 0) {
         sigma = told > 0.25 ? told : 0.25;
     }
-    if (rigcal_pose_covariance(&u, &p->camera, &p->poses[0].cam_from_world, p->o,
-                               sigma_of(p), (size_t)p->scene.n,
-                               RC(sigma)) != RIGCAL_OK) {
+    if (rigcal_pose_covariance(&u, &VIEW(&p->camera, p->o, sigma_of(p), (size_t)p->scene.n), &p->poses[0].cam_from_world, RC(sigma)) != RIGCAL_OK) {
         return 10;
     }
     return sqrt(D(u.rotation[0]) * D(u.rotation[0]) +
@@ -227,8 +215,7 @@ static int count_evals(const problem *p, const rigcal_pose_options *options)
     int evals = 0;
 
     ASSERT_STATUS(RIGCAL_OK,
-                  rigcal_pose_begin(&solver, NULL, &p->camera, p->o,
-                                    sigma_of(p), (size_t)p->scene.n, options));
+                  rigcal_pose_begin(&solver, NULL, &VIEW(&p->camera, p->o, sigma_of(p), (size_t)p->scene.n), options));
     do {
         status = rigcal_pose_step(&solver, 1);
         evals++;
@@ -824,14 +811,12 @@ static void test_the_same_bits_come_out_whatever_the_budgets(void)
             int steps = 0;
 
             ASSERT_STATUS(RIGCAL_OK,
-                          rigcal_pose_begin(&solver, NULL, &p.camera, p.o, NULL,
-                                            (size_t)p.scene.n, NULL));
+                          rigcal_pose_begin(&solver, NULL, &VIEW(&p.camera, p.o, NULL, (size_t)p.scene.n), NULL));
             while (rigcal_pose_step(&solver, budgets[b]) == RIGCAL_RUNNING) {
                 TEST_ASSERT_LESS_OR_EQUAL_INT(EVALS_MAX,
                                               ++steps * budgets[b]);
                 ASSERT_STATUS(RIGCAL_ERR_STATE,
-                              rigcal_pose_result(poses, &n_found,
-                                                 RIGCAL_POSES_MAX, NULL, &solver));
+                              rigcal_pose_result(poses, RIGCAL_POSES_MAX, &n_found, NULL, &solver));
                 if (steps % 5 == 0) { /* copied halfway, it goes on the same */
                     copy = solver;
                     FILL(solver);
@@ -839,8 +824,7 @@ static void test_the_same_bits_come_out_whatever_the_budgets(void)
                 }
             }
             ASSERT_STATUS(p.status,
-                          rigcal_pose_result(poses, &n_found, RIGCAL_POSES_MAX,
-                                             NULL, &solver));
+                          rigcal_pose_result(poses, RIGCAL_POSES_MAX, &n_found, NULL, &solver));
             TEST_ASSERT_EQUAL_UINT(p.n_found, n_found);
             for (size_t f = 0; f < n_found; f++) {
                 TEST_ASSERT_EQUAL_MEMORY(&p.poses[f], &poses[f],
@@ -986,15 +970,13 @@ static void test_covariances_are_those_of_the_oracle(void)
             o[k].uv[0] = RC(f * s[18 + 2 * k]);
             o[k].uv[1] = RC(f * s[19 + 2 * k]);
         }
-        ASSERT_STATUS(RIGCAL_OK, rigcal_pose_covariance(&u, &camera, &pose, o,
-                                                        NULL, n, RC(sigma_px)));
+        ASSERT_STATUS(RIGCAL_OK, rigcal_pose_covariance(&u, &VIEW(&camera, o, NULL, n), &pose, RC(sigma_px)));
         ASSERT_NEAR(sigma_px, u.sigma_px, 1e-6 * sigma_px);
         assert_covariance(v + 15, sigma_px * sigma_px / (f * f), &u,
                           TOL(1e-8, 2e-2));
         /* estimated */
         noise = f * sqrt(v[14] / (2 * v[1] - 6));
-        ASSERT_STATUS(RIGCAL_OK, rigcal_pose_covariance(&u, &camera, &pose, o,
-                                                        NULL, n, 0));
+        ASSERT_STATUS(RIGCAL_OK, rigcal_pose_covariance(&u, &VIEW(&camera, o, NULL, n), &pose, 0));
         ASSERT_NEAR(noise, u.sigma_px, TOL(1e-7, 5e-2) * noise);
     }
 }
@@ -1015,8 +997,7 @@ static void test_covariances_of_any_lens_are_those_of_the_vectors(void)
             test_to_real(o[k].uv, v + 5 + 6 * k, 2);
             sigma[k] = RC(v[7 + 6 * k]);
         }
-        ASSERT_STATUS(RIGCAL_OK, rigcal_pose_covariance(&u, &camera, &pose, o,
-                                                        sigma, n, 2));
+        ASSERT_STATUS(RIGCAL_OK, rigcal_pose_covariance(&u, &VIEW(&camera, o, sigma, n), &pose, 2));
         assert_covariance(minimum + 13, 4, &u, TOL(1e-8, 2e-2));
     }
 }
@@ -1036,8 +1017,7 @@ static void test_the_deviation_of_the_centre_follows(void)
 
         random_problem(&p, &rng, 8, (test_shape)(trial % 3));
         pose = test_transform(p.scene.R, p.scene.t);
-        ASSERT_STATUS(RIGCAL_OK, rigcal_pose_covariance(&u, &p.camera, &pose,
-                                                        p.o, NULL, 8, 1));
+        ASSERT_STATUS(RIGCAL_OK, rigcal_pose_covariance(&u, &VIEW(&p.camera, p.o, NULL, 8), &pose, 1));
         test_to_double(Sigma, u.Sigma, 36);
         for (int k = 0; k < 6; k++) {
             double side[2][3];
@@ -1087,16 +1067,12 @@ static void test_the_covariance_holds_the_truth_as_often_as_it_says(void)
         random_problem(&p, &rng, 8, TEST_GENERAL);
         add_noise(&p, &rng, NOISE);
         TEST_ASSERT_TRUE(solve(&p, &options) >= 0);
-        ASSERT_STATUS(RIGCAL_OK, rigcal_pose_covariance(
-                                     &u, &p.camera, &p.poses[0].cam_from_world,
-                                     p.o, NULL, 8, RC(NOISE)));
+        ASSERT_STATUS(RIGCAL_OK, rigcal_pose_covariance(&u, &VIEW(&p.camera, p.o, NULL, 8), &p.poses[0].cam_from_world, RC(NOISE)));
         test_transform_parts(R, t, &p.poses[0].cam_from_world);
         test_difference(d, R, t, p.scene.R, p.scene.t);
         test_to_double(Sigma, u.Sigma, 36);
         held += test_squared_distance(d, Sigma, 6) < chi2_of_6_at_95;
-        ASSERT_STATUS(RIGCAL_OK, rigcal_pose_covariance(
-                                     &u, &p.camera, &p.poses[0].cam_from_world,
-                                     p.o, NULL, 8, 0));
+        ASSERT_STATUS(RIGCAL_OK, rigcal_pose_covariance(&u, &VIEW(&p.camera, p.o, NULL, 8), &p.poses[0].cam_from_world, 0));
         noise2 += D(u.sigma_px) * D(u.sigma_px) / TRIALS;
     }
     TEST_ASSERT_TRUE(held >= TRIALS * 93.5 / 100);
@@ -1113,24 +1089,18 @@ static void test_a_covariance_that_does_not_exist_is_refused_by_name(void)
 
     random_problem(&p, &rng, 6, TEST_GENERAL);
     pose = test_transform(p.scene.R, p.scene.t);
-    ASSERT_STATUS(RIGCAL_OK, rigcal_pose_covariance(&u, &p.camera, &pose, p.o,
-                                                    NULL, 3, 1));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_pose_covariance(&u, &VIEW(&p.camera, p.o, NULL, 3), &pose, 1));
     ASSERT_REFUSED(RIGCAL_ERR_TOO_FEW, u,
-                   rigcal_pose_covariance(&u, &p.camera, &pose, p.o, NULL, 3,
-                                          0));
+                   rigcal_pose_covariance(&u, &VIEW(&p.camera, p.o, NULL, 3), &pose, 0));
     ASSERT_REFUSED(RIGCAL_ERR_TOO_FEW, u,
-                   rigcal_pose_covariance(&u, &p.camera, &pose, p.o, NULL, 2,
-                                          1));
+                   rigcal_pose_covariance(&u, &VIEW(&p.camera, p.o, NULL, 2), &pose, 1));
     ASSERT_REFUSED(RIGCAL_ERR_RANGE, u,
-                   rigcal_pose_covariance(&u, &p.camera, &pose, p.o, NULL, 6,
-                                          -1));
+                   rigcal_pose_covariance(&u, &VIEW(&p.camera, p.o, NULL, 6), &pose, -1));
     ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, u,
-                   rigcal_pose_covariance(&u, &p.camera, &pose, p.o, NULL, 6,
-                                          TEST_NAN));
+                   rigcal_pose_covariance(&u, &VIEW(&p.camera, p.o, NULL, 6), &pose, TEST_NAN));
     pose.t[2] = -pose.t[2] - 10;
     ASSERT_REFUSED(RIGCAL_ERR_BEHIND, u,
-                   rigcal_pose_covariance(&u, &p.camera, &pose, p.o, NULL, 6,
-                                          1));
+                   rigcal_pose_covariance(&u, &VIEW(&p.camera, p.o, NULL, 6), &pose, 1));
     pose = test_transform(p.scene.R, p.scene.t);
     for (int i = 0; i < 6; i++) { /* all on one line */
         for (int k = 0; k < 3; k++) {
@@ -1139,8 +1109,7 @@ static void test_a_covariance_that_does_not_exist_is_refused_by_name(void)
     }
     observe(&p);
     ASSERT_REFUSED(RIGCAL_ERR_DEGENERATE, u,
-                   rigcal_pose_covariance(&u, &p.camera, &pose, p.o, NULL, 6,
-                                          1));
+                   rigcal_pose_covariance(&u, &VIEW(&p.camera, p.o, NULL, 6), &pose, 1));
 }
 
 /* ---- hostile geometry and arguments -------------------------------------- */
@@ -1150,9 +1119,7 @@ static void test_a_covariance_that_does_not_exist_is_refused_by_name(void)
         FILL((p)->poses); \
         FILL((p)->n_found); \
         ASSERT_STATUS(expected, \
-                      rigcal_solve_pose((p)->poses, &(p)->n_found, \
-                                        RIGCAL_POSES_MAX, NULL, &(p)->camera, \
-                                        (p)->o, NULL, (count), NULL)); \
+                      rigcal_pose_solve((p)->poses, \ RIGCAL_POSES_MAX, &(p)->n_found, NULL, &VIEW(&(p)->camera, \ (p)->o, NULL, (count)), NULL)); \
         ASSERT_UNTOUCHED((p)->poses); \
         ASSERT_UNTOUCHED((p)->n_found); \
     } while (0)
@@ -1304,59 +1271,53 @@ static void test_the_observation_at_fault_is_told(void)
     rigcal_pose_solver solver;
     rigcal_real sigma[6] = {1, 1, 1, 1, 1, 1};
     rigcal_pose_options o = defaults();
-    int32_t bad = -2;
+    int32_t at_fault = -2;
     problem p;
 
     random_problem(&p, &rng, 6, TEST_GENERAL);
     p.o[3].X_w[1] = TEST_NAN;
     ASSERT_STATUS(RIGCAL_ERR_NOT_FINITE,
-                  rigcal_pose_begin(&solver, &bad, &p.camera, p.o, NULL, 6,
-                                    NULL));
-    TEST_ASSERT_EQUAL_INT(3, bad);
+                  rigcal_pose_begin(&solver, &at_fault, &VIEW(&p.camera, p.o, NULL, 6), NULL));
+    TEST_ASSERT_EQUAL_INT(3, at_fault);
     observe(&p);
     p.o[4].uv[0] = TEST_INF;
     ASSERT_STATUS(RIGCAL_ERR_NOT_FINITE,
-                  rigcal_pose_begin(&solver, &bad, &p.camera, p.o, NULL, 6,
-                                    NULL));
-    TEST_ASSERT_EQUAL_INT(4, bad);
+                  rigcal_pose_begin(&solver, &at_fault, &VIEW(&p.camera, p.o, NULL, 6), NULL));
+    TEST_ASSERT_EQUAL_INT(4, at_fault);
     observe(&p);
     p.o[1].uv[1] = RC(2e9);
     ASSERT_STATUS(RIGCAL_ERR_RANGE,
-                  rigcal_pose_begin(&solver, &bad, &p.camera, p.o, NULL, 6,
-                                    NULL));
-    TEST_ASSERT_EQUAL_INT(1, bad);
+                  rigcal_pose_begin(&solver, &at_fault, &VIEW(&p.camera, p.o, NULL, 6), NULL));
+    TEST_ASSERT_EQUAL_INT(1, at_fault);
     observe(&p);
     sigma[5] = 0;
     ASSERT_STATUS(RIGCAL_ERR_RANGE,
-                  rigcal_pose_begin(&solver, &bad, &p.camera, p.o, sigma, 6,
-                                    NULL));
-    TEST_ASSERT_EQUAL_INT(5, bad);
+                  rigcal_pose_begin(&solver, &at_fault, &VIEW(&p.camera, p.o, sigma, 6), NULL));
+    TEST_ASSERT_EQUAL_INT(5, at_fault);
     sigma[5] = 1;
     p.camera = test_camera(CAMERA[1]); /* a barrel images nothing so far out */
     observe(&p);
     p.o[2].uv[0] = 20000;
-    bad = -2;
-    ASSERT_STATUS(RIGCAL_OK, rigcal_pose_begin(&solver, &bad, &p.camera, p.o, NULL, 6,
-                                               NULL)); /* rays are for the steps */
-    TEST_ASSERT_EQUAL_INT(-1, bad);
+    at_fault = -2;
+    ASSERT_STATUS(RIGCAL_OK, rigcal_pose_begin(&solver, &at_fault, &VIEW(&p.camera, p.o, NULL, 6), NULL)); /* rays are for the steps */
+    TEST_ASSERT_EQUAL_INT(-1, at_fault);
     ASSERT_STATUS(RIGCAL_OK, rigcal_pose_step(&solver, 300));
     ASSERT_STATUS(RIGCAL_UNSEEN_POINT,
-                  rigcal_pose_result(p.poses, &p.n_found, 1, &bad, &solver));
-    TEST_ASSERT_EQUAL_INT(2, bad);
-    bad = -2; /* nor is a start that proves bad a way round them */
+                  rigcal_pose_result(p.poses, 1, &p.n_found, &at_fault, &solver));
+    TEST_ASSERT_EQUAL_INT(2, at_fault);
+    at_fault = -2; /* nor is a start that proves at_fault a way round them */
     o.use_start = 1;
     p.scene.t[0] += 2;
     o.start = test_transform(p.scene.R, p.scene.t);
-    ASSERT_STATUS(RIGCAL_OK, rigcal_pose_begin(&solver, &bad, &p.camera, p.o, NULL, 6, &o));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_pose_begin(&solver, &at_fault, &VIEW(&p.camera, p.o, NULL, 6), &o));
     ASSERT_STATUS(RIGCAL_OK, rigcal_pose_step(&solver, 500));
     ASSERT_STATUS(RIGCAL_UNSEEN_POINT,
-                  rigcal_pose_result(p.poses, &p.n_found, 1, &bad, &solver));
-    TEST_ASSERT_EQUAL_INT(2, bad);
+                  rigcal_pose_result(p.poses, 1, &p.n_found, &at_fault, &solver));
+    TEST_ASSERT_EQUAL_INT(2, at_fault);
     p.o[3].uv[0] = -20000; /* two are too many */
     ASSERT_STATUS(RIGCAL_ERR_NO_RAY,
-                  rigcal_solve_pose(p.poses, &p.n_found, 1, &bad, &p.camera, p.o,
-                                    NULL, 6, NULL));
-    TEST_ASSERT_EQUAL_INT(3, bad);
+                  rigcal_pose_solve(p.poses, 1, &p.n_found, &at_fault, &VIEW(&p.camera, p.o, NULL, 6), NULL));
+    TEST_ASSERT_EQUAL_INT(3, at_fault);
 }
 
 static void test_arguments_are_checked(void)
@@ -1368,12 +1329,10 @@ static void test_arguments_are_checked(void)
     problem p;
 
     random_problem(&p, &rng, (int)n, TEST_GENERAL);
-    ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_pose_begin(NULL, NULL, &p.camera, p.o,
-                                                     NULL, n, NULL));
+    ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_pose_begin(NULL, NULL, &VIEW(&p.camera, p.o, NULL, n), NULL));
     ASSERT_STATUS(RIGCAL_ERR_NULL,
-                  rigcal_pose_begin(&solver, NULL, NULL, p.o, NULL, n, NULL));
-    ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_pose_begin(&solver, NULL, &p.camera,
-                                                     NULL, NULL, n, NULL));
+                  rigcal_pose_begin(&solver, NULL, &VIEW(NULL, p.o, NULL, n), NULL));
+    ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_pose_begin(&solver, NULL, &VIEW(&p.camera, NULL, NULL, n), NULL));
     o.thorough = 2;
     ASSERT_STATUS(RIGCAL_ERR_RANGE, solve(&p, &o));
     o = with_sigma(-1);
@@ -1387,20 +1346,18 @@ static void test_arguments_are_checked(void)
     memset(&solver, 0, sizeof solver);
     ASSERT_STATUS(RIGCAL_ERR_STATE, rigcal_pose_step(&solver, 1));
     ASSERT_STATUS(RIGCAL_ERR_STATE,
-                  rigcal_pose_result(p.poses, &p.n_found, 1, NULL, &solver));
-    ASSERT_STATUS(RIGCAL_OK, rigcal_pose_begin(&solver, NULL, &p.camera, p.o,
-                                               NULL, n, NULL));
+                  rigcal_pose_result(p.poses, 1, &p.n_found, NULL, &solver));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_pose_begin(&solver, NULL, &VIEW(&p.camera, p.o, NULL, n), NULL));
     ASSERT_STATUS(RIGCAL_ERR_RANGE, rigcal_pose_step(&solver, 0));
     ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_pose_step(NULL, 1));
     ASSERT_STATUS(RIGCAL_OK, rigcal_pose_step(&solver, EVALS_MAX));
     ASSERT_STATUS(RIGCAL_ERR_NULL,
-                  rigcal_pose_result(NULL, &p.n_found, 1, NULL, &solver));
+                  rigcal_pose_result(NULL, 1, &p.n_found, NULL, &solver));
     ASSERT_STATUS(RIGCAL_ERR_RANGE,
-                  rigcal_pose_result(p.poses, &p.n_found, 0, NULL, &solver));
+                  rigcal_pose_result(p.poses, 0, &p.n_found, NULL, &solver));
     p.o[0].uv[0] = TEST_NAN; /* what fails to begin has not begun */
     ASSERT_STATUS(RIGCAL_ERR_NOT_FINITE,
-                  rigcal_pose_begin(&solver, NULL, &p.camera, p.o, NULL, n,
-                                    NULL));
+                  rigcal_pose_begin(&solver, NULL, &VIEW(&p.camera, p.o, NULL, n), NULL));
 }
 
 /* With room for one, the best one, and its status and probability as they were. */
@@ -1418,17 +1375,15 @@ static void test_room_for_one_pose_gives_the_first(void)
         (void)solve(&p, NULL);
         FILL(one);
         ASSERT_STATUS(p.status,
-                      rigcal_solve_pose(one, &n_found, 1, NULL, &p.camera, p.o,
-                                        NULL, 4, NULL));
+                      rigcal_pose_solve(one, 1, &n_found, NULL, &VIEW(&p.camera, p.o, NULL, 4), NULL));
         TEST_ASSERT_EQUAL_UINT(1, n_found);
         TEST_ASSERT_EQUAL_MEMORY(&p.poses[0], &one[0], sizeof one[0]);
         ASSERT_UNTOUCHED(one[1]);
     }
 }
 
-int main(void)
+TEST_MAIN()
 {
-    UNITY_BEGIN();
     RUN_TEST(test_exact_scenes_give_their_pose);
     RUN_TEST(test_a_square_exactly_from_the_front_is_solved);
     RUN_TEST(test_any_lens_is_solved_end_to_end);
@@ -1467,5 +1422,4 @@ int main(void)
     RUN_TEST(test_the_observation_at_fault_is_told);
     RUN_TEST(test_arguments_are_checked);
     RUN_TEST(test_room_for_one_pose_gives_the_first);
-    return UNITY_END();
 }

@@ -13,14 +13,6 @@ enum { N_MAX = 8, EVALS_MAX = 60 };
 
 static const double ZERO[3] = {0, 0, 0};
 
-void setUp(void)
-{
-}
-
-void tearDown(void)
-{
-}
-
 /* ---- what several tests need --------------------------------------------- */
 
 /* Normalised coordinates for pixels. */
@@ -613,9 +605,8 @@ static void test_points_on_a_line_leave_the_equations_singular(void)
     TEST_ASSERT_LESS_OR_EQUAL_INT(20, missed);
 }
 
-int main(void)
+TEST_MAIN()
 {
-    UNITY_BEGIN();
     RUN_TEST(test_equations_are_those_of_the_oracle);
     RUN_TEST(test_newtons_equations_are_second_differences);
     RUN_TEST(test_equations_are_those_of_differences);
@@ -628,5 +619,4 @@ int main(void)
     RUN_TEST(test_a_point_of_large_sigma_hardly_counts);
     RUN_TEST(test_the_covariance_is_the_inverse);
     RUN_TEST(test_points_on_a_line_leave_the_equations_singular);
-    return UNITY_END();
 }

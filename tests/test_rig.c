@@ -16,14 +16,6 @@ enum { VIEWS_MAX = RIGCAL_TEST_RAM < 32768 ? 40 : 120 };
 static const rigcal_transform NOTHING = {{1, 0, 0, 0, 1, 0, 0, 0, 1},
                                          {0, 0, 0}};
 
-void setUp(void)
-{
-}
-
-void tearDown(void)
-{
-}
-
 /* ---- what several tests need --------------------------------------------- */
 
 static rigcal_transform from_ypr(const double ypr[3], const double t[3])
@@ -324,7 +316,7 @@ static void test_arguments_of_the_mean_are_checked(void)
 typedef struct {
     rigcal_transform cams_from_rig[CAMERAS_MAX];
     rigcal_transform rig_from_target[PLACEMENTS_MAX];
-    rigcal_view views[VIEWS_MAX];
+    rigcal_view_pose views[VIEWS_MAX];
     size_t n_cameras, n_views;
     /* What the library makes of it. */
     rigcal_transform joined[CAMERAS_MAX];
@@ -345,9 +337,9 @@ static void new_rig(rig *r, test_rng *rng, int n_cameras)
     }
 }
 
-static rigcal_view *add_view(rig *r, int camera, int placement, double weight)
+static rigcal_view_pose *add_view(rig *r, int camera, int placement, double weight)
 {
-    rigcal_view *view = &r->views[r->n_views++];
+    rigcal_view_pose *view = &r->views[r->n_views++];
 
     view->cam_from_target =
         times(&r->cams_from_rig[camera], &r->rig_from_target[placement]);
@@ -427,7 +419,7 @@ static void test_a_connected_rig_is_joined_whatever_sees_what(void)
         }
         for (size_t i = 0; i < r.n_views; i++) {
             const size_t k = (size_t)(test_next(&rng) % (uint64_t)(i + 1));
-            const rigcal_view kept = r.views[i];
+            const rigcal_view_pose kept = r.views[i];
 
             r.views[i] = r.views[k];
             r.views[k] = kept;
@@ -504,7 +496,7 @@ static void test_placements_are_averaged_by_weight(void)
             const rigcal_transform twist =
                 turned_about(axis, i ? -angle : angle);
             const double weight = i ? 10 : 10 * heavy;
-            rigcal_view *view;
+            rigcal_view_pose *view;
 
             add_view(&r, 0, i, weight);
             view = add_view(&r, 1, i, weight);
@@ -528,7 +520,7 @@ static void test_a_placement_counts_as_its_weaker_view(void)
     const rigcal_transform twist = turned_about(axis, angle);
     test_rng rng = test_seed(89);
     double R[9], R_true[9];
-    rigcal_view *view;
+    rigcal_view_pose *view;
     rig r;
 
     new_rig(&r, &rng, 2);
@@ -563,7 +555,7 @@ static void test_a_length_is_averaged_over_placements(void)
 
     new_rig(&r, &rng, 2);
     for (int i = 0; i < 2; i++) {
-        rigcal_view *view;
+        rigcal_view_pose *view;
 
         add_view(&r, 0, i, 8);
         view = add_view(&r, 1, i, 8);
@@ -582,7 +574,7 @@ static void test_the_best_shared_camera_is_joined_first(void)
     static const double axis[3] = {0, 0, 1};
     const double angle = 0.1;
     test_rng rng = test_seed(82);
-    rigcal_view *bad;
+    rigcal_view_pose *bad;
     double R[9], R_true[9];
     rigcal_transform twist = turned_about(axis, angle);
     rig r;
@@ -611,7 +603,7 @@ static void test_poses_that_contradict_each_other_have_no_mean(void)
     static const double axis[3] = {1, 0, 0};
     const rigcal_transform half = turned_about(axis, TEST_PI);
     test_rng rng = test_seed(83);
-    rigcal_view *view;
+    rigcal_view_pose *view;
     rig r;
 
     new_rig(&r, &rng, 2);
@@ -815,7 +807,7 @@ static void test_the_bound_is_the_oracles_with_the_spectral_norm(void)
 
         test_to_real(X, v + 12, 3);
         ASSERT_STATUS(RIGCAL_OK,
-                      rigcal_measurement_bound(&bound, &used, &truth, X));
+                      rigcal_point_bound(&bound, &used, &truth, X));
         ASSERT_NEAR(v[15], bound, TOL(1e-13, 2e-5));
     }
 }
@@ -842,7 +834,7 @@ static void test_no_point_is_farther_off_than_the_bound(void)
         }
         test_to_real(X_a, X, 3);
         ASSERT_STATUS(RIGCAL_OK,
-                      rigcal_measurement_bound(&bound, &used, &truth, X_a));
+                      rigcal_point_bound(&bound, &used, &truth, X_a));
         TEST_ASSERT_TRUE(test_norm(off) <= D(bound) * (1 + TOL(1e-14, 1e-6)));
     }
 }
@@ -860,9 +852,9 @@ static void test_the_bound_is_reached_on_paper(void)
     used.t[0] = RC(-1.5);
     used.t[1] = RC(3 * sqrt(0.75));
     ASSERT_STATUS(RIGCAL_OK,
-                  rigcal_measurement_bound(&bound, &used, &truth, X));
+                  rigcal_point_bound(&bound, &used, &truth, X));
     ASSERT_NEAR(13, bound, TOL(1e-14, 5e-6));
-    ASSERT_STATUS(RIGCAL_OK, rigcal_measurement_bound(&bound, &used, &used, X));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_point_bound(&bound, &used, &used, X));
     ASSERT_NEAR(0, bound, TOL(1e-14, 1e-5));
 }
 
@@ -872,13 +864,13 @@ static void test_arguments_of_the_bound_are_checked(void)
     rigcal_real bound;
 
     ASSERT_STATUS(RIGCAL_ERR_NULL,
-                  rigcal_measurement_bound(NULL, &NOTHING, &NOTHING, X));
+                  rigcal_point_bound(NULL, &NOTHING, &NOTHING, X));
     ASSERT_REFUSED(RIGCAL_ERR_NULL, bound,
-                   rigcal_measurement_bound(&bound, NULL, &NOTHING, X));
+                   rigcal_point_bound(&bound, NULL, &NOTHING, X));
     ASSERT_REFUSED(RIGCAL_ERR_NULL, bound,
-                   rigcal_measurement_bound(&bound, &NOTHING, NULL, X));
+                   rigcal_point_bound(&bound, &NOTHING, NULL, X));
     ASSERT_REFUSED(RIGCAL_ERR_NULL, bound,
-                   rigcal_measurement_bound(&bound, &NOTHING, &NOTHING, NULL));
+                   rigcal_point_bound(&bound, &NOTHING, &NOTHING, NULL));
     for (int k = 0; k < 3; k++) {
         rigcal_transform bad = NOTHING;
         rigcal_real odd[3] = {1, 2, 3};
@@ -886,28 +878,27 @@ static void test_arguments_of_the_bound_are_checked(void)
         odd[k] = TEST_NAN;
         ASSERT_REFUSED(
             RIGCAL_ERR_NOT_FINITE, bound,
-            rigcal_measurement_bound(&bound, &NOTHING, &NOTHING, odd));
+            rigcal_point_bound(&bound, &NOTHING, &NOTHING, odd));
         odd[k] = RC(TOL(2e30, 2e9));
         ASSERT_REFUSED(
             RIGCAL_ERR_RANGE, bound,
-            rigcal_measurement_bound(&bound, &NOTHING, &NOTHING, odd));
+            rigcal_point_bound(&bound, &NOTHING, &NOTHING, odd));
         bad.t[k] = TEST_INF;
         ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, bound,
-                       rigcal_measurement_bound(&bound, &bad, &NOTHING, X));
+                       rigcal_point_bound(&bound, &bad, &NOTHING, X));
         ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, bound,
-                       rigcal_measurement_bound(&bound, &NOTHING, &bad, X));
+                       rigcal_point_bound(&bound, &NOTHING, &bad, X));
         bad = NOTHING;
         bad.R[4 * k] = -1;
         ASSERT_REFUSED(RIGCAL_ERR_ROTATION, bound,
-                       rigcal_measurement_bound(&bound, &bad, &NOTHING, X));
+                       rigcal_point_bound(&bound, &bad, &NOTHING, X));
         ASSERT_REFUSED(RIGCAL_ERR_ROTATION, bound,
-                       rigcal_measurement_bound(&bound, &NOTHING, &bad, X));
+                       rigcal_point_bound(&bound, &NOTHING, &bad, X));
     }
 }
 
-int main(void)
+TEST_MAIN()
 {
-    UNITY_BEGIN();
     RUN_TEST(test_the_mean_is_scipys_karcher_mean);
     RUN_TEST(test_the_mean_of_one_is_that_one);
     RUN_TEST(test_deviations_that_balance_leave_the_middle);
@@ -935,5 +926,4 @@ int main(void)
     RUN_TEST(test_no_point_is_farther_off_than_the_bound);
     RUN_TEST(test_the_bound_is_reached_on_paper);
     RUN_TEST(test_arguments_of_the_bound_are_checked);
-    return UNITY_END();
 }

@@ -16,14 +16,6 @@ static const rigcal_transform NOTHING = {{1, 0, 0, 0, 1, 0, 0, 0, 1},
 static const rigcal_transform QUARTER = {{0, -1, 0, 1, 0, 0, 0, 0, 1},
                                          {10, 0, 0}};
 
-void setUp(void)
-{
-}
-
-void tearDown(void)
-{
-}
-
 static rigcal_transform random_transform(test_rng *rng)
 {
     double R[9], t[3];
@@ -117,7 +109,7 @@ static void test_camera_to_camera_is_the_oracles(void)
         const rigcal_transform b = from_ypr(v + 6, v + 9);
         rigcal_transform b_from_a;
 
-        ASSERT_STATUS(RIGCAL_OK, rigcal_relative_pose(&b_from_a, &b, &a));
+        ASSERT_STATUS(RIGCAL_OK, rigcal_transform_between(&b_from_a, &b, &a));
         ASSERT_ARRAY_NEAR(v + 12, b_from_a.R, 9, TOL_ENTRY);
         ASSERT_ARRAY_NEAR(v + 21, b_from_a.t, 3, TOL_LENGTH);
     }
@@ -194,7 +186,7 @@ static void test_camera_to_camera_closes_round_a_loop(void)
         const rigcal_transform so_far = loop;
         rigcal_transform next;
 
-        ASSERT_STATUS(RIGCAL_OK, rigcal_relative_pose(&next, &cams[(i + 1) % 6],
+        ASSERT_STATUS(RIGCAL_OK, rigcal_transform_between(&next, &cams[(i + 1) % 6],
                                                       &cams[i]));
         ASSERT_STATUS(RIGCAL_OK,
                       rigcal_transform_compose(&loop, &next, &so_far));
@@ -208,7 +200,7 @@ static void test_a_camera_seen_from_itself_is_at_home(void)
     const rigcal_transform T = random_transform(&rng);
     rigcal_transform self;
 
-    ASSERT_STATUS(RIGCAL_OK, rigcal_relative_pose(&self, &T, &T));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_transform_between(&self, &T, &T));
     assert_same(&NOTHING, &self);
 }
 
@@ -227,9 +219,9 @@ static void test_camera_to_camera_does_not_depend_on_the_world(void)
                       rigcal_transform_compose(&a_other, &a, &w_from_other));
         ASSERT_STATUS(RIGCAL_OK,
                       rigcal_transform_compose(&b_other, &b, &w_from_other));
-        ASSERT_STATUS(RIGCAL_OK, rigcal_relative_pose(&first, &b, &a));
+        ASSERT_STATUS(RIGCAL_OK, rigcal_transform_between(&first, &b, &a));
         ASSERT_STATUS(RIGCAL_OK,
-                      rigcal_relative_pose(&second, &b_other, &a_other));
+                      rigcal_transform_between(&second, &b_other, &a_other));
         assert_same(&first, &second);
     }
 }
@@ -284,11 +276,11 @@ static void test_null_is_refused_in_every_place(void)
     ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_camera_center(NULL, &QUARTER));
     ASSERT_REFUSED(RIGCAL_ERR_NULL, Y, rigcal_camera_center(Y, NULL));
     ASSERT_STATUS(RIGCAL_ERR_NULL,
-                  rigcal_relative_pose(NULL, &QUARTER, &QUARTER));
+                  rigcal_transform_between(NULL, &QUARTER, &QUARTER));
     ASSERT_REFUSED(RIGCAL_ERR_NULL, T,
-                   rigcal_relative_pose(&T, NULL, &QUARTER));
+                   rigcal_transform_between(&T, NULL, &QUARTER));
     ASSERT_REFUSED(RIGCAL_ERR_NULL, T,
-                   rigcal_relative_pose(&T, &QUARTER, NULL));
+                   rigcal_transform_between(&T, &QUARTER, NULL));
 }
 
 static void assert_all_refuse(rigcal_status status, const rigcal_transform *bad)
@@ -302,8 +294,8 @@ static void assert_all_refuse(rigcal_status status, const rigcal_transform *bad)
     ASSERT_REFUSED(status, T, rigcal_transform_invert(&T, bad));
     ASSERT_REFUSED(status, Y, rigcal_transform_point(Y, bad, X));
     ASSERT_REFUSED(status, Y, rigcal_camera_center(Y, bad));
-    ASSERT_REFUSED(status, T, rigcal_relative_pose(&T, bad, &QUARTER));
-    ASSERT_REFUSED(status, T, rigcal_relative_pose(&T, &QUARTER, bad));
+    ASSERT_REFUSED(status, T, rigcal_transform_between(&T, bad, &QUARTER));
+    ASSERT_REFUSED(status, T, rigcal_transform_between(&T, &QUARTER, bad));
 }
 
 static void test_a_number_that_is_not_finite_is_refused_in_every_place(void)
@@ -359,9 +351,8 @@ static void test_a_length_beyond_the_range_is_refused(void)
     }
 }
 
-int main(void)
+TEST_MAIN()
 {
-    UNITY_BEGIN();
     RUN_TEST(test_a_point_is_turned_then_shifted);
     RUN_TEST(test_the_later_transform_stands_left_in_a_chain);
     RUN_TEST(test_the_inverse_of_a_known_transform);
@@ -378,5 +369,4 @@ int main(void)
     RUN_TEST(test_a_number_that_is_not_finite_is_refused_in_every_place);
     RUN_TEST(test_a_matrix_that_is_no_rotation_is_refused);
     RUN_TEST(test_a_length_beyond_the_range_is_refused);
-    return UNITY_END();
 }

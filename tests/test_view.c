@@ -11,14 +11,6 @@
 /* Of the sum of |X - mean|^2, which is what a useless direction costs. */
 #define TOL_COST TOL(1e-9, 1e-3)
 
-void setUp(void)
-{
-}
-
-void tearDown(void)
-{
-}
-
 /* ---- points, moments ----------------------------------------------------- */
 
 /* Points counted from their weighted mean, their images, and the moments. */
@@ -513,9 +505,8 @@ static void test_an_image_without_extent_is_refused(void)
     }
 }
 
-int main(void)
+TEST_MAIN()
 {
-    UNITY_BEGIN();
     RUN_TEST(test_costs_are_those_of_the_oracle);
     RUN_TEST(test_the_true_direction_of_an_exact_image_costs_nothing);
     RUN_TEST(test_the_pose_of_a_true_direction_is_the_true_pose);
@@ -528,5 +519,4 @@ int main(void)
     RUN_TEST(test_the_thickness_is_that_of_the_least_extent);
     RUN_TEST(test_points_on_a_line_have_no_normal);
     RUN_TEST(test_an_image_without_extent_is_refused);
-    return UNITY_END();
 }

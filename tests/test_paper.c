@@ -602,7 +602,6 @@ static void test_the_defaults_are_those_of_the_header(void)
     TEST_ASSERT_EQUAL_INT32(RIGCAL_BEST_CONDITIONED, o.eliminated);
     TEST_ASSERT_EQUAL_INT32(0, o.pairs_used);
     TEST_ASSERT_EQUAL_INT32(0, o.use_guess);
-    TEST_ASSERT_EQUAL_INT32(0, o.reserved);
 
     spelled = o;
     spelled.max_evals = EVALS_WITHOUT_GUESS;
@@ -911,15 +910,15 @@ static rigcal_camera distorting_camera(int which)
     /* opencv_stereo's left camera; a rational lens; a fisheye; a barrel that
      * folds back within the image. */
     static const rigcal_camera cameras[4] = {
-        {0, 640, 480, 0, RC(532.827202), RC(532.945966), RC(342.486827),
+        {0, 640, 480, RC(532.827202), RC(532.945966), RC(342.486827),
          RC(233.855749), RC(-0.280881878), RC(0.0251767621), RC(0.00121651108),
          RC(-0.000135518959), RC(0.163436932), 0, 0, 0},
-        {0, 1280, 720, 0, RC(611), RC(610.6), RC(637.2), RC(369.4), RC(0.455),
+        {0, 1280, 720, RC(611), RC(610.6), RC(637.2), RC(369.4), RC(0.455),
          RC(-2.51), RC(0.0006), RC(-0.0002), RC(1.44), RC(0.336), RC(-2.34),
          RC(1.37)},
-        {1, 1280, 960, 0, RC(380), RC(381), RC(640.5), RC(470), RC(-0.02),
+        {1, 1280, 960, RC(380), RC(381), RC(640.5), RC(470), RC(-0.02),
          RC(0.006), 0, 0, RC(-0.003), RC(0.0004), 0, 0},
-        {0, 1280, 960, 0, RC(500), RC(500), RC(640), RC(480), RC(-0.4), 0, 0, 0,
+        {0, 1280, 960, RC(500), RC(500), RC(640), RC(480), RC(-0.4), 0, 0, 0,
          0, 0, 0, 0},
     };
 
@@ -948,13 +947,13 @@ static double pixel_rms(const test_scene *scene, const rigcal_camera *camera,
 
 /* As a caller would: rays, pairs, pose. */
 static rigcal_status solve_pixels(rigcal_transform *cam_from_world,
-                                  int32_t *bad, size_t capacity,
+                                  int32_t *at_fault, size_t capacity,
                                   const rigcal_camera *camera,
                                   const rigcal_observation observations[],
                                   size_t n)
 {
     rigcal_paper_pose pose;
-    rigcal_status status = rigcal_bearings_of_view(bearings, bad, &VIEW(camera, observations, NULL, n));
+    rigcal_status status = rigcal_bearings_of_view(bearings, at_fault, &VIEW(camera, observations, NULL, n));
 
     if (status >= 0) {
         status = rigcal_pairs_choose(pairs, capacity, &n_pairs, bearings, n);

@@ -368,8 +368,9 @@ static void test_budgets_change_no_bit(void)
             TEST_ASSERT_EQUAL_INT(p.n_inliers, n_inliers);
             TEST_ASSERT_EQUAL_MEMORY(p.inliers, inliers, p.n);
             TEST_ASSERT_EQUAL_MEMORY(p.poses, poses, n_found * sizeof poses[0]);
-            solver.camera = NULL; /* the caller's, who may have taken it away */
-            solver.observations = NULL;
+            /* the caller's, who may have taken it away */
+            solver.points.view.camera = NULL;
+            solver.points.view.observations = NULL;
             ASSERT_STATUS(RIGCAL_OK, rigcal_robust_step(&solver, 1));
         }
     }

@@ -48,19 +48,6 @@ static void test_three_different_points_are_too_few(void)
     ASSERT_STATUS(RIGCAL_ERR_TOO_FEW, solve(&p, 4, NULL));
 }
 
-static void test_there_is_no_thorough_search(void)
-{
-    test_rng rng = test_seed(502);
-    rigcal_pose_options options;
-    problem p;
-
-    random_problem(&p, &rng, 6, TEST_GENERAL);
-    ASSERT_STATUS(RIGCAL_OK, rigcal_pose_defaults(&options));
-    ASSERT_STATUS(RIGCAL_OK, solve(&p, 6, &options));
-    options.thorough = 1;
-    ASSERT_STATUS(RIGCAL_ERR_RANGE, solve(&p, 6, &options));
-}
-
 /* The true pose of exact pixels is among those found, through a lens too. */
 static void test_other_poses_are_found_as_ever(void)
 {
@@ -112,7 +99,6 @@ TEST_MAIN()
 {
     RUN_TEST(test_a_fisheye_is_no_camera);
     RUN_TEST(test_three_different_points_are_too_few);
-    RUN_TEST(test_there_is_no_thorough_search);
     RUN_TEST(test_other_poses_are_found_as_ever);
     RUN_TEST(test_wrong_points_are_told);
 }

@@ -74,14 +74,16 @@ static int same_bits(const void *a, const void *b, size_t size)
 static void assert_same_camera(const rigcal_mounted_camera *expected,
                                const rigcal_mounted_camera *actual)
 {
-    TEST_ASSERT_TRUE(same_bits(&expected->camera, &actual->camera,
-                               sizeof expected->camera));
+    TEST_ASSERT_EQUAL_INT32(expected->camera.lens, actual->camera.lens);
+    TEST_ASSERT_EQUAL_INT32(expected->camera.width, actual->camera.width);
+    TEST_ASSERT_EQUAL_INT32(expected->camera.height, actual->camera.height);
+    TEST_ASSERT_TRUE(same_bits(&expected->camera.fx, &actual->camera.fx,
+                               12 * sizeof expected->camera.fx));
     TEST_ASSERT_TRUE(same_bits(&expected->cam_from_rig, &actual->cam_from_rig,
                                sizeof expected->cam_from_rig));
     TEST_ASSERT_TRUE(
         same_bits(expected->Sigma, actual->Sigma, sizeof expected->Sigma));
     TEST_ASSERT_EQUAL_INT32(expected->has_Sigma, actual->has_Sigma);
-    TEST_ASSERT_EQUAL_INT32(0, actual->reserved);
 }
 
 static void put_u32(uint8_t *at, uint32_t x)
@@ -904,9 +906,6 @@ static void test_what_could_not_be_loaded_is_not_saved(void)
     calibration[N - 1].has_Sigma = 2;
     assert_not_saved(RIGCAL_ERR_RANGE, OWN_BYTES, N);
     calibration[N - 1].has_Sigma = -1;
-    assert_not_saved(RIGCAL_ERR_RANGE, OWN_BYTES, N);
-    setUp();
-    calibration[N - 1].reserved = 1;
     assert_not_saved(RIGCAL_ERR_RANGE, OWN_BYTES, N);
     setUp();
     for (int i = 0; i < 36; i++) {

@@ -15,9 +15,9 @@ static void test_two_equal_poses_join(void)
         rigcal_transform cams[2], work[2];
         rigcal_real weight[2];
         int32_t group[2];
+        rigcal_rig rig = {cams, group, 2, views, 2, work, weight};
 
-        ASSERT_STATUS(RIGCAL_OK,
-                      rigcal_rig_join(cams, group, 2, views, 2, work, weight));
+        ASSERT_STATUS(RIGCAL_OK, rigcal_rig_join(&rig));
         for (int i = 0; i < 9; i++) {
             ASSERT_NEAR(i % 4 == 0, cams[1].R[i], TOL(1e-14, 1e-6));
         }

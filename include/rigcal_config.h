@@ -139,6 +139,13 @@ typedef double rigcal_real;
 #define RIGCAL_ASSERT(condition) ((void)0)
 #endif
 
+/* What a search does, event by event, for who works on the library: `event` is a text, `number`
+ * an integer and `value` a rigcal_real. CONTRIBUTING.md shows a trace. It costs nothing where
+ * it is not defined. */
+#ifndef RIGCAL_TRACE
+#define RIGCAL_TRACE(event, number, value) ((void)0)
+#endif
+
 /* Keeps a function out of its callers, for the sake of the stack. */
 #ifndef RIGCAL_NOINLINE
 #if defined(__GNUC__)

@@ -101,10 +101,11 @@ typedef struct rigcal_optima {
 
 /* The points, the optima found so far, where to start next, and what is under way. */
 typedef struct rigcal_search {
+    int32_t phase, next, n_seeds, n_exact, triples, leans, is_flat, is_plane, is_wide;
+    size_t point;
+    rigcal_real scale, axis[3], normal[3];
     rigcal_points points;
     rigcal_optima optima;
-    int32_t phase, next, n_seeds, n_exact, triples, leans, is_flat, is_plane, is_wide;
-    rigcal_real scale, axis[3], normal[3];
     union rigcal_search_sources {
         rigcal_lattice lattice;
         rigcal_transform exact[RIGCAL_POSES_MAX];
@@ -117,8 +118,9 @@ typedef struct rigcal_search {
 } rigcal_search;
 
 struct rigcal_pose_solver {
-    int32_t phase, failure, at_fault, next, is_warm, is_mirrored, is_vague, is_unfinished;
-    size_t n_weighed;
+    int32_t phase, failure, at_fault, same, is_warm, is_mirrored, is_vague,
+        is_unfinished;
+    size_t next, n_weighed;
     rigcal_real sigma_px;
     rigcal_search search;
 };

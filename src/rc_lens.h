@@ -12,7 +12,10 @@
 
 #include "rc_linalg.h"
 
-int rc_lens_is_fisheye(const rigcal_camera *camera);
+inline int rc_lens_is_fisheye(const rigcal_camera *camera)
+{
+    return RIGCAL_WITH_FISHEYE && camera->lens == RIGCAL_LENS_FISHEYE;
+}
 
 /* Whether all eight coefficients are 0, of Brown's lens. */
 int rc_lens_is_pinhole(const rigcal_camera *camera);

@@ -119,6 +119,11 @@ void rc_sym3_mul_vec3(rigcal_real out[3], const rigcal_real A[6],
 int rc_sym3_factor(rigcal_real L[6], const rigcal_real A[6],
                    const rigcal_real diagonal[3], rigcal_real rank_tol);
 
+/* damped = A + damping D, and D = diag(A); where an element of that is small or negative
+ * against the largest, D has a hundredth of the largest. */
+void rc_sym3_damp(rigcal_real damped[6], rigcal_real D[3], const rigcal_real A[6],
+                  rigcal_real damping);
+
 /* x <- L^-1 x, x <- L^-T x */
 inline void rc_sym3_forward(rigcal_real x[3], const rigcal_real L[6])
 {
@@ -145,8 +150,7 @@ typedef struct {
     rigcal_real first[6], across[3][3], second[6];
 } rc_sym6_factor;
 
-/* L L^T = H + damping D, D = diag(H). Where an element of D is small or negative against the
- * largest of its block, D has a hundredth of that. 0: not positive definite to rounding. */
+/* L L^T = H + damping D, as of rc_sym3_damp. 0: not positive definite to rounding. */
 int rc_sym6_factor_of(rc_sym6_factor *L, const rigcal_real H[21], rigcal_real damping);
 
 /* x <- (L L^T)^-1 x */

@@ -30,15 +30,8 @@ void rc_points_of(rigcal_points *points, const rigcal_view *view, const uint8_t 
 rigcal_status rc_points_survey(rigcal_points *points, rigcal_real uv_middle[2],
                                int32_t *at_fault);
 
-/* Whether point i counts. */
-inline int rc_points_have(const rigcal_points *points, size_t i)
-{
-    return (int32_t)i != points->left_out &&
-           (points->mask == NULL || points->mask[i] != 0);
-}
-
-/* The first point from i on that counts, or n. */
-int32_t rc_points_next(const rigcal_points *points, int32_t i);
+/* The first point from i on that counts; n when there is none. */
+size_t rc_points_next(const rigcal_points *points, size_t i);
 
 /* 1 / sigma^2 of point i. */
 rigcal_real rc_points_weight(const rigcal_points *points, size_t i);
@@ -49,17 +42,6 @@ void rc_points_at(rigcal_real x[3], const rigcal_points *points, size_t i);
 /* q = R x, and X_c = q + t, the point in the camera's frame. */
 void rc_points_place(rigcal_real q[3], rigcal_real X_c[3], const rigcal_points *points,
                      const rigcal_transform *cam_from_points, size_t i);
-
-/* rc_residual of point i, and what rc_points_place gives. */
-inline rigcal_status rc_points_residual(rigcal_real e[2], rigcal_real B[6],
-                                        rigcal_real q[3], rigcal_real X_c[3],
-                                        const rigcal_points *points,
-                                        const rigcal_transform *cam_from_points, size_t i)
-{
-    rc_points_place(q, X_c, points, cam_from_points, i);
-    return rc_residual(e, B, points->view.camera, points->is_pinhole,
-                       points->view.observations[i].uv, X_c);
-}
 
 /* Squared distance [px^2] of the pixel of point i from its projection; RC_MAX: it has
  * none. */

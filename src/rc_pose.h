@@ -5,11 +5,10 @@
 #include "rc_chance.h"
 #include "rc_seeds.h"
 
-/* rigcal_pose_begin of points as rc_points_of makes them. Checks everything but that
- * `solver` is not NULL. */
+/* rigcal_pose_begin of points as rc_points_of makes them, which are surveyed here. Checks
+ * everything but that `solver` is not NULL. */
 rigcal_status rc_pose_begin(rigcal_pose_solver *solver, int32_t *at_fault,
-                            const rigcal_points *points,
-                            const rigcal_pose_options *options);
+                            rigcal_points *points, const rigcal_pose_options *options);
 
 /* Of a search that is done: how many points it took, how many optima it found, where
  * optimum i is, and its likelihood over that of the first. */

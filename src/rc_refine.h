@@ -6,9 +6,12 @@
 #include "rc_levenberg.h"
 #include "rc_points.h"
 
+/* Instead of the errors in pixels: those along the rays (rc_residual_along_ray). */
+enum { RC_ALONG_RAYS = -1 };
+
 /* At a pose, over those of the first n observations that count: *sum of the squared errors
- * over sigma^2, g = J^T e, and H by `equations`, RC_GAUSS_NEWTON or another, in the blocks of
- * rc_sym6_*; in the tangent space (w, dt): R <- exp([w]x) R, t <- t + dt.
+ * over sigma^2, g = J^T e, and H by `equations`, RC_GAUSS_NEWTON or another, in the blocks
+ * of rc_sym6_*; in the tangent space (w, dt): R <- exp([w]x) R, t <- t + dt.
  * OK, or ERR_BEHIND, ERR_NO_RAY: the camera does not see a point. */
 rigcal_status rc_refine_equations(rigcal_real *sum, rigcal_real g[6], rigcal_real H[21],
                                   const rigcal_points *points, size_t n,

@@ -17,7 +17,7 @@
 enum {
     RC_SEEDS_BUSY,         /* nothing yet */
     RC_SEEDS_START,        /* a start: search->work.refinement.cam_from_points */
-    RC_SEEDS_UNSEEN,       /* the lens images no ray at the pixel of point search->next */
+    RC_SEEDS_UNSEEN,       /* the lens images no ray at the pixel of point search->point */
     RC_SEEDS_TRIPLE_SPENT, /* the poses of a triple of points have been handed out: enough,
                               or rc_seeds_pick */
     RC_SEEDS_SPENT         /* there is no other start */
@@ -30,7 +30,7 @@ void rc_seeds_begin(rigcal_search *s, const rigcal_real uv_middle[2]);
 /* One ray (of a pinhole, whose rays cost next to nothing, up to 16), one cost of a direction,
  * all poses of three points, or one choice. Returns RC_SEEDS_, or a failure: ERR_COINCIDENT,
  * ERR_COLLINEAR, ERR_TOO_FEW (three points, in a build without), ERR_WIDE_RAY (of point
- * s->next, in such a build). */
+ * s->point, in such a build). */
 int32_t rc_seeds_step(rigcal_search *s);
 
 /* Goes on to another triple. 0: enough have been tried. */

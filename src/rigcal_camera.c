@@ -213,11 +213,10 @@ static rigcal_status project_by(rigcal_real x[2], rigcal_real uv[2],
     uv[0] = focal[0] * F[0] + camera->cx;
     uv[1] = focal[1] * F[1] + camera->cy;
     for (int row = 0; row < 2; row++) {
-        const rigcal_real *const j = &J[row]; /* (xx, xy), then (xy, yy) */
-        const rigcal_real f = focal[row] / largest, by_depth = f / depth;
+        const rigcal_real j[3] = {J[row], J[row + 1], 0}; /* (xx, xy), then (xy, yy) */
+        const rigcal_real f = focal[row] / largest;
         const rigcal_real along = f * (j[0] * scaled[0] + j[1] * scaled[1]);
-        J_uv[3 * row] = by_depth * j[0] + bend * along * scaled[0];
-        J_uv[3 * row + 1] = by_depth * j[1] + bend * along * scaled[1];
+        rc_vec3_combine(&J_uv[3 * row], f / depth, j, bend * along, scaled);
         J_uv[3 * row + 2] = sink * along;
     }
     return RIGCAL_OK;

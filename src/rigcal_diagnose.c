@@ -24,8 +24,9 @@ typedef struct {
 static rigcal_status best_fit(rigcal_pose *pose, const problem *P)
 {
     rigcal_pose_solver solver;
+    rigcal_points points = P->points;
     size_t n_found;
-    const rigcal_status status = rc_pose_begin(&solver, NULL, &P->points, &P->options);
+    const rigcal_status status = rc_pose_begin(&solver, NULL, &points, &P->options);
     if (status != RIGCAL_OK) {
         return status;
     }

@@ -1,5 +1,11 @@
 #include "rc_direction.h"
 
+/* Newton's steps to the best yaw, as tangents: the longest, the one after which the error of
+ * the cost, its square, is nothing; and how many at most. */
+#define STEP_MOST RC(0.5)
+#define STEP_SMALL RC(1e-3)
+enum { NEWTON_STEPS_MAX = 6 };
+
 /* ---- moments ------------------------------------------------------------- */
 
 void rc_moments_begin(rigcal_moments *sums)
@@ -83,8 +89,6 @@ static void harmonics_of(harmonics *f, const rigcal_moments *sums,
               (UU / 2 + f->B * f->B) / sums->S;
 }
 
-#define STEP_SMALL RC(1e-3)
-
 /* With psi = yaw + arg U the second harmonic is g cos 2 psi, g >= 0, and the depth
  * is positive for cos psi > B / |U|:
  *
@@ -93,14 +97,13 @@ static void harmonics_of(harmonics *f, const rigcal_moments *sums,
  * so the maximum lies in 0 <= psi <= pi. At the truth psi is small, since U e^(i
  * yaw) = sum conj(du) q_xy and du is nearly q_xy over the depth; so Newton's method
  * on the point (c, s) of the circle starts at 0, or at a right angle where that is
- * better. After a step below 1e-3 the error of the cost, its square, is nothing.
+ * better.
  * Gives the harmonics of m3, the gain and z = exp(i yaw); -RC_MAX where no yaw has a
  * positive depth. */
 static rigcal_real best_yaw(rigcal_real z[2], harmonics *f,
                             const rigcal_moments *sums,
                             const rigcal_real m3[3])
 {
-    enum { NEWTON_STEPS_MAX = 6 };
     harmonics_of(f, sums, m3);
     const rigcal_real U = RC_SQRT(f->U[0] * f->U[0] + f->U[1] * f->U[1]);
     if (!(U > f->B) || !(U > 0)) {
@@ -123,7 +126,7 @@ static rigcal_real best_yaw(rigcal_real z[2], harmonics *f,
         if (!(curvature > 0)) {
             break;
         }
-        step = rc_min(rc_max(slope / curvature, RC(-0.5)), RC(0.5));
+        step = rc_min(rc_max(slope / curvature, -STEP_MOST), STEP_MOST);
         const rigcal_real by = 1 / RC_SQRT(1 + step * step);
         const rigcal_real c_next = (c - s * step) * by;
         s = (s + c * step) * by;

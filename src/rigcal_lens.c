@@ -8,17 +8,7 @@ enum { WALK_MAX = 1024, NEWTON_MAX = 60, STAGES_MAX = 64 };
 
 /* ---- the map ------------------------------------------------------------- */
 
-enum { N_DEGREE = 4, D_DEGREE = 3, G_DEGREE = 6 };
-
-/* N and D by ascending powers of s. */
-typedef struct {
-    rigcal_real N[N_DEGREE + 1], D[D_DEGREE + 1];
-} polynomials;
-
-int rc_lens_is_fisheye(const rigcal_camera *camera)
-{
-    return RIGCAL_WITH_FISHEYE && camera->lens == RIGCAL_LENS_FISHEYE;
-}
+extern inline int rc_lens_is_fisheye(const rigcal_camera *camera);
 
 int rc_lens_is_pinhole(const rigcal_camera *camera)
 {
@@ -28,30 +18,17 @@ int rc_lens_is_pinhole(const rigcal_camera *camera)
     return !rc_lens_is_fisheye(camera) && rc_all_within(coefficients, 8, 0);
 }
 
-static void polynomials_of(polynomials *p, const rigcal_camera *camera)
+/* A polynomial of one degree more, by Horner's rule: its value at s, and its derivative. */
+static inline void horner(rigcal_real value[2], rigcal_real s, rigcal_real coefficient)
 {
-    const int is_fisheye = rc_lens_is_fisheye(camera);
-    p->N[0] = p->D[0] = 1;
-    p->N[1] = camera->k1;
-    p->N[2] = camera->k2;
-    p->N[3] = camera->k3;
-    p->N[4] = is_fisheye ? camera->k4 : 0;
-    p->D[1] = is_fisheye ? 0 : camera->k4;
-    p->D[2] = camera->k5;
-    p->D[3] = camera->k6;
+    value[1] = value[1] * s + value[0];
+    value[0] = value[0] * s + coefficient;
 }
 
-/* Value and derivative of a polynomial of ascending powers. */
-static rigcal_real polynomial(rigcal_real *derivative, const rigcal_real c[], int degree,
-                              rigcal_real s)
+/* Brown's lens has k4 in D, the fisheye in N. */
+static rigcal_real k4_of(const rigcal_camera *camera, int is_in_N)
 {
-    rigcal_real value = c[degree], slope = 0;
-    for (int i = degree - 1; i >= 0; i--) {
-        slope = slope * s + value;
-        value = value * s + c[i];
-    }
-    *derivative = slope;
-    return value;
+    return (rc_lens_is_fisheye(camera) == is_in_N) ? camera->k4 : 0;
 }
 
 /* With d = N / D, d' = (N' - d D') / D and p = d' x + 2 g:
@@ -61,15 +38,18 @@ int rc_lens_map(rigcal_real F[2], rigcal_real J[3], const rigcal_camera *camera,
 {
     const rigcal_real g[2] = {camera->p2, camera->p1};
     const rigcal_real s = x[0] * x[0] + x[1] * x[1];
-    polynomials p_of_s;
-    rigcal_real dN, dD;
-    polynomials_of(&p_of_s, camera);
-    const rigcal_real N = polynomial(&dN, p_of_s.N, N_DEGREE, s);
-    const rigcal_real D = polynomial(&dD, p_of_s.D, D_DEGREE, s);
-    if (!(D > 0)) {
+    rigcal_real N[2] = {k4_of(camera, 1), 0}, D[2] = {camera->k6, 0};
+    horner(N, s, camera->k3);
+    horner(N, s, camera->k2);
+    horner(N, s, camera->k1);
+    horner(N, s, 1);
+    horner(D, s, camera->k5);
+    horner(D, s, k4_of(camera, 0));
+    horner(D, s, 1);
+    if (!(D[0] > 0)) {
         return 0;
     }
-    const rigcal_real d = N / D, slope = (dN - d * dD) / D;
+    const rigcal_real d = N[0] / D[0], slope = (N[1] - d * D[1]) / D[0];
     const rigcal_real scale = d + 2 * (g[0] * x[0] + g[1] * x[1]);
     const rigcal_real p[2] = {slope * x[0] + 2 * g[0], slope * x[1] + 2 * g[1]};
 
@@ -87,6 +67,13 @@ static int is_positive_definite(const rigcal_real J[3])
 }
 
 /* ---- where it can be used ------------------------------------------------ */
+
+enum { N_DEGREE = 4, D_DEGREE = 3, G_DEGREE = 6 };
+
+/* N and D by ascending powers of s. */
+typedef struct {
+    rigcal_real N[N_DEGREE + 1], D[D_DEGREE + 1];
+} polynomials;
 
 /* Lower and upper bound of a polynomial within `half` of `middle`: the other terms of its
  * series there take from the first, and add to it, no more than their absolute values.
@@ -135,6 +122,20 @@ typedef struct {
     rigcal_real G[G_DEGREE + 1], ar, br, end;
 } direction;
 
+static void begin_direction(direction *e, const rigcal_camera *camera)
+{
+    rigcal_real *const N = e->p.N, *const D = e->p.D;
+    N[0] = D[0] = 1;
+    N[1] = camera->k1;
+    N[2] = camera->k2;
+    N[3] = camera->k3;
+    N[4] = k4_of(camera, 1);
+    D[1] = k4_of(camera, 0);
+    D[2] = camera->k5;
+    D[3] = camera->k6;
+    radial_slope(e->G, &e->p);
+}
+
 /* In the basis (e, e') the Jacobian is
  *
  *     [ G / D^2 + 6 a r     2 b r   ]
@@ -182,8 +183,7 @@ int rc_lens_is_usable(const rigcal_camera *camera, const rigcal_real x[2])
     }
     e.ar = camera->p2 * x[0] + camera->p1 * x[1];
     e.br = camera->p1 * x[0] - camera->p2 * x[1];
-    polynomials_of(&e.p, camera);
-    radial_slope(e.G, &e.p);
+    begin_direction(&e, camera);
     rigcal_real from = 0, length = e.end;
     for (int i = 0; i < WALK_MAX && length > RC_EPS * e.end; i++) {
         if (is_usable_between(&e, from, length)) {

@@ -180,18 +180,12 @@ int rc_sym3_thinnest(rigcal_real normal[3], rigcal_real *thickness, const rigcal
     return 1;
 }
 
-/* ---- 6 x 6 --------------------------------------------------------------- */
-
-/* Pivots are compared with this part of their element of the diagonal. */
-#define RANK_TOL (8 * RC_EPS)
-
 /* The least element of D, as a part of the largest of its block: where a Newton's H has made
  * an element small or negative, damping must act all the same. */
 #define D_LEAST RC(1e-2)
 
-/* A + damping D of a block A, D = diag(A) but for D_LEAST. */
-static void damp(rigcal_real damped[6], rigcal_real D[3], const rigcal_real A[6],
-                 rigcal_real damping)
+void rc_sym3_damp(rigcal_real damped[6], rigcal_real D[3], const rigcal_real A[6],
+                  rigcal_real damping)
 {
     static const uint8_t DIAGONAL[3] = {0, 3, 5};
     const rigcal_real least = D_LEAST * rc_max(A[0], rc_max(A[3], A[5]));
@@ -204,14 +198,19 @@ static void damp(rigcal_real damped[6], rigcal_real D[3], const rigcal_real A[6]
     }
 }
 
+/* ---- 6 x 6 --------------------------------------------------------------- */
+
+/* Pivots are compared with this part of their element of the diagonal. */
+#define RANK_TOL (8 * RC_EPS)
+
 int rc_sym6_factor_of(rc_sym6_factor *L, const rigcal_real H[21], rigcal_real damping)
 {
     rigcal_real D[3];
-    damp(L->first, D, H, damping);
+    rc_sym3_damp(L->first, D, H, damping);
     if (!rc_sym3_factor(L->first, L->first, D, RANK_TOL)) {
         return 0;
     }
-    damp(L->second, D, &H[RC_SYM6_SECOND], damping);
+    rc_sym3_damp(L->second, D, &H[RC_SYM6_SECOND], damping);
     for (int column = 0; column < 3; column++) {
         const rigcal_real *const across = &H[RC_SYM6_ACROSS + column];
         rigcal_real x[3] = {across[0], across[3], across[6]};

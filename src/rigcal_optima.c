@@ -27,11 +27,11 @@ RC_APART int32_t rc_optima_near(const rigcal_optima *optima, const rigcal_real R
     return -1;
 }
 
-int32_t rc_optima_insert(rigcal_optima *optima, const rigcal_transform *cam_from_points,
-                         rigcal_real sse, rigcal_real same)
+int32_t rc_optima_insert(rigcal_optima *optima, int32_t same,
+                         const rigcal_transform *cam_from_points, rigcal_real sse)
 {
     rigcal_optimum *const list = optima->list;
-    int32_t at = rc_optima_near(optima, cam_from_points->R, same);
+    int32_t at = same;
     if (at < 0) {
         at = optima->n;
         if (at < RIGCAL_POSES_MAX) {

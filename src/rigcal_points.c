@@ -40,11 +40,11 @@ void rc_points_of(rigcal_points *points, const rigcal_view *view, const uint8_t 
     points->is_mirrored = 0;
 }
 
-extern inline int rc_points_have(const rigcal_points *points, size_t i);
-
-int32_t rc_points_next(const rigcal_points *points, int32_t i)
+size_t rc_points_next(const rigcal_points *points, size_t i)
 {
-    while (i < (int32_t)points->view.n && !rc_points_have(points, (size_t)i)) {
+    while (i < points->view.n &&
+           ((int32_t)i == points->left_out ||
+            (points->mask != NULL && points->mask[i] == 0))) {
         i++;
     }
     return i;
@@ -90,10 +90,8 @@ rigcal_status rc_points_survey(rigcal_points *points, rigcal_real uv_middle[2],
     if (points->view.n > RC_COUNT_MAX) {
         return RIGCAL_ERR_RANGE;
     }
-    for (size_t i = 0; i < points->view.n; i++) {
-        if (!rc_points_have(points, i)) {
-            continue;
-        }
+    for (size_t i = rc_points_next(points, 0); i < points->view.n;
+         i = rc_points_next(points, i + 1)) {
         const rigcal_status status = check_point(&points->view, i);
         if (status != RIGCAL_OK) {
             *at_fault = (int32_t)i;
@@ -149,17 +147,13 @@ void rc_points_place(rigcal_real q[3], rigcal_real X_c[3], const rigcal_points *
     rc_vec3_add(X_c, cam_from_points->t);
 }
 
-extern inline rigcal_status rc_points_residual(rigcal_real e[2], rigcal_real B[6],
-                                               rigcal_real q[3], rigcal_real X_c[3],
-                                               const rigcal_points *points,
-                                               const rigcal_transform *cam_from_points,
-                                               size_t i);
-
 rigcal_real rc_points_distance2(const rigcal_points *points,
                                 const rigcal_transform *cam_from_points, size_t i)
 {
     rigcal_real e[2] = {0, 0}, B[6], q[3], X_c[3];
-    if (rc_points_residual(e, B, q, X_c, points, cam_from_points, i) != RIGCAL_OK) {
+    rc_points_place(q, X_c, points, cam_from_points, i);
+    if (rc_residual(e, B, points->view.camera, points->is_pinhole,
+                    points->view.observations[i].uv, X_c) != RIGCAL_OK) {
         return RC_MAX;
     }
     return rc_min(e[0] * e[0] + e[1] * e[1], RC_MAX);
@@ -168,11 +162,10 @@ rigcal_real rc_points_distance2(const rigcal_points *points,
 int rc_points_are_on_line(const rigcal_points *points)
 {
     rigcal_real C[6] = {0, 0, 0, 0, 0, 0}, normal[3], thickness, x[3];
-    for (size_t i = 0; i < points->view.n; i++) {
-        if (rc_points_have(points, i)) {
-            rc_points_at(x, points, i);
-            rc_sym3_add_outer(C, 1, x);
-        }
+    for (size_t i = rc_points_next(points, 0); i < points->view.n;
+         i = rc_points_next(points, i + 1)) {
+        rc_points_at(x, points, i);
+        rc_sym3_add_outer(C, 1, x);
     }
     return !rc_sym3_thinnest(normal, &thickness, C);
 }

@@ -79,10 +79,9 @@ RC_APART static rigcal_real squared_pixels(const rigcal_pose_solver *s, int32_t 
         return s->search.optima.list[i].sse;
     }
     rc_pose_found(&cam_from_points, s, i);
-    for (size_t k = 0; k < points->view.n; k++) {
-        if (rc_points_have(points, k)) {
-            sum += rc_points_distance2(points, &cam_from_points, k);
-        }
+    for (size_t k = rc_points_next(points, 0); k < points->view.n;
+         k = rc_points_next(points, k + 1)) {
+        sum += rc_points_distance2(points, &cam_from_points, k);
     }
     return sum;
 }
@@ -100,6 +99,12 @@ RC_APART static int is_poor(const rigcal_pose_solver *s, rigcal_real most,
     }
     return !(sum <=
              noise * noise * rc_chi2_limit(rc_freedom(points->n_used), deviations));
+}
+
+/* Whether three points are all there are. */
+static int is_exact(const rigcal_pose_solver *s)
+{
+    return RIGCAL_WITH_THREE_POINTS && s->search.points.n_used == 3;
 }
 
 /* ---- how well the points fix it ------------------------------------------ */
@@ -129,7 +134,7 @@ static void begin_weighing(rigcal_pose_solver *s, size_t n)
 static void end_search(rigcal_pose_solver *s)
 {
     s->phase = DONE;
-    if (s->search.points.n_used == 3 && !(s->sigma_px > 0)) {
+    if (is_exact(s) && !(s->sigma_px > 0)) {
         keep_exact(s);
     }
     if (s->search.optima.n > 0) {
@@ -153,6 +158,7 @@ RC_APART static void begin_search(rigcal_pose_solver *s)
 /* The previous pose was of no use. */
 static void begin_cold(rigcal_pose_solver *s)
 {
+    RIGCAL_TRACE("the start is dropped", 0, 0);
     s->is_warm = 0;
     s->search.optima.n = 0;
     begin_search(s);
@@ -165,7 +171,7 @@ RC_APART static void weighing_step(rigcal_pose_solver *s)
     const rigcal_search *const search = &s->search;
     const rigcal_points *const points = &search->points;
     rigcal_refinement *const work = &s->search.work.refinement;
-    rigcal_real noise = s->sigma_px, variance, sum;
+    rigcal_real noise = s->sigma_px, variance = 0, sum;
     rc_pose_found(&work->cam_from_points, s, 0);
     const rigcal_status status =
         rc_refine_equations(&sum, work->g, work->H, points, s->n_weighed,
@@ -176,6 +182,8 @@ RC_APART static void weighing_step(rigcal_pose_solver *s)
     }
     s->is_vague = status < 0 || !rc_sym6_inverse_trace(&variance, work->H) ||
                   !(noise * noise * variance <= VAGUE * VAGUE);
+    RIGCAL_TRACE("vague (1: yes) by the first observations, variance of rotation",
+                 s->is_vague, noise * noise * variance);
     s->phase = DONE;
     if (s->is_vague && s->n_weighed < points->view.n) {
         begin_weighing(s, points->view.n);
@@ -194,6 +202,7 @@ static void leave_out(rigcal_pose_solver *s, int32_t i)
         fail(s, RIGCAL_ERR_NO_RAY, i);
         return;
     }
+    RIGCAL_TRACE("no ray: left out point", i, 0);
     s->search.points.left_out = s->at_fault = i;
     begin_search(s);
 }
@@ -220,6 +229,8 @@ static void end_mirrored(rigcal_pose_solver *s)
     const rigcal_levenberg *const end = &s->search.work.refinement.search;
     points->is_mirrored = !points->is_mirrored;
     s->is_mirrored = end->status >= 0 && likelihood_of(s, end->sum) > MIRROR_ODDS;
+    RIGCAL_TRACE("mirrored points (1: likelier), their sum of squares", s->is_mirrored,
+                 end->sum);
     end_search(s);
 }
 
@@ -232,7 +243,7 @@ RC_APART static void seeding_step(rigcal_pose_solver *s)
     if (came == RC_SEEDS_START) {
         begin_refining(s, REFINING, s->search.is_wide);
     } else if (came == RC_SEEDS_UNSEEN) {
-        leave_out(s, s->search.next);
+        leave_out(s, (int32_t)s->search.point);
     } else if (came == RC_SEEDS_TRIPLE_SPENT) {
         if (s->search.optima.n == 0 || !is_poor(s, NOISE_MOST, DEVIATIONS) ||
             !rc_seeds_pick(&s->search)) {
@@ -241,7 +252,7 @@ RC_APART static void seeding_step(rigcal_pose_solver *s)
     } else if (came == RC_SEEDS_SPENT) {
         end_seeding(s);
     } else {
-        fail(s, came, (came == RIGCAL_ERR_WIDE_RAY) ? s->search.next : s->at_fault);
+        fail(s, came, (came == RIGCAL_ERR_WIDE_RAY) ? (int32_t)s->search.point : s->at_fault);
     }
 }
 
@@ -255,20 +266,14 @@ static void end_warm(rigcal_pose_solver *s)
     }
 }
 
-/* The tolerance within which two optima are one. */
-static rigcal_real same_angle(const rigcal_pose_solver *s)
-{
-    return (s->search.points.n_used == 3) ? SAME_EXACT : SAME_POSE;
-}
-
 /* The refinement's end is an optimum, or none. */
 RC_APART static void settle(rigcal_pose_solver *s, int is_optimum)
 {
     rigcal_refinement *const end = &s->search.work.refinement;
     if (is_optimum) {
         rc_rotation_tidy(end->cam_from_points.R);
-        if (rc_optima_insert(&s->search.optima, &end->cam_from_points, end->search.sum,
-                             same_angle(s)) == 0) {
+        if (rc_optima_insert(&s->search.optima, s->same, &end->cam_from_points,
+                             end->search.sum) == 0) {
             s->is_unfinished = end->search.status == RIGCAL_BUDGET_SPENT;
         }
     }
@@ -287,7 +292,8 @@ RC_APART static void end_refinement(rigcal_pose_solver *s)
     const rigcal_refinement *const end = &s->search.work.refinement;
     const rigcal_status status = end->search.status;
     const rigcal_real sum = end->search.sum;
-    const int32_t same = rc_optima_near(optima, end->cam_from_points.R, same_angle(s));
+    const int32_t same = rc_optima_near(optima, end->cam_from_points.R,
+                                        is_exact(s) ? SAME_EXACT : SAME_POSE);
     int is_optimum = status == RIGCAL_OK;
     if (!s->is_warm && status == RIGCAL_BUDGET_SPENT) {
         is_optimum = optima->n == 0 || sum < optima->list[0].sse;
@@ -298,6 +304,10 @@ RC_APART static void end_refinement(rigcal_pose_solver *s)
     if (same >= 0 && !(sum < optima->list[same].sse)) {
         is_optimum = 0;
     }
+    s->same = same;
+    RIGCAL_TRACE("refined: status, sum of squares", status, sum);
+    RIGCAL_TRACE("evaluations; 1: a new or better optimum", end->evals,
+                 (rigcal_real)is_optimum);
     if (is_optimum && !s->search.points.is_pinhole) {
         s->next = rc_points_next(&s->search.points, 0);
         s->phase = PROVING;
@@ -310,11 +320,13 @@ RC_APART static void proving_step(rigcal_pose_solver *s)
 {
     const rigcal_points *const points = &s->search.points;
     rigcal_real q[3], X_c[3], uv[2];
-    rc_points_place(q, X_c, points, &s->search.work.refinement.cam_from_points,
-                    (size_t)s->next);
+    rc_points_place(q, X_c, points, &s->search.work.refinement.cam_from_points, s->next);
     const int is_seen = rc_project_usable(uv, points->view.camera, X_c) == RIGCAL_OK;
+    if (!is_seen) {
+        RIGCAL_TRACE("the lens does not see point", (int32_t)s->next, 0);
+    }
     s->next = rc_points_next(points, s->next + 1);
-    if (!is_seen || s->next == (int32_t)points->view.n) {
+    if (!is_seen || s->next == points->view.n) {
         settle(s, is_seen);
     }
 }
@@ -401,10 +413,8 @@ static void begin_warm(rigcal_pose_solver *s, const rigcal_transform *start)
 }
 
 rigcal_status rc_pose_begin(rigcal_pose_solver *solver, int32_t *at_fault,
-                            const rigcal_points *points,
-                            const rigcal_pose_options *options)
+                            rigcal_points *points, const rigcal_pose_options *options)
 {
-    rigcal_points surveyed = *points;
     rigcal_real uv_middle[2];
     int32_t at = -1;
     rigcal_status status = rc_check_view(&points->view);
@@ -412,14 +422,14 @@ rigcal_status rc_pose_begin(rigcal_pose_solver *solver, int32_t *at_fault,
         status = check_options(options);
     }
     if (status == RIGCAL_OK) {
-        status = rc_points_survey(&surveyed, uv_middle, &at);
+        status = rc_points_survey(points, uv_middle, &at);
     }
     rc_write_fault(at_fault, at);
     if (status != RIGCAL_OK) {
         return status;
     }
     *solver = (rigcal_pose_solver){0};
-    solver->search.points = surveyed;
+    solver->search.points = *points;
     solver->at_fault = -1;
     if (options != NULL) {
         solver->sigma_px = options->sigma_px;
@@ -490,7 +500,7 @@ static void write_pose(rigcal_pose *out, const rigcal_pose_solver *s, int32_t i)
 }
 
 /* The first caveat that applies. */
-static rigcal_status verdict(const rigcal_pose_solver *s, rigcal_real probability)
+static rigcal_status caveat_of(const rigcal_pose_solver *s, rigcal_real probability)
 {
     if (s->is_mirrored || is_poor(s, NOISE_MOST, DEVIATIONS)) {
         return RIGCAL_POOR_FIT;
@@ -536,7 +546,9 @@ rigcal_status rigcal_pose_result(rigcal_pose poses[], size_t capacity, size_t *n
         poses[i].probability = rc_pose_likelihood(s, (int32_t)i) / total;
     }
     *n_found = n;
-    return verdict(s, poses[0].probability);
+    const rigcal_status status = caveat_of(s, poses[0].probability);
+    RIGCAL_TRACE("verdict: status, probability", status, poses[0].probability);
+    return status;
 }
 
 rigcal_status rigcal_pose_solve(rigcal_pose poses[], size_t capacity, size_t *n_found,

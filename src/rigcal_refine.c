@@ -17,22 +17,27 @@ rigcal_status rc_refine_equations(rigcal_real *sum, rigcal_real g[6], rigcal_rea
                                   const rigcal_points *points, size_t n,
                                   const rigcal_transform *cam_from_points, int equations)
 {
-    const int is_fisheye = rc_lens_is_fisheye(points->view.camera);
+    const rigcal_camera *const camera = points->view.camera;
+    const int is_fisheye = rc_lens_is_fisheye(camera);
+    const int with_curvature = equations > RC_GAUSS_NEWTON;
     rigcal_real total = 0;
     rc_rigid_clear(g, H);
-    for (size_t i = 0; i < n; i++) {
+    for (size_t i = rc_points_next(points, 0); i < n; i = rc_points_next(points, i + 1)) {
+        const rigcal_real *const uv = points->view.observations[i].uv;
         rigcal_real e[2] = {0, 0}, B[6], q[3], X_c[3];
-        if (!rc_points_have(points, i)) {
-            continue;
+        rigcal_real weight = rc_points_weight(points, i);
+        rc_points_place(q, X_c, points, cam_from_points, i);
+        if (WITH_WIDE && equations == RC_ALONG_RAYS) {
+            rc_residual_along_ray(e, B, camera, points->is_pinhole, uv, X_c);
+            weight /= rc_vec3_dot(X_c, X_c);
+        } else {
+            const rigcal_status status =
+                rc_residual(e, B, camera, points->is_pinhole, uv, X_c);
+            if (status != RIGCAL_OK) {
+                return status;
+            }
         }
-        const rigcal_status status =
-            rc_points_residual(e, B, q, X_c, points, cam_from_points, i);
-        if (status != RIGCAL_OK) {
-            return status;
-        }
-        const rigcal_real weight = rc_points_weight(points, i);
-        rc_rigid_add(g, H, B, q, e, weight, (equations != RC_GAUSS_NEWTON) ? X_c : NULL,
-                     is_fisheye);
+        rc_rigid_add(g, H, B, q, e, weight, with_curvature ? X_c : NULL, is_fisheye);
         total += weight * (e[0] * e[0] + e[1] * e[1]);
     }
     *sum = total;
@@ -85,36 +90,6 @@ RC_APART static int damped_step(rigcal_real d[6], rigcal_real *gain,
     return 1;
 }
 
-/* ---- far off the axis ---------------------------------------------------- */
-
-/* A step of Gauss and Newton on errors along the rays. It is neither damped nor refused: the
- * weights of rays far off the axis make its way a steep and winding valley, which small
- * steps would follow for long. */
-RC_APART static void approach(rigcal_refinement *state, const rigcal_points *points)
-{
-    const rigcal_view *const view = &points->view;
-    rigcal_real d[6], gain = 0, sum = 0;
-    rc_rigid_clear(state->g, state->H);
-    for (size_t i = 0; i < view->n; i++) {
-        rigcal_real e[2], B[6], q[3], X_c[3];
-        if (!rc_points_have(points, i)) {
-            continue;
-        }
-        rc_points_place(q, X_c, points, &state->cam_from_points, i);
-        rc_residual_along_ray(e, B, view->camera, points->is_pinhole,
-                              view->observations[i].uv, X_c);
-        const rigcal_real weight = rc_points_weight(points, i) / rc_vec3_dot(X_c, X_c);
-        rc_rigid_add(state->g, state->H, B, q, e, weight, NULL, 0);
-        sum += weight * (e[0] * e[0] + e[1] * e[1]);
-    }
-    if (damped_step(d, &gain, state)) {
-        move(&state->cam_from_points, d);
-    }
-    if (gain <= APPROACHED * sum || state->evals == APPROACH_STEPS) {
-        state->is_approach = 0;
-    }
-}
-
 /* ---- Levenberg-Marquardt ------------------------------------------------- */
 
 void rc_refine_begin(rigcal_refinement *state, int is_wide)
@@ -130,6 +105,22 @@ static rigcal_status evaluate(rigcal_real *sum, rigcal_refinement *state,
 {
     return rc_refine_equations(sum, state->g, state->H, points, points->view.n,
                                &state->cam_from_points, state->search.equations);
+}
+
+/* A step of Gauss and Newton on errors along the rays. It is neither damped nor refused: the
+ * weights of rays far off the axis make its way a steep and winding valley, which small
+ * steps would follow for long. */
+static void approach(rigcal_refinement *state, const rigcal_points *points)
+{
+    rigcal_real d[6], gain = 0, sum = 0;
+    (void)rc_refine_equations(&sum, state->g, state->H, points, points->view.n,
+                              &state->cam_from_points, RC_ALONG_RAYS);
+    if (damped_step(d, &gain, state)) {
+        move(&state->cam_from_points, d);
+    }
+    if (gain <= APPROACHED * sum || state->evals == APPROACH_STEPS) {
+        state->is_approach = 0;
+    }
 }
 
 /* Takes the step unless it does harm. Then it is taken back, the turn by its inverse: no

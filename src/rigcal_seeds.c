@@ -121,8 +121,8 @@ static void found_direction(rigcal_real m3[3], const rigcal_search *s, int32_t i
 static void begin_gathering(rigcal_search *s)
 {
     s->phase = GATHERING;
-    s->next = rc_points_next(&s->points, 0);
-    s->n_seeds = s->n_exact = s->triples = s->leans = s->is_wide = 0;
+    s->point = rc_points_next(&s->points, 0);
+    s->next = s->n_seeds = s->n_exact = s->triples = s->leans = s->is_wide = 0;
     s->scale = 1 / s->points.size;
     s->work.triple.count = 0;
     rc_moments_begin(&s->from.lattice.moments);
@@ -143,7 +143,7 @@ void rc_seeds_begin(rigcal_search *s, const rigcal_real uv_middle[2])
 }
 
 /* Counts point i if it is different from those that count. */
-RC_APART static void count_point(rigcal_search *s, int32_t i, const rigcal_real ray[3])
+RC_APART static void count_point(rigcal_search *s, size_t i, const rigcal_real ray[3])
 {
     const rigcal_observation *const o = s->points.view.observations;
     rigcal_triple *const triple = &s->work.triple;
@@ -158,7 +158,7 @@ RC_APART static void count_point(rigcal_search *s, int32_t i, const rigcal_real 
         }
     }
     if (triple->count < 3) {
-        triple->index[triple->count] = i;
+        triple->index[triple->count] = (int32_t)i;
         rc_vec3_copy(triple->ray[triple->count], ray);
     }
     triple->count++;
@@ -170,10 +170,10 @@ static void begin_picking(rigcal_search *s)
     s->work.triple.count = 0;
 }
 
-/* Point s->next, scaled to size 1, and its image in the virtual camera. */
+/* Point s->point, scaled to size 1, and its image in the virtual camera. */
 static int32_t gather_point(rigcal_search *s)
 {
-    const int32_t i = s->next;
+    const size_t i = s->point;
     rigcal_real x[3], ray[3], u[3];
     if (rc_pixel_to_ray(ray, s->points.view.camera, s->points.view.observations[i].uv) !=
         RIGCAL_OK) {
@@ -185,6 +185,7 @@ static int32_t gather_point(rigcal_search *s)
     }
     if (!(u[2] > SPREAD_COSINE)) {
         if (WITH_WIDE) {
+            RIGCAL_TRACE("rays too far apart for the lattice: point", i, u[2]);
             s->is_wide = 1;
             begin_picking(s);
         } else { /* by the camera's own axis, off which no ray is that far */
@@ -195,25 +196,25 @@ static int32_t gather_point(rigcal_search *s)
     }
     s->is_wide |= WITH_WIDE && !(ray[2] > WIDE_COSINE);
     rc_vec3_scale(u, 1 / u[2], u);
-    rc_points_at(x, &s->points, (size_t)i);
+    rc_points_at(x, &s->points, i);
     rc_vec3_scale(x, s->scale, x);
-    rc_moments_add(&s->from.lattice.moments, rc_points_weight(&s->points, (size_t)i), x, u);
+    rc_moments_add(&s->from.lattice.moments, rc_points_weight(&s->points, i), x, u);
     count_point(s, i, ray);
-    s->next = rc_points_next(&s->points, i + 1);
+    s->point = rc_points_next(&s->points, i + 1);
     return RC_SEEDS_BUSY;
 }
 
 static int32_t gathering_step(rigcal_search *s)
 {
-    const int32_t n = (int32_t)s->points.view.n;
-    int32_t left = s->points.is_pinhole ? PINHOLE_RAYS : 1;
-    for (; left > 0 && s->next < n; left--) {
+    const size_t n = s->points.view.n;
+    int left = s->points.is_pinhole ? PINHOLE_RAYS : 1;
+    for (; left > 0 && s->point < n; left--) {
         const int32_t came = gather_point(s);
         if (came != RC_SEEDS_BUSY || s->phase != GATHERING) {
             return came;
         }
     }
-    if (s->next == n) {
+    if (s->point == n) {
         s->phase = GATHERED;
     }
     return RC_SEEDS_BUSY;
@@ -244,23 +245,24 @@ int rc_seeds_pick(rigcal_search *s)
 /* A triple spread over the points' order, and its poses. */
 RC_APART static int32_t picking_step(rigcal_search *s)
 {
-    const int32_t n = (int32_t)s->points.view.n;
+    const size_t n = s->points.view.n;
     rigcal_triple *const triple = &s->work.triple;
-    int32_t i = s->triples++;
+    size_t i = (size_t)s->triples++;
     for (int k = 0; k < 3; k++) {
         i = rc_points_next(&s->points, i);
         i = (i < n) ? i : rc_points_next(&s->points, i - n);
         if (rc_pixel_to_ray(triple->ray[k], s->points.view.camera,
                             s->points.view.observations[i].uv) != RIGCAL_OK) {
-            s->next = i;
+            s->point = i;
             return RC_SEEDS_UNSEEN;
         }
-        triple->index[k] = i;
+        triple->index[k] = (int32_t)i;
         i += ((n + 1) >> 2) + (n >> 4);
     }
     s->next = 0;
     s->n_exact = rc_poses_of_three(s->from.exact, &s->points, triple->index,
                                    (const rigcal_real(*)[3])triple->ray);
+    RIGCAL_TRACE("poses of a triple", s->n_exact, 0);
     s->phase = CHOOSING;
     return RC_SEEDS_BUSY;
 }
@@ -358,13 +360,13 @@ RC_APART static int32_t begin_search(rigcal_search *s)
     rigcal_moments *const sums = &s->from.lattice.moments;
     const rigcal_triple *const triple = &s->work.triple;
     rigcal_real thickness;
-    s->next = 0;
     if (!rc_moments_finish(sums) || triple->count < 3) {
         return RIGCAL_ERR_COINCIDENT;
     }
     if (!rc_sym3_thinnest(s->normal, &thickness, sums->C)) {
         return RIGCAL_ERR_COLLINEAR;
     }
+    RIGCAL_TRACE("different points (4: or more), thickness", triple->count, thickness);
     s->is_flat = thickness < FLAT_THICKNESS;
     s->is_plane = thickness < PLANE_THICKNESS;
     if (triple->count == 3) {
@@ -432,6 +434,7 @@ static void try_seed(rigcal_search *s, int32_t i)
     const rigcal_real cost = s->from.lattice.cost[i];
     rigcal_real m3[3];
     seed_direction(m3, s->from.lattice.index[i]);
+    RIGCAL_TRACE("seed: direction, cost", s->from.lattice.index[i], cost);
     if (cost < RC_MAX && !leads_to_found(s, m3, cost)) {
         begin_descent(s, m3, cost);
     }
@@ -456,6 +459,7 @@ static int32_t end_descent(rigcal_search *s)
     /* Rounding makes the costs of noiseless images anything: the last term. */
     const rigcal_real hopeless =
         HOPELESS * lattice->least_cost + 64 * RC_EPS * lattice->moments.weight;
+    RIGCAL_TRACE("descent: evaluations, cost", s->work.descent.nm.evals, best->cost);
     s->phase = CHOOSING;
     return (s->optima.n == 0 || s->is_flat || !(best->cost > hopeless)) ? follow(s, m3)
                                                                        : RC_SEEDS_BUSY;
@@ -501,6 +505,7 @@ static int32_t try_lean(rigcal_search *s, int32_t lean)
     rigcal_real first[3], m3[3];
     found_direction(first, s, 0);
     leaning_direction(m3, first, s->normal, lean);
+    RIGCAL_TRACE("lean (0: other way, 1, 2: sideways)", lean, rc_direction_cost(sums, m3));
     return (lean == OTHER_WAY ||
             rc_direction_cost(sums, m3) * n < SHALLOW * rc_direction_cost(sums, first))
                ? follow(s, m3)
@@ -522,6 +527,8 @@ int rc_seeds_mirrored(rigcal_search *s)
     found_direction(m3, s, 0);
     const rigcal_real cost = rc_direction_cost(sums, m3);
     rc_moments_mirror(sums);
+    RIGCAL_TRACE("mirrored points: cost, over that as given", 0,
+                 rc_direction_cost(sums, m3) / cost);
     if (!(rc_direction_cost(sums, m3) < MIRROR_WORSE * cost)) {
         return 0;
     }

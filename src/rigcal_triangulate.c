@@ -212,13 +212,12 @@ static rigcal_status evaluate(rigcal_real *sum, triangulation *s, const sighting
     return rc_is_finite(total) ? RIGCAL_OK : RIGCAL_ERR_NO_RAY;
 }
 
-/* L L^T = H + damping diag(H). 0: not positive definite to rounding. */
+/* L L^T = H, damped. 0: not positive definite to rounding. */
 static int factor(rigcal_real L[6], const triangulation *s, rigcal_real damping)
 {
-    const rigcal_real *const H = s->H;
-    const rigcal_real diagonal[3] = {H[0], H[3], H[5]}, more = 1 + damping;
-    const rigcal_real A[6] = {more * H[0], H[1], H[2], more * H[3], H[4], more * H[5]};
-    return rc_sym3_factor(L, A, diagonal, RANK_TOL);
+    rigcal_real D[3];
+    rc_sym3_damp(L, D, s->H, damping);
+    return rc_sym3_factor(L, L, D, RANK_TOL);
 }
 
 static void try_step(triangulation *s, const sightings *v, const rigcal_real step[3],
@@ -258,19 +257,6 @@ static void step_once(triangulation *s, const sightings *v)
     }
 }
 
-/* A change of the sum that means nothing. */
-static rigcal_real negligible_change(const sightings *v)
-{
-    rigcal_real change = 0;
-    for (size_t i = 0; i < v->n; i++) {
-        const rigcal_camera *const camera = &v->cameras[i];
-        const rigcal_real off_axis = rc_max(RC_FABS(v->uv[2 * i] - camera->cx),
-                                            RC_FABS(v->uv[2 * i + 1] - camera->cy));
-        change = rc_max(change, rc_negligible(rc_pixel_size(camera), off_axis));
-    }
-    return change;
-}
-
 rigcal_status rigcal_point_triangulate(rigcal_point *point, const rigcal_camera cameras[],
                                        const rigcal_transform cams_from_world[],
                                        const rigcal_real uv[], size_t n,
@@ -289,7 +275,7 @@ rigcal_status rigcal_point_triangulate(rigcal_point *point, const rigcal_camera 
     if (status != RIGCAL_OK) {
         return status;
     }
-    s.negligible = negligible_change(&v);
+    s.negligible = rc_negligible(rc_pixel_size(cameras), (rigcal_real)cameras->width);
     rc_levenberg_begin(&s.search, 0);
     for (int i = 0; i < EVALS_MAX && s.search.status == RIGCAL_RUNNING; i++) {
         step_once(&s, &v);

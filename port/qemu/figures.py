@@ -38,15 +38,15 @@ COLUMNS = [("cortex-m0", "float", "-Os"), ("cortex-m0", "float", "-Os", "small")
 
 # Row: the functions whose flash it is.
 FLASH = {
-    "project": ["rigcal_project"],
-    "pixel_to_ray": ["rigcal_pixel_to_ray"],
-    "solve_pose": ["rigcal_solve_pose"],
+    "project": ["rigcal_camera_project"],
+    "pixel_to_ray": ["rigcal_camera_ray"],
+    "solve_pose": ["rigcal_pose_solve"],
     "pose_covariance": ["rigcal_pose_covariance"],
-    "triangulate": ["rigcal_triangulate"],
+    "triangulate": ["rigcal_point_triangulate"],
     "epiline_px": ["rigcal_epiline_px"],
-    "relative_pose": ["rigcal_relative_pose"],
+    "relative_pose": ["rigcal_transform_between"],
     "solve_pose, triangulate, epiline_px":
-        ["rigcal_solve_pose", "rigcal_triangulate", "rigcal_epiline_px"],
+        ["rigcal_pose_solve", "rigcal_point_triangulate", "rigcal_epiline_px"],
 }
 
 # What may not be exceeded, whatever was measured before:

@@ -216,11 +216,18 @@ static void make_scene(size_t n, kind what, uint64_t seed)
     (void)rigcal_pose_defaults(&scene.warm);
     scene.warm.use_start = 1;
     transform(&scene.warm.start, turned, t);
-    (void)rigcal_relative_pose(&scene.b_from_a, &scene.cam_from_world[1],
+    (void)rigcal_transform_between(&scene.b_from_a, &scene.cam_from_world[1],
                                &scene.cam_from_world[0]);
 }
 
 #ifndef JOBS_ONLY_SCENES /* which is all that steps.c wants */
+
+/* What the first camera saw. */
+static rigcal_view view_of(const rigcal_real sigma[])
+{
+    const rigcal_view view = {&scene.camera[0], scene.seen, sigma, scene.n};
+    return view;
+}
 
 /* ---- the jobs ------------------------------------------------------------ */
 
@@ -236,42 +243,43 @@ static struct {
 
 static rigcal_status project(void)
 {
-    return rigcal_project(result.uv, &scene.camera[0], scene.X_c);
+    return rigcal_camera_project(result.uv, &scene.camera[0], scene.X_c);
 }
 
 static rigcal_status pixel_to_ray(void)
 {
-    return rigcal_pixel_to_ray(result.ray, &scene.camera[0], scene.uv);
+    return rigcal_camera_ray(result.ray, &scene.camera[0], scene.uv);
 }
 
 static rigcal_status undistort(void)
 {
-    return rigcal_undistort_pixel(result.uv, &scene.camera[0], scene.uv);
+    return rigcal_camera_undistort(result.uv, &scene.camera[0], scene.uv);
 }
 
 static rigcal_status solve_cold(void)
 {
-    return rigcal_solve_pose(result.poses, &result.n_found, RIGCAL_POSES_MAX, NULL,
-                             &scene.camera[0], scene.seen, NULL, scene.n, NULL);
+    const rigcal_view view = view_of(NULL);
+    return rigcal_pose_solve(result.poses, RIGCAL_POSES_MAX, &result.n_found, NULL, &view,
+                             NULL);
 }
 
 static rigcal_status solve_warm(void)
 {
-    return rigcal_solve_pose(result.poses, &result.n_found, RIGCAL_POSES_MAX, NULL,
-                             &scene.camera[0], scene.seen, NULL, scene.n,
+    const rigcal_view view = view_of(NULL);
+    return rigcal_pose_solve(result.poses, RIGCAL_POSES_MAX, &result.n_found, NULL, &view,
                              &scene.warm);
 }
 
 static rigcal_status covariance(void)
 {
-    return rigcal_pose_covariance(&result.uncertainty, &scene.camera[0],
-                                  &scene.cam_from_world[0], scene.seen, NULL,
-                                  scene.n, (rigcal_real)NOISE_PX);
+    const rigcal_view view = view_of(NULL);
+    return rigcal_pose_covariance(&result.uncertainty, &view, &scene.cam_from_world[0],
+                                  (rigcal_real)NOISE_PX);
 }
 
 static rigcal_status triangulate(void)
 {
-    return rigcal_triangulate(&result.point, scene.camera, scene.cam_from_world,
+    return rigcal_point_triangulate(&result.point, scene.camera, scene.cam_from_world,
                               scene.uv_both, 2, (rigcal_real)NOISE_PX);
 }
 
@@ -283,7 +291,7 @@ static rigcal_status epiline(void)
 
 static rigcal_status relative_pose(void)
 {
-    return rigcal_relative_pose(&result.transform, &scene.cam_from_world[1],
+    return rigcal_transform_between(&result.transform, &scene.cam_from_world[1],
                                 &scene.cam_from_world[0]);
 }
 

@@ -12,11 +12,11 @@
 #define JOBS_ONLY_SCENES
 #include "jobs.c"
 
-#include "rc_equations.h"
+#include "rc_elimination.h"
 #include "rc_pose.h"
 
 /* The published search evaluates some eighty times as often. */
-enum { SCENES = 1000, SCENES_PUBLISHED = 100, GROUPS = 13 };
+enum { SCENES = 1000, SCENES_PUBLISHED = 100, GROUPS = 12 };
 
 /* Instructions besides evaluations: all poses of three points, the pose where a
  * published search ends. */
@@ -25,7 +25,7 @@ enum { EXTRA = 4000 };
 /* How far one of a robust scene's points is from where it should be. */
 #define WRONG_PX 60
 
-typedef enum { SOLVE_POSE, THOROUGH, WEIGHTED, ROBUST, PUBLISHED } task;
+typedef enum { SOLVE_POSE, WEIGHTED, ROBUST, PUBLISHED } task;
 
 typedef struct {
     const char *name;
@@ -38,7 +38,6 @@ typedef struct {
 static const group GROUP[GROUPS] = {{"3 points", 3, PLAIN, SOLVE_POSE, 0},
                                     {"3 points, fisheye", 3, PLAIN, SOLVE_POSE, 1},
                                     {"tag", 4, TAG, SOLVE_POSE, 0},
-                                    {"tag, thorough", 4, TAG, THOROUGH, 0},
                                     {"4 points", 4, PLAIN, SOLVE_POSE, 0},
                                     {"4 points, lens", 4, LENS, SOLVE_POSE, 0},
                                     {"8 points, lens", 8, LENS, SOLVE_POSE, 0},
@@ -49,7 +48,7 @@ static const group GROUP[GROUPS] = {{"3 points", 3, PLAIN, SOLVE_POSE, 0},
                                     {"robust, 20 points, lens", 20, LENS, ROBUST, 0},
                                     {"published, 4 points", 4, PLAIN, PUBLISHED, 0}};
 
-static rigcal_sighting sightings[4];
+static rigcal_bearing bearings[4];
 static rigcal_pair pairs[RIGCAL_PAIRS_FOR(4)];
 static size_t n_pairs;
 
@@ -67,17 +66,19 @@ static int32_t most(int32_t a, int32_t b)
 
 static int32_t refining_from(const rigcal_transform *start)
 {
-    const rigcal_real origin[3] = {0, 0, 0};
+    const rigcal_view view = view_of(NULL);
     rigcal_refinement state;
-    rigcal_fit fit;
-    int32_t longest = 0;
-    rc_fit_of(&fit, &scene.camera[0], scene.seen, NULL, NULL, scene.n);
-    rc_fit_begin(&fit, origin);
+    rigcal_points points;
+    rigcal_real uv_middle[2];
+    int32_t longest = 0, at;
+    rc_points_of(&points, &view, NULL);
+    (void)rc_points_survey(&points, uv_middle, &at);
     state.cam_from_points = *start;
+    rc_transform_point(state.cam_from_points.t, start, points.origin);
     rc_refine_begin(&state, 0);
-    while (state.status == RIGCAL_RUNNING) {
+    while (state.search.status == RIGCAL_RUNNING) {
         const uint32_t begin = instructions();
-        rc_refine_step(&state, &fit, 100);
+        rc_refine_step(&state, &points, 100);
         longest = most(longest, (int32_t)(instructions() - begin));
     }
     return longest;
@@ -155,22 +156,21 @@ static rigcal_status begin(solver *s, const group *g, uint64_t i)
     if (g->to_do == ROBUST) {
         (void)rigcal_robust_defaults(&robust);
         robust.samples = 20;
-        return rigcal_robust_begin(&s->robust, inliers, NULL, &scene.camera[0], scene.seen,
-                                   NULL, scene.n, &robust);
+        const rigcal_view view = view_of(NULL);
+        return rigcal_robust_begin(&s->robust, inliers, NULL, &view, &robust);
     }
     if (g->to_do == PUBLISHED) {
-        return rigcal_paper_begin(&s->paper, sightings, scene.n, pairs, n_pairs, NULL);
+        return rigcal_paper_begin(&s->paper, bearings, scene.n, pairs, n_pairs, NULL);
     }
     for (size_t k = 0; k < g->n; k++) {
         sigma[k] = (rigcal_real)(1 + k % 3);
     }
-    options.thorough = g->to_do == THOROUGH;
     options.use_start = i % 3 == 2;
     if (i % 6 == 5) {
         options.start.t[2] = -options.start.t[2];
     }
-    return rigcal_pose_begin(&s->pose, NULL, &scene.camera[0], scene.seen,
-                             (g->to_do == WEIGHTED) ? sigma : NULL, scene.n, &options);
+    const rigcal_view view = view_of((g->to_do == WEIGHTED) ? sigma : NULL);
+    return rigcal_pose_begin(&s->pose, NULL, &view, &options);
 }
 
 static rigcal_status step(solver *s, const group *g, int32_t budget)
@@ -186,11 +186,11 @@ static rigcal_status result(const solver *s, const group *g)
     rigcal_paper_pose pose;
     size_t n_found, n_inliers;
     return (g->to_do == ROBUST)
-               ? rigcal_robust_result(poses, &n_found, &n_inliers, RIGCAL_POSES_MAX,
+               ? rigcal_robust_result(poses, RIGCAL_POSES_MAX, &n_found, &n_inliers,
                                       &s->robust)
            : (g->to_do == PUBLISHED)
                ? rigcal_paper_result(&pose, &s->paper)
-               : rigcal_pose_result(poses, &n_found, RIGCAL_POSES_MAX, NULL, &s->pose);
+               : rigcal_pose_result(poses, RIGCAL_POSES_MAX, &n_found, NULL, &s->pose);
 }
 
 /* The same rays as of the pinhole. */
@@ -205,8 +205,8 @@ static void see_by_fisheye(void)
     fisheye->k4 = RC(0.001);
     for (size_t i = 0; i < scene.n; i++) {
         rigcal_real ray[3];
-        (void)rigcal_pixel_to_ray(ray, &pinhole, scene.seen[i].uv);
-        (void)rigcal_project(scene.seen[i].uv, fisheye, ray);
+        (void)rigcal_camera_ray(ray, &pinhole, scene.seen[i].uv);
+        (void)rigcal_camera_project(scene.seen[i].uv, fisheye, ray);
     }
 }
 
@@ -223,9 +223,9 @@ static int32_t make(const group *g, uint64_t i)
     if (g->to_do != PUBLISHED) {
         return one_solving();
     }
-    (void)rigcal_sightings_from_observations(sightings, NULL, &scene.camera[0], scene.seen,
-                                             g->n);
-    (void)rigcal_pairs_choose(pairs, &n_pairs, RIGCAL_PAIRS_FOR(4), sightings, g->n);
+    const rigcal_view view = view_of(NULL);
+    (void)rigcal_bearings_of_view(bearings, NULL, &view);
+    (void)rigcal_pairs_choose(pairs, RIGCAL_PAIRS_FOR(4), &n_pairs, bearings, g->n);
     return one_published();
 }
 

@@ -9,14 +9,6 @@
 #include "count_hooks.h"
 #include "test_support.h"
 
-void setUp(void)
-{
-}
-
-void tearDown(void)
-{
-}
-
 /* ---- counting ------------------------------------------------------------ */
 
 static struct {
@@ -136,7 +128,7 @@ static long ray_steps(const char *function, int32_t lens, const lens_case *l)
 
     test_to_real(uv, l->uv, 2);
     watch_either(function);
-    (void)rigcal_pixel_to_ray(ray, &camera, uv);
+    (void)rigcal_camera_ray(ray, &camera, uv);
     return watched.count;
 }
 
@@ -237,7 +229,7 @@ static void test_a_projection_takes_at_most_one_such_proof(void)
         rigcal_real uv[2];
 
         watch_either(PROOF);
-        ASSERT_STATUS(RIGCAL_ERR_NO_RAY, rigcal_project(uv, &camera, X_c));
+        ASSERT_STATUS(RIGCAL_ERR_NO_RAY, rigcal_camera_project(uv, &camera, X_c));
         keep_largest(&largest, watched.count);
     }
     TEST_ASSERT_EQUAL_INT(1024, largest);
@@ -265,7 +257,7 @@ static void test_a_pixel_usually_takes_one_solve_of_3_to_6_and_a_proof_of_1_to_3
     TEST_ASSERT_LESS_OR_EQUAL_INT(500, long_proofs);
 }
 
-/* ---- measure ------------------------------------------------------------- */
+/* ---- triangulate --------------------------------------------------------- */
 
 enum { VIEWS_MAX = 5 };
 
@@ -313,12 +305,12 @@ static long triangulation_evals(const views *v)
     rigcal_point point;
 
     watch("rc_vec3_max_abs", HOOK_FABS);
-    (void)rigcal_triangulate(&point, v->cameras, v->poses, v->uv, v->n, 1);
+    (void)rigcal_point_triangulate(&point, v->cameras, v->poses, v->uv, v->n, 1);
     return watched.count / (3 * (long)v->n) - 2;
 }
 
 /* Pixels hundreds off leave residuals that Gauss and Newton's method is slow with. */
-static void test_a_point_takes_at_most_100_evaluations(void)
+static void test_a_point_takes_at_most_50_evaluations(void)
 {
     test_rng rng = test_seed(406);
     long evals = 0;
@@ -330,12 +322,13 @@ static void test_a_point_takes_at_most_100_evaluations(void)
                      (trial % 3) ? 3 : 0.3, &rng);
         keep_largest(&evals, triangulation_evals(&v));
     }
-    TEST_ASSERT_LESS_OR_EQUAL_INT(100, evals);
-    TEST_ASSERT_GREATER_OR_EQUAL_INT(TOL(100, 60), evals);
+    TEST_ASSERT_LESS_OR_EQUAL_INT(50, evals);
+    TEST_ASSERT_GREATER_OR_EQUAL_INT(TOL(40, 30), evals);
 }
 
-/* The sum of exact pixels is rounding, whose every step is as long as the last. */
-static void test_a_point_usually_takes_2_to_8_evaluations_of_exact_pixels_too(void)
+/* The sum of exact pixels is rounding, whose every step is as long as the last: there the first
+ * evaluation shows that nothing is left to gain. */
+static void test_a_point_usually_takes_2_to_4_evaluations_of_exact_pixels_1(void)
 {
     static const double NOISE_PX[4] = {0, 1e-6, 1e-3, 0.5};
     test_rng rng = test_seed(407);
@@ -347,13 +340,13 @@ static void test_a_point_usually_takes_2_to_8_evaluations_of_exact_pixels_too(vo
 
         random_views(&v, (size_t)(2 + trial % 4), NOISE_PX[trial / 4 % 4], 3, &rng);
         count = triangulation_evals(&v);
-        many += count < 2 || count > 8;
+        many += count < (trial / 4 % 4 > 0 ? 2 : 1) || count > 4;
         TEST_ASSERT_LESS_OR_EQUAL_INT(20, count);
     }
     TEST_ASSERT_LESS_OR_EQUAL_INT(60, many);
 }
 
-/* ---- rig ----------------------------------------------------------------- */
+/* ---- transform ----------------------------------------------------------- */
 
 /* An iteration makes a quaternion of each deviation, with one square root. Rotations
  * from anywhere have a mean that the iteration creeps to. */
@@ -433,8 +426,14 @@ static void test_neldermead_spends_max_evals_and_no_more(void)
                     TEST_ASSERT_LESS_OR_EQUAL_INT(3, context.calls - before);
                 } while (status == RIGCAL_RUNNING);
                 TEST_ASSERT_LESS_OR_EQUAL_INT(MOST[m], context.calls);
+                ASSERT_STATUS(RIGCAL_OK, status); /* "ask for the result" */
+                if (kind == 1 && m < 4) {
+                    rigcal_real x[3];
+
+                    ASSERT_STATUS(RIGCAL_BUDGET_SPENT,
+                                  rigcal_neldermead_result(x, NULL, NULL, &nm));
+                }
                 if (m == 0 || (kind == 1 && m < 4)) {
-                    ASSERT_STATUS(RIGCAL_BUDGET_SPENT, status);
                     TEST_ASSERT_EQUAL_INT(MOST[m], context.calls);
                 }
             }
@@ -506,20 +505,19 @@ static void hostile_scene(scene *s, int kind, int n, test_rng *rng)
 /* Evaluations of a search to tolerances that are never met. */
 static long paper_evals(const scene *s, const rigcal_paper_options *options)
 {
-    rigcal_sighting sightings[POINTS_MAX];
+    rigcal_bearing bearings[POINTS_MAX];
     rigcal_pair pairs[RIGCAL_PAIRS_FOR(POINTS_MAX)];
     rigcal_paper_solver solver;
     rigcal_paper_pose pose;
     size_t n_pairs;
     long units = 1;
 
-    if (rigcal_sightings_from_observations(sightings, NULL, &s->camera, s->o, s->n) !=
+    if (rigcal_bearings_of_view(bearings, NULL, &VIEW(&s->camera, s->o, NULL, s->n)) !=
             RIGCAL_OK ||
-        rigcal_pairs_choose(pairs, &n_pairs, RIGCAL_PAIRS_FOR(POINTS_MAX), sightings,
-                            s->n) != RIGCAL_OK) {
+        rigcal_pairs_choose(pairs, RIGCAL_PAIRS_FOR(POINTS_MAX), &n_pairs, bearings, s->n) != RIGCAL_OK) {
         return 0;
     }
-    ASSERT_STATUS(RIGCAL_OK, rigcal_paper_begin(&solver, sightings, s->n, pairs, n_pairs,
+    ASSERT_STATUS(RIGCAL_OK, rigcal_paper_begin(&solver, bearings, s->n, pairs, n_pairs,
                                                 options));
     while (rigcal_paper_step(&solver, 1) == RIGCAL_RUNNING) {
         units++;
@@ -570,7 +568,7 @@ static int pose_units(const scene *s, const rigcal_pose_options *options)
     rigcal_pose_solver solver;
     int units = 1;
 
-    if (rigcal_pose_begin(&solver, NULL, &s->camera, s->o, NULL, s->n, options) < 0) {
+    if (rigcal_pose_begin(&solver, NULL, &VIEW(&s->camera, s->o, NULL, s->n), options) < 0) {
         return 0;
     }
     while (rigcal_pose_step(&solver, 1) == RIGCAL_RUNNING) {
@@ -584,36 +582,67 @@ static int points_of(uint64_t seed)
     return 3 + (int)(seed % 8);
 }
 
+/* Whether a ray is more than 60 degrees off the axis, or more than 80 off that of the middle of
+ * the image, by a pinhole. */
+static int is_wide(const scene *s)
+{
+    double middle[3] = {0, 0, 1};
+
+    for (size_t i = 0; i < s->n; i++) {
+        for (int k = 0; k < 2; k++) {
+            const double c = D(k == 0 ? s->camera.cx : s->camera.cy);
+
+            middle[k] += (D(s->o[i].uv[k]) - c) / D(s->camera.fx) / (double)s->n;
+        }
+    }
+    for (size_t i = 0; i < s->n; i++) {
+        const double ray[3] = {(D(s->o[i].uv[0]) - D(s->camera.cx)) / D(s->camera.fx),
+                               (D(s->o[i].uv[1]) - D(s->camera.cy)) / D(s->camera.fy), 1};
+
+        if (test_norm(ray) > 2 || test_dot(ray, middle) < cos(80 * TEST_PI / 180) *
+                                                              test_norm(ray) *
+                                                              test_norm(middle)) {
+            return 1;
+        }
+    }
+    return 0;
+}
+
+/* As rigcal.h counts them. */
+static int most_units(const scene *s)
+{
+    const int n = (int)s->n, bent = s->camera.k1 < 0;
+    const int rays = bent ? 2 * n : (n + 15) / 16, proofs = bent ? 7 * n : 0;
+
+    return rays + proofs + (is_wide(s) ? 2000 : 900);
+}
+
 /* Scene `seed` of a kind, from a start of any rotation where it is asked for. */
-static int units_of(uint64_t seed, int kind, int thorough, int use_start)
+static int units_of(uint64_t seed, int kind, int use_start)
 {
     static const double t[3] = {0, 0, 5};
     test_rng rng = test_seed(seed);
     rigcal_pose_options options;
     double R[9];
     scene s;
+    int units;
 
     hostile_scene(&s, kind, points_of(seed), &rng);
     test_random_rotation(R, &rng);
     ASSERT_STATUS(RIGCAL_OK, rigcal_pose_defaults(&options));
-    options.thorough = thorough;
     options.use_start = use_start;
     options.start = test_transform(R, t);
-    return pose_units(&s, &options);
+    units = pose_units(&s, &options);
+    TEST_ASSERT_LESS_OR_EQUAL_INT(most_units(&s), units);
+    return units;
 }
 
-/* Rays of a lens that folds, and the proofs of 7 or 9 optima, are a unit a point. */
-static void test_a_pose_takes_at_most_900_units_and_a_thorough_one_3000(void)
+static void test_a_pose_takes_at_most_900_units_and_a_wide_one_2000(void)
 {
     for (int kind = 0; kind < KINDS; kind++) {
         for (uint64_t seed = 0; seed < 300; seed++) {
             for (int use_start = 0; use_start < 2; use_start++) {
-                const int more = (kind == BENT) ? points_of(seed) : 0;
-
-                TEST_ASSERT_LESS_OR_EQUAL_INT(900 + 8 * more,
-                                              units_of(seed, kind, 0, use_start));
-                TEST_ASSERT_LESS_OR_EQUAL_INT(3000 + 10 * more,
-                                              units_of(seed, kind, 1, use_start));
+                (void)units_of(seed, kind, use_start);
             }
         }
     }
@@ -622,32 +651,28 @@ static void test_a_pose_takes_at_most_900_units_and_a_thorough_one_3000(void)
 /* Needles exhaust refinement after refinement. Of 6 million, for each precision, these
  * took the most: nearly all that there can be, a start's 100, gathering, 24 directions,
  * 3 descents of 9 and 6 refinements of 100. */
-static void test_needles_take_761_units_and_thorough_ones_2453(void)
+static void test_needles_take_761_units(void)
 {
     static const uint64_t WORST[2] = {21793, 186080};
-    static const uint64_t WORST_THOROUGH[2] = {1044600, 2758400};
-    long largest = 0, thorough = 0;
+    long largest = 0;
 
     for (int i = 0; i < 2; i++) {
-        keep_largest(&largest, units_of(WORST[i], NEEDLE, 0, 1));
-        keep_largest(&thorough, units_of(WORST_THOROUGH[i], NEEDLE, 1, 1));
+        keep_largest(&largest, units_of(WORST[i], NEEDLE, 1));
     }
-    TEST_ASSERT_LESS_OR_EQUAL_INT(900, largest);
-    TEST_ASSERT_LESS_OR_EQUAL_INT(3000, thorough);
-    TEST_ASSERT_GREATER_OR_EQUAL_INT(761, largest);
-    TEST_ASSERT_GREATER_OR_EQUAL_INT(TOL(2453, 1953), thorough);
+    TEST_ASSERT_GREATER_OR_EQUAL_INT(700, largest);
 }
 
-static void test_usual_poses_take_about_50_units_and_thorough_ones_190(void)
+static void test_usual_poses_take_50_to_70_units(void)
 {
-    long sum[2] = {0, 0};
+    long sum = 0, scenes = 0;
 
     for (uint64_t seed = 0; seed < 1000; seed++) {
-        sum[0] += units_of(seed, NOISE, 0, 0);
-        sum[1] += units_of(seed, NOISE, 1, 0);
+        if (points_of(seed) > 3) { /* three points take about 12 */
+            sum += units_of(seed, NOISE, 0);
+            scenes++;
+        }
     }
-    TEST_ASSERT_INT_WITHIN(9, 50, sum[0] / 1000);
-    TEST_ASSERT_INT_WITHIN(19, 190, sum[1] / 1000);
+    TEST_ASSERT_INT_WITHIN(11, 60, sum / scenes);
 }
 
 enum { SAMPLES = 20 };
@@ -665,34 +690,35 @@ static long robust_units(uint64_t seed, int kind)
     ASSERT_STATUS(RIGCAL_OK, rigcal_robust_defaults(&options));
     options.samples = SAMPLES;
     options.threshold_px = RC(test_uniform(&rng, 1, 100));
-    if (rigcal_robust_begin(&solver, inliers, NULL, &s.camera, s.o, NULL, s.n,
-                            &options) < 0) {
+    if (rigcal_robust_begin(&solver, inliers, NULL, &VIEW(&s.camera, s.o, NULL, s.n), &options) < 0) {
         return 0;
     }
     while (rigcal_robust_step(&solver, 1) == RIGCAL_RUNNING) {
         units++;
     }
     TEST_ASSERT_LESS_OR_EQUAL_INT(SAMPLES, solver.tried);
+    TEST_ASSERT_LESS_OR_EQUAL_INT((s.camera.k1 < 0 ? 7 : 5) * SAMPLES + 9 +
+                                      9 * most_units(&s),
+                                  units);
     return units;
 }
 
-/* Of 2 million needles these took the most: of 9 solutions of 761 units each, few are of
- * other points than the last. */
-static void test_a_robust_pose_takes_at_most_9000_units_and_7_a_sample(void)
+/* Of 2 million needles these took the most: of 9 searches, few are of other points than the
+ * last. */
+static void test_a_robust_pose_takes_at_most_those_of_9_searches_and_7_a_sample(void)
 {
     static const uint64_t WORST[2] = {311805, 1296296};
     long largest = 0;
 
     for (int kind = 0; kind < KINDS; kind++) {
         for (uint64_t seed = 0; seed < 500; seed++) {
-            TEST_ASSERT_LESS_OR_EQUAL_INT(7 * SAMPLES + 9000, robust_units(seed, kind));
+            (void)robust_units(seed, kind);
         }
     }
     for (int i = 0; i < 2; i++) {
         keep_largest(&largest, robust_units(WORST[i], NEEDLE));
     }
-    TEST_ASSERT_LESS_OR_EQUAL_INT(7 * SAMPLES + 9000, largest);
-    TEST_ASSERT_GREATER_OR_EQUAL_INT(TOL(4759, 3988), largest);
+    TEST_ASSERT_GREATER_OR_EQUAL_INT(3000, largest);
 }
 
 /* ---- diagnose ------------------------------------------------------------ */
@@ -711,35 +737,63 @@ static void test_a_diagnosis_solves_n_plus_1_to_n_plus_3_poses(void)
         hostile_scene(&s, trial % KINDS, 5 + trial % 9, &rng);
         const int n = (int)s.n;
         watch("rc_pixel_to_ray", HOOK_FABS);
-        ASSERT_STATUS(RIGCAL_OK, rigcal_blame_point(&blame, rms_without, &s.camera, s.o,
-                                                    NULL, s.n, NULL));
+        ASSERT_STATUS(RIGCAL_OK, rigcal_pose_blame(&blame, rms_without, &VIEW(&s.camera, s.o, NULL, s.n), NULL));
         TEST_ASSERT_EQUAL_INT((n + 1) + n * n, watched.count);
         watch("rc_pixel_to_ray", HOOK_FABS);
         ASSERT_STATUS(RIGCAL_OK,
-                      rigcal_diagnose_pose(&diagnosis, rms_without, &s.camera, s.o,
-                                           NULL, s.n, NULL));
+                      rigcal_pose_diagnose(&diagnosis, rms_without, &VIEW(&s.camera, s.o, NULL, s.n), NULL));
         TEST_ASSERT_EQUAL_INT(3 * (n + 1) + n * n, watched.count);
     }
 }
 
-int main(void)
+/* Of more than 64 points only 64 are left out in turn. */
+static void test_a_diagnosis_of_many_points_solves_65_to_67_poses(void)
 {
-    UNITY_BEGIN();
+    enum { MANY = RIGCAL_BLAME_TRIES + 20 };
+    static rigcal_real rms_without[MANY];
+    static rigcal_observation o[MANY];
+    const rigcal_camera camera = test_pinhole();
+    test_rng rng = test_seed(410);
+    rigcal_diagnosis diagnosis;
+    rigcal_blame blame;
+
+    for (int i = 0; i < MANY; i++) {
+        const double X_c[3] = {test_uniform(&rng, -1, 1), test_uniform(&rng, -1, 1),
+                               test_uniform(&rng, 4, 6)};
+        double uv[2];
+
+        test_project_px(uv, &camera, X_c);
+        test_to_real(o[i].X_w, X_c, 3);
+        o[i].uv[0] = RC(uv[0] + test_normal(&rng));
+        o[i].uv[1] = RC(uv[1] + test_normal(&rng));
+    }
+    watch("rc_pixel_to_ray", HOOK_FABS);
+    ASSERT_STATUS(RIGCAL_OK, rigcal_pose_blame(&blame, rms_without,
+                                               &VIEW(&camera, o, NULL, MANY), NULL));
+    TEST_ASSERT_EQUAL_INT((MANY + 1) + RIGCAL_BLAME_TRIES * MANY, watched.count);
+    watch("rc_pixel_to_ray", HOOK_FABS);
+    ASSERT_STATUS(RIGCAL_OK, rigcal_pose_diagnose(&diagnosis, rms_without,
+                                                  &VIEW(&camera, o, NULL, MANY), NULL));
+    TEST_ASSERT_EQUAL_INT(3 * (MANY + 1) + RIGCAL_BLAME_TRIES * MANY, watched.count);
+}
+
+TEST_MAIN()
+{
     RUN_TEST(test_the_nearest_rotation_takes_at_most_40_iterations);
     RUN_TEST(test_a_pixel_takes_at_most_127_solves_of_60_steps);
     RUN_TEST(test_a_solve_takes_its_60_steps_and_no_more);
     RUN_TEST(test_a_pixel_takes_at_most_7_proofs_of_1024_steps);
     RUN_TEST(test_a_projection_takes_at_most_one_such_proof);
     RUN_TEST(test_a_pixel_usually_takes_one_solve_of_3_to_6_and_a_proof_of_1_to_3);
-    RUN_TEST(test_a_point_takes_at_most_100_evaluations);
-    RUN_TEST(test_a_point_usually_takes_2_to_8_evaluations_of_exact_pixels_too);
+    RUN_TEST(test_a_point_takes_at_most_50_evaluations);
+    RUN_TEST(test_a_point_usually_takes_2_to_4_evaluations_of_exact_pixels_1);
     RUN_TEST(test_a_mean_takes_at_most_20_iterations);
     RUN_TEST(test_neldermead_spends_max_evals_and_no_more);
     RUN_TEST(test_the_published_search_spends_max_evals_and_no_more);
-    RUN_TEST(test_a_pose_takes_at_most_900_units_and_a_thorough_one_3000);
-    RUN_TEST(test_needles_take_761_units_and_thorough_ones_2453);
-    RUN_TEST(test_usual_poses_take_about_50_units_and_thorough_ones_190);
-    RUN_TEST(test_a_robust_pose_takes_at_most_9000_units_and_7_a_sample);
+    RUN_TEST(test_a_pose_takes_at_most_900_units_and_a_wide_one_2000);
+    RUN_TEST(test_needles_take_761_units);
+    RUN_TEST(test_usual_poses_take_50_to_70_units);
+    RUN_TEST(test_a_robust_pose_takes_at_most_those_of_9_searches_and_7_a_sample);
     RUN_TEST(test_a_diagnosis_solves_n_plus_1_to_n_plus_3_poses);
-    return UNITY_END();
+    RUN_TEST(test_a_diagnosis_of_many_points_solves_65_to_67_poses);
 }

@@ -8,14 +8,6 @@ enum { N_MAX = 20 };
 
 static const double NOISE = 0.5; /* px */
 
-void setUp(void)
-{
-}
-
-void tearDown(void)
-{
-}
-
 typedef struct {
     test_scene scene;
     rigcal_camera camera;
@@ -60,15 +52,13 @@ static rigcal_pose_options stated(double sigma_px)
 static void blame(problem *p, const rigcal_pose_options *options)
 {
     ASSERT_STATUS(RIGCAL_OK,
-                  rigcal_blame_point(&p->blame, p->rms_without, &p->camera, p->o,
-                                     NULL, (size_t)p->n, options));
+                  rigcal_pose_blame(&p->blame, p->rms_without, &VIEW(&p->camera, p->o, NULL, (size_t)p->n), options));
 }
 
 static int diagnose(problem *p, const rigcal_pose_options *options)
 {
     ASSERT_STATUS(RIGCAL_OK,
-                  rigcal_diagnose_pose(&p->diagnosis, p->rms_without, &p->camera, p->o, NULL, (size_t)p->n,
-                                       options));
+                  rigcal_pose_diagnose(&p->diagnosis, p->rms_without, &VIEW(&p->camera, p->o, NULL, (size_t)p->n), options));
     return p->diagnosis.verdict;
 }
 
@@ -154,8 +144,7 @@ static void test_numbers_are_those_of_the_fits(void)
         make(&p, &rng, 7, TEST_GENERAL);
         spoil(&p, &rng, 2, 6);
         blame(&p, options);
-        TEST_ASSERT_TRUE(rigcal_solve_pose(&pose, &n_found, 1, NULL, &p.camera, p.o,
-                                           NULL, 7, options) >= 0);
+        TEST_ASSERT_TRUE(rigcal_pose_solve(&pose, 1, &n_found, NULL, &VIEW(&p.camera, p.o, NULL, 7), options) >= 0);
         ASSERT_NEAR(pose.rms_px, p.blame.rms_px, 1e-6);
         all = D(pose.sse);
         for (int i = 0; i < 7; i++) {
@@ -163,8 +152,7 @@ static void test_numbers_are_those_of_the_fits(void)
 
             memcpy(left, p.o, sizeof left);
             memmove(&left[i], &left[i + 1], (size_t)(6 - i) * sizeof left[0]);
-            TEST_ASSERT_TRUE(rigcal_solve_pose(&pose, &n_found, 1, NULL, &p.camera,
-                                               left, NULL, 6, options) >= 0);
+            TEST_ASSERT_TRUE(rigcal_pose_solve(&pose, 1, &n_found, NULL, &VIEW(&p.camera, left, NULL, 6), options) >= 0);
             ASSERT_NEAR(pose.rms_px, p.rms_without[i], TOL(1e-6, 1e-2));
             rest[i] = D(pose.sse);
             best = fmin(best, rest[i]);
@@ -286,9 +274,8 @@ static void test_units_are_told_from_a_previous_pose(void)
     }
 }
 
-int main(void)
+TEST_MAIN()
 {
-    UNITY_BEGIN();
     RUN_TEST(test_the_wrong_point_is_blamed);
     RUN_TEST(test_five_points_tell_little);
     RUN_TEST(test_noise_is_seldom_blamed);
@@ -298,5 +285,4 @@ int main(void)
     RUN_TEST(test_a_flat_target_has_no_hand);
     RUN_TEST(test_one_wrong_point_is_told_and_several_are_not_explained);
     RUN_TEST(test_units_are_told_from_a_previous_pose);
-    return UNITY_END();
 }

@@ -10,7 +10,7 @@
 
 enum {
     ALL = 0xff, /* all eight reference points are seen */
-    SAVED_BYTES = RIGCAL_SAVE_SIZE(FIRMWARE_CAMERAS),
+    SAVED_BYTES = RIGCAL_STORE_SIZE(FIRMWARE_CAMERAS),
     PAGES = (SAVED_BYTES + PORT_PAGE_BYTES - 1) / PORT_PAGE_BYTES,
     WORK = PORT_SLOT_BYTES + PAGES * PORT_PAGE_BYTES, /* of one saving, bytes */
     TICKS = 20000
@@ -386,8 +386,7 @@ static void test_a_calibration_is_saved_once_every_camera_has_a_pose(void)
     assert_sent("saved slot=0 sequence=1\r\n");
     TEST_ASSERT_EQUAL_INT(1, sim.erases);
     TEST_ASSERT_EQUAL_INT(PAGES, sim.pages);
-    ASSERT_STATUS(RIGCAL_OK, rigcal_load(cameras, &info, FIRMWARE_CAMERAS,
-                                         sim.flash[0], PORT_SLOT_BYTES));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_store_load(cameras, FIRMWARE_CAMERAS, &info, sim.flash[0], PORT_SLOT_BYTES));
     assert_same_cameras(app.cameras, cameras);
     TEST_ASSERT_EQUAL_HEX32(FIRMWARE_SERIAL, info.tag);
     TEST_ASSERT_EQUAL_UINT32(1, info.sequence);
@@ -487,8 +486,7 @@ static void write_slot(int slot, uint32_t sequence, uint32_t tag, size_t n,
         cameras[i].cam_from_rig = test_transform(sim.R[i % 2], sim.t[i % 2]);
     }
     memset(sim.flash[slot], 0xff, PORT_SLOT_BYTES);
-    ASSERT_STATUS(RIGCAL_OK, rigcal_save(sim.flash[slot], &size, PORT_SLOT_BYTES,
-                                         cameras, n, sequence, tag));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_store_save(sim.flash[slot], PORT_SLOT_BYTES, &size, cameras, n, sequence, tag));
 }
 
 static void test_the_newer_slot_counts_even_when_its_number_wrapped(void)
@@ -536,7 +534,7 @@ static void test_the_calibration_of_another_machine_is_not_used(void)
     write_slot(1, 6, FIRMWARE_SERIAL, 1, HERE);
     boot();
     TEST_ASSERT_EQUAL_STRING("uncalibrated\r\n", sim.serial);
-    if (rigcal_save_size(3) <= PORT_SLOT_BYTES) {
+    if (rigcal_store_size(3) <= PORT_SLOT_BYTES) {
         write_slot(1, 7, FIRMWARE_SERIAL, 3, HERE);
         boot();
         TEST_ASSERT_EQUAL_STRING("uncalibrated\r\n", sim.serial);
@@ -772,9 +770,8 @@ static void test_a_watchdog_that_is_not_fed_in_time_bites(void)
     TEST_ASSERT_EQUAL_INT(SIM_WATCHDOG, sim_run(&app, TICKS)); /* erasing */
 }
 
-int main(void)
+TEST_MAIN_WITH_SETUP()
 {
-    UNITY_BEGIN();
     RUN_TEST(test_a_new_board_says_that_it_is_uncalibrated);
     RUN_TEST(test_a_pose_is_reported_within_its_uncertainty);
     RUN_TEST(test_the_numbers_sent_are_the_pose_to_half_a_millionth);
@@ -800,5 +797,4 @@ int main(void)
     RUN_TEST(test_a_bit_that_cannot_be_programmed_is_seen);
     RUN_TEST(test_the_watchdog_is_fed_in_time_whatever_happens);
     RUN_TEST(test_a_watchdog_that_is_not_fed_in_time_bites);
-    return UNITY_END();
 }

@@ -8,14 +8,6 @@
 
 #define EPS (RIGCAL_USE_FLOAT ? 1.2e-7 : 2.3e-16)
 
-void setUp(void)
-{
-}
-
-void tearDown(void)
-{
-}
-
 /* ---- scenes -------------------------------------------------------------- */
 
 /* A triangle whose longest side is about 1, its pose, and what is seen of it. */
@@ -739,9 +731,8 @@ static void test_nan_has_none(void)
     }
 }
 
-int main(void)
+TEST_MAIN()
 {
-    UNITY_BEGIN();
     RUN_TEST(test_the_true_pose_is_among_them);
     RUN_TEST(test_near_and_thin_triangles_too);
     RUN_TEST(test_a_double_solution_is_found);
@@ -756,5 +747,4 @@ int main(void)
     RUN_TEST(test_rays_together_have_none);
     RUN_TEST(test_anything_else_gives_poses_or_none);
     RUN_TEST(test_nan_has_none);
-    return UNITY_END();
 }

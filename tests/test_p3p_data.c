@@ -10,14 +10,6 @@
 
 enum { LINE = 1024, NAME = 32 };
 
-void setUp(void)
-{
-}
-
-void tearDown(void)
-{
-}
-
 /* One of a set's files, past its header. */
 static FILE *open_data(const char *set, const char *file)
 {
@@ -106,7 +98,7 @@ static void solve(triple *T, const char *set, const reference *r)
         read_point(T->X[i], T->uv[i], set, r->camera, r->frame, r->point[i]);
         test_to_real(x[i], T->X[i], 3);
         test_to_real(uv, T->uv[i], 2);
-        ASSERT_STATUS(RIGCAL_OK, rigcal_pixel_to_ray(ray[i], &T->camera, uv));
+        ASSERT_STATUS(RIGCAL_OK, rigcal_camera_ray(ray[i], &T->camera, uv));
     }
     T->count = rc_p3p(T->found, (const rigcal_real(*)[3])x,
                       (const rigcal_real(*)[3])ray);
@@ -192,10 +184,8 @@ static void test_myptv_stepped(void)
     check_set("myptv_stepped", 18);
 }
 
-int main(void)
+TEST_MAIN()
 {
-    UNITY_BEGIN();
     RUN_TEST(test_opencv_stereo);
     RUN_TEST(test_myptv_stepped);
-    return UNITY_END();
 }

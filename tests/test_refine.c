@@ -1,5 +1,5 @@
-/* refine: normal equations against differences of the projection and against the
- * oracle's, Levenberg-Marquardt against the minima that SciPy finds. */
+/* refine: the equations against differences of the projection and against the oracle's,
+ * Levenberg-Marquardt against the minima that SciPy finds. */
 #include <math.h>
 #include <string.h>
 
@@ -13,14 +13,6 @@ enum { N_MAX = 8, EVALS_MAX = 60 };
 
 static const double ZERO[3] = {0, 0, 0};
 
-void setUp(void)
-{
-}
-
-void tearDown(void)
-{
-}
-
 /* ---- what several tests need --------------------------------------------- */
 
 /* Normalised coordinates for pixels. */
@@ -33,26 +25,28 @@ static rigcal_camera unit_camera(void)
     return camera;
 }
 
-/* A problem that owns what rc_fit points to. */
+/* A problem that owns what its points point to. */
 typedef struct {
     rigcal_camera camera;
     rigcal_observation o[N_MAX];
     rigcal_real sigma[N_MAX];
-    rigcal_fit fit;
+    rigcal_points points;
 } problem;
 
+/* The points count from an origin of the test's choice. */
 static void ready(problem *p, int n, int weighted, const double origin[3])
 {
-    rigcal_real counted_from[3];
+    rigcal_real uv_middle[2];
+    int32_t at_fault;
 
-    test_to_real(counted_from, origin, 3);
-    rc_fit_of(&p->fit, &p->camera, p->o, weighted ? p->sigma : NULL, NULL, (size_t)n);
-    rc_fit_begin(&p->fit, counted_from);
+    rc_points_of(&p->points, &VIEW(&p->camera, p->o, weighted ? p->sigma : NULL, n), NULL);
+    ASSERT_STATUS(RIGCAL_OK, rc_points_survey(&p->points, uv_middle, &at_fault));
+    test_to_real(p->points.origin, origin, 3);
 }
 
 static test_data data_of(const problem *p)
 {
-    const test_data data = {&p->camera, p->o, p->fit.sigma, (int)p->fit.n};
+    const test_data data = {&p->camera, p->o, p->points.view.sigma, (int)p->points.view.n};
 
     return data;
 }
@@ -109,7 +103,7 @@ static rigcal_transform from_points(const problem *p, const double R[9],
 {
     double origin[3], shifted[3];
 
-    test_to_double(origin, p->fit.origin, 3);
+    test_to_double(origin, p->points.origin, 3);
     test_apply(shifted, R, origin, t);
     return test_transform(R, shifted);
 }
@@ -120,7 +114,7 @@ static void to_world(double R[9], double t[3], const problem *p,
     double origin[3], turned[3];
 
     test_transform_parts(R, t, cam_from_points);
-    test_to_double(origin, p->fit.origin, 3);
+    test_to_double(origin, p->points.origin, 3);
     test_apply(turned, R, origin, NULL);
     for (int k = 0; k < 3; k++) {
         t[k] -= turned[k];
@@ -145,14 +139,14 @@ static int run(rigcal_refinement *state, const problem *p,
 
     state->cam_from_points = *start;
     rc_refine_begin(state, 0);
-    ASSERT_STATUS(RIGCAL_RUNNING, state->status);
-    while (state->status == RIGCAL_RUNNING) {
-        rc_refine_step(state, &p->fit, EVALS_MAX);
+    ASSERT_STATUS(RIGCAL_RUNNING, state->search.status);
+    while (state->search.status == RIGCAL_RUNNING) {
+        rc_refine_step(state, &p->points, EVALS_MAX);
         TEST_ASSERT_LESS_OR_EQUAL_INT(EVALS_MAX, ++calls);
-        if (state->status >= 0) {
-            TEST_ASSERT_TRUE(D(state->sse) <= least * (1 + TOL(1e-12, 1e-5)) +
+        if (state->search.status >= 0) {
+            TEST_ASSERT_TRUE(D(state->search.sum) <= least * (1 + TOL(1e-12, 1e-5)) +
                                                   TOL(1e-18, 1e-8));
-            least = D(state->sse);
+            least = D(state->search.sum);
         }
     }
     return calls;
@@ -177,7 +171,13 @@ static double golden_packed(const double H[21], int i, int j)
     return H[i >= j ? i * (i + 1) / 2 + j : j * (j + 1) / 2 + i];
 }
 
-/* ---- normal equations ---------------------------------------------------- */
+/* ---- the equations ------------------------------------------------------- */
+
+static rigcal_status equations(rigcal_real *sum, rigcal_real g[6], rigcal_real H[21],
+                               const problem *p, const rigcal_transform *pose, int kind)
+{
+    return rc_refine_equations(sum, g, H, &p->points, p->points.view.n, pose, kind);
+}
 
 static void assert_equations(const double sse0, const double g0[6],
                              const double H0[21], const rigcal_real sse,
@@ -209,7 +209,7 @@ static void test_equations_are_those_of_the_oracle(void)
         test_rotation(R, s[36], s[37], s[38]); /* nearby */
         pose = test_transform(R, s + 33);
         ASSERT_STATUS(RIGCAL_OK,
-                      rc_normal_equations(&sse, g, H, &p.fit, &pose));
+                      equations(&sse, g, H, &p, &pose, RC_GAUSS_NEWTON));
         assert_equations(v[2], v + 3, v + 9, sse, g, H, TOL(1e-11, 1e-4));
     }
 }
@@ -240,9 +240,9 @@ static void test_newtons_equations_are_second_differences(void)
         data = data_of(&p);
         pose = test_transform(scene.R, scene.t);
         ASSERT_STATUS(RIGCAL_OK,
-                      rc_newton_equations(&sse, g, H, &p.fit, &pose));
+                      equations(&sse, g, H, &p, &pose, RC_NEWTON));
         ASSERT_STATUS(RIGCAL_OK,
-                      rc_normal_equations(&sse, g, gauss, &p.fit, &pose));
+                      equations(&sse, g, gauss, &p, &pose, RC_GAUSS_NEWTON));
         for (int i = 0; i < 6; i++) {
             size[i] = sqrt(packed(gauss, i, i));
         }
@@ -282,9 +282,9 @@ static void test_equations_are_those_of_differences(void)
         int n;
 
         of_lens(&p, REFINE_LENS[row]);
-        n = (int)p.fit.n;
+        n = (int)p.points.view.n;
         if (row % 3 == 0) {
-            p.fit.sigma = NULL;
+            p.points.view.sigma = NULL;
         }
         pose = start_pose(&p, REFINE_LENS[row]);
         for (int k = 0; k < 6; k++) {
@@ -295,11 +295,11 @@ static void test_equations_are_those_of_differences(void)
                 test_transform_parts(R, t, &pose);
                 test_move(R, t, d);
                 for (int i = 0; i < n; i++) {
-                    const double by = p.fit.sigma ? 1 / D(p.sigma[i]) : 1;
+                    const double by = p.points.view.sigma ? 1 / D(p.sigma[i]) : 1;
                     double x[3], X_c[3], uv[2];
 
                     for (int c = 0; c < 3; c++) {
-                        x[c] = D(p.o[i].X_w[c]) - D(p.fit.origin[c]);
+                        x[c] = D(p.o[i].X_w[c]) - D(p.points.origin[c]);
                     }
                     test_apply(X_c, R, x, t);
                     test_project_px(uv, &p.camera, X_c);
@@ -333,7 +333,7 @@ static void test_equations_are_those_of_differences(void)
             }
         }
         ASSERT_STATUS(RIGCAL_OK,
-                      rc_normal_equations(&sse, g, H, &p.fit, &pose));
+                      equations(&sse, g, H, &p, &pose, RC_GAUSS_NEWTON));
         assert_equations(sum, g0, H0, sse, g, H, TOL(1e-7, 1e-3));
     }
 }
@@ -350,7 +350,7 @@ static void test_a_point_that_the_camera_cannot_see_is_told(void)
     pose = test_transform(R, SCENE[0] + 33);
     pose.t[2] = RC(-3);
     ASSERT_STATUS(RIGCAL_ERR_BEHIND,
-                  rc_normal_equations(&sse, g, H, &p.fit, &pose));
+                  equations(&sse, g, H, &p, &pose, RC_GAUSS_NEWTON));
 }
 
 /* ---- Levenberg-Marquardt ------------------------------------------------- */
@@ -385,9 +385,9 @@ static void test_the_minimum_is_that_of_scipy_for_any_lens_and_weights(void)
         of_lens(&p, v);
         start = start_pose(&p, v);
         TEST_ASSERT_LESS_OR_EQUAL_INT(20, run(&state, &p, &start));
-        ASSERT_STATUS(RIGCAL_OK, state.status);
+        ASSERT_STATUS(RIGCAL_OK, state.search.status);
         to_world(R, t, &p, &state.cam_from_points);
-        assert_at_minimum(minimum_of(v), covariance_of(v), R, t, D(state.sse),
+        assert_at_minimum(minimum_of(v), covariance_of(v), R, t, D(state.search.sum),
                           noise, TOL(1e-3, 0.05));
     }
 }
@@ -412,7 +412,7 @@ static void test_the_minimum_is_that_of_the_oracle(void)
                 middle[c] += SCENE[(int)v[0]][3 * k + c] / v[1];
             }
         }
-        test_to_real(p.fit.origin, middle, 3);
+        test_to_real(p.points.origin, middle, 3);
         start = from_points(&p, minimum, minimum + 9);
         test_random_rotation(axis, &rng);
         test_rotation_about(turn, axis, off);
@@ -422,10 +422,10 @@ static void test_the_minimum_is_that_of_the_oracle(void)
         /* four points may lead to another minimum, or to a higher one */
         to_world(R, t, &p, &state.cam_from_points);
         if (v[1] > 4 || test_angle_between(R, minimum) < 0.01) {
-            ASSERT_STATUS(RIGCAL_OK, state.status);
+            ASSERT_STATUS(RIGCAL_OK, state.search.status);
             /* in these units float rounds as much as the noise */
             assert_at_minimum(minimum, v + 15, R, t,
-                              TOL(D(state.sse), minimum[12]), noise,
+                              TOL(D(state.search.sum), minimum[12]), noise,
                               TOL(1e-2, 1));
         }
     }
@@ -452,7 +452,7 @@ static void test_an_exact_image_is_fitted_to_rounding(void)
         test_product(R, turn, scene.R);
         test_to_real(start.R, R, 9);
         (void)run(&state, &p, &start);
-        ASSERT_STATUS(RIGCAL_OK, state.status);
+        ASSERT_STATUS(RIGCAL_OK, state.search.status);
         to_world(R, t, &p, &state.cam_from_points);
         test_difference(d, scene.R, scene.t, R, t);
         distance = test_norm(scene.t);
@@ -480,24 +480,24 @@ static void test_wild_starts_end_no_worse_than_they_began(void)
         start = start_pose(&p, v);
         test_random_rotation(R, &rng);
         test_to_real(start.R, R, 9);
-        if (rc_normal_equations(&before, g, H, &p.fit, &start) != RIGCAL_OK) {
+        if (equations(&before, g, H, &p, &start, RC_GAUSS_NEWTON) != RIGCAL_OK) {
             state.cam_from_points = start;
             rc_refine_begin(&state, 0);
-            rc_refine_step(&state, &p.fit, EVALS_MAX);
-            TEST_ASSERT_TRUE(state.status < 0);
+            rc_refine_step(&state, &p.points, EVALS_MAX);
+            TEST_ASSERT_TRUE(state.search.status < 0);
             continue;
         }
         (void)run(&state, &p, &start);
-        if (state.status >= 0) {
+        if (state.search.status >= 0) {
             const test_data data = data_of(&p);
             double t[3];
 
             ended++;
-            TEST_ASSERT_TRUE(D(state.sse) <= D(before));
+            TEST_ASSERT_TRUE(D(state.search.sum) <= D(before));
             to_world(R, t, &p, &state.cam_from_points);
             /* it may end where a point all but touches the camera */
-            ASSERT_NEAR(test_sse(&data, R, t), state.sse,
-                        TOL(1e-6, 1e-2) * D(state.sse) + TOL(1e-12, 1e-3));
+            ASSERT_NEAR(test_sse(&data, R, t), state.search.sum,
+                        TOL(1e-6, 1e-2) * D(state.search.sum) + TOL(1e-12, 1e-3));
         }
     }
     TEST_ASSERT_GREATER_THAN_INT(400, ended);
@@ -515,11 +515,11 @@ static void test_a_small_bound_is_kept_and_told(void)
     start = start_pose(&p, v);
     state.cam_from_points = start;
     rc_refine_begin(&state, 0);
-    while (state.status == RIGCAL_RUNNING && calls < 10) {
-        rc_refine_step(&state, &p.fit, 2);
+    while (state.search.status == RIGCAL_RUNNING && calls < 10) {
+        rc_refine_step(&state, &p.points, 2);
         calls++;
     }
-    ASSERT_STATUS(RIGCAL_BUDGET_SPENT, state.status);
+    ASSERT_STATUS(RIGCAL_BUDGET_SPENT, state.search.status);
     TEST_ASSERT_EQUAL_INT(2, calls);
 }
 
@@ -545,10 +545,10 @@ static void test_a_point_of_large_sigma_hardly_counts(void)
         ready(&p, N_MAX, 1, ZERO);
         start = from_points(&p, scene.R, scene.t);
         (void)run(&state, &p, &start);
-        ASSERT_STATUS(RIGCAL_OK, state.status);
+        ASSERT_STATUS(RIGCAL_OK, state.search.status);
         to_world(R, t, &p, &state.cam_from_points);
         ASSERT_NEAR(0, test_angle_between(R, scene.R), TOL(2e-5, 3e-3));
-        ASSERT_NEAR(4e-4, state.sse, TOL(1e-5, 1e-4));
+        ASSERT_NEAR(4e-4, state.search.sum, TOL(1e-5, 1e-4));
     }
 }
 
@@ -563,11 +563,11 @@ static void test_the_covariance_is_the_inverse(void)
         problem p;
 
         of_lens(&p, v);
-        memset(p.fit.origin, 0, sizeof p.fit.origin); /* as the vectors have it */
+        memset(p.points.origin, 0, sizeof p.points.origin); /* as the vectors have it */
         pose = test_transform(minimum_of(v), minimum_of(v) + 9);
         ASSERT_STATUS(RIGCAL_OK,
-                      rc_normal_equations(&sse, g, H, &p.fit, &pose));
-        TEST_ASSERT_TRUE(rc_refine_covariance(Sigma, H));
+                      equations(&sse, g, H, &p, &pose, RC_GAUSS_NEWTON));
+        TEST_ASSERT_TRUE(rc_sym6_invert(Sigma, H));
         for (int k = 0; k < 36; k++) {
             const double size = sqrt(golden_packed(golden, k / 6, k / 6) *
                                      golden_packed(golden, k % 6, k % 6));
@@ -604,8 +604,8 @@ static void test_points_on_a_line_leave_the_equations_singular(void)
         ready(&p, N_MAX, 0, scene.X[0]);
         pose = from_points(&p, scene.R, scene.t);
         ASSERT_STATUS(RIGCAL_OK,
-                      rc_normal_equations(&sse, g, H, &p.fit, &pose));
-        if (rc_refine_covariance(Sigma, H)) {
+                      equations(&sse, g, H, &p, &pose, RC_GAUSS_NEWTON));
+        if (rc_sym6_invert(Sigma, H)) {
             TEST_ASSERT_TRUE(D(Sigma[0]) + D(Sigma[7]) + D(Sigma[14]) > 1);
             missed++;
         }
@@ -613,9 +613,8 @@ static void test_points_on_a_line_leave_the_equations_singular(void)
     TEST_ASSERT_LESS_OR_EQUAL_INT(20, missed);
 }
 
-int main(void)
+TEST_MAIN()
 {
-    UNITY_BEGIN();
     RUN_TEST(test_equations_are_those_of_the_oracle);
     RUN_TEST(test_newtons_equations_are_second_differences);
     RUN_TEST(test_equations_are_those_of_differences);
@@ -628,5 +627,4 @@ int main(void)
     RUN_TEST(test_a_point_of_large_sigma_hardly_counts);
     RUN_TEST(test_the_covariance_is_the_inverse);
     RUN_TEST(test_points_on_a_line_leave_the_equations_singular);
-    return UNITY_END();
 }

@@ -1,5 +1,5 @@
 /* robust: scenes in which some pixels are another point's, or anything. What the
- * solver makes of them against what rigcal_solve_pose makes of the right ones. */
+ * solver makes of them against what rigcal_pose_solve makes of the right ones. */
 #include <math.h>
 #include <string.h>
 
@@ -10,14 +10,6 @@ enum { N_MAX = TEST_SCENE_MAX };
 static const double NOISE = 0.5; /* px */
 
 typedef enum { NEAR_THE_TARGET, IN_THE_IMAGE, SWAPPED } wrongness;
-
-void setUp(void)
-{
-}
-
-void tearDown(void)
-{
-}
 
 /* ---- scenes -------------------------------------------------------------- */
 
@@ -74,9 +66,7 @@ static void spoil(problem *p, test_rng *rng, int n_wrong, wrongness how)
 static rigcal_status solve(problem *p, const rigcal_robust_options *options)
 {
     memset(p->inliers, 7, sizeof p->inliers);
-    return rigcal_solve_pose_robust(p->poses, &p->n_found, p->inliers, &p->n_inliers,
-                                    RIGCAL_POSES_MAX, NULL, &p->camera, p->o, NULL,
-                                    (size_t)p->n, options);
+    return rigcal_robust_solve(p->poses, RIGCAL_POSES_MAX, &p->n_found, p->inliers, &p->n_inliers, NULL, &VIEW(&p->camera, p->o, NULL, (size_t)p->n), options);
 }
 
 static double error_of(const problem *p, const rigcal_pose *pose)
@@ -103,9 +93,7 @@ static double error_without_wrong_ones(const problem *p)
     rigcal_pose poses[RIGCAL_POSES_MAX];
     size_t n_found;
 
-    TEST_ASSERT_TRUE(rigcal_solve_pose(poses, &n_found, RIGCAL_POSES_MAX, NULL,
-                                       &p->camera, p->o, NULL,
-                                       (size_t)(p->n - p->n_wrong), NULL) >= 0);
+    TEST_ASSERT_TRUE(rigcal_pose_solve(poses, RIGCAL_POSES_MAX, &n_found, NULL, &VIEW(&p->camera, p->o, NULL, (size_t)(p->n - p->n_wrong)), NULL) >= 0);
     return least_error(p, poses, n_found);
 }
 
@@ -208,8 +196,7 @@ static void test_none_need_be_wrong(void)
             continue;
         }
         const rigcal_status expected =
-            rigcal_solve_pose(plain, &n_found, RIGCAL_POSES_MAX, NULL, &p.camera,
-                              p.o, NULL, (size_t)p.n, NULL);
+            rigcal_pose_solve(plain, RIGCAL_POSES_MAX, &n_found, NULL, &VIEW(&p.camera, p.o, NULL, (size_t)p.n), NULL);
         if (status != RIGCAL_FEW_AGREE) {
             ASSERT_STATUS(expected, status);
         }
@@ -326,9 +313,7 @@ static void test_relative_noise_widens_the_threshold(void)
     ASSERT_STATUS(RIGCAL_OK, solve(&p, NULL));
     TEST_ASSERT_EQUAL_INT(0, p.inliers[3]);
     sigma[3] = 20;
-    TEST_ASSERT_TRUE(rigcal_solve_pose_robust(p.poses, &p.n_found, p.inliers,
-                                              &p.n_inliers, RIGCAL_POSES_MAX, NULL,
-                                              &p.camera, p.o, sigma, 12, NULL) >= 0);
+    TEST_ASSERT_TRUE(rigcal_robust_solve(p.poses, RIGCAL_POSES_MAX, &p.n_found, p.inliers, &p.n_inliers, NULL, &VIEW(&p.camera, p.o, sigma, 12), NULL) >= 0);
     TEST_ASSERT_EQUAL_INT(1, p.inliers[3]);
     TEST_ASSERT_EQUAL_INT(12, p.n_inliers);
 }
@@ -373,21 +358,19 @@ static void test_budgets_change_no_bit(void)
             size_t n_found, n_inliers;
             int32_t spent = 0;
 
-            ASSERT_STATUS(RIGCAL_OK, rigcal_robust_begin(&solver, inliers, NULL,
-                                                         &p.camera, p.o, NULL,
-                                                         (size_t)p.n, NULL));
+            ASSERT_STATUS(RIGCAL_OK, rigcal_robust_begin(&solver, inliers, NULL, &VIEW(&p.camera, p.o, NULL, (size_t)p.n), NULL));
             while (rigcal_robust_step(&solver, BUDGET[k]) == RIGCAL_RUNNING) {
                 spent += BUDGET[k];
                 TEST_ASSERT_LESS_THAN_INT(7 * 500 + 9000, spent);
             }
-            ASSERT_STATUS(status, rigcal_robust_result(poses, &n_found, &n_inliers,
-                                                       RIGCAL_POSES_MAX, &solver));
+            ASSERT_STATUS(status, rigcal_robust_result(poses, RIGCAL_POSES_MAX, &n_found, &n_inliers, &solver));
             TEST_ASSERT_EQUAL_INT(p.n_found, n_found);
             TEST_ASSERT_EQUAL_INT(p.n_inliers, n_inliers);
             TEST_ASSERT_EQUAL_MEMORY(p.inliers, inliers, p.n);
             TEST_ASSERT_EQUAL_MEMORY(p.poses, poses, n_found * sizeof poses[0]);
-            solver.camera = NULL; /* the caller's, who may have taken it away */
-            solver.observations = NULL;
+            /* the caller's, who may have taken it away */
+            solver.points.view.camera = NULL;
+            solver.points.view.observations = NULL;
             ASSERT_STATUS(RIGCAL_OK, rigcal_robust_step(&solver, 1));
         }
     }
@@ -416,9 +399,8 @@ static void test_seed_and_samples_count(void)
     TEST_ASSERT_GREATER_THAN_INT(0, differ);
 }
 
-int main(void)
+TEST_MAIN()
 {
-    UNITY_BEGIN();
     RUN_TEST(test_three_in_ten_may_be_wrong);
     RUN_TEST(test_none_need_be_wrong);
     RUN_TEST(test_all_wrong_is_not_believed);
@@ -429,5 +411,4 @@ int main(void)
     RUN_TEST(test_the_threshold_is_that_stated);
     RUN_TEST(test_budgets_change_no_bit);
     RUN_TEST(test_seed_and_samples_count);
-    return UNITY_END();
 }

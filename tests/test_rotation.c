@@ -11,14 +11,6 @@
 static const rigcal_real IDENTITY[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
 static const rigcal_real MIRROR[9] = {1, 0, 0, 0, 1, 0, 0, 0, -1};
 
-void setUp(void)
-{
-}
-
-void tearDown(void)
-{
-}
-
 /* R R^T = I to a few units in the last place, and no mirror. */
 static void assert_orthonormal(const rigcal_real R[9])
 {
@@ -683,9 +675,8 @@ static void test_a_matrix_off_by_less_than_allowed_is_taken(void)
     }
 }
 
-int main(void)
+TEST_MAIN()
 {
-    UNITY_BEGIN();
     RUN_TEST(test_no_angles_are_the_identity);
     RUN_TEST(test_a_quarter_turn_takes_each_axis_to_the_next);
     RUN_TEST(test_matrices_of_angles_are_the_oracles);
@@ -718,5 +709,4 @@ int main(void)
     RUN_TEST(test_a_number_that_is_not_finite_is_refused_in_every_place);
     RUN_TEST(test_a_matrix_that_is_no_rotation_is_refused);
     RUN_TEST(test_a_matrix_off_by_less_than_allowed_is_taken);
-    return UNITY_END();
 }

@@ -74,14 +74,16 @@ static int same_bits(const void *a, const void *b, size_t size)
 static void assert_same_camera(const rigcal_mounted_camera *expected,
                                const rigcal_mounted_camera *actual)
 {
-    TEST_ASSERT_TRUE(same_bits(&expected->camera, &actual->camera,
-                               sizeof expected->camera));
+    TEST_ASSERT_EQUAL_INT32(expected->camera.lens, actual->camera.lens);
+    TEST_ASSERT_EQUAL_INT32(expected->camera.width, actual->camera.width);
+    TEST_ASSERT_EQUAL_INT32(expected->camera.height, actual->camera.height);
+    TEST_ASSERT_TRUE(same_bits(&expected->camera.fx, &actual->camera.fx,
+                               12 * sizeof expected->camera.fx));
     TEST_ASSERT_TRUE(same_bits(&expected->cam_from_rig, &actual->cam_from_rig,
                                sizeof expected->cam_from_rig));
     TEST_ASSERT_TRUE(
         same_bits(expected->Sigma, actual->Sigma, sizeof expected->Sigma));
     TEST_ASSERT_EQUAL_INT32(expected->has_Sigma, actual->has_Sigma);
-    TEST_ASSERT_EQUAL_INT32(0, actual->reserved);
 }
 
 static void put_u32(uint8_t *at, uint32_t x)
@@ -155,13 +157,13 @@ static rigcal_status assert_refused(rigcal_status expected,
     memcpy(exact, bytes, n);
     FILL(cameras);
     FILL(info);
-    status = rigcal_load(cameras, &info, N, exact, n);
+    status = rigcal_store_load(cameras, N, &info, exact, n);
     ASSERT_UNTOUCHED(cameras);
     ASSERT_UNTOUCHED(info);
     if (expected == 0) {
         TEST_ASSERT_TRUE(status == RIGCAL_ERR_DAMAGED ||
                          status == RIGCAL_ERR_FOREIGN);
-        ASSERT_STATUS(status, rigcal_load_info(&info, exact, n));
+        ASSERT_STATUS(status, rigcal_store_info(&info, exact, n));
         ASSERT_UNTOUCHED(info);
     } else {
         ASSERT_STATUS(expected, status);
@@ -189,17 +191,17 @@ static void test_the_crc_is_that_of_zlib(void)
 
 static void test_the_size_is_as_the_table_says(void)
 {
-    static uint8_t buffer[RIGCAL_SAVE_SIZE(N)];
+    static uint8_t buffer[RIGCAL_STORE_SIZE(N)];
 
     TEST_ASSERT_EQUAL_size_t(OWN_BYTES, sizeof buffer);
-    TEST_ASSERT_EQUAL_size_t(0, rigcal_save_size(0));
-    TEST_ASSERT_EQUAL_size_t(OWN_BYTES, rigcal_save_size(N));
+    TEST_ASSERT_EQUAL_size_t(0, rigcal_store_size(0));
+    TEST_ASSERT_EQUAL_size_t(OWN_BYTES, rigcal_store_size(N));
     TEST_ASSERT_EQUAL_size_t(32 + 65535 * (size_t)(16 + 45 * OWN_REAL),
-                             rigcal_save_size(65535));
-    TEST_ASSERT_EQUAL_size_t(0, rigcal_save_size(65536));
-    TEST_ASSERT_EQUAL_size_t(0, rigcal_save_size(SIZE_MAX));
-    TEST_ASSERT_EQUAL_size_t(DOUBLE_BYTES, RIGCAL_SAVE_SIZE_OF(N, 8));
-    TEST_ASSERT_EQUAL_size_t(FLOAT_BYTES, RIGCAL_SAVE_SIZE_OF(N, 4));
+                             rigcal_store_size(65535));
+    TEST_ASSERT_EQUAL_size_t(0, rigcal_store_size(65536));
+    TEST_ASSERT_EQUAL_size_t(0, rigcal_store_size(SIZE_MAX));
+    TEST_ASSERT_EQUAL_size_t(DOUBLE_BYTES, RIGCAL_STORE_SIZE_OF(N, 8));
+    TEST_ASSERT_EQUAL_size_t(FLOAT_BYTES, RIGCAL_STORE_SIZE_OF(N, 4));
 }
 
 static void test_a_calibration_is_saved_as_the_bytes_that_python_packs(void)
@@ -208,8 +210,7 @@ static void test_a_calibration_is_saved_as_the_bytes_that_python_packs(void)
     size_t n = 77;
 
     memset(bytes, 0x5a, sizeof bytes);
-    ASSERT_STATUS(RIGCAL_OK, rigcal_save(bytes, &n, sizeof bytes, calibration,
-                                         N, sequence, tag));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_store_save(bytes, sizeof bytes, &n, calibration, N, sequence, tag));
     TEST_ASSERT_EQUAL_size_t(OWN_BYTES, n);
     TEST_ASSERT_EQUAL_HEX8_ARRAY(own, bytes, OWN_BYTES);
     TEST_ASSERT_EQUAL_HEX8(0x5a, bytes[OWN_BYTES]);
@@ -221,7 +222,7 @@ static void test_those_bytes_are_loaded_as_the_calibration(void)
     rigcal_saved_info info;
 
     FILL(cameras);
-    ASSERT_STATUS(RIGCAL_OK, rigcal_load(cameras, &info, N, own, sizeof own));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_store_load(cameras, N, &info, own, sizeof own));
     for (int i = 0; i < N; i++) {
         assert_same_camera(&calibration[i], &cameras[i]);
     }
@@ -240,7 +241,7 @@ static void test_the_bytes_of_the_other_precision_are_loaded_too(void)
     rigcal_saved_info info;
 
     ASSERT_STATUS(RIGCAL_OK,
-                  rigcal_load(cameras, &info, N, other, sizeof other));
+                  rigcal_store_load(cameras, N, &info, other, sizeof other));
     TEST_ASSERT_EQUAL_INT32(OTHER_BYTES, info.n_bytes);
     TEST_ASSERT_EQUAL_INT32(OTHER_REAL, info.real_bytes);
     for (int i = 0; i < N; i++) {
@@ -325,7 +326,7 @@ static void test_what_was_saved_is_loaded_bit_by_bit(void)
 {
     enum { MOST = 4 };
     static const uint32_t NUMBERS[] = {0, 1, 0x7fffffff, 0x80000000, UINT32_MAX};
-    static uint8_t bytes[RIGCAL_SAVE_SIZE(MOST)];
+    static uint8_t bytes[RIGCAL_STORE_SIZE(MOST)];
     test_rng rng = test_seed(41);
 
     for (int trial = 0; trial < TEST_TRIALS(500); trial++) {
@@ -338,15 +339,14 @@ static void test_what_was_saved_is_loaded_bit_by_bit(void)
         for (size_t i = 0; i < n; i++) {
             saved[i] = random_camera(&rng);
         }
-        ASSERT_STATUS(RIGCAL_OK, rigcal_save(bytes, &size, rigcal_save_size(n),
-                                             saved, n, a, b));
-        TEST_ASSERT_EQUAL_size_t(rigcal_save_size(n), size);
+        ASSERT_STATUS(RIGCAL_OK, rigcal_store_save(bytes, rigcal_store_size(n), &size, saved, n, a, b));
+        TEST_ASSERT_EQUAL_size_t(rigcal_store_size(n), size);
         FILL(loaded);
-        ASSERT_STATUS(RIGCAL_OK, rigcal_load(loaded, &info, n, bytes, size));
+        ASSERT_STATUS(RIGCAL_OK, rigcal_store_load(loaded, n, &info, bytes, size));
         for (size_t i = 0; i < n; i++) {
             assert_same_camera(&saved[i], &loaded[i]);
         }
-        ASSERT_STATUS(RIGCAL_OK, rigcal_load_info(&found, bytes, size));
+        ASSERT_STATUS(RIGCAL_OK, rigcal_store_info(&found, bytes, size));
         TEST_ASSERT_TRUE(same_bits(&info, &found, sizeof info));
         TEST_ASSERT_EQUAL_HEX32(a, info.sequence);
         TEST_ASSERT_EQUAL_HEX32(b, info.tag);
@@ -371,7 +371,7 @@ static void test_what_is_no_covariance_is_not_saved(void)
         {{35, 35}, {-1, -1}, RIGCAL_ERR_RANGE},
         {{35, 35}, {1e-3, 1e-3}, RIGCAL_ERR_RANGE},   /* indefinite together */
     };
-    uint8_t bytes[RIGCAL_SAVE_SIZE(1)];
+    uint8_t bytes[RIGCAL_STORE_SIZE(1)];
     size_t n;
 
     for (size_t k = 0; k < sizeof CASES / sizeof CASES[0]; k++) {
@@ -384,9 +384,9 @@ static void test_what_is_no_covariance_is_not_saved(void)
         for (int i = 0; i < 2; i++) {
             m.Sigma[CASES[k].at[i]] = RC(CASES[k].value[i]);
         }
-        ASSERT_STATUS(CASES[k].status, rigcal_save(bytes, &n, sizeof bytes, &m, 1, 0, 0));
+        ASSERT_STATUS(CASES[k].status, rigcal_store_save(bytes, sizeof bytes, &n, &m, 1, 0, 0));
         if (CASES[k].status == RIGCAL_OK) {
-            ASSERT_STATUS(RIGCAL_OK, rigcal_load(&loaded, &info, 1, bytes, n));
+            ASSERT_STATUS(RIGCAL_OK, rigcal_store_load(&loaded, 1, &info, bytes, n));
             TEST_ASSERT_TRUE(D(loaded.Sigma[1]) >= D(m.Sigma[6]) &&
                              D(loaded.Sigma[1]) <= D(m.Sigma[6]));
         }
@@ -397,13 +397,12 @@ static void test_an_exact_pose_has_a_covariance_of_zeros(void)
 {
     rigcal_mounted_camera loaded;
     rigcal_saved_info info;
-    uint8_t bytes[RIGCAL_SAVE_SIZE(1)];
+    uint8_t bytes[RIGCAL_STORE_SIZE(1)];
     size_t n;
 
     calibration[0].has_Sigma = 1; /* the first camera of a rig, with zeros */
-    ASSERT_STATUS(RIGCAL_OK, rigcal_save(bytes, &n, sizeof bytes, calibration,
-                                         1, 0, 0));
-    ASSERT_STATUS(RIGCAL_OK, rigcal_load(&loaded, &info, 1, bytes, n));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_store_save(bytes, sizeof bytes, &n, calibration, 1, 0, 0));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_store_load(&loaded, 1, &info, bytes, n));
     assert_same_camera(&calibration[0], &loaded);
 }
 
@@ -411,18 +410,17 @@ static void test_a_covariance_that_is_not_known_is_not_read(void)
 {
     rigcal_mounted_camera loaded;
     rigcal_saved_info info;
-    uint8_t bytes[RIGCAL_SAVE_SIZE(1)];
+    uint8_t bytes[RIGCAL_STORE_SIZE(1)];
     size_t n;
 
     calibration[1].has_Sigma = 0;
     calibration[1].Sigma[0] = TEST_NAN;
-    ASSERT_STATUS(RIGCAL_OK, rigcal_save(bytes, &n, sizeof bytes,
-                                         calibration + 1, 1, 0, 0));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_store_save(bytes, sizeof bytes, &n, calibration + 1, 1, 0, 0));
     for (size_t i = n - 21 * OWN_REAL; i < n; i++) {
         TEST_ASSERT_EQUAL_HEX8(0, bytes[i]);
     }
     FILL(loaded);
-    ASSERT_STATUS(RIGCAL_OK, rigcal_load(&loaded, &info, 1, bytes, n));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_store_load(&loaded, 1, &info, bytes, n));
     for (int i = 0; i < 36; i++) {
         TEST_ASSERT_EQUAL_DOUBLE(0, D(loaded.Sigma[i]));
     }
@@ -430,7 +428,7 @@ static void test_a_covariance_that_is_not_known_is_not_read(void)
     /* Not even where the bytes hold one. */
     put_number(bytes + n - OWN_REAL, test_nan(), OWN_REAL);
     seal(bytes, n);
-    ASSERT_STATUS(RIGCAL_OK, rigcal_load(&loaded, &info, 1, bytes, n));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_store_load(&loaded, 1, &info, bytes, n));
     TEST_ASSERT_EQUAL_DOUBLE(0, D(loaded.Sigma[35]));
 }
 
@@ -452,7 +450,7 @@ static rigcal_status carried(rigcal_real out[CARRIED])
     rigcal_status status;
 
     seal(other, sizeof other);
-    status = rigcal_load(cameras, &info, N, other, sizeof other);
+    status = rigcal_store_load(cameras, N, &info, other, sizeof other);
     if (status == RIGCAL_OK) {
         memcpy(out, &cameras[0].camera.k1, CARRIED * sizeof out[0]);
     }
@@ -489,7 +487,7 @@ static void carry_as_variance(double x)
         put_double(bytes + COEFFICIENTS_AT + 8 * i, 0);
     }
     seal(bytes, sizeof bytes);
-    ASSERT_STATUS(RIGCAL_OK, rigcal_load(cameras, &info, N, bytes, sizeof bytes));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_store_load(cameras, N, &info, bytes, sizeof bytes));
     TEST_ASSERT_TRUE(same_bits(&expected, &cameras[0].Sigma[0], sizeof expected));
 }
 
@@ -605,7 +603,7 @@ static void test_a_rotation_of_floats_is_mended_within_their_tolerance(void)
     put_float(other + R_at + 4, 3e-4f);
     seal(other, sizeof other);
     ASSERT_STATUS(RIGCAL_OK,
-                  rigcal_load(cameras, &info, N, other, sizeof other));
+                  rigcal_store_load(cameras, N, &info, other, sizeof other));
     for (int i = 0; i < 9; i++) {
         ASSERT_NEAR(i % 4 == 0, cameras[0].cam_from_rig.R[i], 5e-4);
     }
@@ -718,8 +716,7 @@ static void test_what_follows_does_not_matter(void)
         for (size_t i = sizeof own; i < sizeof bytes; i++) {
             bytes[i] = (uint8_t)test_next(&rng);
         }
-        ASSERT_STATUS(RIGCAL_OK, rigcal_load(cameras, &info, N, bytes,
-                                             sizeof own + more));
+        ASSERT_STATUS(RIGCAL_OK, rigcal_store_load(cameras, N, &info, bytes, sizeof own + more));
         TEST_ASSERT_EQUAL_INT32(OWN_BYTES, info.n_bytes);
         assert_same_camera(&calibration[N - 1], &cameras[N - 1]);
     }
@@ -880,7 +877,7 @@ static void test_too_many_cameras_for_the_room_are_refused(void)
     for (size_t room = 0; room < N; room++) {
         FILL(info);
         ASSERT_REFUSED(RIGCAL_ERR_CAPACITY, cameras,
-                       rigcal_load(cameras, &info, room, own, sizeof own));
+                       rigcal_store_load(cameras, room, &info, own, sizeof own));
         ASSERT_UNTOUCHED(info);
     }
 }
@@ -894,8 +891,7 @@ static void assert_not_saved(rigcal_status expected, size_t capacity, size_t n)
 
     FILL(n_bytes);
     ASSERT_REFUSED(expected, bytes,
-                   rigcal_save(bytes, &n_bytes, capacity, calibration, n,
-                               sequence, tag));
+                   rigcal_store_save(bytes, capacity, &n_bytes, calibration, n, sequence, tag));
     ASSERT_UNTOUCHED(n_bytes);
 }
 
@@ -910,9 +906,6 @@ static void test_what_could_not_be_loaded_is_not_saved(void)
     calibration[N - 1].has_Sigma = 2;
     assert_not_saved(RIGCAL_ERR_RANGE, OWN_BYTES, N);
     calibration[N - 1].has_Sigma = -1;
-    assert_not_saved(RIGCAL_ERR_RANGE, OWN_BYTES, N);
-    setUp();
-    calibration[N - 1].reserved = 1;
     assert_not_saved(RIGCAL_ERR_RANGE, OWN_BYTES, N);
     setUp();
     for (int i = 0; i < 36; i++) {
@@ -938,9 +931,8 @@ static void test_what_could_not_be_loaded_is_not_saved(void)
     assert_not_saved(RIGCAL_ERR_CAMERA, OWN_BYTES, N);
 }
 
-int main(void)
+TEST_MAIN_WITH_SETUP()
 {
-    UNITY_BEGIN();
     RUN_TEST(test_the_crc_is_that_of_zlib);
     RUN_TEST(test_the_size_is_as_the_table_says);
     RUN_TEST(test_a_calibration_is_saved_as_the_bytes_that_python_packs);
@@ -969,5 +961,4 @@ int main(void)
     RUN_TEST(test_integers_that_no_function_takes_are_not_loaded);
     RUN_TEST(test_too_many_cameras_for_the_room_are_refused);
     RUN_TEST(test_what_could_not_be_loaded_is_not_saved);
-    return UNITY_END();
 }

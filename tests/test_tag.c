@@ -7,14 +7,6 @@
 
 #define DEGREE (TEST_PI / 180)
 
-void setUp(void)
-{
-}
-
-void tearDown(void)
-{
-}
-
 /* Top left, top right, bottom right, bottom left: x to the right, y up. */
 static const double CORNER[4][2] = {
     {-0.5, 0.5}, {0.5, 0.5}, {0.5, -0.5}, {-0.5, -0.5}};
@@ -57,8 +49,7 @@ static void random_sight(sight *s, test_rng *rng, double size, double tilt)
 static rigcal_status solve(rigcal_pose poses[RIGCAL_POSES_MAX], size_t *n,
                            const sight *s, const rigcal_pose_options *options)
 {
-    return rigcal_solve_tag(poses, n, RIGCAL_POSES_MAX, NULL, &s->camera, s->uv,
-                            RC(s->size), options);
+    return rigcal_tag_solve(poses, RIGCAL_POSES_MAX, n, NULL, &s->camera, s->uv, RC(s->size), options);
 }
 
 static void test_the_pose_of_a_tag_in_the_unit_of_its_size(void)
@@ -109,8 +100,7 @@ static void test_it_is_solve_pose_of_these_four_points(void)
         }
         memset(poses, 0, sizeof poses);
         memset(same, 0, sizeof same);
-        ASSERT_STATUS(rigcal_solve_pose(same, &n_same, RIGCAL_POSES_MAX, NULL,
-                                        &s.camera, o, NULL, 4, NULL),
+        ASSERT_STATUS(rigcal_pose_solve(same, RIGCAL_POSES_MAX, &n_same, NULL, &VIEW(&s.camera, o, NULL, 4), NULL),
                       solve(poses, &n, &s, NULL));
         TEST_ASSERT_EQUAL_size_t(n_same, n);
         TEST_ASSERT_EQUAL_MEMORY(same, poses, sizeof same);
@@ -128,7 +118,7 @@ static void test_corners_the_wrong_way_round_are_mirrored(void)
         rigcal_pose poses[RIGCAL_POSES_MAX];
         rigcal_real uv[8];
         size_t n;
-        int32_t bad = 5;
+        int32_t at_fault = 5;
         sight s;
 
         random_sight(&s, &rng, 1, 55 * DEGREE);
@@ -140,9 +130,8 @@ static void test_corners_the_wrong_way_round_are_mirrored(void)
                 trial % 2 ? s.uv[2 * from + 1] : 480 - s.uv[2 * from + 1];
         }
         ASSERT_REFUSED(RIGCAL_ERR_MIRRORED, poses,
-                       rigcal_solve_tag(poses, &n, RIGCAL_POSES_MAX, &bad,
-                                        &s.camera, uv, 1, NULL));
-        TEST_ASSERT_EQUAL_INT32(-1, bad);
+                       rigcal_tag_solve(poses, RIGCAL_POSES_MAX, &n, &at_fault, &s.camera, uv, 1, NULL));
+        TEST_ASSERT_EQUAL_INT32(-1, at_fault);
     }
 }
 
@@ -160,8 +149,7 @@ static void test_another_first_corner_is_a_turned_tag(void)
     for (int i = 0; i < 8; i++) {
         uv[i] = s.uv[(i + 2) % 8];
     }
-    TEST_ASSERT_TRUE(rigcal_solve_tag(poses, &n, RIGCAL_POSES_MAX, NULL, &s.camera,
-                                      uv, 1, NULL) >= 0);
+    TEST_ASSERT_TRUE(rigcal_tag_solve(poses, RIGCAL_POSES_MAX, &n, NULL, &s.camera, uv, 1, NULL) >= 0);
     test_rotation(quarter, -TEST_PI / 2, 0, 0);
     test_product(expected, s.R, quarter);
     test_transform_parts(R, NULL, &poses[0].cam_from_world);
@@ -173,7 +161,7 @@ static void test_what_is_no_tag_is_refused_by_name(void)
     test_rng rng = test_seed(5);
     rigcal_pose poses[RIGCAL_POSES_MAX];
     rigcal_real one_place[8], line[8];
-    int32_t bad = 7;
+    int32_t at_fault = 7;
     size_t n;
     sight s;
 
@@ -183,25 +171,22 @@ static void test_what_is_no_tag_is_refused_by_name(void)
         line[i] = RC(100 + 20 * (i / 2));
     }
     ASSERT_REFUSED(RIGCAL_ERR_COINCIDENT, poses,
-                   rigcal_solve_tag(poses, &n, 1, &bad, &s.camera, one_place, 1,
-                                    NULL));
+                   rigcal_tag_solve(poses, 1, &n, &at_fault, &s.camera, one_place, 1, NULL));
     ASSERT_REFUSED(RIGCAL_ERR_RANGE, poses,
-                   rigcal_solve_tag(poses, &n, 1, &bad, &s.camera, s.uv, 0, NULL));
+                   rigcal_tag_solve(poses, 1, &n, &at_fault, &s.camera, s.uv, 0, NULL));
     ASSERT_REFUSED(RIGCAL_ERR_RANGE, poses,
-                   rigcal_solve_tag(poses, &n, 1, &bad, &s.camera, s.uv, -1, NULL));
+                   rigcal_tag_solve(poses, 1, &n, &at_fault, &s.camera, s.uv, -1, NULL));
     ASSERT_REFUSED(RIGCAL_ERR_RANGE, poses,
-                   rigcal_solve_tag(poses, &n, 0, &bad, &s.camera, s.uv, 1, NULL));
-    TEST_ASSERT_TRUE(rigcal_solve_tag(poses, &n, 1, &bad, &s.camera, line, 1, NULL) !=
+                   rigcal_tag_solve(poses, 0, &n, &at_fault, &s.camera, s.uv, 1, NULL));
+    TEST_ASSERT_TRUE(rigcal_tag_solve(poses, 1, &n, &at_fault, &s.camera, line, 1, NULL) !=
                      RIGCAL_OK);
 }
 
-int main(void)
+TEST_MAIN()
 {
-    UNITY_BEGIN();
     RUN_TEST(test_the_pose_of_a_tag_in_the_unit_of_its_size);
     RUN_TEST(test_it_is_solve_pose_of_these_four_points);
     RUN_TEST(test_corners_the_wrong_way_round_are_mirrored);
     RUN_TEST(test_another_first_corner_is_a_turned_tag);
     RUN_TEST(test_what_is_no_tag_is_refused_by_name);
-    return UNITY_END();
 }

@@ -1,6 +1,7 @@
-/* Rigid transforms: chained, turned round, applied; camera to camera. */
+/* Rigid transforms: chained, turned round, applied, averaged; camera to camera. */
 #include <math.h>
 #include <stddef.h>
+#include <string.h>
 
 #include "test_support.h"
 #include "vectors_transform.h"
@@ -9,49 +10,16 @@
 #define TOL_ENTRY TOL(1e-14, 2e-6)
 #define TOL_LENGTH TOL(3e-14, 1e-5)
 
+/* The same of a mean. */
+#define TOL_MEAN TOL(3e-14, 5e-6)
+#define TOL_MEAN_LENGTH TOL(2e-13, 5e-5)
+
 static const rigcal_transform NOTHING = {{1, 0, 0, 0, 1, 0, 0, 0, 1},
                                          {0, 0, 0}};
 
 /* A quarter turn x to y, then 10 along x: exact in any arithmetic. */
 static const rigcal_transform QUARTER = {{0, -1, 0, 1, 0, 0, 0, 0, 1},
                                          {10, 0, 0}};
-
-void setUp(void)
-{
-}
-
-void tearDown(void)
-{
-}
-
-static rigcal_transform random_transform(test_rng *rng)
-{
-    double R[9], t[3];
-
-    test_random_rotation(R, rng);
-    for (int k = 0; k < 3; k++) {
-        t[k] = test_uniform(rng, -5, 5);
-    }
-    return test_transform(R, t);
-}
-
-static rigcal_transform from_ypr(const double ypr[3], const double t[3])
-{
-    double R[9];
-
-    test_rotation(R, ypr[0], ypr[1], ypr[2]);
-    return test_transform(R, t);
-}
-
-static void assert_same(const rigcal_transform *expected,
-                        const rigcal_transform *seen)
-{
-    double R[9], t[3];
-
-    test_transform_parts(R, t, expected);
-    ASSERT_ARRAY_NEAR(R, seen->R, 9, TOL_ENTRY);
-    ASSERT_ARRAY_NEAR(t, seen->t, 3, TOL_LENGTH);
-}
 
 /* ---- on paper ------------------------------------------------------------ */
 
@@ -113,11 +81,11 @@ static void test_camera_to_camera_is_the_oracles(void)
 {
     for (int i = 0; i < TRANSFORM_RELATIVE_ROWS; i++) {
         const double *v = TRANSFORM_RELATIVE[i];
-        const rigcal_transform a = from_ypr(v, v + 3);
-        const rigcal_transform b = from_ypr(v + 6, v + 9);
+        const rigcal_transform a = test_from_ypr(v, v + 3);
+        const rigcal_transform b = test_from_ypr(v + 6, v + 9);
         rigcal_transform b_from_a;
 
-        ASSERT_STATUS(RIGCAL_OK, rigcal_relative_pose(&b_from_a, &b, &a));
+        ASSERT_STATUS(RIGCAL_OK, rigcal_transform_between(&b_from_a, &b, &a));
         ASSERT_ARRAY_NEAR(v + 12, b_from_a.R, 9, TOL_ENTRY);
         ASSERT_ARRAY_NEAR(v + 21, b_from_a.t, 3, TOL_LENGTH);
     }
@@ -130,8 +98,8 @@ static void test_a_chain_takes_points_where_its_links_take_them(void)
     test_rng rng = test_seed(21);
 
     for (int i = 0; i < 100; i++) {
-        const rigcal_transform b_from_a = random_transform(&rng);
-        const rigcal_transform c_from_b = random_transform(&rng);
+        const rigcal_transform b_from_a = test_random_transform(&rng);
+        const rigcal_transform c_from_b = test_random_transform(&rng);
         const rigcal_real X[3] = {RC(test_uniform(&rng, -5, 5)),
                                   RC(test_uniform(&rng, -5, 5)),
                                   RC(test_uniform(&rng, -5, 5))};
@@ -154,31 +122,31 @@ static void test_a_transform_and_its_inverse_cancel_either_way(void)
     test_rng rng = test_seed(22);
 
     for (int i = 0; i < 100; i++) {
-        const rigcal_transform there = random_transform(&rng);
+        const rigcal_transform there = test_random_transform(&rng);
         rigcal_transform back, both, again;
 
         ASSERT_STATUS(RIGCAL_OK, rigcal_transform_invert(&back, &there));
         ASSERT_STATUS(RIGCAL_OK,
                       rigcal_transform_compose(&both, &back, &there));
-        assert_same(&NOTHING, &both);
+        ASSERT_TRANSFORM(&NOTHING, &both, TOL_ENTRY, TOL_LENGTH);
         ASSERT_STATUS(RIGCAL_OK,
                       rigcal_transform_compose(&both, &there, &back));
-        assert_same(&NOTHING, &both);
+        ASSERT_TRANSFORM(&NOTHING, &both, TOL_ENTRY, TOL_LENGTH);
         ASSERT_STATUS(RIGCAL_OK, rigcal_transform_invert(&again, &back));
-        assert_same(&there, &again);
+        ASSERT_TRANSFORM(&there, &again, TOL_ENTRY, TOL_LENGTH);
     }
 }
 
 static void test_chaining_with_nothing_changes_nothing(void)
 {
     test_rng rng = test_seed(23);
-    const rigcal_transform T = random_transform(&rng);
+    const rigcal_transform T = test_random_transform(&rng);
     rigcal_transform seen;
 
     ASSERT_STATUS(RIGCAL_OK, rigcal_transform_compose(&seen, &T, &NOTHING));
-    assert_same(&T, &seen);
+    ASSERT_TRANSFORM(&T, &seen, TOL_ENTRY, TOL_LENGTH);
     ASSERT_STATUS(RIGCAL_OK, rigcal_transform_compose(&seen, &NOTHING, &T));
-    assert_same(&T, &seen);
+    ASSERT_TRANSFORM(&T, &seen, TOL_ENTRY, TOL_LENGTH);
 }
 
 /* c_from_b * b_from_a = c_from_a, and round a loop of six cameras nothing. */
@@ -188,28 +156,28 @@ static void test_camera_to_camera_closes_round_a_loop(void)
     rigcal_transform cams[6], loop = NOTHING;
 
     for (int i = 0; i < 6; i++) {
-        cams[i] = random_transform(&rng);
+        cams[i] = test_random_transform(&rng);
     }
     for (int i = 0; i < 6; i++) {
         const rigcal_transform so_far = loop;
         rigcal_transform next;
 
-        ASSERT_STATUS(RIGCAL_OK, rigcal_relative_pose(&next, &cams[(i + 1) % 6],
+        ASSERT_STATUS(RIGCAL_OK, rigcal_transform_between(&next, &cams[(i + 1) % 6],
                                                       &cams[i]));
         ASSERT_STATUS(RIGCAL_OK,
                       rigcal_transform_compose(&loop, &next, &so_far));
     }
-    assert_same(&NOTHING, &loop);
+    ASSERT_TRANSFORM(&NOTHING, &loop, TOL_ENTRY, TOL_LENGTH);
 }
 
 static void test_a_camera_seen_from_itself_is_at_home(void)
 {
     test_rng rng = test_seed(25);
-    const rigcal_transform T = random_transform(&rng);
+    const rigcal_transform T = test_random_transform(&rng);
     rigcal_transform self;
 
-    ASSERT_STATUS(RIGCAL_OK, rigcal_relative_pose(&self, &T, &T));
-    assert_same(&NOTHING, &self);
+    ASSERT_STATUS(RIGCAL_OK, rigcal_transform_between(&self, &T, &T));
+    ASSERT_TRANSFORM(&NOTHING, &self, TOL_ENTRY, TOL_LENGTH);
 }
 
 /* Another world W': X = Q X' + s changes both poses and not b_from_a. */
@@ -218,19 +186,19 @@ static void test_camera_to_camera_does_not_depend_on_the_world(void)
     test_rng rng = test_seed(26);
 
     for (int i = 0; i < 50; i++) {
-        const rigcal_transform a = random_transform(&rng);
-        const rigcal_transform b = random_transform(&rng);
-        const rigcal_transform w_from_other = random_transform(&rng);
+        const rigcal_transform a = test_random_transform(&rng);
+        const rigcal_transform b = test_random_transform(&rng);
+        const rigcal_transform w_from_other = test_random_transform(&rng);
         rigcal_transform a_other, b_other, first, second;
 
         ASSERT_STATUS(RIGCAL_OK,
                       rigcal_transform_compose(&a_other, &a, &w_from_other));
         ASSERT_STATUS(RIGCAL_OK,
                       rigcal_transform_compose(&b_other, &b, &w_from_other));
-        ASSERT_STATUS(RIGCAL_OK, rigcal_relative_pose(&first, &b, &a));
+        ASSERT_STATUS(RIGCAL_OK, rigcal_transform_between(&first, &b, &a));
         ASSERT_STATUS(RIGCAL_OK,
-                      rigcal_relative_pose(&second, &b_other, &a_other));
-        assert_same(&first, &second);
+                      rigcal_transform_between(&second, &b_other, &a_other));
+        ASSERT_TRANSFORM(&first, &second, TOL_ENTRY, TOL_LENGTH);
     }
 }
 
@@ -284,11 +252,11 @@ static void test_null_is_refused_in_every_place(void)
     ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_camera_center(NULL, &QUARTER));
     ASSERT_REFUSED(RIGCAL_ERR_NULL, Y, rigcal_camera_center(Y, NULL));
     ASSERT_STATUS(RIGCAL_ERR_NULL,
-                  rigcal_relative_pose(NULL, &QUARTER, &QUARTER));
+                  rigcal_transform_between(NULL, &QUARTER, &QUARTER));
     ASSERT_REFUSED(RIGCAL_ERR_NULL, T,
-                   rigcal_relative_pose(&T, NULL, &QUARTER));
+                   rigcal_transform_between(&T, NULL, &QUARTER));
     ASSERT_REFUSED(RIGCAL_ERR_NULL, T,
-                   rigcal_relative_pose(&T, &QUARTER, NULL));
+                   rigcal_transform_between(&T, &QUARTER, NULL));
 }
 
 static void assert_all_refuse(rigcal_status status, const rigcal_transform *bad)
@@ -302,8 +270,8 @@ static void assert_all_refuse(rigcal_status status, const rigcal_transform *bad)
     ASSERT_REFUSED(status, T, rigcal_transform_invert(&T, bad));
     ASSERT_REFUSED(status, Y, rigcal_transform_point(Y, bad, X));
     ASSERT_REFUSED(status, Y, rigcal_camera_center(Y, bad));
-    ASSERT_REFUSED(status, T, rigcal_relative_pose(&T, bad, &QUARTER));
-    ASSERT_REFUSED(status, T, rigcal_relative_pose(&T, &QUARTER, bad));
+    ASSERT_REFUSED(status, T, rigcal_transform_between(&T, bad, &QUARTER));
+    ASSERT_REFUSED(status, T, rigcal_transform_between(&T, &QUARTER, bad));
 }
 
 static void test_a_number_that_is_not_finite_is_refused_in_every_place(void)
@@ -359,9 +327,237 @@ static void test_a_length_beyond_the_range_is_refused(void)
     }
 }
 
-int main(void)
+/* ---- the mean ------------------------------------------------------------ */
+
+static void test_the_mean_is_scipys_karcher_mean(void)
 {
-    UNITY_BEGIN();
+    for (int i = 0; i < TRANSFORM_MEAN_ROWS; i++) {
+        const double *v = TRANSFORM_MEAN[i];
+        rigcal_transform transforms[5], mean;
+        rigcal_real weight[5], sigma_rad, sigma_t;
+
+        for (int k = 0; k < 5; k++) {
+            weight[k] = RC(v[7 * k]);
+            transforms[k] = test_from_ypr(v + 7 * k + 1, v + 7 * k + 4);
+        }
+        ASSERT_STATUS(RIGCAL_OK,
+                      rigcal_transform_mean(&mean, &sigma_rad, &sigma_t,
+                                            transforms, weight, 5));
+        ASSERT_ARRAY_NEAR(v + 35, mean.R, 9, TOL(1e-12, 5e-6));
+        ASSERT_ARRAY_NEAR(v + 44, mean.t, 3, TOL(1e-14, 2e-6));
+        ASSERT_NEAR(v[47], sigma_rad, TOL(1e-12, 5e-6));
+        ASSERT_NEAR(v[48], sigma_t, TOL(1e-14, 3e-6));
+    }
+}
+
+static void test_the_mean_of_one_is_that_one(void)
+{
+    test_rng rng = test_seed(71);
+    const rigcal_transform one = test_random_transform(&rng);
+    rigcal_transform mean;
+    rigcal_real sigma_rad, sigma_t;
+
+    ASSERT_STATUS(RIGCAL_OK, rigcal_transform_mean(&mean, &sigma_rad, &sigma_t,
+                                                   &one, NULL, 1));
+    ASSERT_TRANSFORM(&one, &mean, TOL(1e-15, 1e-6), 0);
+    ASSERT_NEAR(0, sigma_rad, TOL(1e-15, 1e-6));
+    ASSERT_NEAR(0, sigma_t, 0);
+}
+
+/* Turned by +w and -w, shifted by +d and -d: the middle is known, and so is the
+ * deviation. */
+static void test_deviations_that_balance_leave_the_middle(void)
+{
+    test_rng rng = test_seed(72);
+
+    for (int trial = 0; trial < 60; trial++) {
+        const double angle = trial % 2 ? 0.9 : 1e-3;
+        const rigcal_transform middle = test_random_transform(&rng);
+        double axis[3], d[3], length;
+        rigcal_transform six[6], mean;
+        rigcal_real sigma_rad, sigma_t;
+
+        for (int k = 0; k < 3; k++) {
+            d[k] = test_uniform(&rng, -1, 1);
+        }
+        length = test_norm(d);
+        for (int i = 0; i < 6; i += 2) {
+            for (int k = 0; k < 3; k++) {
+                axis[k] = test_normal(&rng);
+            }
+            for (int side = 0; side < 2; side++) {
+                const rigcal_transform turn =
+                    test_turned_about(axis, side ? angle : -angle);
+
+                six[i + side] = test_times(&turn, &middle);
+                for (int k = 0; k < 3; k++) {
+                    six[i + side].t[k] =
+                        middle.t[k] + (side ? RC(d[k]) : -RC(d[k]));
+                }
+            }
+        }
+        ASSERT_STATUS(RIGCAL_OK, rigcal_transform_mean(&mean, &sigma_rad,
+                                                       &sigma_t, six, NULL, 6));
+        ASSERT_TRANSFORM(&middle, &mean, TOL(1e-14, 3e-6), TOL(1e-14, 3e-6));
+        ASSERT_NEAR(angle, sigma_rad, TOL(1e-14, 3e-6));
+        ASSERT_NEAR(length, sigma_t, TOL(1e-14, 3e-6));
+    }
+}
+
+/* About one axis the mean angle is the mean of the angles. That of the entries
+ * (the chordal mean) of 0, 0 and 1.5 would be 0.45. */
+static void test_angles_are_averaged_and_not_entries(void)
+{
+    static const double axis[3] = {1, 2, -2};
+    const rigcal_transform three[3] = {
+        test_turned_about(axis, 0), test_turned_about(axis, 0), test_turned_about(axis, 1.5)};
+    const rigcal_transform expected = test_turned_about(axis, 0.5);
+    rigcal_transform mean;
+
+    ASSERT_STATUS(RIGCAL_OK,
+                  rigcal_transform_mean(&mean, NULL, NULL, three, NULL, 3));
+    ASSERT_TRANSFORM(&expected, &mean, TOL(1e-14, 2e-6), 0);
+}
+
+static void test_a_weight_counts_as_so_many_repetitions(void)
+{
+    test_rng rng = test_seed(73);
+    const rigcal_real weight[3] = {3, 0, 2}, scaled[3] = {48, 0, 32};
+    const double base[3] = {0.4, -0.3, 1.2};
+    rigcal_transform three[3], five[5], by_weight, by_scaled, by_repetition;
+    rigcal_real sigma[3][2];
+
+    for (int i = 0; i < 3; i++) {
+        double ypr[3], t[3];
+
+        for (int k = 0; k < 3; k++) {
+            ypr[k] = base[k] + test_uniform(&rng, -0.4, 0.4);
+            t[k] = test_uniform(&rng, -2, 2);
+        }
+        three[i] = test_from_ypr(ypr, t);
+    }
+    for (int i = 0; i < 5; i++) {
+        five[i] = three[i < 3 ? 0 : 2];
+    }
+    ASSERT_STATUS(RIGCAL_OK,
+                  rigcal_transform_mean(&by_weight, &sigma[0][0], &sigma[0][1],
+                                        three, weight, 3));
+    ASSERT_STATUS(RIGCAL_OK,
+                  rigcal_transform_mean(&by_scaled, &sigma[1][0], &sigma[1][1],
+                                        three, scaled, 3));
+    ASSERT_STATUS(RIGCAL_OK,
+                  rigcal_transform_mean(&by_repetition, &sigma[2][0],
+                                        &sigma[2][1], five, NULL, 5));
+    ASSERT_TRANSFORM(&by_weight, &by_scaled, TOL_MEAN, TOL_MEAN_LENGTH);
+    ASSERT_TRANSFORM(&by_weight, &by_repetition, TOL_MEAN, TOL_MEAN_LENGTH);
+    for (int k = 0; k < 2; k++) {
+        ASSERT_NEAR(sigma[0][k], sigma[1][k], TOL_MEAN);
+        ASSERT_NEAR(sigma[0][k], sigma[2][k], TOL_MEAN);
+    }
+}
+
+/* Which frame the rotations are written in changes nothing. */
+static void test_the_mean_turns_with_its_frame(void)
+{
+    test_rng rng = test_seed(74);
+    const rigcal_transform turn = test_random_transform(&rng);
+    const rigcal_transform after = test_random_transform(&rng);
+    rigcal_transform plain[4], turned[4], mean, mean_turned, expected;
+
+    for (int i = 0; i < 4; i++) {
+        const double ypr[3] = {0.3 * i, 0.2 - 0.2 * i, 0.1 * i * i};
+        double R[9];
+
+        test_rotation(R, ypr[0], ypr[1], ypr[2]);
+        plain[i] = test_transform(R, NULL);
+        turned[i] = test_times(&turn, &plain[i]);
+        turned[i] = test_times(&turned[i], &after);
+    }
+    ASSERT_STATUS(RIGCAL_OK,
+                  rigcal_transform_mean(&mean, NULL, NULL, plain, NULL, 4));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_transform_mean(&mean_turned, NULL, NULL,
+                                                   turned, NULL, 4));
+    expected = test_times(&turn, &mean);
+    expected = test_times(&expected, &after);
+    for (int i = 0; i < 9; i++) {
+        ASSERT_NEAR(expected.R[i], mean_turned.R[i], TOL_MEAN);
+    }
+}
+
+static void test_rotations_that_cancel_have_no_mean(void)
+{
+    static const double axes[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    rigcal_transform four[4] = {NOTHING, NOTHING, NOTHING, NOTHING}, mean;
+    rigcal_real sigma_rad, sigma_t;
+
+    FILL(sigma_rad);
+    FILL(sigma_t);
+    /* Half a turn apart. */
+    four[1] = test_turned_about(axes[2], TEST_PI);
+    ASSERT_REFUSED(
+        RIGCAL_ERR_ROTATION, mean,
+        rigcal_transform_mean(&mean, &sigma_rad, &sigma_t, four, NULL, 2));
+    /* All the way round. */
+    for (int i = 0; i < 4; i++) {
+        four[i] = test_turned_about(axes[1], i * TEST_PI / 2);
+    }
+    ASSERT_REFUSED(
+        RIGCAL_ERR_ROTATION, mean,
+        rigcal_transform_mean(&mean, &sigma_rad, &sigma_t, four, NULL, 4));
+    /* Half turns about all three axes: the matrices sum to zero. */
+    for (int i = 0; i < 3; i++) {
+        four[i] = test_turned_about(axes[i], TEST_PI);
+    }
+    four[3] = NOTHING;
+    ASSERT_REFUSED(
+        RIGCAL_ERR_ROTATION, mean,
+        rigcal_transform_mean(&mean, &sigma_rad, &sigma_t, four, NULL, 4));
+    ASSERT_UNTOUCHED(sigma_rad);
+    ASSERT_UNTOUCHED(sigma_t);
+}
+
+static void test_arguments_of_the_mean_are_checked(void)
+{
+    const rigcal_transform two[2] = {NOTHING, NOTHING};
+    const rigcal_real none[2] = {0, 0}, negative[2] = {2, -1};
+    const rigcal_real odd[2] = {1, TEST_NAN}, endless[2] = {TEST_INF, 1};
+    rigcal_transform mean, bad[2];
+    rigcal_real a, b;
+
+    ASSERT_STATUS(RIGCAL_ERR_NULL,
+                  rigcal_transform_mean(NULL, &a, &b, two, NULL, 2));
+    ASSERT_REFUSED(RIGCAL_ERR_NULL, mean,
+                   rigcal_transform_mean(&mean, &a, &b, NULL, NULL, 2));
+    ASSERT_REFUSED(RIGCAL_ERR_TOO_FEW, mean,
+                   rigcal_transform_mean(&mean, &a, &b, two, NULL, 0));
+    ASSERT_REFUSED(
+        RIGCAL_ERR_RANGE, mean,
+        rigcal_transform_mean(&mean, &a, &b, two, NULL, ((size_t)1 << 28) + 1));
+    ASSERT_REFUSED(RIGCAL_ERR_RANGE, mean,
+                   rigcal_transform_mean(&mean, &a, &b, two, none, 2));
+    ASSERT_REFUSED(RIGCAL_ERR_RANGE, mean,
+                   rigcal_transform_mean(&mean, &a, &b, two, negative, 2));
+    ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, mean,
+                   rigcal_transform_mean(&mean, &a, &b, two, odd, 2));
+    ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, mean,
+                   rigcal_transform_mean(&mean, &a, &b, two, endless, 2));
+    for (int i = 0; i < 2; i++) {
+        memcpy(bad, two, sizeof bad);
+        bad[i].R[4] = -1;
+        ASSERT_REFUSED(RIGCAL_ERR_ROTATION, mean,
+                       rigcal_transform_mean(&mean, &a, &b, bad, NULL, 2));
+        bad[i].R[4] = TEST_NAN;
+        ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, mean,
+                       rigcal_transform_mean(&mean, &a, &b, bad, NULL, 2));
+        memcpy(bad, two, sizeof bad);
+        bad[i].t[2] = RC(TOL(1e31, 1e10));
+        ASSERT_REFUSED(RIGCAL_ERR_RANGE, mean,
+                       rigcal_transform_mean(&mean, &a, &b, bad, NULL, 2));
+    }
+}
+
+TEST_MAIN()
+{
     RUN_TEST(test_a_point_is_turned_then_shifted);
     RUN_TEST(test_the_later_transform_stands_left_in_a_chain);
     RUN_TEST(test_the_inverse_of_a_known_transform);
@@ -378,5 +574,12 @@ int main(void)
     RUN_TEST(test_a_number_that_is_not_finite_is_refused_in_every_place);
     RUN_TEST(test_a_matrix_that_is_no_rotation_is_refused);
     RUN_TEST(test_a_length_beyond_the_range_is_refused);
-    return UNITY_END();
+    RUN_TEST(test_the_mean_is_scipys_karcher_mean);
+    RUN_TEST(test_the_mean_of_one_is_that_one);
+    RUN_TEST(test_deviations_that_balance_leave_the_middle);
+    RUN_TEST(test_angles_are_averaged_and_not_entries);
+    RUN_TEST(test_a_weight_counts_as_so_many_repetitions);
+    RUN_TEST(test_the_mean_turns_with_its_frame);
+    RUN_TEST(test_rotations_that_cancel_have_no_mean);
+    RUN_TEST(test_arguments_of_the_mean_are_checked);
 }

@@ -4,14 +4,6 @@
 
 #include "test_support.h"
 
-void setUp(void)
-{
-}
-
-void tearDown(void)
-{
-}
-
 enum { N = 96 };
 
 static rigcal_observation seen[N];
@@ -44,7 +36,7 @@ static rigcal_diagnosis diagnosed(const rigcal_camera *camera)
     rigcal_diagnosis d;
 
     ASSERT_STATUS(RIGCAL_OK,
-                  rigcal_diagnose_pose(&d, NULL, camera, seen, NULL, N, NULL));
+                  rigcal_pose_diagnose(&d, NULL, &VIEW(camera, seen, NULL, N), NULL));
     return d;
 }
 
@@ -95,11 +87,9 @@ static void test_one_wrong_point_of_many_is_told(void)
     TEST_ASSERT_EQUAL_INT(RIGCAL_DIAGNOSIS_CONSISTENT, diagnosed(&camera).verdict);
 }
 
-int main(void)
+TEST_MAIN()
 {
-    UNITY_BEGIN();
     RUN_TEST(test_mirrored_coordinates_are_told);
     RUN_TEST(test_a_flipped_image_is_told);
     RUN_TEST(test_one_wrong_point_of_many_is_told);
-    return UNITY_END();
 }

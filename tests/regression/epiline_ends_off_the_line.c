@@ -6,14 +6,6 @@
 
 #include "test_support.h"
 
-void setUp(void)
-{
-}
-
-void tearDown(void)
-{
-}
-
 static void test_an_image_too_large_is_refused(void)
 {
     const rigcal_real line[3] = {RC(0.6), RC(-0.8), 100};
@@ -56,21 +48,19 @@ static void test_the_far_end_is_there(void)
     const rigcal_real ray[3] = {0, 0, 1};
     const double far_a = TOL(1e30, 1e9);
     rigcal_real uv[6];
-    int32_t n;
+    size_t n;
 
     ASSERT_STATUS(RIGCAL_OK,
-                  rigcal_epiline_curve(uv, &n, 3, &camera, &b_from_a, ray,
+                  rigcal_epiline_curve(uv, 3, &n, &camera, &b_from_a, ray,
                                        RC(TOL(1e-300, 1e-37)), RC(far_a)));
     /* At infinity the match is the ray's own direction. */
     ASSERT_NEAR(camera.cx, uv[2 * n - 2], 1e-3);
     ASSERT_NEAR(camera.cy, uv[2 * n - 1], 1e-3);
 }
 
-int main(void)
+TEST_MAIN()
 {
-    UNITY_BEGIN();
     RUN_TEST(test_an_image_too_large_is_refused);
     RUN_TEST(test_ends_are_on_the_line);
     RUN_TEST(test_the_far_end_is_there);
-    return UNITY_END();
 }

@@ -4,14 +4,6 @@
 
 #include "test_support.h"
 
-void setUp(void)
-{
-}
-
-void tearDown(void)
-{
-}
-
 static void test_the_camera_is_refused(void)
 {
     for (int k = 0; k < 8; k++) {
@@ -27,9 +19,7 @@ static void test_the_camera_is_refused(void)
     }
 }
 
-int main(void)
+TEST_MAIN()
 {
-    UNITY_BEGIN();
     RUN_TEST(test_the_camera_is_refused);
-    return UNITY_END();
 }

@@ -5,14 +5,6 @@
 
 #include "test_support.h"
 
-void setUp(void)
-{
-}
-
-void tearDown(void)
-{
-}
-
 static void scaled(rigcal_camera *camera, rigcal_observation out[],
                    const rigcal_observation in[], int n, double by)
 {
@@ -54,8 +46,7 @@ static void test_the_statuses_are_those_of_pixels(void)
             if (k == 1) {
                 scaled(&camera, small, seen, N, 1 / D(camera.fx));
             }
-            status[k] = rigcal_solve_pose(poses, &n_found, RIGCAL_POSES_MAX, NULL,
-                                          &camera, k ? small : seen, NULL, N, NULL);
+            status[k] = rigcal_pose_solve(poses, RIGCAL_POSES_MAX, &n_found, NULL, &VIEW(&camera, k ? small : seen, NULL, N), NULL);
             TEST_ASSERT_TRUE(status[k] >= 0);
         }
         same += status[0] == status[1];
@@ -80,14 +71,11 @@ static void test_a_bad_fit_is_poor(void)
     seen[3].uv[1] += 60;
     scaled(&camera, small, seen, N, 1 / D(camera.fx));
     ASSERT_STATUS(RIGCAL_POOR_FIT,
-                  rigcal_solve_pose(poses, &n_found, RIGCAL_POSES_MAX, NULL, &camera,
-                                    small, NULL, N, NULL));
+                  rigcal_pose_solve(poses, RIGCAL_POSES_MAX, &n_found, NULL, &VIEW(&camera, small, NULL, N), NULL));
 }
 
-int main(void)
+TEST_MAIN()
 {
-    UNITY_BEGIN();
     RUN_TEST(test_the_statuses_are_those_of_pixels);
     RUN_TEST(test_a_bad_fit_is_poor);
-    return UNITY_END();
 }

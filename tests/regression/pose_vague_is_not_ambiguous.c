@@ -5,14 +5,6 @@
 
 #include "test_support.h"
 
-void setUp(void)
-{
-}
-
-void tearDown(void)
-{
-}
-
 static void test_a_long_thin_target_far_away_is_vague(void)
 {
     enum { N = 6 };
@@ -45,8 +37,7 @@ static void test_a_long_thin_target_far_away_is_vague(void)
         }
         ASSERT_STATUS(RIGCAL_OK, rigcal_pose_defaults(&options));
         options.sigma_px = RC(0.3);
-        vague += rigcal_solve_pose(poses, &n_found, RIGCAL_POSES_MAX, NULL, &camera,
-                                   seen, NULL, N, &options) == RIGCAL_VAGUE;
+        vague += rigcal_pose_solve(poses, RIGCAL_POSES_MAX, &n_found, NULL, &VIEW(&camera, seen, NULL, N), &options) == RIGCAL_VAGUE;
     }
     TEST_ASSERT_TRUE(vague > TEST_TRIALS(100) * 9 / 10);
 }
@@ -79,18 +70,15 @@ static void test_a_far_tag_is_ambiguous_with_two_poses(void)
         }
         ASSERT_STATUS(RIGCAL_OK, rigcal_pose_defaults(&options));
         options.sigma_px = RC(0.3);
-        status = rigcal_solve_tag(poses, &n_found, RIGCAL_POSES_MAX, NULL, &camera, uv, 1,
-                                  &options);
+        status = rigcal_tag_solve(poses, RIGCAL_POSES_MAX, &n_found, NULL, &camera, uv, 1, &options);
         TEST_ASSERT_TRUE(status != RIGCAL_AMBIGUOUS || n_found == 2);
         ambiguous += status == RIGCAL_AMBIGUOUS;
     }
     TEST_ASSERT_TRUE(ambiguous > TEST_TRIALS(100) / 2);
 }
 
-int main(void)
+TEST_MAIN()
 {
-    UNITY_BEGIN();
     RUN_TEST(test_a_long_thin_target_far_away_is_vague);
     RUN_TEST(test_a_far_tag_is_ambiguous_with_two_poses);
-    return UNITY_END();
 }

@@ -5,14 +5,6 @@
 
 #include "test_support.h"
 
-void setUp(void)
-{
-}
-
-void tearDown(void)
-{
-}
-
 enum { N = 8 };
 
 static rigcal_camera camera;
@@ -52,14 +44,12 @@ static void expect(rigcal_status expected)
     size_t n_found;
 
     ASSERT_STATUS(expected,
-                  rigcal_solve_pose(poses, &n_found, RIGCAL_POSES_MAX, NULL, &camera,
-                                    seen, NULL, N, &options));
+                  rigcal_pose_solve(poses, RIGCAL_POSES_MAX, &n_found, NULL, &VIEW(&camera, seen, NULL, N), &options));
     ASSERT_STATUS(expected,
-                  rigcal_blame_point(&blame, NULL, &camera, seen, NULL, N, &options));
+                  rigcal_pose_blame(&blame, NULL, &VIEW(&camera, seen, NULL, N), &options));
     options.use_start = 0;
     ASSERT_STATUS(expected,
-                  rigcal_solve_pose(poses, &n_found, RIGCAL_POSES_MAX, NULL, &camera,
-                                    seen, NULL, N, &options));
+                  rigcal_pose_solve(poses, RIGCAL_POSES_MAX, &n_found, NULL, &VIEW(&camera, seen, NULL, N), &options));
 }
 
 static void test_points_on_a_line_are_collinear(void)
@@ -78,10 +68,8 @@ static void test_two_different_points_are_too_few(void)
     }
 }
 
-int main(void)
+TEST_MAIN()
 {
-    UNITY_BEGIN();
     RUN_TEST(test_points_on_a_line_are_collinear);
     RUN_TEST(test_two_different_points_are_too_few);
-    return UNITY_END();
 }

@@ -6,14 +6,6 @@
 
 #include "test_support.h"
 
-void setUp(void)
-{
-}
-
-void tearDown(void)
-{
-}
-
 static rigcal_camera camera_of(double f, double cx, double cy, int32_t width,
                                int32_t height)
 {
@@ -53,8 +45,7 @@ static void test_a_point_88_degrees_off_the_axis(void)
     double R[9], R_true[9], t[3];
 
     observe(seen, X, UV);
-    ASSERT_STATUS(RIGCAL_OK, rigcal_solve_pose(poses, &n_found, RIGCAL_POSES_MAX, NULL,
-                                               &camera, seen, NULL, 4, NULL));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_pose_solve(poses, RIGCAL_POSES_MAX, &n_found, NULL, &VIEW(&camera, seen, NULL, 4), NULL));
     test_rotation_about(R_true, RVEC, test_norm(RVEC));
     test_transform_parts(R, t, &poses[0].cam_from_world);
     /* The pixels are given to 1e-6, the floats of 1000 to 6e-5. */
@@ -76,8 +67,7 @@ static void test_a_square_that_fills_more_than_the_view(void)
     size_t n_found;
 
     observe(seen, X, UV);
-    TEST_ASSERT_TRUE(rigcal_solve_pose(poses, &n_found, RIGCAL_POSES_MAX, NULL, &camera,
-                                       seen, NULL, 4, NULL) >= 0);
+    TEST_ASSERT_TRUE(rigcal_pose_solve(poses, RIGCAL_POSES_MAX, &n_found, NULL, &VIEW(&camera, seen, NULL, 4), NULL) >= 0);
 }
 
 /* Points in all directions 40 to `widest` degrees off the axis, noise-free. */
@@ -117,8 +107,7 @@ static void assert_surrounding_target_is_solved(rigcal_camera camera, double wid
             test_to_real(seen[i].uv, uv, 2);
         }
         ASSERT_STATUS(RIGCAL_OK,
-                      rigcal_solve_pose(poses, &n_found, RIGCAL_POSES_MAX, NULL,
-                                        &camera, seen, NULL, N, NULL));
+                      rigcal_pose_solve(poses, RIGCAL_POSES_MAX, &n_found, NULL, &VIEW(&camera, seen, NULL, N), NULL));
         test_transform_parts(found_R, found_t, &poses[0].cam_from_world);
         ASSERT_NEAR(0, test_angle_between(R, found_R), TOL(1e-7, 2e-3));
     }
@@ -138,12 +127,10 @@ static void test_a_target_all_around_a_fisheye(void)
     assert_surrounding_target_is_solved(camera, 110, 2);
 }
 
-int main(void)
+TEST_MAIN()
 {
-    UNITY_BEGIN();
     RUN_TEST(test_a_point_88_degrees_off_the_axis);
     RUN_TEST(test_a_square_that_fills_more_than_the_view);
     RUN_TEST(test_a_target_all_around_a_pinhole);
     RUN_TEST(test_a_target_all_around_a_fisheye);
-    return UNITY_END();
 }

@@ -4,14 +4,6 @@
 
 #include "test_support.h"
 
-void setUp(void)
-{
-}
-
-void tearDown(void)
-{
-}
-
 enum { N = TEST_MANY };
 
 static void test_the_others_give_the_pose(void)
@@ -27,7 +19,7 @@ static void test_the_others_give_the_pose(void)
     camera.k1 = RC(-0.3); /* turns back at 46 degrees, 622 px from the middle */
     for (int trial = 0; trial < TEST_TRIALS(20); trial++) {
         const int unseen = (int)test_uniform(&rng, 0, N);
-        int32_t bad = -2;
+        int32_t at_fault = -2;
         size_t n_found;
 
         test_random_rotation(R, &rng);
@@ -48,9 +40,8 @@ static void test_the_others_give_the_pose(void)
         options.use_start = trial % 2; /* from a previous pose too */
         options.start = test_transform(R, T);
         ASSERT_STATUS(RIGCAL_UNSEEN_POINT,
-                      rigcal_solve_pose(poses, &n_found, RIGCAL_POSES_MAX, &bad,
-                                        &camera, seen, NULL, N, &options));
-        TEST_ASSERT_EQUAL_INT32(unseen, bad);
+                      rigcal_pose_solve(poses, RIGCAL_POSES_MAX, &n_found, &at_fault, &VIEW(&camera, seen, NULL, N), &options));
+        TEST_ASSERT_EQUAL_INT32(unseen, at_fault);
         test_transform_parts(found_R, found_t, &poses[0].cam_from_world);
         ASSERT_NEAR(0, test_angle_between(R, found_R), TOL(1e-8, 1e-3));
         TEST_ASSERT_TRUE(D(poses[0].rms_px) < TOL(1e-6, 1e-2));
@@ -66,7 +57,7 @@ static void test_two_are_refused(void)
     rigcal_observation seen[6];
     rigcal_pose poses[1];
     size_t n_found;
-    int32_t bad;
+    int32_t at_fault;
 
     camera.k1 = RC(-0.3);
     for (int i = 0; i < 6; i++) {
@@ -81,19 +72,15 @@ static void test_two_are_refused(void)
         test_to_real(seen[i].uv, uv, 2);
     }
     seen[1].uv[0] = RC(1500);
-    ASSERT_STATUS(RIGCAL_ERR_NO_RAY, rigcal_solve_pose(poses, &n_found, 1, &bad, &camera,
-                                                       seen, NULL, 3, NULL));
-    TEST_ASSERT_EQUAL_INT32(1, bad);
+    ASSERT_STATUS(RIGCAL_ERR_NO_RAY, rigcal_pose_solve(poses, 1, &n_found, &at_fault, &VIEW(&camera, seen, NULL, 3), NULL));
+    TEST_ASSERT_EQUAL_INT32(1, at_fault);
     seen[4].uv[0] = RC(1500);
-    ASSERT_STATUS(RIGCAL_ERR_NO_RAY, rigcal_solve_pose(poses, &n_found, 1, &bad, &camera,
-                                                       seen, NULL, 6, NULL));
-    TEST_ASSERT_EQUAL_INT32(4, bad);
+    ASSERT_STATUS(RIGCAL_ERR_NO_RAY, rigcal_pose_solve(poses, 1, &n_found, &at_fault, &VIEW(&camera, seen, NULL, 6), NULL));
+    TEST_ASSERT_EQUAL_INT32(4, at_fault);
 }
 
-int main(void)
+TEST_MAIN()
 {
-    UNITY_BEGIN();
     RUN_TEST(test_the_others_give_the_pose);
     RUN_TEST(test_two_are_refused);
-    return UNITY_END();
 }

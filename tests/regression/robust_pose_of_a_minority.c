@@ -5,14 +5,6 @@
 
 #include "test_support.h"
 
-void setUp(void)
-{
-}
-
-void tearDown(void)
-{
-}
-
 enum { SIDE = 5, TAGS = 10, N = 4 * TAGS };
 
 /* Ten tags in two rows of five. The names of all but the last two tags of a row are
@@ -54,9 +46,7 @@ static void test_most_disagree_is_told(void)
     ASSERT_STATUS(RIGCAL_OK, rigcal_robust_defaults(&options));
     options.samples = 5000;
     ASSERT_STATUS(RIGCAL_MOST_DISAGREE,
-                  rigcal_solve_pose_robust(poses, &n_found, inliers, &n_inliers,
-                                           RIGCAL_POSES_MAX, NULL, &camera, seen, NULL,
-                                           N, &options));
+                  rigcal_robust_solve(poses, RIGCAL_POSES_MAX, &n_found, inliers, &n_inliers, NULL, &VIEW(&camera, seen, NULL, N), &options));
     TEST_ASSERT_TRUE(n_inliers >= 12 && n_inliers < N / 2);
 }
 
@@ -78,15 +68,11 @@ static void test_half_that_agree_are_enough(void)
         seen[i].uv[1] = RC(test_uniform(&rng, 0, 479));
     }
     ASSERT_STATUS(RIGCAL_OK,
-                  rigcal_solve_pose_robust(poses, &n_found, inliers, &n_inliers,
-                                           RIGCAL_POSES_MAX, NULL, &camera, seen, NULL,
-                                           20, NULL));
+                  rigcal_robust_solve(poses, RIGCAL_POSES_MAX, &n_found, inliers, &n_inliers, NULL, &VIEW(&camera, seen, NULL, 20), NULL));
 }
 
-int main(void)
+TEST_MAIN()
 {
-    UNITY_BEGIN();
     RUN_TEST(test_most_disagree_is_told);
     RUN_TEST(test_half_that_agree_are_enough);
-    return UNITY_END();
 }

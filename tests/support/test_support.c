@@ -4,6 +4,96 @@
 #include <stdio.h>
 #include <string.h>
 
+/* ---- the main function ---------------------------------------------------- */
+
+#ifdef UNITY_USE_COMMAND_LINE_ARGS
+
+/* Unity declares neither. */
+int UnityTestMatches(void);
+extern char *UnityOptionIncludeNamed;
+
+static int lists_only;
+
+/* Returns whether the command line asks for the test `name`. Unity would look for the text
+ * in the name of the file too. */
+static int is_asked_for(const char *name)
+{
+    const char *const file = Unity.TestFile;
+    int asked;
+
+    Unity.TestFile = "";
+    Unity.CurrentTestName = name;
+    asked = UnityTestMatches();
+    Unity.TestFile = file;
+    if (asked && lists_only) {
+        printf("%s\n", name);
+    }
+    return asked && !lists_only;
+}
+
+static int parse(int argc, char *argv[])
+{
+    const int status = UnityParseOptions(argc, argv);
+
+    lists_only = status < 0;
+    return lists_only ? 0 : status;
+}
+
+static int is_nothing_run(void)
+{
+    if (!lists_only && Unity.NumberOfTests == 0 && UnityOptionIncludeNamed) {
+        printf("There is no test \"%s\"; -l lists all.\n", UnityOptionIncludeNamed);
+        return 1;
+    }
+    return 0;
+}
+
+#else
+
+static int is_asked_for(const char *name)
+{
+    (void)name;
+    return 1;
+}
+
+static int parse(int argc, char *argv[])
+{
+    (void)argc;
+    (void)argv;
+    return 0;
+}
+
+static int is_nothing_run(void)
+{
+    return 0;
+}
+
+#endif
+
+void test_run(void (*function)(void), const char *name, int line)
+{
+    if (is_asked_for(name)) {
+        UnityDefaultTestRun(function, name, line);
+    }
+}
+
+int test_main(int argc, char *argv[], const char *file, void (*run_tests)(void))
+{
+    const int status = parse(argc, argv);
+
+    if (status != 0) {
+        return status;
+    }
+    UnityBegin(file);
+    run_tests();
+#ifdef UNITY_USE_COMMAND_LINE_ARGS
+    if (lists_only) {
+        return 0;
+    }
+#endif
+    return UnityEnd() != 0 || is_nothing_run();
+}
+
 /* ---- numbers ------------------------------------------------------------- */
 
 /* Through a volatile, so that no compiler folds or warns. */
@@ -301,6 +391,78 @@ void test_transform_parts(double R[9], double t[3], const rigcal_transform *T)
     if (t) {
         test_to_double(t, T->t, 3);
     }
+}
+
+/* ---- transforms ------------------------------------------------------------ */
+
+rigcal_transform test_from_ypr(const double ypr[3], const double t[3])
+{
+    double R[9];
+
+    test_rotation(R, ypr[0], ypr[1], ypr[2]);
+    return test_transform(R, t);
+}
+
+rigcal_transform test_random_transform(test_rng *rng)
+{
+    double R[9], t[3];
+
+    test_random_rotation(R, rng);
+    for (int k = 0; k < 3; k++) {
+        t[k] = test_uniform(rng, -5, 5);
+    }
+    return test_transform(R, t);
+}
+
+rigcal_transform test_turned_about(const double axis[3], double angle)
+{
+    double R[9];
+
+    test_rotation_about(R, axis, angle);
+    return test_transform(R, NULL);
+}
+
+rigcal_transform test_times(const rigcal_transform *c_from_b,
+                            const rigcal_transform *b_from_a)
+{
+    double R_cb[9], R_ba[9], R[9], t_cb[3], t_ba[3], t[3];
+
+    test_transform_parts(R_cb, t_cb, c_from_b);
+    test_transform_parts(R_ba, t_ba, b_from_a);
+    test_product(R, R_cb, R_ba);
+    test_apply(t, R_cb, t_ba, t_cb);
+    return test_transform(R, t);
+}
+
+rigcal_transform test_inverse(const rigcal_transform *b_from_a)
+{
+    double R[9], Rt[9], t[3], o[3];
+
+    test_transform_parts(R, t, b_from_a);
+    test_transpose(Rt, R);
+    test_apply(o, Rt, t, NULL);
+    for (int k = 0; k < 3; k++) {
+        o[k] = -o[k];
+    }
+    return test_transform(Rt, o);
+}
+
+void test_move_point(double X_b[3], const rigcal_transform *b_from_a, const double X_a[3])
+{
+    double R[9], t[3];
+
+    test_transform_parts(R, t, b_from_a);
+    test_apply(X_b, R, X_a, t);
+}
+
+void test_assert_transform(const rigcal_transform *expected, const rigcal_transform *seen,
+                           double tol_entry, double tol_length, int line)
+{
+    double R[9], t[3];
+
+    test_transform_parts(R, t, expected);
+    test_assert_array_near(R, seen->R, 9, tol_entry, line);
+    test_assert_array_near(t, seen->t, 3, tol_length, line);
 }
 
 /* ---- scenes -------------------------------------------------------------- */

@@ -13,6 +13,38 @@
 #include "rigcal_paper.h"
 #include "unity.h"
 
+/* ---- the main function ---------------------------------------------------- */
+
+/* A test program ends with
+ *
+ *     TEST_MAIN()
+ *     {
+ *         RUN_TEST(test_one);
+ *         RUN_TEST(test_other);
+ *     }
+ *
+ * Its arguments are those of Unity: `-n name` runs the tests whose names contain `name`,
+ * `-x name` leaves them out, `-l` lists them. No test of that name is a failure. */
+#define TEST_MAIN() \
+    void setUp(void) {} \
+    void tearDown(void) {} \
+    TEST_MAIN_WITH_SETUP()
+
+/* The same, of a file with setUp and tearDown of its own. */
+#define TEST_MAIN_WITH_SETUP() \
+    static void run_tests(void); \
+    int main(int argc, char *argv[]) \
+    { \
+        return test_main(argc, argv, __FILE__, run_tests); \
+    } \
+    static void run_tests(void)
+
+#undef RUN_TEST
+#define RUN_TEST(function) test_run(function, #function, __LINE__)
+
+void test_run(void (*function)(void), const char *name, int line);
+int test_main(int argc, char *argv[], const char *file, void (*run_tests)(void));
+
 /* ---- how much ------------------------------------------------------------ */
 
 /* A host tries everything. An emulated microcontroller computes in double a hundred
@@ -151,6 +183,32 @@ void test_project_px(double uv[2], const rigcal_camera *camera,
 /* A transform of the library's from doubles and back (t or R may be NULL). */
 rigcal_transform test_transform(const double R[9], const double t[3]);
 void test_transform_parts(double R[9], double t[3], const rigcal_transform *T);
+
+/* ---- transforms ------------------------------------------------------------ */
+
+rigcal_transform test_from_ypr(const double ypr[3], const double t[3]);
+/* Any rotation, t within 5. */
+rigcal_transform test_random_transform(test_rng *rng);
+/* A rotation about an axis of any length but zero, t = 0. */
+rigcal_transform test_turned_about(const double axis[3], double angle);
+rigcal_transform test_times(const rigcal_transform *c_from_b,
+                            const rigcal_transform *b_from_a);
+rigcal_transform test_inverse(const rigcal_transform *b_from_a);
+/* X_b of a point X_a. */
+void test_move_point(double X_b[3], const rigcal_transform *b_from_a, const double X_a[3]);
+
+/* Each entry of R and of t within its tolerance. */
+#define ASSERT_TRANSFORM(expected, seen, tol_entry, tol_length) \
+    test_assert_transform((expected), (seen), (double)(tol_entry), (double)(tol_length), \
+                          __LINE__)
+void test_assert_transform(const rigcal_transform *expected, const rigcal_transform *seen,
+                           double tol_entry, double tol_length, int line);
+
+/* ---- views ----------------------------------------------------------------- */
+
+/* What one camera saw, to hand in: &VIEW(&camera, observations, NULL, 6). */
+#define VIEW(camera, observations, sigma, n) \
+    ((const rigcal_view){(camera), (observations), (sigma), (size_t)(n)})
 
 /* ---- a random camera before a random target ------------------------------ */
 

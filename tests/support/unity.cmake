@@ -77,5 +77,6 @@ endif()
 # Not our code: no warnings of ours, and its headers count as the system's.
 add_library(unity STATIC ${unity_dir}/unity.c)
 set_target_properties(unity PROPERTIES C_STANDARD 99 C_EXTENSIONS OFF)
-target_compile_definitions(unity PUBLIC UNITY_INCLUDE_DOUBLE UNITY_SUPPORT_64)
+target_compile_definitions(unity PUBLIC
+    UNITY_INCLUDE_DOUBLE UNITY_SUPPORT_64 UNITY_USE_COMMAND_LINE_ARGS)
 target_include_directories(unity SYSTEM PUBLIC ${unity_dir})

@@ -376,10 +376,10 @@ def triangulation():
 
 
 # ---- the direction of the optical axis -------------------------------------------------
-def least_over_yaw(view, M):
+def least_over_yaw(moments, M):
     """The oracle's harmonics, minimised exactly: the stationary points are roots of a
     quartic in exp(i yaw), and the arc of positive depth has two ends. None: no arc."""
-    const, a, b, U, B = view.harmonics(M)
+    const, a, b, U, B = moments.harmonics(M)
     if abs(U) <= B:
         return None
     # d/dyaw Re(a z + b z^2) = 0:  2 b z^4 + a z^3 - conj(a) z - 2 conj(b) = 0 on |z| = 1
@@ -395,16 +395,16 @@ def least_over_yaw(view, M):
         ends = np.exp(1j * np.arccos(B / abs(U)) * np.array([1, -1])) * np.conj(U) / abs(U)
         z = np.concatenate([z, ends])
     cost = np.min(const - np.real(a * z) - np.real(b * z * z))
-    brute, _ = view.cost(M)
-    assert abs(cost - brute) < 1e-6 * np.trace(view.C)
+    brute, _ = moments.cost(M)
+    assert abs(cost - brute) < 1e-6 * np.trace(moments.C)
     return cost
 
 
-def view():
+def direction():
     rng, out = random.Random(8), []
     for k, (X, u, ypr, t, wrong) in enumerate(scene_list()[:40]):
         n = 4 + k % 3
-        moments = oracle.ViewMoments(X[:n], u[:n])
+        moments = oracle.Moments(X[:n], u[:n])
         directions = [oracle.euler_to_matrix(*y)[2] for y in (ypr, wrong)]
         directions += [np.array([rng.gauss(0, 1) for _ in range(3)]) for _ in range(4)]
         for m3 in directions:
@@ -413,9 +413,9 @@ def view():
             M = oracle.rot_y(np.arcsin(-unit[0])) @ oracle.rot_x(np.arctan2(unit[1], unit[2]))
             cost = least_over_yaw(moments, M)
             out.append(row(k, n, m3, np.trace(moments.C), -1 if cost is None else cost))
-    return {"VIEW_COST": ("scene and how many of its points, not rotated to the axis; "
+    return {"DIRECTION_COST": ("scene and how many of its points, not rotated to the axis; "
                           "direction m3, to be made of unit length; sum |X - mean|^2; cost by "
-                          "the oracle's ViewMoments, least over yaw on the closed arc of "
+                          "the oracle's Moments, least over yaw on the closed arc of "
                           "positive depth: -1 when there is none", out)}
 
 
@@ -660,7 +660,7 @@ TOPICS = {
     "scenes": scenes, "pairs": pairs, "elimination_two": elimination_two,
     "elimination_all": elimination_all, "translation": translation,
     "two_views": two_views, "camera": cameras, "triangulation": triangulation,
-    "view": view, "refine": refine, "store": store,
+    "direction": direction, "refine": refine, "store": store,
 }
 
 

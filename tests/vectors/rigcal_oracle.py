@@ -112,7 +112,7 @@ def translation_least_squares(R, X, u):
 
 
 # ---- optical-axis search: yaw AND translation eliminated, O(1) per evaluation ----------
-class ViewMoments:
+class Moments:
     """One pass over the points; afterwards every evaluation costs the same whatever n is."""
 
     def __init__(self, X, u):
@@ -271,7 +271,7 @@ def _self_check():
         assert np.allclose(translation_from_pairs(R, X, u, prs), t, atol=1e-7)
         assert np.allclose(translation_least_squares(R, X, u), t, atol=1e-9)
         M = rot_y(p) @ rot_x(r)
-        vm = ViewMoments(X, u)
+        vm = Moments(X, u)
         cost, yaw = vm.cost(M)
         assert cost < 1e-9 and abs(np.angle(np.exp(1j * (yaw - y)))) < 1e-5
         R2, t2 = vm.pose(M, y)

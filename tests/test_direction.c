@@ -1,23 +1,15 @@
-/* view: the cost of a direction from moments, against the oracle's vectors and
+/* direction: the cost of a direction from moments, against the oracle's vectors and
  * against sums over the points and scans over yaw that are written out here. */
 #include <math.h>
 #include <string.h>
 
-#include "rc_view.h"
+#include "rc_direction.h"
 #include "test_support.h"
 #include "vectors_scenes.h"
-#include "vectors_view.h"
+#include "vectors_direction.h"
 
 /* Of the sum of |X - mean|^2, which is what a useless direction costs. */
 #define TOL_COST TOL(1e-9, 1e-3)
-
-void setUp(void)
-{
-}
-
-void tearDown(void)
-{
-}
 
 /* ---- points, moments ----------------------------------------------------- */
 
@@ -26,20 +18,20 @@ typedef struct {
     int n;
     double x[TEST_SCENE_MAX][3], u[TEST_SCENE_MAX][2], w[TEST_SCENE_MAX];
     double middle[3], trace;
-    rigcal_view_moments view;
+    rigcal_moments sums;
 } target;
 
 static void take_moments(target *T)
 {
-    rc_view_begin(&T->view);
+    rc_moments_begin(&T->sums);
     for (int i = 0; i < T->n; i++) {
         rigcal_real x[3], u[2];
 
         test_to_real(x, T->x[i], 3);
         test_to_real(u, T->u[i], 2);
-        rc_view_add(&T->view, RC(T->w[i]), x, u);
+        rc_moments_add(&T->sums, RC(T->w[i]), x, u);
     }
-    TEST_ASSERT_TRUE(rc_view_finish(&T->view));
+    TEST_ASSERT_TRUE(rc_moments_finish(&T->sums));
 }
 
 /* Counts the points from their mean. */
@@ -98,7 +90,7 @@ static double cost_of(const target *T, const double m3[3])
     rigcal_real m[3];
 
     test_to_real(m, m3, 3);
-    return D(rc_view_cost(&T->view, m));
+    return D(rc_direction_cost(&T->sums, m));
 }
 
 /* What the cost stands for: sum of w |z u - q_xy|^2 at a pose. */
@@ -179,8 +171,8 @@ static void test_costs_are_those_of_the_oracle(void)
 {
     int other = 0;
 
-    for (int i = 0; i < VIEW_COST_ROWS; i++) {
-        const double *v = VIEW_COST[i];
+    for (int i = 0; i < DIRECTION_COST_ROWS; i++) {
+        const double *v = DIRECTION_COST[i];
         const double *s = SCENE[(int)v[0]];
         double m3[3], cost;
         target T;
@@ -205,7 +197,7 @@ static void test_costs_are_those_of_the_oracle(void)
             test_assert_near(v[6], cost, TOL_COST * v[5], i, __LINE__);
         }
     }
-    TEST_ASSERT_LESS_OR_EQUAL_INT(VIEW_COST_ROWS * 4 / 100, other);
+    TEST_ASSERT_LESS_OR_EQUAL_INT(DIRECTION_COST_ROWS * 4 / 100, other);
 }
 
 static void test_the_true_direction_of_an_exact_image_costs_nothing(void)
@@ -236,7 +228,7 @@ static void test_the_pose_of_a_true_direction_is_the_true_pose(void)
         test_apply(t, scene.R, T.middle, scene.t);
         distance = test_norm(t);
         test_to_real(m3, scene.R + 6, 3);
-        rc_view_pose(&pose, &T.view, m3);
+        rc_direction_pose(&pose, &T.sums, m3);
         test_to_double(R, pose.R, 9);
         /* the yaw is found to a thousandth, squared */
         ASSERT_NEAR(0, test_angle_between(R, scene.R), TOL(2e-6, 2e-3));
@@ -262,7 +254,7 @@ static void test_the_cost_is_the_sum_over_the_points_of_the_pose_it_gives(void)
             continue;
         }
         test_to_real(m, m3, 3);
-        rc_view_pose(&pose, &T.view, m);
+        rc_direction_pose(&pose, &T.sums, m);
         test_transform_parts(R, t, &pose);
         for (int k = 0; k < 3; k++) {
             ASSERT_NEAR(m3[k], R[6 + k], TOL(1e-15, 1e-7));
@@ -400,122 +392,58 @@ static void test_a_weight_of_three_is_a_point_seen_thrice(void)
     }
 }
 
-/* ---- what the moments tell besides --------------------------------------- */
-
-static void test_the_normal_of_a_plane_is_found(void)
-{
-    test_rng rng = test_seed(8);
-
-    for (int trial = 0; trial < TEST_TRIALS(300); trial++) {
-        test_scene scene;
-        rigcal_real normal[3], thickness = -1;
-        double n[3];
-        target T;
-
-        random_target(&T, &scene, &rng, 6, TEST_PLANAR);
-        TEST_ASSERT_TRUE(rc_view_normal(normal, &thickness, &T.view));
-        test_to_double(n, normal, 3);
-        ASSERT_NEAR(1, test_norm(n), TOL(1e-14, 1e-6));
-        for (int i = 0; i < T.n; i++) {
-            /* ill-determined where the points are nearly on a line */
-            ASSERT_NEAR(0, test_dot(n, T.x[i]), TOL(1e-6, 1e-2));
-        }
-        ASSERT_NEAR(0, thickness, TOL(1e-12, 1e-4));
-    }
-}
-
-/* Points at +-a, +-b, +-c along turned axes have mean squares a^2, b^2 and c^2 of
- * a^2 + b^2 + c^2 there. */
-static void test_the_thickness_is_that_of_the_least_extent(void)
-{
-    test_rng rng = test_seed(9);
-
-    for (int trial = 0; trial < TEST_TRIALS(200); trial++) {
-        double Q[9], R[9], extent[3], n[3], axis[3], least;
-        rigcal_real normal[3], thickness = -1;
-        target T;
-
-        extent[0] = test_uniform(&rng, 0.6, 1);
-        extent[1] = test_uniform(&rng, 0.6, 1);
-        extent[2] = test_uniform(&rng, 0.01, 0.3);
-        test_random_rotation(Q, &rng);
-        test_random_rotation(R, &rng);
-        T.n = 6;
-        for (int i = 0; i < 6; i++) {
-            double x[3] = {0, 0, 0}, t[3] = {0, 0, 5};
-
-            x[i / 2] = i % 2 ? extent[i / 2] : -extent[i / 2];
-            test_apply(T.x[i], Q, x, NULL);
-            T.w[i] = 1;
-            test_project(T.u[i], R, t, T.x[i]);
-        }
-        centre(&T);
-        TEST_ASSERT_TRUE(rc_view_normal(normal, &thickness, &T.view));
-        least = 0;
-        for (int k = 0; k < 3; k++) {
-            least += test_dot(extent, extent) / (extent[k] * extent[k]);
-        }
-        least = 1 / least;
-        ASSERT_NEAR(least, thickness, TOL(1e-3, 1e-3) * least + TOL(0, 1e-6));
-        for (int k = 0; k < 3; k++) {
-            axis[k] = Q[3 * k + 2];
-        }
-        test_to_double(n, normal, 3);
-        ASSERT_NEAR(1, fabs(test_dot(n, axis)), 1e-3);
-    }
-}
-
-static void test_points_on_a_line_have_no_normal(void)
-{
-    test_rng rng = test_seed(10);
-
-    for (int trial = 0; trial < TEST_TRIALS(100); trial++) {
-        double way[3], R[9];
-        const double t[3] = {0, 0, 5};
-        rigcal_real normal[3], thickness;
-        target T;
-
-        random_direction(way, &rng);
-        test_random_rotation(R, &rng);
-        T.n = 5;
-        for (int i = 0; i < 5; i++) {
-            const double along = test_uniform(&rng, -1, 1);
-
-            for (int k = 0; k < 3; k++) {
-                T.x[i][k] = along * way[k];
-            }
-            T.w[i] = 1;
-            test_project(T.u[i], R, t, T.x[i]);
-        }
-        centre(&T);
-        TEST_ASSERT_FALSE(rc_view_normal(normal, &thickness, &T.view));
-    }
-}
-
 static void test_an_image_without_extent_is_refused(void)
 {
     test_rng rng = test_seed(11);
 
     for (int trial = 0; trial < TEST_TRIALS(100); trial++) {
         const double at = trial < 50 ? 0 : test_uniform(&rng, -1, 1);
-        rigcal_view_moments view;
+        rigcal_moments sums;
 
-        rc_view_begin(&view);
+        rc_moments_begin(&sums);
         for (int i = 0; i < 5; i++) {
             rigcal_real x[3], u[2] = {RC(at), RC(-2 * at)};
 
             for (int k = 0; k < 3; k++) {
                 x[k] = RC(test_uniform(&rng, -1, 1));
             }
-            rc_view_add(&view, RC(0.7), x, u);
+            rc_moments_add(&sums, RC(0.7), x, u);
         }
-        TEST_ASSERT_FALSE(rc_view_finish(&view));
+        TEST_ASSERT_FALSE(rc_moments_finish(&sums));
     }
 }
 
-int main(void)
+/* Mirrored points have the sums of points that are given mirrored. */
+static void test_the_sums_of_mirrored_points_are_those_of_points_given_mirrored(void)
 {
-    UNITY_BEGIN();
+    test_rng rng = test_seed(12);
+
+    for (int trial = 0; trial < TEST_TRIALS(100); trial++) {
+        test_scene scene;
+        double m3[3], cost;
+        target T, mirrored;
+
+        random_target(&T, &scene, &rng, 4 + trial % 9, (test_shape)(trial % 3));
+        mirrored = T;
+        for (int i = 0; i < T.n; i++) {
+            for (int k = 0; k < 3; k++) {
+                mirrored.x[i][k] = -T.x[i][k];
+            }
+        }
+        take_moments(&mirrored);
+        rc_moments_mirror(&T.sums);
+        random_direction(m3, &rng);
+        cost = cost_of(&mirrored, m3);
+        if (cost < 1e30) {
+            ASSERT_NEAR(cost, cost_of(&T, m3), TOL_COST * T.trace);
+        } else {
+            TEST_ASSERT_TRUE(cost_of(&T, m3) > 1e30);
+        }
+    }
+}
+
+TEST_MAIN()
+{
     RUN_TEST(test_costs_are_those_of_the_oracle);
     RUN_TEST(test_the_true_direction_of_an_exact_image_costs_nothing);
     RUN_TEST(test_the_pose_of_a_true_direction_is_the_true_pose);
@@ -524,9 +452,6 @@ int main(void)
     RUN_TEST(test_the_cost_does_not_change_when_the_image_is_turned);
     RUN_TEST(test_the_cost_goes_with_the_unit_and_the_frame_of_the_target);
     RUN_TEST(test_a_weight_of_three_is_a_point_seen_thrice);
-    RUN_TEST(test_the_normal_of_a_plane_is_found);
-    RUN_TEST(test_the_thickness_is_that_of_the_least_extent);
-    RUN_TEST(test_points_on_a_line_have_no_normal);
     RUN_TEST(test_an_image_without_extent_is_refused);
-    return UNITY_END();
+    RUN_TEST(test_the_sums_of_mirrored_points_are_those_of_points_given_mirrored);
 }

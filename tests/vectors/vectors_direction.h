@@ -1,13 +1,13 @@
 /* Made by tests/vectors/make_vectors.py; to make it again run
  *     python3 tests/vectors/make_vectors.py */
-#ifndef VECTORS_VIEW_H
-#define VECTORS_VIEW_H
+#ifndef VECTORS_DIRECTION_H
+#define VECTORS_DIRECTION_H
 
 /* scene and how many of its points, not rotated to the axis; direction m3, to
- * be made of unit length; sum |X - mean|^2; cost by the oracle's ViewMoments,
+ * be made of unit length; sum |X - mean|^2; cost by the oracle's Moments,
  * least over yaw on the closed arc of positive depth: -1 when there is none */
-enum { VIEW_COST_ROWS = 240 };
-static const double VIEW_COST[240][7] = {
+enum { DIRECTION_COST_ROWS = 240 };
+static const double DIRECTION_COST[240][7] = {
 {0, 4, -0.330091, 0.345297, -0.878527, 1.0805375, 7.63877411324998e-08},
 {0, 4, -0.215399, 0.085622, -0.972765, 1.0805375, 0.02515979490343745},
 {0, 4, 0.134086, 0.909575, 0.393311, 1.0805375, 0.07952104718845193},
@@ -332,4 +332,4 @@ static const double VIEW_COST[240][7] = {
 {39, 4, -0.018896, 0.08392, 0.996293, 0.8392925, 0.25570859185565836},
 };
 
-#endif /* VECTORS_VIEW_H */
+#endif /* VECTORS_DIRECTION_H */

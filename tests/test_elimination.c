@@ -1,0 +1,577 @@
+/* elimination: the residual of a pair (13), the eliminated angle (14), (15), the residual over three
+ * angles (5). */
+#include <math.h>
+#include <string.h>
+
+#include "test_equations.h"
+#include "vectors_elimination_all.h"
+#include "vectors_elimination_two.h"
+#include "vectors_pairs.h"
+#include "vectors_scenes.h"
+#include "vectors_translation.h"
+
+static const rigcal_real IDENTITY[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+
+/* ---- the residual of a pair ------------------------------------------------ */
+
+static void test_pairs_and_their_residuals_are_the_oracles(void)
+{
+    for (int k = 0; k < SCENE_ROWS; k++) {
+        const double *v = PAIR_TERMS[k];
+        double ypr[3], wrong[3];
+        rigcal_bearing s[6];
+        rigcal_pair pair;
+        rigcal_real R[9], e;
+
+        test_golden_scene(s, ypr, wrong, k);
+        ASSERT_STATUS(RIGCAL_OK, rigcal_pair_make(&pair, s, 6, (int32_t)v[0],
+                                                  (int32_t)v[1]));
+        ASSERT_ARRAY_NEAR(v + 2, pair.normal, 3, TOL_FORMULA);
+        ASSERT_ARRAY_NEAR(v + 5, pair.offset, 3, TOL_FORMULA);
+        test_rotation_of(R, wrong);
+        ASSERT_STATUS(RIGCAL_OK, rigcal_pair_residual(&e, &pair, R));
+        ASSERT_NEAR(v[8], e, TOL_FORMULA);
+    }
+}
+
+static void test_the_residual_vanishes_at_the_true_rotation(void)
+{
+    test_rng rng = test_seed(31);
+
+    for (int trial = 0; trial < TEST_TRIALS(100); trial++) {
+        test_scene scene;
+        rigcal_bearing s[8];
+        rigcal_real R[9];
+
+        test_scene_random(&scene, &rng, 8, (test_shape)(trial % 3));
+        test_bearings(s, &scene);
+        test_to_real(R, scene.R, 9);
+        for (int i = 1; i < 8; i++) {
+            const double apart = hypot(scene.xy[i][0] - scene.xy[0][0],
+                                       scene.xy[i][1] - scene.xy[0][1]);
+            rigcal_pair pair;
+            rigcal_real e;
+
+            if (apart < 0.01) {
+                continue;
+            }
+            ASSERT_STATUS(RIGCAL_OK, rigcal_pair_make(&pair, s, 8, 0, i));
+            ASSERT_STATUS(RIGCAL_OK, rigcal_pair_residual(&e, &pair, R));
+            /* The plane of rays is known to rounding over their distance, and
+             * so is the direction: coordinates are up to 3 for a size of 1. */
+            ASSERT_NEAR(0, e, TOL(2e-15, 1e-6) / apart);
+        }
+    }
+}
+
+static void test_a_residual_of_what_is_no_pair_or_rotation_is_refused(void)
+{
+    const rigcal_pair good = test_pair_of(1, 0, 0, 0, 1, 0);
+    rigcal_real M[9], e;
+
+    ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_pair_residual(NULL, &good, IDENTITY));
+    ASSERT_REFUSED(RIGCAL_ERR_NULL, e,
+                   rigcal_pair_residual(&e, NULL, IDENTITY));
+    ASSERT_REFUSED(RIGCAL_ERR_NULL, e, rigcal_pair_residual(&e, &good, NULL));
+    for (int k = 0; k < 3; k++) {
+        rigcal_pair bad = good;
+
+        bad.normal[k] = TEST_NAN;
+        ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, e,
+                       rigcal_pair_residual(&e, &bad, IDENTITY));
+        bad = good;
+        bad.offset[k] = TEST_INF;
+        ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, e,
+                       rigcal_pair_residual(&e, &bad, IDENTITY));
+    }
+    for (int k = 0; k < 4; k++) { /* not of unit length */
+        static const double lengths[4][2] = {
+            {2, 1}, {1, -1.5}, {0.9, 1}, {1, 0}};
+        const rigcal_pair bad =
+            test_pair_of(lengths[k][0], 0, 0, 0, lengths[k][1], 0);
+        const rigcal_real angles[2] = {0, 0};
+        rigcal_real pqk[3];
+
+        ASSERT_REFUSED(RIGCAL_ERR_RANGE, e,
+                       rigcal_pair_residual(&e, &bad, IDENTITY));
+        ASSERT_REFUSED(RIGCAL_ERR_RANGE, pqk,
+                       rigcal_pair_coefficients(pqk, &bad, RIGCAL_YAW, angles));
+    }
+    memcpy(M, IDENTITY, sizeof M);
+    M[5] = TEST_NAN;
+    ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, e,
+                   rigcal_pair_residual(&e, &good, M));
+    M[5] = RC(0.5);
+    ASSERT_REFUSED(RIGCAL_ERR_ROTATION, e, rigcal_pair_residual(&e, &good, M));
+}
+
+/* ---- elimination (14), (15) ---------------------------------------------- */
+
+static void test_coefficients_are_the_oracles(void)
+{
+    for (int k = 0; k < SCENE_ROWS; k++) {
+        double ypr[3], wrong[3];
+        rigcal_bearing s[6];
+        rigcal_pair pair;
+
+        test_golden_scene(s, ypr, wrong, k);
+        ASSERT_STATUS(RIGCAL_OK,
+                      rigcal_pair_make(&pair, s, 6, (int32_t)PAIR_TERMS[k][0],
+                                       (int32_t)PAIR_TERMS[k][1]));
+        for (int which = RIGCAL_YAW; which <= RIGCAL_ROLL; which++) {
+            rigcal_real angles[2], pqk[3];
+
+            test_other_two(angles, wrong, which);
+            ASSERT_STATUS(RIGCAL_OK,
+                          rigcal_pair_coefficients(pqk, &pair, which, angles));
+            ASSERT_ARRAY_NEAR(PAIR_COEFFICIENTS[k] + 3 * which, pqk, 3,
+                              TOL_FORMULA);
+        }
+    }
+}
+
+/* p cos w + q sin w + k is the residual for every w, not only the true one. */
+static void test_coefficients_give_the_residual_at_any_angle(void)
+{
+    test_rng rng = test_seed(44);
+
+    for (int k = 0; k < 120; k++) {
+        const int which = k % 3;
+        double unused[3], ypr[3];
+        rigcal_bearing s[6];
+        rigcal_pair pair;
+        rigcal_real angles[2], pqk[3], R[9], e;
+
+        test_golden_scene(s, unused, unused, k % SCENE_ROWS);
+        ASSERT_STATUS(RIGCAL_OK, rigcal_pair_make(&pair, s, 6, 0, 1 + k % 5));
+        for (int c = 0; c < 3; c++) {
+            ypr[c] = test_uniform(&rng, -TEST_PI, TEST_PI);
+        }
+        test_rotation_of(R, ypr);
+        test_other_two(angles, ypr, which);
+        ASSERT_STATUS(RIGCAL_OK,
+                      rigcal_pair_coefficients(pqk, &pair, which, angles));
+        ASSERT_STATUS(RIGCAL_OK, rigcal_pair_residual(&e, &pair, R));
+        ASSERT_NEAR(e,
+                    D(pqk[0]) * cos(ypr[which]) + D(pqk[1]) * sin(ypr[which]) +
+                        D(pqk[2]),
+                    TOL(2e-15, 1e-6));
+    }
+}
+
+/* Yaw eliminated at pitch = roll = 0, where v = d: p = n1 d1 + n2 d2, q = n2
+ * d1 - n1 d2, k = n3 d3. Two pairs give 0.64 c = 0.36 and 0.64 s = 0.36, so
+ * c = s = 0.5625 and w = 45 degrees; a third, whatever w, leaves 1. */
+static void test_an_elimination_on_paper(void)
+{
+    const rigcal_pair pairs[3] = {
+        test_pair_of(0.8, 0, 0.6, 0.8, 0, -0.6),
+        test_pair_of(0, 0.8, 0.6, 0.8, 0, -0.6),
+        test_pair_of(0, 0, 1, 0, 0, 1),
+    };
+    const rigcal_real angles[2] = {0, 0};
+    const double tol = TOL(1e-15, 1e-6);
+    rigcal_elimination out;
+
+    ASSERT_STATUS(RIGCAL_OK,
+                  rigcal_pairs_eliminate(&out, pairs, 3, 2, RIGCAL_YAW, angles));
+    ASSERT_NEAR(0.5625, out.cosine, tol);
+    ASSERT_NEAR(0.5625, out.sine, tol);
+    ASSERT_NEAR(TEST_PI / 4, out.angle, tol);
+    ASSERT_NEAR(1, out.condition, 4 * tol);
+    ASSERT_NEAR(2 * 0.5625 * 0.5625 - 1, out.unit, 2 * tol);
+    ASSERT_NEAR(1 + 1 - 2 * 0.5625 * 0.5625, out.residual, 4 * tol);
+
+    /* By least squares the third is in A as a row of zeros, which changes
+     * nothing; but now the first two count, each 0.64 cos 45 - 0.36. */
+    ASSERT_STATUS(RIGCAL_OK,
+                  rigcal_pairs_eliminate(&out, pairs, 3, 0, RIGCAL_YAW, angles));
+    ASSERT_NEAR(0.5625, out.cosine, tol);
+    ASSERT_NEAR(0.5625, out.sine, tol);
+    ASSERT_NEAR(2 - 2 * 0.5625 * 0.5625 + 2 * (0.64 * sqrt(0.5) - 0.36),
+                out.residual, 4 * tol);
+}
+
+/* A = [0.36 0; 0 0.48]: cond 4/3. */
+static void test_the_condition_is_that_of_the_spectral_norm(void)
+{
+    const rigcal_pair pairs[3] = {
+        test_pair_of(0.6, 0, 0.8, 0.6, 0, 0.8),
+        test_pair_of(0, 0.6, 0.8, 0.8, 0, 0.6),
+        test_pair_of(0, 1, 0, 0, 0.6, 0.8),
+    };
+    const rigcal_real angles[2] = {0, 0};
+    rigcal_elimination out;
+
+    ASSERT_STATUS(RIGCAL_OK,
+                  rigcal_pairs_eliminate(&out, pairs, 3, 2, RIGCAL_YAW, angles));
+    ASSERT_NEAR(4.0 / 3, out.condition, TOL(1e-14, 1e-5));
+    /* All three: columns (0.36, 0, 0.6) and (0, 0.48, 0), still orthogonal. */
+    ASSERT_STATUS(RIGCAL_OK,
+                  rigcal_pairs_eliminate(&out, pairs, 3, 0, RIGCAL_YAW, angles));
+    ASSERT_NEAR(sqrt(0.4896) / 0.48, out.condition, TOL(1e-14, 1e-5));
+}
+
+/* A is fine, but its answer c = s = 0 points nowhere. */
+static void test_an_elimination_without_a_direction_is_refused(void)
+{
+    const rigcal_pair pairs[3] = {
+        test_pair_of(1, 0, 0, 1, 0, 0),
+        test_pair_of(0, 0.6, 0.8, 1, 0, 0),
+        test_pair_of(0, 1, 0, 0, 0.6, 0.8),
+    };
+    const rigcal_real angles[2] = {0, 0};
+    rigcal_elimination out;
+
+    ASSERT_REFUSED(RIGCAL_ERR_DEGENERATE, out,
+                   rigcal_pairs_eliminate(&out, pairs, 3, 2, RIGCAL_YAW, angles));
+    ASSERT_REFUSED(RIGCAL_ERR_DEGENERATE, out,
+                   rigcal_pairs_eliminate(&out, pairs, 3, 0, RIGCAL_YAW, angles));
+}
+
+/* 0.48 c = -0.48 and s = 0: half a turn, whichever zero the sine is. */
+static void test_half_a_turn_is_eliminated_as_plus_pi(void)
+{
+    for (int sign = -1; sign <= 1; sign += 2) {
+        const rigcal_pair pairs[3] = {
+            test_pair_of(0.6, 0, 0.8, 0.8, 0, 0.6),
+            test_pair_of(0, sign, 0, 1, 0, 0),
+            test_pair_of(0, -sign, 0, 1, 0, 0),
+        };
+        const rigcal_real angles[2] = {0, 0};
+        rigcal_elimination out;
+
+        for (int32_t pairs_used = 0; pairs_used <= 2; pairs_used += 2) {
+            ASSERT_STATUS(RIGCAL_OK,
+                          rigcal_pairs_eliminate(&out, pairs, 3, pairs_used,
+                                           RIGCAL_YAW, angles));
+            ASSERT_NEAR(TEST_PI, out.angle, TOL(1e-15, 1e-6));
+            ASSERT_NEAR(-1, out.cosine, TOL(1e-15, 1e-6));
+        }
+    }
+}
+
+/* c and s are known to cond(A) times rounding, times their own size; (15) has
+ * squares of them. Said so in the tolerance, and no more. */
+static void assert_elimination(const double expected[6],
+                               const rigcal_elimination *seen)
+{
+    const double size = hypot(expected[1], expected[2]);
+    const double tol = TOL(1e-14, 2e-6) * expected[3] * (1 + size);
+    double turn = D(seen->angle) - expected[0];
+
+    turn -= 2 * TEST_PI * floor(turn / (2 * TEST_PI) + 0.5);
+    TEST_ASSERT_TRUE(D(seen->angle) <= D(RC(TEST_PI)) &&
+                     D(seen->angle) > -D(RC(TEST_PI)));
+    ASSERT_NEAR(0, turn, tol / size);
+    ASSERT_NEAR(expected[1], seen->cosine, tol);
+    ASSERT_NEAR(expected[2], seen->sine, tol);
+    /* A singular value is known to rounding; the least is cond times
+     * smaller. */
+    ASSERT_NEAR(expected[3], seen->condition,
+                TOL(1e-14, 2e-6) * expected[3] * expected[3]);
+    ASSERT_NEAR(expected[4], seen->unit, tol * 2 * (1 + size));
+    /* Up to 15 residuals follow the angle. */
+    ASSERT_NEAR(expected[5], seen->residual,
+                tol * 2 * (1 + size) + 15 * tol / size);
+}
+
+static void check_golden_eliminations(const double golden[][18],
+                                      int32_t pairs_used)
+{
+    int well_conditioned = 0;
+
+    for (int k = 0; k < SCENE_ROWS; k++) {
+        double ypr[3], wrong[3];
+        rigcal_bearing s[6];
+        rigcal_pair pairs[15];
+        int n_pairs;
+
+        test_golden_scene(s, ypr, wrong, k);
+        n_pairs = test_golden_pairs(pairs, s, 3 + k % 4);
+        for (int which = RIGCAL_YAW; which <= RIGCAL_ROLL; which++) {
+            const double *expected = golden[k] + 6 * which;
+            rigcal_real angles[2];
+            rigcal_elimination out;
+
+            if (expected[3] > TOL(1e7, 300)) {
+                continue; /* as good as singular */
+            }
+            test_other_two(angles, wrong, which);
+            ASSERT_STATUS(RIGCAL_OK,
+                          rigcal_pairs_eliminate(&out, pairs, (size_t)n_pairs,
+                                           pairs_used, which, angles));
+            assert_elimination(expected, &out);
+            if (expected[3] < 20) { /* the plain promise */
+                well_conditioned++;
+                ASSERT_NEAR(expected[5], out.residual,
+                            TOL_FORMULA * fmax(1, expected[5]));
+            }
+        }
+    }
+    TEST_ASSERT_TRUE(well_conditioned > 2 * SCENE_ROWS);
+}
+
+static void test_elimination_by_two_pairs_is_the_oracles(void)
+{
+    check_golden_eliminations(ELIMINATION_TWO, 2);
+}
+
+static void test_elimination_by_all_pairs_is_numpys_least_squares(void)
+{
+    check_golden_eliminations(ELIMINATION_ALL, 0);
+}
+
+static void test_elimination_finds_the_true_angle_of_perfect_images(void)
+{
+    test_rng rng = test_seed(45);
+    int tried = 0;
+
+    for (int trial = 0; trial < TEST_TRIALS(200); trial++) {
+        test_scene scene;
+        rigcal_bearing s[6];
+        rigcal_pair pairs[15];
+        size_t n_pairs;
+
+        test_scene_random(&scene, &rng, 3 + trial % 4, TEST_GENERAL);
+        test_bearings(s, &scene);
+        ASSERT_STATUS(RIGCAL_OK, rigcal_pairs_choose(pairs, 15, &n_pairs, s, (size_t)scene.n));
+        for (int which = RIGCAL_YAW; which <= RIGCAL_ROLL; which++) {
+            for (int32_t pairs_used = 0; pairs_used <= 2; pairs_used += 2) {
+                rigcal_real angles[2];
+                rigcal_elimination out;
+                rigcal_status status;
+                double tol, turn;
+
+                test_other_two(angles, scene.ypr, which);
+                status = rigcal_pairs_eliminate(&out, pairs, n_pairs, pairs_used,
+                                          which, angles);
+                if (status == RIGCAL_ERR_DEGENERATE ||
+                    D(out.condition) > TOL(1e4, 300)) {
+                    continue; /* this angle, in this view; few are */
+                }
+                ASSERT_STATUS(RIGCAL_OK, status);
+                tried++;
+                /* Rounding of rays a tenth of the image apart, times cond. */
+                tol = TOL(1e-13, 5e-5) * D(out.condition);
+                turn = D(out.angle) - scene.ypr[which];
+                turn -= 2 * TEST_PI * floor(turn / (2 * TEST_PI) + 0.5);
+                ASSERT_NEAR(0, turn, tol);
+                ASSERT_NEAR(0, out.unit, 2 * tol);
+                ASSERT_NEAR(0, out.residual, 20 * tol);
+            }
+        }
+    }
+    TEST_ASSERT_TRUE(tried > TEST_TRIALS(1000));
+}
+
+static void test_the_order_of_pairs_does_not_matter_to_least_squares(void)
+{
+    double ypr[3], wrong[3];
+    rigcal_bearing s[6];
+    rigcal_pair pairs[15], reversed[15];
+    rigcal_real angles[2];
+    rigcal_elimination first, second;
+
+    test_golden_scene(s, ypr, wrong, 3);
+    test_golden_pairs(pairs, s, 6);
+    for (int k = 0; k < 15; k++) {
+        reversed[k] = pairs[14 - k];
+    }
+    test_other_two(angles, wrong, RIGCAL_PITCH);
+    ASSERT_STATUS(RIGCAL_OK,
+                  rigcal_pairs_eliminate(&first, pairs, 15, 0, RIGCAL_PITCH, angles));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_pairs_eliminate(&second, reversed, 15, 0,
+                                              RIGCAL_PITCH, angles));
+    ASSERT_NEAR(first.angle, second.angle, TOL(1e-14, 1e-5));
+    ASSERT_NEAR(first.condition, second.condition, TOL(1e-13, 1e-4));
+    ASSERT_NEAR(first.residual, second.residual, TOL(1e-13, 1e-4));
+}
+
+static void test_a_singular_elimination_is_refused(void)
+{
+    const rigcal_pair twice[3] = {
+        test_pair_of(0.8, 0, 0.6, 0.8, 0, -0.6),
+        test_pair_of(0.8, 0, 0.6, 0.8, 0, -0.6),
+        test_pair_of(0, 0.8, 0.6, 0.8, 0, -0.6),
+    };
+    /* Planes of rays that contain no x or y, or offsets along the axis: yaw
+     * leaves them as they are. */
+    const rigcal_pair blind[3] = {
+        test_pair_of(0, 0, 1, 0.6, 0.8, 0),
+        test_pair_of(0, 0, 1, 0.6, 0, 0.8),
+        test_pair_of(0.6, 0.8, 0, 0, 0, 1),
+    };
+    const rigcal_real angles[2] = {0, 0};
+    rigcal_elimination out;
+
+    ASSERT_REFUSED(RIGCAL_ERR_DEGENERATE, out,
+                   rigcal_pairs_eliminate(&out, twice, 3, 2, RIGCAL_YAW, angles));
+    ASSERT_STATUS(RIGCAL_OK,
+                  rigcal_pairs_eliminate(&out, twice, 3, 0, RIGCAL_YAW, angles));
+    ASSERT_REFUSED(RIGCAL_ERR_DEGENERATE, out,
+                   rigcal_pairs_eliminate(&out, blind, 3, 2, RIGCAL_YAW, angles));
+    ASSERT_REFUSED(RIGCAL_ERR_DEGENERATE, out,
+                   rigcal_pairs_eliminate(&out, blind, 3, 0, RIGCAL_YAW, angles));
+}
+
+static void test_arguments_of_the_elimination_are_checked(void)
+{
+    double ypr[3], wrong[3];
+    rigcal_bearing s[6];
+    rigcal_pair pairs[15], bad[3];
+    rigcal_real angles[2] = {0, 0}, odd[2], pqk[3];
+    rigcal_elimination out;
+
+    test_golden_scene(s, ypr, wrong, 0);
+    test_golden_pairs(pairs, s, 6);
+    ASSERT_STATUS(RIGCAL_ERR_NULL,
+                  rigcal_pairs_eliminate(NULL, pairs, 3, 2, RIGCAL_YAW, angles));
+    ASSERT_REFUSED(RIGCAL_ERR_NULL, out,
+                   rigcal_pairs_eliminate(&out, NULL, 3, 2, RIGCAL_YAW, angles));
+    ASSERT_REFUSED(RIGCAL_ERR_NULL, out,
+                   rigcal_pairs_eliminate(&out, pairs, 3, 2, RIGCAL_YAW, NULL));
+    ASSERT_STATUS(RIGCAL_ERR_NULL,
+                  rigcal_pair_coefficients(NULL, pairs, RIGCAL_YAW, angles));
+    ASSERT_REFUSED(RIGCAL_ERR_NULL, pqk,
+                   rigcal_pair_coefficients(pqk, NULL, RIGCAL_YAW, angles));
+    ASSERT_REFUSED(RIGCAL_ERR_NULL, pqk,
+                   rigcal_pair_coefficients(pqk, pairs, RIGCAL_YAW, NULL));
+    for (int32_t which = -1; which <= 4; which++) {
+        if (which >= RIGCAL_YAW && which <= RIGCAL_ROLL) {
+            continue;
+        }
+        ASSERT_REFUSED(RIGCAL_ERR_RANGE, out,
+                       rigcal_pairs_eliminate(&out, pairs, 3, 2, which, angles));
+        ASSERT_REFUSED(RIGCAL_ERR_RANGE, pqk,
+                       rigcal_pair_coefficients(pqk, pairs, which, angles));
+    }
+    ASSERT_REFUSED(RIGCAL_ERR_RANGE, out,
+                   rigcal_pairs_eliminate(&out, pairs, 3, 1, RIGCAL_YAW, angles));
+    ASSERT_REFUSED(RIGCAL_ERR_RANGE, out,
+                   rigcal_pairs_eliminate(&out, pairs, 3, 3, RIGCAL_YAW, angles));
+    ASSERT_REFUSED(RIGCAL_ERR_RANGE, out,
+                   rigcal_pairs_eliminate(&out, pairs, 3, -2, RIGCAL_YAW, angles));
+    ASSERT_REFUSED(RIGCAL_ERR_TOO_FEW, out,
+                   rigcal_pairs_eliminate(&out, pairs, 2, 2, RIGCAL_YAW, angles));
+    ASSERT_REFUSED(RIGCAL_ERR_TOO_FEW, out,
+                   rigcal_pairs_eliminate(&out, pairs, 0, 0, RIGCAL_YAW, angles));
+    for (int k = 0; k < 2; k++) {
+        odd[k] = TEST_NAN;
+        odd[1 - k] = 0;
+        ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, out,
+                       rigcal_pairs_eliminate(&out, pairs, 3, 2, RIGCAL_YAW, odd));
+        ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, pqk,
+                       rigcal_pair_coefficients(pqk, pairs, RIGCAL_YAW, odd));
+        odd[k] = -TEST_INF;
+        ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, out,
+                       rigcal_pairs_eliminate(&out, pairs, 3, 0, RIGCAL_YAW, odd));
+    }
+    for (int k = 0; k < 3; k++) {
+        memcpy(bad, pairs, sizeof bad);
+        bad[k].normal[k] = TEST_NAN;
+        ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, out,
+                       rigcal_pairs_eliminate(&out, bad, 3, 0, RIGCAL_YAW, angles));
+        ASSERT_REFUSED(
+            RIGCAL_ERR_NOT_FINITE, pqk,
+            rigcal_pair_coefficients(pqk, &bad[k], RIGCAL_YAW, angles));
+        memcpy(bad, pairs, sizeof bad);
+        bad[k].offset[k] = TEST_INF;
+        ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, out,
+                       rigcal_pairs_eliminate(&out, bad, 3, 2, RIGCAL_YAW, angles));
+    }
+}
+
+/* ---- three angles (5) ---------------------------------------------------- */
+
+static void test_the_three_angle_residual_is_the_oracles(void)
+{
+    for (int k = 0; k < SCENE_ROWS; k++) {
+        double ypr[3], wrong[3];
+        rigcal_bearing s[6];
+        rigcal_pair pairs[15];
+        rigcal_real angles[3], residual;
+
+        test_golden_scene(s, ypr, wrong, k);
+        test_golden_pairs(pairs, s, 6);
+        test_to_real(angles, wrong, 3);
+        ASSERT_STATUS(RIGCAL_OK, rigcal_pairs_residual(&residual, pairs,
+                                                             15, angles));
+        ASSERT_NEAR(TRANSLATION[k][12], residual, 4 * TOL_FORMULA);
+    }
+}
+
+static void test_the_three_angle_residual_is_the_sum_over_its_pairs(void)
+{
+    const rigcal_real angles[3] = {RC(0.3), RC(-0.2), RC(1.1)};
+    double ypr[3], wrong[3], sum = 0;
+    rigcal_bearing s[6];
+    rigcal_pair pairs[15];
+    rigcal_real R[9], e, residual;
+
+    test_golden_scene(s, ypr, wrong, 7);
+    test_golden_pairs(pairs, s, 6);
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rotation_from_yaw_pitch_roll(R, angles));
+    for (int k = 0; k < 3; k++) {
+        ASSERT_STATUS(RIGCAL_OK, rigcal_pair_residual(&e, &pairs[k], R));
+        sum += fabs(D(e));
+    }
+    ASSERT_STATUS(RIGCAL_OK,
+                  rigcal_pairs_residual(&residual, pairs, 3, angles));
+    ASSERT_NEAR(sum, residual, TOL(1e-15, 1e-6));
+}
+
+static void test_arguments_of_the_three_angle_residual_are_checked(void)
+{
+    const rigcal_real zero[3] = {0, 0, 0};
+    double ypr[3], wrong[3];
+    rigcal_bearing s[6];
+    rigcal_pair pairs[15];
+    rigcal_real residual;
+
+    test_golden_scene(s, ypr, wrong, 7);
+    test_golden_pairs(pairs, s, 6);
+    ASSERT_STATUS(RIGCAL_ERR_NULL,
+                  rigcal_pairs_residual(NULL, pairs, 3, zero));
+    ASSERT_REFUSED(RIGCAL_ERR_NULL, residual,
+                   rigcal_pairs_residual(&residual, NULL, 3, zero));
+    ASSERT_REFUSED(RIGCAL_ERR_NULL, residual,
+                   rigcal_pairs_residual(&residual, pairs, 3, NULL));
+    ASSERT_REFUSED(RIGCAL_ERR_TOO_FEW, residual,
+                   rigcal_pairs_residual(&residual, pairs, 2, zero));
+    for (int k = 0; k < 3; k++) {
+        rigcal_real bad[3] = {0, 0, 0};
+
+        bad[k] = TEST_INF;
+        ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, residual,
+                       rigcal_pairs_residual(&residual, pairs, 3, bad));
+        bad[k] = RC(TOL(1.1e6, 1.1e3));
+        ASSERT_REFUSED(RIGCAL_ERR_RANGE, residual,
+                       rigcal_pairs_residual(&residual, pairs, 3, bad));
+    }
+    pairs[1].offset[2] = TEST_NAN;
+    ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, residual,
+                   rigcal_pairs_residual(&residual, pairs, 3, zero));
+}
+
+TEST_MAIN()
+{
+    RUN_TEST(test_pairs_and_their_residuals_are_the_oracles);
+    RUN_TEST(test_the_residual_vanishes_at_the_true_rotation);
+    RUN_TEST(test_a_residual_of_what_is_no_pair_or_rotation_is_refused);
+    RUN_TEST(test_coefficients_are_the_oracles);
+    RUN_TEST(test_coefficients_give_the_residual_at_any_angle);
+    RUN_TEST(test_an_elimination_on_paper);
+    RUN_TEST(test_the_condition_is_that_of_the_spectral_norm);
+    RUN_TEST(test_an_elimination_without_a_direction_is_refused);
+    RUN_TEST(test_half_a_turn_is_eliminated_as_plus_pi);
+    RUN_TEST(test_elimination_by_two_pairs_is_the_oracles);
+    RUN_TEST(test_elimination_by_all_pairs_is_numpys_least_squares);
+    RUN_TEST(test_elimination_finds_the_true_angle_of_perfect_images);
+    RUN_TEST(test_the_order_of_pairs_does_not_matter_to_least_squares);
+    RUN_TEST(test_a_singular_elimination_is_refused);
+    RUN_TEST(test_arguments_of_the_elimination_are_checked);
+    RUN_TEST(test_the_three_angle_residual_is_the_oracles);
+    RUN_TEST(test_the_three_angle_residual_is_the_sum_over_its_pairs);
+    RUN_TEST(test_arguments_of_the_three_angle_residual_are_checked);
+}

@@ -1,0 +1,421 @@
+/* levenberg: the machine by itself. Sequences made by hand take it through every transition that
+ * rc_levenberg.h names; then it searches for minima that are known. What decides at which number is
+ * left to the source: the numbers here lie far on either side. */
+#include <math.h>
+
+#include "rc_levenberg.h"
+#include "test_support.h"
+
+/* Far below what any search could gain, and far above what rounding makes of a sum of 1. */
+#define NOTHING RC(TOL(1e-18, 1e-9))
+#define MUCH RC(0.5)
+
+/* ---- hand-made states ------------------------------------------------------ */
+
+/* Begun, and evaluated once: the sum is 1, a step is wanted. */
+static rigcal_levenberg at_sum_1(void)
+{
+    rigcal_levenberg lm;
+    rc_levenberg_begin(&lm, 0);
+    rc_levenberg_evaluated(&lm, RIGCAL_OK, 1);
+    return lm;
+}
+
+/* The same with Newton's H, as after a step that did harm. */
+static rigcal_levenberg with_newton(void)
+{
+    rigcal_levenberg lm = at_sum_1();
+    TEST_ASSERT_FALSE(rc_levenberg_tried(&lm, RIGCAL_OK, 2, MUCH, 0));
+    ASSERT_STATUS(RIGCAL_RUNNING, lm.status);
+    rc_levenberg_evaluated(&lm, RIGCAL_OK, 1);
+    TEST_ASSERT_EQUAL_INT(RC_NEWTON, lm.equations);
+    return lm;
+}
+
+/* ---- begin, evaluated ------------------------------------------------------ */
+
+static void test_a_search_begins_by_asking_for_equations(void)
+{
+    for (int is_near = 0; is_near < 2; is_near++) {
+        rigcal_levenberg lm;
+        FILL(lm);
+        rc_levenberg_begin(&lm, is_near);
+        TEST_ASSERT_EQUAL_INT(RC_WANT_EQUATIONS, lm.want);
+        TEST_ASSERT_EQUAL_INT(RC_GAUSS_NEWTON, lm.equations);
+        ASSERT_STATUS(RIGCAL_RUNNING, lm.status);
+        TEST_ASSERT_TRUE(is_near ? !(lm.lambda > 0) && !(lm.lambda < 0)
+                                 : lm.lambda > 0 && D(lm.lambda) < 1e-2);
+    }
+}
+
+static void test_after_equations_it_asks_for_a_step(void)
+{
+    const rigcal_levenberg lm = at_sum_1();
+    TEST_ASSERT_EQUAL_INT(RC_WANT_STEP, lm.want);
+    ASSERT_STATUS(RIGCAL_RUNNING, lm.status);
+    ASSERT_NEAR(1, lm.sum, 0);
+}
+
+static void test_an_evaluation_that_fails_ends_it(void)
+{
+    rigcal_levenberg lm;
+    rc_levenberg_begin(&lm, 0);
+    rc_levenberg_evaluated(&lm, RIGCAL_ERR_BEHIND, 1);
+    ASSERT_STATUS(RIGCAL_ERR_BEHIND, lm.status);
+}
+
+/* ---- not definite ---------------------------------------------------------- */
+
+static void test_equations_that_are_singular_end_it(void)
+{
+    rigcal_levenberg lm = at_sum_1();
+    rc_levenberg_not_definite(&lm);
+    ASSERT_STATUS(RIGCAL_ERR_DEGENERATE, lm.status);
+}
+
+/* Newton's H is damped more and more, and then given up for J^T J, which is to be evaluated. */
+static void test_a_newtons_h_is_damped_until_it_is_given_up(void)
+{
+    rigcal_levenberg lm = with_newton();
+    int calls = 0;
+    while (lm.equations != RC_GAUSS_NEWTON) {
+        const rigcal_real before = lm.lambda;
+        TEST_ASSERT_EQUAL_INT(RC_WANT_STEP, lm.want); /* of the same equations */
+        rc_levenberg_not_definite(&lm);
+        ASSERT_STATUS(RIGCAL_RUNNING, lm.status);
+        TEST_ASSERT_TRUE(lm.equations == RC_NEWTON_INDEFINITE ? lm.lambda > before
+                                                              : D(before) > 1);
+        TEST_ASSERT_LESS_THAN_INT(20, ++calls);
+    }
+    TEST_ASSERT_GREATER_THAN_INT(2, calls);
+    TEST_ASSERT_EQUAL_INT(RC_WANT_EQUATIONS, lm.want);
+    rc_levenberg_evaluated(&lm, RIGCAL_OK, 1);
+    rc_levenberg_not_definite(&lm); /* J^T J is singular too */
+    ASSERT_STATUS(RIGCAL_ERR_DEGENERATE, lm.status);
+}
+
+/* ---- promised -------------------------------------------------------------- */
+
+static void test_a_step_that_promises_much_is_tried(void)
+{
+    rigcal_levenberg lm = at_sum_1();
+    TEST_ASSERT_EQUAL_INT(RC_STEP_TRY, rc_levenberg_promised(&lm, MUCH, NOTHING));
+    ASSERT_STATUS(RIGCAL_RUNNING, lm.status);
+    TEST_ASSERT_EQUAL_INT(RC_GAUSS_NEWTON, lm.equations);
+    ASSERT_NEAR(1, lm.sum, 0); /* nothing has been gained yet */
+}
+
+/* Its sum is the one that the quadratic model gives; a sum is never negative. */
+static void test_a_step_that_promises_what_means_nothing_is_the_last(void)
+{
+    rigcal_levenberg lm = at_sum_1();
+    TEST_ASSERT_EQUAL_INT(RC_STEP_LAST, rc_levenberg_promised(&lm, RC(0.25), RC(0.25)));
+    ASSERT_STATUS(RIGCAL_OK, lm.status);
+    ASSERT_NEAR(0.75, lm.sum, TOL(1e-15, 1e-7));
+
+    lm = at_sum_1();
+    TEST_ASSERT_EQUAL_INT(RC_STEP_LAST, rc_levenberg_promised(&lm, 2, 3));
+    ASSERT_NEAR(0, lm.sum, 0);
+}
+
+static void test_a_step_that_promises_a_trifle_of_the_sum_is_the_last(void)
+{
+    rigcal_levenberg lm = at_sum_1();
+    TEST_ASSERT_EQUAL_INT(RC_STEP_LAST, rc_levenberg_promised(&lm, NOTHING, 0));
+    ASSERT_STATUS(RIGCAL_OK, lm.status);
+}
+
+/* The same gain after one of MUCH, and after one hardly larger: the gains of a valley go on. */
+static void test_gains_that_fall_fast_end_it_and_slow_ones_do_not(void)
+{
+    const rigcal_real gain = RC(TOL(1e-7, 1e-4));
+    rigcal_levenberg fast = at_sum_1(), slow = at_sum_1();
+    TEST_ASSERT_TRUE(rc_levenberg_tried(&fast, RIGCAL_OK, RC(0.9), MUCH, 0));
+    TEST_ASSERT_EQUAL_INT(RC_STEP_LAST, rc_levenberg_promised(&fast, gain, NOTHING));
+    ASSERT_STATUS(RIGCAL_OK, fast.status);
+
+    TEST_ASSERT_TRUE(rc_levenberg_tried(&slow, RIGCAL_OK, RC(0.9), gain * RC(1.1), 0));
+    TEST_ASSERT_EQUAL_INT(RC_STEP_TRY, rc_levenberg_promised(&slow, gain, NOTHING));
+    ASSERT_STATUS(RIGCAL_RUNNING, slow.status);
+    TEST_ASSERT_EQUAL_INT(RC_NEWTON, slow.equations); /* from the next evaluation on */
+}
+
+/* What a step that is damped much promises says nothing of what is left. */
+static void test_a_step_that_is_damped_much_is_never_the_last(void)
+{
+    rigcal_levenberg lm = at_sum_1();
+    for (int k = 0; k < 6; k++) {
+        TEST_ASSERT_FALSE(rc_levenberg_tried(&lm, RIGCAL_OK, 2, MUCH, 0));
+        rc_levenberg_evaluated(&lm, RIGCAL_OK, 1);
+    }
+    TEST_ASSERT_TRUE(D(lm.lambda) > 0.5);
+    TEST_ASSERT_EQUAL_INT(RC_STEP_TRY, rc_levenberg_promised(&lm, NOTHING, RC(0.25)));
+    ASSERT_STATUS(RIGCAL_RUNNING, lm.status);
+}
+
+/* Where H is not positive definite the search is at no minimum, however little is promised. */
+static void test_a_saddle_is_no_optimum(void)
+{
+    rigcal_levenberg lm = with_newton();
+    rc_levenberg_not_definite(&lm);
+    TEST_ASSERT_EQUAL_INT(RC_NEWTON_INDEFINITE, lm.equations);
+    TEST_ASSERT_EQUAL_INT(RC_STEP_NONE, rc_levenberg_promised(&lm, NOTHING, RC(0.25)));
+    ASSERT_STATUS(RIGCAL_BUDGET_SPENT, lm.status);
+    ASSERT_NEAR(1, lm.sum, 0);
+
+    lm = with_newton();
+    rc_levenberg_not_definite(&lm);
+    TEST_ASSERT_EQUAL_INT(RC_STEP_TRY, rc_levenberg_promised(&lm, MUCH, NOTHING));
+    ASSERT_STATUS(RIGCAL_RUNNING, lm.status);
+    TEST_ASSERT_EQUAL_INT(RC_NEWTON, lm.equations);
+}
+
+/* ---- tried ----------------------------------------------------------------- */
+
+/* The equations where it ended are known: no other evaluation is wanted. */
+static void test_a_step_that_helped_stays(void)
+{
+    rigcal_levenberg lm = at_sum_1();
+    const rigcal_real before = lm.lambda;
+    TEST_ASSERT_TRUE(rc_levenberg_tried(&lm, RIGCAL_OK, RC(0.5), MUCH, 0));
+    TEST_ASSERT_EQUAL_INT(RC_WANT_STEP, lm.want);
+    ASSERT_STATUS(RIGCAL_RUNNING, lm.status);
+    ASSERT_NEAR(0.5, lm.sum, 0);
+    TEST_ASSERT_TRUE(lm.lambda < before);
+}
+
+static void test_a_step_that_did_harm_is_taken_back(void)
+{
+    rigcal_levenberg lm = at_sum_1();
+    const rigcal_real before = lm.lambda;
+    TEST_ASSERT_FALSE(rc_levenberg_tried(&lm, RIGCAL_OK, RC(1.5), MUCH, 0));
+    TEST_ASSERT_EQUAL_INT(RC_WANT_EQUATIONS, lm.want);
+    ASSERT_STATUS(RIGCAL_RUNNING, lm.status);
+    ASSERT_NEAR(1, lm.sum, 0);
+    TEST_ASSERT_TRUE(lm.lambda > before);
+}
+
+static void test_a_place_that_cannot_be_evaluated_did_harm(void)
+{
+    rigcal_levenberg lm = at_sum_1();
+    TEST_ASSERT_FALSE(rc_levenberg_tried(&lm, RIGCAL_ERR_BEHIND, 0, MUCH, 0));
+    ASSERT_STATUS(RIGCAL_RUNNING, lm.status);
+    ASSERT_NEAR(1, lm.sum, 0);
+}
+
+/* A sum of NaN is no better than any. */
+static void test_a_sum_that_is_no_number_did_harm(void)
+{
+    rigcal_levenberg lm = at_sum_1();
+    TEST_ASSERT_FALSE(rc_levenberg_tried(&lm, RIGCAL_OK, TEST_NAN, MUCH, 0));
+    ASSERT_NEAR(1, lm.sum, 0);
+}
+
+/* What rounding adds to the sum, and what means nothing, does no harm. */
+static void test_a_rise_of_the_sum_that_means_nothing_is_none(void)
+{
+    rigcal_levenberg lm = at_sum_1();
+    TEST_ASSERT_TRUE(rc_levenberg_tried(&lm, RIGCAL_OK, 1 + RC_EPS, MUCH, 0));
+    lm = at_sum_1();
+    TEST_ASSERT_TRUE(rc_levenberg_tried(&lm, RIGCAL_OK, RC(1.2), MUCH, RC(0.25)));
+    lm = at_sum_1();
+    TEST_ASSERT_FALSE(rc_levenberg_tried(&lm, RIGCAL_OK, RC(1.2), MUCH, RC(0.125)));
+}
+
+static void test_a_step_that_was_not_damped_is_damped_after_harm(void)
+{
+    rigcal_levenberg lm;
+    rc_levenberg_begin(&lm, 1);
+    rc_levenberg_evaluated(&lm, RIGCAL_OK, 1);
+    TEST_ASSERT_FALSE(rc_levenberg_tried(&lm, RIGCAL_OK, 2, MUCH, 0));
+    TEST_ASSERT_TRUE(lm.lambda > 0);
+}
+
+/* A step that promised next to nothing and did harm met rounding: the search is at its end. */
+static void test_harm_by_a_step_that_promised_a_trifle_is_rounding(void)
+{
+    rigcal_levenberg lm = at_sum_1();
+    TEST_ASSERT_FALSE(
+        rc_levenberg_tried(&lm, RIGCAL_OK, RC(1.001), RC(TOL(1e-10, 1e-6)), 0));
+    ASSERT_STATUS(RIGCAL_OK, lm.status);
+    ASSERT_NEAR(1, lm.sum, 0);
+}
+
+static void test_harm_again_and_again_ends_it(void)
+{
+    rigcal_levenberg lm = at_sum_1();
+    int times = 0;
+    while (lm.status == RIGCAL_RUNNING) {
+        rc_levenberg_evaluated(&lm, RIGCAL_OK, 1);
+        TEST_ASSERT_FALSE(rc_levenberg_tried(&lm, RIGCAL_OK, 2, MUCH, 0));
+        TEST_ASSERT_LESS_THAN_INT(30, ++times);
+    }
+    ASSERT_STATUS(RIGCAL_OK, lm.status);
+    TEST_ASSERT_GREATER_THAN_INT(5, times);
+}
+
+/* Gains before harm do not tell how fast gains fall after it. */
+static void test_harm_forgets_the_gains_before_it(void)
+{
+    const rigcal_real gain = RC(TOL(1e-7, 1e-4));
+    rigcal_levenberg lm = at_sum_1();
+    TEST_ASSERT_TRUE(rc_levenberg_tried(&lm, RIGCAL_OK, RC(0.9), MUCH, 0));
+    TEST_ASSERT_FALSE(rc_levenberg_tried(&lm, RIGCAL_OK, 2, MUCH, 0));
+    rc_levenberg_evaluated(&lm, RIGCAL_OK, RC(0.9));
+    TEST_ASSERT_EQUAL_INT(RC_STEP_TRY, rc_levenberg_promised(&lm, gain, NOTHING));
+}
+
+/* ---- whole searches -------------------------------------------------------- */
+
+/* Two residuals of two unknowns, and J. */
+typedef void (*residuals)(double e[2], double J[4], const double x[2]);
+
+static void rosenbrock(double e[2], double J[4], const double x[2])
+{
+    e[0] = 10 * (x[1] - x[0] * x[0]);
+    e[1] = 1 - x[0];
+    J[0] = -20 * x[0];
+    J[1] = 10;
+    J[2] = -1;
+    J[3] = 0;
+}
+
+static void line(double e[2], double J[4], const double x[2])
+{
+    e[0] = 3 * x[0] + x[1] - 5;
+    e[1] = x[0] - 2 * x[1] + 3;
+    J[0] = 3;
+    J[1] = 1;
+    J[2] = 1;
+    J[3] = -2;
+}
+
+typedef struct {
+    rigcal_levenberg lm;
+    double x[2], g[2], H[3]; /* g = -J^T e, so that H d = g */
+    int evals;
+} search;
+
+static double evaluate(search *s, residuals f)
+{
+    double e[2], J[4];
+    f(e, J, s->x);
+    for (int k = 0; k < 2; k++) {
+        s->g[k] = -(J[k] * e[0] + J[2 + k] * e[1]);
+    }
+    s->H[0] = J[0] * J[0] + J[2] * J[2];
+    s->H[1] = J[0] * J[1] + J[2] * J[3];
+    s->H[2] = J[1] * J[1] + J[3] * J[3];
+    s->evals++;
+    return e[0] * e[0] + e[1] * e[1];
+}
+
+/* One turn of the loop of rc_levenberg.h. */
+static void turn(search *s, residuals f)
+{
+    const double lambda = D(s->lm.lambda), before[2] = {s->x[0], s->x[1]};
+    if (s->lm.want == RC_WANT_EQUATIONS) {
+        const double sum = evaluate(s, f);
+        rc_levenberg_evaluated(&s->lm, RIGCAL_OK, RC(sum));
+        return;
+    }
+    const double a = s->H[0] * (1 + lambda), b = s->H[1], c = s->H[2] * (1 + lambda);
+    const double d[2] = {(c * s->g[0] - b * s->g[1]) / (a * c - b * b),
+                         (a * s->g[1] - b * s->g[0]) / (a * c - b * b)};
+    const double gain = d[0] * s->g[0] + d[1] * s->g[1];
+    const int taken = rc_levenberg_promised(&s->lm, RC(gain), 0);
+    if (taken != RC_STEP_NONE) {
+        s->x[0] += d[0];
+        s->x[1] += d[1];
+    }
+    if (taken == RC_STEP_TRY) {
+        const double sum = evaluate(s, f);
+        if (!rc_levenberg_tried(&s->lm, RIGCAL_OK, RC(sum), RC(gain), 0)) {
+            s->x[0] = before[0];
+            s->x[1] = before[1];
+        }
+    }
+}
+
+static void begin(search *s, double x, double y)
+{
+    s->x[0] = x;
+    s->x[1] = y;
+    s->evals = 0;
+    rc_levenberg_begin(&s->lm, 0);
+}
+
+/* Two equations that are linear: one step, whose end is seen at once. */
+static void test_a_linear_problem_takes_few_evaluations(void)
+{
+    search s;
+    begin(&s, 100, -70);
+    while (s.lm.status == RIGCAL_RUNNING) {
+        turn(&s, line);
+        TEST_ASSERT_LESS_OR_EQUAL_INT(5, s.evals);
+    }
+    ASSERT_STATUS(RIGCAL_OK, s.lm.status);
+    ASSERT_NEAR(1, s.x[0], TOL(1e-9, 1e-4));
+    ASSERT_NEAR(2, s.x[1], TOL(1e-9, 1e-4));
+}
+
+/* Rosenbrock's valley, from where he started and from the side. */
+static void test_a_valley_is_followed_to_its_end(void)
+{
+    static const double START[4][2] = {{-1.2, 1}, {3, -2}, {-5, 8}, {0, 0}};
+    for (int i = 0; i < 4; i++) {
+        search s;
+        begin(&s, START[i][0], START[i][1]);
+        while (s.lm.status == RIGCAL_RUNNING) {
+            turn(&s, rosenbrock);
+            TEST_ASSERT_LESS_OR_EQUAL_INT(100, s.evals);
+        }
+        ASSERT_STATUS(RIGCAL_OK, s.lm.status);
+        ASSERT_NEAR(1, s.x[0], TOL(1e-6, 1e-3));
+        ASSERT_NEAR(1, s.x[1], TOL(1e-6, 2e-3));
+    }
+}
+
+/* A search that is copied at any turn goes on the same. */
+static void test_a_search_may_pause_at_any_turn(void)
+{
+    search s, copy;
+    begin(&s, -1.2, 1);
+    while (s.lm.status == RIGCAL_RUNNING) {
+        copy = s;
+        FILL(s);
+        s = copy;
+        turn(&s, rosenbrock);
+        turn(&copy, rosenbrock);
+        TEST_ASSERT_EQUAL_MEMORY(&copy.x, &s.x, sizeof s.x);
+        TEST_ASSERT_EQUAL_INT(copy.lm.want, s.lm.want);
+    }
+    ASSERT_NEAR(1, s.x[0], TOL(1e-6, 1e-3));
+}
+
+TEST_MAIN()
+{
+    RUN_TEST(test_a_search_begins_by_asking_for_equations);
+    RUN_TEST(test_after_equations_it_asks_for_a_step);
+    RUN_TEST(test_an_evaluation_that_fails_ends_it);
+    RUN_TEST(test_equations_that_are_singular_end_it);
+    RUN_TEST(test_a_newtons_h_is_damped_until_it_is_given_up);
+    RUN_TEST(test_a_step_that_promises_much_is_tried);
+    RUN_TEST(test_a_step_that_promises_what_means_nothing_is_the_last);
+    RUN_TEST(test_a_step_that_promises_a_trifle_of_the_sum_is_the_last);
+    RUN_TEST(test_gains_that_fall_fast_end_it_and_slow_ones_do_not);
+    RUN_TEST(test_a_step_that_is_damped_much_is_never_the_last);
+    RUN_TEST(test_a_saddle_is_no_optimum);
+    RUN_TEST(test_a_step_that_helped_stays);
+    RUN_TEST(test_a_step_that_did_harm_is_taken_back);
+    RUN_TEST(test_a_place_that_cannot_be_evaluated_did_harm);
+    RUN_TEST(test_a_sum_that_is_no_number_did_harm);
+    RUN_TEST(test_a_rise_of_the_sum_that_means_nothing_is_none);
+    RUN_TEST(test_a_step_that_was_not_damped_is_damped_after_harm);
+    RUN_TEST(test_harm_by_a_step_that_promised_a_trifle_is_rounding);
+    RUN_TEST(test_harm_again_and_again_ends_it);
+    RUN_TEST(test_harm_forgets_the_gains_before_it);
+    RUN_TEST(test_a_linear_problem_takes_few_evaluations);
+    RUN_TEST(test_a_valley_is_followed_to_its_end);
+    RUN_TEST(test_a_search_may_pause_at_any_turn);
+}

@@ -1,0 +1,205 @@
+/* uncertainty: how far a pose can be trusted. Against the vectors, against differences, and against
+ * the scatter of many solved scenes. */
+#include <math.h>
+#include <string.h>
+
+#include "test_problem.h"
+#include "vectors_camera.h"
+#include "vectors_refine.h"
+#include "vectors_scenes.h"
+
+static const double NOISE = 0.5; /* px */
+
+static double golden_packed(const double H[21], int i, int j)
+{
+    return H[i >= j ? i * (i + 1) / 2 + j : j * (j + 1) / 2 + i];
+}
+
+static void assert_covariance(const double golden[21], double scale,
+                              const rigcal_pose_uncertainty *u, double tol)
+{
+    for (int k = 0; k < 36; k++) {
+        const double size = sqrt(golden_packed(golden, k / 6, k / 6) *
+                                 golden_packed(golden, k % 6, k % 6));
+
+        ASSERT_NEAR(scale * golden_packed(golden, k / 6, k % 6), u->Sigma[k],
+                    tol * scale * size);
+    }
+    for (int k = 0; k < 3; k++) {
+        const double w = sqrt(scale * golden_packed(golden, k, k));
+        const double dt = sqrt(scale * golden_packed(golden, 3 + k, 3 + k));
+
+        ASSERT_NEAR(w, u->rotation[k], tol * w);
+        ASSERT_NEAR(dt, u->translation[k], tol * dt);
+    }
+}
+
+static void test_covariances_are_those_of_the_oracle(void)
+{
+    const double f = 800, sigma_px = 0.25;
+
+    for (int i = 0; i < REFINE_PINHOLE_ROWS; i++) {
+        const double *v = REFINE_PINHOLE[i], *s = SCENE[(int)v[0]];
+        const size_t n = (size_t)v[1];
+        const rigcal_transform pose = test_transform(v + 2, v + 11);
+        rigcal_camera camera = test_pinhole();
+        rigcal_observation o[6];
+        rigcal_pose_uncertainty u;
+        double noise;
+
+        camera.cx = camera.cy = 0;
+        for (size_t k = 0; k < n; k++) {
+            test_to_real(o[k].X_w, s + 3 * k, 3);
+            o[k].uv[0] = RC(f * s[18 + 2 * k]);
+            o[k].uv[1] = RC(f * s[19 + 2 * k]);
+        }
+        ASSERT_STATUS(RIGCAL_OK, rigcal_pose_covariance(&u, &VIEW(&camera, o, NULL, n), &pose, RC(sigma_px)));
+        ASSERT_NEAR(sigma_px, u.sigma_px, 1e-6 * sigma_px);
+        assert_covariance(v + 15, sigma_px * sigma_px / (f * f), &u,
+                          TOL(1e-8, 2e-2));
+        /* estimated */
+        noise = f * sqrt(v[14] / (2 * v[1] - 6));
+        ASSERT_STATUS(RIGCAL_OK, rigcal_pose_covariance(&u, &VIEW(&camera, o, NULL, n), &pose, 0));
+        ASSERT_NEAR(noise, u.sigma_px, TOL(1e-7, 5e-2) * noise);
+    }
+}
+
+static void test_covariances_of_any_lens_are_those_of_the_vectors(void)
+{
+    for (int i = 0; i < REFINE_LENS_ROWS; i++) {
+        const double *v = REFINE_LENS[i], *minimum = v + 2 + 6 * 8 + 6;
+        const rigcal_camera camera = test_camera(CAMERA[(int)v[0]]);
+        const rigcal_transform pose = test_transform(minimum, minimum + 9);
+        const size_t n = (size_t)v[1];
+        rigcal_pose_uncertainty u;
+        rigcal_observation o[8];
+        rigcal_real sigma[8];
+
+        for (size_t k = 0; k < n; k++) {
+            test_to_real(o[k].X_w, v + 2 + 6 * k, 3);
+            test_to_real(o[k].uv, v + 5 + 6 * k, 2);
+            sigma[k] = RC(v[7 + 6 * k]);
+        }
+        ASSERT_STATUS(RIGCAL_OK, rigcal_pose_covariance(&u, &VIEW(&camera, o, sigma, n), &pose, 2));
+        assert_covariance(minimum + 13, 4, &u, TOL(1e-8, 2e-2));
+    }
+}
+
+/* The centre's deviation is that of -R^T t under the covariance of (w, dt): by
+ * differences. */
+static void test_the_deviation_of_the_centre_follows(void)
+{
+    test_rng rng = test_seed(80);
+
+    for (int trial = 0; trial < TEST_TRIALS(100); trial++) {
+        const double h = 1e-6;
+        double J[3][6], Sigma[36];
+        rigcal_pose_uncertainty u;
+        rigcal_transform pose;
+        test_problem p;
+
+        test_random_problem(&p, &rng, 8, (test_shape)(trial % 3));
+        pose = test_transform(p.scene.R, p.scene.t);
+        ASSERT_STATUS(RIGCAL_OK, rigcal_pose_covariance(&u, &VIEW(&p.camera, p.o, NULL, 8), &pose, 1));
+        test_to_double(Sigma, u.Sigma, 36);
+        for (int k = 0; k < 6; k++) {
+            double side[2][3];
+
+            for (int s = 0; s < 2; s++) {
+                double R[9], t[3], Rt[9], d[6] = {0, 0, 0, 0, 0, 0};
+
+                memcpy(R, p.scene.R, sizeof R);
+                memcpy(t, p.scene.t, sizeof t);
+                d[k] = s ? h : -h;
+                test_move(R, t, d);
+                test_transpose(Rt, R);
+                test_apply(side[s], Rt, t, NULL);
+            }
+            for (int r = 0; r < 3; r++) {
+                J[r][k] = (side[0][r] - side[1][r]) / (2 * h);
+            }
+        }
+        for (int r = 0; r < 3; r++) {
+            double variance = 0;
+
+            for (int k = 0; k < 36; k++) {
+                variance += J[r][k / 6] * Sigma[k] * J[r][k % 6];
+            }
+            ASSERT_NEAR(sqrt(variance), u.center[r],
+                        TOL(1e-6, 5e-2) * sqrt(variance));
+        }
+    }
+}
+
+/* 95 % of the ellipsoids hold the truth; noise estimated comes out as it is. */
+static void test_the_covariance_holds_the_truth_as_often_as_it_says(void)
+{
+    enum { TRIALS = 2000 };
+    const double chi2_of_6_at_95 = 12.5916;
+    const rigcal_pose_options options = test_options(NOISE);
+    test_rng rng = test_seed(81);
+    double noise2 = 0;
+    int held = 0;
+
+    TEST_ON_HOST_ONLY("a rate wants all scenes");
+    for (int trial = 0; trial < TRIALS; trial++) {
+        double R[9], t[3], d[6], Sigma[36];
+        rigcal_pose_uncertainty u;
+        test_problem p;
+
+        test_random_problem(&p, &rng, 8, TEST_GENERAL);
+        test_add_noise(&p, &rng, NOISE);
+        TEST_ASSERT_TRUE(test_solve_pose(&p, &options) >= 0);
+        ASSERT_STATUS(RIGCAL_OK, rigcal_pose_covariance(&u, &VIEW(&p.camera, p.o, NULL, 8), &p.poses[0].cam_from_world, RC(NOISE)));
+        test_transform_parts(R, t, &p.poses[0].cam_from_world);
+        test_difference(d, R, t, p.scene.R, p.scene.t);
+        test_to_double(Sigma, u.Sigma, 36);
+        held += test_squared_distance(d, Sigma, 6) < chi2_of_6_at_95;
+        ASSERT_STATUS(RIGCAL_OK, rigcal_pose_covariance(&u, &VIEW(&p.camera, p.o, NULL, 8), &p.poses[0].cam_from_world, 0));
+        noise2 += D(u.sigma_px) * D(u.sigma_px) / TRIALS;
+    }
+    TEST_ASSERT_TRUE(held >= TRIALS * 93.5 / 100);
+    TEST_ASSERT_TRUE(held <= TRIALS * 96.5 / 100);
+    ASSERT_NEAR(NOISE * NOISE, noise2, 0.03 * NOISE * NOISE);
+}
+
+static void test_a_covariance_that_does_not_exist_is_refused_by_name(void)
+{
+    rigcal_pose_uncertainty u;
+    rigcal_transform pose;
+    test_rng rng = test_seed(82);
+    test_problem p;
+
+    test_random_problem(&p, &rng, 6, TEST_GENERAL);
+    pose = test_transform(p.scene.R, p.scene.t);
+    ASSERT_STATUS(RIGCAL_OK, rigcal_pose_covariance(&u, &VIEW(&p.camera, p.o, NULL, 3), &pose, 1));
+    ASSERT_REFUSED(RIGCAL_ERR_TOO_FEW, u,
+                   rigcal_pose_covariance(&u, &VIEW(&p.camera, p.o, NULL, 3), &pose, 0));
+    ASSERT_REFUSED(RIGCAL_ERR_TOO_FEW, u,
+                   rigcal_pose_covariance(&u, &VIEW(&p.camera, p.o, NULL, 2), &pose, 1));
+    ASSERT_REFUSED(RIGCAL_ERR_RANGE, u,
+                   rigcal_pose_covariance(&u, &VIEW(&p.camera, p.o, NULL, 6), &pose, -1));
+    ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, u,
+                   rigcal_pose_covariance(&u, &VIEW(&p.camera, p.o, NULL, 6), &pose, TEST_NAN));
+    pose.t[2] = -pose.t[2] - 10;
+    ASSERT_REFUSED(RIGCAL_ERR_BEHIND, u,
+                   rigcal_pose_covariance(&u, &VIEW(&p.camera, p.o, NULL, 6), &pose, 1));
+    pose = test_transform(p.scene.R, p.scene.t);
+    for (int i = 0; i < 6; i++) { /* all on one line */
+        for (int k = 0; k < 3; k++) {
+            p.scene.X[i][k] = 0.25 * i * (k == 0) + p.scene.X[0][k];
+        }
+    }
+    test_observe(&p);
+    ASSERT_REFUSED(RIGCAL_ERR_DEGENERATE, u,
+                   rigcal_pose_covariance(&u, &VIEW(&p.camera, p.o, NULL, 6), &pose, 1));
+}
+
+TEST_MAIN()
+{
+    RUN_TEST(test_covariances_are_those_of_the_oracle);
+    RUN_TEST(test_covariances_of_any_lens_are_those_of_the_vectors);
+    RUN_TEST(test_the_deviation_of_the_centre_follows);
+    RUN_TEST(test_the_covariance_holds_the_truth_as_often_as_it_says);
+    RUN_TEST(test_a_covariance_that_does_not_exist_is_refused_by_name);
+}

@@ -145,10 +145,6 @@ static void check_method(const calibration *c,
         cli_fail("--sigma does not go with --method paper, which knows no noise: "
                  "leave one out");
     }
-    if (c->by_paper && option[OPTION_THOROUGH] != NULL) {
-        cli_fail("--thorough does not go with --method paper, which has a search "
-                 "of its own: leave one out");
-    }
     if (option[OPTION_ROBUST] == NULL &&
         (option[OPTION_THRESHOLD] != NULL || option[OPTION_SEED] != NULL)) {
         cli_fail("--threshold and --seed go with --robust: give it too");
@@ -162,7 +158,6 @@ static void choose(calibration *c, const char *const option[OPTION_COUNT])
     check_method(c, option);
     rigcal_pose_defaults(&c->pose);
     rigcal_robust_defaults(&c->robust);
-    c->pose.thorough = option[OPTION_THOROUGH] != NULL;
     if (option[OPTION_SIGMA] != NULL) {
         c->pose.sigma_px = (rigcal_real)cli_sigma(option[OPTION_SIGMA]);
         c->robust.sigma_px = c->pose.sigma_px;

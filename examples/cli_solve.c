@@ -112,25 +112,6 @@ static rigcal_status solve_by_paper(const calibration *c, view *v,
     return measured < 0 ? measured : status;
 }
 
-/* --robust --thorough: a thorough search with the points that agree. */
-static rigcal_status search_on(const calibration *c, view *v,
-                               const rigcal_camera *camera, rigcal_status status)
-{
-    rigcal_pose poses[RIGCAL_POSES_MAX];
-    size_t n_poses = 0;
-    rigcal_status again;
-
-    gather(c, v);
-    again = rigcal_solve_pose(poses, &n_poses, RIGCAL_POSES_MAX, NULL, camera,
-                              c->observed, NULL, v->n, &c->pose);
-    if (again < 0) {
-        return status;
-    }
-    memcpy(v->poses, poses, sizeof poses);
-    v->n_poses = n_poses;
-    return status == RIGCAL_FEW_AGREE ? status : again;
-}
-
 /* All points count, until they are left out. */
 static void note_points(view *v)
 {
@@ -200,7 +181,7 @@ static rigcal_status solve_robustly(const calibration *c, view *v,
         v->agree[c->observed_at[i]] = agree[i] ? POINT_COUNTS : POINT_DISAGREES;
     }
     v->n = n_agree;
-    return c->pose.thorough ? search_on(c, v, camera, status) : status;
+    return status;
 }
 
 void view_take(const calibration *c, view *v, size_t pose)

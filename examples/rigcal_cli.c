@@ -10,7 +10,7 @@ static const char HELP[] =
     "rigcal - where each camera of a rig is, from a few points of known shape\n"
     "\n"
     "  rigcal calibrate   --cameras FILE --observations FILE [--out FOLDER]\n"
-    "                     [--sigma PIXELS] [--thorough]\n"
+    "                     [--sigma PIXELS]\n"
     "                     [--robust [--threshold PIXELS] [--seed NUMBER]]\n"
     "                     [--method ml|paper]\n"
     "  rigcal triangulate --cameras FILE --rig FILE --observations FILE\n"
@@ -24,14 +24,12 @@ static const char HELP[] =
     "               and residuals.csv. It is made if it does not exist.\n"
     "  --sigma      the noise of one pixel coordinate. Fits and uncertainties are\n"
     "               judged by it; without it, by the residuals.\n"
-    "  --thorough   searches four times as many directions: a pose is missed more\n"
-    "               seldom, and the search takes two to four times as long.\n"
     "  --robust     leaves out points that disagree with the others by more than\n"
     "               --threshold (4 x --sigma; without --sigma 3 pixels).\n"
     "               --seed chooses other random samples; 1 if not given.\n"
     "  --method     ml, the default: the maximum-likelihood pose and its\n"
-    "               uncertainty. paper: the published procedure, without --sigma,\n"
-    "               --thorough and --robust.\n"
+    "               uncertainty. paper: the published procedure, without --sigma\n"
+    "               and --robust.\n"
     "\n"
     "triangulate measures the points that two or more cameras observed. It prints\n"
     "CSV.\n"
@@ -63,8 +61,7 @@ typedef struct {
 static const command COMMANDS[] = {
     {"calibrate", cli_calibrate, BIT(OPTION_CAMERAS) | BIT(OPTION_OBSERVATIONS),
      BIT(OPTION_OUT) | BIT(OPTION_METHOD) | BIT(OPTION_SIGMA) |
-         BIT(OPTION_THOROUGH) | BIT(OPTION_ROBUST) | BIT(OPTION_THRESHOLD) |
-         BIT(OPTION_SEED)},
+         BIT(OPTION_ROBUST) | BIT(OPTION_THRESHOLD) | BIT(OPTION_SEED)},
     {"triangulate", cli_triangulate,
      BIT(OPTION_CAMERAS) | BIT(OPTION_RIG) | BIT(OPTION_OBSERVATIONS),
      BIT(OPTION_TARGETS) | BIT(OPTION_SIGMA)},
@@ -88,7 +85,6 @@ static const struct option OPTIONS[] = {
     {"pixel", required_argument, NULL, OPTION_PIXEL},
     {"depth", required_argument, NULL, OPTION_DEPTH},
     {"method", required_argument, NULL, OPTION_METHOD},
-    {"thorough", no_argument, NULL, OPTION_THOROUGH},
     {"robust", no_argument, NULL, OPTION_ROBUST},
     {"threshold", required_argument, NULL, OPTION_THRESHOLD},
     {"seed", required_argument, NULL, OPTION_SEED},

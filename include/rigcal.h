@@ -594,7 +594,7 @@ RIGCAL_API rigcal_status rigcal_paper_solve(rigcal_paper_pose *pose,
  *
  * Where no noise is stated, some is assumed, in pixels. The unit of uv is a pixel, if fx
  * is 28 or more. For shorter ones, as of normalised images, a pixel is fx^2 / 800. */
-enum { RIGCAL_POSES_MAX = 4, RIGCAL_POSE_SEEDS = 5 };
+enum { RIGCAL_POSES_MAX = 4, RIGCAL_POSE_SEEDS = 3 };
 
 typedef struct {
     rigcal_transform cam_from_world;
@@ -606,9 +606,6 @@ typedef struct {
 } rigcal_pose;
 
 typedef struct {
-    int32_t thorough;  /* 1: four times the directions, more and better spread seeds,
-                          for two to four times the work: fewer misses still.
-                          0 (default) */
     int32_t use_start; /* 1: `start` is a previous pose, and the only seed unless
                           it proves bad; only the optimum near it is returned.
                           0 (default) */
@@ -679,8 +676,8 @@ typedef struct {
 
 /* A search under way. Flat and copyable; its fields are internal. */
 typedef struct {
-    int32_t phase, next, n_seeds, n_exact, n_found, thorough, is_flat, is_plane,
-        leans, failure, bad, is_warm, point, is_mirrored, is_vague, is_unfinished,
+    int32_t phase, next, n_seeds, n_exact, n_found, is_flat, is_plane, leans,
+        failure, bad, is_warm, point, is_mirrored, is_vague, is_unfinished,
         is_wide, picks;
     size_t n, n_used;
     rigcal_real extent_px, scale, sigma_px, axis[3], normal[3];
@@ -721,9 +718,9 @@ RIGCAL_API rigcal_status rigcal_pose_begin(
  *
  *   a unit is                                    of one search, at most    usually
  *   the ray of one point (of 16 of a pinhole)    n; 2 n if one is unseen   n
- *   a direction's cost, the equations of a       900 (thorough: 3000;      50 to 70
- *     refinement, O(n), or the next start        wide: 2000)               (190 to 230; 150)
- *   the proof that a lens with distortion sees   7 n (thorough: 9 n)       n to 2 n
+ *   a direction's cost, the equations of a       900 (wide: 2000)          50 to 70
+ *     refinement, O(n), or the next start                                  (wide: 150)
+ *   the proof that a lens with distortion sees   7 n                       n to 2 n
  *     one point where an optimum puts it
  *
  * The first equations of a refinement of a wide target take the rays of all points too. */

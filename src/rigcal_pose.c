@@ -1,16 +1,12 @@
 #include "rc_pose.h"
 
-/* Directions of the lattice, how many of the best are followed, and how far apart
- * these are [cosine]: the finer lattice's best would all be neighbours. */
-enum { LATTICE = 24, LATTICE_THOROUGH = 96 };
-enum { FOLLOWED = 3, FOLLOWED_THOROUGH = RIGCAL_POSE_SEEDS };
-#define NEIGHBOUR_COSINE RC(0.88)
+/* Directions of the lattice, and how many of the best are followed. */
+enum { LATTICE = 24, FOLLOWED = RIGCAL_POSE_SEEDS };
 
 /* A descent: the simplex's first edge [rad], about half the lattice's spacing, and
  * its evaluations. It only has to land where refinement converges. */
 #define EDGE RC(0.3)
-enum { DESCENT_EVALS = 10, DESCENT_EVALS_THOROUGH = 20 };
-enum { REFINE_EVALS = 100, REFINE_EVALS_THOROUGH = 250 };
+enum { DESCENT_EVALS = 10, REFINE_EVALS = 100 };
 
 /* A target of less thickness (rc_view_normal) has a second optimum, which leans the other
  * way. */
@@ -117,11 +113,6 @@ enum {
     WEIGHING,
     DONE
 };
-
-static int is_thorough(const rigcal_pose_solver *s)
-{
-    return RIGCAL_WITH_THOROUGH && s->thorough;
-}
 
 /* ---- the data ------------------------------------------------------------ */
 
@@ -324,7 +315,7 @@ static void gather_point(rigcal_pose_solver *s, int32_t i)
         return;
     }
     turn_to_virtual(u, s->axis, ray);
-    if (!WITH_WIDE && !(ray[2] > SPREAD_COSINE)) {
+    if (0 && !WITH_WIDE && !(ray[2] > SPREAD_COSINE)) {
         fail(s, RIGCAL_ERR_WIDE_RAY, i);
         return;
     }
@@ -596,11 +587,6 @@ rigcal_real rc_pose_likelihood(const rigcal_pose_solver *s, int32_t i)
 
 /* ---- seeds: the lattice -------------------------------------------------- */
 
-static int32_t lattice_size(const rigcal_pose_solver *s)
-{
-    return is_thorough(s) ? LATTICE_THOROUGH : LATTICE;
-}
-
 /* z = z w, complex */
 RC_APART static void turn(rigcal_real z[2], const rigcal_real w[2])
 {
@@ -616,18 +602,16 @@ static const rigcal_real GOLDEN[2] = {RC(-0.73736887807831989),
 
 /* Direction `index` of a Fibonacci sphere: heights in even steps, azimuths a golden
  * angle apart. */
-RC_APART static void direction_of(rigcal_real m3[3],
-                                  const rigcal_pose_solver *s, int32_t index,
+RC_APART static void direction_of(rigcal_real m3[3], int32_t index,
                                   const rigcal_real azimuth[2])
 {
-    m3[2] = 1 - (rigcal_real)(2 * index + 1) / (rigcal_real)lattice_size(s);
+    m3[2] = 1 - (rigcal_real)(2 * index + 1) / (rigcal_real)LATTICE;
     const rigcal_real r = RC_SQRT(1 - m3[2] * m3[2]);
     m3[0] = r * azimuth[0];
     m3[1] = r * azimuth[1];
 }
 
-static void seed_direction(rigcal_real m3[3], const rigcal_pose_solver *s,
-                           int32_t index)
+static void seed_direction(rigcal_real m3[3], int32_t index)
 {
     rigcal_real azimuth[2] = {1, 0}, by[2] = {GOLDEN[0], GOLDEN[1]};
     for (int32_t left = index; left > 0; left /= 2) {
@@ -636,7 +620,7 @@ static void seed_direction(rigcal_real m3[3], const rigcal_pose_solver *s,
         }
         turn(by, by);
     }
-    direction_of(m3, s, index, azimuth);
+    direction_of(m3, index, azimuth);
 }
 
 static void move_seed(rigcal_pose_lattice *lattice, int32_t to, int32_t from)
@@ -645,30 +629,11 @@ static void move_seed(rigcal_pose_lattice *lattice, int32_t to, int32_t from)
     lattice->index[to] = lattice->index[from];
 }
 
-/* Removes the seeds of neighbours that are worse. 0: there is a better one. */
-static int is_best_nearby(rigcal_pose_solver *s, const rigcal_real m3[3],
-                          rigcal_real cost)
+/* Keeps the best directions in order of cost; this one is among them. */
+static void insert_seed(rigcal_pose_solver *s, rigcal_real cost)
 {
     rigcal_pose_lattice *const lattice = &s->from.lattice;
-    int32_t kept = 0;
-    for (int32_t i = 0; i < s->n_seeds; i++) {
-        rigcal_real other[3];
-        seed_direction(other, s, lattice->index[i]);
-        if (!(rc_vec3_dot(m3, other) > NEIGHBOUR_COSINE)) {
-            move_seed(lattice, kept++, i);
-        } else if (lattice->cost[i] <= cost) {
-            return 0; /* sorted by cost: nothing has been removed */
-        }
-    }
-    s->n_seeds = kept;
-    return 1;
-}
-
-/* Keeps the `most` best directions in order of cost; this one is among them. */
-static void insert_seed(rigcal_pose_solver *s, rigcal_real cost, int32_t most)
-{
-    rigcal_pose_lattice *const lattice = &s->from.lattice;
-    int32_t at = (s->n_seeds < most) ? s->n_seeds++ : most - 1;
+    int32_t at = (s->n_seeds < FOLLOWED) ? s->n_seeds++ : FOLLOWED - 1;
     for (; at > 0 && cost < lattice->cost[at - 1]; at--) {
         move_seed(lattice, at, at - 1);
     }
@@ -678,17 +643,15 @@ static void insert_seed(rigcal_pose_solver *s, rigcal_real cost, int32_t most)
 
 RC_APART static void scanning_step(rigcal_pose_solver *s)
 {
-    const int32_t most = is_thorough(s) ? FOLLOWED_THOROUGH : FOLLOWED;
     rigcal_pose_lattice *const lattice = &s->from.lattice;
     rigcal_real m3[3];
-    direction_of(m3, s, s->next, lattice->azimuth);
+    direction_of(m3, s->next, lattice->azimuth);
     turn(lattice->azimuth, GOLDEN);
     const rigcal_real cost = rc_view_cost(&lattice->moments, m3);
-    if ((s->n_seeds < most || cost < lattice->cost[most - 1]) &&
-        (!is_thorough(s) || is_best_nearby(s, m3, cost))) {
-        insert_seed(s, cost, most);
+    if (s->n_seeds < FOLLOWED || cost < lattice->cost[FOLLOWED - 1]) {
+        insert_seed(s, cost);
     }
-    if (++s->next == lattice_size(s)) {
+    if (++s->next == LATTICE) {
         lattice->least_cost = lattice->cost[0];
         s->next = 0;
         s->phase = CHOOSING;
@@ -731,8 +694,7 @@ static void begin_descent(rigcal_pose_solver *s, const rigcal_real m3[3],
     static const rigcal_real SIMPLEX[6] = {0, 0, EDGE, 0, 0, EDGE};
     rigcal_descent *const descent = &s->work.descent;
     rc_neldermead_begin_simplex(&descent->nm, SIMPLEX, 2, RC(1e-4), 0,
-                                is_thorough(s) ? DESCENT_EVALS_THOROUGH
-                                               : DESCENT_EVALS);
+                                DESCENT_EVALS);
     rc_neldermead_tell(&descent->nm, cost); /* known already */
     rc_vec3_copy(descent->m3, m3);
     s->phase = DESCENT;
@@ -743,8 +705,8 @@ static void try_seed(rigcal_pose_solver *s, int32_t i)
 {
     const rigcal_real cost = s->from.lattice.cost[i];
     rigcal_real m3[3];
-    seed_direction(m3, s, s->from.lattice.index[i]);
-    if (cost < RC_MAX && (is_thorough(s) || !leads_to_found(s, m3, cost))) {
+    seed_direction(m3, s->from.lattice.index[i]);
+    if (cost < RC_MAX && !leads_to_found(s, m3, cost)) {
         begin_descent(s, m3, cost);
     }
 }
@@ -1059,8 +1021,7 @@ static void begin_warm(rigcal_pose_solver *s, const rigcal_transform *start)
 RC_APART static void refining_step(rigcal_pose_solver *s)
 {
     rigcal_refinement *const work = &s->work.fit;
-    rc_refine_step(work, &s->fit,
-                   is_thorough(s) ? REFINE_EVALS_THOROUGH : REFINE_EVALS);
+    rc_refine_step(work, &s->fit, REFINE_EVALS);
     if (s->phase == WEIGHING) {
         end_weighing(s);
     } else if (work->status == RIGCAL_RUNNING) {
@@ -1079,7 +1040,6 @@ rigcal_status rigcal_pose_defaults(rigcal_pose_options *options)
     if (options == NULL) {
         return RIGCAL_ERR_NULL;
     }
-    options->thorough = 0;
     options->use_start = 0;
     options->sigma_px = 0;
     rc_transform_identity(&options->start);
@@ -1098,8 +1058,7 @@ static rigcal_status check_options(const rigcal_pose_options *o)
     if (status == RIGCAL_ERR_NOT_FINITE) {
         return status;
     }
-    if ((o->thorough & ~RIGCAL_WITH_THOROUGH) != 0 ||
-        (o->use_start & ~1) != 0) {
+    if ((o->use_start & ~1) != 0) {
         return RIGCAL_ERR_RANGE;
     }
     return (status == RIGCAL_OK && o->use_start) ? rc_check_transform(&o->start)
@@ -1138,7 +1097,6 @@ rigcal_status rc_pose_begin(rigcal_pose_solver *solver, int32_t *bad,
     solver->scale = 1 / survey.size;
     solver->extent_px = survey.extent_px;
     if (options != NULL) {
-        solver->thorough = options->thorough;
         solver->sigma_px = options->sigma_px;
     }
     if (options != NULL && options->use_start) {

@@ -266,7 +266,6 @@ static const rigcal_layout_entry EXPECTED[] = {
     FIELD(rigcal_pose, probability),
 
     STRUCT(rigcal_pose_options),
-    FIELD(rigcal_pose_options, thorough),
     FIELD(rigcal_pose_options, use_start),
     FIELD(rigcal_pose_options, sigma_px),
     FIELD(rigcal_pose_options, start),
@@ -333,7 +332,6 @@ static const rigcal_layout_entry EXPECTED[] = {
     FIELD(rigcal_pose_solver, n_seeds),
     FIELD(rigcal_pose_solver, n_exact),
     FIELD(rigcal_pose_solver, n_found),
-    FIELD(rigcal_pose_solver, thorough),
     FIELD(rigcal_pose_solver, is_flat),
     FIELD(rigcal_pose_solver, is_plane),
     FIELD(rigcal_pose_solver, leans),

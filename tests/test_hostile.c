@@ -396,14 +396,11 @@ static const impossible BAD_OPTIONS[] = {
     BAD_REAL(rigcal_paper_options, ftol, -1e-6, RIGCAL_ERR_RANGE),
     BAD_END};
 static const impossible BAD_COLD[] = {
-    BAD_INT(rigcal_pose_options, thorough, -1, RIGCAL_ERR_RANGE),
-    BAD_INT(rigcal_pose_options, thorough, 2, RIGCAL_ERR_RANGE),
     BAD_INT(rigcal_pose_options, use_start, -1, RIGCAL_ERR_RANGE),
     BAD_INT(rigcal_pose_options, use_start, INT32_MAX, RIGCAL_ERR_RANGE),
     BAD_REAL(rigcal_pose_options, sigma_px, -1, RIGCAL_ERR_RANGE),
     BAD_END};
 static const impossible BAD_WARM[] = {
-    BAD_INT(rigcal_pose_options, thorough, 2, RIGCAL_ERR_RANGE),
     BAD_INT(rigcal_pose_options, use_start, 2, RIGCAL_ERR_RANGE),
     BAD_REAL(rigcal_pose_options, sigma_px, -1e-9, RIGCAL_ERR_RANGE),
     BAD_REAL(rigcal_pose_options, start.R[0], 2, RIGCAL_ERR_ROTATION),

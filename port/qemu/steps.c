@@ -16,7 +16,7 @@
 #include "rc_pose.h"
 
 /* The published search evaluates some eighty times as often. */
-enum { SCENES = 1000, SCENES_PUBLISHED = 100, GROUPS = 13 };
+enum { SCENES = 1000, SCENES_PUBLISHED = 100, GROUPS = 12 };
 
 /* Instructions besides evaluations: all poses of three points, the pose where a
  * published search ends. */
@@ -25,7 +25,7 @@ enum { EXTRA = 4000 };
 /* How far one of a robust scene's points is from where it should be. */
 #define WRONG_PX 60
 
-typedef enum { SOLVE_POSE, THOROUGH, WEIGHTED, ROBUST, PUBLISHED } task;
+typedef enum { SOLVE_POSE, WEIGHTED, ROBUST, PUBLISHED } task;
 
 typedef struct {
     const char *name;
@@ -38,7 +38,6 @@ typedef struct {
 static const group GROUP[GROUPS] = {{"3 points", 3, PLAIN, SOLVE_POSE, 0},
                                     {"3 points, fisheye", 3, PLAIN, SOLVE_POSE, 1},
                                     {"tag", 4, TAG, SOLVE_POSE, 0},
-                                    {"tag, thorough", 4, TAG, THOROUGH, 0},
                                     {"4 points", 4, PLAIN, SOLVE_POSE, 0},
                                     {"4 points, lens", 4, LENS, SOLVE_POSE, 0},
                                     {"8 points, lens", 8, LENS, SOLVE_POSE, 0},
@@ -164,7 +163,6 @@ static rigcal_status begin(solver *s, const group *g, uint64_t i)
     for (size_t k = 0; k < g->n; k++) {
         sigma[k] = (rigcal_real)(1 + k % 3);
     }
-    options.thorough = g->to_do == THOROUGH;
     options.use_start = i % 3 == 2;
     if (i % 6 == 5) {
         options.start.t[2] = -options.start.t[2];

@@ -830,7 +830,7 @@ class TestUse(CliTest):
                 (["calibrate", *both, "--out"], "--out needs a value"),
                 (["line", "--method", "ml"], "has no option --method"),
                 (["calibrate", *both, "extra"], 'takes options only, not "extra"'),
-                (["triangulate", *both, "--thorough"], "has no option --thorough"),
+                (["triangulate", *both, "--robust"], "has no option --robust"),
                 (["line", "--sigma", "1"], "has no option --sigma"),
                 (["calibrate", *both, "--robust", "--robust"], "given twice"),
                 (["calibrate", *both, *both], "given twice"),
@@ -869,7 +869,7 @@ class TestUse(CliTest):
             run = rigcal(*arguments)
             self.assertEqual((run.returncode, run.stderr), (0, ""))
             for word in ("calibrate", "triangulate", "line", "--observations",
-                         "--method", "--sigma", "--thorough", "FORMAT.md"):
+                         "--method", "--sigma", "--robust", "FORMAT.md"):
                 self.assertIn(word, run.stdout)
         run = rigcal("--version")
         self.assertEqual(rigcal("line", "--version").stdout, run.stdout)

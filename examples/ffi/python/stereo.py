@@ -34,7 +34,7 @@ def declare_structs(real):
         "rigcal_observation": [("X_w", real, 3), ("uv", real, 2)],
         "rigcal_pose": [("cam_from_world", np.dtype(transform, align=True)),
                         ("sse", real), ("rms_px", real), ("probability", real)],
-        "rigcal_pose_options": [("thorough", i4), ("use_start", i4),
+        "rigcal_pose_options": [("use_start", i4),
                                 ("sigma_px", real),
                                 ("start", np.dtype(transform, align=True))],
         "rigcal_view": [("cam_from_target", np.dtype(transform, align=True)),

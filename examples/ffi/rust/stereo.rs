@@ -80,7 +80,7 @@ c_struct!(rigcal_pose {
     cam_from_world: rigcal_transform, sse: Real, rms_px: Real, probability: Real
 });
 c_struct!(rigcal_pose_options {
-    thorough: i32, use_start: i32, sigma_px: Real, start: rigcal_transform
+    use_start: i32, sigma_px: Real, start: rigcal_transform
 });
 c_struct!(rigcal_view {
     cam_from_target: rigcal_transform, weight: Real, camera: i32, placement: i32

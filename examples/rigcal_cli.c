@@ -156,6 +156,13 @@ static CLI_NORETURN void refuse_option(const command *chosen, char *argv[])
     WRONG_USE("%s has no option %s", chosen->name, argv[optind - 1]);
 }
 
+/* A value that was left out makes getopt take the option that follows. With = in between
+ * the value is meant: argv has it only as a part of a word. */
+static int is_option(const char *value, char *const argv[])
+{
+    return value != NULL && value == argv[optind - 1] && strncmp(value, "--", 2) == 0;
+}
+
 /* One option, as getopt_long gives it. Returns 0 for --help and --version, which need
  * nothing more. */
 static int take_option(const char *option[OPTION_COUNT], const command *chosen,
@@ -175,6 +182,10 @@ static int take_option(const char *option[OPTION_COUNT], const command *chosen,
         WRONG_USE("%s has no option --%s", chosen->name, OPTIONS[given].name);
     } else if (option[given] != NULL) {
         WRONG_USE("--%s is given twice: give it once", OPTIONS[given].name);
+    } else if (is_option(optarg, argv)) {
+        WRONG_USE("--%s needs a value, and %s follows. If that is the value, write "
+                  "--%s=%s",
+                  OPTIONS[given].name, optarg, OPTIONS[given].name, optarg);
     }
     option[given] = optarg != NULL ? optarg : "";
     return 1;

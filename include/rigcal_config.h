@@ -71,18 +71,16 @@ typedef double rigcal_real;
  *
  *   FISHEYE       RIGCAL_ERR_CAMERA, of a camera with such a lens
  *   THREE_POINTS  RIGCAL_ERR_TOO_FEW: a pose wants four different points; of three, and of
- *                 more of which some are given twice, there is none
- *   THOROUGH      RIGCAL_ERR_RANGE, of that option of a pose
+ *                 more of which some are given twice, there is none.
+ *                 RIGCAL_ERR_WIDE_RAY: no ray may be 80 degrees or more off the optical
+ *                 axis, for such poses begin with those of three points
  *
- * port/template/rigcal_config_small.h leaves out all three. */
+ * port/template/rigcal_config_small.h leaves out both. */
 #ifndef RIGCAL_WITH_FISHEYE
 #define RIGCAL_WITH_FISHEYE 1
 #endif
 #ifndef RIGCAL_WITH_THREE_POINTS
 #define RIGCAL_WITH_THREE_POINTS 1
-#endif
-#ifndef RIGCAL_WITH_THOROUGH
-#define RIGCAL_WITH_THOROUGH 1
 #endif
 
 /* The header that declares the functions below; only src/ includes it. */

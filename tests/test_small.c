@@ -48,6 +48,49 @@ static void test_three_different_points_are_too_few(void)
     ASSERT_STATUS(RIGCAL_ERR_TOO_FEW, solve(&p, 4, NULL));
 }
 
+/* Rays of 80 degrees or more off the axis want poses of three points. */
+static void test_a_ray_80_degrees_off_the_axis_is_refused_by_name(void)
+{
+    enum { POINTS = 6, WIDEST = 4 };
+    const rigcal_camera camera = test_pinhole();
+    rigcal_observation o[POINTS];
+    rigcal_pose poses[RIGCAL_POSES_MAX];
+    size_t n_found;
+    test_rng rng = test_seed(505);
+
+    for (int trial = 0; trial < TEST_TRIALS(200); trial++) {
+        const int is_wide = trial % 2;
+        int32_t at_fault = -2;
+        double R[9], back[9];
+
+        test_random_rotation(R, &rng);
+        test_transpose(back, R);
+        for (int i = 0; i < POINTS; i++) {
+            const double off = (i == WIDEST) ? (is_wide ? 80.5 : 79.5)
+                                             : test_uniform(&rng, 40, 79);
+            const double sine = sin(off * TEST_PI / 180), way = 1.1 * i,
+                         far = test_uniform(&rng, 1, 3);
+            const double X_c[3] = {far * sine * cos(way), far * sine * sin(way),
+                                   far * cos(off * TEST_PI / 180)};
+            double X_w[3], uv[2];
+
+            test_apply(X_w, back, X_c, NULL);
+            test_project_px(uv, &camera, X_c);
+            test_to_real(o[i].X_w, X_w, 3);
+            test_to_real(o[i].uv, uv, 2);
+        }
+        const rigcal_status status =
+            rigcal_pose_solve(poses, RIGCAL_POSES_MAX, &n_found, &at_fault,
+                              &VIEW(&camera, o, NULL, POINTS), NULL);
+        if (is_wide) {
+            ASSERT_STATUS(RIGCAL_ERR_WIDE_RAY, status);
+            TEST_ASSERT_EQUAL_INT(WIDEST, at_fault);
+        } else {
+            TEST_ASSERT_TRUE(status != RIGCAL_ERR_WIDE_RAY);
+        }
+    }
+}
+
 /* The true pose of exact pixels is among those found, through a lens too. */
 static void test_other_poses_are_found_as_ever(void)
 {
@@ -99,6 +142,7 @@ TEST_MAIN()
 {
     RUN_TEST(test_a_fisheye_is_no_camera);
     RUN_TEST(test_three_different_points_are_too_few);
+    RUN_TEST(test_a_ray_80_degrees_off_the_axis_is_refused_by_name);
     RUN_TEST(test_other_poses_are_found_as_ever);
     RUN_TEST(test_wrong_points_are_told);
 }

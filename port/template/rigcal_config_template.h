@@ -22,7 +22,7 @@
 
 /* What the flash has no room for: 0 leaves it out. */
 #define RIGCAL_WITH_FISHEYE 1
-#define RIGCAL_WITH_THREE_POINTS 1
+#define RIGCAL_WITH_THREE_POINTS 1 /* poses of wide targets too */
 
 /* The header that declares the functions named below, brackets or quotes
  * included. Default: <math.h>. */

@@ -3,8 +3,13 @@
 #include <math.h>
 #include <string.h>
 
+#include "bench_starts.h"
+
 /* Of 200 steps each; long valleys take several. */
 enum { FITS_MOST = 20 };
+
+/* A sum below that of a point behind the camera. */
+#define FAR 1e299
 
 static test_data data_of(const bench_scene *s)
 {
@@ -25,6 +30,24 @@ int bench_is_minimum(const bench_minima *m, int i, const double R[9],
 
     return is_near(m, i, R) &&
            test_sse(&data, R, t) <= m->list[i].sse * (1 + BENCH_SUM_TOL);
+}
+
+/* The fits' own projection goes on beyond a lens's turning point, which the camera does
+ * not. */
+static int is_seen(const bench_scene *s, const test_fitted *fitted)
+{
+    for (int i = 0; i < s->n; i++) {
+        double X[3], X_c[3];
+        rigcal_real x[3], uv[2];
+
+        test_to_double(X, s->seen[i].X_w, 3);
+        test_apply(X_c, fitted->R, X, fitted->t);
+        test_to_real(x, X_c, 3);
+        if (rigcal_project(uv, &s->camera, x) != RIGCAL_OK) {
+            return 0;
+        }
+    }
+    return 1;
 }
 
 /* Its place in the list. */
@@ -62,6 +85,9 @@ int bench_minima_add(bench_minima *m, const double R[9], const double t[3])
     for (int i = 0; i < FITS_MOST && !done; i++) {
         done = test_fit(&fitted, &data);
     }
+    if (!is_seen(m->scene, &fitted)) {
+        return -1;
+    }
     m->least = fitted.sse < m->least ? fitted.sse : m->least;
     if (!done) {
         m->stopped++;
@@ -72,8 +98,9 @@ int bench_minima_add(bench_minima *m, const double R[9], const double t[3])
 
 void bench_minima_begin(bench_minima *m, const bench_scene *s)
 {
-    test_fitted mirrored;
     const test_data data = data_of(s);
+    test_fitted mirrored, starts[BENCH_STARTS_MAX];
+    int n_starts;
 
     m->n = m->stopped = 0;
     m->least = HUGE_VAL;
@@ -81,6 +108,12 @@ void bench_minima_begin(bench_minima *m, const bench_scene *s)
     m->truth = bench_minima_add(m, s->R, s->t);
     test_mirror_tilt(&mirrored, &data, s->R, s->t);
     (void)bench_minima_add(m, mirrored.R, mirrored.t);
+    n_starts = bench_starts(starts, s);
+    for (int i = 0; i < n_starts; i++) {
+        if (test_sse(&data, starts[i].R, starts[i].t) < FAR) {
+            (void)bench_minima_add(m, starts[i].R, starts[i].t);
+        }
+    }
 }
 
 static int rank_of(const bench_minima *m, int i)

@@ -1,6 +1,7 @@
 /* bench_minima.h - the minima of a scene's reprojection error that a multi-start
- * finds, the truth among the starts: what a solver ought to have returned. The fits
- * are test_fit's, which shares nothing with the library. */
+ * finds: what a solver ought to have returned. The truth is among the starts, and
+ * rotations all over the sphere. The fits are test_fit's, which shares nothing with the
+ * library. */
 #ifndef BENCH_MINIMA_H
 #define BENCH_MINIMA_H
 
@@ -22,11 +23,12 @@ typedef struct {
     const bench_scene *scene;
 } bench_minima;
 
-/* From the truth, and from the truth mirrored in the line of sight. */
+/* From the truth, from the truth mirrored in the line of sight, and from the starts of
+ * bench_starts. */
 void bench_minima_begin(bench_minima *m, const bench_scene *s);
 
 /* The minimum that a pose lies in: where a fit from it ends, or -1. One not yet
- * known joins the list. */
+ * known joins the list. A fit that ends where the lens does not see a point is none. */
 int bench_minima_add(bench_minima *m, const double R[9], const double t[3]);
 
 /* Rank 0 is the best, 1 the second; -1 when there are not so many. */

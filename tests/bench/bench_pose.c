@@ -16,8 +16,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "bench_minima.h"
 #include "bench_scenes.h"
+#include "bench_solution.h"
 #include "bench_tally.h"
 
 enum { SCENES = 10000, SCENES_MAX = 1000000 };
@@ -51,60 +51,6 @@ static bench_view view_of(double sigma)
     return view;
 }
 
-/* ---- solutions ----------------------------------------------------------- */
-
-typedef struct {
-    rigcal_pose poses[RIGCAL_POSES_MAX];
-    size_t n;
-    rigcal_status status;
-    int evals;
-} solution;
-
-/* What rigcal_solve_pose does, evaluation by evaluation, so that they count. */
-static void solve(solution *found, const bench_scene *s,
-                  const rigcal_pose_options *options)
-{
-    rigcal_pose_solver solver;
-
-    found->n = 0;
-    found->evals = 0;
-    found->status = rigcal_pose_begin(&solver, NULL, &s->camera, s->seen, NULL,
-                                      (size_t)s->n, options);
-    if (found->status != RIGCAL_OK) {
-        return;
-    }
-    do {
-        found->evals++;
-    } while (rigcal_pose_step(&solver, 1) == RIGCAL_RUNNING);
-    found->status =
-        rigcal_pose_result(found->poses, &found->n, RIGCAL_POSES_MAX, NULL, &solver);
-}
-
-/* The first pose, in doubles. */
-static void first_of(double R[9], double t[3], const solution *found)
-{
-    test_transform_parts(R, t, &found->poses[0].cam_from_world);
-}
-
-/* The minimum that pose i lies in, or -1. */
-static int minimum_of(bench_minima *m, const solution *found, size_t i)
-{
-    double R[9], t[3];
-
-    test_transform_parts(R, t, &found->poses[i].cam_from_world);
-    return bench_minima_add(m, R, t);
-}
-
-static int is_returned(bench_minima *m, int minimum, const solution *found)
-{
-    for (size_t i = 0; i < found->n; i++) {
-        if (minimum_of(m, found, i) == minimum) {
-            return 1;
-        }
-    }
-    return 0;
-}
-
 /* ---- minima: is the best found? ------------------------------------------ */
 
 typedef struct {
@@ -115,11 +61,11 @@ typedef struct {
     double squares, squares_of_minimum, evals;
 } minima_cell;
 
-/* One line of the tables. */
+/* One line of the table. */
 typedef struct {
     const bench_family *f;
     int n, stopped;
-    minima_cell cell[2]; /* default, thorough */
+    minima_cell cell;
 } minima_row;
 
 static double mean_square(const bench_scene *s, const double deviation[6],
@@ -132,19 +78,19 @@ static double mean_square(const bench_scene *s, const double deviation[6],
 }
 
 /* How the first solution stands to the best minimum. 0: not well. */
-static int judge_first(minima_cell *cell, const solution *found, bench_minima *m)
+static int judge_first(minima_cell *cell, const bench_solution *found, bench_minima *m)
 {
     const int best = bench_minima_ranked(m, 0);
     double R[9], t[3];
 
-    first_of(R, t, found);
+    bench_first(R, t, found);
     if (bench_is_best(m, best, BENCH_SUM_TOL) &&
         bench_is_minimum(m, best, R, t)) {
         return 1;
     }
     cell->not_best++;
-    cell->unfinished += minimum_of(m, found, 0) == best;
-    cell->unlisted += !is_returned(m, best, found);
+    cell->unfinished += bench_minimum_of(m, found, 0) == best;
+    cell->unlisted += !bench_is_returned(m, best, found);
     return 0;
 }
 
@@ -154,7 +100,7 @@ static double odds_of(const bench_minima *m, int best, int second)
     return pow(m->list[best].sse / m->list[second].sse, m->scene->n - 3);
 }
 
-static int judge_second(minima_cell *cell, const solution *found,
+static int judge_second(minima_cell *cell, const bench_solution *found,
                         bench_minima *m)
 {
     const int second = bench_minima_ranked(m, 1);
@@ -163,7 +109,7 @@ static int judge_second(minima_cell *cell, const solution *found,
         return 1;
     }
     cell->with_second++;
-    if (is_returned(m, second, found)) {
+    if (bench_is_returned(m, second, found)) {
         return 1;
     }
     cell->second_missing++;
@@ -172,11 +118,11 @@ static int judge_second(minima_cell *cell, const solution *found,
 }
 
 /* Whether two of the poses are in one minimum. */
-static int is_twice(const solution *found, bench_minima *m)
+static int is_twice(const bench_solution *found, bench_minima *m)
 {
     for (size_t i = 1; i < found->n; i++) {
         for (size_t j = 0; j < i; j++) {
-            if (minimum_of(m, found, i) == minimum_of(m, found, j)) {
+            if (bench_minimum_of(m, found, i) == bench_minimum_of(m, found, j)) {
                 return 1;
             }
         }
@@ -185,17 +131,17 @@ static int is_twice(const solution *found, bench_minima *m)
 }
 
 static void judge_error(minima_cell *cell, const bench_scene *s,
-                        const solution *found, bench_minima *m)
+                        const bench_solution *found, bench_minima *m)
 {
     double R[9], t[3], deviation[6];
 
-    if (m->truth < 0 || minimum_of(m, found, 0) != m->truth) {
+    if (m->truth < 0 || bench_minimum_of(m, found, 0) != m->truth) {
         cell->wrong_yet_ok += found->status == RIGCAL_OK;
         return;
     }
     cell->right++;
     if (bench_bound(deviation, s)) {
-        first_of(R, t, found);
+        bench_first(R, t, found);
         cell->bounded++;
         cell->squares += mean_square(s, deviation, R, t);
         cell->squares_of_minimum += mean_square(
@@ -204,7 +150,7 @@ static void judge_error(minima_cell *cell, const bench_scene *s,
 }
 
 /* 0: something is wrong with it. */
-static int judge(minima_cell *cell, const bench_scene *s, const solution *found,
+static int judge(minima_cell *cell, const bench_scene *s, const bench_solution *found,
                  bench_minima *m, int has_second)
 {
     int well;
@@ -226,37 +172,17 @@ static int judge(minima_cell *cell, const bench_scene *s, const solution *found,
     return well;
 }
 
-/* Solves a scene both ways, and finds the minima: those of both answers too. */
-static void solve_both(solution found[2], bench_minima *m, const bench_scene *s,
-                       const rigcal_pose_options *options)
-{
-    rigcal_pose_options o = *options;
-
-    bench_minima_begin(m, s);
-    for (int thorough = 0; thorough < 2; thorough++) {
-        o.thorough = thorough;
-        solve(&found[thorough], s, &o);
-        for (size_t i = 0; i < found[thorough].n; i++) {
-            (void)minimum_of(m, &found[thorough], i);
-        }
-    }
-}
-
 static void minima_try(minima_row *row, long index, const bench_view *view,
                        const rigcal_pose_options *options, int list)
 {
     bench_scene s;
-    solution found[2];
+    bench_solution found;
     bench_minima m;
 
     bench_scene_make(&s, row->f, row->n, index, view);
-    solve_both(found, &m, &s, options);
-    for (int thorough = 0; thorough < 2; thorough++) {
-        if (!judge(&row->cell[thorough], &s, &found[thorough], &m,
-                   row->f->has_second) && list) {
-            fprintf(stderr, "%s %d %ld%s\n", row->f->name, row->n, index,
-                    thorough ? " thorough" : "");
-        }
+    bench_solve_and_find(&found, &m, &s, options);
+    if (!judge(&row->cell, &s, &found, &m, row->f->has_second) && list) {
+        fprintf(stderr, "%s %d %ld\n", row->f->name, row->n, index);
     }
     row->stopped += m.stopped;
 }
@@ -266,9 +192,9 @@ static double root(double squares, int n)
     return sqrt(squares / (n > 0 ? n : 1));
 }
 
-static void minima_print(const minima_row *row, int thorough)
+static void minima_print(const minima_row *row)
 {
-    const minima_cell *cell = &row->cell[thorough];
+    const minima_cell *const cell = &row->cell;
 
     printf("| %s |", row->f->name);
     if (row->n > 0) {
@@ -314,7 +240,7 @@ static void cell_add(minima_cell *sum, const minima_cell *cell)
 }
 
 /* The last line: all of them. */
-static void minima_sum(const minima_row rows[], int n_rows, int thorough)
+static void minima_sum(const minima_row rows[], int n_rows)
 {
     static const bench_family all = {"all", {0, 0, 0}, 0, 0, 1, 0};
     minima_row sum;
@@ -322,15 +248,14 @@ static void minima_sum(const minima_row rows[], int n_rows, int thorough)
     memset(&sum, 0, sizeof sum);
     sum.f = &all;
     for (int i = 0; i < n_rows; i++) {
-        cell_add(&sum.cell[thorough], &rows[i].cell[thorough]);
+        cell_add(&sum.cell, &rows[i].cell);
     }
-    minima_print(&sum, thorough);
+    minima_print(&sum);
 }
 
-static void minima_head(const char *what)
+static void minima_head(void)
 {
-    printf("\n%s:\n\n", what);
-    printf("| target | points | not best | not returned | not converged "
+    printf("\n| target | points | not best | not returned | not converged "
            "| second | not returned | though likely | twice | right | wrong, yet OK | error / bound "
            "| of the minimum | units | most | not OK |\n");
     printf("| --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: "
@@ -342,8 +267,8 @@ static void minima_explain(int scenes, const bench_view *view,
 {
     printf("%d scenes a line, %g px noise, f = 800 px, %g to %g sizes away%s.\n"
            "Minima are those that a fit of the test's own finds from the truth, "
-           "from the truth mirrored\nin the line of sight, and from the poses "
-           "returned, the default's and the thorough ones.\nNot best: the first "
+           "from the truth mirrored\nin the line of sight, from 24 rotations all "
+           "over the sphere, and from the poses returned.\nNot best: the first "
            "pose is not the minimum of the least sum, or its sum is more than "
            "%g\nabove; of these, none of the poses returned is in that minimum, "
            "or the first is but is not\nconverged. Second: scenes that have a "
@@ -367,7 +292,7 @@ static void bench_minima_table(int scenes, double sigma,
     int n_rows = 0, stopped = 0;
 
     minima_explain(scenes, &view, options);
-    minima_head("Default");
+    minima_head();
     for (int i = 0; i < BENCH_FAMILIES * COUNTS; i++) {
         minima_row *const row = &rows[n_rows];
 
@@ -377,31 +302,26 @@ static void bench_minima_table(int scenes, double sigma,
             for (long index = 0; index < scenes; index++) {
                 minima_try(row, index, &view, options, list);
             }
-            minima_print(row, 0);
+            minima_print(row);
             stopped += row->stopped;
             n_rows++;
         }
     }
-    minima_sum(rows, n_rows, 0);
-    minima_head("Thorough");
-    for (int i = 0; i < n_rows; i++) {
-        minima_print(&rows[i], 1);
-    }
-    minima_sum(rows, n_rows, 1);
+    minima_sum(rows, n_rows);
     printf("\nFits that stopped before they converged, and count as no second "
            "minimum: %d.\n", stopped);
 }
 
 /* ---- replay -------------------------------------------------------------- */
 
-static void replay_print(const solution *found, bench_minima *m)
+static void replay_print(const bench_solution *found, bench_minima *m)
 {
     printf("%s, %d evaluations\n", rigcal_status_name(found->status),
            found->evals);
     for (size_t i = 0; i < found->n; i++) {
         printf("  pose %d: sum %.9g, probability %.4f, in minimum %d\n", (int)i,
                D(found->poses[i].sse), D(found->poses[i].probability),
-               minimum_of(m, found, i));
+               bench_minimum_of(m, found, i));
     }
 }
 
@@ -409,23 +329,21 @@ static void bench_replay(const bench_family *f, int n, long index, double sigma)
 {
     const bench_view view = view_of(sigma);
     rigcal_pose_options options;
-    solution found[2];
+    bench_solution found;
     bench_minima m;
     bench_scene s;
 
     (void)rigcal_pose_defaults(&options);
     bench_scene_make(&s, f, n, index, &view);
-    solve_both(found, &m, &s, &options);
+    bench_solve_and_find(&found, &m, &s, &options);
     for (int i = 0; i < m.n; i++) {
         printf("minimum %d: sum %.9g, %.3f degrees from the truth%s\n", i,
                m.list[i].sse,
                test_angle_between(m.list[i].R, s.R) / BENCH_DEGREE,
                i == m.truth ? ", which lies in it" : "");
     }
-    printf("fits that stopped: %d\ndefault: ", m.stopped);
-    replay_print(&found[0], &m);
-    printf("thorough: ");
-    replay_print(&found[1], &m);
+    printf("fits that stopped: %d\n", m.stopped);
+    replay_print(&found, &m);
 }
 
 /* ---- coverage ------------------------------------------------------------ */
@@ -468,10 +386,10 @@ static void bench_coverage(int scenes)
     memset(&statuses, 0, sizeof statuses);
     for (long i = 0; i < scenes; i++) {
         bench_scene s;
-        solution found;
+        bench_solution found;
 
         bench_scene_make(&s, f, POINTS, i, &view);
-        solve(&found, &s, NULL);
+        bench_solve(&found, &s, NULL);
         tally_add(&statuses, found.status);
         if (found.status >= 0) {
             solved++;
@@ -512,15 +430,15 @@ static void write_answers(int scenes, double sigma)
         for (long index = 0; bench_has(f, counts[i % COUNTS]) && index < scenes;
              index++) {
             bench_scene s;
-            solution found;
+            bench_solution found;
             answer a;
 
             memset(&a, 0, sizeof a);
             bench_scene_make(&s, f, counts[i % COUNTS], index, &view);
-            solve(&found, &s, NULL);
+            bench_solve(&found, &s, NULL);
             a.status = found.status;
             if (found.status >= 0) {
-                first_of(a.R, a.t, &found);
+                bench_first(a.R, a.t, &found);
             }
             if (fwrite(&a, sizeof a, 1, stdout) != 1) {
                 fail("the answers cannot be written");
@@ -539,14 +457,14 @@ typedef struct {
 #define ALIKE_TOL 0.01
 
 static void compare_errors(compare_cell *cell, const bench_scene *s,
-                           const answer *there, const solution *here)
+                           const answer *there, const bench_solution *here)
 {
     double R[9], t[3], d[6], deviation[6];
 
     if (!bench_bound(deviation, s)) {
         return;
     }
-    first_of(R, t, here);
+    bench_first(R, t, here);
     test_difference(d, there->R, there->t, R, t);
     cell->bounded++;
     cell->squares[0] += mean_square(s, deviation, there->R, there->t);
@@ -561,15 +479,14 @@ static void compare_errors(compare_cell *cell, const bench_scene *s,
 static int compare_try(compare_cell *cell, const bench_scene *s,
                        const answer *there)
 {
-    solution found[2];
-    const solution *const here = &found[0];
+    bench_solution here;
     rigcal_pose_options options;
     bench_minima m;
     int first;
 
     (void)rigcal_pose_defaults(&options);
-    solve_both(found, &m, s, &options);
-    tally_add(&cell->statuses, here->status);
+    bench_solve_and_find(&here, &m, s, &options);
+    tally_add(&cell->statuses, here.status);
     if (there->status < 0) {
         return 1;
     }
@@ -578,7 +495,7 @@ static int compare_try(compare_cell *cell, const bench_scene *s,
         return 1;
     }
     cell->right[0]++;
-    first = here->status < 0 ? -1 : minimum_of(&m, here, 0);
+    first = here.status < 0 ? -1 : bench_minimum_of(&m, &here, 0);
     if (!bench_is_best(&m, first, BENCH_SUM_TOL)) {
         const int alike = bench_is_best(&m, first, ALIKE_TOL);
 
@@ -587,7 +504,7 @@ static int compare_try(compare_cell *cell, const bench_scene *s,
     }
     cell->right[1]++;
     if (first == m.truth) {
-        compare_errors(cell, s, there, here);
+        compare_errors(cell, s, there, &here);
     }
     return 1;
 }
@@ -678,7 +595,7 @@ static rigcal_status solve_one(const bench_scene *s,
                              &s->camera, s->seen, NULL, (size_t)s->n, options);
 }
 
-static void bench_solve(const bench_family *f, int n, int count, int warm)
+static void solve_some(const bench_family *f, int n, int count, int warm)
 {
     const bench_view view = view_of(SIGMA_PX);
     rigcal_pose_options options;
@@ -831,7 +748,7 @@ static void run_solve(int argc, char **argv)
     }
     f = family_of(argv[2]);
     print_build();
-    bench_solve(f, points_of(argv[3], f),
+    solve_some(f, points_of(argv[3], f),
                 whole_number(argv[4], 1, SCENES_MAX), warm);
 }
 

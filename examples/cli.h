@@ -40,8 +40,7 @@ void cli_write_known(FILE *file, rigcal_real number, int known);
 void cli_write_transform(FILE *file, const rigcal_transform *transform);
 
 /* The `count` numbers, separated by commas, of an option. */
-void cli_numbers(double numbers[], size_t count, const char *option,
-                 const char *text);
+void cli_numbers(double numbers[], size_t count, const char *option, const char *text);
 
 /* A number of pixels from `least` to a million; --sigma: the noise of one pixel
  * coordinate. */

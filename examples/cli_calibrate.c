@@ -88,8 +88,7 @@ static void write_residuals(FILE *file, const calibration *c)
             const int is_known = view_residual(&r, c, v, k);
 
             fprintf(file, "%s,%s,%s", c->cameras.names.name[v->camera],
-                    c->observations.frames.name[v->frame],
-                    view_point_name(c, v, k));
+                    c->observations.frames.name[v->frame], view_point_name(c, v, k));
             cli_write_known(file, r.duv[0], is_known);
             cli_write_known(file, r.duv[1], is_known);
             cli_write_known(file, r.error_px, is_known);
@@ -135,8 +134,7 @@ static uint32_t choose_seed(const char *text)
     return (uint32_t)seed;
 }
 
-static void check_method(const calibration *c,
-                         const char *const option[OPTION_COUNT])
+static void check_method(const calibration *c, const char *const option[OPTION_COUNT])
 {
     if (c->by_paper && option[OPTION_ROBUST] != NULL) {
         cli_fail("--robust does not go with --method paper: leave one out");
@@ -163,8 +161,8 @@ static void choose(calibration *c, const char *const option[OPTION_COUNT])
         c->robust.sigma_px = c->pose.sigma_px;
     }
     if (option[OPTION_THRESHOLD] != NULL) {
-        c->robust.threshold_px = (rigcal_real)cli_pixels(
-            "--threshold", option[OPTION_THRESHOLD], 1e-3);
+        c->robust.threshold_px =
+            (rigcal_real)cli_pixels("--threshold", option[OPTION_THRESHOLD], 1e-3);
     }
     if (option[OPTION_SEED] != NULL) {
         c->robust.seed = choose_seed(option[OPTION_SEED]);
@@ -179,8 +177,7 @@ int cli_calibrate(const char *const option[OPTION_COUNT])
     memset(&c, 0, sizeof c);
     choose(&c, option);
     cli_cameras_read(&c.cameras, option[OPTION_CAMERAS]);
-    cli_observations_read(&c.observations, option[OPTION_OBSERVATIONS],
-                          &c.cameras, 1);
+    cli_observations_read(&c.observations, option[OPTION_OBSERVATIONS], &c.cameras, 1);
     cli_observations_by_view(&c.observations);
     solve_views(&c);
     settle_ambiguous_views(&c);

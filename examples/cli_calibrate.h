@@ -79,8 +79,7 @@ int view_residual(residual *r, const calibration *c, const view *v, size_t k);
 const char *rig_camera_name(const calibration *c, size_t rig_camera);
 
 /* b_from_a of two cameras of the rig, which must be in one group. */
-void rig_relative(rigcal_transform *b_from_a, const calibration *c, size_t a,
-                  size_t b);
+void rig_relative(rigcal_transform *b_from_a, const calibration *c, size_t a, size_t b);
 
 /* In this order. All say what they cannot do, and set the exit status. `folder`: of
  * the files, or NULL. */

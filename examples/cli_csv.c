@@ -55,11 +55,10 @@ void cli_fail(const char *format, ...)
     exit(CLI_USAGE);
 }
 
-CLI_NORETURN static void fail_line(const csv_table *table, size_t line,
-                                   const char *format, ...) CLI_PRINTF(3, 4);
+CLI_NORETURN static void fail_line(const csv_table *table, size_t line, const char *format,
+                                   ...) CLI_PRINTF(3, 4);
 
-static void fail_line(const csv_table *table, size_t line, const char *format,
-                      ...)
+static void fail_line(const csv_table *table, size_t line, const char *format, ...)
 {
     va_list arguments;
 
@@ -141,8 +140,7 @@ static char *read_all(const char *path, size_t *length)
 
 /* Makes a string of the line from text to stop, without its CR. Control
  * characters are refused: they tell a file that is no text. */
-static void end_line(const csv_table *table, size_t line, char *text,
-                     char *stop)
+static void end_line(const csv_table *table, size_t line, char *text, char *stop)
 {
     const char *c;
 
@@ -152,8 +150,7 @@ static void end_line(const csv_table *table, size_t line, char *text,
     *stop = '\0';
     for (c = text; c < stop; c++) {
         if (((unsigned char)*c < ' ' && *c != '\t') || *c == 0x7f) {
-            fail_line(table, line,
-                      "byte %u does not belong in text: is this a CSV file?",
+            fail_line(table, line, "byte %u does not belong in text: is this a CSV file?",
                       (unsigned)(unsigned char)*c);
         }
     }
@@ -224,11 +221,9 @@ static void cut_table(csv_table *table, char *starts[], size_t n_lines)
         fail_line(table, 1, "there is no header line: the file is empty");
     }
     table->header_line = table->lines[0];
-    table->n_columns =
-        1 + count_of(',', starts[0], starts[0] + strlen(starts[0]));
+    table->n_columns = 1 + count_of(',', starts[0], starts[0] + strlen(starts[0]));
     if (n_lines == 1) {
-        fail_line(table, table->header_line,
-                  "there are no data lines after the header");
+        fail_line(table, table->header_line, "there are no data lines after the header");
     }
     table->n_rows = n_lines - 1;
     for (i = 1; i < n_lines; i++) {
@@ -236,16 +231,14 @@ static void cut_table(csv_table *table, char *starts[], size_t n_lines)
         table->lines[i - 1] = table->lines[i];
     }
     table->columns = cli_alloc(table->n_columns, sizeof *table->columns);
-    table->cells =
-        cli_alloc(table->n_rows, table->n_columns * sizeof *table->cells);
+    table->cells = cli_alloc(table->n_rows, table->n_columns * sizeof *table->cells);
     cut_fields(table->columns, starts[0]);
     for (i = 0; i < table->n_rows; i++) {
         cut_fields(table->cells + i * table->n_columns, starts[i + 1]);
     }
 }
 
-static void refuse_foreign(const csv_table *table, const char *text,
-                           size_t length)
+static void refuse_foreign(const csv_table *table, const char *text, size_t length)
 {
     const char *foreign = cli_foreign(text, length);
 
@@ -300,8 +293,7 @@ static void refuse_alike(const csv_table *table, const char *name)
 
     for (column = 0; column < table->n_columns; column++) {
         if (cli_look_alike(table->columns[column], name)) {
-            fail_line(table, table->header_line,
-                      "column \"%s\" must be spelled %s",
+            fail_line(table, table->header_line, "column \"%s\" must be spelled %s",
                       table->columns[column], name);
         }
     }
@@ -331,12 +323,12 @@ size_t csv_column(const csv_table *table, const char *name)
     form = cli_form(table);
     if (form != NULL && strcmp(form, table->form) != 0) {
         fail_line(table, table->header_line,
-                  "there is no column %s: this looks like %s, where %s is wanted",
-                  name, form, table->form);
+                  "there is no column %s: this looks like %s, where %s is wanted", name,
+                  form, table->form);
     }
     fail_line(table, table->header_line,
-              "there is no column %s: examples/data/FORMAT.md lists those of %s",
-              name, table->form);
+              "there is no column %s: examples/data/FORMAT.md lists those of %s", name,
+              table->form);
 }
 
 static const char *cell(const csv_table *table, size_t row, size_t column)
@@ -391,8 +383,7 @@ static double number(const csv_table *table, size_t row, size_t column)
         problem = "is not a number";
     }
     if (problem != NULL) {
-        csv_fail(table, row, "column %s: \"%s\" %s", table->columns[column],
-                 text, problem);
+        csv_fail(table, row, "column %s: \"%s\" %s", table->columns[column], text, problem);
     }
     return value;
 }
@@ -402,16 +393,14 @@ rigcal_real csv_real(const csv_table *table, size_t row, size_t column)
     return column == CSV_NONE ? 0 : (rigcal_real)number(table, row, column);
 }
 
-int32_t csv_whole(const csv_table *table, size_t row, size_t column,
-                  int32_t least, int32_t most)
+int32_t csv_whole(const csv_table *table, size_t row, size_t column, int32_t least,
+                  int32_t most)
 {
     const double value = number(table, row, column);
 
     if (!(value >= least && value <= most && floor(value) >= value)) {
-        csv_fail(table, row,
-                 "column %s: \"%s\" is not a whole number from %ld to %ld",
-                 table->columns[column], cell(table, row, column), (long)least,
-                 (long)most);
+        csv_fail(table, row, "column %s: \"%s\" is not a whole number from %ld to %ld",
+                 table->columns[column], cell(table, row, column), (long)least, (long)most);
     }
     return (int32_t)value;
 }

@@ -37,9 +37,9 @@ const char *cli_number(double *value, const char **problem, const char *text);
 typedef struct {
     const char *path;
     const char *form; /* what it should be, "cameras.csv" and the like; NULL: any */
-    char **columns; /* n_columns names */
-    char **cells;   /* n_rows x n_columns */
-    size_t *lines;  /* line in the file, of each row */
+    char **columns;   /* n_columns names */
+    char **cells;     /* n_rows x n_columns */
+    size_t *lines;    /* line in the file, of each row */
     size_t header_line;
     size_t n_columns, n_rows; /* at least 1 of each */
 } csv_table;
@@ -54,12 +54,12 @@ size_t csv_optional(const csv_table *table, const char *name);
 /* One cell: a number (0 where the column is CSV_NONE), a whole number from least
  * to most, or an id. */
 rigcal_real csv_real(const csv_table *table, size_t row, size_t column);
-int32_t csv_whole(const csv_table *table, size_t row, size_t column,
-                  int32_t least, int32_t most);
+int32_t csv_whole(const csv_table *table, size_t row, size_t column, int32_t least,
+                  int32_t most);
 const char *csv_id(const csv_table *table, size_t row, size_t column);
 
 /* Ends the program with "file:line: " of that row and the message. */
-CLI_NORETURN void csv_fail(const csv_table *table, size_t row,
-                           const char *format, ...) CLI_PRINTF(3, 4);
+CLI_NORETURN void csv_fail(const csv_table *table, size_t row, const char *format, ...)
+    CLI_PRINTF(3, 4);
 
 #endif

@@ -24,6 +24,7 @@ typedef struct {
     format is;
 } magic;
 
+/* clang-format off */
 #define MAGIC(bytes, at) bytes, at, sizeof(bytes) - 1
 #define PICTURE                                                                \
     {                                                                          \
@@ -82,6 +83,7 @@ static const magic MAGICS[] = {
      {"a calibration stored by rigcal_store_save",
       "read it with rigcal_store_load; the command line takes CSV", "What you give"}},
 };
+/* clang-format on */
 
 static const format *by_bytes(const char *text, size_t length)
 {
@@ -92,15 +94,13 @@ static const format *by_bytes(const char *text, size_t length)
     for (i = 0; i < sizeof MAGICS / sizeof MAGICS[0]; i++) {
         const magic *m = &MAGICS[i];
 
-        if (m->at + m->length <= length &&
-            memcmp(text + m->at, m->bytes, m->length) == 0) {
+        if (m->at + m->length <= length && memcmp(text + m->at, m->bytes, m->length) == 0) {
             return &m->is;
         }
     }
     /* Without a mark: every second byte of plain letters is 0. */
     if (length >= 4 && (text[0] == '\0') != (text[1] == '\0') &&
-        (text[0] == '\0') == (text[2] == '\0') &&
-        (text[1] == '\0') == (text[3] == '\0')) {
+        (text[0] == '\0') == (text[2] == '\0') && (text[1] == '\0') == (text[3] == '\0')) {
         return &UTF_16;
     }
     return NULL;
@@ -108,50 +108,39 @@ static const format *by_bytes(const char *text, size_t length)
 
 /* ==== words in a text ===================================================== */
 
-static const format OPENCV_XML = {"OpenCV's XML (FileStorage)", COPY_CAMERA,
-                                  "OpenCV"};
-static const format OPENCV_JSON = {"OpenCV's JSON (FileStorage)", COPY_CAMERA,
-                                   "OpenCV"};
-static const format OPENCV_YAML = {"OpenCV's YAML (FileStorage)", COPY_CAMERA,
-                                   "OpenCV"};
+static const format OPENCV_XML = {"OpenCV's XML (FileStorage)", COPY_CAMERA, "OpenCV"};
+static const format OPENCV_JSON = {"OpenCV's JSON (FileStorage)", COPY_CAMERA, "OpenCV"};
+static const format OPENCV_YAML = {"OpenCV's YAML (FileStorage)", COPY_CAMERA, "OpenCV"};
 static const format KALIBR = {"Kalibr's camchain YAML", COPY_CAMERA, "Kalibr"};
 static const format ROS = {"ROS's camera_info YAML", COPY_CAMERA, "ROS"};
-static const format ROS_INI = {"ROS's camera calibration in INI form",
-                               COPY_CAMERA, "ROS"};
+static const format ROS_INI = {"ROS's camera calibration in INI form", COPY_CAMERA, "ROS"};
 static const format COLMAP = {"COLMAP's text", COPY_CAMERA, "COLMAP, Bundler"};
-static const format BUNDLER = {"a Bundler file", COPY_CAMERA,
-                               "COLMAP, Bundler"};
-static const format VISUAL_SFM = {"a VisualSFM .nvm file", COPY_CAMERA,
-                                  "COLMAP, Bundler"};
-static const format MATLAB_TEXT = {"Calib_Results.m of the MATLAB toolbox",
-                                   COPY_CAMERA, "MATLAB"};
-static const format MRCAL = {"an mrcal camera model", COPY_CAMERA,
-                             "JSON, TOML and others"};
+static const format BUNDLER = {"a Bundler file", COPY_CAMERA, "COLMAP, Bundler"};
+static const format VISUAL_SFM = {"a VisualSFM .nvm file", COPY_CAMERA, "COLMAP, Bundler"};
+static const format MATLAB_TEXT = {"Calib_Results.m of the MATLAB toolbox", COPY_CAMERA,
+                                   "MATLAB"};
+static const format MRCAL = {"an mrcal camera model", COPY_CAMERA, "JSON, TOML and others"};
 static const format JSON = {"JSON", COPY_CAMERA, "JSON, TOML and others"};
-static const format TOML = {"TOML or INI", COPY_CAMERA,
-                            "JSON, TOML and others"};
+static const format TOML = {"TOML or INI", COPY_CAMERA, "JSON, TOML and others"};
 static const format YAML = {"YAML", COPY_CAMERA, "JSON, TOML and others"};
 static const format XML = {"XML", COPY_CAMERA, "JSON, TOML and others"};
 static const format LFS_POINTER = {"a pointer of Git LFS, not the file itself",
                                    "run git lfs pull", NULL};
 static const format WEB_PAGE = {
     "a web page", "download the file itself, not the page that shows it", NULL};
-static const format OLD_LINE_ENDS = {
-    "text with the line ends of old Macs (CR)",
-    "save it with line ends LF or CR LF", "Tables of other forms"};
-static const format QUOTES = {"CSV with its names in quotes",
-                              "write it without quotes",
+static const format OLD_LINE_ENDS = {"text with the line ends of old Macs (CR)",
+                                     "save it with line ends LF or CR LF",
+                                     "Tables of other forms"};
+static const format QUOTES = {"CSV with its names in quotes", "write it without quotes",
                               "Tables of other forms"};
 static const format SEMICOLONS = {
     "a table separated by semicolons",
     "separate its fields by commas, and write numbers with a decimal point",
     "Tables of other forms"};
-static const format TABS = {"a table separated by tabs",
-                            "separate its fields by commas",
+static const format TABS = {"a table separated by tabs", "separate its fields by commas",
                             "Tables of other forms"};
 static const format BLANKS = {"a table separated by blanks",
-                              "separate its fields by commas",
-                              "Tables of other forms"};
+                              "separate its fields by commas", "Tables of other forms"};
 
 /* The first that is found counts: where the text begins, or on any line (^). Case
  * does not matter. */
@@ -170,16 +159,14 @@ static const words WORDS[] = {
     {HAS, "\"type_id\" *: *\"opencv", &OPENCV_JSON},
     {BEGINS, "%yaml:", &OPENCV_YAML},
     {HAS, "!!opencv-", &OPENCV_YAML},
-    {HAS, "^ *(distortion_coeffs|T_cn_cnm1|cam_overlaps|intrinsics) *:",
-     &KALIBR},
+    {HAS, "^ *(distortion_coeffs|T_cn_cnm1|cam_overlaps|intrinsics) *:", &KALIBR},
     {HAS, "# oST version", &ROS_INI},
     {HAS,
      "^ *(camera_matrix|distortion_coefficients|distortion_model|"
      "projection_matrix) *:",
      &ROS},
     {BEGINS, "# (camera|image|3D point|rig calib|frame) list with", &COLMAP},
-    {BEGINS,
-     "[0-9]+ [A-Z_]*(PINHOLE|RADIAL|OPENCV|FOV|FISHEYE)[A-Z_]* [0-9]+ [0-9]+ ",
+    {BEGINS, "[0-9]+ [A-Z_]*(PINHOLE|RADIAL|OPENCV|FOV|FISHEYE)[A-Z_]* [0-9]+ [0-9]+ ",
      &COLMAP},
     {BEGINS, "# bundle file", &BUNDLER},
     {BEGINS, "NVM_V3", &VISUAL_SFM},
@@ -188,8 +175,7 @@ static const words WORDS[] = {
     {BEGINS, "<[?!a-z]", &XML},
     {BEGINS, "\\{|\\[[[:space:]]*[[{\"0-9-]", &JSON},
     {HAS, "^\\[[a-z0-9_. \"-]+\\][[:space:]]*$", &TOML},
-    {BEGINS, "(#[^\n]*\n[[:space:]]*)*(---|%yaml|[a-z_][a-z0-9_-]*:( |\r?$))",
-     &YAML},
+    {BEGINS, "(#[^\n]*\n[[:space:]]*)*(---|%yaml|[a-z_][a-z0-9_-]*:( |\r?$))", &YAML},
     {BEGINS, "\"[^\",]*\",", &QUOTES},
     {BEGINS, "[^,;]+;[^,]*$", &SEMICOLONS},
     {BEGINS, "[^,\t]+\t[^,]*$", &TABS},
@@ -202,8 +188,7 @@ static int matches(const words *w, const char *text)
     regex_t compiled;
     int found;
 
-    if (regcomp(&compiled, w->pattern, REG_EXTENDED | REG_ICASE | REG_NEWLINE) !=
-        0) {
+    if (regcomp(&compiled, w->pattern, REG_EXTENDED | REG_ICASE | REG_NEWLINE) != 0) {
         cli_fail("cannot look for %s: out of memory?", w->pattern);
     }
     found = regexec(&compiled, text, 1, &where, 0) == 0 &&
@@ -222,8 +207,7 @@ static int is_ours(const char *text)
     for (; text < end; text += length + 1) {
         length = strcspn(text, ",\r\n");
         for (i = 0; i < sizeof KEYS / sizeof KEYS[0]; i++) {
-            if (length == strlen(KEYS[i]) &&
-                strncmp(text, KEYS[i], length) == 0) {
+            if (length == strlen(KEYS[i]) && strncmp(text, KEYS[i], length) == 0) {
                 return 1;
             }
         }
@@ -266,8 +250,8 @@ const char *cli_foreign(const char *text, size_t length)
     }
     snprintf(copy, LOOKED_AT, "this looks like %s: %s", is->what, is->advice);
     if (is->section != NULL) {
-        snprintf(copy + strlen(copy), LOOKED_AT - strlen(copy),
-                 "; see \"%s\" in " FORMAT, is->section);
+        snprintf(copy + strlen(copy), LOOKED_AT - strlen(copy), "; see \"%s\" in " FORMAT,
+                 is->section);
     }
     return copy;
 }
@@ -291,8 +275,7 @@ const char *cli_form(const csv_table *table)
     size_t i, k;
 
     for (i = 0; i < sizeof FORMS / sizeof FORMS[0]; i++) {
-        for (k = 0; k < 3 && csv_optional(table, FORMS[i].columns[k]) != CSV_NONE;
-             k++) {
+        for (k = 0; k < 3 && csv_optional(table, FORMS[i].columns[k]) != CSV_NONE; k++) {
         }
         if (k == 3) {
             return FORMS[i].form;

@@ -13,8 +13,7 @@ static void names_add_new(cli_names *names, const csv_table *table, size_t row,
 
     if (number != row) {
         csv_fail(table, row, "%s %s is on line %lu already: it takes one line",
-                 table->columns[column], name,
-                 (unsigned long)table->lines[number]);
+                 table->columns[column], name, (unsigned long)table->lines[number]);
     }
 }
 
@@ -22,32 +21,28 @@ static void names_add_new(cli_names *names, const csv_table *table, size_t row,
 
 static int32_t read_lens(const csv_table *table, size_t row, size_t column)
 {
-    const char *lens =
-        column == CSV_NONE ? "brown" : csv_id(table, row, column);
+    const char *lens = column == CSV_NONE ? "brown" : csv_id(table, row, column);
 
     if (strcmp(lens, "brown") != 0 && strcmp(lens, "fisheye") != 0) {
-        csv_fail(table, row, "column lens: \"%s\" is neither brown nor fisheye",
-                 lens);
+        csv_fail(table, row, "column lens: \"%s\" is neither brown nor fisheye", lens);
     }
-    return strcmp(lens, "fisheye") == 0 ? RIGCAL_LENS_FISHEYE
-                                        : RIGCAL_LENS_BROWN;
+    return strcmp(lens, "fisheye") == 0 ? RIGCAL_LENS_FISHEYE : RIGCAL_LENS_BROWN;
 }
 
-static rigcal_real read_focal(const csv_table *table, size_t row,
-                              const char *name)
+static rigcal_real read_focal(const csv_table *table, size_t row, const char *name)
 {
     const rigcal_real focal = csv_real(table, row, csv_column(table, name));
 
     if (!(focal > 0)) {
-        csv_fail(table, row, "column %s: the focal length must be positive, in "
-                             "pixels",
+        csv_fail(table, row,
+                 "column %s: the focal length must be positive, in "
+                 "pixels",
                  name);
     }
     return focal;
 }
 
-static void read_coefficients(rigcal_camera *camera, const csv_table *table,
-                              size_t row)
+static void read_coefficients(rigcal_camera *camera, const csv_table *table, size_t row)
 {
     camera->k1 = csv_real(table, row, csv_optional(table, "k1"));
     camera->k2 = csv_real(table, row, csv_optional(table, "k2"));
@@ -59,16 +54,13 @@ static void read_coefficients(rigcal_camera *camera, const csv_table *table,
     camera->k6 = csv_real(table, row, csv_optional(table, "k6"));
 }
 
-static void read_camera(rigcal_camera *camera, const csv_table *table,
-                        size_t row)
+static void read_camera(rigcal_camera *camera, const csv_table *table, size_t row)
 {
     rigcal_status status;
 
     camera->lens = read_lens(table, row, csv_optional(table, "lens"));
-    camera->width =
-        csv_whole(table, row, csv_column(table, "width"), 1, 1000000);
-    camera->height =
-        csv_whole(table, row, csv_column(table, "height"), 1, 1000000);
+    camera->width = csv_whole(table, row, csv_column(table, "width"), 1, 1000000);
+    camera->height = csv_whole(table, row, csv_column(table, "height"), 1, 1000000);
     camera->fx = read_focal(table, row, "fx");
     camera->fy = read_focal(table, row, "fy");
     camera->cx = csv_real(table, row, csv_column(table, "cx"));
@@ -131,14 +123,13 @@ static int by_view(const void *left, const void *right)
 
 void cli_observations_by_view(cli_observations *observations)
 {
-    qsort(observations->list, observations->count, sizeof *observations->list,
-          by_view);
+    qsort(observations->list, observations->count, sizeof *observations->list, by_view);
 }
 
 static int same_place(const rigcal_real X[3], const rigcal_real Y[3])
 {
-    return X[0] <= Y[0] && X[0] >= Y[0] && X[1] <= Y[1] && X[1] >= Y[1] &&
-           X[2] <= Y[2] && X[2] >= Y[2];
+    return X[0] <= Y[0] && X[0] >= Y[0] && X[1] <= Y[1] && X[1] >= Y[1] && X[2] <= Y[2] &&
+           X[2] >= Y[2];
 }
 
 /* What two lines about one point of one frame must not say: "point 7 <what> on line 8
@@ -147,10 +138,10 @@ typedef struct {
     const char *what, *advice;
 } contradiction;
 
-static const contradiction TWICE = {
-    "of this camera and frame is", "already: a point that is seen has one line"};
-static const contradiction ELSEWHERE = {
-    "has other coordinates X, Y, Z", ": within a frame a point has one place"};
+static const contradiction TWICE = {"of this camera and frame is",
+                                    "already: a point that is seen has one line"};
+static const contradiction ELSEWHERE = {"has other coordinates X, Y, Z",
+                                        ": within a frame a point has one place"};
 
 static const contradiction *find_contradiction(const cli_observation *a,
                                                const cli_observation *b)
@@ -175,8 +166,7 @@ static void check_contradictions(const cli_observations *observations)
     for (i = 1; i < observations->count; i++) {
         const size_t a = list[i - 1].row, b = list[i].row;
         const size_t later = a > b ? a : b;
-        const contradiction *found =
-            find_contradiction(&list[i - 1], &list[i]);
+        const contradiction *found = find_contradiction(&list[i - 1], &list[i]);
 
         if (found != NULL && (first == NULL || later < at)) {
             first = found;
@@ -187,13 +177,13 @@ static void check_contradictions(const cli_observations *observations)
     if (first != NULL) {
         csv_fail(table, at, "point %s %s on line %lu%s%s",
                  csv_id(table, at, csv_column(table, "point")), first->what,
-                 (unsigned long)table->lines[other],
-                 *first->advice == ':' ? "" : " ", first->advice);
+                 (unsigned long)table->lines[other], *first->advice == ':' ? "" : " ",
+                 first->advice);
     }
 }
 
-static size_t find_camera(const cli_cameras *cameras, const csv_table *table,
-                          size_t row, size_t column)
+static size_t find_camera(const cli_cameras *cameras, const csv_table *table, size_t row,
+                          size_t column)
 {
     const char *name = csv_id(table, row, column);
     const size_t camera = cli_names_find(&cameras->names, name);
@@ -202,13 +192,11 @@ static size_t find_camera(const cli_cameras *cameras, const csv_table *table,
         const char *alike = cli_names_alike(&cameras->names, name);
 
         if (alike != NULL) {
-            csv_fail(table, row,
-                     "camera %s is not in %s, but %s is: spell them alike", name,
-                     cameras->table.path, alike);
+            csv_fail(table, row, "camera %s is not in %s, but %s is: spell them alike",
+                     name, cameras->table.path, alike);
         }
-        csv_fail(table, row,
-                 "camera %s is not in %s: add it there, or correct it here", name,
-                 cameras->table.path);
+        csv_fail(table, row, "camera %s is not in %s: add it there, or correct it here",
+                 name, cameras->table.path);
     }
     return camera;
 }
@@ -224,8 +212,7 @@ static int is_outside(const cli_observation *o, const cli_cameras *cameras)
 }
 
 /* In one line: such pixels are used, but seldom right. */
-static void tell_outside(const cli_observations *observations,
-                         const cli_cameras *cameras)
+static void tell_outside(const cli_observations *observations, const cli_cameras *cameras)
 {
     const csv_table *table = &observations->table;
     const cli_observation *first = NULL;
@@ -243,16 +230,15 @@ static void tell_outside(const cli_observations *observations,
         cli_say("%s: %lu pixel%s outside the image, the first on line %lu: "
                 "(%.6g, %.6g) of camera %s, %ld x %ld. Check u, v, width and height",
                 table->path, (unsigned long)count, count == 1 ? " is" : "s are",
-                (unsigned long)table->lines[first->row],
-                (double)first->seen.uv[0], (double)first->seen.uv[1],
-                cameras->names.name[first->camera],
+                (unsigned long)table->lines[first->row], (double)first->seen.uv[0],
+                (double)first->seen.uv[1], cameras->names.name[first->camera],
                 (long)cameras->camera[first->camera].width,
                 (long)cameras->camera[first->camera].height);
     }
 }
 
-static void read_observations(cli_observations *observations,
-                              const cli_cameras *cameras, int targets)
+static void read_observations(cli_observations *observations, const cli_cameras *cameras,
+                              int targets)
 {
     const csv_table *table = &observations->table;
     const size_t frame = csv_column(table, "frame");
@@ -291,8 +277,7 @@ void cli_observations_read(cli_observations *observations, const char *path,
     observations->count = table->n_rows;
     observations->list = cli_alloc(table->n_rows, sizeof *observations->list);
     read_observations(observations, cameras, targets);
-    qsort(observations->list, observations->count, sizeof *observations->list,
-          by_point);
+    qsort(observations->list, observations->count, sizeof *observations->list, by_point);
     check_contradictions(observations);
     tell_outside(observations, cameras);
     cli_names_tell_alike(&observations->frames, "frame", path);
@@ -318,8 +303,7 @@ static double skewness(const double R[9])
     return worst;
 }
 
-static void read_transform(rigcal_transform *transform, const csv_table *table,
-                           size_t row)
+static void read_transform(rigcal_transform *transform, const csv_table *table, size_t row)
 {
     /* Written digits round a rotation; more than that is another matrix. */
     static const double ROUNDING = 1e-6;
@@ -346,8 +330,8 @@ static void read_transform(rigcal_transform *transform, const csv_table *table,
     }
 }
 
-void cli_transforms_read(cli_transforms *transforms, const char *path,
-                         const char *key, const cli_cameras *cameras)
+void cli_transforms_read(cli_transforms *transforms, const char *path, const char *key,
+                         const cli_cameras *cameras)
 {
     csv_table *table = &transforms->table;
     size_t row, column;
@@ -355,8 +339,7 @@ void cli_transforms_read(cli_transforms *transforms, const char *path,
     csv_read(table, path);
     table->form = strcmp(key, "camera") == 0 ? "rig.csv" : "targets.csv";
     cli_names_open(&transforms->names, table->n_rows);
-    transforms->transform =
-        cli_alloc(table->n_rows, sizeof *transforms->transform);
+    transforms->transform = cli_alloc(table->n_rows, sizeof *transforms->transform);
     column = csv_column(table, key);
     for (row = 0; row < table->n_rows; row++) {
         names_add_new(&transforms->names, table, row, column);

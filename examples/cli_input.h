@@ -27,8 +27,7 @@ size_t cli_names_add(cli_names *names, const char *name);
  * like. */
 int cli_look_alike(const char *a, const char *b);
 const char *cli_names_alike(const cli_names *names, const char *name);
-void cli_names_tell_alike(const cli_names *names, const char *kind,
-                          const char *path);
+void cli_names_tell_alike(const cli_names *names, const char *kind, const char *path);
 
 typedef struct {
     csv_table table; /* holds the text of the names */
@@ -67,7 +66,7 @@ typedef struct {
 } cli_transforms;
 
 /* cameras: the names must be among them; NULL: any name will do. */
-void cli_transforms_read(cli_transforms *transforms, const char *path,
-                         const char *key, const cli_cameras *cameras);
+void cli_transforms_read(cli_transforms *transforms, const char *path, const char *key,
+                         const cli_cameras *cameras);
 
 #endif

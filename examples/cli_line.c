@@ -29,8 +29,7 @@ static rig_camera find(const cli_cameras *cameras, const cli_transforms *rig,
         const char *alike = cli_names_alike(&cameras->names, name);
 
         cli_fail("camera %s is not in %s%s%s", name, cameras->table.path,
-                 alike != NULL ? ", but this one is: " : "",
-                 alike != NULL ? alike : "");
+                 alike != NULL ? ", but this one is: " : "", alike != NULL ? alike : "");
     }
     if (in_rig == CLI_UNKNOWN) {
         cli_fail("camera %s is not in %s: it has no place in the rig", name,
@@ -41,8 +40,7 @@ static rig_camera find(const cli_cameras *cameras, const cli_transforms *rig,
     return found;
 }
 
-static void find_both(epipolar *e, const cli_cameras *cameras,
-                      const cli_transforms *rig,
+static void find_both(epipolar *e, const cli_cameras *cameras, const cli_transforms *rig,
                       const char *const option[OPTION_COUNT])
 {
     e->a = find(cameras, rig, option[OPTION_FROM]);
@@ -63,15 +61,14 @@ static int failed(epipolar *e, rigcal_status status, const char *what)
     return 1;
 }
 
-static void check_inside(const rig_camera *from, const double uv[2],
-                         const char *text)
+static void check_inside(const rig_camera *from, const double uv[2], const char *text)
 {
     const rigcal_camera *camera = from->camera;
 
     if (!(uv[0] >= -0.5 && uv[0] <= camera->width - 0.5 && uv[1] >= -0.5 &&
           uv[1] <= camera->height - 0.5)) {
-        cli_fail("--pixel %s is outside the image of camera %s, %ld x %ld pixels",
-                 text, from->name, (long)camera->width, (long)camera->height);
+        cli_fail("--pixel %s is outside the image of camera %s, %ld x %ld pixels", text,
+                 from->name, (long)camera->width, (long)camera->height);
     }
 }
 
@@ -84,16 +81,14 @@ static int find_ray(epipolar *e, const char *text)
     check_inside(&e->a, pixel, text);
     uv[0] = (rigcal_real)pixel[0];
     uv[1] = (rigcal_real)pixel[1];
-    return !failed(e, rigcal_camera_ray(e->ray_a, e->a.camera, uv),
-                   "the ray of --pixel") &&
-           !failed(e,
-                   rigcal_transform_between(&e->b_from_a, e->b.cam_from_rig,
-                                            e->a.cam_from_rig),
-                   "the transform from camera to camera");
+    return !failed(e, rigcal_camera_ray(e->ray_a, e->a.camera, uv), "the ray of --pixel") &&
+           !failed(
+               e,
+               rigcal_transform_between(&e->b_from_a, e->b.cam_from_rig, e->a.cam_from_rig),
+               "the transform from camera to camera");
 }
 
-static void print_row(const char *quantity, const rigcal_real numbers[],
-                      size_t count)
+static void print_row(const char *quantity, const rigcal_real numbers[], size_t count)
 {
     printf("%s", quantity);
     cli_write_numbers(stdout, numbers, count);
@@ -104,14 +99,11 @@ static void print_line(epipolar *e)
 {
     rigcal_real line[3], ends[4];
 
-    if (failed(e, rigcal_epiline_px(line, e->b.camera, &e->b_from_a, e->ray_a),
-               "line")) {
+    if (failed(e, rigcal_epiline_px(line, e->b.camera, &e->b_from_a, e->ray_a), "line")) {
         return;
     }
     print_row("line", line, 3);
-    if (!failed(e,
-                rigcal_epiline_clip(ends, line, e->b.camera->width,
-                                    e->b.camera->height),
+    if (!failed(e, rigcal_epiline_clip(ends, line, e->b.camera->width, e->b.camera->height),
                 "ends")) {
         print_row("ends", ends, 4);
     }
@@ -126,8 +118,8 @@ static void print_curve_ends(epipolar *e, const rigcal_real ray_a[3],
     size_t count = 0;
 
     if (failed(e,
-               rigcal_epiline_curve(uv, SAMPLES, &count, e->b.camera,
-                                    &e->b_from_a, ray_a, depth[0], depth[1]),
+               rigcal_epiline_curve(uv, SAMPLES, &count, e->b.camera, &e->b_from_a, ray_a,
+                                    depth[0], depth[1]),
                "depth_ends_image")) {
         return;
     }
@@ -154,8 +146,8 @@ static void print_depths(epipolar *e, const rigcal_real depth[2])
         ray[k] = e->ray_a[k] / e->ray_a[2];
     }
     if (!failed(e,
-                rigcal_epiline_segment(ends, e->b.camera, &e->b_from_a, ray,
-                                       depth[0], depth[1]),
+                rigcal_epiline_segment(ends, e->b.camera, &e->b_from_a, ray, depth[0],
+                                       depth[1]),
                 "depth_ends")) {
         print_row("depth_ends", ends, 4);
     }

@@ -57,8 +57,8 @@ size_t cli_names_add(cli_names *names, const char *name)
 /* Characters that a key leaves out: blanks, also invisible ones, and quotes. */
 static int is_ignored(wint_t c)
 {
-    return iswspace(c) || c == 0xa0 || (c >= 0x200b && c <= 0x200d) ||
-           c == 0x2060 || c == 0xfeff || c == '"' || c == '\'';
+    return iswspace(c) || c == 0xa0 || (c >= 0x200b && c <= 0x200d) || c == 0x2060 ||
+           c == 0xfeff || c == '"' || c == '\'';
 }
 
 /* Bytes that are no UTF-8 count as characters. */
@@ -127,8 +127,7 @@ const char *cli_names_alike(const cli_names *names, const char *name)
     return NULL;
 }
 
-void cli_names_tell_alike(const cli_names *names, const char *kind,
-                          const char *path)
+void cli_names_tell_alike(const cli_names *names, const char *kind, const char *path)
 {
     enum { TOLD = 3 };
     size_t *first = cli_alloc(names->count, sizeof *first);
@@ -149,7 +148,7 @@ void cli_names_tell_alike(const cli_names *names, const char *kind,
         }
     }
     if (n_alike > TOLD) {
-        cli_say("%s: so are %lu more pairs of %ss", path,
-                (unsigned long)(n_alike - TOLD), kind);
+        cli_say("%s: so are %lu more pairs of %ss", path, (unsigned long)(n_alike - TOLD),
+                kind);
     }
 }

@@ -44,8 +44,7 @@ void cli_flush_stdout(const char *consequence)
     errno = 0;
     if (fflush(stdout) != 0 || ferror(stdout)) {
         cli_fail("cannot write to standard output: %s%s",
-                 errno != 0 ? strerror(errno) : "an earlier write failed",
-                 consequence);
+                 errno != 0 ? strerror(errno) : "an earlier write failed", consequence);
     }
 }
 
@@ -97,8 +96,7 @@ static int must_end(void)
     sigpending(&waiting);
     for (i = 0; i < N_SIGNALS; i++) {
         if (sigismember(&waiting, SIGNALS[i]) &&
-            sigaction(SIGNALS[i], NULL, &action) == 0 &&
-            action.sa_handler != SIG_IGN) {
+            sigaction(SIGNALS[i], NULL, &action) == 0 && action.sa_handler != SIG_IGN) {
             return 1;
         }
     }
@@ -138,8 +136,7 @@ static CLI_NORETURN void give_up(cli_output *output, const char *path)
     const int reason = errno;
 
     clean_up(output);
-    cli_fail("cannot write %s: %s; no file was written", path,
-             strerror(reason));
+    cli_fail("cannot write %s: %s; no file was written", path, strerror(reason));
 }
 
 /* The path without slashes at its end. */
@@ -214,8 +211,7 @@ static void make_work(cli_output *output)
 {
     static const char NAME[] = UNFINISHED "XXXXXX";
     const char *slash = strrchr(output->folder, '/');
-    const size_t parent =
-        slash != NULL ? (size_t)(slash - output->folder) + 1 : 0;
+    const size_t parent = slash != NULL ? (size_t)(slash - output->folder) + 1 : 0;
     char *work = cli_alloc(strlen(output->folder) + sizeof NAME + 2, 1);
 
     if (output->is_new) {
@@ -255,8 +251,8 @@ cli_output *cli_output_begin(const char *folder)
 FILE *cli_output_file(cli_output *output, const char *name)
 {
     const size_t i = output->count;
-    const int fd = open(join(output->work, "", name),
-                        O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW, 0666);
+    const int fd =
+        open(join(output->work, "", name), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW, 0666);
 
     if (fd < 0) {
         give_up(output, join(output->folder, "", name));
@@ -318,8 +314,7 @@ static int take_back(const cli_output *output, size_t i)
 }
 
 /* Puts the earlier files back, where the first n_new places hold new ones. */
-static CLI_NORETURN void undo(cli_output *output, size_t n_new,
-                              const char *path)
+static CLI_NORETURN void undo(cli_output *output, size_t n_new, const char *path)
 {
     const int reason = errno;
     size_t i;
@@ -329,8 +324,8 @@ static CLI_NORETURN void undo(cli_output *output, size_t n_new,
     }
     for (i = 0; i < output->count; i++) {
         if (take_back(output, i) != 0) {
-            cli_say("cannot move %s back to %s: %s; it is in %s",
-                    output->name[i], output->folder, strerror(errno),
+            cli_say("cannot move %s back to %s: %s; it is in %s", output->name[i],
+                    output->folder, strerror(errno),
                     join(output->work, "earlier-", output->name[i]));
         }
     }
@@ -367,8 +362,7 @@ static void rename_folder(cli_output *output)
 
     umask(withheld);
     if (stat(output->work, &there) != 0 ||
-        chmod(output->work,
-              (there.st_mode & S_ISGID) | (0777 & ~withheld)) != 0 ||
+        chmod(output->work, (there.st_mode & S_ISGID) | (0777 & ~withheld)) != 0 ||
         rename(output->work, output->folder) != 0) {
         give_up(output, output->folder);
     }

@@ -46,17 +46,16 @@ static size_t list_outliers(outlier list[], const calibration *c, const view *v)
 }
 
 /* One line a view; returns how many points it does not name. */
-static size_t name_outliers(const calibration *c, const view *v,
-                            const outlier list[], size_t count)
+static size_t name_outliers(const calibration *c, const view *v, const outlier list[],
+                            size_t count)
 {
     enum { NAMED = 5 };
     size_t i;
 
     cli_say_part("rigcal: camera %s in frame %s: --robust leaves out %lu of %lu "
                  "points:",
-                 c->cameras.names.name[v->camera],
-                 c->observations.frames.name[v->frame], (unsigned long)count,
-                 (unsigned long)v->n_seen);
+                 c->cameras.names.name[v->camera], c->observations.frames.name[v->frame],
+                 (unsigned long)count, (unsigned long)v->n_seen);
     for (i = 0; i < count && i < NAMED; i++) {
         cli_say_part("%s %s", i > 0 ? "," : "", view_point_name(c, v, list[i].point));
         if (list[i].error_px < 0) {
@@ -124,8 +123,7 @@ static void print_caveat(const view *v)
         printf("  three points fit several poses; one, by --method paper");
     } else if (v->status == RIGCAL_AMBIGUOUS && other != NULL) {
         printf("  ambiguous: 2nd pose %.2f px, p %.2g%s", (double)other->rms_px,
-               (double)other->probability,
-               v->settled ? ", settled by other frames" : "");
+               (double)other->probability, v->settled ? ", settled by other frames" : "");
     }
 }
 
@@ -136,8 +134,8 @@ static void print_views(const calibration *c)
     int has_sigma = 0;
     size_t i;
 
-    printf("%-*s  %-*s  points  rms [px]  distance  +- [deg]  +- position\n",
-           wide_camera, "camera", wide_frame, "frame");
+    printf("%-*s  %-*s  points  rms [px]  distance  +- [deg]  +- position\n", wide_camera,
+           "camera", wide_frame, "frame");
     for (i = 0; i < c->n_views; i++) {
         const view *v = &c->views[i];
 
@@ -222,9 +220,9 @@ static int print_pair(const calibration *c, size_t a, size_t b, int wide)
     rig_relative(&b_from_a, c, a, b);
     printf("%-*s  %-*s  %8.5g  %11.4f", wide, rig_camera_name(c, a), wide,
            rig_camera_name(c, b), length_of(b_from_a.t), angle_of(&b_from_a));
-    has_scatter = shared > 1 &&
-                  rigcal_transform_mean(&mean, &sigma_rad, &sigma_t, c->rig.work,
-                                        NULL, shared) == RIGCAL_OK;
+    has_scatter =
+        shared > 1 && rigcal_transform_mean(&mean, &sigma_rad, &sigma_t, c->rig.work, NULL,
+                                            shared) == RIGCAL_OK;
     if (has_scatter) {
         printf("  +- %.2g, %.2g deg over %lu placements", (double)sigma_t,
                DEGREE * (double)sigma_rad, (unsigned long)shared);
@@ -245,8 +243,8 @@ static void print_pairs(const calibration *c)
                 continue;
             }
             if (!header++) {
-                printf("\n%-*s  %-*s  distance  angle [deg]\n", wide, "camera",
-                       wide, "camera");
+                printf("\n%-*s  %-*s  distance  angle [deg]\n", wide, "camera", wide,
+                       "camera");
             }
             has_scatter |= print_pair(c, a, b, wide);
         }

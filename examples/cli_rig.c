@@ -42,8 +42,7 @@ static int is_sure(const view *v)
 }
 
 static rigcal_real angle_between(const rigcal_transform *a_known,
-                                 const rigcal_transform *b_known,
-                                 const rigcal_transform *a,
+                                 const rigcal_transform *b_known, const rigcal_transform *a,
                                  const rigcal_transform *b)
 {
     rigcal_transform known, here;
@@ -57,8 +56,8 @@ static rigcal_real angle_between(const rigcal_transform *a_known,
 
 /* Adds up the angles of the view's poses to a second camera, which saw the same
  * placement, from those in frames where both are sure; returns how many. */
-static size_t add_angles(rigcal_real sum[RIGCAL_POSES_MAX],
-                         const calibration *c, const view *v, const view *b)
+static size_t add_angles(rigcal_real sum[RIGCAL_POSES_MAX], const calibration *c,
+                         const view *v, const view *b)
 {
     size_t i, k, n_known = 0;
 
@@ -76,8 +75,7 @@ static size_t add_angles(rigcal_real sum[RIGCAL_POSES_MAX],
         n_known++;
         for (k = 0; k < v->n_poses; k++) {
             sum[k] += angle_between(
-                &view_taken(known)->cam_from_world,
-                &view_taken(b_known)->cam_from_world,
+                &view_taken(known)->cam_from_world, &view_taken(b_known)->cam_from_world,
                 &v->poses[k].cam_from_world, &view_taken(b)->cam_from_world);
         }
     }
@@ -105,8 +103,7 @@ static void settle(const calibration *c, view *v)
         }
     }
     for (k = 0; k < v->n_poses; k++) {
-        if (k != best && v->poses[k].probability >= PROBABLE &&
-            2 * sum[best] > sum[k]) {
+        if (k != best && v->poses[k].probability >= PROBABLE && 2 * sum[best] > sum[k]) {
             return;
         }
     }
@@ -176,11 +173,9 @@ static void name_cameras_without_pose(calibration *c)
         if (i < c->rig.n_cameras && c->camera[i] == camera) {
             i++;
         } else {
-            cli_say("camera %s is not in the rig: %s",
-                    c->cameras.names.name[camera],
-                    is_observed(c, camera)
-                        ? "it has no pose in any frame"
-                        : "there are no observations of it");
+            cli_say("camera %s is not in the rig: %s", c->cameras.names.name[camera],
+                    is_observed(c, camera) ? "it has no pose in any frame"
+                                           : "there are no observations of it");
             c->exit_status = CLI_GEOMETRY;
         }
     }
@@ -189,8 +184,7 @@ static void name_cameras_without_pose(calibration *c)
 /* Every camera by itself: what is known when joining them failed. */
 static void stand_alone(calibration *c)
 {
-    static const rigcal_transform IDENTITY = {{1, 0, 0, 0, 1, 0, 0, 0, 1},
-                                              {0, 0, 0}};
+    static const rigcal_transform IDENTITY = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
     size_t i;
 
     for (i = 0; i < c->rig.n_cameras; i++) {
@@ -229,8 +223,7 @@ static void join_rig(calibration *c)
 }
 
 /* Frames in which no camera of the rig has a pose, in one line. */
-static void name_not_placed(const calibration *c, const int is_apart[],
-                            size_t count)
+static void name_not_placed(const calibration *c, const int is_apart[], size_t count)
 {
     enum { NAMED = 5 };
     size_t frame, n_named = 0;
@@ -260,16 +253,15 @@ static void place_targets(calibration *c)
     c->rig_from_target = cli_alloc(n_frames, sizeof *c->rig_from_target);
     c->placed = cli_alloc(n_frames, sizeof *c->placed);
     for (frame = 0; frame < n_frames; frame++) {
-        const rigcal_status status = rigcal_rig_place(
-            &c->rig_from_target[frame], &c->rig, (int32_t)frame, 0);
+        const rigcal_status status =
+            rigcal_rig_place(&c->rig_from_target[frame], &c->rig, (int32_t)frame, 0);
 
         c->placed[frame] = status >= 0;
         if (status == RIGCAL_ERR_TOO_FEW) {
             is_apart[frame] = 1;
             n_apart++;
         } else if (status < 0) {
-            cli_say("frame %s has no place: %s",
-                    c->observations.frames.name[frame],
+            cli_say("frame %s has no place: %s", c->observations.frames.name[frame],
                     rigcal_status_text(status));
         }
         c->exit_status = status < 0 ? CLI_GEOMETRY : c->exit_status;
@@ -279,8 +271,7 @@ static void place_targets(calibration *c)
     }
 }
 
-void rig_relative(rigcal_transform *b_from_a, const calibration *c, size_t a,
-                  size_t b)
+void rig_relative(rigcal_transform *b_from_a, const calibration *c, size_t a, size_t b)
 {
     const rigcal_status status = rigcal_transform_between(
         b_from_a, &c->rig.cams_from_rig[b], &c->rig.cams_from_rig[a]);

@@ -57,8 +57,7 @@ int view_residual(residual *r, const calibration *c, const view *v, size_t k)
 }
 
 static rigcal_real distance_to_points(const rigcal_transform *cam_from_target,
-                                      const rigcal_observation observed[],
-                                      size_t n)
+                                      const rigcal_observation observed[], size_t n)
 {
     rigcal_real middle[3] = {0, 0, 0}, X_c[3] = {0, 0, 0};
     size_t i;
@@ -89,8 +88,8 @@ static rigcal_view gather(const calibration *c, const view *v)
     return seen;
 }
 
-static rigcal_status solve_by_paper(const calibration *c, view *v,
-                                    const rigcal_view *seen, int32_t *at_fault)
+static rigcal_status solve_by_paper(const calibration *c, view *v, const rigcal_view *seen,
+                                    int32_t *at_fault)
 {
     rigcal_paper_pose pose;
     size_t n_pairs = 0;
@@ -98,20 +97,17 @@ static rigcal_status solve_by_paper(const calibration *c, view *v,
 
     status = rigcal_bearings_of_view(c->bearings, at_fault, seen);
     if (status >= 0) {
-        status = rigcal_pairs_choose(c->pairs, c->n_pairs, &n_pairs, c->bearings,
-                                     seen->n);
+        status = rigcal_pairs_choose(c->pairs, c->n_pairs, &n_pairs, c->bearings, seen->n);
     }
     if (status >= 0) {
-        status = rigcal_paper_solve(&pose, c->bearings, seen->n, c->pairs, n_pairs,
-                                    NULL);
+        status = rigcal_paper_solve(&pose, c->bearings, seen->n, c->pairs, n_pairs, NULL);
     }
     if (status < 0) {
         return status;
     }
     v->n_poses = 1;
     v->poses[0].cam_from_world = pose.cam_from_world;
-    measured = rigcal_view_rms(&v->poses[0].rms_px, NULL, seen,
-                               &pose.cam_from_world);
+    measured = rigcal_view_rms(&v->poses[0].rms_px, NULL, seen, &pose.cam_from_world);
     return measured < 0 ? measured : status;
 }
 
@@ -133,8 +129,7 @@ static void leave_out_unseen(const calibration *c, view *v)
     size_t i;
 
     for (i = 0; i < v->n_seen; i++) {
-        if (rigcal_camera_ray(ray, camera, v->first[i].seen.uv) ==
-            RIGCAL_ERR_NO_RAY) {
+        if (rigcal_camera_ray(ray, camera, v->first[i].seen.uv) == RIGCAL_ERR_NO_RAY) {
             note_points(v);
             v->agree[i] = POINT_UNSEEN;
             v->n--;
@@ -151,9 +146,8 @@ static void name_unseen(const calibration *c, const view *v)
 
     cli_say_part("rigcal: camera %s in frame %s: the lens model images no ray at the "
                  "pixel%s of %lu of %lu points:",
-                 c->cameras.names.name[v->camera],
-                 c->observations.frames.name[v->frame], several,
-                 (unsigned long)v->n_unseen, (unsigned long)v->n_seen);
+                 c->cameras.names.name[v->camera], c->observations.frames.name[v->frame],
+                 several, (unsigned long)v->n_unseen, (unsigned long)v->n_seen);
     for (k = 0; k < v->n_seen && named < NAMED; k++) {
         if (view_leaves_out(v, k)) {
             cli_say_part("%s %s", named++ > 0 ? "," : "", view_point_name(c, v, k));
@@ -163,12 +157,13 @@ static void name_unseen(const calibration *c, const view *v)
         cli_say_part(" and %lu more", (unsigned long)(v->n_unseen - named));
     }
     cli_say_part("; the other points are used. Check the pixel%s, and the "
-                 "distortion coefficients of the camera\n", several);
+                 "distortion coefficients of the camera\n",
+                 several);
 }
 
 /* Those that disagree do not count any more. */
-static rigcal_status solve_robustly(const calibration *c, view *v,
-                                    const rigcal_view *seen, int32_t *at_fault)
+static rigcal_status solve_robustly(const calibration *c, view *v, const rigcal_view *seen,
+                                    int32_t *at_fault)
 {
     uint8_t *agree = cli_alloc(v->n, sizeof *agree);
     size_t n_agree, i;
@@ -195,9 +190,8 @@ void view_take(const calibration *c, view *v, size_t pose)
 
     v->taken = pose;
     v->distance = distance_to_points(cam_from_target, c->observed, v->n);
-    v->has_sigma =
-        !v->by_paper && rigcal_pose_covariance(&u, &seen, cam_from_target,
-                                               c->pose.sigma_px) == RIGCAL_OK;
+    v->has_sigma = !v->by_paper && rigcal_pose_covariance(&u, &seen, cam_from_target,
+                                                          c->pose.sigma_px) == RIGCAL_OK;
     if (v->has_sigma) {
         v->sigma_deg = (rigcal_real)(DEGREE * length_of(u.rotation));
         v->sigma_pos = (rigcal_real)length_of(u.center);
@@ -215,8 +209,8 @@ static rigcal_status solve(const calibration *c, view *v, int32_t *at_fault)
     } else if (c->is_robust && v->n >= ROBUST_LEAST) {
         status = solve_robustly(c, v, &seen, at_fault);
     } else {
-        status = rigcal_pose_solve(v->poses, RIGCAL_POSES_MAX, &v->n_poses, at_fault,
-                                   &seen, &c->pose);
+        status = rigcal_pose_solve(v->poses, RIGCAL_POSES_MAX, &v->n_poses, at_fault, &seen,
+                                   &c->pose);
     }
     v->status = status;
     if (*at_fault >= 0) {
@@ -240,8 +234,8 @@ static void name_trouble(const calibration *c, const view *v, int32_t at_fault)
                 "a pose takes 3 at least",
                 camera, frame, (unsigned long)v->n, v->n == 1 ? "" : "s");
     } else if (v->status < 0 && at_fault >= 0) {
-        cli_say("camera %s has no pose in frame %s because of point %s: %s", camera,
-                frame, view_point_name(c, v, (size_t)at_fault), text);
+        cli_say("camera %s has no pose in frame %s because of point %s: %s", camera, frame,
+                view_point_name(c, v, (size_t)at_fault), text);
     } else if (v->status < 0) {
         cli_say("camera %s has no pose in frame %s: %s", camera, frame, text);
     } else {
@@ -250,14 +244,12 @@ static void name_trouble(const calibration *c, const view *v, int32_t at_fault)
     }
 }
 
-static void name_blamed(const calibration *c, const view *v,
-                        const rigcal_blame *blame)
+static void name_blamed(const calibration *c, const view *v, const rigcal_blame *blame)
 {
     const char *camera = c->cameras.names.name[v->camera];
     const char *frame = c->observations.frames.name[v->frame];
     const char *point = view_point_name(c, v, (size_t)blame->point);
-    const char *verdict =
-        blame->verdict == RIGCAL_BLAME_SURE ? "is wrong" : "may be wrong";
+    const char *verdict = blame->verdict == RIGCAL_BLAME_SURE ? "is wrong" : "may be wrong";
     const char *advice = c->is_robust ? "" : ": correct it, or use --robust";
 
     if (blame->rms_px >= 0) {
@@ -268,8 +260,7 @@ static void name_blamed(const calibration *c, const view *v,
     } else {
         cli_say("camera %s in frame %s: point %s %s: without it there is a pose, "
                 "with %.3g px rms%s",
-                camera, frame, point, verdict, (double)blame->rms_without_px,
-                advice);
+                camera, frame, point, verdict, (double)blame->rms_without_px, advice);
     }
 }
 
@@ -286,10 +277,8 @@ static void name_cause(const calibration *c, const view *v)
         cli_say("camera %s in frame %s: mirrored, the points fit to %.3g px rms: are "
                 "the target's coordinates left-handed, does v count upwards, or is "
                 "the image mirrored?",
-                c->cameras.names.name[v->camera],
-                c->observations.frames.name[v->frame],
-                (double)(d.rms_mirrored_px >= 0 ? d.rms_mirrored_px
-                                                : d.rms_flipped_px));
+                c->cameras.names.name[v->camera], c->observations.frames.name[v->frame],
+                (double)(d.rms_mirrored_px >= 0 ? d.rms_mirrored_px : d.rms_flipped_px));
     } else if (d.blame.verdict != RIGCAL_BLAME_NONE) {
         name_blamed(c, v, &d.blame);
     }
@@ -364,8 +353,7 @@ void solve_views(calibration *c)
         v.camera = list[begin].camera;
         v.frame = list[begin].frame;
         v.first = list + begin;
-        for (end = begin; end < count && same_view(&list[begin], &list[end]);
-             end++) {
+        for (end = begin; end < count && same_view(&list[begin], &list[end]); end++) {
             v.n++;
         }
         v.n_seen = v.n;

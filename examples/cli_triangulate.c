@@ -39,16 +39,14 @@ static void name_unused_cameras(const triangulation *t)
     }
 }
 
-static void open_triangulation(triangulation *t,
-                               const char *const option[OPTION_COUNT])
+static void open_triangulation(triangulation *t, const char *const option[OPTION_COUNT])
 {
     size_t most;
 
     memset(t, 0, sizeof *t);
     cli_cameras_read(&t->cameras, option[OPTION_CAMERAS]);
     cli_transforms_read(&t->rig, option[OPTION_RIG], "camera", &t->cameras);
-    cli_observations_read(&t->observations, option[OPTION_OBSERVATIONS],
-                          &t->cameras, 0);
+    cli_observations_read(&t->observations, option[OPTION_OBSERVATIONS], &t->cameras, 0);
     name_unused_cameras(t);
     t->in_targets = option[OPTION_TARGETS] != NULL;
     if (t->in_targets) {
@@ -82,8 +80,7 @@ static size_t gather(triangulation *t, const cli_observation seen[], size_t n)
 }
 
 /* The first few; the CSV shows which of the others are missing. */
-static void name_failed(triangulation *t, const measurement *m,
-                        rigcal_status status)
+static void name_failed(triangulation *t, const measurement *m, rigcal_status status)
 {
     enum { NAMED = 5 };
 
@@ -91,8 +88,7 @@ static void name_failed(triangulation *t, const measurement *m,
     if (t->n_failed++ < NAMED) {
         cli_say("frame %s, point %s cannot be triangulated: %s",
                 t->observations.frames.name[m->frame],
-                t->observations.points.name[m->point],
-                rigcal_status_text(status));
+                t->observations.points.name[m->point], rigcal_status_text(status));
     }
     if (t->n_failed == NAMED + 1) {
         cli_say("more points cannot be triangulated; they are not in the output");
@@ -110,8 +106,8 @@ static void measure(triangulation *t, const cli_observation seen[], size_t n)
     if (m->n < 2) {
         return;
     }
-    status = rigcal_point_triangulate(&m->measured, t->camera, t->cam_from_rig,
-                                      t->uv, m->n, 1);
+    status =
+        rigcal_point_triangulate(&m->measured, t->camera, t->cam_from_rig, t->uv, m->n, 1);
     if (status < 0) {
         name_failed(t, m, status);
         return;
@@ -178,8 +174,7 @@ static void turn_covariance(rigcal_real Sigma[9], const rigcal_real R[9])
     }
     for (i = 0; i < 3; i++) {
         for (j = 0; j < 3; j++) {
-            turned[3 * i + j] = RS[3 * i] * R[3 * j] +
-                                RS[3 * i + 1] * R[3 * j + 1] +
+            turned[3 * i + j] = RS[3 * i] * R[3 * j] + RS[3 * i + 1] * R[3 * j + 1] +
                                 RS[3 * i + 2] * R[3 * j + 2];
         }
     }
@@ -215,17 +210,15 @@ static void move_into_targets(triangulation *t)
         const size_t target = cli_names_find(&t->targets.names, frame);
 
         if (target != CLI_UNKNOWN &&
-            into_target(&m.measured, &t->targets.transform[target]) ==
-                RIGCAL_OK) {
+            into_target(&m.measured, &t->targets.transform[target]) == RIGCAL_OK) {
             t->list[kept++] = m;
             continue;
         }
         if (named != m.frame) {
             const char *alike = cli_names_alike(&t->targets.names, frame);
 
-            cli_say("frame %s has no place in %s%s%s; its points are left out",
-                    frame, t->targets.table.path,
-                    alike != NULL ? ", which has frame " : "",
+            cli_say("frame %s has no place in %s%s%s; its points are left out", frame,
+                    t->targets.table.path, alike != NULL ? ", which has frame " : "",
                     alike != NULL ? alike : "");
             named = m.frame;
         }
@@ -245,8 +238,7 @@ static void print_points(const triangulation *t, double sigma_px)
         rigcal_real sigma[3];
 
         for (k = 0; k < 3; k++) {
-            sigma[k] = (rigcal_real)(sigma_px *
-                                     sqrt((double)m->measured.Sigma[4 * k]));
+            sigma[k] = (rigcal_real)(sigma_px * sqrt((double)m->measured.Sigma[4 * k]));
         }
         printf("%s,%s,%lu", t->observations.frames.name[m->frame],
                t->observations.points.name[m->point], (unsigned long)m->n);

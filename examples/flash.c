@@ -22,8 +22,13 @@ static void load(const char *when)
 int main(void)
 {
     const rigcal_mounted_camera cam = {
-        .camera = {.lens = RIGCAL_LENS_BROWN, .width = 640, .height = 480,
-                   .fx = 800, .fy = 800, .cx = 320, .cy = 240},
+        .camera = {.lens = RIGCAL_LENS_BROWN,
+                   .width = 640,
+                   .height = 480,
+                   .fx = 800,
+                   .fy = 800,
+                   .cx = 320,
+                   .cy = 240},
         .cam_from_rig = {{0, 1, 0, -1, 0, 0, 0, 0, 1}, {-0.2, 0.5, -0.1}}};
     size_t n_bytes;
 

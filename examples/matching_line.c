@@ -9,8 +9,13 @@
 
 int main(void)
 {
-    const rigcal_camera camera = {.lens = RIGCAL_LENS_BROWN, .width = 1280, .height = 960,
-                                  .fx = 800, .fy = 800, .cx = 640, .cy = 480};
+    const rigcal_camera camera = {.lens = RIGCAL_LENS_BROWN,
+                                  .width = 1280,
+                                  .height = 960,
+                                  .fx = 800,
+                                  .fy = 800,
+                                  .cx = 640,
+                                  .cy = 480};
     const rigcal_transform b_from_a = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {-0.25, -0.1, 0}};
     const rigcal_real uv_a[2] = {720, 520};
     const rigcal_real uv_b[3][2] = {{520, 439.6}, {520, 470}, {220, 320.3}};
@@ -27,12 +32,11 @@ int main(void)
         printf("%s\n", rigcal_status_text(status));
         return 1;
     }
-    printf("The line runs from (%.1f, %.1f) to (%.1f, %.1f).\n", ends[0], ends[1],
-           ends[2], ends[3]);
+    printf("The line runs from (%.1f, %.1f) to (%.1f, %.1f).\n", ends[0], ends[1], ends[2],
+           ends[3]);
     for (int i = 0; i < 3; i++) {
         if (rigcal_epiline_distance(&off, line, &camera, uv_b[i]) == RIGCAL_OK) {
-            printf("(%.1f, %.1f) is %.1f px off it.\n", uv_b[i][0], uv_b[i][1],
-                   fabs(off));
+            printf("(%.1f, %.1f) is %.1f px off it.\n", uv_b[i][0], uv_b[i][1], fabs(off));
         }
     }
     return 0;

@@ -9,8 +9,13 @@
 
 int main(void)
 {
-    const rigcal_camera camera = {.lens = RIGCAL_LENS_BROWN, .width = 1280, .height = 960,
-                                  .fx = 800, .fy = 800, .cx = 640, .cy = 480};
+    const rigcal_camera camera = {.lens = RIGCAL_LENS_BROWN,
+                                  .width = 1280,
+                                  .height = 960,
+                                  .fx = 800,
+                                  .fy = 800,
+                                  .cx = 640,
+                                  .cy = 480};
     const rigcal_camera cameras[2] = {camera, camera};
     const rigcal_transform cams_from_a[2] = {
         {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}},         /* camera a itself */
@@ -26,8 +31,8 @@ int main(void)
         return 1;
     }
     printf("The point is at (%.4f, %.4f, %.4f) m,\n", point.X[0], point.X[1], point.X[2]);
-    printf("good to +- (%.4f, %.4f, %.4f) m.\n", sqrt(point.Sigma[0]),
-           sqrt(point.Sigma[4]), sqrt(point.Sigma[8]));
+    printf("good to +- (%.4f, %.4f, %.4f) m.\n", sqrt(point.Sigma[0]), sqrt(point.Sigma[4]),
+           sqrt(point.Sigma[8]));
     printf("Its pixels are %.1f px from where it should be seen.\n", point.rms_px);
     return 0;
 }

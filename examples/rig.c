@@ -5,17 +5,24 @@
 #include <rigcal.h>
 
 enum { CAMERAS = 4, VIEWS = 5 };
-static const struct { int32_t camera, placement; rigcal_real uv[8]; } SEEN[VIEWS] = {
-    {0, 0, {522, 312, 768, 352, 768, 672, 522, 733}},
-    {1, 0, {339, 245, 654, 306, 654, 654, 339, 715}},
-    {2, 0, {107, 160, 518, 251, 518, 632, 107, 693}},
-    {2, 1, {438, 312, 704, 352, 704, 672, 438, 733}},
-    {3, 1, {245, 245, 584, 306, 584, 654, 245, 715}}};
+static const struct {
+    int32_t camera, placement;
+    rigcal_real uv[8];
+} SEEN[VIEWS] = {{0, 0, {522, 312, 768, 352, 768, 672, 522, 733}},
+                 {1, 0, {339, 245, 654, 306, 654, 654, 339, 715}},
+                 {2, 0, {107, 160, 518, 251, 518, 632, 107, 693}},
+                 {2, 1, {438, 312, 704, 352, 704, 672, 438, 733}},
+                 {3, 1, {245, 245, 584, 306, 584, 654, 245, 715}}};
 
 int main(void)
 {
-    const rigcal_camera camera = {.lens = RIGCAL_LENS_BROWN, .width = 960, .height = 960,
-                                  .fx = 800, .fy = 800, .cx = 480, .cy = 480};
+    const rigcal_camera camera = {.lens = RIGCAL_LENS_BROWN,
+                                  .width = 960,
+                                  .height = 960,
+                                  .fx = 800,
+                                  .fy = 800,
+                                  .cx = 480,
+                                  .cy = 480};
     rigcal_view_pose poses[VIEWS];
     rigcal_transform cams_from_rig[CAMERAS], work[VIEWS];
     rigcal_real weight[VIEWS], o[3];
@@ -26,7 +33,8 @@ int main(void)
         rigcal_pose p = {0};
         size_t n_found;
         status = rigcal_tag_solve(&p, 1, &n_found, NULL, &camera, SEEN[i].uv, 1, NULL);
-        poses[i] = (rigcal_view_pose){p.cam_from_world, 1, SEEN[i].camera, SEEN[i].placement};
+        poses[i] =
+            (rigcal_view_pose){p.cam_from_world, 1, SEEN[i].camera, SEEN[i].placement};
     }
     if (status != RIGCAL_OK || (status = rigcal_rig_join(&rig)) != RIGCAL_OK) {
         printf("%s\n", rigcal_status_text(status));

@@ -60,8 +60,8 @@ typedef struct {
 
 static const command COMMANDS[] = {
     {"calibrate", cli_calibrate, BIT(OPTION_CAMERAS) | BIT(OPTION_OBSERVATIONS),
-     BIT(OPTION_OUT) | BIT(OPTION_METHOD) | BIT(OPTION_SIGMA) |
-         BIT(OPTION_ROBUST) | BIT(OPTION_THRESHOLD) | BIT(OPTION_SEED)},
+     BIT(OPTION_OUT) | BIT(OPTION_METHOD) | BIT(OPTION_SIGMA) | BIT(OPTION_ROBUST) |
+         BIT(OPTION_THRESHOLD) | BIT(OPTION_SEED)},
     {"triangulate", cli_triangulate,
      BIT(OPTION_CAMERAS) | BIT(OPTION_RIG) | BIT(OPTION_OBSERVATIONS),
      BIT(OPTION_TARGETS) | BIT(OPTION_SIGMA)},
@@ -101,8 +101,7 @@ static CLI_NORETURN void hint(void)
     cli_fail("run rigcal --help for the commands and their options");
 }
 
-void cli_numbers(double numbers[], size_t count, const char *option,
-                 const char *text)
+void cli_numbers(double numbers[], size_t count, const char *option, const char *text)
 {
     const char *rest = text;
     const char *problem = NULL;
@@ -116,8 +115,7 @@ void cli_numbers(double numbers[], size_t count, const char *option,
         rest++;
     }
     if (problem != NULL) {
-        WRONG_USE("%s takes %lu number%s, not \"%s\"", option,
-                  (unsigned long)count,
+        WRONG_USE("%s takes %lu number%s, not \"%s\"", option, (unsigned long)count,
                   count > 1 ? "s with a comma between" : "", text);
     }
 }
@@ -129,8 +127,7 @@ double cli_pixels(const char *option, const char *text, double least)
 
     cli_numbers(&pixels, 1, option, text);
     if (!(pixels >= least && pixels <= MOST)) {
-        cli_fail("%s is from %g to %g pixels, not \"%s\"", option, least, MOST,
-                 text);
+        cli_fail("%s is from %g to %g pixels, not \"%s\"", option, least, MOST, text);
     }
     return pixels;
 }
@@ -144,8 +141,8 @@ static void print_version(void)
 {
     const int version = (int)rigcal_version();
 
-    printf("rigcal %d.%d.%d (%s)\n", version / 10000, version / 100 % 100,
-           version % 100, rigcal_sizeof_real() == 8 ? "double" : "float");
+    printf("rigcal %d.%d.%d (%s)\n", version / 10000, version / 100 % 100, version % 100,
+           rigcal_sizeof_real() == 8 ? "double" : "float");
 }
 
 static CLI_NORETURN void refuse_option(const command *chosen, char *argv[])
@@ -165,8 +162,8 @@ static int is_option(const char *value, char *const argv[])
 
 /* One option, as getopt_long gives it. Returns 0 for --help and --version, which need
  * nothing more. */
-static int take_option(const char *option[OPTION_COUNT], const command *chosen,
-                       int given, char *argv[])
+static int take_option(const char *option[OPTION_COUNT], const command *chosen, int given,
+                       char *argv[])
 {
     if (given == ':') {
         WRONG_USE("%s needs a value behind it", argv[optind - 1]);
@@ -192,8 +189,8 @@ static int take_option(const char *option[OPTION_COUNT], const command *chosen,
 }
 
 /* Returns 0 if only help or the version was wanted. */
-static int parse(const char *option[OPTION_COUNT], const command *chosen,
-                 int argc, char *argv[])
+static int parse(const char *option[OPTION_COUNT], const command *chosen, int argc,
+                 char *argv[])
 {
     int given, i;
 
@@ -204,8 +201,7 @@ static int parse(const char *option[OPTION_COUNT], const command *chosen,
         }
     }
     if (optind < argc) {
-        WRONG_USE("%s takes options only, not \"%s\"", chosen->name,
-                  argv[optind]);
+        WRONG_USE("%s takes options only, not \"%s\"", chosen->name, argv[optind]);
     }
     for (i = 0; i < OPTION_COUNT; i++) {
         if ((chosen->required & BIT(i)) && option[i] == NULL) {
@@ -246,8 +242,7 @@ static int run(int argc, char *argv[])
         return CLI_DONE;
     }
     chosen = find_command(argv[1]);
-    return parse(option, chosen, argc - 1, argv + 1) ? chosen->run(option)
-                                                     : CLI_DONE;
+    return parse(option, chosen, argc - 1, argv + 1) ? chosen->run(option) : CLI_DONE;
 }
 
 int main(int argc, char *argv[])

@@ -9,13 +9,19 @@
 
 int main(void)
 {
-    const rigcal_camera camera = {.lens = RIGCAL_LENS_BROWN, .width = 1280, .height = 960,
-                                  .fx = 800, .fy = 800, .cx = 640, .cy = 480};
+    const rigcal_camera camera = {.lens = RIGCAL_LENS_BROWN,
+                                  .width = 1280,
+                                  .height = 960,
+                                  .fx = 800,
+                                  .fy = 800,
+                                  .cx = 640,
+                                  .cy = 480};
     /* Top left, top right, bottom right, bottom left, as the tag is read. */
     const rigcal_real uv[8] = {657.0, 437.4, 775.8, 442.3, 775.8, 593.2, 657.0, 607.7};
-    const rigcal_observation corners[4] = {
-        {{-0.1, 0.1}, {uv[0], uv[1]}}, {{0.1, 0.1}, {uv[2], uv[3]}},
-        {{0.1, -0.1}, {uv[4], uv[5]}}, {{-0.1, -0.1}, {uv[6], uv[7]}}};
+    const rigcal_observation corners[4] = {{{-0.1, 0.1}, {uv[0], uv[1]}},
+                                           {{0.1, 0.1}, {uv[2], uv[3]}},
+                                           {{0.1, -0.1}, {uv[4], uv[5]}},
+                                           {{-0.1, -0.1}, {uv[6], uv[7]}}};
     const rigcal_view view = {&camera, corners, NULL, 4};
     rigcal_pose pose;
     rigcal_pose_uncertainty sigma;

@@ -61,6 +61,7 @@ extern "C" {
 #define RIGCAL_VERSION_PATCH 0
 
 /* Every status: its name, its number, and its text. */
+/* clang-format off */
 #define RIGCAL_STATUSES(S)                                                               \
     S(RIGCAL_OK, 0, "done")                                                              \
                                                                                          \
@@ -157,6 +158,7 @@ extern "C" {
     S(RIGCAL_ERR_MIRRORED, -25,                                                          \
       "only a mirror shows this: the corners run the wrong way round, the tag is seen "  \
       "from behind or the image is flipped")
+/* clang-format on */
 
 typedef int32_t rigcal_status;
 
@@ -223,13 +225,11 @@ RIGCAL_API rigcal_status rigcal_quaternion_from_rotation(rigcal_real q_wxyz[4],
 /* The rotation nearest to M in the sum of squared differences: the orthogonal factor of
  * its polar decomposition (Higham 1986). ERR_ROTATION when M is singular to working
  * precision or mirrors (det <= 0). At most 40 iterations, usually 7 or fewer. */
-RIGCAL_API rigcal_status rigcal_rotation_nearest(rigcal_real R[9],
-                                                 const rigcal_real M[9]);
+RIGCAL_API rigcal_status rigcal_rotation_nearest(rigcal_real R[9], const rigcal_real M[9]);
 
 /* Angle of the rotation that takes Ra to Rb, [0, pi]; accurate for the smallest angles
  * too. */
-RIGCAL_API rigcal_status rigcal_rotation_angle(rigcal_real *angle,
-                                               const rigcal_real Ra[9],
+RIGCAL_API rigcal_status rigcal_rotation_angle(rigcal_real *angle, const rigcal_real Ra[9],
                                                const rigcal_real Rb[9]);
 
 /* ==== transform ===========================================================
@@ -265,8 +265,7 @@ RIGCAL_API rigcal_status rigcal_transform_between(rigcal_transform *b_from_a,
  * estimates, as an angle and as a length. And ERR_TOO_FEW; ERR_ROTATION also when the
  * rotations cancel. */
 RIGCAL_API rigcal_status rigcal_transform_mean(rigcal_transform *mean,
-                                               rigcal_real *sigma_rad,
-                                               rigcal_real *sigma_t,
+                                               rigcal_real *sigma_rad, rigcal_real *sigma_t,
                                                const rigcal_transform transforms[],
                                                const rigcal_real weight[], size_t n);
 
@@ -293,10 +292,10 @@ RIGCAL_API rigcal_status rigcal_transform_mean(rigcal_transform *mean,
 enum rigcal_lenses { RIGCAL_LENS_BROWN = 0, RIGCAL_LENS_FISHEYE = 1 };
 
 typedef struct rigcal_camera {
-    int32_t lens;          /* RIGCAL_LENS_ */
-    int32_t width, height; /* pixels, 1 .. 1000000 */
-    rigcal_real fx, fy;    /* focal length, pixels, > 0 */
-    rigcal_real cx, cy;    /* principal point, pixels */
+    int32_t lens;                               /* RIGCAL_LENS_ */
+    int32_t width, height;                      /* pixels, 1 .. 1000000 */
+    rigcal_real fx, fy;                         /* focal length, pixels, > 0 */
+    rigcal_real cx, cy;                         /* principal point, pixels */
     rigcal_real k1, k2, p1, p2, k3, k4, k5, k6; /* each within 1e9 */
 } rigcal_camera;
 
@@ -337,8 +336,7 @@ RIGCAL_API rigcal_status rigcal_camera_project(rigcal_real uv[2],
  * above 1), or ERR_NO_RAY. A damped Newton iteration from the axis, then a proof that the
  * straight path to the answer does not cross the turning point. At most 127 Newton solves
  * of 60 steps, usually one of 3 to 6, and 7 proofs of 1024 steps, usually one of 1 to 3. */
-RIGCAL_API rigcal_status rigcal_camera_ray(rigcal_real ray[3],
-                                           const rigcal_camera *camera,
+RIGCAL_API rigcal_status rigcal_camera_ray(rigcal_real ray[3], const rigcal_camera *camera,
                                            const rigcal_real uv[2]);
 
 /* The pixel at which the same camera without distortion would see the ray of uv, and back.
@@ -705,9 +703,9 @@ RIGCAL_API rigcal_status rigcal_store_info(rigcal_saved_info *info, const uint8_
  * Those of rigcal_store_info, ERR_CAPACITY, and ERR_NOT_FINITE (also: too large for a float
  * build), ERR_CAMERA, ERR_ROTATION, ERR_RANGE for numbers that rigcal_store_save would have
  * refused. */
-RIGCAL_API rigcal_status rigcal_store_load(rigcal_mounted_camera cameras[],
-                                           size_t capacity, rigcal_saved_info *info,
-                                           const uint8_t bytes[], size_t n_bytes);
+RIGCAL_API rigcal_status rigcal_store_load(rigcal_mounted_camera cameras[], size_t capacity,
+                                           rigcal_saved_info *info, const uint8_t bytes[],
+                                           size_t n_bytes);
 
 #ifdef __cplusplus
 }

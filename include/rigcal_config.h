@@ -46,9 +46,11 @@
  * zero. Then lengths whose squares are below 1e-308 / 1e-38 count as zero. */
 
 /* CMake's option has this name. Given to a compiler, it would do nothing. */
+/* clang-format off */
 #ifdef RIGCAL_REAL
 #error "RIGCAL_REAL is an option of CMake. A compiler is given RIGCAL_USE_FLOAT=1 for float, or RIGCAL_USE_FLOAT=0 for double."
 #endif
+/* clang-format on */
 
 /* 1: rigcal_real is float, for cores whose FPU is single precision or absent.
  * 0: double. The one choice that changes the ABI: library and caller must agree,

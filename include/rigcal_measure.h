@@ -19,8 +19,7 @@ extern "C" {
  * there.
  * OK, ERR_NULL, ERR_NOT_FINITE, ERR_ROTATION, ERR_RANGE (ray of length zero), ERR_PARALLEL
  * (rays within 0.1 degree), ERR_BEHIND (the rays meet behind). */
-RIGCAL_API rigcal_status rigcal_depth_two_views(rigcal_real depth_ab[2],
-                                                rigcal_real *miss,
+RIGCAL_API rigcal_status rigcal_depth_two_views(rigcal_real depth_ab[2], rigcal_real *miss,
                                                 const rigcal_transform *b_from_a,
                                                 const rigcal_real ray_a[3],
                                                 const rigcal_real ray_b[3]);
@@ -49,10 +48,11 @@ typedef struct rigcal_point {
  *
  * OK, ERR_NULL, ERR_NOT_FINITE, ERR_CAMERA, ERR_ROTATION, ERR_RANGE, ERR_TOO_FEW,
  * ERR_NO_RAY, ERR_PARALLEL, ERR_BEHIND. */
-RIGCAL_API rigcal_status rigcal_point_triangulate(
-    rigcal_point *point, const rigcal_camera cameras[],
-    const rigcal_transform cams_from_world[], const rigcal_real uv[], size_t n,
-    rigcal_real sigma_px);
+RIGCAL_API rigcal_status rigcal_point_triangulate(rigcal_point *point,
+                                                  const rigcal_camera cameras[],
+                                                  const rigcal_transform cams_from_world[],
+                                                  const rigcal_real uv[], size_t n,
+                                                  rigcal_real sigma_px);
 
 /* Section VI-C: how far a point that is measured at X_a can be off in frame b when
  * b_from_a is used in place of the true transform: 2 sin(angle / 2) |X_a| + |dt|,
@@ -102,9 +102,11 @@ RIGCAL_API rigcal_status rigcal_epiline_clip(rigcal_real ends[4],
  * far > near: undistorted pixels of both, ends = (u, v at near, u, v at far).
  * OK, ERR_NULL, ERR_NOT_FINITE, ERR_ROTATION, ERR_CAMERA, ERR_RANGE, ERR_WIDE_RAY (one of
  * them is not in front of camera b). */
-RIGCAL_API rigcal_status rigcal_epiline_segment(
-    rigcal_real ends[4], const rigcal_camera *camera_b, const rigcal_transform *b_from_a,
-    const rigcal_real ray_a[3], rigcal_real near_a, rigcal_real far_a);
+RIGCAL_API rigcal_status rigcal_epiline_segment(rigcal_real ends[4],
+                                                const rigcal_camera *camera_b,
+                                                const rigcal_transform *b_from_a,
+                                                const rigcal_real ray_a[3],
+                                                rigcal_real near_a, rigcal_real far_a);
 
 /* The same as it runs in the real, distorted image, where it is a curve: the pixels at
  * `capacity` >= 2 depths from near to far, evenly spaced in 1 / depth, which is nearly
@@ -112,10 +114,12 @@ RIGCAL_API rigcal_status rigcal_epiline_segment(
  * are left out: uv_b, 2 capacity numbers, holds *n_written pairs.
  * OK, ERR_NULL, ERR_NOT_FINITE, ERR_ROTATION, ERR_CAMERA, ERR_RANGE, ERR_OUTSIDE (none
  * left). */
-RIGCAL_API rigcal_status rigcal_epiline_curve(
-    rigcal_real uv_b[], size_t capacity, size_t *n_written, const rigcal_camera *camera_b,
-    const rigcal_transform *b_from_a, const rigcal_real ray_a[3], rigcal_real near_a,
-    rigcal_real far_a);
+RIGCAL_API rigcal_status rigcal_epiline_curve(rigcal_real uv_b[], size_t capacity,
+                                              size_t *n_written,
+                                              const rigcal_camera *camera_b,
+                                              const rigcal_transform *b_from_a,
+                                              const rigcal_real ray_a[3],
+                                              rigcal_real near_a, rigcal_real far_a);
 
 #ifdef __cplusplus
 }

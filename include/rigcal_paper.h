@@ -108,7 +108,7 @@ typedef struct rigcal_pair {
 } rigcal_pair;
 
 /* Pairs enough for n bearings: 4 n, or all n (n - 1) / 2 where that is less. */
-#define RIGCAL_PAIRS_FOR(n) ((n) <= 9 ? (n) * ((n) - 1) / 2 : 4 * (n))
+#define RIGCAL_PAIRS_FOR(n) ((n) <= 9 ? (n) * ((n)-1) / 2 : 4 * (n))
 RIGCAL_API size_t rigcal_pairs_for(size_t n);
 
 /* The pair (i, j); the other bearings are not read. ERR_COINCIDENT when the points, or the
@@ -182,9 +182,11 @@ RIGCAL_API rigcal_status rigcal_pairs_residual(rigcal_real *residual,
  * left out), t_x and t_y the average of (9) over the points.
  * OK, ERR_NULL, ERR_NOT_FINITE, ERR_RANGE, ERR_ROTATION, ERR_TOO_FEW (n < 2, no pairs),
  * ERR_WIDE_RAY, ERR_DEGENERATE (nothing left to average). */
-RIGCAL_API rigcal_status rigcal_translation_from_pairs(
-    rigcal_real t[3], const rigcal_real R[9], const rigcal_bearing bearings[], size_t n,
-    const rigcal_pair pairs[], size_t n_pairs);
+RIGCAL_API rigcal_status rigcal_translation_from_pairs(rigcal_real t[3],
+                                                       const rigcal_real R[9],
+                                                       const rigcal_bearing bearings[],
+                                                       size_t n, const rigcal_pair pairs[],
+                                                       size_t n_pairs);
 
 /* The better one: least squares over all 2 n equations t_xy - u t_z = u q_z - q_xy,
  * q = R X, n >= 2. Statuses as above; ERR_DEGENERATE when all rays are the same. */
@@ -207,8 +209,8 @@ typedef struct rigcal_paper_options {
                            a guess, >= 192 without */
     rigcal_real guess_ypr[3]; /* yaw, pitch, roll of cam_from_world; the eliminated one is
                                  not used */
-    rigcal_real xtol;   /* radian; 0: 1e-10 / 1e-5 */
-    rigcal_real ftol;   /* of the objective; 0: 1e-10 / 1e-5 */
+    rigcal_real xtol;         /* radian; 0: 1e-10 / 1e-5 */
+    rigcal_real ftol;         /* of the objective; 0: 1e-10 / 1e-5 */
 } rigcal_paper_options;
 
 typedef struct rigcal_paper_pose {

@@ -27,8 +27,8 @@ typedef struct rigcal_rig {
     size_t n_cameras;                /* >= 1 */
     const rigcal_view_pose *views;   /* n_views, in any order */
     size_t n_views;
-    rigcal_transform *work;          /* n_views: memory to work in */
-    rigcal_real *weight;             /* n_views: the same */
+    rigcal_transform *work; /* n_views: memory to work in */
+    rigcal_real *weight;    /* n_views: the same */
 } rigcal_rig;
 
 /* Puts the cameras into the frame of camera 0: from the poses to common placements (17),

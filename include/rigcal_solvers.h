@@ -11,7 +11,6 @@
 extern "C" {
 #endif
 
-
 /* ---- the points of a view that count, and from where they count ------------- */
 
 typedef struct rigcal_points {

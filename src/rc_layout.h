@@ -8,6 +8,7 @@
 #include "rc_real.h"
 #include "rigcal_paper.h"
 
+/* clang-format off */
 #define RC_LAYOUT(S, F)                                                            \
     /* rigcal.h */                                                                 \
     S(rigcal_layout_entry)                                                         \
@@ -89,5 +90,6 @@
     /* solvers */                                                                  \
     S(rigcal_pose_solver) S(rigcal_robust_solver)                                  \
     S(rigcal_paper_solver) S(rigcal_neldermead)
+/* clang-format on */
 
 #endif /* RC_LAYOUT_H */

@@ -5,8 +5,7 @@
 
 #include "rc_real.h"
 
-RC_INLINE rigcal_real rc_vec3_dot(const rigcal_real a[3],
-                               const rigcal_real b[3])
+RC_INLINE rigcal_real rc_vec3_dot(const rigcal_real a[3], const rigcal_real b[3])
 {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
@@ -26,8 +25,7 @@ RC_INLINE void rc_vec3_copy(rigcal_real out[3], const rigcal_real a[3])
     out[2] = a[2];
 }
 
-inline void rc_vec3_sub(rigcal_real out[3], const rigcal_real a[3],
-                        const rigcal_real b[3])
+inline void rc_vec3_sub(rigcal_real out[3], const rigcal_real a[3], const rigcal_real b[3])
 {
     out[0] = a[0] - b[0];
     out[1] = a[1] - b[1];
@@ -43,8 +41,7 @@ inline void rc_vec3_add(rigcal_real out[3], const rigcal_real a[3])
 }
 
 /* out += s a */
-inline void rc_vec3_add_scaled(rigcal_real out[3], rigcal_real s,
-                               const rigcal_real a[3])
+inline void rc_vec3_add_scaled(rigcal_real out[3], rigcal_real s, const rigcal_real a[3])
 {
     out[0] += s * a[0];
     out[1] += s * a[1];
@@ -86,14 +83,11 @@ inline void rc_mat3_mul_vec3(rigcal_real out[3], const rigcal_real M[9],
     out[2] = rc_vec3_dot(&M[6], v);
 }
 
-void rc_mat3_tmul_vec3(rigcal_real out[3], const rigcal_real M[9],
-                       const rigcal_real v[3]);
+void rc_mat3_tmul_vec3(rigcal_real out[3], const rigcal_real M[9], const rigcal_real v[3]);
 
 /* out = A B, out = A B^T */
-void rc_mat3_mul(rigcal_real out[9], const rigcal_real A[9],
-                 const rigcal_real B[9]);
-void rc_mat3_mul_t(rigcal_real out[9], const rigcal_real A[9],
-                   const rigcal_real B[9]);
+void rc_mat3_mul(rigcal_real out[9], const rigcal_real A[9], const rigcal_real B[9]);
+void rc_mat3_mul_t(rigcal_real out[9], const rigcal_real A[9], const rigcal_real B[9]);
 
 /* Cofactors of M: det(M) M^-T. Returns det(M). */
 rigcal_real rc_mat3_cofactors(rigcal_real out[9], const rigcal_real M[9]);
@@ -110,14 +104,13 @@ void rc_sym3_add_outer(rigcal_real A[6], rigcal_real s, const rigcal_real x[3]);
 int rc_sym3_thinnest(rigcal_real normal[3], rigcal_real *thickness, const rigcal_real C[6]);
 
 /* out = A v */
-void rc_sym3_mul_vec3(rigcal_real out[3], const rigcal_real A[6],
-                      const rigcal_real v[3]);
+void rc_sym3_mul_vec3(rigcal_real out[3], const rigcal_real A[6], const rigcal_real v[3]);
 
 /* Cholesky's factor of A = L L^T: L is xx, yx, zx, yy, zy, zz, its diagonal held as
  * inverses, and may be A. 0 when A is not positive definite to working precision: a
  * pivot is no more than `rank_tol` of its element of `diagonal`. */
-int rc_sym3_factor(rigcal_real L[6], const rigcal_real A[6],
-                   const rigcal_real diagonal[3], rigcal_real rank_tol);
+int rc_sym3_factor(rigcal_real L[6], const rigcal_real A[6], const rigcal_real diagonal[3],
+                   rigcal_real rank_tol);
 
 /* damped = A + damping D, and D = diag(A); where an element of that is small or negative
  * against the largest, D has a hundredth of the largest. */

@@ -8,6 +8,7 @@
 #include "rigcal.h"
 #include RIGCAL_MATH_HEADER
 
+/* clang-format off */
 /* Options that break the library: include/rigcal_config.h lists them. */
 #if defined(__FAST_MATH__) || defined(_M_FP_FAST) || \
     (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__)
@@ -21,6 +22,7 @@
 #if defined(FLT_EVAL_METHOD) && FLT_EVAL_METHOD != 0 && FLT_EVAL_METHOD != 16
 #error "FLT_EVAL_METHOD is not 0: the compiler may keep more digits than a type has. rigcal needs each operation rounded to its type. On x86 build it with -msse2 -mfpmath=sse."
 #endif
+/* clang-format on */
 #if !RIGCAL_USE_FLOAT
 /* Fails with -fsingle-precision-constant, which takes half the digits of every constant.
  * In float that does no harm. */

@@ -14,16 +14,13 @@ rigcal_status rc_check_point(const rigcal_real X[3]);
 rigcal_status rc_check_ray(const rigcal_real ray[3]);
 
 void rc_transform_identity(rigcal_transform *a_from_a);
-void rc_transform_compose(rigcal_transform *c_from_a,
-                          const rigcal_transform *c_from_b,
+void rc_transform_compose(rigcal_transform *c_from_a, const rigcal_transform *c_from_b,
                           const rigcal_transform *b_from_a);
-void rc_transform_invert(rigcal_transform *a_from_b,
-                         const rigcal_transform *b_from_a);
+void rc_transform_invert(rigcal_transform *a_from_b, const rigcal_transform *b_from_a);
 void rc_transform_point(rigcal_real X_b[3], const rigcal_transform *b_from_a,
                         const rigcal_real X_a[3]);
-void rc_transform_between(rigcal_transform *b_from_a,
-                      const rigcal_transform *b_from_world,
-                      const rigcal_transform *a_from_world);
+void rc_transform_between(rigcal_transform *b_from_a, const rigcal_transform *b_from_world,
+                          const rigcal_transform *a_from_world);
 
 /* rigcal_transform_mean of n >= 1 transforms, weights checked: OK or ERR_ROTATION. */
 rigcal_status rc_transform_mean(rigcal_transform *mean, rigcal_real *sigma_rad,

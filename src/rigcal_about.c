@@ -2,8 +2,7 @@
 
 int32_t rigcal_version(void)
 {
-    return RIGCAL_VERSION_MAJOR * 10000 + RIGCAL_VERSION_MINOR * 100 +
-           RIGCAL_VERSION_PATCH;
+    return RIGCAL_VERSION_MAJOR * 10000 + RIGCAL_VERSION_MINOR * 100 + RIGCAL_VERSION_PATCH;
 }
 
 int32_t rigcal_sizeof_real(void)
@@ -15,10 +14,10 @@ int32_t rigcal_sizeof_real(void)
  * them writable data while it loads. */
 
 #define NAME_OF(name, number, text) \
-    case name:                      \
+    case name: \
         return #name;
 #define TEXT_OF(name, number, text) \
-    case name:                      \
+    case name: \
         return text;
 
 const char *rigcal_status_name(rigcal_status status)

@@ -11,15 +11,13 @@ rigcal_status rc_check_bearing(const rigcal_bearing *bearing, int need_z)
         !(rc_vec3_max_abs(bearing->ray) > 0)) {
         return RIGCAL_ERR_RANGE;
     }
-    if (need_z && !(bearing->ray[2] >
-                    RC_EPS * rc_vec3_max_abs(bearing->ray))) {
+    if (need_z && !(bearing->ray[2] > RC_EPS * rc_vec3_max_abs(bearing->ray))) {
         return RIGCAL_ERR_WIDE_RAY;
     }
     return RIGCAL_OK;
 }
 
-rigcal_status rc_check_bearings(const rigcal_bearing bearings[], size_t n,
-                                 int need_z)
+rigcal_status rc_check_bearings(const rigcal_bearing bearings[], size_t n, int need_z)
 {
     if (bearings == NULL) {
         return RIGCAL_ERR_NULL;

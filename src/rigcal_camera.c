@@ -31,14 +31,13 @@ rigcal_status rc_check_camera(const rigcal_camera *camera)
         return status;
     }
     /* As unsigned, 0 and the negative are large. */
-    const int size_ok = (uint32_t)c->width - 1 < RC_IMAGE_MAX &&
-                        (uint32_t)c->height - 1 < RC_IMAGE_MAX;
+    const int size_ok =
+        (uint32_t)c->width - 1 < RC_IMAGE_MAX && (uint32_t)c->height - 1 < RC_IMAGE_MAX;
     const int numbers_ok = status == RIGCAL_OK && rc_min(c->fx, c->fy) >= FOCAL_MIN;
     const int lens_ok =
         c->lens == RIGCAL_LENS_BROWN ||
         (RIGCAL_WITH_FISHEYE && c->lens == RIGCAL_LENS_FISHEYE &&
-         rc_all_within(&numbers[P1], 2, 0) &&
-         rc_all_within(&numbers[K5], 2, 0));
+         rc_all_within(&numbers[P1], 2, 0) && rc_all_within(&numbers[K5], 2, 0));
     return (size_ok && numbers_ok && lens_ok) ? RIGCAL_OK : RIGCAL_ERR_CAMERA;
 }
 
@@ -51,9 +50,7 @@ rigcal_status rc_check_observation(const rigcal_observation *o)
 {
     const rigcal_status status = rc_check_point(o->X_w);
     const rigcal_status uv_status = rc_check_pixel(o->uv);
-    return (status == RIGCAL_OK || uv_status == RIGCAL_ERR_NOT_FINITE)
-               ? uv_status
-               : status;
+    return (status == RIGCAL_OK || uv_status == RIGCAL_ERR_NOT_FINITE) ? uv_status : status;
 }
 
 static rigcal_status check_camera_pixel(const rigcal_real out[],
@@ -107,8 +104,7 @@ rigcal_status rc_pixel_to_ray(rigcal_real ray[3], const rigcal_camera *camera,
                               const rigcal_real uv[2])
 {
     const rigcal_camera *const c = camera;
-    const rigcal_real target[2] = {(uv[0] - c->cx) / c->fx,
-                                   (uv[1] - c->cy) / c->fy};
+    const rigcal_real target[2] = {(uv[0] - c->cx) / c->fx, (uv[1] - c->cy) / c->fy};
     const rigcal_real pixels[3] = {uv[0], uv[1], c->cx};
     const rigcal_real largest = rc_max(rc_vec3_max_abs(pixels), RC_FABS(c->cy));
     const rigcal_real tolerance =
@@ -142,9 +138,8 @@ static rigcal_real angle_off_axis(rigcal_real r, rigcal_real Z)
 
 /* A lens maps the plane point x = (X, Y) / depth. Brown: depth = Z. Fisheye: r / theta.
  * *bend = d(1 / depth)/dr / r, *sink = d(1 / depth)/dZ. */
-static rigcal_status plane_depth(rigcal_real *depth, rigcal_real *bend,
-                                 rigcal_real *sink, int is_fisheye,
-                                 const rigcal_real X_c[3])
+static rigcal_status plane_depth(rigcal_real *depth, rigcal_real *bend, rigcal_real *sink,
+                                 int is_fisheye, const rigcal_real X_c[3])
 {
     const rigcal_real Z = X_c[2];
     const rigcal_real rr = X_c[0] * X_c[0] + X_c[1] * X_c[1];
@@ -166,8 +161,7 @@ static rigcal_status plane_depth(rigcal_real *depth, rigcal_real *bend,
 
 /* The common case, a lens without distortion, costs nothing but the division. */
 static rigcal_status project_pinhole(rigcal_real uv[2], rigcal_real J_uv[6],
-                                     const rigcal_camera *camera,
-                                     const rigcal_real X_c[3])
+                                     const rigcal_camera *camera, const rigcal_real X_c[3])
 {
     if (!(X_c[2] > 0)) {
         return RIGCAL_ERR_BEHIND;
@@ -188,17 +182,15 @@ static rigcal_status project_pinhole(rigcal_real uv[2], rigcal_real J_uv[6],
 /* Through any lens. Also gives the place x in the plane of the lens map. X_c is scaled
  * first, so that its largest coordinate is 1: then nothing overflows on the way. With
  * the lens's Jacobian J and (X, Y) = j, J dx/dX_c = (J / depth + bend J j j^T, sink J j). */
-static rigcal_status project_by(rigcal_real x[2], rigcal_real uv[2],
-                                rigcal_real J_uv[6], const rigcal_camera *camera,
-                                const rigcal_real X_c[3])
+static rigcal_status project_by(rigcal_real x[2], rigcal_real uv[2], rigcal_real J_uv[6],
+                                const rigcal_camera *camera, const rigcal_real X_c[3])
 {
     const rigcal_real largest = rc_vec3_max_abs(X_c);
     rigcal_real depth, bend, sink, F[2], J[3];
     if (!(largest > 0)) {
         return RIGCAL_ERR_DEGENERATE;
     }
-    const rigcal_real scaled[3] = {X_c[0] / largest, X_c[1] / largest,
-                                   X_c[2] / largest};
+    const rigcal_real scaled[3] = {X_c[0] / largest, X_c[1] / largest, X_c[2] / largest};
     const rigcal_status status =
         plane_depth(&depth, &bend, &sink, rc_lens_is_fisheye(camera), scaled);
     if (status != RIGCAL_OK) {
@@ -256,7 +248,7 @@ rigcal_status rigcal_camera_check(const rigcal_camera *camera)
 }
 
 rigcal_status rigcal_camera_project(rigcal_real uv[2], const rigcal_camera *camera,
-                             const rigcal_real X_c[3])
+                                    const rigcal_real X_c[3])
 {
     if (uv == NULL || camera == NULL || X_c == NULL) {
         return RIGCAL_ERR_NULL;
@@ -271,17 +263,15 @@ rigcal_status rigcal_camera_project(rigcal_real uv[2], const rigcal_camera *came
     return rc_project_usable(uv, camera, X_c);
 }
 
-rigcal_status rigcal_camera_ray(rigcal_real ray[3],
-                                  const rigcal_camera *camera,
-                                  const rigcal_real uv[2])
+rigcal_status rigcal_camera_ray(rigcal_real ray[3], const rigcal_camera *camera,
+                                const rigcal_real uv[2])
 {
     const rigcal_status status = check_camera_pixel(ray, camera, uv);
     return (status == RIGCAL_OK) ? rc_pixel_to_ray(ray, camera, uv) : status;
 }
 
 rigcal_status rigcal_camera_undistort(rigcal_real uv_straight[2],
-                                     const rigcal_camera *camera,
-                                     const rigcal_real uv[2])
+                                      const rigcal_camera *camera, const rigcal_real uv[2])
 {
     rigcal_real ray[3];
     rigcal_status status = check_camera_pixel(uv_straight, camera, uv);
@@ -299,9 +289,8 @@ rigcal_status rigcal_camera_undistort(rigcal_real uv_straight[2],
     return RIGCAL_OK;
 }
 
-rigcal_status rigcal_camera_distort(rigcal_real uv[2],
-                                   const rigcal_camera *camera,
-                                   const rigcal_real uv_straight[2])
+rigcal_status rigcal_camera_distort(rigcal_real uv[2], const rigcal_camera *camera,
+                                    const rigcal_real uv_straight[2])
 {
     const rigcal_status status = check_camera_pixel(uv, camera, uv_straight);
     if (status != RIGCAL_OK) {
@@ -312,8 +301,7 @@ rigcal_status rigcal_camera_distort(rigcal_real uv[2],
     return rc_project_usable(uv, camera, m);
 }
 
-rigcal_status rigcal_view_rms(rigcal_real *rms_px, int32_t *worst,
-                              const rigcal_view *view,
+rigcal_status rigcal_view_rms(rigcal_real *rms_px, int32_t *worst, const rigcal_view *view,
                               const rigcal_transform *cam_from_world)
 {
     if (rms_px == NULL || view == NULL || view->observations == NULL) {

@@ -63,9 +63,8 @@ static void leave_out(rigcal_blame *blame, rigcal_real rms_without[], tried *so_
         rms_without[i] = pose.rms_px;
     }
     const int is_best = pose.sse < so_far->best;
-    const rigcal_real ratio = (so_far->best < RC_MAX)
-                                  ? odds(P, pose.sse, so_far->best, P->points.view.n - 1)
-                                  : 1;
+    const rigcal_real ratio =
+        (so_far->best < RC_MAX) ? odds(P, pose.sse, so_far->best, P->points.view.n - 1) : 1;
     so_far->total = is_best ? 1 + so_far->total / ratio : so_far->total + ratio;
     if (is_best) {
         so_far->best = pose.sse;
@@ -84,8 +83,8 @@ static size_t next_farthest(rigcal_real *distance2, const rigcal_points *points,
     rigcal_real most = -1;
     size_t at = n;
     for (size_t i = 0; i < n; i++) {
-        const rigcal_real d2 = rc_points_distance2(points, cam_from_points, i) *
-                               rc_points_weight(points, i);
+        const rigcal_real d2 =
+            rc_points_distance2(points, cam_from_points, i) * rc_points_weight(points, i);
         if (d2 < *distance2 && d2 > most) {
             most = d2;
             at = i;
@@ -155,9 +154,8 @@ static void find_blame(rigcal_blame *blame, rigcal_real rms_without[], const pro
 /* Statuses that a wrong point may be the cause of. */
 static int may_be_a_point(rigcal_status status)
 {
-    return status >= 0 || status == RIGCAL_ERR_NO_POSE ||
-           status == RIGCAL_ERR_NO_RAY || status == RIGCAL_ERR_WIDE_RAY ||
-           status == RIGCAL_ERR_DEGENERATE;
+    return status >= 0 || status == RIGCAL_ERR_NO_POSE || status == RIGCAL_ERR_NO_RAY ||
+           status == RIGCAL_ERR_WIDE_RAY || status == RIGCAL_ERR_DEGENERATE;
 }
 
 /* The problem of a caller's arguments: checks what rc_pose_begin does not. */
@@ -177,8 +175,7 @@ static rigcal_status begin(problem *P, const rigcal_view *view,
 }
 
 rigcal_status rigcal_pose_blame(rigcal_blame *blame, rigcal_real rms_without[],
-                                const rigcal_view *view,
-                                const rigcal_pose_options *options)
+                                const rigcal_view *view, const rigcal_pose_options *options)
 {
     problem P;
     rigcal_pose pose;
@@ -202,8 +199,7 @@ rigcal_status rigcal_pose_blame(rigcal_blame *blame, rigcal_real rms_without[],
 /* Rms of the target mirrored, as `camera` sees it, and whether it fits well and is much
  * likelier than the fit of the points as given; *unlike: whether much less likely. */
 static int fits_mirrored(rigcal_real *rms_px, int *unlike, const problem *P,
-                         const rigcal_camera *camera, rigcal_real sse,
-                         rigcal_status status)
+                         const rigcal_camera *camera, rigcal_real sse, rigcal_status status)
 {
     problem other = *P;
     rigcal_pose pose;
@@ -213,8 +209,8 @@ static int fits_mirrored(rigcal_real *rms_px, int *unlike, const problem *P,
     other.options.use_start = 0;
     const rigcal_status mirrored_status = best_fit(&pose, &other);
     *rms_px = (mirrored_status >= 0) ? pose.rms_px : -1;
-    *unlike = mirrored_status < 0 ||
-              (status >= 0 && odds(P, pose.sse, sse, n) < MIRRORED_ODDS);
+    *unlike =
+        mirrored_status < 0 || (status >= 0 && odds(P, pose.sse, sse, n) < MIRRORED_ODDS);
     return mirrored_status >= 0 && mirrored_status != RIGCAL_POOR_FIT &&
            (status < 0 || odds(P, sse, pose.sse, n) < MIRRORED_ODDS);
 }
@@ -239,15 +235,14 @@ static void judge(rigcal_diagnosis *d, rigcal_status status, int is_mirrored)
     const int is_poor = status < 0 || status == RIGCAL_POOR_FIT;
     const int is_one = d->blame.verdict == RIGCAL_BLAME_SURE && !d->blame.is_rest_poor;
     const rigcal_real mirrored_px =
-        (d->rms_flipped_px >= 0 && (d->rms_mirrored_px < 0 ||
-                                    d->rms_flipped_px < d->rms_mirrored_px))
+        (d->rms_flipped_px >= 0 &&
+         (d->rms_mirrored_px < 0 || d->rms_flipped_px < d->rms_mirrored_px))
             ? d->rms_flipped_px
             : d->rms_mirrored_px;
     if (is_mirrored && (!is_one || mirrored_px < d->blame.rms_without_px)) {
         d->verdict = RIGCAL_DIAGNOSIS_MIRRORED;
     } else if (!is_poor) {
-        d->verdict = (d->units > 0) ? RIGCAL_DIAGNOSIS_UNITS
-                                    : RIGCAL_DIAGNOSIS_CONSISTENT;
+        d->verdict = (d->units > 0) ? RIGCAL_DIAGNOSIS_UNITS : RIGCAL_DIAGNOSIS_CONSISTENT;
     } else {
         d->verdict = is_one ? RIGCAL_DIAGNOSIS_ONE_POINT : RIGCAL_DIAGNOSIS_UNEXPLAINED;
     }
@@ -286,16 +281,16 @@ rigcal_status rigcal_pose_diagnose(rigcal_diagnosis *diagnosis, rigcal_real rms_
         return fitted;
     }
     find_blame(&d.blame, rms_without, &P, &pose, fitted);
-    int is_mirrored = fits_mirrored(&d.rms_mirrored_px, &unlike[0], &P, view->camera,
-                                    pose.sse, fitted);
+    int is_mirrored =
+        fits_mirrored(&d.rms_mirrored_px, &unlike[0], &P, view->camera, pose.sse, fitted);
     /* A flipped image is that of a mirrored target in a flipped camera. */
     flip(&flipped, view->camera);
-    is_mirrored |= fits_mirrored(&d.rms_flipped_px, &unlike[1], &P, &flipped, pose.sse,
-                                 fitted);
+    is_mirrored |=
+        fits_mirrored(&d.rms_flipped_px, &unlike[1], &P, &flipped, pose.sse, fitted);
     d.is_handed = is_mirrored || (unlike[0] && unlike[1]);
     if (options != NULL && options->use_start == 1 && fitted >= 0) {
-        d.units = units_of(rc_vec3_norm(pose.cam_from_world.t) /
-                           rc_vec3_norm(options->start.t));
+        d.units =
+            units_of(rc_vec3_norm(pose.cam_from_world.t) / rc_vec3_norm(options->start.t));
     }
     judge(&d, fitted, is_mirrored);
     *diagnosis = d;

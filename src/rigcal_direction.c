@@ -13,8 +13,8 @@ void rc_moments_begin(rigcal_moments *sums)
     *sums = (rigcal_moments){0};
 }
 
-void rc_moments_add(rigcal_moments *sums, rigcal_real weight,
-                 const rigcal_real x[3], const rigcal_real u[2])
+void rc_moments_add(rigcal_moments *sums, rigcal_real weight, const rigcal_real x[3],
+                    const rigcal_real u[2])
 {
     const rigcal_real uu = weight * (u[0] * u[0] + u[1] * u[1]);
     const rigcal_real wu[2] = {weight * u[0], weight * u[1]};
@@ -39,12 +39,10 @@ int rc_moments_finish(rigcal_moments *sums)
         sums->u_mean[part] /= w;
         rc_vec3_scale(sums->V_mean[part], 1 / w, sums->V_mean[part]);
         sums->S -= w * sums->u_mean[part] * sums->u_mean[part];
-        rc_vec3_add_scaled(sums->h, -w * sums->u_mean[part],
-                           sums->V_mean[part]);
+        rc_vec3_add_scaled(sums->h, -w * sums->u_mean[part], sums->V_mean[part]);
         rc_sym3_add_outer(sums->K_less_C, -w, sums->V_mean[part]);
     }
-    return sums->S > 64 * RC_EPS * about_zero &&
-           sums->S > 64 * RC_EPS * RC_EPS * w;
+    return sums->S > 64 * RC_EPS * about_zero && sums->S > 64 * RC_EPS * RC_EPS * w;
 }
 
 /* ---- the cost of a direction --------------------------------------------- */
@@ -64,8 +62,7 @@ static void project(rigcal_real out[2], const harmonics *f, rigcal_real scale,
     out[1] = scale * (rc_vec3_dot(r, f->m2) - rc_vec3_dot(s, f->m1));
 }
 
-static void harmonics_of(harmonics *f, const rigcal_moments *sums,
-                         const rigcal_real m3[3])
+static void harmonics_of(harmonics *f, const rigcal_moments *sums, const rigcal_real m3[3])
 {
     const rigcal_real n = sums->weight;
     rigcal_real KCm[3], yr[3], yi[3];
@@ -100,8 +97,7 @@ static void harmonics_of(harmonics *f, const rigcal_moments *sums,
  * better.
  * Gives the harmonics of m3, the gain and z = exp(i yaw); -RC_MAX where no yaw has a
  * positive depth. */
-static rigcal_real best_yaw(rigcal_real z[2], harmonics *f,
-                            const rigcal_moments *sums,
+static rigcal_real best_yaw(rigcal_real z[2], harmonics *f, const rigcal_moments *sums,
                             const rigcal_real m3[3])
 {
     harmonics_of(f, sums, m3);
@@ -151,8 +147,7 @@ void rc_moments_mirror(rigcal_moments *sums)
     }
 }
 
-rigcal_real rc_direction_cost(const rigcal_moments *sums,
-                         const rigcal_real m3[3])
+rigcal_real rc_direction_cost(const rigcal_moments *sums, const rigcal_real m3[3])
 {
     harmonics f;
     rigcal_real z[2];
@@ -160,8 +155,8 @@ rigcal_real rc_direction_cost(const rigcal_moments *sums,
     return (gain > -RC_MAX) ? f.base - gain : RC_MAX;
 }
 
-void rc_direction_pose(rigcal_transform *virtual_from_points,
-                  const rigcal_moments *sums, const rigcal_real m3[3])
+void rc_direction_pose(rigcal_transform *virtual_from_points, const rigcal_moments *sums,
+                       const rigcal_real m3[3])
 {
     rigcal_transform *const T = virtual_from_points;
     harmonics f;
@@ -172,8 +167,7 @@ void rc_direction_pose(rigcal_transform *virtual_from_points,
     rc_vec3_copy(&T->R[6], m3);
     const rigcal_real depth = (f.U[0] * z[0] - f.U[1] * z[1] - f.B) / sums->S;
     for (int part = 0; part < 2; part++) {
-        T->t[part] =
-            rc_vec3_dot(sums->V_mean[part], m3) + depth * sums->u_mean[part];
+        T->t[part] = rc_vec3_dot(sums->V_mean[part], m3) + depth * sums->u_mean[part];
     }
     T->t[2] = depth;
 }

@@ -27,8 +27,7 @@ typedef struct {
 
 /* R = Rz Ry Rx: pitch stands left of an eliminated roll, right of an eliminated
  * yaw; the eliminated factor itself is left out by giving it angle 0. */
-static void split_at(split_rotation *split, int32_t eliminated,
-                     const rigcal_real angles[2])
+static void split_at(split_rotation *split, int32_t eliminated, const rigcal_real angles[2])
 {
     rigcal_real ypr[3], Rz[9], Ry[9], Rx[9];
     rc_angles_join(ypr, eliminated, angles, 0);
@@ -54,8 +53,8 @@ static void coefficients(rigcal_real pqk[3], const rigcal_pair *pair,
     pqk[2] = m[ax.c] * v[ax.c];
 }
 
-void rc_angles_join(rigcal_real ypr[3], int32_t eliminated,
-                    const rigcal_real angles[2], rigcal_real w)
+void rc_angles_join(rigcal_real ypr[3], int32_t eliminated, const rigcal_real angles[2],
+                    rigcal_real w)
 {
     int next = 0;
     for (int i = 0; i < 3; i++) {
@@ -63,8 +62,7 @@ void rc_angles_join(rigcal_real ypr[3], int32_t eliminated,
     }
 }
 
-void rc_angles_split(rigcal_real angles[2], int32_t eliminated,
-                     const rigcal_real ypr[3])
+void rc_angles_split(rigcal_real angles[2], int32_t eliminated, const rigcal_real ypr[3])
 {
     int next = 0;
     for (int i = 0; i < 3; i++) {
@@ -79,8 +77,8 @@ typedef struct {
     rigcal_real pp, pq, qq, pk, qk;
 } normal_sums;
 
-static void sum_normals(normal_sums *sums, const rigcal_pair pairs[],
-                        size_t n_pairs, const split_rotation *split)
+static void sum_normals(normal_sums *sums, const rigcal_pair pairs[], size_t n_pairs,
+                        const split_rotation *split)
 {
     *sums = (normal_sums){0, 0, 0, 0, 0};
     for (size_t i = 0; i < n_pairs; i++) {
@@ -98,8 +96,7 @@ static void sum_normals(normal_sums *sums, const rigcal_pair pairs[],
 static rigcal_real larger_eigenvalue(const normal_sums *sums)
 {
     const rigcal_real half_gap = (sums->pp - sums->qq) / 2;
-    return (sums->pp + sums->qq) / 2 +
-           RC_SQRT(half_gap * half_gap + sums->pq * sums->pq);
+    return (sums->pp + sums->qq) / 2 + RC_SQRT(half_gap * half_gap + sums->pq * sums->pq);
 }
 
 /* Two equations, two unknowns: Cramer's rule on A itself keeps the accuracy that
@@ -140,15 +137,14 @@ static int solve_all_pairs(rigcal_elimination *out, const rigcal_pair pairs[],
 }
 
 rigcal_status rc_eliminate(rigcal_elimination *out, const rigcal_pair pairs[],
-                           size_t n_pairs, int32_t pairs_used,
-                           int32_t eliminated, const rigcal_real angles[2])
+                           size_t n_pairs, int32_t pairs_used, int32_t eliminated,
+                           const rigcal_real angles[2])
 {
     split_rotation split;
     rigcal_elimination found;
     split_at(&split, eliminated, angles);
-    const int solved = (pairs_used == 2)
-                           ? solve_two_pairs(&found, pairs, &split)
-                           : solve_all_pairs(&found, pairs, n_pairs, &split);
+    const int solved = (pairs_used == 2) ? solve_two_pairs(&found, pairs, &split)
+                                         : solve_all_pairs(&found, pairs, n_pairs, &split);
     if (!solved) {
         return RIGCAL_ERR_DEGENERATE;
     }
@@ -158,13 +154,12 @@ rigcal_status rc_eliminate(rigcal_elimination *out, const rigcal_pair pairs[],
         return RIGCAL_ERR_DEGENERATE;
     }
     found.angle = rc_angle(s, c);
-    found.unit = c * c + s * s - 1;               /* (15) */
+    found.unit = c * c + s * s - 1; /* (15) */
     found.residual = RC_FABS(found.unit);
     for (size_t i = (size_t)pairs_used; i < n_pairs; i++) { /* (13c) ... */
         rigcal_real pqk[3];
         coefficients(pqk, &pairs[i], &split);
-        found.residual +=
-            RC_FABS((pqk[0] * c + pqk[1] * s) / length + pqk[2]);
+        found.residual += RC_FABS((pqk[0] * c + pqk[1] * s) / length + pqk[2]);
     }
     *out = found;
     return RIGCAL_OK;
@@ -178,7 +173,7 @@ static rigcal_real pair_residual(const rigcal_pair *pair, const rigcal_real R[9]
 }
 
 rigcal_real rc_pairs_residual(const rigcal_pair pairs[], size_t n_pairs,
-                                    const rigcal_real ypr[3])
+                              const rigcal_real ypr[3])
 {
     rigcal_real R[9], sum = 0;
     rc_rotation_from_yaw_pitch_roll(R, ypr);
@@ -206,8 +201,7 @@ rigcal_status rigcal_pair_residual(rigcal_real *e, const rigcal_pair *pair,
     return status;
 }
 
-static rigcal_status check_two_angles(int32_t eliminated,
-                                      const rigcal_real angles[2])
+static rigcal_status check_two_angles(int32_t eliminated, const rigcal_real angles[2])
 {
     if (angles == NULL) {
         return RIGCAL_ERR_NULL;
@@ -221,10 +215,8 @@ static rigcal_status check_two_angles(int32_t eliminated,
                : RIGCAL_ERR_RANGE;
 }
 
-rigcal_status rigcal_pair_coefficients(rigcal_real pqk[3],
-                                       const rigcal_pair *pair,
-                                       int32_t eliminated,
-                                       const rigcal_real angles[2])
+rigcal_status rigcal_pair_coefficients(rigcal_real pqk[3], const rigcal_pair *pair,
+                                       int32_t eliminated, const rigcal_real angles[2])
 {
     if (pqk == NULL || pair == NULL) {
         return RIGCAL_ERR_NULL;
@@ -241,10 +233,9 @@ rigcal_status rigcal_pair_coefficients(rigcal_real pqk[3],
     return status;
 }
 
-rigcal_status rigcal_pairs_eliminate(rigcal_elimination *out,
-                               const rigcal_pair pairs[], size_t n_pairs,
-                               int32_t pairs_used, int32_t eliminated,
-                               const rigcal_real angles[2])
+rigcal_status rigcal_pairs_eliminate(rigcal_elimination *out, const rigcal_pair pairs[],
+                                     size_t n_pairs, int32_t pairs_used, int32_t eliminated,
+                                     const rigcal_real angles[2])
 {
     if (out == NULL || pairs == NULL) {
         return RIGCAL_ERR_NULL;
@@ -261,10 +252,8 @@ rigcal_status rigcal_pairs_eliminate(rigcal_elimination *out,
                : status;
 }
 
-rigcal_status rigcal_pairs_residual(rigcal_real *residual,
-                                          const rigcal_pair pairs[],
-                                          size_t n_pairs,
-                                          const rigcal_real ypr[3])
+rigcal_status rigcal_pairs_residual(rigcal_real *residual, const rigcal_pair pairs[],
+                                    size_t n_pairs, const rigcal_real ypr[3])
 {
     if (residual == NULL || pairs == NULL || ypr == NULL) {
         return RIGCAL_ERR_NULL;

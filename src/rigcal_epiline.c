@@ -19,8 +19,7 @@ static int scale_line(rigcal_real line[3])
 }
 
 /* (26): (alpha, beta, gamma) = t x R m_a, from unit vectors. */
-static rigcal_status epiline(rigcal_real line[3],
-                             const rigcal_transform *b_from_a,
+static rigcal_status epiline(rigcal_real line[3], const rigcal_transform *b_from_a,
                              const rigcal_real ray_a[3])
 {
     rigcal_real m[3], r[3], t[3];
@@ -47,8 +46,7 @@ static rigcal_status check_epiline(const rigcal_real out[],
     return (status == RIGCAL_OK) ? rc_check_ray(ray_a) : status;
 }
 
-rigcal_status rigcal_epiline(rigcal_real line[3],
-                             const rigcal_transform *b_from_a,
+rigcal_status rigcal_epiline(rigcal_real line[3], const rigcal_transform *b_from_a,
                              const rigcal_real ray_a[3])
 {
     rigcal_real found[3];
@@ -63,8 +61,7 @@ rigcal_status rigcal_epiline(rigcal_real line[3],
 }
 
 /* x = (u - cx) / fx and y alike put into alpha x + beta y + gamma = 0. */
-rigcal_status rigcal_epiline_px(rigcal_real line_px[3],
-                                const rigcal_camera *camera_b,
+rigcal_status rigcal_epiline_px(rigcal_real line_px[3], const rigcal_camera *camera_b,
                                 const rigcal_transform *b_from_a,
                                 const rigcal_real ray_a[3])
 {
@@ -97,8 +94,7 @@ static rigcal_status check_line(const rigcal_real line_px[3])
     if (!rc_all_finite(line_px, 3)) {
         return RIGCAL_ERR_NOT_FINITE;
     }
-    const rigcal_real squared =
-        line_px[0] * line_px[0] + line_px[1] * line_px[1];
+    const rigcal_real squared = line_px[0] * line_px[0] + line_px[1] * line_px[1];
     return (RC_FABS(squared - 1) <= LINE_TOL) ? RIGCAL_OK : RIGCAL_ERR_RANGE;
 }
 
@@ -116,8 +112,7 @@ rigcal_status rigcal_epiline_distance(rigcal_real *distance_px,
         status = rigcal_camera_undistort(straight, camera_b, uv_b);
     }
     if (status == RIGCAL_OK) {
-        *distance_px =
-            line_px[0] * straight[0] + line_px[1] * straight[1] + line_px[2];
+        *distance_px = line_px[0] * straight[0] + line_px[1] * straight[1] + line_px[2];
     }
     return status;
 }
@@ -141,9 +136,8 @@ static void clip_interval(rigcal_real *from, rigcal_real *to, rigcal_real start,
     }
 }
 
-rigcal_status rigcal_epiline_clip(rigcal_real ends[4],
-                                  const rigcal_real line_px[3], int32_t width,
-                                  int32_t height)
+rigcal_status rigcal_epiline_clip(rigcal_real ends[4], const rigcal_real line_px[3],
+                                  int32_t width, int32_t height)
 {
     if (ends == NULL) {
         return RIGCAL_ERR_NULL;
@@ -176,8 +170,8 @@ rigcal_status rigcal_epiline_clip(rigcal_real ends[4],
     return RIGCAL_OK;
 }
 
-static rigcal_status check_depth_range(const rigcal_camera *camera_b,
-                                       rigcal_real near_a, rigcal_real far_a)
+static rigcal_status check_depth_range(const rigcal_camera *camera_b, rigcal_real near_a,
+                                       rigcal_real far_a)
 {
     const rigcal_status status = rc_check_camera(camera_b);
     if (status != RIGCAL_OK) {
@@ -186,25 +180,22 @@ static rigcal_status check_depth_range(const rigcal_camera *camera_b,
     if (!rc_is_finite(near_a) || !rc_is_finite(far_a)) {
         return RIGCAL_ERR_NOT_FINITE;
     }
-    return (near_a > 0 && far_a > near_a && far_a <= RC_COORDINATE_MAX)
-               ? RIGCAL_OK
-               : RIGCAL_ERR_RANGE;
+    return (near_a > 0 && far_a > near_a && far_a <= RC_COORDINATE_MAX) ? RIGCAL_OK
+                                                                        : RIGCAL_ERR_RANGE;
 }
 
 /* The point at a depth along ray_a, in the frame of b. */
 static void point_at_depth(rigcal_real X_b[3], const rigcal_transform *b_from_a,
                            const rigcal_real ray_a[3], rigcal_real depth)
 {
-    const rigcal_real X_a[3] = {depth * ray_a[0], depth * ray_a[1],
-                                depth * ray_a[2]};
+    const rigcal_real X_a[3] = {depth * ray_a[0], depth * ray_a[1], depth * ray_a[2]};
     rc_transform_point(X_b, b_from_a, X_a);
 }
 
-rigcal_status rigcal_epiline_segment(rigcal_real ends[4],
-                                     const rigcal_camera *camera_b,
+rigcal_status rigcal_epiline_segment(rigcal_real ends[4], const rigcal_camera *camera_b,
                                      const rigcal_transform *b_from_a,
-                                     const rigcal_real ray_a[3],
-                                     rigcal_real near_a, rigcal_real far_a)
+                                     const rigcal_real ray_a[3], rigcal_real near_a,
+                                     rigcal_real far_a)
 {
     rigcal_status status = check_epiline(ends, b_from_a, ray_a);
     if (status == RIGCAL_OK) {
@@ -229,8 +220,8 @@ rigcal_status rigcal_epiline_segment(rigcal_real ends[4],
     return RIGCAL_OK;
 }
 
-rigcal_status rigcal_epiline_curve(rigcal_real uv_b[], size_t capacity,
-                                   size_t *n_written, const rigcal_camera *camera_b,
+rigcal_status rigcal_epiline_curve(rigcal_real uv_b[], size_t capacity, size_t *n_written,
+                                   const rigcal_camera *camera_b,
                                    const rigcal_transform *b_from_a,
                                    const rigcal_real ray_a[3], rigcal_real near_a,
                                    rigcal_real far_a)

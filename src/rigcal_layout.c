@@ -1,9 +1,8 @@
 #include "rc_layout.h"
 
 #define STRUCT(type) {#type, 0, (int32_t)sizeof(type)},
-#define FIELD(type, field)                               \
-    {#type "." #field, (int32_t)offsetof(type, field), \
-     (int32_t)sizeof(((type *)0)->field)},
+#define FIELD(type, field) \
+    {#type "." #field, (int32_t)offsetof(type, field), (int32_t)sizeof(((type *)0)->field)},
 
 static const rigcal_layout_entry LAYOUT[] = {RC_LAYOUT(STRUCT, FIELD)};
 

@@ -158,8 +158,7 @@ static int is_usable_between(const direction *e, rigcal_real from, rigcal_real l
     polynomial_range(N, e->p.N, N_DEGREE, middle, half);
     const rigcal_real far = (from + length) / e->end;
     const rigcal_real ar_low = e->ar * RC_SQRT((e->ar > 0) ? from / e->end : far);
-    const rigcal_real along =
-        least_quotient(least_quotient(slope[0], D), D) + 6 * ar_low;
+    const rigcal_real along = least_quotient(least_quotient(slope[0], D), D) + 6 * ar_low;
     const rigcal_real across = least_quotient(N[0], D) + 2 * ar_low;
     return along > 0 && across > 0 && along * across > 4 * e->br * e->br * far;
 }

@@ -70,24 +70,21 @@ void rc_vec3_complete(rigcal_real m1[3], rigcal_real m2[3], const rigcal_real m3
     m2[2] = -m3[1];
 }
 
-void rc_mat3_tmul_vec3(rigcal_real out[3], const rigcal_real M[9],
-                       const rigcal_real v[3])
+void rc_mat3_tmul_vec3(rigcal_real out[3], const rigcal_real M[9], const rigcal_real v[3])
 {
     for (int i = 0; i < 3; i++) {
         out[i] = M[i] * v[0] + M[3 + i] * v[1] + M[6 + i] * v[2];
     }
 }
 
-void rc_mat3_mul(rigcal_real out[9], const rigcal_real A[9],
-                 const rigcal_real B[9])
+void rc_mat3_mul(rigcal_real out[9], const rigcal_real A[9], const rigcal_real B[9])
 {
     for (int i = 0; i < 3; i++) {
         rc_mat3_tmul_vec3(&out[3 * i], B, &A[3 * i]);
     }
 }
 
-void rc_mat3_mul_t(rigcal_real out[9], const rigcal_real A[9],
-                   const rigcal_real B[9])
+void rc_mat3_mul_t(rigcal_real out[9], const rigcal_real A[9], const rigcal_real B[9])
 {
     for (int i = 0; i < 3; i++) {
         rc_mat3_mul_vec3(&out[3 * i], B, &A[3 * i]);
@@ -111,8 +108,7 @@ void rc_sym3_add_outer(rigcal_real A[6], rigcal_real s, const rigcal_real x[3])
     A[5] += s * x[2] * x[2];
 }
 
-void rc_sym3_mul_vec3(rigcal_real out[3], const rigcal_real A[6],
-                      const rigcal_real v[3])
+void rc_sym3_mul_vec3(rigcal_real out[3], const rigcal_real A[6], const rigcal_real v[3])
 {
     out[0] = rc_vec3_dot(A, v);
     out[1] = A[1] * v[0] + A[3] * v[1] + A[4] * v[2];
@@ -120,8 +116,7 @@ void rc_sym3_mul_vec3(rigcal_real out[3], const rigcal_real A[6],
 }
 
 /* *inverse = 1 / sqrt(pivot). 0 when pivot <= least. */
-RC_APART static int invert_root(rigcal_real *inverse, rigcal_real pivot,
-                       rigcal_real least)
+RC_APART static int invert_root(rigcal_real *inverse, rigcal_real pivot, rigcal_real least)
 {
     if (!(pivot > least)) {
         return 0;
@@ -130,8 +125,8 @@ RC_APART static int invert_root(rigcal_real *inverse, rigcal_real pivot,
     return 1;
 }
 
-int rc_sym3_factor(rigcal_real L[6], const rigcal_real A[6],
-                   const rigcal_real diagonal[3], rigcal_real rank_tol)
+int rc_sym3_factor(rigcal_real L[6], const rigcal_real A[6], const rigcal_real diagonal[3],
+                   rigcal_real rank_tol)
 {
     if (!invert_root(&L[0], A[0], rank_tol * diagonal[0])) {
         return 0;
@@ -142,8 +137,7 @@ int rc_sym3_factor(rigcal_real L[6], const rigcal_real A[6],
         return 0;
     }
     L[4] = (A[4] - L[2] * L[1]) * L[3];
-    return invert_root(&L[5], A[5] - L[2] * L[2] - L[4] * L[4],
-                       rank_tol * diagonal[2]);
+    return invert_root(&L[5], A[5] - L[2] * L[2] - L[4] * L[4], rank_tol * diagonal[2]);
 }
 
 /* The cofactors of C have the eigenvectors of C, and eigenvalues that are the products of
@@ -345,8 +339,7 @@ void rc_packed_square_row(rigcal_real L_inverse[], size_t i, size_t n)
 
 extern inline rigcal_real rc_max(rigcal_real a, rigcal_real b);
 extern inline rigcal_real rc_min(rigcal_real a, rigcal_real b);
-extern inline rigcal_real rc_vec3_dot(const rigcal_real a[3],
-                                      const rigcal_real b[3]);
+extern inline rigcal_real rc_vec3_dot(const rigcal_real a[3], const rigcal_real b[3]);
 extern inline void rc_vec3_cross(rigcal_real out[3], const rigcal_real a[3],
                                  const rigcal_real b[3]);
 extern inline void rc_vec3_copy(rigcal_real out[3], const rigcal_real a[3]);
@@ -355,8 +348,7 @@ extern inline void rc_vec3_sub(rigcal_real out[3], const rigcal_real a[3],
 extern inline void rc_vec3_add(rigcal_real out[3], const rigcal_real a[3]);
 extern inline void rc_vec3_add_scaled(rigcal_real out[3], rigcal_real s,
                                       const rigcal_real a[3]);
-extern inline void rc_vec3_scale(rigcal_real out[3], rigcal_real s,
-                                 const rigcal_real a[3]);
+extern inline void rc_vec3_scale(rigcal_real out[3], rigcal_real s, const rigcal_real a[3]);
 extern inline void rc_vec3_combine(rigcal_real out[3], rigcal_real s,
                                    const rigcal_real a[3], rigcal_real t,
                                    const rigcal_real b[3]);

@@ -145,9 +145,8 @@ static void tell_vertex(rigcal_neldermead *nm)
     }
 }
 
-void rc_neldermead_begin_simplex(rigcal_neldermead *nm,
-                                 const rigcal_real simplex[], int32_t k,
-                                 rigcal_real xtol, rigcal_real ftol,
+void rc_neldermead_begin_simplex(rigcal_neldermead *nm, const rigcal_real simplex[],
+                                 int32_t k, rigcal_real xtol, rigcal_real ftol,
                                  int32_t max_evals)
 {
     *nm = (rigcal_neldermead){0};
@@ -165,17 +164,14 @@ void rc_neldermead_begin_simplex(rigcal_neldermead *nm,
     set_trial_vertex(nm, 0, FIRST_SIMPLEX);
 }
 
-void rc_neldermead_begin(rigcal_neldermead *nm, const rigcal_real x0[],
-                         int32_t k, rigcal_real xtol, rigcal_real ftol,
-                         int32_t max_evals)
+void rc_neldermead_begin(rigcal_neldermead *nm, const rigcal_real x0[], int32_t k,
+                         rigcal_real xtol, rigcal_real ftol, int32_t max_evals)
 {
-    rigcal_real
-        simplex[(RIGCAL_NELDERMEAD_DIM_MAX + 1) * RIGCAL_NELDERMEAD_DIM_MAX];
+    rigcal_real simplex[(RIGCAL_NELDERMEAD_DIM_MAX + 1) * RIGCAL_NELDERMEAD_DIM_MAX];
     for (int32_t v = 0; v <= k; v++) {
         for (int32_t i = 0; i < k; i++) {
-            const rigcal_real moved = (RC_FABS(x0[i]) > 0)
-                                          ? (1 + EDGE_RELATIVE) * x0[i]
-                                          : EDGE_AT_ZERO;
+            const rigcal_real moved =
+                (RC_FABS(x0[i]) > 0) ? (1 + EDGE_RELATIVE) * x0[i] : EDGE_AT_ZERO;
             simplex[v * k + i] = (v == i + 1) ? moved : x0[i];
         }
     }
@@ -221,9 +217,8 @@ void rc_neldermead_tell(rigcal_neldermead *nm, rigcal_real cost)
 
 /* ---- public -------------------------------------------------------------- */
 
-static rigcal_status check_begin(const rigcal_neldermead *nm,
-                                 const rigcal_real x[], int32_t k,
-                                 int whole_simplex, rigcal_real xtol,
+static rigcal_status check_begin(const rigcal_neldermead *nm, const rigcal_real x[],
+                                 int32_t k, int whole_simplex, rigcal_real xtol,
                                  rigcal_real ftol, int32_t max_evals)
 {
     if (nm == NULL || x == NULL) {
@@ -233,8 +228,7 @@ static rigcal_status check_begin(const rigcal_neldermead *nm,
         return RIGCAL_ERR_RANGE;
     }
     const int32_t numbers = whole_simplex ? (k + 1) * k : k;
-    if (!rc_all_finite(x, numbers) || !rc_is_finite(xtol) ||
-        !rc_is_finite(ftol)) {
+    if (!rc_all_finite(x, numbers) || !rc_is_finite(xtol) || !rc_is_finite(ftol)) {
         return RIGCAL_ERR_NOT_FINITE;
     }
     if (!(xtol >= 0) || !(ftol >= 0) || max_evals < 1 ||
@@ -244,13 +238,11 @@ static rigcal_status check_begin(const rigcal_neldermead *nm,
     return RIGCAL_OK;
 }
 
-rigcal_status rigcal_neldermead_begin(rigcal_neldermead *nm,
-                                      const rigcal_real x0[], int32_t k,
-                                      rigcal_real xtol, rigcal_real ftol,
+rigcal_status rigcal_neldermead_begin(rigcal_neldermead *nm, const rigcal_real x0[],
+                                      int32_t k, rigcal_real xtol, rigcal_real ftol,
                                       int32_t max_evals)
 {
-    const rigcal_status status =
-        check_begin(nm, x0, k, 0, xtol, ftol, max_evals);
+    const rigcal_status status = check_begin(nm, x0, k, 0, xtol, ftol, max_evals);
     if (status == RIGCAL_OK) {
         rc_neldermead_begin(nm, x0, k, xtol, ftol, max_evals);
     }
@@ -258,13 +250,11 @@ rigcal_status rigcal_neldermead_begin(rigcal_neldermead *nm,
 }
 
 rigcal_status rigcal_neldermead_begin_simplex(rigcal_neldermead *nm,
-                                              const rigcal_real simplex[],
-                                              int32_t k, rigcal_real xtol,
-                                              rigcal_real ftol,
+                                              const rigcal_real simplex[], int32_t k,
+                                              rigcal_real xtol, rigcal_real ftol,
                                               int32_t max_evals)
 {
-    const rigcal_status status =
-        check_begin(nm, simplex, k, 1, xtol, ftol, max_evals);
+    const rigcal_status status = check_begin(nm, simplex, k, 1, xtol, ftol, max_evals);
     if (status == RIGCAL_OK) {
         rc_neldermead_begin_simplex(nm, simplex, k, xtol, ftol, max_evals);
     }
@@ -291,8 +281,7 @@ static rigcal_status stepped(const rigcal_neldermead *nm)
     return (nm->phase == DONE) ? RIGCAL_OK : RIGCAL_RUNNING;
 }
 
-rigcal_status rigcal_neldermead_ask(rigcal_real x[],
-                                    const rigcal_neldermead *nm)
+rigcal_status rigcal_neldermead_ask(rigcal_real x[], const rigcal_neldermead *nm)
 {
     if (x == NULL || nm == NULL) {
         return RIGCAL_ERR_NULL;
@@ -318,8 +307,8 @@ rigcal_status rigcal_neldermead_tell(rigcal_neldermead *nm, rigcal_real cost)
     return stepped(nm);
 }
 
-rigcal_status rigcal_neldermead_step(rigcal_neldermead *nm, rigcal_cost cost,
-                                     void *context, int32_t budget)
+rigcal_status rigcal_neldermead_step(rigcal_neldermead *nm, rigcal_cost cost, void *context,
+                                     int32_t budget)
 {
     if (nm == NULL || cost == NULL) {
         return RIGCAL_ERR_NULL;
@@ -336,8 +325,7 @@ rigcal_status rigcal_neldermead_step(rigcal_neldermead *nm, rigcal_cost cost,
     return stepped(nm);
 }
 
-rigcal_status rigcal_neldermead_result(rigcal_real x[], rigcal_real *cost,
-                                       int32_t *evals,
+rigcal_status rigcal_neldermead_result(rigcal_real x[], rigcal_real *cost, int32_t *evals,
                                        const rigcal_neldermead *nm)
 {
     if (x == NULL || nm == NULL) {

@@ -91,8 +91,7 @@ static rigcal_real trace_of(const rigcal_real A[9], const rigcal_real C[9])
 }
 
 /* det(C0 + x C1) by powers of x. */
-static void pencil_cubic(rigcal_real c[4], const rigcal_real C0[9],
-                         const rigcal_real C1[9])
+static void pencil_cubic(rigcal_real c[4], const rigcal_real C0[9], const rigcal_real C1[9])
 {
     rigcal_real A[9];
     c[0] = rc_mat3_cofactors(A, C0);
@@ -219,8 +218,7 @@ RC_APART static int cross_line(rigcal_real v[2][3], const rigcal_real l[3],
 
 /* The depths times h of v, scaled to the size of the triangle, in front. 0 when it
  * does not make the sides, or a point is not in front. */
-static int depths_of(rigcal_real s[3], const rigcal_real v[3],
-                     const triangle *T)
+static int depths_of(rigcal_real s[3], const rigcal_real v[3], const triangle *T)
 {
     rigcal_real f[3], wrong = 0;
     sides(f, s, T, v);
@@ -242,8 +240,8 @@ static int depths_of(rigcal_real s[3], const rigcal_real v[3],
 /* In rows, the axes of the triangle 0, u, w: along w - u, across it, normal to it.
  * u x w of a thin triangle is not normal to rounding: the last row is taken anew.
  * 0 when |u x w| is no more than `least`. */
-static int frame(rigcal_real F[9], const rigcal_real u[3],
-                 const rigcal_real w[3], rigcal_real least)
+static int frame(rigcal_real F[9], const rigcal_real u[3], const rigcal_real w[3],
+                 rigcal_real least)
 {
     rc_vec3_sub(&F[0], w, u);
     rc_vec3_cross(&F[6], u, w);
@@ -271,8 +269,7 @@ typedef struct {
     triangle T;
 } problem;
 
-static int prepare(problem *P, const rigcal_real x[3][3],
-                            const rigcal_real ray[3][3])
+static int prepare(problem *P, const rigcal_real x[3][3], const rigcal_real ray[3][3])
 {
     rigcal_real longest = -1, d[3], w[2][3];
     triangle *const T = &P->T;
@@ -316,8 +313,8 @@ static int prepare(problem *P, const rigcal_real x[3][3],
 }
 
 /* The pose of a solution with depths s / h. */
-RC_APART static int write_pose(rigcal_transform *cam_from_points,
-                               const problem *P, const rigcal_real s[3])
+RC_APART static int write_pose(rigcal_transform *cam_from_points, const problem *P,
+                               const rigcal_real s[3])
 {
     const rigcal_real by_h = 1 / P->T.h;
     rigcal_real first[3], w[2][3], F[9], middle[3], turned[3];
@@ -356,8 +353,8 @@ RC_APART static int find_lines(rigcal_real lines[2][3], rigcal_real conic[9],
     return split(lines, C0);
 }
 
-int rc_p3p(rigcal_transform cam_from_points[RC_P3P_MAX],
-           const rigcal_real x[3][3], const rigcal_real ray[3][3])
+int rc_p3p(rigcal_transform cam_from_points[RC_P3P_MAX], const rigcal_real x[3][3],
+           const rigcal_real ray[3][3])
 {
     rigcal_real lines[2][3], conic[9];
     problem P;

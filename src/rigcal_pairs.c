@@ -29,12 +29,10 @@ static rigcal_status check_pair(const rigcal_pair *pair)
     if (!rc_all_finite(pair->normal, 3) || !rc_all_finite(pair->offset, 3)) {
         return RIGCAL_ERR_NOT_FINITE;
     }
-    return (is_unit(pair->normal) && is_unit(pair->offset)) ? RIGCAL_OK
-                                                            : RIGCAL_ERR_RANGE;
+    return (is_unit(pair->normal) && is_unit(pair->offset)) ? RIGCAL_OK : RIGCAL_ERR_RANGE;
 }
 
-rigcal_status rc_check_pairs(const rigcal_pair pairs[], size_t n_pairs,
-                             size_t n_least)
+rigcal_status rc_check_pairs(const rigcal_pair pairs[], size_t n_pairs, size_t n_least)
 {
     if (pairs == NULL) {
         return RIGCAL_ERR_NULL;
@@ -57,8 +55,7 @@ rigcal_status rc_check_pairs(const rigcal_pair pairs[], size_t n_pairs,
 /* ---- pairs --------------------------------------------------------------- */
 
 /* Distance of two rays as points of the unit sphere. */
-static rigcal_real ray_distance(const rigcal_real ray_a[3],
-                                const rigcal_real ray_b[3])
+static rigcal_real ray_distance(const rigcal_real ray_a[3], const rigcal_real ray_b[3])
 {
     rigcal_real a[3], b[3], difference[3];
     (void)rc_vec3_unit(a, ray_a);
@@ -67,8 +64,7 @@ static rigcal_real ray_distance(const rigcal_real ray_a[3],
     return rc_vec3_norm(difference);
 }
 
-static rigcal_real point_distance(const rigcal_real X_a[3],
-                                  const rigcal_real X_b[3])
+static rigcal_real point_distance(const rigcal_real X_a[3], const rigcal_real X_b[3])
 {
     rigcal_real difference[3];
     rc_vec3_sub(difference, X_a, X_b);
@@ -76,8 +72,7 @@ static rigcal_real point_distance(const rigcal_real X_a[3],
 }
 
 /* (11)..(13) for the points i and j. 0: the pair carries no equation. */
-static int make_pair(rigcal_pair *pair, const rigcal_bearing bearings[],
-                     size_t i, size_t j)
+static int make_pair(rigcal_pair *pair, const rigcal_bearing bearings[], size_t i, size_t j)
 {
     const rigcal_real *const X_i = bearings[i].X_w, *const X_j = bearings[j].X_w;
     rigcal_real m_i[3], m_j[3], normal[3], offset[3];
@@ -87,8 +82,7 @@ static int make_pair(rigcal_pair *pair, const rigcal_bearing bearings[],
     rc_vec3_cross(normal, m_i, m_j);
     rc_vec3_sub(offset, X_i, X_j);
     const rigcal_real size = rc_max(rc_vec3_max_abs(X_i), rc_vec3_max_abs(X_j));
-    if (!(rc_vec3_norm(normal) > SAME) ||
-        !(rc_vec3_max_abs(offset) > SAME * size)) {
+    if (!(rc_vec3_norm(normal) > SAME) || !(rc_vec3_max_abs(offset) > SAME * size)) {
         return 0;
     }
     (void)rc_vec3_unit(pair->normal, normal);
@@ -99,14 +93,12 @@ static int make_pair(rigcal_pair *pair, const rigcal_bearing bearings[],
 }
 
 /* The index farthest from `from`, among the points or among the rays. */
-static size_t farthest_point(const rigcal_bearing bearings[], size_t n,
-                             size_t from)
+static size_t farthest_point(const rigcal_bearing bearings[], size_t n, size_t from)
 {
     size_t far = from;
     rigcal_real longest = 0;
     for (size_t i = 0; i < n; i++) {
-        const rigcal_real d =
-            point_distance(bearings[i].X_w, bearings[from].X_w);
+        const rigcal_real d = point_distance(bearings[i].X_w, bearings[from].X_w);
         if (d > longest) {
             longest = d;
             far = i;
@@ -115,8 +107,7 @@ static size_t farthest_point(const rigcal_bearing bearings[], size_t n,
     return far;
 }
 
-static size_t farthest_ray(const rigcal_bearing bearings[], size_t n,
-                           size_t from)
+static size_t farthest_ray(const rigcal_bearing bearings[], size_t n, size_t from)
 {
     size_t far = from;
     rigcal_real longest = 0;
@@ -132,8 +123,7 @@ static size_t farthest_ray(const rigcal_bearing bearings[], size_t n,
 
 /* Whether the points have a shape: three of them, not on a line, and told apart
  * by the precision of their coordinates. */
-static rigcal_status check_points_shape(const rigcal_bearing bearings[],
-                                        size_t n)
+static rigcal_status check_points_shape(const rigcal_bearing bearings[], size_t n)
 {
     const size_t a = farthest_point(bearings, n, 0);
     const size_t b = farthest_point(bearings, n, a);
@@ -163,14 +153,13 @@ static rigcal_status check_points_shape(const rigcal_bearing bearings[],
     if (others == 0) {
         return RIGCAL_ERR_COINCIDENT;
     }
-    return (width > FLAT * length + SAME * size) ? RIGCAL_OK
-                                                 : RIGCAL_ERR_COLLINEAR;
+    return (width > FLAT * length + SAME * size) ? RIGCAL_OK : RIGCAL_ERR_COLLINEAR;
 }
 
 /* Whether the rays span space. *extent gets the size of the bundle, as a distance
  * on the unit sphere. */
-static rigcal_status check_rays_shape(rigcal_real *extent,
-                                      const rigcal_bearing bearings[], size_t n)
+static rigcal_status check_rays_shape(rigcal_real *extent, const rigcal_bearing bearings[],
+                                      size_t n)
 {
     const size_t a = farthest_ray(bearings, n, 0);
     const size_t b = farthest_ray(bearings, n, a);
@@ -209,8 +198,7 @@ typedef struct {
 static void add_pair(pair_list *list, size_t i, size_t j)
 {
     const rigcal_bearing *const s = list->bearings;
-    if (list->n < list->capacity &&
-        ray_distance(s[i].ray, s[j].ray) >= list->nearest &&
+    if (list->n < list->capacity && ray_distance(s[i].ray, s[j].ray) >= list->nearest &&
         make_pair(&list->pairs[list->n], s, i, j)) {
         list->n++;
     }
@@ -333,15 +321,13 @@ size_t rigcal_pairs_for(size_t n)
     return RIGCAL_PAIRS_FOR(n);
 }
 
-rigcal_status rigcal_pair_make(rigcal_pair *pair,
-                               const rigcal_bearing bearings[], size_t n,
+rigcal_status rigcal_pair_make(rigcal_pair *pair, const rigcal_bearing bearings[], size_t n,
                                int32_t i, int32_t j)
 {
     if (pair == NULL || bearings == NULL) {
         return RIGCAL_ERR_NULL;
     }
-    if (n > RC_COUNT_MAX || i < 0 || j < 0 || i == j || (size_t)i >= n ||
-        (size_t)j >= n) {
+    if (n > RC_COUNT_MAX || i < 0 || j < 0 || i == j || (size_t)i >= n || (size_t)j >= n) {
         return RIGCAL_ERR_RANGE;
     }
     rigcal_status status = rc_check_bearing(&bearings[i], 0);
@@ -351,9 +337,8 @@ rigcal_status rigcal_pair_make(rigcal_pair *pair,
     if (status != RIGCAL_OK) {
         return status;
     }
-    return make_pair(pair, bearings, (size_t)i, (size_t)j)
-               ? RIGCAL_OK
-               : RIGCAL_ERR_COINCIDENT;
+    return make_pair(pair, bearings, (size_t)i, (size_t)j) ? RIGCAL_OK
+                                                           : RIGCAL_ERR_COINCIDENT;
 }
 
 rigcal_status rigcal_pairs_choose(rigcal_pair pairs[], size_t capacity, size_t *n_pairs,

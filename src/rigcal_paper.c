@@ -37,16 +37,14 @@ enum {
 
 /* ---- the objective ------------------------------------------------------- */
 
-static rigcal_real objective(const rigcal_paper_solver *s,
-                             const rigcal_real angles[3])
+static rigcal_real objective(const rigcal_paper_solver *s, const rigcal_real angles[3])
 {
     rigcal_elimination at;
     if (s->options.angles == 3) {
         return rc_pairs_residual(s->pairs, s->n_pairs, angles);
     }
-    const rigcal_status status =
-        rc_eliminate(&at, s->pairs, s->n_pairs, s->options.pairs_used,
-                     s->eliminated, angles);
+    const rigcal_status status = rc_eliminate(&at, s->pairs, s->n_pairs,
+                                              s->options.pairs_used, s->eliminated, angles);
     return (status == RIGCAL_OK) ? at.residual : RC_MAX;
 }
 
@@ -57,15 +55,14 @@ static rigcal_real condition_at(const rigcal_paper_solver *s, int32_t eliminated
     rigcal_real angles[2];
     rigcal_elimination at;
     rc_angles_split(angles, eliminated, ypr);
-    return (rc_eliminate(&at, s->pairs, s->n_pairs, s->options.pairs_used,
-                         eliminated, angles) == RIGCAL_OK)
+    return (rc_eliminate(&at, s->pairs, s->n_pairs, s->options.pairs_used, eliminated,
+                         angles) == RIGCAL_OK)
                ? at.condition
                : RC_MAX;
 }
 
 /* Eliminates this angle, if that is better conditioned than any so far. */
-static void consider(rigcal_paper_solver *s, int32_t eliminated,
-                     const rigcal_real ypr[3])
+static void consider(rigcal_paper_solver *s, int32_t eliminated, const rigcal_real ypr[3])
 {
     const rigcal_real condition = condition_at(s, eliminated, ypr);
     if (condition < s->least_condition) {
@@ -77,10 +74,8 @@ static void consider(rigcal_paper_solver *s, int32_t eliminated,
 /* ---- from angles to a pose ----------------------------------------------- */
 
 /* Fills in what the angles found imply: rotation, translation (16), residual. */
-static rigcal_status pose_of_angles(rigcal_paper_pose *pose,
-                                    const rigcal_paper_solver *s,
-                                    const rigcal_real angles[3],
-                                    rigcal_real residual)
+static rigcal_status pose_of_angles(rigcal_paper_pose *pose, const rigcal_paper_solver *s,
+                                    const rigcal_real angles[3], rigcal_real residual)
 {
     pose->residual = residual;
     if (s->options.angles == 3) {
@@ -89,9 +84,8 @@ static rigcal_status pose_of_angles(rigcal_paper_pose *pose,
         pose->eliminated = -1;
     } else {
         rigcal_elimination at;
-        const rigcal_status status =
-            rc_eliminate(&at, s->pairs, s->n_pairs, s->options.pairs_used,
-                         s->eliminated, angles);
+        const rigcal_status status = rc_eliminate(
+            &at, s->pairs, s->n_pairs, s->options.pairs_used, s->eliminated, angles);
         if (status != RIGCAL_OK) {
             return status;
         }
@@ -244,8 +238,7 @@ static void end_last(rigcal_paper_solver *s)
 {
     rigcal_real angles[3] = {0, 0, 0}, ypr[3];
     s->phase = JUDGING_LAST;
-    if (s->nm.status == RIGCAL_BUDGET_SPENT &&
-        s->evals < s->options.max_evals &&
+    if (s->nm.status == RIGCAL_BUDGET_SPENT && s->evals < s->options.max_evals &&
         rigcal_neldermead_result(angles, NULL, NULL, &s->nm) >= 0) {
         rc_angles_join(ypr, s->options.angles == 2 ? s->eliminated : 3, angles, 0);
         start_last(s, ypr);
@@ -290,8 +283,7 @@ static void search_step(rigcal_paper_solver *s)
 static rigcal_status outcome(const rigcal_paper_solver *s)
 {
     if (!s->found) {
-        return (s->behind && s->options.use_guess) ? RIGCAL_ERR_BEHIND
-                                                   : RIGCAL_ERR_NO_POSE;
+        return (s->behind && s->options.use_guess) ? RIGCAL_ERR_BEHIND : RIGCAL_ERR_NO_POSE;
     }
     return s->spent ? RIGCAL_BUDGET_SPENT : RIGCAL_OK;
 }
@@ -303,8 +295,7 @@ rigcal_status rigcal_paper_defaults(rigcal_paper_options *options)
     if (options == NULL) {
         return RIGCAL_ERR_NULL;
     }
-    *options = (rigcal_paper_options){2, RIGCAL_BEST_CONDITIONED, 0, 0, 0,
-                                      {0, 0, 0}, 0, 0};
+    *options = (rigcal_paper_options){2, RIGCAL_BEST_CONDITIONED, 0, 0, 0, {0, 0, 0}, 0, 0};
     return RIGCAL_OK;
 }
 
@@ -318,8 +309,8 @@ static rigcal_status check_options(const rigcal_paper_options *o)
                           (o->pairs_used == 0 || o->pairs_used == 2) &&
                           (o->use_guess == 0 || o->use_guess == 1);
     const int32_t least_evals = o->use_guess ? 1 : GRID_NODES + SEED_EVALS_MAX;
-    const int numbers_ok = (o->max_evals == 0 || o->max_evals >= least_evals) &&
-                           o->xtol >= 0 && o->ftol >= 0;
+    const int numbers_ok =
+        (o->max_evals == 0 || o->max_evals >= least_evals) && o->xtol >= 0 && o->ftol >= 0;
     return (counts_ok && numbers_ok && o->eliminated >= RIGCAL_YAW &&
             o->eliminated <= RIGCAL_BEST_CONDITIONED &&
             rc_all_within(o->guess_ypr, 3, RC(1e3)))
@@ -331,8 +322,7 @@ static void fill_defaults(rigcal_paper_options *o)
 {
     if (o->max_evals == 0) {
         o->max_evals = o->use_guess ? DEFAULT_EVALS
-                                    : GRID_NODES + SEEDS * SEED_EVALS_MAX +
-                                          DEFAULT_EVALS;
+                                    : GRID_NODES + SEEDS * SEED_EVALS_MAX + DEFAULT_EVALS;
     }
     if (!(o->xtol > 0)) {
         o->xtol = DEFAULT_TOL;
@@ -446,9 +436,8 @@ rigcal_status rigcal_paper_result(rigcal_paper_pose *pose,
     return status;
 }
 
-rigcal_status rigcal_paper_solve(rigcal_paper_pose *pose,
-                                 const rigcal_bearing bearings[], size_t n,
-                                 const rigcal_pair pairs[], size_t n_pairs,
+rigcal_status rigcal_paper_solve(rigcal_paper_pose *pose, const rigcal_bearing bearings[],
+                                 size_t n, const rigcal_pair pairs[], size_t n_pairs,
                                  const rigcal_paper_options *options)
 {
     if (pose == NULL) {

@@ -42,9 +42,8 @@ void rc_points_of(rigcal_points *points, const rigcal_view *view, const uint8_t 
 
 size_t rc_points_next(const rigcal_points *points, size_t i)
 {
-    while (i < points->view.n &&
-           ((int32_t)i == points->left_out ||
-            (points->mask != NULL && points->mask[i] == 0))) {
+    while (i < points->view.n && ((int32_t)i == points->left_out ||
+                                  (points->mask != NULL && points->mask[i] == 0))) {
         i++;
     }
     return i;
@@ -106,8 +105,7 @@ rigcal_status rc_points_survey(rigcal_points *points, rigcal_real uv_middle[2],
         rc_vec3_add_scaled(shift, weight, x);
         size = rc_max(size, rc_vec3_max_abs(x));
         total += weight;
-        const rigcal_real uv[3] = {o[i].uv[0] - first->uv[0], o[i].uv[1] - first->uv[1],
-                                   0};
+        const rigcal_real uv[3] = {o[i].uv[0] - first->uv[0], o[i].uv[1] - first->uv[1], 0};
         rc_vec3_add_scaled(uv_shift, weight, uv);
         extent = rc_max(extent, rc_vec3_max_abs(uv));
     }

@@ -95,8 +95,7 @@ RC_APART static int is_poor(const rigcal_pose_solver *s, rigcal_real most,
         sum = squared_pixels(s, 0);
         noise = rc_max(most * points->pixel_size, NOISE_PART * points->extent_px);
     }
-    return !(sum <=
-             noise * noise * rc_chi2_limit(rc_freedom(points->n_used), deviations));
+    return !(sum <= noise * noise * rc_chi2_limit(rc_freedom(points->n_used), deviations));
 }
 
 /* Whether the points hardly fix the first pose, for the noise stated or, if there is none, for
@@ -210,7 +209,8 @@ static void seeding_step(rigcal_pose_solver *s)
     } else if (came == RC_SEEDS_SPENT) {
         end_seeding(s);
     } else {
-        fail(s, came, (came == RIGCAL_ERR_WIDE_RAY) ? (int32_t)s->search.point : s->at_fault);
+        fail(s, came,
+             (came == RIGCAL_ERR_WIDE_RAY) ? (int32_t)s->search.point : s->at_fault);
     }
 }
 
@@ -408,8 +408,8 @@ rigcal_status rc_pose_begin(rigcal_pose_solver *solver, int32_t *at_fault,
 }
 
 RC_APART rigcal_status rigcal_pose_begin(rigcal_pose_solver *solver, int32_t *at_fault,
-                                const rigcal_view *view,
-                                const rigcal_pose_options *options)
+                                         const rigcal_view *view,
+                                         const rigcal_pose_options *options)
 {
     rigcal_points points;
     rc_write_fault(at_fault, -1);

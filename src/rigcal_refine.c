@@ -61,8 +61,7 @@ RC_APART static void move(rigcal_transform *pose, const rigcal_real d[6])
 
 /* The step from where `state` is; *gain gets what it promises, undiminished. 0: H is not
  * positive definite. */
-static int damped_step(rigcal_real d[6], rigcal_real *gain,
-                                const rigcal_refinement *state)
+static int damped_step(rigcal_real d[6], rigcal_real *gain, const rigcal_refinement *state)
 {
     rc_sym6_factor L;
     if (!rc_sym6_factor_of(&L, state->H, state->search.lambda)) {

@@ -32,8 +32,7 @@ void rc_rigid_clear(rigcal_real g[6], rigcal_real H[21])
  * k / Z, and a lens bends little more: it goes into M, by dt. That of exp([w]x) q, which is
  * [w]x [w]x q / 2, makes (c.q) 1 - (c q^T + q c^T) / 2 by w. */
 static void add_curvature(rigcal_real H[21], rigcal_real M[9], const rigcal_real c[3],
-                          const rigcal_real q[3], const rigcal_real X_c[3],
-                          int is_fisheye)
+                          const rigcal_real q[3], const rigcal_real X_c[3], int is_fisheye)
 {
     const rigcal_real along = rc_vec3_dot(c, q);
     rigcal_real k[3] = {0, 0, 1 / X_c[2]}, row[3];

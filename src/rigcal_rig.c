@@ -12,9 +12,8 @@ static rigcal_status check_views(const rigcal_view_pose views[], size_t n_views,
         if (!rc_is_finite(v->weight)) {
             return RIGCAL_ERR_NOT_FINITE;
         }
-        if (!(v->weight > 0 && v->weight <= RC_COORDINATE_MAX) ||
-            v->camera < 0 || (size_t)v->camera >= n_cameras ||
-            v->placement < 0) {
+        if (!(v->weight > 0 && v->weight <= RC_COORDINATE_MAX) || v->camera < 0 ||
+            (size_t)v->camera >= n_cameras || v->placement < 0) {
             return RIGCAL_ERR_RANGE;
         }
     }
@@ -35,16 +34,14 @@ static rigcal_status place(rigcal_transform *rig_from_target, rigcal_real *total
         if (v->placement == placement && r->group[v->camera] == in_group) {
             rigcal_transform rig_from_cam;
             rc_transform_invert(&rig_from_cam, &r->cams_from_rig[v->camera]);
-            rc_transform_compose(&r->work[n], &rig_from_cam,
-                                 &v->cam_from_target);
+            rc_transform_compose(&r->work[n], &rig_from_cam, &v->cam_from_target);
             r->weight[n++] = v->weight;
             *total += v->weight;
         }
     }
     return (n == first) ? RIGCAL_ERR_TOO_FEW
-                        : rc_transform_mean(rig_from_target, NULL, NULL,
-                                         &r->work[first], &r->weight[first],
-                                         n - first);
+                        : rc_transform_mean(rig_from_target, NULL, NULL, &r->work[first],
+                                            &r->weight[first], n - first);
 }
 
 /* Weight of what camera c shares with a group: over its views, that of the

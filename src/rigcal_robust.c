@@ -68,11 +68,9 @@ static void next_sample(rigcal_robust_solver *s)
     for (int k = 0; k < 3; k++) { /* distinct: skips what is taken, in order */
         size_t i = draw(s, n - (size_t)k);
         const size_t low =
-            (size_t)((s->sample[0] < s->sample[1]) ? s->sample[0]
-                                                   : s->sample[1]);
+            (size_t)((s->sample[0] < s->sample[1]) ? s->sample[0] : s->sample[1]);
         const size_t high =
-            (size_t)((s->sample[0] < s->sample[1]) ? s->sample[1]
-                                                   : s->sample[0]);
+            (size_t)((s->sample[0] < s->sample[1]) ? s->sample[1] : s->sample[0]);
         if (k == 1) {
             i += i >= (size_t)s->sample[0];
         } else if (k == 2) {
@@ -164,8 +162,7 @@ static void seeing_step(rigcal_robust_solver *s)
     const rigcal_view *const view = &s->points.view;
     do {
         const rigcal_observation *const o = &view->observations[s->sample[s->next]];
-        if (rc_pixel_to_ray(s->work.trial.ray[s->next], view->camera, o->uv) !=
-            RIGCAL_OK) {
+        if (rc_pixel_to_ray(s->work.trial.ray[s->next], view->camera, o->uv) != RIGCAL_OK) {
             end_sample(s);
             return;
         }

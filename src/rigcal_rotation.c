@@ -20,8 +20,7 @@ int rc_is_rotation(const rigcal_real R[9])
     int is_one = 1;
     for (int i = 0; i < 9; i += 3) {
         rc_vec3_sub(&off[i], &off[i], &R[i]);
-        is_one =
-            is_one && RC_FABS(rc_vec3_dot(&R[i], &R[i]) - 1) <= ROTATION_TOL;
+        is_one = is_one && RC_FABS(rc_vec3_dot(&R[i], &R[i]) - 1) <= ROTATION_TOL;
     }
     return is_one && rc_all_within(off, 9, ROTATION_TOL);
 }
@@ -38,8 +37,7 @@ rigcal_status rc_check_rotation(const rigcal_real R[9])
 }
 
 /* Rotation about axis c of the cyclic triple (a, b, c), a to b. */
-static void rotation_about(rigcal_real R[9], int a, int b, int c,
-                           rigcal_real angle)
+static void rotation_about(rigcal_real R[9], int a, int b, int c, rigcal_real angle)
 {
     const rigcal_real cosine = RC_COS(angle), sine = RC_SIN(angle);
     for (int i = 0; i < 9; i++) {
@@ -110,8 +108,7 @@ void rc_yaw_pitch_roll_from_rotation(rigcal_real ypr[3], const rigcal_real R[9])
 void rc_rotation_from_quaternion(rigcal_real R[9], const rigcal_real q_wxyz[4])
 {
     rigcal_real q[4];
-    const rigcal_real largest =
-        rc_max(RC_FABS(q_wxyz[0]), rc_vec3_max_abs(&q_wxyz[1]));
+    const rigcal_real largest = rc_max(RC_FABS(q_wxyz[0]), rc_vec3_max_abs(&q_wxyz[1]));
     for (int i = 0; i < 4; i++) {
         q[i] = q_wxyz[i] / largest;
     }
@@ -153,8 +150,7 @@ void rc_quaternion_from_rotation(rigcal_real q_wxyz[4], const rigcal_real R[9])
         v[j] = R[3 * i + j] + R[3 * j + i];
         v[k] = R[3 * i + k] + R[3 * k + i];
     }
-    const rigcal_real length =
-        RC_SQRT(q_wxyz[0] * q_wxyz[0] + rc_vec3_dot(v, v));
+    const rigcal_real length = RC_SQRT(q_wxyz[0] * q_wxyz[0] + rc_vec3_dot(v, v));
     const rigcal_real scale = (q_wxyz[0] < 0) ? -1 / length : 1 / length;
     for (int d = 0; d < 4; d++) {
         q_wxyz[d] *= scale;
@@ -175,8 +171,7 @@ void rc_vector_from_rotation(rigcal_real w[3], const rigcal_real R[9])
     rigcal_real q_wxyz[4];
     rc_quaternion_from_rotation(q_wxyz, R);
     const rigcal_real sine = rc_vec3_norm(&q_wxyz[1]);
-    const rigcal_real angle_by_sine =
-        (sine > 0) ? 2 * RC_ATAN2(sine, q_wxyz[0]) / sine : 2;
+    const rigcal_real angle_by_sine = (sine > 0) ? 2 * RC_ATAN2(sine, q_wxyz[0]) / sine : 2;
     for (int i = 0; i < 3; i++) {
         w[i] = angle_by_sine * q_wxyz[1 + i];
     }
@@ -188,8 +183,7 @@ rigcal_real rc_rotation_angle(const rigcal_real Ra[9], const rigcal_real Rb[9])
 {
     rigcal_real Rba[9];
     rc_mat3_mul_t(Rba, Rb, Ra);
-    const rigcal_real axis[3] = {Rba[7] - Rba[5], Rba[2] - Rba[6],
-                                 Rba[3] - Rba[1]};
+    const rigcal_real axis[3] = {Rba[7] - Rba[5], Rba[2] - Rba[6], Rba[3] - Rba[1]};
     return RC_ATAN2(rc_vec3_norm(axis), Rba[0] + Rba[4] + Rba[8] - 1);
 }
 
@@ -213,9 +207,8 @@ static rigcal_real frobenius(const rigcal_real M[9])
 int rc_rotation_nearest(rigcal_real R[9], const rigcal_real M[9])
 {
     rigcal_real X[9], cofactors[9];
-    const rigcal_real largest =
-        rc_max(rc_vec3_max_abs(&M[0]),
-               rc_max(rc_vec3_max_abs(&M[3]), rc_vec3_max_abs(&M[6])));
+    const rigcal_real largest = rc_max(
+        rc_vec3_max_abs(&M[0]), rc_max(rc_vec3_max_abs(&M[3]), rc_vec3_max_abs(&M[6])));
     if (!(largest > 0)) {
         return 0;
     }
@@ -227,8 +220,7 @@ int rc_rotation_nearest(rigcal_real R[9], const rigcal_real M[9])
     }
     for (int iteration = 0; iteration < POLAR_ITERATIONS_MAX; iteration++) {
         const rigcal_real det = rc_mat3_cofactors(cofactors, X);
-        const rigcal_real g =
-            RC_SQRT(frobenius(cofactors) / (det * frobenius(X)));
+        const rigcal_real g = RC_SQRT(frobenius(cofactors) / (det * frobenius(X)));
         rigcal_real change = 0;
         for (int i = 0; i < 9; i++) {
             const rigcal_real next = (g * X[i] + cofactors[i] / (g * det)) / 2;
@@ -247,8 +239,7 @@ int rc_rotation_nearest(rigcal_real R[9], const rigcal_real M[9])
 
 /* ---- public -------------------------------------------------------------- */
 
-static rigcal_status check_angles(const rigcal_real out[],
-                                  const rigcal_real a[3])
+static rigcal_status check_angles(const rigcal_real out[], const rigcal_real a[3])
 {
     if (out == NULL || a == NULL) {
         return RIGCAL_ERR_NULL;
@@ -269,8 +260,7 @@ rigcal_status rigcal_rotation_from_yaw_pitch_roll(rigcal_real R[9],
     return status;
 }
 
-rigcal_status rigcal_rotation_from_vector(rigcal_real R[9],
-                                          const rigcal_real w[3])
+rigcal_status rigcal_rotation_from_vector(rigcal_real R[9], const rigcal_real w[3])
 {
     const rigcal_status status = check_angles(R, w);
     if (status != RIGCAL_OK) {
@@ -283,8 +273,7 @@ rigcal_status rigcal_rotation_from_vector(rigcal_real R[9],
     return RIGCAL_OK;
 }
 
-rigcal_status rigcal_rotation_from_quaternion(rigcal_real R[9],
-                                              const rigcal_real q_wxyz[4])
+rigcal_status rigcal_rotation_from_quaternion(rigcal_real R[9], const rigcal_real q_wxyz[4])
 {
     if (R == NULL || q_wxyz == NULL) {
         return RIGCAL_ERR_NULL;
@@ -299,8 +288,7 @@ rigcal_status rigcal_rotation_from_quaternion(rigcal_real R[9],
     return RIGCAL_OK;
 }
 
-static rigcal_status check_out_of_rotation(const rigcal_real out[],
-                                           const rigcal_real R[9])
+static rigcal_status check_out_of_rotation(const rigcal_real out[], const rigcal_real R[9])
 {
     return (out == NULL) ? RIGCAL_ERR_NULL : rc_check_rotation(R);
 }
@@ -315,8 +303,7 @@ rigcal_status rigcal_yaw_pitch_roll_from_rotation(rigcal_real ypr[3],
     return status;
 }
 
-rigcal_status rigcal_vector_from_rotation(rigcal_real w[3],
-                                          const rigcal_real R[9])
+rigcal_status rigcal_vector_from_rotation(rigcal_real w[3], const rigcal_real R[9])
 {
     const rigcal_status status = check_out_of_rotation(w, R);
     if (status == RIGCAL_OK) {
@@ -325,8 +312,7 @@ rigcal_status rigcal_vector_from_rotation(rigcal_real w[3],
     return status;
 }
 
-rigcal_status rigcal_quaternion_from_rotation(rigcal_real q_wxyz[4],
-                                              const rigcal_real R[9])
+rigcal_status rigcal_quaternion_from_rotation(rigcal_real q_wxyz[4], const rigcal_real R[9])
 {
     const rigcal_status status = check_out_of_rotation(q_wxyz, R);
     if (status == RIGCAL_OK) {

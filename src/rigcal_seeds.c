@@ -79,7 +79,7 @@ static void look_along(rigcal_real R[9], const rigcal_real axis[3])
 }
 
 static void turn_to_virtual(rigcal_real turned[3], const rigcal_real axis[3],
-                                     const rigcal_real ray[3])
+                            const rigcal_real ray[3])
 {
     rigcal_real cam_from_virtual[9];
     look_along(cam_from_virtual, axis);
@@ -392,8 +392,7 @@ static int32_t begin_search(rigcal_search *s)
 
 /* Whether the way to an optimum found is downhill: then a descent would only end there once
  * more. */
-static int leads_to_found(const rigcal_search *s, const rigcal_real m3[3],
-                          rigcal_real cost)
+static int leads_to_found(const rigcal_search *s, const rigcal_real m3[3], rigcal_real cost)
 {
     for (int32_t i = 0; i < s->optima.n; i++) {
         rigcal_real middle[3];
@@ -462,7 +461,7 @@ static int32_t end_descent(rigcal_search *s)
     RIGCAL_TRACE("descent: evaluations, cost", s->work.descent.nm.evals, best->cost);
     s->phase = CHOOSING;
     return (s->optima.n == 0 || s->is_flat || !(best->cost > hopeless)) ? follow(s, m3)
-                                                                       : RC_SEEDS_BUSY;
+                                                                        : RC_SEEDS_BUSY;
 }
 
 static int32_t descent_step(rigcal_search *s)

@@ -33,28 +33,28 @@ typedef uint64_t real_bits;
 #endif
 
 /* Bytes and bits of a number are copied, which takes IEEE 754 for granted. */
-typedef char a_real_is_an_ieee_number
-    [(sizeof(float) == 4 && FLT_MANT_DIG == 24 && FLT_MAX_EXP == 128 &&
-      sizeof(rigcal_real) == sizeof(real_bits) &&
-      (RIGCAL_USE_FLOAT || (DBL_MANT_DIG == 53 && DBL_MAX_EXP == 1024)))
-         ? 1
-         : -1];
+typedef char a_real_is_an_ieee_number[(sizeof(float) == 4 && FLT_MANT_DIG == 24 &&
+                                       FLT_MAX_EXP == 128 &&
+                                       sizeof(rigcal_real) == sizeof(real_bits) &&
+                                       (RIGCAL_USE_FLOAT ||
+                                        (DBL_MANT_DIG == 53 && DBL_MAX_EXP == 1024)))
+                                          ? 1
+                                          : -1];
 
-typedef char a_camera_has_the_bytes_told
-    [RIGCAL_STORE_SIZE(1) ==
-             HEADER_BYTES + 4 * CAMERA_INTEGERS +
-                 (CAMERA_REALS + 12 + 21) * sizeof(rigcal_real)
-         ? 1
-         : -1];
+typedef char
+    a_camera_has_the_bytes_told[RIGCAL_STORE_SIZE(1) ==
+                                        HEADER_BYTES + 4 * CAMERA_INTEGERS +
+                                            (CAMERA_REALS + 12 + 21) * sizeof(rigcal_real)
+                                    ? 1
+                                    : -1];
 
 uint32_t rc_crc32(const uint8_t bytes[], size_t n)
 {
     /* Remainders of the sixteen nibbles. */
-    static const uint32_t NIBBLE[16] = {
-        0x00000000, 0x1db71064, 0x3b6e20c8, 0x26d930ac,
-        0x76dc4190, 0x6b6b51f4, 0x4db26158, 0x5005713c,
-        0xedb88320, 0xf00f9344, 0xd6d6a3e8, 0xcb61b38c,
-        0x9b64c2b0, 0x86d3d2d4, 0xa00ae278, 0xbdbdf21c};
+    static const uint32_t NIBBLE[16] = {0x00000000, 0x1db71064, 0x3b6e20c8, 0x26d930ac,
+                                        0x76dc4190, 0x6b6b51f4, 0x4db26158, 0x5005713c,
+                                        0xedb88320, 0xf00f9344, 0xd6d6a3e8, 0xcb61b38c,
+                                        0x9b64c2b0, 0x86d3d2d4, 0xa00ae278, 0xbdbdf21c};
     uint32_t crc = 0xffffffff;
     for (size_t i = 0; i < n; i++) {
         crc ^= bytes[i];
@@ -115,8 +115,7 @@ static rigcal_real real_of_double(uint64_t bits)
     enum { DROPPED = 52 - 23, ALL_DROPPED = 54, FLOAT_INFINITY = 0xff };
     const uint32_t sign = (uint32_t)(bits >> 63) << 31;
     const int32_t exponent = (int32_t)(bits >> 52 & 0x7ff) - 1023 + 127;
-    const uint64_t mantissa =
-        (bits & ((UINT64_C(1) << 52) - 1)) | UINT64_C(1) << 52;
+    const uint64_t mantissa = (bits & ((UINT64_C(1) << 52) - 1)) | UINT64_C(1) << 52;
     if (exponent >= FLOAT_INFINITY) {
         return float_of_bits(sign | (uint32_t)FLOAT_INFINITY << 23);
     }
@@ -132,8 +131,7 @@ static rigcal_real real_of_double(uint64_t bits)
         kept++;
     }
     /* The leading one of `kept` adds to the exponent, a carry does too. */
-    const uint32_t below =
-        (exponent >= 1) ? (uint32_t)(exponent - 1) << 23 : 0;
+    const uint32_t below = (exponent >= 1) ? (uint32_t)(exponent - 1) << 23 : 0;
     return float_of_bits(sign | (below + kept));
 }
 
@@ -228,9 +226,8 @@ static uint8_t *put_mounted(uint8_t *at, const rigcal_mounted_camera *m)
 {
     static const rigcal_real UNKNOWN[6] = {0};
     const rigcal_camera *const c = &m->camera;
-    const rigcal_real numbers[CAMERA_REALS] = {c->fx, c->fy, c->cx, c->cy,
-                                               c->k1, c->k2, c->p1, c->p2,
-                                               c->k3, c->k4, c->k5, c->k6};
+    const rigcal_real numbers[CAMERA_REALS] = {c->fx, c->fy, c->cx, c->cy, c->k1, c->k2,
+                                               c->p1, c->p2, c->k3, c->k4, c->k5, c->k6};
     at = put_u32(at, (uint32_t)c->lens);
     at = put_u32(at, (uint32_t)c->width);
     at = put_u32(at, (uint32_t)c->height);
@@ -239,8 +236,7 @@ static uint8_t *put_mounted(uint8_t *at, const rigcal_mounted_camera *m)
     at = put_reals(at, m->cam_from_rig.R, 9);
     at = put_reals(at, m->cam_from_rig.t, 3);
     for (int row = 0; row < 6; row++) {
-        at = put_reals(at, (m->has_Sigma == 1) ? m->Sigma + 6 * row : UNKNOWN,
-                       row + 1);
+        at = put_reals(at, (m->has_Sigma == 1) ? m->Sigma + 6 * row : UNKNOWN, row + 1);
     }
     return at;
 }
@@ -260,8 +256,7 @@ static void make_orthonormal(rigcal_real R[9])
     memcpy(R, nearest, sizeof nearest);
 }
 
-static void get_mounted(rigcal_mounted_camera *m, const uint8_t *at,
-                        int32_t real_bytes)
+static void get_mounted(rigcal_mounted_camera *m, const uint8_t *at, int32_t real_bytes)
 {
     rigcal_camera *const c = &m->camera;
     rigcal_real numbers[CAMERA_REALS];
@@ -302,9 +297,7 @@ static void get_mounted(rigcal_mounted_camera *m, const uint8_t *at,
 
 size_t rigcal_store_size(size_t n_cameras)
 {
-    return (n_cameras >= 1 && n_cameras <= CAMERAS_MAX)
-               ? RIGCAL_STORE_SIZE(n_cameras)
-               : 0;
+    return (n_cameras >= 1 && n_cameras <= CAMERAS_MAX) ? RIGCAL_STORE_SIZE(n_cameras) : 0;
 }
 
 rigcal_status rigcal_store_save(uint8_t bytes[], size_t capacity, size_t *n_bytes,
@@ -335,21 +328,20 @@ rigcal_status rigcal_store_save(uint8_t bytes[], size_t capacity, size_t *n_byte
         at = put_mounted(at, &cameras[i]);
     }
     memcpy(bytes, MAGIC, sizeof MAGIC);
-    (void)put_u32(bytes + AT_VERSION,
-                  (uint32_t)FORM_VERSION | (uint32_t)sizeof(rigcal_real) << 16);
+    (void)put_u32(bytes + AT_VERSION, (uint32_t)FORM_VERSION | (uint32_t)sizeof(rigcal_real)
+                                                                   << 16);
     (void)put_u32(bytes + AT_N_CAMERAS, (uint32_t)n_cameras);
     (void)put_u32(bytes + AT_SEQUENCE, sequence);
     (void)put_u32(bytes + AT_TAG, tag);
     (void)put_u32(bytes + AT_N_BYTES, (uint32_t)size);
-    (void)put_u32(bytes + AT_BODY_CRC,
-                  rc_crc32(bytes + HEADER_BYTES, size - HEADER_BYTES));
+    (void)put_u32(bytes + AT_BODY_CRC, rc_crc32(bytes + HEADER_BYTES, size - HEADER_BYTES));
     (void)put_u32(bytes + AT_HEADER_CRC, rc_crc32(bytes, AT_HEADER_CRC));
     *n_bytes = size;
     return RIGCAL_OK;
 }
 
 rigcal_status rigcal_store_info(rigcal_saved_info *info, const uint8_t bytes[],
-                               size_t n_bytes)
+                                size_t n_bytes)
 {
     if (info == NULL || bytes == NULL) {
         return RIGCAL_ERR_NULL;
@@ -413,8 +405,7 @@ rigcal_status rigcal_store_load(rigcal_mounted_camera cameras[], size_t capacity
         }
     }
     for (size_t i = 0; i < n; i++) {
-        get_mounted(&cameras[i], bytes + HEADER_BYTES + i * stride,
-                    found.real_bytes);
+        get_mounted(&cameras[i], bytes + HEADER_BYTES + i * stride, found.real_bytes);
     }
     *info = found;
     return RIGCAL_OK;

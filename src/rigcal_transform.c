@@ -39,16 +39,14 @@ void rc_transform_identity(rigcal_transform *a_from_a)
     }
 }
 
-void rc_transform_compose(rigcal_transform *c_from_a,
-                          const rigcal_transform *c_from_b,
+void rc_transform_compose(rigcal_transform *c_from_a, const rigcal_transform *c_from_b,
                           const rigcal_transform *b_from_a)
 {
     rc_mat3_mul(c_from_a->R, c_from_b->R, b_from_a->R);
     rc_transform_point(c_from_a->t, c_from_b, b_from_a->t);
 }
 
-void rc_transform_invert(rigcal_transform *a_from_b,
-                         const rigcal_transform *b_from_a)
+void rc_transform_invert(rigcal_transform *a_from_b, const rigcal_transform *b_from_a)
 {
     for (int i = 0; i < 3; i++) {
         for (int j = 0; j < 3; j++) {
@@ -69,9 +67,8 @@ void rc_transform_point(rigcal_real X_b[3], const rigcal_transform *b_from_a,
 }
 
 /* (17), (18):  R_ba = R_bw R_aw^T,  t_ba = t_bw - R_ba t_aw */
-void rc_transform_between(rigcal_transform *b_from_a,
-                      const rigcal_transform *b_from_world,
-                      const rigcal_transform *a_from_world)
+void rc_transform_between(rigcal_transform *b_from_a, const rigcal_transform *b_from_world,
+                          const rigcal_transform *a_from_world)
 {
     rigcal_real turned[3];
     rc_mat3_mul_t(b_from_a->R, b_from_world->R, a_from_world->R);
@@ -87,8 +84,7 @@ static rigcal_real weight_of(const rigcal_real weight[], size_t i)
 }
 
 /* Rotation vector from mean to R_i, in the frame of a. */
-static void deviation(rigcal_real w[3], const rigcal_real mean[9],
-                      const rigcal_real R_i[9])
+static void deviation(rigcal_real w[3], const rigcal_real mean[9], const rigcal_real R_i[9])
 {
     rigcal_real mean_t[9], R_i_t[9], between[9];
     for (int r = 0; r < 3; r++) {
@@ -102,10 +98,8 @@ static void deviation(rigcal_real w[3], const rigcal_real mean[9],
 }
 
 /* One step to the Karcher mean: turn by the mean deviation. Returns its angle. */
-static rigcal_real karcher_step(rigcal_real mean[9],
-                                const rigcal_transform transforms[],
-                                const rigcal_real weight[], size_t n,
-                                rigcal_real total)
+static rigcal_real karcher_step(rigcal_real mean[9], const rigcal_transform transforms[],
+                                const rigcal_real weight[], size_t n, rigcal_real total)
 {
     rigcal_real step[3] = {0, 0, 0}, turn[9], turned[9];
     for (size_t i = 0; i < n; i++) {
@@ -121,10 +115,8 @@ static rigcal_real karcher_step(rigcal_real mean[9],
     return rc_vec3_norm(step);
 }
 
-static rigcal_status mean_rotation(rigcal_real R[9],
-                                   const rigcal_transform transforms[],
-                                   const rigcal_real weight[], size_t n,
-                                   rigcal_real total)
+static rigcal_status mean_rotation(rigcal_real R[9], const rigcal_transform transforms[],
+                                   const rigcal_real weight[], size_t n, rigcal_real total)
 {
     rigcal_real sum[9] = {0}, mean[9];
     for (size_t i = 0; i < n; i++) {
@@ -152,14 +144,12 @@ rigcal_status rc_transform_mean(rigcal_transform *mean, rigcal_real *sigma_rad,
     for (size_t i = 0; i < n; i++) {
         total += weight_of(weight, i);
     }
-    const rigcal_status status =
-        mean_rotation(found.R, transforms, weight, n, total);
+    const rigcal_status status = mean_rotation(found.R, transforms, weight, n, total);
     if (status != RIGCAL_OK) {
         return status;
     }
     for (size_t i = 0; i < n; i++) {
-        rc_vec3_add_scaled(found.t, weight_of(weight, i) / total,
-                           transforms[i].t);
+        rc_vec3_add_scaled(found.t, weight_of(weight, i) / total, transforms[i].t);
     }
     for (size_t i = 0; i < n; i++) {
         const rigcal_real part = weight_of(weight, i) / total;
@@ -181,8 +171,7 @@ rigcal_status rc_transform_mean(rigcal_transform *mean, rigcal_real *sigma_rad,
 
 /* ---- public -------------------------------------------------------------- */
 
-static rigcal_status check_two(const rigcal_transform *out,
-                               const rigcal_transform *first,
+static rigcal_status check_two(const rigcal_transform *out, const rigcal_transform *first,
                                const rigcal_transform *second)
 {
     if (out == NULL || first == NULL || second == NULL) {
@@ -214,8 +203,7 @@ rigcal_status rigcal_transform_invert(rigcal_transform *a_from_b,
     return status;
 }
 
-rigcal_status rigcal_transform_point(rigcal_real X_b[3],
-                                     const rigcal_transform *b_from_a,
+rigcal_status rigcal_transform_point(rigcal_real X_b[3], const rigcal_transform *b_from_a,
                                      const rigcal_real X_a[3])
 {
     if (X_b == NULL || b_from_a == NULL || X_a == NULL) {
@@ -247,8 +235,8 @@ rigcal_status rigcal_camera_center(rigcal_real o_w[3],
 }
 
 rigcal_status rigcal_transform_between(rigcal_transform *b_from_a,
-                                   const rigcal_transform *b_from_world,
-                                   const rigcal_transform *a_from_world)
+                                       const rigcal_transform *b_from_world,
+                                       const rigcal_transform *a_from_world)
 {
     const rigcal_status status = check_two(b_from_a, b_from_world, a_from_world);
     if (status == RIGCAL_OK) {
@@ -273,8 +261,8 @@ static rigcal_status check_weights(const rigcal_real weight[], size_t n)
     return (total > 0) ? RIGCAL_OK : RIGCAL_ERR_RANGE;
 }
 
-rigcal_status rigcal_transform_mean(rigcal_transform *mean,
-                                    rigcal_real *sigma_rad, rigcal_real *sigma_t,
+rigcal_status rigcal_transform_mean(rigcal_transform *mean, rigcal_real *sigma_rad,
+                                    rigcal_real *sigma_t,
                                     const rigcal_transform transforms[],
                                     const rigcal_real weight[], size_t n)
 {
@@ -284,12 +272,11 @@ rigcal_status rigcal_transform_mean(rigcal_transform *mean,
     if (n < 1) {
         return RIGCAL_ERR_TOO_FEW;
     }
-    rigcal_status status =
-        (n > RC_COUNT_MAX) ? RIGCAL_ERR_RANGE : check_weights(weight, n);
+    rigcal_status status = (n > RC_COUNT_MAX) ? RIGCAL_ERR_RANGE : check_weights(weight, n);
     for (size_t i = 0; i < n && status == RIGCAL_OK; i++) {
         status = rc_check_transform(&transforms[i]);
     }
-    return (status == RIGCAL_OK) ? rc_transform_mean(mean, sigma_rad, sigma_t,
-                                                  transforms, weight, n)
-                                 : status;
+    return (status == RIGCAL_OK)
+               ? rc_transform_mean(mean, sigma_rad, sigma_t, transforms, weight, n)
+               : status;
 }

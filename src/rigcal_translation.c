@@ -9,10 +9,8 @@
 /* ---- translation --------------------------------------------------------- */
 
 /* Of bearing i: u = (x, y) and q = R (X - origin). */
-static void ray_and_turned(rigcal_real u[2], rigcal_real q[3],
-                           const rigcal_real R[9],
-                           const rigcal_bearing *bearing,
-                           const rigcal_real origin[3])
+static void ray_and_turned(rigcal_real u[2], rigcal_real q[3], const rigcal_real R[9],
+                           const rigcal_bearing *bearing, const rigcal_real origin[3])
 {
     rigcal_real x[3];
     u[0] = bearing->ray[0] / bearing->ray[2];
@@ -32,10 +30,8 @@ static void move_origin(rigcal_real t[3], const rigcal_real R[9],
 
 /* Least squares of  t_xy - u t_z = w,  w = u q_z - q_xy: with means taken out,
  *   t_z = -sum du.w / sum |du|^2,   t_xy = mean(w) + mean(u) t_z */
-rigcal_status rc_translation_least_squares(rigcal_real t[3],
-                                           const rigcal_real R[9],
-                                           const rigcal_bearing bearings[],
-                                           size_t n)
+rigcal_status rc_translation_least_squares(rigcal_real t[3], const rigcal_real R[9],
+                                           const rigcal_bearing bearings[], size_t n)
 {
     const rigcal_real *const origin = bearings[0].X_w;
     rigcal_real u[2], q[3], u_mean[2] = {0, 0}, w_mean[2] = {0, 0};
@@ -74,10 +70,8 @@ rigcal_status rc_translation_least_squares(rigcal_real t[3],
 
 /* ---- public -------------------------------------------------------------- */
 
-static rigcal_status check_translation(const rigcal_real t[3],
-                                       const rigcal_real R[9],
-                                       const rigcal_bearing bearings[],
-                                       size_t n)
+static rigcal_status check_translation(const rigcal_real t[3], const rigcal_real R[9],
+                                       const rigcal_bearing bearings[], size_t n)
 {
     if (t == NULL) {
         return RIGCAL_ERR_NULL;
@@ -89,10 +83,8 @@ static rigcal_status check_translation(const rigcal_real t[3],
     return (status == RIGCAL_OK && n < 2) ? RIGCAL_ERR_TOO_FEW : status;
 }
 
-rigcal_status rigcal_translation_least_squares(rigcal_real t[3],
-                                               const rigcal_real R[9],
-                                               const rigcal_bearing bearings[],
-                                               size_t n)
+rigcal_status rigcal_translation_least_squares(rigcal_real t[3], const rigcal_real R[9],
+                                               const rigcal_bearing bearings[], size_t n)
 {
     rigcal_real found[3];
     rigcal_status status = check_translation(t, R, bearings, n);
@@ -107,8 +99,8 @@ rigcal_status rigcal_translation_least_squares(rigcal_real t[3],
 
 /* (10a), (10b) of one pair: adds t_z of each coordinate that differs enough. */
 static void sum_depths(rigcal_real *sum, size_t *count, const rigcal_real R[9],
-                       const rigcal_bearing *first,
-                       const rigcal_bearing *second, const rigcal_real origin[3])
+                       const rigcal_bearing *first, const rigcal_bearing *second,
+                       const rigcal_real origin[3])
 {
     rigcal_real u_i[2], u_j[2], q_i[3], q_j[3];
     ray_and_turned(u_i, q_i, R, first, origin);
@@ -122,11 +114,9 @@ static void sum_depths(rigcal_real *sum, size_t *count, const rigcal_real R[9],
     }
 }
 
-rigcal_status rigcal_translation_from_pairs(rigcal_real t[3],
-                                            const rigcal_real R[9],
-                                            const rigcal_bearing bearings[],
-                                            size_t n, const rigcal_pair pairs[],
-                                            size_t n_pairs)
+rigcal_status rigcal_translation_from_pairs(rigcal_real t[3], const rigcal_real R[9],
+                                            const rigcal_bearing bearings[], size_t n,
+                                            const rigcal_pair pairs[], size_t n_pairs)
 {
     rigcal_status status = check_translation(t, R, bearings, n);
     if (status == RIGCAL_OK) {

@@ -21,8 +21,7 @@ enum { EVALS_MAX = 50 };
  * det is taken from the cross product: the difference of products cancels at
  * small parallax, which is where it decides. */
 static rigcal_status two_depths(rigcal_real depth_ab[2], rigcal_real *miss,
-                                const rigcal_transform *b_from_a,
-                                const rigcal_real m_a[3],
+                                const rigcal_transform *b_from_a, const rigcal_real m_a[3],
                                 const rigcal_real m_b[3])
 {
     const rigcal_real *const t_ba = b_from_a->t;
@@ -53,8 +52,7 @@ static rigcal_status two_depths(rigcal_real depth_ab[2], rigcal_real *miss,
 
 rigcal_status rigcal_depth_two_views(rigcal_real depth_ab[2], rigcal_real *miss,
                                      const rigcal_transform *b_from_a,
-                                     const rigcal_real ray_a[3],
-                                     const rigcal_real ray_b[3])
+                                     const rigcal_real ray_a[3], const rigcal_real ray_b[3])
 {
     if (depth_ab == NULL || miss == NULL || ray_a == NULL || ray_b == NULL) {
         return RIGCAL_ERR_NULL;
@@ -98,8 +96,7 @@ rigcal_status rigcal_depth_aligned(rigcal_real X_left[3], rigcal_real baseline,
     }
     const rigcal_real disparity = xy_left[0] - xy_right[0];
     const rigcal_real size = rc_max(RC_FABS(xy_left[0]), RC_FABS(xy_right[0]));
-    if (!(RC_FABS(disparity) >
-          rc_max(4 * RC_EPS * size, baseline / RC_COORDINATE_MAX))) {
+    if (!(RC_FABS(disparity) > rc_max(4 * RC_EPS * size, baseline / RC_COORDINATE_MAX))) {
         return RIGCAL_ERR_PARALLEL;
     }
     if (!(disparity > 0)) {
@@ -163,8 +160,7 @@ static rigcal_status nearest_to_rays(rigcal_real X[3], const sightings *v)
     for (size_t i = 0; i < v->n; i++) {
         const rigcal_transform *const T = &v->cams_from_world[i];
         rigcal_real ray[3], d[3], o[3];
-        const rigcal_status status =
-            rc_pixel_to_ray(ray, &v->cameras[i], &v->uv[2 * i]);
+        const rigcal_status status = rc_pixel_to_ray(ray, &v->cameras[i], &v->uv[2 * i]);
         if (status != RIGCAL_OK) {
             return status;
         }
@@ -200,8 +196,8 @@ static rigcal_status evaluate(rigcal_real *sum, triangulation *s, const sighting
         const rigcal_camera *const camera = &v->cameras[i];
         rigcal_real X_c[3], e[2], B[6];
         rc_transform_point(X_c, T, s->X);
-        const rigcal_status status = rc_residual(e, B, camera, rc_lens_is_pinhole(camera),
-                                                 &v->uv[2 * i], X_c);
+        const rigcal_status status =
+            rc_residual(e, B, camera, rc_lens_is_pinhole(camera), &v->uv[2 * i], X_c);
         if (status != RIGCAL_OK) {
             return status;
         }
@@ -300,10 +296,9 @@ rigcal_status rigcal_point_triangulate(rigcal_point *point, const rigcal_camera 
 
 /* ---- Section VI-C -------------------------------------------------------- */
 
-rigcal_status rigcal_point_bound(rigcal_real *bound,
-                                       const rigcal_transform *b_from_a_used,
-                                       const rigcal_transform *b_from_a_true,
-                                       const rigcal_real X_a[3])
+rigcal_status rigcal_point_bound(rigcal_real *bound, const rigcal_transform *b_from_a_used,
+                                 const rigcal_transform *b_from_a_true,
+                                 const rigcal_real X_a[3])
 {
     if (bound == NULL || b_from_a_true == NULL || X_a == NULL) {
         return RIGCAL_ERR_NULL;

@@ -88,7 +88,7 @@ static rigcal_status survey(rigcal_points *points, const rigcal_view *view,
     rc_points_of(points, view, NULL);
     status = rc_points_survey(points, uv_middle, &at);
     return (status == RIGCAL_ERR_COINCIDENT || status == RIGCAL_ERR_PRECISION) ? RIGCAL_OK
-                                                                              : status;
+                                                                               : status;
 }
 
 rigcal_status rigcal_pose_covariance(rigcal_pose_uncertainty *out, const rigcal_view *view,

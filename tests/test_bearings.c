@@ -15,7 +15,9 @@ static void test_observations_become_bearings_one_by_one(void)
 
     test_scene_seen(&scene, &camera, observations, 11);
     FILL(at_fault);
-    ASSERT_STATUS(RIGCAL_OK, rigcal_bearings_of_view(bearings, &at_fault, &VIEW(&camera, observations, NULL, 20)));
+    ASSERT_STATUS(RIGCAL_OK,
+                  rigcal_bearings_of_view(bearings, &at_fault,
+                                          &VIEW(&camera, observations, NULL, 20)));
     TEST_ASSERT_EQUAL_INT32(-1, at_fault);
     for (int i = 0; i < 20; i++) {
         const double exact[3] = {scene.xy[i][0], scene.xy[i][1], 1};
@@ -52,14 +54,16 @@ static void test_the_observation_at_fault_is_told(void)
         observations[i].uv[0] = 5000;
         at_fault = -7;
         ASSERT_REFUSED(RIGCAL_ERR_NO_RAY, bearings,
-                       rigcal_bearings_of_view(bearings, &at_fault, &VIEW(&camera, observations, NULL, 20)));
+                       rigcal_bearings_of_view(bearings, &at_fault,
+                                               &VIEW(&camera, observations, NULL, 20)));
         TEST_ASSERT_EQUAL_INT32(i, at_fault);
 
         memcpy(observations, good, sizeof good);
         observations[i].X_w[2] = TEST_NAN;
         at_fault = -7;
         ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, bearings,
-                       rigcal_bearings_of_view(bearings, &at_fault, &VIEW(&camera, observations, NULL, 20)));
+                       rigcal_bearings_of_view(bearings, &at_fault,
+                                               &VIEW(&camera, observations, NULL, 20)));
         TEST_ASSERT_EQUAL_INT32(i, at_fault);
     }
     camera.fx = -1;

@@ -121,8 +121,8 @@ static const char NEWTON[] = "solve_from", PROOF[] = "is_usable_between";
 
 static long ray_steps(const char *function, int32_t lens, const lens_case *l)
 {
-    const double v[15] = {lens, 640, 480, 1, 1, 0, 0, l->k[0], l->k[1],
-                          l->k[3], l->k[4], l->k[2]};
+    const double v[15] = {lens, 640,     480,     1,       1,       0,
+                          0,    l->k[0], l->k[1], l->k[3], l->k[4], l->k[2]};
     const rigcal_camera camera = test_camera(v);
     rigcal_real uv[2], ray[3];
 
@@ -137,13 +137,12 @@ static lens_case random_lens(test_rng *rng, int32_t lens)
     lens_case l = {{0}, {0}};
 
     for (int i = 0; i < 5; i++) {
-        l.k[i] = (i < 3) ? test_uniform(rng, -0.5, 0.5)
+        l.k[i] = (i < 3)                       ? test_uniform(rng, -0.5, 0.5)
                  : (lens == RIGCAL_LENS_BROWN) ? test_uniform(rng, -0.01, 0.01)
                                                : 0;
     }
     l.uv[0] = test_uniform(rng, 0, 1.5);
-    l.uv[1] = (test_next(rng) % 2) ? test_uniform(rng, -1, 1)
-                                   : anything(rng, -30, 0);
+    l.uv[1] = (test_next(rng) % 2) ? test_uniform(rng, -1, 1) : anything(rng, -30, 0);
     return l;
 }
 
@@ -216,14 +215,12 @@ static void test_a_projection_takes_at_most_one_such_proof(void)
 {
     static const double CREEP[2][4] = {
         {2.7738321057003175, 0, 0.48327839051926169, 2.6068236704425982},
-        {2.5882822884732257, 0.091947163839681934, 2.7528422509227464,
-         1.8089854563414371}};
+        {2.5882822884732257, 0.091947163839681934, 2.7528422509227464, 1.8089854563414371}};
     long largest = 0;
 
     for (int i = 0; i < 2; i++) {
         const double *const c = CREEP[i];
-        const double v[15] = {RIGCAL_LENS_BROWN, 640, 480, 1, 1, 0, 0, 0, 0, c[0], 0,
-                              c[1]};
+        const double v[15] = {RIGCAL_LENS_BROWN, 640, 480, 1, 1, 0, 0, 0, 0, c[0], 0, c[1]};
         const rigcal_camera camera = test_camera(v);
         const rigcal_real X_c[3] = {RC(c[3] * cos(c[2])), RC(c[3] * sin(c[2])), 1};
         rigcal_real uv[2];
@@ -242,11 +239,10 @@ static void test_a_pixel_usually_takes_one_solve_of_3_to_6_and_a_proof_of_1_to_3
     int many = 0, long_proofs = 0;
 
     for (int trial = 0; trial < 10000; trial++) {
-        const lens_case l = {{test_uniform(&rng, -0.3, 0.1), test_uniform(&rng, 0, 0.1),
-                              0, test_uniform(&rng, -1e-3, 1e-3),
-                              test_uniform(&rng, -1e-3, 1e-3)},
-                             {test_uniform(&rng, -0.4, 0.4),
-                              test_uniform(&rng, -0.3, 0.3)}};
+        const lens_case l = {
+            {test_uniform(&rng, -0.3, 0.1), test_uniform(&rng, 0, 0.1), 0,
+             test_uniform(&rng, -1e-3, 1e-3), test_uniform(&rng, -1e-3, 1e-3)},
+            {test_uniform(&rng, -0.4, 0.4), test_uniform(&rng, -0.3, 0.3)}};
         const long steps = ray_steps(NEWTON, RIGCAL_LENS_BROWN, &l);
         const long proof = ray_steps(PROOF, RIGCAL_LENS_BROWN, &l);
 
@@ -269,8 +265,7 @@ typedef struct {
 } views;
 
 /* One point seen by n cameras side by side, with so much noise [px]. */
-static void random_views(views *v, size_t n, double noise_px, double nearest,
-                         test_rng *rng)
+static void random_views(views *v, size_t n, double noise_px, double nearest, test_rng *rng)
 {
     double X[3];
 
@@ -444,13 +439,13 @@ static void test_neldermead_spends_max_evals_and_no_more(void)
 /* ---- hostile scenes ------------------------------------------------------ */
 
 enum {
-    NOISE,      /* 0.3 px */
-    NONSENSE,   /* 30 px */
-    MIRRORED,   /* the target, Z to -Z */
-    NEEDLE,     /* nearly on a line, 1 px */
-    ANY_PIXEL,  /* of the image */
-    GARBAGE,    /* of all sizes */
-    BENT,       /* 10 px through a lens that folds */
+    NOISE,     /* 0.3 px */
+    NONSENSE,  /* 30 px */
+    MIRRORED,  /* the target, Z to -Z */
+    NEEDLE,    /* nearly on a line, 1 px */
+    ANY_PIXEL, /* of the image */
+    GARBAGE,   /* of all sizes */
+    BENT,      /* 10 px through a lens that folds */
     KINDS
 };
 enum { POINTS_MAX = 40 };
@@ -514,11 +509,12 @@ static long paper_evals(const scene *s, const rigcal_paper_options *options)
 
     if (rigcal_bearings_of_view(bearings, NULL, &VIEW(&s->camera, s->o, NULL, s->n)) !=
             RIGCAL_OK ||
-        rigcal_pairs_choose(pairs, RIGCAL_PAIRS_FOR(POINTS_MAX), &n_pairs, bearings, s->n) != RIGCAL_OK) {
+        rigcal_pairs_choose(pairs, RIGCAL_PAIRS_FOR(POINTS_MAX), &n_pairs, bearings,
+                            s->n) != RIGCAL_OK) {
         return 0;
     }
-    ASSERT_STATUS(RIGCAL_OK, rigcal_paper_begin(&solver, bearings, s->n, pairs, n_pairs,
-                                                options));
+    ASSERT_STATUS(RIGCAL_OK,
+                  rigcal_paper_begin(&solver, bearings, s->n, pairs, n_pairs, options));
     while (rigcal_paper_step(&solver, 1) == RIGCAL_RUNNING) {
         units++;
     }
@@ -568,7 +564,8 @@ static int pose_units(const scene *s, const rigcal_pose_options *options)
     rigcal_pose_solver solver;
     int units = 1;
 
-    if (rigcal_pose_begin(&solver, NULL, &VIEW(&s->camera, s->o, NULL, s->n), options) < 0) {
+    if (rigcal_pose_begin(&solver, NULL, &VIEW(&s->camera, s->o, NULL, s->n), options) <
+        0) {
         return 0;
     }
     while (rigcal_pose_step(&solver, 1) == RIGCAL_RUNNING) {
@@ -690,16 +687,16 @@ static long robust_units(uint64_t seed, int kind)
     ASSERT_STATUS(RIGCAL_OK, rigcal_robust_defaults(&options));
     options.samples = SAMPLES;
     options.threshold_px = RC(test_uniform(&rng, 1, 100));
-    if (rigcal_robust_begin(&solver, inliers, NULL, &VIEW(&s.camera, s.o, NULL, s.n), &options) < 0) {
+    if (rigcal_robust_begin(&solver, inliers, NULL, &VIEW(&s.camera, s.o, NULL, s.n),
+                            &options) < 0) {
         return 0;
     }
     while (rigcal_robust_step(&solver, 1) == RIGCAL_RUNNING) {
         units++;
     }
     TEST_ASSERT_LESS_OR_EQUAL_INT(SAMPLES, solver.tried);
-    TEST_ASSERT_LESS_OR_EQUAL_INT((s.camera.k1 < 0 ? 7 : 5) * SAMPLES + 9 +
-                                      9 * most_units(&s),
-                                  units);
+    TEST_ASSERT_LESS_OR_EQUAL_INT(
+        (s.camera.k1 < 0 ? 7 : 5) * SAMPLES + 9 + 9 * most_units(&s), units);
     return units;
 }
 
@@ -737,11 +734,13 @@ static void test_a_diagnosis_solves_n_plus_1_to_n_plus_3_poses(void)
         hostile_scene(&s, trial % KINDS, 5 + trial % 9, &rng);
         const int n = (int)s.n;
         watch("rc_pixel_to_ray", HOOK_FABS);
-        ASSERT_STATUS(RIGCAL_OK, rigcal_pose_blame(&blame, rms_without, &VIEW(&s.camera, s.o, NULL, s.n), NULL));
+        ASSERT_STATUS(RIGCAL_OK, rigcal_pose_blame(&blame, rms_without,
+                                                   &VIEW(&s.camera, s.o, NULL, s.n), NULL));
         TEST_ASSERT_EQUAL_INT((n + 1) + n * n, watched.count);
         watch("rc_pixel_to_ray", HOOK_FABS);
         ASSERT_STATUS(RIGCAL_OK,
-                      rigcal_pose_diagnose(&diagnosis, rms_without, &VIEW(&s.camera, s.o, NULL, s.n), NULL));
+                      rigcal_pose_diagnose(&diagnosis, rms_without,
+                                           &VIEW(&s.camera, s.o, NULL, s.n), NULL));
         TEST_ASSERT_EQUAL_INT(3 * (n + 1) + n * n, watched.count);
     }
 }

@@ -22,8 +22,7 @@ static void test_points_are_projected_by_the_formulas_of_the_header(void)
             test_polar at;
 
             at = test_polar_at(0, test_uniform(&rng, -TEST_PI, TEST_PI));
-            at.out =
-                test_turning_point(&camera, at, 2) * test_uniform(&rng, 0, 0.98);
+            at.out = test_turning_point(&camera, at, 2) * test_uniform(&rng, 0, 0.98);
             test_polar_ray(X, &camera, at);
             for (int k = 0; k < 3; k++) {
                 X_real[k] = RC(X[k] * Z);
@@ -53,8 +52,7 @@ static void test_the_derivative_of_a_pixel_is_that_of_the_formulas(void)
             rigcal_real X_c[3], uv[2], J_uv[6];
             test_polar at = test_polar_at(0, test_uniform(&rng, -TEST_PI, TEST_PI));
 
-            at.out =
-                test_turning_point(&camera, at, 2) * test_uniform(&rng, 0, 0.95);
+            at.out = test_turning_point(&camera, at, 2) * test_uniform(&rng, 0, 0.95);
             if (trial == 0) {
                 at.out = 0; /* on the axis itself */
             }
@@ -74,13 +72,11 @@ static void test_the_derivative_of_a_pixel_is_that_of_the_formulas(void)
                 X[k] = here;
                 for (int j = 0; j < 2; j++) {
                     J[3 * j + k] = (more[j] - less[j]) / (2 * h);
-                    largest = fabs(J[3 * j + k]) > largest ? fabs(J[3 * j + k])
-                                                           : largest;
+                    largest = fabs(J[3 * j + k]) > largest ? fabs(J[3 * j + k]) : largest;
                 }
             }
-            ASSERT_STATUS(RIGCAL_OK,
-                          rc_project_through(uv, J_uv, &camera, rc_lens_is_pinhole(&camera),
-                                             X_c));
+            ASSERT_STATUS(RIGCAL_OK, rc_project_through(uv, J_uv, &camera,
+                                                        rc_lens_is_pinhole(&camera), X_c));
             ASSERT_ARRAY_NEAR(J, J_uv, 6, TOL(1e-6, 1e-3) * largest);
         }
     }
@@ -141,8 +137,7 @@ static void test_undistorted_pixels_are_those_of_the_pinhole_and_go_back(void)
             test_polar at;
 
             at = test_polar_at(0, test_uniform(&rng, -TEST_PI, TEST_PI));
-            at.out =
-                test_turning_point(&camera, at, 1.4) * test_uniform(&rng, 0, 0.98);
+            at.out = test_turning_point(&camera, at, 1.4) * test_uniform(&rng, 0, 0.98);
             test_polar_ray(X_c, &camera, at);
             test_project_px(exact, &camera, X_c);
             if (!test_is_in_reach(&camera, exact)) {
@@ -185,8 +180,8 @@ static void test_a_fisheye_ray_at_90_degrees_has_no_undistorted_pixel(void)
 static void test_pixels_without_a_ray_are_not_undistorted_either(void)
 {
     /* 1 - 3 * 0.4 r^2 = 0 at r = 0.91287, imaged 304.3 pixels off. */
-    const test_lens_row row = {"",   RIGCAL_LENS_BROWN, 1280, 960, 500, 500, 640, 480,
-                          -0.4, 0,     0,    0,   0,   0,   0,   0};
+    const test_lens_row row = {
+        "", RIGCAL_LENS_BROWN, 1280, 960, 500, 500, 640, 480, -0.4, 0, 0, 0, 0, 0, 0, 0};
     const rigcal_camera camera = test_lens_camera(&row);
     const rigcal_real inside[2] = {640, 480 - 304};
     const rigcal_real outside[2] = {640 + 305, 480};
@@ -195,12 +190,9 @@ static void test_pixels_without_a_ray_are_not_undistorted_either(void)
     rigcal_real uv[2], ray[3];
 
     ASSERT_STATUS(RIGCAL_OK, rigcal_camera_undistort(uv, &camera, inside));
-    ASSERT_STATUS(RIGCAL_OK,
-                  rigcal_camera_distort(uv, &camera, straight_inside));
-    ASSERT_REFUSED(RIGCAL_ERR_NO_RAY, ray,
-                   rigcal_camera_ray(ray, &camera, outside));
-    ASSERT_REFUSED(RIGCAL_ERR_NO_RAY, uv,
-                   rigcal_camera_undistort(uv, &camera, outside));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_camera_distort(uv, &camera, straight_inside));
+    ASSERT_REFUSED(RIGCAL_ERR_NO_RAY, ray, rigcal_camera_ray(ray, &camera, outside));
+    ASSERT_REFUSED(RIGCAL_ERR_NO_RAY, uv, rigcal_camera_undistort(uv, &camera, outside));
     ASSERT_REFUSED(RIGCAL_ERR_NO_RAY, uv,
                    rigcal_camera_distort(uv, &camera, straight_outside));
 }
@@ -219,8 +211,7 @@ static void test_what_is_not_in_front_is_not_imaged(void)
         test_to_real(X_c, places[i], 3);
         ASSERT_REFUSED(RIGCAL_ERR_BEHIND, uv, rigcal_camera_project(uv, &camera, X_c));
     }
-    ASSERT_REFUSED(RIGCAL_ERR_DEGENERATE, uv,
-                   rigcal_camera_project(uv, &camera, centre));
+    ASSERT_REFUSED(RIGCAL_ERR_DEGENERATE, uv, rigcal_camera_project(uv, &camera, centre));
 }
 
 static void test_a_fisheye_sees_behind_itself_but_not_its_own_centre(void)
@@ -236,8 +227,7 @@ static void test_a_fisheye_sees_behind_itself_but_not_its_own_centre(void)
     ASSERT_ARRAY_NEAR(quarter, uv, 2, TOL(1e-10, 1e-3));
     ASSERT_STATUS(RIGCAL_OK, rigcal_camera_project(uv, &camera, behind));
     ASSERT_ARRAY_NEAR(back, uv, 2, TOL(1e-10, 1e-3));
-    ASSERT_REFUSED(RIGCAL_ERR_DEGENERATE, uv,
-                   rigcal_camera_project(uv, &camera, centre));
+    ASSERT_REFUSED(RIGCAL_ERR_DEGENERATE, uv, rigcal_camera_project(uv, &camera, centre));
 }
 
 /* A point 180 degrees off the axis would be imaged on a whole circle. */
@@ -250,8 +240,7 @@ static void test_a_fisheye_does_not_see_straight_back(void)
 
     FILL(uv);
     status = rigcal_camera_project(uv, &camera, back);
-    TEST_ASSERT_TRUE(status == RIGCAL_ERR_BEHIND ||
-                     status == RIGCAL_ERR_NO_RAY);
+    TEST_ASSERT_TRUE(status == RIGCAL_ERR_BEHIND || status == RIGCAL_ERR_NO_RAY);
     ASSERT_UNTOUCHED(uv);
 }
 
@@ -324,7 +313,8 @@ static void test_the_error_of_exact_pixels_is_zero(void)
     test_scene_seen(&scene, &camera, observations, 13);
     cam_from_world = test_transform(scene.R, scene.t);
     ASSERT_STATUS(RIGCAL_OK,
-                  rigcal_view_rms(&rms, NULL, &VIEW(&camera, observations, NULL, 20), &cam_from_world));
+                  rigcal_view_rms(&rms, NULL, &VIEW(&camera, observations, NULL, 20),
+                                  &cam_from_world));
     ASSERT_NEAR(0, rms, TOL(1e-10, 1e-3));
 }
 
@@ -356,7 +346,9 @@ static void test_the_error_is_the_root_of_the_mean_squared_distance(void)
                 expected_worst = (int32_t)i;
             }
         }
-        ASSERT_STATUS(RIGCAL_OK, rigcal_view_rms(&rms, &worst, &VIEW(&camera, observations, NULL, n), &cam_from_world));
+        ASSERT_STATUS(RIGCAL_OK,
+                      rigcal_view_rms(&rms, &worst, &VIEW(&camera, observations, NULL, n),
+                                      &cam_from_world));
         ASSERT_NEAR(sqrt(sum / (double)n), rms, TOL(1e-9, 2e-3));
         TEST_ASSERT_EQUAL_INT32(expected_worst, worst);
     }
@@ -385,7 +377,8 @@ static void test_no_error_is_told_of_points_that_cannot_be_seen(void)
         observations[8].X_w[k] = RC(o);
     }
     ASSERT_REFUSED(RIGCAL_ERR_BEHIND, rms,
-                   rigcal_view_rms(&rms, &worst, &VIEW(&camera, observations, NULL, 20), &cam_from_world));
+                   rigcal_view_rms(&rms, &worst, &VIEW(&camera, observations, NULL, 20),
+                                   &cam_from_world));
     ASSERT_UNTOUCHED(worst);
     camera.k1 = RC(-0.4);
     camera.k2 = camera.k3 = 0;
@@ -393,15 +386,13 @@ static void test_no_error_is_told_of_points_that_cannot_be_seen(void)
         double o = 0;
 
         for (int j = 0; j < 3; j++) {
-            o += scene.R[3 * j + k] * ((j == 2   ? 1
-                                        : j == 0 ? 3
-                                                 : 0) -
-                                       scene.t[j]);
+            o += scene.R[3 * j + k] * ((j == 2 ? 1 : j == 0 ? 3 : 0) - scene.t[j]);
         }
         observations[8].X_w[k] = RC(o);
     }
     ASSERT_REFUSED(RIGCAL_ERR_NO_RAY, rms,
-                   rigcal_view_rms(&rms, &worst, &VIEW(&camera, observations, NULL, 20), &cam_from_world));
+                   rigcal_view_rms(&rms, &worst, &VIEW(&camera, observations, NULL, 20),
+                                   &cam_from_world));
     ASSERT_UNTOUCHED(worst);
 }
 

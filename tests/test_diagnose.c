@@ -52,13 +52,15 @@ static rigcal_pose_options stated(double sigma_px)
 static void blame(problem *p, const rigcal_pose_options *options)
 {
     ASSERT_STATUS(RIGCAL_OK,
-                  rigcal_pose_blame(&p->blame, p->rms_without, &VIEW(&p->camera, p->o, NULL, (size_t)p->n), options));
+                  rigcal_pose_blame(&p->blame, p->rms_without,
+                                    &VIEW(&p->camera, p->o, NULL, (size_t)p->n), options));
 }
 
 static int diagnose(problem *p, const rigcal_pose_options *options)
 {
-    ASSERT_STATUS(RIGCAL_OK,
-                  rigcal_pose_diagnose(&p->diagnosis, p->rms_without, &VIEW(&p->camera, p->o, NULL, (size_t)p->n), options));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_pose_diagnose(
+                                 &p->diagnosis, p->rms_without,
+                                 &VIEW(&p->camera, p->o, NULL, (size_t)p->n), options));
     return p->diagnosis.verdict;
 }
 
@@ -144,7 +146,8 @@ static void test_numbers_are_those_of_the_fits(void)
         make(&p, &rng, 7, TEST_GENERAL);
         spoil(&p, &rng, 2, 6);
         blame(&p, options);
-        TEST_ASSERT_TRUE(rigcal_pose_solve(&pose, 1, &n_found, NULL, &VIEW(&p.camera, p.o, NULL, 7), options) >= 0);
+        TEST_ASSERT_TRUE(rigcal_pose_solve(&pose, 1, &n_found, NULL,
+                                           &VIEW(&p.camera, p.o, NULL, 7), options) >= 0);
         ASSERT_NEAR(pose.rms_px, p.blame.rms_px, 1e-6);
         all = D(pose.sse);
         for (int i = 0; i < 7; i++) {
@@ -152,7 +155,9 @@ static void test_numbers_are_those_of_the_fits(void)
 
             memcpy(left, p.o, sizeof left);
             memmove(&left[i], &left[i + 1], (size_t)(6 - i) * sizeof left[0]);
-            TEST_ASSERT_TRUE(rigcal_pose_solve(&pose, 1, &n_found, NULL, &VIEW(&p.camera, left, NULL, 6), options) >= 0);
+            TEST_ASSERT_TRUE(rigcal_pose_solve(&pose, 1, &n_found, NULL,
+                                               &VIEW(&p.camera, left, NULL, 6),
+                                               options) >= 0);
             ASSERT_NEAR(pose.rms_px, p.rms_without[i], TOL(1e-6, 1e-2));
             rest[i] = D(pose.sse);
             best = fmin(best, rest[i]);

@@ -94,8 +94,7 @@ static double cost_of(const target *T, const double m3[3])
 }
 
 /* What the cost stands for: sum of w |z u - q_xy|^2 at a pose. */
-static double object_space_sum(const target *T, const double R[9],
-                               const double t[3])
+static double object_space_sum(const target *T, const double R[9], const double t[3])
 {
     double sum = 0;
 
@@ -132,8 +131,7 @@ static double best_translation(double t[3], const target *T, const double R[9])
             uv += T->w[i] * T->u[i][k] * f;
         }
     }
-    t[2] = -(uv - (u[0] * v[0] + u[1] * v[1]) / w) /
-           (uu - (u[0] * u[0] + u[1] * u[1]) / w);
+    t[2] = -(uv - (u[0] * v[0] + u[1] * v[1]) / w) / (uu - (u[0] * u[0] + u[1] * u[1]) / w);
     t[0] = (v[0] + u[0] * t[2]) / w;
     t[1] = (v[1] + u[1] * t[2]) / w;
     return object_space_sum(T, R, t);
@@ -356,8 +354,7 @@ static void test_the_cost_goes_with_the_unit_and_the_frame_of_the_target(void)
         }
         take_moments(&T);
         if (cost < 1e30) {
-            ASSERT_NEAR(cost, cost_of(&T, turned) / (scale * scale),
-                        TOL_COST * T.trace);
+            ASSERT_NEAR(cost, cost_of(&T, turned) / (scale * scale), TOL_COST * T.trace);
         }
     }
 }

@@ -24,8 +24,8 @@ static void test_pairs_and_their_residuals_are_the_oracles(void)
         rigcal_real R[9], e;
 
         test_golden_scene(s, ypr, wrong, k);
-        ASSERT_STATUS(RIGCAL_OK, rigcal_pair_make(&pair, s, 6, (int32_t)v[0],
-                                                  (int32_t)v[1]));
+        ASSERT_STATUS(RIGCAL_OK,
+                      rigcal_pair_make(&pair, s, 6, (int32_t)v[0], (int32_t)v[1]));
         ASSERT_ARRAY_NEAR(v + 2, pair.normal, 3, TOL_FORMULA);
         ASSERT_ARRAY_NEAR(v + 5, pair.offset, 3, TOL_FORMULA);
         test_rotation_of(R, wrong);
@@ -47,8 +47,8 @@ static void test_the_residual_vanishes_at_the_true_rotation(void)
         test_bearings(s, &scene);
         test_to_real(R, scene.R, 9);
         for (int i = 1; i < 8; i++) {
-            const double apart = hypot(scene.xy[i][0] - scene.xy[0][0],
-                                       scene.xy[i][1] - scene.xy[0][1]);
+            const double apart =
+                hypot(scene.xy[i][0] - scene.xy[0][0], scene.xy[i][1] - scene.xy[0][1]);
             rigcal_pair pair;
             rigcal_real e;
 
@@ -70,37 +70,30 @@ static void test_a_residual_of_what_is_no_pair_or_rotation_is_refused(void)
     rigcal_real M[9], e;
 
     ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_pair_residual(NULL, &good, IDENTITY));
-    ASSERT_REFUSED(RIGCAL_ERR_NULL, e,
-                   rigcal_pair_residual(&e, NULL, IDENTITY));
+    ASSERT_REFUSED(RIGCAL_ERR_NULL, e, rigcal_pair_residual(&e, NULL, IDENTITY));
     ASSERT_REFUSED(RIGCAL_ERR_NULL, e, rigcal_pair_residual(&e, &good, NULL));
     for (int k = 0; k < 3; k++) {
         rigcal_pair bad = good;
 
         bad.normal[k] = TEST_NAN;
-        ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, e,
-                       rigcal_pair_residual(&e, &bad, IDENTITY));
+        ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, e, rigcal_pair_residual(&e, &bad, IDENTITY));
         bad = good;
         bad.offset[k] = TEST_INF;
-        ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, e,
-                       rigcal_pair_residual(&e, &bad, IDENTITY));
+        ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, e, rigcal_pair_residual(&e, &bad, IDENTITY));
     }
     for (int k = 0; k < 4; k++) { /* not of unit length */
-        static const double lengths[4][2] = {
-            {2, 1}, {1, -1.5}, {0.9, 1}, {1, 0}};
-        const rigcal_pair bad =
-            test_pair_of(lengths[k][0], 0, 0, 0, lengths[k][1], 0);
+        static const double lengths[4][2] = {{2, 1}, {1, -1.5}, {0.9, 1}, {1, 0}};
+        const rigcal_pair bad = test_pair_of(lengths[k][0], 0, 0, 0, lengths[k][1], 0);
         const rigcal_real angles[2] = {0, 0};
         rigcal_real pqk[3];
 
-        ASSERT_REFUSED(RIGCAL_ERR_RANGE, e,
-                       rigcal_pair_residual(&e, &bad, IDENTITY));
+        ASSERT_REFUSED(RIGCAL_ERR_RANGE, e, rigcal_pair_residual(&e, &bad, IDENTITY));
         ASSERT_REFUSED(RIGCAL_ERR_RANGE, pqk,
                        rigcal_pair_coefficients(pqk, &bad, RIGCAL_YAW, angles));
     }
     memcpy(M, IDENTITY, sizeof M);
     M[5] = TEST_NAN;
-    ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, e,
-                   rigcal_pair_residual(&e, &good, M));
+    ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, e, rigcal_pair_residual(&e, &good, M));
     M[5] = RC(0.5);
     ASSERT_REFUSED(RIGCAL_ERR_ROTATION, e, rigcal_pair_residual(&e, &good, M));
 }
@@ -115,17 +108,14 @@ static void test_coefficients_are_the_oracles(void)
         rigcal_pair pair;
 
         test_golden_scene(s, ypr, wrong, k);
-        ASSERT_STATUS(RIGCAL_OK,
-                      rigcal_pair_make(&pair, s, 6, (int32_t)PAIR_TERMS[k][0],
-                                       (int32_t)PAIR_TERMS[k][1]));
+        ASSERT_STATUS(RIGCAL_OK, rigcal_pair_make(&pair, s, 6, (int32_t)PAIR_TERMS[k][0],
+                                                  (int32_t)PAIR_TERMS[k][1]));
         for (int which = RIGCAL_YAW; which <= RIGCAL_ROLL; which++) {
             rigcal_real angles[2], pqk[3];
 
             test_other_two(angles, wrong, which);
-            ASSERT_STATUS(RIGCAL_OK,
-                          rigcal_pair_coefficients(pqk, &pair, which, angles));
-            ASSERT_ARRAY_NEAR(PAIR_COEFFICIENTS[k] + 3 * which, pqk, 3,
-                              TOL_FORMULA);
+            ASSERT_STATUS(RIGCAL_OK, rigcal_pair_coefficients(pqk, &pair, which, angles));
+            ASSERT_ARRAY_NEAR(PAIR_COEFFICIENTS[k] + 3 * which, pqk, 3, TOL_FORMULA);
         }
     }
 }
@@ -149,12 +139,10 @@ static void test_coefficients_give_the_residual_at_any_angle(void)
         }
         test_rotation_of(R, ypr);
         test_other_two(angles, ypr, which);
-        ASSERT_STATUS(RIGCAL_OK,
-                      rigcal_pair_coefficients(pqk, &pair, which, angles));
+        ASSERT_STATUS(RIGCAL_OK, rigcal_pair_coefficients(pqk, &pair, which, angles));
         ASSERT_STATUS(RIGCAL_OK, rigcal_pair_residual(&e, &pair, R));
         ASSERT_NEAR(e,
-                    D(pqk[0]) * cos(ypr[which]) + D(pqk[1]) * sin(ypr[which]) +
-                        D(pqk[2]),
+                    D(pqk[0]) * cos(ypr[which]) + D(pqk[1]) * sin(ypr[which]) + D(pqk[2]),
                     TOL(2e-15, 1e-6));
     }
 }
@@ -173,8 +161,7 @@ static void test_an_elimination_on_paper(void)
     const double tol = TOL(1e-15, 1e-6);
     rigcal_elimination out;
 
-    ASSERT_STATUS(RIGCAL_OK,
-                  rigcal_pairs_eliminate(&out, pairs, 3, 2, RIGCAL_YAW, angles));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_pairs_eliminate(&out, pairs, 3, 2, RIGCAL_YAW, angles));
     ASSERT_NEAR(0.5625, out.cosine, tol);
     ASSERT_NEAR(0.5625, out.sine, tol);
     ASSERT_NEAR(TEST_PI / 4, out.angle, tol);
@@ -184,12 +171,11 @@ static void test_an_elimination_on_paper(void)
 
     /* By least squares the third is in A as a row of zeros, which changes
      * nothing; but now the first two count, each 0.64 cos 45 - 0.36. */
-    ASSERT_STATUS(RIGCAL_OK,
-                  rigcal_pairs_eliminate(&out, pairs, 3, 0, RIGCAL_YAW, angles));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_pairs_eliminate(&out, pairs, 3, 0, RIGCAL_YAW, angles));
     ASSERT_NEAR(0.5625, out.cosine, tol);
     ASSERT_NEAR(0.5625, out.sine, tol);
-    ASSERT_NEAR(2 - 2 * 0.5625 * 0.5625 + 2 * (0.64 * sqrt(0.5) - 0.36),
-                out.residual, 4 * tol);
+    ASSERT_NEAR(2 - 2 * 0.5625 * 0.5625 + 2 * (0.64 * sqrt(0.5) - 0.36), out.residual,
+                4 * tol);
 }
 
 /* A = [0.36 0; 0 0.48]: cond 4/3. */
@@ -203,12 +189,10 @@ static void test_the_condition_is_that_of_the_spectral_norm(void)
     const rigcal_real angles[2] = {0, 0};
     rigcal_elimination out;
 
-    ASSERT_STATUS(RIGCAL_OK,
-                  rigcal_pairs_eliminate(&out, pairs, 3, 2, RIGCAL_YAW, angles));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_pairs_eliminate(&out, pairs, 3, 2, RIGCAL_YAW, angles));
     ASSERT_NEAR(4.0 / 3, out.condition, TOL(1e-14, 1e-5));
     /* All three: columns (0.36, 0, 0.6) and (0, 0.48, 0), still orthogonal. */
-    ASSERT_STATUS(RIGCAL_OK,
-                  rigcal_pairs_eliminate(&out, pairs, 3, 0, RIGCAL_YAW, angles));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_pairs_eliminate(&out, pairs, 3, 0, RIGCAL_YAW, angles));
     ASSERT_NEAR(sqrt(0.4896) / 0.48, out.condition, TOL(1e-14, 1e-5));
 }
 
@@ -242,9 +226,8 @@ static void test_half_a_turn_is_eliminated_as_plus_pi(void)
         rigcal_elimination out;
 
         for (int32_t pairs_used = 0; pairs_used <= 2; pairs_used += 2) {
-            ASSERT_STATUS(RIGCAL_OK,
-                          rigcal_pairs_eliminate(&out, pairs, 3, pairs_used,
-                                           RIGCAL_YAW, angles));
+            ASSERT_STATUS(RIGCAL_OK, rigcal_pairs_eliminate(&out, pairs, 3, pairs_used,
+                                                            RIGCAL_YAW, angles));
             ASSERT_NEAR(TEST_PI, out.angle, TOL(1e-15, 1e-6));
             ASSERT_NEAR(-1, out.cosine, TOL(1e-15, 1e-6));
         }
@@ -253,31 +236,26 @@ static void test_half_a_turn_is_eliminated_as_plus_pi(void)
 
 /* c and s are known to cond(A) times rounding, times their own size; (15) has
  * squares of them. Said so in the tolerance, and no more. */
-static void assert_elimination(const double expected[6],
-                               const rigcal_elimination *seen)
+static void assert_elimination(const double expected[6], const rigcal_elimination *seen)
 {
     const double size = hypot(expected[1], expected[2]);
     const double tol = TOL(1e-14, 2e-6) * expected[3] * (1 + size);
     double turn = D(seen->angle) - expected[0];
 
     turn -= 2 * TEST_PI * floor(turn / (2 * TEST_PI) + 0.5);
-    TEST_ASSERT_TRUE(D(seen->angle) <= D(RC(TEST_PI)) &&
-                     D(seen->angle) > -D(RC(TEST_PI)));
+    TEST_ASSERT_TRUE(D(seen->angle) <= D(RC(TEST_PI)) && D(seen->angle) > -D(RC(TEST_PI)));
     ASSERT_NEAR(0, turn, tol / size);
     ASSERT_NEAR(expected[1], seen->cosine, tol);
     ASSERT_NEAR(expected[2], seen->sine, tol);
     /* A singular value is known to rounding; the least is cond times
      * smaller. */
-    ASSERT_NEAR(expected[3], seen->condition,
-                TOL(1e-14, 2e-6) * expected[3] * expected[3]);
+    ASSERT_NEAR(expected[3], seen->condition, TOL(1e-14, 2e-6) * expected[3] * expected[3]);
     ASSERT_NEAR(expected[4], seen->unit, tol * 2 * (1 + size));
     /* Up to 15 residuals follow the angle. */
-    ASSERT_NEAR(expected[5], seen->residual,
-                tol * 2 * (1 + size) + 15 * tol / size);
+    ASSERT_NEAR(expected[5], seen->residual, tol * 2 * (1 + size) + 15 * tol / size);
 }
 
-static void check_golden_eliminations(const double golden[][18],
-                                      int32_t pairs_used)
+static void check_golden_eliminations(const double golden[][18], int32_t pairs_used)
 {
     int well_conditioned = 0;
 
@@ -298,14 +276,12 @@ static void check_golden_eliminations(const double golden[][18],
                 continue; /* as good as singular */
             }
             test_other_two(angles, wrong, which);
-            ASSERT_STATUS(RIGCAL_OK,
-                          rigcal_pairs_eliminate(&out, pairs, (size_t)n_pairs,
-                                           pairs_used, which, angles));
+            ASSERT_STATUS(RIGCAL_OK, rigcal_pairs_eliminate(&out, pairs, (size_t)n_pairs,
+                                                            pairs_used, which, angles));
             assert_elimination(expected, &out);
             if (expected[3] < 20) { /* the plain promise */
                 well_conditioned++;
-                ASSERT_NEAR(expected[5], out.residual,
-                            TOL_FORMULA * fmax(1, expected[5]));
+                ASSERT_NEAR(expected[5], out.residual, TOL_FORMULA * fmax(1, expected[5]));
             }
         }
     }
@@ -335,7 +311,8 @@ static void test_elimination_finds_the_true_angle_of_perfect_images(void)
 
         test_scene_random(&scene, &rng, 3 + trial % 4, TEST_GENERAL);
         test_bearings(s, &scene);
-        ASSERT_STATUS(RIGCAL_OK, rigcal_pairs_choose(pairs, 15, &n_pairs, s, (size_t)scene.n));
+        ASSERT_STATUS(RIGCAL_OK,
+                      rigcal_pairs_choose(pairs, 15, &n_pairs, s, (size_t)scene.n));
         for (int which = RIGCAL_YAW; which <= RIGCAL_ROLL; which++) {
             for (int32_t pairs_used = 0; pairs_used <= 2; pairs_used += 2) {
                 rigcal_real angles[2];
@@ -344,10 +321,9 @@ static void test_elimination_finds_the_true_angle_of_perfect_images(void)
                 double tol, turn;
 
                 test_other_two(angles, scene.ypr, which);
-                status = rigcal_pairs_eliminate(&out, pairs, n_pairs, pairs_used,
-                                          which, angles);
-                if (status == RIGCAL_ERR_DEGENERATE ||
-                    D(out.condition) > TOL(1e4, 300)) {
+                status =
+                    rigcal_pairs_eliminate(&out, pairs, n_pairs, pairs_used, which, angles);
+                if (status == RIGCAL_ERR_DEGENERATE || D(out.condition) > TOL(1e4, 300)) {
                     continue; /* this angle, in this view; few are */
                 }
                 ASSERT_STATUS(RIGCAL_OK, status);
@@ -381,8 +357,8 @@ static void test_the_order_of_pairs_does_not_matter_to_least_squares(void)
     test_other_two(angles, wrong, RIGCAL_PITCH);
     ASSERT_STATUS(RIGCAL_OK,
                   rigcal_pairs_eliminate(&first, pairs, 15, 0, RIGCAL_PITCH, angles));
-    ASSERT_STATUS(RIGCAL_OK, rigcal_pairs_eliminate(&second, reversed, 15, 0,
-                                              RIGCAL_PITCH, angles));
+    ASSERT_STATUS(RIGCAL_OK,
+                  rigcal_pairs_eliminate(&second, reversed, 15, 0, RIGCAL_PITCH, angles));
     ASSERT_NEAR(first.angle, second.angle, TOL(1e-14, 1e-5));
     ASSERT_NEAR(first.condition, second.condition, TOL(1e-13, 1e-4));
     ASSERT_NEAR(first.residual, second.residual, TOL(1e-13, 1e-4));
@@ -407,8 +383,7 @@ static void test_a_singular_elimination_is_refused(void)
 
     ASSERT_REFUSED(RIGCAL_ERR_DEGENERATE, out,
                    rigcal_pairs_eliminate(&out, twice, 3, 2, RIGCAL_YAW, angles));
-    ASSERT_STATUS(RIGCAL_OK,
-                  rigcal_pairs_eliminate(&out, twice, 3, 0, RIGCAL_YAW, angles));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_pairs_eliminate(&out, twice, 3, 0, RIGCAL_YAW, angles));
     ASSERT_REFUSED(RIGCAL_ERR_DEGENERATE, out,
                    rigcal_pairs_eliminate(&out, blind, 3, 2, RIGCAL_YAW, angles));
     ASSERT_REFUSED(RIGCAL_ERR_DEGENERATE, out,
@@ -472,9 +447,8 @@ static void test_arguments_of_the_elimination_are_checked(void)
         bad[k].normal[k] = TEST_NAN;
         ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, out,
                        rigcal_pairs_eliminate(&out, bad, 3, 0, RIGCAL_YAW, angles));
-        ASSERT_REFUSED(
-            RIGCAL_ERR_NOT_FINITE, pqk,
-            rigcal_pair_coefficients(pqk, &bad[k], RIGCAL_YAW, angles));
+        ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, pqk,
+                       rigcal_pair_coefficients(pqk, &bad[k], RIGCAL_YAW, angles));
         memcpy(bad, pairs, sizeof bad);
         bad[k].offset[k] = TEST_INF;
         ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, out,
@@ -495,8 +469,7 @@ static void test_the_three_angle_residual_is_the_oracles(void)
         test_golden_scene(s, ypr, wrong, k);
         test_golden_pairs(pairs, s, 6);
         test_to_real(angles, wrong, 3);
-        ASSERT_STATUS(RIGCAL_OK, rigcal_pairs_residual(&residual, pairs,
-                                                             15, angles));
+        ASSERT_STATUS(RIGCAL_OK, rigcal_pairs_residual(&residual, pairs, 15, angles));
         ASSERT_NEAR(TRANSLATION[k][12], residual, 4 * TOL_FORMULA);
     }
 }
@@ -516,8 +489,7 @@ static void test_the_three_angle_residual_is_the_sum_over_its_pairs(void)
         ASSERT_STATUS(RIGCAL_OK, rigcal_pair_residual(&e, &pairs[k], R));
         sum += fabs(D(e));
     }
-    ASSERT_STATUS(RIGCAL_OK,
-                  rigcal_pairs_residual(&residual, pairs, 3, angles));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_pairs_residual(&residual, pairs, 3, angles));
     ASSERT_NEAR(sum, residual, TOL(1e-15, 1e-6));
 }
 
@@ -531,8 +503,7 @@ static void test_arguments_of_the_three_angle_residual_are_checked(void)
 
     test_golden_scene(s, ypr, wrong, 7);
     test_golden_pairs(pairs, s, 6);
-    ASSERT_STATUS(RIGCAL_ERR_NULL,
-                  rigcal_pairs_residual(NULL, pairs, 3, zero));
+    ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_pairs_residual(NULL, pairs, 3, zero));
     ASSERT_REFUSED(RIGCAL_ERR_NULL, residual,
                    rigcal_pairs_residual(&residual, NULL, 3, zero));
     ASSERT_REFUSED(RIGCAL_ERR_NULL, residual,

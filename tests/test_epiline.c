@@ -9,16 +9,14 @@
 #define TOL_FORMULA TOL(1e-12, 1e-4)
 #define TOL_PIXEL TOL(2e-9, 4e-3)
 
-static const rigcal_transform NOTHING = {{1, 0, 0, 0, 1, 0, 0, 0, 1},
-                                         {0, 0, 0}};
+static const rigcal_transform NOTHING = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
 
 static const rigcal_real M_A[3] = {RC(0.75), 0, 1};
 
 /* ---- matching line (25), (26) -------------------------------------------- */
 
 /* b is 1 to the right: matches have the same y. */
-static const rigcal_transform RIGHT_OF = {{1, 0, 0, 0, 1, 0, 0, 0, 1},
-                                          {-1, 0, 0}};
+static const rigcal_transform RIGHT_OF = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {-1, 0, 0}};
 
 static void test_the_matching_line_of_a_camera_beside_is_level(void)
 {
@@ -68,10 +66,9 @@ static void test_a_projected_point_lies_on_its_matching_line(void)
                 X_d[k] = depth * X_a[k];
             }
             test_move_point(X_b, &b_from_a, X_d);
-            ASSERT_NEAR(0,
-                        D(line[0]) * X_b[0] / X_b[2] +
-                            D(line[1]) * X_b[1] / X_b[2] + D(line[2]),
-                        TOL(1e-14, 5e-6));
+            ASSERT_NEAR(
+                0, D(line[0]) * X_b[0] / X_b[2] + D(line[1]) * X_b[1] / X_b[2] + D(line[2]),
+                TOL(1e-14, 5e-6));
         }
     }
 }
@@ -99,8 +96,7 @@ static void test_the_image_of_the_other_centre_has_no_matching_line(void)
             for (int k = 0; k < 3; k++) {
                 ray[k] = RC(sign * forward[k]);
             }
-            ASSERT_REFUSED(RIGCAL_ERR_EPIPOLE, line,
-                           rigcal_epiline(line, &b_from_a, ray));
+            ASSERT_REFUSED(RIGCAL_ERR_EPIPOLE, line, rigcal_epiline(line, &b_from_a, ray));
         }
         ray[0] += RC(0.01);
         ASSERT_STATUS(RIGCAL_OK, rigcal_epiline(line, &b_from_a, ray));
@@ -116,25 +112,21 @@ static void test_cameras_in_one_place_have_no_matching_lines(void)
 
     test_random_rotation(R, &rng);
     turned = test_transform(R, NULL);
-    ASSERT_REFUSED(RIGCAL_ERR_EPIPOLE, line,
-                   rigcal_epiline(line, &NOTHING, M_A));
-    ASSERT_REFUSED(RIGCAL_ERR_EPIPOLE, line,
-                   rigcal_epiline(line, &turned, M_A));
+    ASSERT_REFUSED(RIGCAL_ERR_EPIPOLE, line, rigcal_epiline(line, &NOTHING, M_A));
+    ASSERT_REFUSED(RIGCAL_ERR_EPIPOLE, line, rigcal_epiline(line, &turned, M_A));
 }
 
 /* The plane through both centres and the ray is level with b's image plane: all
  * of it is 90 degrees off b's axis, and none of it in the image. */
 static void test_a_matching_line_at_infinity_is_refused(void)
 {
-    static const rigcal_transform level = {{1, 0, 0, 0, 0, -1, 0, 1, 0},
-                                           {-1, 0, 0}};
+    static const rigcal_transform level = {{1, 0, 0, 0, 0, -1, 0, 1, 0}, {-1, 0, 0}};
     const rigcal_camera camera = test_pinhole();
     const rigcal_real ray[3] = {RC(0.2), 0, 1}; /* along b's -y, in its plane */
     rigcal_real line[3];
 
     ASSERT_REFUSED(RIGCAL_ERR_OUTSIDE, line, rigcal_epiline(line, &level, ray));
-    ASSERT_REFUSED(RIGCAL_ERR_OUTSIDE, line,
-                   rigcal_epiline_px(line, &camera, &level, ray));
+    ASSERT_REFUSED(RIGCAL_ERR_OUTSIDE, line, rigcal_epiline_px(line, &camera, &level, ray));
 }
 
 static void test_arguments_of_the_matching_line_are_checked(void)
@@ -147,16 +139,11 @@ static void test_arguments_of_the_matching_line_are_checked(void)
     broken.fy = -1;
     ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_epiline(NULL, &RIGHT_OF, M_A));
     ASSERT_REFUSED(RIGCAL_ERR_NULL, line, rigcal_epiline(line, NULL, M_A));
-    ASSERT_REFUSED(RIGCAL_ERR_NULL, line,
-                   rigcal_epiline(line, &RIGHT_OF, NULL));
-    ASSERT_REFUSED(RIGCAL_ERR_RANGE, line,
-                   rigcal_epiline(line, &RIGHT_OF, none));
-    ASSERT_STATUS(RIGCAL_ERR_NULL,
-                  rigcal_epiline_px(NULL, &camera, &RIGHT_OF, M_A));
-    ASSERT_REFUSED(RIGCAL_ERR_NULL, line,
-                   rigcal_epiline_px(line, NULL, &RIGHT_OF, M_A));
-    ASSERT_REFUSED(RIGCAL_ERR_NULL, line,
-                   rigcal_epiline_px(line, &camera, NULL, M_A));
+    ASSERT_REFUSED(RIGCAL_ERR_NULL, line, rigcal_epiline(line, &RIGHT_OF, NULL));
+    ASSERT_REFUSED(RIGCAL_ERR_RANGE, line, rigcal_epiline(line, &RIGHT_OF, none));
+    ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_epiline_px(NULL, &camera, &RIGHT_OF, M_A));
+    ASSERT_REFUSED(RIGCAL_ERR_NULL, line, rigcal_epiline_px(line, NULL, &RIGHT_OF, M_A));
+    ASSERT_REFUSED(RIGCAL_ERR_NULL, line, rigcal_epiline_px(line, &camera, NULL, M_A));
     ASSERT_REFUSED(RIGCAL_ERR_NULL, line,
                    rigcal_epiline_px(line, &camera, &RIGHT_OF, NULL));
     ASSERT_REFUSED(RIGCAL_ERR_RANGE, line,
@@ -170,17 +157,14 @@ static void test_arguments_of_the_matching_line_are_checked(void)
         rigcal_real bad[3] = {0, 0, 1};
 
         bad[k] = TEST_NAN;
-        ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, line,
-                       rigcal_epiline(line, &RIGHT_OF, bad));
+        ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, line, rigcal_epiline(line, &RIGHT_OF, bad));
         ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, line,
                        rigcal_epiline_px(line, &camera, &RIGHT_OF, bad));
         T.t[k] = TEST_INF;
-        ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, line,
-                       rigcal_epiline(line, &T, M_A));
+        ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, line, rigcal_epiline(line, &T, M_A));
         T = RIGHT_OF;
         T.R[3 * k] += RC(0.1);
-        ASSERT_REFUSED(RIGCAL_ERR_ROTATION, line,
-                       rigcal_epiline(line, &T, M_A));
+        ASSERT_REFUSED(RIGCAL_ERR_ROTATION, line, rigcal_epiline(line, &T, M_A));
         ASSERT_REFUSED(RIGCAL_ERR_ROTATION, line,
                        rigcal_epiline_px(line, &camera, &T, M_A));
     }
@@ -189,8 +173,7 @@ static void test_arguments_of_the_matching_line_are_checked(void)
 /* ---- in pixels ----------------------------------------------------------- */
 
 /* The pixel at which a camera without distortion would see X_b. */
-static void straight_pixel(double uv[2], const rigcal_camera *camera,
-                           const double X_b[3])
+static void straight_pixel(double uv[2], const rigcal_camera *camera, const double X_b[3])
 {
     uv[0] = D(camera->fx) * X_b[0] / X_b[2] + D(camera->cx);
     uv[1] = D(camera->fy) * X_b[1] / X_b[2] + D(camera->cy);
@@ -222,13 +205,11 @@ static void test_true_matches_lie_on_their_line_in_any_lens(void)
         test_point_ahead(X_a, &rng);
         test_move_point(X_b, &b_from_a, X_a);
         test_ray_to(ray, X_a);
-        ASSERT_STATUS(RIGCAL_OK,
-                      rigcal_epiline_px(line, &camera, &b_from_a, ray));
+        ASSERT_STATUS(RIGCAL_OK, rigcal_epiline_px(line, &camera, &b_from_a, ray));
         ASSERT_NEAR(1, hypot(D(line[0]), D(line[1])), TOL(1e-14, 1e-6));
         straight_pixel(straight, &camera, X_b);
-        ASSERT_NEAR(
-            0, D(line[0]) * straight[0] + D(line[1]) * straight[1] + D(line[2]),
-            TOL(1e-10, 1e-2));
+        ASSERT_NEAR(0, D(line[0]) * straight[0] + D(line[1]) * straight[1] + D(line[2]),
+                    TOL(1e-10, 1e-2));
 
         /* The distorted pixel of the point, and of one beside it: how far it is
          * off in undistorted pixels is its distance, with the sign. */
@@ -240,8 +221,7 @@ static void test_true_matches_lie_on_their_line_in_any_lens(void)
             along = D(line[0]) * straight[0] + D(line[1]) * straight[1];
             off = along + D(line[2]);
             test_to_real(uv, distorted, 2);
-            ASSERT_STATUS(RIGCAL_OK, rigcal_epiline_distance(&distance, line,
-                                                             &camera, uv));
+            ASSERT_STATUS(RIGCAL_OK, rigcal_epiline_distance(&distance, line, &camera, uv));
             ASSERT_NEAR(off, distance, 10 * TOL_PIXEL);
         }
     }
@@ -254,11 +234,9 @@ static void test_the_distance_from_a_line_is_in_pixels_with_its_sign(void)
     const rigcal_real on[2] = {100, 50}, off[2] = {106, 42};
     rigcal_real distance;
 
-    ASSERT_STATUS(RIGCAL_OK,
-                  rigcal_epiline_distance(&distance, line, &camera, on));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_epiline_distance(&distance, line, &camera, on));
     ASSERT_NEAR(0, distance, TOL(1e-12, 1e-4));
-    ASSERT_STATUS(RIGCAL_OK,
-                  rigcal_epiline_distance(&distance, line, &camera, off));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_epiline_distance(&distance, line, &camera, off));
     ASSERT_NEAR(10, distance, TOL(1e-12, 1e-4));
 }
 
@@ -276,8 +254,7 @@ static void test_arguments_of_the_distance_are_checked(void)
     broken.width = 0;
     test_project_px(wide, &fisheye, beside_it);
     test_to_real(wide_uv, wide, 2);
-    ASSERT_STATUS(RIGCAL_ERR_NULL,
-                  rigcal_epiline_distance(NULL, line, &camera, uv));
+    ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_epiline_distance(NULL, line, &camera, uv));
     ASSERT_REFUSED(RIGCAL_ERR_NULL, distance,
                    rigcal_epiline_distance(&distance, NULL, &camera, uv));
     ASSERT_REFUSED(RIGCAL_ERR_NULL, distance,
@@ -300,13 +277,11 @@ static void test_arguments_of_the_distance_are_checked(void)
             rigcal_real nowhere[2] = {1, 1};
 
             bad[k] = RC(0.5);
-            ASSERT_REFUSED(
-                RIGCAL_ERR_RANGE, distance,
-                rigcal_epiline_distance(&distance, bad, &camera, uv));
+            ASSERT_REFUSED(RIGCAL_ERR_RANGE, distance,
+                           rigcal_epiline_distance(&distance, bad, &camera, uv));
             nowhere[k] = TEST_INF;
-            ASSERT_REFUSED(
-                RIGCAL_ERR_NOT_FINITE, distance,
-                rigcal_epiline_distance(&distance, line, &camera, nowhere));
+            ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, distance,
+                           rigcal_epiline_distance(&distance, line, &camera, nowhere));
         }
     }
 }
@@ -358,16 +333,16 @@ static void test_clipped_ends_lie_on_the_line_and_on_the_border(void)
     for (int trial = 0; trial < 500; trial++) {
         const double way = test_uniform(&rng, -TEST_PI, TEST_PI);
         const double a = cos(way), b = sin(way);
-        const double c = -a * test_uniform(&rng, -300, 900) -
-                         b * test_uniform(&rng, -300, 700);
+        const double c =
+            -a * test_uniform(&rng, -300, 900) - b * test_uniform(&rng, -300, 700);
         const rigcal_real line[3] = {RC(a), RC(b), RC(c)};
         double least = 1e9, most = -1e9, e[4];
         rigcal_real ends[4];
         rigcal_status status;
 
         for (int corner = 0; corner < 4; corner++) {
-            const double d = a * (corner & 1 ? right : -0.5) +
-                             b * (corner & 2 ? bottom : -0.5) + c;
+            const double d =
+                a * (corner & 1 ? right : -0.5) + b * (corner & 2 ? bottom : -0.5) + c;
 
             least = fmin(least, d);
             most = fmax(most, d);
@@ -389,8 +364,7 @@ static void test_clipped_ends_lie_on_the_line_and_on_the_border(void)
             const double u = e[k], v = e[k + 1];
 
             ASSERT_NEAR(0, a * u + b * v + c, tol);
-            TEST_ASSERT_TRUE(u >= -0.5 && u <= right && v >= -0.5 &&
-                             v <= bottom);
+            TEST_ASSERT_TRUE(u >= -0.5 && u <= right && v >= -0.5 && v <= bottom);
             TEST_ASSERT_TRUE(fabs(u + 0.5) < tol || fabs(u - right) < tol ||
                              fabs(v + 0.5) < tol || fabs(v - bottom) < tol);
         }
@@ -409,8 +383,7 @@ static void test_lines_beside_the_image_are_refused(void)
         rigcal_real line[3], ends[4];
 
         test_to_real(line, lines[i], 3);
-        ASSERT_REFUSED(RIGCAL_ERR_OUTSIDE, ends,
-                       rigcal_epiline_clip(ends, line, 640, 480));
+        ASSERT_REFUSED(RIGCAL_ERR_OUTSIDE, ends, rigcal_epiline_clip(ends, line, 640, 480));
     }
 }
 
@@ -420,12 +393,9 @@ static void test_arguments_of_the_clipping_are_checked(void)
     rigcal_real ends[4];
 
     ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_epiline_clip(NULL, line, 640, 480));
-    ASSERT_REFUSED(RIGCAL_ERR_NULL, ends,
-                   rigcal_epiline_clip(ends, NULL, 640, 480));
-    ASSERT_REFUSED(RIGCAL_ERR_RANGE, ends,
-                   rigcal_epiline_clip(ends, line, 0, 480));
-    ASSERT_REFUSED(RIGCAL_ERR_RANGE, ends,
-                   rigcal_epiline_clip(ends, line, 640, -1));
+    ASSERT_REFUSED(RIGCAL_ERR_NULL, ends, rigcal_epiline_clip(ends, NULL, 640, 480));
+    ASSERT_REFUSED(RIGCAL_ERR_RANGE, ends, rigcal_epiline_clip(ends, line, 0, 480));
+    ASSERT_REFUSED(RIGCAL_ERR_RANGE, ends, rigcal_epiline_clip(ends, line, 640, -1));
     for (int k = 0; k < 3; k++) {
         rigcal_real bad[3] = {RC(0.6), RC(0.8), RC(-200)};
 
@@ -466,20 +436,17 @@ static void test_the_segment_ends_where_the_nearest_and_farthest_would_be(void)
 
         test_point_ahead(X_a, &rng);
         test_to_real(ray, X_a, 3); /* so depth 1 is the point */
-        ASSERT_STATUS(
-            RIGCAL_OK,
-            rigcal_epiline_segment(ends, &camera, &b_from_a, ray, RC(0.5), 4));
+        ASSERT_STATUS(RIGCAL_OK,
+                      rigcal_epiline_segment(ends, &camera, &b_from_a, ray, RC(0.5), 4));
         at_depth(X_b, &b_from_a, ray, 0.5);
         straight_pixel(expected, &camera, X_b);
         at_depth(X_b, &b_from_a, ray, 4);
         straight_pixel(expected + 2, &camera, X_b);
         ASSERT_ARRAY_NEAR(expected, ends, 4, TOL(1e-10, 5e-3));
-        ASSERT_STATUS(RIGCAL_OK,
-                      rigcal_epiline_px(line, &camera, &b_from_a, ray));
+        ASSERT_STATUS(RIGCAL_OK, rigcal_epiline_px(line, &camera, &b_from_a, ray));
         for (int k = 0; k < 4; k += 2) {
             ASSERT_NEAR(0,
-                        D(line[0]) * D(ends[k]) + D(line[1]) * D(ends[k + 1]) +
-                            D(line[2]),
+                        D(line[0]) * D(ends[k]) + D(line[1]) * D(ends[k + 1]) + D(line[2]),
                         TOL(1e-10, 2e-2));
         }
     }
@@ -489,8 +456,7 @@ static void test_the_curve_leaves_out_what_the_camera_cannot_see(void)
 {
     /* b's axis is a's axis turned back (half a turn about y), 2 ahead of a:
      * what a sees at depth Z is at 2 - Z of b. */
-    static const rigcal_transform facing = {{-1, 0, 0, 0, 1, 0, 0, 0, -1},
-                                            {0, RC(0.5), 2}};
+    static const rigcal_transform facing = {{-1, 0, 0, 0, 1, 0, 0, 0, -1}, {0, RC(0.5), 2}};
     const rigcal_camera camera = test_pinhole();
     const rigcal_real ray[3] = {RC(0.1), 0, 1};
     double seen[3];
@@ -501,7 +467,8 @@ static void test_the_curve_leaves_out_what_the_camera_cannot_see(void)
     /* 1 / depth = 1, 7/8, .. 1/4: depths 1, 8/7, 4/3, 8/5, 2, 8/3, 4, of which
      * four lie before b. */
     FILL(uv);
-    ASSERT_STATUS(RIGCAL_OK, rigcal_epiline_curve(uv, 7, &n_written, &camera, &facing, ray, 1, 4));
+    ASSERT_STATUS(RIGCAL_OK,
+                  rigcal_epiline_curve(uv, 7, &n_written, &camera, &facing, ray, 1, 4));
     TEST_ASSERT_EQUAL_size_t(4, n_written);
     ASSERT_UNTOUCHED(*guard);
     for (int k = 0; k < 4; k++) {
@@ -515,12 +482,11 @@ static void test_the_curve_leaves_out_what_the_camera_cannot_see(void)
                    rigcal_epiline_segment(ends, &camera, &facing, ray, 1, 4));
     ASSERT_REFUSED(RIGCAL_ERR_WIDE_RAY, ends,
                    rigcal_epiline_segment(ends, &camera, &facing, ray, 3, 4));
-    ASSERT_STATUS(RIGCAL_OK, rigcal_epiline_segment(ends, &camera, &facing, ray,
-                                                    1, RC(1.5)));
+    ASSERT_STATUS(RIGCAL_OK,
+                  rigcal_epiline_segment(ends, &camera, &facing, ray, 1, RC(1.5)));
     FILL(n_written);
-    ASSERT_REFUSED(
-        RIGCAL_ERR_OUTSIDE, uv,
-        rigcal_epiline_curve(uv, 7, &n_written, &camera, &facing, ray, 3, 4));
+    ASSERT_REFUSED(RIGCAL_ERR_OUTSIDE, uv,
+                   rigcal_epiline_curve(uv, 7, &n_written, &camera, &facing, ray, 3, 4));
     ASSERT_UNTOUCHED(n_written);
 }
 
@@ -543,8 +509,8 @@ static void test_the_curve_runs_through_the_true_match_in_any_lens(void)
         test_point_ahead(X_a, &rng);
         test_to_real(ray, X_a, 3);
         FILL(uv);
-        ASSERT_STATUS(RIGCAL_OK,
-                      rigcal_epiline_curve(uv, COUNT, &n_written, &camera, &b_from_a, ray, RC(near), RC(far)));
+        ASSERT_STATUS(RIGCAL_OK, rigcal_epiline_curve(uv, COUNT, &n_written, &camera,
+                                                      &b_from_a, ray, RC(near), RC(far)));
         TEST_ASSERT_EQUAL_size_t(COUNT, n_written);
         ASSERT_UNTOUCHED(*guard);
         for (int k = 0; k < COUNT; k++) {
@@ -567,9 +533,9 @@ static void test_a_curve_of_two_points_is_the_segment_without_distortion(void)
     rigcal_real ends[4], uv[4];
     size_t n_written;
 
+    ASSERT_STATUS(RIGCAL_OK, rigcal_epiline_segment(ends, &camera, &RIGHT_OF, M_A, 2, 9));
     ASSERT_STATUS(RIGCAL_OK,
-                  rigcal_epiline_segment(ends, &camera, &RIGHT_OF, M_A, 2, 9));
-    ASSERT_STATUS(RIGCAL_OK, rigcal_epiline_curve(uv, 2, &n_written, &camera, &RIGHT_OF, M_A, 2, 9));
+                  rigcal_epiline_curve(uv, 2, &n_written, &camera, &RIGHT_OF, M_A, 2, 9));
     TEST_ASSERT_EQUAL_size_t(2, n_written);
     test_to_double(expected, ends, 4);
     ASSERT_ARRAY_NEAR(expected, uv, 4, TOL(1e-11, 1e-3));
@@ -579,8 +545,8 @@ static void test_a_curve_of_two_points_is_the_segment_without_distortion(void)
  * not on the folded branch but left out. */
 static void test_the_curve_stops_at_the_turning_point_of_the_lens(void)
 {
-    static const rigcal_transform beside_by_three = {
-        {1, 0, 0, 0, 1, 0, 0, 0, 1}, {3, 0, 0}};
+    static const rigcal_transform beside_by_three = {{1, 0, 0, 0, 1, 0, 0, 0, 1},
+                                                     {3, 0, 0}};
     rigcal_camera camera = test_pinhole();
     const rigcal_real ray[3] = {0, 0, 1};
     rigcal_real uv[40];
@@ -589,8 +555,8 @@ static void test_the_curve_stops_at_the_turning_point_of_the_lens(void)
     const double turn = sqrt(1 / 1.2);
 
     camera.k1 = RC(-0.4);
-    ASSERT_STATUS(RIGCAL_OK,
-                  rigcal_epiline_curve(uv, 20, &n_written, &camera, &beside_by_three, ray, 1, 100));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_epiline_curve(uv, 20, &n_written, &camera,
+                                                  &beside_by_three, ray, 1, 100));
     TEST_ASSERT_TRUE(n_written > 2 && n_written < 20);
     for (int k = 0; k < 20; k++) {
         const double x = 3 * (1 + (0.01 - 1) * k / 19);
@@ -598,8 +564,8 @@ static void test_the_curve_stops_at_the_turning_point_of_the_lens(void)
 
         if (x < turn - 1e-3) {
             TEST_ASSERT_TRUE(from_end <= n_written);
-            ASSERT_NEAR(800 * x * (1 - 0.4 * x * x) + 319.5,
-                        uv[2 * (n_written - from_end)], TOL(1e-9, 1e-2));
+            ASSERT_NEAR(800 * x * (1 - 0.4 * x * x) + 319.5, uv[2 * (n_written - from_end)],
+                        TOL(1e-9, 1e-2));
         } else {
             TEST_ASSERT_TRUE(from_end > n_written);
         }
@@ -607,16 +573,15 @@ static void test_the_curve_stops_at_the_turning_point_of_the_lens(void)
 }
 
 static rigcal_status segment(rigcal_real ends[4], const rigcal_camera *camera,
-                             const rigcal_transform *T,
-                             const rigcal_real ray[3], double near, double far)
+                             const rigcal_transform *T, const rigcal_real ray[3],
+                             double near, double far)
 {
     return rigcal_epiline_segment(ends, camera, T, ray, RC(near), RC(far));
 }
 
 static rigcal_status curve(rigcal_real uv[], size_t *n, size_t count,
-                           const rigcal_camera *camera,
-                           const rigcal_transform *T, const rigcal_real ray[3],
-                           double near, double far)
+                           const rigcal_camera *camera, const rigcal_transform *T,
+                           const rigcal_real ray[3], double near, double far)
 {
     return rigcal_epiline_curve(uv, count, n, camera, T, ray, RC(near), RC(far));
 }
@@ -639,27 +604,22 @@ static void test_arguments_of_segment_and_curve_are_checked(void)
     ASSERT_STATUS(RIGCAL_ERR_NULL, curve(NULL, &n, 4, &cam, T, M_A, 1, 2));
     ASSERT_REFUSED(RIGCAL_ERR_NULL, uv, curve(uv, NULL, 4, &cam, T, M_A, 1, 2));
     ASSERT_REFUSED(RIGCAL_ERR_NULL, uv, curve(uv, &n, 4, NULL, T, M_A, 1, 2));
-    ASSERT_REFUSED(RIGCAL_ERR_NULL, uv,
-                   curve(uv, &n, 4, &cam, NULL, M_A, 1, 2));
+    ASSERT_REFUSED(RIGCAL_ERR_NULL, uv, curve(uv, &n, 4, &cam, NULL, M_A, 1, 2));
     ASSERT_REFUSED(RIGCAL_ERR_NULL, uv, curve(uv, &n, 4, &cam, T, NULL, 1, 2));
     ASSERT_REFUSED(RIGCAL_ERR_RANGE, uv, curve(uv, &n, 1, &cam, T, M_A, 1, 2));
     ASSERT_REFUSED(RIGCAL_ERR_RANGE, uv, curve(uv, &n, 0, &cam, T, M_A, 1, 2));
     ASSERT_REFUSED(RIGCAL_ERR_RANGE, uv,
                    curve(uv, &n, ((size_t)1 << 28) + 1, &cam, T, M_A, 1, 2));
-    ASSERT_REFUSED(RIGCAL_ERR_CAMERA, ends,
-                   segment(ends, &broken, T, M_A, 1, 2));
-    ASSERT_REFUSED(RIGCAL_ERR_CAMERA, uv,
-                   curve(uv, &n, 4, &broken, T, M_A, 1, 2));
+    ASSERT_REFUSED(RIGCAL_ERR_CAMERA, ends, segment(ends, &broken, T, M_A, 1, 2));
+    ASSERT_REFUSED(RIGCAL_ERR_CAMERA, uv, curve(uv, &n, 4, &broken, T, M_A, 1, 2));
     ASSERT_REFUSED(RIGCAL_ERR_RANGE, ends, segment(ends, &cam, T, none, 1, 2));
     ASSERT_REFUSED(RIGCAL_ERR_RANGE, uv, curve(uv, &n, 4, &cam, T, none, 1, 2));
     for (int i = 0; i < 4; i++) {
         static const double near_far[4][2] = {{0, 2}, {-1, 2}, {2, 2}, {3, 2}};
         const double near = near_far[i][0], far = near_far[i][1];
 
-        ASSERT_REFUSED(RIGCAL_ERR_RANGE, ends,
-                       segment(ends, &cam, T, M_A, near, far));
-        ASSERT_REFUSED(RIGCAL_ERR_RANGE, uv,
-                       curve(uv, &n, 4, &cam, T, M_A, near, far));
+        ASSERT_REFUSED(RIGCAL_ERR_RANGE, ends, segment(ends, &cam, T, M_A, near, far));
+        ASSERT_REFUSED(RIGCAL_ERR_RANGE, uv, curve(uv, &n, 4, &cam, T, M_A, near, far));
     }
     ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, ends,
                    segment(ends, &cam, T, M_A, 1, test_infinity()));
@@ -670,19 +630,14 @@ static void test_arguments_of_segment_and_curve_are_checked(void)
         rigcal_real ray[3] = {0, 0, 1};
 
         ray[k] = TEST_NAN;
-        ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, ends,
-                       segment(ends, &cam, T, ray, 1, 2));
-        ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, uv,
-                       curve(uv, &n, 4, &cam, T, ray, 1, 2));
+        ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, ends, segment(ends, &cam, T, ray, 1, 2));
+        ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, uv, curve(uv, &n, 4, &cam, T, ray, 1, 2));
         bad.t[k] = TEST_NAN;
-        ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, ends,
-                       segment(ends, &cam, &bad, M_A, 1, 2));
+        ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, ends, segment(ends, &cam, &bad, M_A, 1, 2));
         bad = RIGHT_OF;
         bad.R[4 * k] = -1;
-        ASSERT_REFUSED(RIGCAL_ERR_ROTATION, ends,
-                       segment(ends, &cam, &bad, M_A, 1, 2));
-        ASSERT_REFUSED(RIGCAL_ERR_ROTATION, uv,
-                       curve(uv, &n, 4, &cam, &bad, M_A, 1, 2));
+        ASSERT_REFUSED(RIGCAL_ERR_ROTATION, ends, segment(ends, &cam, &bad, M_A, 1, 2));
+        ASSERT_REFUSED(RIGCAL_ERR_ROTATION, uv, curve(uv, &n, 4, &cam, &bad, M_A, 1, 2));
     }
     ASSERT_UNTOUCHED(n);
 }

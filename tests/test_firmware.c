@@ -18,10 +18,8 @@ enum {
 
 static firmware app;
 
-static const double HERE[FIRMWARE_CAMERAS][3] = {{0.5, -0.2, 1.1},
-                                                 {-0.4, 0.3, 1.3}};
-static const double THERE[FIRMWARE_CAMERAS][3] = {{0.55, -0.2, 1.1},
-                                                  {-0.4, 0.36, 1.25}};
+static const double HERE[FIRMWARE_CAMERAS][3] = {{0.5, -0.2, 1.1}, {-0.4, 0.3, 1.3}};
+static const double THERE[FIRMWARE_CAMERAS][3] = {{0.55, -0.2, 1.1}, {-0.4, 0.36, 1.25}};
 
 static void place(const double center[FIRMWARE_CAMERAS][3])
 {
@@ -103,15 +101,14 @@ typedef struct {
 static int read_pose_line(pose_line *p, const char **at)
 {
     int n = -1;
-    const int fields = sscanf(
-        *at,
-        "pose camera=%u frame=%u status=%23s center=%lf,%lf,%lf turn=%lf,%lf,%lf "
-        "+-center=%lf,%lf,%lf +-turn=%lf,%lf,%lf rms=%lf ticks=%u\r\n%n",
-        &p->camera, &p->frame, p->status, &p->center[0], &p->center[1],
-        &p->center[2], &p->turn[0], &p->turn[1], &p->turn[2],
-        &p->sigma_center[0], &p->sigma_center[1], &p->sigma_center[2],
-        &p->sigma_turn[0], &p->sigma_turn[1], &p->sigma_turn[2], &p->rms,
-        &p->ticks, &n);
+    const int fields =
+        sscanf(*at,
+               "pose camera=%u frame=%u status=%23s center=%lf,%lf,%lf turn=%lf,%lf,%lf "
+               "+-center=%lf,%lf,%lf +-turn=%lf,%lf,%lf rms=%lf ticks=%u\r\n%n",
+               &p->camera, &p->frame, p->status, &p->center[0], &p->center[1],
+               &p->center[2], &p->turn[0], &p->turn[1], &p->turn[2], &p->sigma_center[0],
+               &p->sigma_center[1], &p->sigma_center[2], &p->sigma_turn[0],
+               &p->sigma_turn[1], &p->sigma_turn[2], &p->rms, &p->ticks, &n);
 
     if (fields != 17 || n < 0) {
         return 0;
@@ -225,8 +222,7 @@ static void test_the_numbers_sent_are_the_pose_to_half_a_millionth(void)
     test_rotation_about(Rt, p.turn, test_norm(p.turn));
     TEST_ASSERT_TRUE(test_angle_between(R, Rt) < TOL(1e-6, 3e-6));
     for (int i = 0; i < 3; i++) {
-        ASSERT_NEAR(sqrt(D(app.cameras[1].Sigma[7 * i])), p.sigma_turn[i],
-                    0.51e-6);
+        ASSERT_NEAR(sqrt(D(app.cameras[1].Sigma[7 * i])), p.sigma_turn[i], 0.51e-6);
     }
 }
 
@@ -361,8 +357,7 @@ static void test_a_pose_that_fits_badly_is_told_but_not_kept(void)
     sim.noise_px = 0.1;
     run();
     assert_sent("status=POOR_FIT");
-    TEST_ASSERT_EQUAL_MEMORY(&before, &app.cameras[0].cam_from_rig,
-                             sizeof before);
+    TEST_ASSERT_EQUAL_MEMORY(&before, &app.cameras[0].cam_from_rig, sizeof before);
     (void)sim_shoot(0, ALL);
     run();
     TEST_ASSERT_EQUAL_INT(1, times_sent("status=OK"));
@@ -386,7 +381,8 @@ static void test_a_calibration_is_saved_once_every_camera_has_a_pose(void)
     assert_sent("saved slot=0 sequence=1\r\n");
     TEST_ASSERT_EQUAL_INT(1, sim.erases);
     TEST_ASSERT_EQUAL_INT(PAGES, sim.pages);
-    ASSERT_STATUS(RIGCAL_OK, rigcal_store_load(cameras, FIRMWARE_CAMERAS, &info, sim.flash[0], PORT_SLOT_BYTES));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_store_load(cameras, FIRMWARE_CAMERAS, &info,
+                                               sim.flash[0], PORT_SLOT_BYTES));
     assert_same_cameras(app.cameras, cameras);
     TEST_ASSERT_EQUAL_HEX32(FIRMWARE_SERIAL, info.tag);
     TEST_ASSERT_EQUAL_UINT32(1, info.sequence);
@@ -486,17 +482,15 @@ static void write_slot(int slot, uint32_t sequence, uint32_t tag, size_t n,
         cameras[i].cam_from_rig = test_transform(sim.R[i % 2], sim.t[i % 2]);
     }
     memset(sim.flash[slot], 0xff, PORT_SLOT_BYTES);
-    ASSERT_STATUS(RIGCAL_OK, rigcal_store_save(sim.flash[slot], PORT_SLOT_BYTES, &size, cameras, n, sequence, tag));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_store_save(sim.flash[slot], PORT_SLOT_BYTES, &size,
+                                               cameras, n, sequence, tag));
 }
 
 static void test_the_newer_slot_counts_even_when_its_number_wrapped(void)
 {
-    static const uint32_t PAIRS[][2] = {{1, 2},
-                                        {0, 1},
-                                        {UINT32_MAX - 1, UINT32_MAX},
-                                        {UINT32_MAX, 0},
-                                        {UINT32_MAX, 1},
-                                        {0x7fffffff, 0x80000000}};
+    static const uint32_t PAIRS[][2] = {
+        {1, 2},          {0, 1},          {UINT32_MAX - 1, UINT32_MAX},
+        {UINT32_MAX, 0}, {UINT32_MAX, 1}, {0x7fffffff, 0x80000000}};
 
     for (size_t i = 0; i < sizeof PAIRS / sizeof PAIRS[0]; i++) {
         for (int newer = 0; newer < 2; newer++) {
@@ -590,8 +584,7 @@ static void test_with_both_slots_damaged_it_calibrates_anew(void)
 
 /* The power goes after `k` bytes of a saving. The firmware is brought to that saving
  * once and copied: it works on in the same place. */
-static void cut_after(long k, sim_cut how, const sim_board *board,
-                      const firmware *ready)
+static void cut_after(long k, sim_cut how, const sim_board *board, const firmware *ready)
 {
     sim = *board;
     app = *ready;
@@ -632,13 +625,11 @@ static void test_power_cut_after_any_byte_of_a_saving_leaves_one_calibration(voi
              * page is padding. Half a byte may happen to be all of it. */
             if (memcmp(sim.flash[0], ready.image, SAVED_BYTES) == 0) {
                 TEST_ASSERT_TRUE(k >= PORT_SLOT_BYTES + SAVED_BYTES - 1);
-                TEST_ASSERT_EQUAL_STRING("loaded slot=0 sequence=3\r\n",
-                                         sim.serial);
+                TEST_ASSERT_EQUAL_STRING("loaded slot=0 sequence=3\r\n", sim.serial);
                 assert_same_cameras(ready.cameras, app.cameras);
             } else {
                 TEST_ASSERT_TRUE(k < PORT_SLOT_BYTES + SAVED_BYTES);
-                TEST_ASSERT_EQUAL_STRING("loaded slot=1 sequence=2\r\n",
-                                         sim.serial);
+                TEST_ASSERT_EQUAL_STRING("loaded slot=1 sequence=2\r\n", sim.serial);
             }
             /* And it goes on: the next saving succeeds. */
             if (k % 16 == 0) {
@@ -662,11 +653,10 @@ static void test_power_cut_in_the_first_saving_leaves_a_new_board(void)
         for (long k = 0; k <= WORK; k++) {
             cut_after(k, (sim_cut)how, &board, &ready);
             boot();
-            TEST_ASSERT_EQUAL_STRING(
-                memcmp(sim.flash[0], ready.image, SAVED_BYTES) == 0
-                    ? "loaded slot=0 sequence=1\r\n"
-                    : "uncalibrated\r\n",
-                sim.serial);
+            TEST_ASSERT_EQUAL_STRING(memcmp(sim.flash[0], ready.image, SAVED_BYTES) == 0
+                                         ? "loaded slot=0 sequence=1\r\n"
+                                         : "uncalibrated\r\n",
+                                     sim.serial);
         }
     }
 }
@@ -686,8 +676,7 @@ static void test_power_cut_again_and_again_never_loses_the_calibration(void)
         sim.n_frames = 0;
         boot();
         assert_sent("loaded slot=");
-        TEST_ASSERT_TRUE(app.sequence == sequence ||
-                         app.sequence == sequence + 1);
+        TEST_ASSERT_TRUE(app.sequence == sequence || app.sequence == sequence + 1);
     }
     TEST_ASSERT_TRUE(app.sequence > 10);
 }

@@ -63,14 +63,13 @@ static struct {
     uint8_t saved[RIGCAL_STORE_SIZE(2)];
 } ok;
 
-static const size_t SIZE_2 = 2, SIZE_3 = 3, SIZE_4 = 4, SIZE_6 = 6,
-                    SIZE_8 = 8, SIZE_15 = 15, SIZE_SAVED = RIGCAL_STORE_SIZE(2);
+static const size_t SIZE_2 = 2, SIZE_3 = 3, SIZE_4 = 4, SIZE_6 = 6, SIZE_8 = 8,
+                    SIZE_15 = 15, SIZE_SAVED = RIGCAL_STORE_SIZE(2);
 static const uint32_t UINT_7 = 7;
-static const int32_t INT_0 = 0, INT_1 = 1, INT_2 = 2, INT_3 = 3, INT_8 = 8,
-                     INT_480 = 480, INT_640 = 640, INT_1000 = 1000;
-static const rigcal_real REAL_TOL = RC(1e-6), REAL_COST = RC(2.5),
-                         REAL_BASELINE = RC(0.3), REAL_SIGMA = RC(0.5),
-                         REAL_NEAR = RC(2), REAL_FAR = RC(9);
+static const int32_t INT_0 = 0, INT_1 = 1, INT_2 = 2, INT_3 = 3, INT_8 = 8, INT_480 = 480,
+                     INT_640 = 640, INT_1000 = 1000;
+static const rigcal_real REAL_TOL = RC(1e-6), REAL_COST = RC(2.5), REAL_BASELINE = RC(0.3),
+                         REAL_SIGMA = RC(0.5), REAL_NEAR = RC(2), REAL_FAR = RC(9);
 
 static rigcal_real bowl(void *context, const rigcal_real x[])
 {
@@ -79,8 +78,8 @@ static rigcal_real bowl(void *context, const rigcal_real x[])
 }
 
 /* Pixel of a world point in a camera, in doubles. */
-static void pixel_of(rigcal_real uv[2], const rigcal_camera *camera,
-                     const double R[9], const double t[3], const double X[3])
+static void pixel_of(rigcal_real uv[2], const rigcal_camera *camera, const double R[9],
+                     const double t[3], const double X[3])
 {
     double X_c[3], exact[2];
 
@@ -232,17 +231,15 @@ static void build_searches(void)
     ok.options.use_guess = 1;
     ok.options.xtol = RC(TOL(1e-9, 1e-4));
     ok.options.ftol = RC(TOL(1e-9, 1e-4));
-    ASSERT_STATUS(RIGCAL_OK, rigcal_neldermead_begin(&ok.search_begun, ok.x0, 3,
-                                                     REAL_TOL, REAL_TOL, 1000));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_neldermead_begin(&ok.search_begun, ok.x0, 3, REAL_TOL,
+                                                     REAL_TOL, 1000));
     ok.search = ok.search_begun;
     for (int i = 0; i < 10; i++) {
         ASSERT_STATUS(RIGCAL_RUNNING, rigcal_neldermead_ask(x, &ok.search));
-        ASSERT_STATUS(RIGCAL_RUNNING,
-                      rigcal_neldermead_tell(&ok.search, bowl(NULL, x)));
+        ASSERT_STATUS(RIGCAL_RUNNING, rigcal_neldermead_tell(&ok.search, bowl(NULL, x)));
     }
-    ASSERT_STATUS(RIGCAL_OK,
-                  rigcal_paper_begin(&ok.solver, ok.bearings, N, ok.pairs,
-                                     N_PAIRS, &ok.options));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_paper_begin(&ok.solver, ok.bearings, N, ok.pairs,
+                                                N_PAIRS, &ok.options));
     ok.solver_done = ok.solver;
     do {
         status = rigcal_paper_step(&ok.solver_done, 1000);
@@ -272,7 +269,9 @@ static void build_pose_searches(void)
     ok.warm.use_start = 1;
     ok.warm.start = ok.cams_from_world[0];
     ASSERT_STATUS(RIGCAL_OK,
-                  rigcal_pose_begin(&ok.pose_solver, &at_fault, &VIEW(&ok.camera, ok.observations, ok.spreads, N), &ok.cold));
+                  rigcal_pose_begin(&ok.pose_solver, &at_fault,
+                                    &VIEW(&ok.camera, ok.observations, ok.spreads, N),
+                                    &ok.cold));
     ok.pose_solver_done = ok.pose_solver;
     do {
         status = rigcal_pose_step(&ok.pose_solver_done, 1000);
@@ -287,7 +286,9 @@ static void build_robust(void)
     ASSERT_STATUS(RIGCAL_OK, rigcal_robust_defaults(&ok.robust));
     ok.robust.sigma_px = REAL_SIGMA;
     ASSERT_STATUS(RIGCAL_OK,
-                  rigcal_robust_begin(&ok.robust_solver, ok.marks, NULL, &VIEW(&ok.camera, ok.observations, ok.spreads, N), &ok.robust));
+                  rigcal_robust_begin(&ok.robust_solver, ok.marks, NULL,
+                                      &VIEW(&ok.camera, ok.observations, ok.spreads, N),
+                                      &ok.robust));
     ok.robust_solver_done = ok.robust_solver;
     do {
         status = rigcal_robust_step(&ok.robust_solver_done, 1000);
@@ -307,15 +308,16 @@ static void build_store(void)
             ok.mounted[c].Sigma[7 * i] = RC(1e-6 * (i + 1));
         }
     }
-    ASSERT_STATUS(RIGCAL_OK, rigcal_store_save(ok.saved, sizeof ok.saved, &n, ok.mounted, 2, UINT_7, UINT_7));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_store_save(ok.saved, sizeof ok.saved, &n, ok.mounted, 2,
+                                               UINT_7, UINT_7));
 }
 
 static void build_valid(void)
 {
-    static const rigcal_camera camera = {
-        RIGCAL_LENS_BROWN, 640, 480, RC(532.5), RC(533.5),
-        RC(320),           RC(240),  RC(-0.28), RC(0.07), RC(0.001), RC(-5e-4),
-        RC(-0.01),         RC(0.01), RC(0.002), RC(0.001)};
+    static const rigcal_camera camera = {RIGCAL_LENS_BROWN, 640,       480,       RC(532.5),
+                                         RC(533.5),         RC(320),   RC(240),   RC(-0.28),
+                                         RC(0.07),          RC(0.001), RC(-5e-4), RC(-0.01),
+                                         RC(0.01),          RC(0.002), RC(0.001)};
 
     ok.camera = camera;
     ok.cameras[0] = camera;
@@ -359,8 +361,7 @@ typedef struct {
 
 static const impossible BAD_ROTATION[] = {
     BAD_NUMBER(2, RIGCAL_ERR_ROTATION), BAD_NUMBER(-5, RIGCAL_ERR_ROTATION),
-    BAD_NUMBER(0, RIGCAL_ERR_ROTATION), BAD_NUMBER(1e9, RIGCAL_ERR_ROTATION),
-    BAD_END};
+    BAD_NUMBER(0, RIGCAL_ERR_ROTATION), BAD_NUMBER(1e9, RIGCAL_ERR_ROTATION), BAD_END};
 static const impossible BAD_CAMERA[] = {
     BAD_INT(rigcal_camera, lens, -1, RIGCAL_ERR_CAMERA),
     BAD_INT(rigcal_camera, lens, 2, RIGCAL_ERR_CAMERA),
@@ -396,25 +397,24 @@ static const impossible BAD_OPTIONS[] = {
 static const impossible BAD_COLD[] = {
     BAD_INT(rigcal_pose_options, use_start, -1, RIGCAL_ERR_RANGE),
     BAD_INT(rigcal_pose_options, use_start, INT32_MAX, RIGCAL_ERR_RANGE),
-    BAD_REAL(rigcal_pose_options, sigma_px, -1, RIGCAL_ERR_RANGE),
-    BAD_END};
+    BAD_REAL(rigcal_pose_options, sigma_px, -1, RIGCAL_ERR_RANGE), BAD_END};
 static const impossible BAD_WARM[] = {
     BAD_INT(rigcal_pose_options, use_start, 2, RIGCAL_ERR_RANGE),
     BAD_REAL(rigcal_pose_options, sigma_px, -1e-9, RIGCAL_ERR_RANGE),
     BAD_REAL(rigcal_pose_options, start.R[0], 2, RIGCAL_ERR_ROTATION),
-    BAD_REAL(rigcal_pose_options, start.R[8], -5, RIGCAL_ERR_ROTATION),
-    BAD_END};
+    BAD_REAL(rigcal_pose_options, start.R[8], -5, RIGCAL_ERR_ROTATION), BAD_END};
 static const impossible BAD_ROBUST[] = {
     BAD_REAL(rigcal_robust_options, threshold_px, -1, RIGCAL_ERR_RANGE),
     BAD_REAL(rigcal_robust_options, threshold_px, 1e-7, RIGCAL_ERR_RANGE),
     BAD_REAL(rigcal_robust_options, sigma_px, -1, RIGCAL_ERR_RANGE),
     BAD_INT(rigcal_robust_options, samples, 0, RIGCAL_ERR_RANGE),
-    BAD_INT(rigcal_robust_options, samples, 100001, RIGCAL_ERR_RANGE), BAD_END};
-static const impossible BAD_INDEX[] = {
-    BAD_INT(rigcal_pair, i, -1, RIGCAL_ERR_RANGE),
-    BAD_INT(rigcal_pair, i, N, RIGCAL_ERR_RANGE),
-    BAD_INT(rigcal_pair, j, -1, RIGCAL_ERR_RANGE),
-    BAD_INT(rigcal_pair, j, INT32_MAX, RIGCAL_ERR_RANGE), BAD_END};
+    BAD_INT(rigcal_robust_options, samples, 100001, RIGCAL_ERR_RANGE),
+    BAD_END};
+static const impossible BAD_INDEX[] = {BAD_INT(rigcal_pair, i, -1, RIGCAL_ERR_RANGE),
+                                       BAD_INT(rigcal_pair, i, N, RIGCAL_ERR_RANGE),
+                                       BAD_INT(rigcal_pair, j, -1, RIGCAL_ERR_RANGE),
+                                       BAD_INT(rigcal_pair, j, INT32_MAX, RIGCAL_ERR_RANGE),
+                                       BAD_END};
 static const impossible BAD_VIEW_POSE[] = {
     BAD_INT(rigcal_view_pose, camera, -1, RIGCAL_ERR_RANGE),
     BAD_INT(rigcal_view_pose, camera, N_CAMERAS, RIGCAL_ERR_RANGE),
@@ -445,11 +445,10 @@ static const impossible BAD_SAVED[] = {
     {RIGCAL_ERR_DAMAGED, RIGCAL_STORE_SIZE(2) - 4, 0, -1},
     BAD_END};
 static const impossible BAD_LINE[] = {BAD_NUMBER(5, RIGCAL_ERR_RANGE), BAD_END};
-static const impossible NOT_POSITIVE[] = {
-    BAD_NUMBER(0, RIGCAL_ERR_RANGE), BAD_NUMBER(-1, RIGCAL_ERR_RANGE), BAD_END};
+static const impossible NOT_POSITIVE[] = {BAD_NUMBER(0, RIGCAL_ERR_RANGE),
+                                          BAD_NUMBER(-1, RIGCAL_ERR_RANGE), BAD_END};
 static const impossible NEGATIVE[] = {BAD_NUMBER(-1, RIGCAL_ERR_RANGE),
-                                      BAD_NUMBER(-1e-9, RIGCAL_ERR_RANGE),
-                                      BAD_END};
+                                      BAD_NUMBER(-1e-9, RIGCAL_ERR_RANGE), BAD_END};
 
 /* One element: its size, where its numbers are (they stand together), what it
  * cannot be, and what comes of all its bytes being 0, where that is told. */
@@ -479,50 +478,42 @@ static const kind OBSERVATION = {REALS(5), NULL, 0};
 static const kind BEARING = {REALS(6), NULL, RIGCAL_ERR_RANGE};
 static const kind POINT = {REALS(13), NULL, 0};
 static const kind ELIMINATION = {REALS(6), NULL, 0};
-static const kind CAMERA = {sizeof(rigcal_camera), offsetof(rigcal_camera, fx),
-                            12, BAD_CAMERA, RIGCAL_ERR_CAMERA};
+static const kind CAMERA = {sizeof(rigcal_camera), offsetof(rigcal_camera, fx), 12,
+                            BAD_CAMERA, RIGCAL_ERR_CAMERA};
 static const kind PAIR = {sizeof(rigcal_pair), 0, 6, NULL, 0};
 static const kind PAIR_OF_POINTS = {sizeof(rigcal_pair), 0, 6, BAD_INDEX, 0};
 static const kind VIEW_POSE = {sizeof(rigcal_view_pose), 0, 13, BAD_VIEW_POSE, 0};
 static const kind OPTIONS = {sizeof(rigcal_paper_options),
-                             offsetof(rigcal_paper_options, guess_ypr), 5,
-                             BAD_OPTIONS, 0};
+                             offsetof(rigcal_paper_options, guess_ypr), 5, BAD_OPTIONS, 0};
 static const kind POSE = {sizeof(rigcal_paper_pose), 0, 18, NULL, 0};
 static const kind SPREAD = {REALS(1), NOT_POSITIVE, RIGCAL_ERR_RANGE};
 static const kind ML_POSE = {REALS(15), NULL, 0};
 /* Of which `start` is not looked at. */
 static const kind COLD = {sizeof(rigcal_pose_options),
-                          offsetof(rigcal_pose_options, sigma_px), 1, BAD_COLD,
-                          0};
+                          offsetof(rigcal_pose_options, sigma_px), 1, BAD_COLD, 0};
 static const kind WARM = {sizeof(rigcal_pose_options),
-                          offsetof(rigcal_pose_options, sigma_px), 13, BAD_WARM,
-                          0};
+                          offsetof(rigcal_pose_options, sigma_px), 13, BAD_WARM, 0};
 static const kind UNCERTAINTY = {REALS(46), NULL, 0};
 /* Internal, so that only "not begun" is asked of them. */
-static const kind POSE_SOLVER = {sizeof(rigcal_pose_solver), 0, 0, NULL,
-                                 RIGCAL_ERR_STATE};
+static const kind POSE_SOLVER = {sizeof(rigcal_pose_solver), 0, 0, NULL, RIGCAL_ERR_STATE};
 static const kind ROBUST = {sizeof(rigcal_robust_options), 0, 2, BAD_ROBUST,
                             RIGCAL_ERR_RANGE};
 static const kind ROBUST_SOLVER = {sizeof(rigcal_robust_solver), 0, 0, NULL,
                                    RIGCAL_ERR_STATE};
-static const kind BLAME = {sizeof(rigcal_blame), offsetof(rigcal_blame, rms_px), 4,
-                           NULL, 0};
+static const kind BLAME = {sizeof(rigcal_blame), offsetof(rigcal_blame, rms_px), 4, NULL,
+                           0};
 static const kind DIAGNOSIS = {sizeof(rigcal_diagnosis),
-                               offsetof(rigcal_diagnosis, rms_mirrored_px), 3, NULL,
-                               0};
-static const kind SEARCH = {sizeof(rigcal_neldermead), 0, 0, NULL,
-                            RIGCAL_ERR_STATE};
-static const kind SOLVER = {sizeof(rigcal_paper_solver), 0, 0, NULL,
-                            RIGCAL_ERR_STATE};
+                               offsetof(rigcal_diagnosis, rms_mirrored_px), 3, NULL, 0};
+static const kind SEARCH = {sizeof(rigcal_neldermead), 0, 0, NULL, RIGCAL_ERR_STATE};
+static const kind SOLVER = {sizeof(rigcal_paper_solver), 0, 0, NULL, RIGCAL_ERR_STATE};
 static const kind ENTRY = {sizeof(rigcal_layout_entry), 0, 0, NULL, 0};
 static const kind INT32 = {sizeof(int32_t), 0, 0, NULL, 0};
 static const kind SIZE = {sizeof(size_t), 0, 0, NULL, 0};
 static const kind BYTES = {1, 0, 0, NULL, 0};
 static const kind MOUNTED = {sizeof(rigcal_mounted_camera),
-                             offsetof(rigcal_mounted_camera, camera.fx), 60,
-                             BAD_MOUNTED, RIGCAL_ERR_CAMERA};
-static const kind SAVED = {RIGCAL_STORE_SIZE(2), 0, 0, BAD_SAVED,
-                           RIGCAL_ERR_FOREIGN};
+                             offsetof(rigcal_mounted_camera, camera.fx), 60, BAD_MOUNTED,
+                             RIGCAL_ERR_CAMERA};
+static const kind SAVED = {RIGCAL_STORE_SIZE(2), 0, 0, BAD_SAVED, RIGCAL_ERR_FOREIGN};
 static const kind SAVED_INFO = {sizeof(rigcal_saved_info), 0, 0, NULL, 0};
 
 /* ---- roles of an argument ------------------------------------------------ */
@@ -547,8 +538,8 @@ typedef struct {
     role role;
     const kind *kind;
     size_t n;
-    const void *valid; /* n elements; NULL for outputs */
-    int64_t low, high; /* of a count; `high` 0: no limit that can be tried */
+    const void *valid;     /* n elements; NULL for outputs */
+    int64_t low, high;     /* of a count; `high` 0: no limit that can be tried */
     rigcal_status outside; /* its status below low or above high; 0: any */
 } argument;
 
@@ -613,13 +604,11 @@ typedef struct {
     }
 /* A view by its parts: camera, observations, sigma, n. */
 #define VIEW_OF_N(least) \
-    IN(THERE, 1, &INT_1), IN(CAMERA, 1, &ok.camera), \
-        IN(OBSERVATION, N, ok.observations), IN_OPT(SPREAD, N, ok.spreads), \
-        COUNT(&SIZE_6, least, RIGCAL_ERR_TOO_FEW)
+    IN(THERE, 1, &INT_1), IN(CAMERA, 1, &ok.camera), IN(OBSERVATION, N, ok.observations), \
+        IN_OPT(SPREAD, N, ok.spreads), COUNT(&SIZE_6, least, RIGCAL_ERR_TOO_FEW)
 /* The same, where sigma does not count and is not read. */
 #define VIEW_WITHOUT_SIGMA(least) \
-    IN(THERE, 1, &INT_1), IN(CAMERA, 1, &ok.camera), \
-        IN(OBSERVATION, N, ok.observations), \
+    IN(THERE, 1, &INT_1), IN(CAMERA, 1, &ok.camera), IN(OBSERVATION, N, ok.observations), \
         {R_UNREAD, &NUMBER, N, ok.spreads, 0, 0, 0}, \
         COUNT(&SIZE_6, least, RIGCAL_ERR_TOO_FEW)
 /* Of a tag every number is good. */
@@ -651,20 +640,19 @@ typedef struct {
 #define ROTATED (ARGS | S(ROTATION))
 #define DEVICE (ARGS | S(CAMERA))
 #define POINTS \
-    (ARGS | S(RANGE) | S(TOO_FEW) | S(CAPACITY) | S(WIDE_RAY) | \
-     S(COINCIDENT) | S(COLLINEAR) | S(EDGE_ON) | S(PRECISION))
+    (ARGS | S(RANGE) | S(TOO_FEW) | S(CAPACITY) | S(WIDE_RAY) | S(COINCIDENT) | \
+     S(COLLINEAR) | S(EDGE_ON) | S(PRECISION))
 #define POSES (S(BEHIND) | S(NO_POSE) | BIT(RIGCAL_BUDGET_SPENT))
 #define VIEWED \
-    (DEVICE | S(ROTATION) | S(TOO_FEW) | S(NO_RAY) | S(WIDE_RAY) | \
-     S(COINCIDENT) | S(COLLINEAR) | S(PRECISION))
+    (DEVICE | S(ROTATION) | S(TOO_FEW) | S(NO_RAY) | S(WIDE_RAY) | S(COINCIDENT) | \
+     S(COLLINEAR) | S(PRECISION))
 #define STORED (S(NULL) | S(FOREIGN) | S(DAMAGED) | S(VERSION))
 #define FITTED \
     (S(NO_POSE) | S(DEGENERATE) | BIT(RIGCAL_AMBIGUOUS) | BIT(RIGCAL_POOR_FIT) | \
      BIT(RIGCAL_VAGUE) | BIT(RIGCAL_UNSEEN_POINT) | BIT(RIGCAL_BUDGET_SPENT))
 
 #define AGREED \
-    (VIEWED | FITTED | S(NO_CONSENSUS) | BIT(RIGCAL_FEW_AGREE) | \
-     BIT(RIGCAL_MOST_DISAGREE))
+    (VIEWED | FITTED | S(NO_CONSENSUS) | BIT(RIGCAL_FEW_AGREE) | BIT(RIGCAL_MOST_DISAGREE))
 
 #define REAL(p) (*(const rigcal_real *)(p))
 #define INT(p) (*(const int32_t *)(p))
@@ -1003,9 +991,8 @@ enum { N_FUNCTIONS = sizeof FUNCTIONS / sizeof FUNCTIONS[0] };
 
 /* Those that take plain numbers only and have an answer for every one. */
 static const char *const HARMLESS[] = {
-    "rigcal_version",     "rigcal_sizeof_real",  "rigcal_status_name",
-    "rigcal_status_text", "rigcal_layout_count", "rigcal_pairs_for",
-    "rigcal_store_size",
+    "rigcal_version",      "rigcal_sizeof_real", "rigcal_status_name", "rigcal_status_text",
+    "rigcal_layout_count", "rigcal_pairs_for",   "rigcal_store_size",
 };
 enum { N_HARMLESS = sizeof HARMLESS / sizeof HARMLESS[0] };
 
@@ -1097,9 +1084,8 @@ static void expect_untouched(int i, int byte, rigcal_status status)
     const argument *a = &current->arguments[i];
 
     for (size_t k = 0; k < size_of(a); k++) {
-        const unsigned char before = a->valid
-                                         ? ((const unsigned char *)a->valid)[k]
-                                         : (unsigned char)byte;
+        const unsigned char before =
+            a->valid ? ((const unsigned char *)a->valid)[k] : (unsigned char)byte;
 
         if (buffer[i][k] != before) {
             complain(a->valid ? "the state was changed though it was refused"
@@ -1142,7 +1128,8 @@ static rigcal_status call(int absent, int byte)
     }
     status = current->call(p);
     if (status != RIGCAL_OK &&
-        (status < RIGCAL_ERR_MIRRORED || status > RIGCAL_MOST_DISAGREE || !(current->named & BIT(status)))) {
+        (status < RIGCAL_ERR_MIRRORED || status > RIGCAL_MOST_DISAGREE ||
+         !(current->named & BIT(status)))) {
         complain("a status that the manual does not name here", status);
     }
     for (int i = 0; i < n_arguments(); i++) {
@@ -1153,8 +1140,7 @@ static rigcal_status call(int absent, int byte)
         }
         if (status < 0 && is_output(r)) {
             expect_untouched(i, byte, status);
-        } else if (status >= 0 && is_output(r) &&
-                   (r != R_OUT_PART || byte != 0xff)) {
+        } else if (status >= 0 && is_output(r) && (r != R_OUT_PART || byte != 0xff)) {
             expect_finite(i, status);
         }
         if (r == R_STATE &&
@@ -1181,8 +1167,7 @@ static void expect(rigcal_status expected, int absent)
     const rigcal_status status = call(absent, FINITE_BYTE);
 
     if (status != expected) {
-        snprintf(text, sizeof text, "expected %s",
-                 rigcal_status_name(expected));
+        snprintf(text, sizeof text, "expected %s", rigcal_status_name(expected));
         complain(text, status);
     }
 }
@@ -1236,8 +1221,8 @@ static void not_finite_numbers(void)
         }
         for (size_t k = 0; k < n_reals(i); k++) {
             for (int v = 0; v < 3; v++) {
-                snprintf(what, sizeof what, "argument %d, number %u: %g", i,
-                         (unsigned)k, values[v]);
+                snprintf(what, sizeof what, "argument %d, number %u: %g", i, (unsigned)k,
+                         values[v]);
                 refresh(FINITE_BYTE);
                 put_real(real_of(i, k), values[v]);
                 if (current->arguments[i].role == R_ANY ||
@@ -1257,8 +1242,7 @@ static void disturb(int i, size_t k, double factor, double value)
     const size_t n = n_reals(i);
 
     for (size_t j = k < n ? k : 0; j < (k < n ? k + 1 : n); j++) {
-        put_real(real_of(i, j),
-                 factor != 0 ? factor * real_at(real_of(i, j)) : value);
+        put_real(real_of(i, j), factor != 0 ? factor * real_at(real_of(i, j)) : value);
     }
 }
 
@@ -1295,8 +1279,7 @@ static void extreme_numbers(void)
                 snprintf(what, sizeof what, "argument %d, %s %u: %s%g", i,
                          k < n_reals(i) ? "number" : "all", (unsigned)k,
                          values[v].factor != 0 ? "times " : "",
-                         values[v].factor != 0 ? values[v].factor
-                                               : values[v].value);
+                         values[v].factor != 0 ? values[v].factor : values[v].value);
                 refresh(FINITE_BYTE);
                 disturb(i, k, values[v].factor, values[v].value);
                 call(-1, FINITE_BYTE);
@@ -1342,8 +1325,7 @@ static void counts_and_options(void)
             values[n++] = INT32_MAX;
         }
         for (int v = 0; v < n; v++) {
-            snprintf(what, sizeof what, "argument %d: %.0f", i,
-                     (double)values[v]);
+            snprintf(what, sizeof what, "argument %d: %.0f", i, (double)values[v]);
             refresh(FINITE_BYTE);
             put_count(i, values[v]);
             if (a->outside == 0) {
@@ -1370,8 +1352,7 @@ static void impossible_numbers(void)
             for (size_t e = 0; e<a->n; e += a->n> 1 ? a->n - 1 : 1) {
                 unsigned char *place;
 
-                snprintf(what, sizeof what,
-                         "argument %d, element %u, offset %u: %g", i,
+                snprintf(what, sizeof what, "argument %d, element %u, offset %u: %g", i,
                          (unsigned)e, (unsigned)bad->offset, bad->value);
                 refresh(FINITE_BYTE);
                 place = buffer[i] + e * a->kind->size + bad->offset;
@@ -1506,14 +1487,14 @@ static void test_a_solver_still_running_has_no_result(void)
 {
     rigcal_paper_pose pose;
 
-    ASSERT_REFUSED(RIGCAL_ERR_STATE, pose,
-                   rigcal_paper_result(&pose, &ok.solver));
+    ASSERT_REFUSED(RIGCAL_ERR_STATE, pose, rigcal_paper_result(&pose, &ok.solver));
     {
         rigcal_pose poses[RIGCAL_POSES_MAX];
         size_t n_found = 77;
 
-        ASSERT_REFUSED(RIGCAL_ERR_STATE, poses,
-                       rigcal_pose_result(poses, RIGCAL_POSES_MAX, &n_found, NULL, &ok.pose_solver));
+        ASSERT_REFUSED(
+            RIGCAL_ERR_STATE, poses,
+            rigcal_pose_result(poses, RIGCAL_POSES_MAX, &n_found, NULL, &ok.pose_solver));
         TEST_ASSERT_EQUAL_UINT64(77, n_found);
     }
 }
@@ -1523,8 +1504,11 @@ static void test_three_points_have_no_noise_to_estimate(void)
     rigcal_pose_uncertainty out;
 
     ASSERT_REFUSED(RIGCAL_ERR_TOO_FEW, out,
-                   rigcal_pose_covariance(&out, &VIEW(&ok.camera, ok.observations, NULL, 3), &ok.cams_from_world[0], 0));
-    ASSERT_STATUS(RIGCAL_OK, rigcal_pose_covariance(&out, &VIEW(&ok.camera, ok.observations, NULL, 3), &ok.cams_from_world[0], REAL_SIGMA));
+                   rigcal_pose_covariance(&out, &VIEW(&ok.camera, ok.observations, NULL, 3),
+                                          &ok.cams_from_world[0], 0));
+    ASSERT_STATUS(RIGCAL_OK,
+                  rigcal_pose_covariance(&out, &VIEW(&ok.camera, ok.observations, NULL, 3),
+                                         &ok.cams_from_world[0], REAL_SIGMA));
 }
 
 static void test_a_search_has_no_result_before_the_first_cost(void)
@@ -1548,8 +1532,7 @@ static void test_a_pair_is_of_two_different_points(void)
 {
     rigcal_pair pair;
 
-    ASSERT_REFUSED(RIGCAL_ERR_RANGE, pair,
-                   rigcal_pair_make(&pair, ok.bearings, N, 2, 2));
+    ASSERT_REFUSED(RIGCAL_ERR_RANGE, pair, rigcal_pair_make(&pair, ok.bearings, N, 2, 2));
 }
 
 static void test_the_far_end_of_a_line_lies_beyond_the_near_one(void)
@@ -1558,14 +1541,15 @@ static void test_the_far_end_of_a_line_lies_beyond_the_near_one(void)
     size_t n;
 
     ASSERT_REFUSED(RIGCAL_ERR_RANGE, ends,
-                   rigcal_epiline_segment(ends, &ok.camera, &ok.b_from_a,
-                                          ok.ray_a, REAL_FAR, REAL_NEAR));
+                   rigcal_epiline_segment(ends, &ok.camera, &ok.b_from_a, ok.ray_a,
+                                          REAL_FAR, REAL_NEAR));
     ASSERT_REFUSED(RIGCAL_ERR_RANGE, ends,
-                   rigcal_epiline_segment(ends, &ok.camera, &ok.b_from_a,
-                                          ok.ray_a, REAL_NEAR, REAL_NEAR));
+                   rigcal_epiline_segment(ends, &ok.camera, &ok.b_from_a, ok.ray_a,
+                                          REAL_NEAR, REAL_NEAR));
     FILL(n);
     ASSERT_REFUSED(RIGCAL_ERR_RANGE, uv,
-                   rigcal_epiline_curve(uv, 8, &n, &ok.camera, &ok.b_from_a, ok.ray_a, REAL_FAR, REAL_NEAR));
+                   rigcal_epiline_curve(uv, 8, &n, &ok.camera, &ok.b_from_a, ok.ray_a,
+                                        REAL_FAR, REAL_NEAR));
     ASSERT_UNTOUCHED(n);
 }
 
@@ -1574,9 +1558,8 @@ static void test_weights_that_are_all_zero_make_no_mean(void)
     static const rigcal_real none[N_VIEWS] = {0};
     rigcal_transform mean;
 
-    ASSERT_REFUSED(
-        RIGCAL_ERR_RANGE, mean,
-        rigcal_transform_mean(&mean, NULL, NULL, ok.estimates, none, N_VIEWS));
+    ASSERT_REFUSED(RIGCAL_ERR_RANGE, mean,
+                   rigcal_transform_mean(&mean, NULL, NULL, ok.estimates, none, N_VIEWS));
 }
 
 static void test_pairs_for_any_number_of_points_does_not_wrap_round(void)
@@ -1586,12 +1569,10 @@ static void test_pairs_for_any_number_of_points_does_not_wrap_round(void)
     for (size_t n = 2; n < 100; n++) {
         const size_t all = n * (n - 1) / 2;
 
-        TEST_ASSERT_EQUAL_UINT64(all < 4 * n ? all : 4 * n,
-                                 rigcal_pairs_for(n));
+        TEST_ASSERT_EQUAL_UINT64(all < 4 * n ? all : 4 * n, rigcal_pairs_for(n));
         TEST_ASSERT_EQUAL_UINT64(RIGCAL_PAIRS_FOR(n), rigcal_pairs_for(n));
     }
-    TEST_ASSERT_EQUAL_UINT64((size_t)1 << 30,
-                             rigcal_pairs_for((size_t)1 << 28));
+    TEST_ASSERT_EQUAL_UINT64((size_t)1 << 30, rigcal_pairs_for((size_t)1 << 28));
 }
 
 /* The valid arguments are made before the first test, whichever that is. */
@@ -1616,8 +1597,7 @@ TEST_MAIN_WITH_SETUP()
         char name[80];
 
         current = &FUNCTIONS[i];
-        snprintf(name, sizeof name, "%s_withstands_hostile_arguments",
-                 current->name);
+        snprintf(name, sizeof name, "%s_withstands_hostile_arguments", current->name);
         test_run(withstands_hostile_arguments, name, __LINE__);
     }
     RUN_TEST(test_a_solver_still_running_has_no_result);

@@ -54,8 +54,8 @@ static double depth_inside(const image_circle *circle, const double uv[2])
         double s = ee > 0 ? (w[0] * e[0] + w[1] * e[1]) / ee : 0, distance;
 
         s = s < 0 ? 0 : s > 1 ? 1 : s;
-        distance = (w[0] - s * e[0]) * (w[0] - s * e[0]) +
-                   (w[1] - s * e[1]) * (w[1] - s * e[1]);
+        distance =
+            (w[0] - s * e[0]) * (w[0] - s * e[0]) + (w[1] - s * e[1]) * (w[1] - s * e[1]);
         nearest = distance < nearest ? distance : nearest;
         if ((a[1] > uv[1]) != (b[1] > uv[1]) &&
             uv[0] < a[0] + e[0] * (uv[1] - a[1]) / e[1]) {
@@ -136,15 +136,13 @@ static void test_each_pixel_of_each_lens_has_its_ray_or_none(void)
             if (status == RIGCAL_OK) {
                 assert_right_ray(name, &camera, ray, uv);
                 if (outer.ends && depth_inside(&outer, at) < -CHORD) {
-                    fail_at("a ray where the lens has none", name, at[0],
-                            at[1]);
+                    fail_at("a ray where the lens has none", name, at[0], at[1]);
                 }
             } else {
                 ASSERT_STATUS(RIGCAL_ERR_NO_RAY, status);
                 ASSERT_UNTOUCHED(ray);
                 if (depth_inside(&inner, at) > CHORD) {
-                    fail_at("no ray where the lens has one", name, at[0],
-                            at[1]);
+                    fail_at("no ray where the lens has one", name, at[0], at[1]);
                 }
             }
         }
@@ -152,11 +150,9 @@ static void test_each_pixel_of_each_lens_has_its_ray_or_none(void)
 }
 
 /* From the axis to 0.1 % before the turning point. */
-static void test_every_ray_before_the_turning_point_is_found_from_its_pixel(
-    void)
+static void test_every_ray_before_the_turning_point_is_found_from_its_pixel(void)
 {
-    static const double shares[] = {1e-8, 1e-3, 0.1,  0.3,  0.5,
-                                    0.7,  0.9,  0.97, 0.99, 0.999};
+    static const double shares[] = {1e-8, 1e-3, 0.1, 0.3, 0.5, 0.7, 0.9, 0.97, 0.99, 0.999};
 
     for (int i = 0; i < TEST_N_LENSES; i++) {
         const rigcal_camera camera = test_lens_camera(&TEST_LENSES[i]);
@@ -182,8 +178,7 @@ static void test_every_ray_before_the_turning_point_is_found_from_its_pixel(
                     fail_at("no ray found", TEST_LENSES[i].name, exact[0], exact[1]);
                 }
                 test_to_double(seen, ray, 3);
-                if (!(test_ray_angle(X_c, seen) <=
-                      test_angle_tolerance(&camera, at))) {
+                if (!(test_ray_angle(X_c, seen) <= test_angle_tolerance(&camera, at))) {
                     fail_at("not the ray", TEST_LENSES[i].name, exact[0], exact[1]);
                 }
             }
@@ -277,8 +272,7 @@ static void test_projection_ends_at_the_turning_point(void)
             ASSERT_STATUS(RIGCAL_OK, rigcal_camera_project(uv, &camera, X_c));
             test_polar_ray(X, &camera, beyond);
             test_to_real(X_c, X, 3);
-            ASSERT_REFUSED(RIGCAL_ERR_NO_RAY, uv,
-                           rigcal_camera_project(uv, &camera, X_c));
+            ASSERT_REFUSED(RIGCAL_ERR_NO_RAY, uv, rigcal_camera_project(uv, &camera, X_c));
         }
     }
 }
@@ -287,8 +281,7 @@ static void test_projection_ends_at_the_turning_point(void)
 
 /* x <- (xd - tangential) / d, as commonly done; how far off in pixels its
  * projection is after `steps`. */
-static double fixed_point_error(const rigcal_camera *c, const double uv[2],
-                                int steps)
+static double fixed_point_error(const rigcal_camera *c, const double uv[2], int steps)
 {
     const double xd = (uv[0] - D(c->cx)) / D(c->fx);
     const double yd = (uv[1] - D(c->cy)) / D(c->fy);
@@ -311,8 +304,7 @@ static double fixed_point_error(const rigcal_camera *c, const double uv[2],
     return hypot(seen[0] - uv[0], seen[1] - uv[1]);
 }
 
-static void test_pixels_on_which_the_fixed_point_iteration_fails_have_a_ray(
-    void)
+static void test_pixels_on_which_the_fixed_point_iteration_fails_have_a_ray(void)
 {
     int failed = 0;
 
@@ -376,8 +368,7 @@ static rigcal_camera random_camera(test_rng *rng, int radial)
     return c;
 }
 
-static void random_pixel(rigcal_real uv[2], const rigcal_camera *camera,
-                         test_rng *rng)
+static void random_pixel(rigcal_real uv[2], const rigcal_camera *camera, test_rng *rng)
 {
     uv[0] = RC(test_uniform(rng, -0.5, camera->width - 0.5));
     uv[1] = RC(test_uniform(rng, -0.5, camera->height - 0.5));
@@ -431,8 +422,7 @@ static void test_any_lens_gives_every_ray_before_its_turning_point(void)
             test_polar at;
 
             at = test_polar_at(0, test_uniform(&rng, -TEST_PI, TEST_PI));
-            at.out =
-                test_turning_point(&camera, at, 3) * test_uniform(&rng, 0, 0.99);
+            at.out = test_turning_point(&camera, at, 3) * test_uniform(&rng, 0, 0.99);
             test_polar_ray(X_c, &camera, at);
             test_project_px(exact, &camera, X_c);
             if (!test_is_in_reach(&camera, exact)) {
@@ -443,8 +433,7 @@ static void test_any_lens_gives_every_ray_before_its_turning_point(void)
                 fail_at("no ray found", name, exact[0], exact[1]);
             }
             test_to_double(seen, ray, 3);
-            if (!(test_ray_angle(X_c, seen) <=
-                  2 * test_angle_tolerance(&camera, at))) {
+            if (!(test_ray_angle(X_c, seen) <= 2 * test_angle_tolerance(&camera, at))) {
                 fail_at("not the ray", name, exact[0], exact[1]);
             }
         }
@@ -453,8 +442,7 @@ static void test_any_lens_gives_every_ray_before_its_turning_point(void)
 
 /* The least test_steepness on the way out to `share` of a place. Where it nearly
  * vanishes a march in steps may have passed a turning point unseen. */
-static double least_steepness(const rigcal_camera *camera, test_polar at,
-                              double share)
+static double least_steepness(const rigcal_camera *camera, test_polar at, double share)
 {
     double least = 1;
 
@@ -492,8 +480,7 @@ static void test_any_lens_projects_up_to_its_turning_point_and_not_beyond(void)
                 at.out = end * shares[k];
                 if ((camera.lens == RIGCAL_LENS_FISHEYE && at.out > 3.14) ||
                     (camera.lens == RIGCAL_LENS_BROWN && end >= far && shares[k] > 1) ||
-                    (shares[k] < 1 &&
-                     least_steepness(&camera, at, 0.97) < 0.01)) {
+                    (shares[k] < 1 && least_steepness(&camera, at, 0.97) < 0.01)) {
                     continue;
                 }
                 test_polar_ray(X, &camera, at);
@@ -503,8 +490,8 @@ static void test_any_lens_projects_up_to_its_turning_point_and_not_beyond(void)
                     char name[40];
 
                     snprintf(name, sizeof name, "random lens %d", trial);
-                    fail_at(shares[k] < 1 ? "not projected" : "projected", name,
-                            at.out, shares[k]);
+                    fail_at(shares[k] < 1 ? "not projected" : "projected", name, at.out,
+                            shares[k]);
                 }
             }
         }

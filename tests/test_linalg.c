@@ -31,21 +31,18 @@ static void test_a_2_3_6_vector_has_length_7(void)
     ASSERT_NEAR(7, rc_vec3_norm(v), TOL_ROUNDING);
     ASSERT_NEAR(6, rc_vec3_max_abs(v), 0);
     TEST_ASSERT_TRUE(rc_vec3_unit(unit, v));
-    ASSERT_ARRAY_NEAR(((double[]){2.0 / 7, -3.0 / 7, 6.0 / 7}), unit, 3,
-                      TOL_ROUNDING);
+    ASSERT_ARRAY_NEAR(((double[]){2.0 / 7, -3.0 / 7, 6.0 / 7}), unit, 3, TOL_ROUNDING);
 }
 
 static void test_unit_vectors_survive_lengths_whose_squares_do_not_exist(void)
 {
-    const rigcal_real sizes[4] = {RC_MAX, RC_MAX / 4, RC(FLT_MIN),
-                                  RC_TOL(5e-324, 1.5e-45)};
+    const rigcal_real sizes[4] = {RC_MAX, RC_MAX / 4, RC(FLT_MIN), RC_TOL(5e-324, 1.5e-45)};
     for (int i = 0; i < 4; i++) {
         const rigcal_real v[3] = {0, sizes[i], -sizes[i]};
         rigcal_real unit[3];
         TEST_ASSERT_TRUE(rc_vec3_unit(unit, v));
-        ASSERT_ARRAY_NEAR(((double[]){0, 0.70710678118654752,
-                                      -0.70710678118654752}),
-                          unit, 3, TOL_ROUNDING);
+        ASSERT_ARRAY_NEAR(((double[]){0, 0.70710678118654752, -0.70710678118654752}), unit,
+                          3, TOL_ROUNDING);
     }
 }
 

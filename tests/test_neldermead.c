@@ -47,8 +47,7 @@ static rigcal_real quartic(void *context, const rigcal_real x[])
     return a * a * a * a + a * a;
 }
 
-static const rigcal_cost CLASSICAL[] = {rosenbrock, powell, himmelblau,
-                                        quartic};
+static const rigcal_cost CLASSICAL[] = {rosenbrock, powell, himmelblau, quartic};
 
 /* A crooked bowl over its least value, e = x - b:
  *     least + sum a_i e_i^2 + 0.3 sum e_i e_(i-1)
@@ -142,11 +141,11 @@ static outcome run(rigcal_neldermead *nm, rigcal_cost cost, void *context)
     return end;
 }
 
-static void begin(rigcal_neldermead *nm, const rigcal_real x0[], int k,
-                  double tol, int max_evals)
+static void begin(rigcal_neldermead *nm, const rigcal_real x0[], int k, double tol,
+                  int max_evals)
 {
-    ASSERT_STATUS(RIGCAL_OK, rigcal_neldermead_begin(nm, x0, k, RC(tol),
-                                                     RC(tol), max_evals));
+    ASSERT_STATUS(RIGCAL_OK,
+                  rigcal_neldermead_begin(nm, x0, k, RC(tol), RC(tol), max_evals));
 }
 
 /* Every vertex and cost within tol of the best, which is the first. */
@@ -181,9 +180,8 @@ static void test_each_run_takes_as_many_evaluations_as_scipys(void)
         end = run(&nm, CLASSICAL[which], NULL);
         TEST_ASSERT_EQUAL_INT32((int32_t)row[7], end.evals);
         /* SciPy says "spent" also when the last evaluation converged. */
-        ASSERT_STATUS(row[12] > 0 && !has_converged(&nm, row[5])
-                          ? RIGCAL_BUDGET_SPENT
-                          : RIGCAL_OK,
+        ASSERT_STATUS(row[12] > 0 && !has_converged(&nm, row[5]) ? RIGCAL_BUDGET_SPENT
+                                                                 : RIGCAL_OK,
                       end.status);
         ASSERT_ARRAY_NEAR(row + 8, end.x, k, 1e-12);
         ASSERT_NEAR(row[11], end.cost, 1e-12 * (1 + fabs(row[11])));
@@ -244,27 +242,24 @@ static void test_the_first_simplex_is_that_of_fminsearch(void)
         for (int i = 0; i <= k; i++) {
             ASSERT_STATUS(RIGCAL_RUNNING, rigcal_neldermead_ask(x, &nm));
             ASSERT_ARRAY_NEAR(expected[i], x, k, TOL(1e-15, 1e-7));
-            ASSERT_STATUS(RIGCAL_RUNNING,
-                          rigcal_neldermead_tell(&nm, RC(5 - i)));
+            ASSERT_STATUS(RIGCAL_RUNNING, rigcal_neldermead_tell(&nm, RC(5 - i)));
         }
     }
 }
 
 static void test_a_simplex_of_the_callers_is_evaluated_as_it_stands(void)
 {
-    static const rigcal_real simplex[12] = {3, 1, 4,  1, 5, 9,
-                                            2, 6, -5, 3, 5, -8};
+    static const rigcal_real simplex[12] = {3, 1, 4, 1, 5, 9, 2, 6, -5, 3, 5, -8};
 
     for (int k = 1; k <= 3; k++) {
         rigcal_neldermead nm;
         rigcal_real x[3];
 
-        ASSERT_STATUS(RIGCAL_OK, rigcal_neldermead_begin_simplex(&nm, simplex,
-                                                                 k, 0, 0, 100));
+        ASSERT_STATUS(RIGCAL_OK,
+                      rigcal_neldermead_begin_simplex(&nm, simplex, k, 0, 0, 100));
         for (int i = 0; i <= k; i++) {
             ASSERT_STATUS(RIGCAL_RUNNING, rigcal_neldermead_ask(x, &nm));
-            TEST_ASSERT_EQUAL_MEMORY(simplex + k * i, x,
-                                     sizeof(rigcal_real) * (size_t)k);
+            TEST_ASSERT_EQUAL_MEMORY(simplex + k * i, x, sizeof(rigcal_real) * (size_t)k);
             rigcal_neldermead_tell(&nm, RC(i));
         }
     }
@@ -370,8 +365,7 @@ static void textbook_iterate(textbook *s)
 static void test_any_simplex_follows_the_published_rules(void)
 {
     test_rng rng = test_seed(3);
-    const double beyond[4] = {test_nan(), test_infinity(), -test_infinity(),
-                              1e30};
+    const double beyond[4] = {test_nan(), test_infinity(), -test_infinity(), 1e30};
 
     for (int trial = 0; trial < 400; trial++) {
         const int k = 1 + trial % 3, compared = RIGCAL_USE_FLOAT ? 15 : 60;
@@ -398,8 +392,8 @@ static void test_any_simplex_follows_the_published_rules(void)
         while (book.n < compared && isfinite(book.f[0])) {
             textbook_iterate(&book);
         }
-        ASSERT_STATUS(RIGCAL_OK, rigcal_neldermead_begin_simplex(
-                                     &nm, simplex, k, 0, 0, NO_LIMIT));
+        ASSERT_STATUS(RIGCAL_OK,
+                      rigcal_neldermead_begin_simplex(&nm, simplex, k, 0, 0, NO_LIMIT));
         for (int i = 0; i < book.n && i < compared; i++) {
             ASSERT_STATUS(RIGCAL_RUNNING, rigcal_neldermead_ask(x, &nm));
             ASSERT_ARRAY_NEAR(book.trace[i], x, k, TOL(1e-10, 1e-3));
@@ -417,8 +411,7 @@ static void assert_asked(double x, double y, int n, const double costs[])
     rigcal_neldermead nm;
     rigcal_real at[2];
 
-    ASSERT_STATUS(RIGCAL_OK,
-                  rigcal_neldermead_begin_simplex(&nm, simplex, 2, 0, 0, 100));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_neldermead_begin_simplex(&nm, simplex, 2, 0, 0, 100));
     for (int i = 0; i < 3; i++) {
         rigcal_neldermead_tell(&nm, RC(i));
     }
@@ -497,16 +490,15 @@ static void test_at_the_end_every_vertex_is_within_the_tolerances(void)
         rigcal_neldermead nm;
         outcome end;
 
-        ASSERT_STATUS(RIGCAL_OK, rigcal_neldermead_begin(&nm, x0, 2, RC(xtol),
-                                                         RC(ftol), NO_LIMIT));
+        ASSERT_STATUS(RIGCAL_OK,
+                      rigcal_neldermead_begin(&nm, x0, 2, RC(xtol), RC(ftol), NO_LIMIT));
         end = run(&nm, rosenbrock, NULL);
         ASSERT_STATUS(RIGCAL_OK, end.status);
         for (int v = 0; v < 3; v++) {
             TEST_ASSERT_TRUE(D(nm.vertex[v].cost) - D(end.cost) <= ftol);
             TEST_ASSERT_TRUE(nm.vertex[v].cost >= end.cost);
             for (int d = 0; d < 2; d++) {
-                TEST_ASSERT_TRUE(fabs(D(nm.vertex[v].x[d]) - D(end.x[d])) <=
-                                 xtol);
+                TEST_ASSERT_TRUE(fabs(D(nm.vertex[v].x[d]) - D(end.x[d])) <= xtol);
             }
         }
     }
@@ -527,17 +519,15 @@ static void test_it_goes_on_while_any_vertex_is_outside_the_tolerances(void)
         for (int i = 0; i < (k + 1) * k; i++) {
             simplex[i] = RC(test_uniform(&rng, -5, 5));
         }
-        ASSERT_STATUS(RIGCAL_OK,
-                      rigcal_neldermead_begin_simplex(&nm, simplex, k, RC(xtol),
-                                                      RC(ftol), NO_LIMIT));
+        ASSERT_STATUS(RIGCAL_OK, rigcal_neldermead_begin_simplex(&nm, simplex, k, RC(xtol),
+                                                                 RC(ftol), NO_LIMIT));
         end = run(&nm, bowl_cost, &f);
         ASSERT_STATUS(RIGCAL_OK, end.status);
         for (int v = 0; v <= k; v++) {
             TEST_ASSERT_TRUE(nm.vertex[v].cost >= end.cost);
             TEST_ASSERT_TRUE(D(nm.vertex[v].cost) - D(end.cost) <= ftol);
             for (int d = 0; d < k; d++) {
-                TEST_ASSERT_TRUE(fabs(D(nm.vertex[v].x[d]) - D(end.x[d])) <=
-                                 xtol);
+                TEST_ASSERT_TRUE(fabs(D(nm.vertex[v].x[d]) - D(end.x[d])) <= xtol);
             }
         }
     }
@@ -699,14 +689,12 @@ static void test_a_search_copied_halfway_goes_on_the_same(void)
     outcome one, two;
 
     begin(&nm, x0, 2, TOL(1e-9, 1e-4), NO_LIMIT);
-    ASSERT_STATUS(RIGCAL_RUNNING,
-                  rigcal_neldermead_step(&nm, rosenbrock, NULL, 33));
+    ASSERT_STATUS(RIGCAL_RUNNING, rigcal_neldermead_step(&nm, rosenbrock, NULL, 33));
     copy = nm;
     one = run(&nm, rosenbrock, NULL);
     two = result_of(&nm);
     assert_same(&one, &two);
-    while (rigcal_neldermead_step(&copy, rosenbrock, NULL, 5) ==
-           RIGCAL_RUNNING) {
+    while (rigcal_neldermead_step(&copy, rosenbrock, NULL, 5) == RIGCAL_RUNNING) {
     }
     two = result_of(&copy);
     assert_same(&one, &two);
@@ -761,8 +749,7 @@ static void test_a_search_that_is_done_asks_nothing_and_hears_nothing(void)
     const rigcal_real x0[2] = {1, 1};
 
     for (int32_t max_evals = 10; max_evals <= 10000; max_evals *= 1000) {
-        const rigcal_status done =
-            max_evals == 10 ? RIGCAL_BUDGET_SPENT : RIGCAL_OK;
+        const rigcal_status done = max_evals == 10 ? RIGCAL_BUDGET_SPENT : RIGCAL_OK;
         rigcal_neldermead nm;
         rigcal_real x[2];
         outcome before, after;
@@ -788,10 +775,8 @@ static void test_a_search_that_was_not_begun_is_refused(void)
     memset(&nm, 0, sizeof nm);
     ASSERT_REFUSED(RIGCAL_ERR_STATE, x, rigcal_neldermead_ask(x, &nm));
     ASSERT_STATUS(RIGCAL_ERR_STATE, rigcal_neldermead_tell(&nm, 1));
-    ASSERT_STATUS(RIGCAL_ERR_STATE,
-                  rigcal_neldermead_step(&nm, rosenbrock, NULL, 1));
-    ASSERT_REFUSED(RIGCAL_ERR_STATE, x,
-                   rigcal_neldermead_result(x, NULL, NULL, &nm));
+    ASSERT_STATUS(RIGCAL_ERR_STATE, rigcal_neldermead_step(&nm, rosenbrock, NULL, 1));
+    ASSERT_REFUSED(RIGCAL_ERR_STATE, x, rigcal_neldermead_result(x, NULL, NULL, &nm));
 }
 
 static void test_the_best_vertex_is_known_from_the_first_cost_on(void)
@@ -805,16 +790,14 @@ static void test_the_best_vertex_is_known_from_the_first_cost_on(void)
         int32_t evals;
 
         begin(&nm, x0, k, 1e-6, 100);
-        ASSERT_REFUSED(RIGCAL_ERR_STATE, x,
-                       rigcal_neldermead_result(x, NULL, NULL, &nm));
+        ASSERT_REFUSED(RIGCAL_ERR_STATE, x, rigcal_neldermead_result(x, NULL, NULL, &nm));
         for (int i = 0; i <= k; i++) {
             ASSERT_STATUS(RIGCAL_RUNNING, rigcal_neldermead_ask(x, &nm));
             if (D(costs[i]) <= least[i]) {
                 memcpy(best, x, sizeof best);
             }
             rigcal_neldermead_tell(&nm, costs[i]);
-            ASSERT_STATUS(RIGCAL_RUNNING,
-                          rigcal_neldermead_result(x, &cost, &evals, &nm));
+            ASSERT_STATUS(RIGCAL_RUNNING, rigcal_neldermead_result(x, &cost, &evals, &nm));
             TEST_ASSERT_EQUAL_MEMORY(best, x, sizeof(rigcal_real) * (size_t)k);
             TEST_ASSERT_EQUAL_INT32(i + 1, evals);
             ASSERT_NEAR(least[i], cost, 0);

@@ -99,8 +99,8 @@ static void random_scene(scene *s, test_rng *rng)
     random_triangle(s, rng);
     do {
         const double far = s->size * exp(test_uniform(rng, log(1.5), log(30)));
-        double R[9], at[3] = {test_uniform(rng, -0.35, 0.35),
-                              test_uniform(rng, -0.35, 0.35), 1};
+        double R[9],
+            at[3] = {test_uniform(rng, -0.35, 0.35), test_uniform(rng, -0.35, 0.35), 1};
         const double length = test_norm(at);
 
         for (int k = 0; k < 3; k++) {
@@ -108,8 +108,7 @@ static void random_scene(scene *s, test_rng *rng)
         }
         test_random_rotation(R, rng);
         place(s, R, at);
-    } while (facing(s) < 0.5 || s->Y[0][2] <= 0 || s->Y[1][2] <= 0 ||
-             s->Y[2][2] <= 0);
+    } while (facing(s) < 0.5 || s->Y[0][2] <= 0 || s->Y[1][2] <= 0 || s->Y[2][2] <= 0);
 }
 
 /* Also that no pose is touched but those that count. */
@@ -122,8 +121,7 @@ static int solve(scene *s)
         test_to_real(x[i], s->X[i], 3);
         test_to_real(ray[i], s->ray[i], 3);
     }
-    s->count = rc_p3p(s->found, (const rigcal_real(*)[3])x,
-                      (const rigcal_real(*)[3])ray);
+    s->count = rc_p3p(s->found, (const rigcal_real(*)[3])x, (const rigcal_real(*)[3])ray);
     TEST_ASSERT_TRUE(s->count >= 0 && s->count <= RC_P3P_MAX);
     for (int i = s->count; i < RC_P3P_MAX; i++) {
         ASSERT_UNTOUCHED(s->found[i]);
@@ -361,8 +359,8 @@ static void test_near_and_thin_triangles_too(void)
 
         random_scene(&s, &rng);
         for (int k = 0; k < 3 && n % 2 == 0; k++) {
-            s.X[2][k] = s.X[0][k] + 0.6 * (s.X[1][k] - s.X[0][k]) +
-                        thin * (s.X[2][k] - s.X[0][k]);
+            s.X[2][k] =
+                s.X[0][k] + 0.6 * (s.X[1][k] - s.X[0][k]) + thin * (s.X[2][k] - s.X[0][k]);
         }
         at[2] = s.size * exp(test_uniform(&rng, log(0.3), log(3)));
         place(&s, s.R, at);
@@ -700,8 +698,7 @@ static void test_anything_else_gives_poses_or_none(void)
         for (int i = 0; i < 3; i++) {
             for (int k = 0; k < 3; k++) {
                 s.X[i][k] = (n % 2) ? ODD[test_next(&rng) % 6] : s.X[i][k];
-                s.ray[i][k] = (n % 4 < 2) ? ODD[test_next(&rng) % 6]
-                                          : test_normal(&rng);
+                s.ray[i][k] = (n % 4 < 2) ? ODD[test_next(&rng) % 6] : test_normal(&rng);
             }
             s.ray[i][n % 3] += test_norm(s.ray[i]) > 0 ? 0 : 1;
             const double length = test_norm(s.ray[i]);

@@ -31,9 +31,9 @@ static rigcal_camera read_camera(const char *set, const char *name)
     int found = 0;
 
     while (!found && fgets(line, sizeof line, stream) != NULL) {
-        found = sscanf(line, "%31[^,],%lf,%lf,%lf,%lf,%lf,%lf,%lf,%lf,%lf,%lf,%lf",
-                       at, &v[1], &v[2], &v[3], &v[4], &v[5], &v[6], &v[7], &v[8],
-                       &v[9], &v[10], &v[11]) == 12 &&
+        found = sscanf(line, "%31[^,],%lf,%lf,%lf,%lf,%lf,%lf,%lf,%lf,%lf,%lf,%lf", at,
+                       &v[1], &v[2], &v[3], &v[4], &v[5], &v[6], &v[7], &v[8], &v[9],
+                       &v[10], &v[11]) == 12 &&
                 strcmp(at, name) == 0;
     }
     fclose(stream);
@@ -41,18 +41,17 @@ static rigcal_camera read_camera(const char *set, const char *name)
     return test_camera(v);
 }
 
-static void read_point(double X[3], double uv[2], const char *set,
-                       const char *camera, const char *frame, const char *point)
+static void read_point(double X[3], double uv[2], const char *set, const char *camera,
+                       const char *frame, const char *point)
 {
     FILE *stream = open_data(set, "observations.csv");
     char line[LINE], f[NAME], c[NAME], p[NAME];
     int found = 0;
 
     while (!found && fgets(line, sizeof line, stream) != NULL) {
-        found = sscanf(line, "%31[^,],%31[^,],%31[^,],%lf,%lf,%lf,%lf,%lf", f, c, p,
-                       &X[0], &X[1], &X[2], &uv[0], &uv[1]) == 8 &&
-                strcmp(f, frame) == 0 && strcmp(c, camera) == 0 &&
-                strcmp(p, point) == 0;
+        found = sscanf(line, "%31[^,],%31[^,],%31[^,],%lf,%lf,%lf,%lf,%lf", f, c, p, &X[0],
+                       &X[1], &X[2], &uv[0], &uv[1]) == 8 &&
+                strcmp(f, frame) == 0 && strcmp(c, camera) == 0 && strcmp(p, point) == 0;
     }
     fclose(stream);
     TEST_ASSERT_TRUE_MESSAGE(found, point);
@@ -74,9 +73,9 @@ static int read_reference(reference *r, FILE *stream)
            sscanf(line,
                   "%d,%31[^,],%31[^,],%31[^,],%31[^,],%31[^,],%d,%*d,%*d,%*f,%*f,"
                   "%lf,%lf,%lf,%lf,%lf,%lf,%lf,%lf,%lf,%lf,%lf,%lf",
-                  &r->group, r->camera, r->frame, r->point[0], r->point[1],
-                  r->point[2], &r->solutions, &R[0], &R[1], &R[2], &R[3], &R[4],
-                  &R[5], &R[6], &R[7], &R[8], &t[0], &t[1], &t[2]) == 19;
+                  &r->group, r->camera, r->frame, r->point[0], r->point[1], r->point[2],
+                  &r->solutions, &R[0], &R[1], &R[2], &R[3], &R[4], &R[5], &R[6], &R[7],
+                  &R[8], &t[0], &t[1], &t[2]) == 19;
 }
 
 /* Three points of an image, and all poses that they allow. */
@@ -100,8 +99,7 @@ static void solve(triple *T, const char *set, const reference *r)
         test_to_real(uv, T->uv[i], 2);
         ASSERT_STATUS(RIGCAL_OK, rigcal_camera_ray(ray[i], &T->camera, uv));
     }
-    T->count = rc_p3p(T->found, (const rigcal_real(*)[3])x,
-                      (const rigcal_real(*)[3])ray);
+    T->count = rc_p3p(T->found, (const rigcal_real(*)[3])x, (const rigcal_real(*)[3])ray);
 }
 
 /* Poses that put every point on its pixel. */

@@ -13,8 +13,7 @@ static const rigcal_real IDENTITY[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
 /* Rays straight ahead and 45 degrees to the right span the plane y = 0. */
 static void test_a_pair_is_a_plane_of_rays_and_a_direction(void)
 {
-    static const rigcal_bearing s[2] = {{{5, 7, 0}, {0, 0, 1}},
-                                         {{6, 7, 0}, {1, 0, 1}}};
+    static const rigcal_bearing s[2] = {{{5, 7, 0}, {0, 0, 1}}, {{6, 7, 0}, {1, 0, 1}}};
     static const double normal[3] = {0, 1, 0}, offset[3] = {-1, 0, 0};
     static const rigcal_real quarter_yaw[9] = {0, -1, 0, 1, 0, 0, 0, 0, 1};
     rigcal_pair pair;
@@ -75,32 +74,27 @@ static void test_a_pair_taken_the_other_way_round_is_the_same_equation(void)
 static void test_a_pair_of_one_point_or_one_ray_carries_no_equation(void)
 {
     rigcal_bearing s[2] = {{{1000, 2, 3}, {RC(0.1), RC(0.2), 1}},
-                            {{1000, 2, 3}, {RC(0.3), RC(0.1), 1}}};
+                           {{1000, 2, 3}, {RC(0.3), RC(0.1), 1}}};
     rigcal_pair pair;
 
-    ASSERT_REFUSED(RIGCAL_ERR_COINCIDENT, pair,
-                   rigcal_pair_make(&pair, s, 2, 0, 1));
+    ASSERT_REFUSED(RIGCAL_ERR_COINCIDENT, pair, rigcal_pair_make(&pair, s, 2, 0, 1));
     /* One rounding apart is no direction either. */
     s[1].X_w[0] = RC(1000 + TOL(1.2e-13, 6.2e-5));
-    ASSERT_REFUSED(RIGCAL_ERR_COINCIDENT, pair,
-                   rigcal_pair_make(&pair, s, 2, 0, 1));
+    ASSERT_REFUSED(RIGCAL_ERR_COINCIDENT, pair, rigcal_pair_make(&pair, s, 2, 0, 1));
     s[1].X_w[0] = 1001;
     ASSERT_STATUS(RIGCAL_OK, rigcal_pair_make(&pair, s, 2, 0, 1));
     for (int k = 0; k < 3; k++) {
         s[1].ray[k] = 4 * s[0].ray[k];
     }
-    ASSERT_REFUSED(RIGCAL_ERR_COINCIDENT, pair,
-                   rigcal_pair_make(&pair, s, 2, 0, 1));
+    ASSERT_REFUSED(RIGCAL_ERR_COINCIDENT, pair, rigcal_pair_make(&pair, s, 2, 0, 1));
     for (int k = 0; k < 3; k++) {
         s[1].ray[k] = s[0].ray[k] / 3;
     }
-    ASSERT_REFUSED(RIGCAL_ERR_COINCIDENT, pair,
-                   rigcal_pair_make(&pair, s, 2, 0, 1));
+    ASSERT_REFUSED(RIGCAL_ERR_COINCIDENT, pair, rigcal_pair_make(&pair, s, 2, 0, 1));
     for (int k = 0; k < 3; k++) {
         s[1].ray[k] = -s[0].ray[k];
     }
-    ASSERT_REFUSED(RIGCAL_ERR_COINCIDENT, pair,
-                   rigcal_pair_make(&pair, s, 2, 0, 1));
+    ASSERT_REFUSED(RIGCAL_ERR_COINCIDENT, pair, rigcal_pair_make(&pair, s, 2, 0, 1));
 }
 
 static void test_what_is_no_pair_is_refused(void)
@@ -111,21 +105,17 @@ static void test_what_is_no_pair_is_refused(void)
 
     test_golden_scene(s, ypr, wrong, 0);
     ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_pair_make(NULL, s, 6, 0, 1));
-    ASSERT_REFUSED(RIGCAL_ERR_NULL, pair,
-                   rigcal_pair_make(&pair, NULL, 6, 0, 1));
+    ASSERT_REFUSED(RIGCAL_ERR_NULL, pair, rigcal_pair_make(&pair, NULL, 6, 0, 1));
     ASSERT_REFUSED(RIGCAL_ERR_RANGE, pair, rigcal_pair_make(&pair, s, 6, 2, 2));
-    ASSERT_REFUSED(RIGCAL_ERR_RANGE, pair,
-                   rigcal_pair_make(&pair, s, 6, -1, 2));
-    ASSERT_REFUSED(RIGCAL_ERR_RANGE, pair,
-                   rigcal_pair_make(&pair, s, 6, 2, -1));
+    ASSERT_REFUSED(RIGCAL_ERR_RANGE, pair, rigcal_pair_make(&pair, s, 6, -1, 2));
+    ASSERT_REFUSED(RIGCAL_ERR_RANGE, pair, rigcal_pair_make(&pair, s, 6, 2, -1));
     ASSERT_REFUSED(RIGCAL_ERR_RANGE, pair, rigcal_pair_make(&pair, s, 6, 6, 2));
     ASSERT_REFUSED(RIGCAL_ERR_RANGE, pair, rigcal_pair_make(&pair, s, 6, 0, 6));
     ASSERT_REFUSED(RIGCAL_ERR_RANGE, pair, rigcal_pair_make(&pair, s, 0, 0, 1));
     for (int i = 0; i < 2; i++) {
         memcpy(none, s, sizeof none);
         none[i].ray[0] = none[i].ray[1] = none[i].ray[2] = 0;
-        ASSERT_REFUSED(RIGCAL_ERR_RANGE, pair,
-                       rigcal_pair_make(&pair, none, 6, 0, 1));
+        ASSERT_REFUSED(RIGCAL_ERR_RANGE, pair, rigcal_pair_make(&pair, none, 6, 0, 1));
         for (int k = 0; k < 3; k++) {
             memcpy(none, s, sizeof none);
             none[i].ray[k] = k == 1 ? TEST_NAN : TEST_INF;
@@ -168,8 +158,7 @@ static void assert_pairs_sound(const rigcal_pair pairs[], size_t n_pairs,
         const rigcal_pair *p = &pairs[k];
         rigcal_pair own;
 
-        ASSERT_STATUS(RIGCAL_OK,
-                      rigcal_pair_make(&own, s, (size_t)n, p->i, p->j));
+        ASSERT_STATUS(RIGCAL_OK, rigcal_pair_make(&own, s, (size_t)n, p->i, p->j));
         for (int c = 0; c < 3; c++) {
             ASSERT_NEAR(own.normal[c], p->normal[c], TOL(1e-13, 1e-4));
             ASSERT_NEAR(own.offset[c], p->offset[c], TOL(1e-13, 1e-4));
@@ -184,8 +173,7 @@ static void assert_pairs_sound(const rigcal_pair pairs[], size_t n_pairs,
 static int is_chosen(const rigcal_pair pairs[], size_t n_pairs, int i, int j)
 {
     for (size_t k = 0; k < n_pairs; k++) {
-        if ((pairs[k].i == i && pairs[k].j == j) ||
-            (pairs[k].i == j && pairs[k].j == i)) {
+        if ((pairs[k].i == i && pairs[k].j == j) || (pairs[k].i == j && pairs[k].j == i)) {
             return 1;
         }
     }
@@ -221,8 +209,7 @@ static void test_few_points_are_paired_all_but_where_rays_are_close(void)
 
         test_scene_random(&scene, &rng, n, (test_shape)(trial % 3));
         test_bearings(s, &scene);
-        ASSERT_STATUS(RIGCAL_OK,
-                      rigcal_pairs_choose(pairs, 36, &n_pairs, s, (size_t)n));
+        ASSERT_STATUS(RIGCAL_OK, rigcal_pairs_choose(pairs, 36, &n_pairs, s, (size_t)n));
         TEST_ASSERT_TRUE(n_pairs <= (size_t)(n * (n - 1) / 2));
         assert_pairs_sound(pairs, n_pairs, s, n);
         size = image_size(s, n);
@@ -254,7 +241,8 @@ static void test_many_points_are_paired_a_few_times_each(void)
 
         test_scene_random(&scene, &rng, n, (test_shape)(trial % 3));
         test_bearings(s, &scene);
-        ASSERT_STATUS(RIGCAL_OK, rigcal_pairs_choose(pairs, PAIRS_MAX, &n_pairs, s, (size_t)n));
+        ASSERT_STATUS(RIGCAL_OK,
+                      rigcal_pairs_choose(pairs, PAIRS_MAX, &n_pairs, s, (size_t)n));
         TEST_ASSERT_TRUE(n_pairs <= rigcal_pairs_for((size_t)n));
         TEST_ASSERT_TRUE(n_pairs >= (size_t)(2 * n));
         assert_pairs_sound(pairs, n_pairs, s, n);
@@ -290,8 +278,7 @@ static void test_pairs_of_thousands_of_points_stay_four_each(void)
         s[i].ray[1] = s[i].X_w[1];
         s[i].ray[2] = s[i].X_w[2] + 4;
     }
-    ASSERT_STATUS(RIGCAL_OK,
-                  rigcal_pairs_choose(pairs, 4 * MANY, &n_pairs, s, MANY));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_pairs_choose(pairs, 4 * MANY, &n_pairs, s, MANY));
     TEST_ASSERT_TRUE(n_pairs >= 2 * MANY && n_pairs <= 4 * MANY);
 }
 
@@ -307,10 +294,8 @@ static void test_the_same_bearings_give_the_same_pairs(void)
     test_bearings(s, &scene);
     FILL(first);
     FILL(second);
-    ASSERT_STATUS(RIGCAL_OK,
-                  rigcal_pairs_choose(first, PAIRS_MAX, &n_first, s, 40));
-    ASSERT_STATUS(RIGCAL_OK,
-                  rigcal_pairs_choose(second, PAIRS_MAX, &n_second, s, 40));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_pairs_choose(first, PAIRS_MAX, &n_first, s, 40));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_pairs_choose(second, PAIRS_MAX, &n_second, s, 40));
     TEST_ASSERT_EQUAL_UINT(n_first, n_second);
     TEST_ASSERT_EQUAL_MEMORY(first, second, sizeof first);
 }
@@ -334,7 +319,8 @@ static void test_a_small_buffer_holds_fewer_pairs_still_spread(void)
         test_scene_random(&scene, &rng, n, (test_shape)(trial % 3));
         test_bearings(s, &scene);
         FILL(pairs);
-        ASSERT_STATUS(RIGCAL_OK, rigcal_pairs_choose(pairs, capacity, &n_pairs, s, (size_t)n));
+        ASSERT_STATUS(RIGCAL_OK,
+                      rigcal_pairs_choose(pairs, capacity, &n_pairs, s, (size_t)n));
         TEST_ASSERT_TRUE(n_pairs >= 3 && n_pairs <= capacity);
         ASSERT_UNTOUCHED(*guard);
         assert_pairs_sound(pairs, n_pairs, s, n);
@@ -386,8 +372,7 @@ static void test_the_first_two_pairs_are_well_conditioned(void)
 
         test_scene_random(&scene, &rng, 8, TEST_PLANAR);
         test_bearings(s, &scene);
-        ASSERT_STATUS(RIGCAL_OK,
-                      rigcal_pairs_choose(pairs, 28, &n_pairs, s, 8));
+        ASSERT_STATUS(RIGCAL_OK, rigcal_pairs_choose(pairs, 28, &n_pairs, s, 8));
         condition = least_condition(pairs, scene.ypr);
         poor += condition > 20;
         first += log(condition);
@@ -416,8 +401,7 @@ static void test_repeated_bearings_are_never_paired_with_themselves(void)
             memcpy(scene.xy[i], scene.xy[i % 3], sizeof scene.xy[i]);
         }
         test_bearings(s, &scene);
-        ASSERT_STATUS(RIGCAL_OK,
-                      rigcal_pairs_choose(pairs, 120, &n_pairs, s, (size_t)n));
+        ASSERT_STATUS(RIGCAL_OK, rigcal_pairs_choose(pairs, 120, &n_pairs, s, (size_t)n));
         assert_pairs_sound(pairs, n_pairs, s, n); /* pair_make refuses those */
     }
 }
@@ -460,15 +444,13 @@ static void test_a_target_far_from_its_origin_is_paired_while_digits_last(void)
                    rigcal_pairs_choose(pairs, 15, &n_pairs, s, 6));
 }
 
-static void assert_choice_refused(rigcal_status status,
-                                  const rigcal_bearing s[], size_t n)
+static void assert_choice_refused(rigcal_status status, const rigcal_bearing s[], size_t n)
 {
     rigcal_pair pairs[36];
     size_t n_pairs;
 
     FILL(n_pairs);
-    ASSERT_REFUSED(status, pairs,
-                   rigcal_pairs_choose(pairs, 36, &n_pairs, s, n));
+    ASSERT_REFUSED(status, pairs, rigcal_pairs_choose(pairs, 36, &n_pairs, s, n));
     ASSERT_UNTOUCHED(n_pairs);
 }
 
@@ -528,8 +510,7 @@ static void test_points_on_one_line_are_refused(void)
         rigcal_pair pairs[15];
         size_t n_pairs;
 
-        ASSERT_STATUS(RIGCAL_OK,
-                      rigcal_pairs_choose(pairs, 15, &n_pairs, s, 6));
+        ASSERT_STATUS(RIGCAL_OK, rigcal_pairs_choose(pairs, 15, &n_pairs, s, 6));
     }
 }
 
@@ -607,8 +588,7 @@ static void test_arguments_of_the_choice_are_checked(void)
     six_bearings(good, 43, TEST_GENERAL);
     ASSERT_REFUSED(RIGCAL_ERR_NULL, n_pairs,
                    rigcal_pairs_choose(NULL, 15, &n_pairs, good, 6));
-    ASSERT_REFUSED(RIGCAL_ERR_NULL, pairs,
-                   rigcal_pairs_choose(pairs, 15, NULL, good, 6));
+    ASSERT_REFUSED(RIGCAL_ERR_NULL, pairs, rigcal_pairs_choose(pairs, 15, NULL, good, 6));
     assert_choice_refused(RIGCAL_ERR_NULL, NULL, 6);
     assert_choice_refused(RIGCAL_ERR_TOO_FEW, good, 2);
     assert_choice_refused(RIGCAL_ERR_TOO_FEW, good, 0);

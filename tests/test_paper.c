@@ -49,16 +49,14 @@ static void add_noise(test_scene *scene, test_rng *rng, double sigma)
 }
 
 /* A scene away from the gimbal lock of the angles that are searched. */
-static void scene_random(test_scene *scene, test_rng *rng, int n,
-                         test_shape shape)
+static void scene_random(test_scene *scene, test_rng *rng, int n, test_shape shape)
 {
     do {
         test_scene_random(scene, rng, n, shape);
     } while (fabs(scene->ypr[1]) > 1);
 }
 
-static rigcal_paper_options options_of(int angles, int eliminate,
-                                       int pairs_used)
+static rigcal_paper_options options_of(int angles, int eliminate, int pairs_used)
 {
     rigcal_paper_options o;
 
@@ -70,8 +68,8 @@ static rigcal_paper_options options_of(int angles, int eliminate,
 }
 
 /* The true angles, each off by up to `degrees`. */
-static void guess_near(rigcal_paper_options *o, const test_scene *scene,
-                       test_rng *rng, double degrees)
+static void guess_near(rigcal_paper_options *o, const test_scene *scene, test_rng *rng,
+                       double degrees)
 {
     const double off = degrees * TEST_PI / 180;
 
@@ -84,8 +82,7 @@ static void guess_near(rigcal_paper_options *o, const test_scene *scene,
 static rigcal_status solve(rigcal_paper_pose *pose, const test_scene *scene,
                            const rigcal_paper_options *o)
 {
-    return rigcal_paper_solve(pose, bearings, (size_t)scene->n, pairs, n_pairs,
-                              o);
+    return rigcal_paper_solve(pose, bearings, (size_t)scene->n, pairs, n_pairs, o);
 }
 
 /* Root mean square distance of normalised image points, and the least depth. */
@@ -110,8 +107,7 @@ static double image_error(double *least_depth, const test_scene *scene,
 }
 
 /* Whether a pose is that of the scene. */
-static int is_right(const rigcal_transform *cam_from_world,
-                    const test_scene *scene)
+static int is_right(const rigcal_transform *cam_from_world, const test_scene *scene)
 {
     double R[9], t[3], d[3];
 
@@ -125,8 +121,7 @@ static int is_right(const rigcal_transform *cam_from_world,
 
 /* What holds of every pose, right or not: a rotation, every point in front, the
  * error in the image as told, angles that are those of the rotation. */
-static void assert_honest(const rigcal_paper_pose *pose,
-                          const test_scene *scene)
+static void assert_honest(const rigcal_paper_pose *pose, const test_scene *scene)
 {
     double R[9], I[9], Rt[9], ypr[3], again[9], depth, error;
     static const double identity[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
@@ -266,8 +261,8 @@ static void box_scene(test_scene *scene, int n)
 }
 
 /* From each of the 26 places on a cube of `degrees` around the truth. */
-static void assert_right_from_all_sides(const test_scene *scene,
-                                        rigcal_paper_options *o, double degrees)
+static void assert_right_from_all_sides(const test_scene *scene, rigcal_paper_options *o,
+                                        double degrees)
 {
     const double off = degrees * TEST_PI / 180;
 
@@ -295,8 +290,7 @@ static void assert_right_from_all_sides(const test_scene *scene,
     }
 }
 
-static void test_a_box_is_found_from_all_sides_whichever_angle_is_eliminated(
-    void)
+static void test_a_box_is_found_from_all_sides_whichever_angle_is_eliminated(void)
 {
     for (int n = 4; n <= 8; n += 2) {
         test_scene scene;
@@ -322,8 +316,7 @@ static void test_a_box_is_found_from_ten_degrees_off_by_all_pairs(void)
              eliminate++) {
             rigcal_paper_options o = options_of(2, eliminate, 0);
 
-            assert_right_from_all_sides(&scene, &o,
-                                        eliminate == RIGCAL_YAW ? 7 : 10);
+            assert_right_from_all_sides(&scene, &o, eliminate == RIGCAL_YAW ? 7 : 10);
         }
     }
 }
@@ -340,8 +333,8 @@ static void test_a_box_is_found_over_three_angles_from_a_near_guess(void)
 }
 
 /* Percent of random scenes in which a mode finds the pose from a guess. */
-static double percent_found(const rigcal_paper_options *mode, int n,
-                            test_shape shape, double degrees, uint64_t seed)
+static double percent_found(const rigcal_paper_options *mode, int n, test_shape shape,
+                            double degrees, uint64_t seed)
 {
     enum { SCENES = 20 };
     test_rng rng = test_seed(seed);
@@ -359,8 +352,7 @@ static double percent_found(const rigcal_paper_options *mode, int n,
         FILL(pose);
         status = solve(&pose, &scene, &o);
         if (status < 0) {
-            TEST_ASSERT_TRUE(status == RIGCAL_ERR_BEHIND ||
-                             status == RIGCAL_ERR_NO_POSE);
+            TEST_ASSERT_TRUE(status == RIGCAL_ERR_BEHIND || status == RIGCAL_ERR_NO_POSE);
             ASSERT_UNTOUCHED(pose);
             continue;
         }
@@ -378,14 +370,13 @@ static void test_random_scenes_are_found_from_a_guess_five_degrees_off(void)
 
     TEST_ON_HOST_ONLY("a rate wants all scenes");
     for (int mode = 0; mode < 9; mode++) {
-        const rigcal_paper_options o = options_of(
-            mode < 8 ? 2 : 3, mode % 4, mode < 4 ? 0 : 2 * (mode < 8));
+        const rigcal_paper_options o =
+            options_of(mode < 8 ? 2 : 3, mode % 4, mode < 4 ? 0 : 2 * (mode < 8));
         double sum = 0;
 
         for (int i = 0; i < 10; i++) {
-            sum +=
-                percent_found(&o, ns[i / 2], i % 2 ? TEST_PLANAR : TEST_GENERAL,
-                              mode < 8 ? 5 : 2, (uint64_t)(100 * mode + i));
+            sum += percent_found(&o, ns[i / 2], i % 2 ? TEST_PLANAR : TEST_GENERAL,
+                                 mode < 8 ? 5 : 2, (uint64_t)(100 * mode + i));
         }
         TEST_ASSERT_TRUE(sum / 10 >= floors[mode] - TOL(0, 3));
     }
@@ -395,8 +386,7 @@ static void test_random_scenes_are_found_from_a_guess_five_degrees_off(void)
 static void test_three_points_are_found_from_a_guess_two_degrees_off(void)
 {
     for (int pairs_used = 0; pairs_used <= 2; pairs_used += 2) {
-        const rigcal_paper_options o =
-            options_of(2, RIGCAL_BEST_CONDITIONED, pairs_used);
+        const rigcal_paper_options o = options_of(2, RIGCAL_BEST_CONDITIONED, pairs_used);
         double sum = 0;
 
         for (int i = 0; i < 4; i++) {
@@ -408,11 +398,10 @@ static void test_three_points_are_found_from_a_guess_two_degrees_off(void)
 
 /* ---- without a guess ----------------------------------------------------- */
 
-static int found_without_guess(int scenes, int n, test_shape shape,
-                               int pairs_used, uint64_t seed)
+static int found_without_guess(int scenes, int n, test_shape shape, int pairs_used,
+                               uint64_t seed)
 {
-    const rigcal_paper_options o =
-        options_of(2, RIGCAL_BEST_CONDITIONED, pairs_used);
+    const rigcal_paper_options o = options_of(2, RIGCAL_BEST_CONDITIONED, pairs_used);
     test_rng rng = test_seed(seed);
     int found = 0;
 
@@ -467,8 +456,8 @@ static void test_residual_and_condition_are_those_of_the_answer(void)
 
     for (int trial = 0; trial < TEST_TRIALS(90); trial++) {
         const int mode = trial % 9;
-        rigcal_paper_options o = options_of(mode < 8 ? 2 : 3, mode % 4,
-                                            mode < 4 ? 0 : 2 * (mode < 8));
+        rigcal_paper_options o =
+            options_of(mode < 8 ? 2 : 3, mode % 4, mode < 4 ? 0 : 2 * (mode < 8));
         rigcal_paper_pose pose;
         test_scene scene;
         objective at, truth;
@@ -484,11 +473,9 @@ static void test_residual_and_condition_are_those_of_the_answer(void)
         assert_honest(&pose, &scene);
         test_to_double(ypr, pose.ypr, 3);
         at = objective_at(&o, pose.eliminated, ypr);
-        ASSERT_NEAR(at.residual, pose.residual,
-                    TOL(1e-10, 2e-3) * (1 + at.residual));
+        ASSERT_NEAR(at.residual, pose.residual, TOL(1e-10, 2e-3) * (1 + at.residual));
         if (o.angles == 2) {
-            ASSERT_NEAR(at.condition, pose.condition,
-                        TOL(1e-9, 1e-3) * at.condition);
+            ASSERT_NEAR(at.condition, pose.condition, TOL(1e-9, 1e-3) * at.condition);
         }
         /* And no worse than at the truth, from which the search was near. */
         truth = objective_at(&o, pose.eliminated, scene.ypr);
@@ -534,8 +521,7 @@ static void test_the_best_conditioned_angle_is_the_one_eliminated(void)
     test_rng rng = test_seed(33);
 
     for (int trial = 0; trial < TEST_TRIALS(40); trial++) {
-        rigcal_paper_options o =
-            options_of(2, RIGCAL_BEST_CONDITIONED, trial % 2 ? 2 : 0);
+        rigcal_paper_options o = options_of(2, RIGCAL_BEST_CONDITIONED, trial % 2 ? 2 : 0);
         rigcal_paper_pose pose;
         test_scene scene;
         double least = 1e300, chosen = 0, guess[3];
@@ -563,8 +549,7 @@ static void test_without_a_guess_the_angle_eliminated_is_the_one_asked_for(void)
 
     for (int trial = 0; trial < TEST_TRIALS(24); trial++) {
         const int eliminate = trial % 4;
-        const rigcal_paper_options o =
-            options_of(2, eliminate, trial % 8 < 4 ? 0 : 2);
+        const rigcal_paper_options o = options_of(2, eliminate, trial % 8 < 4 ? 0 : 2);
         double least = 1e300, chosen = 0, ypr[3];
         rigcal_paper_pose pose;
         test_scene scene;
@@ -651,8 +636,7 @@ static void test_the_mirror_solution_is_told_and_never_returned(void)
 
     TEST_ON_HOST_ONLY("a rate wants all scenes");
     for (int trial = 0; trial < 100; trial++) {
-        rigcal_paper_options o =
-            options_of(2, trial % 4, trial % 8 < 4 ? 0 : 2);
+        rigcal_paper_options o = options_of(2, trial % 4, trial % 8 < 4 ? 0 : 2);
         double a[3], b[3], normal[3], half_turn[9], mirror[9];
         rigcal_paper_pose pose;
         test_scene scene;
@@ -695,21 +679,19 @@ static void test_no_guess_however_wrong_leads_behind_the_camera(void)
 
     for (int trial = 0; trial < TEST_TRIALS(400); trial++) {
         const int mode = trial % 9;
-        rigcal_paper_options o = options_of(mode < 8 ? 2 : 3, mode % 4,
-                                            mode < 4 ? 0 : 2 * (mode < 8));
+        rigcal_paper_options o =
+            options_of(mode < 8 ? 2 : 3, mode % 4, mode < 4 ? 0 : 2 * (mode < 8));
         rigcal_paper_pose pose;
         test_scene scene;
         rigcal_status status;
 
-        test_scene_random(&scene, &rng, 3 + trial % 10,
-                          (test_shape)(trial % 3));
+        test_scene_random(&scene, &rng, 3 + trial % 10, (test_shape)(trial % 3));
         see(&scene);
         guess_near(&o, &scene, &rng, 180);
         FILL(pose);
         status = solve(&pose, &scene, &o);
         if (status < 0) {
-            TEST_ASSERT_TRUE(status == RIGCAL_ERR_BEHIND ||
-                             status == RIGCAL_ERR_NO_POSE);
+            TEST_ASSERT_TRUE(status == RIGCAL_ERR_BEHIND || status == RIGCAL_ERR_NO_POSE);
             ASSERT_UNTOUCHED(pose);
         } else {
             assert_honest(&pose, &scene);
@@ -725,9 +707,8 @@ static void test_the_same_bits_come_out_whatever_the_budgets(void)
     test_rng rng = test_seed(51);
 
     for (int trial = 0; trial < 12; trial++) {
-        rigcal_paper_options o =
-            options_of(trial % 4 == 3 ? 3 : 2, RIGCAL_BEST_CONDITIONED,
-                       trial % 4 == 1 ? 2 : 0);
+        rigcal_paper_options o = options_of(trial % 4 == 3 ? 3 : 2, RIGCAL_BEST_CONDITIONED,
+                                            trial % 4 == 1 ? 2 : 0);
         rigcal_paper_pose whole, pose;
         test_scene scene;
         rigcal_status expected;
@@ -746,8 +727,8 @@ static void test_the_same_bits_come_out_whatever_the_budgets(void)
             rigcal_status status;
             int32_t calls = 0;
 
-            ASSERT_STATUS(RIGCAL_OK, rigcal_paper_begin(&solver, bearings, 6,
-                                                        pairs, n_pairs, &o));
+            ASSERT_STATUS(RIGCAL_OK,
+                          rigcal_paper_begin(&solver, bearings, 6, pairs, n_pairs, &o));
             do {
                 status = rigcal_paper_step(&solver, budgets[b]);
                 calls++;
@@ -776,8 +757,8 @@ static void test_a_solver_copied_halfway_goes_on_the_same(void)
 
     test_scene_random(&scene, &rng, 6, TEST_GENERAL);
     see(&scene);
-    ASSERT_STATUS(RIGCAL_OK, rigcal_paper_begin(&solver, bearings, 6, pairs,
-                                                n_pairs, NULL));
+    ASSERT_STATUS(RIGCAL_OK,
+                  rigcal_paper_begin(&solver, bearings, 6, pairs, n_pairs, NULL));
     ASSERT_STATUS(RIGCAL_RUNNING, rigcal_paper_step(&solver, 333));
     copy = solver;
     ASSERT_REFUSED(RIGCAL_ERR_STATE, one, rigcal_paper_result(&one, &solver));
@@ -824,8 +805,7 @@ static void test_without_a_guess_the_evaluations_stay_within_their_bound(void)
 
     test_scene_random(&scene, &rng, 8, TEST_GENERAL);
     see(&scene);
-    for (int32_t max_evals = 192; max_evals <= EVALS_WITHOUT_GUESS;
-         max_evals += 235) {
+    for (int32_t max_evals = 192; max_evals <= EVALS_WITHOUT_GUESS; max_evals += 235) {
         rigcal_paper_options o = options_of(2, RIGCAL_BEST_CONDITIONED, 0);
         rigcal_paper_pose pose;
         rigcal_status status;
@@ -841,8 +821,7 @@ static void test_without_a_guess_the_evaluations_stay_within_their_bound(void)
         assert_honest(&pose, &scene);
         TEST_ASSERT_TRUE(pose.evals <= max_evals);
         TEST_ASSERT_TRUE(status == RIGCAL_OK || pose.evals == max_evals);
-        TEST_ASSERT_TRUE(status != RIGCAL_OK ||
-                         is_right(&pose.cam_from_world, &scene));
+        TEST_ASSERT_TRUE(status != RIGCAL_OK || is_right(&pose.cam_from_world, &scene));
     }
 }
 
@@ -910,16 +889,14 @@ static rigcal_camera distorting_camera(int which)
     /* opencv_stereo's left camera; a rational lens; a fisheye; a barrel that
      * folds back within the image. */
     static const rigcal_camera cameras[4] = {
-        {0, 640, 480, RC(532.827202), RC(532.945966), RC(342.486827),
-         RC(233.855749), RC(-0.280881878), RC(0.0251767621), RC(0.00121651108),
-         RC(-0.000135518959), RC(0.163436932), 0, 0, 0},
-        {0, 1280, 720, RC(611), RC(610.6), RC(637.2), RC(369.4), RC(0.455),
-         RC(-2.51), RC(0.0006), RC(-0.0002), RC(1.44), RC(0.336), RC(-2.34),
-         RC(1.37)},
-        {1, 1280, 960, RC(380), RC(381), RC(640.5), RC(470), RC(-0.02),
-         RC(0.006), 0, 0, RC(-0.003), RC(0.0004), 0, 0},
-        {0, 1280, 960, RC(500), RC(500), RC(640), RC(480), RC(-0.4), 0, 0, 0,
-         0, 0, 0, 0},
+        {0, 640, 480, RC(532.827202), RC(532.945966), RC(342.486827), RC(233.855749),
+         RC(-0.280881878), RC(0.0251767621), RC(0.00121651108), RC(-0.000135518959),
+         RC(0.163436932), 0, 0, 0},
+        {0, 1280, 720, RC(611), RC(610.6), RC(637.2), RC(369.4), RC(0.455), RC(-2.51),
+         RC(0.0006), RC(-0.0002), RC(1.44), RC(0.336), RC(-2.34), RC(1.37)},
+        {1, 1280, 960, RC(380), RC(381), RC(640.5), RC(470), RC(-0.02), RC(0.006), 0, 0,
+         RC(-0.003), RC(0.0004), 0, 0},
+        {0, 1280, 960, RC(500), RC(500), RC(640), RC(480), RC(-0.4), 0, 0, 0, 0, 0, 0, 0},
     };
 
     return cameras[which];
@@ -946,14 +923,13 @@ static double pixel_rms(const test_scene *scene, const rigcal_camera *camera,
 }
 
 /* As a caller would: rays, pairs, pose. */
-static rigcal_status solve_pixels(rigcal_transform *cam_from_world,
-                                  int32_t *at_fault, size_t capacity,
-                                  const rigcal_camera *camera,
-                                  const rigcal_observation observations[],
-                                  size_t n)
+static rigcal_status solve_pixels(rigcal_transform *cam_from_world, int32_t *at_fault,
+                                  size_t capacity, const rigcal_camera *camera,
+                                  const rigcal_observation observations[], size_t n)
 {
     rigcal_paper_pose pose;
-    rigcal_status status = rigcal_bearings_of_view(bearings, at_fault, &VIEW(camera, observations, NULL, n));
+    rigcal_status status =
+        rigcal_bearings_of_view(bearings, at_fault, &VIEW(camera, observations, NULL, n));
 
     if (status >= 0) {
         status = rigcal_pairs_choose(pairs, capacity, &n_pairs, bearings, n);
@@ -984,16 +960,14 @@ static void test_exact_pixels_of_any_lens_give_the_pose_and_no_error(void)
         test_observations(observations, &scene, &camera);
         FILL(at_fault);
         ASSERT_STATUS(RIGCAL_OK,
-                      solve_pixels(&cam_from_world, &at_fault,
-                                   rigcal_pairs_for((size_t)n), &camera,
-                                   observations, (size_t)n));
+                      solve_pixels(&cam_from_world, &at_fault, rigcal_pairs_for((size_t)n),
+                                   &camera, observations, (size_t)n));
         TEST_ASSERT_EQUAL_INT32(-1, at_fault);
         scenes++;
         if (is_right(&cam_from_world, &scene)) {
             right++;
-            ASSERT_NEAR(
-                0, pixel_rms(&scene, &camera, &cam_from_world, observations),
-                TOL(1e-6, 0.02));
+            ASSERT_NEAR(0, pixel_rms(&scene, &camera, &cam_from_world, observations),
+                        TOL(1e-6, 0.02));
         }
     }
     TEST_ASSERT_TRUE(right >= scenes - 2);
@@ -1021,12 +995,11 @@ static void test_the_error_of_noisy_pixels_comes_near_the_noise(void)
                 noise += e * e;
             }
         }
-        ASSERT_STATUS(RIGCAL_OK,
-                      solve_pixels(&cam_from_world, NULL, rigcal_pairs_for(N),
-                                   &camera, observations, N));
+        ASSERT_STATUS(RIGCAL_OK, solve_pixels(&cam_from_world, NULL, rigcal_pairs_for(N),
+                                              &camera, observations, N));
         /* The method does not minimise this error. */
-        TEST_ASSERT_TRUE(pixel_rms(&scene, &camera, &cam_from_world,
-                                   observations) < 4 * sqrt(noise / N));
+        TEST_ASSERT_TRUE(pixel_rms(&scene, &camera, &cam_from_world, observations) <
+                         4 * sqrt(noise / N));
     }
 }
 
@@ -1043,8 +1016,8 @@ static void test_few_pairs_are_enough_where_memory_is_short(void)
 
         test_scene_random(&scene, &rng, 20, TEST_GENERAL);
         test_observations(observations, &scene, &camera);
-        ASSERT_STATUS(RIGCAL_OK, solve_pixels(&cam_from_world, NULL, 12,
-                                              &camera, observations, 20));
+        ASSERT_STATUS(RIGCAL_OK,
+                      solve_pixels(&cam_from_world, NULL, 12, &camera, observations, 20));
         right += is_right(&cam_from_world, &scene);
     }
     TEST_ASSERT_TRUE(right >= TEST_TRIALS(20) - TEST_TRIALS(20) * 3 / 20);
@@ -1155,8 +1128,7 @@ static void test_a_mirrored_target_does_not_fit(void)
         for (int i = 0; i < 10; i++) {
             bearings[i].X_w[0] = -bearings[i].X_w[0];
         }
-        ASSERT_STATUS(RIGCAL_OK,
-                      rigcal_pairs_choose(pairs, 40, &n_pairs, bearings, 10));
+        ASSERT_STATUS(RIGCAL_OK, rigcal_pairs_choose(pairs, 40, &n_pairs, bearings, 10));
         status = solve(&pose, &scene, NULL);
         if (status < 0) {
             ASSERT_STATUS(RIGCAL_ERR_NO_POSE, status);

@@ -65,11 +65,11 @@ static double turn_deviation(const test_problem *p, double sigma)
     if (sigma <= 0) {
         sigma = told > 0.25 ? told : 0.25;
     }
-    if (rigcal_pose_covariance(&u, &VIEW_OF(p), &p->poses[0].cam_from_world, RC(sigma)) != RIGCAL_OK) {
+    if (rigcal_pose_covariance(&u, &VIEW_OF(p), &p->poses[0].cam_from_world, RC(sigma)) !=
+        RIGCAL_OK) {
         return 10;
     }
-    return sqrt(D(u.rotation[0]) * D(u.rotation[0]) +
-                D(u.rotation[1]) * D(u.rotation[1]) +
+    return sqrt(D(u.rotation[0]) * D(u.rotation[0]) + D(u.rotation[1]) * D(u.rotation[1]) +
                 D(u.rotation[2]) * D(u.rotation[2]));
 }
 
@@ -115,8 +115,7 @@ static void assert_honest(const test_problem *p, const rigcal_pose_options *opti
     }
     ASSERT_NEAR(1, sum, TOL(1e-12, 1e-5));
     for (size_t f = 0; f < p->n_found; f++) {
-        ASSERT_NEAR(likelihood(p->scene.n, sigma, sse0, D(p->poses[f].sse)) /
-                        total,
+        ASSERT_NEAR(likelihood(p->scene.n, sigma, sse0, D(p->poses[f].sse)) / total,
                     p->poses[f].probability, TOL(1e-9, 2e-4));
     }
     if (p->status == RIGCAL_OK) {
@@ -127,8 +126,7 @@ static void assert_honest(const test_problem *p, const rigcal_pose_options *opti
         TEST_ASSERT_TRUE(turn_deviation(p, sigma) > 0.249);
     } else {
         ASSERT_STATUS(RIGCAL_POOR_FIT, p->status);
-        TEST_ASSERT_TRUE((options && options->sigma_px > 0) ||
-                         D(p->poses[0].rms_px) > 2);
+        TEST_ASSERT_TRUE((options && options->sigma_px > 0) || D(p->poses[0].rms_px) > 2);
     }
 }
 
@@ -139,8 +137,7 @@ static int count_evals(const test_problem *p, const rigcal_pose_options *options
     rigcal_status status;
     int evals = 0;
 
-    ASSERT_STATUS(RIGCAL_OK,
-                  rigcal_pose_begin(&solver, NULL, &VIEW_OF(p), options));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_pose_begin(&solver, NULL, &VIEW_OF(p), options));
     do {
         status = rigcal_pose_step(&solver, 1);
         evals++;
@@ -304,8 +301,7 @@ static void fit_both(test_fitted both[2], const test_problem *p)
     memcpy(both[0].t, p->scene.t, sizeof both[0].t);
     (void)test_fit(&both[0], &data);
     test_mirror_tilt(&both[1], &data, both[0].R, both[0].t);
-    if (!test_fit(&both[1], &data) ||
-        test_angle_between(both[0].R, both[1].R) < 1e-3) {
+    if (!test_fit(&both[1], &data) || test_angle_between(both[0].R, both[1].R) < 1e-3) {
         both[1].sse = 1e300;
     }
 }
@@ -329,8 +325,7 @@ typedef struct {
     int missed, lacking, ambiguous, both;
 } tally;
 
-static tally tally_scenes(uint64_t seed, int trials, int n, test_shape shape,
-                          double noise)
+static tally tally_scenes(uint64_t seed, int trials, int n, test_shape shape, double noise)
 {
     const rigcal_pose_options options = test_options(noise);
     test_rng rng = test_seed(seed);
@@ -350,13 +345,11 @@ static tally tally_scenes(uint64_t seed, int trials, int n, test_shape shape,
         assert_honest(&p, o);
         fit_both(fitted, &p);
         best = fitted[0].sse < fitted[1].sse ? fitted[0].sse : fitted[1].sse;
-        count.missed += D(p.poses[0].sse) > best * (1 + TOL(1e-6, 1e-2)) +
-                                                TOL(1e-9, 1e-3);
+        count.missed += D(p.poses[0].sse) > best * (1 + TOL(1e-6, 1e-2)) + TOL(1e-9, 1e-3);
         if (shape != TEST_GENERAL && fitted[1].sse < 1e300 &&
             fabs(fitted[1].sse - fitted[0].sse) < 50 * noise * noise) {
             count.both++;
-            count.lacking += !has_pose(&p, &fitted[0]) ||
-                             !has_pose(&p, &fitted[1]);
+            count.lacking += !has_pose(&p, &fitted[0]) || !has_pose(&p, &fitted[1]);
         }
         count.ambiguous += p.status == RIGCAL_AMBIGUOUS;
     }
@@ -370,12 +363,10 @@ static void test_general_points_with_noise_give_the_global_minimum(void)
     for (int i = 0; i < 4; i++) {
         const int trials = TEST_TRIALS(sizes[i] > 8 ? 100 : 500);
         const tally t =
-            tally_scenes((uint64_t)(10 + i), trials, sizes[i], TEST_GENERAL,
-                         NOISE);
+            tally_scenes((uint64_t)(10 + i), trials, sizes[i], TEST_GENERAL, NOISE);
 
         TEST_ASSERT_EQUAL_INT_MESSAGE(0, t.missed, "missed");
-        TEST_ASSERT_LESS_OR_EQUAL_INT_MESSAGE(trials / 50, t.ambiguous,
-                                              "ambiguous");
+        TEST_ASSERT_LESS_OR_EQUAL_INT_MESSAGE(trials / 50, t.ambiguous, "ambiguous");
     }
 }
 
@@ -393,8 +384,7 @@ static void test_planar_targets_with_noise_give_both_minima(void)
     for (int i = 0; i < 3; i++) {
         const int trials = TEST_TRIALS(sizes[i] > 8 ? 100 : 500);
         const tally t =
-            tally_scenes((uint64_t)(30 + i), trials, sizes[i], TEST_PLANAR,
-                         NOISE);
+            tally_scenes((uint64_t)(30 + i), trials, sizes[i], TEST_PLANAR, NOISE);
 
         TEST_ASSERT_LESS_OR_EQUAL_INT_MESSAGE(1, t.missed, "missed");
         TEST_ASSERT_LESS_OR_EQUAL_INT_MESSAGE(1, t.lacking, "lacking");
@@ -410,8 +400,7 @@ static void test_squares_with_noise_give_both_minima(void)
     TEST_ASSERT_LESS_OR_EQUAL_INT_MESSAGE(1, t.missed, "missed");
     TEST_ASSERT_LESS_OR_EQUAL_INT_MESSAGE(1, t.lacking, "lacking");
     TEST_ASSERT_GREATER_THAN_INT_MESSAGE(TEST_TRIALS(100), t.both, "both");
-    TEST_ASSERT_GREATER_THAN_INT_MESSAGE(TEST_TRIALS(20), t.ambiguous,
-                                         "ambiguous");
+    TEST_ASSERT_GREATER_THAN_INT_MESSAGE(TEST_TRIALS(20), t.ambiguous, "ambiguous");
 }
 
 /* test_fit gains nothing from any pose returned and ends in no two at the same. In
@@ -432,11 +421,10 @@ static void test_what_is_returned_are_minima_and_no_two_the_same(void)
         TEST_ASSERT_TRUE(test_solve_pose(&p, NULL) >= 0);
         data = test_data_of(&p);
         for (size_t f = 0; f < p.n_found; f++) {
-            test_transform_parts(fitted[f].R, fitted[f].t,
-                                 &p.poses[f].cam_from_world);
+            test_transform_parts(fitted[f].R, fitted[f].t, &p.poses[f].cam_from_world);
             (void)test_fit(&fitted[f], &data);
-            early += D(p.poses[f].sse) >
-                     fitted[f].sse * (1 + TOL(1e-4, 1e-2)) + TOL(1e-9, 1e-3);
+            early +=
+                D(p.poses[f].sse) > fitted[f].sse * (1 + TOL(1e-4, 1e-2)) + TOL(1e-9, 1e-3);
             for (size_t g = 0; g < f; g++) {
                 same += test_angle_between(fitted[f].R, fitted[g].R) < 1e-3;
             }
@@ -496,9 +484,8 @@ static void test_swapped_points_are_a_poor_fit_when_the_noise_is_stated(void)
         test_add_noise(&p, &rng, NOISE);
         for (int i = 0; i < 8; i++) { /* the two farthest from each other */
             for (int j = 0; j < i; j++) {
-                const double apart =
-                    hypot(D(p.o[i].uv[0]) - D(p.o[j].uv[0]),
-                          D(p.o[i].uv[1]) - D(p.o[j].uv[1]));
+                const double apart = hypot(D(p.o[i].uv[0]) - D(p.o[j].uv[0]),
+                                           D(p.o[i].uv[1]) - D(p.o[j].uv[1]));
 
                 if (apart > most) {
                     most = apart;
@@ -620,8 +607,8 @@ static void test_a_rotation_that_is_all_but_open_is_not_ok(void)
 
         test_random_problem(&p, &rng, 3, TEST_GENERAL);
         for (int k = 0; k < 3; k++) {
-            p.scene.X[2][k] = (p.scene.X[0][k] + p.scene.X[1][k]) / 2 +
-                              1e-4 * test_uniform(&rng, -1, 1);
+            p.scene.X[2][k] =
+                (p.scene.X[0][k] + p.scene.X[1][k]) / 2 + 1e-4 * test_uniform(&rng, -1, 1);
         }
         test_observe(&p);
         for (int i = 0; i < 3; i++) {
@@ -713,25 +700,23 @@ static void test_the_same_bits_come_out_whatever_the_budgets(void)
             size_t n_found = 0;
             int steps = 0;
 
-            ASSERT_STATUS(RIGCAL_OK,
-                          rigcal_pose_begin(&solver, NULL, &VIEW_OF(&p), NULL));
+            ASSERT_STATUS(RIGCAL_OK, rigcal_pose_begin(&solver, NULL, &VIEW_OF(&p), NULL));
             while (rigcal_pose_step(&solver, budgets[b]) == RIGCAL_RUNNING) {
-                TEST_ASSERT_LESS_OR_EQUAL_INT(UNITS_MAX,
-                                              ++steps * budgets[b]);
-                ASSERT_STATUS(RIGCAL_ERR_STATE,
-                              rigcal_pose_result(poses, RIGCAL_POSES_MAX, &n_found, NULL, &solver));
+                TEST_ASSERT_LESS_OR_EQUAL_INT(UNITS_MAX, ++steps * budgets[b]);
+                ASSERT_STATUS(
+                    RIGCAL_ERR_STATE,
+                    rigcal_pose_result(poses, RIGCAL_POSES_MAX, &n_found, NULL, &solver));
                 if (steps % 5 == 0) { /* copied halfway, it goes on the same */
                     copy = solver;
                     FILL(solver);
                     solver = copy;
                 }
             }
-            ASSERT_STATUS(p.status,
-                          rigcal_pose_result(poses, RIGCAL_POSES_MAX, &n_found, NULL, &solver));
+            ASSERT_STATUS(p.status, rigcal_pose_result(poses, RIGCAL_POSES_MAX, &n_found,
+                                                       NULL, &solver));
             TEST_ASSERT_EQUAL_UINT(p.n_found, n_found);
             for (size_t f = 0; f < n_found; f++) {
-                TEST_ASSERT_EQUAL_MEMORY(&p.poses[f], &poses[f],
-                                         sizeof poses[f]);
+                TEST_ASSERT_EQUAL_MEMORY(&p.poses[f], &poses[f], sizeof poses[f]);
             }
         }
     }
@@ -754,8 +739,7 @@ static void test_evaluations_are_few_and_bounded(void)
 
 /* ---- warm start ---------------------------------------------------------- */
 
-static rigcal_pose_options start_near(const test_problem *p, test_rng *rng,
-                                      double degrees)
+static rigcal_pose_options start_near(const test_problem *p, test_rng *rng, double degrees)
 {
     rigcal_pose_options options = test_options(0);
     double R[9], t[3], turn[9], axis[9];
@@ -790,8 +774,7 @@ static void test_a_warm_start_gives_the_same_minimum_sooner(void)
         TEST_ASSERT_TRUE(test_solve_pose(&q, &options) >= 0);
         assert_honest(&q, &options);
         TEST_ASSERT_EQUAL_UINT(1, q.n_found); /* "only the optimum near it" */
-        ASSERT_NEAR(p.poses[0].sse, q.poses[0].sse,
-                    TOL(1e-6, 2e-2) * D(p.poses[0].sse));
+        ASSERT_NEAR(p.poses[0].sse, q.poses[0].sse, TOL(1e-6, 2e-2) * D(p.poses[0].sse));
         cold += count_evals(&p, NULL);
         warm += count_evals(&q, &options);
     }
@@ -820,8 +803,7 @@ static void test_a_wrong_start_falls_back_to_the_whole_search(void)
         TEST_ASSERT_TRUE(test_solve_pose(&q, &options) >= 0);
         assert_honest(&q, &options);
         TEST_ASSERT_TRUE(q.status != RIGCAL_POOR_FIT);
-        ASSERT_NEAR(p.poses[0].sse, q.poses[0].sse,
-                    TOL(1e-6, 2e-2) * D(p.poses[0].sse));
+        ASSERT_NEAR(p.poses[0].sse, q.poses[0].sse, TOL(1e-6, 2e-2) * D(p.poses[0].sse));
     }
 }
 
@@ -990,30 +972,36 @@ static void test_the_observation_at_fault_is_told(void)
 
     test_random_problem(&p, &rng, 6, TEST_GENERAL);
     p.o[3].X_w[1] = TEST_NAN;
-    ASSERT_STATUS(RIGCAL_ERR_NOT_FINITE,
-                  rigcal_pose_begin(&solver, &at_fault, &VIEW(&p.camera, p.o, NULL, 6), NULL));
+    ASSERT_STATUS(
+        RIGCAL_ERR_NOT_FINITE,
+        rigcal_pose_begin(&solver, &at_fault, &VIEW(&p.camera, p.o, NULL, 6), NULL));
     TEST_ASSERT_EQUAL_INT(3, at_fault);
     test_observe(&p);
     p.o[4].uv[0] = TEST_INF;
-    ASSERT_STATUS(RIGCAL_ERR_NOT_FINITE,
-                  rigcal_pose_begin(&solver, &at_fault, &VIEW(&p.camera, p.o, NULL, 6), NULL));
+    ASSERT_STATUS(
+        RIGCAL_ERR_NOT_FINITE,
+        rigcal_pose_begin(&solver, &at_fault, &VIEW(&p.camera, p.o, NULL, 6), NULL));
     TEST_ASSERT_EQUAL_INT(4, at_fault);
     test_observe(&p);
     p.o[1].uv[1] = RC(2e9);
-    ASSERT_STATUS(RIGCAL_ERR_RANGE,
-                  rigcal_pose_begin(&solver, &at_fault, &VIEW(&p.camera, p.o, NULL, 6), NULL));
+    ASSERT_STATUS(
+        RIGCAL_ERR_RANGE,
+        rigcal_pose_begin(&solver, &at_fault, &VIEW(&p.camera, p.o, NULL, 6), NULL));
     TEST_ASSERT_EQUAL_INT(1, at_fault);
     test_observe(&p);
     sigma[5] = 0;
-    ASSERT_STATUS(RIGCAL_ERR_RANGE,
-                  rigcal_pose_begin(&solver, &at_fault, &VIEW(&p.camera, p.o, sigma, 6), NULL));
+    ASSERT_STATUS(
+        RIGCAL_ERR_RANGE,
+        rigcal_pose_begin(&solver, &at_fault, &VIEW(&p.camera, p.o, sigma, 6), NULL));
     TEST_ASSERT_EQUAL_INT(5, at_fault);
     sigma[5] = 1;
     p.camera = test_camera(CAMERA[1]); /* a barrel images nothing so far out */
     test_observe(&p);
     p.o[2].uv[0] = 20000;
     at_fault = -2;
-    ASSERT_STATUS(RIGCAL_OK, rigcal_pose_begin(&solver, &at_fault, &VIEW(&p.camera, p.o, NULL, 6), NULL)); /* rays are for the steps */
+    ASSERT_STATUS(RIGCAL_OK,
+                  rigcal_pose_begin(&solver, &at_fault, &VIEW(&p.camera, p.o, NULL, 6),
+                                    NULL)); /* rays are for the steps */
     TEST_ASSERT_EQUAL_INT(-1, at_fault);
     ASSERT_STATUS(RIGCAL_OK, rigcal_pose_step(&solver, 300));
     ASSERT_STATUS(RIGCAL_UNSEEN_POINT,
@@ -1023,14 +1011,16 @@ static void test_the_observation_at_fault_is_told(void)
     o.use_start = 1;
     p.scene.t[0] += 2;
     o.start = test_transform(p.scene.R, p.scene.t);
-    ASSERT_STATUS(RIGCAL_OK, rigcal_pose_begin(&solver, &at_fault, &VIEW(&p.camera, p.o, NULL, 6), &o));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_pose_begin(&solver, &at_fault,
+                                               &VIEW(&p.camera, p.o, NULL, 6), &o));
     ASSERT_STATUS(RIGCAL_OK, rigcal_pose_step(&solver, 500));
     ASSERT_STATUS(RIGCAL_UNSEEN_POINT,
                   rigcal_pose_result(p.poses, 1, &p.n_found, &at_fault, &solver));
     TEST_ASSERT_EQUAL_INT(2, at_fault);
     p.o[3].uv[0] = -20000; /* two are too many */
     ASSERT_STATUS(RIGCAL_ERR_NO_RAY,
-                  rigcal_pose_solve(p.poses, 1, &p.n_found, &at_fault, &VIEW(&p.camera, p.o, NULL, 6), NULL));
+                  rigcal_pose_solve(p.poses, 1, &p.n_found, &at_fault,
+                                    &VIEW(&p.camera, p.o, NULL, 6), NULL));
     TEST_ASSERT_EQUAL_INT(3, at_fault);
 }
 
@@ -1043,10 +1033,12 @@ static void test_arguments_are_checked(void)
     test_problem p;
 
     test_random_problem(&p, &rng, (int)n, TEST_GENERAL);
-    ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_pose_begin(NULL, NULL, &VIEW(&p.camera, p.o, NULL, n), NULL));
+    ASSERT_STATUS(RIGCAL_ERR_NULL,
+                  rigcal_pose_begin(NULL, NULL, &VIEW(&p.camera, p.o, NULL, n), NULL));
     ASSERT_STATUS(RIGCAL_ERR_NULL,
                   rigcal_pose_begin(&solver, NULL, &VIEW(NULL, p.o, NULL, n), NULL));
-    ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_pose_begin(&solver, NULL, &VIEW(&p.camera, NULL, NULL, n), NULL));
+    ASSERT_STATUS(RIGCAL_ERR_NULL,
+                  rigcal_pose_begin(&solver, NULL, &VIEW(&p.camera, NULL, NULL, n), NULL));
     o.use_start = 2;
     ASSERT_STATUS(RIGCAL_ERR_RANGE, test_solve_pose(&p, &o));
     o = test_options(-1);
@@ -1061,12 +1053,12 @@ static void test_arguments_are_checked(void)
     ASSERT_STATUS(RIGCAL_ERR_STATE, rigcal_pose_step(&solver, 1));
     ASSERT_STATUS(RIGCAL_ERR_STATE,
                   rigcal_pose_result(p.poses, 1, &p.n_found, NULL, &solver));
-    ASSERT_STATUS(RIGCAL_OK, rigcal_pose_begin(&solver, NULL, &VIEW(&p.camera, p.o, NULL, n), NULL));
+    ASSERT_STATUS(RIGCAL_OK,
+                  rigcal_pose_begin(&solver, NULL, &VIEW(&p.camera, p.o, NULL, n), NULL));
     ASSERT_STATUS(RIGCAL_ERR_RANGE, rigcal_pose_step(&solver, 0));
     ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_pose_step(NULL, 1));
     ASSERT_STATUS(RIGCAL_OK, rigcal_pose_step(&solver, UNITS_MAX));
-    ASSERT_STATUS(RIGCAL_ERR_NULL,
-                  rigcal_pose_result(NULL, 1, &p.n_found, NULL, &solver));
+    ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_pose_result(NULL, 1, &p.n_found, NULL, &solver));
     ASSERT_STATUS(RIGCAL_ERR_RANGE,
                   rigcal_pose_result(p.poses, 0, &p.n_found, NULL, &solver));
     p.o[0].uv[0] = TEST_NAN; /* what fails to begin has not begun */
@@ -1088,8 +1080,8 @@ static void test_room_for_one_pose_gives_the_first(void)
         test_add_noise(&p, &rng, 4 * NOISE);
         (void)test_solve_pose(&p, NULL);
         FILL(one);
-        ASSERT_STATUS(p.status,
-                      rigcal_pose_solve(one, 1, &n_found, NULL, &VIEW(&p.camera, p.o, NULL, 4), NULL));
+        ASSERT_STATUS(p.status, rigcal_pose_solve(one, 1, &n_found, NULL,
+                                                  &VIEW(&p.camera, p.o, NULL, 4), NULL));
         TEST_ASSERT_EQUAL_UINT(1, n_found);
         TEST_ASSERT_EQUAL_MEMORY(&p.poses[0], &one[0], sizeof one[0]);
         ASSERT_UNTOUCHED(one[1]);

@@ -98,8 +98,7 @@ static const double *covariance_of(const double *v)
 }
 
 /* cam_from_points of a cam_from_world. */
-static rigcal_transform from_points(const problem *p, const double R[9],
-                                    const double t[3])
+static rigcal_transform from_points(const problem *p, const double R[9], const double t[3])
 {
     double origin[3], shifted[3];
 
@@ -131,8 +130,7 @@ static rigcal_transform start_pose(const problem *p, const double *v)
 }
 
 /* To the end; the number of evaluations. Never is the sum higher than it was. */
-static int run(rigcal_refinement *state, const problem *p,
-               const rigcal_transform *start)
+static int run(rigcal_refinement *state, const problem *p, const rigcal_transform *start)
 {
     int calls = 0;
     double least = 1e300;
@@ -144,8 +142,8 @@ static int run(rigcal_refinement *state, const problem *p,
         rc_refine_step(state, &p->points, EVALS_MAX);
         TEST_ASSERT_LESS_OR_EQUAL_INT(EVALS_MAX, ++calls);
         if (state->search.status >= 0) {
-            TEST_ASSERT_TRUE(D(state->search.sum) <= least * (1 + TOL(1e-12, 1e-5)) +
-                                                  TOL(1e-18, 1e-8));
+            TEST_ASSERT_TRUE(D(state->search.sum) <=
+                             least * (1 + TOL(1e-12, 1e-5)) + TOL(1e-18, 1e-8));
             least = D(state->search.sum);
         }
     }
@@ -179,10 +177,9 @@ static rigcal_status equations(rigcal_real *sum, rigcal_real g[6], rigcal_real H
     return rc_refine_equations(sum, g, H, &p->points, p->points.view.n, pose, kind);
 }
 
-static void assert_equations(const double sse0, const double g0[6],
-                             const double H0[21], const rigcal_real sse,
-                             const rigcal_real g[6], const rigcal_real H[21],
-                             double tol)
+static void assert_equations(const double sse0, const double g0[6], const double H0[21],
+                             const rigcal_real sse, const rigcal_real g[6],
+                             const rigcal_real H[21], double tol)
 {
     ASSERT_NEAR(sse0, sse, tol * sse0);
     for (int i = 0; i < 6; i++) {
@@ -208,8 +205,7 @@ static void test_equations_are_those_of_the_oracle(void)
         of_scene(&p, s, (int)v[1]);
         test_rotation(R, s[36], s[37], s[38]); /* nearby */
         pose = test_transform(R, s + 33);
-        ASSERT_STATUS(RIGCAL_OK,
-                      equations(&sse, g, H, &p, &pose, RC_GAUSS_NEWTON));
+        ASSERT_STATUS(RIGCAL_OK, equations(&sse, g, H, &p, &pose, RC_GAUSS_NEWTON));
         assert_equations(v[2], v + 3, v + 9, sse, g, H, TOL(1e-11, 1e-4));
     }
 }
@@ -239,10 +235,8 @@ static void test_newtons_equations_are_second_differences(void)
         ready(&p, N_MAX, 0, ZERO);
         data = data_of(&p);
         pose = test_transform(scene.R, scene.t);
-        ASSERT_STATUS(RIGCAL_OK,
-                      equations(&sse, g, H, &p, &pose, RC_NEWTON));
-        ASSERT_STATUS(RIGCAL_OK,
-                      equations(&sse, g, gauss, &p, &pose, RC_GAUSS_NEWTON));
+        ASSERT_STATUS(RIGCAL_OK, equations(&sse, g, H, &p, &pose, RC_NEWTON));
+        ASSERT_STATUS(RIGCAL_OK, equations(&sse, g, gauss, &p, &pose, RC_GAUSS_NEWTON));
         for (int i = 0; i < 6; i++) {
             size[i] = sqrt(packed(gauss, i, i));
         }
@@ -274,8 +268,7 @@ static void test_equations_are_those_of_differences(void)
     const double h = 1e-5;
 
     for (int row = 0; row < REFINE_LENS_ROWS; row++) {
-        double J[6][2 * N_MAX], e[2 * N_MAX], R[9], t[3], sum = 0, g0[6],
-            H0[21];
+        double J[6][2 * N_MAX], e[2 * N_MAX], R[9], t[3], sum = 0, g0[6], H0[21];
         rigcal_real sse, g[6], H[21];
         rigcal_transform pose;
         problem p;
@@ -332,8 +325,7 @@ static void test_equations_are_those_of_differences(void)
                 }
             }
         }
-        ASSERT_STATUS(RIGCAL_OK,
-                      equations(&sse, g, H, &p, &pose, RC_GAUSS_NEWTON));
+        ASSERT_STATUS(RIGCAL_OK, equations(&sse, g, H, &p, &pose, RC_GAUSS_NEWTON));
         assert_equations(sum, g0, H0, sse, g, H, TOL(1e-7, 1e-3));
     }
 }
@@ -349,17 +341,15 @@ static void test_a_point_that_the_camera_cannot_see_is_told(void)
     test_rotation(R, SCENE[0][30], SCENE[0][31], SCENE[0][32]);
     pose = test_transform(R, SCENE[0] + 33);
     pose.t[2] = RC(-3);
-    ASSERT_STATUS(RIGCAL_ERR_BEHIND,
-                  equations(&sse, g, H, &p, &pose, RC_GAUSS_NEWTON));
+    ASSERT_STATUS(RIGCAL_ERR_BEHIND, equations(&sse, g, H, &p, &pose, RC_GAUSS_NEWTON));
 }
 
 /* ---- Levenberg-Marquardt ------------------------------------------------- */
 
 /* Within `part` standard deviations of the golden minimum. */
-static void assert_at_minimum(const double minimum[13],
-                              const double covariance[21], const double R[9],
-                              const double t[3], double sse, double noise,
-                              double part)
+static void assert_at_minimum(const double minimum[13], const double covariance[21],
+                              const double R[9], const double t[3], double sse,
+                              double noise, double part)
 {
     double Sigma[36], d[6];
 
@@ -387,8 +377,8 @@ static void test_the_minimum_is_that_of_scipy_for_any_lens_and_weights(void)
         TEST_ASSERT_LESS_OR_EQUAL_INT(20, run(&state, &p, &start));
         ASSERT_STATUS(RIGCAL_OK, state.search.status);
         to_world(R, t, &p, &state.cam_from_points);
-        assert_at_minimum(minimum_of(v), covariance_of(v), R, t, D(state.search.sum),
-                          noise, TOL(1e-3, 0.05));
+        assert_at_minimum(minimum_of(v), covariance_of(v), R, t, D(state.search.sum), noise,
+                          TOL(1e-3, 0.05));
     }
 }
 
@@ -424,9 +414,8 @@ static void test_the_minimum_is_that_of_the_oracle(void)
         if (v[1] > 4 || test_angle_between(R, minimum) < 0.01) {
             ASSERT_STATUS(RIGCAL_OK, state.search.status);
             /* in these units float rounds as much as the noise */
-            assert_at_minimum(minimum, v + 15, R, t,
-                              TOL(D(state.search.sum), minimum[12]), noise,
-                              TOL(1e-2, 1));
+            assert_at_minimum(minimum, v + 15, R, t, TOL(D(state.search.sum), minimum[12]),
+                              noise, TOL(1e-2, 1));
         }
     }
 }
@@ -565,8 +554,7 @@ static void test_the_covariance_is_the_inverse(void)
         of_lens(&p, v);
         memset(p.points.origin, 0, sizeof p.points.origin); /* as the vectors have it */
         pose = test_transform(minimum_of(v), minimum_of(v) + 9);
-        ASSERT_STATUS(RIGCAL_OK,
-                      equations(&sse, g, H, &p, &pose, RC_GAUSS_NEWTON));
+        ASSERT_STATUS(RIGCAL_OK, equations(&sse, g, H, &p, &pose, RC_GAUSS_NEWTON));
         TEST_ASSERT_TRUE(rc_sym6_invert(Sigma, H));
         for (int k = 0; k < 36; k++) {
             const double size = sqrt(golden_packed(golden, k / 6, k / 6) *
@@ -603,8 +591,7 @@ static void test_points_on_a_line_leave_the_equations_singular(void)
         test_observations(p.o, &scene, &p.camera);
         ready(&p, N_MAX, 0, scene.X[0]);
         pose = from_points(&p, scene.R, scene.t);
-        ASSERT_STATUS(RIGCAL_OK,
-                      equations(&sse, g, H, &p, &pose, RC_GAUSS_NEWTON));
+        ASSERT_STATUS(RIGCAL_OK, equations(&sse, g, H, &p, &pose, RC_GAUSS_NEWTON));
         if (rc_sym6_invert(Sigma, H)) {
             TEST_ASSERT_TRUE(D(Sigma[0]) + D(Sigma[7]) + D(Sigma[14]) > 1);
             missed++;

@@ -12,8 +12,7 @@
 enum { CAMERAS_MAX = 12, PLACEMENTS_MAX = 10 };
 enum { VIEWS_MAX = RIGCAL_TEST_RAM < 32768 ? 40 : 120 };
 
-static const rigcal_transform NOTHING = {{1, 0, 0, 0, 1, 0, 0, 0, 1},
-                                         {0, 0, 0}};
+static const rigcal_transform NOTHING = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
 
 /* ---- joining cameras ----------------------------------------------------- */
 
@@ -72,8 +71,7 @@ static rigcal_status join(rig *r)
 
 static void assert_joined(const rig *r, int camera)
 {
-    ASSERT_TRANSFORM(&r->cams_from_rig[camera], &r->joined[camera], TOL_ENTRY,
-                TOL_LENGTH);
+    ASSERT_TRANSFORM(&r->cams_from_rig[camera], &r->joined[camera], TOL_ENTRY, TOL_LENGTH);
 }
 
 static void test_two_cameras_join_through_one_placement(void)
@@ -208,8 +206,7 @@ static void test_placements_are_averaged_by_weight(void)
 
         new_rig(&r, &rng, 2);
         for (int i = 0; i < 2; i++) {
-            const rigcal_transform twist =
-                test_turned_about(axis, i ? -angle : angle);
+            const rigcal_transform twist = test_turned_about(axis, i ? -angle : angle);
             const double weight = i ? 10 : 10 * heavy;
             rigcal_view_pose *view;
 

@@ -55,7 +55,7 @@ static void spoil(problem *p, test_rng *rng, int n_wrong, wrongness how)
     for (int i = p->n - 1; i >= p->n - n_wrong; i--) {
         p->right[i] = 0;
         for (int k = 0; k < 2; k++) {
-            p->o[i].uv[k] = how != SWAPPED ? RC(test_uniform(rng, low[k], high[k]))
+            p->o[i].uv[k] = how != SWAPPED       ? RC(test_uniform(rng, low[k], high[k]))
                             : i > p->n - n_wrong ? p->o[i - 1].uv[k]
                                                  : last.uv[k];
         }
@@ -66,7 +66,9 @@ static void spoil(problem *p, test_rng *rng, int n_wrong, wrongness how)
 static rigcal_status solve(problem *p, const rigcal_robust_options *options)
 {
     memset(p->inliers, 7, sizeof p->inliers);
-    return rigcal_robust_solve(p->poses, RIGCAL_POSES_MAX, &p->n_found, p->inliers, &p->n_inliers, NULL, &VIEW(&p->camera, p->o, NULL, (size_t)p->n), options);
+    return rigcal_robust_solve(p->poses, RIGCAL_POSES_MAX, &p->n_found, p->inliers,
+                               &p->n_inliers, NULL,
+                               &VIEW(&p->camera, p->o, NULL, (size_t)p->n), options);
 }
 
 static double error_of(const problem *p, const rigcal_pose *pose)
@@ -93,7 +95,10 @@ static double error_without_wrong_ones(const problem *p)
     rigcal_pose poses[RIGCAL_POSES_MAX];
     size_t n_found;
 
-    TEST_ASSERT_TRUE(rigcal_pose_solve(poses, RIGCAL_POSES_MAX, &n_found, NULL, &VIEW(&p->camera, p->o, NULL, (size_t)(p->n - p->n_wrong)), NULL) >= 0);
+    TEST_ASSERT_TRUE(
+        rigcal_pose_solve(poses, RIGCAL_POSES_MAX, &n_found, NULL,
+                          &VIEW(&p->camera, p->o, NULL, (size_t)(p->n - p->n_wrong)),
+                          NULL) >= 0);
     return least_error(p, poses, n_found);
 }
 
@@ -196,7 +201,8 @@ static void test_none_need_be_wrong(void)
             continue;
         }
         const rigcal_status expected =
-            rigcal_pose_solve(plain, RIGCAL_POSES_MAX, &n_found, NULL, &VIEW(&p.camera, p.o, NULL, (size_t)p.n), NULL);
+            rigcal_pose_solve(plain, RIGCAL_POSES_MAX, &n_found, NULL,
+                              &VIEW(&p.camera, p.o, NULL, (size_t)p.n), NULL);
         if (status != RIGCAL_FEW_AGREE) {
             ASSERT_STATUS(expected, status);
         }
@@ -242,8 +248,8 @@ static void test_few_points_are_told_to_be_few(void)
         turn_round(&p);
         rigcal_status status = solve(&p, NULL);
         sure_of_five += status == RIGCAL_OK || status == RIGCAL_AMBIGUOUS;
-        found_of_five += status == RIGCAL_FEW_AGREE &&
-                         memcmp(p.inliers, p.right, (size_t)p.n) == 0;
+        found_of_five +=
+            status == RIGCAL_FEW_AGREE && memcmp(p.inliers, p.right, (size_t)p.n) == 0;
         make(&p, &rng, 8, TEST_GENERAL);
         spoil(&p, &rng, 1, IN_THE_IMAGE);
         status = solve(&p, NULL);
@@ -313,7 +319,9 @@ static void test_relative_noise_widens_the_threshold(void)
     ASSERT_STATUS(RIGCAL_OK, solve(&p, NULL));
     TEST_ASSERT_EQUAL_INT(0, p.inliers[3]);
     sigma[3] = 20;
-    TEST_ASSERT_TRUE(rigcal_robust_solve(p.poses, RIGCAL_POSES_MAX, &p.n_found, p.inliers, &p.n_inliers, NULL, &VIEW(&p.camera, p.o, sigma, 12), NULL) >= 0);
+    TEST_ASSERT_TRUE(rigcal_robust_solve(p.poses, RIGCAL_POSES_MAX, &p.n_found, p.inliers,
+                                         &p.n_inliers, NULL,
+                                         &VIEW(&p.camera, p.o, sigma, 12), NULL) >= 0);
     TEST_ASSERT_EQUAL_INT(1, p.inliers[3]);
     TEST_ASSERT_EQUAL_INT(12, p.n_inliers);
 }
@@ -358,12 +366,15 @@ static void test_budgets_change_no_bit(void)
             size_t n_found, n_inliers;
             int32_t spent = 0;
 
-            ASSERT_STATUS(RIGCAL_OK, rigcal_robust_begin(&solver, inliers, NULL, &VIEW(&p.camera, p.o, NULL, (size_t)p.n), NULL));
+            ASSERT_STATUS(RIGCAL_OK, rigcal_robust_begin(
+                                         &solver, inliers, NULL,
+                                         &VIEW(&p.camera, p.o, NULL, (size_t)p.n), NULL));
             while (rigcal_robust_step(&solver, BUDGET[k]) == RIGCAL_RUNNING) {
                 spent += BUDGET[k];
                 TEST_ASSERT_LESS_THAN_INT(7 * 500 + 9000, spent);
             }
-            ASSERT_STATUS(status, rigcal_robust_result(poses, RIGCAL_POSES_MAX, &n_found, &n_inliers, &solver));
+            ASSERT_STATUS(status, rigcal_robust_result(poses, RIGCAL_POSES_MAX, &n_found,
+                                                       &n_inliers, &solver));
             TEST_ASSERT_EQUAL_INT(p.n_found, n_found);
             TEST_ASSERT_EQUAL_INT(p.n_inliers, n_inliers);
             TEST_ASSERT_EQUAL_MEMORY(p.inliers, inliers, p.n);

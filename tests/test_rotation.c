@@ -95,8 +95,7 @@ static void test_gimbal_lock_gives_roll_as_zero(void)
         ASSERT_STATUS(RIGCAL_OK, rigcal_yaw_pitch_roll_from_rotation(ypr, R));
         ASSERT_ARRAY_NEAR(ROTATION_LOCK[i], ypr, 2, TOL_ENTRY);
         TEST_ASSERT_TRUE(ypr[2] == 0);
-        ASSERT_STATUS(RIGCAL_OK,
-                      rigcal_rotation_from_yaw_pitch_roll(back, ypr));
+        ASSERT_STATUS(RIGCAL_OK, rigcal_rotation_from_yaw_pitch_roll(back, ypr));
         assert_same_rotation(ROTATION_LOCK[i] + 3, back);
     }
 }
@@ -113,12 +112,10 @@ static void test_angles_near_gimbal_lock_still_make_the_same_matrix(void)
         double M[9];
         rigcal_real R[9], ypr[3], back[9];
 
-        test_rotation(M, test_uniform(&rng, -3, 3), pitch,
-                      test_uniform(&rng, -3, 3));
+        test_rotation(M, test_uniform(&rng, -3, 3), pitch, test_uniform(&rng, -3, 3));
         test_to_real(R, M, 9);
         ASSERT_STATUS(RIGCAL_OK, rigcal_yaw_pitch_roll_from_rotation(ypr, R));
-        ASSERT_STATUS(RIGCAL_OK,
-                      rigcal_rotation_from_yaw_pitch_roll(back, ypr));
+        ASSERT_STATUS(RIGCAL_OK, rigcal_rotation_from_yaw_pitch_roll(back, ypr));
         ASSERT_ARRAY_NEAR(M, back, 9, TOL_ENTRY);
     }
 }
@@ -137,8 +134,7 @@ static void test_angles_stay_within_their_ranges(void)
         rigcal_real ypr[3];
 
         /* Half a turn is +pi, whatever the sign of the zero beside it. */
-        ASSERT_STATUS(RIGCAL_OK,
-                      rigcal_yaw_pitch_roll_from_rotation(ypr, halves[i]));
+        ASSERT_STATUS(RIGCAL_OK, rigcal_yaw_pitch_roll_from_rotation(ypr, halves[i]));
         ASSERT_NEAR(TEST_PI, ypr[i < 2 ? 0 : 2], TOL(1e-15, 1e-6));
     }
     for (int i = 0; i < 300; i++) {
@@ -149,8 +145,7 @@ static void test_angles_stay_within_their_ranges(void)
         test_to_real(R, M, 9);
         ASSERT_STATUS(RIGCAL_OK, rigcal_yaw_pitch_roll_from_rotation(ypr, R));
         TEST_ASSERT_TRUE(ypr[0] > RC(-TEST_PI) && ypr[0] <= RC(TEST_PI));
-        TEST_ASSERT_TRUE(ypr[1] >= RC(-TEST_PI / 2) &&
-                         ypr[1] <= RC(TEST_PI / 2));
+        TEST_ASSERT_TRUE(ypr[1] >= RC(-TEST_PI / 2) && ypr[1] <= RC(TEST_PI / 2));
         TEST_ASSERT_TRUE(ypr[2] > RC(-TEST_PI) && ypr[2] <= RC(TEST_PI));
     }
 }
@@ -169,8 +164,7 @@ static void test_many_turns_are_accepted_up_to_the_limit(void)
         rigcal_real far[3] = {0, 0, 0};
 
         far[i] = RC(i == 1 ? -1.01 * most : 1.01 * most);
-        ASSERT_REFUSED(RIGCAL_ERR_RANGE, R,
-                       rigcal_rotation_from_yaw_pitch_roll(R, far));
+        ASSERT_REFUSED(RIGCAL_ERR_RANGE, R, rigcal_rotation_from_yaw_pitch_roll(R, far));
     }
 }
 
@@ -194,9 +188,8 @@ static void test_a_rotation_vector_comes_back_from_its_matrix(void)
     test_rng rng = test_seed(13);
 
     for (int i = 0; i < 300; i++) {
-        const double angle =
-            i % 2 ? test_uniform(&rng, 0, 3.0)
-                  : pow(10, test_uniform(&rng, TOL(-30, -15), 0));
+        const double angle = i % 2 ? test_uniform(&rng, 0, 3.0)
+                                   : pow(10, test_uniform(&rng, TOL(-30, -15), 0));
         double axis[3], M[9], w_true[3];
         rigcal_real R[9], w[3];
 
@@ -210,8 +203,7 @@ static void test_a_rotation_vector_comes_back_from_its_matrix(void)
         test_to_real(R, M, 9);
         ASSERT_STATUS(RIGCAL_OK, rigcal_vector_from_rotation(w, R));
         /* The axis of a large turn is worth eps / sin(angle). */
-        ASSERT_ARRAY_NEAR(w_true, w, 3,
-                          TOL(1e-14, 5e-6) * (angle > 2 ? 30 : angle));
+        ASSERT_ARRAY_NEAR(w_true, w, 3, TOL(1e-14, 5e-6) * (angle > 2 ? 30 : angle));
     }
 }
 
@@ -299,10 +291,8 @@ static void test_nearly_half_turns_make_the_same_matrix_again(void)
 static void test_a_rotation_vector_beyond_the_limit_is_refused(void)
 {
     const double most = TOL(1e6, 1e3);
-    const rigcal_real far[3] = {RC(0.6 * most), RC(-0.6 * most),
-                                RC(0.6 * most)};
-    const rigcal_real near[3] = {RC(0.5 * most), RC(-0.5 * most),
-                                 RC(0.5 * most)};
+    const rigcal_real far[3] = {RC(0.6 * most), RC(-0.6 * most), RC(0.6 * most)};
+    const rigcal_real near[3] = {RC(0.5 * most), RC(-0.5 * most), RC(0.5 * most)};
     const rigcal_real huge[3] = {RC(TOL(1e300, 1e30)), 0, 0};
     rigcal_real R[9];
 
@@ -353,8 +343,7 @@ static void test_a_unit_quaternion_comes_back_with_w_not_negative(void)
 {
     for (int i = 0; i < ROTATION_QUATERNION_ROWS; i++) {
         const double *v = ROTATION_QUATERNION[i];
-        const double length =
-            sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2] + v[3] * v[3]);
+        const double length = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2] + v[3] * v[3]);
         rigcal_real q[4], R[9];
 
         test_to_real(R, v + 4, 9);
@@ -369,8 +358,7 @@ static void test_a_unit_quaternion_comes_back_with_w_not_negative(void)
 /* w = 0, each of x, y, z in turn the largest. */
 static void test_half_turns_have_quaternions_too(void)
 {
-    static const double axes[4][3] = {
-        {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0.48, 0.64, -0.6}};
+    static const double axes[4][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0.48, 0.64, -0.6}};
 
     for (int i = 0; i < 4; i++) {
         const double *a = axes[i];
@@ -405,8 +393,7 @@ static void test_a_quaternion_may_have_any_length_but_zero(void)
         ASSERT_STATUS(RIGCAL_OK, rigcal_rotation_from_quaternion(R, q));
         assert_same_rotation(ROTATION_QUATERNION[0] + 4, R);
     }
-    ASSERT_REFUSED(RIGCAL_ERR_ROTATION, R,
-                   rigcal_rotation_from_quaternion(R, none));
+    ASSERT_REFUSED(RIGCAL_ERR_ROTATION, R, rigcal_rotation_from_quaternion(R, none));
 }
 
 /* ---- nearest ------------------------------------------------------------- */
@@ -426,8 +413,7 @@ static void test_the_nearest_rotation_is_the_svds(void)
 
 static void test_the_nearest_to_a_scaled_rotation_is_that_rotation(void)
 {
-    const double scales[7] = {
-        1, 1e-3, 1e3, TOL(1e-100, 1e-12), TOL(1e100, 1e12), 7, 0.3};
+    const double scales[7] = {1, 1e-3, 1e3, TOL(1e-100, 1e-12), TOL(1e100, 1e12), 7, 0.3};
 
     for (int i = 0; i < 7; i++) {
         const double *R_true = ROTATION_YPR[20 + i] + 3;
@@ -449,8 +435,7 @@ static void test_a_singular_matrix_has_no_nearest_rotation(void)
     rigcal_real R[9];
 
     ASSERT_REFUSED(RIGCAL_ERR_ROTATION, R, rigcal_rotation_nearest(R, zero));
-    ASSERT_REFUSED(RIGCAL_ERR_ROTATION, R,
-                   rigcal_rotation_nearest(R, rank_two));
+    ASSERT_REFUSED(RIGCAL_ERR_ROTATION, R, rigcal_rotation_nearest(R, rank_two));
     ASSERT_REFUSED(RIGCAL_ERR_ROTATION, R, rigcal_rotation_nearest(R, flat));
 }
 
@@ -503,8 +488,8 @@ static void test_the_angle_between_rotations_is_what_was_turned(void)
     test_rng rng = test_seed(15);
 
     for (int i = 0; i < 300; i++) {
-        const double angle = i % 3 ? test_uniform(&rng, 0, TEST_PI)
-                                   : TEST_PI - pow(10, -(double)(i % 15));
+        const double angle =
+            i % 3 ? test_uniform(&rng, 0, TEST_PI) : TEST_PI - pow(10, -(double)(i % 15));
         double A[9], turn[9], B[9], axis[3];
         rigcal_real Ra[9], Rb[9], there, back;
 
@@ -522,8 +507,7 @@ static void test_the_angle_between_rotations_is_what_was_turned(void)
          * unless the sine is used as well, as it should be. */
         ASSERT_NEAR(angle, there, TOL(2e-15, 1e-6));
         ASSERT_NEAR(there, back, TOL(1e-15, 5e-7));
-        TEST_ASSERT_TRUE(there >= 0 &&
-                         D(there) <= TEST_PI * (1 + TOL(0, 1e-7)));
+        TEST_ASSERT_TRUE(there >= 0 && D(there) <= TEST_PI * (1 + TOL(0, 1e-7)));
     }
 }
 
@@ -561,33 +545,23 @@ static void test_null_is_refused_in_every_place(void)
     const rigcal_real ypr[3] = {0, 0, 0}, q[4] = {1, 0, 0, 0};
     rigcal_real R[9], v[3], p[4], angle;
 
-    ASSERT_STATUS(RIGCAL_ERR_NULL,
-                  rigcal_rotation_from_yaw_pitch_roll(NULL, ypr));
-    ASSERT_REFUSED(RIGCAL_ERR_NULL, R,
-                   rigcal_rotation_from_yaw_pitch_roll(R, NULL));
-    ASSERT_STATUS(RIGCAL_ERR_NULL,
-                  rigcal_yaw_pitch_roll_from_rotation(NULL, IDENTITY));
-    ASSERT_REFUSED(RIGCAL_ERR_NULL, v,
-                   rigcal_yaw_pitch_roll_from_rotation(v, NULL));
+    ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_rotation_from_yaw_pitch_roll(NULL, ypr));
+    ASSERT_REFUSED(RIGCAL_ERR_NULL, R, rigcal_rotation_from_yaw_pitch_roll(R, NULL));
+    ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_yaw_pitch_roll_from_rotation(NULL, IDENTITY));
+    ASSERT_REFUSED(RIGCAL_ERR_NULL, v, rigcal_yaw_pitch_roll_from_rotation(v, NULL));
     ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_rotation_from_vector(NULL, ypr));
     ASSERT_REFUSED(RIGCAL_ERR_NULL, R, rigcal_rotation_from_vector(R, NULL));
     ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_vector_from_rotation(NULL, IDENTITY));
     ASSERT_REFUSED(RIGCAL_ERR_NULL, v, rigcal_vector_from_rotation(v, NULL));
     ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_rotation_from_quaternion(NULL, q));
-    ASSERT_REFUSED(RIGCAL_ERR_NULL, R,
-                   rigcal_rotation_from_quaternion(R, NULL));
-    ASSERT_STATUS(RIGCAL_ERR_NULL,
-                  rigcal_quaternion_from_rotation(NULL, IDENTITY));
-    ASSERT_REFUSED(RIGCAL_ERR_NULL, p,
-                   rigcal_quaternion_from_rotation(p, NULL));
+    ASSERT_REFUSED(RIGCAL_ERR_NULL, R, rigcal_rotation_from_quaternion(R, NULL));
+    ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_quaternion_from_rotation(NULL, IDENTITY));
+    ASSERT_REFUSED(RIGCAL_ERR_NULL, p, rigcal_quaternion_from_rotation(p, NULL));
     ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_rotation_nearest(NULL, IDENTITY));
     ASSERT_REFUSED(RIGCAL_ERR_NULL, R, rigcal_rotation_nearest(R, NULL));
-    ASSERT_STATUS(RIGCAL_ERR_NULL,
-                  rigcal_rotation_angle(NULL, IDENTITY, IDENTITY));
-    ASSERT_REFUSED(RIGCAL_ERR_NULL, angle,
-                   rigcal_rotation_angle(&angle, NULL, IDENTITY));
-    ASSERT_REFUSED(RIGCAL_ERR_NULL, angle,
-                   rigcal_rotation_angle(&angle, IDENTITY, NULL));
+    ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_rotation_angle(NULL, IDENTITY, IDENTITY));
+    ASSERT_REFUSED(RIGCAL_ERR_NULL, angle, rigcal_rotation_angle(&angle, NULL, IDENTITY));
+    ASSERT_REFUSED(RIGCAL_ERR_NULL, angle, rigcal_rotation_angle(&angle, IDENTITY, NULL));
 }
 
 static void test_a_number_that_is_not_finite_is_refused_in_every_place(void)
@@ -603,18 +577,12 @@ static void test_a_number_that_is_not_finite_is_refused_in_every_place(void)
         }
         w[i / 9] = bad[i % 3];
         q[i / 3 % 4] = bad[i % 3];
-        ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, R,
-                       rigcal_rotation_from_yaw_pitch_roll(R, w));
-        ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, R,
-                       rigcal_rotation_from_vector(R, w));
-        ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, R,
-                       rigcal_rotation_from_quaternion(R, q));
-        ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, v,
-                       rigcal_yaw_pitch_roll_from_rotation(v, M));
-        ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, v,
-                       rigcal_vector_from_rotation(v, M));
-        ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, p,
-                       rigcal_quaternion_from_rotation(p, M));
+        ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, R, rigcal_rotation_from_yaw_pitch_roll(R, w));
+        ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, R, rigcal_rotation_from_vector(R, w));
+        ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, R, rigcal_rotation_from_quaternion(R, q));
+        ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, v, rigcal_yaw_pitch_roll_from_rotation(v, M));
+        ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, v, rigcal_vector_from_rotation(v, M));
+        ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, p, rigcal_quaternion_from_rotation(p, M));
         ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, R, rigcal_rotation_nearest(R, M));
         ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, angle,
                        rigcal_rotation_angle(&angle, M, IDENTITY));
@@ -627,15 +595,11 @@ static void assert_not_taken_for_a_rotation(const rigcal_real M[9])
 {
     rigcal_real v[3], p[4], angle;
 
-    ASSERT_REFUSED(RIGCAL_ERR_ROTATION, v,
-                   rigcal_yaw_pitch_roll_from_rotation(v, M));
+    ASSERT_REFUSED(RIGCAL_ERR_ROTATION, v, rigcal_yaw_pitch_roll_from_rotation(v, M));
     ASSERT_REFUSED(RIGCAL_ERR_ROTATION, v, rigcal_vector_from_rotation(v, M));
-    ASSERT_REFUSED(RIGCAL_ERR_ROTATION, p,
-                   rigcal_quaternion_from_rotation(p, M));
-    ASSERT_REFUSED(RIGCAL_ERR_ROTATION, angle,
-                   rigcal_rotation_angle(&angle, M, IDENTITY));
-    ASSERT_REFUSED(RIGCAL_ERR_ROTATION, angle,
-                   rigcal_rotation_angle(&angle, IDENTITY, M));
+    ASSERT_REFUSED(RIGCAL_ERR_ROTATION, p, rigcal_quaternion_from_rotation(p, M));
+    ASSERT_REFUSED(RIGCAL_ERR_ROTATION, angle, rigcal_rotation_angle(&angle, M, IDENTITY));
+    ASSERT_REFUSED(RIGCAL_ERR_ROTATION, angle, rigcal_rotation_angle(&angle, IDENTITY, M));
 }
 
 static void test_a_matrix_that_is_no_rotation_is_refused(void)

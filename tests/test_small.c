@@ -23,7 +23,8 @@ static void random_problem(problem *p, test_rng *rng, int n, test_shape shape)
 
 static rigcal_status solve(problem *p, size_t n, const rigcal_pose_options *options)
 {
-    return rigcal_pose_solve(p->poses, RIGCAL_POSES_MAX, &p->n_found, NULL, &VIEW(&p->camera, p->o, NULL, n), options);
+    return rigcal_pose_solve(p->poses, RIGCAL_POSES_MAX, &p->n_found, NULL,
+                             &VIEW(&p->camera, p->o, NULL, n), options);
 }
 
 static void test_a_fisheye_is_no_camera(void)
@@ -66,8 +67,8 @@ static void test_a_ray_80_degrees_off_the_axis_is_refused_by_name(void)
         test_random_rotation(R, &rng);
         test_transpose(back, R);
         for (int i = 0; i < POINTS; i++) {
-            const double off = (i == WIDEST) ? (is_wide ? 80.5 : 79.5)
-                                             : test_uniform(&rng, 40, 79);
+            const double off =
+                (i == WIDEST) ? (is_wide ? 80.5 : 79.5) : test_uniform(&rng, 40, 79);
             const double sine = sin(off * TEST_PI / 180), way = 1.1 * i,
                          far = test_uniform(&rng, 1, 3);
             const double X_c[3] = {far * sine * cos(way), far * sine * sin(way),
@@ -131,8 +132,9 @@ static void test_wrong_points_are_told(void)
     random_problem(&p, &rng, N_MAX, TEST_GENERAL);
     p.o[3].uv[0] += 60;
     p.o[7].uv[1] -= 45;
-    ASSERT_STATUS(RIGCAL_OK,
-                  rigcal_robust_solve(p.poses, RIGCAL_POSES_MAX, &p.n_found, inliers, &n_inliers, NULL, &VIEW(&p.camera, p.o, NULL, N_MAX), NULL));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_robust_solve(p.poses, RIGCAL_POSES_MAX, &p.n_found,
+                                                 inliers, &n_inliers, NULL,
+                                                 &VIEW(&p.camera, p.o, NULL, N_MAX), NULL));
     TEST_ASSERT_EQUAL_UINT(N_MAX - 2, n_inliers);
     TEST_ASSERT_EQUAL_INT(0, inliers[3]);
     TEST_ASSERT_EQUAL_INT(0, inliers[7]);

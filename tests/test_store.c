@@ -54,10 +54,8 @@ void setUp(void)
     }
     sequence = (uint32_t)STORE_NUMBERS[0][0];
     tag = (uint32_t)STORE_NUMBERS[0][1];
-    bytes_of_row(own, RIGCAL_USE_FLOAT ? STORE_FLOAT[0] : STORE_DOUBLE[0],
-                 OWN_BYTES);
-    bytes_of_row(other, RIGCAL_USE_FLOAT ? STORE_DOUBLE[0] : STORE_FLOAT[0],
-                 OTHER_BYTES);
+    bytes_of_row(own, RIGCAL_USE_FLOAT ? STORE_FLOAT[0] : STORE_DOUBLE[0], OWN_BYTES);
+    bytes_of_row(other, RIGCAL_USE_FLOAT ? STORE_DOUBLE[0] : STORE_FLOAT[0], OTHER_BYTES);
 }
 
 void tearDown(void)
@@ -81,8 +79,7 @@ static void assert_same_camera(const rigcal_mounted_camera *expected,
                                12 * sizeof expected->camera.fx));
     TEST_ASSERT_TRUE(same_bits(&expected->cam_from_rig, &actual->cam_from_rig,
                                sizeof expected->cam_from_rig));
-    TEST_ASSERT_TRUE(
-        same_bits(expected->Sigma, actual->Sigma, sizeof expected->Sigma));
+    TEST_ASSERT_TRUE(same_bits(expected->Sigma, actual->Sigma, sizeof expected->Sigma));
     TEST_ASSERT_EQUAL_INT32(expected->has_Sigma, actual->has_Sigma);
 }
 
@@ -142,8 +139,7 @@ static void put_number(uint8_t *at, double x, int real_bytes)
 
 /* Loading exactly these bytes, in a block of memory that ends where they do, is
  * refused with `expected`, or with any status of damage (0), and writes nothing. */
-static rigcal_status assert_refused(rigcal_status expected,
-                                    const uint8_t bytes[], size_t n)
+static rigcal_status assert_refused(rigcal_status expected, const uint8_t bytes[], size_t n)
 {
     rigcal_mounted_camera cameras[N];
     rigcal_saved_info info;
@@ -161,8 +157,7 @@ static rigcal_status assert_refused(rigcal_status expected,
     ASSERT_UNTOUCHED(cameras);
     ASSERT_UNTOUCHED(info);
     if (expected == 0) {
-        TEST_ASSERT_TRUE(status == RIGCAL_ERR_DAMAGED ||
-                         status == RIGCAL_ERR_FOREIGN);
+        TEST_ASSERT_TRUE(status == RIGCAL_ERR_DAMAGED || status == RIGCAL_ERR_FOREIGN);
         ASSERT_STATUS(status, rigcal_store_info(&info, exact, n));
         ASSERT_UNTOUCHED(info);
     } else {
@@ -182,8 +177,7 @@ static void test_the_crc_is_that_of_zlib(void)
 
         bytes_of_row(bytes, STORE_CRC[i] + 1, sizeof bytes);
         TEST_ASSERT_EQUAL_HEX32((uint32_t)STORE_CRC[i][41], rc_crc32(bytes, n));
-        TEST_ASSERT_EQUAL_HEX32((uint32_t)STORE_CRC[i][41],
-                                plain_crc(bytes, n));
+        TEST_ASSERT_EQUAL_HEX32((uint32_t)STORE_CRC[i][41], plain_crc(bytes, n));
     }
 }
 
@@ -210,7 +204,8 @@ static void test_a_calibration_is_saved_as_the_bytes_that_python_packs(void)
     size_t n = 77;
 
     memset(bytes, 0x5a, sizeof bytes);
-    ASSERT_STATUS(RIGCAL_OK, rigcal_store_save(bytes, sizeof bytes, &n, calibration, N, sequence, tag));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_store_save(bytes, sizeof bytes, &n, calibration, N,
+                                               sequence, tag));
     TEST_ASSERT_EQUAL_size_t(OWN_BYTES, n);
     TEST_ASSERT_EQUAL_HEX8_ARRAY(own, bytes, OWN_BYTES);
     TEST_ASSERT_EQUAL_HEX8(0x5a, bytes[OWN_BYTES]);
@@ -240,8 +235,7 @@ static void test_the_bytes_of_the_other_precision_are_loaded_too(void)
     rigcal_mounted_camera cameras[N];
     rigcal_saved_info info;
 
-    ASSERT_STATUS(RIGCAL_OK,
-                  rigcal_store_load(cameras, N, &info, other, sizeof other));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_store_load(cameras, N, &info, other, sizeof other));
     TEST_ASSERT_EQUAL_INT32(OTHER_BYTES, info.n_bytes);
     TEST_ASSERT_EQUAL_INT32(OTHER_REAL, info.real_bytes);
     for (int i = 0; i < N; i++) {
@@ -298,8 +292,7 @@ static rigcal_mounted_camera random_camera(test_rng *rng)
     double R[9];
 
     memset(&m, 0, sizeof m);
-    m.camera.lens = test_uniform(rng, 0, 1) < 0.5 ? RIGCAL_LENS_BROWN
-                                                  : RIGCAL_LENS_FISHEYE;
+    m.camera.lens = test_uniform(rng, 0, 1) < 0.5 ? RIGCAL_LENS_BROWN : RIGCAL_LENS_FISHEYE;
     m.camera.width = (int32_t)test_uniform(rng, 1, 1000000);
     m.camera.height = (int32_t)test_uniform(rng, 1, 1000000);
     m.camera.fx = RC(test_uniform(rng, 1, 5000));
@@ -339,7 +332,8 @@ static void test_what_was_saved_is_loaded_bit_by_bit(void)
         for (size_t i = 0; i < n; i++) {
             saved[i] = random_camera(&rng);
         }
-        ASSERT_STATUS(RIGCAL_OK, rigcal_store_save(bytes, rigcal_store_size(n), &size, saved, n, a, b));
+        ASSERT_STATUS(RIGCAL_OK, rigcal_store_save(bytes, rigcal_store_size(n), &size,
+                                                   saved, n, a, b));
         TEST_ASSERT_EQUAL_size_t(rigcal_store_size(n), size);
         FILL(loaded);
         ASSERT_STATUS(RIGCAL_OK, rigcal_store_load(loaded, n, &info, bytes, size));
@@ -362,14 +356,14 @@ static void test_what_is_no_covariance_is_not_saved(void)
         rigcal_status status;
     } CASES[] = {
         {{0, 0}, {4, 4}, RIGCAL_OK},
-        {{6, 1}, {1.0000000001, 1}, RIGCAL_OK},       /* rounding */
-        {{6, 1}, {4, 4}, RIGCAL_ERR_RANGE},           /* 1, unlike with a third */
-        {{6, 1}, {1, -5}, RIGCAL_ERR_RANGE},          /* not symmetric */
-        {{6, 1}, {5, 5}, RIGCAL_ERR_RANGE},           /* a correlation above 1 */
+        {{6, 1}, {1.0000000001, 1}, RIGCAL_OK}, /* rounding */
+        {{6, 1}, {4, 4}, RIGCAL_ERR_RANGE},     /* 1, unlike with a third */
+        {{6, 1}, {1, -5}, RIGCAL_ERR_RANGE},    /* not symmetric */
+        {{6, 1}, {5, 5}, RIGCAL_ERR_RANGE},     /* a correlation above 1 */
         {{6, 1}, {1e30, 1e30}, RIGCAL_ERR_RANGE},
-        {{7, 7}, {0, 0}, RIGCAL_ERR_RANGE},           /* covariance without variance */
+        {{7, 7}, {0, 0}, RIGCAL_ERR_RANGE}, /* covariance without variance */
         {{35, 35}, {-1, -1}, RIGCAL_ERR_RANGE},
-        {{35, 35}, {1e-3, 1e-3}, RIGCAL_ERR_RANGE},   /* indefinite together */
+        {{35, 35}, {1e-3, 1e-3}, RIGCAL_ERR_RANGE}, /* indefinite together */
     };
     uint8_t bytes[RIGCAL_STORE_SIZE(1)];
     size_t n;
@@ -384,7 +378,8 @@ static void test_what_is_no_covariance_is_not_saved(void)
         for (int i = 0; i < 2; i++) {
             m.Sigma[CASES[k].at[i]] = RC(CASES[k].value[i]);
         }
-        ASSERT_STATUS(CASES[k].status, rigcal_store_save(bytes, sizeof bytes, &n, &m, 1, 0, 0));
+        ASSERT_STATUS(CASES[k].status,
+                      rigcal_store_save(bytes, sizeof bytes, &n, &m, 1, 0, 0));
         if (CASES[k].status == RIGCAL_OK) {
             ASSERT_STATUS(RIGCAL_OK, rigcal_store_load(&loaded, 1, &info, bytes, n));
             TEST_ASSERT_TRUE(D(loaded.Sigma[1]) >= D(m.Sigma[6]) &&
@@ -401,7 +396,8 @@ static void test_an_exact_pose_has_a_covariance_of_zeros(void)
     size_t n;
 
     calibration[0].has_Sigma = 1; /* the first camera of a rig, with zeros */
-    ASSERT_STATUS(RIGCAL_OK, rigcal_store_save(bytes, sizeof bytes, &n, calibration, 1, 0, 0));
+    ASSERT_STATUS(RIGCAL_OK,
+                  rigcal_store_save(bytes, sizeof bytes, &n, calibration, 1, 0, 0));
     ASSERT_STATUS(RIGCAL_OK, rigcal_store_load(&loaded, 1, &info, bytes, n));
     assert_same_camera(&calibration[0], &loaded);
 }
@@ -415,7 +411,8 @@ static void test_a_covariance_that_is_not_known_is_not_read(void)
 
     calibration[1].has_Sigma = 0;
     calibration[1].Sigma[0] = TEST_NAN;
-    ASSERT_STATUS(RIGCAL_OK, rigcal_store_save(bytes, sizeof bytes, &n, calibration + 1, 1, 0, 0));
+    ASSERT_STATUS(RIGCAL_OK,
+                  rigcal_store_save(bytes, sizeof bytes, &n, calibration + 1, 1, 0, 0));
     for (size_t i = n - 21 * OWN_REAL; i < n; i++) {
         TEST_ASSERT_EQUAL_HEX8(0, bytes[i]);
     }
@@ -540,15 +537,8 @@ static void test_a_float_build_rounds_doubles_to_nearest(void)
         }
         for (int k = 0; k < 24; k++) {
             const uint64_t some = test_next(&rng);
-            const uint64_t special[] = {0,
-                                        1,
-                                        ~UINT64_C(0),
-                                        tie,
-                                        tie + 1,
-                                        tie - 1,
-                                        3 * tie,
-                                        3 * tie + 1,
-                                        3 * tie - 1};
+            const uint64_t special[] = {0,       1,       ~UINT64_C(0), tie,        tie + 1,
+                                        tie - 1, 3 * tie, 3 * tie + 1,  3 * tie - 1};
             uint64_t fraction = k % 2 == 0 ? some : some * 2 * tie + tie;
 
             if (k < (int)(sizeof special / sizeof special[0])) {
@@ -556,8 +546,7 @@ static void test_a_float_build_rounds_doubles_to_nearest(void)
             }
             fraction &= (UINT64_C(1) << 52) - 1;
             carry_as_float(double_of_bits(exponent << 52 | fraction));
-            carry_as_float(double_of_bits(UINT64_C(1) << 63 | exponent << 52 |
-                                          fraction));
+            carry_as_float(double_of_bits(UINT64_C(1) << 63 | exponent << 52 | fraction));
         }
     }
 }
@@ -568,10 +557,8 @@ static void test_a_double_build_takes_floats_as_they_are(void)
 
     for (uint32_t exponent = 0; exponent < 256; exponent++) {
         for (int k = 0; k < 16; k++) {
-            const uint32_t fraction =
-                k == 0 ? 0 : (uint32_t)test_next(&rng) & 0x7fffff;
-            const uint32_t bits =
-                (uint32_t)(k & 1) << 31 | exponent << 23 | fraction;
+            const uint32_t fraction = k == 0 ? 0 : (uint32_t)test_next(&rng) & 0x7fffff;
+            const uint32_t bits = (uint32_t)(k & 1) << 31 | exponent << 23 | fraction;
             rigcal_real seen[CARRIED];
             float x;
 
@@ -602,8 +589,7 @@ static void test_a_rotation_of_floats_is_mended_within_their_tolerance(void)
     put_float(other + R_at, 1.0004f);
     put_float(other + R_at + 4, 3e-4f);
     seal(other, sizeof other);
-    ASSERT_STATUS(RIGCAL_OK,
-                  rigcal_store_load(cameras, N, &info, other, sizeof other));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_store_load(cameras, N, &info, other, sizeof other));
     for (int i = 0; i < 9; i++) {
         ASSERT_NEAR(i % 4 == 0, cameras[0].cam_from_rig.R[i], 5e-4);
     }
@@ -640,8 +626,7 @@ static void flip_every_bit(uint8_t bytes[], size_t n)
 
         bytes[bit / 8] ^= (uint8_t)(1u << bit % 8);
         status = assert_refused(0, bytes, n);
-        ASSERT_STATUS(bit < 32 ? RIGCAL_ERR_FOREIGN : RIGCAL_ERR_DAMAGED,
-                      status);
+        ASSERT_STATUS(bit < 32 ? RIGCAL_ERR_FOREIGN : RIGCAL_ERR_DAMAGED, status);
         bytes[bit / 8] ^= (uint8_t)(1u << bit % 8);
     }
 }
@@ -716,7 +701,8 @@ static void test_what_follows_does_not_matter(void)
         for (size_t i = sizeof own; i < sizeof bytes; i++) {
             bytes[i] = (uint8_t)test_next(&rng);
         }
-        ASSERT_STATUS(RIGCAL_OK, rigcal_store_load(cameras, N, &info, bytes, sizeof own + more));
+        ASSERT_STATUS(RIGCAL_OK,
+                      rigcal_store_load(cameras, N, &info, bytes, sizeof own + more));
         TEST_ASSERT_EQUAL_INT32(OWN_BYTES, info.n_bytes);
         assert_same_camera(&calibration[N - 1], &cameras[N - 1]);
     }
@@ -773,10 +759,10 @@ static void test_another_version_or_precision_is_named(void)
 /* With a CRC that holds, which chance does not make but a mistaken tool may. */
 static void test_counts_that_do_not_fit_the_length_are_damage(void)
 {
-    static const uint32_t COUNTS[] = {
-        0, 1, N - 1, N + 1, 65535, 65536, 0x7fffffff, 0x80000000, UINT32_MAX,
-        /* whose length in 32 bits is that of N */
-        N + 0x40000000u};
+    static const uint32_t COUNTS[] = {0, 1, N - 1, N + 1, 65535, 65536, 0x7fffffff,
+                                      0x80000000, UINT32_MAX,
+                                      /* whose length in 32 bits is that of N */
+                                      N + 0x40000000u};
 
     for (size_t i = 0; i < sizeof COUNTS / sizeof COUNTS[0]; i++) {
         put_u32(own + 8, COUNTS[i]);
@@ -797,8 +783,7 @@ static void test_counts_that_do_not_fit_the_length_are_damage(void)
     }
 }
 
-static void refuses_number(rigcal_status expected, size_t at, double x,
-                           int real_bytes)
+static void refuses_number(rigcal_status expected, size_t at, double x, int real_bytes)
 {
     uint8_t *const bytes = real_bytes == OWN_REAL ? own : other;
     const size_t size = 32 + N * (size_t)(16 + 45 * real_bytes);
@@ -823,8 +808,7 @@ static void test_numbers_that_no_function_takes_are_not_loaded(void)
 
         for (size_t k = 0; k < 45; k++) {
             for (int v = 0; v < 3; v++) {
-                refuses_number(RIGCAL_ERR_NOT_FINITE, k, nothing[v],
-                               real_bytes);
+                refuses_number(RIGCAL_ERR_NOT_FINITE, k, nothing[v], real_bytes);
             }
         }
         refuses_number(RIGCAL_ERR_CAMERA, 0, 0, real_bytes);
@@ -837,8 +821,7 @@ static void test_numbers_that_no_function_takes_are_not_loaded(void)
             refuses_number(RIGCAL_ERR_RANGE, k, TOL(2e30, 2e9), real_bytes);
         }
         for (size_t i = 0; i < 6; i++) {
-            refuses_number(RIGCAL_ERR_RANGE, 24 + i * (i + 3) / 2, -1e-9,
-                           real_bytes);
+            refuses_number(RIGCAL_ERR_RANGE, 24 + i * (i + 3) / 2, -1e-9, real_bytes);
         }
     }
 }
@@ -890,8 +873,9 @@ static void assert_not_saved(rigcal_status expected, size_t capacity, size_t n)
     size_t n_bytes;
 
     FILL(n_bytes);
-    ASSERT_REFUSED(expected, bytes,
-                   rigcal_store_save(bytes, capacity, &n_bytes, calibration, n, sequence, tag));
+    ASSERT_REFUSED(
+        expected, bytes,
+        rigcal_store_save(bytes, capacity, &n_bytes, calibration, n, sequence, tag));
     ASSERT_UNTOUCHED(n_bytes);
 }
 

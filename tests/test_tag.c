@@ -8,8 +8,7 @@
 #define DEGREE (TEST_PI / 180)
 
 /* Top left, top right, bottom right, bottom left: x to the right, y up. */
-static const double CORNER[4][2] = {
-    {-0.5, 0.5}, {0.5, 0.5}, {0.5, -0.5}, {-0.5, -0.5}};
+static const double CORNER[4][2] = {{-0.5, 0.5}, {0.5, 0.5}, {0.5, -0.5}, {-0.5, -0.5}};
 
 typedef struct {
     rigcal_camera camera;
@@ -46,10 +45,11 @@ static void random_sight(sight *s, test_rng *rng, double size, double tilt)
     }
 }
 
-static rigcal_status solve(rigcal_pose poses[RIGCAL_POSES_MAX], size_t *n,
-                           const sight *s, const rigcal_pose_options *options)
+static rigcal_status solve(rigcal_pose poses[RIGCAL_POSES_MAX], size_t *n, const sight *s,
+                           const rigcal_pose_options *options)
 {
-    return rigcal_tag_solve(poses, RIGCAL_POSES_MAX, n, NULL, &s->camera, s->uv, RC(s->size), options);
+    return rigcal_tag_solve(poses, RIGCAL_POSES_MAX, n, NULL, &s->camera, s->uv,
+                            RC(s->size), options);
 }
 
 static void test_the_pose_of_a_tag_in_the_unit_of_its_size(void)
@@ -100,7 +100,8 @@ static void test_it_is_solve_pose_of_these_four_points(void)
         }
         memset(poses, 0, sizeof poses);
         memset(same, 0, sizeof same);
-        ASSERT_STATUS(rigcal_pose_solve(same, RIGCAL_POSES_MAX, &n_same, NULL, &VIEW(&s.camera, o, NULL, 4), NULL),
+        ASSERT_STATUS(rigcal_pose_solve(same, RIGCAL_POSES_MAX, &n_same, NULL,
+                                        &VIEW(&s.camera, o, NULL, 4), NULL),
                       solve(poses, &n, &s, NULL));
         TEST_ASSERT_EQUAL_size_t(n_same, n);
         TEST_ASSERT_EQUAL_MEMORY(same, poses, sizeof same);
@@ -126,11 +127,11 @@ static void test_corners_the_wrong_way_round_are_mirrored(void)
             const int from = trial % 2 ? 3 - i : i;
 
             uv[2 * i] = s.uv[2 * from];
-            uv[2 * i + 1] =
-                trial % 2 ? s.uv[2 * from + 1] : 480 - s.uv[2 * from + 1];
+            uv[2 * i + 1] = trial % 2 ? s.uv[2 * from + 1] : 480 - s.uv[2 * from + 1];
         }
         ASSERT_REFUSED(RIGCAL_ERR_MIRRORED, poses,
-                       rigcal_tag_solve(poses, RIGCAL_POSES_MAX, &n, &at_fault, &s.camera, uv, 1, NULL));
+                       rigcal_tag_solve(poses, RIGCAL_POSES_MAX, &n, &at_fault, &s.camera,
+                                        uv, 1, NULL));
         TEST_ASSERT_EQUAL_INT32(-1, at_fault);
     }
 }
@@ -149,7 +150,8 @@ static void test_another_first_corner_is_a_turned_tag(void)
     for (int i = 0; i < 8; i++) {
         uv[i] = s.uv[(i + 2) % 8];
     }
-    TEST_ASSERT_TRUE(rigcal_tag_solve(poses, RIGCAL_POSES_MAX, &n, NULL, &s.camera, uv, 1, NULL) >= 0);
+    TEST_ASSERT_TRUE(
+        rigcal_tag_solve(poses, RIGCAL_POSES_MAX, &n, NULL, &s.camera, uv, 1, NULL) >= 0);
     test_rotation(quarter, -TEST_PI / 2, 0, 0);
     test_product(expected, s.R, quarter);
     test_transform_parts(R, NULL, &poses[0].cam_from_world);
@@ -170,8 +172,9 @@ static void test_what_is_no_tag_is_refused_by_name(void)
         one_place[i] = s.uv[i % 2];
         line[i] = RC(100 + 20 * (i / 2));
     }
-    ASSERT_REFUSED(RIGCAL_ERR_COINCIDENT, poses,
-                   rigcal_tag_solve(poses, 1, &n, &at_fault, &s.camera, one_place, 1, NULL));
+    ASSERT_REFUSED(
+        RIGCAL_ERR_COINCIDENT, poses,
+        rigcal_tag_solve(poses, 1, &n, &at_fault, &s.camera, one_place, 1, NULL));
     ASSERT_REFUSED(RIGCAL_ERR_RANGE, poses,
                    rigcal_tag_solve(poses, 1, &n, &at_fault, &s.camera, s.uv, 0, NULL));
     ASSERT_REFUSED(RIGCAL_ERR_RANGE, poses,

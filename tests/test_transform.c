@@ -14,12 +14,10 @@
 #define TOL_MEAN TOL(3e-14, 5e-6)
 #define TOL_MEAN_LENGTH TOL(2e-13, 5e-5)
 
-static const rigcal_transform NOTHING = {{1, 0, 0, 0, 1, 0, 0, 0, 1},
-                                         {0, 0, 0}};
+static const rigcal_transform NOTHING = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
 
 /* A quarter turn x to y, then 10 along x: exact in any arithmetic. */
-static const rigcal_transform QUARTER = {{0, -1, 0, 1, 0, 0, 0, 0, 1},
-                                         {10, 0, 0}};
+static const rigcal_transform QUARTER = {{0, -1, 0, 1, 0, 0, 0, 0, 1}, {10, 0, 0}};
 
 /* ---- on paper ------------------------------------------------------------ */
 
@@ -35,10 +33,8 @@ static void test_a_point_is_turned_then_shifted(void)
 
 static void test_the_later_transform_stands_left_in_a_chain(void)
 {
-    static const rigcal_transform shift = {{1, 0, 0, 0, 1, 0, 0, 0, 1},
-                                           {0, 0, 5}};
-    static const rigcal_transform half = {{-1, 0, 0, 0, 1, 0, 0, 0, -1},
-                                          {0, 7, 0}};
+    static const rigcal_transform shift = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 5}};
+    static const rigcal_transform half = {{-1, 0, 0, 0, 1, 0, 0, 0, -1}, {0, 7, 0}};
     /* X goes to X + (0, 0, 5), then to (-x, y + 7, -z). */
     static const double R[9] = {-1, 0, 0, 0, 1, 0, 0, 0, -1};
     static const double t[3] = {0, 7, -5};
@@ -107,8 +103,7 @@ static void test_a_chain_takes_points_where_its_links_take_them(void)
         rigcal_transform c_from_a;
         rigcal_real X_b[3], X_c[3], X_once[3];
 
-        ASSERT_STATUS(RIGCAL_OK, rigcal_transform_compose(&c_from_a, &c_from_b,
-                                                          &b_from_a));
+        ASSERT_STATUS(RIGCAL_OK, rigcal_transform_compose(&c_from_a, &c_from_b, &b_from_a));
         ASSERT_STATUS(RIGCAL_OK, rigcal_transform_point(X_b, &b_from_a, X));
         ASSERT_STATUS(RIGCAL_OK, rigcal_transform_point(X_c, &c_from_b, X_b));
         ASSERT_STATUS(RIGCAL_OK, rigcal_transform_point(X_once, &c_from_a, X));
@@ -126,11 +121,9 @@ static void test_a_transform_and_its_inverse_cancel_either_way(void)
         rigcal_transform back, both, again;
 
         ASSERT_STATUS(RIGCAL_OK, rigcal_transform_invert(&back, &there));
-        ASSERT_STATUS(RIGCAL_OK,
-                      rigcal_transform_compose(&both, &back, &there));
+        ASSERT_STATUS(RIGCAL_OK, rigcal_transform_compose(&both, &back, &there));
         ASSERT_TRANSFORM(&NOTHING, &both, TOL_ENTRY, TOL_LENGTH);
-        ASSERT_STATUS(RIGCAL_OK,
-                      rigcal_transform_compose(&both, &there, &back));
+        ASSERT_STATUS(RIGCAL_OK, rigcal_transform_compose(&both, &there, &back));
         ASSERT_TRANSFORM(&NOTHING, &both, TOL_ENTRY, TOL_LENGTH);
         ASSERT_STATUS(RIGCAL_OK, rigcal_transform_invert(&again, &back));
         ASSERT_TRANSFORM(&there, &again, TOL_ENTRY, TOL_LENGTH);
@@ -162,10 +155,9 @@ static void test_camera_to_camera_closes_round_a_loop(void)
         const rigcal_transform so_far = loop;
         rigcal_transform next;
 
-        ASSERT_STATUS(RIGCAL_OK, rigcal_transform_between(&next, &cams[(i + 1) % 6],
-                                                      &cams[i]));
         ASSERT_STATUS(RIGCAL_OK,
-                      rigcal_transform_compose(&loop, &next, &so_far));
+                      rigcal_transform_between(&next, &cams[(i + 1) % 6], &cams[i]));
+        ASSERT_STATUS(RIGCAL_OK, rigcal_transform_compose(&loop, &next, &so_far));
     }
     ASSERT_TRANSFORM(&NOTHING, &loop, TOL_ENTRY, TOL_LENGTH);
 }
@@ -191,13 +183,10 @@ static void test_camera_to_camera_does_not_depend_on_the_world(void)
         const rigcal_transform w_from_other = test_random_transform(&rng);
         rigcal_transform a_other, b_other, first, second;
 
-        ASSERT_STATUS(RIGCAL_OK,
-                      rigcal_transform_compose(&a_other, &a, &w_from_other));
-        ASSERT_STATUS(RIGCAL_OK,
-                      rigcal_transform_compose(&b_other, &b, &w_from_other));
+        ASSERT_STATUS(RIGCAL_OK, rigcal_transform_compose(&a_other, &a, &w_from_other));
+        ASSERT_STATUS(RIGCAL_OK, rigcal_transform_compose(&b_other, &b, &w_from_other));
         ASSERT_STATUS(RIGCAL_OK, rigcal_transform_between(&first, &b, &a));
-        ASSERT_STATUS(RIGCAL_OK,
-                      rigcal_transform_between(&second, &b_other, &a_other));
+        ASSERT_STATUS(RIGCAL_OK, rigcal_transform_between(&second, &b_other, &a_other));
         ASSERT_TRANSFORM(&first, &second, TOL_ENTRY, TOL_LENGTH);
     }
 }
@@ -237,26 +226,19 @@ static void test_null_is_refused_in_every_place(void)
     rigcal_transform T;
     rigcal_real Y[3];
 
-    ASSERT_STATUS(RIGCAL_ERR_NULL,
-                  rigcal_transform_compose(NULL, &QUARTER, &QUARTER));
-    ASSERT_REFUSED(RIGCAL_ERR_NULL, T,
-                   rigcal_transform_compose(&T, NULL, &QUARTER));
-    ASSERT_REFUSED(RIGCAL_ERR_NULL, T,
-                   rigcal_transform_compose(&T, &QUARTER, NULL));
+    ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_transform_compose(NULL, &QUARTER, &QUARTER));
+    ASSERT_REFUSED(RIGCAL_ERR_NULL, T, rigcal_transform_compose(&T, NULL, &QUARTER));
+    ASSERT_REFUSED(RIGCAL_ERR_NULL, T, rigcal_transform_compose(&T, &QUARTER, NULL));
     ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_transform_invert(NULL, &QUARTER));
     ASSERT_REFUSED(RIGCAL_ERR_NULL, T, rigcal_transform_invert(&T, NULL));
     ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_transform_point(NULL, &QUARTER, X));
     ASSERT_REFUSED(RIGCAL_ERR_NULL, Y, rigcal_transform_point(Y, NULL, X));
-    ASSERT_REFUSED(RIGCAL_ERR_NULL, Y,
-                   rigcal_transform_point(Y, &QUARTER, NULL));
+    ASSERT_REFUSED(RIGCAL_ERR_NULL, Y, rigcal_transform_point(Y, &QUARTER, NULL));
     ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_camera_center(NULL, &QUARTER));
     ASSERT_REFUSED(RIGCAL_ERR_NULL, Y, rigcal_camera_center(Y, NULL));
-    ASSERT_STATUS(RIGCAL_ERR_NULL,
-                  rigcal_transform_between(NULL, &QUARTER, &QUARTER));
-    ASSERT_REFUSED(RIGCAL_ERR_NULL, T,
-                   rigcal_transform_between(&T, NULL, &QUARTER));
-    ASSERT_REFUSED(RIGCAL_ERR_NULL, T,
-                   rigcal_transform_between(&T, &QUARTER, NULL));
+    ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_transform_between(NULL, &QUARTER, &QUARTER));
+    ASSERT_REFUSED(RIGCAL_ERR_NULL, T, rigcal_transform_between(&T, NULL, &QUARTER));
+    ASSERT_REFUSED(RIGCAL_ERR_NULL, T, rigcal_transform_between(&T, &QUARTER, NULL));
 }
 
 static void assert_all_refuse(rigcal_status status, const rigcal_transform *bad)
@@ -319,8 +301,7 @@ static void test_a_length_beyond_the_range_is_refused(void)
         T.t[k] = RC(k == 1 ? -1.01 * most : 1.01 * most);
         X[k] = RC(k == 2 ? -1.01 * most : 1.01 * most);
         assert_all_refuse(RIGCAL_ERR_RANGE, &T);
-        ASSERT_REFUSED(RIGCAL_ERR_RANGE, Y,
-                       rigcal_transform_point(Y, &QUARTER, X));
+        ASSERT_REFUSED(RIGCAL_ERR_RANGE, Y, rigcal_transform_point(Y, &QUARTER, X));
         T.t[k] = RC(0.99 * most);
         X[k] = RC(-0.99 * most);
         ASSERT_STATUS(RIGCAL_OK, rigcal_transform_point(Y, &T, X));
@@ -340,9 +321,8 @@ static void test_the_mean_is_scipys_karcher_mean(void)
             weight[k] = RC(v[7 * k]);
             transforms[k] = test_from_ypr(v + 7 * k + 1, v + 7 * k + 4);
         }
-        ASSERT_STATUS(RIGCAL_OK,
-                      rigcal_transform_mean(&mean, &sigma_rad, &sigma_t,
-                                            transforms, weight, 5));
+        ASSERT_STATUS(RIGCAL_OK, rigcal_transform_mean(&mean, &sigma_rad, &sigma_t,
+                                                       transforms, weight, 5));
         ASSERT_ARRAY_NEAR(v + 35, mean.R, 9, TOL(1e-12, 5e-6));
         ASSERT_ARRAY_NEAR(v + 44, mean.t, 3, TOL(1e-14, 2e-6));
         ASSERT_NEAR(v[47], sigma_rad, TOL(1e-12, 5e-6));
@@ -357,8 +337,8 @@ static void test_the_mean_of_one_is_that_one(void)
     rigcal_transform mean;
     rigcal_real sigma_rad, sigma_t;
 
-    ASSERT_STATUS(RIGCAL_OK, rigcal_transform_mean(&mean, &sigma_rad, &sigma_t,
-                                                   &one, NULL, 1));
+    ASSERT_STATUS(RIGCAL_OK,
+                  rigcal_transform_mean(&mean, &sigma_rad, &sigma_t, &one, NULL, 1));
     ASSERT_TRANSFORM(&one, &mean, TOL(1e-15, 1e-6), 0);
     ASSERT_NEAR(0, sigma_rad, TOL(1e-15, 1e-6));
     ASSERT_NEAR(0, sigma_t, 0);
@@ -391,13 +371,12 @@ static void test_deviations_that_balance_leave_the_middle(void)
 
                 six[i + side] = test_times(&turn, &middle);
                 for (int k = 0; k < 3; k++) {
-                    six[i + side].t[k] =
-                        middle.t[k] + (side ? RC(d[k]) : -RC(d[k]));
+                    six[i + side].t[k] = middle.t[k] + (side ? RC(d[k]) : -RC(d[k]));
                 }
             }
         }
-        ASSERT_STATUS(RIGCAL_OK, rigcal_transform_mean(&mean, &sigma_rad,
-                                                       &sigma_t, six, NULL, 6));
+        ASSERT_STATUS(RIGCAL_OK,
+                      rigcal_transform_mean(&mean, &sigma_rad, &sigma_t, six, NULL, 6));
         ASSERT_TRANSFORM(&middle, &mean, TOL(1e-14, 3e-6), TOL(1e-14, 3e-6));
         ASSERT_NEAR(angle, sigma_rad, TOL(1e-14, 3e-6));
         ASSERT_NEAR(length, sigma_t, TOL(1e-14, 3e-6));
@@ -409,13 +388,13 @@ static void test_deviations_that_balance_leave_the_middle(void)
 static void test_angles_are_averaged_and_not_entries(void)
 {
     static const double axis[3] = {1, 2, -2};
-    const rigcal_transform three[3] = {
-        test_turned_about(axis, 0), test_turned_about(axis, 0), test_turned_about(axis, 1.5)};
+    const rigcal_transform three[3] = {test_turned_about(axis, 0),
+                                       test_turned_about(axis, 0),
+                                       test_turned_about(axis, 1.5)};
     const rigcal_transform expected = test_turned_about(axis, 0.5);
     rigcal_transform mean;
 
-    ASSERT_STATUS(RIGCAL_OK,
-                  rigcal_transform_mean(&mean, NULL, NULL, three, NULL, 3));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_transform_mean(&mean, NULL, NULL, three, NULL, 3));
     ASSERT_TRANSFORM(&expected, &mean, TOL(1e-14, 2e-6), 0);
 }
 
@@ -439,15 +418,12 @@ static void test_a_weight_counts_as_so_many_repetitions(void)
     for (int i = 0; i < 5; i++) {
         five[i] = three[i < 3 ? 0 : 2];
     }
-    ASSERT_STATUS(RIGCAL_OK,
-                  rigcal_transform_mean(&by_weight, &sigma[0][0], &sigma[0][1],
-                                        three, weight, 3));
-    ASSERT_STATUS(RIGCAL_OK,
-                  rigcal_transform_mean(&by_scaled, &sigma[1][0], &sigma[1][1],
-                                        three, scaled, 3));
-    ASSERT_STATUS(RIGCAL_OK,
-                  rigcal_transform_mean(&by_repetition, &sigma[2][0],
-                                        &sigma[2][1], five, NULL, 5));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_transform_mean(&by_weight, &sigma[0][0], &sigma[0][1],
+                                                   three, weight, 3));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_transform_mean(&by_scaled, &sigma[1][0], &sigma[1][1],
+                                                   three, scaled, 3));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_transform_mean(&by_repetition, &sigma[2][0],
+                                                   &sigma[2][1], five, NULL, 5));
     ASSERT_TRANSFORM(&by_weight, &by_scaled, TOL_MEAN, TOL_MEAN_LENGTH);
     ASSERT_TRANSFORM(&by_weight, &by_repetition, TOL_MEAN, TOL_MEAN_LENGTH);
     for (int k = 0; k < 2; k++) {
@@ -473,10 +449,9 @@ static void test_the_mean_turns_with_its_frame(void)
         turned[i] = test_times(&turn, &plain[i]);
         turned[i] = test_times(&turned[i], &after);
     }
+    ASSERT_STATUS(RIGCAL_OK, rigcal_transform_mean(&mean, NULL, NULL, plain, NULL, 4));
     ASSERT_STATUS(RIGCAL_OK,
-                  rigcal_transform_mean(&mean, NULL, NULL, plain, NULL, 4));
-    ASSERT_STATUS(RIGCAL_OK, rigcal_transform_mean(&mean_turned, NULL, NULL,
-                                                   turned, NULL, 4));
+                  rigcal_transform_mean(&mean_turned, NULL, NULL, turned, NULL, 4));
     expected = test_times(&turn, &mean);
     expected = test_times(&expected, &after);
     for (int i = 0; i < 9; i++) {
@@ -494,24 +469,21 @@ static void test_rotations_that_cancel_have_no_mean(void)
     FILL(sigma_t);
     /* Half a turn apart. */
     four[1] = test_turned_about(axes[2], TEST_PI);
-    ASSERT_REFUSED(
-        RIGCAL_ERR_ROTATION, mean,
-        rigcal_transform_mean(&mean, &sigma_rad, &sigma_t, four, NULL, 2));
+    ASSERT_REFUSED(RIGCAL_ERR_ROTATION, mean,
+                   rigcal_transform_mean(&mean, &sigma_rad, &sigma_t, four, NULL, 2));
     /* All the way round. */
     for (int i = 0; i < 4; i++) {
         four[i] = test_turned_about(axes[1], i * TEST_PI / 2);
     }
-    ASSERT_REFUSED(
-        RIGCAL_ERR_ROTATION, mean,
-        rigcal_transform_mean(&mean, &sigma_rad, &sigma_t, four, NULL, 4));
+    ASSERT_REFUSED(RIGCAL_ERR_ROTATION, mean,
+                   rigcal_transform_mean(&mean, &sigma_rad, &sigma_t, four, NULL, 4));
     /* Half turns about all three axes: the matrices sum to zero. */
     for (int i = 0; i < 3; i++) {
         four[i] = test_turned_about(axes[i], TEST_PI);
     }
     four[3] = NOTHING;
-    ASSERT_REFUSED(
-        RIGCAL_ERR_ROTATION, mean,
-        rigcal_transform_mean(&mean, &sigma_rad, &sigma_t, four, NULL, 4));
+    ASSERT_REFUSED(RIGCAL_ERR_ROTATION, mean,
+                   rigcal_transform_mean(&mean, &sigma_rad, &sigma_t, four, NULL, 4));
     ASSERT_UNTOUCHED(sigma_rad);
     ASSERT_UNTOUCHED(sigma_t);
 }
@@ -524,15 +496,13 @@ static void test_arguments_of_the_mean_are_checked(void)
     rigcal_transform mean, bad[2];
     rigcal_real a, b;
 
-    ASSERT_STATUS(RIGCAL_ERR_NULL,
-                  rigcal_transform_mean(NULL, &a, &b, two, NULL, 2));
+    ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_transform_mean(NULL, &a, &b, two, NULL, 2));
     ASSERT_REFUSED(RIGCAL_ERR_NULL, mean,
                    rigcal_transform_mean(&mean, &a, &b, NULL, NULL, 2));
     ASSERT_REFUSED(RIGCAL_ERR_TOO_FEW, mean,
                    rigcal_transform_mean(&mean, &a, &b, two, NULL, 0));
-    ASSERT_REFUSED(
-        RIGCAL_ERR_RANGE, mean,
-        rigcal_transform_mean(&mean, &a, &b, two, NULL, ((size_t)1 << 28) + 1));
+    ASSERT_REFUSED(RIGCAL_ERR_RANGE, mean,
+                   rigcal_transform_mean(&mean, &a, &b, two, NULL, ((size_t)1 << 28) + 1));
     ASSERT_REFUSED(RIGCAL_ERR_RANGE, mean,
                    rigcal_transform_mean(&mean, &a, &b, two, none, 2));
     ASSERT_REFUSED(RIGCAL_ERR_RANGE, mean,

@@ -14,18 +14,15 @@ static const rigcal_real IDENTITY[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
  * are 2 away. They do not differ in y, so (10b) is left out. */
 static void test_a_translation_on_paper(void)
 {
-    static const rigcal_bearing s[2] = {{{3, 4, 0}, {0, 0, 1}},
-                                         {{4, 4, 0}, {1, 0, 2}}};
+    static const rigcal_bearing s[2] = {{{3, 4, 0}, {0, 0, 1}}, {{4, 4, 0}, {1, 0, 2}}};
     static const double expected[3] = {-3, -4, 2};
     rigcal_pair pair;
     rigcal_real t[3];
 
     ASSERT_STATUS(RIGCAL_OK, rigcal_pair_make(&pair, s, 2, 0, 1));
-    ASSERT_STATUS(RIGCAL_OK,
-                  rigcal_translation_from_pairs(t, IDENTITY, s, 2, &pair, 1));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_translation_from_pairs(t, IDENTITY, s, 2, &pair, 1));
     ASSERT_ARRAY_NEAR(expected, t, 3, TOL(1e-15, 1e-6));
-    ASSERT_STATUS(RIGCAL_OK,
-                  rigcal_translation_least_squares(t, IDENTITY, s, 2));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_translation_least_squares(t, IDENTITY, s, 2));
     ASSERT_ARRAY_NEAR(expected, t, 3, TOL(1e-14, 1e-5));
 }
 
@@ -46,11 +43,9 @@ static void test_translations_are_the_oracles(void)
             rigcal_real R[9], t[3];
 
             test_rotation_of(R, at[i]);
-            ASSERT_STATUS(RIGCAL_OK,
-                          rigcal_translation_from_pairs(t, R, s, 4, pairs, 6));
+            ASSERT_STATUS(RIGCAL_OK, rigcal_translation_from_pairs(t, R, s, 4, pairs, 6));
             ASSERT_ARRAY_NEAR(TRANSLATION[k] + 3 * i, t, 3, tol);
-            ASSERT_STATUS(RIGCAL_OK,
-                          rigcal_translation_least_squares(t, R, s, 6));
+            ASSERT_STATUS(RIGCAL_OK, rigcal_translation_least_squares(t, R, s, 6));
             ASSERT_ARRAY_NEAR(TRANSLATION[k] + 6 + 3 * i, t, 3, tol);
         }
     }
@@ -78,14 +73,12 @@ static void test_translations_of_perfect_images_are_true(void)
             }
         }
         test_to_real(R, scene.R, 9);
+        ASSERT_STATUS(RIGCAL_OK, rigcal_pairs_choose(pairs, 88, &n_pairs, s, (size_t)n));
         ASSERT_STATUS(RIGCAL_OK,
-                      rigcal_pairs_choose(pairs, 88, &n_pairs, s, (size_t)n));
-        ASSERT_STATUS(RIGCAL_OK, rigcal_translation_from_pairs(
-                                     t, R, s, (size_t)n, pairs, n_pairs));
+                      rigcal_translation_from_pairs(t, R, s, (size_t)n, pairs, n_pairs));
         /* Each equation of a pair is as good as its coordinates differ. */
         ASSERT_ARRAY_NEAR(scene.t, t, 3, TOL(1e-10, 0.05));
-        ASSERT_STATUS(RIGCAL_OK,
-                      rigcal_translation_least_squares(t, R, s, (size_t)n));
+        ASSERT_STATUS(RIGCAL_OK, rigcal_translation_least_squares(t, R, s, (size_t)n));
         ASSERT_ARRAY_NEAR(scene.t, t, 3, TOL(1e-11, 5e-3));
     }
 }
@@ -144,10 +137,9 @@ static void test_a_translation_far_from_the_origin_keeps_its_digits(void)
 static void test_rays_that_fix_no_translation_are_refused(void)
 {
     rigcal_bearing s[3] = {{{0, 0, 0}, {RC(0.1), RC(0.2), 1}},
-                            {{1, 0, 0}, {RC(0.2), RC(0.4), 2}},
-                            {{0, 1, 0}, {RC(0.1), RC(0.2), 1}}};
-    rigcal_pair pairs[2] = {test_pair_of(1, 0, 0, 0, 1, 0),
-                            test_pair_of(0, 1, 0, 1, 0, 0)};
+                           {{1, 0, 0}, {RC(0.2), RC(0.4), 2}},
+                           {{0, 1, 0}, {RC(0.1), RC(0.2), 1}}};
+    rigcal_pair pairs[2] = {test_pair_of(1, 0, 0, 0, 1, 0), test_pair_of(0, 1, 0, 1, 0, 0)};
     rigcal_real t[3];
 
     pairs[1].j = 2;
@@ -156,21 +148,17 @@ static void test_rays_that_fix_no_translation_are_refused(void)
     ASSERT_REFUSED(RIGCAL_ERR_DEGENERATE, t,
                    rigcal_translation_least_squares(t, IDENTITY, s, 3));
     s[1].ray[1] = 1; /* now they differ in y, and that is enough */
-    ASSERT_STATUS(RIGCAL_OK,
-                  rigcal_translation_from_pairs(t, IDENTITY, s, 3, pairs, 2));
-    ASSERT_STATUS(RIGCAL_OK,
-                  rigcal_translation_least_squares(t, IDENTITY, s, 3));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_translation_from_pairs(t, IDENTITY, s, 3, pairs, 2));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_translation_least_squares(t, IDENTITY, s, 3));
 }
 
-static void assert_both_translations_refuse(rigcal_status status,
-                                            const rigcal_real R[9],
+static void assert_both_translations_refuse(rigcal_status status, const rigcal_real R[9],
                                             const rigcal_bearing s[], size_t n,
                                             const rigcal_pair pairs[])
 {
     rigcal_real t[3];
 
-    ASSERT_REFUSED(status, t,
-                   rigcal_translation_from_pairs(t, R, s, n, pairs, 3));
+    ASSERT_REFUSED(status, t, rigcal_translation_from_pairs(t, R, s, n, pairs, 3));
     ASSERT_REFUSED(status, t, rigcal_translation_least_squares(t, R, s, n));
 }
 
@@ -183,29 +171,24 @@ static void test_arguments_of_the_translation_are_checked(void)
 
     test_golden_scene(good, ypr, wrong, 0);
     test_golden_pairs(pairs, good, 3);
-    ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_translation_from_pairs(
-                                       NULL, IDENTITY, good, 6, pairs, 3));
+    ASSERT_STATUS(RIGCAL_ERR_NULL,
+                  rigcal_translation_from_pairs(NULL, IDENTITY, good, 6, pairs, 3));
     ASSERT_STATUS(RIGCAL_ERR_NULL,
                   rigcal_translation_least_squares(NULL, IDENTITY, good, 6));
-    ASSERT_REFUSED(
-        RIGCAL_ERR_NULL, t,
-        rigcal_translation_from_pairs(t, IDENTITY, good, 6, NULL, 3));
+    ASSERT_REFUSED(RIGCAL_ERR_NULL, t,
+                   rigcal_translation_from_pairs(t, IDENTITY, good, 6, NULL, 3));
     assert_both_translations_refuse(RIGCAL_ERR_NULL, NULL, good, 6, pairs);
     assert_both_translations_refuse(RIGCAL_ERR_NULL, IDENTITY, NULL, 6, pairs);
-    assert_both_translations_refuse(RIGCAL_ERR_TOO_FEW, IDENTITY, good, 1,
+    assert_both_translations_refuse(RIGCAL_ERR_TOO_FEW, IDENTITY, good, 1, pairs);
+    assert_both_translations_refuse(RIGCAL_ERR_TOO_FEW, IDENTITY, good, 0, pairs);
+    assert_both_translations_refuse(RIGCAL_ERR_RANGE, IDENTITY, good, ((size_t)1 << 28) + 1,
                                     pairs);
-    assert_both_translations_refuse(RIGCAL_ERR_TOO_FEW, IDENTITY, good, 0,
-                                    pairs);
-    assert_both_translations_refuse(RIGCAL_ERR_RANGE, IDENTITY, good,
-                                    ((size_t)1 << 28) + 1, pairs);
-    ASSERT_REFUSED(
-        RIGCAL_ERR_TOO_FEW, t,
-        rigcal_translation_from_pairs(t, IDENTITY, good, 6, pairs, 0));
+    ASSERT_REFUSED(RIGCAL_ERR_TOO_FEW, t,
+                   rigcal_translation_from_pairs(t, IDENTITY, good, 6, pairs, 0));
     for (int k = 0; k < 9; k++) {
         memcpy(M, IDENTITY, sizeof M);
         M[k] = TEST_NAN;
-        assert_both_translations_refuse(RIGCAL_ERR_NOT_FINITE, M, good, 6,
-                                        pairs);
+        assert_both_translations_refuse(RIGCAL_ERR_NOT_FINITE, M, good, 6, pairs);
         M[k] = RC(0.3);
         assert_both_translations_refuse(RIGCAL_ERR_ROTATION, M, good, 6, pairs);
     }
@@ -213,34 +196,27 @@ static void test_arguments_of_the_translation_are_checked(void)
         for (int k = 0; k < 3; k++) {
             memcpy(s, good, sizeof s);
             s[i].X_w[k] = TEST_INF;
-            assert_both_translations_refuse(RIGCAL_ERR_NOT_FINITE, IDENTITY, s,
-                                            6, pairs);
+            assert_both_translations_refuse(RIGCAL_ERR_NOT_FINITE, IDENTITY, s, 6, pairs);
             memcpy(s, good, sizeof s);
             s[i].ray[k] = TEST_NAN;
-            assert_both_translations_refuse(RIGCAL_ERR_NOT_FINITE, IDENTITY, s,
-                                            6, pairs);
+            assert_both_translations_refuse(RIGCAL_ERR_NOT_FINITE, IDENTITY, s, 6, pairs);
         }
         memcpy(s, good, sizeof s);
         s[i].ray[0] = s[i].ray[1] = s[i].ray[2] = 0;
-        assert_both_translations_refuse(RIGCAL_ERR_RANGE, IDENTITY, s, 6,
-                                        pairs);
+        assert_both_translations_refuse(RIGCAL_ERR_RANGE, IDENTITY, s, 6, pairs);
         s[i].ray[1] = 1;
-        assert_both_translations_refuse(RIGCAL_ERR_WIDE_RAY, IDENTITY, s, 6,
-                                        pairs);
+        assert_both_translations_refuse(RIGCAL_ERR_WIDE_RAY, IDENTITY, s, 6, pairs);
         memcpy(bad, pairs, sizeof bad);
         bad[i].i = 6;
-        ASSERT_REFUSED(
-            RIGCAL_ERR_RANGE, t,
-            rigcal_translation_from_pairs(t, IDENTITY, good, 6, bad, 3));
+        ASSERT_REFUSED(RIGCAL_ERR_RANGE, t,
+                       rigcal_translation_from_pairs(t, IDENTITY, good, 6, bad, 3));
         bad[i].i = 0;
         bad[i].j = 6;
-        ASSERT_REFUSED(
-            RIGCAL_ERR_RANGE, t,
-            rigcal_translation_from_pairs(t, IDENTITY, good, 6, bad, 3));
+        ASSERT_REFUSED(RIGCAL_ERR_RANGE, t,
+                       rigcal_translation_from_pairs(t, IDENTITY, good, 6, bad, 3));
         bad[i].j = -1;
-        ASSERT_REFUSED(
-            RIGCAL_ERR_RANGE, t,
-            rigcal_translation_from_pairs(t, IDENTITY, good, 6, bad, 3));
+        ASSERT_REFUSED(RIGCAL_ERR_RANGE, t,
+                       rigcal_translation_from_pairs(t, IDENTITY, good, 6, bad, 3));
     }
 }
 

@@ -8,23 +8,20 @@
 #include "vectors_triangulation.h"
 #include "vectors_two_views.h"
 
-static const rigcal_transform NOTHING = {{1, 0, 0, 0, 1, 0, 0, 0, 1},
-                                         {0, 0, 0}};
+static const rigcal_transform NOTHING = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
 
 /* ---- depth from two views (22)..(24) ------------------------------------- */
 
 /* Two 3-4-5 triangles back to back: cameras 6 apart, the point 4 ahead; b sits
  * 1/4 lower (y is down), so the rays miss by 1/4. */
-static const rigcal_transform B_FROM_A = {{1, 0, 0, 0, 1, 0, 0, 0, 1},
-                                          {-6, RC(-0.25), 0}};
+static const rigcal_transform B_FROM_A = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {-6, RC(-0.25), 0}};
 static const rigcal_real M_A[3] = {RC(0.75), 0, 1}, M_B[3] = {RC(-0.75), 0, 1};
 
 static void test_skew_rays_give_both_depths_and_their_miss(void)
 {
     rigcal_real depth[2], miss;
 
-    ASSERT_STATUS(RIGCAL_OK,
-                  rigcal_depth_two_views(depth, &miss, &B_FROM_A, M_A, M_B));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_depth_two_views(depth, &miss, &B_FROM_A, M_A, M_B));
     ASSERT_NEAR(4, depth[0], TOL(1e-15, 1e-6));
     ASSERT_NEAR(4, depth[1], TOL(1e-15, 1e-6));
     ASSERT_NEAR(0.25, miss, TOL(1e-15, 1e-6));
@@ -37,8 +34,8 @@ static void test_depth_counts_in_lengths_of_the_ray(void)
     const rigcal_real long_b[3] = {RC(-7.5), 0, 10};
     rigcal_real depth[2], miss;
 
-    ASSERT_STATUS(RIGCAL_OK, rigcal_depth_two_views(depth, &miss, &B_FROM_A,
-                                                    unit_a, long_b));
+    ASSERT_STATUS(RIGCAL_OK,
+                  rigcal_depth_two_views(depth, &miss, &B_FROM_A, unit_a, long_b));
     ASSERT_NEAR(5, depth[0], TOL(1e-14, 2e-6));
     ASSERT_NEAR(0.4, depth[1], TOL(1e-15, 1e-6));
     ASSERT_NEAR(0.25, miss, TOL(1e-15, 1e-6));
@@ -56,8 +53,8 @@ static void test_depths_of_two_views_are_the_oracles(void)
         rigcal_real ray_b[3] = {RC(v[8]), RC(v[9]), 1};
         rigcal_real depth[2], miss;
 
-        ASSERT_STATUS(RIGCAL_OK, rigcal_depth_two_views(depth, &miss, &b_from_a,
-                                                        ray_a, ray_b));
+        ASSERT_STATUS(RIGCAL_OK,
+                      rigcal_depth_two_views(depth, &miss, &b_from_a, ray_a, ray_b));
         ASSERT_ARRAY_NEAR(v + 10, depth, 2, tol * v[10]);
         ASSERT_NEAR(v[12], miss, tol);
     }
@@ -77,14 +74,14 @@ static void test_depths_of_perfect_views_are_true_from_either_side(void)
         test_move_point(X_b, &b_from_a, X_a);
         test_ray_to(ray_a, X_a);
         test_ray_to(ray_b, X_b);
-        ASSERT_STATUS(RIGCAL_OK, rigcal_depth_two_views(depth, &miss, &b_from_a,
-                                                        ray_a, ray_b));
+        ASSERT_STATUS(RIGCAL_OK,
+                      rigcal_depth_two_views(depth, &miss, &b_from_a, ray_a, ray_b));
         ASSERT_NEAR(X_a[2], depth[0], TOL(1e-13, 5e-5));
         ASSERT_NEAR(X_b[2], depth[1], TOL(1e-13, 5e-5));
         ASSERT_NEAR(0, miss, TOL(5e-14, 2e-5));
         ASSERT_STATUS(RIGCAL_OK, rigcal_transform_invert(&a_from_b, &b_from_a));
-        ASSERT_STATUS(RIGCAL_OK, rigcal_depth_two_views(depth, &miss, &a_from_b,
-                                                        ray_b, ray_a));
+        ASSERT_STATUS(RIGCAL_OK,
+                      rigcal_depth_two_views(depth, &miss, &a_from_b, ray_b, ray_a));
         ASSERT_NEAR(X_b[2], depth[0], TOL(1e-13, 5e-5));
         ASSERT_NEAR(X_a[2], depth[1], TOL(1e-13, 5e-5));
     }
@@ -94,30 +91,25 @@ static void test_depths_of_perfect_views_are_true_from_either_side(void)
 static void test_nearly_parallel_rays_are_refused(void)
 {
     static const double degrees[5] = {0, 0.05, 0.09, 0.11, 1};
-    static const rigcal_transform aside = {{1, 0, 0, 0, 1, 0, 0, 0, 1},
-                                           {-1, 0, 0}};
+    static const rigcal_transform aside = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {-1, 0, 0}};
 
     for (int i = 0; i < 5; i++) {
         const rigcal_real ahead[3] = {0, 0, 2};
-        const rigcal_real turned[3] = {RC(-tan(degrees[i] * TEST_PI / 180)), 0,
-                                       1};
+        const rigcal_real turned[3] = {RC(-tan(degrees[i] * TEST_PI / 180)), 0, 1};
         const rigcal_real away[3] = {-turned[0], 0, -1};
         rigcal_real depth[2], miss;
 
         if (degrees[i] > 0.1) {
-            ASSERT_STATUS(RIGCAL_OK, rigcal_depth_two_views(
-                                         depth, &miss, &aside, ahead, turned));
-            ASSERT_NEAR(1 / tan(degrees[i] * TEST_PI / 180), D(depth[1]),
-                        TOL(1e-9, 0.1));
+            ASSERT_STATUS(RIGCAL_OK,
+                          rigcal_depth_two_views(depth, &miss, &aside, ahead, turned));
+            ASSERT_NEAR(1 / tan(degrees[i] * TEST_PI / 180), D(depth[1]), TOL(1e-9, 0.1));
             continue;
         }
         FILL(miss);
-        ASSERT_REFUSED(
-            RIGCAL_ERR_PARALLEL, depth,
-            rigcal_depth_two_views(depth, &miss, &aside, ahead, turned));
-        ASSERT_REFUSED(
-            RIGCAL_ERR_PARALLEL, depth,
-            rigcal_depth_two_views(depth, &miss, &aside, ahead, away));
+        ASSERT_REFUSED(RIGCAL_ERR_PARALLEL, depth,
+                       rigcal_depth_two_views(depth, &miss, &aside, ahead, turned));
+        ASSERT_REFUSED(RIGCAL_ERR_PARALLEL, depth,
+                       rigcal_depth_two_views(depth, &miss, &aside, ahead, away));
         ASSERT_UNTOUCHED(miss);
     }
 }
@@ -130,15 +122,12 @@ static void test_rays_that_meet_behind_either_camera_are_refused(void)
     rigcal_real depth[2], miss;
 
     FILL(miss);
-    ASSERT_REFUSED(
-        RIGCAL_ERR_BEHIND, depth,
-        rigcal_depth_two_views(depth, &miss, &B_FROM_A, out_a, out_b));
-    ASSERT_REFUSED(
-        RIGCAL_ERR_BEHIND, depth,
-        rigcal_depth_two_views(depth, &miss, &B_FROM_A, M_A, back_b));
-    ASSERT_REFUSED(
-        RIGCAL_ERR_BEHIND, depth,
-        rigcal_depth_two_views(depth, &miss, &B_FROM_A, back_a, M_B));
+    ASSERT_REFUSED(RIGCAL_ERR_BEHIND, depth,
+                   rigcal_depth_two_views(depth, &miss, &B_FROM_A, out_a, out_b));
+    ASSERT_REFUSED(RIGCAL_ERR_BEHIND, depth,
+                   rigcal_depth_two_views(depth, &miss, &B_FROM_A, M_A, back_b));
+    ASSERT_REFUSED(RIGCAL_ERR_BEHIND, depth,
+                   rigcal_depth_two_views(depth, &miss, &B_FROM_A, back_a, M_B));
     /* One centre: the rays meet in it, and nothing is measured. */
     ASSERT_REFUSED(RIGCAL_ERR_BEHIND, depth,
                    rigcal_depth_two_views(depth, &miss, &NOTHING, M_A, M_B));
@@ -169,12 +158,10 @@ static void test_arguments_of_two_views_are_checked(void)
         rigcal_real bad[3] = {0, 0, 1};
 
         bad[k] = k == 1 ? TEST_INF : TEST_NAN;
-        ASSERT_REFUSED(
-            RIGCAL_ERR_NOT_FINITE, depth,
-            rigcal_depth_two_views(depth, &miss, &B_FROM_A, bad, M_B));
-        ASSERT_REFUSED(
-            RIGCAL_ERR_NOT_FINITE, depth,
-            rigcal_depth_two_views(depth, &miss, &B_FROM_A, M_A, bad));
+        ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, depth,
+                       rigcal_depth_two_views(depth, &miss, &B_FROM_A, bad, M_B));
+        ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, depth,
+                       rigcal_depth_two_views(depth, &miss, &B_FROM_A, M_A, bad));
         T.t[k] = TEST_NAN;
         ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, depth,
                        rigcal_depth_two_views(depth, &miss, &T, M_A, M_B));
@@ -203,8 +190,7 @@ static void test_aligned_stereo_agrees_with_two_general_views(void)
     test_rng rng = test_seed(52);
 
     for (int trial = 0; trial < 50; trial++) {
-        const rigcal_transform right = {{1, 0, 0, 0, 1, 0, 0, 0, 1},
-                                        {RC(-0.4), 0, 0}};
+        const rigcal_transform right = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {RC(-0.4), 0, 0}};
         double X[3], X_r[3];
         rigcal_real left_ray[3], right_ray[3], depth[2], miss, seen[3];
 
@@ -212,11 +198,10 @@ static void test_aligned_stereo_agrees_with_two_general_views(void)
         test_move_point(X_r, &right, X);
         test_ray_to(left_ray, X);
         test_ray_to(right_ray, X_r);
-        ASSERT_STATUS(RIGCAL_OK,
-                      rigcal_depth_aligned(seen, RC(0.4), left_ray, right_ray));
+        ASSERT_STATUS(RIGCAL_OK, rigcal_depth_aligned(seen, RC(0.4), left_ray, right_ray));
         ASSERT_ARRAY_NEAR(X, seen, 3, TOL(1e-13, 1e-4));
-        ASSERT_STATUS(RIGCAL_OK, rigcal_depth_two_views(depth, &miss, &right,
-                                                        left_ray, right_ray));
+        ASSERT_STATUS(RIGCAL_OK,
+                      rigcal_depth_two_views(depth, &miss, &right, left_ray, right_ray));
         ASSERT_NEAR(depth[0], seen[2], TOL(1e-13, 1e-4));
     }
 }
@@ -226,10 +211,8 @@ static void test_no_or_negative_disparity_is_refused(void)
     const rigcal_real left[2] = {RC(0.1), 0}, right[2] = {RC(0.2), 0};
     rigcal_real X[3];
 
-    ASSERT_REFUSED(RIGCAL_ERR_PARALLEL, X,
-                   rigcal_depth_aligned(X, 1, left, left));
-    ASSERT_REFUSED(RIGCAL_ERR_BEHIND, X,
-                   rigcal_depth_aligned(X, 1, left, right));
+    ASSERT_REFUSED(RIGCAL_ERR_PARALLEL, X, rigcal_depth_aligned(X, 1, left, left));
+    ASSERT_REFUSED(RIGCAL_ERR_BEHIND, X, rigcal_depth_aligned(X, 1, left, right));
 }
 
 static void test_arguments_of_aligned_stereo_are_checked(void)
@@ -240,20 +223,16 @@ static void test_arguments_of_aligned_stereo_are_checked(void)
     ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_depth_aligned(NULL, 1, left, right));
     ASSERT_REFUSED(RIGCAL_ERR_NULL, X, rigcal_depth_aligned(X, 1, NULL, right));
     ASSERT_REFUSED(RIGCAL_ERR_NULL, X, rigcal_depth_aligned(X, 1, left, NULL));
-    ASSERT_REFUSED(RIGCAL_ERR_RANGE, X,
-                   rigcal_depth_aligned(X, 0, left, right));
-    ASSERT_REFUSED(RIGCAL_ERR_RANGE, X,
-                   rigcal_depth_aligned(X, -1, left, right));
+    ASSERT_REFUSED(RIGCAL_ERR_RANGE, X, rigcal_depth_aligned(X, 0, left, right));
+    ASSERT_REFUSED(RIGCAL_ERR_RANGE, X, rigcal_depth_aligned(X, -1, left, right));
     ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, X,
                    rigcal_depth_aligned(X, TEST_NAN, left, right));
     for (int k = 0; k < 2; k++) {
         rigcal_real bad[2] = {0, 0};
 
         bad[k] = TEST_INF;
-        ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, X,
-                       rigcal_depth_aligned(X, 1, bad, right));
-        ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, X,
-                       rigcal_depth_aligned(X, 1, left, bad));
+        ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, X, rigcal_depth_aligned(X, 1, bad, right));
+        ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, X, rigcal_depth_aligned(X, 1, left, bad));
     }
 }
 
@@ -275,8 +254,7 @@ static void exact_views(views *v, test_rng *rng, int n)
         v->X[k] = test_uniform(rng, -1, 1);
     }
     for (int i = 0; i < n; i++) {
-        const double ypr[3] = {test_uniform(rng, -3, 3),
-                               0.5 * i - 0.25 * (n - 1),
+        const double ypr[3] = {test_uniform(rng, -3, 3), 0.5 * i - 0.25 * (n - 1),
                                test_uniform(rng, -0.2, 0.2)};
         double R[9], t[3], X_c[3], uv[2];
 
@@ -293,11 +271,10 @@ static void exact_views(views *v, test_rng *rng, int n)
     }
 }
 
-static rigcal_status triangulate(rigcal_point *point, const views *v, int n,
-                                 double sigma)
+static rigcal_status triangulate(rigcal_point *point, const views *v, int n, double sigma)
 {
     return rigcal_point_triangulate(point, v->cameras, v->poses, v->uv, (size_t)n,
-                              RC(sigma));
+                                    RC(sigma));
 }
 
 static void test_a_point_of_perfect_views_is_where_it_is(void)
@@ -390,8 +367,8 @@ static void test_the_covariance_is_the_scatter_of_noisy_measurements(void)
         }
         ASSERT_STATUS(RIGCAL_OK, triangulate(&noisy, &shaken, 3, sigma));
         for (int i = 0; i < 9; i++) {
-            scatter[i] += (D(noisy.X[i / 3]) - v.X[i / 3]) *
-                          (D(noisy.X[i % 3]) - v.X[i % 3]) / DRAWS;
+            scatter[i] +=
+                (D(noisy.X[i / 3]) - v.X[i / 3]) * (D(noisy.X[i % 3]) - v.X[i % 3]) / DRAWS;
         }
     }
     for (int i = 0; i < 3; i++) {
@@ -465,8 +442,7 @@ static void test_wrong_matches_still_give_the_least_squares(void)
 
                 test_move_point(X_c, &v.poses[i], X);
                 test_project_px(uv, &v.cameras[i], X_c);
-                sum += pow(uv[0] - D(v.uv[2 * i]), 2) +
-                       pow(uv[1] - D(v.uv[2 * i + 1]), 2);
+                sum += pow(uv[0] - D(v.uv[2 * i]), 2) + pow(uv[1] - D(v.uv[2 * i + 1]), 2);
             }
             if (way < 0) {
                 least = sum;
@@ -494,8 +470,7 @@ static void test_a_point_that_views_do_not_fix_is_refused(void)
         other.poses[i] = v.poses[0];
         memcpy(other.uv + 2 * i, v.uv, 2 * sizeof v.uv[0]);
     }
-    ASSERT_REFUSED(RIGCAL_ERR_PARALLEL, point,
-                   triangulate(&point, &other, 2, 1));
+    ASSERT_REFUSED(RIGCAL_ERR_PARALLEL, point, triangulate(&point, &other, 2, 1));
 
     other = v;
     for (int i = 0; i < 2; i++) { /* side by side, the rays run apart */
@@ -508,8 +483,7 @@ static void test_a_point_that_views_do_not_fix_is_refused(void)
     }
     ASSERT_REFUSED(RIGCAL_ERR_BEHIND, point, triangulate(&point, &other, 2, 1));
     other.uv[2] = other.uv[0]; /* exactly parallel */
-    ASSERT_REFUSED(RIGCAL_ERR_PARALLEL, point,
-                   triangulate(&point, &other, 2, 1));
+    ASSERT_REFUSED(RIGCAL_ERR_PARALLEL, point, triangulate(&point, &other, 2, 1));
 }
 
 static void test_arguments_of_the_triangulation_are_checked(void)
@@ -522,41 +496,34 @@ static void test_arguments_of_the_triangulation_are_checked(void)
     ASSERT_STATUS(RIGCAL_ERR_NULL, triangulate(NULL, &good, 3, 1));
     ASSERT_REFUSED(RIGCAL_ERR_NULL, point,
                    rigcal_point_triangulate(&point, NULL, good.poses, good.uv, 3, 1));
-    ASSERT_REFUSED(
-        RIGCAL_ERR_NULL, point,
-        rigcal_point_triangulate(&point, good.cameras, NULL, good.uv, 3, 1));
-    ASSERT_REFUSED(
-        RIGCAL_ERR_NULL, point,
-        rigcal_point_triangulate(&point, good.cameras, good.poses, NULL, 3, 1));
+    ASSERT_REFUSED(RIGCAL_ERR_NULL, point,
+                   rigcal_point_triangulate(&point, good.cameras, NULL, good.uv, 3, 1));
+    ASSERT_REFUSED(RIGCAL_ERR_NULL, point,
+                   rigcal_point_triangulate(&point, good.cameras, good.poses, NULL, 3, 1));
     ASSERT_REFUSED(RIGCAL_ERR_TOO_FEW, point, triangulate(&point, &good, 1, 1));
     ASSERT_REFUSED(RIGCAL_ERR_TOO_FEW, point, triangulate(&point, &good, 0, 1));
     ASSERT_REFUSED(RIGCAL_ERR_RANGE, point, triangulate(&point, &good, 3, 0));
     ASSERT_REFUSED(RIGCAL_ERR_RANGE, point, triangulate(&point, &good, 3, -1));
     ASSERT_REFUSED(RIGCAL_ERR_RANGE, point,
                    rigcal_point_triangulate(&point, good.cameras, good.poses, good.uv,
-                                      ((size_t)1 << 28) + 1, 1));
-    ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, point,
-                   triangulate(&point, &good, 3, test_nan()));
+                                            ((size_t)1 << 28) + 1, 1));
+    ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, point, triangulate(&point, &good, 3, test_nan()));
     for (int i = 0; i < 3; i++) {
         v = good;
         v.cameras[i].fx = 0;
         ASSERT_REFUSED(RIGCAL_ERR_CAMERA, point, triangulate(&point, &v, 3, 1));
         v = good;
         v.cameras[i].cy = TEST_NAN;
-        ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, point,
-                       triangulate(&point, &v, 3, 1));
+        ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, point, triangulate(&point, &v, 3, 1));
         v = good;
         v.poses[i].R[4] += RC(0.5);
-        ASSERT_REFUSED(RIGCAL_ERR_ROTATION, point,
-                       triangulate(&point, &v, 3, 1));
+        ASSERT_REFUSED(RIGCAL_ERR_ROTATION, point, triangulate(&point, &v, 3, 1));
         v = good;
         v.poses[i].t[1] = TEST_INF;
-        ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, point,
-                       triangulate(&point, &v, 3, 1));
+        ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, point, triangulate(&point, &v, 3, 1));
         v = good;
         v.uv[2 * i + 1] = TEST_NAN;
-        ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, point,
-                       triangulate(&point, &v, 3, 1));
+        ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, point, triangulate(&point, &v, 3, 1));
         v.uv[2 * i + 1] = RC(2e9);
         ASSERT_REFUSED(RIGCAL_ERR_RANGE, point, triangulate(&point, &v, 3, 1));
         v = good; /* barrel distortion ends 490 pixels from the middle */
@@ -578,8 +545,7 @@ static void test_the_bound_is_the_oracles_with_the_spectral_norm(void)
         rigcal_real X[3], bound;
 
         test_to_real(X, v + 12, 3);
-        ASSERT_STATUS(RIGCAL_OK,
-                      rigcal_point_bound(&bound, &used, &truth, X));
+        ASSERT_STATUS(RIGCAL_OK, rigcal_point_bound(&bound, &used, &truth, X));
         ASSERT_NEAR(v[15], bound, TOL(1e-13, 2e-5));
     }
 }
@@ -605,8 +571,7 @@ static void test_no_point_is_farther_off_than_the_bound(void)
             off[k] = Y[k] - Y_true[k];
         }
         test_to_real(X_a, X, 3);
-        ASSERT_STATUS(RIGCAL_OK,
-                      rigcal_point_bound(&bound, &used, &truth, X_a));
+        ASSERT_STATUS(RIGCAL_OK, rigcal_point_bound(&bound, &used, &truth, X_a));
         TEST_ASSERT_TRUE(test_norm(off) <= D(bound) * (1 + TOL(1e-14, 1e-6)));
     }
 }
@@ -623,8 +588,7 @@ static void test_the_bound_is_reached_on_paper(void)
 
     used.t[0] = RC(-1.5);
     used.t[1] = RC(3 * sqrt(0.75));
-    ASSERT_STATUS(RIGCAL_OK,
-                  rigcal_point_bound(&bound, &used, &truth, X));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_point_bound(&bound, &used, &truth, X));
     ASSERT_NEAR(13, bound, TOL(1e-14, 5e-6));
     ASSERT_STATUS(RIGCAL_OK, rigcal_point_bound(&bound, &used, &used, X));
     ASSERT_NEAR(0, bound, TOL(1e-14, 1e-5));
@@ -635,12 +599,9 @@ static void test_arguments_of_the_bound_are_checked(void)
     const rigcal_real X[3] = {1, 2, 3};
     rigcal_real bound;
 
-    ASSERT_STATUS(RIGCAL_ERR_NULL,
-                  rigcal_point_bound(NULL, &NOTHING, &NOTHING, X));
-    ASSERT_REFUSED(RIGCAL_ERR_NULL, bound,
-                   rigcal_point_bound(&bound, NULL, &NOTHING, X));
-    ASSERT_REFUSED(RIGCAL_ERR_NULL, bound,
-                   rigcal_point_bound(&bound, &NOTHING, NULL, X));
+    ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_point_bound(NULL, &NOTHING, &NOTHING, X));
+    ASSERT_REFUSED(RIGCAL_ERR_NULL, bound, rigcal_point_bound(&bound, NULL, &NOTHING, X));
+    ASSERT_REFUSED(RIGCAL_ERR_NULL, bound, rigcal_point_bound(&bound, &NOTHING, NULL, X));
     ASSERT_REFUSED(RIGCAL_ERR_NULL, bound,
                    rigcal_point_bound(&bound, &NOTHING, &NOTHING, NULL));
     for (int k = 0; k < 3; k++) {
@@ -648,13 +609,11 @@ static void test_arguments_of_the_bound_are_checked(void)
         rigcal_real odd[3] = {1, 2, 3};
 
         odd[k] = TEST_NAN;
-        ASSERT_REFUSED(
-            RIGCAL_ERR_NOT_FINITE, bound,
-            rigcal_point_bound(&bound, &NOTHING, &NOTHING, odd));
+        ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, bound,
+                       rigcal_point_bound(&bound, &NOTHING, &NOTHING, odd));
         odd[k] = RC(TOL(2e30, 2e9));
-        ASSERT_REFUSED(
-            RIGCAL_ERR_RANGE, bound,
-            rigcal_point_bound(&bound, &NOTHING, &NOTHING, odd));
+        ASSERT_REFUSED(RIGCAL_ERR_RANGE, bound,
+                       rigcal_point_bound(&bound, &NOTHING, &NOTHING, odd));
         bad.t[k] = TEST_INF;
         ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, bound,
                        rigcal_point_bound(&bound, &bad, &NOTHING, X));

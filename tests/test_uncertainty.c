@@ -19,8 +19,8 @@ static void assert_covariance(const double golden[21], double scale,
                               const rigcal_pose_uncertainty *u, double tol)
 {
     for (int k = 0; k < 36; k++) {
-        const double size = sqrt(golden_packed(golden, k / 6, k / 6) *
-                                 golden_packed(golden, k % 6, k % 6));
+        const double size =
+            sqrt(golden_packed(golden, k / 6, k / 6) * golden_packed(golden, k % 6, k % 6));
 
         ASSERT_NEAR(scale * golden_packed(golden, k / 6, k % 6), u->Sigma[k],
                     tol * scale * size);
@@ -53,13 +53,14 @@ static void test_covariances_are_those_of_the_oracle(void)
             o[k].uv[0] = RC(f * s[18 + 2 * k]);
             o[k].uv[1] = RC(f * s[19 + 2 * k]);
         }
-        ASSERT_STATUS(RIGCAL_OK, rigcal_pose_covariance(&u, &VIEW(&camera, o, NULL, n), &pose, RC(sigma_px)));
+        ASSERT_STATUS(RIGCAL_OK, rigcal_pose_covariance(&u, &VIEW(&camera, o, NULL, n),
+                                                        &pose, RC(sigma_px)));
         ASSERT_NEAR(sigma_px, u.sigma_px, 1e-6 * sigma_px);
-        assert_covariance(v + 15, sigma_px * sigma_px / (f * f), &u,
-                          TOL(1e-8, 2e-2));
+        assert_covariance(v + 15, sigma_px * sigma_px / (f * f), &u, TOL(1e-8, 2e-2));
         /* estimated */
         noise = f * sqrt(v[14] / (2 * v[1] - 6));
-        ASSERT_STATUS(RIGCAL_OK, rigcal_pose_covariance(&u, &VIEW(&camera, o, NULL, n), &pose, 0));
+        ASSERT_STATUS(RIGCAL_OK,
+                      rigcal_pose_covariance(&u, &VIEW(&camera, o, NULL, n), &pose, 0));
         ASSERT_NEAR(noise, u.sigma_px, TOL(1e-7, 5e-2) * noise);
     }
 }
@@ -80,7 +81,8 @@ static void test_covariances_of_any_lens_are_those_of_the_vectors(void)
             test_to_real(o[k].uv, v + 5 + 6 * k, 2);
             sigma[k] = RC(v[7 + 6 * k]);
         }
-        ASSERT_STATUS(RIGCAL_OK, rigcal_pose_covariance(&u, &VIEW(&camera, o, sigma, n), &pose, 2));
+        ASSERT_STATUS(RIGCAL_OK,
+                      rigcal_pose_covariance(&u, &VIEW(&camera, o, sigma, n), &pose, 2));
         assert_covariance(minimum + 13, 4, &u, TOL(1e-8, 2e-2));
     }
 }
@@ -100,7 +102,8 @@ static void test_the_deviation_of_the_centre_follows(void)
 
         test_random_problem(&p, &rng, 8, (test_shape)(trial % 3));
         pose = test_transform(p.scene.R, p.scene.t);
-        ASSERT_STATUS(RIGCAL_OK, rigcal_pose_covariance(&u, &VIEW(&p.camera, p.o, NULL, 8), &pose, 1));
+        ASSERT_STATUS(RIGCAL_OK,
+                      rigcal_pose_covariance(&u, &VIEW(&p.camera, p.o, NULL, 8), &pose, 1));
         test_to_double(Sigma, u.Sigma, 36);
         for (int k = 0; k < 6; k++) {
             double side[2][3];
@@ -125,8 +128,7 @@ static void test_the_deviation_of_the_centre_follows(void)
             for (int k = 0; k < 36; k++) {
                 variance += J[r][k / 6] * Sigma[k] * J[r][k % 6];
             }
-            ASSERT_NEAR(sqrt(variance), u.center[r],
-                        TOL(1e-6, 5e-2) * sqrt(variance));
+            ASSERT_NEAR(sqrt(variance), u.center[r], TOL(1e-6, 5e-2) * sqrt(variance));
         }
     }
 }
@@ -150,12 +152,15 @@ static void test_the_covariance_holds_the_truth_as_often_as_it_says(void)
         test_random_problem(&p, &rng, 8, TEST_GENERAL);
         test_add_noise(&p, &rng, NOISE);
         TEST_ASSERT_TRUE(test_solve_pose(&p, &options) >= 0);
-        ASSERT_STATUS(RIGCAL_OK, rigcal_pose_covariance(&u, &VIEW(&p.camera, p.o, NULL, 8), &p.poses[0].cam_from_world, RC(NOISE)));
+        ASSERT_STATUS(RIGCAL_OK,
+                      rigcal_pose_covariance(&u, &VIEW(&p.camera, p.o, NULL, 8),
+                                             &p.poses[0].cam_from_world, RC(NOISE)));
         test_transform_parts(R, t, &p.poses[0].cam_from_world);
         test_difference(d, R, t, p.scene.R, p.scene.t);
         test_to_double(Sigma, u.Sigma, 36);
         held += test_squared_distance(d, Sigma, 6) < chi2_of_6_at_95;
-        ASSERT_STATUS(RIGCAL_OK, rigcal_pose_covariance(&u, &VIEW(&p.camera, p.o, NULL, 8), &p.poses[0].cam_from_world, 0));
+        ASSERT_STATUS(RIGCAL_OK, rigcal_pose_covariance(&u, &VIEW(&p.camera, p.o, NULL, 8),
+                                                        &p.poses[0].cam_from_world, 0));
         noise2 += D(u.sigma_px) * D(u.sigma_px) / TRIALS;
     }
     TEST_ASSERT_TRUE(held >= TRIALS * 93.5 / 100);
@@ -172,15 +177,17 @@ static void test_a_covariance_that_does_not_exist_is_refused_by_name(void)
 
     test_random_problem(&p, &rng, 6, TEST_GENERAL);
     pose = test_transform(p.scene.R, p.scene.t);
-    ASSERT_STATUS(RIGCAL_OK, rigcal_pose_covariance(&u, &VIEW(&p.camera, p.o, NULL, 3), &pose, 1));
+    ASSERT_STATUS(RIGCAL_OK,
+                  rigcal_pose_covariance(&u, &VIEW(&p.camera, p.o, NULL, 3), &pose, 1));
     ASSERT_REFUSED(RIGCAL_ERR_TOO_FEW, u,
                    rigcal_pose_covariance(&u, &VIEW(&p.camera, p.o, NULL, 3), &pose, 0));
     ASSERT_REFUSED(RIGCAL_ERR_TOO_FEW, u,
                    rigcal_pose_covariance(&u, &VIEW(&p.camera, p.o, NULL, 2), &pose, 1));
     ASSERT_REFUSED(RIGCAL_ERR_RANGE, u,
                    rigcal_pose_covariance(&u, &VIEW(&p.camera, p.o, NULL, 6), &pose, -1));
-    ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, u,
-                   rigcal_pose_covariance(&u, &VIEW(&p.camera, p.o, NULL, 6), &pose, TEST_NAN));
+    ASSERT_REFUSED(
+        RIGCAL_ERR_NOT_FINITE, u,
+        rigcal_pose_covariance(&u, &VIEW(&p.camera, p.o, NULL, 6), &pose, TEST_NAN));
     pose.t[2] = -pose.t[2] - 10;
     ASSERT_REFUSED(RIGCAL_ERR_BEHIND, u,
                    rigcal_pose_covariance(&u, &VIEW(&p.camera, p.o, NULL, 6), &pose, 1));

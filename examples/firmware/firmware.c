@@ -62,8 +62,7 @@ static void put_micro(line *out, rigcal_real x)
 {
     const rigcal_real most = R(2147.0);
     const rigcal_real within = (x < -most) ? -most : (x > most) ? most : x;
-    const int32_t micro =
-        (int32_t)(within * R(1e6) + (within < 0 ? R(-0.5) : R(0.5)));
+    const int32_t micro = (int32_t)(within * R(1e6) + (within < 0 ? R(-0.5) : R(0.5)));
     const uint32_t size = (micro < 0) ? 0u - (uint32_t)micro : (uint32_t)micro;
     put_text(out, (micro < 0) ? "-" : "");
     put_unsigned(out, size / 1000000, 1);
@@ -116,8 +115,7 @@ static void report_failure(const firmware *f, rigcal_status status)
     send(&out);
 }
 
-static void report_pose(const firmware *f, rigcal_status status,
-                        const rigcal_pose *found,
+static void report_pose(const firmware *f, rigcal_status status, const rigcal_pose *found,
                         const rigcal_pose_uncertainty *sigma)
 {
     line out;
@@ -204,8 +202,7 @@ static int wants_saving(const firmware *f)
         if (!f->is_fresh[i]) {
             return 0;
         }
-        moved = moved ||
-                has_moved(&f->cameras[i].cam_from_rig, &f->stored[i]);
+        moved = moved || has_moved(&f->cameras[i].cam_from_rig, &f->stored[i]);
     }
     return moved && f->tries_left > 0;
 }
@@ -279,8 +276,7 @@ static void program(firmware *f)
 /* ---- a frame ---------------------------------------------------------------- */
 
 /* The detections of known points, each once. Returns their number. */
-static size_t observe(rigcal_observation seen[FIRMWARE_POINTS],
-                      const port_frame *frame)
+static size_t observe(rigcal_observation seen[FIRMWARE_POINTS], const port_frame *frame)
 {
     int was_seen[FIRMWARE_POINTS] = {0};
     size_t n = 0;
@@ -305,8 +301,7 @@ static void take_frame(firmware *f)
 {
     port_frame frame;
     rigcal_pose_options options;
-    if (!port_take_frame(&frame) || frame.camera < 0 ||
-        frame.camera >= FIRMWARE_CAMERAS) {
+    if (!port_take_frame(&frame) || frame.camera < 0 || frame.camera >= FIRMWARE_CAMERAS) {
         return;
     }
     f->camera = frame.camera;
@@ -351,8 +346,8 @@ static void finish_frame(firmware *f)
         report_failure(f, status);
         return;
     }
-    const rigcal_status covariance = rigcal_pose_covariance(
-        &sigma, &f->view, &poses[0].cam_from_world, SIGMA_PX);
+    const rigcal_status covariance =
+        rigcal_pose_covariance(&sigma, &f->view, &poses[0].cam_from_world, SIGMA_PX);
     if (covariance != RIGCAL_OK) {
         report_failure(f, covariance);
         return;
@@ -374,8 +369,7 @@ static void finish_frame(firmware *f)
 static void solve(firmware *f)
 {
     f->ticks++;
-    const rigcal_status status =
-        rigcal_pose_step(&f->solver, FIRMWARE_EVALS_PER_TICK);
+    const rigcal_status status = rigcal_pose_step(&f->solver, FIRMWARE_EVALS_PER_TICK);
     if (status == RIGCAL_OK) {
         finish_frame(f);
     } else if (status != RIGCAL_RUNNING) {

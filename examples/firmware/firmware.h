@@ -23,13 +23,13 @@ extern const rigcal_camera FIRMWARE_INTRINSICS[FIRMWARE_CAMERAS];
 typedef struct {
     rigcal_mounted_camera cameras[FIRMWARE_CAMERAS]; /* the latest of each */
     rigcal_transform stored[FIRMWARE_CAMERAS];       /* cam_from_rig in flash */
-    int32_t is_known[FIRMWARE_CAMERAS]; /* cameras[i] has a pose */
-    int32_t is_fresh[FIRMWARE_CAMERAS]; /* found since the last saving began */
+    int32_t is_known[FIRMWARE_CAMERAS];              /* cameras[i] has a pose */
+    int32_t is_fresh[FIRMWARE_CAMERAS];              /* found since the last saving began */
     int32_t slot;      /* of the calibration in flash; -1: there is none */
     uint32_t sequence; /* its number */
     int32_t tries_left;
 
-    int32_t state; /* 0: waiting for a frame */
+    int32_t state;         /* 0: waiting for a frame */
     int32_t camera, ticks; /* of the frame being worked on */
     uint32_t frame;
     rigcal_observation seen[FIRMWARE_POINTS];

@@ -12,9 +12,9 @@ enum { PORT_CORNERS_MAX = 16 };
 
 typedef struct {
     int32_t camera;
-    int32_t n;                      /* 0 .. PORT_CORNERS_MAX */
-    int32_t id[PORT_CORNERS_MAX];   /* which reference point each is said to be */
-    float uv[PORT_CORNERS_MAX][2];  /* and its pixel */
+    int32_t n;                     /* 0 .. PORT_CORNERS_MAX */
+    int32_t id[PORT_CORNERS_MAX];  /* which reference point each is said to be */
+    float uv[PORT_CORNERS_MAX][2]; /* and its pixel */
 } port_frame;
 
 /* 1: the oldest frame waiting is in *frame. 0: none is waiting. Does not block. */

@@ -6,10 +6,10 @@
 
 /* How a run of the firmware ended. */
 typedef enum {
-    SIM_IDLE,     /* no frame is waiting and nothing is left to do */
-    SIM_BUSY,     /* the ticks allowed were too few */
-    SIM_CUT,      /* the power was cut during work on the flash */
-    SIM_WATCHDOG  /* the watchdog was not fed in time */
+    SIM_IDLE,    /* no frame is waiting and nothing is left to do */
+    SIM_BUSY,    /* the ticks allowed were too few */
+    SIM_CUT,     /* the power was cut during work on the flash */
+    SIM_WATCHDOG /* the watchdog was not fed in time */
 } sim_end;
 
 /* What things take, in the watchdog's units. */
@@ -28,9 +28,9 @@ enum {
 
 /* What becomes of a byte, or of a slot, that was being changed when the power went. */
 typedef enum {
-    SIM_CUT_CLEAN,     /* bytes before it are done, it and those after untouched */
-    SIM_CUT_HALF,      /* it has some of its bits changed */
-    SIM_CUT_SCATTERED  /* of all bytes of the page or slot some bits have changed */
+    SIM_CUT_CLEAN,    /* bytes before it are done, it and those after untouched */
+    SIM_CUT_HALF,     /* it has some of its bits changed */
+    SIM_CUT_SCATTERED /* of all bytes of the page or slot some bits have changed */
 } sim_cut;
 
 typedef struct {
@@ -38,7 +38,7 @@ typedef struct {
     uint8_t is_programmed[PORT_SLOTS][PORT_SLOT_BYTES / PORT_PAGE_BYTES];
     long cut_after; /* bytes of work on the flash until the power goes; -1: never */
     sim_cut cut;
-    long worked;    /* bytes of work done on the flash */
+    long worked; /* bytes of work done on the flash */
     int erases, pages;
     int erase_fails, program_fails; /* how many of the next ones */
     int stuck_slot, stuck_at;       /* a byte whose bits `stuck_mask` stay 1 */
@@ -55,7 +55,7 @@ typedef struct {
     int echo; /* 1: to standard output too */
 
     int watchdog_units, spent;
-    int most_spent; /* between two feeds */
+    int most_spent;                     /* between two feeds */
     uint32_t fed_at, most_instructions; /* where there is a timer to count them */
     uint64_t random;
 } sim_board;

@@ -18,8 +18,8 @@ static int expect(sim_end expected, sim_end end, const char *text)
 {
     const int ok = end == expected && strstr(sim.serial, text) != NULL;
     if (!ok) {
-        printf("[failed: ended with %d, expected %d and \"%s\"]\n", (int)end,
-               (int)expected, text);
+        printf("[failed: ended with %d, expected %d and \"%s\"]\n", (int)end, (int)expected,
+               text);
     }
     sim_clear_serial();
     return ok;
@@ -79,8 +79,8 @@ int main(void)
     shoot(0xff);
     ok &= expect(SIM_IDLE, sim_run(&app, 10000), "saved slot=1 sequence=2");
 
-    printf("[watchdog: %d of %d units spent at most between two feeds]\n",
-           sim.most_spent, SIM_WATCHDOG_UNITS);
+    printf("[watchdog: %d of %d units spent at most between two feeds]\n", sim.most_spent,
+           SIM_WATCHDOG_UNITS);
     if (sim.most_instructions > 0) {
         printf("[watchdog: %u instructions at most between two feeds]\n",
                (unsigned)sim.most_instructions);

@@ -228,8 +228,8 @@ void sim_place(int camera, const double center[3], double roll)
         R[6 + i] = z[i];
     }
     for (int i = 0; i < 3; i++) {
-        sim.t[camera][i] = -(R[3 * i] * center[0] + R[3 * i + 1] * center[1] +
-                             R[3 * i + 2] * center[2]);
+        sim.t[camera][i] =
+            -(R[3 * i] * center[0] + R[3 * i + 1] * center[1] + R[3 * i + 2] * center[2]);
     }
 }
 
@@ -238,19 +238,15 @@ static void pixel(double uv[2], const rigcal_camera *c, const double X_c[3])
 {
     const double x = X_c[0] / X_c[2], y = X_c[1] / X_c[2], q = x * x + y * y;
     const double p1 = (double)c->p1, p2 = (double)c->p2;
-    const double d =
-        (1 + q * ((double)c->k1 + q * ((double)c->k2 + q * (double)c->k3))) /
-        (1 + q * ((double)c->k4 + q * ((double)c->k5 + q * (double)c->k6)));
-    uv[0] = (double)c->fx * (x * d + 2 * p1 * x * y + p2 * (q + 2 * x * x)) +
-            (double)c->cx;
-    uv[1] = (double)c->fy * (y * d + p1 * (q + 2 * y * y) + 2 * p2 * x * y) +
-            (double)c->cy;
+    const double d = (1 + q * ((double)c->k1 + q * ((double)c->k2 + q * (double)c->k3))) /
+                     (1 + q * ((double)c->k4 + q * ((double)c->k5 + q * (double)c->k6)));
+    uv[0] = (double)c->fx * (x * d + 2 * p1 * x * y + p2 * (q + 2 * x * x)) + (double)c->cx;
+    uv[1] = (double)c->fy * (y * d + p1 * (q + 2 * y * y) + 2 * p2 * x * y) + (double)c->cy;
 }
 
 port_frame *sim_shoot(int camera, unsigned mask)
 {
-    port_frame *const frame =
-        &sim.frames[(sim.first + sim.n_frames) % SIM_FRAMES_MAX];
+    port_frame *const frame = &sim.frames[(sim.first + sim.n_frames) % SIM_FRAMES_MAX];
     const double *const R = sim.R[camera];
     sim.n_frames++;
     memset(frame, 0, sizeof *frame);

@@ -37,18 +37,16 @@ enum {
 static const struct {
     const char *figure, *name;
 } quantities[QUANTITIES] = {
-    {"fig10", "residual"},       {"fig10", "rotation_deg"},
-    {"fig10", "translation_cm"}, {"fig11", "match_px"},
-    {"fig11", "rotation_deg"},   {"fig11", "translation_cm"},
-    {"fig12", "depth_1_cm"},     {"fig12", "depth_2_cm"},
-    {"fig12", "position_1_cm"},  {"fig12", "position_2_cm"},
-    {"fig13", "target"},         {"fig13", "camera"}};
+    {"fig10", "residual"},      {"fig10", "rotation_deg"}, {"fig10", "translation_cm"},
+    {"fig11", "match_px"},      {"fig11", "rotation_deg"}, {"fig11", "translation_cm"},
+    {"fig12", "depth_1_cm"},    {"fig12", "depth_2_cm"},   {"fig12", "position_1_cm"},
+    {"fig12", "position_2_cm"}, {"fig13", "target"},       {"fig13", "camera"}};
 
 /* SHAPE: the points put where the pose of no guess says, their shape being known,
  * instead of where the rays meet. BOUND: errors drawn from the Cramer-Rao bound. */
 enum { PUBLISHED, NO_GUESS, SHAPE, BOUND, METHODS };
-static const char *const method_names[METHODS] = {"published", "no_guess",
-                                                  "shape", "bound"};
+static const char *const method_names[METHODS] = {"published", "no_guess", "shape",
+                                                  "bound"};
 
 static double norm_of(double degrees)
 {
@@ -57,8 +55,7 @@ static double norm_of(double degrees)
 
 static void relative(rigcal_transform *b_from_a, const rigcal_transform pose[2])
 {
-    paper_expect(rigcal_transform_between(b_from_a, &pose[1], &pose[0]) ==
-                     RIGCAL_OK,
+    paper_expect(rigcal_transform_between(b_from_a, &pose[1], &pose[0]) == RIGCAL_OK,
                  "two poses have no relation");
 }
 
@@ -91,8 +88,7 @@ static int meet(double X[2][PAPER_POINTS][3], const rigcal_transform *b_from_a,
                                       images->bearings[1][i].ray};
         double depth[2], miss;
 
-        if (rigcal_depth_two_views(depth, &miss, b_from_a, ray[0], ray[1]) <
-            0) {
+        if (rigcal_depth_two_views(depth, &miss, b_from_a, ray[0], ray[1]) < 0) {
             return 0;
         }
         for (int k = 0; published && k < 2; k++) {
@@ -102,15 +98,14 @@ static int meet(double X[2][PAPER_POINTS][3], const rigcal_transform *b_from_a,
         }
         if (!published) {
             const rigcal_camera cameras[2] = {images->camera, images->camera};
-            const rigcal_transform frames[2] = {
-                {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}}, *b_from_a};
-            const double uv[4] = {
-                images->seen[0][i].uv[0], images->seen[0][i].uv[1],
-                images->seen[1][i].uv[0], images->seen[1][i].uv[1]};
+            const rigcal_transform frames[2] = {{{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}},
+                                                *b_from_a};
+            const double uv[4] = {images->seen[0][i].uv[0], images->seen[0][i].uv[1],
+                                  images->seen[1][i].uv[0], images->seen[1][i].uv[1]};
             rigcal_point point;
 
-            if (rigcal_point_triangulate(&point, cameras, frames, uv, 2,
-                                   PAPER_SIGMA_PX) < 0) {
+            if (rigcal_point_triangulate(&point, cameras, frames, uv, 2, PAPER_SIGMA_PX) <
+                0) {
                 return 0;
             }
             memcpy(X[0][i], point.X, sizeof X[0][i]);
@@ -121,18 +116,17 @@ static int meet(double X[2][PAPER_POINTS][3], const rigcal_transform *b_from_a,
 }
 
 /* rms distance of the four matches from their matching lines, (25), (26). */
-static double match_error(const rigcal_transform *b_from_a,
-                          const paper_images *images)
+static double match_error(const rigcal_transform *b_from_a, const paper_images *images)
 {
     double off[PAPER_POINTS];
 
     for (int i = 0; i < PAPER_POINTS; i++) {
         double line[3];
 
-        if (rigcal_epiline_px(line, &images->camera, b_from_a,
-                              images->bearings[0][i].ray) < 0 ||
-            rigcal_epiline_distance(&off[i], line, &images->camera,
-                                    images->seen[1][i].uv) < 0) {
+        if (rigcal_epiline_px(line, &images->camera, b_from_a, images->bearings[0][i].ray) <
+                0 ||
+            rigcal_epiline_distance(&off[i], line, &images->camera, images->seen[1][i].uv) <
+                0) {
             return HUGE_VAL;
         }
     }
@@ -181,8 +175,7 @@ static void fill(double out[QUANTITIES], double value)
 /* One method on both images: from its two attempts to all quantities, infinite
  * where it gave none. */
 static void errors_of(double out[QUANTITIES], const paper_attempt a[2],
-                      const paper_images *images, const paper_scene *scene,
-                      int published)
+                      const paper_images *images, const paper_scene *scene, int published)
 {
     const rigcal_transform pose[2] = {a[0].pose, a[1].pose};
     rigcal_transform b_from_a;
@@ -202,8 +195,8 @@ static void errors_of(double out[QUANTITIES], const paper_attempt a[2],
 
 /* Both cameras, by the published procedure from the library's grid, so that it
  * converges, and by no guess. */
-static void attempts(paper_attempt a[2][PAPER_CAMERAS],
-                     const paper_images *images, const paper_scene *scene)
+static void attempts(paper_attempt a[2][PAPER_CAMERAS], const paper_images *images,
+                     const paper_scene *scene)
 {
     for (int c = 0; c < PAPER_CAMERAS; c++) {
         paper_procedure p = paper_published(PAPER_POINTS);
@@ -237,10 +230,9 @@ static double distance_to(const double line[3], const double uv[2])
 
 /* Signed distance of uv_b from the line, with parameter `which` moved by `step`: six
  * of each pose, two of the pixel in a. HUGE_VAL where there is no line. */
-static double moved_distance(const rigcal_camera *camera,
-                             const rigcal_transform pose[2],
-                             const double uv_a[2], const double uv_b[2],
-                             int which, double step)
+static double moved_distance(const rigcal_camera *camera, const rigcal_transform pose[2],
+                             const double uv_a[2], const double uv_b[2], int which,
+                             double step)
 {
     rigcal_transform moved[2] = {pose[0], pose[1]};
     double uv[2] = {uv_a[0], uv_a[1]}, line[3];
@@ -253,14 +245,12 @@ static double moved_distance(const rigcal_camera *camera,
     } else {
         uv[which - 12] += step;
     }
-    return line_of(line, camera, moved, uv) ? distance_to(line, uv_b)
-                                            : HUGE_VAL;
+    return line_of(line, camera, moved, uv) ? distance_to(line, uv_b) : HUGE_VAL;
 }
 
 /* 1-sigma of the line's distance from uv_b: both poses' covariances and the pixel's
  * noise, through derivatives by differences. */
-static double line_sigma(const rigcal_camera *camera,
-                         const rigcal_transform pose[2],
+static double line_sigma(const rigcal_camera *camera, const rigcal_transform pose[2],
                          const double Sigma[2][36], const double uv_a[2],
                          const double uv_b[2])
 {
@@ -278,8 +268,7 @@ static double line_sigma(const rigcal_camera *camera,
             sum += J[k] * Sigma[k / 6][6 * (k % 6) + j] * J[k / 6 * 6 + j];
         }
     }
-    return sqrt(sum + PAPER_SIGMA_PX * PAPER_SIGMA_PX *
-                          (J[12] * J[12] + J[13] * J[13]));
+    return sqrt(sum + PAPER_SIGMA_PX * PAPER_SIGMA_PX * (J[12] * J[12] + J[13] * J[13]));
 }
 
 /* The lines of both methods for one point, whose pixel in a is uv_a, and how far off
@@ -289,8 +278,8 @@ typedef struct {
 } matching;
 
 static int match(matching *m, const paper_attempt a[2][PAPER_CAMERAS],
-                 const paper_images *images, const double uv_a[2],
-                 const double uv_b[2], double Sigma[2][36])
+                 const paper_images *images, const double uv_a[2], const double uv_b[2],
+                 double Sigma[2][36])
 {
     for (int method = PUBLISHED; method <= NO_GUESS; method++) {
         const rigcal_transform pose[2] = {a[method][0].pose, a[method][1].pose};
@@ -309,8 +298,8 @@ static int match(matching *m, const paper_attempt a[2][PAPER_CAMERAS],
                     return 0;
                 }
             }
-            m->sigma = line_sigma(&images->camera, pose,
-                                  (const double(*)[36])Sigma, uv_a, uv_b);
+            m->sigma =
+                line_sigma(&images->camera, pose, (const double(*)[36])Sigma, uv_a, uv_b);
         }
     }
     return 1;
@@ -334,32 +323,28 @@ static void draw_lines(FILE *file, const paper_scene *scene, int width)
     attempts(a, &images, scene);
     for (int i = 0; i < 2; i++) {
         double uv_a[2], true_a[2], true_b[2], line[3], Sigma[2][36];
-        const rigcal_transform pose[2] = {a[NO_GUESS][0].pose,
-                                          a[NO_GUESS][1].pose};
+        const rigcal_transform pose[2] = {a[NO_GUESS][0].pose, a[NO_GUESS][1].pose};
         matching m = {{{0}}, {0}, 0};
 
         paper_see_point(uv_a, &images, scene, 0, matched[i]);
         paper_see_point(true_a, &exact, scene, 0, matched[i]);
         paper_see_point(true_b, &exact, scene, 1, matched[i]);
-        paper_expect(
-            match(&m, (const paper_attempt(*)[PAPER_CAMERAS])a, &images, uv_a,
-                  true_b, Sigma) &&
-                line_of(line, &images.camera, scene->cam_from_target, true_a),
-            "the documented scene has no matching line");
+        paper_expect(match(&m, (const paper_attempt(*)[PAPER_CAMERAS])a, &images, uv_a,
+                           true_b, Sigma) &&
+                         line_of(line, &images.camera, scene->cam_from_target, true_a),
+                     "the documented scene has no matching line");
         for (int k = 0; k <= 40; k++) {
             const double u = -0.5 + k * width / 40.0;
             const double at[2] = {u, line_at(m.line[NO_GUESS], u)};
             /* across the line by so many sigma is more than that in v */
             const double band =
-                line_sigma(&images.camera, pose, (const double(*)[36])Sigma,
-                           uv_a, at) /
+                line_sigma(&images.camera, pose, (const double(*)[36])Sigma, uv_a, at) /
                 fabs(m.line[NO_GUESS][1]);
             const double middle = (width - 1) / 2.0;
 
-            fprintf(file, "%d,%d,%.5f,%.5f,%.5f,%.5f,%.5f,%.5f,%.5f\n", width,
-                    i + 1, (true_b[0] - middle) / width,
-                    (true_b[1] - middle) / width, (u - middle) / width,
-                    (line_at(line, u) - middle) / width,
+            fprintf(file, "%d,%d,%.5f,%.5f,%.5f,%.5f,%.5f,%.5f,%.5f\n", width, i + 1,
+                    (true_b[0] - middle) / width, (true_b[1] - middle) / width,
+                    (u - middle) / width, (line_at(line, u) - middle) / width,
                     (line_at(m.line[PUBLISHED], u) - middle) / width,
                     (at[1] - middle) / width, band / width);
         }
@@ -372,21 +357,18 @@ static void draw_lines(FILE *file, const paper_scene *scene, int width)
  * image; *off is then not written. */
 static int unsettled(double *off, const rigcal_camera *camera,
                      const rigcal_transform pose[2], const double uv[2],
-                     const rigcal_transform true_pose[2],
-                     const double true_uv[2])
+                     const rigcal_transform true_pose[2], const double true_uv[2])
 {
     const rigcal_transform back[2] = {pose[1], pose[0]};
     const rigcal_transform true_back[2] = {true_pose[1], true_pose[0]};
     double truth[3], line[3], ends[4];
 
     if (!line_of(truth, camera, true_back, true_uv) ||
-        rigcal_epiline_clip(ends, truth, camera->width, camera->height) !=
-            RIGCAL_OK) {
+        rigcal_epiline_clip(ends, truth, camera->width, camera->height) != RIGCAL_OK) {
         return 0;
     }
     *off = line_of(line, camera, back, uv)
-               ? fmax(fabs(distance_to(line, ends)),
-                      fabs(distance_to(line, ends + 2)))
+               ? fmax(fabs(distance_to(line, ends)), fabs(distance_to(line, ends + 2)))
                : HUGE_VAL;
     return 1;
 }
@@ -399,10 +381,9 @@ typedef struct {
 } matches;
 
 /* The line in image 1 of the point X, by both methods. */
-static void gather_unsettled(matches *all,
-                             const paper_attempt a[2][PAPER_CAMERAS],
-                             const paper_images *images,
-                             const paper_scene *scene, const double X[3])
+static void gather_unsettled(matches *all, const paper_attempt a[2][PAPER_CAMERAS],
+                             const paper_images *images, const paper_scene *scene,
+                             const double X[3])
 {
     paper_images exact = *images;
     double uv[2], true_uv[2], off;
@@ -415,19 +396,15 @@ static void gather_unsettled(matches *all,
         const rigcal_transform pose[2] = {a[method][0].pose, a[method][1].pose};
         const int found = a[method][0].has_pose && a[method][1].has_pose;
 
-        if (unsettled(&off, &images->camera, pose, uv, scene->cam_from_target,
-                      true_uv)) {
+        if (unsettled(&off, &images->camera, pose, uv, scene->cam_from_target, true_uv)) {
             sample_add(&all->unsettled[method],
-                       found ? off * PAPER_IMAGE_INCH / images->camera.width
-                             : HUGE_VAL);
+                       found ? off * PAPER_IMAGE_INCH / images->camera.width : HUGE_VAL);
         }
     }
 }
 
-static void gather_matches(matches *all,
-                           const paper_attempt a[2][PAPER_CAMERAS],
-                           const paper_images *images, const paper_scene *scene,
-                           int k)
+static void gather_matches(matches *all, const paper_attempt a[2][PAPER_CAMERAS],
+                           const paper_images *images, const paper_scene *scene, int k)
 {
     paper_rng rng = paper_stream(PAPER_MATCHING, k);
     paper_images exact = *images;
@@ -470,8 +447,8 @@ static void print_unsettled(FILE *file, matches *all, double depth, int width)
 static void print_matches(FILE *file, matches *all, double depth, int width)
 {
     for (int method = PUBLISHED; method <= NO_GUESS; method++) {
-        fprintf(file, "%g,%d,%s,%d,%d", depth, width, method_names[method],
-                all->sigma.n, all->lost);
+        fprintf(file, "%g,%d,%s,%d,%d", depth, width, method_names[method], all->sigma.n,
+                all->lost);
         sample_print(file, &all->off[method]);
         if (method == NO_GUESS) {
             sample_print(file, &all->sigma);
@@ -509,18 +486,14 @@ static void draw_settling(FILE *file, const paper_scene *scene, int width)
 
             paper_expect((truth || (a[k][0].has_pose && a[k][1].has_pose)) &&
                              line_of(line, &images.camera, back, seen) &&
-                             rigcal_epiline_clip(ends, line, width, width) ==
-                                 RIGCAL_OK &&
-                             unsettled(&off, &images.camera, pose, seen, T,
-                                       true_uv),
+                             rigcal_epiline_clip(ends, line, width, width) == RIGCAL_OK &&
+                             unsettled(&off, &images.camera, pose, seen, T, true_uv),
                          "the documented scene has no matching line");
-            fprintf(file, "%d,%d,%s,%.5f,%.5f,%.5f,%.5f,%.5f,%.5f,%.5f\n", width,
-                    i + 1, truth ? "true" : method_names[k],
-                    (true_match[0] - middle) * inch,
-                    (true_match[1] - middle) * inch,
-                    (ends[0] - middle) * inch, (ends[1] - middle) * inch,
-                    (ends[2] - middle) * inch, (ends[3] - middle) * inch,
-                    off * inch);
+            fprintf(file, "%d,%d,%s,%.5f,%.5f,%.5f,%.5f,%.5f,%.5f,%.5f\n", width, i + 1,
+                    truth ? "true" : method_names[k], (true_match[0] - middle) * inch,
+                    (true_match[1] - middle) * inch, (ends[0] - middle) * inch,
+                    (ends[1] - middle) * inch, (ends[2] - middle) * inch,
+                    (ends[3] - middle) * inch, off * inch);
         }
     }
 }
@@ -563,8 +536,8 @@ typedef struct {
     int n;
 } over_bound;
 
-static void compare(over_bound *sum, const paper_attempt *a,
-                    const rigcal_transform *truth, const double Sigma[36])
+static void compare(over_bound *sum, const paper_attempt *a, const rigcal_transform *truth,
+                    const double Sigma[36])
 {
     const double degrees = a->degrees * PAPER_DEGREE;
     const double moved = paper_length(a->pose.t, truth->t);
@@ -616,15 +589,14 @@ static void gather_bound(cell *all, const double Sigma[PAPER_CAMERAS][36],
 
 /* By both methods; the last is the second's with the shape known. */
 static void all_errors(double values[METHODS][QUANTITIES],
-                       const paper_attempt a[2][PAPER_CAMERAS],
-                       const paper_images *images, const paper_scene *scene)
+                       const paper_attempt a[2][PAPER_CAMERAS], const paper_images *images,
+                       const paper_scene *scene)
 {
     errors_of(values[PUBLISHED], a[PUBLISHED], images, scene, 1);
     errors_of(values[NO_GUESS], a[NO_GUESS], images, scene, 0);
     fill(values[SHAPE], HUGE_VAL);
     if (a[NO_GUESS][0].has_pose && a[NO_GUESS][1].has_pose) {
-        const rigcal_transform pose[2] = {a[NO_GUESS][0].pose,
-                                          a[NO_GUESS][1].pose};
+        const rigcal_transform pose[2] = {a[NO_GUESS][0].pose, a[NO_GUESS][1].pose};
 
         shape_errors(values[SHAPE], pose, scene);
     }
@@ -642,13 +614,12 @@ static void gather_placements(cell *all, double depth, int width)
         paper_scene_random(&scene, k, depth);
         paper_look(&images, &scene, width, PAPER_DIGITAL);
         attempts(a, &images, &scene);
-        all_errors(values, (const paper_attempt(*)[PAPER_CAMERAS])a, &images,
-                   &scene);
+        all_errors(values, (const paper_attempt(*)[PAPER_CAMERAS])a, &images, &scene);
         for (int m = PUBLISHED; m <= SHAPE; m++) {
             gather(all, m, values[m]);
         }
-        gather_matches(&all->matched, (const paper_attempt(*)[PAPER_CAMERAS])a,
-                       &images, &scene, k);
+        gather_matches(&all->matched, (const paper_attempt(*)[PAPER_CAMERAS])a, &images,
+                       &scene, k);
         for (int c = 0; c < PAPER_CAMERAS; c++) {
             const rigcal_transform *const truth = &scene.cam_from_target[c];
 
@@ -669,13 +640,12 @@ static int has_method(int q, int method)
            (method != BOUND || (q != RESIDUAL && q != MATCH_PAIR));
 }
 
-static void print_cell(FILE *file, cell *all, const char *figure, double depth,
-                       int width, double one[METHODS][QUANTITIES])
+static void print_cell(FILE *file, cell *all, const char *figure, double depth, int width,
+                       double one[METHODS][QUANTITIES])
 {
     for (int q = 0; q < QUANTITIES; q++) {
         for (int m = 0; m < METHODS; m++) {
-            if (strcmp(quantities[q].figure, figure) != 0 ||
-                !has_method(q, m)) {
+            if (strcmp(quantities[q].figure, figure) != 0 || !has_method(q, m)) {
                 continue;
             }
             fprintf(file, "%g,%d,%s,%s,%d,%d", depth, width, quantities[q].name,
@@ -709,8 +679,7 @@ void figures_10_to_14(void)
                    "within_95\n");
     fprintf(off, "depth_cm,width_px,method,n,off_inch_q25,off_inch_median,"
                  "off_inch_q75\n");
-    fprintf(over,
-            "depth_cm,width_px,method,tried,correct,rotation,translation\n");
+    fprintf(over, "depth_cm,width_px,method,tried,correct,rotation,translation\n");
     for (int d = 0; d < PAPER_DEPTHS; d++) {
         for (int w = 0; w < PAPER_WIDTHS; w++) {
             paper_scene scene;
@@ -723,25 +692,22 @@ void figures_10_to_14(void)
             paper_scene_documented(&scene, paper_depths_cm[d]);
             paper_look(&images, &scene, paper_widths[w], PAPER_DIGITAL);
             attempts(a, &images, &scene);
-            all_errors(one, (const paper_attempt(*)[PAPER_CAMERAS])a, &images,
-                       &scene);
+            all_errors(one, (const paper_attempt(*)[PAPER_CAMERAS])a, &images, &scene);
             for (int f = 0; f < 4; f++) {
-                print_cell(file[f], &all, names[f], paper_depths_cm[d],
-                           paper_widths[w], one);
+                print_cell(file[f], &all, names[f], paper_depths_cm[d], paper_widths[w],
+                           one);
             }
             for (int m = PUBLISHED; m <= NO_GUESS; m++) {
                 const over_bound *const o = &all.over[m];
 
                 fprintf(over, "%g,%d,%s,%d,%d,%.4g,%.4g\n", paper_depths_cm[d],
-                        paper_widths[w], method_names[m], tried, o->n,
-                        sqrt(o->turn / o->n), sqrt(o->move / o->n));
+                        paper_widths[w], method_names[m], tried, o->n, sqrt(o->turn / o->n),
+                        sqrt(o->move / o->n));
             }
-            print_matches(lines, &all.matched, paper_depths_cm[d],
-                          paper_widths[w]);
-            print_unsettled(off, &all.matched, paper_depths_cm[d],
-                            paper_widths[w]);
-            fprintf(stderr, "  figures 10 to 14: %g cm, %d px\n",
-                    paper_depths_cm[d], paper_widths[w]);
+            print_matches(lines, &all.matched, paper_depths_cm[d], paper_widths[w]);
+            print_unsettled(off, &all.matched, paper_depths_cm[d], paper_widths[w]);
+            fprintf(stderr, "  figures 10 to 14: %g cm, %d px\n", paper_depths_cm[d],
+                    paper_widths[w]);
         }
     }
     for (int f = 0; f < 4; f++) {

@@ -8,8 +8,7 @@ const double paper_points[PAPER_POINTS][3] = {
     {0, 0, 0}, {20, 2, 4}, {5, 19, -3}, {12, 8, 18}};
 
 const double paper_depths_cm[PAPER_DEPTHS] = {50, 100, 200};
-const int paper_widths[PAPER_WIDTHS] = {32,  48,  64,  96,  128, 192,
-                                        256, 384, 512, 768, 1024};
+const int paper_widths[PAPER_WIDTHS] = {32, 48, 64, 96, 128, 192, 256, 384, 512, 768, 1024};
 
 void paper_expect(int fact, const char *what)
 {
@@ -32,8 +31,7 @@ static uint64_t next(paper_rng *rng)
 
 paper_rng paper_stream(int use, int k)
 {
-    const paper_rng rng = {(uint64_t)PAPER_SEED << 48 | (uint64_t)use << 32 |
-                           (uint64_t)k};
+    const paper_rng rng = {(uint64_t)PAPER_SEED << 48 | (uint64_t)use << 32 | (uint64_t)k};
 
     return rng;
 }
@@ -66,16 +64,14 @@ void paper_middle(double X[3])
     }
 }
 
-void paper_in_camera(double X_c[3], const rigcal_transform *T,
-                     const double X[3])
+void paper_in_camera(double X_c[3], const rigcal_transform *T, const double X[3])
 {
     paper_expect(rigcal_transform_point(X_c, T, X) == RIGCAL_OK,
                  "a point has no place in the camera");
 }
 
 /* t that puts the target's middle at (x, y, 1) depth. */
-static void place(rigcal_transform *cam_from_target, double x, double y,
-                  double depth)
+static void place(rigcal_transform *cam_from_target, double x, double y, double depth)
 {
     const double seen_at[3] = {x * depth, y * depth, depth};
     double middle[3], turned[3];
@@ -92,8 +88,7 @@ static void place(rigcal_transform *cam_from_target, double x, double y,
 
 void paper_scene_documented(paper_scene *scene, double depth_cm)
 {
-    static const double degrees[PAPER_CAMERAS][3] = {{10, -20, 35},
-                                                     {-25, 25, 10}};
+    static const double degrees[PAPER_CAMERAS][3] = {{10, -20, 35}, {-25, 25, 10}};
     static const double off[PAPER_CAMERAS][2] = {{0.04, -0.03}, {-0.05, 0.04}};
 
     for (int c = 0; c < PAPER_CAMERAS; c++) {
@@ -124,8 +119,7 @@ void paper_scene_random(paper_scene *scene, int k, double depth_cm)
     paper_expect(rigcal_rotation_from_quaternion(T[0].R, q) == RIGCAL_OK,
                  "a quaternion is no rotation");
     across = paper_uniform(&rng, 0, 360) * PAPER_DEGREE;
-    angle =
-        paper_uniform(&rng, PAPER_TURN_LEAST, PAPER_TURN_MOST) * PAPER_DEGREE;
+    angle = paper_uniform(&rng, PAPER_TURN_LEAST, PAPER_TURN_MOST) * PAPER_DEGREE;
     w[0] = angle * cos(across);
     w[1] = angle * sin(across);
     w[2] = 0;
@@ -146,8 +140,8 @@ void paper_scene_random(paper_scene *scene, int k, double depth_cm)
 
 /* ---- images ------------------------------------------------------------- */
 
-void paper_see_point(double uv[2], const paper_images *images,
-                     const paper_scene *scene, int k, const double X[3])
+void paper_see_point(double uv[2], const paper_images *images, const paper_scene *scene,
+                     int k, const double X[3])
 {
     double X_c[3];
 
@@ -161,16 +155,14 @@ void paper_see_point(double uv[2], const paper_images *images,
     }
 }
 
-void paper_look(paper_images *images, const paper_scene *scene, int width,
-                int digital)
+void paper_look(paper_images *images, const paper_scene *scene, int width, int digital)
 {
     const double middle = (width - 1) / 2.0;
 
     *images = (paper_images){0};
     images->camera.lens = RIGCAL_LENS_BROWN;
     images->camera.width = images->camera.height = width;
-    images->camera.fx = images->camera.fy =
-        width * PAPER_FOCAL_INCH / PAPER_IMAGE_INCH;
+    images->camera.fx = images->camera.fy = width * PAPER_FOCAL_INCH / PAPER_IMAGE_INCH;
     images->camera.cx = images->camera.cy = middle;
     images->digital = digital;
     for (int c = 0; c < PAPER_CAMERAS; c++) {
@@ -187,8 +179,7 @@ void paper_look(paper_images *images, const paper_scene *scene, int width,
                 s->ray[1] = (o->uv[1] - middle) / images->camera.fy;
                 s->ray[2] = 1;
             } else {
-                paper_in_camera(s->ray, &scene->cam_from_target[c],
-                                paper_points[i]);
+                paper_in_camera(s->ray, &scene->cam_from_target[c], paper_points[i]);
             }
         }
     }

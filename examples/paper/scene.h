@@ -10,6 +10,7 @@
 
 /* ---- settings: name, value, unit, meaning; README.md shows this table --- */
 
+/* clang-format off */
 #define PAPER_SETTINGS(S)                                                      \
     S(IMAGE_INCH, 1.0, "inch", "side of the square image")                     \
     S(FOCAL_INCH, 1.0, "inch", "focal length: the image spans 53 degrees")     \
@@ -56,9 +57,9 @@
     S(REACH, 20.0, "cm", "figure 14, random placements: largest offset of a "  \
       "matched point from the target's middle, along each axis")               \
     S(SEED, 20, "-", "seed of the random numbers (SplitMix64)")
+/* clang-format on */
 
-#define PAPER_SETTING(name, value, unit, meaning)                              \
-    static const double PAPER_##name = value;
+#define PAPER_SETTING(name, value, unit, meaning) static const double PAPER_##name = value;
 PAPER_SETTINGS(PAPER_SETTING)
 
 enum { PAPER_POINTS = 4, PAPER_CAMERAS = 2, PAPER_DEPTHS = 3, PAPER_WIDTHS = 11 };
@@ -115,17 +116,15 @@ typedef struct {
 
 enum { PAPER_PERFECT = 0, PAPER_DIGITAL = 1 };
 
-void paper_look(paper_images *images, const paper_scene *scene, int width,
-                int digital);
+void paper_look(paper_images *images, const paper_scene *scene, int width, int digital);
 
 /* Where camera k images a point of the target's frame; rounded when digital. */
-void paper_see_point(double uv[2], const paper_images *images,
-                     const paper_scene *scene, int k, const double X[3]);
+void paper_see_point(double uv[2], const paper_images *images, const paper_scene *scene,
+                     int k, const double X[3]);
 
 /* The middle of the target, and a point in the frame of camera k. */
 void paper_middle(double X[3]);
-void paper_in_camera(double X_c[3], const rigcal_transform *T,
-                     const double X[3]);
+void paper_in_camera(double X_c[3], const rigcal_transform *T, const double X[3]);
 
 /* The program's own mistakes, which end it. */
 void paper_expect(int fact, const char *what);

@@ -7,8 +7,7 @@
 #include "solve.h"
 #include "table.h"
 
-static const char *const outcome_names[PAPER_OUTCOMES] = {"none", "false",
-                                                          "correct"};
+static const char *const outcome_names[PAPER_OUTCOMES] = {"none", "false", "correct"};
 
 /* ---- guesses ------------------------------------------------------------ */
 
@@ -51,9 +50,8 @@ static void count(tally *t, const paper_attempt *a)
  * Three points, four, and four with all pairs used to eliminate. */
 
 /* A row of the map, as digits. */
-static void print_row(FILE *file, paper_procedure *p,
-                      const paper_images *images, const paper_scene *scene,
-                      int c, double yaw, double pitch)
+static void print_row(FILE *file, paper_procedure *p, const paper_images *images,
+                      const paper_scene *scene, int c, double yaw, double pitch)
 {
     for (int j = 0; j < (int)(360 / PAPER_GRID_STEP); j++) {
         paper_attempt a;
@@ -70,9 +68,8 @@ static void map_figure(const char *name, int first, int last, int digital)
     paper_scene scene;
     paper_images images;
 
-    fprintf(file,
-            "camera,points,pairs_used,true_pitch_deg,true_roll_deg,no_guess,"
-            "pitch_deg,outcomes_over_roll\n");
+    fprintf(file, "camera,points,pairs_used,true_pitch_deg,true_roll_deg,no_guess,"
+                  "pitch_deg,outcomes_over_roll\n");
     paper_scene_documented(&scene, PAPER_DOCUMENTED_CM);
     paper_look(&images, &scene, (int)PAPER_WIDTH, digital);
     for (int c = first; c <= last; c++) {
@@ -87,9 +84,9 @@ static void map_figure(const char *name, int first, int last, int digital)
                 const double pitch = node(-90, PAPER_GRID_STEP, i);
 
                 p.pairs_used = m < 2 ? 2 : 0;
-                fprintf(file, "%d,%d,%d,%.4f,%.4f,%s,%g,", c + 1, p.n,
-                        p.pairs_used, ypr[1] / PAPER_DEGREE,
-                        ypr[2] / PAPER_DEGREE, outcome_names[a.outcome], pitch);
+                fprintf(file, "%d,%d,%d,%.4f,%.4f,%s,%g,", c + 1, p.n, p.pairs_used,
+                        ypr[1] / PAPER_DEGREE, ypr[2] / PAPER_DEGREE,
+                        outcome_names[a.outcome], pitch);
                 print_row(file, &p, &images, &scene, c, 0, pitch);
                 fprintf(file, "\n");
             }
@@ -131,11 +128,10 @@ static void three_documented(FILE *file, int digital)
         for (int i = 0; i < n; i++) {
             double ypr[3];
 
-            paper_expect(rigcal_yaw_pitch_roll_from_rotation(ypr, poses[i].R) ==
-                             RIGCAL_OK,
+            paper_expect(rigcal_yaw_pitch_roll_from_rotation(ypr, poses[i].R) == RIGCAL_OK,
                          "a rotation has no angles");
-            fprintf(file, "%d,%d,%.4f,%.4f,%s\n", digital, c + 1,
-                    ypr[1] / PAPER_DEGREE, ypr[2] / PAPER_DEGREE,
+            fprintf(file, "%d,%d,%.4f,%.4f,%s\n", digital, c + 1, ypr[1] / PAPER_DEGREE,
+                    ypr[2] / PAPER_DEGREE,
                     outcome_names[i == right ? PAPER_CORRECT : PAPER_FALSE]);
         }
     }
@@ -156,14 +152,12 @@ static void three_random(FILE *file, int digital)
             rigcal_transform poses[RIGCAL_POSES_MAX];
             int right;
 
-            poses_in_all +=
-                paper_solve_three(poses, &right, &images, &scene, c);
+            poses_in_all += paper_solve_three(poses, &right, &images, &scene, c);
             found += right >= 0;
             tried++;
         }
     }
-    fprintf(file, "%d,%d,%d,%.2f\n", digital, tried, found,
-            (double)poses_in_all / tried);
+    fprintf(file, "%d,%d,%d,%.2f\n", digital, tried, found, (double)poses_in_all / tried);
 }
 
 void figure_three(void)
@@ -186,8 +180,7 @@ void figure_three(void)
 static const struct {
     const char *name;
     int angles, pairs_used;
-} rivals[] = {
-    {"two_angles", 2, 2}, {"two_angles_all", 2, 0}, {"three_angles", 3, 2}};
+} rivals[] = {{"two_angles", 2, 2}, {"two_angles_all", 2, 0}, {"three_angles", 3, 2}};
 
 /* Random placements, each from one random guess of pitch and roll. */
 static void race(FILE *file, int rival, double yaw_off)
@@ -243,19 +236,17 @@ static void rival_map(FILE *file, int rival, double yaw_off)
 
         fprintf(file, "%s,%g,%.4f,%.4f,%g,", rivals[rival].name, yaw_off,
                 ypr[1] / PAPER_DEGREE, ypr[2] / PAPER_DEGREE, pitch);
-        print_row(file, &p, &images, &scene, 0, ypr[0] / PAPER_DEGREE + yaw_off,
-                  pitch);
+        print_row(file, &p, &images, &scene, 0, ypr[0] / PAPER_DEGREE + yaw_off, pitch);
         fprintf(file, "\n");
     }
 }
 
 void figure_5(void)
 {
-    static const double offs[] = {0,  5,  10, 15,  20,  30,  35,  45, 60,
+    static const double offs[] = {0,  5,  10,  15,  20,  30,  35,  45, 60,
                                   75, 90, 105, 120, 135, 150, 165, 180};
     enum { OFFS = sizeof offs / sizeof offs[0], THREE = 2 };
-    FILE *const file = table_open("fig05"), *const map =
-                                                table_open("fig05_map");
+    FILE *const file = table_open("fig05"), *const map = table_open("fig05_map");
 
     fprintf(file, "method,yaw_error_deg,tried,correct,false,evals_q25,"
                   "evals_median,evals_q75\n");
@@ -276,27 +267,25 @@ void figure_5(void)
 
 /* ---- figures 6, 9: shares of correct and false searches ------------------ */
 
-#define SHARE_COLUMNS \
-    "depth_cm,width_px,points,method,scenes,tried,correct,false\n"
+#define SHARE_COLUMNS "depth_cm,width_px,points,method,scenes,tried,correct,false\n"
 
-static void print_share(FILE *file, double depth, int width, int points,
-                        const char *method, const char *scenes, const tally *t)
+static void print_share(FILE *file, double depth, int width, int points, const char *method,
+                        const char *scenes, const tally *t)
 {
-    fprintf(file, "%g,%d,%d,%s,%s,%d,%d,%d\n", depth, width, points, method,
-            scenes, t->tried, t->count[PAPER_CORRECT], t->count[PAPER_FALSE]);
+    fprintf(file, "%g,%d,%d,%s,%s,%d,%d,%d\n", depth, width, points, method, scenes,
+            t->tried, t->count[PAPER_CORRECT], t->count[PAPER_FALSE]);
 }
 
 /* Camera c from every guess of the coarse grid. */
-static void sweep(tally *t, const paper_procedure *procedure,
-                  const paper_images *images, const paper_scene *scene, int c)
+static void sweep(tally *t, const paper_procedure *procedure, const paper_images *images,
+                  const paper_scene *scene, int c)
 {
     for (int i = 0; i < (int)(180 / PAPER_SWEEP_STEP); i++) {
         for (int j = 0; j < (int)(360 / PAPER_SWEEP_STEP); j++) {
             paper_procedure p = *procedure;
             paper_attempt a;
 
-            guess(&p, 0, node(-90, PAPER_SWEEP_STEP, i),
-                  node(-180, PAPER_SWEEP_STEP, j));
+            guess(&p, 0, node(-90, PAPER_SWEEP_STEP, i), node(-180, PAPER_SWEEP_STEP, j));
             paper_solve(&a, &p, images, scene, c);
             count(t, &a);
         }
@@ -327,8 +316,7 @@ static void share_documented(FILE *file, double depth, int width, int digital)
         paper_solve_no_guess(&a, &images, &scene, c);
         count(&own, &a);
     }
-    print_share(file, depth, width, PAPER_POINTS, "no_guess", "documented",
-                &own);
+    print_share(file, depth, width, PAPER_POINTS, "no_guess", "documented", &own);
 }
 
 /* Each random placement from a random guess. */
@@ -366,9 +354,8 @@ static void share_random(FILE *file, double depth, int width, int digital)
 
 /* ---- figure 6: perfect images at any depth ------------------------------ */
 
-static void print_depth(FILE *file, double depth, int points,
-                        const char *method, sample *residual, sample *degrees,
-                        int tried)
+static void print_depth(FILE *file, double depth, int points, const char *method,
+                        sample *residual, sample *degrees, int tried)
 {
     fprintf(file, "%g,%d,%s,%d,%d", depth, points, method, tried, residual->n);
     sample_print(file, residual);
@@ -399,9 +386,8 @@ void figure_6(void)
             residual.n = degrees.n = 0;
             for (int i = 0; i < PAPER_CAMERAS * many * many; i++) {
                 const int c = i / (many * many);
-                const double off[3] = {
-                    0, node(-PAPER_NEAR_GUESS, step, i / many % many),
-                    node(-PAPER_NEAR_GUESS, step, i % many)};
+                const double off[3] = {0, node(-PAPER_NEAR_GUESS, step, i / many % many),
+                                       node(-PAPER_NEAR_GUESS, step, i % many)};
                 paper_procedure p = paper_published(n);
 
                 guess_near(&p, &scene, c, off);
@@ -422,8 +408,7 @@ void figure_6(void)
                 sample_add(&degrees, a.degrees);
             }
         }
-        print_depth(file, d, PAPER_POINTS, "no_guess", &residual, &degrees,
-                    PAPER_CAMERAS);
+        print_depth(file, d, PAPER_POINTS, "no_guess", &residual, &degrees, PAPER_CAMERAS);
     }
     table_close(file);
 }
@@ -451,10 +436,8 @@ void figure_9(void)
     fprintf(file, SHARE_COLUMNS);
     for (int d = 0; d < PAPER_DEPTHS; d++) {
         for (int w = 0; w < PAPER_WIDTHS; w++) {
-            share_documented(file, paper_depths_cm[d], paper_widths[w],
-                             PAPER_DIGITAL);
-            share_random(file, paper_depths_cm[d], paper_widths[w],
-                         PAPER_DIGITAL);
+            share_documented(file, paper_depths_cm[d], paper_widths[w], PAPER_DIGITAL);
+            share_random(file, paper_depths_cm[d], paper_widths[w], PAPER_DIGITAL);
             fprintf(stderr, "  figure 9: %g cm, %d px\n", paper_depths_cm[d],
                     paper_widths[w]);
         }
@@ -479,19 +462,16 @@ static const struct {
     const char *figure;
     int digital, points, angles, yaw, guesses;
 } counted[] = {
-    {"3", PAPER_PERFECT, 3, 2, NO_YAW, 30},
-    {"3", PAPER_PERFECT, 4, 2, NO_YAW, 30},
-    {"5", PAPER_PERFECT, 4, 3, NEAR_YAW, 47},
-    {"5", PAPER_PERFECT, 4, 3, APART_YAW, 47},
-    {"5", PAPER_PERFECT, 4, 2, NO_YAW, 47},
-    {"8", PAPER_DIGITAL, 4, 2, NO_YAW, 41},
+    {"3", PAPER_PERFECT, 3, 2, NO_YAW, 30},   {"3", PAPER_PERFECT, 4, 2, NO_YAW, 30},
+    {"5", PAPER_PERFECT, 4, 3, NEAR_YAW, 47}, {"5", PAPER_PERFECT, 4, 3, APART_YAW, 47},
+    {"5", PAPER_PERFECT, 4, 2, NO_YAW, 47},   {"8", PAPER_DIGITAL, 4, 2, NO_YAW, 41},
     {"8", PAPER_DIGITAL, 3, 2, NO_YAW, 41}};
 
 /* Guess i of n, spread evenly over pitch and roll: all of them, those near the
  * truth, or the map's grid. Yaw is `yaw` off the truth. Pitches are evenly spaced;
  * rolls step by the golden ratio, so any n is spread evenly. Angles in degrees. */
-static void spread(paper_procedure *p, int where, int i, int n,
-                   const double truth[3], double yaw)
+static void spread(paper_procedure *p, int where, int i, int n, const double truth[3],
+                   double yaw)
 {
     const double along = 2 * (i + 0.5) / n - 1;
     const double across = 2 * fmod(0.5 + i * 0.6180339887498949, 1) - 1;
@@ -511,11 +491,9 @@ static void spread(paper_procedure *p, int where, int i, int n,
 /* One row of the table: all guesses of one spread. */
 static void count_guesses(FILE *file, int row, int where)
 {
-    const double off[3] = {0, PAPER_NEAR_YAW,
-                           PAPER_NEAR_YAW + PAPER_YAW_APART};
+    const double off[3] = {0, PAPER_NEAR_YAW, PAPER_NEAR_YAW + PAPER_YAW_APART};
     const double yaw = off[counted[row].yaw];
-    const int n = where == MAP ? (int)(180 / PAPER_GRID_STEP) *
-                                     (int)(360 / PAPER_GRID_STEP)
+    const int n = where == MAP ? (int)(180 / PAPER_GRID_STEP) * (int)(360 / PAPER_GRID_STEP)
                                : counted[row].guesses;
     paper_scene scene;
     paper_images images;
@@ -539,8 +517,8 @@ static void count_guesses(FILE *file, int row, int where)
     }
     fprintf(file, "%s,%d,%d,%d,%g,%s,%d,%d,%d,%d\n", counted[row].figure,
             counted[row].digital, counted[row].points, counted[row].angles, yaw,
-            spread_names[where], t.tried, t.count[PAPER_CORRECT],
-            t.count[PAPER_FALSE], t.behind);
+            spread_names[where], t.tried, t.count[PAPER_CORRECT], t.count[PAPER_FALSE],
+            t.behind);
 }
 
 /* Where camera 1's search from this guess ends. */
@@ -559,11 +537,9 @@ static void print_end(FILE *file, int points, double pitch, double roll)
     fprintf(file, "%d,%g,%g,%s", points, pitch, roll,
             a.behind ? "behind" : outcome_names[a.outcome]);
     if (a.has_pose) {
-        paper_expect(rigcal_yaw_pitch_roll_from_rotation(ypr, a.pose.R) ==
-                         RIGCAL_OK,
+        paper_expect(rigcal_yaw_pitch_roll_from_rotation(ypr, a.pose.R) == RIGCAL_OK,
                      "a rotation has no angles");
-        fprintf(file, ",%.2f,%.2f\n", ypr[1] / PAPER_DEGREE,
-                ypr[2] / PAPER_DEGREE);
+        fprintf(file, ",%.2f,%.2f\n", ypr[1] / PAPER_DEGREE, ypr[2] / PAPER_DEGREE);
     } else {
         fprintf(file, ",,\n");
     }
@@ -595,17 +571,15 @@ void figure_counts(void)
 static const struct {
     const char *name;
     int eliminated, pairs_used;
-} choices[] = {
-    {"yaw_2", RIGCAL_YAW, 2},     {"pitch_2", RIGCAL_PITCH, 2},
-    {"roll_2", RIGCAL_ROLL, 2},   {"best_2", RIGCAL_BEST_CONDITIONED, 2},
-    {"yaw_all", RIGCAL_YAW, 0},   {"pitch_all", RIGCAL_PITCH, 0},
-    {"roll_all", RIGCAL_ROLL, 0}, {"best_all", RIGCAL_BEST_CONDITIONED, 0}};
+} choices[] = {{"yaw_2", RIGCAL_YAW, 2},     {"pitch_2", RIGCAL_PITCH, 2},
+               {"roll_2", RIGCAL_ROLL, 2},   {"best_2", RIGCAL_BEST_CONDITIONED, 2},
+               {"yaw_all", RIGCAL_YAW, 0},   {"pitch_all", RIGCAL_PITCH, 0},
+               {"roll_all", RIGCAL_ROLL, 0}, {"best_all", RIGCAL_BEST_CONDITIONED, 0}};
 
 /* Rotation error over the bound's 1-sigma of all three axes. */
 static double over_sigma(const paper_attempt *a, const double Sigma[36])
 {
-    return a->has_pose ? a->degrees * PAPER_DEGREE /
-                             sqrt(Sigma[0] + Sigma[7] + Sigma[14])
+    return a->has_pose ? a->degrees * PAPER_DEGREE / sqrt(Sigma[0] + Sigma[7] + Sigma[14])
                        : HUGE_VAL;
 }
 
@@ -621,9 +595,8 @@ static void make_trial(trial *t, int k)
 
     paper_scene_random(&t->scene, k, PAPER_DOCUMENTED_CM);
     paper_look(&t->images, &t->scene, (int)PAPER_WIDTH, PAPER_DIGITAL);
-    paper_expect(
-        paper_covariance(t->Sigma, &t->scene.cam_from_target[0], &t->images, 0),
-        "a placement has no bound");
+    paper_expect(paper_covariance(t->Sigma, &t->scene.cam_from_target[0], &t->images, 0),
+                 "a placement has no bound");
     t->guess[0] = paper_uniform(&rng, -180, 180);
     t->guess[1] = paper_uniform(&rng, -90, 90);
     t->guess[2] = paper_uniform(&rng, -180, 180);
@@ -633,10 +606,9 @@ void figure_choices(void)
 {
     FILE *const file = table_open("choices");
 
-    fprintf(file,
-            "choice,placements,correct_from_anywhere,false_from_anywhere,"
-            "over_sigma_q25,over_sigma_median,over_sigma_q75,condition_q25,"
-            "condition_median,condition_q75\n");
+    fprintf(file, "choice,placements,correct_from_anywhere,false_from_anywhere,"
+                  "over_sigma_q25,over_sigma_median,over_sigma_q75,condition_q25,"
+                  "condition_median,condition_q75\n");
     for (size_t i = 0; i < sizeof choices / sizeof choices[0]; i++) {
         static sample errors, conditions;
         tally anywhere = {{0}, 0, 0};
@@ -691,8 +663,7 @@ void figure_conditions(void)
                 paper_solve(&a, &p, &t.images, &t.scene, 0);
                 if (a.condition >= 1) {
                     bin = (int)(2 * log10(a.condition));
-                    sample_add(&bins[bin < BINS ? bin : BINS - 1],
-                               over_sigma(&a, t.Sigma));
+                    sample_add(&bins[bin < BINS ? bin : BINS - 1], over_sigma(&a, t.Sigma));
                 }
             }
         }
@@ -700,8 +671,7 @@ void figure_conditions(void)
     fprintf(file, "condition_from,condition_to,n,over_sigma_q25,"
                   "over_sigma_median,over_sigma_q75\n");
     for (int b = 0; b < BINS; b++) {
-        fprintf(file, "%.3g,%.3g,%d", pow(10, b / 2.0), pow(10, (b + 1) / 2.0),
-                bins[b].n);
+        fprintf(file, "%.3g,%.3g,%d", pow(10, b / 2.0), pow(10, (b + 1) / 2.0), bins[b].n);
         sample_print(file, &bins[b]);
         fprintf(file, "\n");
     }

@@ -22,14 +22,14 @@ double paper_degrees(const rigcal_transform *a, const rigcal_transform *b)
 
 void paper_true_angles(double ypr[3], const paper_scene *scene, int c)
 {
-    paper_expect(rigcal_yaw_pitch_roll_from_rotation(
-                     ypr, scene->cam_from_target[c].R) == RIGCAL_OK,
+    paper_expect(rigcal_yaw_pitch_roll_from_rotation(ypr, scene->cam_from_target[c].R) ==
+                     RIGCAL_OK,
                  "a rotation has no angles");
 }
 
 /* How far the first n points miss their images, rms, in focal lengths. */
-static double miss_of(const rigcal_transform *pose, const paper_images *images,
-                      int c, int n)
+static double miss_of(const rigcal_transform *pose, const paper_images *images, int c,
+                      int n)
 {
     double sum = 0;
 
@@ -51,13 +51,12 @@ static double miss_of(const rigcal_transform *pose, const paper_images *images,
 }
 
 /* Solution or none, correct or false. */
-static void judge(paper_attempt *a, const paper_images *images,
-                  const paper_scene *scene, int c, int n)
+static void judge(paper_attempt *a, const paper_images *images, const paper_scene *scene,
+                  int c, int n)
 {
-    const double most = images->digital ? PAPER_MATCH_PX / images->camera.fx
-                                        : PAPER_MATCH_EXACT;
-    const double right =
-        images->digital ? PAPER_RIGHT_DEGREES : PAPER_RIGHT_EXACT;
+    const double most =
+        images->digital ? PAPER_MATCH_PX / images->camera.fx : PAPER_MATCH_EXACT;
+    const double right = images->digital ? PAPER_RIGHT_DEGREES : PAPER_RIGHT_EXACT;
 
     a->degrees = paper_degrees(&a->pose, &scene->cam_from_target[c]);
     if (!(miss_of(&a->pose, images, c, n) <= most)) {
@@ -86,10 +85,9 @@ void paper_solve(paper_attempt *attempt, const paper_procedure *procedure,
 
     memset(attempt, 0, sizeof *attempt);
     attempt->degrees = HUGE_VAL;
-    if (rigcal_pairs_choose(chosen, PAIRS, &n_pairs, seen,
-                            (size_t)procedure->n) != RIGCAL_OK ||
-        procedure->first[0] >= (int)n_pairs ||
-        procedure->first[1] >= (int)n_pairs) {
+    if (rigcal_pairs_choose(chosen, PAIRS, &n_pairs, seen, (size_t)procedure->n) !=
+            RIGCAL_OK ||
+        procedure->first[0] >= (int)n_pairs || procedure->first[1] >= (int)n_pairs) {
         return; /* two points on one pixel, or all on a line of pixels */
     }
     pairs[0] = chosen[procedure->first[0]];
@@ -105,8 +103,8 @@ void paper_solve(paper_attempt *attempt, const paper_procedure *procedure,
     options.pairs_used = procedure->pairs_used;
     options.use_guess = procedure->use_guess;
     memcpy(options.guess_ypr, procedure->guess, sizeof options.guess_ypr);
-    paper_expect(rigcal_paper_begin(&solver, seen, (size_t)procedure->n, pairs,
-                                    n_pairs, &options) == RIGCAL_OK,
+    paper_expect(rigcal_paper_begin(&solver, seen, (size_t)procedure->n, pairs, n_pairs,
+                                    &options) == RIGCAL_OK,
                  "the published procedure refuses a scene");
     while (rigcal_paper_step(&solver, INT32_MAX) == RIGCAL_RUNNING) {
     }
@@ -124,8 +122,7 @@ void paper_solve(paper_attempt *attempt, const paper_procedure *procedure,
 }
 
 /* The published objective at a pose that another method found. */
-static double residual_at(const rigcal_transform *pose,
-                          const rigcal_bearing seen[])
+static double residual_at(const rigcal_transform *pose, const rigcal_bearing seen[])
 {
     rigcal_pair pairs[PAIRS];
     rigcal_elimination at;
@@ -167,8 +164,7 @@ void paper_solve_no_guess(paper_attempt *attempt, const paper_images *images,
 }
 
 int paper_solve_three(rigcal_transform poses[RIGCAL_POSES_MAX], int *right,
-                      const paper_images *images, const paper_scene *scene,
-                      int c)
+                      const paper_images *images, const paper_scene *scene, int c)
 {
     const rigcal_view view = first_points(images, c, 3);
     rigcal_pose found[RIGCAL_POSES_MAX];
@@ -226,8 +222,7 @@ int paper_draw(double d[6], const double Sigma[36], paper_rng *rng)
     return 1;
 }
 
-void paper_move(rigcal_transform *moved, const rigcal_transform *pose,
-                const double d[6])
+void paper_move(rigcal_transform *moved, const rigcal_transform *pose, const double d[6])
 {
     rigcal_transform by = {{0}, {0, 0, 0}};
 

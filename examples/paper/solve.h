@@ -46,8 +46,7 @@ void paper_solve_no_guess(paper_attempt *attempt, const paper_images *images,
 /* The same on three points: all the poses that it returns, and which of them is
  * correct, or -1. Returns how many. */
 int paper_solve_three(rigcal_transform poses[RIGCAL_POSES_MAX], int *right,
-                      const paper_images *images, const paper_scene *scene,
-                      int c);
+                      const paper_images *images, const paper_scene *scene, int c);
 
 /* The covariance of camera c's pose at `pose`, for the noise of whole pixels. 0
  * when the points do not fix the pose. */
@@ -58,8 +57,7 @@ int paper_covariance(double Sigma[36], const rigcal_transform *pose,
 int paper_draw(double d[6], const double Sigma[36], paper_rng *rng);
 
 /* The pose moved by (w, dt), as in rigcal_pose_uncertainty. */
-void paper_move(rigcal_transform *moved, const rigcal_transform *pose,
-                const double d[6]);
+void paper_move(rigcal_transform *moved, const rigcal_transform *pose, const double d[6]);
 
 double paper_degrees(const rigcal_transform *a, const rigcal_transform *b);
 double paper_length(const double a[3], const double b[3]);

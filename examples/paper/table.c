@@ -12,8 +12,8 @@ FILE *table_open(const char *name)
     char path[1000];
     FILE *file;
 
-    paper_expect((size_t)snprintf(path, sizeof path, "%s/%s.csv", table_folder,
-                                  name) < sizeof path,
+    paper_expect((size_t)snprintf(path, sizeof path, "%s/%s.csv", table_folder, name) <
+                     sizeof path,
                  "the folder's name is too long");
     file = fopen(path, "w");
     if (file == NULL) {

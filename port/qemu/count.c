@@ -27,18 +27,17 @@ enum { NO_REGISTERS = 0, INLINE_ADD = 0 };
 
 extern void qemu_plugin_register_vcpu_tb_trans_cb(plugin_id, tb_callback *);
 extern size_t qemu_plugin_tb_n_insns(const struct qemu_plugin_tb *);
-extern struct qemu_plugin_insn *qemu_plugin_tb_get_insn(
-    const struct qemu_plugin_tb *, size_t);
+extern struct qemu_plugin_insn *qemu_plugin_tb_get_insn(const struct qemu_plugin_tb *,
+                                                        size_t);
 extern const char *qemu_plugin_insn_symbol(const struct qemu_plugin_insn *);
-extern void qemu_plugin_register_vcpu_insn_exec_inline(
-    struct qemu_plugin_insn *, int, void *, uint64_t);
+extern void qemu_plugin_register_vcpu_insn_exec_inline(struct qemu_plugin_insn *, int,
+                                                       void *, uint64_t);
 extern void qemu_plugin_register_vcpu_insn_exec_cb(struct qemu_plugin_insn *,
                                                    exec_callback *, int, void *);
 extern void qemu_plugin_register_atexit_cb(plugin_id, exit_callback *, void *);
 
 EXPORTED int qemu_plugin_version = 1;
-EXPORTED int qemu_plugin_install(plugin_id id, const void *info, int argc,
-                                 char **argv);
+EXPORTED int qemu_plugin_install(plugin_id id, const void *info, int argc, char **argv);
 
 enum { SYMBOLS_MAX = 4096 };
 
@@ -105,8 +104,8 @@ static void translated(plugin_id id, struct qemu_plugin_tb *tb)
             qemu_plugin_register_vcpu_insn_exec_cb(insn, at_end, NO_REGISTERS, NULL);
         } else {
             qemu_plugin_register_vcpu_insn_exec_inline(insn, INLINE_ADD, &total, 1);
-            qemu_plugin_register_vcpu_insn_exec_inline(insn, INLINE_ADD,
-                                                       counter_of(name), 1);
+            qemu_plugin_register_vcpu_insn_exec_inline(insn, INLINE_ADD, counter_of(name),
+                                                       1);
         }
     }
 }
@@ -116,8 +115,7 @@ static void finished(plugin_id id, void *data)
     (void)id, (void)data;
     for (int i = 0; i < n_symbols; i++) {
         if (symbols[i].inside > 0) {
-            fprintf(out, "symbol %" PRIu64 " %s\n", symbols[i].inside,
-                    symbols[i].name);
+            fprintf(out, "symbol %" PRIu64 " %s\n", symbols[i].inside, symbols[i].name);
         }
     }
     fclose(out);

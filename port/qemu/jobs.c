@@ -100,8 +100,12 @@ static void transform(rigcal_transform *T, const double R[9], const double t[3])
 /* A VGA camera of 800 px; with a lens, Brown's k1, k2, k3, p1, p2. */
 static rigcal_camera camera_of(int has_lens)
 {
-    rigcal_camera camera = {.lens = RIGCAL_LENS_BROWN, .width = 640, .height = 480,
-                            .fx = 800, .fy = 800, .cx = (rigcal_real)319.5,
+    rigcal_camera camera = {.lens = RIGCAL_LENS_BROWN,
+                            .width = 640,
+                            .height = 480,
+                            .fx = 800,
+                            .fy = 800,
+                            .cx = (rigcal_real)319.5,
                             .cy = (rigcal_real)239.5};
     if (has_lens) {
         camera.k1 = (rigcal_real)-0.28;
@@ -217,7 +221,7 @@ static void make_scene(size_t n, kind what, uint64_t seed)
     scene.warm.use_start = 1;
     transform(&scene.warm.start, turned, t);
     (void)rigcal_transform_between(&scene.b_from_a, &scene.cam_from_world[1],
-                               &scene.cam_from_world[0]);
+                                   &scene.cam_from_world[0]);
 }
 
 #ifndef JOBS_ONLY_SCENES /* which is all that steps.c wants */
@@ -280,19 +284,18 @@ static rigcal_status covariance(void)
 static rigcal_status triangulate(void)
 {
     return rigcal_point_triangulate(&result.point, scene.camera, scene.cam_from_world,
-                              scene.uv_both, 2, (rigcal_real)NOISE_PX);
+                                    scene.uv_both, 2, (rigcal_real)NOISE_PX);
 }
 
 static rigcal_status epiline(void)
 {
-    return rigcal_epiline_px(result.line, &scene.camera[1], &scene.b_from_a,
-                             scene.ray);
+    return rigcal_epiline_px(result.line, &scene.camera[1], &scene.b_from_a, scene.ray);
 }
 
 static rigcal_status relative_pose(void)
 {
     return rigcal_transform_between(&result.transform, &scene.cam_from_world[1],
-                                &scene.cam_from_world[0]);
+                                    &scene.cam_from_world[0]);
 }
 
 typedef struct {
@@ -347,8 +350,7 @@ enum { PATTERN = 0xA5 };
 
 /* Fills the stack below, calls, and sees how far down it was written: from this
  * function's own stack pointer on. */
-static size_t __attribute__((noinline)) measure(rigcal_status *status,
-                                                const job *todo)
+static size_t __attribute__((noinline)) measure(rigcal_status *status, const job *todo)
 {
     register volatile unsigned char *const sp __asm__("sp");
     volatile unsigned char *const top = sp;

@@ -21,7 +21,8 @@ static void __attribute__((destructor)) check_guard(void)
     for (int i = 0; i < GUARD; i++) {
         if (guard[i] != PATTERN) {
             printf("the stack came down to the data: %d bytes below the guard's "
-                   "end\n", GUARD - i);
+                   "end\n",
+                   GUARD - i);
             _Exit(99);
         }
     }

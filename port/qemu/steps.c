@@ -185,9 +185,8 @@ static rigcal_status result(const solver *s, const group *g)
     rigcal_pose poses[RIGCAL_POSES_MAX];
     rigcal_paper_pose pose;
     size_t n_found, n_inliers;
-    return (g->to_do == ROBUST)
-               ? rigcal_robust_result(poses, RIGCAL_POSES_MAX, &n_found, &n_inliers,
-                                      &s->robust)
+    return (g->to_do == ROBUST) ? rigcal_robust_result(poses, RIGCAL_POSES_MAX, &n_found,
+                                                       &n_inliers, &s->robust)
            : (g->to_do == PUBLISHED)
                ? rigcal_paper_result(&pose, &s->paper)
                : rigcal_pose_result(poses, RIGCAL_POSES_MAX, &n_found, NULL, &s->pose);
@@ -255,9 +254,10 @@ static void measure(longest *of, const group *g, uint64_t i, int b, int32_t one)
 int main(void)
 {
     int32_t beyond = 0;
-    printf("| scene | one evaluation | begin | step of 1 | step of 4 | step of 16 | result |"
-           " beyond b + 1 |\n"
-           "| --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: |\n");
+    printf(
+        "| scene | one evaluation | begin | step of 1 | step of 4 | step of 16 | result |"
+        " beyond b + 1 |\n"
+        "| --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: |\n");
     for (const group *g = GROUP; g < GROUP + GROUPS; g++) {
         const uint64_t scenes = (g->to_do == PUBLISHED) ? SCENES_PUBLISHED : SCENES;
         longest of = {0};

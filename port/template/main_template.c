@@ -29,8 +29,10 @@ static void say(const char *text)
 /* Four corners of a square 2 ahead of the camera and a pin that sticks out by 0.4:
  * u = 320 + 800 X / Z, v = 240 + 800 Y / Z, Z = 2 and 1.6, with no rounding. */
 static const rigcal_observation SEEN[] = {
-    {{-1, -1, 0}, {-80, -160}}, {{1, -1, 0}, {720, -160}},
-    {{1, 1, 0}, {720, 640}}, {{-1, 1, 0}, {-80, 640}},
+    {{-1, -1, 0}, {-80, -160}},
+    {{1, -1, 0}, {720, -160}},
+    {{1, 1, 0}, {720, 640}},
+    {{-1, 1, 0}, {-80, 640}},
     {{(rigcal_real)0.5, 0, (rigcal_real)-0.4}, {570, 240}}};
 
 enum { POINTS = sizeof SEEN / sizeof SEEN[0] };
@@ -91,8 +93,8 @@ int main(void)
     size_t n_found;
 
     if (rigcal_sizeof_real() != (int32_t)sizeof(rigcal_real) ||
-        rigcal_version() != RIGCAL_VERSION_MAJOR * 10000 +
-                                RIGCAL_VERSION_MINOR * 100 + RIGCAL_VERSION_PATCH) {
+        rigcal_version() != RIGCAL_VERSION_MAJOR * 10000 + RIGCAL_VERSION_MINOR * 100 +
+                                RIGCAL_VERSION_PATCH) {
         say("The library was not compiled as this program was.");
         return 1;
     }

@@ -99,10 +99,11 @@ static void rotation_of(double R[9], const double q[4])
 {
     const double w = q[0], x = q[1], y = q[2], z = q[3];
     const double n = w * w + x * x + y * y + z * z;
-    const double rows[9] = {
-        w * w + x * x - y * y - z * z, 2 * (x * y - w * z), 2 * (x * z + w * y),
-        2 * (x * y + w * z), w * w - x * x + y * y - z * z, 2 * (y * z - w * x),
-        2 * (x * z - w * y), 2 * (y * z + w * x), w * w - x * x - y * y + z * z};
+    const double rows[9] = {w * w + x * x - y * y - z * z, 2 * (x * y - w * z),
+                            2 * (x * z + w * y),           2 * (x * y + w * z),
+                            w * w - x * x + y * y - z * z, 2 * (y * z - w * x),
+                            2 * (x * z - w * y),           2 * (y * z + w * x),
+                            w * w - x * x - y * y + z * z};
 
     for (int i = 0; i < 9; i++) {
         R[i] = rows[i] / n;
@@ -113,9 +114,8 @@ static void image(double uv[2], const rigcal_camera *c, const double X_c[3])
 {
     const double r = sqrt(X_c[0] * X_c[0] + X_c[1] * X_c[1]), k1 = (double)c->k1;
     const double theta = atan2(r, X_c[2]), m = r / X_c[2];
-    const double rd = c->lens == RIGCAL_LENS_FISHEYE
-                          ? theta * (1 + k1 * theta * theta)
-                          : m * (1 + k1 * m * m);
+    const double rd = c->lens == RIGCAL_LENS_FISHEYE ? theta * (1 + k1 * theta * theta)
+                                                     : m * (1 + k1 * m * m);
 
     for (int i = 0; i < 2; i++) {
         uv[i] = 400 * rd * X_c[i] / r + (i == 0 ? 640 : 480);
@@ -206,14 +206,14 @@ static rigcal_status solve(void)
 {
     size_t n;
 
-    return rigcal_solve_pose(poses, &n, RIGCAL_POSES_MAX, NULL, &scene.camera,
-                             scene.seen, NULL, POINTS, NULL);
+    return rigcal_solve_pose(poses, &n, RIGCAL_POSES_MAX, NULL, &scene.camera, scene.seen,
+                             NULL, POINTS, NULL);
 }
 
 static rigcal_status solve_paper(void)
 {
-    return rigcal_paper_solve(&paper, scene.sightings, POINTS, scene.pairs,
-                              scene.n_pairs, NULL);
+    return rigcal_paper_solve(&paper, scene.sightings, POINTS, scene.pairs, scene.n_pairs,
+                              NULL);
 }
 
 static const struct {
@@ -226,12 +226,10 @@ static const struct {
     {"rigcal_rotation_from_yaw_pitch_roll", prepare_angles, from_angles, output, 9},
     {"rigcal_rotation_from_vector", prepare_angles, from_vector, output, 9},
     {"rigcal_pixel_to_ray,_fisheye", prepare_pixel, to_ray, output, 3},
-    {"rigcal_solve_pose,_8_points", prepare_pinhole, solve,
-     poses[0].cam_from_world.R, 9},
+    {"rigcal_solve_pose,_8_points", prepare_pinhole, solve, poses[0].cam_from_world.R, 9},
     {"rigcal_solve_pose,_8_points,_fisheye", prepare_fisheye, solve,
      poses[0].cam_from_world.R, 9},
-    {"rigcal_paper_solve,_8_points", prepare_paper, solve_paper,
-     paper.cam_from_world.R, 9},
+    {"rigcal_paper_solve,_8_points", prepare_paper, solve_paper, paper.cam_from_world.R, 9},
 };
 
 int main(void)

@@ -23,8 +23,7 @@ static int is_near(const bench_minima *m, int i, const double R[9])
     return test_angle_between(m->list[i].R, R) < BENCH_SAME_ROTATION;
 }
 
-int bench_is_minimum(const bench_minima *m, int i, const double R[9],
-                     const double t[3])
+int bench_is_minimum(const bench_minima *m, int i, const double R[9], const double t[3])
 {
     const test_data data = data_of(m->scene);
 

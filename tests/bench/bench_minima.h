@@ -38,7 +38,6 @@ int bench_minima_ranked(const bench_minima *m, int rank);
 int bench_is_best(const bench_minima *m, int i, double tol);
 
 /* Whether a pose is as good as minimum i, but for rounding. */
-int bench_is_minimum(const bench_minima *m, int i, const double R[9],
-                     const double t[3]);
+int bench_is_minimum(const bench_minima *m, int i, const double R[9], const double t[3]);
 
 #endif /* BENCH_MINIMA_H */

@@ -168,8 +168,7 @@ static void problem_make(problem &p, const bench_family *f, int n, long index,
         p.X.emplace_back(o.X_w[0], o.X_w[1], o.X_w[2]);
         p.uv.emplace_back(o.uv[0], o.uv[1]);
     }
-    p.K = cv::Matx33d(s.camera.fx, 0, s.camera.cx, 0, s.camera.fy, s.camera.cy, 0,
-                      0, 1);
+    p.K = cv::Matx33d(s.camera.fx, 0, s.camera.cx, 0, s.camera.fy, s.camera.cy, 0, 0, 1);
     bench_disturb(p.R_start, p.t_start, &s);
     p.start = test_transform(p.R_start, p.t_start);
     p.rvec_start = vector_of(p.R_start);
@@ -234,12 +233,11 @@ static bool on_four(const bench_family *, int n)
     return n == 4;
 }
 
-static void run_rigcal(outcome &o, const problem &p,
-                       const rigcal_pose_options *options)
+static void run_rigcal(outcome &o, const problem &p, const rigcal_pose_options *options)
 {
-    const rigcal_status status = rigcal_solve_pose(
-        o.poses, &o.n_poses, RIGCAL_POSES_MAX, nullptr, &p.scene.camera,
-        p.scene.seen, nullptr, (size_t)p.scene.n, options);
+    const rigcal_status status =
+        rigcal_solve_pose(o.poses, &o.n_poses, RIGCAL_POSES_MAX, nullptr, &p.scene.camera,
+                          p.scene.seen, nullptr, (size_t)p.scene.n, options);
 
     if (status < 0) {
         o.n_poses = 0;
@@ -282,8 +280,7 @@ template <int flags> static void run_one(outcome &o, const problem &p)
     }
 }
 
-static double sum_of(const problem &p, const cv::Vec3d &rvec,
-                     const cv::Vec3d &tvec)
+static double sum_of(const problem &p, const cv::Vec3d &rvec, const cv::Vec3d &tvec)
 {
     double R[9], sum = 0;
 
@@ -293,8 +290,8 @@ static double sum_of(const problem &p, const cv::Vec3d &rvec,
 
         test_project(xy, R, tvec.val, p.scene.seen[i].X_w);
         for (int k = 0; k < 2; k++) {
-            const double off = (k ? p.K(1, 1) : p.K(0, 0)) * xy[k] + p.K(k, 2) -
-                               p.scene.seen[i].uv[k];
+            const double off =
+                (k ? p.K(1, 1) : p.K(0, 0)) * xy[k] + p.K(k, 2) - p.scene.seen[i].uv[k];
 
             sum += off * off;
         }
@@ -322,8 +319,8 @@ static void choose(outcome &o, const problem &p)
 
 template <int flags> static void run_all(outcome &o, const problem &p)
 {
-    (void)cv::solvePnPGeneric(p.X, p.uv, p.K, cv::noArray(), o.rvecs, o.tvecs,
-                              false, (cv::SolvePnPMethod)flags);
+    (void)cv::solvePnPGeneric(p.X, p.uv, p.K, cv::noArray(), o.rvecs, o.tvecs, false,
+                              (cv::SolvePnPMethod)flags);
     choose(o, p);
 }
 
@@ -336,8 +333,7 @@ template <int flags> static void run_three(outcome &o, const problem &p)
 static void refine(outcome &o, const problem &p)
 {
     for (size_t i = 0; i < o.rvecs.size(); i++) {
-        cv::solvePnPRefineLM(p.X, p.uv, p.K, cv::noArray(), o.rvecs[i],
-                             o.tvecs[i]);
+        cv::solvePnPRefineLM(p.X, p.uv, p.K, cv::noArray(), o.rvecs[i], o.tvecs[i]);
     }
     choose(o, p);
 }
@@ -350,8 +346,8 @@ template <int flags> static void run_one_refined(outcome &o, const problem &p)
 
 template <int flags> static void run_all_refined(outcome &o, const problem &p)
 {
-    (void)cv::solvePnPGeneric(p.X, p.uv, p.K, cv::noArray(), o.rvecs, o.tvecs,
-                              false, (cv::SolvePnPMethod)flags);
+    (void)cv::solvePnPGeneric(p.X, p.uv, p.K, cv::noArray(), o.rvecs, o.tvecs, false,
+                              (cv::SolvePnPMethod)flags);
     refine(o, p);
 }
 
@@ -452,8 +448,7 @@ struct batch {
     outcome outcomes[METHODS][BATCH];
 };
 
-static void add_error(cell &c, const bench_scene &s, const double R[9],
-                      const double t[3])
+static void add_error(cell &c, const bench_scene &s, const double R[9], const double t[3])
 {
     double deviation[6], squares[2];
 
@@ -557,17 +552,17 @@ static void judge_scene(row &r, const batch &b, int scene, long index, bool list
     for (int k = 0; k < METHODS; k++) {
         if (is_used(methods[k], r)) {
             cell &c = r.cells[k];
-            const bool well = r.n == 3 ? judge_three(c, found[k], m)
-                                       : judge_first(c, found[k], m,
-                                                     methods[k].where == WARM);
+            const bool well = r.n == 3
+                                  ? judge_three(c, found[k], m)
+                                  : judge_first(c, found[k], m, methods[k].where == WARM);
 
             if (r.n > 3 && methods[k].several) {
                 judge_second(c, found[k], m);
             }
             if (!well && list && methods[k].is_ours) {
-                std::fprintf(stderr, "%s %d %ld %g %g %g: %s\n", r.f->name, r.n,
-                             index, r.view.sigma, r.view.nearest,
-                             r.view.farthest, methods[k].name);
+                std::fprintf(stderr, "%s %d %ld %g %g %g: %s\n", r.f->name, r.n, index,
+                             r.view.sigma, r.view.nearest, r.view.farthest,
+                             methods[k].name);
             }
         }
     }
@@ -700,10 +695,8 @@ static std::vector<int> columns(const std::vector<row> &rows,
     std::vector<int> chosen;
 
     for (int k = 0; k < METHODS; k++) {
-        const bool used =
-            std::any_of(rows.begin(), rows.end(), [k](const row &r) {
-                return is_used(methods[k], r);
-            });
+        const bool used = std::any_of(rows.begin(), rows.end(),
+                                      [k](const row &r) { return is_used(methods[k], r); });
 
         if (used && wanted(methods[k])) {
             chosen.push_back(k);
@@ -714,8 +707,8 @@ static std::vector<int> columns(const std::vector<row> &rows,
 
 /* with_view: noise and distance are columns. with_minimum: so is the minimum. */
 static void print_table(const char *title, const std::vector<row> &rows,
-                        bool (*wanted)(const method &), cell_printer print,
-                        bool with_view, bool with_minimum)
+                        bool (*wanted)(const method &), cell_printer print, bool with_view,
+                        bool with_minimum)
 {
     const std::vector<int> chosen = columns(rows, wanted);
 
@@ -774,8 +767,7 @@ static bool is_several(const method &m)
     return m.several;
 }
 
-static row row_of(const bench_family *f, int n, const bench_view &view,
-                  int scenes)
+static row row_of(const bench_family *f, int n, const bench_view &view, int scenes)
 {
     row r{};
 
@@ -787,8 +779,7 @@ static row row_of(const bench_family *f, int n, const bench_view &view,
 }
 
 /* Some of the lines. */
-static std::vector<row> those(const std::vector<row> &rows,
-                              bool (*wanted)(const row &))
+static std::vector<row> those(const std::vector<row> &rows, bool (*wanted)(const row &))
 {
     std::vector<row> chosen;
 
@@ -808,17 +799,16 @@ static bool is_short(const row &r)
 
 static void print_accuracy(const std::vector<row> &rows, bool with_view)
 {
-    print_table("Wrong, or none + wrong", rows, is_cold, print_wrong, with_view,
-                false);
-    print_table("Error over bound, rotation, translation", rows, is_cold,
-                print_error, with_view, true);
+    print_table("Wrong, or none + wrong", rows, is_cold, print_wrong, with_view, false);
+    print_table("Error over bound, rotation, translation", rows, is_cold, print_error,
+                with_view, true);
 }
 
 static void explain(int scenes)
 {
-    std::printf("rigcal %d.%d.%d, %s; OpenCV %s. %d scenes a line.\n",
-                RIGCAL_VERSION_MAJOR, RIGCAL_VERSION_MINOR, RIGCAL_VERSION_PATCH,
-                BENCH_BUILD, cv::getVersionString().c_str(), scenes);
+    std::printf("rigcal %d.%d.%d, %s; OpenCV %s. %d scenes a line.\n", RIGCAL_VERSION_MAJOR,
+                RIGCAL_VERSION_MINOR, RIGCAL_VERSION_PATCH, BENCH_BUILD,
+                cv::getVersionString().c_str(), scenes);
 }
 
 static void bench_targets(int scenes, double sigma, bool list)
@@ -840,13 +830,13 @@ static void bench_targets(int scenes, double sigma, bool list)
         }
     }
     print_accuracy(rows, false);
-    print_table("Second not returned", those(rows, is_flat), is_several,
-                print_second, false, false);
-    print_table("Time over rigcal's", those(rows, is_short), is_cold, print_time,
+    print_table("Second not returned", those(rows, is_flat), is_several, print_second,
                 false, false);
+    print_table("Time over rigcal's", those(rows, is_short), is_cold, print_time, false,
+                false);
     print_table("From a start 2 degrees and 2 % off: wrong; error over bound; time "
-                "over that of rigcal without it", those(rows, is_short), is_warm,
-                print_warm, false, false);
+                "over that of rigcal without it",
+                those(rows, is_short), is_warm, print_warm, false, false);
 }
 
 static void bench_noises(int scenes, bool list)
@@ -901,14 +891,14 @@ static void bench_three(int scenes, double sigma, bool list)
         }
     }
     print_table("No answer, the true one missing, others missing a scene, "
-                "returned a scene", rows, is_three, print_three, false, false);
+                "returned a scene",
+                rows, is_three, print_three, false, false);
     print_table("Time over rigcal's", rows, is_three, print_time, false, false);
 }
 
 /* ---- one scene ----------------------------------------------------------- */
 
-static void bench_replay(const bench_family *f, int n, long index,
-                         const bench_view &view)
+static void bench_replay(const bench_family *f, int n, long index, const bench_view &view)
 {
     static batch b;
     row r = row_of(f, n, view, 1);
@@ -930,15 +920,13 @@ static void bench_replay(const bench_family *f, int n, long index,
         for (int i = 0; i < a.n; i++) {
             const test_data data = {&s.camera, s.seen, nullptr, s.n};
 
-            std::printf("  sum %.9g, in minimum %d\n",
-                        test_sse(&data, a.R[i], a.t[i]),
+            std::printf("  sum %.9g, in minimum %d\n", test_sse(&data, a.R[i], a.t[i]),
                         bench_minima_add(&m, a.R[i], a.t[i]));
         }
     }
     for (int i = 0; i < m.n; i++) {
         std::printf("minimum %d: sum %.9g, %.3f degrees from the truth%s\n", i,
-                    m.list[i].sse,
-                    test_angle_between(m.list[i].R, s.R) / BENCH_DEGREE,
+                    m.list[i].sse, test_angle_between(m.list[i].R, s.R) / BENCH_DEGREE,
                     i == m.truth ? ", which lies in it" : "");
     }
 }
@@ -1055,12 +1043,9 @@ int main(int argc, char **argv)
         usage();
     }
     const auto scenes = [&args] {
-        return args.size() > 1 ? whole_number(args[1], 1, SCENES_MAX)
-                               : (int)SCENES;
+        return args.size() > 1 ? whole_number(args[1], 1, SCENES_MAX) : (int)SCENES;
     };
-    const auto noise = [&args] {
-        return args.size() > 2 ? noise_of(args[2]) : 0.5;
-    };
+    const auto noise = [&args] { return args.size() > 2 ? noise_of(args[2]) : 0.5; };
 
     cv::setNumThreads(1);
     cv::ocl::setUseOpenCL(false);
@@ -1072,10 +1057,10 @@ int main(int argc, char **argv)
     } else if (args[0] == "three" && args.size() <= 3) {
         bench_three(scenes(), noise(), list);
     } else if (args[0] == "replay" && args.size() == 7) {
-        bench_replay(family_of(args[1]), whole_number(args[2], 3, TEST_SCENE_MAX),
-                     whole_number(args[3], 0, SCENES_MAX),
-                     bench_view{distance_of(args[5]), distance_of(args[6]),
-                                noise_of(args[4])});
+        bench_replay(
+            family_of(args[1]), whole_number(args[2], 3, TEST_SCENE_MAX),
+            whole_number(args[3], 0, SCENES_MAX),
+            bench_view{distance_of(args[5]), distance_of(args[6]), noise_of(args[4])});
     } else if (args[0] == "methods" && args.size() == 3) {
         bench_methods(family_of(args[1]), whole_number(args[2], 3, TEST_SCENE_MAX));
     } else if (args[0] == "solve" && args.size() == 5) {

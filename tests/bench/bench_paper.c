@@ -55,15 +55,14 @@ static rigcal_status see(problem *p, const test_scene *scene)
 {
     p->n = (size_t)scene->n;
     test_sightings(p->sightings, scene);
-    return rigcal_pairs_choose(p->pairs, &p->n_pairs, rigcal_pairs_for(p->n),
-                               p->sightings, p->n);
+    return rigcal_pairs_choose(p->pairs, &p->n_pairs, rigcal_pairs_for(p->n), p->sightings,
+                               p->n);
 }
 
 static rigcal_status solve(rigcal_paper_pose *pose, const problem *p,
                            const rigcal_paper_options *options)
 {
-    return rigcal_paper_solve(pose, p->sightings, p->n, p->pairs, p->n_pairs,
-                              options);
+    return rigcal_paper_solve(pose, p->sightings, p->n, p->pairs, p->n_pairs, options);
 }
 
 /* Degrees between a pose's rotation and the true one. */
@@ -91,8 +90,7 @@ static double rms_of_truth(const test_scene *scene)
 
 /* What a search must reach. A flat target's other optimum may fit better than the
  * one at the truth, and is then no mistake. */
-static double rms_from_truth(grid_cell *cell, const problem *p,
-                             const test_scene *scene)
+static double rms_from_truth(grid_cell *cell, const problem *p, const test_scene *scene)
 {
     rigcal_paper_options options;
     rigcal_paper_pose pose;
@@ -107,8 +105,8 @@ static double rms_from_truth(grid_cell *cell, const problem *p,
     return D(pose.rms);
 }
 
-static int is_right(grid_cell *cell, const rigcal_paper_pose *pose,
-                    const problem *p, const test_scene *scene, int noisy)
+static int is_right(grid_cell *cell, const rigcal_paper_pose *pose, const problem *p,
+                    const test_scene *scene, int noisy)
 {
     if (noisy) {
         return D(pose->rms) <= RIGHT_RMS * rms_from_truth(cell, p, scene);
@@ -184,16 +182,17 @@ static void bench_grid(int scenes)
            "noisy, rms within\n%g times that of the search from the truth.\n\n",
            scenes, RIGHT_DEGREES, RIGHT_RMS);
     printf("| target | points | exact: right | evaluations | not OK "
-           "| %g px noise: right | evaluations | not OK |\n", NOISE_PX);
+           "| %g px noise: right | evaluations | not OK |\n",
+           NOISE_PX);
     printf("| --- | ---: | ---: | ---: | --- | ---: | ---: | --- |\n");
     for (int shape = TEST_GENERAL; shape <= TEST_SQUARE; shape++) {
         for (size_t i = 0; i < sizeof counts / sizeof counts[0]; i++) {
-            truth_failed +=
-                grid_row((test_shape)shape, names[shape], counts[i], scenes);
+            truth_failed += grid_row((test_shape)shape, names[shape], counts[i], scenes);
         }
     }
     printf("\nNoisy scenes where the search from the truth gave no pose, and the "
-           "rms of the true pose\ncounts: %d.\n", truth_failed);
+           "rms of the true pose\ncounts: %d.\n",
+           truth_failed);
 }
 
 /* ---- real views ---------------------------------------------------------- */
@@ -257,8 +256,7 @@ static void read_pose(rigcal_transform *pose, const csv_table *table, size_t row
 }
 
 static void read_sightings(real_view *view, const cli_cameras *cameras,
-                           const cli_observations *seen, size_t camera,
-                           size_t frame)
+                           const cli_observations *seen, size_t camera, size_t frame)
 {
     rigcal_observation *const observed = cli_alloc(seen->count, sizeof *observed);
     rigcal_status status;
@@ -275,8 +273,7 @@ static void read_sightings(real_view *view, const cli_cameras *cameras,
     status = rigcal_sightings_from_observations(
         view->sightings, NULL, &cameras->camera[camera], observed, view->n);
     if (status != RIGCAL_OK) {
-        cli_fail("%s: a view has no rays: %s", view->set,
-                 rigcal_status_text(status));
+        cli_fail("%s: a view has no rays: %s", view->set, rigcal_status_text(status));
     }
 }
 
@@ -357,8 +354,7 @@ static void print_spread(double error[], size_t n)
         return;
     }
     qsort(error, n, sizeof *error, by_size);
-    printf(" %.3f | %.3f |", error[n - 1],
-           (error[(n - 1) / 2] + error[n / 2]) / 2);
+    printf(" %.3f | %.3f |", error[n - 1], (error[(n - 1) / 2] + error[n / 2]) / 2);
 }
 
 static void errors_print(errors *e)
@@ -371,8 +367,8 @@ static void errors_print(errors *e)
     fflush(stdout);
 }
 
-#define ERROR_COLUMNS                                                          \
-    " rotation [deg]: worst | median | translation [%%]: worst | median "      \
+#define ERROR_COLUMNS \
+    " rotation [deg]: worst | median | translation [%%]: worst | median " \
     "| evaluations | not OK |\n"
 #define ERROR_RULE " ---: | ---: | ---: | ---: | ---: | --- |\n"
 
@@ -384,8 +380,7 @@ static rigcal_paper_options options_near(const real_view *view)
 
     (void)rigcal_paper_defaults(&options);
     options.use_guess = 1;
-    if (rigcal_yaw_pitch_roll_from_rotation(options.guess_ypr,
-                                            view->reference.R) < 0) {
+    if (rigcal_yaw_pitch_roll_from_rotation(options.guess_ypr, view->reference.R) < 0) {
         cli_fail("%s: a reference pose has no angles", view->set);
     }
     for (int k = 0; k < 3; k++) {
@@ -394,9 +389,8 @@ static rigcal_paper_options options_near(const real_view *view)
     return options;
 }
 
-static void solve_view(errors *e, const real_view *view,
-                       const rigcal_pair pairs[], size_t n_pairs,
-                       int32_t eliminating, int32_t eliminate)
+static void solve_view(errors *e, const real_view *view, const rigcal_pair pairs[],
+                       size_t n_pairs, int32_t eliminating, int32_t eliminate)
 {
     rigcal_paper_options options = options_near(view);
     rigcal_paper_pose pose;
@@ -404,8 +398,7 @@ static void solve_view(errors *e, const real_view *view,
 
     options.eliminating = eliminating;
     options.eliminate = eliminate;
-    status = rigcal_paper_solve(&pose, view->sightings, view->n, pairs, n_pairs,
-                                &options);
+    status = rigcal_paper_solve(&pose, view->sightings, view->n, pairs, n_pairs, &options);
     tally_add(&e->statuses, status);
     if (status >= 0) {
         errors_add(e, &pose, &view->reference);
@@ -419,38 +412,33 @@ static void print_set(const char *set, const real_views *views)
 
 /* ---- data: what eliminates, and what is eliminated ----------------------- */
 
-static rigcal_pair *choose(size_t *n_pairs, const real_view *view,
-                           size_t capacity)
+static rigcal_pair *choose(size_t *n_pairs, const real_view *view, size_t capacity)
 {
     rigcal_pair *const pairs = cli_alloc(capacity, sizeof *pairs);
-    const rigcal_status status = rigcal_pairs_choose(
-        pairs, n_pairs, capacity, view->sightings, view->n);
+    const rigcal_status status =
+        rigcal_pairs_choose(pairs, n_pairs, capacity, view->sightings, view->n);
 
     if (status != RIGCAL_OK) {
-        cli_fail("%s: a view has no pairs: %s", view->set,
-                 rigcal_status_text(status));
+        cli_fail("%s: a view has no pairs: %s", view->set, rigcal_status_text(status));
     }
     return pairs;
 }
 
-static void data_row(const char *set, const real_views *views,
-                     int32_t eliminating, int32_t eliminate)
+static void data_row(const char *set, const real_views *views, int32_t eliminating,
+                     int32_t eliminate)
 {
-    static const char *const angle[] = {"yaw", "pitch", "roll",
-                                        "best conditioned"};
+    static const char *const angle[] = {"yaw", "pitch", "roll", "best conditioned"};
     errors e = errors_for(views->count);
 
     for (size_t i = 0; i < views->count; i++) {
         const real_view *view = &views->list[i];
         size_t n_pairs;
-        const rigcal_pair *pairs =
-            choose(&n_pairs, view, rigcal_pairs_for(view->n));
+        const rigcal_pair *pairs = choose(&n_pairs, view, rigcal_pairs_for(view->n));
 
         solve_view(&e, view, pairs, n_pairs, eliminating, eliminate);
     }
     print_set(set, views);
-    printf(" %s | %s |", eliminating == 2 ? "two pairs" : "all pairs",
-           angle[eliminate]);
+    printf(" %s | %s |", eliminating == 2 ? "two pairs" : "all pairs", angle[eliminate]);
     errors_print(&e);
 }
 
@@ -479,8 +467,8 @@ typedef struct {
 /* A pair without an equation is left out, and nothing else. */
 static void add_pair(pair_list *list, const real_view *view, size_t i, size_t j)
 {
-    if (rigcal_pair_make(&list->pairs[list->n], view->sightings, view->n,
-                         (int32_t)i, (int32_t)j) == RIGCAL_OK) {
+    if (rigcal_pair_make(&list->pairs[list->n], view->sightings, view->n, (int32_t)i,
+                         (int32_t)j) == RIGCAL_OK) {
         list->n++;
     }
 }
@@ -558,7 +546,7 @@ static pair_list take_all_strides(const real_view *view)
         int new = 1;
 
         for (int before = 0; before < s; before++) {
-            new = new && stride[before] != stride[s];
+            new = new &&stride[before] != stride[s];
         }
         if (new) {
             add_stride(&list, view, stride[s]);
@@ -587,8 +575,7 @@ static size_t farthest(const real_view *view, const size_t of[], int count)
         double least = TEST_PI;
 
         for (int k = 0; k < count; k++) {
-            least = fmin(least, between_rays(&view->sightings[i],
-                                             &view->sightings[of[k]]));
+            least = fmin(least, between_rays(&view->sightings[i], &view->sightings[of[k]]));
         }
         if (least > most) {
             most = least;
@@ -672,8 +659,7 @@ static void append(real_views *all, const real_views *more)
     all->count += more->count;
 }
 
-static void bench_sets(void head(void),
-                       void rows(const char *set, const real_views *views),
+static void bench_sets(void head(void), void rows(const char *set, const real_views *views),
                        const char *const folders[], int count)
 {
     real_views all = {NULL, 0};
@@ -717,8 +703,7 @@ int main(int argc, char **argv)
     static const char *const sets[] = {BENCH_SETS};
     const char *const what = argc > 1 ? argv[1] : "";
     const int given = argc > 2;
-    const char *const *const folders =
-        given ? (const char *const *)(argv + 2) : sets;
+    const char *const *const folders = given ? (const char *const *)(argv + 2) : sets;
     const int count = given ? argc - 2 : (int)(sizeof sets / sizeof sets[0]);
 
     if (strcmp(what, "grid") == 0 && argc <= 3) {

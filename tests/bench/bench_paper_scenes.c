@@ -26,8 +26,8 @@ typedef struct {
     int images, fair, wrong, not_best;
 } counts;
 
-static void scene_of(bench_scene *s, const paper_images *images,
-                     const paper_scene *scene, int c)
+static void scene_of(bench_scene *s, const paper_images *images, const paper_scene *scene,
+                     int c)
 {
     memset(s, 0, sizeof *s);
     s->camera = images->camera;
@@ -37,8 +37,8 @@ static void scene_of(bench_scene *s, const paper_images *images,
 }
 
 /* Digital images: is the best minimum the right one, and was it found? */
-static void judge(counts *sum, const paper_attempt *a,
-                  const paper_images *images, const paper_scene *scene, int c)
+static void judge(counts *sum, const paper_attempt *a, const paper_images *images,
+                  const paper_scene *scene, int c)
 {
     static bench_scene s;
     static bench_minima m;
@@ -53,8 +53,8 @@ static void judge(counts *sum, const paper_attempt *a,
     }
     best = bench_minima_ranked(&m, 0);
     sum->not_best += !bench_is_best(&m, own, BENCH_SUM_TOL);
-    if (best >= 0 && test_angle_between(m.list[best].R, s.R) <=
-                         PAPER_RIGHT_DEGREES * PAPER_DEGREE) {
+    if (best >= 0 &&
+        test_angle_between(m.list[best].R, s.R) <= PAPER_RIGHT_DEGREES * PAPER_DEGREE) {
         sum->fair++;
         sum->wrong += a->outcome != PAPER_CORRECT;
     }

@@ -84,8 +84,7 @@ static int judge_first(minima_cell *cell, const bench_solution *found, bench_min
     double R[9], t[3];
 
     bench_first(R, t, found);
-    if (bench_is_best(m, best, BENCH_SUM_TOL) &&
-        bench_is_minimum(m, best, R, t)) {
+    if (bench_is_best(m, best, BENCH_SUM_TOL) && bench_is_minimum(m, best, R, t)) {
         return 1;
     }
     cell->not_best++;
@@ -100,8 +99,7 @@ static double odds_of(const bench_minima *m, int best, int second)
     return pow(m->list[best].sse / m->list[second].sse, m->scene->n - 3);
 }
 
-static int judge_second(minima_cell *cell, const bench_solution *found,
-                        bench_minima *m)
+static int judge_second(minima_cell *cell, const bench_solution *found, bench_minima *m)
 {
     const int second = bench_minima_ranked(m, 1);
 
@@ -144,8 +142,8 @@ static void judge_error(minima_cell *cell, const bench_scene *s,
         bench_first(R, t, found);
         cell->bounded++;
         cell->squares += mean_square(s, deviation, R, t);
-        cell->squares_of_minimum += mean_square(
-            s, deviation, m->list[m->truth].R, m->list[m->truth].t);
+        cell->squares_of_minimum +=
+            mean_square(s, deviation, m->list[m->truth].R, m->list[m->truth].t);
     }
 }
 
@@ -161,8 +159,7 @@ static int judge(minima_cell *cell, const bench_scene *s, const bench_solution *
     }
     cell->solved++;
     cell->evals += found->evals;
-    cell->evals_most =
-        found->evals > cell->evals_most ? found->evals : cell->evals_most;
+    cell->evals_most = found->evals > cell->evals_most ? found->evals : cell->evals_most;
     well = judge_first(cell, found, m);
     if (has_second) {
         well &= judge_second(cell, found, m);
@@ -200,19 +197,17 @@ static void minima_print(const minima_row *row)
     if (row->n > 0) {
         printf(" %d", row->n);
     }
-    printf(" | %d | %d | %d |", cell->not_best, cell->unlisted,
-           cell->unfinished);
+    printf(" | %d | %d | %d |", cell->not_best, cell->unlisted, cell->unfinished);
     if (row->f->has_second) {
         printf(" %d | %d | %d |", cell->with_second, cell->second_missing,
                cell->second_matters);
     } else {
         printf(" - | - | - |");
     }
-    printf(" %d | %d | %d | %.3f | %.3f | %.1f | %d | ", cell->twice,
-           cell->right, cell->wrong_yet_ok, root(cell->squares, cell->bounded),
+    printf(" %d | %d | %d | %.3f | %.3f | %.1f | %d | ", cell->twice, cell->right,
+           cell->wrong_yet_ok, root(cell->squares, cell->bounded),
            root(cell->squares_of_minimum, cell->bounded),
-           cell->evals / (cell->solved > 0 ? cell->solved : 1),
-           cell->evals_most);
+           cell->evals / (cell->solved > 0 ? cell->solved : 1), cell->evals_most);
     tally_print(&cell->statuses);
     printf(" |\n");
     fflush(stdout);
@@ -232,8 +227,8 @@ static void cell_add(minima_cell *sum, const minima_cell *cell)
     sum->right += cell->right;
     sum->wrong_yet_ok += cell->wrong_yet_ok;
     sum->bounded += cell->bounded;
-    sum->evals_most = cell->evals_most > sum->evals_most ? cell->evals_most
-                                                         : sum->evals_most;
+    sum->evals_most =
+        cell->evals_most > sum->evals_most ? cell->evals_most : sum->evals_most;
     sum->squares += cell->squares;
     sum->squares_of_minimum += cell->squares_of_minimum;
     sum->evals += cell->evals;
@@ -256,7 +251,8 @@ static void minima_sum(const minima_row rows[], int n_rows)
 static void minima_head(void)
 {
     printf("\n| target | points | not best | not returned | not converged "
-           "| second | not returned | though likely | twice | right | wrong, yet OK | error / bound "
+           "| second | not returned | though likely | twice | right | wrong, yet OK | "
+           "error / bound "
            "| of the minimum | units | most | not OK |\n");
     printf("| --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: "
            "| ---: | ---: | ---: | ---: | ---: | ---: | --- |\n");
@@ -284,8 +280,8 @@ static void minima_explain(int scenes, const bench_view *view,
            options->sigma_px > 0 ? ", sigma_px told" : "", BENCH_SUM_TOL);
 }
 
-static void bench_minima_table(int scenes, double sigma,
-                               const rigcal_pose_options *options, int list)
+static void bench_minima_table(int scenes, double sigma, const rigcal_pose_options *options,
+                               int list)
 {
     static minima_row rows[BENCH_FAMILIES * COUNTS];
     const bench_view view = view_of(sigma);
@@ -309,15 +305,15 @@ static void bench_minima_table(int scenes, double sigma,
     }
     minima_sum(rows, n_rows);
     printf("\nFits that stopped before they converged, and count as no second "
-           "minimum: %d.\n", stopped);
+           "minimum: %d.\n",
+           stopped);
 }
 
 /* ---- replay -------------------------------------------------------------- */
 
 static void replay_print(const bench_solution *found, bench_minima *m)
 {
-    printf("%s, %d evaluations\n", rigcal_status_name(found->status),
-           found->evals);
+    printf("%s, %d evaluations\n", rigcal_status_name(found->status), found->evals);
     for (size_t i = 0; i < found->n; i++) {
         printf("  pose %d: sum %.9g, probability %.4f, in minimum %d\n", (int)i,
                D(found->poses[i].sse), D(found->poses[i].probability),
@@ -337,8 +333,7 @@ static void bench_replay(const bench_family *f, int n, long index, double sigma)
     bench_scene_make(&s, f, n, index, &view);
     bench_solve_and_find(&found, &m, &s, &options);
     for (int i = 0; i < m.n; i++) {
-        printf("minimum %d: sum %.9g, %.3f degrees from the truth%s\n", i,
-               m.list[i].sse,
+        printf("minimum %d: sum %.9g, %.3f degrees from the truth%s\n", i, m.list[i].sse,
                test_angle_between(m.list[i].R, s.R) / BENCH_DEGREE,
                i == m.truth ? ", which lies in it" : "");
     }
@@ -357,8 +352,8 @@ static int is_covered(const bench_scene *s, const rigcal_pose *pose, double sigm
     rigcal_pose_uncertainty u;
     double R[9], t[3], d[6], Sigma[36];
 
-    if (rigcal_pose_covariance(&u, &s->camera, &pose->cam_from_world, s->seen,
-                               NULL, (size_t)s->n, RC(sigma)) != RIGCAL_OK) {
+    if (rigcal_pose_covariance(&u, &s->camera, &pose->cam_from_world, s->seen, NULL,
+                               (size_t)s->n, RC(sigma)) != RIGCAL_OK) {
         return 0;
     }
     test_transform_parts(R, t, &pose->cam_from_world);
@@ -401,8 +396,8 @@ static void bench_coverage(int scenes)
            "not, and the covariance\nat it. The ellipsoid is that of chi squared "
            "with 6 degrees of freedom, %.3f, for the estimated\nsigma too, which "
            "makes it too small there: %d degrees of freedom were left to estimate "
-           "it from.\n\n", scenes, f->name, POINTS, SIGMA_PX, CHI_SQUARED_95,
-           2 * POINTS - 6);
+           "it from.\n\n",
+           scenes, f->name, POINTS, SIGMA_PX, CHI_SQUARED_95, 2 * POINTS - 6);
     printf("| sigma | solved | truth inside 95 %% | standard error |\n"
            "| --- | ---: | ---: | ---: |\n");
     coverage_print("known", known, solved);
@@ -427,8 +422,7 @@ static void write_answers(int scenes, double sigma)
     for (int i = 0; i < BENCH_FAMILIES * COUNTS; i++) {
         const bench_family *const f = &bench_families[i / COUNTS];
 
-        for (long index = 0; bench_has(f, counts[i % COUNTS]) && index < scenes;
-             index++) {
+        for (long index = 0; bench_has(f, counts[i % COUNTS]) && index < scenes; index++) {
             bench_scene s;
             bench_solution found;
             answer a;
@@ -456,8 +450,8 @@ typedef struct {
 /* A sum that two precisions may take for the same. */
 #define ALIKE_TOL 0.01
 
-static void compare_errors(compare_cell *cell, const bench_scene *s,
-                           const answer *there, const bench_solution *here)
+static void compare_errors(compare_cell *cell, const bench_scene *s, const answer *there,
+                           const bench_solution *here)
 {
     double R[9], t[3], d[6], deviation[6];
 
@@ -476,8 +470,7 @@ static void compare_errors(compare_cell *cell, const bench_scene *s,
 
 /* Where the other build's first pose lies in the best minimum, does this one's? 0:
  * no. */
-static int compare_try(compare_cell *cell, const bench_scene *s,
-                       const answer *there)
+static int compare_try(compare_cell *cell, const bench_scene *s, const answer *there)
 {
     bench_solution here;
     rigcal_pose_options options;
@@ -513,8 +506,7 @@ static void compare_print(const compare_cell *cell)
 {
     printf(" | %d | %d | %d | %.4f | %.4f | %.4f | ", cell->right[0],
            cell->right[0] - cell->right[1], cell->alike,
-           root(cell->squares[0], cell->bounded),
-           root(cell->squares[1], cell->bounded),
+           root(cell->squares[0], cell->bounded), root(cell->squares[1], cell->bounded),
            root(cell->between, cell->bounded));
     tally_print(&cell->statuses);
     printf(" |\n");
@@ -533,8 +525,8 @@ static void compare_add(compare_cell *sum, const compare_cell *cell)
     sum->between += cell->between;
 }
 
-static void compare_row(compare_cell *cell, const bench_family *f, int n,
-                        int scenes, const bench_view *view)
+static void compare_row(compare_cell *cell, const bench_family *f, int n, int scenes,
+                        const bench_view *view)
 {
     for (long index = 0; index < scenes; index++) {
         bench_scene s;
@@ -564,7 +556,8 @@ static void bench_compare(int scenes, double sigma)
            "six parameters over\ntheir Cramer-Rao bounds, where both are right "
            "and so is the minimum; then the two answers'\ndifference over the "
            "bound. Scenes that go wrong here, and not by a hair, are on "
-           "stderr.\n\n", scenes, sigma, view.nearest, view.farthest, ALIKE_TOL);
+           "stderr.\n\n",
+           scenes, sigma, view.nearest, view.farthest, ALIKE_TOL);
     printf("| target | points | right there | wrong here | by a hair "
            "| error / bound there | here | difference / bound | not OK here |\n"
            "| --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: | --- |\n");
@@ -574,8 +567,8 @@ static void bench_compare(int scenes, double sigma)
             compare_cell cell;
 
             memset(&cell, 0, sizeof cell);
-            compare_row(&cell, &bench_families[i / COUNTS], counts[i % COUNTS],
-                        scenes, &view);
+            compare_row(&cell, &bench_families[i / COUNTS], counts[i % COUNTS], scenes,
+                        &view);
             compare_add(&all, &cell);
         }
     }
@@ -585,14 +578,13 @@ static void bench_compare(int scenes, double sigma)
 
 /* ---- solve: for callgrind ------------------------------------------------ */
 
-static rigcal_status solve_one(const bench_scene *s,
-                               const rigcal_pose_options *options)
+static rigcal_status solve_one(const bench_scene *s, const rigcal_pose_options *options)
 {
     rigcal_pose poses[RIGCAL_POSES_MAX];
     size_t n_found;
 
-    return rigcal_solve_pose(poses, &n_found, RIGCAL_POSES_MAX, NULL,
-                             &s->camera, s->seen, NULL, (size_t)s->n, options);
+    return rigcal_solve_pose(poses, &n_found, RIGCAL_POSES_MAX, NULL, &s->camera, s->seen,
+                             NULL, (size_t)s->n, options);
 }
 
 static void solve_some(const bench_family *f, int n, int count, int warm)
@@ -616,8 +608,8 @@ static void solve_some(const bench_family *f, int n, int count, int warm)
         }
         tally_add(&statuses, solve_one(&s, &options));
     }
-    printf("%s, %d points, %g px noise%s: %d solved; not OK: ", f->name, n,
-           SIGMA_PX, warm ? ", warm" : "", count);
+    printf("%s, %d points, %g px noise%s: %d solved; not OK: ", f->name, n, SIGMA_PX,
+           warm ? ", warm" : "", count);
     tally_print(&statuses);
     printf("\n");
 }
@@ -638,8 +630,7 @@ static int whole_number(const char *text, int least, int most)
     const long number = strtol(text, &end, 10);
 
     if (end == text || *end != '\0' || number < least || number > most) {
-        fprintf(stderr, "bench_pose: %s is no number from %d to %d\n", text,
-                least, most);
+        fprintf(stderr, "bench_pose: %s is no number from %d to %d\n", text, least, most);
         exit(2);
     }
     return (int)number;
@@ -748,8 +739,7 @@ static void run_solve(int argc, char **argv)
     }
     f = family_of(argv[2]);
     print_build();
-    solve_some(f, points_of(argv[3], f),
-                whole_number(argv[4], 1, SCENES_MAX), warm);
+    solve_some(f, points_of(argv[3], f), whole_number(argv[4], 1, SCENES_MAX), warm);
 }
 
 int main(int argc, char **argv)
@@ -762,8 +752,7 @@ int main(int argc, char **argv)
         run_replay(argc, argv);
     } else if (strcmp(what, "coverage") == 0 && argc <= 3) {
         print_build();
-        bench_coverage(argc > 2 ? whole_number(argv[2], 1, SCENES_MAX)
-                                : SCENES);
+        bench_coverage(argc > 2 ? whole_number(argv[2], 1, SCENES_MAX) : SCENES);
     } else if (strcmp(what, "answers") == 0 || strcmp(what, "compare") == 0) {
         run_float(argc, argv, strcmp(what, "compare") == 0);
     } else if (strcmp(what, "solve") == 0) {

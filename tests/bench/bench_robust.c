@@ -38,9 +38,7 @@ static void region(double low[2], double high[2], const bench_scene *s, int way)
 {
     for (int k = 0; k < 2; k++) {
         low[k] = way == IN_THE_IMAGE ? 0 : 1e9;
-        high[k] = way != IN_THE_IMAGE ? -1e9
-                  : k == 0            ? s->camera.width
-                                      : s->camera.height;
+        high[k] = way != IN_THE_IMAGE ? -1e9 : k == 0 ? s->camera.width : s->camera.height;
         for (int i = 0; i < s->n && way != IN_THE_IMAGE; i++) {
             low[k] = fmin(low[k], D(s->seen[i].uv[k]));
             high[k] = fmax(high[k], D(s->seen[i].uv[k]));
@@ -74,8 +72,7 @@ static void spoil(spoilt *p, int n_wrong, int way)
 
         for (int k = 0; k < 2; k++) {
             s->seen[order[i]].uv[k] =
-                way == SWAPPED ? next->uv[k]
-                               : RC(test_uniform(&s->rng, low[k], high[k]));
+                way == SWAPPED ? next->uv[k] : RC(test_uniform(&s->rng, low[k], high[k]));
         }
     }
     p->n_rest = 0;
@@ -115,14 +112,13 @@ static int is_right(const spoilt *p, const rigcal_pose poses[], size_t n)
     double here[2], there[2];
     size_t n_others = 0;
 
-    if (rigcal_solve_pose(others, &n_others, RIGCAL_POSES_MAX, NULL,
-                          &p->scene.camera, p->rest, NULL, p->n_rest, NULL) < 0) {
+    if (rigcal_solve_pose(others, &n_others, RIGCAL_POSES_MAX, NULL, &p->scene.camera,
+                          p->rest, NULL, p->n_rest, NULL) < 0) {
         n_others = 0;
     }
     nearest(here, &p->scene, poses, n);
     nearest(there, &p->scene, others, n_others);
-    return here[0] <= 3 * there[0] + 2 * BENCH_DEGREE &&
-           here[1] <= 3 * there[1] + 0.02;
+    return here[0] <= 3 * there[0] + 2 * BENCH_DEGREE && here[1] <= 3 * there[1] + 0.02;
 }
 
 static void row(const bench_family *f, int n, int n_wrong, int way, long count)
@@ -139,8 +135,8 @@ static void row(const bench_family *f, int n, int n_wrong, int way, long count)
         bench_scene_make(&p.scene, f, n, index, &VIEW);
         spoil(&p, n_wrong, way);
         const rigcal_status status = rigcal_solve_pose_robust(
-            poses, &n_found, inliers, &n_inliers, RIGCAL_POSES_MAX, NULL,
-            &p.scene.camera, p.scene.seen, NULL, (size_t)n, NULL);
+            poses, &n_found, inliers, &n_inliers, RIGCAL_POSES_MAX, NULL, &p.scene.camera,
+            p.scene.seen, NULL, (size_t)n, NULL);
         tally_add(&statuses, status);
         const int is_wrong = status < 0 || n_wrong == n || !is_right(&p, poses, n_found);
         missed += is_wrong;

@@ -65,8 +65,7 @@ static void tilt(double R[9], test_rng *rng, const double t[3])
     test_product(R, aim, both);
 }
 
-static void place_camera(bench_scene *s, const bench_family *f,
-                         const bench_view *view)
+static void place_camera(bench_scene *s, const bench_family *f, const bench_view *view)
 {
     s->t[2] = test_uniform(&s->rng, view->nearest, view->farthest);
     s->t[0] = s->t[2] * test_uniform(&s->rng, -f->aside, f->aside);
@@ -79,8 +78,7 @@ static void place_camera(bench_scene *s, const bench_family *f,
 }
 
 /* Whether all of the target is in the image. */
-static int see_target(bench_scene *s, const bench_family *f,
-                      const bench_view *view)
+static int see_target(bench_scene *s, const bench_family *f, const bench_view *view)
 {
     int inside = 1;
 
@@ -189,9 +187,8 @@ int bench_bound(double deviation[6], const bench_scene *s)
     return 1;
 }
 
-void bench_squares(double squares[2], const bench_scene *s,
-                   const double deviation[6], const double R[9],
-                   const double t[3])
+void bench_squares(double squares[2], const bench_scene *s, const double deviation[6],
+                   const double R[9], const double t[3])
 {
     double d[6];
 

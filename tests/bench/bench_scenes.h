@@ -56,8 +56,7 @@ void bench_disturb(double R[9], double t[3], bench_scene *s);
 int bench_bound(double deviation[6], const bench_scene *s);
 
 /* Mean of (error / bound)^2 over the rotation's three and the translation's. */
-void bench_squares(double squares[2], const bench_scene *s,
-                   const double deviation[6], const double R[9],
-                   const double t[3]);
+void bench_squares(double squares[2], const bench_scene *s, const double deviation[6],
+                   const double R[9], const double t[3]);
 
 #endif /* BENCH_SCENES_H */

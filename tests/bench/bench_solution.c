@@ -7,8 +7,8 @@ void bench_solve(bench_solution *found, const bench_scene *s,
 
     found->n = 0;
     found->evals = 0;
-    found->status = rigcal_pose_begin(&solver, NULL, &s->camera, s->seen, NULL,
-                                      (size_t)s->n, options);
+    found->status =
+        rigcal_pose_begin(&solver, NULL, &s->camera, s->seen, NULL, (size_t)s->n, options);
     if (found->status != RIGCAL_OK) {
         return;
     }

@@ -76,8 +76,8 @@ static double sum_of(const bearings *b, const double R[9], const double t[3])
 }
 
 /* The lower triangle of J^T J, J^T e, and the sum, by (w, dt) of test_move. */
-static double equations_of(double H[36], double g[6], const bearings *b,
-                           const double R[9], const double t[3])
+static double equations_of(double H[36], double g[6], const bearings *b, const double R[9],
+                           const double t[3])
 {
     double sum = 0;
 
@@ -172,8 +172,7 @@ static int translation_of(double t[3], const bearings *b, const double R[9])
 
         test_apply(q, R, b->x[i], NULL);
         for (int k = 0; k < 9; k++) {
-            const double across =
-                (k % 4 == 0) - b->ray[i][k / 3] * b->ray[i][k % 3];
+            const double across = (k % 4 == 0) - b->ray[i][k / 3] * b->ray[i][k % 3];
 
             A[k] += across;
             y[k / 3] -= across * q[k % 3];

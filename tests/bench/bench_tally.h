@@ -34,8 +34,7 @@ static inline void tally_print(const tally *t)
         const int count = t->count[s - STATUS_LEAST];
 
         if (count > 0 && s != RIGCAL_OK) {
-            printf("%s%s %d", between,
-                   rigcal_status_name(s) + strlen("RIGCAL_"), count);
+            printf("%s%s %d", between, rigcal_status_name(s) + strlen("RIGCAL_"), count);
             between = ", ";
         }
     }

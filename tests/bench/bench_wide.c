@@ -39,10 +39,8 @@ typedef enum { PINHOLE, BROWN, RATIONAL, FISHEYE, LENSES } lens;
 typedef enum { AROUND, GENERAL, PLANAR, SQUARE, SHAPES } shape;
 enum { COUNTS = sizeof counts / sizeof counts[0] };
 
-static const char *const lens_names[LENSES] = {"pinhole", "Brown", "rational",
-                                               "fisheye"};
-static const char *const shape_names[SHAPES] = {"around", "general", "planar",
-                                                "square"};
+static const char *const lens_names[LENSES] = {"pinhole", "Brown", "rational", "fisheye"};
+static const char *const shape_names[SHAPES] = {"around", "general", "planar", "square"};
 
 /* Unity, which the tests' arithmetic is checked with, wants them. */
 void setUp(void)
@@ -200,8 +198,7 @@ typedef struct {
 } cell;
 
 /* Whether the first pose is as good as at minimum i. */
-static int is_converged(const bench_minima *m, int i, const double R[9],
-                        const double t[3])
+static int is_converged(const bench_minima *m, int i, const double R[9], const double t[3])
 {
     bench_scene at = *m->scene;
     double d[6], deviation[6], sum = 0;
@@ -256,8 +253,8 @@ static void try_scenes(cell *c, lens what, shape form, int n, long scenes, int l
         scene_make(&s, what, form, n, index);
         bench_solve_and_find(&found, &m, &s, NULL);
         if (!judge(c, &found, &m) && list) {
-            fprintf(stderr, "%s %s %d %ld: %s\n", lens_names[what],
-                    shape_names[form], n, index, rigcal_status_name(found.status));
+            fprintf(stderr, "%s %s %d %ld: %s\n", lens_names[what], shape_names[form], n,
+                    index, rigcal_status_name(found.status));
         }
     }
 }
@@ -272,8 +269,7 @@ static void cell_add(cell *sum, const cell *c)
     sum->wrong_yet_ok += c->wrong_yet_ok;
     sum->missed_yet_ok += c->missed_yet_ok;
     sum->evals += c->evals;
-    sum->evals_most =
-        c->evals_most > sum->evals_most ? c->evals_most : sum->evals_most;
+    sum->evals_most = c->evals_most > sum->evals_most ? c->evals_most : sum->evals_most;
 }
 
 /* ---- the table ----------------------------------------------------------- */
@@ -281,9 +277,8 @@ static void cell_add(cell *sum, const cell *c)
 static void cell_print(const cell *c, const char *what, const char *form)
 {
     printf("| %s | %s | %ld | %ld | %ld | %ld | %ld | %ld | %.1f | %d | ", what, form,
-           c->scenes, c->not_best, c->not_converged, c->wrong_yet_ok,
-           c->missed_yet_ok, c->scenes - c->solved, c->evals / (double)c->scenes,
-           c->evals_most);
+           c->scenes, c->not_best, c->not_converged, c->wrong_yet_ok, c->missed_yet_ok,
+           c->scenes - c->solved, c->evals / (double)c->scenes, c->evals_most);
     tally_print(&c->statuses);
     printf(" |\n");
     fflush(stdout);
@@ -372,12 +367,9 @@ static int bench_check(void)
             }
         }
         well &= is_within(name, "not best", c.not_best, all[what].not_best);
-        well &= is_within(name, "not converged", c.not_converged,
-                          all[what].not_converged);
-        well &= is_within(name, "wrong, yet OK", c.wrong_yet_ok,
-                          all[what].wrong_yet_ok);
-        well &= is_within(name, "not solved", c.scenes - c.solved,
-                          all[what].not_solved);
+        well &= is_within(name, "not converged", c.not_converged, all[what].not_converged);
+        well &= is_within(name, "wrong, yet OK", c.wrong_yet_ok, all[what].wrong_yet_ok);
+        well &= is_within(name, "not solved", c.scenes - c.solved, all[what].not_solved);
     }
     return well;
 }
@@ -398,13 +390,13 @@ static void bench_replay(lens what, shape form, int n, long index)
         test_to_double(X, s.seen[i].X_w, 3);
         test_apply(X_c, s.R, X, s.t);
         printf("point %d: %.2f degrees off the axis, at (%.3f, %.3f)\n", i,
-               atan2(hypot(X_c[0], X_c[1]), X_c[2]) / BENCH_DEGREE,
-               D(s.seen[i].uv[0]), D(s.seen[i].uv[1]));
+               atan2(hypot(X_c[0], X_c[1]), X_c[2]) / BENCH_DEGREE, D(s.seen[i].uv[0]),
+               D(s.seen[i].uv[1]));
     }
     printf("f = %.1f px; fits that stopped: %d\n", D(s.camera.fx), m.stopped);
     for (int i = 0; i < m.n; i++) {
-        printf("minimum %d: sum %.9g, %.3f degrees from the truth%s\n", i,
-               m.list[i].sse, test_angle_between(m.list[i].R, s.R) / BENCH_DEGREE,
+        printf("minimum %d: sum %.9g, %.3f degrees from the truth%s\n", i, m.list[i].sse,
+               test_angle_between(m.list[i].R, s.R) / BENCH_DEGREE,
                i == m.truth ? ", which lies in it" : "");
     }
     printf("%s, %d units\n", rigcal_status_name(found.status), found.evals);
@@ -430,8 +422,7 @@ static long whole_number(const char *text, long least, long most)
     const long number = strtol(text, &end, 10);
 
     if (end == text || *end != '\0' || number < least || number > most) {
-        fprintf(stderr, "bench_wide: %s is no number from %ld to %ld\n", text, least,
-                most);
+        fprintf(stderr, "bench_wide: %s is no number from %ld to %ld\n", text, least, most);
         exit(2);
     }
     return number;

@@ -32,8 +32,8 @@ static int strikes(const char *function)
 }
 
 /* The function that would have been called. */
-#define REAL(result, name, ...)                                                \
-    result (*real)(__VA_ARGS__);                                               \
+#define REAL(result, name, ...) \
+    result (*real)(__VA_ARGS__); \
     *(void **)&real = dlsym(RTLD_NEXT, #name)
 
 int rename(const char *from, const char *to)

@@ -6,12 +6,11 @@
 
 int main(void)
 {
-    const rigcal_real ypr[3] = {(rigcal_real)0.1, (rigcal_real)0.2,
-                                (rigcal_real)0.3};
+    const rigcal_real ypr[3] = {(rigcal_real)0.1, (rigcal_real)0.2, (rigcal_real)0.3};
     rigcal_real R[9];
     rigcal_camera camera = {0};
-    const int32_t version = RIGCAL_VERSION_MAJOR * 10000 +
-                            RIGCAL_VERSION_MINOR * 100 + RIGCAL_VERSION_PATCH;
+    const int32_t version =
+        RIGCAL_VERSION_MAJOR * 10000 + RIGCAL_VERSION_MINOR * 100 + RIGCAL_VERSION_PATCH;
 
     if (rigcal_version() != version) {
         printf("the library is not the header's version\n");

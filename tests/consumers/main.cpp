@@ -5,8 +5,7 @@
 
 int main()
 {
-    const rigcal_real ypr[3] = {rigcal_real(0.1), rigcal_real(0.2),
-                                rigcal_real(0.3)};
+    const rigcal_real ypr[3] = {rigcal_real(0.1), rigcal_real(0.2), rigcal_real(0.3)};
     rigcal_real R[9];
 
     if (rigcal_version() < 100 ||

@@ -25,17 +25,16 @@ static void test_ends_are_on_the_line(void)
         const int32_t width = (int32_t)test_uniform(&rng, 1, 1000000);
         const int32_t height = (int32_t)test_uniform(&rng, 1, 1000000);
         const double size = width > height ? width : height;
-        const rigcal_real line[3] = {
-            RC(cos(angle)), RC(sin(angle)),
-            RC(-cos(angle) * test_uniform(&rng, 0, width) -
-               sin(angle) * test_uniform(&rng, 0, height))};
+        const rigcal_real line[3] = {RC(cos(angle)), RC(sin(angle)),
+                                     RC(-cos(angle) * test_uniform(&rng, 0, width) -
+                                        sin(angle) * test_uniform(&rng, 0, height))};
         rigcal_real ends[4];
 
         if (rigcal_epiline_clip(ends, line, width, height) == RIGCAL_OK) {
             for (int k = 0; k < 4; k += 2) {
-                ASSERT_NEAR(0, D(line[0]) * D(ends[k]) + D(line[1]) * D(ends[k + 1]) +
-                                   D(line[2]),
-                            TOL(1e-15, 5e-7) * size);
+                ASSERT_NEAR(
+                    0, D(line[0]) * D(ends[k]) + D(line[1]) * D(ends[k + 1]) + D(line[2]),
+                    TOL(1e-15, 5e-7) * size);
             }
         }
     }
@@ -50,9 +49,8 @@ static void test_the_far_end_is_there(void)
     rigcal_real uv[6];
     size_t n;
 
-    ASSERT_STATUS(RIGCAL_OK,
-                  rigcal_epiline_curve(uv, 3, &n, &camera, &b_from_a, ray,
-                                       RC(TOL(1e-300, 1e-37)), RC(far_a)));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_epiline_curve(uv, 3, &n, &camera, &b_from_a, ray,
+                                                  RC(TOL(1e-300, 1e-37)), RC(far_a)));
     /* At infinity the match is the ray's own direction. */
     ASSERT_NEAR(camera.cx, uv[2 * n - 2], 1e-3);
     ASSERT_NEAR(camera.cy, uv[2 * n - 1], 1e-3);

@@ -18,7 +18,8 @@ static void test_to_the_last_bit(void)
         test_scene_random(&scene, &rng, 6, TEST_GENERAL);
         test_observations(seen, &scene, &camera);
         pose = test_transform(scene.R, scene.t);
-        ASSERT_STATUS(RIGCAL_OK, rigcal_pose_covariance(&u, &VIEW(&camera, seen, NULL, 6), &pose, RC(0.5)));
+        ASSERT_STATUS(RIGCAL_OK, rigcal_pose_covariance(&u, &VIEW(&camera, seen, NULL, 6),
+                                                        &pose, RC(0.5)));
         for (int i = 0; i < 6; i++) {
             for (int j = 0; j < i; j++) {
                 TEST_ASSERT_EQUAL_MEMORY(&u.Sigma[6 * i + j], &u.Sigma[6 * j + i],

@@ -46,7 +46,8 @@ static void test_the_statuses_are_those_of_pixels(void)
             if (k == 1) {
                 scaled(&camera, small, seen, N, 1 / D(camera.fx));
             }
-            status[k] = rigcal_pose_solve(poses, RIGCAL_POSES_MAX, &n_found, NULL, &VIEW(&camera, k ? small : seen, NULL, N), NULL);
+            status[k] = rigcal_pose_solve(poses, RIGCAL_POSES_MAX, &n_found, NULL,
+                                          &VIEW(&camera, k ? small : seen, NULL, N), NULL);
             TEST_ASSERT_TRUE(status[k] >= 0);
         }
         same += status[0] == status[1];
@@ -71,7 +72,8 @@ static void test_a_bad_fit_is_poor(void)
     seen[3].uv[1] += 60;
     scaled(&camera, small, seen, N, 1 / D(camera.fx));
     ASSERT_STATUS(RIGCAL_POOR_FIT,
-                  rigcal_pose_solve(poses, RIGCAL_POSES_MAX, &n_found, NULL, &VIEW(&camera, small, NULL, N), NULL));
+                  rigcal_pose_solve(poses, RIGCAL_POSES_MAX, &n_found, NULL,
+                                    &VIEW(&camera, small, NULL, N), NULL));
 }
 
 TEST_MAIN()

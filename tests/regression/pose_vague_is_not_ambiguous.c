@@ -37,7 +37,8 @@ static void test_a_long_thin_target_far_away_is_vague(void)
         }
         ASSERT_STATUS(RIGCAL_OK, rigcal_pose_defaults(&options));
         options.sigma_px = RC(0.3);
-        vague += rigcal_pose_solve(poses, RIGCAL_POSES_MAX, &n_found, NULL, &VIEW(&camera, seen, NULL, N), &options) == RIGCAL_VAGUE;
+        vague += rigcal_pose_solve(poses, RIGCAL_POSES_MAX, &n_found, NULL,
+                                   &VIEW(&camera, seen, NULL, N), &options) == RIGCAL_VAGUE;
     }
     TEST_ASSERT_TRUE(vague > TEST_TRIALS(100) * 9 / 10);
 }
@@ -70,7 +71,8 @@ static void test_a_far_tag_is_ambiguous_with_two_poses(void)
         }
         ASSERT_STATUS(RIGCAL_OK, rigcal_pose_defaults(&options));
         options.sigma_px = RC(0.3);
-        status = rigcal_tag_solve(poses, RIGCAL_POSES_MAX, &n_found, NULL, &camera, uv, 1, &options);
+        status = rigcal_tag_solve(poses, RIGCAL_POSES_MAX, &n_found, NULL, &camera, uv, 1,
+                                  &options);
         TEST_ASSERT_TRUE(status != RIGCAL_AMBIGUOUS || n_found == 2);
         ambiguous += status == RIGCAL_AMBIGUOUS;
     }

@@ -43,13 +43,13 @@ static void expect(rigcal_status expected)
     rigcal_blame blame;
     size_t n_found;
 
-    ASSERT_STATUS(expected,
-                  rigcal_pose_solve(poses, RIGCAL_POSES_MAX, &n_found, NULL, &VIEW(&camera, seen, NULL, N), &options));
+    ASSERT_STATUS(expected, rigcal_pose_solve(poses, RIGCAL_POSES_MAX, &n_found, NULL,
+                                              &VIEW(&camera, seen, NULL, N), &options));
     ASSERT_STATUS(expected,
                   rigcal_pose_blame(&blame, NULL, &VIEW(&camera, seen, NULL, N), &options));
     options.use_start = 0;
-    ASSERT_STATUS(expected,
-                  rigcal_pose_solve(poses, RIGCAL_POSES_MAX, &n_found, NULL, &VIEW(&camera, seen, NULL, N), &options));
+    ASSERT_STATUS(expected, rigcal_pose_solve(poses, RIGCAL_POSES_MAX, &n_found, NULL,
+                                              &VIEW(&camera, seen, NULL, N), &options));
 }
 
 static void test_points_on_a_line_are_collinear(void)

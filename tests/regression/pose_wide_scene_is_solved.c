@@ -20,8 +20,7 @@ static rigcal_camera camera_of(double f, double cx, double cy, int32_t width,
     return camera;
 }
 
-static void observe(rigcal_observation seen[4], const double X[4][3],
-                    const double uv[4][2])
+static void observe(rigcal_observation seen[4], const double X[4][3], const double uv[4][2])
 {
     for (int i = 0; i < 4; i++) {
         test_to_real(seen[i].X_w, X[i], 3);
@@ -45,7 +44,8 @@ static void test_a_point_88_degrees_off_the_axis(void)
     double R[9], R_true[9], t[3];
 
     observe(seen, X, UV);
-    ASSERT_STATUS(RIGCAL_OK, rigcal_pose_solve(poses, RIGCAL_POSES_MAX, &n_found, NULL, &VIEW(&camera, seen, NULL, 4), NULL));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_pose_solve(poses, RIGCAL_POSES_MAX, &n_found, NULL,
+                                               &VIEW(&camera, seen, NULL, 4), NULL));
     test_rotation_about(R_true, RVEC, test_norm(RVEC));
     test_transform_parts(R, t, &poses[0].cam_from_world);
     /* The pixels are given to 1e-6, the floats of 1000 to 6e-5. */
@@ -57,8 +57,7 @@ static void test_a_point_88_degrees_off_the_axis(void)
 
 static void test_a_square_that_fills_more_than_the_view(void)
 {
-    static const double X[4][3] = {
-        {-.5, .5, 0}, {.5, .5, 0}, {.5, -.5, 0}, {-.5, -.5, 0}};
+    static const double X[4][3] = {{-.5, .5, 0}, {.5, .5, 0}, {.5, -.5, 0}, {-.5, -.5, 0}};
     static const double UV[4][2] = {
         {558.5, 551}, {536.76, -39.35}, {-72.52, 273.75}, {194.96, 531.57}};
     const rigcal_camera camera = camera_of(200, 320, 240, 640, 480);
@@ -67,7 +66,8 @@ static void test_a_square_that_fills_more_than_the_view(void)
     size_t n_found;
 
     observe(seen, X, UV);
-    TEST_ASSERT_TRUE(rigcal_pose_solve(poses, RIGCAL_POSES_MAX, &n_found, NULL, &VIEW(&camera, seen, NULL, 4), NULL) >= 0);
+    TEST_ASSERT_TRUE(rigcal_pose_solve(poses, RIGCAL_POSES_MAX, &n_found, NULL,
+                                       &VIEW(&camera, seen, NULL, 4), NULL) >= 0);
 }
 
 /* Points in all directions 40 to `widest` degrees off the axis, noise-free. */
@@ -92,8 +92,8 @@ static void assert_surrounding_target_is_solved(rigcal_camera camera, double wid
             const double off = test_uniform(&rng, 40, widest) * TEST_PI / 180;
             const double way = test_uniform(&rng, -TEST_PI, TEST_PI);
             const double range = test_uniform(&rng, 1, 3);
-            const double X_c[3] = {range * sin(off) * cos(way),
-                                   range * sin(off) * sin(way), range * cos(off)};
+            const double X_c[3] = {range * sin(off) * cos(way), range * sin(off) * sin(way),
+                                   range * cos(off)};
             double from_t[3], X[3], uv[2];
 
             for (int k = 0; k < 3; k++) {
@@ -106,8 +106,8 @@ static void assert_surrounding_target_is_solved(rigcal_camera camera, double wid
             test_project_px(uv, &camera, from_t);
             test_to_real(seen[i].uv, uv, 2);
         }
-        ASSERT_STATUS(RIGCAL_OK,
-                      rigcal_pose_solve(poses, RIGCAL_POSES_MAX, &n_found, NULL, &VIEW(&camera, seen, NULL, N), NULL));
+        ASSERT_STATUS(RIGCAL_OK, rigcal_pose_solve(poses, RIGCAL_POSES_MAX, &n_found, NULL,
+                                                   &VIEW(&camera, seen, NULL, N), NULL));
         test_transform_parts(found_R, found_t, &poses[0].cam_from_world);
         ASSERT_NEAR(0, test_angle_between(R, found_R), TOL(1e-7, 2e-3));
     }

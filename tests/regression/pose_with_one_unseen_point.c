@@ -40,7 +40,8 @@ static void test_the_others_give_the_pose(void)
         options.use_start = trial % 2; /* from a previous pose too */
         options.start = test_transform(R, T);
         ASSERT_STATUS(RIGCAL_UNSEEN_POINT,
-                      rigcal_pose_solve(poses, RIGCAL_POSES_MAX, &n_found, &at_fault, &VIEW(&camera, seen, NULL, N), &options));
+                      rigcal_pose_solve(poses, RIGCAL_POSES_MAX, &n_found, &at_fault,
+                                        &VIEW(&camera, seen, NULL, N), &options));
         TEST_ASSERT_EQUAL_INT32(unseen, at_fault);
         test_transform_parts(found_R, found_t, &poses[0].cam_from_world);
         ASSERT_NEAR(0, test_angle_between(R, found_R), TOL(1e-8, 1e-3));
@@ -72,10 +73,14 @@ static void test_two_are_refused(void)
         test_to_real(seen[i].uv, uv, 2);
     }
     seen[1].uv[0] = RC(1500);
-    ASSERT_STATUS(RIGCAL_ERR_NO_RAY, rigcal_pose_solve(poses, 1, &n_found, &at_fault, &VIEW(&camera, seen, NULL, 3), NULL));
+    ASSERT_STATUS(RIGCAL_ERR_NO_RAY,
+                  rigcal_pose_solve(poses, 1, &n_found, &at_fault,
+                                    &VIEW(&camera, seen, NULL, 3), NULL));
     TEST_ASSERT_EQUAL_INT32(1, at_fault);
     seen[4].uv[0] = RC(1500);
-    ASSERT_STATUS(RIGCAL_ERR_NO_RAY, rigcal_pose_solve(poses, 1, &n_found, &at_fault, &VIEW(&camera, seen, NULL, 6), NULL));
+    ASSERT_STATUS(RIGCAL_ERR_NO_RAY,
+                  rigcal_pose_solve(poses, 1, &n_found, &at_fault,
+                                    &VIEW(&camera, seen, NULL, 6), NULL));
     TEST_ASSERT_EQUAL_INT32(4, at_fault);
 }
 

@@ -11,7 +11,7 @@ static void test_two_equal_poses_join(void)
 
     for (int k = 0; k < 2; k++) {
         rigcal_view_pose views[2] = {{SAME, k ? little : much, 0, 0},
-                                {SAME, k ? much : little, 1, 0}};
+                                     {SAME, k ? much : little, 1, 0}};
         rigcal_transform cams[2], work[2];
         rigcal_real weight[2];
         int32_t group[2];

@@ -46,7 +46,9 @@ static void test_most_disagree_is_told(void)
     ASSERT_STATUS(RIGCAL_OK, rigcal_robust_defaults(&options));
     options.samples = 5000;
     ASSERT_STATUS(RIGCAL_MOST_DISAGREE,
-                  rigcal_robust_solve(poses, RIGCAL_POSES_MAX, &n_found, inliers, &n_inliers, NULL, &VIEW(&camera, seen, NULL, N), &options));
+                  rigcal_robust_solve(poses, RIGCAL_POSES_MAX, &n_found, inliers,
+                                      &n_inliers, NULL, &VIEW(&camera, seen, NULL, N),
+                                      &options));
     TEST_ASSERT_TRUE(n_inliers >= 12 && n_inliers < N / 2);
 }
 
@@ -67,8 +69,9 @@ static void test_half_that_agree_are_enough(void)
         seen[i].uv[0] = RC(test_uniform(&rng, 0, 639));
         seen[i].uv[1] = RC(test_uniform(&rng, 0, 479));
     }
-    ASSERT_STATUS(RIGCAL_OK,
-                  rigcal_robust_solve(poses, RIGCAL_POSES_MAX, &n_found, inliers, &n_inliers, NULL, &VIEW(&camera, seen, NULL, 20), NULL));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_robust_solve(poses, RIGCAL_POSES_MAX, &n_found, inliers,
+                                                 &n_inliers, NULL,
+                                                 &VIEW(&camera, seen, NULL, 20), NULL));
 }
 
 TEST_MAIN()

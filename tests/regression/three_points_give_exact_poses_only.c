@@ -18,7 +18,8 @@ static void test_all_poses_fit_and_the_right_one_is_among_them(void)
 
         test_scene_random(&scene, &rng, 3, TEST_GENERAL);
         test_observations(seen, &scene, &camera);
-        TEST_ASSERT_TRUE(rigcal_pose_solve(poses, RIGCAL_POSES_MAX, &n_found, NULL, &VIEW(&camera, seen, NULL, 3), NULL) >= 0);
+        TEST_ASSERT_TRUE(rigcal_pose_solve(poses, RIGCAL_POSES_MAX, &n_found, NULL,
+                                           &VIEW(&camera, seen, NULL, 3), NULL) >= 0);
         for (size_t i = 0; i < n_found; i++) {
             TEST_ASSERT_TRUE(D(poses[i].rms_px) < TOL(1e-5, 5e-3) || n_found == 1);
         }
@@ -48,7 +49,8 @@ static void test_with_the_noise_stated_the_minimum_of_the_truth_is_found(void)
         }
         ASSERT_STATUS(RIGCAL_OK, rigcal_pose_defaults(&options));
         options.sigma_px = RC(0.5);
-        TEST_ASSERT_TRUE(rigcal_pose_solve(poses, RIGCAL_POSES_MAX, &n_found, NULL, &VIEW(&camera, seen, NULL, 3), &options) >= 0);
+        TEST_ASSERT_TRUE(rigcal_pose_solve(poses, RIGCAL_POSES_MAX, &n_found, NULL,
+                                           &VIEW(&camera, seen, NULL, 3), &options) >= 0);
         for (size_t i = 0; i < n_found; i++) {
             inexact += n_found > 1 && D(poses[i].rms_px) > 0.01;
         }

@@ -2,8 +2,7 @@
 
 #include "vectors_scenes.h"
 
-void test_golden_scene(rigcal_bearing out[6], double ypr[3], double wrong[3],
-                         int k)
+void test_golden_scene(rigcal_bearing out[6], double ypr[3], double wrong[3], int k)
 {
     const double *v = SCENE[k];
 
@@ -18,15 +17,13 @@ void test_golden_scene(rigcal_bearing out[6], double ypr[3], double wrong[3],
     }
 }
 
-int test_golden_pairs(rigcal_pair pairs[15], const rigcal_bearing s[6],
-                        int n)
+int test_golden_pairs(rigcal_pair pairs[15], const rigcal_bearing s[6], int n)
 {
     int count = 0;
 
     for (int j = 0; j < n; j++) {
         for (int i = 0; i < j; i++) {
-            ASSERT_STATUS(RIGCAL_OK,
-                          rigcal_pair_make(&pairs[count++], s, 6, i, j));
+            ASSERT_STATUS(RIGCAL_OK, rigcal_pair_make(&pairs[count++], s, 6, i, j));
         }
     }
     return count;
@@ -46,11 +43,9 @@ void test_rotation_of(rigcal_real R[9], const double ypr[3])
     test_to_real(R, M, 9);
 }
 
-rigcal_pair test_pair_of(double n1, double n2, double n3, double d1,
-                           double d2, double d3)
+rigcal_pair test_pair_of(double n1, double n2, double n3, double d1, double d2, double d3)
 {
-    const rigcal_pair pair = {
-        {RC(n1), RC(n2), RC(n3)}, {RC(d1), RC(d2), RC(d3)}, 0, 1};
+    const rigcal_pair pair = {{RC(n1), RC(n2), RC(n3)}, {RC(d1), RC(d2), RC(d3)}, 0, 1};
 
     return pair;
 }

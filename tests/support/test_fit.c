@@ -24,9 +24,8 @@ static double middle_of(double middle[3], const test_data *data)
 }
 
 /* Errors over sigma, 2 n of them; their sum of squares. `t` is that of the middle. */
-static double errors_of(double e[], const test_data *data,
-                        const double middle[3], const double R[9],
-                        const double t[3])
+static double errors_of(double e[], const test_data *data, const double middle[3],
+                        const double R[9], const double t[3])
 {
     double sum = 0;
 
@@ -75,9 +74,8 @@ void test_move(double R[9], double t[3], const double d[6])
     }
 }
 
-void test_difference(double d[6], const double R_from[9],
-                     const double t_from[3], const double R_to[9],
-                     const double t_to[3])
+void test_difference(double d[6], const double R_from[9], const double t_from[3],
+                     const double R_to[9], const double t_to[3])
 {
     double back[9], turn[9], sine;
 
@@ -146,12 +144,11 @@ double test_squared_distance(const double d[], const double A[], int n)
 /* J^T J and J^T e by central differences, in turns by a unit of angle and moves by
  * the target's size, which makes the numbers alike. */
 static void equations_of(double H[36], double g[6], const test_data *data,
-                         const double middle[3], double size,
-                         const double R[9], const double t[3])
+                         const double middle[3], double size, const double R[9],
+                         const double t[3])
 {
     static double J[6][2 * TEST_SCENE_MAX];
-    double e[2 * TEST_SCENE_MAX], plus[2 * TEST_SCENE_MAX],
-        minus[2 * TEST_SCENE_MAX];
+    double e[2 * TEST_SCENE_MAX], plus[2 * TEST_SCENE_MAX], minus[2 * TEST_SCENE_MAX];
     const double h = 1e-5;
 
     (void)errors_of(e, data, middle, R, t);
@@ -239,8 +236,7 @@ int test_fit(test_fitted *fitted, const test_data *data)
 }
 
 /* Powers of (trace C - C) leave the direction of least extent. */
-static void thin_direction(double normal[3], const test_data *data,
-                           const double middle[3])
+static void thin_direction(double normal[3], const test_data *data, const double middle[3])
 {
     double C[9] = {0}, trace = 0;
 
@@ -280,8 +276,8 @@ static void thin_direction(double normal[3], const test_data *data,
 
 /* H = I - 2 v v^T mirrors the points across the plane that faces the camera;
  * H R (I - 2 N N^T) is a rotation that does the same to a target of normal N. */
-void test_mirror_tilt(test_fitted *mirrored, const test_data *data,
-                      const double R[9], const double t[3])
+void test_mirror_tilt(test_fitted *mirrored, const test_data *data, const double R[9],
+                      const double t[3])
 {
     double middle[3], v[3], N[3], H[9], M[9], HR[9], shift[3];
     double length;

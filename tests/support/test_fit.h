@@ -29,14 +29,13 @@ int test_fit(test_fitted *fitted, const test_data *data);
 void test_move(double R[9], double t[3], const double d[6]);
 
 /* The w, dt that take (R_from, t_from) to (R_to, t_to). */
-void test_difference(double d[6], const double R_from[9],
-                     const double t_from[3], const double R_to[9],
-                     const double t_to[3]);
+void test_difference(double d[6], const double R_from[9], const double t_from[3],
+                     const double R_to[9], const double t_to[3]);
 
 /* The pose that a flat target far away would be mistaken for: its points mirrored
  * across the plane through their middle that faces the camera. */
-void test_mirror_tilt(test_fitted *mirrored, const test_data *data,
-                      const double R[9], const double t[3]);
+void test_mirror_tilt(test_fitted *mirrored, const test_data *data, const double R[9],
+                      const double t[3]);
 
 /* x with A x = b, n <= 6, by elimination with pivots. 0 when A is singular. */
 int test_solve(double x[], const double A[], const double b[], int n);

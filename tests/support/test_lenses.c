@@ -141,8 +141,7 @@ void test_slopes(double least_most[2], const rigcal_camera *c, test_polar at)
     const double p1 = D(c->p1), p2 = D(c->p2), q = at.out * at.out;
 
     if (c->lens == FISHEYE) {
-        const double along =
-            1 + q * (3 * k1 + q * (5 * k2 + q * (7 * k3 + q * 9 * k4)));
+        const double along = 1 + q * (3 * k1 + q * (5 * k2 + q * (7 * k3 + q * 9 * k4)));
         const double across = 1 + q * (k1 + q * (k2 + q * (k3 + q * k4)));
 
         least_most[0] = along < across ? along : across;
@@ -205,8 +204,7 @@ int test_is_pole(const rigcal_camera *c, test_polar at)
 {
     const double q = at.out * at.out;
 
-    return c->lens == BROWN &&
-           1 + q * (D(c->k4) + q * (D(c->k5) + q * D(c->k6))) < 1e-6;
+    return c->lens == BROWN && 1 + q * (D(c->k4) + q * (D(c->k5) + q * D(c->k6))) < 1e-6;
 }
 
 static double focal(const rigcal_camera *camera, int longer)
@@ -218,8 +216,7 @@ static double focal(const rigcal_camera *camera, int longer)
 
 double test_angle_tolerance(const rigcal_camera *camera, test_polar at)
 {
-    return 3 * TEST_PX / (focal(camera, 0) * test_steepness(camera, at)) +
-           TOL(1e-15, 1e-6);
+    return 3 * TEST_PX / (focal(camera, 0) * test_steepness(camera, at)) + TOL(1e-15, 1e-6);
 }
 
 double test_pixel_tolerance(const rigcal_camera *camera, test_polar at)
@@ -236,8 +233,8 @@ int test_is_in_reach(const rigcal_camera *camera, const double uv[2])
 {
     const double margin = RIGCAL_USE_FLOAT ? 0.5 : 4000;
 
-    return uv[0] >= -margin && uv[1] >= -margin &&
-           uv[0] <= camera->width + margin && uv[1] <= camera->height + margin;
+    return uv[0] >= -margin && uv[1] >= -margin && uv[0] <= camera->width + margin &&
+           uv[1] <= camera->height + margin;
 }
 
 double test_ray_angle(const double a[3], const double b[3])
@@ -249,7 +246,7 @@ double test_ray_angle(const double a[3], const double b[3])
 }
 
 void test_scene_seen(test_scene *scene, rigcal_camera *camera,
-                       rigcal_observation observations[], uint64_t seed)
+                     rigcal_observation observations[], uint64_t seed)
 {
     test_rng rng = test_seed(seed);
 

@@ -57,7 +57,7 @@ int test_is_in_reach(const rigcal_camera *camera, const double uv[2]);
 double test_ray_angle(const double a[3], const double b[3]);
 
 /* 20 points seen by the left camera of opencv_stereo. */
-void test_scene_seen(test_scene *scene, rigcal_camera *camera, rigcal_observation observations[],
-                     uint64_t seed);
+void test_scene_seen(test_scene *scene, rigcal_camera *camera,
+                     rigcal_observation observations[], uint64_t seed);
 
 #endif /* TEST_LENSES_H */

@@ -31,8 +31,7 @@ void test_add_noise(test_problem *p, test_rng *rng, double sigma_px)
         const double s = p->use_sigma ? D(p->sigma[i]) : 1;
 
         for (int k = 0; k < 2; k++) {
-            p->o[i].uv[k] =
-                RC(D(p->o[i].uv[k]) + s * sigma_px * test_normal(rng));
+            p->o[i].uv[k] = RC(D(p->o[i].uv[k]) + s * sigma_px * test_normal(rng));
         }
     }
 }

@@ -133,14 +133,13 @@ void test_assert_status(rigcal_status expected, rigcal_status actual, int line)
 
     if (expected != actual) {
         snprintf(message, sizeof message, "expected %s (%d), was %s (%d)",
-                 rigcal_status_name(expected), (int)expected,
-                 rigcal_status_name(actual), (int)actual);
+                 rigcal_status_name(expected), (int)expected, rigcal_status_name(actual),
+                 (int)actual);
         UNITY_TEST_FAIL(line, message);
     }
 }
 
-void test_assert_near(double expected, double actual, double tol, int index,
-                      int line)
+void test_assert_near(double expected, double actual, double tol, int index, int line)
 {
     char where[32] = "", message[160];
 
@@ -152,13 +151,13 @@ void test_assert_near(double expected, double actual, double tol, int index,
         snprintf(where, sizeof where, "element %d: ", index);
     }
     snprintf(message, sizeof message,
-             "%sexpected %.17g within %.3g, was %.17g (off by %.3g)", where,
-             expected, tol, actual, actual - expected);
+             "%sexpected %.17g within %.3g, was %.17g (off by %.3g)", where, expected, tol,
+             actual, actual - expected);
     UNITY_TEST_FAIL(line, message);
 }
 
-void test_assert_array_near(const double expected[], const rigcal_real actual[],
-                            size_t n, double tol, int line)
+void test_assert_array_near(const double expected[], const rigcal_real actual[], size_t n,
+                            double tol, int line)
 {
     for (size_t i = 0; i < n; i++) {
         test_assert_near(expected[i], D(actual[i]), tol, (int)i, line);
@@ -173,8 +172,7 @@ void test_fill(void *object, size_t size)
     memset(object, PATTERN, size);
 }
 
-void test_assert_untouched(const void *object, size_t size, const char *name,
-                           int line)
+void test_assert_untouched(const void *object, size_t size, const char *name, int line)
 {
     const unsigned char *bytes = object;
     char message[160];
@@ -229,8 +227,8 @@ void test_product(double C[9], const double A[9], const double B[9])
 {
     for (int i = 0; i < 3; i++) {
         for (int j = 0; j < 3; j++) {
-            C[3 * i + j] = A[3 * i] * B[j] + A[3 * i + 1] * B[3 + j] +
-                           A[3 * i + 2] * B[6 + j];
+            C[3 * i + j] =
+                A[3 * i] * B[j] + A[3 * i + 1] * B[3 + j] + A[3 * i + 2] * B[6 + j];
         }
     }
 }
@@ -244,8 +242,7 @@ void test_transpose(double At[9], const double A[9])
     }
 }
 
-void test_apply(double y[3], const double R[9], const double x[3],
-                const double t[3])
+void test_apply(double y[3], const double R[9], const double x[3], const double t[3])
 {
     for (int i = 0; i < 3; i++) {
         y[i] = test_dot(R + 3 * i, x) + (t ? t[i] : 0);
@@ -296,8 +293,7 @@ void test_rotation_about(double R[9], const double axis[3], double angle)
     const double c = cos(angle), s = sin(angle), h = sin(angle / 2);
     const double versine = 2 * h * h; /* 1 - cos, without cancellation */
     const double length = test_norm(axis);
-    const double x = axis[0] / length, y = axis[1] / length,
-                 z = axis[2] / length;
+    const double x = axis[0] / length, y = axis[1] / length, z = axis[2] / length;
 
     R[0] = c + x * x * versine;
     R[1] = x * y * versine - z * s;
@@ -331,8 +327,7 @@ double test_angle_between(const double A[9], const double B[9])
     return 2 * asin(sum < 1 ? sum : 1);
 }
 
-void test_project(double xy[2], const double R[9], const double t[3],
-                  const double X[3])
+void test_project(double xy[2], const double R[9], const double t[3], const double X[3])
 {
     double p[3];
 
@@ -341,8 +336,7 @@ void test_project(double xy[2], const double R[9], const double t[3],
     xy[1] = p[1] / p[2];
 }
 
-void test_project_px(double uv[2], const rigcal_camera *camera,
-                     const double X_c[3])
+void test_project_px(double uv[2], const rigcal_camera *camera, const double X_c[3])
 {
     const double k1 = D(camera->k1), k2 = D(camera->k2), k3 = D(camera->k3);
     const double k4 = D(camera->k4), k5 = D(camera->k5), k6 = D(camera->k6);
@@ -352,16 +346,15 @@ void test_project_px(double uv[2], const rigcal_camera *camera,
     if (camera->lens == RIGCAL_LENS_FISHEYE) {
         const double r = hypot(X_c[0], X_c[1]);
         const double theta = atan2(r, X_c[2]), q = theta * theta;
-        const double bent =
-            theta * (1 + q * (k1 + q * (k2 + q * (k3 + q * k4))));
+        const double bent = theta * (1 + q * (k1 + q * (k2 + q * (k3 + q * k4))));
 
         xd = r > 0 ? X_c[0] / r * bent : 0;
         yd = r > 0 ? X_c[1] / r * bent : 0;
     } else {
         const double x = X_c[0] / X_c[2], y = X_c[1] / X_c[2];
         const double q = x * x + y * y;
-        const double d = (1 + q * (k1 + q * (k2 + q * k3))) /
-                         (1 + q * (k4 + q * (k5 + q * k6)));
+        const double d =
+            (1 + q * (k1 + q * (k2 + q * k3))) / (1 + q * (k4 + q * (k5 + q * k6)));
 
         xd = x * d + 2 * p1 * x * y + p2 * (q + 2 * x * x);
         yd = y * d + p1 * (q + 2 * y * y) + 2 * p2 * x * y;
@@ -505,15 +498,14 @@ static void place_points(test_scene *scene, test_rng *rng, test_shape shape)
             x[k] = Q[3 * k + 2];
         }
         test_apply(normal, scene->R, x, NULL);
-        if (!planar || fabs(test_dot(normal, view)) >
-                           sin(15 * TEST_PI / 180) * test_norm(view)) {
+        if (!planar ||
+            fabs(test_dot(normal, view)) > sin(15 * TEST_PI / 180) * test_norm(view)) {
             return;
         }
     }
 }
 
-void test_scene_random(test_scene *scene, test_rng *rng, int n,
-                       test_shape shape)
+void test_scene_random(test_scene *scene, test_rng *rng, int n, test_shape shape)
 {
     if (n > TEST_SCENE_MAX && RIGCAL_TEST_RAM < 32768) {
         TEST_IGNORE_MESSAGE("wants more RAM than there is: more points");

@@ -26,8 +26,12 @@
  * Its arguments are those of Unity: `-n name` runs the tests whose names contain `name`,
  * `-x name` leaves them out, `-l` lists them. No test of that name is a failure. */
 #define TEST_MAIN() \
-    void setUp(void) {} \
-    void tearDown(void) {} \
+    void setUp(void) \
+    { \
+    } \
+    void tearDown(void) \
+    { \
+    } \
     TEST_MAIN_WITH_SETUP()
 
 /* The same, of a file with setUp and tearDown of its own. */
@@ -101,19 +105,16 @@ void test_to_double(double out[], const rigcal_real in[], size_t n);
 /* ---- assertions ---------------------------------------------------------- */
 
 /* Statuses, told by name when they differ. */
-#define ASSERT_STATUS(expected, actual) \
-    test_assert_status((expected), (actual), __LINE__)
+#define ASSERT_STATUS(expected, actual) test_assert_status((expected), (actual), __LINE__)
 
 /* |actual - expected| <= tol, both finite: Unity's own comparison of doubles
  * holds for NaN against NaN, and prints too few digits. */
 #define ASSERT_NEAR(expected, actual, tol) \
-    test_assert_near((double)(expected), (double)(actual), (double)(tol), -1, \
-                     __LINE__)
+    test_assert_near((double)(expected), (double)(actual), (double)(tol), -1, __LINE__)
 
 /* The same for n numbers: doubles expected, rigcal_reals seen. */
 #define ASSERT_ARRAY_NEAR(expected, actual, n, tol) \
-    test_assert_array_near((expected), (actual), (size_t)(n), (double)(tol), \
-                           __LINE__)
+    test_assert_array_near((expected), (actual), (size_t)(n), (double)(tol), __LINE__)
 
 /* Outputs that a failing call must leave alone: fill the object (a struct, a
  * number or an array, not a pointer) with a pattern, call, see that it is still
@@ -131,13 +132,11 @@ void test_to_double(double out[], const rigcal_real in[], size_t n);
     } while (0)
 
 void test_assert_status(rigcal_status expected, rigcal_status actual, int line);
-void test_assert_near(double expected, double actual, double tol, int index,
-                      int line);
-void test_assert_array_near(const double expected[], const rigcal_real actual[],
-                            size_t n, double tol, int line);
+void test_assert_near(double expected, double actual, double tol, int index, int line);
+void test_assert_array_near(const double expected[], const rigcal_real actual[], size_t n,
+                            double tol, int line);
 void test_fill(void *object, size_t size);
-void test_assert_untouched(const void *object, size_t size, const char *name,
-                           int line);
+void test_assert_untouched(const void *object, size_t size, const char *name, int line);
 
 /* ---- random numbers, the same on every machine (SplitMix64) -------------- */
 
@@ -172,13 +171,11 @@ double test_determinant(const double A[9]);
 double test_angle_between(const double A[9], const double B[9]);
 
 /* (x, y) = (X, Y) / Z of R X + t. */
-void test_project(double xy[2], const double R[9], const double t[3],
-                  const double X[3]);
+void test_project(double xy[2], const double R[9], const double t[3], const double X[3]);
 
 /* Pixel of a point X_c in the camera frame by the formulas of rigcal.h, with no
  * check whether the lens reaches that far. */
-void test_project_px(double uv[2], const rigcal_camera *camera,
-                     const double X_c[3]);
+void test_project_px(double uv[2], const rigcal_camera *camera, const double X_c[3]);
 
 /* A transform of the library's from doubles and back (t or R may be NULL). */
 rigcal_transform test_transform(const double R[9], const double t[3]);
@@ -227,16 +224,14 @@ typedef enum {
  * within 15 degrees of edge-on. */
 typedef struct {
     int n;
-    double X[TEST_SCENE_MAX]
-            [3];       /* the target, of size 1, its origin within 2 */
-    double R[9], t[3]; /* cam_from_world */
-    double ypr[3];     /* of R */
+    double X[TEST_SCENE_MAX][3];  /* the target, of size 1, its origin within 2 */
+    double R[9], t[3];            /* cam_from_world */
+    double ypr[3];                /* of R */
     double xy[TEST_SCENE_MAX][2]; /* exact normalised image points */
     double Z[TEST_SCENE_MAX];     /* depths */
 } test_scene;
 
-void test_scene_random(test_scene *scene, test_rng *rng, int n,
-                       test_shape shape);
+void test_scene_random(test_scene *scene, test_rng *rng, int n, test_shape shape);
 
 /* What the library is handed: rays (x, y, 1), or pixels of `camera`. */
 void test_bearings(rigcal_bearing out[], const test_scene *scene);

@@ -5,10 +5,21 @@
 #include <cstdio>
 
 struct SerialPort {
-    void begin(long) {}
-    void print(double number, int digits) { std::printf("%.*f", digits, number); }
-    void print(const char *text) { std::printf("%s", text); }
-    void println(const char *text) { std::printf("%s\n", text); }
+    void begin(long)
+    {
+    }
+    void print(double number, int digits)
+    {
+        std::printf("%.*f", digits, number);
+    }
+    void print(const char *text)
+    {
+        std::printf("%s", text);
+    }
+    void println(const char *text)
+    {
+        std::printf("%s\n", text);
+    }
 };
 extern SerialPort Serial;
 

@@ -145,7 +145,7 @@ static void print_version(void)
            rigcal_sizeof_real() == 8 ? "double" : "float");
 }
 
-static CLI_NORETURN void refuse_option(const command *chosen, char *argv[])
+static CLI_NORETURN void refuse_option(const command *chosen, char *const argv[])
 {
     if (optopt > ' ') {
         WRONG_USE("%s has no option -%c", chosen->name, optopt);
@@ -154,16 +154,16 @@ static CLI_NORETURN void refuse_option(const command *chosen, char *argv[])
 }
 
 /* A value that was left out makes getopt take the option that follows. With = in between
- * the value is meant: argv has it only as a part of a word. */
-static int is_option(const char *value, char *const argv[])
+ * the value is meant: the word of argv has more than it. */
+static int is_option(const char *value, const char *word)
 {
-    return value != NULL && value == argv[optind - 1] && strncmp(value, "--", 2) == 0;
+    return value != NULL && value == word && strncmp(value, "--", 2) == 0;
 }
 
 /* One option, as getopt_long gives it. Returns 0 for --help and --version, which need
  * nothing more. */
 static int take_option(const char *option[OPTION_COUNT], const command *chosen, int given,
-                       char *argv[])
+                       char *const argv[])
 {
     if (given == ':') {
         WRONG_USE("%s needs a value behind it", argv[optind - 1]);
@@ -179,7 +179,7 @@ static int take_option(const char *option[OPTION_COUNT], const command *chosen, 
         WRONG_USE("%s has no option --%s", chosen->name, OPTIONS[given].name);
     } else if (option[given] != NULL) {
         WRONG_USE("--%s is given twice: give it once", OPTIONS[given].name);
-    } else if (is_option(optarg, argv)) {
+    } else if (is_option(optarg, argv[optind - 1])) {
         WRONG_USE("--%s needs a value, and %s follows. If that is the value, write "
                   "--%s=%s",
                   OPTIONS[given].name, optarg, OPTIONS[given].name, optarg);

@@ -16,17 +16,16 @@ static const rigcal_real UNITS[4] = {10, RC(25.4), 100, 1000};
 /* ---- fits ---------------------------------------------------------------- */
 
 typedef struct {
-    rigcal_points points; /* not surveyed */
+    rigcal_points points; /* surveyed by every fit */
     rigcal_pose_options options;
 } problem;
 
 /* The best pose of the points that count, with the status of its result. */
-static rigcal_status best_fit(rigcal_pose *pose, const problem *P)
+static rigcal_status best_fit(rigcal_pose *pose, problem *P)
 {
     rigcal_pose_solver solver;
-    rigcal_points points = P->points;
     size_t n_found;
-    const rigcal_status status = rc_pose_begin(&solver, NULL, &points, &P->options);
+    const rigcal_status status = rc_pose_begin(&solver, NULL, &P->points, &P->options);
     if (status != RIGCAL_OK) {
         return status;
     }
@@ -50,12 +49,12 @@ typedef struct {
 
 /* The fit without point i. */
 static void leave_out(rigcal_blame *blame, rigcal_real rms_without[], tried *so_far,
-                      const problem *P, size_t i)
+                      problem *P, size_t i)
 {
-    problem rest = *P;
     rigcal_pose pose;
-    rest.points.left_out = (int32_t)i;
-    const rigcal_status status = best_fit(&pose, &rest);
+    P->points.left_out = (int32_t)i;
+    const rigcal_status status = best_fit(&pose, P);
+    P->points.left_out = -1;
     if (status < 0) {
         return;
     }
@@ -96,7 +95,7 @@ static size_t next_farthest(rigcal_real *distance2, const rigcal_points *points,
 
 /* Of more points than can be tried, those farthest from their projections. */
 static void leave_out_farthest(rigcal_blame *blame, rigcal_real rms_without[],
-                               tried *so_far, const problem *P,
+                               tried *so_far, problem *P,
                                const rigcal_transform *cam_from_world)
 {
     rigcal_points points = P->points;
@@ -119,7 +118,7 @@ static void leave_out_farthest(rigcal_blame *blame, rigcal_real rms_without[],
  * lowers the sum from S to S_i, and the chance that the best of n does so is at most
  * n (S_i / S)^(n - 4), an F test of 2 and 2 n - 8 degrees of freedom; where the noise
  * is known, n exp(-(S - S_i) / (2 sigma^2)). */
-static void find_blame(rigcal_blame *blame, rigcal_real rms_without[], const problem *P,
+static void find_blame(rigcal_blame *blame, rigcal_real rms_without[], problem *P,
                        const rigcal_pose *pose, rigcal_status status)
 {
     const size_t n = P->points.view.n;

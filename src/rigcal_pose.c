@@ -332,12 +332,15 @@ rigcal_real rc_pose_likelihood(const rigcal_pose_solver *s, int32_t i)
     return likelihood_of(s, s->search.optima.list[i].sse);
 }
 
+/* By exchanges: copies alone would be a memmove to a compiler. */
 void rc_pose_drop(rigcal_pose_solver *s, int32_t i)
 {
     rigcal_optima *const optima = &s->search.optima;
     optima->n--;
     for (; i < optima->n; i++) {
+        const rigcal_optimum dropped = optima->list[i];
         optima->list[i] = optima->list[i + 1];
+        optima->list[i + 1] = dropped;
     }
 }
 

@@ -37,9 +37,11 @@ def nm(path, *options):
 
 
 def declared(define):
-    """The functions of the header with RIGCAL_API, and those without."""
-    text = run("gcc", "-E", "-P", *FLAGS, *define, "-DRIGCAL_API=RIGCAL_DECLARED",
-               ROOT / "include/rigcal.h")
+    """The functions of the headers with RIGCAL_API, and those without."""
+    headers = [f for path in sorted((ROOT / "include").glob("*.h"))
+               for f in ("-include", path)]
+    text = run("gcc", "-E", "-P", *FLAGS, *define, "-DRIGCAL_API=RIGCAL_DECLARED", *headers,
+               "-x", "c", "/dev/null")
     marked = set(re.findall(r"RIGCAL_DECLARED\b[^;(]*?\b(\w+)\s*\(", text))
     return marked, set(re.findall(r"\b(rigcal_\w+)\s*\((?!\*)", text)) - marked
 
@@ -80,11 +82,11 @@ def check(real, define, work):
                 yield f"librigcal.so exports {symbol}, which is no function ({real})"
     promised, unmarked = declared(define)
     for symbol in sorted(unmarked):
-        yield f"rigcal.h declares {symbol} without RIGCAL_API ({real})"
+        yield f"a header declares {symbol} without RIGCAL_API ({real})"
     for symbol in sorted(exported - promised):
         yield f"librigcal.so exports {symbol}, which no header declares RIGCAL_API ({real})"
     for symbol in sorted(promised - exported):
-        yield f"rigcal.h declares {symbol}, which librigcal.so does not export ({real})"
+        yield f"a header declares {symbol}, which librigcal.so does not export ({real})"
     check.count = len(promised)
 
 

@@ -45,7 +45,7 @@ paper         gcc,cmake,unity,python
               preset_build gcc-double && $PYTHON tests/checks/check_paper.py
 readme        gcc,python                   $PYTHON tests/checks/check_readme.py
 vectors       numpy,scipy                  $PYTHON tests/vectors/make_vectors.py --check
-layers        python                       $PYTHON tests/checks/check_layers.py
+layers        gcc,python                     $PYTHON tests/checks/check_layers.py
 manifests     python                       $PYTHON tests/checks/check_manifests.py
 symbols       gcc,python                   $PYTHON tests/checks/check_symbols.py
 callgraph     gcc,arm,python

@@ -1,24 +1,60 @@
 #!/usr/bin/env python3
-"""Reads the includes of src/ and refuses what breaks the order of the layers.
+"""Reads src/ and refuses what breaks the order of the layers.
 
 A file may include its own header and those of layers before its own, in the
 order of RIGCAL_LAYERS in CMakeLists.txt; of the C library only headers that a
 freestanding compiler has, and string.h for memcpy and memset; the mathematics
 comes by RIGCAL_MATH_HEADER. Nothing in src/ may ask which target it is for.
+
+What a solver keeps is its own layer's: another layer uses only the fields that are
+listed here. To find out, every file is compiled (gcc -fsyntax-only) with the public
+headers in which the other fields of the other layers' solvers have other names.
 """
+import os
 import pathlib
 import re
+import subprocess
 import sys
+import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-PUBLIC = {"rigcal.h", "rigcal_config.h"}
+PUBLIC = {path.name for path in (ROOT / "include").glob("*.h")}
 SYSTEM = {"stddef.h", "stdint.h", "stdbool.h", "limits.h", "float.h", "string.h"}
 
 # A conditional may ask for these only: our own settings, C++ in a header, and
 # the compiler's modes that break the library.
 OWN_MACRO = re.compile(r"RIGCAL_\w+|RC_\w+|defined|__cplusplus|__FAST_MATH__|_M_FP_FAST|"
                        r"__FINITE_MATH_ONLY__|__ASSOCIATIVE_MATH__|__RECIPROCAL_MATH__|"
-                       r"__NO_SIGNED_ZEROS__|FLT_EVAL_METHOD")
+                       r"__NO_SIGNED_ZEROS__|FLT_EVAL_METHOD|SIZE_MAX")
+# And one file for this: whether small functions are to have one body.
+OWN_MACRO_OF = {"rc_real.h": {"__OPTIMIZE_SIZE__"}}
+
+# Files beside the layers. They may include what `real` may, and no layer.
+APART = ["about", "layout"]
+
+# The layer of each struct that a solver keeps, and the fields that other layers may use.
+# None: all of them, the struct is data.
+SOLVERS = {
+    "rigcal_points": ("points", None),
+    "rigcal_vertex": ("neldermead", None),
+    "rigcal_neldermead": ("neldermead", {"trial", "status"}),
+    "rigcal_levenberg": ("levenberg", {"want", "equations", "status", "sum", "lambda"}),
+    "rigcal_refinement": ("refine", {"search", "cam_from_points", "H"}),
+    "rigcal_moments": ("direction", {"weight", "C"}),
+    "rigcal_lattice": ("seeds", set()),
+    "rigcal_triple": ("seeds", set()),
+    "rigcal_descent": ("seeds", set()),
+    "rigcal_optimum": ("optima", None),
+    "rigcal_optima": ("optima", None),
+    "rigcal_search": ("seeds", {"points", "optima", "point", "is_wide", "work",
+                                "refinement"}),
+    "rigcal_pose_solver": ("pose", set()),
+    "rigcal_trial_poses": ("robust", set()),
+    "rigcal_robust_solver": ("robust", set()),
+    "rigcal_paper_solver": ("paper", set()),
+}
+FIELD = re.compile(r"(\w+)((?:\[\w+\])*\s*[,;])")
+STRUCT = re.compile(r"struct (rigcal_\w+) \{(.*?)\n\}", re.S)
 
 
 def layer_order():
@@ -40,10 +76,10 @@ def offences(path, order):
     name = path.name
     found = re.fullmatch(r"(?:rigcal_(\w+)\.c|rc_(\w+)\.h)", name)
     layer = found and (found[1] or found[2])
-    if layer not in order + ["about"]:
+    if layer not in order + APART:
         yield 1, "belongs to no layer in CMakeLists.txt's RIGCAL_LAYERS"
         return
-    rank = 1 if layer == "about" else order.index(layer)
+    rank = 0 if layer in APART else order.index(layer)
 
     for number, line in enumerate(without_comments(path.read_text()).split("\n"), 1):
         directive = re.match(r"\s*#\s*(\w+)\s*(.*)", line)
@@ -61,16 +97,16 @@ def offences(path, order):
                     yield number, f"includes {included[2]}, which the core may not use"
             else:
                 other = re.fullmatch(r"rc_(\w+)\.h", included[2])
-                if not other or other[1] not in order:
+                if other and other[1] == layer and name.endswith(".c"):
+                    pass
+                elif not other or other[1] not in order:
                     yield number, f"includes {included[2]}, which is no layer's header"
-                elif order.index(other[1]) > rank or (
-                        order.index(other[1]) == rank and name.endswith(".h")) or (
-                        order.index(other[1]) == rank and layer == "about"):
+                elif order.index(other[1]) >= rank + (layer in APART):
                     yield number, f"includes {included[2]}, which is not of a layer before {layer}"
                 continue
         elif directive and directive[1] in ("if", "ifdef", "ifndef", "elif"):
             for word in re.findall(r"\b[A-Za-z_]\w*", directive[2]):
-                if not OWN_MACRO.fullmatch(word):
+                if not OWN_MACRO.fullmatch(word) and word not in OWN_MACRO_OF.get(name, ()):
                     yield number, f"asks for {word}; what depends on the target belongs in rigcal_config.h"
         code = re.sub(r'"(?:\\.|[^"\\])*"', '""', line)
         for call in re.findall(r"\b((?:mem|str)[a-z]+)\s*\(", code):
@@ -78,7 +114,46 @@ def offences(path, order):
                 yield number, f"calls {call}; of string.h only memcpy and memset are promised to suffice"
 
 
+def hide(text, layer):
+    """The text of a header in which what is hidden from a layer has other names."""
+    def renamed(match):
+        name, body = match[1], match[2]
+        owner, shown = SOLVERS.get(name, (layer, None))
+        if owner == layer or shown is None:
+            return match[0]
+
+        def hidden(field):
+            return field[0] if field[1] in shown else f"{field[1]}_of_{name}{field[2]}"
+        return f"struct {name} {{{FIELD.sub(hidden, body)}\n}}"
+    return STRUCT.sub(renamed, without_comments(text))
+
+
+def intrusions(work):
+    """What files use of the solvers of other layers."""
+    for path in sorted((ROOT / "src").glob("*.c")):
+        layer = path.stem[len("rigcal_"):]
+        for header in PUBLIC:
+            (work / header).write_text(hide((ROOT / "include" / header).read_text(), layer))
+        done = subprocess.run(
+            ["gcc", "-std=c99", "-fsyntax-only", "-fmax-errors=0", f"-I{work}", str(path)],
+            capture_output=True, text=True, env={**os.environ, "LC_ALL": "C"})
+        if done.returncode == 0:
+            continue
+        found = re.findall(
+            r"src/(\S+?):(\d+):\d+: error: '(?:const )?(?:struct |union )?(rigcal_\w+)' "
+            r"[^\n]*has no member named '(\w+)'", done.stderr)
+        if len(found) != len(re.findall("error:", done.stderr)):
+            sys.exit(f"check_layers: {path.name} does not compile\n{done.stderr}")
+        yield from ((ROOT / "src" / name, int(number),
+                     f"uses {field} of {struct}, which is another layer's own")
+                    for name, number, struct, field in found)
+
+
 def main():
+    unknown = {m[1] for m in STRUCT.finditer(
+        (ROOT / "include/rigcal_solvers.h").read_text())} - SOLVERS.keys()
+    if unknown:
+        sys.exit(f"check_layers: whose are {', '.join(sorted(unknown))}?")
     order = layer_order()
     files = sorted((ROOT / "src").glob("*"))
     if not files:
@@ -86,6 +161,10 @@ def main():
     bad = 0
     for path in files:
         for number, text in offences(path, order):
+            print(f"{path.relative_to(ROOT)}:{number}: {text}")
+            bad += 1
+    with tempfile.TemporaryDirectory() as work:
+        for path, number, text in intrusions(pathlib.Path(work)):
             print(f"{path.relative_to(ROOT)}:{number}: {text}")
             bad += 1
     if bad:

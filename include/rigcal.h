@@ -373,9 +373,9 @@ RIGCAL_API rigcal_status rigcal_view_rms(rigcal_real *rms_px, int32_t *worst,
  * exactly. It is returned besides exact poses only if sigma_px is given.
  *
  * Points of a pinhole may be up to 89 degrees off its axis, those of a fisheye as far as
- * its lens goes. Where one is more than 60 degrees off, or 80 off the middle of the target's
- * image, the target is *wide*: poses of three points are tried too, or instead, and
- * refinement begins with errors along the rays (B).
+ * its lens goes. Where one is more than 60 degrees off, or 80 off the middle of the
+ * target's image, the target is *wide*: poses of three points are tried too, or instead,
+ * and refinement begins with errors along the rays (B).
  *
  * Where no noise is stated, some is assumed, in pixels. The unit of uv is a pixel if fx is
  * 28 or more. For a shorter fx, as of normalised images, a pixel is fx^2 / 800. */
@@ -392,7 +392,7 @@ typedef struct rigcal_pose {
 
 typedef struct rigcal_pose_options {
     int32_t use_start;    /* 1: `start` is a previous pose, and the only start unless it
-                             proves bad; only the optimum near it is returned. 0 (default) */
+                             proves bad; only the optimum near it is returned. 0: default */
     rigcal_real sigma_px; /* noise of one coordinate of a pixel (times sigma_i where those
                              are given), 1e-6 .. 1e6, when known: then the fit is judged by
                              it. 0 (default): unknown, at least 0.01 px, and integrated

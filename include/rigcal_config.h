@@ -34,9 +34,10 @@
  * refused. -fno-math-errno and -fno-trapping-math do no harm.
  *
  * Contraction: the compiler makes one fused multiply-add of a product and a sum, where the
- * processor has that instruction. gcc does so unless -ffp-contract=off or -std=c99 is given,
- * clang from 14 on unless -ffp-contract=off is, MSVC before 2022 unless /fp:strict is. CMake
- * switches it off. With contraction these promises fall, and the tests find no other:
+ * processor has that instruction. gcc does so unless -ffp-contract=off or -std=c99 is
+ * given, clang from 14 on unless -ffp-contract=off is, MSVC before 2022 unless /fp:strict
+ * is. CMake switches it off. With contraction these promises fall, and the tests find no
+ * other:
  *
  *   - The same input gives the same bits on every target with the same libm.
  *   - A search takes as many evaluations as on other targets. Its upper bounds hold.
@@ -139,9 +140,9 @@ typedef double rigcal_real;
 #define RIGCAL_ASSERT(condition) ((void)0)
 #endif
 
-/* What a search does, event by event, for who works on the library: `event` is a text, `number`
- * an integer and `value` a rigcal_real. CONTRIBUTING.md shows a trace. It costs nothing where
- * it is not defined. */
+/* What a search does, event by event, for who works on the library: `event` is a text,
+ * `number` an integer and `value` a rigcal_real. CONTRIBUTING.md shows a trace. It costs
+ * nothing where it is not defined. */
 #ifndef RIGCAL_TRACE
 #define RIGCAL_TRACE(event, number, value) ((void)0)
 #endif

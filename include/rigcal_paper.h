@@ -113,17 +113,19 @@ RIGCAL_API size_t rigcal_pairs_for(size_t n);
 
 /* The pair (i, j); the other bearings are not read. ERR_COINCIDENT when the points, or the
  * rays, are the same to rounding: such a pair carries no equation. OK, ERR_NULL,
- * ERR_NOT_FINITE, ERR_RANGE (a ray of length zero; i, j not two different indices below n). */
+ * ERR_NOT_FINITE, ERR_RANGE (a ray of length zero; i, j not two different indices below
+ * n). */
 RIGCAL_API rigcal_status rigcal_pair_make(rigcal_pair *pair,
                                           const rigcal_bearing bearings[], size_t n,
                                           int32_t i, int32_t j);
 
 /* Chooses pairs among n >= 3 bearings: all of them up to n = 9, else 4 n, every point in
- * about eight, spread by a fixed disorder so that runs repeat. Left out are degenerate pairs
- * and those whose rays lie closer than a sixth of the image that the target fills, whose
- * sine is mostly noise. The first two are well conditioned for the published elimination by
- * two pairs. A capacity below rigcal_pairs_for(n) bounds memory at some accuracy, with few
- * points at much: fewer are chosen, still spread. A larger one changes nothing. Time O(n).
+ * about eight, spread by a fixed disorder so that runs repeat. Left out are degenerate
+ * pairs and those whose rays lie closer than a sixth of the image that the target fills,
+ * whose sine is mostly noise. The first two are well conditioned for the published
+ * elimination by two pairs. A capacity below rigcal_pairs_for(n) bounds memory at some
+ * accuracy, with few points at much: fewer are chosen, still spread. A larger one
+ * changes nothing. Time O(n).
  *
  *   pairs     out   `capacity` >= 3 entries, *n_pairs of them written; >= 3
  *   bearings  in    n of them; every ray less than 90 degrees off the axis
@@ -177,9 +179,9 @@ RIGCAL_API rigcal_status rigcal_pairs_residual(rigcal_real *residual,
                                                const rigcal_pair pairs[], size_t n_pairs,
                                                const rigcal_real ypr[3]);
 
-/* (10a), (10b), (16): t of cam_from_world for a known rotation. By pairs: t_z is the average
- * over the pairs of (10a) and (10b) (coordinates that differ by less than 1e-9 / 1e-4 are
- * left out), t_x and t_y the average of (9) over the points.
+/* (10a), (10b), (16): t of cam_from_world for a known rotation. By pairs: t_z is the
+ * average over the pairs of (10a) and (10b) (coordinates that differ by less than
+ * 1e-9 / 1e-4 are left out), t_x and t_y the average of (9) over the points.
  * OK, ERR_NULL, ERR_NOT_FINITE, ERR_RANGE, ERR_ROTATION, ERR_TOO_FEW (n < 2, no pairs),
  * ERR_WIDE_RAY, ERR_DEGENERATE (nothing left to average). */
 RIGCAL_API rigcal_status rigcal_translation_from_pairs(rigcal_real t[3],
@@ -198,7 +200,8 @@ RIGCAL_API rigcal_status rigcal_translation_least_squares(rigcal_real t[3],
 /* ==== paper ===============================================================
  *
  * Where one camera is, by the published procedure: Nelder-Mead over two angles with the
- * third eliminated (14), (15), or over three (5), (6); translation by least squares (16). */
+ * third eliminated (14), (15), or over three (5), (6); translation by least squares
+ * (16). */
 typedef struct rigcal_paper_options {
     int32_t angles;     /* 2 (default) or 3: how many are searched; 3 needs a guess */
     int32_t eliminated; /* RIGCAL_BEST_CONDITIONED (default), _YAW, .. */

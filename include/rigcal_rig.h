@@ -33,16 +33,17 @@ typedef struct rigcal_rig {
 
 /* Puts the cameras into the frame of camera 0: from the poses to common placements (17),
  * (18), averaged over placements; a camera that shares none with camera 0 is joined through
- * others that do, the best-shared first. A placement counts by both its weights, w and W, as
- * 1 / (1/w + 1/W). Writes rig->cams_from_rig and rig->group, and the memory to work in.
+ * others that do, the best-shared first. A placement counts by both its weights, w and W,
+ * as 1 / (1/w + 1/W). Writes rig->cams_from_rig and rig->group, and the memory to work in.
  * OK, RIGCAL_DISCONNECTED, ERR_NULL, ERR_NOT_FINITE, ERR_ROTATION, ERR_RANGE, ERR_TOO_FEW
  * (no camera). ERR_ROTATION also when the poses contradict each other so far that they have
- * no mean; the outputs are then undefined. Time O(n_cameras^2 n_views^2), stack constant. */
+ * no mean; the outputs are then undefined. Time O(n_cameras^2 n_views^2), stack
+ * constant. */
 RIGCAL_API rigcal_status rigcal_rig_join(rigcal_rig *rig);
 
-/* Where a placement of the target is in a joined rig: the mean over the cameras that saw it.
- * Only views of `placement` by cameras of `in_group` count; ERR_TOO_FEW when there is none.
- * Writes the memory to work in. The other statuses are those of rigcal_rig_join. */
+/* Where a placement of the target is in a joined rig: the mean over the cameras that saw
+ * it. Only views of `placement` by cameras of `in_group` count; ERR_TOO_FEW when there is
+ * none. Writes the memory to work in. The other statuses are those of rigcal_rig_join. */
 RIGCAL_API rigcal_status rigcal_rig_place(rigcal_transform *rig_from_target,
                                           rigcal_rig *rig, int32_t placement,
                                           int32_t in_group);

@@ -27,7 +27,7 @@ typedef struct rigcal_points {
     rigcal_real negligible; /* a change of the sum of squared errors that means nothing */
 } rigcal_points;
 
-/* ---- Nelder-Mead --------------------------------------------------------------------------- */
+/* ---- Nelder-Mead ------------------------------------------------------------ */
 
 typedef struct rigcal_vertex {
     rigcal_real x[3], cost; /* of a simplex: the first k coordinates count */
@@ -43,7 +43,7 @@ typedef struct rigcal_neldermead {
     rigcal_vertex vertex[4]; /* k + 1 of them, best first between iterations */
 } rigcal_neldermead;
 
-/* ---- Levenberg-Marquardt, and the refinement of a pose by it ------------------------------- */
+/* ---- Levenberg-Marquardt, and the refinement of a pose by it ---------------- */
 
 typedef struct rigcal_levenberg {
     int32_t want, equations, status;
@@ -87,8 +87,8 @@ typedef struct rigcal_descent {
 
 /* ---- a pose ----------------------------------------------------------------- */
 
-/* An optimum: camera from the points' own origin; the third row of its rotation is the cross
- * product of these two. */
+/* An optimum: camera from the points' own origin; the third row of its rotation is the
+ * cross product of these two. */
 typedef struct rigcal_optimum {
     rigcal_real rows[6], t[3], sse;
 } rigcal_optimum;

@@ -22,13 +22,13 @@ rigcal_status rc_check_observation(const rigcal_observation *o);
 /* *at_fault = index, for who wants it. */
 void rc_write_fault(int32_t *at_fault, int32_t index);
 
-/* What a pixel is, in the unit of uv, where an error is assumed in pixels: 1, but less where
- * the focal length is so short that the unit cannot be a pixel. */
+/* What a pixel is, in the unit of uv, where an error is assumed in pixels: 1, but less
+ * where the focal length is so short that the unit cannot be a pixel. */
 rigcal_real rc_pixel_size(const rigcal_camera *camera);
 
-/* Pixel of X_c and d uv / d X_c, 2 x 3; `is_pinhole` as of rc_lens_is_pinhole. Does not check
- * whether X_c lies beyond the lens's turning point; rc_project_usable does. OK, ERR_BEHIND,
- * ERR_NO_RAY (not finite), ERR_DEGENERATE. */
+/* Pixel of X_c and d uv / d X_c, 2 x 3; `is_pinhole` as of rc_lens_is_pinhole. Does not
+ * check whether X_c lies beyond the lens's turning point; rc_project_usable does. OK,
+ * ERR_BEHIND, ERR_NO_RAY (not finite), ERR_DEGENERATE. */
 rigcal_status rc_project_through(rigcal_real uv[2], rigcal_real J_uv[6],
                                  const rigcal_camera *camera, int is_pinhole,
                                  const rigcal_real X_c[3]);

@@ -5,7 +5,8 @@
 
 #include "rc_real.h"
 
-/* Degrees of freedom of the fit of a pose to n points. Three have none and nearly fit: 1. */
+/* Degrees of freedom of the fit of a pose to n points. Three have none and nearly
+ * fit: 1. */
 rigcal_real rc_freedom(size_t n);
 
 /* The value that chi squared of `freedom` degrees of freedom exceeds as seldom as a normal
@@ -18,8 +19,9 @@ rigcal_real rc_chi2_limit(rigcal_real freedom, rigcal_real deviations);
 rigcal_real rc_odds(rigcal_real sse, rigcal_real other, rigcal_real sigma_px,
                     rigcal_real pixel_size, size_t n);
 
-/* (E) Expected number of sets of `count` of n points that agree with a pose of three of them
- * although all are wrong, `near` being the chance that a wrong point agrees. At most 1e30. */
+/* (E) Expected number of sets of `count` of n points that agree with a pose of three of
+ * them although all are wrong, `near` being the chance that a wrong point agrees. At most
+ * 1e30. */
 rigcal_real rc_expected_sets(size_t n, size_t count, rigcal_real near);
 
 #endif /* RC_CHANCE_H */

@@ -7,9 +7,9 @@
 
 /* Sums over the points, from which the cost of any direction follows in the same time
  * whatever n is: begin, add each point, finish. x is a point counted from the (weighted)
- * mean of the points, u its normalised image in a virtual camera that looks at the middle of
- * the target's image: there the cost is nearly the error in the image. finish: 0 when the
- * image has no extent. */
+ * mean of the points, u its normalised image in a virtual camera that looks at the middle
+ * of the target's image: there the cost is nearly the error in the image. finish: 0 when
+ * the image has no extent. */
 void rc_moments_begin(rigcal_moments *sums);
 void rc_moments_add(rigcal_moments *sums, rigcal_real weight, const rigcal_real x[3],
                     const rigcal_real u[2]);

@@ -39,7 +39,8 @@ enum { RC_STEP_TRY, RC_STEP_LAST, RC_STEP_NONE };
 /* is_near: the first step is not damped. */
 void rc_levenberg_begin(rigcal_levenberg *lm, int is_near);
 
-/* The sum where the search is, or the status of an evaluation that failed, which ends it. */
+/* The sum where the search is, or the status of an evaluation that failed, which ends
+ * it. */
 void rc_levenberg_evaluated(rigcal_levenberg *lm, rigcal_status status, rigcal_real sum);
 
 /* H + lambda D is not positive definite. J^T J: the search ends, ERR_DEGENERATE. Newton's:

@@ -132,7 +132,7 @@ inline void rc_sym3_backward(rigcal_real x[3], const rigcal_real L[6])
     x[0] = (x[0] - L[1] * x[1] - L[2] * x[2]) * L[0];
 }
 
-/* ---- symmetric 6 x 6 matrices, in blocks of three ----------------------------------------
+/* ---- symmetric 6 x 6 matrices, in blocks of three -----------------------
  *
  * H[21]: the first block as above, the block across (row by row: a row of the first three,
  * a column of the last three), and the second block as above. */
@@ -155,7 +155,7 @@ int rc_sym6_invert(rigcal_real Sigma[36], const rigcal_real H[21]);
 /* Of H^-1 the trace of the first block alone. 0: as above; *trace is then as it was. */
 int rc_sym6_inverse_trace(rigcal_real *trace, const rigcal_real H[21]);
 
-/* ---- symmetric matrices of any size, packed -----------------------------------------------
+/* ---- symmetric matrices of any size, packed ------------------------------
  *
  * The lower triangle row by row: element (i, j), j <= i, is A[i (i + 1) / 2 + j]. */
 inline size_t rc_packed_at(size_t i, size_t j)
@@ -172,8 +172,8 @@ int rc_packed_factor_row(rigcal_real A[], size_t i, rigcal_real least);
 void rc_packed_forward(rigcal_real x[], const rigcal_real L[], size_t n);
 void rc_packed_backward(rigcal_real x[], const rigcal_real L[], size_t n);
 
-/* Row i of L^-1 in the place of row i of L, the rows above being done; O(i^2). Then row i of
- * (L L^T)^-1 = L^-T L^-1 in its place, the rows above being done; O(n i). */
+/* Row i of L^-1 in the place of row i of L, the rows above being done; O(i^2). Then row i
+ * of (L L^T)^-1 = L^-T L^-1 in its place, the rows above being done; O(n i). */
 void rc_packed_invert_row(rigcal_real L[], size_t i);
 void rc_packed_square_row(rigcal_real L_inverse[], size_t i, size_t n);
 

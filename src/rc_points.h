@@ -1,8 +1,8 @@
 /* rc_points.h - the points of a view that count, and from where they count.
  *
- * Points are counted from an origin in their middle, so that a far world costs no digits and
- * a small turn is one about the middle of the target. `cam_from_points` is the pose that
- * takes points so counted into the camera's frame. */
+ * Points are counted from an origin in their middle, so that a far world costs no digits
+ * and a small turn is one about the middle of the target. `cam_from_points` is the pose
+ * that takes points so counted into the camera's frame. */
 #ifndef RC_POINTS_H
 #define RC_POINTS_H
 

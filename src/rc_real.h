@@ -51,8 +51,8 @@ typedef char rc_not_with_fsingle_precision_constant[sizeof 1.0 == sizeof(double)
 #define RC_FABS RIGCAL_FABS
 
 /* For size a function of three lines costs more at each call than one body of its own. gcc
- * warns of this pair of words, which agree in what is meant: `inline` is C99's, for a body in
- * a header. */
+ * warns of this pair of words, which agree in what is meant: `inline` is C99's, for a body
+ * in a header. */
 #ifdef __OPTIMIZE_SIZE__
 #pragma GCC diagnostic ignored "-Wattributes"
 #define RC_INLINE RIGCAL_NOINLINE inline

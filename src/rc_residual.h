@@ -1,10 +1,10 @@
 /* rc_residual.h - the pixel error of one point through the lens, and what it adds to least
  * squares by a rigid transform or by the point (EQUATIONS.md B).
  *
- * Of a point X_c in the camera's frame: e = uv - projection [px], and B = d projection / d X_c,
- * 2 x 3. Where X_c = q + t, q = R x, a small turn w and shift dt of the transform move it by
- * w x q + dt, so the rows of J are (q x b, b), b a row of B. A point in frame a moves it by
- * R_ca dX_a, so its rows are those of B R_ca. */
+ * Of a point X_c in the camera's frame: e = uv - projection [px], and
+ * B = d projection / d X_c, 2 x 3. Where X_c = q + t, q = R x, a small turn w and shift dt
+ * of the transform move it by w x q + dt, so the rows of J are (q x b, b), b a row of B. A
+ * point in frame a moves it by R_ca dX_a, so its rows are those of B R_ca. */
 #ifndef RC_RESIDUAL_H
 #define RC_RESIDUAL_H
 
@@ -30,8 +30,8 @@ void rc_residual_along_ray(rigcal_real e[2], rigcal_real B[6], const rigcal_came
                            int is_pinhole, const rigcal_real uv[2],
                            const rigcal_real X_c[3]);
 
-/* Least squares by a rigid transform: g = J^T e and H = J^T J in the blocks of rc_sym6_*, by
- * w, across (a row of w, a column of dt) and by dt. */
+/* Least squares by a rigid transform: g = J^T e and H = J^T J in the blocks of rc_sym6_*,
+ * by w, across (a row of w, a column of dt) and by dt. */
 void rc_rigid_clear(rigcal_real g[6], rigcal_real H[21]);
 
 /* Adds one point, weighed. With X_c not NULL, H also gets the curvature of the error, as

@@ -1,9 +1,9 @@
-/* rc_seeds.h - where the refinement of a pose may start: the poses of three points, the best
- * directions of a lattice after a descent, and those that lean other than the first optimum
- * (EQUATIONS.md A, D).
+/* rc_seeds.h - where the refinement of a pose may start: the poses of three points, the
+ * best directions of a lattice after a descent, and those that lean other than the first
+ * optimum (EQUATIONS.md A, D).
  *
- * A search hands out one start after the other; its owner refines each, and keeps the optima
- * in search->optima, from which the next starts follow. */
+ * A search hands out one start after the other; its owner refines each, and keeps the
+ * optima in search->optima, from which the next starts follow. */
 #ifndef RC_SEEDS_H
 #define RC_SEEDS_H
 
@@ -27,17 +27,17 @@ enum {
  * ray of uv_middle; where that has none, along the camera's own axis. */
 void rc_seeds_begin(rigcal_search *s, const rigcal_real uv_middle[2]);
 
-/* One ray (of a pinhole, whose rays cost next to nothing, up to 16), one cost of a direction,
- * all poses of three points, or one choice. Returns RC_SEEDS_, or a failure: ERR_COINCIDENT,
- * ERR_COLLINEAR, ERR_TOO_FEW (three points, in a build without), ERR_WIDE_RAY (of point
- * s->point, in such a build). */
+/* One ray (of a pinhole, whose rays cost next to nothing, up to 16), one cost of a
+ * direction, all poses of three points, or one choice. Returns RC_SEEDS_, or a failure:
+ * ERR_COINCIDENT, ERR_COLLINEAR, ERR_TOO_FEW (three points, in a build without),
+ * ERR_WIDE_RAY (of point s->point, in such a build). */
 int32_t rc_seeds_step(rigcal_search *s);
 
 /* Goes on to another triple. 0: enough have been tried. */
 int rc_seeds_pick(rigcal_search *s);
 
-/* The search being spent: whether mirrored points may fit as well as the first optimum does.
- * Their start is then in search->work.refinement.cam_from_points. */
+/* The search being spent: whether mirrored points may fit as well as the first optimum
+ * does. Their start is then in search->work.refinement.cam_from_points. */
 int rc_seeds_mirrored(rigcal_search *s);
 
 /* (D) All poses of three of the points from their rays; how many, as of rc_p3p. */

@@ -9,8 +9,8 @@
  * camera of this focal length [px]. */
 #define FOCAL_USUAL RC(800)
 
-/* How far from the pixel a ray's projection may be, besides rounding [px]. Newton goes on to
- * rounding; this only tells an answer from none. */
+/* How far from the pixel a ray's projection may be, besides rounding [px]. Newton goes on
+ * to rounding; this only tells an answer from none. */
 #define MISS_MAX_PX RC_TOL(5e-10, 1e-3)
 
 /* ---- checks -------------------------------------------------------------- */
@@ -181,7 +181,8 @@ static rigcal_status project_pinhole(rigcal_real uv[2], rigcal_real J_uv[6],
 
 /* Through any lens. Also gives the place x in the plane of the lens map. X_c is scaled
  * first, so that its largest coordinate is 1: then nothing overflows on the way. With
- * the lens's Jacobian J and (X, Y) = j, J dx/dX_c = (J / depth + bend J j j^T, sink J j). */
+ * the lens's Jacobian J and (X, Y) = j,
+ * J dx/dX_c = (J / depth + bend J j j^T, sink J j). */
 static rigcal_status project_by(rigcal_real x[2], rigcal_real uv[2], rigcal_real J_uv[6],
                                 const rigcal_camera *camera, const rigcal_real X_c[3])
 {

@@ -73,8 +73,8 @@ static void leave_out(rigcal_blame *blame, rigcal_real rms_without[], tried *so_
     }
 }
 
-/* Which point is the next farthest from its projection after one at *distance2, that gets its
- * own; n when there is none. Equal distances are one. */
+/* Which point is the next farthest from its projection after one at *distance2, that gets
+ * its own; n when there is none. Equal distances are one. */
 static size_t next_farthest(rigcal_real *distance2, const rigcal_points *points,
                             const rigcal_transform *cam_from_points)
 {

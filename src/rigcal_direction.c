@@ -1,7 +1,7 @@
 #include "rc_direction.h"
 
-/* Newton's steps to the best yaw, as tangents: the longest, the one after which the error of
- * the cost, its square, is nothing; and how many at most. */
+/* Newton's steps to the best yaw, as tangents: the longest, the one after which the error
+ * of the cost, its square, is nothing; and how many at most. */
 #define STEP_MOST RC(0.5)
 #define STEP_SMALL RC(1e-3)
 enum { NEWTON_STEPS_MAX = 6 };

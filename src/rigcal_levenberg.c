@@ -22,7 +22,8 @@
 #define LEFT_LEAST RC_TOL(1e-12, 1e-6)
 #define GAIN_LEAST RC_TOL(1e-13, 1e-6)
 
-/* A step that promised less than this part of the sum, and yet made it rise, met rounding. */
+/* A step that promised less than this part of the sum, and yet made it rise, met
+ * rounding. */
 #define GAIN_ROUNDING RC_TOL(1e-7, 1e-4)
 
 /* Gains that fall no faster than by this factor are those of a valley: Newton's H helps. */

@@ -141,8 +141,8 @@ int rc_sym3_factor(rigcal_real L[6], const rigcal_real A[6], const rigcal_real d
 }
 
 /* The cofactors of C have the eigenvectors of C, and eigenvalues that are the products of
- * the other two: the least extended direction is the largest. Squaring a few times leaves it
- * alone. */
+ * the other two: the least extended direction is the largest. Squaring a few times leaves
+ * it alone. */
 int rc_sym3_thinnest(rigcal_real normal[3], rigcal_real *thickness, const rigcal_real C[6])
 {
     enum { SQUARINGS = 6 };
@@ -174,8 +174,8 @@ int rc_sym3_thinnest(rigcal_real normal[3], rigcal_real *thickness, const rigcal
     return 1;
 }
 
-/* The least element of D, as a part of the largest of its block: where a Newton's H has made
- * an element small or negative, damping must act all the same. */
+/* The least element of D, as a part of the largest of its block: where a Newton's H has
+ * made an element small or negative, damping must act all the same. */
 #define D_LEAST RC(1e-2)
 
 void rc_sym3_damp(rigcal_real damped[6], rigcal_real D[3], const rigcal_real A[6],
@@ -323,7 +323,8 @@ void rc_packed_invert_row(rigcal_real L[], size_t i)
     }
 }
 
-/* Row i of M^T M: sum over k >= max(i, j) of M_ki M_kj; j <= i needs rows from i on only. */
+/* Row i of M^T M: sum over k >= max(i, j) of M_ki M_kj; j <= i needs rows from i on
+ * only. */
 void rc_packed_square_row(rigcal_real L_inverse[], size_t i, size_t n)
 {
     for (size_t j = 0; j <= i; j++) {

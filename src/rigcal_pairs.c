@@ -3,13 +3,13 @@
 /* Points whose distance, or rays whose sine, is below this many roundings are the same. */
 #define SAME (8 * RC_EPS)
 
-/* A target is a line, or its rays a plane, when nothing stands farther out than this part of
- * its length: the turn about the line would be noise. */
+/* A target is a line, or its rays a plane, when nothing stands farther out than this part
+ * of its length: the turn about the line would be noise. */
 #define FLAT RC_TOL(1e-6, 1e-4)
 
-/* Pairs nearer than this part of the image that the target fills are left out: the direction
- * of their plane is mostly noise. Chosen on real targets; 0.1 to 0.25 do about as well, 0 and
- * 0.4 do not. */
+/* Pairs nearer than this part of the image that the target fills are left out: the
+ * direction of their plane is mostly noise. Chosen on real targets; 0.1 to 0.25 do about
+ * as well, 0 and 0.4 do not. */
 #define NEAR_PART (RC(1) / 6)
 
 /* All pairs are taken of no more points than this; of more, so many for each point, in no

@@ -84,8 +84,8 @@ RC_APART static rigcal_real squared_pixels(const rigcal_pose_solver *s, int32_t 
     return sum;
 }
 
-/* Whether the first pose's error is too large for the noise stated; where none is, for noise
- * of `most` px, or of a part of the target's image where that is more. */
+/* Whether the first pose's error is too large for the noise stated; where none is, for
+ * noise of `most` px, or of a part of the target's image where that is more. */
 RC_APART static int is_poor(const rigcal_pose_solver *s, rigcal_real most,
                             rigcal_real deviations)
 {
@@ -98,8 +98,8 @@ RC_APART static int is_poor(const rigcal_pose_solver *s, rigcal_real most,
     return !(sum <= noise * noise * rc_chi2_limit(rc_freedom(points->n_used), deviations));
 }
 
-/* Whether the points hardly fix the first pose, for the noise stated or, if there is none, for
- * what its error shows. */
+/* Whether the points hardly fix the first pose, for the noise stated or, if there is none,
+ * for what its error shows. */
 static int is_vague(const rigcal_pose_solver *s)
 {
     const rigcal_points *const points = &s->search.points;
@@ -214,8 +214,8 @@ static void seeding_step(rigcal_pose_solver *s)
     }
 }
 
-/* A warm start that ended elsewhere than at the pose shows by its error. One that hardly any
- * data support is not believed either: the search tells what is wrong with them. */
+/* A warm start that ended elsewhere than at the pose shows by its error. One that hardly
+ * any data support is not believed either: the search tells what is wrong with them. */
 static void end_warm(rigcal_pose_solver *s)
 {
     rigcal_optima *const optima = &s->search.optima;
@@ -248,8 +248,8 @@ RC_APART static void settle(rigcal_pose_solver *s, int is_optimum)
 }
 
 /* Refinement sees to it that the points are in front; whether a lens that turns back sees
- * them is to be proved. One that ran out of evaluations is on its way along a valley, likely
- * to an optimum that is found from elsewhere too. */
+ * them is to be proved. One that ran out of evaluations is on its way along a valley,
+ * likely to an optimum that is found from elsewhere too. */
 static void end_refinement(rigcal_pose_solver *s)
 {
     const rigcal_optima *const optima = &s->search.optima;

@@ -3,8 +3,8 @@
 /* The most that one step turns [rad]: a larger turn would leave the basin. */
 #define TURN_MOST RC(0.3)
 
-/* An approach ends when a step gains no more than this part of the sum, usually after 3 to 5
- * steps; and at the latest after so many. */
+/* An approach ends when a step gains no more than this part of the sum, usually after 3
+ * to 5 steps; and at the latest after so many. */
 #define APPROACHED RC(1e-4)
 enum { APPROACH_STEPS = 12 };
 
@@ -98,8 +98,8 @@ static rigcal_status evaluate(rigcal_real *sum, rigcal_refinement *state,
                                &state->cam_from_points, state->search.equations);
 }
 
-/* A step of Gauss and Newton on errors along the rays. It is neither damped nor refused: the
- * weights of rays far off the axis make its way a steep and winding valley, which small
+/* A step of Gauss and Newton on errors along the rays. It is neither damped nor refused:
+ * the weights of rays far off the axis make its way a steep and winding valley, which small
  * steps would follow for long. */
 RC_APART static void approach(rigcal_refinement *state, const rigcal_points *points)
 {

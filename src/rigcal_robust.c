@@ -92,8 +92,8 @@ static rigcal_real distance2(const rigcal_points *points, const rigcal_transform
     return (sigma == NULL) ? squared : squared / (sigma[i] * sigma[i]);
 }
 
-/* Sum of the squared distances, none counting more than the threshold's; above `enough` it is
- * not finished. *count: points within. */
+/* Sum of the squared distances, none counting more than the threshold's; above `enough` it
+ * is not finished. *count: points within. */
 static rigcal_real score(size_t *count, const rigcal_robust_solver *s,
                          const rigcal_transform *pose, rigcal_real enough)
 {
@@ -222,7 +222,8 @@ static void solving_step(rigcal_robust_solver *s)
     }
 }
 
-/* The points that agree with the pose found, and its solution again when they are others. */
+/* The points that agree with the pose found, and its solution again when they are
+ * others. */
 static void solved_step(rigcal_robust_solver *s)
 {
     rigcal_pose pose;
@@ -382,8 +383,9 @@ rigcal_status rigcal_robust_step(rigcal_robust_solver *solver, int32_t budget)
     return (solver->phase == DONE) ? RIGCAL_OK : RIGCAL_RUNNING;
 }
 
-/* The chance that a wrong point agrees: that of a disc in the area of the image. A fit to all
- * that agree may take in points twice as far as the threshold from the three's own pose. */
+/* The chance that a wrong point agrees: that of a disc in the area of the image. A fit to
+ * all that agree may take in points twice as far as the threshold from the three's own
+ * pose. */
 static rigcal_real chance_of_one(const rigcal_robust_solver *s)
 {
     const rigcal_real limit = 2 * s->threshold_px;

@@ -15,8 +15,8 @@ enum { DESCENT_EVALS = 10 };
 /* Below this mirrored points have nearly the same image. */
 #define PLANE_THICKNESS RC(1e-4)
 
-/* A direction whose cost is so many times the least is no optimum worth refining, unless the
- * target is flat: its second optimum may be as bad. */
+/* A direction whose cost is so many times the least is no optimum worth refining, unless
+ * the target is flat: its second optimum may be as bad. */
 #define HOPELESS RC(100)
 
 /* A flat target's seeds that lean other than its first optimum does: the least lean [rad],
@@ -277,8 +277,8 @@ static int32_t next_exact(rigcal_search *s)
                : RC_SEEDS_BUSY;
 }
 
-/* The poses of a triple have been handed out. Two triples are tried at least, or one after a
- * search. */
+/* The poses of a triple have been handed out. Two triples are tried at least, or one after
+ * a search. */
 static int32_t end_triple(rigcal_search *s)
 {
     if (s->optima.n > 0 && s->triples + (s->n_seeds > 0) > 1) {
@@ -476,9 +476,9 @@ static int32_t descent_step(rigcal_search *s)
 /* ---- flat targets -------------------------------------------------------- */
 
 /* A flat target's other optimum leans the other way: there the line of sight is mirrored in
- * the target's normal n, m3' = 2 (m3.n) n - m3, m3 being that of the first one found. Nearly
- * head-on the tilt is weakly determined, the other optimum may lean more, and there may be a
- * third one sideways. */
+ * the target's normal n, m3' = 2 (m3.n) n - m3, m3 being that of the first one found.
+ * Nearly head-on the tilt is weakly determined, the other optimum may lean more, and there
+ * may be a third one sideways. */
 static void leaning_direction(rigcal_real m3[3], const rigcal_real first[3],
                               const rigcal_real normal[3], int32_t lean)
 {

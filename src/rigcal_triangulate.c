@@ -1,8 +1,9 @@
 #include "rc_levenberg.h"
 #include "rc_points.h"
 
-/* Least parallax, as sin^2 of the angle between two rays: 0.1 degree. A bearing error e moves
- * the point by range * e / sin(angle) in depth, there over 500 times as far as sideways. */
+/* Least parallax, as sin^2 of the angle between two rays: 0.1 degree. A bearing error e
+ * moves the point by range * e / sin(angle) in depth, there over 500 times as far as
+ * sideways. */
 #define PARALLAX_MIN RC(3.05e-6)
 
 /* Evaluations of a triangulation, usually 2 or 3. */

@@ -1,10 +1,10 @@
 #include "rc_chance.h"
 #include "rc_refine.h"
 
-/* From t of the points' own origin to t of the world's: t = t' - R o, so dt = dt' - w x R o.
- * The camera's centre is -R^T t: with w and dt in the camera's axes, d(-R^T t) =
- * -R^T (dt - w x t). Both are Sigma <- A Sigma A^T with A = (1 0; [s]x 1), s = R o and
- * s = t. */
+/* From t of the points' own origin to t of the world's: t = t' - R o, so
+ * dt = dt' - w x R o. The camera's centre is -R^T t: with w and dt in the camera's axes,
+ * d(-R^T t) = -R^T (dt - w x t). Both are Sigma <- A Sigma A^T with
+ * A = (1 0; [s]x 1), s = R o and s = t. */
 static void shift_covariance(rigcal_real Sigma[36], const rigcal_real s[3])
 {
     const rigcal_real S[9] = {0, -s[2], s[1], s[2], 0, -s[0], -s[1], s[0], 0};

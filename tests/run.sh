@@ -53,6 +53,7 @@ callgraph     gcc,arm,python
 header        gcc,g++,clang                sh tests/checks/check_header.sh
 cross         arm                          sh tests/checks/check_cross.sh
 figures       gcc,arm,riscv,python         $PYTHON port/qemu/figures.py
+format        clang-format                 sh tests/checks/check_format.sh
 cppcheck      cppcheck                     sh tests/checks/check_cppcheck.sh
 shell         nothing                      sh tests/checks/check_shell.sh
 words         nothing                      sh tests/checks/check_words.sh
@@ -74,6 +75,7 @@ want_need() {
     make) want make make --version ;;
     pkgconf) want pkgconf pkg-config --version ;;
     unity) want xz-utils xz --version ;; # and see below
+    clang-format) want clang-format clang-format --version ;;
     cppcheck) want cppcheck cppcheck --version ;;
     rust) want rustc rustc --version ;;
     arduino) want arduino-builder arduino-builder -version ;;

@@ -40,7 +40,7 @@ void tearDown(void)
     TEST_ASSERT_EQUAL_INT(0, sim.misuse);
 }
 
-/* ---- helpers ------------------------------------------------------------------ */
+/* ---- helpers ----------------------------------------------------------- */
 
 static void boot(void)
 {
@@ -159,7 +159,7 @@ static double worst_in_sigmas(const pose_line *p)
     return worst;
 }
 
-/* ---- poses and their lines -------------------------------------------------------- */
+/* ---- poses and their lines --------------------------------------------- */
 
 static void test_a_new_board_says_that_it_is_uncalibrated(void)
 {
@@ -248,7 +248,7 @@ static void test_a_position_out_of_range_is_sent_as_the_range_s_end(void)
     }
 }
 
-/* ---- detections that are missing or wrong ------------------------------------------- */
+/* ---- detections that are missing or wrong ------------------------------ */
 
 static void test_too_few_corners_make_no_pose_and_harm_nothing(void)
 {
@@ -364,7 +364,7 @@ static void test_a_pose_that_fits_badly_is_told_but_not_kept(void)
     TEST_ASSERT_EQUAL_INT(1, sim.erases);
 }
 
-/* ---- remembering -------------------------------------------------------------------- */
+/* ---- remembering ------------------------------------------------------- */
 
 static void test_a_calibration_is_saved_once_every_camera_has_a_pose(void)
 {
@@ -467,7 +467,7 @@ static void test_after_a_reset_it_starts_warm_from_what_was_stored(void)
     TEST_ASSERT_TRUE_MESSAGE(3 * warm < cold, sim.serial);
 }
 
-/* ---- the newer of two ----------------------------------------------------------------- */
+/* ---- the newer of two -------------------------------------------------- */
 
 static void write_slot(int slot, uint32_t sequence, uint32_t tag, size_t n,
                        const double center[FIRMWARE_CAMERAS][3])
@@ -538,7 +538,7 @@ static void test_the_calibration_of_another_machine_is_not_used(void)
     TEST_ASSERT_EQUAL_STRING("loaded slot=0 sequence=4\r\n", sim.serial);
 }
 
-/* ---- damage --------------------------------------------------------------------------- */
+/* ---- damage ------------------------------------------------------------ */
 
 /* Slot 0 holds 1, slot 1 holds 2. */
 static void save_both_slots(void)
@@ -681,7 +681,7 @@ static void test_power_cut_again_and_again_never_loses_the_calibration(void)
     TEST_ASSERT_TRUE(app.sequence > 10);
 }
 
-/* ---- flash that fails ------------------------------------------------------------------- */
+/* ---- flash that fails -------------------------------------------------- */
 
 static void test_a_flash_that_fails_is_told_and_tried_again(void)
 {
@@ -731,7 +731,7 @@ static void test_a_bit_that_cannot_be_programmed_is_seen(void)
     TEST_ASSERT_EQUAL_STRING("loaded slot=1 sequence=2\r\n", sim.serial);
 }
 
-/* ---- the watchdog ------------------------------------------------------------------------ */
+/* ---- the watchdog ------------------------------------------------------ */
 
 static void test_the_watchdog_is_fed_in_time_whatever_happens(void)
 {

@@ -1,4 +1,5 @@
-/* linalg: cases on paper, identities, and plain double arithmetic that is written out here. */
+/* linalg: cases on paper, identities, and plain double arithmetic that is written out
+ * here. */
 #include <math.h>
 #include <string.h>
 
@@ -162,7 +163,8 @@ static void test_the_rank_tolerance_is_what_a_pivot_must_keep_of_its_diagonal(vo
     TEST_ASSERT_FALSE(has_factor(1, 0, 1, 1, 0, 1.005, 0.01));
 }
 
-/* Rows m1, m2, m3 are a rotation, near the poles too, where the formula changes its sign. */
+/* Rows m1, m2, m3 are a rotation, near the poles too, where the formula changes its
+ * sign. */
 static void test_a_direction_is_completed_to_a_rotation(void)
 {
     test_rng rng = test_seed(2);

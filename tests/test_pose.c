@@ -11,7 +11,8 @@
 #define RIGHT_ANGLE TOL(1e-6 * TEST_PI / 180, 0.1 * TEST_PI / 180)
 #define RIGHT_LENGTH TOL(1e-8, 3e-3)
 
-/* Units of a search of a target that is not wide, by a pinhole, and the rays of its points. */
+/* Units of a search of a target that is not wide, by a pinhole, and the rays of its
+ * points. */
 enum { UNITS_MAX = 900 + TEST_SCENE_MAX };
 
 static const double NOISE = 0.5; /* px */

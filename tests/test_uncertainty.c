@@ -1,5 +1,5 @@
-/* uncertainty: how far a pose can be trusted. Against the vectors, against differences, and against
- * the scatter of many solved scenes. */
+/* uncertainty: how far a pose can be trusted. Against the vectors, against differences, and
+ * against the scatter of many solved scenes. */
 #include <math.h>
 #include <string.h>
 

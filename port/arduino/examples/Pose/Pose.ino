@@ -3,10 +3,11 @@
 #include <rigcal.h>
 
 /* A 16 cm square with a pin on it: X, Y, Z in metres, and where one camera saw it. */
-static const rigcal_observation SEEN[] = {
-    {{-0.08f, 0.08f, 0.00f}, {311.7f, 148.6f}}, {{0.08f, 0.08f, 0.00f}, {404.1f, 183.0f}},
-    {{0.08f, -0.08f, 0.00f}, {400.4f, 286.7f}}, {{-0.08f, -0.08f, 0.00f}, {302.3f, 258.0f}},
-    {{0.00f, 0.00f, 0.05f}, {378.1f, 206.8f}}};
+static const rigcal_observation SEEN[] = {{{-0.08f, 0.08f, 0.00f}, {311.7f, 148.6f}},
+                                          {{0.08f, 0.08f, 0.00f}, {404.1f, 183.0f}},
+                                          {{0.08f, -0.08f, 0.00f}, {400.4f, 286.7f}},
+                                          {{-0.08f, -0.08f, 0.00f}, {302.3f, 258.0f}},
+                                          {{0.00f, 0.00f, 0.05f}, {378.1f, 206.8f}}};
 
 /* All that the search keeps; it must stay while the search runs. */
 static rigcal_camera camera;

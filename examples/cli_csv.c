@@ -140,7 +140,7 @@ static char *read_all(const char *path, size_t *length)
 
 /* Makes a string of the line from text to stop, without its CR. Control
  * characters are refused: they tell a file that is no text. */
-static void end_line(const csv_table *table, size_t line, char *text, char *stop)
+static void end_line(const csv_table *table, size_t line, const char *text, char *stop)
 {
     const char *c;
 

@@ -18,12 +18,12 @@ void cli_names_open(cli_names *names, size_t most)
 /* Where the name is, or the free slot it belongs in (FNV-1a hash). */
 static size_t slot_of(const cli_names *names, const char *name)
 {
-    uint32_t hash = 2166136261u;
+    uint32_t hash = 2166136261U;
     size_t slot;
     const char *c;
 
     for (c = name; *c != '\0'; c++) {
-        hash = (hash ^ (unsigned char)*c) * 16777619u;
+        hash = (hash ^ (unsigned char)*c) * 16777619U;
     }
     for (slot = hash % names->n_slots; names->slots[slot] != 0;
          slot = (slot + 1) % names->n_slots) {

@@ -149,6 +149,7 @@ static char *trimmed(const char *path)
         length--;
     }
     memcpy(copy, path, length);
+    copy[length] = '\0';
     return copy;
 }
 

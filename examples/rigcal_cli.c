@@ -50,7 +50,7 @@ static const char HELP[] =
     "it, and the rest is done. 2 wrong use, a file at fault, or output that could not\n"
     "be written: no file was written.\n";
 
-#define BIT(option) (1u << (option))
+#define BIT(option) (1U << (option))
 
 typedef struct {
     const char *name;

@@ -4,6 +4,8 @@
 #define FIELD(type, field) \
     {#type "." #field, (int32_t)offsetof(type, field), (int32_t)sizeof(((type *)0)->field)},
 
+/* The size of a pointer is meant, where a field is one. */
+/* NOLINTNEXTLINE(bugprone-sizeof-expression) */
 static const rigcal_layout_entry LAYOUT[] = {RC_LAYOUT(STRUCT, FIELD)};
 
 int32_t rigcal_layout_count(void)

@@ -56,6 +56,7 @@ cross         arm                          sh tests/checks/check_cross.sh
 figures       gcc,arm,riscv,python         $PYTHON port/qemu/figures.py
 format        clang-format                 sh tests/checks/check_format.sh
 cppcheck      cppcheck                     sh tests/checks/check_cppcheck.sh
+tidy          clang-tidy                   sh tests/checks/check_tidy.sh
 shell         nothing                      sh tests/checks/check_shell.sh
 words         nothing                      sh tests/checks/check_words.sh
 '
@@ -77,6 +78,7 @@ want_need() {
     pkgconf) want pkgconf pkg-config --version ;;
     unity) want xz-utils xz --version ;; # and see below
     clang-format) want clang-format clang-format --version ;;
+    clang-tidy) want clang-tidy clang-tidy --version ;;
     cppcheck) want cppcheck cppcheck --version ;;
     rust) want rustc rustc --version ;;
     arduino) want arduino-builder arduino-builder -version ;;

@@ -63,7 +63,7 @@ static void put_micro(line *out, rigcal_real x)
     const rigcal_real most = R(2147.0);
     const rigcal_real within = (x < -most) ? -most : (x > most) ? most : x;
     const int32_t micro = (int32_t)(within * R(1e6) + (within < 0 ? R(-0.5) : R(0.5)));
-    const uint32_t size = (micro < 0) ? 0u - (uint32_t)micro : (uint32_t)micro;
+    const uint32_t size = (micro < 0) ? 0U - (uint32_t)micro : (uint32_t)micro;
     put_text(out, (micro < 0) ? "-" : "");
     put_unsigned(out, size / 1000000, 1);
     put_text(out, ".");

@@ -134,10 +134,21 @@ typedef double rigcal_real;
 #endif
 #endif
 
-/* States a precondition inside the library. Callers cannot violate one: public
- * functions check their arguments first and return a status. */
+/* 1: the preconditions inside the library are checked, for who works on it or ports it.
+ * 0: they cost nothing. Callers cannot violate one: public functions check their arguments
+ * first and return a status. CMake's option has the same name. */
+#ifndef RIGCAL_ASSERTS
+#define RIGCAL_ASSERTS 0
+#endif
+
+/* What a check is. The C library's assert() prints the condition and aborts; a firmware
+ * may have something of its own, which counts whatever RIGCAL_ASSERTS is. */
 #ifndef RIGCAL_ASSERT
+#if RIGCAL_ASSERTS
+#define RIGCAL_ASSERT(condition) assert(condition)
+#else
 #define RIGCAL_ASSERT(condition) ((void)0)
+#endif
 #endif
 
 /* What a search does, event by event, for who works on the library: `event` is a text,

@@ -12,8 +12,10 @@ rigcal_status rc_eliminate(rigcal_elimination *out, const rigcal_pair pairs[],
 rigcal_real rc_pairs_residual(const rigcal_pair pairs[], size_t n_pairs,
                               const rigcal_real ypr[3]);
 
-/* (yaw, pitch, roll) from the two angles searched and the eliminated one, w; and back. */
-void rc_angles_join(rigcal_real ypr[3], int32_t eliminated, const rigcal_real angles[2],
+/* (yaw, pitch, roll) from the two angles searched and the eliminated one, w; and back.
+ * Joined with RC_NONE_ELIMINATED, `angles` has all three. */
+enum { RC_NONE_ELIMINATED = 3 };
+void rc_angles_join(rigcal_real ypr[3], int32_t eliminated, const rigcal_real angles[],
                     rigcal_real w);
 void rc_angles_split(rigcal_real angles[2], int32_t eliminated, const rigcal_real ypr[3]);
 

@@ -7,6 +7,10 @@
 
 #include "rigcal.h"
 #include RIGCAL_MATH_HEADER
+#if RIGCAL_ASSERTS
+#undef NDEBUG /* an optimised build has its assertions too, if it asks for them */
+#include <assert.h>
+#endif
 
 /* clang-format off */
 /* Options that break the library: include/rigcal_config.h lists them. */

@@ -74,6 +74,7 @@ void rc_write_fault(int32_t *at_fault, int32_t index)
 /* Normalised images have a focal length of 1, real ones of hundreds of pixels. */
 rigcal_real rc_pixel_size(const rigcal_camera *camera)
 {
+    RIGCAL_ASSERT(camera->fx > 0);
     return rc_min(1, camera->fx * camera->fx / FOCAL_USUAL);
 }
 
@@ -103,6 +104,7 @@ RC_APART static rigcal_status fisheye_ray(rigcal_real ray[3], const rigcal_real 
 rigcal_status rc_pixel_to_ray(rigcal_real ray[3], const rigcal_camera *camera,
                               const rigcal_real uv[2])
 {
+    RIGCAL_ASSERT(rc_check_camera(camera) == RIGCAL_OK && rc_check_pixel(uv) == RIGCAL_OK);
     const rigcal_camera *const c = camera;
     const rigcal_real target[2] = {(uv[0] - c->cx) / c->fx, (uv[1] - c->cy) / c->fy};
     const rigcal_real pixels[3] = {uv[0], uv[1], c->cx};
@@ -219,6 +221,7 @@ rigcal_status rc_project_through(rigcal_real uv[2], rigcal_real J_uv[6],
                                  const rigcal_camera *camera, int is_pinhole,
                                  const rigcal_real X_c[3])
 {
+    RIGCAL_ASSERT(is_pinhole == rc_lens_is_pinhole(camera));
     rigcal_real x[2];
     return is_pinhole ? project_pinhole(uv, J_uv, camera, X_c)
                       : project_by(x, uv, J_uv, camera, X_c);
@@ -228,6 +231,7 @@ rigcal_status rc_project_through(rigcal_real uv[2], rigcal_real J_uv[6],
 rigcal_status rc_project_usable(rigcal_real uv[2], const rigcal_camera *camera,
                                 const rigcal_real X_c[3])
 {
+    RIGCAL_ASSERT(rc_check_camera(camera) == RIGCAL_OK);
     rigcal_real x[2], pixel[2], J_uv[6];
     const rigcal_status status = project_by(x, pixel, J_uv, camera, X_c);
     if (status != RIGCAL_OK) {

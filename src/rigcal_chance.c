@@ -11,11 +11,13 @@
 
 RC_APART rigcal_real rc_freedom(size_t n)
 {
+    RIGCAL_ASSERT(n >= 3 && n <= RC_COUNT_MAX);
     return rc_max(1, (rigcal_real)(2 * (int32_t)n - 6));
 }
 
 rigcal_real rc_chi2_limit(rigcal_real freedom, rigcal_real deviations)
 {
+    RIGCAL_ASSERT(freedom >= 1);
     const rigcal_real v = 2 / (9 * freedom);
     const rigcal_real root = 1 - v + deviations * RC_SQRT(v);
     return freedom * root * root * root;
@@ -52,6 +54,7 @@ static rigcal_real exponential(rigcal_real x)
 rigcal_real rc_odds(rigcal_real sse, rigcal_real other, rigcal_real sigma_px,
                     rigcal_real pixel_size, size_t n)
 {
+    RIGCAL_ASSERT(sigma_px >= 0 && pixel_size > 0);
     RIGCAL_ASSERT(n >= 3 && sse >= 0 && other >= 0);
     if (sigma_px > 0) {
         return exponential((other - sse) / (2 * sigma_px * sigma_px));
@@ -65,6 +68,7 @@ rigcal_real rc_odds(rigcal_real sse, rigcal_real other, rigcal_real sigma_px,
  * Of the others, count - 3 agree by chance. */
 rigcal_real rc_expected_sets(size_t n, size_t count, rigcal_real near)
 {
+    RIGCAL_ASSERT(count <= n && near >= 0 && near <= 1);
     const rigcal_real all = (rigcal_real)n;
     rigcal_real expected = all * (all - 1) * (all - 2) / 3;
     for (size_t i = 0; i + 3 < count; i++) {

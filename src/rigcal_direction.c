@@ -16,6 +16,7 @@ void rc_moments_begin(rigcal_moments *sums)
 void rc_moments_add(rigcal_moments *sums, rigcal_real weight, const rigcal_real x[3],
                     const rigcal_real u[2])
 {
+    RIGCAL_ASSERT(weight > 0);
     const rigcal_real uu = weight * (u[0] * u[0] + u[1] * u[1]);
     const rigcal_real wu[2] = {weight * u[0], weight * u[1]};
     sums->weight += weight;
@@ -34,6 +35,7 @@ void rc_moments_add(rigcal_moments *sums, rigcal_real weight, const rigcal_real 
 /* The sums were taken about zero; here the means are taken out. sum x = 0. */
 int rc_moments_finish(rigcal_moments *sums)
 {
+    RIGCAL_ASSERT(sums->weight > 0);
     const rigcal_real w = sums->weight, about_zero = sums->S;
     for (int part = 0; part < 2; part++) {
         sums->u_mean[part] /= w;
@@ -149,6 +151,7 @@ void rc_moments_mirror(rigcal_moments *sums)
 
 rigcal_real rc_direction_cost(const rigcal_moments *sums, const rigcal_real m3[3])
 {
+    RIGCAL_ASSERT(RC_IS_UNIT(m3));
     harmonics f;
     rigcal_real z[2];
     const rigcal_real gain = best_yaw(z, &f, sums, m3);
@@ -158,6 +161,7 @@ rigcal_real rc_direction_cost(const rigcal_moments *sums, const rigcal_real m3[3
 void rc_direction_pose(rigcal_transform *virtual_from_points, const rigcal_moments *sums,
                        const rigcal_real m3[3])
 {
+    RIGCAL_ASSERT(RC_IS_UNIT(m3));
     rigcal_transform *const T = virtual_from_points;
     harmonics f;
     rigcal_real z[2] = {1, 0};

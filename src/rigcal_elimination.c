@@ -53,9 +53,10 @@ static void coefficients(rigcal_real pqk[3], const rigcal_pair *pair,
     pqk[2] = m[ax.c] * v[ax.c];
 }
 
-void rc_angles_join(rigcal_real ypr[3], int32_t eliminated, const rigcal_real angles[2],
+void rc_angles_join(rigcal_real ypr[3], int32_t eliminated, const rigcal_real angles[],
                     rigcal_real w)
 {
+    RIGCAL_ASSERT(eliminated >= RIGCAL_YAW && eliminated <= RC_NONE_ELIMINATED);
     int next = 0;
     for (int i = 0; i < 3; i++) {
         ypr[i] = (i == eliminated) ? w : angles[next++];
@@ -64,6 +65,7 @@ void rc_angles_join(rigcal_real ypr[3], int32_t eliminated, const rigcal_real an
 
 void rc_angles_split(rigcal_real angles[2], int32_t eliminated, const rigcal_real ypr[3])
 {
+    RIGCAL_ASSERT(eliminated >= RIGCAL_YAW && eliminated <= RIGCAL_ROLL);
     int next = 0;
     for (int i = 0; i < 3; i++) {
         if (i != eliminated) {
@@ -140,6 +142,8 @@ rigcal_status rc_eliminate(rigcal_elimination *out, const rigcal_pair pairs[],
                            size_t n_pairs, int32_t pairs_used, int32_t eliminated,
                            const rigcal_real angles[2])
 {
+    RIGCAL_ASSERT(eliminated >= RIGCAL_YAW && eliminated <= RIGCAL_ROLL);
+    RIGCAL_ASSERT(n_pairs >= 2 && (pairs_used == 0 || pairs_used == 2));
     split_rotation split;
     rigcal_elimination found;
     split_at(&split, eliminated, angles);

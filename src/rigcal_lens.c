@@ -239,6 +239,7 @@ RC_APART static rigcal_real solve_from(rigcal_real x[2], const rigcal_camera *ca
 int rc_lens_invert(rigcal_real x[2], const rigcal_camera *camera,
                    const rigcal_real target[2], rigcal_real tolerance)
 {
+    RIGCAL_ASSERT(tolerance >= 0);
     for (int stages = 1; stages <= STAGES_MAX; stages *= 2) {
         rigcal_real miss = 0;
         x[0] = x[1] = 0;

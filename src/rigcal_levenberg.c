@@ -41,6 +41,7 @@ void rc_levenberg_begin(rigcal_levenberg *lm, int is_near)
 
 void rc_levenberg_evaluated(rigcal_levenberg *lm, rigcal_status status, rigcal_real sum)
 {
+    RIGCAL_ASSERT(lm->status == RIGCAL_RUNNING && lm->want == RC_WANT_EQUATIONS);
     if (status != RIGCAL_OK) {
         lm->status = status;
     } else {
@@ -51,6 +52,7 @@ void rc_levenberg_evaluated(rigcal_levenberg *lm, rigcal_status status, rigcal_r
 
 void rc_levenberg_not_definite(rigcal_levenberg *lm)
 {
+    RIGCAL_ASSERT(lm->status == RIGCAL_RUNNING && lm->want == RC_WANT_STEP);
     if (lm->equations == RC_GAUSS_NEWTON) {
         lm->status = RIGCAL_ERR_DEGENERATE;
     } else if (lm->lambda > DAMPING_NEWTON) {
@@ -75,6 +77,8 @@ static int is_last(const rigcal_levenberg *lm, rigcal_real gain, rigcal_real neg
 
 int rc_levenberg_promised(rigcal_levenberg *lm, rigcal_real gain, rigcal_real negligible)
 {
+    RIGCAL_ASSERT(lm->status == RIGCAL_RUNNING && lm->want == RC_WANT_STEP);
+    RIGCAL_ASSERT(negligible >= 0);
     const int is_indefinite = lm->equations == RC_NEWTON_INDEFINITE;
     if (is_last(lm, gain, negligible)) {
         if (is_indefinite) { /* a saddle is no optimum, and there is no way down */
@@ -94,6 +98,7 @@ int rc_levenberg_promised(rigcal_levenberg *lm, rigcal_real gain, rigcal_real ne
 int rc_levenberg_tried(rigcal_levenberg *lm, rigcal_status status, rigcal_real sum,
                        rigcal_real gain, rigcal_real negligible)
 {
+    RIGCAL_ASSERT(lm->status == RIGCAL_RUNNING && lm->want == RC_WANT_STEP);
     if (status == RIGCAL_OK && sum <= lm->sum * (1 + SUM_ROUNDING) + negligible) {
         lm->sum = sum;
         lm->last_gain = gain;

@@ -16,6 +16,7 @@ int rc_all_finite(const rigcal_real x[], int n)
 
 int rc_all_within(const rigcal_real x[], int n, rigcal_real limit)
 {
+    RIGCAL_ASSERT((x != NULL || n == 0) && limit >= 0);
     for (int i = 0; i < n; i++) {
         if (!(RC_FABS(x[i]) <= limit)) {
             return 0;
@@ -59,6 +60,7 @@ int rc_vec3_unit(rigcal_real out[3], const rigcal_real a[3])
 
 void rc_vec3_complete(rigcal_real m1[3], rigcal_real m2[3], const rigcal_real m3[3])
 {
+    RIGCAL_ASSERT(RC_IS_UNIT(m3));
     const rigcal_real sign = (m3[2] < 0) ? RC(-1) : RC(1);
     const rigcal_real a = -1 / (sign + m3[2]);
     const rigcal_real b = m3[0] * m3[1] * a;
@@ -128,6 +130,7 @@ RC_APART static int invert_root(rigcal_real *inverse, rigcal_real pivot, rigcal_
 int rc_sym3_factor(rigcal_real L[6], const rigcal_real A[6], const rigcal_real diagonal[3],
                    rigcal_real rank_tol)
 {
+    RIGCAL_ASSERT(rank_tol >= 0);
     if (!invert_root(&L[0], A[0], rank_tol * diagonal[0])) {
         return 0;
     }
@@ -145,6 +148,7 @@ int rc_sym3_factor(rigcal_real L[6], const rigcal_real A[6], const rigcal_real d
  * it alone. */
 int rc_sym3_thinnest(rigcal_real normal[3], rigcal_real *thickness, const rigcal_real C[6])
 {
+    RIGCAL_ASSERT(C[0] >= 0 && C[3] >= 0 && C[5] >= 0);
     enum { SQUARINGS = 6 };
     static const uint8_t FULL[9] = {0, 1, 2, 1, 3, 4, 2, 4, 5};
     const rigcal_real by_trace = 1 / (C[0] + C[3] + C[5]);
@@ -181,6 +185,7 @@ int rc_sym3_thinnest(rigcal_real normal[3], rigcal_real *thickness, const rigcal
 void rc_sym3_damp(rigcal_real damped[6], rigcal_real D[3], const rigcal_real A[6],
                   rigcal_real damping)
 {
+    RIGCAL_ASSERT(damping >= 0);
     static const uint8_t DIAGONAL[3] = {0, 3, 5};
     const rigcal_real least = D_LEAST * rc_max(A[0], rc_max(A[3], A[5]));
     for (int k = 0; k < 6; k++) {
@@ -282,6 +287,7 @@ static rigcal_real dot(const rigcal_real a[], const rigcal_real b[], size_t n)
 
 int rc_packed_factor_row(rigcal_real A[], size_t i, rigcal_real least)
 {
+    RIGCAL_ASSERT(least >= 0);
     rigcal_real *const row = &A[rc_packed_at(i, 0)];
     for (size_t j = 0; j < i; j++) {
         const rigcal_real *const above = &A[rc_packed_at(j, 0)];
@@ -327,6 +333,7 @@ void rc_packed_invert_row(rigcal_real L[], size_t i)
  * only. */
 void rc_packed_square_row(rigcal_real L_inverse[], size_t i, size_t n)
 {
+    RIGCAL_ASSERT(i < n);
     for (size_t j = 0; j <= i; j++) {
         rigcal_real sum = 0;
         for (size_t k = i; k < n; k++) {

@@ -149,6 +149,8 @@ void rc_neldermead_begin_simplex(rigcal_neldermead *nm, const rigcal_real simple
                                  int32_t k, rigcal_real xtol, rigcal_real ftol,
                                  int32_t max_evals)
 {
+    RIGCAL_ASSERT(k >= 1 && k <= RIGCAL_NELDERMEAD_DIM_MAX);
+    RIGCAL_ASSERT(max_evals >= 1 && xtol >= 0 && ftol >= 0);
     *nm = (rigcal_neldermead){0};
     nm->k = k;
     nm->xtol = xtol;
@@ -167,6 +169,7 @@ void rc_neldermead_begin_simplex(rigcal_neldermead *nm, const rigcal_real simple
 void rc_neldermead_begin(rigcal_neldermead *nm, const rigcal_real x0[], int32_t k,
                          rigcal_real xtol, rigcal_real ftol, int32_t max_evals)
 {
+    RIGCAL_ASSERT(k >= 1 && k <= RIGCAL_NELDERMEAD_DIM_MAX);
     rigcal_real simplex[(RIGCAL_NELDERMEAD_DIM_MAX + 1) * RIGCAL_NELDERMEAD_DIM_MAX];
     for (int32_t v = 0; v <= k; v++) {
         for (int32_t i = 0; i < k; i++) {
@@ -191,6 +194,7 @@ const rigcal_vertex *rc_neldermead_best(const rigcal_neldermead *nm)
 
 void rc_neldermead_tell(rigcal_neldermead *nm, rigcal_real cost)
 {
+    RIGCAL_ASSERT(nm->status == RIGCAL_RUNNING);
     nm->trial.cost = rc_is_finite(cost) ? cost : RC_MAX;
     nm->evals++;
     switch (nm->phase) {

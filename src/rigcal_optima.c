@@ -13,6 +13,7 @@ void rc_optimum_transform(rigcal_transform *cam_from_points, const rigcal_optimu
 RC_APART int32_t rc_optima_near(const rigcal_optima *optima, const rigcal_real R[9],
                                 rigcal_real angle)
 {
+    RIGCAL_ASSERT(angle > 0);
     for (int32_t i = 0; i < optima->n; i++) {
         rigcal_transform other;
         rigcal_real sum = 0;
@@ -30,6 +31,7 @@ RC_APART int32_t rc_optima_near(const rigcal_optima *optima, const rigcal_real R
 int32_t rc_optima_insert(rigcal_optima *optima, int32_t same,
                          const rigcal_transform *cam_from_points, rigcal_real sse)
 {
+    RIGCAL_ASSERT(same >= -1 && same < optima->n && sse >= 0);
     rigcal_optimum *const list = optima->list;
     int32_t at = same;
     if (at < 0) {

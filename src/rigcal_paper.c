@@ -79,7 +79,7 @@ static rigcal_status pose_of_angles(rigcal_paper_pose *pose, const rigcal_paper_
 {
     pose->residual = residual;
     if (s->options.angles == 3) {
-        rc_angles_join(pose->ypr, 3, angles, 0);
+        rc_angles_join(pose->ypr, RC_NONE_ELIMINATED, angles, 0);
         pose->condition = 0;
         pose->eliminated = -1;
     } else {
@@ -240,7 +240,8 @@ static void end_last(rigcal_paper_solver *s)
     s->phase = JUDGING_LAST;
     if (s->nm.status == RIGCAL_BUDGET_SPENT && s->evals < s->options.max_evals &&
         rigcal_neldermead_result(angles, NULL, NULL, &s->nm) >= 0) {
-        rc_angles_join(ypr, s->options.angles == 2 ? s->eliminated : 3, angles, 0);
+        rc_angles_join(ypr, s->options.angles == 2 ? s->eliminated : RC_NONE_ELIMINATED,
+                       angles, 0);
         start_last(s, ypr);
     }
 }

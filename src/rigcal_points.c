@@ -19,6 +19,7 @@ static rigcal_status check_sigma(const rigcal_real *sigma)
 
 rigcal_status rc_check_noise(const rigcal_real *sigma_px)
 {
+    RIGCAL_ASSERT(sigma_px != NULL);
     return rc_all_within(sigma_px, 1, 0) ? RIGCAL_OK : check_sigma(sigma_px);
 }
 
@@ -51,12 +52,14 @@ size_t rc_points_next(const rigcal_points *points, size_t i)
 
 RC_APART rigcal_real rc_points_weight(const rigcal_points *points, size_t i)
 {
+    RIGCAL_ASSERT(i < points->view.n);
     const rigcal_real *const sigma = points->view.sigma;
     return (sigma == NULL) ? 1 : 1 / (sigma[i] * sigma[i]);
 }
 
 rigcal_real rc_negligible(rigcal_real pixel_size, rigcal_real extent_px)
 {
+    RIGCAL_ASSERT(pixel_size > 0 && extent_px >= 0);
     const rigcal_real rounding = PIXEL_ROUNDING * extent_px;
     return rc_max(GAIN_NEGLIGIBLE * pixel_size * pixel_size, rounding * rounding);
 }
@@ -130,6 +133,7 @@ rigcal_status rc_points_survey(rigcal_points *points, rigcal_real uv_middle[2],
 
 void rc_points_at(rigcal_real x[3], const rigcal_points *points, size_t i)
 {
+    RIGCAL_ASSERT(i < points->view.n);
     const rigcal_real *const X = points->view.observations[i].X_w;
     const rigcal_real *const o = points->origin;
     rc_vec3_sub(x, points->is_mirrored ? o : X, points->is_mirrored ? X : o);

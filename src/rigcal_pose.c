@@ -324,17 +324,20 @@ int32_t rc_pose_n_found(const rigcal_pose_solver *s)
 void rc_pose_found(rigcal_transform *cam_from_points, const rigcal_pose_solver *s,
                    int32_t i)
 {
+    RIGCAL_ASSERT(i >= 0 && i < s->search.optima.n);
     rc_optimum_transform(cam_from_points, &s->search.optima.list[i]);
 }
 
 rigcal_real rc_pose_likelihood(const rigcal_pose_solver *s, int32_t i)
 {
+    RIGCAL_ASSERT(i >= 0 && i < s->search.optima.n);
     return likelihood_of(s, s->search.optima.list[i].sse);
 }
 
 /* By exchanges: copies alone would be a memmove to a compiler. */
 void rc_pose_drop(rigcal_pose_solver *s, int32_t i)
 {
+    RIGCAL_ASSERT(s->phase == DONE && i >= 0 && i < s->search.optima.n);
     rigcal_optima *const optima = &s->search.optima;
     optima->n--;
     for (; i < optima->n; i++) {
@@ -382,6 +385,7 @@ static void begin_warm(rigcal_pose_solver *s, const rigcal_transform *start)
 rigcal_status rc_pose_begin(rigcal_pose_solver *solver, int32_t *at_fault,
                             rigcal_points *points, const rigcal_pose_options *options)
 {
+    RIGCAL_ASSERT(solver != NULL && points != NULL);
     rigcal_real uv_middle[2];
     int32_t at = -1;
     rigcal_status status = rc_check_view(&points->view);

@@ -17,6 +17,8 @@ rigcal_status rc_refine_equations(rigcal_real *sum, rigcal_real g[6], rigcal_rea
                                   const rigcal_points *points, size_t n,
                                   const rigcal_transform *cam_from_points, int equations)
 {
+    RIGCAL_ASSERT(n <= points->view.n);
+    RIGCAL_ASSERT(equations >= RC_GAUSS_NEWTON && equations <= RC_NEWTON_INDEFINITE);
     const int is_fisheye = rc_lens_is_fisheye(points->view.camera);
     rigcal_real total = 0;
     rc_rigid_clear(g, H);
@@ -163,6 +165,7 @@ static void search(rigcal_refinement *state, const rigcal_points *points)
 void rc_refine_step(rigcal_refinement *state, const rigcal_points *points,
                     int32_t max_evals)
 {
+    RIGCAL_ASSERT(max_evals >= 1);
     RIGCAL_ASSERT(state->search.status == RIGCAL_RUNNING);
     state->evals++;
     if (WITH_WIDE && state->is_approach) {

@@ -69,6 +69,7 @@ RC_APART void rc_rigid_add(rigcal_real g[6], rigcal_real H[21], const rigcal_rea
                            const rigcal_real q[3], const rigcal_real e[2],
                            rigcal_real weight, const rigcal_real X_c[3], int is_fisheye)
 {
+    RIGCAL_ASSERT(weight > 0);
     const rigcal_real *const bu = B, *const bv = B + 3;
     rigcal_real *const across = &H[RC_SYM6_ACROSS], *const by_dt = &H[RC_SYM6_SECOND];
     rigcal_real c[3], M[9], v[3];

@@ -68,6 +68,7 @@ void rc_rotation_z(rigcal_real R[9], rigcal_real angle)
 /* (8) */
 void rc_rotation_from_yaw_pitch_roll(rigcal_real R[9], const rigcal_real ypr[3])
 {
+    RIGCAL_ASSERT(rc_all_finite(ypr, 3));
     const rigcal_real cy = RC_COS(ypr[0]), sy = RC_SIN(ypr[0]);
     const rigcal_real cp = RC_COS(ypr[1]), sp = RC_SIN(ypr[1]);
     const rigcal_real cr = RC_COS(ypr[2]), sr = RC_SIN(ypr[2]);
@@ -93,6 +94,7 @@ rigcal_real rc_angle(rigcal_real sine, rigcal_real cosine)
  * row is rounding, but the sum or difference of yaw and roll stays right. */
 void rc_yaw_pitch_roll_from_rotation(rigcal_real ypr[3], const rigcal_real R[9])
 {
+    RIGCAL_ASSERT(rc_is_rotation(R));
     const rigcal_real cos_pitch = RC_SQRT(R[0] * R[0] + R[3] * R[3]);
     ypr[1] = RC_ATAN2(-R[6], cos_pitch);
     if (!(cos_pitch > GIMBAL_COS)) {
@@ -107,6 +109,7 @@ void rc_yaw_pitch_roll_from_rotation(rigcal_real ypr[3], const rigcal_real R[9])
 
 void rc_rotation_from_quaternion(rigcal_real R[9], const rigcal_real q_wxyz[4])
 {
+    RIGCAL_ASSERT(rc_all_finite(q_wxyz, 4));
     rigcal_real q[4];
     const rigcal_real largest = rc_max(RC_FABS(q_wxyz[0]), rc_vec3_max_abs(&q_wxyz[1]));
     for (int i = 0; i < 4; i++) {
@@ -130,6 +133,7 @@ void rc_rotation_from_quaternion(rigcal_real R[9], const rigcal_real q_wxyz[4])
  * no small number is divided by. */
 void rc_quaternion_from_rotation(rigcal_real q_wxyz[4], const rigcal_real R[9])
 {
+    RIGCAL_ASSERT(rc_is_rotation(R));
     const rigcal_real trace = R[0] + R[4] + R[8];
     int i = 0;
     for (int d = 1; d < 3; d++) {
@@ -159,6 +163,7 @@ void rc_quaternion_from_rotation(rigcal_real q_wxyz[4], const rigcal_real R[9])
 
 void rc_rotation_from_vector(rigcal_real R[9], const rigcal_real w[3])
 {
+    RIGCAL_ASSERT(rc_all_within(w, 3, RC_ANGLE_MAX));
     const rigcal_real angle = rc_vec3_norm(w);
     const rigcal_real half = angle / 2;
     const rigcal_real s = (angle > 0) ? RC_SIN(half) / angle : RC(0.5);

@@ -136,6 +136,7 @@ static void look_ahead(rigcal_search *s)
 
 void rc_seeds_begin(rigcal_search *s, const rigcal_real uv_middle[2])
 {
+    RIGCAL_ASSERT(s->points.n_used >= 3 && s->points.size > 0);
     if (rc_pixel_to_ray(s->axis, s->points.view.camera, uv_middle) != RIGCAL_OK) {
         look_ahead(s);
     }
@@ -226,6 +227,8 @@ RC_APART int32_t rc_poses_of_three(rigcal_transform cam_from_points[RC_P3P_MAX],
                                    const rigcal_points *points, const int32_t index[3],
                                    const rigcal_real ray[3][3])
 {
+    RIGCAL_ASSERT(index[0] != index[1] && index[0] != index[2] && index[1] != index[2]);
+    RIGCAL_ASSERT(RC_IS_UNIT(ray[0]) && RC_IS_UNIT(ray[1]) && RC_IS_UNIT(ray[2]));
     rigcal_real x[3][3];
     for (int k = 0; k < 3; k++) {
         rc_points_at(x[k], points, (size_t)index[k]);
@@ -518,6 +521,7 @@ static int32_t try_lean(rigcal_search *s, int32_t lean)
  * worth refining. */
 int rc_seeds_mirrored(rigcal_search *s)
 {
+    RIGCAL_ASSERT(s->optima.n >= 1);
     rigcal_moments *const sums = &s->from.lattice.moments;
     rigcal_real m3[3];
     if (s->is_plane) {

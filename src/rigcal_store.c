@@ -50,6 +50,7 @@ typedef char
 
 uint32_t rc_crc32(const uint8_t bytes[], size_t n)
 {
+    RIGCAL_ASSERT(bytes != NULL || n == 0);
     /* Remainders of the sixteen nibbles. */
     static const uint32_t NIBBLE[16] = {0x00000000, 0x1db71064, 0x3b6e20c8, 0x26d930ac,
                                         0x76dc4190, 0x6b6b51f4, 0x4db26158, 0x5005713c,

@@ -42,12 +42,14 @@ void rc_transform_identity(rigcal_transform *a_from_a)
 void rc_transform_compose(rigcal_transform *c_from_a, const rigcal_transform *c_from_b,
                           const rigcal_transform *b_from_a)
 {
+    RIGCAL_ASSERT(c_from_a != c_from_b && c_from_a != b_from_a);
     rc_mat3_mul(c_from_a->R, c_from_b->R, b_from_a->R);
     rc_transform_point(c_from_a->t, c_from_b, b_from_a->t);
 }
 
 void rc_transform_invert(rigcal_transform *a_from_b, const rigcal_transform *b_from_a)
 {
+    RIGCAL_ASSERT(a_from_b != b_from_a);
     for (int i = 0; i < 3; i++) {
         for (int j = 0; j < 3; j++) {
             a_from_b->R[3 * i + j] = b_from_a->R[3 * j + i];
@@ -70,6 +72,7 @@ void rc_transform_point(rigcal_real X_b[3], const rigcal_transform *b_from_a,
 void rc_transform_between(rigcal_transform *b_from_a, const rigcal_transform *b_from_world,
                           const rigcal_transform *a_from_world)
 {
+    RIGCAL_ASSERT(b_from_a != b_from_world && b_from_a != a_from_world);
     rigcal_real turned[3];
     rc_mat3_mul_t(b_from_a->R, b_from_world->R, a_from_world->R);
     rc_mat3_mul_vec3(turned, b_from_a->R, a_from_world->t);
@@ -139,6 +142,7 @@ rigcal_status rc_transform_mean(rigcal_transform *mean, rigcal_real *sigma_rad,
                                 rigcal_real *sigma_t, const rigcal_transform transforms[],
                                 const rigcal_real weight[], size_t n)
 {
+    RIGCAL_ASSERT(transforms != NULL && n >= 1);
     rigcal_real total = 0, angles = 0, lengths = 0;
     rigcal_transform found = {{0}, {0}};
     for (size_t i = 0; i < n; i++) {

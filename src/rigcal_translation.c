@@ -33,6 +33,7 @@ static void move_origin(rigcal_real t[3], const rigcal_real R[9],
 rigcal_status rc_translation_least_squares(rigcal_real t[3], const rigcal_real R[9],
                                            const rigcal_bearing bearings[], size_t n)
 {
+    RIGCAL_ASSERT(n >= 2 && rc_is_rotation(R));
     const rigcal_real *const origin = bearings[0].X_w;
     rigcal_real u[2], q[3], u_mean[2] = {0, 0}, w_mean[2] = {0, 0};
     rigcal_real du_w = 0, du_du = 0, u_largest = 0;

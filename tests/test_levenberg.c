@@ -250,7 +250,9 @@ static void test_harm_again_and_again_ends_it(void)
     rigcal_levenberg lm = at_sum_1();
     int times = 0;
     while (lm.status == RIGCAL_RUNNING) {
-        rc_levenberg_evaluated(&lm, RIGCAL_OK, 1);
+        if (lm.want == RC_WANT_EQUATIONS) {
+            rc_levenberg_evaluated(&lm, RIGCAL_OK, 1);
+        }
         TEST_ASSERT_FALSE(rc_levenberg_tried(&lm, RIGCAL_OK, 2, MUCH, 0));
         TEST_ASSERT_LESS_THAN_INT(30, ++times);
     }

@@ -19,7 +19,8 @@ import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 PUBLIC = {path.name for path in (ROOT / "include").glob("*.h")}
-SYSTEM = {"stddef.h", "stdint.h", "stdbool.h", "limits.h", "float.h", "string.h"}
+SYSTEM = {"stddef.h", "stdint.h", "stdbool.h", "limits.h", "float.h", "string.h",
+          "assert.h"}
 
 # A conditional may ask for these only: our own settings, C++ in a header, and
 # the compiler's modes that break the library.

@@ -51,7 +51,8 @@
  * functions check their arguments and return a status. While porting, stop
  * here, e.g. with
  *     do { if (!(condition)) { __asm volatile("bkpt"); } } while (0)
- * In the field, leave it empty. */
+ * or define RIGCAL_ASSERTS as 1 in its place, which takes the C library's
+ * assert(). In the field, leave it empty. */
 #define RIGCAL_ASSERT(condition) ((void)0)
 
 /* What public functions are declared with: a section, say, or a calling

@@ -56,7 +56,7 @@ cross         arm                          sh tests/checks/check_cross.sh
 figures       gcc,arm,riscv,python         $PYTHON port/qemu/figures.py
 format        clang-format                 sh tests/checks/check_format.sh
 cppcheck      cppcheck                     sh tests/checks/check_cppcheck.sh
-tidy          clang-tidy                   sh tests/checks/check_tidy.sh
+tidy          gcc,clang-tidy               sh tests/checks/check_tidy.sh
 shell         nothing                      sh tests/checks/check_shell.sh
 words         nothing                      sh tests/checks/check_words.sh
 '

@@ -39,13 +39,13 @@ static int parse(int argc, char *argv[])
     return lists_only ? 0 : status;
 }
 
-static int is_nothing_run(void)
+static void say_what_is_missing(void)
 {
-    if (!lists_only && Unity.NumberOfTests == 0 && UnityOptionIncludeNamed) {
+    if (UnityOptionIncludeNamed) {
         printf("There is no test \"%s\"; -l lists all.\n", UnityOptionIncludeNamed);
-        return 1;
+    } else {
+        printf("There is no test to run.\n");
     }
-    return 0;
 }
 
 #else
@@ -63,9 +63,9 @@ static int parse(int argc, char *argv[])
     return 0;
 }
 
-static int is_nothing_run(void)
+static void say_what_is_missing(void)
 {
-    return 0;
+    printf("There is no test to run.\n");
 }
 
 #endif
@@ -91,7 +91,11 @@ int test_main(int argc, char *argv[], const char *file, void (*run_tests)(void))
         return 0;
     }
 #endif
-    return UnityEnd() != 0 || is_nothing_run();
+    if (Unity.NumberOfTests == 0) {
+        say_what_is_missing();
+        return 1;
+    }
+    return UnityEnd() != 0;
 }
 
 /* ---- numbers ------------------------------------------------------------- */

@@ -321,8 +321,8 @@ static void test_a_point_takes_at_most_50_evaluations(void)
     TEST_ASSERT_GREATER_OR_EQUAL_INT(TOL(40, 30), evals);
 }
 
-/* The first evaluation shows that exact pixels leave nothing to gain. Their noise is then the
- * rounding of a pixel, which is larger in float. */
+/* The first evaluation shows that exact pixels leave nothing to gain. Their noise is
+ * then the rounding of a pixel, which is larger in float. */
 static void test_a_point_usually_takes_2_or_3_evaluations_and_of_exact_pixels_1(void)
 {
     static const double NOISE_PX[4] = {0, 1e-6, 1e-3, 0.5};
@@ -582,8 +582,8 @@ static int points_of(uint64_t seed)
     return 3 + (int)(seed % 8);
 }
 
-/* Whether a ray is more than 60 degrees off the axis, or more than 80 off that of the middle of
- * the image, by a pinhole. */
+/* Whether a ray is more than 60 degrees off the axis, or more than 80 off that of the
+ * middle of the image, by a pinhole. */
 static int is_wide(const scene *s)
 {
     double middle[3] = {0, 0, 1};

@@ -1,5 +1,5 @@
-/* camera: pixels of points, undistorted pixels, and what a camera cannot see. The truth is made
- * in doubles (tests/support). */
+/* camera: pixels of points, undistorted pixels, and what a camera cannot see. The truth
+ * is made in doubles (tests/support). */
 #include <math.h>
 #include <string.h>
 

@@ -62,8 +62,8 @@ static void test_a_limit_of_two_deviations_is_exceeded_in_2_3_percent_of_draws(v
 
 /* ---- odds ------------------------------------------------------------------ */
 
-/* A series of 8 terms of a 256th part p of the exponent leaves p^9 / 9! of it, and some more. In float the
- * sums are rounded too, by 1e-5 of an exponent. */
+/* A series of 8 terms of a 256th part p of the exponent leaves p^9 / 9! of it, and some
+ * more. In float the sums are rounded too, by 1e-5 of an exponent. */
 static void test_odds_with_known_noise_are_the_ratio_of_normal_likelihoods(void)
 {
     test_rng rng = test_seed(32);

@@ -1,5 +1,5 @@
-/* elimination: the residual of a pair (13), the eliminated angle (14), (15), the residual over three
- * angles (5). */
+/* elimination: the residual of a pair (13), the eliminated angle (14), (15), the
+ * residual over three angles (5). */
 #include <math.h>
 #include <string.h>
 

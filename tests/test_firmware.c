@@ -474,7 +474,7 @@ static void test_after_a_reset_it_starts_warm_from_what_was_stored(void)
     TEST_ASSERT_TRUE_MESSAGE(3 * warm < cold, sim.serial);
 }
 
-/* ---- the newer of two ----------------------------------------------------------------- */
+/* ---- the newer of two ---------------------------------------------------- */
 
 static void write_slot(int slot, uint32_t sequence, uint32_t tag, size_t n,
                        const double center[FIRMWARE_CAMERAS][3])
@@ -545,7 +545,7 @@ static void test_the_calibration_of_another_machine_is_not_used(void)
     TEST_ASSERT_EQUAL_STRING("loaded slot=0 sequence=4\r\n", sim.serial);
 }
 
-/* ---- damage --------------------------------------------------------------------------- */
+/* ---- damage -------------------------------------------------------------- */
 
 /* Slot 0 holds 1, slot 1 holds 2. */
 static void save_both_slots(void)
@@ -688,7 +688,7 @@ static void test_power_cut_again_and_again_never_loses_the_calibration(void)
     TEST_ASSERT_TRUE(app.sequence > 10);
 }
 
-/* ---- flash that fails ------------------------------------------------------------------- */
+/* ---- flash that fails ---------------------------------------------------- */
 
 static void test_a_flash_that_fails_is_told_and_tried_again(void)
 {
@@ -738,7 +738,7 @@ static void test_a_bit_that_cannot_be_programmed_is_seen(void)
     TEST_ASSERT_EQUAL_STRING("loaded slot=1 sequence=2\r\n", sim.serial);
 }
 
-/* ---- the watchdog ------------------------------------------------------------------------ */
+/* ---- the watchdog -------------------------------------------------------- */
 
 static void test_the_watchdog_is_fed_in_time_whatever_happens(void)
 {

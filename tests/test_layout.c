@@ -1,6 +1,6 @@
-/* layout: the account that the library gives of its structs, which bindings believe. The truth is
- * the compiler's: offsetof and sizeof of the headers as a caller sees them. Whether the list names
- * every field of the headers is for tests/checks/check_layout.py. */
+/* layout: the account that the library gives of its structs, which bindings believe. The
+ * truth is the compiler's: offsetof and sizeof of the headers as a caller sees them.
+ * Whether the list names every field of the headers is for tests/checks/check_layout.py. */
 #include <stddef.h>
 #include <string.h>
 
@@ -59,8 +59,8 @@ static void test_no_line_is_there_twice(void)
     }
 }
 
-/* The struct `owner` ends: what its last field leaves of it is less than the alignment. A solver
- * has no fields here. */
+/* The struct `owner` ends: what its last field leaves of it is less than the alignment.
+ * A solver has no fields here. */
 static void assert_ends(const rigcal_layout_entry *owner, int n_fields, int32_t end,
                         int32_t widest)
 {
@@ -72,8 +72,8 @@ static void assert_ends(const rigcal_layout_entry *owner, int n_fields, int32_t 
     }
 }
 
-/* A struct that gains a field, which the list does not know, shows here: a gap before a field, or
- * at the struct's end, is never as large as the alignment. */
+/* A struct that gains a field, which the list does not know, shows here: a gap before a
+ * field, or at the struct's end, is never as large as the alignment. */
 static void test_the_fields_follow_their_struct_in_order_without_overlap(void)
 {
     const int32_t widest = (int32_t)(sizeof(void *) > 8 ? sizeof(void *) : (size_t)8);

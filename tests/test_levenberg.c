@@ -1,6 +1,7 @@
-/* levenberg: the machine by itself. Sequences made by hand take it through every transition that
- * rc_levenberg.h names; then it searches for minima that are known. What decides at which number is
- * left to the source: the numbers here lie far on either side. */
+/* levenberg: the machine by itself. Sequences made by hand take it through every
+ * transition that rc_levenberg.h names; then it searches for minima that are known. What
+ * decides at which number is left to the source: the numbers here lie far on either
+ * side. */
 #include <math.h>
 
 #include "rc_levenberg.h"
@@ -73,7 +74,8 @@ static void test_equations_that_are_singular_end_it(void)
     ASSERT_STATUS(RIGCAL_ERR_DEGENERATE, lm.status);
 }
 
-/* Newton's H is damped more and more, and then given up for J^T J, which is to be evaluated. */
+/* Newton's H is damped more and more, and then given up for J^T J, which is to be
+ * evaluated. */
 static void test_a_newtons_h_is_damped_until_it_is_given_up(void)
 {
     rigcal_levenberg lm = with_newton();
@@ -125,7 +127,8 @@ static void test_a_step_that_promises_a_trifle_of_the_sum_is_the_last(void)
     ASSERT_STATUS(RIGCAL_OK, lm.status);
 }
 
-/* The same gain after one of MUCH, and after one hardly larger: the gains of a valley go on. */
+/* The same gain after one of MUCH, and after one hardly larger: the gains of a valley go
+ * on. */
 static void test_gains_that_fall_fast_end_it_and_slow_ones_do_not(void)
 {
     const rigcal_real gain = RC(TOL(1e-7, 1e-4));
@@ -153,7 +156,8 @@ static void test_a_step_that_is_damped_much_is_never_the_last(void)
     ASSERT_STATUS(RIGCAL_RUNNING, lm.status);
 }
 
-/* Where H is not positive definite the search is at no minimum, however little is promised. */
+/* Where H is not positive definite the search is at no minimum, however little is
+ * promised. */
 static void test_a_saddle_is_no_optimum(void)
 {
     rigcal_levenberg lm = with_newton();
@@ -231,7 +235,8 @@ static void test_a_step_that_was_not_damped_is_damped_after_harm(void)
     TEST_ASSERT_TRUE(lm.lambda > 0);
 }
 
-/* A step that promised next to nothing and did harm met rounding: the search is at its end. */
+/* A step that promised next to nothing and did harm met rounding: the search is at its
+ * end. */
 static void test_harm_by_a_step_that_promised_a_trifle_is_rounding(void)
 {
     rigcal_levenberg lm = at_sum_1();

@@ -1,5 +1,5 @@
-/* points: which points count, what is wrong with them, where they are, and their errors, against
- * sums in double precision. */
+/* points: which points count, what is wrong with them, where they are, and their errors,
+ * against sums in double precision. */
 #include <math.h>
 #include <string.h>
 
@@ -69,7 +69,8 @@ static void test_a_view_is_checked_for_its_pointers_and_its_camera(void)
     ASSERT_STATUS(RIGCAL_ERR_NOT_FINITE, rc_check_view(&VIEW(&camera, o, NULL, 1)));
 }
 
-/* 8 units in the last place of the image's extent, squared, or so many pixels^2 without one. */
+/* 8 units in the last place of the image's extent, squared, or so many pixels^2 without
+ * one. */
 static void test_what_is_negligible_grows_with_the_image_and_the_pixel(void)
 {
     const double eps = TOL(2.220446049250313e-16, 1.1920928955078125e-7);
@@ -287,7 +288,8 @@ static void test_more_than_can_be_counted_are_refused_unread(void)
     TEST_ASSERT_EQUAL_INT32(-1, at_fault);
 }
 
-/* Coordinates whose rounding is a little less, and a little more, than 1e-4 of the size 1. */
+/* Coordinates whose rounding is a little less, and a little more, than 1e-4 of the size
+ * 1. */
 static void test_points_in_one_place_or_too_far_for_their_size_are_refused(void)
 {
     const double limit = 1e-4 / TOL(2.220446049250313e-16, 1.1920928955078125e-7);

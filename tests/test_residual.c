@@ -1,5 +1,5 @@
-/* residual: the error of a point, its derivatives, and what it adds to least squares, against
- * differences of test_project_px. */
+/* residual: the error of a point, its derivatives, and what it adds to least squares,
+ * against differences of test_project_px. */
 #include <math.h>
 #include <string.h>
 
@@ -107,8 +107,8 @@ static void test_a_point_behind_has_no_error(void)
 
 /* ---- along the ray ------------------------------------------------------------- */
 
-/* Of a point next to the ray, over its range: the error in pixels, and a remainder that falls
- * with the square of the distance. */
+/* Of a point next to the ray, over its range: the error in pixels, and a remainder that
+ * falls with the square of the distance. */
 static void test_along_the_ray_it_is_the_error_to_first_order(void)
 {
     test_rng rng = test_seed(52);
@@ -199,7 +199,8 @@ static void random_target(target *T, int which, double noise_px, test_rng *rng)
     }
 }
 
-/* Errors times the root of the weight, of the pose moved by d; half their sum of squares. */
+/* Errors times the root of the weight, of the pose moved by d; half their sum of
+ * squares. */
 static double errors(double e[2 * POINTS], const target *T, const double d[6])
 {
     double R[9], t[3], half = 0;
@@ -234,18 +235,6 @@ static void add_all(target *T, int with_curvature)
         rc_rigid_add(T->g, T->H, B, q, e, RC(T->weight[i]), with_curvature ? X : NULL,
                      rc_lens_is_fisheye(&T->camera));
     }
-}
-
-/* Element (i, j) of the blocks by w, across and by dt. */
-static double element(const rigcal_real H[21], int i, int j)
-{
-    static const int ROW[3] = {0, 3, 5}; /* upper triangle, row by row: xx xy xz yy yz zz */
-    const int low = i < j ? i : j, high = i < j ? j : i;
-    if (high < 3) {
-        return D(H[ROW[low] + high - low]);
-    }
-    return low < 3 ? D(H[RC_SYM6_ACROSS + 3 * low + high - 3])
-                   : D(H[RC_SYM6_SECOND + ROW[low - 3] + high - low]);
 }
 
 /* The derivative of -e by each of (w, dt). */
@@ -289,15 +278,16 @@ static void test_sums_by_a_transform_are_those_of_differences(void)
             const double size = sqrt(dot(J[i], J[i], 2 * POINTS));
             ASSERT_NEAR(dot(J[i], e, 2 * POINTS), T.g[i], TOL(1e-7, 1e-3) * size * norm);
             for (int j = 0; j < 6; j++) {
-                ASSERT_NEAR(dot(J[i], J[j], 2 * POINTS), element(T.H, i, j),
+                ASSERT_NEAR(dot(J[i], J[j], 2 * POINTS), test_in_blocks(T.H, i, j),
                             TOL(1e-7, 1e-4) * size * sqrt(dot(J[j], J[j], 2 * POINTS)));
             }
         }
     }
 }
 
-/* Half the sum of squares by (w, dt), twice. Of a pinhole it is exact; of another lens less
- * than a tenth is missing of what curvature adds to J^T J. Errors of 30 pixels make it count. */
+/* Half the sum of squares by (w, dt), twice. Of a pinhole it is exact; of another lens
+ * less than a tenth is missing of what curvature adds to J^T J. Errors of 30 pixels make
+ * it count. */
 static void test_sums_with_curvature_are_the_second_derivative(void)
 {
     static const double MISSING[CAMERAS] = {0, 0.1, 0.06, 0.04};
@@ -323,7 +313,7 @@ static void test_sums_with_curvature_are_the_second_derivative(void)
             }
             second /= 4 * h * h;
             curved = fmax(curved, fabs(second - dot(J[i], J[j], 2 * POINTS)) / size);
-            missed = fmax(missed, fabs(second - element(T.H, i, j)) / size);
+            missed = fmax(missed, fabs(second - test_in_blocks(T.H, i, j)) / size);
         }
         TEST_ASSERT_TRUE(curved > 0.01); /* the test sees it */
         ASSERT_NEAR(0, missed, MISSING[trial % CAMERAS] * curved + TOL(1e-5, 1e-4));

@@ -73,8 +73,8 @@ static void test_the_virtual_camera_looks_at_the_middle_of_the_image(void)
     }
 }
 
-/* Brown's lens with k1 = -1 turns back 30 degrees off its axis: 800 / sqrt(3) 2 / 3 = 308 pixels
- * from the middle. */
+/* Brown's lens with k1 = -1 turns back 30 degrees off its axis: 800 / sqrt(3) 2 / 3 =
+ * 308 pixels from the middle. */
 static void test_a_pixel_that_the_lens_does_not_reach_is_told(void)
 {
     static const rigcal_real MIDDLE[2] = {320 + 350, 240};
@@ -171,7 +171,8 @@ static void test_the_lattice_covers_the_sphere(void)
     TEST_ASSERT_TRUE(farthest < 32 * TEST_PI / 180);
 }
 
-/* The library's directions are those, and it keeps the three that cost least, best first. */
+/* The library's directions are those, and it keeps the three that cost least, best
+ * first. */
 static void test_the_search_keeps_the_three_best_of_the_lattice(void)
 {
     test_rng rng = test_seed(96);
@@ -230,8 +231,8 @@ static double nearest_start(const test_problem *p, int *n_starts)
     return nearest;
 }
 
-/* 0.3 rad, half the spacing of the lattice, is near enough for a refinement. All starts of a
- * flat target may be at its second minimum: leaning ones come after that is found. */
+/* 0.3 rad, half the spacing of the lattice, is near enough for a refinement. All starts
+ * of a flat target may be at its second minimum: leaning ones come after that is found. */
 static void test_a_start_of_an_exact_view_is_near_its_pose(void)
 {
     enum { TRIALS = TEST_TRIALS(400) };
@@ -272,7 +273,8 @@ static void test_no_start_leads_to_what_has_been_found(void)
     }
 }
 
-/* A descent of its own takes ten steps; that a seed leads downhill to the pose found, one. */
+/* A descent of its own takes ten steps; that a seed leads downhill to the pose found,
+ * one. */
 static void test_a_seed_on_the_way_to_the_pose_found_takes_no_descent(void)
 {
     enum { TRIALS = TEST_TRIALS(200) };
@@ -328,8 +330,8 @@ static void test_a_flat_target_has_a_start_near_its_second_minimum(void)
     TEST_ASSERT_LESS_OR_EQUAL_INT(with_second / 50, missed);
 }
 
-/* Nearly head-on the least lean has a tangent of 0.3; head-on there is no way of leaning, and
- * any will do. */
+/* Nearly head-on the least lean has a tangent of 0.3; head-on there is no way of
+ * leaning, and any will do. */
 static void test_a_flat_target_seen_head_on_has_starts_that_lean(void)
 {
     const double t[3] = {0, 0, 5}, least = atan(0.3);
@@ -361,8 +363,9 @@ static void test_a_flat_target_seen_head_on_has_starts_that_lean(void)
 
 /* ---- three points --------------------------------------------------------------- */
 
-/* One start is the scene's pose. Every other images the three points where they were seen too,
- * or next to that: the real part of two poses that noise, or rounding, has made complex. */
+/* One start is the scene's pose. Every other images the three points where they were
+ * seen too, or next to that: the real part of two poses that noise, or rounding, has
+ * made complex. */
 static void test_all_poses_of_three_points_are_starts(void)
 {
     test_rng rng = test_seed(100);
@@ -398,7 +401,8 @@ static void test_all_poses_of_three_points_are_starts(void)
 
 /* ---- triples --------------------------------------------------------------------- */
 
-/* A fisheye in the middle of its points, which are in all directions up to 110 degrees off. */
+/* A fisheye in the middle of its points, which are in all directions up to 110 degrees
+ * off. */
 static void surrounded(test_problem *p, int n, test_rng *rng)
 {
     p->camera = test_pinhole();

@@ -1,4 +1,5 @@
-/* triangulate: depth from two views, points from many, and how far off a measured point can be. */
+/* triangulate: depth from two views, points from many, and how far off a measured point
+ * can be. */
 #include <math.h>
 #include <string.h>
 
@@ -317,9 +318,9 @@ static void test_points_of_noisy_views_are_scipys_least_squares(void)
         for (int i = 0; i < 9; i++) {
             largest = fmax(largest, fabs(golden[4 + i]));
         }
-        /* The search ends where nothing is left to gain but a part of the sum: 1e-12, in float
-         * 1e-6. That is the square of what is left to move, in deviations at the noise of the
-         * sum. In float a pixel is good to 1e-4, too. */
+        /* The search ends where nothing is left to gain but a part of the sum: 1e-12, in
+         * float 1e-6. That is the square of what is left to move, in deviations at the
+         * noise of the sum. In float a pixel is good to 1e-4, too. */
         ASSERT_ARRAY_NEAR(golden, point.X, 3,
                           TOL(1e-6, 2e-3) * sqrt(largest) * fmax(1, golden[3]));
         ASSERT_NEAR(golden[3], point.rms_px, TOL(1e-9, 2e-3));
@@ -446,7 +447,8 @@ static void test_wrong_matches_still_give_the_least_squares(void)
             }
             if (way < 0) {
                 least = sum;
-                /* The last step is not evaluated: its sum is that of the quadratic model. */
+                /* The last step is not evaluated: its sum is that of the quadratic
+                 * model. */
                 ASSERT_NEAR(sqrt(sum / 3), point.rms_px,
                             TOL(1e-9, 1e-2) + TOL(1e-9, 1e-5) * sqrt(sum));
             } else {

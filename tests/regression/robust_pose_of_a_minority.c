@@ -52,7 +52,8 @@ static void test_most_disagree_is_told(void)
     TEST_ASSERT_TRUE(n_inliers >= 12 && n_inliers < N / 2);
 }
 
-/* A real shift: every tag stands where its neighbour's coordinates say, but for the last. */
+/* A real shift: every tag stands where its neighbour's coordinates say, but for the
+ * last. */
 static void test_half_that_agree_are_enough(void)
 {
     const rigcal_camera camera = test_pinhole();

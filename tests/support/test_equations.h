@@ -1,5 +1,5 @@
-/* test_equations.h - what the tests of the calibration equations share: scenes of the vectors, and
- * pairs made by hand. */
+/* test_equations.h - what the tests of the calibration equations share: scenes of the
+ * vectors, and pairs made by hand. */
 #ifndef TEST_EQUATIONS_H
 #define TEST_EQUATIONS_H
 

@@ -462,6 +462,18 @@ void test_assert_transform(const rigcal_transform *expected, const rigcal_transf
     test_assert_array_near(t, seen->t, 3, tol_length, line);
 }
 
+void test_assert_rotation(const double R[9], double tol, int line)
+{
+    double Rt[9], product[9];
+
+    test_transpose(Rt, R);
+    test_product(product, R, Rt);
+    for (int k = 0; k < 9; k++) {
+        test_assert_near(k % 4 == 0, product[k], tol, k, line);
+    }
+    test_assert_near(1, test_determinant(R), tol, -1, line);
+}
+
 /* ---- scenes -------------------------------------------------------------- */
 
 static void place_points(test_scene *scene, test_rng *rng, test_shape shape)

@@ -1,4 +1,5 @@
-/* test_two_views.h - two cameras side by side and points before both, for the tests of measuring. */
+/* test_two_views.h - two cameras side by side and points before both, for the tests of
+ * measuring. */
 #ifndef TEST_TWO_VIEWS_H
 #define TEST_TWO_VIEWS_H
 

@@ -649,8 +649,8 @@ static void test_a_pose_takes_at_most_900_units_and_a_wide_one_2000(void)
 }
 
 /* Needles exhaust refinement after refinement. Of 200 000, for each precision, these took
- * the most: nearly all that there can be, a start's 100, gathering, 24 directions, 3 descents
- * of 9 and 6 refinements of 100. */
+ * the most: nearly all that there can be, a start's 100, gathering, 24 directions,
+ * 3 descents of 9 and 6 refinements of 100. */
 static void test_needles_take_760_units(void)
 {
     static const uint64_t WORST[2] = {21793, 186080};

@@ -42,7 +42,7 @@ typedef struct rigcal_point {
 
 /* A point from n >= 2 views: least squares of the pixel distances through the full lens
  * models, by Levenberg-Marquardt from the point nearest to all the rays: at most 50
- * evaluations, usually 2 to 4. sigma_px > 0: noise of one coordinate.
+ * evaluations, usually 2 or 3, of exact pixels 1. sigma_px > 0: noise of one coordinate.
  *
  *   cameras, cams_from_world, uv   in   n of each, uv as n pairs
  *

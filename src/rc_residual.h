@@ -35,8 +35,7 @@ void rc_residual_along_ray(rigcal_real e[2], rigcal_real B[6], const rigcal_came
 void rc_rigid_clear(rigcal_real g[6], rigcal_real H[21]);
 
 /* Adds one point, weighed. With X_c not NULL, H also gets the curvature of the error, as
- * Newton's method has it: that of the turn, and that of a pinhole or an undistorted
- * fisheye. */
+ * Newton's method has it: exactly that of a pinhole, nearly that of another lens. */
 void rc_rigid_add(rigcal_real g[6], rigcal_real H[21], const rigcal_real B[6],
                   const rigcal_real q[3], const rigcal_real e[2], rigcal_real weight,
                   const rigcal_real X_c[3], int is_fisheye);

@@ -321,21 +321,24 @@ static void test_a_point_takes_at_most_50_evaluations(void)
     TEST_ASSERT_GREATER_OR_EQUAL_INT(TOL(40, 30), evals);
 }
 
-/* The sum of exact pixels is rounding, whose every step is as long as the last: there the
- * first evaluation shows that nothing is left to gain. */
-static void test_a_point_usually_takes_2_to_4_evaluations_of_exact_pixels_1(void)
+/* The first evaluation shows that exact pixels leave nothing to gain. Their noise is
+ * then the rounding of a pixel, which is larger in float. */
+static void test_a_point_usually_takes_2_or_3_evaluations_and_of_exact_pixels_1(void)
 {
     static const double NOISE_PX[4] = {0, 1e-6, 1e-3, 0.5};
     test_rng rng = test_seed(407);
     int many = 0;
 
     for (int trial = 0; trial < 12000; trial++) {
+        const double noise_px = NOISE_PX[trial / 4 % 4];
+        const int is_exact = noise_px <= TOL(0, 1e-3);
         views v;
         long count;
 
-        random_views(&v, (size_t)(2 + trial % 4), NOISE_PX[trial / 4 % 4], 3, &rng);
+        random_views(&v, (size_t)(2 + trial % 4), noise_px, 3, &rng);
         count = triangulation_evals(&v);
-        many += count < (trial / 4 % 4 > 0 ? 2 : 1) || count > 4;
+        many += is_exact ? count > (RIGCAL_USE_FLOAT ? 2 : 1) : count < 2 || count > 3;
+        TEST_ASSERT_GREATER_OR_EQUAL_INT(1, count);
         TEST_ASSERT_LESS_OR_EQUAL_INT(20, count);
     }
     TEST_ASSERT_LESS_OR_EQUAL_INT(60, many);
@@ -645,10 +648,10 @@ static void test_a_pose_takes_at_most_900_units_and_a_wide_one_2000(void)
     }
 }
 
-/* Needles exhaust refinement after refinement. Of 6 million, for each precision, these
- * took the most: nearly all that there can be, a start's 100, gathering, 24 directions,
+/* Needles exhaust refinement after refinement. Of 200 000, for each precision, these took
+ * the most: nearly all that there can be, a start's 100, gathering, 24 directions,
  * 3 descents of 9 and 6 refinements of 100. */
-static void test_needles_take_761_units(void)
+static void test_needles_take_760_units(void)
 {
     static const uint64_t WORST[2] = {21793, 186080};
     long largest = 0;
@@ -656,20 +659,71 @@ static void test_needles_take_761_units(void)
     for (int i = 0; i < 2; i++) {
         keep_largest(&largest, units_of(WORST[i], NEEDLE, 1));
     }
-    TEST_ASSERT_GREATER_OR_EQUAL_INT(700, largest);
+    TEST_ASSERT_INT_WITHIN(10, 760, largest);
 }
 
-static void test_usual_poses_take_50_to_70_units(void)
+/* Three points take about 12. */
+static void test_usual_poses_take_40_to_70_units(void)
 {
-    long sum = 0, scenes = 0;
+    int scenes = 0, others = 0;
 
-    for (uint64_t seed = 0; seed < 1000; seed++) {
-        if (points_of(seed) > 3) { /* three points take about 12 */
-            sum += units_of(seed, NOISE, 0);
+    for (uint64_t seed = 0; seed < 2000; seed++) {
+        if (points_of(seed) > 3) {
+            const int units = units_of(seed, NOISE, 0);
+
+            others += units < 40 || units > 70;
             scenes++;
         }
     }
-    TEST_ASSERT_INT_WITHIN(11, 60, sum / scenes);
+    TEST_ASSERT_LESS_THAN_INT(scenes / 10, others);
+}
+
+/* All points 60 to 80 degrees off the axis of a pinhole, and seen within an angle `spread`
+ * around it. */
+static void wide_scene(scene *s, double spread, test_rng *rng)
+{
+    double R[9];
+
+    test_random_rotation(R, rng);
+    s->camera = test_pinhole();
+    s->n = 4 + (size_t)(test_next(rng) % 5);
+    for (size_t i = 0; i < s->n; i++) {
+        const double off = test_uniform(rng, 60, 80) * TEST_PI / 180;
+        const double way = test_uniform(rng, 0, spread);
+        const double range = test_uniform(rng, 1, 3);
+        const double X_c[3] = {range * sin(off) * cos(way), range * sin(off) * sin(way),
+                               range * cos(off)};
+        double X[3], uv[2];
+
+        test_apply(X, R, X_c, NULL);
+        test_to_real(s->o[i].X_w, X, 3);
+        test_project_px(uv, &s->camera, X_c);
+        for (int k = 0; k < 2; k++) {
+            s->o[i].uv[k] = RC(uv[k] + 0.5 * test_normal(rng));
+        }
+    }
+}
+
+static void test_usual_wide_poses_take_10_to_120_units(void)
+{
+    static const double SPREAD[3] = {0.3, 3, 2 * TEST_PI};
+    test_rng rng = test_seed(412);
+
+    for (int k = 0; k < 3; k++) {
+        int others = 0;
+
+        for (int trial = 0; trial < 500; trial++) {
+            scene s;
+            int units;
+
+            wide_scene(&s, SPREAD[k], &rng);
+            TEST_ASSERT_TRUE(is_wide(&s));
+            units = pose_units(&s, NULL);
+            TEST_ASSERT_LESS_OR_EQUAL_INT(most_units(&s), units);
+            others += units < 10 || units > 120;
+        }
+        TEST_ASSERT_LESS_THAN_INT(500 / 10, others);
+    }
 }
 
 enum { SAMPLES = 20 };
@@ -785,13 +839,14 @@ TEST_MAIN()
     RUN_TEST(test_a_projection_takes_at_most_one_such_proof);
     RUN_TEST(test_a_pixel_usually_takes_one_solve_of_3_to_6_and_a_proof_of_1_to_3);
     RUN_TEST(test_a_point_takes_at_most_50_evaluations);
-    RUN_TEST(test_a_point_usually_takes_2_to_4_evaluations_of_exact_pixels_1);
+    RUN_TEST(test_a_point_usually_takes_2_or_3_evaluations_and_of_exact_pixels_1);
     RUN_TEST(test_a_mean_takes_at_most_20_iterations);
     RUN_TEST(test_neldermead_spends_max_evals_and_no_more);
     RUN_TEST(test_the_published_search_spends_max_evals_and_no_more);
     RUN_TEST(test_a_pose_takes_at_most_900_units_and_a_wide_one_2000);
-    RUN_TEST(test_needles_take_761_units);
-    RUN_TEST(test_usual_poses_take_50_to_70_units);
+    RUN_TEST(test_needles_take_760_units);
+    RUN_TEST(test_usual_poses_take_40_to_70_units);
+    RUN_TEST(test_usual_wide_poses_take_10_to_120_units);
     RUN_TEST(test_a_robust_pose_takes_at_most_those_of_9_searches_and_7_a_sample);
     RUN_TEST(test_a_diagnosis_solves_n_plus_1_to_n_plus_3_poses);
     RUN_TEST(test_a_diagnosis_of_many_points_solves_65_to_67_poses);

@@ -1,10 +1,11 @@
-/* camera: pixels of points, undistorted pixels, and what a camera cannot see. The truth is
- * made in doubles (tests/support). */
+/* camera: pixels of points, undistorted pixels, and what a camera cannot see. The truth
+ * is made in doubles (tests/support). */
 #include <math.h>
 #include <string.h>
 
 #include "rc_camera.h"
 #include "test_lenses.h"
+#include "vectors_camera.h"
 
 /* ---- forward ------------------------------------------------------------- */
 
@@ -34,6 +35,19 @@ static void test_points_are_projected_by_the_formulas_of_the_header(void)
                 ASSERT_ARRAY_NEAR(expected, uv, 2, TOL(1e-9, 1e-2));
             }
         }
+    }
+}
+
+static void test_points_are_projected_as_the_oracle_does(void)
+{
+    for (int i = 0; i < CAMERA_PROJECTION_ROWS; i++) {
+        const double *const row = CAMERA_PROJECTION[i];
+        const rigcal_camera camera = test_camera(CAMERA[(int)row[0]]);
+        rigcal_real X_c[3], uv[2];
+
+        test_to_real(X_c, row + 1, 3);
+        ASSERT_STATUS(RIGCAL_OK, rigcal_camera_project(uv, &camera, X_c));
+        ASSERT_ARRAY_NEAR(row + 4, uv, 2, TOL(1e-9, 2e-2));
     }
 }
 
@@ -399,6 +413,7 @@ static void test_no_error_is_told_of_points_that_cannot_be_seen(void)
 TEST_MAIN()
 {
     RUN_TEST(test_points_are_projected_by_the_formulas_of_the_header);
+    RUN_TEST(test_points_are_projected_as_the_oracle_does);
     RUN_TEST(test_the_derivative_of_a_pixel_is_that_of_the_formulas);
     RUN_TEST(test_a_pinhole_is_exact_where_it_can_be);
     RUN_TEST(test_the_principal_point_is_the_image_of_the_axis);

@@ -1,4 +1,225 @@
+/* chance: quantiles against SciPy's, odds against an integral over the noise, expected sets
+ * against binomial coefficients and against draws that are counted. */
+#include <math.h>
+
+#include "rc_chance.h"
 #include "test_support.h"
+#include "vectors_chance.h"
+
+/* ---- degrees of freedom ---------------------------------------------------- */
+
+static void test_a_pose_takes_six_degrees_of_freedom_and_leaves_one_at_least(void)
+{
+    ASSERT_NEAR(1, rc_freedom(3), 0);
+    ASSERT_NEAR(2, rc_freedom(4), 0);
+    ASSERT_NEAR(4, rc_freedom(5), 0);
+    ASSERT_NEAR(194, rc_freedom(100), 0);
+    ASSERT_NEAR(2e6 - 6, rc_freedom(1000000), 0);
+}
+
+/* ---- chi squared ----------------------------------------------------------- */
+
+/* The approximation is off by a part that falls as 1 / freedom. */
+static void test_the_limit_is_the_quantile_of_chi_squared(void)
+{
+    for (int k = 0; k < CHANCE_CHI2_ROWS; k++) {
+        const double freedom = CHANCE_CHI2[k][0], deviations = CHANCE_CHI2[k][1];
+        const double exact = CHANCE_CHI2[k][2];
+        const double part = (deviations > 4 ? 0.25 : 0.07) / freedom + TOL(1e-12, 1e-5);
+        ASSERT_NEAR(exact, rc_chi2_limit(RC(freedom), RC(deviations)), part * exact);
+    }
+}
+
+/* Sums of squares of random normal numbers, by Box and Muller. */
+static double chi_squared(int freedom, test_rng *rng)
+{
+    double sum = 0;
+    for (int i = 0; i < freedom; i++) {
+        const double r2 = -2 * log(1 - test_uniform(rng, 0, 1));
+        const double c = cos(2 * TEST_PI * test_uniform(rng, 0, 1));
+        sum += r2 * c * c;
+    }
+    return sum;
+}
+
+/* A normal variable exceeds 2 standard deviations with a chance of 0.02275. */
+static void test_a_limit_of_two_deviations_is_exceeded_in_2_3_percent_of_draws(void)
+{
+    enum { DRAWS = 40000 };
+    const double p = 0.02275, share = 5 * sqrt(DRAWS * p * (1 - p));
+    test_rng rng = test_seed(31);
+    TEST_ON_HOST_ONLY("a share of few draws says nothing");
+    for (int n = 5; n <= 20; n += 5) {
+        const rigcal_real freedom = rc_freedom((size_t)n);
+        const double limit = D(rc_chi2_limit(freedom, 2));
+        int beyond = 0;
+        for (int i = 0; i < DRAWS; i++) {
+            beyond += chi_squared((int)freedom, &rng) > limit;
+        }
+        ASSERT_NEAR(DRAWS * p, beyond, share);
+    }
+}
+
+/* ---- odds ------------------------------------------------------------------ */
+
+/* A series of 8 terms of a 256th part p of the exponent leaves p^9 / 9! of it, and some
+ * more. In float the sums are rounded too, by 1e-5 of an exponent. */
+static void test_odds_with_known_noise_are_the_ratio_of_normal_likelihoods(void)
+{
+    test_rng rng = test_seed(32);
+    for (int trial = 0; trial < 1000; trial++) {
+        const double sigma = pow(10, test_uniform(&rng, -1, 1)), s2 = sigma * sigma;
+        const rigcal_real sse = RC(s2 * test_uniform(&rng, 0, 150));
+        const rigcal_real other = RC(s2 * test_uniform(&rng, 0, 150));
+        const double s = D(RC(sigma)), exponent = (D(other) - D(sse)) / (2 * s * s);
+        const double left = 256 * pow(fabs(exponent) / 256, 9) / 362880;
+        ASSERT_NEAR(exp(exponent), rc_odds(sse, other, RC(sigma), 1, 10),
+                    exp(exponent) * (2 * left + TOL(1e-12, 1e-4)));
+    }
+}
+
+static void test_odds_beyond_the_range_of_float_are_clipped(void)
+{
+    TEST_ASSERT_TRUE(D(rc_odds(0, 1000, 1, 1, 10)) > 1e34);
+    TEST_ASSERT_TRUE(D(rc_odds(0, 1000, 1, 1, 10)) < 1e38);
+    TEST_ASSERT_TRUE(D(rc_odds(1000, 0, 1, 1, 10)) < 1e-34);
+}
+
+/* ln of the integral over the noise s, with the prior 1 / s, of the likelihood of 2 n
+ * coordinates: s^-2n exp(-sum / (2 s^2)), times s^6 for the volume of the pose. */
+static double log_evidence(double sum, int n)
+{
+    const double middle = log(sqrt(sum / (2 * n - 6))), step = 1e-3;
+    double highest, total = 0;
+    highest = -(2 * n - 6) * middle - sum / 2 * exp(-2 * middle);
+    for (int i = -8000; i <= 8000; i++) {
+        const double u = middle + i * step;
+        total += step * exp(-(2 * n - 6) * u - sum / 2 * exp(-2 * u) - highest);
+    }
+    return log(total) + highest;
+}
+
+static void test_odds_with_unknown_noise_are_integrated_over_it(void)
+{
+    for (int n = 4; n <= 12; n += 4) {
+        for (double ratio = 0.5; ratio < 10; ratio *= 3) {
+            const double sse = 50, other = ratio * sse;
+            const double exact = exp(log_evidence(sse, n) - log_evidence(other, n));
+            /* The least noise adds 1e-4 (2 n - 6) to each sum: below 4e-5 of it. */
+            ASSERT_NEAR(exact, rc_odds(RC(sse), RC(other), 0, 1, (size_t)n),
+                        exact * (n - 3) * 1e-4);
+        }
+    }
+}
+
+/* 0.01 pixels of noise are believed at least, so sums far below that say nothing. */
+static void test_sums_below_the_least_noise_are_no_evidence(void)
+{
+    const rigcal_real tiny = RC(1e-12);
+    ASSERT_NEAR(1, rc_odds(0, 0, 0, 1, 10), 0);
+    ASSERT_NEAR(1, rc_odds(0, tiny, 0, 1, 10), 1e-6);
+    ASSERT_NEAR(1, rc_odds(tiny, 0, 0, 1, 10), 1e-6);
+    /* freedom 14: the noise makes 14e-4 of nothing, and twice that of as much again */
+    ASSERT_NEAR(128, rc_odds(0, RC(14e-4), 0, 1, 10), 128 * TOL(1e-12, 1e-5));
+    /* of pixels a hundredth as large, a ten thousandth */
+    ASSERT_NEAR(128, rc_odds(0, RC(14e-8), 0, RC(0.01), 10), 128 * TOL(1e-12, 1e-5));
+}
+
+static void test_three_points_are_no_evidence_where_the_noise_is_unknown(void)
+{
+    ASSERT_NEAR(1, rc_odds(RC(0.1), 1000, 0, 1, 3), 0);
+}
+
+static void test_odds_are_never_nan(void)
+{
+    static const double SUM[4] = {0, 1e-30, 1, 1e30};
+    for (int i = 0; i < 16; i++) {
+        for (size_t n = 3; n <= 100000; n = 3 * n + 1) {
+            for (int k = 0; k < 2; k++) {
+                const rigcal_real odds =
+                    rc_odds(RC(SUM[i / 4]), RC(SUM[i % 4]), RC(k), 1, n);
+                TEST_ASSERT_TRUE(odds >= 0);
+            }
+        }
+    }
+    TEST_ASSERT_FALSE(rc_odds(0, RC(1e30), 0, 1, 1000) < TEST_INF);
+    ASSERT_NEAR(0, rc_odds(RC(1e30), 0, 0, 1, 1000), 0);
+}
+
+/* ---- sets that agree ------------------------------------------------------- */
+
+static double binomial(int n, int k)
+{
+    double ways = 1;
+    for (int i = 1; i <= k; i++) {
+        ways = ways * (n - k + i) / i;
+    }
+    return ways;
+}
+
+static void test_expected_sets_are_binomial(void)
+{
+    static const double NEAR[3] = {0.001, 0.03, 0.5};
+    for (int n = 5; n <= 60; n += 11) {
+        for (int count = 3; count <= n; count++) {
+            for (int k = 0; k < 3; k++) {
+                const double near = D(RC(NEAR[k]));
+                const double exact =
+                    2 * binomial(n, 3) * binomial(n - 3, count - 3) * pow(near, count - 3);
+                if (exact < 1e25 && exact > 1e-30) {
+                    ASSERT_NEAR(exact, rc_expected_sets((size_t)n, (size_t)count, RC(near)),
+                                exact * TOL(1e-13, 1e-5));
+                }
+            }
+        }
+    }
+}
+
+/* One pose of each triple: half of what is expected with two. The other points agree by a
+ * draw of their own. */
+static void test_expected_sets_are_the_mean_of_draws(void)
+{
+    enum { N = 7, COUNT = 5, DRAWS = 4000 };
+    const double near = 0.2;
+    test_rng rng = test_seed(33);
+    double sum = 0, squares = 0, mean;
+    TEST_ON_HOST_ONLY("a mean of few draws says nothing");
+    for (int draw = 0; draw < DRAWS; draw++) {
+        double sets = 0;
+        for (int triple = 0; triple < N * (N - 1) * (N - 2) / 6; triple++) {
+            int agree = 0;
+            for (int i = 3; i < N; i++) {
+                agree += test_uniform(&rng, 0, 1) < near;
+            }
+            sets += binomial(agree, COUNT - 3);
+        }
+        sum += sets;
+        squares += sets * sets;
+    }
+    mean = sum / DRAWS;
+    ASSERT_NEAR(D(rc_expected_sets(N, COUNT, RC(near))) / 2, mean,
+                5 * sqrt((squares / DRAWS - mean * mean) / DRAWS));
+}
+
+static void test_expected_sets_are_clipped_and_not_infinite(void)
+{
+    ASSERT_NEAR(1e30, rc_expected_sets(1000, 500, 1), 1e24);
+    ASSERT_NEAR(0, rc_expected_sets(1000, 500, 0), 0);
+    ASSERT_NEAR(1000.0 * 999 * 998 / 3, rc_expected_sets(1000, 3, 0), TOL(0, 40));
+}
+
 TEST_MAIN()
 {
+    RUN_TEST(test_a_pose_takes_six_degrees_of_freedom_and_leaves_one_at_least);
+    RUN_TEST(test_the_limit_is_the_quantile_of_chi_squared);
+    RUN_TEST(test_a_limit_of_two_deviations_is_exceeded_in_2_3_percent_of_draws);
+    RUN_TEST(test_odds_with_known_noise_are_the_ratio_of_normal_likelihoods);
+    RUN_TEST(test_odds_beyond_the_range_of_float_are_clipped);
+    RUN_TEST(test_odds_with_unknown_noise_are_integrated_over_it);
+    RUN_TEST(test_sums_below_the_least_noise_are_no_evidence);
+    RUN_TEST(test_three_points_are_no_evidence_where_the_noise_is_unknown);
+    RUN_TEST(test_odds_are_never_nan);
+    RUN_TEST(test_expected_sets_are_binomial);
+    RUN_TEST(test_expected_sets_are_the_mean_of_draws);
+    RUN_TEST(test_expected_sets_are_clipped_and_not_infinite);
 }

@@ -1,8 +1,8 @@
 /* hostile: every public function against arguments that no sane caller passes.
  *
- * One line of FUNCTIONS describes a function: its arguments with a valid value
- * of each, what it then returns, and the statuses that its manual names. From
- * that line alone the test makes
+ * One line of FUNCTIONS describes a function: its arguments with a valid value of each,
+ * what it then returns, and the statuses that its manual names. From that line alone the
+ * test makes
  *
  *   NULL for each pointer         ERR_NULL; the usual answer where it may be
  *   NaN and infinities            ERR_NOT_FINITE, in each number in turn
@@ -12,14 +12,14 @@
  *   numbers each kind of input    the status named, e.g. a focal length of 0
  *   cannot have
  *
- * and on every failure sees that the outputs still hold what they held. Buffers
- * are allocated to the byte, so that the address sanitizer sees a step beyond.
+ * and on every failure sees that the outputs still hold what they held. Buffers are
+ * allocated to the byte, so that the address sanitizer sees a step beyond.
  *
  * A view and a rig are handed in by their parts, each of which is tried, and the struct
  * itself as one argument more, which may be NULL.
  *
- * A new function wants one CALL line and one line of FUNCTIONS; a test reads
- * the public headers and fails until it has them. */
+ * A new function wants one CALL line and one line of FUNCTIONS; a test reads the public
+ * headers and fails until it has them. */
 #include <ctype.h>
 #include <float.h>
 #include <math.h>

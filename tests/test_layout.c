@@ -59,8 +59,8 @@ static void test_no_line_is_there_twice(void)
     }
 }
 
-/* The struct `owner` ends: what its last field leaves of it is less than the alignment. A
- * solver has no fields here. */
+/* The struct `owner` ends: what its last field leaves of it is less than the alignment.
+ * A solver has no fields here. */
 static void assert_ends(const rigcal_layout_entry *owner, int n_fields, int32_t end,
                         int32_t widest)
 {

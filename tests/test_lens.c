@@ -104,6 +104,99 @@ static void assert_right_ray(const char *name, const rigcal_camera *camera,
     }
 }
 
+/* ---- the map ------------------------------------------------------------- */
+
+/* F of a lens at x, from the pixel of a camera whose pixels are normalised. */
+static void map_by_formulas(double F[2], const rigcal_camera *camera, const double x[2])
+{
+    rigcal_camera unit = *camera;
+    const double out = hypot(x[0], x[1]);
+    double X_c[3];
+
+    unit.fx = unit.fy = 1;
+    unit.cx = unit.cy = 0;
+    test_polar_ray(X_c, camera, test_polar_at(out, atan2(x[1], x[0])));
+    test_project_px(F, &unit, X_c);
+}
+
+static void test_the_map_and_its_derivative_are_those_of_the_formulas(void)
+{
+    const double h = 1e-6;
+    test_rng rng = test_seed(10);
+
+    for (int i = 0; i < TEST_N_LENSES; i++) {
+        const rigcal_camera camera = test_lens_camera(&TEST_LENSES[i]);
+
+        for (int trial = 0; trial < TEST_TRIALS(100); trial++) {
+            test_polar at = test_polar_at(0, test_uniform(&rng, -TEST_PI, TEST_PI));
+            double exact[2], dx[2], dy[2], size;
+            rigcal_real F[2], J[3], x_real[2];
+
+            at.out = test_turning_point(&camera, at, 2) * test_uniform(&rng, 0, 0.9);
+            x_real[0] = RC(at.out * at.c);
+            x_real[1] = RC(at.out * at.s);
+            for (int k = 0; k < 2; k++) {
+                double less[2], more[2], x[2] = {D(x_real[0]), D(x_real[1])};
+
+                map_by_formulas(exact, &camera, x);
+                x[k] -= h;
+                map_by_formulas(less, &camera, x);
+                x[k] += 2 * h;
+                map_by_formulas(more, &camera, x);
+                for (int row = 0; row < 2; row++) {
+                    (k ? dy : dx)[row] = (more[row] - less[row]) / (2 * h);
+                }
+            }
+            TEST_ASSERT_TRUE(rc_lens_map(F, J, &camera, x_real));
+            size = 1 + fabs(dx[0]) + fabs(dx[1]) + fabs(dy[1]);
+            ASSERT_ARRAY_NEAR(exact, F, 2, TOL(1e-14, 1e-5) * size);
+            ASSERT_NEAR(dx[0], J[0], TOL(1e-6, 1e-3) * size);
+            ASSERT_NEAR(dx[1], J[1], TOL(1e-6, 1e-3) * size);
+            ASSERT_NEAR(dy[0], J[1], TOL(1e-6, 1e-3) * size); /* symmetric */
+            ASSERT_NEAR(dy[1], J[2], TOL(1e-6, 1e-3) * size);
+        }
+    }
+}
+
+/* The denominator 1 - 4 s is 0 at |x| = 0.5. */
+static void test_a_pole_has_no_map(void)
+{
+    static const rigcal_real WITHIN[2] = {RC(0.3), RC(0.39)}, AT[2] = {0, RC(0.5)};
+    static const rigcal_real BEYOND[2] = {RC(-0.5), RC(0.1)};
+    rigcal_camera camera = test_pinhole();
+    rigcal_real F[2], J[3];
+
+    camera.k4 = -4;
+    TEST_ASSERT_TRUE(rc_lens_map(F, J, &camera, WITHIN));
+    TEST_ASSERT_FALSE(rc_lens_map(F, J, &camera, AT));
+    TEST_ASSERT_FALSE(rc_lens_map(F, J, &camera, BEYOND));
+}
+
+static void test_only_browns_lens_without_coefficients_is_a_pinhole(void)
+{
+    const rigcal_camera pinhole = test_pinhole();
+    rigcal_camera camera = pinhole;
+
+    TEST_ASSERT_TRUE(rc_lens_is_pinhole(&pinhole));
+    camera.lens = RIGCAL_LENS_FISHEYE;
+    TEST_ASSERT_FALSE(rc_lens_is_pinhole(&camera));
+    for (int k = 0; k < 8; k++) {
+        rigcal_real *coefficient;
+
+        camera = pinhole;
+        coefficient = k == 0   ? &camera.k1
+                      : k == 1 ? &camera.k2
+                      : k == 2 ? &camera.p1
+                      : k == 3 ? &camera.p2
+                      : k == 4 ? &camera.k3
+                      : k == 5 ? &camera.k4
+                      : k == 6 ? &camera.k5
+                               : &camera.k6;
+        *coefficient = RC(-1e-20);
+        TEST_ASSERT_FALSE(rc_lens_is_pinhole(&camera));
+    }
+}
+
 /* ---- pixel to ray -------------------------------------------------------- */
 
 /* Pixel column or row `i` of n, both borders of the image included. */
@@ -539,6 +632,9 @@ static void test_a_radial_lens_has_rays_exactly_inside_its_circle(void)
 
 TEST_MAIN()
 {
+    RUN_TEST(test_the_map_and_its_derivative_are_those_of_the_formulas);
+    RUN_TEST(test_a_pole_has_no_map);
+    RUN_TEST(test_only_browns_lens_without_coefficients_is_a_pinhole);
     RUN_TEST(test_each_pixel_of_each_lens_has_its_ray_or_none);
     RUN_TEST(test_every_ray_before_the_turning_point_is_found_from_its_pixel);
     RUN_TEST(test_a_ray_beyond_the_turning_point_never_comes_out);

@@ -1,6 +1,7 @@
-/* levenberg: the machine by itself. Sequences made by hand take it through every transition
- * that rc_levenberg.h names; then it searches for minima that are known. What decides at
- * which number is left to the source: the numbers here lie far on either side. */
+/* levenberg: the machine by itself. Sequences made by hand take it through every
+ * transition that rc_levenberg.h names; then it searches for minima that are known. What
+ * decides at which number is left to the source: the numbers here lie far on either
+ * side. */
 #include <math.h>
 
 #include "rc_levenberg.h"

@@ -123,16 +123,10 @@ static int is_right(const rigcal_transform *cam_from_world, const test_scene *sc
  * error in the image as told, angles that are those of the rotation. */
 static void assert_honest(const rigcal_paper_pose *pose, const test_scene *scene)
 {
-    double R[9], I[9], Rt[9], ypr[3], again[9], depth, error;
-    static const double identity[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+    double R[9], ypr[3], again[9], depth, error;
 
     test_to_double(R, pose->cam_from_world.R, 9);
-    test_transpose(Rt, R);
-    test_product(I, R, Rt);
-    for (int k = 0; k < 9; k++) {
-        ASSERT_NEAR(identity[k], I[k], TOL(1e-14, 2e-6));
-    }
-    ASSERT_NEAR(1, test_determinant(R), TOL(1e-14, 2e-6));
+    ASSERT_ROTATION(R, TOL(1e-14, 2e-6));
     test_to_double(ypr, pose->ypr, 3);
     test_rotation(again, ypr[0], ypr[1], ypr[2]);
     ASSERT_NEAR(0, test_angle_between(R, again), TOL(1e-13, 2e-6));

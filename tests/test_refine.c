@@ -150,25 +150,6 @@ static int run(rigcal_refinement *state, const problem *p, const rigcal_transfor
     return calls;
 }
 
-/* Element i, j of the blocks: by w and by dt xx, xy, xz, yy, yz, zz, and across. */
-static double packed(const rigcal_real H[21], int i, int j)
-{
-    static const int SYMMETRIC[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
-
-    if (i < 3 && j < 3) {
-        return D(H[SYMMETRIC[i][j]]);
-    }
-    if (i >= 3 && j >= 3) {
-        return D(H[15 + SYMMETRIC[i - 3][j - 3]]);
-    }
-    return D((i < 3) ? H[6 + 3 * i + j - 3] : H[6 + 3 * j + i - 3]);
-}
-
-static double golden_packed(const double H[21], int i, int j)
-{
-    return H[i >= j ? i * (i + 1) / 2 + j : j * (j + 1) / 2 + i];
-}
-
 /* ---- the equations ------------------------------------------------------- */
 
 static rigcal_status equations(rigcal_real *sum, rigcal_real g[6], rigcal_real H[21],
@@ -183,12 +164,12 @@ static void assert_equations(const double sse0, const double g0[6], const double
 {
     ASSERT_NEAR(sse0, sse, tol * sse0);
     for (int i = 0; i < 6; i++) {
-        const double size = sqrt(golden_packed(H0, i, i));
+        const double size = sqrt(test_lower(H0, i, i));
 
         ASSERT_NEAR(g0[i], g[i], tol * size * sqrt(sse0));
         for (int j = 0; j <= i; j++) {
-            ASSERT_NEAR(golden_packed(H0, i, j), packed(H, i, j),
-                        tol * size * sqrt(golden_packed(H0, j, j)));
+            ASSERT_NEAR(test_lower(H0, i, j), test_in_blocks(H, i, j),
+                        tol * size * sqrt(test_lower(H0, j, j)));
         }
     }
 }
@@ -238,7 +219,7 @@ static void test_newtons_equations_are_second_differences(void)
         ASSERT_STATUS(RIGCAL_OK, equations(&sse, g, H, &p, &pose, RC_NEWTON));
         ASSERT_STATUS(RIGCAL_OK, equations(&sse, g, gauss, &p, &pose, RC_GAUSS_NEWTON));
         for (int i = 0; i < 6; i++) {
-            size[i] = sqrt(packed(gauss, i, i));
+            size[i] = sqrt(test_in_blocks(gauss, i, i));
         }
         for (int i = 0; i < 6; i++) {
             for (int j = 0; j <= i; j++) {
@@ -255,7 +236,7 @@ static void test_newtons_equations_are_second_differences(void)
                     test_move(R, t, d);
                     second += a * b * test_sse(&data, R, t);
                 }
-                ASSERT_NEAR(second / (8 * h * h), packed(H, i, j),
+                ASSERT_NEAR(second / (8 * h * h), test_in_blocks(H, i, j),
                             TOL(1e-5, 1e-3) * size[i] * size[j]);
             }
         }
@@ -354,7 +335,7 @@ static void assert_at_minimum(const double minimum[13], const double covariance[
     double Sigma[36], d[6];
 
     for (int i = 0; i < 36; i++) {
-        Sigma[i] = golden_packed(covariance, i / 6, i % 6) * noise * noise;
+        Sigma[i] = test_lower(covariance, i / 6, i % 6) * noise * noise;
     }
     test_difference(d, minimum, minimum + 9, R, t);
     TEST_ASSERT_TRUE_MESSAGE(test_squared_distance(d, Sigma, 6) < part * part,
@@ -447,7 +428,7 @@ static void test_an_exact_image_is_fitted_to_rounding(void)
         distance = test_norm(scene.t);
         ASSERT_NEAR(0, test_norm(d), TOL(1e-9, 2e-3));
         ASSERT_NEAR(0, test_norm(d + 3), TOL(1e-9, 5e-3) * distance);
-        ASSERT_NEAR(1, test_determinant(R), TOL(1e-14, 2e-6));
+        ASSERT_ROTATION(R, TOL(1e-14, 2e-6));
     }
 }
 
@@ -557,11 +538,10 @@ static void test_the_covariance_is_the_inverse(void)
         ASSERT_STATUS(RIGCAL_OK, equations(&sse, g, H, &p, &pose, RC_GAUSS_NEWTON));
         TEST_ASSERT_TRUE(rc_sym6_invert(Sigma, H));
         for (int k = 0; k < 36; k++) {
-            const double size = sqrt(golden_packed(golden, k / 6, k / 6) *
-                                     golden_packed(golden, k % 6, k % 6));
+            const double size =
+                sqrt(test_lower(golden, k / 6, k / 6) * test_lower(golden, k % 6, k % 6));
 
-            ASSERT_NEAR(golden_packed(golden, k / 6, k % 6), Sigma[k],
-                        TOL(1e-8, 0.2) * size);
+            ASSERT_NEAR(test_lower(golden, k / 6, k % 6), Sigma[k], TOL(1e-8, 0.2) * size);
         }
     }
 }

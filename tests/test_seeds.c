@@ -1,4 +1,623 @@
-#include "test_support.h"
+/* seeds: which starts a search hands out, against the pose that the scene was made with and
+ * minima that test_fit finds. */
+#include <math.h>
+#include <string.h>
+
+#include "rc_seeds.h"
+#include "test_problem.h"
+
+/* ---- a search by hand -------------------------------------------------------- */
+
+static void begin(rigcal_search *s, const test_problem *p)
+{
+    rigcal_real uv_middle[2];
+    int32_t at_fault;
+    memset(s, 0, sizeof *s);
+    rc_points_of(&s->points, &VIEW_OF(p), NULL);
+    ASSERT_STATUS(RIGCAL_OK, rc_points_survey(&s->points, uv_middle, &at_fault));
+    rc_seeds_begin(s, uv_middle);
+}
+
+/* Steps until something has come of it. */
+static int32_t next_start(rigcal_search *s)
+{
+    int32_t came = RC_SEEDS_BUSY;
+    for (int step = 0; came == RC_SEEDS_BUSY; step++) {
+        TEST_ASSERT_LESS_THAN_INT(1000, step);
+        came = rc_seeds_step(s);
+    }
+    return came;
+}
+
+static const rigcal_transform *start_of(const rigcal_search *s)
+{
+    return &s->work.refinement.cam_from_points;
+}
+
+static double angle_to(const double R[9], const rigcal_transform *T)
+{
+    double seen[9];
+    test_to_double(seen, T->R, 9);
+    return test_angle_between(R, seen);
+}
+
+/* A pose as an optimum, its points counted from the origin of the search. */
+static void keep(rigcal_search *s, const double R[9], const double t[3], double sse)
+{
+    double origin[3], shifted[3];
+    rigcal_transform T;
+    test_to_double(origin, s->points.origin, 3);
+    test_apply(shifted, R, origin, t);
+    T = test_transform(R, shifted);
+    (void)rc_optima_insert(&s->optima, -1, &T, RC(sse));
+}
+
+/* ---- gathering --------------------------------------------------------------- */
+
+static void test_the_virtual_camera_looks_at_the_middle_of_the_image(void)
+{
+    test_rng rng = test_seed(91);
+    for (int trial = 0; trial < 100; trial++) {
+        test_problem p;
+        rigcal_search s;
+        double ray[3] = {0, 0, 1};
+        test_random_problem(&p, &rng, 8, TEST_GENERAL);
+        begin(&s, &p);
+        for (int i = 0; i < 8; i++) {
+            ray[0] += (D(p.o[i].uv[0]) - D(p.camera.cx)) / D(p.camera.fx) / 8;
+            ray[1] += (D(p.o[i].uv[1]) - D(p.camera.cy)) / D(p.camera.fy) / 8;
+        }
+        for (int k = 0; k < 3; k++) {
+            ASSERT_NEAR(ray[k] / test_norm(ray), s.axis[k], TOL(1e-14, 1e-6));
+        }
+    }
+}
+
+/* Brown's lens with k1 = -1 turns back 30 degrees off its axis: 800 / sqrt(3) 2 / 3 =
+ * 308 pixels from the middle. */
+static void test_a_pixel_that_the_lens_does_not_reach_is_told(void)
+{
+    static const rigcal_real MIDDLE[2] = {320 + 350, 240};
+    test_rng rng = test_seed(92);
+    for (int unseen = 0; unseen < 6; unseen++) {
+        test_problem p;
+        rigcal_search s;
+        test_random_problem(&p, &rng, 6, TEST_GENERAL);
+        p.camera.k1 = -1;
+        p.o[unseen].uv[0] = MIDDLE[0];
+        begin(&s, &p);
+        TEST_ASSERT_EQUAL_INT32(RC_SEEDS_UNSEEN, next_start(&s));
+        TEST_ASSERT_EQUAL(unseen, s.point);
+        rc_seeds_begin(&s, MIDDLE); /* its own axis then */
+        ASSERT_NEAR(1, s.axis[2], 0);
+        ASSERT_NEAR(0, s.axis[0], 0);
+    }
+}
+
+static void test_a_step_takes_16_rays_of_a_pinhole_and_one_of_a_lens(void)
+{
+    test_rng rng = test_seed(93);
+    test_problem p;
+    rigcal_search s;
+    test_random_problem(&p, &rng, 20, TEST_GENERAL);
+    begin(&s, &p);
+    TEST_ASSERT_EQUAL_INT32(RC_SEEDS_BUSY, rc_seeds_step(&s));
+    TEST_ASSERT_EQUAL(16, s.point);
+    TEST_ASSERT_EQUAL_INT32(RC_SEEDS_BUSY, rc_seeds_step(&s));
+    TEST_ASSERT_EQUAL(20, s.point);
+    p.camera.k1 = RC(-0.01);
+    begin(&s, &p);
+    for (size_t i = 1; i <= 20; i++) {
+        TEST_ASSERT_EQUAL_INT32(RC_SEEDS_BUSY, rc_seeds_step(&s));
+        TEST_ASSERT_EQUAL(i, s.point);
+    }
+}
+
+static void test_points_in_two_places_or_on_a_line_have_no_start(void)
+{
+    test_rng rng = test_seed(94);
+    for (int trial = 0; trial < 20; trial++) {
+        test_problem p, line;
+        rigcal_search s;
+        test_random_problem(&p, &rng, 6, TEST_GENERAL);
+        line = p;
+        for (int i = 2; i < 6; i++) {
+            for (int k = 0; k < 3; k++) {
+                line.o[i].X_w[k] =
+                    RC(D(p.o[0].X_w[k]) + 0.3 * i * (D(p.o[1].X_w[k]) - D(p.o[0].X_w[k])));
+            }
+            p.o[i] = p.o[i % 2];
+        }
+        begin(&s, &p);
+        ASSERT_STATUS(RIGCAL_ERR_COINCIDENT, next_start(&s));
+        begin(&s, &line);
+        ASSERT_STATUS(RIGCAL_ERR_COLLINEAR, next_start(&s));
+        for (int i = 1; i < 6; i++) { /* one pixel for all */
+            memcpy(p.o[i].uv, p.o[0].uv, sizeof p.o[0].uv);
+        }
+        begin(&s, &p);
+        ASSERT_STATUS(RIGCAL_ERR_COINCIDENT, next_start(&s));
+    }
+}
+
+/* ---- the lattice -------------------------------------------------------------- */
+
+enum { LATTICE = 24 };
+
+/* A Fibonacci sphere: even steps in height, a golden angle in azimuth. */
+static void lattice_direction(double m3[3], int i)
+{
+    const double azimuth = i * TEST_PI * (3 - sqrt(5)), z = 1 - (2 * i + 1.0) / LATTICE;
+    m3[0] = sqrt(1 - z * z) * cos(azimuth);
+    m3[1] = sqrt(1 - z * z) * sin(azimuth);
+    m3[2] = z;
+}
+
+/* 24 caps of equal area have a radius of 23.6 degrees; they cover with 8 degrees more. */
+static void test_the_lattice_covers_the_sphere(void)
+{
+    test_rng rng = test_seed(95);
+    double farthest = 0;
+    for (int trial = 0; trial < TEST_TRIALS(20000); trial++) {
+        double R[9], nearest = -1;
+        test_random_rotation(R, &rng);
+        for (int i = 0; i < LATTICE; i++) {
+            double m3[3];
+            lattice_direction(m3, i);
+            nearest = fmax(nearest, test_dot(R, m3));
+        }
+        farthest = fmax(farthest, acos(fmin(1, nearest)));
+    }
+    TEST_ASSERT_TRUE(farthest < 32 * TEST_PI / 180);
+}
+
+/* The library's directions are those, and it keeps the three that cost least, best
+ * first. */
+static void test_the_search_keeps_the_three_best_of_the_lattice(void)
+{
+    test_rng rng = test_seed(96);
+    for (int trial = 0; trial < TEST_TRIALS(100); trial++) {
+        const rigcal_lattice *lattice;
+        double cost[LATTICE], scale = 0;
+        int steps = 0;
+        test_problem p;
+        rigcal_search s;
+        test_random_problem(&p, &rng, 8, trial % 2 ? TEST_PLANAR : TEST_GENERAL);
+        test_add_noise(&p, &rng, 1);
+        begin(&s, &p);
+        do {
+            TEST_ASSERT_EQUAL_INT32(RC_SEEDS_BUSY, rc_seeds_step(&s));
+            steps += s.n_seeds > 0;
+        } while (s.n_seeds == 0 || s.next > 0);
+        TEST_ASSERT_EQUAL_INT(LATTICE, steps); /* one cost each */
+        TEST_ASSERT_EQUAL_INT32(RIGCAL_SEEDS_MAX, s.n_seeds);
+        lattice = &s.from.lattice;
+        for (int i = 0; i < LATTICE; i++) {
+            double m3[3];
+            rigcal_real m[3];
+            lattice_direction(m3, i);
+            test_to_real(m, m3, 3);
+            cost[i] = D(rc_direction_cost(&lattice->moments, m));
+            scale = fmax(scale, cost[i] < 1e30 ? cost[i] : 0);
+        }
+        for (int k = 0; k < RIGCAL_SEEDS_MAX; k++) {
+            int better = 0;
+            ASSERT_NEAR(cost[lattice->index[k]], lattice->cost[k],
+                        TOL(1e-12, 1e-4) * scale);
+            for (int i = 0; i < LATTICE; i++) {
+                better += cost[i] < D(lattice->cost[k]) - TOL(1e-12, 1e-4) * scale;
+            }
+            TEST_ASSERT_LESS_OR_EQUAL_INT(k, better);
+        }
+        ASSERT_NEAR(D(lattice->cost[0]), lattice->least_cost, 0);
+    }
+}
+
+/* ---- starts of a search ------------------------------------------------------- */
+
+/* The nearest of all starts that come while nothing has been found, and how many. */
+static double nearest_start(const test_problem *p, int *n_starts)
+{
+    double nearest = 10;
+    rigcal_search s;
+    int32_t came;
+    *n_starts = 0;
+    begin(&s, p);
+    while ((came = next_start(&s)) == RC_SEEDS_START) {
+        nearest = fmin(nearest, angle_to(p->scene.R, start_of(&s)));
+        ++*n_starts;
+    }
+    TEST_ASSERT_EQUAL_INT32(RC_SEEDS_SPENT, came);
+    return nearest;
+}
+
+/* 0.3 rad, half the spacing of the lattice, is near enough for a refinement. All starts
+ * of a flat target may be at its second minimum: leaning ones come after that is found. */
+static void test_a_start_of_an_exact_view_is_near_its_pose(void)
+{
+    enum { TRIALS = TEST_TRIALS(400) };
+    static const test_shape SHAPE[2] = {TEST_GENERAL, TEST_PLANAR};
+    static const int FAR_MOST[2] = {TRIALS / 200, TRIALS / 40};
+    test_rng rng = test_seed(97);
+    for (int k = 0; k < 2; k++) {
+        int far = 0;
+        for (int trial = 0; trial < TRIALS; trial++) {
+            test_problem p;
+            int n_starts;
+            test_random_problem(&p, &rng, 8, SHAPE[k]);
+            far += nearest_start(&p, &n_starts) > 0.3;
+            TEST_ASSERT_EQUAL_INT(RIGCAL_SEEDS_MAX, n_starts);
+        }
+        TEST_ASSERT_LESS_OR_EQUAL_INT(FAR_MOST[k], far);
+    }
+}
+
+static void test_no_start_leads_to_what_has_been_found(void)
+{
+    static const test_shape SHAPE[2] = {TEST_GENERAL, TEST_PLANAR};
+    test_rng rng = test_seed(98);
+    for (int trial = 0; trial < TEST_TRIALS(2000); trial++) {
+        test_problem p;
+        rigcal_search s;
+        int n_starts = 0;
+        test_random_problem(&p, &rng, trial / 2 % 2 ? 8 : 4, SHAPE[trial % 2]);
+        test_add_noise(&p, &rng, trial % 7);
+        begin(&s, &p);
+        TEST_ASSERT_EQUAL_INT32(RC_SEEDS_START, next_start(&s));
+        keep(&s, p.scene.R, p.scene.t, 0);
+        while (next_start(&s) == RC_SEEDS_START) {
+            TEST_ASSERT_TRUE(angle_to(p.scene.R, start_of(&s)) > TOL(0.05, 0.0499));
+            n_starts++;
+        }
+        TEST_ASSERT_LESS_OR_EQUAL_INT(2 + 3, n_starts); /* of the lattice; that lean */
+    }
+}
+
+/* A descent of its own takes ten steps; that a seed leads downhill to the pose found,
+ * one. */
+static void test_a_seed_on_the_way_to_the_pose_found_takes_no_descent(void)
+{
+    enum { TRIALS = TEST_TRIALS(200) };
+    test_rng rng = test_seed(108);
+    int quick = 0;
+    for (int trial = 0; trial < TRIALS; trial++) {
+        test_problem p;
+        rigcal_search s;
+        int steps = 0;
+        test_random_problem(&p, &rng, 8, TEST_GENERAL);
+        begin(&s, &p);
+        TEST_ASSERT_EQUAL_INT32(RC_SEEDS_START, next_start(&s));
+        keep(&s, p.scene.R, p.scene.t, 0);
+        while (rc_seeds_step(&s) != RC_SEEDS_SPENT) {
+            steps++;
+        }
+        quick += steps < 10;
+    }
+    TEST_ASSERT_GREATER_THAN_INT(TRIALS / 2, quick);
+}
+
+/* ---- flat targets -------------------------------------------------------------- */
+
+/* The second minimum of a plane's image is found by test_fit. */
+static void test_a_flat_target_has_a_start_near_its_second_minimum(void)
+{
+    enum { TRIALS = TEST_TRIALS(300) };
+    test_rng rng = test_seed(99);
+    int with_second = 0, missed = 0;
+    for (int trial = 0; trial < TRIALS; trial++) {
+        test_problem p;
+        rigcal_search s;
+        test_data data;
+        test_fitted second;
+        double nearest = 10;
+        test_random_problem(&p, &rng, 6, TEST_PLANAR);
+        test_add_noise(&p, &rng, 0.5);
+        data = test_data_of(&p);
+        test_mirror_tilt(&second, &data, p.scene.R, p.scene.t);
+        if (!test_fit(&second, &data) || test_angle_between(p.scene.R, second.R) < 0.3) {
+            continue; /* the one minimum that there is */
+        }
+        with_second++;
+        begin(&s, &p);
+        TEST_ASSERT_EQUAL_INT32(RC_SEEDS_START, next_start(&s));
+        keep(&s, p.scene.R, p.scene.t, 0);
+        while (next_start(&s) == RC_SEEDS_START) {
+            nearest = fmin(nearest, angle_to(second.R, start_of(&s)));
+        }
+        missed += nearest > 0.3;
+    }
+    TEST_ASSERT_GREATER_THAN_INT(TRIALS / 2, with_second);
+    TEST_ASSERT_LESS_OR_EQUAL_INT(with_second / 50, missed);
+}
+
+/* Nearly head-on the least lean has a tangent of 0.3; head-on there is no way of
+ * leaning, and any will do. */
+static void test_a_flat_target_seen_head_on_has_starts_that_lean(void)
+{
+    const double t[3] = {0, 0, 5}, least = atan(0.3);
+    double lean;
+    test_rng rng = test_seed(106);
+    for (int trial = 0; trial < 50; trial++) {
+        test_problem p;
+        rigcal_search s;
+        test_random_problem(&p, &rng, 8, TEST_GENERAL);
+        test_rotation(p.scene.R, test_uniform(&rng, -3, 3), trial % 2 ? 0.01 : 0, 0);
+        for (int i = 0; i < 8;
+             i++) { /* rings, so that its middle is where it is looked at */
+            const double way = TEST_PI / 4 * i;
+            const double X[3] = {0.5 * cos(way), 0.5 * sin(way), 0};
+            double X_c[3], uv[2];
+            test_apply(X_c, p.scene.R, X, t);
+            test_project_px(uv, &p.camera, X_c);
+            test_to_real(p.o[i].X_w, X, 3);
+            test_to_real(p.o[i].uv, uv, 2);
+        }
+        begin(&s, &p);
+        TEST_ASSERT_EQUAL_INT32(RC_SEEDS_START, next_start(&s));
+        keep(&s, p.scene.R, t, 0);
+        TEST_ASSERT_EQUAL_INT32(RC_SEEDS_START, next_start(&s));
+        lean = acos(D(start_of(&s)->R[8]));
+        TEST_ASSERT_TRUE(lean > least - 0.01 && lean < (trial % 2 ? least + 0.01 : 1));
+    }
+}
+
+/* ---- three points --------------------------------------------------------------- */
+
+/* One start is the scene's pose. Every other images the three points where they were
+ * seen too, or next to that: the real part of two poses that noise, or rounding, has
+ * made complex. */
+static void test_all_poses_of_three_points_are_starts(void)
+{
+    test_rng rng = test_seed(100);
+    int several = 0, missed = 0, inexact = 0;
+    for (int trial = 0; trial < 200; trial++) {
+        test_problem p;
+        rigcal_search s;
+        int n_starts = 0;
+        double nearest = 10;
+        int32_t came;
+        test_random_problem(&p, &rng, 3, TEST_GENERAL);
+        begin(&s, &p);
+        while ((came = next_start(&s)) == RC_SEEDS_START) {
+            double off = 0;
+            n_starts++;
+            nearest = fmin(nearest, angle_to(p.scene.R, start_of(&s)));
+            for (size_t i = 0; i < 3; i++) {
+                off = fmax(off, sqrt(D(rc_points_distance2(&s.points, start_of(&s), i))));
+            }
+            TEST_ASSERT_TRUE(off < 3);
+            inexact += off > TOL(1e-6, 0.1);
+        }
+        TEST_ASSERT_EQUAL_INT32(RC_SEEDS_TRIPLE_SPENT, came);
+        TEST_ASSERT_FALSE(rc_seeds_pick(&s)); /* there is no other triple */
+        missed += !(nearest < TOL(1e-6, 0.02));
+        several += n_starts > 1;
+        TEST_ASSERT_LESS_OR_EQUAL_INT(RC_P3P_MAX, n_starts);
+    }
+    TEST_ASSERT_GREATER_THAN_INT(100, several);
+    TEST_ASSERT_LESS_OR_EQUAL_INT(TOL(0, 2), missed); /* two poses about to merge */
+    TEST_ASSERT_LESS_OR_EQUAL_INT(20, inexact);
+}
+
+/* ---- triples --------------------------------------------------------------------- */
+
+/* A fisheye in the middle of its points, which are in all directions up to 110 degrees
+ * off. */
+static void surrounded(test_problem *p, int n, test_rng *rng)
+{
+    p->camera = test_pinhole();
+    p->camera.lens = RIGCAL_LENS_FISHEYE;
+    p->camera.fx = p->camera.fy = 120;
+    p->scene.n = n;
+    p->use_sigma = 0;
+    test_random_rotation(p->scene.R, rng);
+    for (int k = 0; k < 3; k++) {
+        p->scene.t[k] = test_uniform(rng, -0.2, 0.2);
+    }
+    for (int i = 0; i < n; i++) {
+        const double way = 2.4 * i, off = 0.5 + 1.4 * (i + 0.5) / n;
+        const double range = test_uniform(rng, 1, 2);
+        const double X_c[3] = {range * sin(off) * cos(way), range * sin(off) * sin(way),
+                               range * cos(off)};
+        double uv[2], from[3], back[9], X[3];
+        test_project_px(uv, &p->camera, X_c);
+        test_to_real(p->o[i].uv, uv, 2);
+        for (int k = 0; k < 3; k++) {
+            from[k] = X_c[k] - p->scene.t[k];
+        }
+        test_transpose(back, p->scene.R);
+        test_apply(X, back, from, NULL);
+        test_to_real(p->o[i].X_w, X, 3);
+    }
+}
+
+static void test_rays_all_around_start_from_triples_among_which_is_the_pose(void)
+{
+    test_rng rng = test_seed(101);
+    for (int trial = 0; trial < 100; trial++) {
+        test_problem p;
+        rigcal_search s;
+        double nearest = 10;
+        surrounded(&p, 4 + trial % 12, &rng);
+        begin(&s, &p);
+        TEST_ASSERT_EQUAL_INT32(RC_SEEDS_START, next_start(&s));
+        TEST_ASSERT_EQUAL_INT32(1, s.is_wide);
+        do {
+            nearest = fmin(nearest, angle_to(p.scene.R, start_of(&s)));
+        } while (next_start(&s) == RC_SEEDS_START);
+        TEST_ASSERT_TRUE(nearest < TOL(1e-6, 1e-2));
+    }
+}
+
+/* A fisheye's pixel 180 degrees off and more. */
+static void test_a_pixel_of_a_triple_that_the_lens_does_not_reach_is_told(void)
+{
+    test_rng rng = test_seed(107);
+    for (int unseen = 5; unseen < 8; unseen++) {
+        test_problem p;
+        rigcal_search s;
+        int32_t came;
+        surrounded(&p, 8, &rng);
+        p.o[unseen].uv[0] = RC(320 + 120 * 3.2);
+        p.o[unseen].uv[1] = 240;
+        begin(&s, &p);
+        do {
+            came = next_start(&s);
+        } while (came == RC_SEEDS_START);
+        TEST_ASSERT_TRUE(s.triples > 0);
+        TEST_ASSERT_EQUAL_INT32(RC_SEEDS_UNSEEN, came);
+        TEST_ASSERT_EQUAL(unseen, s.point);
+    }
+}
+
+/* Three different points each; together all of 8 points, and of more as many at least. */
+static void test_triples_are_of_different_points_and_six_at_most(void)
+{
+    test_rng rng = test_seed(102);
+    for (int n = 4; n <= 20; n++) {
+        test_problem p;
+        rigcal_search s;
+        unsigned used = 0;
+        int n_used = 0;
+        int32_t came = RC_SEEDS_BUSY, triples = 0;
+        surrounded(&p, n, &rng);
+        begin(&s, &p);
+        while (came != RC_SEEDS_TRIPLE_SPENT) { /* nothing is found */
+            came = rc_seeds_step(&s);
+            if (s.triples > triples) {
+                const int32_t *const i = s.work.triple.index;
+                TEST_ASSERT_TRUE(i[0] != i[1] && i[1] != i[2] && i[0] != i[2]);
+                for (int k = 0; k < 3; k++) {
+                    TEST_ASSERT_TRUE(i[k] >= 0 && i[k] < n);
+                    used |= 1u << i[k];
+                }
+                triples = s.triples;
+            }
+        }
+        TEST_ASSERT_EQUAL_INT32(6, triples);
+        TEST_ASSERT_FALSE(rc_seeds_pick(&s));
+        for (; used != 0; used &= used - 1) {
+            n_used++;
+        }
+        TEST_ASSERT_GREATER_OR_EQUAL_INT(n < 8 ? n : 8, n_used);
+    }
+}
+
+static void test_after_a_pose_two_triples_are_enough(void)
+{
+    test_rng rng = test_seed(103);
+    test_problem p;
+    rigcal_search s;
+    surrounded(&p, 12, &rng);
+    begin(&s, &p);
+    TEST_ASSERT_EQUAL_INT32(RC_SEEDS_START, next_start(&s));
+    keep(&s, p.scene.R, p.scene.t, 0);
+    while (next_start(&s) == RC_SEEDS_START) {
+        TEST_ASSERT_TRUE(angle_to(p.scene.R, start_of(&s)) > TOL(0.05, 0.0499));
+    }
+    TEST_ASSERT_EQUAL_INT32(2, s.triples);
+    TEST_ASSERT_TRUE(rc_seeds_pick(&s)); /* its owner may want more */
+    (void)next_start(&s);
+    TEST_ASSERT_EQUAL_INT32(3, s.triples);
+}
+
+/* ---- mirrored points ------------------------------------------------------------- */
+
+/* A target so far away, ahead of the camera. */
+static void far_target(test_problem *p, test_shape shape, double distance, test_rng *rng)
+{
+    test_random_problem(p, rng, 10, shape);
+    for (int k = 0; k < 3; k++) {
+        double middle = 0, at = 0;
+        for (int i = 0; i < 10; i++) {
+            middle += p->scene.X[i][k] / 10;
+        }
+        for (int i = 0; i < 10; i++) {
+            p->scene.X[i][k] -= middle;
+        }
+        at = (k == 2) ? distance : 0;
+        p->scene.t[k] = at;
+    }
+    for (int i = 0; i < 10; i++) {
+        double X_c[3], uv[2];
+        test_apply(X_c, p->scene.R, p->scene.X[i], p->scene.t);
+        test_project_px(uv, &p->camera, X_c);
+        test_to_real(p->o[i].X_w, p->scene.X[i], 3);
+        test_to_real(p->o[i].uv, uv, 2);
+    }
+}
+
+/* The points are handed in mirrored. Their least sum is about half a turn about the line of
+ * sight from the pose, which the start for mirrored ones gives back. */
+static void test_of_mirrored_points_the_start_is_near_the_pose(void)
+{
+    static const double SIGHT[3] = {0, 0, 1};
+    test_rng rng = test_seed(104);
+    for (int trial = 0; trial < TEST_TRIALS(60); trial++) {
+        test_problem p;
+        rigcal_search s;
+        test_data data;
+        test_fitted wrong;
+        double half_turn[9];
+        far_target(&p, TEST_GENERAL, 20, &rng);
+        test_add_noise(&p, &rng, 0.2);
+        for (int i = 0; i < 10; i++) {
+            for (int k = 0; k < 3; k++) {
+                p.o[i].X_w[k] = -p.o[i].X_w[k];
+            }
+        }
+        data = test_data_of(&p);
+        test_rotation_about(half_turn, SIGHT, TEST_PI);
+        test_product(wrong.R, half_turn, p.scene.R);
+        memcpy(wrong.t, p.scene.t, sizeof wrong.t);
+        TEST_ASSERT_TRUE(test_fit(&wrong, &data));
+        begin(&s, &p);
+        TEST_ASSERT_EQUAL_INT32(RC_SEEDS_START, next_start(&s));
+        keep(&s, wrong.R, wrong.t, wrong.sse);
+        while (next_start(&s) == RC_SEEDS_START) {
+        }
+        TEST_ASSERT_TRUE(rc_seeds_mirrored(&s));
+        TEST_ASSERT_TRUE(angle_to(p.scene.R, start_of(&s)) < 0.3);
+        ASSERT_NEAR(20, start_of(&s)->t[2], 2);
+    }
+}
+
+/* A plane has the same images mirrored; near by, right coordinates leave no doubt. */
+static void test_neither_a_plane_nor_right_points_near_by_are_tried_mirrored(void)
+{
+    test_rng rng = test_seed(105);
+    for (int trial = 0; trial < TEST_TRIALS(100); trial++) {
+        test_problem p;
+        rigcal_search s;
+        far_target(&p, trial % 2 ? TEST_PLANAR : TEST_GENERAL, trial % 2 ? 20 : 3, &rng);
+        test_add_noise(&p, &rng, 0.3);
+        begin(&s, &p);
+        TEST_ASSERT_EQUAL_INT32(RC_SEEDS_START, next_start(&s));
+        keep(&s, p.scene.R, p.scene.t, 1);
+        while (next_start(&s) == RC_SEEDS_START) {
+        }
+        TEST_ASSERT_FALSE(rc_seeds_mirrored(&s));
+    }
+}
+
 TEST_MAIN()
 {
+    RUN_TEST(test_the_virtual_camera_looks_at_the_middle_of_the_image);
+    RUN_TEST(test_a_pixel_that_the_lens_does_not_reach_is_told);
+    RUN_TEST(test_a_step_takes_16_rays_of_a_pinhole_and_one_of_a_lens);
+    RUN_TEST(test_points_in_two_places_or_on_a_line_have_no_start);
+    RUN_TEST(test_the_lattice_covers_the_sphere);
+    RUN_TEST(test_the_search_keeps_the_three_best_of_the_lattice);
+    RUN_TEST(test_a_start_of_an_exact_view_is_near_its_pose);
+    RUN_TEST(test_no_start_leads_to_what_has_been_found);
+    RUN_TEST(test_a_seed_on_the_way_to_the_pose_found_takes_no_descent);
+    RUN_TEST(test_a_flat_target_has_a_start_near_its_second_minimum);
+    RUN_TEST(test_a_flat_target_seen_head_on_has_starts_that_lean);
+    RUN_TEST(test_all_poses_of_three_points_are_starts);
+    RUN_TEST(test_rays_all_around_start_from_triples_among_which_is_the_pose);
+    RUN_TEST(test_a_pixel_of_a_triple_that_the_lens_does_not_reach_is_told);
+    RUN_TEST(test_triples_are_of_different_points_and_six_at_most);
+    RUN_TEST(test_after_a_pose_two_triples_are_enough);
+    RUN_TEST(test_of_mirrored_points_the_start_is_near_the_pose);
+    RUN_TEST(test_neither_a_plane_nor_right_points_near_by_are_tried_mirrored);
 }

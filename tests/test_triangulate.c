@@ -1,5 +1,5 @@
-/* triangulate: depth from two views, points from many, and how far off a measured point can
- * be. */
+/* triangulate: depth from two views, points from many, and how far off a measured point
+ * can be. */
 #include <math.h>
 #include <string.h>
 

@@ -1,5 +1,5 @@
-/* uncertainty: how far a pose can be trusted. Against the vectors, against differences, and
- * against the scatter of many solved scenes. */
+/* uncertainty: how far a pose can be trusted. Against the vectors, against differences,
+ * and against the scatter of many solved scenes. */
 #include <math.h>
 #include <string.h>
 
@@ -10,24 +10,19 @@
 
 static const double NOISE = 0.5; /* px */
 
-static double golden_packed(const double H[21], int i, int j)
-{
-    return H[i >= j ? i * (i + 1) / 2 + j : j * (j + 1) / 2 + i];
-}
-
 static void assert_covariance(const double golden[21], double scale,
                               const rigcal_pose_uncertainty *u, double tol)
 {
     for (int k = 0; k < 36; k++) {
         const double size =
-            sqrt(golden_packed(golden, k / 6, k / 6) * golden_packed(golden, k % 6, k % 6));
+            sqrt(test_lower(golden, k / 6, k / 6) * test_lower(golden, k % 6, k % 6));
 
-        ASSERT_NEAR(scale * golden_packed(golden, k / 6, k % 6), u->Sigma[k],
+        ASSERT_NEAR(scale * test_lower(golden, k / 6, k % 6), u->Sigma[k],
                     tol * scale * size);
     }
     for (int k = 0; k < 3; k++) {
-        const double w = sqrt(scale * golden_packed(golden, k, k));
-        const double dt = sqrt(scale * golden_packed(golden, 3 + k, 3 + k));
+        const double w = sqrt(scale * test_lower(golden, k, k));
+        const double dt = sqrt(scale * test_lower(golden, 3 + k, 3 + k));
 
         ASSERT_NEAR(w, u->rotation[k], tol * w);
         ASSERT_NEAR(dt, u->translation[k], tol * dt);

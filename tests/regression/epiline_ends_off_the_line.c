@@ -1,6 +1,6 @@
-/* In float, ends of a line clipped to an image of 2e9 pixels were up to 2300 px off it: the
- * image's size was not bounded as a camera's is. rigcal_epiline_curve lost its far end
- * where near / far underflows. */
+/* In float, ends of a line clipped to an image of 2e9 pixels were up to 2300 px off it:
+ * the image's size was not bounded as a camera's is. rigcal_epiline_curve lost its far
+ * end where near / far underflows. */
 #include <math.h>
 #include <string.h>
 

@@ -300,3 +300,22 @@ void test_mirror_tilt(test_fitted *mirrored, const test_data *data, const double
     }
     mirrored->sse = 0;
 }
+
+double test_lower(const double H[21], int i, int j)
+{
+    return H[i >= j ? i * (i + 1) / 2 + j : j * (j + 1) / 2 + i];
+}
+
+/* By w and by dt xx, xy, xz, yy, yz, zz, and across, in this order: w, across, dt. */
+double test_in_blocks(const rigcal_real H[21], int i, int j)
+{
+    static const int SYMMETRIC[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
+
+    if (i < 3 && j < 3) {
+        return D(H[SYMMETRIC[i][j]]);
+    }
+    if (i >= 3 && j >= 3) {
+        return D(H[15 + SYMMETRIC[i - 3][j - 3]]);
+    }
+    return D((i < 3) ? H[6 + 3 * i + j - 3] : H[6 + 3 * j + i - 3]);
+}

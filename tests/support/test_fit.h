@@ -43,4 +43,9 @@ int test_solve(double x[], const double A[], const double b[], int n);
 /* d^T A^-1 d, n <= 6. */
 double test_squared_distance(const double d[], const double A[], int n);
 
+/* Element (i, j) of a symmetric 6 x 6 matrix: of the vectors, lower triangle row by row; of
+ * the library, in the blocks of rc_sym6_. */
+double test_lower(const double H[21], int i, int j);
+double test_in_blocks(const rigcal_real H[21], int i, int j);
+
 #endif /* TEST_FIT_H */

@@ -1,6 +1,6 @@
-/* test_lenses.h - lenses of many kinds, and the truth about them, in doubles: derivatives
- * of the formulas of rigcal.h, and a march along straight lines from the optical axis that
- * finds where a lens turns back. */
+/* test_lenses.h - lenses of many kinds, and the truth about them, in doubles:
+ * derivatives of the formulas of rigcal.h, and a march along straight lines from the
+ * optical axis that finds where a lens turns back. */
 #ifndef TEST_LENSES_H
 #define TEST_LENSES_H
 
@@ -20,8 +20,8 @@ extern const test_lens_row TEST_LENSES[TEST_N_LENSES];
 
 rigcal_camera test_lens_camera(const test_lens_row *row);
 
-/* A ray by its way off the axis: `out` = tan(angle) for Brown, the angle for a fisheye, in
- * the direction (c, s) of the image. */
+/* A ray by its way off the axis: `out` = tan(angle) for Brown, the angle for a fisheye,
+ * in the direction (c, s) of the image. */
 typedef struct {
     double out, c, s;
 } test_polar;

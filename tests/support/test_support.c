@@ -39,13 +39,13 @@ static int parse(int argc, char *argv[])
     return lists_only ? 0 : status;
 }
 
-static int is_nothing_run(void)
+static void say_what_is_missing(void)
 {
-    if (!lists_only && Unity.NumberOfTests == 0 && UnityOptionIncludeNamed) {
+    if (UnityOptionIncludeNamed) {
         printf("There is no test \"%s\"; -l lists all.\n", UnityOptionIncludeNamed);
-        return 1;
+    } else {
+        printf("There is no test to run.\n");
     }
-    return 0;
 }
 
 #else
@@ -63,9 +63,9 @@ static int parse(int argc, char *argv[])
     return 0;
 }
 
-static int is_nothing_run(void)
+static void say_what_is_missing(void)
 {
-    return 0;
+    printf("There is no test to run.\n");
 }
 
 #endif
@@ -91,7 +91,11 @@ int test_main(int argc, char *argv[], const char *file, void (*run_tests)(void))
         return 0;
     }
 #endif
-    return UnityEnd() != 0 || is_nothing_run();
+    if (Unity.NumberOfTests == 0) {
+        say_what_is_missing();
+        return 1;
+    }
+    return UnityEnd() != 0;
 }
 
 /* ---- numbers ------------------------------------------------------------- */
@@ -456,6 +460,18 @@ void test_assert_transform(const rigcal_transform *expected, const rigcal_transf
     test_transform_parts(R, t, expected);
     test_assert_array_near(R, seen->R, 9, tol_entry, line);
     test_assert_array_near(t, seen->t, 3, tol_length, line);
+}
+
+void test_assert_rotation(const double R[9], double tol, int line)
+{
+    double Rt[9], product[9];
+
+    test_transpose(Rt, R);
+    test_product(product, R, Rt);
+    for (int k = 0; k < 9; k++) {
+        test_assert_near(k % 4 == 0, product[k], tol, k, line);
+    }
+    test_assert_near(1, test_determinant(R), tol, -1, line);
 }
 
 /* ---- scenes -------------------------------------------------------------- */

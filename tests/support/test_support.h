@@ -201,6 +201,10 @@ void test_move_point(double X_b[3], const rigcal_transform *b_from_a, const doub
 void test_assert_transform(const rigcal_transform *expected, const rigcal_transform *seen,
                            double tol_entry, double tol_length, int line);
 
+/* R R^T = 1 and det R = 1, each entry within tol. */
+#define ASSERT_ROTATION(R, tol) test_assert_rotation((R), (double)(tol), __LINE__)
+void test_assert_rotation(const double R[9], double tol, int line);
+
 /* ---- views ----------------------------------------------------------------- */
 
 /* What one camera saw, to hand in: &VIEW(&camera, observations, NULL, 6). */

@@ -20,6 +20,7 @@ import zlib
 import numpy as np
 from scipy.optimize import least_squares, minimize
 from scipy.spatial.transform import Rotation
+from scipy.stats import chi2, norm
 
 sys.dont_write_bytecode = True
 HERE = os.path.dirname(os.path.abspath(__file__))
@@ -654,13 +655,24 @@ def store():
     }
 
 
+# ---- chance ----------------------------------------------------------------------------
+def chance():
+    rows = []
+    for freedom in (1, 2, 4, 6, 10, 20, 40, 100, 640):
+        for deviations in (0, 1, 2, 3.1, 4.75):
+            rows.append(row(freedom, deviations,
+                            chi2.isf(norm.sf(deviations), freedom)))
+    return {"CHANCE_CHI2": ("degrees of freedom, standard deviations of a normal variable; "
+                            "the chi squared that is exceeded as seldom", rows)}
+
+
 # ---- files -----------------------------------------------------------------------------
 TOPICS = {
     "neldermead": neldermead, "rotation": rotations, "transform": transforms,
     "scenes": scenes, "pairs": pairs, "elimination_two": elimination_two,
     "elimination_all": elimination_all, "translation": translation,
     "two_views": two_views, "camera": cameras, "triangulation": triangulation,
-    "direction": direction, "refine": refine, "store": store,
+    "direction": direction, "refine": refine, "store": store, "chance": chance,
 }
 
 

@@ -1,5 +1,5 @@
 /* From a previous pose, two different points, or points on one line, were AMBIGUOUS with
- * probability 1, where a search says COLLINEAR. rigcal_blame_point said OK of them. */
+ * probability 1, where a search says COLLINEAR. rigcal_pose_blame said OK of them. */
 #include <math.h>
 #include <string.h>
 

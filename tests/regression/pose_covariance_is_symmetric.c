@@ -1,4 +1,5 @@
-/* rigcal_pose_covariance was symmetric to rounding only; rigcal_store_save keeps one triangle. */
+/* rigcal_pose_covariance was symmetric to rounding only; rigcal_store_save keeps one
+ * triangle. */
 #include <math.h>
 #include <string.h>
 

@@ -1,4 +1,4 @@
-/* rc_neldermead.h - the search without argument checks; see rigcal.h. */
+/* rc_neldermead.h - the search without argument checks; see rigcal_paper.h. */
 #ifndef RC_NELDERMEAD_H
 #define RC_NELDERMEAD_H
 

@@ -88,10 +88,10 @@ static void harmonics_of(harmonics *f, const rigcal_moments *sums, const rigcal_
               (UU / 2 + f->B * f->B) / sums->S;
 }
 
-/* With psi = yaw + arg U the second harmonic is g cos 2 psi, g >= 0, and the depth
- * is positive for cos psi > B / |U|:
+/* With psi = yaw + arg U the second harmonic is u2 cos 2 psi, u2 = |U|^2 / (2 S), and the
+ * depth is positive for cos psi > B / |U|:
  *
- *   gain(psi) = p cos psi + q sin psi + g cos 2 psi,   q >= 0 by reflection
+ *   gain(psi) = p cos psi + q sin psi + u2 cos 2 psi,   q >= 0 by reflection
  *
  * so the maximum lies in 0 <= psi <= pi. At the truth psi is small, since U e^(i
  * yaw) = sum conj(du) q_xy and du is nearly q_xy over the depth; so Newton's method
@@ -112,15 +112,15 @@ static rigcal_real best_yaw(rigcal_real z[2], harmonics *f, const rigcal_moments
     const rigcal_real p = f->a[0] * ur + f->a[1] * ui;
     const rigcal_real signed_q = f->a[0] * ui - f->a[1] * ur;
     const rigcal_real q = RC_FABS(signed_q);
-    const rigcal_real g = U * U / (2 * sums->S);
+    const rigcal_real u2 = U * U / (2 * sums->S);
     const rigcal_real c_least = f->B * by_U;
 
-    const int from_right_angle = c_least < 0 && q - g > p + g;
+    const int from_right_angle = c_least < 0 && q - u2 > p + u2;
     rigcal_real c = from_right_angle ? 0 : 1, s = from_right_angle ? 1 : 0;
     rigcal_real step = 1;
     for (int i = 0; i < NEWTON_STEPS_MAX && RC_FABS(step) > STEP_SMALL; i++) {
-        const rigcal_real slope = q * c - p * s - 4 * g * s * c;
-        const rigcal_real curvature = p * c + q * s + 4 * g * (c * c - s * s);
+        const rigcal_real slope = q * c - p * s - 4 * u2 * s * c;
+        const rigcal_real curvature = p * c + q * s + 4 * u2 * (c * c - s * s);
         if (!(curvature > 0)) {
             break;
         }
@@ -137,7 +137,7 @@ static rigcal_real best_yaw(rigcal_real z[2], harmonics *f, const rigcal_moments
     const rigcal_real s_signed = (signed_q < 0) ? -s : s;
     z[0] = c * ur + s_signed * ui;
     z[1] = s_signed * ur - c * ui;
-    return p * c + q * s + g * (2 * c * c - 1);
+    return p * c + q * s + u2 * (2 * c * c - 1);
 }
 
 void rc_moments_mirror(rigcal_moments *sums)

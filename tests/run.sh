@@ -44,6 +44,7 @@ firmware      gcc,arm,unity                sh examples/firmware/run.sh build/fir
 paper         gcc,cmake,unity,python
               preset_build gcc-double && $PYTHON tests/checks/check_paper.py
 readme        gcc,python                   $PYTHON tests/checks/check_readme.py
+layout        python                       $PYTHON tests/checks/check_layout.py
 vectors       numpy,scipy                  $PYTHON tests/vectors/make_vectors.py --check
 layers        gcc,python                     $PYTHON tests/checks/check_layers.py
 limits        gcc,python                   $PYTHON tests/checks/check_limits.py

@@ -38,9 +38,10 @@ def main():
         sys.exit(f"README.md: there is no section {SECTION}, or more than one")
     before, section = readme.split(SECTION)
     section = re.split(r"^##", section, flags=re.M)[0]
-    program = [code for language, code in blocks(before)
-               if language == "c" and re.search(r"\bmain\s*\(", code)][-1]
-    expected = [code for language, code in blocks(before) if language == "text"][-1]
+    told = blocks(before)
+    at = next(k for k, (language, code) in enumerate(told)
+              if language == "c" and re.search(r"\bmain\s*\(", code))
+    program, expected = told[at][1], told[at + 1][1]
     commands = [code for language, code in blocks(section) if language == "sh"]
     cmake, = [code for language, code in blocks(section) if language == "cmake"]
 

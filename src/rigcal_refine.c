@@ -11,7 +11,7 @@
 /* steps: of an approach, usually 3 to 5. */
 enum { APPROACH_STEPS = 12 };
 
-/* Whether there is code for rays far off the axis: it takes poses of three points. */
+/* Whether there is code for rays far off the axis, which takes poses of three points. */
 enum { WITH_WIDE = RIGCAL_WITH_THREE_POINTS };
 
 /* ---- the equations ------------------------------------------------------- */

@@ -11,9 +11,6 @@ enum { LATTICE = 24 };
 /* evaluations: of a descent, which only has to land where refinement converges. */
 enum { DESCENT_EVALS = 10 };
 
-/* rad: a descent whose simplex is smaller has ended. */
-#define DESCENT_TOL RC(1e-4)
-
 /* part (rc_sym3_thinnest): a thinner target has a second optimum, which leans the other
  * way. */
 #define FLAT_THICKNESS RC(0.04)
@@ -24,10 +21,6 @@ enum { DESCENT_EVALS = 10 };
 /* times the least cost: a direction that costs more is no optimum worth refining, unless
  * the target is flat. Its second optimum may be as bad. */
 #define HOPELESS RC(100)
-
-/* part of the points' weight: rounding makes smaller costs, of noiseless images,
- * anything. */
-#define COST_ROUNDING (64 * RC_EPS)
 
 /* rad: the least lean of a flat target's other seeds. Nearly head-on the tilt is weakly
  * determined, and the other optimum may lean more. */
@@ -72,7 +65,7 @@ enum { FOLLOWED = RIGCAL_SEEDS_MAX };
 /* How a flat target's seed leans against its first optimum. */
 enum { OTHER_WAY = 0, SIDEWAYS, SIDEWAYS_BACK, LEANS };
 
-/* Whether there is code for rays that far off: it takes the poses of three points. */
+/* Whether there is code for rays that far off, which takes the poses of three points. */
 enum { WITH_WIDE = RIGCAL_WITH_THREE_POINTS };
 
 enum {
@@ -441,7 +434,7 @@ static void begin_descent(rigcal_search *s, const rigcal_real m3[3], rigcal_real
 {
     static const rigcal_real SIMPLEX[6] = {0, 0, EDGE, 0, 0, EDGE};
     rigcal_descent *const descent = &s->work.descent;
-    rc_neldermead_begin_simplex(&descent->nm, SIMPLEX, 2, DESCENT_TOL, 0, DESCENT_EVALS);
+    rc_neldermead_begin_simplex(&descent->nm, SIMPLEX, 2, 0, 0, DESCENT_EVALS);
     rc_neldermead_tell(&descent->nm, cost); /* known already */
     rc_vec3_copy(descent->m3, m3);
     s->phase = DESCENT;
@@ -475,8 +468,7 @@ static int32_t end_descent(rigcal_search *s)
     rigcal_real m3[3];
     direction_near(m3, s->work.descent.m3, best->x);
     lattice->least_cost = rc_min(lattice->least_cost, best->cost);
-    const rigcal_real hopeless =
-        HOPELESS * lattice->least_cost + COST_ROUNDING * lattice->moments.weight;
+    const rigcal_real hopeless = HOPELESS * lattice->least_cost;
     RIGCAL_TRACE("descent: evaluations, cost", s->work.descent.nm.evals, best->cost);
     s->phase = CHOOSING;
     return (s->optima.n == 0 || s->is_flat || !(best->cost > hopeless)) ? follow(s, m3)

@@ -46,6 +46,7 @@ paper         gcc,cmake,unity,python
 readme        gcc,python                   $PYTHON tests/checks/check_readme.py
 vectors       numpy,scipy                  $PYTHON tests/vectors/make_vectors.py --check
 layers        python                       $PYTHON tests/checks/check_layers.py
+constants     gcc,python                   $PYTHON tests/gate/constants.py --check
 manifests     python                       $PYTHON tests/checks/check_manifests.py
 symbols       gcc,python                   $PYTHON tests/checks/check_symbols.py
 callgraph     gcc,arm,python

@@ -130,7 +130,8 @@ def all_constants():
         found, block, complaints = read(path)
         constants += found
         wrong += complaints + strays(path, block)
-    return constants, wrong
+    # A header's and its source's together.
+    return sorted(constants, key=lambda c: c.layer), wrong
 
 
 # Decision numbers: a float that is not 0, 1, 2 or a half; a multiple of rounding; a name
@@ -296,10 +297,11 @@ INTRODUCTION = """# Constants
 
 The numbers in `src/` that decide what the library does. Each layer lists its own in one
 block at the top of its file. The last two columns tell what changes when the number is
-halved or doubled, as `tests/gate/gate.c` counts it in double, or else in float. A name in `code` is an edge:
-the input at which a status changes. "Misses" are scenes whose pose is not among those
-found. "Wrong OK" are scenes with a wrong first pose and the status OK. "Statuses" are
-scenes that get another status. "Steps" and "calls" (of math functions) are work.
+halved or doubled, as `tests/gate/gate.c` counts it in double, or else in float. A name in
+`code` is a counter, often an edge: the input at which a status changes. "Misses" are scenes
+whose pose is not among those found. "Wrong OK" are scenes with a wrong first pose and the
+status OK. "Statuses" are scenes that get another status. "Steps" and "calls" (of math
+functions) are work.
 
 Written by `python3 tests/gate/constants.py --write`.
 """
@@ -310,7 +312,7 @@ def cell(text):
 
 
 def document(constants, told):
-    lines = [INTRODUCTION]
+    lines = [INTRODUCTION.rstrip("\n")]
     layer = None
     for c in constants:
         if c.layer != layer:

@@ -76,13 +76,18 @@ typedef double rigcal_real;
  *                 more of which some are given twice, there is none.
  *                 RIGCAL_ERR_WIDE_RAY: no ray may be 80 degrees or more off the optical
  *                 axis, for such poses begin with those of three points
+ *   MIRRORED      nothing: a pose does not look whether mirrored coordinates would fit far
+ *                 better. It is POOR_FIT only if its own error is too large
  *
- * port/template/rigcal_config_small.h leaves out both. */
+ * port/template/rigcal_config_small.h leaves out all three. */
 #ifndef RIGCAL_WITH_FISHEYE
 #define RIGCAL_WITH_FISHEYE 1
 #endif
 #ifndef RIGCAL_WITH_THREE_POINTS
 #define RIGCAL_WITH_THREE_POINTS 1
+#endif
+#ifndef RIGCAL_WITH_MIRRORED
+#define RIGCAL_WITH_MIRRORED 1
 #endif
 
 /* The header that declares the functions below; only src/ includes it. */

@@ -180,7 +180,7 @@ RC_APART static void end_seeding(rigcal_pose_solver *s)
 {
     rigcal_points *const points = &s->search.points;
     const rigcal_real noise = rc_max(s->sigma_px, MIRROR_NOISE * points->pixel_size);
-    if (s->search.optima.n > 0 &&
+    if (RIGCAL_WITH_MIRRORED && s->search.optima.n > 0 &&
         s->search.optima.list[0].sse > noise * noise * rc_freedom(points->n_used) &&
         rc_seeds_mirrored(&s->search)) {
         points->is_mirrored = !points->is_mirrored;
@@ -312,7 +312,7 @@ RC_APART static void refining_step(rigcal_pose_solver *s)
     if (work->search.status == RIGCAL_RUNNING) {
         return;
     }
-    if (s->phase == MIRRORED) {
+    if (RIGCAL_WITH_MIRRORED && s->phase == MIRRORED) {
         end_mirrored(s);
     } else {
         end_refinement(s);
@@ -474,7 +474,7 @@ static void write_pose(rigcal_pose *out, const rigcal_pose_solver *s, int32_t i)
 /* The first caveat that applies. */
 static rigcal_status caveat_of(const rigcal_pose_solver *s, rigcal_real probability)
 {
-    if (s->is_mirrored || is_poor(s, NOISE_MOST, DEVIATIONS)) {
+    if ((RIGCAL_WITH_MIRRORED && s->is_mirrored) || is_poor(s, NOISE_MOST, DEVIATIONS)) {
         return RIGCAL_POOR_FIT;
     }
     if (s->is_unfinished) {

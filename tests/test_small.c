@@ -140,11 +140,42 @@ static void test_wrong_points_are_told(void)
     TEST_ASSERT_EQUAL_INT(0, inliers[7]);
 }
 
+/* The pose no longer looks for a mirror. Its own error and the diagnosis still tell. */
+static void test_mirrored_coordinates_are_still_told(void)
+{
+    enum { POINTS = 10 };
+    test_rng rng = test_seed(506);
+    int named = 0;
+
+    for (int trial = 0; trial < 40; trial++) {
+        rigcal_diagnosis diagnosis;
+        rigcal_pose_options options;
+        problem p;
+
+        do {
+            random_problem(&p, &rng, POINTS, TEST_GENERAL);
+        } while (p.scene.Z[0] > 5);
+        for (int i = 0; i < POINTS; i++) {
+            p.o[i].X_w[0] = -p.o[i].X_w[0];
+        }
+        ASSERT_STATUS(RIGCAL_OK, rigcal_pose_defaults(&options));
+        options.sigma_px = RC(0.5);
+        const rigcal_status status = solve(&p, POINTS, &options);
+        TEST_ASSERT_TRUE(status == RIGCAL_POOR_FIT || status == RIGCAL_ERR_NO_POSE);
+        TEST_ASSERT_TRUE(rigcal_pose_diagnose(&diagnosis, NULL,
+                                              &VIEW(&p.camera, p.o, NULL, POINTS),
+                                              &options) >= 0);
+        named += diagnosis.verdict == RIGCAL_DIAGNOSIS_MIRRORED;
+    }
+    TEST_ASSERT_GREATER_OR_EQUAL_INT(36, named);
+}
+
 TEST_MAIN()
 {
     RUN_TEST(test_a_fisheye_is_no_camera);
     RUN_TEST(test_three_different_points_are_too_few);
     RUN_TEST(test_a_ray_80_degrees_off_the_axis_is_refused_by_name);
     RUN_TEST(test_other_poses_are_found_as_ever);
+    RUN_TEST(test_mirrored_coordinates_are_still_told);
     RUN_TEST(test_wrong_points_are_told);
 }

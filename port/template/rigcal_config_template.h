@@ -23,6 +23,7 @@
 /* What the flash has no room for: 0 leaves it out. */
 #define RIGCAL_WITH_FISHEYE 1
 #define RIGCAL_WITH_THREE_POINTS 1 /* poses of wide targets too */
+#define RIGCAL_WITH_MIRRORED 1     /* a pose's look at mirrored coordinates */
 
 /* The header that declares the functions named below, brackets or quotes
  * included. Default: <math.h>. */

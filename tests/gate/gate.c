@@ -2087,7 +2087,7 @@ static int agree(const char *name, const char *seen, const char *expected)
                                            : strcmp(seen, expected) == 0;
 }
 
-/* One line of what is expected: 1 when it is not seen so. *is_seen: there is such a counter. */
+/* Whether a line of what is expected is not seen so. *is_seen: there is such a counter. */
 static int differs(const char *expected, int *is_seen)
 {
     const size_t length = strcspn(expected, " ");

@@ -5,12 +5,19 @@
 #include "rc_lens.h"
 #include "rc_transform.h"
 
-/* Focal lengths, principal points, coefficients and pixels beyond this are mistakes, and
- * would overflow in products. */
+/* ---- constants ----------------------------------------------------------- */
+
+/* px, and 1 of coefficients: focal lengths, principal points, coefficients and pixels
+ * beyond this are mistakes, and would overflow in products. */
 #define RC_PIXEL_MAX RC(1e9)
 
-/* Pixels along a side of an image. */
+/* pixels along a side of an image: more are a mistake. */
 enum { RC_IMAGE_MAX = 1000000 };
+
+/* part of a ray's largest coordinate: z of a ray in front, to rounding. */
+#define RC_FORWARD_LEAST RC_EPS
+
+/* ---- functions ----------------------------------------------------------- */
 
 /* OK, ERR_NULL, ERR_NOT_FINITE or ERR_CAMERA. */
 rigcal_status rc_check_camera(const rigcal_camera *camera);

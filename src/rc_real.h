@@ -76,7 +76,9 @@ RC_INLINE rigcal_real rc_min(rigcal_real a, rigcal_real b)
     return a < b ? a : b;
 }
 
-/* Counts of points, pairs, views: indices fit an int32_t, sums a rigcal_real; all that a
+/* ---- constants ----------------------------------------------------------- */
+
+/* points, pairs, views: indices of no more fit an int32_t, sums a rigcal_real. All that a
  * size_t of 16 bits can count is fewer. */
 #if SIZE_MAX >> 27 > 1
 #define RC_COUNT_MAX ((size_t)1 << 28)
@@ -84,12 +86,14 @@ RC_INLINE rigcal_real rc_min(rigcal_real a, rigcal_real b)
 #define RC_COUNT_MAX SIZE_MAX
 #endif
 
-/* Coordinates within this have squares and fourth powers that do not overflow. */
+/* unit of length: coordinates within this have squares and fourth powers that do not
+ * overflow. */
 #define RC_COORDINATE_MAX RC_TOL(1e30, 1e9)
 
-/* Rounding of the points' coordinates, as a part of the target's size, above which
- * its shape is lost. */
+/* part of the target's size: with more rounding of the coordinates its shape is lost. */
 #define RC_SHAPE_ROUNDING RC(1e-4)
+
+/* ---- functions ----------------------------------------------------------- */
 
 /* NaN is neither finite nor within anything. */
 int rc_is_finite(rigcal_real x);

@@ -4,8 +4,12 @@
 
 #include "rc_linalg.h"
 
-/* Beyond this the spacing of rigcal_real, as an angle, exceeds 1e-10 / 1e-4. */
+/* ---- constants ----------------------------------------------------------- */
+
+/* rad: beyond this the spacing of rigcal_real, as an angle, exceeds 1e-10 / 1e-4. */
 #define RC_ANGLE_MAX RC_TOL(1e6, 1e3)
+
+/* ---- functions ----------------------------------------------------------- */
 
 /* Orthonormal to the tolerance of rigcal.h and right-handed. NaN is neither. */
 int rc_is_rotation(const rigcal_real R[9]);

@@ -11,7 +11,7 @@ rigcal_status rc_check_bearing(const rigcal_bearing *bearing, int need_z)
         !(rc_vec3_max_abs(bearing->ray) > 0)) {
         return RIGCAL_ERR_RANGE;
     }
-    if (need_z && !(bearing->ray[2] > RC_EPS * rc_vec3_max_abs(bearing->ray))) {
+    if (need_z && !(bearing->ray[2] > RC_FORWARD_LEAST * rc_vec3_max_abs(bearing->ray))) {
         return RIGCAL_ERR_WIDE_RAY;
     }
     return RIGCAL_OK;

@@ -2,16 +2,28 @@
 
 #include <string.h>
 
-/* A shorter focal length is a mistake, and would vanish in products. */
+/* ---- constants ----------------------------------------------------------- */
+
+/* px: a shorter focal length is a mistake, and would vanish in products. */
 #define FOCAL_MIN RC(1e-6)
 
-/* Where the unit of uv cannot be a pixel, errors that are assumed in pixels are those of a
- * camera of this focal length [px]. */
+/* px: focal length of a usual camera. Where the unit of uv cannot be a pixel, errors that
+ * are assumed in pixels are those of such a camera. */
 #define FOCAL_USUAL RC(800)
 
-/* How far from the pixel a ray's projection may be, besides rounding [px]. Newton goes on
+/* px: how far from the pixel a ray's projection may be, besides rounding. Newton goes on
  * to rounding; this only tells an answer from none. */
 #define MISS_MAX_PX RC_TOL(5e-10, 1e-3)
+
+/* part of the largest pixel: what rounding adds to MISS_MAX_PX. */
+#define MISS_ROUNDING (4 * RC_EPS)
+
+/* terms: of the sine's and the cosine's series; at pi the next is below 1e-16. */
+enum { RAY_TERMS = 14 };
+
+/* terms: of the arc tangent's series up to an eighth of a turn; the next is below
+ * rounding. */
+enum { ANGLE_TERMS = RIGCAL_USE_FLOAT ? 10 : 22 };
 
 /* ---- checks -------------------------------------------------------------- */
 
@@ -85,13 +97,12 @@ rigcal_real rc_pixel_size(const rigcal_camera *camera)
  * 3 KB of flash. */
 RC_APART static rigcal_status fisheye_ray(rigcal_real ray[3], const rigcal_real x[2])
 {
-    enum { TERMS = 14 }; /* at pi the next is below 1e-16 */
     const rigcal_real theta2 = x[0] * x[0] + x[1] * x[1];
     rigcal_real sinc = 1, cosine = 1;
     if (!(theta2 < RC_PI * RC_PI)) {
         return RIGCAL_ERR_NO_RAY;
     }
-    for (int k = 2 * TERMS; k > 0; k -= 2) {
+    for (int k = 2 * RAY_TERMS; k > 0; k -= 2) {
         sinc = 1 - theta2 / (rigcal_real)(k * (k + 1)) * sinc;
         cosine = 1 - theta2 / (rigcal_real)(k * (k - 1)) * cosine;
     }
@@ -110,7 +121,7 @@ rigcal_status rc_pixel_to_ray(rigcal_real ray[3], const rigcal_camera *camera,
     const rigcal_real pixels[3] = {uv[0], uv[1], c->cx};
     const rigcal_real largest = rc_max(rc_vec3_max_abs(pixels), RC_FABS(c->cy));
     const rigcal_real tolerance =
-        (MISS_MAX_PX + 4 * RC_EPS * largest) / rc_max(c->fx, c->fy);
+        (MISS_MAX_PX + MISS_ROUNDING * largest) / rc_max(c->fx, c->fy);
     rigcal_real x[2] = {target[0], target[1]};
     if (!rc_lens_is_pinhole(camera) && !rc_lens_invert(x, camera, target, tolerance)) {
         return RIGCAL_ERR_NO_RAY;
@@ -128,11 +139,9 @@ rigcal_status rc_pixel_to_ray(rigcal_real ray[3], const rigcal_camera *camera,
  * a turn at most, whose tangent's series is short. atan2 would bring 0.8 KB along. */
 static rigcal_real angle_off_axis(rigcal_real r, rigcal_real Z)
 {
-    /* The next term is below rounding. */
-    enum { TERMS = RIGCAL_USE_FLOAT ? 10 : 22 };
     rigcal_real t = r / (RC_FABS(Z) + RC_SQRT(r * r + Z * Z)), sum = 0;
     t /= 1 + RC_SQRT(1 + t * t);
-    for (int k = 2 * TERMS - 1; k > 0; k -= 2) {
+    for (int k = 2 * ANGLE_TERMS - 1; k > 0; k -= 2) {
         sum = 1 / (rigcal_real)k - t * t * sum;
     }
     return (Z < 0) ? RC_PI - 4 * t * sum : 4 * t * sum;
@@ -286,7 +295,7 @@ rigcal_status rigcal_camera_undistort(rigcal_real uv_straight[2],
     if (status != RIGCAL_OK) {
         return status;
     }
-    if (!(ray[2] > RC_EPS)) {
+    if (!(ray[2] > RC_FORWARD_LEAST)) {
         return RIGCAL_ERR_WIDE_RAY;
     }
     uv_straight[0] = camera->fx * (ray[0] / ray[2]) + camera->cx;

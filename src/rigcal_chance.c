@@ -1,12 +1,20 @@
 #include "rc_chance.h"
 
-/* Least noise [px] that is believed where none is stated: pixels are not better. */
+/* ---- constants ----------------------------------------------------------- */
+
+/* px: the least noise that is believed where none is stated. Pixels are not better. */
 #define NOISE_LEAST RC(0.01)
 
-/* Exponents are clipped here: exp(80) = 5e34 is near the end of float. */
+/* 1: exponents are clipped here. exp(80) = 5e34 is near the end of float. */
 #define EXPONENT_MOST RC(80)
 
-/* Expected numbers of sets are clipped here. */
+/* 1: the series is of exp(x / 256), x within EXPONENT_MOST; a power of 2. */
+enum { EXP_PARTS = 256 };
+
+/* terms: of that series; the next is below 1e-10. */
+enum { EXP_TERMS = 8 };
+
+/* sets: expected numbers are clipped here, far above any limit, before they overflow. */
 #define EXPECTED_MOST RC(1e30)
 
 RC_APART rigcal_real rc_freedom(size_t n)
@@ -36,16 +44,15 @@ RC_APART static rigcal_real power(rigcal_real base, size_t exponent)
     return result;
 }
 
-/* The series of exp(x / 256), to that power: exp itself would bring 0.4 KB along. */
+/* The series of exp(x / EXP_PARTS), to that power: exp itself would bring 0.4 KB along. */
 static rigcal_real exponential(rigcal_real x)
 {
-    enum { PARTS = 256, TERMS = 8 };
-    const rigcal_real part = rc_min(rc_max(x, -EXPONENT_MOST), EXPONENT_MOST) / PARTS;
+    const rigcal_real part = rc_min(rc_max(x, -EXPONENT_MOST), EXPONENT_MOST) / EXP_PARTS;
     rigcal_real sum = 1;
-    for (int k = TERMS; k > 0; k--) {
+    for (int k = EXP_TERMS; k > 0; k--) {
         sum = 1 + part * sum / (rigcal_real)k;
     }
-    return power(sum, PARTS);
+    return power(sum, EXP_PARTS);
 }
 
 /* Noise known: exp of half the difference. Unknown, it is integrated out with the prior

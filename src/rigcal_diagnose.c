@@ -1,17 +1,27 @@
 #include "rc_pose.h"
 
-/* Chances below which one point is surely wrong, and below which it is suspected; and the
- * probability from which on it is surely this one. */
+/* ---- constants ----------------------------------------------------------- */
+
+/* points: the least. Of four, without one of them, any three fit. */
+enum { POINTS_LEAST = 5 };
+
+/* chance of noise alone: below it one point is surely wrong. A usual level of a test. */
 #define SURE_CHANCE RC(0.01)
+
+/* chance of noise alone: below it one point is suspected. */
 #define LIKELY_CHANCE RC(0.1)
+
+/* probability: from here on it is surely this point and no other. */
 #define SURE_PROBABILITY RC(0.99)
 
-/* Odds of the data as given against those mirrored, below which they are mirrored. */
+/* odds of the data as given against those mirrored: below them they are mirrored. */
 #define MIRRORED_ODDS RC(1e-3)
 
-/* Ratios of distances that are mistakes of units, and how near to one is that. */
-static const rigcal_real UNITS[4] = {10, RC(25.4), 100, 1000};
+/* ratio: so near to a mistake of units a ratio of distances is that mistake. */
 #define UNITS_NEAR RC(1.1)
+
+/* Ratios of lengths that are mistakes of units. */
+static const rigcal_real UNITS[4] = {10, RC(25.4), 100, 1000};
 
 /* ---- fits ---------------------------------------------------------------- */
 
@@ -170,7 +180,7 @@ static rigcal_status begin(problem *P, const rigcal_view *view,
     if (options != NULL) {
         P->options = *options;
     }
-    return (view->n < 5) ? RIGCAL_ERR_TOO_FEW : RIGCAL_OK;
+    return (view->n < POINTS_LEAST) ? RIGCAL_ERR_TOO_FEW : RIGCAL_OK;
 }
 
 rigcal_status rigcal_pose_blame(rigcal_blame *blame, rigcal_real rms_without[],

@@ -1,10 +1,18 @@
 #include "rc_direction.h"
 
-/* Newton's steps to the best yaw, as tangents: the longest, the one after which the error
- * of the cost, its square, is nothing; and how many at most. */
+/* ---- constants ----------------------------------------------------------- */
+
+/* 1, a tangent: Newton's longest step to the best yaw; a longer one may leave its basin. */
 #define STEP_MOST RC(0.5)
+
+/* 1, a tangent: the last step. The error of the cost is its square, which is nothing. */
 #define STEP_SMALL RC(1e-3)
+
+/* steps: to the best yaw, usually 2 or 3. */
 enum { NEWTON_STEPS_MAX = 6 };
+
+/* part: an image whose extent is less, of its distance from the middle, is one point. */
+#define EXTENT_LEAST (64 * RC_EPS)
 
 /* ---- moments ------------------------------------------------------------- */
 
@@ -44,7 +52,7 @@ int rc_moments_finish(rigcal_moments *sums)
         rc_vec3_add_scaled(sums->h, -w * sums->u_mean[part], sums->V_mean[part]);
         rc_sym3_add_outer(sums->K_less_C, -w, sums->V_mean[part]);
     }
-    return sums->S > 64 * RC_EPS * about_zero && sums->S > 64 * RC_EPS * RC_EPS * w;
+    return sums->S > EXTENT_LEAST * about_zero && sums->S > EXTENT_LEAST * RC_EPS * w;
 }
 
 /* ---- the cost of a direction --------------------------------------------- */

@@ -1,5 +1,13 @@
 #include "rc_elimination.h"
 
+/* ---- constants ----------------------------------------------------------- */
+
+/* 1 / condition: two pairs that are worse are singular to rounding. */
+#define SINGULAR_TWO (4 * RC_EPS)
+
+/* 1 / condition^2: all pairs that are worse are singular to rounding. */
+#define SINGULAR_ALL (16 * RC_EPS)
+
 /* ---- elimination --------------------------------------------------------- */
 
 /* Axes (a, b) that the eliminated angle turns, a to b, and c that it keeps. */
@@ -113,7 +121,7 @@ static int solve_two_pairs(rigcal_elimination *out, const rigcal_pair pairs[2],
     sum_normals(&sums, pairs, 2, split);
     const rigcal_real det = e[0] * f[1] - e[1] * f[0];
     const rigcal_real largest = larger_eigenvalue(&sums);
-    if (!(RC_FABS(det) > 4 * RC_EPS * largest)) {
+    if (!(RC_FABS(det) > SINGULAR_TWO * largest)) {
         return 0;
     }
     out->cosine = (e[1] * f[2] - f[1] * e[2]) / det;
@@ -129,7 +137,7 @@ static int solve_all_pairs(rigcal_elimination *out, const rigcal_pair pairs[],
     sum_normals(&sums, pairs, n_pairs, split);
     const rigcal_real det = sums.pp * sums.qq - sums.pq * sums.pq;
     const rigcal_real largest = larger_eigenvalue(&sums);
-    if (!(det > 16 * RC_EPS * largest * largest)) {
+    if (!(det > SINGULAR_ALL * largest * largest)) {
         return 0;
     }
     out->cosine = (sums.pq * sums.qk - sums.qq * sums.pk) / det;

@@ -1,9 +1,12 @@
 #include "rc_camera.h"
 
-/* An epipole is met when t and R m are parallel to this many roundings. */
+/* ---- constants ----------------------------------------------------------- */
+
+/* sine: t and R m that are more parallel meet the epipole, to rounding. */
 #define EPIPOLE_TOL (16 * RC_EPS)
 
-/* How far alpha^2 + beta^2 of a line in distance form may be from 1. */
+/* 1: how far alpha^2 + beta^2 of a line may be from 1. Room for one written with seven
+ * digits. */
 #define LINE_TOL RC_TOL(1e-6, 1e-3)
 
 /* Divides by |(alpha, beta)|: the left side becomes a distance. 0 when the line
@@ -208,7 +211,7 @@ rigcal_status rigcal_epiline_segment(rigcal_real ends[4], const rigcal_camera *c
     for (int i = 0; i < 2; i++) {
         rigcal_real X_b[3];
         point_at_depth(X_b, b_from_a, ray_a, (i == 0) ? near_a : far_a);
-        if (!(X_b[2] > RC_EPS * rc_vec3_max_abs(X_b))) {
+        if (!(X_b[2] > RC_FORWARD_LEAST * rc_vec3_max_abs(X_b))) {
             return RIGCAL_ERR_WIDE_RAY;
         }
         found[2 * i] = camera_b->fx * (X_b[0] / X_b[2]) + camera_b->cx;

@@ -2,9 +2,22 @@
 
 #include <string.h>
 
-/* Steps of a proof, and of a Newton iteration; parts of the way to a pixel that are tried
- * one after the other. Usual lenses take 3, 6 and 1. */
-enum { WALK_MAX = 1024, NEWTON_MAX = 60, STAGES_MAX = 64 };
+/* ---- constants ----------------------------------------------------------- */
+
+/* steps: of a proof, usually 1 to 3. The worst case that the manual states. */
+enum { WALK_MAX = 1024 };
+
+/* part of the way: shorter steps of a proof are rounding. */
+#define WALK_LEAST RC_EPS
+
+/* part of the way: a proof that ends so near to the end has reached it. */
+#define WALK_LEFT (4 * RC_EPS)
+
+/* steps: of a Newton iteration, usually 3 to 6. The worst case that the manual states. */
+enum { NEWTON_MAX = 60 };
+
+/* parts: of the way to a pixel, usually 1; strongly curved lenses take 4 to 16. */
+enum { STAGES_MAX = 64 };
 
 /* ---- the map ------------------------------------------------------------- */
 
@@ -184,7 +197,7 @@ int rc_lens_is_usable(const rigcal_camera *camera, const rigcal_real x[2])
     e.br = camera->p1 * x[0] - camera->p2 * x[1];
     begin_direction(&e, camera);
     rigcal_real from = 0, length = e.end;
-    for (int i = 0; i < WALK_MAX && length > RC_EPS * e.end; i++) {
+    for (int i = 0; i < WALK_MAX && length > WALK_LEAST * e.end; i++) {
         if (is_usable_between(&e, from, length)) {
             from += length;
             length = rc_min(2 * length, e.end - from);
@@ -194,7 +207,7 @@ int rc_lens_is_usable(const rigcal_camera *camera, const rigcal_real x[2])
             return 0;
         }
     }
-    return rc_is_finite(e.end) && e.end - from <= 4 * RC_EPS * e.end;
+    return rc_is_finite(e.end) && e.end - from <= WALK_LEFT * e.end;
 }
 
 /* ---- its inverse --------------------------------------------------------- */

@@ -1,32 +1,43 @@
 #include "rc_levenberg.h"
 
-/* Damping: the first value; where a step counts as undamped; where the search gives up. */
+/* ---- constants ----------------------------------------------------------- */
+
+/* part of D: damping of the first step, so little that a good start is not slowed. */
 #define DAMPING_FIRST RC(1e-5)
+
+/* part of D: a step damped by no more counts as undamped, and may be the last. */
 #define DAMPING_NEAR RC(1e-2)
+
+/* part of D: no step that is damped more helps; the search ends. */
 #define DAMPING_LAST RC(1e8)
 
-/* Damping of a Newton's H that is not positive definite: the first value, and the last one
- * before it is given up. */
+/* part of D: first damping of a Newton's H that is not positive definite. */
 #define DAMPING_INDEFINITE RC(1e-4)
+
+/* part of D: a Newton's H that needs more damping is given up for J^T J. */
 #define DAMPING_NEWTON RC(10)
 
-/* How much the damping changes after a step. */
+/* factor: of the damping after a step that did harm. */
 #define DAMPING_MORE RC(10)
+
+/* factor: of the damping after a step that helped. */
 #define DAMPING_LESS RC(0.1)
 
-/* Rise of the sum, as a part of it, that may be rounding. */
+/* part of the sum: a rise by no more may be rounding. */
 #define SUM_ROUNDING (16 * RC_EPS)
 
-/* The search ends when the gain that is still to come, or the last one, is below this part
- * of the sum. What is to come is judged by how fast the gains fall. */
+/* part of the sum: the search ends when no more is still to be gained, judged by how fast
+ * the gains fall. */
 #define LEFT_LEAST RC_TOL(1e-12, 1e-6)
+
+/* part of the sum: the search ends with a step that gains no more. */
 #define GAIN_LEAST RC_TOL(1e-13, 1e-6)
 
-/* A step that promised less than this part of the sum, and yet made it rise, met
- * rounding. */
+/* part of the sum: a step that promised no more, and yet made it rise, met rounding. */
 #define GAIN_ROUNDING RC_TOL(1e-7, 1e-4)
 
-/* Gains that fall no faster than by this factor are those of a valley: Newton's H helps. */
+/* ratio of gains: those that fall no faster are those of a valley, where Newton's H
+ * helps. */
 #define SLOW RC(0.1)
 
 void rc_levenberg_begin(rigcal_levenberg *lm, int is_near)

@@ -1,8 +1,22 @@
 #include "rc_linalg.h"
 
-/* Points whose moments have two eigenvalues below this part of their sum, as a product with
- * the third, are on a line. */
+/* ---- constants ----------------------------------------------------------- */
+
+/* part: points on a line have moments, their sum being 1, whose eigenvalues taken two at a
+ * time have products that sum to less: rounding. */
 #define LINE_THICKNESS RC_TOL(1e-12, 1e-7)
+
+/* squarings: of a matrix, an even number; the ratio of its eigenvalues to the power 64. */
+enum { SQUARINGS = 6 };
+
+/* part of the largest of its block: the least element of D. Where a Newton's H has made
+ * one small or negative, damping must act all the same. */
+#define D_LEAST RC(1e-2)
+
+/* part of an element of the diagonal: a smaller pivot is rounding. */
+#define RANK_TOL (8 * RC_EPS)
+
+/* ---- numbers ------------------------------------------------------------- */
 
 int rc_is_finite(rigcal_real x)
 {
@@ -149,7 +163,6 @@ int rc_sym3_factor(rigcal_real L[6], const rigcal_real A[6], const rigcal_real d
 int rc_sym3_thinnest(rigcal_real normal[3], rigcal_real *thickness, const rigcal_real C[6])
 {
     RIGCAL_ASSERT(C[0] >= 0 && C[3] >= 0 && C[5] >= 0);
-    enum { SQUARINGS = 6 };
     static const uint8_t FULL[9] = {0, 1, 2, 1, 3, 4, 2, 4, 5};
     const rigcal_real by_trace = 1 / (C[0] + C[3] + C[5]);
     rigcal_real A[9], B[9];
@@ -178,10 +191,6 @@ int rc_sym3_thinnest(rigcal_real normal[3], rigcal_real *thickness, const rigcal
     return 1;
 }
 
-/* The least element of D, as a part of the largest of its block: where a Newton's H has
- * made an element small or negative, damping must act all the same. */
-#define D_LEAST RC(1e-2)
-
 void rc_sym3_damp(rigcal_real damped[6], rigcal_real D[3], const rigcal_real A[6],
                   rigcal_real damping)
 {
@@ -198,9 +207,6 @@ void rc_sym3_damp(rigcal_real damped[6], rigcal_real D[3], const rigcal_real A[6
 }
 
 /* ---- 6 x 6 --------------------------------------------------------------- */
-
-/* Pivots are compared with this part of their element of the diagonal. */
-#define RANK_TOL (8 * RC_EPS)
 
 int rc_sym6_factor_of(rc_sym6_factor *L, const rigcal_real H[21], rigcal_real damping)
 {

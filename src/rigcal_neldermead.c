@@ -1,10 +1,14 @@
 #include "rc_neldermead.h"
 
-/* fminsearch's first simplex. */
+/* ---- constants ----------------------------------------------------------- */
+
+/* part of a coordinate: the edge of fminsearch's first simplex. */
 #define EDGE_RELATIVE RC(0.05)
+
+/* unit of the coordinate: that edge where the coordinate is 0. */
 #define EDGE_AT_ZERO RC(0.00025)
 
-/* Roundings of the best vertex below which a tolerance cannot be met. */
+/* part of the best vertex: a smaller tolerance cannot be met. */
 #define TOL_FLOOR (10 * RC_EPS)
 
 /* The point whose cost is awaited. */

@@ -1,21 +1,30 @@
 #include "rc_p3p.h"
 
-/* Twice the area of the points, over the square of the longest side, below which
- * they are on a line; in roundings of the coordinates, which a far origin enlarges. */
+/* ---- constants ----------------------------------------------------------- */
+
+/* part of the longest side squared: twice the area of points on a line, to rounding of the
+ * coordinates, which a far origin enlarges. */
 #define LINE_TOL (64 * RC_EPS)
 
-/* Rays nearer together than so many roundings are one. */
+/* 1: rays nearer together are one, to rounding. */
 #define RAY_TOL (16 * RC_EPS)
 
-/* A complex pair counts as a double root that noise has lifted when its real part
- * breaks the equations by no more than this, in squares of the longest side. */
+/* longest sides squared: a complex pair whose real part breaks the equations by no more is
+ * a double root that noise has lifted. */
 #define LIFTED RC(0.01)
 
-/* A depth times h of no more than this, in longest sides, is zero. */
+/* longest sides: a depth times h of no more is zero, to rounding. */
 #define DEPTH_MIN (16 * RC_EPS)
 
-/* Newton steps to the root of the pencil, from a start that bounds it. */
+/* steps: Newton's, to the root of the pencil, from a start that bounds it; usually 3 to
+ * 6. */
 enum { ROOT_STEPS = 12 };
+
+/* part of the root: a step of no more is rounding. */
+#define ROOT_ROUNDING (4 * RC_EPS)
+
+/* part of the next two coefficients: a cubic's leading one of no more is zero. */
+#define LEAD_LEAST RC_EPS
 
 /* The triangle, point 0 opposite to the longest side, which is 1. The unknowns are
  * v = (D, p, q), for depths s0 = D / h, s1 = s0 + p, s2 = s0 + q, with h the longest
@@ -116,7 +125,7 @@ static rigcal_real root_apart(rigcal_real r2, rigcal_real g)
         }
         const rigcal_real step = (y * (y * y - 3 * r2) + g) / slope;
         y -= step;
-        if (RC_FABS(step) <= -4 * RC_EPS * y) {
+        if (RC_FABS(step) <= -ROOT_ROUNDING * y) {
             break;
         }
     }
@@ -131,7 +140,7 @@ static void pencil_root(rigcal_real m[2], const rigcal_real c[4])
     const rigcal_real b3 = c[swapped ? 0 : 3], b2 = c[swapped ? 1 : 2];
     const rigcal_real b1 = c[swapped ? 2 : 1], b0 = c[swapped ? 3 : 0];
     rigcal_real one = b2, x = -b1;
-    if (RC_FABS(b3) > RC_EPS * (RC_FABS(b1) + RC_FABS(b2))) {
+    if (RC_FABS(b3) > LEAD_LEAST * (RC_FABS(b1) + RC_FABS(b2))) {
         const rigcal_real by_lead = 1 / b3, k = b2 * by_lead / 3;
         const rigcal_real r2 = k * k - b1 * by_lead / 3;
         const rigcal_real g = k * (2 * k * k - b1 * by_lead) + b0 * by_lead;

@@ -1,27 +1,38 @@
 #include "rc_pairs.h"
 
-/* Points whose distance, or rays whose sine, is below this many roundings are the same. */
+/* ---- constants ----------------------------------------------------------- */
+
+/* part of the size, or sine: points and rays that are nearer are the same. */
 #define SAME (8 * RC_EPS)
 
-/* A target is a line, or its rays a plane, when nothing stands farther out than this part
- * of its length: the turn about the line would be noise. */
+/* part of the length: a target from which nothing stands farther out is a line, and such
+ * rays are a plane. The turn about the line would be noise. */
 #define FLAT RC_TOL(1e-6, 1e-4)
 
-/* Pairs nearer than this part of the image that the target fills are left out: the
- * direction of their plane is mostly noise. Chosen on real targets; 0.1 to 0.25 do about
- * as well, 0 and 0.4 do not. */
+/* part of the image that the target fills: nearer pairs are left out, for the direction of
+ * their plane is mostly noise. Chosen on real targets; 0.1 to 0.25 do about as well, 0 and
+ * 0.4 do not. */
 #define NEAR_PART (RC(1) / 6)
 
-/* All pairs are taken of no more points than this; of more, so many for each point, in no
- * more rounds. */
-enum { ALL_PAIRS_UP_TO = 9, PARTNERS = 4, ROUNDS_MAX = 8 };
+/* points: of no more all pairs are taken. Of 9 that is 4 for each. */
+enum { ALL_PAIRS_UP_TO = 9 };
+
+/* pairs: for each point, where there are more points. */
+enum { PARTNERS = 4 };
+
+/* rounds: in which those pairs are chosen; 4, and as many again where pairs are left
+ * out. */
+enum { ROUNDS_MAX = 8 };
+
+/* 1: how far the square of a unit vector may be from 1. Room for one that was stored in
+ * single precision or as text. */
+#define UNIT_TOL RC(0.002)
 
 /* ---- checks -------------------------------------------------------------- */
 
-/* The slack is for a vector that was stored in single precision or as text. */
 static int is_unit(const rigcal_real a[3])
 {
-    return RC_FABS(rc_vec3_dot(a, a) - 1) <= RC(0.002);
+    return RC_FABS(rc_vec3_dot(a, a) - 1) <= UNIT_TOL;
 }
 
 static rigcal_status check_pair(const rigcal_pair *pair)
@@ -40,7 +51,7 @@ rigcal_status rc_check_pairs(const rigcal_pair pairs[], size_t n_pairs, size_t n
     if (n_pairs < n_least) {
         return RIGCAL_ERR_TOO_FEW;
     }
-    if (n_pairs > 4 * RC_COUNT_MAX) {
+    if (n_pairs > PARTNERS * RC_COUNT_MAX) {
         return RIGCAL_ERR_RANGE;
     }
     for (size_t i = 0; i < n_pairs; i++) {

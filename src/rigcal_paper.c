@@ -3,26 +3,43 @@
 #include "rc_transform.h"
 #include "rc_translation.h"
 
-/* The fixed grid of the two angles: nodes 30 degrees apart, off the axes. Seeds
- * are its best nodes; a simplex of two thirds of a cell starts at each. */
-enum { GRID_FIRST = 6, GRID_SECOND = 12, GRID_NODES = GRID_FIRST * GRID_SECOND };
-enum { SEEDS = RIGCAL_PAPER_SEEDS };
+/* ---- constants ----------------------------------------------------------- */
+
+/* nodes: of the grid by the first angle, half a turn, off the axes. */
+enum { GRID_FIRST = 6 };
+
+/* nodes: of the grid by the second angle, a whole turn. */
+enum { GRID_SECOND = 12 };
+
+/* rad: nodes of the grid are so far apart. A coarser grid misses basins. */
 #define GRID_STEP (RC_PI / 6)
+
+/* rad: a seed's first simplex, two thirds of a cell. */
 #define GRID_EDGE (RC_PI / 9)
 
-/* A seed's search only has to land in the right basin; the winner is searched
- * again to the tolerances asked for. */
+/* rad, and of the objective: a seed's search only has to land in the right basin; the
+ * winner is searched again to the tolerances asked for. */
 #define SEED_TOL RC(1e-4)
+
+/* evaluations: of a seed's search. */
 enum { SEED_EVALS_MAX = 120 };
 
-/* A simplex that has not met the tolerances by then has gone flat against a kink
- * of the objective, a sum of absolute values; a fresh one from the same place
- * gets on. */
+/* evaluations: a simplex that has not met the tolerances by then has gone flat against a
+ * kink of the objective, a sum of absolute values. A fresh one from the same place gets
+ * on. */
 enum { SIMPLEX_EVALS_MAX = 400 };
 
-/* Defaults of the options. */
+/* rad, and of the objective: the default of xtol and ftol. */
 #define DEFAULT_TOL RC_TOL(1e-10, 1e-5)
+
+/* evaluations: the default of max_evals with a guess. */
 enum { DEFAULT_EVALS = 1000 };
+
+/* rad: a guess that is farther from 0 is a mistake. */
+#define GUESS_MAX RC(1e3)
+
+/* Nodes of the grid, the best of which are seeds. */
+enum { GRID_NODES = GRID_FIRST * GRID_SECOND, SEEDS = RIGCAL_PAPER_SEEDS };
 
 enum {
     NOT_BEGUN = 0,
@@ -314,7 +331,7 @@ static rigcal_status check_options(const rigcal_paper_options *o)
         (o->max_evals == 0 || o->max_evals >= least_evals) && o->xtol >= 0 && o->ftol >= 0;
     return (counts_ok && numbers_ok && o->eliminated >= RIGCAL_YAW &&
             o->eliminated <= RIGCAL_BEST_CONDITIONED &&
-            rc_all_within(o->guess_ypr, 3, RC(1e3)))
+            rc_all_within(o->guess_ypr, 3, GUESS_MAX))
                ? RIGCAL_OK
                : RIGCAL_ERR_RANGE;
 }

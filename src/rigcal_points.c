@@ -1,12 +1,17 @@
 #include "rc_points.h"
 
-/* Noise, stated in pixels or relative, outside which it is a mistake. */
+/* ---- constants ----------------------------------------------------------- */
+
+/* px, or 1 where relative: less noise is a mistake. */
 #define SIGMA_MIN RC(1e-6)
+
+/* px, or 1 where relative: more noise is a mistake. */
 #define SIGMA_MAX RC(1e6)
 
-/* A change of a sum of squares that means nothing: this in pixels^2, for images without
- * noise, or the square of the rounding of a pixel, this part of the image's extent. */
+/* px^2: a smaller change of a sum of squares means nothing, in images without noise. */
 #define GAIN_NEGLIGIBLE RC_TOL(1e-20, 1e-7)
+
+/* part of the image's extent: rounding of a pixel. Its square means nothing either. */
 #define PIXEL_ROUNDING (8 * RC_EPS)
 
 /* ---- checks -------------------------------------------------------------- */

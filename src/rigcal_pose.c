@@ -1,39 +1,49 @@
 #include "rc_pose.h"
 
-/* Evaluations of a refinement, usually 4 or 5. */
+/* ---- constants ----------------------------------------------------------- */
+
+/* evaluations: of a refinement, usually 4 or 5. The worst case that the manual states. */
 enum { REFINE_EVALS = 100 };
 
-/* Two optima whose rotations are closer than this [rad] are one; those of three points may
- * be about to merge, but are exact. */
+/* rad: two optima whose rotations are nearer are one. */
 #define SAME_POSE RC(2e-3)
+
+/* rad: the same of three points, whose poses may be about to merge but are exact. */
 #define SAME_EXACT RC_TOL(1e-6, 1e-3)
 
-/* Three points fit exactly when the sum of their squared errors is below this [px^2]. */
+/* px^2: three points fit exactly when the sum of their squared errors is no more. */
 #define EXACT RC_TOL(1e-11, 1e-5)
 
-/* Where no noise is stated: the most that is believed of a search and of a warm start [px],
- * or as a part of the target's image where that is more. */
+/* px: the most noise that is believed of a search, where none is stated. */
 #define NOISE_MOST RC(2)
+
+/* px: the same of a warm start, which may have ended elsewhere than at the pose. */
 #define NOISE_WARM RC(0.55)
+
+/* part of the target's image: the same where that is more, for coarse targets. */
 #define NOISE_PART RC(0.007)
 
-/* Limits for the fit error, in standard deviations of the normal approximation. Noise alone
- * exceeds 4.75 once in a million fits, then the fit is poor; and 3.1 once in a thousand,
- * then a warm start is dropped and a search runs. */
+/* standard deviations: a fit error that is larger is poor. Noise alone exceeds it once in
+ * a million fits. */
 #define DEVIATIONS RC(4.75)
+
+/* standard deviations: the same of a warm start, once in a thousand. Then a search runs,
+ * which costs only time. */
 #define DEVIATIONS_WARM RC(3.1)
 
-/* Mirrored points are only suspected where the error is above this noise [px], and believed
- * where they are so many times as likely. */
+/* px: mirrored points are only suspected where the error is above this noise. */
 #define MIRROR_NOISE RC(0.1)
+
+/* odds: mirrored points are believed where they are so many times as likely. */
 #define MIRROR_ODDS RC(100)
 
-/* A pose whose rotation has a standard deviation above this [rad] is hardly one; reckoned
- * with at least so much noise [px] where none is stated. */
+/* rad: a pose whose rotation has a larger standard deviation is hardly one. */
 #define VAGUE RC(0.25)
+
+/* px: that deviation is reckoned with at least so much noise, where none is stated. */
 #define VAGUE_NOISE RC(0.25)
 
-/* The first pose is sure from this probability on. */
+/* probability: from here on the first pose is sure. */
 #define SURE RC(0.99)
 
 enum {

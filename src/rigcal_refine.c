@@ -1,14 +1,17 @@
 #include "rc_refine.h"
 
-/* The most that one step turns [rad]: a larger turn would leave the basin. */
+/* ---- constants ----------------------------------------------------------- */
+
+/* rad: the most that one step turns. A larger turn would leave the basin. */
 #define TURN_MOST RC(0.3)
 
-/* An approach ends when a step gains no more than this part of the sum, usually after 3
- * to 5 steps; and at the latest after so many. */
+/* part of the sum: an approach ends with a step that gains no more. */
 #define APPROACHED RC(1e-4)
+
+/* steps: of an approach, usually 3 to 5. */
 enum { APPROACH_STEPS = 12 };
 
-/* Whether there is code for rays far off the axis: it takes poses of three points. */
+/* Whether there is code for rays far off the axis, which takes poses of three points. */
 enum { WITH_WIDE = RIGCAL_WITH_THREE_POINTS };
 
 /* ---- the equations ------------------------------------------------------- */

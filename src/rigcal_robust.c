@@ -1,21 +1,43 @@
 #include "rc_pose.h"
 
-/* Defaults: samples; how far a point may be off, in pixels and in noise. */
-enum { SAMPLES = 500, SAMPLES_MAX = 100000 };
+/* ---- constants ----------------------------------------------------------- */
+
+/* points: the least. Of four, any three agree with a pose, and one point more may by
+ * chance. */
+enum { POINTS_LEAST = 5 };
+
+/* samples: the default. Enough, by MISSED, where 42 of 100 points agree. */
+enum { SAMPLES = 500 };
+
+/* samples: more are a mistake. */
+enum { SAMPLES_MAX = 100000 };
+
+/* points: of more, the triples are not counted. They would overflow, and are far more than
+ * SAMPLES_MAX. */
+enum { COUNTED_MAX = 1000 };
+
+/* px: how far a point that agrees may be off, where no noise is stated. */
 #define THRESHOLD_PX RC(3)
+
+/* times the noise stated: how far a point that agrees may be off. */
 #define THRESHOLD_SIGMAS RC(4)
 
-/* Random samples end when the chance to have missed every clean one is this. Noise
- * spoils some clean ones: a sample counts as a part of one. */
+/* chance: random samples end when that to have missed every clean one is less. */
 #define MISSED RC(1e-4)
+
+/* part: a clean sample counts as so much of one, for noise spoils some. */
 #define USEFUL_PART RC(0.25)
 
-/* How often the inliers are decided anew by the pose of the last ones. */
+/* times: that the points that agree are decided anew by the pose of the last ones. */
 enum { ROUNDS = 8 };
 
-/* Expected number of sets of points that agree by chance: above the first the pose has a
- * caveat, above the second there is none. */
+/* thresholds: a fit to all that agree may take in points so far from the pose of three. */
+#define REACH RC(2)
+
+/* sets expected to agree by chance: above it the pose has a caveat. */
 #define CHANCE RC(1e-3)
+
+/* sets expected to agree by chance: from here on there is no pose. */
 #define CHANCE_MOST RC(1)
 
 enum {
@@ -44,7 +66,7 @@ static size_t draw(rigcal_robust_solver *s, size_t n)
 /* How many triples there are, or RC_COUNT_MAX when more. */
 static size_t count_triples(size_t n)
 {
-    return (n > 1000) ? RC_COUNT_MAX : n * (n - 1) / 2 * (n - 2) / 3;
+    return (n > COUNTED_MAX) ? RC_COUNT_MAX : n * (n - 1) / 2 * (n - 2) / 3;
 }
 
 /* The next triple in order, from (0, 1, 2). */
@@ -332,7 +354,7 @@ rigcal_status rigcal_robust_begin(rigcal_robust_solver *solver, uint8_t inliers[
     if (status == RIGCAL_OK) {
         status = check_options(&o);
     }
-    if (status == RIGCAL_OK && view->n < 5) {
+    if (status == RIGCAL_OK && view->n < POINTS_LEAST) {
         status = RIGCAL_ERR_TOO_FEW;
     }
     if (status == RIGCAL_OK) {
@@ -383,12 +405,10 @@ rigcal_status rigcal_robust_step(rigcal_robust_solver *solver, int32_t budget)
     return (solver->phase == DONE) ? RIGCAL_OK : RIGCAL_RUNNING;
 }
 
-/* The chance that a wrong point agrees: that of a disc in the area of the image. A fit to
- * all that agree may take in points twice as far as the threshold from the three's own
- * pose. */
+/* The chance that a wrong point agrees: that of a disc in the area of the image. */
 static rigcal_real chance_of_one(const rigcal_robust_solver *s)
 {
-    const rigcal_real limit = 2 * s->threshold_px;
+    const rigcal_real limit = REACH * s->threshold_px;
     return rc_min(1, RC_PI * limit * limit / s->area_px2);
 }
 

@@ -1,16 +1,23 @@
 #include "rc_rotation.h"
 
-/* |R R^T - I| of a matrix accepted as a rotation: room for one that was written
- * to a file with seven digits, but not for one that scales or shears. */
+/* ---- constants ----------------------------------------------------------- */
+
+/* 1: how far the elements and the rows of a rotation may be off. Room for one that was
+ * written to a file with seven digits, but not for one that scales or shears. */
 #define ROTATION_TOL RC_TOL(1e-6, 1e-3)
 
-/* cos(pitch) below which yaw and roll cannot be told apart. */
+/* cosine of pitch: where it is no more, yaw and roll cannot be told apart. */
 #define GIMBAL_COS (4 * RC_EPS)
 
-/* det of a matrix whose largest element is 1 that is singular to rounding. */
+/* 1: a matrix, its largest element being 1, with no more determinant is singular to
+ * rounding. */
 #define SINGULAR_DET (64 * RC_EPS)
 
+/* iterations: to the nearest rotation, usually 4 to 8. */
 enum { POLAR_ITERATIONS_MAX = 40 };
+
+/* 1: that iteration ends when no element changes more. */
+#define POLAR_END (4 * RC_EPS)
 
 /* Its cofactors are itself, and each row has length 1. */
 int rc_is_rotation(const rigcal_real R[9])
@@ -232,7 +239,7 @@ int rc_rotation_nearest(rigcal_real R[9], const rigcal_real M[9])
             change = rc_max(change, RC_FABS(next - X[i]));
             X[i] = next;
         }
-        if (change <= 4 * RC_EPS) {
+        if (change <= POLAR_END) {
             break;
         }
     }

@@ -1,58 +1,71 @@
 #include "rc_seeds.h"
 
-/* Directions of the lattice, and how many of the best are followed. */
-enum { LATTICE = 24, FOLLOWED = RIGCAL_SEEDS_MAX };
+/* ---- constants ----------------------------------------------------------- */
 
-/* A descent: the simplex's first edge [rad], about half the lattice's spacing, and its
- * evaluations. It only has to land where refinement converges. */
+/* directions: of the lattice; every basin of many scenes has one. */
+enum { LATTICE = 24 };
+
+/* rad: first edge of a descent's simplex, about half the lattice's spacing. */
 #define EDGE RC(0.3)
+
+/* evaluations: of a descent, which only has to land where refinement converges. */
 enum { DESCENT_EVALS = 10 };
 
-/* A target of less thickness (rc_sym3_thinnest) has a second optimum, which leans the other
+/* part (rc_sym3_thinnest): a thinner target has a second optimum, which leans the other
  * way. */
 #define FLAT_THICKNESS RC(0.04)
 
-/* Below this mirrored points have nearly the same image. */
+/* part: mirrored points of a thinner target have nearly the same image. */
 #define PLANE_THICKNESS RC(1e-4)
 
-/* A direction whose cost is so many times the least is no optimum worth refining, unless
- * the target is flat: its second optimum may be as bad. */
+/* times the least cost: a direction that costs more is no optimum worth refining, unless
+ * the target is flat. Its second optimum may be as bad. */
 #define HOPELESS RC(100)
 
-/* A flat target's seeds that lean other than its first optimum does: the least lean [rad],
- * and how many times the first one's cost that of sideways ones may be, over the number of
- * points: the least cost of few points may be small by chance. */
+/* rad: the least lean of a flat target's other seeds. Nearly head-on the tilt is weakly
+ * determined, and the other optimum may lean more. */
 #define LEAN_LEAST RC(0.3)
-#define SHALLOW RC(400)
-enum { OTHER_WAY = 0, SIDEWAYS, SIDEWAYS_BACK, LEANS };
 
-/* A seed so near to an optimum found [rad] is on its way there. */
+/* times the first optimum's cost, over the number of points: what a sideways seed may
+ * cost. The least cost of few points may be small by chance. */
+#define SHALLOW RC(400)
+
+/* rad: with less lean a flat target is seen head-on, and any way of leaning will do. */
+#define HEAD_ON RC_TOL(1e-6, 1e-3)
+
+/* rad: a seed so near to an optimum found is on its way there. */
 #define SAME_BASIN RC(0.05)
 
-/* Points so near to each other are one; in sizes of the target. */
+/* sizes of the target: points that are nearer are one. */
 #define SAME_POINT RC_TOL(1e-9, 1e-5)
 
-/* Mirrored points are only refined if their cost is below so many times that of the points
- * as given, in the same direction. */
+/* times the cost as given: mirrored points that cost more, in the same direction, are not
+ * refined. */
 #define MIRROR_WORSE RC(10)
 
-/* The rays of a pinhole that are taken in one step. */
+/* rays: of a pinhole, that are taken in one step; they cost next to nothing. */
 enum { PINHOLE_RAYS = 16 };
 
-/* Rays so far off the middle of the target's image do not fit the virtual camera, and
- * triples of points take the place of the search: cosine of 80 degrees. */
+/* cosine of 80 degrees: rays farther off the middle of the target's image do not fit the
+ * virtual camera, and triples of points take the place of the search. */
 #define SPREAD_COSINE RC(0.17)
 
-/* A target with a ray this far off the camera's axis is wide: cosine of 60 degrees. There
+/* cosine of 60 degrees: a target with a ray farther off the camera's axis is wide. There
  * pixels change so fast with the pose that a refinement needs a start that is nearly
  * right. */
 #define WIDE_COSINE RC(0.5)
 
-/* Triples that are tried: one after a search, two without; more until one leads to a pose
+/* triples: that are tried; one after a search, two without; more until one leads to a pose
  * that fits. */
 enum { TRIPLES = 6 };
 
-/* Whether there is code for rays that far off: it takes the poses of three points. */
+/* The best directions of the lattice are followed. */
+enum { FOLLOWED = RIGCAL_SEEDS_MAX };
+
+/* How a flat target's seed leans against its first optimum. */
+enum { OTHER_WAY = 0, SIDEWAYS, SIDEWAYS_BACK, LEANS };
+
+/* Whether there is code for rays that far off, which takes the poses of three points. */
 enum { WITH_WIDE = RIGCAL_WITH_THREE_POINTS };
 
 enum {
@@ -424,7 +437,7 @@ static void begin_descent(rigcal_search *s, const rigcal_real m3[3], rigcal_real
 {
     static const rigcal_real SIMPLEX[6] = {0, 0, EDGE, 0, 0, EDGE};
     rigcal_descent *const descent = &s->work.descent;
-    rc_neldermead_begin_simplex(&descent->nm, SIMPLEX, 2, RC(1e-4), 0, DESCENT_EVALS);
+    rc_neldermead_begin_simplex(&descent->nm, SIMPLEX, 2, 0, 0, DESCENT_EVALS);
     rc_neldermead_tell(&descent->nm, cost); /* known already */
     rc_vec3_copy(descent->m3, m3);
     s->phase = DESCENT;
@@ -458,9 +471,7 @@ static int32_t end_descent(rigcal_search *s)
     rigcal_real m3[3];
     direction_near(m3, s->work.descent.m3, best->x);
     lattice->least_cost = rc_min(lattice->least_cost, best->cost);
-    /* Rounding makes the costs of noiseless images anything: the last term. */
-    const rigcal_real hopeless =
-        HOPELESS * lattice->least_cost + 64 * RC_EPS * lattice->moments.weight;
+    const rigcal_real hopeless = HOPELESS * lattice->least_cost;
     RIGCAL_TRACE("descent: evaluations, cost", s->work.descent.nm.evals, best->cost);
     s->phase = CHOOSING;
     return (s->optima.n == 0 || s->is_flat || !(best->cost > hopeless)) ? follow(s, m3)
@@ -487,8 +498,7 @@ static void leaning_direction(rigcal_real m3[3], const rigcal_real first[3],
 {
     rigcal_real side[3], back[3];
     rc_vec3_cross(side, normal, first);
-    /* Head-on any way will do. */
-    if (!(rc_vec3_norm(side) > RC_TOL(1e-6, 1e-3))) {
+    if (!(rc_vec3_norm(side) > HEAD_ON)) {
         rc_vec3_complete(side, back, normal);
     }
     rc_vec3_cross(back, normal, side); /* along n - m3: the other way */

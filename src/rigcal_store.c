@@ -2,6 +2,16 @@
 
 #include <string.h>
 
+/* ---- constants ----------------------------------------------------------- */
+
+/* 1: how far an element of a rotation stored as floats may be moved to make it one of
+ * doubles. The float build accepts as much. */
+#define FLOAT_ROTATION_TOL RC(1e-3)
+
+/* 1: the most negative eigenvalue of correlations that may be rounding, also that of a
+ * covariance stored in double and loaded in float. */
+#define CORRELATION_TOL RC_TOL(1e-9, 1e-5)
+
 /* The byte form: DESIGN.md, "Stored calibration". All numbers little-endian. */
 enum {
     FORM_VERSION = 1,
@@ -21,10 +31,6 @@ enum {
 };
 
 static const uint8_t MAGIC[4] = {'R', 'I', 'G', 'C'};
-
-/* How far a rotation stored as floats may be moved to make it one of doubles:
- * what the float build accepts as a rotation. */
-#define FLOAT_ROTATION_TOL RC(1e-3)
 
 #if RIGCAL_USE_FLOAT
 typedef uint32_t real_bits;
@@ -160,10 +166,6 @@ static const uint8_t *get_reals(rigcal_real x[], int n, const uint8_t *at,
 }
 
 /* ---- one camera ----------------------------------------------------------- */
-
-/* The most negative eigenvalue of correlations that may be rounding, also that of a
- * covariance stored in double and loaded in float. */
-#define CORRELATION_TOL RC_TOL(1e-9, 1e-5)
 
 /* Element (i, j) over the standard deviations of i and j. */
 static rigcal_real correlation(const rigcal_real Sigma[36], int i, int j)

@@ -1,6 +1,9 @@
 #include "rc_pose.h"
 
-/* Poses from behind are wrong, unless those from the front are so unlikely against them. */
+/* ---- constants ----------------------------------------------------------- */
+
+/* odds: poses from behind are wrong, unless those from the front are less likely than
+ * so. */
 #define FRONT_LEAST RC(1e-3)
 
 /* Whether the camera is on the side that the tag's z axis points to: z.t < 0, z being the

@@ -1,7 +1,13 @@
 #include "rc_transform.h"
 
-/* Steps to the mean of rotations, usually 2 or 3. */
+/* ---- constants ----------------------------------------------------------- */
+
+/* steps: to the mean of rotations, usually 2 or 3. The worst case that the manual
+ * states. */
 enum { KARCHER_MAX = 20 };
+
+/* rad: the steps end with one that turns no more, to rounding. */
+#define KARCHER_END (4 * RC_EPS)
 
 rigcal_status rc_check_transform(const rigcal_transform *b_from_a)
 {
@@ -131,7 +137,7 @@ static rigcal_status mean_rotation(rigcal_real R[9], const rigcal_transform tran
         return RIGCAL_ERR_ROTATION;
     }
     for (int i = 0; i < KARCHER_MAX; i++) {
-        if (!(karcher_step(mean, transforms, weight, n, total) > 4 * RC_EPS)) {
+        if (!(karcher_step(mean, transforms, weight, n, total) > KARCHER_END)) {
             break;
         }
     }

@@ -1,9 +1,11 @@
 #include "rc_translation.h"
 
-/* Rays whose coordinates differ by no more than this many roundings are the same. */
+/* ---- constants ----------------------------------------------------------- */
+
+/* part of the largest coordinate: rays that differ by no more are the same. */
 #define SAME (8 * RC_EPS)
 
-/* Least difference of two normalised coordinates that (10a), (10b) divide by. */
+/* 1: the least difference of two normalised coordinates that (10a), (10b) divide by. */
 #define SPREAD_MIN RC_TOL(1e-9, 1e-4)
 
 /* ---- translation --------------------------------------------------------- */

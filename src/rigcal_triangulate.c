@@ -1,16 +1,22 @@
 #include "rc_levenberg.h"
 #include "rc_points.h"
 
-/* Least parallax, as sin^2 of the angle between two rays: 0.1 degree. A bearing error e
- * moves the point by range * e / sin(angle) in depth, there over 500 times as far as
- * sideways. */
+/* ---- constants ----------------------------------------------------------- */
+
+/* sine squared of the angle between two rays: the least parallax, 0.1 degree. A bearing
+ * error e moves the point by range * e / sin(angle) in depth, there over 500 times as far
+ * as sideways. */
 #define PARALLAX_MIN RC(3.05e-6)
 
-/* Evaluations of a triangulation, usually 2 or 3. */
+/* evaluations: of a triangulation, usually 2 or 3. The worst case that the manual
+ * states. */
 enum { EVALS_MAX = 50 };
 
-/* Pivots are compared with this part of their element of the diagonal. */
+/* part of an element of the diagonal: a smaller pivot is rounding. */
 #define RANK_TOL (4 * RC_EPS)
+
+/* part of the larger coordinate: a smaller disparity is rounding. */
+#define DISPARITY_LEAST (4 * RC_EPS)
 
 /* ---- depth --------------------------------------------------------------- */
 
@@ -97,7 +103,8 @@ rigcal_status rigcal_depth_aligned(rigcal_real X_left[3], rigcal_real baseline,
     }
     const rigcal_real disparity = xy_left[0] - xy_right[0];
     const rigcal_real size = rc_max(RC_FABS(xy_left[0]), RC_FABS(xy_right[0]));
-    if (!(RC_FABS(disparity) > rc_max(4 * RC_EPS * size, baseline / RC_COORDINATE_MAX))) {
+    if (!(RC_FABS(disparity) >
+          rc_max(DISPARITY_LEAST * size, baseline / RC_COORDINATE_MAX))) {
         return RIGCAL_ERR_PARALLEL;
     }
     if (!(disparity > 0)) {

@@ -46,8 +46,9 @@ paper         gcc,cmake,unity,python
 readme        gcc,python                   $PYTHON tests/checks/check_readme.py
 layout        python                       $PYTHON tests/checks/check_layout.py
 vectors       numpy,scipy                  $PYTHON tests/vectors/make_vectors.py --check
-layers        gcc,python                     $PYTHON tests/checks/check_layers.py
+layers        gcc,python                   $PYTHON tests/checks/check_layers.py
 limits        gcc,python                   $PYTHON tests/checks/check_limits.py
+constants     gcc,python                   $PYTHON tests/gate/constants.py --check
 manifests     python                       $PYTHON tests/checks/check_manifests.py
 symbols       gcc,python                   $PYTHON tests/checks/check_symbols.py
 callgraph     gcc,arm,python

@@ -1,0 +1,2144 @@
+/* gate: what the library does on seeded scenes, as counts. A constant of src/ that is
+ * halved or doubled changes one of them: constants.py tries it.
+ *
+ *   gate              prints a line a counter: its name and its value
+ *   gate check FILE   compares them with those of FILE; exit status 1 if any differs
+ *
+ * The library is built with count_hooks.h, so that calls of its math functions measure
+ * work. Scenes come from arithmetic and square roots alone: every compiler that rounds each
+ * operation gets the same counts. Counters that begin with "stack." are bounds. */
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "count_hooks.h"
+#include "rc_direction.h"
+#include "rc_levenberg.h"
+#include "rc_neldermead.h"
+#include "rc_p3p.h"
+#include "rc_pose.h"
+#include "rc_store.h"
+#include "rigcal_paper.h"
+
+#define PI 3.14159265358979323846
+#define ANY_OF(double_value, float_value) \
+    (RIGCAL_USE_FLOAT ? (float_value) : (double_value))
+
+enum { POINTS_MAX = 160 };
+
+/* ---- counters ------------------------------------------------------------ */
+
+static unsigned long calls;
+
+void hook_called(int hook, const char *function, double x)
+{
+    (void)hook;
+    (void)function;
+    (void)x;
+    calls++;
+}
+
+static char lines[1000][80];
+static int n_lines;
+
+static void line(const char *name, const char *format, ...)
+{
+    va_list arguments;
+    char value[32];
+    va_start(arguments, format);
+    vsnprintf(value, sizeof value, format, arguments);
+    va_end(arguments);
+    if (n_lines < 1000) {
+        snprintf(lines[n_lines++], sizeof lines[0], "%s %s", name, value);
+    }
+}
+
+/* What became of the scenes of a group. */
+typedef struct {
+    const char *name;
+    long statuses[64], misses, wrong_ok, found, steps;
+    unsigned long calls_before;
+} tally;
+
+static void begin(tally *t, const char *name)
+{
+    memset(t, 0, sizeof *t);
+    t->name = name;
+    t->calls_before = calls;
+}
+
+static void end(const tally *t)
+{
+    char name[64];
+    for (int i = 0; i < 64; i++) {
+        if (t->statuses[i] != 0) {
+            snprintf(name, sizeof name, "%s.%s", t->name,
+                     rigcal_status_name(i - 32) + strlen("RIGCAL_"));
+            line(name, "%ld", t->statuses[i]);
+        }
+    }
+    const struct {
+        const char *what;
+        long value;
+    } rest[] = {{"misses", t->misses},
+                {"wrong_ok", t->wrong_ok},
+                {"found", t->found},
+                {"steps", t->steps},
+                {"calls", (long)(calls - t->calls_before)}};
+    for (size_t i = 0; i < sizeof rest / sizeof rest[0]; i++) {
+        if (rest[i].value != 0) {
+            snprintf(name, sizeof name, "%s.%s", t->name, rest[i].what);
+            line(name, "%ld", rest[i].value);
+        }
+    }
+}
+
+static rigcal_status count(tally *t, rigcal_status status)
+{
+    t->statuses[status + 32]++;
+    return status;
+}
+
+/* The largest x, between low and high, for which `holds`, which holds for low and not for
+ * high; to three digits. Bisection of the logarithm. */
+typedef int (*predicate)(double x);
+
+static void edge(const char *name, predicate holds, double low, double high)
+{
+    if (!holds(low) || holds(high)) {
+        line(name, "none");
+        return;
+    }
+    for (int i = 0; i < 80; i++) {
+        const double middle = sqrt(low * high);
+        *(holds(middle) ? &low : &high) = middle;
+    }
+    line(name, "%.3g", low);
+}
+
+/* ---- random numbers (SplitMix64) ----------------------------------------- */
+
+static uint64_t state;
+
+static uint64_t draw(void)
+{
+    uint64_t z = state += UINT64_C(0x9e3779b97f4a7c15);
+    z = (z ^ (z >> 30)) * UINT64_C(0xbf58476d1ce4e5b9);
+    z = (z ^ (z >> 27)) * UINT64_C(0x94d049bb133111eb);
+    return z ^ (z >> 31);
+}
+
+static double uniform(double low, double high)
+{
+    return low + (high - low) * ((double)(draw() >> 11) / 9007199254740992.0);
+}
+
+static double normal(void)
+{
+    double sum = -6;
+    for (int i = 0; i < 12; i++) {
+        sum += uniform(0, 1);
+    }
+    return sum;
+}
+
+/* 10^-k, k anything from 0 to most, without a logarithm. */
+static double small(int most)
+{
+    double x = uniform(0.1, 1);
+    for (int k = (int)uniform(0, most); k > 0; k--) {
+        x /= 10;
+    }
+    return x;
+}
+
+/* ---- geometry in double -------------------------------------------------- */
+
+static void rotation_of(double R[9], const double q[4])
+{
+    const double s = 2 / (q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
+    for (int i = 0; i < 3; i++) {
+        const int j = (i + 1) % 3, k = (i + 2) % 3;
+        R[4 * i] = 1 - s * (q[1 + j] * q[1 + j] + q[1 + k] * q[1 + k]);
+        R[3 * i + j] = s * (q[1 + i] * q[1 + j] - q[0] * q[1 + k]);
+        R[3 * i + k] = s * (q[1 + i] * q[1 + k] + q[0] * q[1 + j]);
+    }
+}
+
+static void random_rotation(double R[9])
+{
+    const double q[4] = {normal(), normal(), normal(), normal() + 1e-9};
+    rotation_of(R, q);
+}
+
+/* A turn whose half angle has the tangent `tangent`, about any axis, before R. */
+static void turn_by(double R[9], double tangent)
+{
+    double v[3] = {normal(), normal(), normal() + 1e-9}, T[9], out[9];
+    const double norm = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+    const double q[4] = {norm, tangent * v[0], tangent * v[1], tangent * v[2]};
+    rotation_of(T, q);
+    for (int i = 0; i < 9; i++) {
+        out[i] = 0;
+        for (int k = 0; k < 3; k++) {
+            out[i] += T[i / 3 * 3 + k] * R[3 * k + i % 3];
+        }
+    }
+    memcpy(R, out, sizeof out);
+}
+
+static void move(double y[3], const double R[9], const double t[3], const double x[3])
+{
+    for (int i = 0; i < 3; i++) {
+        y[i] = R[3 * i] * x[0] + R[3 * i + 1] * x[1] + R[3 * i + 2] * x[2] + t[i];
+    }
+}
+
+static rigcal_transform transform_of(const double R[9], const double t[3])
+{
+    rigcal_transform T;
+    for (int i = 0; i < 9; i++) {
+        T.R[i] = RC(R[i]);
+    }
+    for (int i = 0; i < 3; i++) {
+        T.t[i] = RC(t[i]);
+    }
+    return T;
+}
+
+static rigcal_transform identity(void)
+{
+    const double R[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1}, t[3] = {0, 0, 0};
+    return transform_of(R, t);
+}
+
+/* By the formulas of rigcal.h. 0: not in front. */
+static int project(double uv[2], const rigcal_camera *c, const double X[3])
+{
+    const double k1 = (double)c->k1, k2 = (double)c->k2, k3 = (double)c->k3;
+    const double p1 = (double)c->p1, p2 = (double)c->p2;
+    double x = X[0] / X[2], y = X[1] / X[2];
+    if (c->lens == RIGCAL_LENS_FISHEYE) {
+        const double r = sqrt(X[0] * X[0] + X[1] * X[1]), theta = atan2(r, X[2]);
+        const double s = theta * theta;
+        const double d =
+            theta * (1 + s * (k1 + s * (k2 + s * (k3 + s * (double)c->k4)))) / r;
+        uv[0] = (double)c->fx * d * X[0] + (double)c->cx;
+        uv[1] = (double)c->fy * d * X[1] + (double)c->cy;
+        return r > 0;
+    }
+    const double s = x * x + y * y;
+    const double d = (1 + s * (k1 + s * (k2 + s * k3))) /
+                     (1 + s * ((double)c->k4 + s * ((double)c->k5 + s * (double)c->k6)));
+    uv[0] = (double)c->fx * (x * d + 2 * p1 * x * y + p2 * (s + 2 * x * x)) + (double)c->cx;
+    uv[1] = (double)c->fy * (y * d + p1 * (s + 2 * y * y) + 2 * p2 * x * y) + (double)c->cy;
+    return X[2] > 0;
+}
+
+/* ---- scenes -------------------------------------------------------------- */
+
+typedef enum { GENERAL, PLANAR, SQUARE, SLAB, NEEDLE, SHAPES } shape;
+typedef enum { PINHOLE, BROWN, RATIONAL, FISHEYE, LENSES } lens;
+
+static rigcal_camera camera_of(lens kind, double f)
+{
+    rigcal_camera c;
+    memset(&c, 0, sizeof c);
+    c.width = 640;
+    c.height = 480;
+    c.fx = c.fy = RC(f);
+    c.cx = RC(319.5);
+    c.cy = RC(239.5);
+    if (kind == BROWN) {
+        c.k1 = RC(-0.2);
+        c.k2 = RC(0.05);
+        c.p1 = RC(1e-3);
+        c.p2 = RC(-5e-4);
+    } else if (kind == RATIONAL) {
+        c.k1 = RC(0.2);
+        c.k4 = RC(0.3);
+    } else if (kind == FISHEYE) {
+        c.lens = RIGCAL_LENS_FISHEYE;
+        c.k1 = RC(0.01);
+        c.k2 = RC(-0.002);
+    }
+    return c;
+}
+
+typedef struct {
+    int n;
+    double X[POINTS_MAX][3], R[9], t[3], sigma_px;
+    rigcal_camera camera;
+    rigcal_observation o[POINTS_MAX];
+    rigcal_real sigma[POINTS_MAX];
+    int use_sigma;
+    rigcal_pose_options options;
+} scene;
+
+static rigcal_view view_of(const scene *s)
+{
+    const rigcal_view view = {&s->camera, s->o, s->use_sigma ? s->sigma : NULL,
+                              (size_t)s->n};
+    return view;
+}
+
+static void point_of(double X[3], shape kind, int i)
+{
+    static const double CORNERS[4][2] = {
+        {-0.5, 0.5}, {0.5, 0.5}, {0.5, -0.5}, {-0.5, -0.5}};
+    const double thin[SHAPES] = {1, 0, 0, 0.2, 0.05};
+    for (int k = 0; k < 3; k++) {
+        X[k] = uniform(-0.5, 0.5);
+    }
+    X[2] *= thin[kind];
+    if (kind == NEEDLE) {
+        X[1] *= 0.05;
+    }
+    if (kind == SQUARE && i < 4) {
+        X[0] = CORNERS[i][0];
+        X[1] = CORNERS[i][1];
+    }
+}
+
+/* The pixels of the scene with its noise; 0: a point is behind the camera. */
+static int observe(scene *s)
+{
+    for (int i = 0; i < s->n; i++) {
+        double X_c[3], uv[2];
+        move(X_c, s->R, s->t, s->X[i]);
+        if (!project(uv, &s->camera, X_c)) {
+            return 0;
+        }
+        s->sigma[i] = RC(uniform(0.5, 2));
+        for (int k = 0; k < 3; k++) {
+            s->o[i].X_w[k] = RC(s->X[i][k]);
+        }
+        for (int k = 0; k < 2; k++) {
+            const double by = s->use_sigma ? (double)s->sigma[i] : 1;
+            s->o[i].uv[k] = RC(uv[k] + s->sigma_px * by * normal());
+        }
+    }
+    return 1;
+}
+
+/* n points before a camera, `near` to `far` of their sizes away. */
+static void random_scene(scene *s, int n, shape kind, lens through, double sigma_px,
+                         double near, double far)
+{
+    memset(s, 0, sizeof *s);
+    s->camera = camera_of(through, 800);
+    s->sigma_px = sigma_px;
+    s->n = n;
+    rigcal_pose_defaults(&s->options);
+    do {
+        const double z = uniform(near, far);
+        random_rotation(s->R);
+        s->t[0] = z * uniform(-0.25, 0.25);
+        s->t[1] = z * uniform(-0.2, 0.2);
+        s->t[2] = z;
+        for (int i = 0; i < n; i++) {
+            point_of(s->X[i], kind, i);
+        }
+    } while (!observe(s));
+}
+
+/* Points round a camera with a short focal length, all of them far off its axis. */
+static void scene_around(scene *s, int n, double sigma_px)
+{
+    memset(s, 0, sizeof *s);
+    s->sigma_px = sigma_px;
+    s->n = n;
+    s->camera = camera_of(PINHOLE, 100);
+    rigcal_pose_defaults(&s->options);
+    random_rotation(s->R);
+    for (int i = 0; i < n; i++) {
+        double x = normal(), y = normal();
+        const double z = uniform(0.03, 0.5), far = uniform(1, 3), r = sqrt(x * x + y * y);
+        const double X_c[3] = {far * x / r - s->t[0], far * y / r - s->t[1],
+                               far * z - s->t[2]};
+        for (int k = 0; k < 3; k++) { /* X = R^T X_c */
+            s->X[i][k] = s->R[k] * X_c[0] + s->R[3 + k] * X_c[1] + s->R[6 + k] * X_c[2];
+        }
+    }
+    observe(s);
+}
+
+/* A target far off the axis of a camera with a short focal length. */
+static void wide_scene(scene *s, int n, shape kind, lens through, double sigma_px)
+{
+    memset(s, 0, sizeof *s);
+    s->sigma_px = sigma_px;
+    s->n = n;
+    rigcal_pose_defaults(&s->options);
+    do {
+        const double f = uniform(40, 400), z = uniform(0.03, 0.8), far = uniform(0.5, 4);
+        const double x = uniform(-1, 1), across = sqrt(1 - z * z);
+        s->camera = camera_of(through == BROWN ? PINHOLE : through, f);
+        random_rotation(s->R);
+        s->t[0] = far * across * x;
+        s->t[1] = far * across * sqrt(1 - x * x) * (draw() % 2 ? 1 : -1);
+        s->t[2] = far * z;
+        for (int i = 0; i < n; i++) {
+            point_of(s->X[i], kind, i);
+        }
+    } while (!observe(s));
+}
+
+static double rotation_error(const double R[9], const rigcal_real seen[9])
+{
+    double sum = 0;
+    for (int i = 0; i < 9; i++) {
+        sum += (R[i] - (double)seen[i]) * (R[i] - (double)seen[i]);
+    }
+    return sqrt(sum / 2);
+}
+
+/* Solves and judges: a miss is a scene whose pose is not among those found, a wrong OK one
+ * whose first pose is another and said to be sure. */
+enum { WRONG_TENTHS = 3 }; /* of a radian */
+
+static rigcal_status solve(tally *t, const scene *s)
+{
+    rigcal_pose_solver solver;
+    rigcal_pose poses[RIGCAL_POSES_MAX];
+    size_t n_found = 0;
+    int32_t at_fault;
+    const rigcal_view view = view_of(s);
+    rigcal_status status = rigcal_pose_begin(&solver, &at_fault, &view, &s->options);
+    if (status == RIGCAL_OK) {
+        do {
+            t->steps++;
+        } while (rigcal_pose_step(&solver, 1) == RIGCAL_RUNNING);
+        status = rigcal_pose_result(poses, RIGCAL_POSES_MAX, &n_found, &at_fault, &solver);
+    }
+    int is_found = 0;
+    for (size_t i = 0; i < n_found; i++) {
+        const int is_right =
+            rotation_error(s->R, poses[i].cam_from_world.R) < 0.1 * WRONG_TENTHS;
+        is_found |= is_right;
+        t->wrong_ok += i == 0 && !is_right && status == RIGCAL_OK;
+    }
+    t->misses += !is_found;
+    t->found += (long)n_found;
+    return count(t, status);
+}
+
+/* ---- poses --------------------------------------------------------------- */
+
+static void gate_poses(void)
+{
+    static const char *const names[SHAPES] = {"pose.general", "pose.planar", "pose.square",
+                                              "pose.slab", "pose.needle"};
+    static const int sizes[] = {3, 4, 5, 8, 20};
+    static const double noise[] = {0, 0.3, 1.5, 6};
+    for (int kind = 0; kind < SHAPES; kind++) {
+        tally t;
+        begin(&t, names[kind]);
+        state = 100 + (uint64_t)kind;
+        for (int i = 0; i < 600; i++) {
+            scene s;
+            const int is_far = i % 7 == 3;
+            random_scene(&s, sizes[i % 5], (shape)kind, (lens)(i / 5 % LENSES),
+                         noise[i / 20 % 4], is_far ? 20 : 1.2, is_far ? 80 : 8);
+            s.use_sigma = i % 4 == 1;
+            s.options.sigma_px = i % 3 == 2 ? RC(0.5 + s.sigma_px) : 0;
+            solve(&t, &s);
+        }
+        end(&t);
+    }
+}
+
+static void gate_warm(void)
+{
+    tally t;
+    begin(&t, "warm");
+    state = 200;
+    for (int i = 0; i < 600; i++) {
+        scene s;
+        double R[9], from[3];
+        random_scene(&s, 4 + i % 9, (shape)(i % 3), (lens)(i / 3 % LENSES), 0.3, 1.5, 8);
+        memcpy(R, s.R, sizeof R);
+        turn_by(R, small(3));
+        for (int k = 0; k < 3; k++) {
+            from[k] = s.t[k] * uniform(0.6, 1.6);
+        }
+        s.options.use_start = 1;
+        s.options.start = transform_of(R, from);
+        solve(&t, &s);
+    }
+    end(&t);
+}
+
+static void gate_wide(void)
+{
+    static const char *const names[2] = {"wide.good", "wide.poor"};
+    for (int is_poor = 0; is_poor < 2; is_poor++) {
+        tally t;
+        begin(&t, names[is_poor]);
+        state = 300;
+        for (int i = 0; i < 500; i++) {
+            scene s;
+            if (i % 5 == 4) {
+                scene_around(&s, 4 + i % 7, 0.5);
+            } else {
+                wide_scene(&s, 4 + i % 6, (shape)(i / 6 % SHAPES), (lens)(i % LENSES), 0.5);
+            }
+            if (is_poor) {
+                s.o[i % s.n].uv[0] += RC(40);
+            }
+            solve(&t, &s);
+        }
+        end(&t);
+    }
+}
+
+/* Points whose handedness was mistaken, and their like. */
+static void gate_mirrored(void)
+{
+    tally t;
+    begin(&t, "mirrored");
+    state = 400;
+    for (int i = 0; i < 400; i++) {
+        scene s;
+        random_scene(&s, 5 + i % 8, i % 2 ? GENERAL : SLAB, PINHOLE, 0.2 * small(2), 1.5,
+                     30);
+        for (int k = 0; k < s.n && i % 4 < 3; k++) {
+            s.o[k].X_w[2] = -s.o[k].X_w[2];
+        }
+        solve(&t, &s);
+    }
+    end(&t);
+}
+
+/* ---- where a pose gets a caveat ------------------------------------------- */
+
+static scene probed;
+static double shifts[POINTS_MAX][2];
+static rigcal_status wanted;
+
+static void draw_shifts(void)
+{
+    for (int i = 0; i < POINTS_MAX; i++) {
+        shifts[i][0] = normal();
+        shifts[i][1] = normal();
+    }
+}
+
+static rigcal_status solve_probed(const scene *s)
+{
+    tally t;
+    memset(&t, 0, sizeof t);
+    return solve(&t, s);
+}
+
+/* The noise of `probed`, in pixels, until which the status is not `wanted`. */
+static int noise_is_below(double noise_px)
+{
+    scene s = probed;
+    for (int i = 0; i < s.n; i++) {
+        for (int k = 0; k < 2; k++) {
+            s.o[i].uv[k] += RC(noise_px * shifts[i][k]);
+        }
+    }
+    return solve_probed(&s) != wanted;
+}
+
+static int warm_is_kept(double noise_px)
+{
+    scene s = probed;
+    tally t;
+    memset(&t, 0, sizeof t);
+    for (int i = 0; i < s.n; i++) {
+        for (int k = 0; k < 2; k++) {
+            s.o[i].uv[k] += RC(noise_px * shifts[i][k]);
+        }
+    }
+    solve(&t, &s);
+    return t.steps < 12; /* a search takes more */
+}
+
+static int distance_is_clear(double z)
+{
+    scene s = probed;
+    s.t[2] = z;
+    state = 7;
+    observe(&s);
+    return solve_probed(&s) != RIGCAL_VAGUE;
+}
+
+static void gate_caveats(void)
+{
+    state = 500;
+    draw_shifts();
+    random_scene(&probed, 12, GENERAL, PINHOLE, 0, 4, 4.1);
+    wanted = RIGCAL_POOR_FIT;
+    edge("poor.noise_px", noise_is_below, 0.01, 100);
+    probed.options.sigma_px = 1;
+    edge("poor.of_stated", noise_is_below, 0.01, 100);
+    random_scene(&probed, 12, GENERAL, PINHOLE, 0, 1.6, 1.7);
+    edge("poor.coarse_px", noise_is_below, 0.01, 20);
+    random_scene(&probed, 12, GENERAL, PINHOLE, 0, 12, 12.1);
+    probed.camera = camera_of(PINHOLE, 1);
+    probed.camera.cx = probed.camera.cy = 0;
+    observe(&probed);
+    edge("poor.normalised", noise_is_below, 1e-6, 0.02);
+
+    random_scene(&probed, 12, GENERAL, PINHOLE, 0, 12, 12.1);
+    probed.options.use_start = 1;
+    probed.options.start = transform_of(probed.R, probed.t);
+    edge("warm.noise_px", warm_is_kept, 0.01, 100);
+
+    random_scene(&probed, 6, GENERAL, PINHOLE, 0, 5, 5.1);
+    probed.t[0] = probed.t[1] = 0;
+    edge("vague.exact", distance_is_clear, 4, 1e5);
+    probed.options.sigma_px = 2;
+    edge("vague.stated", distance_is_clear, 4, 1e5);
+}
+
+/* ---- robust, diagnose, tag ------------------------------------------------ */
+
+static void gate_robust(void)
+{
+    tally t;
+    begin(&t, "robust");
+    state = 600;
+    for (int i = 0; i < 200; i++) {
+        scene s;
+        rigcal_robust_options o;
+        static rigcal_robust_solver solver;
+        rigcal_pose poses[RIGCAL_POSES_MAX];
+        uint8_t inliers[POINTS_MAX];
+        size_t n_found = 0, n_in = 0;
+        int32_t at_fault;
+        random_scene(&s, 5 + i % 50, (shape)(i % 2), i % 10 == 9 ? BROWN : PINHOLE, 0.5, 2,
+                     6);
+        s.use_sigma = i % 6 == 5;
+        for (int k = 0; k < s.n; k++) {
+            if (uniform(0, 1) < 0.12 * (i % 8)) {
+                s.o[k].uv[0] = RC(uniform(0, 640));
+                s.o[k].uv[1] = RC(uniform(0, 480));
+            }
+        }
+        rigcal_robust_defaults(&o);
+        o.sigma_px = i % 3 == 1 ? RC(0.5) : 0;
+        const rigcal_view view = view_of(&s);
+        rigcal_status status = rigcal_robust_begin(&solver, inliers, &at_fault, &view, &o);
+        while (status >= 0 && rigcal_robust_step(&solver, 1) == RIGCAL_RUNNING) {
+            t.steps++;
+        }
+        if (status >= 0) {
+            status =
+                rigcal_robust_result(poses, RIGCAL_POSES_MAX, &n_found, &n_in, &solver);
+        }
+        const int is_right =
+            status >= 0 && rotation_error(s.R, poses[0].cam_from_world.R) < 0.3;
+        t.misses += !is_right;
+        t.wrong_ok += status == RIGCAL_OK && !is_right;
+        t.found += (long)n_in;
+        count(&t, status);
+    }
+    end(&t);
+}
+
+/* A point that is off until it disagrees: the threshold. */
+static int agrees(double off_px)
+{
+    scene s = probed;
+    rigcal_pose pose;
+    uint8_t inliers[POINTS_MAX];
+    size_t n_found, n_in = 0;
+    int32_t at_fault;
+    rigcal_robust_options o;
+    rigcal_robust_defaults(&o);
+    o.sigma_px = s.options.sigma_px;
+    s.o[0].uv[0] += RC(off_px);
+    const rigcal_view view = view_of(&s);
+    rigcal_robust_solve(&pose, 1, &n_found, inliers, &n_in, &at_fault, &view, &o);
+    return n_in == (size_t)s.n;
+}
+
+static int samples_are_taken(double samples)
+{
+    rigcal_pose pose;
+    uint8_t inliers[POINTS_MAX];
+    size_t n_found, n_in;
+    int32_t at_fault;
+    rigcal_robust_options o;
+    rigcal_robust_defaults(&o);
+    o.samples = (int32_t)samples;
+    const rigcal_view view = view_of(&probed);
+    return rigcal_robust_solve(&pose, 1, &n_found, inliers, &n_in, &at_fault, &view, &o) !=
+           RIGCAL_ERR_RANGE;
+}
+
+/* Five points agree, three do not: how far may these be from agreeing by chance? */
+static int chance_is_below(double threshold_px)
+{
+    rigcal_pose pose;
+    uint8_t inliers[POINTS_MAX];
+    size_t n_found, n_in;
+    int32_t at_fault;
+    rigcal_robust_options o;
+    rigcal_robust_defaults(&o);
+    o.threshold_px = RC(threshold_px);
+    const rigcal_view view = view_of(&probed);
+    const rigcal_status status =
+        rigcal_robust_solve(&pose, 1, &n_found, inliers, &n_in, &at_fault, &view, &o);
+    return status != RIGCAL_ERR_NO_CONSENSUS && (wanted == 0 || status != RIGCAL_FEW_AGREE);
+}
+
+static void gate_robust_edges(void)
+{
+    state = 620;
+    random_scene(&probed, 8, GENERAL, PINHOLE, 0, 3, 3.1);
+    for (int i = 0; i < 3; i++) {
+        probed.o[i].uv[i % 2] += RC(150);
+    }
+    wanted = RIGCAL_FEW_AGREE;
+    edge("robust.few_px", chance_is_below, 1e-3, 100);
+    wanted = 0;
+    edge("robust.none_px", chance_is_below, 1e-3, 100);
+    for (int n = 3; n <= 11; n++) {
+        char name[32];
+        rigcal_pose pose;
+        uint8_t inliers[POINTS_MAX];
+        size_t n_found, n_in;
+        int32_t at_fault;
+        random_scene(&probed, n, GENERAL, PINHOLE, 0.2, 2, 2.1);
+        const rigcal_view view = view_of(&probed);
+        snprintf(name, sizeof name, "robust.of_%d_points", n);
+        line(name, "%d",
+             (int)rigcal_robust_solve(&pose, 1, &n_found, inliers, &n_in, &at_fault, &view,
+                                      NULL));
+    }
+    state = 610;
+    random_scene(&probed, 30, GENERAL, PINHOLE, 0, 4, 4.1);
+    edge("robust.threshold_px", agrees, 0.1, 100);
+    probed.options.sigma_px = RC(0.1);
+    edge("robust.threshold_sigmas", agrees, 0.01, 100);
+    edge("robust.samples_max", samples_are_taken, 1, 1e9);
+}
+
+static void gate_diagnose(void)
+{
+    tally t;
+    char name[32];
+    long verdicts[3] = {0, 0, 0}, kinds[8] = {0}, handed = 0, units = 0;
+    begin(&t, "diagnose");
+    state = 700;
+    for (int i = 0; i < 300; i++) {
+        scene s;
+        rigcal_diagnosis d;
+        rigcal_real rms[POINTS_MAX];
+        random_scene(&s, i % 40 == 39 ? 40 : 5 + i % 6, (shape)(i % 4), PINHOLE, 0.3, 1.5,
+                     8);
+        if (i % 3 != 0) {
+            s.o[i % s.n].uv[0] += RC(40 * small(3));
+        }
+        for (int k = 0; k < s.n && i % 5 == 2; k++) {
+            s.o[k].X_w[2] = -s.o[k].X_w[2];
+        }
+        for (int k = 0; k < s.n && i % 15 == 3; k++) {
+            s.o[k].uv[1] = RC(479) - s.o[k].uv[1];
+        }
+        s.options.sigma_px = i % 2 ? RC(0.3) : 0;
+        if (i % 4 == 1) {
+            const double factor = uniform(0.8, 1.25) * (i % 8 == 1 ? 25.4 : 0.01);
+            const double from[3] = {factor * s.t[0], factor * s.t[1], factor * s.t[2]};
+            s.options.use_start = 1;
+            s.options.start = transform_of(s.R, from);
+        }
+        const rigcal_view view = view_of(&s);
+        if (count(&t, rigcal_pose_diagnose(&d, rms, &view, &s.options)) >= 0) {
+            verdicts[d.blame.verdict]++;
+            kinds[d.verdict]++;
+            handed += d.is_handed;
+            units += d.units > 0;
+            t.found += d.blame.point == i % s.n;
+        }
+    }
+    end(&t);
+    for (int k = 0; k < 8; k++) {
+        if (kinds[k] > 0) {
+            snprintf(name, sizeof name, "diagnose.verdict_%d", k);
+            line(name, "%ld", kinds[k]);
+        }
+    }
+    for (int k = 0; k < 3; k++) {
+        snprintf(name, sizeof name, "diagnose.blame_%d", k);
+        line(name, "%ld", verdicts[k]);
+    }
+    line("diagnose.handed", "%ld", handed);
+    line("diagnose.units", "%ld", units);
+}
+
+/* Whether the point that is `off_px` off is blamed no more than `wanted`. */
+static int blame_is_below(double off_px)
+{
+    scene s = probed;
+    rigcal_blame blame;
+    s.o[2].uv[0] += RC(off_px);
+    const rigcal_view view = view_of(&s);
+    return rigcal_pose_blame(&blame, NULL, &view, &s.options) < 0 || blame.verdict < wanted;
+}
+
+static int units_are_near(double ratio)
+{
+    scene s = probed;
+    rigcal_diagnosis d;
+    const double from[3] = {0.01 * ratio * s.t[0], 0.01 * ratio * s.t[1],
+                            0.01 * ratio * s.t[2]};
+    s.options.use_start = 1;
+    s.options.start = transform_of(s.R, from);
+    const rigcal_view view = view_of(&s);
+    return rigcal_pose_diagnose(&d, NULL, &view, &s.options) == RIGCAL_OK && d.units > 0;
+}
+
+static void gate_blame_edges(void)
+{
+    state = 710;
+    random_scene(&probed, 10, GENERAL, PINHOLE, 0.3, 4, 4.1);
+    probed.options.sigma_px = RC(0.3);
+    wanted = RIGCAL_BLAME_SURE;
+    edge("blame.sure_px", blame_is_below, 0.1, 100);
+    wanted = RIGCAL_BLAME_LIKELY;
+    edge("blame.likely_px", blame_is_below, 0.1, 100);
+    random_scene(&probed, 150, GENERAL, PINHOLE, 0.02, 4, 4.1);
+    probed.options.sigma_px = RC(0.3);
+    wanted = RIGCAL_BLAME_SURE;
+    edge("blame.of_many_px", blame_is_below, 0.1, 100);
+    random_scene(&probed, 5, GENERAL, PINHOLE, 0.05, 3, 3.1);
+    probed.options.sigma_px = RC(0.3);
+    wanted = RIGCAL_BLAME_SURE;
+    edge("blame.of_five_px", blame_is_below, 0.1, 1000);
+    edge("diagnose.units_near", units_are_near, 1, 3);
+    for (int n = 2; n <= 11; n++) {
+        char name[32];
+        rigcal_blame blame;
+        random_scene(&probed, n < 3 ? 3 : n, GENERAL, PINHOLE, 0.2, 2, 2.1);
+        const rigcal_view view = view_of(&probed);
+        snprintf(name, sizeof name, "blame.of_%d_points", n);
+        line(name, "%d", (int)rigcal_pose_blame(&blame, NULL, &view, NULL));
+    }
+}
+
+static void gate_tags(const char *name, double far, double sigma_px, int is_edge_on)
+{
+    tally t;
+    begin(&t, name);
+    state = 800;
+    for (int i = 0; i < 1000; i++) {
+        scene s;
+        rigcal_real uv[8];
+        rigcal_pose poses[RIGCAL_POSES_MAX];
+        size_t n_found = 0;
+        int32_t at_fault;
+        random_scene(&s, 4, SQUARE, (lens)(i / 2 % 2), sigma_px, 0.03 * far, far);
+        if (is_edge_on) {
+            const double q[4] = {1, 1 + 0.1 * normal(), 0, 0};
+            rotation_of(s.R, q);
+            observe(&s);
+        }
+        for (int k = 0; k < 4; k++) {
+            uv[2 * k] = s.o[k].uv[0];
+            uv[2 * k + 1] = s.o[k].uv[1];
+        }
+        const rigcal_status status =
+            count(&t, rigcal_tag_solve(poses, RIGCAL_POSES_MAX, &n_found, &at_fault,
+                                       &s.camera, uv, 1, NULL));
+        const int is_right =
+            status >= 0 && rotation_error(s.R, poses[0].cam_from_world.R) < 0.3;
+        t.wrong_ok += status == RIGCAL_OK && !is_right;
+        t.misses += !is_right;
+        t.found += (long)n_found;
+    }
+    end(&t);
+}
+
+/* ---- triangulation, depth ------------------------------------------------- */
+
+static void gate_triangulate(void)
+{
+    tally t;
+    begin(&t, "triangulate");
+    state = 900;
+    for (int i = 0; i < 1000; i++) {
+        enum { VIEWS = 5 };
+        const int n = 2 + i % (VIEWS - 1);
+        rigcal_camera cameras[VIEWS];
+        rigcal_transform T[VIEWS];
+        rigcal_real uv[2 * VIEWS];
+        rigcal_point point;
+        const double X[3] = {uniform(-1, 1), uniform(-1, 1), uniform(-1, 1)};
+        const double apart = 2 * small(3), noise = i % 3 == 0 ? 0 : 3 * small(3);
+        for (int k = 0; k < n;) {
+            const double q[4] = {1, uniform(-0.1, 0.1), uniform(-0.1, 0.1), uniform(-1, 1)};
+            const double off[3] = {apart * uniform(-1, 1), apart * uniform(-1, 1),
+                                   uniform(1.5, 8)};
+            double R[9], X_c[3], pixel[2];
+            rotation_of(R, q);
+            cameras[k] = camera_of((lens)((i + k) / 3 % LENSES), 800);
+            T[k] = transform_of(R, off);
+            move(X_c, R, off, X);
+            if (project(pixel, &cameras[k], X_c)) {
+                uv[2 * k] = RC(pixel[0] + noise * normal());
+                uv[2 * k + 1] = RC(pixel[1] + noise * normal());
+                k++;
+            }
+        }
+        const rigcal_status status =
+            count(&t, rigcal_point_triangulate(&point, cameras, T, uv, (size_t)n, RC(0.5)));
+        if (status >= 0) {
+            const double dx = (double)point.X[0] - X[0], dz = (double)point.X[2] - X[2];
+            t.misses += dx * dx + dz * dz > 0.01;
+        }
+    }
+    end(&t);
+}
+
+/* Rays from (0, 0, 0) and (1, 0, 0) that meet `range` away. */
+static int depths_are_known(double range)
+{
+    const rigcal_real a[3] = {0, 0, 1}, b[3] = {RC(-1 / range), 0, 1};
+    rigcal_transform T = identity();
+    rigcal_real depth[2], miss;
+    T.t[0] = RC(-1);
+    return rigcal_depth_two_views(depth, &miss, &T, a, b) == RIGCAL_OK;
+}
+
+static int point_is_known(double range)
+{
+    const rigcal_camera c[2] = {camera_of(PINHOLE, 800), camera_of(PINHOLE, 800)};
+    rigcal_transform T[2] = {identity(), identity()};
+    rigcal_point point;
+    T[1].t[0] = RC(-1);
+    const rigcal_real uv[4] = {c[0].cx, c[0].cy, RC((double)c[0].cx - 800 / range),
+                               c[0].cy};
+    return rigcal_point_triangulate(&point, c, T, uv, 2, 1) == RIGCAL_OK;
+}
+
+static int disparity_is_none(double disparity)
+{
+    const rigcal_real left[2] = {1, 0}, right[2] = {RC(1) - RC(disparity), 0};
+    rigcal_real X[3];
+    return rigcal_depth_aligned(X, RC(1e-6), left, right) == RIGCAL_ERR_PARALLEL;
+}
+
+/* Two views whose depth hardly shows in the pixels: a focal length of so much along x. */
+static int pixels_fix_depth(double flat)
+{
+    rigcal_camera c[2] = {camera_of(PINHOLE, 800), camera_of(PINHOLE, 800)};
+    rigcal_transform T[2] = {identity(), identity()};
+    rigcal_point point;
+    rigcal_real uv[4];
+    for (int k = 0; k < 2; k++) {
+        c[k].fx = RC(800 * flat);
+        uv[2 * k] = k == 0 ? c[0].cx : c[1].cx - c[1].fx / 4;
+        uv[2 * k + 1] = c[k].cy;
+    }
+    T[1].t[0] = RC(-1);
+    return rigcal_point_triangulate(&point, c, T, uv, 2, 1) != RIGCAL_OK;
+}
+
+static void gate_depth_edges(void)
+{
+    edge("depth.range", depths_are_known, 2, 1e7);
+    edge("triangulate.range", point_is_known, 2, 1e7);
+    edge("depth.disparity", disparity_is_none, ANY_OF(1e-18, 1e-9), 0.1);
+    edge("triangulate.rank", pixels_fix_depth, ANY_OF(1.3e-9, 1.3e-9), 1);
+}
+
+/* ---- matching lines ------------------------------------------------------- */
+
+static int line_is_unit(double more)
+{
+    const rigcal_real px[3] = {RC(sqrt(1 + more)), 0, RC(-5)};
+    rigcal_real ends[4];
+    return rigcal_epiline_clip(ends, px, 100, 100) != RIGCAL_ERR_RANGE;
+}
+
+static int is_epipole(double off)
+{
+    const rigcal_real ray[3] = {RC(off), 0, 1};
+    rigcal_transform T = identity();
+    rigcal_real found[3];
+    T.t[2] = 1;
+    return rigcal_epiline(found, &T, ray) == RIGCAL_ERR_EPIPOLE;
+}
+
+static int segment_is_behind(double z)
+{
+    const rigcal_real ray[3] = {1, 0, RC(z)};
+    const rigcal_camera camera = camera_of(PINHOLE, 800);
+    const rigcal_transform T = identity();
+    rigcal_real ends[4];
+    return rigcal_epiline_segment(ends, &camera, &T, ray, 1, 2) == RIGCAL_ERR_WIDE_RAY;
+}
+
+static void gate_epilines(void)
+{
+    tally t;
+    begin(&t, "epiline");
+    state = 1000;
+    for (int i = 0; i < 1000; i++) {
+        double R[9];
+        const double off[3] = {normal(), normal(), normal() * small(3)};
+        const rigcal_real ray[3] = {RC(normal()), RC(normal()), RC(1 + small(2))};
+        const rigcal_camera camera = camera_of((lens)(i % LENSES), 300);
+        rigcal_real px[3], ends[4], curve[40];
+        size_t n = 0;
+        random_rotation(R);
+        const rigcal_transform T = transform_of(R, off);
+        if (count(&t, rigcal_epiline_px(px, &camera, &T, ray)) == RIGCAL_OK) {
+            count(&t, rigcal_epiline_clip(ends, px, 640, 480));
+            count(&t, rigcal_epiline_segment(ends, &camera, &T, ray, RC(0.5), 10));
+            count(&t, rigcal_epiline_curve(curve, 20, &n, &camera, &T, ray, RC(0.5), 10));
+            t.found += (long)n;
+        }
+    }
+    end(&t);
+    edge("epiline.unit", line_is_unit, 1e-12, 1);
+    edge("epiline.epipole", is_epipole, ANY_OF(1e-18, 1e-10), 0.1);
+    edge("epiline.behind", segment_is_behind, ANY_OF(1e-20, 1e-12), 0.5);
+}
+
+/* ---- rotations and rigs --------------------------------------------------- */
+
+static int is_rotation(double off)
+{
+    rigcal_transform T = identity();
+    rigcal_real w[3];
+    T.R[1] = RC(off);
+    return rigcal_vector_from_rotation(w, T.R) == RIGCAL_OK;
+}
+
+static int is_gimbal_lock(double cosine)
+{
+    const rigcal_real c = RC(cosine);
+    const rigcal_real R[9] = {
+        c / 2, RC(-0.5), RC(0.8660254037844386), 0, RC(0.8660254037844386), RC(0.5), RC(-1),
+        0,     c};
+    rigcal_real ypr[3];
+    rc_yaw_pitch_roll_from_rotation(ypr, R);
+    return !(RC_FABS(ypr[2]) > 0);
+}
+
+static int is_singular(double least)
+{
+    const rigcal_real M[9] = {1, 0, 0, 0, 1, 0, 0, 0, RC(least)};
+    rigcal_real R[9];
+    return rigcal_rotation_nearest(R, M) != RIGCAL_OK;
+}
+
+static int angle_is_taken(double angle)
+{
+    const rigcal_real ypr[3] = {RC(angle), 0, 0};
+    rigcal_real R[9];
+    return rigcal_rotation_from_yaw_pitch_roll(R, ypr) == RIGCAL_OK;
+}
+
+static void gate_rotations(void)
+{
+    tally t;
+    begin(&t, "rotation");
+    state = 1100;
+    for (int i = 0; i < 500; i++) {
+        rigcal_real M[9], R[9];
+        const double scale = small(ANY_OF(14, 5));
+        double Q[9];
+        random_rotation(Q);
+        for (int k = 0; k < 9; k++) {
+            M[k] = RC(Q[k] * (k < 3 ? 1 : scale) + 0.2 * scale * normal());
+        }
+        count(&t, rigcal_rotation_nearest(R, M));
+    }
+    end(&t);
+    begin(&t, "mean");
+    for (int i = 0; i < 300; i++) {
+        enum { MOST = 6 };
+        rigcal_transform list[MOST], mean;
+        rigcal_real weight[MOST], sigma[2];
+        double Q[9];
+        const double t0[3] = {1, 2, 3}, spread = 2 * small(4);
+        random_rotation(Q);
+        for (int k = 0; k < MOST; k++) {
+            double R[9];
+            memcpy(R, Q, sizeof R);
+            turn_by(R, spread * uniform(0, 1));
+            list[k] = transform_of(R, t0);
+            weight[k] = RC(uniform(0, 1));
+        }
+        count(&t, rigcal_transform_mean(&mean, &sigma[0], &sigma[1], list, weight,
+                                        (size_t)(2 + i % (MOST - 1))));
+    }
+    end(&t);
+    edge("rotation.off", is_rotation, 1e-12, 0.5);
+    edge("rotation.gimbal", is_gimbal_lock, ANY_OF(1e-20, 1e-12), 0.1);
+    edge("rotation.singular", is_singular, ANY_OF(1e-20, 1e-12), 0.1);
+    edge("rotation.angle", angle_is_taken, 1, 1e12);
+}
+
+static void gate_rigs(void)
+{
+    tally t;
+    begin(&t, "rig");
+    state = 1200;
+    for (int i = 0; i < 100; i++) {
+        enum { CAMERAS = 6, VIEWS = 18 };
+        rigcal_transform cams[CAMERAS], work[VIEWS], truth[CAMERAS], target[VIEWS];
+        rigcal_view_pose views[VIEWS];
+        rigcal_real weight[VIEWS];
+        int32_t group[CAMERAS];
+        double R[9], off[3] = {1, 2, 3};
+        for (int k = 0; k < CAMERAS + VIEWS; k++) {
+            random_rotation(R);
+            *(k < CAMERAS ? &truth[k] : &target[k - CAMERAS]) = transform_of(R, off);
+        }
+        for (int k = 0; k < VIEWS; k++) {
+            views[k].camera = (int32_t)(draw() % CAMERAS);
+            views[k].placement = (int32_t)(draw() % (3 + (unsigned)i % 6));
+            views[k].weight = RC(uniform(1, 20));
+            rc_transform_compose(&views[k].cam_from_target, &truth[views[k].camera],
+                                 &target[views[k].placement]);
+        }
+        rigcal_rig rig = {cams, group, CAMERAS, views, VIEWS, work, weight};
+        count(&t, rigcal_rig_join(&rig));
+        for (int k = 0; k < CAMERAS; k++) {
+            t.found += group[k];
+        }
+    }
+    end(&t);
+}
+
+/* ---- lenses --------------------------------------------------------------- */
+
+static void gate_lenses(void)
+{
+    tally t;
+    begin(&t, "lens.usual");
+    for (int kind = 0; kind < LENSES; kind++) {
+        const rigcal_camera camera = camera_of((lens)kind, 300);
+        for (int i = 0; i < 1000; i++) {
+            const rigcal_real uv[2] = {RC(20 * (i % 32)), RC(15 * (i / 32))};
+            rigcal_real ray[3], back[2];
+            if (count(&t, rigcal_camera_ray(ray, &camera, uv)) == RIGCAL_OK) {
+                count(&t, rigcal_camera_project(back, &camera, ray));
+            }
+        }
+    }
+    end(&t);
+    begin(&t, "lens.any");
+    state = 1300;
+    for (int i = 0; i < 2000; i++) {
+        rigcal_camera camera = camera_of(PINHOLE, 300);
+        rigcal_real ray[3], uv[2];
+        rigcal_real *const k[8] = {&camera.k1, &camera.k2, &camera.k3, &camera.k4,
+                                   &camera.p1, &camera.p2, &camera.k5, &camera.k6};
+        camera.lens = i % 2 ? RIGCAL_LENS_FISHEYE : RIGCAL_LENS_BROWN;
+        for (int j = 0; j < (i % 2 ? 4 : 8); j++) {
+            *k[j] = RC(normal() * (j == 4 || j == 5 ? 0.1 : 1) * 10 * small(4));
+        }
+        uv[0] = RC(320 + 300 * normal());
+        uv[1] = RC(240 + 300 * normal());
+        count(&t, rigcal_camera_ray(ray, &camera, uv));
+        for (int j = 0; j < 3; j++) {
+            ray[j] = RC(normal());
+        }
+        count(&t, rigcal_camera_project(uv, &camera, ray));
+    }
+    end(&t);
+}
+
+/* A lens turns back where r = 1 / sqrt(3 * 0.2): a pixel so far beyond. */
+static double principal_point;
+
+static int pixel_has_ray(double beyond_px)
+{
+    rigcal_camera camera = camera_of(PINHOLE, 300);
+    const double r = 1 / sqrt(0.6), farthest = 300 * (r - 0.2 * r * r * r);
+    rigcal_real ray[3];
+    camera.k1 = RC(-0.2);
+    camera.cx = RC(principal_point);
+    const rigcal_real uv[2] = {RC(farthest + beyond_px) + camera.cx, camera.cy};
+    return rigcal_camera_ray(ray, &camera, uv) == RIGCAL_OK;
+}
+
+static void gate_lens_edges(void)
+{
+    principal_point = 0;
+    edge("lens.miss_px", pixel_has_ray, ANY_OF(1e-12, 1e-4), 1);
+    principal_point = ANY_OF(1e8, 1e5);
+    edge("lens.miss_far_px", pixel_has_ray, ANY_OF(1e-9, 1e-3), 1);
+    line("points.negligible", "%.2e", (double)rc_negligible(1, 0));
+    line("points.negligible_far", "%.2e", (double)rc_negligible(1, RC(1e7)));
+}
+
+/* How wrong a series is: a fisheye's ray at the pixel of `theta`, and back. */
+static void gate_series(void)
+{
+    rigcal_camera camera = camera_of(FISHEYE, 100);
+    double ray_error = 0, angle_error = 0, odds_error = 0;
+    camera.k1 = camera.k2 = 0;
+    for (int i = 1; i < 314; i++) {
+        const double theta = 0.01 * i;
+        const rigcal_real uv[2] = {RC(100 * theta) + camera.cx, camera.cy};
+        const rigcal_real X[3] = {RC(sin(theta)), 0, RC(cos(theta))};
+        rigcal_real ray[3], back[2];
+        rigcal_camera_ray(ray, &camera, uv);
+        const double seen = atan2((double)ray[0], (double)ray[2]);
+        ray_error = fmax(ray_error, fabs(seen - theta));
+        rigcal_camera_project(back, &camera, X);
+        angle_error = fmax(angle_error, fabs((double)(back[0] - camera.cx) / 100 - theta));
+    }
+    for (int i = -100; i <= 100; i++) {
+        const double exponent = 0.79 * i;
+        const double seen = (double)rc_odds(RC(100 - exponent), 100, 1, 1, 5);
+        odds_error = fmax(odds_error, fabs(seen / exp(exponent / 2) - 1));
+    }
+    line("series.ray", "%.0e", ray_error);
+    line("series.angle", "%.0e", angle_error);
+    line("series.odds", "%.1e", odds_error);
+}
+
+static int exponent_is_free(double exponent)
+{
+    return rc_odds(0, RC(2 * exponent), 1, 1, 5) <
+           rc_odds(0, RC(2.001 * exponent), 1, 1, 5);
+}
+
+static int noise_is_believed(double sse)
+{
+    return rc_odds(0, RC(sse * sse), 0, 1, 7) < 2;
+}
+
+static void gate_chance(void)
+{
+    edge("chance.exponent", exponent_is_free, 1, 500);
+    edge("chance.noise_px", noise_is_believed, 1e-6, 10);
+    line("chance.sets_most", "%.1e", (double)rc_expected_sets(100000, 1000, 1));
+}
+
+/* ---- the published procedure ---------------------------------------------- */
+
+static int bearings_of(rigcal_bearing b[], const scene *s)
+{
+    const rigcal_view view = view_of(s);
+    return rigcal_bearings_of_view(b, NULL, &view) == RIGCAL_OK;
+}
+
+static rigcal_status choose(size_t *n_pairs, const rigcal_bearing b[], int n)
+{
+    rigcal_pair pairs[4 * POINTS_MAX];
+    return rigcal_pairs_choose(pairs, 4 * POINTS_MAX, n_pairs, b, (size_t)n);
+}
+
+static void gate_paper(void)
+{
+    tally t;
+    begin(&t, "pairs");
+    state = 1400;
+    for (int i = 0; i < 200; i++) {
+        scene s;
+        rigcal_bearing b[POINTS_MAX];
+        size_t n_pairs = 0;
+        random_scene(&s, 3 + i % 40, (shape)(i % SHAPES), PINHOLE, 0.2, 2, 8);
+        for (int k = 4; k < s.n && i % 3 == 2; k++) { /* all near to each other */
+            for (int j = 0; j < 3; j++) {
+                s.X[k][j] = 0.01 * s.X[k][j];
+            }
+        }
+        if (observe(&s) && bearings_of(b, &s)) {
+            count(&t, choose(&n_pairs, b, s.n));
+            t.found += (long)n_pairs;
+        }
+    }
+    end(&t);
+    begin(&t, "paper");
+    for (int i = 0; i < 24; i++) {
+        scene s;
+        rigcal_bearing b[POINTS_MAX];
+        rigcal_pair pairs[4 * POINTS_MAX];
+        rigcal_paper_pose pose;
+        rigcal_paper_options o;
+        size_t n_pairs;
+        rigcal_paper_defaults(&o);
+        random_scene(&s, 4 + i % 6, (shape)(i % 3), PINHOLE, 0.2, 2, 8);
+        o.use_guess = i % 4 == 3;
+        o.angles = i % 8 == 7 ? 3 : 2;
+        o.pairs_used = i % 3 == 2 ? 2 : 0;
+        if (!bearings_of(b, &s) || rigcal_pairs_choose(pairs, 4 * POINTS_MAX, &n_pairs, b,
+                                                       (size_t)s.n) != RIGCAL_OK) {
+            continue;
+        }
+        const rigcal_status status =
+            count(&t, rigcal_paper_solve(&pose, b, (size_t)s.n, pairs, n_pairs, &o));
+        if (status >= 0) {
+            t.steps += pose.evals;
+            t.found += pose.starts;
+            t.misses += rotation_error(s.R, pose.cam_from_world.R) > 0.3;
+        }
+    }
+    end(&t);
+}
+
+static rigcal_bearing three[3];
+
+static void set_three(void)
+{
+    static const double X[3][2] = {{0, 0}, {1, 0}, {0, 1}};
+    for (int i = 0; i < 3; i++) {
+        for (int k = 0; k < 3; k++) {
+            three[i].X_w[k] = k < 2 ? RC(X[i][k]) : 0;
+            three[i].ray[k] = k < 2 ? RC(0.1 * X[i][k]) : 1;
+        }
+    }
+}
+
+static int points_are_line(double off)
+{
+    size_t n_pairs;
+    set_three();
+    three[2].X_w[0] = RC(0.5);
+    three[2].X_w[1] = RC(off);
+    return choose(&n_pairs, three, 3) == RIGCAL_ERR_COLLINEAR;
+}
+
+static int rays_are_same(double off)
+{
+    size_t n_pairs;
+    set_three();
+    three[1].ray[0] = RC(off);
+    three[2].ray[0] = RC(0.1);
+    three[2].ray[1] = 0;
+    return choose(&n_pairs, three, 3) == RIGCAL_ERR_COINCIDENT;
+}
+
+static int shape_is_kept(double far)
+{
+    size_t n_pairs;
+    set_three();
+    for (int i = 0; i < 3; i++) {
+        three[i].X_w[2] = RC(far);
+    }
+    return choose(&n_pairs, three, 3) != RIGCAL_ERR_PRECISION;
+}
+
+static int ray_is_behind(double z)
+{
+    size_t n_pairs;
+    set_three();
+    three[1].ray[0] = 1;
+    three[1].ray[2] = RC(z);
+    return choose(&n_pairs, three, 3) == RIGCAL_ERR_WIDE_RAY;
+}
+
+static rigcal_pair pair_of(double normal_x, double normal_y, double offset_z)
+{
+    rigcal_pair p = {{RC(normal_x), RC(normal_y), 0}, {0, 0, RC(offset_z)}, 0, 1};
+    return p;
+}
+
+static int pair_is_unit(double more)
+{
+    const rigcal_pair p = pair_of(sqrt(1 + more), 0, 1);
+    const rigcal_transform T = identity();
+    rigcal_real e;
+    return rigcal_pair_residual(&e, &p, T.R) == RIGCAL_OK;
+}
+
+/* Pairs whose equations of pitch differ by no more. */
+static rigcal_status eliminate(double off, int32_t pairs_used)
+{
+    rigcal_pair p[3];
+    rigcal_elimination out;
+    const rigcal_real angles[2] = {0, 0};
+    for (int i = 0; i < 3; i++) {
+        p[i] = pair_of(0.6, 0.8, 0.8);
+        p[i].offset[1] = RC(0.6);
+    }
+    p[1].offset[0] = RC(off);
+    return rigcal_pairs_eliminate(&out, p, 3, pairs_used, RIGCAL_PITCH, angles);
+}
+
+static int two_are_singular(double off)
+{
+    return eliminate(off, 2) == RIGCAL_ERR_DEGENERATE;
+}
+
+static int all_are_singular(double off)
+{
+    return eliminate(off, 0) == RIGCAL_ERR_DEGENERATE;
+}
+
+static rigcal_status translate(double off, int by_pairs)
+{
+    const rigcal_transform T = identity();
+    rigcal_pair p = pair_of(1, 0, 1);
+    rigcal_real t[3];
+    set_three();
+    three[0].ray[0] = 1;
+    three[1].ray[0] = RC(1 + off);
+    three[1].ray[1] = 0;
+    return by_pairs ? rigcal_translation_from_pairs(t, T.R, three, 2, &p, 1)
+                    : rigcal_translation_least_squares(t, T.R, three, 2);
+}
+
+static int spread_is_none(double off)
+{
+    return translate(off, 1) == RIGCAL_ERR_DEGENERATE;
+}
+
+/* u is 1 and 1 + off: of their deviations only the rounding counts. */
+static int rays_differ_not(double off)
+{
+    return translate(off, 0) == RIGCAL_ERR_DEGENERATE;
+}
+
+static int guess_is_taken(double angle)
+{
+    rigcal_paper_solver s;
+    rigcal_paper_options o;
+    rigcal_pair p[3];
+    set_three();
+    for (int i = 0; i < 3; i++) {
+        p[i] = pair_of(1, 0, 1);
+    }
+    rigcal_paper_defaults(&o);
+    o.use_guess = 1;
+    o.guess_ypr[0] = RC(angle);
+    return rigcal_paper_begin(&s, three, 3, p, 3, &o) == RIGCAL_OK;
+}
+
+static void gate_paper_edges(void)
+{
+    edge("pairs.line", points_are_line, ANY_OF(1e-14, 1e-8), 0.1);
+    edge("pairs.same_ray", rays_are_same, ANY_OF(1e-18, 1e-10), 0.05);
+    edge("pairs.precision", shape_is_kept, 1, ANY_OF(1e20, 1e8));
+    edge("pairs.behind", ray_is_behind, ANY_OF(1e-20, 1e-12), 1);
+    edge("pairs.unit", pair_is_unit, 1e-9, 1);
+    edge("eliminate.two", two_are_singular, ANY_OF(1e-20, 1e-12), 0.01);
+    edge("eliminate.all", all_are_singular, ANY_OF(1e-20, 1e-12), 0.01);
+    edge("translation.spread", spread_is_none, ANY_OF(1e-15, 1.2e-7), 0.1);
+    edge("translation.same", rays_differ_not, ANY_OF(2.3e-16, 1.2e-7), 0.1);
+    edge("paper.guess", guess_is_taken, 1, 1e20);
+}
+
+/* ---- searches ------------------------------------------------------------- */
+
+static rigcal_real valley(void *context, const rigcal_real x[])
+{
+    const rigcal_real a = 1 - x[0], b = x[1] - x[0] * x[0];
+    (void)context;
+    return a * a + 100 * b * b;
+}
+
+static void gate_neldermead(void)
+{
+    static const double tolerances[] = {1e-3, 1e-6, 0};
+    tally t;
+    begin(&t, "neldermead");
+    state = 1500;
+    for (int i = 0; i < 60; i++) {
+        rigcal_neldermead nm;
+        rigcal_real x[2];
+        int32_t evals = 0;
+        const rigcal_real tol = RC(tolerances[i % 3]);
+        x[0] = i % 5 == 0 ? 0 : RC(normal());
+        x[1] = i % 7 == 0 ? 0 : RC(normal());
+        rigcal_neldermead_begin(&nm, x, 2, tol, tol, 1000);
+        rigcal_neldermead_step(&nm, valley, NULL, 10000);
+        count(&t, rigcal_neldermead_result(x, NULL, &evals, &nm));
+        t.steps += evals;
+    }
+    end(&t);
+}
+
+static rigcal_levenberg begun(void)
+{
+    rigcal_levenberg lm;
+    rc_levenberg_begin(&lm, 0);
+    rc_levenberg_evaluated(&lm, RIGCAL_OK, 1);
+    return lm;
+}
+
+static int damped_step_is_last(double lambda)
+{
+    rigcal_levenberg lm = begun();
+    lm.lambda = RC(lambda);
+    return rc_levenberg_promised(&lm, 0, 0) == RC_STEP_LAST;
+}
+
+static int gain_is_least(double gain)
+{
+    rigcal_levenberg lm = begun();
+    return rc_levenberg_promised(&lm, RC(gain), 0) == RC_STEP_LAST;
+}
+
+static int little_is_left(double gain)
+{
+    rigcal_levenberg lm = begun();
+    lm.last_gain = 1;
+    return rc_levenberg_promised(&lm, RC(gain), 0) == RC_STEP_LAST;
+}
+
+static int gains_fall(double gain)
+{
+    rigcal_levenberg lm = begun();
+    lm.last_gain = 1;
+    rc_levenberg_promised(&lm, RC(gain), 0);
+    return lm.equations == RC_GAUSS_NEWTON;
+}
+
+static int rise_is_rounding(double rise)
+{
+    rigcal_levenberg lm = begun();
+    return rc_levenberg_tried(&lm, RIGCAL_OK, RC(1) + RC(rise), 1, 0);
+}
+
+static int damping_helps(double lambda)
+{
+    rigcal_levenberg lm = begun();
+    lm.lambda = RC(lambda);
+    rc_levenberg_tried(&lm, RIGCAL_OK, 2, 1, 0);
+    return lm.status == RIGCAL_RUNNING;
+}
+
+static int harm_is_rounding(double gain)
+{
+    rigcal_levenberg lm = begun();
+    rc_levenberg_tried(&lm, RIGCAL_OK, 2, RC(gain), 0);
+    return lm.status == RIGCAL_OK;
+}
+
+static void gate_levenberg(void)
+{
+    edge("levenberg.near", damped_step_is_last, 1e-9, 1e3);
+    edge("levenberg.gain", gain_is_least, 1e-20, 1);
+    edge("levenberg.left", little_is_left, 1e-20, 1);
+    edge("levenberg.slow", gains_fall, 1e-4, 1);
+    edge("levenberg.rise", rise_is_rounding, ANY_OF(2.3e-16, 1.2e-7), 0.1);
+    edge("levenberg.last", damping_helps, 1, 1e12);
+    edge("levenberg.rounding", harm_is_rounding, 1e-12, 1);
+
+    rigcal_levenberg lm = begun();
+    line("levenberg.first", "%.1e", (double)lm.lambda);
+    rc_levenberg_tried(&lm, RIGCAL_OK, RC(0.5), 1, 0);
+    line("levenberg.less", "%.1e", (double)lm.lambda);
+    lm.lambda = 1;
+    rc_levenberg_tried(&lm, RIGCAL_OK, 2, 1, 0);
+    line("levenberg.more", "%.1e", (double)lm.lambda);
+    long tries = 0;
+    for (lm = begun(); lm.status == RIGCAL_RUNNING && tries < 1000; tries++) {
+        rc_levenberg_tried(&lm, RIGCAL_OK, 2, 1, 0);
+    }
+    line("levenberg.tries", "%ld %.1e", tries, (double)lm.lambda);
+    lm = begun();
+    lm.equations = RC_NEWTON;
+    lm.lambda = 0;
+    rc_levenberg_not_definite(&lm);
+    line("levenberg.indefinite", "%.1e", (double)lm.lambda);
+    while (lm.equations != RC_GAUSS_NEWTON && lm.lambda < RC(1e20)) {
+        rc_levenberg_not_definite(&lm);
+        lm.lambda *= RC(1.01); /* off the powers of ten */
+    }
+    line("levenberg.given_up", "%.1e", (double)lm.lambda);
+}
+
+/* ---- three points, directions, matrices ----------------------------------- */
+
+static int triangle_poses(double x2, double y2, const double rays[3][2])
+{
+    const rigcal_real x[3][3] = {{0, 0, 0}, {1, 0, 0}, {RC(x2), RC(y2), 0}};
+    rigcal_real ray[3][3];
+    rigcal_transform poses[RC_P3P_MAX];
+    for (int i = 0; i < 3; i++) {
+        const rigcal_real m[3] = {RC(rays[i][0]), RC(rays[i][1]), 1};
+        (void)rc_vec3_unit(ray[i], m);
+    }
+    return rc_p3p(poses, x, (const rigcal_real(*)[3])ray);
+}
+
+/* Points on a line but for `off`, seen from 5 ahead. */
+static int triangle_is_line(double off)
+{
+    const double rays[3][2] = {{0, 0}, {0.2, 0}, {0.1, 0.2 * off}};
+    return triangle_poses(0.5, off, rays) == 0;
+}
+
+static int rays_are_one(double off)
+{
+    const double rays[3][2] = {{0, 0}, {off, 0}, {0, off}};
+    return triangle_poses(0, 1, rays) == 0;
+}
+
+static void gate_p3p(void)
+{
+    tally t;
+    begin(&t, "p3p");
+    state = 1600;
+    for (int i = 0; i < 4000; i++) {
+        double R[9], X[3][3], X_c[3],
+            t0[3] = {uniform(-1, 1), uniform(-1, 1), uniform(0.6, 6)};
+        rigcal_real x[3][3], ray[3][3];
+        rigcal_transform poses[RC_P3P_MAX];
+        const double noise = i % 2 ? 0.02 * small(5) : 0;
+        int is_near = 0;
+        random_rotation(R);
+        for (int k = 0; k < 3; k++) {
+            point_of(X[k], GENERAL, k);
+            move(X_c, R, t0, X[k]);
+            for (int j = 0; j < 3; j++) {
+                x[k][j] = RC(X[k][j]);
+                ray[k][j] = RC(X_c[j] + noise * normal());
+            }
+            (void)rc_vec3_unit(ray[k], ray[k]);
+        }
+        const int n =
+            rc_p3p(poses, (const rigcal_real(*)[3])x, (const rigcal_real(*)[3])ray);
+        for (int k = 0; k < n; k++) {
+            is_near |= rotation_error(R, poses[k].R) < 0.1;
+        }
+        t.misses += !is_near;
+        t.found += n;
+    }
+    end(&t);
+    edge("p3p.line", triangle_is_line, ANY_OF(1e-20, 1e-12), 0.1);
+    edge("p3p.same_ray", rays_are_one, ANY_OF(1e-20, 1e-12), 0.05);
+}
+
+static rigcal_moments moments_of(double thickness, double extent)
+{
+    rigcal_moments sums;
+    rc_moments_begin(&sums);
+    for (int i = 0; i < 4; i++) {
+        const rigcal_real x[3] = {i % 2 ? 1 : -1, i / 2 ? 1 : -1,
+                                  RC(i == 0 || i == 3 ? thickness : -thickness)};
+        const rigcal_real u[2] = {RC(1) + (rigcal_real)extent * x[0],
+                                  (rigcal_real)extent * x[1]};
+        rc_moments_add(&sums, 1, x, u);
+    }
+    return sums;
+}
+
+static int image_is_point(double extent)
+{
+    rigcal_moments sums = moments_of(1, extent);
+    return !rc_moments_finish(&sums);
+}
+
+static int moments_are_line(double ratio)
+{
+    const rigcal_real C[6] = {1, 0, 0, RC(ratio), 0, RC(ratio)};
+    rigcal_real normal3[3], thickness;
+    return !rc_sym3_thinnest(normal3, &thickness, C);
+}
+
+static int pivot_is_rounding(double left)
+{
+    rc_sym6_factor L;
+    rigcal_real H[21] = {0};
+    for (int at = 0; at < 21; at += 15) {
+        H[at] = H[at + 3] = H[at + 5] = 1;
+    }
+    H[1] = RC(1) - RC(left / 2); /* the pivot is about `left` */
+    return !rc_sym6_factor_of(&L, H, 0);
+}
+
+static int diagonal_is_least(double element)
+{
+    const rigcal_real A[6] = {1, 0, 0, RC(element), 0, 1};
+    rigcal_real damped[6], least[3];
+    rc_sym3_damp(damped, least, A, 1);
+    return least[1] > A[3];
+}
+
+static void gate_directions(void)
+{
+    tally t;
+    begin(&t, "direction");
+    state = 1700;
+    for (int i = 0; i < 300; i++) {
+        scene s;
+        rigcal_moments sums;
+        random_scene(&s, 4 + i % 5, (shape)(i % 3), PINHOLE, 0.3, 1.2, 10);
+        rc_moments_begin(&sums);
+        for (int k = 0; k < s.n; k++) {
+            const rigcal_real u[2] = {(s.o[k].uv[0] - s.camera.cx) / s.camera.fx,
+                                      (s.o[k].uv[1] - s.camera.cy) / s.camera.fy};
+            rc_moments_add(&sums, 1, s.o[k].X_w, u);
+        }
+        if (!rc_moments_finish(&sums)) {
+            continue;
+        }
+        for (int k = 0; k < 10; k++) {
+            double R[9];
+            random_rotation(R);
+            const rigcal_transform T = transform_of(R, s.t);
+            t.found += rc_direction_cost(&sums, T.R) < RC_MAX;
+        }
+    }
+    end(&t);
+    double worst = 0;
+    for (int i = 0; i < 500; i++) {
+        double R[9];
+        rigcal_real C[6] = {0}, normal3[3], thickness;
+        random_rotation(R);
+        const double part[3] = {1, 1.2, uniform(0.5, 0.9)};
+        const double none[3] = {0, 0, 0};
+        const rigcal_transform T = transform_of(R, none);
+        for (int k = 0; k < 3; k++) {
+            rc_sym3_add_outer(C, RC(part[k]), &T.R[3 * k]);
+        }
+        if (rc_sym3_thinnest(normal3, &thickness, C)) {
+            worst = fmax(worst, 1 - fabs((double)rc_vec3_dot(normal3, &T.R[6])));
+        }
+    }
+    line("linalg.thinnest", "%.1e", worst);
+    edge("linalg.line", moments_are_line, 1e-20, 1);
+    edge("linalg.rank", pivot_is_rounding, ANY_OF(4.5e-16, 2.4e-7), 0.1);
+    edge("linalg.least", diagonal_is_least, 1e-9, 0.9);
+    edge("direction.extent", image_is_point, ANY_OF(1e-14, 1e-6), 0.5);
+}
+
+/* ---- targets at the edge of what there is a pose of ----------------------- */
+
+static int points_are_one(double apart)
+{
+    scene s = probed;
+    for (int k = 0; k < 3; k++) {
+        s.X[1][k] = s.X[0][k] + (k == 0 ? apart : 0);
+    }
+    state = 7;
+    observe(&s);
+    return solve_probed(&s) == RIGCAL_ERR_COINCIDENT;
+}
+
+static int target_keeps_shape(double far)
+{
+    scene s = probed;
+    for (int i = 0; i < s.n; i++) {
+        s.o[i].X_w[2] += RC(far);
+    }
+    return solve_probed(&s) != RIGCAL_ERR_PRECISION;
+}
+
+/* How many poses a scene has. */
+static long found_of(const scene *s)
+{
+    tally t;
+    memset(&t, 0, sizeof t);
+    solve(&t, s);
+    return t.found;
+}
+
+/* A square at so little tilt, from afar, where it leans this way or the other. */
+static int poses_are_one(double tangent)
+{
+    scene s = probed;
+    const double q[4] = {1, tangent, 0, 0};
+    rotation_of(s.R, q);
+    observe(&s);
+    return found_of(&s) < 2;
+}
+
+/* Three points on the unit circle, the camera on the cylinder through it or near: there two
+ * poses merge. */
+static void cylinder_scene(double off, double pixel)
+{
+    const double turn[9] = {1, 0, 0, 0, -1, 0, 0, 0, -1};
+    random_scene(&probed, 3, GENERAL, PINHOLE, 0, 3, 3.1);
+    memcpy(probed.R, turn, sizeof turn);
+    for (int i = 0; i < 3; i++) {
+        probed.X[i][0] = i == 0 ? 1 : -0.5;
+        probed.X[i][1] = i == 0 ? 0 : i == 1 ? 0.8660254037844386 : -0.8660254037844386;
+        probed.X[i][2] = 0;
+    }
+    probed.t[0] = -0.8 * (1 + off); /* centre (0.8, 0.6, 4) (1 + off) */
+    probed.t[1] = 0.6 * (1 + off);
+    probed.t[2] = 4;
+    observe(&probed);
+    probed.o[0].uv[0] += RC(pixel);
+    probed.o[0].uv[1] += RC(pixel / 2);
+}
+
+static long cylinder_found;
+
+static int exact_are_one(double off)
+{
+    cylinder_scene(off, 0);
+    return found_of(&probed) == cylinder_found;
+}
+
+static int noise_is_exact(double pixel)
+{
+    cylinder_scene(0, pixel);
+    return found_of(&probed) == cylinder_found;
+}
+
+static void gate_near_poses(void)
+{
+    state = 1850;
+    random_scene(&probed, 4, SQUARE, PINHOLE, 0, 3, 3.1);
+    probed.camera = camera_of(PINHOLE, ANY_OF(1e7, 1e6));
+    probed.t[0] = probed.t[1] = 0;
+    probed.t[2] = ANY_OF(1e5, 1e4);
+    edge("pose.same", poses_are_one, 1e-5, 0.1);
+    cylinder_scene(0, 0);
+    cylinder_found = found_of(&probed);
+    line("pose.merged", "%ld", cylinder_found);
+    edge("pose.same_exact", exact_are_one, 1e-9, 0.1);
+    edge("pose.exact_px", noise_is_exact, 1e-9, 10);
+}
+
+/* Optima of a target that is thicker or thinner: how many starts it takes. */
+static void gate_thickness(void)
+{
+    tally t;
+    begin(&t, "thickness");
+    state = 1800;
+    for (int i = 0; i < 300; i++) {
+        scene s;
+        const double thick = 0.7 * small(5);
+        random_scene(&s, 6 + i % 4, GENERAL, PINHOLE, 0.5, 2, 40);
+        for (int k = 0; k < s.n; k++) {
+            s.X[k][2] *= thick;
+            s.X[k][0] = i % 10 == 9 ? s.X[k][2] : s.X[k][0];
+        }
+        if (observe(&s)) {
+            for (int k = 0; k < s.n && i % 3 == 0; k++) {
+                s.o[k].X_w[2] = -s.o[k].X_w[2];
+            }
+            solve(&t, &s);
+        }
+    }
+    end(&t);
+    begin(&t, "head_on");
+    for (int i = 0; i < 300; i++) {
+        scene s;
+        const double q[4] = {1, small(9), 0, uniform(-1, 1)};
+        random_scene(&s, 4 + i % 3, SQUARE, PINHOLE, i % 2 ? 0.2 : 0, 2, 20);
+        s.t[0] = s.t[1] = 0;
+        rotation_of(s.R, q);
+        if (observe(&s)) {
+            solve(&t, &s);
+        }
+    }
+    end(&t);
+    begin(&t, "three");
+    for (int i = 0; i < 600; i++) {
+        scene s;
+        random_scene(&s, 3, GENERAL, PINHOLE, i % 3 ? small(6) : 0, 1.2, 6);
+        s.options.sigma_px = i % 5 == 0 ? 1 : 0;
+        solve(&t, &s);
+    }
+    end(&t);
+    random_scene(&probed, 3, GENERAL, PINHOLE, 0, 3, 3.1);
+    edge("pose.same_point", points_are_one, ANY_OF(1e-14, 1e-7), 0.3);
+    random_scene(&probed, 6, GENERAL, PINHOLE, 0, 3, 3.1);
+    edge("pose.precision", target_keeps_shape, 1, ANY_OF(1e20, 1e8));
+}
+
+/* ---- numbers at the edge of their range ----------------------------------- */
+
+static rigcal_real *field;
+static rigcal_camera camera_probed;
+
+static int field_is_taken(double x)
+{
+    *field = RC(x);
+    return rigcal_camera_check(&camera_probed) == RIGCAL_OK;
+}
+
+static int focal_is_short(double x)
+{
+    return !field_is_taken(x);
+}
+
+static int width_is_taken(double x)
+{
+    camera_probed.width = (int32_t)x;
+    return rigcal_camera_check(&camera_probed) == RIGCAL_OK;
+}
+
+static int coordinate_is_taken(double x)
+{
+    rigcal_transform T = identity();
+    rigcal_real center[3];
+    T.t[0] = RC(x);
+    return rigcal_camera_center(center, &T) == RIGCAL_OK;
+}
+
+static int sigma_is_taken(double x)
+{
+    scene s = probed;
+    s.options.sigma_px = RC(x);
+    return solve_probed(&s) >= 0;
+}
+
+static int sigma_is_small(double x)
+{
+    return !sigma_is_taken(x);
+}
+
+/* The first of so many pairs is no number: it is not looked at when there are too many. */
+static int count_is_taken(double n)
+{
+    rigcal_pair p = pair_of(1, 0, 1);
+    const rigcal_real ypr[3] = {0, 0, 0};
+    rigcal_real residual;
+    p.normal[0] = RC(NAN);
+    return rigcal_pairs_residual(&residual, &p, (size_t)n, ypr) == RIGCAL_ERR_NOT_FINITE;
+}
+
+static void gate_ranges(void)
+{
+    camera_probed = camera_of(PINHOLE, 800);
+    field = &camera_probed.k1;
+    edge("camera.coefficient", field_is_taken, 1, 1e20);
+    camera_probed = camera_of(PINHOLE, 800);
+    field = &camera_probed.fx;
+    edge("camera.focal", focal_is_short, 1e-12, 1);
+    camera_probed = camera_of(PINHOLE, 800);
+    edge("camera.width", width_is_taken, 1, 2e9);
+    edge("transform.coordinate", coordinate_is_taken, 1, ANY_OF(1e60, 1e30));
+    state = 1900;
+    random_scene(&probed, 6, GENERAL, PINHOLE, 0.1, 3, 3.1);
+    edge("pose.sigma_most", sigma_is_taken, 1, 1e12);
+    edge("pose.sigma_least", sigma_is_small, 1e-12, 1);
+    edge("pairs.count", count_is_taken, 3, 1e15);
+}
+
+/* ---- stored calibrations -------------------------------------------------- */
+
+static int is_stored(double correlation)
+{
+    uint8_t bytes[RIGCAL_STORE_SIZE(1)];
+    size_t n_bytes;
+    rigcal_mounted_camera m;
+    memset(&m, 0, sizeof m);
+    m.camera = camera_of(PINHOLE, 800);
+    m.cam_from_rig = identity();
+    m.has_Sigma = 1;
+    for (int i = 0; i < 6; i++) {
+        m.Sigma[7 * i] = 1;
+    }
+    m.Sigma[1] = m.Sigma[6] = RC(1) + RC(correlation);
+    return rigcal_store_save(bytes, sizeof bytes, &n_bytes, &m, 1, 1, 1) == RIGCAL_OK;
+}
+
+static void put_u32(uint8_t *at, uint32_t x)
+{
+    for (int i = 0; i < 4; i++) {
+        at[i] = (uint8_t)(x >> 8 * i);
+    }
+}
+
+/* A calibration stored by a float build: whether its rotation, one element of which is off,
+ * is made one of doubles. */
+static int float_rotation_is_taken(double off)
+{
+    enum { HEADER = RIGCAL_STORE_HEADER_BYTES, REALS = 12 + 12 + 21 };
+    uint8_t bytes[RIGCAL_STORE_SIZE_OF(1, 4)], doubles[RIGCAL_STORE_SIZE(1)];
+    size_t n_bytes;
+    rigcal_mounted_camera m;
+    rigcal_saved_info info;
+    memset(&m, 0, sizeof m);
+    m.camera = camera_of(PINHOLE, 800);
+    m.cam_from_rig = identity();
+    if (rigcal_store_save(doubles, sizeof doubles, &n_bytes, &m, 1, 1, 1) != RIGCAL_OK) {
+        return 0;
+    }
+    memcpy(bytes, doubles, HEADER + 16);
+    for (int i = 0; i < REALS; i++) {
+        rigcal_real x;
+        uint32_t bits;
+        memcpy(&x, &doubles[HEADER + 16 + (size_t)i * sizeof x], sizeof x);
+        const float f = (float)x + (i == 12 ? (float)off : 0);
+        memcpy(&bits, &f, sizeof bits);
+        put_u32(&bytes[HEADER + 16 + 4 * i], bits);
+    }
+    bytes[6] = 4;
+    put_u32(bytes + 20, sizeof bytes);
+    put_u32(bytes + 24, rc_crc32(bytes + HEADER, sizeof bytes - HEADER));
+    put_u32(bytes + 28, rc_crc32(bytes, 28));
+    return rigcal_store_load(&m, 1, &info, bytes, sizeof bytes) == RIGCAL_OK;
+}
+
+static void gate_store(void)
+{
+    edge("store.correlation", is_stored, ANY_OF(2.3e-16, 1.2e-7), 0.1);
+    edge("store.float_rotation", float_rotation_is_taken, 1e-7, 0.1);
+}
+
+/* ---- stack ---------------------------------------------------------------- */
+
+enum { PAINTED = 48 * 1024 };
+
+__attribute__((noinline)) static long stack_of(void (*call)(void), int is_painting)
+{
+    volatile unsigned char painted[PAINTED];
+    volatile unsigned char *volatile area =
+        painted; /* that it was painted is not known here */
+    if (is_painting) {
+        for (size_t i = 0; i < PAINTED; i++) {
+            area[i] = 0xa5;
+        }
+        return 0;
+    }
+    size_t clean = 0;
+    while (clean < PAINTED && area[clean] == 0xa5) {
+        clean++;
+    }
+    (void)call;
+    return (long)(PAINTED - clean);
+}
+
+static rigcal_pose_solver solver_kept;
+
+static void call_pose(void)
+{
+    rigcal_pose pose;
+    size_t n_found;
+    int32_t at_fault;
+    const rigcal_view view = {&probed.camera, probed.o, NULL, (size_t)probed.n};
+    if (rigcal_pose_begin(&solver_kept, &at_fault, &view, NULL) == RIGCAL_OK) {
+        rigcal_pose_step(&solver_kept, INT32_MAX);
+        rigcal_pose_result(&pose, 1, &n_found, &at_fault, &solver_kept);
+    }
+}
+
+static void call_diagnose(void)
+{
+    rigcal_diagnosis d;
+    const rigcal_view view = {&probed.camera, probed.o, NULL, (size_t)probed.n};
+    rigcal_pose_diagnose(&d, NULL, &view, NULL);
+}
+
+static void measure_stack(const char *name, void (*call)(void))
+{
+    call(); /* what is linked on first use is not the library's */
+    stack_of(call, 1);
+    call();
+    line(name, "%ld", stack_of(call, 0));
+}
+
+static void gate_memory(void)
+{
+    state = 2000;
+    random_scene(&probed, 12, GENERAL, BROWN, 0.3, 3, 3.1);
+    line("size.pose_solver", "%ld", (long)sizeof(rigcal_pose_solver));
+    line("size.robust_solver", "%ld", (long)sizeof(rigcal_robust_solver));
+    line("size.paper_solver", "%ld", (long)sizeof(rigcal_paper_solver));
+    measure_stack("stack.pose", call_pose);
+    measure_stack("stack.diagnose", call_diagnose);
+}
+
+/* ---- all of them ---------------------------------------------------------- */
+
+static void run(void)
+{
+    gate_poses();
+    gate_warm();
+    gate_wide();
+    gate_mirrored();
+    gate_caveats();
+    gate_robust();
+    gate_robust_edges();
+    gate_diagnose();
+    gate_blame_edges();
+    gate_tags("tag", 60, 0.4, 0);
+    gate_tags("tag.edge_on", 30, 1, 1);
+    gate_triangulate();
+    gate_depth_edges();
+    gate_epilines();
+    gate_rotations();
+    gate_rigs();
+    gate_lenses();
+    gate_lens_edges();
+    gate_series();
+    gate_chance();
+    gate_paper();
+    gate_paper_edges();
+    gate_neldermead();
+    gate_levenberg();
+    gate_p3p();
+    gate_directions();
+    gate_thickness();
+    gate_near_poses();
+    gate_ranges();
+    gate_store();
+    gate_memory();
+}
+
+/* The value of a line: what stands after its name. NULL: the line is another counter's. */
+static const char *value_of(const char *counter, const char *name, size_t length)
+{
+    return strncmp(counter, name, length) == 0 && counter[length] == ' '
+               ? counter + length + 1
+               : NULL;
+}
+
+/* The stack is a compiler's: it may take up to 1.25 times what is written. */
+static int agree(const char *name, const char *seen, const char *expected)
+{
+    return strncmp(name, "stack.", 6) == 0 ? atol(seen) * 4 <= atol(expected) * 5
+                                           : strcmp(seen, expected) == 0;
+}
+
+/* Whether a line of what is expected is not seen so. *is_seen: there is such a counter. */
+static int differs(const char *expected, int *is_seen)
+{
+    const size_t length = strcspn(expected, " ");
+    const char *seen = NULL;
+    for (int i = 0; i < n_lines && seen == NULL; i++) {
+        seen = value_of(lines[i], expected, length);
+    }
+    *is_seen = seen != NULL;
+    if (seen != NULL && agree(expected, seen, expected + length + 1)) {
+        return 0;
+    }
+    printf("%s, now %s\n", expected, seen != NULL ? seen : "nothing");
+    return 1;
+}
+
+static int check(const char *path)
+{
+    char expected[100];
+    int n_differ = 0, n_seen = 0;
+    FILE *const file = fopen(path, "r");
+    if (file == NULL) {
+        fprintf(stderr, "gate: %s cannot be read\n", path);
+        return 1;
+    }
+    while (fgets(expected, sizeof expected, file) != NULL) {
+        int is_seen;
+        expected[strcspn(expected, "\r\n")] = 0;
+        if (expected[0] != '#' && expected[0] != 0) {
+            n_differ += differs(expected, &is_seen);
+            n_seen += is_seen;
+        }
+    }
+    fclose(file);
+    const int n_new = n_lines - n_seen;
+    printf("gate: %d counters, %d differ, %d are not in %s\n", n_lines, n_differ, n_new,
+           path);
+    return n_differ > 0 || n_new > 0;
+}
+
+int main(int argc, char *argv[])
+{
+    if (argc != 1 && (argc != 3 || strcmp(argv[1], "check") != 0)) {
+        fprintf(stderr, "usage: gate [check FILE]\n");
+        return 2;
+    }
+    run();
+    if (argc == 3) {
+        return check(argv[2]);
+    }
+    for (int i = 0; i < n_lines; i++) {
+        printf("%s\n", lines[i]);
+    }
+    return 0;
+}

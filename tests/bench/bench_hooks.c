@@ -9,7 +9,7 @@
 #include <stdint.h>
 #include <stdio.h>
 
-#include "rigcal.h"
+#include "rigcal_paper.h"
 
 enum { TURNS = 50, POINTS = 8, NUMBERS = 12 };
 
@@ -90,7 +90,7 @@ static rigcal_camera camera_of(int32_t lens)
 static struct {
     rigcal_camera camera;
     rigcal_observation seen[POINTS];
-    rigcal_sighting sightings[POINTS];
+    rigcal_bearing bearings[POINTS];
     rigcal_pair pairs[RIGCAL_PAIRS_FOR(POINTS)];
     size_t n_pairs;
 } scene;
@@ -180,11 +180,12 @@ static void prepare_fisheye(void)
 
 static void prepare_paper(void)
 {
+    const rigcal_view view = {&scene.camera, scene.seen, NULL, POINTS};
+
     make_scene(RIGCAL_LENS_BROWN);
-    (void)rigcal_sightings_from_observations(scene.sightings, NULL, &scene.camera,
-                                             scene.seen, POINTS);
-    (void)rigcal_pairs_choose(scene.pairs, &scene.n_pairs, RIGCAL_PAIRS_FOR(POINTS),
-                              scene.sightings, POINTS);
+    (void)rigcal_bearings_of_view(scene.bearings, NULL, &view);
+    (void)rigcal_pairs_choose(scene.pairs, RIGCAL_PAIRS_FOR(POINTS), &scene.n_pairs,
+                              scene.bearings, POINTS);
 }
 
 static rigcal_status from_angles(void)
@@ -199,20 +200,20 @@ static rigcal_status from_vector(void)
 
 static rigcal_status to_ray(void)
 {
-    return rigcal_pixel_to_ray(output, &scene.camera, input);
+    return rigcal_camera_ray(output, &scene.camera, input);
 }
 
 static rigcal_status solve(void)
 {
+    const rigcal_view view = {&scene.camera, scene.seen, NULL, POINTS};
     size_t n;
 
-    return rigcal_solve_pose(poses, &n, RIGCAL_POSES_MAX, NULL, &scene.camera, scene.seen,
-                             NULL, POINTS, NULL);
+    return rigcal_pose_solve(poses, RIGCAL_POSES_MAX, &n, NULL, &view, NULL);
 }
 
 static rigcal_status solve_paper(void)
 {
-    return rigcal_paper_solve(&paper, scene.sightings, POINTS, scene.pairs, scene.n_pairs,
+    return rigcal_paper_solve(&paper, scene.bearings, POINTS, scene.pairs, scene.n_pairs,
                               NULL);
 }
 
@@ -225,9 +226,9 @@ static const struct {
 } jobs[] = {
     {"rigcal_rotation_from_yaw_pitch_roll", prepare_angles, from_angles, output, 9},
     {"rigcal_rotation_from_vector", prepare_angles, from_vector, output, 9},
-    {"rigcal_pixel_to_ray,_fisheye", prepare_pixel, to_ray, output, 3},
-    {"rigcal_solve_pose,_8_points", prepare_pinhole, solve, poses[0].cam_from_world.R, 9},
-    {"rigcal_solve_pose,_8_points,_fisheye", prepare_fisheye, solve,
+    {"rigcal_camera_ray,_fisheye", prepare_pixel, to_ray, output, 3},
+    {"rigcal_pose_solve,_8_points", prepare_pinhole, solve, poses[0].cam_from_world.R, 9},
+    {"rigcal_pose_solve,_8_points,_fisheye", prepare_fisheye, solve,
      poses[0].cam_from_world.R, 9},
     {"rigcal_paper_solve,_8_points", prepare_paper, solve_paper, paper.cam_from_world.R, 9},
 };

@@ -42,7 +42,7 @@ static int is_seen(const bench_scene *s, const test_fitted *fitted)
         test_to_double(X, s->seen[i].X_w, 3);
         test_apply(X_c, fitted->R, X, fitted->t);
         test_to_real(x, X_c, 3);
-        if (rigcal_project(uv, &s->camera, x) != RIGCAL_OK) {
+        if (rigcal_camera_project(uv, &s->camera, x) != RIGCAL_OK) {
             return 0;
         }
     }

@@ -1,4 +1,4 @@
-/* bench_opencv: rigcal_solve_pose beside the pose solvers of OpenCV's calib3d, on the
+/* bench_opencv: rigcal_pose_solve beside the pose solvers of OpenCV's calib3d, on the
  * same scenes in one process, as Markdown. Built and run by opencv.sh.
  *
  *   bench_opencv targets [SCENES] [NOISE]
@@ -235,9 +235,9 @@ static bool on_four(const bench_family *, int n)
 
 static void run_rigcal(outcome &o, const problem &p, const rigcal_pose_options *options)
 {
+    const rigcal_view view{&p.scene.camera, p.scene.seen, nullptr, (size_t)p.scene.n};
     const rigcal_status status =
-        rigcal_solve_pose(o.poses, &o.n_poses, RIGCAL_POSES_MAX, nullptr, &p.scene.camera,
-                          p.scene.seen, nullptr, (size_t)p.scene.n, options);
+        rigcal_pose_solve(o.poses, RIGCAL_POSES_MAX, &o.n_poses, nullptr, &view, options);
 
     if (status < 0) {
         o.n_poses = 0;
@@ -863,26 +863,11 @@ static void print_three(const row &r, const cell &c)
     print_number(c.returned / r.scenes);
 }
 
-static bool takes_three()
-{
-    problem p;
-    outcome o{};
-
-    problem_make(p, &bench_families[0], 3, 0, bench_view{3, 10, 0.5});
-    return rigcal_solve_pose(o.poses, &o.n_poses, RIGCAL_POSES_MAX, nullptr,
-                             &p.scene.camera, p.scene.seen, nullptr, 3,
-                             nullptr) != RIGCAL_ERR_TOO_FEW;
-}
-
 static void bench_three(int scenes, double sigma, bool list)
 {
     const bench_view view = {3, 30, sigma};
     std::vector<row> rows;
 
-    if (!takes_three()) {
-        std::printf("This rigcal_solve_pose takes no three points.\n");
-        return;
-    }
     explain(scenes);
     for (const bench_family &f : bench_families) {
         if (bench_has(&f, 3) && !is_plane(&f)) {

@@ -46,7 +46,7 @@ typedef struct {
 } grid_cell;
 
 typedef struct {
-    rigcal_sighting sightings[TEST_SCENE_MAX];
+    rigcal_bearing bearings[TEST_SCENE_MAX];
     rigcal_pair pairs[PAIRS_MAX];
     size_t n, n_pairs;
 } problem;
@@ -54,15 +54,15 @@ typedef struct {
 static rigcal_status see(problem *p, const test_scene *scene)
 {
     p->n = (size_t)scene->n;
-    test_sightings(p->sightings, scene);
-    return rigcal_pairs_choose(p->pairs, &p->n_pairs, rigcal_pairs_for(p->n), p->sightings,
+    test_bearings(p->bearings, scene);
+    return rigcal_pairs_choose(p->pairs, rigcal_pairs_for(p->n), &p->n_pairs, p->bearings,
                                p->n);
 }
 
 static rigcal_status solve(rigcal_paper_pose *pose, const problem *p,
                            const rigcal_paper_options *options)
 {
-    return rigcal_paper_solve(pose, p->sightings, p->n, p->pairs, p->n_pairs, options);
+    return rigcal_paper_solve(pose, p->bearings, p->n, p->pairs, p->n_pairs, options);
 }
 
 /* Degrees between a pose's rotation and the true one. */
@@ -199,7 +199,7 @@ static void bench_grid(int scenes)
 
 typedef struct {
     const char *set;
-    rigcal_sighting *sightings;
+    rigcal_bearing *bearings;
     size_t n;
     rigcal_transform reference;
 } real_view;
@@ -255,8 +255,8 @@ static void read_pose(rigcal_transform *pose, const csv_table *table, size_t row
     }
 }
 
-static void read_sightings(real_view *view, const cli_cameras *cameras,
-                           const cli_observations *seen, size_t camera, size_t frame)
+static void read_bearings(real_view *view, const cli_cameras *cameras,
+                          const cli_observations *seen, size_t camera, size_t frame)
 {
     rigcal_observation *const observed = cli_alloc(seen->count, sizeof *observed);
     rigcal_status status;
@@ -269,9 +269,9 @@ static void read_sightings(real_view *view, const cli_cameras *cameras,
     if (view->n == 0) {
         cli_fail("%s: a reference pose has no observations", view->set);
     }
-    view->sightings = cli_alloc(view->n, sizeof *view->sightings);
-    status = rigcal_sightings_from_observations(
-        view->sightings, NULL, &cameras->camera[camera], observed, view->n);
+    view->bearings = cli_alloc(view->n, sizeof *view->bearings);
+    status = rigcal_bearings_of_view(
+        view->bearings, NULL, &VIEW(&cameras->camera[camera], observed, NULL, view->n));
     if (status != RIGCAL_OK) {
         cli_fail("%s: a view has no rays: %s", view->set, rigcal_status_text(status));
     }
@@ -297,9 +297,9 @@ static real_views read_set(const char *folder)
 
         views.list[row].set = name_of(folder);
         read_pose(&views.list[row].reference, &poses, row);
-        read_sightings(&views.list[row], &cameras, &seen,
-                       cli_names_find(&cameras.names, camera),
-                       cli_names_find(&seen.frames, frame));
+        read_bearings(&views.list[row], &cameras, &seen,
+                      cli_names_find(&cameras.names, camera),
+                      cli_names_find(&seen.frames, frame));
     }
     return views;
 }
@@ -390,15 +390,15 @@ static rigcal_paper_options options_near(const real_view *view)
 }
 
 static void solve_view(errors *e, const real_view *view, const rigcal_pair pairs[],
-                       size_t n_pairs, int32_t eliminating, int32_t eliminate)
+                       size_t n_pairs, int32_t pairs_used, int32_t eliminated)
 {
     rigcal_paper_options options = options_near(view);
     rigcal_paper_pose pose;
     rigcal_status status;
 
-    options.eliminating = eliminating;
-    options.eliminate = eliminate;
-    status = rigcal_paper_solve(&pose, view->sightings, view->n, pairs, n_pairs, &options);
+    options.pairs_used = pairs_used;
+    options.eliminated = eliminated;
+    status = rigcal_paper_solve(&pose, view->bearings, view->n, pairs, n_pairs, &options);
     tally_add(&e->statuses, status);
     if (status >= 0) {
         errors_add(e, &pose, &view->reference);
@@ -416,7 +416,7 @@ static rigcal_pair *choose(size_t *n_pairs, const real_view *view, size_t capaci
 {
     rigcal_pair *const pairs = cli_alloc(capacity, sizeof *pairs);
     const rigcal_status status =
-        rigcal_pairs_choose(pairs, n_pairs, capacity, view->sightings, view->n);
+        rigcal_pairs_choose(pairs, capacity, n_pairs, view->bearings, view->n);
 
     if (status != RIGCAL_OK) {
         cli_fail("%s: a view has no pairs: %s", view->set, rigcal_status_text(status));
@@ -424,8 +424,8 @@ static rigcal_pair *choose(size_t *n_pairs, const real_view *view, size_t capaci
     return pairs;
 }
 
-static void data_row(const char *set, const real_views *views, int32_t eliminating,
-                     int32_t eliminate)
+static void data_row(const char *set, const real_views *views, int32_t pairs_used,
+                     int32_t eliminated)
 {
     static const char *const angle[] = {"yaw", "pitch", "roll", "best conditioned"};
     errors e = errors_for(views->count);
@@ -435,18 +435,18 @@ static void data_row(const char *set, const real_views *views, int32_t eliminati
         size_t n_pairs;
         const rigcal_pair *pairs = choose(&n_pairs, view, rigcal_pairs_for(view->n));
 
-        solve_view(&e, view, pairs, n_pairs, eliminating, eliminate);
+        solve_view(&e, view, pairs, n_pairs, pairs_used, eliminated);
     }
     print_set(set, views);
-    printf(" %s | %s |", eliminating == 2 ? "two pairs" : "all pairs", angle[eliminate]);
+    printf(" %s | %s |", pairs_used == 2 ? "two pairs" : "all pairs", angle[eliminated]);
     errors_print(&e);
 }
 
 static void data_rows(const char *set, const real_views *views)
 {
-    for (int32_t eliminating = 2; eliminating >= 0; eliminating -= 2) {
+    for (int32_t pairs_used = 2; pairs_used >= 0; pairs_used -= 2) {
         for (int32_t e = RIGCAL_YAW; e <= RIGCAL_BEST_CONDITIONED; e++) {
-            data_row(set, views, eliminating, e);
+            data_row(set, views, pairs_used, e);
         }
     }
 }
@@ -467,7 +467,7 @@ typedef struct {
 /* A pair without an equation is left out, and nothing else. */
 static void add_pair(pair_list *list, const real_view *view, size_t i, size_t j)
 {
-    if (rigcal_pair_make(&list->pairs[list->n], view->sightings, view->n, (int32_t)i,
+    if (rigcal_pair_make(&list->pairs[list->n], view->bearings, view->n, (int32_t)i,
                          (int32_t)j) == RIGCAL_OK) {
         list->n++;
     }
@@ -555,7 +555,7 @@ static pair_list take_all_strides(const real_view *view)
     return list;
 }
 
-static double between_rays(const rigcal_sighting *a, const rigcal_sighting *b)
+static double between_rays(const rigcal_bearing *a, const rigcal_bearing *b)
 {
     double m_a[3], m_b[3], across[3];
 
@@ -565,7 +565,7 @@ static double between_rays(const rigcal_sighting *a, const rigcal_sighting *b)
     return atan2(test_norm(across), test_dot(m_a, m_b));
 }
 
-/* The sighting whose least distance from the `count` in `of` is largest. */
+/* The bearing whose least distance from the `count` in `of` is largest. */
 static size_t farthest(const real_view *view, const size_t of[], int count)
 {
     size_t far = 0;
@@ -575,7 +575,7 @@ static size_t farthest(const real_view *view, const size_t of[], int count)
         double least = TEST_PI;
 
         for (int k = 0; k < count; k++) {
-            least = fmin(least, between_rays(&view->sightings[i], &view->sightings[of[k]]));
+            least = fmin(least, between_rays(&view->bearings[i], &view->bearings[of[k]]));
         }
         if (least > most) {
             most = least;

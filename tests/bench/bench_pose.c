@@ -1,4 +1,4 @@
-/* bench_pose: the figures of DESIGN.md about rigcal_solve_pose, as Markdown.
+/* bench_pose: the figures of DESIGN.md about rigcal_pose_solve, as Markdown.
  *
  *   bench_pose minima [SCENES] [SIGMA_PX] [--known] [--list]
  *       whether the best minimum is found, and how good it is; --known: the noise
@@ -352,8 +352,8 @@ static int is_covered(const bench_scene *s, const rigcal_pose *pose, double sigm
     rigcal_pose_uncertainty u;
     double R[9], t[3], d[6], Sigma[36];
 
-    if (rigcal_pose_covariance(&u, &s->camera, &pose->cam_from_world, s->seen, NULL,
-                               (size_t)s->n, RC(sigma)) != RIGCAL_OK) {
+    if (rigcal_pose_covariance(&u, &VIEW(&s->camera, s->seen, NULL, s->n),
+                               &pose->cam_from_world, RC(sigma)) != RIGCAL_OK) {
         return 0;
     }
     test_transform_parts(R, t, &pose->cam_from_world);
@@ -583,8 +583,8 @@ static rigcal_status solve_one(const bench_scene *s, const rigcal_pose_options *
     rigcal_pose poses[RIGCAL_POSES_MAX];
     size_t n_found;
 
-    return rigcal_solve_pose(poses, &n_found, RIGCAL_POSES_MAX, NULL, &s->camera, s->seen,
-                             NULL, (size_t)s->n, options);
+    return rigcal_pose_solve(poses, RIGCAL_POSES_MAX, &n_found, NULL,
+                             &VIEW(&s->camera, s->seen, NULL, s->n), options);
 }
 
 static void solve_some(const bench_family *f, int n, int count, int warm)

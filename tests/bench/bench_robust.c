@@ -25,7 +25,7 @@ enum { NEAR_THE_TARGET, IN_THE_IMAGE, SWAPPED, WAYS };
 static const char *const WAY[WAYS] = {"near the target", "in the image", "swapped"};
 
 /* From 3 to 10 sizes, noise of half a pixel. */
-static const bench_view VIEW = {3, 10, 0.5};
+static const bench_view NEAR = {3, 10, 0.5};
 
 typedef struct {
     bench_scene scene;
@@ -112,8 +112,8 @@ static int is_right(const spoilt *p, const rigcal_pose poses[], size_t n)
     double here[2], there[2];
     size_t n_others = 0;
 
-    if (rigcal_solve_pose(others, &n_others, RIGCAL_POSES_MAX, NULL, &p->scene.camera,
-                          p->rest, NULL, p->n_rest, NULL) < 0) {
+    if (rigcal_pose_solve(others, RIGCAL_POSES_MAX, &n_others, NULL,
+                          &VIEW(&p->scene.camera, p->rest, NULL, p->n_rest), NULL) < 0) {
         n_others = 0;
     }
     nearest(here, &p->scene, poses, n);
@@ -132,11 +132,11 @@ static void row(const bench_family *f, int n, int n_wrong, int way, long count)
         size_t n_found = 0, n_inliers;
         spoilt p;
 
-        bench_scene_make(&p.scene, f, n, index, &VIEW);
+        bench_scene_make(&p.scene, f, n, index, &NEAR);
         spoil(&p, n_wrong, way);
-        const rigcal_status status = rigcal_solve_pose_robust(
-            poses, &n_found, inliers, &n_inliers, RIGCAL_POSES_MAX, NULL, &p.scene.camera,
-            p.scene.seen, NULL, (size_t)n, NULL);
+        const rigcal_status status =
+            rigcal_robust_solve(poses, RIGCAL_POSES_MAX, &n_found, inliers, &n_inliers,
+                                NULL, &VIEW(&p.scene.camera, p.scene.seen, NULL, n), NULL);
         tally_add(&statuses, status);
         const int is_wrong = status < 0 || n_wrong == n || !is_right(&p, poses, n_found);
         missed += is_wrong;

@@ -8,7 +8,7 @@ void bench_solve(bench_solution *found, const bench_scene *s,
     found->n = 0;
     found->evals = 0;
     found->status =
-        rigcal_pose_begin(&solver, NULL, &s->camera, s->seen, NULL, (size_t)s->n, options);
+        rigcal_pose_begin(&solver, NULL, &VIEW(&s->camera, s->seen, NULL, s->n), options);
     if (found->status != RIGCAL_OK) {
         return;
     }
@@ -16,7 +16,7 @@ void bench_solve(bench_solution *found, const bench_scene *s,
         found->evals++;
     } while (rigcal_pose_step(&solver, 1) == RIGCAL_RUNNING);
     found->status =
-        rigcal_pose_result(found->poses, &found->n, RIGCAL_POSES_MAX, NULL, &solver);
+        rigcal_pose_result(found->poses, RIGCAL_POSES_MAX, &found->n, NULL, &solver);
 }
 
 void bench_solve_and_find(bench_solution *found, bench_minima *m, const bench_scene *s,

@@ -1,4 +1,4 @@
-/* bench_solution.h - what rigcal_solve_pose made of a scene, and in which of the scene's
+/* bench_solution.h - what rigcal_pose_solve made of a scene, and in which of the scene's
  * minima its poses lie. */
 #ifndef BENCH_SOLUTION_H
 #define BENCH_SOLUTION_H
@@ -12,7 +12,7 @@ typedef struct {
     int evals; /* units of rigcal_pose_step */
 } bench_solution;
 
-/* What rigcal_solve_pose does, unit by unit, so that they count. options NULL: all
+/* What rigcal_pose_solve does, unit by unit, so that they count. options NULL: all
  * defaults. */
 void bench_solve(bench_solution *found, const bench_scene *s,
                  const rigcal_pose_options *options);

@@ -36,7 +36,7 @@ static int bearings_of(bearings *b, const bench_scene *s)
         for (int k = 0; k < 3; k++) {
             b->x[i][k] = D(s->seen[i].X_w[k]) - b->middle[k];
         }
-        if (rigcal_pixel_to_ray(ray, &s->camera, s->seen[i].uv) != RIGCAL_OK) {
+        if (rigcal_camera_ray(ray, &s->camera, s->seen[i].uv) != RIGCAL_OK) {
             return 0;
         }
         test_to_double(b->ray[i], ray, 3);

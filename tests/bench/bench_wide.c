@@ -1,4 +1,4 @@
-/* bench_wide: rigcal_solve_pose where every point is 40 to 89 degrees off the optical
+/* bench_wide: rigcal_pose_solve where every point is 40 to 89 degrees off the optical
  * axis, or to 110 degrees of a fisheye; as Markdown of DESIGN.md.
  *
  *   bench_wide table [SCENES] [--list]
@@ -158,7 +158,7 @@ static int see_points(bench_scene *s, double X[][3], lens what)
         }
         test_to_real(s->seen[i].X_w, X[i], 3);
         test_to_real(s->seen[i].uv, uv, 2);
-        if (rigcal_pixel_to_ray(ray, &s->camera, s->seen[i].uv) != RIGCAL_OK) {
+        if (rigcal_camera_ray(ray, &s->camera, s->seen[i].uv) != RIGCAL_OK) {
             return 0;
         }
     }

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Mean instructions of rigcal_solve_pose, as a Markdown table of DESIGN.md. Run by
+# Mean instructions of rigcal_pose_solve, as a Markdown table of DESIGN.md. Run by
 # hand; wants valgrind.
 #
 #   sh tests/bench/instructions.sh [COUNT]
@@ -31,7 +31,7 @@ fi
 row() {
     name=$1
     shift
-    valgrind --tool=callgrind --toggle-collect=rigcal_solve_pose \
+    valgrind --tool=callgrind --toggle-collect=rigcal_pose_solve \
         --callgrind-out-file="$build/callgrind.out" \
         "$build/tests/bench_pose" solve "$@" \
         >"$build/solve.txt" 2>"$build/callgrind.txt" || {

@@ -2,10 +2,10 @@
  *
  * Given: both cameras, where b is from a, and a pixel of camera a.
  * Asked: the line of camera b on which the point must be, and how far pixels are off it.
- * Truth: camera b is 0.25 m to the right of camera a and 0.1 m below it. Both look one way,
- *        u = 640 + 800 X / Z, v = 480 + 800 Y / Z. A point that a sees at (720, 520) is seen
- *        by b at (720, 520) if it is far away, at (520, 440) if Z = 1 m, and at (220, 320)
- *        if Z = 0.4 m: all on one line, of slope 0.4. */
+ * Truth: camera b is 0.25 m right of camera a, 0.1 m below it. Both look one way,
+ *        u = 640 + 800 X / Z, v = 480 + 800 Y / Z. A point that a sees at (720, 520) is
+ *        seen by b at (720, 520) if it is far away, at (520, 440) if Z = 1 m, and at
+ *        (220, 320) if Z = 0.4 m: all on one line, of slope 0.4. */
 #include <math.h>
 #include <stdio.h>
 #include <rigcal.h>

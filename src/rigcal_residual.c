@@ -28,9 +28,9 @@ void rc_rigid_clear(rigcal_real g[6], rigcal_real H[21])
 }
 
 /* The second derivative of uv, times -e. With c = B^T e, that of a pinhole is
- * -(c k^T + k c^T) / Z, k = (0, 0, 1). That of a fisheye nearly has X_c / |X_c|^2 in the place
- * of k / Z, and distortion bends little more: it goes into M, by dt. That of exp([w]x) q, which is
- * [w]x [w]x q / 2, makes (c.q) 1 - (c q^T + q c^T) / 2 by w. */
+ * -(c k^T + k c^T) / Z, k = (0, 0, 1). That of a fisheye nearly has X_c / |X_c|^2 in the
+ * place of k / Z, and distortion bends little more: it goes into M, by dt. That of
+ * exp([w]x) q, which is [w]x [w]x q / 2, makes (c.q) 1 - (c q^T + q c^T) / 2 by w. */
 static void add_curvature(rigcal_real H[21], rigcal_real M[9], const rigcal_real c[3],
                           const rigcal_real q[3], const rigcal_real X_c[3], int is_fisheye)
 {

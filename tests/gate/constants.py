@@ -56,6 +56,8 @@ FACTS = [
     ("rc_real.h", r"RC_EPS \w+_EPSILON", "the type's own rounding"),
     ("rc_real.h", r"RC_PI RC\(3\.14", "pi"),
     ("rc_linalg.h", r"RC_SYM6_", "the layout of a matrix"),
+    ("rc_linalg.h", r"define RC_IS_UNIT", "a precondition that is asserted"),
+    ("rc_elimination.h", r"RC_NONE_ELIMINATED = 3", "the number of angles"),
     ("rc_p3p.h", r"RC_P3P_MAX = 4", "solutions that there can be"),
     ("rigcal_camera.c", r"enum \{ P1 = 6", "the layout of a struct"),
     ("rigcal_lens.c", r"enum \{ N_DEGREE = 4", "degrees of the lens's polynomials"),

@@ -1,5 +1,5 @@
-/* trace_config.h - prints what a search does, event by event. CONTRIBUTING.md shows how to use
- * it, and what it prints. */
+/* trace_config.h - prints what a search does, event by event. CONTRIBUTING.md shows how to
+ * use it, and what it prints. */
 #include <stdio.h>
 
 #define RIGCAL_TRACE(event, number, value) \

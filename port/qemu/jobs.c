@@ -224,14 +224,14 @@ static void make_scene(size_t n, kind what, uint64_t seed)
                                    &scene.cam_from_world[0]);
 }
 
-#ifndef JOBS_ONLY_SCENES /* which is all that steps.c wants */
-
 /* What the first camera saw. */
 static rigcal_view view_of(const rigcal_real sigma[])
 {
     const rigcal_view view = {&scene.camera[0], scene.seen, sigma, scene.n};
     return view;
 }
+
+#ifndef JOBS_ONLY_SCENES /* which is all that steps.c wants */
 
 /* ---- the jobs ------------------------------------------------------------ */
 

@@ -47,7 +47,7 @@ typedef struct rigcal_point {
  *   cameras, cams_from_world, uv   in   n of each, uv as n pairs
  *
  * OK, ERR_NULL, ERR_NOT_FINITE, ERR_CAMERA, ERR_ROTATION, ERR_RANGE, ERR_TOO_FEW,
- * ERR_NO_RAY, ERR_PARALLEL, ERR_BEHIND. */
+ * ERR_NO_RAY, ERR_PARALLEL, ERR_BEHIND; and, written, RIGCAL_BUDGET_SPENT. */
 RIGCAL_API rigcal_status rigcal_point_triangulate(rigcal_point *point,
                                                   const rigcal_camera cameras[],
                                                   const rigcal_transform cams_from_world[],

@@ -157,7 +157,13 @@ extern "C" {
       "correspondences, the target and the camera")                                      \
     S(RIGCAL_ERR_MIRRORED, -25,                                                          \
       "only a mirror shows this: the corners run the wrong way round, the tag is seen "  \
-      "from behind or the image is flipped")
+      "from behind or the image is flipped")                                             \
+                                                                                         \
+    /* Of a rig's views. */                                                              \
+    S(RIGCAL_ERR_TWICE, -26,                                                             \
+      "two views are of the same camera and placement: make one view of them")           \
+    S(RIGCAL_ERR_UNSORTED, -27,                                                          \
+      "the views are not in the order of their placements: sort them")
 /* clang-format on */
 
 typedef int32_t rigcal_status;

@@ -149,8 +149,17 @@ typedef struct {
 /* L L^T = H + damping D, as of rc_sym3_damp. 0: not positive definite to rounding. */
 int rc_sym6_factor_of(rc_sym6_factor *L, const rigcal_real H[21], rigcal_real damping);
 
-/* x <- (L L^T)^-1 x */
+/* x <- L^-1 x, x <- L^-T x, x <- (L L^T)^-1 x */
+void rc_sym6_forward(rigcal_real x[6], const rc_sym6_factor *L);
+void rc_sym6_backward(rigcal_real x[6], const rc_sym6_factor *L);
 void rc_sym6_solve(rigcal_real x[6], const rc_sym6_factor *L);
+
+/* All of H, row by row; and back, from the upper triangle. */
+void rc_sym6_unpack(rigcal_real full[36], const rigcal_real H[21]);
+void rc_sym6_pack(rigcal_real H[21], const rigcal_real full[36]);
+
+/* y = H x */
+void rc_sym6_mul(rigcal_real y[6], const rigcal_real H[21], const rigcal_real x[6]);
 
 /* Sigma = H^-1, row by row. 0: H is not positive definite to rounding. */
 int rc_sym6_invert(rigcal_real Sigma[36], const rigcal_real H[21]);

@@ -22,6 +22,10 @@ void rc_transform_point(rigcal_real X_b[3], const rigcal_transform *b_from_a,
 void rc_transform_between(rigcal_transform *b_from_a, const rigcal_transform *b_from_world,
                           const rigcal_transform *a_from_world);
 
+/* R <- exp([w]x) R, t <- t + dt for the step d = (w, dt); the exponential to second order,
+ * and for any step a rotation. */
+void rc_transform_move(rigcal_transform *pose, const rigcal_real d[6]);
+
 /* rigcal_transform_mean of n >= 1 transforms, weights checked: OK or ERR_ROTATION. */
 rigcal_status rc_transform_mean(rigcal_transform *mean, rigcal_real *sigma_rad,
                                 rigcal_real *sigma_t, const rigcal_transform transforms[],

@@ -230,18 +230,56 @@ int rc_sym6_factor_of(rc_sym6_factor *L, const rigcal_real H[21], rigcal_real da
     return rc_sym3_factor(L->second, L->second, D, RANK_TOL);
 }
 
-void rc_sym6_solve(rigcal_real x[6], const rc_sym6_factor *L)
+void rc_sym6_forward(rigcal_real x[6], const rc_sym6_factor *L)
 {
     rc_sym3_forward(x, L->first);
     for (int k = 0; k < 3; k++) {
         rc_vec3_add_scaled(&x[3], -x[k], L->across[k]);
     }
     rc_sym3_forward(&x[3], L->second);
+}
+
+void rc_sym6_backward(rigcal_real x[6], const rc_sym6_factor *L)
+{
     rc_sym3_backward(&x[3], L->second);
     for (int k = 0; k < 3; k++) {
         x[k] -= rc_vec3_dot(L->across[k], &x[3]);
     }
     rc_sym3_backward(x, L->first);
+}
+
+void rc_sym6_solve(rigcal_real x[6], const rc_sym6_factor *L)
+{
+    rc_sym6_forward(x, L);
+    rc_sym6_backward(x, L);
+}
+
+/* Where the elements of H stand in a full matrix. */
+static const uint8_t IN_FULL[21] = {0,  1,  2,  7,  8,  14, 3,  4,  5,  9, 10,
+                                    11, 15, 16, 17, 21, 22, 23, 28, 29, 35};
+
+void rc_sym6_unpack(rigcal_real full[36], const rigcal_real H[21])
+{
+    for (int k = 0; k < 21; k++) {
+        const int row = IN_FULL[k] / 6, column = IN_FULL[k] % 6;
+        full[6 * row + column] = full[6 * column + row] = H[k];
+    }
+}
+
+void rc_sym6_pack(rigcal_real H[21], const rigcal_real full[36])
+{
+    for (int k = 0; k < 21; k++) {
+        H[k] = full[IN_FULL[k]];
+    }
+}
+
+void rc_sym6_mul(rigcal_real y[6], const rigcal_real H[21], const rigcal_real x[6])
+{
+    rigcal_real full[36];
+    rc_sym6_unpack(full, H);
+    for (int i = 0; i < 6; i++) {
+        y[i] = rc_vec3_dot(&full[6 * i], x) + rc_vec3_dot(&full[6 * i + 3], &x[3]);
+    }
 }
 
 int rc_sym6_invert(rigcal_real Sigma[36], const rigcal_real H[21])

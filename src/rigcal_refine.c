@@ -43,27 +43,6 @@ rigcal_status rc_refine_equations(rigcal_real *sum, rigcal_real g[6], rigcal_rea
 
 /* ---- a step -------------------------------------------------------------- */
 
-/* R <- exp([w]x) R, t <- t + dt for the step d = (w, dt), with the quaternion (1, v),
- * v = w / 2, for the exponential: right to second order, and for any step a rotation. It
- * takes a column r of R to r + (v x r + v x (v x r)) 2 / (1 + |v|^2). */
-RC_APART static void move(rigcal_transform *pose, const rigcal_real d[6])
-{
-    rigcal_real v[3];
-    rc_vec3_scale(v, RC(0.5), d);
-    const rigcal_real scale = 2 / (1 + rc_vec3_dot(v, v));
-    for (int column = 0; column < 3; column++) {
-        rigcal_real *const R = &pose->R[column];
-        const rigcal_real r[3] = {R[0], R[3], R[6]};
-        rigcal_real once[3], twice[3];
-        rc_vec3_cross(once, v, r);
-        rc_vec3_cross(twice, v, once);
-        for (int k = 0; k < 3; k++) {
-            R[3 * k] += scale * (once[k] + twice[k]);
-        }
-    }
-    rc_vec3_add(pose->t, &d[3]);
-}
-
 /* The step from where `state` is; *gain gets what it promises, undiminished. 0: H is not
  * positive definite. */
 static int damped_step(rigcal_real d[6], rigcal_real *gain, const rigcal_refinement *state)
@@ -122,7 +101,7 @@ RC_APART static void approach(rigcal_refinement *state, const rigcal_points *poi
         sum += weight * (e[0] * e[0] + e[1] * e[1]);
     }
     if (damped_step(d, &gain, state)) {
-        move(&state->cam_from_points, d);
+        rc_transform_move(&state->cam_from_points, d);
     }
     if (gain <= APPROACHED * sum || state->evals == APPROACH_STEPS) {
         state->is_approach = 0;
@@ -137,11 +116,11 @@ static void try_step(rigcal_refinement *state, const rigcal_points *points,
     rigcal_transform *const pose = &state->cam_from_points;
     rigcal_real sum = 0, t[3];
     rc_vec3_copy(t, pose->t);
-    move(pose, d);
+    rc_transform_move(pose, d);
     const rigcal_status status = evaluate(&sum, state, points);
     if (!rc_levenberg_tried(&state->search, status, sum, gain, points->negligible)) {
         rc_vec3_scale(d, -1, d);
-        move(pose, d);
+        rc_transform_move(pose, d);
         rc_vec3_copy(pose->t, t);
     }
 }
@@ -160,7 +139,7 @@ static void search(rigcal_refinement *state, const rigcal_points *points)
         if (step == RC_STEP_TRY) {
             try_step(state, points, d, gain);
         } else if (step == RC_STEP_LAST) {
-            move(&state->cam_from_points, d);
+            rc_transform_move(&state->cam_from_points, d);
         }
     }
 }

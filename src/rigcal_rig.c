@@ -1,183 +1,383 @@
-#include "rc_transform.h"
+#include "rc_adjust.h"
 
-static rigcal_status check_views(const rigcal_view_pose views[], size_t n_views,
-                                 size_t n_cameras)
+rigcal_status rigcal_view_pose_make(rigcal_view_pose *pose, const rigcal_rig_view *view,
+                                    const rigcal_transform *cam_from_target)
 {
-    for (size_t i = 0; i < n_views; i++) {
-        const rigcal_view_pose *const v = &views[i];
-        const rigcal_status status = rc_check_transform(&v->cam_from_target);
-        if (status != RIGCAL_OK) {
-            return status;
-        }
-        if (!rc_is_finite(v->weight)) {
-            return RIGCAL_ERR_NOT_FINITE;
-        }
-        if (!(v->weight > 0 && v->weight <= RC_COORDINATE_MAX) || v->camera < 0 ||
-            (size_t)v->camera >= n_cameras || v->placement < 0) {
-            return RIGCAL_ERR_RANGE;
-        }
+    if (pose == NULL || view == NULL) {
+        return RIGCAL_ERR_NULL;
     }
+    rigcal_points points;
+    rigcal_status status = rc_rig_points(&points, view);
+    if (status == RIGCAL_OK) {
+        status = rc_check_transform(cam_from_target);
+    }
+    if (status != RIGCAL_OK) {
+        return status;
+    }
+    rigcal_real sum, g[6], H[21];
+    rc_sym6_factor L;
+    status = rc_rig_equations(&sum, g, H, view, cam_from_target);
+    if (status != RIGCAL_OK) {
+        return status;
+    }
+    if (!rc_sym6_factor_of(&L, H, 0)) {
+        return RIGCAL_ERR_DEGENERATE;
+    }
+    pose->cam_from_target = *cam_from_target;
+    for (int k = 0; k < 21; k++) {
+        pose->information[k] = H[k];
+    }
+    pose->sse = sum;
+    pose->n = points.n_used;
+    pose->camera = view->camera;
+    pose->placement = view->placement;
     return RIGCAL_OK;
 }
 
-/* rig_from_target of one placement: the mean over the cameras of `in_group` that
- * saw it, as work[first] onwards. *total gets their weight.
- * OK, ERR_TOO_FEW (none did), ERR_ROTATION. */
-static rigcal_status place(rigcal_transform *rig_from_target, rigcal_real *total,
-                           const rigcal_rig *r, int32_t placement, int32_t in_group,
-                           size_t first)
-{
-    size_t n = first;
-    *total = 0;
-    for (size_t i = 0; i < r->n_views; i++) {
-        const rigcal_view_pose *const v = &r->views[i];
-        if (v->placement == placement && r->group[v->camera] == in_group) {
-            rigcal_transform rig_from_cam;
-            rc_transform_invert(&rig_from_cam, &r->cams_from_rig[v->camera]);
-            rc_transform_compose(&r->work[n], &rig_from_cam, &v->cam_from_target);
-            r->weight[n++] = v->weight;
-            *total += v->weight;
-        }
-    }
-    return (n == first) ? RIGCAL_ERR_TOO_FEW
-                        : rc_transform_mean(rig_from_target, NULL, NULL, &r->work[first],
-                                            &r->weight[first], n - first);
-}
+/* ---- the adjustment ------------------------------------------------------ */
 
-/* Weight of what camera c shares with a group: over its views, that of the
- * placements that the group saw too. */
-static rigcal_real shared_weight(const rigcal_rig *r, int32_t camera, int32_t in_group)
+rigcal_status rigcal_rig_begin(rigcal_rig_solver *solver, rigcal_rig *rig)
 {
-    rigcal_real shared = 0;
-    for (size_t i = 0; i < r->n_views; i++) {
-        int seen = 0;
-        if (r->views[i].camera != camera) {
-            continue;
-        }
-        for (size_t j = 0; j < r->n_views && !seen; j++) {
-            seen = r->views[j].placement == r->views[i].placement &&
-                   r->group[r->views[j].camera] == in_group;
-        }
-        shared += seen ? r->views[i].weight : 0;
-    }
-    return shared;
-}
-
-/* Camera c from every placement that it shares with the group. Two weights w and
- * W meeting in one estimate count as 1 / (1/w + 1/W), as inverse variances do. */
-static rigcal_status join_camera(rigcal_transform *cam_from_rig, const rigcal_rig *r,
-                                 int32_t camera, int32_t in_group)
-{
-    size_t n = 0;
-    for (size_t i = 0; i < r->n_views; i++) {
-        const rigcal_view_pose *const v = &r->views[i];
-        rigcal_transform rig_from_target;
-        rigcal_real total;
-        if (v->camera != camera) {
-            continue;
-        }
-        const rigcal_status status =
-            place(&rig_from_target, &total, r, v->placement, in_group, n);
-        if (status == RIGCAL_ERR_TOO_FEW) {
-            continue;
-        }
-        if (status != RIGCAL_OK) {
-            return status;
-        }
-        rc_transform_between(&r->work[n], &v->cam_from_target, &rig_from_target);
-        /* 1 / (1/a + 1/b), written so that nothing overflows. */
-        const rigcal_real less = rc_min(v->weight, total);
-        r->weight[n++] = less / (1 + less / rc_max(v->weight, total));
-    }
-    return rc_transform_mean(cam_from_rig, NULL, NULL, r->work, r->weight, n);
-}
-
-/* The camera, of those not yet joined, that shares most with the group; -1 when
- * none shares anything. */
-static int32_t best_candidate(const rigcal_rig *r, int32_t in_group)
-{
-    int32_t best = -1;
-    rigcal_real most = 0;
-    for (size_t c = 0; c < r->n_cameras; c++) {
-        if (r->group[c] < 0) {
-            const rigcal_real shared = shared_weight(r, (int32_t)c, in_group);
-            if (shared > most) {
-                most = shared;
-                best = (int32_t)c;
-            }
-        }
-    }
-    return best;
-}
-
-/* From one camera, everything that connects to it. */
-static rigcal_status join_group(rigcal_rig *r, int32_t first, int32_t in_group)
-{
-    rigcal_status status = RIGCAL_OK;
-    int32_t next = first;
-    rc_transform_identity(&r->cams_from_rig[first]);
-    for (size_t i = 0; i < r->n_cameras && next >= 0; i++) {
-        r->group[next] = in_group;
-        next = best_candidate(r, in_group);
-        if (next >= 0) {
-            status = join_camera(&r->cams_from_rig[next], r, next, in_group);
-        }
-        if (status != RIGCAL_OK) {
-            break;
-        }
-    }
-    return status;
-}
-
-static rigcal_status check_rig(const rigcal_rig *r)
-{
-    if (r == NULL || r->cams_from_rig == NULL || r->group == NULL || r->work == NULL ||
-        r->weight == NULL || r->views == NULL) {
+    if (solver == NULL) {
         return RIGCAL_ERR_NULL;
     }
-    if (r->n_cameras < 1) {
-        return RIGCAL_ERR_TOO_FEW;
-    }
-    if (r->n_cameras > RC_COUNT_MAX || r->n_views > RC_COUNT_MAX) {
-        return RIGCAL_ERR_RANGE;
-    }
-    return check_views(r->views, r->n_views, r->n_cameras);
-}
-
-rigcal_status rigcal_rig_join(rigcal_rig *rig)
-{
-    rigcal_status status = check_rig(rig);
-    if (status != RIGCAL_OK) {
-        return status;
-    }
-    int32_t groups = 0;
-    for (size_t c = 0; c < rig->n_cameras; c++) {
-        rig->group[c] = -1;
-    }
-    for (size_t c = 0; c < rig->n_cameras && status == RIGCAL_OK; c++) {
-        if (rig->group[c] < 0) {
-            status = join_group(rig, (int32_t)c, groups);
-            groups++;
-        }
-    }
-    if (status != RIGCAL_OK) {
-        return status;
-    }
-    return (groups > 1) ? RIGCAL_DISCONNECTED : RIGCAL_OK;
-}
-
-rigcal_status rigcal_rig_place(rigcal_transform *rig_from_target, rigcal_rig *rig,
-                               int32_t placement, int32_t in_group)
-{
-    rigcal_real total;
-    rigcal_status status = (rig_from_target == NULL) ? RIGCAL_ERR_NULL : check_rig(rig);
-    if (status == RIGCAL_OK && (placement < 0 || in_group < 0)) {
-        status = RIGCAL_ERR_RANGE;
+    solver->phase = 0;
+    rigcal_status status = rc_rig_check(rig);
+    if (status == RIGCAL_OK && rig->views == NULL && rig->view_source == NULL) {
+        status = RIGCAL_ERR_NULL;
     }
     for (size_t c = 0; status == RIGCAL_OK && c < rig->n_cameras; c++) {
         status = rc_check_transform(&rig->cams_from_rig[c]);
     }
-    return (status == RIGCAL_OK)
-               ? place(rig_from_target, &total, rig, placement, in_group, 0)
-               : status;
+    if (status == RIGCAL_OK) {
+        rc_rig_begin(solver, rig, 0);
+    }
+    return status;
+}
+
+rigcal_status rigcal_rig_step(rigcal_rig_solver *solver, int32_t budget)
+{
+    if (solver == NULL) {
+        return RIGCAL_ERR_NULL;
+    }
+    if (solver->phase == 0) {
+        return RIGCAL_ERR_STATE;
+    }
+    if (budget < 1) {
+        return RIGCAL_ERR_RANGE;
+    }
+    for (; budget > 0 && solver->phase != RC_RIG_DONE; budget--) {
+        rc_rig_step(solver);
+    }
+    return (solver->phase == RC_RIG_DONE) ? RIGCAL_OK : RIGCAL_RUNNING;
+}
+
+/* Placements that were seen, and cameras with a prior, in unknowns. */
+static void fill_fit(rigcal_rig_fit *fit, const rigcal_rig_solver *s)
+{
+    const rigcal_rig *const rig = s->rig;
+    rigcal_real unknowns = (rigcal_real)(int32_t)(s->n + 6 * s->n_seen);
+    for (size_t c = 0; rig->roles != NULL && c < rig->n_cameras; c++) {
+        unknowns -= (rig->roles[c] == RIGCAL_CAMERA_PRIOR) ? 6 : 0;
+    }
+    const rigcal_real measured = 2 * (rigcal_real)(int32_t)s->n_points;
+    *fit = (rigcal_rig_fit){0};
+    fit->sum = s->search.sum;
+    fit->freedom = measured - unknowns;
+    fit->sigma_px = (fit->freedom > 0) ? RC_SQRT(fit->sum / fit->freedom) : 0;
+    fit->n_points = s->n_points;
+    fit->evals = s->evals;
+    const rigcal_real within = measured - 6 * (rigcal_real)(int32_t)rig->n_views;
+    const rigcal_real between = fit->freedom - within;
+    if ((rig->view_poses != NULL || rig->view_pose_source != NULL) && within > 0 &&
+        between > 0 && s->own_sum > 0) {
+        fit->F = rc_max(0, fit->sum - s->own_sum) / between / (s->own_sum / within);
+        fit->freedom_between = between;
+        fit->freedom_within = within;
+    }
+}
+
+rigcal_status rigcal_rig_result(rigcal_rig_fit *fit, int32_t *at_fault,
+                                const rigcal_rig_solver *solver)
+{
+    if (fit == NULL || solver == NULL) {
+        return RIGCAL_ERR_NULL;
+    }
+    if (solver->phase != RC_RIG_DONE) {
+        return RIGCAL_ERR_STATE;
+    }
+    if (at_fault != NULL) {
+        *at_fault = solver->at_fault;
+    }
+    const rigcal_status status = solver->search.status;
+    if (status < 0) {
+        return status;
+    }
+    fill_fit(fit, solver);
+    return (status == RIGCAL_OK && solver->is_disconnected) ? RIGCAL_DISCONNECTED : status;
+}
+
+rigcal_status rigcal_rig_adjust(rigcal_rig_fit *fit, int32_t *at_fault, rigcal_rig *rig)
+{
+    rigcal_rig_solver solver;
+    if (at_fault != NULL) {
+        *at_fault = -1;
+    }
+    if (fit == NULL) {
+        return RIGCAL_ERR_NULL;
+    }
+    const rigcal_status status = rigcal_rig_begin(&solver, rig);
+    if (status != RIGCAL_OK) {
+        return status;
+    }
+    while (rigcal_rig_step(&solver, 1000) == RIGCAL_RUNNING) {
+    }
+    return rigcal_rig_result(fit, at_fault, &solver);
+}
+
+/* ---- how sure ------------------------------------------------------------ */
+
+/* out: the covariance of cameras a and b, for noise of 1 px, row by row. */
+static void block_of(rigcal_real out[36], const rigcal_rig *rig, size_t a, size_t b)
+{
+    rc_rig_parts parts;
+    rc_rig_parts_of(&parts, rig, 0);
+    for (int k = 0; k < 36; k++) {
+        out[k] = 0;
+    }
+    if (!(parts.column[a] >= 0 && parts.column[b] >= 0)) {
+        return;
+    }
+    const size_t at_a = (size_t)parts.column[a], at_b = (size_t)parts.column[b];
+    for (size_t i = 0; i < 6; i++) {
+        for (size_t j = 0; j < 6; j++) {
+            const size_t row = at_a + i, column = at_b + j;
+            out[6 * i + j] = parts.S[(row >= column) ? rc_packed_at(row, column)
+                                                     : rc_packed_at(column, row)];
+        }
+    }
+}
+
+static rigcal_status check_sure(const rigcal_real *Sigma, const rigcal_rig *rig,
+                                rigcal_real sigma_px, size_t camera)
+{
+    rigcal_status status = (Sigma == NULL) ? RIGCAL_ERR_NULL : rc_rig_check(rig);
+    if (status == RIGCAL_OK) {
+        status = rc_check_noise(&sigma_px);
+    }
+    return (status == RIGCAL_OK && camera >= rig->n_cameras) ? RIGCAL_ERR_RANGE : status;
+}
+
+rigcal_status rigcal_rig_covariance(rigcal_real Sigma[36], const rigcal_rig *rig,
+                                    rigcal_real sigma_px, size_t camera)
+{
+    const rigcal_status status = check_sure(Sigma, rig, sigma_px, camera);
+    if (status != RIGCAL_OK) {
+        return status;
+    }
+    block_of(Sigma, rig, camera, camera);
+    for (int k = 0; k < 36; k++) {
+        Sigma[k] *= sigma_px * sigma_px;
+    }
+    return RIGCAL_OK;
+}
+
+/* Sigma += J_a S J_b^T */
+static void add_turned(rigcal_real Sigma[36], const rigcal_real J_a[36],
+                       const rigcal_real S[36], const rigcal_real J_b[36])
+{
+    rigcal_real half[36];
+    for (int i = 0; i < 6; i++) {
+        for (int j = 0; j < 6; j++) {
+            half[6 * i + j] = 0;
+            for (int k = 0; k < 6; k++) {
+                half[6 * i + j] += J_a[6 * i + k] * S[6 * k + j];
+            }
+        }
+    }
+    for (int i = 0; i < 6; i++) {
+        for (int j = 0; j < 6; j++) {
+            Sigma[6 * i + j] += rc_vec3_dot(&half[6 * i], &J_b[6 * j]) +
+                                rc_vec3_dot(&half[6 * i + 3], &J_b[6 * j + 3]);
+        }
+    }
+}
+
+/* A rotation M, and [x]x M below it: what a step of a camera does to b_from_a. */
+static void fill_step(rigcal_real J[36], const rigcal_real x[3], const rigcal_real M[9])
+{
+    for (int column = 0; column < 3; column++) {
+        const rigcal_real m[3] = {M[column], M[3 + column], M[6 + column]};
+        rigcal_real moved[3];
+        rc_vec3_cross(moved, x, m);
+        for (int row = 0; row < 3; row++) {
+            J[6 * row + column] = J[6 * (row + 3) + column + 3] = m[row];
+            J[6 * row + column + 3] = 0;
+            J[6 * (row + 3) + column] = moved[row];
+        }
+    }
+}
+
+static void make_symmetric(rigcal_real Sigma[36], rigcal_real scale)
+{
+    for (int i = 0; i < 6; i++) {
+        for (int j = 0; j <= i; j++) {
+            Sigma[6 * j + i] = Sigma[6 * i + j] = scale * Sigma[6 * i + j];
+        }
+    }
+}
+
+rigcal_status rigcal_rig_pair(rigcal_transform *b_from_a, rigcal_real Sigma[36],
+                              const rigcal_rig *rig, rigcal_real sigma_px, size_t a,
+                              size_t b)
+{
+    static const rigcal_real ONE[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+    rigcal_status status = check_sure(Sigma, rig, sigma_px, a);
+    if (status == RIGCAL_OK && (b_from_a == NULL || b >= rig->n_cameras)) {
+        status = (b_from_a == NULL) ? RIGCAL_ERR_NULL : RIGCAL_ERR_RANGE;
+    }
+    if (status == RIGCAL_OK && rig->group[a] != rig->group[b]) {
+        status = RIGCAL_DISCONNECTED;
+    }
+    if (status != RIGCAL_OK) {
+        return status;
+    }
+    rigcal_real x[3], minus_R[9], J_a[36], J_b[36], S[36];
+    rc_transform_between(b_from_a, &rig->cams_from_rig[b], &rig->cams_from_rig[a]);
+    rc_mat3_mul_vec3(x, b_from_a->R, rig->cams_from_rig[a].t);
+    for (int k = 0; k < 9; k++) {
+        minus_R[k] = -b_from_a->R[k];
+    }
+    fill_step(J_b, x, ONE);
+    fill_step(J_a, x, minus_R);
+    for (int k = 0; k < 36; k++) {
+        Sigma[k] = 0;
+    }
+    block_of(S, rig, a, a);
+    add_turned(Sigma, J_a, S, J_a);
+    block_of(S, rig, b, b);
+    add_turned(Sigma, J_b, S, J_b);
+    block_of(S, rig, a, b);
+    add_turned(Sigma, J_a, S, J_b);
+    block_of(S, rig, b, a);
+    add_turned(Sigma, J_b, S, J_a);
+    make_symmetric(Sigma, sigma_px * sigma_px);
+    return RIGCAL_OK;
+}
+
+/* Of a placement: H, and W of each of its views in the memory to work in; parts->slot gets
+ * their cameras. */
+static rigcal_status gather(rigcal_real H_placement[21], const rigcal_rig *rig,
+                            const rc_rig_parts *parts, size_t placement, size_t first)
+{
+    rigcal_real g_placement[6];
+    rc_rigid_clear(g_placement, H_placement);
+    for (size_t i = 0; i < (size_t)parts->count[placement]; i++) {
+        rigcal_rig_view v;
+        rc_chain chain;
+        rigcal_real sum, g[6], H[21];
+        rigcal_status status = rc_rig_view_at(&v, rig, first + i);
+        if (status == RIGCAL_OK) {
+            rc_chain_of(&chain, &rig->cams_from_rig[v.camera],
+                        &rig->rig_from_placements[placement]);
+            status = rc_rig_equations(&sum, g, H, &v, &chain.cam_from_target);
+        }
+        if (status != RIGCAL_OK) {
+            return status;
+        }
+        rc_chain_add_placement(g_placement, H_placement, &chain, g, H);
+        rc_chain_camera(g, H, &parts->W[36 * i], &chain);
+        parts->slot[i] = (rigcal_real)v.camera;
+    }
+    return RIGCAL_OK;
+}
+
+rigcal_status rigcal_rig_placement(rigcal_real Sigma[36], rigcal_rig *rig,
+                                   rigcal_real sigma_px, size_t placement)
+{
+    rc_rig_parts parts;
+    rc_sym6_factor L;
+    rigcal_real H[21], S[36];
+    size_t first = 0;
+    rigcal_status status = check_sure(Sigma, rig, sigma_px, 0);
+    if (status == RIGCAL_OK && placement >= rig->n_placements) {
+        status = RIGCAL_ERR_RANGE;
+    }
+    if (status != RIGCAL_OK) {
+        return status;
+    }
+    rc_rig_parts_of(&parts, rig, 0);
+    const size_t count = (size_t)parts.count[placement];
+    for (size_t f = 0; f < placement; f++) {
+        first += (size_t)parts.count[f];
+    }
+    status = (count == 0) ? RIGCAL_ERR_TOO_FEW : gather(H, rig, &parts, placement, first);
+    if (status == RIGCAL_OK && !rc_sym6_factor_of(&L, H, 0)) {
+        status = RIGCAL_ERR_DEGENERATE;
+    }
+    if (status != RIGCAL_OK) {
+        return status;
+    }
+    /* Column by column: H^-1 e, and W H^-1 of each view, transposed, in the place of W. */
+    (void)rc_sym6_invert(Sigma, H);
+    for (size_t i = 0; i < count; i++) {
+        rigcal_real *const W = &parts.W[36 * i];
+        rigcal_real turned[36];
+        for (int row = 0; row < 6; row++) {
+            rc_sym6_solve(&W[6 * row], &L);
+        }
+        for (int k = 0; k < 36; k++) {
+            turned[k] = W[6 * (k % 6) + k / 6];
+        }
+        for (int k = 0; k < 36; k++) {
+            W[k] = turned[k];
+        }
+    }
+    for (size_t i = 0; i < count; i++) {
+        for (size_t j = 0; j < count; j++) {
+            block_of(S, rig, (size_t)parts.slot[i], (size_t)parts.slot[j]);
+            add_turned(Sigma, &parts.W[36 * i], S, &parts.W[36 * j]);
+        }
+    }
+    make_symmetric(Sigma, sigma_px * sigma_px);
+    return RIGCAL_OK;
+}
+
+/* ---- what is left -------------------------------------------------------- */
+
+rigcal_status rigcal_rig_residuals(rigcal_real duv[], size_t capacity, size_t *n_written,
+                                   const rigcal_rig *rig, size_t view)
+{
+    rigcal_rig_view v;
+    rigcal_points points;
+    rc_chain chain;
+    rigcal_status status =
+        (duv == NULL || n_written == NULL) ? RIGCAL_ERR_NULL : rc_rig_check(rig);
+    if (status == RIGCAL_OK && view >= rig->n_views) {
+        status = RIGCAL_ERR_RANGE;
+    }
+    if (status == RIGCAL_OK) {
+        status = rc_rig_view_at(&v, rig, view);
+    }
+    if (status == RIGCAL_OK) {
+        status = rc_rig_points(&points, &v);
+    }
+    if (status == RIGCAL_OK && (size_t)v.view.n > capacity / 2) {
+        status = RIGCAL_ERR_CAPACITY;
+    }
+    if (status != RIGCAL_OK) {
+        return status;
+    }
+    rc_chain_of(&chain, &rig->cams_from_rig[v.camera],
+                &rig->rig_from_placements[v.placement]);
+    for (size_t i = 0; i < v.view.n; i++) {
+        rigcal_real B[6], q[3], X_c[3];
+        status =
+            rc_points_residual(&duv[2 * i], B, q, X_c, &points, &chain.cam_from_target, i);
+        if (status != RIGCAL_OK) {
+            return status;
+        }
+    }
+    *n_written = v.view.n;
+    return RIGCAL_OK;
 }

@@ -75,6 +75,27 @@ void rc_transform_point(rigcal_real X_b[3], const rigcal_transform *b_from_a,
 }
 
 /* (17), (18):  R_ba = R_bw R_aw^T,  t_ba = t_bw - R_ba t_aw */
+/* R <- exp([w]x) R, t <- t + dt for the step d = (w, dt), with the quaternion (1, v),
+ * v = w / 2, for the exponential: right to second order, and for any step a rotation. It
+ * takes a column r of R to r + (v x r + v x (v x r)) 2 / (1 + |v|^2). */
+RC_APART void rc_transform_move(rigcal_transform *pose, const rigcal_real d[6])
+{
+    rigcal_real v[3];
+    rc_vec3_scale(v, RC(0.5), d);
+    const rigcal_real scale = 2 / (1 + rc_vec3_dot(v, v));
+    for (int column = 0; column < 3; column++) {
+        rigcal_real *const R = &pose->R[column];
+        const rigcal_real r[3] = {R[0], R[3], R[6]};
+        rigcal_real once[3], twice[3];
+        rc_vec3_cross(once, v, r);
+        rc_vec3_cross(twice, v, once);
+        for (int k = 0; k < 3; k++) {
+            R[3 * k] += scale * (once[k] + twice[k]);
+        }
+    }
+    rc_vec3_add(pose->t, &d[3]);
+}
+
 void rc_transform_between(rigcal_transform *b_from_a, const rigcal_transform *b_from_world,
                           const rigcal_transform *a_from_world)
 {

@@ -1,0 +1,42 @@
+/* rc_views.h - what is handed in of a rig: its memory to work in, its views one by one, their
+ * checks, and which cameras they connect. */
+#ifndef RC_VIEWS_H
+#define RC_VIEWS_H
+
+#include "rc_points.h"
+
+/* Where the parts of rig->work begin. */
+typedef struct {
+    rigcal_real *count;      /* of each placement, its views */
+    rigcal_real *column;     /* of each camera, its first unknown; -1: it is held */
+    rigcal_real *slot;       /* of each view of a placement, the same */
+    rigcal_real *W;          /* 36 of each view of a placement */
+    rigcal_transform *saved; /* the cameras, the placements */
+    rigcal_real *S, *g, *d;  /* of the cameras, packed; after a search the covariance */
+} rc_rig_parts;
+
+void rc_rig_parts_of(rc_rig_parts *parts, const rigcal_rig *rig, size_t n_unknowns);
+
+/* View `index`, of what the caller gives. */
+rigcal_status rc_rig_view_at(rigcal_rig_view *out, const rigcal_rig *rig, size_t index);
+rigcal_status rc_rig_pose_at(rigcal_view_pose *out, const rigcal_rig *rig, size_t index);
+
+/* Pointers and counts; not what they point to. */
+rigcal_status rc_rig_check(const rigcal_rig *rig);
+
+/* The points of a view, which count from the target's own origin. OK, and the errors of a
+ * view. */
+rigcal_status rc_rig_points(rigcal_points *points, const rigcal_rig_view *view);
+
+int rc_rig_is_held(const rigcal_rig *rig, size_t camera);
+int rc_rig_has_prior(const rigcal_rig *rig, size_t camera);
+
+void rc_clear(rigcal_real x[], size_t n);
+
+/* Checks cameras, then view by view: counts those of each placement, groups the cameras that
+ * they connect, and numbers the unknowns. RUNNING until the last; the view at fault is
+ * s->view, if there is one. */
+rigcal_status rc_views_begin(rigcal_rig_solver *s);
+rigcal_status rc_views_step(rigcal_rig_solver *s);
+
+#endif /* RC_VIEWS_H */

@@ -1,0 +1,493 @@
+#include "rc_adjust.h"
+
+#include "rc_refine.h"
+
+/* ---- constants ----------------------------------------------------------- */
+
+/* passes: over all views, of a search, usually 4 to 8. The worst case. */
+enum { PASSES_MAX = 200 };
+
+/* part of an element of the diagonal: a smaller pivot is rounding. */
+#define RANK_TOL (8 * RC_EPS)
+
+enum {
+    CHECKING = RC_RIG_CHECKED + 1, /* what is handed in, view by view */
+    SETTLING,    /* a placement's own step, its views' equations being added */
+    REDUCING,    /* its views' equations, by camera and placement */
+    ELIMINATING, /* the placement, from the equations of one of its cameras */
+    PRIORS,      /* what is known of the cameras beforehand */
+    FACTORING,   /* a row of the cameras' equations */
+    INVERTING,
+    SQUARING
+};
+
+/* ---- a pass -------------------------------------------------------------- */
+
+static void fail(rigcal_rig_solver *s, rigcal_status status, int32_t at_fault)
+{
+    s->search.status = status;
+    s->at_fault = at_fault;
+    s->phase = RC_RIG_DONE;
+}
+
+/* A placement that was seen, from s->placement on. A step of its own comes first, where the
+ * cameras have moved. 0: there is none. */
+static int begin_placement(rigcal_rig_solver *s, const rc_rig_parts *parts)
+{
+    while (s->placement < s->rig->n_placements && !(parts->count[s->placement] > 0)) {
+        s->placement++;
+    }
+    rc_rigid_clear(s->gp, s->Hp);
+    s->first = s->view;
+    s->row = 0;
+    s->phase = (s->is_trial || s->is_last) ? SETTLING : REDUCING;
+    return s->placement < s->rig->n_placements;
+}
+
+/* From the first view on. */
+static void begin_pass(rigcal_rig_solver *s)
+{
+    rc_rig_parts parts;
+    rc_rig_parts_of(&parts, s->rig, s->n);
+    if (!s->is_last) { /* which keeps the factor */
+        rc_clear(parts.S, s->n * (s->n + 1) / 2);
+        rc_clear(parts.g, s->n);
+    }
+    s->sum = s->gain = 0;
+    s->view = s->placement = 0;
+    s->evals += s->is_trial ? 2 : 1;
+    (void)begin_placement(s, &parts);
+}
+
+/* The equations of view s->view by its own pose, where the rig is. */
+static rigcal_status view_equations(rigcal_real *sum, rigcal_real g[6], rigcal_real H[21],
+                                    rc_chain *chain, int32_t *camera,
+                                    const rigcal_rig_solver *s)
+{
+    const rigcal_rig *const rig = s->rig;
+    const rigcal_transform *const placement = &rig->rig_from_placements[s->placement];
+    if (!s->is_join) {
+        rigcal_rig_view v;
+        const rigcal_status status = rc_rig_view_at(&v, rig, s->view);
+        if (status != RIGCAL_OK) {
+            return status;
+        }
+        *camera = v.camera;
+        rc_chain_of(chain, &rig->cams_from_rig[v.camera], placement);
+        return rc_rig_equations(sum, g, H, &v, &chain->cam_from_target);
+    }
+    rigcal_view_pose v;
+    const rigcal_status status = rc_rig_pose_at(&v, rig, s->view);
+    if (status != RIGCAL_OK) {
+        return status;
+    }
+    *camera = v.camera;
+    rc_chain_of(chain, &rig->cams_from_rig[v.camera], placement);
+    rc_rig_quadratic(sum, g, H, &v, &chain->cam_from_target);
+    return RIGCAL_OK;
+}
+
+rigcal_status rc_rig_equations(rigcal_real *sum, rigcal_real g[6], rigcal_real H[21],
+                               const rigcal_rig_view *view,
+                               const rigcal_transform *cam_from_target)
+{
+    rigcal_points points;
+    rc_points_of(&points, &view->view, NULL);
+    points.is_pinhole = rc_lens_is_pinhole(view->view.camera);
+    points.origin[0] = points.origin[1] = points.origin[2] = 0;
+    return rc_refine_equations(sum, g, H, &points, view->view.n, cam_from_target,
+                               RC_GAUSS_NEWTON);
+}
+
+void rc_rig_quadratic(rigcal_real *sum, rigcal_real g[6], rigcal_real H[21],
+                      const rigcal_view_pose *own, const rigcal_transform *cam_from_target)
+{
+    rigcal_real d[6];
+    rc_deviation(d, &own->cam_from_target, cam_from_target);
+    for (int k = 0; k < 21; k++) {
+        H[k] = own->information[k];
+    }
+    rc_sym6_mul(g, H, d);
+    *sum = rc_vec3_dot(g, d) + rc_vec3_dot(&g[3], &d[3]);
+}
+
+/* ---- elimination --------------------------------------------------------- */
+
+/* The block of one camera, whose unknowns begin at `at`: S += H. */
+static void add_block(rigcal_real S[], size_t at, const rigcal_real H[21])
+{
+    rigcal_real full[36];
+    rc_sym6_unpack(full, H);
+    for (size_t i = 0; i < 6; i++) {
+        for (size_t j = 0; j <= i; j++) {
+            S[rc_packed_at(at + i, at + j)] += full[6 * i + j];
+        }
+    }
+}
+
+static rigcal_real dot6(const rigcal_real a[6], const rigcal_real b[6])
+{
+    return rc_vec3_dot(a, b) + rc_vec3_dot(&a[3], &b[3]);
+}
+
+/* S -= Y_i Y_j^T, the rows of which are six of the placement's unknowns each. */
+static void subtract_block(rigcal_real S[], size_t at_i, size_t at_j,
+                           const rigcal_real Y_i[36], const rigcal_real Y_j[36])
+{
+    const int is_below = at_i >= at_j; /* the lower triangle is kept */
+    const rigcal_real *const down = is_below ? Y_i : Y_j;
+    const rigcal_real *const across = is_below ? Y_j : Y_i;
+    const size_t at_down = is_below ? at_i : at_j, at_across = is_below ? at_j : at_i;
+    for (size_t i = 0; i < 6; i++) {
+        rigcal_real *const row = &S[rc_packed_at(at_down + i, at_across)];
+        const size_t end = (at_i == at_j) ? i + 1 : 6;
+        for (size_t j = 0; j < end; j++) {
+            row[j] -= dot6(&down[6 * i], &across[6 * j]);
+        }
+    }
+}
+
+/* With L L^T = H of the placement: what the camera of a slot loses to it. Each row of W
+ * becomes one of Y = W L^-T. */
+static void eliminate_slot(rigcal_rig_solver *s, const rc_rig_parts *parts)
+{
+    const size_t slot = s->row++;
+    rigcal_real *const Y = &parts->W[36 * slot], y[6];
+    rc_sym6_factor L;
+    if (!(parts->slot[slot] >= 0)) {
+        return;
+    }
+    (void)rc_sym6_factor_of(&L, s->Hp, s->search.lambda);
+    rc_vec3_copy(&y[0], &s->gp[0]);
+    rc_vec3_copy(&y[3], &s->gp[3]);
+    rc_sym6_forward(y, &L);
+    const size_t at = (size_t)parts->slot[slot];
+    for (size_t i = 0; i < 6; i++) {
+        rc_sym6_forward(&Y[6 * i], &L);
+        parts->g[at + i] -= dot6(&Y[6 * i], y);
+    }
+    for (size_t other = 0; other <= slot; other++) {
+        if (parts->slot[other] >= 0) {
+            subtract_block(parts->S, at, (size_t)parts->slot[other], Y,
+                           &parts->W[36 * other]);
+        }
+    }
+}
+
+/* ---- the cameras' step --------------------------------------------------- */
+
+static void save_poses(const rigcal_rig_solver *s, const rc_rig_parts *parts, int is_back)
+{
+    const rigcal_rig *const rig = s->rig;
+    for (size_t i = 0; i < rig->n_cameras + rig->n_placements; i++) {
+        rigcal_transform *const pose = (i < rig->n_cameras)
+                                           ? &rig->cams_from_rig[i]
+                                           : &rig->rig_from_placements[i - rig->n_cameras];
+        if (is_back) {
+            *pose = parts->saved[i];
+        } else {
+            parts->saved[i] = *pose;
+        }
+    }
+}
+
+static void move_cameras(const rigcal_rig_solver *s, const rc_rig_parts *parts)
+{
+    for (size_t c = 0; c < s->rig->n_cameras; c++) {
+        if (parts->column[c] >= 0) {
+            rc_transform_move(&s->rig->cams_from_rig[c],
+                              &parts->d[(size_t)parts->column[c]]);
+        }
+    }
+}
+
+/* The search has ended. The covariance wants the factor of undamped equations. */
+static void end_search(rigcal_rig_solver *s, rigcal_status status, int is_factored)
+{
+    s->search.status = status;
+    s->row = 0;
+    if (s->is_join) {
+        s->phase = RC_RIG_DONE;
+    } else if (is_factored && !(s->search.lambda > 0)) {
+        s->phase = INVERTING;
+    } else {
+        s->search.lambda = 0;
+        s->is_final = 1;
+        s->is_trial = 0;
+        begin_pass(s);
+    }
+}
+
+/* The cameras' equations have been factored: their step, if it is worth it. */
+static void take_step(rigcal_rig_solver *s, const rc_rig_parts *parts)
+{
+    rigcal_real gain = s->gain;
+    for (size_t i = 0; i < s->n; i++) {
+        parts->d[i] = parts->g[i];
+    }
+    rc_packed_forward(parts->d, parts->S, s->n);
+    for (size_t i = 0; i < s->n; i++) {
+        gain += parts->d[i] * parts->d[i];
+    }
+    rc_packed_backward(parts->d, parts->S, s->n);
+    s->promised = gain;
+    const int step = rc_levenberg_promised(&s->search, gain, s->negligible);
+    if (step == RC_STEP_NONE || (step == RC_STEP_TRY && s->evals >= PASSES_MAX)) {
+        end_search(s, RIGCAL_BUDGET_SPENT, 1);
+        return;
+    }
+    s->is_trial = step == RC_STEP_TRY;
+    s->is_last = step == RC_STEP_LAST;
+    save_poses(s, parts, 0);
+    move_cameras(s, parts);
+    begin_pass(s);
+}
+
+static void factor_row(rigcal_rig_solver *s, const rc_rig_parts *parts)
+{
+    const size_t i = s->row++;
+    if (i < s->n) {
+        rigcal_real *const pivot = &parts->S[rc_packed_at(i, i)];
+        const rigcal_real least = RANK_TOL * *pivot;
+        *pivot += s->search.lambda * *pivot;
+        if (!rc_packed_factor_row(parts->S, i, rc_max(least, 0))) {
+            rc_levenberg_not_definite(&s->search);
+            if (s->is_final || s->search.status != RIGCAL_RUNNING ||
+                s->evals >= PASSES_MAX) {
+                fail(s, RIGCAL_ERR_DEGENERATE, -1);
+            } else {
+                s->is_trial = 0;
+                begin_pass(s);
+            }
+            return;
+        }
+    }
+    if (s->row >= s->n) {
+        s->row = 0;
+        if (s->is_final) {
+            s->phase = INVERTING;
+        } else {
+            take_step(s, parts);
+        }
+    }
+}
+
+static void invert_row(rigcal_rig_solver *s, const rc_rig_parts *parts)
+{
+    if (s->row < s->n) {
+        if (s->phase == INVERTING) {
+            rc_packed_invert_row(parts->S, s->row);
+        } else {
+            rc_packed_square_row(parts->S, s->row, s->n);
+        }
+        s->row++;
+    }
+    if (s->row >= s->n) {
+        s->row = 0;
+        s->phase = (s->phase == INVERTING) ? SQUARING : RC_RIG_DONE;
+    }
+}
+
+/* ---- the end of a pass --------------------------------------------------- */
+
+/* All views have been evaluated, or one could not be: `status`. */
+static void end_pass(rigcal_rig_solver *s, rigcal_status status)
+{
+    rc_rig_parts parts;
+    rigcal_levenberg *const lm = &s->search;
+    rc_rig_parts_of(&parts, s->rig, s->n);
+    s->row = 0;
+    s->phase = FACTORING;
+    if (s->is_final || s->is_last) {
+        if (status != RIGCAL_OK) {
+            fail(s, status, (int32_t)s->view);
+        } else if (s->is_last) {
+            s->is_last = 0;
+            end_search(s, RIGCAL_OK, 1);
+        }
+    } else if (!s->is_trial) {
+        rc_levenberg_evaluated(lm, status, s->sum);
+        if (lm->status != RIGCAL_RUNNING) {
+            fail(s, status, (int32_t)s->view);
+        }
+    } else if (!rc_levenberg_tried(lm, status, s->sum, s->promised, s->negligible)) {
+        save_poses(s, &parts, 1);
+        s->is_trial = 0;
+        if (lm->status != RIGCAL_RUNNING) {
+            end_search(s, lm->status, 0);
+        } else {
+            begin_pass(s);
+        }
+    }
+}
+
+/* What is known of camera s->row beforehand: its information, in pixels. */
+static void add_prior(rigcal_rig_solver *s, const rc_rig_parts *parts)
+{
+    const rigcal_rig *const rig = s->rig;
+    const size_t c = s->row++;
+    if (rc_rig_has_prior(rig, c)) {
+        const rigcal_camera_prior *const prior = &rig->priors[c];
+        const size_t at = (size_t)parts->column[c];
+        rigcal_real packed[21], full[36], d[6], g[6];
+        rc_sym6_pack(packed, prior->Sigma);
+        if (!rc_sym6_invert(full, packed)) {
+            fail(s, RIGCAL_ERR_DEGENERATE, -1);
+            return;
+        }
+        rc_sym6_pack(packed, full);
+        for (int k = 0; k < 21; k++) {
+            packed[k] *= rig->sigma_px * rig->sigma_px;
+        }
+        rc_deviation(d, &prior->cam_from_rig, &rig->cams_from_rig[c]);
+        rc_sym6_mul(g, packed, d);
+        add_block(parts->S, at, packed);
+        for (size_t k = 0; k < 6; k++) {
+            parts->g[at + k] += g[k];
+        }
+        s->sum += dot6(g, d);
+    }
+    if (s->row >= rig->n_cameras) {
+        end_pass(s, RIGCAL_OK);
+    }
+}
+
+/* The next placement that was seen, or the end of the pass. */
+static void next_placement(rigcal_rig_solver *s, const rc_rig_parts *parts)
+{
+    s->placement++;
+    if (begin_placement(s, parts)) {
+        return;
+    }
+    if (s->is_last) {
+        end_pass(s, RIGCAL_OK);
+    } else {
+        s->phase = PRIORS;
+    }
+}
+
+/* All views of a placement have been added. */
+static void end_placement(rigcal_rig_solver *s, const rc_rig_parts *parts)
+{
+    rc_sym6_factor L;
+    if (!rc_sym6_factor_of(&L, s->Hp, s->search.lambda)) {
+        s->view--; /* one of them is at fault */
+        end_pass(s, RIGCAL_ERR_DEGENERATE);
+    } else if (s->phase == SETTLING) {
+        rc_sym6_solve(s->gp, &L);
+        rc_transform_move(&s->rig->rig_from_placements[s->placement], s->gp);
+        if (s->is_last) {
+            next_placement(s, parts);
+        } else {
+            rc_rigid_clear(s->gp, s->Hp);
+            s->view = s->first;
+            s->phase = REDUCING;
+        }
+    } else {
+        rigcal_real y[6];
+        rc_vec3_copy(&y[0], &s->gp[0]);
+        rc_vec3_copy(&y[3], &s->gp[3]);
+        rc_sym6_forward(y, &L);
+        s->gain += dot6(y, y);
+        s->row = 0;
+        s->phase = ELIMINATING;
+    }
+}
+
+static int is_end_of_placement(const rigcal_rig_solver *s, const rc_rig_parts *parts)
+{
+    return s->view - s->first == (size_t)parts->count[s->placement];
+}
+
+/* Adds the view to its placement's equations and, where the pass reduces, to its camera's. */
+static void add_view(rigcal_rig_solver *s, const rc_rig_parts *parts)
+{
+    rigcal_real sum = 0, g[6], H[21];
+    rc_chain chain;
+    int32_t camera = 0;
+    const rigcal_status status = view_equations(&sum, g, H, &chain, &camera, s);
+    const size_t slot = s->view - s->first;
+    if (status != RIGCAL_OK) {
+        end_pass(s, status);
+        return;
+    }
+    rc_chain_add_placement(s->gp, s->Hp, &chain, g, H);
+    if (s->phase == REDUCING) {
+        s->sum += sum;
+        parts->slot[slot] = parts->column[camera];
+        if (parts->slot[slot] >= 0) {
+            const size_t at = (size_t)parts->slot[slot];
+            rc_chain_camera(g, H, &parts->W[36 * slot], &chain);
+            add_block(parts->S, at, H);
+            for (size_t k = 0; k < 6; k++) {
+                parts->g[at + k] += g[k];
+            }
+        }
+    }
+    s->view++;
+    if (is_end_of_placement(s, parts)) {
+        end_placement(s, parts);
+    }
+}
+
+/* ---- the search ---------------------------------------------------------- */
+
+void rc_rig_begin(rigcal_rig_solver *s, rigcal_rig *rig, int is_join)
+{
+    *s = (rigcal_rig_solver){0};
+    s->rig = rig;
+    s->is_join = is_join;
+    s->at_fault = -1;
+    s->phase = CHECKING;
+    rc_levenberg_begin(&s->search, 1);
+    const rigcal_status status = rc_views_begin(s);
+    if (status != RIGCAL_OK) {
+        fail(s, status, -1);
+    }
+}
+
+static void checking_step(rigcal_rig_solver *s)
+{
+    const rigcal_status status = rc_views_step(s);
+    if (status == RIGCAL_OK) {
+        s->phase = RC_RIG_CHECKED;
+    } else if (status != RIGCAL_RUNNING) {
+        fail(s, status, (s->view < s->rig->n_views) ? (int32_t)s->view : -1);
+    }
+}
+
+void rc_rig_step(rigcal_rig_solver *s)
+{
+    rc_rig_parts parts;
+    rc_rig_parts_of(&parts, s->rig, s->n);
+    switch (s->phase) {
+    case CHECKING:
+        checking_step(s);
+        break;
+    case SETTLING:
+    case REDUCING:
+        add_view(s, &parts);
+        break;
+    case ELIMINATING:
+        eliminate_slot(s, &parts);
+        if (s->row == (size_t)parts.count[s->placement]) {
+            next_placement(s, &parts);
+        }
+        break;
+    case RC_RIG_CHECKED:
+        begin_pass(s);
+        break;
+    case PRIORS:
+        add_prior(s, &parts);
+        break;
+    case FACTORING:
+        factor_row(s, &parts);
+        break;
+    case INVERTING:
+    case SQUARING:
+        invert_row(s, &parts);
+        break;
+    default:
+        break;
+    }
+}

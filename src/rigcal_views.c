@@ -1,0 +1,285 @@
+#include "rc_views.h"
+
+void rc_clear(rigcal_real x[], size_t n)
+{
+    for (size_t i = 0; i < n; i++) {
+        x[i] = 0;
+    }
+}
+
+size_t rigcal_rig_work(size_t n_free, size_t n_cameras, size_t n_placements)
+{
+    return RIGCAL_RIG_WORK(n_free, n_cameras, n_placements);
+}
+
+/* ---- what the caller gives ----------------------------------------------- */
+
+void rc_rig_parts_of(rc_rig_parts *parts, const rigcal_rig *rig, size_t n_unknowns)
+{
+    const size_t n = n_unknowns;
+    parts->count = rig->work;
+    parts->column = parts->count + rig->n_placements;
+    parts->slot = parts->column + rig->n_cameras;
+    parts->W = parts->slot + rig->n_cameras;
+    parts->saved = (rigcal_transform *)(void *)(parts->W + 36 * rig->n_cameras);
+    parts->S = (rigcal_real *)(parts->saved + rig->n_cameras + rig->n_placements);
+    parts->g = parts->S + n * (n + 1) / 2;
+    parts->d = parts->g + n;
+}
+
+rigcal_status rc_rig_view_at(rigcal_rig_view *out, const rigcal_rig *rig, size_t index)
+{
+    if (rig->views == NULL) {
+        return rig->view_source(out, index, rig->context);
+    }
+    *out = rig->views[index];
+    return RIGCAL_OK;
+}
+
+rigcal_status rc_rig_pose_at(rigcal_view_pose *out, const rigcal_rig *rig, size_t index)
+{
+    if (rig->view_poses == NULL) {
+        return rig->view_pose_source(out, index, rig->context);
+    }
+    *out = rig->view_poses[index];
+    return RIGCAL_OK;
+}
+
+int rc_rig_is_held(const rigcal_rig *rig, size_t camera)
+{
+    return rig->roles != NULL && rig->roles[camera] == RIGCAL_CAMERA_HELD;
+}
+
+int rc_rig_has_prior(const rigcal_rig *rig, size_t camera)
+{
+    return rig->roles != NULL && rig->roles[camera] == RIGCAL_CAMERA_PRIOR;
+}
+
+rigcal_status rc_rig_check(const rigcal_rig *rig)
+{
+    if (rig == NULL || rig->cams_from_rig == NULL || rig->rig_from_placements == NULL ||
+        rig->group == NULL || rig->work == NULL) {
+        return RIGCAL_ERR_NULL;
+    }
+    if (rig->n_cameras < 1 || rig->n_views < 1) {
+        return RIGCAL_ERR_TOO_FEW;
+    }
+    if (rig->n_cameras > RC_COUNT_MAX || rig->n_placements > RC_COUNT_MAX ||
+        rig->n_views > RC_COUNT_MAX) {
+        return RIGCAL_ERR_RANGE;
+    }
+    return rc_check_noise(&rig->sigma_px);
+}
+
+/* ---- groups of cameras that share placements ----------------------------- */
+
+/* The first camera that camera c hangs on. */
+static int32_t root_of(const rigcal_rig *rig, int32_t c)
+{
+    while (rig->group[c] != c) {
+        c = rig->group[c];
+    }
+    return c;
+}
+
+/* Cameras a and b saw one placement: the later of their first cameras hangs on the other. */
+static void connect(rigcal_rig *rig, int32_t a, int32_t b)
+{
+    const int32_t first = root_of(rig, a), second = root_of(rig, b);
+    rig->group[(first > second) ? first : second] = (first > second) ? second : first;
+    rig->group[a] = rig->group[b] = (first > second) ? second : first;
+}
+
+/* From the first cameras to the numbers of the groups. A camera hangs on one before it, whose
+ * number is known by then. */
+static int32_t number_groups(rigcal_rig *rig)
+{
+    int32_t groups = 0;
+    for (size_t c = 0; c < rig->n_cameras; c++) {
+        const int32_t on = rig->group[c];
+        rig->group[c] = ((size_t)on == c) ? groups++ : rig->group[on];
+    }
+    return groups;
+}
+
+/* ---- checks -------------------------------------------------------------- */
+
+static rigcal_status check_numbers(const rigcal_rig *rig, int32_t camera, int32_t placement)
+{
+    return (camera < 0 || (size_t)camera >= rig->n_cameras || placement < 0 ||
+            (size_t)placement >= rig->n_placements)
+               ? RIGCAL_ERR_RANGE
+               : RIGCAL_OK;
+}
+
+/* The points of a view; they count from the target's own origin. */
+rigcal_status rc_rig_points(rigcal_points *points, const rigcal_rig_view *view)
+{
+    rigcal_real uv_middle[2];
+    int32_t at;
+    rigcal_status status = rc_check_view(&view->view);
+    if (status != RIGCAL_OK) {
+        return status;
+    }
+    rc_points_of(points, &view->view, NULL);
+    status = rc_points_survey(points, uv_middle, &at);
+    points->origin[0] = points->origin[1] = points->origin[2] = 0;
+    return (status == RIGCAL_ERR_COINCIDENT || status == RIGCAL_ERR_PRECISION) ? RIGCAL_OK
+                                                                               : status;
+}
+
+static rigcal_status check_view(rigcal_rig_solver *s, int32_t *camera, int32_t *placement)
+{
+    rigcal_rig_view v;
+    rigcal_points points;
+    rigcal_status status = rc_rig_view_at(&v, s->rig, s->view);
+    if (status != RIGCAL_OK) {
+        return status;
+    }
+    *camera = v.camera;
+    *placement = v.placement;
+    status = (v.target != 0) ? RIGCAL_ERR_RANGE : rc_rig_points(&points, &v);
+    if (status == RIGCAL_OK) {
+        s->n_points += points.n_used;
+        s->negligible += points.negligible;
+    }
+    if (status == RIGCAL_OK &&
+        (s->rig->view_poses != NULL || s->rig->view_pose_source != NULL)) {
+        rigcal_view_pose own;
+        status = rc_rig_pose_at(&own, s->rig, s->view);
+        s->own_sum += own.sse;
+    }
+    return status;
+}
+
+static rigcal_status check_pose(rigcal_rig_solver *s, int32_t *camera, int32_t *placement)
+{
+    rigcal_view_pose v;
+    rc_sym6_factor L;
+    rigcal_status status = rc_rig_pose_at(&v, s->rig, s->view);
+    if (status != RIGCAL_OK) {
+        return status;
+    }
+    *camera = v.camera;
+    *placement = v.placement;
+    status = rc_check_transform(&v.cam_from_target);
+    if (status == RIGCAL_OK) {
+        status = rc_check_numbers(v.information, 21, RC_MAX);
+    }
+    if (status == RIGCAL_OK && !rc_sym6_factor_of(&L, v.information, 0)) {
+        status = RIGCAL_ERR_DEGENERATE;
+    }
+    return status;
+}
+
+static rigcal_status check_camera(const rigcal_rig *rig, size_t c)
+{
+    if (rig->roles != NULL && rig->roles[c] > RIGCAL_CAMERA_PRIOR) {
+        return RIGCAL_ERR_RANGE;
+    }
+    if (!rc_rig_has_prior(rig, c)) {
+        return RIGCAL_OK;
+    }
+    if (rig->priors == NULL) {
+        return RIGCAL_ERR_NULL;
+    }
+    const rigcal_status status = rc_check_transform(&rig->priors[c].cam_from_rig);
+    if (status != RIGCAL_OK) {
+        return status;
+    }
+    return (rig->sigma_px > 0) ? rc_check_numbers(rig->priors[c].Sigma, 36, RC_MAX)
+                               : RIGCAL_ERR_RANGE;
+}
+
+/* The unknowns of the cameras. Of a group in which none is held, and none has a prior, the
+ * first one is held. */
+static rigcal_status number_unknowns(rigcal_rig_solver *s)
+{
+    rigcal_rig *const rig = s->rig;
+    rc_rig_parts parts;
+    size_t n = 0;
+    s->is_disconnected = number_groups(rig) > 1;
+    rc_rig_parts_of(&parts, rig, 0);
+    rigcal_real *const is_fixed = parts.slot; /* of each group */
+    for (size_t c = 0; c < rig->n_cameras; c++) {
+        is_fixed[c] = 0;
+    }
+    for (size_t c = 0; c < rig->n_cameras; c++) {
+        if (rc_rig_is_held(rig, c) || rc_rig_has_prior(rig, c)) {
+            is_fixed[rig->group[c]] = 1;
+        }
+    }
+    for (size_t c = 0; c < rig->n_cameras; c++) {
+        if (rc_rig_is_held(rig, c) || !(is_fixed[rig->group[c]] > 0)) {
+            is_fixed[rig->group[c]] = 1;
+            parts.column[c] = -1;
+        } else {
+            parts.column[c] = (rigcal_real)n;
+            n += 6;
+        }
+    }
+    s->n = n;
+    return (rigcal_rig_work(n / 6, rig->n_cameras, rig->n_placements) > rig->work_capacity)
+               ? RIGCAL_ERR_CAPACITY
+               : RIGCAL_OK;
+}
+
+/* View s->view, and what it connects. */
+static rigcal_status check_next(rigcal_rig_solver *s, const rc_rig_parts *parts)
+{
+    int32_t camera = -1, placement = -1;
+    rigcal_status status = s->is_join ? check_pose(s, &camera, &placement)
+                                      : check_view(s, &camera, &placement);
+    if (status == RIGCAL_OK) {
+        status = check_numbers(s->rig, camera, placement);
+    }
+    if (status != RIGCAL_OK) {
+        return status;
+    }
+    if ((size_t)placement < s->placement) {
+        return RIGCAL_ERR_UNSORTED;
+    }
+    if (parts->slot[camera] > (rigcal_real)placement) { /* the last one it saw, plus 1 */
+        return RIGCAL_ERR_TWICE;
+    }
+    if (s->n_seen == 0 || (size_t)placement > s->placement) {
+        s->n_seen++;
+        s->first = (size_t)camera; /* the placement's first camera */
+    }
+    s->placement = (size_t)placement;
+    connect(s->rig, (int32_t)s->first, camera);
+    parts->slot[camera] = (rigcal_real)placement + 1;
+    parts->count[placement] += 1;
+    return RIGCAL_OK;
+}
+
+rigcal_status rc_views_begin(rigcal_rig_solver *s)
+{
+    rigcal_rig *const rig = s->rig;
+    rc_rig_parts parts;
+    if (rigcal_rig_work(0, rig->n_cameras, rig->n_placements) > rig->work_capacity) {
+        return RIGCAL_ERR_CAPACITY;
+    }
+    rc_rig_parts_of(&parts, rig, 0);
+    rc_clear(parts.count, rig->n_placements);
+    rc_clear(parts.slot, rig->n_cameras);
+    for (size_t c = 0; c < rig->n_cameras; c++) {
+        const rigcal_status status = check_camera(rig, c);
+        rig->group[c] = (int32_t)c;
+        if (status != RIGCAL_OK) {
+            return status;
+        }
+    }
+    return RIGCAL_OK;
+}
+
+rigcal_status rc_views_step(rigcal_rig_solver *s)
+{
+    rc_rig_parts parts;
+    rc_rig_parts_of(&parts, s->rig, 0);
+    const rigcal_status status = check_next(s, &parts);
+    if (status != RIGCAL_OK) {
+        return status;
+    }
+    return (++s->view == s->rig->n_views) ? number_unknowns(s) : RIGCAL_RUNNING;
+}

@@ -60,13 +60,28 @@
     S(rigcal_point)                                                                \
         F(rigcal_point, X) F(rigcal_point, Sigma) F(rigcal_point, rms_px)          \
     /* rigcal_rig.h */                                                             \
+    S(rigcal_rig_view)                                                             \
+        F(rigcal_rig_view, view) F(rigcal_rig_view, camera)                        \
+        F(rigcal_rig_view, placement) F(rigcal_rig_view, target)                   \
     S(rigcal_view_pose)                                                            \
-        F(rigcal_view_pose, cam_from_target) F(rigcal_view_pose, weight)           \
+        F(rigcal_view_pose, cam_from_target) F(rigcal_view_pose, information)      \
+        F(rigcal_view_pose, sse) F(rigcal_view_pose, n)                            \
         F(rigcal_view_pose, camera) F(rigcal_view_pose, placement)                 \
+    S(rigcal_camera_prior)                                                         \
+        F(rigcal_camera_prior, cam_from_rig) F(rigcal_camera_prior, Sigma)         \
     S(rigcal_rig)                                                                  \
-        F(rigcal_rig, cams_from_rig) F(rigcal_rig, group) F(rigcal_rig, n_cameras) \
-        F(rigcal_rig, views) F(rigcal_rig, n_views) F(rigcal_rig, work)            \
-        F(rigcal_rig, weight)                                                      \
+        F(rigcal_rig, cams_from_rig) F(rigcal_rig, n_cameras)                      \
+        F(rigcal_rig, rig_from_placements) F(rigcal_rig, n_placements)             \
+        F(rigcal_rig, group) F(rigcal_rig, n_views) F(rigcal_rig, views)           \
+        F(rigcal_rig, view_source) F(rigcal_rig, view_poses)                       \
+        F(rigcal_rig, view_pose_source) F(rigcal_rig, context)                     \
+        F(rigcal_rig, roles) F(rigcal_rig, priors) F(rigcal_rig, sigma_px)         \
+        F(rigcal_rig, work) F(rigcal_rig, work_capacity)                           \
+    S(rigcal_rig_fit)                                                              \
+        F(rigcal_rig_fit, sum) F(rigcal_rig_fit, freedom)                          \
+        F(rigcal_rig_fit, sigma_px) F(rigcal_rig_fit, n_points)                    \
+        F(rigcal_rig_fit, evals) F(rigcal_rig_fit, F)                              \
+        F(rigcal_rig_fit, freedom_between) F(rigcal_rig_fit, freedom_within)       \
     /* rigcal_paper.h */                                                           \
     S(rigcal_bearing)                                                              \
         F(rigcal_bearing, X_w) F(rigcal_bearing, ray)                              \
@@ -88,7 +103,7 @@
         F(rigcal_paper_pose, rms) F(rigcal_paper_pose, eliminated)                 \
         F(rigcal_paper_pose, evals) F(rigcal_paper_pose, starts)                   \
     /* solvers */                                                                  \
-    S(rigcal_pose_solver) S(rigcal_robust_solver)                                  \
+    S(rigcal_pose_solver) S(rigcal_robust_solver) S(rigcal_rig_solver)             \
     S(rigcal_paper_solver) S(rigcal_neldermead)
 /* clang-format on */
 

@@ -10,6 +10,10 @@ enum { PASSES_MAX = 200 };
 /* part of an element of the diagonal: a smaller pivot is rounding. */
 #define RANK_TOL (8 * RC_EPS)
 
+/* part of the sum: the search ends when no more is still to be gained, judged by how fast the
+ * gains fall. The poses are then within a few millionths of their sigma. */
+#define GAIN_ENOUGH RC_TOL(1e-10, 1e-6)
+
 enum {
     CHECKING = RC_RIG_CHECKED + 1, /* what is handed in, view by view */
     SETTLING,    /* a placement's own step, its views' equations being added */
@@ -231,7 +235,11 @@ static void take_step(rigcal_rig_solver *s, const rc_rig_parts *parts)
     }
     rc_packed_backward(parts->d, parts->S, s->n);
     s->promised = gain;
-    const int step = rc_levenberg_promised(&s->search, gain, s->negligible);
+    const rigcal_real little = GAIN_ENOUGH * s->search.sum;
+    const int is_enough =
+        gain <= little || gain * gain <= (s->search.last_gain - gain) * little;
+    const rigcal_real enough = is_enough ? rc_max(gain, s->negligible) : s->negligible;
+    const int step = rc_levenberg_promised(&s->search, gain, enough);
     if (step == RC_STEP_NONE || (step == RC_STEP_TRY && s->evals >= PASSES_MAX)) {
         end_search(s, RIGCAL_BUDGET_SPENT, 1);
         return;

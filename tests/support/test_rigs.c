@@ -1,7 +1,8 @@
 #include "test_rigs.h"
 
-#include <math.h>
 #include <string.h>
+
+#include "test_fit.h"
 
 static const rigcal_transform ORIGIN = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
 
@@ -128,38 +129,21 @@ void test_rig_solve_views(test_rig *r)
 
 rigcal_transform test_moved(const rigcal_transform *origin, const double d[6])
 {
-    double R[9], t[3], turn[9], moved[9];
+    double R[9], t[3];
 
     test_transform_parts(R, t, origin);
-    if (test_norm(d) > 0) {
-        test_rotation_about(turn, d, test_norm(d));
-        test_product(moved, turn, R);
-        memcpy(R, moved, sizeof R);
-    }
-    for (int k = 0; k < 3; k++) {
-        t[k] += d[3 + k];
-    }
+    test_move(R, t, d);
     return test_transform(R, t);
 }
 
-void test_difference(double d[6], const rigcal_transform *moved,
-                     const rigcal_transform *origin)
+void test_step_between(double d[6], const rigcal_transform *moved,
+                       const rigcal_transform *origin)
 {
-    double R[9], t[3], R_0[9], t_0[3], back[9], turn[9], axis[3], sine, angle;
+    double R[9], t[3], R_0[9], t_0[3];
 
     test_transform_parts(R, t, moved);
     test_transform_parts(R_0, t_0, origin);
-    test_transpose(back, R_0);
-    test_product(turn, R, back);
-    axis[0] = (turn[7] - turn[5]) / 2;
-    axis[1] = (turn[2] - turn[6]) / 2;
-    axis[2] = (turn[3] - turn[1]) / 2;
-    sine = test_norm(axis);
-    angle = atan2(sine, (turn[0] + turn[4] + turn[8] - 1) / 2);
-    for (int k = 0; k < 3; k++) {
-        d[k] = sine > 0 ? axis[k] * angle / sine : 0;
-        d[3 + k] = t[k] - t_0[k];
-    }
+    test_difference(d, R_0, t_0, R, t);
 }
 
 static void start_at(rigcal_transform *pose, const rigcal_transform *truth, test_rng *rng,
@@ -182,38 +166,4 @@ void test_rig_start(test_rig *r, test_rng *rng, double turn, double shift)
     for (size_t f = 0; f < r->rig.n_placements; f++) {
         start_at(&r->places[f], &r->true_places[f], rng, turn, shift);
     }
-}
-
-double test_mahalanobis(const double x[6], const double Sigma[36])
-{
-    double A[6][7], sum = 0;
-
-    for (int i = 0; i < 6; i++) {
-        memcpy(A[i], &Sigma[6 * i], 6 * sizeof(double));
-        A[i][6] = x[i];
-    }
-    for (int i = 0; i < 6; i++) {
-        int pivot = i;
-
-        for (int k = i + 1; k < 6; k++) {
-            pivot = fabs(A[k][i]) > fabs(A[pivot][i]) ? k : pivot;
-        }
-        for (int j = 0; j < 7; j++) {
-            const double kept = A[i][j];
-
-            A[i][j] = A[pivot][j];
-            A[pivot][j] = kept;
-        }
-        for (int k = 0; k < 6; k++) {
-            const double factor = k == i ? 0 : A[k][i] / A[i][i];
-
-            for (int j = i; j < 7; j++) {
-                A[k][j] -= factor * A[i][j];
-            }
-        }
-    }
-    for (int i = 0; i < 6; i++) {
-        sum += x[i] * A[i][6] / A[i][i];
-    }
-    return sum;
 }

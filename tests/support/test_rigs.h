@@ -50,10 +50,7 @@ rigcal_transform test_rig_chain(const test_rig *r, int camera, int placement);
 
 /* R <- exp([w]x) R, t <- t + dt, and back: d of `moved` from `origin`, for turns below pi. */
 rigcal_transform test_moved(const rigcal_transform *origin, const double d[6]);
-void test_difference(double d[6], const rigcal_transform *moved,
-                     const rigcal_transform *origin);
-
-/* x^T Sigma^-1 x of six numbers, by elimination in double with pivots; Sigma row by row. */
-double test_mahalanobis(const double x[6], const double Sigma[36]);
+void test_step_between(double d[6], const rigcal_transform *moved,
+                       const rigcal_transform *origin);
 
 #endif /* TEST_RIGS_H */

@@ -1086,40 +1086,25 @@ static void gate_rigs(void)
     begin(&t, "rig");
     state = 1200;
     for (int i = 0; i < 100; i++) {
-        enum { CAMERAS = 6, PLACEMENTS = 5, VIEWS = CAMERAS * PLACEMENTS };
-        rigcal_transform cams[CAMERAS], places[PLACEMENTS], truth[CAMERAS + PLACEMENTS];
+        enum { CAMERAS = 6, VIEWS = 18 };
+        rigcal_transform cams[CAMERAS], work[VIEWS], truth[CAMERAS], target[VIEWS];
         rigcal_view_pose views[VIEWS];
-        rigcal_real work[RIGCAL_RIG_WORK(CAMERAS, CAMERAS, PLACEMENTS)];
+        rigcal_real weight[VIEWS];
         int32_t group[CAMERAS];
-        rigcal_rig rig = {0};
         double R[9], off[3] = {1, 2, 3};
-        for (int k = 0; k < CAMERAS + PLACEMENTS; k++) {
+        for (int k = 0; k < CAMERAS + VIEWS; k++) {
             random_rotation(R);
-            truth[k] = transform_of(R, off);
+            *(k < CAMERAS ? &truth[k] : &target[k - CAMERAS]) = transform_of(R, off);
         }
-        rig.cams_from_rig = cams;
-        rig.n_cameras = CAMERAS;
-        rig.rig_from_placements = places;
-        rig.n_placements = PLACEMENTS;
-        rig.group = group;
-        rig.view_poses = views;
-        rig.work = work;
-        rig.work_capacity = sizeof work / sizeof work[0];
         for (int k = 0; k < VIEWS; k++) {
-            static const int DIAGONAL[6] = {0, 3, 5, 15, 18, 20};
-            rigcal_view_pose *const view = &views[rig.n_views];
-            if (draw() % 3 > 0) {
-                continue;
-            }
-            *view = (rigcal_view_pose){.camera = k % CAMERAS, .placement = k / CAMERAS};
-            for (int n = 0; n < 6; n++) {
-                view->information[DIAGONAL[n]] = RC(uniform(1, 20));
-            }
-            rc_transform_compose(&view->cam_from_target, &truth[k % CAMERAS],
-                                 &truth[CAMERAS + k / CAMERAS]);
-            rig.n_views++;
+            views[k].camera = (int32_t)(draw() % CAMERAS);
+            views[k].placement = (int32_t)(draw() % (3 + (unsigned)i % 6));
+            views[k].weight = RC(uniform(1, 20));
+            rc_transform_compose(&views[k].cam_from_target, &truth[views[k].camera],
+                                 &target[views[k].placement]);
         }
-        count(&t, rigcal_rig_join(&rig, NULL));
+        rigcal_rig rig = {cams, group, CAMERAS, views, VIEWS, work, weight};
+        count(&t, rigcal_rig_join(&rig));
         for (int k = 0; k < CAMERAS; k++) {
             t.found += group[k];
         }

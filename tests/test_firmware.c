@@ -791,6 +791,8 @@ TEST_MAIN_WITH_SETUP()
     RUN_TEST(test_power_cut_again_and_again_never_loses_the_calibration);
     RUN_TEST(test_a_flash_that_fails_is_told_and_tried_again);
     RUN_TEST(test_a_bit_that_cannot_be_programmed_is_seen);
+    RUN_TEST(test_a_board_in_several_places_makes_a_rig_in_flash);
+    RUN_TEST(test_a_rig_of_which_a_view_is_missing_is_begun_anew);
     RUN_TEST(test_the_watchdog_is_fed_in_time_whatever_happens);
     RUN_TEST(test_a_watchdog_that_is_not_fed_in_time_bites);
 }

@@ -787,7 +787,8 @@ static double rig_in_sigmas(const rigcal_mounted_camera cameras[])
     rigcal_real Sigma[36];
     rigcal_transform pair;
 
-    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_pair(&pair, Sigma, &app.rig.rig, 0.2, 0, 1));
+    ASSERT_STATUS(RIGCAL_OK,
+                  rigcal_rig_pair(&pair, Sigma, &app.rig.rig, (rigcal_real)0.2, 0, 1));
     ASSERT_STATUS(RIGCAL_OK, rigcal_transform_between(&pair, &cameras[1].cam_from_rig,
                                                       &cameras[0].cam_from_rig));
     test_transpose(Rt, sim.R[0]);
@@ -808,6 +809,7 @@ static void test_a_board_in_several_places_makes_a_rig_in_flash(void)
 
     calibrate();
     sim_clear_serial();
+    sim_place(1, THERE[1], -1.4); /* what is in flash is wrong */
     hold_up(1, FIRMWARE_PLACEMENTS);
     assert_sent("rig t=");
     assert_sent("point at=");

@@ -766,6 +766,73 @@ static void test_a_watchdog_that_is_not_fed_in_time_bites(void)
     TEST_ASSERT_EQUAL_INT(SIM_WATCHDOG, sim_run(&app, TICKS)); /* erasing */
 }
 
+/* ---- the rig ----------------------------------------------------------- */
+
+static void hold_up(int first, int last)
+{
+    for (int f = first; f <= last; f++) {
+        const double shift[3] = {0.05 * f - 0.1, 0.04 * (f % 2), 0.03 * f};
+
+        sim_hold(f, 0.15 * f - 0.4, 0.2 * (f % 3) - 0.2, shift);
+        shoot_both();
+        TEST_ASSERT_EQUAL_INT(SIM_IDLE, sim_run(&app, TICKS));
+    }
+    sim.placement = 0;
+}
+
+/* How far camera 1 is from where it truly is, seen from camera 0, in sigmas: t alone. */
+static double rig_in_sigmas(const rigcal_mounted_camera cameras[])
+{
+    double Rt[9], true_R[9], moved[3], worst = 0;
+    rigcal_real Sigma[36];
+    rigcal_transform pair;
+
+    ASSERT_STATUS(RIGCAL_OK,
+                  rigcal_rig_pair(&pair, Sigma, &app.rig.rig, (rigcal_real)0.2, 0, 1));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_transform_between(&pair, &cameras[1].cam_from_rig,
+                                                      &cameras[0].cam_from_rig));
+    test_transpose(Rt, sim.R[0]);
+    test_product(true_R, sim.R[1], Rt);
+    test_apply(moved, true_R, sim.t[0], NULL);
+    for (int i = 0; i < 3; i++) {
+        const double off = (double)pair.t[i] - (sim.t[1][i] - moved[i]);
+
+        worst = fmax(worst, fabs(off) / sqrt((double)Sigma[7 * (i + 3)]));
+    }
+    return worst;
+}
+
+static void test_a_board_in_several_places_makes_a_rig_in_flash(void)
+{
+    rigcal_mounted_camera stored[FIRMWARE_CAMERAS];
+    rigcal_saved_info info;
+
+    calibrate();
+    sim_clear_serial();
+    sim_place(1, THERE[1], -1.4); /* what is in flash is wrong */
+    hold_up(1, FIRMWARE_PLACEMENTS);
+    assert_sent("rig t=");
+    assert_sent("point at=");
+    assert_sent("line camera=1 abc=");
+    assert_sent("saved slot=1 sequence=2");
+    TEST_ASSERT_TRUE(rig_in_sigmas(app.cameras) < 4);
+    TEST_ASSERT_TRUE(app.rig.ticks > 5); /* in steps */
+    ASSERT_STATUS(RIGCAL_OK, rigcal_store_load(stored, FIRMWARE_CAMERAS, &info,
+                                               sim.flash[1], PORT_SLOT_BYTES));
+    assert_same_cameras(app.cameras, stored);
+}
+
+static void test_a_rig_of_which_a_view_is_missing_is_begun_anew(void)
+{
+    calibrate();
+    sim_clear_serial();
+    hold_up(1, 2);
+    hold_up(4, FIRMWARE_PLACEMENTS); /* the third is left out */
+    TEST_ASSERT_EQUAL_INT(0, times_sent("rig t="));
+    hold_up(1, FIRMWARE_PLACEMENTS);
+    TEST_ASSERT_EQUAL_INT(1, times_sent("rig t="));
+}
+
 TEST_MAIN_WITH_SETUP()
 {
     RUN_TEST(test_a_new_board_says_that_it_is_uncalibrated);
@@ -791,6 +858,8 @@ TEST_MAIN_WITH_SETUP()
     RUN_TEST(test_power_cut_again_and_again_never_loses_the_calibration);
     RUN_TEST(test_a_flash_that_fails_is_told_and_tried_again);
     RUN_TEST(test_a_bit_that_cannot_be_programmed_is_seen);
+    RUN_TEST(test_a_board_in_several_places_makes_a_rig_in_flash);
+    RUN_TEST(test_a_rig_of_which_a_view_is_missing_is_begun_anew);
     RUN_TEST(test_the_watchdog_is_fed_in_time_whatever_happens);
     RUN_TEST(test_a_watchdog_that_is_not_fed_in_time_bites);
 }

@@ -2,7 +2,7 @@
 
 #include <string.h>
 
-enum { WAITING = 0, SOLVING, ERASING, PROGRAMMING };
+enum { WAITING = 0, SOLVING, ADJUSTING, ERASING, PROGRAMMING };
 
 #define R(x) ((rigcal_real)(x))
 
@@ -301,10 +301,12 @@ static void take_frame(firmware *f)
 {
     port_frame frame;
     rigcal_pose_options options;
-    if (!port_take_frame(&frame) || frame.camera < 0 || frame.camera >= FIRMWARE_CAMERAS) {
+    if (!port_take_frame(&frame) || frame.camera < 0 || frame.camera >= FIRMWARE_CAMERAS ||
+        frame.placement < 0 || frame.placement > FIRMWARE_PLACEMENTS) {
         return;
     }
     f->camera = frame.camera;
+    f->placement = frame.placement;
     f->frame++;
     f->ticks = 0;
     const rigcal_mounted_camera *const mounted = &f->cameras[f->camera];
@@ -318,7 +320,7 @@ static void take_frame(firmware *f)
     }
     rigcal_status status = rigcal_pose_defaults(&options);
     options.sigma_px = SIGMA_PX;
-    if (f->is_known[f->camera]) {
+    if (f->is_known[f->camera] && f->placement == 0) {
         options.use_start = 1;
         options.start = mounted->cam_from_rig;
     }
@@ -329,6 +331,164 @@ static void take_frame(firmware *f)
         f->state = SOLVING;
     } else {
         report_failure(f, status);
+    }
+}
+
+/* ---- the rig ---------------------------------------------------------------- */
+
+static void report_rig_failure(firmware *f, const char *what, rigcal_status status)
+{
+    line out = {{0}, 0};
+    f->state = WAITING;
+    put_text(&out, what);
+    put_status(&out, status);
+    send(&out);
+}
+
+/* Where the first point of the last placement is, from both cameras, and the line in camera
+ * 1 on which camera 0 says that it is. */
+static void report_measured(const firmware *f, rigcal_real sigma_px)
+{
+    const firmware_rig *const r = &f->rig;
+    const rigcal_rig_view *const a = &r->views[FIRMWARE_VIEWS - 2];
+    rigcal_point point;
+    rigcal_camera cameras[2];
+    rigcal_real uv[4], ray[3], matching[3];
+    rigcal_transform b_from_a;
+    line out = {{0}, 0};
+    for (int c = 0; c < 2; c++) {
+        cameras[c] = *a[c].view.camera;
+        uv[2 * c] = a[c].view.observations[0].uv[0];
+        uv[2 * c + 1] = a[c].view.observations[0].uv[1];
+    }
+    if (rigcal_point_triangulate(&point, cameras, r->cams_from_rig, uv, 2, sigma_px) !=
+            RIGCAL_OK ||
+        rigcal_transform_between(&b_from_a, &r->cams_from_rig[1], &r->cams_from_rig[0]) !=
+            RIGCAL_OK ||
+        rigcal_camera_ray(ray, &cameras[0], uv) != RIGCAL_OK ||
+        rigcal_epiline_px(matching, &cameras[1], &b_from_a, ray) != RIGCAL_OK) {
+        return;
+    }
+    put_vector(&out, "point at=", point.X);
+    put_text(&out, " rms=");
+    put_micro(&out, point.rms_px);
+    send(&out);
+    out.n = 0;
+    put_vector(&out, "line camera=1 abc=", matching);
+    send(&out);
+}
+
+/* Camera 1 is where the rig has it, with the rig's covariance, and both go into flash. */
+static void finish_rig(firmware *f)
+{
+    firmware_rig *const r = &f->rig;
+    rigcal_rig_fit fit;
+    rigcal_transform pair;
+    rigcal_real Sigma[36];
+    line out = {{0}, 0};
+    f->state = WAITING;
+    r->n_views = 0;
+    rigcal_status status = rigcal_rig_result(&fit, NULL, &r->solver);
+    if (status == RIGCAL_OK) {
+        status = rigcal_rig_pair(&pair, Sigma, &r->rig, SIGMA_PX, 0, 1);
+    }
+    if (status != RIGCAL_OK) {
+        report_rig_failure(f, "no rig", status);
+        return;
+    }
+    for (int c = 0; c < FIRMWARE_CAMERAS; c++) {
+        rigcal_mounted_camera *const mounted = &f->cameras[c];
+        mounted->cam_from_rig = r->cams_from_rig[c];
+        if (c > 0 && rigcal_rig_covariance(mounted->Sigma, &r->rig, SIGMA_PX, (size_t)c) ==
+                         RIGCAL_OK) {
+            mounted->has_Sigma = 1;
+        }
+        f->is_known[c] = f->is_fresh[c] = 1;
+    }
+    const rigcal_real mm2[3] = {R(1e6) * Sigma[21], R(1e6) * Sigma[28], R(1e6) * Sigma[35]};
+    put_vector(&out, "rig t=", pair.t);
+    put_vector(&out, " variance_mm2=", mm2);
+    put_text(&out, " sigma=");
+    put_micro(&out, fit.sigma_px);
+    put_count(&out, " ticks=", (uint32_t)r->ticks);
+    send(&out);
+    report_measured(f, SIGMA_PX);
+    if (f->tries_left > 0) {
+        begin_saving(f);
+    }
+}
+
+static void adjust(firmware *f)
+{
+    f->rig.ticks++;
+    const rigcal_status status = rigcal_rig_step(&f->rig.solver, FIRMWARE_UNITS_PER_TICK);
+    if (status == RIGCAL_OK) {
+        finish_rig(f);
+    } else if (status != RIGCAL_RUNNING) {
+        report_rig_failure(f, "no rig", status);
+    }
+}
+
+/* Every view is there: the join, and the adjustment begins. */
+static void begin_rig(firmware *f)
+{
+    static const uint8_t ROLES[FIRMWARE_CAMERAS] = {RIGCAL_CAMERA_HELD, RIGCAL_CAMERA_FREE};
+    firmware_rig *const r = &f->rig;
+    rigcal_rig rig = {0};
+    rig.cams_from_rig = r->cams_from_rig;
+    rig.n_cameras = FIRMWARE_CAMERAS;
+    rig.rig_from_placements = r->rig_from_placements;
+    rig.n_placements = FIRMWARE_PLACEMENTS;
+    rig.group = r->group;
+    rig.n_views = FIRMWARE_VIEWS;
+    rig.views = r->views;
+    rig.view_poses = r->poses;
+    rig.roles = ROLES;
+    rig.work = r->work;
+    rig.work_capacity = sizeof r->work / sizeof r->work[0];
+    r->rig = rig;
+    r->ticks = 0;
+    r->cams_from_rig[0] = f->cameras[0].cam_from_rig;
+    for (int i = 0; i < 9 && !f->is_known[0]; i++) {
+        r->cams_from_rig[0].R[i] = (i % 4 == 0) ? 1 : 0;
+    }
+    rigcal_status status = rigcal_rig_join(&r->rig, NULL);
+    if (status == RIGCAL_OK) {
+        status = rigcal_rig_begin(&r->solver, &r->rig);
+    }
+    if (status == RIGCAL_OK) {
+        f->state = ADJUSTING;
+    } else {
+        r->n_views = 0;
+        report_rig_failure(f, "no rig", status);
+    }
+}
+
+/* A view of the board. Placements come one after the other; camera 0 before camera 1. */
+static void keep_view(firmware *f, const rigcal_transform *cam_from_target)
+{
+    firmware_rig *const r = &f->rig;
+    const int32_t k = FIRMWARE_CAMERAS * (f->placement - 1) + f->camera;
+    if (k != r->n_views) { /* one is missing: from the first placement again */
+        r->n_views = 0;
+        if (k != 0) {
+            return;
+        }
+    }
+    rigcal_rig_view *const v = &r->views[k];
+    memcpy(r->seen[k], f->seen, sizeof f->seen);
+    v->view = f->view;
+    v->view.observations = r->seen[k];
+    v->camera = f->camera;
+    v->placement = f->placement - 1;
+    v->target = 0;
+    if (rigcal_view_pose_make(&r->poses[k], v, cam_from_target) != RIGCAL_OK) {
+        r->n_views = 0;
+        return;
+    }
+    r->n_views = k + 1;
+    if (r->n_views == FIRMWARE_VIEWS) {
+        begin_rig(f);
     }
 }
 
@@ -354,6 +514,10 @@ static void finish_frame(firmware *f)
     }
     report_pose(f, status, &poses[0], &sigma);
     if (status != RIGCAL_OK) {
+        return;
+    }
+    if (f->placement > 0) {
+        keep_view(f, &poses[0].cam_from_world);
         return;
     }
     mounted->cam_from_rig = poses[0].cam_from_world;
@@ -404,6 +568,9 @@ void firmware_tick(firmware *f)
     switch (f->state) {
     case SOLVING:
         solve(f);
+        break;
+    case ADJUSTING:
+        adjust(f);
         break;
     case ERASING:
         erase(f);

@@ -9,7 +9,10 @@
 enum {
     FIRMWARE_CAMERAS = 2,
     FIRMWARE_POINTS = 8,
+    FIRMWARE_PLACEMENTS = 4, /* of the board, for a rig */
+    FIRMWARE_VIEWS = FIRMWARE_CAMERAS * FIRMWARE_PLACEMENTS,
     FIRMWARE_EVALS_PER_TICK = 4, /* of the solver, between two feeds of the dog */
+    FIRMWARE_UNITS_PER_TICK = 4, /* of the adjustment of the rig */
     FIRMWARE_SAVE_TRIES = 3      /* of a flash that fails, until the next reset */
 };
 
@@ -18,6 +21,21 @@ enum {
 extern const rigcal_real FIRMWARE_TARGET[FIRMWARE_POINTS][3];
 extern const rigcal_camera FIRMWARE_INTRINSICS[FIRMWARE_CAMERAS];
 #define FIRMWARE_SERIAL UINT32_C(0x52494721)
+
+/* What was seen of the board, and the rig that comes of it. Camera 0 is held. */
+typedef struct {
+    rigcal_observation seen[FIRMWARE_VIEWS][FIRMWARE_POINTS];
+    rigcal_rig_view views[FIRMWARE_VIEWS]; /* of placement f those from 2 f on; n 0: none */
+    rigcal_view_pose poses[FIRMWARE_VIEWS];
+    rigcal_transform cams_from_rig[FIRMWARE_CAMERAS];
+    rigcal_transform rig_from_placements[FIRMWARE_PLACEMENTS];
+    int32_t group[FIRMWARE_CAMERAS];
+    rigcal_real
+        work[RIGCAL_RIG_WORK(FIRMWARE_CAMERAS - 1, FIRMWARE_CAMERAS, FIRMWARE_PLACEMENTS)];
+    rigcal_rig rig;
+    rigcal_rig_solver solver;
+    int32_t n_views, ticks;
+} firmware_rig;
 
 /* All of the firmware's memory. */
 typedef struct {
@@ -29,12 +47,13 @@ typedef struct {
     uint32_t sequence; /* its number */
     int32_t tries_left;
 
-    int32_t state;         /* 0: waiting for a frame */
-    int32_t camera, ticks; /* of the frame being worked on */
+    int32_t state;                    /* 0: waiting for a frame */
+    int32_t camera, placement, ticks; /* of the frame being worked on */
     uint32_t frame;
     rigcal_observation seen[FIRMWARE_POINTS];
     rigcal_view view; /* of that frame: its camera, and what of seen[] was seen */
     rigcal_pose_solver solver;
+    firmware_rig rig;
 
     uint8_t image[PORT_SLOT_BYTES]; /* on its way to the flash */
     size_t image_bytes, written;

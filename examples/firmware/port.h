@@ -12,7 +12,9 @@ enum { PORT_CORNERS_MAX = 16 };
 
 typedef struct {
     int32_t camera;
-    int32_t n;                     /* 0 .. PORT_CORNERS_MAX */
+    int32_t placement; /* 0: the reference points are where they belong; 1 ..: they are on a
+                          board that is held up in one place after the other */
+    int32_t n;         /* 0 .. PORT_CORNERS_MAX */
     int32_t id[PORT_CORNERS_MAX];  /* which reference point each is said to be */
     float uv[PORT_CORNERS_MAX][2]; /* and its pixel */
 } port_frame;

@@ -39,7 +39,7 @@ build() {
         "$@" $strict -DRIGCAL_BUILD -c "$source" \
             -o "$objects/$(basename "$source" .c).o"
     done
-    "$@" $strict -Drigcal_pose_step=sim_pose_step -c \
+    "$@" $strict -Drigcal_pose_step=sim_pose_step -Drigcal_rig_step=sim_rig_step -c \
         examples/firmware/firmware.c -o "$objects/firmware.o"
     "$@" -O2 -DUNITY_INCLUDE_DOUBLE -c "$unity/unity.c" -o "$tests/unity.o"
     "$@" $strict $test_flags -c tests/support/test_support.c \

@@ -46,6 +46,8 @@ typedef struct {
     int misuse; /* a page programmed twice or across its border, a bit set */
 
     double R[FIRMWARE_CAMERAS][9], t[FIRMWARE_CAMERAS][3]; /* cam_from_rig, true */
+    double turn[9], shift[3]; /* of the board: of its points, to where they are held */
+    int placement;
     double noise_px;
     port_frame frames[SIM_FRAMES_MAX];
     int first, n_frames;
@@ -67,6 +69,10 @@ void sim_new(uint64_t seed);
 
 /* Puts a camera at `center` [m], looking at the target's middle, turned by `roll`. */
 void sim_place(int camera, const double center[3], double roll);
+
+/* The board is held up: its points are turned about the vertical and the horizontal, then
+ * shifted. Placement 0: the points are where they belong. */
+void sim_hold(int placement, double about_y, double about_x, const double shift[3]);
 
 /* The camera takes a picture, in which the corners of `mask` are detected. Returns the
  * frame, to be tampered with. */

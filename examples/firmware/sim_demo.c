@@ -39,6 +39,17 @@ static void shoot(unsigned mask)
     (void)sim_shoot(1, 0xff);
 }
 
+/* Both cameras see the board in each of its places. */
+static void hold_up(void)
+{
+    for (int f = 1; f <= FIRMWARE_PLACEMENTS; f++) {
+        const double shift[3] = {0.05 * f - 0.1, 0.04 * (f % 2), 0.03 * f};
+        sim_hold(f, 0.15 * f - 0.4, 0.2 * (f % 3) - 0.2, shift);
+        shoot(0xff);
+    }
+    sim.placement = 0;
+}
+
 int main(void)
 {
     int ok = 1;
@@ -78,6 +89,10 @@ int main(void)
     ok &= expect(SIM_IDLE, sim_boot(&app), "loaded slot=0 sequence=1");
     shoot(0xff);
     ok &= expect(SIM_IDLE, sim_run(&app, 10000), "saved slot=1 sequence=2");
+
+    tell("a board with the points is held up in four places: the rig is adjusted");
+    hold_up();
+    ok &= expect(SIM_IDLE, sim_run(&app, 10000), "saved slot=0 sequence=3");
 
     printf("[watchdog: %d of %d units spent at most between two feeds]\n", sim.most_spent,
            SIM_WATCHDOG_UNITS);

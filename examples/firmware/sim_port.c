@@ -91,6 +91,15 @@ rigcal_status sim_pose_step(rigcal_pose_solver *solver, int32_t budget)
     return rigcal_pose_step(solver, budget);
 }
 
+/* The same of the adjustment of a rig. */
+rigcal_status sim_rig_step(rigcal_rig_solver *solver, int32_t budget);
+
+rigcal_status sim_rig_step(rigcal_rig_solver *solver, int32_t budget)
+{
+    spend(budget * SIM_COST_EVAL);
+    return rigcal_rig_step(solver, budget);
+}
+
 /* ---- the serial line ------------------------------------------------------------ */
 
 void port_send(const char text[], size_t n)
@@ -244,6 +253,15 @@ static void pixel(double uv[2], const rigcal_camera *c, const double X_c[3])
     uv[1] = (double)c->fy * (y * d + p1 * (q + 2 * y * y) + 2 * p2 * x * y) + (double)c->cy;
 }
 
+void sim_hold(int placement, double about_y, double about_x, const double shift[3])
+{
+    const double cy = cos(about_y), sy = sin(about_y), cx = cos(about_x), sx = sin(about_x);
+    const double R[9] = {cy, sy * sx, sy * cx, 0, cx, -sx, -sy, cy * sx, cy * cx};
+    memcpy(sim.turn, R, sizeof R);
+    memcpy(sim.shift, shift, sizeof sim.shift);
+    sim.placement = placement;
+}
+
 port_frame *sim_shoot(int camera, unsigned mask)
 {
     port_frame *const frame = &sim.frames[(sim.first + sim.n_frames) % SIM_FRAMES_MAX];
@@ -251,15 +269,25 @@ port_frame *sim_shoot(int camera, unsigned mask)
     sim.n_frames++;
     memset(frame, 0, sizeof *frame);
     frame->camera = camera;
+    frame->placement = sim.placement;
     for (int p = 0; p < FIRMWARE_POINTS; p++) {
-        double X_c[3], uv[2];
+        double X_c[3], X[3], uv[2];
         if ((mask >> p & 1) == 0) {
             continue;
         }
         for (int i = 0; i < 3; i++) {
+            X[i] = (double)FIRMWARE_TARGET[p][i];
+        }
+        for (int i = 0; i < 3 && sim.placement > 0; i++) {
+            X[i] = sim.shift[i];
+            for (int k = 0; k < 3; k++) {
+                X[i] += sim.turn[3 * i + k] * (double)FIRMWARE_TARGET[p][k];
+            }
+        }
+        for (int i = 0; i < 3; i++) {
             X_c[i] = sim.t[camera][i];
             for (int k = 0; k < 3; k++) {
-                X_c[i] += R[3 * i + k] * (double)FIRMWARE_TARGET[p][k];
+                X_c[i] += R[3 * i + k] * X[k];
             }
         }
         pixel(uv, &FIRMWARE_INTRINSICS[camera], X_c);

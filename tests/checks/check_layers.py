@@ -39,7 +39,8 @@ SOLVERS = {
     "rigcal_points": ("points", None),
     "rigcal_vertex": ("neldermead", None),
     "rigcal_neldermead": ("neldermead", {"trial", "status"}),
-    "rigcal_levenberg": ("levenberg", {"want", "equations", "status", "sum", "lambda"}),
+    "rigcal_levenberg": ("levenberg", {"want", "equations", "status", "sum", "lambda",
+                                        "last_gain"}),
     "rigcal_refinement": ("refine", {"search", "cam_from_points", "H"}),
     "rigcal_moments": ("direction", {"weight", "C"}),
     "rigcal_lattice": ("seeds", set()),
@@ -53,6 +54,9 @@ SOLVERS = {
     "rigcal_trial_poses": ("robust", set()),
     "rigcal_robust_solver": ("robust", set()),
     "rigcal_paper_solver": ("paper", set()),
+    "rigcal_rig_solver": ("adjust", {"rig", "search", "phase", "is_join", "is_disconnected",
+                                     "at_fault", "evals", "n", "view", "first", "placement",
+                                     "n_points", "n_seen", "own_sum", "negligible"}),
 }
 FIELD = re.compile(r"(\w+)((?:\[\w+\])*\s*[,;])")
 STRUCT = re.compile(r"struct (rigcal_\w+) \{(.*?)\n\}", re.S)

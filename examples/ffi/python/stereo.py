@@ -27,6 +27,8 @@ def declare_structs(real):
     transform = [("R", real, 9), ("t", real, 3)]
     camera = [(name, i4) for name in ("lens", "width", "height")]
     camera += [(name, real) for name in "fx fy cx cy k1 k2 p1 p2 k3 k4 k5 k6".split()]
+    view = [("camera", address), ("observations", address), ("sigma", address),
+            ("n", count)]
     declared = {
         "rigcal_layout_entry": [("name", "S48"), ("offset", i4), ("size", i4)],
         "rigcal_transform": transform,
@@ -36,13 +38,22 @@ def declare_structs(real):
                         ("sse", real), ("rms_px", real), ("probability", real)],
         "rigcal_pose_options": [("use_start", i4), ("sigma_px", real),
                                 ("start", np.dtype(transform, align=True))],
-        "rigcal_view": [("camera", address), ("observations", address),
-                        ("sigma", address), ("n", count)],
+        "rigcal_view": view,
+        "rigcal_rig_view": [("view", np.dtype(view, align=True)), ("camera", i4),
+                            ("placement", i4), ("target", i4)],
         "rigcal_view_pose": [("cam_from_target", np.dtype(transform, align=True)),
-                             ("weight", real), ("camera", i4), ("placement", i4)],
-        "rigcal_rig": [("cams_from_rig", address), ("group", address),
-                       ("n_cameras", count), ("views", address), ("n_views", count),
-                       ("work", address), ("weight", address)],
+                             ("information", real, 21), ("sse", real), ("n", count),
+                             ("camera", i4), ("placement", i4)],
+        "rigcal_rig": [("cams_from_rig", address), ("n_cameras", count),
+                       ("rig_from_placements", address), ("n_placements", count),
+                       ("group", address), ("n_views", count), ("views", address),
+                       ("view_source", address), ("view_poses", address),
+                       ("view_pose_source", address), ("context", address),
+                       ("roles", address), ("priors", address), ("sigma_px", real),
+                       ("work", address), ("work_capacity", count)],
+        "rigcal_rig_fit": [("sum", real), ("freedom", real), ("sigma_px", real),
+                           ("n_points", count), ("evals", i4), ("F", real),
+                           ("freedom_between", real), ("freedom_within", real)],
     }
     return {name: np.dtype(fields, align=True)
             for name, fields in declared.items()}
@@ -59,7 +70,10 @@ def prototypes(library):
             ("layout", status, [pointer, index]),
             ("pose_defaults", status, [pointer]),
             ("pose_solve", status, [pointer, count] + [pointer] * 4),
-            ("rig_join", status, [pointer]),
+            ("view_pose_make", status, [pointer] * 3),
+            ("rig_work", count, [count] * 3),
+            ("rig_join", status, [pointer] * 2),
+            ("rig_adjust", status, [pointer] * 3),
             ("transform_between", status, [pointer] * 3)):
         function = getattr(library, "rigcal_" + name)
         function.restype, function.argtypes = result, arguments
@@ -130,45 +144,54 @@ def read_observations(path, names, dtype):
 
 
 def solve_views(library, structs, names, cameras, observations):
-    """A pose of each view, for the rig."""
+    """The views of the rig, placement by placement, and the pose of each by itself."""
+    placements = {frame: k for k, frame in
+                  enumerate(dict.fromkeys(frame for _, frame in observations))}
+    views = np.zeros(len(observations), structs["rigcal_rig_view"])
     found = np.zeros(len(observations), structs["rigcal_view_pose"])
-    placements = {}
     options = np.zeros(1, structs["rigcal_pose_options"])
     must(library, library.rigcal_pose_defaults(at(options)), "options")
-    view = np.zeros(1, structs["rigcal_view"])
     poses = np.zeros(POSES_MAX, structs["rigcal_pose"])
     n_found = np.zeros(1, np.uintp)
-    for pose, ((camera, frame), observed) in zip(found, observations.items()):
-        view["camera"] = at(cameras[camera:])
-        view["observations"] = at(observed)
-        view["n"] = len(observed)
-        status = library.rigcal_pose_solve(at(poses), POSES_MAX, at(n_found), None,
-                                           at(view), at(options))
-        must(library, status, f"camera {names[camera]}, frame {frame}")
-        pose["cam_from_target"] = poses["cam_from_world"][0]
-        pose["weight"] = len(observed)
-        pose["camera"] = camera
-        pose["placement"] = placements.setdefault(frame, len(placements))
-    return found
+    in_order = sorted(observations, key=lambda key: (placements[key[1]], key[0]))
+    for k, (camera, frame) in enumerate(in_order):
+        observed, view, what = (observations[camera, frame], views[k:],
+                                f"camera {names[camera]}, frame {frame}")
+        view["view"]["camera"][0] = at(cameras[camera:])
+        view["view"]["observations"][0] = at(observed)
+        view["view"]["n"][0] = len(observed)
+        view["camera"][0], view["placement"][0] = camera, placements[frame]
+        must(library, library.rigcal_pose_solve(
+            at(poses), POSES_MAX, at(n_found), None, at(view), at(options)), what)
+        must(library, library.rigcal_view_pose_make(
+            at(found[k:]), at(view), at(poses)), what)
+    return views, found
 
 
-def right_from_left(library, structs, views):
+def right_from_left(library, structs, views, view_poses):
+    """The adjusted pair, and how well it fits."""
+    n_placements = int(views["placement"].max()) + 1
     cams_from_rig = np.zeros(2, structs["rigcal_transform"])
+    placements = np.zeros(n_placements, structs["rigcal_transform"])
     group = np.zeros(2, np.int32)
-    work = np.zeros(len(views), structs["rigcal_transform"])
-    weight = np.zeros(len(views), structs["rigcal_view_pose"]["weight"])
+    capacity = library.rigcal_rig_work(1, 2, n_placements)
+    work = np.zeros(capacity, structs["rigcal_rig_fit"]["sum"])
     rig = np.zeros(1, structs["rigcal_rig"])
-    rig["cams_from_rig"], rig["group"], rig["n_cameras"] = at(cams_from_rig), at(group), 2
-    rig["views"], rig["n_views"] = at(views), len(views)
-    rig["work"], rig["weight"] = at(work), at(weight)
-    must(library, library.rigcal_rig_join(at(rig)), "rig")
+    rig["cams_from_rig"], rig["n_cameras"] = at(cams_from_rig), 2
+    rig["rig_from_placements"], rig["n_placements"] = at(placements), n_placements
+    rig["group"], rig["n_views"] = at(group), len(views)
+    rig["views"], rig["view_poses"] = at(views), at(view_poses)
+    rig["work"], rig["work_capacity"] = at(work), capacity
+    fit = np.zeros(1, structs["rigcal_rig_fit"])
+    must(library, library.rigcal_rig_join(at(rig), None), "join")
     if group[1] != group[0]:
         sys.exit("the two cameras never saw the target in one place")
+    must(library, library.rigcal_rig_adjust(at(fit), None, at(rig)), "adjust")
     pair = np.zeros(1, structs["rigcal_transform"])
     must(library, library.rigcal_transform_between(
         at(pair), at(cams_from_rig[1:]), at(cams_from_rig)), "pair")
     return (pair["R"][0].astype(float).reshape(3, 3),
-            pair["t"][0].astype(float))
+            pair["t"][0].astype(float), float(fit["sigma_px"][0]))
 
 
 def angle_deg(Ra, Rb):
@@ -203,11 +226,11 @@ def main():
     observations = read_observations(
         os.path.join(arguments.data, "observations.csv"), names,
         structs["rigcal_observation"])
-    views = solve_views(library, structs, names, cameras, observations)
-    R, t = right_from_left(library, structs, views)
+    views, view_poses = solve_views(library, structs, names, cameras, observations)
+    R, t, sigma_px = right_from_left(library, structs, views, view_poses)
     print(f"python: {names[1]} from {names[0]}: baseline "
           f"{1000 * np.linalg.norm(t):.2f} mm, angle "
-          f"{angle_deg(np.eye(3), R):.3f} degrees", end="")
+          f"{angle_deg(np.eye(3), R):.3f} degrees, {sigma_px:.2f} px", end="")
     if arguments.check:
         angle, distance = difference(arguments.check, names, R, t)
         print(f"; off by {angle:.3f} degrees, {1000 * distance:.2f} mm", end="")

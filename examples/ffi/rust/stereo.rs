@@ -86,13 +86,25 @@ c_struct!(rigcal_view {
     camera: *const rigcal_camera, observations: *const rigcal_observation,
     sigma: *const Real, n: usize
 });
+c_struct!(rigcal_rig_view {
+    view: rigcal_view, camera: i32, placement: i32, target: i32
+});
 c_struct!(rigcal_view_pose {
-    cam_from_target: rigcal_transform, weight: Real, camera: i32, placement: i32
+    cam_from_target: rigcal_transform, information: [Real; 21], sse: Real, n: usize,
+    camera: i32, placement: i32
 });
 c_struct!(rigcal_rig {
-    cams_from_rig: *mut rigcal_transform, group: *mut i32, n_cameras: usize,
-    views: *const rigcal_view_pose, n_views: usize,
-    work: *mut rigcal_transform, weight: *mut Real
+    cams_from_rig: *mut rigcal_transform, n_cameras: usize,
+    rig_from_placements: *mut rigcal_transform, n_placements: usize,
+    group: *mut i32, n_views: usize,
+    views: *const rigcal_rig_view, view_source: *const u8,
+    view_poses: *const rigcal_view_pose, view_pose_source: *const u8,
+    context: *mut u8, roles: *const u8, priors: *const u8, sigma_px: Real,
+    work: *mut Real, work_capacity: usize
+});
+c_struct!(rigcal_rig_fit {
+    sum: Real, freedom: Real, sigma_px: Real, n_points: usize, evals: i32,
+    F: Real, freedom_between: Real, freedom_within: Real
 });
 
 #[link(name = "rigcal")]
@@ -110,7 +122,18 @@ extern "C" {
         view: *const rigcal_view,
         options: *const rigcal_pose_options,
     ) -> i32;
-    fn rigcal_rig_join(rig: *mut rigcal_rig) -> i32;
+    fn rigcal_view_pose_make(
+        pose: *mut rigcal_view_pose,
+        view: *const rigcal_rig_view,
+        cam_from_target: *const rigcal_transform,
+    ) -> i32;
+    fn rigcal_rig_work(n_free: usize, n_cameras: usize, n_placements: usize) -> usize;
+    fn rigcal_rig_join(rig: *mut rigcal_rig, at_fault: *mut i32) -> i32;
+    fn rigcal_rig_adjust(
+        fit: *mut rigcal_rig_fit,
+        at_fault: *mut i32,
+        rig: *mut rigcal_rig,
+    ) -> i32;
     fn rigcal_transform_between(
         b_from_a: *mut rigcal_transform,
         b_from_world: *const rigcal_transform,
@@ -145,8 +168,10 @@ fn layout_here() -> Layout {
     rigcal_pose::describe(&mut layout);
     rigcal_pose_options::describe(&mut layout);
     rigcal_view::describe(&mut layout);
+    rigcal_rig_view::describe(&mut layout);
     rigcal_view_pose::describe(&mut layout);
     rigcal_rig::describe(&mut layout);
+    rigcal_rig_fit::describe(&mut layout);
     layout
 }
 
@@ -234,20 +259,12 @@ fn read_observation(row: &Row) -> rigcal_observation {
     }
 }
 
-fn solve(
-    camera: &rigcal_camera,
-    observed: &[rigcal_observation],
-    what: &str,
-) -> rigcal_transform {
-    let view = rigcal_view {
-        camera,
-        observations: observed.as_ptr(),
-        sigma: ptr::null(),
-        n: observed.len(),
-    };
+/// The pose of one view by itself.
+fn solve(view: &rigcal_rig_view, what: &str) -> rigcal_view_pose {
     let mut options = rigcal_pose_options::zeroed();
     let mut poses = [rigcal_pose::zeroed(); POSES_MAX];
     let mut n_found = 0;
+    let mut found = rigcal_view_pose::zeroed();
     must(unsafe { rigcal_pose_defaults(&mut options) }, "options");
     let status = unsafe {
         rigcal_pose_solve(
@@ -255,22 +272,29 @@ fn solve(
             poses.len(),
             &mut n_found,
             ptr::null_mut(),
-            &view,
+            &view.view,
             &options,
         )
     };
     must(status, what);
-    poses[0].cam_from_world
+    must(
+        unsafe { rigcal_view_pose_make(&mut found, view, &poses[0].cam_from_world) },
+        what,
+    );
+    found
 }
 
-/// Poses of both cameras in every frame that they saw.
-fn solve_views(cameras: &[Row], observations: &[Row]) -> Vec<rigcal_view_pose> {
+/// What each camera saw in each frame: the frame's number, the camera's, the points.
+fn read_views(
+    cameras: &[Row],
+    observations: &[Row],
+) -> Vec<(usize, usize, Vec<rigcal_observation>)> {
     let mut frames: BTreeMap<&str, Vec<&Row>> = BTreeMap::new();
     for row in observations {
         frames.entry(text(row, "frame")).or_default().push(row);
     }
     let mut views = Vec::new();
-    for (placement, (frame, seen)) in frames.iter().enumerate() {
+    for (placement, seen) in frames.values().enumerate() {
         for (index, camera) in cameras.iter().enumerate() {
             let name = text(camera, "camera");
             let observed: Vec<rigcal_observation> = seen
@@ -278,43 +302,67 @@ fn solve_views(cameras: &[Row], observations: &[Row]) -> Vec<rigcal_view_pose> {
                 .filter(|row| text(row, "camera") == name)
                 .map(|row| read_observation(row))
                 .collect();
-            if observed.is_empty() {
-                continue;
+            if !observed.is_empty() {
+                views.push((placement, index, observed));
             }
-            let what = format!("camera {}, frame {}", name, frame);
-            views.push(rigcal_view_pose {
-                cam_from_target: solve(&read_camera(camera), &observed, &what),
-                weight: observed.len() as Real,
-                camera: index as i32,
-                placement: placement as i32,
-            });
         }
     }
     views
 }
 
-fn right_from_left(views: &[rigcal_view_pose]) -> rigcal_transform {
+/// The adjusted pair, and the noise that is left.
+fn right_from_left(cameras: &[Row], observations: &[Row]) -> (rigcal_transform, Real) {
+    let lenses: Vec<rigcal_camera> = cameras.iter().map(read_camera).collect();
+    let seen = read_views(cameras, observations);
+    let views: Vec<rigcal_rig_view> = seen
+        .iter()
+        .map(|(placement, camera, observed)| rigcal_rig_view {
+            view: rigcal_view {
+                camera: &lenses[*camera],
+                observations: observed.as_ptr(),
+                sigma: ptr::null(),
+                n: observed.len(),
+            },
+            camera: *camera as i32,
+            placement: *placement as i32,
+            target: 0,
+        })
+        .collect();
+    let view_poses: Vec<rigcal_view_pose> = views
+        .iter()
+        .map(|v| solve(v, &format!("camera {}, placement {}", v.camera, v.placement)))
+        .collect();
+    let n_placements = seen.last().map_or(0, |view| view.0 + 1);
     let mut cams_from_rig = [rigcal_transform::zeroed(); 2];
+    let mut placements = vec![rigcal_transform::zeroed(); n_placements];
     let mut group = [0; 2];
-    let mut work = vec![rigcal_transform::zeroed(); views.len()];
-    let mut weight = vec![0 as Real; views.len()];
+    let mut work = vec![0 as Real; unsafe { rigcal_rig_work(1, 2, n_placements) }];
+    let mut fit = rigcal_rig_fit::zeroed();
     let mut pair = rigcal_transform::zeroed();
     let mut rig = rigcal_rig {
         cams_from_rig: cams_from_rig.as_mut_ptr(),
-        group: group.as_mut_ptr(),
         n_cameras: cams_from_rig.len(),
-        views: views.as_ptr(),
+        rig_from_placements: placements.as_mut_ptr(),
+        n_placements,
+        group: group.as_mut_ptr(),
         n_views: views.len(),
+        views: views.as_ptr(),
+        view_poses: view_poses.as_ptr(),
         work: work.as_mut_ptr(),
-        weight: weight.as_mut_ptr(),
+        work_capacity: work.len(),
+        ..rigcal_rig::zeroed()
     };
-    must(unsafe { rigcal_rig_join(&mut rig) }, "rig");
+    must(unsafe { rigcal_rig_join(&mut rig, ptr::null_mut()) }, "join");
     if group[1] != group[0] {
         fail("the two cameras never saw the target in one place");
     }
+    must(
+        unsafe { rigcal_rig_adjust(&mut fit, ptr::null_mut(), &mut rig) },
+        "adjust",
+    );
     let (left, right) = (&cams_from_rig[0], &cams_from_rig[1]);
     must(unsafe { rigcal_transform_between(&mut pair, right, left) }, "pair");
-    pair
+    (pair, fit.sigma_px)
 }
 
 fn distance(a: &[Real], b: &[Real]) -> f64 {
@@ -355,13 +403,14 @@ fn main() {
     cameras.truncate(2);
     let (left, right) = (text(&cameras[0], "camera"), text(&cameras[1], "camera"));
     let observations = rows(&format!("{}/observations.csv", data));
-    let pair = right_from_left(&solve_views(&cameras, &observations));
+    let (pair, sigma_px) = right_from_left(&cameras, &observations);
     let still = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0];
     print!(
-        "rust:   {} from {}: baseline {:.2} mm, angle {:.3} degrees",
+        "rust:   {} from {}: baseline {:.2} mm, angle {:.3} degrees, {:.2} px",
         right, left,
         1000.0 * distance(&pair.t, &[0.0; 3]),
-        angle_deg(&pair.R, &still)
+        angle_deg(&pair.R, &still),
+        sigma_px
     );
     if let Some(path) = check {
         let known = reference(path, left, right);

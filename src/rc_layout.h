@@ -1,7 +1,7 @@
 /* rc_layout.h - the structs of the public headers: the one list that rigcal_layout and its
  * test are made from. tests/checks/check_layout.py compares it with the headers.
  *
- * S(struct), F(struct, field). What a solver keeps is its own: S alone. */
+ * S(struct), M(struct, member). What a solver keeps is its own: S alone. */
 #ifndef RC_LAYOUT_H
 #define RC_LAYOUT_H
 
@@ -9,86 +9,101 @@
 #include "rigcal_paper.h"
 
 /* clang-format off */
-#define RC_LAYOUT(S, F)                                                            \
+#define RC_LAYOUT(S, M)                                                            \
     /* rigcal.h */                                                                 \
     S(rigcal_layout_entry)                                                         \
-        F(rigcal_layout_entry, name) F(rigcal_layout_entry, offset)                \
-        F(rigcal_layout_entry, size)                                               \
+        M(rigcal_layout_entry, name) M(rigcal_layout_entry, offset)                \
+        M(rigcal_layout_entry, size)                                               \
     S(rigcal_transform)                                                            \
-        F(rigcal_transform, R) F(rigcal_transform, t)                              \
+        M(rigcal_transform, R) M(rigcal_transform, t)                              \
     S(rigcal_camera)                                                               \
-        F(rigcal_camera, lens) F(rigcal_camera, width) F(rigcal_camera, height)    \
-        F(rigcal_camera, fx) F(rigcal_camera, fy) F(rigcal_camera, cx)             \
-        F(rigcal_camera, cy) F(rigcal_camera, k1) F(rigcal_camera, k2)             \
-        F(rigcal_camera, p1) F(rigcal_camera, p2) F(rigcal_camera, k3)             \
-        F(rigcal_camera, k4) F(rigcal_camera, k5) F(rigcal_camera, k6)             \
+        M(rigcal_camera, lens) M(rigcal_camera, width) M(rigcal_camera, height)    \
+        M(rigcal_camera, fx) M(rigcal_camera, fy) M(rigcal_camera, cx)             \
+        M(rigcal_camera, cy) M(rigcal_camera, k1) M(rigcal_camera, k2)             \
+        M(rigcal_camera, p1) M(rigcal_camera, p2) M(rigcal_camera, k3)             \
+        M(rigcal_camera, k4) M(rigcal_camera, k5) M(rigcal_camera, k6)             \
     S(rigcal_observation)                                                          \
-        F(rigcal_observation, X_w) F(rigcal_observation, uv)                       \
+        M(rigcal_observation, X_w) M(rigcal_observation, uv)                       \
     S(rigcal_view)                                                                 \
-        F(rigcal_view, camera) F(rigcal_view, observations) F(rigcal_view, sigma)  \
-        F(rigcal_view, n)                                                          \
+        M(rigcal_view, camera) M(rigcal_view, observations) M(rigcal_view, sigma)  \
+        M(rigcal_view, n)                                                          \
     S(rigcal_pose)                                                                 \
-        F(rigcal_pose, cam_from_world) F(rigcal_pose, sse) F(rigcal_pose, rms_px)  \
-        F(rigcal_pose, probability)                                                \
+        M(rigcal_pose, cam_from_world) M(rigcal_pose, sse) M(rigcal_pose, rms_px)  \
+        M(rigcal_pose, probability)                                                \
     S(rigcal_pose_options)                                                         \
-        F(rigcal_pose_options, use_start) F(rigcal_pose_options, sigma_px)         \
-        F(rigcal_pose_options, start)                                              \
+        M(rigcal_pose_options, use_start) M(rigcal_pose_options, sigma_px)         \
+        M(rigcal_pose_options, start)                                              \
     S(rigcal_pose_uncertainty)                                                     \
-        F(rigcal_pose_uncertainty, Sigma) F(rigcal_pose_uncertainty, rotation)     \
-        F(rigcal_pose_uncertainty, translation) F(rigcal_pose_uncertainty, center) \
-        F(rigcal_pose_uncertainty, sigma_px)                                       \
+        M(rigcal_pose_uncertainty, Sigma) M(rigcal_pose_uncertainty, rotation)     \
+        M(rigcal_pose_uncertainty, translation) M(rigcal_pose_uncertainty, center) \
+        M(rigcal_pose_uncertainty, sigma_px)                                       \
     S(rigcal_robust_options)                                                       \
-        F(rigcal_robust_options, threshold_px) F(rigcal_robust_options, sigma_px)  \
-        F(rigcal_robust_options, samples) F(rigcal_robust_options, seed)           \
+        M(rigcal_robust_options, threshold_px) M(rigcal_robust_options, sigma_px)  \
+        M(rigcal_robust_options, samples) M(rigcal_robust_options, seed)           \
     S(rigcal_blame)                                                                \
-        F(rigcal_blame, verdict) F(rigcal_blame, point)                            \
-        F(rigcal_blame, is_rest_poor) F(rigcal_blame, rms_px)                      \
-        F(rigcal_blame, rms_without_px) F(rigcal_blame, chance)                    \
-        F(rigcal_blame, probability)                                               \
+        M(rigcal_blame, verdict) M(rigcal_blame, point)                            \
+        M(rigcal_blame, is_rest_poor) M(rigcal_blame, rms_px)                      \
+        M(rigcal_blame, rms_without_px) M(rigcal_blame, chance)                    \
+        M(rigcal_blame, probability)                                               \
     S(rigcal_diagnosis)                                                            \
-        F(rigcal_diagnosis, verdict) F(rigcal_diagnosis, is_handed)                \
-        F(rigcal_diagnosis, rms_mirrored_px) F(rigcal_diagnosis, rms_flipped_px)   \
-        F(rigcal_diagnosis, units) F(rigcal_diagnosis, blame)                      \
+        M(rigcal_diagnosis, verdict) M(rigcal_diagnosis, is_handed)                \
+        M(rigcal_diagnosis, rms_mirrored_px) M(rigcal_diagnosis, rms_flipped_px)   \
+        M(rigcal_diagnosis, units) M(rigcal_diagnosis, blame)                      \
     S(rigcal_mounted_camera)                                                       \
-        F(rigcal_mounted_camera, camera) F(rigcal_mounted_camera, cam_from_rig)    \
-        F(rigcal_mounted_camera, Sigma) F(rigcal_mounted_camera, has_Sigma)        \
+        M(rigcal_mounted_camera, camera) M(rigcal_mounted_camera, cam_from_rig)    \
+        M(rigcal_mounted_camera, Sigma) M(rigcal_mounted_camera, has_Sigma)        \
     S(rigcal_saved_info)                                                           \
-        F(rigcal_saved_info, sequence) F(rigcal_saved_info, tag)                   \
-        F(rigcal_saved_info, n_cameras) F(rigcal_saved_info, n_bytes)              \
-        F(rigcal_saved_info, real_bytes)                                           \
+        M(rigcal_saved_info, sequence) M(rigcal_saved_info, tag)                   \
+        M(rigcal_saved_info, n_cameras) M(rigcal_saved_info, n_bytes)              \
+        M(rigcal_saved_info, real_bytes)                                           \
     /* rigcal_measure.h */                                                         \
     S(rigcal_point)                                                                \
-        F(rigcal_point, X) F(rigcal_point, Sigma) F(rigcal_point, rms_px)          \
+        M(rigcal_point, X) M(rigcal_point, Sigma) M(rigcal_point, rms_px)          \
     /* rigcal_rig.h */                                                             \
+    S(rigcal_rig_view)                                                             \
+        M(rigcal_rig_view, view) M(rigcal_rig_view, camera)                        \
+        M(rigcal_rig_view, placement) M(rigcal_rig_view, target)                   \
     S(rigcal_view_pose)                                                            \
-        F(rigcal_view_pose, cam_from_target) F(rigcal_view_pose, weight)           \
-        F(rigcal_view_pose, camera) F(rigcal_view_pose, placement)                 \
+        M(rigcal_view_pose, cam_from_target) M(rigcal_view_pose, information)      \
+        M(rigcal_view_pose, sse) M(rigcal_view_pose, n)                            \
+        M(rigcal_view_pose, camera) M(rigcal_view_pose, placement)                 \
+    S(rigcal_camera_prior)                                                         \
+        M(rigcal_camera_prior, cam_from_rig) M(rigcal_camera_prior, Sigma)         \
     S(rigcal_rig)                                                                  \
-        F(rigcal_rig, cams_from_rig) F(rigcal_rig, group) F(rigcal_rig, n_cameras) \
-        F(rigcal_rig, views) F(rigcal_rig, n_views) F(rigcal_rig, work)            \
-        F(rigcal_rig, weight)                                                      \
+        M(rigcal_rig, cams_from_rig) M(rigcal_rig, n_cameras)                      \
+        M(rigcal_rig, rig_from_placements) M(rigcal_rig, n_placements)             \
+        M(rigcal_rig, group) M(rigcal_rig, n_views) M(rigcal_rig, views)           \
+        M(rigcal_rig, view_source) M(rigcal_rig, view_poses)                       \
+        M(rigcal_rig, view_pose_source) M(rigcal_rig, context)                     \
+        M(rigcal_rig, roles) M(rigcal_rig, priors) M(rigcal_rig, sigma_px)         \
+        M(rigcal_rig, work) M(rigcal_rig, work_capacity)                           \
+    S(rigcal_rig_fit)                                                              \
+        M(rigcal_rig_fit, sum) M(rigcal_rig_fit, freedom)                          \
+        M(rigcal_rig_fit, sigma_px) M(rigcal_rig_fit, n_points)                    \
+        M(rigcal_rig_fit, evals) M(rigcal_rig_fit, F)                              \
+        M(rigcal_rig_fit, freedom_between) M(rigcal_rig_fit, freedom_within)       \
     /* rigcal_paper.h */                                                           \
     S(rigcal_bearing)                                                              \
-        F(rigcal_bearing, X_w) F(rigcal_bearing, ray)                              \
+        M(rigcal_bearing, X_w) M(rigcal_bearing, ray)                              \
     S(rigcal_pair)                                                                 \
-        F(rigcal_pair, normal) F(rigcal_pair, offset) F(rigcal_pair, i)            \
-        F(rigcal_pair, j)                                                          \
+        M(rigcal_pair, normal) M(rigcal_pair, offset) M(rigcal_pair, i)            \
+        M(rigcal_pair, j)                                                          \
     S(rigcal_elimination)                                                          \
-        F(rigcal_elimination, angle) F(rigcal_elimination, cosine)                 \
-        F(rigcal_elimination, sine) F(rigcal_elimination, condition)               \
-        F(rigcal_elimination, unit) F(rigcal_elimination, residual)                \
+        M(rigcal_elimination, angle) M(rigcal_elimination, cosine)                 \
+        M(rigcal_elimination, sine) M(rigcal_elimination, condition)               \
+        M(rigcal_elimination, unit) M(rigcal_elimination, residual)                \
     S(rigcal_paper_options)                                                        \
-        F(rigcal_paper_options, angles) F(rigcal_paper_options, eliminated)        \
-        F(rigcal_paper_options, pairs_used) F(rigcal_paper_options, use_guess)     \
-        F(rigcal_paper_options, max_evals) F(rigcal_paper_options, guess_ypr)      \
-        F(rigcal_paper_options, xtol) F(rigcal_paper_options, ftol)                \
+        M(rigcal_paper_options, angles) M(rigcal_paper_options, eliminated)        \
+        M(rigcal_paper_options, pairs_used) M(rigcal_paper_options, use_guess)     \
+        M(rigcal_paper_options, max_evals) M(rigcal_paper_options, guess_ypr)      \
+        M(rigcal_paper_options, xtol) M(rigcal_paper_options, ftol)                \
     S(rigcal_paper_pose)                                                           \
-        F(rigcal_paper_pose, cam_from_world) F(rigcal_paper_pose, ypr)             \
-        F(rigcal_paper_pose, residual) F(rigcal_paper_pose, condition)             \
-        F(rigcal_paper_pose, rms) F(rigcal_paper_pose, eliminated)                 \
-        F(rigcal_paper_pose, evals) F(rigcal_paper_pose, starts)                   \
+        M(rigcal_paper_pose, cam_from_world) M(rigcal_paper_pose, ypr)             \
+        M(rigcal_paper_pose, residual) M(rigcal_paper_pose, condition)             \
+        M(rigcal_paper_pose, rms) M(rigcal_paper_pose, eliminated)                 \
+        M(rigcal_paper_pose, evals) M(rigcal_paper_pose, starts)                   \
     /* solvers */                                                                  \
-    S(rigcal_pose_solver) S(rigcal_robust_solver)                                  \
+    S(rigcal_pose_solver) S(rigcal_robust_solver) S(rigcal_rig_solver)             \
     S(rigcal_paper_solver) S(rigcal_neldermead)
 /* clang-format on */
 

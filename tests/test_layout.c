@@ -108,12 +108,13 @@ static void test_a_solver_is_told_by_its_size_alone(void)
     static const struct {
         const char *name;
         size_t size;
-    } SOLVERS[4] = {{"rigcal_pose_solver", sizeof(rigcal_pose_solver)},
-                    {"rigcal_robust_solver", sizeof(rigcal_robust_solver)},
-                    {"rigcal_paper_solver", sizeof(rigcal_paper_solver)},
-                    {"rigcal_neldermead", sizeof(rigcal_neldermead)}};
+    } SOLVERS[] = {{"rigcal_pose_solver", sizeof(rigcal_pose_solver)},
+                   {"rigcal_robust_solver", sizeof(rigcal_robust_solver)},
+                   {"rigcal_rig_solver", sizeof(rigcal_rig_solver)},
+                   {"rigcal_paper_solver", sizeof(rigcal_paper_solver)},
+                   {"rigcal_neldermead", sizeof(rigcal_neldermead)}};
 
-    for (int i = 0; i < 4; i++) {
+    for (size_t i = 0; i < sizeof SOLVERS / sizeof SOLVERS[0]; i++) {
         int lines = 0;
 
         for (int32_t k = 0; k < rigcal_layout_count(); k++) {

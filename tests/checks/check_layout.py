@@ -14,7 +14,7 @@ HEADERS = ["rigcal.h", "rigcal_measure.h", "rigcal_rig.h", "rigcal_paper.h"]
 SOLVER = re.compile(r"struct (rigcal_(?:\w+_solver|neldermead)) \{")
 STRUCT = re.compile(r"struct (rigcal_\w+) \{(.*?)\n\}", re.S)
 FIELD = re.compile(r"\*?(\w+)(?:\[\w+\])*\s*(?=[,;])")
-ENTRY = re.compile(r"\b([SF])\((\w+)(?:, (\w+))?\)")
+ENTRY = re.compile(r"\b([SM])\((\w+)(?:, (\w+))?\)")
 
 
 def without_comments(text):
@@ -40,8 +40,8 @@ def wanted():
 
 def main():
     listed = without_comments((ROOT / "src/rc_layout.h").read_text())
-    listed = listed[listed.index("#define RC_LAYOUT"):].replace("RC_LAYOUT(S, F)", "")
-    listed = [f"{struct}.{field}" if kind == "F" else struct
+    listed = listed[listed.index("#define RC_LAYOUT"):].replace("RC_LAYOUT(S, M)", "")
+    listed = [f"{struct}.{field}" if kind == "M" else struct
               for kind, struct, field in ENTRY.findall(listed)]
     names, solvers = wanted()
     bad = [f"{name} is not in RC_LAYOUT" for name in names + sorted(solvers)

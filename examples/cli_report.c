@@ -340,8 +340,9 @@ static void print_pairs(const calibration *c)
 
 /* ==== how well the rig fits =============================================== */
 
-/* sqrt(F) of noise alone is above this for one rig in 1,000 at most. */
-#define DISAGREE 2.0
+/* Of good rigs sqrt(F) is 1 to 3: a lens model is never quite right. Above this value the
+ * summary names causes. Noise alone exceeds it in one rig of 10^6. */
+#define DISAGREE 3.0
 
 static void print_closure(const calibration *c)
 {
@@ -415,12 +416,12 @@ static void print_largest(const calibration *c)
         }
     }
     qsort(list, n, sizeof *list, compare_residuals);
-    printf("\n%-*s  %-*s  rig [px]  largest residual [px], of point\n", wide_camera,
-           "camera", wide_frame, "frame");
+    printf("\n%-*s  %-*s  rig [px]  worst [px]  point\n", wide_camera, "camera", wide_frame,
+           "frame");
     for (i = 0; i < n && i < SHOWN; i++) {
         const view *v = list[i].v;
 
-        printf("%-*s  %-*s  %8.3f  %8.3f  %s\n", wide_camera,
+        printf("%-*s  %-*s  %8.3f  %10.3f  %s\n", wide_camera,
                c->cameras.names.name[v->camera], wide_frame,
                c->observations.frames.name[v->frame], list[i].rms_px,
                list[i].worst.error_px, view_point_name(c, v, list[i].worst.point));

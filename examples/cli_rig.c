@@ -252,9 +252,11 @@ static int join_rig(calibration *c)
         return 0;
     }
     find_those_in_frame(c);
-    if (status != RIGCAL_OK) {
+    if (status == RIGCAL_DISCONNECTED) {
         c->exit_status = CLI_GEOMETRY;
         name_disconnected(c);
+    } else if (status != RIGCAL_OK) {
+        name_rig_trouble(c, "joining the cameras", status, -1);
     }
     return 1;
 }

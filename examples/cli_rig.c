@@ -395,7 +395,7 @@ rigcal_transform view_in_rig(const calibration *c, const view *v)
 }
 
 /* Standard deviations of a pose whose covariance is Sigma: of the rotation, and of the
- * centre, which moves by R^T (t x w - dt). */
+ * centre, which moves by -R^T (t x w + dt). */
 static void fill_sigma(rig_sigma *s, const rigcal_real t[3])
 {
     static const int NEXT[3] = {1, 2, 0};
@@ -408,7 +408,7 @@ static void fill_sigma(rig_sigma *s, const rigcal_real t[3])
 
         row[z] = (double)t[y];
         row[y] = -(double)t[z];
-        row[3 + i] = -1;
+        row[3 + i] = 1;
         rotation += (double)s->Sigma[7 * i];
         for (j = 0; j < 6; j++) {
             for (k = 0; k < 6; k++) {

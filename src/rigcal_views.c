@@ -152,17 +152,6 @@ static rigcal_status check_view(rigcal_rig_solver *s, int32_t *camera, int32_t *
     return status;
 }
 
-/* factor: of rounding, in the poses of a camera and a placement composed. */
-#define POSE_ROUNDING (32 * RC_EPS)
-
-/* The square of the view's own error [px] that rounding of its pose makes. */
-static rigcal_real negligible_of(const rigcal_view_pose *v)
-{
-    const rigcal_real *const H = v->information, *const t = v->cam_from_target.t;
-    const rigcal_real rotation = H[0] + H[2] + H[5], translation = H[9] + H[14] + H[20];
-    return POSE_ROUNDING * POSE_ROUNDING * (rotation + rc_vec3_dot(t, t) * translation);
-}
-
 static rigcal_status check_pose(rigcal_rig_solver *s, int32_t *camera, int32_t *placement)
 {
     rigcal_view_pose v;
@@ -179,9 +168,6 @@ static rigcal_status check_pose(rigcal_rig_solver *s, int32_t *camera, int32_t *
     }
     if (status == RIGCAL_OK && !rc_sym6_factor_of(&L, v.information, 0)) {
         status = RIGCAL_ERR_DEGENERATE;
-    }
-    if (status == RIGCAL_OK) {
-        s->negligible += negligible_of(&v);
     }
     return status;
 }

@@ -1,5 +1,13 @@
 #include "rc_views.h"
 
+/* ---- constants ----------------------------------------------------------- */
+
+/* part of a pose: what rounding leaves of its numbers. Views that agree to that have no more
+ * to gain, and the join of them ends. */
+#define POSE_ROUNDING (4 * RC_EPS)
+
+/* ---- helpers ------------------------------------------------------------- */
+
 void rc_clear(rigcal_real x[], size_t n)
 {
     for (size_t i = 0; i < n; i++) {
@@ -152,6 +160,16 @@ static rigcal_status check_view(rigcal_rig_solver *s, int32_t *camera, int32_t *
     return status;
 }
 
+/* What rounding of the pose of a view is in its sum of squares. */
+static rigcal_real negligible_of(const rigcal_view_pose *v)
+{
+    const rigcal_real *const H = v->information, *const by_dt = &H[RC_SYM6_SECOND];
+    const rigcal_real *const t = v->cam_from_target.t;
+    const rigcal_real sum =
+        H[0] + H[3] + H[5] + (by_dt[0] + by_dt[3] + by_dt[5]) * rc_vec3_dot(t, t);
+    return POSE_ROUNDING * POSE_ROUNDING * sum;
+}
+
 static rigcal_status check_pose(rigcal_rig_solver *s, int32_t *camera, int32_t *placement)
 {
     rigcal_view_pose v;
@@ -168,6 +186,9 @@ static rigcal_status check_pose(rigcal_rig_solver *s, int32_t *camera, int32_t *
     }
     if (status == RIGCAL_OK && !rc_sym6_factor_of(&L, v.information, 0)) {
         status = RIGCAL_ERR_DEGENERATE;
+    }
+    if (status == RIGCAL_OK) {
+        s->negligible += negligible_of(&v);
     }
     return status;
 }

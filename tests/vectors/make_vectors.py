@@ -666,6 +666,97 @@ def chance():
                             "the chi squared that is exceeded as seldom", rows)}
 
 
+# ---- the whole rig ---------------------------------------------------------------------
+RIG_CAMERAS = [0, 1, 4]  # of CAMERAS: a pinhole, a Brown lens, a fisheye
+RIG_PLACES = 5
+RIG_POINTS = 8
+RIG_UNSEEN = (2, 3)  # camera and placement
+
+
+def rig_problem():
+    """Poses as yaw, pitch, roll, t; points; pixels, all of a few digits."""
+    rng = random.Random(12)
+    cams = [np.zeros(6), np.array([0.31, -0.42, 0.05, 2.1, -0.2, 0.4]),
+            np.array([-0.2, 0.37, -0.1, -1.9, 0.3, 0.5])]
+    places = [row(decimals(rng, -0.6, 0.6, 3, (3,)), decimals(rng, -0.5, 0.5, 3, (2,)),
+                  decimals(rng, 4.5, 5.5, 3)) for _ in range(RIG_PLACES)]
+    X = np.array([[(0.5 if i >> k & 1 else -0.5) + decimals(rng, -0.2, 0.2, 3)
+                   for k in range(3)] for i in range(RIG_POINTS)])
+    X = np.round(X, 3)
+    views = []
+    for f in range(RIG_PLACES):
+        for c, k in enumerate(RIG_CAMERAS):
+            if (c, f) == RIG_UNSEEN:
+                continue
+            R, t = oracle.compose(rig_pose(cams[c]), rig_pose(places[f]))
+            spreads = np.array([[1, 0.5, 2][(i + c) % 3] for i in range(RIG_POINTS)])
+            uv = np.array([project_px(CAMERAS[k], R @ x + t) for x in X])
+            noise = np.array([[rng.gauss(0, 0.4) * s for _ in range(2)] for s in spreads])
+            views.append((c, f, X, np.round(uv + noise, 2), spreads))
+    return cams, places, X, views
+
+
+def rig_pose(six):
+    return oracle.euler_to_matrix(*six[:3]), np.array(six[3:], float)
+
+
+def rig():
+    cams, places, X, views = rig_problem()
+    K, P = [rig_pose(c) for c in cams], [rig_pose(f) for f in places]
+
+    def px(c, point):
+        return project_px(CAMERAS[RIG_CAMERAS[c]], point)
+
+    # sigma of 0.4 px; camera 1 and camera 2 known beforehand, a little beside the truth
+    off = [np.array([0.002, -0.001, 0.0015, 0.004, -0.003, 0.002]) * s for s in (1, -1)]
+    covariances = [np.diag(s * np.array([1e-6, 2e-6, 1e-6, 4e-6, 5e-6, 9e-6])) for s in (1, 4)]
+    before = {c: (oracle.moved(K[c], off[c - 1]), covariances[c - 1]) for c in (1, 2)}
+    answers, own = [], 0
+    bumped = list(K)
+    bumped[1] = oracle.moved(K[1], [0.001, 0.002, -0.001, 0.003, 0.002, -0.004])
+    for kind, (start, held, priors) in enumerate((
+            (K, (0,), {}), (bumped, (0, 1), {}), (K, (), before))):
+        C, F, total, covariance, begin = oracle.rig_adjust(px, views, start, P, held, priors, 0.4)
+        for c in range(3):
+            block = np.zeros((6, 6))
+            if begin[c] is not None:
+                block = covariance[begin[c]:begin[c] + 6, begin[c]:begin[c] + 6]
+            answers.append(row(kind, 0, c, *C[c], total, block))
+        for f in range(RIG_PLACES):
+            i = len(covariance) - 6 * (RIG_PLACES - f)
+            answers.append(row(kind, 1, f, *F[f], total, covariance[i:i + 6, i:i + 6]))
+        for a, b in ((0, 1), (1, 2), (2, 1)):
+            pose, Sigma = oracle.rig_pair(C, covariance, begin, a, b)
+            answers.append(row(kind, 2, 3 * a + b, *pose, total, Sigma))
+    for c, f, *seen in views:  # the camera's own frame, in which the target is placed
+        alone = [K[0]] * 3
+        own += oracle.rig_adjust(px, [(c, 0, *seen)], alone, [oracle.compose(K[c], P[f])],
+                                 (0, 1, 2))[2]
+    total = answers[0][15]
+    closure = oracle.loop_closure(total, own, len(views), 3, RIG_PLACES,
+                                  RIG_POINTS * len(views))
+    known = {0: (K[0], np.zeros((6, 6))), **before}
+    return {
+        "RIG_CAMERA": ("a camera: the numbers of rigcal_camera; yaw, pitch, roll, t of the "
+                       "pose from which the pixels come; the same, as R and t, of the bumped "
+                       "start; of the pose that is known beforehand, R, t; its covariance",
+                       [row(CAMERAS[k], cams[c], *bumped[c], *known[c][0], known[c][1])
+                        for c, k in enumerate(RIG_CAMERAS)]),
+        "RIG_PLACE": ("a placement: yaw, pitch, roll, t", places),
+        "RIG_POINT": ("a point of the target", X),
+        "RIG_VIEW": ("a view: camera, placement; of each point the pixel and its sigma",
+                     [row(c, f, *[row(p, s) for p, s in zip(uv, spreads)])
+                      for c, f, _, uv, spreads in views]),
+        "RIG_ANSWER": ("what least squares over all poses come to. 0 camera 0 is held, 1 "
+                       "cameras 0 and 1 are, camera 1 bumped, 2 cameras 1 and 2 have what is "
+                       "known beforehand at sigma 0.4 px and camera 0 is free; 0 a camera, 1 "
+                       "a placement, 2 camera b from camera a; its number, or 3 a + b; R, t, "
+                       "sum of squares, covariance for noise of 1 px", answers),
+        "RIG_CLOSURE": ("sum of squares of the views by themselves, F, its degrees of freedom "
+                        "between and within", [row(own, *closure)]),
+    }
+
+
 # ---- files -----------------------------------------------------------------------------
 TOPICS = {
     "neldermead": neldermead, "rotation": rotations, "transform": transforms,
@@ -673,6 +764,7 @@ TOPICS = {
     "elimination_all": elimination_all, "translation": translation,
     "two_views": two_views, "camera": cameras, "triangulation": triangulation,
     "direction": direction, "refine": refine, "store": store, "chance": chance,
+    "rig": rig,
 }
 
 

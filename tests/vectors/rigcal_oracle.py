@@ -247,6 +247,103 @@ def pose_covariance(R, t, X, sigma):
     return sigma**2 * np.linalg.inv(J.T @ J)
 
 
+# ---- the whole rig: cameras and placements together --------------------------------------
+# A pose is (R, t). Small turns and shifts (w, dt) of each camera, then of each placement,
+# stand in one vector; the equations are dense and nothing is eliminated.
+def compose(c_from_b, b_from_a):
+    return c_from_b[0] @ b_from_a[0], c_from_b[0] @ b_from_a[1] + c_from_b[1]
+
+
+def moved(pose, d):
+    """R <- exp([w]x) R, t <- t + dt."""
+    return exp_so3(d[:3]) @ pose[0], pose[1] + d[3:]
+
+
+def log_so3(R):
+    """The rotation vector, for angles below pi."""
+    v = np.array([R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]]) / 2
+    s = np.linalg.norm(v)
+    return v if s == 0 else v * np.arctan2(s, (np.trace(R) - 1) / 2) / s
+
+
+def difference(pose, origin):
+    """d with moved(origin, d) = pose."""
+    return np.concatenate([log_so3(pose[0] @ origin[0].T), pose[1] - origin[1]])
+
+
+def rig_residuals(project_px, views, cams, places, priors, sigma):
+    """(G1), (G7): all errors, over sigma of each point; then those of the priors, whitened.
+    views: (camera, placement, X, uv, sigmas). priors: {camera: (pose, covariance)}."""
+    out = []
+    for c, f, X, uv, spreads in views:
+        R, t = compose(cams[c], places[f])
+        for x, p, s in zip(X, uv, spreads):
+            out.append((p - project_px(c, R @ x + t)) / s)
+    for c, (pose, covariance) in priors.items():
+        whiten = np.linalg.inv(np.linalg.cholesky(covariance))
+        out.append(sigma * whiten @ difference(pose, cams[c]))
+    return np.concatenate(out)
+
+
+def rig_adjust(project_px, views, cams, places, held=(0,), priors=(), sigma=1.0, rounds=8):
+    """Gauss-Newton over all poses, its derivatives by central differences.
+    Returns cams, places, sum of squares, (J^T J)^-1 of free cameras and then placements, and
+    where the unknowns of each camera begin (None: it is held)."""
+    cams, places, priors = list(cams), list(places), dict(priors)
+    free = [c for c in range(len(cams)) if c not in held]
+    begin = {c: 6 * i for i, c in enumerate(free)}
+    n = 6 * (len(free) + len(places))
+
+    def at(d):
+        K, P = list(cams), list(places)
+        for c in free:
+            K[c] = moved(K[c], d[begin[c]:begin[c] + 6])
+        for f in range(len(P)):
+            i = 6 * (len(free) + f)
+            P[f] = moved(P[f], d[i:i + 6])
+        return K, P
+
+    def errors(d):
+        return rig_residuals(project_px, views, *at(d), priors, sigma)
+
+    for k in range(rounds + 1):
+        J, step = [], 2e-4
+        for i in range(n):
+            e = np.zeros(n)
+            e[i] = step
+            # the fourth order: the step may be large, and rounding small
+            J.append((8 * (errors(e) - errors(-e)) - errors(2 * e) + errors(-2 * e)) / (12 * step))
+        J, r = np.array(J).T, errors(np.zeros(n))
+        if k < rounds:
+            cams, places = at(-np.linalg.lstsq(J, r, rcond=None)[0])
+    return cams, places, r @ r, np.linalg.inv(J.T @ J), [begin.get(c) for c in range(len(cams))]
+
+
+def rig_pair(cams, covariance, begin, a, b):
+    """(G9): b_from_a, and its covariance by the differences of b_from_a itself."""
+    def pair(d_a, d_b):
+        A, B = moved(cams[a], d_a), moved(cams[b], d_b)
+        R = B[0] @ A[0].T
+        return R, B[1] - R @ A[1]
+    origin, n = pair(np.zeros(6), np.zeros(6)), len(covariance)
+    J = np.zeros((6, n))
+    for side, c in enumerate((a, b)):
+        for i in range(6):
+            if begin[c] is not None:
+                e = np.zeros((2, 6))
+                e[side, i] = 1e-4
+                J[:, begin[c] + i] = (difference(pair(*e), origin)
+                                      - difference(pair(*-e), origin)) / 2e-4
+    return origin, J @ covariance @ J.T
+
+
+def loop_closure(total, own, n_views, n_cameras, n_places, n_points):
+    """(G14): F and its two degrees of freedom."""
+    between = 6 * (n_views - n_cameras - n_places + 1)
+    within = 2 * n_points - 6 * n_views
+    return (total - own) / between / (own / within), between, within
+
+
 # ---- self-check ------------------------------------------------------------------------
 def _self_check():
     rng = np.random.default_rng(1)

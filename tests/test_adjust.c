@@ -1,0 +1,458 @@
+/* adjust: cameras and placements together at maximum likelihood. The truth: vectors of
+ * dense least squares, exact pixels, and what noise does to many simulated rigs. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "rigcal_solvers.h"
+#include "test_fit.h"
+#include "test_rigs.h"
+#include "vectors_rig.h"
+
+static test_rig r, other;
+
+#define WANTS_RIGS(n) TEST_WANTS_RAM((n) * sizeof(test_rig) + 12000)
+
+static void adjust(rigcal_rig_fit *fit, test_rig *which)
+{
+    int32_t at_fault = -2;
+
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_adjust(fit, &at_fault, &which->rig));
+    TEST_ASSERT_EQUAL_INT32(-1, at_fault);
+}
+
+/* The largest turn and shift of all poses from those of `truth`. */
+static void furthest(double *turn, double *shift, const test_rig *from,
+                     const rigcal_transform cams[], const rigcal_transform places[])
+{
+    *turn = *shift = 0;
+    for (size_t i = 0; i < from->rig.n_cameras + from->rig.n_placements; i++) {
+        const size_t f = i - from->rig.n_cameras;
+        const int is_camera = i < from->rig.n_cameras;
+        double d[6];
+
+        test_step_between(d, is_camera ? &from->cams[i] : &from->places[f],
+                          is_camera ? &cams[i] : &places[f]);
+        *turn = fmax(*turn, test_norm(d));
+        *shift = fmax(*shift, test_norm(&d[3]));
+    }
+}
+
+/* ---- vectors ------------------------------------------------------------- */
+
+static rigcal_real spreads[RIG_VIEW_ROWS][RIG_POINT_ROWS];
+
+/* The rig of the vectors, camera 1 where it was bumped to, if told. */
+static void rig_of_vectors(int bumped)
+{
+    memset(&r, 0, sizeof r);
+    for (int c = 0; c < RIG_CAMERA_ROWS; c++) {
+        const double *const row = RIG_CAMERA[c];
+
+        r.camera[c] = test_camera(row);
+        r.cams[c] =
+            bumped ? test_transform(&row[21], &row[30]) : test_from_ypr(&row[15], &row[18]);
+        r.priors[c].cam_from_rig = test_transform(&row[33], &row[42]);
+        test_to_real(r.priors[c].Sigma, &row[45], 36);
+    }
+    for (int f = 0; f < RIG_PLACE_ROWS; f++) {
+        r.places[f] = test_from_ypr(RIG_PLACE[f], &RIG_PLACE[f][3]);
+    }
+    for (int v = 0; v < RIG_VIEW_ROWS; v++) {
+        for (int i = 0; i < RIG_POINT_ROWS; i++) {
+            test_to_real(r.o[v][i].X_w, RIG_POINT[i], 3);
+            test_to_real(r.o[v][i].uv, &RIG_VIEW[v][2 + 3 * i], 2);
+            spreads[v][i] = RC(RIG_VIEW[v][4 + 3 * i]);
+        }
+        r.views[v].camera = (int32_t)RIG_VIEW[v][0];
+        r.views[v].placement = (int32_t)RIG_VIEW[v][1];
+        r.views[v].view =
+            VIEW(&r.camera[r.views[v].camera], r.o[v], spreads[v], RIG_POINT_ROWS);
+    }
+    r.rig = (rigcal_rig){r.cams,   RIG_CAMERA_ROWS,
+                         r.places, RIG_PLACE_ROWS,
+                         r.group,  RIG_VIEW_ROWS,
+                         r.views,  NULL,
+                         NULL,     NULL,
+                         NULL,     NULL,
+                         NULL,     0,
+                         r.work,   RIG_WORK};
+}
+
+/* Each element to a part of sqrt(Sigma_ii Sigma_jj). */
+static void assert_covariance(const double expected[36], const rigcal_real seen[36],
+                              double part)
+{
+    for (int i = 0; i < 6; i++) {
+        for (int j = 0; j < 6; j++) {
+            const double size = sqrt(expected[7 * i] * expected[7 * j]);
+
+            ASSERT_NEAR(expected[6 * i + j], seen[6 * i + j], part * size);
+        }
+    }
+}
+
+static void assert_answers(int kind, const rigcal_rig_fit *fit, double tol, double part)
+{
+    int n = 0;
+
+    for (int k = 0; k < RIG_ANSWER_ROWS; k++) {
+        const double *const row = RIG_ANSWER[k];
+        const size_t which = (size_t)row[2];
+        rigcal_transform expected, pair;
+        rigcal_real Sigma[36];
+
+        if ((int)row[0] != kind) {
+            continue;
+        }
+        n++;
+        expected = test_transform(&row[3], &row[12]);
+        ASSERT_NEAR(row[15], fit->sum, TOL(1e-8, 1e-3) * row[15]);
+        if ((int)row[1] == 0) {
+            ASSERT_TRANSFORM(&expected, &r.cams[which], tol, 4 * tol);
+            ASSERT_STATUS(RIGCAL_OK, rigcal_rig_covariance(Sigma, &r.rig, 1, which));
+        } else if ((int)row[1] == 1) {
+            ASSERT_TRANSFORM(&expected, &r.places[which], tol, 4 * tol);
+            ASSERT_STATUS(RIGCAL_OK, rigcal_rig_placement(Sigma, &r.rig, 1, which));
+        } else {
+            ASSERT_STATUS(RIGCAL_OK,
+                          rigcal_rig_pair(&pair, Sigma, &r.rig, 1, which / 3, which % 3));
+            ASSERT_TRANSFORM(&expected, &pair, tol, 4 * tol);
+        }
+        assert_covariance(&row[16], Sigma, part);
+    }
+    TEST_ASSERT_EQUAL_INT(11, n);
+}
+
+static void test_all_poses_and_covariances_are_those_of_dense_least_squares(void)
+{
+    rigcal_rig_fit fit;
+
+    WANTS_RIGS(1);
+    rig_of_vectors(0);
+    adjust(&fit, &r);
+    ASSERT_NEAR(0, fit.F, 0);
+    assert_answers(0, &fit, TOL(1e-7, 2e-5), TOL(1e-4, 1e-2));
+    ASSERT_NEAR(2 * 8 * 14 - 12 - 30, fit.freedom, 0);
+    ASSERT_NEAR(sqrt(RIG_ANSWER[0][15] / 182), fit.sigma_px, TOL(1e-8, 1e-3));
+    TEST_ASSERT_EQUAL_UINT64(8 * 14, fit.n_points);
+}
+
+static void test_one_camera_is_solved_again_with_the_others_held(void)
+{
+    static const uint8_t ROLES[3] = {RIGCAL_CAMERA_HELD, RIGCAL_CAMERA_HELD,
+                                     RIGCAL_CAMERA_FREE};
+    rigcal_transform before[2];
+    rigcal_rig_fit fit;
+
+    WANTS_RIGS(1);
+    rig_of_vectors(1);
+    memcpy(before, r.cams, sizeof before);
+    r.rig.roles = ROLES;
+    adjust(&fit, &r);
+    TEST_ASSERT_EQUAL_MEMORY(before, r.cams, sizeof before);
+    assert_answers(1, &fit, TOL(1e-7, 2e-5), TOL(1e-4, 1e-2));
+    ASSERT_NEAR(2 * 8 * 14 - 6 - 30, fit.freedom, 0);
+}
+
+/* RIG takes the derivative of the deviation from a prior as -1, which is off by half the
+ * deviation: some 1e-3 of the angle that the priors are off. */
+static void test_what_is_known_beforehand_counts_by_its_covariance(void)
+{
+    static const uint8_t ROLES[3] = {RIGCAL_CAMERA_FREE, RIGCAL_CAMERA_PRIOR,
+                                     RIGCAL_CAMERA_PRIOR};
+    rigcal_rig_fit fit;
+
+    WANTS_RIGS(1);
+    rig_of_vectors(0);
+    r.rig.roles = ROLES;
+    r.rig.priors = r.priors;
+    r.rig.sigma_px = RC(0.4);
+    adjust(&fit, &r);
+    assert_answers(2, &fit, TOL(1e-6, 2e-5), TOL(1e-3, 1e-2));
+    ASSERT_NEAR(2 * 8 * 14 - 6 - 30, fit.freedom, 0);
+}
+
+static void test_the_loop_closure_is_that_of_the_vectors(void)
+{
+    rigcal_rig_fit fit;
+    double own = 0;
+
+    WANTS_RIGS(1);
+    rig_of_vectors(0);
+    for (int v = 0; v < RIG_VIEW_ROWS; v++) {
+        rigcal_pose pose[RIGCAL_POSES_MAX];
+        rigcal_pose_options options;
+        size_t n;
+
+        ASSERT_STATUS(RIGCAL_OK, rigcal_pose_defaults(&options));
+        options.use_start = 1;
+        options.start =
+            test_times(&r.cams[r.views[v].camera], &r.places[r.views[v].placement]);
+        TEST_ASSERT_TRUE(rigcal_pose_solve(pose, RIGCAL_POSES_MAX, &n, NULL,
+                                           &r.views[v].view, &options) >= 0);
+        ASSERT_STATUS(RIGCAL_OK, rigcal_view_pose_make(&r.own[v], &r.views[v],
+                                                       &pose[0].cam_from_world));
+        own += D(r.own[v].sse);
+    }
+    ASSERT_NEAR(RIG_CLOSURE[0][0], own, TOL(1e-8, 1e-2));
+    r.rig.view_poses = r.own;
+    adjust(&fit, &r);
+    ASSERT_NEAR(RIG_CLOSURE[0][1], fit.F, TOL(1e-7, 1e-2));
+    ASSERT_NEAR(RIG_CLOSURE[0][2], fit.freedom_between, 0);
+    ASSERT_NEAR(RIG_CLOSURE[0][3], fit.freedom_within, 0);
+}
+
+/* ---- steps --------------------------------------------------------------- */
+
+static void test_the_budget_changes_no_bit(void)
+{
+    static const int32_t BUDGETS[] = {1, 2, 7, 100};
+    test_rng rng = test_seed(321);
+    rigcal_rig_fit fit, stepped;
+
+    WANTS_RIGS(2);
+    test_rig_random(&r, &rng, 3, 4, 8);
+    test_rig_see_all(&r, &rng, 0.3);
+    test_rig_start(&r, &rng, 0.01, 0.03);
+    memcpy(other.cams, r.cams, sizeof r.cams);
+    memcpy(other.places, r.places, sizeof r.places);
+    adjust(&fit, &r);
+    for (int k = 0; k < 4; k++) {
+        rigcal_rig rig = r.rig;
+        rigcal_rig_solver solver;
+        rigcal_transform cams[RIG_CAMERAS_MAX], places[RIG_PLACEMENTS_MAX];
+        int32_t at_fault;
+
+        memcpy(cams, other.cams, sizeof cams);
+        memcpy(places, other.places, sizeof places);
+        rig.cams_from_rig = cams;
+        rig.rig_from_placements = places;
+        rig.work = other.work;
+        ASSERT_STATUS(RIGCAL_OK, rigcal_rig_begin(&solver, &rig));
+        ASSERT_STATUS(RIGCAL_ERR_STATE, rigcal_rig_result(&stepped, &at_fault, &solver));
+        while (rigcal_rig_step(&solver, BUDGETS[k]) == RIGCAL_RUNNING) {
+        }
+        ASSERT_STATUS(RIGCAL_OK, rigcal_rig_result(&stepped, &at_fault, &solver));
+        TEST_ASSERT_EQUAL_MEMORY(r.cams, cams, sizeof cams);
+        TEST_ASSERT_EQUAL_MEMORY(r.places, places, sizeof places);
+        TEST_ASSERT_TRUE(fit.sum == stepped.sum && fit.evals == stepped.evals);
+    }
+}
+
+/* A unit is one view, one row or one slot: a rig that converges has so many of them. */
+static void test_a_step_is_small(void)
+{
+    test_rng rng = test_seed(322);
+    rigcal_rig_solver solver;
+    rigcal_rig_fit fit;
+    size_t units = 1, most;
+    int32_t at_fault;
+
+    WANTS_RIGS(1);
+    test_rig_random(&r, &rng, 3, 4, 8);
+    test_rig_see_all(&r, &rng, 0.3);
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_begin(&solver, &r.rig));
+    while (rigcal_rig_step(&solver, 1) == RIGCAL_RUNNING) {
+        units++;
+    }
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_result(&fit, &at_fault, &solver));
+    /* each evaluation of 12 views, 12 slots, 3 priors, 12 rows; twice 12 rows at the end */
+    most = 12 + 1 + (size_t)fit.evals * (12 + 12 + 3 + 12) + 24;
+    TEST_ASSERT_TRUE(units > 12 * (size_t)fit.evals && units <= most);
+}
+
+/* ---- exact pixels -------------------------------------------------------- */
+
+static void test_exact_pixels_give_the_truth_from_bad_starts(void)
+{
+    test_rng rng = test_seed(323);
+
+    WANTS_RIGS(1);
+    for (int trial = 0; trial < TEST_TRIALS(40); trial++) {
+        rigcal_rig_fit fit;
+        double turn, shift;
+
+        test_rig_random(&r, &rng, 2 + trial % 3, 3 + trial % 5, 8);
+        test_rig_see_all(&r, &rng, 0);
+        test_rig_start(&r, &rng, 0.1, 0.1);
+        adjust(&fit, &r);
+        furthest(&turn, &shift, &r, r.true_cams, r.true_places);
+        TEST_ASSERT_TRUE(turn < TOL(1e-9, 1e-4) && shift < TOL(1e-8, 5e-4));
+        TEST_ASSERT_TRUE(D(fit.sigma_px) < TOL(1e-9, 1e-3));
+    }
+}
+
+/* From a turn of 0.1 rad the answer is that from the truth. */
+static void test_bad_starts_end_in_the_same_minimum(void)
+{
+    test_rng rng = test_seed(324);
+
+    WANTS_RIGS(2);
+    for (int trial = 0; trial < TEST_TRIALS(40); trial++) {
+        rigcal_rig_fit good, bad;
+        double turn, shift;
+
+        test_rig_random(&r, &rng, 3, 5, 8);
+        test_rig_see_all(&r, &rng, 0.3);
+        adjust(&good, &r);
+        memcpy(other.cams, r.cams, sizeof r.cams);
+        memcpy(other.places, r.places, sizeof r.places);
+        test_rig_start(&r, &rng, 0.1, 0.2);
+        adjust(&bad, &r);
+        furthest(&turn, &shift, &r, other.cams, other.places);
+        TEST_ASSERT_TRUE(turn < TOL(1e-7, 1e-4) && shift < TOL(5e-7, 5e-4));
+        ASSERT_NEAR(good.sum, bad.sum, TOL(1e-9, 1e-3) * D(good.sum));
+    }
+}
+
+static int compare(const void *a, const void *b)
+{
+    return *(const int32_t *)a - *(const int32_t *)b;
+}
+
+static void test_from_the_join_few_evaluations_are_enough(void)
+{
+    enum { TRIALS = 61 };
+    static int32_t evals[TRIALS];
+    test_rng rng = test_seed(325);
+
+    TEST_ON_HOST_ONLY("a median of many");
+    for (int trial = 0; trial < TRIALS; trial++) {
+        rigcal_rig_fit fit;
+        int32_t at_fault;
+
+        test_rig_random(&r, &rng, 3, 6, 8);
+        test_rig_see_all(&r, &rng, 0.3);
+        test_rig_solve_views(&r);
+        ASSERT_STATUS(RIGCAL_OK, rigcal_rig_join(&r.rig, &at_fault));
+        adjust(&fit, &r);
+        evals[trial] = fit.evals;
+    }
+    qsort(evals, TRIALS, sizeof evals[0], compare);
+    TEST_ASSERT_LESS_OR_EQUAL_INT32(6, evals[TRIALS / 2]);
+}
+
+/* ---- statistics ---------------------------------------------------------- */
+
+static int is_inside(const rigcal_transform *seen, const rigcal_transform *truth,
+                     const rigcal_real Sigma[36], double *chi2)
+{
+    double d[6], full[36];
+
+    test_step_between(d, seen, truth);
+    test_to_double(full, Sigma, 36);
+    *chi2 = test_squared_distance(d, full, 6);
+    return *chi2 < 12.5916; /* 95 % of chi square of 6 */
+}
+
+/* Of 2000 rigs three standard errors of 95 % are 1.5 %, of the root of the mean of chi square
+ * / 6 2 %, of the mean of F 1.7 %. */
+static void test_sigmas_and_the_loop_closure_say_what_noise_does(void)
+{
+    enum { RIGS = 2000 };
+    const double sigma = 0.3;
+    test_rng rng = test_seed(326);
+    double inside[3] = {0, 0, 0}, ratio = 0, mean = 0, d2 = 1;
+
+    TEST_ON_HOST_ONLY("shares of many rigs");
+    for (int trial = 0; trial < RIGS; trial++) {
+        rigcal_transform pair, back, b_from_a;
+        rigcal_rig_fit fit;
+        rigcal_real Sigma[36];
+        double chi2;
+
+        test_rig_random(&r, &rng, 3, 5, 8);
+        test_rig_see_all(&r, &rng, sigma);
+        test_rig_solve_views(&r);
+        adjust(&fit, &r);
+        ASSERT_STATUS(RIGCAL_OK, rigcal_rig_covariance(Sigma, &r.rig, RC(sigma), 2));
+        inside[0] += is_inside(&r.cams[2], &r.true_cams[2], Sigma, &chi2);
+        ratio += chi2 / 6 / RIGS;
+        ASSERT_STATUS(RIGCAL_OK, rigcal_rig_pair(&pair, Sigma, &r.rig, RC(sigma), 1, 2));
+        back = test_inverse(&r.true_cams[1]);
+        b_from_a = test_times(&r.true_cams[2], &back);
+        inside[1] += is_inside(&pair, &b_from_a, Sigma, &chi2);
+        ASSERT_STATUS(RIGCAL_OK, rigcal_rig_placement(Sigma, &r.rig, RC(sigma), 3));
+        inside[2] += is_inside(&r.places[3], &r.true_places[3], Sigma, &chi2);
+        mean += D(fit.F) / RIGS;
+        d2 = D(fit.freedom_within);
+    }
+    ASSERT_NEAR(1, sqrt(ratio), 0.025);
+    for (int k = 0; k < 3; k++) {
+        ASSERT_NEAR(0.95, inside[k] / RIGS, 0.02);
+    }
+    ASSERT_NEAR(d2 / (d2 - 2), mean, 0.02);
+}
+
+/* A pair is the same whichever camera is held. */
+static void test_a_pair_does_not_depend_on_which_camera_is_held(void)
+{
+    test_rng rng = test_seed(327);
+    rigcal_transform pair, again;
+    rigcal_real Sigma[36], Sigma_again[36];
+    double expected[36];
+    rigcal_rig_fit fit;
+
+    WANTS_RIGS(1);
+    test_rig_random(&r, &rng, 3, 5, 8);
+    test_rig_see_all(&r, &rng, 0.3);
+    adjust(&fit, &r);
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_pair(&pair, Sigma, &r.rig, 1, 0, 1));
+    r.roles[2] = RIGCAL_CAMERA_HELD;
+    r.rig.roles = r.roles;
+    adjust(&fit, &r);
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_pair(&again, Sigma_again, &r.rig, 1, 0, 1));
+    ASSERT_TRANSFORM(&pair, &again, TOL(1e-7, 1e-4), TOL(1e-6, 5e-4));
+    test_to_double(expected, Sigma, 36);
+    assert_covariance(expected, Sigma_again, TOL(1e-5, 2e-2));
+}
+
+static void test_residuals_are_observed_less_projected(void)
+{
+    test_rng rng = test_seed(328);
+    rigcal_real duv[2 * RIG_POINTS_MAX];
+    rigcal_rig_fit fit;
+    double sum = 0;
+    size_t n;
+
+    WANTS_RIGS(1);
+    test_rig_random(&r, &rng, 2, 3, 8);
+    test_rig_see_all(&r, &rng, 0.3);
+    adjust(&fit, &r);
+    for (size_t v = 0; v < r.rig.n_views; v++) {
+        const rigcal_transform T =
+            test_times(&r.cams[r.views[v].camera], &r.places[r.views[v].placement]);
+
+        ASSERT_STATUS(RIGCAL_OK, rigcal_rig_residuals(duv, 16, &n, &r.rig, v));
+        TEST_ASSERT_EQUAL_UINT64(8, n);
+        for (size_t i = 0; i < n; i++) {
+            double X_c[3], uv[2];
+
+            test_move_point(X_c, &T, r.X[i]);
+            test_project_px(uv, &r.camera[r.views[v].camera], X_c);
+            for (int k = 0; k < 2; k++) {
+                ASSERT_NEAR(D(r.o[v][i].uv[k]) - uv[k], duv[2 * i + (size_t)k],
+                            TOL(1e-9, 2e-3));
+                sum += D(duv[2 * i + (size_t)k]) * D(duv[2 * i + (size_t)k]);
+            }
+        }
+    }
+    ASSERT_NEAR(sum, fit.sum, TOL(1e-8, 1e-3) * sum);
+}
+
+TEST_MAIN()
+{
+    RUN_TEST(test_all_poses_and_covariances_are_those_of_dense_least_squares);
+    RUN_TEST(test_one_camera_is_solved_again_with_the_others_held);
+    RUN_TEST(test_what_is_known_beforehand_counts_by_its_covariance);
+    RUN_TEST(test_the_loop_closure_is_that_of_the_vectors);
+    RUN_TEST(test_the_budget_changes_no_bit);
+    RUN_TEST(test_a_step_is_small);
+    RUN_TEST(test_exact_pixels_give_the_truth_from_bad_starts);
+    RUN_TEST(test_bad_starts_end_in_the_same_minimum);
+    RUN_TEST(test_from_the_join_few_evaluations_are_enough);
+    RUN_TEST(test_sigmas_and_the_loop_closure_say_what_noise_does);
+    RUN_TEST(test_a_pair_does_not_depend_on_which_camera_is_held);
+    RUN_TEST(test_residuals_are_observed_less_projected);
+}

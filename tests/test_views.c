@@ -1,0 +1,395 @@
+/* views: what is handed in of a rig, its checks, its groups, and views from a source. */
+#include <string.h>
+
+#include "rigcal_solvers.h"
+#include "test_rigs.h"
+
+static test_rig r;
+
+#define WANTS_RIG TEST_WANTS_RAM(sizeof(test_rig) + 12000)
+
+/* Two cameras, three placements, all seen: views 0 .. 5. */
+static void make(int n_cameras, int n_placements)
+{
+    test_rng rng = test_seed(331);
+
+    test_rig_random(&r, &rng, n_cameras, n_placements, 6);
+    test_rig_see_all(&r, &rng, 0.2);
+    test_rig_solve_views(&r);
+}
+
+/* Both refuse it; the cameras and placements are where they were. */
+static void assert_refused(rigcal_status status, int32_t at)
+{
+    rigcal_rig_fit fit;
+    int32_t at_fault = -2;
+
+    memcpy(r.cams, r.true_cams, sizeof r.cams);
+    memcpy(r.places, r.true_places, sizeof r.places);
+    ASSERT_REFUSED(status, fit, rigcal_rig_adjust(&fit, &at_fault, &r.rig));
+    TEST_ASSERT_EQUAL_INT32(at, at_fault);
+    at_fault = -2;
+    ASSERT_STATUS(status, rigcal_rig_join(&r.rig, &at_fault));
+    TEST_ASSERT_EQUAL_INT32(at, at_fault);
+    TEST_ASSERT_EQUAL_MEMORY(r.true_cams, r.cams, sizeof r.cams);
+    TEST_ASSERT_EQUAL_MEMORY(r.true_places, r.places, sizeof r.places);
+}
+
+static void set_view(size_t v, int32_t camera, int32_t placement)
+{
+    r.views[v].camera = r.own[v].camera = camera;
+    r.views[v].placement = r.own[v].placement = placement;
+}
+
+static void test_pointers_must_be_there(void)
+{
+    rigcal_rig_fit fit;
+    int32_t at_fault;
+
+    WANTS_RIG;
+    make(2, 3);
+    ASSERT_REFUSED(RIGCAL_ERR_NULL, fit, rigcal_rig_adjust(&fit, &at_fault, NULL));
+    ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_rig_adjust(NULL, &at_fault, &r.rig));
+    ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_rig_join(NULL, NULL));
+    for (int k = 0; k < 5; k++) {
+        make(2, 3);
+        r.rig.cams_from_rig = k == 0 ? NULL : r.rig.cams_from_rig;
+        r.rig.rig_from_placements = k == 1 ? NULL : r.rig.rig_from_placements;
+        r.rig.group = k == 2 ? NULL : r.rig.group;
+        r.rig.work = k == 3 ? NULL : r.rig.work;
+        if (k == 4) { /* a prior, and none is given */
+            r.roles[1] = RIGCAL_CAMERA_PRIOR;
+            r.rig.roles = r.roles;
+            r.rig.sigma_px = 1;
+        }
+        assert_refused(RIGCAL_ERR_NULL, -1);
+    }
+    make(2, 3);
+    r.rig.views = NULL;
+    ASSERT_REFUSED(RIGCAL_ERR_NULL, fit, rigcal_rig_adjust(&fit, &at_fault, &r.rig));
+    make(2, 3);
+    r.rig.view_poses = NULL;
+    ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_rig_join(&r.rig, &at_fault));
+}
+
+static void test_counts_have_their_range(void)
+{
+    const size_t most = (size_t)1 << 28;
+
+    WANTS_RIG;
+    make(2, 3);
+    r.rig.n_cameras = 0;
+    assert_refused(RIGCAL_ERR_TOO_FEW, -1);
+    r.rig.n_cameras = most + 1;
+    assert_refused(RIGCAL_ERR_RANGE, -1);
+    make(2, 3);
+    r.rig.n_views = 0;
+    assert_refused(RIGCAL_ERR_TOO_FEW, -1);
+    r.rig.n_views = most + 1;
+    assert_refused(RIGCAL_ERR_RANGE, -1);
+    make(2, 3);
+    r.rig.n_placements = most + 1;
+    assert_refused(RIGCAL_ERR_RANGE, -1);
+    make(2, 3);
+    r.rig.sigma_px = -1;
+    assert_refused(RIGCAL_ERR_RANGE, -1);
+    r.rig.sigma_px = TEST_NAN;
+    assert_refused(RIGCAL_ERR_NOT_FINITE, -1);
+}
+
+static void test_a_view_names_a_camera_a_placement_and_a_target_that_are(void)
+{
+    WANTS_RIG;
+    for (size_t v = 0; v < 6; v++) {
+        static const int32_t BAD[] = {-1, INT32_MIN, INT32_MAX, 4};
+
+        for (int k = 0; k < 4; k++) {
+            make(2, 3);
+            set_view(v, BAD[k], r.views[v].placement);
+            assert_refused(RIGCAL_ERR_RANGE, (int32_t)v);
+            make(2, 3);
+            set_view(v, r.views[v].camera, BAD[k]);
+            assert_refused(RIGCAL_ERR_RANGE, (int32_t)v);
+        }
+        make(2, 3);
+        set_view(v, 2, r.views[v].placement); /* the next that is not */
+        assert_refused(RIGCAL_ERR_RANGE, (int32_t)v);
+        make(2, 3);
+        set_view(v, r.views[v].camera, 3);
+        assert_refused(RIGCAL_ERR_RANGE, (int32_t)v);
+    }
+}
+
+static void test_so_far_there_is_one_target(void)
+{
+    rigcal_rig_fit fit;
+    int32_t at_fault;
+
+    WANTS_RIG;
+    make(2, 3);
+    r.views[4].target = 1;
+    ASSERT_REFUSED(RIGCAL_ERR_RANGE, fit, rigcal_rig_adjust(&fit, &at_fault, &r.rig));
+    TEST_ASSERT_EQUAL_INT32(4, at_fault);
+}
+
+static void test_roles_and_what_priors_want(void)
+{
+    rigcal_rig_fit fit;
+    int32_t at_fault;
+
+    WANTS_RIG;
+    make(2, 3);
+    r.roles[1] = 3;
+    r.rig.roles = r.roles;
+    assert_refused(RIGCAL_ERR_RANGE, -1);
+    r.roles[1] = RIGCAL_CAMERA_PRIOR;
+    r.rig.priors = r.priors;
+    r.priors[1].cam_from_rig = r.true_cams[1];
+    for (int k = 0; k < 6; k++) {
+        r.priors[1].Sigma[7 * k] = RC(1e-4);
+    }
+    assert_refused(RIGCAL_ERR_RANGE, -1); /* its noise is unknown */
+    r.rig.sigma_px = RC(0.2);
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_adjust(&fit, &at_fault, &r.rig));
+    r.priors[1].Sigma[7] = TEST_NAN;
+    assert_refused(RIGCAL_ERR_NOT_FINITE, -1);
+    r.priors[1].Sigma[7] = RC(1e-4);
+    r.priors[1].cam_from_rig.R[0] = 3;
+    assert_refused(RIGCAL_ERR_ROTATION, -1);
+    r.priors[1].cam_from_rig = r.true_cams[1];
+    r.priors[1].Sigma[7] = -1;
+    memcpy(r.cams, r.true_cams, sizeof r.cams);
+    ASSERT_REFUSED(RIGCAL_ERR_DEGENERATE, fit, rigcal_rig_adjust(&fit, &at_fault, &r.rig));
+}
+
+static void test_views_are_in_order_and_no_camera_twice_in_a_placement(void)
+{
+    WANTS_RIG;
+    make(2, 3);
+    set_view(4, 0, 0); /* after placement 1 */
+    assert_refused(RIGCAL_ERR_UNSORTED, 4);
+    make(2, 3);
+    set_view(0, 0, 2);
+    assert_refused(RIGCAL_ERR_UNSORTED, 1);
+    make(2, 3);
+    set_view(3, 0, 1);
+    assert_refused(RIGCAL_ERR_TWICE, 3);
+    make(3, 2);
+    set_view(5, 0, 1); /* not its neighbour */
+    assert_refused(RIGCAL_ERR_TWICE, 5);
+}
+
+static void test_memory_to_work_in_is_as_told(void)
+{
+    rigcal_rig_fit fit;
+    int32_t at_fault;
+
+    WANTS_RIG;
+    make(3, 2);
+    TEST_ASSERT_EQUAL_UINT64(RIGCAL_RIG_WORK(2, 3, 2), rigcal_rig_work(2, 3, 2));
+    r.rig.work_capacity = RIGCAL_RIG_WORK(2, 3, 2) - 1;
+    assert_refused(RIGCAL_ERR_CAPACITY, -1);
+    r.rig.work_capacity = RIGCAL_RIG_WORK(0, 3, 2) - 1;
+    assert_refused(RIGCAL_ERR_CAPACITY, -1);
+    /* Exactly so much, and nothing beyond is written. */
+    r.rig.work_capacity = RIGCAL_RIG_WORK(2, 3, 2);
+    for (size_t k = 0; k < RIG_WORK; k++) {
+        r.work[k] = 77;
+    }
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_adjust(&fit, &at_fault, &r.rig));
+    for (size_t k = RIGCAL_RIG_WORK(2, 3, 2); k < RIG_WORK; k++) {
+        ASSERT_NEAR(77, r.work[k], 0);
+    }
+}
+
+static void test_a_view_that_is_bad_is_named(void)
+{
+    rigcal_rig_fit fit;
+    int32_t at_fault;
+
+    WANTS_RIG;
+    for (size_t v = 0; v < 6; v++) {
+        make(2, 3);
+        r.o[v][3].uv[1] = TEST_NAN;
+        ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, fit,
+                       rigcal_rig_adjust(&fit, &at_fault, &r.rig));
+        TEST_ASSERT_EQUAL_INT32((int32_t)v, at_fault);
+        make(2, 3);
+        r.views[v].view.n = 0;
+        ASSERT_REFUSED(RIGCAL_ERR_TOO_FEW, fit, rigcal_rig_adjust(&fit, &at_fault, &r.rig));
+        TEST_ASSERT_EQUAL_INT32((int32_t)v, at_fault);
+        make(2, 3);
+        r.own[v].information[20] = TEST_INF;
+        ASSERT_STATUS(RIGCAL_ERR_NOT_FINITE, rigcal_rig_join(&r.rig, &at_fault));
+        TEST_ASSERT_EQUAL_INT32((int32_t)v, at_fault);
+        make(2, 3);
+        memset(r.own[v].information, 0, sizeof r.own[v].information);
+        ASSERT_STATUS(RIGCAL_ERR_DEGENERATE, rigcal_rig_join(&r.rig, &at_fault));
+        TEST_ASSERT_EQUAL_INT32((int32_t)v, at_fault);
+        make(2, 3);
+        r.own[v].cam_from_target.R[0] = 2;
+        ASSERT_STATUS(RIGCAL_ERR_ROTATION, rigcal_rig_join(&r.rig, &at_fault));
+        TEST_ASSERT_EQUAL_INT32((int32_t)v, at_fault);
+    }
+}
+
+/* ---- groups -------------------------------------------------------------- */
+
+static void test_cameras_are_grouped_by_what_they_share(void)
+{
+    static const struct {
+        int n_views;
+        int8_t seen[6][2]; /* camera, placement */
+        int32_t group[4];
+    } CASES[] = {
+        {4, {{0, 0}, {2, 0}, {1, 1}, {3, 1}}, {0, 1, 0, 1}},
+        {4, {{0, 0}, {1, 1}, {2, 1}, {3, 2}}, {0, 1, 1, 2}},
+        {6, {{3, 0}, {2, 0}, {2, 1}, {1, 1}, {1, 2}, {0, 2}}, {0, 0, 0, 0}}, /* a chain */
+        {2, {{1, 0}, {2, 0}}, {0, 1, 1, 2}}, /* 0 and 3 see nothing */
+        {5, {{0, 0}, {3, 0}, {1, 1}, {2, 1}, {3, 2}}, {0, 1, 1, 0}},
+        {6, {{0, 0}, {1, 0}, {2, 1}, {3, 1}, {3, 2}, {1, 2}}, {0, 0, 0, 0}},
+    };
+    test_rng rng = test_seed(332);
+
+    WANTS_RIG;
+    for (size_t k = 0; k < sizeof CASES / sizeof CASES[0]; k++) {
+        rigcal_status expected = RIGCAL_OK;
+        rigcal_rig_fit fit;
+        int32_t at_fault;
+
+        test_rig_random(&r, &rng, 4, 3, 6);
+        for (int v = 0; v < CASES[k].n_views; v++) {
+            test_rig_see(&r, &rng, CASES[k].seen[v][0], CASES[k].seen[v][1], 0.2);
+        }
+        test_rig_solve_views(&r);
+        for (int c = 0; c < 4; c++) {
+            expected = CASES[k].group[c] > 0 ? RIGCAL_DISCONNECTED : expected;
+        }
+        ASSERT_STATUS(expected, rigcal_rig_join(&r.rig, &at_fault));
+        TEST_ASSERT_EQUAL_INT32_ARRAY(CASES[k].group, r.group, 4);
+        memset(r.group, 77, sizeof r.group);
+        ASSERT_STATUS(expected, rigcal_rig_adjust(&fit, &at_fault, &r.rig));
+        TEST_ASSERT_EQUAL_INT32_ARRAY(CASES[k].group, r.group, 4);
+    }
+}
+
+/* ---- sources ------------------------------------------------------------- */
+
+typedef struct {
+    size_t fails_at;
+    rigcal_status status;
+    rigcal_observation kept[RIG_POINTS_MAX]; /* lasts until the next call only */
+} source;
+
+static rigcal_status next_view(rigcal_rig_view *view, size_t index, void *context)
+{
+    source *const from = context;
+
+    if (index == from->fails_at) {
+        return from->status;
+    }
+    memcpy(from->kept, r.o[index], sizeof from->kept);
+    *view = r.views[index];
+    view->view.observations = from->kept;
+    return RIGCAL_OK;
+}
+
+static rigcal_status next_pose(rigcal_view_pose *pose, size_t index, void *context)
+{
+    const source *const from = context;
+
+    if (index == from->fails_at) {
+        return from->status;
+    }
+    *pose = r.own[index];
+    return RIGCAL_OK;
+}
+
+static void use_sources(source *from)
+{
+    r.rig.views = NULL;
+    r.rig.view_poses = NULL;
+    r.rig.view_source = next_view;
+    r.rig.view_pose_source = next_pose;
+    r.rig.context = from;
+}
+
+static void test_a_source_gives_the_bits_of_arrays(void)
+{
+    rigcal_transform joined[RIG_CAMERAS_MAX], cams[RIG_CAMERAS_MAX];
+    rigcal_real Sigma[36], Sigma_again[36];
+    source from = {(size_t)-1, RIGCAL_OK, {{{0}, {0}}}};
+    rigcal_rig_fit fit, again;
+    int32_t at_fault;
+
+    WANTS_RIG;
+    make(3, 4);
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_join(&r.rig, &at_fault));
+    memcpy(joined, r.cams, sizeof joined);
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_adjust(&fit, &at_fault, &r.rig));
+    memcpy(cams, r.cams, sizeof cams);
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_placement(Sigma, &r.rig, 1, 2));
+    use_sources(&from);
+    memset(r.places, 0, sizeof r.places);
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_join(&r.rig, &at_fault));
+    TEST_ASSERT_EQUAL_MEMORY(joined, r.cams, sizeof joined);
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_adjust(&again, &at_fault, &r.rig));
+    TEST_ASSERT_EQUAL_MEMORY(cams, r.cams, sizeof cams);
+    TEST_ASSERT_TRUE(fit.sum == again.sum && fit.F == again.F && fit.F > 0);
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_placement(Sigma_again, &r.rig, 1, 2));
+    TEST_ASSERT_EQUAL_MEMORY(Sigma, Sigma_again, sizeof Sigma);
+}
+
+static void test_what_a_source_says_is_returned(void)
+{
+    source from = {0, RIGCAL_ERR_DAMAGED, {{{0}, {0}}}};
+
+    WANTS_RIG;
+    for (size_t v = 0; v < 6; v++) {
+        make(2, 3);
+        from.fails_at = v;
+        use_sources(&from);
+        assert_refused(RIGCAL_ERR_DAMAGED, (int32_t)v);
+    }
+}
+
+/* One that fails only after the views have been checked. */
+static rigcal_status fails_later(rigcal_rig_view *view, size_t index, void *context)
+{
+    size_t *const calls = context;
+
+    *view = r.views[index];
+    return ++*calls > 8 ? RIGCAL_ERR_DAMAGED : RIGCAL_OK;
+}
+
+static void test_a_source_that_fails_later_ends_the_search(void)
+{
+    rigcal_rig_fit fit;
+    int32_t at_fault;
+    size_t calls = 0;
+
+    WANTS_RIG;
+    make(2, 3);
+    r.rig.view_poses = NULL;
+    r.rig.views = NULL;
+    r.rig.view_source = fails_later;
+    r.rig.context = &calls;
+    ASSERT_REFUSED(RIGCAL_ERR_DAMAGED, fit, rigcal_rig_adjust(&fit, &at_fault, &r.rig));
+    TEST_ASSERT_EQUAL_INT32(2, at_fault);
+}
+
+TEST_MAIN()
+{
+    RUN_TEST(test_pointers_must_be_there);
+    RUN_TEST(test_counts_have_their_range);
+    RUN_TEST(test_a_view_names_a_camera_a_placement_and_a_target_that_are);
+    RUN_TEST(test_so_far_there_is_one_target);
+    RUN_TEST(test_roles_and_what_priors_want);
+    RUN_TEST(test_views_are_in_order_and_no_camera_twice_in_a_placement);
+    RUN_TEST(test_memory_to_work_in_is_as_told);
+    RUN_TEST(test_a_view_that_is_bad_is_named);
+    RUN_TEST(test_cameras_are_grouped_by_what_they_share);
+    RUN_TEST(test_a_source_gives_the_bits_of_arrays);
+    RUN_TEST(test_what_a_source_says_is_returned);
+    RUN_TEST(test_a_source_that_fails_later_ends_the_search);
+}

@@ -33,6 +33,9 @@ int rc_rig_has_prior(const rigcal_rig *rig, size_t camera);
 
 void rc_clear(rigcal_real x[], size_t n);
 
+/* The memory to work in holds no covariance of the cameras. */
+void rc_rig_forget(const rigcal_rig *rig);
+
 /* Checks cameras, then view by view: counts those of each placement, groups the cameras that
  * they connect, and numbers the unknowns. RUNNING until the last; the view at fault is
  * s->view, if there is one. */

@@ -32,6 +32,7 @@ static void fail(rigcal_rig_solver *s, rigcal_status status, int32_t at_fault)
     s->search.status = status;
     s->at_fault = at_fault;
     s->phase = RC_RIG_DONE;
+    rc_rig_forget(s->rig);
 }
 
 /* A placement that was seen, from s->placement on. A step of its own comes first, where the

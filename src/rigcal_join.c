@@ -164,6 +164,7 @@ rigcal_status rigcal_rig_join(rigcal_rig *rig, int32_t *at_fault)
     while (s.phase != RC_RIG_DONE) {
         rc_rig_step(&s);
     }
+    rc_rig_forget(rig);
     if (at_fault != NULL) {
         *at_fault = s.at_fault;
     }

@@ -41,10 +41,13 @@ rigcal_status rigcal_rig_begin(rigcal_rig_solver *solver, rigcal_rig *rig)
     if (solver == NULL) {
         return RIGCAL_ERR_NULL;
     }
-    solver->phase = 0;
     rigcal_status status = rc_rig_check(rig);
     if (status == RIGCAL_OK && rig->views == NULL && rig->view_source == NULL) {
         status = RIGCAL_ERR_NULL;
+    }
+    if (status == RIGCAL_OK &&
+        rigcal_rig_work(0, rig->n_cameras, rig->n_placements) > rig->work_capacity) {
+        status = RIGCAL_ERR_CAPACITY;
     }
     for (size_t c = 0; status == RIGCAL_OK && c < rig->n_cameras; c++) {
         status = rc_check_transform(&rig->cams_from_rig[c]);
@@ -100,6 +103,9 @@ static void fill_fit(rigcal_rig_fit *fit, const rigcal_rig_solver *s)
 rigcal_status rigcal_rig_result(rigcal_rig_fit *fit, int32_t *at_fault,
                                 const rigcal_rig_solver *solver)
 {
+    if (at_fault != NULL) {
+        *at_fault = -1;
+    }
     if (fit == NULL || solver == NULL) {
         return RIGCAL_ERR_NULL;
     }
@@ -158,6 +164,42 @@ static void block_of(rigcal_real out[36], const rigcal_rig *rig, size_t a, size_
     }
 }
 
+/* Whether the memory to work in holds what an adjustment leaves there: unknowns in the order
+ * of their cameras, variances above 0, views of a placement. */
+static int is_adjusted(const rigcal_rig *rig)
+{
+    rc_rig_parts parts;
+    size_t n = 0;
+    if (rig->work_capacity < rigcal_rig_work(0, rig->n_cameras, rig->n_placements)) {
+        return 0;
+    }
+    rc_rig_parts_of(&parts, rig, 0);
+    for (size_t c = 0; c < rig->n_cameras; c++) {
+        if (parts.column[c] >= 0) {
+            n++;
+        }
+    }
+    if (rig->work_capacity < rigcal_rig_work(n, rig->n_cameras, rig->n_placements)) {
+        return 0;
+    }
+    n = 0;
+    for (size_t c = 0; c < rig->n_cameras; c++) {
+        const rigcal_real column = parts.column[c];
+        const int is_next = column >= (rigcal_real)n && column <= (rigcal_real)n;
+        if (!(column >= -1 && column <= -1) &&
+            !(is_next && parts.S[rc_packed_at(n, n)] > 0)) {
+            return 0;
+        }
+        n += is_next ? 6 : 0;
+    }
+    for (size_t f = 0; f < rig->n_placements; f++) {
+        if (!(parts.count[f] >= 0 && parts.count[f] <= (rigcal_real)rig->n_cameras)) {
+            return 0;
+        }
+    }
+    return 1;
+}
+
 static rigcal_status check_sure(const rigcal_real *Sigma, const rigcal_rig *rig,
                                 rigcal_real sigma_px, size_t camera)
 {
@@ -165,7 +207,10 @@ static rigcal_status check_sure(const rigcal_real *Sigma, const rigcal_rig *rig,
     if (status == RIGCAL_OK) {
         status = rc_check_noise(&sigma_px);
     }
-    return (status == RIGCAL_OK && camera >= rig->n_cameras) ? RIGCAL_ERR_RANGE : status;
+    if (status == RIGCAL_OK && camera >= rig->n_cameras) {
+        status = RIGCAL_ERR_RANGE;
+    }
+    return (status == RIGCAL_OK && !is_adjusted(rig)) ? RIGCAL_ERR_STATE : status;
 }
 
 rigcal_status rigcal_rig_covariance(rigcal_real Sigma[36], const rigcal_rig *rig,

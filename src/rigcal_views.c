@@ -35,6 +35,15 @@ void rc_rig_parts_of(rc_rig_parts *parts, const rigcal_rig *rig, size_t n_unknow
     parts->d = parts->g + n;
 }
 
+void rc_rig_forget(const rigcal_rig *rig)
+{
+    rc_rig_parts parts;
+    if (rig->work_capacity >= rigcal_rig_work(0, rig->n_cameras, rig->n_placements)) {
+        rc_rig_parts_of(&parts, rig, 0);
+        parts.column[0] = -2;
+    }
+}
+
 rigcal_status rc_rig_view_at(rigcal_rig_view *out, const rigcal_rig *rig, size_t index)
 {
     if (rig->views == NULL) {
@@ -253,6 +262,9 @@ static rigcal_status check_next(rigcal_rig_solver *s, const rc_rig_parts *parts)
                                       : check_view(s, &camera, &placement);
     if (status == RIGCAL_OK) {
         status = check_numbers(s->rig, camera, placement);
+    }
+    if (status == RIGCAL_OK && !s->is_join) {
+        status = rc_check_transform(&s->rig->rig_from_placements[placement]);
     }
     if (status != RIGCAL_OK) {
         return status;

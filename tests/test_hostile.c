@@ -27,11 +27,13 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "rigcal_solvers.h"
 #include "test_support.h"
 
 /* ---- valid arguments ----------------------------------------------------- */
 
 enum { N = 6, N_PAIRS = 15, N_CAMERAS = 3, N_PLACEMENTS = 2, N_VIEWS = 6 };
+enum { RIG_WORK = RIGCAL_RIG_WORK(N_CAMERAS, N_CAMERAS, N_PLACEMENTS) };
 
 /* What every call is handed, made once by build_valid. */
 static struct {
@@ -47,7 +49,13 @@ static struct {
     rigcal_transform cams_from_world[2], poses[N_CAMERAS];
     rigcal_real uv_views[4], uv_corners[8], weights[N_VIEWS];
     int32_t groups[N_CAMERAS];
-    rigcal_view_pose views[N_VIEWS];
+    rigcal_transform placements[N_PLACEMENTS];
+    rigcal_observation seen[N_VIEWS][N];
+    rigcal_rig_view rig_views[N_VIEWS];
+    rigcal_view_pose view_poses[N_VIEWS];
+    rigcal_real rig_work[RIG_WORK];
+    rigcal_rig_solver rig_begun, rig_done;
+    rigcal_rig rig;
     rigcal_transform estimates[N_VIEWS];
     rigcal_real x0[3], simplex[12];
     rigcal_neldermead search, search_begun;
@@ -63,8 +71,9 @@ static struct {
     uint8_t saved[RIGCAL_STORE_SIZE(2)];
 } ok;
 
-static const size_t SIZE_2 = 2, SIZE_3 = 3, SIZE_4 = 4, SIZE_6 = 6, SIZE_8 = 8,
-                    SIZE_15 = 15, SIZE_SAVED = RIGCAL_STORE_SIZE(2);
+static const size_t SIZE_0 = 0, SIZE_1 = 1, SIZE_2 = 2, SIZE_3 = 3, SIZE_4 = 4, SIZE_6 = 6,
+                    SIZE_8 = 8, SIZE_15 = 15, SIZE_SAVED = RIGCAL_STORE_SIZE(2),
+                    SIZE_12 = 12, SIZE_WORK = RIG_WORK;
 static const uint32_t UINT_7 = 7;
 static const int32_t INT_0 = 0, INT_1 = 1, INT_2 = 2, INT_3 = 3, INT_8 = 8, INT_480 = 480,
                      INT_640 = 640, INT_1000 = 1000;
@@ -186,6 +195,25 @@ static void build_target(void)
     }
 }
 
+/* View v, of camera c and placement f at R, t. */
+static void see(int v, int c, int f, const double R[9], const double t[3])
+{
+    const rigcal_transform T = test_transform(R, t);
+
+    for (int i = 0; i < N; i++) {
+        const double X[3] = {0.4 * (i & 1) - 0.2, 0.2 * (i >> 1) - 0.2, 0.1 * (i % 3)};
+
+        test_to_real(ok.seen[v][i].X_w, X, 3);
+        pixel_of(ok.seen[v][i].uv, &ok.camera, R, t, X);
+        ok.seen[v][i].uv[0] += RC(0.1 * ((i + v) % 3));
+    }
+    ok.rig_views[v].view = VIEW(&ok.camera, ok.seen[v], NULL, N);
+    ok.rig_views[v].camera = c;
+    ok.rig_views[v].placement = f;
+    ASSERT_STATUS(RIGCAL_OK,
+                  rigcal_view_pose_make(&ok.view_poses[v], &ok.rig_views[v], &T));
+}
+
 static void build_rig(void)
 {
     double R[N_CAMERAS][9], t[N_CAMERAS][3];
@@ -203,6 +231,7 @@ static void build_rig(void)
         s[f][0] = 0.2 * f;
         s[f][1] = -0.1;
         s[f][2] = 4 + f;
+        ok.placements[f] = test_transform(Q[f], s[f]);
     }
     for (int v = 0; v < N_VIEWS; v++) {
         const int c = v % N_CAMERAS, f = v / N_CAMERAS;
@@ -210,14 +239,41 @@ static void build_rig(void)
 
         test_product(A, R[c], Q[f]);
         test_apply(b, R[c], s[f], t[c]);
-        ok.views[v].cam_from_target = test_transform(A, b);
-        ok.views[v].weight = RC(1 + v);
-        ok.views[v].camera = c;
-        ok.views[v].placement = f;
+        see(v, c, f, A, b);
         test_rotation(A, 0.3 + 0.01 * v, -0.2, 0.1 - 0.02 * v);
         ok.estimates[v] = test_transform(A, b);
         ok.weights[v] = RC(1 + v);
     }
+}
+
+static void build_adjusted(void)
+{
+    static rigcal_transform cams[N_CAMERAS], placements[N_PLACEMENTS];
+    static rigcal_real work[RIG_WORK];
+    rigcal_rig_solver solver;
+    rigcal_rig_fit fit;
+
+    ok.rig.cams_from_rig = ok.poses;
+    ok.rig.n_cameras = N_CAMERAS;
+    ok.rig.rig_from_placements = ok.placements;
+    ok.rig.n_placements = N_PLACEMENTS;
+    ok.rig.group = ok.groups;
+    ok.rig.n_views = N_VIEWS;
+    ok.rig.views = ok.rig_views;
+    ok.rig.work = ok.rig_work;
+    ok.rig.work_capacity = RIG_WORK;
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_adjust(&fit, NULL, &ok.rig));
+    /* Searches that go on have a rig of their own. */
+    memcpy(cams, ok.poses, sizeof cams);
+    memcpy(placements, ok.placements, sizeof placements);
+    ok.rig.cams_from_rig = cams;
+    ok.rig.rig_from_placements = placements;
+    ok.rig.work = work;
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_begin(&solver, &ok.rig));
+    ok.rig_begun = solver;
+    while (rigcal_rig_step(&solver, 1000) == RIGCAL_RUNNING) {
+    }
+    ok.rig_done = solver;
 }
 
 /* The states of searches come from the library: there is no other way. */
@@ -325,6 +381,7 @@ static void build_valid(void)
     build_geometry();
     build_target();
     build_rig();
+    build_adjusted();
     build_searches();
     build_pose_searches();
     build_robust();
@@ -420,10 +477,20 @@ static const impossible BAD_VIEW_POSE[] = {
     BAD_INT(rigcal_view_pose, camera, N_CAMERAS, RIGCAL_ERR_RANGE),
     BAD_INT(rigcal_view_pose, camera, INT32_MAX, RIGCAL_ERR_RANGE),
     BAD_INT(rigcal_view_pose, placement, -1, RIGCAL_ERR_RANGE),
-    BAD_REAL(rigcal_view_pose, weight, 0, RIGCAL_ERR_RANGE),
-    BAD_REAL(rigcal_view_pose, weight, -1, RIGCAL_ERR_RANGE),
+    BAD_INT(rigcal_view_pose, placement, N_PLACEMENTS, RIGCAL_ERR_RANGE),
+    BAD_REAL(rigcal_view_pose, information[0], -1, RIGCAL_ERR_DEGENERATE),
+    BAD_REAL(rigcal_view_pose, information[20], 0, RIGCAL_ERR_DEGENERATE),
     BAD_REAL(rigcal_view_pose, cam_from_target.R[0], 2, RIGCAL_ERR_ROTATION),
     BAD_REAL(rigcal_view_pose, cam_from_target.R[8], -5, RIGCAL_ERR_ROTATION),
+    BAD_END};
+static const impossible BAD_RIG_VIEW[] = {
+    BAD_INT(rigcal_rig_view, camera, -1, RIGCAL_ERR_RANGE),
+    BAD_INT(rigcal_rig_view, camera, N_CAMERAS, RIGCAL_ERR_RANGE),
+    BAD_INT(rigcal_rig_view, camera, INT32_MIN, RIGCAL_ERR_RANGE),
+    BAD_INT(rigcal_rig_view, placement, -1, RIGCAL_ERR_RANGE),
+    BAD_INT(rigcal_rig_view, placement, N_PLACEMENTS, RIGCAL_ERR_RANGE),
+    BAD_INT(rigcal_rig_view, target, 1, RIGCAL_ERR_RANGE),
+    BAD_INT(rigcal_rig_view, target, -1, RIGCAL_ERR_RANGE),
     BAD_END};
 static const impossible BAD_MOUNTED[] = {
     BAD_INT(rigcal_mounted_camera, camera.lens, 2, RIGCAL_ERR_CAMERA),
@@ -482,7 +549,22 @@ static const kind CAMERA = {sizeof(rigcal_camera), offsetof(rigcal_camera, fx), 
                             BAD_CAMERA, RIGCAL_ERR_CAMERA};
 static const kind PAIR = {sizeof(rigcal_pair), 0, 6, NULL, 0};
 static const kind PAIR_OF_POINTS = {sizeof(rigcal_pair), 0, 6, BAD_INDEX, 0};
-static const kind VIEW_POSE = {sizeof(rigcal_view_pose), 0, 13, BAD_VIEW_POSE, 0};
+static const kind VIEW_POSE = {sizeof(rigcal_view_pose), 0, 33, BAD_VIEW_POSE,
+                               RIGCAL_ERR_ROTATION};
+/* All but its counts. */
+static const kind MADE_POSE = {sizeof(rigcal_view_pose), 0, 34, NULL, 0};
+static const kind RIG_VIEW = {sizeof(rigcal_rig_view), 0, 0, BAD_RIG_VIEW, RIGCAL_ERR_NULL};
+static const kind VIEW_TO_MAKE = {sizeof(rigcal_rig_view), 0, 0, NULL, RIGCAL_ERR_NULL};
+static const kind FIT = {sizeof(rigcal_rig_fit), 0, 3, NULL, 0};
+static const kind MAT6 = {REALS(36), NULL, 0};
+/* Of an adjusted rig, which is not looked at again. */
+static const kind RIG_CAMS = {N_CAMERAS * sizeof(rigcal_transform), 0, 0, NULL, 0};
+static const kind RIG_PLACEMENTS = {N_PLACEMENTS * sizeof(rigcal_transform), 0, 0, NULL, 0};
+static const kind RIG_GROUPS = {N_CAMERAS * sizeof(int32_t), 0, 0, NULL, 0};
+static const kind RIG_MEMORY = {sizeof(rigcal_real) * RIG_WORK, 0, 0, NULL,
+                                RIGCAL_ERR_STATE};
+static const kind RIG_UNREAD = {sizeof(rigcal_real) * RIG_WORK, 0, 0, NULL, 0};
+static const kind RIG_SOLVER = {sizeof(rigcal_rig_solver), 0, 0, NULL, RIGCAL_ERR_STATE};
 static const kind OPTIONS = {sizeof(rigcal_paper_options),
                              offsetof(rigcal_paper_options, guess_ypr), 5, BAD_OPTIONS, 0};
 static const kind POSE = {sizeof(rigcal_paper_pose), 0, 18, NULL, 0};
@@ -611,6 +693,24 @@ typedef struct {
     IN(THERE, 1, &INT_1), IN(CAMERA, 1, &ok.camera), IN(OBSERVATION, N, ok.observations), \
         {R_UNREAD, &NUMBER, N, ok.spreads, 0, 0, 0}, \
         COUNT(&SIZE_6, least, RIGCAL_ERR_TOO_FEW)
+/* A number of one of so many. */
+#define LESS(valid, n) \
+    { \
+        R_COUNT, &SIZE, 1, valid, 0, (n)-1, RIGCAL_ERR_RANGE \
+    }
+/* A rig by its parts: itself, cams_from_rig, n_cameras, rig_from_placements, group, n_views,
+ * work, work_capacity. */
+#define RIG_OF(cams, placements, group, work) \
+    IN(THERE, 1, &INT_1), cams, COUNT(&SIZE_3, 1, RIGCAL_ERR_TOO_FEW), placements, group, \
+        COUNT(&SIZE_6, 1, RIGCAL_ERR_TOO_FEW), work, \
+        ROOM(&SIZE_WORK, RIGCAL_RIG_WORK(0, 3, 2), RIGCAL_ERR_CAPACITY)
+/* One that has been adjusted; `memory` is the kind of its work. */
+#define RIG_DONE RIG_WITH_MEMORY(RIG_MEMORY)
+#define RIG_WITH_MEMORY(memory) \
+    IN(THERE, 1, &INT_1), STATE(RIG_CAMS, ok.poses), \
+        COUNT(&SIZE_3, 1, RIGCAL_ERR_TOO_FEW), STATE(RIG_PLACEMENTS, ok.placements), \
+        STATE(RIG_GROUPS, ok.groups), COUNT(&SIZE_6, 1, RIGCAL_ERR_TOO_FEW), \
+        STATE(memory, ok.rig_work), ROOM(&SIZE_WORK, 0, 0)
 /* Of a tag every number is good. */
 #define ANY_INTEGER(valid) \
     { \
@@ -623,7 +723,7 @@ typedef struct {
 
 /* ---- the functions ------------------------------------------------------- */
 
-enum { MAX_ARGUMENTS = 12 };
+enum { MAX_ARGUMENTS = 14 };
 
 typedef struct {
     const char *name;
@@ -651,6 +751,10 @@ typedef struct {
     (S(NO_POSE) | S(DEGENERATE) | BIT(RIGCAL_AMBIGUOUS) | BIT(RIGCAL_POOR_FIT) | \
      BIT(RIGCAL_VAGUE) | BIT(RIGCAL_UNSEEN_POINT) | BIT(RIGCAL_BUDGET_SPENT))
 
+#define JOINED \
+    (ROTATED | S(TOO_FEW) | S(CAPACITY) | S(TWICE) | S(UNSORTED) | S(DEGENERATE) | \
+     BIT(RIGCAL_DISCONNECTED) | BIT(RIGCAL_BUDGET_SPENT))
+#define ADJUSTED (JOINED | DEVICE | S(BEHIND) | S(NO_RAY))
 #define AGREED \
     (VIEWED | FITTED | S(NO_CONSENSUS) | BIT(RIGCAL_FEW_AGREE) | BIT(RIGCAL_MOST_DISAGREE))
 
@@ -670,9 +774,35 @@ typedef struct {
 #define VIEW_AT(k) \
     ((p[k]) ? &VIEW(p[(k) + 1], p[(k) + 2], p[(k) + 3], COUNTED(p[(k) + 4])) : NULL)
 #define RIG_AT(k) \
-    ((p[k]) ? &(rigcal_rig){p[(k) + 1], p[(k) + 2], COUNTED(p[(k) + 3]), p[(k) + 4], \
-                            COUNTED(p[(k) + 5]), p[(k) + 6], p[(k) + 7]} \
+    ((p[k]) ? &(rigcal_rig){.cams_from_rig = p[(k) + 1], \
+                            .n_cameras = COUNTED(p[(k) + 2]), \
+                            .rig_from_placements = p[(k) + 3], \
+                            .n_placements = N_PLACEMENTS, \
+                            .group = p[(k) + 4], \
+                            .n_views = COUNTED(p[(k) + 5]), \
+                            .views = ok.rig_views, \
+                            .view_poses = NULL, \
+                            .work = p[(k) + 6], \
+                            .work_capacity = COUNTED(p[(k) + 7])} \
             : NULL)
+/* With the views, or their poses, as argument k + 8. */
+#define RIG_WITH(k, what) with_##what(RIG_AT(k), p[k], p[(k) + 8])
+
+static rigcal_rig *with_views(rigcal_rig *rig, const void *is_there, const void *views)
+{
+    if (is_there) {
+        rig->views = views;
+    }
+    return rig;
+}
+
+static rigcal_rig *with_poses(rigcal_rig *rig, const void *is_there, const void *poses)
+{
+    if (is_there) {
+        rig->view_poses = poses;
+    }
+    return rig;
+}
 
 /* clang-format off */
 CALL(layout, p[0], INT(p[1]))
@@ -743,8 +873,16 @@ CALL(epiline_segment, p[0], p[1], p[2], p[3], REAL(p[4]), REAL(p[5]))
 CALL(epiline_curve, p[0], COUNTED(p[1]), p[2], p[3], p[4], p[5], REAL(p[6]),
      REAL(p[7]))
 CALL(transform_mean, p[0], p[1], p[2], p[3], p[4], COUNTED(p[5]))
-CALL(rig_join, RIG_AT(0))
-CALL(rig_place, p[0], RIG_AT(3), INT(p[1]), INT(p[2]))
+CALL(view_pose_make, p[0], p[1], p[2])
+CALL(rig_join, RIG_WITH(0, poses), p[9])
+CALL(rig_adjust, p[9], p[10], RIG_WITH(0, views))
+CALL(rig_begin, p[9], RIG_WITH(0, views))
+CALL(rig_step, p[0], INT(p[1]))
+CALL(rig_result, p[0], p[1], p[2])
+CALL(rig_covariance, p[8], RIG_AT(0), REAL(p[9]), COUNTED(p[10]))
+CALL(rig_pair, p[8], p[11], RIG_AT(0), REAL(p[9]), COUNTED(p[10]), COUNTED(p[12]))
+CALL(rig_placement, p[8], RIG_AT(0), REAL(p[9]), COUNTED(p[10]))
+CALL(rig_residuals, p[8], COUNTED(p[9]), p[10], RIG_AT(0), COUNTED(p[11]))
 CALL(store_save, p[0], COUNTED(p[1]), p[2], p[3], COUNTED(p[4]), UINT(p[5]),
      UINT(p[6]))
 CALL(store_info, p[0], p[1], COUNTED(p[2]))
@@ -958,18 +1096,35 @@ static const function FUNCTIONS[] = {
      {OUT(TRANSFORM, 1), OUT_OPT(NUMBER, 1), OUT_OPT(NUMBER, 1),
       IN(TRANSFORM, N_VIEWS, ok.estimates), IN_OPT(WEIGHT, N_VIEWS, ok.weights),
       COUNT(&SIZE_6, 1, RIGCAL_ERR_TOO_FEW)}},
-    {F(rig_join), 0,
-     ROTATED | S(RANGE) | S(TOO_FEW) | BIT(RIGCAL_DISCONNECTED),
-     {IN(THERE, 1, &INT_1), OUT(TRANSFORM, N_CAMERAS), OUT(INT32, N_CAMERAS),
-      COUNT(&SIZE_3, 1, RIGCAL_ERR_TOO_FEW), IN(VIEW_POSE, N_VIEWS, ok.views),
-      COUNT(&SIZE_6, 1, 0), WORK(TRANSFORM, N_VIEWS), WORK(NUMBER, N_VIEWS)}},
-    {F(rig_place), 0, ROTATED | S(RANGE) | S(TOO_FEW),
-     {OUT(TRANSFORM, 1), CHOICE(&INT_1, 0, N_PLACEMENTS - 1, 0),
-      CHOICE(&INT_0, 0, 1, 0), IN(THERE, 1, &INT_1),
-      IN(TRANSFORM, N_CAMERAS, ok.poses), IN(INT32, N_CAMERAS, ok.groups),
-      COUNT(&SIZE_3, 1, 0), IN(VIEW_POSE, N_VIEWS, ok.views),
-      COUNT(&SIZE_6, 1, RIGCAL_ERR_TOO_FEW), WORK(TRANSFORM, N_VIEWS),
-      WORK(NUMBER, N_VIEWS)}},
+    {F(view_pose_make), 0,
+     DEVICE | S(ROTATION) | S(TOO_FEW) | S(BEHIND) | S(NO_RAY) | S(DEGENERATE),
+     {OUT(MADE_POSE, 1), IN(VIEW_TO_MAKE, 1, ok.rig_views), IN(TRANSFORM, 1, &ok.view_poses[0].cam_from_target)}},
+    {F(rig_join), 0, JOINED,
+     {RIG_OF(WORK(TRANSFORM, N_CAMERAS), WORK(TRANSFORM, N_PLACEMENTS), WORK(INT32, N_CAMERAS), WORK(NUMBER, RIG_WORK)),
+      IN(VIEW_POSE, N_VIEWS, ok.view_poses), OUT_BAD}},
+    {F(rig_adjust), 0, ADJUSTED,
+     {RIG_OF(IN(TRANSFORM, N_CAMERAS, ok.poses), IN(TRANSFORM, N_PLACEMENTS, ok.placements), WORK(INT32, N_CAMERAS), WORK(NUMBER, RIG_WORK)),
+      IN(RIG_VIEW, N_VIEWS, ok.rig_views), OUT(FIT, 1), OUT_BAD}},
+    {F(rig_begin), 0, ADJUSTED,
+     {RIG_OF(IN(TRANSFORM, N_CAMERAS, ok.poses), WORK(TRANSFORM, N_PLACEMENTS), WORK(INT32, N_CAMERAS), WORK(NUMBER, RIG_WORK)),
+      IN(THERE, 1, &INT_1), OUT_PART(RIG_SOLVER, 1)}},
+    {F(rig_step), RIGCAL_RUNNING,
+     S(NULL) | S(RANGE) | S(STATE) | BIT(RIGCAL_RUNNING),
+     {STATE(RIG_SOLVER, &ok.rig_begun), CHOICE(&INT_2, 1, 0, RIGCAL_ERR_RANGE)}},
+    {F(rig_result), 0, S(STATE) | ADJUSTED,
+     {OUT(FIT, 1), OUT_BAD, IN(RIG_SOLVER, 1, &ok.rig_done)}},
+    {F(rig_covariance), 0, S(STATE) | S(TOO_FEW) | ARGS,
+     {RIG_DONE, OUT(MAT6, 1), VALUE(TOLERANCE, &REAL_SIGMA),
+      LESS(&SIZE_2, N_CAMERAS)}},
+    {F(rig_pair), 0, S(STATE) | S(TOO_FEW) | ARGS | BIT(RIGCAL_DISCONNECTED),
+     {RIG_DONE, OUT(TRANSFORM, 1), VALUE(TOLERANCE, &REAL_SIGMA),
+      LESS(&SIZE_0, N_CAMERAS), OUT(MAT6, 1), LESS(&SIZE_2, N_CAMERAS)}},
+    {F(rig_placement), 0, S(STATE) | S(TOO_FEW) | ARGS | S(DEGENERATE),
+     {RIG_DONE, OUT(MAT6, 1), VALUE(TOLERANCE, &REAL_SIGMA),
+      LESS(&SIZE_1, N_PLACEMENTS)}},
+    {F(rig_residuals), 0, S(TOO_FEW) | S(CAPACITY) | ARGS,
+     {RIG_WITH_MEMORY(RIG_UNREAD), OUT(NUMBER, 12), ROOM(&SIZE_12, 12, RIGCAL_ERR_CAPACITY), OUT(SIZE, 1),
+      LESS(&SIZE_4, N_VIEWS)}},
     {F(point_bound), 0, ROTATED,
      {OUT(NUMBER, 1), IN(TRANSFORM, 1, &ok.b_from_a),
       IN(TRANSFORM, 1, &ok.a_from_b), IN(VEC3, 1, ok.X)}},
@@ -992,7 +1147,7 @@ enum { N_FUNCTIONS = sizeof FUNCTIONS / sizeof FUNCTIONS[0] };
 /* Those that take plain numbers only and have an answer for every one. */
 static const char *const HARMLESS[] = {
     "rigcal_version",      "rigcal_sizeof_real", "rigcal_status_name", "rigcal_status_text",
-    "rigcal_layout_count", "rigcal_pairs_for",   "rigcal_store_size",
+    "rigcal_layout_count", "rigcal_pairs_for",   "rigcal_store_size",  "rigcal_rig_work",
 };
 enum { N_HARMLESS = sizeof HARMLESS / sizeof HARMLESS[0] };
 

@@ -21,6 +21,8 @@ enum {
     OPTION_ROBUST,
     OPTION_THRESHOLD,
     OPTION_SEED,
+    OPTION_HOLD, /* all that are given, with commas between */
+    OPTION_PRIOR,
     OPTION_COUNT
 };
 

@@ -28,16 +28,39 @@ static void write_poses(FILE *file, const calibration *c)
     }
 }
 
+/* The columns of a rig_sigma, and the end of the line: the lower triangle of the
+ * covariance, row by row. */
+#define SIGMA_COLUMNS \
+    "sigma_rot_deg,sigma_pos,S11,S21,S22,S31,S32,S33,S41,S42,S43,S44,S51,S52," \
+    "S53,S54,S55,S61,S62,S63,S64,S65,S66"
+
+static void write_sigma(FILE *file, const rig_sigma *s, int is_known)
+{
+    int i, j;
+
+    cli_write_known(file, (rigcal_real)s->deg, is_known);
+    cli_write_known(file, (rigcal_real)s->position, is_known);
+    for (i = 0; i < 6; i++) {
+        for (j = 0; j <= i; j++) {
+            cli_write_known(file, s->Sigma[6 * i + j], is_known);
+        }
+    }
+    fprintf(file, "\n");
+}
+
 static void write_rig(FILE *file, const calibration *c)
 {
+    rig_sigma s;
     size_t i;
 
-    fprintf(file, "camera,%s\n", CLI_TRANSFORM_COLUMNS);
+    fprintf(file, "camera,%s,%s\n", CLI_TRANSFORM_COLUMNS, SIGMA_COLUMNS);
     for (i = 0; i < c->rig.n_cameras; i++) {
-        if (c->rig.group[i] == 0) {
+        if (c->in_frame[i]) {
+            const int is_known = rig_camera_sigma(&s, c, i);
+
             fprintf(file, "%s", rig_camera_name(c, i));
             cli_write_transform(file, &c->rig.cams_from_rig[i]);
-            fprintf(file, "\n");
+            write_sigma(file, &s, is_known);
         }
     }
 }
@@ -50,7 +73,7 @@ static void write_targets(FILE *file, const calibration *c)
     for (frame = 0; frame < c->observations.frames.count; frame++) {
         if (c->placed[frame]) {
             fprintf(file, "%s", c->observations.frames.name[frame]);
-            cli_write_transform(file, &c->rig_from_target[frame]);
+            cli_write_transform(file, &c->rig.rig_from_placements[frame]);
             fprintf(file, "\n");
         }
     }
@@ -59,22 +82,24 @@ static void write_targets(FILE *file, const calibration *c)
 static void write_pairs(FILE *file, const calibration *c)
 {
     rigcal_transform b_from_a;
+    rig_sigma s;
     size_t a, b;
 
-    fprintf(file, "camera_a,camera_b,%s\n", CLI_TRANSFORM_COLUMNS);
+    fprintf(file, "camera_a,camera_b,%s,%s\n", CLI_TRANSFORM_COLUMNS, SIGMA_COLUMNS);
     for (a = 0; a < c->rig.n_cameras; a++) {
         for (b = a + 1; b < c->rig.n_cameras; b++) {
-            if (c->rig.group[a] == 0 && c->rig.group[b] == 0) {
-                rig_relative(&b_from_a, c, a, b);
+            if (c->in_frame[a] && c->rig.group[a] == c->rig.group[b]) {
+                const int is_known = rig_pair(&b_from_a, &s, c, a, b);
+
                 fprintf(file, "%s,%s", rig_camera_name(c, a), rig_camera_name(c, b));
                 cli_write_transform(file, &b_from_a);
-                fprintf(file, "\n");
+                write_sigma(file, &s, is_known);
             }
         }
     }
 }
 
-/* What is observed less what the pose puts there. */
+/* What is observed less what the rig puts there. */
 static void write_residuals(FILE *file, const calibration *c)
 {
     size_t i, k;
@@ -82,10 +107,11 @@ static void write_residuals(FILE *file, const calibration *c)
     fprintf(file, "camera,frame,point,du,dv,error_px,left_out\n");
     for (i = 0; i < c->n_views; i++) {
         const view *v = &c->views[i];
+        const rigcal_transform pose = view_in_rig(c, v);
 
         for (k = 0; k < v->n_seen; k++) {
             residual r;
-            const int is_known = view_residual(&r, c, v, k);
+            const int is_known = pose_residual(&r, c, v, k, &pose);
 
             fprintf(file, "%s,%s,%s", c->cameras.names.name[v->camera],
                     c->observations.frames.name[v->frame], view_point_name(c, v, k));
@@ -143,6 +169,9 @@ static void check_method(const calibration *c, const char *const option[OPTION_C
         cli_fail("--sigma does not go with --method paper, which knows no noise: "
                  "leave one out");
     }
+    if (c->by_paper && (option[OPTION_HOLD] != NULL || option[OPTION_PRIOR] != NULL)) {
+        cli_fail("--hold and --prior do not go with --method paper: leave one out");
+    }
     if (option[OPTION_ROBUST] == NULL &&
         (option[OPTION_THRESHOLD] != NULL || option[OPTION_SEED] != NULL)) {
         cli_fail("--threshold and --seed go with --robust: give it too");
@@ -177,12 +206,15 @@ int cli_calibrate(const char *const option[OPTION_COUNT])
     memset(&c, 0, sizeof c);
     choose(&c, option);
     cli_cameras_read(&c.cameras, option[OPTION_CAMERAS]);
+    read_known(&c.known, &c.cameras, option[OPTION_PRIOR], option[OPTION_HOLD],
+               option[OPTION_SIGMA] != NULL);
     cli_observations_read(&c.observations, option[OPTION_OBSERVATIONS], &c.cameras, 1);
     cli_observations_by_view(&c.observations);
     solve_views(&c);
     settle_ambiguous_views(&c);
     name_left_out(&c, folder);
     form_rig(&c);
+    cli_progress_end();
     if (c.n_views == 0) {
         cli_say("no view has a pose, so there is nothing to print%s",
                 folder != NULL ? " and nothing to write" : "");

@@ -1,6 +1,7 @@
 /* cli_calibrate.h - what the parts of rigcal calibrate share: every camera's pose in
- * every frame (cli_solve.c), the rig that they form (cli_rig.c), what a person
- * reads of it (cli_report.c), and options and files (cli_calibrate.c). */
+ * every frame (cli_solve.c), which one of an ambiguous view (cli_settle.c), the rig that
+ * they form (cli_rig.c), what is known of its cameras beforehand (cli_prior.c), what a
+ * person reads of it (cli_report.c), and options and files (cli_calibrate.c). */
 #ifndef RIGCAL_CLI_CALIBRATE_H
 #define RIGCAL_CLI_CALIBRATE_H
 
@@ -28,7 +29,20 @@ typedef struct {
     rigcal_real distance; /* from the camera to the middle of the points */
     int has_sigma;
     rigcal_real sigma_deg, sigma_pos; /* of the rotation; of the centre */
+    size_t rig_camera;
+    int in_rig; /* its points count in the rig */
 } view;
+
+/* What is known beforehand of each camera of cameras.csv. */
+typedef struct {
+    const char *path; /* of --prior, or NULL */
+    uint8_t *role;    /* RIGCAL_CAMERA_ */
+    rigcal_camera_prior *prior;
+    size_t n_held, n_prior; /* of --hold; of those with a covariance */
+} known_cameras;
+
+void read_known(known_cameras *known, const cli_cameras *cameras, const char *prior,
+                const char *hold, int has_sigma);
 
 /* The rig's cameras are those with a view; they are numbered anew for it. */
 typedef struct {
@@ -49,12 +63,19 @@ typedef struct {
     view *views; /* those solved, by camera and frame */
     size_t n_views;
 
-    size_t *camera; /* of the rig's camera, the number of its name */
-    size_t *first;  /* and its first view; one more than there are cameras */
-    rigcal_rig rig; /* rig.views are numbered as views */
+    known_cameras known;
+    size_t *camera;     /* of the rig's camera, the number of its name */
+    size_t main_camera; /* of the rig: the first that is fixed, else the first */
+    int *in_frame;      /* whether the rig's camera has a pose in the main one's frame */
+    rigcal_rig rig;     /* its views are sorted by frame; placements are frames */
+    size_t *view_of;    /* of the rig's view, the number of ours */
+    int *placed;        /* by frame: whether it has a place in the main camera's frame */
 
-    rigcal_transform *rig_from_target; /* by frame */
-    int *placed;
+    int is_adjusted; /* else the views' poses are joined, and what follows is not known */
+    rigcal_rig_fit fit;
+    double own_rms_px;     /* of the views by themselves, per point */
+    double noise_px;       /* that the rig's sigmas are for, before ... */
+    double root_F, factor; /* ... they are multiplied by factor: 1 at least */
 } calibration;
 
 /* The pose taken, and the best of those not taken, or NULL. */
@@ -67,7 +88,8 @@ void view_take(const calibration *c, view *v, size_t pose);
 /* Of the view's point k, 0 <= k < n_seen: its name; whether it is left out; whether
  * --robust left it out;
  * what is observed less where the pose taken puts it. view_residual returns 0, and
- * writes zeros, where the camera cannot see it with that pose. */
+ * writes zeros, where the camera cannot see it with that pose. pose_residual: the same
+ * of any pose. */
 typedef struct {
     rigcal_real duv[2], error_px;
 } residual;
@@ -76,10 +98,29 @@ int view_leaves_out(const view *v, size_t k);
 int view_disagrees(const view *v, size_t k);
 int view_residual(residual *r, const calibration *c, const view *v, size_t k);
 
-const char *rig_camera_name(const calibration *c, size_t rig_camera);
+int pose_residual(residual *r, const calibration *c, const view *v, size_t k,
+                  const rigcal_transform *cam_from_target);
 
-/* b_from_a of two cameras of the rig, which must be in one group. */
-void rig_relative(rigcal_transform *b_from_a, const calibration *c, size_t a, size_t b);
+/* The rig's camera; the frame that the rig's poses are in. */
+const char *rig_camera_name(const calibration *c, size_t rig_camera);
+const char *rig_frame_name(const calibration *c);
+
+/* Where the rig puts the target for the camera. Of a view that is not in the rig: the
+ * pose taken. */
+rigcal_transform view_in_rig(const calibration *c, const view *v);
+
+/* Covariance of (w, dt) of a pose, and the standard deviations of its rotation and of the
+ * camera's centre. */
+typedef struct {
+    rigcal_real Sigma[36];
+    double deg, position;
+} rig_sigma;
+
+/* Of a camera of the rig; of b_from_a of two of one group. They return 0 if no sigma is
+ * known. */
+int rig_camera_sigma(rig_sigma *s, const calibration *c, size_t rig_camera);
+int rig_pair(rigcal_transform *b_from_a, rig_sigma *s, const calibration *c, size_t a,
+             size_t b);
 
 /* In this order. All say what they cannot do, and set the exit status. `folder`: of
  * the files, or NULL. */

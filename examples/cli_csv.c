@@ -1,3 +1,5 @@
+#define _XOPEN_SOURCE 700
+
 #include "cli_csv.h"
 
 #include "cli_foreign.h"
@@ -10,6 +12,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #if RIGCAL_USE_FLOAT
 #define REAL_MAX ((double)FLT_MAX)
@@ -18,6 +21,33 @@
 #endif
 
 /* ==== complaints, memory ================================================== */
+
+static int is_progress_shown;
+
+void cli_progress_end(void)
+{
+    if (is_progress_shown) {
+        fputs("\r\033[K", stderr);
+        is_progress_shown = 0;
+    }
+}
+
+void cli_progress(size_t n_views, const char *format, ...)
+{
+    enum { LEAST = 50 };
+    va_list arguments;
+
+    if (n_views < LEAST || !isatty(STDERR_FILENO)) {
+        return;
+    }
+    cli_progress_end();
+    va_start(arguments, format);
+    fputs("rigcal: ", stderr);
+    vfprintf(stderr, format, arguments);
+    va_end(arguments);
+    fflush(stderr);
+    is_progress_shown = 1;
+}
 
 static void complain(const char *format, va_list arguments)
 {
@@ -29,6 +59,7 @@ void cli_say(const char *format, ...)
 {
     va_list arguments;
 
+    cli_progress_end();
     va_start(arguments, format);
     fputs("rigcal: ", stderr);
     complain(format, arguments);
@@ -39,6 +70,7 @@ void cli_say_part(const char *format, ...)
 {
     va_list arguments;
 
+    cli_progress_end();
     va_start(arguments, format);
     vfprintf(stderr, format, arguments);
     va_end(arguments);
@@ -48,6 +80,7 @@ void cli_fail(const char *format, ...)
 {
     va_list arguments;
 
+    cli_progress_end();
     va_start(arguments, format);
     fputs("rigcal: ", stderr);
     complain(format, arguments);

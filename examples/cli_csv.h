@@ -26,6 +26,11 @@ void cli_say(const char *format, ...) CLI_PRINTF(1, 2);
 void cli_say_part(const char *format, ...) CLI_PRINTF(1, 2);
 CLI_NORETURN void cli_fail(const char *format, ...) CLI_PRINTF(1, 2);
 
+/* A line on stderr that the next one takes the place of; every message removes it. It is
+ * shown only on a terminal, and only for work on so many views that it can be long. */
+void cli_progress(size_t n_views, const char *format, ...) CLI_PRINTF(2, 3);
+void cli_progress_end(void);
+
 /* Zeroed memory for count things; never NULL. It is freed when the program ends,
  * which for a program that ends soon, and may end anywhere, is soon enough. */
 void *cli_alloc(size_t count, size_t size);

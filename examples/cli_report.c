@@ -1,6 +1,7 @@
 /* What a person reads of a calibration. */
 #include "cli_calibrate.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -127,6 +128,52 @@ static void print_caveat(const view *v)
     }
 }
 
+/* How well the view's points that count fit in the rig; less than 0: the camera cannot
+ * see one of them there. *worst: the point that is farthest off. */
+static double rms_in_rig(const calibration *c, const view *v, outlier *worst)
+{
+    const rigcal_transform pose = view_in_rig(c, v);
+    double sum = 0;
+    size_t k;
+
+    worst->error_px = -1;
+    for (k = 0; k < v->n_seen; k++) {
+        residual r;
+
+        if (view_leaves_out(v, k)) {
+            continue;
+        }
+        if (!pose_residual(&r, c, v, k, &pose)) {
+            return -1;
+        }
+        sum += (double)r.error_px * (double)r.error_px;
+        if ((double)r.error_px > worst->error_px) {
+            worst->point = k;
+            worst->error_px = (double)r.error_px;
+        }
+    }
+    return sqrt(sum / (double)v->n);
+}
+
+static void print_rms(double rms_px)
+{
+    if (rms_px >= 0) {
+        printf("  %8.3f", rms_px);
+    } else {
+        printf("  %8s", "-");
+    }
+}
+
+static void print_noise_of_views(const calibration *c)
+{
+    printf("+- of a view: standard deviation of its own pose, for noise ");
+    if (c->pose.sigma_px > 0) {
+        printf("of %.4g px\n", (double)c->pose.sigma_px);
+    } else {
+        printf("as large as its residuals\n");
+    }
+}
+
 static void print_views(const calibration *c)
 {
     const int wide_camera = widest(&c->cameras.names);
@@ -134,68 +181,117 @@ static void print_views(const calibration *c)
     int has_sigma = 0;
     size_t i;
 
-    printf("%-*s  %-*s  points  rms [px]  distance  +- [deg]  +- position\n", wide_camera,
-           "camera", wide_frame, "frame");
+    printf("%-*s  %-*s  points  rms [px]  rig [px]  distance  +- [deg]  +- position\n",
+           wide_camera, "camera", wide_frame, "frame");
     for (i = 0; i < c->n_views; i++) {
         const view *v = &c->views[i];
+        outlier worst;
 
-        printf("%-*s  %-*s  %6lu  %8.3f  %8.5g", wide_camera,
-               c->cameras.names.name[v->camera], wide_frame,
-               c->observations.frames.name[v->frame], (unsigned long)v->n,
-               (double)view_taken(v)->rms_px, (double)v->distance);
+        printf("%-*s  %-*s  %6lu  %8.3f", wide_camera, c->cameras.names.name[v->camera],
+               wide_frame, c->observations.frames.name[v->frame], (unsigned long)v->n,
+               (double)view_taken(v)->rms_px);
+        print_rms(v->in_rig ? rms_in_rig(c, v, &worst) : -1);
+        printf("  %8.5g", (double)v->distance);
         print_sigma(v);
         print_caveat(v);
         printf("\n");
         has_sigma |= v->has_sigma;
     }
+    printf("rms of a view: of its own pose, and of the rig's, per point\n");
     if (has_sigma) {
-        printf("+- of a view: standard deviation of its pose, for noise ");
-        if (c->pose.sigma_px > 0) {
-            printf("of %.4g px\n", (double)c->pose.sigma_px);
-        } else {
-            printf("as large as its residuals\n");
-        }
+        print_noise_of_views(c);
     }
 }
 
-static void print_cameras(const calibration *c, int32_t group, size_t first)
+/* Of all the views of a camera in the rig; less than 0: there is none, or one with a
+ * point that the camera cannot see. */
+static double camera_rms(const calibration *c, size_t rig_camera)
+{
+    double sum = 0;
+    size_t i, n = 0;
+
+    for (i = 0; i < c->n_views; i++) {
+        const view *v = &c->views[i];
+        outlier worst;
+        double rms_px;
+
+        if (v->rig_camera == rig_camera && v->in_rig) {
+            rms_px = rms_in_rig(c, v, &worst);
+            if (rms_px < 0) {
+                return -1;
+            }
+            sum += (double)v->n * rms_px * rms_px;
+            n += v->n;
+        }
+    }
+    return n > 0 ? sqrt(sum / (double)n) : -1;
+}
+
+static void print_rig_sigma(const rig_sigma *s, int is_known)
+{
+    if (is_known) {
+        printf("  %8.2g  %11.2g", s->deg, s->position);
+    } else {
+        printf("  %8s  %11s", "-", "-");
+    }
+}
+
+/* Those of one frame: the main camera's, or of another group, its first one's. */
+static void print_cameras(const calibration *c, const int shown[], const char *frame)
 {
     const int wide = widest(&c->cameras.names);
     size_t i;
 
-    printf("\n%-*s  centre in the frame of %s\n", wide, "camera",
-           rig_camera_name(c, first));
-    for (i = first; i < c->rig.n_cameras; i++) {
+    printf("\n%-*s  rig [px]  +- [deg]  +- position  centre in the frame of %s\n", wide,
+           "camera", frame);
+    for (i = 0; i < c->rig.n_cameras; i++) {
         rigcal_real o[3] = {0, 0, 0};
+        rig_sigma s;
 
-        if (c->rig.group[i] == group) {
+        if (shown[i]) {
+            const int is_known = rig_camera_sigma(&s, c, i);
+
             rigcal_camera_center(o, &c->rig.cams_from_rig[i]);
-            printf("%-*s  %10.5g %10.5g %10.5g\n", wide, rig_camera_name(c, i),
-                   (double)o[0] + 0, (double)o[1] + 0, (double)o[2] + 0);
+            printf("%-*s", wide, rig_camera_name(c, i));
+            print_rms(camera_rms(c, i));
+            print_rig_sigma(&s, is_known);
+            printf("  %10.5g %10.5g %10.5g\n", (double)o[0] + 0, (double)o[1] + 0,
+                   (double)o[2] + 0);
         }
     }
 }
 
-/* b_from_a from each placement that both saw, into work; returns how many. */
+static void print_groups(const calibration *c)
+{
+    const size_t n = c->rig.n_cameras;
+    int *shown = cli_alloc(n, sizeof *shown);
+    size_t first, i;
+
+    print_cameras(c, c->in_frame, rig_frame_name(c));
+    for (first = 0; first < n; first++) {
+        int is_first = !c->in_frame[first];
+
+        for (i = 0; i < n; i++) {
+            shown[i] = c->rig.group[i] == c->rig.group[first];
+            is_first = is_first && !(i < first && shown[i]);
+        }
+        if (is_first) {
+            print_cameras(c, shown, rig_camera_name(c, first));
+        }
+    }
+}
+
+/* Frames in which both cameras have a view. */
 static size_t shared_placements(const calibration *c, size_t a, size_t b)
 {
-    const rigcal_view_pose *va = c->rig.views + c->first[a];
-    const rigcal_view_pose *vb = c->rig.views + c->first[b];
-    const rigcal_view_pose *end_a = c->rig.views + c->first[a + 1];
-    const rigcal_view_pose *end_b = c->rig.views + c->first[b + 1];
-    size_t count = 0;
+    int *seen = cli_alloc(c->observations.frames.count, sizeof *seen);
+    size_t i, count = 0;
 
-    while (va < end_a && vb < end_b) {
-        if (va->placement == vb->placement &&
-            rigcal_transform_between(&c->rig.work[count], &vb->cam_from_target,
-                                     &va->cam_from_target) == RIGCAL_OK) {
-            count++;
-        }
-        if (va->placement <= vb->placement) {
-            va++;
-        } else {
-            vb++;
-        }
+    for (i = 0; i < c->n_views; i++) {
+        seen[c->views[i].frame] |= c->views[i].rig_camera == a;
+    }
+    for (i = 0; i < c->n_views; i++) {
+        count += c->views[i].rig_camera == b && seen[c->views[i].frame];
     }
     return count;
 }
@@ -209,32 +305,23 @@ static double angle_of(const rigcal_transform *b_from_a)
     return DEGREE * (double)angle;
 }
 
-/* Returns whether it tells a scatter. */
-static int print_pair(const calibration *c, size_t a, size_t b, int wide)
+static void print_pair(const calibration *c, size_t a, size_t b, int wide)
 {
     const size_t shared = shared_placements(c, a, b);
-    rigcal_transform b_from_a, mean;
-    rigcal_real sigma_rad, sigma_t;
-    int has_scatter;
+    rigcal_transform b_from_a;
+    rig_sigma s;
+    const int is_known = rig_pair(&b_from_a, &s, c, a, b);
 
-    rig_relative(&b_from_a, c, a, b);
     printf("%-*s  %-*s  %8.5g  %11.4f", wide, rig_camera_name(c, a), wide,
            rig_camera_name(c, b), length_of(b_from_a.t), angle_of(&b_from_a));
-    has_scatter =
-        shared > 1 && rigcal_transform_mean(&mean, &sigma_rad, &sigma_t, c->rig.work, NULL,
-                                            shared) == RIGCAL_OK;
-    if (has_scatter) {
-        printf("  +- %.2g, %.2g deg over %lu placements", (double)sigma_t,
-               DEGREE * (double)sigma_rad, (unsigned long)shared);
-    }
-    printf("\n");
-    return has_scatter;
+    print_rig_sigma(&s, is_known);
+    printf("  over %lu placement%s\n", (unsigned long)shared, shared == 1 ? "" : "s");
 }
 
 static void print_pairs(const calibration *c)
 {
     const int wide = widest(&c->cameras.names);
-    int header = 0, has_scatter = 0;
+    int header = 0;
     size_t a, b;
 
     for (a = 0; a < c->rig.n_cameras; a++) {
@@ -243,28 +330,111 @@ static void print_pairs(const calibration *c)
                 continue;
             }
             if (!header++) {
-                printf("\n%-*s  %-*s  distance  angle [deg]\n", wide, "camera", wide,
-                       "camera");
+                printf("\n%-*s  %-*s  distance  angle [deg]  +- [deg]  +- position\n", wide,
+                       "camera", wide, "camera");
             }
-            has_scatter |= print_pair(c, a, b, wide);
+            print_pair(c, a, b, wide);
         }
     }
-    if (has_scatter) {
-        printf("+- of a pair: how far single placements' answers lie from their mean "
-               "(rms),\nnot the error of the mean\n");
+}
+
+/* ==== how well the rig fits =============================================== */
+
+/* Of good rigs sqrt(F) is 1 to 3: a lens model is never quite right. Above this value the
+ * summary names causes. Noise alone exceeds it in one rig of 10^6. */
+#define DISAGREE 3.0
+
+static void print_closure(const calibration *c)
+{
+    const rigcal_rig_fit *fit = &c->fit;
+
+    if (!(fit->freedom_between > 0)) {
+        printf("sqrt(F) is not known: no two ways lead from a camera to another\n");
+        return;
+    }
+    printf("sqrt(F) %.2f: times more than noise the views disagree; F has %.0f and %.0f "
+           "degrees of freedom\n",
+           c->root_F, (double)fit->freedom_between, (double)fit->freedom_within);
+    if (c->root_F >= DISAGREE) {
+        printf("The views fit to %.2g px, but the rig does not: sqrt(F) is %.1f. Look for "
+               "timing, intrinsics, or a bent target.\n",
+               c->own_rms_px, c->root_F);
+    }
+}
+
+static void print_fit(const calibration *c)
+{
+    printf("\nrig: %lu view%s, %lu points, ", (unsigned long)c->rig.n_views,
+           c->rig.n_views == 1 ? "" : "s", (unsigned long)c->fit.n_points);
+    if (c->fit.sigma_px > 0) {
+        printf("sigma %.3g px of one coordinate\n", (double)c->fit.sigma_px);
+    } else {
+        printf("whose sigma is not known\n");
+    }
+    print_closure(c);
+    if (!(c->noise_px > 0)) {
+        return;
+    }
+    printf("+- of the rig: standard deviation for noise of %.3g px, %s%s", c->noise_px,
+           c->pose.sigma_px > 0 ? "as given" : "as the views by themselves tell",
+           c->factor > 1 ? "," : "\n");
+    if (c->factor > 1) {
+        printf("\nmultiplied by sqrt(F), %.2f\n", c->factor);
+    }
+}
+
+typedef struct {
+    const view *v;
+    outlier worst;
+    double rms_px;
+} view_residuals;
+
+static int compare_residuals(const void *va, const void *vb)
+{
+    const view_residuals *a = va, *b = vb;
+
+    if (a->worst.error_px < b->worst.error_px || a->worst.error_px > b->worst.error_px) {
+        return a->worst.error_px < b->worst.error_px ? 1 : -1;
+    }
+    return a->v < b->v ? -1 : a->v > b->v;
+}
+
+/* The worst point of each of the views where it is largest. */
+static void print_largest(const calibration *c)
+{
+    enum { SHOWN = 5 };
+    const int wide_camera = widest(&c->cameras.names);
+    const int wide_frame = widest(&c->observations.frames);
+    view_residuals *list = cli_alloc(c->n_views, sizeof *list);
+    size_t i, n = 0;
+
+    for (i = 0; i < c->n_views; i++) {
+        list[n].v = &c->views[i];
+        if (list[n].v->in_rig) {
+            list[n].rms_px = rms_in_rig(c, list[n].v, &list[n].worst);
+            n += list[n].rms_px >= 0;
+        }
+    }
+    qsort(list, n, sizeof *list, compare_residuals);
+    printf("\n%-*s  %-*s  rig [px]  worst [px]  point\n", wide_camera, "camera", wide_frame,
+           "frame");
+    for (i = 0; i < n && i < SHOWN; i++) {
+        const view *v = list[i].v;
+
+        printf("%-*s  %-*s  %8.3f  %10.3f  %s\n", wide_camera,
+               c->cameras.names.name[v->camera], wide_frame,
+               c->observations.frames.name[v->frame], list[i].rms_px,
+               list[i].worst.error_px, view_point_name(c, v, list[i].worst.point));
     }
 }
 
 void print_summary(const calibration *c)
 {
-    int32_t group = 0;
-    size_t i;
-
     print_views(c);
-    for (i = 0; i < c->rig.n_cameras; i++) {
-        if (c->rig.group[i] == group) {
-            print_cameras(c, group++, i);
-        }
-    }
+    print_groups(c);
     print_pairs(c);
+    if (c->is_adjusted) {
+        print_fit(c);
+        print_largest(c);
+    }
 }

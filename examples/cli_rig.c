@@ -1,157 +1,155 @@
 /* The rig that the views form. */
 #include "cli_calibrate.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* Poses less likely than this are not weighed against other frames. */
-#define PROBABLE ((rigcal_real)1e-3)
-
-/* ==== ambiguous views =====================================================
- *
- * One view cannot tell which of two poses of a flat target is right, but a rig
- * is rigid: with the right one, the rotation to another camera that saw the same
- * placement is that of other frames, where both cameras are sure. With the wrong
- * one it is off by twice the tilt. A pose is taken if its sum of angles to all
- * such rotations is less than half of every other's; else the likeliest stays. */
-
-/* Views are sorted so. */
-static int compare_views(const void *va, const void *vb)
-{
-    const view *a = va, *b = vb;
-
-    if (a->camera != b->camera) {
-        return a->camera < b->camera ? -1 : 1;
-    }
-    return a->frame < b->frame ? -1 : a->frame > b->frame;
-}
-
-static const view *find_view(const calibration *c, size_t camera, size_t frame)
-{
-    view key;
-
-    memset(&key, 0, sizeof key);
-    key.camera = camera;
-    key.frame = frame;
-    return bsearch(&key, c->views, c->n_views, sizeof key, compare_views);
-}
-
-static int is_sure(const view *v)
-{
-    return v != NULL && v->status == RIGCAL_OK && !v->by_paper;
-}
-
-static rigcal_real angle_between(const rigcal_transform *a_known,
-                                 const rigcal_transform *b_known, const rigcal_transform *a,
-                                 const rigcal_transform *b)
-{
-    rigcal_transform known, here;
-    rigcal_real angle = 0;
-
-    rigcal_transform_between(&known, b_known, a_known);
-    rigcal_transform_between(&here, b, a);
-    rigcal_rotation_angle(&angle, known.R, here.R);
-    return angle;
-}
-
-/* Adds up the angles of the view's poses to a second camera, which saw the same
- * placement, from those in frames where both are sure; returns how many. */
-static size_t add_angles(rigcal_real sum[RIGCAL_POSES_MAX], const calibration *c,
-                         const view *v, const view *b)
-{
-    size_t i, k, n_known = 0;
-
-    for (i = 0; i < c->n_views; i++) {
-        const view *known = &c->views[i];
-        const view *b_known;
-
-        if (known->camera != v->camera || !is_sure(known)) {
-            continue;
-        }
-        b_known = find_view(c, b->camera, known->frame);
-        if (!is_sure(b_known)) {
-            continue;
-        }
-        n_known++;
-        for (k = 0; k < v->n_poses; k++) {
-            sum[k] += angle_between(
-                &view_taken(known)->cam_from_world, &view_taken(b_known)->cam_from_world,
-                &v->poses[k].cam_from_world, &view_taken(b)->cam_from_world);
-        }
-    }
-    return n_known;
-}
-
-static void settle(const calibration *c, view *v)
-{
-    rigcal_real sum[RIGCAL_POSES_MAX] = {0};
-    size_t i, k, n_known = 0, best = 0;
-
-    for (i = 0; i < c->n_views; i++) {
-        const view *b = &c->views[i];
-
-        if (b->frame == v->frame && b->camera != v->camera && is_sure(b)) {
-            n_known += add_angles(sum, c, v, b);
-        }
-    }
-    if (n_known == 0) {
-        return;
-    }
-    for (k = 1; k < v->n_poses; k++) {
-        if (v->poses[k].probability >= PROBABLE && sum[k] < sum[best]) {
-            best = k;
-        }
-    }
-    for (k = 0; k < v->n_poses; k++) {
-        if (k != best && v->poses[k].probability >= PROBABLE && 2 * sum[best] > sum[k]) {
-            return;
-        }
-    }
-    v->settled = 1;
-    view_take(c, v, best);
-}
-
-void settle_ambiguous_views(calibration *c)
-{
-    size_t i;
-
-    for (i = 0; i < c->n_views; i++) {
-        if (c->views[i].status == RIGCAL_AMBIGUOUS) {
-            settle(c, &c->views[i]);
-        }
-    }
-}
-
-/* ==== rig ================================================================= */
+static const rigcal_transform IDENTITY = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
 
 const char *rig_camera_name(const calibration *c, size_t rig_camera)
 {
     return c->cameras.names.name[c->camera[rig_camera]];
 }
 
-static void number_rig(calibration *c)
+const char *rig_frame_name(const calibration *c)
 {
-    rigcal_view_pose *poses = cli_alloc(c->n_views, sizeof *poses);
+    return c->known.path != NULL ? c->known.path : rig_camera_name(c, c->main_camera);
+}
+
+/* ==== what the library is given ===========================================
+ *
+ * It wants the views sorted by placement. Ours are sorted by camera, and stay so. */
+
+/* A view of the rig, and which of ours it is. */
+typedef struct {
+    size_t frame, view;
+} place;
+
+static int compare_places(const void *va, const void *vb)
+{
+    const place *a = va, *b = vb;
+
+    if (a->frame != b->frame) {
+        return a->frame < b->frame ? -1 : 1;
+    }
+    return a->view < b->view ? -1 : a->view > b->view;
+}
+
+/* The cameras with a view, numbered anew, in the order of the file. */
+static void number_cameras(calibration *c)
+{
     size_t i;
 
     c->camera = cli_alloc(c->n_views, sizeof *c->camera);
-    c->first = cli_alloc(c->n_views + 1, sizeof *c->first);
     for (i = 0; i < c->n_views; i++) {
-        const view *v = &c->views[i];
+        view *v = &c->views[i];
 
         if (c->rig.n_cameras == 0 || c->camera[c->rig.n_cameras - 1] != v->camera) {
-            c->first[c->rig.n_cameras] = i;
             c->camera[c->rig.n_cameras++] = v->camera;
         }
-        poses[i].cam_from_target = view_taken(v)->cam_from_world;
-        poses[i].weight = (rigcal_real)v->n;
-        poses[i].camera = (int32_t)(c->rig.n_cameras - 1);
-        poses[i].placement = (int32_t)v->frame;
+        v->rig_camera = c->rig.n_cameras - 1;
     }
-    c->rig.views = poses;
-    c->rig.n_views = c->n_views;
-    c->first[c->rig.n_cameras] = c->n_views;
 }
+
+/* The points of the view that count, copied to `observed`; returns how many. */
+static size_t copy_points(rigcal_observation observed[], const view *v)
+{
+    size_t k, n = 0;
+
+    for (k = 0; k < v->n_seen; k++) {
+        if (!view_leaves_out(v, k)) {
+            observed[n++] = v->first[k].seen;
+        }
+    }
+    return n;
+}
+
+static void say_of_view(const calibration *c, const view *v, const char *what,
+                        rigcal_status status)
+{
+    cli_say("camera %s in frame %s %s: %s", c->cameras.names.name[v->camera],
+            c->observations.frames.name[v->frame], what, rigcal_status_text(status));
+}
+
+static void gather_views(calibration *c)
+{
+    rigcal_observation *observed = cli_alloc(c->observations.count, sizeof *observed);
+    rigcal_rig_view *views = cli_alloc(c->n_views, sizeof *views);
+    rigcal_view_pose *poses = cli_alloc(c->n_views, sizeof *poses);
+    place *places = cli_alloc(c->n_views, sizeof *places);
+    size_t i, n = 0;
+
+    c->view_of = cli_alloc(c->n_views, sizeof *c->view_of);
+    for (i = 0; i < c->n_views; i++) {
+        places[i].frame = c->views[i].frame;
+        places[i].view = i;
+    }
+    qsort(places, c->n_views, sizeof *places, compare_places);
+    for (i = 0; i < c->n_views; i++) {
+        view *v = &c->views[places[i].view];
+        const size_t n_points = copy_points(observed, v);
+        const rigcal_rig_view seen = {
+            {&c->cameras.camera[v->camera], observed, NULL, n_points},
+            (int32_t)v->rig_camera,
+            (int32_t)v->frame,
+            0};
+        const rigcal_status status =
+            rigcal_view_pose_make(&poses[n], &seen, &view_taken(v)->cam_from_world);
+
+        v->in_rig = status == RIGCAL_OK;
+        if (v->in_rig) {
+            c->view_of[n] = places[i].view;
+            views[n++] = seen;
+            observed += n_points;
+        } else {
+            say_of_view(c, v, "is left out of the rig", status);
+            c->exit_status = CLI_GEOMETRY;
+        }
+    }
+    c->rig.views = views;
+    c->rig.view_poses = poses;
+    c->rig.n_views = n;
+}
+
+/* What is known of the cameras beforehand; the first that is fixed is the main one. */
+static void give_roles(calibration *c)
+{
+    uint8_t *roles = cli_alloc(c->rig.n_cameras, sizeof *roles);
+    rigcal_camera_prior *priors = cli_alloc(c->rig.n_cameras, sizeof *priors);
+    int is_any = 0;
+    size_t i;
+
+    for (i = 0; i < c->rig.n_cameras; i++) {
+        roles[i] = c->known.role[c->camera[i]];
+        priors[i] = c->known.prior[c->camera[i]];
+        c->rig.cams_from_rig[i] =
+            roles[i] == RIGCAL_CAMERA_FREE ? IDENTITY : priors[i].cam_from_rig;
+        if (roles[i] != RIGCAL_CAMERA_FREE && !is_any) {
+            c->main_camera = i;
+            is_any = 1;
+        }
+    }
+    c->rig.roles = is_any ? roles : NULL;
+    c->rig.priors = priors;
+    c->rig.sigma_px = c->pose.sigma_px;
+}
+
+static void open_rig(calibration *c)
+{
+    rigcal_rig *rig = &c->rig;
+
+    rig->n_placements = c->observations.frames.count;
+    rig->cams_from_rig = cli_alloc(rig->n_cameras, sizeof *rig->cams_from_rig);
+    rig->group = cli_alloc(rig->n_cameras, sizeof *rig->group);
+    rig->rig_from_placements =
+        cli_alloc(rig->n_placements, sizeof *rig->rig_from_placements);
+    rig->work_capacity = rigcal_rig_work(rig->n_cameras, rig->n_cameras, rig->n_placements);
+    rig->work = cli_alloc(rig->work_capacity, sizeof *rig->work);
+    c->in_frame = cli_alloc(rig->n_cameras, sizeof *c->in_frame);
+}
+
+/* ==== join, adjustment ==================================================== */
 
 static int is_observed(const calibration *c, size_t camera)
 {
@@ -184,53 +182,159 @@ static void name_cameras_without_pose(calibration *c)
 /* Every camera by itself: what is known when joining them failed. */
 static void stand_alone(calibration *c)
 {
-    static const rigcal_transform IDENTITY = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
     size_t i;
 
     for (i = 0; i < c->rig.n_cameras; i++) {
         c->rig.cams_from_rig[i] = IDENTITY;
         c->rig.group[i] = (int32_t)i;
+        c->in_frame[i] = i == c->main_camera;
     }
 }
 
-static void join_rig(calibration *c)
+static void name_rig_trouble(calibration *c, const char *what, rigcal_status status,
+                             int32_t at_fault)
 {
-    rigcal_status status;
-    size_t i;
-
-    c->rig.cams_from_rig = cli_alloc(c->rig.n_cameras, sizeof *c->rig.cams_from_rig);
-    c->rig.group = cli_alloc(c->rig.n_cameras, sizeof *c->rig.group);
-    c->rig.work = cli_alloc(c->n_views, sizeof *c->rig.work);
-    c->rig.weight = cli_alloc(c->n_views, sizeof *c->rig.weight);
-    status = rigcal_rig_join(&c->rig);
-    if (status == RIGCAL_OK) {
-        return;
-    }
     c->exit_status = CLI_GEOMETRY;
-    if (status < 0) {
-        cli_say("the cameras cannot be joined: %s", rigcal_status_text(status));
-        stand_alone(c);
-        return;
+    if (at_fault >= 0) {
+        const view *v = &c->views[c->view_of[at_fault]];
+
+        cli_say("%s because of camera %s in frame %s: %s", what,
+                c->cameras.names.name[v->camera], c->observations.frames.name[v->frame],
+                rigcal_status_text(status));
+    } else {
+        cli_say("%s: %s", what, rigcal_status_text(status));
     }
+}
+
+/* A group of cameras is in the rig's frame if it has the main camera, or one whose
+ * pose in that frame --prior tells. */
+static void find_those_in_frame(calibration *c)
+{
+    size_t i, k;
+
     for (i = 0; i < c->rig.n_cameras; i++) {
-        if (c->rig.group[i] != 0) {
-            cli_say("camera %s shares no frame with %s, nor with a camera that does: "
-                    "rig.csv and pairs.csv leave it out. Add a frame in which both "
-                    "see the target",
-                    rig_camera_name(c, i), rig_camera_name(c, 0));
+        for (k = 0; k < c->rig.n_cameras; k++) {
+            if (c->rig.group[k] == c->rig.group[i] &&
+                (k == c->main_camera || c->known.role[c->camera[k]] != 0)) {
+                c->in_frame[i] = 1;
+            }
         }
     }
 }
 
+static void name_disconnected(const calibration *c)
+{
+    size_t i;
+
+    for (i = 0; i < c->rig.n_cameras; i++) {
+        if (!c->in_frame[i]) {
+            cli_say("camera %s shares no frame with %s, nor with a camera that does: "
+                    "rig.csv and pairs.csv leave it out. Add a frame in which both "
+                    "see the target",
+                    rig_camera_name(c, i), rig_camera_name(c, c->main_camera));
+        } else if (c->rig.group[i] != c->rig.group[c->main_camera]) {
+            cli_say("camera %s shares no frame with %s, nor with a camera that does: "
+                    "only %s tells how they lie, and pairs.csv leaves the pair out",
+                    rig_camera_name(c, i), rig_camera_name(c, c->main_camera),
+                    c->known.path);
+        }
+    }
+}
+
+static int join_rig(calibration *c)
+{
+    int32_t at_fault = -1;
+    const rigcal_status status = rigcal_rig_join(&c->rig, &at_fault);
+
+    if (status < 0) {
+        name_rig_trouble(c, "the cameras cannot be joined", status, at_fault);
+        stand_alone(c);
+        return 0;
+    }
+    find_those_in_frame(c);
+    if (status == RIGCAL_DISCONNECTED) {
+        c->exit_status = CLI_GEOMETRY;
+        name_disconnected(c);
+    } else if (status != RIGCAL_OK) {
+        name_rig_trouble(c, "joining the cameras", status, -1);
+    }
+    return 1;
+}
+
+static rigcal_status adjust_in_steps(calibration *c, int32_t *at_fault)
+{
+    const int32_t budget = (int32_t)c->rig.n_views;
+    rigcal_rig_solver solver;
+    rigcal_status status = rigcal_rig_begin(&solver, &c->rig);
+    unsigned long step = 0;
+
+    if (status != RIGCAL_OK) {
+        return status;
+    }
+    do {
+        cli_progress(c->rig.n_views, "adjusting the rig of %lu views, step %lu",
+                     (unsigned long)c->rig.n_views, ++step);
+        status = rigcal_rig_step(&solver, budget);
+    } while (status == RIGCAL_RUNNING);
+    return rigcal_rig_result(&c->fit, at_fault, &solver);
+}
+
+/* The noise that the rig's sigmas are for, and how many times more than it the views
+ * disagree. Without --sigma it is what the views tell by themselves. */
+static void find_noise(calibration *c)
+{
+    const rigcal_rig_fit *fit = &c->fit;
+    double own = 0, within = fit->freedom_within;
+    size_t i;
+
+    for (i = 0; i < c->rig.n_views; i++) {
+        own += (double)c->rig.view_poses[i].sse;
+    }
+    c->own_rms_px = sqrt(own / (double)fit->n_points);
+    if (c->pose.sigma_px > 0) {
+        c->noise_px = (double)c->pose.sigma_px;
+    } else {
+        c->noise_px = within > 0 ? sqrt(own / within) : (double)fit->sigma_px;
+    }
+    c->root_F = sqrt((double)fit->F);
+    c->factor = c->root_F > 1 ? c->root_F : 1;
+}
+
+static void adjust_rig(calibration *c)
+{
+    const size_t n_cameras = c->rig.n_cameras, n_placements = c->rig.n_placements;
+    rigcal_transform *cameras = cli_alloc(n_cameras, sizeof *cameras);
+    rigcal_transform *placements = cli_alloc(n_placements, sizeof *placements);
+    int32_t at_fault = -1;
+    rigcal_status status;
+
+    memcpy(cameras, c->rig.cams_from_rig, n_cameras * sizeof *cameras);
+    memcpy(placements, c->rig.rig_from_placements, n_placements * sizeof *placements);
+    status = adjust_in_steps(c, &at_fault);
+    if (status < 0) {
+        name_rig_trouble(c, "the rig is joined but not adjusted,", status, at_fault);
+        memcpy(c->rig.cams_from_rig, cameras, n_cameras * sizeof *cameras);
+        memcpy(c->rig.rig_from_placements, placements, n_placements * sizeof *placements);
+        return;
+    }
+    if (status != RIGCAL_OK && status != RIGCAL_DISCONNECTED) {
+        name_rig_trouble(c, "the rig", status, -1);
+    }
+    c->is_adjusted = 1;
+    find_noise(c);
+}
+
+/* ==== placements ========================================================== */
+
 /* Frames in which no camera of the rig has a pose, in one line. */
-static void name_not_placed(const calibration *c, const int is_apart[], size_t count)
+static void name_not_placed(const calibration *c, size_t count)
 {
     enum { NAMED = 5 };
     size_t frame, n_named = 0;
 
     cli_say_part("rigcal: frame%s", count == 1 ? "" : "s");
     for (frame = 0; n_named < NAMED && n_named < count; frame++) {
-        if (is_apart[frame]) {
+        if (!c->placed[frame]) {
             cli_say_part("%s %s", n_named > 0 ? "," : "",
                          c->observations.frames.name[frame]);
             n_named++;
@@ -241,53 +345,143 @@ static void name_not_placed(const calibration *c, const int is_apart[], size_t c
     }
     cli_say_part(" %s no place in the frame of %s: no camera joined to it has a pose "
                  "there\n",
-                 count == 1 ? "has" : "have", rig_camera_name(c, 0));
+                 count == 1 ? "has" : "have", rig_frame_name(c));
 }
 
-static void place_targets(calibration *c)
+static void find_placed(calibration *c)
 {
-    const size_t n_frames = c->observations.frames.count;
-    int *is_apart = cli_alloc(n_frames, sizeof *is_apart);
-    size_t frame, n_apart = 0;
+    size_t i, n_apart = c->rig.n_placements;
 
-    c->rig_from_target = cli_alloc(n_frames, sizeof *c->rig_from_target);
-    c->placed = cli_alloc(n_frames, sizeof *c->placed);
-    for (frame = 0; frame < n_frames; frame++) {
-        const rigcal_status status =
-            rigcal_rig_place(&c->rig_from_target[frame], &c->rig, (int32_t)frame, 0);
+    for (i = 0; i < c->rig.n_views; i++) {
+        const view *v = &c->views[c->view_of[i]];
 
-        c->placed[frame] = status >= 0;
-        if (status == RIGCAL_ERR_TOO_FEW) {
-            is_apart[frame] = 1;
-            n_apart++;
-        } else if (status < 0) {
-            cli_say("frame %s has no place: %s", c->observations.frames.name[frame],
-                    rigcal_status_text(status));
+        if (c->in_frame[v->rig_camera] && !c->placed[v->frame]) {
+            c->placed[v->frame] = 1;
+            n_apart--;
         }
-        c->exit_status = status < 0 ? CLI_GEOMETRY : c->exit_status;
     }
     if (n_apart > 0) {
-        name_not_placed(c, is_apart, n_apart);
+        name_not_placed(c, n_apart);
+        c->exit_status = CLI_GEOMETRY;
     }
 }
 
-void rig_relative(rigcal_transform *b_from_a, const calibration *c, size_t a, size_t b)
+/* Joining them failed: the first camera's poses are those of the targets. */
+static void place_alone(calibration *c)
 {
-    const rigcal_status status = rigcal_transform_between(
-        b_from_a, &c->rig.cams_from_rig[b], &c->rig.cams_from_rig[a]);
+    size_t i;
 
+    for (i = 0; i < c->n_views; i++) {
+        view *v = &c->views[i];
+
+        v->in_rig = v->in_rig && v->rig_camera == c->main_camera;
+        if (v->in_rig) {
+            c->rig.rig_from_placements[v->frame] = view_taken(v)->cam_from_world;
+        }
+    }
+}
+
+/* ==== what follows ======================================================== */
+
+rigcal_transform view_in_rig(const calibration *c, const view *v)
+{
+    rigcal_transform pose = view_taken(v)->cam_from_world;
+
+    if (v->in_rig) {
+        rigcal_transform_compose(&pose, &c->rig.cams_from_rig[v->rig_camera],
+                                 &c->rig.rig_from_placements[v->frame]);
+    }
+    return pose;
+}
+
+/* Standard deviations of a pose whose covariance is Sigma: of the rotation, and of the
+ * centre, which moves by -R^T (t x w + dt). */
+static void fill_sigma(rig_sigma *s, const rigcal_real t[3])
+{
+    static const int NEXT[3] = {1, 2, 0};
+    double rotation = 0, centre = 0;
+    int i, j, k;
+
+    for (i = 0; i < 3; i++) {
+        double row[6] = {0};
+        const int y = NEXT[i], z = NEXT[NEXT[i]];
+
+        row[z] = (double)t[y];
+        row[y] = -(double)t[z];
+        row[3 + i] = 1;
+        rotation += (double)s->Sigma[7 * i];
+        for (j = 0; j < 6; j++) {
+            for (k = 0; k < 6; k++) {
+                centre += row[j] * (double)s->Sigma[6 * j + k] * row[k];
+            }
+        }
+    }
+    s->deg = DEGREE * sqrt(fmax(rotation, 0));
+    s->position = sqrt(fmax(centre, 0));
+}
+
+/* Noise of the sigmas: 0 if they are not known. */
+static rigcal_real noise_of(const calibration *c)
+{
+    return c->is_adjusted ? (rigcal_real)(c->noise_px * c->factor) : 0;
+}
+
+int rig_camera_sigma(rig_sigma *s, const calibration *c, size_t rig_camera)
+{
+    const rigcal_real noise_px = noise_of(c);
+
+    memset(s, 0, sizeof *s);
+    if (!(noise_px > 0) ||
+        rigcal_rig_covariance(s->Sigma, &c->rig, noise_px, rig_camera) != RIGCAL_OK) {
+        return 0;
+    }
+    fill_sigma(s, c->rig.cams_from_rig[rig_camera].t);
+    return 1;
+}
+
+int rig_pair(rigcal_transform *b_from_a, rig_sigma *s, const calibration *c, size_t a,
+             size_t b)
+{
+    const rigcal_real noise_px = noise_of(c);
+    rigcal_status status;
+
+    memset(s, 0, sizeof *s);
+    status = rigcal_transform_between(b_from_a, &c->rig.cams_from_rig[b],
+                                      &c->rig.cams_from_rig[a]);
     if (status < 0) {
         cli_fail("%s from %s: %s", rig_camera_name(c, b), rig_camera_name(c, a),
                  rigcal_status_text(status));
     }
+    if (!(noise_px > 0) ||
+        rigcal_rig_pair(b_from_a, s->Sigma, &c->rig, noise_px, a, b) != RIGCAL_OK) {
+        return 0;
+    }
+    fill_sigma(s, b_from_a->t);
+    return 1;
 }
 
 void form_rig(calibration *c)
 {
-    number_rig(c);
+    int is_joined = 0;
+
+    number_cameras(c);
     name_cameras_without_pose(c);
-    if (c->n_views > 0) {
-        join_rig(c);
-        place_targets(c);
+    c->placed = cli_alloc(c->observations.frames.count, sizeof *c->placed);
+    if (c->n_views == 0) {
+        return;
     }
+    open_rig(c);
+    give_roles(c);
+    gather_views(c);
+    if (c->rig.n_views > 0) {
+        is_joined = join_rig(c);
+    } else {
+        stand_alone(c);
+    }
+    if (!is_joined) {
+        place_alone(c);
+    } else if (!c->by_paper) {
+        adjust_rig(c);
+    }
+    find_placed(c);
 }

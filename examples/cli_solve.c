@@ -41,12 +41,17 @@ int view_disagrees(const view *v, size_t k)
 
 int view_residual(residual *r, const calibration *c, const view *v, size_t k)
 {
-    const rigcal_transform *pose = &view_taken(v)->cam_from_world;
+    return pose_residual(r, c, v, k, &view_taken(v)->cam_from_world);
+}
+
+int pose_residual(residual *r, const calibration *c, const view *v, size_t k,
+                  const rigcal_transform *cam_from_target)
+{
     const rigcal_observation *seen = &v->first[k].seen;
     rigcal_real X_c[3], uv[2];
 
     memset(r, 0, sizeof *r);
-    if (rigcal_transform_point(X_c, pose, seen->X_w) < 0 ||
+    if (rigcal_transform_point(X_c, cam_from_target, seen->X_w) < 0 ||
         rigcal_camera_project(uv, &c->cameras.camera[v->camera], X_c) < 0) {
         return 0;
     }
@@ -335,7 +340,7 @@ void solve_views(calibration *c)
 {
     const cli_observation *list = c->observations.list;
     const size_t count = c->observations.count;
-    size_t begin, end, n_views = 0;
+    size_t begin, end, n_views = 0, n_done = 0;
 
     for (end = 1; end <= count; end++) {
         n_views += end == count || !same_view(&list[end - 1], &list[end]);
@@ -357,6 +362,8 @@ void solve_views(calibration *c)
             v.n++;
         }
         v.n_seen = v.n;
+        cli_progress(n_views, "view %lu of %lu", (unsigned long)++n_done,
+                     (unsigned long)n_views);
         solve_view(c, &v);
     }
     name_not_robust(c);

@@ -12,6 +12,7 @@ static const char HELP[] =
     "  rigcal calibrate   --cameras FILE --observations FILE [--out FOLDER]\n"
     "                     [--sigma PIXELS]\n"
     "                     [--robust [--threshold PIXELS] [--seed NUMBER]]\n"
+    "                     [--hold CAMERA]... [--prior FILE]\n"
     "                     [--method ml|paper]\n"
     "  rigcal triangulate --cameras FILE --rig FILE --observations FILE\n"
     "                     [--targets FILE] [--sigma PIXELS]\n"
@@ -27,9 +28,14 @@ static const char HELP[] =
     "  --robust     leaves out points that disagree with the others by more than\n"
     "               --threshold (4 x --sigma; without --sigma 3 pixels).\n"
     "               --seed chooses other random samples; 1 if not given.\n"
-    "  --method     ml, the default: the maximum-likelihood pose and its\n"
-    "               uncertainty. paper: the published procedure, without --sigma\n"
-    "               and --robust.\n"
+    "  --hold       a camera that stays where it is. One alone: the rig is in its\n"
+    "               frame. Several: --prior tells where they are.\n"
+    "  --prior      an earlier rig.csv: what is known of the cameras beforehand. Its\n"
+    "               covariances count; a camera whose covariance is 0 is held.\n"
+    "               It needs --sigma. Remove the lines of cameras that moved.\n"
+    "  --method     ml, the default: the maximum-likelihood poses and rig, and their\n"
+    "               uncertainties. paper: the published procedure, without --sigma,\n"
+    "               --robust, --hold and --prior.\n"
     "\n"
     "triangulate measures the points that two or more cameras observed. It prints\n"
     "CSV.\n"
@@ -61,7 +67,7 @@ typedef struct {
 static const command COMMANDS[] = {
     {"calibrate", cli_calibrate, BIT(OPTION_CAMERAS) | BIT(OPTION_OBSERVATIONS),
      BIT(OPTION_OUT) | BIT(OPTION_METHOD) | BIT(OPTION_SIGMA) | BIT(OPTION_ROBUST) |
-         BIT(OPTION_THRESHOLD) | BIT(OPTION_SEED)},
+         BIT(OPTION_THRESHOLD) | BIT(OPTION_SEED) | BIT(OPTION_HOLD) | BIT(OPTION_PRIOR)},
     {"triangulate", cli_triangulate,
      BIT(OPTION_CAMERAS) | BIT(OPTION_RIG) | BIT(OPTION_OBSERVATIONS),
      BIT(OPTION_TARGETS) | BIT(OPTION_SIGMA)},
@@ -88,6 +94,8 @@ static const struct option OPTIONS[] = {
     {"robust", no_argument, NULL, OPTION_ROBUST},
     {"threshold", required_argument, NULL, OPTION_THRESHOLD},
     {"seed", required_argument, NULL, OPTION_SEED},
+    {"hold", required_argument, NULL, OPTION_HOLD},
+    {"prior", required_argument, NULL, OPTION_PRIOR},
     {"help", no_argument, NULL, HELP_OPTION},
     {"version", no_argument, NULL, VERSION_OPTION},
     {NULL, 0, NULL, 0},
@@ -160,6 +168,17 @@ static int is_option(const char *value, const char *word)
     return value != NULL && value == word && strncmp(value, "--", 2) == 0;
 }
 
+/* "a,b" */
+static const char *joined(const char *a, const char *b)
+{
+    char *text = cli_alloc(strlen(a) + strlen(b) + 2, 1);
+
+    strcpy(text, a);
+    strcat(text, ",");
+    strcat(text, b);
+    return text;
+}
+
 /* One option, as getopt_long gives it. Returns 0 for --help and --version, which need
  * nothing more. */
 static int take_option(const char *option[OPTION_COUNT], const command *chosen, int given,
@@ -177,14 +196,16 @@ static int take_option(const char *option[OPTION_COUNT], const command *chosen, 
         return 0;
     } else if (!((chosen->required | chosen->optional) & BIT(given))) {
         WRONG_USE("%s has no option --%s", chosen->name, OPTIONS[given].name);
-    } else if (option[given] != NULL) {
+    } else if (option[given] != NULL && given != OPTION_HOLD) {
         WRONG_USE("--%s is given twice: give it once", OPTIONS[given].name);
     } else if (is_option(optarg, argv[optind - 1])) {
         WRONG_USE("--%s needs a value, and %s follows. If that is the value, write "
                   "--%s=%s",
                   OPTIONS[given].name, optarg, OPTIONS[given].name, optarg);
     }
-    option[given] = optarg != NULL ? optarg : "";
+    option[given] = option[given] != NULL ? joined(option[given], optarg)
+                    : optarg != NULL      ? optarg
+                                          : "";
     return 1;
 }
 

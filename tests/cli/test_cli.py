@@ -14,8 +14,8 @@ import unittest
 
 import numpy as np
 
-from cli_support import (ADDED, BIN, CAVITY, FLOAT, OUTPUTS, ROOT, ROUNDING, SCENE, STEPPED,
-                         STEREO, Camera, CliTest, again, angle_deg, at_line, camera_row,
+from cli_support import (ADDED, BIN, CAVITY, FLOAT, OUTPUTS, RIG_ADDED, ROOT, ROUNDING,
+                         SCENE, STEPPED, STEREO, Camera, CliTest, again, angle_deg, at_line, camera_row,
                          cameras, compose, content, field, made_up, measured,
                          observed_views, read, relative, rigcal, rotation, transform,
                          transforms, write)
@@ -34,9 +34,9 @@ class TestCalibrateRealData(CliTest):
             angle = angle_deg(R, pair["left", "right"][0])
             length = np.linalg.norm(t - pair["left", "right"][1])
             measured(f"{name}: {angle:.3f} deg, {1000 * length:.3f} mm")
-            # The mean of seven pairs of poses, not a bundle adjustment.
-            self.assertLess(angle, 0.045)
-            self.assertLess(length, 3.5e-4)
+            # stereoCalibrate ends at 1e-5 of its gradient, and starts with other sums.
+            self.assertLess(angle, 0.01 if FLOAT else 1e-4)
+            self.assertLess(length, 2e-5 if FLOAT else 1e-6)
 
     def check_poses(self, folder, angle_limit, part_limit, rms_limit, *more):
         self.calibrate_well(folder, *more)
@@ -142,10 +142,11 @@ class TestCalibrateRealData(CliTest):
     def test_summary_tells_views_cameras_and_pairs(self):
         text = self.calibrate_well(STEREO).stdout
         self.assertEqual(len(re.findall(
-            r"^(?:left|right) +\d\d +54 +0\.\d{3} +0\.[234]\d* +0\.0[3-9]\d* "
-            r"+0\.000\d+$", text, re.M)), 14)
-        self.assertRegex(text, r"(?m)^right +0\.08\d+ ")
-        self.assertRegex(text, r"(?m)^left +right +0\.08.* over 7 placements$")
+            r"^(?:left|right) +\d\d +54 +0\.\d{3} +0\.\d{3} +0\.[234]\d* "
+            r"+0\.0[3-9]\d* +0\.000\d+$", text, re.M)), 14)
+        self.assertRegex(text, r"(?m)^right +0\.2\d\d +0\.0\d+ +0\.000\d+ +0\.08\d+ ")
+        self.assertRegex(text, r"(?m)^left +right +0\.08\d+ +0\.50\d+ +0\.0\d+ "
+                         r"+0\.000\d+  over 7 placements$")
 
     @unittest.skipIf(FLOAT, "README shows what the double build prints")
     def test_readme_shows_what_is_printed(self):
@@ -207,8 +208,8 @@ class TestFilesWritten(CliTest):
         for name in OUTPUTS[:4]:
             ours = content(self.out, name).split("\n")[0]
             theirs = content(STEREO, "reference_" + name).split("\n")[0]
-            self.assertEqual(ours, ",".join(
-                [theirs] + (ADDED if name == "poses.csv" else [])))
+            added = {"poses.csv": ADDED, "targets.csv": []}.get(name, RIG_ADDED)
+            self.assertEqual(ours, ",".join([theirs] + added))
             self.assertTrue(content(self.out, name).endswith("\n"))
         self.assertEqual(sorted(os.listdir(self.out)), sorted(OUTPUTS))
 

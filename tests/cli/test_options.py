@@ -5,8 +5,8 @@ import unittest
 import numpy as np
 
 from cli_support import (CAVITY, FLOAT, STEREO, Camera, CliTest, camera_row, cameras,
-                         content, observed_views, read, rigcal, rotation, transform,
-                         write)
+                         compose, content, observed_views, read, rigcal, rotation,
+                         transforms, write)
 
 POSE = rotation(0.2, -0.4, 0.1), np.array([0.1, -0.4, 4])
 
@@ -149,13 +149,15 @@ class TestResiduals(CliTest):
         self.assertEqual(self.calibrate_set(folder, *more).returncode, 0)
         camera = cameras(folder)
         poses = {(r["camera"], r["frame"]): r for r in read(self.result("poses.csv"))}
+        rig = transforms(self.result("rig.csv"), "camera")
+        targets = transforms(self.result("targets.csv"), "frame")
         rows = {}
         for r in read(self.result("residuals.csv")):
             rows.setdefault((r["camera"], r["frame"]), []).append(r)
         self.assertEqual(list(rows), list(poses))
         views = observed_views(folder + "/observations.csv")
         for key, (X, uv) in views.items():
-            R, t = transform(poses[key])
+            R, t = compose(rig[key[0]], targets[key[1]])
             wanted = uv - camera[key[0]].project(X @ R.T + t)
             found = np.array([[float(r["du"]), float(r["dv"])] for r in rows[key]])
             error = np.array([float(r["error_px"]) for r in rows[key]])
@@ -163,15 +165,15 @@ class TestResiduals(CliTest):
             np.testing.assert_allclose(found, wanted, atol=0.05 if FLOAT else 1e-6)
             np.testing.assert_allclose(error, np.hypot(*found.T), rtol=1e-5)
             self.assertEqual(int(poses[key]["n"]), counts.sum())
-            self.assertAlmostEqual(float(poses[key]["rms_px"]),
-                                   np.sqrt(np.mean(error[counts]**2)),
-                                   delta=0.01 if FLOAT else 1e-6)
+            # No pose fits the view better than its own.
+            self.assertLess(float(poses[key]["rms_px"]),
+                            np.sqrt(np.mean(error[counts]**2)) + 1e-4)
         return counts
 
-    def test_they_are_those_of_the_poses(self):
+    def test_they_are_those_of_the_rig(self):
         self.check(STEREO)
         self.check(CAVITY)
-        self.check(STEREO, "--method", "paper")
+        self.check(CAVITY, "--method", "paper")
 
     def test_those_left_out_are_among_them(self):
         self.check(STEREO, "--robust", "--threshold", "0.4")

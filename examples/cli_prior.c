@@ -1,0 +1,169 @@
+/* What is known of the cameras beforehand: --prior and --hold. */
+#include "cli_calibrate.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { N_COLUMNS = 21 };
+
+/* "S11", "S21", "S22", ..., "S66". */
+static void column_name(char name[4], int row, int column)
+{
+    name[0] = 'S';
+    name[1] = (char)('1' + row);
+    name[2] = (char)('1' + column);
+    name[3] = '\0';
+}
+
+/* Whether the file has covariances. */
+static int find_columns(size_t columns[N_COLUMNS], const csv_table *table)
+{
+    char name[4];
+    int i, j, k = 0;
+
+    if (csv_optional(table, "S11") == CSV_NONE) {
+        return 0;
+    }
+    for (i = 0; i < 6; i++) {
+        for (j = 0; j <= i; j++) {
+            column_name(name, i, j);
+            columns[k++] = csv_column(table, name);
+        }
+    }
+    return 1;
+}
+
+/* Whether it is positive definite (Cholesky, with the diagonal scaled to 1). */
+static int is_covariance(const rigcal_real Sigma[36])
+{
+    double L[36];
+    int i, j, k;
+
+    for (i = 0; i < 6; i++) {
+        if (!(Sigma[7 * i] > 0)) {
+            return 0;
+        }
+    }
+    for (i = 0; i < 6; i++) {
+        for (j = 0; j <= i; j++) {
+            double sum = (double)Sigma[6 * i + j] / sqrt((double)Sigma[7 * i]) /
+                         sqrt((double)Sigma[7 * j]);
+
+            for (k = 0; k < j; k++) {
+                sum -= L[6 * i + k] * L[6 * j + k];
+            }
+            if (i == j && !(sum > 0)) {
+                return 0;
+            }
+            L[6 * i + j] = i == j ? sqrt(sum) : sum / L[7 * j];
+        }
+    }
+    return 1;
+}
+
+/* Of one line: a camera whose covariance is 0 is held. */
+static uint8_t read_covariance(rigcal_real Sigma[36], const csv_table *table, size_t row,
+                               const size_t columns[N_COLUMNS])
+{
+    int i, j, k = 0, is_zero = 1;
+
+    for (i = 0; i < 6; i++) {
+        for (j = 0; j <= i; j++) {
+            const rigcal_real s = csv_real(table, row, columns[k++]);
+
+            Sigma[6 * i + j] = Sigma[6 * j + i] = s;
+            is_zero = is_zero && !(s < 0 || s > 0);
+        }
+    }
+    if (!is_zero && !is_covariance(Sigma)) {
+        csv_fail(table, row,
+                 "S11 to S66 are no covariance: it must be positive definite, or all "
+                 "0 for a camera that is held");
+    }
+    return is_zero ? RIGCAL_CAMERA_HELD : RIGCAL_CAMERA_PRIOR;
+}
+
+/* The numbers of the cameras of --hold, which become held. */
+static void read_hold(known_cameras *known, const cli_cameras *cameras, const char *hold)
+{
+    char *text = cli_alloc(strlen(hold) + 1, 1), *name, *next;
+
+    strcpy(text, hold);
+    for (name = text; name != NULL; name = next) {
+        size_t camera;
+
+        next = strchr(name, ',');
+        if (next != NULL) {
+            *next++ = '\0';
+        }
+        camera = cli_names_find(&cameras->names, name);
+        if (camera == CLI_UNKNOWN) {
+            cli_fail("--hold %s: this camera is not in %s", name, cameras->table.path);
+        }
+        if (known->role[camera] == RIGCAL_CAMERA_HELD) {
+            cli_fail("--hold %s is given twice: give it once", name);
+        }
+        known->role[camera] = RIGCAL_CAMERA_HELD;
+        known->n_held++;
+    }
+}
+
+/* The lines of --prior. Cameras of --hold need no covariance. */
+static void read_prior(known_cameras *known, const cli_cameras *cameras, const char *path)
+{
+    cli_transforms file;
+    size_t columns[N_COLUMNS], row, n_held = 0;
+    int has_columns;
+
+    cli_transforms_read(&file, path, "camera", cameras);
+    known->path = path;
+    has_columns = find_columns(columns, &file.table);
+    for (row = 0; row < file.table.n_rows; row++) {
+        const size_t camera = cli_names_find(&cameras->names, file.names.name[row]);
+        rigcal_camera_prior *prior = &known->prior[camera];
+
+        prior->cam_from_rig = file.transform[row];
+        if (known->role[camera] == RIGCAL_CAMERA_HELD) {
+            n_held++;
+        } else if (!has_columns) {
+            csv_fail(&file.table, row,
+                     "camera %s has no covariance, columns S11 to S66: add them, hold "
+                     "the camera with --hold %s, or remove the line",
+                     file.names.name[row], file.names.name[row]);
+        } else {
+            known->role[camera] = read_covariance(prior->Sigma, &file.table, row, columns);
+            known->n_prior += known->role[camera] == RIGCAL_CAMERA_PRIOR;
+        }
+    }
+    if (n_held < known->n_held) {
+        cli_fail("a camera of --hold has no line in %s, which tells where it is held",
+                 path);
+    }
+}
+
+void read_known(known_cameras *known, const cli_cameras *cameras, const char *prior,
+                const char *hold, int has_sigma)
+{
+    static const rigcal_transform IDENTITY = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
+    size_t i;
+
+    known->role = cli_alloc(cameras->names.count, sizeof *known->role);
+    known->prior = cli_alloc(cameras->names.count, sizeof *known->prior);
+    for (i = 0; i < cameras->names.count; i++) {
+        known->prior[i].cam_from_rig = IDENTITY;
+    }
+    if (hold != NULL) {
+        read_hold(known, cameras, hold);
+    }
+    if (prior != NULL) {
+        read_prior(known, cameras, prior);
+    } else if (known->n_held > 1) {
+        cli_fail(
+            "--hold of several cameras needs --prior FILE, which tells where they are");
+    }
+    if (known->n_prior > 0 && !has_sigma) {
+        cli_fail("--prior needs --sigma: the noise of a pixel weighs the observations "
+                 "against the covariances of %s",
+                 prior);
+    }
+}

@@ -168,10 +168,15 @@ int paper_solve_three(rigcal_transform poses[RIGCAL_POSES_MAX], int *right,
 {
     const rigcal_view view = first_points(images, c, 3);
     rigcal_pose found[RIGCAL_POSES_MAX];
+    rigcal_pose_options options;
     size_t n_found;
 
     *right = -1;
-    if (rigcal_pose_solve(found, RIGCAL_POSES_MAX, &n_found, NULL, &view, NULL) < 0) {
+    (void)rigcal_pose_defaults(&options);
+    if (images->digital) { /* where two exact poses have become one that is not exact */
+        options.sigma_px = PAPER_SIGMA_PX;
+    }
+    if (rigcal_pose_solve(found, RIGCAL_POSES_MAX, &n_found, NULL, &view, &options) < 0) {
         return 0;
     }
     for (int i = 0; i < (int)n_found; i++) {

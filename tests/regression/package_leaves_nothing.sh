@@ -4,6 +4,7 @@
 #
 #   sh tests/regression/package_leaves_nothing.sh FOLDER
 set -eu
+unset PYTHON # which tests/run.sh exports, and would be found without PATH
 out=$(cd "$1" && pwd)
 bad=0
 count=0

@@ -41,7 +41,8 @@ expect() {
     fi
 }
 arm="gcc-arm-none-eabi picolibc-arm-none-eabi qemu-system-arm"
-expect layers ""
+expect layers gcc
+expect manifests ""
 expect header clang g++ gcc
 # shellcheck disable=SC2086 -- several packages
 expect cross $arm
@@ -57,7 +58,7 @@ count=0
 : >"$out/union.txt"
 for step in $known; do
     case $step in
-    shell | words | layers | manifests | vectors) continue ;; # would run here
+    shell | words | layout | manifests | vectors) continue ;; # would run here
     esac
     found=$(asked "$step")
     if [ -z "$found" ]; then

@@ -4,10 +4,10 @@
  * A target is shown to the cameras in one place after the other, its placements. What a
  * camera sees of it there is a view. From the pose of each view by itself,
  *
- *     rigcal_view_pose_make   its pose, with what its points know of it      every view
- *     rigcal_rig_join         all cameras and placements from those          no point is read
- *     rigcal_rig_adjust       the same at maximum likelihood, over all points
- *     rigcal_rig_covariance   how sure a camera is, _pair two, _placement the target
+ *   rigcal_view_pose_make   its pose, with what its points know of it      every view
+ *   rigcal_rig_join         all cameras and placements from those          no point is read
+ *   rigcal_rig_adjust       the same at maximum likelihood, over all points
+ *   rigcal_rig_covariance   how sure a camera is, _pair two, _placement the target
  *
  * EQUATIONS.md RIG has the mathematics. */
 #ifndef RIGCAL_RIG_H
@@ -85,8 +85,8 @@ typedef struct rigcal_rig {
     size_t work_capacity; /* its number of reals: RIGCAL_RIG_WORK */
 } rigcal_rig;
 
-/* Reals to work in, of so many cameras that are free or have a prior, and so many in all. The
- * same as a function: rigcal_rig_work. */
+/* Reals to work in, of so many cameras that are free or have a prior, and so many in all.
+ * The same as a function: rigcal_rig_work. */
 #define RIGCAL_RIG_WORK(n_free, n_cameras, n_placements) \
     (3 * (size_t)(n_free) * (6 * (size_t)(n_free) + 1) + 12 * (size_t)(n_free) + \
      51 * (size_t)(n_cameras) + 13 * (size_t)(n_placements))
@@ -120,18 +120,18 @@ typedef struct rigcal_rig_fit {
     size_t n_points;
     int32_t evals; /* evaluations of each view, settling included */
 
-    /* The loop closure: how much the views disagree, against what they do by themselves. For
-     * noise alone F is distributed as F(freedom_between, freedom_within); sqrt(F) tells how
-     * many times more than noise they disagree. 0, of no freedom: there is no cycle, or no
-     * view_poses are given. */
+    /* The loop closure: how much the views disagree, against what they do by themselves.
+     * For noise alone F is distributed as F(freedom_between, freedom_within); sqrt(F) tells
+     * how many times more than noise they disagree. 0, of no freedom: there is no cycle, or
+     * no view_poses are given. */
     rigcal_real F, freedom_between, freedom_within;
 } rigcal_rig_fit;
 
-/* Cameras and placements together by maximum likelihood in pixels over all views, from where
- * they are. After it the rig's `work` holds the cameras' covariance: keep it, and the rig,
- * for the functions below.
- * OK, RIGCAL_DISCONNECTED, RIGCAL_BUDGET_SPENT, and the errors of rigcal_rig_join; of its
- * views those of rigcal_pose_begin, ERR_BEHIND, ERR_NO_RAY, ERR_DEGENERATE. */
+/* Cameras and placements together by maximum likelihood in pixels over all views, from
+ * where they are. After it the rig's `work` holds the cameras' covariance: keep it, and the
+ * rig, for the functions below. OK, RIGCAL_DISCONNECTED, RIGCAL_BUDGET_SPENT, and the
+ * errors of rigcal_rig_join; of its views those of rigcal_pose_begin, ERR_BEHIND,
+ * ERR_NO_RAY, ERR_DEGENERATE. */
 RIGCAL_API rigcal_status rigcal_rig_adjust(rigcal_rig_fit *fit, int32_t *at_fault,
                                            rigcal_rig *rig);
 
@@ -152,8 +152,9 @@ RIGCAL_API rigcal_status rigcal_rig_result(rigcal_rig_fit *fit, int32_t *at_faul
 RIGCAL_API rigcal_status rigcal_rig_covariance(rigcal_real Sigma[36], const rigcal_rig *rig,
                                                rigcal_real sigma_px, size_t camera);
 
-/* b_from_a, and its covariance, cross terms included: the same whichever camera is held. The
- * statuses above; RIGCAL_DISCONNECTED: the two have no common frame, nothing is written. */
+/* b_from_a, and its covariance, cross terms included: the same whichever camera is held.
+ * The statuses above; RIGCAL_DISCONNECTED: the two have no common frame, nothing is
+ * written. */
 RIGCAL_API rigcal_status rigcal_rig_pair(rigcal_transform *b_from_a, rigcal_real Sigma[36],
                                          const rigcal_rig *rig, rigcal_real sigma_px,
                                          size_t a, size_t b);

@@ -1,6 +1,6 @@
 /* rc_adjust.h - all cameras and placements of a rig by least squares, each placement
- * eliminated as it streams by (RIG in EQUATIONS.md). The views are given by their points, or
- * by their own poses and information, which is the join. */
+ * eliminated as it streams by (RIG in EQUATIONS.md). The views are given by their points,
+ * or by their own poses and information, which is the join. */
 #ifndef RC_ADJUST_H
 #define RC_ADJUST_H
 
@@ -17,10 +17,10 @@ rigcal_status rc_rig_equations(rigcal_real *sum, rigcal_real g[6], rigcal_real H
 void rc_rig_quadratic(rigcal_real *sum, rigcal_real g[6], rigcal_real H[21],
                       const rigcal_view_pose *own, const rigcal_transform *cam_from_target);
 
-/* Begins a search; steps do one unit each until s->phase is RC_RIG_DONE. s->search.status is
- * its outcome, s->at_fault the view at fault. is_join: of the views' own poses. Once all has
- * been checked the phase is RC_RIG_CHECKED: then the poses from which the search starts may
- * be set. */
+/* Begins a search; steps do one unit each until s->phase is RC_RIG_DONE. s->search.status
+ * is its outcome, s->at_fault the view at fault. is_join: of the views' own poses. Once all
+ * has been checked the phase is RC_RIG_CHECKED: then the poses from which the search starts
+ * may be set. */
 enum { RC_RIG_DONE = 1, RC_RIG_CHECKED };
 void rc_rig_begin(rigcal_rig_solver *s, rigcal_rig *rig, int is_join);
 void rc_rig_step(rigcal_rig_solver *s);

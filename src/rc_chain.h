@@ -1,7 +1,7 @@
 /* rc_chain.h - a view of a rig as a chain of two transforms (RIG in EQUATIONS.md).
  *
- * cam_from_target = cam_from_rig rig_from_placement. A small turn and shift (w, dt) of each,
- * R <- exp([w]x) R, t <- t + dt, makes one of cam_from_target:
+ * cam_from_target = cam_from_rig rig_from_placement. A small turn and shift (w, dt) of
+ * each, R <- exp([w]x) R, t <- t + dt, makes one of cam_from_target:
  *
  *     d_target = A d_camera + B d_placement,
  *     A = (1 0; -[a]x 1),  B = (R_c 0; 0 R_c),  a = R_c t_placement
@@ -26,8 +26,8 @@ void rc_chain_add_placement(rigcal_real g_placement[6], rigcal_real H_placement[
                             const rc_chain *chain, const rigcal_real g[6],
                             const rigcal_real H[21]);
 
-/* g <- A^T g, H <- A^T H A, and W[36] = A^T H B, row by row: a row of the camera, a column of
- * the placement. */
+/* g <- A^T g, H <- A^T H A, and W[36] = A^T H B, row by row: a row of the camera, a column
+ * of the placement. */
 void rc_chain_camera(rigcal_real g[6], rigcal_real H[21], rigcal_real W[36],
                      const rc_chain *chain);
 

@@ -1,5 +1,5 @@
-/* rc_views.h - what is handed in of a rig: its memory to work in, its views one by one, their
- * checks, and which cameras they connect. */
+/* rc_views.h - what is handed in of a rig: its memory to work in, its views one by one,
+ * their checks, and which cameras they connect. */
 #ifndef RC_VIEWS_H
 #define RC_VIEWS_H
 
@@ -36,8 +36,8 @@ void rc_clear(rigcal_real x[], size_t n);
 /* The memory to work in holds no covariance of the cameras. */
 void rc_rig_forget(const rigcal_rig *rig);
 
-/* Checks cameras, then view by view: counts those of each placement, groups the cameras that
- * they connect, and numbers the unknowns. RUNNING until the last; the view at fault is
+/* Checks cameras, then view by view: counts those of each placement, groups the cameras
+ * that they connect, and numbers the unknowns. RUNNING until the last; the view at fault is
  * s->view, if there is one. */
 rigcal_status rc_views_begin(rigcal_rig_solver *s);
 rigcal_status rc_views_step(rigcal_rig_solver *s);

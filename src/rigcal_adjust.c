@@ -10,8 +10,8 @@ enum { PASSES_MAX = 200 };
 /* part of an element of the diagonal: a smaller pivot is rounding. */
 #define RANK_TOL (8 * RC_EPS)
 
-/* part of the sum: the search ends when no more is still to be gained, judged by how fast the
- * gains fall. The poses are then within a few millionths of their sigma. */
+/* part of the sum: the search ends when no more is still to be gained, judged by how fast
+ * the gains fall. The poses are then within a few millionths of their sigma. */
 #define GAIN_ENOUGH RC_TOL(1e-10, 1e-6)
 
 enum {
@@ -408,7 +408,8 @@ static int is_end_of_placement(const rigcal_rig_solver *s, const rc_rig_parts *p
     return s->view - s->first == (size_t)parts->count[s->placement];
 }
 
-/* Adds the view to its placement's equations and, where the pass reduces, to its camera's. */
+/* Adds the view to its placement's equations and, where the pass reduces, to its camera's.
+ * */
 static void add_view(rigcal_rig_solver *s, const rc_rig_parts *parts)
 {
     rigcal_real sum = 0, g[6], H[21];

@@ -1,8 +1,8 @@
 #include "rc_adjust.h"
 
 /* The join: poses from which the least squares of the views' own poses starts. From what is
- * fixed, cameras are reached by the view of most information that leads to them, all that one
- * placement apart first. */
+ * fixed, cameras are reached by the view of most information that leads to them, all that
+ * one placement apart first. */
 
 /* What a camera, not yet reached, is best reached by. */
 typedef struct {
@@ -17,8 +17,8 @@ static rigcal_real information_of(const rigcal_view_pose *v)
     return rc_sym6_inverse_trace(&trace, v->information) ? 1 / trace : 0;
 }
 
-/* The placement whose views begin with `first`, by the best of those whose camera is reached.
- * Returns that one's information; 0: there is none. */
+/* The placement whose views begin with `first`, by the best of those whose camera is
+ * reached. Returns that one's information; 0: there is none. */
 static rigcal_status place(rigcal_real *information, rigcal_transform *rig_from_placement,
                            const rigcal_rig *rig, const rc_rig_parts *parts, size_t first,
                            size_t count)

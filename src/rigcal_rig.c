@@ -164,8 +164,8 @@ static void block_of(rigcal_real out[36], const rigcal_rig *rig, size_t a, size_
     }
 }
 
-/* Whether the memory to work in holds what an adjustment leaves there: unknowns in the order
- * of their cameras, variances above 0, views of a placement. */
+/* Whether the memory to work in holds what an adjustment leaves there: unknowns in the
+ * order of their cameras, variances above 0, views of a placement. */
 static int is_adjusted(const rigcal_rig *rig)
 {
     rc_rig_parts parts;

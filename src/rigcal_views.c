@@ -2,8 +2,8 @@
 
 /* ---- constants ----------------------------------------------------------- */
 
-/* part of a pose: what rounding leaves of its numbers. Views that agree to that have no more
- * to gain, and the join of them ends. */
+/* part of a pose: what rounding leaves of its numbers. Views that agree to that have no
+ * more to gain, and the join of them ends. */
 #define POSE_ROUNDING (4 * RC_EPS)
 
 /* ---- helpers ------------------------------------------------------------- */
@@ -99,7 +99,8 @@ static int32_t root_of(const rigcal_rig *rig, int32_t c)
     return c;
 }
 
-/* Cameras a and b saw one placement: the later of their first cameras hangs on the other. */
+/* Cameras a and b saw one placement: the later of their first cameras hangs on the other.
+ * */
 static void connect(rigcal_rig *rig, int32_t a, int32_t b)
 {
     const int32_t first = root_of(rig, a), second = root_of(rig, b);
@@ -107,8 +108,8 @@ static void connect(rigcal_rig *rig, int32_t a, int32_t b)
     rig->group[a] = rig->group[b] = (first > second) ? second : first;
 }
 
-/* From the first cameras to the numbers of the groups. A camera hangs on one before it, whose
- * number is known by then. */
+/* From the first cameras to the numbers of the groups. A camera hangs on one before it,
+ * whose number is known by then. */
 static int32_t number_groups(rigcal_rig *rig)
 {
     int32_t groups = 0;

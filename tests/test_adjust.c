@@ -346,8 +346,8 @@ static int is_inside(const rigcal_transform *seen, const rigcal_transform *truth
     return *chi2 < 12.5916; /* 95 % of chi square of 6 */
 }
 
-/* Of 2000 rigs three standard errors of 95 % are 1.5 %, of the root of the mean of chi square
- * / 6 2 %, of the mean of F 1.7 %. */
+/* Of 2000 rigs three standard errors of 95 % are 1.5 %, of the root of the mean of chi
+ * square / 6 2 %, of the mean of F 1.7 %. */
 static void test_sigmas_and_the_loop_closure_say_what_noise_does(void)
 {
     enum { RIGS = 2000 };

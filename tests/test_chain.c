@@ -71,7 +71,8 @@ static void times(double out[6], const double M[36], const double g[6])
     }
 }
 
-/* Where rc_linalg.h keeps the element: the first block, the block across, the second one. */
+/* Where rc_linalg.h keeps the element: the first block, the block across, the second one.
+ * */
 static int packed_at(int row, int column)
 {
     static const int BLOCK[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};

@@ -698,8 +698,8 @@ typedef struct {
     { \
         R_COUNT, &SIZE, 1, valid, 0, (n)-1, RIGCAL_ERR_RANGE \
     }
-/* A rig by its parts: itself, cams_from_rig, n_cameras, rig_from_placements, group, n_views,
- * work, work_capacity. */
+/* A rig by its parts: itself, cams_from_rig, n_cameras, rig_from_placements, group,
+ * n_views, work, work_capacity. */
 #define RIG_OF(cams, placements, group, work) \
     IN(THERE, 1, &INT_1), cams, COUNT(&SIZE_3, 1, RIGCAL_ERR_TOO_FEW), placements, group, \
         COUNT(&SIZE_6, 1, RIGCAL_ERR_TOO_FEW), work, \

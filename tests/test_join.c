@@ -25,7 +25,8 @@ static rigcal_status join(void)
     return status;
 }
 
-/* The poses of the views as they are in truth; `strength` is the information of each number. */
+/* The poses of the views as they are in truth; `strength` is the information of each
+ * number. */
 static void give_true_poses(double strength)
 {
     for (size_t v = 0; v < r.rig.n_views; v++) {
@@ -158,8 +159,8 @@ static void test_a_view_counts_by_its_information(void)
     ASSERT_TRANSFORM(&r.true_cams[1], &r.cams[1], 2e-6, 3e-6);
 }
 
-/* Two views of two cameras, one in error by d, of which one has three times the information:
- * camera 1 moves by what the harmonic sums of the informations say. */
+/* Two views of two cameras, one in error by d, of which one has three times the
+ * information: camera 1 moves by what the harmonic sums of the informations say. */
 static void test_two_placements_are_averaged_by_information(void)
 {
     static const double OFF[6] = {0, 0, 0, 0.01, -0.02, 0.03};

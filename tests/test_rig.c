@@ -1,5 +1,6 @@
 /* rig: the public functions of a rig: the pose of a view, how sure the poses are, what is
- * left. Their numbers against the truth are in test_adjust.c, their views in test_views.c. */
+ * left. Their numbers against the truth are in test_adjust.c, their views in test_views.c.
+ * */
 #include <math.h>
 #include <string.h>
 

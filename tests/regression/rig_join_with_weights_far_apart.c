@@ -1,6 +1,7 @@
 /* Two weights in their range, 1e-300 and 1e30, made ERR_ROTATION of two equal poses. The
  * weights have become information: of any scale it joins, and of two scales as far apart as
- * a sum can hold. Farther apart, the sum holds one alone: ERR_DEGENERATE, or the same pose. */
+ * a sum can hold. Farther apart, the sum holds one alone: ERR_DEGENERATE, or the same pose.
+ * */
 #include <string.h>
 
 #include "test_support.h"

@@ -48,7 +48,8 @@ void test_rig_start(test_rig *r, test_rng *rng, double turn, double shift);
 /* cam_from_target of a view, the rig being at the truth. */
 rigcal_transform test_rig_chain(const test_rig *r, int camera, int placement);
 
-/* R <- exp([w]x) R, t <- t + dt, and back: d of `moved` from `origin`, for turns below pi. */
+/* R <- exp([w]x) R, t <- t + dt, and back: d of `moved` from `origin`, for turns below pi.
+ * */
 rigcal_transform test_moved(const rigcal_transform *origin, const double d[6]);
 void test_step_between(double d[6], const rigcal_transform *moved,
                        const rigcal_transform *origin);

@@ -429,7 +429,26 @@ static void adjust(firmware *f)
     }
 }
 
-/* Every view is there: the join, and the adjustment begins. */
+/* The start, from the poses of the views: the board by camera 0, camera 1 by the first
+ * placement. rigcal_rig_join would do more, and does not work in steps. */
+static rigcal_status place_views(firmware_rig *r)
+{
+    rigcal_transform rig_from_cam, board_from_rig;
+    rigcal_status status = rigcal_transform_invert(&rig_from_cam, &r->cams_from_rig[0]);
+    for (int k = 0; k < FIRMWARE_PLACEMENTS && status == RIGCAL_OK; k++) {
+        status = rigcal_transform_compose(&r->rig_from_placements[k], &rig_from_cam,
+                                          &r->poses[2 * k].cam_from_target);
+    }
+    if (status == RIGCAL_OK) {
+        status = rigcal_transform_invert(&board_from_rig, &r->rig_from_placements[0]);
+    }
+    return (status == RIGCAL_OK)
+               ? rigcal_transform_compose(&r->cams_from_rig[1],
+                                          &r->poses[1].cam_from_target, &board_from_rig)
+               : status;
+}
+
+/* Every view is there: the adjustment begins. */
 static void begin_rig(firmware *f)
 {
     static const uint8_t ROLES[FIRMWARE_CAMERAS] = {RIGCAL_CAMERA_HELD, RIGCAL_CAMERA_FREE};
@@ -452,7 +471,7 @@ static void begin_rig(firmware *f)
     for (int i = 0; i < 9 && !f->is_known[0]; i++) {
         r->cams_from_rig[0].R[i] = (i % 4 == 0) ? 1 : 0;
     }
-    rigcal_status status = rigcal_rig_join(&r->rig, NULL);
+    rigcal_status status = place_views(r);
     if (status == RIGCAL_OK) {
         status = rigcal_rig_begin(&r->solver, &r->rig);
     }

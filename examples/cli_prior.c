@@ -36,7 +36,7 @@ static int find_columns(size_t columns[N_COLUMNS], const csv_table *table)
 /* Whether it is positive definite (Cholesky, with the diagonal scaled to 1). */
 static int is_covariance(const rigcal_real Sigma[36])
 {
-    double L[36];
+    double L[36] = {0};
     int i, j, k;
 
     for (i = 0; i < 6; i++) {

@@ -227,23 +227,23 @@ rigcal_status rigcal_rig_covariance(rigcal_real Sigma[36], const rigcal_rig *rig
     return RIGCAL_OK;
 }
 
-/* Sigma += J_a S J_b^T */
-static void add_turned(rigcal_real Sigma[36], const rigcal_real J_a[36],
-                       const rigcal_real S[36], const rigcal_real J_b[36])
+/* Sigma += J_left S J_right^T */
+static void add_turned(rigcal_real Sigma[36], const rigcal_real J_left[36],
+                       const rigcal_real S[36], const rigcal_real J_right[36])
 {
     rigcal_real half[36];
     for (int i = 0; i < 6; i++) {
         for (int j = 0; j < 6; j++) {
             half[6 * i + j] = 0;
             for (int k = 0; k < 6; k++) {
-                half[6 * i + j] += J_a[6 * i + k] * S[6 * k + j];
+                half[6 * i + j] += J_left[6 * i + k] * S[6 * k + j];
             }
         }
     }
     for (int i = 0; i < 6; i++) {
         for (int j = 0; j < 6; j++) {
-            Sigma[6 * i + j] += rc_vec3_dot(&half[6 * i], &J_b[6 * j]) +
-                                rc_vec3_dot(&half[6 * i + 3], &J_b[6 * j + 3]);
+            Sigma[6 * i + j] += rc_vec3_dot(&half[6 * i], &J_right[6 * j]) +
+                                rc_vec3_dot(&half[6 * i + 3], &J_right[6 * j + 3]);
         }
     }
 }
@@ -393,7 +393,7 @@ rigcal_status rigcal_rig_placement(rigcal_real Sigma[36], rigcal_rig *rig,
 rigcal_status rigcal_rig_residuals(rigcal_real duv[], size_t capacity, size_t *n_written,
                                    const rigcal_rig *rig, size_t view)
 {
-    rigcal_rig_view v;
+    rigcal_rig_view v = {{NULL, NULL, NULL, 0}, 0, 0, 0};
     rigcal_points points;
     rc_chain chain;
     rigcal_status status =

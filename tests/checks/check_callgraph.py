@@ -20,8 +20,9 @@ import tempfile
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 
 # Functions that may call through a pointer, and what of the library they may
-# reach so: a cost of the caller's, who knows its stack.
-INDIRECT = {"rigcal_neldermead_step": ()}
+# reach so: a cost, or a source of views, of the caller's, who knows its stack.
+INDIRECT = {"rigcal_neldermead_step": (), "rc_rig_view_at": (), "rc_rig_pose_at": (),
+            "rc_views_step": ()}
 
 # No public function may need more; bytes, libm apart.
 STACK_LIMIT = 4096

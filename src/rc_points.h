@@ -53,6 +53,10 @@ rigcal_status rc_points_residual(rigcal_real e[2], rigcal_real B[6], rigcal_real
 rigcal_real rc_points_distance2(const rigcal_points *points,
                                 const rigcal_transform *cam_from_points, size_t i);
 
+/* The same over sigma_i^2. */
+rigcal_real rc_points_error2(const rigcal_points *points,
+                             const rigcal_transform *cam_from_points, size_t i);
+
 /* Whether the points that count are on a line, to rounding. */
 int rc_points_are_on_line(const rigcal_points *points);
 

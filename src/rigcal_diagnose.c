@@ -92,8 +92,7 @@ static size_t next_farthest(rigcal_real *distance2, const rigcal_points *points,
     rigcal_real most = -1;
     size_t at = n;
     for (size_t i = 0; i < n; i++) {
-        const rigcal_real d2 =
-            rc_points_distance2(points, cam_from_points, i) * rc_points_weight(points, i);
+        const rigcal_real d2 = rc_points_error2(points, cam_from_points, i);
         if (d2 < *distance2 && d2 > most) {
             most = d2;
             at = i;

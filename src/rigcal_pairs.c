@@ -103,27 +103,15 @@ static int make_pair(rigcal_pair *pair, const rigcal_bearing bearings[], size_t 
     return 1;
 }
 
-/* The index farthest from `from`, among the points or among the rays. */
-static size_t farthest_point(const rigcal_bearing bearings[], size_t n, size_t from)
+/* The index farthest from `from`, among the rays or among the points. */
+static size_t farthest(const rigcal_bearing bearings[], size_t n, size_t from, int by_rays)
 {
+    const rigcal_bearing *const start = &bearings[from];
     size_t far = from;
     rigcal_real longest = 0;
     for (size_t i = 0; i < n; i++) {
-        const rigcal_real d = point_distance(bearings[i].X_w, bearings[from].X_w);
-        if (d > longest) {
-            longest = d;
-            far = i;
-        }
-    }
-    return far;
-}
-
-static size_t farthest_ray(const rigcal_bearing bearings[], size_t n, size_t from)
-{
-    size_t far = from;
-    rigcal_real longest = 0;
-    for (size_t i = 0; i < n; i++) {
-        const rigcal_real d = ray_distance(bearings[i].ray, bearings[from].ray);
+        const rigcal_real d = by_rays ? ray_distance(bearings[i].ray, start->ray)
+                                      : point_distance(bearings[i].X_w, start->X_w);
         if (d > longest) {
             longest = d;
             far = i;
@@ -136,8 +124,8 @@ static size_t farthest_ray(const rigcal_bearing bearings[], size_t n, size_t fro
  * by the precision of their coordinates. */
 static rigcal_status check_points_shape(const rigcal_bearing bearings[], size_t n)
 {
-    const size_t a = farthest_point(bearings, n, 0);
-    const size_t b = farthest_point(bearings, n, a);
+    const size_t a = farthest(bearings, n, 0, 0);
+    const size_t b = farthest(bearings, n, a, 0);
     const rigcal_real *const X_a = bearings[a].X_w, *const X_b = bearings[b].X_w;
     const rigcal_real length = point_distance(X_a, X_b);
     rigcal_real along[3], size = 0, width = 0;
@@ -172,8 +160,8 @@ static rigcal_status check_points_shape(const rigcal_bearing bearings[], size_t 
 static rigcal_status check_rays_shape(rigcal_real *extent, const rigcal_bearing bearings[],
                                       size_t n)
 {
-    const size_t a = farthest_ray(bearings, n, 0);
-    const size_t b = farthest_ray(bearings, n, a);
+    const size_t a = farthest(bearings, n, 0, 1);
+    const size_t b = farthest(bearings, n, a, 1);
     rigcal_real m_a[3], m_b[3], normal[3], height = 0;
     int others = 0;
 

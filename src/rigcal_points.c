@@ -173,6 +173,14 @@ rigcal_real rc_points_distance2(const rigcal_points *points,
     return rc_min(e[0] * e[0] + e[1] * e[1], RC_MAX);
 }
 
+rigcal_real rc_points_error2(const rigcal_points *points,
+                             const rigcal_transform *cam_from_points, size_t i)
+{
+    const rigcal_real *const sigma = points->view.sigma;
+    const rigcal_real squared = rc_points_distance2(points, cam_from_points, i);
+    return (sigma == NULL) ? squared : squared / (sigma[i] * sigma[i]);
+}
+
 int rc_points_are_on_line(const rigcal_points *points)
 {
     rigcal_real C[6] = {0, 0, 0, 0, 0, 0}, normal[3], thickness, x[3];

@@ -105,15 +105,6 @@ static void next_sample(rigcal_robust_solver *s)
 
 /* ---- scores -------------------------------------------------------------- */
 
-/* Squared distance [px^2] of point i from its projection, over sigma_i^2. */
-static rigcal_real distance2(const rigcal_points *points, const rigcal_transform *pose,
-                             size_t i)
-{
-    const rigcal_real *const sigma = points->view.sigma;
-    const rigcal_real squared = rc_points_distance2(points, pose, i);
-    return (sigma == NULL) ? squared : squared / (sigma[i] * sigma[i]);
-}
-
 /* Sum of the squared distances, none counting more than the threshold's; above `enough` it
  * is not finished. *count: points within. */
 static rigcal_real score(size_t *count, const rigcal_robust_solver *s,
@@ -123,7 +114,7 @@ static rigcal_real score(size_t *count, const rigcal_robust_solver *s,
     rigcal_real sum = 0;
     *count = 0;
     for (size_t i = 0; i < s->points.view.n && sum < enough; i++) {
-        const rigcal_real d2 = distance2(&s->points, pose, i);
+        const rigcal_real d2 = rc_points_error2(&s->points, pose, i);
         *count += d2 <= limit;
         sum += rc_min(d2, limit);
     }
@@ -136,7 +127,7 @@ static int mark(rigcal_robust_solver *s, const rigcal_transform *pose)
     const rigcal_real limit = s->threshold_px * s->threshold_px;
     int changed = 0;
     for (size_t i = 0; i < s->points.view.n; i++) {
-        const uint8_t is_in = distance2(&s->points, pose, i) <= limit;
+        const uint8_t is_in = rc_points_error2(&s->points, pose, i) <= limit;
         changed |= is_in != s->inliers[i];
         s->inliers[i] = is_in;
     }

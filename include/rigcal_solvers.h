@@ -148,6 +148,7 @@ struct rigcal_robust_solver {
 
 struct rigcal_rig_solver {
     rigcal_rig *rig;
+    const struct rigcal_rig_given *given; /* of views: their points, or their own poses */
     rigcal_levenberg search;
     int32_t phase, is_join, is_trial, is_last, is_final, is_disconnected, at_fault, evals;
     size_t n;                      /* unknowns: of the cameras that are not held */

@@ -48,7 +48,7 @@ rigcal_status rigcal_rig_begin(rigcal_rig_solver *solver, rigcal_rig *rig)
     for (size_t c = 0; status == RIGCAL_OK && c < rig->n_cameras; c++) {
         status = rc_check_transform(&rig->cams_from_rig[c]);
     }
-    return (status == RIGCAL_OK) ? rc_rig_begin(solver, rig, 0) : status;
+    return (status == RIGCAL_OK) ? rc_rig_begin(solver, rig, &rc_given_points) : status;
 }
 
 rigcal_status rigcal_rig_step(rigcal_rig_solver *solver, int32_t budget)

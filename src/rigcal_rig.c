@@ -402,13 +402,9 @@ static rigcal_status add_noise(rigcal_real sum[], rigcal_real freedom[],
                                const leverage *on, size_t first, size_t i)
 {
     rigcal_rig_view v;
-    rigcal_points points;
     rc_chain chain;
     rigcal_real sse, g[6], H[21], g_placement[6], H_placement[21], full[36], Z[36], WZ[36];
-    rigcal_status status = equations_of(&sse, g, H, &chain, &v, on->rig, first + i);
-    if (status == RIGCAL_OK) {
-        status = rc_rig_points(&points, &v);
-    }
+    const rigcal_status status = equations_of(&sse, g, H, &chain, &v, on->rig, first + i);
     if (status != RIGCAL_OK) {
         return status;
     }
@@ -426,7 +422,7 @@ static rigcal_status add_noise(rigcal_real sum[], rigcal_real freedom[],
     add_product(WZ, &on->W[36 * i], Z, 1);
     lost -= 2 * trace_of_product(WZ, inverse);
     sum[c] += sse;
-    freedom[c] += 2 * (rigcal_real)(int32_t)points.n_used - lost;
+    freedom[c] += 2 * real_of(v.view.n) - lost;
     return RIGCAL_OK;
 }
 

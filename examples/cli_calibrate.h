@@ -62,6 +62,7 @@ typedef struct {
 
     view *views; /* those solved, by camera and frame */
     size_t n_views;
+    size_t n_bad_fits; /* views whose points do not fit their pose */
 
     known_cameras known;
     size_t *camera;     /* of the rig's camera, the number of its name */

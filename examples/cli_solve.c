@@ -6,6 +6,10 @@
 
 enum { ROBUST_LEAST = 5 }; /* points that rigcal_robust_solve takes */
 
+/* Views whose bad fit is looked into: a view of 50 points takes some 10 ms, and where most
+ * views are bad they have one cause. */
+enum { DIAGNOSED_MOST = 100 };
+
 const rigcal_pose *view_taken(const view *v)
 {
     return &v->poses[v->taken];
@@ -304,13 +308,23 @@ static void solve_view(calibration *c, const view *v)
         name_trouble(c, solved, at_fault);
     }
     if ((status == RIGCAL_POOR_FIT || status == RIGCAL_ERR_NO_POSE) &&
-        solved->n == solved->n_seen - solved->n_unseen) {
+        solved->n == solved->n_seen - solved->n_unseen &&
+        c->n_bad_fits++ < DIAGNOSED_MOST) {
         name_cause(c, solved);
     }
     if (status < 0) {
         c->exit_status = CLI_GEOMETRY;
     } else {
         c->n_views++;
+    }
+}
+
+static void name_not_diagnosed(const calibration *c)
+{
+    if (c->n_bad_fits > DIAGNOSED_MOST) {
+        cli_say("%lu views fit badly: a cause was looked for in the first %d. Where most "
+                "views do, look at cameras.csv and the target's coordinates first",
+                (unsigned long)c->n_bad_fits, DIAGNOSED_MOST);
     }
 }
 
@@ -382,4 +396,5 @@ void solve_views(calibration *c)
         solve_view(c, &v);
     }
     name_not_robust(c);
+    name_not_diagnosed(c);
 }

@@ -6,7 +6,7 @@
 
 enum { ROBUST_LEAST = 5 }; /* points that rigcal_robust_solve takes */
 
-/* Views whose bad fit is looked into: a view of 50 points takes some 10 ms, and where most
+/* Views whose bad fit is looked into: a view of 50 points takes some 3 ms, and where most
  * views are bad they have one cause. */
 enum { DIAGNOSED_MOST = 100 };
 

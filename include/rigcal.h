@@ -705,9 +705,10 @@ RIGCAL_API rigcal_status rigcal_store_info(rigcal_saved_info *info, const uint8_
                                            size_t n_bytes);
 
 /* The cameras of such bytes: the first info->n_cameras of cameras[capacity], checked as any
- * input is. Of a calibrated rig (rigcal_rig.h) each camera gets its own covariance. By a build of the same precision bit for bit what was saved. A build of the
- * other precision reads them too: a float build rounds to nearest; a double build makes
- * rotations orthonormal to its own rounding.
+ * input is. A camera of a calibrated rig (rigcal_rig.h) gets its own covariance. By a build
+ * of the same precision bit for bit what was saved. A build of the other precision reads
+ * them too: a float build rounds to nearest; a double build makes rotations orthonormal to
+ * its own rounding.
  * Those of rigcal_store_info, ERR_CAPACITY, and ERR_NOT_FINITE (also: too large for a float
  * build), ERR_CAMERA, ERR_ROTATION, ERR_RANGE for numbers that rigcal_store_save would have
  * refused. */

@@ -430,6 +430,9 @@ static rigcal_status check_bytes(form_parts *p, const uint8_t bytes[],
         rigcal_real numbers[RIG_REALS];
         (void)rc_get_reals(numbers, RIG_REALS, p->rig, p->real_bytes);
         rigcal_status status = rc_calibrated_numbers(numbers);
+        if (status == RIGCAL_ERR_STATE) { /* the bytes say that there is a covariance */
+            status = RIGCAL_ERR_RANGE;
+        }
         if (status == RIGCAL_OK) {
             status = check_links(p, n);
         }

@@ -478,7 +478,7 @@ static void test_numbers_that_no_function_takes_are_not_loaded(void)
 {
     const size_t R_at = CAMERAS_AT + STRIDE + 20 + 12 * OWN_REAL;
 
-    refuses_real(RIGCAL_ERR_STATE, 32, 0);
+    refuses_real(RIGCAL_ERR_RANGE, 32, 0);
     for (size_t k = 0; k < 4; k++) {
         refuses_real(RIGCAL_ERR_RANGE, 32 + k * OWN_REAL, -1);
         refuses_real(RIGCAL_ERR_NOT_FINITE, 32 + k * OWN_REAL, test_nan());

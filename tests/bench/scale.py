@@ -90,18 +90,18 @@ def write_files(folder, rng, cameras, poses, placements, target):
 
 
 def run(program, folder):
-    """The time [s] and the largest resident memory [bytes] of the program. /usr/bin/time
+    """The time and the processor's time [s] and the largest resident memory [bytes]. /usr/bin/time
     starts it: what Python starts counts Python's own memory as well."""
     with open(folder / "summary.txt", "w") as out:
         status = subprocess.run(
-            ["/usr/bin/time", "-f", "%e %M", "-o", folder / "used.txt",
+            ["/usr/bin/time", "-f", "%e %U %M", "-o", folder / "used.txt",
              program, "calibrate", "--cameras", folder / "cameras.csv",
              "--observations", folder / "observations.csv", "--out", folder / "out"],
             stdout=out, check=False).returncode
     if status != 0:
         sys.exit("rigcal calibrate failed: exit status %d" % status)
-    seconds, kilobytes = (folder / "used.txt").read_text().split()
-    return float(seconds), 1024 * int(kilobytes)
+    seconds, of_processor, kilobytes = (folder / "used.txt").read_text().split()
+    return float(seconds), float(of_processor), 1024 * int(kilobytes)
 
 
 def check_answer(folder, poses):
@@ -159,11 +159,11 @@ def main(arguments):
         folder = pathlib.Path(name)
         write_files(folder, rng, *rig)
         input_bytes = (folder / "observations.csv").stat().st_size
-        seconds, memory = run(arguments[0], folder)
+        seconds, of_processor, memory = run(arguments[0], folder)
         ratio = memory / input_bytes
         print("%d cameras, %d placements, %d points: %d observations" % (
             *sizes, sizes[0] * sizes[1] * sizes[2]))
-        print("time %.1f s" % seconds)
+        print("time %.1f s, of the processor %.1f s" % (seconds, of_processor))
         print("memory %.1f MB, input %.1f MB, ratio %.2f" % (memory / 1e6, input_bytes / 1e6,
                                                              ratio))
         wrong = check_answer(folder, rig[1])

@@ -156,8 +156,9 @@ static void make_orthonormal(rigcal_real R[9])
 typedef struct {
     const uint8_t *cameras; /* the first, and from one to the next */
     size_t stride;
-    const uint8_t *joint; /* NULL: each camera has its own covariance */
-    const uint8_t *rig;   /* RIG_REALS before the cameras, if it is not */
+    const uint8_t *joint;     /* NULL: each camera has its own covariance */
+    const rigcal_real *Sigma; /* the joint covariance, if it is not in bytes */
+    const uint8_t *rig;       /* RIG_REALS before the cameras, if it is not */
     int32_t real_bytes;
 } form_parts;
 
@@ -166,6 +167,7 @@ static void find_parts(form_parts *p, const uint8_t bytes[], size_t n_cameras,
 {
     const size_t r = (size_t)real_bytes;
     p->real_bytes = real_bytes;
+    p->Sigma = NULL;
     p->rig = bytes + HEADER_BYTES;
     if (rc_u16_at(bytes + AT_VERSION) == FORM_RIG) {
         p->stride = 4 * (CAMERA_INTEGERS + 1) + (CAMERA_REALS + 12) * r;
@@ -238,22 +240,21 @@ static void get_mounted(rigcal_mounted_camera *m, size_t *first, const form_part
 /* ---- the joint covariance ------------------------------------------------ */
 
 /* Element k of the packed covariance: of a rig, or of bytes. */
-static rigcal_real joint_at(const rigcal_real Sigma[], const form_parts *p, size_t k)
+static rigcal_real joint_at(const form_parts *p, size_t k)
 {
     rigcal_real x;
-    if (Sigma != NULL) {
-        return Sigma[k];
+    if (p->Sigma != NULL) {
+        return p->Sigma[k];
     }
     (void)rc_get_reals(&x, 1, p->joint + k * (size_t)p->real_bytes, p->real_bytes);
     return x;
 }
 
-/* That no variance is below 0 and no correlation beyond 1. Sigma, or NULL: of the bytes.
- * Time O(n^2) */
-static rigcal_status check_joint(const rigcal_real Sigma[], const form_parts *p, size_t n)
+/* That no variance is below 0 and no correlation beyond 1. Time O(n^2) */
+static rigcal_status check_joint(const form_parts *p, size_t n)
 {
     for (size_t i = 0; i < n; i++) {
-        const rigcal_real variance = joint_at(Sigma, p, rc_packed_at(i, i));
+        const rigcal_real variance = joint_at(p, rc_packed_at(i, i));
         if (!rc_all_finite(&variance, 1)) {
             return RIGCAL_ERR_NOT_FINITE;
         }
@@ -262,8 +263,8 @@ static rigcal_status check_joint(const rigcal_real Sigma[], const form_parts *p,
         }
         const rigcal_real most = (1 + CORRELATION_TOL) * RC_SQRT(variance);
         for (size_t j = 0; j < i; j++) {
-            const rigcal_real x = joint_at(Sigma, p, rc_packed_at(i, j));
-            const rigcal_real other = joint_at(Sigma, p, rc_packed_at(j, j));
+            const rigcal_real x = joint_at(p, rc_packed_at(i, j));
+            const rigcal_real other = joint_at(p, rc_packed_at(j, j));
             if (!rc_all_finite(&x, 1)) {
                 return RIGCAL_ERR_NOT_FINITE;
             }
@@ -437,7 +438,7 @@ static rigcal_status check_bytes(form_parts *p, const uint8_t bytes[],
             status = check_links(p, n);
         }
         if (status == RIGCAL_OK) {
-            status = check_joint(NULL, p, 6 * (size_t)info->n_free);
+            status = check_joint(p, 6 * (size_t)info->n_free);
         }
         if (status != RIGCAL_OK) {
             return status;
@@ -501,7 +502,8 @@ size_t rigcal_store_rig_size(size_t n_cameras, size_t n_free)
  * of the joint one. */
 static rigcal_status check_rig(const rigcal_calibrated_rig *rig, size_t n_free)
 {
-    const rigcal_status status = check_joint(rig->Sigma, NULL, 6 * n_free);
+    const form_parts p = {.Sigma = rig->Sigma};
+    const rigcal_status status = check_joint(&p, 6 * n_free);
     size_t first = 0;
     for (size_t c = 0; status == RIGCAL_OK && c < rig->n_cameras; c++) {
         rigcal_mounted_camera m = rig->cameras[c];

@@ -461,6 +461,21 @@ class TestWrongPoints(CliTest):
         self.assertGreater(float(told[2]), 3)
         self.assertNotIn("left", run.stderr)
 
+    def test_causes_are_looked_for_in_the_first_views_that_fit_badly(self):
+        lines = self.observations(self.one)
+        right = [line for line in lines if ",right," in line]
+        rows = [camera_row("right")]
+        table = [list(rows[0])] + [[str(r[k]) for k in rows[0]] for r in rows]
+        run = self.calibrate(
+            write(self.folder, "c.csv", "\n".join(",".join(r) for r in table)),
+            write(self.folder, "o.csv", "\n".join(
+                [lines[0]] + [f"{frame}{line[1:]}" for frame in range(103)
+                              for line in right])))
+        self.assertEqual(run.returncode, 0, run.stderr)
+        self.assertEqual(run.stderr.count("point p7 is wrong"), 100)
+        self.assertIn("103 views fit badly: a cause was looked for in the first 100. ",
+                      run.stderr)
+
     def test_a_mirrored_target_is_named(self):
         run = self.run_on(self.mirrored)
         self.assertIn("left-handed", run.stderr)

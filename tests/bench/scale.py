@@ -8,7 +8,7 @@
 RIGCAL is the program. Every camera sees every point of every placement, with noise of
 0.3 px. The script makes the files in a temporary folder, runs the program, and prints the
 time, the largest resident memory and its ratio to the size of the observations' file. It
-fails if the ratio is above 3, if the residuals do not show the noise that was put in, or if
+fails if the memory is above 3 times that size and 4 MB, if the residuals do not show the noise that was put in, or if
 the poses are farther from the truth than their standard deviations allow. It does not judge
 the time, which is the machine's.
 """

@@ -94,14 +94,18 @@ static void see(rigcal_observation seen[], test_rng *rng, const rigcal_camera *c
     }
 }
 
+/* The first eight points are near the corners of the box, four of them off any plane, so
+ * that no view is weak. */
 static void make_views(bench_rig *b, test_rng *rng)
 {
+    static const int corners[8] = {0, 3, 5, 6, 7, 4, 2, 1}; /* a bit an axis */
     double(*const X)[3] = memory((size_t)b->n_points, sizeof *X);
     const rigcal_transform *const places = &b->poses[b->n_cameras];
 
     for (int i = 0; i < b->n_points; i++) {
-        for (int k = 0; k < 3; k++) { /* the first eight spread, so that no view is weak */
-            const double half = (k == 2) ? 0.25 : 0.5, side = ((i >> k) & 1) ? half : -half;
+        for (int k = 0; k < 3; k++) {
+            const double half = (k == 2) ? 0.25 : 0.5;
+            const double side = ((corners[i % 8] >> k) & 1) ? half : -half;
 
             X[i][k] =
                 (i < 8) ? side * test_uniform(rng, 0.6, 1) : test_uniform(rng, -half, half);

@@ -216,7 +216,8 @@ def to_text(tables):
     column = "cortex-m4f float -O2"
     lines += [f"At {CLOCK_MHZ} MHz, assuming that an instruction takes {CYCLES[0]} to {CYCLES[1]} cycles "
               f"({column}, mean):", ""]
-    for row in ("solve_pose_tag", "solve_pose_8", "solve_pose_tag_warm", "triangulate_2"):
+    for row in ("solve_pose_tag", "solve_pose_8", "solve_pose_tag_warm", "triangulate_2",
+                "rig_join_tag", "rig_adjust_tag", "rig_adjust_12_lens"):
         low, high = (tables["Instructions"][row][column] * c / CLOCK_MHZ / 1000 for c in CYCLES)
         lines.append(f"- {row}: {low:.2f} to {high:.2f} ms")
     return "\n".join(lines) + "\n"

@@ -5,7 +5,8 @@
 #   sh tests/bench/rig.sh          all three rigs, instructions and CPU time; by hand, some
 #                                  minutes
 #   sh tests/bench/rig.sh check    the two small rigs with Ceres alone, nothing counted: that
-#                                  both end in the same minimum, with the same covariance
+#                                  both end in the same minimum, with the same covariance; a
+#                                  step of CI
 #
 # Built by gcc and g++ -O2 in build/rig, Ceres and SciPy as Debian ships them, one thread.
 # The rigs are those of bench_rigs.h: cameras x placements x points. Nothing is printed of a

@@ -1,6 +1,6 @@
 #!/bin/sh
-# rigcal_rig_adjust beside Ceres and SciPy, on the same rigs from the same starts: Markdown
-# tables of DESIGN.md. Installs Ceres, SciPy and valgrind by apt where they are missing.
+# rigcal_rig_adjust beside Ceres and SciPy, on the same rigs from the same starts: a Markdown
+# table of DESIGN.md. Installs Ceres, SciPy and valgrind by apt where they are missing.
 #
 #   sh tests/bench/rig.sh          all three rigs, instructions and CPU time; by hand, some
 #                                  minutes
@@ -11,7 +11,8 @@
 # Built by gcc and g++ -O2 in build/rig, Ceres and SciPy as Debian ships them, one thread.
 # The rigs are those of bench_rigs.h: cameras x placements x points. Nothing is printed of a
 # rig unless all sums of squares agree to 1e-8, the cameras' poses to 0.01 of their standard
-# deviations and Ceres's covariances to 1e-4.
+# deviations and Ceres's covariances to 1e-4. Every method's line is in build/rig/all_*.txt,
+# those of SciPy that do not end there are told on stderr.
 set -eu
 cd "$(dirname "$0")/../.."
 . tests/support/packages.sh
@@ -78,40 +79,39 @@ count() {
     sed -n 's/^totals: *//p' "$build/callgrind.out"
 }
 
-# Lines "group;method;seconds;evaluations;sum;instructions" as a table. Of each group the
-# least of either makes a ratio.
-table() {
+# Of lines "group;method;seconds;evaluations;sum;instructions" the best of each group, by
+# instructions, or by time where there are none, as rows of the table; a ratio is rigcal's
+# over the other's.
+rows() {
     awk -F ';' -v rig="$1" '
-    function least(group, column, x) {
-        x += 0
-        if (x > 0 && (!((group, column) in best) || x < best[group, column])) {
-            best[group, column] = x
-        }
-    }
-    BEGIN {
-        print "| " rig " | evaluations | CPU time, ms | over rigcal | 1000 instructions | over rigcal |"
-        print "| --- | ---: | ---: | ---: | ---: | ---: |"
-    }
     {
-        if ($1 == "rigcal") {
-            time = $3
-            work = $6
+        price = ($6 != "") ? $6 : $3
+        if (!($1 in best)) {
+            groups[++n] = $1
         }
-        least($1, "time", $3)
-        least($1, "work", $6)
-        printf "| %s%s | %d | %.3g | %.3g | ", (($1 == "SciPy") ? "SciPy, " : ($1 == "rigcal") ? "" : "Ceres, "), $2, $4, 1000 * $3, $3 / time
-        if ($6 != "") {
-            printf "%d | %.3g |\n", $6 / 1000, $6 / work
-        } else {
-            print "| |"
+        if (!($1 in best) || price + 0 < best[$1]) {
+            best[$1] = price + 0
+            name[$1] = $2
+            time[$1] = 1000 * $3
+            evaluations[$1] = $4
+            work[$1] = $6
         }
     }
     END {
-        print ""
-        printf "rigcal takes of the best of Ceres by hand %.2f of the time and %.2f of the instructions (with covariance %.2f and %.2f); ", time / best["hand", "time"], work / best["hand", "work"], time / best["hand+cov", "time"], work / best["hand+cov", "work"]
-        printf "of Ceres with automatic derivatives 1 / %.1f and 1 / %.1f (with covariance 1 / %.1f and 1 / %.1f); ", best["automatic", "time"] / time, best["automatic", "work"] / work, best["automatic+cov", "time"] / time, best["automatic+cov", "work"] / work
-        printf "of SciPy 1 / %.0f of the time.\n", best["SciPy", "time"] / time
-    }' "$build/all.txt"
+        for (i = 1; i <= n; i++) {
+            g = groups[i]
+            from = (g == "rigcal") ? "" : (g == "SciPy") ? "SciPy: " : "Ceres: "
+            printf "| %s | %s%s | %d | %.3g | ", rig, from, name[g], evaluations[g], time[g]
+            if (g == "rigcal") {
+                printf "| %d | |\n", work[g] / 1000
+            } else if (work[g] != "") {
+                printf "%.2g | %d | %.2g |\n", time["rigcal"] / time[g], work[g] / 1000,
+                    work["rigcal"] / work[g]
+            } else {
+                printf "%.2g | | |\n", time["rigcal"] / time[g]
+            }
+        }
+    }' "$2"
 }
 
 sed -n 's/^model name[^:]*: */Processor: /p' /proc/cpuinfo | head -n 1
@@ -121,6 +121,9 @@ dpkg-query -W -f '${Package} ${Version}\n' libceres-dev python3-scipy valgrind \
 git log -1 --format='commit %h' 2>/dev/null || true
 sed -n 's/^#define BENCH_RIG_SEED /Seed /p' tests/bench/bench_rigs.h
 echo "CPU time: the least of $repeats runs, of SciPy the least of 3."
+echo
+echo "| rig | the best of its kind | evaluations | CPU time, ms | ratio | 1000 instructions | ratio |"
+echo "| --- | --- | ---: | ---: | ---: | ---: | ---: |"
 for rig in $rigs; do
     numbers=$(echo "$rig" | tr ',' ' ')
     # shellcheck disable=SC2086 -- three numbers
@@ -133,8 +136,7 @@ for rig in $rigs; do
         case $method in *+cov) group=$group+cov ;; esac
         instructions=$(count "$numbers" "$method")
         echo "$group;$method;$seconds;$evaluations;$sum;$instructions"
-    done <"$build/compare.txt" >"$build/all.txt"
-    sed 's/^/SciPy;/; s/$/;/' "$build/scipy.txt" >>"$build/all.txt"
-    echo
-    table "$(echo "$rig" | sed 's/,/ x /g')"
+    done <"$build/compare.txt" >"$build/all_$rig.txt"
+    sed 's/^/SciPy;/; s/$/;/' "$build/scipy.txt" >>"$build/all_$rig.txt"
+    rows "$(echo "$rig" | sed 's/,/ x /g')" "$build/all_$rig.txt"
 done

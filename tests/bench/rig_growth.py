@@ -7,7 +7,7 @@ valgrind, gcc, CMake and matplotlib; takes some minutes.
 
 Built by gcc -O2 in build/instructions, double. The rigs are those of bench_rigs.h: all seen,
 started from composed poses. One number varies at a time. Exit status 1 if the join's
-instructions a view grow by more than 20 % over its range.
+instructions a view and evaluation grow by more than 20 % over its range.
 """
 import pathlib
 import re
@@ -18,7 +18,8 @@ import matplotlib
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402 -- after the choice of back end
-from matplotlib.ticker import NullFormatter, ScalarFormatter  # noqa: E402
+from matplotlib.ticker import (  # noqa: E402
+    FixedLocator, FuncFormatter, LogLocator, NullLocator)
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 BUILD = ROOT / "build/instructions"
@@ -56,54 +57,66 @@ def count(what, rig):
     printed = run("valgrind", "--tool=callgrind", f"--toggle-collect=bench_{what}",
                   f"--callgrind-out-file={counts}", BUILD / "tests/bench_rig", what, *rig)
     total = int(re.search(r"^totals: *(\d+)", counts.read_text(), re.M)[1])
-    evaluations = re.search(r"^evaluations (\d+)", printed)
-    return total, int(evaluations[1]) if evaluations else 0
+    return total, int(re.search(r"^evaluations (\d+)", printed)[1])
 
 
-def print_table(name, rows):
-    print(f"\n| {name} | evaluations | 1000 instructions | a point and evaluation |\n"
-          "| --- | ---: | ---: | ---: |")
+def print_table(name, rows, is_join=False):
+    print(f"\n| {name} | evaluations | 1000 instructions | a {'view' if is_join else 'point'} "
+          "and evaluation |\n| --- | ---: | ---: | ---: |")
     for (C, F, n), total, evaluations in rows:
+        parts = C * F * (1 if is_join else n)
         print(f"| {C} x {F} x {n} | {evaluations} | {total / 1000:.0f} | "
-              f"{total / (C * F * n * evaluations):.0f} |")
+              f"{total / (parts * evaluations):.0f} |")
 
 
-def draw_panel(top, below, x, totals, each, colour):
-    top.loglog(x, totals, "o-", color=colour)
-    middle = len(x) // 2
-    top.loglog(x, [totals[middle] * v / x[middle] for v in x], "--", color="#999999", lw=1,
+def plain(axis, ticks=None):
+    """Numbers as they are, not powers of ten; at 1, 2 and 5, or at `ticks`."""
+    if ticks:
+        axis.set_major_locator(FixedLocator(ticks))
+    else:
+        axis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+    axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axis.set_minor_locator(NullLocator())
+
+
+def draw_panel(axes, x, rows, parts, colour):
+    """Millions in all and an evaluation; below, an evaluation and part (point or view)."""
+    top, below = axes
+    once = [total / evaluations for _, total, evaluations in rows]
+    top.loglog(x, [total / 1e6 for _, total, _ in rows], "o", color=colour, mfc="none",
+               label="until it ends")
+    top.loglog(x, [n / 1e6 for n in once], "o-", color=colour, label="an evaluation")
+    top.loglog(x, [once[-1] / 1e6 * v / x[-1] for v in x], "--", color="#777777", lw=1,
                label="proportional")
+    each = [n / part for n, part in zip(once, parts)]
     below.semilogx(x, each, "o-", color=colour)
-    below.set_ylim(0, 1.25 * max(each))
-    for axes in (top, below):
-        axes.set_xticks(x)
-        axes.xaxis.set_major_formatter(ScalarFormatter())
-        axes.xaxis.set_minor_formatter(NullFormatter())
-        axes.minorticks_off()
+    below.set_ylim(0, 1.2 * max(each))
+    for panel in axes:
+        plain(panel.xaxis, x)
+    plain(top.yaxis)
 
 
 def draw(adjusted, joined):
     plt.rcParams.update({
         "font.family": "DejaVu Sans", "font.size": 9, "axes.titlesize": 9, "axes.grid": True,
         "grid.color": "#dddddd", "grid.linewidth": 0.6, "axes.axisbelow": True,
-        "lines.linewidth": 1.6, "lines.markersize": 4, "legend.frameon": False})
-    figure, axes = plt.subplots(2, 4, figsize=(11, 5.2), sharex="col",
+        "lines.linewidth": 1.6, "lines.markersize": 4, "legend.fontsize": 8})
+    figure, axes = plt.subplots(2, 4, figsize=(11, 5.4), sharex="col",
                                 gridspec_kw={"height_ratios": [3, 2]})
     for k, (name, rows) in enumerate(adjusted.items()):
-        x = [rig[list(adjusted).index(name)] for rig, _, _ in rows]
-        draw_panel(axes[0, k], axes[1, k], x, [total for _, total, _ in rows],
-                   [total / (C * F * n * evals) for (C, F, n), total, evals in rows], "#0072b2")
+        draw_panel(axes[:, k], [rig[k] for rig, _, _ in rows], rows,
+                   [C * F * n for (C, F, n), _, _ in rows], "#0072b2")
         axes[0, k].set_title(f"adjustment\n{FIXED[name]}")
         axes[1, k].set_xlabel(f"number of {name}")
-    draw_panel(axes[0, 3], axes[1, 3], [F for (_, F, _), _ in joined],
-               [total for _, total in joined],
-               [total / (C * F) for (C, F, _), total in joined], "#d55e00")
+    draw_panel(axes[:, 3], [F for (_, F, _), _, _ in joined], joined,
+               [C * F for (C, F, _), _, _ in joined], "#d55e00")
     axes[0, 3].set_title("join\n8 cameras x 12 points")
     axes[1, 3].set_xlabel("number of placements")
-    axes[0, 0].set_ylabel("instructions")
+    axes[0, 0].set_ylabel("million instructions")
     axes[1, 0].set_ylabel("instructions a point\nand evaluation")
-    axes[1, 3].set_ylabel("instructions a view")
-    axes[0, 0].legend(loc="upper left")
+    axes[1, 3].set_ylabel("instructions a view\nand evaluation")
+    for k in (0, 3):
+        axes[0, k].legend(loc="upper left")
     figure.align_ylabels(axes[:, 0])
     figure.tight_layout()
     PICTURE.parent.mkdir(exist_ok=True)
@@ -116,17 +129,15 @@ def main():
     print("commit " + run("git", "log", "-1", "--format=%h").strip())
     adjusted = {name: [(rig, *count("adjust", rig)) for rig in rigs]
                 for name, rigs in ADJUSTED.items()}
-    joined = [(rig, count("join", rig)[0]) for rig in JOINED]
+    joined = [(rig, *count("join", rig)) for rig in JOINED]
     for name, rows in adjusted.items():
         print_table(f"adjusted, {name} vary", rows)
-    print("\n| joined, placements vary | 1000 instructions | a view |\n| --- | ---: | ---: |")
-    for (C, F, n), total in joined:
-        print(f"| {C} x {F} x {n} | {total / 1000:.0f} | {total / (C * F):.0f} |")
+    print_table("joined, placements vary", joined, is_join=True)
     draw(adjusted, joined)
-    each = [total / (C * F) for (C, F, _), total in joined]
+    each = [total / (C * F * evaluations) for (C, F, _), total, evaluations in joined]
     if max(each) > LINEAR * each[0]:
         sys.exit(f"rig_growth: the join is not linear in the views: {each[0]:.0f} to "
-                 f"{max(each):.0f} instructions a view")
+                 f"{max(each):.0f} instructions a view and evaluation")
 
 
 if __name__ == "__main__":

@@ -184,24 +184,25 @@ static void subtract_block(rigcal_real S[], size_t at_i, size_t at_j,
     }
 }
 
-/* With L L^T = H of the placement: what the camera of a slot loses to it. Each row of W
- * becomes one of Y = W L^-T. */
+/* L L^T = H of the placement, in the place of H. */
+static rc_sym6_factor *factor_of(rigcal_rig_solver *s)
+{
+    return (rc_sym6_factor *)(void *)s->Hp;
+}
+
+/* What the camera of a slot loses to the placement, of which s->gp is L^-1 g now. Each row
+ * of W becomes one of Y = W L^-T. */
 static void eliminate_slot(rigcal_rig_solver *s, const rc_rig_parts *parts)
 {
     const size_t slot = s->row++;
-    rigcal_real *const Y = &parts->W[36 * slot], y[6];
-    rc_sym6_factor L;
+    rigcal_real *const Y = &parts->W[36 * slot];
     if (!(parts->slot[slot] >= 0)) {
         return;
     }
-    (void)rc_sym6_factor_of(&L, s->Hp, s->search.lambda);
-    rc_vec3_copy(&y[0], &s->gp[0]);
-    rc_vec3_copy(&y[3], &s->gp[3]);
-    rc_sym6_forward(y, &L);
     const size_t at = (size_t)parts->slot[slot];
     for (size_t i = 0; i < 6; i++) {
-        rc_sym6_forward(&Y[6 * i], &L);
-        parts->g[at + i] -= dot6(&Y[6 * i], y);
+        rc_sym6_forward(&Y[6 * i], factor_of(s));
+        parts->g[at + i] -= dot6(&Y[6 * i], s->gp);
     }
     for (size_t other = 0; other <= slot; other++) {
         if (parts->slot[other] >= 0) {
@@ -410,12 +411,11 @@ static void next_placement(rigcal_rig_solver *s, const rc_rig_parts *parts)
 /* All views of a placement have been added. */
 static void end_placement(rigcal_rig_solver *s, const rc_rig_parts *parts)
 {
-    rc_sym6_factor L;
-    if (!rc_sym6_factor_of(&L, s->Hp, s->search.lambda)) {
+    if (!rc_sym6_factor_of(factor_of(s), s->Hp, s->search.lambda)) {
         s->view--; /* one of them is at fault */
         end_pass(s, RIGCAL_ERR_DEGENERATE);
     } else if (s->phase == SETTLING) {
-        rc_sym6_solve(s->gp, &L);
+        rc_sym6_solve(s->gp, factor_of(s));
         rc_transform_move(&s->rig->rig_from_placements[s->placement], s->gp);
         if (s->is_last) {
             next_placement(s, parts);
@@ -425,11 +425,8 @@ static void end_placement(rigcal_rig_solver *s, const rc_rig_parts *parts)
             s->phase = REDUCING;
         }
     } else {
-        rigcal_real y[6];
-        rc_vec3_copy(&y[0], &s->gp[0]);
-        rc_vec3_copy(&y[3], &s->gp[3]);
-        rc_sym6_forward(y, &L);
-        s->gain += dot6(y, y);
+        rc_sym6_forward(s->gp, factor_of(s));
+        s->gain += dot6(s->gp, s->gp);
         s->row = 0;
         s->phase = ELIMINATING;
     }

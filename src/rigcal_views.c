@@ -179,9 +179,7 @@ static rigcal_status number_unknowns(rigcal_rig_solver *s)
     s->is_disconnected = number_groups(rig) > 1;
     rc_rig_parts_of(&parts, rig, 0);
     rigcal_real *const is_fixed = parts.slot; /* of each group */
-    for (size_t c = 0; c < rig->n_cameras; c++) {
-        is_fixed[c] = 0;
-    }
+    rc_clear(is_fixed, rig->n_cameras);
     for (size_t c = 0; c < rig->n_cameras; c++) {
         if (rc_rig_is_held(rig, c) || rc_rig_has_prior(rig, c)) {
             is_fixed[rig->group[c]] = 1;
@@ -194,6 +192,7 @@ static rigcal_status number_unknowns(rigcal_rig_solver *s)
         } else {
             parts.column[c] = (rigcal_real)n;
             n += 6;
+            s->n_free += rc_rig_has_prior(rig, c) ? 0 : 1;
         }
     }
     s->n = n;

@@ -18,6 +18,9 @@
 #define JOBS_SCENES 20
 #endif
 
+/* A rig has 24 views, whose poses have to be found before it is joined. */
+#define JOBS_RIGS ((JOBS_SCENES + 3) / 4)
+
 /* Whether there is RAM for a rig. */
 #ifndef JOBS_RIG
 #define JOBS_RIG 1
@@ -553,7 +556,8 @@ int main(void)
         if (JOBS_ONLY[0] != '\0' && strcmp(JOBS_ONLY, jobs[j].name) != 0) {
             continue;
         }
-        for (uint64_t i = 0; i < JOBS_SCENES; i++) {
+        const uint64_t scenes = (jobs[j].make == make_scene) ? JOBS_SCENES : JOBS_RIGS;
+        for (uint64_t i = 0; i < scenes; i++) {
             rigcal_status status = 0;
             memset(&result, 0, sizeof result);
             jobs[j].make(jobs[j].n, jobs[j].what, 1000 * jobs[j].n + i);

@@ -105,10 +105,10 @@ rows() {
             if (g == "rigcal") {
                 printf "| %d | |\n", work[g] / 1000
             } else if (work[g] != "") {
-                printf "%.2g | %d | %.2g |\n", time["rigcal"] / time[g], work[g] / 1000,
+                printf "%.3g | %d | %.3g |\n", time["rigcal"] / time[g], work[g] / 1000,
                     work["rigcal"] / work[g]
             } else {
-                printf "%.2g | | |\n", time["rigcal"] / time[g]
+                printf "%.3g | | |\n", time["rigcal"] / time[g]
             }
         }
     }' "$2"

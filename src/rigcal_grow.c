@@ -883,7 +883,8 @@ rigcal_status rigcal_choose_begin(rigcal_choose_solver *solver, rigcal_choice *c
     if (status != RIGCAL_OK) {
         return status;
     }
-    *solver = (rigcal_choose_solver){{0}, choice};
+    *solver = (rigcal_choose_solver){0};
+    solver->choice = choice;
     solver->check.rig = rig;
     solver->check.is_join = 1;
     solver->check.at_fault = -1;

@@ -25,9 +25,9 @@ typedef struct {
     double share;
 } line;
 
-static const line lines[] = {
-    {10, 2, 6, 1},  {10, 4, 10, 1}, {20, 2, 10, 1},   {30, 2, 10, 1},     {20, 4, 10, 1},
-    {30, 4, 10, 1}, {20, 8, 50, 1}, {20, 4, 20, 0.5}, {20, 6, 20, 1 / 3.}};
+static const line lines[] = {{10, 2, 6, 1},  {10, 4, 10, 1},   {20, 2, 10, 1},
+                             {30, 2, 10, 1}, {20, 4, 10, 1},   {30, 4, 10, 1},
+                             {20, 8, 50, 1}, {20, 4, 20, 0.5}, {20, 6, 20, 1 / 3.}};
 
 /* Unity, which the tests' arithmetic is checked with, wants them. */
 void setUp(void)

@@ -340,11 +340,18 @@ static int is_scored(const rigcal_choose_solver *s, const grow_parts *p, size_t 
 
 static void begin_pairing(rigcal_choose_solver *s, const grow_parts *p)
 {
-    grow_tree(p, s->check.rig->n_cameras);
+    const size_t C = s->check.rig->n_cameras;
+    grow_tree(p, C);
+    for (size_t c = 0; c < C; c++) { /* what it has in common with all others */
+        p->score[c] = 0;
+        for (size_t d = 0; d < C; d++) {
+            p->score[c] += (d == c) ? 0 : *link_of(p, c, d);
+        }
+    }
     for (int k = 0; k < RIGCAL_CHOOSE_RUNGS; k++) {
         s->seed[k] = (rigcal_seed){0, -1, -1, 0};
     }
-    s->a = s->b = 0;
+    s->which = s->view = 0; /* cameras of a pair */
     s->phase = PAIRING;
 }
 
@@ -643,16 +650,21 @@ static rigcal_status seed(rigcal_choose_solver *s, const grow_parts *p)
     return join_by(s, p, (size_t)best->number);
 }
 
+/* The next pair. The camera that has more in common with all is the frame, so that the
+ * order of the cameras does not matter. */
 static rigcal_status pairing_step(rigcal_choose_solver *s, const grow_parts *p)
 {
-    if (++s->a >= s->b) {
-        s->a = 0;
-        s->b++;
+    if (++s->which >= s->view) {
+        s->which = 0;
+        s->view++;
     }
-    if ((size_t)s->b >= s->check.rig->n_cameras) {
+    if (s->view >= s->check.rig->n_cameras) {
         return seed(s, p);
     }
-    if (is_scored(s, p, (size_t)s->a, (size_t)s->b)) {
+    if (is_scored(s, p, s->which, s->view)) {
+        const int is_less = p->score[s->which] < p->score[s->view];
+        s->a = (int32_t)(is_less ? s->view : s->which);
+        s->b = (int32_t)(is_less ? s->which : s->view);
         s->phase = LISTING;
     }
     return RIGCAL_OK;

@@ -15,26 +15,25 @@ rigcal_real rc_information_of_both(rigcal_real a, rigcal_real b)
 /* ---- links --------------------------------------------------------------- */
 
 /* Checks the poses of the views, and writes the groups. */
-static rigcal_status check(rigcal_rig_solver *s, rigcal_rig *rig)
+static rigcal_status check(int32_t *at_fault, rigcal_rig *rig)
 {
-    *s = (rigcal_rig_solver){0};
-    s->rig = rig;
-    s->is_join = 1;
+    rigcal_rig_solver s = {0};
     rigcal_status status = rc_rig_check(rig);
     if (status == RIGCAL_OK && rig->view_poses == NULL && rig->view_pose_source == NULL) {
         status = RIGCAL_ERR_NULL;
     }
-    if (status != RIGCAL_OK) {
-        return status;
+    if (status == RIGCAL_OK) {
+        s.rig = rig;
+        s.is_join = 1;
+        status = rc_views_begin(&s);
     }
-    status = rc_views_begin(s);
     if (status != RIGCAL_OK) {
-        s->view = rig->n_views; /* none is at fault */
         return status;
     }
     do {
-        status = rc_views_step(s);
+        status = rc_views_step(&s);
     } while (status == RIGCAL_RUNNING);
+    *at_fault = (status < 0 && s.view < rig->n_views) ? (int32_t)s.view : -1;
     return status;
 }
 
@@ -75,20 +74,15 @@ static int32_t groups_of(const rigcal_rig *rig)
 rigcal_status rigcal_rig_links(rigcal_link links[], size_t capacity, int32_t *n_groups,
                                int32_t *at_fault, rigcal_rig *rig)
 {
-    rigcal_rig_solver s;
     rc_rig_parts parts;
     size_t first = 0;
+    int32_t at = -1;
+    rigcal_status status =
+        (links == NULL || n_groups == NULL) ? RIGCAL_ERR_NULL : check(&at, rig);
     if (at_fault != NULL) {
-        *at_fault = -1;
+        *at_fault = at;
     }
-    if (links == NULL || n_groups == NULL) {
-        return RIGCAL_ERR_NULL;
-    }
-    rigcal_status status = check(&s, rig);
     if (status != RIGCAL_OK) {
-        if (at_fault != NULL && s.n_seen + s.view > 0 && s.view < rig->n_views) {
-            *at_fault = (int32_t)s.view;
-        }
         return status;
     }
     if (capacity < RIGCAL_LINKS(rig->n_cameras)) {

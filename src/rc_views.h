@@ -3,16 +3,28 @@
 #ifndef RC_VIEWS_H
 #define RC_VIEWS_H
 
+#include "rc_chain.h"
 #include "rc_points.h"
+
+/* What is given of a view, its points or its own pose: functions to check view s->view,
+ * counting what s counts, and to make its equations where the rig is: *sum, g and H by
+ * (w, dt) of cam_from_target. */
+struct rigcal_rig_given {
+    rigcal_status (*check)(int32_t *camera, int32_t *placement, rigcal_rig_solver *s);
+    rigcal_status (*equations)(rigcal_real *sum, rigcal_real g[6], rigcal_real H[21],
+                               rc_chain *chain, int32_t *camera,
+                               const rigcal_rig_solver *s);
+};
 
 /* Where the parts of rig->work begin. */
 typedef struct {
-    rigcal_real *count;      /* of each placement, its views */
+    rigcal_real *count;      /* of each placement, its views; less than 0: all left out */
     rigcal_real *column;     /* of each camera, its first unknown; -1: it is held */
     rigcal_real *slot;       /* of each view of a placement, the same */
     rigcal_real *W;          /* 36 of each view of a placement */
     rigcal_transform *saved; /* the cameras, the placements */
-    rigcal_real *S, *g, *d;  /* of the cameras, packed; after a search the covariance */
+    rigcal_real *S, *g;      /* of the cameras, packed; S after a search the covariance */
+    rigcal_real *d; /* the diagonal before placements were eliminated; then the step */
 } rc_rig_parts;
 
 void rc_rig_parts_of(rc_rig_parts *parts, const rigcal_rig *rig, size_t n_unknowns);
@@ -28,6 +40,10 @@ rigcal_status rc_rig_check(const rigcal_rig *rig);
  * view. */
 rigcal_status rc_rig_points(rigcal_points *points, const rigcal_rig_view *view);
 
+/* How many views there are of a placement, left out or not: they follow one another. */
+size_t rc_rig_views_of(const rc_rig_parts *parts, size_t placement);
+
+int rc_rig_is_left_out(const rigcal_rig *rig, size_t view);
 int rc_rig_is_held(const rigcal_rig *rig, size_t camera);
 int rc_rig_has_prior(const rigcal_rig *rig, size_t camera);
 

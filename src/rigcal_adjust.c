@@ -7,7 +7,8 @@
 /* passes: over all views, of a search, usually 4 to 8. The worst case. */
 enum { PASSES_MAX = 200 };
 
-/* part of an element of the diagonal: a smaller pivot is rounding. */
+/* part of a camera's element of the diagonal, before placements were eliminated from it: a
+ * smaller pivot is rounding. */
 #define RANK_TOL (8 * RC_EPS)
 
 /* part of the sum: the search ends when no more is still to be gained, judged by how fast
@@ -15,7 +16,7 @@ enum { PASSES_MAX = 200 };
 #define GAIN_ENOUGH RC_TOL(1e-10, 1e-6)
 
 enum {
-    CHECKING = RC_RIG_CHECKED + 1, /* what is handed in, view by view */
+    CHECKING = RC_RIG_REACHING + 1, /* what is handed in, view by view */
     SETTLING,    /* a placement's own step, its views' equations being added */
     REDUCING,    /* its views' equations, by camera and placement */
     ELIMINATING, /* the placement, from the equations of one of its cameras */
@@ -25,71 +26,34 @@ enum {
     SQUARING
 };
 
-/* ---- a pass -------------------------------------------------------------- */
+/* ---- views by their points ----------------------------------------------- */
 
-static void fail(rigcal_rig_solver *s, rigcal_status status, int32_t at_fault)
+static rigcal_status check_points(int32_t *camera, int32_t *placement, rigcal_rig_solver *s)
 {
-    s->search.status = status;
-    s->at_fault = at_fault;
-    s->phase = RC_RIG_DONE;
-    rc_rig_forget(s->rig);
-}
-
-/* A placement that was seen, from s->placement on. A step of its own comes first, where the
- * cameras have moved. 0: there is none. */
-static int begin_placement(rigcal_rig_solver *s, const rc_rig_parts *parts)
-{
-    while (s->placement < s->rig->n_placements && !(parts->count[s->placement] > 0)) {
-        s->placement++;
-    }
-    rc_rigid_clear(s->gp, s->Hp);
-    s->first = s->view;
-    s->row = 0;
-    s->phase = (s->is_trial || s->is_last) ? SETTLING : REDUCING;
-    return s->placement < s->rig->n_placements;
-}
-
-/* From the first view on. */
-static void begin_pass(rigcal_rig_solver *s)
-{
-    rc_rig_parts parts;
-    rc_rig_parts_of(&parts, s->rig, s->n);
-    if (!s->is_last) { /* which keeps the factor */
-        rc_clear(parts.S, s->n * (s->n + 1) / 2);
-        rc_clear(parts.g, s->n);
-    }
-    s->sum = s->gain = 0;
-    s->view = s->placement = 0;
-    s->evals += s->is_trial ? 2 : 1;
-    (void)begin_placement(s, &parts);
-}
-
-/* The equations of view s->view by its own pose, where the rig is. */
-static rigcal_status view_equations(rigcal_real *sum, rigcal_real g[6], rigcal_real H[21],
-                                    rc_chain *chain, int32_t *camera,
-                                    const rigcal_rig_solver *s)
-{
-    const rigcal_rig *const rig = s->rig;
-    const rigcal_transform *const placement = &rig->rig_from_placements[s->placement];
-    if (!s->is_join) {
-        rigcal_rig_view v;
-        const rigcal_status status = rc_rig_view_at(&v, rig, s->view);
-        if (status != RIGCAL_OK) {
-            return status;
-        }
-        *camera = v.camera;
-        rc_chain_of(chain, &rig->cams_from_rig[v.camera], placement);
-        return rc_rig_equations(sum, g, H, &v, &chain->cam_from_target);
-    }
-    rigcal_view_pose v;
-    const rigcal_status status = rc_rig_pose_at(&v, rig, s->view);
+    rigcal_rig_view v;
+    rigcal_view_pose own;
+    rigcal_points points;
+    rigcal_status status = rc_rig_view_at(&v, s->rig, s->view);
     if (status != RIGCAL_OK) {
         return status;
     }
     *camera = v.camera;
-    rc_chain_of(chain, &rig->cams_from_rig[v.camera], placement);
-    rc_rig_quadratic(sum, g, H, &v, &chain->cam_from_target);
-    return RIGCAL_OK;
+    *placement = v.placement;
+    if (rc_rig_is_left_out(s->rig, s->view)) {
+        return RIGCAL_OK;
+    }
+    status = (v.target != 0) ? RIGCAL_ERR_RANGE : rc_rig_points(&points, &v);
+    if (status != RIGCAL_OK) {
+        return status;
+    }
+    s->n_points += points.n_used;
+    s->negligible += points.negligible;
+    if (s->rig->view_poses == NULL && s->rig->view_pose_source == NULL) {
+        return RIGCAL_OK;
+    }
+    status = rc_rig_pose_at(&own, s->rig, s->view);
+    s->own_sum += own.sse;
+    return (status == RIGCAL_OK) ? rc_check_noise(&own.sse) : status;
 }
 
 rigcal_status rc_rig_equations(rigcal_real *sum, rigcal_real g[6], rigcal_real H[21],
@@ -104,29 +68,97 @@ rigcal_status rc_rig_equations(rigcal_real *sum, rigcal_real g[6], rigcal_real H
                                RC_GAUSS_NEWTON);
 }
 
-void rc_rig_quadratic(rigcal_real *sum, rigcal_real g[6], rigcal_real H[21],
-                      const rigcal_view_pose *own, const rigcal_transform *cam_from_target)
+static rigcal_status equations_of_points(rigcal_real *sum, rigcal_real g[6],
+                                         rigcal_real H[21], rc_chain *chain,
+                                         int32_t *camera, const rigcal_rig_solver *s)
 {
-    rigcal_real d[6];
-    rc_deviation(d, &own->cam_from_target, cam_from_target);
-    for (int k = 0; k < 21; k++) {
-        H[k] = own->information[k];
+    rigcal_rig_view v;
+    const rigcal_status status = rc_rig_view_at(&v, s->rig, s->view);
+    if (status != RIGCAL_OK) {
+        return status;
     }
-    rc_sym6_mul(g, H, d);
-    *sum = rc_vec3_dot(g, d) + rc_vec3_dot(&g[3], &d[3]);
+    *camera = v.camera;
+    rc_chain_of(chain, &s->rig->cams_from_rig[v.camera],
+                &s->rig->rig_from_placements[s->placement]);
+    return rc_rig_equations(sum, g, H, &v, &chain->cam_from_target);
+}
+
+const struct rigcal_rig_given rc_given_points = {check_points, equations_of_points};
+
+/* ---- a pass -------------------------------------------------------------- */
+
+void rc_rig_fail(rigcal_rig_solver *s, rigcal_status status, int32_t at_fault)
+{
+    s->search.status = status;
+    s->at_fault = at_fault;
+    s->phase = RC_RIG_DONE;
+    rc_rig_forget(s->rig);
+}
+
+rigcal_status rc_rig_outcome(int32_t *at_fault, const rigcal_rig_solver *s)
+{
+    const rigcal_status status = s->search.status;
+    if (at_fault != NULL) {
+        *at_fault = s->at_fault;
+    }
+    return (status == RIGCAL_OK && s->is_disconnected) ? RIGCAL_DISCONNECTED : status;
+}
+
+rigcal_status rc_rig_check_step(const rigcal_rig_solver *s, int32_t budget)
+{
+    if (s == NULL) {
+        return RIGCAL_ERR_NULL;
+    }
+    if (s->phase == 0) {
+        return RIGCAL_ERR_STATE;
+    }
+    return (budget < 1) ? RIGCAL_ERR_RANGE : RIGCAL_OK;
+}
+
+/* A placement that was seen, from s->placement on. A step of its own comes first, where the
+ * cameras have moved. 0: there is none. */
+static int begin_placement(rigcal_rig_solver *s, const rc_rig_parts *parts)
+{
+    while (s->placement < s->rig->n_placements && !(parts->count[s->placement] > 0)) {
+        s->view += rc_rig_views_of(parts, s->placement);
+        s->placement++;
+    }
+    rc_rigid_clear(s->gp, s->Hp);
+    s->first = s->view;
+    s->row = 0;
+    s->phase = (s->is_trial || s->is_last) ? SETTLING : REDUCING;
+    return s->placement < s->rig->n_placements;
+}
+
+/* From the first view on. */
+static void begin_pass(rigcal_rig_solver *s)
+{
+    rc_rig_parts parts;
+    rc_rig_parts_of(&parts, s->rig, s->n);
+    if (!s->is_last) {                                       /* which keeps the factor */
+        rc_clear(parts.S, s->n * (s->n + 1) / 2 + 2 * s->n); /* g and d follow */
+    }
+    s->sum = s->gain = 0;
+    s->view = s->placement = 0;
+    s->evals += s->is_trial ? 2 : 1;
+    (void)begin_placement(s, &parts);
 }
 
 /* ---- elimination --------------------------------------------------------- */
 
-/* The block of one camera, whose unknowns begin at `at`: S += H. */
-static void add_block(rigcal_real S[], size_t at, const rigcal_real H[21])
+/* The equations of one camera, whose unknowns begin at `at`. */
+static void add_camera(const rc_rig_parts *parts, size_t at, const rigcal_real g[6],
+                       const rigcal_real H[21])
 {
     rigcal_real full[36];
     rc_sym6_unpack(full, H);
     for (size_t i = 0; i < 6; i++) {
+        rigcal_real *const row = &parts->S[rc_packed_at(at + i, at)];
         for (size_t j = 0; j <= i; j++) {
-            S[rc_packed_at(at + i, at + j)] += full[6 * i + j];
+            row[j] += full[6 * i + j];
         }
+        parts->g[at + i] += g[i];
+        parts->d[at + i] += full[7 * i];
     }
 }
 
@@ -152,24 +184,25 @@ static void subtract_block(rigcal_real S[], size_t at_i, size_t at_j,
     }
 }
 
-/* With L L^T = H of the placement: what the camera of a slot loses to it. Each row of W
- * becomes one of Y = W L^-T. */
+/* L L^T = H of the placement, in the place of H. */
+static rc_sym6_factor *factor_of(rigcal_rig_solver *s)
+{
+    return (rc_sym6_factor *)(void *)s->Hp;
+}
+
+/* What the camera of a slot loses to the placement, of which s->gp is L^-1 g now. Each row
+ * of W becomes one of Y = W L^-T. */
 static void eliminate_slot(rigcal_rig_solver *s, const rc_rig_parts *parts)
 {
     const size_t slot = s->row++;
-    rigcal_real *const Y = &parts->W[36 * slot], y[6];
-    rc_sym6_factor L;
+    rigcal_real *const Y = &parts->W[36 * slot];
     if (!(parts->slot[slot] >= 0)) {
         return;
     }
-    (void)rc_sym6_factor_of(&L, s->Hp, s->search.lambda);
-    rc_vec3_copy(&y[0], &s->gp[0]);
-    rc_vec3_copy(&y[3], &s->gp[3]);
-    rc_sym6_forward(y, &L);
     const size_t at = (size_t)parts->slot[slot];
     for (size_t i = 0; i < 6; i++) {
-        rc_sym6_forward(&Y[6 * i], &L);
-        parts->g[at + i] -= dot6(&Y[6 * i], y);
+        rc_sym6_forward(&Y[6 * i], factor_of(s));
+        parts->g[at + i] -= dot6(&Y[6 * i], s->gp);
     }
     for (size_t other = 0; other <= slot; other++) {
         if (parts->slot[other] >= 0) {
@@ -181,19 +214,23 @@ static void eliminate_slot(rigcal_rig_solver *s, const rc_rig_parts *parts)
 
 /* ---- the cameras' step --------------------------------------------------- */
 
-static void save_poses(const rigcal_rig_solver *s, const rc_rig_parts *parts, int is_back)
+static void copy_poses(rigcal_transform to[], const rigcal_transform from[], size_t n)
 {
-    const rigcal_rig *const rig = s->rig;
-    for (size_t i = 0; i < rig->n_cameras + rig->n_placements; i++) {
-        rigcal_transform *const pose = (i < rig->n_cameras)
-                                           ? &rig->cams_from_rig[i]
-                                           : &rig->rig_from_placements[i - rig->n_cameras];
-        if (is_back) {
-            *pose = parts->saved[i];
-        } else {
-            parts->saved[i] = *pose;
-        }
+    for (size_t i = 0; i < n; i++) {
+        to[i] = from[i];
     }
+}
+
+static void save_poses(const rigcal_rig *rig, const rc_rig_parts *parts)
+{
+    copy_poses(parts->saved, rig->cams_from_rig, rig->n_cameras);
+    copy_poses(&parts->saved[rig->n_cameras], rig->rig_from_placements, rig->n_placements);
+}
+
+static void restore_poses(const rigcal_rig *rig, const rc_rig_parts *parts)
+{
+    copy_poses(rig->cams_from_rig, parts->saved, rig->n_cameras);
+    copy_poses(rig->rig_from_placements, &parts->saved[rig->n_cameras], rig->n_placements);
 }
 
 static void move_cameras(const rigcal_rig_solver *s, const rc_rig_parts *parts)
@@ -213,6 +250,7 @@ static void end_search(rigcal_rig_solver *s, rigcal_status status, int is_factor
     s->row = 0;
     if (s->is_join) {
         s->phase = RC_RIG_DONE;
+        rc_rig_forget(s->rig);
     } else if (is_factored && !(s->search.lambda > 0)) {
         s->phase = INVERTING;
     } else {
@@ -247,7 +285,7 @@ static void take_step(rigcal_rig_solver *s, const rc_rig_parts *parts)
     }
     s->is_trial = step == RC_STEP_TRY;
     s->is_last = step == RC_STEP_LAST;
-    save_poses(s, parts, 0);
+    save_poses(s->rig, parts);
     move_cameras(s, parts);
     begin_pass(s);
 }
@@ -256,14 +294,12 @@ static void factor_row(rigcal_rig_solver *s, const rc_rig_parts *parts)
 {
     const size_t i = s->row++;
     if (i < s->n) {
-        rigcal_real *const pivot = &parts->S[rc_packed_at(i, i)];
-        const rigcal_real least = RANK_TOL * *pivot;
-        *pivot += s->search.lambda * *pivot;
-        if (!rc_packed_factor_row(parts->S, i, rc_max(least, 0))) {
+        parts->S[rc_packed_at(i, i)] *= 1 + s->search.lambda;
+        if (!rc_packed_factor_row(parts->S, i, RANK_TOL * parts->d[i])) {
             rc_levenberg_not_definite(&s->search);
             if (s->is_final || s->search.status != RIGCAL_RUNNING ||
                 s->evals >= PASSES_MAX) {
-                fail(s, RIGCAL_ERR_DEGENERATE, -1);
+                rc_rig_fail(s, RIGCAL_ERR_DEGENERATE, -1);
             } else {
                 s->is_trial = 0;
                 begin_pass(s);
@@ -309,7 +345,7 @@ static void end_pass(rigcal_rig_solver *s, rigcal_status status)
     s->phase = FACTORING;
     if (s->is_final || s->is_last) {
         if (status != RIGCAL_OK) {
-            fail(s, status, (int32_t)s->view);
+            rc_rig_fail(s, status, (int32_t)s->view);
         } else if (s->is_last) {
             s->is_last = 0;
             end_search(s, RIGCAL_OK, 1);
@@ -317,10 +353,10 @@ static void end_pass(rigcal_rig_solver *s, rigcal_status status)
     } else if (!s->is_trial) {
         rc_levenberg_evaluated(lm, status, s->sum);
         if (lm->status != RIGCAL_RUNNING) {
-            fail(s, status, (int32_t)s->view);
+            rc_rig_fail(s, status, (int32_t)s->view);
         }
     } else if (!rc_levenberg_tried(lm, status, s->sum, s->promised, s->negligible)) {
-        save_poses(s, &parts, 1);
+        restore_poses(s->rig, &parts);
         s->is_trial = 0;
         if (lm->status != RIGCAL_RUNNING) {
             end_search(s, lm->status, 0);
@@ -341,7 +377,7 @@ static void add_prior(rigcal_rig_solver *s, const rc_rig_parts *parts)
         rigcal_real packed[21], full[36], d[6], g[6];
         rc_sym6_pack(packed, prior->Sigma);
         if (!rc_sym6_invert(full, packed)) {
-            fail(s, RIGCAL_ERR_DEGENERATE, -1);
+            rc_rig_fail(s, RIGCAL_ERR_DEGENERATE, -1);
             return;
         }
         rc_sym6_pack(packed, full);
@@ -350,10 +386,7 @@ static void add_prior(rigcal_rig_solver *s, const rc_rig_parts *parts)
         }
         rc_deviation(d, &prior->cam_from_rig, &rig->cams_from_rig[c]);
         rc_sym6_mul(g, packed, d);
-        add_block(parts->S, at, packed);
-        for (size_t k = 0; k < 6; k++) {
-            parts->g[at + k] += g[k];
-        }
+        add_camera(parts, at, g, packed);
         s->sum += dot6(g, d);
     }
     if (s->row >= rig->n_cameras) {
@@ -378,12 +411,11 @@ static void next_placement(rigcal_rig_solver *s, const rc_rig_parts *parts)
 /* All views of a placement have been added. */
 static void end_placement(rigcal_rig_solver *s, const rc_rig_parts *parts)
 {
-    rc_sym6_factor L;
-    if (!rc_sym6_factor_of(&L, s->Hp, s->search.lambda)) {
+    if (!rc_sym6_factor_of(factor_of(s), s->Hp, s->search.lambda)) {
         s->view--; /* one of them is at fault */
         end_pass(s, RIGCAL_ERR_DEGENERATE);
     } else if (s->phase == SETTLING) {
-        rc_sym6_solve(s->gp, &L);
+        rc_sym6_solve(s->gp, factor_of(s));
         rc_transform_move(&s->rig->rig_from_placements[s->placement], s->gp);
         if (s->is_last) {
             next_placement(s, parts);
@@ -393,11 +425,8 @@ static void end_placement(rigcal_rig_solver *s, const rc_rig_parts *parts)
             s->phase = REDUCING;
         }
     } else {
-        rigcal_real y[6];
-        rc_vec3_copy(&y[0], &s->gp[0]);
-        rc_vec3_copy(&y[3], &s->gp[3]);
-        rc_sym6_forward(y, &L);
-        s->gain += dot6(y, y);
+        rc_sym6_forward(s->gp, factor_of(s));
+        s->gain += dot6(s->gp, s->gp);
         s->row = 0;
         s->phase = ELIMINATING;
     }
@@ -405,34 +434,42 @@ static void end_placement(rigcal_rig_solver *s, const rc_rig_parts *parts)
 
 static int is_end_of_placement(const rigcal_rig_solver *s, const rc_rig_parts *parts)
 {
-    return s->view - s->first == (size_t)parts->count[s->placement];
+    return s->view - s->first == rc_rig_views_of(parts, s->placement);
 }
 
 /* Adds the view to its placement's equations and, where the pass reduces, to its camera's.
  * */
-static void add_view(rigcal_rig_solver *s, const rc_rig_parts *parts)
+static rigcal_status add_equations(rigcal_rig_solver *s, const rc_rig_parts *parts,
+                                   size_t slot)
 {
     rigcal_real sum = 0, g[6], H[21];
     rc_chain chain;
     int32_t camera = 0;
-    const rigcal_status status = view_equations(&sum, g, H, &chain, &camera, s);
-    const size_t slot = s->view - s->first;
+    const rigcal_status status = s->given->equations(&sum, g, H, &chain, &camera, s);
     if (status != RIGCAL_OK) {
-        end_pass(s, status);
-        return;
+        return status;
     }
     rc_chain_add_placement(s->gp, s->Hp, &chain, g, H);
     if (s->phase == REDUCING) {
         s->sum += sum;
         parts->slot[slot] = parts->column[camera];
         if (parts->slot[slot] >= 0) {
-            const size_t at = (size_t)parts->slot[slot];
             rc_chain_camera(g, H, &parts->W[36 * slot], &chain);
-            add_block(parts->S, at, H);
-            for (size_t k = 0; k < 6; k++) {
-                parts->g[at + k] += g[k];
-            }
+            add_camera(parts, (size_t)parts->slot[slot], g, H);
         }
+    }
+    return RIGCAL_OK;
+}
+
+static void add_view(rigcal_rig_solver *s, const rc_rig_parts *parts)
+{
+    const size_t slot = s->view - s->first;
+    parts->slot[slot] = -1;
+    const rigcal_status status =
+        rc_rig_is_left_out(s->rig, s->view) ? RIGCAL_OK : add_equations(s, parts, slot);
+    if (status != RIGCAL_OK) {
+        end_pass(s, status);
+        return;
     }
     s->view++;
     if (is_end_of_placement(s, parts)) {
@@ -442,18 +479,24 @@ static void add_view(rigcal_rig_solver *s, const rc_rig_parts *parts)
 
 /* ---- the search ---------------------------------------------------------- */
 
-void rc_rig_begin(rigcal_rig_solver *s, rigcal_rig *rig, int is_join)
+rigcal_status rc_rig_begin(rigcal_rig_solver *s, rigcal_rig *rig,
+                           const struct rigcal_rig_given *given)
 {
+    if (rigcal_rig_work(0, rig->n_cameras, rig->n_placements) > rig->work_capacity) {
+        return RIGCAL_ERR_CAPACITY;
+    }
     *s = (rigcal_rig_solver){0};
     s->rig = rig;
-    s->is_join = is_join;
-    s->at_fault = -1;
+    s->given = given;
+    s->is_join = given != &rc_given_points;
     s->phase = CHECKING;
+    s->at_fault = -1;
     rc_levenberg_begin(&s->search, 1);
     const rigcal_status status = rc_views_begin(s);
     if (status != RIGCAL_OK) {
-        fail(s, status, -1);
+        rc_rig_fail(s, status, -1);
     }
+    return RIGCAL_OK;
 }
 
 static void checking_step(rigcal_rig_solver *s)
@@ -462,7 +505,7 @@ static void checking_step(rigcal_rig_solver *s)
     if (status == RIGCAL_OK) {
         s->phase = RC_RIG_CHECKED;
     } else if (status != RIGCAL_RUNNING) {
-        fail(s, status, (s->view < s->rig->n_views) ? (int32_t)s->view : -1);
+        rc_rig_fail(s, status, (s->view < s->rig->n_views) ? (int32_t)s->view : -1);
     }
 }
 
@@ -480,7 +523,7 @@ void rc_rig_step(rigcal_rig_solver *s)
         break;
     case ELIMINATING:
         eliminate_slot(s, &parts);
-        if (s->row == (size_t)parts.count[s->placement]) {
+        if (s->row == rc_rig_views_of(&parts, s->placement)) {
             next_placement(s, &parts);
         }
         break;

@@ -607,6 +607,8 @@ static void test_what_is_refused(void)
     assert_at_fault(RIGCAL_ERR_ROTATION, 7);
     t.second[7] = kept;
     t.own[3].sse = TEST_NAN;
+    assert_at_fault(RIGCAL_ERR_NOT_FINITE, 3);
+    t.own[3].sse = -1;
     assert_at_fault(RIGCAL_ERR_RANGE, 3);
     t.own[3].sse = 1;
     t.own[4].camera = 3;

@@ -13,12 +13,6 @@
 /* share: of views, below which they contradict each other. */
 #define SHARE_LEAST RC(0.5)
 
-/* px: the least noise that is believed where none is stated. Pixels are not better. */
-#define NOISE_LEAST RC(0.01)
-
-/* halvings: of a search of the median. Its error is this part of the largest. */
-enum { HALVINGS = 60 };
-
 /* pairs: that are scored with each camera, those that have most in common. More take
  * time. */
 enum { PAIRS_MOST = 3 };
@@ -58,50 +52,10 @@ static rigcal_status check_second(rigcal_choose_solver *s, const rc_score_parts 
                : rc_check_pose(&second);
 }
 
-/* The number at that place of x, in the order of size; those below 0 do not count. */
-static rigcal_real ordered(const rigcal_real x[], size_t n, size_t place)
-{
-    rigcal_real low = 0, high = 0;
-    for (size_t i = 0; i < n; i++) {
-        high = rc_max(high, x[i]);
-    }
-    for (int k = 0; k < HALVINGS; k++) {
-        const rigcal_real middle = low + (high - low) / 2;
-        size_t within = 0;
-        for (size_t i = 0; i < n; i++) {
-            within += (x[i] >= 0 && x[i] <= middle);
-        }
-        if (within > place) {
-            high = middle;
-        } else {
-            low = middle;
-        }
-    }
-    return high;
-}
-
-/* sigma^2, stated or the median of the views' own; 0: it cannot be known. */
-static rigcal_real variance_of(const rigcal_rig *rig, const rc_score_parts *p)
-{
-    size_t n = 0;
-    if (rig->sigma_px > 0) {
-        return rig->sigma_px * rig->sigma_px;
-    }
-    for (size_t v = 0; v < rig->n_views; v++) {
-        n += (p->told[v] >= 0);
-    }
-    if (n == 0) {
-        return 0;
-    }
-    const rigcal_real low = ordered(p->told, rig->n_views, (n - 1) / 2);
-    const rigcal_real high = ordered(p->told, rig->n_views, n / 2);
-    return rc_max(low + (high - low) / 2, NOISE_LEAST * NOISE_LEAST);
-}
-
 static rigcal_status begin_weighing(rigcal_choose_solver *s, const rc_score_parts *p)
 {
     const rigcal_rig *const rig = s->check.rig;
-    const rigcal_real variance = variance_of(rig, p);
+    const rigcal_real variance = rc_score_variance(rig, p);
     rc_rig_parts parts;
     if (!(variance > 0)) {
         return RIGCAL_ERR_TOO_FEW;

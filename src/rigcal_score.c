@@ -8,6 +8,12 @@
  * need more than 1. */
 const rigcal_real rc_score_ladder[RIGCAL_CHOOSE_RUNGS] = {1, 4, 16, 64, 256, 1024};
 
+/* px: the least noise that is believed where none is stated. Pixels are not better. */
+#define NOISE_LEAST RC(0.01)
+
+/* halvings: of a search of the median. Its error is this part of the largest. */
+enum { HALVINGS = 60 };
+
 enum { RUNGS = RIGCAL_CHOOSE_RUNGS, HYPOTHESES = 4 * RC_SCORE_PLACEMENTS };
 
 /* ---- memory -------------------------------------------------------------- */
@@ -81,6 +87,47 @@ size_t rc_score_view_of(const rigcal_rig *rig, const rc_score_parts *parts, size
         }
     }
     return rig->n_views;
+}
+
+/* ---- the noise ----------------------------------------------------------- */
+
+/* The number at that place of x, in the order of size; those below 0 do not count. */
+static rigcal_real ordered(const rigcal_real x[], size_t n, size_t place)
+{
+    rigcal_real low = 0, high = 0;
+    for (size_t i = 0; i < n; i++) {
+        high = rc_max(high, x[i]);
+    }
+    for (int k = 0; k < HALVINGS; k++) {
+        const rigcal_real middle = low + (high - low) / 2;
+        size_t within = 0;
+        for (size_t i = 0; i < n; i++) {
+            within += (x[i] >= 0 && x[i] <= middle);
+        }
+        if (within > place) {
+            high = middle;
+        } else {
+            low = middle;
+        }
+    }
+    return high;
+}
+
+rigcal_real rc_score_variance(const rigcal_rig *rig, const rc_score_parts *parts)
+{
+    size_t n = 0;
+    if (rig->sigma_px > 0) {
+        return rig->sigma_px * rig->sigma_px;
+    }
+    for (size_t v = 0; v < rig->n_views; v++) {
+        n += (parts->told[v] >= 0);
+    }
+    if (n == 0) {
+        return 0;
+    }
+    const rigcal_real low = ordered(parts->told, rig->n_views, (n - 1) / 2);
+    const rigcal_real high = ordered(parts->told, rig->n_views, n / 2);
+    return rc_max(low + (high - low) / 2, NOISE_LEAST * NOISE_LEAST);
 }
 
 /* ---- the list ------------------------------------------------------------ */

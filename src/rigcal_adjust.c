@@ -136,7 +136,7 @@ static void begin_pass(rigcal_rig_solver *s)
     rc_rig_parts parts;
     rc_rig_parts_of(&parts, s->rig, s->n);
     if (!s->is_last) {                                       /* which keeps the factor */
-        rc_clear(parts.S, s->n * (s->n + 1) / 2 + 2 * s->n); /* g and d follow */
+        rc_clear(parts.S, s->n * (s->n + 1) / 2 + 2 * s->n); /* S, g and d */
     }
     s->sum = s->gain = 0;
     s->view = s->placement = 0;
@@ -247,7 +247,6 @@ static void move_cameras(const rigcal_rig_solver *s, const rc_rig_parts *parts)
 static void end_search(rigcal_rig_solver *s, rigcal_status status, int is_factored)
 {
     s->search.status = status;
-    s->row = 0;
     if (s->is_join) {
         s->phase = RC_RIG_DONE;
         rc_rig_forget(s->rig);
@@ -277,8 +276,8 @@ static void take_step(rigcal_rig_solver *s, const rc_rig_parts *parts)
     const rigcal_real little = GAIN_ENOUGH * s->search.sum;
     const int is_enough =
         gain <= little || gain * gain <= (s->search.last_gain - gain) * little;
-    const rigcal_real enough = is_enough ? rc_max(gain, s->negligible) : s->negligible;
-    const int step = rc_levenberg_promised(&s->search, gain, enough);
+    const int step =
+        rc_levenberg_promised(&s->search, gain, is_enough ? gain : s->negligible);
     if (step == RC_STEP_NONE || (step == RC_STEP_TRY && s->evals >= PASSES_MAX)) {
         end_search(s, RIGCAL_BUDGET_SPENT, 1);
         return;
@@ -296,14 +295,7 @@ static void factor_row(rigcal_rig_solver *s, const rc_rig_parts *parts)
     if (i < s->n) {
         parts->S[rc_packed_at(i, i)] *= 1 + s->search.lambda;
         if (!rc_packed_factor_row(parts->S, i, RANK_TOL * parts->d[i])) {
-            rc_levenberg_not_definite(&s->search);
-            if (s->is_final || s->search.status != RIGCAL_RUNNING ||
-                s->evals >= PASSES_MAX) {
-                rc_rig_fail(s, RIGCAL_ERR_DEGENERATE, -1);
-            } else {
-                s->is_trial = 0;
-                begin_pass(s);
-            }
+            rc_rig_fail(s, RIGCAL_ERR_DEGENERATE, -1);
             return;
         }
     }
@@ -380,10 +372,10 @@ static void add_prior(rigcal_rig_solver *s, const rc_rig_parts *parts)
             rc_rig_fail(s, RIGCAL_ERR_DEGENERATE, -1);
             return;
         }
-        rc_sym6_pack(packed, full);
-        for (int k = 0; k < 21; k++) {
-            packed[k] *= rig->sigma_px * rig->sigma_px;
+        for (int k = 0; k < 36; k++) {
+            full[k] *= rig->sigma_px * rig->sigma_px;
         }
+        rc_sym6_pack(packed, full);
         rc_deviation(d, &prior->cam_from_rig, &rig->cams_from_rig[c]);
         rc_sym6_mul(g, packed, d);
         add_camera(parts, at, g, packed);

@@ -152,11 +152,11 @@ rigcal_status rc_rig_points(rigcal_points *points, const rigcal_rig_view *view)
 
 static rigcal_status check_camera(const rigcal_rig *rig, size_t c)
 {
-    if (rig->roles != NULL && rig->roles[c] > RIGCAL_CAMERA_PRIOR) {
-        return RIGCAL_ERR_RANGE;
-    }
-    if (!rc_rig_has_prior(rig, c)) {
+    if (rig->roles == NULL || rig->roles[c] < RIGCAL_CAMERA_PRIOR) {
         return RIGCAL_OK;
+    }
+    if (rig->roles[c] > RIGCAL_CAMERA_PRIOR) {
+        return RIGCAL_ERR_RANGE;
     }
     if (rig->priors == NULL) {
         return RIGCAL_ERR_NULL;
@@ -181,7 +181,7 @@ static rigcal_status number_unknowns(rigcal_rig_solver *s)
     rigcal_real *const is_fixed = parts.slot; /* of each group */
     rc_clear(is_fixed, rig->n_cameras);
     for (size_t c = 0; c < rig->n_cameras; c++) {
-        if (rc_rig_is_held(rig, c) || rc_rig_has_prior(rig, c)) {
+        if (rig->roles != NULL && rig->roles[c] != RIGCAL_CAMERA_FREE) {
             is_fixed[rig->group[c]] = 1;
         }
     }

@@ -62,6 +62,7 @@ FACTS = [
     ("rc_elimination.h", r"RC_NONE_ELIMINATED = 3", "the number of angles"),
     ("rc_p3p.h", r"RC_P3P_MAX = 4", "solutions that there can be"),
     ("rc_adjust.h", r"RC_RIG_DONE = 1", "the phases of a search"),
+    ("rigcal_grow.c", r"CHECKING = 1", "the phases of a search"),
     ("rc_choose.h", r"define RC_CLAIM_REALS 39", "the layout of a struct"),
     ("rc_score.h", r"define RC_SCORE_NONE", "below every score that there is"),
     ("rigcal_camera.c", r"enum \{ P1 = 6", "the layout of a struct"),

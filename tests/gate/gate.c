@@ -1261,8 +1261,8 @@ static void choice_add(choice_scene *r, int c, int f, const rigcal_transform *tr
     for (int i = 0; i < 6; i++) {
         const double strength = uniform(400, 2000);
         own->information[DIAGONAL[i]] = RC(strength);
-        step[i] = RC((off * 0.3 * normal() + (is_wrong ? 10 * normal() : 0)) /
-                     sqrt(strength));
+        step[i] =
+            RC((off * 0.3 * normal() + (is_wrong ? 10 * normal() : 0)) / sqrt(strength));
     }
     own->sse = RC(0.3 * uniform(0, 1));
     own->n = 4;

@@ -230,8 +230,8 @@ rigcal_status rc_score_claim(rc_claim *b_from_a, const rigcal_choose_solver *s,
 
 /* ---- scores -------------------------------------------------------------- */
 
-/* A placement more, and what it costs: the score is how many agree, less a part below 1 that
- * grows with the cost. */
+/* A placement more, and what it costs: the score is how many agree, less a part below 1
+ * that grows with the cost. */
 static void add_cost(const rigcal_choose_solver *s, rigcal_real *scores, rigcal_real cost)
 {
     rigcal_real part = cost / s->limit;
@@ -245,8 +245,9 @@ int32_t rc_score_agree(rigcal_real score)
     return (int32_t)(score + 1 - RC(0.5) / (RC_SCORE_PLACEMENTS + 1));
 }
 
-/* The hypotheses of placement s->row of the list against those of s->column: each costs what
- * the nearest of the others does. Its own placement costs it what its poses fit worse. */
+/* The hypotheses of placement s->row of the list against those of s->column: each costs
+ * what the nearest of the others does. Its own placement costs it what its poses fit worse.
+ */
 static void compare(const rigcal_choose_solver *s, const rc_score_parts *parts)
 {
     const rc_claim *const rows = parts->rows, *const columns = parts->rows + 4;

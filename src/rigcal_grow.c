@@ -245,7 +245,7 @@ static int choose_rung(rigcal_choose_solver *s)
 
 /* The best pair is the seed; without one a camera by itself. Its first camera is the frame
  * for now. */
-static rigcal_status seed(rigcal_choose_solver *s, const rc_score_parts *p)
+static rigcal_status begin_frame(rigcal_choose_solver *s, const rc_score_parts *p)
 {
     if (!s->is_again && !choose_rung(s)) {
         return RIGCAL_ERR_CONTRADICTION;
@@ -278,7 +278,7 @@ static rigcal_status pairing_step(rigcal_choose_solver *s, const rc_score_parts 
         s->view++;
     }
     if (s->view >= C) {
-        return seed(s, p);
+        return begin_frame(s, p);
     }
     if (is_scored(s, p, s->which, s->view)) {
         const int is_less = total_of(p, C, s->which) < total_of(p, C, s->view);

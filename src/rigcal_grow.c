@@ -26,8 +26,8 @@ enum { CHECKING = 1, WEIGHING, PAIRING, SCORING, CLAIMING, SUPPORTING, RESECTING
 /* ---- what is handed in --------------------------------------------------- */
 
 /* The second, and what the first leaves for the noise. */
-static rigcal_status check_second(rigcal_choose_solver *s, const rc_score_parts *p,
-                                  size_t view)
+RC_APART static rigcal_status check_second(rigcal_choose_solver *s, const rc_score_parts *p,
+                                           size_t view)
 {
     rigcal_view_pose first, second;
     rigcal_status status = rc_candidate_at(&first, s->choice, s->check.rig, view, 0);
@@ -104,7 +104,8 @@ static void begin_pairing(rigcal_choose_solver *s)
 }
 
 /* What a view tells, and what its camera has in common with those before. */
-static rigcal_status weighing_step(rigcal_choose_solver *s, const rc_score_parts *p)
+RC_APART static rigcal_status weighing_step(rigcal_choose_solver *s,
+                                            const rc_score_parts *p)
 {
     rigcal_view_pose pose;
     const size_t view = s->view;
@@ -245,7 +246,7 @@ static int choose_rung(rigcal_choose_solver *s)
 
 /* The best pair is the seed; without one a camera by itself. Its first camera is the frame
  * for now. */
-static rigcal_status begin_frame(rigcal_choose_solver *s, const rc_score_parts *p)
+RC_APART static rigcal_status begin_frame(rigcal_choose_solver *s, const rc_score_parts *p)
 {
     if (!s->is_again && !choose_rung(s)) {
         return RIGCAL_ERR_CONTRADICTION;
@@ -377,7 +378,8 @@ static int is_given(rigcal_transform *cam_from_rig, const rigcal_rig *rig, size_
 }
 
 /* A group from the frame in which it grew: that of `camera`, as it is to be. */
-static void set_frame(const rigcal_choose_solver *s, const rc_score_parts *p, size_t camera)
+RC_APART static void set_frame(const rigcal_choose_solver *s, const rc_score_parts *p,
+                               size_t camera)
 {
     rigcal_rig *const rig = s->check.rig;
     rigcal_transform given, back, grown_from_rig, rig_from_grown;
@@ -445,7 +447,8 @@ static int may_place(const rigcal_choose_solver *s, const rc_score_parts *p, siz
 }
 
 /* The claims of a view about its placement. */
-static rigcal_status claiming_step(rigcal_choose_solver *s, const rc_score_parts *p)
+RC_APART static rigcal_status claiming_step(rigcal_choose_solver *s,
+                                            const rc_score_parts *p)
 {
     const size_t view = (size_t)p->first[s->placement] + s->view;
     const rigcal_real strength = p->strength[s->placement];

@@ -163,6 +163,30 @@ struct rigcal_rig_solver {
     rigcal_real promised, negligible, gp[6], Hp[21];
 };
 
+/* ---- the choice between two poses of each view ------------------------------ */
+
+enum rigcal_choose_rungs { RIGCAL_CHOOSE_RUNGS = 6 };
+
+/* The best hypothesis of where a camera is. */
+typedef struct rigcal_seed {
+    rigcal_real score;
+    int32_t a, b, number; /* b from a; a -1: from the rig */
+} rigcal_seed;
+
+struct rigcal_choose_solver {
+    rigcal_rig_solver check; /* of what is handed in */
+    rigcal_choice *choice;
+    int32_t phase, status, rung, is_again, is_relaxed, is_final;
+    int32_t a, b;                 /* cameras under way; a -1: the rig */
+    size_t view, placement;       /* under way */
+    size_t n, row, column, which; /* placements compared, two of them; a claim */
+    rigcal_real limit;            /* px^2, at tau^2 = 1 */
+    rigcal_real most, counts[RIGCAL_CHOOSE_RUNGS];
+    rigcal_seed seed[RIGCAL_CHOOSE_RUNGS];
+    int32_t agree, best; /* of a placement: the best claim so far */
+    rigcal_real cost, spread;
+};
+
 #ifdef __cplusplus
 }
 #endif

@@ -159,6 +159,23 @@ struct rigcal_rig_solver {
     rigcal_real promised, negligible, gp[6], Hp[21];
 };
 
+/* ---- a rig whose views are judged ------------------------------------------- */
+
+struct rigcal_judge_solver {
+    rigcal_rig *rig;
+    rigcal_judged_view *judged;
+    uint8_t *left_out;
+    int32_t phase, status, at_fault, is_fitting, is_placed, is_changed, rounds, halvings;
+    int32_t adjustments, n_of[4];    /* views of each verdict */
+    size_t view, first, placement;   /* under way; the first view of the placement */
+    size_t n_kept, slot;             /* of its views that count; which of them */
+    size_t n_costs, n_places;        /* that can be judged: views, placements */
+    size_t named[2];                 /* the last view left out, and its partner */
+    rigcal_real sigma2, scale, tried_cost;
+    rigcal_real low, high;           /* the middle cost is between them */
+    rigcal_rig_solver adjust;
+};
+
 #ifdef __cplusplus
 }
 #endif

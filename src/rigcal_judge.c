@@ -1,0 +1,742 @@
+#include "rc_judge.h"
+
+#include "rc_adjust.h"
+
+/* ---- constants ----------------------------------------------------------- */
+
+/* sigma^2: what a view may cost at most where noise is all. Its excess is chi square of 6,
+ * which passes this once in two million right views. */
+#define COST_LIMIT RC(40)
+
+/* sigma^2: the median of chi square of 6 degrees of freedom, about which the middle view
+ * costs where noise is all. */
+#define COST_USUAL RC(5.35)
+
+/* of the median's excess over noise: how much the limit grows with it. Patterns of lens and
+ * target have longer tails than noise: with 4 the limit is some 30 times the middle cost,
+ * which no right view of the real sets comes near. */
+#define SCALE_SLOPE RC(4)
+
+/* rounds of naming: one takes every wrong view that is the worst of its placement; views
+ * hidden by worse ones follow. */
+enum { ROUNDS = 3 };
+
+/* part of the median: how close it is found, which decides nothing. And passes: from the
+ * largest cost that can be held to that. */
+#define MEDIAN_TOL RC_TOL(1e-9, 1e-6)
+enum { HALVINGS_MAX = 200 };
+
+enum {
+    DONE = 1,
+    FITTING,    /* the views by themselves, for the noise */
+    HALVING,    /* towards a median */
+    ADJUSTING,  /* the rig */
+    EVALUATING, /* a view of a placement, where the rig is */
+    COSTING,    /* what such a view costs */
+    PLACING,    /* a placement, by its views' own poses */
+    NAMING,
+    CONCLUDING
+};
+
+/* ---- two poses of one placement ------------------------------------------- */
+
+rigcal_real rc_disagreement(const rigcal_view_pose *own,
+                            const rigcal_transform *cam_from_rig,
+                            const rigcal_transform *rig_from_placement,
+                            const rigcal_real H_placement[21])
+{
+    rigcal_real sum, g[6], H[21], d[6], y[6], both[21];
+    rc_chain chain;
+    rc_sym6_factor L;
+    rc_chain_of(&chain, cam_from_rig, rig_from_placement);
+    rc_rig_quadratic(&sum, g, H, own, &chain.cam_from_target);
+    rc_rigid_clear(y, both);
+    rc_chain_add_placement(y, both, &chain, g, H); /* y = H_own d */
+    for (int k = 0; k < 21; k++) {
+        both[k] += H_placement[k];
+    }
+    if (!rc_sym6_factor_of(&L, both, 0)) {
+        return RC_MAX;
+    }
+    rc_sym6_solve(y, &L);
+    rc_deviation(g, &own->cam_from_target, &chain.cam_from_target);
+    rc_mat3_tmul_vec3(&d[0], cam_from_rig->R, &g[0]);
+    rc_mat3_tmul_vec3(&d[3], cam_from_rig->R, &g[3]);
+    rc_sym6_mul(g, H_placement, d);
+    return rc_vec3_dot(&g[0], &y[0]) + rc_vec3_dot(&g[3], &y[3]);
+}
+
+void rc_place_by(rigcal_transform *rig_from_placement, rigcal_real H_placement[21],
+                 const rigcal_view_pose *own, const rigcal_transform *cam_from_rig)
+{
+    static const rigcal_real NONE[6] = {0};
+    rigcal_real g[6];
+    rigcal_transform rig_from_cam;
+    rc_chain chain;
+    rc_transform_invert(&rig_from_cam, cam_from_rig);
+    rc_transform_compose(rig_from_placement, &rig_from_cam, &own->cam_from_target);
+    rc_chain_of(&chain, cam_from_rig, rig_from_placement);
+    rc_rigid_clear(g, H_placement);
+    rc_chain_add_placement(g, H_placement, &chain, NONE, own->information);
+}
+
+/* ---- the median of the costs ---------------------------------------------- */
+
+static void end(rigcal_judge_solver *s, rigcal_status status, int32_t at_fault)
+{
+    s->status = status;
+    s->at_fault = at_fault;
+    s->phase = DONE;
+}
+
+static int counts(const rigcal_judge_solver *s, size_t v)
+{
+    return s->judged[v].cost >= 0 && (s->is_fitting || s->left_out[v] == 0);
+}
+
+static void count_in(rigcal_judge_solver *s, size_t v, rigcal_real cost)
+{
+    s->judged[v].cost = cost;
+    s->high = rc_max(s->high, cost);
+    s->n_costs++;
+}
+
+/* How many costs are at most `bound`; *next, the least one above it. */
+static size_t count_to(rigcal_real *next, const rigcal_judge_solver *s, rigcal_real bound)
+{
+    size_t n = 0;
+    *next = RC_MAX;
+    for (size_t v = 0; v < s->rig->n_views; v++) {
+        const rigcal_real cost = s->judged[v].cost;
+        if (counts(s, v) && cost <= bound) {
+            n++;
+        } else if (counts(s, v)) {
+            *next = rc_min(*next, cost);
+        }
+    }
+    return n;
+}
+
+/* One halving of the interval that holds the middle cost. When it is narrow, *median is
+ * known and 1 is returned: of an even number of costs the mean of the two in the middle. */
+static int halve(rigcal_real *median, rigcal_judge_solver *s)
+{
+    const int is_narrow =
+        s->high - s->low <= MEDIAN_TOL * s->high || ++s->halvings > HALVINGS_MAX;
+    const rigcal_real bound = is_narrow ? s->high : s->low + (s->high - s->low) / 2;
+    rigcal_real next;
+    const size_t n = count_to(&next, s, bound);
+    if (is_narrow) {
+        *median = (n > s->n_costs / 2) ? s->high : s->high + (next - s->high) / 2;
+    } else if (n >= (s->n_costs + 1) / 2) {
+        s->high = bound;
+    } else {
+        s->low = bound;
+    }
+    return is_narrow;
+}
+
+static void begin_costs(rigcal_judge_solver *s)
+{
+    s->view = s->n_costs = 0;
+    s->low = s->high = 0;
+    s->halvings = 0;
+}
+
+/* ---- the noise ------------------------------------------------------------- */
+
+static void begin_adjustment(rigcal_judge_solver *s)
+{
+    const rigcal_status status = rigcal_rig_begin(&s->adjust, s->rig);
+    s->phase = ADJUSTING;
+    s->adjustments++;
+    if (status != RIGCAL_OK) {
+        end(s, status, -1);
+    }
+}
+
+/* The sum of squared errors of one view by itself, over the median of what noise of 1 px
+ * makes of it. */
+static void fit_view(rigcal_judge_solver *s)
+{
+    const size_t v = s->view++;
+    rigcal_view_pose own;
+    const rigcal_status status = rc_rig_pose_at(&own, s->rig, v);
+    if (status != RIGCAL_OK) {
+        end(s, status, (int32_t)v);
+        return;
+    }
+    s->judged[v].cost = -1;
+    if (own.n > 3) {
+        const rigcal_real freedom = 2 * (rigcal_real)(int32_t)own.n - 6;
+        const rigcal_real root = 1 - 2 / (9 * freedom); /* Wilson and Hilferty */
+        count_in(s, v, own.sse / (freedom * root * root * root));
+    }
+    if (s->view < s->rig->n_views) {
+        return;
+    }
+    if (s->n_costs == 0) {
+        end(s, RIGCAL_ERR_TOO_FEW, -1);
+    } else {
+        s->phase = HALVING;
+    }
+}
+
+/* ---- what a view costs ----------------------------------------------------- */
+
+/* Of each view of a placement, in the memory to work in: H, g by the placement, and by how
+ * much its sum of squared errors is more than that of its own pose. */
+enum { BLOCK_G = 21, BLOCK_EXCESS = 27, BLOCK = 36 };
+
+static void add_block(rigcal_real H[21], const rigcal_real block[BLOCK])
+{
+    for (int k = 0; k < 21; k++) {
+        H[k] += block[k];
+    }
+}
+
+/* From the first placement that was seen on. */
+static void next_placement(rigcal_judge_solver *s, const rc_rig_parts *parts)
+{
+    while (s->placement < s->rig->n_placements &&
+           rc_rig_views_of(parts, s->placement) == 0) {
+        s->placement++;
+    }
+    s->first = s->view;
+    s->n_kept = 0;
+}
+
+static int is_end_of_placement(const rigcal_judge_solver *s, const rc_rig_parts *parts)
+{
+    return s->view - s->first == rc_rig_views_of(parts, s->placement);
+}
+
+static void begin_pass(rigcal_judge_solver *s, int32_t phase)
+{
+    rc_rig_parts parts;
+    rc_rig_parts_of(&parts, s->rig, s->adjust.n);
+    rc_clear(parts.slot, s->rig->n_cameras); /* 1: the camera's views can be judged */
+    begin_costs(s);
+    s->placement = s->n_places = 0;
+    s->phase = phase;
+    next_placement(s, &parts);
+}
+
+/* View v, where the rig is: its equations by its own pose, and its rms. */
+static rigcal_status evaluate(rigcal_real *sum, rigcal_real g[6], rigcal_real H[21],
+                              rc_chain *chain, rigcal_judge_solver *s)
+{
+    rigcal_rig_view v;
+    rigcal_status status = rc_rig_view_at(&v, s->rig, s->view);
+    if (status == RIGCAL_OK) {
+        rc_chain_of(chain, &s->rig->cams_from_rig[v.camera],
+                    &s->rig->rig_from_placements[v.placement]);
+        status = rc_rig_equations(sum, g, H, &v, &chain->cam_from_target);
+    }
+    s->judged[s->view].rms_px =
+        (status == RIGCAL_OK) ? RC_SQRT(*sum / (rigcal_real)(int32_t)v.view.n) : -1;
+    return status;
+}
+
+static void evaluate_view(rigcal_judge_solver *s, const rc_rig_parts *parts)
+{
+    if (s->left_out[s->view] == 0) {
+        rigcal_real *const block = &parts->W[BLOCK * s->n_kept++];
+        rigcal_real sum, g[6], H[21];
+        rc_chain chain;
+        rigcal_view_pose own;
+        rigcal_status status = evaluate(&sum, g, H, &chain, s);
+        if (status == RIGCAL_OK) {
+            status = rc_rig_pose_at(&own, s->rig, s->view);
+        }
+        if (status != RIGCAL_OK) {
+            end(s, status, (int32_t)s->view);
+            return;
+        }
+        rc_rigid_clear(&block[BLOCK_G], block);
+        rc_chain_add_placement(&block[BLOCK_G], block, &chain, g, H);
+        block[BLOCK_EXCESS] = rc_max(0, sum - own.sse);
+    }
+    s->view++;
+    if (is_end_of_placement(s, parts)) {
+        s->view = s->first;
+        s->slot = 0;
+        s->phase = COSTING;
+    }
+}
+
+/* What the sum of squared errors falls by without the view: its own excess, and what its
+ * placement gains as it settles by the others, cameras where they are. Less than 0: the
+ * others do not fix it. */
+static rigcal_real cost_of(const rigcal_judge_solver *s, const rc_rig_parts *parts,
+                           size_t slot)
+{
+    const rigcal_real *const block = &parts->W[BLOCK * slot];
+    rigcal_real y[6], H[21];
+    rc_sym6_factor L;
+    rc_rigid_clear(y, H);
+    for (size_t other = 0; other < s->n_kept; other++) {
+        if (other != slot) {
+            add_block(H, &parts->W[BLOCK * other]);
+        }
+    }
+    if (s->n_kept < 2 || !rc_sym6_factor_of(&L, H, 0)) {
+        return -1;
+    }
+    rc_vec3_copy(&y[0], &block[BLOCK_G]);
+    rc_vec3_copy(&y[3], &block[BLOCK_G + 3]);
+    rc_sym6_forward(y, &L);
+    return block[BLOCK_EXCESS] + rc_vec3_dot(&y[0], &y[0]) + rc_vec3_dot(&y[3], &y[3]);
+}
+
+/* Of a view that is left out: how much it disagrees with the placement as those that are
+ * not have it or, where all are left out, with the nearest of the others. */
+static rigcal_status disagreement_of(rigcal_real *least, const rigcal_judge_solver *s,
+                                     const rc_rig_parts *parts, const rigcal_view_pose *own)
+{
+    const rigcal_transform *const cams = s->rig->cams_from_rig;
+    const rigcal_transform *const here = &s->rig->rig_from_placements[s->placement];
+    const size_t count = rc_rig_views_of(parts, s->placement);
+    rigcal_real g[6], H[21];
+    *least = -1;
+    if (s->n_kept > 0) {
+        rc_rigid_clear(g, H);
+        for (size_t slot = 0; slot < s->n_kept; slot++) {
+            add_block(H, &parts->W[BLOCK * slot]);
+        }
+        *least = rc_disagreement(own, &cams[own->camera], here, H);
+        return RIGCAL_OK;
+    }
+    for (size_t v = s->first; v < s->first + count; v++) {
+        rigcal_view_pose other;
+        rigcal_transform by_other;
+        const rigcal_status status = rc_rig_pose_at(&other, s->rig, v);
+        if (status != RIGCAL_OK) {
+            return status;
+        }
+        if (v != s->view) {
+            rc_place_by(&by_other, H, &other, &cams[other.camera]);
+            const rigcal_real more =
+                rc_disagreement(own, &cams[own->camera], &by_other, H);
+            *least = (*least < 0) ? more : rc_min(*least, more);
+        }
+    }
+    return RIGCAL_OK;
+}
+
+static rigcal_status judge_left_out(rigcal_judge_solver *s, const rc_rig_parts *parts,
+                                    const rigcal_view_pose *own)
+{
+    rigcal_real sum, g[6], H[21], least;
+    rc_chain chain;
+    const rigcal_status status = disagreement_of(&least, s, parts, own);
+    s->judged[s->view].cost = least / s->sigma2 * (COST_LIMIT / RC_DISAGREEMENT_LIMIT);
+    if (s->n_kept == 0) {
+        s->judged[s->view].rms_px = -1;
+    } else {
+        (void)evaluate(&sum, g, H, &chain, s);
+    }
+    return status;
+}
+
+static void end_placement(rigcal_judge_solver *s, const rc_rig_parts *parts)
+{
+    s->n_places += (s->n_kept > 1) ? 1 : 0;
+    s->placement++;
+    next_placement(s, parts);
+    s->phase = EVALUATING;
+    if (s->placement == s->rig->n_placements) {
+        s->scale = 1;
+        s->phase = HALVING;
+    }
+}
+
+static void cost_view(rigcal_judge_solver *s, const rc_rig_parts *parts)
+{
+    rigcal_view_pose own;
+    rigcal_status status = rc_rig_pose_at(&own, s->rig, s->view);
+    if (status == RIGCAL_OK && s->left_out[s->view] != 0) {
+        status = judge_left_out(s, parts, &own);
+    } else if (status == RIGCAL_OK) {
+        const rigcal_real cost = cost_of(s, parts, s->slot++);
+        s->judged[s->view].cost = -1;
+        if (cost >= 0) {
+            count_in(s, s->view, cost / s->sigma2);
+            parts->slot[own.camera] = 1;
+        }
+    }
+    if (status != RIGCAL_OK) {
+        end(s, status, (int32_t)s->view);
+        return;
+    }
+    s->view++;
+    if (is_end_of_placement(s, parts)) {
+        end_placement(s, parts);
+    }
+}
+
+/* ---- naming ---------------------------------------------------------------- */
+
+/* How many views of a placement are not left out; *last is one of them. */
+static size_t kept_of(size_t *last, const rigcal_judge_solver *s, size_t first,
+                      size_t count)
+{
+    size_t kept = 0;
+    for (size_t v = first; v < first + count; v++) {
+        if (s->left_out[v] == 0) {
+            *last = v;
+            kept++;
+        }
+    }
+    return kept;
+}
+
+/* Of a placement, the view of the largest cost among those that are not left out. */
+typedef struct {
+    rigcal_real cost;
+    size_t view, first, count;
+} worst_view;
+
+static void worst_of(worst_view *worst, const rigcal_judge_solver *s, size_t first,
+                     size_t count)
+{
+    worst->cost = -1;
+    worst->view = worst->first = first;
+    worst->count = count;
+    for (size_t v = first; v < first + count; v++) {
+        if (s->left_out[v] == 0 && s->judged[v].cost > worst->cost) {
+            worst->cost = s->judged[v].cost;
+            worst->view = v;
+        }
+    }
+}
+
+/* Leaves a view out, and the other one where only two are left. */
+static void name(rigcal_judge_solver *s, const worst_view *worst)
+{
+    s->named[0] = s->named[1] = worst->view;
+    s->left_out[worst->view] = 1;
+    if (kept_of(&s->named[1], s, worst->first, worst->count) == 1) {
+        s->left_out[s->named[1]] = 1;
+    } else {
+        s->named[1] = worst->view;
+    }
+}
+
+/* Names the worst view of each placement if it is beyond the limit. Where none is, the
+ * worst of all is left out to see: so no view raises its own limit. */
+static void name_worst(rigcal_judge_solver *s, const rc_rig_parts *parts)
+{
+    worst_view worst, most = {0, 0, 0, 0};
+    size_t first = 0, n = 0;
+    for (size_t f = 0; f < s->rig->n_placements; f++) {
+        const size_t count = rc_rig_views_of(parts, f);
+        worst_of(&worst, s, first, count);
+        if (worst.cost > COST_LIMIT * s->scale) {
+            name(s, &worst);
+            n++;
+        }
+        if (worst.cost > most.cost) {
+            most = worst;
+        }
+        first += count;
+    }
+    s->tried_cost = 0;
+    if (n == 0 && most.cost > COST_LIMIT) {
+        s->tried_cost = most.cost;
+        name(s, &most);
+        n++;
+    }
+    if (n > 0) {
+        begin_adjustment(s);
+    } else {
+        s->phase = CONCLUDING;
+    }
+}
+
+/* The rig has been adjusted and judged. */
+static void decide(rigcal_judge_solver *s)
+{
+    if (s->tried_cost > 0 && !(s->tried_cost > COST_LIMIT * s->scale)) {
+        s->left_out[s->named[0]] = s->left_out[s->named[1]] = 0;
+        s->rounds = ROUNDS; /* the rig before stands */
+        s->tried_cost = 0;
+        begin_adjustment(s);
+    } else if (!s->is_placed) {
+        begin_pass(s, PLACING);
+    } else if (s->rounds++ < ROUNDS) {
+        s->phase = NAMING;
+    } else {
+        s->phase = CONCLUDING;
+    }
+}
+
+/* By how much the views differ more than by noise, told by the middle one. */
+static void take_median(rigcal_judge_solver *s, const rc_rig_parts *parts,
+                        rigcal_real median)
+{
+    if (s->is_fitting) {
+        s->sigma2 = median;
+        s->is_fitting = 0;
+        begin_adjustment(s);
+        return;
+    }
+    rigcal_real free_cameras = 0;
+    for (size_t c = 0; c < s->rig->n_cameras; c++) {
+        free_cameras += (parts->column[c] >= 0) ? parts->slot[c] : 0;
+    }
+    const rigcal_real more = (rigcal_real)(int32_t)(s->n_costs - s->n_places);
+    const rigcal_real cycles = more - free_cameras;
+    if (cycles > 0) {
+        const rigcal_real ratio = median * more / (COST_USUAL * cycles);
+        s->scale = 1 + SCALE_SLOPE * rc_max(0, ratio - 1);
+    }
+    decide(s);
+}
+
+/* ---- placing again ---------------------------------------------------------- */
+
+/* How many views of the placement under way agree with where view `by` has it. */
+static rigcal_status support(size_t *n, rigcal_real *sum, rigcal_judge_solver *s,
+                             size_t count, size_t by, int is_marking)
+{
+    const rigcal_real limit = RC_DISAGREEMENT_LIMIT * s->scale * s->sigma2;
+    const rigcal_transform *const cams = s->rig->cams_from_rig;
+    rigcal_view_pose own;
+    rigcal_transform here;
+    rigcal_real H[21];
+    rigcal_status status = rc_rig_pose_at(&own, s->rig, by);
+    *n = 0;
+    *sum = 0;
+    if (status == RIGCAL_OK) {
+        rc_place_by(&here, H, &own, &cams[own.camera]);
+    }
+    for (size_t v = s->first; status == RIGCAL_OK && v < s->first + count; v++) {
+        status = rc_rig_pose_at(&own, s->rig, v);
+        const rigcal_real cost =
+            (v == by) ? 0 : rc_disagreement(&own, &cams[own.camera], &here, H);
+        *n += (cost < limit) ? 1 : 0;
+        *sum += rc_min(cost, limit);
+        if (is_marking) {
+            s->left_out[v] = (cost < limit) ? 0 : 1;
+        }
+    }
+    return status;
+}
+
+static void place_again(rigcal_judge_solver *s, const rc_rig_parts *parts)
+{
+    const size_t count = rc_rig_views_of(parts, s->placement);
+    size_t best = s->first, most = 0, n, last;
+    rigcal_real least = 0, sum;
+    rigcal_status status = RIGCAL_OK;
+    for (size_t v = s->first; status == RIGCAL_OK && v < s->first + count; v++) {
+        status = support(&n, &sum, s, count, v, 0);
+        if (n > most || (n == most && sum < least)) {
+            best = v;
+            most = n;
+            least = sum;
+        }
+    }
+    size_t before = kept_of(&last, s, s->first, count);
+    if (status == RIGCAL_OK) {
+        status = support(&n, &sum, s, count, best, 1);
+    }
+    if (status != RIGCAL_OK) {
+        end(s, status, (int32_t)s->first);
+        return;
+    }
+    if (count > 1 && kept_of(&last, s, s->first, count) == 1) {
+        s->left_out[last] = 1;
+    }
+    s->is_changed |= before != kept_of(&last, s, s->first, count);
+    s->view += count;
+    s->placement++;
+    next_placement(s, parts);
+    if (s->placement == s->rig->n_placements) {
+        s->is_placed = 1;
+        if (s->is_changed) {
+            begin_adjustment(s);
+        } else {
+            decide(s);
+        }
+    }
+}
+
+/* ---- the search ------------------------------------------------------------- */
+
+static void conclude(rigcal_judge_solver *s, const rc_rig_parts *parts)
+{
+    size_t first = 0, last = 0;
+    for (size_t f = 0; f < s->rig->n_placements; f++) {
+        const size_t count = rc_rig_views_of(parts, f);
+        const size_t kept = kept_of(&last, s, first, count);
+        for (size_t v = first; v < first + count; v++) {
+            const int is_out = s->left_out[v] != 0;
+            const int32_t verdict = (count == 1 || (kept == 1 && !is_out))
+                                        ? RIGCAL_VIEW_UNCHECKED
+                                    : (kept == 0) ? RIGCAL_VIEW_ONE_OF_TWO
+                                    : is_out      ? RIGCAL_VIEW_CONTRADICTS
+                                                  : RIGCAL_VIEW_FITS;
+            s->judged[v].verdict = verdict;
+            s->judged[v].cost = rc_max(0, s->judged[v].cost) / (COST_LIMIT * s->scale);
+            s->n_of[verdict]++;
+        }
+        first += count;
+    }
+    end(s, RIGCAL_OK, -1);
+}
+
+static void adjust_step(rigcal_judge_solver *s)
+{
+    rigcal_rig_fit fit;
+    int32_t at_fault;
+    if (rigcal_rig_step(&s->adjust, 1) == RIGCAL_RUNNING) {
+        return;
+    }
+    const rigcal_status status = rigcal_rig_result(&fit, &at_fault, &s->adjust);
+    if (status < 0) {
+        end(s, status, at_fault);
+    } else {
+        s->sigma2 = rc_max(s->sigma2, s->adjust.negligible);
+        begin_pass(s, EVALUATING);
+    }
+}
+
+static void step(rigcal_judge_solver *s)
+{
+    rc_rig_parts parts;
+    rigcal_real median;
+    rc_rig_parts_of(&parts, s->rig, s->adjust.n);
+    switch (s->phase) {
+    case FITTING:
+        fit_view(s);
+        break;
+    case HALVING:
+        if (halve(&median, s)) {
+            take_median(s, &parts, median);
+        }
+        break;
+    case ADJUSTING:
+        adjust_step(s);
+        break;
+    case EVALUATING:
+        evaluate_view(s, &parts);
+        break;
+    case COSTING:
+        cost_view(s, &parts);
+        break;
+    case PLACING:
+        place_again(s, &parts);
+        break;
+    case NAMING:
+        name_worst(s, &parts);
+        break;
+    default:
+        conclude(s, &parts);
+        break;
+    }
+}
+
+rigcal_status rigcal_judge_begin(rigcal_judge_solver *solver, rigcal_judged_view judged[],
+                                 uint8_t left_out[], rigcal_rig *rig)
+{
+    if (solver == NULL || judged == NULL || left_out == NULL) {
+        return RIGCAL_ERR_NULL;
+    }
+    *solver = (rigcal_judge_solver){0};
+    rigcal_status status = rc_rig_check(rig);
+    if (status == RIGCAL_OK && rig->view_poses == NULL && rig->view_pose_source == NULL) {
+        status = RIGCAL_ERR_NULL;
+    }
+    if (status == RIGCAL_OK) { /* all that an adjustment wants */
+        rig->left_out = left_out;
+        status = rigcal_rig_begin(&solver->adjust, rig);
+    }
+    if (status != RIGCAL_OK) {
+        return status;
+    }
+    solver->rig = rig;
+    solver->judged = judged;
+    solver->left_out = left_out;
+    solver->at_fault = -1;
+    solver->sigma2 = rig->sigma_px * rig->sigma_px;
+    if (rig->sigma_px > 0) {
+        begin_adjustment(solver);
+    } else {
+        solver->is_fitting = 1;
+        solver->phase = FITTING;
+    }
+    return RIGCAL_OK;
+}
+
+rigcal_status rigcal_judge_step(rigcal_judge_solver *solver, int32_t budget)
+{
+    if (solver == NULL) {
+        return RIGCAL_ERR_NULL;
+    }
+    if (solver->phase == 0) {
+        return RIGCAL_ERR_STATE;
+    }
+    if (budget < 1) {
+        return RIGCAL_ERR_RANGE;
+    }
+    for (; budget > 0 && solver->phase != DONE; budget--) {
+        step(solver);
+    }
+    return (solver->phase == DONE) ? RIGCAL_OK : RIGCAL_RUNNING;
+}
+
+rigcal_status rigcal_judge_result(rigcal_judgement *judgement, int32_t *at_fault,
+                                  const rigcal_judge_solver *solver)
+{
+    if (at_fault != NULL) {
+        *at_fault = -1;
+    }
+    if (judgement == NULL || solver == NULL) {
+        return RIGCAL_ERR_NULL;
+    }
+    if (solver->phase != DONE) {
+        return RIGCAL_ERR_STATE;
+    }
+    if (at_fault != NULL) {
+        *at_fault = solver->at_fault;
+    }
+    if (solver->status != RIGCAL_OK) {
+        return solver->status;
+    }
+    const int32_t *const n = solver->n_of;
+    const rigcal_status status =
+        rigcal_rig_result(&judgement->fit, NULL, &solver->adjust);
+    judgement->sigma_px = RC_SQRT(solver->sigma2);
+    judgement->scale = solver->scale;
+    judgement->n_fit = n[RIGCAL_VIEW_FITS];
+    judgement->n_contradict = n[RIGCAL_VIEW_CONTRADICTS];
+    judgement->n_one_of_two = n[RIGCAL_VIEW_ONE_OF_TWO];
+    judgement->n_unchecked = n[RIGCAL_VIEW_UNCHECKED];
+    judgement->adjustments = solver->adjustments;
+    return (status == RIGCAL_OK &&
+            judgement->n_contradict + judgement->n_one_of_two > 0)
+               ? RIGCAL_VIEWS_LEFT_OUT
+               : status;
+}
+
+rigcal_status rigcal_rig_judge(rigcal_judgement *judgement, int32_t *at_fault,
+                               rigcal_judged_view judged[], uint8_t left_out[],
+                               rigcal_rig *rig)
+{
+    rigcal_judge_solver solver;
+    if (at_fault != NULL) {
+        *at_fault = -1;
+    }
+    if (judgement == NULL) {
+        return RIGCAL_ERR_NULL;
+    }
+    const rigcal_status status = rigcal_judge_begin(&solver, judged, left_out, rig);
+    if (status != RIGCAL_OK) {
+        return status;
+    }
+    while (rigcal_judge_step(&solver, 1000) == RIGCAL_RUNNING) {
+    }
+    return rigcal_judge_result(judgement, at_fault, &solver);
+}

@@ -284,7 +284,7 @@ static rigcal_status adjust_in_steps(calibration *c, int32_t *at_fault)
 static void find_noise(calibration *c)
 {
     const rigcal_rig_fit *fit = &c->fit;
-    double own = 0, within = fit->freedom_within;
+    double own = 0, within = (double)fit->freedom_within;
     size_t i;
 
     for (i = 0; i < c->rig.n_views; i++) {

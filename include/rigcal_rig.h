@@ -74,7 +74,9 @@ typedef struct rigcal_rig {
     rigcal_view_source view_source;
     const rigcal_view_pose *view_poses; /* n_views, or NULL: view_pose_source */
     rigcal_view_pose_source view_pose_source;
-    void *context; /* of the sources */
+    void *context;           /* of the sources */
+    const uint8_t *left_out; /* n_views, or NULL: none. A view of which it is not 0 is
+                                passed over; of it only camera and placement are read */
 
     const uint8_t *roles; /* n_cameras; NULL: the first of each group is held */
     const rigcal_camera_prior *priors; /* n_cameras, of which those of that role count */
@@ -110,6 +112,14 @@ RIGCAL_API rigcal_status rigcal_view_pose_make(rigcal_view_pose *pose,
  * *at_fault: the number of the view, or -1. Time O(n_views n_cameras). */
 RIGCAL_API rigcal_status rigcal_rig_join(rigcal_rig *rig, int32_t *at_fault);
 
+typedef struct rigcal_rig_solver rigcal_rig_solver; /* see rigcal_solvers.h */
+
+/* The same in steps, whose result is rigcal_rig_result's: what the adjustment's fit is going
+ * to be, to first order, F included. A unit is one view: looked at, or its quadratic with
+ * its part of the elimination, O(n_cameras); or one row of the factor. */
+RIGCAL_API rigcal_status rigcal_rig_join_begin(rigcal_rig_solver *solver, rigcal_rig *rig);
+RIGCAL_API rigcal_status rigcal_rig_join_step(rigcal_rig_solver *solver, int32_t budget);
+
 /* ==== the adjustment ========================================================= */
 
 /* How well an adjusted rig fits. */
@@ -134,8 +144,6 @@ typedef struct rigcal_rig_fit {
  * ERR_NO_RAY, ERR_DEGENERATE. */
 RIGCAL_API rigcal_status rigcal_rig_adjust(rigcal_rig_fit *fit, int32_t *at_fault,
                                            rigcal_rig *rig);
-
-typedef struct rigcal_rig_solver rigcal_rig_solver; /* see rigcal_solvers.h */
 
 /* The same in steps. A unit is one view's evaluation with its block, O(n) and O(n_cameras);
  * one view's part of the elimination of its placement; or one row of the factor. The same
@@ -163,6 +171,14 @@ RIGCAL_API rigcal_status rigcal_rig_pair(rigcal_transform *b_from_a, rigcal_real
  * statuses above, ERR_TOO_FEW (no view of it), and those of views. O(n_views) + O(n). */
 RIGCAL_API rigcal_status rigcal_rig_placement(rigcal_real Sigma[36], rigcal_rig *rig,
                                               rigcal_real sigma_px, size_t placement);
+
+/* Noise of each camera by its own residuals: sigma_px[n_cameras], and of how many degrees of
+ * freedom[n_cameras] that is: 2 n_points of the camera less what they lose to the unknowns,
+ * trace(H Cov(cam_from_target)) of each view. All freedom is rigcal_rig_fit's, without
+ * priors. 0: a camera without freedom. It evaluates every view twice. The statuses of
+ * rigcal_rig_placement. O(n_views n_cameras) + O(n). */
+RIGCAL_API rigcal_status rigcal_rig_noise(rigcal_real sigma_px[], rigcal_real freedom[],
+                                          rigcal_rig *rig);
 
 /* What is left of one view: duv gets (du, dv) [px] of each of its n points, observed less
  * projected; *n_written n. OK, ERR_NULL, ERR_RANGE, ERR_CAPACITY (2 n > capacity), those of

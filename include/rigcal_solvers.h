@@ -153,7 +153,7 @@ struct rigcal_rig_solver {
     size_t n;                      /* unknowns: of the cameras that are not held */
     size_t view, first, placement; /* under way; the first view of the placement */
     size_t row;                    /* of the factor, or which of the placement's views */
-    size_t n_points, n_seen;       /* points; placements that were seen */
+    size_t n_points, n_used, n_seen; /* points, views, placements that count */
     rigcal_real sum, gain;         /* of a pass: the sum, and what a step promises */
     rigcal_real own_sum;           /* of the views by themselves */
     rigcal_real promised, negligible, gp[6], Hp[21];

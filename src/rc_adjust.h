@@ -17,12 +17,20 @@ rigcal_status rc_rig_equations(rigcal_real *sum, rigcal_real g[6], rigcal_real H
 void rc_rig_quadratic(rigcal_real *sum, rigcal_real g[6], rigcal_real H[21],
                       const rigcal_view_pose *own, const rigcal_transform *cam_from_target);
 
-/* Begins a search; steps do one unit each until s->phase is RC_RIG_DONE. s->search.status
- * is its outcome, s->at_fault the view at fault. is_join: of the views' own poses. Once all
- * has been checked the phase is RC_RIG_CHECKED: then the poses from which the search starts
- * may be set. */
-enum { RC_RIG_DONE = 1, RC_RIG_CHECKED };
+/* Begins a search; steps do one unit each until s->phase is RC_RIG_DONE. is_join: of the
+ * views' own poses. Once all has been checked the phase is RC_RIG_CHECKED: then the poses
+ * from which the search starts may be set, for which the join has two phases. */
+enum { RC_RIG_DONE = 1, RC_RIG_CHECKED, RC_RIG_PLACING, RC_RIG_REACHING };
 void rc_rig_begin(rigcal_rig_solver *s, rigcal_rig *rig, int is_join);
 void rc_rig_step(rigcal_rig_solver *s);
+
+/* Ends it. at_fault: a view, or -1. */
+void rc_rig_fail(rigcal_rig_solver *s, rigcal_status status, int32_t at_fault);
+
+/* Of a public step: ERR_NULL, ERR_STATE, ERR_RANGE. */
+rigcal_status rc_rig_check_step(const rigcal_rig_solver *s, int32_t budget);
+
+/* Of a search that is done. */
+rigcal_status rc_rig_outcome(int32_t *at_fault, const rigcal_rig_solver *s);
 
 #endif /* RC_ADJUST_H */

@@ -7,12 +7,13 @@
 
 /* Where the parts of rig->work begin. */
 typedef struct {
-    rigcal_real *count;      /* of each placement, its views */
+    rigcal_real *count;      /* of each placement, its views; less than 0: all left out */
     rigcal_real *column;     /* of each camera, its first unknown; -1: it is held */
     rigcal_real *slot;       /* of each view of a placement, the same */
     rigcal_real *W;          /* 36 of each view of a placement */
     rigcal_transform *saved; /* the cameras, the placements */
-    rigcal_real *S, *g, *d;  /* of the cameras, packed; after a search the covariance */
+    rigcal_real *S, *g;      /* of the cameras, packed; S after a search the covariance */
+    rigcal_real *d; /* the diagonal before placements were eliminated; then the step */
 } rc_rig_parts;
 
 void rc_rig_parts_of(rc_rig_parts *parts, const rigcal_rig *rig, size_t n_unknowns);
@@ -28,6 +29,10 @@ rigcal_status rc_rig_check(const rigcal_rig *rig);
  * view. */
 rigcal_status rc_rig_points(rigcal_points *points, const rigcal_rig_view *view);
 
+/* How many views there are of a placement, left out or not: they follow one another. */
+size_t rc_rig_views_of(const rc_rig_parts *parts, size_t placement);
+
+int rc_rig_is_left_out(const rigcal_rig *rig, size_t view);
 int rc_rig_is_held(const rigcal_rig *rig, size_t camera);
 int rc_rig_has_prior(const rigcal_rig *rig, size_t camera);
 

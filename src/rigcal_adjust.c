@@ -7,7 +7,8 @@
 /* passes: over all views, of a search, usually 4 to 8. The worst case. */
 enum { PASSES_MAX = 200 };
 
-/* part of an element of the diagonal: a smaller pivot is rounding. */
+/* part of a camera's element of the diagonal, before placements were eliminated from it: a
+ * smaller pivot is rounding. */
 #define RANK_TOL (8 * RC_EPS)
 
 /* part of the sum: the search ends when no more is still to be gained, judged by how fast
@@ -15,7 +16,7 @@ enum { PASSES_MAX = 200 };
 #define GAIN_ENOUGH RC_TOL(1e-10, 1e-6)
 
 enum {
-    CHECKING = RC_RIG_CHECKED + 1, /* what is handed in, view by view */
+    CHECKING = RC_RIG_REACHING + 1, /* what is handed in, view by view */
     SETTLING,    /* a placement's own step, its views' equations being added */
     REDUCING,    /* its views' equations, by camera and placement */
     ELIMINATING, /* the placement, from the equations of one of its cameras */
@@ -27,7 +28,7 @@ enum {
 
 /* ---- a pass -------------------------------------------------------------- */
 
-static void fail(rigcal_rig_solver *s, rigcal_status status, int32_t at_fault)
+void rc_rig_fail(rigcal_rig_solver *s, rigcal_status status, int32_t at_fault)
 {
     s->search.status = status;
     s->at_fault = at_fault;
@@ -35,11 +36,32 @@ static void fail(rigcal_rig_solver *s, rigcal_status status, int32_t at_fault)
     rc_rig_forget(s->rig);
 }
 
+rigcal_status rc_rig_outcome(int32_t *at_fault, const rigcal_rig_solver *s)
+{
+    const rigcal_status status = s->search.status;
+    if (at_fault != NULL) {
+        *at_fault = s->at_fault;
+    }
+    return (status == RIGCAL_OK && s->is_disconnected) ? RIGCAL_DISCONNECTED : status;
+}
+
+rigcal_status rc_rig_check_step(const rigcal_rig_solver *s, int32_t budget)
+{
+    if (s == NULL) {
+        return RIGCAL_ERR_NULL;
+    }
+    if (s->phase == 0) {
+        return RIGCAL_ERR_STATE;
+    }
+    return (budget < 1) ? RIGCAL_ERR_RANGE : RIGCAL_OK;
+}
+
 /* A placement that was seen, from s->placement on. A step of its own comes first, where the
  * cameras have moved. 0: there is none. */
 static int begin_placement(rigcal_rig_solver *s, const rc_rig_parts *parts)
 {
     while (s->placement < s->rig->n_placements && !(parts->count[s->placement] > 0)) {
+        s->view += rc_rig_views_of(parts, s->placement);
         s->placement++;
     }
     rc_rigid_clear(s->gp, s->Hp);
@@ -54,9 +76,8 @@ static void begin_pass(rigcal_rig_solver *s)
 {
     rc_rig_parts parts;
     rc_rig_parts_of(&parts, s->rig, s->n);
-    if (!s->is_last) { /* which keeps the factor */
-        rc_clear(parts.S, s->n * (s->n + 1) / 2);
-        rc_clear(parts.g, s->n);
+    if (!s->is_last) {                                       /* which keeps the factor */
+        rc_clear(parts.S, s->n * (s->n + 1) / 2 + 2 * s->n); /* g and d follow */
     }
     s->sum = s->gain = 0;
     s->view = s->placement = 0;
@@ -118,15 +139,19 @@ void rc_rig_quadratic(rigcal_real *sum, rigcal_real g[6], rigcal_real H[21],
 
 /* ---- elimination --------------------------------------------------------- */
 
-/* The block of one camera, whose unknowns begin at `at`: S += H. */
-static void add_block(rigcal_real S[], size_t at, const rigcal_real H[21])
+/* The equations of one camera, whose unknowns begin at `at`. */
+static void add_camera(const rc_rig_parts *parts, size_t at, const rigcal_real g[6],
+                       const rigcal_real H[21])
 {
     rigcal_real full[36];
     rc_sym6_unpack(full, H);
     for (size_t i = 0; i < 6; i++) {
+        rigcal_real *const row = &parts->S[rc_packed_at(at + i, at)];
         for (size_t j = 0; j <= i; j++) {
-            S[rc_packed_at(at + i, at + j)] += full[6 * i + j];
+            row[j] += full[6 * i + j];
         }
+        parts->g[at + i] += g[i];
+        parts->d[at + i] += full[7 * i];
     }
 }
 
@@ -213,6 +238,7 @@ static void end_search(rigcal_rig_solver *s, rigcal_status status, int is_factor
     s->row = 0;
     if (s->is_join) {
         s->phase = RC_RIG_DONE;
+        rc_rig_forget(s->rig);
     } else if (is_factored && !(s->search.lambda > 0)) {
         s->phase = INVERTING;
     } else {
@@ -256,14 +282,12 @@ static void factor_row(rigcal_rig_solver *s, const rc_rig_parts *parts)
 {
     const size_t i = s->row++;
     if (i < s->n) {
-        rigcal_real *const pivot = &parts->S[rc_packed_at(i, i)];
-        const rigcal_real least = RANK_TOL * *pivot;
-        *pivot += s->search.lambda * *pivot;
-        if (!rc_packed_factor_row(parts->S, i, rc_max(least, 0))) {
+        parts->S[rc_packed_at(i, i)] *= 1 + s->search.lambda;
+        if (!rc_packed_factor_row(parts->S, i, RANK_TOL * parts->d[i])) {
             rc_levenberg_not_definite(&s->search);
             if (s->is_final || s->search.status != RIGCAL_RUNNING ||
                 s->evals >= PASSES_MAX) {
-                fail(s, RIGCAL_ERR_DEGENERATE, -1);
+                rc_rig_fail(s, RIGCAL_ERR_DEGENERATE, -1);
             } else {
                 s->is_trial = 0;
                 begin_pass(s);
@@ -309,7 +333,7 @@ static void end_pass(rigcal_rig_solver *s, rigcal_status status)
     s->phase = FACTORING;
     if (s->is_final || s->is_last) {
         if (status != RIGCAL_OK) {
-            fail(s, status, (int32_t)s->view);
+            rc_rig_fail(s, status, (int32_t)s->view);
         } else if (s->is_last) {
             s->is_last = 0;
             end_search(s, RIGCAL_OK, 1);
@@ -317,7 +341,7 @@ static void end_pass(rigcal_rig_solver *s, rigcal_status status)
     } else if (!s->is_trial) {
         rc_levenberg_evaluated(lm, status, s->sum);
         if (lm->status != RIGCAL_RUNNING) {
-            fail(s, status, (int32_t)s->view);
+            rc_rig_fail(s, status, (int32_t)s->view);
         }
     } else if (!rc_levenberg_tried(lm, status, s->sum, s->promised, s->negligible)) {
         save_poses(s, &parts, 1);
@@ -341,7 +365,7 @@ static void add_prior(rigcal_rig_solver *s, const rc_rig_parts *parts)
         rigcal_real packed[21], full[36], d[6], g[6];
         rc_sym6_pack(packed, prior->Sigma);
         if (!rc_sym6_invert(full, packed)) {
-            fail(s, RIGCAL_ERR_DEGENERATE, -1);
+            rc_rig_fail(s, RIGCAL_ERR_DEGENERATE, -1);
             return;
         }
         rc_sym6_pack(packed, full);
@@ -350,10 +374,7 @@ static void add_prior(rigcal_rig_solver *s, const rc_rig_parts *parts)
         }
         rc_deviation(d, &prior->cam_from_rig, &rig->cams_from_rig[c]);
         rc_sym6_mul(g, packed, d);
-        add_block(parts->S, at, packed);
-        for (size_t k = 0; k < 6; k++) {
-            parts->g[at + k] += g[k];
-        }
+        add_camera(parts, at, g, packed);
         s->sum += dot6(g, d);
     }
     if (s->row >= rig->n_cameras) {
@@ -405,34 +426,42 @@ static void end_placement(rigcal_rig_solver *s, const rc_rig_parts *parts)
 
 static int is_end_of_placement(const rigcal_rig_solver *s, const rc_rig_parts *parts)
 {
-    return s->view - s->first == (size_t)parts->count[s->placement];
+    return s->view - s->first == rc_rig_views_of(parts, s->placement);
 }
 
 /* Adds the view to its placement's equations and, where the pass reduces, to its camera's.
  * */
-static void add_view(rigcal_rig_solver *s, const rc_rig_parts *parts)
+static rigcal_status add_equations(rigcal_rig_solver *s, const rc_rig_parts *parts,
+                                   size_t slot)
 {
     rigcal_real sum = 0, g[6], H[21];
     rc_chain chain;
     int32_t camera = 0;
     const rigcal_status status = view_equations(&sum, g, H, &chain, &camera, s);
-    const size_t slot = s->view - s->first;
     if (status != RIGCAL_OK) {
-        end_pass(s, status);
-        return;
+        return status;
     }
     rc_chain_add_placement(s->gp, s->Hp, &chain, g, H);
     if (s->phase == REDUCING) {
         s->sum += sum;
         parts->slot[slot] = parts->column[camera];
         if (parts->slot[slot] >= 0) {
-            const size_t at = (size_t)parts->slot[slot];
             rc_chain_camera(g, H, &parts->W[36 * slot], &chain);
-            add_block(parts->S, at, H);
-            for (size_t k = 0; k < 6; k++) {
-                parts->g[at + k] += g[k];
-            }
+            add_camera(parts, (size_t)parts->slot[slot], g, H);
         }
+    }
+    return RIGCAL_OK;
+}
+
+static void add_view(rigcal_rig_solver *s, const rc_rig_parts *parts)
+{
+    const size_t slot = s->view - s->first;
+    parts->slot[slot] = -1;
+    const rigcal_status status =
+        rc_rig_is_left_out(s->rig, s->view) ? RIGCAL_OK : add_equations(s, parts, slot);
+    if (status != RIGCAL_OK) {
+        end_pass(s, status);
+        return;
     }
     s->view++;
     if (is_end_of_placement(s, parts)) {
@@ -452,7 +481,7 @@ void rc_rig_begin(rigcal_rig_solver *s, rigcal_rig *rig, int is_join)
     rc_levenberg_begin(&s->search, 1);
     const rigcal_status status = rc_views_begin(s);
     if (status != RIGCAL_OK) {
-        fail(s, status, -1);
+        rc_rig_fail(s, status, -1);
     }
 }
 
@@ -462,7 +491,7 @@ static void checking_step(rigcal_rig_solver *s)
     if (status == RIGCAL_OK) {
         s->phase = RC_RIG_CHECKED;
     } else if (status != RIGCAL_RUNNING) {
-        fail(s, status, (s->view < s->rig->n_views) ? (int32_t)s->view : -1);
+        rc_rig_fail(s, status, (s->view < s->rig->n_views) ? (int32_t)s->view : -1);
     }
 }
 
@@ -480,7 +509,7 @@ void rc_rig_step(rigcal_rig_solver *s)
         break;
     case ELIMINATING:
         eliminate_slot(s, &parts);
-        if (s->row == (size_t)parts.count[s->placement]) {
+        if (s->row == rc_rig_views_of(&parts, s->placement)) {
             next_placement(s, &parts);
         }
         break;

@@ -2,13 +2,18 @@
 
 /* The join: poses from which the least squares of the views' own poses starts. From what is
  * fixed, cameras are reached by the view of most information that leads to them, all that
- * one placement apart first. */
+ * one placement apart first. parts->slot says of each camera whether it is reached. */
 
 /* What a camera, not yet reached, is best reached by. */
 typedef struct {
     rigcal_real information;
     rigcal_transform cam_from_rig;
 } candidate;
+
+static candidate *candidates_of(const rc_rig_parts *parts)
+{
+    return (candidate *)(void *)parts->W;
+}
 
 /* 1 / variance of its rotation, for noise of 1 px. */
 static rigcal_real information_of(const rigcal_view_pose *v)
@@ -17,157 +22,194 @@ static rigcal_real information_of(const rigcal_view_pose *v)
     return rc_sym6_inverse_trace(&trace, v->information) ? 1 / trace : 0;
 }
 
-/* The placement whose views begin with `first`, by the best of those whose camera is
- * reached. Returns that one's information; 0: there is none. */
-static rigcal_status place(rigcal_real *information, rigcal_transform *rig_from_placement,
-                           const rigcal_rig *rig, const rc_rig_parts *parts, size_t first,
-                           size_t count)
+/* Of a camera that is reached: the placement by this view, if it knows more than those
+ * before it. s->gain is the information of the best. */
+static void place_by(rigcal_rig_solver *s, const rigcal_view_pose *v)
 {
-    *information = 0;
-    for (size_t i = first; i < first + count; i++) {
-        rigcal_view_pose v;
-        const rigcal_status status = rc_rig_pose_at(&v, rig, i);
-        if (status != RIGCAL_OK) {
-            return status;
-        }
-        const rigcal_real more = information_of(&v);
-        if (parts->slot[v.camera] > 0 && more > *information) {
-            rigcal_transform rig_from_cam;
-            rc_transform_invert(&rig_from_cam, &rig->cams_from_rig[v.camera]);
-            rc_transform_compose(rig_from_placement, &rig_from_cam, &v.cam_from_target);
-            *information = more;
-        }
+    const rigcal_real information = information_of(v);
+    if (information > s->gain) {
+        rigcal_transform rig_from_cam;
+        rc_transform_invert(&rig_from_cam, &s->rig->cams_from_rig[v->camera]);
+        rc_transform_compose(&s->rig->rig_from_placements[s->placement], &rig_from_cam,
+                             &v->cam_from_target);
+        s->gain = information;
+    }
+}
+
+/* Of a camera that is not: where it is by the placement and this view. The information of
+ * that way is of both views, as variances are added. */
+static void reach_by(const rigcal_rig_solver *s, candidate *best, const rigcal_view_pose *v)
+{
+    const rigcal_real other = information_of(v);
+    const rigcal_real less = rc_min(s->gain, other);
+    const rigcal_real way = less / (1 + less / rc_max(s->gain, other));
+    if (way > best->information) {
+        rigcal_transform placement_from_rig;
+        rc_transform_invert(&placement_from_rig,
+                            &s->rig->rig_from_placements[s->placement]);
+        rc_transform_compose(&best->cam_from_rig, &v->cam_from_target, &placement_from_rig);
+        best->information = way;
+    }
+}
+
+static rigcal_status look_at_view(rigcal_rig_solver *s, const rc_rig_parts *parts)
+{
+    rigcal_view_pose v;
+    if (rc_rig_is_left_out(s->rig, s->view)) {
+        return RIGCAL_OK;
+    }
+    const rigcal_status status = rc_rig_pose_at(&v, s->rig, s->view);
+    if (status != RIGCAL_OK) {
+        return status;
+    }
+    const int is_reached = parts->slot[v.camera] > 0;
+    if (is_reached && s->phase == RC_RIG_PLACING) {
+        place_by(s, &v);
+    } else if (!is_reached && s->phase == RC_RIG_REACHING) {
+        reach_by(s, &candidates_of(parts)[v.camera], &v);
     }
     return RIGCAL_OK;
 }
 
-/* The cameras of that placement that are not reached. The information of a way is that of
- * its two views, as inverse variances are added. */
-static rigcal_status reach(candidate best[], const rigcal_rig *rig,
-                           const rc_rig_parts *parts, size_t first, size_t count,
-                           rigcal_real information,
-                           const rigcal_transform *rig_from_placement)
+/* The next placement that has views, from s->placement on; 0: there is none. */
+static int begin_placement(rigcal_rig_solver *s, const rc_rig_parts *parts)
 {
-    for (size_t i = first; i < first + count; i++) {
-        rigcal_view_pose v;
-        const rigcal_status status = rc_rig_pose_at(&v, rig, i);
-        if (status != RIGCAL_OK) {
-            return status;
-        }
-        if (parts->slot[v.camera] > 0) {
-            continue;
-        }
-        candidate *const c = &best[v.camera];
-        const rigcal_real other = information_of(&v);
-        const rigcal_real less = rc_min(information, other);
-        const rigcal_real way = less / (1 + less / rc_max(information, other));
-        if (way > c->information) {
-            rigcal_transform placement_from_rig;
-            rc_transform_invert(&placement_from_rig, rig_from_placement);
-            rc_transform_compose(&c->cam_from_rig, &v.cam_from_target, &placement_from_rig);
-            c->information = way;
-        }
+    while (s->placement < s->rig->n_placements &&
+           rc_rig_views_of(parts, s->placement) == 0) {
+        s->placement++;
     }
-    return RIGCAL_OK;
+    s->first = s->view;
+    s->gain = 0;
+    s->phase = RC_RIG_PLACING;
+    return s->placement < s->rig->n_placements;
 }
 
-/* Places what it can, and finds the best way to each camera. */
-static rigcal_status look_around(candidate best[], const rigcal_rig *rig,
-                                 const rc_rig_parts *parts)
+static void begin_round(rigcal_rig_solver *s, const rc_rig_parts *parts)
 {
-    size_t first = 0;
-    for (size_t f = 0; f < rig->n_placements; f++) {
-        const size_t count = (size_t)parts->count[f];
-        rigcal_transform *const placement = &rig->rig_from_placements[f];
-        rigcal_real information;
-        rigcal_status status = place(&information, placement, rig, parts, first, count);
-        if (status == RIGCAL_OK && information > 0) {
-            status = reach(best, rig, parts, first, count, information, placement);
-        }
-        if (status != RIGCAL_OK) {
-            return status;
-        }
-        first += count;
+    for (size_t c = 0; c < s->rig->n_cameras; c++) {
+        candidates_of(parts)[c].information = 0;
     }
-    return RIGCAL_OK;
+    s->view = s->placement = 0;
+    (void)begin_placement(s, parts);
 }
 
-/* Where the cameras are that are fixed; parts->slot says of each whether it is reached. */
-static rigcal_status begin(const rigcal_rig *rig, const rc_rig_parts *parts)
+/* Where the cameras are that are fixed. */
+static void begin(rigcal_rig_solver *s, const rc_rig_parts *parts)
 {
+    const rigcal_rig *const rig = s->rig;
     for (size_t c = 0; c < rig->n_cameras; c++) {
-        const uint8_t role = (rig->roles == NULL) ? RIGCAL_CAMERA_FREE : rig->roles[c];
         rigcal_transform *const camera = &rig->cams_from_rig[c];
         parts->slot[c] = 1;
-        if (role == RIGCAL_CAMERA_PRIOR) {
+        if (rc_rig_has_prior(rig, c)) {
             *camera = rig->priors[c].cam_from_rig;
-        } else if (role == RIGCAL_CAMERA_HELD) {
+        } else if (rc_rig_is_held(rig, c)) {
             const rigcal_status status = rc_check_transform(camera);
             if (status != RIGCAL_OK) {
-                return status;
+                rc_rig_fail(s, status, -1);
+                return;
             }
         } else {
             rc_transform_identity(camera); /* the first of a group; others: for now */
             parts->slot[c] = (parts->column[c] < 0) ? 1 : 0;
         }
     }
-    return RIGCAL_OK;
+    begin_round(s, parts);
 }
 
-static rigcal_status start(const rigcal_rig *rig, const rc_rig_parts *parts)
+/* Takes the cameras that were reached; goes on while there are any. */
+static void end_round(rigcal_rig_solver *s, const rc_rig_parts *parts)
 {
-    candidate *const best = (candidate *)(void *)parts->W;
-    int is_more = 1;
-    rigcal_status status = begin(rig, parts);
-    while (status == RIGCAL_OK && is_more) {
-        is_more = 0;
-        for (size_t c = 0; c < rig->n_cameras; c++) {
-            best[c].information = 0;
-        }
-        status = look_around(best, rig, parts);
-        for (size_t c = 0; c < rig->n_cameras && status == RIGCAL_OK; c++) {
-            if (best[c].information > 0) {
-                rig->cams_from_rig[c] = best[c].cam_from_rig;
-                parts->slot[c] = 1;
-                is_more = 1;
-            }
+    const candidate *const best = candidates_of(parts);
+    int is_more = 0;
+    for (size_t c = 0; c < s->rig->n_cameras; c++) {
+        if (best[c].information > 0) {
+            s->rig->cams_from_rig[c] = best[c].cam_from_rig;
+            parts->slot[c] = 1;
+            is_more = 1;
         }
     }
-    return status;
+    if (is_more) {
+        begin_round(s, parts);
+    } else {
+        s->phase = RC_RIG_CHECKED;
+        rc_rig_step(s);
+    }
 }
 
-rigcal_status rigcal_rig_join(rigcal_rig *rig, int32_t *at_fault)
+static void look_step(rigcal_rig_solver *s, const rc_rig_parts *parts)
 {
-    rigcal_rig_solver s;
+    const rigcal_status status = look_at_view(s, parts);
+    if (status != RIGCAL_OK) {
+        rc_rig_fail(s, status, (int32_t)s->view);
+        return;
+    }
+    s->view++;
+    if (s->view - s->first < rc_rig_views_of(parts, s->placement)) {
+        return;
+    }
+    if (s->phase == RC_RIG_PLACING && s->gain > 0) {
+        s->view = s->first;
+        s->phase = RC_RIG_REACHING;
+        return;
+    }
+    s->placement++;
+    if (!begin_placement(s, parts)) {
+        end_round(s, parts);
+    }
+}
+
+static void step(rigcal_rig_solver *s)
+{
     rc_rig_parts parts;
-    if (at_fault != NULL) {
-        *at_fault = -1;
+    rc_rig_parts_of(&parts, s->rig, s->n);
+    if (s->phase == RC_RIG_CHECKED) {
+        begin(s, &parts);
+    } else if (s->phase == RC_RIG_PLACING || s->phase == RC_RIG_REACHING) {
+        look_step(s, &parts);
+    } else {
+        rc_rig_step(s);
+    }
+}
+
+rigcal_status rigcal_rig_join_begin(rigcal_rig_solver *solver, rigcal_rig *rig)
+{
+    if (solver == NULL) {
+        return RIGCAL_ERR_NULL;
     }
     rigcal_status status = rc_rig_check(rig);
     if (status == RIGCAL_OK && rig->view_poses == NULL && rig->view_pose_source == NULL) {
         status = RIGCAL_ERR_NULL;
     }
+    if (status == RIGCAL_OK) {
+        rc_rig_begin(solver, rig, 1);
+    }
+    return status;
+}
+
+rigcal_status rigcal_rig_join_step(rigcal_rig_solver *solver, int32_t budget)
+{
+    const rigcal_status status = rc_rig_check_step(solver, budget);
     if (status != RIGCAL_OK) {
         return status;
     }
-    rc_rig_begin(&s, rig, 1);
-    while (s.phase != RC_RIG_DONE && s.phase != RC_RIG_CHECKED) {
-        rc_rig_step(&s);
+    for (; budget > 0 && solver->phase != RC_RIG_DONE; budget--) {
+        step(solver);
     }
-    if (s.phase == RC_RIG_CHECKED) {
-        rc_rig_parts_of(&parts, rig, s.n);
-        status = start(rig, &parts);
-        if (status != RIGCAL_OK) {
-            return status;
-        }
-    }
-    while (s.phase != RC_RIG_DONE) {
-        rc_rig_step(&s);
-    }
-    rc_rig_forget(rig);
+    return (solver->phase == RC_RIG_DONE) ? RIGCAL_OK : RIGCAL_RUNNING;
+}
+
+rigcal_status rigcal_rig_join(rigcal_rig *rig, int32_t *at_fault)
+{
+    rigcal_rig_solver solver;
     if (at_fault != NULL) {
-        *at_fault = s.at_fault;
+        *at_fault = -1;
     }
-    status = s.search.status;
-    return (status == RIGCAL_OK && s.is_disconnected) ? RIGCAL_DISCONNECTED : status;
+    const rigcal_status status = rigcal_rig_join_begin(&solver, rig);
+    if (status != RIGCAL_OK) {
+        return status;
+    }
+    while (solver.phase != RC_RIG_DONE) {
+        step(&solver);
+    }
+    return rc_rig_outcome(at_fault, &solver);
 }

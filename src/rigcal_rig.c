@@ -60,14 +60,9 @@ rigcal_status rigcal_rig_begin(rigcal_rig_solver *solver, rigcal_rig *rig)
 
 rigcal_status rigcal_rig_step(rigcal_rig_solver *solver, int32_t budget)
 {
-    if (solver == NULL) {
-        return RIGCAL_ERR_NULL;
-    }
-    if (solver->phase == 0) {
-        return RIGCAL_ERR_STATE;
-    }
-    if (budget < 1) {
-        return RIGCAL_ERR_RANGE;
+    const rigcal_status status = rc_rig_check_step(solver, budget);
+    if (status != RIGCAL_OK) {
+        return status;
     }
     for (; budget > 0 && solver->phase != RC_RIG_DONE; budget--) {
         rc_rig_step(solver);
@@ -85,12 +80,12 @@ static void fill_fit(rigcal_rig_fit *fit, const rigcal_rig_solver *s)
     }
     const rigcal_real measured = 2 * (rigcal_real)(int32_t)s->n_points;
     *fit = (rigcal_rig_fit){0};
-    fit->sum = s->search.sum;
+    fit->sum = s->search.sum + (s->is_join ? s->own_sum : 0);
     fit->freedom = measured - unknowns;
     fit->sigma_px = (fit->freedom > 0) ? RC_SQRT(fit->sum / fit->freedom) : 0;
     fit->n_points = s->n_points;
     fit->evals = s->evals;
-    const rigcal_real within = measured - 6 * (rigcal_real)(int32_t)rig->n_views;
+    const rigcal_real within = measured - 6 * (rigcal_real)(int32_t)s->n_used;
     const rigcal_real between = fit->freedom - within;
     if ((rig->view_poses != NULL || rig->view_pose_source != NULL) && within > 0 &&
         between > 0 && s->own_sum > 0) {
@@ -112,15 +107,11 @@ rigcal_status rigcal_rig_result(rigcal_rig_fit *fit, int32_t *at_fault,
     if (solver->phase != RC_RIG_DONE) {
         return RIGCAL_ERR_STATE;
     }
-    if (at_fault != NULL) {
-        *at_fault = solver->at_fault;
+    const rigcal_status status = rc_rig_outcome(at_fault, solver);
+    if (status >= 0) {
+        fill_fit(fit, solver);
     }
-    const rigcal_status status = solver->search.status;
-    if (status < 0) {
-        return status;
-    }
-    fill_fit(fit, solver);
-    return (status == RIGCAL_OK && solver->is_disconnected) ? RIGCAL_DISCONNECTED : status;
+    return status;
 }
 
 rigcal_status rigcal_rig_adjust(rigcal_rig_fit *fit, int32_t *at_fault, rigcal_rig *rig)
@@ -148,9 +139,7 @@ static void block_of(rigcal_real out[36], const rigcal_rig *rig, size_t a, size_
 {
     rc_rig_parts parts;
     rc_rig_parts_of(&parts, rig, 0);
-    for (int k = 0; k < 36; k++) {
-        out[k] = 0;
-    }
+    rc_clear(out, 36);
     if (!(parts.column[a] >= 0 && parts.column[b] >= 0)) {
         return;
     }
@@ -193,7 +182,7 @@ static int is_adjusted(const rigcal_rig *rig)
         n += is_next ? 6 : 0;
     }
     for (size_t f = 0; f < rig->n_placements; f++) {
-        if (!(parts.count[f] >= 0 && parts.count[f] <= (rigcal_real)rig->n_cameras)) {
+        if (!(RC_FABS(parts.count[f]) <= (rigcal_real)rig->n_cameras)) {
             return 0;
         }
     }
@@ -227,39 +216,59 @@ rigcal_status rigcal_rig_covariance(rigcal_real Sigma[36], const rigcal_rig *rig
     return RIGCAL_OK;
 }
 
-/* Sigma += J_left S J_right^T */
-static void add_turned(rigcal_real Sigma[36], const rigcal_real J_left[36],
-                       const rigcal_real S[36], const rigcal_real J_right[36])
+/* out += A B, out += A^T B, of 6 x 6 matrices row by row */
+static void add_product(rigcal_real out[36], const rigcal_real A[36],
+                        const rigcal_real B[36], int is_transposed)
 {
-    rigcal_real half[36];
     for (int i = 0; i < 6; i++) {
-        for (int j = 0; j < 6; j++) {
-            half[6 * i + j] = 0;
-            for (int k = 0; k < 6; k++) {
-                half[6 * i + j] += J_left[6 * i + k] * S[6 * k + j];
+        for (int k = 0; k < 6; k++) {
+            const rigcal_real a = is_transposed ? A[6 * k + i] : A[6 * i + k];
+            for (int j = 0; j < 6; j++) {
+                out[6 * i + j] += a * B[6 * k + j];
             }
-        }
-    }
-    for (int i = 0; i < 6; i++) {
-        for (int j = 0; j < 6; j++) {
-            Sigma[6 * i + j] += rc_vec3_dot(&half[6 * i], &J_right[6 * j]) +
-                                rc_vec3_dot(&half[6 * i + 3], &J_right[6 * j + 3]);
         }
     }
 }
 
-/* A rotation M, and [x]x M below it: what a step of a camera does to b_from_a. */
-static void fill_step(rigcal_real J[36], const rigcal_real x[3], const rigcal_real M[9])
+/* The sum of A_ij B_ij: the trace of A B^T. */
+static rigcal_real trace_of_product(const rigcal_real A[36], const rigcal_real B[36])
 {
-    for (int column = 0; column < 3; column++) {
-        const rigcal_real m[3] = {M[column], M[3 + column], M[6 + column]};
-        rigcal_real moved[3];
-        rc_vec3_cross(moved, x, m);
-        for (int row = 0; row < 3; row++) {
-            J[6 * row + column] = J[6 * (row + 3) + column + 3] = m[row];
-            J[6 * row + column + 3] = 0;
-            J[6 * (row + 3) + column] = moved[row];
+    rigcal_real sum = 0;
+    for (int k = 0; k < 36; k++) {
+        sum += A[k] * B[k];
+    }
+    return sum;
+}
+
+/* How some 6 unknowns hang on the cameras: d = -sum of W_i^T d_i, `camera` of each, less
+ * than 0: left out. */
+typedef struct {
+    const rigcal_rig *rig;
+    rigcal_real *W, *camera;
+    size_t count;
+} leverage;
+
+/* Z = sum over j of Sigma_ij W_j, for noise of 1 px. */
+static void fill_Z(rigcal_real Z[36], const leverage *on, size_t i)
+{
+    rc_clear(Z, 36);
+    for (size_t j = 0; j < on->count; j++) {
+        rigcal_real Sigma_ij[36];
+        if (on->camera[i] >= 0 && on->camera[j] >= 0) {
+            block_of(Sigma_ij, on->rig, (size_t)on->camera[i], (size_t)on->camera[j]);
+            add_product(Z, Sigma_ij, &on->W[36 * j], 0);
         }
+    }
+}
+
+/* Sigma = sum over i, j of W_i^T Sigma_ij W_j. */
+static void fill_spread(rigcal_real Sigma[36], const leverage *on)
+{
+    rc_clear(Sigma, 36);
+    for (size_t i = 0; i < on->count; i++) {
+        rigcal_real Z[36];
+        fill_Z(Z, on, i);
+        add_product(Sigma, &on->W[36 * i], Z, 1);
     }
 }
 
@@ -269,6 +278,18 @@ static void make_symmetric(rigcal_real Sigma[36], rigcal_real scale)
         for (int j = 0; j <= i; j++) {
             Sigma[6 * j + i] = Sigma[6 * i + j] = scale * Sigma[6 * i + j];
         }
+    }
+}
+
+/* W = (M 0; [x]x M  M)^T, M a rotation: what a step of a camera does to b_from_a. */
+static void fill_step(rigcal_real W[36], const rigcal_real x[3], const rigcal_real M[9])
+{
+    rc_clear(W, 36);
+    for (int column = 0; column < 3; column++) {
+        const rigcal_real m[3] = {M[column], M[3 + column], M[6 + column]};
+        rc_vec3_copy(&W[6 * column], m);
+        rc_vec3_cross(&W[6 * column + 3], x, m);
+        rc_vec3_copy(&W[6 * column + 21], m);
     }
 }
 
@@ -287,53 +308,67 @@ rigcal_status rigcal_rig_pair(rigcal_transform *b_from_a, rigcal_real Sigma[36],
     if (status != RIGCAL_OK) {
         return status;
     }
-    rigcal_real x[3], minus_R[9], J_a[36], J_b[36], S[36];
+    rigcal_real x[3], minus_R[9], W[72], camera[2] = {(rigcal_real)a, (rigcal_real)b};
+    const leverage on = {rig, W, camera, 2};
     rc_transform_between(b_from_a, &rig->cams_from_rig[b], &rig->cams_from_rig[a]);
     rc_mat3_mul_vec3(x, b_from_a->R, rig->cams_from_rig[a].t);
     for (int k = 0; k < 9; k++) {
         minus_R[k] = -b_from_a->R[k];
     }
-    fill_step(J_b, x, ONE);
-    fill_step(J_a, x, minus_R);
-    for (int k = 0; k < 36; k++) {
-        Sigma[k] = 0;
-    }
-    block_of(S, rig, a, a);
-    add_turned(Sigma, J_a, S, J_a);
-    block_of(S, rig, b, b);
-    add_turned(Sigma, J_b, S, J_b);
-    block_of(S, rig, a, b);
-    add_turned(Sigma, J_a, S, J_b);
-    block_of(S, rig, b, a);
-    add_turned(Sigma, J_b, S, J_a);
+    fill_step(&W[0], x, minus_R);
+    fill_step(&W[36], x, ONE);
+    fill_spread(Sigma, &on);
     make_symmetric(Sigma, sigma_px * sigma_px);
     return RIGCAL_OK;
 }
 
-/* Of a placement: H, and W of each of its views in the memory to work in; parts->slot gets
- * their cameras. */
-static rigcal_status gather(rigcal_real H_placement[21], const rigcal_rig *rig,
-                            const rc_rig_parts *parts, size_t placement, size_t first)
+/* One view of a placement where the rig is. */
+static rigcal_status equations_of(rigcal_real *sum, rigcal_real g[6], rigcal_real H[21],
+                                  rc_chain *chain, rigcal_rig_view *v,
+                                  const rigcal_rig *rig, size_t view)
 {
-    rigcal_real g_placement[6];
+    const rigcal_status status = rc_rig_view_at(v, rig, view);
+    if (status != RIGCAL_OK) {
+        return status;
+    }
+    rc_chain_of(chain, &rig->cams_from_rig[v->camera],
+                &rig->rig_from_placements[v->placement]);
+    return rc_rig_equations(sum, g, H, v, &chain->cam_from_target);
+}
+
+/* Of a placement whose views begin with `first`: Sigma of its pose for noise of 1 px, its
+ * own part of it, H^-1, and how it hangs on the cameras. */
+static rigcal_status place_sure(rigcal_real Sigma[36], rigcal_real inverse[36],
+                                const leverage *on, size_t first)
+{
+    rigcal_real sum, g[6], H[21], g_placement[6], H_placement[21], spread[36], half[36];
     rc_rigid_clear(g_placement, H_placement);
-    for (size_t i = 0; i < (size_t)parts->count[placement]; i++) {
+    for (size_t i = 0; i < on->count; i++) {
         rigcal_rig_view v;
         rc_chain chain;
-        rigcal_real sum, g[6], H[21];
-        rigcal_status status = rc_rig_view_at(&v, rig, first + i);
-        if (status == RIGCAL_OK) {
-            rc_chain_of(&chain, &rig->cams_from_rig[v.camera],
-                        &rig->rig_from_placements[placement]);
-            status = rc_rig_equations(&sum, g, H, &v, &chain.cam_from_target);
+        on->camera[i] = -1;
+        if (rc_rig_is_left_out(on->rig, first + i)) {
+            continue;
         }
+        const rigcal_status status =
+            equations_of(&sum, g, H, &chain, &v, on->rig, first + i);
         if (status != RIGCAL_OK) {
             return status;
         }
         rc_chain_add_placement(g_placement, H_placement, &chain, g, H);
-        rc_chain_camera(g, H, &parts->W[36 * i], &chain);
-        parts->slot[i] = (rigcal_real)v.camera;
+        rc_chain_camera(g, H, &on->W[36 * i], &chain);
+        on->camera[i] = (rigcal_real)v.camera;
     }
+    if (!rc_sym6_invert(inverse, H_placement)) {
+        return RIGCAL_ERR_DEGENERATE;
+    }
+    fill_spread(spread, on);
+    rc_clear(half, 36);
+    add_product(half, spread, inverse, 0);
+    for (int k = 0; k < 36; k++) {
+        Sigma[k] = inverse[k];
+    }
+    add_product(Sigma, inverse, half, 0);
     return RIGCAL_OK;
 }
 
@@ -341,8 +376,7 @@ rigcal_status rigcal_rig_placement(rigcal_real Sigma[36], rigcal_rig *rig,
                                    rigcal_real sigma_px, size_t placement)
 {
     rc_rig_parts parts;
-    rc_sym6_factor L;
-    rigcal_real H[21], S[36];
+    rigcal_real inverse[36];
     size_t first = 0;
     rigcal_status status = check_sure(Sigma, rig, sigma_px, 0);
     if (status == RIGCAL_OK && placement >= rig->n_placements) {
@@ -352,40 +386,85 @@ rigcal_status rigcal_rig_placement(rigcal_real Sigma[36], rigcal_rig *rig,
         return status;
     }
     rc_rig_parts_of(&parts, rig, 0);
-    const size_t count = (size_t)parts.count[placement];
-    for (size_t f = 0; f < placement; f++) {
-        first += (size_t)parts.count[f];
+    if (!(parts.count[placement] > 0)) {
+        return RIGCAL_ERR_TOO_FEW;
     }
-    status = (count == 0) ? RIGCAL_ERR_TOO_FEW : gather(H, rig, &parts, placement, first);
-    if (status == RIGCAL_OK && !rc_sym6_factor_of(&L, H, 0)) {
-        status = RIGCAL_ERR_DEGENERATE;
+    for (size_t f = 0; f < placement; f++) {
+        first += rc_rig_views_of(&parts, f);
+    }
+    const leverage on = {rig, parts.W, parts.slot, rc_rig_views_of(&parts, placement)};
+    status = place_sure(Sigma, inverse, &on, first);
+    make_symmetric(Sigma, sigma_px * sigma_px);
+    return status;
+}
+
+/* ---- noise of each camera ------------------------------------------------ */
+
+/* Adds a view to its camera's sum, and to its freedom. What its points lose of that to the
+ * unknowns is trace(H Cov(T)), T its pose, of which camera and placement have shares. */
+static rigcal_status add_noise(rigcal_real sum[], rigcal_real freedom[],
+                               const rigcal_real Sigma[36], const rigcal_real inverse[36],
+                               const leverage *on, size_t first, size_t i)
+{
+    rigcal_rig_view v;
+    rigcal_points points;
+    rc_chain chain;
+    rigcal_real sse, g[6], H[21], g_placement[6], H_placement[21], full[36], Z[36], WZ[36];
+    rigcal_status status = equations_of(&sse, g, H, &chain, &v, on->rig, first + i);
+    if (status == RIGCAL_OK) {
+        status = rc_rig_points(&points, &v);
     }
     if (status != RIGCAL_OK) {
         return status;
     }
-    /* Column by column: H^-1 e, and W H^-1 of each view, transposed, in the place of W. */
-    (void)rc_sym6_invert(Sigma, H);
-    for (size_t i = 0; i < count; i++) {
-        rigcal_real *const W = &parts.W[36 * i];
-        rigcal_real turned[36];
-        for (int row = 0; row < 6; row++) {
-            rc_sym6_solve(&W[6 * row], &L);
-        }
-        for (int k = 0; k < 36; k++) {
-            turned[k] = W[6 * (k % 6) + k / 6];
-        }
-        for (int k = 0; k < 36; k++) {
-            W[k] = turned[k];
-        }
-    }
-    for (size_t i = 0; i < count; i++) {
-        for (size_t j = 0; j < count; j++) {
-            block_of(S, rig, (size_t)parts.slot[i], (size_t)parts.slot[j]);
-            add_turned(Sigma, &parts.W[36 * i], S, &parts.W[36 * j]);
-        }
-    }
-    make_symmetric(Sigma, sigma_px * sigma_px);
+    const size_t c = (size_t)v.camera;
+    rc_rigid_clear(g_placement, H_placement);
+    rc_chain_add_placement(g_placement, H_placement, &chain, g, H);
+    rc_sym6_unpack(full, H_placement);
+    rigcal_real lost = trace_of_product(full, Sigma);
+    rc_chain_camera(g, H, &on->W[36 * i], &chain);
+    rc_sym6_unpack(full, H);
+    block_of(Z, on->rig, c, c);
+    lost += trace_of_product(full, Z);
+    fill_Z(Z, on, i);
+    rc_clear(WZ, 36);
+    add_product(WZ, &on->W[36 * i], Z, 1);
+    lost -= 2 * trace_of_product(WZ, inverse);
+    sum[c] += sse;
+    freedom[c] += 2 * (rigcal_real)(int32_t)points.n_used - lost;
     return RIGCAL_OK;
+}
+
+rigcal_status rigcal_rig_noise(rigcal_real sigma_px[], rigcal_real freedom[],
+                               rigcal_rig *rig)
+{
+    rc_rig_parts parts;
+    rigcal_real Sigma[36], inverse[36];
+    size_t first = 0;
+    rigcal_status status =
+        (freedom == NULL) ? RIGCAL_ERR_NULL : check_sure(sigma_px, rig, 0, 0);
+    if (status != RIGCAL_OK) {
+        return status;
+    }
+    rc_rig_parts_of(&parts, rig, 0);
+    rc_clear(sigma_px, rig->n_cameras);
+    rc_clear(freedom, rig->n_cameras);
+    for (size_t f = 0; f < rig->n_placements && status == RIGCAL_OK; f++) {
+        const leverage on = {rig, parts.W, parts.slot, rc_rig_views_of(&parts, f)};
+        if (parts.count[f] > 0) {
+            status = place_sure(Sigma, inverse, &on, first);
+        }
+        for (size_t i = 0; i < on.count && status == RIGCAL_OK; i++) {
+            if (!rc_rig_is_left_out(rig, first + i)) {
+                status = add_noise(sigma_px, freedom, Sigma, inverse, &on, first, i);
+            }
+        }
+        first += on.count;
+    }
+    for (size_t c = 0; c < rig->n_cameras; c++) {
+        sigma_px[c] = (freedom[c] > 0) ? RC_SQRT(sigma_px[c] / freedom[c]) : 0;
+    }
+    return status;
 }
 
 /* ---- what is left -------------------------------------------------------- */

@@ -62,6 +62,16 @@ rigcal_status rc_rig_pose_at(rigcal_view_pose *out, const rigcal_rig *rig, size_
     return RIGCAL_OK;
 }
 
+size_t rc_rig_views_of(const rc_rig_parts *parts, size_t placement)
+{
+    return (size_t)RC_FABS(parts->count[placement]);
+}
+
+int rc_rig_is_left_out(const rigcal_rig *rig, size_t view)
+{
+    return rig->left_out != NULL && rig->left_out[view] != 0;
+}
+
 int rc_rig_is_held(const rigcal_rig *rig, size_t camera)
 {
     return rig->roles != NULL && rig->roles[camera] == RIGCAL_CAMERA_HELD;
@@ -156,6 +166,9 @@ static rigcal_status check_view(rigcal_rig_solver *s, int32_t *camera, int32_t *
     }
     *camera = v.camera;
     *placement = v.placement;
+    if (rc_rig_is_left_out(s->rig, s->view)) {
+        return RIGCAL_OK;
+    }
     status = (v.target != 0) ? RIGCAL_ERR_RANGE : rc_rig_points(&points, &v);
     if (status == RIGCAL_OK) {
         s->n_points += points.n_used;
@@ -190,6 +203,9 @@ static rigcal_status check_pose(rigcal_rig_solver *s, int32_t *camera, int32_t *
     }
     *camera = v.camera;
     *placement = v.placement;
+    if (rc_rig_is_left_out(s->rig, s->view)) {
+        return RIGCAL_OK;
+    }
     status = rc_check_transform(&v.cam_from_target);
     if (status == RIGCAL_OK) {
         status = rc_check_numbers(v.information, 21, RC_MAX);
@@ -199,6 +215,8 @@ static rigcal_status check_pose(rigcal_rig_solver *s, int32_t *camera, int32_t *
     }
     if (status == RIGCAL_OK) {
         s->negligible += negligible_of(&v);
+        s->own_sum += v.sse;
+        s->n_points += v.n;
     }
     return status;
 }
@@ -250,6 +268,9 @@ static rigcal_status number_unknowns(rigcal_rig_solver *s)
         }
     }
     s->n = n;
+    if (s->n_used == 0) {
+        return RIGCAL_ERR_TOO_FEW;
+    }
     return (rigcal_rig_work(n / 6, rig->n_cameras, rig->n_placements) > rig->work_capacity)
                ? RIGCAL_ERR_CAPACITY
                : RIGCAL_OK;
@@ -276,14 +297,21 @@ static rigcal_status check_next(rigcal_rig_solver *s, const rc_rig_parts *parts)
     if (parts->slot[camera] > (rigcal_real)placement) { /* the last one it saw, plus 1 */
         return RIGCAL_ERR_TWICE;
     }
-    if (s->n_seen == 0 || (size_t)placement > s->placement) {
+    s->placement = (size_t)placement;
+    parts->slot[camera] = (rigcal_real)placement + 1;
+    rigcal_real *const count = &parts->count[placement];
+    if (rc_rig_is_left_out(s->rig, s->view)) {
+        *count += (*count > 0) ? 1 : -1;
+        return RIGCAL_OK;
+    }
+    if (!(*count > 0)) {
+        *count = -*count;
         s->n_seen++;
         s->first = (size_t)camera; /* the placement's first camera */
     }
-    s->placement = (size_t)placement;
+    *count += 1;
+    s->n_used++;
     connect(s->rig, (int32_t)s->first, camera);
-    parts->slot[camera] = (rigcal_real)placement + 1;
-    parts->count[placement] += 1;
     return RIGCAL_OK;
 }
 

@@ -69,14 +69,15 @@ static void rig_of_vectors(int bumped)
         r.views[v].view =
             VIEW(&r.camera[r.views[v].camera], r.o[v], spreads[v], RIG_POINT_ROWS);
     }
-    r.rig = (rigcal_rig){r.cams,   RIG_CAMERA_ROWS,
-                         r.places, RIG_PLACE_ROWS,
-                         r.group,  RIG_VIEW_ROWS,
-                         r.views,  NULL,
-                         NULL,     NULL,
-                         NULL,     NULL,
-                         NULL,     0,
-                         r.work,   RIG_WORK};
+    r.rig = (rigcal_rig){.cams_from_rig = r.cams,
+                         .n_cameras = RIG_CAMERA_ROWS,
+                         .rig_from_placements = r.places,
+                         .n_placements = RIG_PLACE_ROWS,
+                         .group = r.group,
+                         .n_views = RIG_VIEW_ROWS,
+                         .views = r.views,
+                         .work = r.work,
+                         .work_capacity = RIG_WORK};
 }
 
 /* Each element to a part of sqrt(Sigma_ii Sigma_jj). */

@@ -1,6 +1,5 @@
-#include "rc_judge.h"
-
 #include "rc_adjust.h"
+#include "rc_choose.h"
 
 /* ---- constants ----------------------------------------------------------- */
 
@@ -37,48 +36,6 @@ enum {
     NAMING,
     CONCLUDING
 };
-
-/* ---- two poses of one placement ------------------------------------------- */
-
-rigcal_real rc_disagreement(const rigcal_view_pose *own,
-                            const rigcal_transform *cam_from_rig,
-                            const rigcal_transform *rig_from_placement,
-                            const rigcal_real H_placement[21])
-{
-    rigcal_real sum, g[6], H[21], d[6], y[6], both[21];
-    rc_chain chain;
-    rc_sym6_factor L;
-    rc_chain_of(&chain, cam_from_rig, rig_from_placement);
-    rc_rig_quadratic(&sum, g, H, own, &chain.cam_from_target);
-    rc_rigid_clear(y, both);
-    rc_chain_add_placement(y, both, &chain, g, H); /* y = H_own d */
-    for (int k = 0; k < 21; k++) {
-        both[k] += H_placement[k];
-    }
-    if (!rc_sym6_factor_of(&L, both, 0)) {
-        return RC_MAX;
-    }
-    rc_sym6_solve(y, &L);
-    rc_deviation(g, &own->cam_from_target, &chain.cam_from_target);
-    rc_mat3_tmul_vec3(&d[0], cam_from_rig->R, &g[0]);
-    rc_mat3_tmul_vec3(&d[3], cam_from_rig->R, &g[3]);
-    rc_sym6_mul(g, H_placement, d);
-    return rc_vec3_dot(&g[0], &y[0]) + rc_vec3_dot(&g[3], &y[3]);
-}
-
-void rc_place_by(rigcal_transform *rig_from_placement, rigcal_real H_placement[21],
-                 const rigcal_view_pose *own, const rigcal_transform *cam_from_rig)
-{
-    static const rigcal_real NONE[6] = {0};
-    rigcal_real g[6];
-    rigcal_transform rig_from_cam;
-    rc_chain chain;
-    rc_transform_invert(&rig_from_cam, cam_from_rig);
-    rc_transform_compose(rig_from_placement, &rig_from_cam, &own->cam_from_target);
-    rc_chain_of(&chain, cam_from_rig, rig_from_placement);
-    rc_rigid_clear(g, H_placement);
-    rc_chain_add_placement(g, H_placement, &chain, NONE, own->information);
-}
 
 /* ---- the median of the costs ---------------------------------------------- */
 
@@ -289,51 +246,78 @@ static rigcal_real cost_of(const rigcal_judge_solver *s, const rc_rig_parts *par
     return block[BLOCK_EXCESS] + rc_vec3_dot(&y[0], &y[0]) + rc_vec3_dot(&y[3], &y[3]);
 }
 
-/* Of a view that is left out: how much it disagrees with the placement as those that are
- * not have it or, where all are left out, with the nearest of the others. */
-static rigcal_status disagreement_of(rigcal_real *least, const rigcal_judge_solver *s,
-                                     const rc_rig_parts *parts, const rigcal_view_pose *own)
+/* The placement under way as view v by itself has it. */
+static rigcal_status claim_of(rc_claim *claim, const rigcal_judge_solver *s, size_t v,
+                              int with_camera)
 {
-    const rigcal_transform *const cams = s->rig->cams_from_rig;
-    const rigcal_transform *const here = &s->rig->rig_from_placements[s->placement];
-    const size_t count = rc_rig_views_of(parts, s->placement);
-    rigcal_real g[6], H[21];
-    *least = -1;
-    if (s->n_kept > 0) {
-        rc_rigid_clear(g, H);
-        for (size_t slot = 0; slot < s->n_kept; slot++) {
-            add_block(H, &parts->W[BLOCK * slot]);
-        }
-        *least = rc_disagreement(own, &cams[own->camera], here, H);
-        return RIGCAL_OK;
+    rigcal_view_pose own;
+    rc_claim view, camera = {0};
+    rigcal_status status = rc_rig_pose_at(&own, s->rig, v);
+    if (status != RIGCAL_OK) {
+        return status;
     }
-    for (size_t v = s->first; v < s->first + count; v++) {
-        rigcal_view_pose other;
-        rigcal_transform by_other;
-        const rigcal_status status = rc_rig_pose_at(&other, s->rig, v);
-        if (status != RIGCAL_OK) {
-            return status;
-        }
-        if (v != s->view) {
-            rc_place_by(&by_other, H, &other, &cams[other.camera]);
-            const rigcal_real more =
-                rc_disagreement(own, &cams[own->camera], &by_other, H);
-            *least = (*least < 0) ? more : rc_min(*least, more);
-        }
+    camera.b_from_a = s->rig->cams_from_rig[own.camera];
+    if (with_camera) {
+        rigcal_real Sigma[36];
+        status = rigcal_rig_covariance(Sigma, s->rig, 1, (size_t)own.camera);
+        rc_sym6_pack(camera.Sigma, Sigma);
     }
-    return RIGCAL_OK;
+    if (!rc_claim_of_view(&view, &own, own.sse, (int32_t)v, 0)) {
+        status = RIGCAL_ERR_DEGENERATE;
+    }
+    rc_claim_place(claim, &view, &camera, with_camera);
+    return status;
 }
 
-static rigcal_status judge_left_out(rigcal_judge_solver *s, const rc_rig_parts *parts,
-                                    const rigcal_view_pose *own)
+/* The placement as those of its views have it that are not left out. */
+static void claim_of_kept(rc_claim *claim, const rigcal_judge_solver *s,
+                          const rc_rig_parts *parts)
 {
+    rigcal_real g[6], H[21], Sigma[36];
+    rc_rigid_clear(g, H);
+    for (size_t slot = 0; slot < s->n_kept; slot++) {
+        add_block(H, &parts->W[BLOCK * slot]);
+    }
+    *claim = (rc_claim){0};
+    claim->b_from_a = s->rig->rig_from_placements[s->placement];
+    if (rc_sym6_invert(Sigma, H)) { /* else no other is far from it */
+        rc_sym6_pack(claim->Sigma, Sigma);
+    }
+}
+
+/* Of a view that is left out: how far its own pose is from the placement as those that are
+ * not left out have it or, where all are, from the nearest of the others. */
+static rigcal_status distance_of(rigcal_real *least, const rigcal_judge_solver *s,
+                                 const rc_rig_parts *parts)
+{
+    const size_t count = rc_rig_views_of(parts, s->placement);
+    rc_claim own, other;
+    rigcal_status status = claim_of(&own, s, s->view, 0);
+    if (s->n_kept > 0) {
+        claim_of_kept(&other, s, parts);
+        *least = rc_claims_apart(&own, &other);
+        return status;
+    }
+    *least = -1;
+    for (size_t v = s->first; status == RIGCAL_OK && v < s->first + count; v++) {
+        if (v != s->view) {
+            status = claim_of(&other, s, v, 0);
+            const rigcal_real apart = rc_claims_apart(&own, &other);
+            *least = (*least < 0) ? apart : rc_min(*least, apart);
+        }
+    }
+    return status;
+}
+
+static rigcal_status judge_left_out(rigcal_judge_solver *s, const rc_rig_parts *parts)
+{
+    rigcal_judged_view *const judged = &s->judged[s->view];
     rigcal_real sum, g[6], H[21], least;
     rc_chain chain;
-    const rigcal_status status = disagreement_of(&least, s, parts, own);
-    s->judged[s->view].cost = least / s->sigma2 * (COST_LIMIT / RC_DISAGREEMENT_LIMIT);
-    if (s->n_kept == 0) {
-        s->judged[s->view].rms_px = -1;
-    } else {
+    const rigcal_status status = distance_of(&least, s, parts);
+    judged->cost = least / s->sigma2 * (COST_LIMIT / RC_CHOOSE_LIMIT);
+    judged->rms_px = -1;
+    if (s->n_kept > 0) {
         (void)evaluate(&sum, g, H, &chain, s);
     }
     return status;
@@ -356,7 +340,7 @@ static void cost_view(rigcal_judge_solver *s, const rc_rig_parts *parts)
     rigcal_view_pose own;
     rigcal_status status = rc_rig_pose_at(&own, s->rig, s->view);
     if (status == RIGCAL_OK && s->left_out[s->view] != 0) {
-        status = judge_left_out(s, parts, &own);
+        status = judge_left_out(s, parts);
     } else if (status == RIGCAL_OK) {
         const rigcal_real cost = cost_of(s, parts, s->slot++);
         s->judged[s->view].cost = -1;
@@ -496,70 +480,58 @@ static void take_median(rigcal_judge_solver *s, const rc_rig_parts *parts,
 
 /* ---- placing again ---------------------------------------------------------- */
 
-/* How many views of the placement under way agree with where view `by` has it. */
-static rigcal_status support(size_t *n, rigcal_real *sum, rigcal_judge_solver *s,
-                             size_t count, size_t by, int is_marking)
+/* Which views of the placement under way agree, and where the placement then is, if others
+ * do than before. */
+static rigcal_status choose_placement(rigcal_judge_solver *s, rc_claim claims[],
+                                      size_t count)
 {
-    const rigcal_real limit = RC_DISAGREEMENT_LIMIT * s->scale * s->sigma2;
-    const rigcal_transform *const cams = s->rig->cams_from_rig;
-    rigcal_view_pose own;
-    rigcal_transform here;
-    rigcal_real H[21];
-    rigcal_status status = rc_rig_pose_at(&own, s->rig, by);
-    *n = 0;
-    *sum = 0;
-    if (status == RIGCAL_OK) {
-        rc_place_by(&here, H, &own, &cams[own.camera]);
+    const rigcal_real limit = RC_CHOOSE_LIMIT * s->scale * s->sigma2;
+    rigcal_status status = RIGCAL_OK;
+    size_t kept = 0, last = s->first;
+    rc_support support;
+    for (size_t i = 0; status == RIGCAL_OK && i < count; i++) {
+        s->judged[s->first + i].verdict = s->left_out[s->first + i];
+        status = claim_of(&claims[i], s, s->first + i, 1);
     }
-    for (size_t v = s->first; status == RIGCAL_OK && v < s->first + count; v++) {
-        status = rc_rig_pose_at(&own, s->rig, v);
-        const rigcal_real cost =
-            (v == by) ? 0 : rc_disagreement(&own, &cams[own.camera], &here, H);
-        *n += (cost < limit) ? 1 : 0;
-        *sum += rc_min(cost, limit);
-        if (is_marking) {
-            s->left_out[v] = (cost < limit) ? 0 : 1;
+    if (status != RIGCAL_OK) {
+        return status;
+    }
+    const size_t best = rc_choose_place(&support, s->left_out, claims, count, limit);
+    for (size_t v = s->first; v < s->first + count; v++) {
+        kept += (s->left_out[v] == 0);
+        last = (s->left_out[v] == 0) ? v : last;
+    }
+    if (kept == 1 && count > 1) {
+        s->left_out[last] = 1;
+    }
+    for (size_t v = s->first; v < s->first + count; v++) {
+        if ((s->left_out[v] == 0) != (s->judged[v].verdict == 0)) {
+            s->is_changed = 1;
+            s->rig->rig_from_placements[s->placement] = claims[best].b_from_a;
         }
     }
-    return status;
+    return RIGCAL_OK;
 }
 
 static void place_again(rigcal_judge_solver *s, const rc_rig_parts *parts)
 {
     const size_t count = rc_rig_views_of(parts, s->placement);
-    size_t best = s->first, most = 0, n, last;
-    rigcal_real least = 0, sum;
-    rigcal_status status = RIGCAL_OK;
-    for (size_t v = s->first; status == RIGCAL_OK && v < s->first + count; v++) {
-        status = support(&n, &sum, s, count, v, 0);
-        if (n > most || (n == most && sum < least)) {
-            best = v;
-            most = n;
-            least = sum;
-        }
-    }
-    size_t before = kept_of(&last, s, s->first, count);
-    if (status == RIGCAL_OK) {
-        status = support(&n, &sum, s, count, best, 1);
-    }
+    const rigcal_status status = choose_placement(s, (rc_claim *)(void *)parts->W, count);
     if (status != RIGCAL_OK) {
         end(s, status, (int32_t)s->first);
         return;
     }
-    if (count > 1 && kept_of(&last, s, s->first, count) == 1) {
-        s->left_out[last] = 1;
-    }
-    s->is_changed |= before != kept_of(&last, s, s->first, count);
     s->view += count;
     s->placement++;
     next_placement(s, parts);
-    if (s->placement == s->rig->n_placements) {
-        s->is_placed = 1;
-        if (s->is_changed) {
-            begin_adjustment(s);
-        } else {
-            decide(s);
-        }
+    if (s->placement < s->rig->n_placements) {
+        return;
+    }
+    s->is_placed = 1;
+    if (s->is_changed) {
+        begin_adjustment(s);
+    } else {
+        decide(s);
     }
 }
 
@@ -706,8 +678,7 @@ rigcal_status rigcal_judge_result(rigcal_judgement *judgement, int32_t *at_fault
         return solver->status;
     }
     const int32_t *const n = solver->n_of;
-    const rigcal_status status =
-        rigcal_rig_result(&judgement->fit, NULL, &solver->adjust);
+    const rigcal_status status = rigcal_rig_result(&judgement->fit, NULL, &solver->adjust);
     judgement->sigma_px = RC_SQRT(solver->sigma2);
     judgement->scale = solver->scale;
     judgement->n_fit = n[RIGCAL_VIEW_FITS];
@@ -715,8 +686,7 @@ rigcal_status rigcal_judge_result(rigcal_judgement *judgement, int32_t *at_fault
     judgement->n_one_of_two = n[RIGCAL_VIEW_ONE_OF_TWO];
     judgement->n_unchecked = n[RIGCAL_VIEW_UNCHECKED];
     judgement->adjustments = solver->adjustments;
-    return (status == RIGCAL_OK &&
-            judgement->n_contradict + judgement->n_one_of_two > 0)
+    return (status == RIGCAL_OK && judgement->n_contradict + judgement->n_one_of_two > 0)
                ? RIGCAL_VIEWS_LEFT_OUT
                : status;
 }

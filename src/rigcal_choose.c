@@ -1,0 +1,187 @@
+#include "rc_choose.h"
+
+#include "rc_chain.h"
+
+/* ---- claims -------------------------------------------------------------- */
+
+int rc_claim_of_view(rc_claim *claim, const rigcal_view_pose *pose, rigcal_real first_sse,
+                     int32_t view, int32_t candidate)
+{
+    rigcal_real full[36];
+    if (!rc_sym6_invert(full, pose->information)) {
+        return 0;
+    }
+    rc_sym6_pack(claim->Sigma, full);
+    claim->b_from_a = pose->cam_from_target;
+    rc_clear(claim->pivot, 3);
+    claim->extra = rc_max(0, pose->sse - first_sse);
+    claim->view = view;
+    claim->candidate = candidate;
+    return 1;
+}
+
+/* out += J S J^T, J = (1 0; [l]x 1): a turn w shifts what is `lever` from its pivot too. */
+static void add_levered(rigcal_real out[21], const rigcal_real S[21],
+                        const rigcal_real l[3])
+{
+    static const uint8_t AT[9] = {0, 1, 2, 1, 3, 4, 2, 4, 5};
+    const rigcal_real *const across = &S[RC_SYM6_ACROSS];
+    rigcal_real moved[9], x[3], y[3];
+    for (int row = 0; row < 3; row++) {
+        const rigcal_real w[3] = {S[AT[3 * row]], S[AT[3 * row + 1]], S[AT[3 * row + 2]]};
+        rc_vec3_cross(&moved[3 * row], l, w);
+        rc_vec3_add(&moved[3 * row], &across[3 * row]);
+    }
+    for (int column = 0; column < 3;
+         column++) { /* by dt: S + [l]x moved + ([l]x across)^T */
+        for (int k = 0; k < 3; k++) {
+            x[k] = moved[3 * k + column];
+            y[k] = across[3 * k + column];
+        }
+        rigcal_real below[3], beside[3];
+        rc_vec3_cross(below, l, x);
+        rc_vec3_cross(beside, l, y);
+        for (int row = 0; row < 3; row++) {
+            if (row <= column) {
+                out[RC_SYM6_SECOND + AT[3 * row + column]] += below[row];
+            }
+            if (row >= column) {
+                out[RC_SYM6_SECOND + AT[3 * column + row]] += beside[row];
+            }
+        }
+    }
+    for (int k = 0; k < 6; k++) {
+        out[k] += S[k];
+        out[RC_SYM6_SECOND + k] += S[RC_SYM6_SECOND + k];
+    }
+    for (int k = 0; k < 9; k++) {
+        out[RC_SYM6_ACROSS + k] += moved[k];
+    }
+}
+
+/* out += B^T S B, B = (R 0; 0 R) */
+static void add_turned(rigcal_real out[21], const rigcal_real R[9], const rigcal_real S[21])
+{
+    rc_chain chain;
+    rigcal_real none[6] = {0, 0, 0, 0, 0, 0};
+    chain.R_c = R;
+    rc_chain_add_placement(none, out, &chain, none, S);
+}
+
+void rc_claim_place(rc_claim *placement, const rc_claim *view, const rc_claim *camera,
+                    int with_camera)
+{
+    rigcal_transform rig_from_cam;
+    rigcal_real sum[21], lever[3], arm[3];
+    RIGCAL_ASSERT(placement != view && placement != camera);
+    *placement = *view;
+    rc_transform_invert(&rig_from_cam, &camera->b_from_a);
+    rc_transform_compose(&placement->b_from_a, &rig_from_cam, &view->b_from_a);
+    for (int k = 0; k < 21; k++) {
+        sum[k] = view->Sigma[k];
+    }
+    if (with_camera) {
+        rc_vec3_sub(arm, camera->pivot, placement->b_from_a.t);
+        rc_mat3_mul_vec3(lever, camera->b_from_a.R, arm);
+        add_levered(sum, camera->Sigma, lever);
+    }
+    rc_clear(placement->Sigma, 21);
+    add_turned(placement->Sigma, camera->b_from_a.R, sum);
+}
+
+void rc_claim_between(rc_claim *b_from_a, const rc_claim *b, const rc_claim *a)
+{
+    rigcal_transform a_from_b, x_from_a;
+    RIGCAL_ASSERT(b_from_a != b && b_from_a != a);
+    *b_from_a = *b;
+    rc_transform_invert(&x_from_a, &a->b_from_a);
+    rc_transform_compose(&b_from_a->b_from_a, &b->b_from_a, &x_from_a);
+    rc_transform_invert(&a_from_b, &b_from_a->b_from_a);
+    add_turned(b_from_a->Sigma, a_from_b.R, a->Sigma);
+    rc_vec3_copy(b_from_a->pivot, a->b_from_a.t);
+    b_from_a->extra += a->extra;
+}
+
+/* At the middle of both pivots m: what a claim says of a turn and of a shift there. Far
+ * from it both would be large and nearly the same. */
+rigcal_real rc_claims_apart(const rc_claim *p, const rc_claim *q)
+{
+    const rigcal_real *const R_p = p->b_from_a.R, *const R_q = q->b_from_a.R;
+    rigcal_real S[21], d[6], m[3], half[3], lever[3], at[3], between[9];
+    rc_sym6_factor L;
+    rc_vec3_combine(m, RC(0.5), p->pivot, RC(0.5), q->pivot);
+    rc_vec3_combine(half, RC(0.5), p->pivot, RC(-0.5), q->pivot);
+    rc_clear(S, 21);
+    rc_mat3_mul_vec3(lever, R_p, half);
+    add_levered(S, p->Sigma, lever);
+    rc_mat3_mul_vec3(lever, R_q, half);
+    rc_vec3_scale(lever, -1, lever);
+    add_levered(S, q->Sigma, lever);
+    if (!rc_sym6_factor_of(&L, S, 0)) {
+        return RC_MAX;
+    }
+    rc_mat3_mul_t(between, R_q, R_p);
+    rc_vector_from_rotation(d, between);
+    rc_transform_point(&d[3], &q->b_from_a, m);
+    rc_transform_point(at, &p->b_from_a, m);
+    rc_vec3_sub(&d[3], &d[3], at);
+    rc_sym6_forward(d, &L);
+    return rc_vec3_dot(d, d) + rc_vec3_dot(&d[3], &d[3]);
+}
+
+/* ---- one placement ------------------------------------------------------- */
+
+void rc_choose_support(rc_support *support, uint8_t choice[], const rc_claim claims[],
+                       size_t n, size_t which, rigcal_real limit)
+{
+    const rc_claim *const it = &claims[which];
+    RIGCAL_ASSERT(which < n);
+    *support = (rc_support){0, it->Sigma[0] + it->Sigma[3] + it->Sigma[5], 0, 0};
+    for (size_t i = 0; i < n; support->n++) {
+        const int32_t view = claims[i].view;
+        rigcal_real least = limit;
+        uint8_t takes = 2;
+        for (; i < n && claims[i].view == view; i++) {
+            if (view == it->view && i != which) {
+                continue;
+            }
+            const rigcal_real cost =
+                claims[i].extra + ((i == which) ? 0 : rc_claims_apart(it, &claims[i]));
+            if (cost < least) {
+                least = cost;
+                takes = (uint8_t)claims[i].candidate;
+            }
+        }
+        support->cost += least;
+        support->agree += (takes < 2);
+        if (choice != NULL) {
+            choice[view] = takes;
+        }
+    }
+}
+
+int rc_choose_is_better(const rc_support *support, const rc_support *than)
+{
+    if (support->agree != than->agree) {
+        return support->agree > than->agree;
+    }
+    return support->cost < than->cost ||
+           (!(support->cost > than->cost) && support->spread < than->spread);
+}
+
+size_t rc_choose_place(rc_support *support, uint8_t choice[], const rc_claim claims[],
+                       size_t n, rigcal_real limit)
+{
+    size_t best = 0;
+    rc_choose_support(support, NULL, claims, n, 0, limit);
+    for (size_t i = 1; i < n; i++) {
+        rc_support other;
+        rc_choose_support(&other, NULL, claims, n, i, limit);
+        if (rc_choose_is_better(&other, support)) {
+            *support = other;
+            best = i;
+        }
+    }
+    rc_choose_support(support, choice, claims, n, best, limit);
+    return best;
+}

@@ -1,0 +1,6 @@
+/* judge: under way */
+#include "test_boards.h"
+
+TEST_MAIN()
+{
+}

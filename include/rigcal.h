@@ -165,7 +165,10 @@ extern "C" {
     S(RIGCAL_ERR_TWICE, -26,                                                             \
       "two views are of the same camera and placement: make one view of them")           \
     S(RIGCAL_ERR_UNSORTED, -27,                                                          \
-      "the views are not in the order of their placements: sort them")
+      "the views are not in the order of their placements: sort them")                   \
+    S(RIGCAL_ERR_CONTRADICTION, -28,                                                     \
+      "the views contradict each other, most of them: check which image is of which "    \
+      "camera and placement, the target's coordinates and the intrinsics")
 /* clang-format on */
 
 typedef int32_t rigcal_status;
@@ -721,6 +724,7 @@ RIGCAL_API rigcal_status rigcal_store_load(rigcal_mounted_camera cameras[], size
 
 #include "rigcal_measure.h"
 #include "rigcal_rig.h"
+#include "rigcal_choose.h"
 #include "rigcal_judge.h"
 #include "rigcal_solvers.h"
 

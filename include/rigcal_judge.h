@@ -39,8 +39,7 @@ typedef struct rigcal_judged_view {
 
 typedef struct rigcal_judgement {
     rigcal_rig_fit fit;   /* of the views that are not left out */
-    rigcal_real sigma_px; /* the noise by which views were judged: the rig's or, if that is
-                             0, that of the views' own fits, by their median */
+    rigcal_real sigma_px; /* noise by which views were judged: the choice's */
     rigcal_real scale;    /* 1: views differ by noise alone. Else the limit is as many
                              times as large, since all of them differ by more */
     int32_t n_fit, n_contradict, n_one_of_two, n_unchecked; /* views of each verdict */
@@ -49,30 +48,39 @@ typedef struct rigcal_judgement {
 
 typedef struct rigcal_judge_solver rigcal_judge_solver; /* see rigcal_solvers.h */
 
-/* Adjusts the rig, from where it is, and names the views that contradict it: they are left
- * out, and it is adjusted again, at most 9 times.
+/* Reals of the rig's memory to work in. The same as a function: rigcal_judge_work. */
+#define RIGCAL_JUDGE_WORK(n_cameras, n_placements) \
+    (RIGCAL_RIG_WORK(n_cameras, n_cameras, n_placements) + 78 * (size_t)(n_cameras))
+RIGCAL_API size_t rigcal_judge_work(size_t n_cameras, size_t n_placements);
+
+/* After rigcal_rig_choose, in the place of rigcal_rig_adjust: adjusts the rig, from where
+ * it is, and names the views that contradict it. They are left out, and it is adjusted
+ * again, at most 9 times.
  *
  *   judged     out     n_views: of each its verdict
- *   left_out   in/out  n_views: not 0, where a view has not joined; then, where it is
- *                      left out. rig->left_out points to it from then on
+ *   left_out   out     n_views: 1 where a view is left out. rig->left_out points to it
+ *   choice     in/out  takes, n_views, and sigma_px; second_poses if there are any. takes
+ *                      is none of a view that is left out
  *   rig        in/out  as for rigcal_rig_adjust, with views and view_poses
  *
- * The limit: a view may cost 40 sigma^2 s. D is by what the sum of squared errors falls
- * without it; over all views, the middle D says how much they differ by more than noise,
- * and s is 1 where that is noise. At most half of the views of a placement may be wrong.
- * Of two views that contradict each other both are left out.
- * RIGCAL_VIEWS_LEFT_OUT: some are. OK, and those of rigcal_rig_adjust; ERR_TOO_FEW also:
- * the noise is unknown and no view has four points. */
+ * The limit: a view may cost 40 sigma^2 s. It costs what the sum of squared errors falls by
+ * without it, its placement settling again. The middle cost of all views says how much they
+ * differ by more than noise; where noise is all, s is 1. It holds while less than half of
+ * the views are wrong. Of two views that contradict each other both are left out.
+ *
+ * RIGCAL_VIEWS_LEFT_OUT: some are. OK, and those of rigcal_rig_adjust and
+ * rigcal_rig_choose, but not ERR_CONTRADICTION; ERR_RANGE also: sigma_px is 0, a view takes
+ * what is not there; ERR_TOO_FEW also: no view is left. */
 RIGCAL_API rigcal_status rigcal_rig_judge(rigcal_judgement *judgement, int32_t *at_fault,
                                           rigcal_judged_view judged[], uint8_t left_out[],
-                                          rigcal_rig *rig);
+                                          rigcal_choice *choice, rigcal_rig *rig);
 
-/* The same in steps. A unit is one of rigcal_rig_step; one view's evaluation, O(n), or what
- * it costs, O(n_cameras); one placement's choice; or one pass over `judged`, O(n_views).
- * The same bits whatever the budgets. The three must last. */
+/* The same in steps. A unit is one of rigcal_rig_step; one view, checked or evaluated,
+ * O(n), or what it costs, O(n_cameras); one placement's choice, O(n_cameras^2); or passes
+ * over `judged`, O(n_views). The same bits whatever the budgets. All must last. */
 RIGCAL_API rigcal_status rigcal_judge_begin(rigcal_judge_solver *solver,
                                             rigcal_judged_view judged[], uint8_t left_out[],
-                                            rigcal_rig *rig);
+                                            rigcal_choice *choice, rigcal_rig *rig);
 RIGCAL_API rigcal_status rigcal_judge_step(rigcal_judge_solver *solver, int32_t budget);
 RIGCAL_API rigcal_status rigcal_judge_result(rigcal_judgement *judgement, int32_t *at_fault,
                                              const rigcal_judge_solver *solver);

@@ -150,13 +150,37 @@ struct rigcal_rig_solver {
     rigcal_rig *rig;
     rigcal_levenberg search;
     int32_t phase, is_join, is_trial, is_last, is_final, is_disconnected, at_fault, evals;
-    size_t n;                      /* unknowns: of the cameras that are not held */
-    size_t view, first, placement; /* under way; the first view of the placement */
-    size_t row;                    /* of the factor, or which of the placement's views */
+    size_t n;                        /* unknowns: of the cameras that are not held */
+    size_t view, first, placement;   /* under way; the first view of the placement */
+    size_t row;                      /* of the factor, or which of the placement's views */
     size_t n_points, n_used, n_seen; /* points, views, placements that count */
-    rigcal_real sum, gain;         /* of a pass: the sum, and what a step promises */
-    rigcal_real own_sum;           /* of the views by themselves */
+    rigcal_real sum, gain;           /* of a pass: the sum, and what a step promises */
+    rigcal_real own_sum;             /* of the views by themselves */
     rigcal_real promised, negligible, gp[6], Hp[21];
+};
+
+/* ---- the choice between two poses of each view ------------------------------ */
+
+enum rigcal_choose_rungs { RIGCAL_CHOOSE_RUNGS = 6 };
+
+/* The best hypothesis of where a camera is. */
+typedef struct rigcal_seed {
+    rigcal_real score;
+    int32_t a, b, number; /* b from a; a -1: from the rig */
+} rigcal_seed;
+
+struct rigcal_choose_solver {
+    rigcal_rig_solver check; /* of what is handed in */
+    rigcal_choice *choice;
+    int32_t phase, status, rung, is_again, is_relaxed, is_final;
+    int32_t a, b;                 /* cameras under way; a -1: the rig */
+    size_t view, placement;       /* under way */
+    size_t n, row, column, which; /* placements compared, two of them; a claim */
+    rigcal_real limit;            /* px^2, at tau^2 = 1 */
+    rigcal_real most, counts[RIGCAL_CHOOSE_RUNGS];
+    rigcal_seed seed[RIGCAL_CHOOSE_RUNGS];
+    int32_t agree, best; /* of a placement: the best claim so far */
+    rigcal_real cost, spread;
 };
 
 /* ---- a rig whose views are judged ------------------------------------------- */
@@ -164,15 +188,15 @@ struct rigcal_rig_solver {
 struct rigcal_judge_solver {
     rigcal_rig *rig;
     rigcal_judged_view *judged;
+    rigcal_choice *choice;
     uint8_t *left_out;
-    int32_t phase, status, at_fault, is_fitting, is_placed, is_changed, rounds, halvings;
-    int32_t adjustments, n_of[4];    /* views of each verdict */
-    size_t view, first, placement;   /* under way; the first view of the placement */
-    size_t n_kept, slot;             /* of its views that count; which of them */
-    size_t n_costs, n_places;        /* that can be judged: views, placements */
-    size_t named[2];                 /* the last view left out, and its partner */
+    int32_t phase, status, at_fault, is_placed, is_changed, rounds, adjustments;
+    int32_t n_of[4];               /* views of each verdict */
+    size_t view, first, placement; /* under way; the first view of the placement */
+    size_t n_kept, slot;           /* of its views that count; which of them */
+    size_t n_costs, n_places;      /* that can be judged: views, placements */
+    size_t named[2];               /* the last view left out, and its partner */
     rigcal_real sigma2, scale, tried_cost;
-    rigcal_real low, high;           /* the middle cost is between them */
     rigcal_rig_solver adjust;
 };
 

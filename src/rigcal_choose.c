@@ -20,42 +20,36 @@ int rc_claim_of_view(rc_claim *claim, const rigcal_view_pose *pose, rigcal_real 
     return 1;
 }
 
-/* out += J S J^T, J = (1 0; [l]x 1): a turn w shifts what is `lever` from its pivot too. */
+/* out += J S J^T, J = (1 0; [l]x 1): a turn w shifts what is `l` from its pivot too. Row by
+ * row M = S + [l]x S of the block across, then the same of the second, and its mirror. */
 static void add_levered(rigcal_real out[21], const rigcal_real S[21],
                         const rigcal_real l[3])
 {
-    static const uint8_t AT[9] = {0, 1, 2, 1, 3, 4, 2, 4, 5};
+    static const uint8_t FULL[9] = {0, 1, 2, 1, 3, 4, 2, 4, 5};
     const rigcal_real *const across = &S[RC_SYM6_ACROSS];
-    rigcal_real moved[9], x[3], y[3];
+    rigcal_real M[9], below[3], beside[3];
     for (int row = 0; row < 3; row++) {
-        const rigcal_real w[3] = {S[AT[3 * row]], S[AT[3 * row + 1]], S[AT[3 * row + 2]]};
-        rc_vec3_cross(&moved[3 * row], l, w);
-        rc_vec3_add(&moved[3 * row], &across[3 * row]);
+        const uint8_t *const at = &FULL[3 * row];
+        const rigcal_real w[3] = {S[at[0]], S[at[1]], S[at[2]]};
+        rc_vec3_cross(&M[3 * row], l, w);
+        rc_vec3_add(&M[3 * row], &across[3 * row]);
     }
-    for (int column = 0; column < 3;
-         column++) { /* by dt: S + [l]x moved + ([l]x across)^T */
-        for (int k = 0; k < 3; k++) {
-            x[k] = moved[3 * k + column];
-            y[k] = across[3 * k + column];
-        }
-        rigcal_real below[3], beside[3];
+    for (int k = 0; k < 3; k++) {
+        const rigcal_real x[3] = {M[k], M[3 + k], M[6 + k]};
+        const rigcal_real y[3] = {across[k], across[3 + k], across[6 + k]};
+        rigcal_real *const second = &out[RC_SYM6_SECOND];
         rc_vec3_cross(below, l, x);
         rc_vec3_cross(beside, l, y);
-        for (int row = 0; row < 3; row++) {
-            if (row <= column) {
-                out[RC_SYM6_SECOND + AT[3 * row + column]] += below[row];
-            }
-            if (row >= column) {
-                out[RC_SYM6_SECOND + AT[3 * column + row]] += beside[row];
-            }
+        for (int i = 0; i <= k; i++) {
+            second[FULL[3 * i + k]] += below[i];
+        }
+        for (int i = k; i < 3; i++) {
+            second[FULL[3 * k + i]] += beside[i];
         }
     }
-    for (int k = 0; k < 6; k++) {
-        out[k] += S[k];
-        out[RC_SYM6_SECOND + k] += S[RC_SYM6_SECOND + k];
-    }
-    for (int k = 0; k < 9; k++) {
-        out[RC_SYM6_ACROSS + k] += moved[k];
+    for (int k = 0; k < 21; k++) {
+        out[k] +=
+            (k >= RC_SYM6_ACROSS && k < RC_SYM6_SECOND) ? M[k - RC_SYM6_ACROSS] : S[k];
     }
 }
 
@@ -102,28 +96,25 @@ void rc_claim_between(rc_claim *b_from_a, const rc_claim *b, const rc_claim *a)
     b_from_a->extra += a->extra;
 }
 
-/* At the middle of both pivots m: what a claim says of a turn and of a shift there. Far
- * from it both would be large and nearly the same. */
+/* At the pivot of p: what a claim says of a turn and of a shift there. Far from both pivots
+ * these would be large and nearly the same. */
 rigcal_real rc_claims_apart(const rc_claim *p, const rc_claim *q)
 {
-    const rigcal_real *const R_p = p->b_from_a.R, *const R_q = q->b_from_a.R;
-    rigcal_real S[21], d[6], m[3], half[3], lever[3], at[3], between[9];
+    rigcal_real S[21], d[6], arm[3], lever[3], at[3], between[9];
     rc_sym6_factor L;
-    rc_vec3_combine(m, RC(0.5), p->pivot, RC(0.5), q->pivot);
-    rc_vec3_combine(half, RC(0.5), p->pivot, RC(-0.5), q->pivot);
-    rc_clear(S, 21);
-    rc_mat3_mul_vec3(lever, R_p, half);
-    add_levered(S, p->Sigma, lever);
-    rc_mat3_mul_vec3(lever, R_q, half);
-    rc_vec3_scale(lever, -1, lever);
+    rc_vec3_sub(arm, q->pivot, p->pivot);
+    rc_mat3_mul_vec3(lever, q->b_from_a.R, arm);
+    for (int k = 0; k < 21; k++) {
+        S[k] = p->Sigma[k];
+    }
     add_levered(S, q->Sigma, lever);
     if (!rc_sym6_factor_of(&L, S, 0)) {
         return RC_MAX;
     }
-    rc_mat3_mul_t(between, R_q, R_p);
+    rc_mat3_mul_t(between, q->b_from_a.R, p->b_from_a.R);
     rc_vector_from_rotation(d, between);
-    rc_transform_point(&d[3], &q->b_from_a, m);
-    rc_transform_point(at, &p->b_from_a, m);
+    rc_transform_point(&d[3], &q->b_from_a, p->pivot);
+    rc_transform_point(at, &p->b_from_a, p->pivot);
     rc_vec3_sub(&d[3], &d[3], at);
     rc_sym6_forward(d, &L);
     return rc_vec3_dot(d, d) + rc_vec3_dot(&d[3], &d[3]);

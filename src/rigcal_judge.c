@@ -20,24 +20,20 @@
  * hidden by worse ones follow. */
 enum { ROUNDS = 3 };
 
-/* part of the median: how close it is found, which decides nothing. And passes: from the
- * largest cost that can be held to that. */
-#define MEDIAN_TOL RC_TOL(1e-9, 1e-6)
-enum { HALVINGS_MAX = 200 };
+/* halvings: of a search of the median. Its error is this part of the largest cost. */
+enum { HALVINGS = 60 };
 
 enum {
     DONE = 1,
-    FITTING,    /* the views by themselves, for the noise */
-    HALVING,    /* towards a median */
+    CHECKING,   /* the poses of a view by itself */
     ADJUSTING,  /* the rig */
     EVALUATING, /* a view of a placement, where the rig is */
     COSTING,    /* what such a view costs */
+    SCALING,    /* the limit, by the middle cost */
     PLACING,    /* a placement, by its views' own poses */
     NAMING,
     CONCLUDING
 };
-
-/* ---- the median of the costs ---------------------------------------------- */
 
 static void end(rigcal_judge_solver *s, rigcal_status status, int32_t at_fault)
 {
@@ -46,61 +42,25 @@ static void end(rigcal_judge_solver *s, rigcal_status status, int32_t at_fault)
     s->phase = DONE;
 }
 
-static int counts(const rigcal_judge_solver *s, size_t v)
-{
-    return s->judged[v].cost >= 0 && (s->is_fitting || s->left_out[v] == 0);
-}
+/* ---- what is handed in ------------------------------------------------------ */
 
-static void count_in(rigcal_judge_solver *s, size_t v, rigcal_real cost)
+/* Pose 0 or 1 of a view by itself; n is 0 where there is none. */
+static rigcal_status pose_of(rigcal_view_pose *pose, const rigcal_judge_solver *s,
+                             size_t view, int candidate)
 {
-    s->judged[v].cost = cost;
-    s->high = rc_max(s->high, cost);
-    s->n_costs++;
-}
-
-/* How many costs are at most `bound`; *next, the least one above it. */
-static size_t count_to(rigcal_real *next, const rigcal_judge_solver *s, rigcal_real bound)
-{
-    size_t n = 0;
-    *next = RC_MAX;
-    for (size_t v = 0; v < s->rig->n_views; v++) {
-        const rigcal_real cost = s->judged[v].cost;
-        if (counts(s, v) && cost <= bound) {
-            n++;
-        } else if (counts(s, v)) {
-            *next = rc_min(*next, cost);
-        }
+    const rigcal_choice *const choice = s->choice;
+    if (candidate == 0) {
+        return rc_rig_pose_at(pose, s->rig, view);
     }
-    return n;
-}
-
-/* One halving of the interval that holds the middle cost. When it is narrow, *median is
- * known and 1 is returned: of an even number of costs the mean of the two in the middle. */
-static int halve(rigcal_real *median, rigcal_judge_solver *s)
-{
-    const int is_narrow =
-        s->high - s->low <= MEDIAN_TOL * s->high || ++s->halvings > HALVINGS_MAX;
-    const rigcal_real bound = is_narrow ? s->high : s->low + (s->high - s->low) / 2;
-    rigcal_real next;
-    const size_t n = count_to(&next, s, bound);
-    if (is_narrow) {
-        *median = (n > s->n_costs / 2) ? s->high : s->high + (next - s->high) / 2;
-    } else if (n >= (s->n_costs + 1) / 2) {
-        s->high = bound;
-    } else {
-        s->low = bound;
+    if (choice->second_poses != NULL) {
+        *pose = choice->second_poses[view];
+        return RIGCAL_OK;
     }
-    return is_narrow;
+    pose->n = 0;
+    return (choice->second_source == NULL)
+               ? RIGCAL_OK
+               : choice->second_source(pose, view, s->rig->context);
 }
-
-static void begin_costs(rigcal_judge_solver *s)
-{
-    s->view = s->n_costs = 0;
-    s->low = s->high = 0;
-    s->halvings = 0;
-}
-
-/* ---- the noise ------------------------------------------------------------- */
 
 static void begin_adjustment(rigcal_judge_solver *s)
 {
@@ -112,30 +72,43 @@ static void begin_adjustment(rigcal_judge_solver *s)
     }
 }
 
-/* The sum of squared errors of one view by itself, over the median of what noise of 1 px
- * makes of it. */
-static void fit_view(rigcal_judge_solver *s)
+/* What the choice says of a view whose first pose has been checked. */
+static rigcal_status check_view(rigcal_judge_solver *s, size_t v)
 {
-    const size_t v = s->view++;
-    rigcal_view_pose own;
-    const rigcal_status status = rc_rig_pose_at(&own, s->rig, v);
+    rigcal_view_pose first, second;
+    rigcal_status status = pose_of(&first, s, v, 0);
+    if (status == RIGCAL_OK) {
+        status = pose_of(&second, s, v, 1);
+    }
+    if (status == RIGCAL_OK && second.n > 0) {
+        status = rc_check_transform(&second.cam_from_target);
+    }
+    if (status == RIGCAL_OK && second.n > 0) {
+        status = rc_check_numbers(second.information, 21, RC_MAX);
+    }
     if (status != RIGCAL_OK) {
-        end(s, status, (int32_t)v);
-        return;
+        return status;
     }
-    s->judged[v].cost = -1;
-    if (own.n > 3) {
-        const rigcal_real freedom = 2 * (rigcal_real)(int32_t)own.n - 6;
-        const rigcal_real root = 1 - 2 / (9 * freedom); /* Wilson and Hilferty */
-        count_in(s, v, own.sse / (freedom * root * root * root));
-    }
-    if (s->view < s->rig->n_views) {
-        return;
-    }
-    if (s->n_costs == 0) {
-        end(s, RIGCAL_ERR_TOO_FEW, -1);
-    } else {
-        s->phase = HALVING;
+    const uint8_t takes = s->choice->takes[v];
+    s->left_out[v] = takes == RIGCAL_TAKES_NONE;
+    return (takes > RIGCAL_TAKES_NONE || !(first.sse >= 0) ||
+            (takes == RIGCAL_TAKES_SECOND && second.n == 0) ||
+            (second.n > 0 && !(second.sse >= 0 && second.camera == first.camera)))
+               ? RIGCAL_ERR_RANGE
+               : RIGCAL_OK;
+}
+
+/* The views in turn, as the join checks them: they are not left out before. */
+static void checking_step(rigcal_judge_solver *s)
+{
+    const size_t v = s->adjust.view;
+    rc_rig_step(&s->adjust);
+    const rigcal_status status =
+        (s->adjust.phase == RC_RIG_DONE) ? s->adjust.search.status : check_view(s, v);
+    if (status != RIGCAL_OK) {
+        end(s, status, (s->adjust.phase == RC_RIG_DONE) ? s->adjust.at_fault : (int32_t)v);
+    } else if (s->adjust.phase == RC_RIG_CHECKED) {
+        begin_adjustment(s);
     }
 }
 
@@ -173,8 +146,7 @@ static void begin_pass(rigcal_judge_solver *s, int32_t phase)
     rc_rig_parts parts;
     rc_rig_parts_of(&parts, s->rig, s->adjust.n);
     rc_clear(parts.slot, s->rig->n_cameras); /* 1: the camera's views can be judged */
-    begin_costs(s);
-    s->placement = s->n_places = 0;
+    s->view = s->placement = s->n_costs = s->n_places = 0;
     s->phase = phase;
     next_placement(s, &parts);
 }
@@ -204,7 +176,8 @@ static void evaluate_view(rigcal_judge_solver *s, const rc_rig_parts *parts)
         rigcal_view_pose own;
         rigcal_status status = evaluate(&sum, g, H, &chain, s);
         if (status == RIGCAL_OK) {
-            status = rc_rig_pose_at(&own, s->rig, s->view);
+            status =
+                pose_of(&own, s, s->view, s->choice->takes[s->view] == RIGCAL_TAKES_SECOND);
         }
         if (status != RIGCAL_OK) {
             end(s, status, (int32_t)s->view);
@@ -246,24 +219,29 @@ static rigcal_real cost_of(const rigcal_judge_solver *s, const rc_rig_parts *par
     return block[BLOCK_EXCESS] + rc_vec3_dot(&y[0], &y[0]) + rc_vec3_dot(&y[3], &y[3]);
 }
 
-/* The placement under way as view v by itself has it. */
+/* The placement under way as a pose of view v by itself has it; view is -1 where there is
+ * no such pose. */
 static rigcal_status claim_of(rc_claim *claim, const rigcal_judge_solver *s, size_t v,
-                              int with_camera)
+                              int candidate, int with_camera)
 {
-    rigcal_view_pose own;
+    rigcal_view_pose first, pose;
     rc_claim view, camera = {0};
-    rigcal_status status = rc_rig_pose_at(&own, s->rig, v);
-    if (status != RIGCAL_OK) {
+    rigcal_status status = pose_of(&first, s, v, 0);
+    if (status == RIGCAL_OK) {
+        status = pose_of(&pose, s, v, candidate);
+    }
+    claim->view = -1;
+    if (status != RIGCAL_OK || pose.n == 0) {
         return status;
     }
-    camera.b_from_a = s->rig->cams_from_rig[own.camera];
+    camera.b_from_a = s->rig->cams_from_rig[first.camera];
     if (with_camera) {
         rigcal_real Sigma[36];
-        status = rigcal_rig_covariance(Sigma, s->rig, 1, (size_t)own.camera);
+        status = rigcal_rig_covariance(Sigma, s->rig, 1, (size_t)first.camera);
         rc_sym6_pack(camera.Sigma, Sigma);
     }
-    if (!rc_claim_of_view(&view, &own, own.sse, (int32_t)v, 0)) {
-        status = RIGCAL_ERR_DEGENERATE;
+    if (!rc_claim_of_view(&view, &pose, first.sse, (int32_t)v, candidate)) {
+        return RIGCAL_ERR_DEGENERATE;
     }
     rc_claim_place(claim, &view, &camera, with_camera);
     return status;
@@ -292,7 +270,7 @@ static rigcal_status distance_of(rigcal_real *least, const rigcal_judge_solver *
 {
     const size_t count = rc_rig_views_of(parts, s->placement);
     rc_claim own, other;
-    rigcal_status status = claim_of(&own, s, s->view, 0);
+    rigcal_status status = claim_of(&own, s, s->view, 0, 0);
     if (s->n_kept > 0) {
         claim_of_kept(&other, s, parts);
         *least = rc_claims_apart(&own, &other);
@@ -301,7 +279,7 @@ static rigcal_status distance_of(rigcal_real *least, const rigcal_judge_solver *
     *least = -1;
     for (size_t v = s->first; status == RIGCAL_OK && v < s->first + count; v++) {
         if (v != s->view) {
-            status = claim_of(&other, s, v, 0);
+            status = claim_of(&other, s, v, 0, 0);
             const rigcal_real apart = rc_claims_apart(&own, &other);
             *least = (*least < 0) ? apart : rc_min(*least, apart);
         }
@@ -330,8 +308,7 @@ static void end_placement(rigcal_judge_solver *s, const rc_rig_parts *parts)
     next_placement(s, parts);
     s->phase = EVALUATING;
     if (s->placement == s->rig->n_placements) {
-        s->scale = 1;
-        s->phase = HALVING;
+        s->phase = SCALING;
     }
 }
 
@@ -345,7 +322,8 @@ static void cost_view(rigcal_judge_solver *s, const rc_rig_parts *parts)
         const rigcal_real cost = cost_of(s, parts, s->slot++);
         s->judged[s->view].cost = -1;
         if (cost >= 0) {
-            count_in(s, s->view, cost / s->sigma2);
+            s->judged[s->view].cost = cost / s->sigma2;
+            s->n_costs++;
             parts->slot[own.camera] = 1;
         }
     }
@@ -455,24 +433,43 @@ static void decide(rigcal_judge_solver *s)
     }
 }
 
-/* By how much the views differ more than by noise, told by the middle one. */
-static void take_median(rigcal_judge_solver *s, const rc_rig_parts *parts,
-                        rigcal_real median)
+/* The cost of that place in the order of size. */
+static rigcal_real cost_at(const rigcal_judge_solver *s, size_t place)
 {
-    if (s->is_fitting) {
-        s->sigma2 = median;
-        s->is_fitting = 0;
-        begin_adjustment(s);
-        return;
+    rigcal_real low = 0, high = 0;
+    for (int k = 0; k <= HALVINGS; k++) {
+        const rigcal_real middle = (k == 0) ? RC_MAX : low + (high - low) / 2;
+        size_t within = 0;
+        for (size_t v = 0; v < s->rig->n_views; v++) {
+            const rigcal_real cost = s->judged[v].cost;
+            if (s->left_out[v] == 0 && cost >= 0) {
+                high = (k == 0) ? rc_max(high, cost) : high;
+                within += cost <= middle;
+            }
+        }
+        if (k > 0 && within > place) {
+            high = middle;
+        } else if (k > 0) {
+            low = middle;
+        }
     }
+    return high;
+}
+
+/* By how much the views differ more than by noise, told by the middle one. */
+static void set_scale(rigcal_judge_solver *s, const rc_rig_parts *parts)
+{
     rigcal_real free_cameras = 0;
     for (size_t c = 0; c < s->rig->n_cameras; c++) {
         free_cameras += (parts->column[c] >= 0) ? parts->slot[c] : 0;
     }
     const rigcal_real more = (rigcal_real)(int32_t)(s->n_costs - s->n_places);
     const rigcal_real cycles = more - free_cameras;
+    s->scale = 1;
     if (cycles > 0) {
-        const rigcal_real ratio = median * more / (COST_USUAL * cycles);
+        const rigcal_real two =
+            cost_at(s, (s->n_costs - 1) / 2) + cost_at(s, s->n_costs / 2);
+        const rigcal_real ratio = two * more / (2 * COST_USUAL * cycles);
         s->scale = 1 + SCALE_SLOPE * rc_max(0, ratio - 1);
     }
     decide(s);
@@ -480,32 +477,41 @@ static void take_median(rigcal_judge_solver *s, const rc_rig_parts *parts,
 
 /* ---- placing again ---------------------------------------------------------- */
 
-/* Which views of the placement under way agree, and where the placement then is, if others
- * do than before. */
-static rigcal_status choose_placement(rigcal_judge_solver *s, rc_claim claims[],
+/* Which views of the placement under way agree, and where it then is, if that is not what
+ * it was. `verdict` holds meanwhile what a view took. */
+static rigcal_status choose_placement(rigcal_judge_solver *s, const rc_rig_parts *parts,
                                       size_t count)
 {
     const rigcal_real limit = RC_CHOOSE_LIMIT * s->scale * s->sigma2;
-    rigcal_status status = RIGCAL_OK;
-    size_t kept = 0, last = s->first;
+    const int is_double =
+        s->choice->second_poses != NULL || s->choice->second_source != NULL;
+    rc_claim *const claims =
+        (rc_claim *)(void *)(is_double ? &parts->d[s->adjust.n] : parts->W);
+    uint8_t *const takes = s->choice->takes;
+    size_t n = 0, kept = 0, last = s->first;
     rc_support support;
-    for (size_t i = 0; status == RIGCAL_OK && i < count; i++) {
-        s->judged[s->first + i].verdict = s->left_out[s->first + i];
-        status = claim_of(&claims[i], s, s->first + i, 1);
-    }
-    if (status != RIGCAL_OK) {
-        return status;
-    }
-    const size_t best = rc_choose_place(&support, s->left_out, claims, count, limit);
     for (size_t v = s->first; v < s->first + count; v++) {
-        kept += (s->left_out[v] == 0);
+        s->judged[v].verdict = (s->left_out[v] == 0) ? takes[v] : RIGCAL_TAKES_NONE;
+        for (int candidate = 0; candidate <= is_double; candidate++) {
+            const rigcal_status status = claim_of(&claims[n], s, v, candidate, 1);
+            if (status != RIGCAL_OK) {
+                return status;
+            }
+            n += claims[n].view >= 0;
+        }
+    }
+    const size_t best = rc_choose_place(&support, takes, claims, n, limit);
+    for (size_t v = s->first; v < s->first + count; v++) {
+        s->left_out[v] = takes[v] == RIGCAL_TAKES_NONE;
+        kept += s->left_out[v] == 0;
         last = (s->left_out[v] == 0) ? v : last;
     }
     if (kept == 1 && count > 1) {
         s->left_out[last] = 1;
     }
     for (size_t v = s->first; v < s->first + count; v++) {
-        if ((s->left_out[v] == 0) != (s->judged[v].verdict == 0)) {
+        const int32_t now = (s->left_out[v] == 0) ? takes[v] : RIGCAL_TAKES_NONE;
+        if (now != s->judged[v].verdict) {
             s->is_changed = 1;
             s->rig->rig_from_placements[s->placement] = claims[best].b_from_a;
         }
@@ -551,6 +557,9 @@ static void conclude(rigcal_judge_solver *s, const rc_rig_parts *parts)
                                     : is_out      ? RIGCAL_VIEW_CONTRADICTS
                                                   : RIGCAL_VIEW_FITS;
             s->judged[v].verdict = verdict;
+            if (is_out) {
+                s->choice->takes[v] = RIGCAL_TAKES_NONE;
+            }
             s->judged[v].cost = rc_max(0, s->judged[v].cost) / (COST_LIMIT * s->scale);
             s->n_of[verdict]++;
         }
@@ -578,16 +587,13 @@ static void adjust_step(rigcal_judge_solver *s)
 static void step(rigcal_judge_solver *s)
 {
     rc_rig_parts parts;
-    rigcal_real median;
     rc_rig_parts_of(&parts, s->rig, s->adjust.n);
     switch (s->phase) {
-    case FITTING:
-        fit_view(s);
+    case CHECKING:
+        checking_step(s);
         break;
-    case HALVING:
-        if (halve(&median, s)) {
-            take_median(s, &parts, median);
-        }
+    case SCALING:
+        set_scale(s, &parts);
         break;
     case ADJUSTING:
         adjust_step(s);
@@ -610,35 +616,56 @@ static void step(rigcal_judge_solver *s)
     }
 }
 
-rigcal_status rigcal_judge_begin(rigcal_judge_solver *solver, rigcal_judged_view judged[],
-                                 uint8_t left_out[], rigcal_rig *rig)
+size_t rigcal_judge_work(size_t n_cameras, size_t n_placements)
 {
-    if (solver == NULL || judged == NULL || left_out == NULL) {
+    return RIGCAL_JUDGE_WORK(n_cameras, n_placements);
+}
+
+static rigcal_status check(const rigcal_judged_view judged[], const uint8_t left_out[],
+                           const rigcal_choice *choice, const rigcal_rig *rig)
+{
+    const rigcal_status status = rc_rig_check(rig);
+    if (judged == NULL || left_out == NULL || choice == NULL || choice->takes == NULL) {
         return RIGCAL_ERR_NULL;
     }
-    *solver = (rigcal_judge_solver){0};
-    rigcal_status status = rc_rig_check(rig);
-    if (status == RIGCAL_OK && rig->view_poses == NULL && rig->view_pose_source == NULL) {
-        status = RIGCAL_ERR_NULL;
+    if (status != RIGCAL_OK) {
+        return status;
     }
+    if (rig->view_poses == NULL && rig->view_pose_source == NULL) {
+        return RIGCAL_ERR_NULL;
+    }
+    if (rig->work_capacity < rigcal_judge_work(rig->n_cameras, rig->n_placements)) {
+        return RIGCAL_ERR_CAPACITY;
+    }
+    const rigcal_status noise = rc_check_noise(&choice->sigma_px);
+    return (noise == RIGCAL_OK && !(choice->sigma_px > 0)) ? RIGCAL_ERR_RANGE : noise;
+}
+
+rigcal_status rigcal_judge_begin(rigcal_judge_solver *solver, rigcal_judged_view judged[],
+                                 uint8_t left_out[], rigcal_choice *choice, rigcal_rig *rig)
+{
+    if (solver == NULL) {
+        return RIGCAL_ERR_NULL;
+    }
+    rigcal_status status = check(judged, left_out, choice, rig);
     if (status == RIGCAL_OK) { /* all that an adjustment wants */
-        rig->left_out = left_out;
         status = rigcal_rig_begin(&solver->adjust, rig);
     }
     if (status != RIGCAL_OK) {
         return status;
     }
+    *solver = (rigcal_judge_solver){0};
     solver->rig = rig;
     solver->judged = judged;
+    solver->choice = choice;
     solver->left_out = left_out;
-    solver->at_fault = -1;
-    solver->sigma2 = rig->sigma_px * rig->sigma_px;
-    if (rig->sigma_px > 0) {
-        begin_adjustment(solver);
-    } else {
-        solver->is_fitting = 1;
-        solver->phase = FITTING;
+    solver->sigma2 = choice->sigma_px * choice->sigma_px;
+    for (size_t v = 0; v < rig->n_views; v++) {
+        left_out[v] = 0;
     }
+    rig->left_out = left_out;
+    solver->phase = CHECKING;
+    rc_rig_begin(&solver->adjust, rig, 1);
     return RIGCAL_OK;
 }
 
@@ -693,7 +720,7 @@ rigcal_status rigcal_judge_result(rigcal_judgement *judgement, int32_t *at_fault
 
 rigcal_status rigcal_rig_judge(rigcal_judgement *judgement, int32_t *at_fault,
                                rigcal_judged_view judged[], uint8_t left_out[],
-                               rigcal_rig *rig)
+                               rigcal_choice *choice, rigcal_rig *rig)
 {
     rigcal_judge_solver solver;
     if (at_fault != NULL) {
@@ -702,7 +729,7 @@ rigcal_status rigcal_rig_judge(rigcal_judgement *judgement, int32_t *at_fault,
     if (judgement == NULL) {
         return RIGCAL_ERR_NULL;
     }
-    const rigcal_status status = rigcal_judge_begin(&solver, judged, left_out, rig);
+    const rigcal_status status = rigcal_judge_begin(&solver, judged, left_out, choice, rig);
     if (status != RIGCAL_OK) {
         return status;
     }

@@ -127,6 +127,7 @@ void test_boards_make(test_boards *b, test_rng *rng, int n_cameras, int n_places
     b->rig.view_poses = b->own;
     b->rig.work = b->work;
     b->rig.work_capacity = BOARD_WORK;
+    b->choice.takes = b->takes;
 }
 
 int test_boards_view(const test_boards *b, int camera, int placement)
@@ -228,7 +229,7 @@ void test_boards_join(test_boards *b, double noise_px)
             apart +=
                 d[i / 6] * test_in_blocks(b->own[v].information, i / 6, i % 6) * d[i % 6];
         }
-        b->left_out[v] = apart > 30 * noise_px * noise_px;
+        b->takes[v] = apart > 30 * noise_px * noise_px ? RIGCAL_TAKES_NONE : 0;
     }
 }
 

@@ -11,7 +11,8 @@ enum {
     BOARD_PLACES_MAX = 24,
     BOARD_VIEWS_MAX = BOARD_CAMERAS_MAX * BOARD_PLACES_MAX / 3 + 32,
     BOARD_POINTS = 20,
-    BOARD_WORK = RIGCAL_RIG_WORK(BOARD_CAMERAS_MAX, BOARD_CAMERAS_MAX, BOARD_PLACES_MAX)
+    BOARD_WORK = RIGCAL_JUDGE_WORK(BOARD_CAMERAS_MAX, BOARD_PLACES_MAX) +
+                 RIGCAL_CHOOSE_WORK(BOARD_CAMERAS_MAX, BOARD_PLACES_MAX, BOARD_VIEWS_MAX)
 };
 
 typedef struct {
@@ -25,7 +26,8 @@ typedef struct {
     rigcal_view_pose own[BOARD_VIEWS_MAX];
     rigcal_observation o[BOARD_VIEWS_MAX][BOARD_POINTS];
     rigcal_real work[BOARD_WORK];
-    uint8_t left_out[BOARD_VIEWS_MAX];
+    uint8_t left_out[BOARD_VIEWS_MAX], takes[BOARD_VIEWS_MAX];
+    rigcal_choice choice;
     rigcal_judged_view judged[BOARD_VIEWS_MAX];
     rigcal_judgement judgement;
     uint8_t is_wrong[BOARD_VIEWS_MAX]; /* the truth about the view */

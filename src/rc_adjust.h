@@ -21,7 +21,8 @@ void rc_rig_quadratic(rigcal_real *sum, rigcal_real g[6], rigcal_real H[21],
  * views' own poses. Once all has been checked the phase is RC_RIG_CHECKED: then the poses
  * from which the search starts may be set, for which the join has two phases. */
 enum { RC_RIG_DONE = 1, RC_RIG_CHECKED, RC_RIG_PLACING, RC_RIG_REACHING };
-void rc_rig_begin(rigcal_rig_solver *s, rigcal_rig *rig, int is_join);
+/* OK or ERR_CAPACITY; of what else is wrong it is done at once. */
+rigcal_status rc_rig_begin(rigcal_rig_solver *s, rigcal_rig *rig, int is_join);
 void rc_rig_step(rigcal_rig_solver *s);
 
 /* Ends it. at_fault: a view, or -1. */

@@ -471,18 +471,22 @@ static void add_view(rigcal_rig_solver *s, const rc_rig_parts *parts)
 
 /* ---- the search ---------------------------------------------------------- */
 
-void rc_rig_begin(rigcal_rig_solver *s, rigcal_rig *rig, int is_join)
+rigcal_status rc_rig_begin(rigcal_rig_solver *s, rigcal_rig *rig, int is_join)
 {
+    if (rigcal_rig_work(0, rig->n_cameras, rig->n_placements) > rig->work_capacity) {
+        return RIGCAL_ERR_CAPACITY;
+    }
     *s = (rigcal_rig_solver){0};
     s->rig = rig;
     s->is_join = is_join;
-    s->at_fault = -1;
     s->phase = CHECKING;
+    s->at_fault = -1;
     rc_levenberg_begin(&s->search, 1);
     const rigcal_status status = rc_views_begin(s);
     if (status != RIGCAL_OK) {
         rc_rig_fail(s, status, -1);
     }
+    return RIGCAL_OK;
 }
 
 static void checking_step(rigcal_rig_solver *s)

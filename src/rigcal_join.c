@@ -180,10 +180,7 @@ rigcal_status rigcal_rig_join_begin(rigcal_rig_solver *solver, rigcal_rig *rig)
     if (status == RIGCAL_OK && rig->view_poses == NULL && rig->view_pose_source == NULL) {
         status = RIGCAL_ERR_NULL;
     }
-    if (status == RIGCAL_OK) {
-        rc_rig_begin(solver, rig, 1);
-    }
-    return status;
+    return (status == RIGCAL_OK) ? rc_rig_begin(solver, rig, 1) : status;
 }
 
 rigcal_status rigcal_rig_join_step(rigcal_rig_solver *solver, int32_t budget)

@@ -45,17 +45,10 @@ rigcal_status rigcal_rig_begin(rigcal_rig_solver *solver, rigcal_rig *rig)
     if (status == RIGCAL_OK && rig->views == NULL && rig->view_source == NULL) {
         status = RIGCAL_ERR_NULL;
     }
-    if (status == RIGCAL_OK &&
-        rigcal_rig_work(0, rig->n_cameras, rig->n_placements) > rig->work_capacity) {
-        status = RIGCAL_ERR_CAPACITY;
-    }
     for (size_t c = 0; status == RIGCAL_OK && c < rig->n_cameras; c++) {
         status = rc_check_transform(&rig->cams_from_rig[c]);
     }
-    if (status == RIGCAL_OK) {
-        rc_rig_begin(solver, rig, 0);
-    }
-    return status;
+    return (status == RIGCAL_OK) ? rc_rig_begin(solver, rig, 0) : status;
 }
 
 rigcal_status rigcal_rig_step(rigcal_rig_solver *solver, int32_t budget)

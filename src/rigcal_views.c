@@ -178,6 +178,9 @@ static rigcal_status check_view(rigcal_rig_solver *s, int32_t *camera, int32_t *
         (s->rig->view_poses != NULL || s->rig->view_pose_source != NULL)) {
         rigcal_view_pose own;
         status = rc_rig_pose_at(&own, s->rig, s->view);
+        if (status == RIGCAL_OK) {
+            status = rc_check_noise(&own.sse);
+        }
         s->own_sum += own.sse;
     }
     return status;
@@ -212,6 +215,9 @@ static rigcal_status check_pose(rigcal_rig_solver *s, int32_t *camera, int32_t *
     }
     if (status == RIGCAL_OK && !rc_sym6_factor_of(&L, v.information, 0)) {
         status = RIGCAL_ERR_DEGENERATE;
+    }
+    if (status == RIGCAL_OK) {
+        status = rc_check_noise(&v.sse);
     }
     if (status == RIGCAL_OK) {
         s->negligible += negligible_of(&v);
@@ -319,9 +325,6 @@ rigcal_status rc_views_begin(rigcal_rig_solver *s)
 {
     rigcal_rig *const rig = s->rig;
     rc_rig_parts parts;
-    if (rigcal_rig_work(0, rig->n_cameras, rig->n_placements) > rig->work_capacity) {
-        return RIGCAL_ERR_CAPACITY;
-    }
     rc_rig_parts_of(&parts, rig, 0);
     rc_clear(parts.count, rig->n_placements);
     rc_clear(parts.slot, rig->n_cameras);

@@ -125,6 +125,22 @@ static void assert_answers(int kind, const rigcal_rig_fit *fit, double tol, doub
     TEST_ASSERT_EQUAL_INT(11, n);
 }
 
+static void assert_noise(int kind, double part)
+{
+    rigcal_real sigma_px[3], freedom[3];
+
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_noise(sigma_px, freedom, &r.rig));
+    for (int k = 0; k < RIG_NOISE_ROWS; k++) {
+        const double *const row = RIG_NOISE[k];
+        const int c = (int)row[1];
+
+        if ((int)row[0] == kind) {
+            ASSERT_NEAR(row[3], freedom[c], part * row[3]);
+            ASSERT_NEAR(sqrt(row[2] / row[3]), sigma_px[c], part);
+        }
+    }
+}
+
 static void test_all_poses_and_covariances_are_those_of_dense_least_squares(void)
 {
     rigcal_rig_fit fit;
@@ -134,6 +150,7 @@ static void test_all_poses_and_covariances_are_those_of_dense_least_squares(void
     adjust(&fit, &r);
     ASSERT_NEAR(0, fit.F, 0);
     assert_answers(0, &fit, TOL(1e-7, 2e-5), TOL(1e-4, 1e-2));
+    assert_noise(0, TOL(1e-5, 1e-3));
     ASSERT_NEAR(2 * 8 * 14 - 12 - 30, fit.freedom, 0);
     ASSERT_NEAR(sqrt(RIG_ANSWER[0][15] / 182), fit.sigma_px, TOL(1e-8, 1e-3));
     TEST_ASSERT_EQUAL_UINT64(8 * 14, fit.n_points);
@@ -153,6 +170,7 @@ static void test_one_camera_is_solved_again_with_the_others_held(void)
     adjust(&fit, &r);
     TEST_ASSERT_EQUAL_MEMORY(before, r.cams, sizeof before);
     assert_answers(1, &fit, TOL(1e-7, 2e-5), TOL(1e-4, 1e-2));
+    assert_noise(1, TOL(1e-5, 1e-3));
     ASSERT_NEAR(2 * 8 * 14 - 6 - 30, fit.freedom, 0);
 }
 
@@ -171,6 +189,7 @@ static void test_what_is_known_beforehand_counts_by_its_covariance(void)
     r.rig.sigma_px = RC(0.4);
     adjust(&fit, &r);
     assert_answers(2, &fit, TOL(1e-6, 2e-5), TOL(1e-3, 1e-2));
+    assert_noise(2, TOL(1e-3, 1e-3));
     ASSERT_NEAR(2 * 8 * 14 - 6 - 30, fit.freedom, 0);
 }
 

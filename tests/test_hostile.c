@@ -54,7 +54,7 @@ static struct {
     rigcal_rig_view rig_views[N_VIEWS];
     rigcal_view_pose view_poses[N_VIEWS];
     rigcal_real rig_work[RIG_WORK];
-    rigcal_rig_solver rig_begun, rig_done;
+    rigcal_rig_solver rig_begun, rig_done, join_begun;
     rigcal_rig rig;
     rigcal_transform estimates[N_VIEWS];
     rigcal_real x0[3], simplex[12];
@@ -249,7 +249,9 @@ static void build_rig(void)
 static void build_adjusted(void)
 {
     static rigcal_transform cams[N_CAMERAS], placements[N_PLACEMENTS];
-    static rigcal_real work[RIG_WORK];
+    static rigcal_real work[RIG_WORK], join_work[RIG_WORK];
+    static rigcal_rig joined;
+    static int32_t groups[N_CAMERAS];
     rigcal_rig_solver solver;
     rigcal_rig_fit fit;
 
@@ -274,6 +276,11 @@ static void build_adjusted(void)
     while (rigcal_rig_step(&solver, 1000) == RIGCAL_RUNNING) {
     }
     ok.rig_done = solver;
+    joined = ok.rig;
+    joined.view_poses = ok.view_poses;
+    joined.work = join_work;
+    joined.group = groups;
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_join_begin(&ok.join_begun, &joined));
 }
 
 /* The states of searches come from the library: there is no other way. */
@@ -875,6 +882,8 @@ CALL(epiline_curve, p[0], COUNTED(p[1]), p[2], p[3], p[4], p[5], REAL(p[6]),
 CALL(transform_mean, p[0], p[1], p[2], p[3], p[4], COUNTED(p[5]))
 CALL(view_pose_make, p[0], p[1], p[2])
 CALL(rig_join, RIG_WITH(0, poses), p[9])
+CALL(rig_join_begin, p[9], RIG_WITH(0, poses))
+CALL(rig_join_step, p[0], INT(p[1]))
 CALL(rig_adjust, p[9], p[10], RIG_WITH(0, views))
 CALL(rig_begin, p[9], RIG_WITH(0, views))
 CALL(rig_step, p[0], INT(p[1]))
@@ -882,6 +891,7 @@ CALL(rig_result, p[0], p[1], p[2])
 CALL(rig_covariance, p[8], RIG_AT(0), REAL(p[9]), COUNTED(p[10]))
 CALL(rig_pair, p[8], p[11], RIG_AT(0), REAL(p[9]), COUNTED(p[10]), COUNTED(p[12]))
 CALL(rig_placement, p[8], RIG_AT(0), REAL(p[9]), COUNTED(p[10]))
+CALL(rig_noise, p[8], p[9], RIG_AT(0))
 CALL(rig_residuals, p[8], COUNTED(p[9]), p[10], RIG_AT(0), COUNTED(p[11]))
 CALL(store_save, p[0], COUNTED(p[1]), p[2], p[3], COUNTED(p[4]), UINT(p[5]),
      UINT(p[6]))
@@ -1102,6 +1112,12 @@ static const function FUNCTIONS[] = {
     {F(rig_join), 0, JOINED,
      {RIG_OF(WORK(TRANSFORM, N_CAMERAS), WORK(TRANSFORM, N_PLACEMENTS), WORK(INT32, N_CAMERAS), WORK(NUMBER, RIG_WORK)),
       IN(VIEW_POSE, N_VIEWS, ok.view_poses), OUT_BAD}},
+    {F(rig_join_begin), 0, JOINED,
+     {RIG_OF(WORK(TRANSFORM, N_CAMERAS), WORK(TRANSFORM, N_PLACEMENTS), WORK(INT32, N_CAMERAS), WORK(NUMBER, RIG_WORK)),
+      IN(THERE, 1, &INT_1), OUT_PART(RIG_SOLVER, 1)}},
+    {F(rig_join_step), RIGCAL_RUNNING,
+     S(NULL) | S(RANGE) | S(STATE) | BIT(RIGCAL_RUNNING),
+     {STATE(RIG_SOLVER, &ok.join_begun), CHOICE(&INT_2, 1, 0, RIGCAL_ERR_RANGE)}},
     {F(rig_adjust), 0, ADJUSTED,
      {RIG_OF(IN(TRANSFORM, N_CAMERAS, ok.poses), IN(TRANSFORM, N_PLACEMENTS, ok.placements), WORK(INT32, N_CAMERAS), WORK(NUMBER, RIG_WORK)),
       IN(RIG_VIEW, N_VIEWS, ok.rig_views), OUT(FIT, 1), OUT_BAD}},
@@ -1122,6 +1138,8 @@ static const function FUNCTIONS[] = {
     {F(rig_placement), 0, S(STATE) | S(TOO_FEW) | ARGS | S(DEGENERATE),
      {RIG_DONE, OUT(MAT6, 1), VALUE(TOLERANCE, &REAL_SIGMA),
       LESS(&SIZE_1, N_PLACEMENTS)}},
+    {F(rig_noise), 0, S(STATE) | S(TOO_FEW) | ARGS | S(DEGENERATE),
+     {RIG_DONE, OUT(NUMBER, 3), OUT(NUMBER, 3)}},
     {F(rig_residuals), 0, S(TOO_FEW) | S(CAPACITY) | ARGS,
      {RIG_WITH_MEMORY(RIG_UNREAD), OUT(NUMBER, 12), ROOM(&SIZE_12, 12, RIGCAL_ERR_CAPACITY), OUT(SIZE, 1),
       LESS(&SIZE_4, N_VIEWS)}},

@@ -191,6 +191,63 @@ static void test_two_placements_are_averaged_by_information(void)
     }
 }
 
+/* ---- steps --------------------------------------------------------------- */
+
+static void test_the_budget_changes_no_bit(void)
+{
+    static const int32_t BUDGETS[] = {1, 2, 7, 1000};
+    test_rng rng = test_seed(349);
+    rigcal_transform cams[RIG_CAMERAS_MAX], places[RIG_PLACEMENTS_MAX];
+
+    WANTS_RIG;
+    test_rig_random(&r, &rng, 3, 4, 8);
+    test_rig_see_all(&r, &rng, 0.3);
+    test_rig_solve_views(&r);
+    ASSERT_STATUS(RIGCAL_OK, join());
+    memcpy(cams, r.cams, sizeof cams);
+    memcpy(places, r.places, sizeof places);
+    for (int k = 0; k < 4; k++) {
+        rigcal_rig_solver solver;
+        rigcal_rig_fit fit;
+
+        memset(r.cams, 0, sizeof r.cams);
+        memset(r.places, 0, sizeof r.places);
+        ASSERT_STATUS(RIGCAL_OK, rigcal_rig_join_begin(&solver, &r.rig));
+        ASSERT_STATUS(RIGCAL_ERR_STATE, rigcal_rig_result(&fit, NULL, &solver));
+        while (rigcal_rig_join_step(&solver, BUDGETS[k]) == RIGCAL_RUNNING) {
+        }
+        ASSERT_STATUS(RIGCAL_OK, rigcal_rig_result(&fit, NULL, &solver));
+        TEST_ASSERT_EQUAL_MEMORY(cams, r.cams, 3 * sizeof cams[0]);
+        TEST_ASSERT_EQUAL_MEMORY(places, r.places, 4 * sizeof places[0]);
+    }
+}
+
+/* To first order: the quadratics of the views stand for their points. */
+static void test_the_fit_is_that_of_the_adjustment(void)
+{
+    test_rng rng = test_seed(350);
+
+    WANTS_RIG;
+    for (int trial = 0; trial < TEST_TRIALS(20); trial++) {
+        rigcal_rig_solver solver;
+        rigcal_rig_fit joined, adjusted;
+
+        test_rig_random(&r, &rng, 3, 5, 8);
+        test_rig_see_all(&r, &rng, 0.3);
+        test_rig_solve_views(&r);
+        ASSERT_STATUS(RIGCAL_OK, rigcal_rig_join_begin(&solver, &r.rig));
+        while (rigcal_rig_join_step(&solver, 1000) == RIGCAL_RUNNING) {
+        }
+        ASSERT_STATUS(RIGCAL_OK, rigcal_rig_result(&joined, NULL, &solver));
+        ASSERT_STATUS(RIGCAL_OK, rigcal_rig_adjust(&adjusted, NULL, &r.rig));
+        ASSERT_NEAR(adjusted.sum, joined.sum, 0.03 * D(adjusted.sum));
+        ASSERT_NEAR(adjusted.F, joined.F, 0.1 * D(adjusted.F));
+        ASSERT_NEAR(adjusted.freedom, joined.freedom, 0);
+        ASSERT_NEAR(adjusted.freedom_within, joined.freedom_within, 0);
+        TEST_ASSERT_EQUAL_UINT64(adjusted.n_points, joined.n_points);
+    }
+}
+
 /* ---- statistics ---------------------------------------------------------- */
 
 /* rms of error over the bound, sqrt(chi square / 6), of camera 1 by the covariance that the
@@ -248,6 +305,8 @@ TEST_MAIN()
     RUN_TEST(test_a_camera_that_is_held_stays_and_is_the_frame);
     RUN_TEST(test_a_view_counts_by_its_information);
     RUN_TEST(test_two_placements_are_averaged_by_information);
+    RUN_TEST(test_the_budget_changes_no_bit);
+    RUN_TEST(test_the_fit_is_that_of_the_adjustment);
     RUN_TEST(test_two_cameras_come_near_the_bound);
     RUN_TEST(test_more_cameras_come_near_the_bound);
 }

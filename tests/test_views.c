@@ -378,8 +378,90 @@ static void test_a_source_that_fails_later_ends_the_search(void)
     TEST_ASSERT_EQUAL_INT32(2, at_fault);
 }
 
+/* ---- views left out ------------------------------------------------------ */
+
+/* The same rig, of which some views are not handed in at all. */
+static void keep_only(const uint8_t left_out[])
+{
+    size_t n = 0;
+
+    for (size_t v = 0; v < r.rig.n_views; v++) {
+        if (left_out[v] == 0) {
+            r.views[n] = r.views[v];
+            r.own[n] = r.own[v];
+            n++;
+        }
+    }
+    r.rig.n_views = n;
+    r.rig.left_out = NULL;
+}
+
+static void test_views_left_out_are_as_if_they_were_not_there(void)
+{
+    test_rng rng = test_seed(339);
+    rigcal_transform cams[RIG_CAMERAS_MAX], places[RIG_PLACEMENTS_MAX];
+    uint8_t left_out[RIG_VIEWS_MAX];
+
+    WANTS_RIG;
+    for (int trial = 0; trial < TEST_TRIALS(20); trial++) {
+        rigcal_rig_fit with, without;
+        rigcal_real Sigma[36], fewer[36];
+
+        test_rig_random(&r, &rng, 3, 6, 8);
+        test_rig_see_all(&r, &rng, 0.3);
+        test_rig_solve_views(&r);
+        for (int v = 0; v < 18; v++) {
+            left_out[v] = v / 3 == 4 || (v / 3 > 1 && test_next(&rng) % 4 == 0);
+            if (left_out[v] != 0) { /* what stands there is not read */
+                r.views[v].view.n = 0;
+                r.own[v].cam_from_target.R[0] = RC(1e30);
+                r.own[v].sse = RC(-1e30);
+            }
+        }
+        r.rig.left_out = left_out;
+        ASSERT_STATUS(RIGCAL_OK, rigcal_rig_join(&r.rig, NULL));
+        ASSERT_STATUS(RIGCAL_OK, rigcal_rig_adjust(&with, NULL, &r.rig));
+        ASSERT_STATUS(RIGCAL_OK, rigcal_rig_placement(Sigma, &r.rig, 1, 5));
+        ASSERT_STATUS(RIGCAL_ERR_TOO_FEW, rigcal_rig_placement(fewer, &r.rig, 1, 4));
+        memcpy(cams, r.cams, sizeof cams);
+        memcpy(places, r.places, sizeof places);
+        keep_only(left_out);
+        ASSERT_STATUS(RIGCAL_OK, rigcal_rig_join(&r.rig, NULL));
+        ASSERT_STATUS(RIGCAL_OK, rigcal_rig_adjust(&without, NULL, &r.rig));
+        ASSERT_STATUS(RIGCAL_OK, rigcal_rig_placement(fewer, &r.rig, 1, 5));
+        TEST_ASSERT_EQUAL_MEMORY(cams, r.cams, 3 * sizeof cams[0]);
+        TEST_ASSERT_EQUAL_MEMORY(places, r.places, 6 * sizeof places[0]);
+        TEST_ASSERT_EQUAL_MEMORY(Sigma, fewer, sizeof Sigma);
+        ASSERT_NEAR(with.F, without.F, 0);
+        ASSERT_NEAR(with.freedom, without.freedom, 0);
+    }
+}
+
+static void test_a_view_left_out_connects_nothing(void)
+{
+    static const uint8_t LEFT_OUT[4] = {0, 1, 0, 0}, ALL[4] = {1, 1, 1, 1};
+    test_rng rng = test_seed(338);
+    rigcal_rig_fit fit;
+
+    WANTS_RIG;
+    test_rig_random(&r, &rng, 3, 2, 8);
+    test_rig_see(&r, &rng, 0, 0, 0);
+    test_rig_see(&r, &rng, 1, 0, 0);
+    test_rig_see(&r, &rng, 1, 1, 0);
+    test_rig_see(&r, &rng, 2, 1, 0);
+    r.rig.left_out = LEFT_OUT;
+    ASSERT_STATUS(RIGCAL_DISCONNECTED, rigcal_rig_adjust(&fit, NULL, &r.rig));
+    TEST_ASSERT_EQUAL_INT32(0, r.group[0]);
+    TEST_ASSERT_EQUAL_INT32(1, r.group[1]);
+    TEST_ASSERT_EQUAL_INT32(1, r.group[2]);
+    r.rig.left_out = ALL;
+    ASSERT_STATUS(RIGCAL_ERR_TOO_FEW, rigcal_rig_adjust(&fit, NULL, &r.rig));
+}
+
 TEST_MAIN()
 {
+    RUN_TEST(test_views_left_out_are_as_if_they_were_not_there);
+    RUN_TEST(test_a_view_left_out_connects_nothing);
     RUN_TEST(test_pointers_must_be_there);
     RUN_TEST(test_counts_have_their_range);
     RUN_TEST(test_a_view_names_a_camera_a_placement_and_a_target_that_are);

@@ -711,12 +711,17 @@ def rig():
     off = [np.array([0.002, -0.001, 0.0015, 0.004, -0.003, 0.002]) * s for s in (1, -1)]
     covariances = [np.diag(s * np.array([1e-6, 2e-6, 1e-6, 4e-6, 5e-6, 9e-6])) for s in (1, 4)]
     before = {c: (oracle.moved(K[c], off[c - 1]), covariances[c - 1]) for c in (1, 2)}
-    answers, own = [], 0
+    answers, noise, own = [], [], 0
     bumped = list(K)
     bumped[1] = oracle.moved(K[1], [0.001, 0.002, -0.001, 0.003, 0.002, -0.004])
     for kind, (start, held, priors) in enumerate((
             (K, (0,), {}), (bumped, (0, 1), {}), (K, (), before))):
-        C, F, total, covariance, begin = oracle.rig_adjust(px, views, start, P, held, priors, 0.4)
+        C, F, total, covariance, begin, errors, lost = oracle.rig_adjust(
+            px, views, start, P, held, priors, 0.4)
+        by = np.repeat([c for c, *_ in views], 2 * RIG_POINTS)
+        for c in range(3):
+            mine = np.flatnonzero(by == c)
+            noise.append(row(kind, c, errors[mine] @ errors[mine], np.sum(1 - lost[mine])))
         for c in range(3):
             block = np.zeros((6, 6))
             if begin[c] is not None:
@@ -752,6 +757,9 @@ def rig():
                        "known beforehand at sigma 0.4 px and camera 0 is free; 0 a camera, 1 "
                        "a placement, 2 camera b from camera a; its number, or 3 a + b; R, t, "
                        "sum of squares, covariance for noise of 1 px", answers),
+        "RIG_NOISE": ("of each kind of RIG_ANSWER and each camera: its sum of squares, and its "
+                      "degrees of freedom: those of the errors less what they lose to the "
+                      "unknowns", noise),
         "RIG_CLOSURE": ("sum of squares of the views by themselves, F, its degrees of freedom "
                         "between and within", [row(own, *closure)]),
     }

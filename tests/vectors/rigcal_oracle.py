@@ -287,8 +287,9 @@ def rig_residuals(project_px, views, cams, places, priors, sigma):
 
 def rig_adjust(project_px, views, cams, places, held=(0,), priors=(), sigma=1.0, rounds=8):
     """Gauss-Newton over all poses, its derivatives by central differences.
-    Returns cams, places, sum of squares, (J^T J)^-1 of free cameras and then placements, and
-    where the unknowns of each camera begin (None: it is held)."""
+    Returns cams, places, sum of squares, (J^T J)^-1 of free cameras and then placements,
+    where the unknowns of each camera begin (None: it is held), the errors, and of each error
+    what it loses of its freedom to the unknowns: the diagonal of J (J^T J)^-1 J^T."""
     cams, places, priors = list(cams), list(places), dict(priors)
     free = [c for c in range(len(cams)) if c not in held]
     begin = {c: 6 * i for i, c in enumerate(free)}
@@ -316,7 +317,9 @@ def rig_adjust(project_px, views, cams, places, held=(0,), priors=(), sigma=1.0,
         J, r = np.array(J).T, errors(np.zeros(n))
         if k < rounds:
             cams, places = at(-np.linalg.lstsq(J, r, rcond=None)[0])
-    return cams, places, r @ r, np.linalg.inv(J.T @ J), [begin.get(c) for c in range(len(cams))]
+    covariance = np.linalg.inv(J.T @ J)
+    lost = np.sum(J @ covariance * J, axis=1)
+    return cams, places, r @ r, covariance, [begin.get(c) for c in range(len(cams))], r, lost
 
 
 def rig_pair(cams, covariance, begin, a, b):

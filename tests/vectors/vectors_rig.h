@@ -621,6 +621,21 @@ static const double RIG_ANSWER[33][52] = {
  0.00012396007140410154},
 };
 
+/* of each kind of RIG_ANSWER and each camera: its sum of squares, and its
+ * degrees of freedom: those of the errors less what they lose to the unknowns */
+enum { RIG_NOISE_ROWS = 9 };
+static const double RIG_NOISE[9][4] = {
+{0, 0, 9.554608185536727, 65.27086838659584},
+{0, 1, 8.522163589105737, 60.23749803297207},
+{0, 2, 9.496914314555834, 56.49163358043213},
+{1, 0, 37.52587799161255, 68.81026007726842},
+{1, 1, 37.597182510668134, 62.6457756487432},
+{1, 2, 11.531529391448977, 56.5439642739884},
+{2, 0, 9.585172014685618, 65.33811425344382},
+{2, 1, 8.64227219453868, 60.42085162815793},
+{2, 2, 10.197376407762565, 58.40619446715679},
+};
+
 /* sum of squares of the views by themselves, F, its degrees of freedom
  * between and within */
 enum { RIG_CLOSURE_ROWS = 1 };

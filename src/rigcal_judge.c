@@ -522,7 +522,7 @@ static rigcal_status choose_placement(rigcal_judge_solver *s, const rc_rig_parts
 static void place_again(rigcal_judge_solver *s, const rc_rig_parts *parts)
 {
     const size_t count = rc_rig_views_of(parts, s->placement);
-    const rigcal_status status = choose_placement(s, (rc_claim *)(void *)parts->W, count);
+    const rigcal_status status = choose_placement(s, parts, count);
     if (status != RIGCAL_OK) {
         end(s, status, (int32_t)s->first);
         return;

@@ -190,13 +190,13 @@ struct rigcal_judge_solver {
     rigcal_judged_view *judged;
     rigcal_choice *choice;
     uint8_t *left_out;
-    int32_t phase, status, at_fault, is_placed, is_changed, rounds, adjustments;
+    int32_t phase, status, at_fault, is_placed, rounds, adjustments;
     int32_t n_of[4];               /* views of each verdict */
     size_t view, first, placement; /* under way; the first view of the placement */
     size_t n_kept, slot;           /* of its views that count; which of them */
     size_t n_costs, n_places;      /* that can be judged: views, placements */
-    size_t named[2];               /* the last view left out, and its partner */
-    rigcal_real sigma2, scale, tried_cost;
+    rigcal_real sigma2, scale;
+    rigcal_real tried_cost; /* of the view that is left out to see; 0: none is */
     rigcal_rig_solver adjust;
 };
 

@@ -98,20 +98,6 @@ static rigcal_status check_view(rigcal_judge_solver *s, size_t v)
                : RIGCAL_OK;
 }
 
-/* The views in turn, as the join checks them: they are not left out before. */
-static void checking_step(rigcal_judge_solver *s)
-{
-    const size_t v = s->adjust.view;
-    rc_rig_step(&s->adjust);
-    const rigcal_status status =
-        (s->adjust.phase == RC_RIG_DONE) ? s->adjust.search.status : check_view(s, v);
-    if (status != RIGCAL_OK) {
-        end(s, status, (s->adjust.phase == RC_RIG_DONE) ? s->adjust.at_fault : (int32_t)v);
-    } else if (s->adjust.phase == RC_RIG_CHECKED) {
-        begin_adjustment(s);
-    }
-}
-
 /* ---- what a view costs ----------------------------------------------------- */
 
 /* Of each view of a placement, in the memory to work in: H, g by the placement, and by how
@@ -339,6 +325,9 @@ static void cost_view(rigcal_judge_solver *s, const rc_rig_parts *parts)
 
 /* ---- naming ---------------------------------------------------------------- */
 
+/* left_out of a view that is left out for good, and of one that is so to see. */
+enum { OUT = 1, OUT_TO_SEE = 2 };
+
 /* How many views of a placement are not left out; *last is one of them. */
 static size_t kept_of(size_t *last, const rigcal_judge_solver *s, size_t first,
                       size_t count)
@@ -353,83 +342,141 @@ static size_t kept_of(size_t *last, const rigcal_judge_solver *s, size_t first,
     return kept;
 }
 
-/* Of a placement, the view of the largest cost among those that are not left out. */
-typedef struct {
-    rigcal_real cost;
-    size_t view, first, count;
-} worst_view;
-
-static void worst_of(worst_view *worst, const rigcal_judge_solver *s, size_t first,
-                     size_t count)
+/* Of a placement that several cameras saw, a view with which no other agrees is left out
+ * too. */
+static void leave_out_lone_views(rigcal_judge_solver *s, const rc_rig_parts *parts,
+                                 uint8_t mark)
 {
-    worst->cost = -1;
-    worst->view = worst->first = first;
-    worst->count = count;
-    for (size_t v = first; v < first + count; v++) {
-        if (s->left_out[v] == 0 && s->judged[v].cost > worst->cost) {
-            worst->cost = s->judged[v].cost;
-            worst->view = v;
-        }
-    }
-}
-
-/* Leaves a view out, and the other one where only two are left. */
-static void name(rigcal_judge_solver *s, const worst_view *worst)
-{
-    s->named[0] = s->named[1] = worst->view;
-    s->left_out[worst->view] = 1;
-    if (kept_of(&s->named[1], s, worst->first, worst->count) == 1) {
-        s->left_out[s->named[1]] = 1;
-    } else {
-        s->named[1] = worst->view;
-    }
-}
-
-/* Names the worst view of each placement if it is beyond the limit. Where none is, the
- * worst of all is left out to see: so no view raises its own limit. */
-static void name_worst(rigcal_judge_solver *s, const rc_rig_parts *parts)
-{
-    worst_view worst, most = {0, 0, 0, 0};
-    size_t first = 0, n = 0;
+    size_t first = 0, last = 0;
     for (size_t f = 0; f < s->rig->n_placements; f++) {
         const size_t count = rc_rig_views_of(parts, f);
-        worst_of(&worst, s, first, count);
-        if (worst.cost > COST_LIMIT * s->scale) {
-            name(s, &worst);
-            n++;
-        }
-        if (worst.cost > most.cost) {
-            most = worst;
+        if (count > 1 && kept_of(&last, s, first, count) == 1) {
+            s->left_out[last] = mark;
         }
         first += count;
     }
-    s->tried_cost = 0;
-    if (n == 0 && most.cost > COST_LIMIT) {
-        s->tried_cost = most.cost;
-        name(s, &most);
-        n++;
+}
+
+/* So is the view by which alone a camera would hang on the others, where it has more that
+ * do not agree: it is where that view puts it, and nothing says that it is right. */
+static rigcal_status leave_out_lone_cameras(rigcal_judge_solver *s,
+                                            const rc_rig_parts *parts, uint8_t mark)
+{
+    rigcal_real *const kept = parts->slot, *const all = parts->W; /* of each camera */
+    rc_clear(kept, s->rig->n_cameras);
+    rc_clear(all, s->rig->n_cameras);
+    for (int is_marking = 0; is_marking < 2; is_marking++) {
+        for (size_t v = 0; v < s->rig->n_views; v++) {
+            rigcal_view_pose own;
+            const rigcal_status status = pose_of(&own, s, v, 0);
+            if (status != RIGCAL_OK) {
+                return status;
+            }
+            const size_t c = (size_t)own.camera;
+            if (rc_rig_views_of(parts, (size_t)own.placement) < 2) {
+                continue;
+            }
+            if (!is_marking) {
+                kept[c] += (s->left_out[v] == 0) ? 1 : 0;
+                all[c] += 1;
+            } else if (s->left_out[v] == 0 && kept[c] < 2 && all[c] > 1 &&
+                       !rc_rig_is_held(s->rig, c) && !rc_rig_has_prior(s->rig, c)) {
+                s->left_out[v] = mark;
+            }
+        }
     }
-    if (n > 0) {
-        begin_adjustment(s);
+    return RIGCAL_OK;
+}
+
+static rigcal_status leave_out_lone(rigcal_judge_solver *s, const rc_rig_parts *parts,
+                                    uint8_t mark)
+{
+    leave_out_lone_views(s, parts, mark);
+    const rigcal_status status = leave_out_lone_cameras(s, parts, mark);
+    leave_out_lone_views(s, parts, mark);
+    return status;
+}
+
+/* Adjusts, without the views that are left out and those that they leave alone. */
+static void adjust_without(rigcal_judge_solver *s, const rc_rig_parts *parts, uint8_t mark)
+{
+    const rigcal_status status = leave_out_lone(s, parts, mark);
+    begin_adjustment(s);
+    if (status != RIGCAL_OK) {
+        end(s, status, -1);
+    }
+}
+
+/* Leaves out the worst view of each placement if it is beyond the limit. Where none is, the
+ * worst of all is left out to see: so no view raises its own limit. */
+static void name_worst(rigcal_judge_solver *s, const rc_rig_parts *parts)
+{
+    size_t first = 0, most = 0, n = 0;
+    s->tried_cost = 0;
+    for (size_t f = 0; f < s->rig->n_placements; f++) {
+        const size_t end_of = first + rc_rig_views_of(parts, f);
+        rigcal_real cost = -1;
+        size_t worst = first;
+        for (size_t v = first; v < end_of; v++) {
+            if (s->left_out[v] == 0 && s->judged[v].cost > cost) {
+                cost = s->judged[v].cost;
+                worst = v;
+            }
+        }
+        if (cost > COST_LIMIT * s->scale) {
+            s->left_out[worst] = OUT;
+            n++;
+        }
+        if (cost > s->tried_cost) {
+            s->tried_cost = cost;
+            most = worst;
+        }
+        first = end_of;
+    }
+    const int is_trial = n == 0 && s->tried_cost > COST_LIMIT;
+    if (is_trial) {
+        s->left_out[most] = OUT_TO_SEE;
+    } else {
+        s->tried_cost = 0;
+    }
+    if (n > 0 || is_trial) {
+        adjust_without(s, parts, is_trial ? OUT_TO_SEE : OUT);
     } else {
         s->phase = CONCLUDING;
     }
 }
 
-/* The rig has been adjusted and judged. */
+/* The view that was left out to see is judged by the limit that the others set: it stays
+ * out, or the rig before stands. */
+static void end_trial(rigcal_judge_solver *s)
+{
+    const int is_out = s->tried_cost > COST_LIMIT * s->scale;
+    for (size_t v = 0; v < s->rig->n_views; v++) {
+        if (s->left_out[v] == OUT_TO_SEE) {
+            s->left_out[v] = is_out ? OUT : 0;
+        }
+    }
+    s->tried_cost = 0;
+    if (is_out) {
+        return;
+    }
+    s->rounds = ROUNDS;
+    begin_adjustment(s);
+}
+
+/* The rig has been adjusted, and the costs are known. */
 static void decide(rigcal_judge_solver *s)
 {
-    if (s->tried_cost > 0 && !(s->tried_cost > COST_LIMIT * s->scale)) {
-        s->left_out[s->named[0]] = s->left_out[s->named[1]] = 0;
-        s->rounds = ROUNDS; /* the rig before stands */
-        s->tried_cost = 0;
-        begin_adjustment(s);
-    } else if (!s->is_placed) {
+    if (s->tried_cost > 0) {
+        end_trial(s);
+    }
+    if (s->phase == ADJUSTING) {
+        return;
+    }
+    if (!s->is_placed) {
         begin_pass(s, PLACING);
-    } else if (s->rounds++ < ROUNDS) {
-        s->phase = NAMING;
     } else {
-        s->phase = CONCLUDING;
+        s->phase = (s->rounds++ < ROUNDS) ? NAMING : CONCLUDING;
     }
 }
 
@@ -477,6 +524,11 @@ static void set_scale(rigcal_judge_solver *s, const rc_rig_parts *parts)
 
 /* ---- placing again ---------------------------------------------------------- */
 
+static int32_t taken(const rigcal_judge_solver *s, size_t v)
+{
+    return (s->left_out[v] == 0) ? s->choice->takes[v] : RIGCAL_TAKES_NONE;
+}
+
 /* Which views of the placement under way agree, and where it then is, if that is not what
  * it was. `verdict` holds meanwhile what a view took. */
 static rigcal_status choose_placement(rigcal_judge_solver *s, const rc_rig_parts *parts,
@@ -488,10 +540,10 @@ static rigcal_status choose_placement(rigcal_judge_solver *s, const rc_rig_parts
     rc_claim *const claims =
         (rc_claim *)(void *)(is_double ? &parts->d[s->adjust.n] : parts->W);
     uint8_t *const takes = s->choice->takes;
-    size_t n = 0, kept = 0, last = s->first;
+    size_t n = 0;
     rc_support support;
     for (size_t v = s->first; v < s->first + count; v++) {
-        s->judged[v].verdict = (s->left_out[v] == 0) ? takes[v] : RIGCAL_TAKES_NONE;
+        s->judged[v].verdict = taken(s, v);
         for (int candidate = 0; candidate <= is_double; candidate++) {
             const rigcal_status status = claim_of(&claims[n], s, v, candidate, 1);
             if (status != RIGCAL_OK) {
@@ -503,16 +555,7 @@ static rigcal_status choose_placement(rigcal_judge_solver *s, const rc_rig_parts
     const size_t best = rc_choose_place(&support, takes, claims, n, limit);
     for (size_t v = s->first; v < s->first + count; v++) {
         s->left_out[v] = takes[v] == RIGCAL_TAKES_NONE;
-        kept += s->left_out[v] == 0;
-        last = (s->left_out[v] == 0) ? v : last;
-    }
-    if (kept == 1 && count > 1) {
-        s->left_out[last] = 1;
-    }
-    for (size_t v = s->first; v < s->first + count; v++) {
-        const int32_t now = (s->left_out[v] == 0) ? takes[v] : RIGCAL_TAKES_NONE;
-        if (now != s->judged[v].verdict) {
-            s->is_changed = 1;
+        if (takes[v] != s->judged[v].verdict) {
             s->rig->rig_from_placements[s->placement] = claims[best].b_from_a;
         }
     }
@@ -534,14 +577,35 @@ static void place_again(rigcal_judge_solver *s, const rc_rig_parts *parts)
         return;
     }
     s->is_placed = 1;
-    if (s->is_changed) {
-        begin_adjustment(s);
-    } else {
-        decide(s);
+    const rigcal_status lone = leave_out_lone(s, parts, OUT);
+    if (lone != RIGCAL_OK) {
+        end(s, lone, -1);
+        return;
     }
+    for (size_t v = 0; v < s->rig->n_views; v++) {
+        if (taken(s, v) != s->judged[v].verdict) {
+            begin_adjustment(s);
+            return;
+        }
+    }
+    decide(s);
 }
 
 /* ---- the search ------------------------------------------------------------- */
+
+/* The views in turn, as the join checks them: they are not left out before. */
+static void checking_step(rigcal_judge_solver *s, const rc_rig_parts *parts)
+{
+    const size_t v = s->adjust.view;
+    rc_rig_step(&s->adjust);
+    const rigcal_status status =
+        (s->adjust.phase == RC_RIG_DONE) ? s->adjust.search.status : check_view(s, v);
+    if (status != RIGCAL_OK) {
+        end(s, status, (s->adjust.phase == RC_RIG_DONE) ? s->adjust.at_fault : (int32_t)v);
+    } else if (s->adjust.phase == RC_RIG_CHECKED) {
+        adjust_without(s, parts, OUT);
+    }
+}
 
 static void conclude(rigcal_judge_solver *s, const rc_rig_parts *parts)
 {
@@ -590,7 +654,7 @@ static void step(rigcal_judge_solver *s)
     rc_rig_parts_of(&parts, s->rig, s->adjust.n);
     switch (s->phase) {
     case CHECKING:
-        checking_step(s);
+        checking_step(s, &parts);
         break;
     case SCALING:
         set_scale(s, &parts);

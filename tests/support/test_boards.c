@@ -238,18 +238,24 @@ double test_boards_error(const test_boards *b, rigcal_real sigma_px)
     double sum = 0;
     int n = 0;
 
-    for (size_t c = 0; c < b->rig.n_cameras; c++) {
-        rigcal_real Sigma[36];
-        double R[9], t[3], R_0[9], t_0[3], d[6], S[36];
+    for (size_t a = 0; a < b->rig.n_cameras; a++) {
+        for (size_t c = a + 1; c < b->rig.n_cameras; c++) {
+            const rigcal_transform inverse = test_inverse(&b->true_cams[a]),
+                                   truth = test_times(&b->true_cams[c], &inverse);
+            rigcal_transform seen;
+            rigcal_real Sigma[36];
+            double d[6], S[36], R[9], t[3], R_0[9], t_0[3];
 
-        ASSERT_STATUS(RIGCAL_OK, rigcal_rig_covariance(Sigma, &b->rig, sigma_px, c));
-        if (Sigma[0] > 0) {
-            test_transform_parts(R, t, &b->cams[c]);
-            test_transform_parts(R_0, t_0, &b->true_cams[c]);
-            test_difference(d, R_0, t_0, R, t);
-            test_to_double(S, Sigma, 36);
-            sum += test_squared_distance(d, S, 6) / 6;
-            n++;
+            if (b->group[c] == b->group[a]) {
+                ASSERT_STATUS(RIGCAL_OK,
+                              rigcal_rig_pair(&seen, Sigma, &b->rig, sigma_px, a, c));
+                test_transform_parts(R, t, &seen);
+                test_transform_parts(R_0, t_0, &truth);
+                test_difference(d, R_0, t_0, R, t);
+                test_to_double(S, Sigma, 36);
+                sum += test_squared_distance(d, S, 6) / 6;
+                n++;
+            }
         }
     }
     return sqrt(sum / n);

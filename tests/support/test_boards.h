@@ -61,8 +61,8 @@ void test_boards_solve_view(test_boards *b, int v);
  * join by poses that agree does. */
 void test_boards_join(test_boards *b, double noise_px);
 
-/* sqrt of d^T Sigma^-1 d / 6 over all cameras that are not held, which are at the truth:
- * the error over its bound. */
+/* sqrt of d^T Sigma^-1 d / 6 over all pairs of cameras of one group, d by which the pair's
+ * transform is off: the error over its bound. */
 double test_boards_error(const test_boards *b, rigcal_real sigma_px);
 
 #endif /* TEST_BOARDS_H */

@@ -4,8 +4,9 @@
  * A wrong view is one of another placement than its number says, of a target turned by its
  * own symmetry, of another camera, with points in another unit. It bends the whole rig.
  *
- *   rigcal_rig_judge   adjusts the rig, and leaves out the views that contradict it
- *   rigcal_rig_cause   why a view contradicts: turned, late or early, swapped, or unknown
+ *   rigcal_rig_judge      adjusts the rig, and leaves out the views that contradict it
+ *   rigcal_rig_cause      why a view does: turned, late or early, swapped, or unknown
+ *   rigcal_camera_cause   why most views of a camera do
  *
  * EQUATIONS.md RIG has the mathematics, (G17) and (G18). */
 #ifndef RIGCAL_JUDGE_H
@@ -84,6 +85,89 @@ RIGCAL_API rigcal_status rigcal_judge_begin(rigcal_judge_solver *solver,
 RIGCAL_API rigcal_status rigcal_judge_step(rigcal_judge_solver *solver, int32_t budget);
 RIGCAL_API rigcal_status rigcal_judge_result(rigcal_judgement *judgement, int32_t *at_fault,
                                              const rigcal_judge_solver *solver);
+
+/* ==== why ==================================================================== */
+
+enum rigcal_causes {
+    RIGCAL_CAUSE_UNKNOWN = 0,
+    RIGCAL_CAUSE_TURNED = 1,  /* by a symmetry of the target: its points are permuted */
+    RIGCAL_CAUSE_SHIFTED = 2, /* it is of the placement before, or of the one after */
+    RIGCAL_CAUSE_SWAPPED = 3  /* it is of another camera, in the same placement */
+};
+
+typedef struct rigcal_cause {
+    int32_t cause;        /* RIGCAL_CAUSE_ */
+    int32_t permutation;  /* which, counted from 0; -1 */
+    int32_t shift;        /* -1: the placement before, the camera is late; 1: the one after,
+                             the camera is early; 0 */
+    int32_t is_still;     /* 1: both fit, the target stood still, and which is open */
+    int32_t camera;       /* whose view it is; -1 */
+    int32_t n_agree;      /* of a camera: views that agree so, */
+    int32_t n_views;      /* and that could be checked so */
+    rigcal_real distance; /* of a view: squared distance to where the others have its
+                             placement, over the limit: at most 1 */
+} rigcal_cause;
+
+/* What a target looks alike by: a board of an even number of squares turned by half, a tag
+ * by quarters, a ring of lights by each step. */
+typedef struct rigcal_symmetries {
+    const int32_t *permutations; /* n_permutations times n_points: row by row, for each
+                                    point of a view the number of the one whose coordinates
+                                    it has in truth */
+    size_t n_permutations;       /* 0: none */
+    size_t n_points;             /* of the target, 3 or more. Views of fewer points are not
+                                    tested so */
+    rigcal_observation *room;    /* n_points, to work in */
+} rigcal_symmetries;
+
+typedef struct rigcal_cause_solver rigcal_cause_solver; /* see rigcal_solvers.h */
+
+/* Why a view contradicts the others, after rigcal_rig_judge: its points are permuted and it
+ * is solved again; it is taken for one of the placement before and of the one after; and
+ * for the view of each camera that is left out in the same placement. What comes within 30
+ * sigma^2 s of where the others have the placement is the cause; of several the nearest.
+ * The camera's own pose is taken for right: where all its views are left out, ask
+ * rigcal_camera_cause. Of two views that contradict each other ask for both: either may be
+ * the turned one. Of a view with no cause found, rigcal_pose_diagnose says whether a point
+ * is wrong, or the target's coordinates are mirrored or in another unit.
+ *
+ *   judgement    in  sigma_px, scale: 1, if it is not known
+ *   symmetries   in  NULL: none
+ *
+ * OK; ERR_NULL, ERR_NOT_FINITE, ERR_ROTATION, ERR_RANGE (of a permutation also: a point
+ * twice, or none's number), ERR_TOO_FEW (also: n_points), ERR_DEGENERATE, and what a source
+ * returns. It solves one pose for each permutation and each such camera. */
+RIGCAL_API rigcal_status rigcal_rig_cause(rigcal_cause *cause, const rigcal_rig *rig,
+                                          const rigcal_judgement *judgement,
+                                          const rigcal_symmetries *symmetries, size_t view);
+
+/* Why most views of a camera contradict the others: all of them are turned alike, or are of
+ * the placement before or after. For each of these one view puts the camera somewhere, and
+ * others agree or not; each view in turn. More than half must agree, two or more, and more
+ * than as they are. It wants no adjusted rig: where the other cameras are, if there are
+ * two or more; left_out; and placements that they agree on. The statuses above. O(m^2
+ * n_cameras) for m views of the camera, and one pose for each permutation. */
+RIGCAL_API rigcal_status rigcal_camera_cause(rigcal_cause *cause, const rigcal_rig *rig,
+                                             const rigcal_judgement *judgement,
+                                             const rigcal_symmetries *symmetries,
+                                             size_t camera);
+
+/* Either in steps. A unit is one of rigcal_pose_step; one comparison, O(n_cameras); or one
+ * view of a camera against its others, O(m n_cameras). The same bits whatever the budgets.
+ * All that is handed in must last. */
+RIGCAL_API rigcal_status rigcal_cause_begin(rigcal_cause_solver *solver,
+                                            const rigcal_rig *rig,
+                                            const rigcal_judgement *judgement,
+                                            const rigcal_symmetries *symmetries,
+                                            size_t view);
+RIGCAL_API rigcal_status rigcal_camera_cause_begin(rigcal_cause_solver *solver,
+                                                   const rigcal_rig *rig,
+                                                   const rigcal_judgement *judgement,
+                                                   const rigcal_symmetries *symmetries,
+                                                   size_t camera);
+RIGCAL_API rigcal_status rigcal_cause_step(rigcal_cause_solver *solver, int32_t budget);
+RIGCAL_API rigcal_status rigcal_cause_result(rigcal_cause *cause,
+                                             const rigcal_cause_solver *solver);
 
 #ifdef __cplusplus
 }

@@ -200,6 +200,21 @@ struct rigcal_judge_solver {
     rigcal_rig_solver adjust;
 };
 
+struct rigcal_cause_solver {
+    const rigcal_rig *rig;
+    const rigcal_symmetries *symmetries;
+    int32_t phase, status, is_camera, acting; /* the camera that a view is tested for */
+    int32_t agree, checked;                   /* of a camera: its views */
+    size_t view, first, last, test;           /* the views of its placement */
+    rigcal_real limit;                        /* px^2 */
+    rigcal_cause found;
+    rigcal_view_pose own;
+    rigcal_rig_view seen; /* as it is tested */
+    rigcal_camera lens;
+    rigcal_transform target_from_turned;
+    rigcal_pose_solver pose;
+};
+
 #ifdef __cplusplus
 }
 #endif

@@ -148,14 +148,16 @@ struct rigcal_robust_solver {
 
 struct rigcal_rig_solver {
     rigcal_rig *rig;
+    const struct rigcal_rig_given *given; /* of views: their points, or their own poses */
     rigcal_levenberg search;
     int32_t phase, is_join, is_trial, is_last, is_final, is_disconnected, at_fault, evals;
     size_t n;                        /* unknowns: of the cameras that are not held */
     size_t view, first, placement;   /* under way; the first view of the placement */
     size_t row;                      /* of the factor, or which of the placement's views */
     size_t n_points, n_used, n_seen; /* points, views, placements that count */
-    rigcal_real sum, gain;           /* of a pass: the sum, and what a step promises */
-    rigcal_real own_sum;             /* of the views by themselves */
+    size_t n_free;                   /* cameras of which nothing is known beforehand */
+    rigcal_real sum, gain;         /* of a pass: the sum, and what a step promises */
+    rigcal_real own_sum;           /* of the views by themselves */
     rigcal_real promised, negligible, gp[6], Hp[21];
 };
 

@@ -13,16 +13,14 @@ rigcal_status rc_rig_equations(rigcal_real *sum, rigcal_real g[6], rigcal_real H
                                const rigcal_rig_view *view,
                                const rigcal_transform *cam_from_target);
 
-/* The same of a view's own pose: the quadratic that its information makes about it. */
-void rc_rig_quadratic(rigcal_real *sum, rigcal_real g[6], rigcal_real H[21],
-                      const rigcal_view_pose *own, const rigcal_transform *cam_from_target);
-
-/* Begins a search; steps do one unit each until s->phase is RC_RIG_DONE. is_join: of the
- * views' own poses. Once all has been checked the phase is RC_RIG_CHECKED: then the poses
+/* Begins a search; steps do one unit each until s->phase is RC_RIG_DONE. `given`: of
+ * their points, or of their own poses, which is the join. Once all has been checked the phase is RC_RIG_CHECKED: then the poses
  * from which the search starts may be set, for which the join has two phases. */
 enum { RC_RIG_DONE = 1, RC_RIG_CHECKED, RC_RIG_PLACING, RC_RIG_REACHING };
 /* OK or ERR_CAPACITY; of what else is wrong it is done at once. */
-rigcal_status rc_rig_begin(rigcal_rig_solver *s, rigcal_rig *rig, int is_join);
+extern const struct rigcal_rig_given rc_given_points;
+rigcal_status rc_rig_begin(rigcal_rig_solver *s, rigcal_rig *rig,
+                           const struct rigcal_rig_given *given);
 void rc_rig_step(rigcal_rig_solver *s);
 
 /* Ends it. at_fault: a view, or -1. */

@@ -146,7 +146,8 @@ typedef struct {
     rigcal_real first[6], across[3][3], second[6];
 } rc_sym6_factor;
 
-/* L L^T = H + damping D, as of rc_sym3_damp. 0: not positive definite to rounding. */
+/* L L^T = H + damping D, as of rc_sym3_damp. L may take the place of H, element by element.
+ * 0: not positive definite to rounding. */
 int rc_sym6_factor_of(rc_sym6_factor *L, const rigcal_real H[21], rigcal_real damping);
 
 /* x <- L^-1 x, x <- L^-T x, x <- (L L^T)^-1 x */

@@ -3,7 +3,18 @@
 #ifndef RC_VIEWS_H
 #define RC_VIEWS_H
 
+#include "rc_chain.h"
 #include "rc_points.h"
+
+/* What is given of a view, its points or its own pose: functions to check view s->view,
+ * counting what s counts, and to make its equations where the rig is: *sum, g and H by
+ * (w, dt) of cam_from_target. */
+struct rigcal_rig_given {
+    rigcal_status (*check)(int32_t *camera, int32_t *placement, rigcal_rig_solver *s);
+    rigcal_status (*equations)(rigcal_real *sum, rigcal_real g[6], rigcal_real H[21],
+                               rc_chain *chain, int32_t *camera,
+                               const rigcal_rig_solver *s);
+};
 
 /* Where the parts of rig->work begin. */
 typedef struct {

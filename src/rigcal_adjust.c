@@ -26,6 +26,65 @@ enum {
     SQUARING
 };
 
+/* ---- views by their points ----------------------------------------------- */
+
+static rigcal_status check_points(int32_t *camera, int32_t *placement, rigcal_rig_solver *s)
+{
+    rigcal_rig_view v;
+    rigcal_view_pose own;
+    rigcal_points points;
+    rigcal_status status = rc_rig_view_at(&v, s->rig, s->view);
+    if (status != RIGCAL_OK) {
+        return status;
+    }
+    *camera = v.camera;
+    *placement = v.placement;
+    if (rc_rig_is_left_out(s->rig, s->view)) {
+        return RIGCAL_OK;
+    }
+    status = (v.target != 0) ? RIGCAL_ERR_RANGE : rc_rig_points(&points, &v);
+    if (status != RIGCAL_OK) {
+        return status;
+    }
+    s->n_points += points.n_used;
+    s->negligible += points.negligible;
+    if (s->rig->view_poses == NULL && s->rig->view_pose_source == NULL) {
+        return RIGCAL_OK;
+    }
+    status = rc_rig_pose_at(&own, s->rig, s->view);
+    s->own_sum += own.sse;
+    return (status == RIGCAL_OK) ? rc_check_noise(&own.sse) : status;
+}
+
+rigcal_status rc_rig_equations(rigcal_real *sum, rigcal_real g[6], rigcal_real H[21],
+                               const rigcal_rig_view *view,
+                               const rigcal_transform *cam_from_target)
+{
+    rigcal_points points;
+    rc_points_of(&points, &view->view, NULL);
+    points.is_pinhole = rc_lens_is_pinhole(view->view.camera);
+    points.origin[0] = points.origin[1] = points.origin[2] = 0;
+    return rc_refine_equations(sum, g, H, &points, view->view.n, cam_from_target,
+                               RC_GAUSS_NEWTON);
+}
+
+static rigcal_status equations_of_points(rigcal_real *sum, rigcal_real g[6],
+                                         rigcal_real H[21], rc_chain *chain,
+                                         int32_t *camera, const rigcal_rig_solver *s)
+{
+    rigcal_rig_view v;
+    const rigcal_status status = rc_rig_view_at(&v, s->rig, s->view);
+    if (status != RIGCAL_OK) {
+        return status;
+    }
+    *camera = v.camera;
+    rc_chain_of(chain, &s->rig->cams_from_rig[v.camera],
+                &s->rig->rig_from_placements[s->placement]);
+    return rc_rig_equations(sum, g, H, &v, &chain->cam_from_target);
+}
+
+const struct rigcal_rig_given rc_given_points = {check_points, equations_of_points};
+
 /* ---- a pass -------------------------------------------------------------- */
 
 void rc_rig_fail(rigcal_rig_solver *s, rigcal_status status, int32_t at_fault)
@@ -77,64 +136,12 @@ static void begin_pass(rigcal_rig_solver *s)
     rc_rig_parts parts;
     rc_rig_parts_of(&parts, s->rig, s->n);
     if (!s->is_last) {                                       /* which keeps the factor */
-        rc_clear(parts.S, s->n * (s->n + 1) / 2 + 2 * s->n); /* g and d follow */
+        rc_clear(parts.S, s->n * (s->n + 1) / 2 + 2 * s->n); /* S, g and d */
     }
     s->sum = s->gain = 0;
     s->view = s->placement = 0;
     s->evals += s->is_trial ? 2 : 1;
     (void)begin_placement(s, &parts);
-}
-
-/* The equations of view s->view by its own pose, where the rig is. */
-static rigcal_status view_equations(rigcal_real *sum, rigcal_real g[6], rigcal_real H[21],
-                                    rc_chain *chain, int32_t *camera,
-                                    const rigcal_rig_solver *s)
-{
-    const rigcal_rig *const rig = s->rig;
-    const rigcal_transform *const placement = &rig->rig_from_placements[s->placement];
-    if (!s->is_join) {
-        rigcal_rig_view v;
-        const rigcal_status status = rc_rig_view_at(&v, rig, s->view);
-        if (status != RIGCAL_OK) {
-            return status;
-        }
-        *camera = v.camera;
-        rc_chain_of(chain, &rig->cams_from_rig[v.camera], placement);
-        return rc_rig_equations(sum, g, H, &v, &chain->cam_from_target);
-    }
-    rigcal_view_pose v;
-    const rigcal_status status = rc_rig_pose_at(&v, rig, s->view);
-    if (status != RIGCAL_OK) {
-        return status;
-    }
-    *camera = v.camera;
-    rc_chain_of(chain, &rig->cams_from_rig[v.camera], placement);
-    rc_rig_quadratic(sum, g, H, &v, &chain->cam_from_target);
-    return RIGCAL_OK;
-}
-
-rigcal_status rc_rig_equations(rigcal_real *sum, rigcal_real g[6], rigcal_real H[21],
-                               const rigcal_rig_view *view,
-                               const rigcal_transform *cam_from_target)
-{
-    rigcal_points points;
-    rc_points_of(&points, &view->view, NULL);
-    points.is_pinhole = rc_lens_is_pinhole(view->view.camera);
-    points.origin[0] = points.origin[1] = points.origin[2] = 0;
-    return rc_refine_equations(sum, g, H, &points, view->view.n, cam_from_target,
-                               RC_GAUSS_NEWTON);
-}
-
-void rc_rig_quadratic(rigcal_real *sum, rigcal_real g[6], rigcal_real H[21],
-                      const rigcal_view_pose *own, const rigcal_transform *cam_from_target)
-{
-    rigcal_real d[6];
-    rc_deviation(d, &own->cam_from_target, cam_from_target);
-    for (int k = 0; k < 21; k++) {
-        H[k] = own->information[k];
-    }
-    rc_sym6_mul(g, H, d);
-    *sum = rc_vec3_dot(g, d) + rc_vec3_dot(&g[3], &d[3]);
 }
 
 /* ---- elimination --------------------------------------------------------- */
@@ -177,24 +184,25 @@ static void subtract_block(rigcal_real S[], size_t at_i, size_t at_j,
     }
 }
 
-/* With L L^T = H of the placement: what the camera of a slot loses to it. Each row of W
- * becomes one of Y = W L^-T. */
+/* L L^T = H of the placement, in the place of H. */
+static rc_sym6_factor *factor_of(rigcal_rig_solver *s)
+{
+    return (rc_sym6_factor *)(void *)s->Hp;
+}
+
+/* What the camera of a slot loses to the placement, of which s->gp is L^-1 g now. Each row
+ * of W becomes one of Y = W L^-T. */
 static void eliminate_slot(rigcal_rig_solver *s, const rc_rig_parts *parts)
 {
     const size_t slot = s->row++;
-    rigcal_real *const Y = &parts->W[36 * slot], y[6];
-    rc_sym6_factor L;
+    rigcal_real *const Y = &parts->W[36 * slot];
     if (!(parts->slot[slot] >= 0)) {
         return;
     }
-    (void)rc_sym6_factor_of(&L, s->Hp, s->search.lambda);
-    rc_vec3_copy(&y[0], &s->gp[0]);
-    rc_vec3_copy(&y[3], &s->gp[3]);
-    rc_sym6_forward(y, &L);
     const size_t at = (size_t)parts->slot[slot];
     for (size_t i = 0; i < 6; i++) {
-        rc_sym6_forward(&Y[6 * i], &L);
-        parts->g[at + i] -= dot6(&Y[6 * i], y);
+        rc_sym6_forward(&Y[6 * i], factor_of(s));
+        parts->g[at + i] -= dot6(&Y[6 * i], s->gp);
     }
     for (size_t other = 0; other <= slot; other++) {
         if (parts->slot[other] >= 0) {
@@ -206,19 +214,23 @@ static void eliminate_slot(rigcal_rig_solver *s, const rc_rig_parts *parts)
 
 /* ---- the cameras' step --------------------------------------------------- */
 
-static void save_poses(const rigcal_rig_solver *s, const rc_rig_parts *parts, int is_back)
+static void copy_poses(rigcal_transform to[], const rigcal_transform from[], size_t n)
 {
-    const rigcal_rig *const rig = s->rig;
-    for (size_t i = 0; i < rig->n_cameras + rig->n_placements; i++) {
-        rigcal_transform *const pose = (i < rig->n_cameras)
-                                           ? &rig->cams_from_rig[i]
-                                           : &rig->rig_from_placements[i - rig->n_cameras];
-        if (is_back) {
-            *pose = parts->saved[i];
-        } else {
-            parts->saved[i] = *pose;
-        }
+    for (size_t i = 0; i < n; i++) {
+        to[i] = from[i];
     }
+}
+
+static void save_poses(const rigcal_rig *rig, const rc_rig_parts *parts)
+{
+    copy_poses(parts->saved, rig->cams_from_rig, rig->n_cameras);
+    copy_poses(&parts->saved[rig->n_cameras], rig->rig_from_placements, rig->n_placements);
+}
+
+static void restore_poses(const rigcal_rig *rig, const rc_rig_parts *parts)
+{
+    copy_poses(rig->cams_from_rig, parts->saved, rig->n_cameras);
+    copy_poses(rig->rig_from_placements, &parts->saved[rig->n_cameras], rig->n_placements);
 }
 
 static void move_cameras(const rigcal_rig_solver *s, const rc_rig_parts *parts)
@@ -235,7 +247,6 @@ static void move_cameras(const rigcal_rig_solver *s, const rc_rig_parts *parts)
 static void end_search(rigcal_rig_solver *s, rigcal_status status, int is_factored)
 {
     s->search.status = status;
-    s->row = 0;
     if (s->is_join) {
         s->phase = RC_RIG_DONE;
         rc_rig_forget(s->rig);
@@ -265,15 +276,15 @@ static void take_step(rigcal_rig_solver *s, const rc_rig_parts *parts)
     const rigcal_real little = GAIN_ENOUGH * s->search.sum;
     const int is_enough =
         gain <= little || gain * gain <= (s->search.last_gain - gain) * little;
-    const rigcal_real enough = is_enough ? rc_max(gain, s->negligible) : s->negligible;
-    const int step = rc_levenberg_promised(&s->search, gain, enough);
+    const int step =
+        rc_levenberg_promised(&s->search, gain, is_enough ? gain : s->negligible);
     if (step == RC_STEP_NONE || (step == RC_STEP_TRY && s->evals >= PASSES_MAX)) {
         end_search(s, RIGCAL_BUDGET_SPENT, 1);
         return;
     }
     s->is_trial = step == RC_STEP_TRY;
     s->is_last = step == RC_STEP_LAST;
-    save_poses(s, parts, 0);
+    save_poses(s->rig, parts);
     move_cameras(s, parts);
     begin_pass(s);
 }
@@ -284,14 +295,7 @@ static void factor_row(rigcal_rig_solver *s, const rc_rig_parts *parts)
     if (i < s->n) {
         parts->S[rc_packed_at(i, i)] *= 1 + s->search.lambda;
         if (!rc_packed_factor_row(parts->S, i, RANK_TOL * parts->d[i])) {
-            rc_levenberg_not_definite(&s->search);
-            if (s->is_final || s->search.status != RIGCAL_RUNNING ||
-                s->evals >= PASSES_MAX) {
-                rc_rig_fail(s, RIGCAL_ERR_DEGENERATE, -1);
-            } else {
-                s->is_trial = 0;
-                begin_pass(s);
-            }
+            rc_rig_fail(s, RIGCAL_ERR_DEGENERATE, -1);
             return;
         }
     }
@@ -344,7 +348,7 @@ static void end_pass(rigcal_rig_solver *s, rigcal_status status)
             rc_rig_fail(s, status, (int32_t)s->view);
         }
     } else if (!rc_levenberg_tried(lm, status, s->sum, s->promised, s->negligible)) {
-        save_poses(s, &parts, 1);
+        restore_poses(s->rig, &parts);
         s->is_trial = 0;
         if (lm->status != RIGCAL_RUNNING) {
             end_search(s, lm->status, 0);
@@ -368,10 +372,10 @@ static void add_prior(rigcal_rig_solver *s, const rc_rig_parts *parts)
             rc_rig_fail(s, RIGCAL_ERR_DEGENERATE, -1);
             return;
         }
-        rc_sym6_pack(packed, full);
-        for (int k = 0; k < 21; k++) {
-            packed[k] *= rig->sigma_px * rig->sigma_px;
+        for (int k = 0; k < 36; k++) {
+            full[k] *= rig->sigma_px * rig->sigma_px;
         }
+        rc_sym6_pack(packed, full);
         rc_deviation(d, &prior->cam_from_rig, &rig->cams_from_rig[c]);
         rc_sym6_mul(g, packed, d);
         add_camera(parts, at, g, packed);
@@ -399,12 +403,11 @@ static void next_placement(rigcal_rig_solver *s, const rc_rig_parts *parts)
 /* All views of a placement have been added. */
 static void end_placement(rigcal_rig_solver *s, const rc_rig_parts *parts)
 {
-    rc_sym6_factor L;
-    if (!rc_sym6_factor_of(&L, s->Hp, s->search.lambda)) {
+    if (!rc_sym6_factor_of(factor_of(s), s->Hp, s->search.lambda)) {
         s->view--; /* one of them is at fault */
         end_pass(s, RIGCAL_ERR_DEGENERATE);
     } else if (s->phase == SETTLING) {
-        rc_sym6_solve(s->gp, &L);
+        rc_sym6_solve(s->gp, factor_of(s));
         rc_transform_move(&s->rig->rig_from_placements[s->placement], s->gp);
         if (s->is_last) {
             next_placement(s, parts);
@@ -414,11 +417,8 @@ static void end_placement(rigcal_rig_solver *s, const rc_rig_parts *parts)
             s->phase = REDUCING;
         }
     } else {
-        rigcal_real y[6];
-        rc_vec3_copy(&y[0], &s->gp[0]);
-        rc_vec3_copy(&y[3], &s->gp[3]);
-        rc_sym6_forward(y, &L);
-        s->gain += dot6(y, y);
+        rc_sym6_forward(s->gp, factor_of(s));
+        s->gain += dot6(s->gp, s->gp);
         s->row = 0;
         s->phase = ELIMINATING;
     }
@@ -437,7 +437,7 @@ static rigcal_status add_equations(rigcal_rig_solver *s, const rc_rig_parts *par
     rigcal_real sum = 0, g[6], H[21];
     rc_chain chain;
     int32_t camera = 0;
-    const rigcal_status status = view_equations(&sum, g, H, &chain, &camera, s);
+    const rigcal_status status = s->given->equations(&sum, g, H, &chain, &camera, s);
     if (status != RIGCAL_OK) {
         return status;
     }
@@ -471,14 +471,16 @@ static void add_view(rigcal_rig_solver *s, const rc_rig_parts *parts)
 
 /* ---- the search ---------------------------------------------------------- */
 
-rigcal_status rc_rig_begin(rigcal_rig_solver *s, rigcal_rig *rig, int is_join)
+rigcal_status rc_rig_begin(rigcal_rig_solver *s, rigcal_rig *rig,
+                           const struct rigcal_rig_given *given)
 {
     if (rigcal_rig_work(0, rig->n_cameras, rig->n_placements) > rig->work_capacity) {
         return RIGCAL_ERR_CAPACITY;
     }
     *s = (rigcal_rig_solver){0};
     s->rig = rig;
-    s->is_join = is_join;
+    s->given = given;
+    s->is_join = given != &rc_given_points;
     s->phase = CHECKING;
     s->at_fault = -1;
     rc_levenberg_begin(&s->search, 1);

@@ -1,8 +1,14 @@
 #include "rc_chain.h"
 
-/* Where the elements of a symmetric block stand in a full one. */
-static const uint8_t FULL[9] = {0, 1, 2, 1, 3, 4, 2, 4, 5};
-static const uint8_t PACKED[6] = {0, 1, 2, 4, 5, 8};
+/* ---- constants ----------------------------------------------------------- */
+
+/* of 1 + cos(angle): a turn by next to half a circle, whose axis does not show in what is
+ * left of its sine. */
+#define HALF_TURN RC_TOL(1e-12, 1e-6)
+
+/* terms: of the series of a sine's angle. It is exact to rounding up to a turn by a right
+ * angle, and good to one part in a million up to half a circle. */
+enum { ARCSINE_TERMS = 14 };
 
 void rc_chain_of(rc_chain *chain, const rigcal_transform *cam_from_rig,
                  const rigcal_transform *rig_from_placement)
@@ -15,46 +21,34 @@ void rc_chain_of(rc_chain *chain, const rigcal_transform *cam_from_rig,
     rc_vec3_add(T->t, cam_from_rig->t);
 }
 
-/* out = M R, row by row */
-static void turn_columns(rigcal_real out[9], const rigcal_real M[9], const rigcal_real R[9])
+static void transpose(rigcal_real M[36])
 {
-    for (int row = 0; row < 3; row++) {
-        rc_mat3_tmul_vec3(&out[3 * row], R, &M[3 * row]);
-    }
-}
-
-/* out = R^T M R */
-static void turn_both(rigcal_real out[9], const rigcal_real M[9], const rigcal_real R[9])
-{
-    rigcal_real MR[9];
-    turn_columns(MR, M, R);
-    for (int column = 0; column < 3; column++) {
-        const rigcal_real x[3] = {MR[column], MR[3 + column], MR[6 + column]};
-        rigcal_real y[3];
-        rc_mat3_tmul_vec3(y, R, x);
-        for (int row = 0; row < 3; row++) {
-            out[3 * row + column] = y[row];
+    for (int row = 1; row < 6; row++) {
+        for (int column = 0; column < row; column++) {
+            const rigcal_real kept = M[6 * row + column];
+            M[6 * row + column] = M[6 * column + row];
+            M[6 * column + row] = kept;
         }
     }
 }
 
-/* M += [a]x N, three columns each */
-static void add_cross(rigcal_real M[9], const rigcal_real a[3], const rigcal_real N[9])
+/* M <- M A: a row (x, y) becomes (x + a x y, y). */
+static void times_A(rigcal_real M[36], const rc_chain *chain)
 {
-    for (int column = 0; column < 3; column++) {
-        const rigcal_real x[3] = {N[column], N[3 + column], N[6 + column]};
-        rigcal_real y[3];
-        rc_vec3_cross(y, a, x);
-        for (int row = 0; row < 3; row++) {
-            M[3 * row + column] += y[row];
-        }
+    for (int row = 0; row < 6; row++) {
+        rigcal_real v[3];
+        rc_vec3_cross(v, chain->lever, &M[6 * row + 3]);
+        rc_vec3_add(&M[6 * row], v);
     }
 }
 
-static void unpack(rigcal_real out[9], const rigcal_real packed[6])
+/* M <- M B: a row (x, y) becomes (R^T x, R^T y). */
+static void times_B(rigcal_real M[36], const rc_chain *chain)
 {
-    for (int k = 0; k < 9; k++) {
-        out[k] = packed[FULL[k]];
+    for (int half = 0; half < 12; half++) {
+        rigcal_real v[3];
+        rc_mat3_tmul_vec3(v, chain->R_c, &M[3 * half]);
+        rc_vec3_copy(&M[3 * half], v);
     }
 }
 
@@ -62,61 +56,64 @@ void rc_chain_add_placement(rigcal_real g_placement[6], rigcal_real H_placement[
                             const rc_chain *chain, const rigcal_real g[6],
                             const rigcal_real H[21])
 {
-    const rigcal_real *const R = chain->R_c;
-    rigcal_real block[9], turned[9], v[3];
-    for (int half = 0; half < 2; half++) {
-        rigcal_real *const sum = &H_placement[half * RC_SYM6_SECOND];
-        rc_mat3_tmul_vec3(v, R, &g[3 * half]);
-        rc_vec3_add(&g_placement[3 * half], v);
-        unpack(block, &H[half * RC_SYM6_SECOND]);
-        turn_both(turned, block, R);
-        for (int k = 0; k < 6; k++) {
-            sum[k] += turned[PACKED[k]];
-        }
+    rigcal_real M[36], packed[21];
+    for (int half = 0; half < 6; half += 3) {
+        rigcal_real v[3];
+        rc_mat3_tmul_vec3(v, chain->R_c, &g[half]);
+        rc_vec3_add(&g_placement[half], v);
     }
-    turn_both(turned, &H[RC_SYM6_ACROSS], R);
-    for (int k = 0; k < 9; k++) {
-        H_placement[RC_SYM6_ACROSS + k] += turned[k];
+    rc_sym6_unpack(M, H);
+    times_B(M, chain);
+    transpose(M);
+    times_B(M, chain);
+    rc_sym6_pack(packed, M);
+    for (int k = 0; k < 21; k++) {
+        H_placement[k] += packed[k];
     }
 }
 
-/* With E = [a]x, the rows by w of A^T H are those of H plus E times its rows by dt. */
 void rc_chain_camera(rigcal_real g[6], rigcal_real H[21], rigcal_real W[36],
                      const rc_chain *chain)
 {
-    const rigcal_real *const a = chain->lever;
-    rigcal_real *const across = &H[RC_SYM6_ACROSS];
-    rigcal_real by_w[9], by_dt[9], across_t[9], turned[9], v[3];
-    rc_vec3_cross(v, a, &g[3]);
+    rigcal_real M[36], v[3];
+    rc_vec3_cross(v, chain->lever, &g[3]);
     rc_vec3_add(&g[0], v);
-    unpack(by_w, &H[0]);
-    unpack(by_dt, &H[RC_SYM6_SECOND]);
-    for (int k = 0; k < 9; k++) {
-        across_t[k] = across[3 * (k % 3) + k / 3];
+    rc_sym6_unpack(M, H);
+    times_A(M, chain);
+    transpose(M); /* A^T H */
+    for (int k = 0; k < 36; k++) {
+        W[k] = M[k];
     }
-    add_cross(by_w, a, across_t); /* A^T H, its rows by w */
-    add_cross(across, a, by_dt);
-    const rigcal_real *const quarters[4] = {by_w, across, across_t, by_dt};
-    for (int q = 0; q < 4; q++) { /* W = A^T H B */
-        turn_columns(turned, quarters[q], chain->R_c);
-        for (int k = 0; k < 9; k++) {
-            W[18 * (q / 2) + 6 * (k / 3) + 3 * (q % 2) + k % 3] = turned[k];
-        }
-    }
-    for (int row = 0; row < 3; row++) { /* A^T H A: its columns by w, as the rows before */
-        rc_vec3_cross(v, a, &across[3 * row]);
-        rc_vec3_add(&by_w[3 * row], v);
-    }
-    for (int k = 0; k < 6; k++) {
-        H[k] = by_w[PACKED[k]];
-    }
+    times_A(M, chain);
+    rc_sym6_pack(H, M);
+    times_B(W, chain);
 }
 
+/* The turn by its quarter: x = sin(angle / 4), and angle = 4 asin(x) by its series, which
+ * needs neither arc tangent nor cases. */
 void rc_deviation(rigcal_real d[6], const rigcal_transform *to,
                   const rigcal_transform *from)
 {
     rigcal_real R[9];
     rc_mat3_mul_t(R, to->R, from->R);
-    rc_vector_from_rotation(d, R);
     rc_vec3_sub(&d[3], to->t, from->t);
+    const rigcal_real versine = (1 + R[0] + R[4] + R[8]) / 2; /* 1 + cos(angle) */
+    if (versine < HALF_TURN) {
+        d[0] = RC_PI; /* no small step undoes it, about whatever axis */
+        d[1] = d[2] = 0;
+        return;
+    }
+    const rigcal_real cos_half = RC_SQRT(versine / 2);
+    const rigcal_real x_by_sine = 1 / (8 * cos_half * RC_SQRT((1 + cos_half) / 2));
+    d[0] = x_by_sine * (R[7] - R[5]);
+    d[1] = x_by_sine * (R[2] - R[6]);
+    d[2] = x_by_sine * (R[3] - R[1]);
+    const rigcal_real xx = rc_vec3_dot(d, d);
+    rigcal_real term = 4, angle_by_x = 4;
+    for (int k = 1; k <= ARCSINE_TERMS; k++) {
+        const rigcal_real odd = (rigcal_real)(2 * k - 1), even = (rigcal_real)(2 * k);
+        term *= xx * odd / even;
+        angle_by_x += term / (even + 1);
+    }
+    rc_vec3_scale(d, angle_by_x, d);
 }

@@ -1,8 +1,82 @@
 #include "rc_adjust.h"
 
-/* The join: poses from which the least squares of the views' own poses starts. From what is
- * fixed, cameras are reached by the view of most information that leads to them, all that
- * one placement apart first. parts->slot says of each camera whether it is reached. */
+/* ---- constants ----------------------------------------------------------- */
+
+/* part of a pose: what rounding leaves of its numbers. Views that agree to that have no
+ * more to gain, and the join of them ends. */
+#define POSE_ROUNDING (4 * RC_EPS)
+
+/* ---- views by their own poses -------------------------------------------- */
+
+/* What rounding of the pose of a view is in its sum of squares. */
+static rigcal_real negligible_of(const rigcal_view_pose *v)
+{
+    const rigcal_real *const H = v->information, *const by_dt = &H[RC_SYM6_SECOND];
+    const rigcal_real *const t = v->cam_from_target.t;
+    const rigcal_real sum =
+        H[0] + H[3] + H[5] + (by_dt[0] + by_dt[3] + by_dt[5]) * rc_vec3_dot(t, t);
+    return POSE_ROUNDING * POSE_ROUNDING * sum;
+}
+
+static rigcal_status check_pose(int32_t *camera, int32_t *placement, rigcal_rig_solver *s)
+{
+    rigcal_view_pose v;
+    rc_sym6_factor L;
+    rigcal_status status = rc_rig_pose_at(&v, s->rig, s->view);
+    if (status != RIGCAL_OK) {
+        return status;
+    }
+    *camera = v.camera;
+    *placement = v.placement;
+    if (rc_rig_is_left_out(s->rig, s->view)) {
+        return RIGCAL_OK;
+    }
+    status = rc_check_transform(&v.cam_from_target);
+    if (status == RIGCAL_OK) {
+        status = rc_check_numbers(v.information, 21, RC_MAX);
+    }
+    if (status == RIGCAL_OK) {
+        status = rc_check_noise(&v.sse);
+    }
+    if (status == RIGCAL_OK && !rc_sym6_factor_of(&L, v.information, 0)) {
+        status = RIGCAL_ERR_DEGENERATE;
+    }
+    s->negligible += negligible_of(&v);
+    s->own_sum += v.sse;
+    s->n_points += v.n;
+    return status;
+}
+
+/* The quadratic that the information of a view makes about its own pose. */
+static rigcal_status equations_of_pose(rigcal_real *sum, rigcal_real g[6],
+                                       rigcal_real H[21], rc_chain *chain, int32_t *camera,
+                                       const rigcal_rig_solver *s)
+{
+    rigcal_view_pose v;
+    rigcal_real d[6];
+    const rigcal_status status = rc_rig_pose_at(&v, s->rig, s->view);
+    if (status != RIGCAL_OK) {
+        return status;
+    }
+    *camera = v.camera;
+    rc_chain_of(chain, &s->rig->cams_from_rig[v.camera],
+                &s->rig->rig_from_placements[s->placement]);
+    rc_deviation(d, &v.cam_from_target, &chain->cam_from_target);
+    for (int k = 0; k < 21; k++) {
+        H[k] = v.information[k];
+    }
+    rc_sym6_mul(g, H, d);
+    *sum = rc_vec3_dot(g, d) + rc_vec3_dot(&g[3], &d[3]);
+    return RIGCAL_OK;
+}
+
+static const struct rigcal_rig_given GIVEN_POSES = {check_pose, equations_of_pose};
+
+/* ---- where to start ------------------------------------------------------
+ *
+ * From what is fixed, cameras are reached by the view of most information that leads to
+ * them, all that one placement apart first. parts->slot says of each camera whether it is
+ * reached. */
 
 /* What a camera, not yet reached, is best reached by. */
 typedef struct {
@@ -158,6 +232,8 @@ static void look_step(rigcal_rig_solver *s, const rc_rig_parts *parts)
     }
 }
 
+/* ---- steps --------------------------------------------------------------- */
+
 static void step(rigcal_rig_solver *s)
 {
     rc_rig_parts parts;
@@ -180,7 +256,7 @@ rigcal_status rigcal_rig_join_begin(rigcal_rig_solver *solver, rigcal_rig *rig)
     if (status == RIGCAL_OK && rig->view_poses == NULL && rig->view_pose_source == NULL) {
         status = RIGCAL_ERR_NULL;
     }
-    return (status == RIGCAL_OK) ? rc_rig_begin(solver, rig, 1) : status;
+    return (status == RIGCAL_OK) ? rc_rig_begin(solver, rig, &GIVEN_POSES) : status;
 }
 
 rigcal_status rigcal_rig_join_step(rigcal_rig_solver *solver, int32_t budget)

@@ -254,15 +254,16 @@ void rc_sym6_solve(rigcal_real x[6], const rc_sym6_factor *L)
     rc_sym6_backward(x, L);
 }
 
-/* Where the elements of H stand in a full matrix. */
+/* Where the elements of H stand in a full matrix, and in its other triangle. */
 static const uint8_t IN_FULL[21] = {0,  1,  2,  7,  8,  14, 3,  4,  5,  9, 10,
                                     11, 15, 16, 17, 21, 22, 23, 28, 29, 35};
+static const uint8_t MIRRORED[21] = {0,  6,  12, 7,  13, 14, 18, 24, 30, 19, 25,
+                                     31, 20, 26, 32, 21, 27, 33, 28, 34, 35};
 
 void rc_sym6_unpack(rigcal_real full[36], const rigcal_real H[21])
 {
     for (int k = 0; k < 21; k++) {
-        const int row = IN_FULL[k] / 6, column = IN_FULL[k] % 6;
-        full[6 * row + column] = full[6 * column + row] = H[k];
+        full[IN_FULL[k]] = full[MIRRORED[k]] = H[k];
     }
 }
 

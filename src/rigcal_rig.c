@@ -48,7 +48,7 @@ rigcal_status rigcal_rig_begin(rigcal_rig_solver *solver, rigcal_rig *rig)
     for (size_t c = 0; status == RIGCAL_OK && c < rig->n_cameras; c++) {
         status = rc_check_transform(&rig->cams_from_rig[c]);
     }
-    return (status == RIGCAL_OK) ? rc_rig_begin(solver, rig, 0) : status;
+    return (status == RIGCAL_OK) ? rc_rig_begin(solver, rig, &rc_given_points) : status;
 }
 
 rigcal_status rigcal_rig_step(rigcal_rig_solver *solver, int32_t budget)
@@ -63,26 +63,25 @@ rigcal_status rigcal_rig_step(rigcal_rig_solver *solver, int32_t budget)
     return (solver->phase == RC_RIG_DONE) ? RIGCAL_OK : RIGCAL_RUNNING;
 }
 
-/* Placements that were seen, and cameras with a prior, in unknowns. */
+static rigcal_real real_of(size_t n)
+{
+    return (rigcal_real)(int32_t)n;
+}
+
 static void fill_fit(rigcal_rig_fit *fit, const rigcal_rig_solver *s)
 {
-    const rigcal_rig *const rig = s->rig;
-    rigcal_real unknowns = (rigcal_real)(int32_t)(s->n + 6 * s->n_seen);
-    for (size_t c = 0; rig->roles != NULL && c < rig->n_cameras; c++) {
-        unknowns -= (rig->roles[c] == RIGCAL_CAMERA_PRIOR) ? 6 : 0;
-    }
-    const rigcal_real measured = 2 * (rigcal_real)(int32_t)s->n_points;
+    const rigcal_real measured = 2 * real_of(s->n_points);
+    const rigcal_real freedom = measured - 6 * real_of(s->n_free + s->n_seen);
+    const rigcal_real within = measured - 6 * real_of(s->n_used);
+    const rigcal_real between = freedom - within;
     *fit = (rigcal_rig_fit){0};
     fit->sum = s->search.sum + (s->is_join ? s->own_sum : 0);
-    fit->freedom = measured - unknowns;
-    fit->sigma_px = (fit->freedom > 0) ? RC_SQRT(fit->sum / fit->freedom) : 0;
+    fit->freedom = freedom;
+    fit->sigma_px = (freedom > 0) ? RC_SQRT(fit->sum / freedom) : 0;
     fit->n_points = s->n_points;
     fit->evals = s->evals;
-    const rigcal_real within = measured - 6 * (rigcal_real)(int32_t)s->n_used;
-    const rigcal_real between = fit->freedom - within;
-    if ((rig->view_poses != NULL || rig->view_pose_source != NULL) && within > 0 &&
-        between > 0 && s->own_sum > 0) {
-        fit->F = rc_max(0, fit->sum - s->own_sum) / between / (s->own_sum / within);
+    if (s->own_sum > 0 && within > 0 && between > 0) {
+        fit->F = rc_max(0, fit->sum / s->own_sum - 1) * within / between;
         fit->freedom_between = between;
         fit->freedom_within = within;
     }
@@ -147,35 +146,18 @@ static void block_of(rigcal_real out[36], const rigcal_rig *rig, size_t a, size_
 }
 
 /* Whether the memory to work in holds what an adjustment leaves there: unknowns in the
- * order of their cameras, variances above 0, views of a placement. */
+ * order of their cameras, and variances above 0. */
 static int is_adjusted(const rigcal_rig *rig)
 {
     rc_rig_parts parts;
     size_t n = 0;
-    if (rig->work_capacity < rigcal_rig_work(0, rig->n_cameras, rig->n_placements)) {
-        return 0;
-    }
     rc_rig_parts_of(&parts, rig, 0);
     for (size_t c = 0; c < rig->n_cameras; c++) {
-        if (parts.column[c] >= 0) {
-            n++;
-        }
-    }
-    if (rig->work_capacity < rigcal_rig_work(n, rig->n_cameras, rig->n_placements)) {
-        return 0;
-    }
-    n = 0;
-    for (size_t c = 0; c < rig->n_cameras; c++) {
-        const rigcal_real column = parts.column[c];
-        const int is_next = column >= (rigcal_real)n && column <= (rigcal_real)n;
-        if (!(column >= -1 && column <= -1) &&
-            !(is_next && parts.S[rc_packed_at(n, n)] > 0)) {
-            return 0;
-        }
-        n += is_next ? 6 : 0;
-    }
-    for (size_t f = 0; f < rig->n_placements; f++) {
-        if (!(RC_FABS(parts.count[f]) <= (rigcal_real)rig->n_cameras)) {
+        const size_t wanted = rigcal_rig_work(n / 6 + 1, rig->n_cameras, rig->n_placements);
+        if (rig->work_capacity >= wanted && parts.column[c] >= (rigcal_real)n &&
+            parts.column[c] <= (rigcal_real)n && parts.S[rc_packed_at(n, n)] > 0) {
+            n += 6;
+        } else if (!(parts.column[c] >= -1 && parts.column[c] <= -1)) {
             return 0;
         }
     }
@@ -192,7 +174,12 @@ static rigcal_status check_sure(const rigcal_real *Sigma, const rigcal_rig *rig,
     if (status == RIGCAL_OK && camera >= rig->n_cameras) {
         status = RIGCAL_ERR_RANGE;
     }
-    return (status == RIGCAL_OK && !is_adjusted(rig)) ? RIGCAL_ERR_STATE : status;
+    if (status == RIGCAL_OK &&
+        (rig->work_capacity < rigcal_rig_work(0, rig->n_cameras, rig->n_placements) ||
+         !is_adjusted(rig))) {
+        status = RIGCAL_ERR_STATE;
+    }
+    return status;
 }
 
 rigcal_status rigcal_rig_covariance(rigcal_real Sigma[36], const rigcal_rig *rig,
@@ -315,6 +302,21 @@ rigcal_status rigcal_rig_pair(rigcal_transform *b_from_a, rigcal_real Sigma[36],
     return RIGCAL_OK;
 }
 
+/* The same, and of the views of each placement that no camera has more than one. */
+static rigcal_status check_counts(const rigcal_real *Sigma, const rigcal_rig *rig,
+                                  rigcal_real sigma_px)
+{
+    rc_rig_parts parts;
+    rigcal_status status = check_sure(Sigma, rig, sigma_px, 0);
+    for (size_t f = 0; status == RIGCAL_OK && f < rig->n_placements; f++) {
+        rc_rig_parts_of(&parts, rig, 0);
+        if (!(RC_FABS(parts.count[f]) <= (rigcal_real)rig->n_cameras)) {
+            status = RIGCAL_ERR_STATE;
+        }
+    }
+    return status;
+}
+
 /* One view of a placement where the rig is. */
 static rigcal_status equations_of(rigcal_real *sum, rigcal_real g[6], rigcal_real H[21],
                                   rc_chain *chain, rigcal_rig_view *v,
@@ -371,7 +373,7 @@ rigcal_status rigcal_rig_placement(rigcal_real Sigma[36], rigcal_rig *rig,
     rc_rig_parts parts;
     rigcal_real inverse[36];
     size_t first = 0;
-    rigcal_status status = check_sure(Sigma, rig, sigma_px, 0);
+    rigcal_status status = check_counts(Sigma, rig, sigma_px);
     if (status == RIGCAL_OK && placement >= rig->n_placements) {
         status = RIGCAL_ERR_RANGE;
     }
@@ -435,7 +437,7 @@ rigcal_status rigcal_rig_noise(rigcal_real sigma_px[], rigcal_real freedom[],
     rigcal_real Sigma[36], inverse[36];
     size_t first = 0;
     rigcal_status status =
-        (freedom == NULL) ? RIGCAL_ERR_NULL : check_sure(sigma_px, rig, 0, 0);
+        (freedom == NULL) ? RIGCAL_ERR_NULL : check_counts(sigma_px, rig, 0);
     if (status != RIGCAL_OK) {
         return status;
     }

@@ -1,11 +1,5 @@
 #include "rc_views.h"
 
-/* ---- constants ----------------------------------------------------------- */
-
-/* part of a pose: what rounding leaves of its numbers. Views that agree to that have no
- * more to gain, and the join of them ends. */
-#define POSE_ROUNDING (4 * RC_EPS)
-
 /* ---- helpers ------------------------------------------------------------- */
 
 void rc_clear(rigcal_real x[], size_t n)
@@ -156,84 +150,13 @@ rigcal_status rc_rig_points(rigcal_points *points, const rigcal_rig_view *view)
                                                                                : status;
 }
 
-static rigcal_status check_view(rigcal_rig_solver *s, int32_t *camera, int32_t *placement)
-{
-    rigcal_rig_view v;
-    rigcal_points points;
-    rigcal_status status = rc_rig_view_at(&v, s->rig, s->view);
-    if (status != RIGCAL_OK) {
-        return status;
-    }
-    *camera = v.camera;
-    *placement = v.placement;
-    if (rc_rig_is_left_out(s->rig, s->view)) {
-        return RIGCAL_OK;
-    }
-    status = (v.target != 0) ? RIGCAL_ERR_RANGE : rc_rig_points(&points, &v);
-    if (status == RIGCAL_OK) {
-        s->n_points += points.n_used;
-        s->negligible += points.negligible;
-    }
-    if (status == RIGCAL_OK &&
-        (s->rig->view_poses != NULL || s->rig->view_pose_source != NULL)) {
-        rigcal_view_pose own;
-        status = rc_rig_pose_at(&own, s->rig, s->view);
-        if (status == RIGCAL_OK) {
-            status = rc_check_noise(&own.sse);
-        }
-        s->own_sum += own.sse;
-    }
-    return status;
-}
-
-/* What rounding of the pose of a view is in its sum of squares. */
-static rigcal_real negligible_of(const rigcal_view_pose *v)
-{
-    const rigcal_real *const H = v->information, *const by_dt = &H[RC_SYM6_SECOND];
-    const rigcal_real *const t = v->cam_from_target.t;
-    const rigcal_real sum =
-        H[0] + H[3] + H[5] + (by_dt[0] + by_dt[3] + by_dt[5]) * rc_vec3_dot(t, t);
-    return POSE_ROUNDING * POSE_ROUNDING * sum;
-}
-
-static rigcal_status check_pose(rigcal_rig_solver *s, int32_t *camera, int32_t *placement)
-{
-    rigcal_view_pose v;
-    rc_sym6_factor L;
-    rigcal_status status = rc_rig_pose_at(&v, s->rig, s->view);
-    if (status != RIGCAL_OK) {
-        return status;
-    }
-    *camera = v.camera;
-    *placement = v.placement;
-    if (rc_rig_is_left_out(s->rig, s->view)) {
-        return RIGCAL_OK;
-    }
-    status = rc_check_transform(&v.cam_from_target);
-    if (status == RIGCAL_OK) {
-        status = rc_check_numbers(v.information, 21, RC_MAX);
-    }
-    if (status == RIGCAL_OK && !rc_sym6_factor_of(&L, v.information, 0)) {
-        status = RIGCAL_ERR_DEGENERATE;
-    }
-    if (status == RIGCAL_OK) {
-        status = rc_check_noise(&v.sse);
-    }
-    if (status == RIGCAL_OK) {
-        s->negligible += negligible_of(&v);
-        s->own_sum += v.sse;
-        s->n_points += v.n;
-    }
-    return status;
-}
-
 static rigcal_status check_camera(const rigcal_rig *rig, size_t c)
 {
-    if (rig->roles != NULL && rig->roles[c] > RIGCAL_CAMERA_PRIOR) {
-        return RIGCAL_ERR_RANGE;
-    }
-    if (!rc_rig_has_prior(rig, c)) {
+    if (rig->roles == NULL || rig->roles[c] < RIGCAL_CAMERA_PRIOR) {
         return RIGCAL_OK;
+    }
+    if (rig->roles[c] > RIGCAL_CAMERA_PRIOR) {
+        return RIGCAL_ERR_RANGE;
     }
     if (rig->priors == NULL) {
         return RIGCAL_ERR_NULL;
@@ -256,11 +179,9 @@ static rigcal_status number_unknowns(rigcal_rig_solver *s)
     s->is_disconnected = number_groups(rig) > 1;
     rc_rig_parts_of(&parts, rig, 0);
     rigcal_real *const is_fixed = parts.slot; /* of each group */
+    rc_clear(is_fixed, rig->n_cameras);
     for (size_t c = 0; c < rig->n_cameras; c++) {
-        is_fixed[c] = 0;
-    }
-    for (size_t c = 0; c < rig->n_cameras; c++) {
-        if (rc_rig_is_held(rig, c) || rc_rig_has_prior(rig, c)) {
+        if (rig->roles != NULL && rig->roles[c] != RIGCAL_CAMERA_FREE) {
             is_fixed[rig->group[c]] = 1;
         }
     }
@@ -271,6 +192,7 @@ static rigcal_status number_unknowns(rigcal_rig_solver *s)
         } else {
             parts.column[c] = (rigcal_real)n;
             n += 6;
+            s->n_free += rc_rig_has_prior(rig, c) ? 0 : 1;
         }
     }
     s->n = n;
@@ -286,8 +208,7 @@ static rigcal_status number_unknowns(rigcal_rig_solver *s)
 static rigcal_status check_next(rigcal_rig_solver *s, const rc_rig_parts *parts)
 {
     int32_t camera = -1, placement = -1;
-    rigcal_status status = s->is_join ? check_pose(s, &camera, &placement)
-                                      : check_view(s, &camera, &placement);
+    rigcal_status status = s->given->check(&camera, &placement, s);
     if (status == RIGCAL_OK) {
         status = check_numbers(s->rig, camera, placement);
     }

@@ -91,7 +91,7 @@ enum rigcal_choose_limits { RIGCAL_CHOOSE_PLACEMENTS = 20 };
  * after it, uses the same memory: give as much as the larger of this and RIGCAL_RIG_WORK.
  * The same as a function: rigcal_choose_work. */
 #define RIGCAL_CHOOSE_WORK(n_cameras, n_placements, n_views) \
-    (44 * (size_t)(n_cameras) + RIGCAL_LINKS(n_cameras) + 4 * (size_t)(n_placements) + \
+    (44 * (size_t)(n_cameras) + RIGCAL_LINKS(n_cameras) + 1 + 4 * (size_t)(n_placements) + \
      2 * (size_t)(n_views) + \
      ((n_cameras) > 10 ? 78 * (size_t)(n_cameras) \
                        : 25 * (size_t)RIGCAL_CHOOSE_PLACEMENTS + 312))

@@ -13,12 +13,12 @@ typedef struct {
                               noise of 1 px */
     rigcal_real pivot[3];  /* in frame a: where the target is */
     rigcal_real extra;     /* px^2: sum of squares, less that of the view's first pose */
-    int32_t view;          /* -1: there is no such claim */
-    int32_t candidate;     /* 0 or 1: which pose of the view */
+    rigcal_real view;      /* its number; -1: there is no such claim */
+    rigcal_real candidate; /* 0 or 1: which pose of the view */
 } rc_claim;
 
-/* Reals that a claim takes at most, and of the claims that a placement of so many views has
- * at most. */
+/* Reals that a claim takes, and that the claims of a placement of so many views take at
+ * most. */
 #define RC_CLAIM_REALS 39
 #define RC_CLAIMS_WORK(n_views) (2 * RC_CLAIM_REALS * (size_t)(n_views))
 

@@ -5,6 +5,12 @@
 
 #include "rc_views.h"
 
+/* OK, or what is wrong with a pose of a view. */
+rigcal_status rc_check_pose(const rigcal_view_pose *pose);
+
+/* The check alone, of the poses of the views: for rc_views_begin. */
+extern const struct rigcal_rig_given rc_given_poses;
+
 /* 1 / variance of a view's rotation, for noise of 1 px [1/rad^2]. */
 rigcal_real rc_view_information(const rigcal_view_pose *pose);
 

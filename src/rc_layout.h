@@ -82,6 +82,19 @@
         M(rigcal_rig_fit, sigma_px) M(rigcal_rig_fit, n_points)                    \
         M(rigcal_rig_fit, evals) M(rigcal_rig_fit, F)                              \
         M(rigcal_rig_fit, freedom_between) M(rigcal_rig_fit, freedom_within)       \
+    /* rigcal_choose.h */                                                          \
+    S(rigcal_link)                                                                 \
+        M(rigcal_link, n_shared) M(rigcal_link, information)                       \
+    S(rigcal_advice)                                                               \
+        M(rigcal_advice, a) M(rigcal_advice, b)                                    \
+    S(rigcal_weakest)                                                              \
+        M(rigcal_weakest, camera) M(rigcal_weakest, other)                         \
+        M(rigcal_weakest, rotation) M(rigcal_weakest, translation)                 \
+    S(rigcal_choice)                                                               \
+        M(rigcal_choice, second_poses) M(rigcal_choice, second_source)             \
+        M(rigcal_choice, takes) M(rigcal_choice, sigma_px)                         \
+        M(rigcal_choice, tau2) M(rigcal_choice, share)                             \
+        M(rigcal_choice, n_left_out)                                               \
     /* rigcal_paper.h */                                                           \
     S(rigcal_bearing)                                                              \
         M(rigcal_bearing, X_w) M(rigcal_bearing, ray)                              \
@@ -104,7 +117,7 @@
         M(rigcal_paper_pose, evals) M(rigcal_paper_pose, starts)                   \
     /* solvers */                                                                  \
     S(rigcal_pose_solver) S(rigcal_robust_solver) S(rigcal_rig_solver)             \
-    S(rigcal_paper_solver) S(rigcal_neldermead)
+    S(rigcal_choose_solver) S(rigcal_paper_solver) S(rigcal_neldermead)
 /* clang-format on */
 
 #endif /* RC_LAYOUT_H */

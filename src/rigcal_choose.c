@@ -15,8 +15,8 @@ int rc_claim_of_view(rc_claim *claim, const rigcal_view_pose *pose, rigcal_real 
     claim->b_from_a = pose->cam_from_target;
     rc_clear(claim->pivot, 3);
     claim->extra = rc_max(0, pose->sse - first_sse);
-    claim->view = view;
-    claim->candidate = candidate;
+    claim->view = (rigcal_real)view;
+    claim->candidate = (rigcal_real)candidate;
     return 1;
 }
 
@@ -100,10 +100,11 @@ void rc_claim_between(rc_claim *b_from_a, const rc_claim *b, const rc_claim *a)
  * these would be large and nearly the same. */
 rigcal_real rc_claims_apart(const rc_claim *p, const rc_claim *q)
 {
-    rigcal_real S[21], d[6], arm[3], lever[3], at[3], between[9];
+    const rigcal_transform *const P = &p->b_from_a, *const Q = &q->b_from_a;
+    rigcal_real S[21], d[6], arm[3], lever[3], at[3];
     rc_sym6_factor L;
     rc_vec3_sub(arm, q->pivot, p->pivot);
-    rc_mat3_mul_vec3(lever, q->b_from_a.R, arm);
+    rc_mat3_mul_vec3(lever, Q->R, arm);
     for (int k = 0; k < 21; k++) {
         S[k] = p->Sigma[k];
     }
@@ -111,10 +112,9 @@ rigcal_real rc_claims_apart(const rc_claim *p, const rc_claim *q)
     if (!rc_sym6_factor_of(&L, S, 0)) {
         return RC_MAX;
     }
-    rc_mat3_mul_t(between, q->b_from_a.R, p->b_from_a.R);
-    rc_vector_from_rotation(d, between);
-    rc_transform_point(&d[3], &q->b_from_a, p->pivot);
-    rc_transform_point(at, &p->b_from_a, p->pivot);
+    rc_deviation(d, Q, P);
+    rc_transform_point(&d[3], Q, p->pivot);
+    rc_transform_point(at, P, p->pivot);
     rc_vec3_sub(&d[3], &d[3], at);
     rc_sym6_forward(d, &L);
     return rc_vec3_dot(d, d) + rc_vec3_dot(&d[3], &d[3]);
@@ -129,11 +129,12 @@ void rc_choose_support(rc_support *support, uint8_t choice[], const rc_claim cla
     RIGCAL_ASSERT(which < n);
     *support = (rc_support){0, it->Sigma[0] + it->Sigma[3] + it->Sigma[5], 0, 0};
     for (size_t i = 0; i < n; support->n++) {
-        const int32_t view = claims[i].view;
+        const size_t view = (size_t)claims[i].view;
+        const int is_own = view == (size_t)it->view;
         rigcal_real least = limit;
         uint8_t takes = 2;
-        for (; i < n && claims[i].view == view; i++) {
-            if (view == it->view && i != which) {
+        for (; i < n && (size_t)claims[i].view == view; i++) {
+            if (is_own && i != which) {
                 continue;
             }
             const rigcal_real cost =

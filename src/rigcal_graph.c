@@ -14,27 +14,64 @@ rigcal_real rc_information_of_both(rigcal_real a, rigcal_real b)
 
 /* ---- links --------------------------------------------------------------- */
 
-/* Checks the poses of the views, and writes the groups. */
-static rigcal_status check(rigcal_rig_solver *s, rigcal_rig *rig)
+rigcal_status rc_check_pose(const rigcal_view_pose *pose)
 {
-    *s = (rigcal_rig_solver){0};
-    s->rig = rig;
-    s->is_join = 1;
+    rc_sym6_factor L;
+    rigcal_status status = rc_check_transform(&pose->cam_from_target);
+    if (status == RIGCAL_OK) {
+        status = rc_check_numbers(pose->information, 21, RC_MAX);
+    }
+    if (status == RIGCAL_OK) {
+        status = rc_check_numbers(&pose->sse, 1, RC_MAX);
+    }
+    if (status == RIGCAL_OK && (pose->sse < 0 || pose->n > RC_COUNT_MAX)) {
+        status = RIGCAL_ERR_RANGE;
+    }
+    return (status == RIGCAL_OK && !rc_sym6_factor_of(&L, pose->information, 0))
+               ? RIGCAL_ERR_DEGENERATE
+               : status;
+}
+
+/* View s->view. */
+static rigcal_status check_view(int32_t *camera, int32_t *placement, rigcal_rig_solver *s)
+{
+    rigcal_view_pose pose;
+    const rigcal_status status = rc_rig_pose_at(&pose, s->rig, s->view);
+    if (status != RIGCAL_OK) {
+        return status;
+    }
+    *camera = pose.camera;
+    *placement = pose.placement;
+    return rc_rig_is_left_out(s->rig, s->view) ? RIGCAL_OK : rc_check_pose(&pose);
+}
+
+const struct rigcal_rig_given rc_given_poses = {check_view, NULL};
+
+/* Checks the poses of the views, and writes the groups. */
+static rigcal_status check(int32_t *at_fault, rigcal_rig *rig)
+{
+    rigcal_rig_solver s = {0};
     rigcal_status status = rc_rig_check(rig);
     if (status == RIGCAL_OK && rig->view_poses == NULL && rig->view_pose_source == NULL) {
         status = RIGCAL_ERR_NULL;
     }
-    if (status != RIGCAL_OK) {
-        return status;
+    if (status == RIGCAL_OK &&
+        rigcal_rig_work(0, rig->n_cameras, rig->n_placements) > rig->work_capacity) {
+        status = RIGCAL_ERR_CAPACITY;
     }
-    status = rc_views_begin(s);
+    if (status == RIGCAL_OK) {
+        s.rig = rig;
+        s.is_join = 1;
+        s.given = &rc_given_poses;
+        status = rc_views_begin(&s);
+    }
     if (status != RIGCAL_OK) {
-        s->view = rig->n_views; /* none is at fault */
         return status;
     }
     do {
-        status = rc_views_step(s);
+        status = rc_views_step(&s);
     } while (status == RIGCAL_RUNNING);
+    *at_fault = (status < 0 && s.view < rig->n_views) ? (int32_t)s.view : -1;
     return status;
 }
 
@@ -44,6 +81,10 @@ static rigcal_status add_links(rigcal_link links[], const rigcal_rig *rig,
 {
     rigcal_real *const information = parts->W;
     for (size_t i = 0; i < count; i++) {
+        parts->slot[i] = -1;
+        if (rc_rig_is_left_out(rig, first + i)) {
+            continue;
+        }
         rigcal_view_pose pose;
         const rigcal_status status = rc_rig_pose_at(&pose, rig, first + i);
         if (status != RIGCAL_OK) {
@@ -52,6 +93,9 @@ static rigcal_status add_links(rigcal_link links[], const rigcal_rig *rig,
         information[i] = rc_view_information(&pose);
         parts->slot[i] = (rigcal_real)pose.camera;
         for (size_t j = 0; j < i; j++) {
+            if (parts->slot[j] < 0) {
+                continue;
+            }
             const int32_t other = (int32_t)parts->slot[j];
             rigcal_link *const link =
                 &links[(other < pose.camera) ? RIGCAL_LINK(other, pose.camera)
@@ -75,20 +119,15 @@ static int32_t groups_of(const rigcal_rig *rig)
 rigcal_status rigcal_rig_links(rigcal_link links[], size_t capacity, int32_t *n_groups,
                                int32_t *at_fault, rigcal_rig *rig)
 {
-    rigcal_rig_solver s;
     rc_rig_parts parts;
     size_t first = 0;
+    int32_t at = -1;
+    rigcal_status status =
+        (links == NULL || n_groups == NULL) ? RIGCAL_ERR_NULL : check(&at, rig);
     if (at_fault != NULL) {
-        *at_fault = -1;
+        *at_fault = at;
     }
-    if (links == NULL || n_groups == NULL) {
-        return RIGCAL_ERR_NULL;
-    }
-    rigcal_status status = check(&s, rig);
     if (status != RIGCAL_OK) {
-        if (at_fault != NULL && s.n_seen + s.view > 0 && s.view < rig->n_views) {
-            *at_fault = (int32_t)s.view;
-        }
         return status;
     }
     if (capacity < RIGCAL_LINKS(rig->n_cameras)) {
@@ -99,7 +138,7 @@ rigcal_status rigcal_rig_links(rigcal_link links[], size_t capacity, int32_t *n_
     }
     rc_rig_parts_of(&parts, rig, 0);
     for (size_t f = 0; f < rig->n_placements && status == RIGCAL_OK; f++) {
-        const size_t count = (size_t)parts.count[f];
+        const size_t count = rc_rig_views_of(&parts, f);
         status = add_links(links, rig, &parts, first, count);
         first += count;
     }

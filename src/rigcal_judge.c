@@ -729,8 +729,7 @@ rigcal_status rigcal_judge_begin(rigcal_judge_solver *solver, rigcal_judged_view
     }
     rig->left_out = left_out;
     solver->phase = CHECKING;
-    rc_rig_begin(&solver->adjust, rig, 1);
-    return RIGCAL_OK;
+    return rigcal_rig_join_begin(&solver->adjust, rig); /* which checks the poses */
 }
 
 rigcal_status rigcal_judge_step(rigcal_judge_solver *solver, int32_t budget)

@@ -56,7 +56,11 @@ SOLVERS = {
     "rigcal_paper_solver": ("paper", set()),
     "rigcal_rig_solver": ("adjust", {"rig", "search", "phase", "is_join", "is_disconnected",
                                      "at_fault", "evals", "n", "view", "first", "placement",
-                                     "n_points", "n_seen", "own_sum", "negligible"}),
+                                     "n_points", "n_seen", "own_sum", "negligible", "given",
+                                     "gain", "n_free", "n_used"}),
+    "rigcal_seed": ("grow", None),
+    "rigcal_choose_solver": ("grow", {"check", "choice", "a", "b", "n", "row", "column", "limit",
+                                      "is_relaxed"}),
 }
 FIELD = re.compile(r"(\w+)((?:\[\w+\])*\s*[,;])")
 STRUCT = re.compile(r"struct (rigcal_\w+) \{(.*?)\n\}", re.S)

@@ -87,7 +87,8 @@ static void see(test_tags *t, test_rng *rng, int camera, int placement)
             o->uv[k] = RC(uv[k] + t->noise_px * test_normal(rng));
         }
     }
-    t->views[v] = (rigcal_rig_view){{&t->camera, &t->o[4 * v], NULL, 4}, camera, placement, 0};
+    t->views[v] =
+        (rigcal_rig_view){{&t->camera, &t->o[4 * v], NULL, 4}, camera, placement, 0};
 }
 
 void test_tags_random(test_tags *t, test_rng *rng, int n_cameras, int n_placements)
@@ -147,8 +148,8 @@ void test_tags_solve(test_tags *t)
         double R[9], R_true[9], nearest = 10;
         size_t n = 0;
 
-        TEST_ASSERT_TRUE(rigcal_pose_solve(poses, RIGCAL_POSES_MAX, &n, NULL, &view->view,
-                                           NULL) >= 0);
+        TEST_ASSERT_TRUE(
+            rigcal_pose_solve(poses, RIGCAL_POSES_MAX, &n, NULL, &view->view, NULL) >= 0);
         test_transform_parts(R_true, NULL, &truth);
         memset(&t->second[v], 0, sizeof t->second[v]);
         for (size_t i = 0; i < n && i < 2; i++) {

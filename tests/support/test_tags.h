@@ -27,32 +27,32 @@ typedef struct {
 } test_tags;
 
 /* Reals to choose and to adjust in. */
-#define TEST_TAGS_WORK(C, F)                                          \
-    (RIGCAL_CHOOSE_WORK(C, F, (C) * (F)) > RIGCAL_RIG_WORK(C, C, F)   \
-         ? RIGCAL_CHOOSE_WORK(C, F, (C) * (F))                        \
+#define TEST_TAGS_WORK(C, F) \
+    (RIGCAL_CHOOSE_WORK(C, F, (C) * (F)) > RIGCAL_RIG_WORK(C, C, F) \
+         ? RIGCAL_CHOOSE_WORK(C, F, (C) * (F)) \
          : RIGCAL_RIG_WORK(C, C, F))
 
 /* `name`, with memory for so many cameras and placements. */
-#define TEST_TAGS(name, C, F)                                                            \
-    static rigcal_transform name##_cams[4 * (C)], name##_places[4 * (F)];                \
-    static uint8_t name##_takes[2 * (C) * (F)];                                          \
-    static int32_t name##_group[C];                                                      \
-    static rigcal_rig_view name##_views[(C) * (F)];                                      \
-    static rigcal_view_pose name##_own[2 * (C) * (F)];                                   \
-    static rigcal_observation name##_o[4 * (C) * (F)];                                   \
-    static rigcal_real name##_work[TEST_TAGS_WORK(C, F)];                                \
-    static test_tags name = {.true_cams = name##_cams,                                   \
-                             .true_places = name##_places,                               \
-                             .right = name##_takes + (C) * (F),                          \
-                             .cams = name##_cams + 2 * (C),                              \
-                             .places = name##_places + 2 * (F),                          \
-                             .group = name##_group,                                      \
-                             .views = name##_views,                                      \
-                             .own = name##_own,                                          \
-                             .second = name##_own + (C) * (F),                           \
-                             .o = name##_o,                                              \
-                             .takes = name##_takes,                                      \
-                             .work = name##_work,                                        \
+#define TEST_TAGS(name, C, F) \
+    static rigcal_transform name##_cams[4 * (C)], name##_places[4 * (F)]; \
+    static uint8_t name##_takes[2 * (C) * (F)]; \
+    static int32_t name##_group[C]; \
+    static rigcal_rig_view name##_views[(C) * (F)]; \
+    static rigcal_view_pose name##_own[2 * (C) * (F)]; \
+    static rigcal_observation name##_o[4 * (C) * (F)]; \
+    static rigcal_real name##_work[TEST_TAGS_WORK(C, F)]; \
+    static test_tags name = {.true_cams = name##_cams, \
+                             .true_places = name##_places, \
+                             .right = name##_takes + (C) * (F), \
+                             .cams = name##_cams + 2 * (C), \
+                             .places = name##_places + 2 * (F), \
+                             .group = name##_group, \
+                             .views = name##_views, \
+                             .own = name##_own, \
+                             .second = name##_own + (C) * (F), \
+                             .o = name##_o, \
+                             .takes = name##_takes, \
+                             .work = name##_work, \
                              .rig.work_capacity = TEST_TAGS_WORK(C, F)}
 
 /* Cameras and placements at random, and what is seen; distance, share_seen and noise_px are

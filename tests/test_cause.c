@@ -246,6 +246,9 @@ static void test_all_views_of_a_camera_are_turned(void)
 /* The origin of the target is at a corner, as is usual of boards. */
 static void test_a_camera_is_turned_about_a_far_origin(void)
 {
+    static const double shift[3] = {-0.5, -0.375, 0};
+    const rigcal_transform middle_from_corner = test_transform(NULL, shift);
+
     WANTS_BOARDS;
     make(3750, 3, 8);
     for (size_t v = 0; v < b.rig.n_views; v++) {
@@ -255,6 +258,7 @@ static void test_a_camera_is_turned_about_a_far_origin(void)
         }
     }
     for (int f = 0; f < 8; f++) {
+        b.true_places[f] = test_times(&b.true_places[f], &middle_from_corner);
         test_boards_reverse(&b, test_boards_view(&b, 2, f));
     }
     judge();

@@ -162,7 +162,6 @@ static void assert_no_view_is_named(const char *set, double scale)
     ASSERT_STATUS(RIGCAL_OK, judge());
     TEST_ASSERT_EQUAL_INT32((int32_t)r.rig.n_views,
                             r.judgement.n_fit + r.judgement.n_unchecked);
-printf("%s s %g named %d unchecked %d adj %d sqrtF %g\n",set,D(r.judgement.scale),r.judgement.n_contradict,r.judgement.n_unchecked,r.judgement.adjustments,D(r.judgement.fit.F)); for(size_t v=0;v<r.rig.n_views;v++)printf("%.2f ",D(r.judged[v].cost));
     ASSERT_NEAR(scale, r.judgement.scale, 0.1 * scale);
 }
 

@@ -1,4 +1,4 @@
-#include "rc_judge.h"
+#include "rc_cost.h"
 
 #include "rc_adjust.h"
 

@@ -1,6 +1,6 @@
-/* rc_judge.h - what a view of an adjusted rig costs (RIG in EQUATIONS.md). */
-#ifndef RC_JUDGE_H
-#define RC_JUDGE_H
+/* rc_cost.h - what a view of an adjusted rig costs (RIG in EQUATIONS.md). */
+#ifndef RC_COST_H
+#define RC_COST_H
 
 #include "rc_choose.h"
 
@@ -49,4 +49,4 @@ void rc_judge_cost(rigcal_judge_solver *s, const rc_rig_parts *parts);
 /* By how much the views differ more than by noise, told by the middle cost. */
 void rc_judge_set_scale(rigcal_judge_solver *s, const rc_rig_parts *parts);
 
-#endif /* RC_JUDGE_H */
+#endif /* RC_COST_H */

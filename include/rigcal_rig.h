@@ -114,9 +114,9 @@ RIGCAL_API rigcal_status rigcal_rig_join(rigcal_rig *rig, int32_t *at_fault);
 
 typedef struct rigcal_rig_solver rigcal_rig_solver; /* see rigcal_solvers.h */
 
-/* The same in steps, whose result is rigcal_rig_result's: what the adjustment's fit is going
- * to be, to first order, F included. A unit is one view: looked at, or its quadratic with
- * its part of the elimination, O(n_cameras); or one row of the factor. */
+/* The same in steps. Its result is rigcal_rig_result's: to first order, what the fit of the
+ * adjustment is going to be, F included. A unit is one view: looked at, or its quadratic,
+ * or its part of the elimination, O(n_cameras); or one row of the factor. */
 RIGCAL_API rigcal_status rigcal_rig_join_begin(rigcal_rig_solver *solver, rigcal_rig *rig);
 RIGCAL_API rigcal_status rigcal_rig_join_step(rigcal_rig_solver *solver, int32_t budget);
 
@@ -172,11 +172,11 @@ RIGCAL_API rigcal_status rigcal_rig_pair(rigcal_transform *b_from_a, rigcal_real
 RIGCAL_API rigcal_status rigcal_rig_placement(rigcal_real Sigma[36], rigcal_rig *rig,
                                               rigcal_real sigma_px, size_t placement);
 
-/* Noise of each camera by its own residuals: sigma_px[n_cameras], and of how many degrees of
- * freedom[n_cameras] that is: 2 n_points of the camera less what they lose to the unknowns,
- * trace(H Cov(cam_from_target)) of each view. All freedom is rigcal_rig_fit's, without
- * priors. 0: a camera without freedom. It evaluates every view twice. The statuses of
- * rigcal_rig_placement. O(n_views n_cameras) + O(n). */
+/* Noise of each camera by its own residuals: sigma_px[n_cameras], 0 without freedom, and
+ * its degrees of freedom[n_cameras]: 2 n_points of the camera less what they lose to the
+ * unknowns, trace(H Cov(cam_from_target)) of each view. Without priors they sum up to
+ * rigcal_rig_fit's. It evaluates every view twice. The statuses of rigcal_rig_placement.
+ * O(n_views n_cameras) + O(n). */
 RIGCAL_API rigcal_status rigcal_rig_noise(rigcal_real sigma_px[], rigcal_real freedom[],
                                           rigcal_rig *rig);
 

@@ -156,8 +156,8 @@ struct rigcal_rig_solver {
     size_t row;                      /* of the factor, or which of the placement's views */
     size_t n_points, n_used, n_seen; /* points, views, placements that count */
     size_t n_free;                   /* cameras of which nothing is known beforehand */
-    rigcal_real sum, gain;         /* of a pass: the sum, and what a step promises */
-    rigcal_real own_sum;           /* of the views by themselves */
+    rigcal_real sum, gain;           /* of a pass: the sum, and what a step promises */
+    rigcal_real own_sum;             /* of the views by themselves */
     rigcal_real promised, negligible, gp[6], Hp[21];
 };
 

@@ -13,11 +13,11 @@ rigcal_status rc_rig_equations(rigcal_real *sum, rigcal_real g[6], rigcal_real H
                                const rigcal_rig_view *view,
                                const rigcal_transform *cam_from_target);
 
-/* Begins a search; steps do one unit each until s->phase is RC_RIG_DONE. `given`: of
- * their points, or of their own poses, which is the join. Once all has been checked the phase is RC_RIG_CHECKED: then the poses
- * from which the search starts may be set, for which the join has two phases. */
+/* Begins a search; steps do one unit each until s->phase is RC_RIG_DONE. `given`: views by
+ * their points, or by their own poses, which is the join. Once all has been checked the
+ * phase is RC_RIG_CHECKED: then the poses from which the search starts may be set, for
+ * which the join has two phases. OK or ERR_CAPACITY; of other errors it is done at once. */
 enum { RC_RIG_DONE = 1, RC_RIG_CHECKED, RC_RIG_PLACING, RC_RIG_REACHING };
-/* OK or ERR_CAPACITY; of what else is wrong it is done at once. */
 extern const struct rigcal_rig_given rc_given_points;
 rigcal_status rc_rig_begin(rigcal_rig_solver *s, rigcal_rig *rig,
                            const struct rigcal_rig_given *given);

@@ -402,31 +402,27 @@ static rigcal_status add_noise(rigcal_real sum[], rigcal_real freedom[],
                                const leverage *on, size_t first, size_t i)
 {
     rigcal_rig_view v;
-    rigcal_points points;
     rc_chain chain;
-    rigcal_real sse, g[6], H[21], g_placement[6], H_placement[21], full[36], Z[36], WZ[36];
-    rigcal_status status = equations_of(&sse, g, H, &chain, &v, on->rig, first + i);
-    if (status == RIGCAL_OK) {
-        status = rc_rig_points(&points, &v);
-    }
+    rigcal_real sse, g[6], H[21], g_placement[6], H_placement[21], M[36], Z[36];
+    const rigcal_status status = equations_of(&sse, g, H, &chain, &v, on->rig, first + i);
     if (status != RIGCAL_OK) {
         return status;
     }
     const size_t c = (size_t)v.camera;
     rc_rigid_clear(g_placement, H_placement);
     rc_chain_add_placement(g_placement, H_placement, &chain, g, H);
-    rc_sym6_unpack(full, H_placement);
-    rigcal_real lost = trace_of_product(full, Sigma);
+    rc_sym6_unpack(M, H_placement);
+    rigcal_real lost = trace_of_product(M, Sigma);
     rc_chain_camera(g, H, &on->W[36 * i], &chain);
-    rc_sym6_unpack(full, H);
+    rc_sym6_unpack(M, H);
     block_of(Z, on->rig, c, c);
-    lost += trace_of_product(full, Z);
+    lost += trace_of_product(M, Z);
     fill_Z(Z, on, i);
-    rc_clear(WZ, 36);
-    add_product(WZ, &on->W[36 * i], Z, 1);
-    lost -= 2 * trace_of_product(WZ, inverse);
+    rc_clear(M, 36);
+    add_product(M, &on->W[36 * i], Z, 1);
+    lost -= 2 * trace_of_product(M, inverse);
     sum[c] += sse;
-    freedom[c] += 2 * (rigcal_real)(int32_t)points.n_used - lost;
+    freedom[c] += 2 * real_of(v.view.n) - lost;
     return RIGCAL_OK;
 }
 

@@ -20,9 +20,12 @@ import tempfile
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 
 # Functions that may call through a pointer, and what of the library they may
-# reach so: a cost, or a source of views, of the caller's, who knows its stack.
+# reach so: a cost, or a source of views, of the caller's, who knows its stack;
+# what is given of a view, its points or its own pose.
+GIVEN = ("check_points", "check_pose", "equations_of_points", "equations_of_pose")
 INDIRECT = {"rigcal_neldermead_step": (), "rc_rig_view_at": (), "rc_rig_pose_at": (),
-            "rc_views_step": ()}
+            "check_next": GIVEN, "add_equations": GIVEN,
+            "rc_views_step": GIVEN, "rc_rig_step": GIVEN}
 
 # No public function may need more; bytes, libm apart.
 STACK_LIMIT = 4096
@@ -66,7 +69,8 @@ class Graph:
     def callees(self, name):
         for callee in sorted(self.calls.get(name, ())):
             if callee == "__indirect_call":
-                yield from INDIRECT.get(plain(name), ())
+                for reached in INDIRECT.get(plain(name), ()):
+                    yield from (title for title in self.frame if plain(title) == reached)
             else:
                 yield callee
 

@@ -44,8 +44,8 @@ typedef struct rigcal_advice {
 
 /* After rigcal_rig_links: one placement for each line of advice makes one group of all. Of
  * each group it takes the camera that has most in common with the rest of its group. *n:
- * lines, one less than there are groups. OK, ERR_NULL, ERR_RANGE (a group's number is no
- * camera's), ERR_CAPACITY (*n is then what it takes). Time O(n_cameras^2). */
+ * lines, one less than there are groups. OK, ERR_NULL, ERR_TOO_FEW, ERR_NOT_FINITE, ERR_RANGE
+ * (also: a group's number is no camera's), ERR_CAPACITY. Time O(n_cameras^2). */
 RIGCAL_API rigcal_status rigcal_rig_advise(rigcal_advice advice[], size_t capacity,
                                            size_t *n, const rigcal_link links[],
                                            const rigcal_rig *rig);

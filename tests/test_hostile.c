@@ -33,7 +33,10 @@
 /* ---- valid arguments ----------------------------------------------------- */
 
 enum { N = 6, N_PAIRS = 15, N_CAMERAS = 3, N_PLACEMENTS = 2, N_VIEWS = 6 };
-enum { RIG_WORK = RIGCAL_RIG_WORK(N_CAMERAS, N_CAMERAS, N_PLACEMENTS) };
+enum {
+    RIG_WORK = RIGCAL_RIG_WORK(N_CAMERAS, N_CAMERAS, N_PLACEMENTS),
+    CHOOSE_WORK = RIGCAL_CHOOSE_WORK(N_CAMERAS, N_PLACEMENTS, N_VIEWS)
+};
 
 /* What every call is handed, made once by build_valid. */
 static struct {
@@ -55,6 +58,8 @@ static struct {
     rigcal_view_pose view_poses[N_VIEWS];
     rigcal_real rig_work[RIG_WORK];
     rigcal_rig_solver rig_begun, rig_done, join_begun;
+    rigcal_link links[RIGCAL_LINKS(N_CAMERAS)];
+    rigcal_choose_solver choose_begun, choose_done;
     rigcal_rig rig;
     rigcal_transform estimates[N_VIEWS];
     rigcal_real x0[3], simplex[12];
@@ -73,7 +78,7 @@ static struct {
 
 static const size_t SIZE_0 = 0, SIZE_1 = 1, SIZE_2 = 2, SIZE_3 = 3, SIZE_4 = 4, SIZE_6 = 6,
                     SIZE_8 = 8, SIZE_15 = 15, SIZE_SAVED = RIGCAL_STORE_SIZE(2),
-                    SIZE_12 = 12, SIZE_WORK = RIG_WORK;
+                    SIZE_12 = 12, SIZE_WORK = RIG_WORK, SIZE_CHOOSE = CHOOSE_WORK;
 static const uint32_t UINT_7 = 7;
 static const int32_t INT_0 = 0, INT_1 = 1, INT_2 = 2, INT_3 = 3, INT_8 = 8, INT_480 = 480,
                      INT_640 = 640, INT_1000 = 1000;
@@ -283,6 +288,36 @@ static void build_adjusted(void)
     ASSERT_STATUS(RIGCAL_OK, rigcal_rig_join_begin(&ok.join_begun, &joined));
 }
 
+/* The cameras' links; a choice that goes on, and one that has come to its end. */
+static void build_choice(void)
+{
+    static rigcal_transform cams[N_CAMERAS], placements[N_PLACEMENTS];
+    static rigcal_real work[CHOOSE_WORK];
+    static int32_t group[N_CAMERAS];
+    static uint8_t takes[N_VIEWS];
+    static rigcal_choice choice;
+    static rigcal_rig rig;
+    rigcal_choose_solver solver;
+    int32_t n_groups;
+
+    rig = ok.rig;
+    rig.cams_from_rig = cams;
+    rig.rig_from_placements = placements;
+    rig.group = group;
+    rig.view_poses = ok.view_poses;
+    rig.work = work;
+    rig.work_capacity = CHOOSE_WORK;
+    choice.takes = takes;
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_links(ok.links, RIGCAL_LINKS(N_CAMERAS), &n_groups,
+                                              NULL, &rig));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_choose_begin(&solver, &choice, &rig));
+    ok.choose_begun = solver;
+    while (rigcal_choose_step(&solver, 1000) == RIGCAL_RUNNING) {
+    }
+    ok.choose_done = solver;
+    ASSERT_STATUS(RIGCAL_OK, rigcal_choose_begin(&ok.choose_begun, &choice, &rig));
+}
+
 /* The states of searches come from the library: there is no other way. */
 static void build_searches(void)
 {
@@ -389,6 +424,7 @@ static void build_valid(void)
     build_target();
     build_rig();
     build_adjusted();
+    build_choice();
     build_searches();
     build_pose_searches();
     build_robust();
@@ -570,6 +606,12 @@ static const kind RIG_PLACEMENTS = {N_PLACEMENTS * sizeof(rigcal_transform), 0, 
 static const kind RIG_GROUPS = {N_CAMERAS * sizeof(int32_t), 0, 0, NULL, 0};
 static const kind RIG_MEMORY = {sizeof(rigcal_real) * RIG_WORK, 0, 0, NULL,
                                 RIGCAL_ERR_STATE};
+static const kind SECOND_POSE = {sizeof(rigcal_view_pose), 0, 33, BAD_VIEW_POSE, 0};
+static const kind LINK = {sizeof(rigcal_link), 0, 0, NULL, 0};
+static const kind ADVICE = {sizeof(rigcal_advice), 0, 0, NULL, 0};
+static const kind WEAKEST = {sizeof(rigcal_weakest), 0, 0, NULL, 0};
+static const kind CHOOSE_SOLVER = {sizeof(rigcal_choose_solver), 0, 0, NULL,
+                                   RIGCAL_ERR_STATE};
 static const kind RIG_UNREAD = {sizeof(rigcal_real) * RIG_WORK, 0, 0, NULL, 0};
 static const kind RIG_SOLVER = {sizeof(rigcal_rig_solver), 0, 0, NULL, RIGCAL_ERR_STATE};
 static const kind OPTIONS = {sizeof(rigcal_paper_options),
@@ -711,6 +753,11 @@ typedef struct {
     IN(THERE, 1, &INT_1), cams, COUNT(&SIZE_3, 1, RIGCAL_ERR_TOO_FEW), placements, group, \
         COUNT(&SIZE_6, 1, RIGCAL_ERR_TOO_FEW), work, \
         ROOM(&SIZE_WORK, RIGCAL_RIG_WORK(0, 3, 2), RIGCAL_ERR_CAPACITY)
+#define RIG_TO_CHOOSE \
+    IN(THERE, 1, &INT_1), WORK(TRANSFORM, N_CAMERAS), \
+        COUNT(&SIZE_3, 1, RIGCAL_ERR_TOO_FEW), WORK(TRANSFORM, N_PLACEMENTS), \
+        WORK(INT32, N_CAMERAS), COUNT(&SIZE_6, 1, RIGCAL_ERR_TOO_FEW), \
+        WORK(NUMBER, CHOOSE_WORK), ROOM(&SIZE_CHOOSE, CHOOSE_WORK, RIGCAL_ERR_CAPACITY)
 /* One that has been adjusted; `memory` is the kind of its work. */
 #define RIG_DONE RIG_WITH_MEMORY(RIG_MEMORY)
 #define RIG_WITH_MEMORY(memory) \
@@ -803,6 +850,16 @@ static rigcal_rig *with_views(rigcal_rig *rig, const void *is_there, const void 
     return rig;
 }
 
+static rigcal_choice *choice_of(const void *is_there, const void *second, void *takes)
+{
+    static rigcal_choice choice;
+
+    memset(&choice, 0, sizeof choice);
+    choice.second_poses = second;
+    choice.takes = takes;
+    return is_there ? &choice : NULL;
+}
+
 static rigcal_rig *with_poses(rigcal_rig *rig, const void *is_there, const void *poses)
 {
     if (is_there) {
@@ -892,6 +949,13 @@ CALL(rig_covariance, p[8], RIG_AT(0), REAL(p[9]), COUNTED(p[10]))
 CALL(rig_pair, p[8], p[11], RIG_AT(0), REAL(p[9]), COUNTED(p[10]), COUNTED(p[12]))
 CALL(rig_placement, p[8], RIG_AT(0), REAL(p[9]), COUNTED(p[10]))
 CALL(rig_noise, p[8], p[9], RIG_AT(0))
+CALL(rig_links, p[9], COUNTED(p[10]), p[11], p[12], RIG_WITH(0, poses))
+CALL(rig_advise, p[8], COUNTED(p[9]), p[10], p[11], RIG_AT(0))
+CALL(rig_weakest, p[8], RIG_AT(0), REAL(p[9]))
+CALL(rig_choose, choice_of(p[9], p[10], p[11]), p[12], RIG_WITH(0, poses))
+CALL(choose_begin, p[12], choice_of(p[9], p[10], p[11]), RIG_WITH(0, poses))
+CALL(choose_step, p[0], INT(p[1]))
+CALL(choose_result, p[0], p[1])
 CALL(rig_residuals, p[8], COUNTED(p[9]), p[10], RIG_AT(0), COUNTED(p[11]))
 CALL(store_save, p[0], COUNTED(p[1]), p[2], p[3], COUNTED(p[4]), UINT(p[5]),
      UINT(p[6]))
@@ -1140,6 +1204,24 @@ static const function FUNCTIONS[] = {
       LESS(&SIZE_1, N_PLACEMENTS)}},
     {F(rig_noise), 0, S(STATE) | S(TOO_FEW) | ARGS | S(DEGENERATE),
      {RIG_DONE, OUT(NUMBER, 3), OUT(NUMBER, 3)}},
+    {F(rig_links), 0, JOINED,
+     {RIG_OF(WORK(TRANSFORM, N_CAMERAS), WORK(TRANSFORM, N_PLACEMENTS), WORK(INT32, N_CAMERAS), WORK(NUMBER, RIG_WORK)),
+      IN(VIEW_POSE, N_VIEWS, ok.view_poses), OUT(LINK, 3), ROOM(&SIZE_3, 3, RIGCAL_ERR_CAPACITY), OUT(INT32, 1), OUT_BAD}},
+    {F(rig_advise), 0, ARGS | S(CAPACITY) | S(TOO_FEW),
+     {RIG_WITH_MEMORY(RIG_UNREAD), OUT_PART(ADVICE, 3), ROOM(&SIZE_3, 0, 0), OUT(SIZE, 1), IN(LINK, 3, ok.links)}},
+    {F(rig_weakest), 0, S(STATE) | S(TOO_FEW) | ARGS,
+     {RIG_DONE, OUT(WEAKEST, 1), VALUE(TOLERANCE, &REAL_SIGMA)}},
+    {F(rig_choose), 0, JOINED | S(CONTRADICTION),
+     {RIG_TO_CHOOSE, IN(VIEW_POSE, N_VIEWS, ok.view_poses), IN(THERE, 1, &INT_1),
+      IN_OPT(SECOND_POSE, N_VIEWS, ok.view_poses), WORK(BYTES, N_VIEWS), OUT_BAD}},
+    {F(choose_begin), 0, JOINED,
+     {RIG_TO_CHOOSE, IN(THERE, 1, &INT_1), IN(THERE, 1, &INT_1),
+      IN_OPT(THERE, 1, &INT_1), WORK(BYTES, N_VIEWS), OUT_PART(CHOOSE_SOLVER, 1)}},
+    {F(choose_step), RIGCAL_RUNNING,
+     S(NULL) | S(RANGE) | S(STATE) | BIT(RIGCAL_RUNNING),
+     {STATE(CHOOSE_SOLVER, &ok.choose_begun), CHOICE(&INT_2, 1, 0, RIGCAL_ERR_RANGE)}},
+    {F(choose_result), 0, S(STATE) | JOINED | S(CONTRADICTION),
+     {OUT_BAD, IN(CHOOSE_SOLVER, 1, &ok.choose_done)}},
     {F(rig_residuals), 0, S(TOO_FEW) | S(CAPACITY) | ARGS,
      {RIG_WITH_MEMORY(RIG_UNREAD), OUT(NUMBER, 12), ROOM(&SIZE_12, 12, RIGCAL_ERR_CAPACITY), OUT(SIZE, 1),
       LESS(&SIZE_4, N_VIEWS)}},
@@ -1164,8 +1246,9 @@ enum { N_FUNCTIONS = sizeof FUNCTIONS / sizeof FUNCTIONS[0] };
 
 /* Those that take plain numbers only and have an answer for every one. */
 static const char *const HARMLESS[] = {
-    "rigcal_version",      "rigcal_sizeof_real", "rigcal_status_name", "rigcal_status_text",
-    "rigcal_layout_count", "rigcal_pairs_for",   "rigcal_store_size",  "rigcal_rig_work",
+    "rigcal_version",     "rigcal_sizeof_real",  "rigcal_status_name",
+    "rigcal_status_text", "rigcal_layout_count", "rigcal_pairs_for",
+    "rigcal_store_size",  "rigcal_rig_work",     "rigcal_choose_work",
 };
 enum { N_HARMLESS = sizeof HARMLESS / sizeof HARMLESS[0] };
 
@@ -1650,8 +1733,8 @@ static void test_every_public_function_of_the_headers_is_in_the_table(void)
     TEST_ON_HOST_ONLY("it reads the headers");
     TEST_ASSERT_EQUAL_INT(N_FUNCTIONS + N_HARMLESS,
                           HEADER("rigcal.h") + HEADER("rigcal_measure.h") +
-                              HEADER("rigcal_rig.h") + HEADER("rigcal_solvers.h") +
-                              HEADER("rigcal_paper.h"));
+                              HEADER("rigcal_rig.h") + HEADER("rigcal_choose.h") +
+                              HEADER("rigcal_solvers.h") + HEADER("rigcal_paper.h"));
 }
 
 /* ---- what one line of a table cannot tell -------------------------------- */

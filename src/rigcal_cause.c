@@ -127,7 +127,7 @@ static int permute(rigcal_cause_solver *s, size_t row)
     const rigcal_symmetries *const sym = s->symmetries;
     const int32_t *const number = &sym->permutations[row * sym->n_points];
     const rigcal_observation *const from = s->seen.view.observations;
-    if (s->seen.view.n != sym->n_points) {
+    if (rc_check_view(&s->seen.view) != RIGCAL_OK || s->seen.view.n != sym->n_points) {
         return 0;
     }
     for (size_t i = 0; i < sym->n_points; i++) {
@@ -169,6 +169,13 @@ static void test_swap(rigcal_cause_solver *s, size_t v)
         return;
     }
     rigcal_status status = rc_rig_view_at(&other, s->rig, v);
+    if (status == RIGCAL_OK) {
+        status = rc_check_view(&other.view);
+    }
+    if (status == RIGCAL_OK &&
+        (other.camera < 0 || (size_t)other.camera >= s->rig->n_cameras)) {
+        status = RIGCAL_ERR_RANGE;
+    }
     if (status == RIGCAL_OK) {
         s->lens = *other.view.camera;
         s->acting = other.camera;
@@ -420,6 +427,42 @@ static rigcal_status check_symmetries(const rigcal_symmetries *sym)
     return RIGCAL_OK;
 }
 
+/* The poses of all views, and where the placements are of those that are not left out. */
+static rigcal_status check_views(const rigcal_rig *rig)
+{
+    int32_t before = 0;
+    for (size_t v = 0; v < rig->n_views; v++) {
+        rigcal_view_pose own;
+        rc_sym6_factor L;
+        rigcal_status status = rc_rig_pose_at(&own, rig, v);
+        if (status == RIGCAL_OK) {
+            status = rc_check_transform(&own.cam_from_target);
+        }
+        if (status == RIGCAL_OK) {
+            status = rc_check_numbers(own.information, 21, RC_MAX);
+        }
+        if (status == RIGCAL_OK &&
+            (own.camera < 0 || (size_t)own.camera >= rig->n_cameras || own.placement < 0 ||
+             (size_t)own.placement >= rig->n_placements)) {
+            status = RIGCAL_ERR_RANGE;
+        }
+        if (status == RIGCAL_OK && !rc_sym6_factor_of(&L, own.information, 0)) {
+            status = RIGCAL_ERR_DEGENERATE;
+        }
+        if (status == RIGCAL_OK && own.placement < before) {
+            status = RIGCAL_ERR_UNSORTED;
+        }
+        if (status == RIGCAL_OK && !rc_rig_is_left_out(rig, v)) {
+            status = rc_check_transform(&rig->rig_from_placements[own.placement]);
+        }
+        if (status != RIGCAL_OK) {
+            return status;
+        }
+        before = own.placement;
+    }
+    return RIGCAL_OK;
+}
+
 /* Of view or camera `number`. */
 static rigcal_status begin(rigcal_cause_solver *s, const rigcal_rig *rig,
                            rigcal_real limit_px2, const rigcal_symmetries *symmetries,
@@ -443,6 +486,9 @@ static rigcal_status begin(rigcal_cause_solver *s, const rigcal_rig *rig,
     }
     for (size_t c = 0; status == RIGCAL_OK && c < rig->n_cameras; c++) {
         status = rc_check_transform(&rig->cams_from_rig[c]);
+    }
+    if (status == RIGCAL_OK) {
+        status = check_views(rig);
     }
     if (status == RIGCAL_OK) {
         status = check_symmetries(symmetries);

@@ -818,9 +818,8 @@ typedef struct {
         COUNT(&SIZE_6, 1, RIGCAL_ERR_TOO_FEW), WORK(NUMBER, JUDGE_WORK), \
         ROOM(&SIZE_TO_JUDGE, JUDGE_WORK, RIGCAL_ERR_CAPACITY)
 /* Whether it is there, second_poses, takes, sigma_px. */
-#define JUDGE_CHOICE \
-    IN(THERE, 1, &INT_1), IN_OPT(SECOND_POSE, N_VIEWS, ok.view_poses), \
-        STATE(TAKES, ok.takes), VALUE(POSITIVE, &REAL_SIGMA)
+#define JUDGE_CHOICE(second) \
+    IN(THERE, 1, &INT_1), second, STATE(TAKES, ok.takes), VALUE(POSITIVE, &REAL_SIGMA)
 /* With the poses of its views, a judgement and a symmetry by its parts. */
 #define RIG_OF_CAUSE \
     IN(THERE, 1, &INT_1), IN(TRANSFORM, N_CAMERAS, ok.poses), \
@@ -1330,10 +1329,11 @@ static const function FUNCTIONS[] = {
     {F(choose_result), 0, S(STATE) | JOINED | S(CONTRADICTION),
      {OUT_BAD, IN(CHOOSE_SOLVER, 1, &ok.choose_done)}},
     {F(rig_judge), 0, ADJUSTED | BIT(RIGCAL_VIEWS_LEFT_OUT),
-     {RIG_TO_JUDGE(IN(TRANSFORM, N_PLACEMENTS, ok.placements)), IN(RIG_VIEW, N_VIEWS, ok.rig_views), IN(VIEW_POSE, N_VIEWS, ok.view_poses), JUDGE_CHOICE,
+     {RIG_TO_JUDGE(IN(TRANSFORM, N_PLACEMENTS, ok.placements)), IN(RIG_VIEW, N_VIEWS, ok.rig_views), IN(VIEW_POSE, N_VIEWS, ok.view_poses),
+      JUDGE_CHOICE(IN_OPT(SECOND_POSE, N_VIEWS, ok.view_poses)),
       WORK(JUDGED, N_VIEWS), WORK(BYTES, N_VIEWS), OUT(JUDGEMENT, 1), OUT_BAD}},
     {F(judge_begin), 0, ADJUSTED,
-     {RIG_TO_JUDGE(WORK(TRANSFORM, N_PLACEMENTS)), IN(THERE, 1, &INT_1), IN(THERE, 1, &INT_1), JUDGE_CHOICE,
+     {RIG_TO_JUDGE(WORK(TRANSFORM, N_PLACEMENTS)), IN(THERE, 1, &INT_1), IN(THERE, 1, &INT_1), JUDGE_CHOICE(IN_OPT(THERE, 1, &INT_1)),
       WORK(JUDGED, N_VIEWS), WORK(BYTES, N_VIEWS), OUT_PART(JUDGE_SOLVER, 1)}},
     {F(judge_step), RIGCAL_RUNNING,
      S(NULL) | S(RANGE) | S(STATE) | BIT(RIGCAL_RUNNING),

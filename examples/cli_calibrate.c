@@ -127,12 +127,14 @@ static void write_files(const calibration *c, const char *folder)
 {
     cli_output *output = cli_output_begin(folder);
 
+    cli_progress(c->n_views, "writing %s", folder);
     write_poses(cli_output_file(output, "poses.csv"), c);
     write_rig(cli_output_file(output, "rig.csv"), c);
     write_targets(cli_output_file(output, "targets.csv"), c);
     write_pairs(cli_output_file(output, "pairs.csv"), c);
     write_residuals(cli_output_file(output, "residuals.csv"), c);
     cli_output_finish(output);
+    cli_progress_end();
 }
 
 /* ==== the command ========================================================= */

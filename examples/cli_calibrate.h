@@ -62,6 +62,7 @@ typedef struct {
 
     view *views; /* those solved, by camera and frame */
     size_t n_views;
+    size_t n_bad_fits; /* views whose points do not fit their pose */
 
     known_cameras known;
     size_t *camera;     /* of the rig's camera, the number of its name */
@@ -81,6 +82,13 @@ typedef struct {
 /* The pose taken, and the best of those not taken, or NULL. */
 const rigcal_pose *view_taken(const view *v);
 const rigcal_pose *view_second(const view *v);
+
+/* The views of a camera, by frame: *first up to the one that is returned. */
+const view *views_of(const view **first, const calibration *c, size_t camera);
+
+/* What the library is given of the view: the points that count. They hold until the next
+ * call. */
+rigcal_view view_points(const calibration *c, const view *v);
 
 /* Takes one of the view's poses, and measures what follows from it. */
 void view_take(const calibration *c, view *v, size_t pose);

@@ -88,13 +88,11 @@ void cli_fail(const char *format, ...)
     exit(CLI_USAGE);
 }
 
-CLI_NORETURN static void fail_line(const csv_table *table, size_t line, const char *format,
-                                   ...) CLI_PRINTF(3, 4);
-
-static void fail_line(const csv_table *table, size_t line, const char *format, ...)
+void csv_fail_line(const csv_table *table, size_t line, const char *format, ...)
 {
     va_list arguments;
 
+    cli_progress_end();
     va_start(arguments, format);
     fprintf(stderr, "%s:%lu: ", table->path, (unsigned long)line);
     complain(format, arguments);
@@ -106,6 +104,7 @@ void csv_fail(const csv_table *table, size_t row, const char *format, ...)
 {
     va_list arguments;
 
+    cli_progress_end();
     va_start(arguments, format);
     fprintf(stderr, "%s:%lu: ", table->path, (unsigned long)table->lines[row]);
     complain(format, arguments);
@@ -115,7 +114,7 @@ void csv_fail(const csv_table *table, size_t row, const char *format, ...)
 
 /* All memory there is, to be freed at the end. */
 static void **blocks;
-static size_t n_blocks;
+static size_t n_blocks, room_for_blocks;
 
 static void free_blocks(void)
 {
@@ -128,47 +127,91 @@ static void free_blocks(void)
 void *cli_alloc(size_t count, size_t size)
 {
     void *memory = calloc(count > 0 ? count : 1, size);
-    void **list = realloc(blocks, (n_blocks + 1) * sizeof *blocks);
 
     if (n_blocks == 0) {
         atexit(free_blocks);
     }
-    if (list != NULL) {
+    if (n_blocks == room_for_blocks) {
+        const size_t room = 2 * room_for_blocks + 64;
+        void **list = realloc(blocks, room * sizeof *blocks);
+
+        if (list == NULL) {
+            free(memory);
+            cli_fail("out of memory");
+        }
         blocks = list;
-        blocks[n_blocks++] = memory;
+        room_for_blocks = room;
     }
-    if (memory == NULL || list == NULL) {
+    if (memory == NULL) {
         cli_fail("out of memory");
     }
+    blocks[n_blocks++] = memory;
     return memory;
+}
+
+/* The place of a block in the list. The last ones are looked at first. */
+static size_t find_block(const void *memory)
+{
+    size_t i = n_blocks;
+
+    while (i > 0 && blocks[i - 1] != memory) {
+        i--;
+    }
+    if (i == 0) {
+        cli_fail(
+            "memory that cli_alloc did not give is freed: this is a mistake in rigcal");
+    }
+    return i - 1;
+}
+
+void *cli_resize(void *memory, size_t count, size_t size)
+{
+    const size_t i = find_block(memory);
+    void *resized =
+        size > 0 && count > SIZE_MAX / size ? NULL : realloc(memory, count * size + 1);
+
+    if (resized == NULL) {
+        cli_fail("out of memory");
+    }
+    return blocks[i] = resized;
+}
+
+void cli_free(void *memory)
+{
+    const size_t i = find_block(memory);
+
+    free(memory);
+    blocks[i] = blocks[--n_blocks];
 }
 
 /* ==== the file, its lines, its fields ===================================== */
 
-/* The whole file and a NUL behind it. */
-static char *read_all(const char *path, size_t *length)
-{
-    size_t room = 65536;
-    char *text = cli_alloc(room, 1), *larger;
-    FILE *file = fopen(path, "rb");
+/* A file that is read line by line. */
+struct csv_source {
+    FILE *file;
+    char *text; /* what has been read and not been used: from `begin` to `end` */
+    size_t room, begin, end;
+    size_t line; /* the last one that was handed out */
+    int is_over; /* there is no more to read */
+};
 
-    if (file == NULL) {
-        cli_fail("cannot read %s: %s", path, strerror(errno));
+/* Reads on, until there is no room. */
+static void fill(const csv_table *table)
+{
+    csv_source *s = table->source;
+
+    memmove(s->text, s->text + s->begin, s->end - s->begin);
+    s->end -= s->begin;
+    s->begin = 0;
+    if (s->end == s->room) {
+        s->room *= 2;
+        s->text = cli_resize(s->text, s->room + 1, 1);
     }
-    *length = fread(text, 1, room, file);
-    while (*length == room) {
-        larger = cli_alloc(2 * room, 1);
-        memcpy(larger, text, room);
-        text = larger;
-        room *= 2;
-        *length += fread(text + *length, 1, room - *length, file);
+    s->end += fread(s->text + s->end, 1, s->room - s->end, s->file);
+    if (ferror(s->file)) {
+        cli_fail("cannot read %s: %s", table->path, strerror(errno));
     }
-    if (ferror(file)) {
-        cli_fail("cannot read %s: %s", path, strerror(errno));
-    }
-    fclose(file);
-    text[*length] = '\0';
-    return text;
+    s->is_over = s->end < s->room;
 }
 
 /* Makes a string of the line from text to stop, without its CR. Control
@@ -183,8 +226,9 @@ static void end_line(const csv_table *table, size_t line, const char *text, char
     *stop = '\0';
     for (c = text; c < stop; c++) {
         if (((unsigned char)*c < ' ' && *c != '\t') || *c == 0x7f) {
-            fail_line(table, line, "byte %u does not belong in text: is this a CSV file?",
-                      (unsigned)(unsigned char)*c);
+            csv_fail_line(table, line,
+                          "byte %u does not belong in text: is this a CSV file?",
+                          (unsigned)(unsigned char)*c);
         }
     }
 }
@@ -204,22 +248,29 @@ static size_t count_of(char wanted, const char *text, const char *end)
     return count;
 }
 
-/* Lists the lines that are not blank, the header first. Returns how many. */
-static size_t cut_lines(csv_table *table, char *starts[], char *text, char *end)
+/* The next line that is not blank, as a string that holds until the next call. NULL: there
+ * is none. */
+static char *next_line(const csv_table *table)
 {
-    size_t line, count = 0;
+    csv_source *s = table->source;
+    char *text, *newline, *stop;
 
-    for (line = 1; text != NULL; line++) {
-        char *newline = memchr(text, '\n', (size_t)(end - text));
-
-        end_line(table, line, text, newline != NULL ? newline : end);
-        if (!is_blank(text)) {
-            table->lines[count] = line;
-            starts[count++] = text;
+    do {
+        newline = memchr(s->text + s->begin, '\n', s->end - s->begin);
+        while (newline == NULL && !s->is_over) {
+            fill(table);
+            newline = memchr(s->text, '\n', s->end);
         }
-        text = newline != NULL ? newline + 1 : NULL;
-    }
-    return count;
+        if (newline == NULL && s->begin == s->end) {
+            return NULL;
+        }
+        text = s->text + s->begin;
+        stop = newline != NULL ? newline : s->text + s->end;
+        s->begin = (size_t)(stop - s->text) + (newline != NULL ? 1 : 0);
+        s->line++;
+        end_line(table, s->line, text, stop);
+    } while (is_blank(text));
+    return text;
 }
 
 static void cut_fields(char *fields[], char *text)
@@ -238,66 +289,115 @@ static void check_fields(const csv_table *table, size_t line, const char *text)
     const size_t count = 1 + count_of(',', text, text + strlen(text));
 
     if (count != table->n_columns) {
-        fail_line(table, line,
-                  "%lu field%s where the header has %lu: look for a comma too few "
-                  "or too many, or a decimal comma",
-                  (unsigned long)count, count == 1 ? "" : "s",
-                  (unsigned long)table->n_columns);
+        csv_fail_line(table, line,
+                      "%lu field%s where the header has %lu: look for a comma too few "
+                      "or too many, or a decimal comma",
+                      (unsigned long)count, count == 1 ? "" : "s",
+                      (unsigned long)table->n_columns);
     }
 }
 
-static void cut_table(csv_table *table, char *starts[], size_t n_lines)
+static char *copy_of(const char *text)
 {
-    size_t i;
+    char *copy = cli_alloc(strlen(text) + 1, 1);
 
-    if (n_lines == 0) {
-        fail_line(table, 1, "there is no header line: the file is empty");
+    return strcpy(copy, text);
+}
+
+static void read_header(csv_table *table)
+{
+    char *text = next_line(table);
+
+    if (text == NULL) {
+        csv_fail_line(table, 1, "there is no header line: the file is empty");
     }
-    table->header_line = table->lines[0];
-    table->n_columns = 1 + count_of(',', starts[0], starts[0] + strlen(starts[0]));
-    if (n_lines == 1) {
-        fail_line(table, table->header_line, "there are no data lines after the header");
-    }
-    table->n_rows = n_lines - 1;
-    for (i = 1; i < n_lines; i++) {
-        check_fields(table, table->lines[i], starts[i]);
-        table->lines[i - 1] = table->lines[i];
-    }
+    table->header_line = table->source->line;
+    table->n_columns = 1 + count_of(',', text, text + strlen(text));
     table->columns = cli_alloc(table->n_columns, sizeof *table->columns);
-    table->cells = cli_alloc(table->n_rows, table->n_columns * sizeof *table->cells);
-    cut_fields(table->columns, starts[0]);
-    for (i = 0; i < table->n_rows; i++) {
-        cut_fields(table->cells + i * table->n_columns, starts[i + 1]);
-    }
+    cut_fields(table->columns, copy_of(text));
 }
 
-static void refuse_foreign(const csv_table *table, const char *text, size_t length)
+void csv_open(csv_table *table, const char *path)
 {
-    const char *foreign = cli_foreign(text, length);
+    enum { ROOM = 65536 };
+    static const char BYTE_ORDER_MARK[] = "\xef\xbb\xbf";
+    csv_source *s = cli_alloc(1, sizeof *s);
+    const char *foreign;
 
-    if (foreign != NULL) {
-        fail_line(table, 1, "%s", foreign);
+    memset(table, 0, sizeof *table);
+    table->path = path;
+    table->source = s;
+    s->room = ROOM;
+    s->text = cli_alloc(s->room + 1, 1);
+    s->file = fopen(path, "rb");
+    if (s->file == NULL) {
+        cli_fail("cannot read %s: %s", path, strerror(errno));
     }
+    fill(table);
+    if (s->end >= 3 && strncmp(s->text, BYTE_ORDER_MARK, 3) == 0) {
+        s->begin = 3;
+    }
+    foreign = cli_foreign(s->text + s->begin, s->end - s->begin);
+    if (foreign != NULL) {
+        csv_fail_line(table, 1, "%s", foreign);
+    }
+    read_header(table);
+    table->cells = cli_alloc(table->n_columns, sizeof *table->cells);
+    table->lines = cli_alloc(1, sizeof *table->lines);
+}
+
+/* The next row as a string that holds until the next call. NULL: there is none. */
+static char *next_row(csv_table *table)
+{
+    csv_source *s = table->source;
+    char *text = next_line(table);
+
+    if (text != NULL) {
+        check_fields(table, s->line, text);
+        table->n_rows++;
+        return text;
+    }
+    if (table->n_rows == 0) {
+        csv_fail_line(table, table->header_line,
+                      "there are no data lines after the header");
+    }
+    fclose(s->file);
+    cli_free(s->text);
+    cli_free(s);
+    table->source = NULL;
+    return NULL;
+}
+
+int csv_next(csv_table *table)
+{
+    char *text = next_row(table);
+
+    if (text == NULL) {
+        return 0;
+    }
+    table->lines[0] = table->source->line;
+    cut_fields(table->cells, text);
+    return 1;
 }
 
 void csv_read(csv_table *table, const char *path)
 {
-    static const char BYTE_ORDER_MARK[] = "\xef\xbb\xbf";
-    size_t length, n_lines;
-    char *begin, *end, **starts;
+    size_t room = 1;
+    char *text;
 
-    memset(table, 0, sizeof *table);
-    table->path = path;
-    begin = read_all(path, &length);
-    end = begin + length;
-    if (strncmp(begin, BYTE_ORDER_MARK, 3) == 0) {
-        begin += 3;
+    csv_open(table, path);
+    while ((text = next_row(table)) != NULL) {
+        const size_t row = table->n_rows - 1;
+
+        if (row == room) {
+            room *= 2;
+            table->lines = cli_resize(table->lines, room, sizeof *table->lines);
+            table->cells =
+                cli_resize(table->cells, room * table->n_columns, sizeof *table->cells);
+        }
+        table->lines[row] = table->source->line;
+        cut_fields(table->cells + row * table->n_columns, copy_of(text));
     }
-    refuse_foreign(table, begin, (size_t)(end - begin));
-    n_lines = 1 + count_of('\n', begin, end);
-    table->lines = cli_alloc(n_lines, sizeof *table->lines);
-    starts = cli_alloc(n_lines, sizeof *starts);
-    cut_table(table, starts, cut_lines(table, starts, begin, end));
 }
 
 /* ==== columns, cells ====================================================== */
@@ -311,8 +411,8 @@ static size_t find_column(const csv_table *table, const char *name)
             continue;
         }
         if (found != CSV_NONE) {
-            fail_line(table, table->header_line,
-                      "column %s is there more than once: leave one", name);
+            csv_fail_line(table, table->header_line,
+                          "column %s is there more than once: leave one", name);
         }
         found = column;
     }
@@ -326,8 +426,8 @@ static void refuse_alike(const csv_table *table, const char *name)
 
     for (column = 0; column < table->n_columns; column++) {
         if (cli_look_alike(table->columns[column], name)) {
-            fail_line(table, table->header_line, "column \"%s\" must be spelled %s",
-                      table->columns[column], name);
+            csv_fail_line(table, table->header_line, "column \"%s\" must be spelled %s",
+                          table->columns[column], name);
         }
     }
 }
@@ -351,17 +451,17 @@ size_t csv_column(const csv_table *table, const char *name)
         return column;
     }
     if (table->form == NULL) {
-        fail_line(table, table->header_line, "there is no column %s", name);
+        csv_fail_line(table, table->header_line, "there is no column %s", name);
     }
     form = cli_form(table);
     if (form != NULL && strcmp(form, table->form) != 0) {
-        fail_line(table, table->header_line,
-                  "there is no column %s: this looks like %s, where %s is wanted", name,
-                  form, table->form);
+        csv_fail_line(table, table->header_line,
+                      "there is no column %s: this looks like %s, where %s is wanted", name,
+                      form, table->form);
     }
-    fail_line(table, table->header_line,
-              "there is no column %s: examples/data/FORMAT.md lists those of %s", name,
-              table->form);
+    csv_fail_line(table, table->header_line,
+                  "there is no column %s: examples/data/FORMAT.md lists those of %s", name,
+                  table->form);
 }
 
 static const char *cell(const csv_table *table, size_t row, size_t column)

@@ -35,21 +35,36 @@ void cli_progress_end(void);
  * which for a program that ends soon, and may end anywhere, is soon enough. */
 void *cli_alloc(size_t count, size_t size);
 
+/* The same for memory of cli_alloc: as many things as it held before stay, what is added is
+ * not zeroed. It is freed before the program ends. */
+void *cli_resize(void *memory, size_t count, size_t size);
+void cli_free(void *memory);
+
 /* The number a text begins with: decimal, finite and within rigcal_real, else
  * *problem says what it is not. Returns where the number ends. */
 const char *cli_number(double *value, const char **problem, const char *text);
+
+typedef struct csv_source csv_source;
 
 typedef struct {
     const char *path;
     const char *form; /* what it should be, "cameras.csv" and the like; NULL: any */
     char **columns;   /* n_columns names */
-    char **cells;     /* n_rows x n_columns */
-    size_t *lines;    /* line in the file, of each row */
+    char **cells;     /* of the rows that are held, n_columns each */
+    size_t *lines;    /* line in the file, of each */
     size_t header_line;
     size_t n_columns, n_rows; /* at least 1 of each */
+    csv_source *source;       /* while the file is read */
 } csv_table;
 
+/* All of a file. */
 void csv_read(csv_table *table, const char *path);
+
+/* Row by row, for a file that is large: csv_open reads the header. csv_next reads the next
+ * row, and returns 0 if there is none; that row is number 0, and the ones before it have
+ * gone. */
+void csv_open(csv_table *table, const char *path);
+int csv_next(csv_table *table);
 
 /* Column of that name. It must be there; optional ones give CSV_NONE if not. */
 #define CSV_NONE ((size_t)-1)
@@ -66,5 +81,9 @@ const char *csv_id(const csv_table *table, size_t row, size_t column);
 /* Ends the program with "file:line: " of that row and the message. */
 CLI_NORETURN void csv_fail(const csv_table *table, size_t row, const char *format, ...)
     CLI_PRINTF(3, 4);
+
+/* The same by the number of the line. */
+CLI_NORETURN void csv_fail_line(const csv_table *table, size_t line, const char *format,
+                                ...) CLI_PRINTF(3, 4);
 
 #endif

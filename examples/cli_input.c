@@ -85,7 +85,7 @@ void cli_cameras_read(cli_cameras *cameras, const char *path)
 
     csv_read(table, path);
     table->form = "cameras.csv";
-    cli_names_open(&cameras->names, table->n_rows);
+    cli_names_open(&cameras->names);
     cameras->camera = cli_alloc(table->n_rows, sizeof *cameras->camera);
     column = csv_column(table, "camera");
     for (row = 0; row < table->n_rows; row++) {
@@ -109,7 +109,7 @@ static int by_point(const void *left, const void *right)
 
     order = order != 0 ? order : compare(a->point, b->point);
     order = order != 0 ? order : compare(a->camera, b->camera);
-    return order != 0 ? order : compare(a->row, b->row);
+    return order != 0 ? order : compare(a->line, b->line);
 }
 
 static int by_view(const void *left, const void *right)
@@ -118,7 +118,7 @@ static int by_view(const void *left, const void *right)
     int order = compare(a->camera, b->camera);
 
     order = order != 0 ? order : compare(a->frame, b->frame);
-    return order != 0 ? order : compare(a->row, b->row);
+    return order != 0 ? order : compare(a->line, b->line);
 }
 
 void cli_observations_by_view(cli_observations *observations)
@@ -158,13 +158,12 @@ static const contradiction *find_contradiction(const cli_observation *a,
 /* Of all contradictions, the one that the file tells first. */
 static void check_contradictions(const cli_observations *observations)
 {
-    const csv_table *table = &observations->table;
     const cli_observation *list = observations->list;
     const contradiction *first = NULL;
-    size_t i, at = 0, other = 0;
+    size_t i, at = 0, other = 0, point = 0;
 
     for (i = 1; i < observations->count; i++) {
-        const size_t a = list[i - 1].row, b = list[i].row;
+        const size_t a = list[i - 1].line, b = list[i].line;
         const size_t later = a > b ? a : b;
         const contradiction *found = find_contradiction(&list[i - 1], &list[i]);
 
@@ -172,13 +171,13 @@ static void check_contradictions(const cli_observations *observations)
             first = found;
             at = later;
             other = a > b ? b : a;
+            point = list[i].point;
         }
     }
     if (first != NULL) {
-        csv_fail(table, at, "point %s %s on line %lu%s%s",
-                 csv_id(table, at, csv_column(table, "point")), first->what,
-                 (unsigned long)table->lines[other], *first->advice == ':' ? "" : " ",
-                 first->advice);
+        csv_fail_line(&observations->table, at, "point %s %s on line %lu%s%s",
+                      observations->points.name[point], first->what, (unsigned long)other,
+                      *first->advice == ':' ? "" : " ", first->advice);
     }
 }
 
@@ -214,7 +213,6 @@ static int is_outside(const cli_observation *o, const cli_cameras *cameras)
 /* In one line: such pixels are used, but seldom right. */
 static void tell_outside(const cli_observations *observations, const cli_cameras *cameras)
 {
-    const csv_table *table = &observations->table;
     const cli_observation *first = NULL;
     size_t i, count = 0;
 
@@ -222,25 +220,38 @@ static void tell_outside(const cli_observations *observations, const cli_cameras
         const cli_observation *o = &observations->list[i];
 
         if (is_outside(o, cameras)) {
-            first = first == NULL || o->row < first->row ? o : first;
+            first = first == NULL || o->line < first->line ? o : first;
             count++;
         }
     }
     if (first != NULL) {
         cli_say("%s: %lu pixel%s outside the image, the first on line %lu: "
                 "(%.6g, %.6g) of camera %s, %ld x %ld. Check u, v, width and height",
-                table->path, (unsigned long)count, count == 1 ? " is" : "s are",
-                (unsigned long)table->lines[first->row], (double)first->seen.uv[0],
-                (double)first->seen.uv[1], cameras->names.name[first->camera],
+                observations->table.path, (unsigned long)count,
+                count == 1 ? " is" : "s are", (unsigned long)first->line,
+                (double)first->seen.uv[0], (double)first->seen.uv[1],
+                cameras->names.name[first->camera],
                 (long)cameras->camera[first->camera].width,
                 (long)cameras->camera[first->camera].height);
     }
 }
 
+/* Another one, at the end of the list. */
+static cli_observation *add_observation(cli_observations *observations, size_t *room)
+{
+    if (observations->count == *room) {
+        *room += *room / 2 + 1024;
+        observations->list =
+            cli_resize(observations->list, *room, sizeof *observations->list);
+    }
+    return &observations->list[observations->count++];
+}
+
 static void read_observations(cli_observations *observations, const cli_cameras *cameras,
                               int targets)
 {
-    const csv_table *table = &observations->table;
+    enum { SHOWN = 100000 };
+    csv_table *table = &observations->table;
     const size_t frame = csv_column(table, "frame");
     const size_t camera = csv_column(table, "camera");
     const size_t point = csv_column(table, "point");
@@ -248,20 +259,27 @@ static void read_observations(cli_observations *observations, const cli_cameras 
     const size_t Y = targets ? csv_column(table, "Y") : CSV_NONE;
     const size_t Z = targets ? csv_column(table, "Z") : CSV_NONE;
     const size_t u = csv_column(table, "u"), v = csv_column(table, "v");
-    size_t row;
+    size_t room = 0;
 
-    for (row = 0; row < table->n_rows; row++) {
-        cli_observation *o = &observations->list[row];
+    while (csv_next(table)) {
+        cli_observation *o = add_observation(observations, &room);
 
-        o->row = row;
-        o->frame = cli_names_add(&observations->frames, csv_id(table, row, frame));
-        o->camera = find_camera(cameras, table, row, camera);
-        o->point = cli_names_add(&observations->points, csv_id(table, row, point));
-        o->seen.X_w[0] = csv_real(table, row, X);
-        o->seen.X_w[1] = csv_real(table, row, Y);
-        o->seen.X_w[2] = csv_real(table, row, Z);
-        o->seen.uv[0] = csv_real(table, row, u);
-        o->seen.uv[1] = csv_real(table, row, v);
+        if (table->lines[0] > UINT32_MAX) {
+            csv_fail(table, 0, "the file has more lines than can be counted");
+        }
+        o->line = (uint32_t)table->lines[0];
+        o->frame = (uint32_t)cli_names_add(&observations->frames, csv_id(table, 0, frame));
+        o->camera = (uint32_t)find_camera(cameras, table, 0, camera);
+        o->point = (uint32_t)cli_names_add(&observations->points, csv_id(table, 0, point));
+        o->seen.X_w[0] = csv_real(table, 0, X);
+        o->seen.X_w[1] = csv_real(table, 0, Y);
+        o->seen.X_w[2] = csv_real(table, 0, Z);
+        o->seen.uv[0] = csv_real(table, 0, u);
+        o->seen.uv[1] = csv_real(table, 0, v);
+        if (o->line % SHOWN == 0) {
+            cli_progress(o->line, "reading %s, line %lu", table->path,
+                         (unsigned long)o->line);
+        }
     }
 }
 
@@ -270,13 +288,15 @@ void cli_observations_read(cli_observations *observations, const char *path,
 {
     csv_table *table = &observations->table;
 
-    csv_read(table, path);
+    csv_open(table, path);
     table->form = "observations.csv";
-    cli_names_open(&observations->frames, table->n_rows);
-    cli_names_open(&observations->points, table->n_rows);
-    observations->count = table->n_rows;
-    observations->list = cli_alloc(table->n_rows, sizeof *observations->list);
+    cli_names_open(&observations->frames);
+    cli_names_open(&observations->points);
+    observations->count = 0;
+    observations->list = cli_alloc(1, sizeof *observations->list);
     read_observations(observations, cameras, targets);
+    observations->list =
+        cli_resize(observations->list, observations->count, sizeof *observations->list);
     qsort(observations->list, observations->count, sizeof *observations->list, by_point);
     check_contradictions(observations);
     tell_outside(observations, cameras);
@@ -338,7 +358,7 @@ void cli_transforms_read(cli_transforms *transforms, const char *path, const cha
 
     csv_read(table, path);
     table->form = strcmp(key, "camera") == 0 ? "rig.csv" : "targets.csv";
-    cli_names_open(&transforms->names, table->n_rows);
+    cli_names_open(&transforms->names);
     transforms->transform = cli_alloc(table->n_rows, sizeof *transforms->transform);
     column = csv_column(table, key);
     for (row = 0; row < table->n_rows; row++) {

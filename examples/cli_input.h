@@ -10,14 +10,17 @@
 typedef struct {
     const char **name;
     size_t count;
+    size_t room;
     size_t *slots; /* hash table: number + 1, or 0 */
     size_t n_slots;
+    char *text; /* room for the text of names to come */
+    size_t text_left;
 } cli_names;
 
-/* Room for so many; number of a name, or CLI_UNKNOWN; number of one that is added if
- * it is new: it is, if the number equals the count there was. `name` must stay. */
+/* No names yet; number of a name, or CLI_UNKNOWN; number of one that is added, copied, if
+ * it is new: it is, if the number equals the count there was. */
 #define CLI_UNKNOWN ((size_t)-1)
-void cli_names_open(cli_names *names, size_t most);
+void cli_names_open(cli_names *names);
 size_t cli_names_find(const cli_names *names, const char *name);
 size_t cli_names_add(cli_names *names, const char *name);
 
@@ -30,21 +33,22 @@ const char *cli_names_alike(const cli_names *names, const char *name);
 void cli_names_tell_alike(const cli_names *names, const char *kind, const char *path);
 
 typedef struct {
-    csv_table table; /* holds the text of the names */
+    csv_table table;
     cli_names names;
     rigcal_camera *camera;
 } cli_cameras;
 
 void cli_cameras_read(cli_cameras *cameras, const char *path);
 
+/* There may be millions: the numbers are no larger than they must be. */
 typedef struct {
-    size_t frame, camera, point; /* numbers of their names */
-    size_t row;
     rigcal_observation seen;
+    uint32_t frame, camera, point; /* numbers of their names */
+    uint32_t line;                 /* of the file */
 } cli_observation;
 
 typedef struct {
-    csv_table table;
+    csv_table table; /* its rows have gone */
     cli_names frames, points;
     cli_observation *list;
     size_t count;

@@ -7,12 +7,15 @@
 #include <wchar.h>
 #include <wctype.h>
 
-void cli_names_open(cli_names *names, size_t most)
+void cli_names_open(cli_names *names)
 {
-    names->n_slots = 2 * most + 1;
+    enum { ROOM = 16 };
+
+    memset(names, 0, sizeof *names);
+    names->room = ROOM;
+    names->n_slots = 2 * names->room + 1;
     names->slots = cli_alloc(names->n_slots, sizeof *names->slots);
-    names->name = cli_alloc(most, sizeof *names->name);
-    names->count = 0;
+    names->name = cli_alloc(names->room, sizeof *names->name);
 }
 
 /* Where the name is, or the free slot it belongs in (FNV-1a hash). */
@@ -41,15 +44,52 @@ size_t cli_names_find(const cli_names *names, const char *name)
     return number > 0 ? number - 1 : CLI_UNKNOWN;
 }
 
+/* A copy that stays where it is. Many names share a block. */
+static const char *keep(cli_names *names, const char *name)
+{
+    enum { BLOCK = 4096 };
+    const size_t size = strlen(name) + 1;
+    char *copy;
+
+    if (size > names->text_left) {
+        names->text_left = size > BLOCK ? size : BLOCK;
+        names->text = cli_alloc(names->text_left, 1);
+    }
+    copy = memcpy(names->text, name, size);
+    names->text += size;
+    names->text_left -= size;
+    return copy;
+}
+
+/* Room for twice as many. */
+static void enlarge(cli_names *names)
+{
+    size_t i;
+
+    names->room *= 2;
+    names->name = cli_resize(names->name, names->room, sizeof *names->name);
+    cli_free(names->slots);
+    names->n_slots = 2 * names->room + 1;
+    names->slots = cli_alloc(names->n_slots, sizeof *names->slots);
+    for (i = 0; i < names->count; i++) {
+        names->slots[slot_of(names, names->name[i])] = i + 1;
+    }
+}
+
 size_t cli_names_add(cli_names *names, const char *name)
 {
-    const size_t slot = slot_of(names, name);
+    size_t slot = slot_of(names, name);
 
-    if (names->slots[slot] == 0) {
-        names->name[names->count++] = name;
-        names->slots[slot] = names->count;
+    if (names->slots[slot] != 0) {
+        return names->slots[slot] - 1;
     }
-    return names->slots[slot] - 1;
+    if (names->count == names->room) {
+        enlarge(names);
+        slot = slot_of(names, name);
+    }
+    names->name[names->count++] = keep(names, name);
+    names->slots[slot] = names->count;
+    return names->count - 1;
 }
 
 /* ==== names that look alike =============================================== */
@@ -83,8 +123,8 @@ static int is_number(double *value, const char *name)
     return problem == NULL && *end == '\0' && strlen(name) <= 15;
 }
 
-/* The same for names that look alike: 5, 05 and 5.0; cam1, Cam1 and CAM01. */
-static const char *key_of(const char *name)
+/* The same for names that look alike: 5, 05 and 5.0; cam1, Cam1 and CAM01. To be freed. */
+static char *key_of(const char *name)
 {
     enum { DIGITS = 9 };
     char *key = cli_alloc(DIGITS * strlen(name) + 32, 1), *end = key;
@@ -112,7 +152,12 @@ static const char *key_of(const char *name)
 
 int cli_look_alike(const char *a, const char *b)
 {
-    return strcmp(key_of(a), key_of(b)) == 0;
+    char *key_a = key_of(a), *key_b = key_of(b);
+    const int is_alike = strcmp(key_a, key_b) == 0;
+
+    cli_free(key_b);
+    cli_free(key_a);
+    return is_alike;
 }
 
 const char *cli_names_alike(const cli_names *names, const char *name)
@@ -134,11 +179,13 @@ void cli_names_tell_alike(const cli_names *names, const char *kind, const char *
     size_t i, n_alike = 0;
     cli_names keys;
 
-    cli_names_open(&keys, names->count);
+    cli_names_open(&keys);
     for (i = 0; i < names->count; i++) {
         const size_t known = keys.count;
-        const size_t number = cli_names_add(&keys, key_of(names->name[i]));
+        char *key = key_of(names->name[i]);
+        const size_t number = cli_names_add(&keys, key);
 
+        cli_free(key);
         if (number == known) {
             first[number] = i;
         } else if (++n_alike <= TOLD) {

@@ -284,14 +284,18 @@ static void print_groups(const calibration *c)
 /* Frames in which both cameras have a view. */
 static size_t shared_placements(const calibration *c, size_t a, size_t b)
 {
-    int *seen = cli_alloc(c->observations.frames.count, sizeof *seen);
-    size_t i, count = 0;
+    const view *of_a, *of_b;
+    const view *end_a = views_of(&of_a, c, c->camera[a]);
+    const view *end_b = views_of(&of_b, c, c->camera[b]);
+    size_t count = 0;
 
-    for (i = 0; i < c->n_views; i++) {
-        seen[c->views[i].frame] |= c->views[i].rig_camera == a;
-    }
-    for (i = 0; i < c->n_views; i++) {
-        count += c->views[i].rig_camera == b && seen[c->views[i].frame];
+    while (of_a < end_a && of_b < end_b) {
+        count += of_a->frame == of_b->frame;
+        if (of_a->frame <= of_b->frame) {
+            of_a++;
+        } else {
+            of_b++;
+        }
     }
     return count;
 }

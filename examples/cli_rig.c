@@ -52,17 +52,22 @@ static void number_cameras(calibration *c)
     }
 }
 
-/* The points of the view that count, copied to `observed`; returns how many. */
-static size_t copy_points(rigcal_observation observed[], const view *v)
+/* The library's view of ours. Its points are gathered when they are asked for: no more than
+ * one view of them is there twice. */
+static void fill_view(rigcal_rig_view *seen, const calibration *c, const view *v)
 {
-    size_t k, n = 0;
+    memset(seen, 0, sizeof *seen);
+    seen->view = view_points(c, v);
+    seen->camera = (int32_t)v->rig_camera;
+    seen->placement = (int32_t)v->frame;
+}
 
-    for (k = 0; k < v->n_seen; k++) {
-        if (!view_leaves_out(v, k)) {
-            observed[n++] = v->first[k].seen;
-        }
-    }
-    return n;
+static rigcal_status view_at(rigcal_rig_view *seen, size_t index, void *context)
+{
+    const calibration *c = context;
+
+    fill_view(seen, c, &c->views[c->view_of[index]]);
+    return RIGCAL_OK;
 }
 
 static void say_of_view(const calibration *c, const view *v, const char *what,
@@ -74,8 +79,6 @@ static void say_of_view(const calibration *c, const view *v, const char *what,
 
 static void gather_views(calibration *c)
 {
-    rigcal_observation *observed = cli_alloc(c->observations.count, sizeof *observed);
-    rigcal_rig_view *views = cli_alloc(c->n_views, sizeof *views);
     rigcal_view_pose *poses = cli_alloc(c->n_views, sizeof *poses);
     place *places = cli_alloc(c->n_views, sizeof *places);
     size_t i, n = 0;
@@ -88,26 +91,22 @@ static void gather_views(calibration *c)
     qsort(places, c->n_views, sizeof *places, compare_places);
     for (i = 0; i < c->n_views; i++) {
         view *v = &c->views[places[i].view];
-        const size_t n_points = copy_points(observed, v);
-        const rigcal_rig_view seen = {
-            {&c->cameras.camera[v->camera], observed, NULL, n_points},
-            (int32_t)v->rig_camera,
-            (int32_t)v->frame,
-            0};
-        const rigcal_status status =
-            rigcal_view_pose_make(&poses[n], &seen, &view_taken(v)->cam_from_world);
+        rigcal_rig_view seen;
+        rigcal_status status;
 
+        fill_view(&seen, c, v);
+        status = rigcal_view_pose_make(&poses[n], &seen, &view_taken(v)->cam_from_world);
         v->in_rig = status == RIGCAL_OK;
         if (v->in_rig) {
-            c->view_of[n] = places[i].view;
-            views[n++] = seen;
-            observed += n_points;
+            c->view_of[n++] = places[i].view;
         } else {
             say_of_view(c, v, "is left out of the rig", status);
             c->exit_status = CLI_GEOMETRY;
         }
     }
-    c->rig.views = views;
+    cli_free(places);
+    c->rig.view_source = view_at;
+    c->rig.context = c;
     c->rig.view_poses = poses;
     c->rig.n_views = n;
 }
@@ -244,8 +243,10 @@ static void name_disconnected(const calibration *c)
 static int join_rig(calibration *c)
 {
     int32_t at_fault = -1;
-    const rigcal_status status = rigcal_rig_join(&c->rig, &at_fault);
+    rigcal_status status;
 
+    cli_progress(c->rig.n_views, "joining %lu views", (unsigned long)c->rig.n_views);
+    status = rigcal_rig_join(&c->rig, &at_fault);
     if (status < 0) {
         name_rig_trouble(c, "the cameras cannot be joined", status, at_fault);
         stand_alone(c);

@@ -1,9 +1,6 @@
 /* Which pose of an ambiguous view is taken, by what other frames tell. */
 #include "cli_calibrate.h"
 
-#include <stdlib.h>
-#include <string.h>
-
 /* Poses less likely than this are not weighed against other frames. */
 #define PROBABLE ((rigcal_real)1e-3)
 
@@ -15,30 +12,33 @@
  * one it is off by twice the tilt. A pose is taken if its sum of angles to all
  * such rotations is less than half of every other's; else the likeliest stays. */
 
-/* Views are sorted so. */
-static int compare_views(const void *va, const void *vb)
+/* The first of the views whose camera is this one, or a later one. Views are sorted by
+ * camera and frame. */
+static const view *first_from(const calibration *c, size_t camera)
 {
-    const view *a = va, *b = vb;
+    size_t low = 0, high = c->n_views;
 
-    if (a->camera != b->camera) {
-        return a->camera < b->camera ? -1 : 1;
+    while (low < high) {
+        const size_t middle = low + (high - low) / 2;
+
+        if (c->views[middle].camera < camera) {
+            low = middle + 1;
+        } else {
+            high = middle;
+        }
     }
-    return a->frame < b->frame ? -1 : a->frame > b->frame;
+    return c->views + low;
 }
 
-static const view *find_view(const calibration *c, size_t camera, size_t frame)
+const view *views_of(const view **first, const calibration *c, size_t camera)
 {
-    view key;
-
-    memset(&key, 0, sizeof key);
-    key.camera = camera;
-    key.frame = frame;
-    return bsearch(&key, c->views, c->n_views, sizeof key, compare_views);
+    *first = first_from(c, camera);
+    return first_from(c, camera + 1);
 }
 
 static int is_sure(const view *v)
 {
-    return v != NULL && v->status == RIGCAL_OK && !v->by_paper;
+    return v->status == RIGCAL_OK && !v->by_paper;
 }
 
 static rigcal_real angle_between(const rigcal_transform *a_known,
@@ -59,17 +59,17 @@ static rigcal_real angle_between(const rigcal_transform *a_known,
 static size_t add_angles(rigcal_real sum[RIGCAL_POSES_MAX], const calibration *c,
                          const view *v, const view *b)
 {
-    size_t i, k, n_known = 0;
+    const view *known, *b_known;
+    const view *end = views_of(&known, c, v->camera);
+    const view *b_end = views_of(&b_known, c, b->camera);
+    size_t k, n_known = 0;
 
-    for (i = 0; i < c->n_views; i++) {
-        const view *known = &c->views[i];
-        const view *b_known;
-
-        if (known->camera != v->camera || !is_sure(known)) {
-            continue;
+    for (; known < end; known++) {
+        while (b_known < b_end && b_known->frame < known->frame) {
+            b_known++;
         }
-        b_known = find_view(c, b->camera, known->frame);
-        if (!is_sure(b_known)) {
+        if (b_known == b_end || b_known->frame != known->frame || !is_sure(known) ||
+            !is_sure(b_known)) {
             continue;
         }
         n_known++;

@@ -6,6 +6,10 @@
 
 enum { ROBUST_LEAST = 5 }; /* points that rigcal_robust_solve takes */
 
+/* Views whose bad fit is looked into: a view of 50 points takes some 3 ms, and where most
+ * views are bad they have one cause. */
+enum { DIAGNOSED_MOST = 100 };
+
 const rigcal_pose *view_taken(const view *v)
 {
     return &v->poses[v->taken];
@@ -77,9 +81,7 @@ static rigcal_real distance_to_points(const rigcal_transform *cam_from_target,
     return (rigcal_real)length_of(X_c);
 }
 
-/* What the library is given of the view: the points that count. It holds until the next
- * call. */
-static rigcal_view gather(const calibration *c, const view *v)
+rigcal_view view_points(const calibration *c, const view *v)
 {
     rigcal_view seen = {&c->cameras.camera[v->camera], c->observed, NULL, v->n};
     size_t i, n = 0;
@@ -190,7 +192,7 @@ static rigcal_status solve_robustly(const calibration *c, view *v, const rigcal_
 void view_take(const calibration *c, view *v, size_t pose)
 {
     const rigcal_transform *cam_from_target = &v->poses[pose].cam_from_world;
-    const rigcal_view seen = gather(c, v);
+    const rigcal_view seen = view_points(c, v);
     rigcal_pose_uncertainty u;
 
     v->taken = pose;
@@ -205,7 +207,7 @@ void view_take(const calibration *c, view *v, size_t pose)
 
 static rigcal_status solve(const calibration *c, view *v, int32_t *at_fault)
 {
-    const rigcal_view seen = gather(c, v);
+    const rigcal_view seen = view_points(c, v);
     rigcal_status status;
 
     v->by_paper = c->by_paper;
@@ -272,7 +274,7 @@ static void name_blamed(const calibration *c, const view *v, const rigcal_blame 
 /* What would make a bad fit good, where that can be told. */
 static void name_cause(const calibration *c, const view *v)
 {
-    const rigcal_view seen = gather(c, v);
+    const rigcal_view seen = view_points(c, v);
     rigcal_diagnosis d;
 
     if (rigcal_pose_diagnose(&d, NULL, &seen, &c->pose) != RIGCAL_OK) {
@@ -306,13 +308,23 @@ static void solve_view(calibration *c, const view *v)
         name_trouble(c, solved, at_fault);
     }
     if ((status == RIGCAL_POOR_FIT || status == RIGCAL_ERR_NO_POSE) &&
-        solved->n == solved->n_seen - solved->n_unseen) {
+        solved->n == solved->n_seen - solved->n_unseen &&
+        c->n_bad_fits++ < DIAGNOSED_MOST) {
         name_cause(c, solved);
     }
     if (status < 0) {
         c->exit_status = CLI_GEOMETRY;
     } else {
         c->n_views++;
+    }
+}
+
+static void name_not_diagnosed(const calibration *c)
+{
+    if (c->n_bad_fits > DIAGNOSED_MOST) {
+        cli_say("%lu views fit badly: a cause was looked for in the first %d. Where most "
+                "views do, look at cameras.csv and the target's coordinates first",
+                (unsigned long)c->n_bad_fits, DIAGNOSED_MOST);
     }
 }
 
@@ -336,20 +348,37 @@ static int same_view(const cli_observation *a, const cli_observation *b)
     return a->camera == b->camera && a->frame == b->frame;
 }
 
+/* Views in the list, and the points of the largest. */
+static size_t count_views(const cli_observations *observations, size_t *most)
+{
+    const cli_observation *list = observations->list;
+    size_t begin = 0, end, n_views = 0;
+
+    *most = 3;
+    for (end = 1; end <= observations->count; end++) {
+        if (end == observations->count || !same_view(&list[end - 1], &list[end])) {
+            *most = end - begin > *most ? end - begin : *most;
+            begin = end;
+            n_views++;
+        }
+    }
+    return n_views;
+}
+
 void solve_views(calibration *c)
 {
     const cli_observation *list = c->observations.list;
     const size_t count = c->observations.count;
-    size_t begin, end, n_views = 0, n_done = 0;
+    size_t begin, end, most, n_done = 0;
+    const size_t n_views = count_views(&c->observations, &most);
 
-    for (end = 1; end <= count; end++) {
-        n_views += end == count || !same_view(&list[end - 1], &list[end]);
+    if (c->by_paper) {
+        c->n_pairs = rigcal_pairs_for(most);
+        c->pairs = cli_alloc(c->n_pairs, sizeof *c->pairs);
+        c->bearings = cli_alloc(most, sizeof *c->bearings);
     }
-    c->n_pairs = rigcal_pairs_for(count < 3 ? 3 : count);
-    c->pairs = cli_alloc(c->n_pairs, sizeof *c->pairs);
-    c->bearings = cli_alloc(count, sizeof *c->bearings);
-    c->observed = cli_alloc(count, sizeof *c->observed);
-    c->observed_at = cli_alloc(count, sizeof *c->observed_at);
+    c->observed = cli_alloc(most, sizeof *c->observed);
+    c->observed_at = cli_alloc(most, sizeof *c->observed_at);
     c->views = cli_alloc(n_views, sizeof *c->views);
     for (begin = 0; begin < count; begin = end) {
         view v;
@@ -367,4 +396,5 @@ void solve_views(calibration *c)
         solve_view(c, &v);
     }
     name_not_robust(c);
+    name_not_diagnosed(c);
 }

@@ -673,6 +673,8 @@ typedef struct rigcal_saved_info {
                            a when (int32_t)(a - b) > 0, which survives the wrap at 2^32 */
     uint32_t tag;       /* the caller's, of any meaning: a rig's serial number */
     int32_t n_cameras;  /* 1 .. RIGCAL_STORE_CAMERAS_MAX */
+    int32_t n_free;     /* cameras of the joint covariance (rigcal_store_save_rig); -1: the
+                           bytes hold none */
     int32_t n_bytes;    /* of the stored form, from its first byte on */
     int32_t real_bytes; /* 4 or 8: rigcal_sizeof_real() of who saved it */
 } rigcal_saved_info;
@@ -708,9 +710,10 @@ RIGCAL_API rigcal_status rigcal_store_info(rigcal_saved_info *info, const uint8_
                                            size_t n_bytes);
 
 /* The cameras of such bytes: the first info->n_cameras of cameras[capacity], checked as any
- * input is. By a build of the same precision bit for bit what was saved. A build of the
- * other precision reads them too: a float build rounds to nearest; a double build makes
- * rotations orthonormal to its own rounding.
+ * input is. A camera of a calibrated rig (rigcal_rig.h) gets its own covariance. By a build
+ * of the same precision bit for bit what was saved. A build of the other precision reads
+ * them too: a float build rounds to nearest; a double build makes rotations orthonormal to
+ * its own rounding.
  * Those of rigcal_store_info, ERR_CAPACITY, and ERR_NOT_FINITE (also: too large for a float
  * build), ERR_CAMERA, ERR_ROTATION, ERR_RANGE for numbers that rigcal_store_save would have
  * refused. */

@@ -8,7 +8,7 @@
  *   rigcal_rig_cause      why a view does: turned, late or early, swapped, or unknown
  *   rigcal_camera_cause   why most views of a camera do
  *
- * EQUATIONS.md RIG has the mathematics, (G17) and (G18). */
+ * EQUATIONS.md JUDGE has the mathematics. */
 #ifndef RIGCAL_JUDGE_H
 #define RIGCAL_JUDGE_H
 

@@ -8,6 +8,7 @@
  *   rigcal_rig_join         all cameras and placements from those          no point is read
  *   rigcal_rig_adjust       the same at maximum likelihood, over all points
  *   rigcal_rig_covariance   how sure a camera is, _pair two, _placement the target
+ *   rigcal_calibrated_take  what to keep of it; rigcal_store_save_rig makes bytes of that
  *
  * EQUATIONS.md RIG has the mathematics. */
 #ifndef RIGCAL_RIG_H
@@ -186,6 +187,78 @@ RIGCAL_API rigcal_status rigcal_rig_noise(rigcal_real sigma_px[], rigcal_real fr
 RIGCAL_API rigcal_status rigcal_rig_residuals(rigcal_real duv[], size_t capacity,
                                               size_t *n_written, const rigcal_rig *rig,
                                               size_t view);
+
+/* ==== a calibrated rig, to keep ============================================== */
+
+/* What is left when the views and the memory to work in have gone: the cameras, and the
+ * joint covariance of their poses. The arrays are the caller's. */
+typedef struct rigcal_calibrated_rig {
+    rigcal_mounted_camera *cameras; /* Sigma of each: its own block of the joint one */
+    int32_t *group;                 /* as of rigcal_rig */
+    uint8_t *held;                  /* 1: the camera is held, and has no unknowns; 0 */
+    size_t capacity;                /* of each of the three arrays, in cameras */
+    rigcal_real *Sigma;    /* covariance of (w, dt) of all cameras that are not held, in
+                               their order: the lower triangle row by row */
+    size_t Sigma_capacity; /* its number of reals: RIGCAL_CALIBRATED_SIZE */
+    size_t n_cameras;      /* 1 .. RIGCAL_STORE_CAMERAS_MAX */
+    rigcal_real sigma_px;  /* the noise that Sigma is for; 0: no joint covariance */
+    rigcal_real F, freedom_between, freedom_within; /* as of rigcal_rig_fit */
+} rigcal_calibrated_rig;
+
+/* Reals of Sigma for so many cameras that are not held: at most RIGCAL_STORE_FREE_MAX. */
+#define RIGCAL_STORE_FREE_MAX 3800
+#define RIGCAL_CALIBRATED_SIZE(n_free) (3 * (size_t)(n_free) * (6 * (size_t)(n_free) + 1))
+RIGCAL_API size_t rigcal_calibrated_size(size_t n_free);
+
+/* Takes it out of an adjusted rig. sigma_px > 0 is the noise that Sigma is made for: where
+ * the views disagree, that of the pixels times sqrt(F). Writes all but the pointers, the
+ * capacities and cameras[i].camera, which is the caller's to fill in. fit: of the
+ * adjustment, or NULL: F is not known. OK, ERR_CAPACITY, and those of
+ * rigcal_rig_covariance; nothing is written then. O(n_cameras^2) */
+RIGCAL_API rigcal_status rigcal_calibrated_take(rigcal_calibrated_rig *out,
+                                                const rigcal_rig *rig,
+                                                const rigcal_rig_fit *fit,
+                                                rigcal_real sigma_px);
+
+/* Sigma[6 i + j]: covariance of element i of (w, dt) of camera a and element j of that of
+ * camera b. a == b: of one camera. 0 where one is held. OK, ERR_NULL, ERR_TOO_FEW (no
+ * camera), ERR_CAPACITY, ERR_NOT_FINITE, ERR_RANGE, ERR_STATE (sigma_px is 0). */
+RIGCAL_API rigcal_status rigcal_calibrated_covariance(rigcal_real Sigma[36],
+                                                      const rigcal_calibrated_rig *rig,
+                                                      size_t a, size_t b);
+
+/* As rigcal_rig_pair. The statuses above, ERR_ROTATION, RIGCAL_DISCONNECTED. */
+RIGCAL_API rigcal_status rigcal_calibrated_pair(rigcal_transform *b_from_a,
+                                                rigcal_real Sigma[36],
+                                                const rigcal_calibrated_rig *rig, size_t a,
+                                                size_t b);
+
+/* Bytes that a calibrated rig takes; see "store" in rigcal.h. The function gives 0 for
+ * counts that cannot be stored. */
+#define RIGCAL_STORE_RIG_SIZE_OF(n, n_free, real_bytes) \
+    (RIGCAL_STORE_HEADER_BYTES + 4 * (size_t)(real_bytes) + \
+     (size_t)(n) * (20 + 24 * (size_t)(real_bytes)) + \
+     RIGCAL_CALIBRATED_SIZE(n_free) * (size_t)(real_bytes))
+#define RIGCAL_STORE_RIG_SIZE(n, n_free) \
+    RIGCAL_STORE_RIG_SIZE_OF(n, n_free, sizeof(rigcal_real))
+RIGCAL_API size_t rigcal_store_rig_size(size_t n_cameras, size_t n_free);
+
+/* As rigcal_store_save, of a calibrated rig. cameras[i].Sigma and has_Sigma are not read:
+ * the joint covariance has them. It is checked for variances below 0, correlations beyond
+ * 1, and that the block of each camera is a covariance. The statuses of rigcal_store_save,
+ * and ERR_STATE (sigma_px is 0). */
+RIGCAL_API rigcal_status rigcal_store_save_rig(uint8_t bytes[], size_t capacity,
+                                               size_t *n_bytes,
+                                               const rigcal_calibrated_rig *rig,
+                                               uint32_t sequence, uint32_t tag);
+
+/* As rigcal_store_load, of a calibrated rig: rig has the arrays and their capacities;
+ * rigcal_store_info tells what they must be. Bytes of rigcal_store_save load too: there is
+ * no joint covariance in them, so sigma_px is 0, each camera has its own Sigma, and
+ * rig->Sigma may be NULL. The statuses of rigcal_store_load. */
+RIGCAL_API rigcal_status rigcal_store_load_rig(rigcal_calibrated_rig *rig,
+                                               rigcal_saved_info *info,
+                                               const uint8_t bytes[], size_t n_bytes);
 
 #ifdef __cplusplus
 }

@@ -1,4 +1,4 @@
-/* rc_cost.h - what a view of an adjusted rig costs (RIG in EQUATIONS.md). */
+/* rc_cost.h - what a view of an adjusted rig costs (JUDGE in EQUATIONS.md). */
 #ifndef RC_COST_H
 #define RC_COST_H
 

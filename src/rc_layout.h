@@ -54,8 +54,8 @@
         M(rigcal_mounted_camera, Sigma) M(rigcal_mounted_camera, has_Sigma)        \
     S(rigcal_saved_info)                                                           \
         M(rigcal_saved_info, sequence) M(rigcal_saved_info, tag)                   \
-        M(rigcal_saved_info, n_cameras) M(rigcal_saved_info, n_bytes)              \
-        M(rigcal_saved_info, real_bytes)                                           \
+        M(rigcal_saved_info, n_cameras) M(rigcal_saved_info, n_free)               \
+        M(rigcal_saved_info, n_bytes) M(rigcal_saved_info, real_bytes)             \
     /* rigcal_measure.h */                                                         \
     S(rigcal_point)                                                                \
         M(rigcal_point, X) M(rigcal_point, Sigma) M(rigcal_point, rms_px)          \
@@ -83,6 +83,7 @@
         M(rigcal_rig_fit, sigma_px) M(rigcal_rig_fit, n_points)                    \
         M(rigcal_rig_fit, evals) M(rigcal_rig_fit, F)                              \
         M(rigcal_rig_fit, freedom_between) M(rigcal_rig_fit, freedom_within)       \
+<<<<<<< HEAD
     /* rigcal_choose.h */                                                          \
     S(rigcal_link)                                                                 \
         M(rigcal_link, n_shared) M(rigcal_link, information)                       \
@@ -112,6 +113,15 @@
     S(rigcal_symmetries)                                                           \
         M(rigcal_symmetries, permutations) M(rigcal_symmetries, n_permutations)    \
         M(rigcal_symmetries, n_points) M(rigcal_symmetries, room)                  \
+=======
+    S(rigcal_calibrated_rig)                                                       \
+        M(rigcal_calibrated_rig, cameras) M(rigcal_calibrated_rig, group)          \
+        M(rigcal_calibrated_rig, held) M(rigcal_calibrated_rig, capacity)          \
+        M(rigcal_calibrated_rig, Sigma) M(rigcal_calibrated_rig, Sigma_capacity)   \
+        M(rigcal_calibrated_rig, n_cameras) M(rigcal_calibrated_rig, sigma_px)     \
+        M(rigcal_calibrated_rig, F) M(rigcal_calibrated_rig, freedom_between)      \
+        M(rigcal_calibrated_rig, freedom_within)                                   \
+>>>>>>> rig
     /* rigcal_paper.h */                                                           \
     S(rigcal_bearing)                                                              \
         M(rigcal_bearing, X_w) M(rigcal_bearing, ray)                              \

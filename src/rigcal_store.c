@@ -14,7 +14,8 @@
 
 /* The byte form: DESIGN.md, "Stored calibration". All numbers little-endian. */
 enum {
-    FORM_VERSION = 1,
+    FORM_CAMERAS = 1, /* version: each camera has its own covariance */
+    FORM_RIG = 2,     /* all cameras have a joint one */
     AT_VERSION = 4,
     AT_REAL_BYTES = 6,
     AT_N_CAMERAS = 8,
@@ -25,27 +26,15 @@ enum {
     AT_HEADER_CRC = 28,
     HEADER_BYTES = RIGCAL_STORE_HEADER_BYTES,
 
-    CAMERA_INTEGERS = 4, /* lens, width, height, has_Sigma */
+    CAMERA_INTEGERS = 4, /* lens, width, height, has_Sigma; in a rig: held */
+    AT_ROLE = 12,
+    AT_GROUP = 16, /* in a rig */
     CAMERA_REALS = 12,
+    RIG_REALS = 4,
     CAMERAS_MAX = RIGCAL_STORE_CAMERAS_MAX
 };
 
 static const uint8_t MAGIC[4] = {'R', 'I', 'G', 'C'};
-
-#if RIGCAL_USE_FLOAT
-typedef uint32_t real_bits;
-#else
-typedef uint64_t real_bits;
-#endif
-
-/* Bytes and bits of a number are copied, which takes IEEE 754 for granted. */
-typedef char a_real_is_an_ieee_number[(sizeof(float) == 4 && FLT_MANT_DIG == 24 &&
-                                       FLT_MAX_EXP == 128 &&
-                                       sizeof(rigcal_real) == sizeof(real_bits) &&
-                                       (RIGCAL_USE_FLOAT ||
-                                        (DBL_MANT_DIG == 53 && DBL_MAX_EXP == 1024)))
-                                          ? 1
-                                          : -1];
 
 typedef char
     a_camera_has_the_bytes_told[RIGCAL_STORE_SIZE(1) ==
@@ -54,116 +43,12 @@ typedef char
                                     ? 1
                                     : -1];
 
-uint32_t rc_crc32(const uint8_t bytes[], size_t n)
-{
-    RIGCAL_ASSERT(bytes != NULL || n == 0);
-    /* Remainders of the sixteen nibbles. */
-    static const uint32_t NIBBLE[16] = {0x00000000, 0x1db71064, 0x3b6e20c8, 0x26d930ac,
-                                        0x76dc4190, 0x6b6b51f4, 0x4db26158, 0x5005713c,
-                                        0xedb88320, 0xf00f9344, 0xd6d6a3e8, 0xcb61b38c,
-                                        0x9b64c2b0, 0x86d3d2d4, 0xa00ae278, 0xbdbdf21c};
-    uint32_t crc = 0xffffffff;
-    for (size_t i = 0; i < n; i++) {
-        crc ^= bytes[i];
-        crc = crc >> 4 ^ NIBBLE[crc & 15];
-        crc = crc >> 4 ^ NIBBLE[crc & 15];
-    }
-    return ~crc;
-}
-
-/* ---- numbers to bytes: each returns where the next one goes --------------- */
-
-static uint8_t *put_u32(uint8_t *at, uint32_t x)
-{
-    for (int i = 0; i < 4; i++) {
-        at[i] = (uint8_t)(x >> 8 * i);
-    }
-    return at + 4;
-}
-
-static uint8_t *put_reals(uint8_t *at, const rigcal_real x[], int n)
-{
-    for (int i = 0; i < n; i++) {
-        real_bits bits;
-        memcpy(&bits, &x[i], sizeof bits);
-        for (size_t k = 0; k < sizeof bits; k++) {
-            *at++ = (uint8_t)(bits >> 8 * k);
-        }
-    }
-    return at;
-}
-
-/* ---- bytes to numbers ----------------------------------------------------- */
-
-static uint32_t u16_at(const uint8_t *at)
-{
-    return (uint32_t)at[0] | (uint32_t)at[1] << 8;
-}
-
-static uint32_t u32_at(const uint8_t *at)
-{
-    return u16_at(at) | u16_at(at + 2) << 16;
-}
-
-static float float_of_bits(uint32_t bits)
-{
-    float x;
-    memcpy(&x, &bits, sizeof x);
-    return x;
-}
-
-#if RIGCAL_USE_FLOAT
-
-/* The float nearest to the double of these bits, ties to even, by integers: a
- * float build has no double arithmetic. Infinity for what is too large, and for
- * NaN. */
-static rigcal_real real_of_double(uint64_t bits)
-{
-    enum { DROPPED = 52 - 23, ALL_DROPPED = 54, FLOAT_INFINITY = 0xff };
-    const uint32_t sign = (uint32_t)(bits >> 63) << 31;
-    const int32_t exponent = (int32_t)(bits >> 52 & 0x7ff) - 1023 + 127;
-    const uint64_t mantissa = (bits & ((UINT64_C(1) << 52) - 1)) | UINT64_C(1) << 52;
-    if (exponent >= FLOAT_INFINITY) {
-        return float_of_bits(sign | (uint32_t)FLOAT_INFINITY << 23);
-    }
-    /* Below the normal floats, the more digits go the smaller it is. */
-    const int32_t shift = (exponent >= 1) ? DROPPED : DROPPED + 1 - exponent;
-    if (shift >= ALL_DROPPED) {
-        return float_of_bits(sign);
-    }
-    const uint64_t rest = mantissa & ((UINT64_C(1) << shift) - 1);
-    const uint64_t half = UINT64_C(1) << (shift - 1);
-    uint32_t kept = (uint32_t)(mantissa >> shift);
-    if (rest > half || (rest == half && (kept & 1) != 0)) {
-        kept++;
-    }
-    /* The leading one of `kept` adds to the exponent, a carry does too. */
-    const uint32_t below = (exponent >= 1) ? (uint32_t)(exponent - 1) << 23 : 0;
-    return float_of_bits(sign | (below + kept));
-}
-
-#else
-
-static rigcal_real real_of_double(uint64_t bits)
-{
-    rigcal_real x;
-    memcpy(&x, &bits, sizeof x);
-    return x;
-}
-
-#endif
-
-static const uint8_t *get_reals(rigcal_real x[], int n, const uint8_t *at,
-                                int32_t real_bytes)
-{
-    for (int i = 0; i < n; i++) {
-        x[i] = (real_bytes == 4)
-                   ? (rigcal_real)float_of_bits(u32_at(at))
-                   : real_of_double((uint64_t)u32_at(at + 4) << 32 | u32_at(at));
-        at += real_bytes;
-    }
-    return at;
-}
+/* The length of the form is an int32_t. */
+typedef char
+    a_length_fits[RIGCAL_STORE_RIG_SIZE_OF((uint64_t)CAMERAS_MAX,
+                                           (uint64_t)RIGCAL_STORE_FREE_MAX, 8) <= INT32_MAX
+                      ? 1
+                      : -1];
 
 /* ---- one camera ----------------------------------------------------------- */
 
@@ -225,21 +110,29 @@ static rigcal_status check_mounted(const rigcal_mounted_camera *m)
     return is_covariance(m->Sigma) ? RIGCAL_OK : RIGCAL_ERR_RANGE;
 }
 
-static uint8_t *put_mounted(uint8_t *at, const rigcal_mounted_camera *m)
+/* A camera without its covariance. role: has_Sigma, or whether it is held. group: less
+ * than 0: it is not stored. */
+static uint8_t *put_mounted(uint8_t *at, const rigcal_mounted_camera *m, int32_t role,
+                            int32_t group)
 {
-    static const rigcal_real UNKNOWN[6] = {0};
     const rigcal_camera *const c = &m->camera;
     const rigcal_real numbers[CAMERA_REALS] = {c->fx, c->fy, c->cx, c->cy, c->k1, c->k2,
                                                c->p1, c->p2, c->k3, c->k4, c->k5, c->k6};
-    at = put_u32(at, (uint32_t)c->lens);
-    at = put_u32(at, (uint32_t)c->width);
-    at = put_u32(at, (uint32_t)c->height);
-    at = put_u32(at, (uint32_t)m->has_Sigma);
-    at = put_reals(at, numbers, CAMERA_REALS);
-    at = put_reals(at, m->cam_from_rig.R, 9);
-    at = put_reals(at, m->cam_from_rig.t, 3);
-    for (int row = 0; row < 6; row++) {
-        at = put_reals(at, (m->has_Sigma == 1) ? m->Sigma + 6 * row : UNKNOWN, row + 1);
+    at = rc_put_u32(at, (uint32_t)c->lens);
+    at = rc_put_u32(at, (uint32_t)c->width);
+    at = rc_put_u32(at, (uint32_t)c->height);
+    at = rc_put_u32(at, (uint32_t)role);
+    at = (group >= 0) ? rc_put_u32(at, (uint32_t)group) : at;
+    at = rc_put_reals(at, numbers, CAMERA_REALS);
+    at = rc_put_reals(at, m->cam_from_rig.R, 9);
+    return rc_put_reals(at, m->cam_from_rig.t, 3);
+}
+
+static uint8_t *put_Sigma(uint8_t *at, const rigcal_mounted_camera *m)
+{
+    static const rigcal_real UNKNOWN[6] = {0};
+    for (size_t row = 0; row < 6; row++) {
+        at = rc_put_reals(at, (m->has_Sigma == 1) ? m->Sigma + 6 * row : UNKNOWN, row + 1);
     }
     return at;
 }
@@ -259,15 +152,70 @@ static void make_orthonormal(rigcal_real R[9])
     memcpy(R, nearest, sizeof nearest);
 }
 
-static void get_mounted(rigcal_mounted_camera *m, const uint8_t *at, int32_t real_bytes)
+/* Where the parts of stored bytes are. */
+typedef struct {
+    const uint8_t *cameras; /* the first, and from one to the next */
+    size_t stride;
+    const uint8_t *joint;     /* NULL: each camera has its own covariance */
+    const rigcal_real *Sigma; /* the joint covariance, if it is not in bytes */
+    const uint8_t *rig;       /* RIG_REALS before the cameras, if it is not */
+    int32_t real_bytes;
+} form_parts;
+
+static void find_parts(form_parts *p, const uint8_t bytes[], size_t n_cameras,
+                       int32_t real_bytes)
 {
+    const size_t r = (size_t)real_bytes;
+    p->real_bytes = real_bytes;
+    p->Sigma = NULL;
+    p->rig = bytes + HEADER_BYTES;
+    if (rc_u16_at(bytes + AT_VERSION) == FORM_RIG) {
+        p->stride = 4 * (CAMERA_INTEGERS + 1) + (CAMERA_REALS + 12) * r;
+        p->cameras = p->rig + RIG_REALS * r;
+        p->joint = p->cameras + n_cameras * p->stride;
+    } else {
+        p->stride = 4 * CAMERA_INTEGERS + (CAMERA_REALS + 12 + 21) * r;
+        p->cameras = p->rig;
+        p->joint = NULL;
+    }
+}
+
+/* The covariance of a camera: behind its pose, or in the joint one from unknown `first`
+ * on. Of one that is held, or unknown: zeros. */
+static void get_Sigma(rigcal_mounted_camera *m, const form_parts *p, const uint8_t *at,
+                      size_t first, int is_held)
+{
+    const int is_known = (p->joint == NULL) ? m->has_Sigma != 0 : !is_held;
+    for (size_t row = 0; row < 6; row++) {
+        if (p->joint != NULL && !is_held) {
+            at = p->joint + rc_packed_at(first + row, first) * (size_t)p->real_bytes;
+        }
+        if (is_known) {
+            at = rc_get_reals(m->Sigma + 6 * row, row + 1, at, p->real_bytes);
+        }
+        for (size_t column = 0; column <= row; column++) {
+            m->Sigma[6 * column + row] = m->Sigma[6 * row + column] =
+                is_known ? m->Sigma[6 * row + column] : 0;
+        }
+    }
+}
+
+/* Camera `index`, whose unknowns are *first and those after it. *first becomes that of the
+ * next camera. */
+static void get_mounted(rigcal_mounted_camera *m, size_t *first, const form_parts *p,
+                        size_t index)
+{
+    const int32_t real_bytes = p->real_bytes;
+    const uint8_t *at = p->cameras + index * p->stride;
+    const int is_held = p->joint != NULL && rc_u32_at(at + AT_ROLE) != 0;
     rigcal_camera *const c = &m->camera;
     rigcal_real numbers[CAMERA_REALS];
-    c->lens = (int32_t)u32_at(at);
-    c->width = (int32_t)u32_at(at + 4);
-    c->height = (int32_t)u32_at(at + 8);
-    m->has_Sigma = (int32_t)u32_at(at + 12);
-    at = get_reals(numbers, CAMERA_REALS, at + 4 * CAMERA_INTEGERS, real_bytes);
+    c->lens = (int32_t)rc_u32_at(at);
+    c->width = (int32_t)rc_u32_at(at + 4);
+    c->height = (int32_t)rc_u32_at(at + 8);
+    m->has_Sigma = (p->joint != NULL) ? 1 : (int32_t)rc_u32_at(at + AT_ROLE);
+    at += (p->joint != NULL) ? AT_GROUP + 4 : AT_ROLE + 4;
+    at = rc_get_reals(numbers, CAMERA_REALS, at, real_bytes);
     c->fx = numbers[0];
     c->fy = numbers[1];
     c->cx = numbers[2];
@@ -280,20 +228,113 @@ static void get_mounted(rigcal_mounted_camera *m, const uint8_t *at, int32_t rea
     c->k4 = numbers[9];
     c->k5 = numbers[10];
     c->k6 = numbers[11];
-    at = get_reals(m->cam_from_rig.R, 9, at, real_bytes);
-    at = get_reals(m->cam_from_rig.t, 3, at, real_bytes);
+    at = rc_get_reals(m->cam_from_rig.R, 9, at, real_bytes);
+    at = rc_get_reals(m->cam_from_rig.t, 3, at, real_bytes);
     if ((size_t)real_bytes < sizeof(rigcal_real)) {
         make_orthonormal(m->cam_from_rig.R);
     }
-    for (int row = 0; row < 6; row++) {
-        at = get_reals(m->Sigma + 6 * row, row + 1, at, real_bytes);
-        for (int column = 0; column < row; column++) {
-            m->Sigma[6 * column + row] = m->Sigma[6 * row + column];
+    get_Sigma(m, p, at, *first, is_held);
+    *first += is_held ? 0 : 6;
+}
+
+/* ---- the joint covariance ------------------------------------------------ */
+
+/* Element k of the packed covariance: of a rig, or of bytes. */
+static rigcal_real joint_at(const form_parts *p, size_t k)
+{
+    rigcal_real x;
+    if (p->Sigma != NULL) {
+        return p->Sigma[k];
+    }
+    (void)rc_get_reals(&x, 1, p->joint + k * (size_t)p->real_bytes, p->real_bytes);
+    return x;
+}
+
+/* That no variance is below 0 and no correlation beyond 1. Time O(n^2) */
+static rigcal_status check_joint(const form_parts *p, size_t n)
+{
+    for (size_t i = 0; i < n; i++) {
+        const rigcal_real variance = joint_at(p, rc_packed_at(i, i));
+        if (!rc_all_finite(&variance, 1)) {
+            return RIGCAL_ERR_NOT_FINITE;
+        }
+        if (!(variance >= 0)) {
+            return RIGCAL_ERR_RANGE;
+        }
+        const rigcal_real most = (1 + CORRELATION_TOL) * RC_SQRT(variance);
+        for (size_t j = 0; j < i; j++) {
+            const rigcal_real x = joint_at(p, rc_packed_at(i, j));
+            const rigcal_real other = joint_at(p, rc_packed_at(j, j));
+            if (!rc_all_finite(&x, 1)) {
+                return RIGCAL_ERR_NOT_FINITE;
+            }
+            if (!(RC_FABS(x) <= most * RC_SQRT(other))) {
+                return RIGCAL_ERR_RANGE;
+            }
         }
     }
-    if (m->has_Sigma == 0) {
-        memset(m->Sigma, 0, sizeof m->Sigma);
+    return RIGCAL_OK;
+}
+
+/* Cameras of a rig that are not held, in bytes of it. */
+static size_t count_free(const form_parts *p, size_t n_cameras)
+{
+    size_t n_free = 0;
+    for (size_t c = 0; c < n_cameras; c++) {
+        n_free += rc_u32_at(p->cameras + c * p->stride + AT_ROLE) == 0;
     }
+    return n_free;
+}
+
+/* What bytes of a rig say of each camera besides: whether it is held, its group. */
+static rigcal_status check_links(const form_parts *p, size_t n_cameras)
+{
+    uint32_t groups = 0;
+    for (size_t c = 0; c < n_cameras; c++) {
+        const uint8_t *const at = p->cameras + c * p->stride;
+        const uint32_t group = rc_u32_at(at + AT_GROUP);
+        if (rc_u32_at(at + AT_ROLE) > 1 || group > groups) {
+            return RIGCAL_ERR_RANGE;
+        }
+        groups += group == groups;
+    }
+    return RIGCAL_OK;
+}
+
+/* ---- header -------------------------------------------------------------- */
+
+static void seal(uint8_t bytes[], size_t size, uint32_t version, size_t n_cameras,
+                 uint32_t sequence, uint32_t tag)
+{
+    memcpy(bytes, MAGIC, sizeof MAGIC);
+    (void)rc_put_u32(bytes + AT_VERSION, version | (uint32_t)sizeof(rigcal_real) << 16);
+    (void)rc_put_u32(bytes + AT_N_CAMERAS, (uint32_t)n_cameras);
+    (void)rc_put_u32(bytes + AT_SEQUENCE, sequence);
+    (void)rc_put_u32(bytes + AT_TAG, tag);
+    (void)rc_put_u32(bytes + AT_N_BYTES, (uint32_t)size);
+    (void)rc_put_u32(bytes + AT_BODY_CRC,
+                     rc_crc32(bytes + HEADER_BYTES, size - HEADER_BYTES));
+    (void)rc_put_u32(bytes + AT_HEADER_CRC, rc_crc32(bytes, AT_HEADER_CRC));
+}
+
+/* Of bytes whose CRCs hold: whether their length is that of their cameras. *n_free gets
+ * the cameras of the joint covariance, or -1. */
+static int is_length_right(int32_t *n_free, const uint8_t bytes[], size_t size, size_t n,
+                           int32_t real_bytes)
+{
+    const size_t r = (size_t)real_bytes;
+    form_parts p;
+    *n_free = -1;
+    if (rc_u16_at(bytes + AT_VERSION) != FORM_RIG) {
+        return size == RIGCAL_STORE_SIZE_OF(n, r);
+    }
+    if (size < RIGCAL_STORE_RIG_SIZE_OF(n, 0, r)) {
+        return 0;
+    }
+    find_parts(&p, bytes, n, real_bytes);
+    const size_t count = count_free(&p, n);
+    *n_free = (int32_t)count;
+    return count <= RIGCAL_STORE_FREE_MAX && size == RIGCAL_STORE_RIG_SIZE_OF(n, count, r);
 }
 
 /* ---- public --------------------------------------------------------------- */
@@ -328,17 +369,10 @@ rigcal_status rigcal_store_save(uint8_t bytes[], size_t capacity, size_t *n_byte
     }
     uint8_t *at = bytes + HEADER_BYTES;
     for (size_t i = 0; i < n_cameras; i++) {
-        at = put_mounted(at, &cameras[i]);
+        at = put_mounted(at, &cameras[i], cameras[i].has_Sigma, -1);
+        at = put_Sigma(at, &cameras[i]);
     }
-    memcpy(bytes, MAGIC, sizeof MAGIC);
-    (void)put_u32(bytes + AT_VERSION, (uint32_t)FORM_VERSION | (uint32_t)sizeof(rigcal_real)
-                                                                   << 16);
-    (void)put_u32(bytes + AT_N_CAMERAS, (uint32_t)n_cameras);
-    (void)put_u32(bytes + AT_SEQUENCE, sequence);
-    (void)put_u32(bytes + AT_TAG, tag);
-    (void)put_u32(bytes + AT_N_BYTES, (uint32_t)size);
-    (void)put_u32(bytes + AT_BODY_CRC, rc_crc32(bytes + HEADER_BYTES, size - HEADER_BYTES));
-    (void)put_u32(bytes + AT_HEADER_CRC, rc_crc32(bytes, AT_HEADER_CRC));
+    seal(bytes, size, FORM_CAMERAS, n_cameras, sequence, tag);
     *n_bytes = size;
     return RIGCAL_OK;
 }
@@ -358,28 +392,74 @@ rigcal_status rigcal_store_info(rigcal_saved_info *info, const uint8_t bytes[],
         }
     }
     /* The length is not believed before its own CRC is seen to hold. */
-    if (u32_at(bytes + AT_HEADER_CRC) != rc_crc32(bytes, AT_HEADER_CRC)) {
+    if (rc_u32_at(bytes + AT_HEADER_CRC) != rc_crc32(bytes, AT_HEADER_CRC)) {
         return RIGCAL_ERR_DAMAGED;
     }
-    const uint32_t real_bytes = u16_at(bytes + AT_REAL_BYTES);
-    if (u16_at(bytes + AT_VERSION) != FORM_VERSION ||
+    const uint32_t real_bytes = rc_u16_at(bytes + AT_REAL_BYTES);
+    const uint32_t version = rc_u16_at(bytes + AT_VERSION);
+    if ((version != FORM_CAMERAS && version != FORM_RIG) ||
         (real_bytes != 4 && real_bytes != 8)) {
         return RIGCAL_ERR_VERSION;
     }
-    const uint32_t n = u32_at(bytes + AT_N_CAMERAS);
-    const uint32_t size = u32_at(bytes + AT_N_BYTES);
-    if (n < 1 || n > CAMERAS_MAX || size > n_bytes ||
-        size != RIGCAL_STORE_SIZE_OF(n, real_bytes) ||
-        u32_at(bytes + AT_BODY_CRC) !=
-            rc_crc32(bytes + HEADER_BYTES, size - HEADER_BYTES)) {
+    const uint32_t n = rc_u32_at(bytes + AT_N_CAMERAS);
+    const uint32_t size = rc_u32_at(bytes + AT_N_BYTES);
+    int32_t n_free;
+    if (n < 1 || n > CAMERAS_MAX || size > n_bytes || size < HEADER_BYTES ||
+        rc_u32_at(bytes + AT_BODY_CRC) !=
+            rc_crc32(bytes + HEADER_BYTES, size - HEADER_BYTES) ||
+        !is_length_right(&n_free, bytes, size, n, (int32_t)real_bytes)) {
         return RIGCAL_ERR_DAMAGED;
     }
-    info->sequence = u32_at(bytes + AT_SEQUENCE);
-    info->tag = u32_at(bytes + AT_TAG);
+    info->sequence = rc_u32_at(bytes + AT_SEQUENCE);
+    info->tag = rc_u32_at(bytes + AT_TAG);
     info->n_cameras = (int32_t)n;
+    info->n_free = n_free;
     info->n_bytes = (int32_t)size;
     info->real_bytes = (int32_t)real_bytes;
     return RIGCAL_OK;
+}
+
+/* Whole bytes, of which `info` tells: whether their numbers are such as are saved. */
+static rigcal_status check_bytes(form_parts *p, const uint8_t bytes[],
+                                 const rigcal_saved_info *info)
+{
+    const size_t n = (size_t)info->n_cameras;
+    rigcal_mounted_camera m;
+    size_t first = 0;
+    find_parts(p, bytes, n, info->real_bytes);
+    if (p->joint != NULL) {
+        rigcal_real numbers[RIG_REALS];
+        (void)rc_get_reals(numbers, RIG_REALS, p->rig, p->real_bytes);
+        rigcal_status status = rc_calibrated_numbers(numbers);
+        if (status == RIGCAL_ERR_STATE) { /* the bytes say that there is a covariance */
+            status = RIGCAL_ERR_RANGE;
+        }
+        if (status == RIGCAL_OK) {
+            status = check_links(p, n);
+        }
+        if (status == RIGCAL_OK) {
+            status = check_joint(p, 6 * (size_t)info->n_free);
+        }
+        if (status != RIGCAL_OK) {
+            return status;
+        }
+    }
+    for (size_t i = 0; i < n; i++) {
+        get_mounted(&m, &first, p, i);
+        const rigcal_status status = check_mounted(&m);
+        if (status != RIGCAL_OK) {
+            return status;
+        }
+    }
+    return RIGCAL_OK;
+}
+
+static void get_cameras(rigcal_mounted_camera cameras[], const form_parts *p, size_t n)
+{
+    size_t first = 0;
+    for (size_t i = 0; i < n; i++) {
+        get_mounted(&cameras[i], &first, p, i);
+    }
 }
 
 rigcal_status rigcal_store_load(rigcal_mounted_camera cameras[], size_t capacity,
@@ -390,26 +470,137 @@ rigcal_status rigcal_store_load(rigcal_mounted_camera cameras[], size_t capacity
         return RIGCAL_ERR_NULL;
     }
     rigcal_saved_info found;
-    rigcal_mounted_camera m;
+    form_parts p;
     rigcal_status status = rigcal_store_info(&found, bytes, n_bytes);
     if (status != RIGCAL_OK) {
         return status;
     }
     const size_t n = (size_t)found.n_cameras;
-    const size_t stride = ((size_t)found.n_bytes - HEADER_BYTES) / n;
     if (capacity < n) {
         return RIGCAL_ERR_CAPACITY;
     }
-    for (size_t i = 0; i < n; i++) {
-        get_mounted(&m, bytes + HEADER_BYTES + i * stride, found.real_bytes);
-        status = check_mounted(&m);
-        if (status != RIGCAL_OK) {
-            return status;
+    status = check_bytes(&p, bytes, &found);
+    if (status != RIGCAL_OK) {
+        return status;
+    }
+    get_cameras(cameras, &p, n);
+    *info = found;
+    return RIGCAL_OK;
+}
+
+/* ---- public: a calibrated rig -------------------------------------------- */
+
+size_t rigcal_store_rig_size(size_t n_cameras, size_t n_free)
+{
+    return (n_cameras >= 1 && n_cameras <= CAMERAS_MAX && n_free <= n_cameras &&
+            n_free <= RIGCAL_STORE_FREE_MAX)
+               ? RIGCAL_STORE_RIG_SIZE(n_cameras, n_free)
+               : 0;
+}
+
+/* The numbers that rigcal_store_save_rig refuses. A camera's own covariance is its block
+ * of the joint one. */
+static rigcal_status check_rig(const rigcal_calibrated_rig *rig, size_t n_free)
+{
+    const form_parts p = {.Sigma = rig->Sigma};
+    const rigcal_status status = check_joint(&p, 6 * n_free);
+    size_t first = 0;
+    for (size_t c = 0; status == RIGCAL_OK && c < rig->n_cameras; c++) {
+        rigcal_mounted_camera m = rig->cameras[c];
+        const size_t at = rig->held[c] ? RC_HELD : first;
+        m.has_Sigma = 1;
+        rc_joint_block(m.Sigma, rig->Sigma, at, at);
+        const rigcal_status of_camera = check_mounted(&m);
+        if (of_camera != RIGCAL_OK) {
+            return of_camera;
         }
+        first += rig->held[c] ? 0 : 6;
     }
-    for (size_t i = 0; i < n; i++) {
-        get_mounted(&cameras[i], bytes + HEADER_BYTES + i * stride, found.real_bytes);
+    return status;
+}
+
+rigcal_status rigcal_store_save_rig(uint8_t bytes[], size_t capacity, size_t *n_bytes,
+                                    const rigcal_calibrated_rig *rig, uint32_t sequence,
+                                    uint32_t tag)
+{
+    size_t n_free;
+    if (bytes == NULL || n_bytes == NULL) {
+        return RIGCAL_ERR_NULL;
     }
+    rigcal_status status = rc_calibrated_check(&n_free, rig);
+    if (status != RIGCAL_OK) {
+        return status;
+    }
+    const size_t size = RIGCAL_STORE_RIG_SIZE(rig->n_cameras, n_free);
+    if (capacity < size) {
+        return RIGCAL_ERR_CAPACITY;
+    }
+    status = check_rig(rig, n_free);
+    if (status != RIGCAL_OK) {
+        return status;
+    }
+    const rigcal_real numbers[RIG_REALS] = {rig->sigma_px, rig->F, rig->freedom_between,
+                                            rig->freedom_within};
+    uint8_t *at = rc_put_reals(bytes + HEADER_BYTES, numbers, RIG_REALS);
+    for (size_t c = 0; c < rig->n_cameras; c++) {
+        at = put_mounted(at, &rig->cameras[c], rig->held[c], rig->group[c]);
+    }
+    (void)rc_put_reals(at, rig->Sigma, rigcal_calibrated_size(n_free));
+    seal(bytes, size, FORM_RIG, rig->n_cameras, sequence, tag);
+    *n_bytes = size;
+    return RIGCAL_OK;
+}
+
+/* The numbers of a rig, and what its cameras are besides. */
+static void get_rig(rigcal_calibrated_rig *rig, const form_parts *p,
+                    const rigcal_saved_info *info)
+{
+    const int is_joint = p->joint != NULL;
+    rigcal_real numbers[RIG_REALS] = {0};
+    rig->n_cameras = (size_t)info->n_cameras;
+    if (is_joint) {
+        (void)rc_get_reals(numbers, RIG_REALS, p->rig, p->real_bytes);
+        (void)rc_get_reals(rig->Sigma, rigcal_calibrated_size((size_t)info->n_free),
+                           p->joint, p->real_bytes);
+    }
+    rig->sigma_px = numbers[0];
+    rig->F = numbers[1];
+    rig->freedom_between = numbers[2];
+    rig->freedom_within = numbers[3];
+    for (size_t c = 0; c < rig->n_cameras; c++) {
+        const uint8_t *const at = p->cameras + c * p->stride;
+        rig->held[c] = is_joint ? (uint8_t)rc_u32_at(at + AT_ROLE) : 0;
+        rig->group[c] = is_joint ? (int32_t)rc_u32_at(at + AT_GROUP) : 0;
+    }
+    get_cameras(rig->cameras, p, rig->n_cameras);
+}
+
+rigcal_status rigcal_store_load_rig(rigcal_calibrated_rig *rig, rigcal_saved_info *info,
+                                    const uint8_t bytes[], size_t n_bytes)
+{
+    rigcal_saved_info found;
+    form_parts p;
+    if (rig == NULL || info == NULL || rig->cameras == NULL || rig->group == NULL ||
+        rig->held == NULL) {
+        return RIGCAL_ERR_NULL;
+    }
+    rigcal_status status = rigcal_store_info(&found, bytes, n_bytes);
+    if (status != RIGCAL_OK) {
+        return status;
+    }
+    if (found.n_free >= 0 && rig->Sigma == NULL) {
+        return RIGCAL_ERR_NULL;
+    }
+    if (rig->capacity < (size_t)found.n_cameras ||
+        (found.n_free >= 0 &&
+         rig->Sigma_capacity < rigcal_calibrated_size((size_t)found.n_free))) {
+        return RIGCAL_ERR_CAPACITY;
+    }
+    status = check_bytes(&p, bytes, &found);
+    if (status != RIGCAL_OK) {
+        return status;
+    }
+    get_rig(rig, &p, &found);
     *info = found;
     return RIGCAL_OK;
 }

@@ -39,6 +39,8 @@ hooks         gcc,clang,arm,cmake,unity,python
 cli           gcc,cmake,unity,numpy        cli gcc-double
 cli-float     gcc,cmake,unity,numpy        cli gcc-float
 cli-asan      gcc,cmake,unity,numpy        cli asan
+scale         gcc,cmake,unity,numpy,time
+              preset_build gcc-double && $PYTHON tests/bench/scale.py build/gcc-double/rigcal short
 ffi           gcc,cmake,rust,numpy         preset_build shared && sh examples/ffi/run.sh
 firmware      gcc,arm,unity                sh examples/firmware/run.sh build/firmware
 paper         gcc,cmake,unity,python
@@ -102,6 +104,7 @@ want_need() {
         want libc6-dev-mips-cross test -e /usr/mips-linux-gnu/include/stdio.h
         want qemu-user qemu-mips --version
         ;;
+    time) want time /usr/bin/time --version ;;
     python) needs_python=yes ;;
     numpy | scipy)
         needs_python=yes

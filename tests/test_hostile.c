@@ -67,6 +67,7 @@ static struct {
     rigcal_cause_solver cause_begun, cause_done;
     int32_t permutation[N];
     rigcal_rig rig;
+    rigcal_rig_fit fit;
     rigcal_transform estimates[N_VIEWS];
     rigcal_real x0[3], simplex[12];
     rigcal_neldermead search, search_begun;
@@ -79,13 +80,23 @@ static struct {
     rigcal_robust_options robust;
     rigcal_robust_solver robust_solver, robust_solver_done;
     rigcal_mounted_camera mounted[2];
-    uint8_t saved[RIGCAL_STORE_SIZE(2)];
+    uint8_t saved[RIGCAL_STORE_SIZE(2)], saved_rig[RIGCAL_STORE_RIG_SIZE(2, 1)];
+    int32_t kept_group[2];
+    uint8_t kept_held[2];
+    rigcal_real kept_Sigma[RIGCAL_CALIBRATED_SIZE(1)], kept_numbers[4];
 } ok;
 
 static const size_t SIZE_0 = 0, SIZE_1 = 1, SIZE_2 = 2, SIZE_3 = 3, SIZE_4 = 4, SIZE_6 = 6,
                     SIZE_8 = 8, SIZE_15 = 15, SIZE_SAVED = RIGCAL_STORE_SIZE(2),
+<<<<<<< HEAD
                     SIZE_12 = 12, SIZE_WORK = RIG_WORK, SIZE_CHOOSE = CHOOSE_WORK,
                     SIZE_TO_JUDGE = JUDGE_WORK;
+=======
+                    SIZE_12 = 12, SIZE_WORK = RIG_WORK,
+                    SIZE_KEPT = RIGCAL_CALIBRATED_SIZE(1),
+                    SIZE_TAKEN = RIGCAL_CALIBRATED_SIZE(2),
+                    SIZE_SAVED_RIG = RIGCAL_STORE_RIG_SIZE(2, 1);
+>>>>>>> rig
 static const uint32_t UINT_7 = 7;
 static const int32_t INT_0 = 0, INT_1 = 1, INT_2 = 2, INT_3 = 3, INT_8 = 8, INT_480 = 480,
                      INT_640 = 640, INT_1000 = 1000;
@@ -277,6 +288,7 @@ static void build_adjusted(void)
     ok.rig.work = ok.rig_work;
     ok.rig.work_capacity = RIG_WORK;
     ASSERT_STATUS(RIGCAL_OK, rigcal_rig_adjust(&fit, NULL, &ok.rig));
+    ok.fit = fit;
     /* Searches that go on have a rig of their own. */
     memcpy(cams, ok.poses, sizeof cams);
     memcpy(placements, ok.placements, sizeof placements);
@@ -458,6 +470,33 @@ static void build_store(void)
                                                UINT_7, UINT_7));
 }
 
+/* The second camera is free. */
+static void build_calibrated(void)
+{
+    rigcal_calibrated_rig rig = {.cameras = ok.mounted,
+                                 .group = ok.kept_group,
+                                 .held = ok.kept_held,
+                                 .capacity = 2,
+                                 .Sigma = ok.kept_Sigma,
+                                 .Sigma_capacity = RIGCAL_CALIBRATED_SIZE(1),
+                                 .n_cameras = 2,
+                                 .sigma_px = RC(0.5),
+                                 .F = RC(1.25),
+                                 .freedom_between = 12,
+                                 .freedom_within = 34};
+    size_t n;
+
+    ok.kept_held[0] = 1;
+    for (size_t i = 0, k = 0; i < 6; i++) {
+        for (size_t j = 0; j <= i; j++, k++) {
+            ok.kept_Sigma[k] = RC(i == j ? 1e-6 * (double)(i + 1) : 1e-8);
+        }
+    }
+    memcpy(ok.kept_numbers, &rig.sigma_px, sizeof ok.kept_numbers);
+    ASSERT_STATUS(RIGCAL_OK, rigcal_store_save_rig(ok.saved_rig, sizeof ok.saved_rig, &n,
+                                                   &rig, UINT_7, UINT_7));
+}
+
 static void build_valid(void)
 {
     static const rigcal_camera camera = {RIGCAL_LENS_BROWN, 640,       480,       RC(532.5),
@@ -478,6 +517,7 @@ static void build_valid(void)
     build_pose_searches();
     build_robust();
     build_store();
+    build_calibrated();
 }
 
 /* ---- kinds of argument --------------------------------------------------- */
@@ -603,6 +643,32 @@ static const impossible BAD_SAVED[] = {
     {RIGCAL_ERR_DAMAGED, 40, 0, 0},
     {RIGCAL_ERR_DAMAGED, RIGCAL_STORE_SIZE(2) - 4, 0, -1},
     BAD_END};
+static const impossible BAD_SAVED_RIG[] = {
+    {RIGCAL_ERR_FOREIGN, 0, 0, 0x43474952 + 1},
+    {RIGCAL_ERR_DAMAGED, 8, 0, 1},
+    {RIGCAL_ERR_DAMAGED, 20, 0, INT32_MAX},
+    {RIGCAL_ERR_DAMAGED, 40, 0, -1},
+    {RIGCAL_ERR_DAMAGED, RIGCAL_STORE_RIG_SIZE(2, 1) - 4, 0, -1},
+    BAD_END};
+static const impossible BAD_POSE[] = {
+    BAD_REAL(rigcal_mounted_camera, cam_from_rig.R[0], 2, RIGCAL_ERR_ROTATION),
+    BAD_REAL(rigcal_mounted_camera, cam_from_rig.R[8], -5, RIGCAL_ERR_ROTATION), BAD_END};
+static const impossible BAD_SAVED_CAMERA[] = {
+    BAD_INT(rigcal_mounted_camera, camera.lens, 2, RIGCAL_ERR_CAMERA),
+    BAD_REAL(rigcal_mounted_camera, camera.fx, 0, RIGCAL_ERR_CAMERA),
+    BAD_REAL(rigcal_mounted_camera, cam_from_rig.R[0], 2, RIGCAL_ERR_ROTATION), BAD_END};
+/* Written over the group of the first camera of two. */
+static const impossible BAD_GROUP[] = {{RIGCAL_ERR_RANGE, 0, 0, -1},
+                                       {RIGCAL_ERR_RANGE, 0, 0, 1},
+                                       {RIGCAL_ERR_RANGE, 4, 0, 2},
+                                       {RIGCAL_ERR_RANGE, 4, 0, INT32_MIN},
+                                       BAD_END};
+/* An element of the first row, and one beside the diagonal. */
+static const impossible BAD_JOINT[] = {BAD_NUMBER(-1, RIGCAL_ERR_RANGE),
+                                       BAD_NUMBER(-1e-9, RIGCAL_ERR_RANGE),
+                                       {RIGCAL_ERR_RANGE, sizeof(rigcal_real), 1, 1},
+                                       {RIGCAL_ERR_RANGE, sizeof(rigcal_real), 1, -1},
+                                       BAD_END};
 static const impossible BAD_LINE[] = {BAD_NUMBER(5, RIGCAL_ERR_RANGE), BAD_END};
 static const impossible NOT_POSITIVE[] = {BAD_NUMBER(0, RIGCAL_ERR_RANGE),
                                           BAD_NUMBER(-1, RIGCAL_ERR_RANGE), BAD_END};
@@ -704,6 +770,22 @@ static const kind MOUNTED = {sizeof(rigcal_mounted_camera),
                              offsetof(rigcal_mounted_camera, camera.fx), 60, BAD_MOUNTED,
                              RIGCAL_ERR_CAMERA};
 static const kind SAVED = {RIGCAL_STORE_SIZE(2), 0, 0, BAD_SAVED, RIGCAL_ERR_FOREIGN};
+static const kind SAVED_RIG = {RIGCAL_STORE_RIG_SIZE(2, 1), 0, 0, BAD_SAVED_RIG,
+                               RIGCAL_ERR_FOREIGN};
+/* The parts of a calibrated rig of two cameras: cameras that are not looked at, or only at
+ * their poses, or at all but their covariances. */
+static const kind KEPT_UNREAD = {sizeof(rigcal_mounted_camera), 0, 0, NULL, 0};
+static const kind KEPT_POSE = {sizeof(rigcal_mounted_camera),
+                               offsetof(rigcal_mounted_camera, cam_from_rig), 12, BAD_POSE,
+                               RIGCAL_ERR_ROTATION};
+static const kind KEPT_CAMERA = {sizeof(rigcal_mounted_camera),
+                                 offsetof(rigcal_mounted_camera, camera.fx), 24,
+                                 BAD_SAVED_CAMERA, RIGCAL_ERR_CAMERA};
+static const kind KEPT_GROUPS = {2 * sizeof(int32_t), 0, 0, BAD_GROUP, 0};
+static const kind KEPT_HELD = {2, 0, 0, NULL, RIGCAL_ERR_CAPACITY}; /* 0: both are free */
+static const kind KEPT_SIGMA = {REALS(21), NULL, 0};
+static const kind KEPT_JOINT = {REALS(21), BAD_JOINT, 0};
+static const kind KEPT_NUMBERS = {REALS(4), NEGATIVE, RIGCAL_ERR_STATE};
 static const kind SAVED_INFO = {sizeof(rigcal_saved_info), 0, 0, NULL, 0};
 
 /* ---- roles of an argument ------------------------------------------------ */
@@ -812,6 +894,7 @@ typedef struct {
     IN(THERE, 1, &INT_1), cams, COUNT(&SIZE_3, 1, RIGCAL_ERR_TOO_FEW), placements, group, \
         COUNT(&SIZE_6, 1, RIGCAL_ERR_TOO_FEW), work, \
         ROOM(&SIZE_WORK, RIGCAL_RIG_WORK(0, 3, 2), RIGCAL_ERR_CAPACITY)
+<<<<<<< HEAD
 #define RIG_TO_JUDGE(placements) \
     IN(THERE, 1, &INT_1), IN(TRANSFORM, N_CAMERAS, ok.poses), \
         COUNT(&SIZE_3, 1, RIGCAL_ERR_TOO_FEW), placements, WORK(INT32, N_CAMERAS), \
@@ -833,6 +916,21 @@ typedef struct {
         COUNT(&SIZE_3, 1, RIGCAL_ERR_TOO_FEW), WORK(TRANSFORM, N_PLACEMENTS), \
         WORK(INT32, N_CAMERAS), COUNT(&SIZE_6, 1, RIGCAL_ERR_TOO_FEW), \
         WORK(NUMBER, CHOOSE_WORK), ROOM(&SIZE_CHOOSE, CHOOSE_WORK, RIGCAL_ERR_CAPACITY)
+=======
+/* A calibrated rig by its parts: itself, cameras, group, held, capacity, Sigma,
+ * Sigma_capacity, n_cameras, its numbers. */
+#define KEPT_OF(cameras, Sigma) \
+    IN(THERE, 1, &INT_1), IN(cameras, 2, ok.mounted), IN(KEPT_GROUPS, 1, ok.kept_group), \
+        IN(KEPT_HELD, 1, ok.kept_held), ROOM(&SIZE_2, 2, RIGCAL_ERR_CAPACITY), \
+        IN(Sigma, 1, ok.kept_Sigma), \
+        ROOM(&SIZE_KEPT, RIGCAL_CALIBRATED_SIZE(1), RIGCAL_ERR_CAPACITY), \
+        CAMERAS(&SIZE_2), IN(KEPT_NUMBERS, 1, ok.kept_numbers)
+/* One that is written: all but the last two. */
+#define KEPT_OUT(n, n_Sigma, size) \
+    IN(THERE, 1, &INT_1), OUT_PART(MOUNTED, n), OUT(INT32, n), OUT(BYTES, n), \
+        ROOM(&SIZE_##n, n, RIGCAL_ERR_CAPACITY), OUT(NUMBER, n_Sigma), \
+        ROOM(&size, n_Sigma, RIGCAL_ERR_CAPACITY)
+>>>>>>> rig
 /* One that has been adjusted; `memory` is the kind of its work. */
 #define RIG_DONE RIG_WITH_MEMORY(RIG_MEMORY)
 #define RIG_WITH_MEMORY(memory) \
@@ -915,6 +1013,27 @@ typedef struct {
                             .work = p[(k) + 6], \
                             .work_capacity = COUNTED(p[(k) + 7])} \
             : NULL)
+#define KEPT_ARRAYS(k) \
+    .cameras = p[(k) + 1], .group = p[(k) + 2], .held = p[(k) + 3], \
+    .capacity = COUNTED(p[(k) + 4]), .Sigma = p[(k) + 5], \
+    .Sigma_capacity = COUNTED(p[(k) + 6])
+/* A calibrated rig, whose numbers are argument k + 8; one without content. */
+#define KEPT_AT(k) \
+    (p[k] ? with_numbers(&(rigcal_calibrated_rig){KEPT_ARRAYS(k), \
+                                                  .n_cameras = COUNTED(p[(k) + 7])}, \
+                         p[(k) + 8]) \
+          : NULL)
+#define KEPT_TO(k) (p[k] ? &(rigcal_calibrated_rig){KEPT_ARRAYS(k)} : NULL)
+
+static rigcal_calibrated_rig *with_numbers(rigcal_calibrated_rig *rig, const void *numbers)
+{
+    if (numbers == NULL) { /* they are no pointer of the rig */
+        return NULL;
+    }
+    memcpy(&rig->sigma_px, numbers, 4 * sizeof(rigcal_real));
+    return rig;
+}
+
 /* With the views, or their poses, as argument k + 8. */
 #define RIG_WITH(k, what) with_##what(RIG_AT(k), p[k], p[(k) + 8])
 
@@ -1063,6 +1182,11 @@ CALL(camera_cause_begin, p[14], RIG_WITH(0, poses), p[9], symmetries_of(p[10], p
 CALL(cause_step, p[0], INT(p[1]))
 CALL(cause_result, p[0], p[1])
 CALL(rig_residuals, p[8], COUNTED(p[9]), p[10], RIG_AT(0), COUNTED(p[11]))
+CALL(calibrated_take, KEPT_TO(0), RIG_AT(7), p[15], REAL(p[16]))
+CALL(calibrated_covariance, p[9], KEPT_AT(0), COUNTED(p[10]), COUNTED(p[11]))
+CALL(calibrated_pair, p[9], p[10], KEPT_AT(0), COUNTED(p[11]), COUNTED(p[12]))
+CALL(store_save_rig, p[9], COUNTED(p[10]), p[11], KEPT_AT(0), UINT(p[12]), UINT(p[13]))
+CALL(store_load_rig, KEPT_TO(0), p[7], p[8], COUNTED(p[9]))
 CALL(store_save, p[0], COUNTED(p[1]), p[2], p[3], COUNTED(p[4]), UINT(p[5]),
      UINT(p[6]))
 CALL(store_info, p[0], p[1], COUNTED(p[2]))
@@ -1371,15 +1495,39 @@ static const function FUNCTIONS[] = {
      {OUT(MOUNTED, 2), ROOM(&SIZE_2, 2, RIGCAL_ERR_CAPACITY), OUT(SAVED_INFO, 1),
       IN(SAVED, 1, ok.saved),
       ROOM(&SIZE_SAVED, RIGCAL_STORE_SIZE(2), RIGCAL_ERR_DAMAGED)}},
+    {F(calibrated_take), 0, S(STATE) | S(TOO_FEW) | S(CAPACITY) | ARGS,
+     {KEPT_OUT(3, RIGCAL_CALIBRATED_SIZE(2), SIZE_TAKEN), RIG_DONE,
+      {R_UNREAD, &FIT, 1, &ok.fit, 0, 0, 0}, VALUE(SPREAD, &REAL_SIGMA)}},
+    {F(calibrated_covariance), 0, S(STATE) | S(TOO_FEW) | S(CAPACITY) | ARGS,
+     {KEPT_OF(KEPT_UNREAD, KEPT_SIGMA), OUT(MAT6, 1), LESS(&SIZE_1, 2), LESS(&SIZE_1, 2)}},
+    {F(calibrated_pair), 0,
+     S(STATE) | S(TOO_FEW) | S(CAPACITY) | ROTATED | BIT(RIGCAL_DISCONNECTED),
+     {KEPT_OF(KEPT_POSE, KEPT_SIGMA), OUT(TRANSFORM, 1), OUT(MAT6, 1), LESS(&SIZE_0, 2),
+      LESS(&SIZE_1, 2)}},
+    {F(store_save_rig), 0, DEVICE | S(ROTATION) | S(TOO_FEW) | S(CAPACITY) | S(STATE),
+     {KEPT_OF(KEPT_CAMERA, KEPT_JOINT), OUT(SAVED_RIG, 1),
+      ROOM(&SIZE_SAVED_RIG, RIGCAL_STORE_RIG_SIZE(2, 1), RIGCAL_ERR_CAPACITY), OUT(SIZE, 1),
+      ANY_INTEGER(&UINT_7), ANY_INTEGER(&UINT_7)}},
+    {F(store_load_rig), 0, STORED | DEVICE | S(ROTATION) | S(CAPACITY),
+     {KEPT_OUT(2, RIGCAL_CALIBRATED_SIZE(1), SIZE_KEPT), OUT(SAVED_INFO, 1),
+      IN(SAVED_RIG, 1, ok.saved_rig),
+      ROOM(&SIZE_SAVED_RIG, RIGCAL_STORE_RIG_SIZE(2, 1), RIGCAL_ERR_DAMAGED)}},
 };
 /* clang-format on */
 enum { N_FUNCTIONS = sizeof FUNCTIONS / sizeof FUNCTIONS[0] };
 
 /* Those that take plain numbers only and have an answer for every one. */
 static const char *const HARMLESS[] = {
+<<<<<<< HEAD
     "rigcal_version",      "rigcal_sizeof_real", "rigcal_status_name", "rigcal_status_text",
     "rigcal_layout_count", "rigcal_pairs_for",   "rigcal_store_size",  "rigcal_rig_work",
     "rigcal_choose_work",  "rigcal_judge_work",
+=======
+    "rigcal_version",         "rigcal_sizeof_real",  "rigcal_status_name",
+    "rigcal_status_text",     "rigcal_layout_count", "rigcal_pairs_for",
+    "rigcal_store_size",      "rigcal_rig_work",     "rigcal_store_rig_size",
+    "rigcal_calibrated_size",
+>>>>>>> rig
 };
 enum { N_HARMLESS = sizeof HARMLESS / sizeof HARMLESS[0] };
 

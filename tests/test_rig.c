@@ -73,6 +73,39 @@ static void test_a_pose_of_a_view_is_refused_and_nothing_written(void)
                    rigcal_view_pose_make(&pose, &r.views[0], &r.own[0].cam_from_target));
 }
 
+/* Points on a line through the target: a turn about it moves none of them. */
+static void test_points_that_do_not_fix_a_pose_are_degenerate(void)
+{
+    const rigcal_camera camera = test_pinhole();
+    rigcal_transform T = test_transform((const double[]){1, 0, 0, 0, 1, 0, 0, 0, 1},
+                                        (const double[]){0.125, -0.25, 4});
+    rigcal_observation o[5];
+    rigcal_rig_view seen = {VIEW(&camera, o, NULL, 5), 0, 0, 0};
+    rigcal_view_pose pose;
+
+    for (int k = 0; k < 5; k++) {
+        const double X[3] = {0.25 * (k - 2), 0.125 * (k - 2), 0.5 * (k - 2)};
+        const double X_c[3] = {X[0] + 0.125, X[1] - 0.25, X[2] + 4};
+        double uv[2];
+
+        test_project_px(uv, &camera, X_c);
+        test_to_real(o[k].X_w, X, 3);
+        test_to_real(o[k].uv, uv, 2);
+    }
+    ASSERT_REFUSED(RIGCAL_ERR_DEGENERATE, pose, rigcal_view_pose_make(&pose, &seen, &T));
+    for (int k = 1; k < 5; k++) { /* all in one place */
+        o[k] = o[0];
+    }
+    ASSERT_REFUSED(RIGCAL_ERR_DEGENERATE, pose, rigcal_view_pose_make(&pose, &seen, &T));
+    o[4].X_w[0] += 1; /* four on a line, one beside: that fixes a pose */
+    for (int k = 0; k < 4; k++) {
+        const double X[3] = {0.25 * (k - 2), 0.125 * (k - 2), 0.5 * (k - 2)};
+
+        test_to_real(o[k].X_w, X, 3);
+    }
+    ASSERT_STATUS(RIGCAL_OK, rigcal_view_pose_make(&pose, &seen, &T));
+}
+
 static void test_a_held_camera_is_known_exactly(void)
 {
     rigcal_real Sigma[36], of_one[36], of_two[36];
@@ -218,6 +251,7 @@ TEST_MAIN()
 {
     RUN_TEST(test_the_information_of_a_view_is_that_of_its_covariance);
     RUN_TEST(test_a_pose_of_a_view_is_refused_and_nothing_written);
+    RUN_TEST(test_points_that_do_not_fix_a_pose_are_degenerate);
     RUN_TEST(test_a_held_camera_is_known_exactly);
     RUN_TEST(test_a_rig_that_is_not_adjusted_has_no_covariance);
     RUN_TEST(test_arguments_of_the_covariances_are_checked);

@@ -2,7 +2,7 @@
 
 #include <string.h>
 
-enum { WAITING = 0, SOLVING, ADJUSTING, ERASING, PROGRAMMING };
+enum { WAITING = 0, SOLVING, JOINING, ADJUSTING, ERASING, PROGRAMMING };
 
 #define R(x) ((rigcal_real)(x))
 
@@ -418,6 +418,26 @@ static void finish_rig(firmware *f)
     }
 }
 
+static void join(firmware *f)
+{
+    rigcal_rig_fit fit;
+    firmware_rig *const r = &f->rig;
+    r->ticks++;
+    rigcal_status status = rigcal_rig_join_step(&r->solver, FIRMWARE_UNITS_PER_TICK);
+    if (status == RIGCAL_RUNNING) {
+        return;
+    }
+    status = rigcal_rig_result(&fit, NULL, &r->solver);
+    if (status == RIGCAL_OK) {
+        status = rigcal_rig_begin(&r->solver, &r->rig);
+    }
+    if (status == RIGCAL_OK) {
+        f->state = ADJUSTING;
+    } else {
+        report_rig_failure(f, "no rig", status);
+    }
+}
+
 static void adjust(firmware *f)
 {
     f->rig.ticks++;
@@ -429,26 +449,7 @@ static void adjust(firmware *f)
     }
 }
 
-/* The start, from the poses of the views: the board by camera 0, camera 1 by the first
- * placement. rigcal_rig_join would do more, and does not work in steps. */
-static rigcal_status place_views(firmware_rig *r)
-{
-    rigcal_transform rig_from_cam, board_from_rig;
-    rigcal_status status = rigcal_transform_invert(&rig_from_cam, &r->cams_from_rig[0]);
-    for (int k = 0; k < FIRMWARE_PLACEMENTS && status == RIGCAL_OK; k++) {
-        status = rigcal_transform_compose(&r->rig_from_placements[k], &rig_from_cam,
-                                          &r->poses[2 * k].cam_from_target);
-    }
-    if (status == RIGCAL_OK) {
-        status = rigcal_transform_invert(&board_from_rig, &r->rig_from_placements[0]);
-    }
-    return (status == RIGCAL_OK)
-               ? rigcal_transform_compose(&r->cams_from_rig[1],
-                                          &r->poses[1].cam_from_target, &board_from_rig)
-               : status;
-}
-
-/* Every view is there: the adjustment begins. */
+/* Every view is there: their poses are joined, from which the adjustment starts. */
 static void begin_rig(firmware *f)
 {
     static const uint8_t ROLES[FIRMWARE_CAMERAS] = {RIGCAL_CAMERA_HELD, RIGCAL_CAMERA_FREE};
@@ -471,12 +472,9 @@ static void begin_rig(firmware *f)
     for (int i = 0; i < 9 && !f->is_known[0]; i++) {
         r->cams_from_rig[0].R[i] = (i % 4 == 0) ? 1 : 0;
     }
-    rigcal_status status = place_views(r);
+    const rigcal_status status = rigcal_rig_join_begin(&r->solver, &r->rig);
     if (status == RIGCAL_OK) {
-        status = rigcal_rig_begin(&r->solver, &r->rig);
-    }
-    if (status == RIGCAL_OK) {
-        f->state = ADJUSTING;
+        f->state = JOINING;
     } else {
         r->n_views = 0;
         report_rig_failure(f, "no rig", status);
@@ -587,6 +585,9 @@ void firmware_tick(firmware *f)
     switch (f->state) {
     case SOLVING:
         solve(f);
+        break;
+    case JOINING:
+        join(f);
         break;
     case ADJUSTING:
         adjust(f);

@@ -10,6 +10,7 @@ import importlib.util
 import os
 import re
 import subprocess
+import threading
 import unittest
 
 import numpy as np
@@ -460,6 +461,21 @@ class TestWrongPoints(CliTest):
         self.assertGreater(float(told[2]), 3)
         self.assertNotIn("left", run.stderr)
 
+    def test_causes_are_looked_for_in_the_first_views_that_fit_badly(self):
+        lines = self.observations(self.one)
+        right = [line for line in lines if ",right," in line]
+        rows = [camera_row("right")]
+        table = [list(rows[0])] + [[str(r[k]) for k in rows[0]] for r in rows]
+        run = self.calibrate(
+            write(self.folder, "c.csv", "\n".join(",".join(r) for r in table)),
+            write(self.folder, "o.csv", "\n".join(
+                [lines[0]] + [f"{frame}{line[1:]}" for frame in range(103)
+                              for line in right])))
+        self.assertEqual(run.returncode, 0, run.stderr)
+        self.assertEqual(run.stderr.count("point p7 is wrong"), 100)
+        self.assertIn("103 views fit badly: a cause was looked for in the first 100. ",
+                      run.stderr)
+
     def test_a_mirrored_target_is_named(self):
         run = self.run_on(self.mirrored)
         self.assertIn("left-handed", run.stderr)
@@ -603,6 +619,8 @@ class TestHarmlessForms(CliTest):
         "CRLF": lambda text: text.replace("\n", "\r\n"),
         "byte-order mark": lambda text: "\ufeff" + text,
         "blank lines": lambda text: "\n \n" + text.replace("\n", "\n\n\t\n"),
+        # so that what is read at once ends at any place of a line
+        "long blank lines": lambda text: text.replace("\n", "\n" + 4999 * " " + "\n"),
         "no last newline": lambda text: text.rstrip("\n"),
         "columns permuted": permuted,
         "all of it": lambda text: "\ufeff\r\n" + permuted(text).replace(
@@ -621,6 +639,25 @@ class TestHarmlessForms(CliTest):
         for name, change in self.FORMS.items():
             with self.subTest(form=name):
                 self.assertEqual(self.outputs(change), plain)
+
+    def test_a_pipe_gives_the_same_bytes(self):
+        plain = self.outputs(lambda text: text)
+        cameras, pipe = os.path.join(STEREO, "cameras.csv"), os.path.join(self.folder, "pipe")
+        text = content(STEREO, "observations.csv")
+        os.mkfifo(pipe)
+
+        def feed():
+            with open(pipe, "w") as file:
+                for begin in range(0, len(text), 1000):
+                    file.write(text[begin:begin + 1000])
+                    file.flush()
+
+        feeder = threading.Thread(target=feed)
+        feeder.start()
+        run = self.calibrate(cameras, pipe)
+        feeder.join()
+        self.assertEqual((run.returncode, run.stderr), (0, ""))
+        self.assertEqual([run.stdout] + [content(self.out, name) for name in OUTPUTS], plain)
 
     def test_coefficients_may_be_absent(self):
         table = content(CAVITY, "cameras.csv")
@@ -774,6 +811,15 @@ class TestBrokenFiles(CliTest):
                      text.replace("\n", "\r\n\r\n"))
         run = self.calibrate(STEREO + "/cameras.csv", path)
         self.complains(run, path, 7, 'column u: "abc"')
+
+    def test_lines_are_counted_in_a_file_read_in_parts(self):
+        text = content(STEREO, "observations.csv").rstrip("\n")
+        count = text.count("\n") + 1
+        text = at_line(count, field(6, "abc"))(text)
+        path = write(self.folder, "observations.csv",
+                     text.replace("\n", "\n" + 4999 * " " + "\n"))
+        run = self.calibrate(STEREO + "/cameras.csv", path)
+        self.complains(run, path, 2 * count - 1, 'column u: "abc"')
 
     def test_unreadable_files(self):
         absent = os.path.join(self.folder, "absent.csv")

@@ -65,7 +65,7 @@ FACTS = [
     ("rigcal_lens.c", r"enum \{ N_DEGREE = 4", "degrees of the lens's polynomials"),
     ("rigcal_diagnose.c", r"UNITS\[4\] = ", "ratios of units of length"),
     ("rigcal_seeds.c", r"GOLDEN\[2\] = ", "the golden angle"),
-    ("rigcal_store.c", r"DROPPED = 52 - 23", "the form of IEEE numbers"),
+    ("rigcal_bytes.c", r"DROPPED = 52 - 23", "the form of IEEE numbers"),
     ("rigcal_direction.c", r"EXTENT_LEAST \* RC_EPS", "rounding squared"),
     ("rigcal_pairs.c", r"size \* RC_EPS <= RC_SHAPE_ROUNDING", "rounding of a coordinate"),
     ("rigcal_points.c", r"\* RC_EPS <= RC_SHAPE_ROUNDING", "rounding of a coordinate"),

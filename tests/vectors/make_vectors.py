@@ -636,6 +636,30 @@ def stored(rows, letter):
     return head + struct.pack("<I", zlib.crc32(head)) + body
 
 
+HELD, GROUP = (1, 0, 0), (0, 0, 1)
+
+
+def stored_joint():
+    """sigma_px, F, its degrees of freedom; the joint covariance of the cameras that are not
+    held, lower triangle."""
+    A = decimals(random.Random(12), -1e-3, 1e-3, 6, (12, 12))
+    Sigma = [float("%.6e" % x) for x in (A @ A.T)[np.tril_indices(12)]]
+    return row(0.3125, 1.75, 42, 1234), row(Sigma)
+
+
+def stored_rig(rows, letter):
+    """The byte form of a calibrated rig."""
+    numbers, Sigma = stored_joint()
+    body = struct.pack("<4%s" % letter, *numbers)
+    for r, held, group in zip(rows, HELD, GROUP):
+        body += struct.pack("<5i", *[int(x) for x in r[:3]], held, group)
+        body += struct.pack("<24%s" % letter, *r[4:28])
+    body += struct.pack("<%d%s" % (len(Sigma), letter), *Sigma)
+    head = struct.pack("<4sHHIIII", b"RIGC", 2, struct.calcsize("<" + letter), len(rows),
+                       SEQUENCE, TAG, 32 + len(body)) + struct.pack("<I", zlib.crc32(body))
+    return head + struct.pack("<I", zlib.crc32(head)) + body
+
+
 def store():
     rng, crcs = random.Random(11), []
     for text in [b"", b"123456789", b"\0", b"\xff" * 32, b"\0" * 40] + [
@@ -652,6 +676,14 @@ def store():
         "STORE_DOUBLE": ("its bytes as a double build stores them, by Python's struct and "
                          "zlib", [row(list(stored(rows, "d")))]),
         "STORE_FLOAT": ("and as a float build does", [row(list(stored(rows, "f")))]),
+        "STORE_JOINT": ("a calibrated rig of the same cameras: sigma_px, F, its two degrees of "
+                        "freedom; whether each camera is held; its group; the joint "
+                        "covariance, lower triangle",
+                        [row(stored_joint()[0], HELD, GROUP, stored_joint()[1])]),
+        "STORE_RIG_DOUBLE": ("its bytes as a double build stores them",
+                             [row(list(stored_rig(rows, "d")))]),
+        "STORE_RIG_FLOAT": ("and as a float build does",
+                            [row(list(stored_rig(rows, "f")))]),
     }
 
 

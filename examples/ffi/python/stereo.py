@@ -49,6 +49,7 @@ def declare_structs(real):
                        ("group", address), ("n_views", count), ("views", address),
                        ("view_source", address), ("view_poses", address),
                        ("view_pose_source", address), ("context", address),
+                       ("left_out", address),
                        ("roles", address), ("priors", address), ("sigma_px", real),
                        ("work", address), ("work_capacity", count)],
         "rigcal_rig_fit": [("sum", real), ("freedom", real), ("sigma_px", real),

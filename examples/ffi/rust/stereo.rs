@@ -99,7 +99,8 @@ c_struct!(rigcal_rig {
     group: *mut i32, n_views: usize,
     views: *const rigcal_rig_view, view_source: *const u8,
     view_poses: *const rigcal_view_pose, view_pose_source: *const u8,
-    context: *mut u8, roles: *const u8, priors: *const u8, sigma_px: Real,
+    context: *mut u8, left_out: *const u8, roles: *const u8, priors: *const u8,
+    sigma_px: Real,
     work: *mut Real, work_capacity: usize
 });
 c_struct!(rigcal_rig_fit {

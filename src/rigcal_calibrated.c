@@ -1,0 +1,272 @@
+#include "rc_calibrated.h"
+
+size_t rigcal_calibrated_size(size_t n_free)
+{
+    return RIGCAL_CALIBRATED_SIZE(n_free);
+}
+
+/* ---- the covariance of a pair -------------------------------------------- */
+
+void rc_joint_block(rigcal_real out[36], const rigcal_real S[], size_t a, size_t b)
+{
+    const int is_known = a != RC_HELD && b != RC_HELD;
+    for (size_t i = 0; i < 6; i++) {
+        for (size_t j = 0; j < 6; j++) {
+            const size_t row = a + i, column = b + j;
+            out[6 * i + j] = !is_known         ? 0
+                             : (row >= column) ? S[rc_packed_at(row, column)]
+                                               : S[rc_packed_at(column, row)];
+        }
+    }
+}
+
+/* Sigma += J_left S J_right^T */
+static void add_turned(rigcal_real Sigma[36], const rigcal_real J_left[36],
+                       const rigcal_real S[36], const rigcal_real J_right[36])
+{
+    for (int i = 0; i < 6; i++) {
+        rigcal_real row[6] = {0};
+        for (int k = 0; k < 6; k++) {
+            for (int j = 0; j < 6; j++) {
+                row[j] += J_left[6 * i + k] * S[6 * k + j];
+            }
+        }
+        for (int j = 0; j < 6; j++) {
+            Sigma[6 * i + j] += rc_vec3_dot(row, &J_right[6 * j]) +
+                                rc_vec3_dot(&row[3], &J_right[6 * j + 3]);
+        }
+    }
+}
+
+/* J = (M 0; [x]x M  M): what a step of a camera does to b_from_a. */
+static void fill_step(rigcal_real J[36], const rigcal_real x[3], const rigcal_real M[9])
+{
+    for (int column = 0; column < 3; column++) {
+        const rigcal_real m[3] = {M[column], M[3 + column], M[6 + column]};
+        rigcal_real moved[3];
+        rc_vec3_cross(moved, x, m);
+        for (int row = 0; row < 3; row++) {
+            J[6 * row + column] = J[6 * (row + 3) + column + 3] = m[row];
+            J[6 * row + column + 3] = 0;
+            J[6 * (row + 3) + column] = moved[row];
+        }
+    }
+}
+
+void rc_joint_pair(rigcal_transform *b_from_a, rigcal_real Sigma[36],
+                   const rigcal_transform *a_from_rig, const rigcal_transform *b_from_rig,
+                   const rigcal_real S[], size_t a, size_t b, rigcal_real scale)
+{
+    static const rigcal_real ONE[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+    rigcal_real x[3], minus_R[9], J[2][36], block[36];
+    const size_t at[2] = {a, b};
+    rc_transform_between(b_from_a, b_from_rig, a_from_rig);
+    rc_mat3_mul_vec3(x, b_from_a->R, a_from_rig->t);
+    for (int k = 0; k < 9; k++) {
+        minus_R[k] = -b_from_a->R[k];
+    }
+    fill_step(J[0], x, minus_R);
+    fill_step(J[1], x, ONE);
+    for (int k = 0; k < 36; k++) {
+        Sigma[k] = 0;
+    }
+    for (int i = 0; i < 2; i++) {
+        for (int j = 0; j < 2; j++) {
+            rc_joint_block(block, S, at[i], at[j]);
+            add_turned(Sigma, J[i], block, J[j]);
+        }
+    }
+    for (int i = 0; i < 6; i++) {
+        for (int j = 0; j <= i; j++) {
+            Sigma[6 * j + i] = Sigma[6 * i + j] = scale * Sigma[6 * i + j];
+        }
+    }
+}
+
+/* ---- a calibrated rig ---------------------------------------------------- */
+
+rigcal_status rc_calibrated_numbers(const rigcal_real numbers[4])
+{
+    if (!rc_all_finite(numbers, 4)) {
+        return RIGCAL_ERR_NOT_FINITE;
+    }
+    for (int i = 0; i < 4; i++) {
+        if (!(numbers[i] >= 0)) {
+            return RIGCAL_ERR_RANGE;
+        }
+    }
+    return (numbers[0] > 0) ? RIGCAL_OK : RIGCAL_ERR_STATE;
+}
+
+/* Counts of arrays that are there. */
+static rigcal_status check_cameras(size_t *n_free, const rigcal_calibrated_rig *rig)
+{
+    int32_t groups = 0;
+    *n_free = 0;
+    for (size_t c = 0; c < rig->n_cameras; c++) {
+        if (rig->held[c] > 1 || rig->group[c] < 0 || rig->group[c] > groups) {
+            return RIGCAL_ERR_RANGE;
+        }
+        groups += rig->group[c] == groups;
+        *n_free += rig->held[c] == 0;
+    }
+    if (*n_free > RIGCAL_STORE_FREE_MAX) {
+        return RIGCAL_ERR_RANGE;
+    }
+    return (rigcal_calibrated_size(*n_free) > rig->Sigma_capacity) ? RIGCAL_ERR_CAPACITY
+                                                                   : RIGCAL_OK;
+}
+
+rigcal_status rc_calibrated_check(size_t *n_free, const rigcal_calibrated_rig *rig)
+{
+    if (rig == NULL || rig->cameras == NULL || rig->group == NULL || rig->held == NULL ||
+        rig->Sigma == NULL) {
+        return RIGCAL_ERR_NULL;
+    }
+    if (rig->n_cameras < 1) {
+        return RIGCAL_ERR_TOO_FEW;
+    }
+    if (rig->n_cameras > RIGCAL_STORE_CAMERAS_MAX) {
+        return RIGCAL_ERR_RANGE;
+    }
+    if (rig->n_cameras > rig->capacity) {
+        return RIGCAL_ERR_CAPACITY;
+    }
+    const rigcal_real numbers[] = {rig->sigma_px, rig->F, rig->freedom_between,
+                                   rig->freedom_within};
+    const rigcal_status status = rc_calibrated_numbers(numbers);
+    return (status == RIGCAL_OK) ? check_cameras(n_free, rig) : status;
+}
+
+/* Of a rig that was checked: the first unknown of a camera. */
+static size_t first_of(const rigcal_calibrated_rig *rig, size_t camera)
+{
+    size_t first = 0;
+    for (size_t c = 0; c < camera; c++) {
+        first += (rig->held[c] == 0) ? 6 : 0;
+    }
+    return (rig->held[camera] == 0) ? first : RC_HELD;
+}
+
+static rigcal_status check_pair(const rigcal_calibrated_rig *rig, size_t a, size_t b)
+{
+    size_t n_free;
+    const rigcal_status status = rc_calibrated_check(&n_free, rig);
+    if (status == RIGCAL_OK && (a >= rig->n_cameras || b >= rig->n_cameras)) {
+        return RIGCAL_ERR_RANGE;
+    }
+    return status;
+}
+
+rigcal_status rigcal_calibrated_covariance(rigcal_real Sigma[36],
+                                           const rigcal_calibrated_rig *rig, size_t a,
+                                           size_t b)
+{
+    rigcal_real block[36];
+    const rigcal_status status = (Sigma == NULL) ? RIGCAL_ERR_NULL : check_pair(rig, a, b);
+    if (status != RIGCAL_OK) {
+        return status;
+    }
+    rc_joint_block(block, rig->Sigma, first_of(rig, a), first_of(rig, b));
+    if (!rc_all_finite(block, 36)) {
+        return RIGCAL_ERR_NOT_FINITE;
+    }
+    for (int k = 0; k < 36; k++) {
+        Sigma[k] = block[k];
+    }
+    return RIGCAL_OK;
+}
+
+rigcal_status rigcal_calibrated_pair(rigcal_transform *b_from_a, rigcal_real Sigma[36],
+                                     const rigcal_calibrated_rig *rig, size_t a, size_t b)
+{
+    rigcal_transform pair;
+    rigcal_real found[36];
+    rigcal_status status =
+        (b_from_a == NULL || Sigma == NULL) ? RIGCAL_ERR_NULL : check_pair(rig, a, b);
+    if (status == RIGCAL_OK && rig->group[a] != rig->group[b]) {
+        status = RIGCAL_DISCONNECTED;
+    }
+    if (status == RIGCAL_OK) {
+        status = rc_check_transform(&rig->cameras[a].cam_from_rig);
+    }
+    if (status == RIGCAL_OK) {
+        status = rc_check_transform(&rig->cameras[b].cam_from_rig);
+    }
+    if (status != RIGCAL_OK) {
+        return status;
+    }
+    rc_joint_pair(&pair, found, &rig->cameras[a].cam_from_rig,
+                  &rig->cameras[b].cam_from_rig, rig->Sigma, first_of(rig, a),
+                  first_of(rig, b), 1);
+    if (!rc_all_finite(found, 36)) {
+        return RIGCAL_ERR_NOT_FINITE;
+    }
+    *b_from_a = pair;
+    for (int k = 0; k < 36; k++) {
+        Sigma[k] = found[k];
+    }
+    return RIGCAL_OK;
+}
+
+/* ---- from an adjusted rig ------------------------------------------------ */
+
+/* The covariance is that of rig->work; all else has been checked. */
+static void copy_rig(rigcal_calibrated_rig *out, const rigcal_rig *rig,
+                     const rc_rig_parts *parts, rigcal_real scale)
+{
+    size_t first = 0;
+    for (size_t c = 0; c < rig->n_cameras; c++) {
+        rigcal_mounted_camera *const m = &out->cameras[c];
+        out->held[c] = (parts->column[c] >= 0) ? 0 : 1;
+        out->group[c] = rig->group[c];
+        m->cam_from_rig = rig->cams_from_rig[c];
+        m->has_Sigma = 1;
+        rc_joint_block(m->Sigma, parts->S, out->held[c] ? RC_HELD : first,
+                       out->held[c] ? RC_HELD : first);
+        for (int k = 0; k < 36; k++) {
+            m->Sigma[k] *= scale;
+        }
+        first += out->held[c] ? 0 : 6;
+    }
+    for (size_t k = 0; k < first * (first + 1) / 2; k++) {
+        out->Sigma[k] = scale * parts->S[k];
+    }
+    out->n_cameras = rig->n_cameras;
+}
+
+rigcal_status rigcal_calibrated_take(rigcal_calibrated_rig *out, const rigcal_rig *rig,
+                                     const rigcal_rig_fit *fit, rigcal_real sigma_px)
+{
+    rigcal_real Sigma[36];
+    rc_rig_parts parts;
+    size_t n_free = 0;
+    if (out == NULL || out->cameras == NULL || out->group == NULL || out->held == NULL ||
+        out->Sigma == NULL) {
+        return RIGCAL_ERR_NULL;
+    }
+    const rigcal_status status = rigcal_rig_covariance(Sigma, rig, sigma_px, 0);
+    if (status != RIGCAL_OK) {
+        return status;
+    }
+    if (!(sigma_px > 0) || rig->n_cameras > RIGCAL_STORE_CAMERAS_MAX) {
+        return RIGCAL_ERR_RANGE;
+    }
+    rc_rig_parts_of(&parts, rig, 0);
+    for (size_t c = 0; c < rig->n_cameras; c++) {
+        n_free += (parts.column[c] >= 0) ? 1 : 0;
+    }
+    if (n_free > RIGCAL_STORE_FREE_MAX) {
+        return RIGCAL_ERR_RANGE;
+    }
+    if (rig->n_cameras > out->capacity ||
+        rigcal_calibrated_size(n_free) > out->Sigma_capacity) {
+        return RIGCAL_ERR_CAPACITY;
+    }
+    copy_rig(out, rig, &parts, sigma_px * sigma_px);
+    out->sigma_px = sigma_px;
+    out->F = (fit != NULL) ? fit->F : 0;
+    out->freedom_between = (fit != NULL) ? fit->freedom_between : 0;
+    out->freedom_within = (fit != NULL) ? fit->freedom_within : 0;
+    return RIGCAL_OK;
+}

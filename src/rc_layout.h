@@ -83,7 +83,13 @@
         M(rigcal_rig_fit, sigma_px) M(rigcal_rig_fit, n_points)                    \
         M(rigcal_rig_fit, evals) M(rigcal_rig_fit, F)                              \
         M(rigcal_rig_fit, freedom_between) M(rigcal_rig_fit, freedom_within)       \
-<<<<<<< HEAD
+    S(rigcal_calibrated_rig)                                                       \
+        M(rigcal_calibrated_rig, cameras) M(rigcal_calibrated_rig, group)          \
+        M(rigcal_calibrated_rig, held) M(rigcal_calibrated_rig, capacity)          \
+        M(rigcal_calibrated_rig, Sigma) M(rigcal_calibrated_rig, Sigma_capacity)   \
+        M(rigcal_calibrated_rig, n_cameras) M(rigcal_calibrated_rig, sigma_px)     \
+        M(rigcal_calibrated_rig, F) M(rigcal_calibrated_rig, freedom_between)      \
+        M(rigcal_calibrated_rig, freedom_within)                                   \
     /* rigcal_choose.h */                                                          \
     S(rigcal_link)                                                                 \
         M(rigcal_link, n_shared) M(rigcal_link, information)                       \
@@ -113,15 +119,6 @@
     S(rigcal_symmetries)                                                           \
         M(rigcal_symmetries, permutations) M(rigcal_symmetries, n_permutations)    \
         M(rigcal_symmetries, n_points) M(rigcal_symmetries, room)                  \
-=======
-    S(rigcal_calibrated_rig)                                                       \
-        M(rigcal_calibrated_rig, cameras) M(rigcal_calibrated_rig, group)          \
-        M(rigcal_calibrated_rig, held) M(rigcal_calibrated_rig, capacity)          \
-        M(rigcal_calibrated_rig, Sigma) M(rigcal_calibrated_rig, Sigma_capacity)   \
-        M(rigcal_calibrated_rig, n_cameras) M(rigcal_calibrated_rig, sigma_px)     \
-        M(rigcal_calibrated_rig, F) M(rigcal_calibrated_rig, freedom_between)      \
-        M(rigcal_calibrated_rig, freedom_within)                                   \
->>>>>>> rig
     /* rigcal_paper.h */                                                           \
     S(rigcal_bearing)                                                              \
         M(rigcal_bearing, X_w) M(rigcal_bearing, ray)                              \

@@ -88,15 +88,12 @@ static struct {
 
 static const size_t SIZE_0 = 0, SIZE_1 = 1, SIZE_2 = 2, SIZE_3 = 3, SIZE_4 = 4, SIZE_6 = 6,
                     SIZE_8 = 8, SIZE_15 = 15, SIZE_SAVED = RIGCAL_STORE_SIZE(2),
-<<<<<<< HEAD
                     SIZE_12 = 12, SIZE_WORK = RIG_WORK, SIZE_CHOOSE = CHOOSE_WORK,
-                    SIZE_TO_JUDGE = JUDGE_WORK;
-=======
-                    SIZE_12 = 12, SIZE_WORK = RIG_WORK,
+                    SIZE_TO_JUDGE = JUDGE_WORK,
+
                     SIZE_KEPT = RIGCAL_CALIBRATED_SIZE(1),
                     SIZE_TAKEN = RIGCAL_CALIBRATED_SIZE(2),
                     SIZE_SAVED_RIG = RIGCAL_STORE_RIG_SIZE(2, 1);
->>>>>>> rig
 static const uint32_t UINT_7 = 7;
 static const int32_t INT_0 = 0, INT_1 = 1, INT_2 = 2, INT_3 = 3, INT_8 = 8, INT_480 = 480,
                      INT_640 = 640, INT_1000 = 1000;
@@ -894,7 +891,6 @@ typedef struct {
     IN(THERE, 1, &INT_1), cams, COUNT(&SIZE_3, 1, RIGCAL_ERR_TOO_FEW), placements, group, \
         COUNT(&SIZE_6, 1, RIGCAL_ERR_TOO_FEW), work, \
         ROOM(&SIZE_WORK, RIGCAL_RIG_WORK(0, 3, 2), RIGCAL_ERR_CAPACITY)
-<<<<<<< HEAD
 #define RIG_TO_JUDGE(placements) \
     IN(THERE, 1, &INT_1), IN(TRANSFORM, N_CAMERAS, ok.poses), \
         COUNT(&SIZE_3, 1, RIGCAL_ERR_TOO_FEW), placements, WORK(INT32, N_CAMERAS), \
@@ -916,7 +912,6 @@ typedef struct {
         COUNT(&SIZE_3, 1, RIGCAL_ERR_TOO_FEW), WORK(TRANSFORM, N_PLACEMENTS), \
         WORK(INT32, N_CAMERAS), COUNT(&SIZE_6, 1, RIGCAL_ERR_TOO_FEW), \
         WORK(NUMBER, CHOOSE_WORK), ROOM(&SIZE_CHOOSE, CHOOSE_WORK, RIGCAL_ERR_CAPACITY)
-=======
 /* A calibrated rig by its parts: itself, cameras, group, held, capacity, Sigma,
  * Sigma_capacity, n_cameras, its numbers. */
 #define KEPT_OF(cameras, Sigma) \
@@ -930,7 +925,6 @@ typedef struct {
     IN(THERE, 1, &INT_1), OUT_PART(MOUNTED, n), OUT(INT32, n), OUT(BYTES, n), \
         ROOM(&SIZE_##n, n, RIGCAL_ERR_CAPACITY), OUT(NUMBER, n_Sigma), \
         ROOM(&size, n_Sigma, RIGCAL_ERR_CAPACITY)
->>>>>>> rig
 /* One that has been adjusted; `memory` is the kind of its work. */
 #define RIG_DONE RIG_WITH_MEMORY(RIG_MEMORY)
 #define RIG_WITH_MEMORY(memory) \
@@ -1518,16 +1512,10 @@ enum { N_FUNCTIONS = sizeof FUNCTIONS / sizeof FUNCTIONS[0] };
 
 /* Those that take plain numbers only and have an answer for every one. */
 static const char *const HARMLESS[] = {
-<<<<<<< HEAD
-    "rigcal_version",      "rigcal_sizeof_real", "rigcal_status_name", "rigcal_status_text",
-    "rigcal_layout_count", "rigcal_pairs_for",   "rigcal_store_size",  "rigcal_rig_work",
-    "rigcal_choose_work",  "rigcal_judge_work",
-=======
-    "rigcal_version",         "rigcal_sizeof_real",  "rigcal_status_name",
-    "rigcal_status_text",     "rigcal_layout_count", "rigcal_pairs_for",
-    "rigcal_store_size",      "rigcal_rig_work",     "rigcal_store_rig_size",
-    "rigcal_calibrated_size",
->>>>>>> rig
+    "rigcal_version",     "rigcal_sizeof_real",    "rigcal_status_name",
+    "rigcal_status_text", "rigcal_layout_count",   "rigcal_pairs_for",
+    "rigcal_store_size",  "rigcal_rig_work",       "rigcal_choose_work",
+    "rigcal_judge_work",  "rigcal_store_rig_size", "rigcal_calibrated_size",
 };
 enum { N_HARMLESS = sizeof HARMLESS / sizeof HARMLESS[0] };
 

@@ -39,9 +39,9 @@
  * Numbers in parentheses, (9) to (26), and letters are those of EQUATIONS.md.
  *
  * Headers: this one includes rigcal_measure.h (points and matching lines), rigcal_rig.h
- * (several cameras) and rigcal_solvers.h (what the solvers keep; only its sizes matter to
- * a caller). rigcal_paper.h, the published procedure and its parts, is included by who
- * wants it. */
+ * (several cameras), rigcal_choose.h (which of two poses a view has) and rigcal_solvers.h
+ * (what the solvers keep; only its sizes matter to a caller). rigcal_paper.h, the published
+ * procedure and its parts, is included by who wants it. */
 #ifndef RIGCAL_H
 #define RIGCAL_H
 

@@ -7,6 +7,14 @@
 
 #include "rc_views.h"
 
+/* ---- constants ----------------------------------------------------------- */
+
+/* sigma^2 tau^2: what two right claims are apart at most: chi squared of 6 degrees of
+ * freedom, which exceeds this once in 25000. */
+#define RC_CHOOSE_LIMIT RC(30)
+
+/* ---- claims -------------------------------------------------------------- */
+
 typedef struct {
     rigcal_transform b_from_a;
     rigcal_real Sigma[21]; /* of its turn w, and of the shift of `pivot` as seen in b, for
@@ -62,9 +70,5 @@ int rc_choose_is_better(const rc_support *support, const rc_support *than);
  * whatever stands for sigma^2 tau^2. O(n^2). */
 size_t rc_choose_place(rc_support *support, uint8_t choice[], const rc_claim claims[],
                        size_t n, rigcal_real limit);
-
-/* chi squared of 6 degrees of freedom: what two right claims are apart at most. Exceeded
- * once in 25000. */
-#define RC_CHOOSE_LIMIT RC(30)
 
 #endif /* RC_CHOOSE_H */

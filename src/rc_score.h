@@ -7,8 +7,8 @@
 
 enum { RC_SCORE_PLACEMENTS = RIGCAL_CHOOSE_PLACEMENTS };
 
-/* sigma^2: of the limit below which two claims agree, at each rung. */
-extern const rigcal_real rc_score_ladder[RIGCAL_CHOOSE_RUNGS];
+/* tau^2 at a rung: of the limit below which two claims agree, so many sigma^2. */
+rigcal_real rc_score_tau2(int rung);
 
 /* The score of a hypothesis that is none, below all others. */
 #define RC_SCORE_NONE RC(-2 * RC_SCORE_PLACEMENTS)

@@ -238,7 +238,7 @@ static int choose_rung(rigcal_choose_solver *s)
         k++;
     }
     s->rung = k;
-    choice->tau2 = rc_score_ladder[k];
+    choice->tau2 = rc_score_tau2(k);
     choice->share = (s->most > 0) ? s->counts[k] / s->most : 0;
     return !(s->most > 0) || choice->share >= SHARE_LEAST;
 }
@@ -476,7 +476,7 @@ static void place(rigcal_choose_solver *s, const rc_score_parts *p)
     const rc_claim *const best = &p->claims[s->best];
     rc_support support;
     rc_choose_support(&support, s->choice->takes, p->claims, s->n, (size_t)s->best,
-                      s->limit * rc_score_ladder[s->rung]);
+                      s->limit * s->choice->tau2);
     s->check.rig->rig_from_placements[s->placement] = best->b_from_a;
     p->placed[s->placement] = 2 * best->view + best->candidate;
     p->strength[s->placement] =
@@ -493,7 +493,7 @@ static void supporting_step(rigcal_choose_solver *s, const rc_score_parts *p)
         rc_support support;
         const rc_support before = {s->cost, s->spread, s->agree, 0};
         rc_choose_support(&support, NULL, p->claims, s->n, s->which,
-                          s->limit * rc_score_ladder[s->rung]);
+                          s->limit * s->choice->tau2);
         if (s->best < 0 || rc_choose_is_better(&support, &before)) {
             s->best = (int32_t)s->which;
             s->cost = support.cost;

@@ -4,9 +4,8 @@
 
 /* ---- constants ----------------------------------------------------------- */
 
-/* sigma^2: of the limit below which two claims agree. Where noise is not all, right views
- * need more than 1. */
-const rigcal_real rc_score_ladder[RIGCAL_CHOOSE_RUNGS] = {1, 4, 16, 64, 256, 1024};
+/* times: tau^2 grows so from rung to rung. It is 1 where noise is all. */
+#define LADDER_STEP RC(4)
 
 /* px: the least noise that is believed where none is stated. Pixels are not better. */
 #define NOISE_LEAST RC(0.01)
@@ -15,6 +14,15 @@ const rigcal_real rc_score_ladder[RIGCAL_CHOOSE_RUNGS] = {1, 4, 16, 64, 256, 102
 enum { HALVINGS = 60 };
 
 enum { RUNGS = RIGCAL_CHOOSE_RUNGS, HYPOTHESES = 4 * RC_SCORE_PLACEMENTS };
+
+rigcal_real rc_score_tau2(int rung)
+{
+    rigcal_real tau2 = 1;
+    for (int k = 0; k < rung; k++) {
+        tau2 *= LADDER_STEP;
+    }
+    return tau2;
+}
 
 /* ---- memory -------------------------------------------------------------- */
 
@@ -226,8 +234,8 @@ rigcal_status rc_score_claim(rc_claim *b_from_a, const rigcal_choose_solver *s,
  * grows with the cost. */
 static void add_cost(const rigcal_choose_solver *s, rigcal_real *scores, rigcal_real cost)
 {
-    for (int k = 0; k < RUNGS; k++) {
-        const rigcal_real part = cost / (s->limit * rc_score_ladder[k]);
+    rigcal_real part = cost / s->limit;
+    for (int k = 0; k < RUNGS; k++, part /= LADDER_STEP) {
         scores[k] += ((part < 1) ? 1 : 0) - rc_min(part, 1) / (RC_SCORE_PLACEMENTS + 1);
     }
 }
@@ -245,7 +253,7 @@ static void compare(const rigcal_choose_solver *s, const rc_score_parts *parts)
     const int is_own = s->column == s->row;
     rigcal_real least[2][4];
     for (int k = 0; k < 8; k++) {
-        least[k / 4][k % 4] = s->limit * rc_score_ladder[RUNGS - 1];
+        least[k / 4][k % 4] = s->limit * rc_score_tau2(RUNGS - 1);
     }
     for (int k = 0; k < 16; k++) {
         const rc_claim *const p = &rows[k / 4], *const q = &columns[k % 4];

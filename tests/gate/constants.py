@@ -40,6 +40,7 @@ LIMIT = 120  # seconds of a run of the gate, after which it hangs
 HARMLESS = {
     "adjust.PASSES_MAX": "it bounds the worst case: no scene takes over 51",
     "camera.RAY_TERMS": "more terms only take time; with half of them rays are wrong",
+    "score.HALVINGS": "rounding: half of them are still within 1e-9 of the median",
     "lens.WALK_MAX": "it bounds the worst case: no scene takes over 512",
     "lens.WALK_LEFT": "rounding: the steps of a proof add up to the whole way, or to much less",
     "p3p.DEPTH_MIN": "rounding: the camera would touch the point",
@@ -61,6 +62,8 @@ FACTS = [
     ("rc_elimination.h", r"RC_NONE_ELIMINATED = 3", "the number of angles"),
     ("rc_p3p.h", r"RC_P3P_MAX = 4", "solutions that there can be"),
     ("rc_adjust.h", r"RC_RIG_DONE = 1", "the phases of a search"),
+    ("rc_choose.h", r"define RC_CLAIM_REALS 39", "the layout of a struct"),
+    ("rc_score.h", r"define RC_SCORE_NONE", "below every score that there is"),
     ("rigcal_camera.c", r"enum \{ P1 = 6", "the layout of a struct"),
     ("rigcal_lens.c", r"enum \{ N_DEGREE = 4", "degrees of the lens's polynomials"),
     ("rigcal_diagnose.c", r"UNITS\[4\] = ", "ratios of units of length"),

@@ -136,7 +136,8 @@ typedef struct rigcal_cause_solver rigcal_cause_solver; /* see rigcal_solvers.h 
  *
  * OK; ERR_NULL, ERR_NOT_FINITE, ERR_ROTATION, ERR_RANGE (of a permutation also: a point
  * twice, or none's number), ERR_TOO_FEW (also: n_points), ERR_UNSORTED, ERR_CAMERA,
- * ERR_DEGENERATE, and what a source returns. It solves one pose for each permutation and each such camera. */
+ * ERR_DEGENERATE, and what a source returns. It solves one pose for each permutation and
+ * each such camera. */
 RIGCAL_API rigcal_status rigcal_rig_cause(rigcal_cause *cause, const rigcal_rig *rig,
                                           const rigcal_judgement *judgement,
                                           const rigcal_symmetries *symmetries, size_t view);

@@ -74,8 +74,10 @@ typedef struct {
 
     int is_adjusted; /* else the views' poses are joined, and what follows is not known */
     rigcal_rig_fit fit;
-    double own_rms_px;     /* of the views by themselves, per point */
-    double noise_px;       /* that the rig's sigmas are for, before ... */
+    rigcal_real
+        *sigma_px;     /* of each of the rig's cameras, by its own residuals; 0: unknown */
+    double own_rms_px; /* of the views by themselves, per point */
+    double noise_px;   /* that the rig's sigmas are for, before ... */
     double root_F, factor; /* ... they are multiplied by factor: 1 at least */
 } calibration;
 

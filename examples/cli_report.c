@@ -227,6 +227,16 @@ static double camera_rms(const calibration *c, size_t rig_camera)
     return n > 0 ? sqrt(sum / (double)n) : -1;
 }
 
+/* Noise of one coordinate, by the camera's own residuals. */
+static void print_sigma_px(const calibration *c, size_t rig_camera)
+{
+    if (c->sigma_px != NULL && c->sigma_px[rig_camera] > 0) {
+        printf("  %10.3f", (double)c->sigma_px[rig_camera]);
+    } else {
+        printf("  %10s", "-");
+    }
+}
+
 static void print_rig_sigma(const rig_sigma *s, int is_known)
 {
     if (is_known) {
@@ -242,8 +252,9 @@ static void print_cameras(const calibration *c, const int shown[], const char *f
     const int wide = widest(&c->cameras.names);
     size_t i;
 
-    printf("\n%-*s  rig [px]  +- [deg]  +- position  centre in the frame of %s\n", wide,
-           "camera", frame);
+    printf(
+        "\n%-*s  rig [px]  sigma [px]  +- [deg]  +- position  centre in the frame of %s\n",
+        wide, "camera", frame);
     for (i = 0; i < c->rig.n_cameras; i++) {
         rigcal_real o[3] = {0, 0, 0};
         rig_sigma s;
@@ -254,6 +265,7 @@ static void print_cameras(const calibration *c, const int shown[], const char *f
             rigcal_camera_center(o, &c->rig.cams_from_rig[i]);
             printf("%-*s", wide, rig_camera_name(c, i));
             print_rms(camera_rms(c, i));
+            print_sigma_px(c, i);
             print_rig_sigma(&s, is_known);
             printf("  %10.5g %10.5g %10.5g\n", (double)o[0] + 0, (double)o[1] + 0,
                    (double)o[2] + 0);

@@ -301,6 +301,17 @@ static void find_noise(calibration *c)
     c->factor = c->root_F > 1 ? c->root_F : 1;
 }
 
+static void find_noise_of_cameras(calibration *c)
+{
+    const size_t n = c->rig.n_cameras;
+    rigcal_real *freedom = cli_alloc(n, sizeof *freedom);
+
+    c->sigma_px = cli_alloc(n, sizeof *c->sigma_px);
+    if (rigcal_rig_noise(c->sigma_px, freedom, &c->rig) != RIGCAL_OK) {
+        memset(c->sigma_px, 0, n * sizeof *c->sigma_px);
+    }
+}
+
 static void adjust_rig(calibration *c)
 {
     const size_t n_cameras = c->rig.n_cameras, n_placements = c->rig.n_placements;
@@ -323,6 +334,7 @@ static void adjust_rig(calibration *c)
     }
     c->is_adjusted = 1;
     find_noise(c);
+    find_noise_of_cameras(c);
 }
 
 /* ==== placements ========================================================== */

@@ -3,10 +3,12 @@
  *
  * Depths count in lengths of the ray that is handed in: with m = (x, y, 1) the number is
  * Z, with a unit ray it is the distance. */
+#ifndef RIGCAL_H
+#include "rigcal.h" /* which includes this one in its turn */
+#endif
+
 #ifndef RIGCAL_MEASURE_H
 #define RIGCAL_MEASURE_H
-
-#include "rigcal.h"
 
 #ifdef __cplusplus
 extern "C" {

@@ -11,10 +11,12 @@
  *   rigcal_calibrated_take  what to keep of it; rigcal_store_save_rig makes bytes of that
  *
  * EQUATIONS.md RIG has the mathematics. */
+#ifndef RIGCAL_H
+#include "rigcal.h" /* which includes this one in its turn */
+#endif
+
 #ifndef RIGCAL_RIG_H
 #define RIGCAL_RIG_H
-
-#include "rigcal.h"
 
 #ifdef __cplusplus
 extern "C" {

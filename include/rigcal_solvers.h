@@ -2,10 +2,12 @@
  *
  * A caller needs the sizes of the solvers, and that they are flat and may be copied. Do not
  * read or write their contents: they may change with every version. */
+#ifndef RIGCAL_H
+#include "rigcal.h" /* which includes this one in its turn */
+#endif
+
 #ifndef RIGCAL_SOLVERS_H
 #define RIGCAL_SOLVERS_H
-
-#include "rigcal.h"
 
 #ifdef __cplusplus
 extern "C" {

@@ -6,18 +6,6 @@
 #include "rc_transform.h"
 #include "rc_views.h"
 
-/* In the place of a camera's first unknown: it is held, and has none. */
-#define RC_HELD SIZE_MAX
-
-/* out: the covariance of the cameras whose unknowns begin at a and b of the packed S, row
- * by row. Zeros, if one of the two is held. */
-void rc_joint_block(rigcal_real out[36], const rigcal_real S[], size_t a, size_t b);
-
-/* b_from_a, and scale times its covariance (RIG in EQUATIONS.md), cross terms included. */
-void rc_joint_pair(rigcal_transform *b_from_a, rigcal_real Sigma[36],
-                   const rigcal_transform *a_from_rig, const rigcal_transform *b_from_rig,
-                   const rigcal_real S[], size_t a, size_t b, rigcal_real scale);
-
 /* Pointers, counts, groups and roles, and the numbers besides the covariance. OK, ERR_NULL,
  * ERR_TOO_FEW, ERR_CAPACITY, ERR_NOT_FINITE, ERR_RANGE; ERR_STATE: there is no joint
  * covariance. *n_free: cameras that are not held. */

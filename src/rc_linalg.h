@@ -65,6 +65,9 @@ inline void rc_vec3_combine(rigcal_real out[3], rigcal_real s, const rigcal_real
     out[2] = s * a[2] + t * b[2];
 }
 
+/* x = 0 */
+void rc_clear(rigcal_real x[], size_t n);
+
 /* Of the length 1, as nearly as a rotation is one: for preconditions. */
 #define RC_IS_UNIT(v) (RC_FABS(rc_vec3_dot(v, v) - 1) <= RC_TOL(1e-6, 1e-3))
 

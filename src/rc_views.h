@@ -47,8 +47,6 @@ int rc_rig_is_left_out(const rigcal_rig *rig, size_t view);
 int rc_rig_is_held(const rigcal_rig *rig, size_t camera);
 int rc_rig_has_prior(const rigcal_rig *rig, size_t camera);
 
-void rc_clear(rigcal_real x[], size_t n);
-
 /* The memory to work in holds no covariance of the cameras. */
 void rc_rig_forget(const rigcal_rig *rig);
 

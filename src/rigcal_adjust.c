@@ -53,7 +53,7 @@ static rigcal_status check_points(int32_t *camera, int32_t *placement, rigcal_ri
     }
     status = rc_rig_pose_at(&own, s->rig, s->view);
     s->own_sum += own.sse;
-    return (status == RIGCAL_OK) ? rc_check_noise(&own.sse) : status;
+    return status;
 }
 
 rigcal_status rc_rig_equations(rigcal_real *sum, rigcal_real g[6], rigcal_real H[21],

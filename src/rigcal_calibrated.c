@@ -1,86 +1,9 @@
 #include "rc_calibrated.h"
+#include "rc_joint.h"
 
 size_t rigcal_calibrated_size(size_t n_free)
 {
     return RIGCAL_CALIBRATED_SIZE(n_free);
-}
-
-/* ---- the covariance of a pair -------------------------------------------- */
-
-void rc_joint_block(rigcal_real out[36], const rigcal_real S[], size_t a, size_t b)
-{
-    const int is_known = a != RC_HELD && b != RC_HELD;
-    for (size_t i = 0; i < 6; i++) {
-        for (size_t j = 0; j < 6; j++) {
-            const size_t row = a + i, column = b + j;
-            out[6 * i + j] = !is_known         ? 0
-                             : (row >= column) ? S[rc_packed_at(row, column)]
-                                               : S[rc_packed_at(column, row)];
-        }
-    }
-}
-
-/* Sigma += J_left S J_right^T */
-static void add_turned(rigcal_real Sigma[36], const rigcal_real J_left[36],
-                       const rigcal_real S[36], const rigcal_real J_right[36])
-{
-    for (int i = 0; i < 6; i++) {
-        rigcal_real row[6] = {0};
-        for (int k = 0; k < 6; k++) {
-            for (int j = 0; j < 6; j++) {
-                row[j] += J_left[6 * i + k] * S[6 * k + j];
-            }
-        }
-        for (int j = 0; j < 6; j++) {
-            Sigma[6 * i + j] += rc_vec3_dot(row, &J_right[6 * j]) +
-                                rc_vec3_dot(&row[3], &J_right[6 * j + 3]);
-        }
-    }
-}
-
-/* J = (M 0; [x]x M  M): what a step of a camera does to b_from_a. */
-static void fill_step(rigcal_real J[36], const rigcal_real x[3], const rigcal_real M[9])
-{
-    for (int column = 0; column < 3; column++) {
-        const rigcal_real m[3] = {M[column], M[3 + column], M[6 + column]};
-        rigcal_real moved[3];
-        rc_vec3_cross(moved, x, m);
-        for (int row = 0; row < 3; row++) {
-            J[6 * row + column] = J[6 * (row + 3) + column + 3] = m[row];
-            J[6 * row + column + 3] = 0;
-            J[6 * (row + 3) + column] = moved[row];
-        }
-    }
-}
-
-void rc_joint_pair(rigcal_transform *b_from_a, rigcal_real Sigma[36],
-                   const rigcal_transform *a_from_rig, const rigcal_transform *b_from_rig,
-                   const rigcal_real S[], size_t a, size_t b, rigcal_real scale)
-{
-    static const rigcal_real ONE[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
-    rigcal_real x[3], minus_R[9], J[2][36], block[36];
-    const size_t at[2] = {a, b};
-    rc_transform_between(b_from_a, b_from_rig, a_from_rig);
-    rc_mat3_mul_vec3(x, b_from_a->R, a_from_rig->t);
-    for (int k = 0; k < 9; k++) {
-        minus_R[k] = -b_from_a->R[k];
-    }
-    fill_step(J[0], x, minus_R);
-    fill_step(J[1], x, ONE);
-    for (int k = 0; k < 36; k++) {
-        Sigma[k] = 0;
-    }
-    for (int i = 0; i < 2; i++) {
-        for (int j = 0; j < 2; j++) {
-            rc_joint_block(block, S, at[i], at[j]);
-            add_turned(Sigma, J[i], block, J[j]);
-        }
-    }
-    for (int i = 0; i < 6; i++) {
-        for (int j = 0; j <= i; j++) {
-            Sigma[6 * j + i] = Sigma[6 * i + j] = scale * Sigma[6 * i + j];
-        }
-    }
 }
 
 /* ---- a calibrated rig ---------------------------------------------------- */
@@ -138,14 +61,14 @@ rigcal_status rc_calibrated_check(size_t *n_free, const rigcal_calibrated_rig *r
     return (status == RIGCAL_OK) ? check_cameras(n_free, rig) : status;
 }
 
-/* Of a rig that was checked: the first unknown of a camera. */
-static size_t first_of(const rigcal_calibrated_rig *rig, size_t camera)
+/* Of a rig that was checked: the first unknown of a camera; -1: it is held. */
+static rigcal_real first_of(const rigcal_calibrated_rig *rig, size_t camera)
 {
-    size_t first = 0;
+    rigcal_real first = 0;
     for (size_t c = 0; c < camera; c++) {
         first += (rig->held[c] == 0) ? 6 : 0;
     }
-    return (rig->held[camera] == 0) ? first : RC_HELD;
+    return (rig->held[camera] == 0) ? first : -1;
 }
 
 static rigcal_status check_pair(const rigcal_calibrated_rig *rig, size_t a, size_t b)
@@ -222,8 +145,7 @@ static void copy_rig(rigcal_calibrated_rig *out, const rigcal_rig *rig,
         out->group[c] = rig->group[c];
         m->cam_from_rig = rig->cams_from_rig[c];
         m->has_Sigma = 1;
-        rc_joint_block(m->Sigma, parts->S, out->held[c] ? RC_HELD : first,
-                       out->held[c] ? RC_HELD : first);
+        rc_joint_block(m->Sigma, parts->S, parts->column[c], parts->column[c]);
         for (int k = 0; k < 36; k++) {
             m->Sigma[k] *= scale;
         }

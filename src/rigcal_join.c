@@ -36,7 +36,7 @@ static rigcal_status check_pose(int32_t *camera, int32_t *placement, rigcal_rig_
         status = rc_check_numbers(v.information, 21, RC_MAX);
     }
     if (status == RIGCAL_OK) {
-        status = rc_check_noise(&v.sse);
+        status = (v.sse < 0) ? RIGCAL_ERR_RANGE : rc_check_numbers(&v.sse, 1, RC_MAX);
     }
     if (status == RIGCAL_OK && !rc_sym6_factor_of(&L, v.information, 0)) {
         status = RIGCAL_ERR_DEGENERATE;

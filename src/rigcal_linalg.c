@@ -50,6 +50,13 @@ rigcal_status rc_check_numbers(const rigcal_real x[], int n, rigcal_real limit)
     return rc_all_finite(x, n) ? RIGCAL_ERR_RANGE : RIGCAL_ERR_NOT_FINITE;
 }
 
+void rc_clear(rigcal_real x[], size_t n)
+{
+    for (size_t i = 0; i < n; i++) {
+        x[i] = 0;
+    }
+}
+
 rigcal_real rc_vec3_norm(const rigcal_real a[3])
 {
     return RC_SQRT(rc_vec3_dot(a, a));

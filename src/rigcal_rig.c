@@ -1,4 +1,5 @@
 #include "rc_adjust.h"
+#include "rc_joint.h"
 
 rigcal_status rigcal_view_pose_make(rigcal_view_pose *pose, const rigcal_rig_view *view,
                                     const rigcal_transform *cam_from_target)
@@ -126,25 +127,6 @@ rigcal_status rigcal_rig_adjust(rigcal_rig_fit *fit, int32_t *at_fault, rigcal_r
 
 /* ---- how sure ------------------------------------------------------------ */
 
-/* out: the covariance of cameras a and b, for noise of 1 px, row by row. */
-static void block_of(rigcal_real out[36], const rigcal_rig *rig, size_t a, size_t b)
-{
-    rc_rig_parts parts;
-    rc_rig_parts_of(&parts, rig, 0);
-    rc_clear(out, 36);
-    if (!(parts.column[a] >= 0 && parts.column[b] >= 0)) {
-        return;
-    }
-    const size_t at_a = (size_t)parts.column[a], at_b = (size_t)parts.column[b];
-    for (size_t i = 0; i < 6; i++) {
-        for (size_t j = 0; j < 6; j++) {
-            const size_t row = at_a + i, column = at_b + j;
-            out[6 * i + j] = parts.S[(row >= column) ? rc_packed_at(row, column)
-                                                     : rc_packed_at(column, row)];
-        }
-    }
-}
-
 /* Whether the memory to work in holds what an adjustment leaves there: unknowns in the
  * order of their cameras, and variances above 0. */
 static int is_adjusted(const rigcal_rig *rig)
@@ -185,29 +167,17 @@ static rigcal_status check_sure(const rigcal_real *Sigma, const rigcal_rig *rig,
 rigcal_status rigcal_rig_covariance(rigcal_real Sigma[36], const rigcal_rig *rig,
                                     rigcal_real sigma_px, size_t camera)
 {
+    rc_rig_parts parts;
     const rigcal_status status = check_sure(Sigma, rig, sigma_px, camera);
     if (status != RIGCAL_OK) {
         return status;
     }
-    block_of(Sigma, rig, camera, camera);
+    rc_rig_parts_of(&parts, rig, 0);
+    rc_joint_block(Sigma, parts.S, parts.column[camera], parts.column[camera]);
     for (int k = 0; k < 36; k++) {
         Sigma[k] *= sigma_px * sigma_px;
     }
     return RIGCAL_OK;
-}
-
-/* out += A B, out += A^T B, of 6 x 6 matrices row by row */
-static void add_product(rigcal_real out[36], const rigcal_real A[36],
-                        const rigcal_real B[36], int is_transposed)
-{
-    for (int i = 0; i < 6; i++) {
-        for (int k = 0; k < 6; k++) {
-            const rigcal_real a = is_transposed ? A[6 * k + i] : A[6 * i + k];
-            for (int j = 0; j < 6; j++) {
-                out[6 * i + j] += a * B[6 * k + j];
-            }
-        }
-    }
 }
 
 /* The sum of A_ij B_ij: the trace of A B^T. */
@@ -220,64 +190,11 @@ static rigcal_real trace_of_product(const rigcal_real A[36], const rigcal_real B
     return sum;
 }
 
-/* How some 6 unknowns hang on the cameras: d = -sum of W_i^T d_i, `camera` of each, less
- * than 0: left out. */
-typedef struct {
-    const rigcal_rig *rig;
-    rigcal_real *W, *camera;
-    size_t count;
-} leverage;
-
-/* Z = sum over j of Sigma_ij W_j, for noise of 1 px. */
-static void fill_Z(rigcal_real Z[36], const leverage *on, size_t i)
-{
-    rc_clear(Z, 36);
-    for (size_t j = 0; j < on->count; j++) {
-        rigcal_real Sigma_ij[36];
-        if (on->camera[i] >= 0 && on->camera[j] >= 0) {
-            block_of(Sigma_ij, on->rig, (size_t)on->camera[i], (size_t)on->camera[j]);
-            add_product(Z, Sigma_ij, &on->W[36 * j], 0);
-        }
-    }
-}
-
-/* Sigma = sum over i, j of W_i^T Sigma_ij W_j. */
-static void fill_spread(rigcal_real Sigma[36], const leverage *on)
-{
-    rc_clear(Sigma, 36);
-    for (size_t i = 0; i < on->count; i++) {
-        rigcal_real Z[36];
-        fill_Z(Z, on, i);
-        add_product(Sigma, &on->W[36 * i], Z, 1);
-    }
-}
-
-static void make_symmetric(rigcal_real Sigma[36], rigcal_real scale)
-{
-    for (int i = 0; i < 6; i++) {
-        for (int j = 0; j <= i; j++) {
-            Sigma[6 * j + i] = Sigma[6 * i + j] = scale * Sigma[6 * i + j];
-        }
-    }
-}
-
-/* W = (M 0; [x]x M  M)^T, M a rotation: what a step of a camera does to b_from_a. */
-static void fill_step(rigcal_real W[36], const rigcal_real x[3], const rigcal_real M[9])
-{
-    rc_clear(W, 36);
-    for (int column = 0; column < 3; column++) {
-        const rigcal_real m[3] = {M[column], M[3 + column], M[6 + column]};
-        rc_vec3_copy(&W[6 * column], m);
-        rc_vec3_cross(&W[6 * column + 3], x, m);
-        rc_vec3_copy(&W[6 * column + 21], m);
-    }
-}
-
 rigcal_status rigcal_rig_pair(rigcal_transform *b_from_a, rigcal_real Sigma[36],
                               const rigcal_rig *rig, rigcal_real sigma_px, size_t a,
                               size_t b)
 {
-    static const rigcal_real ONE[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+    rc_rig_parts parts;
     rigcal_status status = check_sure(Sigma, rig, sigma_px, a);
     if (status == RIGCAL_OK && (b_from_a == NULL || b >= rig->n_cameras)) {
         status = (b_from_a == NULL) ? RIGCAL_ERR_NULL : RIGCAL_ERR_RANGE;
@@ -288,17 +205,9 @@ rigcal_status rigcal_rig_pair(rigcal_transform *b_from_a, rigcal_real Sigma[36],
     if (status != RIGCAL_OK) {
         return status;
     }
-    rigcal_real x[3], minus_R[9], W[72], camera[2] = {(rigcal_real)a, (rigcal_real)b};
-    const leverage on = {rig, W, camera, 2};
-    rc_transform_between(b_from_a, &rig->cams_from_rig[b], &rig->cams_from_rig[a]);
-    rc_mat3_mul_vec3(x, b_from_a->R, rig->cams_from_rig[a].t);
-    for (int k = 0; k < 9; k++) {
-        minus_R[k] = -b_from_a->R[k];
-    }
-    fill_step(&W[0], x, minus_R);
-    fill_step(&W[36], x, ONE);
-    fill_spread(Sigma, &on);
-    make_symmetric(Sigma, sigma_px * sigma_px);
+    rc_rig_parts_of(&parts, rig, 0);
+    rc_joint_pair(b_from_a, Sigma, &rig->cams_from_rig[a], &rig->cams_from_rig[b], parts.S,
+                  parts.column[a], parts.column[b], sigma_px * sigma_px);
     return RIGCAL_OK;
 }
 
@@ -332,38 +241,39 @@ static rigcal_status equations_of(rigcal_real *sum, rigcal_real g[6], rigcal_rea
 }
 
 /* Of a placement whose views begin with `first`: Sigma of its pose for noise of 1 px, its
- * own part of it, H^-1, and how it hangs on the cameras. */
+ * own part of it, H^-1, and how it hangs on the cameras: d = -H^-1 sum of W_i^T d_i. */
 static rigcal_status place_sure(rigcal_real Sigma[36], rigcal_real inverse[36],
-                                const leverage *on, size_t first)
+                                const rc_leverage *on, const rigcal_rig *rig, size_t first)
 {
     rigcal_real sum, g[6], H[21], g_placement[6], H_placement[21], spread[36], half[36];
+    rc_rig_parts parts;
+    rc_rig_parts_of(&parts, rig, 0);
     rc_rigid_clear(g_placement, H_placement);
     for (size_t i = 0; i < on->count; i++) {
         rigcal_rig_view v;
         rc_chain chain;
-        on->camera[i] = -1;
-        if (rc_rig_is_left_out(on->rig, first + i)) {
+        on->at[i] = -1;
+        if (rc_rig_is_left_out(rig, first + i)) {
             continue;
         }
-        const rigcal_status status =
-            equations_of(&sum, g, H, &chain, &v, on->rig, first + i);
+        const rigcal_status status = equations_of(&sum, g, H, &chain, &v, rig, first + i);
         if (status != RIGCAL_OK) {
             return status;
         }
         rc_chain_add_placement(g_placement, H_placement, &chain, g, H);
         rc_chain_camera(g, H, &on->W[36 * i], &chain);
-        on->camera[i] = (rigcal_real)v.camera;
+        on->at[i] = parts.column[v.camera];
     }
     if (!rc_sym6_invert(inverse, H_placement)) {
         return RIGCAL_ERR_DEGENERATE;
     }
-    fill_spread(spread, on);
+    rc_joint_spread(spread, on);
     rc_clear(half, 36);
-    add_product(half, spread, inverse, 0);
+    rc_mat6_add_product(half, spread, inverse, 0);
     for (int k = 0; k < 36; k++) {
         Sigma[k] = inverse[k];
     }
-    add_product(Sigma, inverse, half, 0);
+    rc_mat6_add_product(Sigma, inverse, half, 0);
     return RIGCAL_OK;
 }
 
@@ -387,9 +297,10 @@ rigcal_status rigcal_rig_placement(rigcal_real Sigma[36], rigcal_rig *rig,
     for (size_t f = 0; f < placement; f++) {
         first += rc_rig_views_of(&parts, f);
     }
-    const leverage on = {rig, parts.W, parts.slot, rc_rig_views_of(&parts, placement)};
-    status = place_sure(Sigma, inverse, &on, first);
-    make_symmetric(Sigma, sigma_px * sigma_px);
+    const rc_leverage on = {parts.S, parts.W, parts.slot,
+                            rc_rig_views_of(&parts, placement)};
+    status = place_sure(Sigma, inverse, &on, rig, first);
+    rc_mat6_make_symmetric(Sigma, sigma_px * sigma_px);
     return status;
 }
 
@@ -399,12 +310,13 @@ rigcal_status rigcal_rig_placement(rigcal_real Sigma[36], rigcal_rig *rig,
  * unknowns is trace(H Cov(T)), T its pose, of which camera and placement have shares. */
 static rigcal_status add_noise(rigcal_real sum[], rigcal_real freedom[],
                                const rigcal_real Sigma[36], const rigcal_real inverse[36],
-                               const leverage *on, size_t first, size_t i)
+                               const rc_leverage *on, const rigcal_rig *rig, size_t first,
+                               size_t i)
 {
     rigcal_rig_view v;
     rc_chain chain;
     rigcal_real sse, g[6], H[21], g_placement[6], H_placement[21], M[36], Z[36];
-    const rigcal_status status = equations_of(&sse, g, H, &chain, &v, on->rig, first + i);
+    const rigcal_status status = equations_of(&sse, g, H, &chain, &v, rig, first + i);
     if (status != RIGCAL_OK) {
         return status;
     }
@@ -415,11 +327,11 @@ static rigcal_status add_noise(rigcal_real sum[], rigcal_real freedom[],
     rigcal_real lost = trace_of_product(M, Sigma);
     rc_chain_camera(g, H, &on->W[36 * i], &chain);
     rc_sym6_unpack(M, H);
-    block_of(Z, on->rig, c, c);
+    rc_joint_block(Z, on->S, on->at[i], on->at[i]);
     lost += trace_of_product(M, Z);
-    fill_Z(Z, on, i);
+    rc_joint_across(Z, on, i);
     rc_clear(M, 36);
-    add_product(M, &on->W[36 * i], Z, 1);
+    rc_mat6_add_product(M, &on->W[36 * i], Z, 1);
     lost -= 2 * trace_of_product(M, inverse);
     sum[c] += sse;
     freedom[c] += 2 * real_of(v.view.n) - lost;
@@ -441,13 +353,13 @@ rigcal_status rigcal_rig_noise(rigcal_real sigma_px[], rigcal_real freedom[],
     rc_clear(sigma_px, rig->n_cameras);
     rc_clear(freedom, rig->n_cameras);
     for (size_t f = 0; f < rig->n_placements && status == RIGCAL_OK; f++) {
-        const leverage on = {rig, parts.W, parts.slot, rc_rig_views_of(&parts, f)};
+        const rc_leverage on = {parts.S, parts.W, parts.slot, rc_rig_views_of(&parts, f)};
         if (parts.count[f] > 0) {
-            status = place_sure(Sigma, inverse, &on, first);
+            status = place_sure(Sigma, inverse, &on, rig, first);
         }
         for (size_t i = 0; i < on.count && status == RIGCAL_OK; i++) {
             if (!rc_rig_is_left_out(rig, first + i)) {
-                status = add_noise(sigma_px, freedom, Sigma, inverse, &on, first, i);
+                status = add_noise(sigma_px, freedom, Sigma, inverse, &on, rig, first, i);
             }
         }
         first += on.count;

@@ -1,3 +1,4 @@
+#include "rc_joint.h"
 #include "rc_store.h"
 
 #include <string.h>
@@ -504,10 +505,10 @@ static rigcal_status check_rig(const rigcal_calibrated_rig *rig, size_t n_free)
 {
     const form_parts p = {.Sigma = rig->Sigma};
     const rigcal_status status = check_joint(&p, 6 * n_free);
-    size_t first = 0;
+    rigcal_real first = 0;
     for (size_t c = 0; status == RIGCAL_OK && c < rig->n_cameras; c++) {
         rigcal_mounted_camera m = rig->cameras[c];
-        const size_t at = rig->held[c] ? RC_HELD : first;
+        const rigcal_real at = rig->held[c] ? -1 : first;
         m.has_Sigma = 1;
         rc_joint_block(m.Sigma, rig->Sigma, at, at);
         const rigcal_status of_camera = check_mounted(&m);

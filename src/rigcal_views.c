@@ -1,14 +1,5 @@
 #include "rc_views.h"
 
-/* ---- helpers ------------------------------------------------------------- */
-
-void rc_clear(rigcal_real x[], size_t n)
-{
-    for (size_t i = 0; i < n; i++) {
-        x[i] = 0;
-    }
-}
-
 size_t rigcal_rig_work(size_t n_free, size_t n_cameras, size_t n_placements)
 {
     return RIGCAL_RIG_WORK(n_free, n_cameras, n_placements);

@@ -58,6 +58,9 @@ callgraph     gcc,arm,python
 header        gcc,g++,clang                sh tests/checks/check_header.sh
 cross         arm                          sh tests/checks/check_cross.sh
 figures       gcc,arm,riscv,python         $PYTHON port/qemu/figures.py
+memory        arm                          sh tests/bench/rig_memory.sh
+rig-ceres     gcc,g++,cmake,make,ceres,unity
+              sh tests/bench/rig.sh check
 format        clang-format                 sh tests/checks/check_format.sh
 cppcheck      cppcheck                     sh tests/checks/check_cppcheck.sh
 tidy          gcc,clang-tidy               sh tests/checks/check_tidy.sh
@@ -85,6 +88,7 @@ want_need() {
     clang-tidy) want clang-tidy clang-tidy --version ;;
     cppcheck) want cppcheck cppcheck --version ;;
     rust) want rustc rustc --version ;;
+    ceres) want libceres-dev test -e /usr/include/ceres/ceres.h ;;
     arduino) want arduino-builder arduino-builder -version ;;
     venv) want python3-venv /usr/bin/python3 -c "import ensurepip" ;;
     arm)

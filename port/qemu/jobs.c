@@ -2,7 +2,8 @@
  *
  * A line for each job and scene: the job, the status, the bytes of stack the call
  * took, and every number it returned as the bits of a rigcal_real in hexadecimal.
- * figures.py counts and compares; count.c counts instructions between the two marks.
+ * figures.py counts and compares; count.c counts instructions between the two marks. Then
+ * "bytes NAME NUMBER" of what the rig's jobs work in.
  *
  * The scenes are made by +, -, *, / and sqrt of doubles alone, which IEEE 754
  * defines to the last bit, so that they are the same on every target. */
@@ -15,6 +16,14 @@
 
 #ifndef JOBS_SCENES
 #define JOBS_SCENES 20
+#endif
+
+/* A rig has 24 views, whose poses have to be found before it is joined. */
+#define JOBS_RIGS ((JOBS_SCENES + 3) / 4)
+
+/* Whether there is RAM for a rig. */
+#ifndef JOBS_RIG
+#define JOBS_RIG 1
 #endif
 
 /* The job to run alone; "": all. */
@@ -224,6 +233,130 @@ static void make_scene(size_t n, kind what, uint64_t seed)
                                    &scene.cam_from_world[0]);
 }
 
+#if JOBS_RIG
+/* ---- a rig --------------------------------------------------------------- */
+
+#define RIG_FAR 5.0
+
+/* Three cameras stand RIG_FAR sizes from the target, 20 degrees apart, and all see it in each
+ * placement. The poses of the views by themselves are refined from the truth. */
+enum { RIG_CAMERAS = 3, RIG_PLACEMENTS = 8, RIG_POINTS_MAX = 12 };
+enum { RIG_VIEWS = RIG_CAMERAS * RIG_PLACEMENTS, RIG_POSES = RIG_CAMERAS + RIG_PLACEMENTS };
+
+static struct {
+    rigcal_rig rig;
+    rigcal_camera camera;
+    rigcal_transform poses[RIG_POSES], joined[RIG_POSES]; /* cameras, then placements */
+    int32_t group[RIG_CAMERAS];
+    rigcal_observation seen[RIG_VIEWS][RIG_POINTS_MAX];
+    rigcal_rig_view views[RIG_VIEWS];
+    rigcal_view_pose own[RIG_VIEWS];
+    rigcal_real work[RIGCAL_RIG_WORK(RIG_CAMERAS - 1, RIG_CAMERAS, RIG_PLACEMENTS)];
+} rig;
+
+static void random_pose(double R[9], double t[3], double about_y, double turn, double shift)
+{
+    double q[4] = {1, 0, about_y, 0};
+    for (int k = 0; k < 3; k++) {
+        q[k + 1] += uniform(-turn, turn);
+        t[k] = uniform(-shift, shift);
+    }
+    rotation_of(R, q);
+    t[2] += RIG_FAR;
+}
+
+/* cam_from_rig, R and t: it looks at the middle, far ahead of the first. */
+static void random_camera(double pose[12], int c)
+{
+    random_pose(pose, &pose[9], 0.17 * c, 0, 0.1);
+    for (int k = 0; k < 3; k++) {
+        pose[9 + k] -= RIG_FAR * pose[3 * k + 2];
+    }
+}
+
+/* b = R a + t */
+static void apply(double b[3], const double R[9], const double t[3], const double a[3])
+{
+    for (int k = 0; k < 3; k++) {
+        b[k] = R[3 * k] * a[0] + R[3 * k + 1] * a[1] + R[3 * k + 2] * a[2] + t[k];
+    }
+}
+
+/* cam_from_target of a view, and its pixels. */
+static void see_view(size_t v, const double X[][3], size_t n, const double camera[12],
+                     const double place[12])
+{
+    double R[9], t[3];
+    for (int i = 0; i < 9; i++) {
+        R[i] = 0;
+        for (int k = 0; k < 3; k++) {
+            R[i] += camera[i / 3 * 3 + k] * place[3 * k + i % 3];
+        }
+    }
+    apply(t, camera, &camera[9], &place[9]);
+    for (size_t i = 0; i < n; i++) {
+        for (int k = 0; k < 3; k++) {
+            rig.seen[v][i].X_w[k] = (rigcal_real)X[i][k];
+        }
+        image(rig.seen[v][i].uv, &rig.camera, R, t, X[i], NOISE_PX);
+    }
+    rigcal_pose poses[RIGCAL_POSES_MAX];
+    rigcal_pose_options options;
+    size_t n_found;
+    (void)rigcal_pose_defaults(&options);
+    options.use_start = 1;
+    transform(&options.start, R, t);
+    (void)rigcal_pose_solve(poses, RIGCAL_POSES_MAX, &n_found, NULL, &rig.views[v].view,
+                            &options);
+    (void)rigcal_view_pose_make(&rig.own[v], &rig.views[v], &poses[0].cam_from_world);
+}
+
+static rigcal_status rig_join(void)
+{
+    return rigcal_rig_join(&rig.rig, NULL);
+}
+
+/* From the poses that the join gives. */
+static void make_rig(size_t n, kind what, uint64_t seed)
+{
+    double X[RIG_POINTS_MAX][3], pose[RIG_POSES][12];
+    state = seed;
+    memset(&rig, 0, sizeof rig);
+    rig.camera = camera_of(what == LENS);
+    rig.rig = (rigcal_rig){.cams_from_rig = rig.poses,
+                           .n_cameras = RIG_CAMERAS,
+                           .rig_from_placements = &rig.poses[RIG_CAMERAS],
+                           .n_placements = RIG_PLACEMENTS,
+                           .group = rig.group,
+                           .n_views = RIG_VIEWS,
+                           .views = rig.views,
+                           .view_poses = rig.own,
+                           .work = rig.work,
+                           .work_capacity = sizeof rig.work / sizeof rig.work[0]};
+    for (int c = 0; c < RIG_CAMERAS; c++) {
+        random_camera(pose[c], c);
+    }
+    for (int i = RIG_CAMERAS; i < RIG_POSES; i++) {
+        random_pose(pose[i], &pose[i][9], 0, 0.3, 0.3);
+    }
+    for (size_t i = 0; i < n; i++) {
+        place_point(X[i], i, what);
+    }
+    for (int v = 0; v < RIG_VIEWS; v++) {
+        rigcal_rig_view *const view = &rig.views[v];
+        view->view.camera = &rig.camera;
+        view->view.observations = rig.seen[v];
+        view->view.n = n;
+        view->camera = v % RIG_CAMERAS;
+        view->placement = v / RIG_CAMERAS;
+        see_view((size_t)v, (const double(*)[3])X, n, pose[view->camera],
+                 pose[RIG_CAMERAS + view->placement]);
+    }
+    (void)rig_join();
+    memcpy(rig.joined, rig.poses, sizeof rig.joined);
+}
+#endif
+
 /* What the first camera saw. */
 static rigcal_view view_of(const rigcal_real sigma[])
 {
@@ -242,6 +375,10 @@ static struct {
     rigcal_pose poses[RIGCAL_POSES_MAX];
     rigcal_pose_uncertainty uncertainty;
     rigcal_point point;
+    struct {
+        rigcal_transform cameras[3];
+        rigcal_real Sigma[36]; /* of the last camera */
+    } rig;
     size_t n_found;
 } result;
 
@@ -298,9 +435,24 @@ static rigcal_status relative_pose(void)
                                     &scene.cam_from_world[0]);
 }
 
+#if JOBS_RIG
+static rigcal_status rig_adjust(void)
+{
+    rigcal_rig_fit fit;
+    rigcal_status status = rigcal_rig_adjust(&fit, NULL, &rig.rig);
+    if (status >= 0) {
+        status = rigcal_rig_covariance(result.rig.Sigma, &rig.rig, (rigcal_real)NOISE_PX,
+                                       RIG_CAMERAS - 1);
+    }
+    memcpy(result.rig.cameras, rig.poses, sizeof result.rig.cameras);
+    return status;
+}
+#endif
+
 typedef struct {
     const char *name;
     rigcal_status (*call)(void);
+    void (*make)(size_t n, kind what, uint64_t seed);
     size_t n;
     kind what;
     const rigcal_real *out; /* of poses, the first */
@@ -310,26 +462,34 @@ typedef struct {
 #define OUT(member) \
     (const rigcal_real *)&result.member, sizeof result.member / sizeof(rigcal_real)
 
+#define RIG_OUT (const rigcal_real *)rig.poses, sizeof rig.poses / sizeof(rigcal_real)
+
 static const job jobs[] = {
-    {"project", project, 4, LENS, OUT(uv)},
-    {"pixel_to_ray", pixel_to_ray, 4, LENS, OUT(ray)},
-    {"undistort_pixel", undistort, 4, LENS, OUT(uv)},
+    {"project", project, make_scene, 4, LENS, OUT(uv)},
+    {"pixel_to_ray", pixel_to_ray, make_scene, 4, LENS, OUT(ray)},
+    {"undistort_pixel", undistort, make_scene, 4, LENS, OUT(uv)},
 #if RIGCAL_WITH_THREE_POINTS
-    {"solve_pose_3", solve_cold, 3, PLAIN, OUT(poses[0])},
+    {"solve_pose_3", solve_cold, make_scene, 3, PLAIN, OUT(poses[0])},
 #endif
-    {"solve_pose_tag", solve_cold, 4, TAG, OUT(poses[0])},
-    {"solve_pose_4", solve_cold, 4, PLAIN, OUT(poses[0])},
-    {"solve_pose_8", solve_cold, 8, PLAIN, OUT(poses[0])},
-    {"solve_pose_8_lens", solve_cold, 8, LENS, OUT(poses[0])},
-    {"solve_pose_50", solve_cold, 50, PLAIN, OUT(poses[0])},
-    {"solve_pose_tag_warm", solve_warm, 4, TAG, OUT(poses[0])},
-    {"solve_pose_4_warm", solve_warm, 4, PLAIN, OUT(poses[0])},
-    {"solve_pose_8_warm", solve_warm, 8, PLAIN, OUT(poses[0])},
-    {"solve_pose_50_warm", solve_warm, 50, PLAIN, OUT(poses[0])},
-    {"pose_covariance_8", covariance, 8, PLAIN, OUT(uncertainty)},
-    {"triangulate_2", triangulate, 4, LENS, OUT(point)},
-    {"epiline_px", epiline, 4, LENS, OUT(line)},
-    {"relative_pose", relative_pose, 4, PLAIN, OUT(transform)},
+    {"solve_pose_tag", solve_cold, make_scene, 4, TAG, OUT(poses[0])},
+    {"solve_pose_4", solve_cold, make_scene, 4, PLAIN, OUT(poses[0])},
+    {"solve_pose_8", solve_cold, make_scene, 8, PLAIN, OUT(poses[0])},
+    {"solve_pose_8_lens", solve_cold, make_scene, 8, LENS, OUT(poses[0])},
+    {"solve_pose_50", solve_cold, make_scene, 50, PLAIN, OUT(poses[0])},
+    {"solve_pose_tag_warm", solve_warm, make_scene, 4, TAG, OUT(poses[0])},
+    {"solve_pose_4_warm", solve_warm, make_scene, 4, PLAIN, OUT(poses[0])},
+    {"solve_pose_8_warm", solve_warm, make_scene, 8, PLAIN, OUT(poses[0])},
+    {"solve_pose_50_warm", solve_warm, make_scene, 50, PLAIN, OUT(poses[0])},
+    {"pose_covariance_8", covariance, make_scene, 8, PLAIN, OUT(uncertainty)},
+    {"triangulate_2", triangulate, make_scene, 4, LENS, OUT(point)},
+    {"epiline_px", epiline, make_scene, 4, LENS, OUT(line)},
+    {"relative_pose", relative_pose, make_scene, 4, PLAIN, OUT(transform)},
+#if JOBS_RIG
+    {"rig_join_tag", rig_join, make_rig, 4, TAG, RIG_OUT},
+    {"rig_join_12_lens", rig_join, make_rig, 12, LENS, RIG_OUT},
+    {"rig_adjust_tag", rig_adjust, make_rig, 4, TAG, OUT(rig)},
+    {"rig_adjust_12_lens", rig_adjust, make_rig, 12, LENS, OUT(rig)},
+#endif
 };
 
 /* ---- stack --------------------------------------------------------------- */
@@ -396,16 +556,23 @@ int main(void)
         if (JOBS_ONLY[0] != '\0' && strcmp(JOBS_ONLY, jobs[j].name) != 0) {
             continue;
         }
-        for (uint64_t i = 0; i < JOBS_SCENES; i++) {
+        const uint64_t scenes = (jobs[j].make == make_scene) ? JOBS_SCENES : JOBS_RIGS;
+        for (uint64_t i = 0; i < scenes; i++) {
             rigcal_status status = 0;
             memset(&result, 0, sizeof result);
-            make_scene(jobs[j].n, jobs[j].what, 1000 * jobs[j].n + i);
+            jobs[j].make(jobs[j].n, jobs[j].what, 1000 * jobs[j].n + i);
             const size_t stack = measure(&status, &jobs[j]);
             printf("%s %ld %ld", jobs[j].name, (long)status, (long)stack);
             print_bits(jobs[j].out, jobs[j].out_count);
             printf("\n");
         }
     }
+#if JOBS_RIG
+    printf("bytes rig_work %ld\n", (long)sizeof rig.work);
+    printf("bytes rig_poses_and_groups %ld\n", (long)(sizeof rig.poses + sizeof rig.group));
+    printf("bytes rig_solver %ld\n", (long)sizeof(rigcal_rig_solver));
+    printf("bytes rig_view_poses %ld\n", (long)sizeof rig.own);
+#endif
     return 0;
 }
 #endif

@@ -3,8 +3,9 @@
  *
  * What one evaluation costs is measured scene by scene, by itself: the most of a step of
  * two refinements, the ray of a pixel, and the proof that the lens sees a point; of the
- * published search, of its objective over a grid. A step of budget b may take b + 1 of them
- * and EXTRA. Exit status 1 where one takes more.
+ * published search, of its objective over a grid; of a rig, of a view's equations by camera
+ * and placement, from its points or, for the join, from its own pose. A step of budget b may
+ * take b + 1 of them and EXTRA. Exit status 1 where one takes more.
  */
 #include <stdint.h>
 #include <stdio.h>
@@ -12,11 +13,12 @@
 #define JOBS_ONLY_SCENES
 #include "jobs.c"
 
+#include "rc_adjust.h"
 #include "rc_elimination.h"
 #include "rc_pose.h"
 
-/* The published search evaluates some eighty times as often. */
-enum { SCENES = 1000, SCENES_PUBLISHED = 100, GROUPS = 12 };
+/* The published search evaluates some eighty times as often, a rig 24 views at a time. */
+enum { SCENES = 1000, SCENES_PUBLISHED = 100, SCENES_RIG = 20, GROUPS = 15 };
 
 /* Instructions besides evaluations: all poses of three points, the pose where a
  * published search ends. */
@@ -25,7 +27,7 @@ enum { EXTRA = 4000 };
 /* How far one of a robust scene's points is from where it should be. */
 #define WRONG_PX 60
 
-typedef enum { SOLVE_POSE, WEIGHTED, ROBUST, PUBLISHED } task;
+typedef enum { SOLVE_POSE, WEIGHTED, ROBUST, PUBLISHED, RIG, JOIN } task;
 
 typedef struct {
     const char *name;
@@ -46,7 +48,10 @@ static const group GROUP[GROUPS] = {{"3 points", 3, PLAIN, SOLVE_POSE, 0},
                                     {"50 points, lens", 50, LENS, SOLVE_POSE, 0},
                                     {"robust, 8 points", 8, PLAIN, ROBUST, 0},
                                     {"robust, 20 points, lens", 20, LENS, ROBUST, 0},
-                                    {"published, 4 points", 4, PLAIN, PUBLISHED, 0}};
+                                    {"published, 4 points", 4, PLAIN, PUBLISHED, 0},
+                                    {"rig, join", 4, TAG, JOIN, 0},
+                                    {"rig, tags", 4, TAG, RIG, 0},
+                                    {"rig, 12 points, lens", 12, LENS, RIG, 0}};
 
 static rigcal_bearing bearings[4];
 static rigcal_pair pairs[RIGCAL_PAIRS_FOR(4)];
@@ -130,6 +135,33 @@ static int32_t one_published(void)
     return longest;
 }
 
+/* The equations of each view, by its points or by its own pose, and what they are to camera
+ * and placement. */
+static int32_t one_of_rig(int is_join)
+{
+    int32_t longest = 0;
+    for (int v = 0; v < RIG_VIEWS; v++) {
+        const rigcal_rig_view *const view = &rig.views[v];
+        rigcal_real sum, d[6], g[6], H[21], W[36];
+        rigcal_real g_placement[6] = {0}, H_placement[21] = {0};
+        rc_chain chain;
+        const uint32_t from = instructions();
+        rc_chain_of(&chain, &rig.poses[view->camera],
+                    &rig.poses[RIG_CAMERAS + view->placement]);
+        if (is_join) {
+            memcpy(H, rig.own[v].information, sizeof H);
+            rc_deviation(d, &rig.own[v].cam_from_target, &chain.cam_from_target);
+            rc_sym6_mul(g, H, d);
+        } else {
+            (void)rc_rig_equations(&sum, g, H, view, &chain.cam_from_target);
+        }
+        rc_chain_add_placement(g_placement, H_placement, &chain, g, H);
+        rc_chain_camera(g, H, W, &chain);
+        longest = most(longest, (int32_t)(instructions() - from));
+    }
+    return longest;
+}
+
 enum { BUDGETS = 3 };
 
 static const int32_t BUDGET[BUDGETS] = {1, 4, 16};
@@ -145,6 +177,7 @@ typedef union {
     rigcal_pose_solver pose;
     rigcal_robust_solver robust;
     rigcal_paper_solver paper;
+    rigcal_rig_solver rig;
 } solver;
 
 static rigcal_status begin(solver *s, const group *g, uint64_t i)
@@ -153,6 +186,13 @@ static rigcal_status begin(solver *s, const group *g, uint64_t i)
     static uint8_t inliers[50];
     rigcal_pose_options options = scene.warm;
     rigcal_robust_options robust;
+    if (g->to_do == JOIN) {
+        return rigcal_rig_join_begin(&s->rig, &rig.rig);
+    }
+    if (g->to_do == RIG) {
+        memcpy(rig.poses, rig.joined, sizeof rig.poses);
+        return rigcal_rig_begin(&s->rig, &rig.rig);
+    }
     if (g->to_do == ROBUST) {
         (void)rigcal_robust_defaults(&robust);
         robust.samples = 20;
@@ -177,6 +217,8 @@ static rigcal_status step(solver *s, const group *g, int32_t budget)
 {
     return (g->to_do == ROBUST)      ? rigcal_robust_step(&s->robust, budget)
            : (g->to_do == PUBLISHED) ? rigcal_paper_step(&s->paper, budget)
+           : (g->to_do == RIG)       ? rigcal_rig_step(&s->rig, budget)
+           : (g->to_do == JOIN)      ? rigcal_rig_join_step(&s->rig, budget)
                                      : rigcal_pose_step(&s->pose, budget);
 }
 
@@ -184,11 +226,13 @@ static rigcal_status result(const solver *s, const group *g)
 {
     rigcal_pose poses[RIGCAL_POSES_MAX];
     rigcal_paper_pose pose;
+    rigcal_rig_fit fit;
     size_t n_found, n_inliers;
     return (g->to_do == ROBUST) ? rigcal_robust_result(poses, RIGCAL_POSES_MAX, &n_found,
                                                        &n_inliers, &s->robust)
-           : (g->to_do == PUBLISHED)
-               ? rigcal_paper_result(&pose, &s->paper)
+           : (g->to_do == PUBLISHED) ? rigcal_paper_result(&pose, &s->paper)
+           : (g->to_do == RIG || g->to_do == JOIN)
+               ? rigcal_rig_result(&fit, NULL, &s->rig)
                : rigcal_pose_result(poses, RIGCAL_POSES_MAX, &n_found, NULL, &s->pose);
 }
 
@@ -212,6 +256,10 @@ static void see_by_fisheye(void)
 /* The scene, and what one evaluation costs there. */
 static int32_t make(const group *g, uint64_t i)
 {
+    if (g->to_do == RIG || g->to_do == JOIN) {
+        make_rig(g->n, g->what, i);
+        return one_of_rig(g->to_do == JOIN);
+    }
     make_scene(g->n, g->what, i);
     if (g->has_fisheye) {
         see_by_fisheye();
@@ -259,7 +307,10 @@ int main(void)
         " beyond b + 1 |\n"
         "| --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: |\n");
     for (const group *g = GROUP; g < GROUP + GROUPS; g++) {
-        const uint64_t scenes = (g->to_do == PUBLISHED) ? SCENES_PUBLISHED : SCENES;
+        const int is_rig = g->to_do == RIG || g->to_do == JOIN;
+        const uint64_t scenes = (g->to_do == PUBLISHED) ? SCENES_PUBLISHED
+                                : is_rig                ? SCENES_RIG
+                                                        : SCENES;
         longest of = {0};
         for (uint64_t i = 0; i < scenes; i++) {
             const int32_t one = make(g, i);

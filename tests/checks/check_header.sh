@@ -1,5 +1,5 @@
 #!/bin/sh
-# The public header alone, as C99 and as C++11, by gcc and clang, double and
+# Each public header alone, as C99 and as C++11, by gcc and clang, double and
 # float; and the whole library with the template of port/ as its configuration.
 set -eu
 cd "$(dirname "$0")/../.."
@@ -8,8 +8,6 @@ work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
 strict="-Wall -Wextra -Wpedantic -Wconversion -Wdouble-promotion -Wshadow -Werror"
-echo '#include "rigcal.h"' >"$work/alone.c"
-cp "$work/alone.c" "$work/alone.cpp"
 
 count=0
 compile() {
@@ -21,11 +19,15 @@ compile() {
 }
 
 for real in "" -DRIGCAL_USE_FLOAT=1; do
-    for cc in gcc clang; do
-        compile $cc -std=c99 $real "$work/alone.c"
-    done
-    for cxx in g++ clang++; do
-        compile $cxx -std=c++11 -Wold-style-cast $real "$work/alone.cpp"
+    for header in include/*.h; do
+        echo "#include \"${header#include/}\"" >"$work/alone.c"
+        cp "$work/alone.c" "$work/alone.cpp"
+        for cc in gcc clang; do
+            compile $cc -std=c99 $real "$work/alone.c"
+        done
+        for cxx in g++ clang++; do
+            compile $cxx -std=c++11 -Wold-style-cast $real "$work/alone.cpp"
+        done
     done
     for source in src/*.c; do
         compile gcc -std=c99 $real -Iport/template \

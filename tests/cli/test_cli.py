@@ -145,7 +145,7 @@ class TestCalibrateRealData(CliTest):
         self.assertEqual(len(re.findall(
             r"^(?:left|right) +\d\d +54 +0\.\d{3} +0\.\d{3} +0\.[234]\d* "
             r"+0\.0[3-9]\d* +0\.000\d+$", text, re.M)), 14)
-        self.assertRegex(text, r"(?m)^right +0\.2\d\d +0\.0\d+ +0\.000\d+ +0\.08\d+ ")
+        self.assertRegex(text, r"(?m)^right +0\.2\d\d +0\.157 +0\.0\d+ +0\.000\d+ +0\.08\d+ ")
         self.assertRegex(text, r"(?m)^left +right +0\.08\d+ +0\.50\d+ +0\.0\d+ "
                          r"+0\.000\d+  over 7 placements$")
 

@@ -1,0 +1,39 @@
+/* rc_joint.h - the joint covariance of cameras, and of what hangs on them (RIG in
+ * EQUATIONS.md). S is packed, its unknowns are (w, dt) of each camera that is not held. */
+#ifndef RC_JOINT_H
+#define RC_JOINT_H
+
+#include "rc_transform.h"
+
+/* How 6 numbers hang on cameras, d = sum of W_i^T d_i: of each camera W, 36 numbers row by
+ * row, and its first unknown, less than 0 where it is held or does not count. */
+typedef struct {
+    const rigcal_real *S;
+    rigcal_real *W, *at;
+    size_t count;
+} rc_leverage;
+
+/* out += A B, or A^T B: 6 x 6, row by row. */
+void rc_mat6_add_product(rigcal_real out[36], const rigcal_real A[36],
+                         const rigcal_real B[36], int is_transposed);
+
+/* The covariance of the cameras whose unknowns begin at a and b, row by row: zeros, if one
+ * of the two is less than 0. */
+void rc_joint_block(rigcal_real out[36], const rigcal_real S[], rigcal_real a,
+                    rigcal_real b);
+
+/* Z = sum over j of Sigma_ij W_j: the covariance of camera i and the 6 numbers. */
+void rc_joint_across(rigcal_real Z[36], const rc_leverage *on, size_t i);
+
+/* Sigma = sum over i and j of W_i^T Sigma_ij W_j: the covariance of the 6 numbers. */
+void rc_joint_spread(rigcal_real Sigma[36], const rc_leverage *on);
+
+/* b_from_a, and scale times its covariance, cross terms included. a, b: first unknowns. */
+void rc_joint_pair(rigcal_transform *b_from_a, rigcal_real Sigma[36],
+                   const rigcal_transform *a_from_rig, const rigcal_transform *b_from_rig,
+                   const rigcal_real S[], rigcal_real a, rigcal_real b, rigcal_real scale);
+
+/* The lower triangle times scale, in both. */
+void rc_mat6_make_symmetric(rigcal_real M[36], rigcal_real scale);
+
+#endif /* RC_JOINT_H */

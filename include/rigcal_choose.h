@@ -4,8 +4,8 @@
  *   rigcal_rig_links     what every two cameras share, and the groups
  *   rigcal_rig_advise    of several groups: which cameras to show the target together
  *   rigcal_rig_weakest   of an adjusted rig: the camera that hangs on least
- *   rigcal_rig_choose    one pose of each view, with the cameras and placements as the start
- *                        of rigcal_rig_adjust
+ *   rigcal_rig_choose    one pose of each view, cameras, placements: the start of
+ *                        rigcal_rig_adjust
  *
  * EQUATIONS.md CHOICE has the mathematics. */
 #ifndef RIGCAL_CHOOSE_H
@@ -44,8 +44,8 @@ typedef struct rigcal_advice {
 
 /* After rigcal_rig_links: one placement for each line of advice makes one group of all. Of
  * each group it takes the camera that has most in common with the rest of its group. *n:
- * lines, one less than there are groups. OK, ERR_NULL, ERR_TOO_FEW, ERR_NOT_FINITE, ERR_RANGE
- * (also: a group's number is no camera's), ERR_CAPACITY. Time O(n_cameras^2). */
+ * lines, one less than there are groups. OK, ERR_NULL, ERR_TOO_FEW, ERR_NOT_FINITE,
+ * ERR_RANGE (also: a group's number is no camera's), ERR_CAPACITY. Time O(n_cameras^2). */
 RIGCAL_API rigcal_status rigcal_rig_advise(rigcal_advice advice[], size_t capacity,
                                            size_t *n, const rigcal_link links[],
                                            const rigcal_rig *rig);

@@ -1,7 +1,8 @@
 /* rc_choose.h - which of the poses of a view the others support (CHOICE in EQUATIONS.md).
  *
  * A claim is a transform with what is known of it. A view claims where a placement is, two
- * views where one camera is from the other. Right claims agree, wrong ones do not repeat. */
+ * views where one camera is from the other. Right claims agree, wrong ones do not repeat.
+ */
 #ifndef RC_CHOOSE_H
 #define RC_CHOOSE_H
 

@@ -44,8 +44,8 @@ rigcal_status rc_candidate_at(rigcal_view_pose *pose, const rigcal_choice *choic
 /* Both poses of a view as claims; those that are not there have view -1. */
 rigcal_status rc_candidates(rc_claim claims[2], const rigcal_choose_solver *s, size_t view);
 
-/* sigma^2 [px^2], stated or, where told[] has what each view's own fit leaves of it, the median
- * of those that are not below 0. 0: it cannot be known. */
+/* sigma^2 [px^2], stated or, where told[] has what each view's own fit leaves of it, the
+ * median of those that are not below 0. 0: it cannot be known. */
 rigcal_real rc_score_variance(const rigcal_rig *rig, const rc_score_parts *parts);
 
 /* The view of a camera in a placement, or n_views. */

@@ -187,8 +187,8 @@ static void begin_placing(rigcal_choose_solver *s)
     s->phase = CLAIMING;
 }
 
-/* A camera joins: what it sees is placed again, where few have seen it yet, and cameras that
- * wait are scored again with what has changed. */
+/* A camera joins: what it sees is placed again, where few have seen it yet, and cameras
+ * that wait are scored again with what has changed. */
 static void join(rigcal_choose_solver *s, const rc_score_parts *p, size_t camera)
 {
     p->state[camera] = RC_JOINED;
@@ -245,7 +245,7 @@ static int choose_rung(rigcal_choose_solver *s)
 
 /* The best pair is the seed; without one a camera by itself. Its first camera is the frame
  * for now. */
-static rigcal_status seed(rigcal_choose_solver *s, const rc_score_parts *p)
+static rigcal_status begin_frame(rigcal_choose_solver *s, const rc_score_parts *p)
 {
     if (!s->is_again && !choose_rung(s)) {
         return RIGCAL_ERR_CONTRADICTION;
@@ -268,8 +268,8 @@ static rigcal_status seed(rigcal_choose_solver *s, const rc_score_parts *p)
     return (best.b < 0) ? RIGCAL_OK : join_by(s, p, best.number);
 }
 
-/* The next pair. The camera that has more in common with all is the frame, so that the order
- * of the cameras does not matter. */
+/* The next pair. The camera that has more in common with all is the frame, so that the
+ * order of the cameras does not matter. */
 static rigcal_status pairing_step(rigcal_choose_solver *s, const rc_score_parts *p)
 {
     const size_t C = s->check.rig->n_cameras;
@@ -278,7 +278,7 @@ static rigcal_status pairing_step(rigcal_choose_solver *s, const rc_score_parts 
         s->view++;
     }
     if (s->view >= C) {
-        return seed(s, p);
+        return begin_frame(s, p);
     }
     if (is_scored(s, p, s->which, s->view)) {
         const int is_less = total_of(p, C, s->which) < total_of(p, C, s->view);

@@ -230,13 +230,17 @@ rigcal_status rc_score_claim(rc_claim *b_from_a, const rigcal_choose_solver *s,
 
 /* ---- scores -------------------------------------------------------------- */
 
-/* A placement more, and what it costs: the score is how many agree, less a part below 1 that
- * grows with the cost. */
-static void add_cost(const rigcal_choose_solver *s, rigcal_real *scores, rigcal_real cost)
+/* A placement more, and what it costs hypothesis k of placement `row` of the list: the
+ * score is how many agree, less a part below 1 that grows with the cost. */
+static void add_cost(const rigcal_choose_solver *s, const rc_score_parts *parts, size_t row,
+                     size_t k, rigcal_real cost)
 {
+    rigcal_real *const scores = &parts->scores[RUNGS * (4 * row + k)];
     rigcal_real part = cost / s->limit;
-    for (int k = 0; k < RUNGS; k++, part /= LADDER_STEP) {
-        scores[k] += ((part < 1) ? 1 : 0) - rc_min(part, 1) / (RC_SCORE_PLACEMENTS + 1);
+    for (int rung = 0; rung < RUNGS; rung++) {
+        const rigcal_real agrees = (part < 1) ? 1 : 0;
+        scores[rung] += agrees - rc_min(part, 1) / (RC_SCORE_PLACEMENTS + 1);
+        part /= LADDER_STEP;
     }
 }
 
@@ -245,33 +249,40 @@ int32_t rc_score_agree(rigcal_real score)
     return (int32_t)(score + 1 - RC(0.5) / (RC_SCORE_PLACEMENTS + 1));
 }
 
-/* The hypotheses of placement s->row of the list against those of s->column: each costs what
- * the nearest of the others does. Its own placement costs it what its poses fit worse. */
+/* The hypotheses of placement s->row of the list against those of s->column: each costs
+ * what the nearest of the others does. */
 static void compare(const rigcal_choose_solver *s, const rc_score_parts *parts)
 {
     const rc_claim *const rows = parts->rows, *const columns = parts->rows + 4;
-    const int is_own = s->column == s->row;
-    rigcal_real least[2][4];
-    for (int k = 0; k < 8; k++) {
-        least[k / 4][k % 4] = s->limit * rc_score_tau2(RUNGS - 1);
-    }
-    for (int k = 0; k < 16; k++) {
-        const rc_claim *const p = &rows[k / 4], *const q = &columns[k % 4];
-        rigcal_real *const of_p = &least[0][k / 4], *const of_q = &least[1][k % 4];
-        if (p->view >= 0 && is_own) {
-            *of_p = p->extra;
-        } else if (p->view >= 0 && q->view >= 0) {
-            const rigcal_real apart = rc_claims_apart(p, q);
-            *of_p = rc_min(*of_p, apart + q->extra);
-            *of_q = rc_min(*of_q, apart + p->extra);
+    const rigcal_real most = s->limit * rc_score_tau2(RUNGS - 1);
+    rigcal_real of_column[4] = {most, most, most, most};
+    for (size_t i = 0; i < 4; i++) {
+        rigcal_real of_row = most;
+        for (size_t j = 0; j < 4; j++) {
+            if (rows[i].view >= 0 && columns[j].view >= 0) {
+                const rigcal_real apart = rc_claims_apart(&rows[i], &columns[j]);
+                of_row = rc_min(of_row, apart + columns[j].extra);
+                of_column[j] = rc_min(of_column[j], apart + rows[i].extra);
+            }
         }
+        add_cost(s, parts, s->row, i, of_row);
     }
-    for (size_t k = 0; k < (is_own ? 4u : 8u); k++) {
-        const size_t at = 4 * ((k < 4) ? s->row : s->column) + k % 4;
-        add_cost(s, &parts->scores[RUNGS * at], least[k / 4][k % 4]);
-        if (is_own && !(rows[k].view >= 0)) {
-            for (size_t i = 0; i < RUNGS; i++) {
-                parts->scores[RUNGS * at + i] = RC_SCORE_NONE;
+    for (size_t j = 0; j < 4; j++) {
+        add_cost(s, parts, s->column, j, of_column[j]);
+    }
+}
+
+/* A hypothesis costs its own placement what its poses fit worse than the first ones. Where
+ * there is no hypothesis, the score is below all others, whatever is added to it. */
+static void compare_own(const rigcal_choose_solver *s, const rc_score_parts *parts)
+{
+    for (size_t i = 0; i < 4; i++) {
+        rigcal_real *const scores = &parts->scores[RUNGS * (4 * s->row + i)];
+        if (parts->rows[i].view >= 0) {
+            add_cost(s, parts, s->row, i, parts->rows[i].extra);
+        } else {
+            for (int rung = 0; rung < RUNGS; rung++) {
+                scores[rung] = RC_SCORE_NONE;
             }
         }
     }
@@ -279,22 +290,25 @@ static void compare(const rigcal_choose_solver *s, const rc_score_parts *parts)
 
 rigcal_status rc_score_step(rigcal_choose_solver *s, const rc_score_parts *parts)
 {
-    const int is_row = s->column == 0; /* a new one */
+    const int is_own = s->column == s->row;
     rigcal_status status = RIGCAL_OK;
-    if (is_row) {
+    if (s->column == 0) { /* a new row */
         status = hypotheses(parts->rows, s, parts, (size_t)parts->list[s->row]);
     }
-    if (status == RIGCAL_OK && s->column < s->row) {
+    if (status == RIGCAL_OK && !is_own) {
         status = hypotheses(parts->rows + 4, s, parts, (size_t)parts->list[s->column]);
     }
     if (status != RIGCAL_OK) {
         return status;
     }
-    compare(s, parts);
-    if (s->column++ == s->row) {
-        s->column = 0;
-        s->row++;
+    if (!is_own) {
+        compare(s, parts);
+        s->column++;
+        return RIGCAL_RUNNING;
     }
+    compare_own(s, parts);
+    s->column = 0;
+    s->row++;
     return (s->row == s->n) ? RIGCAL_OK : RIGCAL_RUNNING;
 }
 

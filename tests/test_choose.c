@@ -202,6 +202,37 @@ static void test_the_others_choose(void)
     TEST_ASSERT_EQUAL_UINT8(0, takes[1]);
 }
 
+/* Both poses of view 0 are near to each other, and the first fits better: the claim by the
+ * second takes the second all the same. */
+static void test_a_claim_takes_its_own_pose(void)
+{
+    static const double here[6] = {0, 0, 0, 0, 0, 5}, near[6] = {0.001, 0, 0, 0, 0, 5};
+    static const double sd[6] = {0.02, 0.02, 0.02, 0.02, 0.02, 0.02};
+    rc_claim claims[2];
+    rc_support support;
+    uint8_t takes[1];
+
+    claims[0] = claim_at(here, sd, 0, 0);
+    claims[1] = claim_at(near, sd, 0, 1);
+    claims[1].extra = 1;
+    rc_choose_support(&support, takes, claims, 2, 1, 30);
+    TEST_ASSERT_EQUAL_UINT8(1, takes[0]);
+    ASSERT_NEAR(1, support.cost, 0);
+    TEST_ASSERT_EQUAL_INT32(1, support.n);
+}
+
+static void test_two_views_cost_what_both_do(void)
+{
+    static const double here[6] = {0, 0, 0, 0, 0, 5};
+    static const double sd[6] = {0.02, 0.02, 0.02, 0.02, 0.02, 0.02};
+    rc_claim a = claim_at(here, sd, 0, 0), b = claim_at(here, sd, 1, 0), between;
+
+    a.extra = 2;
+    b.extra = 3;
+    rc_claim_between(&between, &b, &a);
+    ASSERT_NEAR(5, between.extra, 0);
+}
+
 /* Of two that disagree the surer one, in either order. */
 static void test_ties_go_to_the_surer(void)
 {
@@ -238,6 +269,8 @@ TEST_MAIN()
     RUN_TEST(test_a_lever_makes_a_turn_a_shift);
     RUN_TEST(test_a_placement_from_a_view);
     RUN_TEST(test_the_others_choose);
+    RUN_TEST(test_a_claim_takes_its_own_pose);
+    RUN_TEST(test_two_views_cost_what_both_do);
     RUN_TEST(test_ties_go_to_the_surer);
     RUN_TEST(test_no_information_is_no_claim);
 }

@@ -428,6 +428,18 @@ static void test_the_median_by_hand(void)
     ASSERT_STATUS(RIGCAL_OK, choose());
 }
 
+/* Another pose: turned by a radian about the target's own point. */
+static rigcal_transform turned_far(const rigcal_transform *pose)
+{
+    static const double axis[3] = {0.6, 0, 0.8};
+    double R[9], at[3], turn[9], out[9];
+
+    test_transform_parts(R, at, pose);
+    test_rotation_about(turn, axis, 1);
+    test_product(out, turn, R);
+    return test_transform(out, at);
+}
+
 /* ---- frames -------------------------------------------------------------- */
 
 static void test_a_held_camera_is_the_frame(void)
@@ -562,6 +574,38 @@ static void test_a_camera_that_joins_by_a_doubtful_placement(void)
     TEST_ASSERT_EQUAL_UINT8(RIGCAL_TAKES_NONE, t.takes[n - 2]);
 }
 
+/* Cameras 0 and 1 disagree in placement 5, where the wrong one is the surer; camera 2 saw
+ * that, and placement 4, in which they agree: it joins by that. */
+static void test_a_doubtful_placement_does_not_count(void)
+{
+    test_rng rng = test_seed(555);
+
+    WANTS_RIG;
+    for (int trial = 0; trial < TEST_TRIALS(6); trial++) {
+        size_t n = 0;
+        rigcal_view_pose *wrong;
+
+        simulate(&rng, 3, 6, 10, 1);
+        for (size_t v = 0; v < t.rig.n_views; v++) {
+            if (t.views[v].camera < 2 || t.views[v].placement > 3) {
+                t.own[n] = t.own[v];
+                t.second[n++] = t.second[v];
+            }
+        }
+        t.rig.n_views = n;
+        wrong = &t.own[n - 2];
+        wrong->cam_from_target = turned_far(&wrong->cam_from_target);
+        t.second[n - 2].n = 0;
+        for (int k = 0; k < 21; k++) {
+            wrong->information[k] *= 9;
+            t.own[n - 1].information[k] *= 9;
+            t.second[n - 1].information[k] *= 9;
+        }
+        ASSERT_STATUS(RIGCAL_OK, choose());
+        ASSERT_TRANSFORM(&t.true_cams[2], &t.cams[2], 0.3, 2);
+    }
+}
+
 /* ---- refused ------------------------------------------------------------- */
 
 static void assert_at_fault(rigcal_status expected, int32_t view)
@@ -674,6 +718,7 @@ TEST_MAIN()
     RUN_TEST(test_groups_have_frames_of_their_own);
     RUN_TEST(test_a_camera_by_itself);
     RUN_TEST(test_a_camera_that_joins_by_a_doubtful_placement);
+    RUN_TEST(test_a_doubtful_placement_does_not_count);
     RUN_TEST(test_what_is_refused);
     RUN_TEST(test_after_a_choice_the_rig_is_not_adjusted);
 }

@@ -169,9 +169,46 @@ static void test_how_many_agree_with_a_score(void)
     }
 }
 
+/* From the rig: only placements that are known, or doubtful ones where those will do. What
+ * the view that placed one fits worse is no matter of the camera's. */
+static void test_hypotheses_from_the_rig(void)
+{
+    test_rng rng = test_seed(573);
+    rc_claim claim;
+
+    WANTS_RIG;
+    begin(&rng, 1);
+    s.a = -1;
+    memset(&parts.cams[0], 0, sizeof parts.cams[0]);
+    parts.cams[0].b_from_a = t.true_cams[0];
+    for (int f = 0; f < F; f++) { /* by camera 0: of three by its second pose */
+        const size_t v = rc_score_view_of(&t.rig, &parts, 0, (size_t)f);
+
+        parts.strength[f] = f < 3 ? RC_KNOWN : f < 7 ? RC_DOUBTFUL : RC_STALE;
+        if (f < 3) {
+            t.second[v] = t.own[v];
+            t.second[v].sse += 7;
+        }
+        parts.placed[f] = (rigcal_real)(2 * v + (f < 3));
+    }
+    TEST_ASSERT_TRUE(rc_score_begin(&s, &parts));
+    TEST_ASSERT_EQUAL(3, s.n);
+    for (size_t k = 0; k < 3; k++) {
+        TEST_ASSERT_TRUE(parts.list[k] < 3);
+        ASSERT_STATUS(RIGCAL_OK, rc_score_claim(&claim, &s, &parts, 4 * k));
+        ASSERT_NEAR(0, claim.extra, 0);
+        ASSERT_STATUS(RIGCAL_OK, rc_score_claim(&claim, &s, &parts, 4 * k + 2));
+        TEST_ASSERT_TRUE(claim.view < 0);
+    }
+    s.is_relaxed = 1;
+    TEST_ASSERT_TRUE(rc_score_begin(&s, &parts));
+    TEST_ASSERT_EQUAL(7, s.n);
+}
+
 TEST_MAIN()
 {
     RUN_TEST(test_the_list_has_the_placements_that_tell_most);
     RUN_TEST(test_the_best_hypothesis_is_that_of_all_comparisons);
+    RUN_TEST(test_hypotheses_from_the_rig);
     RUN_TEST(test_how_many_agree_with_a_score);
 }

@@ -98,9 +98,9 @@ static int company_of(const test_tags *t, const uint8_t *takes, size_t view)
     return n;
 }
 
-/* The sum where the adjustment ends; below 0: it failed. Of the views that are not left out,
- * nor alone in their placement: which pose those have nothing can tell, and the cameras do
- * not depend on them. */
+/* The sum where the adjustment ends; below 0: it failed. Of the views that are not left
+ * out, nor alone in their placement: which pose those have nothing can tell, and the
+ * cameras do not depend on them. */
 static double adjusted(test_tags *t, const uint8_t *takes)
 {
     rigcal_rig_view *const some_views = some(t->rig.n_views, sizeof *some_views);

@@ -64,6 +64,7 @@ FACTS = [
     ("rc_elimination.h", r"RC_NONE_ELIMINATED = 3", "the number of angles"),
     ("rc_p3p.h", r"RC_P3P_MAX = 4", "solutions that there can be"),
     ("rc_adjust.h", r"RC_RIG_DONE = 1", "the phases of a search"),
+    ("rigcal_grow.c", r"CHECKING = 1", "the phases of a search"),
     ("rc_choose.h", r"define RC_CLAIM_REALS 39", "the layout of a struct"),
     ("rc_cost.h", r"RC_JUDGE_DONE = 1", "the phases of a search"),
     ("rigcal_cost.c", r"BLOCK_G = 21", "the layout of a block"),

@@ -1,6 +1,6 @@
-/* test_tags.h - simulated rigs of square tags, each view of which has two poses. The cameras
- * stand on an arc of 1.2 rad about the placements and look at them. Unit of length: the side
- * of a tag. Truth and composition are in double. */
+/* test_tags.h - simulated rigs of square tags, each view of which has two poses. The
+ * cameras stand on an arc of 1.2 rad about the placements and look at them. Unit of length:
+ * the side of a tag. Truth and composition are in double. */
 #ifndef TEST_TAGS_H
 #define TEST_TAGS_H
 

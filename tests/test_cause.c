@@ -243,22 +243,30 @@ static void test_all_views_of_a_camera_are_turned(void)
     }
 }
 
-/* The origin of the target is at a corner, as is usual of boards. */
-static void test_a_camera_is_turned_about_a_far_origin(void)
+/* The origin of the target is so far off its points. */
+static void shift_origin(double x, double y)
 {
-    static const double shift[3] = {-0.5, -0.375, 0};
-    const rigcal_transform middle_from_corner = test_transform(NULL, shift);
+    const double shift[3] = {-x, -y, 0};
+    const rigcal_transform middle_from_far = test_transform(NULL, shift);
 
-    WANTS_BOARDS;
-    make(3750, 3, 8);
     for (size_t v = 0; v < b.rig.n_views; v++) {
         for (int i = 0; i < BOARD_POINTS; i++) {
-            b.o[v][i].X_w[0] += RC(0.5);
-            b.o[v][i].X_w[1] += RC(0.375);
+            b.o[v][i].X_w[0] += RC(x);
+            b.o[v][i].X_w[1] += RC(y);
         }
     }
+    for (size_t f = 0; f < b.rig.n_placements; f++) {
+        b.true_places[f] = test_times(&b.true_places[f], &middle_from_far);
+    }
+}
+
+/* What is known of the shift of a far origin is not what is known of a turned one's. */
+static void test_a_camera_is_turned_about_a_far_origin(void)
+{
+    WANTS_BOARDS;
+    make(3750, 3, 8);
+    shift_origin(5, 3.75);
     for (int f = 0; f < 8; f++) {
-        b.true_places[f] = test_times(&b.true_places[f], &middle_from_corner);
         test_boards_reverse(&b, test_boards_view(&b, 2, f));
     }
     judge();
@@ -266,6 +274,28 @@ static void test_a_camera_is_turned_about_a_far_origin(void)
     TEST_ASSERT_EQUAL_INT32(RIGCAL_CAUSE_TURNED, cause.cause);
     TEST_ASSERT_EQUAL_INT32(TURNED, cause.permutation);
     TEST_ASSERT_TRUE(cause.n_agree >= 7);
+}
+
+/* Views by chance: no two agree, turned or not. */
+static void test_of_a_camera_with_other_views_the_cause_is_unknown(void)
+{
+    WANTS_BOARDS;
+    for (int trial = 0; trial < TEST_TRIALS(4); trial++) {
+        make(3770 + (uint64_t)trial, 3, 8);
+        shift_origin(5 * (trial % 2), 3.75 * (trial % 2));
+        for (int f = 0; f < 8; f++) {
+            const int v = test_boards_view(&b, 2, f);
+            for (int i = 0; i < BOARD_POINTS; i++) { /* the view moved */
+                b.o[v][i].uv[0] += RC(30 * ((f * 5) % 8 - 3.5));
+                b.o[v][i].uv[1] += RC(30 * ((f * 3) % 8 - 3.5));
+            }
+            b.is_wrong[v] = 1;
+        }
+        judge();
+        const rigcal_cause cause = camera_cause(2);
+        TEST_ASSERT_EQUAL_INT32(RIGCAL_CAUSE_UNKNOWN, cause.cause);
+        TEST_ASSERT_TRUE(cause.n_agree <= 2);
+    }
 }
 
 /* ---- steps and arguments --------------------------------------------------- */
@@ -352,6 +382,7 @@ TEST_MAIN()
     RUN_TEST(test_a_camera_is_early);
     RUN_TEST(test_all_views_of_a_camera_are_turned);
     RUN_TEST(test_a_camera_is_turned_about_a_far_origin);
+    RUN_TEST(test_of_a_camera_with_other_views_the_cause_is_unknown);
     RUN_TEST(test_the_same_bits_whatever_the_budgets);
     RUN_TEST(test_permutations_are_checked);
 }

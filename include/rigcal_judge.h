@@ -56,7 +56,7 @@ RIGCAL_API size_t rigcal_judge_work(size_t n_cameras, size_t n_placements);
 
 /* After rigcal_rig_choose, in the place of rigcal_rig_adjust: adjusts the rig, from where
  * it is, and names the views that contradict it. They are left out, and it is adjusted
- * again, at most 9 times.
+ * again: at most 6 times in all.
  *
  *   judged     out     n_views: of each its verdict
  *   left_out   out     n_views: 1 where a view is left out. rig->left_out points to it

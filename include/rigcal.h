@@ -93,6 +93,8 @@ extern "C" {
     S(RIGCAL_MOST_DISAGREE, 9,                                                           \
       "most observations disagree with this pose: check the correspondences and the "    \
       "target's coordinates")                                                            \
+    S(RIGCAL_VIEWS_LEFT_OUT, 11,                                                         \
+      "some views contradict the others and were left out: see which, and why")          \
                                                                                          \
     /* The arguments: of any function. */                                                \
     S(RIGCAL_ERR_NULL, -1, "a pointer that must not be NULL is NULL")                    \
@@ -726,6 +728,7 @@ RIGCAL_API rigcal_status rigcal_store_load(rigcal_mounted_camera cameras[], size
 #include "rigcal_measure.h"
 #include "rigcal_rig.h"
 #include "rigcal_choose.h"
+#include "rigcal_judge.h"
 #include "rigcal_solvers.h"
 
 #endif /* RIGCAL_H */

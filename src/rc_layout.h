@@ -103,6 +103,22 @@
         M(rigcal_choice, takes) M(rigcal_choice, sigma_px)                         \
         M(rigcal_choice, tau2) M(rigcal_choice, share)                             \
         M(rigcal_choice, n_left_out)                                               \
+    /* rigcal_judge.h */                                                           \
+    S(rigcal_judged_view)                                                          \
+        M(rigcal_judged_view, verdict) M(rigcal_judged_view, cost)                 \
+        M(rigcal_judged_view, rms_px)                                              \
+    S(rigcal_judgement)                                                            \
+        M(rigcal_judgement, fit) M(rigcal_judgement, sigma_px)                     \
+        M(rigcal_judgement, scale) M(rigcal_judgement, n_fit)                      \
+        M(rigcal_judgement, n_contradict) M(rigcal_judgement, n_one_of_two)        \
+        M(rigcal_judgement, n_unchecked) M(rigcal_judgement, adjustments)          \
+    S(rigcal_cause)                                                                \
+        M(rigcal_cause, cause) M(rigcal_cause, permutation) M(rigcal_cause, shift) \
+        M(rigcal_cause, is_still) M(rigcal_cause, camera) M(rigcal_cause, n_agree) \
+        M(rigcal_cause, n_views) M(rigcal_cause, distance)                         \
+    S(rigcal_symmetries)                                                           \
+        M(rigcal_symmetries, permutations) M(rigcal_symmetries, n_permutations)    \
+        M(rigcal_symmetries, n_points) M(rigcal_symmetries, room)                  \
     /* rigcal_paper.h */                                                           \
     S(rigcal_bearing)                                                              \
         M(rigcal_bearing, X_w) M(rigcal_bearing, ray)                              \
@@ -125,7 +141,8 @@
         M(rigcal_paper_pose, evals) M(rigcal_paper_pose, starts)                   \
     /* solvers */                                                                  \
     S(rigcal_pose_solver) S(rigcal_robust_solver) S(rigcal_rig_solver)             \
-    S(rigcal_choose_solver) S(rigcal_paper_solver) S(rigcal_neldermead)
+    S(rigcal_choose_solver) S(rigcal_judge_solver) S(rigcal_cause_solver)          \
+    S(rigcal_paper_solver) S(rigcal_neldermead)
 /* clang-format on */
 
 #endif /* RC_LAYOUT_H */

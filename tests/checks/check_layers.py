@@ -61,6 +61,8 @@ SOLVERS = {
     "rigcal_seed": ("grow", None),
     "rigcal_choose_solver": ("grow", {"check", "choice", "a", "b", "n", "row", "column", "limit",
                                       "is_relaxed"}),
+    "rigcal_judge_solver": ("cost", None),
+    "rigcal_cause_solver": ("cause", set()),
 }
 FIELD = re.compile(r"(\w+)((?:\[\w+\])*\s*[,;])")
 STRUCT = re.compile(r"struct (rigcal_\w+) \{(.*?)\n\}", re.S)

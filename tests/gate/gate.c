@@ -1089,8 +1089,12 @@ typedef struct {
     rigcal_view_pose own[RIG_VIEWS];
     rigcal_transform cams[RIG_CAMERAS], placements[RIG_PLACEMENTS];
     int32_t group[RIG_CAMERAS];
-    rigcal_real work[RIGCAL_RIG_WORK(RIG_CAMERAS, RIG_CAMERAS, RIG_PLACEMENTS)];
+    rigcal_real work[RIGCAL_JUDGE_WORK(RIG_CAMERAS, RIG_PLACEMENTS)];
     rigcal_rig rig;
+    rigcal_choice choice;
+    rigcal_judged_view judged[RIG_VIEWS];
+    uint8_t takes[RIG_VIEWS], left_out[RIG_VIEWS];
+    rigcal_judgement judgement;
 } rig_scene;
 
 static rig_scene rig_probed;
@@ -1216,6 +1220,71 @@ static void gate_rigs(void)
     if (RIGCAL_USE_FLOAT) { /* in double rounding is not the same from line to line */
         edge("rig.rank", rig_is_degenerate, 1e-7, 0.1);
     }
+}
+
+/* The pixels of view k, moved along its rows; its pose is then another. */
+static void shift_view(rig_scene *r, size_t k, double px)
+{
+    scene *const s = &r->seen[k];
+    rigcal_pose pose;
+    size_t n_found;
+    for (int i = 0; i < s->n; i++) {
+        s->o[i].uv[0] += RC(px);
+    }
+    if (rigcal_pose_solve(&pose, 1, &n_found, NULL, &r->views[k].view, &s->options) >= 0) {
+        (void)rigcal_view_pose_make(&r->own[k], &r->views[k], &pose.cam_from_world);
+    }
+}
+
+/* All views joined, whatever is wrong with them. */
+static rigcal_status judge(rig_scene *r)
+{
+    memset(&r->choice, 0, sizeof r->choice);
+    memset(r->takes, 0, sizeof r->takes);
+    r->choice.takes = r->takes;
+    r->choice.sigma_px = RC(0.3);
+    r->rig.left_out = NULL;
+    const rigcal_status status = rigcal_rig_join(&r->rig, NULL);
+    return (status < 0) ? status
+                        : rigcal_rig_judge(&r->judgement, NULL, r->judged, r->left_out,
+                                           &r->choice, &r->rig);
+}
+
+/* One view of 16 is off by so many pixels, and stays. */
+static int view_fits(double px)
+{
+    rig_scene *const r = &rig_probed;
+    state = 1480;
+    random_rig(r, 4, 1, 0.3);
+    shift_view(r, 5, px);
+    return judge(r) >= 0 && r->judged[5].verdict == RIGCAL_VIEW_FITS;
+}
+
+static void gate_judgements(void)
+{
+    tally t;
+    double scale = 0;
+    begin(&t, "rig.judge");
+    state = 1460;
+    for (int i = 0; i < 40; i++) {
+        rig_scene *const r = &rig_probed;
+        random_rig(r, 4, 1, i % 3 ? 0.3 : 1);
+        for (size_t k = 0; k < r->rig.n_views; k++) {
+            if (uniform(0, 1) < 0.06 * (i % 4)) {
+                shift_view(r, k, uniform(2, 60));
+            }
+        }
+        if (count(&t, judge(r)) >= 0) {
+            t.steps += r->judgement.adjustments;
+            scale += (double)r->judgement.scale;
+            for (size_t k = 0; k < r->rig.n_views; k++) {
+                t.found += r->left_out[k] * (long)(k + 1);
+            }
+        }
+    }
+    end(&t);
+    line("judge.scale", "%.3g", scale);
+    edge("judge.px", view_fits, 0.1, 5);
 }
 
 /* Many cameras, two poses of each view: made by their poses alone. */
@@ -2289,6 +2358,7 @@ static void run(void)
     gate_epilines();
     gate_rotations();
     gate_rigs();
+    gate_judgements();
     gate_choices();
     gate_lenses();
     gate_lens_edges();

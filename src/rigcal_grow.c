@@ -13,6 +13,14 @@
 /* share: of views, below which they contradict each other. */
 #define SHARE_LEAST RC(0.5)
 
+/* placements: in which two cameras agree at least, besides the one they are joined by, if
+ * they are to be believed against the rest. */
+enum { SURE_LEAST = 2 };
+
+/* rung: up to which they are; higher ones hold what agrees by chance. Right views have
+ * needed 2 at most. */
+enum { SURE_RUNG = 2 };
+
 /* pairs: that are scored with each camera, those that have most in common. More take
  * time. */
 enum { PAIRS_MOST = 3 };
@@ -169,7 +177,7 @@ static rigcal_real total_of(const rc_score_parts *p, size_t n_cameras, size_t ca
 static void finish_pair(rigcal_choose_solver *s, const rc_score_parts *p)
 {
     for (int k = 0; k < RIGCAL_CHOOSE_RUNGS; k++) {
-        rigcal_seed *const seed = &s->seed[k], found = {0, s->a, s->b, 0};
+        rigcal_seed *const seed = &s->seed[k], found = {0, s->a, s->b, 0, (int32_t)s->n};
         found.score = rc_score_best(&found.number, s, p, k);
         s->counts[k] += (rigcal_real)(rc_score_agree(found.score) - 1);
         if (seed->b < 0 || found.score > seed->score) {
@@ -228,8 +236,17 @@ static rigcal_status join_by(rigcal_choose_solver *s, const rc_score_parts *p,
     return status;
 }
 
-/* tau^2: the first rung to which the next adds little. 0: the views contradict each
- * other. */
+/* Two cameras agree in most of what they share: others may be wrong throughout, and are
+ * left out. The placement of the hypothesis itself tells nothing. */
+static int is_sure(const rigcal_seed *seed)
+{
+    const int32_t agree = rc_score_agree(seed->score) - 1;
+    return agree >= SURE_LEAST &&
+           (rigcal_real)agree >= SHARE_LEAST * (rigcal_real)(seed->n - 1);
+}
+
+/* tau^2: the first rung to which the next adds little. 0: the views contradict each other,
+ * and no two cameras are sure. */
 static int choose_rung(rigcal_choose_solver *s)
 {
     rigcal_choice *const choice = s->choice;
@@ -241,7 +258,8 @@ static int choose_rung(rigcal_choose_solver *s)
     s->rung = k;
     choice->tau2 = rc_score_tau2(k);
     choice->share = (s->most > 0) ? s->counts[k] / s->most : 0;
-    return !(s->most > 0) || choice->share >= SHARE_LEAST;
+    return !(s->most > 0) || choice->share >= SHARE_LEAST ||
+           (k <= SURE_RUNG && is_sure(&s->seed[k]));
 }
 
 /* The best pair is the seed; without one a camera by itself. Its first camera is the frame

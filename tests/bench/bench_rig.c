@@ -1,5 +1,5 @@
-/* bench_rig: rigcal_rig_join and rigcal_rig_adjust on simulated rigs (bench_rigs.h). C, F and
- * N are the numbers of cameras, placements and points.
+/* bench_rig: rigcal_rig_join and rigcal_rig_adjust on simulated rigs (bench_rigs.h). C, F
+ * and N are the numbers of cameras, placements and points.
  *
  *   bench_rig adjust C F N [REPEATS]
  *   bench_rig join C F N [REPEATS]

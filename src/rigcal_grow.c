@@ -2,8 +2,8 @@
 #include "rc_graph.h"
 #include "rc_score.h"
 
-/* The choice: pairs of cameras are scored, the best is the seed; then camera after camera
- * joins, and the placements that it sees are placed again (CHOICE in EQUATIONS.md). */
+/* Pairs of cameras are scored, the best is the seed; then camera after camera joins, and
+ * the placements that it sees are placed again (CHOICE in EQUATIONS.md). */
 
 /* ---- constants ----------------------------------------------------------- */
 
@@ -13,20 +13,18 @@
 /* share: of views, below which they contradict each other. */
 #define SHARE_LEAST RC(0.5)
 
-/* placements: in which two cameras agree at least, besides the one they are joined by, if
- * they are to be believed against the rest. */
+/* placements: two cameras that agree in so many, besides the one that joins them, may be
+ * believed against the rest. */
 enum { SURE_LEAST = 2 };
 
-/* rung: up to which they are; higher ones hold what agrees by chance. Right views have
- * needed 2 at most. */
+/* rung: up to which they are; at higher ones, wrong views agree by chance. */
 enum { SURE_RUNG = 2 };
 
 /* pairs: that are scored with each camera, those that have most in common. More take
  * time. */
 enum { PAIRS_MOST = 3 };
 
-/* views: of a placement, of most information. Those may place it, and when so many have,
- * another camera does not place it again. */
+/* views: of a placement, of most information, that may place it. */
 enum { VIEWS_MOST = 8 };
 
 enum { CHECKING = 1, WEIGHING, PAIRING, SCORING, CLAIMING, SUPPORTING, RESECTING, DONE };
@@ -245,8 +243,7 @@ static int is_sure(const rigcal_seed *seed)
            (rigcal_real)agree >= SHARE_LEAST * (rigcal_real)(seed->n - 1);
 }
 
-/* tau^2: the first rung to which the next adds little. 0: the views contradict each other,
- * and no two cameras are sure. */
+/* tau^2: the first rung to which the next adds little. 0: views contradict each other. */
 static int choose_rung(rigcal_choose_solver *s)
 {
     rigcal_choice *const choice = s->choice;

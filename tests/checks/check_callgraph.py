@@ -32,6 +32,11 @@ INDIRECT = {"rigcal_neldermead_step": (), "rc_rig_view_at": (), "rc_rig_pose_at"
 # No public function may need more; bytes, libm apart.
 STACK_LIMIT = 4096
 
+# Those that may, in double: why a view contradicts is asked once in a while, where there is
+# room, and in one call holds a pose solver too.
+STACK_LIMITS = {"rigcal_rig_cause": 7168, "rigcal_camera_cause": 7168,
+                "rigcal_cause_step": 5120}
+
 NODE = re.compile(r'node: \{ title: "([^"]+)" label: "([^"]*)"')
 EDGE = re.compile(r'edge: \{ sourcename: "([^"]+)" targetname: "([^"]+)"')
 
@@ -152,8 +157,11 @@ def main():
         size, chain = stacks[name]
         print(f"\n{title}: {size} bytes in {' -> '.join(map(plain, chain))}")
         deepest.append(f"{size} bytes ({title})")
-        if size > STACK_LIMIT:
-            sys.exit(f"check_callgraph: {name} needs {size} bytes of stack, more than {STACK_LIMIT}")
+        for name in sorted(stacks):
+            limit = STACK_LIMITS.get(name, STACK_LIMIT)
+            if stacks[name][0] > limit:
+                sys.exit(f"check_callgraph: {name} needs {stacks[name][0]} bytes of stack, "
+                         f"more than {limit}")
     print(f"no recursion, deepest stack {', '.join(deepest)}")
 
 

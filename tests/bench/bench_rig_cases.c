@@ -94,16 +94,20 @@ static rigcal_transform camera_pose(const rig_case *r, test_rng *rng, int index)
     return test_transform(R, t);
 }
 
-static rigcal_transform placement_pose(test_rng *rng)
+/* rig_from_placement, anywhere in the images. */
+static rigcal_transform placement_pose(const rig_case *r, test_rng *rng,
+                                       const rigcal_transform *rig_from_world)
 {
     double turn[9];
     const double axis[3] = {test_uniform(rng, -1, 1), test_uniform(rng, -1, 1),
                             test_uniform(rng, -0.5, 0.5)};
-    const double t[3] = {test_uniform(rng, -0.5, 0.5), test_uniform(rng, -0.4, 0.4),
-                         test_uniform(rng, -0.6, 0.6)};
+    const double wide = 0.5 * r->far;
+    const double t[3] = {test_uniform(rng, -wide, wide), test_uniform(rng, -wide, wide),
+                         test_uniform(rng, -0.15, 0.15) * r->far};
 
     test_rotation_about(turn, axis, test_uniform(rng, -0.6, 0.6));
-    return test_transform(turn, t);
+    const rigcal_transform world_from_placement = test_transform(turn, t);
+    return test_times(rig_from_world, &world_from_placement);
 }
 
 /* The pixels of a view. 0: a point is out of the image. */
@@ -176,44 +180,52 @@ static void choose_views(rig_case *r, test_rng *rng)
     }
 }
 
-static void make_poses(rig_case *r, test_rng *rng)
+/* The views of a placement, the first of which is `first`; their number. 0: a point is out
+ * of an image. */
+static size_t see_placement(rig_case *r, test_rng *rng, int placement, size_t first)
 {
-    const rigcal_transform nothing = test_transform(NULL, NULL);
+    size_t n = first;
+
+    for (int c = 0; c < r->n_cameras; c++) {
+        if (r->sees[placement][c]) {
+            if (!see(r->seen[n], r, rng, c, placement)) {
+                return 0;
+            }
+            r->views[n].view = VIEW(&r->camera[c], r->seen[n], NULL, r->n_points);
+            r->views[n].camera = c;
+            r->views[n].placement = placement;
+            n++;
+        }
+    }
+    return n - first;
+}
+
+/* Cameras, and placements that those who see them have in their images. 0: there are
+ * none. */
+static int make_poses(rig_case *r, test_rng *rng)
+{
     const rigcal_transform first = camera_pose(r, rng, 0);
     const rigcal_transform world_from_rig = test_inverse(&first);
 
-    r->truth[0] = nothing;
+    r->truth[0] = test_transform(NULL, NULL);
     for (int c = 1; c < r->n_cameras; c++) {
         const rigcal_transform camera = camera_pose(r, rng, c);
 
         r->truth[c] = test_times(&camera, &world_from_rig);
     }
+    r->rig.n_views = 0;
     for (int f = 0; f < r->n_placements; f++) {
-        const rigcal_transform place = placement_pose(rng);
+        size_t n = 0;
 
-        r->truth[CAMERAS + f] = test_times(&first, &place);
-    }
-}
-
-/* 0: a point is out of an image. */
-static int make_views(rig_case *r, test_rng *rng)
-{
-    size_t n = 0;
-
-    for (int f = 0; f < r->n_placements; f++) {
-        for (int c = 0; c < r->n_cameras; c++) {
-            if (r->sees[f][c]) {
-                if (!see(r->seen[n], r, rng, c, f)) {
-                    return 0;
-                }
-                r->views[n].view = VIEW(&r->camera[c], r->seen[n], NULL, r->n_points);
-                r->views[n].camera = c;
-                r->views[n].placement = f;
-                n++;
-            }
+        for (int tries = 0; n == 0 && tries < TRIES; tries++) {
+            r->truth[CAMERAS + f] = placement_pose(r, rng, &first);
+            n = see_placement(r, rng, f, r->rig.n_views);
         }
+        if (n == 0) {
+            return 0;
+        }
+        r->rig.n_views += n;
     }
-    r->rig.n_views = n;
     return 1;
 }
 
@@ -239,9 +251,8 @@ void rig_case_make(rig_case *r, test_rng *rng, int placements_max)
         if (tries++ == TRIES) {
             fail("there is no such rig");
         }
-        make_poses(r, rng);
         choose_views(r, rng);
-    } while (!is_connected(r) || !make_views(r, rng));
+    } while (!is_connected(r) || !make_poses(r, rng));
 
     r->rig.cams_from_rig = r->poses;
     r->rig.n_cameras = (size_t)r->n_cameras;

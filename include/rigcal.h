@@ -39,9 +39,9 @@
  * Numbers in parentheses, (9) to (26), and letters are those of EQUATIONS.md.
  *
  * Headers: this one includes rigcal_measure.h (points and matching lines), rigcal_rig.h
- * (several cameras) and rigcal_solvers.h (what the solvers keep; only its sizes matter to
- * a caller). rigcal_paper.h, the published procedure and its parts, is included by who
- * wants it. */
+ * (several cameras), rigcal_choose.h (which of two poses a view has) and rigcal_solvers.h
+ * (what the solvers keep; only its sizes matter to a caller). rigcal_paper.h, the published
+ * procedure and its parts, is included by who wants it. */
 #ifndef RIGCAL_H
 #define RIGCAL_H
 
@@ -93,6 +93,8 @@ extern "C" {
     S(RIGCAL_MOST_DISAGREE, 9,                                                           \
       "most observations disagree with this pose: check the correspondences and the "    \
       "target's coordinates")                                                            \
+    S(RIGCAL_VIEWS_LEFT_OUT, 11,                                                         \
+      "some views contradict the others and were left out: see which, and why")          \
                                                                                          \
     /* The arguments: of any function. */                                                \
     S(RIGCAL_ERR_NULL, -1, "a pointer that must not be NULL is NULL")                    \
@@ -163,7 +165,10 @@ extern "C" {
     S(RIGCAL_ERR_TWICE, -26,                                                             \
       "two views are of the same camera and placement: make one view of them")           \
     S(RIGCAL_ERR_UNSORTED, -27,                                                          \
-      "the views are not in the order of their placements: sort them")
+      "the views are not in the order of their placements: sort them")                   \
+    S(RIGCAL_ERR_CONTRADICTION, -28,                                                     \
+      "the views contradict each other, most of them: check which image is of which "    \
+      "camera and placement, the target's coordinates and the intrinsics")
 /* clang-format on */
 
 typedef int32_t rigcal_status;
@@ -722,6 +727,8 @@ RIGCAL_API rigcal_status rigcal_store_load(rigcal_mounted_camera cameras[], size
 
 #include "rigcal_measure.h"
 #include "rigcal_rig.h"
+#include "rigcal_choose.h"
+#include "rigcal_judge.h"
 #include "rigcal_solvers.h"
 
 #endif /* RIGCAL_H */

@@ -163,6 +163,62 @@ struct rigcal_rig_solver {
     rigcal_real promised, negligible, gp[6], Hp[21];
 };
 
+/* ---- the choice between two poses of each view ------------------------------ */
+
+enum rigcal_choose_rungs { RIGCAL_CHOOSE_RUNGS = 6 };
+
+/* The best hypothesis of where a camera is. */
+typedef struct rigcal_seed {
+    rigcal_real score;
+    int32_t a, b, number; /* b from a; a -1: from the rig */
+} rigcal_seed;
+
+struct rigcal_choose_solver {
+    rigcal_rig_solver check; /* of what is handed in */
+    rigcal_choice *choice;
+    int32_t phase, status, rung, is_again, is_relaxed, is_final;
+    int32_t a, b;                 /* cameras under way; a -1: the rig */
+    size_t view, placement;       /* under way */
+    size_t n, row, column, which; /* placements compared, two of them; a claim */
+    rigcal_real limit;            /* px^2, at tau^2 = 1 */
+    rigcal_real most, counts[RIGCAL_CHOOSE_RUNGS];
+    rigcal_seed seed[RIGCAL_CHOOSE_RUNGS];
+    int32_t agree, best; /* of a placement: the best claim so far */
+    rigcal_real cost, spread;
+};
+
+/* ---- a rig whose views are judged ------------------------------------------- */
+
+struct rigcal_judge_solver {
+    rigcal_rig *rig;
+    rigcal_judged_view *judged;
+    rigcal_choice *choice;
+    uint8_t *left_out;
+    int32_t phase, status, at_fault, is_placed, rounds, adjustments;
+    int32_t n_of[4];               /* views of each verdict */
+    size_t view, first, placement; /* under way; the first view of the placement */
+    size_t n_kept, slot;           /* of its views that count; which of them */
+    size_t n_costs, n_places;      /* that can be judged: views, placements */
+    rigcal_real sigma2, scale;
+    rigcal_real tried_cost; /* of the view that is left out to see; 0: none is */
+    rigcal_rig_solver adjust;
+};
+
+struct rigcal_cause_solver {
+    const rigcal_rig *rig;
+    const rigcal_symmetries *symmetries;
+    int32_t phase, status, is_camera, acting; /* the camera that a view is tested for */
+    int32_t agree, checked;                   /* of a camera: its views */
+    size_t view, first, last, test;           /* the views of its placement */
+    rigcal_real limit;                        /* px^2 */
+    rigcal_cause found;
+    rigcal_view_pose own;
+    rigcal_rig_view seen; /* as it is tested */
+    rigcal_camera lens;
+    rigcal_transform target_from_turned;
+    rigcal_pose_solver pose;
+};
+
 #ifdef __cplusplus
 }
 #endif

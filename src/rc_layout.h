@@ -90,6 +90,35 @@
         M(rigcal_calibrated_rig, n_cameras) M(rigcal_calibrated_rig, sigma_px)     \
         M(rigcal_calibrated_rig, F) M(rigcal_calibrated_rig, freedom_between)      \
         M(rigcal_calibrated_rig, freedom_within)                                   \
+    /* rigcal_choose.h */                                                          \
+    S(rigcal_link)                                                                 \
+        M(rigcal_link, n_shared) M(rigcal_link, information)                       \
+    S(rigcal_advice)                                                               \
+        M(rigcal_advice, a) M(rigcal_advice, b)                                    \
+    S(rigcal_weakest)                                                              \
+        M(rigcal_weakest, camera) M(rigcal_weakest, other)                         \
+        M(rigcal_weakest, rotation) M(rigcal_weakest, translation)                 \
+    S(rigcal_choice)                                                               \
+        M(rigcal_choice, second_poses) M(rigcal_choice, second_source)             \
+        M(rigcal_choice, takes) M(rigcal_choice, sigma_px)                         \
+        M(rigcal_choice, tau2) M(rigcal_choice, share)                             \
+        M(rigcal_choice, n_left_out)                                               \
+    /* rigcal_judge.h */                                                           \
+    S(rigcal_judged_view)                                                          \
+        M(rigcal_judged_view, verdict) M(rigcal_judged_view, cost)                 \
+        M(rigcal_judged_view, rms_px)                                              \
+    S(rigcal_judgement)                                                            \
+        M(rigcal_judgement, fit) M(rigcal_judgement, sigma_px)                     \
+        M(rigcal_judgement, scale) M(rigcal_judgement, n_fit)                      \
+        M(rigcal_judgement, n_contradict) M(rigcal_judgement, n_one_of_two)        \
+        M(rigcal_judgement, n_unchecked) M(rigcal_judgement, adjustments)          \
+    S(rigcal_cause)                                                                \
+        M(rigcal_cause, cause) M(rigcal_cause, permutation) M(rigcal_cause, shift) \
+        M(rigcal_cause, is_still) M(rigcal_cause, camera) M(rigcal_cause, n_agree) \
+        M(rigcal_cause, n_views) M(rigcal_cause, distance)                         \
+    S(rigcal_symmetries)                                                           \
+        M(rigcal_symmetries, permutations) M(rigcal_symmetries, n_permutations)    \
+        M(rigcal_symmetries, n_points) M(rigcal_symmetries, room)                  \
     /* rigcal_paper.h */                                                           \
     S(rigcal_bearing)                                                              \
         M(rigcal_bearing, X_w) M(rigcal_bearing, ray)                              \
@@ -112,6 +141,7 @@
         M(rigcal_paper_pose, evals) M(rigcal_paper_pose, starts)                   \
     /* solvers */                                                                  \
     S(rigcal_pose_solver) S(rigcal_robust_solver) S(rigcal_rig_solver)             \
+    S(rigcal_choose_solver) S(rigcal_judge_solver) S(rigcal_cause_solver)          \
     S(rigcal_paper_solver) S(rigcal_neldermead)
 /* clang-format on */
 

@@ -33,7 +33,11 @@
 /* ---- valid arguments ----------------------------------------------------- */
 
 enum { N = 6, N_PAIRS = 15, N_CAMERAS = 3, N_PLACEMENTS = 2, N_VIEWS = 6 };
-enum { RIG_WORK = RIGCAL_RIG_WORK(N_CAMERAS, N_CAMERAS, N_PLACEMENTS) };
+enum {
+    RIG_WORK = RIGCAL_RIG_WORK(N_CAMERAS, N_CAMERAS, N_PLACEMENTS),
+    CHOOSE_WORK = RIGCAL_CHOOSE_WORK(N_CAMERAS, N_PLACEMENTS, N_VIEWS),
+    JUDGE_WORK = RIGCAL_JUDGE_WORK(N_CAMERAS, N_PLACEMENTS)
+};
 
 /* What every call is handed, made once by build_valid. */
 static struct {
@@ -55,6 +59,13 @@ static struct {
     rigcal_view_pose view_poses[N_VIEWS];
     rigcal_real rig_work[RIG_WORK];
     rigcal_rig_solver rig_begun, rig_done, join_begun;
+    rigcal_link links[RIGCAL_LINKS(N_CAMERAS)];
+    rigcal_choose_solver choose_begun, choose_done;
+    uint8_t takes[N_VIEWS];
+    rigcal_judgement judgement;
+    rigcal_judge_solver judge_begun, judge_done;
+    rigcal_cause_solver cause_begun, cause_done;
+    int32_t permutation[N];
     rigcal_rig rig;
     rigcal_rig_fit fit;
     rigcal_transform estimates[N_VIEWS];
@@ -77,7 +88,9 @@ static struct {
 
 static const size_t SIZE_0 = 0, SIZE_1 = 1, SIZE_2 = 2, SIZE_3 = 3, SIZE_4 = 4, SIZE_6 = 6,
                     SIZE_8 = 8, SIZE_15 = 15, SIZE_SAVED = RIGCAL_STORE_SIZE(2),
-                    SIZE_12 = 12, SIZE_WORK = RIG_WORK,
+                    SIZE_12 = 12, SIZE_WORK = RIG_WORK, SIZE_CHOOSE = CHOOSE_WORK,
+                    SIZE_TO_JUDGE = JUDGE_WORK,
+
                     SIZE_KEPT = RIGCAL_CALIBRATED_SIZE(1),
                     SIZE_TAKEN = RIGCAL_CALIBRATED_SIZE(2),
                     SIZE_SAVED_RIG = RIGCAL_STORE_RIG_SIZE(2, 1);
@@ -291,6 +304,77 @@ static void build_adjusted(void)
     ASSERT_STATUS(RIGCAL_OK, rigcal_rig_join_begin(&ok.join_begun, &joined));
 }
 
+/* The cameras' links; a choice that goes on, and one that has come to its end. */
+static void build_choice(void)
+{
+    static rigcal_transform cams[N_CAMERAS], placements[N_PLACEMENTS];
+    static rigcal_real work[CHOOSE_WORK];
+    static int32_t group[N_CAMERAS];
+    static uint8_t takes[N_VIEWS];
+    static rigcal_choice choice;
+    static rigcal_rig rig;
+    rigcal_choose_solver solver;
+    int32_t n_groups;
+
+    rig = ok.rig;
+    rig.cams_from_rig = cams;
+    rig.rig_from_placements = placements;
+    rig.group = group;
+    rig.view_poses = ok.view_poses;
+    rig.work = work;
+    rig.work_capacity = CHOOSE_WORK;
+    choice.takes = takes;
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_links(ok.links, RIGCAL_LINKS(N_CAMERAS), &n_groups,
+                                              NULL, &rig));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_choose_begin(&solver, &choice, &rig));
+    ok.choose_begun = solver;
+    while (rigcal_choose_step(&solver, 1000) == RIGCAL_RUNNING) {
+    }
+    ok.choose_done = solver;
+    ASSERT_STATUS(RIGCAL_OK, rigcal_choose_begin(&ok.choose_begun, &choice, &rig));
+}
+
+/* A rig that is being judged, and one that has been; a cause that is sought, and one that
+ * has been found. */
+static void build_judgement(void)
+{
+    static rigcal_transform cams[N_CAMERAS], placements[N_PLACEMENTS];
+    static rigcal_real work[JUDGE_WORK];
+    static int32_t group[N_CAMERAS];
+    static uint8_t takes[N_VIEWS], left_out[N_VIEWS];
+    static rigcal_judged_view judged[N_VIEWS];
+    static rigcal_choice choice;
+    static rigcal_rig rig;
+    rigcal_judge_solver solver;
+
+    rig = ok.rig;
+    memcpy(cams, ok.poses, sizeof cams);
+    memcpy(placements, ok.placements, sizeof placements);
+    rig.cams_from_rig = cams;
+    rig.rig_from_placements = placements;
+    rig.group = group;
+    rig.view_poses = ok.view_poses;
+    rig.work = work;
+    rig.work_capacity = JUDGE_WORK;
+    choice.takes = takes;
+    choice.sigma_px = REAL_SIGMA;
+    ASSERT_STATUS(RIGCAL_OK, rigcal_judge_begin(&solver, judged, left_out, &choice, &rig));
+    while (rigcal_judge_step(&solver, 1000) == RIGCAL_RUNNING) {
+    }
+    ok.judge_done = solver;
+    ASSERT_STATUS(RIGCAL_OK, rigcal_judge_result(&ok.judgement, NULL, &solver));
+    ASSERT_STATUS(RIGCAL_OK,
+                  rigcal_judge_begin(&ok.judge_begun, judged, left_out, &choice, &rig));
+    for (int32_t i = 0; i < N; i++) {
+        ok.permutation[i] = N - 1 - i;
+    }
+    ASSERT_STATUS(RIGCAL_OK,
+                  rigcal_camera_cause_begin(&ok.cause_begun, &rig, &ok.judgement, NULL, 1));
+    ok.cause_done = ok.cause_begun;
+    while (rigcal_cause_step(&ok.cause_done, 1000) == RIGCAL_RUNNING) {
+    }
+}
+
 /* The states of searches come from the library: there is no other way. */
 static void build_searches(void)
 {
@@ -424,6 +508,8 @@ static void build_valid(void)
     build_target();
     build_rig();
     build_adjusted();
+    build_choice();
+    build_judgement();
     build_searches();
     build_pose_searches();
     build_robust();
@@ -632,6 +718,22 @@ static const kind RIG_PLACEMENTS = {N_PLACEMENTS * sizeof(rigcal_transform), 0, 
 static const kind RIG_GROUPS = {N_CAMERAS * sizeof(int32_t), 0, 0, NULL, 0};
 static const kind RIG_MEMORY = {sizeof(rigcal_real) * RIG_WORK, 0, 0, NULL,
                                 RIGCAL_ERR_STATE};
+static const kind SECOND_POSE = {sizeof(rigcal_view_pose), 0, 33, BAD_VIEW_POSE, 0};
+static const kind LINK = {sizeof(rigcal_link), 0, 0, NULL, 0};
+static const kind ADVICE = {sizeof(rigcal_advice), 0, 0, NULL, 0};
+static const kind WEAKEST = {sizeof(rigcal_weakest), 0, 0, NULL, 0};
+static const kind TAKES = {N_VIEWS, 0, 0, NULL, 0};
+static const kind JUDGED = {sizeof(rigcal_judged_view), 0, 0, NULL, 0};
+static const kind JUDGEMENT = {sizeof(rigcal_judgement),
+                               offsetof(rigcal_judgement, sigma_px), 2, NULL, 0};
+static const kind CAUSE = {sizeof(rigcal_cause), offsetof(rigcal_cause, distance), 1, NULL,
+                           0};
+static const kind JUDGE_SOLVER = {sizeof(rigcal_judge_solver), 0, 0, NULL,
+                                  RIGCAL_ERR_STATE};
+static const kind CAUSE_SOLVER = {sizeof(rigcal_cause_solver), 0, 0, NULL,
+                                  RIGCAL_ERR_STATE};
+static const kind CHOOSE_SOLVER = {sizeof(rigcal_choose_solver), 0, 0, NULL,
+                                   RIGCAL_ERR_STATE};
 static const kind RIG_UNREAD = {sizeof(rigcal_real) * RIG_WORK, 0, 0, NULL, 0};
 static const kind RIG_SOLVER = {sizeof(rigcal_rig_solver), 0, 0, NULL, RIGCAL_ERR_STATE};
 static const kind OPTIONS = {sizeof(rigcal_paper_options),
@@ -789,6 +891,27 @@ typedef struct {
     IN(THERE, 1, &INT_1), cams, COUNT(&SIZE_3, 1, RIGCAL_ERR_TOO_FEW), placements, group, \
         COUNT(&SIZE_6, 1, RIGCAL_ERR_TOO_FEW), work, \
         ROOM(&SIZE_WORK, RIGCAL_RIG_WORK(0, 3, 2), RIGCAL_ERR_CAPACITY)
+#define RIG_TO_JUDGE(placements) \
+    IN(THERE, 1, &INT_1), IN(TRANSFORM, N_CAMERAS, ok.poses), \
+        COUNT(&SIZE_3, 1, RIGCAL_ERR_TOO_FEW), placements, WORK(INT32, N_CAMERAS), \
+        COUNT(&SIZE_6, 1, RIGCAL_ERR_TOO_FEW), WORK(NUMBER, JUDGE_WORK), \
+        ROOM(&SIZE_TO_JUDGE, JUDGE_WORK, RIGCAL_ERR_CAPACITY)
+/* Whether it is there, second_poses, takes, sigma_px. */
+#define JUDGE_CHOICE(second) \
+    IN(THERE, 1, &INT_1), second, STATE(TAKES, ok.takes), VALUE(POSITIVE, &REAL_SIGMA)
+/* With the poses of its views, a judgement and a symmetry by its parts. */
+#define RIG_OF_CAUSE \
+    IN(THERE, 1, &INT_1), IN(TRANSFORM, N_CAMERAS, ok.poses), \
+        COUNT(&SIZE_3, 1, RIGCAL_ERR_TOO_FEW), IN(TRANSFORM, N_PLACEMENTS, ok.placements), \
+        STATE(RIG_GROUPS, ok.groups), COUNT(&SIZE_6, 1, RIGCAL_ERR_TOO_FEW), \
+        STATE(RIG_UNREAD, ok.rig_work), ROOM(&SIZE_WORK, 0, 0), \
+        IN(VIEW_POSE, N_VIEWS, ok.view_poses), IN(JUDGEMENT, 1, &ok.judgement), \
+        IN_OPT(THERE, 1, &INT_1), IN(INT32, N, ok.permutation), WORK(OBSERVATION, N)
+#define RIG_TO_CHOOSE \
+    IN(THERE, 1, &INT_1), WORK(TRANSFORM, N_CAMERAS), \
+        COUNT(&SIZE_3, 1, RIGCAL_ERR_TOO_FEW), WORK(TRANSFORM, N_PLACEMENTS), \
+        WORK(INT32, N_CAMERAS), COUNT(&SIZE_6, 1, RIGCAL_ERR_TOO_FEW), \
+        WORK(NUMBER, CHOOSE_WORK), ROOM(&SIZE_CHOOSE, CHOOSE_WORK, RIGCAL_ERR_CAPACITY)
 /* A calibrated rig by its parts: itself, cameras, group, held, capacity, Sigma,
  * Sigma_capacity, n_cameras, its numbers. */
 #define KEPT_OF(cameras, Sigma) \
@@ -853,6 +976,7 @@ typedef struct {
     (ROTATED | S(TOO_FEW) | S(CAPACITY) | S(TWICE) | S(UNSORTED) | S(DEGENERATE) | \
      BIT(RIGCAL_DISCONNECTED) | BIT(RIGCAL_BUDGET_SPENT))
 #define ADJUSTED (JOINED | DEVICE | S(BEHIND) | S(NO_RAY))
+#define CAUSED (ROTATED | S(TOO_FEW) | S(UNSORTED) | S(DEGENERATE) | S(CAMERA))
 #define AGREED \
     (VIEWED | FITTED | S(NO_CONSENSUS) | BIT(RIGCAL_FEW_AGREE) | BIT(RIGCAL_MOST_DISAGREE))
 
@@ -913,6 +1037,36 @@ static rigcal_rig *with_views(rigcal_rig *rig, const void *is_there, const void 
         rig->views = views;
     }
     return rig;
+}
+
+static rigcal_choice *choice_of(const void *is_there, const void *second, void *takes)
+{
+    static rigcal_choice choice;
+
+    memset(&choice, 0, sizeof choice);
+    choice.second_poses = second;
+    choice.takes = takes;
+    return is_there ? &choice : NULL;
+}
+
+static rigcal_choice *judged_by(const void *is_there, const void *second, void *takes,
+                                const void *sigma_px)
+{
+    rigcal_choice *const choice = choice_of(is_there, second, takes);
+
+    if (choice != NULL) {
+        memcpy(&choice->sigma_px, sigma_px, sizeof choice->sigma_px);
+    }
+    return choice;
+}
+
+static const rigcal_symmetries *symmetries_of(const void *is_there, const void *numbers,
+                                              void *room)
+{
+    static rigcal_symmetries symmetries;
+
+    symmetries = (rigcal_symmetries){numbers, 1, N, room};
+    return is_there ? &symmetries : NULL;
 }
 
 static rigcal_rig *with_poses(rigcal_rig *rig, const void *is_there, const void *poses)
@@ -1004,6 +1158,23 @@ CALL(rig_covariance, p[8], RIG_AT(0), REAL(p[9]), COUNTED(p[10]))
 CALL(rig_pair, p[8], p[11], RIG_AT(0), REAL(p[9]), COUNTED(p[10]), COUNTED(p[12]))
 CALL(rig_placement, p[8], RIG_AT(0), REAL(p[9]), COUNTED(p[10]))
 CALL(rig_noise, p[8], p[9], RIG_AT(0))
+CALL(rig_links, p[9], COUNTED(p[10]), p[11], p[12], RIG_WITH(0, poses))
+CALL(rig_advise, p[8], COUNTED(p[9]), p[10], p[11], RIG_AT(0))
+CALL(rig_weakest, p[8], RIG_AT(0), REAL(p[9]))
+CALL(rig_choose, choice_of(p[9], p[10], p[11]), p[12], RIG_WITH(0, poses))
+CALL(choose_begin, p[12], choice_of(p[9], p[10], p[11]), RIG_WITH(0, poses))
+CALL(choose_step, p[0], INT(p[1]))
+CALL(choose_result, p[0], p[1])
+CALL(rig_judge, p[16], p[17], p[14], p[15], judged_by(p[10], p[11], p[12], p[13]), with_poses(RIG_WITH(0, views), p[0], p[9]))
+CALL(judge_begin, p[16], p[14], p[15], judged_by(p[10], p[11], p[12], p[13]), with_poses(RIG_WITH(0, views), p[0], p[9]))
+CALL(judge_step, p[0], INT(p[1]))
+CALL(judge_result, p[0], p[1], p[2])
+CALL(rig_cause, p[14], RIG_WITH(0, poses), p[9], symmetries_of(p[10], p[11], p[12]), COUNTED(p[13]))
+CALL(camera_cause, p[14], RIG_WITH(0, poses), p[9], symmetries_of(p[10], p[11], p[12]), COUNTED(p[13]))
+CALL(cause_begin, p[14], RIG_WITH(0, poses), p[9], symmetries_of(p[10], p[11], p[12]), COUNTED(p[13]))
+CALL(camera_cause_begin, p[14], RIG_WITH(0, poses), p[9], symmetries_of(p[10], p[11], p[12]), COUNTED(p[13]))
+CALL(cause_step, p[0], INT(p[1]))
+CALL(cause_result, p[0], p[1])
 CALL(rig_residuals, p[8], COUNTED(p[9]), p[10], RIG_AT(0), COUNTED(p[11]))
 CALL(calibrated_take, KEPT_TO(0), RIG_AT(7), p[15], REAL(p[16]))
 CALL(calibrated_covariance, p[9], KEPT_AT(0), COUNTED(p[10]), COUNTED(p[11]))
@@ -1257,6 +1428,49 @@ static const function FUNCTIONS[] = {
       LESS(&SIZE_1, N_PLACEMENTS)}},
     {F(rig_noise), 0, S(STATE) | S(TOO_FEW) | ARGS | S(DEGENERATE),
      {RIG_DONE, OUT(NUMBER, 3), OUT(NUMBER, 3)}},
+    {F(rig_links), 0, JOINED,
+     {RIG_OF(WORK(TRANSFORM, N_CAMERAS), WORK(TRANSFORM, N_PLACEMENTS), WORK(INT32, N_CAMERAS), WORK(NUMBER, RIG_WORK)),
+      IN(VIEW_POSE, N_VIEWS, ok.view_poses), OUT(LINK, 3), ROOM(&SIZE_3, 3, RIGCAL_ERR_CAPACITY), OUT(INT32, 1), OUT_BAD}},
+    {F(rig_advise), 0, ARGS | S(CAPACITY) | S(TOO_FEW),
+     {RIG_WITH_MEMORY(RIG_UNREAD), OUT_PART(ADVICE, 3), ROOM(&SIZE_3, 0, 0), OUT(SIZE, 1), IN(LINK, 3, ok.links)}},
+    {F(rig_weakest), 0, S(STATE) | S(TOO_FEW) | ARGS,
+     {RIG_DONE, OUT(WEAKEST, 1), VALUE(TOLERANCE, &REAL_SIGMA)}},
+    {F(rig_choose), 0, JOINED | S(CONTRADICTION),
+     {RIG_TO_CHOOSE, IN(VIEW_POSE, N_VIEWS, ok.view_poses), IN(THERE, 1, &INT_1),
+      IN_OPT(SECOND_POSE, N_VIEWS, ok.view_poses), WORK(BYTES, N_VIEWS), OUT_BAD}},
+    {F(choose_begin), 0, JOINED,
+     {RIG_TO_CHOOSE, IN(THERE, 1, &INT_1), IN(THERE, 1, &INT_1),
+      IN_OPT(THERE, 1, &INT_1), WORK(BYTES, N_VIEWS), OUT_PART(CHOOSE_SOLVER, 1)}},
+    {F(choose_step), RIGCAL_RUNNING,
+     S(NULL) | S(RANGE) | S(STATE) | BIT(RIGCAL_RUNNING),
+     {STATE(CHOOSE_SOLVER, &ok.choose_begun), CHOICE(&INT_2, 1, 0, RIGCAL_ERR_RANGE)}},
+    {F(choose_result), 0, S(STATE) | JOINED | S(CONTRADICTION),
+     {OUT_BAD, IN(CHOOSE_SOLVER, 1, &ok.choose_done)}},
+    {F(rig_judge), 0, ADJUSTED | BIT(RIGCAL_VIEWS_LEFT_OUT),
+     {RIG_TO_JUDGE(IN(TRANSFORM, N_PLACEMENTS, ok.placements)), IN(RIG_VIEW, N_VIEWS, ok.rig_views), IN(VIEW_POSE, N_VIEWS, ok.view_poses),
+      JUDGE_CHOICE(IN_OPT(SECOND_POSE, N_VIEWS, ok.view_poses)),
+      WORK(JUDGED, N_VIEWS), WORK(BYTES, N_VIEWS), OUT(JUDGEMENT, 1), OUT_BAD}},
+    {F(judge_begin), 0, ADJUSTED,
+     {RIG_TO_JUDGE(WORK(TRANSFORM, N_PLACEMENTS)), IN(THERE, 1, &INT_1), IN(THERE, 1, &INT_1), JUDGE_CHOICE(IN_OPT(THERE, 1, &INT_1)),
+      WORK(JUDGED, N_VIEWS), WORK(BYTES, N_VIEWS), OUT_PART(JUDGE_SOLVER, 1)}},
+    {F(judge_step), RIGCAL_RUNNING,
+     S(NULL) | S(RANGE) | S(STATE) | BIT(RIGCAL_RUNNING),
+     {STATE(JUDGE_SOLVER, &ok.judge_begun), CHOICE(&INT_2, 1, 0, RIGCAL_ERR_RANGE)}},
+    {F(judge_result), 0, S(STATE) | ADJUSTED | BIT(RIGCAL_VIEWS_LEFT_OUT),
+     {OUT(JUDGEMENT, 1), OUT_BAD, IN(JUDGE_SOLVER, 1, &ok.judge_done)}},
+    {F(rig_cause), 0, CAUSED,
+     {RIG_OF_CAUSE, LESS(&SIZE_4, N_VIEWS), OUT(CAUSE, 1)}},
+    {F(camera_cause), 0, CAUSED,
+     {RIG_OF_CAUSE, LESS(&SIZE_2, N_CAMERAS), OUT(CAUSE, 1)}},
+    {F(cause_begin), 0, CAUSED,
+     {RIG_OF_CAUSE, LESS(&SIZE_4, N_VIEWS), OUT_PART(CAUSE_SOLVER, 1)}},
+    {F(camera_cause_begin), 0, CAUSED,
+     {RIG_OF_CAUSE, LESS(&SIZE_2, N_CAMERAS), OUT_PART(CAUSE_SOLVER, 1)}},
+    {F(cause_step), RIGCAL_RUNNING,
+     S(NULL) | S(RANGE) | S(STATE) | BIT(RIGCAL_RUNNING),
+     {STATE(CAUSE_SOLVER, &ok.cause_begun), CHOICE(&INT_2, 1, 0, RIGCAL_ERR_RANGE)}},
+    {F(cause_result), 0, S(STATE) | CAUSED,
+     {OUT(CAUSE, 1), IN(CAUSE_SOLVER, 1, &ok.cause_done)}},
     {F(rig_residuals), 0, S(TOO_FEW) | S(CAPACITY) | ARGS,
      {RIG_WITH_MEMORY(RIG_UNREAD), OUT(NUMBER, 12), ROOM(&SIZE_12, 12, RIGCAL_ERR_CAPACITY), OUT(SIZE, 1),
       LESS(&SIZE_4, N_VIEWS)}},
@@ -1298,10 +1512,10 @@ enum { N_FUNCTIONS = sizeof FUNCTIONS / sizeof FUNCTIONS[0] };
 
 /* Those that take plain numbers only and have an answer for every one. */
 static const char *const HARMLESS[] = {
-    "rigcal_version",         "rigcal_sizeof_real",  "rigcal_status_name",
-    "rigcal_status_text",     "rigcal_layout_count", "rigcal_pairs_for",
-    "rigcal_store_size",      "rigcal_rig_work",     "rigcal_store_rig_size",
-    "rigcal_calibrated_size",
+    "rigcal_version",     "rigcal_sizeof_real",    "rigcal_status_name",
+    "rigcal_status_text", "rigcal_layout_count",   "rigcal_pairs_for",
+    "rigcal_store_size",  "rigcal_rig_work",       "rigcal_choose_work",
+    "rigcal_judge_work",  "rigcal_store_rig_size", "rigcal_calibrated_size",
 };
 enum { N_HARMLESS = sizeof HARMLESS / sizeof HARMLESS[0] };
 
@@ -1786,7 +2000,8 @@ static void test_every_public_function_of_the_headers_is_in_the_table(void)
     TEST_ON_HOST_ONLY("it reads the headers");
     TEST_ASSERT_EQUAL_INT(N_FUNCTIONS + N_HARMLESS,
                           HEADER("rigcal.h") + HEADER("rigcal_measure.h") +
-                              HEADER("rigcal_rig.h") + HEADER("rigcal_solvers.h") +
+                              HEADER("rigcal_rig.h") + HEADER("rigcal_choose.h") +
+                              HEADER("rigcal_judge.h") + HEADER("rigcal_solvers.h") +
                               HEADER("rigcal_paper.h"));
 }
 

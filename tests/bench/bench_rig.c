@@ -65,7 +65,7 @@ static void count_join(rigcal_rig_fit *fit, bench_rig *b)
 static void bench_one(bench_rig *b, int is_join, int repeats)
 {
     rigcal_rig_fit fit;
-    double least = INFINITY;
+    double least = HUGE_VAL;
 
     for (int i = 0; i < repeats; i++) {
         const clock_t begin = clock();

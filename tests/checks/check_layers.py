@@ -58,6 +58,11 @@ SOLVERS = {
                                      "at_fault", "evals", "n", "view", "first", "placement",
                                      "n_points", "n_seen", "own_sum", "negligible", "given",
                                      "gain", "n_free", "n_used"}),
+    "rigcal_seed": ("grow", None),
+    "rigcal_choose_solver": ("grow", {"check", "choice", "a", "b", "n", "row", "column", "limit",
+                                      "is_relaxed"}),
+    "rigcal_judge_solver": ("cost", None),
+    "rigcal_cause_solver": ("cause", set()),
 }
 FIELD = re.compile(r"(\w+)((?:\[\w+\])*\s*[,;])")
 STRUCT = re.compile(r"struct (rigcal_\w+) \{(.*?)\n\}", re.S)

@@ -1089,8 +1089,12 @@ typedef struct {
     rigcal_view_pose own[RIG_VIEWS];
     rigcal_transform cams[RIG_CAMERAS], placements[RIG_PLACEMENTS];
     int32_t group[RIG_CAMERAS];
-    rigcal_real work[RIGCAL_RIG_WORK(RIG_CAMERAS, RIG_CAMERAS, RIG_PLACEMENTS)];
+    rigcal_real work[RIGCAL_JUDGE_WORK(RIG_CAMERAS, RIG_PLACEMENTS)];
     rigcal_rig rig;
+    rigcal_choice choice;
+    rigcal_judged_view judged[RIG_VIEWS];
+    uint8_t takes[RIG_VIEWS], left_out[RIG_VIEWS];
+    rigcal_judgement judgement;
 } rig_scene;
 
 static rig_scene rig_probed;
@@ -1214,8 +1218,201 @@ static void gate_rigs(void)
     end(&joins);
     end(&t);
     if (RIGCAL_USE_FLOAT) { /* in double rounding is not the same from line to line */
-        edge("rig.rank", rig_is_degenerate, 1e-12, 0.1);
+        edge("rig.rank", rig_is_degenerate, 1e-7, 0.1);
     }
+}
+
+/* The pixels of view k, moved along its rows; its pose is then another. */
+static void shift_view(rig_scene *r, size_t k, double px)
+{
+    scene *const s = &r->seen[k];
+    rigcal_pose pose;
+    size_t n_found;
+    for (int i = 0; i < s->n; i++) {
+        s->o[i].uv[0] += RC(px);
+    }
+    if (rigcal_pose_solve(&pose, 1, &n_found, NULL, &r->views[k].view, &s->options) >= 0) {
+        (void)rigcal_view_pose_make(&r->own[k], &r->views[k], &pose.cam_from_world);
+    }
+}
+
+/* All views joined, whatever is wrong with them. */
+static rigcal_status judge(rig_scene *r)
+{
+    memset(&r->choice, 0, sizeof r->choice);
+    memset(r->takes, 0, sizeof r->takes);
+    r->choice.takes = r->takes;
+    r->choice.sigma_px = RC(0.3);
+    r->rig.left_out = NULL;
+    const rigcal_status status = rigcal_rig_join(&r->rig, NULL);
+    return (status < 0) ? status
+                        : rigcal_rig_judge(&r->judgement, NULL, r->judged, r->left_out,
+                                           &r->choice, &r->rig);
+}
+
+/* One view of 16 is off by so many pixels, and stays. */
+static int view_fits(double px)
+{
+    rig_scene *const r = &rig_probed;
+    state = 1480;
+    random_rig(r, 4, 1, 0.3);
+    shift_view(r, 5, px);
+    return judge(r) >= 0 && r->judged[5].verdict == RIGCAL_VIEW_FITS;
+}
+
+static void gate_judgements(void)
+{
+    tally t;
+    double scale = 0;
+    begin(&t, "rig.judge");
+    state = 1460;
+    for (int i = 0; i < 40; i++) {
+        rig_scene *const r = &rig_probed;
+        random_rig(r, 4, 1, i % 3 ? 0.3 : 1);
+        for (size_t k = 0; k < r->rig.n_views; k++) {
+            if (uniform(0, 1) < 0.06 * (i % 4)) {
+                shift_view(r, k, uniform(2, 60));
+            }
+        }
+        if (count(&t, judge(r)) >= 0) {
+            t.steps += r->judgement.adjustments;
+            scale += (double)r->judgement.scale;
+            for (size_t k = 0; k < r->rig.n_views; k++) {
+                t.found += r->left_out[k] * (long)(k + 1);
+            }
+        }
+    }
+    end(&t);
+    line("judge.scale", "%.3g", scale);
+    edge("judge.px", view_fits, 0.1, 5);
+}
+
+/* Many cameras, two poses of each view: made by their poses alone. */
+enum { CHOICE_CAMERAS = 10, CHOICE_VIEWS = CHOICE_CAMERAS * RIG_PLACEMENTS };
+
+typedef struct {
+    rigcal_view_pose own[CHOICE_VIEWS], second[CHOICE_VIEWS];
+    rigcal_transform cams[CHOICE_CAMERAS], placements[RIG_PLACEMENTS];
+    int32_t group[CHOICE_CAMERAS];
+    uint8_t takes[CHOICE_VIEWS];
+    rigcal_real work[RIGCAL_CHOOSE_WORK(CHOICE_CAMERAS, RIG_PLACEMENTS, CHOICE_VIEWS) +
+                     RIGCAL_RIG_WORK(CHOICE_CAMERAS, CHOICE_CAMERAS, RIG_PLACEMENTS)];
+    rigcal_rig rig;
+    rigcal_choice choice;
+} choice_scene;
+
+static choice_scene choice_probed;
+
+static void choice_begin(choice_scene *r, size_t n_cameras)
+{
+    memset(r, 0, sizeof *r);
+    r->rig.cams_from_rig = r->cams;
+    r->rig.n_cameras = n_cameras;
+    r->rig.rig_from_placements = r->placements;
+    r->rig.n_placements = RIG_PLACEMENTS;
+    r->rig.group = r->group;
+    r->rig.view_poses = r->own;
+    r->rig.work = r->work;
+    r->rig.work_capacity = sizeof r->work / sizeof r->work[0];
+    r->choice.second_poses = r->second;
+    r->choice.takes = r->takes;
+}
+
+/* A view: its pose off by so many standard deviations, and another that is turned. */
+static void choice_add(choice_scene *r, int c, int f, const rigcal_transform *truth,
+                       double off, int is_wrong)
+{
+    static const int DIAGONAL[6] = {0, 3, 5, 15, 18, 20};
+    const size_t k = r->rig.n_views++;
+    rigcal_view_pose *const own = &r->own[k];
+    rigcal_real step[6], turned[6] = {RC(0.3), RC(-0.5), 0, 0, 0, 0};
+    own->cam_from_target = *truth;
+    for (int i = 0; i < 6; i++) {
+        const double strength = uniform(400, 2000);
+        own->information[DIAGONAL[i]] = RC(strength);
+        step[i] =
+            RC((off * 0.3 * normal() + (is_wrong ? 10 * normal() : 0)) / sqrt(strength));
+    }
+    own->sse = RC(0.3 * uniform(0, 1));
+    own->n = 4;
+    own->camera = c;
+    own->placement = f;
+    rc_transform_move(&own->cam_from_target, step);
+    r->second[k] = *own;
+    rc_transform_move(&r->second[k].cam_from_target, turned);
+    if (uniform(0, 1) < 0.2) {
+        const rigcal_view_pose first = *own;
+        *own = r->second[k];
+        r->second[k] = first;
+    }
+    r->second[k].sse += RC(0.1);
+}
+
+static void random_choice(choice_scene *r, int n_cameras, double off, double wrong)
+{
+    static const double ahead[3] = {0, 0, 5};
+    choice_begin(r, (size_t)n_cameras);
+    for (int c = 0; c < n_cameras; c++) {
+        double R[9];
+        const double t[3] = {0.3 * c, 0.1 * c, 0};
+        random_rotation(R);
+        r->cams[c] = transform_of(R, t);
+    }
+    for (int f = 0; f < RIG_PLACEMENTS; f++) {
+        double R[9];
+        random_rotation(R);
+        const rigcal_transform placed = transform_of(R, ahead);
+        for (int c = 0; c < n_cameras; c++) {
+            rigcal_transform truth;
+            rc_transform_compose(&truth, &r->cams[c], &placed);
+            choice_add(r, c, f, &truth, off, uniform(0, 1) < wrong);
+        }
+    }
+}
+
+/* Two placements, of which the second is off by so much [px], beside the noise of 1 px. */
+static int choice_agrees(double off)
+{
+    choice_scene *const r = &choice_probed;
+    rigcal_transform truth = identity();
+    choice_begin(r, 2);
+    state = 1450;
+    for (int k = 0; k < 4; k++) {
+        choice_add(r, k % 2, k / 2, &truth, 0, 0);
+        r->own[k].cam_from_target = truth;
+        r->own[k].information[20] = 2;
+        r->second[k].n = 0;
+    }
+    r->own[3].cam_from_target.t[2] = RC(off * sqrt(2.0));
+    r->rig.n_placements = 2;
+    r->rig.sigma_px = 1;
+    return rigcal_rig_choose(&r->choice, NULL, &r->rig) >= 0 && r->choice.tau2 < 2 &&
+           r->choice.share > RC(0.9);
+}
+
+static void gate_choices(void)
+{
+    tally t;
+    begin(&t, "rig.choose");
+    state = 1400;
+    for (int i = 0; i < 90; i++) {
+        choice_scene *const r = &choice_probed;
+        random_choice(r, 2 + 4 * (i % 3), i % 4 ? 1 : 4, 0.08 * (i % 10));
+        r->rig.sigma_px = RC(i % 2 ? 0.3 : 0);
+        count(&t, rigcal_rig_choose(&r->choice, NULL, &r->rig));
+        t.steps += (long)r->choice.tau2;
+        for (size_t v = 0; v < r->rig.n_views; v++) {
+            t.found += r->takes[v] * (long)(v + 1);
+        }
+    }
+    end(&t);
+    edge("choose.limit", choice_agrees, 0.1, 100);
+    random_choice(&choice_probed, 3, 0.1, 0);
+    for (size_t v = 0; v < choice_probed.rig.n_views; v++) {
+        choice_probed.own[v].sse = 0;
+    }
+    (void)rigcal_rig_choose(&choice_probed.choice, NULL, &choice_probed.rig);
+    line("choose.noise_px", "%.3g", (double)choice_probed.choice.sigma_px);
 }
 
 /* ---- lenses --------------------------------------------------------------- */
@@ -2161,6 +2358,8 @@ static void run(void)
     gate_epilines();
     gate_rotations();
     gate_rigs();
+    gate_judgements();
+    gate_choices();
     gate_lenses();
     gate_lens_edges();
     gate_series();

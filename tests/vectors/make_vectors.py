@@ -797,6 +797,92 @@ def rig():
     }
 
 
+# ---- two poses of each view ------------------------------------------------------------
+CHOICE_CAMS, CHOICE_PLACES, CHOICE_SIGMA = 4, 6, 0.3
+
+
+def choice_information(rng, T):
+    """Of a tag's pose, roughly: the tilt is known least, then the distance."""
+    J = np.diag([9, 8, 40, 80, 80, 9.]) + decimals(rng, -2, 2, 1, (6, 6))
+    return J.T @ J
+
+
+def choice_views():
+    """Poses as R and t of a few digits, information, sum of squares. Of each view two; one
+    view in four has the wrong one first, and one view is of another placement."""
+    rng = random.Random(31)
+    cams = [np.zeros(6)] + [np.array([decimals(rng, -.2, .2, 2), .3 * c, decimals(rng, -.2, .2, 2),
+                                      -3.1 * c, decimals(rng, -.5, .5, 2), .6 * c * c])
+                            for c in range(1, CHOICE_CAMS)]
+    places = [row(decimals(rng, -.5, .5, 2, (3,)), decimals(rng, -.6, .6, 2, (2,)),
+                  decimals(rng, 9.5, 10.5, 2)) for _ in range(CHOICE_PLACES)]
+    views, rows = {}, []
+    for f in range(CHOICE_PLACES):
+        for c in range(CHOICE_CAMS):
+            if (c, f) in ((2, 1), (0, 4), (1, 4)):
+                continue
+            T = oracle.compose(rig_pose(cams[c]), rig_pose(places[(f + 1) % 6 if (c, f) == (3, 3)
+                                                                  else f]))
+            H = choice_information(rng, T)
+            noise = np.linalg.solve(np.linalg.cholesky(H).T,
+                                    [rng.gauss(0, CHOICE_SIGMA) for _ in range(6)])
+            T = oracle.moved(T, noise)
+            sight = T[1] / np.linalg.norm(T[1])
+            n = T[0][:, 2]
+            mirrored = T[0].copy()  # tilted to the other side of the line of sight
+            axis = np.cross(n, sight)
+            angle = 2 * math.atan2(np.linalg.norm(axis), n @ sight)
+            mirrored = oracle.exp_so3(axis / np.linalg.norm(axis) * angle) @ mirrored
+            sums = sorted(decimals(rng, .05, .6, 3, (2,)))
+            if rng.random() < .25:
+                sums = sums[::-1]
+            found = [(T, H, sums[0]), ((mirrored, T[1]), choice_information(rng, T), sums[1])]
+            if (c, f) == (1, 2):
+                found = found[:1]
+            views[c, f] = sorted(found, key=lambda x: x[2])
+            for i, (pose, information, sse) in enumerate(views[c, f]):
+                ypr = np.round(oracle.matrix_to_euler(pose[0]), 5)
+                t = np.round(pose[1], 5)
+                information = np.round(information, 1)
+                views[c, f][i] = ((oracle.euler_to_matrix(*ypr), t), information, sse)
+                rows.append(row(c, f, i, ypr, t, information[np.triu_indices(6)], sse))
+    return views, rows
+
+
+def choice():
+    views, rows = choice_views()
+    takes, tau2, share, cams, places = oracle.choose(views, CHOICE_CAMS, CHOICE_PLACES,
+                                                     CHOICE_SIGMA)
+    apart = []
+    for f, g in ((0, 2), (2, 0), (3, 5), (1, 0)):
+        one, other = (oracle.pair_claims(views, at, 0, 1) for at in (f, g))
+        for i in range(len(one)):
+            for j in range(len(other)):
+                # the number of a hypothesis: 2 (candidate of camera 0) + candidate of camera 1
+                step = [2 if len(views[1, at]) == 2 else 1 for at in (f, g)]
+                k, m = (2 * (x // s) + x % s for x, s in zip((i, j), step))
+                apart.append(row(f, k, g, m, oracle.squared_distance(one[i], other[j],
+                                                                     one[i][3])))
+    back = oracle.inverse(cams[0])
+    return {
+        "CHOICE_POSE": ("a pose of a view: camera, placement, 0 the better or 1 the other; yaw, "
+                        "pitch, roll, t; information, the upper triangle row by row; sum of "
+                        "squares [px^2]", rows),
+        "CHOICE_APART": ("camera 1 from camera 0 by placement, with 2 (pose of camera 0) + pose "
+                         "of camera 1; and by another; their squared distance for noise of 1 px",
+                         apart),
+        "CHOICE_ANSWER": ("noise 0.3 px: tau^2, the share that agrees", [row(tau2, share)]),
+        "CHOICE_TAKES": ("camera, placement, the pose that it takes; 2: none",
+                         [row(c, f, t) for (c, f), t in sorted(takes.items(),
+                                                               key=lambda x: x[0][::-1])]),
+        "CHOICE_CAMERA": ("a camera from camera 0: R, t",
+                          [row(*oracle.compose(cams[c], back)) for c in range(CHOICE_CAMS)]),
+        "CHOICE_PLACE": ("a placement from camera 0: R, t",
+                         [row(*oracle.compose(cams[0], places[f]))
+                          for f in range(CHOICE_PLACES)]),
+    }
+
+
 # ---- files -----------------------------------------------------------------------------
 TOPICS = {
     "neldermead": neldermead, "rotation": rotations, "transform": transforms,
@@ -804,7 +890,7 @@ TOPICS = {
     "elimination_all": elimination_all, "translation": translation,
     "two_views": two_views, "camera": cameras, "triangulation": triangulation,
     "direction": direction, "refine": refine, "store": store, "chance": chance,
-    "rig": rig,
+    "rig": rig, "choice": choice,
 }
 
 

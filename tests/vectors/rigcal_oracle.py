@@ -348,6 +348,170 @@ def loop_closure(total, own, n_views, n_cameras, n_places, n_points):
 
 
 # ---- self-check ------------------------------------------------------------------------
+# ---- the choice between two poses of each view (CHOICE in EQUATIONS.md) -----------------
+CHOICE_LIMIT = 30.
+CHOICE_LADDER = (1., 4., 16., 64., 256., 1024.)
+
+
+def cross_matrix(v):
+    return np.array([[0, -v[2], v[1]], [v[2], 0, -v[0]], [-v[1], v[0], 0]])
+
+
+def inverse(pose):
+    return pose[0].T, -pose[0].T @ pose[1]
+
+
+def hypothesis(b, a):
+    """b_from_a of poses b_from_x and a_from_x; its error as a function of a point: the
+    derivative by the errors of b and then of a of the turn and of the image of that point."""
+    pose = compose(b, inverse(a))
+    R, O, I = pose[0], np.zeros((3, 3)), np.eye(3)
+
+    def derivative(point):
+        arm = point - a[1]
+        return np.block([[I, O, -R, O],
+                         [-cross_matrix(R @ arm), I, R @ cross_matrix(arm), -R]])
+    return pose, derivative
+
+
+def squared_distance(one, other, point):
+    """Of two claims (pose, derivative, joint covariance) about one transform."""
+    S = sum(h[1](point) @ h[2] @ h[1](point).T for h in (one, other))
+    d = np.r_[log_so3(other[0][0] @ one[0][0].T),
+              other[0][0] @ point + other[0][1] - one[0][0] @ point - one[0][1]]
+    return d @ np.linalg.solve(S, d)
+
+
+def joint(*blocks):
+    n = len(blocks[0])
+    out = np.zeros((n * len(blocks),) * 2)
+    for i, block in enumerate(blocks):
+        out[n * i:n * i + n, n * i:n * i + n] = block
+    return out
+
+
+def pair_claims(views, f, a, b):
+    """All hypotheses of b_from_a by placement f: views[c, f] is a list of (pose, information,
+    sse). Of each: pose, derivative, covariance, where the target is, what it costs more."""
+    out = []
+    for A, H_a, sse_a in views[a, f]:
+        for B, H_b, sse_b in views[b, f]:
+            out.append((*hypothesis(B, A), joint(np.linalg.inv(H_b), np.linalg.inv(H_a)), A[1],
+                        sse_a - views[a, f][0][2] + sse_b - views[b, f][0][2]))
+    return out
+
+
+def costs_of(claims, which, sigma):
+    """What claim `which` = (placement, number) costs in every placement, in sigma^2."""
+    f, k = which
+    it, out = claims[f][k], {}
+    for g, others in claims.items():
+        out[g] = min(squared_distance(it, o, it[3]) + o[4] for o in others)
+        if g == f:
+            out[g] = it[4]
+        out[g] /= sigma**2
+    return out
+
+
+def best_claim(claims, sigma, limit):
+    """(how many agree, -cost), and which claim that is."""
+    best = None
+    for f in claims:
+        for k in range(len(claims[f])):
+            m = np.array(list(costs_of(claims, (f, k), sigma).values()))
+            score = ((m < limit).sum(), -np.minimum(m, limit).sum())
+            if best is None or score > best[0]:
+                best = (score, f, k)
+    return best
+
+
+def place(views, cams, known, f, sigma, limit):
+    """Placement f by the joined cameras: pose, covariance by the view alone, how many views
+    agree, how many there are, which candidate each takes."""
+    options, best = [], None
+    seen = [c for c in sorted(cams) if (c, f) in views]
+    for c in seen:
+        for i, (T, H, sse) in enumerate(views[c, f]):
+            # rig_from_placement = cam^-1 T; the error of the camera is known at a point
+            R = cams[c][0].T
+            P = compose(inverse(cams[c]), T)
+            turn = joint(R, R)
+            cov, at = known[c]
+            own = turn @ np.linalg.inv(H) @ turn.T
+            arm = np.block([[np.eye(3), np.zeros((3, 3))],
+                            [-cross_matrix(cams[c][0] @ (P[1] - at)), np.eye(3)]])
+            whole = own + turn @ arm @ cov @ arm.T @ turn.T
+            options.append((c, i, P, own, whole, sse - views[c, f][0][2]))
+    for c, i, P, own, whole, extra in options:
+        cost, takes = 0., {}
+        for other in seen:
+            found = []
+            for d, j, Q, _, cov, more in options:
+                if d == other and (d != c or j == i):
+                    x = difference(Q, P)
+                    far = x @ np.linalg.solve(whole + cov, x) if d != c else 0.
+                    found.append(((far + more) / sigma**2, j))
+            least = min(found)
+            cost += min(least[0], limit)
+            takes[other] = least[1] if least[0] < limit else 2
+        agree = sum(t < 2 for t in takes.values())
+        score = (agree, -cost, -np.trace(whole[:3, :3]))
+        if best is None or score > best[0]:
+            best = (score, P, own, agree, len(seen), takes)
+    return best[1:]
+
+
+def choose(views, n_cams, n_places, sigma):
+    """The candidate of every view, tau^2, the share that agrees, and cameras and placements
+    in the frame of the first camera of the seed. As RIG.md has (G15), (G16)."""
+    counts, most, seeds = np.zeros(len(CHOICE_LADDER)), 0, [None] * len(CHOICE_LADDER)
+    for a in range(n_cams):
+        for b in range(a + 1, n_cams):
+            shared = [f for f in range(n_places) if (a, f) in views and (b, f) in views]
+            if not shared:
+                continue
+            claims = {f: pair_claims(views, f, a, b) for f in shared}
+            for k, tau2 in enumerate(CHOICE_LADDER):
+                score, f, i = best_claim(claims, sigma, CHOICE_LIMIT * tau2)
+                if len(shared) > 1:
+                    counts[k] += score[0] - 1
+                if seeds[k] is None or score > seeds[k][0]:
+                    seeds[k] = (score, a, b, claims[f][i])
+            most += len(shared) - 1
+    rung = 0
+    while rung < 4 and not (counts[rung] > 0 and counts[rung] >= .8 * counts[rung + 1]):
+        rung += 1
+    limit = CHOICE_LIMIT * CHOICE_LADDER[rung]
+
+    def known_of(claim):
+        J = claim[1](claim[3])
+        return J @ claim[2] @ J.T, claim[3]
+
+    _, a, b, claim = seeds[rung]
+    cams = {a: (np.eye(3), np.zeros(3)), b: claim[0]}
+    known = {a: (np.zeros((6, 6)), np.zeros(3)), b: known_of(claim)}
+    while True:
+        places = {f: place(views, cams, known, f, sigma, limit) for f in range(n_places)
+                  if any((c, f) in views for c in cams)}
+        best = None
+        for c in range(n_cams):
+            claims = {}
+            for f, (P, cov, agree, n, _) in places.items():
+                if c not in cams and (c, f) in views and (agree > 1 or n == 1):
+                    claims[f] = [(*hypothesis(T, P), joint(np.linalg.inv(H), cov), P[1],
+                                  sse - views[c, f][0][2]) for T, H, sse in views[c, f]]
+            if claims:
+                score, f, k = best_claim(claims, sigma, limit)
+                if best is None or score > best[0]:
+                    best = (score, c, claims[f][k])
+        if best is None:
+            break
+        cams[best[1]], known[best[1]] = best[2][0], known_of(best[2])
+    takes = {(c, f): t for f, p in places.items() for c, t in p[4].items()}
+    return takes, CHOICE_LADDER[rung], counts[rung] / most, cams, {
+        f: p[0] for f, p in places.items()}
+
+
 def _self_check():
     rng = np.random.default_rng(1)
     for trial in range(200):

@@ -1,0 +1,388 @@
+/* cause: why a view, or most views of a camera, contradict the others. The truth: rigs in
+ * which the test has done it. */
+#include <string.h>
+
+#include "rigcal_solvers.h"
+#include "test_boards.h"
+
+static const double NOISE = 0.3;
+
+static test_boards b;
+
+#define WANTS_BOARDS TEST_WANTS_RAM(sizeof(test_boards) + 20000)
+
+/* A board turned by half; and two that are no symmetries of it: a row shifted, and points
+ * exchanged in pairs. */
+enum { SHIFTED_ROWS, TURNED, PAIRS, PERMUTATIONS };
+static int32_t permutations[PERMUTATIONS * BOARD_POINTS];
+static rigcal_observation room[BOARD_POINTS];
+static rigcal_symmetries symmetries = {permutations, PERMUTATIONS, BOARD_POINTS, room};
+
+static void fill_permutations(void)
+{
+    for (int32_t i = 0; i < BOARD_POINTS; i++) {
+        permutations[SHIFTED_ROWS * BOARD_POINTS + i] = (i + 5) % BOARD_POINTS;
+        permutations[TURNED * BOARD_POINTS + i] = BOARD_POINTS - 1 - i;
+        permutations[PAIRS * BOARD_POINTS + i] = i ^ 1;
+    }
+}
+
+static void make(uint64_t seed, int n_cameras, int n_places)
+{
+    test_rng rng = test_seed(seed);
+
+    fill_permutations();
+    test_boards_make(&b, &rng, n_cameras, n_places, n_cameras, NOISE, 0);
+}
+
+/* Joined by the truth: of three cameras one of which is wrong, most pairs disagree, and the
+ * choice refuses. */
+static void judge(void)
+{
+    test_boards_solve(&b);
+    test_boards_join(&b, NOISE);
+    b.choice.sigma_px = RC(NOISE);
+    TEST_ASSERT_TRUE(
+        rigcal_rig_judge(&b.judgement, NULL, b.judged, b.left_out, &b.choice, &b.rig) > 0);
+}
+
+static rigcal_cause cause_of(int view)
+{
+    rigcal_cause cause;
+
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_cause(&cause, &b.rig, &b.judgement, &symmetries,
+                                              (size_t)view));
+    return cause;
+}
+
+static rigcal_cause camera_cause(int camera)
+{
+    rigcal_cause cause;
+
+    ASSERT_STATUS(RIGCAL_OK, rigcal_camera_cause(&cause, &b.rig, &b.judgement, &symmetries,
+                                                 (size_t)camera));
+    return cause;
+}
+
+/* ---- one view -------------------------------------------------------------- */
+
+static void test_a_turned_view_is_told_with_its_permutation(void)
+{
+    WANTS_BOARDS;
+    for (int trial = 0; trial < TEST_TRIALS(10); trial++) {
+        const int v = 3 * trial;
+
+        make(3000 + (uint64_t)trial, 4, 8);
+        test_boards_reverse(&b, v);
+        judge();
+        TEST_ASSERT_EQUAL_INT32(RIGCAL_VIEW_CONTRADICTS, b.judged[v].verdict);
+        const rigcal_cause cause = cause_of(v);
+        TEST_ASSERT_EQUAL_INT32(RIGCAL_CAUSE_TURNED, cause.cause);
+        TEST_ASSERT_EQUAL_INT32(TURNED, cause.permutation);
+        TEST_ASSERT_EQUAL_INT32(0, cause.shift);
+        TEST_ASSERT_EQUAL_INT32(-1, cause.camera);
+        TEST_ASSERT_TRUE(cause.distance >= 0 && D(cause.distance) < 0.8);
+    }
+}
+
+/* Either of the two may be the turned one. */
+static void test_of_two_views_either_may_be_turned(void)
+{
+    WANTS_BOARDS;
+    make(3100, 2, 8);
+    test_boards_reverse(&b, 6);
+    judge();
+    for (int v = 6; v < 8; v++) {
+        const rigcal_cause cause = cause_of(v);
+
+        TEST_ASSERT_EQUAL_INT32(RIGCAL_VIEW_ONE_OF_TWO, b.judged[v].verdict);
+        TEST_ASSERT_EQUAL_INT32(RIGCAL_CAUSE_TURNED, cause.cause);
+        TEST_ASSERT_EQUAL_INT32(TURNED, cause.permutation);
+    }
+}
+
+static void test_a_view_of_the_placement_before_or_after_is_told(void)
+{
+    WANTS_BOARDS;
+    for (int trial = 0; trial < TEST_TRIALS(10); trial++) {
+        const int f = 1 + trial % 6, shift = trial % 2 ? 1 : -1;
+
+        make(3200 + (uint64_t)trial, 4, 8);
+        const int v = test_boards_view(&b, 2, f);
+        test_boards_replace(&b, v, test_boards_view(&b, 2, f + shift));
+        judge();
+        const rigcal_cause cause = cause_of(v);
+        TEST_ASSERT_EQUAL_INT32(RIGCAL_CAUSE_SHIFTED, cause.cause);
+        TEST_ASSERT_EQUAL_INT32(shift, cause.shift);
+        TEST_ASSERT_EQUAL_INT32(0, cause.is_still);
+        TEST_ASSERT_EQUAL_INT32(-1, cause.permutation);
+    }
+}
+
+/* The placements before and after are one: the target stood still. */
+static void test_of_a_target_that_stood_still_the_shift_is_open(void)
+{
+    WANTS_BOARDS;
+    make(3300, 4, 8);
+    for (int c = 0; c < 4; c++) {
+        test_boards_replace(&b, test_boards_view(&b, c, 5), test_boards_view(&b, c, 3));
+    }
+    const int v = test_boards_view(&b, 1, 4);
+    test_boards_replace(&b, v, test_boards_view(&b, 1, 3));
+    judge();
+    TEST_ASSERT_EQUAL_INT32(RIGCAL_VIEW_CONTRADICTS, b.judged[v].verdict);
+    const rigcal_cause cause = cause_of(v);
+    TEST_ASSERT_EQUAL_INT32(RIGCAL_CAUSE_SHIFTED, cause.cause);
+    TEST_ASSERT_EQUAL_INT32(1, cause.is_still);
+}
+
+/* The lenses differ: each view is solved with the other's. */
+static void test_swapped_cameras_are_told(void)
+{
+    static rigcal_camera lens;
+
+    WANTS_BOARDS;
+    make(3400, 4, 8);
+    lens = b.camera;
+    lens.fx = lens.fy = 1000;
+    for (size_t v = 0; v < b.rig.n_views; v++) {
+        if (b.views[v].camera == 3) {
+            b.views[v].view.camera = &lens;
+            for (int i = 0; i < BOARD_POINTS; i++) { /* 1.25 times as large */
+                b.o[v][i].uv[0] = b.camera.cx + (b.o[v][i].uv[0] - b.camera.cx) * RC(1.25);
+                b.o[v][i].uv[1] = b.camera.cy + (b.o[v][i].uv[1] - b.camera.cy) * RC(1.25);
+            }
+        }
+    }
+    const int one = test_boards_view(&b, 3, 2), two = test_boards_view(&b, 0, 2);
+    test_boards_swap(&b, one, two);
+    judge();
+    rigcal_cause cause = cause_of(one);
+    TEST_ASSERT_EQUAL_INT32(RIGCAL_CAUSE_SWAPPED, cause.cause);
+    TEST_ASSERT_EQUAL_INT32(0, cause.camera);
+    cause = cause_of(two);
+    TEST_ASSERT_EQUAL_INT32(RIGCAL_CAUSE_SWAPPED, cause.cause);
+    TEST_ASSERT_EQUAL_INT32(3, cause.camera);
+}
+
+/* Replaced by a placement that is not near, there is no cause. */
+static void test_of_other_views_the_cause_is_unknown(void)
+{
+    WANTS_BOARDS;
+    for (int trial = 0; trial < TEST_TRIALS(10); trial++) {
+        make(3500 + (uint64_t)trial, 4, 8);
+        const int v = test_boards_view(&b, trial % 4, 1);
+        test_boards_replace(&b, v, test_boards_view(&b, trial % 4, 6));
+        judge();
+        const rigcal_cause cause = cause_of(v);
+        TEST_ASSERT_EQUAL_INT32(RIGCAL_VIEW_CONTRADICTS, b.judged[v].verdict);
+        TEST_ASSERT_EQUAL_INT32(RIGCAL_CAUSE_UNKNOWN, cause.cause);
+        TEST_ASSERT_EQUAL_INT32(-1, cause.permutation);
+        TEST_ASSERT_EQUAL_INT32(-1, cause.camera);
+    }
+}
+
+/* ---- a camera -------------------------------------------------------------- */
+
+static void test_a_camera_is_late(void)
+{
+    WANTS_BOARDS;
+    for (int c = 0; c < 4; c++) {
+        make(3600 + (uint64_t)c, 4, 8);
+        test_boards_late(&b, c);
+        judge();
+        for (int other = 0; other < 4; other++) {
+            const rigcal_cause cause = camera_cause(other);
+
+            TEST_ASSERT_EQUAL_INT32(
+                other == c ? RIGCAL_CAUSE_SHIFTED : RIGCAL_CAUSE_UNKNOWN, cause.cause);
+            TEST_ASSERT_EQUAL_INT32(other == c ? -1 : 0, cause.shift);
+            TEST_ASSERT_EQUAL_INT32(0, cause.is_still);
+            TEST_ASSERT_TRUE(cause.n_agree >= 6 && cause.n_views <= 8);
+        }
+    }
+}
+
+static void test_a_camera_is_early(void)
+{
+    WANTS_BOARDS;
+    make(3650, 3, 8);
+    for (int f = 0; f < 7; f++) {
+        test_boards_replace(&b, test_boards_view(&b, 1, f), test_boards_view(&b, 1, f + 1));
+    }
+    judge();
+    const rigcal_cause cause = camera_cause(1);
+    TEST_ASSERT_EQUAL_INT32(RIGCAL_CAUSE_SHIFTED, cause.cause);
+    TEST_ASSERT_EQUAL_INT32(1, cause.shift);
+}
+
+/* Two cameras, one of which has all its points in reverse: no placement agrees. */
+static void test_all_views_of_a_camera_are_turned(void)
+{
+    int32_t at_fault;
+
+    WANTS_BOARDS;
+    make(3700, 2, 8);
+    for (int f = 0; f < 8; f++) {
+        test_boards_reverse(&b, test_boards_view(&b, 1, f));
+    }
+    test_boards_solve(&b);
+    ASSERT_STATUS(RIGCAL_ERR_CONTRADICTION,
+                  rigcal_rig_choose(&b.choice, &at_fault, &b.rig));
+    memset(b.left_out, 1, sizeof b.left_out);
+    b.rig.left_out = b.left_out;
+    b.judgement.sigma_px = RC(NOISE);
+    b.judgement.scale = 1;
+    for (int c = 0; c < 2; c++) {
+        const rigcal_cause cause = camera_cause(c);
+
+        TEST_ASSERT_EQUAL_INT32(RIGCAL_CAUSE_TURNED, cause.cause);
+        TEST_ASSERT_EQUAL_INT32(TURNED, cause.permutation);
+        TEST_ASSERT_TRUE(cause.n_agree >= 7);
+        TEST_ASSERT_EQUAL_INT32(8, cause.n_views);
+    }
+}
+
+/* The origin of the target is so far off its points. */
+static void shift_origin(double x, double y)
+{
+    const double shift[3] = {-x, -y, 0};
+    const rigcal_transform middle_from_far = test_transform(NULL, shift);
+
+    for (size_t v = 0; v < b.rig.n_views; v++) {
+        for (int i = 0; i < BOARD_POINTS; i++) {
+            b.o[v][i].X_w[0] += RC(x);
+            b.o[v][i].X_w[1] += RC(y);
+        }
+    }
+    for (size_t f = 0; f < b.rig.n_placements; f++) {
+        b.true_places[f] = test_times(&b.true_places[f], &middle_from_far);
+    }
+}
+
+/* What is known of the shift of a far origin is not what is known of a turned one's. */
+static void test_a_camera_is_turned_about_a_far_origin(void)
+{
+    WANTS_BOARDS;
+    make(3750, 3, 8);
+    shift_origin(5, 3.75);
+    for (int f = 0; f < 8; f++) {
+        test_boards_reverse(&b, test_boards_view(&b, 2, f));
+    }
+    judge();
+    const rigcal_cause cause = camera_cause(2);
+    TEST_ASSERT_EQUAL_INT32(RIGCAL_CAUSE_TURNED, cause.cause);
+    TEST_ASSERT_EQUAL_INT32(TURNED, cause.permutation);
+    TEST_ASSERT_TRUE(cause.n_agree >= 7);
+}
+
+/* Views by chance: no two agree, turned or not. */
+static void test_of_a_camera_with_other_views_the_cause_is_unknown(void)
+{
+    WANTS_BOARDS;
+    for (int trial = 0; trial < TEST_TRIALS(4); trial++) {
+        make(3770 + (uint64_t)trial, 3, 8);
+        shift_origin(5 * (trial % 2), 3.75 * (trial % 2));
+        for (int f = 0; f < 8; f++) {
+            const int v = test_boards_view(&b, 2, f);
+            for (int i = 0; i < BOARD_POINTS; i++) { /* the view moved */
+                b.o[v][i].uv[0] += RC(30 * ((f * 5) % 8 - 3.5));
+                b.o[v][i].uv[1] += RC(30 * ((f * 3) % 8 - 3.5));
+            }
+            b.is_wrong[v] = 1;
+        }
+        judge();
+        const rigcal_cause cause = camera_cause(2);
+        TEST_ASSERT_EQUAL_INT32(RIGCAL_CAUSE_UNKNOWN, cause.cause);
+        TEST_ASSERT_TRUE(cause.n_agree <= 2);
+    }
+}
+
+/* ---- steps and arguments --------------------------------------------------- */
+
+static void test_the_same_bits_whatever_the_budgets(void)
+{
+    static rigcal_cause_solver solver;
+
+    WANTS_BOARDS;
+    make(3800, 3, 6);
+    test_boards_late(&b, 1);
+    judge();
+    for (int is_camera = 0; is_camera < 2; is_camera++) {
+        const size_t number = is_camera ? 1 : (size_t)test_boards_view(&b, 1, 3);
+        const rigcal_cause whole = is_camera ? camera_cause(1) : cause_of((int)number);
+
+        for (int32_t budget = 1; budget < 60; budget += 13) {
+            rigcal_cause cause;
+            rigcal_status status =
+                is_camera ? rigcal_camera_cause_begin(&solver, &b.rig, &b.judgement,
+                                                      &symmetries, number)
+                          : rigcal_cause_begin(&solver, &b.rig, &b.judgement, &symmetries,
+                                               number);
+
+            ASSERT_STATUS(RIGCAL_OK, status);
+            ASSERT_STATUS(RIGCAL_ERR_STATE, rigcal_cause_result(&cause, &solver));
+            do {
+                status = rigcal_cause_step(&solver, budget);
+            } while (status == RIGCAL_RUNNING);
+            ASSERT_STATUS(RIGCAL_OK, rigcal_cause_result(&cause, &solver));
+            TEST_ASSERT_EQUAL_MEMORY(&whole, &cause, sizeof cause);
+        }
+    }
+}
+
+static void test_permutations_are_checked(void)
+{
+    rigcal_cause cause;
+
+    WANTS_BOARDS;
+    make(3900, 3, 4);
+    test_boards_reverse(&b, 2);
+    judge();
+#define CAUSE rigcal_rig_cause(&cause, &b.rig, &b.judgement, &symmetries, 2)
+    permutations[PAIRS * BOARD_POINTS + 4] = BOARD_POINTS;
+    ASSERT_REFUSED(RIGCAL_ERR_RANGE, cause, CAUSE);
+    permutations[PAIRS * BOARD_POINTS + 4] = -1;
+    ASSERT_REFUSED(RIGCAL_ERR_RANGE, cause, CAUSE);
+    permutations[PAIRS * BOARD_POINTS + 4] = 4; /* twice */
+    ASSERT_REFUSED(RIGCAL_ERR_RANGE, cause, CAUSE);
+    fill_permutations();
+    ASSERT_STATUS(RIGCAL_OK, CAUSE);
+    symmetries.n_points = 2;
+    ASSERT_REFUSED(RIGCAL_ERR_TOO_FEW, cause, CAUSE);
+    symmetries.n_points = BOARD_POINTS / 2; /* no view has so many */
+    permutations[5] = 0;
+    symmetries.n_permutations = 1;
+    ASSERT_REFUSED(RIGCAL_ERR_RANGE, cause, CAUSE);
+    for (int32_t i = 0; i < BOARD_POINTS / 2; i++) {
+        permutations[i] = i;
+    }
+    ASSERT_STATUS(RIGCAL_OK, CAUSE);
+    TEST_ASSERT_EQUAL_INT32(RIGCAL_CAUSE_UNKNOWN, cause.cause);
+    symmetries = (rigcal_symmetries){permutations, PERMUTATIONS, BOARD_POINTS, room};
+    ASSERT_REFUSED(RIGCAL_ERR_RANGE, cause,
+                   rigcal_rig_cause(&cause, &b.rig, &b.judgement, NULL, 12));
+    ASSERT_REFUSED(RIGCAL_ERR_RANGE, cause,
+                   rigcal_camera_cause(&cause, &b.rig, &b.judgement, NULL, 3));
+    b.judgement.scale = 0;
+    ASSERT_REFUSED(RIGCAL_ERR_RANGE, cause,
+                   rigcal_rig_cause(&cause, &b.rig, &b.judgement, NULL, 2));
+#undef CAUSE
+}
+
+TEST_MAIN()
+{
+    RUN_TEST(test_a_turned_view_is_told_with_its_permutation);
+    RUN_TEST(test_of_two_views_either_may_be_turned);
+    RUN_TEST(test_a_view_of_the_placement_before_or_after_is_told);
+    RUN_TEST(test_of_a_target_that_stood_still_the_shift_is_open);
+    RUN_TEST(test_swapped_cameras_are_told);
+    RUN_TEST(test_of_other_views_the_cause_is_unknown);
+    RUN_TEST(test_a_camera_is_late);
+    RUN_TEST(test_a_camera_is_early);
+    RUN_TEST(test_all_views_of_a_camera_are_turned);
+    RUN_TEST(test_a_camera_is_turned_about_a_far_origin);
+    RUN_TEST(test_of_a_camera_with_other_views_the_cause_is_unknown);
+    RUN_TEST(test_the_same_bits_whatever_the_budgets);
+    RUN_TEST(test_permutations_are_checked);
+}

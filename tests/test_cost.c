@@ -1,0 +1,143 @@
+/* cost: what a view of an adjusted rig costs. The truth: its placement adjusted again
+ * without the view, by the test's own least squares. */
+#include <string.h>
+
+#include "rigcal_solvers.h"
+#include "test_boards.h"
+#include "test_fit.h"
+
+static const double NOISE = 0.3;
+
+/* sigma^2: the limit of the cost of a view. */
+static const double LIMIT = 40;
+
+static test_boards b;
+
+/* Sum of squared errors of the placement's views but one, where d moves it. */
+static double sum_without(const rigcal_transform *placement, int f, size_t without)
+{
+    double sum = 0;
+
+    for (size_t v = 0; v < b.rig.n_views; v++) {
+        if (b.views[v].placement == f && v != without) {
+            const rigcal_transform T = test_times(&b.cams[b.views[v].camera], placement);
+            const test_data data = {&b.camera, b.o[v], NULL, BOARD_POINTS};
+            double R[9], t[3];
+
+            test_transform_parts(R, t, &T);
+            sum += test_sse(&data, R, t);
+        }
+    }
+    return sum;
+}
+
+/* The least of that, by Newton's steps with derivatives by differences. */
+static double least_without(const rigcal_transform *placement, int f, size_t without)
+{
+    static const double H = 1e-4;
+    double at[9], t_at[3], R_0[9], t_0[3], least = 0;
+
+    test_transform_parts(at, t_at, placement);
+    for (int round = 0; round < 4; round++) {
+        double values[13][13], g[6], G[36], step[6];
+
+        memcpy(R_0, at, sizeof at);
+        memcpy(t_0, t_at, sizeof t_at);
+        for (int i = 0; i < 13; i++) { /* 0; then e_k, -e_k; and with another */
+            for (int j = 0; j <= i; j++) {
+                double R[9], t[3], d[6] = {0, 0, 0, 0, 0, 0};
+
+                for (int n = 0; n < 2; n++) {
+                    const int k = n ? j : i;
+
+                    if (k > 0 && (i != j || n == 0)) {
+                        d[(k - 1) / 2] += (k % 2) ? H : -H;
+                    }
+                }
+                memcpy(R, R_0, sizeof R);
+                memcpy(t, t_0, sizeof t);
+                test_move(R, t, d);
+                const rigcal_transform moved = test_transform(R, t);
+                values[i][j] = values[j][i] = sum_without(&moved, f, without);
+            }
+        }
+        for (int i = 0; i < 6; i++) {
+            g[i] = -(values[2 * i + 1][0] - values[2 * i + 2][0]) / (2 * H);
+            for (int j = 0; j < 6; j++) {
+                G[6 * i + j] =
+                    i == j
+                        ? (values[2 * i + 1][0] + values[2 * i + 2][0] - 2 * values[0][0]) /
+                              (H * H)
+                        : (values[2 * i + 1][2 * j + 1] - values[2 * i + 1][2 * j + 2] -
+                           values[2 * i + 2][2 * j + 1] + values[2 * i + 2][2 * j + 2]) /
+                              (4 * H * H);
+            }
+        }
+        least = values[0][0];
+        TEST_ASSERT_TRUE(test_solve(step, G, g, 6));
+        test_move(at, t_at, step);
+    }
+    return least;
+}
+
+static void test_a_view_costs_what_the_sum_falls_by_without_it(void)
+{
+    test_rng rng = test_seed(901);
+
+    TEST_WANTS_RAM(sizeof(test_boards) + 20000);
+    if (RIGCAL_USE_FLOAT) {
+        TEST_IGNORE_MESSAGE("differences of poses in float are too coarse");
+    }
+    test_boards_make(&b, &rng, 3, 5, 3, NOISE, 0);
+    test_boards_solve(&b);
+    b.choice.sigma_px = RC(NOISE);
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_judge(&b.judgement, NULL, b.judged, b.left_out,
+                                              &b.choice, &b.rig));
+    TEST_ASSERT_EQUAL_INT32(15, b.judgement.n_fit);
+    const double unit =
+        LIMIT * D(b.judgement.scale) * D(b.judgement.sigma_px) * D(b.judgement.sigma_px);
+    for (size_t v = 0; v < b.rig.n_views; v += 2) {
+        const test_data data = {&b.camera, b.o[v], NULL, BOARD_POINTS};
+        const int f = b.views[v].placement;
+        test_fitted own;
+        const double all = sum_without(&b.places[f], f, b.rig.n_views);
+
+        test_transform_parts(own.R, own.t, &b.own[v].cam_from_target);
+        TEST_ASSERT_TRUE(test_fit(&own, &data));
+        const double falls = all - own.sse - least_without(&b.places[f], f, v);
+        ASSERT_NEAR(falls, unit * D(b.judged[v].cost), 0.02 * falls + 0.01);
+        const rigcal_transform T = test_times(&b.cams[b.views[v].camera], &b.places[f]);
+        rigcal_real rms;
+        ASSERT_STATUS(RIGCAL_OK, rigcal_view_rms(&rms, NULL, &b.views[v].view, &T));
+        ASSERT_NEAR(rms, b.judged[v].rms_px, 1e-9);
+    }
+}
+
+/* Of noise alone the mean of the costs is that of chi squared with 6 degrees of freedom for
+ * each cycle that the views close, shared among them. */
+static void test_costs_of_noise_are_chi_squared(void)
+{
+    double sum = 0, cycles = 0;
+
+    TEST_WANTS_RAM(sizeof(test_boards) + 20000);
+    for (int trial = 0; trial < TEST_TRIALS(40); trial++) {
+        test_rng rng = test_seed(950 + (uint64_t)trial);
+
+        test_boards_make(&b, &rng, 4, 8, 4, NOISE, 0);
+        test_boards_solve(&b);
+        b.choice.sigma_px = RC(NOISE);
+        ASSERT_STATUS(RIGCAL_OK, rigcal_rig_judge(&b.judgement, NULL, b.judged, b.left_out,
+                                                  &b.choice, &b.rig));
+        for (size_t v = 0; v < b.rig.n_views; v++) {
+            sum += LIMIT * D(b.judgement.scale) * D(b.judged[v].cost);
+        }
+        cycles += 32 * (32. - 4 - 8 + 1) / (32 - 8);
+    }
+    ASSERT_NEAR(6, sum / cycles, 0.5);
+}
+
+TEST_MAIN()
+{
+    RUN_TEST(test_a_view_costs_what_the_sum_falls_by_without_it);
+    RUN_TEST(test_costs_of_noise_are_chi_squared);
+}

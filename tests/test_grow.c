@@ -1,0 +1,724 @@
+/* grow: which of its two poses each view has, with the cameras and placements that follow.
+ * The truth: NumPy, and simulated rigs of square tags. */
+#include <math.h>
+#include <string.h>
+
+#include "test_fit.h"
+#include "test_tags.h"
+#include "vectors_choice.h"
+
+enum { C_MAX = 6, F_MAX = 20, V_MAX = C_MAX * F_MAX };
+
+TEST_TAGS(t, C_MAX, F_MAX);
+
+#define WANTS_RIG TEST_WANTS_RAM(V_MAX * 1200)
+
+/* From nothing: what stood there before does not count. */
+static rigcal_status choose(void)
+{
+    int32_t at_fault = -2;
+    rigcal_status status;
+
+    memset(t.cams, 0, C_MAX * sizeof t.cams[0]);
+    memset(t.places, 0, F_MAX * sizeof t.places[0]);
+    memset(t.takes, 9, V_MAX);
+    status = rigcal_rig_choose(&t.choice, &at_fault, &t.rig);
+    TEST_ASSERT_EQUAL_INT32(-1, at_fault);
+    return status;
+}
+
+static void simulate(test_rng *rng, int C, int F, double distance, double share)
+{
+    t.distance = distance;
+    t.share_seen = share;
+    t.noise_px = 0.3;
+    test_tags_random(&t, rng, C, F);
+    test_tags_solve(&t);
+}
+
+/* ---- golden vectors ------------------------------------------------------ */
+
+static void golden(void)
+{
+    static const int AT[6][6] = {{0, 1, 2, 6, 7, 8},      {1, 3, 4, 9, 10, 11},
+                                 {2, 4, 5, 12, 13, 14},   {6, 9, 12, 15, 16, 17},
+                                 {7, 10, 13, 16, 18, 19}, {8, 11, 14, 17, 19, 20}};
+    test_rng rng = test_seed(1);
+    size_t n = 0;
+
+    t.share_seen = 0;
+    test_tags_random(&t, &rng, 4, 6);
+    memset(t.second, 0, V_MAX * sizeof t.second[0]);
+    for (int i = 0; i < CHOICE_POSE_ROWS; i++) {
+        const double *const v = CHOICE_POSE[i];
+        const int is_second = v[2] > 0;
+        rigcal_view_pose *const pose = is_second ? &t.second[n - 1] : &t.own[n++];
+        int k = 9;
+
+        memset(pose, 0, sizeof *pose);
+        pose->camera = (int32_t)v[0];
+        pose->placement = (int32_t)v[1];
+        pose->n = 4;
+        pose->sse = RC(v[30]);
+        pose->cam_from_target = test_from_ypr(&v[3], &v[6]);
+        for (int row = 0; row < 6; row++) {
+            for (int column = row; column < 6; column++) {
+                pose->information[AT[row][column]] = RC(v[k++]);
+            }
+        }
+    }
+    t.rig.n_views = n;
+    t.rig.sigma_px = RC(0.3);
+}
+
+static void test_golden_vectors(void)
+{
+    WANTS_RIG;
+    golden();
+    ASSERT_STATUS(RIGCAL_OK, choose());
+    ASSERT_NEAR(CHOICE_ANSWER[0][0], t.choice.tau2, 0);
+    ASSERT_NEAR(CHOICE_ANSWER[0][1], t.choice.share, TOL(1e-12, 1e-6));
+    ASSERT_NEAR(0.3, t.choice.sigma_px, TOL(1e-12, 1e-6));
+    TEST_ASSERT_EQUAL(CHOICE_TAKES_ROWS, t.rig.n_views);
+    for (size_t v = 0; v < t.rig.n_views; v++) {
+        TEST_ASSERT_EQUAL((int)CHOICE_TAKES[v][2], t.takes[v]);
+    }
+    TEST_ASSERT_EQUAL(1, t.choice.n_left_out);
+    for (int c = 0; c < 4; c++) {
+        ASSERT_ARRAY_NEAR(CHOICE_CAMERA[c], t.cams[c].R, 9, TOL(1e-10, 1e-4));
+        ASSERT_ARRAY_NEAR(&CHOICE_CAMERA[c][9], t.cams[c].t, 3, TOL(1e-9, 1e-3));
+    }
+    for (int f = 0; f < 6; f++) {
+        ASSERT_ARRAY_NEAR(CHOICE_PLACE[f], t.places[f].R, 9, TOL(1e-10, 1e-4));
+        ASSERT_ARRAY_NEAR(&CHOICE_PLACE[f][9], t.places[f].t, 3, TOL(1e-9, 1e-3));
+    }
+}
+
+/* ---- tags ---------------------------------------------------------------- */
+
+/* Share of wrong poses of all, over many rigs. */
+static double wrong_share(uint64_t seed, int rigs, int C, int F, double distance,
+                          double share, double *first)
+{
+    test_rng rng = test_seed(seed);
+    double views = 0, wrong = 0;
+
+    *first = 0;
+    for (int i = 0; i < rigs; i++) {
+        simulate(&rng, C, F, distance, share);
+        TEST_ASSERT_TRUE(choose() >= 0);
+        wrong += test_tags_wrong(&t);
+        *first += test_tags_wrong_first(&t);
+        views += (double)t.rig.n_views;
+    }
+    *first /= views;
+    return wrong / views;
+}
+
+static void test_most_tags_take_their_right_pose(void)
+{
+    double first;
+
+    WANTS_RIG;
+    TEST_ON_HOST_ONLY("a share of many views");
+    TEST_ASSERT_TRUE(wrong_share(521, 25, 4, 10, 10, 1, &first) <= 0.002);
+    TEST_ASSERT_TRUE(wrong_share(522, 25, 4, 10, 20, 1, &first) <= 0.005);
+    TEST_ASSERT_TRUE(first > 0.05);
+    TEST_ASSERT_TRUE(wrong_share(523, 25, 4, 10, 30, 1, &first) <= 0.01);
+    TEST_ASSERT_TRUE(first > 0.15);
+}
+
+static void test_tags_of_which_a_part_is_seen(void)
+{
+    double first;
+
+    WANTS_RIG;
+    TEST_ON_HOST_ONLY("a share of many views");
+    TEST_ASSERT_TRUE(wrong_share(524, 60, 4, 20, 20, 0.5, &first) <= 0.02);
+    TEST_ASSERT_TRUE(wrong_share(525, 60, 6, 20, 20, 1 / 3., &first) <= 0.02);
+}
+
+/* A seed drawn a bit apart from the truth: the adjustment ends in the truth's minimum. */
+static void test_the_adjustment_from_the_choice_is_right(void)
+{
+    test_rng rng = test_seed(526);
+
+    WANTS_RIG;
+    for (int trial = 0; trial < TEST_TRIALS(6); trial++) {
+        rigcal_rig_fit chosen, truth;
+
+        simulate(&rng, 4, 10, 20, 1);
+        ASSERT_STATUS(RIGCAL_OK, choose());
+        t.rig.view_poses = NULL;
+        ASSERT_STATUS(RIGCAL_OK, rigcal_rig_adjust(&chosen, NULL, &t.rig));
+        memcpy(t.cams, t.true_cams, C_MAX * sizeof t.cams[0]);
+        memcpy(t.places, t.true_places, F_MAX * sizeof t.places[0]);
+        ASSERT_STATUS(RIGCAL_OK, rigcal_rig_adjust(&truth, NULL, &t.rig));
+        ASSERT_NEAR(D(truth.sum), chosen.sum, TOL(1e-6, 1e-3) * D(truth.sum));
+    }
+}
+
+/* ---- the same answer ----------------------------------------------------- */
+
+static void shuffle(int order[], int n, test_rng *rng)
+{
+    for (int i = 0; i < n; i++) {
+        const int k = (int)(test_next(rng) % (uint64_t)(i + 1));
+
+        order[i] = order[k];
+        order[k] = i;
+    }
+}
+
+static void test_the_order_does_not_matter(void)
+{
+    static rigcal_rig_view views[V_MAX];
+    static rigcal_view_pose own[V_MAX], second[V_MAX];
+    static uint8_t takes[V_MAX];
+    static int from[V_MAX];
+    static rigcal_transform cams[C_MAX];
+    test_rng rng = test_seed(531);
+
+    WANTS_RIG;
+    for (int trial = 0; trial < TEST_TRIALS(12); trial++) {
+        int camera[C_MAX], placement[F_MAX];
+        const int C = 3 + trial % 4;
+        size_t n = 0;
+
+        simulate(&rng, C, 10, 15, trial % 2 ? 1 : 0.8);
+        TEST_ASSERT_TRUE(choose() >= 0);
+        memcpy(views, t.views, sizeof views);
+        memcpy(own, t.own, sizeof own);
+        memcpy(second, t.second, sizeof second);
+        memcpy(takes, t.takes, sizeof takes);
+        memcpy(cams, t.cams, sizeof cams);
+        shuffle(camera, C, &rng);
+        shuffle(placement, 10, &rng);
+        for (int f = 0; f < 10;
+             f++) { /* placement[f] comes as number f; cameras backwards */
+            for (size_t v = t.rig.n_views; v-- > 0;) {
+                if (views[v].placement == placement[f]) {
+                    from[n] = (int)v;
+                    t.own[n] = own[v];
+                    t.second[n] = second[v];
+                    t.own[n].camera = t.second[n].camera = camera[own[v].camera];
+                    t.own[n].placement = t.second[n].placement = f;
+                    n++;
+                }
+            }
+        }
+        TEST_ASSERT_EQUAL(t.rig.n_views, n);
+        TEST_ASSERT_TRUE(choose() >= 0);
+        for (size_t v = 0; v < n; v++) {
+            TEST_ASSERT_EQUAL_UINT8(takes[from[v]], t.takes[v]);
+        }
+        for (int c = 1; c < C; c++) { /* camera c from camera 0, of a start */
+            const rigcal_transform back = test_inverse(&t.cams[camera[0]]);
+            const rigcal_transform now = test_times(&t.cams[camera[c]], &back);
+
+            ASSERT_TRANSFORM(&cams[c], &now, TOL(1e-8, 1e-3), TOL(1e-7, 1e-2));
+        }
+    }
+}
+
+static void test_the_same_bits_whatever_the_budgets(void)
+{
+    static rigcal_transform cams[C_MAX], places[F_MAX];
+    static uint8_t takes[V_MAX];
+    test_rng rng = test_seed(532);
+
+    WANTS_RIG;
+    for (int trial = 0; trial < TEST_TRIALS(9); trial++) {
+        rigcal_choose_solver solver;
+        rigcal_choice one;
+        rigcal_status status = RIGCAL_RUNNING;
+        int32_t at_fault = -2;
+
+        simulate(&rng, 4, 10, 20, trial % 3 ? 1 : 0.5);
+        TEST_ASSERT_TRUE(choose() >= 0);
+        memcpy(cams, t.cams, sizeof cams);
+        memcpy(places, t.places, sizeof places);
+        memcpy(takes, t.takes, sizeof takes);
+        one = t.choice;
+        memset(t.cams, 0, C_MAX * sizeof t.cams[0]);
+        memset(t.places, 0, F_MAX * sizeof t.places[0]);
+        memset(t.takes, 9, V_MAX);
+        ASSERT_STATUS(RIGCAL_OK, rigcal_choose_begin(&solver, &t.choice, &t.rig));
+        while (status == RIGCAL_RUNNING) {
+            int32_t budget = trial % 2 ? 1 : 1 + (int32_t)(test_next(&rng) % 50);
+            rigcal_choose_solver moved;
+
+            ASSERT_STATUS(RIGCAL_ERR_STATE, rigcal_choose_result(&at_fault, &solver));
+            status = rigcal_choose_step(&solver, budget);
+            moved = solver; /* it may be copied */
+            memset(&solver, 0x55, sizeof solver);
+            solver = moved;
+        }
+        ASSERT_STATUS(RIGCAL_OK, status);
+        TEST_ASSERT_TRUE(rigcal_choose_result(&at_fault, &solver) >= 0);
+        TEST_ASSERT_EQUAL_INT32(-1, at_fault);
+        TEST_ASSERT_EQUAL_MEMORY(cams, t.cams, t.rig.n_cameras * sizeof cams[0]);
+        TEST_ASSERT_EQUAL_MEMORY(places, t.places, t.rig.n_placements * sizeof places[0]);
+        TEST_ASSERT_EQUAL_MEMORY(takes, t.takes, t.rig.n_views);
+        TEST_ASSERT_EQUAL_MEMORY(&one.sigma_px, &t.choice.sigma_px, sizeof one.sigma_px);
+    }
+}
+
+static rigcal_status first_from(rigcal_view_pose *pose, size_t index, void *context)
+{
+    *pose = ((test_tags *)context)->own[index];
+    return RIGCAL_OK;
+}
+
+static rigcal_status second_from(rigcal_view_pose *pose, size_t index, void *context)
+{
+    *pose = ((test_tags *)context)->second[index];
+    return RIGCAL_OK;
+}
+
+static rigcal_status broken(rigcal_view_pose *pose, size_t index, void *context)
+{
+    *pose = ((test_tags *)context)->second[index];
+    return index == 5 ? RIGCAL_ERR_DAMAGED : RIGCAL_OK;
+}
+
+static void test_poses_from_sources(void)
+{
+    static rigcal_transform cams[C_MAX];
+    test_rng rng = test_seed(533);
+    int32_t at_fault;
+
+    WANTS_RIG;
+    simulate(&rng, 3, 8, 20, 1);
+    ASSERT_STATUS(RIGCAL_OK, choose());
+    memcpy(cams, t.cams, sizeof cams);
+    t.rig.view_poses = NULL;
+    t.rig.view_pose_source = first_from;
+    t.rig.context = &t;
+    t.choice.second_poses = NULL;
+    t.choice.second_source = second_from;
+    ASSERT_STATUS(RIGCAL_OK, choose());
+    TEST_ASSERT_EQUAL_MEMORY(cams, t.cams, 3 * sizeof cams[0]);
+    t.choice.second_source = broken;
+    ASSERT_STATUS(RIGCAL_ERR_DAMAGED, rigcal_rig_choose(&t.choice, &at_fault, &t.rig));
+    TEST_ASSERT_EQUAL_INT32(5, at_fault);
+}
+
+/* Without second poses it is a join that leaves out what does not agree. */
+static void test_without_second_poses(void)
+{
+    test_rng rng = test_seed(534);
+
+    WANTS_RIG;
+    simulate(&rng, 4, 8, 8, 1);
+    t.choice.second_poses = NULL;
+    ASSERT_STATUS(RIGCAL_OK, choose());
+    TEST_ASSERT_EQUAL(0, t.choice.n_left_out);
+    for (size_t v = 0; v < t.rig.n_views; v++) {
+        TEST_ASSERT_EQUAL_UINT8(RIGCAL_TAKES_FIRST, t.takes[v]);
+    }
+}
+
+/* ---- wrong views --------------------------------------------------------- */
+
+static void test_a_wrong_view_is_left_out(void)
+{
+    test_rng rng = test_seed(541);
+
+    WANTS_RIG;
+    for (int trial = 0; trial < TEST_TRIALS(10); trial++) {
+        const size_t bad = (size_t)(test_next(&rng) % 40), like = (bad + 4) % 40;
+
+        simulate(&rng, 4, 10, 10, 1);
+        t.own[bad].cam_from_target = t.own[like].cam_from_target;
+        t.second[bad].n = 0;
+        ASSERT_STATUS(RIGCAL_OK, choose());
+        TEST_ASSERT_EQUAL(1, t.choice.n_left_out);
+        TEST_ASSERT_EQUAL_UINT8(RIGCAL_TAKES_NONE, t.takes[bad]);
+    }
+}
+
+/* Every view of another rig: nothing agrees, and nothing is written. */
+static void test_views_that_contradict_each_other(void)
+{
+    rigcal_transform cams[C_MAX];
+    test_rng rng = test_seed(542);
+    int32_t at_fault = -2;
+
+    WANTS_RIG;
+    for (int trial = 0; trial < TEST_TRIALS(10); trial++) {
+        simulate(&rng, 4, 10, 10, 1);
+        for (size_t v = 0; v < t.rig.n_views; v++) {
+            const double shift[3] = {test_normal(&rng), test_normal(&rng), 10};
+
+            double R[9];
+            test_random_rotation(R, &rng);
+            t.own[v].cam_from_target = test_transform(R, shift);
+            t.second[v].n = 0;
+        }
+        test_fill(t.cams, sizeof cams);
+        memcpy(cams, t.cams, sizeof cams);
+        ASSERT_STATUS(RIGCAL_ERR_CONTRADICTION,
+                      rigcal_rig_choose(&t.choice, &at_fault, &t.rig));
+        TEST_ASSERT_EQUAL_INT32(-1, at_fault);
+        TEST_ASSERT_EQUAL_MEMORY(cams, t.cams, sizeof cams);
+        TEST_ASSERT_TRUE(D(t.choice.share) < 0.5);
+    }
+}
+
+/* Right views that disagree by more than noise: all poses off by 4 sigma more. */
+static void test_what_is_more_than_noise_raises_the_limit(void)
+{
+    test_rng rng = test_seed(543);
+
+    WANTS_RIG;
+    simulate(&rng, 4, 10, 10, 1);
+    t.rig.sigma_px = RC(0.3 / 5);
+    ASSERT_STATUS(RIGCAL_OK, choose());
+    TEST_ASSERT_TRUE(D(t.choice.tau2) >= 4);
+    TEST_ASSERT_TRUE(D(t.choice.share) >= 0.8);
+    TEST_ASSERT_EQUAL(0, test_tags_wrong(&t));
+}
+
+/* The median of what the fits leave: the noise, which a few blurred views do not raise. */
+static void test_the_noise_of_the_views(void)
+{
+    test_rng rng = test_seed(544);
+    double sigma;
+
+    WANTS_RIG;
+    TEST_ON_HOST_ONLY("a median of many views");
+    simulate(&rng, 6, 20, 10, 1);
+    ASSERT_STATUS(RIGCAL_OK, choose());
+    sigma = D(t.choice.sigma_px);
+    ASSERT_NEAR(0.3, sigma, 0.05);
+    for (size_t v = 0; v < t.rig.n_views; v += 12) {
+        t.own[v].sse *= 1000;
+        t.second[v].sse *= 1000;
+    }
+    ASSERT_STATUS(RIGCAL_OK, choose());
+    ASSERT_NEAR(sigma, t.choice.sigma_px, 0.03);
+}
+
+/* By hand: one degree of freedom left each, 2 x 4 - 6 = 2, whose median is
+ * 2 (1 - 2 / 18)^3. Of an even number, the middle of the middle two. */
+static void test_the_median_by_hand(void)
+{
+    static const double sums[4] = {4, 1, 100, 2};
+    test_rng rng = test_seed(545);
+
+    WANTS_RIG;
+    simulate(&rng, 2, 2, 8, 1);
+    for (size_t v = 0; v < 4; v++) {
+        t.own[v].sse = RC(sums[v]);
+        t.second[v].n = 0;
+    }
+    (void)choose();
+    ASSERT_NEAR(sqrt(3 / (2 * pow(1 - 2 / 18., 3))), t.choice.sigma_px, TOL(1e-12, 1e-6));
+    for (size_t v = 0; v < 4; v++) {
+        t.own[v].sse = 0;
+    }
+    (void)choose();
+    ASSERT_NEAR(0.01, t.choice.sigma_px, TOL(1e-12, 1e-8)); /* pixels are not better */
+    for (size_t v = 0; v < 4; v++) {
+        t.own[v].n = 3;
+    }
+    ASSERT_STATUS(RIGCAL_ERR_TOO_FEW, choose());
+    t.rig.sigma_px = RC(0.3);
+    ASSERT_STATUS(RIGCAL_OK, choose());
+}
+
+/* Another pose: turned by a radian about the target's own point. */
+static rigcal_transform turned_far(const rigcal_transform *pose)
+{
+    static const double axis[3] = {0.6, 0, 0.8};
+    double R[9], at[3], turn[9], out[9];
+
+    test_transform_parts(R, at, pose);
+    test_rotation_about(turn, axis, 1);
+    test_product(out, turn, R);
+    return test_transform(out, at);
+}
+
+/* ---- frames -------------------------------------------------------------- */
+
+static void test_a_held_camera_is_the_frame(void)
+{
+    test_rng rng = test_seed(551);
+    uint8_t roles[4] = {RIGCAL_CAMERA_FREE, RIGCAL_CAMERA_FREE, RIGCAL_CAMERA_HELD,
+                        RIGCAL_CAMERA_FREE};
+    static rigcal_camera_prior priors[4];
+    static rigcal_transform cams[4], places[10];
+
+    WANTS_RIG;
+    simulate(&rng, 4, 10, 10, 1);
+    ASSERT_STATUS(RIGCAL_OK, choose());
+    memcpy(cams, t.cams, sizeof cams);
+    memcpy(places, t.places, sizeof places);
+    for (int is_prior = 0; is_prior < 2; is_prior++) {
+        const rigcal_transform given = test_random_transform(&rng);
+
+        t.rig.roles = roles;
+        t.cams[2] = given;
+        if (is_prior) {
+            roles[2] = RIGCAL_CAMERA_PRIOR;
+            t.rig.priors = priors;
+            t.rig.sigma_px = t.choice.sigma_px;
+            priors[2].cam_from_rig = given;
+            memset(&t.cams[2], 0, sizeof t.cams[2]);
+        }
+        ASSERT_STATUS(RIGCAL_OK, rigcal_rig_choose(&t.choice, NULL, &t.rig));
+        TEST_ASSERT_EQUAL_MEMORY(&given, &t.cams[2], sizeof given);
+        for (int f = 0; f < 10; f++) {
+            const rigcal_transform before = test_times(&cams[1], &places[f]);
+            const rigcal_transform now = test_times(&t.cams[1], &t.places[f]);
+
+            ASSERT_TRANSFORM(&before, &now, TOL(1e-9, 1e-3), TOL(1e-8, 1e-2));
+        }
+        for (int c = 0; c < 4; c++) {
+            const rigcal_transform back = test_inverse(&cams[2]);
+            const rigcal_transform back_now = test_inverse(&t.cams[2]);
+            const rigcal_transform before = test_times(&cams[c], &back);
+            const rigcal_transform now = test_times(&t.cams[c], &back_now);
+
+            ASSERT_TRANSFORM(&before, &now, TOL(1e-9, 1e-3), TOL(1e-8, 1e-2));
+        }
+    }
+}
+
+/* Cameras 0, 2 and 1, 3, 4 share no placement: each group is as it is by itself. */
+static void test_groups_have_frames_of_their_own(void)
+{
+    static const rigcal_transform ORIGIN = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
+    test_rng rng = test_seed(552);
+    size_t n = 0;
+
+    WANTS_RIG;
+    simulate(&rng, 5, 12, 10, 1);
+    for (size_t v = 0; v < t.rig.n_views; v++) {
+        const int is_even = t.views[v].camera == 0 || t.views[v].camera == 2;
+
+        if (is_even == (t.views[v].placement % 2 == 0)) {
+            t.views[n] = t.views[v];
+            t.own[n] = t.own[v];
+            t.right[n] = t.right[v];
+            t.second[n++] = t.second[v];
+        }
+    }
+    t.rig.n_views = n;
+    ASSERT_STATUS(RIGCAL_DISCONNECTED, choose());
+    TEST_ASSERT_EQUAL_INT32(0, t.group[0]);
+    TEST_ASSERT_EQUAL_INT32(1, t.group[1]);
+    TEST_ASSERT_EQUAL_INT32(0, t.group[2]);
+    TEST_ASSERT_EQUAL_INT32(1, t.group[3]);
+    TEST_ASSERT_EQUAL_INT32(1, t.group[4]);
+    ASSERT_TRANSFORM(&ORIGIN, &t.cams[0], TOL(1e-12, 1e-5), TOL(1e-10, 1e-4));
+    ASSERT_TRANSFORM(&ORIGIN, &t.cams[1], TOL(1e-12, 1e-5), TOL(1e-10, 1e-4));
+    TEST_ASSERT_EQUAL(0, test_tags_wrong(&t));
+    TEST_ASSERT_EQUAL(0, t.choice.n_left_out);
+    for (size_t v = 0; v < n; v++) { /* a start: within what a view leaves open */
+        const rigcal_transform truth = test_times(&t.true_cams[t.views[v].camera],
+                                                  &t.true_places[t.views[v].placement]);
+        const rigcal_transform now =
+            test_times(&t.cams[t.views[v].camera], &t.places[t.views[v].placement]);
+
+        ASSERT_TRANSFORM(&truth, &now, 0.3, 0.6);
+    }
+}
+
+/* One camera alone, and one that saw nothing. */
+static void test_a_camera_by_itself(void)
+{
+    test_rng rng = test_seed(553);
+
+    WANTS_RIG;
+    simulate(&rng, 1, 5, 10, 1);
+    ASSERT_STATUS(RIGCAL_OK, choose());
+    TEST_ASSERT_EQUAL(0, t.choice.n_left_out);
+    ASSERT_NEAR(0, t.choice.share, 0);
+    for (size_t v = 0; v < 5; v++) {
+        TEST_ASSERT_EQUAL_UINT8(RIGCAL_TAKES_FIRST, t.takes[v]);
+        ASSERT_TRANSFORM(&t.own[v].cam_from_target, &t.places[v], TOL(1e-12, 1e-5),
+                         TOL(1e-11, 1e-4));
+    }
+    simulate(&rng, 2, 5, 10, 1);
+    for (size_t v = 0; v < 5; v++) {
+        t.own[v] = t.own[2 * v];
+        t.second[v] = t.second[2 * v];
+    }
+    t.rig.n_views = 5;
+    ASSERT_STATUS(RIGCAL_DISCONNECTED, choose());
+    TEST_ASSERT_EQUAL(0, t.choice.n_left_out);
+}
+
+/* Cameras 0 and 1 disagree in the one placement that camera 2 saw too: it joins all the
+ * same, for the rig is connected. */
+static void test_a_camera_that_joins_by_a_doubtful_placement(void)
+{
+    test_rng rng = test_seed(554);
+    size_t n = 0;
+
+    WANTS_RIG;
+    simulate(&rng, 3, 6, 10, 1);
+    for (size_t v = 0; v < t.rig.n_views; v++) {
+        if (t.views[v].camera < 2 || t.views[v].placement == 5) {
+            t.own[n] = t.own[v];
+            t.second[n++] = t.second[v];
+        }
+    }
+    t.rig.n_views = n;
+    t.own[n - 2].cam_from_target = t.own[0].cam_from_target; /* of camera 1 */
+    t.second[n - 2].n = 0;
+    ASSERT_STATUS(RIGCAL_OK, choose());
+    TEST_ASSERT_NOT_EQUAL(0, D(t.cams[2].t[0]));
+    TEST_ASSERT_EQUAL_UINT8(RIGCAL_TAKES_NONE, t.takes[n - 2]);
+}
+
+/* Cameras 0 and 1 disagree in placement 5, where the wrong one is the surer; camera 2 saw
+ * that, and placement 4, in which they agree: it joins by that. */
+static void test_a_doubtful_placement_does_not_count(void)
+{
+    test_rng rng = test_seed(555);
+
+    WANTS_RIG;
+    for (int trial = 0; trial < TEST_TRIALS(6); trial++) {
+        size_t n = 0;
+        rigcal_view_pose *wrong;
+
+        simulate(&rng, 3, 6, 10, 1);
+        for (size_t v = 0; v < t.rig.n_views; v++) {
+            if (t.views[v].camera < 2 || t.views[v].placement > 3) {
+                t.own[n] = t.own[v];
+                t.second[n++] = t.second[v];
+            }
+        }
+        t.rig.n_views = n;
+        wrong = &t.own[n - 2];
+        wrong->cam_from_target = turned_far(&wrong->cam_from_target);
+        t.second[n - 2].n = 0;
+        for (int k = 0; k < 21; k++) {
+            wrong->information[k] *= 9;
+            t.own[n - 1].information[k] *= 9;
+            t.second[n - 1].information[k] *= 9;
+        }
+        ASSERT_STATUS(RIGCAL_OK, choose());
+        ASSERT_TRANSFORM(&t.true_cams[2], &t.cams[2], 0.3, 2);
+    }
+}
+
+/* ---- refused ------------------------------------------------------------- */
+
+static void assert_at_fault(rigcal_status expected, int32_t view)
+{
+    int32_t at_fault = -2;
+
+    ASSERT_STATUS(expected, rigcal_rig_choose(&t.choice, &at_fault, &t.rig));
+    TEST_ASSERT_EQUAL_INT32(view, at_fault);
+}
+
+static void test_what_is_refused(void)
+{
+    test_rng rng = test_seed(561);
+    rigcal_view_pose kept;
+    rigcal_choose_solver solver;
+    size_t capacity;
+
+    WANTS_RIG;
+    simulate(&rng, 3, 4, 10, 1);
+    kept = t.second[7];
+    kept.n = 4;
+    kept.cam_from_target = t.own[7].cam_from_target;
+    memcpy(kept.information, t.own[7].information, sizeof kept.information);
+    kept.camera = t.own[7].camera;
+    kept.placement = t.own[7].placement;
+    t.second[7] = kept;
+    t.second[7].camera = 0;
+    assert_at_fault(RIGCAL_ERR_RANGE, 7);
+    t.second[7] = kept;
+    t.second[7].placement++;
+    assert_at_fault(RIGCAL_ERR_RANGE, 7);
+    t.second[7] = kept;
+    t.second[7].sse = -1;
+    assert_at_fault(RIGCAL_ERR_RANGE, 7);
+    t.second[7] = kept;
+    t.second[7].information[3] = TEST_NAN;
+    assert_at_fault(RIGCAL_ERR_NOT_FINITE, 7);
+    t.second[7] = kept;
+    t.second[7].information[20] = 0;
+    assert_at_fault(RIGCAL_ERR_DEGENERATE, 7);
+    t.second[7] = kept;
+    t.second[7].cam_from_target.R[0] = 2;
+    assert_at_fault(RIGCAL_ERR_ROTATION, 7);
+    t.second[7] = kept;
+    t.own[3].sse = TEST_NAN;
+    assert_at_fault(RIGCAL_ERR_NOT_FINITE, 3);
+    t.own[3].sse = -1;
+    assert_at_fault(RIGCAL_ERR_RANGE, 3);
+    t.own[3].sse = 1;
+    t.own[4].camera = 3;
+    assert_at_fault(RIGCAL_ERR_RANGE, 4);
+    t.own[4].camera = 0;
+    assert_at_fault(RIGCAL_ERR_TWICE, 4);
+    t.own[4].camera = 1;
+    assert_at_fault(RIGCAL_OK, -1);
+    capacity = t.rig.work_capacity;
+    t.rig.work_capacity = rigcal_choose_work(3, 4, 12) - 1;
+    assert_at_fault(RIGCAL_ERR_CAPACITY, -1);
+    t.rig.work_capacity++;
+    assert_at_fault(RIGCAL_OK, -1);
+    t.rig.work_capacity = capacity;
+    TEST_ASSERT_EQUAL(RIGCAL_CHOOSE_WORK(3, 4, 12), rigcal_choose_work(3, 4, 12));
+    TEST_ASSERT_EQUAL(RIGCAL_CHOOSE_WORK(30, 4, 12), rigcal_choose_work(30, 4, 12));
+
+    ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_rig_choose(NULL, NULL, &t.rig));
+    ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_rig_choose(&t.choice, NULL, NULL));
+    t.choice.takes = NULL;
+    assert_at_fault(RIGCAL_ERR_NULL, -1);
+    t.choice.takes = t.takes;
+    memset(&solver, 0, sizeof solver);
+    ASSERT_STATUS(RIGCAL_ERR_STATE, rigcal_choose_step(&solver, 1));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_choose_begin(&solver, &t.choice, &t.rig));
+    ASSERT_STATUS(RIGCAL_ERR_RANGE, rigcal_choose_step(&solver, 0));
+}
+
+/* The adjustment's covariance stood in the same memory. */
+static void test_after_a_choice_the_rig_is_not_adjusted(void)
+{
+    test_rng rng = test_seed(562);
+    rigcal_rig_fit fit;
+    rigcal_real Sigma[36];
+
+    WANTS_RIG;
+    simulate(&rng, 3, 5, 10, 1);
+    ASSERT_STATUS(RIGCAL_OK, choose());
+    t.rig.view_poses = NULL;
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_adjust(&fit, NULL, &t.rig));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_covariance(Sigma, &t.rig, 1, 1));
+    t.rig.view_poses = t.own;
+    ASSERT_STATUS(RIGCAL_OK, choose());
+    ASSERT_STATUS(RIGCAL_ERR_STATE, rigcal_rig_covariance(Sigma, &t.rig, 1, 1));
+}
+
+TEST_MAIN()
+{
+    RUN_TEST(test_golden_vectors);
+    RUN_TEST(test_most_tags_take_their_right_pose);
+    RUN_TEST(test_tags_of_which_a_part_is_seen);
+    RUN_TEST(test_the_adjustment_from_the_choice_is_right);
+    RUN_TEST(test_the_order_does_not_matter);
+    RUN_TEST(test_the_same_bits_whatever_the_budgets);
+    RUN_TEST(test_poses_from_sources);
+    RUN_TEST(test_without_second_poses);
+    RUN_TEST(test_a_wrong_view_is_left_out);
+    RUN_TEST(test_views_that_contradict_each_other);
+    RUN_TEST(test_what_is_more_than_noise_raises_the_limit);
+    RUN_TEST(test_the_noise_of_the_views);
+    RUN_TEST(test_the_median_by_hand);
+    RUN_TEST(test_a_held_camera_is_the_frame);
+    RUN_TEST(test_groups_have_frames_of_their_own);
+    RUN_TEST(test_a_camera_by_itself);
+    RUN_TEST(test_a_camera_that_joins_by_a_doubtful_placement);
+    RUN_TEST(test_a_doubtful_placement_does_not_count);
+    RUN_TEST(test_what_is_refused);
+    RUN_TEST(test_after_a_choice_the_rig_is_not_adjusted);
+}

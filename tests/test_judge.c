@@ -1,0 +1,419 @@
+/* judge: which views of a rig are wrong. The truth: rigs with views of which the test knows
+ * that they are wrong. */
+#include <math.h>
+#include <string.h>
+
+#include "rigcal_solvers.h"
+#include "test_boards.h"
+
+static const double NOISE = 0.3;
+
+static test_boards b, other;
+
+#define WANTS_BOARDS(n) TEST_WANTS_RAM((n) * sizeof(test_boards) + 20000)
+
+/* Solve, choose, judge; the status of the last. */
+static rigcal_status judge(test_boards *which)
+{
+    int32_t at_fault = -2;
+    rigcal_status status;
+
+    test_boards_solve(which);
+    TEST_ASSERT_TRUE(rigcal_rig_choose(&which->choice, &at_fault, &which->rig) >= 0);
+    status = rigcal_rig_judge(&which->judgement, &at_fault, which->judged, which->left_out,
+                              &which->choice, &which->rig);
+    TEST_ASSERT_EQUAL_INT32(-1, at_fault);
+    return status;
+}
+
+static int is_named(const test_boards *which, size_t v)
+{
+    return which->judged[v].verdict == RIGCAL_VIEW_CONTRADICTS ||
+           which->judged[v].verdict == RIGCAL_VIEW_ONE_OF_TWO;
+}
+
+/* ---- nothing wrong --------------------------------------------------------- */
+
+static void test_where_nothing_is_wrong_no_view_is_named(void)
+{
+    static const int SIZES[4][3] = {{2, 8, 2}, {4, 10, 4}, {4, 20, 2}, {3, 4, 3}};
+    double scale = 0;
+
+    WANTS_BOARDS(1);
+    for (int trial = 0; trial < TEST_TRIALS(80); trial++) {
+        test_rng rng = test_seed(910 + (uint64_t)trial);
+        const int *const size = SIZES[trial % 4];
+
+        test_boards_make(&b, &rng, size[0], size[1], size[2], NOISE, 0);
+        ASSERT_STATUS(RIGCAL_OK, judge(&b));
+        TEST_ASSERT_EQUAL_INT32((int32_t)b.rig.n_views, b.judgement.n_fit);
+        ASSERT_NEAR(NOISE, b.judgement.sigma_px, 0.1);
+        scale += D(b.judgement.scale) / TEST_TRIALS(80);
+        for (size_t v = 0; v < b.rig.n_views; v++) {
+            TEST_ASSERT_TRUE(D(b.judged[v].cost) < 1);
+            TEST_ASSERT_EQUAL_UINT8(0, b.left_out[v]);
+        }
+    }
+    ASSERT_NEAR(1.5, scale, 0.5); /* of noise alone, M is 1 but for chance */
+}
+
+/* All views are bent, some more: sqrt F is 3 to 7. */
+static void test_where_all_views_are_bent_no_view_is_named(void)
+{
+    WANTS_BOARDS(1);
+    for (int trial = 0; trial < TEST_TRIALS(40); trial++) {
+        test_rng rng = test_seed(1010 + (uint64_t)trial);
+
+        test_boards_make(&b, &rng, 4, 10, 4, NOISE, trial % 2 ? 4 : 8);
+        ASSERT_STATUS(RIGCAL_OK, judge(&b));
+        TEST_ASSERT_TRUE(D(b.judgement.scale) > 3);
+        TEST_ASSERT_EQUAL_INT32(40, b.judgement.n_fit);
+    }
+}
+
+/* ---- views that are wrong -------------------------------------------------- */
+
+typedef struct {
+    int wrong, wrong_named;   /* where two right ones or more outnumber the wrong ones */
+    int right, right_named;   /* the same */
+    int all_wrong, all_named; /* anywhere */
+} shares;
+
+/* Where it can be known: the right views of the placement are two or more, and more than
+ * the wrong ones. */
+static void count(shares *n, const test_boards *which)
+{
+    for (size_t v = 0; v < which->rig.n_views; v++) {
+        int wrong = 0, right = 0;
+
+        for (size_t u = 0; u < which->rig.n_views; u++) {
+            if (which->views[u].placement == which->views[v].placement) {
+                wrong += which->is_wrong[u];
+                right += !which->is_wrong[u];
+            }
+        }
+        n->all_wrong += which->is_wrong[v];
+        n->all_named += which->is_wrong[v] && is_named(which, v);
+        if (right > 1 && right > wrong) {
+            n->wrong += which->is_wrong[v];
+            n->right += !which->is_wrong[v];
+            n->wrong_named += which->is_wrong[v] && is_named(which, v);
+            n->right_named += !which->is_wrong[v] && is_named(which, v);
+        }
+    }
+}
+
+enum { REPLACED, REVERSED, SWAPPED };
+
+/* One view in ten, what is wrong with it being the same for all. */
+static void spoil(test_boards *which, test_rng *rng, int how)
+{
+    const size_t n = which->rig.n_views;
+
+    for (size_t v = 0; v < n; v++) {
+        const int place = (int)test_uniform(rng, 0, (double)which->rig.n_placements);
+        const int from = test_boards_view(which, which->views[v].camera, place);
+        const int partner = test_boards_view(
+            which, (which->views[v].camera + 1) % (int)which->rig.n_cameras,
+            which->views[v].placement);
+
+        if (which->is_wrong[v] || test_uniform(rng, 0, how == SWAPPED ? 2 : 1) > 0.1) {
+            continue;
+        }
+        if (how == REVERSED) {
+            test_boards_reverse(which, (int)v);
+        } else if (how == REPLACED && !which->is_wrong[from] && from != (int)v) {
+            test_boards_replace(which, (int)v, from);
+        } else if (how == SWAPPED && !which->is_wrong[partner]) {
+            test_boards_swap(which, (int)v, partner);
+        }
+    }
+}
+
+static void assert_spoilt_views_are_named(int how, double pattern_px)
+{
+    shares n = {0, 0, 0, 0, 0, 0};
+    double error = 0;
+    int rigs = 0;
+
+    for (int trial = 0; trial < TEST_TRIALS(30); trial++) {
+        test_rng rng = test_seed(1100 + 100 * (uint64_t)how + (uint64_t)trial);
+
+        test_boards_make(&b, &rng, 4, 10, 4, NOISE, pattern_px);
+        spoil(&b, &rng, how);
+        TEST_ASSERT_TRUE(judge(&b) >= 0);
+        count(&n, &b);
+        error += pow(test_boards_error(&b, b.judgement.sigma_px), 2);
+        rigs++;
+    }
+    TEST_ASSERT_TRUE(n.wrong >= 2 * rigs || how == SWAPPED);
+    TEST_ASSERT_EQUAL_INT(n.wrong, n.wrong_named);
+    TEST_ASSERT_EQUAL_INT(0, n.right_named);
+    /* Of all wrong views all but those that agree with each other. */
+    TEST_ASSERT_TRUE(n.all_named >= (how == REVERSED ? 0.8 : 0.95) * n.all_wrong);
+    if (!(pattern_px > 0)) {
+        ASSERT_NEAR(1, sqrt(error / rigs), 0.15);
+    }
+}
+
+static void test_replaced_views_are_named(void)
+{
+    WANTS_BOARDS(1);
+    assert_spoilt_views_are_named(REPLACED, 0);
+    assert_spoilt_views_are_named(REPLACED, 4);
+}
+
+static void test_reversed_views_are_named(void)
+{
+    WANTS_BOARDS(1);
+    assert_spoilt_views_are_named(REVERSED, 0);
+}
+
+static void test_views_of_swapped_cameras_are_named(void)
+{
+    WANTS_BOARDS(1);
+    assert_spoilt_views_are_named(SWAPPED, 0);
+}
+
+/* All its views are out, so it has no frame: its pose is not made up. */
+static void test_a_camera_that_is_late_is_left_out(void)
+{
+    shares n = {0, 0, 0, 0, 0, 0};
+
+    WANTS_BOARDS(1);
+    for (int trial = 0; trial < TEST_TRIALS(20); trial++) {
+        test_rng rng = test_seed(1500 + (uint64_t)trial);
+        const int late = trial % 4;
+
+        test_boards_make(&b, &rng, 4, 10, 4, NOISE, 0);
+        test_boards_late(&b, late);
+        ASSERT_STATUS(RIGCAL_DISCONNECTED, judge(&b));
+        count(&n, &b);
+        TEST_ASSERT_EQUAL_INT32(9, b.judgement.n_contradict);
+        for (int c = 0; c < 4; c++) {
+            TEST_ASSERT_EQUAL_INT(c == late, b.group[c] != b.group[late == 1 ? 2 : 1]);
+        }
+    }
+    TEST_ASSERT_EQUAL_INT(n.wrong, n.wrong_named);
+    TEST_ASSERT_EQUAL_INT(0, n.right_named);
+}
+
+/* The views that are wrong, taken to be right by who joined, bend the rig: the largest cost
+ * in each placement goes first. */
+static void test_wrong_views_that_were_joined_are_named(void)
+{
+    WANTS_BOARDS(1);
+    for (int trial = 0; trial < TEST_TRIALS(10); trial++) {
+        test_rng rng = test_seed(1600 + (uint64_t)trial);
+
+        test_boards_make(&b, &rng, 4, 10, 4, NOISE, 0);
+        test_boards_reverse(&b, 9 + trial);
+        test_boards_replace(&b, 30, 26);
+        test_boards_solve(&b);
+        b.choice.sigma_px = RC(NOISE); /* takes is 0, poses are at the truth */
+        ASSERT_STATUS(
+            RIGCAL_VIEWS_LEFT_OUT,
+            rigcal_rig_judge(&b.judgement, NULL, b.judged, b.left_out, &b.choice, &b.rig));
+        for (size_t v = 0; v < b.rig.n_views; v++) {
+            TEST_ASSERT_EQUAL_INT(b.is_wrong[v], is_named(&b, v));
+            TEST_ASSERT_EQUAL_UINT8(b.is_wrong[v] ? 1 : 0, b.left_out[v]);
+            TEST_ASSERT_EQUAL_UINT8(b.is_wrong[v] ? RIGCAL_TAKES_NONE : RIGCAL_TAKES_FIRST,
+                                    b.takes[v]);
+            TEST_ASSERT_EQUAL_INT(b.is_wrong[v], D(b.judged[v].cost) > 1);
+        }
+        TEST_ASSERT_TRUE(b.rig.left_out == b.left_out);
+    }
+}
+
+/* The rig is then that of the other views alone. */
+static void test_a_named_view_does_not_touch_the_rig(void)
+{
+    test_rng rng = test_seed(1700), again = test_seed(1700);
+    rigcal_rig_fit fit;
+
+    WANTS_BOARDS(2);
+    test_boards_make(&b, &rng, 4, 8, 4, NOISE, 0);
+    test_boards_make(&other, &again, 4, 8, 4, NOISE, 0);
+    test_boards_reverse(&b, 13);
+    ASSERT_STATUS(RIGCAL_VIEWS_LEFT_OUT, judge(&b));
+    test_boards_solve(&other);
+    other.left_out[13] = 1;
+    other.rig.left_out = other.left_out;
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_adjust(&fit, NULL, &other.rig));
+    for (int c = 0; c < 4; c++) {
+        ASSERT_TRANSFORM(&other.cams[c], &b.cams[c], TOL(1e-6, 3e-5), TOL(3e-6, 1e-4));
+    }
+    TEST_ASSERT_EQUAL_INT32(1, b.judgement.n_contradict);
+    TEST_ASSERT_EQUAL_INT32(31, b.judgement.n_fit);
+    ASSERT_NEAR(fit.sum, b.judgement.fit.sum, TOL(1e-6, 1e-3) * D(fit.sum));
+}
+
+/* ---- what cannot be known -------------------------------------------------- */
+
+static void test_of_two_views_that_contradict_each_other_both_are_named(void)
+{
+    WANTS_BOARDS(1);
+    for (int trial = 0; trial < TEST_TRIALS(10); trial++) {
+        test_rng rng = test_seed(1800 + (uint64_t)trial);
+
+        test_boards_make(&b, &rng, 2, 8, 2, NOISE, 0);
+        test_boards_reverse(&b, 2 * (trial % 8) + trial % 2);
+        ASSERT_STATUS(RIGCAL_VIEWS_LEFT_OUT, judge(&b));
+        TEST_ASSERT_EQUAL_INT32(2, b.judgement.n_one_of_two);
+        TEST_ASSERT_EQUAL_INT32(14, b.judgement.n_fit);
+        for (int v = 0; v < 16; v++) {
+            const int is_here = v / 2 == trial % 8;
+
+            TEST_ASSERT_EQUAL_INT32(is_here ? RIGCAL_VIEW_ONE_OF_TWO : RIGCAL_VIEW_FITS,
+                                    b.judged[v].verdict);
+            TEST_ASSERT_EQUAL_INT(is_here, D(b.judged[v].cost) > 1);
+            TEST_ASSERT_EQUAL_INT(is_here, D(b.judged[v].rms_px) < 0);
+        }
+    }
+}
+
+static void test_a_view_that_nobody_shares_is_unchecked(void)
+{
+    test_rng rng = test_seed(1900);
+    int gone;
+
+    WANTS_BOARDS(1);
+    test_boards_make(&b, &rng, 3, 6, 3, NOISE, 0);
+    for (int c = 0; c < 2; c++) { /* placement 4 is camera 2's alone */
+        gone = test_boards_view(&b, c, 4);
+        b.rig.n_views--;
+        for (size_t v = (size_t)gone; v < b.rig.n_views; v++) {
+            memcpy(b.o[v], b.o[v + 1], sizeof b.o[v]);
+            b.views[v] = b.views[v + 1];
+            b.views[v].view.observations = b.o[v];
+        }
+    }
+    test_boards_reverse(&b, test_boards_view(&b, 2, 4));
+    ASSERT_STATUS(RIGCAL_OK, judge(&b));
+    TEST_ASSERT_EQUAL_INT32(1, b.judgement.n_unchecked);
+    TEST_ASSERT_EQUAL_INT32(RIGCAL_VIEW_UNCHECKED,
+                            b.judged[test_boards_view(&b, 2, 4)].verdict);
+    ASSERT_NEAR(0, b.judged[test_boards_view(&b, 2, 4)].cost, 0);
+    TEST_ASSERT_EQUAL_INT32(15, b.judgement.n_fit);
+}
+
+/* ---- second poses ---------------------------------------------------------- */
+
+/* A view whose second pose is the right one: it is taken although the choice left the view
+ * out. */
+static void test_a_second_pose_is_taken_up(void)
+{
+    static rigcal_view_pose second[BOARD_VIEWS_MAX];
+    static const double axis[3] = {1, 0, 0};
+    const rigcal_transform turned = test_turned_about(axis, 0.4);
+    test_rng rng = test_seed(2000);
+
+    WANTS_BOARDS(1);
+    memset(second, 0, sizeof second);
+    test_boards_make(&b, &rng, 3, 6, 3, NOISE, 0);
+    test_boards_solve(&b);
+    second[7] = b.own[7];
+    b.own[7].cam_from_target = test_times(&b.own[7].cam_from_target, &turned);
+    second[7].sse += 1;
+    b.choice.second_poses = second;
+    b.choice.sigma_px = RC(NOISE);
+    b.takes[7] = RIGCAL_TAKES_NONE;
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_judge(&b.judgement, NULL, b.judged, b.left_out,
+                                              &b.choice, &b.rig));
+    TEST_ASSERT_EQUAL_UINT8(RIGCAL_TAKES_SECOND, b.takes[7]);
+    TEST_ASSERT_EQUAL_INT32(18, b.judgement.n_fit);
+}
+
+/* ---- steps and arguments --------------------------------------------------- */
+
+static void run_in_steps(test_boards *which, int32_t budget)
+{
+    static rigcal_judge_solver solver;
+    test_rng rng = test_seed(2100);
+    rigcal_status status;
+
+    test_boards_make(which, &rng, 3, 6, 3, NOISE, 3);
+    test_boards_reverse(which, 4);
+    test_boards_replace(which, 12, 9);
+    test_boards_solve(which);
+    which->choice.sigma_px = RC(NOISE);
+    ASSERT_STATUS(RIGCAL_OK, rigcal_judge_begin(&solver, which->judged, which->left_out,
+                                                &which->choice, &which->rig));
+    ASSERT_STATUS(RIGCAL_ERR_STATE, rigcal_judge_result(&which->judgement, NULL, &solver));
+    do {
+        status = rigcal_judge_step(&solver, budget);
+    } while (status == RIGCAL_RUNNING);
+    ASSERT_STATUS(RIGCAL_OK, status);
+    ASSERT_STATUS(RIGCAL_VIEWS_LEFT_OUT,
+                  rigcal_judge_result(&which->judgement, NULL, &solver));
+}
+
+static void test_the_same_bits_whatever_the_budgets(void)
+{
+    WANTS_BOARDS(2);
+    memset(&b, 0, sizeof b);
+    run_in_steps(&b, 1000);
+    for (int32_t budget = 1; budget < 100; budget += 6) {
+        run_in_steps(&other, budget);
+        TEST_ASSERT_EQUAL_MEMORY(b.cams, other.cams, sizeof b.cams);
+        TEST_ASSERT_EQUAL_MEMORY(b.places, other.places, sizeof b.places);
+        TEST_ASSERT_EQUAL_MEMORY(b.judged, other.judged, sizeof b.judged);
+        TEST_ASSERT_EQUAL_MEMORY(&b.judgement, &other.judgement, sizeof b.judgement);
+    }
+}
+
+static void test_what_cannot_be_judged_is_refused(void)
+{
+    static rigcal_judge_solver solver;
+    test_rng rng = test_seed(2200);
+
+    WANTS_BOARDS(1);
+    test_boards_make(&b, &rng, 2, 3, 2, NOISE, 0);
+    test_boards_solve(&b);
+#define BEGIN rigcal_judge_begin(&solver, b.judged, b.left_out, &b.choice, &b.rig)
+    ASSERT_STATUS(RIGCAL_ERR_RANGE, BEGIN); /* no noise */
+    b.choice.sigma_px = RC(NOISE);
+    b.rig.work_capacity = RIGCAL_JUDGE_WORK(2, 3) - 1;
+    ASSERT_STATUS(RIGCAL_ERR_CAPACITY, BEGIN);
+    b.rig.work_capacity++;
+    ASSERT_STATUS(RIGCAL_OK, BEGIN);
+    b.choice.takes = NULL;
+    ASSERT_STATUS(RIGCAL_ERR_NULL, BEGIN);
+    b.choice.takes = b.takes;
+    b.rig.view_poses = NULL;
+    ASSERT_STATUS(RIGCAL_ERR_NULL, BEGIN);
+    b.rig.view_poses = b.own;
+#undef BEGIN
+    int32_t at_fault;
+#define JUDGE \
+    rigcal_rig_judge(&b.judgement, &at_fault, b.judged, b.left_out, &b.choice, &b.rig)
+    b.takes[3] = 3;
+    ASSERT_STATUS(RIGCAL_ERR_RANGE, JUDGE);
+    TEST_ASSERT_EQUAL_INT32(3, at_fault);
+    b.takes[3] = RIGCAL_TAKES_SECOND; /* there is none */
+    ASSERT_STATUS(RIGCAL_ERR_RANGE, JUDGE);
+    memset(b.takes, RIGCAL_TAKES_NONE, sizeof b.takes);
+    ASSERT_STATUS(RIGCAL_ERR_TOO_FEW, JUDGE);
+    memset(b.takes, 0, sizeof b.takes);
+    b.own[4].sse = TEST_NAN;
+    ASSERT_STATUS(RIGCAL_ERR_NOT_FINITE, JUDGE);
+    TEST_ASSERT_EQUAL_INT32(4, at_fault);
+#undef JUDGE
+}
+
+TEST_MAIN()
+{
+    RUN_TEST(test_where_nothing_is_wrong_no_view_is_named);
+    RUN_TEST(test_where_all_views_are_bent_no_view_is_named);
+    RUN_TEST(test_replaced_views_are_named);
+    RUN_TEST(test_reversed_views_are_named);
+    RUN_TEST(test_views_of_swapped_cameras_are_named);
+    RUN_TEST(test_a_camera_that_is_late_is_left_out);
+    RUN_TEST(test_wrong_views_that_were_joined_are_named);
+    RUN_TEST(test_a_named_view_does_not_touch_the_rig);
+    RUN_TEST(test_of_two_views_that_contradict_each_other_both_are_named);
+    RUN_TEST(test_a_view_that_nobody_shares_is_unchecked);
+    RUN_TEST(test_a_second_pose_is_taken_up);
+    RUN_TEST(test_the_same_bits_whatever_the_budgets);
+    RUN_TEST(test_what_cannot_be_judged_is_refused);
+}

@@ -36,8 +36,8 @@ typedef struct {
     rigcal_rig rig;
 } rig_case;
 
-/* A rig of 5 to placements_max placements, of which all cameras hang together. Its view_poses
- * are not made yet. Ends the program where there is none. */
+/* A rig of 5 to placements_max placements, whose cameras are connected. Its view_poses are
+ * not made yet. Ends the program where there is none. */
 void rig_case_make(rig_case *r, test_rng *rng, int placements_max);
 
 /* The pose of every view by itself, in the minimum near the truth. 0: one has none. */

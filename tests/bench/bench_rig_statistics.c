@@ -154,8 +154,8 @@ static void add_errors(figures *f, rig_case *r, const rigcal_rig_fit *fit)
     }
 }
 
-/* Sum of squares of what a camera sees, by the arithmetic of the tests, if its pose is off by
- * `step` of unknown k. In units of the noise. */
+/* Sum of squares of what a camera sees, in units of the noise, by the arithmetic of the
+ * tests; its pose is off by `step` of unknown k. */
 static double sum_of(const rig_case *r, int camera, int k, double step)
 {
     double d[6] = {0}, sum = 0;
@@ -371,7 +371,8 @@ static void print_tables(int left_out, uint64_t seed)
            "from a minimum: %.2g standard deviations\n\n",
            BENCH_BUILD, (sizeof(rigcal_real) == 4) ? "float" : "double",
            (unsigned long long)seed, left_out, families[ALL].off);
-    printf("| rigs | number | cameras | pairs | placements | cameras, of the join |\n"
+    printf("| error over bound | rigs | cameras | pairs | placements | cameras, of the "
+           "join |\n"
            "| --- | ---: | ---: | ---: | ---: | ---: |\n");
     for (const family *f = families; f < families + FAMILIES; f++) {
         printf("| %s | %d |", f->name, f->rigs);
@@ -381,8 +382,10 @@ static void print_tables(int left_out, uint64_t seed)
         print_root(f, JOIN);
         printf("\n");
     }
-    printf("\n| rigs | inside, sigma known | sigma estimated | F | evaluations, composed | "
-           "joined | elsewhere |\n| --- | ---: | ---: | ---: | ---: | ---: | ---: |\n");
+    printf("\n| rigs | inside, sigma known: %%, of the three | sigma estimated: %% | F "
+           "over its "
+           "mean | evaluations, composed: median, 99 %% | joined | elsewhere |\n"
+           "| --- | ---: | ---: | ---: | ---: | ---: | ---: |\n");
     for (const family *f = families; f < families + FAMILIES; f++) {
         printf("| %s |", f->name);
         for (int q = KNOWN; q < F_RATIO; q += 3) {

@@ -1,5 +1,5 @@
 /* bench_rig_views: the evaluations that the adjustment of given views takes, from the join
- * and from poses composed along a tree; real_rigs.py writes the views to the standard input:
+ * and from poses composed along a tree. real_rigs.py writes the views to its input:
  *
  *   numbers of cameras, placements and views
  *   a line a camera: lens, width, height, fx, fy, cx, cy, k1, k2, p1, p2, k3 .. k6

@@ -141,6 +141,7 @@ rigcal_status rc_judge_claim(rc_claim *claim, const rigcal_judge_solver *s, size
 {
     rigcal_view_pose first, pose;
     rc_claim view, camera = {0};
+    pose.n = 0;
     rigcal_status status = rc_candidate_at(&first, s->choice, s->rig, v, 0);
     if (status == RIGCAL_OK) {
         status = rc_candidate_at(&pose, s->choice, s->rig, v, candidate);

@@ -25,6 +25,7 @@ static void begin_adjustment(rigcal_judge_solver *s)
 static rigcal_status check_view(rigcal_judge_solver *s, size_t v)
 {
     rigcal_view_pose first, second;
+    second.n = 0;
     rigcal_status status = rc_candidate_at(&first, s->choice, s->rig, v, 0);
     if (status == RIGCAL_OK) {
         status = rc_candidate_at(&second, s->choice, s->rig, v, 1);

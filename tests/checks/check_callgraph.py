@@ -32,10 +32,11 @@ INDIRECT = {"rigcal_neldermead_step": (), "rc_rig_view_at": (), "rc_rig_pose_at"
 # No public function may need more; bytes, libm apart.
 STACK_LIMIT = 4096
 
-# Those that may, in double: why a view contradicts is asked once in a while, where there is
-# room, and in one call holds a pose solver too.
+# Those that may, in double: which views contradict, and why, is asked once in a while, where
+# there is room. In one call they hold the solvers too.
 STACK_LIMITS = {"rigcal_rig_cause": 7168, "rigcal_camera_cause": 7168,
-                "rigcal_cause_step": 5120}
+                "rigcal_cause_step": 5120, "rigcal_rig_judge": 5632,
+                "rigcal_judge_step": 5120}
 
 NODE = re.compile(r'node: \{ title: "([^"]+)" label: "([^"]*)"')
 EDGE = re.compile(r'edge: \{ sourcename: "([^"]+)" targetname: "([^"]+)"')

@@ -156,6 +156,30 @@ RIGCAL_API rigcal_status rigcal_rig_step(rigcal_rig_solver *solver, int32_t budg
 RIGCAL_API rigcal_status rigcal_rig_result(rigcal_rig_fit *fit, int32_t *at_fault,
                                            const rigcal_rig_solver *solver);
 
+/* ---- wrong points -----------------------------------------------------------
+ *
+ * Views first: where whole views are wrong, find them before (rigcal_judge.h). Then Huber's
+ * loss, linear from 2 sigma, holds against points that are wrong; and from its answer the
+ * truncated loss, constant from 4 sigma, leaves them out altogether. What is left has the
+ * equations of least squares, so that the covariance holds as it is. */
+
+enum rigcal_losses { RIGCAL_LOSS_HUBER = 1, RIGCAL_LOSS_TRUNCATED = 2 };
+
+/* rigcal_rig_adjust by Huber's loss and then by the truncated one. rig->sigma_px must be
+ * stated. *fit is of the points within 4 sigma, without F; *n_wrong is the number of the
+ * others: those of which rigcal_rig_residuals has more than 4 sigma_i sigma_px, or that
+ * their camera cannot see. The statuses of rigcal_rig_adjust; ERR_RANGE also: sigma_px is
+ * 0. */
+RIGCAL_API rigcal_status rigcal_rig_adjust_robust(rigcal_rig_fit *fit, size_t *n_wrong,
+                                                  int32_t *at_fault, rigcal_rig *rig);
+
+/* One of the two in steps of rigcal_rig_step. The result reads all points once more. */
+RIGCAL_API rigcal_status rigcal_rig_robust_begin(rigcal_rig_solver *solver, rigcal_rig *rig,
+                                                 int32_t loss);
+RIGCAL_API rigcal_status rigcal_rig_robust_result(rigcal_rig_fit *fit, size_t *n_wrong,
+                                                  int32_t *at_fault,
+                                                  const rigcal_rig_solver *solver);
+
 /* ==== how sure =============================================================== */
 
 /* Sigma: covariance of (w, dt) of a camera's pose in the frame of the rig, for noise of

@@ -152,6 +152,7 @@ struct rigcal_rig_solver {
     rigcal_rig *rig;
     const struct rigcal_rig_given *given; /* of views: their points, or their own poses */
     rigcal_levenberg search;
+    int32_t loss; /* RIGCAL_LOSS_; 0: squares */
     int32_t phase, is_join, is_trial, is_last, is_final, is_disconnected, at_fault, evals;
     size_t n;                        /* unknowns: of the cameras that are not held */
     size_t view, first, placement;   /* under way; the first view of the placement */

@@ -8,6 +8,13 @@
 #include "rc_levenberg.h"
 #include "rc_views.h"
 
+/* The points of a view that was checked; they count from the target's own origin. */
+void rc_rig_points_of(rigcal_points *points, const rigcal_rig_view *view);
+
+/* Checks view s->view by its points. */
+rigcal_status rc_rig_check_points(int32_t *camera, int32_t *placement,
+                                  rigcal_rig_solver *s);
+
 /* One view at cam_from_target: *sum, g and H by (w, dt) of that. */
 rigcal_status rc_rig_equations(rigcal_real *sum, rigcal_real g[6], rigcal_real H[21],
                                const rigcal_rig_view *view,
@@ -21,10 +28,15 @@ enum { RC_RIG_DONE = 1, RC_RIG_CHECKED, RC_RIG_PLACING, RC_RIG_REACHING };
 extern const struct rigcal_rig_given rc_given_points;
 rigcal_status rc_rig_begin(rigcal_rig_solver *s, rigcal_rig *rig,
                            const struct rigcal_rig_given *given);
+
+/* The same, and the checks of an adjustment from where the rig is, which has views. */
+rigcal_status rc_rig_begin_points(rigcal_rig_solver *s, rigcal_rig *rig,
+                                  const struct rigcal_rig_given *given);
+
 void rc_rig_step(rigcal_rig_solver *s);
 
-/* Ends it. at_fault: a view, or -1. */
-void rc_rig_fail(rigcal_rig_solver *s, rigcal_status status, int32_t at_fault);
+/* Ends it, without a covariance. at_fault: a view, or -1. */
+void rc_rig_end(rigcal_rig_solver *s, rigcal_status status, int32_t at_fault);
 
 /* Of a public step: ERR_NULL, ERR_STATE, ERR_RANGE. */
 rigcal_status rc_rig_check_step(const rigcal_rig_solver *s, int32_t budget);

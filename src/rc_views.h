@@ -14,6 +14,7 @@ struct rigcal_rig_given {
     rigcal_status (*equations)(rigcal_real *sum, rigcal_real g[6], rigcal_real H[21],
                                rc_chain *chain, int32_t *camera,
                                const rigcal_rig_solver *s);
+    int is_join;
 };
 
 /* Where the parts of rig->work begin. */
@@ -23,8 +24,8 @@ typedef struct {
     rigcal_real *slot;       /* of each view of a placement, the same */
     rigcal_real *W;          /* 36 of each view of a placement */
     rigcal_transform *saved; /* the cameras, the placements */
-    rigcal_real *S, *g;      /* of the cameras, packed; S after a search the covariance */
-    rigcal_real *d; /* the diagonal before placements were eliminated; then the step */
+    rigcal_real *S, *g;      /* of the cameras, packed; then the covariance, and the step */
+    rigcal_real *d;          /* the diagonal before placements were eliminated */
 } rc_rig_parts;
 
 void rc_rig_parts_of(rc_rig_parts *parts, const rigcal_rig *rig, size_t n_unknowns);

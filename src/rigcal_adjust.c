@@ -28,7 +28,7 @@ enum {
 
 /* ---- views by their points ----------------------------------------------- */
 
-static rigcal_status check_points(int32_t *camera, int32_t *placement, rigcal_rig_solver *s)
+rigcal_status rc_rig_check_points(int32_t *camera, int32_t *placement, rigcal_rig_solver *s)
 {
     rigcal_rig_view v;
     rigcal_view_pose own;
@@ -56,14 +56,19 @@ static rigcal_status check_points(int32_t *camera, int32_t *placement, rigcal_ri
     return status;
 }
 
+void rc_rig_points_of(rigcal_points *points, const rigcal_rig_view *view)
+{
+    rc_points_of(points, &view->view, NULL);
+    points->is_pinhole = rc_lens_is_pinhole(view->view.camera);
+    points->origin[0] = points->origin[1] = points->origin[2] = 0;
+}
+
 rigcal_status rc_rig_equations(rigcal_real *sum, rigcal_real g[6], rigcal_real H[21],
                                const rigcal_rig_view *view,
                                const rigcal_transform *cam_from_target)
 {
     rigcal_points points;
-    rc_points_of(&points, &view->view, NULL);
-    points.is_pinhole = rc_lens_is_pinhole(view->view.camera);
-    points.origin[0] = points.origin[1] = points.origin[2] = 0;
+    rc_rig_points_of(&points, view);
     return rc_refine_equations(sum, g, H, &points, view->view.n, cam_from_target,
                                RC_GAUSS_NEWTON);
 }
@@ -83,11 +88,12 @@ static rigcal_status equations_of_points(rigcal_real *sum, rigcal_real g[6],
     return rc_rig_equations(sum, g, H, &v, &chain->cam_from_target);
 }
 
-const struct rigcal_rig_given rc_given_points = {check_points, equations_of_points};
+const struct rigcal_rig_given rc_given_points = {rc_rig_check_points, equations_of_points,
+                                                 0};
 
 /* ---- a pass -------------------------------------------------------------- */
 
-void rc_rig_fail(rigcal_rig_solver *s, rigcal_status status, int32_t at_fault)
+void rc_rig_end(rigcal_rig_solver *s, rigcal_status status, int32_t at_fault)
 {
     s->search.status = status;
     s->at_fault = at_fault;
@@ -238,7 +244,7 @@ static void move_cameras(const rigcal_rig_solver *s, const rc_rig_parts *parts)
     for (size_t c = 0; c < s->rig->n_cameras; c++) {
         if (parts->column[c] >= 0) {
             rc_transform_move(&s->rig->cams_from_rig[c],
-                              &parts->d[(size_t)parts->column[c]]);
+                              &parts->g[(size_t)parts->column[c]]);
         }
     }
 }
@@ -264,14 +270,11 @@ static void end_search(rigcal_rig_solver *s, rigcal_status status, int is_factor
 static void take_step(rigcal_rig_solver *s, const rc_rig_parts *parts)
 {
     rigcal_real gain = s->gain;
+    rc_packed_forward(parts->g, parts->S, s->n);
     for (size_t i = 0; i < s->n; i++) {
-        parts->d[i] = parts->g[i];
+        gain += parts->g[i] * parts->g[i];
     }
-    rc_packed_forward(parts->d, parts->S, s->n);
-    for (size_t i = 0; i < s->n; i++) {
-        gain += parts->d[i] * parts->d[i];
-    }
-    rc_packed_backward(parts->d, parts->S, s->n);
+    rc_packed_backward(parts->g, parts->S, s->n);
     s->promised = gain;
     const rigcal_real little = GAIN_ENOUGH * s->search.sum;
     const int is_enough =
@@ -295,7 +298,7 @@ static void factor_row(rigcal_rig_solver *s, const rc_rig_parts *parts)
     if (i < s->n) {
         parts->S[rc_packed_at(i, i)] *= 1 + s->search.lambda;
         if (!rc_packed_factor_row(parts->S, i, RANK_TOL * parts->d[i])) {
-            rc_rig_fail(s, RIGCAL_ERR_DEGENERATE, -1);
+            rc_rig_end(s, RIGCAL_ERR_DEGENERATE, -1);
             return;
         }
     }
@@ -337,7 +340,7 @@ static void end_pass(rigcal_rig_solver *s, rigcal_status status)
     s->phase = FACTORING;
     if (s->is_final || s->is_last) {
         if (status != RIGCAL_OK) {
-            rc_rig_fail(s, status, (int32_t)s->view);
+            rc_rig_end(s, status, (int32_t)s->view);
         } else if (s->is_last) {
             s->is_last = 0;
             end_search(s, RIGCAL_OK, 1);
@@ -345,7 +348,7 @@ static void end_pass(rigcal_rig_solver *s, rigcal_status status)
     } else if (!s->is_trial) {
         rc_levenberg_evaluated(lm, status, s->sum);
         if (lm->status != RIGCAL_RUNNING) {
-            rc_rig_fail(s, status, (int32_t)s->view);
+            rc_rig_end(s, status, (int32_t)s->view);
         }
     } else if (!rc_levenberg_tried(lm, status, s->sum, s->promised, s->negligible)) {
         restore_poses(s->rig, &parts);
@@ -369,7 +372,7 @@ static void add_prior(rigcal_rig_solver *s, const rc_rig_parts *parts)
         rigcal_real packed[21], full[36], d[6], g[6];
         rc_sym6_pack(packed, prior->Sigma);
         if (!rc_sym6_invert(full, packed)) {
-            rc_rig_fail(s, RIGCAL_ERR_DEGENERATE, -1);
+            rc_rig_end(s, RIGCAL_ERR_DEGENERATE, -1);
             return;
         }
         for (int k = 0; k < 36; k++) {
@@ -480,15 +483,31 @@ rigcal_status rc_rig_begin(rigcal_rig_solver *s, rigcal_rig *rig,
     *s = (rigcal_rig_solver){0};
     s->rig = rig;
     s->given = given;
-    s->is_join = given != &rc_given_points;
+    s->is_join = given->is_join;
     s->phase = CHECKING;
     s->at_fault = -1;
     rc_levenberg_begin(&s->search, 1);
     const rigcal_status status = rc_views_begin(s);
     if (status != RIGCAL_OK) {
-        rc_rig_fail(s, status, -1);
+        rc_rig_end(s, status, -1);
     }
     return RIGCAL_OK;
+}
+
+rigcal_status rc_rig_begin_points(rigcal_rig_solver *s, rigcal_rig *rig,
+                                  const struct rigcal_rig_given *given)
+{
+    if (s == NULL) {
+        return RIGCAL_ERR_NULL;
+    }
+    rigcal_status status = rc_rig_check(rig);
+    if (status == RIGCAL_OK && rig->views == NULL && rig->view_source == NULL) {
+        status = RIGCAL_ERR_NULL;
+    }
+    for (size_t c = 0; status == RIGCAL_OK && c < rig->n_cameras; c++) {
+        status = rc_check_transform(&rig->cams_from_rig[c]);
+    }
+    return (status == RIGCAL_OK) ? rc_rig_begin(s, rig, given) : status;
 }
 
 static void checking_step(rigcal_rig_solver *s)
@@ -497,7 +516,7 @@ static void checking_step(rigcal_rig_solver *s)
     if (status == RIGCAL_OK) {
         s->phase = RC_RIG_CHECKED;
     } else if (status != RIGCAL_RUNNING) {
-        rc_rig_fail(s, status, (s->view < s->rig->n_views) ? (int32_t)s->view : -1);
+        rc_rig_end(s, status, (s->view < s->rig->n_views) ? (int32_t)s->view : -1);
     }
 }
 

@@ -111,8 +111,8 @@ void rc_deviation(rigcal_real d[6], const rigcal_transform *to,
     const rigcal_real xx = rc_vec3_dot(d, d);
     rigcal_real term = 4, angle_by_x = 4;
     for (int k = 1; k <= ARCSINE_TERMS; k++) {
-        const rigcal_real odd = (rigcal_real)(2 * k - 1), even = (rigcal_real)(2 * k);
-        term *= xx * odd / even;
+        const rigcal_real even = (rigcal_real)(2 * k);
+        term *= xx * (even - 1) / even;
         angle_by_x += term / (even + 1);
     }
     rc_vec3_scale(d, angle_by_x, d);

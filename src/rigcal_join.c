@@ -70,7 +70,7 @@ static rigcal_status equations_of_pose(rigcal_real *sum, rigcal_real g[6],
     return RIGCAL_OK;
 }
 
-static const struct rigcal_rig_given GIVEN_POSES = {check_pose, equations_of_pose};
+static const struct rigcal_rig_given GIVEN_POSES = {check_pose, equations_of_pose, 1};
 
 /* ---- where to start ------------------------------------------------------
  *
@@ -179,7 +179,7 @@ static void begin(rigcal_rig_solver *s, const rc_rig_parts *parts)
         } else if (rc_rig_is_held(rig, c)) {
             const rigcal_status status = rc_check_transform(camera);
             if (status != RIGCAL_OK) {
-                rc_rig_fail(s, status, -1);
+                rc_rig_end(s, status, -1);
                 return;
             }
         } else {
@@ -214,7 +214,7 @@ static void look_step(rigcal_rig_solver *s, const rc_rig_parts *parts)
 {
     const rigcal_status status = look_at_view(s, parts);
     if (status != RIGCAL_OK) {
-        rc_rig_fail(s, status, (int32_t)s->view);
+        rc_rig_end(s, status, (int32_t)s->view);
         return;
     }
     s->view++;

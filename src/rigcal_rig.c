@@ -39,17 +39,7 @@ rigcal_status rigcal_view_pose_make(rigcal_view_pose *pose, const rigcal_rig_vie
 
 rigcal_status rigcal_rig_begin(rigcal_rig_solver *solver, rigcal_rig *rig)
 {
-    if (solver == NULL) {
-        return RIGCAL_ERR_NULL;
-    }
-    rigcal_status status = rc_rig_check(rig);
-    if (status == RIGCAL_OK && rig->views == NULL && rig->view_source == NULL) {
-        status = RIGCAL_ERR_NULL;
-    }
-    for (size_t c = 0; status == RIGCAL_OK && c < rig->n_cameras; c++) {
-        status = rc_check_transform(&rig->cams_from_rig[c]);
-    }
-    return (status == RIGCAL_OK) ? rc_rig_begin(solver, rig, &rc_given_points) : status;
+    return rc_rig_begin_points(solver, rig, &rc_given_points);
 }
 
 rigcal_status rigcal_rig_step(rigcal_rig_solver *solver, int32_t budget)
@@ -133,6 +123,9 @@ static int is_adjusted(const rigcal_rig *rig)
 {
     rc_rig_parts parts;
     size_t n = 0;
+    if (rig->work_capacity < rigcal_rig_work(0, rig->n_cameras, rig->n_placements)) {
+        return 0;
+    }
     rc_rig_parts_of(&parts, rig, 0);
     for (size_t c = 0; c < rig->n_cameras; c++) {
         const size_t wanted = rigcal_rig_work(n / 6 + 1, rig->n_cameras, rig->n_placements);
@@ -149,19 +142,20 @@ static int is_adjusted(const rigcal_rig *rig)
 static rigcal_status check_sure(const rigcal_real *Sigma, const rigcal_rig *rig,
                                 rigcal_real sigma_px, size_t camera)
 {
-    rigcal_status status = (Sigma == NULL) ? RIGCAL_ERR_NULL : rc_rig_check(rig);
+    if (Sigma == NULL) {
+        return RIGCAL_ERR_NULL;
+    }
+    rigcal_status status = rc_rig_check(rig);
     if (status == RIGCAL_OK) {
         status = rc_check_noise(&sigma_px);
     }
-    if (status == RIGCAL_OK && camera >= rig->n_cameras) {
-        status = RIGCAL_ERR_RANGE;
+    if (status != RIGCAL_OK) {
+        return status;
     }
-    if (status == RIGCAL_OK &&
-        (rig->work_capacity < rigcal_rig_work(0, rig->n_cameras, rig->n_placements) ||
-         !is_adjusted(rig))) {
-        status = RIGCAL_ERR_STATE;
+    if (camera >= rig->n_cameras) {
+        return RIGCAL_ERR_RANGE;
     }
-    return status;
+    return is_adjusted(rig) ? RIGCAL_OK : RIGCAL_ERR_STATE;
 }
 
 rigcal_status rigcal_rig_covariance(rigcal_real Sigma[36], const rigcal_rig *rig,

@@ -1069,6 +1069,15 @@ static const rigcal_symmetries *symmetries_of(const void *is_there, const void *
     return is_there ? &symmetries : NULL;
 }
 
+static rigcal_rig *with_noise(rigcal_rig *rig, const void *is_there, const void *sigma_px)
+{
+    if (is_there) {
+        rig->views = ok.rig_views;
+        rig->sigma_px = *(const rigcal_real *)sigma_px;
+    }
+    return rig;
+}
+
 static rigcal_rig *with_poses(rigcal_rig *rig, const void *is_there, const void *poses)
 {
     if (is_there) {
@@ -1157,6 +1166,9 @@ CALL(rig_result, p[0], p[1], p[2])
 CALL(rig_covariance, p[8], RIG_AT(0), REAL(p[9]), COUNTED(p[10]))
 CALL(rig_pair, p[8], p[11], RIG_AT(0), REAL(p[9]), COUNTED(p[10]), COUNTED(p[12]))
 CALL(rig_placement, p[8], RIG_AT(0), REAL(p[9]), COUNTED(p[10]))
+CALL(rig_adjust_robust, p[9], p[10], p[11], RIG_WITH(0, noise))
+CALL(rig_robust_begin, p[10], RIG_WITH(0, noise), INT(p[9]))
+CALL(rig_robust_result, p[0], p[1], p[2], p[3])
 CALL(rig_noise, p[8], p[9], RIG_AT(0))
 CALL(rig_links, p[9], COUNTED(p[10]), p[11], p[12], RIG_WITH(0, poses))
 CALL(rig_advise, p[8], COUNTED(p[9]), p[10], p[11], RIG_AT(0))
@@ -1417,6 +1429,14 @@ static const function FUNCTIONS[] = {
      {STATE(RIG_SOLVER, &ok.rig_begun), CHOICE(&INT_2, 1, 0, RIGCAL_ERR_RANGE)}},
     {F(rig_result), 0, S(STATE) | ADJUSTED,
      {OUT(FIT, 1), OUT_BAD, IN(RIG_SOLVER, 1, &ok.rig_done)}},
+    {F(rig_adjust_robust), 0, ADJUSTED,
+     {RIG_OF(IN(TRANSFORM, N_CAMERAS, ok.poses), IN(TRANSFORM, N_PLACEMENTS, ok.placements), WORK(INT32, N_CAMERAS), WORK(NUMBER, RIG_WORK)),
+      VALUE(POSITIVE, &REAL_SIGMA), OUT(FIT, 1), OUT(SIZE, 1), OUT_BAD}},
+    {F(rig_robust_begin), 0, ADJUSTED,
+     {RIG_OF(IN(TRANSFORM, N_CAMERAS, ok.poses), WORK(TRANSFORM, N_PLACEMENTS), WORK(INT32, N_CAMERAS), WORK(NUMBER, RIG_WORK)),
+      VALUE(POSITIVE, &REAL_SIGMA), CHOICE(&INT_2, 1, 2, RIGCAL_ERR_RANGE), OUT_PART(RIG_SOLVER, 1)}},
+    {F(rig_robust_result), 0, S(STATE) | ADJUSTED,
+     {OUT(FIT, 1), OUT(SIZE, 1), OUT_BAD, IN(RIG_SOLVER, 1, &ok.rig_done)}},
     {F(rig_covariance), 0, S(STATE) | S(TOO_FEW) | ARGS,
      {RIG_DONE, OUT(MAT6, 1), VALUE(TOLERANCE, &REAL_SIGMA),
       LESS(&SIZE_2, N_CAMERAS)}},

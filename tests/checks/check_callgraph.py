@@ -22,8 +22,8 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 # Functions that may call through a pointer, and what of the library they may
 # reach so: a cost, or a source of views, of the caller's, who knows its stack;
 # what is given of a view, its points or its own pose.
-GIVEN = ("check_points", "check_pose", "check_view", "equations_of_points",
-         "equations_of_pose")
+GIVEN = ("rc_rig_check_points", "check_pose", "check_view", "equations_of_points",
+         "equations_of_pose", "equations_by_loss")
 INDIRECT = {"rigcal_neldermead_step": (), "rc_rig_view_at": (), "rc_rig_pose_at": (),
             "rc_candidate_at": (), "rc_candidates": (),
             "check_next": GIVEN, "add_equations": GIVEN,

@@ -1,0 +1,207 @@
+/* loss: the adjustment of a rig some of whose points are wrong. The truth is the adjustment
+ * of the right points alone, and formulas of the losses. */
+#include <math.h>
+#include <string.h>
+
+#include "rigcal_solvers.h"
+#include "test_rigs.h"
+
+#define NOISE 0.3
+
+static test_rig r;
+static uint8_t is_wrong[RIG_VIEWS_MAX][RIG_POINTS_MAX];
+
+#define WANTS_RIG TEST_WANTS_RAM(sizeof r + sizeof is_wrong + 14000)
+
+/* A rig with its noise, of whose points a share is off by up to 60 px. */
+static void make(test_rng *rng, double share)
+{
+    test_rig_random(&r, rng, 3, 6, 10);
+    test_rig_see_all(&r, rng, NOISE);
+    r.rig.sigma_px = RC(NOISE);
+    memset(is_wrong, 0, sizeof is_wrong);
+    for (size_t v = 0; v < r.rig.n_views; v++) {
+        for (int i = 0; i < 10; i++) {
+            if (test_uniform(rng, 0, 1) < share) {
+                const double angle = test_uniform(rng, -3.1, 3.1);
+                const double far = test_uniform(rng, 4, 60);
+
+                r.o[v][i].uv[0] += RC(far * cos(angle));
+                r.o[v][i].uv[1] += RC(far * sin(angle));
+                is_wrong[v][i] = 1;
+            }
+        }
+    }
+}
+
+/* Takes the wrong points away. */
+static void keep_right(void)
+{
+    for (size_t v = 0; v < r.rig.n_views; v++) {
+        size_t n = 0;
+
+        for (size_t i = 0; i < 10; i++) {
+            if (!is_wrong[v][i]) {
+                r.o[v][n++] = r.o[v][i];
+            }
+        }
+        r.views[v].view.n = n;
+    }
+}
+
+static size_t count_wrong(void)
+{
+    size_t n = 0;
+
+    for (size_t v = 0; v < r.rig.n_views; v++) {
+        for (int i = 0; i < 10; i++) {
+            n += is_wrong[v][i];
+        }
+    }
+    return n;
+}
+
+/* Squared turn and shift of the cameras, off the truth. */
+static double off_truth(void)
+{
+    double sum = 0;
+
+    for (size_t c = 1; c < r.rig.n_cameras; c++) {
+        double d[6];
+
+        test_step_between(d, &r.cams[c], &r.true_cams[c]);
+        for (int k = 0; k < 6; k++) {
+            sum += d[k] * d[k];
+        }
+    }
+    return sum;
+}
+
+static void test_wrong_points_do_no_harm(void)
+{
+    test_rng rng = test_seed(381);
+    double robust = 0, right = 0;
+    size_t found = 0, there = 0;
+
+    WANTS_RIG;
+    for (int trial = 0; trial < TEST_TRIALS(100); trial++) {
+        rigcal_rig_fit fit;
+        size_t n_wrong;
+
+        make(&rng, 0.05);
+        test_rig_start(&r, &rng, 0.01, 0.02);
+        ASSERT_STATUS(RIGCAL_OK, rigcal_rig_adjust_robust(&fit, &n_wrong, NULL, &r.rig));
+        TEST_ASSERT_EQUAL_UINT64(180, fit.n_points + n_wrong);
+        ASSERT_NEAR(NOISE, fit.sigma_px, 0.1);
+        robust += off_truth();
+        found += n_wrong;
+        there += count_wrong();
+        keep_right();
+        ASSERT_STATUS(RIGCAL_OK, rigcal_rig_adjust(&fit, NULL, &r.rig));
+        right += off_truth();
+    }
+    TEST_ASSERT_TRUE(sqrt(robust / right) < 1.03 || TEST_ONE_IN > 1);
+    /* Of 17000 right points six are beyond 4 sigma: exp(-8) of them. */
+    TEST_ASSERT_TRUE(found + 5 >= there && found <= there + 25);
+}
+
+static void test_without_wrong_points_it_is_least_squares(void)
+{
+    test_rng rng = test_seed(382);
+    double robust = 0, squares = 0;
+
+    WANTS_RIG;
+    for (int trial = 0; trial < TEST_TRIALS(60); trial++) {
+        rigcal_rig_fit fit;
+        size_t n_wrong;
+
+        make(&rng, 0);
+        ASSERT_STATUS(RIGCAL_OK, rigcal_rig_adjust(&fit, NULL, &r.rig));
+        squares += off_truth();
+        ASSERT_STATUS(RIGCAL_OK, rigcal_rig_adjust_robust(&fit, &n_wrong, NULL, &r.rig));
+        robust += off_truth();
+    }
+    TEST_ASSERT_TRUE(fabs(sqrt(robust / squares) - 1) < 0.01 || TEST_ONE_IN > 1);
+}
+
+/* The sum of a search that has evaluated once is that of the losses. */
+static void test_the_sum_is_that_of_the_loss(void)
+{
+    static const int32_t LOSSES[2] = {RIGCAL_LOSS_HUBER, RIGCAL_LOSS_TRUNCATED};
+    test_rng rng = test_seed(383);
+    double sum[2] = {0, 0};
+
+    WANTS_RIG;
+    make(&rng, 0.2);
+    for (size_t v = 0; v < r.rig.n_views; v++) {
+        rigcal_real duv[2 * RIG_POINTS_MAX];
+        size_t n;
+
+        ASSERT_STATUS(RIGCAL_OK,
+                      rigcal_rig_residuals(duv, 2 * RIG_POINTS_MAX, &n, &r.rig, v));
+        for (size_t i = 0; i < n; i++) {
+            const double e = hypot(D(duv[2 * i]), D(duv[2 * i + 1]));
+
+            sum[0] += e < 2 * NOISE ? e * e : 2 * NOISE * (2 * e - 2 * NOISE);
+            sum[1] += e < 4 * NOISE ? e * e : 16 * NOISE * NOISE;
+        }
+    }
+    for (int k = 0; k < 2; k++) {
+        rigcal_rig_solver solver;
+
+        ASSERT_STATUS(RIGCAL_OK, rigcal_rig_robust_begin(&solver, &r.rig, LOSSES[k]));
+        while (solver.search.want == 0) { /* the equations of the first pass */
+            (void)rigcal_rig_step(&solver, 1);
+        }
+        ASSERT_NEAR(sum[k], solver.search.sum, TOL(1e-10, 1e-4) * sum[k]);
+    }
+}
+
+static void test_the_budget_changes_no_bit(void)
+{
+    static const int32_t BUDGETS[] = {1, 7, 1000};
+    test_rng rng = test_seed(384);
+    rigcal_transform cams[3][RIG_CAMERAS_MAX];
+
+    WANTS_RIG;
+    for (int k = 0; k < 3; k++) {
+        rigcal_rig_solver solver;
+        rigcal_rig_fit fit;
+        size_t n_wrong;
+
+        rng = test_seed(384);
+        make(&rng, 0.05);
+        ASSERT_STATUS(RIGCAL_OK,
+                      rigcal_rig_robust_begin(&solver, &r.rig, RIGCAL_LOSS_TRUNCATED));
+        ASSERT_STATUS(RIGCAL_ERR_STATE,
+                      rigcal_rig_robust_result(&fit, &n_wrong, NULL, &solver));
+        while (rigcal_rig_step(&solver, BUDGETS[k]) == RIGCAL_RUNNING) {
+        }
+        ASSERT_STATUS(RIGCAL_OK, rigcal_rig_robust_result(&fit, &n_wrong, NULL, &solver));
+        memcpy(cams[k], r.cams, sizeof cams[k]);
+        TEST_ASSERT_EQUAL_MEMORY(cams[0], cams[k], 3 * sizeof cams[0][0]);
+    }
+}
+
+static void test_a_loss_wants_the_noise(void)
+{
+    test_rng rng = test_seed(385);
+    rigcal_rig_solver solver;
+
+    WANTS_RIG;
+    make(&rng, 0);
+    ASSERT_STATUS(RIGCAL_ERR_RANGE, rigcal_rig_robust_begin(&solver, &r.rig, 0));
+    ASSERT_STATUS(RIGCAL_ERR_RANGE, rigcal_rig_robust_begin(&solver, &r.rig, 3));
+    r.rig.sigma_px = 0;
+    ASSERT_STATUS(RIGCAL_ERR_RANGE,
+                  rigcal_rig_robust_begin(&solver, &r.rig, RIGCAL_LOSS_HUBER));
+}
+
+TEST_MAIN()
+{
+    RUN_TEST(test_wrong_points_do_no_harm);
+    RUN_TEST(test_without_wrong_points_it_is_least_squares);
+    RUN_TEST(test_the_sum_is_that_of_the_loss);
+    RUN_TEST(test_the_budget_changes_no_bit);
+    RUN_TEST(test_a_loss_wants_the_noise);
+}

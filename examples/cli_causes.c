@@ -397,9 +397,13 @@ static int choose_without(calibration *c, size_t camera, uint8_t left_out[])
     return rigcal_rig_choose(&c->choice, &at_fault, &c->rig) >= 0;
 }
 
-static void place_nowhere(calibration *c)
+/* Then the other camera of two is where it is, and its views say where the target is. */
+static void place_nowhere(calibration *c, uint8_t left_out[])
 {
     size_t i;
+
+    memset(left_out, 1, c->rig.n_views);
+    c->rig.left_out = left_out;
 
     for (i = 0; i < c->rig.n_cameras; i++) {
         c->rig.cams_from_rig[i] = IDENTITY;
@@ -427,22 +431,17 @@ static double noise_of_rig(const calibration *c)
 /* Each camera as a whole is tried. */
 void find_contradiction(calibration *c)
 {
-    enum { TRIED_MOST = 20 };
     uint8_t *left_out = cli_alloc(c->rig.n_views, sizeof *left_out);
     const char *clauses = NULL, *advice = NULL;
-    const size_t n = c->rig.n_cameras;
     size_t i;
 
     c->judgement.sigma_px = (rigcal_real)noise_of_rig(c);
-    for (i = 0; i < n && i < TRIED_MOST; i++) {
-        reason r = {NULL, NULL};
+    for (i = 0; i < c->rig.n_cameras && c->rig.n_cameras == 2; i++) {
+        reason r;
 
-        place_nowhere(c);
-        c->rig.left_out = NULL;
+        place_nowhere(c, left_out);
         c->judgement.scale = 1;
-        if (n == 2 || choose_without(c, i, left_out)) {
-            r = find_camera_reason(c, i);
-        }
+        r = find_camera_reason(c, i);
         if (r.clause != NULL) {
             clauses = clauses == NULL ? r.clause : cli_text("%s; or %s", clauses, r.clause);
             advice = advice == NULL ? r.advice : advice;
@@ -455,4 +454,30 @@ void find_contradiction(calibration *c)
          advice != NULL ? advice
                         : "check which image is of which camera and frame, the target's "
                           "coordinates, and the intrinsics");
+}
+
+/* Where the views contradict each other as they are, but not without one of the cameras:
+ * without which. Returns 0 where there is none, or more than one. */
+int choose_without_one(calibration *c)
+{
+    enum { TRIED_MOST = 20 };
+    uint8_t *left_out = cli_alloc(c->rig.n_views, sizeof *left_out);
+    size_t i, n = 0, wrong = 0;
+
+    if (c->rig.n_cameras < 3) {
+        return 0;
+    }
+    for (i = 0; i < c->rig.n_cameras && i < TRIED_MOST; i++) {
+        place_nowhere(c, left_out);
+        if (choose_without(c, i, left_out)) {
+            wrong = i;
+            n++;
+        }
+    }
+    place_nowhere(c, left_out);
+    if (n == 1) {
+        choose_without(c, wrong, left_out);
+    }
+    c->rig.left_out = NULL;
+    return n == 1;
 }

@@ -287,7 +287,7 @@ static void find_those_in_frame(calibration *c)
 }
 
 /* Only --prior tells how they lie. */
-static void name_those_by_prior(const calibration *c)
+static void name_those_by_prior(calibration *c)
 {
     size_t i;
 
@@ -297,6 +297,7 @@ static void name_those_by_prior(const calibration *c)
                     "only %s tells how they lie, and pairs.csv leaves the pair out",
                     rig_camera_name(c, i), rig_camera_name(c, c->main_camera),
                     c->known.path);
+            c->exit_status = CLI_GEOMETRY;
         }
     }
 }

@@ -135,7 +135,7 @@ void find_duplicates(calibration *c)
 /* ==== by their own fits =================================================== */
 
 /* A camera is suspect if its views fit so many times worse than those of the others, and
- * to no better than this [px]. */
+ * to no better than this [px]; a view, if so much worse than others of its camera. */
 #define WORSE 5.0
 #define POOR_PX 1.0
 enum { VIEWS_LEAST = 3 };
@@ -217,7 +217,7 @@ static void find_wrong_points(calibration *c, const double noise[])
         rigcal_view seen;
 
         if (v->is_told || c->camera_is_told[v->camera] || !(usual > 0) || v->n < 6 ||
-            own_noise(v) < 3 * usual) {
+            own_noise(v) < WORSE * usual) {
             continue;
         }
         n++;

@@ -213,9 +213,9 @@ int cli_calibrate(const char *const option[OPTION_COUNT])
     cli_cameras_read(&c.cameras, option[OPTION_CAMERAS]);
     read_known(&c.known, &c.cameras, option[OPTION_PRIOR], option[OPTION_HOLD],
                option[OPTION_SIGMA] != NULL);
-    cli_hold();
     cli_observations_read(&c.observations, option[OPTION_OBSERVATIONS], &c.cameras, 1);
     cli_observations_by_view(&c.observations);
+    cli_hold();
     solve_views(&c);
     name_left_out(&c, folder);
     find_duplicates(&c);

@@ -93,6 +93,7 @@ typedef struct {
     size_t n_left_out;          /* views */
     finding *findings;
     size_t n_findings, room_for_findings;
+    int sigma_is_told;   /* --sigma is too small for most views */
     int *camera_is_told; /* by camera: what is wrong with its views has been told */
 
     int is_adjusted; /* else the views' poses are joined, and what follows is not known */

@@ -35,10 +35,12 @@ static int compare_findings(const void *va, const void *vb)
     return a->number < b->number ? -1 : a->number > b->number;
 }
 
-/* Of a view whose camera is named as a whole, nothing more is told. */
+/* Of a view whose camera is named as a whole, nothing more is told; nor that it fits badly
+ * for a noise that is too small for most. */
 static int is_told(const calibration *c, const finding *f)
 {
-    return f->v != NULL && c->camera_is_told[f->v->camera];
+    return f->v != NULL && (c->camera_is_told[f->v->camera] ||
+                            (c->sigma_is_told && f->v->status == RIGCAL_POOR_FIT));
 }
 
 void tell_findings(calibration *c)

@@ -62,6 +62,20 @@ static rigcal_status choose_poses(calibration *c, int32_t *at_fault)
 
 /* ==== what follows ======================================================== */
 
+/* Whether the view's camera has another view that is checked. */
+static int has_another(const calibration *c, const view *v)
+{
+    const view *other;
+    const view *end = views_of(&other, c, v->camera);
+
+    for (; other < end; other++) {
+        if (other != v && other->verdict == RIGCAL_VIEW_FITS) {
+            return 1;
+        }
+    }
+    return 0;
+}
+
 static void note_verdicts(calibration *c)
 {
     size_t i;
@@ -77,7 +91,12 @@ static void note_verdicts(calibration *c)
         if (c->choice.takes[i] == RIGCAL_TAKES_SECOND) {
             view_take(c, v, 1);
         }
-        v->settled = v->status == RIGCAL_AMBIGUOUS && v->verdict == RIGCAL_VIEW_FITS;
+    }
+    for (i = 0; i < c->n_views; i++) {
+        view *v = &c->views[i];
+
+        v->settled = v->status == RIGCAL_AMBIGUOUS && v->verdict == RIGCAL_VIEW_FITS &&
+                     has_another(c, v);
     }
 }
 
@@ -94,6 +113,21 @@ static size_t first_camera(const calibration *c)
         }
     }
     return first;
+}
+
+/* The first camera of each group is where it is, to the last digit. */
+static void make_exact(const calibration *c)
+{
+    static const rigcal_transform IDENTITY = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
+    size_t i, k;
+
+    for (i = 0; i < c->rig.n_cameras && c->rig.roles == NULL; i++) {
+        for (k = 0; k < i && c->rig.group[k] != c->rig.group[i]; k++) {
+        }
+        if (k == i) {
+            c->rig.cams_from_rig[i] = IDENTITY;
+        }
+    }
 }
 
 /* The first camera, whose frame the rig's is, has no view left: the frame becomes that of
@@ -118,6 +152,7 @@ static rigcal_status change_frame(calibration *c, size_t main_camera, int32_t *a
         }
     }
     c->main_camera = main_camera;
+    make_exact(c);
     return rigcal_rig_adjust(&c->judgement.fit, at_fault, rig);
 }
 
@@ -183,6 +218,7 @@ int judge_rig(calibration *c)
         name_rig_trouble(c, "the cameras cannot be joined", status, at_fault);
         return 0;
     }
+    make_exact(c);
     if (!judge_views(c)) {
         find_contradiction(c);
         return 0;

@@ -297,7 +297,8 @@ static int find_cause(calibration *c, const view *v)
                 "image mirrored?");
         return 1;
     }
-    if (d.blame.verdict != RIGCAL_BLAME_NONE) {
+    if (d.blame.verdict != RIGCAL_BLAME_NONE &&
+        (!d.blame.is_rest_poor || 2 * d.blame.rms_without_px < d.blame.rms_px)) {
         find_point(c, v, &d.blame);
         return 1;
     }

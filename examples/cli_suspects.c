@@ -232,10 +232,35 @@ static void find_wrong_points(calibration *c, const double noise[])
     }
 }
 
+/* --sigma, where most views fit so much worse. */
+static void find_wrong_sigma(calibration *c, double list[])
+{
+    const double sigma_px = (double)c->pose.sigma_px;
+    size_t i, n = 0, n_poor = 0;
+    double usual;
+
+    for (i = 0; i < c->n_views; i++) {
+        list[n] = own_noise(&c->views[i]);
+        n += list[n] > 0;
+        n_poor += c->views[i].status == RIGCAL_POOR_FIT;
+    }
+    usual = median(list, n);
+    if (sigma_px > 0 && 2 * n_poor > n && usual > 1.5 * sigma_px) {
+        c->sigma_is_told = 1;
+        find(c, ABOUT_RIG,
+             cli_text(
+                 "--sigma %.3g is too small: %lu of %lu views fit worse than that, most "
+                 "to %.3g px",
+                 sigma_px, (unsigned long)n_poor, (unsigned long)c->n_views, usual),
+             "state the noise of one coordinate of a pixel, or leave --sigma out. If it is "
+             "right, check the intrinsics and the target's coordinates");
+    }
+}
+
 void find_suspects(calibration *c)
 {
     const size_t n = c->cameras.names.count;
-    double *list = cli_alloc(c->n_views, sizeof *list);
+    double *list = cli_alloc(c->n_views + 1, sizeof *list);
     double *noise = cli_alloc(n, sizeof *noise);
     size_t i;
 
@@ -245,6 +270,7 @@ void find_suspects(calibration *c)
     }
     find_wrong_intrinsics(c, noise);
     if (!c->by_paper) {
+        find_wrong_sigma(c, list);
         find_wrong_points(c, noise);
     }
     cli_free(list);

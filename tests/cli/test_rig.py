@@ -265,7 +265,7 @@ class TestDisagreement(RigTest):
 
     def test_a_camera_that_is_late_is_told(self):
         """The target has moved when camera c sees it, in another direction each time."""
-        late = {f: (R, t + 0.05 * np.array([np.cos(2 * i), np.sin(2 * i), 0]))
+        late = {f: (R, t + 0.005 * np.array([np.cos(2 * i), np.sin(2 * i), 0]))
                 for i, (f, (R, t)) in enumerate(self.PLACES.items())}
         self.made()
         plain = content(self.folder, "observations.csv").splitlines()

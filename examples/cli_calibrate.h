@@ -171,12 +171,14 @@ int judge_rig(calibration *c);
 void name_rig_trouble(calibration *c, const char *what, rigcal_status status,
                       int32_t at_fault);
 
-/* Turns of a flat target in its plane that map its points onto each other. What is found
+/* Turns of a flat target in its plane, and mirrored turns, that map its points onto each
+ * other. What is found
  * holds until the next call. */
-enum { SYMMETRIES_MOST = 8 };
+enum { SYMMETRIES_MOST = 16 };
 typedef struct {
     rigcal_symmetries of;
     double deg[SYMMETRIES_MOST];
+    int is_mirrored[SYMMETRIES_MOST];
 } symmetries;
 const symmetries *symmetries_of(const rigcal_view *seen);
 
@@ -192,6 +194,10 @@ void find_groups(calibration *c);
 void find_point(calibration *c, const view *v, const rigcal_blame *blame);
 void find_duplicates(calibration *c);
 
+/* Noise of a camera of cameras.csv by its views' own fits, the middle of them; 0: too few
+ * tell anything. */
+double camera_noise(const calibration *c, size_t camera);
+
 /* In this order. All say what they cannot do, and set the exit status. `folder`: of
  * the files, or NULL. */
 void solve_views(calibration *c);
@@ -199,6 +205,7 @@ void name_left_out(const calibration *c, const char *folder);
 void form_rig(calibration *c);
 void print_summary(const calibration *c); /* of a view at least */
 void print_graph(const calibration *c);
+int *cameras_that_count(const calibration *c); /* of the rig: those with a view in it */
 int widest(const cli_names *names);
 void print_rig_sigma(const rig_sigma *s, int is_known);
 

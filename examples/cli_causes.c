@@ -23,8 +23,15 @@ static view *judged_view(const calibration *c, size_t i)
 
 /* ==== from the library's cause to words =================================== */
 
-static void tell_turn(reason *r, const char *of, double deg)
+static void tell_turn(reason *r, const char *of, double deg, int is_mirrored)
 {
+    if (is_mirrored) {
+        r->clause = cli_text("the points of %s are numbered as in a mirror, or their "
+                             "coordinates are mirrored",
+                             of);
+        r->advice = "number the points as on the target, not from behind it";
+        return;
+    }
     r->clause = cli_text("the points of %s are numbered %sas if the target were turned by "
                          "%.0f degrees",
                          of, deg > 179 ? "in reverse, " : "", deg);
@@ -51,7 +58,8 @@ static void tell_cause(reason *r, const calibration *c, const rigcal_cause *caus
 {
     switch (cause->cause) {
     case RIGCAL_CAUSE_TURNED:
-        tell_turn(r, camera, by->deg[cause->permutation]);
+        tell_turn(r, camera, by->deg[cause->permutation],
+                  by->is_mirrored[cause->permutation]);
         break;
     case RIGCAL_CAUSE_SHIFTED:
         tell_shift(r, of, cause);
@@ -159,6 +167,53 @@ static void tell_unit(reason *r, const calibration *c, const view *v,
     }
 }
 
+/* The pose of the view's mirrored image, upside down or not, against where the others have
+ * the target. */
+static int fits_mirrored(const calibration *c, const view *v, const rigcal_transform *there,
+                         int is_upside_down)
+{
+    const rigcal_camera *camera = &c->cameras.camera[v->camera];
+    rigcal_view seen = view_points(c, v);
+    rigcal_pose poses[RIGCAL_POSES_MAX];
+    rigcal_real angle = 0;
+    size_t i, n = 0;
+
+    for (i = 0; i < seen.n; i++) { /* view_points gathers them anew each time */
+        rigcal_real *uv = c->observed[i].uv;
+
+        uv[is_upside_down] =
+            (rigcal_real)(is_upside_down ? camera->height : camera->width) - 1 -
+            uv[is_upside_down];
+    }
+    if (rigcal_pose_solve(poses, RIGCAL_POSES_MAX, &n, NULL, &seen, &c->pose) < 0) {
+        return 0;
+    }
+    for (i = 0; i < n; i++) {
+        const rigcal_real *t = poses[i].cam_from_world.t;
+        const rigcal_real off[3] = {t[0] - there->t[0], t[1] - there->t[1],
+                                    t[2] - there->t[2]};
+
+        rigcal_rotation_angle(&angle, there->R, poses[i].cam_from_world.R);
+        if (DEGREE * (double)angle < 5 && length_of(off) < 0.05 * length_of(there->t)) {
+            return 1;
+        }
+    }
+    return 0;
+}
+
+static void tell_mirror(reason *r, const calibration *c, const view *v)
+{
+    rigcal_transform there;
+
+    if (v->verdict == RIGCAL_VIEW_CONTRADICTS &&
+        rigcal_transform_compose(&there, &c->rig.cams_from_rig[v->rig_camera],
+                                 &c->rig.rig_from_placements[v->frame]) >= 0 &&
+        (fits_mirrored(c, v, &there, 0) || fits_mirrored(c, v, &there, 1))) {
+        r->clause = cli_text("the image of %s is mirrored", view_camera_name(c, v));
+        r->advice = "u counts to the right and v downwards: do not mirror the image";
+    }
+}
+
 static void tell_point(reason *r, const calibration *c, const view *v)
 {
     const rigcal_view seen = view_points(c, v);
@@ -192,6 +247,9 @@ static reason find_reason(const calibration *c, size_t i,
         tell_cause(&r, c, &cause, by, camera, cli_text("the view of %s", camera));
     } else if (r.clause != NULL || cause.cause == RIGCAL_CAUSE_SWAPPED) {
         return r; /* the camera before has told it */
+    }
+    if (r.clause == NULL) {
+        tell_mirror(&r, c, v);
     }
     if (r.clause == NULL) {
         tell_point(&r, c, v);
@@ -334,12 +392,37 @@ static reason find_camera_reason(const calibration *c, size_t camera)
     return r;
 }
 
+/* Whether its views fit much worse by themselves than those of the others. */
+static void tell_intrinsics(reason *r, const calibration *c, size_t camera)
+{
+    const double noise = camera_noise(c, c->camera[camera]);
+    double least = 0;
+    size_t i;
+
+    for (i = 0; i < c->rig.n_cameras; i++) {
+        const double other = i == camera ? 0 : camera_noise(c, c->camera[i]);
+
+        least = other > 0 && (other < least || least <= 0) ? other : least;
+    }
+    if (least > 0 && noise > 2 * least) {
+        r->clause =
+            cli_text("its intrinsics are wrong, its views fit by themselves to %.3g "
+                     "px, those of other cameras to %.3g px",
+                     noise, least);
+        r->advice = "check its line of cameras.csv, or calibrate its lens again: focal "
+                    "lengths, centre, distortion, image size";
+    }
+}
+
 /* A camera most of whose views are left out. */
 static void find_wrong_camera(calibration *c, size_t camera, size_t n_out, size_t n)
 {
     const char *name = rig_camera_name(c, camera);
-    const reason r = find_camera_reason(c, camera);
+    reason r = find_camera_reason(c, camera);
 
+    if (r.clause == NULL) {
+        tell_intrinsics(&r, c, camera);
+    }
     c->camera_is_told[c->camera[camera]] = 1;
     find(c, ABOUT_CAMERA,
          cli_text("camera %s contradicts the others in %lu of %lu frames, where it is left "

@@ -6,8 +6,7 @@
 
 /* ==== groups ============================================================== */
 
-/* Whether views of the rig's camera count. */
-static int *cameras_that_count(const calibration *c)
+int *cameras_that_count(const calibration *c)
 {
     int *counts = cli_alloc(c->rig.n_cameras, sizeof *counts);
     size_t i;

@@ -280,14 +280,15 @@ static void print_groups(const calibration *c)
 {
     const size_t n = c->rig.n_cameras;
     int *shown = cli_alloc(n, sizeof *shown);
+    const int *counts = cameras_that_count(c);
     size_t first, i;
 
     print_cameras(c, c->in_frame, rig_frame_name(c));
     for (first = 0; first < n; first++) {
-        int is_first = !c->in_frame[first];
+        int is_first = !c->in_frame[first] && counts[first];
 
         for (i = 0; i < n; i++) {
-            shown[i] = c->rig.group[i] == c->rig.group[first];
+            shown[i] = counts[i] && c->rig.group[i] == c->rig.group[first];
             is_first = is_first && !(i < first && shown[i]);
         }
         if (is_first) {

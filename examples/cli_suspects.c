@@ -137,6 +137,7 @@ void find_duplicates(calibration *c)
 /* A camera is suspect if its views fit so many times worse than those of the others, and
  * to no better than this [px]; a view, if so much worse than others of its camera. */
 #define WORSE 5.0
+#define VIEW_WORSE 4.0
 #define POOR_PX 1.0
 enum { VIEWS_LEAST = 3 };
 
@@ -159,18 +160,20 @@ static double own_noise(const view *v)
     return n > 3 ? rms_px * sqrt(n / (2 * n - 6)) : 0;
 }
 
-/* The middle of a camera's views; 0: too few tell anything. */
-static double camera_noise(double list[], const calibration *c, size_t camera)
+double camera_noise(const calibration *c, size_t camera)
 {
     const view *v;
     const view *end = views_of(&v, c, camera);
+    double *list = cli_alloc((size_t)(end - v) + 1, sizeof *list), noise;
     size_t n = 0;
 
     for (; v < end; v++) {
         list[n] = own_noise(v);
         n += list[n] > 0;
     }
-    return n >= VIEWS_LEAST ? median(list, n) : 0;
+    noise = n >= VIEWS_LEAST ? median(list, n) : 0;
+    cli_free(list);
+    return noise;
 }
 
 static void find_wrong_intrinsics(calibration *c, const double noise[])
@@ -217,7 +220,7 @@ static void find_wrong_points(calibration *c, const double noise[])
         rigcal_view seen;
 
         if (v->is_told || c->camera_is_told[v->camera] || !(usual > 0) || v->n < 6 ||
-            own_noise(v) < WORSE * usual) {
+            own_noise(v) < VIEW_WORSE * usual) {
             continue;
         }
         n++;
@@ -266,7 +269,7 @@ void find_suspects(calibration *c)
 
     c->camera_is_told = cli_alloc(n, sizeof *c->camera_is_told);
     for (i = 0; i < n; i++) {
-        noise[i] = camera_noise(list, c, i);
+        noise[i] = camera_noise(c, i);
     }
     find_wrong_intrinsics(c, noise);
     if (!c->by_paper) {

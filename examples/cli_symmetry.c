@@ -90,15 +90,16 @@ static int flatten(flat *f, const rigcal_view *seen)
 }
 
 /* For each point, turned, the number of the one where it then is. 0: there is none. */
-static int permute(int32_t number[], const flat *f, double angle)
+static int permute(int32_t number[], const flat *f, double angle, int is_mirrored)
 {
     const double tolerance = 0.1 * f->radius / sqrt((double)f->n);
     const double c = cos(angle), s = sin(angle);
     size_t i, j;
 
     for (i = 0; i < f->n; i++) {
-        const double x = c * f->at[i][0] - s * f->at[i][1];
-        const double y = s * f->at[i][0] + c * f->at[i][1];
+        const double v = is_mirrored ? -f->at[i][1] : f->at[i][1];
+        const double x = c * f->at[i][0] - s * v;
+        const double y = s * f->at[i][0] + c * v;
 
         for (j = 0; j < f->n; j++) {
             if (hypot(f->at[j][0] - x, f->at[j][1] - y) < tolerance) {
@@ -126,7 +127,7 @@ static int same_points(const rigcal_observation a[], const rigcal_observation b[
 }
 
 /* The farthest point turns to where another is as far off. */
-static void find_turns(symmetries *s, int32_t *permutations, const flat *f)
+static void find_turns(symmetries *s, int32_t *permutations, const flat *f, int is_mirrored)
 {
     const double tolerance = 0.1 / sqrt((double)f->n);
     size_t j;
@@ -135,8 +136,9 @@ static void find_turns(symmetries *s, int32_t *permutations, const flat *f)
         const double angle = atan2(f->at[j][1], f->at[j][0]);
         const double far = hypot(f->at[j][0], f->at[j][1]);
 
-        if (fabs(angle) > tolerance && far > (1 - tolerance) * f->radius &&
-            permute(permutations + s->of.n_permutations * f->n, f, angle)) {
+        if ((is_mirrored || fabs(angle) > tolerance) && far > (1 - tolerance) * f->radius &&
+            permute(permutations + s->of.n_permutations * f->n, f, angle, is_mirrored)) {
+            s->is_mirrored[s->of.n_permutations] = is_mirrored;
             s->deg[s->of.n_permutations++] = fabs(DEGREE * angle);
         }
     }
@@ -167,7 +169,8 @@ const symmetries *symmetries_of(const rigcal_view *seen)
     s.of.permutations = permutations;
     if (seen->n >= 3 && seen->n <= POINTS_MOST) {
         if (flatten(&f, seen)) {
-            find_turns(&s, permutations, &f);
+            find_turns(&s, permutations, &f, 0);
+            find_turns(&s, permutations, &f, 1);
         }
         cli_free(f.at);
     }

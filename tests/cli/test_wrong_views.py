@@ -285,9 +285,22 @@ class TestBrokenSets(Simulated):
         self.give("b", "6", [(1279 - u, v) for u, v in self.pixels("b", "6")])
         run, first, second = self.run_sim()
         self.assertEqual(run.returncode, 1)
-        self.assertRegex(first, r"\Arigcal: camera b in frame 6: mirrored, the points fit to "
-                         r"0\.\d+ px rms; the view is left out of the rig\Z")
-        self.assertRegex(second, "left-handed.*or is the image mirrored")
+        self.assertEqual(first, "rigcal: frame 6: camera b contradicts the others and is left "
+                         "out: the image of b is mirrored")
+        self.assertIn("do not mirror the image", second)
+        self.assert_left_out(("b", "6"))
+        self.assert_right()
+
+    def test_numbered_as_in_a_mirror(self):
+        """Each row of the board from its other end."""
+        pixels = np.array(self.pixels("b", "6")).reshape(5, 7, 2)[:, ::-1]
+        self.give("b", "6", pixels.reshape(-1, 2).tolist())
+        run, first, second = self.run_sim()
+        self.assertEqual(run.returncode, 1)
+        self.assertEqual(first, "rigcal: frame 6: camera b contradicts the others and is left "
+                         "out: the points of b are numbered as in a mirror, or their "
+                         "coordinates are mirrored")
+        self.assertIn("not from behind it", second)
         self.assert_left_out(("b", "6"))
         self.assert_right()
 
@@ -295,12 +308,23 @@ class TestBrokenSets(Simulated):
         self.camera_rows["c"]["fx"] *= 1.2
         run, first, second = self.run_sim()
         self.assertEqual(run.returncode, 1)
+        self.assertRegex(first, r"\Arigcal: camera c contradicts the others in 8 of 8 frames, "
+                         r"where it is left out: its intrinsics are wrong, its views fit by "
+                         r"themselves to [\d.]+ px, those of other cameras to 0\.[12]\d* px\Z")
+        self.assertIn("check its line of cameras.csv", second)
+
+    def test_very_wrong_intrinsics_of_one_camera(self):
+        self.camera_rows["c"]["k1"] = -0.9
+        self.camera_rows["c"]["fx"] *= 1.6
+        run, first, second = self.run_sim()
+        self.assertEqual(run.returncode, 1)
         self.assertRegex(first, r"\Arigcal: camera c: the intrinsics are wrong: its views fit by "
                          r"themselves to [\d.]+ px, those of the other cameras to 0\.[12]\d* px")
         self.assertIn("check its line of cameras.csv", second)
+        self.assert_right("bd")
 
     def test_one_bad_point(self):
-        for wrong in (8, 60):
+        for wrong in (10, 60):
             self.setUp()
             self.view("d", "1")[17]["u"] += wrong
             run, first, second = self.run_sim()

@@ -41,6 +41,11 @@ static int compare_pixels(const void *va, const void *vb)
     return order != 0 ? order : (a->v->frame > b->v->frame) - (a->v->frame < b->v->frame);
 }
 
+static int is_same(rigcal_real a, rigcal_real b)
+{
+    return a <= b && a >= b;
+}
+
 static int same_pixels(const view *a, const view *b)
 {
     size_t i;
@@ -49,8 +54,9 @@ static int same_pixels(const view *a, const view *b)
         return 0;
     }
     for (i = 0; i < a->n_seen; i++) {
-        if (memcmp(a->first[i].seen.uv, b->first[i].seen.uv, sizeof a->first[i].seen.uv) !=
-            0) {
+        const rigcal_real *of_a = a->first[i].seen.uv, *of_b = b->first[i].seen.uv;
+
+        if (!is_same(of_a[0], of_b[0]) || !is_same(of_a[1], of_b[1])) {
             return 0;
         }
     }

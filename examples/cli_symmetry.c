@@ -117,10 +117,13 @@ static int permute(int32_t number[], const flat *f, double angle, int is_mirrore
 static int same_points(const rigcal_observation a[], const rigcal_observation b[], size_t n)
 {
     size_t i;
+    int k;
 
     for (i = 0; i < n; i++) {
-        if (memcmp(a[i].X_w, b[i].X_w, sizeof a[i].X_w) != 0) {
-            return 0;
+        for (k = 0; k < 3; k++) {
+            if (a[i].X_w[k] < b[i].X_w[k] || a[i].X_w[k] > b[i].X_w[k]) {
+                return 0;
+            }
         }
     }
     return 1;

@@ -55,8 +55,8 @@ static const char HELP[] =
     "OpenCV, Kalibr, ROS, COLMAP, MATLAB and others.\n"
     "\n"
     "Exit status: 0 all is done. 1 something could not be computed, was left out, or\n"
-    "is doubtful: the first lines name it, and the rest is done. 2 wrong use, a file at fault, or output that could not\n"
-    "be written: no file was written.\n";
+    "is doubtful: the first lines name it, and the rest is done. 2 wrong use, a file\n"
+    "at fault, or output that could not be written: no file was written.\n";
 
 #define BIT(option) (1U << (option))
 

@@ -76,6 +76,9 @@ static void hold(const char *text)
 {
     const size_t size = strlen(text);
 
+    if (size == 0) {
+        return;
+    }
     if (held_size + size > held_room) {
         const size_t room = 2 * (held_size + size);
         char *larger = realloc(held, room);

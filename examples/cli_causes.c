@@ -8,13 +8,24 @@
 static const rigcal_transform IDENTITY = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
 
 /* Views whose cause is looked for: each takes a pose for each symmetry. */
-enum { LOOKED_INTO_MOST = 100 };
+enum { LOOKED_INTO_MOST = 1000 };
 
-/* What is found of a view or a camera, in words that follow "camera c contradicts the
- * others: "; NULL: nothing is found. */
+/* What is found of a view or a camera: "the points of ", "c", " are numbered in reverse".
+ * after NULL: nothing is found. */
 typedef struct {
-    const char *clause, *advice;
+    const char *before, *name, *after, *advice;
 } reason;
+
+static const reason NOTHING = {NULL, NULL, NULL, NULL};
+
+static void set_reason(reason *r, const char *before, const char *name, const char *after,
+                       const char *advice)
+{
+    r->before = before;
+    r->name = name;
+    r->after = after;
+    r->advice = advice;
+}
 
 static view *judged_view(const calibration *c, size_t i)
 {
@@ -26,48 +37,49 @@ static view *judged_view(const calibration *c, size_t i)
 static void tell_turn(reason *r, const char *of, double deg, int is_mirrored)
 {
     if (is_mirrored) {
-        r->clause = cli_text("the points of %s are numbered as in a mirror, or their "
-                             "coordinates are mirrored",
-                             of);
-        r->advice = "number the points as on the target, not from behind it";
-        return;
+        set_reason(r, "the points of ", of,
+                   " are numbered as in a mirror, or their coordinates are mirrored",
+                   "number the points as on the target, not from behind it");
+    } else if (deg > 179) {
+        set_reason(r, "the points of ", of,
+                   " are numbered in reverse, as if the target were turned by 180 degrees",
+                   "number the points from the other end of the target");
+    } else {
+        set_reason(
+            r, "the points of ", of,
+            cli_text(" are numbered as if the target were turned by %.0f degrees", deg),
+            "number the points from the right corner of the target");
     }
-    r->clause = cli_text("the points of %s are numbered %sas if the target were turned by "
-                         "%.0f degrees",
-                         of, deg > 179 ? "in reverse, " : "", deg);
-    r->advice = deg > 179 ? "number the points from the other end of the target"
-                          : "number the points from the right corner of the target";
 }
 
 static void tell_shift(reason *r, const char *of, const rigcal_cause *cause)
 {
-    if (cause->is_still) {
-        r->clause = cli_text("%s is of the frame before or after, between which the target "
-                             "stood still",
-                             of);
-    } else if (cause->shift < 0) {
-        r->clause = cli_text("%s is of the frame before: the camera is late", of);
-    } else {
-        r->clause = cli_text("%s is of the frame after: the camera is early", of);
-    }
-    r->advice = "give each image the frame in which it was taken";
+    set_reason(r, "each view of ", of,
+               cause->is_still    ? " is of the frame before or after, between which the "
+                                    "target stood still"
+               : cause->shift < 0 ? " is of the frame before: the camera is late"
+                                  : " is of the frame after: the camera is early",
+               "give each image the frame in which it was taken");
 }
 
+/* Of a view, or of all views of a camera. */
 static void tell_cause(reason *r, const calibration *c, const rigcal_cause *cause,
-                       const symmetries *by, const char *camera, const char *of)
+                       const symmetries *by, const char *camera, int is_view)
 {
+    const char *of = is_view ? camera : cli_text("all views of %s", camera);
+
     switch (cause->cause) {
     case RIGCAL_CAUSE_TURNED:
-        tell_turn(r, camera, by->deg[cause->permutation],
-                  by->is_mirrored[cause->permutation]);
+        tell_turn(r, of, by->deg[cause->permutation], by->is_mirrored[cause->permutation]);
         break;
     case RIGCAL_CAUSE_SHIFTED:
-        tell_shift(r, of, cause);
+        tell_shift(r, camera, cause);
+        r->before = is_view ? "the view of " : r->before;
         break;
     case RIGCAL_CAUSE_SWAPPED:
-        r->clause = cli_text("the views of %s and %s are swapped", camera,
-                             rig_camera_name(c, (size_t)cause->camera));
-        r->advice = "give each image the name of the camera that took it";
+        set_reason(r, "the views of ",
+                   cli_text("%s and %s", camera, rig_camera_name(c, (size_t)cause->camera)),
+                   " are swapped", "give each image the name of the camera that took it");
         break;
     default:
         break;
@@ -160,10 +172,9 @@ static void tell_unit(reason *r, const calibration *c, const view *v,
 
     factor = factor > 0 ? factor : distance_factor(c, v);
     if (factor > 0 && fabs(log(factor)) > 0.02) {
-        r->clause = cli_text("the target's coordinates for %s are %.4g times those of the "
-                             "others: a wrong unit",
-                             view_camera_name(c, v), factor);
-        r->advice = "give X, Y, Z of all observations in the same unit";
+        set_reason(r, "the target's coordinates for ", view_camera_name(c, v),
+                   cli_text(" are %.4g times those of the others: a wrong unit", factor),
+                   "give X, Y, Z of all observations in the same unit");
     }
 }
 
@@ -209,8 +220,8 @@ static void tell_mirror(reason *r, const calibration *c, const view *v)
         rigcal_transform_compose(&there, &c->rig.cams_from_rig[v->rig_camera],
                                  &c->rig.rig_from_placements[v->frame]) >= 0 &&
         (fits_mirrored(c, v, &there, 0) || fits_mirrored(c, v, &there, 1))) {
-        r->clause = cli_text("the image of %s is mirrored", view_camera_name(c, v));
-        r->advice = "u counts to the right and v downwards: do not mirror the image";
+        set_reason(r, "the image of ", view_camera_name(c, v), " is mirrored",
+                   "u counts to the right and v downwards: do not mirror the image");
     }
 }
 
@@ -223,9 +234,10 @@ static void tell_point(reason *r, const calibration *c, const view *v)
     options.sigma_px = c->judgement.sigma_px;
     if (v->n > 5 && rigcal_pose_blame(&blame, NULL, &seen, &options) >= 0 &&
         blame.verdict == RIGCAL_BLAME_SURE && blame.rms_px >= 0) {
-        r->clause = cli_text("of %s point %s is wrong", view_camera_name(c, v),
-                             view_point_name(c, v, (size_t)blame.point));
-        r->advice = "correct the point, remove its line, or use --robust";
+        set_reason(
+            r, "of ", view_camera_name(c, v),
+            cli_text(" point %s is wrong", view_point_name(c, v, (size_t)blame.point)),
+            "correct the point, remove its line, or use --robust");
     }
 }
 
@@ -237,21 +249,21 @@ static reason find_reason(const calibration *c, size_t i,
     const char *camera = view_camera_name(c, v);
     const rigcal_view seen = view_points(c, v);
     const symmetries *by = symmetries_of(&seen);
-    reason r = {NULL, NULL};
-    rigcal_cause cause;
+    reason r = NOTHING;
+    rigcal_cause cause = {0};
 
     tell_unit(&r, c, v, place);
-    if (r.clause == NULL &&
+    if (r.after == NULL &&
         rigcal_rig_cause(&cause, &c->rig, &c->judgement, &by->of, i) == RIGCAL_OK &&
         !(cause.cause == RIGCAL_CAUSE_SWAPPED && (size_t)cause.camera < v->rig_camera)) {
-        tell_cause(&r, c, &cause, by, camera, cli_text("the view of %s", camera));
-    } else if (r.clause != NULL || cause.cause == RIGCAL_CAUSE_SWAPPED) {
+        tell_cause(&r, c, &cause, by, camera, 1);
+    } else if (r.after != NULL || cause.cause == RIGCAL_CAUSE_SWAPPED) {
         return r; /* the camera before has told it */
     }
-    if (r.clause == NULL) {
+    if (r.after == NULL) {
         tell_mirror(&r, c, v);
     }
-    if (r.clause == NULL) {
+    if (r.after == NULL) {
         tell_point(&r, c, v);
     }
     return r;
@@ -262,20 +274,42 @@ static reason find_reason(const calibration *c, size_t i,
 typedef struct {
     const char *name[64]; /* cameras left out */
     size_t n;
-    const char *clauses, *advice;
+    reason reasons[64];
+    size_t n_reasons;
     int is_told, is_one_of_two;
     const view *v;
 } wrong_views;
 
-static void add_reason(wrong_views *w, const reason *r)
+static int is_alike(const reason *a, const reason *b)
 {
-    if (r->clause != NULL) {
-        w->clauses = w->clauses == NULL
-                         ? r->clause
-                         : cli_text("%s; %s%s", w->clauses, w->is_one_of_two ? "or " : "",
-                                    r->clause);
-        w->advice = w->advice == NULL ? r->advice : w->advice;
+    return strcmp(a->before, b->before) == 0 && strcmp(a->after, b->after) == 0;
+}
+
+/* "the points of a and b are numbered in reverse; ..." */
+static const char *reasons_joined(const reason reasons[], size_t n, const char *last)
+{
+    const char **names = cli_alloc(n + 1, sizeof *names), *text = NULL;
+    size_t i, k;
+
+    for (i = 0; i < n; i++) {
+        size_t n_names = 0;
+
+        for (k = 0; k < n; k++) {
+            if (is_alike(&reasons[i], &reasons[k])) {
+                if (k < i) {
+                    break;
+                }
+                names[n_names++] = reasons[k].name;
+            }
+        }
+        if (n_names > 0) {
+            text = cli_text("%s%s%s%s%s", text != NULL ? text : "",
+                            text != NULL ? "; " : "", reasons[i].before,
+                            names_joined(names, n_names, last), reasons[i].after);
+        }
     }
+    cli_free(names);
+    return text;
 }
 
 static void find_wrong_views(calibration *c, const wrong_views *w)
@@ -283,7 +317,9 @@ static void find_wrong_views(calibration *c, const wrong_views *w)
     const char *frame = view_frame_name(c, w->v);
     const char *names = names_joined(w->name, w->n, " and ");
     const char *several = w->n > 1 ? "s" : "";
-    const char *why = w->clauses != NULL ? w->clauses : "why is not known";
+    const char *why = w->n_reasons > 0 ? reasons_joined(w->reasons, w->n_reasons,
+                                                        w->is_one_of_two ? " or " : " and ")
+                                       : "why is not known";
     const char *what;
 
     if (!w->is_one_of_two) {
@@ -299,8 +335,8 @@ static void find_wrong_views(calibration *c, const wrong_views *w)
                         several, names, w->n > 1 ? "are" : "is", why);
     }
     find(c, ABOUT_VIEW, what,
-         w->advice != NULL
-             ? w->advice
+         w->n_reasons > 0
+             ? w->reasons[0].advice
              : "look at the images: is the camera, the frame and each point right, and did "
                "the target or a camera move? Correct it, or remove these lines");
 }
@@ -330,7 +366,9 @@ static void collect_placement(wrong_views *w, calibration *c, size_t first, size
         if (n_looked_into++ < LOOKED_INTO_MOST) {
             const reason r = find_reason(c, i, place);
 
-            add_reason(w, &r);
+            if (r.after != NULL && w->n_reasons < w->n) {
+                w->reasons[w->n_reasons++] = r;
+            }
         }
     }
 }
@@ -359,14 +397,15 @@ static void find_wrong_placements(calibration *c)
 /* ==== a camera ============================================================ */
 
 /* Why most views of the rig's camera contradict. The first view of most points tells the
- * symmetries. Where the noise of a rig is not known, right views may differ by more. */
-static reason find_camera_reason(const calibration *c, size_t camera)
+ * symmetries. Where there is no rig, it is not known by how much more than noise right views
+ * differ: `scales` times the noise, four times as much each time, are tried. */
+static reason find_camera_reason(const calibration *c, size_t camera, int scales)
 {
     rigcal_judgement judgement = c->judgement;
     const view *most = NULL;
     const symmetries *by;
     rigcal_view seen;
-    reason r = {NULL, NULL};
+    reason r = NOTHING;
     rigcal_cause cause;
     size_t i;
     int k;
@@ -380,13 +419,10 @@ static reason find_camera_reason(const calibration *c, size_t camera)
     }
     seen = view_points(c, most);
     by = symmetries_of(&seen);
-    for (k = 0; k < 4 && r.clause == NULL; k++, judgement.scale *= 4) {
+    for (k = 0; k < scales && r.after == NULL; k++, judgement.scale *= 4) {
         if (rigcal_camera_cause(&cause, &c->rig, &judgement, &by->of, camera) ==
             RIGCAL_OK) {
-            const char *name = rig_camera_name(c, camera);
-
-            tell_cause(&r, c, &cause, by, cli_text("all views of %s", name),
-                       cli_text("each view of %s", name));
+            tell_cause(&r, c, &cause, by, rig_camera_name(c, camera), 0);
         }
     }
     return r;
@@ -405,12 +441,12 @@ static void tell_intrinsics(reason *r, const calibration *c, size_t camera)
         least = other > 0 && (other < least || least <= 0) ? other : least;
     }
     if (least > 0 && noise > 2 * least) {
-        r->clause =
-            cli_text("its intrinsics are wrong, its views fit by themselves to %.3g "
-                     "px, those of other cameras to %.3g px",
-                     noise, least);
-        r->advice = "check its line of cameras.csv, or calibrate its lens again: focal "
-                    "lengths, centre, distortion, image size";
+        set_reason(r, "", "",
+                   cli_text("its intrinsics are wrong, its views fit by themselves to %.3g "
+                            "px, those of other cameras to %.3g px",
+                            noise, least),
+                   "check its line of cameras.csv, or calibrate its lens again: focal "
+                   "lengths, centre, distortion, image size");
     }
 }
 
@@ -418,9 +454,9 @@ static void tell_intrinsics(reason *r, const calibration *c, size_t camera)
 static void find_wrong_camera(calibration *c, size_t camera, size_t n_out, size_t n)
 {
     const char *name = rig_camera_name(c, camera);
-    reason r = find_camera_reason(c, camera);
+    reason r = find_camera_reason(c, camera, 1);
 
-    if (r.clause == NULL) {
+    if (r.after == NULL) {
         tell_intrinsics(&r, c, camera);
     }
     c->camera_is_told[c->camera[camera]] = 1;
@@ -428,7 +464,7 @@ static void find_wrong_camera(calibration *c, size_t camera, size_t n_out, size_
          cli_text("camera %s contradicts the others in %lu of %lu frames, where it is left "
                   "out: %s",
                   name, (unsigned long)n_out, (unsigned long)n,
-                  r.clause != NULL ? r.clause : "why is not known"),
+                  r.after != NULL ? reasons_joined(&r, 1, "") : "why is not known"),
          r.advice != NULL
              ? r.advice
              : "check its intrinsics and the names of its frames. Did it move?");
@@ -515,28 +551,25 @@ static double noise_of_rig(const calibration *c)
 void find_contradiction(calibration *c)
 {
     uint8_t *left_out = cli_alloc(c->rig.n_views, sizeof *left_out);
-    const char *clauses = NULL, *advice = NULL;
-    size_t i;
+    reason reasons[2];
+    const char *why;
+    size_t i, n = 0;
 
     c->judgement.sigma_px = (rigcal_real)noise_of_rig(c);
     for (i = 0; i < c->rig.n_cameras && c->rig.n_cameras == 2; i++) {
-        reason r;
-
         place_nowhere(c, left_out);
         c->judgement.scale = 1;
-        r = find_camera_reason(c, i);
-        if (r.clause != NULL) {
-            clauses = clauses == NULL ? r.clause : cli_text("%s; or %s", clauses, r.clause);
-            advice = advice == NULL ? r.advice : advice;
-        }
+        reasons[n] = find_camera_reason(c, i, 4);
+        n += reasons[n].after != NULL;
     }
     c->rig.left_out = NULL;
+    why = reasons_joined(reasons, n, " or ");
     find(c, ABOUT_RIG,
          cli_text("there is no rig: most views contradict each other%s%s",
-                  clauses != NULL ? ": " : "", clauses != NULL ? clauses : ""),
-         advice != NULL ? advice
-                        : "check which image is of which camera and frame, the target's "
-                          "coordinates, and the intrinsics");
+                  why != NULL ? ": " : "", why != NULL ? why : ""),
+         why != NULL ? reasons[0].advice
+                     : "check which image is of which camera and frame, the target's "
+                       "coordinates, and the intrinsics");
 }
 
 /* Where the views contradict each other as they are, but not without one of the cameras:

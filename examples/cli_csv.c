@@ -79,8 +79,8 @@ static void hold(const char *text)
     if (size == 0) {
         return;
     }
-    if (held_size + size > held_room) {
-        const size_t room = 2 * (held_size + size);
+    if (held_size + size + 1 > held_room) {
+        const size_t room = 2 * (held_size + size + 1);
         char *larger = realloc(held, room);
 
         if (larger == NULL) {
@@ -91,7 +91,7 @@ static void hold(const char *text)
         held = larger;
         held_room = room;
     }
-    memcpy(held + held_size, text, size);
+    memcpy(held + held_size, text, size + 1);
     held_size += size;
 }
 

@@ -93,7 +93,7 @@ extern "C" {
     S(RIGCAL_MOST_DISAGREE, 9,                                                           \
       "most observations disagree with this pose: check the correspondences and the "    \
       "target's coordinates")                                                            \
-    S(RIGCAL_VIEWS_LEFT_OUT, 11,                                                         \
+    S(RIGCAL_VIEWS_LEFT_OUT, 10,                                                         \
       "some views contradict the others and were left out: see which, and why")          \
                                                                                          \
     /* The arguments: of any function. */                                                \

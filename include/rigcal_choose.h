@@ -103,9 +103,10 @@ RIGCAL_API size_t rigcal_choose_work(size_t n_cameras, size_t n_placements, size
  * of its first camera; the others of those are where they were given.
  * The noise is rig->sigma_px; where that is 0, the median of what the views' own fits
  * leave, at least 0.01 px.
- * OK, RIGCAL_DISCONNECTED, ERR_CONTRADICTION (under half of the views agree: no pose is
- * written), ERR_NULL, ERR_NOT_FINITE, ERR_ROTATION, ERR_RANGE (also: a second pose is not
- * of the camera and placement of the first), ERR_TOO_FEW (also: no noise is stated, and no
+ * OK, RIGCAL_DISCONNECTED, ERR_CONTRADICTION (under half agree, of all pairs of views and
+ * of those of the two cameras that agree best: no pose is written), ERR_NULL,
+ * ERR_NOT_FINITE, ERR_ROTATION, ERR_RANGE (also: a second pose is not of the camera and
+ * placement of the first), ERR_TOO_FEW (also: no noise is stated, and no
  * view has more than three points), ERR_CAPACITY, ERR_TWICE, ERR_UNSORTED, ERR_DEGENERATE,
  * and what a source returns. *at_fault: the number of the view, or -1.
  * Each camera is compared with few others, in RIGCAL_CHOOSE_PLACEMENTS at most. */

@@ -171,6 +171,7 @@ enum rigcal_choose_rungs { RIGCAL_CHOOSE_RUNGS = 6 };
 typedef struct rigcal_seed {
     rigcal_real score;
     int32_t a, b, number; /* b from a; a -1: from the rig */
+    int32_t n;            /* placements compared */
 } rigcal_seed;
 
 struct rigcal_choose_solver {

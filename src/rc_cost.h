@@ -26,10 +26,6 @@ enum {
 
 void rc_judge_end(rigcal_judge_solver *s, rigcal_status status, int32_t at_fault);
 
-/* Pose 0 or 1 of a view by itself; n is 0 where there is none. */
-rigcal_status rc_judge_pose(rigcal_view_pose *pose, const rigcal_judge_solver *s,
-                            size_t view, int candidate);
-
 /* The placement under way as a pose of view v by itself has it; view is -1 where there is
  * no such pose. */
 rigcal_status rc_judge_claim(rc_claim *claim, const rigcal_judge_solver *s, size_t v,

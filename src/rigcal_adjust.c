@@ -9,7 +9,7 @@ enum { PASSES_MAX = 200 };
 
 /* part of an element of the cameras' diagonal before placements were eliminated: a smaller
  * pivot is rounding. */
-#define RANK_TOL (8 * RC_EPS)
+#define RANK_TOL RC_TOL(1e-12, 1e-6)
 
 /* part of the sum: the search ends when no more is still to be gained, judged by how fast
  * the gains fall. The poses are then within a few millionths of their sigma. */

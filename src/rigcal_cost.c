@@ -1,6 +1,7 @@
 #include "rc_cost.h"
 
 #include "rc_adjust.h"
+#include "rc_score.h"
 
 /* ---- constants ----------------------------------------------------------- */
 
@@ -26,23 +27,6 @@ void rc_judge_end(rigcal_judge_solver *s, rigcal_status status, int32_t at_fault
 /* ---- what is handed in ------------------------------------------------------ */
 
 /* Pose 0 or 1 of a view by itself; n is 0 where there is none. */
-rigcal_status rc_judge_pose(rigcal_view_pose *pose, const rigcal_judge_solver *s,
-                            size_t view, int candidate)
-{
-    const rigcal_choice *const choice = s->choice;
-    if (candidate == 0) {
-        return rc_rig_pose_at(pose, s->rig, view);
-    }
-    if (choice->second_poses != NULL) {
-        *pose = choice->second_poses[view];
-        return RIGCAL_OK;
-    }
-    pose->n = 0;
-    return (choice->second_source == NULL)
-               ? RIGCAL_OK
-               : choice->second_source(pose, view, s->rig->context);
-}
-
 /* ---- what a view costs ----------------------------------------------------- */
 
 /* Of each view of a placement, in the memory to work in: H, g by the placement, and by how
@@ -107,8 +91,8 @@ void rc_judge_evaluate(rigcal_judge_solver *s, const rc_rig_parts *parts)
         rigcal_view_pose own;
         rigcal_status status = evaluate(&sum, g, H, &chain, s);
         if (status == RIGCAL_OK) {
-            status = rc_judge_pose(&own, s, s->view,
-                                   s->choice->takes[s->view] == RIGCAL_TAKES_SECOND);
+            status = rc_candidate_at(&own, s->choice, s->rig, s->view,
+                                     s->choice->takes[s->view] == RIGCAL_TAKES_SECOND);
         }
         if (status != RIGCAL_OK) {
             rc_judge_end(s, status, (int32_t)s->view);
@@ -157,9 +141,10 @@ rigcal_status rc_judge_claim(rc_claim *claim, const rigcal_judge_solver *s, size
 {
     rigcal_view_pose first, pose;
     rc_claim view, camera = {0};
-    rigcal_status status = rc_judge_pose(&first, s, v, 0);
+    pose.n = 0;
+    rigcal_status status = rc_candidate_at(&first, s->choice, s->rig, v, 0);
     if (status == RIGCAL_OK) {
-        status = rc_judge_pose(&pose, s, v, candidate);
+        status = rc_candidate_at(&pose, s->choice, s->rig, v, candidate);
     }
     claim->view = -1;
     if (status != RIGCAL_OK || pose.n == 0) {

@@ -2,8 +2,8 @@
 #include "rc_graph.h"
 #include "rc_score.h"
 
-/* The choice: pairs of cameras are scored, the best is the seed; then camera after camera
- * joins, and the placements that it sees are placed again (CHOICE in EQUATIONS.md). */
+/* Pairs of cameras are scored, the best is the seed; then camera after camera joins, and
+ * the placements that it sees are placed again (CHOICE in EQUATIONS.md). */
 
 /* ---- constants ----------------------------------------------------------- */
 
@@ -13,12 +13,18 @@
 /* share: of views, below which they contradict each other. */
 #define SHARE_LEAST RC(0.5)
 
+/* placements: two cameras that agree in so many, besides the one that joins them, may be
+ * believed against the rest. */
+enum { SURE_LEAST = 2 };
+
+/* rung: up to which they are; at higher ones, wrong views agree by chance. */
+enum { SURE_RUNG = 2 };
+
 /* pairs: that are scored with each camera, those that have most in common. More take
  * time. */
 enum { PAIRS_MOST = 3 };
 
-/* views: of a placement, of most information. Those may place it, and when so many have,
- * another camera does not place it again. */
+/* views: of a placement, of most information, that may place it. */
 enum { VIEWS_MOST = 8 };
 
 enum { CHECKING = 1, WEIGHING, PAIRING, SCORING, CLAIMING, SUPPORTING, RESECTING, DONE };
@@ -26,8 +32,8 @@ enum { CHECKING = 1, WEIGHING, PAIRING, SCORING, CLAIMING, SUPPORTING, RESECTING
 /* ---- what is handed in --------------------------------------------------- */
 
 /* The second, and what the first leaves for the noise. */
-static rigcal_status check_second(rigcal_choose_solver *s, const rc_score_parts *p,
-                                  size_t view)
+RC_APART static rigcal_status check_second(rigcal_choose_solver *s, const rc_score_parts *p,
+                                           size_t view)
 {
     rigcal_view_pose first, second;
     rigcal_status status = rc_candidate_at(&first, s->choice, s->check.rig, view, 0);
@@ -104,7 +110,8 @@ static void begin_pairing(rigcal_choose_solver *s)
 }
 
 /* What a view tells, and what its camera has in common with those before. */
-static rigcal_status weighing_step(rigcal_choose_solver *s, const rc_score_parts *p)
+RC_APART static rigcal_status weighing_step(rigcal_choose_solver *s,
+                                            const rc_score_parts *p)
 {
     rigcal_view_pose pose;
     const size_t view = s->view;
@@ -168,7 +175,7 @@ static rigcal_real total_of(const rc_score_parts *p, size_t n_cameras, size_t ca
 static void finish_pair(rigcal_choose_solver *s, const rc_score_parts *p)
 {
     for (int k = 0; k < RIGCAL_CHOOSE_RUNGS; k++) {
-        rigcal_seed *const seed = &s->seed[k], found = {0, s->a, s->b, 0};
+        rigcal_seed *const seed = &s->seed[k], found = {0, s->a, s->b, 0, (int32_t)s->n};
         found.score = rc_score_best(&found.number, s, p, k);
         s->counts[k] += (rigcal_real)(rc_score_agree(found.score) - 1);
         if (seed->b < 0 || found.score > seed->score) {
@@ -227,8 +234,16 @@ static rigcal_status join_by(rigcal_choose_solver *s, const rc_score_parts *p,
     return status;
 }
 
-/* tau^2: the first rung to which the next adds little. 0: the views contradict each
- * other. */
+/* Two cameras agree in most of what they share: others may be wrong throughout, and are
+ * left out. The placement of the hypothesis itself tells nothing. */
+static int is_sure(const rigcal_seed *seed)
+{
+    const int32_t agree = rc_score_agree(seed->score) - 1;
+    return agree >= SURE_LEAST &&
+           (rigcal_real)agree >= SHARE_LEAST * (rigcal_real)(seed->n - 1);
+}
+
+/* tau^2: the first rung to which the next adds little. 0: views contradict each other. */
 static int choose_rung(rigcal_choose_solver *s)
 {
     rigcal_choice *const choice = s->choice;
@@ -240,12 +255,13 @@ static int choose_rung(rigcal_choose_solver *s)
     s->rung = k;
     choice->tau2 = rc_score_tau2(k);
     choice->share = (s->most > 0) ? s->counts[k] / s->most : 0;
-    return !(s->most > 0) || choice->share >= SHARE_LEAST;
+    return !(s->most > 0) || choice->share >= SHARE_LEAST ||
+           (k <= SURE_RUNG && is_sure(&s->seed[k]));
 }
 
 /* The best pair is the seed; without one a camera by itself. Its first camera is the frame
  * for now. */
-static rigcal_status begin_frame(rigcal_choose_solver *s, const rc_score_parts *p)
+RC_APART static rigcal_status begin_frame(rigcal_choose_solver *s, const rc_score_parts *p)
 {
     if (!s->is_again && !choose_rung(s)) {
         return RIGCAL_ERR_CONTRADICTION;
@@ -377,7 +393,8 @@ static int is_given(rigcal_transform *cam_from_rig, const rigcal_rig *rig, size_
 }
 
 /* A group from the frame in which it grew: that of `camera`, as it is to be. */
-static void set_frame(const rigcal_choose_solver *s, const rc_score_parts *p, size_t camera)
+RC_APART static void set_frame(const rigcal_choose_solver *s, const rc_score_parts *p,
+                               size_t camera)
 {
     rigcal_rig *const rig = s->check.rig;
     rigcal_transform given, back, grown_from_rig, rig_from_grown;
@@ -445,7 +462,8 @@ static int may_place(const rigcal_choose_solver *s, const rc_score_parts *p, siz
 }
 
 /* The claims of a view about its placement. */
-static rigcal_status claiming_step(rigcal_choose_solver *s, const rc_score_parts *p)
+RC_APART static rigcal_status claiming_step(rigcal_choose_solver *s,
+                                            const rc_score_parts *p)
 {
     const size_t view = (size_t)p->first[s->placement] + s->view;
     const rigcal_real strength = p->strength[s->placement];

@@ -1,6 +1,7 @@
 #include "rc_cost.h"
 
 #include "rc_adjust.h"
+#include "rc_score.h"
 
 /* ---- constants ----------------------------------------------------------- */
 
@@ -24,9 +25,10 @@ static void begin_adjustment(rigcal_judge_solver *s)
 static rigcal_status check_view(rigcal_judge_solver *s, size_t v)
 {
     rigcal_view_pose first, second;
-    rigcal_status status = rc_judge_pose(&first, s, v, 0);
+    second.n = 0;
+    rigcal_status status = rc_candidate_at(&first, s->choice, s->rig, v, 0);
     if (status == RIGCAL_OK) {
-        status = rc_judge_pose(&second, s, v, 1);
+        status = rc_candidate_at(&second, s->choice, s->rig, v, 1);
     }
     if (status == RIGCAL_OK && second.n > 0) {
         status = rc_check_transform(&second.cam_from_target);
@@ -92,7 +94,7 @@ static rigcal_status leave_out_lone_cameras(rigcal_judge_solver *s,
     for (int is_marking = 0; is_marking < 2; is_marking++) {
         for (size_t v = 0; v < s->rig->n_views; v++) {
             rigcal_view_pose own;
-            const rigcal_status status = rc_judge_pose(&own, s, v, 0);
+            const rigcal_status status = rc_candidate_at(&own, s->choice, s->rig, v, 0);
             if (status != RIGCAL_OK) {
                 return status;
             }

@@ -61,6 +61,8 @@ figures       gcc,arm,riscv,python         $PYTHON port/qemu/figures.py
 memory        arm                          sh tests/bench/rig_memory.sh
 rig-ceres     gcc,g++,cmake,make,ceres,unity
               sh tests/bench/rig.sh check
+real-rigs     gcc,cmake,unity,numpy,scipy
+              preset_build gcc-double && preset_build gcc-float && $PYTHON tests/bench/real_rigs.py
 format        clang-format                 sh tests/checks/check_format.sh
 cppcheck      cppcheck                     sh tests/checks/check_cppcheck.sh
 tidy          gcc,clang-tidy               sh tests/checks/check_tidy.sh

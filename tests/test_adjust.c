@@ -331,6 +331,38 @@ static int compare(const void *a, const void *b)
     return *(const int32_t *)a - *(const int32_t *)b;
 }
 
+/* A search that ends with a damped step makes its equations once more, for the covariance
+ * is of undamped ones. */
+static void test_a_search_ends_with_equations_that_are_not_damped(void)
+{
+    test_rng rng = test_seed(325);
+    int n_final = 0;
+
+    WANTS_RIGS(1);
+    for (int trial = 0; trial < TEST_TRIALS(40); trial++) {
+        rigcal_rig_solver solver;
+        rigcal_real first[36], again[36];
+        double expected[36];
+        rigcal_rig_fit fit;
+
+        test_rig_random(&r, &rng, 3, 5, 8);
+        test_rig_see_all(&r, &rng, 0.3);
+        test_rig_start(&r, &rng, 0.25, 0.4);
+        ASSERT_STATUS(RIGCAL_OK, rigcal_rig_begin(&solver, &r.rig));
+        while (rigcal_rig_step(&solver, 1000) == RIGCAL_RUNNING) {
+        }
+        ASSERT_STATUS(RIGCAL_OK, rigcal_rig_result(&fit, NULL, &solver));
+        TEST_ASSERT_TRUE(!(solver.search.lambda > 0));
+        n_final += solver.is_final;
+        ASSERT_STATUS(RIGCAL_OK, rigcal_rig_covariance(first, &r.rig, 1, 2));
+        adjust(&fit, &r); /* from the minimum: nothing is damped */
+        ASSERT_STATUS(RIGCAL_OK, rigcal_rig_covariance(again, &r.rig, 1, 2));
+        test_to_double(expected, again, 36);
+        assert_covariance(expected, first, TOL(1e-4, 1e-2));
+    }
+    TEST_ASSERT_TRUE(n_final > 0 || TEST_ONE_IN > 1);
+}
+
 static void test_from_the_join_few_evaluations_are_enough(void)
 {
     enum { TRIALS = 61 };
@@ -471,6 +503,7 @@ TEST_MAIN()
     RUN_TEST(test_a_step_is_small);
     RUN_TEST(test_exact_pixels_give_the_truth_from_bad_starts);
     RUN_TEST(test_bad_starts_end_in_the_same_minimum);
+    RUN_TEST(test_a_search_ends_with_equations_that_are_not_damped);
     RUN_TEST(test_from_the_join_few_evaluations_are_enough);
     RUN_TEST(test_sigmas_and_the_loop_closure_say_what_noise_does);
     RUN_TEST(test_a_pair_does_not_depend_on_which_camera_is_held);

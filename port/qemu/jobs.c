@@ -238,8 +238,8 @@ static void make_scene(size_t n, kind what, uint64_t seed)
 
 #define RIG_FAR 5.0
 
-/* Three cameras stand RIG_FAR sizes from the target, 20 degrees apart, and all see it in each
- * placement. The poses of the views by themselves are refined from the truth. */
+/* Three cameras stand RIG_FAR sizes from the target, 20 degrees apart, and all see it in
+ * each placement. The poses of the views by themselves are refined from the truth. */
 enum { RIG_CAMERAS = 3, RIG_PLACEMENTS = 8, RIG_POINTS_MAX = 12 };
 enum { RIG_VIEWS = RIG_CAMERAS * RIG_PLACEMENTS, RIG_POSES = RIG_CAMERAS + RIG_PLACEMENTS };
 

@@ -4,8 +4,8 @@
  * What one evaluation costs is measured scene by scene, by itself: the most of a step of
  * two refinements, the ray of a pixel, and the proof that the lens sees a point; of the
  * published search, of its objective over a grid; of a rig, of a view's equations by camera
- * and placement, from its points or, for the join, from its own pose. A step of budget b may
- * take b + 1 of them and EXTRA. Exit status 1 where one takes more.
+ * and placement, from its points or, for the join, from its own pose. A step of budget b
+ * may take b + 1 of them and EXTRA. Exit status 1 where one takes more.
  */
 #include <stdint.h>
 #include <stdio.h>

@@ -1,19 +1,20 @@
-/* bench_ceres: rigcal_rig_adjust beside Ceres, on the same rigs (bench_rigs.h) from the same
- * starts in one process, one thread each. Built and run by rig.sh.
+/* bench_ceres: rigcal_rig_adjust beside Ceres, on the same rigs (bench_rigs.h) from the
+ * same starts in one process, one thread each. Built and run by rig.sh.
  *
  *   bench_ceres methods
  *       what there is
  *   bench_ceres compare C F N [REPEATS]
- *       runs all: exit status 1 unless they end in the same minimum with the same covariance
- *       of the cameras. Prints the least CPU time of REPEATS (default 1), a line a method
+ *       runs all: exit status 1 unless they end in the same minimum with the same
+ *       covariance of the cameras. Prints the least CPU time of REPEATS (default 1), a line
+ *       a method
  *   bench_ceres solve C F N METHOD
  *       only solves, for callgrind: bench_call is what counts
  *
  * A method of Ceres is named by its derivatives, its residual blocks and its linear solver:
  * hand-written of a whole view, hand-written of a point, automatic of a point. Poses are a
- * rotation vector and t in both. What counts is from the making of the problem to the poses;
- * with "+cov" to the covariance of all cameras, cross terms included, which rigcal always
- * computes. Ceres has the lens without its rational terms. */
+ * rotation vector and t in both. What counts is from the making of the problem to the
+ * poses; with "+cov" to the covariance of all cameras, cross terms included, which rigcal
+ * always computes. Ceres has the lens without its rational terms. */
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>

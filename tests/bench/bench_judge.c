@@ -35,6 +35,8 @@ static const campaign CAMPAIGNS[] = {
     {"10 % reversed, 4 x 10", REVERSED, 4, 10, 4, 0.1, 0},
     {"two cameras swapped in 10 % of placements, 4 x 10", SWAPPED, 4, 10, 4, 0.1, 0},
     {"one camera a placement late, 4 x 10", LATE, 4, 10, 4, 0, 0},
+    {"one camera a placement late, 3 x 10", LATE, 3, 10, 3, 0, 0},
+    {"10 % replaced, 4 x 20, three of four see", REPLACED, 4, 20, 3, 0.1, 0},
     {"one camera a placement late, 4 x 10, patterns of 4 px", LATE, 4, 10, 4, 0, 4},
 };
 enum { N_CAMPAIGNS = sizeof CAMPAIGNS / sizeof CAMPAIGNS[0] };

@@ -1,5 +1,5 @@
-/* bench_rig: rigcal_rig_join and rigcal_rig_adjust on simulated rigs (bench_rigs.h). C, F and
- * N are the numbers of cameras, placements and points.
+/* bench_rig: rigcal_rig_join and rigcal_rig_adjust on simulated rigs (bench_rigs.h). C, F
+ * and N are the numbers of cameras, placements and points.
  *
  *   bench_rig adjust C F N [REPEATS]
  *   bench_rig join C F N [REPEATS]
@@ -65,7 +65,7 @@ static void count_join(rigcal_rig_fit *fit, bench_rig *b)
 static void bench_one(bench_rig *b, int is_join, int repeats)
 {
     rigcal_rig_fit fit;
-    double least = INFINITY;
+    double least = HUGE_VAL;
 
     for (int i = 0; i < repeats; i++) {
         const clock_t begin = clock();

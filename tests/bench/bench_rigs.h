@@ -1,8 +1,8 @@
 /* bench_rigs.h - the simulated rigs that the benchmarks of an adjustment share.
  *
  * Cameras of 800 px with a Brown lens stand in an arc about a target of random points in a
- * box of 1 x 1 x 0.5, 5 away. Every camera sees every placement, with 0.3 px noise. A rig is
- * told by its numbers of cameras, placements and points, and by a seed. */
+ * box of 1 x 1 x 0.5, 5 away. Every camera sees every placement, with 0.3 px noise. A rig
+ * is told by its numbers of cameras, placements and points, and by a seed. */
 #ifndef BENCH_RIGS_H
 #define BENCH_RIGS_H
 
@@ -23,8 +23,8 @@ typedef struct {
     rigcal_real *work;
 } bench_rig;
 
-/* Camera 0 is the frame. The starts are composed from the poses of single views: a camera by
- * placement 0, a placement by camera 0. Ends the program where it cannot be had. */
+/* Camera 0 is the frame. The starts are composed from the poses of single views: a camera
+ * by placement 0, a placement by camera 0. Ends the program where it cannot be had. */
 void bench_rig_make(bench_rig *b, int n_cameras, int n_placements, int n_points,
                     uint64_t seed);
 void bench_rig_free(bench_rig *b);

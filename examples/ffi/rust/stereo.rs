@@ -285,17 +285,18 @@ fn solve(view: &rigcal_rig_view, what: &str) -> rigcal_view_pose {
     found
 }
 
-/// What each camera saw in each frame: the frame's number, the camera's, the points.
+/// What each camera saw in each frame: the frame's number, the camera's, their names, the
+/// points.
 fn read_views(
     cameras: &[Row],
     observations: &[Row],
-) -> Vec<(usize, usize, Vec<rigcal_observation>)> {
+) -> Vec<(usize, usize, String, Vec<rigcal_observation>)> {
     let mut frames: BTreeMap<&str, Vec<&Row>> = BTreeMap::new();
     for row in observations {
         frames.entry(text(row, "frame")).or_default().push(row);
     }
     let mut views = Vec::new();
-    for (placement, seen) in frames.values().enumerate() {
+    for (placement, (frame, seen)) in frames.iter().enumerate() {
         for (index, camera) in cameras.iter().enumerate() {
             let name = text(camera, "camera");
             let observed: Vec<rigcal_observation> = seen
@@ -304,7 +305,8 @@ fn read_views(
                 .map(|row| read_observation(row))
                 .collect();
             if !observed.is_empty() {
-                views.push((placement, index, observed));
+                let names = format!("camera {name}, frame {frame}");
+                views.push((placement, index, names, observed));
             }
         }
     }
@@ -317,7 +319,7 @@ fn right_from_left(cameras: &[Row], observations: &[Row]) -> (rigcal_transform, 
     let seen = read_views(cameras, observations);
     let views: Vec<rigcal_rig_view> = seen
         .iter()
-        .map(|(placement, camera, observed)| rigcal_rig_view {
+        .map(|(placement, camera, _, observed)| rigcal_rig_view {
             view: rigcal_view {
                 camera: &lenses[*camera],
                 observations: observed.as_ptr(),
@@ -331,7 +333,8 @@ fn right_from_left(cameras: &[Row], observations: &[Row]) -> (rigcal_transform, 
         .collect();
     let view_poses: Vec<rigcal_view_pose> = views
         .iter()
-        .map(|v| solve(v, &format!("camera {}, placement {}", v.camera, v.placement)))
+        .zip(&seen)
+        .map(|(view, (_, _, names, _))| solve(view, names))
         .collect();
     let n_placements = seen.last().map_or(0, |view| view.0 + 1);
     let mut cams_from_rig = [rigcal_transform::zeroed(); 2];

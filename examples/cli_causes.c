@@ -91,7 +91,8 @@ static void tell_cause(reason *r, const calibration *c, const rigcal_cause *caus
 /* Where each point is on the target, as the views in the rig have it. */
 static const cli_observation **points_in_rig(const calibration *c)
 {
-    const cli_observation **place = cli_alloc(c->observations.points.count, sizeof *place);
+    const cli_observation **place =
+        cli_alloc(c->observations.points.count, sizeof(const cli_observation *));
     size_t i, k;
 
     for (i = 0; i < c->n_views; i++) {
@@ -397,8 +398,8 @@ static void find_wrong_placements(calibration *c)
 /* ==== a camera ============================================================ */
 
 /* Why most views of the rig's camera contradict. The first view of most points tells the
- * symmetries. Where there is no rig, it is not known by how much more than noise right views
- * differ: `scales` times the noise, four times as much each time, are tried. */
+ * symmetries. Where there is no rig, it is not known by how much more than noise right
+ * views differ: `scales` values are tried, each four times the last. */
 static reason find_camera_reason(const calibration *c, size_t camera, int scales)
 {
     rigcal_judgement judgement = c->judgement;
@@ -419,11 +420,12 @@ static reason find_camera_reason(const calibration *c, size_t camera, int scales
     }
     seen = view_points(c, most);
     by = symmetries_of(&seen);
-    for (k = 0; k < scales && r.after == NULL; k++, judgement.scale *= 4) {
+    for (k = 0; k < scales && r.after == NULL; k++) {
         if (rigcal_camera_cause(&cause, &c->rig, &judgement, &by->of, camera) ==
             RIGCAL_OK) {
             tell_cause(&r, c, &cause, by, rig_camera_name(c, camera), 0);
         }
+        judgement.scale *= 4;
     }
     return r;
 }

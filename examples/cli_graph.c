@@ -98,7 +98,6 @@ void find_groups(calibration *c)
 
     for (i = 0; i < c->rig.n_cameras; i++) {
         is_apart |= counts[i] && !c->in_frame[i];
-        c->in_frame[i] &= counts[i] || i == c->main_camera;
     }
     if (!is_apart) {
         return;

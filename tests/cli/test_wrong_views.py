@@ -1,6 +1,5 @@
 """calibrate survives wrong views: the first line says what is wrong, the second what to do."""
 import itertools
-import os
 import unittest
 
 import numpy as np
@@ -44,7 +43,7 @@ class TestStereo(WrongViews):
     def test_one_view_reversed_both_of_its_placement_are_named(self):
         for frame in FRAMES:
             self.run_rows([r for r in self.rows() if r["frame"] != frame], self.CAMERAS)
-            known = transforms(self.result("rig.csv"), "camera")["right"]
+            known = read(self.result("rig.csv"))[1]
             for camera in ("left", "right"):
                 with self.subTest(camera=camera, frame=frame):
                     rows = self.rows()
@@ -67,9 +66,12 @@ class TestStereo(WrongViews):
         self.assertEqual(self.verdicts(), {
             (c, f): "one_of_two" if f == frame else "fits"
             for c in ("left", "right") for f in FRAMES})
-        R, t = transforms(self.result("rig.csv"), "camera")["right"]
-        self.assertLess(np.abs(R - known[0]).max(), 1e-4 if FLOAT else 1e-6)
-        self.assertLess(np.abs(t - known[1]).max(), 1e-4 if FLOAT else 1e-6)
+        found = read(self.result("rig.csv"))[1]
+        self.assertEqual(found.pop("camera"), "right")
+        for name, value in found.items():  # the covariance too
+            self.assertLess(abs(float(value) - float(known[name])), 1e-4 if FLOAT else 1e-6)
+        self.assertAlmostEqual(float(found["sigma_rot_deg"]) / float(known["sigma_rot_deg"]), 1,
+                               delta=1e-2 if FLOAT else 1e-5)
         self.assertNotIn(frame, {r["frame"] for r in read(self.result("targets.csv"))})
         self.assertEqual({r["frame"] for r in read(self.result("residuals.csv"))
                           if r["left_out"] == "1"}, {frame})
@@ -235,6 +237,33 @@ class TestBrokenSets(Simulated):
             for frame in self.FRAMES:
                 reverse(self.view(camera, frame))
 
+    def test_all_of_one_of_three_cameras_reversed(self):
+        """Most pairs of views contradict each other then."""
+        del self.camera_rows["d"]
+        self.rows = [r for r in self.rows if r["camera"] != "d"]
+        for frame in self.FRAMES:
+            reverse(self.view("b", frame))
+        run, first, second = self.run_sim()
+        self.assertEqual(run.returncode, 1)
+        self.assertRegex(first, r"\Arigcal: camera b contradicts the others in 8 of 8 frames, "
+                         r"where it is left out: the points of all views of b are numbered in "
+                         r"reverse")
+        self.assertIn("number the points from the other end", second)
+        self.assert_left_out(*(("b", f) for f in self.FRAMES))
+        self.assert_right("c")
+
+    def test_cameras_are_told_before_views(self):
+        reverse(self.view("c", "3"))
+        self.view("a", "1")[17]["u"] += 60
+        self.camera_rows["e"] = camera_row("e")
+        run, first, _ = self.run_sim()
+        self.assertEqual(run.returncode, 1)
+        lines = run.stderr.splitlines()
+        self.assertIn("camera e is not in the rig", first)
+        self.assertIn("camera a in frame 1: point p17 is wrong", lines[2])
+        self.assertIn("frame 3: camera c contradicts the others", lines[4])
+        self.assertEqual(len(lines), 6)
+
     def test_disconnected(self):
         self.rows = [r for r in self.rows
                      if (r["camera"] in "ab") == (int(r["frame"]) < 4)]
@@ -282,7 +311,13 @@ class TestBrokenSets(Simulated):
     def test_mirrored(self):
         """A set whose image is mirrored in one view."""
         self.give("b", "6", [(1279 - u, v) for u, v in self.pixels("b", "6")])
-        run, first, second = self.run_sim()
+        self.check_mirrored(*self.run_sim())
+
+    def test_v_counts_upwards(self):
+        self.give("b", "6", [(u, 959 - v) for u, v in self.pixels("b", "6")])
+        self.check_mirrored(*self.run_sim())
+
+    def check_mirrored(self, run, first, second):
         self.assertEqual(run.returncode, 1)
         self.assertEqual(first, "rigcal: frame 6: camera b contradicts the others and is left "
                          "out: the image of b is mirrored")

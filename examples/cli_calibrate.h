@@ -188,7 +188,6 @@ const char *names_joined(const char *const names[], size_t n, const char *last);
 /* Why views are left out; why there is no rig; what is suspect before. */
 void find_causes(calibration *c);
 void find_contradiction(calibration *c);
-int choose_without_one(calibration *c);
 void find_suspects(calibration *c);
 void find_groups(calibration *c);
 void find_point(calibration *c, const view *v, const rigcal_blame *blame);

@@ -504,20 +504,6 @@ void find_causes(calibration *c)
 
 /* ==== no rig ============================================================== */
 
-/* The other cameras by themselves, as where all views of this one are left out. Returns 0
- * if they do not agree either. */
-static int choose_without(calibration *c, size_t camera, uint8_t left_out[])
-{
-    int32_t at_fault;
-    size_t i;
-
-    for (i = 0; i < c->rig.n_views; i++) {
-        left_out[i] = judged_view(c, i)->rig_camera == camera;
-    }
-    c->rig.left_out = left_out;
-    return rigcal_rig_choose(&c->choice, &at_fault, &c->rig) >= 0;
-}
-
 /* Then the other camera of two is where it is, and its views say where the target is. */
 static void place_nowhere(calibration *c, uint8_t left_out[])
 {
@@ -549,7 +535,7 @@ static double noise_of_rig(const calibration *c)
     return c->pose.sigma_px > 0 ? (double)c->pose.sigma_px : sqrt(sum / fmax(n, 1)) + 1e-9;
 }
 
-/* Each camera as a whole is tried. */
+/* Of two cameras each as a whole is tried. Of more, nothing says where the others are. */
 void find_contradiction(calibration *c)
 {
     uint8_t *left_out = cli_alloc(c->rig.n_views, sizeof *left_out);
@@ -572,30 +558,4 @@ void find_contradiction(calibration *c)
          why != NULL ? reasons[0].advice
                      : "check which image is of which camera and frame, the target's "
                        "coordinates, and the intrinsics");
-}
-
-/* Where the views contradict each other as they are, but not without one of the cameras:
- * without which. Returns 0 where there is none, or more than one. */
-int choose_without_one(calibration *c)
-{
-    enum { TRIED_MOST = 20 };
-    uint8_t *left_out = cli_alloc(c->rig.n_views, sizeof *left_out);
-    size_t i, n = 0, wrong = 0;
-
-    if (c->rig.n_cameras < 3) {
-        return 0;
-    }
-    for (i = 0; i < c->rig.n_cameras && i < TRIED_MOST; i++) {
-        place_nowhere(c, left_out);
-        if (choose_without(c, i, left_out)) {
-            wrong = i;
-            n++;
-        }
-    }
-    place_nowhere(c, left_out);
-    if (n == 1) {
-        choose_without(c, wrong, left_out);
-    }
-    c->rig.left_out = NULL;
-    return n == 1;
 }

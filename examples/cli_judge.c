@@ -210,11 +210,11 @@ int judge_rig(calibration *c)
     c->choice.takes = cli_alloc(c->rig.n_views, sizeof *c->choice.takes);
     c->judged = cli_alloc(c->rig.n_views, sizeof *c->judged);
     status = choose_poses(c, &at_fault);
-    if (status == RIGCAL_ERR_CONTRADICTION && !choose_without_one(c)) {
+    if (status == RIGCAL_ERR_CONTRADICTION) {
         find_contradiction(c);
         return 0;
     }
-    if (status < 0 && status != RIGCAL_ERR_CONTRADICTION) {
+    if (status < 0) {
         name_rig_trouble(c, "the cameras cannot be joined", status, at_fault);
         return 0;
     }

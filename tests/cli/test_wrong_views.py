@@ -238,7 +238,6 @@ class TestBrokenSets(Simulated):
                 reverse(self.view(camera, frame))
 
     def test_all_of_one_of_three_cameras_reversed(self):
-        """Most pairs of views contradict each other then."""
         del self.camera_rows["d"]
         self.rows = [r for r in self.rows if r["camera"] != "d"]
         for frame in self.FRAMES:

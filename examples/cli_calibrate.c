@@ -4,6 +4,9 @@
 #include <math.h>
 #include <string.h>
 
+/* By RIGCAL_VIEW_. */
+static const char *const VERDICT[] = {"fits", "contradicts", "one_of_two", "unchecked"};
+
 /* ==== files =============================================================== */
 
 static void write_poses(FILE *file, const calibration *c)
@@ -11,7 +14,7 @@ static void write_poses(FILE *file, const calibration *c)
     size_t i;
 
     fprintf(file, "camera,frame,n,%s,rms_px,%s\n", CLI_TRANSFORM_COLUMNS,
-            "sigma_rot_deg,sigma_pos,second_rms_px,probability");
+            "sigma_rot_deg,sigma_pos,second_rms_px,probability,verdict");
     for (i = 0; i < c->n_views; i++) {
         const view *v = &c->views[i];
         const rigcal_pose *other = view_second(v);
@@ -24,7 +27,7 @@ static void write_poses(FILE *file, const calibration *c)
         cli_write_known(file, v->sigma_pos, v->has_sigma);
         cli_write_known(file, other ? other->rms_px : 0, other != NULL);
         cli_write_known(file, view_taken(v)->probability, !v->by_paper);
-        fprintf(file, "\n");
+        fprintf(file, ",%s\n", v->verdict >= 0 ? VERDICT[v->verdict] : "");
     }
 }
 
@@ -118,7 +121,7 @@ static void write_residuals(FILE *file, const calibration *c)
             cli_write_known(file, r.duv[0], is_known);
             cli_write_known(file, r.duv[1], is_known);
             cli_write_known(file, r.error_px, is_known);
-            fprintf(file, ",%d\n", view_leaves_out(v, k));
+            fprintf(file, ",%d\n", v->is_left_out || view_leaves_out(v, k));
         }
     }
 }
@@ -212,11 +215,13 @@ int cli_calibrate(const char *const option[OPTION_COUNT])
                option[OPTION_SIGMA] != NULL);
     cli_observations_read(&c.observations, option[OPTION_OBSERVATIONS], &c.cameras, 1);
     cli_observations_by_view(&c.observations);
+    cli_hold();
     solve_views(&c);
-    settle_ambiguous_views(&c);
     name_left_out(&c, folder);
+    find_duplicates(&c);
+    find_suspects(&c);
     form_rig(&c);
-    cli_progress_end();
+    tell_findings(&c);
     if (c.n_views == 0) {
         cli_say("no view has a pose, so there is nothing to print%s",
                 folder != NULL ? " and nothing to write" : "");

@@ -1,7 +1,8 @@
 /* cli_calibrate.h - what the parts of rigcal calibrate share: every camera's pose in
- * every frame (cli_solve.c), which one of an ambiguous view (cli_settle.c), the rig that
- * they form (cli_rig.c), what is known of its cameras beforehand (cli_prior.c), what a
- * person reads of it (cli_report.c), and options and files (cli_calibrate.c). */
+ * every frame (cli_solve.c), the rig that they form (cli_rig.c), which views are wrong
+ * (cli_judge.c) and why (cli_causes.c, cli_suspects.c), what is known of its cameras
+ * beforehand (cli_prior.c), what a person reads of it (cli_findings.c, cli_report.c,
+ * cli_graph.c), and options and files (cli_calibrate.c). */
 #ifndef RIGCAL_CLI_CALIBRATE_H
 #define RIGCAL_CLI_CALIBRATE_H
 
@@ -30,8 +31,21 @@ typedef struct {
     int has_sigma;
     rigcal_real sigma_deg, sigma_pos; /* of the rotation; of the centre */
     size_t rig_camera;
-    int in_rig; /* its points count in the rig */
+    int in_rig;      /* its points count in the rig */
+    int is_left_out; /* it contradicts others, and does not */
+    int is_told;     /* why has been told */
+    int is_repeated; /* another frame has the same pixels */
+    int verdict;     /* RIGCAL_VIEW_, or -1: it was not judged */
 } view;
+
+/* What is wrong, and what to do. The first rank is told first. */
+typedef enum { ABOUT_RIG, ABOUT_CAMERA, ABOUT_VIEW } finding_rank;
+typedef struct {
+    finding_rank rank;
+    size_t number;
+    const view *v; /* that it is about, or NULL */
+    const char *what, *advice;
+} finding;
 
 /* What is known beforehand of each camera of cameras.csv. */
 typedef struct {
@@ -71,6 +85,16 @@ typedef struct {
     rigcal_rig rig;     /* its views are sorted by frame; placements are frames */
     size_t *view_of;    /* of the rig's view, the number of ours */
     int *placed;        /* by frame: whether it has a place in the main camera's frame */
+
+    rigcal_view_pose *second_poses; /* of the rig's views */
+    rigcal_choice choice;
+    rigcal_judgement judgement;
+    rigcal_judged_view *judged; /* of the rig's views */
+    size_t n_left_out;          /* views */
+    finding *findings;
+    size_t n_findings, room_for_findings;
+    int sigma_is_told;   /* --sigma is too small for most views */
+    int *camera_is_told; /* by camera: what is wrong with its views has been told */
 
     int is_adjusted; /* else the views' poses are joined, and what follows is not known */
     rigcal_rig_fit fit;
@@ -132,13 +156,57 @@ int rig_camera_sigma(rig_sigma *s, const calibration *c, size_t rig_camera);
 int rig_pair(rigcal_transform *b_from_a, rig_sigma *s, const calibration *c, size_t a,
              size_t b);
 
+/* Notes what is wrong, and sets the exit status; all are told by tell_findings, before the
+ * messages that were held. What is returned holds until the next. */
+finding *find(calibration *c, finding_rank rank, const char *what, const char *advice);
+void tell_findings(calibration *c);
+
+/* The name of a view's camera; of its frame. */
+const char *view_camera_name(const calibration *c, const view *v);
+const char *view_frame_name(const calibration *c, const view *v);
+
+/* Which pose each view has, which views are wrong, and the rig of the others. Returns 0
+ * where there is none. */
+int judge_rig(calibration *c);
+void name_rig_trouble(calibration *c, const char *what, rigcal_status status,
+                      int32_t at_fault);
+
+/* Turns of a flat target in its plane, and mirrored turns, that map its points onto each
+ * other. What is found
+ * holds until the next call. */
+enum { SYMMETRIES_MOST = 16 };
+typedef struct {
+    rigcal_symmetries of;
+    double deg[SYMMETRIES_MOST];
+    int is_mirrored[SYMMETRIES_MOST];
+} symmetries;
+const symmetries *symmetries_of(const rigcal_view *seen);
+
+/* "a, b and c", of at most some ten. */
+const char *names_joined(const char *const names[], size_t n, const char *last);
+
+/* Why views are left out; why there is no rig; what is suspect before. */
+void find_causes(calibration *c);
+void find_contradiction(calibration *c);
+void find_suspects(calibration *c);
+void find_groups(calibration *c);
+void find_point(calibration *c, const view *v, const rigcal_blame *blame);
+void find_duplicates(calibration *c);
+
+/* Noise of a camera of cameras.csv by its views' own fits, the middle of them; 0: too few
+ * tell anything. */
+double camera_noise(const calibration *c, size_t camera);
+
 /* In this order. All say what they cannot do, and set the exit status. `folder`: of
  * the files, or NULL. */
 void solve_views(calibration *c);
-void settle_ambiguous_views(calibration *c);
 void name_left_out(const calibration *c, const char *folder);
 void form_rig(calibration *c);
 void print_summary(const calibration *c); /* of a view at least */
+void print_graph(const calibration *c);
+int *cameras_that_count(const calibration *c); /* of the rig: those with a view in it */
+int widest(const cli_names *names);
+void print_rig_sigma(const rig_sigma *s, int is_known);
 
 double length_of(const rigcal_real x[3]);
 

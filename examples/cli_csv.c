@@ -49,20 +49,83 @@ void cli_progress(size_t n_views, const char *format, ...)
     is_progress_shown = 1;
 }
 
-static void complain(const char *format, va_list arguments)
+/* Messages that wait for those that must stand before them. */
+static char *held;
+static size_t held_size, held_room;
+static int is_holding;
+
+void cli_hold(void)
 {
-    vfprintf(stderr, format, arguments);
-    fputc('\n', stderr);
+    is_holding = 1;
+}
+
+void cli_release(void)
+{
+    cli_progress_end();
+    if (held_size > 0) {
+        fwrite(held, 1, held_size, stderr);
+    }
+    free(held);
+    held = NULL;
+    held_size = held_room = 0;
+    is_holding = 0;
+}
+
+/* Adds to those held; where there is no memory, all are shown at once. */
+static void hold(const char *text)
+{
+    const size_t size = strlen(text);
+
+    if (size == 0) {
+        return;
+    }
+    if (held_size + size + 1 > held_room) {
+        const size_t room = 2 * (held_size + size + 1);
+        char *larger = realloc(held, room);
+
+        if (larger == NULL) {
+            cli_release();
+            fputs(text, stderr);
+            return;
+        }
+        held = larger;
+        held_room = room;
+    }
+    memcpy(held + held_size, text, size + 1);
+    held_size += size;
+}
+
+static void complain(const char *before, const char *format, va_list arguments,
+                     const char *behind)
+{
+    va_list copy;
+    char *text;
+    int size;
+
+    cli_progress_end();
+    if (!is_holding) {
+        fputs(before, stderr);
+        vfprintf(stderr, format, arguments);
+        fputs(behind, stderr);
+        return;
+    }
+    va_copy(copy, arguments);
+    size = vsnprintf(NULL, 0, format, copy);
+    va_end(copy);
+    text = cli_alloc((size_t)(size > 0 ? size : 0) + 1, 1);
+    vsnprintf(text, (size_t)(size > 0 ? size : 0) + 1, format, arguments);
+    hold(before);
+    hold(text);
+    hold(behind);
+    cli_free(text);
 }
 
 void cli_say(const char *format, ...)
 {
     va_list arguments;
 
-    cli_progress_end();
     va_start(arguments, format);
-    fputs("rigcal: ", stderr);
-    complain(format, arguments);
+    complain("rigcal: ", format, arguments, "\n");
     va_end(arguments);
 }
 
@@ -70,9 +133,8 @@ void cli_say_part(const char *format, ...)
 {
     va_list arguments;
 
-    cli_progress_end();
     va_start(arguments, format);
-    vfprintf(stderr, format, arguments);
+    complain("", format, arguments, "");
     va_end(arguments);
 }
 
@@ -80,22 +142,37 @@ void cli_fail(const char *format, ...)
 {
     va_list arguments;
 
-    cli_progress_end();
+    cli_release();
     va_start(arguments, format);
-    fputs("rigcal: ", stderr);
-    complain(format, arguments);
+    complain("rigcal: ", format, arguments, "\n");
     va_end(arguments);
     exit(CLI_USAGE);
+}
+
+const char *cli_text(const char *format, ...)
+{
+    va_list arguments;
+    char *text;
+    int size;
+
+    va_start(arguments, format);
+    size = vsnprintf(NULL, 0, format, arguments);
+    va_end(arguments);
+    text = cli_alloc((size_t)(size > 0 ? size : 0) + 1, 1);
+    va_start(arguments, format);
+    vsnprintf(text, (size_t)(size > 0 ? size : 0) + 1, format, arguments);
+    va_end(arguments);
+    return text;
 }
 
 void csv_fail_line(const csv_table *table, size_t line, const char *format, ...)
 {
     va_list arguments;
 
-    cli_progress_end();
+    cli_release();
     va_start(arguments, format);
     fprintf(stderr, "%s:%lu: ", table->path, (unsigned long)line);
-    complain(format, arguments);
+    complain("", format, arguments, "\n");
     va_end(arguments);
     exit(CLI_USAGE);
 }
@@ -104,10 +181,10 @@ void csv_fail(const csv_table *table, size_t row, const char *format, ...)
 {
     va_list arguments;
 
-    cli_progress_end();
+    cli_release();
     va_start(arguments, format);
     fprintf(stderr, "%s:%lu: ", table->path, (unsigned long)table->lines[row]);
-    complain(format, arguments);
+    complain("", format, arguments, "\n");
     va_end(arguments);
     exit(CLI_USAGE);
 }

@@ -26,6 +26,14 @@ void cli_say(const char *format, ...) CLI_PRINTF(1, 2);
 void cli_say_part(const char *format, ...) CLI_PRINTF(1, 2);
 CLI_NORETURN void cli_fail(const char *format, ...) CLI_PRINTF(1, 2);
 
+/* Messages wait from cli_hold on; cli_release shows them. Where the program ends by
+ * cli_fail, they are shown before its message. */
+void cli_hold(void);
+void cli_release(void);
+
+/* A text of cli_alloc. */
+const char *cli_text(const char *format, ...) CLI_PRINTF(1, 2);
+
 /* A line on stderr that the next one takes the place of; every message removes it. It is
  * shown only on a terminal, and only for work on so many views that it can be long. */
 void cli_progress(size_t n_views, const char *format, ...) CLI_PRINTF(2, 3);

@@ -155,12 +155,87 @@ static const contradiction *find_contradiction(const cli_observation *a,
     return same_place(a->seen.X_w, b->seen.X_w) ? NULL : &ELSEWHERE;
 }
 
+/* Sums over the points that two cameras saw in a frame: of the products of their
+ * coordinates, axis by axis. */
+typedef struct {
+    double aa[3], ab[3], bb[3];
+    size_t n;
+} products;
+
+static void add_products(products *p, const rigcal_real a[3], const rigcal_real b[3])
+{
+    int k;
+
+    for (k = 0; k < 3; k++) {
+        p->aa[k] += (double)a[k] * (double)a[k];
+        p->ab[k] += (double)a[k] * (double)b[k];
+        p->bb[k] += (double)b[k] * (double)b[k];
+    }
+    p->n++;
+}
+
+/* The factor that takes the coordinates for camera a to those for b, and whether axes
+ * change their signs; 0: there is none. */
+static double factor_between(int *is_mirrored, const products *p)
+{
+    double aa = 0, ab = 0, bb = 0;
+    int k;
+
+    *is_mirrored = 0;
+    for (k = 0; k < 3; k++) {
+        aa += p->aa[k];
+        ab += fabs(p->ab[k]);
+        bb += p->bb[k];
+        *is_mirrored |= p->ab[k] < 0;
+    }
+    return p->n >= 3 && aa > 0 && ab * ab > (1 - 1e-9) * aa * bb ? ab / aa : 0;
+}
+
+/* What all points of the view say, if they say the same. */
+static void name_other_coordinates(const cli_observations *observations,
+                                   const cli_cameras *cameras, const cli_observation *a,
+                                   const cli_observation *b)
+{
+    products p = {{0, 0, 0}, {0, 0, 0}, {0, 0, 0}, 0};
+    const cli_observation *o, *last_a = NULL;
+    const cli_observation *end = observations->list + observations->count;
+    const char *frame = observations->frames.name[a->frame];
+    const char *of_a = cameras->names.name[a->camera];
+    const char *of_b = cameras->names.name[b->camera];
+    double factor;
+    int is_mirrored;
+
+    for (o = observations->list; o < end; o++) {
+        if (o->frame == a->frame && o->camera == a->camera) {
+            last_a = o;
+        } else if (o->frame == a->frame && o->camera == b->camera && last_a != NULL &&
+                   last_a->point == o->point) {
+            add_products(&p, last_a->seen.X_w, o->seen.X_w);
+        }
+    }
+    factor = factor_between(&is_mirrored, &p);
+    if (factor > 0 && is_mirrored) {
+        cli_say(
+            "frame %s: the coordinates for camera %s are those for camera %s with other "
+            "signs: one of the two is mirrored",
+            frame, of_b, of_a);
+        cli_say("  give X, Y, Z of all observations in the same right-handed axes");
+    } else if (factor > 0) {
+        cli_say("frame %s: the coordinates for camera %s are %.4g times those for camera "
+                "%s: a wrong unit",
+                frame, factor > 1 ? of_b : of_a, factor > 1 ? factor : 1 / factor,
+                factor > 1 ? of_a : of_b);
+        cli_say("  give X, Y, Z of all observations in the same unit");
+    }
+}
+
 /* Of all contradictions, the one that the file tells first. */
-static void check_contradictions(const cli_observations *observations)
+static void check_contradictions(const cli_observations *observations,
+                                 const cli_cameras *cameras)
 {
     const cli_observation *list = observations->list;
     const contradiction *first = NULL;
-    size_t i, at = 0, other = 0, point = 0;
+    size_t i, at = 0, other = 0, point = 0, number = 0;
 
     for (i = 1; i < observations->count; i++) {
         const size_t a = list[i - 1].line, b = list[i].line;
@@ -172,7 +247,11 @@ static void check_contradictions(const cli_observations *observations)
             at = later;
             other = a > b ? b : a;
             point = list[i].point;
+            number = i;
         }
+    }
+    if (first == &ELSEWHERE) {
+        name_other_coordinates(observations, cameras, &list[number - 1], &list[number]);
     }
     if (first != NULL) {
         csv_fail_line(&observations->table, at, "point %s %s on line %lu%s%s",
@@ -298,7 +377,7 @@ void cli_observations_read(cli_observations *observations, const char *path,
     observations->list =
         cli_resize(observations->list, observations->count, sizeof *observations->list);
     qsort(observations->list, observations->count, sizeof *observations->list, by_point);
-    check_contradictions(observations);
+    check_contradictions(observations, cameras);
     tell_outside(observations, cameras);
     cli_names_tell_alike(&observations->frames, "frame", path);
     cli_names_tell_alike(&observations->points, "point", path);

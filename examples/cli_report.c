@@ -95,7 +95,7 @@ void name_left_out(const calibration *c, const char *folder)
 
 /* ==== summary ============================================================= */
 
-static int widest(const cli_names *names)
+int widest(const cli_names *names)
 {
     size_t i, most = 6;
 
@@ -125,6 +125,9 @@ static void print_caveat(const view *v)
     } else if (v->status == RIGCAL_AMBIGUOUS && other != NULL) {
         printf("  ambiguous: 2nd pose %.2f px, p %.2g%s", (double)other->rms_px,
                (double)other->probability, v->settled ? ", settled by other frames" : "");
+    }
+    if (v->is_left_out) {
+        printf("  left out of the rig");
     }
 }
 
@@ -237,7 +240,7 @@ static void print_sigma_px(const calibration *c, size_t rig_camera)
     }
 }
 
-static void print_rig_sigma(const rig_sigma *s, int is_known)
+void print_rig_sigma(const rig_sigma *s, int is_known)
 {
     if (is_known) {
         printf("  %8.2g  %11.2g", s->deg, s->position);
@@ -277,79 +280,19 @@ static void print_groups(const calibration *c)
 {
     const size_t n = c->rig.n_cameras;
     int *shown = cli_alloc(n, sizeof *shown);
+    const int *counts = cameras_that_count(c);
     size_t first, i;
 
     print_cameras(c, c->in_frame, rig_frame_name(c));
     for (first = 0; first < n; first++) {
-        int is_first = !c->in_frame[first];
+        int is_first = !c->in_frame[first] && counts[first];
 
         for (i = 0; i < n; i++) {
-            shown[i] = c->rig.group[i] == c->rig.group[first];
+            shown[i] = counts[i] && c->rig.group[i] == c->rig.group[first];
             is_first = is_first && !(i < first && shown[i]);
         }
         if (is_first) {
             print_cameras(c, shown, rig_camera_name(c, first));
-        }
-    }
-}
-
-/* Frames in which both cameras have a view. */
-static size_t shared_placements(const calibration *c, size_t a, size_t b)
-{
-    const view *of_a, *of_b;
-    const view *end_a = views_of(&of_a, c, c->camera[a]);
-    const view *end_b = views_of(&of_b, c, c->camera[b]);
-    size_t count = 0;
-
-    while (of_a < end_a && of_b < end_b) {
-        count += of_a->frame == of_b->frame;
-        if (of_a->frame <= of_b->frame) {
-            of_a++;
-        } else {
-            of_b++;
-        }
-    }
-    return count;
-}
-
-static double angle_of(const rigcal_transform *b_from_a)
-{
-    static const rigcal_real NONE[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
-    rigcal_real angle = 0;
-
-    rigcal_rotation_angle(&angle, NONE, b_from_a->R);
-    return DEGREE * (double)angle;
-}
-
-static void print_pair(const calibration *c, size_t a, size_t b, int wide)
-{
-    const size_t shared = shared_placements(c, a, b);
-    rigcal_transform b_from_a;
-    rig_sigma s;
-    const int is_known = rig_pair(&b_from_a, &s, c, a, b);
-
-    printf("%-*s  %-*s  %8.5g  %11.4f", wide, rig_camera_name(c, a), wide,
-           rig_camera_name(c, b), length_of(b_from_a.t), angle_of(&b_from_a));
-    print_rig_sigma(&s, is_known);
-    printf("  over %lu placement%s\n", (unsigned long)shared, shared == 1 ? "" : "s");
-}
-
-static void print_pairs(const calibration *c)
-{
-    const int wide = widest(&c->cameras.names);
-    int header = 0;
-    size_t a, b;
-
-    for (a = 0; a < c->rig.n_cameras; a++) {
-        for (b = a + 1; b < c->rig.n_cameras; b++) {
-            if (c->rig.group[a] != c->rig.group[b]) {
-                continue;
-            }
-            if (!header++) {
-                printf("\n%-*s  %-*s  distance  angle [deg]  +- [deg]  +- position\n", wide,
-                       "camera", wide, "camera");
-            }
-            print_pair(c, a, b, wide);
         }
     }
 }
@@ -444,11 +387,38 @@ static void print_largest(const calibration *c)
     }
 }
 
+/* What does not count in the rig, and what nothing checks. */
+static void print_left_out(const calibration *c)
+{
+    size_t i, n = 0, n_unchecked = 0;
+
+    for (i = 0; i < c->n_views; i++) {
+        const view *v = &c->views[i];
+
+        n_unchecked += v->verdict == RIGCAL_VIEW_UNCHECKED;
+        if (v->is_left_out) {
+            printf("%s%s in %s", n++ == 0 ? "left out of the rig: " : ", ",
+                   view_camera_name(c, v), view_frame_name(c, v));
+        }
+    }
+    if (n > 0) {
+        printf(" (%lu of %lu views)\n", (unsigned long)n, (unsigned long)c->n_views);
+    }
+    if (n_unchecked > 0) {
+        printf("unchecked: %lu view%s, whose placement no other camera saw\n",
+               (unsigned long)n_unchecked, n_unchecked == 1 ? "" : "s");
+    }
+    if (n + n_unchecked > 0) {
+        printf("\n");
+    }
+}
+
 void print_summary(const calibration *c)
 {
+    print_left_out(c);
     print_views(c);
     print_groups(c);
-    print_pairs(c);
+    print_graph(c);
     if (c->is_adjusted) {
         print_fit(c);
         print_largest(c);

@@ -12,9 +12,43 @@ const char *rig_camera_name(const calibration *c, size_t rig_camera)
     return c->cameras.names.name[c->camera[rig_camera]];
 }
 
+const char *view_camera_name(const calibration *c, const view *v)
+{
+    return c->cameras.names.name[v->camera];
+}
+
+const char *view_frame_name(const calibration *c, const view *v)
+{
+    return c->observations.frames.name[v->frame];
+}
+
 const char *rig_frame_name(const calibration *c)
 {
     return c->known.path != NULL ? c->known.path : rig_camera_name(c, c->main_camera);
+}
+
+/* The first of the views whose camera is this one, or a later one. Views are sorted by
+ * camera and frame. */
+static const view *first_from(const calibration *c, size_t camera)
+{
+    size_t low = 0, high = c->n_views;
+
+    while (low < high) {
+        const size_t middle = low + (high - low) / 2;
+
+        if (c->views[middle].camera < camera) {
+            low = middle + 1;
+        } else {
+            high = middle;
+        }
+    }
+    return c->views + low;
+}
+
+const view *views_of(const view **first, const calibration *c, size_t camera)
+{
+    *first = first_from(c, camera);
+    return first_from(c, camera + 1);
 }
 
 /* ==== what the library is given ===========================================
@@ -77,9 +111,28 @@ static void say_of_view(const calibration *c, const view *v, const char *what,
             c->observations.frames.name[v->frame], what, rigcal_status_text(status));
 }
 
+/* What the view's pose number `which` says; of n = 0 if there is none. */
+static rigcal_status make_pose(rigcal_view_pose *pose, const calibration *c, const view *v,
+                               size_t which)
+{
+    rigcal_rig_view seen;
+    rigcal_status status = RIGCAL_ERR_NO_POSE;
+
+    memset(pose, 0, sizeof *pose);
+    if (which < v->n_poses) {
+        fill_view(&seen, c, v);
+        status = rigcal_view_pose_make(pose, &seen, &v->poses[which].cam_from_world);
+    }
+    if (status != RIGCAL_OK) {
+        pose->n = 0;
+    }
+    return status;
+}
+
 static void gather_views(calibration *c)
 {
     rigcal_view_pose *poses = cli_alloc(c->n_views, sizeof *poses);
+    rigcal_view_pose *second = cli_alloc(c->n_views, sizeof *second);
     place *places = cli_alloc(c->n_views, sizeof *places);
     size_t i, n = 0;
 
@@ -91,13 +144,11 @@ static void gather_views(calibration *c)
     qsort(places, c->n_views, sizeof *places, compare_places);
     for (i = 0; i < c->n_views; i++) {
         view *v = &c->views[places[i].view];
-        rigcal_rig_view seen;
-        rigcal_status status;
+        const rigcal_status status = make_pose(&poses[n], c, v, 0);
 
-        fill_view(&seen, c, v);
-        status = rigcal_view_pose_make(&poses[n], &seen, &view_taken(v)->cam_from_world);
         v->in_rig = status == RIGCAL_OK;
         if (v->in_rig) {
+            make_pose(&second[n], c, v, 1);
             c->view_of[n++] = places[i].view;
         } else {
             say_of_view(c, v, "is left out of the rig", status);
@@ -108,6 +159,7 @@ static void gather_views(calibration *c)
     c->rig.view_source = view_at;
     c->rig.context = c;
     c->rig.view_poses = poses;
+    c->second_poses = second;
     c->rig.n_views = n;
 }
 
@@ -134,6 +186,14 @@ static void give_roles(calibration *c)
     c->rig.sigma_px = c->pose.sigma_px;
 }
 
+static size_t largest_work(const rigcal_rig *rig, size_t n_views)
+{
+    const size_t choose = rigcal_choose_work(rig->n_cameras, rig->n_placements, n_views);
+    const size_t judge = rigcal_judge_work(rig->n_cameras, rig->n_placements);
+
+    return choose > judge ? choose : judge; /* which is more than an adjustment takes */
+}
+
 static void open_rig(calibration *c)
 {
     rigcal_rig *rig = &c->rig;
@@ -143,7 +203,7 @@ static void open_rig(calibration *c)
     rig->group = cli_alloc(rig->n_cameras, sizeof *rig->group);
     rig->rig_from_placements =
         cli_alloc(rig->n_placements, sizeof *rig->rig_from_placements);
-    rig->work_capacity = rigcal_rig_work(rig->n_cameras, rig->n_cameras, rig->n_placements);
+    rig->work_capacity = largest_work(rig, c->n_views);
     rig->work = cli_alloc(rig->work_capacity, sizeof *rig->work);
     c->in_frame = cli_alloc(rig->n_cameras, sizeof *c->in_frame);
 }
@@ -170,10 +230,15 @@ static void name_cameras_without_pose(calibration *c)
         if (i < c->rig.n_cameras && c->camera[i] == camera) {
             i++;
         } else {
-            cli_say("camera %s is not in the rig: %s", c->cameras.names.name[camera],
-                    is_observed(c, camera) ? "it has no pose in any frame"
-                                           : "there are no observations of it");
-            c->exit_status = CLI_GEOMETRY;
+            const int seen = is_observed(c, camera);
+
+            find(c, ABOUT_CAMERA,
+                 cli_text("camera %s is not in the rig: %s", c->cameras.names.name[camera],
+                          seen ? "it has no pose in any frame"
+                               : "there are no observations of it"),
+                 seen
+                     ? "the messages below say why, frame by frame"
+                     : "check its name in observations.csv, or remove it from cameras.csv");
         }
     }
 }
@@ -190,8 +255,8 @@ static void stand_alone(calibration *c)
     }
 }
 
-static void name_rig_trouble(calibration *c, const char *what, rigcal_status status,
-                             int32_t at_fault)
+void name_rig_trouble(calibration *c, const char *what, rigcal_status status,
+                      int32_t at_fault)
 {
     c->exit_status = CLI_GEOMETRY;
     if (at_fault >= 0) {
@@ -221,25 +286,23 @@ static void find_those_in_frame(calibration *c)
     }
 }
 
-static void name_disconnected(const calibration *c)
+/* Only --prior tells how they lie. */
+static void name_those_by_prior(calibration *c)
 {
     size_t i;
 
     for (i = 0; i < c->rig.n_cameras; i++) {
-        if (!c->in_frame[i]) {
-            cli_say("camera %s shares no frame with %s, nor with a camera that does: "
-                    "rig.csv and pairs.csv leave it out. Add a frame in which both "
-                    "see the target",
-                    rig_camera_name(c, i), rig_camera_name(c, c->main_camera));
-        } else if (c->rig.group[i] != c->rig.group[c->main_camera]) {
+        if (c->in_frame[i] && c->rig.group[i] != c->rig.group[c->main_camera]) {
             cli_say("camera %s shares no frame with %s, nor with a camera that does: "
                     "only %s tells how they lie, and pairs.csv leaves the pair out",
                     rig_camera_name(c, i), rig_camera_name(c, c->main_camera),
                     c->known.path);
+            c->exit_status = CLI_GEOMETRY;
         }
     }
 }
 
+/* The published procedure has no adjustment. */
 static int join_rig(calibration *c)
 {
     int32_t at_fault = -1;
@@ -249,35 +312,12 @@ static int join_rig(calibration *c)
     status = rigcal_rig_join(&c->rig, &at_fault);
     if (status < 0) {
         name_rig_trouble(c, "the cameras cannot be joined", status, at_fault);
-        stand_alone(c);
         return 0;
     }
-    find_those_in_frame(c);
-    if (status == RIGCAL_DISCONNECTED) {
-        c->exit_status = CLI_GEOMETRY;
-        name_disconnected(c);
-    } else if (status != RIGCAL_OK) {
+    if (status != RIGCAL_OK && status != RIGCAL_DISCONNECTED) {
         name_rig_trouble(c, "joining the cameras", status, -1);
     }
     return 1;
-}
-
-static rigcal_status adjust_in_steps(calibration *c, int32_t *at_fault)
-{
-    const int32_t budget = (int32_t)c->rig.n_views;
-    rigcal_rig_solver solver;
-    rigcal_status status = rigcal_rig_begin(&solver, &c->rig);
-    unsigned long step = 0;
-
-    if (status != RIGCAL_OK) {
-        return status;
-    }
-    do {
-        cli_progress(c->rig.n_views, "adjusting the rig of %lu views, step %lu",
-                     (unsigned long)c->rig.n_views, ++step);
-        status = rigcal_rig_step(&solver, budget);
-    } while (status == RIGCAL_RUNNING);
-    return rigcal_rig_result(&c->fit, at_fault, &solver);
 }
 
 /* The noise that the rig's sigmas are for, and how many times more than it the views
@@ -289,7 +329,9 @@ static void find_noise(calibration *c)
     size_t i;
 
     for (i = 0; i < c->rig.n_views; i++) {
-        own += (double)c->rig.view_poses[i].sse;
+        own += c->rig.left_out != NULL && c->rig.left_out[i]
+                   ? 0
+                   : (double)c->rig.view_poses[i].sse;
     }
     c->own_rms_px = sqrt(own / (double)fit->n_points);
     if (c->pose.sigma_px > 0) {
@@ -312,42 +354,17 @@ static void find_noise_of_cameras(calibration *c)
     }
 }
 
-static void adjust_rig(calibration *c)
-{
-    const size_t n_cameras = c->rig.n_cameras, n_placements = c->rig.n_placements;
-    rigcal_transform *cameras = cli_alloc(n_cameras, sizeof *cameras);
-    rigcal_transform *placements = cli_alloc(n_placements, sizeof *placements);
-    int32_t at_fault = -1;
-    rigcal_status status;
-
-    memcpy(cameras, c->rig.cams_from_rig, n_cameras * sizeof *cameras);
-    memcpy(placements, c->rig.rig_from_placements, n_placements * sizeof *placements);
-    status = adjust_in_steps(c, &at_fault);
-    if (status < 0) {
-        name_rig_trouble(c, "the rig is joined but not adjusted,", status, at_fault);
-        memcpy(c->rig.cams_from_rig, cameras, n_cameras * sizeof *cameras);
-        memcpy(c->rig.rig_from_placements, placements, n_placements * sizeof *placements);
-        return;
-    }
-    if (status != RIGCAL_OK && status != RIGCAL_DISCONNECTED) {
-        name_rig_trouble(c, "the rig", status, -1);
-    }
-    c->is_adjusted = 1;
-    find_noise(c);
-    find_noise_of_cameras(c);
-}
-
 /* ==== placements ========================================================== */
 
 /* Frames in which no camera of the rig has a pose, in one line. */
-static void name_not_placed(const calibration *c, size_t count)
+static void name_not_placed(const calibration *c, const int hidden[], size_t count)
 {
     enum { NAMED = 5 };
     size_t frame, n_named = 0;
 
     cli_say_part("rigcal: frame%s", count == 1 ? "" : "s");
     for (frame = 0; n_named < NAMED && n_named < count; frame++) {
-        if (!c->placed[frame]) {
+        if (!c->placed[frame] && !hidden[frame]) {
             cli_say_part("%s %s", n_named > 0 ? "," : "",
                          c->observations.frames.name[frame]);
             n_named++;
@@ -361,20 +378,23 @@ static void name_not_placed(const calibration *c, size_t count)
                  count == 1 ? "has" : "have", rig_frame_name(c));
 }
 
+/* A frame with a view that is left out is told as that. */
 static void find_placed(calibration *c)
 {
-    size_t i, n_apart = c->rig.n_placements;
+    int *hidden = cli_alloc(c->rig.n_placements, sizeof *hidden);
+    size_t i, n_apart = 0;
 
-    for (i = 0; i < c->rig.n_views; i++) {
-        const view *v = &c->views[c->view_of[i]];
+    for (i = 0; i < c->n_views; i++) {
+        const view *v = &c->views[i];
 
-        if (c->in_frame[v->rig_camera] && !c->placed[v->frame]) {
-            c->placed[v->frame] = 1;
-            n_apart--;
-        }
+        c->placed[v->frame] |= v->in_rig && c->in_frame[v->rig_camera];
+        hidden[v->frame] |= v->is_left_out;
+    }
+    for (i = 0; i < c->rig.n_placements; i++) {
+        n_apart += !c->placed[i] && !hidden[i];
     }
     if (n_apart > 0) {
-        name_not_placed(c, n_apart);
+        name_not_placed(c, hidden, n_apart);
         c->exit_status = CLI_GEOMETRY;
     }
 }
@@ -487,14 +507,19 @@ void form_rig(calibration *c)
     give_roles(c);
     gather_views(c);
     if (c->rig.n_views > 0) {
-        is_joined = join_rig(c);
-    } else {
-        stand_alone(c);
+        is_joined = c->by_paper ? join_rig(c) : judge_rig(c);
     }
     if (!is_joined) {
+        stand_alone(c);
         place_alone(c);
-    } else if (!c->by_paper) {
-        adjust_rig(c);
+    } else {
+        find_those_in_frame(c);
+        name_those_by_prior(c);
+        find_groups(c);
+    }
+    if (c->is_adjusted) {
+        find_noise(c);
+        find_noise_of_cameras(c);
     }
     find_placed(c);
 }

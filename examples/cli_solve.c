@@ -230,10 +230,9 @@ static rigcal_status solve(const calibration *c, view *v, int32_t *at_fault)
 }
 
 /* A view that failed, or that has a caveat the summary does not tell. */
-static void name_trouble(const calibration *c, const view *v, int32_t at_fault)
+static void name_trouble(calibration *c, const view *v, int32_t at_fault)
 {
-    const char *camera = c->cameras.names.name[v->camera];
-    const char *frame = c->observations.frames.name[v->frame];
+    const char *camera = view_camera_name(c, v), *frame = view_frame_name(c, v);
     const char *text = rigcal_status_text(v->status);
 
     if (v->status == RIGCAL_ERR_TOO_FEW) {
@@ -251,43 +250,74 @@ static void name_trouble(const calibration *c, const view *v, int32_t at_fault)
     }
 }
 
-static void name_blamed(const calibration *c, const view *v, const rigcal_blame *blame)
+/* A view without a pose is not kept. */
+static void find_of(calibration *c, const view *v, const char *what, const char *advice)
 {
-    const char *camera = c->cameras.names.name[v->camera];
-    const char *frame = c->observations.frames.name[v->frame];
-    const char *point = view_point_name(c, v, (size_t)blame->point);
-    const char *verdict = blame->verdict == RIGCAL_BLAME_SURE ? "is wrong" : "may be wrong";
-    const char *advice = c->is_robust ? "" : ": correct it, or use --robust";
-
-    if (blame->rms_px >= 0) {
-        cli_say("camera %s in frame %s: point %s %s: without it the others fit to "
-                "%.3g px rms, with it to %.3g px%s",
-                camera, frame, point, verdict, (double)blame->rms_without_px,
-                (double)blame->rms_px, advice);
-    } else {
-        cli_say("camera %s in frame %s: point %s %s: without it there is a pose, "
-                "with %.3g px rms%s",
-                camera, frame, point, verdict, (double)blame->rms_without_px, advice);
-    }
+    find(c, ABOUT_VIEW, what, advice)->v = v->status >= 0 ? v : NULL;
 }
 
-/* What would make a bad fit good, where that can be told. */
-static void name_cause(const calibration *c, const view *v)
+void find_point(calibration *c, const view *v, const rigcal_blame *blame)
+{
+    const char *camera = view_camera_name(c, v), *frame = view_frame_name(c, v);
+    const char *point = view_point_name(c, v, (size_t)blame->point);
+    const char *verdict = blame->verdict == RIGCAL_BLAME_SURE ? "is wrong" : "may be wrong";
+    const char *what;
+
+    if (blame->rms_px >= 0) {
+        what = cli_text("camera %s in frame %s: point %s %s: without it the others fit to "
+                        "%.3g px rms, with it to %.3g px",
+                        camera, frame, point, verdict, (double)blame->rms_without_px,
+                        (double)blame->rms_px);
+    } else {
+        what = cli_text("camera %s in frame %s: point %s %s: without it there is a pose, "
+                        "with %.3g px rms",
+                        camera, frame, point, verdict, (double)blame->rms_without_px);
+    }
+    find_of(c, v, what,
+            c->is_robust ? "correct it, or remove its line"
+                         : "correct it, remove its line, or use --robust");
+}
+
+/* What would make a bad fit good; 0: that cannot be told. */
+static int find_cause(calibration *c, const view *v)
 {
     const rigcal_view seen = view_points(c, v);
     rigcal_diagnosis d;
 
     if (rigcal_pose_diagnose(&d, NULL, &seen, &c->pose) != RIGCAL_OK) {
-        return;
+        return 0;
     }
     if (d.verdict == RIGCAL_DIAGNOSIS_MIRRORED) {
-        cli_say("camera %s in frame %s: mirrored, the points fit to %.3g px rms: are "
-                "the target's coordinates left-handed, does v count upwards, or is "
-                "the image mirrored?",
-                c->cameras.names.name[v->camera], c->observations.frames.name[v->frame],
-                (double)(d.rms_mirrored_px >= 0 ? d.rms_mirrored_px : d.rms_flipped_px));
-    } else if (d.blame.verdict != RIGCAL_BLAME_NONE) {
-        name_blamed(c, v, &d.blame);
+        find_of(c, v,
+                cli_text("camera %s in frame %s: mirrored, the points fit to %.3g px rms",
+                         view_camera_name(c, v), view_frame_name(c, v),
+                         (double)(d.rms_mirrored_px >= 0 ? d.rms_mirrored_px
+                                                         : d.rms_flipped_px)),
+                "are the target's coordinates left-handed, does v count upwards, or is the "
+                "image mirrored?");
+        return 1;
+    }
+    if (d.blame.verdict != RIGCAL_BLAME_NONE &&
+        (!d.blame.is_rest_poor || 2 * d.blame.rms_without_px < d.blame.rms_px)) {
+        find_point(c, v, &d.blame);
+        return 1;
+    }
+    return 0;
+}
+
+static void find_bad_fit(calibration *c, view *v)
+{
+    const int is_looked_into = v->n == v->n_seen - v->n_unseen &&
+                               c->n_bad_fits++ < DIAGNOSED_MOST && find_cause(c, v);
+
+    v->is_told = 1;
+    if (!is_looked_into && v->status == RIGCAL_POOR_FIT) {
+        find_of(c, v,
+                cli_text("camera %s in frame %s: the error of its fit, %.3g px rms, is too "
+                         "large for noise",
+                         view_camera_name(c, v), view_frame_name(c, v),
+                         (double)view_taken(v)->rms_px),
+                "check which point is which, the target's coordinates and the intrinsics");
     }
 }
 
@@ -304,13 +334,12 @@ static void solve_view(calibration *c, const view *v)
         c->exit_status = CLI_GEOMETRY;
     }
     status = solve(c, solved, &at_fault);
-    if (status != RIGCAL_OK && status != RIGCAL_AMBIGUOUS) {
+    solved->verdict = -1;
+    if (status != RIGCAL_OK && status != RIGCAL_AMBIGUOUS && status != RIGCAL_POOR_FIT) {
         name_trouble(c, solved, at_fault);
     }
-    if ((status == RIGCAL_POOR_FIT || status == RIGCAL_ERR_NO_POSE) &&
-        solved->n == solved->n_seen - solved->n_unseen &&
-        c->n_bad_fits++ < DIAGNOSED_MOST) {
-        name_cause(c, solved);
+    if (status == RIGCAL_POOR_FIT || status == RIGCAL_ERR_NO_POSE) {
+        find_bad_fit(c, solved);
     }
     if (status < 0) {
         c->exit_status = CLI_GEOMETRY;

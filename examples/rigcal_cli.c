@@ -20,7 +20,9 @@ static const char HELP[] =
     "                     --pixel U,V [--depth NEAR,FAR]\n"
     "  rigcal --help | --version\n"
     "\n"
-    "calibrate finds every camera's pose and the rig that they form.\n"
+    "calibrate finds every camera's pose and the rig that they form. Views that\n"
+    "contradict the others are left out: the first lines say which, why, and what to\n"
+    "do.\n"
     "  --out        the folder for poses.csv, rig.csv, targets.csv, pairs.csv\n"
     "               and residuals.csv. It is made if it does not exist.\n"
     "  --sigma      the noise of one pixel coordinate. Fits and uncertainties are\n"
@@ -52,9 +54,9 @@ static const char HELP[] =
     "examples/data/FORMAT.md describes the files, and how to make them from those of\n"
     "OpenCV, Kalibr, ROS, COLMAP, MATLAB and others.\n"
     "\n"
-    "Exit status: 0 all is done. 1 something could not be computed: a message names\n"
-    "it, and the rest is done. 2 wrong use, a file at fault, or output that could not\n"
-    "be written: no file was written.\n";
+    "Exit status: 0 all is done. 1 something could not be computed, was left out, or\n"
+    "is doubtful: the first lines name it, and the rest is done. 2 wrong use, a file\n"
+    "at fault, or output that could not be written: no file was written.\n";
 
 #define BIT(option) (1U << (option))
 

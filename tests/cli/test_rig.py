@@ -263,9 +263,9 @@ class TestDisagreement(RigTest):
     SENTENCE = re.compile(r"The views fit to ([\d.]+) px, but the rig does not: sqrt\(F\) "
                           r"is ([\d.]+)\. Look for timing, intrinsics, or a bent target\.\n")
 
-    def test_a_camera_that_is_late_is_told(self):
+    def moved_for_c(self, far):
         """The target has moved when camera c sees it, in another direction each time."""
-        late = {f: (R, t + 0.05 * np.array([np.cos(2 * i), np.sin(2 * i), 0]))
+        late = {f: (R, t + far * np.array([np.cos(2 * i), np.sin(2 * i), 0]))
                 for i, (f, (R, t)) in enumerate(self.PLACES.items())}
         self.made()
         plain = content(self.folder, "observations.csv").splitlines()
@@ -273,11 +273,23 @@ class TestDisagreement(RigTest):
         moved_lines = content(self.folder, "observations.csv").splitlines()
         write(self.folder, "observations.csv", "\n".join(
             b if ",c," in b else a for a, b in zip(plain, moved_lines)) + "\n")
+
+    def test_a_camera_that_is_late_is_told(self):
+        self.moved_for_c(0.005)
         run = self.calibrate_well(self.folder)
         found = self.SENTENCE.search(run.stdout)
         rig = Adjusted(self.folder, self.out, ["a"])
         self.assertEqual(found[2], f"{np.sqrt(rig.F):.1f}")
         self.assertEqual(found[1], f"{np.sqrt(rig.own / rig.n_points):.2g}")
+
+    def test_a_camera_that_is_very_late_is_left_out(self):
+        self.moved_for_c(0.05)
+        run = self.calibrate_set(self.folder)
+        self.assertEqual(run.returncode, 1)
+        self.assertTrue(run.stderr.startswith(
+            "rigcal: camera c contradicts the others in 5 of 5 frames, where it is left out: "),
+            run.stderr)
+        self.assertEqual(list(self.rows("rig.csv", "camera")), ["a", "b"])
 
     def test_noise_alone_is_not_told(self):
         for seed in range(5):

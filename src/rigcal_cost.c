@@ -10,9 +10,9 @@
 #define COST_USUAL RC(5.35)
 
 /* of the median's excess over noise: how much the limit grows with it. Patterns of lens and
- * target have longer tails than noise: with 4 the limit is some 30 times the middle cost,
- * which no right view of the real sets comes near. */
-#define SCALE_SLOPE RC(4)
+ * target have longer tails than noise. With 10 the limit is some 75 times the middle cost;
+ * right views of real sets, with clocks apart, have cost up to 60 times. */
+#define SCALE_SLOPE RC(10)
 
 /* halvings: of a search of the median. Its error is this part of the largest cost. */
 enum { HALVINGS = 60 };

@@ -250,10 +250,16 @@ static void name_trouble(calibration *c, const view *v, int32_t at_fault)
     }
 }
 
-/* A view without a pose is not kept. */
+/* A view without a pose is not kept. One that only fits badly is, and the exit status is as
+ * it was. */
 static void find_of(calibration *c, const view *v, const char *what, const char *advice)
 {
+    const int exit_status = c->exit_status;
+
     find(c, ABOUT_VIEW, what, advice)->v = v->status >= 0 ? v : NULL;
+    if (v->status >= 0) {
+        c->exit_status = exit_status;
+    }
 }
 
 void find_point(calibration *c, const view *v, const rigcal_blame *blame)

@@ -54,9 +54,10 @@ static const char HELP[] =
     "examples/data/FORMAT.md describes the files, and how to make them from those of\n"
     "OpenCV, Kalibr, ROS, COLMAP, MATLAB and others.\n"
     "\n"
-    "Exit status: 0 all is done. 1 something could not be computed, was left out, or\n"
-    "is doubtful: the first lines name it, and the rest is done. 2 wrong use, a file\n"
-    "at fault, or output that could not be written: no file was written.\n";
+    "Exit status: 0 all is done, or no more is wrong than that a view fits badly. 1\n"
+    "something could not be computed or was left out: the first lines name it, and the\n"
+    "rest is done. 2 wrong use, a file at fault, or output that could not be written:\n"
+    "no file was written.\n";
 
 #define BIT(option) (1U << (option))
 

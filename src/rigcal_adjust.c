@@ -7,8 +7,8 @@
 /* passes: over all views, of a search, usually 4 to 8. The worst case. */
 enum { PASSES_MAX = 200 };
 
-/* part of an element of the cameras' diagonal before placements were eliminated: a smaller
- * pivot is rounding. */
+/* part of the diagonal before placements were eliminated: a smaller pivot of a camera is
+ * rounding. */
 #define RANK_TOL RC_TOL(1e-12, 1e-6)
 
 /* part of the sum: the search ends when no more is still to be gained, judged by how fast

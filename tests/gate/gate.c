@@ -14,6 +14,7 @@
 #include <string.h>
 
 #include "count_hooks.h"
+#include "rc_chain.h"
 #include "rc_direction.h"
 #include "rc_levenberg.h"
 #include "rc_neldermead.h"
@@ -1194,6 +1195,48 @@ static int rig_is_degenerate(double off)
     return rigcal_rig_adjust(&fit, NULL, &r->rig) == RIGCAL_ERR_DEGENERATE;
 }
 
+/* One point in five is off, by up to eight times the noise. */
+static void gate_wrong_points(void)
+{
+    tally t;
+    begin(&t, "rig.robust");
+    state = 1270;
+    for (int i = 0; i < 30; i++) {
+        rig_scene *const r = &rig_probed;
+        rigcal_rig_fit fit;
+        size_t n_wrong = 0;
+        random_rig(r, 3, 0.9, 0.3);
+        (void)rigcal_rig_join(&r->rig, NULL);
+        for (size_t v = 0; v < r->rig.n_views; v++) {
+            r->seen[v].o[v % 5].uv[0] += (rigcal_real)(0.15 * (double)(v % 17));
+        }
+        r->rig.sigma_px = (rigcal_real)0.3;
+        if (count(&t, rigcal_rig_adjust_robust(&fit, &n_wrong, NULL, &r->rig)) >= 0) {
+            t.found += (int)n_wrong;
+            t.steps += fit.evals;
+        }
+    }
+    end(&t);
+}
+
+/* The turn about z that a deviation by so much has. */
+static double deviation_of(double turn)
+{
+    const rigcal_transform from = identity();
+    rigcal_transform to = from;
+    rigcal_real d[6];
+    to.R[0] = to.R[4] = (rigcal_real)cos(turn);
+    to.R[3] = (rigcal_real)sin(turn);
+    to.R[1] = -to.R[3];
+    rc_deviation(d, &to, &from);
+    return (double)d[2];
+}
+
+static int half_turn_has_no_axis(double less)
+{
+    return deviation_of(3.14159265358979 - less) < 1;
+}
+
 static void gate_rigs(void)
 {
     tally t, joins;
@@ -1217,6 +1260,9 @@ static void gate_rigs(void)
     }
     end(&joins);
     end(&t);
+    gate_wrong_points();
+    edge("deviation.half", half_turn_has_no_axis, 1e-9, 0.5);
+    line("deviation.far", "%.12g", deviation_of(3));
     if (RIGCAL_USE_FLOAT) { /* in double rounding is not the same from line to line */
         edge("rig.rank", rig_is_degenerate, 1e-7, 0.1);
     }

@@ -31,8 +31,8 @@ typedef struct rigcal_link {
 #define RIGCAL_LINKS(n_cameras) RIGCAL_LINK(0, n_cameras)
 
 /* All links, from rig->view_poses, and rig->group. *n_groups: 1 where all cameras hang
- * together. `capacity` counts links. The statuses of rigcal_rig_join.
- * Time O(n_views n_cameras). */
+ * together. `capacity` counts links. It uses rig->work: the covariance that an adjustment
+ * left there is lost. The statuses of rigcal_rig_join. Time O(n_views n_cameras). */
 RIGCAL_API rigcal_status rigcal_rig_links(rigcal_link links[], size_t capacity,
                                           int32_t *n_groups, int32_t *at_fault,
                                           rigcal_rig *rig);

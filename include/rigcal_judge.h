@@ -146,8 +146,10 @@ RIGCAL_API rigcal_status rigcal_rig_cause(rigcal_cause *cause, const rigcal_rig 
  * the placement before or after. For each of these one view puts the camera somewhere, and
  * others agree or not; each view in turn. More than half must agree, two or more, and more
  * than as they are. It wants no adjusted rig: where the other cameras are, if there are
- * two or more; left_out; and placements that they agree on. The statuses above. O(m^2
- * n_cameras) for m views of the camera, and one pose for each permutation. */
+ * two or more; left_out; and placements that they agree on. After ERR_CONTRADICTION of two
+ * cameras no placement is known: set left_out to 1 for all views, and try the scales 1, 4,
+ * 16 and 64. The statuses above. O(m^2 n_cameras) for m views of the camera, and one pose
+ * for each permutation. */
 RIGCAL_API rigcal_status rigcal_camera_cause(rigcal_cause *cause, const rigcal_rig *rig,
                                              const rigcal_judgement *judgement,
                                              const rigcal_symmetries *symmetries,

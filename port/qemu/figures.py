@@ -51,6 +51,9 @@ FLASH = {
     "solve_pose and rig with join":
         ["rigcal_pose_solve", "rigcal_view_pose_make", "rigcal_rig_join", "rigcal_rig_adjust",
          "rigcal_rig_covariance"],
+    "solve_pose and rig, chosen and judged":
+        ["rigcal_pose_solve", "rigcal_view_pose_make", "rigcal_rig_choose", "rigcal_rig_judge",
+         "rigcal_rig_covariance"],
 }
 
 # Without an FPU: the jobs of a rig take minutes there, and the Cortex-M0 has no RAM for them.

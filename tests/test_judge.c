@@ -146,9 +146,12 @@ static void assert_spoilt_views_are_named(int how, double pattern_px)
         error += pow(test_boards_error(&b, b.judgement.sigma_px), 2);
         rigs++;
     }
-    TEST_ASSERT_TRUE(n.wrong >= 2 * rigs || how == SWAPPED);
     TEST_ASSERT_EQUAL_INT(n.wrong, n.wrong_named);
     TEST_ASSERT_EQUAL_INT(0, n.right_named);
+    if (TEST_ONE_IN > 1) {
+        return; /* too few for what follows */
+    }
+    TEST_ASSERT_TRUE(n.wrong >= 2 * rigs || how == SWAPPED);
     /* Of all wrong views all but those that agree with each other. */
     TEST_ASSERT_TRUE(n.all_named >= (how == REVERSED ? 0.8 : 0.95) * n.all_wrong);
     if (!(pattern_px > 0)) {

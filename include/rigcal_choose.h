@@ -8,10 +8,12 @@
  *                        rigcal_rig_adjust
  *
  * EQUATIONS.md CHOICE has the mathematics. */
+#ifndef RIGCAL_H
+#include "rigcal.h" /* which includes this one in its turn */
+#endif
+
 #ifndef RIGCAL_CHOOSE_H
 #define RIGCAL_CHOOSE_H
-
-#include "rigcal.h"
 
 #ifdef __cplusplus
 extern "C" {

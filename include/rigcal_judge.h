@@ -9,10 +9,12 @@
  *   rigcal_camera_cause   why most views of a camera do
  *
  * EQUATIONS.md JUDGE has the mathematics. */
+#ifndef RIGCAL_H
+#include "rigcal.h" /* which includes this one in its turn */
+#endif
+
 #ifndef RIGCAL_JUDGE_H
 #define RIGCAL_JUDGE_H
-
-#include "rigcal.h"
 
 #ifdef __cplusplus
 extern "C" {

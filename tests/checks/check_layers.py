@@ -57,7 +57,7 @@ SOLVERS = {
     "rigcal_rig_solver": ("adjust", {"rig", "search", "phase", "is_join", "is_disconnected",
                                      "at_fault", "evals", "n", "view", "first", "placement",
                                      "n_points", "n_seen", "own_sum", "negligible", "given",
-                                     "gain", "n_free", "n_used"}),
+                                     "gain", "n_free", "n_used", "loss"}),
     "rigcal_seed": ("grow", None),
     "rigcal_choose_solver": ("grow", {"check", "choice", "a", "b", "n", "row", "column", "limit",
                                       "is_relaxed"}),

@@ -34,6 +34,16 @@ void rc_rig_parts_of(rc_rig_parts *parts, const rigcal_rig *rig, size_t n_unknow
 rigcal_status rc_rig_view_at(rigcal_rig_view *out, const rigcal_rig *rig, size_t index);
 rigcal_status rc_rig_pose_at(rigcal_view_pose *out, const rigcal_rig *rig, size_t index);
 
+/* OK; of a pose of a view ERR_NOT_FINITE, ERR_ROTATION, ERR_RANGE, ERR_DEGENERATE. */
+rigcal_status rc_check_pose(const rigcal_view_pose *pose);
+
+/* 1 / variance of a view's rotation, for noise of 1 px [1/rad^2]. */
+rigcal_real rc_view_information(const rigcal_view_pose *pose);
+
+/* Of the turn between two cameras, by two views of one placement: their variances are
+ * added. */
+rigcal_real rc_information_of_both(rigcal_real a, rigcal_real b);
+
 /* Pointers and counts; not what they point to. */
 rigcal_status rc_rig_check(const rigcal_rig *rig);
 

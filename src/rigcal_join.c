@@ -21,8 +21,7 @@ static rigcal_real negligible_of(const rigcal_view_pose *v)
 static rigcal_status check_pose(int32_t *camera, int32_t *placement, rigcal_rig_solver *s)
 {
     rigcal_view_pose v;
-    rc_sym6_factor L;
-    rigcal_status status = rc_rig_pose_at(&v, s->rig, s->view);
+    const rigcal_status status = rc_rig_pose_at(&v, s->rig, s->view);
     if (status != RIGCAL_OK) {
         return status;
     }
@@ -31,20 +30,10 @@ static rigcal_status check_pose(int32_t *camera, int32_t *placement, rigcal_rig_
     if (rc_rig_is_left_out(s->rig, s->view)) {
         return RIGCAL_OK;
     }
-    status = rc_check_transform(&v.cam_from_target);
-    if (status == RIGCAL_OK) {
-        status = rc_check_numbers(v.information, 21, RC_MAX);
-    }
-    if (status == RIGCAL_OK) {
-        status = (v.sse < 0) ? RIGCAL_ERR_RANGE : rc_check_numbers(&v.sse, 1, RC_MAX);
-    }
-    if (status == RIGCAL_OK && !rc_sym6_factor_of(&L, v.information, 0)) {
-        status = RIGCAL_ERR_DEGENERATE;
-    }
     s->negligible += negligible_of(&v);
     s->own_sum += v.sse;
     s->n_points += v.n;
-    return status;
+    return rc_check_pose(&v);
 }
 
 /* The quadratic that the information of a view makes about its own pose. */
@@ -89,18 +78,11 @@ static candidate *candidates_of(const rc_rig_parts *parts)
     return (candidate *)(void *)parts->W;
 }
 
-/* 1 / variance of its rotation, for noise of 1 px. */
-static rigcal_real information_of(const rigcal_view_pose *v)
-{
-    rigcal_real trace = 0;
-    return rc_sym6_inverse_trace(&trace, v->information) ? 1 / trace : 0;
-}
-
 /* Of a camera that is reached: the placement by this view, if it knows more than those
  * before it. s->gain is the information of the best. */
 static void place_by(rigcal_rig_solver *s, const rigcal_view_pose *v)
 {
-    const rigcal_real information = information_of(v);
+    const rigcal_real information = rc_view_information(v);
     if (information > s->gain) {
         rigcal_transform rig_from_cam;
         rc_transform_invert(&rig_from_cam, &s->rig->cams_from_rig[v->camera]);
@@ -114,9 +96,7 @@ static void place_by(rigcal_rig_solver *s, const rigcal_view_pose *v)
  * that way is of both views, as variances are added. */
 static void reach_by(const rigcal_rig_solver *s, candidate *best, const rigcal_view_pose *v)
 {
-    const rigcal_real other = information_of(v);
-    const rigcal_real less = rc_min(s->gain, other);
-    const rigcal_real way = less / (1 + less / rc_max(s->gain, other));
+    const rigcal_real way = rc_information_of_both(s->gain, rc_view_information(v));
     if (way > best->information) {
         rigcal_transform placement_from_rig;
         rc_transform_invert(&placement_from_rig,

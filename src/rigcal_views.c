@@ -83,6 +83,38 @@ rigcal_status rc_rig_check(const rigcal_rig *rig)
     return rc_check_noise(&rig->sigma_px);
 }
 
+/* ---- the pose of a view by itself ----------------------------------------- */
+
+rigcal_status rc_check_pose(const rigcal_view_pose *pose)
+{
+    rc_sym6_factor L;
+    rigcal_status status = rc_check_transform(&pose->cam_from_target);
+    if (status == RIGCAL_OK) {
+        status = rc_check_numbers(pose->information, 21, RC_MAX);
+    }
+    if (status == RIGCAL_OK) {
+        status = rc_check_numbers(&pose->sse, 1, RC_MAX);
+    }
+    if (status == RIGCAL_OK && (pose->sse < 0 || pose->n > RC_COUNT_MAX)) {
+        status = RIGCAL_ERR_RANGE;
+    }
+    return (status == RIGCAL_OK && !rc_sym6_factor_of(&L, pose->information, 0))
+               ? RIGCAL_ERR_DEGENERATE
+               : status;
+}
+
+rigcal_real rc_view_information(const rigcal_view_pose *pose)
+{
+    rigcal_real trace = 0;
+    return rc_sym6_inverse_trace(&trace, pose->information) ? 1 / trace : 0;
+}
+
+rigcal_real rc_information_of_both(rigcal_real a, rigcal_real b)
+{
+    const rigcal_real less = rc_min(a, b), more = rc_max(a, b);
+    return (less > 0) ? less / (1 + less / more) : 0;
+}
+
 /* ---- groups of cameras that share placements ----------------------------- */
 
 /* The first camera that camera c hangs on. */

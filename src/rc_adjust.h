@@ -38,9 +38,6 @@ void rc_rig_step(rigcal_rig_solver *s);
 /* Ends it, without a covariance. at_fault: a view, or -1. */
 void rc_rig_end(rigcal_rig_solver *s, rigcal_status status, int32_t at_fault);
 
-/* Of a public step: ERR_NULL, ERR_STATE, ERR_RANGE. */
-rigcal_status rc_rig_check_step(const rigcal_rig_solver *s, int32_t budget);
-
 /* Of a search that is done. */
 rigcal_status rc_rig_outcome(int32_t *at_fault, const rigcal_rig_solver *s);
 

@@ -34,6 +34,10 @@ void rc_rig_parts_of(rc_rig_parts *parts, const rigcal_rig *rig, size_t n_unknow
 rigcal_status rc_rig_view_at(rigcal_rig_view *out, const rigcal_rig *rig, size_t index);
 rigcal_status rc_rig_pose_at(rigcal_view_pose *out, const rigcal_rig *rig, size_t index);
 
+/* What is handed to a public step: the phase of its solver, NULL if there is no solver. OK;
+ * ERR_NULL; ERR_STATE: it has not begun; ERR_RANGE of the budget. */
+rigcal_status rc_check_step(const int32_t *phase, int32_t budget);
+
 /* OK; of a pose of a view ERR_NOT_FINITE, ERR_ROTATION, ERR_RANGE, ERR_DEGENERATE. */
 rigcal_status rc_check_pose(const rigcal_view_pose *pose);
 

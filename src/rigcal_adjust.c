@@ -110,17 +110,6 @@ rigcal_status rc_rig_outcome(int32_t *at_fault, const rigcal_rig_solver *s)
     return (status == RIGCAL_OK && s->is_disconnected) ? RIGCAL_DISCONNECTED : status;
 }
 
-rigcal_status rc_rig_check_step(const rigcal_rig_solver *s, int32_t budget)
-{
-    if (s == NULL) {
-        return RIGCAL_ERR_NULL;
-    }
-    if (s->phase == 0) {
-        return RIGCAL_ERR_STATE;
-    }
-    return (budget < 1) ? RIGCAL_ERR_RANGE : RIGCAL_OK;
-}
-
 /* A placement that was seen, from s->placement on. A step of its own comes first, where the
  * cameras have moved. 0: there is none. */
 static int begin_placement(rigcal_rig_solver *s, const rc_rig_parts *parts)

@@ -565,14 +565,10 @@ rigcal_status rigcal_camera_cause_begin(rigcal_cause_solver *solver, const rigca
 
 rigcal_status rigcal_cause_step(rigcal_cause_solver *solver, int32_t budget)
 {
-    if (solver == NULL) {
-        return RIGCAL_ERR_NULL;
-    }
-    if (solver->phase == 0) {
-        return RIGCAL_ERR_STATE;
-    }
-    if (budget < 1) {
-        return RIGCAL_ERR_RANGE;
+    const rigcal_status status =
+        rc_check_step((solver == NULL) ? NULL : &solver->phase, budget);
+    if (status != RIGCAL_OK) {
+        return status;
     }
     for (; budget > 0 && solver->phase != DONE; budget--) {
         step(solver);

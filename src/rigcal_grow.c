@@ -596,18 +596,13 @@ static rigcal_status one_step(rigcal_choose_solver *s, const rc_score_parts *p)
 rigcal_status rigcal_choose_step(rigcal_choose_solver *solver, int32_t budget)
 {
     rc_score_parts p;
-    if (solver == NULL) {
-        return RIGCAL_ERR_NULL;
-    }
-    if (solver->phase == 0) {
-        return RIGCAL_ERR_STATE;
-    }
-    if (budget < 1) {
-        return RIGCAL_ERR_RANGE;
+    rigcal_status status = rc_check_step((solver == NULL) ? NULL : &solver->phase, budget);
+    if (status != RIGCAL_OK) {
+        return status;
     }
     rc_score_parts_of(&p, solver->check.rig);
     for (; budget > 0 && solver->phase != DONE; budget--) {
-        const rigcal_status status = one_step(solver, &p);
+        status = one_step(solver, &p);
         if (status != RIGCAL_OK) {
             solver->status = status;
             solver->phase = DONE;

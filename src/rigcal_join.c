@@ -241,7 +241,8 @@ rigcal_status rigcal_rig_join_begin(rigcal_rig_solver *solver, rigcal_rig *rig)
 
 rigcal_status rigcal_rig_join_step(rigcal_rig_solver *solver, int32_t budget)
 {
-    const rigcal_status status = rc_rig_check_step(solver, budget);
+    const rigcal_status status =
+        rc_check_step((solver == NULL) ? NULL : &solver->phase, budget);
     if (status != RIGCAL_OK) {
         return status;
     }

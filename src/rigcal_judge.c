@@ -420,14 +420,10 @@ rigcal_status rigcal_judge_begin(rigcal_judge_solver *solver, rigcal_judged_view
 
 rigcal_status rigcal_judge_step(rigcal_judge_solver *solver, int32_t budget)
 {
-    if (solver == NULL) {
-        return RIGCAL_ERR_NULL;
-    }
-    if (solver->phase == 0) {
-        return RIGCAL_ERR_STATE;
-    }
-    if (budget < 1) {
-        return RIGCAL_ERR_RANGE;
+    const rigcal_status status =
+        rc_check_step((solver == NULL) ? NULL : &solver->phase, budget);
+    if (status != RIGCAL_OK) {
+        return status;
     }
     for (; budget > 0 && solver->phase != RC_JUDGE_DONE; budget--) {
         step(solver);

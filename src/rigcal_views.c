@@ -83,6 +83,17 @@ rigcal_status rc_rig_check(const rigcal_rig *rig)
     return rc_check_noise(&rig->sigma_px);
 }
 
+rigcal_status rc_check_step(const int32_t *phase, int32_t budget)
+{
+    if (phase == NULL) {
+        return RIGCAL_ERR_NULL;
+    }
+    if (*phase == 0) {
+        return RIGCAL_ERR_STATE;
+    }
+    return (budget < 1) ? RIGCAL_ERR_RANGE : RIGCAL_OK;
+}
+
 /* ---- the pose of a view by itself ----------------------------------------- */
 
 rigcal_status rc_check_pose(const rigcal_view_pose *pose)

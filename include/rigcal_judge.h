@@ -68,8 +68,8 @@ RIGCAL_API size_t rigcal_judge_work(size_t n_cameras, size_t n_placements);
  *
  * The limit: a view may cost 40 sigma^2 s. It costs what the sum of squared errors falls by
  * without it, its placement settling again. The middle cost of all views says how much they
- * differ by more than noise; where noise is all, s is 1. It holds while less than half of
- * the views are wrong. Of two views that contradict each other both are left out.
+ * differ by more than noise; where noise is all, s is 1. The limit is right while less than
+ * half of the views are wrong. Of two views that contradict each other both are left out.
  *
  * RIGCAL_VIEWS_LEFT_OUT: some are. OK, and those of rigcal_rig_adjust and
  * rigcal_rig_choose, but not ERR_CONTRADICTION; ERR_RANGE also: sigma_px is 0, a view takes

@@ -5,20 +5,25 @@
 #   sh tests/run.sh STEP...    runs only the steps named (first column below), and
 #                              installs only what these need
 #
-# One line a step; the log of each is build/logs/STEP.log.
+# One line a step, when it ends; the log of each is build/logs/STEP.log. Two steps run at a
+# time on two cores, at most four on more: RIGCAL_LANES says how many, if not so.
 
-# The step, what it needs (see want_need), and its command.
+# The step, what it needs (see want_need), and its command. They begin in this order. Of
+# steps that need the same folder, build/NAME, one runs at a time.
 steps='
-gcc-double    gcc,cmake,unity              preset gcc-double
-gcc-float     gcc,cmake,unity              preset gcc-float
-gcc-float-O3  gcc,cmake,unity              preset gcc-float-O3
-clang-double  clang,cmake,unity            preset clang-double
-clang-float   clang,cmake,unity            preset clang-float
-asan          gcc,cmake,unity              preset asan
-asan-float    gcc,cmake,unity              preset asan-float
-shared        gcc,cmake,unity              preset shared-tests
+gcc-double    gcc,cmake,unity,build/gcc-double
+              preset gcc-double
 cortex-m0     arm,cmake,unity              preset cortex-m0
+asan          gcc,cmake,unity,build/asan   preset asan
+asan-float    gcc,cmake,unity              preset asan-float
+paper         gcc,cmake,unity,python,build/gcc-double
+              preset_build gcc-double && $PYTHON tests/checks/check_paper.py
+figures       gcc,arm,riscv,python         $PYTHON port/qemu/figures.py
 cortex-m4f    arm,cmake,unity              preset cortex-m4f
+gcc-float     gcc,cmake,unity,build/gcc-float
+              preset gcc-float
+regression    gcc,clang,cmake,unity,rust,numpy,build/gcc-double
+              preset_build gcc-double && regressions
 cortex-m7     arm,cmake,unity              preset cortex-m7
 m7-double     arm,cmake,unity              preset cortex-m7-double
 cortex-m33    arm,cmake,unity              preset cortex-m33
@@ -26,46 +31,48 @@ rv32imac      riscv,cmake,unity            preset rv32imac
 rv32imafc     riscv,cmake,unity            preset rv32imafc
 mips          mips,cmake,unity             preset mips
 mips-double   mips,cmake,unity             preset mips-double
-regression    gcc,clang,cmake,unity,rust,numpy
-              preset_build gcc-double && regressions
-consumers     gcc,g++,cmake,pkgconf        sh tests/consumers/run.sh build/consumers
-install       gcc,cmake,make,pkgconf,python
-              $PYTHON tests/checks/check_install.py
+gcc-float-O3  gcc,cmake,unity              preset gcc-float-O3
+clang-double  clang,cmake,unity            preset clang-double
+clang-float   clang,cmake,unity            preset clang-float
+shared        gcc,cmake,unity              preset shared-tests
 single-file   gcc,g++,clang,cmake,unity,python
               sh tests/ways/single_file.sh build/single_file
 ways          gcc,g++,cmake,arduino,venv   sh tests/ways/run.sh build/ways
 hooks         gcc,clang,arm,cmake,unity,python
               sh tests/ways/hooks.sh build/hooks
-cli           gcc,cmake,unity,numpy        cli gcc-double
-cli-float     gcc,cmake,unity,numpy        cli gcc-float
-cli-asan      gcc,cmake,unity,numpy        cli asan
-scale         gcc,cmake,unity,numpy,time
+consumers     gcc,g++,cmake,pkgconf        sh tests/consumers/run.sh build/consumers
+install       gcc,cmake,make,pkgconf,python
+              $PYTHON tests/checks/check_install.py
+cli           gcc,cmake,unity,numpy,build/gcc-double
+              cli gcc-double
+cli-float     gcc,cmake,unity,numpy,build/gcc-float
+              cli gcc-float
+cli-asan      gcc,cmake,unity,numpy,build/asan
+              cli asan
+real-rigs     gcc,cmake,unity,numpy,scipy,build/gcc-double,build/gcc-float
+              preset_build gcc-double && preset_build gcc-float && $PYTHON tests/bench/real_rigs.py
+scale         gcc,cmake,unity,numpy,time,build/gcc-double
               preset_build gcc-double && $PYTHON tests/bench/scale.py build/gcc-double/rigcal short
 ffi           gcc,cmake,rust,numpy         preset_build shared && sh examples/ffi/run.sh
 firmware      gcc,arm,unity                sh examples/firmware/run.sh build/firmware
-paper         gcc,cmake,unity,python
-              preset_build gcc-double && $PYTHON tests/checks/check_paper.py
-readme        gcc,python                   $PYTHON tests/checks/check_readme.py
-layout        python                       $PYTHON tests/checks/check_layout.py
-vectors       numpy,scipy                  $PYTHON tests/vectors/make_vectors.py --check
-layers        gcc,python                   $PYTHON tests/checks/check_layers.py
-limits        gcc,python                   $PYTHON tests/checks/check_limits.py
-constants     gcc,python                   $PYTHON tests/gate/constants.py --check
-manifests     python                       $PYTHON tests/checks/check_manifests.py
-symbols       gcc,python                   $PYTHON tests/checks/check_symbols.py
-callgraph     gcc,arm,python
-              $PYTHON tests/checks/check_callgraph.py build/callgraph
-header        gcc,g++,clang                sh tests/checks/check_header.sh
-cross         arm                          sh tests/checks/check_cross.sh
-figures       gcc,arm,riscv,python         $PYTHON port/qemu/figures.py
-memory        arm                          sh tests/bench/rig_memory.sh
 rig-ceres     gcc,g++,cmake,make,ceres,unity
               sh tests/bench/rig.sh check
-real-rigs     gcc,cmake,unity,numpy,scipy
-              preset_build gcc-double && preset_build gcc-float && $PYTHON tests/bench/real_rigs.py
-format        clang-format                 sh tests/checks/check_format.sh
-cppcheck      cppcheck                     sh tests/checks/check_cppcheck.sh
+constants     gcc,python                   $PYTHON tests/gate/constants.py --check
+symbols       gcc,python                   $PYTHON tests/checks/check_symbols.py
+vectors       numpy,scipy                  $PYTHON tests/vectors/make_vectors.py --check
 tidy          gcc,clang-tidy               sh tests/checks/check_tidy.sh
+callgraph     gcc,arm,python
+              $PYTHON tests/checks/check_callgraph.py build/callgraph
+cppcheck      cppcheck                     sh tests/checks/check_cppcheck.sh
+readme        gcc,python                   $PYTHON tests/checks/check_readme.py
+header        gcc,g++,clang                sh tests/checks/check_header.sh
+cross         arm                          sh tests/checks/check_cross.sh
+memory        arm                          sh tests/bench/rig_memory.sh
+layers        gcc,python                   $PYTHON tests/checks/check_layers.py
+limits        gcc,python                   $PYTHON tests/checks/check_limits.py
+layout        python                       $PYTHON tests/checks/check_layout.py
+manifests     python                       $PYTHON tests/checks/check_manifests.py
+format        clang-format                 sh tests/checks/check_format.sh
 shell         nothing                      sh tests/checks/check_shell.sh
 words         nothing                      sh tests/checks/check_words.sh
 '
@@ -116,7 +123,7 @@ want_need() {
         needs_python=yes
         modules="$modules $1"
         ;;
-    nothing) ;;
+    nothing | build/*) ;;
     *)
         echo "tests/run.sh: a step needs $1, which is not in want_need." >&2
         exit 1
@@ -127,6 +134,7 @@ want_need() {
 set -u
 cd "$(dirname "$0")/.." || exit 1
 . tests/support/packages.sh
+. tests/support/lanes.sh
 
 # One line a step.
 steps=$(echo "$steps" | awk '/^[^ ]/ {printf "%s%s", n++ ? "\n" : "", $0}
@@ -188,74 +196,32 @@ if [ -n "$needs_python" ]; then
     }
     export PYTHON
 fi
-jobs=$(nproc 2>/dev/null || echo 2)
+mkdir -p build/logs && state=$(mktemp -d) || exit 1
+trap 'rm -rf "$state"' EXIT
 
-preset_build() {
-    drop_moved_build "build/$1"
-    cmake --preset "$1" && cmake --build --preset "$1" -j "$jobs"
-}
+# Steps run side by side, in lanes: most steps use one core for a good part of their time.
+cores=$(nproc 2>/dev/null || echo 2)
+most=${RIGCAL_LANES:-$((cores < 4 ? cores : 4))}
+count=$(echo "$asked" | wc -w)
+lanes=$((count < most ? count : most))
+jobs=$(((cores + lanes - 1) / lanes))
+export CMAKE_BUILD_PARALLEL_LEVEL="$jobs" CTEST_PARALLEL_LEVEL="$jobs"
+# Steps look at and copy the sources, among which nothing is to appear.
+export PYTHONDONTWRITEBYTECODE=1
 
-preset() {
-    preset_build "$1" && ctest --preset "$1" -j "$jobs"
-}
+echo "$steps" | awk -v asked=" $asked " 'index(asked, " " $1 " ")' >"$state/steps"
+run_steps "$lanes" "$state/steps" || exit 1
 
-cli() {
-    preset_build "$1" && RIGCAL_BIN=build/$1/rigcal $PYTHON tests/cli/test_cli.py
-}
-
-# Every tests/regression/*.sh, each with an empty folder of its own.
-regressions() {
-    bad=
-    count=0
-    for script in tests/regression/*.sh; do
-        [ -e "$script" ] || continue
-        name=$(basename "$script" .sh)
-        work=build/regression/$name
-        rm -rf "$work"
-        mkdir -p "$work"
-        echo "== $name"
-        sh "$script" "$work" || bad="$bad $name"
-        count=$((count + 1))
-    done
-    if [ -n "$bad" ]; then
-        echo "regressions:$bad"
-        return 1
-    fi
-    echo "$count scripts"
-}
-
-# What a step's log tells in one phrase: ctest's count, or its last line.
-summary() {
-    if count=$(sed -n 's/.* tests failed out of \([0-9]*\)$/\1 tests/p' "$1") &&
-            [ -n "$count" ]; then
-        echo "$count"
-    else
-        tail -n 1 "$1"
-    fi
-}
-
-mkdir -p build/logs
 passed=0
 failed=
-while read -r name needed command; do
-    case " $asked " in
-    *" $name "*) ;;
-    *) continue ;;
-    esac
-    log=build/logs/$name.log
-    begin=$(date +%s)
-    if (eval "$command") >"$log" 2>&1 </dev/null; then
+for name in $(awk '{print $1}' "$state/steps"); do
+    if [ -e "$state/ok/$name" ]; then
         passed=$((passed + 1))
-        echo "ok    $name: $(summary "$log"), $(($(date +%s) - begin)) s"
     else
         failed="$failed $name"
-        echo "FAIL  $name, $(($(date +%s) - begin)) s; the end of $log:"
-        tail -n 30 "$log" | sed 's/^/      /'
     fi
-done <<END
-$steps
-END
-
+done
+# shellcheck disable=SC2086 -- a list of steps
 set -- $failed
 if [ $# -eq 0 ]; then
     echo "All is well."

@@ -537,7 +537,7 @@ static void test_mirrored_points_are_seldom_taken_for_right(void)
     for (int c = 0; c < 2; c++) {
         int taken = 0;
 
-        for (int trial = 0; trial < 1000; trial++) {
+        for (int trial = 0; trial < TEST_TRIALS(1000); trial++) {
             test_problem p;
 
             test_random_problem(&p, &rng, counts[c], TEST_GENERAL);
@@ -556,7 +556,7 @@ static void test_right_points_are_not_taken_for_mirrored(void)
     test_rng rng = test_seed(54);
     int suspected = 0;
 
-    for (int trial = 0; trial < 3000; trial++) {
+    for (int trial = 0; trial < TEST_TRIALS(3000); trial++) {
         test_problem p;
 
         test_random_problem(&p, &rng, 4 + trial % 5, TEST_GENERAL);

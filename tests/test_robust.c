@@ -216,7 +216,7 @@ static void test_all_wrong_is_not_believed(void)
     test_rng rng = test_seed(3);
     int believed = 0, few = 0;
 
-    for (int n = 0; n < 300; n++) {
+    for (int n = 0; n < TEST_TRIALS(300); n++) {
         problem p;
 
         make(&p, &rng, n % 4 == 0 ? 5 : 6 * (n % 4) + 2, (test_shape)(n % 3));

@@ -4,8 +4,9 @@
  *   bench_wide table [SCENES] [--list]
  *       SCENES of each lens (default 100 000); --list: the scenes that went wrong, on
  *       stderr
- *   bench_wide check
- *       some scenes, for CI: exit status 1 if more go wrong than should
+ *   bench_wide check [SCENES]
+ *       some scenes, for CI, SCENES of each lens, shape and number of points (default 100,
+ *       the most): exit status 1 if more go wrong than should
  *   bench_wide replay LENS SHAPE N INDEX
  *       one of the scenes: its minima, and what was returned */
 #include <math.h>
@@ -353,7 +354,7 @@ static int is_within(const char *what, const char *count, long number, long limi
     return number <= limit;
 }
 
-static int bench_check(void)
+static int bench_check(long scenes)
 {
     const limits *const all = RIGCAL_USE_FLOAT ? limits_float : limits_double;
     int well = 1;
@@ -365,7 +366,7 @@ static int bench_check(void)
         memset(&c, 0, sizeof c);
         for (int form = 0; form < SHAPES; form++) {
             for (int i = 0; i < COUNTS; i++) {
-                try_scenes(&c, (lens)what, (shape)form, counts[i], SCENES_CHECKED, 1);
+                try_scenes(&c, (lens)what, (shape)form, counts[i], scenes, 1);
             }
         }
         well &= is_within(name, "not best", c.not_best, all[what].not_best);
@@ -415,8 +416,9 @@ static void bench_replay(lens what, shape form, int n, long index)
 
 static void usage(void)
 {
-    fprintf(stderr, "bench_wide: usage: bench_wide table [SCENES] [--list] | check | "
-                    "replay LENS SHAPE N INDEX\n");
+    fprintf(stderr,
+            "bench_wide: usage: bench_wide table [SCENES] [--list] | check [SCENES] | "
+            "replay LENS SHAPE N INDEX\n");
     exit(2);
 }
 
@@ -468,8 +470,11 @@ int main(int argc, char **argv)
 
     if (strcmp(what, "table") == 0) {
         run_table(argc, argv);
-    } else if (strcmp(what, "check") == 0 && argc == 2) {
-        return bench_check() ? 0 : 1;
+    } else if (strcmp(what, "check") == 0 && argc <= 3) {
+        return bench_check(argc == 3 ? whole_number(argv[2], 1, SCENES_CHECKED)
+                                     : SCENES_CHECKED)
+                   ? 0
+                   : 1;
     } else if (strcmp(what, "replay") == 0 && argc == 6) {
         bench_replay((lens)index_of(argv[2], lens_names, LENSES),
                      (shape)index_of(argv[3], shape_names, SHAPES),

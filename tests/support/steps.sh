@@ -1,0 +1,45 @@
+# Sourced by the shell of each step that tests/run.sh starts, at the project's root.
+#
+#   preset_build PRESET   builds in build/PRESET
+#   preset PRESET         builds, and runs every test
+#   cli PRESET            builds, and runs the tests of the command line
+#   regressions           runs every tests/regression/*.sh
+#
+# How many jobs run at a time is in CMAKE_BUILD_PARALLEL_LEVEL and CTEST_PARALLEL_LEVEL.
+
+set -u
+. tests/support/packages.sh
+
+preset_build() {
+    drop_moved_build "build/$1"
+    cmake --preset "$1" && cmake --build --preset "$1"
+}
+
+preset() {
+    preset_build "$1" && ctest --preset "$1"
+}
+
+cli() {
+    preset_build "$1" && RIGCAL_BIN=build/$1/rigcal $PYTHON tests/cli/test_cli.py
+}
+
+# Each script has an empty folder of its own.
+regressions() {
+    bad=
+    count=0
+    for script in tests/regression/*.sh; do
+        [ -e "$script" ] || continue
+        name=$(basename "$script" .sh)
+        work=build/regression/$name
+        rm -rf "$work"
+        mkdir -p "$work"
+        echo "== $name"
+        sh "$script" "$work" || bad="$bad $name"
+        count=$((count + 1))
+    done
+    if [ -n "$bad" ]; then
+        echo "regressions:$bad"
+        return 1
+    fi
+    echo "$count scripts"
+}

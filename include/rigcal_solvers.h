@@ -221,6 +221,20 @@ struct rigcal_cause_solver {
     rigcal_pose_solver pose;
 };
 
+/* ---- a point that is measured ------------------------------------------------ */
+
+struct rigcal_point_solver {
+    const rigcal_sightings *sightings;
+    int32_t phase, status, is_tried, evals; /* is_tried: a step waits for its sum */
+    int32_t n_pairs, pair, best_pair;       /* of two views, that make a point */
+    size_t n_used, view;                    /* views in use; which is under way */
+    size_t best_agree, agree;               /* views that agree with a pair's point */
+    rigcal_levenberg search;
+    rigcal_real X[3], before[3], g[3], H[6], sum, gain, negligible;
+    rigcal_real Sigma[6], Sigma_noise[6], chi2, parallax_cos;
+    rigcal_real disagreement, best_disagreement; /* sums, of a pair */
+};
+
 #ifdef __cplusplus
 }
 #endif

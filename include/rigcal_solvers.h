@@ -223,16 +223,30 @@ struct rigcal_cause_solver {
 
 /* ---- a point that is measured ------------------------------------------------ */
 
+/* The covariance of the 2 n pixels, and what it makes of a point. */
+typedef struct rigcal_point_sums {
+    rigcal_real *V;         /* packed, then its factor */
+    rigcal_real N[6];       /* (A^T W A)^-1, W the weights */
+    rigcal_real Sigma[6];   /* of the point: N, and the calibration's part */
+    rigcal_real M[6], c[3]; /* A^T V^-1 A, A^T V^-1 e */
+    rigcal_real q;          /* e^T V^-1 e */
+} rigcal_point_sums;
+
 struct rigcal_point_solver {
     const rigcal_sightings *sightings;
-    int32_t phase, status, is_tried, evals; /* is_tried: a step waits for its sum */
-    int32_t n_pairs, pair, best_pair;       /* of two views, that make a point */
-    size_t n_used, view;                    /* views in use; which is under way */
-    size_t best_agree, agree;               /* views that agree with a pair's point */
+    int32_t phase, status, of;         /* of: all views, two, or those that agree */
+    int32_t whole;                     /* the status, if no two views agree */
+    int32_t stage, located;            /* of the point under way, and its status */
+    int32_t is_tried, is_stale, evals; /* a step waits for its sum; the equations are those
+                                          of another place */
+    size_t view, n_used;               /* the view under way; how many are used */
+    size_t pair, two[2];               /* the pair under way */
+    size_t n_pairs, agree, best;       /* pairs ranked; views that agree; the most */
+    rigcal_real distance, least;       /* sums of what they miss by; of the best */
     rigcal_levenberg search;
     rigcal_real X[3], before[3], g[3], H[6], sum, gain, negligible;
-    rigcal_real Sigma[6], Sigma_noise[6], chi2, parallax_cos;
-    rigcal_real disagreement, best_disagreement; /* sums, of a pair */
+    rigcal_real aside, chi2; /* aside: sine squared of the parallax */
+    rigcal_point_sums sums;
 };
 
 #ifdef __cplusplus

@@ -1,0 +1,5 @@
+/* locate */
+#include "test_support.h"
+TEST_MAIN()
+{
+}

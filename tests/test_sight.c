@@ -1,0 +1,5 @@
+/* sight */
+#include "test_support.h"
+TEST_MAIN()
+{
+}

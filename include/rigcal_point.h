@@ -43,7 +43,7 @@ typedef struct rigcal_sightings {
 
 /* Reals to work in. The same as a function: rigcal_point_work. */
 #define RIGCAL_POINT_WORK(n) \
-    ((size_t)(n) * (2 * (size_t)(n) + 43) + \
+    ((size_t)(n) * (2 * (size_t)(n) + 44) + \
      ((size_t)(n) > 16 ? 3 * (size_t)RIGCAL_SIGHTING_PAIRS : 0))
 RIGCAL_API size_t rigcal_point_work(size_t n);
 

@@ -8,21 +8,22 @@
 
 /* One view, in the caller's memory to work in. */
 typedef struct {
-    rigcal_real order;  /* of the k-th: the number of the k-th view that is used */
-    rigcal_real agrees; /* with the pair under way: 1; 0 */
-    rigcal_real chosen; /* agrees with the best pair so far: 1; 0 */
-    rigcal_real first;  /* unknown of its camera; -1: its pose is exact */
-    rigcal_real weight; /* 1 / sigma^2 [1/px^2] */
-    rigcal_real ray[3]; /* in the rig's frame, of length 1; 0: the lens images none */
-    rigcal_real e[2];   /* what is left [px] */
-    rigcal_real A[6];   /* d projection / d X, 2 x 3 */
-    rigcal_real B[12];  /* d projection / d (w, dt), 2 x 6 */
-    rigcal_real G[6];   /* d X / d pixel, 3 x 2 */
-    rigcal_real y[8];   /* two rows of L^-1 (A e), L L^T = V */
+    rigcal_real order;      /* of the k-th: the number of the k-th view that is used */
+    rigcal_real agrees;     /* with the pair under way: 1; 0 */
+    rigcal_real chosen;     /* agrees with the best pair so far: 1; 0 */
+    rigcal_real first;      /* unknown of its camera; -1: its pose is exact */
+    rigcal_real is_pinhole; /* 1; 0 */
+    rigcal_real weight;     /* 1 / sigma^2 [1/px^2] */
+    rigcal_real ray[3];     /* in the rig's frame, of length 1; 0: the lens images none */
+    rigcal_real e[2];       /* what is left [px] */
+    rigcal_real A[6];       /* d projection / d X, 2 x 3 */
+    rigcal_real B[12];      /* d projection / d (w, dt), 2 x 6 */
+    rigcal_real G[6];       /* d X / d pixel, 3 x 2 */
+    rigcal_real y[8];       /* two rows of L^-1 (A e), L L^T = V */
 } rc_sight;
 
 /* Its number of reals, as RIGCAL_POINT_WORK has it. */
-enum { RC_SIGHT_REALS = 42 };
+enum { RC_SIGHT_REALS = 43 };
 
 /* Checks view i and its camera, and makes its ray. */
 rigcal_status rc_sight_check(rc_sight *v, const rigcal_sightings *s, size_t i);

@@ -1,5 +1,10 @@
 #include "rc_locate.h"
 
+/* ---- constants ----------------------------------------------------------- */
+
+/* part of an element of the diagonal: a smaller pivot is rounding. */
+#define RANK_TOL (4 * RC_EPS)
+
 /* What the next view is for. */
 enum { RAYS, EVALUATE, COVARIANCE };
 
@@ -11,6 +16,14 @@ rc_sight *rc_sights_of(const rigcal_point_solver *p)
 size_t rc_sight_number(const rigcal_point_solver *p, size_t k)
 {
     return (size_t)rc_sights_of(p)[k].order;
+}
+
+static void clear_equations(rigcal_point_solver *p)
+{
+    for (int k = 0; k < 6; k++) {
+        p->H[k] = 0;
+        p->g[k / 2] = 0;
+    }
 }
 
 static void begin_views(rigcal_point_solver *p, int32_t stage)
@@ -42,16 +55,22 @@ rigcal_real rc_locate_parallax(const rigcal_point_solver *p)
 
 static void begin_equations(rigcal_point_solver *p)
 {
-    rc_clear(p->g, 3);
-    rc_clear(p->H, 6);
+    clear_equations(p);
     p->sum = 0;
     begin_views(p, EVALUATE);
+}
+
+/* L L^T = A, not damped. 0: not positive definite to rounding. */
+static int factor(rigcal_real L[6], const rigcal_real A[6])
+{
+    const rigcal_real diagonal[3] = {A[0], A[3], A[5]};
+    return rc_sym3_factor(L, A, diagonal, RANK_TOL);
 }
 
 static void begin_covariance(rigcal_point_solver *p)
 {
     rigcal_real L[6];
-    if (!rc_point_factor(L, p->H, 0)) {
+    if (!factor(L, p->H)) {
         end(p, RIGCAL_ERR_PARALLEL);
         return;
     }
@@ -214,7 +233,7 @@ static void add_covariance(rigcal_point_solver *p)
     if (++p->view < p->n_used) {
         return;
     }
-    if (!rc_point_factor(L, p->sums.M, 0) || !rc_all_finite(p->sums.Sigma, 6)) {
+    if (!factor(L, p->sums.M) || !rc_all_finite(p->sums.Sigma, 6)) {
         end(p, RIGCAL_ERR_DEGENERATE);
         return;
     }
@@ -232,8 +251,7 @@ void rc_locate_begin(rigcal_point_solver *p, size_t n_used)
     p->n_used = n_used;
     p->evals = 0;
     p->aside = 0;
-    rc_clear(p->g, 3);
-    rc_clear(p->H, 6);
+    clear_equations(p);
     p->H[0] = p->H[3] = p->H[5] = n;
     p->located = RIGCAL_RUNNING;
     begin_views(p, RAYS);

@@ -6,6 +6,65 @@
  * the lens images, needs no proof of its own that the lens sees it there. */
 #define NEAR_RAY RC(1e-4)
 
+/* squared distance in the plane of a lens, 0.1 px of a usual camera: the Newton step from
+ * there ends the search for a ray, which is then good to 1e-6 px. */
+#define RAY_NEAR RC(1e-8)
+
+/* steps: of that search, usually 2 or 3. */
+enum { RAY_STEPS = 4 };
+
+/* ---- a ray --------------------------------------------------------------- */
+
+/* Whether the Jacobian of Brown's lens without a denominator is positive definite all the
+ * way from the axis to x: its least eigenvalue is no less than this sum of bounds. It holds
+ * for most images, and costs a tenth of rc_lens_is_usable. */
+static int is_mild(const rigcal_camera *c, const rigcal_real x[2])
+{
+    const rigcal_real s = x[0] * x[0] + x[1] * x[1];
+    const rigcal_real radial =
+        s * (3 * RC_FABS(c->k1) + s * (5 * RC_FABS(c->k2) + s * 7 * RC_FABS(c->k3)));
+    return radial + 6 * (RC_FABS(c->p1) + RC_FABS(c->p2)) * RC_SQRT(s) < 1;
+}
+
+/* x with F(x) = target, of such a lens. 0: it must be sought with more care. */
+static int find_mild(rigcal_real x[2], const rigcal_camera *c, const rigcal_real target[2])
+{
+    const rigcal_real denominator[3] = {c->k4, c->k5, c->k6};
+    if (rc_lens_is_fisheye(c) || !rc_all_within(denominator, 3, 0)) {
+        return 0;
+    }
+    x[0] = target[0];
+    x[1] = target[1];
+    for (int i = 0; i < RAY_STEPS && is_mild(c, x); i++) {
+        rigcal_real F[2], J[3];
+        (void)rc_lens_map(F, J, c, x);
+        const rigcal_real u = target[0] - F[0], v = target[1] - F[1];
+        const rigcal_real by_det = 1 / (J[0] * J[2] - J[1] * J[1]);
+        x[0] += (J[2] * u - J[1] * v) * by_det;
+        x[1] += (J[0] * v - J[1] * u) * by_det;
+        if (u * u + v * v <= RAY_NEAR) {
+            return is_mild(c, x);
+        }
+    }
+    return 0;
+}
+
+/* The unit ray of a pixel in the rig's frame; 0: the lens images none. */
+static void fill_ray(rc_sight *v, const rigcal_mounted_camera *m, const rigcal_real uv[2])
+{
+    const rigcal_camera *const c = &m->camera;
+    const rigcal_real target[2] = {(uv[0] - c->cx) / c->fx, (uv[1] - c->cy) / c->fy};
+    rigcal_real ray[3] = {target[0], target[1], 1};
+    v->ray[0] = v->ray[1] = v->ray[2] = 0;
+    if (v->is_pinhole > 0 || find_mild(ray, c, target)) {
+        const rigcal_real scale = 1 / rc_vec3_norm(ray);
+        rc_mat3_tmul_vec3(v->ray, m->cam_from_rig.R, ray);
+        rc_vec3_scale(v->ray, scale, v->ray);
+    } else if (rc_pixel_to_ray(ray, c, uv) == RIGCAL_OK) {
+        rc_mat3_tmul_vec3(v->ray, m->cam_from_rig.R, ray);
+    }
+}
+
 /* ---- one view ------------------------------------------------------------ */
 
 static const rigcal_mounted_camera *camera_of(const rigcal_sightings *s, size_t i)
@@ -44,11 +103,8 @@ rigcal_status rc_sight_check(rc_sight *v, const rigcal_sightings *s, size_t i)
     if (status != RIGCAL_OK) {
         return status;
     }
-    rigcal_real ray[3];
-    v->ray[0] = v->ray[1] = v->ray[2] = 0;
-    if (rc_pixel_to_ray(ray, &m->camera, seen->uv) == RIGCAL_OK) {
-        rc_mat3_tmul_vec3(v->ray, m->cam_from_rig.R, ray);
-    }
+    v->is_pinhole = (rigcal_real)rc_lens_is_pinhole(&m->camera);
+    fill_ray(v, m, seen->uv);
     v->first =
         (s->rig->sigma_px > 0) ? rc_calibrated_first(s->rig, (size_t)seen->camera) : -1;
     return RIGCAL_OK;
@@ -58,12 +114,11 @@ rigcal_status rc_sight_evaluate(rc_sight *v, const rigcal_sightings *s, size_t i
                                 const rigcal_real X[3])
 {
     const rigcal_mounted_camera *const m = camera_of(s, i);
-    const int is_pinhole = rc_lens_is_pinhole(&m->camera);
     rigcal_real *const P = v->B; /* for now */
     rigcal_real X_c[3];
     rc_transform_point(X_c, &m->cam_from_rig, X);
     const rigcal_status status =
-        rc_residual(v->e, P, &m->camera, is_pinhole, s->seen[i].uv, X_c);
+        rc_residual(v->e, P, &m->camera, v->is_pinhole > 0, s->seen[i].uv, X_c);
     if (status == RIGCAL_OK) {
         rc_mat3_tmul_vec3(&v->A[0], m->cam_from_rig.R, &P[0]);
         rc_mat3_tmul_vec3(&v->A[3], m->cam_from_rig.R, &P[3]);
@@ -102,46 +157,65 @@ static inline rigcal_real dot6(const rigcal_real a[6], const rigcal_real b[6])
     return rc_vec3_dot(a, b) + rc_vec3_dot(a + 3, b + 3);
 }
 
-/* T = B Sigma, 2 x 6, of the rows a of Sigma and the columns b <= a. A block of the
- * diagonal is symmetric. */
-static void times_rows(rigcal_real T[12], const rigcal_real B[12],
-                       const rigcal_real Sigma[], size_t a, size_t b)
+/* C = B_a Sigma B_b^T, of the rows of the unknowns `row` and the columns `column`, before
+ * them. */
+static void block_before(rigcal_real C[4], const rigcal_real B_a[12],
+                         const rigcal_real B_b[12], const rigcal_real Sigma[], size_t row,
+                         size_t column)
 {
-    rc_clear(T, 12);
+    const rigcal_real *at = &Sigma[rc_packed_at(row, column)];
+    rigcal_real u = dot6(at, &B_b[0]), v = dot6(at, &B_b[6]);
+    C[0] = B_a[0] * u;
+    C[1] = B_a[0] * v;
+    C[2] = B_a[6] * u;
+    C[3] = B_a[6] * v;
+    for (size_t i = 1; i < 6; i++) {
+        at += row + i;
+        u = dot6(at, &B_b[0]);
+        v = dot6(at, &B_b[6]);
+        C[0] += B_a[i] * u;
+        C[1] += B_a[i] * v;
+        C[2] += B_a[6 + i] * u;
+        C[3] += B_a[6 + i] * v;
+    }
+}
+
+/* The same of one camera, whose block of Sigma is symmetric and has its lower half. */
+static void block_own(rigcal_real C[4], const rigcal_real B_a[12],
+                      const rigcal_real B_b[12], const rigcal_real Sigma[], size_t row)
+{
+    C[0] = C[1] = C[2] = C[3] = 0;
     for (size_t i = 0; i < 6; i++) {
-        const rigcal_real *const row = &Sigma[rc_packed_at(a + i, b)];
-        const rigcal_real u = B[i], v = B[6 + i];
-        const size_t last = (a > b) ? 6 : i;
-        for (size_t j = 0; j < last; j++) {
-            T[j] += u * row[j];
-            T[6 + j] += v * row[j];
+        const rigcal_real *const at = &Sigma[rc_packed_at(row + i, row)];
+        rigcal_real ua = 0, va = 0, ub = at[i] * B_b[i], vb = at[i] * B_b[6 + i];
+        for (size_t j = 0; j < i; j++) {
+            ua += at[j] * B_a[j];
+            va += at[j] * B_a[6 + j];
+            ub += at[j] * B_b[j];
+            vb += at[j] * B_b[6 + j];
         }
-        if (a == b) {
-            T[i] += B[i] * row[i];
-            T[6 + i] += B[6 + i] * row[i];
-            for (size_t j = 0; j < i; j++) {
-                T[i] += B[j] * row[j];
-                T[6 + i] += B[6 + j] * row[j];
-            }
-        }
+        C[0] += B_a[i] * ub + ua * B_b[i];
+        C[1] += B_a[i] * vb + ua * B_b[6 + i];
+        C[2] += B_a[6 + i] * ub + va * B_b[i];
+        C[3] += B_a[6 + i] * vb + va * B_b[6 + i];
     }
 }
 
 void rc_sight_block(rigcal_real C[4], const rc_sight *a, const rc_sight *b,
                     const rigcal_real Sigma[])
 {
-    rigcal_real T[12];
-    const int is_swapped = a->first < b->first;
-    const rc_sight *const high = is_swapped ? b : a, *const low = is_swapped ? a : b;
-    if (!(low->first >= 0)) {
-        rc_clear(C, 4);
-        return;
+    if (!(a->first >= 0 && b->first >= 0)) {
+        C[0] = C[1] = C[2] = C[3] = 0;
+    } else if (a->first > b->first) {
+        block_before(C, a->B, b->B, Sigma, (size_t)a->first, (size_t)b->first);
+    } else if (a->first < b->first) {
+        block_before(C, b->B, a->B, Sigma, (size_t)b->first, (size_t)a->first);
+        const rigcal_real across = C[1];
+        C[1] = C[2];
+        C[2] = across;
+    } else {
+        block_own(C, a->B, b->B, Sigma, (size_t)a->first);
     }
-    times_rows(T, high->B, Sigma, (size_t)high->first, (size_t)low->first);
-    C[0] = dot6(&T[0], &low->B[0]);
-    C[1 + is_swapped] = dot6(&T[0], &low->B[6]);
-    C[2 - is_swapped] = dot6(&T[6], &low->B[0]);
-    C[3] = dot6(&T[6], &low->B[6]);
 }
 
 /* G = N A^T W, of one view. */
@@ -156,13 +230,12 @@ static void fill_gain(rc_sight *v, const rigcal_real N[6])
     }
 }
 
-/* h += G C^T, 3 x 2, times scale. */
-static void add_leverage(rigcal_real h[6], const rigcal_real G[6], const rigcal_real C[4],
-                         rigcal_real scale)
+/* h += G C^T, 3 x 2. */
+static void add_leverage(rigcal_real h[6], const rigcal_real G[6], const rigcal_real C[4])
 {
     for (int k = 0; k < 3; k++) {
-        h[2 * k] += scale * (G[2 * k] * C[0] + G[2 * k + 1] * C[1]);
-        h[2 * k + 1] += scale * (G[2 * k] * C[2] + G[2 * k + 1] * C[3]);
+        h[2 * k] += G[2 * k] * C[0] + G[2 * k + 1] * C[1];
+        h[2 * k + 1] += G[2 * k] * C[2] + G[2 * k + 1] * C[3];
     }
 }
 
@@ -211,17 +284,23 @@ int rc_sight_add(rigcal_point_sums *sums, rc_sight sights[], size_t k,
     rigcal_real *const lower = &sums->V[rc_packed_at(2 * k + 1, 0)];
     rigcal_real h[6] = {0, 0, 0, 0, 0, 0}, C[4];
     fill_gain(v, sums->N);
-    for (size_t j = 0; j <= k; j++) {
+    for (size_t j = 0; j < k; j++) {
         const rc_sight *const w = &sights[(size_t)sights[j].order];
         rc_sight_block(C, v, w, Sigma);
         upper[2 * j] = C[0];
+        upper[2 * j + 1] = C[1];
         lower[2 * j] = C[2];
         lower[2 * j + 1] = C[3];
-        if (j < k) {
-            upper[2 * j + 1] = C[1];
-        }
-        add_leverage(h, w->G, C, (j < k) ? 1 : RC(0.5));
+        add_leverage(h, w->G, C);
     }
+    rc_sight_block(C, v, v, Sigma);
+    upper[2 * k] = C[0];
+    lower[2 * k] = C[2];
+    lower[2 * k + 1] = C[3];
+    for (int i = 0; i < 4; i++) { /* half, for it is added with its transpose */
+        C[i] /= 2;
+    }
+    add_leverage(h, v->G, C);
     upper[2 * k] += 1 / v->weight;
     lower[2 * k + 1] += 1 / v->weight;
     add_symmetric(sums->Sigma, v->G, h);

@@ -85,9 +85,9 @@ typedef struct rigcal_measured_point {
  * when it is within chi square of 2 at 99 %. The most that agree are used.
  *
  * OK. RIGCAL_VIEWS_LEFT_OUT: some views were dropped. RIGCAL_FEW_AGREE: the same, and only
- * two agree, which two wrong views may do by chance. RIGCAL_POOR_FIT: chi2 is too large, of
- * two views or with keep_all: they do not show one point. RIGCAL_BUDGET_SPENT. All of
- * these are written.
+ * two agree, which two wrong views may do by chance. RIGCAL_POOR_FIT: all views are used
+ * and chi2 is too large: they do not show one point, and no view is the one that is wrong.
+ * RIGCAL_BUDGET_SPENT. All of these are written.
  * RIGCAL_DISCONNECTED: two of the cameras have no common frame; not written. ERR_NULL,
  * ERR_NOT_FINITE, ERR_CAMERA, ERR_ROTATION, ERR_RANGE, ERR_TOO_FEW, ERR_CAPACITY; ERR_STATE
  * (no noise is known: the rig's sigma_px is 0, and none are given); ERR_NO_RAY,

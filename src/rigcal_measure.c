@@ -326,6 +326,8 @@ static void locate(rigcal_point_solver *p)
         judge_pair(p, status);
     } else if (status < 0) {
         end(p, status);
+    } else if (p->n_used == p->sightings->n) {
+        end(p, RIGCAL_POOR_FIT);
     } else {
         end(p, (p->n_used == 2) ? RIGCAL_FEW_AGREE : RIGCAL_VIEWS_LEFT_OUT);
     }

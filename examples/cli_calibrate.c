@@ -94,7 +94,8 @@ static void write_rig_header(FILE *file, const calibration *c,
     size_t b;
     int k;
 
-    fprintf(file, "camera,%s,%s,sigma_px", CLI_TRANSFORM_COLUMNS, SIGMA_COLUMNS);
+    fprintf(file, "camera,%s,%s,sigma_px,noise_px,sqrt_F", CLI_TRANSFORM_COLUMNS,
+            SIGMA_COLUMNS);
     for (b = 0; b < kept->n_cameras; b++) {
         for (k = 0; has_between(c, kept, b) && k < 36; k++) {
             fprintf(file, ",%s",
@@ -120,6 +121,8 @@ static void write_rig(FILE *file, const calibration *c)
             cli_write_transform(file, &c->rig.cams_from_rig[i]);
             write_sigma(file, &s, is_known);
             cli_write_known(file, noise, noise > 0);
+            cli_write_known(file, (rigcal_real)c->noise_px, is_known);
+            cli_write_known(file, (rigcal_real)c->root_F, is_known && c->root_F > 0);
             write_between(file, c, &kept, i);
         }
     }

@@ -239,8 +239,28 @@ static int read_joint(cli_rig *rig)
     return 1;
 }
 
+/* A number of pixels, or another that is never so small or large. */
+static rigcal_real read_pixels(const csv_table *table, size_t row, size_t column)
+{
+    const rigcal_real number = csv_real(table, row, column);
+
+    if (!((double)number >= RIGCAL_CLI_SIGMA_LEAST &&
+          (double)number <= RIGCAL_CLI_SIGMA_MOST)) {
+        csv_fail(table, row, "%s is from 1e-6 to 1e6", table->columns[column]);
+    }
+    return number;
+}
+
+/* Of a column that is the same in all lines; 0: it is not known. */
+static rigcal_real read_common(const csv_table *table, const char *name)
+{
+    const size_t column = csv_optional(table, name);
+
+    return has_cell(table, 0, column) ? read_pixels(table, 0, column) : 0;
+}
+
 /* Column sigma_px: of all lines, or of none. */
-static void read_noise(cli_rig *rig, double sigma_px)
+static void read_sigmas(cli_rig *rig, double sigma_px)
 {
     const csv_table *table = &rig->file.table;
     const size_t n = rig->file.names.count, column = csv_optional(table, "sigma_px");
@@ -254,17 +274,14 @@ static void read_noise(cli_rig *rig, double sigma_px)
     rig->sigma_px = cli_alloc(n, sizeof *rig->sigma_px);
     for (c = 0; c < n; c++) {
         rig->sigma_px[c] =
-            sigma_px > 0 ? (rigcal_real)sigma_px : csv_real(table, c, column);
-        if (!((double)rig->sigma_px[c] >= RIGCAL_CLI_SIGMA_LEAST &&
-              (double)rig->sigma_px[c] <= RIGCAL_CLI_SIGMA_MOST)) {
-            csv_fail(table, c, "sigma_px is from 1e-6 to 1e6 pixels");
-        }
+            sigma_px > 0 ? (rigcal_real)sigma_px : read_pixels(table, c, column);
     }
 }
 
 void cli_rig_read(cli_rig *rig, const char *path, const cli_cameras *cameras,
                   double sigma_px)
 {
+    rigcal_real root_F;
     size_t c, n;
 
     memset(rig, 0, sizeof *rig);
@@ -280,9 +297,13 @@ void cli_rig_read(cli_rig *rig, const char *path, const cli_cameras *cameras,
         rig->rig.cameras[c].camera = cameras->camera[rig->camera[c]];
         rig->rig.cameras[c].cam_from_rig = rig->file.transform[c];
     }
-    read_noise(rig, sigma_px);
+    read_sigmas(rig, sigma_px);
+    rig->noise_px =
+        sigma_px > 0 ? (rigcal_real)sigma_px : read_common(&rig->file.table, "noise_px");
+    root_F = read_common(&rig->file.table, "sqrt_F");
+    rig->rig.F = root_F * root_F;
     if (read_joint(rig)) {
-        rig->rig.sigma_px = rig->sigma_px != NULL ? rig->sigma_px[0] : 1;
+        rig->rig.sigma_px = rig->noise_px > 0 ? rig->noise_px : 1;
     }
 }
 

@@ -28,7 +28,8 @@ typedef struct {
     cli_transforms file;
     size_t *camera;            /* the number of each in cameras.csv */
     rigcal_calibrated_rig rig; /* sigma_px 0: there is no joint covariance */
-    rigcal_real *sigma_px;     /* noise of each camera; NULL: the file does not tell */
+    rigcal_real *sigma_px;     /* of each camera by its residuals; NULL: not known */
+    rigcal_real noise_px;      /* of a pixel, by the views by themselves; 0: not known */
 } cli_rig;
 
 /* sigma_px: of --sigma, which counts for all cameras; 0: it is not given. */

@@ -26,7 +26,7 @@ typedef struct {
     /* Work: the views of one point. */
     rigcal_calibrated_rig exact; /* the rig without its covariance */
     rigcal_sighting *seen;
-    rigcal_real *ones, *work;
+    rigcal_real *noise, *work;
     uint8_t *used;
     size_t work_capacity;
 } triangulation;
@@ -49,7 +49,6 @@ static void name_unused_cameras(const triangulation *t)
 static void open_work(triangulation *t)
 {
     const size_t n = t->rig.rig.n_cameras;
-    size_t c;
 
     t->exact = t->rig.rig;
     t->exact.sigma_px = 0;
@@ -57,10 +56,7 @@ static void open_work(triangulation *t)
     t->used = cli_alloc(n, sizeof *t->used);
     t->work_capacity = rigcal_point_work(n);
     t->work = cli_alloc(t->work_capacity, sizeof *t->work);
-    t->ones = cli_alloc(n, sizeof *t->ones);
-    for (c = 0; c < n; c++) {
-        t->ones[c] = 1;
-    }
+    t->noise = cli_alloc(n, sizeof *t->noise);
 }
 
 static void open_triangulation(triangulation *t, const char *const option[OPTION_COUNT])
@@ -78,14 +74,14 @@ static void open_triangulation(triangulation *t, const char *const option[OPTION
                  t->rig.file.table.path, (unsigned long)t->rig.rig.n_cameras,
                  (int)RIGCAL_SIGHTINGS_MAX);
     }
-    t->is_noise_known = t->rig.sigma_px != NULL;
+    t->is_noise_known = t->rig.noise_px > 0;
     cli_observations_read(&t->observations, option[OPTION_OBSERVATIONS], &t->cameras, 0);
     name_unused_cameras(t);
-    cli_rig_tell_exact(&t->rig);
     t->in_targets = option[OPTION_TARGETS] != NULL;
     if (t->in_targets) {
         cli_transforms_read(&t->targets, option[OPTION_TARGETS], "frame", NULL);
     }
+    cli_rig_tell_exact(&t->rig);
     t->list = cli_alloc(t->observations.count, sizeof *t->list);
     open_work(t);
 }
@@ -239,22 +235,13 @@ static void scale_by(triangulation *t, double sigma_px)
     }
 }
 
-static void tell_given(const triangulation *t, const char *sigma)
+static void set_noise(triangulation *t, double sigma_px)
 {
-    double least = 1e9, most = 0;
     size_t c;
 
-    if (sigma != NULL) {
-        cli_say("noise of a pixel coordinate, as given: %.4g px",
-                (double)t->rig.sigma_px[0]);
-        return;
-    }
     for (c = 0; c < t->rig.rig.n_cameras; c++) {
-        least = fmin(least, (double)t->rig.sigma_px[c]);
-        most = fmax(most, (double)t->rig.sigma_px[c]);
+        t->noise[c] = (rigcal_real)sigma_px;
     }
-    cli_say("noise of a pixel coordinate, by %s: %.4g to %.4g px", t->rig.file.table.path,
-            least, most);
 }
 
 /* Where the noise is not known, what the points miss by tells it. With it, a rig with a
@@ -263,14 +250,17 @@ static void measure_with_noise(triangulation *t, const char *sigma)
 {
     const rigcal_calibrated_rig *rig = t->rig.rig.sigma_px > 0 ? &t->rig.rig : &t->exact;
     double estimate;
-    size_t c;
 
     if (t->is_noise_known) {
-        measure_all(t, rig, t->rig.sigma_px);
-        tell_given(t, sigma);
+        set_noise(t, (double)t->rig.noise_px);
+        measure_all(t, rig, t->noise);
+        cli_say("noise of a pixel coordinate, %s%s: %.4g px",
+                sigma != NULL ? "as given" : "by ",
+                sigma != NULL ? "" : t->rig.file.table.path, (double)t->noise[0]);
         return;
     }
-    measure_all(t, &t->exact, t->ones);
+    set_noise(t, 1);
+    measure_all(t, &t->exact, t->noise);
     estimate = estimate_sigma(t);
     if (t->count > 0) {
         cli_say("noise of a pixel coordinate, estimated from %lu points: %.4g px",
@@ -280,10 +270,8 @@ static void measure_with_noise(triangulation *t, const char *sigma)
         scale_by(t, estimate);
         return;
     }
-    for (c = 0; c < t->rig.rig.n_cameras; c++) {
-        t->ones[c] = (rigcal_real)estimate;
-    }
-    measure_all(t, rig, t->ones);
+    set_noise(t, estimate);
+    measure_all(t, rig, t->noise);
 }
 
 /* Sigma of R X when that of X is S: R S R^T. */

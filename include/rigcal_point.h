@@ -82,7 +82,8 @@ typedef struct rigcal_measured_point {
  * Views are right when chi2 is below what noise exceeds once in a hundred times. Else, of
  * three views or more, the pairs of views are tried, for n over 16 the
  * RIGCAL_SIGHTING_PAIRS of widest parallax: each makes a point, and another view agrees
- * when it is within chi square of 2 at 99 %. The most that agree are used.
+ * when it is within chi square of 2 at 99 %. The most that agree are used. Both limits are
+ * sqrt(F) times as large where the rig's F is above 1: its views differ by more than noise.
  *
  * OK. RIGCAL_VIEWS_LEFT_OUT: some views were dropped. RIGCAL_FEW_AGREE: the same, and only
  * two agree, which two wrong views may do by chance. RIGCAL_POOR_FIT: all views are used

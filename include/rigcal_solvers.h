@@ -242,6 +242,7 @@ struct rigcal_point_solver {
     size_t view, n_used;               /* the view under way; how many are used */
     size_t pair, two[2];               /* the pair under way */
     size_t n_pairs, agree, best;       /* pairs ranked; views that agree; the most */
+    rigcal_real tolerance;             /* factor of the limits, 1 at least */
     rigcal_real distance, least;       /* sums of what they miss by; of the best */
     rigcal_levenberg search;
     rigcal_real X[3], before[3], g[3], H[6], sum, gain, negligible;

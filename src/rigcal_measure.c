@@ -103,6 +103,7 @@ rigcal_status rigcal_point_begin(rigcal_point_solver *solver, const rigcal_sight
     solver->sums.V = s->work + RC_SIGHT_REALS * s->n;
     solver->status = RIGCAL_RUNNING;
     solver->negligible = RC_MAX;
+    solver->tolerance = (s->rig->F > 1) ? RC_SQRT(s->rig->F) : 1;
     begin_views(solver, CHECK);
     return RIGCAL_OK;
 }
@@ -241,7 +242,7 @@ static rigcal_real miss_of(const rigcal_point_solver *p, size_t i)
     rigcal_real C[4], a[3];
     if (rc_sight_evaluate(&v, s, i, p->X) != RIGCAL_OK ||
         rc_sight_move(&v, s, i, p->X) != RIGCAL_OK) {
-        return AGREES;
+        return p->tolerance * AGREES;
     }
     rc_sight_block(C, &v, &v, s->rig->Sigma);
     rc_sym3_mul_vec3(a, p->sums.Sigma, &v.A[0]);
@@ -251,7 +252,7 @@ static rigcal_real miss_of(const rigcal_point_solver *p, size_t i)
     const rigcal_real vv = C[3] + 1 / v.weight + rc_vec3_dot(a, &v.A[3]);
     const rigcal_real along = v.e[1] - uv / uu * v.e[0], left = vv - uv / uu * uv;
     const rigcal_real miss = v.e[0] * v.e[0] / uu + along * along / left;
-    return (miss < AGREES) ? miss : AGREES;
+    return (miss < p->tolerance * AGREES) ? miss : p->tolerance * AGREES;
 }
 
 static void compare_view(rigcal_point_solver *p)
@@ -260,7 +261,7 @@ static void compare_view(rigcal_point_solver *p)
     const size_t i = p->view++, n = p->sightings->n;
     const int is_own = i == p->two[0] || i == p->two[1];
     const rigcal_real miss = is_own ? p->chi2 / 2 : miss_of(p, i);
-    const int agrees = is_own || miss < AGREES;
+    const int agrees = is_own || miss < p->tolerance * AGREES;
     sights[i].agrees = (rigcal_real)agrees;
     p->agree += (size_t)agrees;
     p->distance += miss;
@@ -284,6 +285,13 @@ static rigcal_real freedom_of(const rigcal_point_solver *p)
     return (rigcal_real)(2 * p->n_used - 3);
 }
 
+/* chi2 is that of noise. Where views of the rig differ by more, so do right ones of a
+ * point. */
+static int is_one_point(const rigcal_point_solver *p)
+{
+    return p->chi2 <= p->tolerance * rc_chi2_limit(freedom_of(p), DEVIATIONS);
+}
+
 static int may_drop(const rigcal_point_solver *p)
 {
     return p->sightings->n > 2 && p->sightings->keep_all == 0;
@@ -292,8 +300,7 @@ static int may_drop(const rigcal_point_solver *p)
 /* The point of all views, of which the status is `status` if it is right. */
 static void judge_all(rigcal_point_solver *p, rigcal_status status)
 {
-    const int is_right = status >= 0 && p->chi2 <= rc_chi2_limit(freedom_of(p), DEVIATIONS);
-    if (is_right || (status < 0 && !may_drop(p))) {
+    if ((status >= 0 && is_one_point(p)) || (status < 0 && !may_drop(p))) {
         end(p, status);
     } else if (!may_drop(p)) {
         end(p, RIGCAL_POOR_FIT);
@@ -305,7 +312,7 @@ static void judge_all(rigcal_point_solver *p, rigcal_status status)
 
 static void judge_pair(rigcal_point_solver *p, rigcal_status status)
 {
-    if (status >= 0 && p->chi2 <= rc_chi2_limit(1, DEVIATIONS)) {
+    if (status >= 0 && is_one_point(p)) {
         p->agree = 0;
         p->distance = 0;
         begin_views(p, COMPARE);

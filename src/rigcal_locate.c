@@ -136,8 +136,7 @@ static void go_on(rigcal_point_solver *p)
 static void begin_search(rigcal_point_solver *p)
 {
     const rigcal_real n = (rigcal_real)p->n_used, of_n[3] = {n, n, n};
-    if (!(p->aside >= RC_PARALLAX_MIN) ||
-        rc_locate_parallax(p) < p->sightings->parallax_least ||
+    if (rc_locate_parallax(p) < p->sightings->parallax_least ||
         !rc_sym3_factor(p->H, p->H, of_n, RC_PARALLAX_MIN / 4)) {
         end(p, RIGCAL_ERR_PARALLEL);
         return;

@@ -119,6 +119,22 @@
     S(rigcal_symmetries)                                                           \
         M(rigcal_symmetries, permutations) M(rigcal_symmetries, n_permutations)    \
         M(rigcal_symmetries, n_points) M(rigcal_symmetries, room)                  \
+    /* rigcal_point.h */                                                           \
+    S(rigcal_sighting)                                                             \
+        M(rigcal_sighting, camera) M(rigcal_sighting, uv)                          \
+    S(rigcal_sightings)                                                            \
+        M(rigcal_sightings, rig) M(rigcal_sightings, seen) M(rigcal_sightings, n)  \
+        M(rigcal_sightings, sigma_px) M(rigcal_sightings, parallax_least)          \
+        M(rigcal_sightings, keep_all) M(rigcal_sightings, work)                    \
+        M(rigcal_sightings, work_capacity)                                         \
+    S(rigcal_point_gain)                                                           \
+        M(rigcal_point_gain, camera) M(rigcal_point_gain, gain)                    \
+    S(rigcal_measured_point)                                                       \
+        M(rigcal_measured_point, X) M(rigcal_measured_point, Sigma)                \
+        M(rigcal_measured_point, Sigma_noise) M(rigcal_measured_point, chi2)       \
+        M(rigcal_measured_point, freedom) M(rigcal_measured_point, parallax)       \
+        M(rigcal_measured_point, rms_px) M(rigcal_measured_point, n_used)          \
+        M(rigcal_measured_point, gains) M(rigcal_measured_point, gains_capacity)   \
     /* rigcal_paper.h */                                                           \
     S(rigcal_bearing)                                                              \
         M(rigcal_bearing, X_w) M(rigcal_bearing, ray)                              \
@@ -142,7 +158,7 @@
     /* solvers */                                                                  \
     S(rigcal_pose_solver) S(rigcal_robust_solver) S(rigcal_rig_solver)             \
     S(rigcal_choose_solver) S(rigcal_judge_solver) S(rigcal_cause_solver)          \
-    S(rigcal_paper_solver) S(rigcal_neldermead)
+    S(rigcal_point_solver) S(rigcal_paper_solver) S(rigcal_neldermead)
 /* clang-format on */
 
 #endif /* RC_LAYOUT_H */

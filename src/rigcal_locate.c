@@ -214,6 +214,12 @@ static void evaluate_view(rigcal_point_solver *p)
 
 /* ---- its covariance ------------------------------------------------------- */
 
+/* That of the rig is none, or is not finite. */
+static void end_without_covariance(rigcal_point_solver *p)
+{
+    end(p, rc_all_finite(p->sums.Sigma, 6) ? RIGCAL_ERR_DEGENERATE : RIGCAL_ERR_NOT_FINITE);
+}
+
 /* chi2 = e^T V^-1 e at the least of it: less c^T M^-1 c, for what is left to move. */
 static void add_covariance(rigcal_point_solver *p)
 {
@@ -226,14 +232,14 @@ static void add_covariance(rigcal_point_solver *p)
         return;
     }
     if (!rc_sight_add(&p->sums, rc_sights_of(p), p->view, p->sightings->rig->Sigma)) {
-        end(p, RIGCAL_ERR_DEGENERATE);
+        end_without_covariance(p);
         return;
     }
     if (++p->view < p->n_used) {
         return;
     }
     if (!factor(L, p->sums.M) || !rc_all_finite(p->sums.Sigma, 6)) {
-        end(p, RIGCAL_ERR_DEGENERATE);
+        end_without_covariance(p);
         return;
     }
     rc_vec3_copy(x, p->sums.c);

@@ -94,7 +94,6 @@ rigcal_status rigcal_point_begin(rigcal_point_solver *solver, const rigcal_sight
     if (solver == NULL) {
         return RIGCAL_ERR_NULL;
     }
-    solver->phase = 0;
     const rigcal_status status = check_all(s);
     if (status != RIGCAL_OK) {
         return status;

@@ -84,6 +84,10 @@ static struct {
     int32_t kept_group[2];
     uint8_t kept_held[2];
     rigcal_real kept_Sigma[RIGCAL_CALIBRATED_SIZE(1)], kept_numbers[4];
+    rigcal_sighting sightings[2];
+    rigcal_point_gain gains[2];
+    rigcal_measured_point measured, other;
+    rigcal_point_solver point_begun, point_done;
 } ok;
 
 static const size_t SIZE_0 = 0, SIZE_1 = 1, SIZE_2 = 2, SIZE_3 = 3, SIZE_4 = 4, SIZE_6 = 6,
@@ -93,12 +97,14 @@ static const size_t SIZE_0 = 0, SIZE_1 = 1, SIZE_2 = 2, SIZE_3 = 3, SIZE_4 = 4, 
 
                     SIZE_KEPT = RIGCAL_CALIBRATED_SIZE(1),
                     SIZE_TAKEN = RIGCAL_CALIBRATED_SIZE(2),
-                    SIZE_SAVED_RIG = RIGCAL_STORE_RIG_SIZE(2, 1);
+                    SIZE_SAVED_RIG = RIGCAL_STORE_RIG_SIZE(2, 1),
+                    SIZE_POINT = RIGCAL_POINT_WORK(2);
 static const uint32_t UINT_7 = 7;
 static const int32_t INT_0 = 0, INT_1 = 1, INT_2 = 2, INT_3 = 3, INT_8 = 8, INT_480 = 480,
                      INT_640 = 640, INT_1000 = 1000;
 static const rigcal_real REAL_TOL = RC(1e-6), REAL_COST = RC(2.5), REAL_BASELINE = RC(0.3),
-                         REAL_SIGMA = RC(0.5), REAL_NEAR = RC(2), REAL_FAR = RC(9);
+                         REAL_SIGMA = RC(0.5), REAL_NEAR = RC(2), REAL_FAR = RC(9),
+                         REAL_PARALLAX = RC(0.01);
 
 static rigcal_real bowl(void *context, const rigcal_real x[])
 {
@@ -494,6 +500,46 @@ static void build_calibrated(void)
                                                    &rig, UINT_7, UINT_7));
 }
 
+/* Two cameras, and what they see of the first placement's origin; a point that is measured,
+ * and one that has been. */
+static void build_point(void)
+{
+    static rigcal_real work[2][RIGCAL_POINT_WORK(2)];
+    static rigcal_calibrated_rig rig;
+    static rigcal_sightings s[2];
+
+    rig = (rigcal_calibrated_rig){.cameras = ok.mounted,
+                                  .group = ok.kept_group,
+                                  .held = ok.kept_held,
+                                  .capacity = 2,
+                                  .Sigma = ok.kept_Sigma,
+                                  .Sigma_capacity = RIGCAL_CALIBRATED_SIZE(1),
+                                  .n_cameras = 2};
+    memcpy(&rig.sigma_px, ok.kept_numbers, sizeof ok.kept_numbers);
+    for (int i = 0; i < 2; i++) {
+        rigcal_real X_c[3];
+
+        ok.sightings[i].camera = i;
+        ASSERT_STATUS(RIGCAL_OK,
+                      rigcal_transform_point(X_c, &ok.poses[i], ok.placements[0].t));
+        ASSERT_STATUS(RIGCAL_OK,
+                      rigcal_camera_project(ok.sightings[i].uv, &ok.camera, X_c));
+        s[i] = (rigcal_sightings){.rig = &rig,
+                                  .seen = ok.sightings,
+                                  .n = 2,
+                                  .work = work[i],
+                                  .work_capacity = RIGCAL_POINT_WORK(2)};
+    }
+    ok.measured.gains = ok.gains;
+    ok.measured.gains_capacity = 2;
+    ASSERT_STATUS(RIGCAL_OK, rigcal_point_begin(&ok.point_begun, &s[0]));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_point_begin(&ok.point_done, &s[1]));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_point_step(&ok.point_done, 1000));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_point_result(&ok.measured, NULL, &ok.point_done));
+    ok.other = ok.measured;
+    ok.other.X[0] += 1;
+}
+
 static void build_valid(void)
 {
     static const rigcal_camera camera = {RIGCAL_LENS_BROWN, 640,       480,       RC(532.5),
@@ -515,6 +561,7 @@ static void build_valid(void)
     build_robust();
     build_store();
     build_calibrated();
+    build_point();
 }
 
 /* ---- kinds of argument --------------------------------------------------- */
@@ -666,6 +713,10 @@ static const impossible BAD_JOINT[] = {BAD_NUMBER(-1, RIGCAL_ERR_RANGE),
                                        {RIGCAL_ERR_RANGE, sizeof(rigcal_real), 1, 1},
                                        {RIGCAL_ERR_RANGE, sizeof(rigcal_real), 1, -1},
                                        BAD_END};
+static const impossible BAD_SIGHTING[] = {
+    BAD_INT(rigcal_sighting, camera, -1, RIGCAL_ERR_RANGE),
+    BAD_INT(rigcal_sighting, camera, 2, RIGCAL_ERR_RANGE),
+    BAD_INT(rigcal_sighting, camera, INT32_MIN, RIGCAL_ERR_RANGE), BAD_END};
 static const impossible BAD_LINE[] = {BAD_NUMBER(5, RIGCAL_ERR_RANGE), BAD_END};
 static const impossible NOT_POSITIVE[] = {BAD_NUMBER(0, RIGCAL_ERR_RANGE),
                                           BAD_NUMBER(-1, RIGCAL_ERR_RANGE), BAD_END};
@@ -783,6 +834,20 @@ static const kind KEPT_HELD = {2, 0, 0, NULL, RIGCAL_ERR_CAPACITY}; /* 0: both a
 static const kind KEPT_SIGMA = {REALS(21), NULL, 0};
 static const kind KEPT_JOINT = {REALS(21), BAD_JOINT, 0};
 static const kind KEPT_NUMBERS = {REALS(4), NEGATIVE, RIGCAL_ERR_STATE};
+/* Without a covariance poses count as exact. */
+static const kind KEPT_OR_EXACT = {REALS(4), NEGATIVE, 0};
+static const kind SIGHTING = {sizeof(rigcal_sighting), offsetof(rigcal_sighting, uv), 2,
+                              BAD_SIGHTING, 0};
+/* What a begin hands on to its steps. */
+static const kind SIGMA_UNREAD = {sizeof(rigcal_real) * 21, 0, 0, NULL, 0};
+static const kind SIGHTING_UNREAD = {sizeof(rigcal_sighting), 0, 0, NULL, 0};
+static const kind NOISE_UNREAD = {sizeof(rigcal_real), 0, 0, NULL, 0};
+static const kind POINT_UNREAD = {sizeof(rigcal_point_solver), 0, 0, NULL, 0};
+/* All but what the caller sets. */
+static const kind MEASURED = {offsetof(rigcal_measured_point, gains), 0, 0, NULL, 0};
+static const kind END = {sizeof(rigcal_measured_point), 0, 3, NULL, RIGCAL_ERR_NULL};
+static const kind POINT_SOLVER = {sizeof(rigcal_point_solver), 0, 0, NULL,
+                                  RIGCAL_ERR_STATE};
 static const kind SAVED_INFO = {sizeof(rigcal_saved_info), 0, 0, NULL, 0};
 
 /* ---- roles of an argument ------------------------------------------------ */
@@ -920,6 +985,19 @@ typedef struct {
         IN(Sigma, 1, ok.kept_Sigma), \
         ROOM(&SIZE_KEPT, RIGCAL_CALIBRATED_SIZE(1), RIGCAL_ERR_CAPACITY), \
         CAMERAS(&SIZE_2), IN(KEPT_NUMBERS, 1, ok.kept_numbers)
+/* What cameras saw, by its parts: the rig, seen, n, sigma_px, parallax_least, work,
+ * work_capacity. */
+#define SIGHTINGS_OF(cameras, Sigma, what, spread) \
+    IN(THERE, 1, &INT_1), IN(cameras, 2, ok.mounted), IN(KEPT_GROUPS, 1, ok.kept_group), \
+        IN(KEPT_HELD, 1, ok.kept_held), ROOM(&SIZE_2, 2, RIGCAL_ERR_CAPACITY), \
+        IN(Sigma, 1, ok.kept_Sigma), \
+        ROOM(&SIZE_KEPT, RIGCAL_CALIBRATED_SIZE(1), RIGCAL_ERR_CAPACITY), \
+        CAMERAS(&SIZE_2), IN(KEPT_OR_EXACT, 1, ok.kept_numbers), \
+        IN(what, 2, ok.sightings), \
+        {R_COUNT, &SIZE, 1, &SIZE_2, 2, RIGCAL_SIGHTINGS_MAX, RIGCAL_ERR_TOO_FEW}, \
+        IN_OPT(spread, 2, ok.spreads), VALUE(TOLERANCE, &REAL_PARALLAX), \
+        WORK(NUMBER, RIGCAL_POINT_WORK(2)), \
+        ROOM(&SIZE_POINT, RIGCAL_POINT_WORK(2), RIGCAL_ERR_CAPACITY)
 /* One that is written: all but the last two. */
 #define KEPT_OUT(n, n_Sigma, size) \
     IN(THERE, 1, &INT_1), OUT_PART(MOUNTED, n), OUT(INT32, n), OUT(BYTES, n), \
@@ -958,6 +1036,11 @@ typedef struct {
 #define BIT(status) (UINT64_C(1) << ((status) < 0 ? -(status) : 40 + (status)))
 #define S(name) BIT(RIGCAL_ERR_##name)
 #define ARGS (S(NULL) | S(NOT_FINITE) | S(RANGE))
+#define MEASURING \
+    (ARGS | S(CAMERA) | S(ROTATION) | S(TOO_FEW) | S(CAPACITY) | S(STATE) | S(NO_RAY) | \
+     S(PARALLEL) | S(BEHIND) | S(DEGENERATE) | S(NO_CONSENSUS) | \
+     BIT(RIGCAL_DISCONNECTED) | BIT(RIGCAL_POOR_FIT) | BIT(RIGCAL_VIEWS_LEFT_OUT) | \
+     BIT(RIGCAL_FEW_AGREE) | BIT(RIGCAL_BUDGET_SPENT))
 #define ROTATED (ARGS | S(ROTATION))
 #define DEVICE (ARGS | S(CAMERA))
 #define POINTS \
@@ -1026,6 +1109,25 @@ static rigcal_calibrated_rig *with_numbers(rigcal_calibrated_rig *rig, const voi
     }
     memcpy(&rig->sigma_px, numbers, 4 * sizeof(rigcal_real));
     return rig;
+}
+
+static const rigcal_sightings *sightings_at(void *const p[],
+                                            const rigcal_calibrated_rig *rig)
+{
+    static rigcal_calibrated_rig kept;
+    static rigcal_sightings s;
+
+    if (rig != NULL) {
+        kept = *rig;
+    }
+    s.rig = (rig != NULL) ? &kept : NULL;
+    s.seen = p[9];
+    s.n = COUNTED(p[10]);
+    s.sigma_px = p[11];
+    s.parallax_least = REAL(p[12]);
+    s.work = p[13];
+    s.work_capacity = COUNTED(p[14]);
+    return &s;
 }
 
 /* With the views, or their poses, as argument k + 8. */
@@ -1188,6 +1290,11 @@ CALL(camera_cause_begin, p[14], RIG_WITH(0, poses), p[9], symmetries_of(p[10], p
 CALL(cause_step, p[0], INT(p[1]))
 CALL(cause_result, p[0], p[1])
 CALL(rig_residuals, p[8], COUNTED(p[9]), p[10], RIG_AT(0), COUNTED(p[11]))
+CALL(point_measure, p[15], p[16], sightings_at(p, KEPT_AT(0)))
+CALL(point_begin, p[15], sightings_at(p, KEPT_AT(0)))
+CALL(point_step, p[0], INT(p[1]))
+CALL(point_result, p[0], p[1], p[2])
+CALL(point_distance, p[9], p[10], KEPT_AT(0), p[11], p[12])
 CALL(calibrated_take, KEPT_TO(0), RIG_AT(7), p[15], REAL(p[16]))
 CALL(calibrated_covariance, p[9], KEPT_AT(0), COUNTED(p[10]), COUNTED(p[11]))
 CALL(calibrated_pair, p[9], p[10], KEPT_AT(0), COUNTED(p[11]), COUNTED(p[12]))
@@ -1509,6 +1616,24 @@ static const function FUNCTIONS[] = {
      {OUT(MOUNTED, 2), ROOM(&SIZE_2, 2, RIGCAL_ERR_CAPACITY), OUT(SAVED_INFO, 1),
       IN(SAVED, 1, ok.saved),
       ROOM(&SIZE_SAVED, RIGCAL_STORE_SIZE(2), RIGCAL_ERR_DAMAGED)}},
+    {F(point_measure), 0, MEASURING,
+     {SIGHTINGS_OF(KEPT_CAMERA, KEPT_SIGMA, SIGHTING, SPREAD), OUT(MEASURED, 1),
+      OUT_OPT(BYTES, 2)}},
+    {F(point_begin), 0, MEASURING, 
+     {SIGHTINGS_OF(KEPT_UNREAD, SIGMA_UNREAD, SIGHTING_UNREAD, NOISE_UNREAD),
+      STATE(POINT_UNREAD, &ok.point_begun)}},
+    {F(point_step), RIGCAL_RUNNING, MEASURING | S(STATE) | BIT(RIGCAL_RUNNING),
+     {STATE(POINT_SOLVER, &ok.point_begun), CHOICE(&INT_2, 1, 0, RIGCAL_ERR_RANGE)}},
+    {F(point_result), 0, MEASURING | S(STATE) | S(CAPACITY),
+     {OUT(MEASURED, 1), OUT_OPT(BYTES, 2), IN(POINT_SOLVER, 1, &ok.point_done)}},
+    {F(point_distance), 0,
+     S(TOO_FEW) | S(CAPACITY) | ARGS | S(COINCIDENT) | BIT(RIGCAL_DISCONNECTED),
+     {IN(THERE, 1, &INT_1), IN(KEPT_UNREAD, 2, ok.mounted),
+      IN(KEPT_GROUPS, 1, ok.kept_group), IN(KEPT_HELD, 1, ok.kept_held),
+      ROOM(&SIZE_2, 2, RIGCAL_ERR_CAPACITY), IN(KEPT_SIGMA, 1, ok.kept_Sigma),
+      ROOM(&SIZE_KEPT, RIGCAL_CALIBRATED_SIZE(1), RIGCAL_ERR_CAPACITY), CAMERAS(&SIZE_2),
+      IN(KEPT_OR_EXACT, 1, ok.kept_numbers), OUT(NUMBER, 1), OUT_OPT(NUMBER, 1),
+      IN(END, 1, &ok.measured), IN(END, 1, &ok.other)}},
     {F(calibrated_take), 0, S(STATE) | S(TOO_FEW) | S(CAPACITY) | ARGS,
      {KEPT_OUT(3, RIGCAL_CALIBRATED_SIZE(2), SIZE_TAKEN), RIG_DONE,
       {R_UNREAD, &FIT, 1, &ok.fit, 0, 0, 0}, VALUE(SPREAD, &REAL_SIGMA)}},
@@ -1536,6 +1661,7 @@ static const char *const HARMLESS[] = {
     "rigcal_status_text", "rigcal_layout_count",   "rigcal_pairs_for",
     "rigcal_store_size",  "rigcal_rig_work",       "rigcal_choose_work",
     "rigcal_judge_work",  "rigcal_store_rig_size", "rigcal_calibrated_size",
+    "rigcal_point_work",
 };
 enum { N_HARMLESS = sizeof HARMLESS / sizeof HARMLESS[0] };
 
@@ -2021,8 +2147,8 @@ static void test_every_public_function_of_the_headers_is_in_the_table(void)
     TEST_ASSERT_EQUAL_INT(N_FUNCTIONS + N_HARMLESS,
                           HEADER("rigcal.h") + HEADER("rigcal_measure.h") +
                               HEADER("rigcal_rig.h") + HEADER("rigcal_choose.h") +
-                              HEADER("rigcal_judge.h") + HEADER("rigcal_solvers.h") +
-                              HEADER("rigcal_paper.h"));
+                              HEADER("rigcal_judge.h") + HEADER("rigcal_point.h") +
+                              HEADER("rigcal_solvers.h") + HEADER("rigcal_paper.h"));
 }
 
 /* ---- what one line of a table cannot tell -------------------------------- */

@@ -221,6 +221,36 @@ struct rigcal_cause_solver {
     rigcal_pose_solver pose;
 };
 
+/* ---- the spans of a band ---------------------------------------------------- */
+
+/* A part of the border, on which v only rises or only falls. */
+typedef struct rigcal_arc {
+    rigcal_real v[2];       /* at both ends */
+    rigcal_real t[2];       /* at both ends, 0 .. 4 */
+    rigcal_real by_t[2][5]; /* u and v, or u by v - v[0] alone: polynomials */
+    int32_t is_direct;
+} rigcal_arc;
+
+enum { RIGCAL_SPANS_ARCS = 112, RIGCAL_SPANS_ACTIVE = 2 * RIGCAL_SPANS_ROW };
+
+struct rigcal_spans_solver {
+    rigcal_band band;
+    int32_t phase, status, is_pinhole, side, way, n_arcs;
+    int32_t node, tries;         /* of the arc under way */
+    rigcal_real M[6];            /* Sigma_line in the basis (ray, towards, normal) */
+    rigcal_real across2, radius; /* |line|^2; of the image about the axis, normalised */
+    rigcal_real normal[3];
+    rigcal_real ends[2][2], start[2];  /* places on the line: far, near; the first one */
+    rigcal_real at[2], stride, length; /* place, tangent of the step from it, in pixels */
+    rigcal_real corner[2][2][2];       /* of the band: of each side and way, a pixel */
+    rigcal_real corner_at[2][2][3];
+    rigcal_real uv[2][5]; /* nodes of the arc under way */
+    rigcal_real slope2;   /* |ds/du|^2 where it was last known */
+    int32_t row, next, n_active;
+    uint8_t order[RIGCAL_SPANS_ARCS], active[RIGCAL_SPANS_ACTIVE];
+    rigcal_arc arcs[RIGCAL_SPANS_ARCS];
+};
+
 #ifdef __cplusplus
 }
 #endif

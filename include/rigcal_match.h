@@ -154,15 +154,18 @@ typedef struct rigcal_span {
     int32_t row, first, last; /* columns first to last, within the image */
 } rigcal_span;
 
-/* Spans of one row at most. */
-enum rigcal_spans_limits { RIGCAL_SPANS_ROW = 8 };
+enum rigcal_spans_limits {
+    RIGCAL_SPANS_ROW = 8,     /* spans of one row at most */
+    RIGCAL_SPANS_UNITS = 2000 /* units of rigcal_spans_step at most */
+};
 
 typedef struct rigcal_spans_solver rigcal_spans_solver; /* see rigcal_solvers.h */
 
 /* All spans of the image of b, row by row, in a row from left to right: begin, step to the
- * end, result. */
-RIGCAL_API rigcal_status rigcal_spans(rigcal_span spans[], size_t capacity, size_t *n_found,
-                                      const rigcal_band *band);
+ * end, result. The solver is memory to work in, too much for a small stack. */
+RIGCAL_API rigcal_status rigcal_spans_find(rigcal_span spans[], size_t capacity,
+                                           size_t *n_found, rigcal_spans_solver *solver,
+                                           const rigcal_band *band);
 
 /* OK, ERR_NULL, ERR_NOT_FINITE, ERR_CAMERA, ERR_RANGE (a field of the band). */
 RIGCAL_API rigcal_status rigcal_spans_begin(rigcal_spans_solver *solver,

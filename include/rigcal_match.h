@@ -42,6 +42,17 @@ RIGCAL_API rigcal_status rigcal_match_k(rigcal_real *k, rigcal_real probability,
 
 /* ==== the band =============================================================== */
 
+/* The ray of a pixel, and how it turns with the pixel. */
+typedef struct rigcal_ray {
+    rigcal_real m[3]; /* of length 1 */
+    rigcal_real D[6]; /* dm / d(u, v), 3 x 2 row by row */
+} rigcal_ray;
+
+/* Of a pixel of `camera`. Make it once for each pixel, and use it for all bands.
+ * OK, ERR_NULL, ERR_NOT_FINITE, ERR_CAMERA, ERR_RANGE, ERR_NO_RAY. */
+RIGCAL_API rigcal_status rigcal_ray_make(rigcal_ray *ray, const rigcal_camera *camera,
+                                         const rigcal_real uv[2]);
+
 /* Two cameras, and what is known of them. */
 typedef struct rigcal_match_pair {
     const rigcal_camera *camera_a, *camera_b;
@@ -63,7 +74,8 @@ typedef struct rigcal_band {
     rigcal_real towards[3];    /* of length 1, across the ray, towards the centre of a */
     rigcal_real along, across; /* t = along ray + across towards, across > 0 */
     rigcal_real line[3];       /* t x ray: m_b . line is 0 for exact matches (25), (26) */
-    rigcal_real Sigma_line[6]; /* its covariance: xx, xy, xz, yy, yz, zz */
+    rigcal_real Sigma_line[6]; /* its covariance in the axes ray, towards, line / across:
+                                  xx, xy, xz, yy, yz, zz */
     rigcal_real epipole2;      /* variance of the direction of t [rad^2] */
     rigcal_real sigma_b, k, near_a, far_a;
 } rigcal_band;
@@ -74,6 +86,11 @@ typedef struct rigcal_band {
  * b, or the centres coincide: the line has no direction). */
 RIGCAL_API rigcal_status rigcal_band_make(rigcal_band *band, const rigcal_match_pair *pair,
                                           const rigcal_real uv_a[2]);
+
+/* The same from the ray of that pixel. And ERR_RANGE (its m is not of length 1). */
+RIGCAL_API rigcal_status rigcal_band_make_ray(rigcal_band *band,
+                                              const rigcal_match_pair *pair,
+                                              const rigcal_ray *ray_a);
 
 /* One place of the band. */
 typedef struct rigcal_band_point {
@@ -92,17 +109,6 @@ RIGCAL_API rigcal_status rigcal_band_curve(rigcal_band_point points[], size_t ca
                                            size_t *n_written, const rigcal_band *band);
 
 /* ==== candidates ============================================================= */
-
-/* The ray of a pixel, and how it turns with the pixel. */
-typedef struct rigcal_ray {
-    rigcal_real m[3]; /* of length 1 */
-    rigcal_real D[6]; /* dm / d(u, v), 3 x 2 row by row */
-} rigcal_ray;
-
-/* Of a pixel of `camera`. Make it once for each candidate, and use it for all bands.
- * OK, ERR_NULL, ERR_NOT_FINITE, ERR_CAMERA, ERR_RANGE, ERR_NO_RAY. */
-RIGCAL_API rigcal_status rigcal_ray_make(rigcal_ray *ray, const rigcal_camera *camera,
-                                         const rigcal_real uv[2]);
 
 /* What a band says of one candidate. */
 typedef struct rigcal_match {
@@ -223,12 +229,13 @@ RIGCAL_API rigcal_status rigcal_transfer_test(rigcal_real *chi2,
 /* Two cameras turned about their centres until their rows are the matching lines: aligned
  * stereo, as rigcal_depth_aligned (19), (20) takes it. */
 typedef struct rigcal_rectified {
-    rigcal_real left_from_a[9];  /* rotation from frame a to the aligned frame */
-    rigcal_real right_from_b[9]; /* from frame b */
-    rigcal_real baseline;        /* > 0 */
-    int32_t is_swapped;          /* 1: a is the right camera and b the left */
-    rigcal_camera camera; /* virtual pinhole of both: a pixel of its image is seen by a
-                             along left_from_a^T (x, y, 1) */
+    rigcal_real
+        aligned_from_a[9]; /* rotation of rays of a; its transpose turns them back */
+    rigcal_real aligned_from_b[9];
+    rigcal_real baseline; /* between the centres, > 0 */
+    int32_t a_is_right;   /* 1: a is the right camera, b the left one; 0: as usual */
+    rigcal_camera camera; /* virtual pinhole of both: its pixel is seen by a along
+                                aligned_from_a^T (x, y, 1), and by b alike */
 } rigcal_rectified;
 
 /* The aligned x axis is the baseline; z is as near as can be to the mean of both optical

@@ -15,6 +15,9 @@ void rc_outline_add(rigcal_outline *outline, const rigcal_real u[RIGCAL_SPANS_NO
 /* Sorts the arcs: then rows can be asked for. */
 void rc_outline_close(rigcal_outline *outline);
 
+/* The first row that an arc crosses, and the last one. */
+int32_t rc_outline_rows(int32_t *last, const rigcal_outline *outline);
+
 /* The spans of a row, 0 .. height - 1, within the columns 0 .. width - 1: their number.
  * Rows that rise are cheap. */
 size_t rc_outline_row(rigcal_span spans[RIGCAL_SPANS_ROW], rigcal_outline *outline,

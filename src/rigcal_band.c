@@ -117,8 +117,8 @@ static rigcal_status check_range(rigcal_real near_a, rigcal_real far_a)
         return RIGCAL_ERR_NOT_FINITE;
     }
     const int is_endless = far_a >= 0 && !(far_a > 0);
-    return (near_a >= 0 && near_a <= RC_COORDINATE_MAX &&
-            (is_endless || far_a > near_a) && far_a <= RC_COORDINATE_MAX)
+    return (near_a >= 0 && near_a <= RC_COORDINATE_MAX && (is_endless || far_a > near_a) &&
+            far_a <= RC_COORDINATE_MAX)
                ? RIGCAL_OK
                : RIGCAL_ERR_RANGE;
 }
@@ -142,7 +142,11 @@ static rigcal_status check_pair(const rigcal_match_pair *pair)
     if (status == RIGCAL_OK) {
         status = rc_check_transform(&pair->b_from_a);
     }
-    if (status == RIGCAL_OK && !rc_all_finite(pair->Sigma, 36)) {
+    rigcal_real nothing = 0;
+    for (int i = 0; i < 36; i++) {
+        nothing += 0 * pair->Sigma[i]; /* NaN, if one of them is not finite */
+    }
+    if (status == RIGCAL_OK && !rc_is_finite(nothing)) {
         status = RIGCAL_ERR_NOT_FINITE;
     }
     for (int i = 0; i < 6 && status == RIGCAL_OK; i++) {
@@ -160,94 +164,85 @@ static rigcal_status check_pair(const rigcal_match_pair *pair)
     return (status == RIGCAL_OK) ? check_range(pair->near_a, pair->far_a) : status;
 }
 
-/* (M3) Sigma_line = K^T Sigma K + sigma_a^2 sum of (t x R D_a)^2, the columns of K being
- * (e x t) turned back by q, and q x e, of each axis e. */
-static void line_covariance(rigcal_band *band, const rigcal_match_pair *pair,
-                            rigcal_real D_a[2][3])
-{
-    static const rigcal_real AXES[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-    const rigcal_real *const q = band->ray, *const t = pair->b_from_a.t;
-    rigcal_real K[3][6], turned[3], moved[3];
-    for (int i = 0; i < 3; i++) {
-        rc_vec3_cross(turned, AXES[i], t);
-        rc_vec3_cross(&K[i][0], q, turned);
-        rc_vec3_cross(&K[i][3], q, AXES[i]);
-    }
-    rc_clear(band->Sigma_line, 6);
-    for (int j = 0; j < 3; j++) {
-        rigcal_real across[6];
-        for (int k = 0; k < 6; k++) {
-            across[k] = rc_vec3_dot(&pair->Sigma[6 * k], &K[j][0]) +
-                        rc_vec3_dot(&pair->Sigma[6 * k + 3], &K[j][3]);
-        }
-        for (int i = 0; i <= j; i++) {
-            const int at = (i == 0) ? j : i + j + 1; /* xx, xy, xz, yy, yz, zz */
-            band->Sigma_line[at] = rc_vec3_dot(&K[i][0], &across[0]) +
-                                   rc_vec3_dot(&K[i][3], &across[3]);
-        }
-    }
-    for (int column = 0; column < 2; column++) {
-        rc_mat3_mul_vec3(turned, pair->b_from_a.R, D_a[column]);
-        rc_vec3_cross(moved, t, turned);
-        rc_sym3_add_outer(band->Sigma_line, pair->sigma_a * pair->sigma_a, moved);
-    }
-}
-
-/* x^T A y */
-static rigcal_real between(const rigcal_real x[3], const rigcal_real A[6],
+/* x^T A y of a 3 x 3 block of Sigma. */
+static rigcal_real between(const rigcal_real x[3], const rigcal_real block[],
                            const rigcal_real y[3])
 {
-    rigcal_real Ay[3];
-    rc_sym3_mul_vec3(Ay, A, y);
-    return rc_vec3_dot(x, Ay);
+    return x[0] * rc_vec3_dot(&block[0], y) + x[1] * rc_vec3_dot(&block[6], y) +
+           x[2] * rc_vec3_dot(&block[12], y);
+}
+
+/* The blocks of Sigma: of w, of w and dt, of dt. */
+enum { OF_W = 0, ACROSS = 3, OF_DT = 21 };
+
+/* (M3) In the axes q = ray, e = towards, n = line / across, t = (x, y, 0). What the
+ * calibration does to the line is K^T (w, dt), with the columns
+ *
+ *     (-y e, 0), (x e, -n), (x n, e)
+ *
+ * and a turn of q by (0, be, bn) does (-y bn, x bn, -x be). */
+static void line_covariance(rigcal_band *band, const rigcal_match_pair *pair,
+                            rigcal_real D_a[2][3], const rigcal_real n[3])
+{
+    const rigcal_real *const e = band->towards, *const S = pair->Sigma;
+    const rigcal_real x = band->along, y = band->across;
+    const rigcal_real ee = between(e, &S[OF_W], e), en = between(e, &S[OF_W], n);
+    const rigcal_real nn = between(n, &S[OF_W], n);
+    const rigcal_real e_e = between(e, &S[ACROSS], e), e_n = between(e, &S[ACROSS], n);
+    const rigcal_real n_e = between(n, &S[ACROSS], e), n_n = between(n, &S[ACROSS], n);
+    rigcal_real *const M = band->Sigma_line;
+    M[0] = y * y * ee;
+    M[1] = y * (e_n - x * ee);
+    M[2] = -y * (x * en + e_e);
+    M[3] = x * (x * ee - 2 * e_n) + between(n, &S[OF_DT], n);
+    M[4] = x * (x * en + e_e - n_n) - between(n, &S[OF_DT], e);
+    M[5] = x * (x * nn + 2 * n_e) + between(e, &S[OF_DT], e);
+    for (int column = 0; column < 2; column++) {
+        rigcal_real turned[3];
+        rc_mat3_mul_vec3(turned, pair->b_from_a.R, D_a[column]);
+        const rigcal_real be = rc_vec3_dot(turned, e), bn = rc_vec3_dot(turned, n);
+        const rigcal_real moved[3] = {-y * bn, x * bn, -x * be};
+        rc_sym3_add_outer(M, pair->sigma_a * pair->sigma_a, moved);
+    }
 }
 
 /* Whether the line has a direction: its length is max(3, k) times its largest standard
- * deviation. And the variance of the direction of t. */
-static rigcal_status check_epipole(rigcal_band *band, const rigcal_match_pair *pair)
+ * deviation. And the variance of the direction of t, across which are n and
+ * (x e - y q) / |t|. */
+static rigcal_status check_epipole(rigcal_band *band, const rigcal_match_pair *pair,
+                                   const rigcal_real n[3])
 {
-    const rigcal_real *const S = pair->Sigma, *const t = pair->b_from_a.t;
-    const rigcal_real dt[6] = {S[21], S[22], S[23], S[28], S[29], S[35]};
-    const rigcal_real t2 = rc_vec3_dot(t, t);
-    rigcal_real normal[3], aside[3];
-    rc_vec3_cross(normal, band->towards, band->ray);
-    rc_vec3_cross(aside, t, normal);
-
-    const rigcal_real largest =
-        rc_largest_of(between(band->towards, band->Sigma_line, band->towards),
-                      between(band->towards, band->Sigma_line, normal),
-                      between(normal, band->Sigma_line, normal));
-    band->epipole2 = rc_largest_of(between(normal, dt, normal),
-                                   between(normal, dt, aside) / RC_SQRT(t2),
+    const rigcal_real *const dt = &pair->Sigma[OF_DT], *const M = band->Sigma_line;
+    const rigcal_real x = band->along, y = band->across, t2 = x * x + y * y;
+    rigcal_real aside[3];
+    rc_vec3_combine(aside, x, band->towards, -y, band->ray);
+    band->epipole2 = rc_largest_of(between(n, dt, n), between(n, dt, aside) / RC_SQRT(t2),
                                    between(aside, dt, aside) / t2) /
                      t2;
-    if (!rc_all_finite(band->Sigma_line, 6) || !rc_is_finite(band->epipole2)) {
+    const rigcal_real largest = rc_largest_of(M[3], M[4], M[5]);
+    if (!rc_all_finite(M, 6) || !rc_is_finite(band->epipole2)) {
         return RIGCAL_ERR_RANGE;
     }
-    return (band->across * band->across > rc_max(EPIPOLE_LIMIT2, band->k * band->k) * largest)
+    return (y * y > rc_max(EPIPOLE_LIMIT2, band->k * band->k) * largest)
                ? RIGCAL_OK
                : RIGCAL_ERR_EPIPOLE;
 }
 
 static rigcal_status fill_band(rigcal_band *band, const rigcal_match_pair *pair,
-                               const rigcal_real uv_a[2])
+                               const rigcal_real m[3], rigcal_real D_a[2][3])
 {
-    rigcal_real m[3], D_a[2][3], turned[3], direction[3], aside[3];
+    rigcal_real turned[3], direction[3], aside[3];
     const rigcal_real *const t = pair->b_from_a.t;
-    const rigcal_status status = make_ray(m, D_a, pair->camera_a, uv_a);
-    if (status != RIGCAL_OK) {
-        return status;
-    }
     rc_mat3_mul_vec3(turned, pair->b_from_a.R, m);
     (void)rc_vec3_unit(band->ray, turned);
     if (!rc_vec3_unit(direction, t)) {
         return RIGCAL_ERR_EPIPOLE;
     }
-    rc_vec3_cross(aside, direction, band->ray); /* the difference would cancel */
-    if (!(rc_vec3_norm(aside) > PARALLEL_TOL)) {
+    rc_vec3_cross(turned, direction, band->ray); /* a difference would cancel */
+    if (!(rc_vec3_norm(turned) > PARALLEL_TOL)) {
         return RIGCAL_ERR_EPIPOLE;
     }
-    (void)rc_vec3_unit(aside, aside);
+    (void)rc_vec3_unit(aside, turned);
     rc_vec3_cross(band->towards, band->ray, aside);
     band->along = rc_vec3_dot(band->ray, t);
     band->across = rc_vec3_dot(band->towards, t);
@@ -257,13 +252,14 @@ static rigcal_status fill_band(rigcal_band *band, const rigcal_match_pair *pair,
     band->k = pair->k;
     band->near_a = pair->near_a;
     band->far_a = pair->far_a;
-    line_covariance(band, pair, D_a);
-    return check_epipole(band, pair);
+    line_covariance(band, pair, D_a, aside);
+    return check_epipole(band, pair, aside);
 }
 
 rigcal_status rigcal_band_make(rigcal_band *band, const rigcal_match_pair *pair,
                                const rigcal_real uv_a[2])
 {
+    rigcal_real m[3], D_a[2][3];
     rigcal_band made;
     if (band == NULL || pair == NULL || uv_a == NULL) {
         return RIGCAL_ERR_NULL;
@@ -273,8 +269,36 @@ rigcal_status rigcal_band_make(rigcal_band *band, const rigcal_match_pair *pair,
         status = rc_check_pixel(uv_a);
     }
     if (status == RIGCAL_OK) {
-        status = fill_band(&made, pair, uv_a);
+        status = make_ray(m, D_a, pair->camera_a, uv_a);
     }
+    if (status == RIGCAL_OK) {
+        status = fill_band(&made, pair, m, D_a);
+    }
+    if (status == RIGCAL_OK) {
+        *band = made;
+    }
+    return status;
+}
+
+rigcal_status rigcal_band_make_ray(rigcal_band *band, const rigcal_match_pair *pair,
+                                   const rigcal_ray *ray_a)
+{
+    rigcal_real D_a[2][3];
+    rigcal_band made;
+    if (band == NULL || pair == NULL || ray_a == NULL) {
+        return RIGCAL_ERR_NULL;
+    }
+    rigcal_status status = check_pair(pair);
+    if (status == RIGCAL_OK) {
+        status = rc_ray_check(ray_a);
+    }
+    if (status != RIGCAL_OK) {
+        return status;
+    }
+    for (int i = 0; i < 6; i++) {
+        D_a[i % 2][i / 2] = ray_a->D[i];
+    }
+    status = fill_band(&made, pair, ray_a->m, D_a);
     if (status == RIGCAL_OK) {
         *band = made;
     }
@@ -314,35 +338,43 @@ rigcal_status rc_band_check(const rigcal_band *band)
 /* Whether m, of length 1, is within 3 standard deviations of the direction of t. With
  * x, y, h its parts along ray, towards and across both, the squared sine of the angle is
  * ((along y - across x)^2 + |t|^2 h^2) / |t|^2. */
-static int is_near_epipole(const rigcal_band *band, const rigcal_ray *ray, rigcal_real x,
-                           rigcal_real y, rigcal_real h)
+static int is_near_epipole(const rigcal_band *band, const rigcal_ray *ray,
+                           const rigcal_real xyh[3])
 {
     const rigcal_real *const D = ray->D;
     const rigcal_real t2 = band->along * band->along + band->across * band->across;
-    const rigcal_real aside = band->along * y - band->across * x;
-    const rigcal_real noise = rc_largest_of(D[0] * D[0] + D[2] * D[2] + D[4] * D[4],
-                                            D[0] * D[1] + D[2] * D[3] + D[4] * D[5],
-                                            D[1] * D[1] + D[3] * D[3] + D[5] * D[5]);
-    const rigcal_real variance = band->epipole2 + band->sigma_b * band->sigma_b * noise;
-    return aside * aside + t2 * h * h <= EPIPOLE_LIMIT2 * variance * t2;
+    const rigcal_real aside = band->along * xyh[1] - band->across * xyh[0];
+    const rigcal_real squared = aside * aside + t2 * xyh[2] * xyh[2];
+    const rigcal_real sigma2 = band->sigma_b * band->sigma_b;
+    const rigcal_real uu = D[0] * D[0] + D[2] * D[2] + D[4] * D[4];
+    const rigcal_real vv = D[1] * D[1] + D[3] * D[3] + D[5] * D[5];
+    if (squared > EPIPOLE_LIMIT2 * t2 * (band->epipole2 + sigma2 * (uu + vv))) {
+        return 0;
+    }
+    const rigcal_real uv = D[0] * D[1] + D[2] * D[3] + D[4] * D[5];
+    const rigcal_real variance = band->epipole2 + sigma2 * rc_largest_of(uu, uv, vv);
+    return squared <= EPIPOLE_LIMIT2 * t2 * variance;
 }
 
 /* (M2), (M5) */
 rigcal_status rc_band_test(rigcal_match *match, const rigcal_band *band,
                            const rigcal_ray *ray)
 {
-    const rigcal_real *const m = ray->m, *const D = ray->D, *const l = band->line;
-    const rigcal_real s = rc_vec3_dot(l, m);
+    const rigcal_real *const D = ray->D, *const l = band->line, *const M = band->Sigma_line;
+    const rigcal_real s = rc_vec3_dot(l, ray->m);
+    const rigcal_real x = rc_vec3_dot(ray->m, band->ray);
+    const rigcal_real y = rc_vec3_dot(ray->m, band->towards);
+    const rigcal_real xyh[3] = {x, y, s / band->across}, h = xyh[2];
     const rigcal_real g[2] = {D[0] * l[0] + D[2] * l[1] + D[4] * l[2],
                               D[1] * l[0] + D[3] * l[1] + D[5] * l[2]};
     const rigcal_real slope2 = g[0] * g[0] + g[1] * g[1];
-    const rigcal_real variance =
-        between(m, band->Sigma_line, m) + band->sigma_b * band->sigma_b * slope2;
+    const rigcal_real variance = x * (x * M[0] + 2 * (y * M[1] + h * M[2])) +
+                                 y * (y * M[3] + 2 * h * M[4]) + h * h * M[5] +
+                                 band->sigma_b * band->sigma_b * slope2;
     if (!(slope2 > 0 && variance > 0 && variance <= RC_MAX)) {
         return RIGCAL_ERR_DEGENERATE;
     }
-    const rigcal_real x = rc_vec3_dot(m, band->ray), y = rc_vec3_dot(m, band->towards);
-    if (is_near_epipole(band, ray, x, y, s / band->across)) {
+    if (is_near_epipole(band, ray, xyh)) {
         return RIGCAL_ERR_EPIPOLE;
     }
     const rigcal_real width2 = variance / slope2;
@@ -365,13 +397,11 @@ rigcal_status rc_band_test(rigcal_match *match, const rigcal_band *band,
 
 rigcal_status rc_ray_check(const rigcal_ray *ray)
 {
-    if (!rc_all_finite(ray->m, 3) || !rc_all_finite(ray->D, 6)) {
-        return RIGCAL_ERR_NOT_FINITE;
+    if (RC_IS_UNIT(ray->m) && rc_all_within(ray->D, 6, RC_COORDINATE_MAX)) {
+        return RIGCAL_OK;
     }
-    return (rc_all_within(ray->m, 3, 2) && RC_IS_UNIT(ray->m) &&
-            rc_all_within(ray->D, 6, RC_COORDINATE_MAX))
-               ? RIGCAL_OK
-               : RIGCAL_ERR_RANGE;
+    return (rc_all_finite(ray->m, 3) && rc_all_finite(ray->D, 6)) ? RIGCAL_ERR_RANGE
+                                                                  : RIGCAL_ERR_NOT_FINITE;
 }
 
 rigcal_status rigcal_band_test_ray(rigcal_match *match, const rigcal_band *band,

@@ -9,6 +9,9 @@
 /* px: how well a crossing is found, along the row. */
 #define CROSSING_TOL RC_TOL(2e-5, 2e-3)
 
+/* px: how far a polynomial by v may be from the arc, along the row. */
+#define DIRECT_TOL RC_TOL(2e-5, 5e-3)
+
 /* rows: an arc of fewer is not worth a polynomial by v. */
 #define DIRECT_ROWS RC(6)
 
@@ -31,30 +34,26 @@ static rigcal_real value_at(rigcal_real *slope, const rigcal_real c[NODES], rigc
     return value;
 }
 
-/* By powers of t, from the values at 0, 1 .. 4: Newton's differences, multiplied out. */
-static void fit_even(rigcal_real c[NODES], const rigcal_real nodes[NODES])
+/* By powers of t, from the values at 0, 1 .. 4: Newton's differences d, multiplied out. */
+static void fit_even(rigcal_real c[NODES], const rigcal_real x[NODES])
 {
-    for (int i = 0; i < NODES; i++) {
-        c[i] = nodes[i];
-    }
-    for (int k = 1; k < NODES; k++) {
-        for (int i = LAST; i >= k; i--) {
-            c[i] = (c[i] - c[i - 1]) / (rigcal_real)k;
-        }
-    }
-    for (int k = LAST - 1; k >= 0; k--) { /* (t - k) times what is above, and c[k] */
-        for (int i = k; i < LAST; i++) {
-            c[i] -= (rigcal_real)k * c[i + 1];
-        }
-    }
+    const rigcal_real d1 = x[1] - x[0], e1 = x[2] - x[1], f1 = x[3] - x[2],
+                      g1 = x[4] - x[3];
+    const rigcal_real d2 = e1 - d1, e2 = f1 - e1, d3 = e2 - d2, d4 = (g1 - f1) - e2 - d3;
+    c[0] = x[0];
+    c[1] = d1 - d2 / 2 + d3 / 3 - d4 / 4;
+    c[2] = (d2 - d3) / 2 + d4 * 11 / 24;
+    c[3] = d3 / 6 - d4 / 4;
+    c[4] = d4 / 24;
 }
 
 /* a[0] + (v - b[0]) (a[1] + ..) */
-static rigcal_real direct_at(const rigcal_arc *arc, rigcal_real v)
+static inline rigcal_real direct_at(const rigcal_real a[NODES], const rigcal_real b[NODES],
+                                    rigcal_real v)
 {
-    rigcal_real u = arc->a[LAST];
+    rigcal_real u = a[LAST];
     for (int i = LAST - 1; i >= 0; i--) {
-        u = arc->a[i] + (v - arc->b[i]) * u;
+        u = a[i] + (v - b[i]) * u;
     }
     return u;
 }
@@ -62,33 +61,37 @@ static rigcal_real direct_at(const rigcal_arc *arc, rigcal_real v)
 /* u as a polynomial of v, where that is as good. */
 static void make_direct(rigcal_arc *arc)
 {
-    rigcal_arc direct = *arc;
+    rigcal_real a[NODES], b[NODES], slope, v[2], u[2];
     const rigcal_real step = (arc->t_high - arc->t_low) / LAST;
-    rigcal_real slope;
     for (int i = 0; i < NODES; i++) {
         const rigcal_real t = arc->t_low + (rigcal_real)i * step;
-        direct.a[i] = value_at(&slope, arc->a, t);
-        direct.b[i] = value_at(&slope, arc->b, t);
+        a[i] = value_at(&slope, arc->a, t);
+        b[i] = value_at(&slope, arc->b, t);
+    }
+    for (int i = 0; i < 2; i++) { /* next to the ends it is worst */
+        const rigcal_real t = arc->t_low + (RC(0.5) + (rigcal_real)(3 * i)) * step;
+        u[i] = value_at(&slope, arc->a, t);
+        v[i] = value_at(&slope, arc->b, t);
     }
     for (int k = 1; k < NODES; k++) {
         for (int i = LAST; i >= k; i--) {
-            const rigcal_real rise = direct.b[i] - direct.b[i - k];
+            const rigcal_real rise = b[i] - b[i - k];
             if (!(rise > 0)) {
                 return;
             }
-            direct.a[i] = (direct.a[i] - direct.a[i - 1]) / rise;
+            a[i] = (a[i] - a[i - 1]) / rise;
         }
     }
-    for (int i = 0; i < LAST; i++) { /* the end of an arc is where it can be worst */
-        const rigcal_real t = arc->t_low + ((rigcal_real)i + RC(0.5)) * step;
-        const rigcal_real v = value_at(&slope, arc->b, t);
-        if (!(RC_FABS(direct_at(&direct, v) - value_at(&slope, arc->a, t)) <=
-              CROSSING_TOL)) {
+    for (int i = 0; i < 2; i++) {
+        if (!(RC_FABS(direct_at(a, b, v[i]) - u[i]) <= DIRECT_TOL)) {
             return;
         }
     }
-    direct.is_direct = 1;
-    *arc = direct;
+    arc->is_direct = 1;
+    for (int i = 0; i < NODES; i++) {
+        arc->a[i] = a[i];
+        arc->b[i] = b[i];
+    }
 }
 
 /* ---- arcs ---------------------------------------------------------------- */
@@ -99,6 +102,7 @@ void rc_outline_begin(rigcal_outline *outline, int32_t height)
     outline->height = height;
     outline->is_full = 0;
     outline->row = -1;
+    outline->changes = 0;
     outline->next = outline->n_active = 0;
 }
 
@@ -144,14 +148,18 @@ static void add_arc(rigcal_outline *outline, const rigcal_real u[NODES],
     }
 }
 
-/* Where v turns between t and t + 1/2, its slopes there being of different signs. */
+static rigcal_real slope_at(const rigcal_real c[NODES], rigcal_real t)
+{
+    return c[1] + t * (2 * c[2] + t * (3 * c[3] + t * 4 * c[4]));
+}
+
+/* Where v turns between t and t + 1, its slopes there being of different signs. */
 static rigcal_real turning_point(const rigcal_real v[NODES], rigcal_real t, int rises)
 {
-    rigcal_real slope, from = t, width = RC(0.5);
+    rigcal_real from = t, width = 1;
     for (int i = 0; i < TURN_STEPS; i++) {
         width /= 2;
-        (void)value_at(&slope, v, from + width);
-        if ((slope > 0) == rises) {
+        if ((slope_at(v, from + width) > 0) == rises) {
             from += width;
         }
     }
@@ -164,13 +172,10 @@ void rc_outline_add(rigcal_outline *outline, const rigcal_real u[NODES],
     rigcal_real cu[NODES], cv[NODES], slope, t[2] = {0, 0}, ends[2] = {v[0], v[0]};
     fit_even(cu, u);
     fit_even(cv, v);
-    (void)value_at(&slope, cv, 0);
-    int rises = slope > 0;
-    for (int half = 1; half <= 2 * LAST; half++) {
-        const rigcal_real next = (rigcal_real)half / 2;
-        (void)value_at(&slope, cv, next);
-        if ((slope > 0) != rises) {
-            t[1] = turning_point(cv, next - RC(0.5), rises);
+    int rises = cv[1] > 0;
+    for (int i = 1; i < NODES; i++) {
+        if ((slope_at(cv, (rigcal_real)i) > 0) != rises) {
+            t[1] = turning_point(cv, (rigcal_real)(i - 1), rises);
             ends[1] = value_at(&slope, cv, t[1]);
             add_arc(outline, cu, cv, t, ends);
             t[0] = t[1];
@@ -195,14 +200,22 @@ void rc_outline_close(rigcal_outline *outline)
     }
 }
 
+int32_t rc_outline_rows(int32_t *last, const rigcal_outline *outline)
+{
+    rigcal_real high = 0;
+    for (int32_t i = 0; i < outline->n_arcs; i++) {
+        high = rc_max(high, outline->arcs[i].high);
+    }
+    *last = row_from(outline, high) - 1;
+    return (outline->n_arcs > 0) ? row_from(outline, outline->arcs[outline->order[0]].low)
+                                 : outline->height;
+}
+
 /* ---- rows ---------------------------------------------------------------- */
 
 /* u where the arc crosses v = row: Newton's method, kept between bounds that close in. */
-static rigcal_real crossing(const rigcal_arc *arc, rigcal_real row)
+RC_APART static rigcal_real crossing_of_t(const rigcal_arc *arc, rigcal_real row)
 {
-    if (arc->is_direct) {
-        return direct_at(arc, row);
-    }
     rigcal_real low = arc->t_low, high = arc->t_high, slope_u = 0;
     rigcal_real t = low + (high - low) * (row - arc->low) / (arc->high - arc->low);
     for (int i = 0; i < CROSSING_STEPS; i++) {
@@ -227,12 +240,22 @@ static rigcal_real crossing(const rigcal_arc *arc, rigcal_real row)
     return value_at(&slope_u, arc->a, t);
 }
 
+static inline rigcal_real crossing(const rigcal_arc *arc, rigcal_real row)
+{
+    return arc->is_direct ? direct_at(arc->a, arc->b, row) : crossing_of_t(arc, row);
+}
+
 static int crosses(const rigcal_arc *arc, rigcal_real row)
 {
     return arc->low <= row && row < arc->high;
 }
 
-/* The arcs that cross the row. */
+static void see_change(rigcal_outline *outline, rigcal_real v)
+{
+    outline->changes = rc_min(outline->changes, v);
+}
+
+/* The arcs that cross the row; below the row `changes` they stay the same. */
 static void go_to_row(rigcal_outline *outline, int32_t row)
 {
     const rigcal_real v = (rigcal_real)row;
@@ -240,28 +263,31 @@ static void go_to_row(rigcal_outline *outline, int32_t row)
     if (row < outline->row) {
         outline->next = outline->n_active = 0;
     }
+    outline->changes = RC_MAX;
     for (int32_t i = 0; i < outline->n_active; i++) {
         if (crosses(&outline->arcs[outline->active[i]], v)) {
             outline->active[kept] = outline->active[i];
             kept++;
+            see_change(outline, outline->arcs[outline->active[i]].high);
         }
     }
     for (; outline->next < outline->n_arcs; outline->next++) {
         const uint8_t which = outline->order[outline->next];
         if (outline->arcs[which].low > v) {
+            see_change(outline, outline->arcs[which].low);
             break;
         }
         if (crosses(&outline->arcs[which], v) && kept < RIGCAL_SPANS_ACTIVE) {
             outline->active[kept] = which;
             kept++;
+            see_change(outline, outline->arcs[which].high);
         }
     }
     outline->n_active = kept;
-    outline->row = row;
 }
 
 /* The least column from u on, u not far from the image. */
-static int32_t column_from(rigcal_real u)
+static inline int32_t column_from(rigcal_real u)
 {
     const int32_t whole = (u > 0) ? (int32_t)u : 0;
     return whole + ((rigcal_real)whole < u);
@@ -269,18 +295,18 @@ static int32_t column_from(rigcal_real u)
 
 /* The pixels of [from, to] within the columns, and of the slack beside it where it holds
  * one at all. Spans that touch become one. */
-static size_t add_span(rigcal_span spans[], size_t n, rigcal_real from, rigcal_real to,
-                       int32_t row, int32_t width)
+static inline size_t add_span(rigcal_span spans[], size_t n, rigcal_real from,
+                              rigcal_real to, int32_t row, rigcal_real end)
 {
-    const rigcal_real end = (rigcal_real)(width - 1);
     if (!(to >= -CROSSING_TOL && from <= end + CROSSING_TOL)) {
         return n;
     }
-    const rigcal_real last_u = rc_min(to + SLACK, end);
-    if (!((rigcal_real)column_from(from - CROSSING_TOL) <= to + CROSSING_TOL)) {
+    const int32_t first = column_from(from - SLACK);
+    const int32_t last = (int32_t)rc_min(to + SLACK, end);
+    if (last - first < 2 &&
+        !((rigcal_real)column_from(from - CROSSING_TOL) <= to + CROSSING_TOL)) {
         return n;
     }
-    const int32_t first = column_from(from - SLACK), last = (int32_t)last_u;
     if (n > 0 && first <= spans[n - 1].last) {
         spans[n - 1].last = (last > spans[n - 1].last) ? last : spans[n - 1].last;
         return n;
@@ -294,9 +320,20 @@ static size_t add_span(rigcal_span spans[], size_t n, rigcal_real from, rigcal_r
 size_t rc_outline_row(rigcal_span spans[RIGCAL_SPANS_ROW], rigcal_outline *outline,
                       int32_t row, int32_t width)
 {
+    const rigcal_real end = (rigcal_real)(width - 1);
     rigcal_real at[RIGCAL_SPANS_ACTIVE];
     size_t n = 0;
-    go_to_row(outline, row);
+    if (row < outline->row || !((rigcal_real)row < outline->changes)) {
+        go_to_row(outline, row);
+    }
+    outline->row = row;
+    if (outline->n_active == 2) { /* nearly always */
+        const rigcal_real u0 =
+            crossing(&outline->arcs[outline->active[0]], (rigcal_real)row);
+        const rigcal_real u1 =
+            crossing(&outline->arcs[outline->active[1]], (rigcal_real)row);
+        return add_span(spans, 0, rc_min(u0, u1), rc_max(u0, u1), row, end);
+    }
     for (int32_t i = 0; i < outline->n_active; i++) {
         const rigcal_real u =
             crossing(&outline->arcs[outline->active[i]], (rigcal_real)row);
@@ -307,7 +344,7 @@ size_t rc_outline_row(rigcal_span spans[RIGCAL_SPANS_ROW], rigcal_outline *outli
         at[k] = u;
     }
     for (int32_t i = 0; i + 1 < outline->n_active; i += 2) {
-        n = add_span(spans, n, at[i], at[i + 1], row, width);
+        n = add_span(spans, n, at[i], at[i + 1], row, end);
     }
     return n;
 }

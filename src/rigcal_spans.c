@@ -5,15 +5,15 @@
 
 /* px: fourth differences of the five nodes of an arc. What a polynomial of fourth degree
  * misses is 30 and more times smaller. */
-#define BEND_MAX RC_TOL(1e-3, 0.05)
+#define BEND_MAX RC_TOL(1e-3, 0.2)
 
 /* 1: an arc whose fourth differences are so many times smaller lets the next be twice as
  * long. */
-#define BEND_SPARE RC(32)
+#define BEND_SPARE RC(16)
 
 /* part of the radius of the image: length of the first arc, of the shortest, and of the
  * longest. */
-#define ARC_FIRST RC(0.25)
+#define ARC_FIRST RC(0.5)
 #define ARC_LEAST RC(0.01)
 #define ARC_MOST RC(1)
 
@@ -48,10 +48,9 @@ enum { NOT_BEGUN, START, TRACE, DONE };
 static rigcal_real height_at(const rigcal_spans_solver *s, const rigcal_real p[2],
                              rigcal_real slope2)
 {
-    const rigcal_real *const M = s->M;
+    const rigcal_real *const M = s->band.Sigma_line;
     const rigcal_real k2 = s->band.k * s->band.k;
-    const rigcal_real a =
-        p[0] * (p[0] * M[0] + 2 * p[1] * M[1]) + p[1] * p[1] * M[3];
+    const rigcal_real a = p[0] * (p[0] * M[0] + 2 * p[1] * M[1]) + p[1] * p[1] * M[3];
     const rigcal_real b = k2 * (p[0] * M[2] + p[1] * M[4]);
     const rigcal_real c = k2 * (a + s->band.sigma_b * s->band.sigma_b * slope2);
     const rigcal_real root = RC_SQRT(rc_max(b * b + s->A * c, 0));
@@ -88,8 +87,9 @@ static rigcal_status try_height(trial *at, const rigcal_spans_solver *s,
     for (int i = 0; i < 2; i++) {
         at->move[i] = (at->wish - h) * rc_vec3_dot(&at->J[3 * i], s->normal);
     }
-    return (rc_all_finite(at->uv, 2) && rc_all_finite(at->move, 2)) ? RIGCAL_OK
-                                                                    : RIGCAL_ERR_NO_RAY;
+    return rc_is_finite(at->uv[0] + at->uv[1] + at->move[0] + at->move[1])
+               ? RIGCAL_OK
+               : RIGCAL_ERR_NO_RAY;
 }
 
 /* The pixel of the border of this side at p, and J there. The noise of b's pixels weighs by
@@ -101,8 +101,9 @@ static rigcal_status place_border(rigcal_real uv[2], rigcal_real J[6],
 {
     const rigcal_real p2 = p[0] * p[0] + p[1] * p[1], out = (s->side == 0) ? 1 : -1;
     rigcal_real h = height_at(s, p, s->slope2 * p2), beyond = out * RC_MAX;
-    trial now, inside = {{0, 0}, {0}, 0, 0, {0, 0}, 0};
+    trial now, inside;
     int has_inside = 0;
+    inside.uv[0] = inside.uv[1] = inside.move[0] = inside.move[1] = inside.h = 0;
     for (int i = 0; i < ROUNDS_MAX; i++) {
         const int is_seen = try_height(&now, s, p, h) == RIGCAL_OK;
         const rigcal_real px =
@@ -118,7 +119,7 @@ static rigcal_status place_border(rigcal_real uv[2], rigcal_real J[6],
         } else {
             beyond = h;
         }
-        const rigcal_real low = has_inside ? inside.h : 0;
+        const rigcal_real low = has_inside ? inside.h : 0; /* the line itself */
         if (!has_inside && !is_seen && !(RC_FABS(h) > 0)) {
             return RIGCAL_ERR_NO_RAY;
         }
@@ -193,7 +194,7 @@ static int begin_side(rigcal_spans_solver *s)
     const rigcal_real *const p = s->start, across[2] = {-p[1], p[0]};
     rigcal_real uv[2], J[6], D[2][3], m[3];
     direction_at(m, s, p, 0);
-    if (rc_project_usable(uv, &s->band.camera_b, m) != RIGCAL_OK ||
+    if ((s->side == 0 && rc_project_usable(uv, &s->band.camera_b, m) != RIGCAL_OK) ||
         rc_band_place(uv, J, D, &s->band.camera_b, s->is_pinhole, m) != RIGCAL_OK) {
         return 0;
     }
@@ -201,10 +202,6 @@ static int begin_side(rigcal_spans_solver *s)
                               rc_vec3_dot(D[1], s->band.line)};
     s->slope2 = g[0] * g[0] + g[1] * g[1];
     if (place_border(s->start_uv, J, s, p) != RIGCAL_OK) {
-        return 0;
-    }
-    direction_at(m, s, p, s->height);
-    if (rc_project_usable(uv, &s->band.camera_b, m) != RIGCAL_OK) {
         return 0;
     }
     rc_vec3_combine(m, across[0], s->band.ray, across[1], s->band.towards);
@@ -353,19 +350,8 @@ static int prepare(rigcal_spans_solver *s)
 {
     const rigcal_band *const band = &s->band;
     const rigcal_camera *const c = &band->camera_b;
-    const rigcal_real *axes[3], k2 = band->k * band->k;
-    rc_vec3_cross(s->normal, band->towards, band->ray);
-    axes[0] = band->ray;
-    axes[1] = band->towards;
-    axes[2] = s->normal;
-    for (int i = 0, at = 0; i < 3; i++) {
-        rigcal_real row[3];
-        rc_sym3_mul_vec3(row, band->Sigma_line, axes[i]);
-        for (int j = i; j < 3; j++, at++) {
-            s->M[at] = rc_vec3_dot(row, axes[j]);
-        }
-    }
-    s->A = band->across * band->across - k2 * s->M[5];
+    rc_vec3_scale(s->normal, 1 / band->across, band->line);
+    s->A = band->across * band->across - band->k * band->k * band->Sigma_line[5];
     rc_band_ends(s->ends, band);
     s->start[0] = band->ray[2];
     s->start[1] = band->towards[2];
@@ -486,16 +472,20 @@ rigcal_status rigcal_spans_result(rigcal_span spans[], size_t capacity, size_t *
         return RIGCAL_ERR_STATE;
     }
     size_t found = 0;
-    for (int32_t row = 0; row < solver->band.camera_b.height; row++) {
+    int32_t last;
+    for (int32_t row = rc_outline_rows(&last, &solver->outline); row <= last; row++) {
         rigcal_span of_row[RIGCAL_SPANS_ROW];
-        const size_t n = rc_outline_row(of_row, &solver->outline, row,
-                                        solver->band.camera_b.width);
+        const int is_room = capacity - found >= RIGCAL_SPANS_ROW;
+        rigcal_span *const to = is_room ? &spans[found] : of_row;
+        const size_t n =
+            rc_outline_row(to, &solver->outline, row, solver->band.camera_b.width);
         if (n > capacity - found) {
             return RIGCAL_ERR_CAPACITY;
         }
-        for (size_t i = 0; i < n; i++, found++) {
-            spans[found] = of_row[i];
+        for (size_t i = 0; i < n && !is_room; i++) {
+            spans[found + i] = of_row[i];
         }
+        found += n;
     }
     if (found == 0) {
         return RIGCAL_ERR_OUTSIDE;

@@ -31,7 +31,7 @@ typedef struct {
     sight sights[CAMERAS];
     rigcal_real X[3], H[6], weight[2];
     rigcal_real L[ROWS][CAMERAS][6];
-} transfer;
+} transferred;
 
 /* ---- the point ----------------------------------------------------------- */
 
@@ -62,7 +62,7 @@ static void solve(rigcal_real x[3], const rigcal_real L[6])
 
 /* The point of a and b: from the middle between the rays, by least squares in pixels. H
  * gets the factor of the normal equations. */
-static rigcal_status find_point(transfer *t, const rigcal_real uv_a[2],
+static rigcal_status find_point(transferred *t, const rigcal_real uv_a[2],
                                 const rigcal_real uv_b[2])
 {
     rigcal_real rays[2][3], depths[2], miss, o[3], diagonal[3], g[3];
@@ -111,7 +111,7 @@ static rigcal_status find_point(transfer *t, const rigcal_real uv_a[2],
 
 /* (M8) gain_i = -H^-1 A_i^T w_i B_i; the pixel of c: A_c gain, and B_c; what is left of a
  * and b, along itself: e_i^T w_i B_i. */
-static void fill_rows(transfer *t)
+static void fill_rows(transferred *t)
 {
     const sight *const c = &t->sights[C];
     rc_clear(&t->L[0][0][0], (size_t)(ROWS * CAMERAS * 6));
@@ -139,7 +139,7 @@ static void fill_rows(transfer *t)
 }
 
 /* V[i][j] of two rows: L_i Sigma L_j^T, Sigma the joint covariance. */
-static void spread(rigcal_real V[ROWS][ROWS], const transfer *t,
+static void spread(rigcal_real V[ROWS][ROWS], const transferred *t,
                    const rigcal_calibrated_rig *rig, const size_t abc[3])
 {
     rc_clear(&V[0][0], (size_t)(ROWS * ROWS));
@@ -163,7 +163,7 @@ static void spread(rigcal_real V[ROWS][ROWS], const transfer *t,
     }
 }
 
-static void write_out(rigcal_transfer *out, const transfer *t, rigcal_real V[ROWS][ROWS])
+static void write_out(rigcal_transfer *out, const transferred *t, rigcal_real V[ROWS][ROWS])
 {
     const sight *const c = &t->sights[C];
     rigcal_real weighed = 0, noise = 0;
@@ -235,7 +235,7 @@ rigcal_status rigcal_transfer_make(rigcal_transfer *out, const rigcal_calibrated
                                    const size_t abc[3], const rigcal_real uv_a[2],
                                    const rigcal_real uv_b[2], const rigcal_real sigma_ab[2])
 {
-    transfer t;
+    transferred t;
     rigcal_real V[ROWS][ROWS], X_c[3], uv[2];
     rigcal_status status =
         (out == NULL) ? RIGCAL_ERR_NULL : check(rig, abc, uv_a, uv_b, sigma_ab);

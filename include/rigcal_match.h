@@ -103,8 +103,8 @@ typedef struct rigcal_band_point {
 /* The band along the depth range: `capacity` >= 2 places from near to far, evenly spaced in
  * the angle between the two rays. Those that camera b cannot see, being behind it or beyond
  * its lens, are left out: *n_written are written.
- * OK, ERR_NULL, ERR_RANGE, ERR_CAMERA, ERR_NOT_FINITE, ERR_OUTSIDE (none left). O(capacity)
- */
+ * OK, ERR_NULL, ERR_NOT_FINITE, ERR_CAMERA, ERR_RANGE, ERR_OUTSIDE (none left).
+ * O(capacity) */
 RIGCAL_API rigcal_status rigcal_band_curve(rigcal_band_point points[], size_t capacity,
                                            size_t *n_written, const rigcal_band *band);
 
@@ -126,7 +126,7 @@ typedef struct rigcal_match {
  * OK, ERR_NULL, ERR_NOT_FINITE, ERR_CAMERA, ERR_RANGE, ERR_NO_RAY, and for the geometry
  * ERR_EPIPOLE (within 3 standard deviations of the image of the centre of a, where the
  * depth has no sign), ERR_PARALLEL (the rays are parallel, to rounding), ERR_BEHIND (the
- * rays meet behind a camera). */
+ * rays meet behind a camera), ERR_DEGENERATE (90 degrees off the line: no first order). */
 RIGCAL_API rigcal_status rigcal_band_test(rigcal_match *match, const rigcal_band *band,
                                           const rigcal_real uv_b[2]);
 RIGCAL_API rigcal_status rigcal_band_test_ray(rigcal_match *match, const rigcal_band *band,

@@ -20,6 +20,10 @@
  * direction, or the depth no sign. */
 #define EPIPOLE_LIMIT2 RC(9)
 
+/* px^2: a wider band, or a pixel farther from it, is no number to go by: m is 90 degrees off
+ * the line. */
+#define WIDTH2_MOST RC(1e24)
+
 /* part of the area that a pinhole gives a patch: where the lens gives it less, it is about
  * to fold. The zone that is lost is some tenths of a pixel wide. */
 #define SQUEEZED RC(0.02)
@@ -371,13 +375,14 @@ rigcal_status rc_band_test(rigcal_match *match, const rigcal_band *band,
     const rigcal_real variance = x * (x * M[0] + 2 * (y * M[1] + h * M[2])) +
                                  y * (y * M[3] + 2 * h * M[4]) + h * h * M[5] +
                                  band->sigma_b * band->sigma_b * slope2;
-    if (!(slope2 > 0 && variance > 0 && variance <= RC_MAX)) {
+    const rigcal_real width2 = variance / slope2, distance2 = s * s / slope2;
+    if (!(variance > 0 && slope2 > 0 && width2 > 0 && width2 <= WIDTH2_MOST &&
+          distance2 <= WIDTH2_MOST && s * s / variance <= WIDTH2_MOST)) {
         return RIGCAL_ERR_DEGENERATE;
     }
     if (is_near_epipole(band, ray, xyh)) {
         return RIGCAL_ERR_EPIPOLE;
     }
-    const rigcal_real width2 = variance / slope2;
     match->half_width_px = band->k * RC_SQRT(width2);
     if (RC_FABS(y) <= PARALLEL_TOL) {
         return RIGCAL_ERR_PARALLEL;

@@ -264,7 +264,13 @@ rigcal_status rigcal_transfer_make(rigcal_transfer *out, const rigcal_calibrated
     if (!rc_all_finite(&V[0][0], ROWS * ROWS)) {
         return RIGCAL_ERR_NOT_FINITE;
     }
-    write_out(out, &t, V);
+    rigcal_transfer made;
+    write_out(&made, &t, V);
+    if (!rc_all_finite(made.uv, 2) || !rc_all_finite(made.Sigma, 4) ||
+        !rc_all_finite(made.Sigma_X, 9) || !rc_is_finite(made.chi2)) {
+        return RIGCAL_ERR_DEGENERATE;
+    }
+    *out = made;
     return RIGCAL_OK;
 }
 
@@ -295,6 +301,10 @@ rigcal_status rigcal_transfer_test(rigcal_real *chi2, const rigcal_transfer *tra
     if (!(uu > 0 && vv > 0 && det > RANK_TOL * uu * vv && det <= RC_MAX)) {
         return RIGCAL_ERR_DEGENERATE;
     }
-    *chi2 = (vv * du * du - 2 * across * du * dv + uu * dv * dv) / det;
+    const rigcal_real found = (vv * du * du - 2 * across * du * dv + uu * dv * dv) / det;
+    if (!rc_is_finite(found)) {
+        return RIGCAL_ERR_DEGENERATE;
+    }
+    *chi2 = found;
     return RIGCAL_OK;
 }

@@ -89,7 +89,8 @@ rigcal_status rigcal_calibrated_covariance(rigcal_real Sigma[36],
     if (status != RIGCAL_OK) {
         return status;
     }
-    rc_joint_block(block, rig->Sigma, rc_calibrated_first(rig, a), rc_calibrated_first(rig, b));
+    rc_joint_block(block, rig->Sigma, rc_calibrated_first(rig, a),
+                   rc_calibrated_first(rig, b));
     if (!rc_all_finite(block, 36)) {
         return RIGCAL_ERR_NOT_FINITE;
     }

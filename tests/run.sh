@@ -63,6 +63,8 @@ rig-ceres     gcc,g++,cmake,make,ceres,unity
               sh tests/bench/rig.sh check
 real-rigs     gcc,cmake,unity,numpy,scipy
               preset_build gcc-double && preset_build gcc-float && $PYTHON tests/bench/real_rigs.py
+real-points   gcc,cmake,unity,numpy
+              preset_build gcc-double && $PYTHON tests/bench/real_points.py
 format        clang-format                 sh tests/checks/check_format.sh
 cppcheck      cppcheck                     sh tests/checks/check_cppcheck.sh
 tidy          gcc,clang-tidy               sh tests/checks/check_tidy.sh

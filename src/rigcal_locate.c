@@ -1,10 +1,5 @@
 #include "rc_locate.h"
 
-/* ---- constants ----------------------------------------------------------- */
-
-/* part of an element of the diagonal: a smaller pivot is rounding. */
-#define RANK_TOL (4 * RC_EPS)
-
 /* What the next view is for. */
 enum { RAYS, EVALUATE, COVARIANCE };
 
@@ -60,11 +55,11 @@ static void begin_equations(rigcal_point_solver *p)
     begin_views(p, EVALUATE);
 }
 
-/* L L^T = A, not damped. 0: not positive definite to rounding. */
+/* L L^T = A, not damped. 0: not positive definite. */
 static int factor(rigcal_real L[6], const rigcal_real A[6])
 {
     const rigcal_real diagonal[3] = {A[0], A[3], A[5]};
-    return rc_sym3_factor(L, A, diagonal, RANK_TOL);
+    return rc_sym3_factor(L, A, diagonal, 0);
 }
 
 static void begin_covariance(rigcal_point_solver *p)

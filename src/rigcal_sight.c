@@ -11,7 +11,7 @@
 #define RAY_NEAR RC(1e-8)
 
 /* steps: of that search, usually 2 or 3. */
-enum { RAY_STEPS = 4 };
+enum { RAY_STEPS = 3 };
 
 /* ---- a ray --------------------------------------------------------------- */
 

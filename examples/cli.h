@@ -23,6 +23,8 @@ enum {
     OPTION_SEED,
     OPTION_HOLD, /* all that are given, with commas between */
     OPTION_PRIOR,
+    OPTION_PROBABILITY,
+    OPTION_CANDIDATES,
     OPTION_COUNT
 };
 

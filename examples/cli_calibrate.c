@@ -1,5 +1,6 @@
 /* rigcal calibrate: observations to poses, rig, targets and pairs. */
 #include "cli_calibrate.h"
+#include "cli_covariance.h"
 
 #include <math.h>
 #include <string.h>
@@ -48,22 +49,81 @@ static void write_sigma(FILE *file, const rig_sigma *s, int is_known)
             cli_write_known(file, s->Sigma[6 * i + j], is_known);
         }
     }
+}
+
+/* Whether camera `earlier` has columns for its covariances with those of later lines. */
+static int has_between(const calibration *c, const rigcal_calibrated_rig *kept,
+                       size_t earlier)
+{
+    size_t i;
+
+    for (i = earlier + 1; i < kept->n_cameras; i++) {
+        if (c->in_frame[earlier] && c->in_frame[i] && !kept->held[earlier] &&
+            !kept->held[i]) {
+            return 1;
+        }
+    }
+    return 0;
+}
+
+/* The covariances of a camera with those of earlier lines, and the end of the line. */
+static void write_between(FILE *file, const calibration *c,
+                          const rigcal_calibrated_rig *kept, size_t camera)
+{
+    rigcal_real Sigma[36] = {0};
+    size_t b;
+    int k;
+
+    for (b = 0; b < kept->n_cameras; b++) {
+        if (has_between(c, kept, b)) {
+            const int is_known =
+                b < camera && !kept->held[camera] &&
+                rigcal_calibrated_covariance(Sigma, kept, camera, b) == RIGCAL_OK;
+
+            for (k = 0; k < 36; k++) {
+                cli_write_known(file, Sigma[k], is_known);
+            }
+        }
+    }
+    fprintf(file, "\n");
+}
+
+static void write_rig_header(FILE *file, const calibration *c,
+                             const rigcal_calibrated_rig *kept)
+{
+    size_t b;
+    int k;
+
+    fprintf(file, "camera,%s,%s,sigma_px,noise_px,sqrt_F", CLI_TRANSFORM_COLUMNS,
+            SIGMA_COLUMNS);
+    for (b = 0; b < kept->n_cameras; b++) {
+        for (k = 0; has_between(c, kept, b) && k < 36; k++) {
+            fprintf(file, ",%s",
+                    cli_covariance_between(k / 6, k % 6, rig_camera_name(c, b)));
+        }
+    }
     fprintf(file, "\n");
 }
 
 static void write_rig(FILE *file, const calibration *c)
 {
+    const rigcal_calibrated_rig kept = rig_kept(c);
     rig_sigma s;
     size_t i;
 
-    fprintf(file, "camera,%s,%s\n", CLI_TRANSFORM_COLUMNS, SIGMA_COLUMNS);
+    write_rig_header(file, c, &kept);
     for (i = 0; i < c->rig.n_cameras; i++) {
         if (c->in_frame[i]) {
             const int is_known = rig_camera_sigma(&s, c, i);
+            const rigcal_real noise = rig_camera_noise(c, i);
 
             fprintf(file, "%s", rig_camera_name(c, i));
             cli_write_transform(file, &c->rig.cams_from_rig[i]);
             write_sigma(file, &s, is_known);
+            cli_write_known(file, noise, noise > 0);
+            cli_write_known(file, (rigcal_real)c->noise_px, is_known);
+            cli_write_known(file, (rigcal_real)c->root_F, is_known && c->root_F > 0);
+            write_between(file, c, &kept, i);
         }
     }
 }
@@ -97,6 +157,7 @@ static void write_pairs(FILE *file, const calibration *c)
                 fprintf(file, "%s,%s", rig_camera_name(c, a), rig_camera_name(c, b));
                 cli_write_transform(file, &b_from_a);
                 write_sigma(file, &s, is_known);
+                fprintf(file, "\n");
             }
         }
     }

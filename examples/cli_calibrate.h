@@ -156,6 +156,13 @@ int rig_camera_sigma(rig_sigma *s, const calibration *c, size_t rig_camera);
 int rig_pair(rigcal_transform *b_from_a, rig_sigma *s, const calibration *c, size_t a,
              size_t b);
 
+/* Noise of a camera's pixels, for what is measured with it: by its own residuals in the
+ * rig; 0: not known. */
+rigcal_real rig_camera_noise(const calibration *c, size_t rig_camera);
+
+/* The rig with the joint covariance of its cameras; of none, if no sigma is known. */
+rigcal_calibrated_rig rig_kept(const calibration *c);
+
 /* Notes what is wrong, and sets the exit status; all are told by tell_findings, before the
  * messages that were held. What is returned holds until the next. */
 finding *find(calibration *c, finding_rank rank, const char *what, const char *advice);

@@ -1,10 +1,10 @@
 /* rigcal line: where in one image the match of a pixel of another can be. */
-#include "cli.h"
+#include "cli_band.h"
 
 #include <string.h>
 
 typedef struct {
-    size_t number; /* of its name */
+    size_t number, in_rig; /* of its name in cameras.csv; in rig.csv */
     const char *name;
     const rigcal_camera *camera;
     const rigcal_transform *cam_from_rig;
@@ -13,7 +13,7 @@ typedef struct {
 typedef struct {
     rig_camera a, b; /* from, to */
     rigcal_transform b_from_a;
-    rigcal_real ray_a[3];
+    rigcal_real uv_a[2], ray_a[3];
     int exit_status;
 } epipolar;
 
@@ -35,6 +35,7 @@ static rig_camera find(const cli_cameras *cameras, const cli_transforms *rig,
         cli_fail("camera %s is not in %s: it has no place in the rig", name,
                  rig->table.path);
     }
+    found.in_rig = in_rig;
     found.camera = &cameras->camera[found.number];
     found.cam_from_rig = &rig->transform[in_rig];
     return found;
@@ -75,7 +76,7 @@ static void check_inside(const rig_camera *from, const double uv[2], const char 
 static int find_ray(epipolar *e, const char *text)
 {
     double pixel[2];
-    rigcal_real uv[2];
+    rigcal_real *uv = e->uv_a;
 
     cli_numbers(pixel, 2, "--pixel", text);
     check_inside(&e->a, pixel, text);
@@ -166,26 +167,67 @@ static void read_depths(rigcal_real depth[2], const char *text)
     depth[1] = (rigcal_real)numbers[1];
 }
 
+static void print_band(epipolar *e, const cli_rig *rig, const rigcal_real depth[2],
+                       const char *const option[OPTION_COUNT])
+{
+    cli_band band;
+
+    memset(&band, 0, sizeof band);
+    band.rig = rig;
+    band.a = e->a.in_rig;
+    band.b = e->b.in_rig;
+    memcpy(band.uv_a, e->uv_a, sizeof band.uv_a);
+    if (depth[1] > 0 && e->ray_a[2] > 0) { /* from along the axis to along the ray */
+        band.near_a = depth[0] / e->ray_a[2];
+        band.far_a = depth[1] / e->ray_a[2];
+    }
+    band.probability = option[OPTION_PROBABILITY];
+    band.candidates = option[OPTION_CANDIDATES];
+    if (cli_band_print(&band) != CLI_DONE) {
+        e->exit_status = CLI_GEOMETRY;
+    }
+}
+
+static void check_band(const cli_rig *rig, const char *const option[OPTION_COUNT])
+{
+    cli_band band;
+
+    memset(&band, 0, sizeof band);
+    band.rig = rig;
+    band.probability = option[OPTION_PROBABILITY];
+    band.candidates = option[OPTION_CANDIDATES];
+    cli_band_check(&band);
+}
+
 int cli_line(const char *const option[OPTION_COUNT])
 {
     cli_cameras cameras;
-    cli_transforms rig;
+    cli_rig rig;
     epipolar e;
     rigcal_real depth[2] = {0, 0};
+    double sigma_px = 0;
 
     memset(&e, 0, sizeof e);
     if (option[OPTION_DEPTH] != NULL) {
         read_depths(depth, option[OPTION_DEPTH]);
     }
+    if (option[OPTION_SIGMA] != NULL) {
+        sigma_px = cli_sigma(option[OPTION_SIGMA]);
+    }
     cli_cameras_read(&cameras, option[OPTION_CAMERAS]);
-    cli_transforms_read(&rig, option[OPTION_RIG], "camera", &cameras);
-    find_both(&e, &cameras, &rig, option);
+    cli_rig_read(&rig, option[OPTION_RIG], &cameras, sigma_px);
+    find_both(&e, &cameras, &rig.file, option);
+    check_band(&rig, option);
+    if (rig.sigma_px != NULL) {
+        cli_rig_tell_exact(&rig);
+    }
     if (find_ray(&e, option[OPTION_PIXEL])) {
         printf("quantity,v1,v2,v3,v4\n");
         print_line(&e);
         if (option[OPTION_DEPTH] != NULL) {
             print_depths(&e, depth);
         }
+        print_band(&e, &rig, depth, option);
     }
     return e.exit_status;
 }

@@ -1,87 +1,8 @@
 /* What is known of the cameras beforehand: --prior and --hold. */
 #include "cli_calibrate.h"
+#include "cli_covariance.h"
 
-#include <math.h>
 #include <string.h>
-
-enum { N_COLUMNS = 21 };
-
-/* "S11", "S21", "S22", ..., "S66". */
-static void column_name(char name[4], int row, int column)
-{
-    name[0] = 'S';
-    name[1] = (char)('1' + row);
-    name[2] = (char)('1' + column);
-    name[3] = '\0';
-}
-
-/* Whether the file has covariances. */
-static int find_columns(size_t columns[N_COLUMNS], const csv_table *table)
-{
-    char name[4];
-    int i, j, k = 0;
-
-    if (csv_optional(table, "S11") == CSV_NONE) {
-        return 0;
-    }
-    for (i = 0; i < 6; i++) {
-        for (j = 0; j <= i; j++) {
-            column_name(name, i, j);
-            columns[k++] = csv_column(table, name);
-        }
-    }
-    return 1;
-}
-
-/* Whether it is positive definite (Cholesky, with the diagonal scaled to 1). */
-static int is_covariance(const rigcal_real Sigma[36])
-{
-    double L[36] = {0};
-    int i, j, k;
-
-    for (i = 0; i < 6; i++) {
-        if (!(Sigma[7 * i] > 0)) {
-            return 0;
-        }
-    }
-    for (i = 0; i < 6; i++) {
-        for (j = 0; j <= i; j++) {
-            double sum = (double)Sigma[6 * i + j] / sqrt((double)Sigma[7 * i]) /
-                         sqrt((double)Sigma[7 * j]);
-
-            for (k = 0; k < j; k++) {
-                sum -= L[6 * i + k] * L[6 * j + k];
-            }
-            if (i == j && !(sum > 0)) {
-                return 0;
-            }
-            L[6 * i + j] = i == j ? sqrt(sum) : sum / L[7 * j];
-        }
-    }
-    return 1;
-}
-
-/* Of one line: a camera whose covariance is 0 is held. */
-static uint8_t read_covariance(rigcal_real Sigma[36], const csv_table *table, size_t row,
-                               const size_t columns[N_COLUMNS])
-{
-    int i, j, k = 0, is_zero = 1;
-
-    for (i = 0; i < 6; i++) {
-        for (j = 0; j <= i; j++) {
-            const rigcal_real s = csv_real(table, row, columns[k++]);
-
-            Sigma[6 * i + j] = Sigma[6 * j + i] = s;
-            is_zero = is_zero && !(s < 0 || s > 0);
-        }
-    }
-    if (!is_zero && !is_covariance(Sigma)) {
-        csv_fail(table, row,
-                 "S11 to S66 are no covariance: it must be positive definite, or all "
-                 "0 for a camera that is held");
-    }
-    return is_zero ? RIGCAL_CAMERA_HELD : RIGCAL_CAMERA_PRIOR;
-}
 
 /* The numbers of the cameras of --hold, which become held. */
 static void read_hold(known_cameras *known, const cli_cameras *cameras, const char *hold)
@@ -112,12 +33,12 @@ static void read_hold(known_cameras *known, const cli_cameras *cameras, const ch
 static void read_prior(known_cameras *known, const cli_cameras *cameras, const char *path)
 {
     cli_transforms file;
-    size_t columns[N_COLUMNS], row, n_held = 0;
+    size_t columns[CLI_COVARIANCE_COLUMNS], row, n_held = 0;
     int has_columns;
 
     cli_transforms_read(&file, path, "camera", cameras);
     known->path = path;
-    has_columns = find_columns(columns, &file.table);
+    has_columns = cli_covariance_find(columns, &file.table);
     for (row = 0; row < file.table.n_rows; row++) {
         const size_t camera = cli_names_find(&cameras->names, file.names.name[row]);
         rigcal_camera_prior *prior = &known->prior[camera];
@@ -131,7 +52,8 @@ static void read_prior(known_cameras *known, const cli_cameras *cameras, const c
                      "the camera with --hold %s, or remove the line",
                      file.names.name[row], file.names.name[row]);
         } else {
-            known->role[camera] = read_covariance(prior->Sigma, &file.table, row, columns);
+            known->role[camera] =
+                cli_covariance_read(prior->Sigma, &file.table, row, columns);
             known->n_prior += known->role[camera] == RIGCAL_CAMERA_PRIOR;
         }
     }

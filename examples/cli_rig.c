@@ -493,6 +493,37 @@ int rig_pair(rigcal_transform *b_from_a, rig_sigma *s, const calibration *c, siz
     return 1;
 }
 
+rigcal_real rig_camera_noise(const calibration *c, size_t rig_camera)
+{
+    const rigcal_real own = c->sigma_px != NULL ? c->sigma_px[rig_camera] : 0;
+
+    if (!c->is_adjusted) {
+        return 0;
+    }
+    return own > 0 ? own : (rigcal_real)c->noise_px;
+}
+
+rigcal_calibrated_rig rig_kept(const calibration *c)
+{
+    const size_t n = c->rig.n_cameras, size = rigcal_calibrated_size(n);
+    rigcal_calibrated_rig kept;
+
+    memset(&kept, 0, sizeof kept);
+    if (!(noise_of(c) > 0)) {
+        return kept;
+    }
+    kept.cameras = cli_alloc(n, sizeof *kept.cameras);
+    kept.group = cli_alloc(n, sizeof *kept.group);
+    kept.held = cli_alloc(n, sizeof *kept.held);
+    kept.capacity = n;
+    kept.Sigma = cli_alloc(size, sizeof *kept.Sigma);
+    kept.Sigma_capacity = size;
+    if (rigcal_calibrated_take(&kept, &c->rig, &c->fit, noise_of(c)) != RIGCAL_OK) {
+        kept.n_cameras = 0;
+    }
+    return kept;
+}
+
 void form_rig(calibration *c)
 {
     int is_joined = 0;

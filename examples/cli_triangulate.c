@@ -1,28 +1,34 @@
 /* rigcal triangulate: pixels of a calibrated rig to points in space. */
 #include "cli.h"
+#include "cli_covariance.h"
 
 #include <math.h>
 #include <string.h>
 
 typedef struct {
-    size_t frame, point;   /* numbers of their names */
-    size_t n;              /* cameras that saw it */
-    rigcal_point measured; /* for noise of one pixel */
+    size_t frame, point; /* numbers of their names */
+    size_t n;            /* cameras that it is measured from */
+    rigcal_real X[3], Sigma[9], rms_px, chi2, freedom;
+    const char *left_out; /* cameras whose views contradict the others; "" */
 } measurement;
 
 typedef struct {
     cli_cameras cameras;
-    cli_transforms rig, targets;
+    cli_rig rig;
+    cli_transforms targets;
     cli_observations observations;
     int in_targets;
+    int is_noise_known; /* else Sigma is for noise of one pixel, until it is estimated */
     int exit_status;
     measurement *list;
-    size_t count, n_failed;
+    size_t count, n_failed, n_left_out, n_poor;
 
     /* Work: the views of one point. */
-    rigcal_camera *camera;
-    rigcal_transform *cam_from_rig;
-    rigcal_real *uv;
+    rigcal_calibrated_rig exact; /* the rig without its covariance */
+    rigcal_sighting *seen;
+    rigcal_real *noise, *work;
+    uint8_t *used;
+    size_t work_capacity;
 } triangulation;
 
 static void name_unused_cameras(const triangulation *t)
@@ -32,47 +38,71 @@ static void name_unused_cameras(const triangulation *t)
     for (i = 0; i < t->cameras.names.count; i++) {
         const char *name = t->cameras.names.name[i];
 
-        if (cli_names_find(&t->rig.names, name) == CLI_UNKNOWN) {
+        if (cli_names_find(&t->rig.file.names, name) == CLI_UNKNOWN) {
             cli_say("camera %s is not in %s: what it observed is not used", name,
-                    t->rig.table.path);
+                    t->rig.file.table.path);
         }
     }
 }
 
+/* Memory for the views of one point, of which there may be as many as cameras. */
+static void open_work(triangulation *t)
+{
+    const size_t n = t->rig.rig.n_cameras;
+
+    t->exact = t->rig.rig;
+    t->exact.sigma_px = 0;
+    t->seen = cli_alloc(n, sizeof *t->seen);
+    t->used = cli_alloc(n, sizeof *t->used);
+    t->work_capacity = rigcal_point_work(n);
+    t->work = cli_alloc(t->work_capacity, sizeof *t->work);
+    t->noise = cli_alloc(n, sizeof *t->noise);
+}
+
 static void open_triangulation(triangulation *t, const char *const option[OPTION_COUNT])
 {
-    size_t most;
+    double sigma_px = 0;
 
     memset(t, 0, sizeof *t);
+    if (option[OPTION_SIGMA] != NULL) {
+        sigma_px = cli_sigma(option[OPTION_SIGMA]);
+    }
     cli_cameras_read(&t->cameras, option[OPTION_CAMERAS]);
-    cli_transforms_read(&t->rig, option[OPTION_RIG], "camera", &t->cameras);
+    cli_rig_read(&t->rig, option[OPTION_RIG], &t->cameras, sigma_px);
+    if (t->rig.rig.n_cameras > RIGCAL_SIGHTINGS_MAX) {
+        cli_fail("%s has %lu cameras: a point is measured from %d at most",
+                 t->rig.file.table.path, (unsigned long)t->rig.rig.n_cameras,
+                 (int)RIGCAL_SIGHTINGS_MAX);
+    }
+    t->is_noise_known = t->rig.noise_px > 0;
     cli_observations_read(&t->observations, option[OPTION_OBSERVATIONS], &t->cameras, 0);
     name_unused_cameras(t);
     t->in_targets = option[OPTION_TARGETS] != NULL;
     if (t->in_targets) {
         cli_transforms_read(&t->targets, option[OPTION_TARGETS], "frame", NULL);
     }
-    most = t->cameras.names.count;
+    cli_rig_tell_exact(&t->rig);
     t->list = cli_alloc(t->observations.count, sizeof *t->list);
-    t->camera = cli_alloc(most, sizeof *t->camera);
-    t->cam_from_rig = cli_alloc(most, sizeof *t->cam_from_rig);
-    t->uv = cli_alloc(2 * most, sizeof *t->uv);
+    open_work(t);
+}
+
+static const char *name_of(const triangulation *t, size_t view)
+{
+    return t->rig.file.names.name[t->seen[view].camera];
 }
 
 /* The views of one point by cameras of the rig; returns how many. */
-static size_t gather(triangulation *t, const cli_observation seen[], size_t n)
+static size_t gather(triangulation *t, const cli_observation list[], size_t n)
 {
     size_t i, count = 0;
 
     for (i = 0; i < n; i++) {
-        const char *name = t->cameras.names.name[seen[i].camera];
-        const size_t in_rig = cli_names_find(&t->rig.names, name);
+        const char *name = t->cameras.names.name[list[i].camera];
+        const size_t in_rig = cli_names_find(&t->rig.file.names, name);
 
         if (in_rig != CLI_UNKNOWN) {
-            t->camera[count] = t->cameras.camera[seen[i].camera];
-            t->cam_from_rig[count] = t->rig.transform[in_rig];
-            t->uv[2 * count] = seen[i].seen.uv[0];
-            t->uv[2 * count + 1] = seen[i].seen.uv[1];
+            t->seen[count].camera = (int32_t)in_rig;
+            memcpy(t->seen[count].uv, list[i].seen.uv, sizeof t->seen[count].uv);
             count++;
         }
     }
@@ -95,38 +125,84 @@ static void name_failed(triangulation *t, const measurement *m, rigcal_status st
     }
 }
 
-static void measure(triangulation *t, const cli_observation seen[], size_t n)
+/* The views that were dropped, in the CSV and, the first few, in a message. */
+static void name_left_out(triangulation *t, measurement *m, size_t n, int only_two)
 {
+    enum { NAMED = 5 };
+    size_t i;
+
+    for (i = 0; i < n; i++) {
+        if (!t->used[i]) {
+            m->left_out = *m->left_out == '\0'
+                              ? name_of(t, i)
+                              : cli_text("%s %s", m->left_out, name_of(t, i));
+        }
+    }
+    t->exit_status = CLI_GEOMETRY;
+    if (t->n_left_out++ < NAMED) {
+        cli_say("frame %s, point %s: left out, for it contradicts the others: camera %s%s",
+                t->observations.frames.name[m->frame],
+                t->observations.points.name[m->point], m->left_out,
+                only_two ? "; only two cameras agree, which wrong ones may do by chance"
+                         : "");
+    }
+}
+
+/* Without the joint covariance of the rig no view is dropped: what disagrees may be the
+ * rig. */
+static void measure(triangulation *t, const cli_observation list[], size_t n,
+                    const rigcal_calibrated_rig *rig, const rigcal_real *sigma_px)
+{
+    const rigcal_sightings s = {.rig = rig,
+                                .seen = t->seen,
+                                .n = gather(t, list, n),
+                                .sigma_px = sigma_px,
+                                .keep_all = !(rig->sigma_px > 0),
+                                .work = t->work,
+                                .work_capacity = t->work_capacity};
     measurement *m = &t->list[t->count];
+    rigcal_measured_point p;
     rigcal_status status;
 
-    m->frame = seen[0].frame;
-    m->point = seen[0].point;
-    m->n = gather(t, seen, n);
-    if (m->n < 2) {
+    memset(&p, 0, sizeof p);
+    m->frame = list[0].frame;
+    m->point = list[0].point;
+    m->left_out = "";
+    if (s.n < 2) {
         return;
     }
-    status =
-        rigcal_point_triangulate(&m->measured, t->camera, t->cam_from_rig, t->uv, m->n, 1);
+    status = rigcal_point_measure(&p, t->used, &s);
     if (status < 0) {
         name_failed(t, m, status);
         return;
     }
+    if (status == RIGCAL_VIEWS_LEFT_OUT || status == RIGCAL_FEW_AGREE) {
+        name_left_out(t, m, s.n, status == RIGCAL_FEW_AGREE);
+    }
+    t->n_poor += status == RIGCAL_POOR_FIT;
+    memcpy(m->X, p.X, sizeof m->X);
+    memcpy(m->Sigma, p.Sigma, sizeof m->Sigma);
+    m->rms_px = p.rms_px;
+    m->chi2 = p.chi2;
+    m->freedom = p.freedom;
+    m->n = p.n_used;
     t->count++;
 }
 
-static void measure_all(triangulation *t)
+static void measure_all(triangulation *t, const rigcal_calibrated_rig *rig,
+                        const rigcal_real *sigma_px)
 {
     const cli_observation *list = t->observations.list;
     const size_t count = t->observations.count;
     size_t begin, end;
 
+    t->count = t->n_failed = t->n_poor = 0;
     for (begin = 0; begin < count; begin = end) {
         for (end = begin; end < count && list[end].frame == list[begin].frame &&
                           list[end].point == list[begin].point;
              end++) {
         }
-        measure(t, list + begin, end - begin);
+        measure(t, list + begin, end - begin, rig, sigma_px);
     }
 }
 
@@ -138,7 +214,7 @@ static double estimate_sigma(const triangulation *t)
 
     for (i = 0; i < t->count; i++) {
         const double n = (double)t->list[i].n;
-        const double rms = (double)t->list[i].measured.rms_px;
+        const double rms = (double)t->list[i].rms_px;
 
         sum += n * rms * rms;
         freedom += 2 * n - 3;
@@ -146,18 +222,56 @@ static double estimate_sigma(const triangulation *t)
     return freedom > 0 ? sqrt(sum / freedom) : 0;
 }
 
-/* given: 0 if it is not. */
-static double choose_sigma(const triangulation *t, double given)
+/* The sigmas were for noise of one pixel. */
+static void scale_by(triangulation *t, double sigma_px)
 {
-    const double sigma = given > 0 ? given : estimate_sigma(t);
+    size_t i;
+    int k;
 
-    if (given > 0) {
-        cli_say("noise of a pixel coordinate, as given: %.4g px", sigma);
-    } else if (t->count > 0) {
-        cli_say("noise of a pixel coordinate, estimated from %lu points: %.4g px",
-                (unsigned long)t->count, sigma);
+    for (i = 0; i < t->count; i++) {
+        for (k = 0; k < 9; k++) {
+            t->list[i].Sigma[k] *= (rigcal_real)(sigma_px * sigma_px);
+        }
     }
-    return sigma;
+}
+
+static void set_noise(triangulation *t, double sigma_px)
+{
+    size_t c;
+
+    for (c = 0; c < t->rig.rig.n_cameras; c++) {
+        t->noise[c] = (rigcal_real)sigma_px;
+    }
+}
+
+/* Where the noise is not known, what the points miss by tells it. With it, a rig with a
+ * covariance measures again. */
+static void measure_with_noise(triangulation *t, const char *sigma)
+{
+    const rigcal_calibrated_rig *rig = t->rig.rig.sigma_px > 0 ? &t->rig.rig : &t->exact;
+    double estimate;
+
+    if (t->is_noise_known) {
+        set_noise(t, (double)t->rig.noise_px);
+        measure_all(t, rig, t->noise);
+        cli_say("noise of a pixel coordinate, %s%s: %.4g px",
+                sigma != NULL ? "as given" : "by ",
+                sigma != NULL ? "" : t->rig.file.table.path, (double)t->noise[0]);
+        return;
+    }
+    set_noise(t, 1);
+    measure_all(t, &t->exact, t->noise);
+    estimate = estimate_sigma(t);
+    if (t->count > 0) {
+        cli_say("noise of a pixel coordinate, estimated from %lu points: %.4g px",
+                (unsigned long)t->count, estimate);
+    }
+    if (rig == &t->exact || !(estimate >= RIGCAL_CLI_SIGMA_LEAST)) {
+        scale_by(t, estimate);
+        return;
+    }
+    set_noise(t, estimate);
+    measure_all(t, rig, t->noise);
 }
 
 /* Sigma of R X when that of X is S: R S R^T. */
@@ -181,7 +295,7 @@ static void turn_covariance(rigcal_real Sigma[9], const rigcal_real R[9])
     memcpy(Sigma, turned, sizeof turned);
 }
 
-static rigcal_status into_target(rigcal_point *point,
+static rigcal_status into_target(measurement *point,
                                  const rigcal_transform *rig_from_target)
 {
     rigcal_transform target_from_rig;
@@ -210,7 +324,7 @@ static void move_into_targets(triangulation *t)
         const size_t target = cli_names_find(&t->targets.names, frame);
 
         if (target != CLI_UNKNOWN &&
-            into_target(&m.measured, &t->targets.transform[target]) == RIGCAL_OK) {
+            into_target(&m, &t->targets.transform[target]) == RIGCAL_OK) {
             t->list[kept++] = m;
             continue;
         }
@@ -227,48 +341,67 @@ static void move_into_targets(triangulation *t)
     t->count = kept;
 }
 
-static void print_points(const triangulation *t, double sigma_px)
+static void print_points(const triangulation *t)
 {
     size_t i;
-    int k;
+    int k, j;
 
-    printf("frame,point,ncams,X,Y,Z,sigma_X,sigma_Y,sigma_Z,rms_px\n");
+    printf("frame,point,ncams,X,Y,Z,sigma_X,sigma_Y,sigma_Z,rms_px,S11,S21,S22,S31,S32,S33,"
+           "chi2,freedom,left_out\n");
     for (i = 0; i < t->count; i++) {
         const measurement *m = &t->list[i];
         rigcal_real sigma[3];
 
         for (k = 0; k < 3; k++) {
-            sigma[k] = (rigcal_real)(sigma_px * sqrt((double)m->measured.Sigma[4 * k]));
+            sigma[k] = (rigcal_real)sqrt((double)m->Sigma[4 * k]);
         }
         printf("%s,%s,%lu", t->observations.frames.name[m->frame],
                t->observations.points.name[m->point], (unsigned long)m->n);
-        cli_write_numbers(stdout, m->measured.X, 3);
+        cli_write_numbers(stdout, m->X, 3);
         cli_write_numbers(stdout, sigma, 3);
-        cli_write_numbers(stdout, &m->measured.rms_px, 1);
-        printf("\n");
+        cli_write_numbers(stdout, &m->rms_px, 1);
+        for (k = 0; k < 3; k++) {
+            for (j = 0; j <= k; j++) {
+                cli_write_numbers(stdout, &m->Sigma[3 * k + j], 1);
+            }
+        }
+        cli_write_known(stdout, m->chi2, t->is_noise_known);
+        cli_write_known(stdout, m->freedom, t->is_noise_known);
+        printf(",%s\n", m->left_out);
+    }
+}
+
+/* What was told of the first few points alone. */
+static void tell_counts(const triangulation *t)
+{
+    if (t->n_left_out > 5) {
+        cli_say("views of %lu points are left out: column left_out names them",
+                (unsigned long)t->n_left_out);
+    }
+    if (t->n_poor > 0 && t->rig.rig.sigma_px > 0) {
+        cli_say(
+            "%lu points of two cameras fit badly: column chi2 is above 6.6, which noise "
+            "exceeds once in a hundred times",
+            (unsigned long)t->n_poor);
     }
 }
 
 int cli_triangulate(const char *const option[OPTION_COUNT])
 {
     triangulation t;
-    double sigma_px = 0;
 
-    if (option[OPTION_SIGMA] != NULL) {
-        sigma_px = cli_sigma(option[OPTION_SIGMA]);
-    }
     open_triangulation(&t, option);
-    measure_all(&t);
+    measure_with_noise(&t, option[OPTION_SIGMA]);
     if (t.count == 0) {
         cli_say("no point could be measured: two cameras of %s must observe it in "
                 "one frame",
-                t.rig.table.path);
+                t.rig.file.table.path);
         t.exit_status = CLI_GEOMETRY;
     }
-    sigma_px = choose_sigma(&t, sigma_px);
+    tell_counts(&t);
     if (t.in_targets) {
         move_into_targets(&t);
     }
-    print_points(&t, sigma_px);
+    print_points(&t);
     return t.exit_status;
 }

@@ -17,7 +17,8 @@ static const char HELP[] =
     "  rigcal triangulate --cameras FILE --rig FILE --observations FILE\n"
     "                     [--targets FILE] [--sigma PIXELS]\n"
     "  rigcal line        --cameras FILE --rig FILE --from CAMERA --to CAMERA\n"
-    "                     --pixel U,V [--depth NEAR,FAR]\n"
+    "                     --pixel U,V [--depth NEAR,FAR] [--sigma PIXELS]\n"
+    "                     [--probability P] [--candidates FILE]\n"
     "  rigcal --help | --version\n"
     "\n"
     "calibrate finds every camera's pose and the rig that they form. Views that\n"
@@ -43,13 +44,20 @@ static const char HELP[] =
     "CSV.\n"
     "  --targets    gives the points in the target's frame; without it they are in\n"
     "               the first camera's.\n"
-    "  --sigma      the noise of one pixel coordinate. Without it, the noise is\n"
-    "               estimated.\n"
+    "  --sigma      the noise of one pixel coordinate. Without it, it is that of the\n"
+    "               rig.csv of calibrate; of another one it is estimated.\n"
+    "With the covariances of such a rig.csv the sigmas have the error of the\n"
+    "calibration, and views that contradict the others are left out and named.\n"
     "\n"
     "line takes a pixel of camera --from and finds the line in the image of camera\n"
     "--to on which the same point lies. It prints CSV: the line as alpha u + beta v +\n"
     "gamma = 0 in pixels without distortion, and its ends in the image.\n"
     "  --depth      adds the part between two depths along the axis of --from.\n"
+    "With the rig.csv of calibrate, or --sigma, also the band in which the match is.\n"
+    "  --sigma      the noise of one pixel coordinate, of both cameras.\n"
+    "  --probability  that of the band, 0.99 if not given. Adds the spans: for each\n"
+    "               row of the image the columns to search.\n"
+    "  --candidates a CSV file with columns u and v: those in the band, best first.\n"
     "\n"
     "examples/data/FORMAT.md describes the files, and how to make them from those of\n"
     "OpenCV, Kalibr, ROS, COLMAP, MATLAB and others.\n"
@@ -77,7 +85,8 @@ static const command COMMANDS[] = {
     {"line", cli_line,
      BIT(OPTION_CAMERAS) | BIT(OPTION_RIG) | BIT(OPTION_FROM) | BIT(OPTION_TO) |
          BIT(OPTION_PIXEL),
-     BIT(OPTION_DEPTH)},
+     BIT(OPTION_DEPTH) | BIT(OPTION_SIGMA) | BIT(OPTION_PROBABILITY) |
+         BIT(OPTION_CANDIDATES)},
 };
 
 enum { HELP_OPTION = OPTION_COUNT, VERSION_OPTION };
@@ -99,6 +108,8 @@ static const struct option OPTIONS[] = {
     {"seed", required_argument, NULL, OPTION_SEED},
     {"hold", required_argument, NULL, OPTION_HOLD},
     {"prior", required_argument, NULL, OPTION_PRIOR},
+    {"probability", required_argument, NULL, OPTION_PROBABILITY},
+    {"candidates", required_argument, NULL, OPTION_CANDIDATES},
     {"help", no_argument, NULL, HELP_OPTION},
     {"version", no_argument, NULL, VERSION_OPTION},
     {NULL, 0, NULL, 0},

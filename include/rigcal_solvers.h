@@ -221,6 +221,84 @@ struct rigcal_cause_solver {
     rigcal_pose_solver pose;
 };
 
+/* ---- a point that is measured ------------------------------------------------ */
+
+/* The covariance of the 2 n pixels, and what it makes of a point. */
+typedef struct rigcal_point_sums {
+    rigcal_real *V;         /* packed, then its factor */
+    rigcal_real N[6];       /* (A^T W A)^-1, W the weights */
+    rigcal_real Sigma[6];   /* of the point: N, and the calibration's part */
+    rigcal_real M[6], c[3]; /* A^T V^-1 A, A^T V^-1 e */
+    rigcal_real q;          /* e^T V^-1 e */
+} rigcal_point_sums;
+
+struct rigcal_point_solver {
+    const rigcal_sightings *sightings;
+    int32_t phase, status, of;         /* of: all views, two, or those that agree */
+    int32_t whole;                     /* the status, if no two views agree */
+    int32_t stage, located;            /* of the point under way, and its status */
+    int32_t is_tried, is_stale, evals; /* a step waits for its sum; the equations are those
+                                          of another place */
+    size_t view, n_used;               /* the view under way; how many are used */
+    size_t pair, two[2];               /* the pair under way */
+    size_t n_pairs, agree, best;       /* pairs ranked; views that agree; the most */
+    rigcal_real tolerance;             /* factor of the limits, 1 at least */
+    rigcal_real distance, least;       /* sums of what they miss by; of the best */
+    rigcal_levenberg search;
+    rigcal_real X[3], before[3], g[3], H[6], sum, gain, negligible;
+    rigcal_real aside, chi2; /* aside: sine squared of the parallax */
+    rigcal_point_sums sums;
+};
+
+/* ---- the spans of a band ---------------------------------------------------- */
+
+/* A part of the border, on which v only rises or only falls. */
+typedef struct rigcal_arc {
+    rigcal_real low, high;  /* of v, at its ends */
+    rigcal_real a[5], b[5]; /* direct: u at v is a[0] + (v - b[0]) (a[1] + (v - b[1]) ...;
+                               else u and v by powers of t */
+    rigcal_real t_low, t_high;
+    int32_t is_direct;
+} rigcal_arc;
+
+enum {
+    RIGCAL_SPANS_ARCS = 112,
+    RIGCAL_SPANS_ACTIVE = 2 * RIGCAL_SPANS_ROW,
+    RIGCAL_SPANS_NODES = 5
+};
+
+typedef struct rigcal_outline {
+    int32_t n_arcs, height, is_full; /* 1: there were more arcs than there is room for */
+    int32_t row, next, n_active;
+    rigcal_real changes; /* row from which on other arcs may be crossed */
+    uint8_t order[RIGCAL_SPANS_ARCS], active[RIGCAL_SPANS_ACTIVE];
+    rigcal_arc arcs[RIGCAL_SPANS_ARCS];
+} rigcal_outline;
+
+/* Where a border ends. */
+typedef struct rigcal_border_end {
+    rigcal_real uv[2], height;
+    int32_t is_of_range; /* 1: at an end of the depth range */
+} rigcal_border_end;
+
+struct rigcal_spans_solver {
+    rigcal_band band;
+    int32_t phase, status, is_pinhole;
+    int32_t side, way, node, n_arcs; /* of the border under way */
+    int32_t is_last, is_closing;     /* its arc ends the depth range; the lens ends near */
+    rigcal_real A, normal[3];        /* (M6); line / across */
+    rigcal_real ends[2][2], start[2];
+    rigcal_real radius2, radius; /* of the image about the axis: normalised; px */
+    rigcal_real slope2;          /* |ds/du|^2 where it was last known */
+    rigcal_real at[2],
+        stride; /* place of the first node; tangent of the step to the last */
+    rigcal_real length, height; /* px, of the step; of the last node over the line */
+    rigcal_real start_uv[2], start_height, start_speed; /* px for a tangent of 1 */
+    rigcal_real u[RIGCAL_SPANS_NODES], v[RIGCAL_SPANS_NODES];
+    rigcal_border_end corners[2][2]; /* by side and way */
+    rigcal_outline outline;
+};
+
 #ifdef __cplusplus
 }
 #endif

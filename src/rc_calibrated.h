@@ -11,8 +11,14 @@
  * covariance. *n_free: cameras that are not held. */
 rigcal_status rc_calibrated_check(size_t *n_free, const rigcal_calibrated_rig *rig);
 
+/* Of a rig that was checked: the first unknown of a camera; -1: it is held. */
+rigcal_real rc_calibrated_first(const rigcal_calibrated_rig *rig, size_t camera);
+
 /* sigma_px, F and its two degrees of freedom: OK, ERR_NOT_FINITE, ERR_RANGE (below 0),
  * ERR_STATE (sigma_px is 0). */
 rigcal_status rc_calibrated_numbers(const rigcal_real numbers[4]);
+
+/* Of a rig that was checked: the first unknown of a camera; -1: it is held. */
+rigcal_real rc_calibrated_first(const rigcal_calibrated_rig *rig, size_t camera);
 
 #endif /* RC_CALIBRATED_H */

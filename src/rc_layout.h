@@ -119,6 +119,53 @@
     S(rigcal_symmetries)                                                           \
         M(rigcal_symmetries, permutations) M(rigcal_symmetries, n_permutations)    \
         M(rigcal_symmetries, n_points) M(rigcal_symmetries, room)                  \
+    /* rigcal_point.h */                                                           \
+    S(rigcal_sighting)                                                             \
+        M(rigcal_sighting, camera) M(rigcal_sighting, uv)                          \
+    S(rigcal_sightings)                                                            \
+        M(rigcal_sightings, rig) M(rigcal_sightings, seen) M(rigcal_sightings, n)  \
+        M(rigcal_sightings, sigma_px) M(rigcal_sightings, parallax_least)          \
+        M(rigcal_sightings, keep_all) M(rigcal_sightings, work)                    \
+        M(rigcal_sightings, work_capacity)                                         \
+    S(rigcal_point_gain)                                                           \
+        M(rigcal_point_gain, camera) M(rigcal_point_gain, gain)                    \
+    S(rigcal_measured_point)                                                       \
+        M(rigcal_measured_point, X) M(rigcal_measured_point, Sigma)                \
+        M(rigcal_measured_point, Sigma_noise) M(rigcal_measured_point, chi2)       \
+        M(rigcal_measured_point, freedom) M(rigcal_measured_point, parallax)       \
+        M(rigcal_measured_point, rms_px) M(rigcal_measured_point, n_used)          \
+        M(rigcal_measured_point, gains) M(rigcal_measured_point, gains_capacity)   \
+    /* rigcal_match.h */                                                           \
+    S(rigcal_ray)                                                                  \
+        M(rigcal_ray, m) M(rigcal_ray, D)                                          \
+    S(rigcal_match_pair)                                                           \
+        M(rigcal_match_pair, camera_a) M(rigcal_match_pair, camera_b)              \
+        M(rigcal_match_pair, b_from_a) M(rigcal_match_pair, Sigma)                 \
+        M(rigcal_match_pair, sigma_a) M(rigcal_match_pair, sigma_b)                \
+        M(rigcal_match_pair, k) M(rigcal_match_pair, near_a)                       \
+        M(rigcal_match_pair, far_a)                                                \
+    S(rigcal_band)                                                                 \
+        M(rigcal_band, camera_b) M(rigcal_band, ray) M(rigcal_band, towards)       \
+        M(rigcal_band, along) M(rigcal_band, across) M(rigcal_band, line)          \
+        M(rigcal_band, Sigma_line) M(rigcal_band, epipole2)                        \
+        M(rigcal_band, sigma_b) M(rigcal_band, k) M(rigcal_band, near_a)           \
+        M(rigcal_band, far_a)                                                      \
+    S(rigcal_band_point)                                                           \
+        M(rigcal_band_point, uv) M(rigcal_band_point, across)                      \
+        M(rigcal_band_point, half_width) M(rigcal_band_point, depth_a)             \
+    S(rigcal_match)                                                                \
+        M(rigcal_match, index) M(rigcal_match, is_inside) M(rigcal_match, chi2)    \
+        M(rigcal_match, distance_px) M(rigcal_match, half_width_px)                \
+        M(rigcal_match, score) M(rigcal_match, depth_a)                            \
+    S(rigcal_span)                                                                 \
+        M(rigcal_span, row) M(rigcal_span, first) M(rigcal_span, last)             \
+    S(rigcal_transfer)                                                             \
+        M(rigcal_transfer, uv) M(rigcal_transfer, Sigma) M(rigcal_transfer, X)     \
+        M(rigcal_transfer, Sigma_X) M(rigcal_transfer, chi2)                       \
+    S(rigcal_rectified)                                                            \
+        M(rigcal_rectified, aligned_from_a) M(rigcal_rectified, aligned_from_b)    \
+        M(rigcal_rectified, baseline) M(rigcal_rectified, a_is_right)              \
+        M(rigcal_rectified, camera)                                                \
     /* rigcal_paper.h */                                                           \
     S(rigcal_bearing)                                                              \
         M(rigcal_bearing, X_w) M(rigcal_bearing, ray)                              \
@@ -142,7 +189,8 @@
     /* solvers */                                                                  \
     S(rigcal_pose_solver) S(rigcal_robust_solver) S(rigcal_rig_solver)             \
     S(rigcal_choose_solver) S(rigcal_judge_solver) S(rigcal_cause_solver)          \
-    S(rigcal_paper_solver) S(rigcal_neldermead)
+    S(rigcal_point_solver) S(rigcal_spans_solver) S(rigcal_paper_solver)           \
+    S(rigcal_neldermead)
 /* clang-format on */
 
 #endif /* RC_LAYOUT_H */

@@ -61,8 +61,7 @@ rigcal_status rc_calibrated_check(size_t *n_free, const rigcal_calibrated_rig *r
     return (status == RIGCAL_OK) ? check_cameras(n_free, rig) : status;
 }
 
-/* Of a rig that was checked: the first unknown of a camera; -1: it is held. */
-static rigcal_real first_of(const rigcal_calibrated_rig *rig, size_t camera)
+rigcal_real rc_calibrated_first(const rigcal_calibrated_rig *rig, size_t camera)
 {
     rigcal_real first = 0;
     for (size_t c = 0; c < camera; c++) {
@@ -90,7 +89,8 @@ rigcal_status rigcal_calibrated_covariance(rigcal_real Sigma[36],
     if (status != RIGCAL_OK) {
         return status;
     }
-    rc_joint_block(block, rig->Sigma, first_of(rig, a), first_of(rig, b));
+    rc_joint_block(block, rig->Sigma, rc_calibrated_first(rig, a),
+                   rc_calibrated_first(rig, b));
     if (!rc_all_finite(block, 36)) {
         return RIGCAL_ERR_NOT_FINITE;
     }
@@ -120,8 +120,8 @@ rigcal_status rigcal_calibrated_pair(rigcal_transform *b_from_a, rigcal_real Sig
         return status;
     }
     rc_joint_pair(&pair, found, &rig->cameras[a].cam_from_rig,
-                  &rig->cameras[b].cam_from_rig, rig->Sigma, first_of(rig, a),
-                  first_of(rig, b), 1);
+                  &rig->cameras[b].cam_from_rig, rig->Sigma, rc_calibrated_first(rig, a),
+                  rc_calibrated_first(rig, b), 1);
     if (!rc_all_finite(found, 36)) {
         return RIGCAL_ERR_NOT_FINITE;
     }

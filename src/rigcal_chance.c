@@ -17,6 +17,39 @@ enum { EXP_TERMS = 8 };
 /* sets: expected numbers are clipped here, far above any limit, before they overflow. */
 #define EXPECTED_MOST RC(1e30)
 
+/* 1: rc_log halves or doubles x until it is between the inverse of this and this. */
+#define ROOT_2 RC(1.41421356237309504880)
+
+/* 1: natural logarithm of 2. */
+#define LOG_2 RC(0.69314718055994530942)
+
+/* terms: of the series of rc_log; the next is below rounding. */
+enum { LOG_TERMS = RIGCAL_USE_FLOAT ? 5 : 11 };
+
+/* 1: rc_normal_within takes its first quotient up to 2 * 0.425 of probability, and the
+ * second quotient counts from 1.6 (Wichura 1988). */
+#define CENTRAL RC(0.425)
+#define TAIL_FROM RC(1.6)
+
+/* 1: numerators and denominators of both quotients of rc_normal_within, by ascending
+ * powers (Wichura 1988, PPND16). */
+enum { QUOTIENT_TERMS = 8 };
+static const rigcal_real QUOTIENTS[2][2][QUOTIENT_TERMS] = {
+    {{RC(3.3871328727963666080e0), RC(1.3314166789178437745e2), RC(1.9715909503065514427e3),
+      RC(1.3731693765509461125e4), RC(4.5921953931549871457e4), RC(6.7265770927008700853e4),
+      RC(3.3430575583588128105e4), RC(2.5090809287301226727e3)},
+     {1, RC(4.2313330701600911252e1), RC(6.8718700749205790830e2),
+      RC(5.3941960214247511077e3), RC(2.1213794301960595867e4), RC(3.9307895800092710610e4),
+      RC(2.8729085735721942674e4), RC(5.2264952788528545610e3)}},
+    {{RC(1.42343711074968357734e0), RC(4.63033784615654529590e0),
+      RC(5.76949722146069140550e0), RC(3.64784832476320460504e0),
+      RC(1.27045825245236838258e0), RC(2.41780725177450611770e-1),
+      RC(2.27238449892691845833e-2), RC(7.74545014278341407640e-4)},
+     {1, RC(2.05319162663775882187e0), RC(1.67638483018380384940e0),
+      RC(6.89767334985100004550e-1), RC(1.48103976427480074590e-1),
+      RC(1.51986665636164571966e-2), RC(5.47593808499534494600e-4),
+      RC(1.05075007164441684324e-9)}}};
+
 RC_APART rigcal_real rc_freedom(size_t n)
 {
     RIGCAL_ASSERT(n >= 3 && n <= RC_COUNT_MAX);
@@ -83,4 +116,49 @@ rigcal_real rc_expected_sets(size_t n, size_t count, rigcal_real near)
         expected = rc_min(expected * ways * near, EXPECTED_MOST);
     }
     return expected;
+}
+
+/* x = 2^n m: n ln 2 + 2 (z + z^3 / 3 + ..), z = (m - 1) / (m + 1), |z| < 0.172. */
+rigcal_real rc_log(rigcal_real x)
+{
+    RIGCAL_ASSERT(x > 0 && x <= RC_MAX);
+    rigcal_real whole = 0, sum = 0;
+    for (; x > ROOT_2; x /= 2) {
+        whole += LOG_2;
+    }
+    for (; x * ROOT_2 < 1; x *= 2) {
+        whole -= LOG_2;
+    }
+    const rigcal_real z = (x - 1) / (x + 1);
+    for (int k = 2 * LOG_TERMS - 1; k > 0; k -= 2) {
+        sum = 1 / (rigcal_real)k + z * z * sum;
+    }
+    return whole + 2 * z * sum;
+}
+
+static rigcal_real quotient(int which, rigcal_real r)
+{
+    rigcal_real value[2] = {0, 0};
+    for (int k = 0; k < 2; k++) {
+        for (int i = QUOTIENT_TERMS - 1; i >= 0; i--) {
+            value[k] = value[k] * r + QUOTIENTS[which][k][i];
+        }
+    }
+    return value[0] / value[1];
+}
+
+rigcal_real rc_normal_within(rigcal_real probability)
+{
+    RIGCAL_ASSERT(probability > 0 && probability < 1);
+    const rigcal_real q = probability / 2;
+    if (q <= CENTRAL) {
+        return q * quotient(0, CENTRAL * CENTRAL - q * q);
+    }
+    return quotient(1, RC_SQRT(-rc_log((1 - probability) / 2)) - TAIL_FROM);
+}
+
+rigcal_real rc_plane_within(rigcal_real probability)
+{
+    RIGCAL_ASSERT(probability > 0 && probability < 1);
+    return RC_SQRT(-2 * rc_log(1 - probability));
 }

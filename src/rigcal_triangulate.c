@@ -1,16 +1,6 @@
-#include "rc_levenberg.h"
-#include "rc_points.h"
+#include "rc_triangulate.h"
 
 /* ---- constants ----------------------------------------------------------- */
-
-/* sine squared of the angle between two rays: the least parallax, 0.1 degree. A bearing
- * error e moves the point by range * e / sin(angle) in depth, there over 500 times as far
- * as sideways. */
-#define PARALLAX_MIN RC(3.05e-6)
-
-/* evaluations: of a triangulation, usually 2 or 3. The worst case that the manual
- * states. */
-enum { EVALS_MAX = 50 };
 
 /* part of an element of the diagonal: a smaller pivot is rounding. */
 #define RANK_TOL (4 * RC_EPS)
@@ -37,7 +27,7 @@ static rigcal_status two_depths(rigcal_real depth_ab[2], rigcal_real *miss,
     rc_vec3_cross(normal, r, m_b);
 
     const rigcal_real det = rc_vec3_dot(normal, normal);
-    if (!(det >= PARALLAX_MIN)) { /* of unit rays */
+    if (!(det >= RC_PARALLAX_MIN)) { /* of unit rays */
         return RIGCAL_ERR_PARALLEL;
     }
     const rigcal_real rm = rc_vec3_dot(r, m_b);
@@ -150,8 +140,7 @@ static rigcal_status check_sightings(const sightings *v, rigcal_real sigma_px)
     return status;
 }
 
-/* x <- (L L^T)^-1 x */
-RC_APART static void solve(rigcal_real x[3], const rigcal_real L[6])
+RC_APART void rc_point_solve(rigcal_real x[3], const rigcal_real L[6])
 {
     rc_sym3_forward(x, L);
     rc_sym3_backward(x, L);
@@ -178,10 +167,10 @@ static rigcal_status nearest_to_rays(rigcal_real X[3], const sightings *v)
         rc_vec3_add_scaled(X, -1, o);
         rc_sym3_add_outer(A, -1, d);
     }
-    if (!rc_sym3_factor(A, A, of_n, PARALLAX_MIN / 4)) {
+    if (!rc_sym3_factor(A, A, of_n, RC_PARALLAX_MIN / 4)) {
         return RIGCAL_ERR_PARALLEL;
     }
-    solve(X, A);
+    rc_point_solve(X, A);
     return RIGCAL_OK;
 }
 
@@ -216,11 +205,10 @@ static rigcal_status evaluate(rigcal_real *sum, triangulation *s, const sighting
     return rc_is_finite(total) ? RIGCAL_OK : RIGCAL_ERR_NO_RAY;
 }
 
-/* L L^T = H, damped. 0: not positive definite to rounding. */
-RC_APART static int factor(rigcal_real L[6], const triangulation *s, rigcal_real damping)
+RC_APART int rc_point_factor(rigcal_real L[6], const rigcal_real H[6], rigcal_real damping)
 {
     rigcal_real D[3];
-    rc_sym3_damp(L, D, s->H, damping);
+    rc_sym3_damp(L, D, H, damping);
     return rc_sym3_factor(L, L, D, RANK_TOL);
 }
 
@@ -246,12 +234,12 @@ static void step_once(triangulation *s, const sightings *v)
         rc_levenberg_evaluated(&s->search, status, sum);
         return;
     }
-    if (!factor(L, s, s->search.lambda)) {
+    if (!rc_point_factor(L, s->H, s->search.lambda)) {
         rc_levenberg_not_definite(&s->search);
         return;
     }
     rc_vec3_copy(step, s->g);
-    solve(step, L);
+    rc_point_solve(step, L);
     const rigcal_real gain = rc_vec3_dot(s->g, step);
     const int taken = rc_levenberg_promised(&s->search, gain, s->negligible);
     if (taken == RC_STEP_TRY) {
@@ -281,11 +269,11 @@ rigcal_status rigcal_point_triangulate(rigcal_point *point, const rigcal_camera 
     }
     s.negligible = rc_negligible(rc_pixel_size(cameras), (rigcal_real)cameras->width);
     rc_levenberg_begin(&s.search, 0);
-    for (int i = 0; i < EVALS_MAX && s.search.status == RIGCAL_RUNNING; i++) {
+    for (int i = 0; i < RC_TRIANGULATION_EVALS && s.search.status == RIGCAL_RUNNING; i++) {
         step_once(&s, &v);
     }
     status = s.search.status;
-    if (status == RIGCAL_ERR_DEGENERATE || (status >= 0 && !factor(L, &s, 0))) {
+    if (status == RIGCAL_ERR_DEGENERATE || (status >= 0 && !rc_point_factor(L, s.H, 0))) {
         return RIGCAL_ERR_PARALLEL;
     }
     if (status < 0) {
@@ -295,7 +283,7 @@ rigcal_status rigcal_point_triangulate(rigcal_point *point, const rigcal_camera 
         rigcal_real *const row = &point->Sigma[3 * k];
         row[0] = row[1] = row[2] = 0;
         row[k] = sigma_px * sigma_px;
-        solve(row, L);
+        rc_point_solve(row, L);
         point->X[k] = s.X[k];
     }
     point->rms_px = RC_SQRT(s.search.sum / (rigcal_real)n);

@@ -84,6 +84,17 @@ static struct {
     int32_t kept_group[2];
     uint8_t kept_held[2];
     rigcal_real kept_Sigma[RIGCAL_CALIBRATED_SIZE(1)], kept_numbers[4];
+    rigcal_sighting sightings[2];
+    rigcal_point_gain gains[2];
+    rigcal_measured_point measured, other;
+    rigcal_point_solver point_begun, point_done;
+    rigcal_real pair_Sigma[36], pair_numbers[5], uv_b[2], uv_candidates[4], uv_three[6];
+    rigcal_band band;
+    rigcal_ray ray, rays[2];
+    rigcal_spans_solver spans_begun, spans_done;
+    size_t abc[3];
+    rigcal_calibrated_rig three; /* a calibrated rig of three cameras */
+    rigcal_transfer transfer;
 } ok;
 
 static const size_t SIZE_0 = 0, SIZE_1 = 1, SIZE_2 = 2, SIZE_3 = 3, SIZE_4 = 4, SIZE_6 = 6,
@@ -93,12 +104,15 @@ static const size_t SIZE_0 = 0, SIZE_1 = 1, SIZE_2 = 2, SIZE_3 = 3, SIZE_4 = 4, 
 
                     SIZE_KEPT = RIGCAL_CALIBRATED_SIZE(1),
                     SIZE_TAKEN = RIGCAL_CALIBRATED_SIZE(2),
-                    SIZE_SAVED_RIG = RIGCAL_STORE_RIG_SIZE(2, 1);
+                    SIZE_SAVED_RIG = RIGCAL_STORE_RIG_SIZE(2, 1),
+                    SIZE_POINT = RIGCAL_POINT_WORK(2);
+static const size_t SIZE_SPANS = 4000;
 static const uint32_t UINT_7 = 7;
 static const int32_t INT_0 = 0, INT_1 = 1, INT_2 = 2, INT_3 = 3, INT_8 = 8, INT_480 = 480,
                      INT_640 = 640, INT_1000 = 1000;
 static const rigcal_real REAL_TOL = RC(1e-6), REAL_COST = RC(2.5), REAL_BASELINE = RC(0.3),
-                         REAL_SIGMA = RC(0.5), REAL_NEAR = RC(2), REAL_FAR = RC(9);
+                         REAL_SIGMA = RC(0.5), REAL_NEAR = RC(2), REAL_FAR = RC(9),
+                         REAL_PARALLAX = RC(0.01);
 
 static rigcal_real bowl(void *context, const rigcal_real x[])
 {
@@ -494,6 +508,106 @@ static void build_calibrated(void)
                                                    &rig, UINT_7, UINT_7));
 }
 
+/* Two cameras, and what they see of the first placement's origin; a point that is measured,
+ * and one that has been. */
+static void build_point(void)
+{
+    static rigcal_real work[2][RIGCAL_POINT_WORK(2)];
+    static rigcal_calibrated_rig rig;
+    static rigcal_sightings s[2];
+
+    rig = (rigcal_calibrated_rig){.cameras = ok.mounted,
+                                  .group = ok.kept_group,
+                                  .held = ok.kept_held,
+                                  .capacity = 2,
+                                  .Sigma = ok.kept_Sigma,
+                                  .Sigma_capacity = RIGCAL_CALIBRATED_SIZE(1),
+                                  .n_cameras = 2};
+    memcpy(&rig.sigma_px, ok.kept_numbers, sizeof ok.kept_numbers);
+    for (int i = 0; i < 2; i++) {
+        rigcal_real X_c[3];
+
+        ok.sightings[i].camera = i;
+        ASSERT_STATUS(RIGCAL_OK,
+                      rigcal_transform_point(X_c, &ok.poses[i], ok.placements[0].t));
+        ASSERT_STATUS(RIGCAL_OK,
+                      rigcal_camera_project(ok.sightings[i].uv, &ok.camera, X_c));
+        s[i] = (rigcal_sightings){.rig = &rig,
+                                  .seen = ok.sightings,
+                                  .n = 2,
+                                  .work = work[i],
+                                  .work_capacity = RIGCAL_POINT_WORK(2)};
+    }
+    ok.measured.gains = ok.gains;
+    ok.measured.gains_capacity = 2;
+    ASSERT_STATUS(RIGCAL_OK, rigcal_point_begin(&ok.point_begun, &s[0]));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_point_begin(&ok.point_done, &s[1]));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_point_step(&ok.point_done, 1000));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_point_result(&ok.measured, NULL, &ok.point_done));
+    ok.other = ok.measured;
+    ok.other.X[0] += 1;
+}
+
+/* A band and what is made of it; three cameras, and what they see of one point. */
+static void build_match(void)
+{
+    static const double X_a[3] = {0.2, -0.1, 4};
+    static rigcal_mounted_camera cameras[N_CAMERAS];
+    static int32_t group[N_CAMERAS];
+    static uint8_t held[N_CAMERAS] = {1, 0, 0};
+    static rigcal_real Sigma[RIGCAL_CALIBRATED_SIZE(2)];
+    static const rigcal_real noise[2] = {RC(0.5), RC(0.5)};
+    rigcal_match_pair pair;
+    double R[9], t[3];
+
+    memset(&pair, 0, sizeof pair);
+    for (int i = 0; i < 6; i++) {
+        ok.pair_Sigma[7 * i] = RC(1e-6 * (i + 1));
+    }
+    ok.pair_numbers[0] = ok.pair_numbers[1] = REAL_SIGMA;
+    ok.pair_numbers[2] = RC(2.5);
+    ok.pair_numbers[3] = REAL_NEAR;
+    ok.pair_numbers[4] = REAL_FAR;
+    pair.camera_a = pair.camera_b = &ok.camera;
+    pair.b_from_a = ok.b_from_a;
+    memcpy(pair.Sigma, ok.pair_Sigma, sizeof pair.Sigma);
+    memcpy(&pair.sigma_a, ok.pair_numbers, sizeof ok.pair_numbers);
+    ASSERT_STATUS(RIGCAL_OK, rigcal_band_make(&ok.band, &pair, ok.uv));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_ray_make(&ok.ray, &ok.camera, ok.uv));
+    {
+        rigcal_band_point points[3];
+        size_t n;
+
+        ASSERT_STATUS(RIGCAL_OK, rigcal_band_curve(points, 3, &n, &ok.band));
+        memcpy(ok.uv_b, points[1].uv, sizeof ok.uv_b);
+        memcpy(ok.uv_candidates, points[1].uv, sizeof ok.uv_b);
+        memcpy(ok.uv_candidates + 2, ok.uv, sizeof ok.uv);
+        for (int i = 0; i < 2; i++) {
+            ASSERT_STATUS(RIGCAL_OK, rigcal_ray_make(&ok.rays[i], &ok.camera,
+                                                     &ok.uv_candidates[2 * i]));
+        }
+    }
+    ASSERT_STATUS(RIGCAL_OK, rigcal_spans_begin(&ok.spans_begun, &ok.band));
+    ok.spans_done = ok.spans_begun;
+    ASSERT_STATUS(RIGCAL_OK, rigcal_spans_step(&ok.spans_done, RIGCAL_SPANS_UNITS));
+
+    for (size_t c = 0; c < N_CAMERAS; c++) {
+        cameras[c].camera = ok.camera;
+        cameras[c].cam_from_rig = ok.poses[c];
+        ok.abc[c] = (c + 1) % N_CAMERAS;
+        test_transform_parts(R, t, &ok.poses[ok.abc[c]]);
+        pixel_of(&ok.uv_three[2 * c], &ok.camera, R, t, X_a);
+    }
+    for (size_t i = 0; i < 12; i++) {
+        Sigma[i * (i + 1) / 2 + i] = RC(1e-6 * (double)(i + 1));
+    }
+    ok.three = (rigcal_calibrated_rig){
+        cameras,   group,   held, N_CAMERAS, Sigma, RIGCAL_CALIBRATED_SIZE(2),
+        N_CAMERAS, RC(0.5), 1,    1,         1};
+    ASSERT_STATUS(RIGCAL_OK, rigcal_transfer_make(&ok.transfer, &ok.three, ok.abc,
+                                                  ok.uv_three, ok.uv_three + 2, noise));
+}
+
 static void build_valid(void)
 {
     static const rigcal_camera camera = {RIGCAL_LENS_BROWN, 640,       480,       RC(532.5),
@@ -515,6 +629,8 @@ static void build_valid(void)
     build_robust();
     build_store();
     build_calibrated();
+    build_point();
+    build_match();
 }
 
 /* ---- kinds of argument --------------------------------------------------- */
@@ -666,11 +782,45 @@ static const impossible BAD_JOINT[] = {BAD_NUMBER(-1, RIGCAL_ERR_RANGE),
                                        {RIGCAL_ERR_RANGE, sizeof(rigcal_real), 1, 1},
                                        {RIGCAL_ERR_RANGE, sizeof(rigcal_real), 1, -1},
                                        BAD_END};
+static const impossible BAD_SIGHTING[] = {
+    BAD_INT(rigcal_sighting, camera, -1, RIGCAL_ERR_RANGE),
+    BAD_INT(rigcal_sighting, camera, 2, RIGCAL_ERR_RANGE),
+    BAD_INT(rigcal_sighting, camera, INT32_MIN, RIGCAL_ERR_RANGE), BAD_END};
 static const impossible BAD_LINE[] = {BAD_NUMBER(5, RIGCAL_ERR_RANGE), BAD_END};
 static const impossible NOT_POSITIVE[] = {BAD_NUMBER(0, RIGCAL_ERR_RANGE),
                                           BAD_NUMBER(-1, RIGCAL_ERR_RANGE), BAD_END};
 static const impossible NEGATIVE[] = {BAD_NUMBER(-1, RIGCAL_ERR_RANGE),
                                       BAD_NUMBER(-1e-9, RIGCAL_ERR_RANGE), BAD_END};
+
+/* The first number of a covariance. */
+static const impossible BAD_DIAGONAL[] = {BAD_NUMBER(-1, RIGCAL_ERR_RANGE),
+                                          BAD_NUMBER(-1e-9, RIGCAL_ERR_RANGE), BAD_END};
+/* sigma_a, sigma_b, k, near_a, far_a */
+#define NTH(n) ((n) * sizeof(rigcal_real))
+static const impossible BAD_PAIR_NUMBERS[] = {BAD_NUMBER(-1, RIGCAL_ERR_RANGE),
+                                              {RIGCAL_ERR_RANGE, NTH(1), 1, 0},
+                                              {RIGCAL_ERR_RANGE, NTH(1), 1, -1},
+                                              {RIGCAL_ERR_RANGE, NTH(1), 1, 2e6},
+                                              {RIGCAL_ERR_RANGE, NTH(2), 1, 0},
+                                              {RIGCAL_ERR_RANGE, NTH(2), 1, 101},
+                                              {RIGCAL_ERR_RANGE, NTH(3), 1, -1},
+                                              {RIGCAL_ERR_RANGE, NTH(3), 1, 9},
+                                              {RIGCAL_ERR_RANGE, NTH(4), 1, -1},
+                                              {RIGCAL_ERR_RANGE, NTH(4), 1, 1},
+                                              BAD_END};
+static const impossible BAD_BAND[] = {
+    BAD_INT(rigcal_band, camera_b.lens, 2, RIGCAL_ERR_CAMERA),
+    BAD_REAL(rigcal_band, camera_b.fx, 0, RIGCAL_ERR_CAMERA),
+    BAD_REAL(rigcal_band, ray[0], 3, RIGCAL_ERR_RANGE),
+    BAD_REAL(rigcal_band, towards[1], -3, RIGCAL_ERR_RANGE),
+    BAD_REAL(rigcal_band, across, 0, RIGCAL_ERR_RANGE),
+    BAD_REAL(rigcal_band, epipole2, -1, RIGCAL_ERR_RANGE),
+    BAD_REAL(rigcal_band, sigma_b, 0, RIGCAL_ERR_RANGE),
+    BAD_REAL(rigcal_band, k, -1, RIGCAL_ERR_RANGE),
+    BAD_REAL(rigcal_band, far_a, 1, RIGCAL_ERR_RANGE),
+    BAD_END};
+static const impossible BAD_RAY[] = {BAD_NUMBER(3, RIGCAL_ERR_RANGE),
+                                     BAD_NUMBER(-3, RIGCAL_ERR_RANGE), BAD_END};
 
 /* One element: its size, where its numbers are (they stand together), what it
  * cannot be, and what comes of all its bytes being 0, where that is told. */
@@ -783,6 +933,34 @@ static const kind KEPT_HELD = {2, 0, 0, NULL, RIGCAL_ERR_CAPACITY}; /* 0: both a
 static const kind KEPT_SIGMA = {REALS(21), NULL, 0};
 static const kind KEPT_JOINT = {REALS(21), BAD_JOINT, 0};
 static const kind KEPT_NUMBERS = {REALS(4), NEGATIVE, RIGCAL_ERR_STATE};
+/* Without a covariance poses count as exact. */
+static const kind KEPT_OR_EXACT = {REALS(4), NEGATIVE, 0};
+static const kind SIGHTING = {sizeof(rigcal_sighting), offsetof(rigcal_sighting, uv), 2,
+                              BAD_SIGHTING, 0};
+/* What a begin hands on to its steps. */
+static const kind SIGMA_UNREAD = {sizeof(rigcal_real) * 21, 0, 0, NULL, 0};
+static const kind SIGHTING_UNREAD = {sizeof(rigcal_sighting), 0, 0, NULL, 0};
+static const kind NOISE_UNREAD = {sizeof(rigcal_real), 0, 0, NULL, 0};
+static const kind POINT_UNREAD = {sizeof(rigcal_point_solver), 0, 0, NULL, 0};
+/* All but what the caller sets. */
+static const kind MEASURED = {offsetof(rigcal_measured_point, gains), 0, 0, NULL, 0};
+static const kind END = {sizeof(rigcal_measured_point), 0, 3, NULL, RIGCAL_ERR_NULL};
+static const kind POINT_SOLVER = {sizeof(rigcal_point_solver), 0, 0, NULL,
+                                  RIGCAL_ERR_STATE};
+static const kind PAIR_SIGMA = {REALS(36), BAD_DIAGONAL, 0};
+static const kind PAIR_NUMBERS = {REALS(5), BAD_PAIR_NUMBERS, RIGCAL_ERR_RANGE};
+static const kind BAND = {sizeof(rigcal_band), offsetof(rigcal_band, camera_b.fx), 34,
+                          BAD_BAND, RIGCAL_ERR_CAMERA};
+static const kind BAND_POINT = {REALS(6), NULL, 0};
+static const kind RAY_OF_PIXEL = {REALS(9), BAD_RAY, RIGCAL_ERR_RANGE};
+static const kind MATCH = {sizeof(rigcal_match), offsetof(rigcal_match, chi2), 5, NULL, 0};
+static const kind SPAN = {sizeof(rigcal_span), 0, 0, NULL, 0};
+static const kind SPANS_SOLVER = {sizeof(rigcal_spans_solver), 0, 0, NULL,
+                                  RIGCAL_ERR_STATE};
+static const kind TRANSFER = {REALS(19), NULL, 0};
+static const kind TRANSFER_IN = {REALS(6), NULL, 0}; /* uv and Sigma */
+static const kind RECTIFIED = {sizeof(rigcal_rectified), 0, 19, NULL, 0};
+static const kind THREE_SIZES = {3 * sizeof(size_t), 0, 0, NULL, RIGCAL_ERR_RANGE};
 static const kind SAVED_INFO = {sizeof(rigcal_saved_info), 0, 0, NULL, 0};
 
 /* ---- roles of an argument ------------------------------------------------ */
@@ -920,11 +1098,29 @@ typedef struct {
         IN(Sigma, 1, ok.kept_Sigma), \
         ROOM(&SIZE_KEPT, RIGCAL_CALIBRATED_SIZE(1), RIGCAL_ERR_CAPACITY), \
         CAMERAS(&SIZE_2), IN(KEPT_NUMBERS, 1, ok.kept_numbers)
+/* What cameras saw, by its parts: the rig, seen, n, sigma_px, parallax_least, work,
+ * work_capacity. */
+#define SIGHTINGS_OF(cameras, Sigma, what, spread) \
+    IN(THERE, 1, &INT_1), IN(cameras, 2, ok.mounted), IN(KEPT_GROUPS, 1, ok.kept_group), \
+        IN(KEPT_HELD, 1, ok.kept_held), ROOM(&SIZE_2, 2, RIGCAL_ERR_CAPACITY), \
+        IN(Sigma, 1, ok.kept_Sigma), \
+        ROOM(&SIZE_KEPT, RIGCAL_CALIBRATED_SIZE(1), RIGCAL_ERR_CAPACITY), \
+        CAMERAS(&SIZE_2), IN(KEPT_OR_EXACT, 1, ok.kept_numbers), \
+        IN(what, 2, ok.sightings), \
+        {R_COUNT, &SIZE, 1, &SIZE_2, 2, RIGCAL_SIGHTINGS_MAX, RIGCAL_ERR_TOO_FEW}, \
+        IN_OPT(spread, 2, ok.spreads), VALUE(TOLERANCE, &REAL_PARALLAX), \
+        WORK(NUMBER, RIGCAL_POINT_WORK(2)), \
+        ROOM(&SIZE_POINT, RIGCAL_POINT_WORK(2), RIGCAL_ERR_CAPACITY)
 /* One that is written: all but the last two. */
 #define KEPT_OUT(n, n_Sigma, size) \
     IN(THERE, 1, &INT_1), OUT_PART(MOUNTED, n), OUT(INT32, n), OUT(BYTES, n), \
         ROOM(&SIZE_##n, n, RIGCAL_ERR_CAPACITY), OUT(NUMBER, n_Sigma), \
         ROOM(&size, n_Sigma, RIGCAL_ERR_CAPACITY)
+/* A pair by its parts: itself, camera_a, camera_b, b_from_a, Sigma, its numbers. */
+#define PAIR_OF \
+    IN(THERE, 1, &INT_1), IN(CAMERA, 1, &ok.camera), IN(CAMERA, 1, &ok.camera), \
+        IN(TRANSFORM, 1, &ok.b_from_a), IN(PAIR_SIGMA, 1, ok.pair_Sigma), \
+        IN(PAIR_NUMBERS, 1, ok.pair_numbers)
 /* One that has been adjusted; `memory` is the kind of its work. */
 #define RIG_DONE RIG_WITH_MEMORY(RIG_MEMORY)
 #define RIG_WITH_MEMORY(memory) \
@@ -958,6 +1154,11 @@ typedef struct {
 #define BIT(status) (UINT64_C(1) << ((status) < 0 ? -(status) : 40 + (status)))
 #define S(name) BIT(RIGCAL_ERR_##name)
 #define ARGS (S(NULL) | S(NOT_FINITE) | S(RANGE))
+#define MEASURING \
+    (ARGS | S(CAMERA) | S(ROTATION) | S(TOO_FEW) | S(CAPACITY) | S(STATE) | S(NO_RAY) | \
+     S(PARALLEL) | S(BEHIND) | S(DEGENERATE) | S(NO_CONSENSUS) | \
+     BIT(RIGCAL_DISCONNECTED) | BIT(RIGCAL_POOR_FIT) | BIT(RIGCAL_VIEWS_LEFT_OUT) | \
+     BIT(RIGCAL_FEW_AGREE) | BIT(RIGCAL_BUDGET_SPENT))
 #define ROTATED (ARGS | S(ROTATION))
 #define DEVICE (ARGS | S(CAMERA))
 #define POINTS \
@@ -976,6 +1177,7 @@ typedef struct {
     (ROTATED | S(TOO_FEW) | S(CAPACITY) | S(TWICE) | S(UNSORTED) | S(DEGENERATE) | \
      BIT(RIGCAL_DISCONNECTED) | BIT(RIGCAL_BUDGET_SPENT))
 #define ADJUSTED (JOINED | DEVICE | S(BEHIND) | S(NO_RAY))
+#define MET (S(NO_RAY) | S(EPIPOLE) | S(PARALLEL) | S(BEHIND) | S(DEGENERATE))
 #define CAUSED (ROTATED | S(TOO_FEW) | S(UNSORTED) | S(DEGENERATE) | S(CAMERA))
 #define AGREED \
     (VIEWED | FITTED | S(NO_CONSENSUS) | BIT(RIGCAL_FEW_AGREE) | BIT(RIGCAL_MOST_DISAGREE))
@@ -988,6 +1190,11 @@ typedef struct {
     static rigcal_status call_##name(void *const p[]) \
     { \
         return rigcal_##name(__VA_ARGS__); \
+    }
+#define CALL_BY(name, call) \
+    static rigcal_status call_##name(void *const p[]) \
+    { \
+        return call; \
     }
 #define F(name) "rigcal_" #name, call_##name
 
@@ -1026,6 +1233,75 @@ static rigcal_calibrated_rig *with_numbers(rigcal_calibrated_rig *rig, const voi
     }
     memcpy(&rig->sigma_px, numbers, 4 * sizeof(rigcal_real));
     return rig;
+}
+
+static const rigcal_sightings *sightings_at(void *const p[],
+                                            const rigcal_calibrated_rig *rig)
+{
+    static rigcal_calibrated_rig kept;
+    static rigcal_sightings s;
+
+    if (rig != NULL) {
+        kept = *rig;
+    }
+    s.rig = (rig != NULL) ? &kept : NULL;
+    s.seen = p[9];
+    s.n = COUNTED(p[10]);
+    s.sigma_px = p[11];
+    s.parallax_least = REAL(p[12]);
+    s.work = p[13];
+    s.work_capacity = COUNTED(p[14]);
+    return &s;
+}
+
+#define PAIR_AT(k) pair_of(p[k], p[(k) + 1], p[(k) + 2], p[(k) + 3], p[(k) + 4], p[(k) + 5])
+
+/* Arrays of a pair are no pointers of it: without one there is no pair. */
+static rigcal_match_pair *pair_of(const void *is_there, const void *camera_a,
+                                  const void *camera_b, const void *b_from_a,
+                                  const void *Sigma, const void *numbers)
+{
+    static rigcal_match_pair pair;
+
+    if (is_there == NULL || b_from_a == NULL || Sigma == NULL || numbers == NULL) {
+        return NULL;
+    }
+    pair.camera_a = camera_a;
+    pair.camera_b = camera_b;
+    memcpy(&pair.b_from_a, b_from_a, sizeof pair.b_from_a);
+    memcpy(pair.Sigma, Sigma, sizeof pair.Sigma);
+    memcpy(&pair.sigma_a, numbers, 5 * sizeof(rigcal_real));
+    return &pair;
+}
+
+/* What is read of a transfer: uv and Sigma. */
+static const rigcal_transfer *transfer_of(const void *numbers)
+{
+    static rigcal_transfer transfer;
+
+    memcpy(&transfer, numbers, 6 * sizeof(rigcal_real));
+    return &transfer;
+}
+
+/* A point that is written, by what comes before its gains, which are not wanted. */
+static rigcal_status measure_to(void *out, uint8_t used[], const rigcal_sightings *s,
+                                const rigcal_point_solver *solver)
+{
+    const size_t size = offsetof(rigcal_measured_point, gains);
+    rigcal_measured_point measured;
+    rigcal_status status;
+
+    memset(&measured, 0, sizeof measured);
+    if (out != NULL) {
+        memcpy(&measured, out, size);
+    }
+    status = (s != NULL)
+                 ? rigcal_point_measure((out != NULL) ? &measured : NULL, used, s)
+                 : rigcal_point_result((out != NULL) ? &measured : NULL, used, solver);
+    if (out != NULL) {
+        memcpy(out, &measured, size);
+    }
+    return status;
 }
 
 /* With the views, or their poses, as argument k + 8. */
@@ -1180,6 +1456,23 @@ CALL(choose_result, p[0], p[1])
 CALL(rig_judge, p[16], p[17], p[14], p[15], judged_by(p[10], p[11], p[12], p[13]), with_poses(RIG_WITH(0, views), p[0], p[9]))
 CALL(judge_begin, p[16], p[14], p[15], judged_by(p[10], p[11], p[12], p[13]), with_poses(RIG_WITH(0, views), p[0], p[9]))
 CALL(judge_step, p[0], INT(p[1]))
+CALL(match_k, p[0], REAL(p[1]), INT(p[2]))
+CALL(ray_make, p[0], p[1], p[2])
+CALL(band_make, p[6], PAIR_AT(0), p[7])
+CALL(band_make_ray, p[6], PAIR_AT(0), p[7])
+CALL(band_curve, p[0], COUNTED(p[1]), p[2], p[3])
+CALL(band_test, p[0], p[1], p[2])
+CALL(band_test_ray, p[0], p[1], p[2])
+CALL(band_search, p[0], COUNTED(p[1]), p[2], p[3], p[4], p[5], p[6], COUNTED(p[7]))
+CALL(band_search_rays, p[0], COUNTED(p[1]), p[2], p[3], p[4], p[5], p[6], COUNTED(p[7]))
+CALL(spans_find, p[0], COUNTED(p[1]), p[2], p[3], p[4])
+CALL(spans_begin, p[0], p[1])
+CALL(spans_step, p[0], INT(p[1]))
+CALL(spans_row, p[0], p[1], p[2], INT(p[3]))
+CALL(spans_result, p[0], COUNTED(p[1]), p[2], p[3])
+CALL(transfer_make, p[0], p[1] ? &ok.three : NULL, p[2], p[3], p[4], p[5])
+CALL(transfer_test, p[0], p[1] ? transfer_of(p[1]) : NULL, REAL(p[2]), p[3])
+CALL(rectify, p[0], p[1], p[2], p[3])
 CALL(judge_result, p[0], p[1], p[2])
 CALL(rig_cause, p[14], RIG_WITH(0, poses), p[9], symmetries_of(p[10], p[11], p[12]), COUNTED(p[13]))
 CALL(camera_cause, p[14], RIG_WITH(0, poses), p[9], symmetries_of(p[10], p[11], p[12]), COUNTED(p[13]))
@@ -1188,6 +1481,11 @@ CALL(camera_cause_begin, p[14], RIG_WITH(0, poses), p[9], symmetries_of(p[10], p
 CALL(cause_step, p[0], INT(p[1]))
 CALL(cause_result, p[0], p[1])
 CALL(rig_residuals, p[8], COUNTED(p[9]), p[10], RIG_AT(0), COUNTED(p[11]))
+CALL_BY(point_measure, measure_to(p[15], p[16], sightings_at(p, KEPT_AT(0)), NULL))
+CALL(point_begin, p[15], sightings_at(p, KEPT_AT(0)))
+CALL(point_step, p[0], INT(p[1]))
+CALL_BY(point_result, measure_to(p[0], p[1], NULL, p[2]))
+CALL(point_distance, p[9], p[10], KEPT_AT(0), p[11], p[12])
 CALL(calibrated_take, KEPT_TO(0), RIG_AT(7), p[15], REAL(p[16]))
 CALL(calibrated_covariance, p[9], KEPT_AT(0), COUNTED(p[10]), COUNTED(p[11]))
 CALL(calibrated_pair, p[9], p[10], KEPT_AT(0), COUNTED(p[11]), COUNTED(p[12]))
@@ -1491,6 +1789,50 @@ static const function FUNCTIONS[] = {
      {STATE(CAUSE_SOLVER, &ok.cause_begun), CHOICE(&INT_2, 1, 0, RIGCAL_ERR_RANGE)}},
     {F(cause_result), 0, S(STATE) | CAUSED,
      {OUT(CAUSE, 1), IN(CAUSE_SOLVER, 1, &ok.cause_done)}},
+    {F(match_k), 0, ARGS,
+     {OUT(NUMBER, 1), VALUE(NUMBER, &REAL_SIGMA), CHOICE(&INT_1, 1, 2, RIGCAL_ERR_RANGE)}},
+    {F(ray_make), 0, DEVICE | S(NO_RAY),
+     {OUT(RAY_OF_PIXEL, 1), IN(CAMERA, 1, &ok.camera), IN(VEC2, 1, ok.uv)}},
+    {F(band_make), 0, DEVICE | S(ROTATION) | S(NO_RAY) | S(EPIPOLE),
+     {PAIR_OF, OUT(BAND, 1), IN(VEC2, 1, ok.uv)}},
+    {F(band_make_ray), 0, DEVICE | S(ROTATION) | S(EPIPOLE),
+     {PAIR_OF, OUT(BAND, 1), IN(RAY_OF_PIXEL, 1, &ok.ray)}},
+    {F(band_curve), 0, DEVICE | S(OUTSIDE),
+     {OUT_PART(BAND_POINT, 8), COUNT(&SIZE_8, 2, RIGCAL_ERR_RANGE), OUT(SIZE, 1),
+      IN(BAND, 1, &ok.band)}},
+    {F(band_test), 0, DEVICE | MET,
+     {OUT(MATCH, 1), IN(BAND, 1, &ok.band), IN(VEC2, 1, ok.uv_b)}},
+    {F(band_test_ray), 0, DEVICE | MET,
+     {OUT(MATCH, 1), IN(BAND, 1, &ok.band), IN(RAY_OF_PIXEL, 1, &ok.rays[0])}},
+    {F(band_search), 0, DEVICE,
+     {OUT_PART(MATCH, 2), COUNT(&SIZE_2, 0, 0), OUT(SIZE, 1), OUT(SIZE, 1), OUT_BAD,
+      IN(BAND, 1, &ok.band), IN(VEC2, 2, ok.uv_candidates), COUNT(&SIZE_2, 0, 0)}},
+    {F(band_search_rays), 0, DEVICE,
+     {OUT_PART(MATCH, 2), COUNT(&SIZE_2, 0, 0), OUT(SIZE, 1), OUT(SIZE, 1), OUT_BAD,
+      IN(BAND, 1, &ok.band), IN(RAY_OF_PIXEL, 2, ok.rays), COUNT(&SIZE_2, 0, 0)}},
+    {F(spans_find), 0, DEVICE | S(CAPACITY) | S(OUTSIDE) | S(DEGENERATE),
+     {OUT_PART(SPAN, 4000), ROOM(&SIZE_SPANS, 1, RIGCAL_ERR_CAPACITY), OUT(SIZE, 1),
+      WORK(SPANS_SOLVER, 1), IN(BAND, 1, &ok.band)}},
+    {F(spans_begin), 0, DEVICE, {WORK(SPANS_SOLVER, 1), IN(BAND, 1, &ok.band)}},
+    {F(spans_step), RIGCAL_RUNNING,
+     S(NULL) | S(RANGE) | S(STATE) | S(DEGENERATE) | BIT(RIGCAL_RUNNING),
+     {STATE(SPANS_SOLVER, &ok.spans_begun), CHOICE(&INT_2, 1, 0, RIGCAL_ERR_RANGE)}},
+    {F(spans_row), 0, S(NULL) | S(RANGE) | S(STATE),
+     {OUT_PART(SPAN, RIGCAL_SPANS_ROW), OUT(SIZE, 1), STATE(SPANS_SOLVER, &ok.spans_done),
+      CHOICE(&INT_3, 0, 479, RIGCAL_ERR_RANGE)}},
+    {F(spans_result), 0, S(NULL) | S(STATE) | S(CAPACITY) | S(OUTSIDE),
+     {OUT_PART(SPAN, 4000), ROOM(&SIZE_SPANS, 1, RIGCAL_ERR_CAPACITY), OUT(SIZE, 1),
+      STATE(SPANS_SOLVER, &ok.spans_done)}},
+    {F(transfer_make), 0,
+     VIEWED | S(CAPACITY) | S(STATE) | S(PARALLEL) | S(BEHIND) | S(DEGENERATE) | BIT(RIGCAL_DISCONNECTED),
+     {OUT(TRANSFER, 1), IN(THERE, 1, &INT_1), IN(THREE_SIZES, 1, ok.abc),
+      IN(VEC2, 1, ok.uv_three), IN(VEC2, 1, ok.uv_three + 2), IN(POSITIVE, 2, ok.pair_numbers)}},
+    {F(transfer_test), 0, ARGS | S(DEGENERATE),
+     {OUT(NUMBER, 1), IN(TRANSFER_IN, 1, &ok.transfer), VALUE(TOLERANCE, &REAL_SIGMA),
+      IN(VEC2, 1, ok.uv_three + 4)}},
+    {F(rectify), 0, DEVICE | S(ROTATION) | S(PARALLEL) | S(EPIPOLE) | S(NO_RAY) | S(WIDE_RAY),
+     {OUT(RECTIFIED, 1), IN(CAMERA, 1, &ok.camera), IN(CAMERA, 1, &ok.camera),
+      IN(TRANSFORM, 1, &ok.b_from_a)}},
     {F(rig_residuals), 0, S(TOO_FEW) | S(CAPACITY) | ARGS,
      {RIG_WITH_MEMORY(RIG_UNREAD), OUT(NUMBER, 12), ROOM(&SIZE_12, 12, RIGCAL_ERR_CAPACITY), OUT(SIZE, 1),
       LESS(&SIZE_4, N_VIEWS)}},
@@ -1509,6 +1851,24 @@ static const function FUNCTIONS[] = {
      {OUT(MOUNTED, 2), ROOM(&SIZE_2, 2, RIGCAL_ERR_CAPACITY), OUT(SAVED_INFO, 1),
       IN(SAVED, 1, ok.saved),
       ROOM(&SIZE_SAVED, RIGCAL_STORE_SIZE(2), RIGCAL_ERR_DAMAGED)}},
+    {F(point_measure), 0, MEASURING,
+     {SIGHTINGS_OF(KEPT_CAMERA, KEPT_SIGMA, SIGHTING, SPREAD), OUT(MEASURED, 1),
+      OUT_OPT(BYTES, 2)}},
+    {F(point_begin), 0, MEASURING, 
+     {SIGHTINGS_OF(KEPT_UNREAD, SIGMA_UNREAD, SIGHTING_UNREAD, NOISE_UNREAD),
+      STATE(POINT_UNREAD, &ok.point_begun)}},
+    {F(point_step), RIGCAL_RUNNING, MEASURING | S(STATE) | BIT(RIGCAL_RUNNING),
+     {STATE(POINT_SOLVER, &ok.point_begun), CHOICE(&INT_2, 1, 0, RIGCAL_ERR_RANGE)}},
+    {F(point_result), 0, MEASURING | S(STATE) | S(CAPACITY),
+     {OUT(MEASURED, 1), OUT_OPT(BYTES, 2), IN(POINT_SOLVER, 1, &ok.point_done)}},
+    {F(point_distance), 0,
+     S(TOO_FEW) | S(CAPACITY) | ARGS | S(COINCIDENT) | BIT(RIGCAL_DISCONNECTED),
+     {IN(THERE, 1, &INT_1), IN(KEPT_UNREAD, 2, ok.mounted),
+      IN(KEPT_GROUPS, 1, ok.kept_group), IN(KEPT_HELD, 1, ok.kept_held),
+      ROOM(&SIZE_2, 2, RIGCAL_ERR_CAPACITY), IN(KEPT_SIGMA, 1, ok.kept_Sigma),
+      ROOM(&SIZE_KEPT, RIGCAL_CALIBRATED_SIZE(1), RIGCAL_ERR_CAPACITY), CAMERAS(&SIZE_2),
+      IN(KEPT_OR_EXACT, 1, ok.kept_numbers), OUT(NUMBER, 1), OUT_OPT(NUMBER, 1),
+      IN(END, 1, &ok.measured), IN(END, 1, &ok.other)}},
     {F(calibrated_take), 0, S(STATE) | S(TOO_FEW) | S(CAPACITY) | ARGS,
      {KEPT_OUT(3, RIGCAL_CALIBRATED_SIZE(2), SIZE_TAKEN), RIG_DONE,
       {R_UNREAD, &FIT, 1, &ok.fit, 0, 0, 0}, VALUE(SPREAD, &REAL_SIGMA)}},
@@ -1536,6 +1896,7 @@ static const char *const HARMLESS[] = {
     "rigcal_status_text", "rigcal_layout_count",   "rigcal_pairs_for",
     "rigcal_store_size",  "rigcal_rig_work",       "rigcal_choose_work",
     "rigcal_judge_work",  "rigcal_store_rig_size", "rigcal_calibrated_size",
+    "rigcal_point_work",
 };
 enum { N_HARMLESS = sizeof HARMLESS / sizeof HARMLESS[0] };
 
@@ -2021,7 +2382,8 @@ static void test_every_public_function_of_the_headers_is_in_the_table(void)
     TEST_ASSERT_EQUAL_INT(N_FUNCTIONS + N_HARMLESS,
                           HEADER("rigcal.h") + HEADER("rigcal_measure.h") +
                               HEADER("rigcal_rig.h") + HEADER("rigcal_choose.h") +
-                              HEADER("rigcal_judge.h") + HEADER("rigcal_solvers.h") +
+                              HEADER("rigcal_judge.h") + HEADER("rigcal_point.h") +
+                              HEADER("rigcal_match.h") + HEADER("rigcal_solvers.h") +
                               HEADER("rigcal_paper.h"));
 }
 

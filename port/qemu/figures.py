@@ -45,6 +45,8 @@ FLASH = {
     "triangulate": ["rigcal_point_triangulate"],
     "epiline_px": ["rigcal_epiline_px"],
     "relative_pose": ["rigcal_transform_between"],
+    "point_measure": ["rigcal_point_measure"],
+    "point_measure, point_distance": ["rigcal_point_measure", "rigcal_point_distance"],
     "solve_pose, triangulate, epiline_px":
         ["rigcal_pose_solve", "rigcal_point_triangulate", "rigcal_epiline_px"],
     "solve_pose and rig": ["rigcal_pose_solve", "rigcal_rig_adjust", "rigcal_rig_covariance"],
@@ -65,6 +67,8 @@ LIMITS = [
     ("Instructions", "solve_pose_4", "cortex-m4f float -O2", 120000),
     ("Instructions", "solve_pose_4_warm", "cortex-m4f float -O2", 30000),
     ("Instructions", "solve_pose_8", "cortex-m4f float -O2", 160000),
+    ("Instructions at most", "measure_2", "cortex-m4f float -O2", 13000),
+    ("Instructions at most", "measure_4", "cortex-m4f float -O2", 25000),
     ("Stack", "solve_pose_8", "cortex-m0 float -Os", 4096 - 512),
     ("Flash with libraries", "solve_pose", "cortex-m0 float -Os", 24 * 1024),
     ("Flash with libraries", "solve_pose, triangulate, epiline_px",

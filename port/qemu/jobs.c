@@ -233,26 +233,9 @@ static void make_scene(size_t n, kind what, uint64_t seed)
                                    &scene.cam_from_world[0]);
 }
 
-#if JOBS_RIG
-/* ---- a rig --------------------------------------------------------------- */
+/* ---- cameras of a rig ------------------------------------------------------ */
 
 #define RIG_FAR 5.0
-
-/* Three cameras stand RIG_FAR sizes from the target, 20 degrees apart, and all see it in
- * each placement. The poses of the views by themselves are refined from the truth. */
-enum { RIG_CAMERAS = 3, RIG_PLACEMENTS = 8, RIG_POINTS_MAX = 12 };
-enum { RIG_VIEWS = RIG_CAMERAS * RIG_PLACEMENTS, RIG_POSES = RIG_CAMERAS + RIG_PLACEMENTS };
-
-static struct {
-    rigcal_rig rig;
-    rigcal_camera camera;
-    rigcal_transform poses[RIG_POSES], joined[RIG_POSES]; /* cameras, then placements */
-    int32_t group[RIG_CAMERAS];
-    rigcal_observation seen[RIG_VIEWS][RIG_POINTS_MAX];
-    rigcal_rig_view views[RIG_VIEWS];
-    rigcal_view_pose own[RIG_VIEWS];
-    rigcal_real work[RIGCAL_RIG_WORK(RIG_CAMERAS - 1, RIG_CAMERAS, RIG_PLACEMENTS)];
-} rig;
 
 static void random_pose(double R[9], double t[3], double about_y, double turn, double shift)
 {
@@ -281,6 +264,86 @@ static void apply(double b[3], const double R[9], const double t[3], const doubl
         b[k] = R[3 * k] * a[0] + R[3 * k + 1] * a[1] + R[3 * k + 2] * a[2] + t[k];
     }
 }
+
+/* A point that four cameras through the lens see, the first held, 20 degrees apart and
+ * RIG_FAR away, and the joint covariance of the others: L L^T, L of small integers. */
+enum { EYES = 4, EYES_FREE = 6 * EYES };
+
+static struct {
+    rigcal_mounted_camera cameras[EYES];
+    int32_t group[EYES];
+    uint8_t held[EYES];
+    rigcal_real Sigma[RIGCAL_CALIBRATED_SIZE(EYES)];
+    rigcal_calibrated_rig rig;
+    rigcal_sighting seen[EYES];
+    rigcal_real work[RIGCAL_POINT_WORK(EYES)];
+    rigcal_sightings sightings;
+} eyes;
+
+static double lower(int i, int j)
+{
+    const double scale = (i % 6 < 3) ? 2e-4 : 1e-3;
+    return (i == j) ? scale : scale * ((7 * i + 11 * j) % 13 - 6) / 13;
+}
+
+static void make_eyes(size_t n, kind what, uint64_t seed)
+{
+    double X[3], pose[12];
+    state = seed;
+    memset(&eyes, 0, sizeof eyes);
+    place_point(X, 0, what);
+    X[2] += RIG_FAR;
+    for (int c = 0; c < EYES; c++) {
+        rigcal_mounted_camera *const m = &eyes.cameras[c];
+        random_camera(pose, c);
+        m->camera = camera_of(what == LENS);
+        transform(&m->cam_from_rig, pose, &pose[9]);
+        eyes.held[c] = 0;
+        eyes.seen[c].camera = c;
+        image(eyes.seen[c].uv, &m->camera, pose, &pose[9], X, NOISE_PX);
+    }
+    for (int i = 0; i < EYES_FREE; i++) {
+        for (int j = 0; j <= i; j++) {
+            double sum = 0;
+            for (int k = 0; k <= j; k++) {
+                sum += lower(i, k) * lower(j, k);
+            }
+            eyes.Sigma[i * (i + 1) / 2 + j] = (rigcal_real)sum;
+        }
+    }
+    eyes.rig = (rigcal_calibrated_rig){.cameras = eyes.cameras,
+                                       .group = eyes.group,
+                                       .held = eyes.held,
+                                       .capacity = EYES,
+                                       .Sigma = eyes.Sigma,
+                                       .Sigma_capacity = RIGCAL_CALIBRATED_SIZE(EYES),
+                                       .n_cameras = EYES,
+                                       .sigma_px = (rigcal_real)NOISE_PX};
+    eyes.sightings = (rigcal_sightings){.rig = &eyes.rig,
+                                        .seen = eyes.seen,
+                                        .n = n,
+                                        .work = eyes.work,
+                                        .work_capacity = RIGCAL_POINT_WORK(EYES)};
+}
+
+#if JOBS_RIG
+/* ---- a rig --------------------------------------------------------------- */
+
+/* Three cameras stand RIG_FAR sizes from the target, 20 degrees apart, and all see it in
+ * each placement. The poses of the views by themselves are refined from the truth. */
+enum { RIG_CAMERAS = 3, RIG_PLACEMENTS = 8, RIG_POINTS_MAX = 12 };
+enum { RIG_VIEWS = RIG_CAMERAS * RIG_PLACEMENTS, RIG_POSES = RIG_CAMERAS + RIG_PLACEMENTS };
+
+static struct {
+    rigcal_rig rig;
+    rigcal_camera camera;
+    rigcal_transform poses[RIG_POSES], joined[RIG_POSES]; /* cameras, then placements */
+    int32_t group[RIG_CAMERAS];
+    rigcal_observation seen[RIG_VIEWS][RIG_POINTS_MAX];
+    rigcal_rig_view views[RIG_VIEWS];
+    rigcal_view_pose own[RIG_VIEWS];
+    rigcal_real work[RIGCAL_RIG_WORK(RIG_CAMERAS - 1, RIG_CAMERAS, RIG_PLACEMENTS)];
+} rig;
 
 /* cam_from_target of a view, and its pixels. */
 static void see_view(size_t v, const double X[][3], size_t n, const double camera[12],
@@ -375,6 +438,7 @@ static struct {
     rigcal_pose poses[RIGCAL_POSES_MAX];
     rigcal_pose_uncertainty uncertainty;
     rigcal_point point;
+    rigcal_measured_point measured;
     struct {
         rigcal_transform cameras[3];
         rigcal_real Sigma[36]; /* of the last camera */
@@ -422,6 +486,11 @@ static rigcal_status triangulate(void)
 {
     return rigcal_point_triangulate(&result.point, scene.camera, scene.cam_from_world,
                                     scene.uv_both, 2, (rigcal_real)NOISE_PX);
+}
+
+static rigcal_status measure_point(void)
+{
+    return rigcal_point_measure(&result.measured, NULL, &eyes.sightings);
 }
 
 static rigcal_status epiline(void)
@@ -482,6 +551,8 @@ static const job jobs[] = {
     {"solve_pose_50_warm", solve_warm, make_scene, 50, PLAIN, OUT(poses[0])},
     {"pose_covariance_8", covariance, make_scene, 8, PLAIN, OUT(uncertainty)},
     {"triangulate_2", triangulate, make_scene, 4, LENS, OUT(point)},
+    {"measure_2", measure_point, make_eyes, 2, LENS, OUT(measured.X)},
+    {"measure_4", measure_point, make_eyes, 4, LENS, OUT(measured.X)},
     {"epiline_px", epiline, make_scene, 4, LENS, OUT(line)},
     {"relative_pose", relative_pose, make_scene, 4, PLAIN, OUT(transform)},
 #if JOBS_RIG
@@ -556,7 +627,9 @@ int main(void)
         if (JOBS_ONLY[0] != '\0' && strcmp(JOBS_ONLY, jobs[j].name) != 0) {
             continue;
         }
-        const uint64_t scenes = (jobs[j].make == make_scene) ? JOBS_SCENES : JOBS_RIGS;
+        const uint64_t scenes = (jobs[j].make == make_scene || jobs[j].make == make_eyes)
+                                    ? JOBS_SCENES
+                                    : JOBS_RIGS;
         for (uint64_t i = 0; i < scenes; i++) {
             rigcal_status status = 0;
             memset(&result, 0, sizeof result);

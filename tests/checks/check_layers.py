@@ -63,6 +63,12 @@ SOLVERS = {
                                       "is_relaxed"}),
     "rigcal_judge_solver": ("cost", None),
     "rigcal_cause_solver": ("cause", set()),
+    "rigcal_arc": ("outline", None),
+    "rigcal_outline": ("outline", None),
+    "rigcal_border_end": ("outline", None),
+    "rigcal_spans_solver": ("spans", set()),
+    "rigcal_point_sums": ("sight", None),
+    "rigcal_point_solver": ("locate", None),
 }
 FIELD = re.compile(r"(\w+)((?:\[\w+\])*\s*[,;])")
 STRUCT = re.compile(r"struct (rigcal_\w+) \{(.*?)\n\}", re.S)

@@ -26,6 +26,7 @@ OUTPUTS = ["poses.csv", "rig.csv", "targets.csv", "pairs.csv", "residuals.csv"]
 ADDED = ["sigma_rot_deg", "sigma_pos", "second_rms_px", "probability", "verdict"]
 ENTRIES = [f"S{i}{j}" for i in range(1, 7) for j in range(1, i + 1)]
 RIG_ADDED = ["sigma_rot_deg", "sigma_pos", *ENTRIES]
+NOISE = ["sigma_px", "noise_px", "sqrt_F"]
 MATRIX = [f"R{i}{j}" for i in "123" for j in "123"]
 
 

@@ -15,7 +15,7 @@ import unittest
 
 import numpy as np
 
-from cli_support import (ADDED, BIN, CAVITY, FLOAT, OUTPUTS, RIG_ADDED, ROOT, ROUNDING,
+from cli_support import (ADDED, BIN, CAVITY, FLOAT, NOISE, OUTPUTS, RIG_ADDED, ROOT, ROUNDING,
                          SCENE, STEPPED, STEREO, Camera, CliTest, again, angle_deg, at_line, camera_row,
                          cameras, compose, content, field, made_up, measured,
                          observed_views, read, relative, rigcal, rotation, transform,
@@ -209,7 +209,8 @@ class TestFilesWritten(CliTest):
         for name in OUTPUTS[:4]:
             ours = content(self.out, name).split("\n")[0]
             theirs = content(STEREO, "reference_" + name).split("\n")[0]
-            added = {"poses.csv": ADDED, "targets.csv": []}.get(name, RIG_ADDED)
+            added = {"poses.csv": ADDED, "targets.csv": [],
+                     "rig.csv": RIG_ADDED + NOISE}.get(name, RIG_ADDED)
             self.assertEqual(ours, ",".join([theirs] + added))
             self.assertTrue(content(self.out, name).endswith("\n"))
         self.assertEqual(sorted(os.listdir(self.out)), sorted(OUTPUTS))

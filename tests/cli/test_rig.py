@@ -317,7 +317,7 @@ class TestRobustRig(RigTest):
         for one, other in zip(a, b):
             for p, q in zip(read(one), read(other)):
                 for key in p:
-                    if key not in ("camera", "camera_a", "camera_b", "frame"):
+                    if key not in ("camera", "camera_a", "camera_b", "frame") and p[key] + q[key]:
                         self.assertAlmostEqual(float(p[key]), float(q[key]),
                                                delta=1e-3 if FLOAT else 1e-8)
 
@@ -372,7 +372,7 @@ class TestPrior(RigTest):
         free = Adjusted(self.folder, self.out, ["a"])
         rng = np.random.default_rng(3)
         text = content(self.out, "rig.csv").splitlines()
-        priors, lines = {}, text[:2]
+        priors, lines = {}, [",".join(line.split(",")[:36]) for line in text[:2]]
         for line, name in zip(text[2:], "bc"):
             s = np.sqrt(np.diag(free.cameras_covariance()(name, name))) * self.SIGMA
             A = rng.normal(size=(6, 8)) * s[:, None] / 3

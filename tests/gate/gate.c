@@ -20,6 +20,7 @@
 #include "rc_neldermead.h"
 #include "rc_p3p.h"
 #include "rc_pose.h"
+#include "rc_sight.h"
 #include "rc_store.h"
 #include "rigcal_paper.h"
 
@@ -897,6 +898,161 @@ static void gate_triangulate(void)
         }
     }
     end(&t);
+}
+
+enum { EYES = 20 };
+
+/* Cameras of a calibrated rig about the origin, the first held, and what they see. */
+static struct {
+    rigcal_mounted_camera cameras[EYES];
+    int32_t group[EYES];
+    uint8_t held[EYES];
+    rigcal_real Sigma[RIGCAL_CALIBRATED_SIZE(EYES)], noise[EYES];
+    rigcal_real work[RIGCAL_POINT_WORK(EYES)];
+    rigcal_calibrated_rig rig;
+    rigcal_sighting seen[EYES];
+    rigcal_sightings s;
+} eyes;
+
+static void eyes_begin(int n)
+{
+    memset(&eyes, 0, sizeof eyes);
+    eyes.rig.cameras = eyes.cameras;
+    eyes.rig.group = eyes.group;
+    eyes.rig.held = eyes.held;
+    eyes.rig.Sigma = eyes.Sigma;
+    eyes.rig.n_cameras = eyes.rig.capacity = EYES;
+    eyes.rig.Sigma_capacity = RIGCAL_CALIBRATED_SIZE(EYES);
+    eyes.rig.sigma_px = RC(0.3);
+    eyes.held[0] = 1;
+    for (size_t i = 0; i < 6 * (EYES - 1); i++) {
+        eyes.Sigma[i * (i + 1) / 2 + i] = RC(i % 6 < 3 ? 1e-7 : 2e-6);
+    }
+    eyes.s.rig = &eyes.rig;
+    eyes.s.seen = eyes.seen;
+    eyes.s.n = (size_t)n;
+    eyes.s.work = eyes.work;
+    eyes.s.work_capacity = RIGCAL_POINT_WORK(EYES);
+}
+
+/* Camera i looks from 4 away, and sees the point X; of so many lenses. */
+static void eyes_see(int i, double along_arc, int lenses, const double X[3])
+{
+    const double q[4] = {1, 0, along_arc, 0}, t[3] = {0, 0, 4};
+    double R[9], X_c[3], pixel[2];
+    rotation_of(R, q);
+    eyes.cameras[i].camera = camera_of((lens)(i % lenses), 800);
+    eyes.cameras[i].cam_from_rig = transform_of(R, t);
+    eyes.seen[i].camera = i;
+    move(X_c, R, t, X);
+    (void)project(pixel, &eyes.cameras[i].camera, X_c);
+    eyes.seen[i].uv[0] = RC(pixel[0]);
+    eyes.seen[i].uv[1] = RC(pixel[1]);
+}
+
+static void gate_points(void)
+{
+    tally t;
+    begin(&t, "point");
+    state = 1700;
+    for (int i = 0; i < 400; i++) {
+        const int n = 2 + i % (EYES - 1), wrong = (i / 4) % 3;
+        const double X[3] = {uniform(-0.3, 0.3), uniform(-0.3, 0.3), uniform(-0.3, 0.3)};
+        rigcal_point_solver solver;
+        rigcal_measured_point point;
+        uint8_t used[EYES];
+        memset(&point, 0, sizeof point);
+        eyes_begin(n);
+        for (int k = 0; k < n; k++) {
+            const double off = k < wrong ? 30 * small(2) : 0.3 * normal();
+            eyes_see(k, 0.4 * (k + uniform(-0.2, 0.2)) / n - 0.2, LENSES, X);
+            eyes.seen[k].uv[0] += RC(off);
+            eyes.seen[k].uv[1] += RC(0.3 * normal());
+        }
+        if (rigcal_point_begin(&solver, &eyes.s) == RIGCAL_OK) {
+            while (rigcal_point_step(&solver, 1) == RIGCAL_RUNNING) {
+                t.steps++;
+            }
+        }
+        if (count(&t, rigcal_point_result(&point, used, &solver)) >= 0) {
+            for (int k = 0; k < n; k++) {
+                t.found += used[k] * (k + 1);
+            }
+            t.misses += fabs((double)point.X[0] - X[0]) > 3 * sqrt((double)point.Sigma[0]);
+        }
+    }
+    end(&t);
+}
+
+/* Two views, or three, the last off across its matching line by so many pixels: whether
+ * they show one point; whether none is dropped. */
+static rigcal_status measure_off(int n, int keep_all, double px)
+{
+    static const double X[3] = {0.1, 0.05, 0.1};
+    rigcal_measured_point point;
+    memset(&point, 0, sizeof point);
+    eyes_begin(n);
+    for (int k = 0; k < n; k++) {
+        eyes_see(k, 0.2 * k - 0.2, 1, X);
+    }
+    eyes.seen[n - 1].uv[1] += RC(px);
+    eyes.s.keep_all = keep_all;
+    return rigcal_point_measure(&point, NULL, &eyes.s);
+}
+
+static int two_fit(double px)
+{
+    return measure_off(2, 1, px) == RIGCAL_OK;
+}
+
+static int five_are_kept(double px)
+{
+    return measure_off(5, 0, px) != RIGCAL_VIEWS_LEFT_OUT;
+}
+
+/* Views of which one is so far from the point of the others, through a lens that turns
+ * back: whether it is refused. */
+static int sight_is_proved(double off)
+{
+    static const double X[3] = {0, 0, 0};
+    rc_sight v;
+    rigcal_real there[3] = {0, 0, 0};
+    eyes_begin(2);
+    eyes_see(0, 0, 1, X);
+    eyes.cameras[0].camera.k1 = RC(-0.4);
+    eyes.seen[0].uv[0] = eyes.cameras[0].camera.cx + RC(800 * 0.6085);
+    memset(&v, 0, sizeof v);
+    (void)rc_sight_check(&v, &eyes.s, 0);
+    there[0] = RC(4 * (0.913 + off));
+    (void)rc_sight_evaluate(&v, &eyes.s, 0, there);
+    return rc_sight_move(&v, &eyes.s, 0, there) == RIGCAL_OK;
+}
+
+/* How far rays of a mild lens are off, at most. */
+static void gate_sights(void)
+{
+    static const double X[3] = {0, 0, 0};
+    double most = 0;
+    edge("point.chi2_px", two_fit, 0.1, 5);
+    edge("point.agrees_px", five_are_kept, 0.1, 5);
+    edge("point.proof", sight_is_proved, 1e-4, 0.2);
+    for (int i = 0; i < 200; i++) {
+        rc_sight v;
+        rigcal_real ray[3];
+        double aside = 0;
+        eyes_begin(2);
+        eyes_see(0, 0, 1, X);
+        eyes.cameras[0].camera.k1 = RC(-0.3);
+        eyes.seen[0].uv[0] += RC(2 * i);
+        memset(&v, 0, sizeof v);
+        (void)rc_sight_check(&v, &eyes.s, 0);
+        (void)rc_pixel_to_ray(ray, &eyes.cameras[0].camera, eyes.seen[0].uv);
+        for (int k = 0; k < 3; k++) {
+            aside += pow((double)v.ray[k] - (double)ray[k], 2);
+        }
+        most = fmax(most, aside);
+    }
+    line("point.ray", "%.1g", sqrt(most));
 }
 
 /* Rays from (0, 0, 0) and (1, 0, 0) that meet `range` away. */
@@ -2401,6 +2557,8 @@ static void run(void)
     gate_tags("tag.edge_on", 30, 1, 1);
     gate_triangulate();
     gate_depth_edges();
+    gate_points();
+    gate_sights();
     gate_epilines();
     gate_rotations();
     gate_rigs();

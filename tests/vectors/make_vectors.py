@@ -25,6 +25,7 @@ from scipy.stats import chi2, norm
 sys.dont_write_bytecode = True
 HERE = os.path.dirname(os.path.abspath(__file__))
 sys.path.insert(0, HERE)
+import point_oracle  # noqa: E402
 import rigcal_oracle as oracle  # noqa: E402
 
 CHECK_TOLERANCE = 1e-10  # of the number, or of 1 where the number is smaller
@@ -891,6 +892,7 @@ TOPICS = {
     "two_views": two_views, "camera": cameras, "triangulation": triangulation,
     "direction": direction, "refine": refine, "store": store, "chance": chance,
     "rig": rig, "choice": choice,
+    "point": lambda: point_oracle.vectors(CAMERAS, project_px, decimals, row),
 }
 
 

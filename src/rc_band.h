@@ -1,0 +1,36 @@
+/* rc_band.h - the band of a matching line (EQUATIONS.md MATCH); see rigcal_match.h. */
+#ifndef RC_BAND_H
+#define RC_BAND_H
+
+#include "rc_camera.h"
+
+/* Pixel of the direction m, of any length, J = d(u, v) / dm, 2 x 3, and D = dm / d(u, v)
+ * across m, as its two columns. OK; ERR_NO_RAY also where the lens squeezes an area to a fiftieth, next to where
+ * it folds: there no derivative holds over the width of the noise. Does not prove that the
+ * lens sees m: rc_project_usable does. */
+rigcal_status rc_band_place(rigcal_real uv[2], rigcal_real J[6], rigcal_real D[2][3],
+                            const rigcal_camera *camera, int is_pinhole,
+                            const rigcal_real m[3]);
+
+/* OK, ERR_NULL, ERR_NOT_FINITE, ERR_CAMERA, ERR_RANGE of a band that a caller hands in. */
+rigcal_status rc_band_check(const rigcal_band *band);
+
+/* OK, ERR_NOT_FINITE, ERR_RANGE (m is not of length 1) of a ray that a caller hands in. */
+rigcal_status rc_ray_check(const rigcal_ray *ray);
+
+/* A checked ray against a checked band: as rigcal_band_test_ray, all but the index. Of
+ * ERR_PARALLEL the half width is written. */
+rigcal_status rc_band_test(rigcal_match *match, const rigcal_band *band,
+                           const rigcal_ray *ray);
+
+/* Direction (along, across) in the basis (ray, towards), of length 1, of the point at
+ * `depth` from camera a. */
+void rc_band_direction(rigcal_real out[2], const rigcal_band *band, rigcal_real depth);
+
+/* The ends of the depth range, far and near, as such directions: infinity is (1, 0). */
+void rc_band_ends(rigcal_real ends[2][2], const rigcal_band *band);
+
+/* The larger eigenvalue of (a b; b c). */
+rigcal_real rc_largest_of(rigcal_real a, rigcal_real b, rigcal_real c);
+
+#endif /* RC_BAND_H */

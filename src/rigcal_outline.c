@@ -1,0 +1,350 @@
+#include "rc_outline.h"
+
+/* ---- constants ----------------------------------------------------------- */
+
+/* px: how far an arc may be from where it is computed to cross a row. Both ends of a span
+ * are moved outwards by this, so that no pixel is missed; half a pixel would add one. */
+#define SLACK RC(0.1)
+
+/* px: how well a crossing is found, along the row. */
+#define CROSSING_TOL RC_TOL(2e-5, 2e-3)
+
+/* px: how far a polynomial by v may be from the arc, along the row. */
+#define DIRECT_TOL RC_TOL(2e-5, 5e-3)
+
+/* rows: an arc of fewer is not worth a polynomial by v. */
+#define DIRECT_ROWS RC(6)
+
+/* steps: of a crossing by Newton's method, usually 2; and of a turning point by halving. */
+enum { CROSSING_STEPS = 24, TURN_STEPS = RIGCAL_USE_FLOAT ? 24 : 50 };
+
+enum { NODES = RIGCAL_SPANS_NODES, LAST = NODES - 1 };
+
+/* ---- polynomials --------------------------------------------------------- */
+
+/* The value at t, and the derivative where it is wanted. */
+static rigcal_real value_at(rigcal_real *slope, const rigcal_real c[NODES], rigcal_real t)
+{
+    rigcal_real value = c[LAST], derivative = 0;
+    for (int i = LAST - 1; i >= 0; i--) {
+        derivative = derivative * t + value;
+        value = value * t + c[i];
+    }
+    *slope = derivative;
+    return value;
+}
+
+/* By powers of t, from the values at 0, 1 .. 4: Newton's differences d, multiplied out. */
+static void fit_even(rigcal_real c[NODES], const rigcal_real x[NODES])
+{
+    const rigcal_real d1 = x[1] - x[0], e1 = x[2] - x[1], f1 = x[3] - x[2],
+                      g1 = x[4] - x[3];
+    const rigcal_real d2 = e1 - d1, e2 = f1 - e1, d3 = e2 - d2, d4 = (g1 - f1) - e2 - d3;
+    c[0] = x[0];
+    c[1] = d1 - d2 / 2 + d3 / 3 - d4 / 4;
+    c[2] = (d2 - d3) / 2 + d4 * 11 / 24;
+    c[3] = d3 / 6 - d4 / 4;
+    c[4] = d4 / 24;
+}
+
+/* a[0] + (v - b[0]) (a[1] + ..) */
+static inline rigcal_real direct_at(const rigcal_real a[NODES], const rigcal_real b[NODES],
+                                    rigcal_real v)
+{
+    rigcal_real u = a[LAST];
+    for (int i = LAST - 1; i >= 0; i--) {
+        u = a[i] + (v - b[i]) * u;
+    }
+    return u;
+}
+
+/* u as a polynomial of v, where that is as good. */
+static void make_direct(rigcal_arc *arc)
+{
+    rigcal_real a[NODES], b[NODES], slope, v[2], u[2];
+    const rigcal_real step = (arc->t_high - arc->t_low) / LAST;
+    for (int i = 0; i < NODES; i++) {
+        const rigcal_real t = arc->t_low + (rigcal_real)i * step;
+        a[i] = value_at(&slope, arc->a, t);
+        b[i] = value_at(&slope, arc->b, t);
+    }
+    for (int i = 0; i < 2; i++) { /* next to the ends it is worst */
+        const rigcal_real t = arc->t_low + (RC(0.5) + (rigcal_real)(3 * i)) * step;
+        u[i] = value_at(&slope, arc->a, t);
+        v[i] = value_at(&slope, arc->b, t);
+    }
+    for (int k = 1; k < NODES; k++) {
+        for (int i = LAST; i >= k; i--) {
+            const rigcal_real rise = b[i] - b[i - k];
+            if (!(rise > 0)) {
+                return;
+            }
+            a[i] = (a[i] - a[i - 1]) / rise;
+        }
+    }
+    for (int i = 0; i < 2; i++) {
+        if (!(RC_FABS(direct_at(a, b, v[i]) - u[i]) <= DIRECT_TOL)) {
+            return;
+        }
+    }
+    arc->is_direct = 1;
+    for (int i = 0; i < NODES; i++) {
+        arc->a[i] = a[i];
+        arc->b[i] = b[i];
+    }
+}
+
+/* ---- arcs ---------------------------------------------------------------- */
+
+void rc_outline_begin(rigcal_outline *outline, int32_t height)
+{
+    outline->n_arcs = 0;
+    outline->height = height;
+    outline->is_full = 0;
+    outline->row = -1;
+    outline->changes = 0;
+    outline->next = outline->n_active = 0;
+}
+
+/* The least row from v on: rows of [v0, v1) are those from one to the next. */
+static int32_t row_from(const rigcal_outline *outline, rigcal_real v)
+{
+    if (!(v > 0)) {
+        return 0;
+    }
+    if (!(v < (rigcal_real)outline->height)) {
+        return outline->height;
+    }
+    const int32_t whole = (int32_t)v;
+    return whole + ((rigcal_real)whole < v);
+}
+
+/* The arc from t0 to t1, where v is v0 and v1. Without a row, it is of no use. */
+static void add_arc(rigcal_outline *outline, const rigcal_real u[NODES],
+                    const rigcal_real v[NODES], const rigcal_real t[2],
+                    const rigcal_real ends[2])
+{
+    const int falls = ends[0] > ends[1];
+    if (row_from(outline, ends[0]) == row_from(outline, ends[1])) {
+        return;
+    }
+    if (outline->n_arcs == RIGCAL_SPANS_ARCS) {
+        outline->is_full = 1;
+        return;
+    }
+    rigcal_arc *const arc = &outline->arcs[outline->n_arcs];
+    outline->n_arcs++;
+    arc->low = ends[falls];
+    arc->high = ends[!falls];
+    arc->t_low = t[falls];
+    arc->t_high = t[!falls];
+    arc->is_direct = 0;
+    for (int i = 0; i < NODES; i++) {
+        arc->a[i] = u[i];
+        arc->b[i] = v[i];
+    }
+    if (arc->high - arc->low > DIRECT_ROWS) {
+        make_direct(arc);
+    }
+}
+
+static rigcal_real slope_at(const rigcal_real c[NODES], rigcal_real t)
+{
+    return c[1] + t * (2 * c[2] + t * (3 * c[3] + t * 4 * c[4]));
+}
+
+/* Where v turns between t and t + 1, its slopes there being of different signs. */
+static rigcal_real turning_point(const rigcal_real v[NODES], rigcal_real t, int rises)
+{
+    rigcal_real from = t, width = 1;
+    for (int i = 0; i < TURN_STEPS; i++) {
+        width /= 2;
+        if ((slope_at(v, from + width) > 0) == rises) {
+            from += width;
+        }
+    }
+    return from;
+}
+
+void rc_outline_add(rigcal_outline *outline, const rigcal_real u[NODES],
+                    const rigcal_real v[NODES])
+{
+    rigcal_real cu[NODES], cv[NODES], slope, t[2] = {0, 0}, ends[2] = {v[0], v[0]};
+    fit_even(cu, u);
+    fit_even(cv, v);
+    int rises = cv[1] > 0;
+    for (int i = 1; i < NODES; i++) {
+        if ((slope_at(cv, (rigcal_real)i) > 0) != rises) {
+            t[1] = turning_point(cv, (rigcal_real)(i - 1), rises);
+            ends[1] = value_at(&slope, cv, t[1]);
+            add_arc(outline, cu, cv, t, ends);
+            t[0] = t[1];
+            ends[0] = ends[1];
+            rises = !rises;
+        }
+    }
+    t[1] = LAST;
+    ends[1] = v[LAST];
+    add_arc(outline, cu, cv, t, ends);
+}
+
+void rc_outline_close(rigcal_outline *outline)
+{
+    for (int32_t i = 0; i < outline->n_arcs; i++) {
+        const rigcal_real low = outline->arcs[i].low;
+        int32_t at = i;
+        for (; at > 0 && low < outline->arcs[outline->order[at - 1]].low; at--) {
+            outline->order[at] = outline->order[at - 1];
+        }
+        outline->order[at] = (uint8_t)i;
+    }
+}
+
+int32_t rc_outline_rows(int32_t *last, const rigcal_outline *outline)
+{
+    rigcal_real high = 0;
+    for (int32_t i = 0; i < outline->n_arcs; i++) {
+        high = rc_max(high, outline->arcs[i].high);
+    }
+    *last = row_from(outline, high) - 1;
+    return (outline->n_arcs > 0) ? row_from(outline, outline->arcs[outline->order[0]].low)
+                                 : outline->height;
+}
+
+/* ---- rows ---------------------------------------------------------------- */
+
+/* u where the arc crosses v = row: Newton's method, kept between bounds that close in. */
+RC_APART static rigcal_real crossing_of_t(const rigcal_arc *arc, rigcal_real row)
+{
+    rigcal_real low = arc->t_low, high = arc->t_high, slope_u = 0;
+    rigcal_real t = low + (high - low) * (row - arc->low) / (arc->high - arc->low);
+    for (int i = 0; i < CROSSING_STEPS; i++) {
+        rigcal_real slope;
+        const rigcal_real gap = row - value_at(&slope, arc->b, t);
+        if (gap > 0) {
+            low = t;
+        } else {
+            high = t;
+        }
+        rigcal_real next = t + gap / slope;
+        if (!((next - low) * (next - high) <= 0)) {
+            next = (low + high) / 2;
+        }
+        (void)value_at(&slope_u, arc->a, t);
+        const rigcal_real moved = RC_FABS((next - t) * slope_u);
+        t = next;
+        if (!(moved > CROSSING_TOL)) {
+            break;
+        }
+    }
+    return value_at(&slope_u, arc->a, t);
+}
+
+static inline rigcal_real crossing(const rigcal_arc *arc, rigcal_real row)
+{
+    return arc->is_direct ? direct_at(arc->a, arc->b, row) : crossing_of_t(arc, row);
+}
+
+static int crosses(const rigcal_arc *arc, rigcal_real row)
+{
+    return arc->low <= row && row < arc->high;
+}
+
+static void see_change(rigcal_outline *outline, rigcal_real v)
+{
+    outline->changes = rc_min(outline->changes, v);
+}
+
+/* The arcs that cross the row; below the row `changes` they stay the same. */
+static void go_to_row(rigcal_outline *outline, int32_t row)
+{
+    const rigcal_real v = (rigcal_real)row;
+    int32_t kept = 0;
+    if (row < outline->row) {
+        outline->next = outline->n_active = 0;
+    }
+    outline->changes = RC_MAX;
+    for (int32_t i = 0; i < outline->n_active; i++) {
+        if (crosses(&outline->arcs[outline->active[i]], v)) {
+            outline->active[kept] = outline->active[i];
+            kept++;
+            see_change(outline, outline->arcs[outline->active[i]].high);
+        }
+    }
+    for (; outline->next < outline->n_arcs; outline->next++) {
+        const uint8_t which = outline->order[outline->next];
+        if (outline->arcs[which].low > v) {
+            see_change(outline, outline->arcs[which].low);
+            break;
+        }
+        if (crosses(&outline->arcs[which], v) && kept < RIGCAL_SPANS_ACTIVE) {
+            outline->active[kept] = which;
+            kept++;
+            see_change(outline, outline->arcs[which].high);
+        }
+    }
+    outline->n_active = kept;
+}
+
+/* The least column from u on, u not far from the image. */
+static inline int32_t column_from(rigcal_real u)
+{
+    const int32_t whole = (u > 0) ? (int32_t)u : 0;
+    return whole + ((rigcal_real)whole < u);
+}
+
+/* The pixels of [from, to] within the columns, and of the slack beside it where it holds
+ * one at all. Spans that touch become one. */
+static inline size_t add_span(rigcal_span spans[], size_t n, rigcal_real from,
+                              rigcal_real to, int32_t row, rigcal_real end)
+{
+    if (!(to >= -CROSSING_TOL && from <= end + CROSSING_TOL)) {
+        return n;
+    }
+    const int32_t first = column_from(from - SLACK);
+    const int32_t last = (int32_t)rc_min(to + SLACK, end);
+    if (last - first < 2 &&
+        !((rigcal_real)column_from(from - CROSSING_TOL) <= to + CROSSING_TOL)) {
+        return n;
+    }
+    if (n > 0 && first <= spans[n - 1].last) {
+        spans[n - 1].last = (last > spans[n - 1].last) ? last : spans[n - 1].last;
+        return n;
+    }
+    spans[n].row = row;
+    spans[n].first = first;
+    spans[n].last = last;
+    return n + 1;
+}
+
+size_t rc_outline_row(rigcal_span spans[RIGCAL_SPANS_ROW], rigcal_outline *outline,
+                      int32_t row, int32_t width)
+{
+    const rigcal_real end = (rigcal_real)(width - 1);
+    rigcal_real at[RIGCAL_SPANS_ACTIVE];
+    size_t n = 0;
+    if (row < outline->row || !((rigcal_real)row < outline->changes)) {
+        go_to_row(outline, row);
+    }
+    outline->row = row;
+    if (outline->n_active == 2) { /* nearly always */
+        const rigcal_real u0 =
+            crossing(&outline->arcs[outline->active[0]], (rigcal_real)row);
+        const rigcal_real u1 =
+            crossing(&outline->arcs[outline->active[1]], (rigcal_real)row);
+        return add_span(spans, 0, rc_min(u0, u1), rc_max(u0, u1), row, end);
+    }
+    for (int32_t i = 0; i < outline->n_active; i++) {
+        const rigcal_real u =
+            crossing(&outline->arcs[outline->active[i]], (rigcal_real)row);
+        int32_t k = i;
+        for (; k > 0 && u < at[k - 1]; k--) {
+            at[k] = at[k - 1];
+        }
+        at[k] = u;
+    }
+    for (int32_t i = 0; i + 1 < outline->n_active; i += 2) {
+        n = add_span(spans, n, at[i], at[i + 1], row, end);
+    }
+    return n;
+}

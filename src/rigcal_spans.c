@@ -1,0 +1,509 @@
+#include "rc_band.h"
+#include "rc_outline.h"
+
+/* ---- constants ----------------------------------------------------------- */
+
+/* px: fourth differences of the five nodes of an arc. What a polynomial of fourth degree
+ * misses is 30 and more times smaller. */
+#define BEND_MAX RC_TOL(1e-3, 0.2)
+
+/* 1: an arc whose fourth differences are so many times smaller lets the next be twice as
+ * long. */
+#define BEND_SPARE RC(16)
+
+/* part of the radius of the image: length of the first arc, of the shortest, and of the
+ * longest. */
+#define ARC_FIRST RC(0.5)
+#define ARC_LEAST RC(0.01)
+#define ARC_MOST RC(1)
+
+/* tangent: of the angle of an arc at most, 45 degrees. */
+#define STRIDE_MOST RC(1)
+
+/* 1: how far beyond the corners of the image, in parts of their distance from the axis, a
+ * border is followed: room for a decentered lens, of which distances do not grow evenly. */
+#define BEYOND RC(1.05)
+
+/* px: a border ends where a shorter arc would go beyond the lens. */
+#define CLOSED_PX RC(0.02)
+
+/* px: a border is on its place when the last correction was no more: what the next one
+ * would be is some hundredths of it. */
+#define SETTLED_PX RC_TOL(1e-5, 0.05)
+
+/* rounds: of the place of a border, usually 1 or 2; where the lens folds, all of them. */
+enum { ROUNDS_MAX = 24 };
+
+/* arcs: of one border, one way, at most. */
+enum { ARCS_OF_BORDER = 24 };
+
+enum { NODES = RIGCAL_SPANS_NODES, LAST = NODES - 1 };
+
+enum { NOT_BEGUN, START, TRACE, DONE };
+
+/* ---- one place of a border ----------------------------------------------- */
+
+/* (M6) How high over the line, in the direction `normal` from p, the border of this side
+ * is: the root of A h^2 - 2 k^2 b h - k^2 (a + sigma_b^2 slope2) = 0 of that sign. */
+static rigcal_real height_at(const rigcal_spans_solver *s, const rigcal_real p[2],
+                             rigcal_real slope2)
+{
+    const rigcal_real *const M = s->band.Sigma_line;
+    const rigcal_real k2 = s->band.k * s->band.k;
+    const rigcal_real a = p[0] * (p[0] * M[0] + 2 * p[1] * M[1]) + p[1] * p[1] * M[3];
+    const rigcal_real b = k2 * (p[0] * M[2] + p[1] * M[4]);
+    const rigcal_real c = k2 * (a + s->band.sigma_b * s->band.sigma_b * slope2);
+    const rigcal_real root = RC_SQRT(rc_max(b * b + s->A * c, 0));
+    return (b + ((s->side == 0) ? root : -root)) / s->A;
+}
+
+static void direction_at(rigcal_real m[3], const rigcal_spans_solver *s,
+                         const rigcal_real p[2], rigcal_real height)
+{
+    rc_vec3_combine(m, p[0], s->band.ray, p[1], s->band.towards);
+    rc_vec3_add_scaled(m, height, s->normal);
+}
+
+/* One try of a border: what is wanted of the height `h` is `wish`, which is `moves` away. */
+typedef struct {
+    rigcal_real uv[2], J[6], h, wish, move[2], slope2;
+} trial;
+
+static rigcal_status try_height(trial *at, const rigcal_spans_solver *s,
+                                const rigcal_real p[2], rigcal_real h)
+{
+    rigcal_real m[3], D[2][3];
+    direction_at(m, s, p, h);
+    const rigcal_status status =
+        rc_band_place(at->uv, at->J, D, &s->band.camera_b, s->is_pinhole, m);
+    if (status != RIGCAL_OK) {
+        return status;
+    }
+    const rigcal_real g[2] = {rc_vec3_dot(D[0], s->band.line),
+                              rc_vec3_dot(D[1], s->band.line)};
+    at->slope2 = g[0] * g[0] + g[1] * g[1];
+    at->h = h;
+    at->wish = height_at(s, p, at->slope2);
+    for (int i = 0; i < 2; i++) {
+        at->move[i] = (at->wish - h) * rc_vec3_dot(&at->J[3 * i], s->normal);
+    }
+    return rc_is_finite(at->uv[0] + at->uv[1] + at->move[0] + at->move[1])
+               ? RIGCAL_OK
+               : RIGCAL_ERR_NO_RAY;
+}
+
+/* The pixel of the border of this side at p, and J there. The noise of b's pixels weighs by
+ * the slope at the place itself: the height that follows from it is put in until it stays.
+ * Where the lens folds before, the border is the fold: it is between a height that the lens
+ * sees and one that it does not, which close in. */
+static rigcal_status place_border(rigcal_real uv[2], rigcal_real J[6],
+                                  rigcal_spans_solver *s, const rigcal_real p[2])
+{
+    const rigcal_real p2 = p[0] * p[0] + p[1] * p[1], out = (s->side == 0) ? 1 : -1;
+    rigcal_real h = height_at(s, p, s->slope2 * p2), beyond = out * RC_MAX;
+    trial now, inside;
+    int has_inside = 0;
+    inside.uv[0] = inside.uv[1] = inside.move[0] = inside.move[1] = inside.h = 0;
+    for (int i = 0; i < ROUNDS_MAX; i++) {
+        const int is_seen = try_height(&now, s, p, h) == RIGCAL_OK;
+        const rigcal_real px =
+            is_seen ? rc_max(RC_FABS(now.move[0]), RC_FABS(now.move[1])) : RC_MAX;
+        if (px <= SETTLED_PX) {
+            inside = now;
+            has_inside = 1;
+            break;
+        }
+        if (is_seen && out * (now.wish - h) > 0) {
+            inside = now;
+            has_inside = 1;
+        } else {
+            beyond = h;
+        }
+        const rigcal_real low = has_inside ? inside.h : 0; /* the line itself */
+        if (!has_inside && !is_seen && !(RC_FABS(h) > 0)) {
+            return RIGCAL_ERR_NO_RAY;
+        }
+        h = is_seen ? now.wish : low;
+        if (has_inside && !(out * (h - low) > 0 && out * (beyond - h) > 0)) {
+            h = (low + beyond) / 2;
+        }
+    }
+    if (!has_inside) {
+        return RIGCAL_ERR_NO_RAY;
+    }
+    const rigcal_real px = rc_max(RC_FABS(inside.move[0]), RC_FABS(inside.move[1]));
+    const int is_settled = px <= SETTLED_PX;
+    for (int i = 0; i < 6; i++) {
+        J[i] = inside.J[i];
+    }
+    uv[0] = inside.uv[0] + (is_settled ? inside.move[0] : 0);
+    uv[1] = inside.uv[1] + (is_settled ? inside.move[1] : 0);
+    s->height = is_settled ? inside.wish : inside.h;
+    s->slope2 = inside.slope2 / p2;
+    return RIGCAL_OK;
+}
+
+/* ---- a border, one way --------------------------------------------------- */
+
+/* The direction in which p moves: towards far (way 0), towards near (way 1). */
+static rigcal_real sign_of(const rigcal_spans_solver *s)
+{
+    return (s->way == 0) ? RC(-1) : RC(1);
+}
+
+/* a x b */
+static rigcal_real cross2(const rigcal_real a[2], const rigcal_real b[2])
+{
+    return a[0] * b[1] - a[1] * b[0];
+}
+
+/* Squared distance from the axis, normalised. */
+static rigcal_real radius2_of(const rigcal_spans_solver *s, rigcal_real u, rigcal_real v)
+{
+    const rigcal_camera *const c = &s->band.camera_b;
+    const rigcal_real x = (u - c->cx) / c->fx, y = (v - c->cy) / c->fy;
+    return x * x + y * y;
+}
+
+/* The next arc: `stride` long, or to the end of the depth range. 0: it is there. */
+static int aim(rigcal_spans_solver *s)
+{
+    const rigcal_real *const p = s->at, *const end = s->ends[s->way];
+    const rigcal_real across = sign_of(s) * (p[0] * end[1] - p[1] * end[0]);
+    const rigcal_real ahead = p[0] * end[0] + p[1] * end[1];
+    s->stride = rc_min(s->stride, STRIDE_MOST);
+    s->is_last = ahead > 0 && across <= s->stride * ahead;
+    if (s->is_last) {
+        s->stride = across / ahead;
+    }
+    s->node = 1;
+    return s->stride > RC_EPS;
+}
+
+/* p + part of the stride. */
+static void place_of_node(rigcal_real p[2], const rigcal_spans_solver *s, rigcal_real part)
+{
+    const rigcal_real turn = sign_of(s) * part * s->stride;
+    p[0] = s->at[0] - turn * s->at[1];
+    p[1] = s->at[1] + turn * s->at[0];
+}
+
+/* The first place of a border: the nearest to the axis. 0: the lens does not see it. */
+static int begin_side(rigcal_spans_solver *s)
+{
+    const rigcal_real *const p = s->start, across[2] = {-p[1], p[0]};
+    rigcal_real uv[2], J[6], D[2][3], m[3];
+    direction_at(m, s, p, 0);
+    if ((s->side == 0 && rc_project_usable(uv, &s->band.camera_b, m) != RIGCAL_OK) ||
+        rc_band_place(uv, J, D, &s->band.camera_b, s->is_pinhole, m) != RIGCAL_OK) {
+        return 0;
+    }
+    const rigcal_real g[2] = {rc_vec3_dot(D[0], s->band.line),
+                              rc_vec3_dot(D[1], s->band.line)};
+    s->slope2 = g[0] * g[0] + g[1] * g[1];
+    if (place_border(s->start_uv, J, s, p) != RIGCAL_OK) {
+        return 0;
+    }
+    rc_vec3_combine(m, across[0], s->band.ray, across[1], s->band.towards);
+    const rigcal_real speed[3] = {rc_vec3_dot(&J[0], m), rc_vec3_dot(&J[3], m), 0};
+    s->start_speed = rc_vec3_norm(speed);
+    s->start_height = s->height;
+    s->way = 0;
+    return s->start_speed > 0;
+}
+
+/* From there, one way. */
+static void begin_way(rigcal_spans_solver *s)
+{
+    s->u[0] = s->start_uv[0];
+    s->v[0] = s->start_uv[1];
+    s->at[0] = s->start[0];
+    s->at[1] = s->start[1];
+    s->height = s->start_height;
+    s->length = ARC_FIRST * s->radius;
+    s->stride = s->length / s->start_speed;
+    s->n_arcs = s->is_closing = 0;
+}
+
+static void end_way(rigcal_spans_solver *s)
+{
+    rigcal_border_end *const corner = &s->corners[s->side][s->way];
+    corner->uv[0] = s->u[0];
+    corner->uv[1] = s->v[0];
+    corner->height = s->height;
+    corner->is_of_range = s->is_last;
+    s->way++;
+}
+
+/* The largest fourth difference of the nodes. */
+static rigcal_real bend_of(const rigcal_real x[NODES])
+{
+    return RC_FABS((x[0] + x[4]) - 4 * (x[1] + x[3]) + 6 * x[2]);
+}
+
+/* The stride of the next arc: after an easy one longer. */
+static void set_stride(rigcal_spans_solver *s, rigcal_real bend)
+{
+    const rigcal_real chord[3] = {s->u[LAST] - s->u[LAST - 1], s->v[LAST] - s->v[LAST - 1],
+                                  0};
+    if (s->is_closing) {
+        return;
+    }
+    if (bend * BEND_SPARE < BEND_MAX) {
+        s->length = rc_min(2 * s->length, ARC_MOST * s->radius);
+    }
+    s->stride *= s->length / rc_max(LAST * rc_vec3_norm(chord), ARC_LEAST * s->length);
+}
+
+/* All five nodes are there: the arc is taken, or made again half as long. 0: the border
+ * ends with it, at the end of the depth range or outside the image. */
+static int finish_arc(rigcal_spans_solver *s)
+{
+    const rigcal_real bend = rc_max(bend_of(s->u), bend_of(s->v));
+    rigcal_real p[3] = {0, 0, 0}, unit[3] = {1, 0, 0};
+    if (bend > BEND_MAX && s->length > ARC_LEAST * s->radius &&
+        s->n_arcs < ARCS_OF_BORDER) {
+        s->length /= 2;
+        s->stride /= 2;
+        return 1;
+    }
+    rc_outline_add(&s->outline, s->u, s->v);
+    s->n_arcs++;
+    const rigcal_real before = radius2_of(s, s->u[LAST - 1], s->v[LAST - 1]);
+    const rigcal_real now = radius2_of(s, s->u[LAST], s->v[LAST]);
+    place_of_node(p, s, 1);
+    (void)rc_vec3_unit(unit, p);
+    s->at[0] = unit[0];
+    s->at[1] = unit[1];
+    set_stride(s, bend);
+    s->u[0] = s->u[LAST];
+    s->v[0] = s->v[LAST];
+    return !s->is_last && s->n_arcs < 2 * ARCS_OF_BORDER &&
+           !(before > s->radius2 && now > before);
+}
+
+/* One node of the arc under way. Where the lens does not see it, the arc is made again
+ * half as long, until that is next to nothing. 0: the border ends. */
+static int add_node(rigcal_spans_solver *s)
+{
+    rigcal_real p[2], uv[2], J[6];
+    const rigcal_real height = s->height, slope2 = s->slope2;
+    place_of_node(p, s, (rigcal_real)s->node / LAST);
+    if (place_border(uv, J, s, p) != RIGCAL_OK) {
+        s->height = height;
+        s->slope2 = slope2;
+        s->length /= 2;
+        s->stride /= 2;
+        s->is_closing = 1;
+        s->is_last = 0;
+        return s->length > CLOSED_PX && aim(s);
+    }
+    s->u[s->node] = uv[0];
+    s->v[s->node] = uv[1];
+    s->node++;
+    return s->node < NODES || (finish_arc(s) && aim(s));
+}
+
+/* ---- the ends ------------------------------------------------------------ */
+
+/* From one border to the other: at an end of the depth range along it, else straight,
+ * outside the image or where the lens ends. */
+static void close_way(rigcal_spans_solver *s, int way)
+{
+    const rigcal_border_end *const from = &s->corners[0][way];
+    const rigcal_border_end *const to = &s->corners[1][way];
+    for (int i = 0; i < NODES; i++) {
+        const rigcal_real part = (rigcal_real)i / LAST;
+        rigcal_real uv[2], J[6], D[2][3], m[3];
+        s->u[i] = from->uv[0] + part * (to->uv[0] - from->uv[0]);
+        s->v[i] = from->uv[1] + part * (to->uv[1] - from->uv[1]);
+        direction_at(m, s, s->ends[way], from->height + part * (to->height - from->height));
+        if (i > 0 && i < LAST && from->is_of_range && to->is_of_range &&
+            rc_band_place(uv, J, D, &s->band.camera_b, s->is_pinhole, m) == RIGCAL_OK) {
+            s->u[i] = uv[0];
+            s->v[i] = uv[1];
+        }
+    }
+    s->u[LAST] = to->uv[0];
+    s->v[LAST] = to->uv[1];
+    rc_outline_add(&s->outline, s->u, s->v);
+}
+
+static void finish(rigcal_spans_solver *s, int is_seen)
+{
+    if (is_seen) {
+        close_way(s, 0);
+        close_way(s, 1);
+    } else {
+        rc_outline_begin(&s->outline, s->band.camera_b.height);
+    }
+    rc_outline_close(&s->outline);
+    s->phase = DONE;
+    s->status = s->outline.is_full ? RIGCAL_ERR_DEGENERATE : RIGCAL_OK;
+}
+
+/* ---- begin, step, result ------------------------------------------------- */
+
+/* (M6) The place of the line that is nearest to the axis, within the depth range; what
+ * belongs to the whole band. */
+static int prepare(rigcal_spans_solver *s)
+{
+    const rigcal_band *const band = &s->band;
+    const rigcal_camera *const c = &band->camera_b;
+    rc_vec3_scale(s->normal, 1 / band->across, band->line);
+    s->A = band->across * band->across - band->k * band->k * band->Sigma_line[5];
+    rc_band_ends(s->ends, band);
+    s->start[0] = band->ray[2];
+    s->start[1] = band->towards[2];
+    if (cross2(s->ends[0], s->start) < 0 || cross2(s->start, s->ends[1]) < 0) {
+        const rigcal_real far = s->ends[0][0] * s->start[0] + s->ends[0][1] * s->start[1];
+        const rigcal_real near = s->ends[1][0] * s->start[0] + s->ends[1][1] * s->start[1];
+        const int nearer = near > far;
+        s->start[0] = s->ends[nearer][0];
+        s->start[1] = s->ends[nearer][1];
+    }
+    const rigcal_real start[3] = {s->start[0], s->start[1], 0};
+    rigcal_real unit[3] = {1, 0, 0};
+    (void)rc_vec3_unit(unit, start);
+    s->start[0] = unit[0];
+    s->start[1] = unit[1];
+    s->radius2 = 0;
+    for (int i = 0; i < 4; i++) {
+        const rigcal_real u = (i % 2 == 0) ? 0 : (rigcal_real)(c->width - 1);
+        const rigcal_real v = (i < 2) ? 0 : (rigcal_real)(c->height - 1);
+        s->radius2 = rc_max(s->radius2, radius2_of(s, u, v));
+    }
+    s->radius2 *= BEYOND * BEYOND;
+    s->radius = RC_SQRT(s->radius2) * c->fx + 1;
+    return s->A > 0;
+}
+
+rigcal_status rigcal_spans_begin(rigcal_spans_solver *solver, const rigcal_band *band)
+{
+    if (solver == NULL) {
+        return RIGCAL_ERR_NULL;
+    }
+    solver->phase = NOT_BEGUN;
+    const rigcal_status status = rc_band_check(band);
+    if (status != RIGCAL_OK) {
+        return status;
+    }
+    solver->band = *band;
+    solver->is_pinhole = rc_lens_is_pinhole(&band->camera_b);
+    if (!prepare(solver)) {
+        return RIGCAL_ERR_RANGE;
+    }
+    rc_outline_begin(&solver->outline, band->camera_b.height);
+    solver->side = solver->way = 0;
+    solver->phase = START;
+    solver->status = RIGCAL_RUNNING;
+    return RIGCAL_OK;
+}
+
+/* A unit: the first place of a side, or a node. */
+static void step(rigcal_spans_solver *s)
+{
+    if (s->phase == START) {
+        if (!begin_side(s)) {
+            finish(s, 0);
+            return;
+        }
+        s->phase = TRACE;
+        begin_way(s);
+        if (aim(s)) {
+            return;
+        }
+    } else if (add_node(s)) {
+        return;
+    }
+    for (end_way(s); s->way < 2; end_way(s)) {
+        begin_way(s);
+        if (aim(s)) {
+            return;
+        }
+    }
+    s->side++;
+    s->phase = START;
+    if (s->side == 2) {
+        finish(s, 1);
+    }
+}
+
+rigcal_status rigcal_spans_step(rigcal_spans_solver *solver, int32_t budget)
+{
+    if (solver == NULL) {
+        return RIGCAL_ERR_NULL;
+    }
+    if (budget < 1) {
+        return RIGCAL_ERR_RANGE;
+    }
+    if (solver->phase == NOT_BEGUN) {
+        return RIGCAL_ERR_STATE;
+    }
+    for (int32_t i = 0; i < budget && solver->phase != DONE; i++) {
+        step(solver);
+    }
+    return (solver->phase == DONE) ? solver->status : RIGCAL_RUNNING;
+}
+
+rigcal_status rigcal_spans_row(rigcal_span spans[], size_t *n_found,
+                               rigcal_spans_solver *solver, int32_t row)
+{
+    if (spans == NULL || n_found == NULL || solver == NULL) {
+        return RIGCAL_ERR_NULL;
+    }
+    if (solver->phase != DONE || solver->status != RIGCAL_OK) {
+        return RIGCAL_ERR_STATE;
+    }
+    if (row < 0 || row >= solver->band.camera_b.height) {
+        return RIGCAL_ERR_RANGE;
+    }
+    *n_found = rc_outline_row(spans, &solver->outline, row, solver->band.camera_b.width);
+    return RIGCAL_OK;
+}
+
+rigcal_status rigcal_spans_result(rigcal_span spans[], size_t capacity, size_t *n_found,
+                                  rigcal_spans_solver *solver)
+{
+    if (spans == NULL || n_found == NULL || solver == NULL) {
+        return RIGCAL_ERR_NULL;
+    }
+    if (solver->phase != DONE || solver->status != RIGCAL_OK) {
+        return RIGCAL_ERR_STATE;
+    }
+    size_t found = 0;
+    int32_t last;
+    for (int32_t row = rc_outline_rows(&last, &solver->outline); row <= last; row++) {
+        rigcal_span of_row[RIGCAL_SPANS_ROW];
+        const int is_room = capacity - found >= RIGCAL_SPANS_ROW;
+        rigcal_span *const to = is_room ? &spans[found] : of_row;
+        const size_t n =
+            rc_outline_row(to, &solver->outline, row, solver->band.camera_b.width);
+        if (n > capacity - found) {
+            return RIGCAL_ERR_CAPACITY;
+        }
+        for (size_t i = 0; i < n && !is_room; i++) {
+            spans[found + i] = of_row[i];
+        }
+        found += n;
+    }
+    if (found == 0) {
+        return RIGCAL_ERR_OUTSIDE;
+    }
+    *n_found = found;
+    return RIGCAL_OK;
+}
+
+rigcal_status rigcal_spans_find(rigcal_span spans[], size_t capacity, size_t *n_found,
+                                rigcal_spans_solver *solver, const rigcal_band *band)
+{
+    if (spans == NULL || n_found == NULL) {
+        return RIGCAL_ERR_NULL;
+    }
+    rigcal_status status = rigcal_spans_begin(solver, band);
+    if (status == RIGCAL_OK) {
+        status = rigcal_spans_step(solver, RIGCAL_SPANS_UNITS);
+    }
+    return (status == RIGCAL_OK) ? rigcal_spans_result(spans, capacity, n_found, solver)
+                                 : status;
+}

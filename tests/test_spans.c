@@ -1,0 +1,287 @@
+/* spans: the columns to search, for every row of an image. The truth: every pixel of the
+ * image is tried. */
+#include <math.h>
+#include <string.h>
+
+#include "rigcal_solvers.h"
+#include "test_bands.h"
+
+enum { SIDE = 96, PIXELS = SIDE * SIDE * 11 / 10, SPANS_MAX = 4 * SIDE };
+
+static test_ray rays[PIXELS];
+static uint8_t is_seen[PIXELS], is_in[PIXELS], is_found[PIXELS], is_close[PIXELS];
+static rigcal_spans_solver solver;
+static rigcal_span spans[SPANS_MAX];
+
+/* A pixel so near to the border that rounding decides. */
+#define CLOSE TOL(1e-7, 2e-3)
+
+/* ---- brute force ----------------------------------------------------------- */
+
+static void see_pixels(const rigcal_camera *camera)
+{
+    for (int32_t i = 0; i < camera->width * camera->height; i++) {
+        const rigcal_real uv[2] = {RC(i % camera->width), RC(i / camera->width)};
+
+        is_seen[i] = (uint8_t)test_ray_of(&rays[i], camera, uv);
+    }
+}
+
+/* The pixels that are in the band, and those that the spans have. */
+static void mark(const test_bands *scene, size_t n)
+{
+    const int32_t width = scene->b.width, count = width * scene->b.height;
+    test_ray a;
+
+    TEST_ASSERT_TRUE(test_ray_of(&a, &scene->a, scene->uv_a));
+    memset(is_found, 0, sizeof is_found);
+    for (int32_t i = 0; i < count; i++) {
+        test_band_truth truth;
+
+        test_band_look(&truth, scene, &a, &rays[i]);
+        is_in[i] = (uint8_t)(is_seen[i] && truth.is_inside);
+        is_close[i] = (uint8_t)(is_seen[i] && truth.margin < CLOSE);
+    }
+    for (size_t k = 0; k < n; k++) {
+        TEST_ASSERT_TRUE(spans[k].first >= 0 && spans[k].last < width);
+        TEST_ASSERT_TRUE(spans[k].first <= spans[k].last);
+        for (int32_t u = spans[k].first; u <= spans[k].last; u++) {
+            is_found[spans[k].row * width + u]++;
+        }
+    }
+}
+
+/* Every pixel of the band is in one span, and every span has at most one more at each
+ * end. */
+static void assert_spans(const rigcal_camera *camera, size_t n)
+{
+    const int32_t width = camera->width;
+
+    for (int32_t i = 0; i < width * camera->height; i++) {
+        TEST_ASSERT_TRUE(is_found[i] <= 1);
+        TEST_ASSERT_TRUE_MESSAGE(is_found[i] || !is_in[i] || is_close[i], "missed");
+    }
+    for (size_t k = 0; k < n; k++) {
+        const int32_t row = spans[k].row * width;
+
+        for (int32_t u = spans[k].first; u <= spans[k].last; u++) {
+            const int is_end = u == spans[k].first || u == spans[k].last;
+            const int has_next = (u > spans[k].first && is_in[row + u - 1]) ||
+                                 (u < spans[k].last && is_in[row + u + 1]);
+
+            TEST_ASSERT_TRUE_MESSAGE(is_in[row + u] || is_close[row + u] ||
+                                         (is_end && has_next),
+                                     "more than one pixel too many");
+        }
+        TEST_ASSERT_TRUE(
+            k == 0 || spans[k - 1].row < spans[k].row ||
+            (spans[k - 1].row == spans[k].row && spans[k - 1].last < spans[k].first));
+    }
+}
+
+static size_t find(const rigcal_band *band)
+{
+    size_t n = 0;
+    const rigcal_status status = rigcal_spans_find(spans, SPANS_MAX, &n, &solver, band);
+
+    TEST_ASSERT_TRUE(status == RIGCAL_OK || status == RIGCAL_ERR_OUTSIDE);
+    return status == RIGCAL_OK ? n : 0;
+}
+
+static void test_spans_hold_the_band_and_at_most_a_pixel_more_at_each_end(void)
+{
+    enum { CAMERAS = 24, BANDS = 10 };
+    int found = 0;
+
+    for (int c = 0; c < TEST_TRIALS(CAMERAS); c++) {
+        test_rng rng = test_seed(4100 + (uint64_t)c);
+        test_bands scene;
+
+        test_bands_random(&scene, &rng, c % TEST_LENS_KINDS, SIDE);
+        const rigcal_camera camera = scene.b;
+
+        see_pixels(&camera);
+        for (int k = 0; k < BANDS; k++) {
+            rigcal_band band;
+
+            test_bands_random(&scene, &rng, c % TEST_LENS_KINDS, SIDE);
+            scene.b = camera;
+            if (rigcal_band_make(&band, &scene.pair, scene.uv_a) == RIGCAL_ERR_EPIPOLE) {
+                continue;
+            }
+            const size_t n = find(&band);
+
+            mark(&scene, n);
+            assert_spans(&camera, n);
+            found += n > 0;
+        }
+    }
+    TEST_ASSERT_TRUE(found > TEST_TRIALS(CAMERAS) * BANDS / 2);
+}
+
+/* ---- known by hand --------------------------------------------------------- */
+
+static rigcal_camera camera;
+
+/* b is 1 to the right of a, both the same pinhole: lines are rows. sigma_b is all there
+ * is: the band is 2 k sigma_b wide. */
+static void beside(rigcal_band *band, double v, double sigma_b, double near_a, double far_a)
+{
+    static const double t[3] = {-1, 0, 0};
+    const rigcal_real uv_a[2] = {40, RC(v)};
+    rigcal_match_pair pair;
+
+    memset(&camera, 0, sizeof camera);
+    camera.width = 80;
+    camera.height = 60;
+    camera.fx = camera.fy = 50;
+    camera.cx = 40;
+    camera.cy = 30;
+    memset(&pair, 0, sizeof pair);
+    pair.camera_a = pair.camera_b = &camera;
+    pair.b_from_a = test_transform(NULL, t);
+    pair.sigma_b = RC(sigma_b);
+    pair.k = 2;
+    pair.near_a = RC(near_a);
+    pair.far_a = RC(far_a);
+    ASSERT_STATUS(RIGCAL_OK, rigcal_band_make(band, &pair, uv_a));
+}
+
+static void test_a_level_band_has_level_spans(void)
+{
+    rigcal_band band;
+
+    beside(&band, 30, 0.7, 0,
+           0); /* rows 28.6 to 31.4; all that is nearer is further left */
+    TEST_ASSERT_EQUAL_UINT64(3, find(&band));
+    for (int k = 0; k < 3; k++) {
+        TEST_ASSERT_EQUAL_INT32(29 + k, spans[k].row);
+        TEST_ASSERT_EQUAL_INT32(0, spans[k].first);
+        TEST_ASSERT_EQUAL_INT32(40, spans[k].last);
+    }
+}
+
+/* u = 40 - 50 / Z, 40 being straight ahead of a. */
+static void test_a_depth_range_ends_the_spans(void)
+{
+    rigcal_band band;
+
+    beside(&band, 30, 0.4, 2, 4.05); /* u from 15 to 27.65 */
+    TEST_ASSERT_EQUAL_UINT64(1, find(&band));
+    TEST_ASSERT_EQUAL_INT32(30, spans[0].row);
+    TEST_ASSERT_EQUAL_INT32(15, spans[0].first);
+    TEST_ASSERT_EQUAL_INT32(27, spans[0].last);
+}
+
+static void test_a_band_between_two_rows_has_no_pixel(void)
+{
+    size_t n;
+    rigcal_band band;
+
+    beside(&band, 30.5, 0.2, 0, 0); /* v from 30.1 to 30.9 */
+    ASSERT_REFUSED(RIGCAL_ERR_OUTSIDE, n,
+                   rigcal_spans_find(spans, SPANS_MAX, &n, &solver, &band));
+}
+
+static void test_a_band_outside_the_image_has_no_pixel(void)
+{
+    size_t n;
+    rigcal_band band;
+
+    beside(&band, 70, 1, 0, 0);
+    ASSERT_REFUSED(RIGCAL_ERR_OUTSIDE, n,
+                   rigcal_spans_find(spans, SPANS_MAX, &n, &solver, &band));
+}
+
+/* ---- steps and rows -------------------------------------------------------- */
+
+static void wide_band(rigcal_band *band)
+{
+    test_bands scene;
+
+    for (uint64_t seed = 4200;; seed++) {
+        test_rng rng = test_seed(seed);
+
+        test_bands_random(&scene, &rng, TEST_BROWN, SIDE);
+        if (rigcal_band_make(band, &scene.pair, scene.uv_a) == RIGCAL_OK &&
+            find(band) > 20) {
+            return;
+        }
+    }
+}
+
+static void test_the_spans_are_the_same_whatever_the_budgets(void)
+{
+    static rigcal_span once[SPANS_MAX];
+    rigcal_band band;
+    size_t n;
+
+    wide_band(&band);
+    const size_t n_once = find(&band);
+
+    memcpy(once, spans, sizeof once);
+    for (int32_t budget = 1; budget <= 7; budget += 3) {
+        int32_t units = 0;
+        rigcal_status status;
+
+        ASSERT_STATUS(RIGCAL_OK, rigcal_spans_begin(&solver, &band));
+        do {
+            ASSERT_STATUS(RIGCAL_ERR_STATE, rigcal_spans_row(spans, &n, &solver, 0));
+            status = rigcal_spans_step(&solver, budget);
+            units += budget;
+        } while (status == RIGCAL_RUNNING);
+        ASSERT_STATUS(RIGCAL_OK, status);
+        TEST_ASSERT_TRUE(units <= RIGCAL_SPANS_UNITS);
+        ASSERT_STATUS(RIGCAL_OK, rigcal_spans_result(spans, SPANS_MAX, &n, &solver));
+        TEST_ASSERT_EQUAL_UINT64(n_once, n);
+        TEST_ASSERT_EQUAL_MEMORY(once, spans, n * sizeof *spans);
+    }
+}
+
+static void test_rows_may_come_in_any_order(void)
+{
+    rigcal_span row[RIGCAL_SPANS_ROW];
+    rigcal_band band;
+    size_t at = 0, n;
+
+    wide_band(&band);
+    const size_t all = find(&band);
+
+    for (size_t k = all; k > 0; k -= n, at += n) { /* from the last to the first */
+        const int32_t v = spans[k - 1].row;
+
+        ASSERT_STATUS(RIGCAL_OK, rigcal_spans_row(row, &n, &solver, v));
+        TEST_ASSERT_TRUE(n >= 1 && n <= k);
+        TEST_ASSERT_EQUAL_MEMORY(&spans[k - n], row, n * sizeof *row);
+    }
+    TEST_ASSERT_EQUAL_UINT64(all, at);
+    ASSERT_STATUS(RIGCAL_ERR_RANGE, rigcal_spans_row(row, &n, &solver, -1));
+    ASSERT_STATUS(RIGCAL_ERR_RANGE,
+                  rigcal_spans_row(row, &n, &solver, band.camera_b.height));
+}
+
+static void test_too_little_room_is_refused(void)
+{
+    rigcal_band band;
+    size_t n;
+
+    wide_band(&band);
+    const size_t all = find(&band);
+
+    ASSERT_STATUS(RIGCAL_OK, rigcal_spans_result(spans, all, &n, &solver));
+    TEST_ASSERT_EQUAL_UINT64(all, n);
+    ASSERT_REFUSED(RIGCAL_ERR_CAPACITY, n,
+                   rigcal_spans_result(spans, all - 1, &n, &solver));
+}
+
+TEST_MAIN()
+{
+    RUN_TEST(test_spans_hold_the_band_and_at_most_a_pixel_more_at_each_end);
+    RUN_TEST(test_a_level_band_has_level_spans);
+    RUN_TEST(test_a_depth_range_ends_the_spans);
+    RUN_TEST(test_a_band_between_two_rows_has_no_pixel);
+    RUN_TEST(test_a_band_outside_the_image_has_no_pixel);
+    RUN_TEST(test_the_spans_are_the_same_whatever_the_budgets);
+    RUN_TEST(test_rows_may_come_in_any_order);
+    RUN_TEST(test_too_little_room_is_refused);
+}

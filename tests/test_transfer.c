@@ -1,0 +1,233 @@
+/* transfer: where a third camera must see what two see. The truth: differences of the
+ * whole function, by every pixel and every unknown of the cameras. */
+#include <math.h>
+#include <string.h>
+
+#include "test_rigs.h"
+
+enum { N = 3, FREE = 2 };
+static const size_t ABC[N] = {1, 0, 2};
+static const rigcal_real NOISE[2] = {RC(0.4), RC(0.25)};
+
+static test_rig r;
+static rigcal_mounted_camera cameras[N];
+static int32_t group[N];
+static uint8_t held[N];
+static rigcal_real Sigma[RIGCAL_CALIBRATED_SIZE(FREE)];
+static rigcal_calibrated_rig kept;
+static double X[3];
+static rigcal_real uv[N][2];
+
+#define WANTS_RIG TEST_WANTS_RAM(sizeof(test_rig) + 16000)
+
+/* A rig, adjusted, and a point that all see, exactly. */
+static void make(uint64_t seed)
+{
+    test_rng rng = test_seed(seed);
+    rigcal_rig_fit fit;
+
+    test_rig_random(&r, &rng, N, 4, 8);
+    test_rig_see_all(&r, &rng, 0.3);
+    test_rig_solve_views(&r);
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_adjust(&fit, NULL, &r.rig));
+    memset(&kept, 0, sizeof kept);
+    memset(cameras, 0, sizeof cameras);
+    kept.cameras = cameras;
+    kept.group = group;
+    kept.held = held;
+    kept.capacity = N;
+    kept.Sigma = Sigma;
+    kept.Sigma_capacity = RIGCAL_CALIBRATED_SIZE(FREE);
+    for (int c = 0; c < N; c++) {
+        cameras[c].camera = r.camera[c];
+    }
+    ASSERT_STATUS(RIGCAL_OK, rigcal_calibrated_take(&kept, &r.rig, &fit, RC(0.3)));
+    test_move_point(X, &r.true_places[0], r.X[2]);
+    for (int c = 0; c < N; c++) {
+        double X_c[3], px[2];
+
+        test_move_point(X_c, &cameras[ABC[c]].cam_from_rig, X);
+        test_project_px(px, &cameras[ABC[c]].camera, X_c);
+        test_to_real(uv[c], px, 2);
+    }
+}
+
+static void test_an_exact_pair_shows_the_point(void)
+{
+    WANTS_RIG;
+    for (uint64_t seed = 4901; seed < 4906; seed++) {
+        rigcal_transfer out;
+        rigcal_real chi2;
+
+        make(seed);
+        ASSERT_STATUS(RIGCAL_OK,
+                      rigcal_transfer_make(&out, &kept, ABC, uv[0], uv[1], NOISE));
+        ASSERT_ARRAY_NEAR(X, out.X, 3, TOL(1e-9, 2e-4));
+        ASSERT_NEAR(D(uv[2][0]), out.uv[0], TOL(1e-6, 2e-2));
+        ASSERT_NEAR(D(uv[2][1]), out.uv[1], TOL(1e-6, 2e-2));
+        ASSERT_NEAR(0, out.chi2, TOL(1e-9, 1e-3));
+        ASSERT_STATUS(RIGCAL_OK, rigcal_transfer_test(&chi2, &out, RC(0.3), uv[2]));
+        ASSERT_NEAR(0, chi2, TOL(1e-9, 1e-2));
+    }
+}
+
+/* Derivative of (uv, X) by one pixel coordinate, or by one unknown of one camera. */
+static void derivative(double d[5], int what, int camera, int k)
+{
+    const double h = what == 0 ? TOL(1e-4, 0.5) : TOL(1e-7, 2e-3);
+    rigcal_transfer out[2];
+
+    for (int side = 0; side < 2; side++) {
+        const rigcal_transform as_it_was = cameras[ABC[camera]].cam_from_rig;
+        rigcal_real seen[2][2];
+        double step[6] = {0};
+
+        memcpy(seen, uv, sizeof seen);
+        if (what == 0) {
+            seen[camera][k] += RC(side ? h : -h);
+        } else {
+            step[k] = side ? h : -h;
+            cameras[ABC[camera]].cam_from_rig = test_moved(&as_it_was, step);
+        }
+        ASSERT_STATUS(RIGCAL_OK, rigcal_transfer_make(&out[side], &kept, ABC, seen[0],
+                                                      seen[1], NOISE));
+        cameras[ABC[camera]].cam_from_rig = as_it_was;
+    }
+    for (int i = 0; i < 2; i++) {
+        d[i] = (D(out[1].uv[i]) - D(out[0].uv[i])) / (2 * h);
+    }
+    for (int i = 0; i < 3; i++) {
+        d[2 + i] = (D(out[1].X[i]) - D(out[0].X[i])) / (2 * h);
+    }
+}
+
+static void test_its_covariance_is_that_of_differences(void)
+{
+    WANTS_RIG;
+    for (uint64_t seed = 4901; seed < 4901 + (uint64_t)TEST_TRIALS(5); seed++) {
+        double J[N][6][5], V[5][5] = {{0}}, d[5];
+        rigcal_transfer out;
+
+        make(seed);
+        for (int k = 0; k < 4; k++) {
+            const double sigma = D(NOISE[k / 2]);
+
+            derivative(d, 0, k / 2, k % 2);
+            for (int i = 0; i < 25; i++) {
+                V[i / 5][i % 5] += sigma * sigma * d[i / 5] * d[i % 5];
+            }
+        }
+        for (int k = 0; k < 6 * N; k++) {
+            derivative(J[k / 6][k % 6], 1, k / 6, k % 6);
+        }
+        for (int a = 0; a < N; a++) {
+            for (int b = 0; b < N; b++) {
+                rigcal_real block[36];
+
+                ASSERT_STATUS(RIGCAL_OK,
+                              rigcal_calibrated_covariance(block, &kept, ABC[a], ABC[b]));
+                for (int k = 0; k < 36 * 25; k++) {
+                    const int p = k / 25 / 6, q = k / 25 % 6, i = k % 25 / 5, j = k % 5;
+
+                    V[i][j] += J[a][p][i] * D(block[6 * p + q]) * J[b][q][j];
+                }
+            }
+        }
+        ASSERT_STATUS(RIGCAL_OK,
+                      rigcal_transfer_make(&out, &kept, ABC, uv[0], uv[1], NOISE));
+        for (int i = 0; i < 2; i++) {
+            for (int j = 0; j < 2; j++) {
+                ASSERT_NEAR(V[i][j], out.Sigma[2 * i + j],
+                            TOL(1e-4, 0.03) * sqrt(V[i][i] * V[j][j]));
+            }
+        }
+        for (int i = 0; i < 3; i++) {
+            for (int j = 0; j < 3; j++) {
+                ASSERT_NEAR(V[2 + i][2 + j], out.Sigma_X[3 * i + j],
+                            TOL(1e-4, 0.03) * sqrt(V[2 + i][2 + i] * V[2 + j][2 + j]));
+            }
+        }
+    }
+}
+
+/* To first order chi2 of the pair is that of its band. */
+static void test_a_pair_that_is_off_has_the_chi2_of_its_band(void)
+{
+    WANTS_RIG;
+    for (uint64_t seed = 4901; seed < 4906; seed++) {
+        rigcal_match_pair pair;
+        rigcal_transfer out;
+        rigcal_match match;
+        rigcal_band band;
+
+        make(seed);
+        memset(&pair, 0, sizeof pair);
+        pair.camera_a = &cameras[ABC[0]].camera;
+        pair.camera_b = &cameras[ABC[1]].camera;
+        pair.sigma_a = NOISE[0];
+        pair.sigma_b = NOISE[1];
+        pair.k = 3;
+        ASSERT_STATUS(RIGCAL_OK, rigcal_calibrated_pair(&pair.b_from_a, pair.Sigma, &kept,
+                                                        ABC[0], ABC[1]));
+        for (int k = 0; k < 2; k++) {
+            uv[1][k] += RC(seed % 2 ? 0.8 : -1.1 + k);
+        }
+        ASSERT_STATUS(RIGCAL_OK, rigcal_band_make(&band, &pair, uv[0]));
+        ASSERT_STATUS(RIGCAL_OK, rigcal_band_test(&match, &band, uv[1]));
+        ASSERT_STATUS(RIGCAL_OK,
+                      rigcal_transfer_make(&out, &kept, ABC, uv[0], uv[1], NOISE));
+        ASSERT_NEAR(D(match.chi2), out.chi2, 0.02 * D(match.chi2) + TOL(1e-6, 2e-2));
+    }
+}
+
+static void test_a_candidate_off_by_so_much_has_that_chi2(void)
+{
+    rigcal_transfer out;
+    const rigcal_real uv_c[2] = {103, 51};
+    rigcal_real chi2;
+
+    memset(&out, 0, sizeof out);
+    out.uv[0] = 100;
+    out.uv[1] = 50;
+    out.Sigma[0] = RC(1.75);
+    out.Sigma[1] = out.Sigma[2] = 1;
+    out.Sigma[3] = RC(0.75);
+    /* (3, 1) by the inverse of (2 1; 1 1), which is (1 -1; -1 2) */
+    ASSERT_STATUS(RIGCAL_OK, rigcal_transfer_test(&chi2, &out, RC(0.5), uv_c));
+    ASSERT_NEAR(9 - 6 + 2, chi2, TOL(1e-12, 1e-4));
+    out.Sigma[1] = out.Sigma[2] = 2;
+    ASSERT_REFUSED(RIGCAL_ERR_DEGENERATE, chi2,
+                   rigcal_transfer_test(&chi2, &out, RC(0.5), uv_c));
+}
+
+static void test_where_there_is_no_point_there_is_no_transfer(void)
+{
+    static const size_t twice[N] = {1, 0, 1}, beyond[N] = {1, 0, 3};
+    rigcal_transfer out;
+
+    WANTS_RIG;
+    make(4901);
+    ASSERT_REFUSED(RIGCAL_ERR_RANGE, out,
+                   rigcal_transfer_make(&out, &kept, twice, uv[0], uv[1], NOISE));
+    ASSERT_REFUSED(RIGCAL_ERR_RANGE, out,
+                   rigcal_transfer_make(&out, &kept, beyond, uv[0], uv[1], NOISE));
+    group[2] = 1;
+    ASSERT_REFUSED(RIGCAL_DISCONNECTED, out,
+                   rigcal_transfer_make(&out, &kept, ABC, uv[0], uv[1], NOISE));
+    group[2] = 0;
+    cameras[2].cam_from_rig.t[2] -= 100; /* c has gone by */
+    ASSERT_REFUSED(RIGCAL_ERR_BEHIND, out,
+                   rigcal_transfer_make(&out, &kept, ABC, uv[0], uv[1], NOISE));
+    cameras[1].cam_from_rig = cameras[0].cam_from_rig; /* a and b are one */
+    ASSERT_REFUSED(RIGCAL_ERR_PARALLEL, out,
+                   rigcal_transfer_make(&out, &kept, ABC, uv[0], uv[0], NOISE));
+}
+
+TEST_MAIN()
+{
+    RUN_TEST(test_an_exact_pair_shows_the_point);
+    RUN_TEST(test_its_covariance_is_that_of_differences);
+    RUN_TEST(test_a_pair_that_is_off_has_the_chi2_of_its_band);
+    RUN_TEST(test_a_candidate_off_by_so_much_has_that_chi2);
+    RUN_TEST(test_where_there_is_no_point_there_is_no_transfer);
+}

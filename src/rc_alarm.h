@@ -19,7 +19,7 @@
 
 enum {
     RC_ALARM_WINDOWS = 5,
-    RC_ALARM_WINDOW = 28, /* numbers of a window: G, H, log |W| / 2 */
+    RC_ALARM_WINDOW = 28, /* numbers of a window: G, H, |W|^(1/2) */
     RC_ALARM_SUMS = 27,   /* numbers of a frame: g, and the sum of p p^T */
     RC_ALARM_BODY = RC_ALARM_WINDOWS * RC_ALARM_WINDOW + RC_ALARM_SUMS + 21 + 5
 };
@@ -32,11 +32,11 @@ enum {
 typedef struct {
     int32_t n_bodies;
     rigcal_real common;        /* 0 .. 1: how far the rows of a frame err together */
-    rigcal_real log_limit;     /* log of A */
+    rigcal_real log_limit;     /* log of A K B */
     rigcal_real move_rad;      /* the largest turn thought possible [rad] */
     rigcal_real move_t;        /* the largest shift thought possible [length] */
     rigcal_real rows, squares; /* of the rows of late: their number, and the sum of psi^2 */
-    rigcal_real log_sum;       /* of the last frame: log of the sum over bodies */
+    rigcal_real log_sum;       /* of the last frame: log of K B times the sum */
 } rc_alarm;
 
 /* ---- functions ----------------------------------------------------------- */

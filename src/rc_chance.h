@@ -5,11 +5,6 @@
 
 #include "rc_real.h"
 
-/* exp(x), x clipped to +-80, to 256 roundings; log(x), x > 0 and finite, to some. Of libm
- * they would bring 0.4 KB each along, and other bits on each target. */
-rigcal_real rc_exp(rigcal_real x);
-rigcal_real rc_log(rigcal_real x);
-
 /* Degrees of freedom of the fit of a pose to n points. Three have none and nearly
  * fit: 1. */
 rigcal_real rc_freedom(size_t n);

@@ -1,6 +1,6 @@
 #include "rc_alarm.h"
 
-#include "rc_chance.h"
+#include "rc_logs.h"
 
 /* ---- constants ----------------------------------------------------------- */
 
@@ -34,19 +34,24 @@
 /* rows: a body with fewer in the longest window is blind. A move has six unknowns. */
 #define SEEING_ROWS 6
 
+/* 1: the least sum that a log is taken of, where all windows were refused. */
+#define LAMBDA_LEAST RC(1e-30)
+
 /* rows: the noise is told by about so many of late. */
 #define NOISE_ROWS RC(4096)
 
 /* 1: 2^50. Three inverse roots of the elements of W + H are scaled by it, so that the
- * product of all six stays within float: W + H may be 1e13. And the log of its square. */
+ * product of all six stays within float: W + H may be 1e18. */
 #define SCALE RC(1125899906842624.0)
-#define LOG_SCALES RC(69.314718055994531)
+
+/* part of an element of the diagonal: a smaller pivot is rounding. */
+#define RANK_TOL (8 * RC_EPS)
 
 /* Numbers of a body, in the order in which they are held. */
 enum {
-    G = 0, /* of a window: sum of g */
-    H = 6, /* of a window: what that sum varies by */
-    HALF_LOG_W = 27,
+    G = 0,                                      /* of a window: sum of g */
+    H = 6,                                      /* of a window: what that sum varies by */
+    ROOT_W = 27,                                /* |W|^(1/2), scaled */
     FRAME = RC_ALARM_WINDOWS * RC_ALARM_WINDOW, /* g, and the sum of p p^T */
     FRAME_H = FRAME + 6,
     M = FRAME + RC_ALARM_SUMS, /* mean of H of a frame */
@@ -81,67 +86,99 @@ static void add_outer(rigcal_real A[21], rigcal_real s, const rigcal_real x[6])
     rc_sym3_add_outer(&A[RC_SYM6_SECOND], s, &x[3]);
 }
 
-/* A = W + H of a window, H 0 where there is none: W = length / EXPECTED (M + UNSEEN diag M)
- * + 1, in units of the largest move. */
-static void precision_of(rigcal_real A[21], const rigcal_real mean[21],
-                         const rigcal_real *sum, int window)
+/* What body[M] says of moves, in units of the largest: W of a window of length L is
+ * L base + 1. */
+static void base_of(rigcal_real base[21], const rigcal_real body[])
 {
-    const rigcal_real expected = (rigcal_real)LENGTH(window) / EXPECTED;
     for (int k = 0; k < 21; k++) {
-        A[k] = expected * mean[k] + (sum ? sum[k] : 0);
+        base[k] = body[M + k] / EXPECTED;
     }
     for (int k = 0; k < 6; k++) {
-        const int at = DIAGONAL[k];
-        A[at] += 1 + expected * UNSEEN * mean[at];
+        base[DIAGONAL[k]] *= 1 + UNSEEN;
     }
 }
 
-/* *half = log |A| / 2, and L its factor. 0: A is not positive definite to rounding, or not
- * finite. */
-static int factor(rc_sym6_factor *L, rigcal_real *half, const rigcal_real A[21])
+/* L L^T of W + H, H standing in L: W is positive definite, so only rounding can refuse.
+ * *scaled: 2^100 / |L|. 0: refused, not finite, or *scaled underflows. */
+static int factor(rc_sym6_factor *L, rigcal_real *scaled)
 {
-    if (!rc_sym6_factor_of(L, A, 0)) {
+    rigcal_real *const A = L->first, *const B = L->second;
+    const rigcal_real diagonal[6] = {++A[0], ++A[3], ++A[5], ++B[0], ++B[3], ++B[5]};
+    if (!rc_sym3_factor(A, A, diagonal, RANK_TOL)) {
         return 0;
     }
-    const rigcal_real first = SCALE * L->first[0] * L->first[3] * L->first[5];
-    const rigcal_real product = SCALE * L->second[0] * L->second[3] * L->second[5] * first;
-    if (!(product > 0)) {
+    for (int column = 0; column < 3; column++) {
+        rigcal_real x[3] = {L->across[0][column], L->across[1][column],
+                            L->across[2][column]};
+        rc_sym3_forward(x, A);
+        for (int k = 0; k < 3; k++) {
+            L->across[k][column] = x[k];
+        }
+    }
+    for (int k = 0; k < 3; k++) {
+        rc_sym3_add_outer(B, -1, L->across[k]);
+    }
+    if (!rc_sym3_factor(B, B, &diagonal[3], RANK_TOL)) {
         return 0;
     }
-    *half = LOG_SCALES - rc_log(product);
-    return 1;
+    *scaled = SCALE * A[0] * A[3] * A[5] * (SCALE * B[0] * B[3] * B[5]);
+    return *scaled > 0 && *scaled <= RC_MAX;
+}
+/* A window takes a frame in, of which it is sums of n numbers; out = W + H, but for the 1. */
+static void take(rigcal_real out[], rigcal_real sum[], const rigcal_real frame[],
+                 const rigcal_real base[], rigcal_real length, int n)
+{
+    for (int k = 0; k < n; k++) {
+        sum[k] += frame[k];
+        out[k] = sum[k] + length * base[k];
+    }
 }
 
-/* log of Lambda of a window. */
-static rigcal_real log_lambda(const rigcal_real body[], int window)
+/* The same of H whole, out being W + H. */
+static void take_matrix(rc_sym6_factor *out, rigcal_real sum[21],
+                        const rigcal_real frame[21], const rigcal_real base[21],
+                        rigcal_real length)
 {
-    const rigcal_real *const at = &body[window * RC_ALARM_WINDOW];
-    rigcal_real A[21], x[6], half;
-    rc_sym6_factor L;
-    precision_of(A, &body[M], &at[H], window);
-    if (!factor(&L, &half, A)) {
-        return -RC_MAX;
-    }
-    rc_vec3_copy(x, &at[G]);
-    rc_vec3_copy(&x[3], &at[G + 3]);
-    rc_sym6_forward(x, &L);
-    const rigcal_real squares = rc_vec3_dot(x, x) + rc_vec3_dot(&x[3], &x[3]);
-    const rigcal_real log_of = at[HALF_LOG_W] - half + squares / 2;
-    return rc_is_finite(log_of) ? log_of : -RC_MAX;
+    enum { A = RC_SYM6_ACROSS, S = RC_SYM6_SECOND };
+    take(out->first, sum, frame, base, length, A);
+    take(out->across[0], &sum[A], &frame[A], &base[A], length, S - A);
+    take(out->second, &sum[S], &frame[S], &base[S], length, 21 - S);
 }
 
 /* All windows of a body start, with W of its M. */
 static void start_windows(rigcal_real body[])
 {
-    rigcal_real A[21];
-    rc_sym6_factor L;
+    rigcal_real base[21];
+    base_of(base, body);
     for (int window = 0; window < RC_ALARM_WINDOWS; window++) {
         rigcal_real *const at = &body[window * RC_ALARM_WINDOW];
+        rc_sym6_factor L;
+        rigcal_real scaled;
         rc_clear(at, RC_ALARM_WINDOW);
-        precision_of(A, &body[M], NULL, window);
-        (void)factor(&L, &at[HALF_LOG_W], A);
+        take_matrix(&L, &at[H], &at[H], base, (rigcal_real)LENGTH(window));
+        at[ROOT_W] = factor(&L, &scaled) ? 1 / scaled : 0;
     }
     body[SINCE] = 0;
+}
+
+/* Lambda of a window is *factor exp(*exponent) once the frame is in. */
+static void add_frame(rigcal_real *root, rigcal_real *exponent, rigcal_real window[],
+                      const rigcal_real frame[RC_ALARM_SUMS], const rigcal_real base[21],
+                      rigcal_real length)
+{
+    rigcal_real x[6], scaled;
+    rc_sym6_factor L;
+    for (int k = 0; k < 6; k++) {
+        window[G + k] += frame[k];
+        x[k] = window[G + k];
+    }
+    take_matrix(&L, &window[H], &frame[6], base, length);
+    *root = *exponent = 0;
+    if (factor(&L, &scaled)) {
+        rc_sym6_forward(x, &L);
+        *exponent = (rc_vec3_dot(x, x) + rc_vec3_dot(&x[3], &x[3])) / 2;
+        *root = length * scaled * window[ROOT_W];
+    }
 }
 
 /* ---- begin ----------------------------------------------------------------- */
@@ -155,7 +192,8 @@ void rc_alarm_begin(rc_alarm *alarm, rigcal_real bodies[], size_t n_bodies,
     RIGCAL_ASSERT(move_rad > 0 && move_t > 0);
     alarm->n_bodies = (int32_t)n_bodies;
     alarm->common = common;
-    alarm->log_limit = rc_log(arl0_frames / SLACK);
+    alarm->log_limit =
+        rc_log(arl0_frames / SLACK * (rigcal_real)n_bodies * RC_ALARM_WINDOWS);
     alarm->move_rad = move_rad;
     alarm->move_t = move_t;
     alarm->rows = alarm->squares = alarm->log_sum = 0;
@@ -221,15 +259,15 @@ void rc_alarm_row(rc_alarm *alarm, rigcal_real bodies[], rigcal_real z, rigcal_r
 
 /* ---- the end of a frame ------------------------------------------------------ */
 
-/* log of a sum of n >= 1 numbers whose logs these are. */
-static rigcal_real log_of_sum(const rigcal_real logs[], size_t n, size_t step)
+/* log of the sum over bodies. */
+static rigcal_real log_of_all(const rigcal_real bodies[], size_t n)
 {
-    rigcal_real most = logs[0], sum = 0;
-    for (size_t k = 1; k < n; k++) {
-        most = rc_max(most, logs[k * step]);
+    rigcal_real most = body_in(bodies, 0)[LOG_SUM], sum = 0;
+    for (size_t b = 1; b < n; b++) {
+        most = rc_max(most, body_in(bodies, b)[LOG_SUM]);
     }
-    for (size_t k = 0; k < n; k++) {
-        sum += rc_exp(logs[k * step] - most);
+    for (size_t b = 0; b < n; b++) {
+        sum += rc_exp(body_in(bodies, b)[LOG_SUM] - most);
     }
     return most + rc_log(sum);
 }
@@ -243,14 +281,6 @@ static void weigh_frame(rigcal_real body[], rigcal_real common)
     add_outer(&body[FRAME_H], common, &body[FRAME]);
 }
 
-/* Adds the frame to a window, G and H alike. */
-static void add_frame(rigcal_real window[], const rigcal_real frame[RC_ALARM_SUMS])
-{
-    for (int k = 0; k < RC_ALARM_SUMS; k++) {
-        window[k] += frame[k];
-    }
-}
-
 /* Measures M by the longest window and starts all windows with it. */
 static void measure(rigcal_real body[])
 {
@@ -258,7 +288,7 @@ static void measure(rigcal_real body[])
     for (int k = 0; k < 21; k++) {
         body[M + k] = sum[k] / body[SINCE];
     }
-    if (!rc_all_within(&body[M], 21, RC_MAX)) {
+    if (!rc_all_finite(&body[M], 21)) {
         rc_clear(&body[M], 21);
     }
     body[MEASURED] = body[SINCE];
@@ -273,7 +303,7 @@ static void end_windows(rigcal_real body[])
     const int32_t frames = (int32_t)body[SINCE];
     for (int window = 0; window + 1 < RC_ALARM_WINDOWS; window++) {
         if (frames % LENGTH(window) == 0) {
-            rc_clear(&body[window * RC_ALARM_WINDOW], HALF_LOG_W);
+            rc_clear(&body[window * RC_ALARM_WINDOW], ROOT_W);
         }
     }
 }
@@ -281,15 +311,20 @@ static void end_windows(rigcal_real body[])
 /* A body's windows take the frame in; its part of the sum. */
 static void end_body(rigcal_real body[], const rc_alarm *alarm)
 {
-    rigcal_real logs[RC_ALARM_WINDOWS];
-    const rigcal_real parts = (rigcal_real)(alarm->n_bodies * RC_ALARM_WINDOWS);
+    rigcal_real base[21], root[RC_ALARM_WINDOWS], exponent[RC_ALARM_WINDOWS];
+    rigcal_real most = 0, sum = 0;
+    base_of(base, body);
     weigh_frame(body, alarm->common);
-    for (int window = 0; window < RC_ALARM_WINDOWS; window++) {
-        add_frame(&body[window * RC_ALARM_WINDOW], &body[FRAME]);
-        logs[window] = log_lambda(body, window) + (rigcal_real)window * LOG_4;
+    for (int i = 0; i < RC_ALARM_WINDOWS; i++) {
+        add_frame(&root[i], &exponent[i], &body[i * RC_ALARM_WINDOW], &body[FRAME], base,
+                  (rigcal_real)LENGTH(i));
+        most = rc_max(most, exponent[i]);
+    }
+    for (int i = 0; i < RC_ALARM_WINDOWS; i++) {
+        sum += root[i] * rc_exp(exponent[i] - most);
     }
     rc_clear(&body[FRAME], RC_ALARM_SUMS);
-    body[LOG_SUM] = log_of_sum(logs, RC_ALARM_WINDOWS, 1) - rc_log(parts);
+    body[LOG_SUM] = most + rc_log(rc_max(sum, LAMBDA_LEAST));
     body[SINCE] += 1;
 }
 
@@ -308,7 +343,7 @@ rigcal_real rc_alarm_frame(rc_alarm *alarm, rigcal_real bodies[])
             end_windows(body);
         }
     }
-    alarm->log_sum = log_of_sum(&bodies[LOG_SUM], (size_t)alarm->n_bodies, RC_ALARM_BODY);
+    alarm->log_sum = log_of_all(bodies, (size_t)alarm->n_bodies);
     return alarm->log_sum - alarm->log_limit;
 }
 
@@ -331,8 +366,7 @@ rigcal_real rc_alarm_smallest(const rc_alarm *alarm, const rigcal_real bodies[],
 {
     const rigcal_real *const at = body_in(bodies, body), *const turns = &at[M];
     const rigcal_real longest = RC_ALARM_LONGEST;
-    const rigcal_real parts = (rigcal_real)(alarm->n_bodies * RC_ALARM_WINDOWS) / longest;
-    const rigcal_real wanted = 2 * (alarm->log_limit + rc_log(parts));
+    const rigcal_real wanted = 2 * (alarm->log_limit - rc_log(longest));
     rigcal_real axis[3], seen[3], thickness;
     if (rc_alarm_is_blind(bodies, body) || !(wanted > 0) ||
         !rc_sym3_thinnest(axis, &thickness, turns)) {

@@ -1,0 +1,62 @@
+#include "rc_logs.h"
+
+/* ---- constants ----------------------------------------------------------- */
+
+/* 1: exponents are clipped here. exp(80) = 5e34 is near the end of float. */
+#define EXPONENT_MOST RC(80)
+
+/* 1: the series is of exp(x / 256), which is then squared eight times. */
+enum { EXP_SQUARINGS = 8 };
+
+/* terms: of that series; the next is below 2e-6 in float, 1e-16 in double. */
+enum { EXP_TERMS = RIGCAL_USE_FLOAT ? 5 : 12 };
+
+/* 1: powers of 2 are taken out of the argument of log in chunks of 2^16. */
+#define LOG_CHUNK RC(65536)
+enum { LOG_CHUNK_BITS = 16 };
+
+/* terms: of the series of log; the next is below a rounding. */
+enum { LOG_TERMS = RIGCAL_USE_FLOAT ? 5 : 11 };
+
+#define ROOT_2 RC(1.4142135623730950488)
+#define LOG_2 RC(0.69314718055994530942)
+
+rigcal_real rc_exp(rigcal_real x)
+{
+    const rigcal_real part = rc_min(rc_max(x, -EXPONENT_MOST), EXPONENT_MOST) /
+                             (rigcal_real)(1 << EXP_SQUARINGS);
+    rigcal_real sum = 1;
+    for (int k = EXP_TERMS; k > 0; k--) {
+        sum = 1 + part * sum / (rigcal_real)k;
+    }
+    for (int k = 0; k < EXP_SQUARINGS; k++) {
+        sum *= sum;
+    }
+    return sum;
+}
+
+/* x = 2^k y, y within sqrt(2) of 1: log y = 2 artanh((y - 1) / (y + 1)), a series whose
+ * argument is at most 0.172. */
+rigcal_real rc_log(rigcal_real x)
+{
+    RIGCAL_ASSERT(x > 0 && x <= RC_MAX);
+    int32_t k = 0;
+    for (; x >= LOG_CHUNK; k += LOG_CHUNK_BITS) {
+        x /= LOG_CHUNK;
+    }
+    for (; x * LOG_CHUNK <= 1; k -= LOG_CHUNK_BITS) {
+        x *= LOG_CHUNK;
+    }
+    for (; x > ROOT_2; k++) {
+        x /= 2;
+    }
+    for (; x * ROOT_2 < 1; k--) {
+        x *= 2;
+    }
+    const rigcal_real part = (x - 1) / (x + 1), square = part * part;
+    rigcal_real sum = 0;
+    for (int j = LOG_TERMS; j > 0; j--) {
+        sum = sum * square + RC(1) / (rigcal_real)(2 * j - 1);
+    }
+    return (rigcal_real)k * LOG_2 + 2 * part * sum;
+}

@@ -20,8 +20,7 @@
 enum {
     RC_ALARM_WINDOWS = 5,
     RC_ALARM_WINDOW = 28, /* numbers of a window: G, H, |W|^(1/2) */
-    RC_ALARM_SUMS = 27,   /* numbers of a frame: g, and the sum of p p^T */
-    RC_ALARM_BODY = RC_ALARM_WINDOWS * RC_ALARM_WINDOW + RC_ALARM_SUMS + 21 + 5
+    RC_ALARM_BODY = RC_ALARM_WINDOWS * RC_ALARM_WINDOW + 21 + 5
 };
 
 /* frames: of the longest window. */

@@ -7,7 +7,6 @@
 /* frames: window i starts anew after 4^i. Each serves moves that are seen in about as
  * many frames; with powers of 2 there were twice the windows, and no sooner alarm. */
 #define LENGTH(window) ((int32_t)1 << (2 * (window)))
-#define LOG_4 RC(1.38629436111989061883)
 
 /* standard deviations: innovations are clipped here. Huber's value: normal noise loses 5 %
  * of what it says, and a wrong match pulls no more than this. */
@@ -47,22 +46,23 @@
 /* part of an element of the diagonal: a smaller pivot is rounding. */
 #define RANK_TOL (8 * RC_EPS)
 
-/* Numbers of a body, in the order in which they are held. */
+/* Numbers of a window. The first window is one frame: its H is without W. */
 enum {
-    G = 0,                                      /* of a window: sum of g */
-    H = 6,                                      /* of a window: what that sum varies by */
-    ROOT_W = 27,                                /* |W|^(1/2), scaled */
-    FRAME = RC_ALARM_WINDOWS * RC_ALARM_WINDOW, /* g, and the sum of p p^T */
-    FRAME_H = FRAME + 6,
-    M = FRAME + RC_ALARM_SUMS, /* mean of H of a frame */
-    MEASURED = M + 21,         /* frames that M is the mean of; 0: M is 0 */
-    SINCE,                     /* frames of the longest window */
-    ROWS,                      /* rows in the longest window; in the one before */
+    G = 0, /* sum of g */
+    H = 6, /* W, and what that sum varies by */
+    SUMS = 27,
+    ROOT_W = SUMS /* |W|^(1/2), over 2^100 */
+};
+
+/* Numbers of a body, in the order in which they are held, windows first. */
+enum {
+    M = RC_ALARM_WINDOWS * RC_ALARM_WINDOW, /* mean of H of a frame */
+    MEASURED = M + 21,                      /* frames that M is the mean of; 0: M is 0 */
+    SINCE,                                  /* frames of the longest window */
+    ROWS, /* rows in the longest window; in the one before */
     ROWS_BEFORE,
     LOG_SUM /* log of the body's part of the sum */
 };
-
-static const uint8_t DIAGONAL[6] = {0, 3, 5, 15, 18, 20};
 
 static rigcal_real *body_of(rigcal_real bodies[], size_t body)
 {
@@ -86,99 +86,90 @@ static void add_outer(rigcal_real A[21], rigcal_real s, const rigcal_real x[6])
     rc_sym3_add_outer(&A[RC_SYM6_SECOND], s, &x[3]);
 }
 
-/* What body[M] says of moves, in units of the largest: W of a window of length L is
- * L base + 1. */
-static void base_of(rigcal_real base[21], const rigcal_real body[])
+/* W = length / EXPECTED (M + UNSEEN diag M) + 1, in units of the largest move. */
+static void expect(rigcal_real W[21], const rigcal_real body[], rigcal_real length)
 {
+    static const uint8_t DIAGONAL[6] = {0, 3, 5, 15, 18, 20};
+    const rigcal_real share = length / EXPECTED;
     for (int k = 0; k < 21; k++) {
-        base[k] = body[M + k] / EXPECTED;
+        W[k] = share * body[M + k];
     }
     for (int k = 0; k < 6; k++) {
-        base[DIAGONAL[k]] *= 1 + UNSEEN;
+        W[DIAGONAL[k]] += share * UNSEEN * body[M + DIAGONAL[k]] + 1;
     }
 }
 
-/* L L^T of W + H, H standing in L: W is positive definite, so only rounding can refuse.
- * *scaled: 2^100 / |L|. 0: refused, not finite, or *scaled underflows. */
-static int factor(rc_sym6_factor *L, rigcal_real *scaled)
+/* The factor of a matrix of two blocks in its place. 0: it is not finite, or not positive
+ * definite, which W makes it but for rounding. */
+static int factor(rigcal_real A[21])
 {
-    rigcal_real *const A = L->first, *const B = L->second;
-    const rigcal_real diagonal[6] = {++A[0], ++A[3], ++A[5], ++B[0], ++B[3], ++B[5]};
+    rigcal_real *const across = &A[RC_SYM6_ACROSS], *const B = &A[RC_SYM6_SECOND];
+    const rigcal_real diagonal[6] = {A[0], A[3], A[5], B[0], B[3], B[5]};
     if (!rc_sym3_factor(A, A, diagonal, RANK_TOL)) {
         return 0;
     }
-    for (int column = 0; column < 3; column++) {
-        rigcal_real x[3] = {L->across[0][column], L->across[1][column],
-                            L->across[2][column]};
+    for (int j = 0; j < 3; j++) {
+        rigcal_real x[3] = {across[j], across[3 + j], across[6 + j]};
         rc_sym3_forward(x, A);
-        for (int k = 0; k < 3; k++) {
-            L->across[k][column] = x[k];
-        }
+        across[j] = x[0];
+        across[3 + j] = x[1];
+        across[6 + j] = x[2];
     }
+    for (int k = 0; k < 9; k += 3) {
+        const rigcal_real x = across[k], y = across[k + 1], z = across[k + 2];
+        B[0] -= x * x;
+        B[1] -= x * y;
+        B[2] -= x * z;
+        B[3] -= y * y;
+        B[4] -= y * z;
+        B[5] -= z * z;
+    }
+    return rc_sym3_factor(B, B, &diagonal[3], RANK_TOL);
+}
+
+/* 2^100 / |A|^(1/2) of a factor; 0 where that is not a number of use. */
+static rigcal_real inverse_root(const rigcal_real L[21])
+{
+    const rigcal_real *const B = &L[RC_SYM6_SECOND];
+    const rigcal_real scaled = SCALE * L[0] * L[3] * L[5] * (SCALE * B[0] * B[3] * B[5]);
+    return scaled <= RC_MAX ? scaled : 0;
+}
+
+/* |L^-1 x|^2 */
+static rigcal_real square_of(const rigcal_real L[21], const rigcal_real x[6])
+{
+    rigcal_real y[3], z[3];
+    rc_vec3_copy(y, x);
+    rc_vec3_copy(z, &x[3]);
+    rc_sym3_forward(y, L);
     for (int k = 0; k < 3; k++) {
-        rc_sym3_add_outer(B, -1, L->across[k]);
+        rc_vec3_add_scaled(z, -y[k], &L[RC_SYM6_ACROSS + 3 * k]);
     }
-    if (!rc_sym3_factor(B, B, &diagonal[3], RANK_TOL)) {
-        return 0;
-    }
-    *scaled = SCALE * A[0] * A[3] * A[5] * (SCALE * B[0] * B[3] * B[5]);
-    return *scaled > 0 && *scaled <= RC_MAX;
-}
-/* A window takes a frame in, of which it is sums of n numbers; out = W + H, but for the 1. */
-static void take(rigcal_real out[], rigcal_real sum[], const rigcal_real frame[],
-                 const rigcal_real base[], rigcal_real length, int n)
-{
-    for (int k = 0; k < n; k++) {
-        sum[k] += frame[k];
-        out[k] = sum[k] + length * base[k];
-    }
+    rc_sym3_forward(z, &L[RC_SYM6_SECOND]);
+    return rc_vec3_dot(y, y) + rc_vec3_dot(z, z);
 }
 
-/* The same of H whole, out being W + H. */
-static void take_matrix(rc_sym6_factor *out, rigcal_real sum[21],
-                        const rigcal_real frame[21], const rigcal_real base[21],
-                        rigcal_real length)
+/* Window i >= 1 starts with the next frame. */
+static void start_window(rigcal_real body[], int i)
 {
-    enum { A = RC_SYM6_ACROSS, S = RC_SYM6_SECOND };
-    take(out->first, sum, frame, base, length, A);
-    take(out->across[0], &sum[A], &frame[A], &base[A], length, S - A);
-    take(out->second, &sum[S], &frame[S], &base[S], length, 21 - S);
+    rc_clear(&body[i * RC_ALARM_WINDOW], H);
+    expect(&body[i * RC_ALARM_WINDOW + H], body, LENGTH(i));
 }
 
-/* All windows of a body start, with W of its M. */
+/* All windows start with the next frame. */
 static void start_windows(rigcal_real body[])
 {
-    rigcal_real base[21];
-    base_of(base, body);
-    for (int window = 0; window < RC_ALARM_WINDOWS; window++) {
-        rigcal_real *const at = &body[window * RC_ALARM_WINDOW];
-        rc_sym6_factor L;
-        rigcal_real scaled;
-        rc_clear(at, RC_ALARM_WINDOW);
-        take_matrix(&L, &at[H], &at[H], base, (rigcal_real)LENGTH(window));
-        at[ROOT_W] = factor(&L, &scaled) ? 1 / scaled : 0;
+    rigcal_real W[21];
+    rc_clear(body, SUMS);
+    for (int i = 0; i < RC_ALARM_WINDOWS; i++) {
+        expect(W, body, LENGTH(i));
+        const rigcal_real root = factor(W) ? inverse_root(W) : 0;
+        body[i * RC_ALARM_WINDOW + ROOT_W] = root > 0 ? 1 / root : 0;
+        if (i > 0) {
+            start_window(body, i);
+        }
     }
     body[SINCE] = 0;
-}
-
-/* Lambda of a window is *factor exp(*exponent) once the frame is in. */
-static void add_frame(rigcal_real *root, rigcal_real *exponent, rigcal_real window[],
-                      const rigcal_real frame[RC_ALARM_SUMS], const rigcal_real base[21],
-                      rigcal_real length)
-{
-    rigcal_real x[6], scaled;
-    rc_sym6_factor L;
-    for (int k = 0; k < 6; k++) {
-        window[G + k] += frame[k];
-        x[k] = window[G + k];
-    }
-    take_matrix(&L, &window[H], &frame[6], base, length);
-    *root = *exponent = 0;
-    if (factor(&L, &scaled)) {
-        rc_sym6_forward(x, &L);
-        *exponent = (rc_vec3_dot(x, x) + rc_vec3_dot(&x[3], &x[3])) / 2;
-        *root = length * scaled * window[ROOT_W];
-    }
 }
 
 /* ---- begin ----------------------------------------------------------------- */
@@ -215,7 +206,6 @@ void rc_alarm_again(rc_alarm *alarm, rigcal_real bodies[])
 {
     for (size_t b = 0; b < (size_t)alarm->n_bodies; b++) {
         rigcal_real *const at = body_of(bodies, b);
-        rc_clear(&at[FRAME], RC_ALARM_SUMS);
         start_windows(at);
     }
     alarm->log_sum = 0;
@@ -235,9 +225,9 @@ static void add_row(rigcal_real body[], const rc_alarm *alarm, rigcal_real by,
     rigcal_real p[6];
     rc_vec3_scale(p, by * alarm->move_rad, h);
     rc_vec3_scale(&p[3], by * alarm->move_t, &h[3]);
-    rc_vec3_add(&body[FRAME], p);
-    rc_vec3_add(&body[FRAME + 3], &p[3]);
-    add_outer(&body[FRAME_H], 1, p);
+    rc_vec3_add(&body[G], p);
+    rc_vec3_add(&body[G + 3], &p[3]);
+    add_outer(&body[H], 1, p);
     body[ROWS] += 1;
 }
 
@@ -276,19 +266,24 @@ static rigcal_real log_of_all(const rigcal_real bodies[], size_t n)
 static void weigh_frame(rigcal_real body[], rigcal_real common)
 {
     for (int k = 0; k < 21; k++) {
-        body[FRAME_H + k] *= 1 - common;
+        body[H + k] *= 1 - common;
     }
-    add_outer(&body[FRAME_H], common, &body[FRAME]);
+    add_outer(&body[H], common, &body[G]);
 }
 
-/* Measures M by the longest window and starts all windows with it. */
+/* Measures M by the longest window and starts all windows with it. M is 0 where rounding
+ * leaves nothing that W could be made of. */
 static void measure(rigcal_real body[])
 {
-    const rigcal_real *const sum = &body[(RC_ALARM_WINDOWS - 1) * RC_ALARM_WINDOW + H];
+    const int longest = RC_ALARM_WINDOWS - 1;
+    const rigcal_real *const sum = &body[longest * RC_ALARM_WINDOW + H];
+    rigcal_real W[21];
+    expect(W, body, LENGTH(longest));
     for (int k = 0; k < 21; k++) {
-        body[M + k] = sum[k] / body[SINCE];
+        body[M + k] = (sum[k] - W[k]) / body[SINCE];
     }
-    if (!rc_all_finite(&body[M], 21)) {
+    expect(W, body, LENGTH(longest));
+    if (!factor(W)) {
         rc_clear(&body[M], 21);
     }
     body[MEASURED] = body[SINCE];
@@ -297,35 +292,72 @@ static void measure(rigcal_real body[])
     start_windows(body);
 }
 
-/* Starts the windows anew whose last frame this was, but for the longest. */
-static void end_windows(rigcal_real body[])
+/* Lambda of a window is *root exp(*exponent), A being W + H, of which the factor takes the
+ * place. */
+static void evaluate(rigcal_real *root, rigcal_real *exponent, rigcal_real A[21],
+                     const rigcal_real window[])
 {
-    const int32_t frames = (int32_t)body[SINCE];
-    for (int window = 0; window + 1 < RC_ALARM_WINDOWS; window++) {
-        if (frames % LENGTH(window) == 0) {
-            rc_clear(&body[window * RC_ALARM_WINDOW], ROOT_W);
-        }
+    *root = *exponent = 0;
+    if (factor(A)) {
+        *exponent = square_of(A, &window[G]) / 2;
+        *root = inverse_root(A) * window[ROOT_W];
     }
 }
 
-/* A body's windows take the frame in; its part of the sum. */
+/* The same of the first window, the frame. */
+static void evaluate_frame(rigcal_real *root, rigcal_real *exponent,
+                           const rigcal_real body[])
+{
+    rigcal_real A[21];
+    expect(A, body, 1);
+    for (int k = 0; k < 21; k++) {
+        A[k] += body[H + k];
+    }
+    evaluate(root, exponent, A, body);
+}
+
+/* The same of another, which takes the frame in. */
+static void evaluate_window(rigcal_real *root, rigcal_real *exponent, rigcal_real window[],
+                            const rigcal_real frame[])
+{
+    rigcal_real A[21];
+    for (int k = 0; k < H; k++) {
+        window[k] += frame[k];
+    }
+    for (int k = 0; k < 21; k++) {
+        const rigcal_real sum = window[H + k] + frame[H + k];
+        window[H + k] = sum;
+        A[k] = sum;
+    }
+    evaluate(root, exponent, A, window);
+}
+
+/* A body's part of the sum, once its windows have the frame. */
 static void end_body(rigcal_real body[], const rc_alarm *alarm)
 {
-    rigcal_real base[21], root[RC_ALARM_WINDOWS], exponent[RC_ALARM_WINDOWS];
-    rigcal_real most = 0, sum = 0;
-    base_of(base, body);
+    rigcal_real root[RC_ALARM_WINDOWS], exponent[RC_ALARM_WINDOWS];
     weigh_frame(body, alarm->common);
-    for (int i = 0; i < RC_ALARM_WINDOWS; i++) {
-        add_frame(&root[i], &exponent[i], &body[i * RC_ALARM_WINDOW], &body[FRAME], base,
-                  (rigcal_real)LENGTH(i));
+    evaluate_frame(&root[0], &exponent[0], body);
+    rigcal_real most = exponent[0], sum = 0;
+    for (int i = 1; i < RC_ALARM_WINDOWS; i++) {
+        evaluate_window(&root[i], &exponent[i], &body[i * RC_ALARM_WINDOW], body);
         most = rc_max(most, exponent[i]);
     }
     for (int i = 0; i < RC_ALARM_WINDOWS; i++) {
-        sum += root[i] * rc_exp(exponent[i] - most);
+        sum += LENGTH(i) * root[i] * rc_exp(exponent[i] - most);
     }
-    rc_clear(&body[FRAME], RC_ALARM_SUMS);
     body[LOG_SUM] = most + rc_log(rc_max(sum, LAMBDA_LEAST));
     body[SINCE] += 1;
+}
+
+/* Windows whose last frame this was start anew, but for the longest. */
+static void end_windows(rigcal_real body[])
+{
+    const int32_t frames = (int32_t)body[SINCE];
+    for (int i = 1; i + 1 < RC_ALARM_WINDOWS && frames % LENGTH(i) == 0; i++) {
+        start_window(body, i);
+    }
+    rc_clear(body, SUMS);
 }
 
 rigcal_real rc_alarm_frame(rc_alarm *alarm, rigcal_real bodies[])

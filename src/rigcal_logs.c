@@ -6,10 +6,17 @@
 #define EXPONENT_MOST RC(80)
 
 /* 1: the series is of exp(x / 256), which is then squared eight times. */
-enum { EXP_SQUARINGS = 8 };
+#define EXP_PART RC(0.00390625)
 
-/* terms: of that series; the next is below 2e-6 in float, 1e-16 in double. */
-enum { EXP_TERMS = RIGCAL_USE_FLOAT ? 5 : 12 };
+/* Inverse factorials. The next term is below 2e-6 in float, 1e-12 in double. */
+static const rigcal_real SERIES[] = {
+#if !RIGCAL_USE_FLOAT
+    RC(1) / 39916800, RC(1) / 3628800, RC(1) / 362880,
+    RC(1) / 40320,    RC(1) / 5040,    RC(1) / 720,
+#endif
+    RC(1) / 120,      RC(1) / 24,      RC(1) / 6,
+    RC(1) / 2,        RC(1),           RC(1)};
+enum { EXP_TERMS = sizeof SERIES / sizeof SERIES[0] };
 
 /* 1: powers of 2 are taken out of the argument of log in chunks of 2^16. */
 #define LOG_CHUNK RC(65536)
@@ -23,13 +30,12 @@ enum { LOG_TERMS = RIGCAL_USE_FLOAT ? 5 : 11 };
 
 rigcal_real rc_exp(rigcal_real x)
 {
-    const rigcal_real part = rc_min(rc_max(x, -EXPONENT_MOST), EXPONENT_MOST) /
-                             (rigcal_real)(1 << EXP_SQUARINGS);
-    rigcal_real sum = 1;
-    for (int k = EXP_TERMS; k > 0; k--) {
-        sum = 1 + part * sum / (rigcal_real)k;
+    const rigcal_real part = EXP_PART * rc_min(rc_max(x, -EXPONENT_MOST), EXPONENT_MOST);
+    rigcal_real sum = 0;
+    for (int k = 0; k < EXP_TERMS; k++) {
+        sum = sum * part + SERIES[k];
     }
-    for (int k = 0; k < EXP_SQUARINGS; k++) {
+    for (int k = 0; k < 8; k++) {
         sum *= sum;
     }
     return sum;

@@ -85,7 +85,7 @@ static void correct(rigcal_real m[3], const rc_sight *sight, rigcal_real by,
     rc_vec3_add_scaled(m, -by * along[1], sight->T[1]);
 }
 
-/* h = by (sign t x c - m x g; sign c) */
+/* h = by (-sign t x c - m x g; sign c) */
 static void derivatives(rigcal_real h[6], rigcal_real by, rigcal_real sign,
                         const rigcal_real t[3], const rigcal_real c[3],
                         const rigcal_real m[3], const rigcal_real g[3])
@@ -93,7 +93,7 @@ static void derivatives(rigcal_real h[6], rigcal_real by, rigcal_real sign,
     rigcal_real moved[3], turned[3];
     rc_vec3_cross(moved, t, c);
     rc_vec3_cross(turned, m, g);
-    rc_vec3_combine(h, by * sign, moved, -by, turned);
+    rc_vec3_combine(h, -by * sign, moved, -by, turned);
     rc_vec3_scale(&h[3], by * sign, c);
 }
 

@@ -127,12 +127,11 @@ static int factor(rigcal_real A[21])
     return rc_sym3_factor(B, B, &diagonal[3], RANK_TOL);
 }
 
-/* 2^100 / |A|^(1/2) of a factor; 0 where that is not a number of use. */
+/* 2^100 / |A|^(1/2) of a factor; A is 1 or more, so this does not overflow. */
 static rigcal_real inverse_root(const rigcal_real L[21])
 {
     const rigcal_real *const B = &L[RC_SYM6_SECOND];
-    const rigcal_real scaled = SCALE * L[0] * L[3] * L[5] * (SCALE * B[0] * B[3] * B[5]);
-    return scaled <= RC_MAX ? scaled : 0;
+    return SCALE * L[0] * L[3] * L[5] * (SCALE * B[0] * B[3] * B[5]);
 }
 
 /* |L^-1 x|^2 */

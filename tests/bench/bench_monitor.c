@@ -101,16 +101,22 @@ static void coverage(int rigs, const rig_case *c, int most)
 
 /* ---- after a bump ------------------------------------------------------------------ */
 
-static void random_move(double d[6], test_rng *rng, double rad, double t)
+/* A turn of up to `degrees` about any axis, and a shift. */
+static void random_move(double d[6], test_rng *rng, double degrees, double t)
 {
     for (int k = 0; k < 6; k++) {
-        d[k] = (k < 3 ? rad : t) * test_normal(rng);
+        d[k] = (k < 3 ? 1 : t) * test_normal(rng);
+    }
+    const double scale = test_uniform(rng, 0, degrees * DEGREE) / test_norm(d);
+    for (int k = 0; k < 3; k++) {
+        d[k] *= scale;
     }
 }
 
 /* The body is known, and opened; or an alarm was answered. */
 static void bump(int rigs, const rig_case *c, double degrees, int by_alarm)
 {
+    const double t = c->is_parallel ? 1e-3 : 5e-3;
     static const int FRAMES[] = {1, 3, 10, 30};
     const int n = 6 * (c->cameras - 1);
     int inside[4] = {0, 0, 0, 0}, tried = 0, right = 0;
@@ -125,14 +131,14 @@ static void bump(int rigs, const rig_case *c, double degrees, int by_alarm)
 
         test_watched_make(&w, &rng, c->cameras, c->is_parallel, 0.05 * DEGREE, 2e-3);
         options_of(&o, c, 1);
-        o.move_rad = (rigcal_real)(degrees * DEGREE);
-        o.move_t = RC(5e-3);
+        o.move_rad = (rigcal_real)(3 * DEGREE);
+        o.move_t = (rigcal_real)t;
         o.arl0_frames = by_alarm ? RC(1e4) : RC(1e9);
         test_watched_begin(&w, 0, &o);
         for (int f = 0; f < 100; f++) {
             frame(&report, &rng, c, 1);
         }
-        random_move(d, &rng, degrees * DEGREE, 5e-3);
+        random_move(d, &rng, degrees, t);
         test_watched_bump(&w, body, d);
         if (by_alarm) {
             const watched_matches like = {20, NOISE, c->wrong, 1};
@@ -186,7 +192,11 @@ int main(int argc, char *argv[])
             coverage(many, &RIGS[k], most);
         }
     } else if (argc > 1 && strcmp(argv[1], "bump") == 0) {
+        const int only = argc > 3 ? atoi(argv[3]) : -1;
         for (int k = 0; k < N_RIGS; k++) {
+            if (only >= 0 && k != only) {
+                continue;
+            }
             bump(many, &RIGS[k], 3, 0);
             bump(many, &RIGS[k], 3, 1);
             bump(many, &RIGS[k], 0.2, 1);

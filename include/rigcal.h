@@ -39,9 +39,10 @@
  * Numbers in parentheses, (9) to (26), and letters are those of EQUATIONS.md.
  *
  * Headers: this one includes rigcal_measure.h (points and matching lines), rigcal_rig.h
- * (several cameras), rigcal_choose.h (which of two poses a view has) and rigcal_solvers.h
- * (what the solvers keep; only its sizes matter to a caller). rigcal_paper.h, the published
- * procedure and its parts, is included by who wants it. */
+ * (several cameras), rigcal_choose.h (which of two poses a view has), rigcal_judge.h (which
+ * views are wrong), rigcal_monitor.h (whether a rig has moved) and rigcal_solvers.h (what the
+ * solvers keep; only its sizes matter to a caller). rigcal_paper.h, the published procedure
+ * and its parts, is included by who wants it. */
 #ifndef RIGCAL_H
 #define RIGCAL_H
 
@@ -729,6 +730,7 @@ RIGCAL_API rigcal_status rigcal_store_load(rigcal_mounted_camera cameras[], size
 #include "rigcal_rig.h"
 #include "rigcal_choose.h"
 #include "rigcal_judge.h"
+#include "rigcal_monitor.h"
 #include "rigcal_solvers.h"
 
 #endif /* RIGCAL_H */

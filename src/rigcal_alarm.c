@@ -6,6 +6,7 @@
 
 /* frames: window i starts anew after 4^i. Each serves moves that are seen in about as
  * many frames; with powers of 2 there were twice the windows, and no sooner alarm. */
+#define LOG_4 RC(1.38629436111989061883)
 #define LENGTH(window) ((int32_t)1 << (2 * (window)))
 
 /* standard deviations: innovations are clipped here. Huber's value: normal noise loses 5 %
@@ -24,11 +25,21 @@
 #define UNSEEN RC(1e-3)
 
 /* 1: A is the mean time between false alarms over this. A is a bound that noise does not
- * reach: with 5 rows a frame alarms are six times as rare as it says, with 100 2.6 times. */
-#define SLACK RC(3)
+ * reach: counted were 0.4 to 1.2 of the false alarms that are stated (DESIGN.md). */
+#define SLACK RC(2.5)
 
 /* 1: what is said of rows is measured again when there are so many times as many frames. */
 #define GROWTH 4
+
+/* 1: a window takes part if its rows are so many times the square of the log that it must
+ * reach. With fewer it takes its share of the weight and hardly ever raises the alarm: with
+ * 5 matches a frame of 8 cameras false alarms were a tenth of what is stated. */
+#define ENOUGH RC(1.5)
+
+/* rows, 1: where a body has few rows a frame even its longest windows lose by them. Its
+ * part of the sum is 1 + SPARSE / rows^3 as large, for FEWEST rows or more. */
+#define SPARSE RC(2)
+#define FEWEST RC(1.25)
 
 /* rows: a body with fewer in the longest window is blind. A move has six unknowns. */
 #define SEEING_ROWS 6
@@ -331,20 +342,53 @@ static void evaluate_window(rigcal_real *root, rigcal_real *exponent, rigcal_rea
     evaluate(root, exponent, A, window);
 }
 
-/* A body's part of the sum, once its windows have the frame. */
+/* Rows a frame that M was measured by. */
+static rigcal_real rows_of(const rigcal_real body[])
+{
+    return body[ROWS_BEFORE] / rc_max(body[MEASURED], 1);
+}
+
+/* The windows from this one on share the weight of a body: those with rows enough. */
+static int first_of_use(const rigcal_real body[], const rc_alarm *alarm)
+{
+    const rigcal_real rows = rows_of(body);
+    rigcal_real wanted = alarm->log_limit;
+    int i = 0;
+    while (i + 1 < RC_ALARM_WINDOWS && LENGTH(i) * rows < ENOUGH * wanted * wanted) {
+        wanted -= LOG_4;
+        i++;
+    }
+    return body[MEASURED] > 0 ? i : 0;
+}
+
+/* What a body's sum is multiplied by, of so many windows. */
+static rigcal_real weight_of(const rigcal_real body[], int n_windows)
+{
+    const rigcal_real rows = rc_max(rows_of(body), FEWEST);
+    return RC_ALARM_WINDOWS / (rigcal_real)n_windows * (1 + SPARSE / (rows * rows * rows));
+}
+
+/* A body's part of the sum, once its windows have the frame. Those without rows enough are
+ * left as they are: that changes with M alone, when all start anew. */
 static void end_body(rigcal_real body[], const rc_alarm *alarm)
 {
     rigcal_real root[RC_ALARM_WINDOWS], exponent[RC_ALARM_WINDOWS];
+    const int first = first_of_use(body, alarm);
+    rigcal_real most = 0, sum = 0;
     weigh_frame(body, alarm->common);
-    evaluate_frame(&root[0], &exponent[0], body);
-    rigcal_real most = exponent[0], sum = 0;
-    for (int i = 1; i < RC_ALARM_WINDOWS; i++) {
-        evaluate_window(&root[i], &exponent[i], &body[i * RC_ALARM_WINDOW], body);
+    for (int i = first; i < RC_ALARM_WINDOWS; i++) {
+        if (i == 0) {
+            evaluate_frame(&root[i], &exponent[i], body);
+        } else {
+            evaluate_window(&root[i], &exponent[i], &body[i * RC_ALARM_WINDOW], body);
+        }
         most = rc_max(most, exponent[i]);
     }
-    for (int i = 0; i < RC_ALARM_WINDOWS; i++) {
-        sum += LENGTH(i) * root[i] * rc_exp(exponent[i] - most);
+    const rigcal_real one = rc_exp(-most);
+    for (int i = first; i < RC_ALARM_WINDOWS; i++) {
+        sum += LENGTH(i) * rc_max(0, root[i] * rc_exp(exponent[i] - most) - one);
     }
+    sum *= weight_of(body, RC_ALARM_WINDOWS - first);
     body[LOG_SUM] = most + rc_log(rc_max(sum, LAMBDA_LEAST));
     body[SINCE] += 1;
 }

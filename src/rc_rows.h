@@ -32,9 +32,9 @@ typedef struct {
     rigcal_real sigma_px;        /* and the noise of that */
 } rc_seen;
 
-/* Its rows, where the two bodies are. OK; of a match ERR_DEGENERATE, on the line through
+/* Its n_rows rows, where the two bodies are. OK; of a match ERR_DEGENERATE, on the line through
  * both centres; of a view ERR_BEHIND, ERR_NO_RAY, ERR_DEGENERATE. */
-rigcal_status rc_rows_of(rc_row rows[2], const rc_seen *seen, const rigcal_transform *a,
+rigcal_status rc_rows_of(rc_row rows[], const rc_seen *seen, const rigcal_transform *a,
                          const rigcal_transform *b);
 
 /* A target is placed where a view by a camera has it: how its error hangs on that of the

@@ -162,7 +162,7 @@ static rigcal_status view_rows(rc_row rows[2], const rc_seen *seen,
     return RIGCAL_OK;
 }
 
-rigcal_status rc_rows_of(rc_row rows[2], const rc_seen *seen, const rigcal_transform *a,
+rigcal_status rc_rows_of(rc_row rows[], const rc_seen *seen, const rigcal_transform *a,
                          const rigcal_transform *b)
 {
     return (seen->n_rows == 1) ? match_row(rows, seen, a, b) : view_rows(rows, seen, a, b);

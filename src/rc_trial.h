@@ -12,9 +12,10 @@
  * They take the place of the windows that the alarm lends. */
 enum { RC_TRIAL_MOVE = 0, RC_TRIAL_UD = 6, RC_TRIAL_LOG = 27, RC_TRIAL_SIZE = 28 };
 
-/* One for each body, in memory of the alarm's. */
-void rc_trial_begin(const rc_filter *f, rigcal_real bodies[], rigcal_real move_rad,
-                    rigcal_real move_t);
+/* One for each body, in memory of the alarm's. They begin with the body's part of the
+ * evidence, which other rows gave. */
+void rc_trial_begin(const rc_filter *f, const rc_alarm *alarm, rigcal_real bodies[],
+                    rigcal_real move_rad, rigcal_real move_t);
 
 /* What was seen goes to all trials. Returns whether its rows are more likely wrong than
  * right by each of them. */

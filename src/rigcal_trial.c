@@ -19,12 +19,14 @@ static const rigcal_real *trial_in(const rigcal_real bodies[], size_t body)
     return &bodies[body * RC_ALARM_BODY];
 }
 
-void rc_trial_begin(const rc_filter *f, rigcal_real bodies[], rigcal_real move_rad,
-                    rigcal_real move_t)
+void rc_trial_begin(const rc_filter *f, const rc_alarm *alarm, rigcal_real bodies[],
+                    rigcal_real move_rad, rigcal_real move_t)
 {
     for (size_t b = 0; b < f->n_bodies; b++) {
         rigcal_real *const trial = trial_of(bodies, b);
         rc_clear(trial, RC_TRIAL_SIZE);
+        trial[RC_TRIAL_LOG] =
+            rc_log(rc_max(rc_alarm_share(alarm, bodies, b), LIKELIHOOD_LEAST));
         for (size_t k = 0; k < 3; k++) {
             trial[RC_TRIAL_UD + rc_packed_at(k, k)] = move_rad * move_rad;
             trial[RC_TRIAL_UD + rc_packed_at(k + 3, k + 3)] = move_t * move_t;

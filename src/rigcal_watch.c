@@ -36,7 +36,7 @@ static void weigh(rc_monitor *m)
         head->is_alarm = 1;
         head->since = 1;
         head->settling = 0;
-        rc_trial_begin(&m->filter, m->bodies, head->move_rad, head->move_t);
+        rc_trial_begin(&m->filter, &head->alarm, m->bodies, head->move_rad, head->move_t);
     }
 }
 

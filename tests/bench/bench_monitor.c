@@ -472,7 +472,11 @@ int main(int argc, char *argv[])
         }
     }
     if (argc > 1 && strcmp(argv[1], "blame") == 0) {
+        const int only = argc > 3 ? atoi(argv[3]) : -1;
         for (int k = 0; k < N_BLAMES; k++) {
+            if (only >= 0 && k != only) {
+                continue;
+            }
             blame(many, &BLAMES[k]);
         }
     } else if (argc > 1 && strcmp(argv[1], "delay") == 0) {

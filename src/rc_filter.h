@@ -40,6 +40,11 @@ void rc_filter_factor(rigcal_real P[], size_t n);
 
 /* ---- bodies ------------------------------------------------------------------ */
 
+/* (M9) What a body that is open makes of a row: its noise of variance 1 + BEND hPh u, with u
+ * the variance of w and of dt / reach. UD: the factors of the body's own P, n unknowns. */
+rigcal_real rc_filter_bend(const rigcal_real UD[], size_t n, size_t first,
+                           rigcal_real reach);
+
 /* Where the parts are, in memory of the caller's. Of n = 6 (n_bodies - 1) unknowns: */
 typedef struct {
     size_t n_bodies, frame, n;
@@ -67,9 +72,9 @@ typedef struct {
 int rc_filter_ask(rc_news *news, const rc_filter *f, size_t a, size_t b, const rc_row *row,
                   rigcal_real wrong);
 
-/* The same, and learnt: O(n^2). */
+/* The same, and learnt: O(n^2). is_open: one of the two bodies may be off by degrees. */
 int rc_filter_row(rc_news *news, const rc_filter *f, size_t a, size_t b, const rc_row *row,
-                  rigcal_real wrong);
+                  rigcal_real wrong, int is_open);
 
 /* Takes d of a body into its pose; what rounding leaves of it stays in d. */
 void rc_filter_apply(const rc_filter *f, size_t body);

@@ -19,6 +19,7 @@ rigcal_status rc_sight_of(rc_sight *sight, const rigcal_camera *camera,
 
 typedef struct {
     rigcal_real r, h_a[6], h_b[6];
+    rigcal_real reach; /* length: a shift of so much changes h as a turn of a radian does */
 } rc_row;
 
 /* What was seen of two bodies a and b. */

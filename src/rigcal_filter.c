@@ -12,6 +12,10 @@
 /* 1: 1 / sqrt(2 pi), the density of a normal variable at its mean. */
 #define NORMAL_DENSITY RC(0.398942280401432678)
 
+/* 1: second-order terms of a row over its own size by first order, squared, for turns by a
+ * radian. */
+#define BEND RC(64)
+
 /* part of a variance: what is less of it is rounding. A pivot has at least as much. */
 #define PIVOT_LEAST (4 * RC_EPS)
 
@@ -66,6 +70,17 @@ void rc_filter_learn(rigcal_real UD[], rigcal_real room[], size_t n, rigcal_real
         }
         column += j + 1;
     }
+}
+
+rigcal_real rc_filter_bend(const rigcal_real UD[], size_t n, size_t first,
+                           rigcal_real reach)
+{
+    rigcal_real turn = 0, shift = 0;
+    for (size_t k = first; k < first + 3; k++) {
+        turn += rc_filter_element(UD, n, k, k);
+        shift += rc_filter_element(UD, n, k + 3, k + 3);
+    }
+    return BEND * (turn + shift / (reach * reach));
 }
 
 void rc_filter_doubt(rc_doubt *doubt, rigcal_real nu, rigcal_real S, rigcal_real wrong)
@@ -154,16 +169,22 @@ static void part_of(rc_part *part, const rc_filter *f, size_t a, size_t b,
 
 /* Tells; leaves U^T h in the room. */
 static int tell(rc_news *news, rigcal_real *hPh, rigcal_real *nu, const rc_filter *f,
-                const rc_part *part, rigcal_real r, rigcal_real wrong)
+                const rc_part *part, const rc_row *row, rigcal_real wrong, int is_open)
 {
-    *nu = r;
+    rigcal_real S = 1;
+    *nu = row->r;
     for (int k = 0; k < 2; k++) {
         for (int i = 0; i < 6 && part->at[k] >= 0; i++) {
             *nu -= part->h[k][i] * f->d[part->at[k] + i];
         }
     }
     *hPh = rc_filter_seen(f->room, f->UD, f->n, part);
-    const rigcal_real S = 1 + *hPh;
+    for (int k = 0; k < 2 && is_open; k++) {
+        if (part->at[k] >= 0) {
+            S += *hPh * rc_filter_bend(f->UD, f->n, (size_t)part->at[k], row->reach);
+        }
+    }
+    S += *hPh;
     if (!(S <= RC_MAX && rc_is_finite(*nu))) {
         return 0;
     }
@@ -179,20 +200,21 @@ int rc_filter_ask(rc_news *news, const rc_filter *f, size_t a, size_t b, const r
     rigcal_real hPh, nu;
     rc_part part;
     part_of(&part, f, a, b, row);
-    return tell(news, &hPh, &nu, f, &part, row->r, wrong);
+    return tell(news, &hPh, &nu, f, &part, row, wrong, 0);
 }
 
 int rc_filter_row(rc_news *news, const rc_filter *f, size_t a, size_t b, const rc_row *row,
-                  rigcal_real wrong)
+                  rigcal_real wrong, int is_open)
 {
     rigcal_real hPh, nu;
     rc_part part;
     part_of(&part, f, a, b, row);
-    if (!tell(news, &hPh, &nu, f, &part, row->r, wrong)) {
+    if (!tell(news, &hPh, &nu, f, &part, row, wrong, is_open)) {
         return 0;
     }
-    rc_filter_learn(f->UD, f->room, f->n, hPh, 1 + hPh, news->doubt.gain);
-    const rigcal_real by = news->doubt.beta * nu / (1 + hPh);
+    const rigcal_real S = news->sd * news->sd;
+    rc_filter_learn(f->UD, f->room, f->n, hPh, S, news->doubt.gain);
+    const rigcal_real by = news->doubt.beta * nu / S;
     for (size_t i = 0; i < f->n; i++) {
         f->d[i] += by * f->room[i];
     }

@@ -376,15 +376,12 @@ rigcal_status rc_monitor_check_noise(rigcal_real sigma_px)
     return is_within(sigma_px, NOISE_LEAST, NOISE_MOST) ? RIGCAL_OK : RIGCAL_ERR_RANGE;
 }
 
-/* Where a body settles its pose takes in each row before the next. */
-static void settle(rc_monitor *m, const rc_seen *seen)
+/* Where a body settles, its pose takes in each row before the next; where that is the frame,
+ * all other poses do. */
+static void settle(const rc_monitor *m)
 {
-    const size_t body = m->head.settles;
-    if (m->head.settling == 0) {
-        return;
-    }
-    for (size_t b = 0; b < m->filter.n_bodies; b++) {
-        if (b == body || (body == m->filter.frame && (b == seen->a || b == seen->b))) {
+    for (size_t b = 0; b < m->filter.n_bodies && m->head.settling > 0; b++) {
+        if (b == m->head.settles || m->head.settles == m->filter.frame) {
             rc_filter_apply(&m->filter, b);
         }
     }
@@ -401,14 +398,15 @@ static rigcal_status take_rows(rc_monitor *m, const rc_seen *seen)
         if (status != RIGCAL_OK) {
             return status;
         }
-        if (!rc_filter_row(&news, f, seen->a, seen->b, &rows[k], m->head.wrong)) {
+        if (!rc_filter_row(&news, f, seen->a, seen->b, &rows[k], m->head.wrong,
+                           m->head.settling > 0)) {
             return RIGCAL_ERR_DEGENERATE;
         }
         m->head.rows++;
         m->head.doubted += (news.doubt.beta < RC(0.5)) ? 1 : 0;
         rc_alarm_row(&m->head.alarm, m->bodies, news.z, news.sd, seen->a, rows[k].h_a,
                      seen->b, rows[k].h_b);
-        settle(m, seen);
+        settle(m);
     }
     return RIGCAL_OK;
 }

@@ -116,6 +116,7 @@ static rigcal_status match_row(rc_row *row, const rc_seen *seen, const rigcal_tr
     }
     const rigcal_real by = 1 / RC_SQRT(s2);
     row->r = -e * by;
+    row->reach = rc_vec3_norm(b_from_a.t);
     correct(m_a, sight_a, e / s2, along_a);
     correct(m_b, sight_b, e / s2, along_b);
     (void)constraint(&g, &b_from_a, m_a, m_b);
@@ -147,6 +148,7 @@ static rigcal_status view_rows(rc_row rows[2], const rc_seen *seen,
         rc_row *const row = &rows[k];
         rigcal_real in_rig[3], c[3];
         row->r = by * (seen->uv[k] - uv[k]);
+        row->reach = rc_vec3_norm(p);
         rc_vec3_scale(&row->h_a[3], by, &B[3 * k]);
         rc_vec3_cross(row->h_a, q, &row->h_a[3]);
         rc_mat3_tmul_vec3(in_rig, a->R, &row->h_a[3]);

@@ -44,7 +44,7 @@ static void add_move(rigcal_real x[6], const rigcal_real dx[6])
 
 /* One row at the pose that the trial has, its numbers over sd. */
 static rigcal_real learn_row(rigcal_real trial[], rigcal_real nu, const rigcal_real h[6],
-                             rigcal_real sd, rigcal_real wrong)
+                             rigcal_real reach, rigcal_real sd, rigcal_real wrong)
 {
     rigcal_real scaled[6], room[6], dx[6];
     rc_doubt doubt;
@@ -53,7 +53,8 @@ static rigcal_real learn_row(rigcal_real trial[], rigcal_real nu, const rigcal_r
     }
     const rc_part part = {{0, -1}, {scaled, NULL}};
     const rigcal_real hPh = rc_filter_seen(room, &trial[RC_TRIAL_UD], 6, &part);
-    const rigcal_real S = 1 + hPh;
+    const rigcal_real S =
+        1 + hPh + hPh * rc_filter_bend(&trial[RC_TRIAL_UD], 6, 0, reach);
     if (!(S <= RC_MAX && rc_is_finite(nu))) {
         return LIKELIHOOD_LEAST;
     }
@@ -91,7 +92,7 @@ static rigcal_real take_moved(const rc_filter *f, rigcal_real trial[], const rc_
     const rc_row *const row = &rows[index];
     const rigcal_real nu =
         row->r - part_of_error(f, seen->a, row->h_a) - part_of_error(f, seen->b, row->h_b);
-    return learn_row(trial, nu, is_b ? row->h_b : row->h_a, sd, wrong);
+    return learn_row(trial, nu, is_b ? row->h_b : row->h_a, row->reach, sd, wrong);
 }
 
 int rc_trial_take(const rc_filter *f, rigcal_real bodies[], const rc_seen *seen,

@@ -8,12 +8,11 @@
 
 #define DEGREE 57.295779513082320877
 
-/* frames: an alarm is answered after so many, or after a third of them if it is sure who
- * moved. */
+/* frames: an alarm is answered after so many. */
 enum { FRAMES_TO_ANSWER = 15 };
 
-/* 1: probabilities of who moved, above which it is sure, and above which it is told. */
-static const double SURE = 0.99, TOLD = 0.9;
+/* 1: the probability of who moved above which that one alone is named. */
+static const double TOLD = 0.9;
 
 typedef struct {
     const char *path; /* of the stored bytes */
@@ -337,9 +336,7 @@ static void end_frame(watch *w, double next)
         w->n_alarms++;
         w->alarm_time = before;
     }
-    if (w->report.alarm && (w->report.frames_since >= FRAMES_TO_ANSWER ||
-                            (w->report.frames_since >= FRAMES_TO_ANSWER / 3 &&
-                             (double)w->report.confidence > SURE))) {
+    if (w->report.alarm && w->report.frames_since >= FRAMES_TO_ANSWER) {
         answer(w);
         w->report.alarm = 0;
     }

@@ -205,7 +205,7 @@ static double end_reference_body(dense *d, double common)
     memset(d->g, 0, sizeof d->g);
     memset(d->h, 0, sizeof d->h);
     d->since++;
-    return sum / n * (1 + 2 / pow(d->measured ? fmax(rows, 1.25) : 1.25, 3));
+    return sum / n * (1 + 5 / pow(d->measured ? fmax(rows, 2.5) : 2.5, 2));
 }
 
 /* The windows of a body after a frame. 1: its M was measured. */

@@ -271,11 +271,16 @@ static void change(double *deg, double *shift, const rigcal_transform *before,
     *shift = sqrt(squares);
 }
 
-/* Names of those who may have moved, with their probabilities. */
+/* Names of those who may have moved, with their probabilities. Of two cameras matches do
+ * not tell which. */
 static const char *suspects(const watch *w)
 {
     const char *text = "";
     size_t i;
+
+    if (w->rig.n_cameras == 2) {
+        return cli_text("%s or %s", name_of(w, 0), name_of(w, 1));
+    }
 
     for (i = 0; i < w->rig.n_cameras; i++) {
         rigcal_body_report body;
@@ -289,7 +294,7 @@ static const char *suspects(const watch *w)
     return text;
 }
 
-/* The answer to an alarm: who moved is solved anew, and it is told. */
+/* The answer to an alarm: who moved is solved anew, and told. */
 static void answer(watch *w)
 {
     const size_t body = (size_t)w->report.body, other = body == 0;
@@ -305,7 +310,7 @@ static void answer(watch *w)
         cli_fail("the camera that moved, %s, cannot be solved", name_of(w, body));
     }
     change(&deg, &shift, &before, &after);
-    if (probability > TOLD) {
+    if (probability > TOLD && w->rig.n_cameras > 2) {
         cli_say("alarm at %.6g s: camera %s moved (probability %.3f). It turned by %.3g "
                 "degrees and its centre shifted by %.3g; it is solved anew",
                 w->alarm_time, name_of(w, body), probability, deg, shift);

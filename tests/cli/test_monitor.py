@@ -120,14 +120,14 @@ class Monitor(CliTest):
         for moved in "abc":
             w = np.radians([0.2, -0.25, 0.15])
             after = turned(poses, moved, w)
-            run = self.watch(rig, matches(lambda f: after if f >= 60 else poses, 160,
-                                          np.random.default_rng(ord(moved)), n=40), "--arl0", "10000")
+            run = self.watch(rig, matches(lambda f: after if f >= 40 else poses, 90,
+                                          np.random.default_rng(ord(moved)), n=30), "--arl0", "10000")
             self.assertEqual(run.returncode, 1, run.stderr)
-            self.assertRegex(run.stderr, f"alarm at 2\\.\\d+ s: camera {moved} moved "
+            self.assertRegex(run.stderr, f"alarm at [12]\\.\\d+ s: camera {moved} moved "
                              r"\(probability (0\.99|1)")
             rows = read(run.stdout)
-            self.assertTrue(all(r["alarm"] == "0" for r in rows[:60]))
-            self.assertTrue(any(r["alarm"] == "1" and r["camera"] == moved for r in rows[60:]))
+            self.assertTrue(all(r["alarm"] == "0" for r in rows[:40]))
+            self.assertTrue(any(r["alarm"] == "1" and r["camera"] == moved for r in rows[40:]))
             self.assertEqual(rows[-1]["alarm"], "0")
             # where it is now, seen from the others
             now = {c: pose_in(rows[-1], c) for c in "abc"}
@@ -137,18 +137,18 @@ class Monitor(CliTest):
                 start = relative(poses[moved], poses[other])
                 off, was = angle(seen, true), angle(start, true)
                 measured(f"{moved} from {other}: off by {off:.3f} of {was:.3f} degrees")
-                self.assertLess(off, 0.03)
+                self.assertLess(off, 0.05)
             told = float(re.search(r"It turned by (\S+) degrees", run.stderr)[1])
             self.assertAlmostEqual(told, 0.354, delta=0.1)
 
     def test_two_cameras_and_matches_alone_are_told_that_nothing_tells_which(self):
         rig, poses = self.rig(2)
         after = turned(poses, "b", np.radians([0.3, 0.1, 0.2]))
-        run = self.watch(rig, matches(lambda f: after if f >= 60 else poses, 130,
+        run = self.watch(rig, matches(lambda f: after if f >= 30 else poses, 80,
                                       np.random.default_rng(5)), "--arl0", "10000")
         self.assertEqual(run.returncode, 1, run.stderr)
-        self.assertIn("a camera moved, and nothing tells which", run.stderr)
-        self.assertRegex(run.stderr, r"a \(probability 0\.[45]\d\), b \(probability 0\.[45]\d\)")
+        self.assertIn("a camera moved, and nothing tells which: a or b. A turn of", run.stderr)
+        self.assertNotIn("probability", run.stderr)
 
     def test_a_camera_without_matches_is_blind(self):
         rig, poses = self.rig(3)

@@ -14,7 +14,7 @@
 #define CLIP RC(1.345)
 
 /* 1: rms of normal noise that is clipped there. */
-#define CLIPPED_RMS RC(0.842745)
+#define CLIPPED_RMS RC(0.842713)
 
 /* 1: a window expects moves of (this / its length) of the inverse of what a frame says,
  * so moves of sqrt(8) of its own standard deviations. */

@@ -137,7 +137,9 @@ class Monitor(CliTest):
                 start = relative(poses[moved], poses[other])
                 off, was = angle(seen, true), angle(start, true)
                 measured(f"{moved} from {other}: off by {off:.3f} of {was:.3f} degrees")
-                self.assertLess(off, 0.05)
+                sigma = np.hypot(*(float(rows[-1][f"{c}.sigma_rot_deg"]) for c in (moved, other)))
+                self.assertLess(off, 4 * sigma)
+                self.assertLess(off, was / 3)
             told = float(re.search(r"It turned by (\S+) degrees", run.stderr)[1])
             self.assertAlmostEqual(told, 0.354, delta=0.1)
 

@@ -12,6 +12,10 @@
  * that were said to be sure was wrong. */
 #define WEIGHT RC(0.5)
 
+/* 1, as a log: shares of the evidence that differ by less are equal: windows of bodies do
+ * not start together. */
+#define SHARES_EQUAL RC(2)
+
 /* ---- trials ---------------------------------------------------------------- */
 
 static rigcal_real *trial_of(rigcal_real bodies[], size_t body)
@@ -27,11 +31,16 @@ static const rigcal_real *trial_in(const rigcal_real bodies[], size_t body)
 void rc_trial_begin(const rc_filter *f, const rc_alarm *alarm, rigcal_real bodies[],
                     rigcal_real move_rad, rigcal_real move_t)
 {
+    rigcal_real most = LIKELIHOOD_LEAST;
+    for (size_t b = 0; b < f->n_bodies; b++) {
+        most = rc_max(most, rc_alarm_share(alarm, bodies, b));
+    }
     for (size_t b = 0; b < f->n_bodies; b++) {
         rigcal_real *const trial = trial_of(bodies, b);
+        const rigcal_real share = rc_alarm_share(alarm, bodies, b) / most;
         rc_clear(trial, RC_TRIAL_SIZE);
         trial[RC_TRIAL_LOG] =
-            rc_log(rc_max(rc_alarm_share(alarm, bodies, b), LIKELIHOOD_LEAST));
+            rc_min(SHARES_EQUAL + rc_log(rc_max(share, LIKELIHOOD_LEAST)), 0);
         for (size_t k = 0; k < 3; k++) {
             trial[RC_TRIAL_UD + rc_packed_at(k, k)] = move_rad * move_rad;
             trial[RC_TRIAL_UD + rc_packed_at(k + 3, k + 3)] = move_t * move_t;

@@ -16,8 +16,10 @@
  * want, which all sit where the lens model is a little wrong. */
 #define COMMON_DEFAULT RC(0.5)
 
-/* part of the matches: thought wrong by default, and at most. */
+/* part of the matches: thought wrong by default, at least and at most. With none a bump
+ * would draw the poses along until it is noticed. */
 #define WRONG_DEFAULT RC(0.1)
+#define WRONG_LEAST RC(0.001)
 #define WRONG_MOST RC(0.9)
 
 /* rad: the largest move by default, 3 degrees; from there one frame of rows brings the
@@ -285,7 +287,7 @@ static void begin_head(rc_monitor_head *head, const rigcal_calibrated_rig *rig,
     head->n_cameras = (uint32_t)rig->n_cameras;
     head->n_targets = (uint32_t)n_targets;
     head->frame = (uint32_t)frame;
-    head->wrong = options->wrong;
+    head->wrong = rc_max(options->wrong, WRONG_LEAST);
     head->walk_rad = options->walk_rad;
     head->walk_t = options->walk_t;
     head->move_rad = options->move_rad;

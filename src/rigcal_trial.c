@@ -7,6 +7,15 @@
 /* 1: a likelihood is no less, so that it has a log where no match is thought wrong. */
 #define LIKELIHOOD_LEAST RC(1e-30)
 
+/* part of a log: what a row says counts half. Until the alarm all bodies were drawn along
+ * with the one that moved, and rows of a frame err together: with 1, one in ten of those
+ * that were said to be sure was wrong. */
+#define WEIGHT RC(0.5)
+
+/* 1, as a log: shares of the evidence that differ by less are equal: windows of bodies do
+ * not start together. */
+#define SHARES_EQUAL RC(2)
+
 /* ---- trials ---------------------------------------------------------------- */
 
 static rigcal_real *trial_of(rigcal_real bodies[], size_t body)
@@ -22,11 +31,16 @@ static const rigcal_real *trial_in(const rigcal_real bodies[], size_t body)
 void rc_trial_begin(const rc_filter *f, const rc_alarm *alarm, rigcal_real bodies[],
                     rigcal_real move_rad, rigcal_real move_t)
 {
+    rigcal_real most = LIKELIHOOD_LEAST;
+    for (size_t b = 0; b < f->n_bodies; b++) {
+        most = rc_max(most, rc_alarm_share(alarm, bodies, b));
+    }
     for (size_t b = 0; b < f->n_bodies; b++) {
         rigcal_real *const trial = trial_of(bodies, b);
+        const rigcal_real share = rc_alarm_share(alarm, bodies, b) / most;
         rc_clear(trial, RC_TRIAL_SIZE);
         trial[RC_TRIAL_LOG] =
-            rc_log(rc_max(rc_alarm_share(alarm, bodies, b), LIKELIHOOD_LEAST));
+            rc_min(SHARES_EQUAL + rc_log(rc_max(share, LIKELIHOOD_LEAST)), 0);
         for (size_t k = 0; k < 3; k++) {
             trial[RC_TRIAL_UD + rc_packed_at(k, k)] = move_rad * move_rad;
             trial[RC_TRIAL_UD + rc_packed_at(k + 3, k + 3)] = move_t * move_t;
@@ -55,8 +69,7 @@ static rigcal_real learn_row(rigcal_real trial[], rigcal_real nu, const rigcal_r
     }
     const rc_part part = {{0, -1}, {scaled, NULL}};
     const rigcal_real hPh = rc_filter_seen(room, &trial[RC_TRIAL_UD], 6, &part);
-    const rigcal_real S =
-        1 + hPh + hPh * rc_filter_bend(&trial[RC_TRIAL_UD], 6, 0, reach);
+    const rigcal_real S = 1 + hPh + hPh * rc_filter_bend(&trial[RC_TRIAL_UD], 6, 0, reach);
     if (!(S <= RC_MAX && rc_is_finite(nu))) {
         return LIKELIHOOD_LEAST;
     }
@@ -120,7 +133,7 @@ int rc_trial_take(const rc_filter *f, rigcal_real bodies[], const rc_seen *seen,
                 likelihood =
                     take_moved(f, trial, seen, b == seen->b, index, news.sd, wrong);
             }
-            trial[RC_TRIAL_LOG] += rc_log(rc_max(likelihood, LIKELIHOOD_LEAST));
+            trial[RC_TRIAL_LOG] += WEIGHT * rc_log(rc_max(likelihood, LIKELIHOOD_LEAST));
         }
     }
     return best < RC(0.5);

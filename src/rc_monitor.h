@@ -5,7 +5,7 @@
 #include "rc_calibrated.h"
 #include "rc_trial.h"
 
-/* The first numbers of the memory, copied from there and to there. */
+/* The first numbers of the memory. */
 typedef struct {
     uint32_t seal[2];   /* of all that follows; 0, 0 within a frame */
     uint32_t head_seal; /* of what follows up to `rows` */
@@ -24,7 +24,7 @@ typedef struct {
 
 /* A monitor that was opened. */
 typedef struct {
-    rc_monitor_head head;
+    rc_monitor_head *head;
     rc_filter filter;
     rigcal_real *bodies; /* of the alarm */
     rigcal_real *lenses; /* RIGCAL_MONITOR_LENS of each camera */
@@ -36,16 +36,16 @@ typedef struct {
  * rc_monitor_close. */
 rigcal_status rc_monitor_open(rc_monitor *m, const rigcal_real memory[]);
 
-/* Where everything is, of a head that is right. */
+/* Where everything is, of a head that is right: m->head is there. */
 void rc_monitor_lay_out(rc_monitor *m, rigcal_real memory[]);
 
-/* Writes the head; is_frame_over: with the seal of all. */
+/* The head is sealed; is_frame_over: all is. */
 void rc_monitor_close(rc_monitor *m, int is_frame_over);
 
 /* The same as it was opened. */
 void rc_monitor_close_again(rc_monitor *m);
 
-void rc_monitor_lens(rigcal_camera *camera, const rc_monitor *m, size_t index);
+const rigcal_camera *rc_monitor_lens(const rc_monitor *m, size_t index);
 
 /* OK; ERR_NULL, ERR_NOT_FINITE, ERR_RANGE of sigma_px. */
 rigcal_status rc_monitor_check_noise(rigcal_real sigma_px);

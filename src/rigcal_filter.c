@@ -25,29 +25,87 @@
 
 /* ---- a factored covariance ---------------------------------------------------- */
 
+/* room += U^T h of six unknowns from `at` on: of columns within them, then of those beyond. */
+static void add_part(rigcal_real room[], const rigcal_real UD[], size_t n, size_t at,
+                     const rigcal_real h[6])
+{
+    const rigcal_real h0 = h[0], h1 = h[1], h2 = h[2], h3 = h[3], h4 = h[4], h5 = h[5];
+    const rigcal_real *u = &UD[rc_packed_at(at, at)];
+    rigcal_real *const f = &room[at];
+    f[0] += h0;
+    u += at + 1;
+    f[1] += h1 + u[0] * h0;
+    u += at + 2;
+    f[2] += h2 + u[0] * h0 + u[1] * h1;
+    u += at + 3;
+    f[3] += h3 + u[0] * h0 + u[1] * h1 + u[2] * h2;
+    u += at + 4;
+    f[4] += h4 + u[0] * h0 + u[1] * h1 + u[2] * h2 + u[3] * h3;
+    u += at + 5;
+    f[5] += h5 + u[0] * h0 + u[1] * h1 + u[2] * h2 + u[3] * h3 + u[4] * h4;
+    u += at + 6;
+    for (size_t j = at + 6; j < n; j++) {
+        room[j] += u[0] * h0 + u[1] * h1 + u[2] * h2 + u[3] * h3 + u[4] * h4 + u[5] * h5;
+        u += j + 1;
+    }
+}
+
 rigcal_real rc_filter_seen(rigcal_real room[], const rigcal_real UD[], size_t n,
                            const rc_part *part)
 {
-    const rigcal_real *column = UD;
+    const rigcal_real *diagonal = UD;
+    const rigcal_real zero =
+        part->h[0][0] - part->h[0][0]; /* a C library's memset is slow */
     rigcal_real hPh = 0;
     for (size_t j = 0; j < n; j++) {
-        rigcal_real f = 0;
-        for (int k = 0; k < 2; k++) {
-            if (part->at[k] < 0 || (size_t)part->at[k] > j) {
-                continue;
-            }
-            const size_t at = (size_t)part->at[k], count = j - at < 6 ? j - at : 6;
-            const rigcal_real *const h = part->h[k];
-            for (size_t i = 0; i < count; i++) {
-                f += column[at + i] * h[i];
-            }
-            f += (count < 6) ? h[count] : 0;
+        room[j] = zero;
+    }
+    for (int k = 0; k < 2; k++) {
+        if (part->at[k] >= 0) {
+            add_part(room, UD, n, (size_t)part->at[k], part->h[k]);
         }
-        room[j] = f;
-        hPh += column[j] * f * f;
-        column += j + 1;
+    }
+    for (size_t j = 0; j < n; j++) {
+        hPh += *diagonal * room[j] * room[j];
+        diagonal += j + 2;
     }
     return hPh;
+}
+
+/* u += by b and b += v u, of n elements: two at a time. */
+static void exchange(rigcal_real u[], rigcal_real b[], size_t n, rigcal_real by,
+                     rigcal_real v)
+{
+    size_t i = 0;
+    for (; i + 2 <= n; i += 2) {
+        const rigcal_real u0 = u[i], u1 = u[i + 1], b0 = b[i], b1 = b[i + 1];
+        u[i] = u0 + by * b0;
+        u[i + 1] = u1 + by * b1;
+        b[i] = b0 + u0 * v;
+        b[i + 1] = b1 + u1 * v;
+    }
+    if (i < n) {
+        const rigcal_real u0 = u[i], b0 = b[i];
+        u[i] = u0 + by * b0;
+        b[i] = b0 + u0 * v;
+    }
+}
+
+/* to += by from */
+static void add_scaled(rigcal_real to[], const rigcal_real from[], size_t n, rigcal_real by)
+{
+    size_t i = 0;
+    for (; i + 4 <= n; i += 4) {
+        const rigcal_real a = from[i] * by, b = from[i + 1] * by;
+        const rigcal_real c = from[i + 2] * by, d = from[i + 3] * by;
+        to[i] += a;
+        to[i + 1] += b;
+        to[i + 2] += c;
+        to[i + 3] += d;
+    }
+    for (; i < n; i++) {
+        to[i] += from[i] * by;
+    }
 }
 
 /* Bierman's update, of D - gain / S v v^T, v = D U^T h: alpha grows from S - gain hPh to S.
@@ -63,10 +121,8 @@ void rc_filter_learn(rigcal_real UD[], rigcal_real room[], size_t n, rigcal_real
         alpha += gain * f * v;
         column[j] *= before / alpha;
         room[j] = v;
-        for (size_t i = 0; i < j && v != 0; i++) {
-            const rigcal_real u = column[i];
-            column[i] = u + by * room[i];
-            room[i] += u * v;
+        if (v != 0) {
+            exchange(column, room, j, by, v);
         }
         column += j + 1;
     }
@@ -114,10 +170,7 @@ void rc_filter_multiply(rigcal_real UD[], size_t n)
         }
         const rigcal_real *column = to + j + 1;
         for (size_t k = j + 1; k < n; k++) {
-            const rigcal_real v = column[k] * column[j];
-            for (size_t i = 0; i <= j; i++) {
-                to[i] += column[i] * v;
-            }
+            add_scaled(to, column, j + 1, column[k] * column[j]);
             column += k + 1;
         }
         to += j + 1;
@@ -134,9 +187,7 @@ void rc_filter_factor(rigcal_real P[], size_t n)
         rigcal_real *to = P;
         for (size_t k = 0; k < j; k++) {
             const rigcal_real u = column[k] * by, variance = to[k];
-            for (size_t i = 0; i <= k; i++) {
-                to[i] -= u * column[i];
-            }
+            add_scaled(to, column, k + 1, -u);
             to[k] = rc_max(to[k], PIVOT_LEAST * variance);
             to += k + 1;
         }

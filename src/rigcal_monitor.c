@@ -62,17 +62,20 @@ typedef char rc_monitor_trial_fits[(int)RC_TRIAL_SIZE <= (int)RC_ALARM_WINDOW ? 
 static void sum_words(uint32_t seal[2], const void *from, size_t n_bytes)
 {
     const unsigned char *at = (const unsigned char *)from;
-    uint32_t a = MAGIC, b = 0, w[4];
-    for (; n_bytes >= sizeof w; n_bytes -= sizeof w, at += sizeof w) {
-        memcpy(w, at, sizeof w);
-        b += a += w[0];
-        b += a += w[1];
-        b += a += w[2];
-        b += a += w[3];
+    uint32_t a = MAGIC, b = 0, w, x, y, z;
+    for (; n_bytes >= 16; n_bytes -= 16, at += 16) {
+        memcpy(&w, at, sizeof w);
+        memcpy(&x, at + 4, sizeof x);
+        memcpy(&y, at + 8, sizeof y);
+        memcpy(&z, at + 12, sizeof z);
+        b += a += w;
+        b += a += x;
+        b += a += y;
+        b += a += z;
     }
-    for (; n_bytes >= sizeof w[0]; n_bytes -= sizeof w[0], at += sizeof w[0]) {
-        memcpy(w, at, sizeof w[0]);
-        b += a += w[0];
+    for (; n_bytes >= sizeof w; n_bytes -= sizeof w, at += sizeof w) {
+        memcpy(&w, at, sizeof w);
+        b += a += w;
     }
     seal[0] = a | 1; /* never 0 */
     seal[1] = b;
@@ -95,7 +98,7 @@ static void sum_all(uint32_t seal[2], const rc_monitor *m)
 
 void rc_monitor_lay_out(rc_monitor *m, rigcal_real memory[])
 {
-    const rc_monitor_head *const head = &m->head;
+    const rc_monitor_head *const head = m->head;
     rc_filter *const f = &m->filter;
     rigcal_real *at = memory + RIGCAL_MONITOR_HEAD;
     f->n_cameras = head->n_cameras;
@@ -131,15 +134,15 @@ rigcal_status rc_monitor_open(rc_monitor *m, const rigcal_real memory[])
     if (memory == NULL) {
         return RIGCAL_ERR_NULL;
     }
-    memcpy(&m->head, memory, sizeof m->head);
-    if (!is_head(&m->head)) {
+    m->head = (rc_monitor_head *)memory;
+    if (!is_head(m->head)) {
         return RIGCAL_ERR_STATE;
     }
     rc_monitor_lay_out(m, (rigcal_real *)memory);
-    if ((m->head.seal[0] | m->head.seal[1]) != 0) {
+    if ((m->head->seal[0] | m->head->seal[1]) != 0) {
         uint32_t seal[2];
         sum_all(seal, m);
-        if (m->head.seal[0] != seal[0] || m->head.seal[1] != seal[1]) {
+        if (m->head->seal[0] != seal[0] || m->head->seal[1] != seal[1]) {
             return RIGCAL_ERR_STATE;
         }
     }
@@ -149,25 +152,23 @@ rigcal_status rc_monitor_open(rc_monitor *m, const rigcal_real memory[])
 void rc_monitor_close(rc_monitor *m, int is_frame_over)
 {
     uint32_t seal[2];
-    m->head.placed = m->filter.placed;
-    sum_head(seal, &m->head);
-    m->head.head_seal = seal[1];
-    m->head.seal[0] = m->head.seal[1] = 0;
-    memcpy(m->memory, &m->head, sizeof m->head);
+    m->head->placed = m->filter.placed;
+    sum_head(seal, m->head);
+    m->head->head_seal = seal[1];
+    m->head->seal[0] = m->head->seal[1] = 0;
     if (is_frame_over) {
-        sum_all(m->head.seal, m);
-        memcpy(m->memory, &m->head, sizeof m->head.seal);
+        sum_all(m->head->seal, m);
     }
 }
 
 void rc_monitor_close_again(rc_monitor *m)
 {
-    rc_monitor_close(m, (m->head.seal[0] | m->head.seal[1]) != 0);
+    rc_monitor_close(m, (m->head->seal[0] | m->head->seal[1]) != 0);
 }
 
-void rc_monitor_lens(rigcal_camera *camera, const rc_monitor *m, size_t index)
+const rigcal_camera *rc_monitor_lens(const rc_monitor *m, size_t index)
 {
-    memcpy(camera, m->lenses + RIGCAL_MONITOR_LENS * index, sizeof *camera);
+    return (const rigcal_camera *)(m->lenses + RIGCAL_MONITOR_LENS * index);
 }
 
 /* ---- begin ------------------------------------------------------------------ */
@@ -331,6 +332,7 @@ rigcal_status rigcal_monitor_begin(rigcal_real monitor[], size_t capacity,
                                    const rigcal_monitor_options *options)
 {
     rigcal_monitor_options chosen;
+    rc_monitor_head head;
     rc_monitor m;
     size_t frame = 0;
     if (monitor == NULL) {
@@ -347,12 +349,14 @@ rigcal_status rigcal_monitor_begin(rigcal_real monitor[], size_t capacity,
     if (status != RIGCAL_OK) {
         return status;
     }
-    begin_head(&m.head, rig, n_targets, frame, &chosen);
-    if (!(m.head.move_t > 0)) {
+    begin_head(&head, rig, n_targets, frame, &chosen);
+    if (!(head.move_t > 0)) {
         return RIGCAL_ERR_DEGENERATE;
     }
+    memset(monitor, 0, rigcal_monitor_size(rig->n_cameras, n_targets) * sizeof monitor[0]);
+    m.head = (rc_monitor_head *)monitor;
+    *m.head = head;
     rc_monitor_lay_out(&m, monitor);
-    rc_clear(monitor, m.size);
     for (size_t b = 0; b < m.filter.n_bodies; b++) {
         rc_transform_identity(&m.filter.poses[b]);
     }
@@ -362,8 +366,8 @@ rigcal_status rigcal_monitor_begin(rigcal_real monitor[], size_t capacity,
                sizeof(rigcal_camera));
     }
     copy_covariance(&m.filter, rig);
-    rc_alarm_begin(&m.head.alarm, m.bodies, m.filter.n_bodies, chosen.arl0_frames,
-                   chosen.common, m.head.move_rad, m.head.move_t);
+    rc_alarm_begin(&m.head->alarm, m.bodies, m.filter.n_bodies, chosen.arl0_frames,
+                   chosen.common, m.head->move_rad, m.head->move_t);
     rc_monitor_close(&m, 1);
     return RIGCAL_OK;
 }
@@ -382,8 +386,8 @@ rigcal_status rc_monitor_check_noise(rigcal_real sigma_px)
  * all other poses do. */
 static void settle(const rc_monitor *m)
 {
-    for (size_t b = 0; b < m->filter.n_bodies && m->head.settling > 0; b++) {
-        if (b == m->head.settles || m->head.settles == m->filter.frame) {
+    for (size_t b = 0; b < m->filter.n_bodies && m->head->settling > 0; b++) {
+        if (b == m->head->settles || m->head->settles == m->filter.frame) {
             rc_filter_apply(&m->filter, b);
         }
     }
@@ -400,13 +404,13 @@ static rigcal_status take_rows(rc_monitor *m, const rc_seen *seen)
         if (status != RIGCAL_OK) {
             return status;
         }
-        if (!rc_filter_row(&news, f, seen->a, seen->b, &rows[k], m->head.wrong,
-                           m->head.settling > 0)) {
+        if (!rc_filter_row(&news, f, seen->a, seen->b, &rows[k], m->head->wrong,
+                           m->head->settling > 0)) {
             return RIGCAL_ERR_DEGENERATE;
         }
-        m->head.rows++;
-        m->head.doubted += (news.doubt.beta < RC(0.5)) ? 1 : 0;
-        rc_alarm_row(&m->head.alarm, m->bodies, news.z, news.sd, seen->a, rows[k].h_a,
+        m->head->rows++;
+        m->head->doubted += (news.doubt.beta < RC(0.5)) ? 1 : 0;
+        rc_alarm_row(&m->head->alarm, m->bodies, news.z, news.sd, seen->a, rows[k].h_a,
                      seen->b, rows[k].h_b);
         settle(m);
     }
@@ -415,12 +419,12 @@ static rigcal_status take_rows(rc_monitor *m, const rc_seen *seen)
 
 rigcal_status rc_monitor_take(rc_monitor *m, const rc_seen *seen)
 {
-    if (m->head.is_alarm == 0) {
+    if (m->head->is_alarm == 0) {
         return take_rows(m, seen);
     }
-    const int is_doubted = rc_trial_take(&m->filter, m->bodies, seen, m->head.wrong);
-    m->head.rows += (uint32_t)seen->n_rows;
-    m->head.doubted += is_doubted ? (uint32_t)seen->n_rows : 0;
+    const int is_doubted = rc_trial_take(&m->filter, m->bodies, seen, m->head->wrong);
+    m->head->rows += (uint32_t)seen->n_rows;
+    m->head->doubted += is_doubted ? (uint32_t)seen->n_rows : 0;
     return RIGCAL_OK;
 }
 
@@ -447,7 +451,7 @@ static rigcal_status take_match(rc_monitor *m, rc_seen *seen, size_t a, size_t b
     seen->n_rows = 1;
     const rigcal_status status = rc_monitor_take(m, seen);
     if (status == RIGCAL_OK) {
-        rc_monitor_close(m, 0);
+        m->head->seal[0] = m->head->seal[1] = 0; /* the head itself is as it was */
     }
     return status;
 }
@@ -458,7 +462,6 @@ rigcal_status rigcal_monitor_match_rays(rigcal_real monitor[], size_t camera_a,
 {
     rc_monitor m;
     rc_seen seen;
-    rigcal_camera camera;
     rigcal_status status = rc_check_ray(ray_a);
     if (status == RIGCAL_OK) {
         status = rc_check_ray(ray_b);
@@ -467,12 +470,12 @@ rigcal_status rigcal_monitor_match_rays(rigcal_real monitor[], size_t camera_a,
         status = open_match(&m, monitor, camera_a, camera_b, sigma_px);
     }
     if (status == RIGCAL_OK) {
-        rc_monitor_lens(&camera, &m, camera_a);
-        status = rc_sight_of(&seen.sight[0], &camera, ray_a, sigma_px);
+        status =
+            rc_sight_of(&seen.sight[0], rc_monitor_lens(&m, camera_a), ray_a, sigma_px);
     }
     if (status == RIGCAL_OK) {
-        rc_monitor_lens(&camera, &m, camera_b);
-        status = rc_sight_of(&seen.sight[1], &camera, ray_b, sigma_px);
+        status =
+            rc_sight_of(&seen.sight[1], rc_monitor_lens(&m, camera_b), ray_b, sigma_px);
     }
     return (status == RIGCAL_OK) ? take_match(&m, &seen, camera_a, camera_b) : status;
 }
@@ -481,11 +484,10 @@ rigcal_status rigcal_monitor_match_rays(rigcal_real monitor[], size_t camera_a,
 static rigcal_status sight_pixel(rc_sight *sight, const rc_monitor *m, size_t index,
                                  const rigcal_real uv[2], rigcal_real sigma_px)
 {
-    rigcal_camera camera;
+    const rigcal_camera *const camera = rc_monitor_lens(m, index);
     rigcal_real ray[3];
-    rc_monitor_lens(&camera, m, index);
-    const rigcal_status status = rc_pixel_to_ray(ray, &camera, uv);
-    return (status == RIGCAL_OK) ? rc_sight_of(sight, &camera, ray, sigma_px) : status;
+    const rigcal_status status = rc_pixel_to_ray(ray, camera, uv);
+    return (status == RIGCAL_OK) ? rc_sight_of(sight, camera, ray, sigma_px) : status;
 }
 
 rigcal_status rigcal_monitor_match(rigcal_real monitor[], size_t camera_a,

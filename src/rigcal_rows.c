@@ -38,25 +38,6 @@ rigcal_status rc_sight_of(rc_sight *sight, const rigcal_camera *camera,
 
 /* ---- a match --------------------------------------------------------------- */
 
-/* The constraint e = m_b . (t x R m_a) of rays m_a and m_b, b_from_a = (R, t): its gradients
- * by the rays and by t, each in the frame of camera b, and those of a in that of a. */
-typedef struct {
-    rigcal_real g_a[3], g_b[3], c_a[3], c_b[3];
-} gradients;
-
-static rigcal_real constraint(gradients *g, const rigcal_transform *b_from_a,
-                              const rigcal_real m_a[3], const rigcal_real m_b[3])
-{
-    rigcal_real q[3], n_a[3];
-    rc_mat3_mul_vec3(q, b_from_a->R, m_a);
-    rc_vec3_cross(g->g_b, b_from_a->t, q);
-    rc_vec3_cross(n_a, m_b, b_from_a->t);
-    rc_mat3_tmul_vec3(g->g_a, b_from_a->R, n_a);
-    rc_vec3_cross(g->c_b, q, m_b);
-    rc_mat3_tmul_vec3(g->c_a, b_from_a->R, g->c_b);
-    return rc_vec3_dot(m_b, g->g_b);
-}
-
 /* What the noise of a ray does to e: along its two columns. Returns their square. */
 static rigcal_real noise_of(rigcal_real along[2], const rc_sight *sight,
                             const rigcal_real g[3])
@@ -85,43 +66,53 @@ static void correct(rigcal_real m[3], const rc_sight *sight, rigcal_real by,
     rc_vec3_add_scaled(m, -by * along[1], sight->T[1]);
 }
 
-/* h = by (-sign t x c - m x g; sign c) */
-static void derivatives(rigcal_real h[6], rigcal_real by, rigcal_real sign,
-                        const rigcal_real t[3], const rigcal_real c[3],
-                        const rigcal_real m[3], const rigcal_real g[3])
+/* h = by (-m x g - t x c; c), with the gradients g of e by m = m_b and c by t. */
+static void derivatives(rigcal_real h[6], rigcal_real by, const rigcal_real t[3],
+                        const rigcal_real c[3], const rigcal_real m[3],
+                        const rigcal_real g[3])
 {
     rigcal_real moved[3], turned[3];
     rc_vec3_cross(moved, t, c);
     rc_vec3_cross(turned, m, g);
-    rc_vec3_combine(h, -by * sign, moved, -by, turned);
-    rc_vec3_scale(&h[3], by * sign, c);
+    rc_vec3_combine(h, -by, moved, -by, turned);
+    rc_vec3_scale(&h[3], by, c);
 }
 
-/* (M1) r = -e / s, s^2 = the noise of e; (M2), (M3) h at the corrected match: at the noisy
- * one h along the base is -r / |base|, of which a match knows nothing. */
+/* (M1) The constraint e = m_b . (t x R m_a), b_from_a = (R, t); r = -e / s, s^2 = the noise
+ * of e. (M2), (M3) h at the corrected match: at the noisy one h along the base is
+ * -r / |base|, of which a match knows nothing. A move of both cameras together is not seen:
+ * h_a = -R^T h_b. */
 static rigcal_status match_row(rc_row *row, const rc_seen *seen, const rigcal_transform *a,
                                const rigcal_transform *b)
 {
     const rc_sight *const sight_a = &seen->sight[0], *const sight_b = &seen->sight[1];
     rigcal_transform b_from_a;
-    rigcal_real along_a[2], along_b[2], m_a[3], m_b[3];
-    gradients g;
+    rigcal_real along_a[2], along_b[2], m_a[3], m_b[3], q[3], g_a[3], g_b[3], n_a[3], c[3];
+    const rigcal_real *const t = b_from_a.t;
     rc_transform_between(&b_from_a, b, a);
-    const rigcal_real e = constraint(&g, &b_from_a, sight_a->m, sight_b->m);
+    rc_mat3_mul_vec3(q, b_from_a.R, sight_a->m);
+    rc_vec3_cross(g_b, t, q);
+    rc_vec3_cross(n_a, sight_b->m, t);
+    rc_mat3_tmul_vec3(g_a, b_from_a.R, n_a);
+    const rigcal_real e = rc_vec3_dot(sight_b->m, g_b);
     const rigcal_real s2 =
-        noise_of(along_a, sight_a, g.g_a) + noise_of(along_b, sight_b, g.g_b);
-    if (!(keeps_off(sight_a, g.g_b, b_from_a.t) && keeps_off(sight_b, g.g_a, b_from_a.t) &&
-          s2 > 0)) {
+        noise_of(along_a, sight_a, g_a) + noise_of(along_b, sight_b, g_b);
+    if (!(keeps_off(sight_a, g_b, t) && keeps_off(sight_b, n_a, t) && s2 > 0)) {
         return RIGCAL_ERR_DEGENERATE;
     }
     const rigcal_real by = 1 / RC_SQRT(s2);
     row->r = -e * by;
-    row->reach = rc_vec3_norm(b_from_a.t);
+    row->reach = RC_SQRT(rc_vec3_dot(t, t));
     correct(m_a, sight_a, e / s2, along_a);
     correct(m_b, sight_b, e / s2, along_b);
-    (void)constraint(&g, &b_from_a, m_a, m_b);
-    derivatives(row->h_a, by, -1, a->t, g.c_a, m_a, g.g_a);
-    derivatives(row->h_b, by, 1, b->t, g.c_b, m_b, g.g_b);
+    rc_mat3_mul_vec3(q, b_from_a.R, m_a);
+    rc_vec3_cross(g_b, t, q);
+    rc_vec3_cross(c, q, m_b);
+    derivatives(row->h_b, by, b->t, c, m_b, g_b);
+    rc_mat3_tmul_vec3(row->h_a, b_from_a.R, row->h_b);
+    rc_mat3_tmul_vec3(&row->h_a[3], b_from_a.R, &row->h_b[3]);
+    rc_vec3_scale(row->h_a, -1, row->h_a);
+    rc_vec3_scale(&row->h_a[3], -1, &row->h_a[3]);
     return RIGCAL_OK;
 }
 

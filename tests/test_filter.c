@@ -194,8 +194,7 @@ static void test_it_stays_positive_definite_where_one_direction_is_never_seen(vo
             }
         }
         row.r = (rigcal_real)test_normal(&rng);
-        TEST_ASSERT_TRUE(
-            rc_filter_row(&news, &s.f, (size_t)a, (size_t)b, &row, 0, 0));
+        TEST_ASSERT_TRUE(rc_filter_row(&news, &s.f, (size_t)a, (size_t)b, &row, 0, 0));
     }
     for (size_t i = 0; i < N; i++) {
         TEST_ASSERT_TRUE(s.UD[i * (i + 3) / 2] > 0);
@@ -342,8 +341,9 @@ static void test_a_body_comes_with_its_covariance_and_leaves(void)
         for (int j = 0; j <= i; j++) {
             expected = i == j ? 1e-6 : 0;
             for (int k = 0; k < 36; k++) {
-                expected += j < 12 ? (k < 6) * by[i - 12][k % 6] * s.P[k % 6][j]
-                                   : by[i - 12][k / 6] * s.P[k / 6][k % 6] * by[j - 12][k % 6];
+                expected += j < 12
+                                ? (k < 6) * by[i - 12][k % 6] * s.P[k % 6][j]
+                                : by[i - 12][k / 6] * s.P[k / 6][k % 6] * by[j - 12][k % 6];
             }
             ASSERT_NEAR(expected, s.UD[i * (i + 1) / 2 + j], TOL(1e-15, 1e-9));
         }

@@ -128,12 +128,10 @@ static void test_rigs_that_cannot_be_watched_are_refused(void)
                   rigcal_monitor_begin(w.monitor, size, &w.rig, 0, NULL));
     w.rig.n_cameras = 2;
     w.Sigma[0] = -w.Sigma[0];
-    ASSERT_STATUS(RIGCAL_ERR_RANGE,
-                  rigcal_monitor_begin(w.monitor, size, &w.rig, 0, NULL));
+    ASSERT_STATUS(RIGCAL_ERR_RANGE, rigcal_monitor_begin(w.monitor, size, &w.rig, 0, NULL));
     w.Sigma[0] = -w.Sigma[0];
     w.Sigma[1] = 2 * w.Sigma[0];
-    ASSERT_STATUS(RIGCAL_ERR_RANGE,
-                  rigcal_monitor_begin(w.monitor, size, &w.rig, 0, NULL));
+    ASSERT_STATUS(RIGCAL_ERR_RANGE, rigcal_monitor_begin(w.monitor, size, &w.rig, 0, NULL));
     w.Sigma[1] = 0;
     const rigcal_transform kept = w.cameras[1].cam_from_rig;
     w.cameras[1].cam_from_rig = w.cameras[0].cam_from_rig;
@@ -207,8 +205,7 @@ static void reference_row(double h[6], double *r, const reference *ref, const do
         test_cross(c, q, b);
         if (pass == 0) {
             const double e = test_dot(b, gb);
-            const double g2 =
-                ga[0] * ga[0] + ga[1] * ga[1] + gb[0] * gb[0] + gb[1] * gb[1];
+            const double g2 = ga[0] * ga[0] + ga[1] * ga[1] + gb[0] * gb[0] + gb[1] * gb[1];
             *r = -e / (sigma * sqrt(g2));
             for (int k = 0; k < 2; k++) {
                 a[k] -= e / g2 * ga[k];

@@ -76,7 +76,8 @@ static void test_a_monitor_goes_on_from_what_was_stored(void)
     TEST_ASSERT_EQUAL_MEMORY(&before.cam_from_rig, &after.cam_from_rig,
                              sizeof before.cam_from_rig);
     for (int k = 0; k < 36; k++) {
-        const double scale = sqrt(D(before.Sigma[7 * (k / 6)]) * D(before.Sigma[7 * (k % 6)]));
+        const double scale =
+            sqrt(D(before.Sigma[7 * (k / 6)]) * D(before.Sigma[7 * (k % 6)]));
         ASSERT_NEAR(D(before.Sigma[k]) / scale, D(after.Sigma[k]) / scale, TOL(1e-9, 1e-4));
     }
 }
@@ -100,8 +101,7 @@ static void test_a_pair_has_its_cross_terms(void)
         ASSERT_STATUS(RIGCAL_OK, rigcal_calibrated_pair(&expected, of_rig, &w.rig, a, b));
         ASSERT_TRANSFORM(&expected, &b_from_a, 0, 0);
         for (int k = 0; k < 36; k++) {
-            const double scale =
-                sqrt(D(of_rig[7 * (k / 6)]) * D(of_rig[7 * (k % 6)]));
+            const double scale = sqrt(D(of_rig[7 * (k / 6)]) * D(of_rig[7 * (k % 6)]));
             ASSERT_NEAR(D(of_rig[k]) / scale, D(Sigma[k]) / scale, TOL(1e-9, 1e-3));
         }
     }

@@ -92,8 +92,12 @@ static void match(matched *m, const rigcal_camera camera[2], double uv[2][2],
 {
     for (int c = 0; c < 2; c++) {
         for (int k = 0; k < 5; k++) {
-            const double at[2] = {uv[c][0] + (k == 1 ? STEP : k == 2 ? -STEP : 0),
-                                  uv[c][1] + (k == 3 ? STEP : k == 4 ? -STEP : 0)};
+            const double at[2] = {uv[c][0] + (k == 1   ? STEP
+                                              : k == 2 ? -STEP
+                                                       : 0),
+                                  uv[c][1] + (k == 3   ? STEP
+                                              : k == 4 ? -STEP
+                                                       : 0)};
             ray_of(m->rays[c][k], &camera[c], at, near[c]);
         }
     }
@@ -119,7 +123,7 @@ static double distance(const matched *m, const body *a, const body *b)
 static rigcal_camera lens(int kind)
 {
     static const double PINHOLE[15] = {0, 640, 480, 800, 780, 320, 240};
-    static const double BROWN[15] = {0,   640,  480,  700,  710,   320, 250, -0.2,
+    static const double BROWN[15] = {0,   640,  480,   700,  710,  320, 250, -0.2,
                                      0.1, 1e-3, -5e-4, 0.02, 0.01, 0,   0};
     static const double FISHEYE[15] = {1, 640, 480, 300, 310, 330, 240, 0.02, -0.01};
 
@@ -350,10 +354,12 @@ static void test_a_view_agrees_with_differences_through_any_lens(void)
             ASSERT_NEAR((300 - coordinate(&camera, &a, &b, X, k / 6)) / SIGMA,
                         rows[k / 6].r, TOL(1e-8, 2e-3));
             ASSERT_NEAR((coordinate(&camera, &a1, &b, X, k / 6) -
-                         coordinate(&camera, &a2, &b, X, k / 6)) / scale,
+                         coordinate(&camera, &a2, &b, X, k / 6)) /
+                            scale,
                         D(rows[k / 6].h_a[k % 6]) / largest, TOL(1e-6, 1e-3));
             ASSERT_NEAR((coordinate(&camera, &a, &b1, X, k / 6) -
-                         coordinate(&camera, &a, &b2, X, k / 6)) / scale,
+                         coordinate(&camera, &a, &b2, X, k / 6)) /
+                            scale,
                         D(rows[k / 6].h_b[k % 6]) / largest, TOL(1e-6, 1e-3));
         }
     }

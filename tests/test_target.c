@@ -76,7 +76,8 @@ static void add_rows(double A[JOINT][JOINT], double g[JOINT], int camera,
                             {0, 800 / p[2], -800 * p[1] / (p[2] * p[2])}};
     memset(J, 0, sizeof J);
     for (int k = 0; k < 2; k++) {
-        double turned[3], b[3], from[3] = {in_rig[0] - s[0], in_rig[1] - s[1], in_rig[2] - s[2]};
+        double turned[3], b[3],
+            from[3] = {in_rig[0] - s[0], in_rig[1] - s[1], in_rig[2] - s[2]};
         double Rt[9];
 
         test_cross(turned, q, B[k]);
@@ -171,9 +172,8 @@ static void test_rows_of_a_placement_give_the_joint_least_squares(void)
             double R[9], t[3];
 
             see(o[c], c, &rng, tiny);
-            ASSERT_STATUS(RIGCAL_OK,
-                          rigcal_monitor_view(w.monitor, NULL, (size_t)c, 0, o[c], POINTS,
-                                              RC(NOISE)));
+            ASSERT_STATUS(RIGCAL_OK, rigcal_monitor_view(w.monitor, NULL, (size_t)c, 0,
+                                                         o[c], POINTS, RC(NOISE)));
             before[c] = w.cameras[c].cam_from_rig;
             test_transform_parts(R, t, &before[c]);
             for (int i = 0; i < POINTS; i++) {
@@ -201,11 +201,13 @@ static void test_rows_of_a_placement_give_the_joint_least_squares(void)
             test_transform_parts(R0, t0, &before[camera]);
             test_transpose(Rt, R0);
             test_product(turn, R, Rt);
-            const double d[6] = {(turn[7] - turn[5]) / 2, (turn[2] - turn[6]) / 2,
-                                 (turn[3] - turn[1]) / 2, t[0] - t0[0],
-                                 t[1] - t0[1],            t[2] - t0[2]};
-            ASSERT_NEAR(x[i] / sqrt(P[i][i]), d[i % 6] / sqrt(P[i][i]),
-                        TOL(1e-6, 0.02));
+            const double d[6] = {(turn[7] - turn[5]) / 2,
+                                 (turn[2] - turn[6]) / 2,
+                                 (turn[3] - turn[1]) / 2,
+                                 t[0] - t0[0],
+                                 t[1] - t0[1],
+                                 t[2] - t0[2]};
+            ASSERT_NEAR(x[i] / sqrt(P[i][i]), d[i % 6] / sqrt(P[i][i]), TOL(1e-6, 0.02));
         }
     }
 }

@@ -210,7 +210,8 @@ static void test_poses_rest_until_an_alarm_is_answered(void)
         frame(&report, &rng, &CLEAN);
     }
     ASSERT_STATUS(RIGCAL_OK, rigcal_monitor_camera(&after, w.monitor, 1));
-    ASSERT_TRANSFORM(&before.cam_from_rig, &after.cam_from_rig, TOL(1e-13, 3e-7), TOL(1e-13, 3e-7));
+    ASSERT_TRANSFORM(&before.cam_from_rig, &after.cam_from_rig, TOL(1e-13, 3e-7),
+                     TOL(1e-13, 3e-7));
     ASSERT_STATUS(RIGCAL_OK, rigcal_monitor_dismiss(w.monitor));
     ASSERT_STATUS(RIGCAL_OK, rigcal_monitor_ask(&report, w.monitor));
     TEST_ASSERT_EQUAL_INT32(0, report.alarm);

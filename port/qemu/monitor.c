@@ -63,9 +63,12 @@ static rigcal_real noise(void)
 
 static void begin(void)
 {
-    rigcal_calibrated_rig rig = {cameras, group, held, CAMERAS, Sigma,
-                                 sizeof Sigma / sizeof Sigma[0], CAMERAS,
-                                 (rigcal_real)0.3, 0, 0, 0};
+    rigcal_calibrated_rig rig = {cameras, group,
+                                 held,    CAMERAS,
+                                 Sigma,   sizeof Sigma / sizeof Sigma[0],
+                                 CAMERAS, (rigcal_real)0.3,
+                                 0,       0,
+                                 0};
     rigcal_monitor_options o;
     for (int c = 0; c < CAMERAS; c++) {
         const rigcal_real ypr[3] = {0, (rigcal_real)(-0.2 * c), 0};
@@ -85,7 +88,8 @@ static void begin(void)
     o.arl0_frames = 10000;
     o.walk_rad = (rigcal_real)1e-5; /* the end of a frame has its walk too */
     o.walk_t = (rigcal_real)1e-5;
-    if (rigcal_monitor_begin(monitor, sizeof monitor / sizeof monitor[0], &rig, 0, &o) != 0) {
+    if (rigcal_monitor_begin(monitor, sizeof monitor / sizeof monitor[0], &rig, 0, &o) !=
+        0) {
         printf("begin failed\n");
     }
 }

@@ -34,7 +34,7 @@ typedef struct {
 } rig_case;
 
 static const rig_case RIGS[] = {
-    {2, 1, 0}, {2, 1, 0.1}, {2, 1, 0.3}, {2, 0, 0},   {2, 0, 0.1}, {3, 0, 0},
+    {2, 1, 0},   {2, 1, 0.1}, {2, 1, 0.3}, {2, 0, 0},   {2, 0, 0.1}, {3, 0, 0},
     {3, 0, 0.1}, {4, 0, 0},   {4, 0, 0.1}, {4, 0, 0.3}, {8, 0, 0},   {8, 0, 0.1},
 };
 enum { N_RIGS = sizeof RIGS / sizeof RIGS[0] };
@@ -190,11 +190,11 @@ typedef struct {
 } blame_case;
 
 static const blame_case BLAMES[] = {
-    {3, 0, 0, 0.05, 0},   {3, 0, 0, 0.05, 0.3}, {3, 0, 0, 0.2, 0}, {3, 0, 0, 0.2, 0.3},
-    {3, 0, 0, 1, 0},      {3, 0, 0, 1, 0.3},    {4, 0, 0, 0.05, 0}, {4, 0, 0, 0.05, 0.3},
-    {4, 0, 0, 0.2, 0},    {4, 0, 0, 0.2, 0.3},  {4, 0, 0, 1, 0.3},  {8, 0, 0, 0.05, 0},
+    {3, 0, 0, 0.05, 0},   {3, 0, 0, 0.05, 0.3}, {3, 0, 0, 0.2, 0},   {3, 0, 0, 0.2, 0.3},
+    {3, 0, 0, 1, 0},      {3, 0, 0, 1, 0.3},    {4, 0, 0, 0.05, 0},  {4, 0, 0, 0.05, 0.3},
+    {4, 0, 0, 0.2, 0},    {4, 0, 0, 0.2, 0.3},  {4, 0, 0, 1, 0.3},   {8, 0, 0, 0.05, 0},
     {8, 0, 0, 0.05, 0.3}, {8, 0, 0, 0.2, 0},    {8, 0, 0, 0.2, 0.3}, {2, 0, 1, 0.2, 0},
-    {2, 1, 1, 0.2, 0},    {2, 1, 1, 1, 0.3},    {2, 0, 0, 0.2, 0},  {2, 1, 0, 1, 0.3},
+    {2, 1, 1, 0.2, 0},    {2, 1, 1, 1, 0.3},    {2, 0, 0, 0.2, 0},   {2, 1, 0, 1, 0.3},
 };
 enum { N_BLAMES = sizeof BLAMES / sizeof BLAMES[0] };
 
@@ -440,7 +440,8 @@ static void delay(int moves, const rig_case *c, double common, double mu_least,
         limits += limit_of(wanted, 1e4);
         ratio += f / limit_of(wanted, 1e4);
     }
-    printf("%d cameras%s, common %.1f, %2.0f %% wrong, %.1f to %.1f sd: found %5.1f %%, frames "
+    printf("%d cameras%s, common %.1f, %2.0f %% wrong, %.1f to %.1f sd: found %5.1f %%, "
+           "frames "
            "%6.1f, limit %5.1f, ratio of means %.2f, mean of ratios %.2f, false %d\n",
            c->cameras, c->is_parallel ? " parallel" : "", common, 100 * c->wrong, mu_least,
            mu_most, 100.0 * found / tried, frames / tried, limits / tried, frames / limits,
@@ -448,8 +449,8 @@ static void delay(int moves, const rig_case *c, double common, double mu_least,
     fflush(stdout);
 }
 
-static const rig_case MOVED[] = {{2, 1, 0}, {4, 0, 0}, {2, 1, 0.1}, {4, 0, 0.1},
-                                 {2, 1, 0.3}, {4, 0, 0.3}};
+static const rig_case MOVED[] = {{2, 1, 0},   {4, 0, 0},   {2, 1, 0.1},
+                                 {4, 0, 0.1}, {2, 1, 0.3}, {4, 0, 0.3}};
 
 int main(int argc, char *argv[])
 {

@@ -72,39 +72,40 @@ rigcal_real rc_filter_seen(rigcal_real room[], const rigcal_real UD[], size_t n,
     return hPh;
 }
 
-/* u += by b and b += v u, of n elements: two at a time. */
-static void exchange(rigcal_real u[], rigcal_real b[], size_t n, rigcal_real by,
+/* u += by b and b += v u, of n elements: four at a time, so that most instructions count. */
+static void exchange(rigcal_real *u, rigcal_real *b, size_t n, rigcal_real by,
                      rigcal_real v)
 {
-    size_t i = 0;
-    for (; i + 2 <= n; i += 2) {
-        const rigcal_real u0 = u[i], u1 = u[i + 1], b0 = b[i], b1 = b[i + 1];
-        u[i] = u0 + by * b0;
-        u[i + 1] = u1 + by * b1;
-        b[i] = b0 + u0 * v;
-        b[i + 1] = b1 + u1 * v;
+    for (; n >= 4; n -= 4, u += 4, b += 4) {
+        const rigcal_real u0 = u[0], u1 = u[1], u2 = u[2], u3 = u[3];
+        const rigcal_real b0 = b[0], b1 = b[1], b2 = b[2], b3 = b[3];
+        u[0] = u0 + by * b0;
+        u[1] = u1 + by * b1;
+        u[2] = u2 + by * b2;
+        u[3] = u3 + by * b3;
+        b[0] = b0 + u0 * v;
+        b[1] = b1 + u1 * v;
+        b[2] = b2 + u2 * v;
+        b[3] = b3 + u3 * v;
     }
-    if (i < n) {
-        const rigcal_real u0 = u[i], b0 = b[i];
-        u[i] = u0 + by * b0;
-        b[i] = b0 + u0 * v;
+    for (; n > 0; n--, u++, b++) {
+        const rigcal_real u0 = *u, b0 = *b;
+        *u = u0 + by * b0;
+        *b = b0 + u0 * v;
     }
 }
 
 /* to += by from */
-static void add_scaled(rigcal_real to[], const rigcal_real from[], size_t n, rigcal_real by)
+static void add_scaled(rigcal_real *to, const rigcal_real *from, size_t n, rigcal_real by)
 {
-    size_t i = 0;
-    for (; i + 4 <= n; i += 4) {
-        const rigcal_real a = from[i] * by, b = from[i + 1] * by;
-        const rigcal_real c = from[i + 2] * by, d = from[i + 3] * by;
-        to[i] += a;
-        to[i + 1] += b;
-        to[i + 2] += c;
-        to[i + 3] += d;
+    for (; n >= 4; n -= 4, to += 4, from += 4) {
+        to[0] += from[0] * by;
+        to[1] += from[1] * by;
+        to[2] += from[2] * by;
+        to[3] += from[3] * by;
     }
-    for (; i < n; i++) {
-        to[i] += from[i] * by;
+    for (; n > 0; n--, to++, from++) {
+        *to += *from * by;
     }
 }
 

@@ -16,6 +16,10 @@
 #define FRAMES 300
 #endif
 
+#ifndef WALK
+#define WALK 0
+#endif
+
 enum { MATCHES = 20, TURNED_AT = FRAMES - 60, ANSWER_AFTER = 15 };
 
 void jobs_begin(void);
@@ -86,8 +90,8 @@ static void begin(void)
     }
     (void)rigcal_monitor_defaults(&o);
     o.arl0_frames = 10000;
-    o.walk_rad = (rigcal_real)1e-5; /* the end of a frame has its walk too */
-    o.walk_t = (rigcal_real)1e-5;
+    o.walk_rad = WALK; /* with one the end of a frame has it too */
+    o.walk_t = WALK;
     if (rigcal_monitor_begin(monitor, sizeof monitor / sizeof monitor[0], &rig, 0, &o) !=
         0) {
         printf("begin failed\n");

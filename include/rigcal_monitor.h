@@ -70,7 +70,7 @@ typedef struct rigcal_monitor_options {
                                 themselves; 1: all alike. Default 0.5, for a lens model that
                                 is a little wrong where the matches happen to be */
     rigcal_real wrong;       /* share of wrong matches expected, 0 .. 0.9. Default 0.1.
-                                Below 0.001 it is that */
+                                Below 1e-5 it is that */
     rigcal_real walk_rad;    /* random walk of each camera: rad, and lengths, per square */
     rigcal_real walk_t;      /* root of a second, 0 .. 1 and 0 or more. Default 0: none */
     rigcal_real move_rad;    /* the largest move thought possible: rad, > 0 .. 0.5 */

@@ -19,7 +19,7 @@
 /* part of the matches: thought wrong by default, at least and at most. With none a bump
  * would draw the poses along until it is noticed. */
 #define WRONG_DEFAULT RC(0.1)
-#define WRONG_LEAST RC(0.001)
+#define WRONG_LEAST RC(1e-5)
 #define WRONG_MOST RC(0.9)
 
 /* rad: the largest move by default, 3 degrees; from there one frame of rows brings the

@@ -87,8 +87,8 @@ typedef struct {
 
 static const double STEP = 1e-2;
 
-static void match(matched *m, const rigcal_camera camera[2], const double uv[2][2],
-                  const double near[2][3])
+static void match(matched *m, const rigcal_camera camera[2], double uv[2][2],
+                  double near[2][3])
 {
     for (int c = 0; c < 2; c++) {
         for (int k = 0; k < 5; k++) {

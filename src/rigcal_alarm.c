@@ -24,8 +24,9 @@
  * others have. */
 #define UNSEEN RC(1e-3)
 
-/* 1: A is the mean time between false alarms over this. A is a bound that noise does not
- * reach: counted were 0.4 to 1.2 of the false alarms that are stated (DESIGN.md). */
+/* 1: A is the mean time between false alarms, times 1 + common, over this. A is a bound that
+ * noise does not reach: counted were 0.4 to 1.2 of the false alarms that are stated
+ * (DESIGN.md). 1 + common is what matches of real boards, which err together, need. */
 #define SLACK RC(2.5)
 
 /* 1: what is said of rows is measured again when there are so many times as many frames. */
@@ -194,8 +195,8 @@ void rc_alarm_begin(rc_alarm *alarm, rigcal_real bodies[], size_t n_bodies,
     RIGCAL_ASSERT(move_rad > 0 && move_t > 0);
     alarm->n_bodies = (int32_t)n_bodies;
     alarm->common = common;
-    alarm->log_limit =
-        rc_log(arl0_frames / SLACK * (rigcal_real)n_bodies * RC_ALARM_WINDOWS);
+    alarm->log_limit = rc_log(arl0_frames * (1 + common) / SLACK * (rigcal_real)n_bodies *
+                              RC_ALARM_WINDOWS);
     alarm->move_rad = move_rad;
     alarm->move_t = move_t;
     alarm->rows = alarm->squares = alarm->log_sum = 0;

@@ -9,7 +9,7 @@
 enum { BODIES = 3, WINDOWS = RC_ALARM_WINDOWS };
 
 #define ARL0 1000.0
-#define LIMIT (ARL0 / 2.5)
+#define LIMIT (ARL0 * (1 + common) / 2.5) /* A */
 #define MOVE_RAD 0.0524
 #define MOVE_T 0.01
 

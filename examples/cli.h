@@ -25,13 +25,19 @@ enum {
     OPTION_PRIOR,
     OPTION_PROBABILITY,
     OPTION_CANDIDATES,
+    OPTION_MATCHES,
+    OPTION_TIMES,
+    OPTION_ARL0,
+    OPTION_COMMON,
+    OPTION_WRONG,
+    OPTION_WALK,
     OPTION_COUNT
 };
 
 /* Each runs with the texts given to the options, NULL where not given and empty
  * where an option takes none, and returns the exit status. */
 typedef int cli_command(const char *const option[OPTION_COUNT]);
-cli_command cli_calibrate, cli_triangulate, cli_line;
+cli_command cli_calibrate, cli_triangulate, cli_line, cli_monitor;
 
 /* Significant digits written to files, so that nothing measured is lost. */
 enum { CLI_DIGITS = sizeof(rigcal_real) == sizeof(double) ? 12 : 9 };
@@ -58,7 +64,7 @@ void cli_flush_stdout(const char *consequence);
 /* A set of files that appears in a folder as a whole or not at all. The folder,
  * and those that lead to it, are made. Whatever fails ends the program, and leaves
  * all as it was. `name` must stay. */
-enum { CLI_OUTPUT_MAX = 5 };
+enum { CLI_OUTPUT_MAX = 6 };
 typedef struct cli_output cli_output;
 cli_output *cli_output_begin(const char *folder);
 FILE *cli_output_file(cli_output *output, const char *name);

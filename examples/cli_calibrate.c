@@ -128,6 +128,55 @@ static void write_rig(FILE *file, const calibration *c)
     }
 }
 
+/* The cameras of rig.csv as rigcal_store_save_rig has them, with their joint covariance
+ * where all cameras have one frame and their noise is known. Returns 0 where it is not. */
+static int take_joint(rigcal_calibrated_rig *kept, const calibration *c)
+{
+    const size_t n = c->rig.n_cameras;
+    size_t i;
+
+    for (i = 0; i < n; i++) {
+        if (!c->in_frame[i]) {
+            return 0;
+        }
+    }
+    kept->capacity = n;
+    kept->Sigma_capacity = RIGCAL_CALIBRATED_SIZE(n);
+    kept->cameras = cli_alloc(n, sizeof *kept->cameras);
+    kept->group = cli_alloc(n, sizeof *kept->group);
+    kept->held = cli_alloc(n, sizeof *kept->held);
+    kept->Sigma = cli_alloc(kept->Sigma_capacity, sizeof *kept->Sigma);
+    for (i = 0; i < n; i++) {
+        kept->cameras[i].camera = c->cameras.camera[c->camera[i]];
+    }
+    return c->is_adjusted &&
+           rigcal_calibrated_take(kept, &c->rig, &c->fit, rig_noise_px(c)) == RIGCAL_OK;
+}
+
+static void write_stored(FILE *file, const calibration *c)
+{
+    const size_t n = c->rig.n_cameras, capacity = rigcal_store_rig_size(n, n);
+    uint8_t *bytes = cli_alloc(capacity + 1, 1);
+    rigcal_mounted_camera *cameras = cli_alloc(n + 1, sizeof *cameras);
+    rigcal_calibrated_rig kept;
+    size_t i, count = 0, n_bytes = 0;
+
+    memset(&kept, 0, sizeof kept);
+    if (take_joint(&kept, c)) {
+        rigcal_store_save_rig(bytes, capacity, &n_bytes, &kept, 1, 0);
+    } else {
+        for (i = 0; i < n; i++) {
+            rigcal_mounted_camera *m = &cameras[count];
+
+            m->camera = c->cameras.camera[c->camera[i]];
+            m->cam_from_rig = c->rig.cams_from_rig[i];
+            count += c->in_frame[i] != 0;
+        }
+        rigcal_store_save(bytes, capacity, &n_bytes, cameras, count, 1, 0);
+    }
+    fwrite(bytes, 1, n_bytes, file);
+}
+
 static void write_targets(FILE *file, const calibration *c)
 {
     size_t frame;
@@ -194,6 +243,7 @@ static void write_files(const calibration *c, const char *folder)
     cli_progress(c->n_views, "writing %s", folder);
     write_poses(cli_output_file(output, "poses.csv"), c);
     write_rig(cli_output_file(output, "rig.csv"), c);
+    write_stored(cli_output_file(output, "rig.bin"), c);
     write_targets(cli_output_file(output, "targets.csv"), c);
     write_pairs(cli_output_file(output, "pairs.csv"), c);
     write_residuals(cli_output_file(output, "residuals.csv"), c);

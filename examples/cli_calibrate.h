@@ -150,6 +150,9 @@ typedef struct {
     double deg, position;
 } rig_sigma;
 
+/* The noise of a pixel that the rig's covariances are for; 0: it is not known. */
+rigcal_real rig_noise_px(const calibration *c);
+
 /* Of a camera of the rig; of b_from_a of two of one group. They return 0 if no sigma is
  * known. */
 int rig_camera_sigma(rig_sigma *s, const calibration *c, size_t rig_camera);

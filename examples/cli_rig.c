@@ -453,15 +453,14 @@ static void fill_sigma(rig_sigma *s, const rigcal_real t[3])
     s->position = sqrt(fmax(centre, 0));
 }
 
-/* Noise of the sigmas: 0 if they are not known. */
-static rigcal_real noise_of(const calibration *c)
+rigcal_real rig_noise_px(const calibration *c)
 {
     return c->is_adjusted ? (rigcal_real)(c->noise_px * c->factor) : 0;
 }
 
 int rig_camera_sigma(rig_sigma *s, const calibration *c, size_t rig_camera)
 {
-    const rigcal_real noise_px = noise_of(c);
+    const rigcal_real noise_px = rig_noise_px(c);
 
     memset(s, 0, sizeof *s);
     if (!(noise_px > 0) ||
@@ -475,7 +474,7 @@ int rig_camera_sigma(rig_sigma *s, const calibration *c, size_t rig_camera)
 int rig_pair(rigcal_transform *b_from_a, rig_sigma *s, const calibration *c, size_t a,
              size_t b)
 {
-    const rigcal_real noise_px = noise_of(c);
+    const rigcal_real noise_px = rig_noise_px(c);
     rigcal_status status;
 
     memset(s, 0, sizeof *s);

@@ -19,13 +19,16 @@ static const char HELP[] =
     "  rigcal line        --cameras FILE --rig FILE --from CAMERA --to CAMERA\n"
     "                     --pixel U,V [--depth NEAR,FAR] [--sigma PIXELS]\n"
     "                     [--probability P] [--candidates FILE]\n"
+    "  rigcal monitor     --rig FILE (--matches FILE | --observations FILE\n"
+    "                     --times FILE) [--sigma PIXELS] [--arl0 FRAMES]\n"
+    "                     [--common SHARE] [--wrong SHARE] [--walk DEGREES,LENGTH]\n"
     "  rigcal --help | --version\n"
     "\n"
     "calibrate finds every camera's pose and the rig that they form. Views that\n"
     "contradict the others are left out: the first lines say which, why, and what to\n"
     "do.\n"
-    "  --out        the folder for poses.csv, rig.csv, targets.csv, pairs.csv\n"
-    "               and residuals.csv. It is made if it does not exist.\n"
+    "  --out        the folder for poses.csv, rig.csv, rig.bin, targets.csv,\n"
+    "               pairs.csv and residuals.csv. It is made if it does not exist.\n"
     "  --sigma      the noise of one pixel coordinate. Fits and uncertainties are\n"
     "               judged by it; without it, by the residuals.\n"
     "  --robust     leaves out points that disagree with the others by more than\n"
@@ -59,12 +62,28 @@ static const char HELP[] =
     "               row of the image the columns to search.\n"
     "  --candidates a CSV file with columns u and v: those in the band, best first.\n"
     "\n"
+    "monitor watches a calibrated rig by points that two cameras see at once. It prints\n"
+    "CSV, a line a frame: the evidence that a camera moved, 0 or more is an alarm, and\n"
+    "all poses. After an alarm it says who moved and solves that camera anew.\n"
+    "  --rig        rig.csv of calibrate, with the rig.bin beside it.\n"
+    "  --matches    CSV: time_s,camera_a,u_a,v_a,camera_b,u_b,v_b. Lines of one time\n"
+    "               are a frame.\n"
+    "  --observations, --times\n"
+    "               observations.csv, and CSV: frame,time_s. Points that two cameras\n"
+    "               saw in a frame are matches.\n"
+    "  --sigma      the noise of one pixel coordinate; without it, that of the rig.\n"
+    "  --arl0       the mean number of frames between false alarms; 1000000.\n"
+    "  --common     how far the matches of a frame err together, 0 to 1; 0.5.\n"
+    "  --wrong      the share of wrong matches that is expected; 0.1.\n"
+    "  --walk       how far cameras wander in a second: a random walk; 0,0.\n"
+    "\n"
     "examples/data/FORMAT.md describes the files, and how to make them from those of\n"
     "OpenCV, Kalibr, ROS, COLMAP, MATLAB and others.\n"
     "\n"
     "Exit status: 0 all is done, or no more is wrong than that a view fits badly. 1\n"
     "something could not be computed or was left out: the first lines name it, and the\n"
-    "rest is done. 2 wrong use, a file at fault, or output that could not be written:\n"
+    "rest is done; of monitor, there was an alarm. 2 wrong use, a file at fault, or output "
+    "that could not be written:\n"
     "no file was written.\n";
 
 #define BIT(option) (1U << (option))
@@ -87,6 +106,10 @@ static const command COMMANDS[] = {
          BIT(OPTION_PIXEL),
      BIT(OPTION_DEPTH) | BIT(OPTION_SIGMA) | BIT(OPTION_PROBABILITY) |
          BIT(OPTION_CANDIDATES)},
+    {"monitor", cli_monitor, BIT(OPTION_RIG),
+     BIT(OPTION_MATCHES) | BIT(OPTION_OBSERVATIONS) | BIT(OPTION_TIMES) |
+         BIT(OPTION_SIGMA) | BIT(OPTION_ARL0) | BIT(OPTION_COMMON) | BIT(OPTION_WRONG) |
+         BIT(OPTION_WALK)},
 };
 
 enum { HELP_OPTION = OPTION_COUNT, VERSION_OPTION };
@@ -110,6 +133,12 @@ static const struct option OPTIONS[] = {
     {"prior", required_argument, NULL, OPTION_PRIOR},
     {"probability", required_argument, NULL, OPTION_PROBABILITY},
     {"candidates", required_argument, NULL, OPTION_CANDIDATES},
+    {"matches", required_argument, NULL, OPTION_MATCHES},
+    {"times", required_argument, NULL, OPTION_TIMES},
+    {"arl0", required_argument, NULL, OPTION_ARL0},
+    {"common", required_argument, NULL, OPTION_COMMON},
+    {"wrong", required_argument, NULL, OPTION_WRONG},
+    {"walk", required_argument, NULL, OPTION_WALK},
     {"help", no_argument, NULL, HELP_OPTION},
     {"version", no_argument, NULL, VERSION_OPTION},
     {NULL, 0, NULL, 0},
@@ -256,7 +285,7 @@ static const command *find_command(const char *name)
         }
     }
     WRONG_USE("there is no command \"%s\": the commands are calibrate, "
-              "triangulate and line",
+              "triangulate, line and monitor",
               name);
 }
 
@@ -266,7 +295,7 @@ static int run(int argc, char *argv[])
     const command *chosen;
 
     if (argc < 2) {
-        WRONG_USE("give a command: calibrate, triangulate or line");
+        WRONG_USE("give a command: calibrate, triangulate, line or monitor");
     }
     if (strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "-h") == 0) {
         fputs(HELP, stdout);

@@ -39,10 +39,11 @@
  * Numbers in parentheses, (9) to (26), and letters are those of EQUATIONS.md.
  *
  * Headers: this one includes rigcal_measure.h (points and matching lines), rigcal_rig.h
- * (several cameras), rigcal_choose.h (which of two poses a view has), rigcal_match.h (the
- * band of a matching line, and the search in it) and rigcal_solvers.h (what the solvers
- * keep; only its sizes matter to a caller). rigcal_paper.h, the published
- * procedure and its parts, is included by who wants it. */
+ * (several cameras), rigcal_choose.h (which of two poses a view has), rigcal_judge.h (which
+ * views are wrong), rigcal_point.h (points with their sigma), rigcal_match.h (the band of a
+ * matching line, and the search in it), rigcal_monitor.h (whether a rig has moved) and
+ * rigcal_solvers.h (what the solvers keep; only its sizes matter to a caller).
+ * rigcal_paper.h, the published procedure and its parts, is included by who wants it. */
 #ifndef RIGCAL_H
 #define RIGCAL_H
 
@@ -732,6 +733,7 @@ RIGCAL_API rigcal_status rigcal_store_load(rigcal_mounted_camera cameras[], size
 #include "rigcal_judge.h"
 #include "rigcal_point.h"
 #include "rigcal_match.h"
+#include "rigcal_monitor.h"
 #include "rigcal_solvers.h"
 
 #endif /* RIGCAL_H */

@@ -14,9 +14,11 @@
 #include <string.h>
 
 #include "count_hooks.h"
+#include "rc_alarm.h"
 #include "rc_chain.h"
 #include "rc_direction.h"
 #include "rc_levenberg.h"
+#include "rc_logs.h"
 #include "rc_neldermead.h"
 #include "rc_p3p.h"
 #include "rc_pose.h"
@@ -2540,6 +2542,70 @@ static void gate_memory(void)
     measure_stack("stack.diagnose", call_diagnose);
 }
 
+/* ---- alarm ----------------------------------------------------------------- */
+
+enum { ALARM_BODIES = 3 };
+
+static rc_alarm alarm;
+static rigcal_real alarm_bodies[ALARM_BODIES * RC_ALARM_BODY];
+
+/* A row of any two bodies; the third has rows until `blind`. size: how much it says. */
+static void alarm_row(int is_blind, double size, double shift)
+{
+    const size_t a = is_blind ? 0 : (size_t)uniform(0, ALARM_BODIES);
+    const size_t b = is_blind ? 1 : (a + 1 + (size_t)uniform(0, 2)) % ALARM_BODIES;
+    rigcal_real h[2][6];
+    double z = 1.2 * normal();
+    for (int k = 0; k < 12; k++) {
+        h[k / 6][k % 6] = (rigcal_real)(size * normal() * (k % 6 == 1 ? 0.02 : 1));
+    }
+    z += shift * (double)h[0][0] / size;
+    rc_alarm_row(&alarm, alarm_bodies, (rigcal_real)z, 1, a, h[0], b, h[1]);
+}
+
+/* Frames of n rows: alarms, the evidence of now and then, what is blind. */
+static void alarm_run(const char *name, int frames, int n, double common, double size)
+{
+    tally t;
+    char counter[64];
+    double sum = 0;
+    begin(&t, name);
+    rc_alarm_begin(&alarm, alarm_bodies, ALARM_BODIES, 200, (rigcal_real)common, RC(0.05),
+                   RC(0.02));
+    for (int f = 0; f < frames; f++) {
+        for (int i = 0; i < n; i++) {
+            alarm_row(f > frames / 2, size, f % 1000 > 900 ? 0.3 : 0);
+        }
+        const double evidence = (double)rc_alarm_frame(&alarm, alarm_bodies);
+        sum += evidence > -9 ? evidence + 9 : 0;
+        t.misses += rc_alarm_is_blind(alarm_bodies, 2);
+        if (evidence >= 0) {
+            t.found++;
+            rc_alarm_again(&alarm, alarm_bodies);
+        }
+    }
+    end(&t);
+    snprintf(counter, sizeof counter, "%s.evidence", name);
+    line(counter, "%.4g", sum);
+    snprintf(counter, sizeof counter, "%s.smallest", name);
+    line(counter, "%.3g", (double)rc_alarm_smallest(&alarm, alarm_bodies, 0));
+    snprintf(counter, sizeof counter, "%s.noise", name);
+    line(counter, "%.5g", (double)rc_alarm_noise(&alarm));
+}
+
+static void gate_alarm(void)
+{
+    state = 3100;
+    alarm_run("alarm.few", 3000, 3, 0, 500);
+    alarm_run("alarm.common", 3000, 20, 0.5, 500);
+    alarm_run("alarm.many", 1500, 60, 0, 1e7);
+    rc_alarm_begin(&alarm, alarm_bodies, ALARM_BODIES, 200, 0, 1, 1);
+    line("alarm.nothing", "%.4g", (double)rc_alarm_frame(&alarm, alarm_bodies));
+    line("log", "%.6g", (double)rc_log(RC(3.7e-20)));
+    line("exp", "%.4g", (double)rc_exp(-1000));
+    line("exp.series", "%.4g", (double)rc_exp(RC(61.7)));
+}
+
 /* ---- all of them ---------------------------------------------------------- */
 
 static void run(void)
@@ -2579,6 +2645,7 @@ static void run(void)
     gate_ranges();
     gate_store();
     gate_memory();
+    gate_alarm();
 }
 
 /* The value of a line: what stands after its name. NULL: the line is another counter's. */

@@ -1,0 +1,14 @@
+/* rc_logs.h - exp and log, the same bits on every target. Those of libm bring 0.4 KB each
+ * along. */
+#ifndef RC_LOGS_H
+#define RC_LOGS_H
+
+#include "rc_real.h"
+
+/* exp(x), to 256 roundings; x is clipped to +-80. */
+rigcal_real rc_exp(rigcal_real x);
+
+/* log(x), x > 0 and finite, to a few roundings. */
+rigcal_real rc_log(rigcal_real x);
+
+#endif /* RC_LOGS_H */

@@ -1,0 +1,460 @@
+#include "rc_alarm.h"
+
+#include "rc_logs.h"
+
+/* ---- constants ----------------------------------------------------------- */
+
+/* frames: window i starts anew after 4^i. Each serves moves that are seen in about as
+ * many frames; with powers of 2 there were twice the windows, and no sooner alarm. */
+#define LOG_4 RC(1.38629436111989061883)
+#define LENGTH(window) ((int32_t)1 << (2 * (window)))
+
+/* standard deviations: innovations are clipped here. Huber's value: normal noise loses 5 %
+ * of what it says, and a wrong match pulls no more than this. */
+#define CLIP RC(1.345)
+
+/* 1: rms of normal noise that is clipped there. */
+#define CLIPPED_RMS RC(0.842713)
+
+/* 1: a window expects moves of (this / its length) of the inverse of what a frame says,
+ * so moves of sqrt(8) of its own standard deviations. */
+#define EXPECTED RC(8)
+
+/* part of the diagonal: directions that no row sees have at least so much of what the
+ * others have. */
+#define UNSEEN RC(1e-3)
+
+/* 1: A is the mean time between false alarms, times 1 + common, over this. A is a bound that
+ * noise does not reach: counted were 0.4 to 1.2 of the false alarms that are stated
+ * (DESIGN.md). 1 + common is what matches of real boards, which err together, need. */
+#define SLACK RC(2.5)
+
+/* 1: what is said of rows is measured again when there are so many times as many frames. */
+#define GROWTH 4
+
+/* 1: a window takes part if its rows are so many times the square of the log that it must
+ * reach. With fewer it takes its share of the weight and hardly ever raises the alarm: with
+ * 5 matches a frame of 8 cameras false alarms were a tenth of what is stated. */
+#define ENOUGH RC(1.5)
+
+/* rows^2, rows: where a body has few rows a frame even its longest windows lose by them. Its
+ * part of the sum is taken 1 + SPARSE / rows^2 times, for FEWEST rows or more: 1.8 times at
+ * most. Without that 5 rows a frame of 4 cameras made a third of the alarms stated. */
+#define SPARSE RC(5)
+#define FEWEST RC(2.5)
+
+/* rows: a body with fewer in the longest window is blind. A move has six unknowns. */
+#define SEEING_ROWS 6
+
+/* 1: the least sum that a log is taken of, where all windows were refused. */
+#define LAMBDA_LEAST RC(1e-30)
+
+/* rows: the noise is told by about so many of late. */
+#define NOISE_ROWS RC(4096)
+
+/* 1: 2^50. Three inverse roots of the elements of W + H are scaled by it, so that the
+ * product of all six stays within float: W + H may be 1e18. */
+#define SCALE RC(1125899906842624.0)
+
+/* part of an element of the diagonal: a smaller pivot is rounding. */
+#define RANK_TOL (8 * RC_EPS)
+
+/* Numbers of a window. The first window is one frame: its H is without W. */
+enum {
+    G = 0, /* sum of g */
+    H = 6, /* W, and what that sum varies by */
+    SUMS = 27,
+    ROOT_W = SUMS /* |W|^(1/2), over 2^100 */
+};
+
+/* Numbers of a body, in the order in which they are held, windows first. */
+enum {
+    M = RC_ALARM_WINDOWS * RC_ALARM_WINDOW, /* mean of H of a frame */
+    MEASURED = M + 21,                      /* frames that M is the mean of; 0: M is 0 */
+    SINCE,                                  /* frames of the longest window */
+    ROWS, /* rows in the longest window; in the one before */
+    ROWS_BEFORE,
+    LOG_SUM /* log of the body's part of the sum */
+};
+
+static rigcal_real *body_of(rigcal_real bodies[], size_t body)
+{
+    return &bodies[body * RC_ALARM_BODY];
+}
+
+static const rigcal_real *body_in(const rigcal_real bodies[], size_t body)
+{
+    return &bodies[body * RC_ALARM_BODY];
+}
+
+/* ---- windows --------------------------------------------------------------- */
+
+/* A += s x x^T */
+static void add_outer(rigcal_real A[21], rigcal_real s, const rigcal_real x[6])
+{
+    rc_sym3_add_outer(A, s, x);
+    for (int i = 0; i < 3; i++) {
+        rc_vec3_add_scaled(&A[RC_SYM6_ACROSS + 3 * i], s * x[i], &x[3]);
+    }
+    rc_sym3_add_outer(&A[RC_SYM6_SECOND], s, &x[3]);
+}
+
+/* W = length / EXPECTED (M + UNSEEN diag M) + 1, in units of the largest move. */
+static void expect(rigcal_real W[21], const rigcal_real body[], rigcal_real length)
+{
+    static const uint8_t DIAGONAL[6] = {0, 3, 5, 15, 18, 20};
+    const rigcal_real share = length / EXPECTED;
+    for (int k = 0; k < 21; k++) {
+        W[k] = share * body[M + k];
+    }
+    for (int k = 0; k < 6; k++) {
+        W[DIAGONAL[k]] += share * UNSEEN * body[M + DIAGONAL[k]] + 1;
+    }
+}
+
+/* The factor of a matrix of two blocks in its place. 0: it is not finite, or not positive
+ * definite, which W makes it but for rounding. */
+static int factor(rigcal_real A[21])
+{
+    rigcal_real *const across = &A[RC_SYM6_ACROSS], *const B = &A[RC_SYM6_SECOND];
+    const rigcal_real diagonal[6] = {A[0], A[3], A[5], B[0], B[3], B[5]};
+    if (!rc_sym3_factor(A, A, diagonal, RANK_TOL)) {
+        return 0;
+    }
+    for (int j = 0; j < 3; j++) {
+        rigcal_real x[3] = {across[j], across[3 + j], across[6 + j]};
+        rc_sym3_forward(x, A);
+        across[j] = x[0];
+        across[3 + j] = x[1];
+        across[6 + j] = x[2];
+    }
+    for (int k = 0; k < 9; k += 3) {
+        const rigcal_real x = across[k], y = across[k + 1], z = across[k + 2];
+        B[0] -= x * x;
+        B[1] -= x * y;
+        B[2] -= x * z;
+        B[3] -= y * y;
+        B[4] -= y * z;
+        B[5] -= z * z;
+    }
+    return rc_sym3_factor(B, B, &diagonal[3], RANK_TOL);
+}
+
+/* 2^100 / |A|^(1/2) of a factor; A is 1 or more, so this does not overflow. */
+static rigcal_real inverse_root(const rigcal_real L[21])
+{
+    const rigcal_real *const B = &L[RC_SYM6_SECOND];
+    return SCALE * L[0] * L[3] * L[5] * (SCALE * B[0] * B[3] * B[5]);
+}
+
+/* |L^-1 x|^2 */
+static rigcal_real square_of(const rigcal_real L[21], const rigcal_real x[6])
+{
+    rigcal_real y[3], z[3];
+    rc_vec3_copy(y, x);
+    rc_vec3_copy(z, &x[3]);
+    rc_sym3_forward(y, L);
+    for (int k = 0; k < 3; k++) {
+        rc_vec3_add_scaled(z, -y[k], &L[RC_SYM6_ACROSS + 3 * k]);
+    }
+    rc_sym3_forward(z, &L[RC_SYM6_SECOND]);
+    return rc_vec3_dot(y, y) + rc_vec3_dot(z, z);
+}
+
+/* Window i >= 1 starts with the next frame. */
+static void start_window(rigcal_real body[], int i)
+{
+    rc_clear(&body[i * RC_ALARM_WINDOW], H);
+    expect(&body[i * RC_ALARM_WINDOW + H], body, LENGTH(i));
+}
+
+/* All windows start with the next frame. */
+static void start_windows(rigcal_real body[])
+{
+    rigcal_real W[21];
+    rc_clear(body, SUMS);
+    for (int i = 0; i < RC_ALARM_WINDOWS; i++) {
+        expect(W, body, LENGTH(i));
+        const rigcal_real root = factor(W) ? inverse_root(W) : 0;
+        body[i * RC_ALARM_WINDOW + ROOT_W] = root > 0 ? 1 / root : 0;
+        if (i > 0) {
+            start_window(body, i);
+        }
+    }
+    body[SINCE] = 0;
+}
+
+/* ---- begin ----------------------------------------------------------------- */
+
+void rc_alarm_begin(rc_alarm *alarm, rigcal_real bodies[], size_t n_bodies,
+                    rigcal_real arl0_frames, rigcal_real common, rigcal_real move_rad,
+                    rigcal_real move_t)
+{
+    RIGCAL_ASSERT(n_bodies > 0 && n_bodies <= INT16_MAX);
+    RIGCAL_ASSERT(arl0_frames > 0 && common >= 0 && common <= 1);
+    RIGCAL_ASSERT(move_rad > 0 && move_t > 0);
+    alarm->n_bodies = (int32_t)n_bodies;
+    alarm->common = common;
+    alarm->log_limit = rc_log(arl0_frames * (1 + common) / SLACK * (rigcal_real)n_bodies *
+                              RC_ALARM_WINDOWS);
+    alarm->move_rad = move_rad;
+    alarm->move_t = move_t;
+    alarm->rows = alarm->squares = alarm->log_sum = 0;
+    for (size_t b = 0; b < n_bodies; b++) {
+        rc_alarm_forget(alarm, bodies, b);
+    }
+}
+
+void rc_alarm_forget(rc_alarm *alarm, rigcal_real bodies[], size_t body)
+{
+    rigcal_real *const at = body_of(bodies, body);
+    RIGCAL_ASSERT(body < (size_t)alarm->n_bodies);
+    (void)alarm;
+    rc_clear(at, RC_ALARM_BODY);
+    start_windows(at);
+}
+
+void rc_alarm_again(rc_alarm *alarm, rigcal_real bodies[])
+{
+    for (size_t b = 0; b < (size_t)alarm->n_bodies; b++) {
+        rigcal_real *const at = body_of(bodies, b);
+        start_windows(at);
+    }
+    alarm->log_sum = 0;
+}
+
+rigcal_real *rc_alarm_lent(rigcal_real bodies[], size_t body)
+{
+    return body_of(bodies, body);
+}
+
+/* ---- a row ----------------------------------------------------------------- */
+
+/* g += p, and the sum of p p^T, for p = by D h. */
+static void add_row(rigcal_real body[], const rc_alarm *alarm, rigcal_real by,
+                    const rigcal_real h[6])
+{
+    rigcal_real p[6];
+    rc_vec3_scale(p, by * alarm->move_rad, h);
+    rc_vec3_scale(&p[3], by * alarm->move_t, &h[3]);
+    rc_vec3_add(&body[G], p);
+    rc_vec3_add(&body[G + 3], &p[3]);
+    add_outer(&body[H], 1, p);
+    body[ROWS] += 1;
+}
+
+void rc_alarm_row(rc_alarm *alarm, rigcal_real bodies[], rigcal_real z, rigcal_real sd,
+                  size_t a, const rigcal_real h_a[6], size_t b, const rigcal_real h_b[6])
+{
+    RIGCAL_ASSERT(a != b && a < (size_t)alarm->n_bodies && b < (size_t)alarm->n_bodies);
+    RIGCAL_ASSERT(sd > 0);
+    const rigcal_real psi = rc_min(rc_max(z, -CLIP), CLIP);
+    if (alarm->rows >= NOISE_ROWS) {
+        alarm->rows /= 2;
+        alarm->squares /= 2;
+    }
+    alarm->rows += 1;
+    alarm->squares += psi * psi;
+    add_row(body_of(bodies, a), alarm, psi / sd, h_a);
+    add_row(body_of(bodies, b), alarm, psi / sd, h_b);
+}
+
+/* ---- the end of a frame ------------------------------------------------------ */
+
+/* log of the sum over bodies. */
+static rigcal_real log_of_all(const rigcal_real bodies[], size_t n)
+{
+    rigcal_real most = body_in(bodies, 0)[LOG_SUM], sum = 0;
+    for (size_t b = 1; b < n; b++) {
+        most = rc_max(most, body_in(bodies, b)[LOG_SUM]);
+    }
+    for (size_t b = 0; b < n; b++) {
+        sum += rc_exp(body_in(bodies, b)[LOG_SUM] - most);
+    }
+    return most + rc_log(sum);
+}
+
+/* What varies, of a frame: with `common` the rows of one frame err together. */
+static void weigh_frame(rigcal_real body[], rigcal_real common)
+{
+    for (int k = 0; k < 21; k++) {
+        body[H + k] *= 1 - common;
+    }
+    add_outer(&body[H], common, &body[G]);
+}
+
+/* Measures M by the longest window and starts all windows with it. M is 0 where rounding
+ * leaves nothing that W could be made of. */
+static void measure(rigcal_real body[])
+{
+    const int longest = RC_ALARM_WINDOWS - 1;
+    const rigcal_real *const sum = &body[longest * RC_ALARM_WINDOW + H];
+    rigcal_real W[21];
+    expect(W, body, LENGTH(longest));
+    for (int k = 0; k < 21; k++) {
+        body[M + k] = (sum[k] - W[k]) / body[SINCE];
+    }
+    expect(W, body, LENGTH(longest));
+    if (!factor(W)) {
+        rc_clear(&body[M], 21);
+    }
+    body[MEASURED] = body[SINCE];
+    body[ROWS_BEFORE] = body[ROWS];
+    body[ROWS] = 0;
+    start_windows(body);
+}
+
+/* Lambda of a window is *root exp(*exponent), A being W + H, of which the factor takes the
+ * place. */
+static void evaluate(rigcal_real *root, rigcal_real *exponent, rigcal_real A[21],
+                     const rigcal_real window[])
+{
+    *root = *exponent = 0;
+    if (factor(A)) {
+        *exponent = square_of(A, &window[G]) / 2;
+        *root = inverse_root(A) * window[ROOT_W];
+    }
+}
+
+/* The same of the first window, the frame. */
+static void evaluate_frame(rigcal_real *root, rigcal_real *exponent,
+                           const rigcal_real body[])
+{
+    rigcal_real A[21];
+    expect(A, body, 1);
+    for (int k = 0; k < 21; k++) {
+        A[k] += body[H + k];
+    }
+    evaluate(root, exponent, A, body);
+}
+
+/* The same of another, which takes the frame in. */
+static void evaluate_window(rigcal_real *root, rigcal_real *exponent, rigcal_real window[],
+                            const rigcal_real frame[])
+{
+    rigcal_real A[21];
+    for (int k = 0; k < H; k++) {
+        window[k] += frame[k];
+    }
+    for (int k = 0; k < 21; k++) {
+        const rigcal_real sum = window[H + k] + frame[H + k];
+        window[H + k] = sum;
+        A[k] = sum;
+    }
+    evaluate(root, exponent, A, window);
+}
+
+/* Rows a frame that M was measured by. */
+static rigcal_real rows_of(const rigcal_real body[])
+{
+    return body[ROWS_BEFORE] / rc_max(body[MEASURED], 1);
+}
+
+/* The windows from this one on share the weight of a body: those with rows enough. */
+static int first_of_use(const rigcal_real body[], const rc_alarm *alarm)
+{
+    const rigcal_real rows = rows_of(body);
+    rigcal_real wanted = alarm->log_limit;
+    int i = 0;
+    while (i + 1 < RC_ALARM_WINDOWS && LENGTH(i) * rows < ENOUGH * wanted * wanted) {
+        wanted -= LOG_4;
+        i++;
+    }
+    return body[MEASURED] > 0 ? i : 0;
+}
+
+/* What a body's sum is multiplied by, of so many windows. */
+static rigcal_real weight_of(const rigcal_real body[], int n_windows)
+{
+    const rigcal_real rows = rc_max(rows_of(body), FEWEST);
+    return RC_ALARM_WINDOWS / (rigcal_real)n_windows * (1 + SPARSE / (rows * rows));
+}
+
+/* A body's part of the sum, once its windows have the frame. Those without rows enough are
+ * left as they are: that changes with M alone, when all start anew. */
+static void end_body(rigcal_real body[], const rc_alarm *alarm)
+{
+    rigcal_real root[RC_ALARM_WINDOWS], exponent[RC_ALARM_WINDOWS];
+    const int first = first_of_use(body, alarm);
+    rigcal_real most = 0, sum = 0;
+    weigh_frame(body, alarm->common);
+    for (int i = first; i < RC_ALARM_WINDOWS; i++) {
+        if (i == 0) {
+            evaluate_frame(&root[i], &exponent[i], body);
+        } else {
+            evaluate_window(&root[i], &exponent[i], &body[i * RC_ALARM_WINDOW], body);
+        }
+        most = rc_max(most, exponent[i]);
+    }
+    const rigcal_real one = rc_exp(-most);
+    for (int i = first; i < RC_ALARM_WINDOWS; i++) {
+        sum += LENGTH(i) * rc_max(0, root[i] * rc_exp(exponent[i] - most) - one);
+    }
+    sum *= weight_of(body, RC_ALARM_WINDOWS - first);
+    body[LOG_SUM] = most + rc_log(rc_max(sum, LAMBDA_LEAST));
+    body[SINCE] += 1;
+}
+
+/* Windows whose last frame this was start anew, but for the longest. */
+static void end_windows(rigcal_real body[])
+{
+    const int32_t frames = (int32_t)body[SINCE];
+    for (int i = 1; i + 1 < RC_ALARM_WINDOWS && frames % LENGTH(i) == 0; i++) {
+        start_window(body, i);
+    }
+    rc_clear(body, SUMS);
+}
+
+rigcal_real rc_alarm_frame(rc_alarm *alarm, rigcal_real bodies[])
+{
+    int has_measured = 0;
+    for (size_t b = 0; b < (size_t)alarm->n_bodies; b++) {
+        rigcal_real *const body = body_of(bodies, b);
+        end_body(body, alarm);
+        const int is_time =
+            body[SINCE] >= GROWTH * body[MEASURED] || body[SINCE] >= RC_ALARM_LONGEST;
+        if (is_time && !has_measured) {
+            measure(body);
+            has_measured = 1;
+        } else {
+            end_windows(body);
+        }
+    }
+    alarm->log_sum = log_of_all(bodies, (size_t)alarm->n_bodies);
+    return alarm->log_sum - alarm->log_limit;
+}
+
+/* ---- what it says ------------------------------------------------------------ */
+
+rigcal_real rc_alarm_share(const rc_alarm *alarm, const rigcal_real bodies[], size_t body)
+{
+    return rc_exp(body_in(bodies, body)[LOG_SUM] - alarm->log_sum);
+}
+
+int rc_alarm_is_blind(const rigcal_real bodies[], size_t body)
+{
+    const rigcal_real *const at = body_in(bodies, body);
+    return rc_max(at[ROWS], at[ROWS_BEFORE]) < SEEING_ROWS;
+}
+
+/* x^2 = 2 log(A K B / L) / (e . H e), for the e of least e . H e. */
+rigcal_real rc_alarm_smallest(const rc_alarm *alarm, const rigcal_real bodies[],
+                              size_t body)
+{
+    const rigcal_real *const at = body_in(bodies, body), *const turns = &at[M];
+    const rigcal_real longest = RC_ALARM_LONGEST;
+    const rigcal_real wanted = 2 * (alarm->log_limit - rc_log(longest));
+    rigcal_real axis[3], seen[3], thickness;
+    if (rc_alarm_is_blind(bodies, body) || !(wanted > 0) ||
+        !rc_sym3_thinnest(axis, &thickness, turns)) {
+        return 0;
+    }
+    rc_sym3_mul_vec3(seen, turns, axis);
+    const rigcal_real least = longest * rc_vec3_dot(axis, seen);
+    return least > 0 ? alarm->move_rad * RC_SQRT(wanted / least) : 0;
+}
+
+rigcal_real rc_alarm_noise(const rc_alarm *alarm)
+{
+    return alarm->rows > 0 ? RC_SQRT(alarm->squares / alarm->rows) / CLIPPED_RMS : 0;
+}

@@ -1,0 +1,68 @@
+#include "rc_logs.h"
+
+/* ---- constants ----------------------------------------------------------- */
+
+/* 1: exponents are clipped here. exp(80) = 5e34 is near the end of float. */
+#define EXPONENT_MOST RC(80)
+
+/* 1: the series is of exp(x / 256), which is then squared eight times. */
+#define EXP_PART RC(0.00390625)
+
+/* Inverse factorials. The next term is below 2e-6 in float, 1e-12 in double. */
+static const rigcal_real SERIES[] = {
+#if !RIGCAL_USE_FLOAT
+    RC(1) / 39916800, RC(1) / 3628800, RC(1) / 362880,
+    RC(1) / 40320,    RC(1) / 5040,    RC(1) / 720,
+#endif
+    RC(1) / 120,      RC(1) / 24,      RC(1) / 6,
+    RC(1) / 2,        RC(1),           RC(1)};
+enum { EXP_TERMS = sizeof SERIES / sizeof SERIES[0] };
+
+/* 1: powers of 2 are taken out of the argument of log in chunks of 2^16. */
+#define LOG_CHUNK RC(65536)
+enum { LOG_CHUNK_BITS = 16 };
+
+/* terms: of the series of log; the next is below a rounding. */
+enum { LOG_TERMS = RIGCAL_USE_FLOAT ? 5 : 11 };
+
+#define ROOT_2 RC(1.4142135623730950488)
+#define LOG_2 RC(0.69314718055994530942)
+
+rigcal_real rc_exp(rigcal_real x)
+{
+    const rigcal_real part = EXP_PART * rc_min(rc_max(x, -EXPONENT_MOST), EXPONENT_MOST);
+    rigcal_real sum = 0;
+    for (int k = 0; k < EXP_TERMS; k++) {
+        sum = sum * part + SERIES[k];
+    }
+    for (int k = 0; k < 8; k++) {
+        sum *= sum;
+    }
+    return sum;
+}
+
+/* x = 2^k y, y within sqrt(2) of 1: log y = 2 artanh((y - 1) / (y + 1)), a series whose
+ * argument is at most 0.172. */
+rigcal_real rc_log(rigcal_real x)
+{
+    RIGCAL_ASSERT(x > 0 && x <= RC_MAX);
+    int32_t k = 0;
+    for (; x >= LOG_CHUNK; k += LOG_CHUNK_BITS) {
+        x /= LOG_CHUNK;
+    }
+    for (; x * LOG_CHUNK <= 1; k -= LOG_CHUNK_BITS) {
+        x *= LOG_CHUNK;
+    }
+    for (; x > ROOT_2; k++) {
+        x /= 2;
+    }
+    for (; x * ROOT_2 < 1; k--) {
+        x *= 2;
+    }
+    const rigcal_real part = (x - 1) / (x + 1), square = part * part;
+    rigcal_real sum = 0;
+    for (int j = LOG_TERMS; j > 0; j--) {
+        sum = sum * square + RC(1) / (rigcal_real)(2 * j - 1);
+    }
+    return (rigcal_real)k * LOG_2 + 2 * part * sum;
+}

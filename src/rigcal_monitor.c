@@ -1,0 +1,513 @@
+#include "rc_monitor.h"
+
+#include <string.h>
+
+/* ---- constants ----------------------------------------------------------- */
+
+/* 1: the first word of a monitor's own numbers, "rcm1". */
+#define MAGIC 0x316d6372u
+
+/* frames: the mean time between false alarms, by default; at least and at most. */
+#define ARL0_DEFAULT RC(1e6)
+#define ARL0_LEAST RC(100)
+#define ARL0_MOST RC(1e9)
+
+/* 1: how far the rows of a frame err together, by default: what matches of real boards
+ * want, which all sit where the lens model is a little wrong. */
+#define COMMON_DEFAULT RC(0.5)
+
+/* part of the matches: thought wrong by default, at least and at most. With none a bump
+ * would draw the poses along until it is noticed. */
+#define WRONG_DEFAULT RC(0.1)
+#define WRONG_LEAST RC(1e-5)
+#define WRONG_MOST RC(0.9)
+
+/* rad: the largest move by default, 3 degrees; from there one frame of rows brings the
+ * pose back. At most. */
+#define MOVE_DEFAULT RC(0.0523598776)
+#define MOVE_MOST RC(0.5)
+
+/* part of the mean distance of the cameras: the length that goes with a turn of one
+ * radian. */
+#define LEVER RC(0.1)
+
+/* rad per square root of a second: more is no calibrated rig. */
+#define WALK_MOST RC(1)
+
+/* px: noise, at least and at most. */
+#define NOISE_LEAST RC(1e-6)
+#define NOISE_MOST RC(1e6)
+
+/* part of a correlation: as much beyond 1 is rounding. */
+#define CORRELATION_ROUNDING RC_TOL(1e-9, 1e-5)
+
+/* ---- memory ---------------------------------------------------------------- */
+
+size_t rigcal_monitor_size(size_t n_cameras, size_t n_targets)
+{
+    const int is_right = n_cameras >= 2 && n_cameras <= RIGCAL_MONITOR_CAMERAS_MAX &&
+                         n_targets <= RIGCAL_MONITOR_TARGETS_MAX;
+    return is_right ? RIGCAL_MONITOR_SIZE(n_cameras, n_targets) : 0;
+}
+
+/* The macro has room for all of it. */
+typedef char rc_monitor_head_fits
+    [sizeof(rc_monitor_head) <= RIGCAL_MONITOR_HEAD * sizeof(rigcal_real) ? 1 : -1];
+typedef char rc_monitor_body_fits[RC_ALARM_BODY + 12 <= RIGCAL_MONITOR_BODY ? 1 : -1];
+typedef char rc_monitor_lens_fits
+    [sizeof(rigcal_camera) <= RIGCAL_MONITOR_LENS * sizeof(rigcal_real) ? 1 : -1];
+typedef char rc_monitor_trial_fits[(int)RC_TRIAL_SIZE <= (int)RC_ALARM_WINDOW ? 1 : -1];
+
+/* Two sums of words, the second of the first: it tells exchanged words too. */
+static void sum_words(uint32_t seal[2], const void *from, size_t n_bytes)
+{
+    const unsigned char *at = (const unsigned char *)from;
+    uint32_t a = MAGIC, b = 0, w, x, y, z;
+    for (; n_bytes >= 16; n_bytes -= 16, at += 16) {
+        memcpy(&w, at, sizeof w);
+        memcpy(&x, at + 4, sizeof x);
+        memcpy(&y, at + 8, sizeof y);
+        memcpy(&z, at + 12, sizeof z);
+        b += a += w;
+        b += a += x;
+        b += a += y;
+        b += a += z;
+    }
+    for (; n_bytes >= sizeof w; n_bytes -= sizeof w, at += sizeof w) {
+        memcpy(&w, at, sizeof w);
+        b += a += w;
+    }
+    seal[0] = a | 1; /* never 0 */
+    seal[1] = b;
+}
+
+/* From here on a seal counts. */
+#define SEALED_FROM offsetof(rc_monitor_head, magic)
+
+static void sum_head(uint32_t seal[2], const rc_monitor_head *head)
+{
+    const size_t n_bytes = offsetof(rc_monitor_head, rows) - SEALED_FROM;
+    sum_words(seal, (const unsigned char *)head + SEALED_FROM, n_bytes);
+}
+
+static void sum_all(uint32_t seal[2], const rc_monitor *m)
+{
+    const size_t n_bytes = m->size * sizeof(rigcal_real) - SEALED_FROM;
+    sum_words(seal, (const unsigned char *)m->memory + SEALED_FROM, n_bytes);
+}
+
+void rc_monitor_lay_out(rc_monitor *m, rigcal_real memory[])
+{
+    const rc_monitor_head *const head = m->head;
+    rc_filter *const f = &m->filter;
+    rigcal_real *at = memory + RIGCAL_MONITOR_HEAD;
+    f->n_cameras = head->n_cameras;
+    f->n_bodies = f->n_cameras + head->n_targets;
+    f->n = 6 * (f->n_bodies - 1);
+    f->frame = head->frame;
+    f->placed = head->placed;
+    f->poses = (rigcal_transform *)at;
+    at += 12 * f->n_bodies;
+    f->UD = at;
+    at += f->n * (f->n + 1) / 2;
+    f->d = at;
+    f->room = f->d + f->n;
+    m->bodies = f->room + f->n;
+    m->lenses = m->bodies + RC_ALARM_BODY * f->n_bodies;
+    m->memory = memory;
+    m->size = rigcal_monitor_size(f->n_cameras, head->n_targets);
+}
+
+/* Whether the words of the head are those of a monitor. */
+static int is_head(const rc_monitor_head *head)
+{
+    uint32_t seal[2];
+    sum_head(seal, head);
+    return head->magic == MAGIC && head->head_seal == seal[1] &&
+           rigcal_monitor_size(head->n_cameras, head->n_targets) > 0 &&
+           head->frame < head->n_cameras &&
+           head->alarm.n_bodies == (int32_t)(head->n_cameras + head->n_targets);
+}
+
+rigcal_status rc_monitor_open(rc_monitor *m, const rigcal_real memory[])
+{
+    if (memory == NULL) {
+        return RIGCAL_ERR_NULL;
+    }
+    m->head = (rc_monitor_head *)memory;
+    if (!is_head(m->head)) {
+        return RIGCAL_ERR_STATE;
+    }
+    rc_monitor_lay_out(m, (rigcal_real *)memory);
+    if ((m->head->seal[0] | m->head->seal[1]) != 0) {
+        uint32_t seal[2];
+        sum_all(seal, m);
+        if (m->head->seal[0] != seal[0] || m->head->seal[1] != seal[1]) {
+            return RIGCAL_ERR_STATE;
+        }
+    }
+    return RIGCAL_OK;
+}
+
+void rc_monitor_close(rc_monitor *m, int is_frame_over)
+{
+    uint32_t seal[2];
+    m->head->placed = m->filter.placed;
+    sum_head(seal, m->head);
+    m->head->head_seal = seal[1];
+    m->head->seal[0] = m->head->seal[1] = 0;
+    if (is_frame_over) {
+        sum_all(m->head->seal, m);
+    }
+}
+
+void rc_monitor_close_again(rc_monitor *m)
+{
+    rc_monitor_close(m, (m->head->seal[0] | m->head->seal[1]) != 0);
+}
+
+const rigcal_camera *rc_monitor_lens(const rc_monitor *m, size_t index)
+{
+    return (const rigcal_camera *)(m->lenses + RIGCAL_MONITOR_LENS * index);
+}
+
+/* ---- begin ------------------------------------------------------------------ */
+
+rigcal_status rigcal_monitor_defaults(rigcal_monitor_options *options)
+{
+    if (options == NULL) {
+        return RIGCAL_ERR_NULL;
+    }
+    const rigcal_monitor_options defaults = {
+        ARL0_DEFAULT, COMMON_DEFAULT, WRONG_DEFAULT, 0, 0, MOVE_DEFAULT, 0};
+    *options = defaults;
+    return RIGCAL_OK;
+}
+
+static int is_within(rigcal_real x, rigcal_real least, rigcal_real most)
+{
+    return x >= least && x <= most;
+}
+
+static rigcal_status check_options(const rigcal_monitor_options *o)
+{
+    const rigcal_real numbers[] = {o->arl0_frames, o->common,   o->wrong, o->walk_rad,
+                                   o->walk_t,      o->move_rad, o->move_t};
+    if (!rc_all_finite(numbers, 7)) {
+        return RIGCAL_ERR_NOT_FINITE;
+    }
+    return (is_within(o->arl0_frames, ARL0_LEAST, ARL0_MOST) &&
+            is_within(o->common, 0, 1) && is_within(o->wrong, 0, WRONG_MOST) &&
+            is_within(o->walk_rad, 0, WALK_MOST) &&
+            is_within(o->walk_t, 0, RC_COORDINATE_MAX) && o->move_rad > 0 &&
+            o->move_rad <= MOVE_MOST && is_within(o->move_t, 0, RC_COORDINATE_MAX))
+               ? RIGCAL_OK
+               : RIGCAL_ERR_RANGE;
+}
+
+/* Cameras of one group; *frame is the first that is held. */
+static rigcal_status check_cameras(size_t *frame, const rigcal_calibrated_rig *rig)
+{
+    size_t n = 0;
+    *frame = rig->n_cameras;
+    for (size_t c = 0; c < rig->n_cameras; c++) {
+        rigcal_status status = rc_check_camera(&rig->cameras[c].camera);
+        if (status == RIGCAL_OK) {
+            status = rc_check_transform(&rig->cameras[c].cam_from_rig);
+        }
+        if (status != RIGCAL_OK) {
+            return status;
+        }
+        n += rig->held[c] ? 0 : 6;
+        *frame = (rig->held[c] && *frame == rig->n_cameras) ? c : *frame;
+    }
+    for (size_t i = 0; i < n; i++) {
+        const rigcal_real *const row = &rig->Sigma[rc_packed_at(i, 0)];
+        if (!rc_all_finite(row, (int)i + 1)) {
+            return RIGCAL_ERR_NOT_FINITE;
+        }
+        for (size_t j = 0; j <= i; j++) {
+            const rigcal_real of_both = row[i] * rig->Sigma[rc_packed_at(j, j)];
+            if (!(row[i] >= 0 && row[i] <= RC_COORDINATE_MAX) ||
+                row[j] * row[j] > of_both * (1 + CORRELATION_ROUNDING)) {
+                return RIGCAL_ERR_RANGE;
+            }
+        }
+    }
+    return (*frame == rig->n_cameras) ? RIGCAL_ERR_RANGE : RIGCAL_OK;
+}
+
+/* The mean distance of the cameras' centres. */
+static rigcal_real mean_distance(const rigcal_calibrated_rig *rig)
+{
+    rigcal_real sum = 0, count = 0;
+    for (size_t a = 0; a < rig->n_cameras; a++) {
+        for (size_t b = 0; b < a; b++) {
+            rigcal_transform b_from_a;
+            rc_transform_between(&b_from_a, &rig->cameras[b].cam_from_rig,
+                                 &rig->cameras[a].cam_from_rig);
+            sum += rc_vec3_norm(b_from_a.t);
+            count += 1;
+        }
+    }
+    return sum / count;
+}
+
+/* The covariance of the cameras; targets, and cameras that are held, have none. */
+static void copy_covariance(rc_filter *f, const rigcal_calibrated_rig *rig)
+{
+    size_t from_i = 0;
+    rc_clear(f->UD, f->n * (f->n + 1) / 2);
+    for (size_t a = 0; a < rig->n_cameras; a++) {
+        size_t from_j = 0;
+        for (size_t b = 0; b <= a && !rig->held[a]; b++) {
+            if (rig->held[b]) {
+                continue;
+            }
+            for (size_t k = 0; k < 36; k++) {
+                const size_t i = k / 6, j = k % 6;
+                if (from_j + j <= from_i + i) {
+                    f->UD[rc_packed_at((size_t)rc_filter_first(f, a) + i,
+                                       (size_t)rc_filter_first(f, b) + j)] =
+                        rig->Sigma[rc_packed_at(from_i + i, from_j + j)];
+                }
+            }
+            from_j += 6;
+        }
+        from_i += rig->held[a] ? 0 : 6;
+    }
+    rc_filter_factor(f->UD, f->n);
+}
+
+static void begin_head(rc_monitor_head *head, const rigcal_calibrated_rig *rig,
+                       size_t n_targets, size_t frame,
+                       const rigcal_monitor_options *options)
+{
+    memset(head, 0, sizeof *head);
+    head->magic = MAGIC;
+    head->n_cameras = (uint32_t)rig->n_cameras;
+    head->n_targets = (uint32_t)n_targets;
+    head->frame = (uint32_t)frame;
+    head->wrong = rc_max(options->wrong, WRONG_LEAST);
+    head->walk_rad = options->walk_rad;
+    head->walk_t = options->walk_t;
+    head->move_rad = options->move_rad;
+    head->move_t = options->move_t > 0 ? options->move_t
+                                       : options->move_rad * LEVER * mean_distance(rig);
+    head->numbers[0] = rig->sigma_px;
+    head->numbers[1] = rig->F;
+    head->numbers[2] = rig->freedom_between;
+    head->numbers[3] = rig->freedom_within;
+}
+
+/* What is wrong with a rig whose numbers are there; *frame as above. */
+static rigcal_status check_rig(size_t *frame, const rigcal_calibrated_rig *rig,
+                               size_t n_targets, size_t capacity)
+{
+    size_t n_free;
+    rigcal_status status = rc_calibrated_check(&n_free, rig);
+    if (status != RIGCAL_OK) {
+        return status;
+    }
+    if (rig->n_cameras < 2) {
+        return RIGCAL_ERR_TOO_FEW;
+    }
+    const size_t size = rigcal_monitor_size(rig->n_cameras, n_targets);
+    if (size == 0) {
+        return RIGCAL_ERR_RANGE;
+    }
+    if (size > capacity) {
+        return RIGCAL_ERR_CAPACITY;
+    }
+    for (size_t c = 0; c < rig->n_cameras; c++) {
+        if (rig->group[c] != 0) {
+            return RIGCAL_DISCONNECTED;
+        }
+    }
+    return check_cameras(frame, rig);
+}
+
+rigcal_status rigcal_monitor_begin(rigcal_real monitor[], size_t capacity,
+                                   const rigcal_calibrated_rig *rig, size_t n_targets,
+                                   const rigcal_monitor_options *options)
+{
+    rigcal_monitor_options chosen;
+    rc_monitor_head head;
+    rc_monitor m;
+    size_t frame = 0;
+    if (monitor == NULL) {
+        return RIGCAL_ERR_NULL;
+    }
+    (void)rigcal_monitor_defaults(&chosen);
+    if (options != NULL) {
+        chosen = *options;
+    }
+    rigcal_status status = check_rig(&frame, rig, n_targets, capacity);
+    if (status == RIGCAL_OK) {
+        status = check_options(&chosen);
+    }
+    if (status != RIGCAL_OK) {
+        return status;
+    }
+    begin_head(&head, rig, n_targets, frame, &chosen);
+    if (!(head.move_t > 0)) {
+        return RIGCAL_ERR_DEGENERATE;
+    }
+    memset(monitor, 0, rigcal_monitor_size(rig->n_cameras, n_targets) * sizeof monitor[0]);
+    m.head = (rc_monitor_head *)monitor;
+    *m.head = head;
+    rc_monitor_lay_out(&m, monitor);
+    for (size_t b = 0; b < m.filter.n_bodies; b++) {
+        rc_transform_identity(&m.filter.poses[b]);
+    }
+    for (size_t c = 0; c < rig->n_cameras; c++) {
+        m.filter.poses[c] = rig->cameras[c].cam_from_rig;
+        memcpy(m.lenses + RIGCAL_MONITOR_LENS * c, &rig->cameras[c].camera,
+               sizeof(rigcal_camera));
+    }
+    copy_covariance(&m.filter, rig);
+    rc_alarm_begin(&m.head->alarm, m.bodies, m.filter.n_bodies, chosen.arl0_frames,
+                   chosen.common, m.head->move_rad, m.head->move_t);
+    rc_monitor_close(&m, 1);
+    return RIGCAL_OK;
+}
+
+/* ---- rows -------------------------------------------------------------------- */
+
+rigcal_status rc_monitor_check_noise(rigcal_real sigma_px)
+{
+    if (!rc_is_finite(sigma_px)) {
+        return RIGCAL_ERR_NOT_FINITE;
+    }
+    return is_within(sigma_px, NOISE_LEAST, NOISE_MOST) ? RIGCAL_OK : RIGCAL_ERR_RANGE;
+}
+
+/* Where a body settles, its pose takes in each row before the next; where that is the frame,
+ * all other poses do. */
+static void settle(const rc_monitor *m)
+{
+    for (size_t b = 0; b < m->filter.n_bodies && m->head->settling > 0; b++) {
+        if (b == m->head->settles || m->head->settles == m->filter.frame) {
+            rc_filter_apply(&m->filter, b);
+        }
+    }
+}
+
+static rigcal_status take_rows(rc_monitor *m, const rc_seen *seen)
+{
+    const rc_filter *const f = &m->filter;
+    for (int k = 0; k < seen->n_rows; k++) {
+        rc_row rows[2];
+        rc_news news;
+        const rigcal_status status =
+            rc_rows_of(rows, seen, &f->poses[seen->a], &f->poses[seen->b]);
+        if (status != RIGCAL_OK) {
+            return status;
+        }
+        if (!rc_filter_row(&news, f, seen->a, seen->b, &rows[k], m->head->wrong,
+                           m->head->settling > 0)) {
+            return RIGCAL_ERR_DEGENERATE;
+        }
+        m->head->rows++;
+        m->head->doubted += (news.doubt.beta < RC(0.5)) ? 1 : 0;
+        rc_alarm_row(&m->head->alarm, m->bodies, news.z, news.sd, seen->a, rows[k].h_a,
+                     seen->b, rows[k].h_b);
+        settle(m);
+    }
+    return RIGCAL_OK;
+}
+
+rigcal_status rc_monitor_take(rc_monitor *m, const rc_seen *seen)
+{
+    if (m->head->is_alarm == 0) {
+        return take_rows(m, seen);
+    }
+    const int is_doubted = rc_trial_take(&m->filter, m->bodies, seen, m->head->wrong);
+    m->head->rows += (uint32_t)seen->n_rows;
+    m->head->doubted += is_doubted ? (uint32_t)seen->n_rows : 0;
+    return RIGCAL_OK;
+}
+
+/* Opens a monitor for a match: OK, and what the arguments lack. */
+static rigcal_status open_match(rc_monitor *m, const rigcal_real monitor[], size_t a,
+                                size_t b, rigcal_real sigma_px)
+{
+    rigcal_status status = rc_monitor_open(m, monitor);
+    if (status == RIGCAL_OK) {
+        status = rc_monitor_check_noise(sigma_px);
+    }
+    if (status == RIGCAL_OK &&
+        (a >= m->filter.n_cameras || b >= m->filter.n_cameras || a == b)) {
+        status = RIGCAL_ERR_RANGE;
+    }
+    return status;
+}
+
+/* Takes a match whose sights are there. */
+static rigcal_status take_match(rc_monitor *m, rc_seen *seen, size_t a, size_t b)
+{
+    seen->a = a;
+    seen->b = b;
+    seen->n_rows = 1;
+    const rigcal_status status = rc_monitor_take(m, seen);
+    if (status == RIGCAL_OK) {
+        m->head->seal[0] = m->head->seal[1] = 0; /* the head itself is as it was */
+    }
+    return status;
+}
+
+rigcal_status rigcal_monitor_match_rays(rigcal_real monitor[], size_t camera_a,
+                                        const rigcal_real ray_a[3], size_t camera_b,
+                                        const rigcal_real ray_b[3], rigcal_real sigma_px)
+{
+    rc_monitor m;
+    rc_seen seen;
+    rigcal_status status = rc_check_ray(ray_a);
+    if (status == RIGCAL_OK) {
+        status = rc_check_ray(ray_b);
+    }
+    if (status == RIGCAL_OK) {
+        status = open_match(&m, monitor, camera_a, camera_b, sigma_px);
+    }
+    if (status == RIGCAL_OK) {
+        status =
+            rc_sight_of(&seen.sight[0], rc_monitor_lens(&m, camera_a), ray_a, sigma_px);
+    }
+    if (status == RIGCAL_OK) {
+        status =
+            rc_sight_of(&seen.sight[1], rc_monitor_lens(&m, camera_b), ray_b, sigma_px);
+    }
+    return (status == RIGCAL_OK) ? take_match(&m, &seen, camera_a, camera_b) : status;
+}
+
+/* The sight of a pixel. */
+static rigcal_status sight_pixel(rc_sight *sight, const rc_monitor *m, size_t index,
+                                 const rigcal_real uv[2], rigcal_real sigma_px)
+{
+    const rigcal_camera *const camera = rc_monitor_lens(m, index);
+    rigcal_real ray[3];
+    const rigcal_status status = rc_pixel_to_ray(ray, camera, uv);
+    return (status == RIGCAL_OK) ? rc_sight_of(sight, camera, ray, sigma_px) : status;
+}
+
+rigcal_status rigcal_monitor_match(rigcal_real monitor[], size_t camera_a,
+                                   const rigcal_real uv_a[2], size_t camera_b,
+                                   const rigcal_real uv_b[2], rigcal_real sigma_px)
+{
+    rc_monitor m;
+    rc_seen seen;
+    rigcal_status status = rc_check_pixel(uv_a);
+    if (status == RIGCAL_OK) {
+        status = rc_check_pixel(uv_b);
+    }
+    if (status == RIGCAL_OK) {
+        status = open_match(&m, monitor, camera_a, camera_b, sigma_px);
+    }
+    if (status == RIGCAL_OK) {
+        status = sight_pixel(&seen.sight[0], &m, camera_a, uv_a, sigma_px);
+    }
+    if (status == RIGCAL_OK) {
+        status = sight_pixel(&seen.sight[1], &m, camera_b, uv_b, sigma_px);
+    }
+    return (status == RIGCAL_OK) ? take_match(&m, &seen, camera_a, camera_b) : status;
+}

@@ -1,0 +1,187 @@
+#include "rc_trial.h"
+
+#include "rc_logs.h"
+
+/* ---- constants ----------------------------------------------------------- */
+
+/* 1: a likelihood is no less, so that it has a log where no match is thought wrong. */
+#define LIKELIHOOD_LEAST RC(1e-30)
+
+/* part of a log: what a row says counts half. Until the alarm all bodies were drawn along
+ * with the one that moved, and rows of a frame err together: with 1, one in ten of those
+ * that were said to be sure was wrong. */
+#define WEIGHT RC(0.5)
+
+/* 1, as a log: shares of the evidence that differ by less are equal: windows of bodies do
+ * not start together. */
+#define SHARES_EQUAL RC(2)
+
+/* ---- trials ---------------------------------------------------------------- */
+
+static rigcal_real *trial_of(rigcal_real bodies[], size_t body)
+{
+    return rc_alarm_lent(bodies, body);
+}
+
+static const rigcal_real *trial_in(const rigcal_real bodies[], size_t body)
+{
+    return &bodies[body * RC_ALARM_BODY];
+}
+
+void rc_trial_begin(const rc_filter *f, const rc_alarm *alarm, rigcal_real bodies[],
+                    rigcal_real move_rad, rigcal_real move_t)
+{
+    rigcal_real most = LIKELIHOOD_LEAST;
+    for (size_t b = 0; b < f->n_bodies; b++) {
+        most = rc_max(most, rc_alarm_share(alarm, bodies, b));
+    }
+    for (size_t b = 0; b < f->n_bodies; b++) {
+        rigcal_real *const trial = trial_of(bodies, b);
+        const rigcal_real share = rc_alarm_share(alarm, bodies, b) / most;
+        rc_clear(trial, RC_TRIAL_SIZE);
+        trial[RC_TRIAL_LOG] =
+            rc_min(SHARES_EQUAL + rc_log(rc_max(share, LIKELIHOOD_LEAST)), 0);
+        for (size_t k = 0; k < 3; k++) {
+            trial[RC_TRIAL_UD + rc_packed_at(k, k)] = move_rad * move_rad;
+            trial[RC_TRIAL_UD + rc_packed_at(k + 3, k + 3)] = move_t * move_t;
+        }
+    }
+}
+
+/* x <- the turn by dx after that by x, to second order. */
+static void add_move(rigcal_real x[6], const rigcal_real dx[6])
+{
+    rigcal_real both[3];
+    rc_vec3_cross(both, dx, x);
+    rc_vec3_add(x, dx);
+    rc_vec3_add_scaled(x, RC(0.5), both);
+    rc_vec3_add(&x[3], &dx[3]);
+}
+
+/* One row at the pose that the trial has, its numbers over sd. */
+static rigcal_real learn_row(rigcal_real trial[], rigcal_real nu, const rigcal_real h[6],
+                             rigcal_real reach, rigcal_real sd, rigcal_real wrong)
+{
+    rigcal_real scaled[6], room[6], dx[6];
+    rc_doubt doubt;
+    for (int k = 0; k < 6; k++) {
+        scaled[k] = h[k] / sd;
+    }
+    const rc_part part = {{0, -1}, {scaled, NULL}};
+    const rigcal_real hPh = rc_filter_seen(room, &trial[RC_TRIAL_UD], 6, &part);
+    const rigcal_real S = 1 + hPh + hPh * rc_filter_bend(&trial[RC_TRIAL_UD], 6, 0, reach);
+    if (!(S <= RC_MAX && rc_is_finite(nu))) {
+        return LIKELIHOOD_LEAST;
+    }
+    rc_filter_doubt(&doubt, nu / sd, S, wrong);
+    rc_filter_learn(&trial[RC_TRIAL_UD], room, 6, hPh, S, doubt.gain);
+    for (int k = 0; k < 6; k++) {
+        dx[k] = doubt.beta * nu / sd / S * room[k];
+    }
+    add_move(&trial[RC_TRIAL_MOVE], dx);
+    return doubt.likelihood;
+}
+
+/* h . d of a body, whose error is estimated and not yet in its pose. */
+static rigcal_real part_of_error(const rc_filter *f, size_t body, const rigcal_real h[6])
+{
+    const int32_t first = rc_filter_first(f, body);
+    if (first < 0) {
+        return 0;
+    }
+    return rc_vec3_dot(h, &f->d[first]) + rc_vec3_dot(&h[3], &f->d[first + 3]);
+}
+
+/* One of the two bodies of what was seen, row `index` of it: the likelihood. */
+static rigcal_real take_moved(const rc_filter *f, rigcal_real trial[], const rc_seen *seen,
+                              int is_b, int index, rigcal_real sd, rigcal_real wrong)
+{
+    rigcal_transform moved = f->poses[is_b ? seen->b : seen->a];
+    rc_row rows[2];
+    rc_transform_move(&moved, &trial[RC_TRIAL_MOVE]);
+    const rigcal_status status = rc_rows_of(rows, seen, is_b ? &f->poses[seen->a] : &moved,
+                                            is_b ? &moved : &f->poses[seen->b]);
+    if (status != RIGCAL_OK) {
+        return LIKELIHOOD_LEAST;
+    }
+    const rc_row *const row = &rows[index];
+    const rigcal_real nu =
+        row->r - part_of_error(f, seen->a, row->h_a) - part_of_error(f, seen->b, row->h_b);
+    return learn_row(trial, nu, is_b ? row->h_b : row->h_a, row->reach, sd, wrong);
+}
+
+int rc_trial_take(const rc_filter *f, rigcal_real bodies[], const rc_seen *seen,
+                  rigcal_real wrong)
+{
+    rc_row rows[2];
+    rigcal_real best = 0;
+    if (rc_rows_of(rows, seen, &f->poses[seen->a], &f->poses[seen->b]) != RIGCAL_OK) {
+        return 0;
+    }
+    for (int index = 0; index < seen->n_rows; index++) {
+        rc_news news;
+        rc_doubt held;
+        if (!rc_filter_ask(&news, f, seen->a, seen->b, &rows[index], wrong)) {
+            continue;
+        }
+        rc_filter_doubt(&held, news.z, 1, wrong);
+        best = rc_max(best, held.beta);
+        for (size_t b = 0; b < f->n_bodies; b++) {
+            rigcal_real *const trial = trial_of(bodies, b);
+            rigcal_real likelihood = held.likelihood;
+            if (b == seen->a || b == seen->b) {
+                likelihood =
+                    take_moved(f, trial, seen, b == seen->b, index, news.sd, wrong);
+            }
+            trial[RC_TRIAL_LOG] += WEIGHT * rc_log(rc_max(likelihood, LIKELIHOOD_LEAST));
+        }
+    }
+    return best < RC(0.5);
+}
+
+/* ---- what they say ----------------------------------------------------------- */
+
+static rigcal_real most_of(const rc_filter *f, const rigcal_real bodies[])
+{
+    rigcal_real most = -RC_MAX;
+    for (size_t b = 0; b < f->n_bodies; b++) {
+        if (rc_filter_has(f, b)) {
+            most = rc_max(most, trial_in(bodies, b)[RC_TRIAL_LOG]);
+        }
+    }
+    return most;
+}
+
+rigcal_real rc_trial_share(const rc_filter *f, const rigcal_real bodies[], size_t body)
+{
+    const rigcal_real most = most_of(f, bodies);
+    rigcal_real sum = 0;
+    for (size_t b = 0; b < f->n_bodies; b++) {
+        if (rc_filter_has(f, b)) {
+            sum += rc_exp(trial_in(bodies, b)[RC_TRIAL_LOG] - most);
+        }
+    }
+    return rc_filter_has(f, body)
+               ? rc_exp(trial_in(bodies, body)[RC_TRIAL_LOG] - most) / sum
+               : 0;
+}
+
+void rc_trial_settle(const rc_filter *f, rigcal_real bodies[])
+{
+    const rigcal_real most = most_of(f, bodies);
+    for (size_t b = 0; b < f->n_bodies; b++) {
+        trial_of(bodies, b)[RC_TRIAL_LOG] -= most;
+    }
+}
+
+void rc_trial_result(rigcal_transform *pose, rigcal_real Sigma[36], const rc_filter *f,
+                     const rigcal_real bodies[], size_t body)
+{
+    const rigcal_real *const trial = trial_in(bodies, body);
+    *pose = f->poses[body];
+    rc_transform_move(pose, &trial[RC_TRIAL_MOVE]);
+    rc_rotation_tidy(pose->R);
+    for (size_t k = 0; k < 36; k++) {
+        Sigma[k] = rc_filter_element(&trial[RC_TRIAL_UD], 6, k / 6, k % 6);
+    }
+}

@@ -1,0 +1,182 @@
+#include "rc_monitor.h"
+
+/* ---- constants ----------------------------------------------------------- */
+
+/* s: between the ends of two frames, at most. */
+#define SECONDS_MOST RC(1e6)
+
+/* frames: after a body was opened, its pose takes in every row at once, since over degrees
+ * a row is not linear. */
+enum { SETTLING = 10 };
+
+/* ---- the end of a frame ------------------------------------------------------ */
+
+/* (M6) the walk of every camera. */
+static void walk(const rc_monitor *m, rigcal_real seconds)
+{
+    const rc_filter *const f = &m->filter;
+    const rigcal_real q_rad = m->head->walk_rad * m->head->walk_rad * seconds;
+    const rigcal_real q_t = m->head->walk_t * m->head->walk_t * seconds;
+    if (!(q_rad > 0 || q_t > 0)) {
+        return;
+    }
+    rc_filter_multiply(f->UD, f->n);
+    for (size_t c = 0; c < f->n_cameras; c++) {
+        rc_filter_spread(f, f->UD, c, q_rad, q_t);
+    }
+    rc_filter_factor(f->UD, f->n);
+}
+
+/* (M14) Weighs the frame, and raises the alarm. */
+static void weigh(rc_monitor *m)
+{
+    rc_monitor_head *const head = m->head;
+    head->evidence = rc_alarm_frame(&head->alarm, m->bodies);
+    if (head->evidence >= 0) {
+        head->is_alarm = 1;
+        head->since = 1;
+        head->settling = 0;
+        rc_trial_begin(&m->filter, &head->alarm, m->bodies, head->move_rad, head->move_t);
+    }
+}
+
+static void report_on(rigcal_monitor_report *report, const rc_monitor *m)
+{
+    const rc_monitor_head *const head = m->head;
+    const rc_filter *const f = &m->filter;
+    rigcal_real most = -1;
+    report->alarm = (int32_t)head->is_alarm;
+    report->body = 0;
+    report->n_blind = 0;
+    report->smallest_rad = 0;
+    for (size_t b = 0; b < f->n_bodies; b++) {
+        const rigcal_real share = head->is_alarm
+                                      ? rc_trial_share(f, m->bodies, b)
+                                      : rc_alarm_share(&head->alarm, m->bodies, b);
+        if (!rc_filter_has(f, b)) {
+            continue;
+        }
+        if (share > most) {
+            most = share;
+            report->body = (int32_t)b;
+        }
+        if (rc_alarm_is_blind(m->bodies, b)) {
+            report->n_blind++;
+            continue;
+        }
+        report->smallest_rad =
+            rc_max(report->smallest_rad, rc_alarm_smallest(&head->alarm, m->bodies, b));
+    }
+    report->smallest_rad = report->n_blind > 0 ? 0 : report->smallest_rad;
+    report->confidence = head->is_alarm ? most : 0;
+    report->evidence = head->evidence;
+    report->noise = rc_alarm_noise(&head->alarm);
+    report->frames = head->frames;
+    report->rows = head->rows;
+    report->doubted = head->doubted;
+    report->frames_since = head->since;
+}
+
+rigcal_status rigcal_monitor_ask(rigcal_monitor_report *report, const rigcal_real monitor[])
+{
+    rc_monitor m;
+    const rigcal_status status =
+        (report == NULL) ? RIGCAL_ERR_NULL : rc_monitor_open(&m, monitor);
+    if (status == RIGCAL_OK) {
+        report_on(report, &m);
+    }
+    return status;
+}
+
+rigcal_status rigcal_monitor_frame(rigcal_monitor_report *report, rigcal_real monitor[],
+                                   rigcal_real seconds)
+{
+    rc_monitor m;
+    const rigcal_status status = rc_monitor_open(&m, monitor);
+    if (status != RIGCAL_OK) {
+        return status;
+    }
+    if (!rc_is_finite(seconds)) {
+        return RIGCAL_ERR_NOT_FINITE;
+    }
+    if (!(seconds >= 0 && seconds <= SECONDS_MOST)) {
+        return RIGCAL_ERR_RANGE;
+    }
+    m.head->frames++;
+    for (size_t b = 0; b < m.filter.n_bodies; b++) {
+        rc_filter_apply(&m.filter, b);
+    }
+    walk(&m, seconds);
+    m.head->settling -= (m.head->settling > 0) ? 1 : 0;
+    if (m.head->is_alarm) {
+        m.head->since++;
+        rc_trial_settle(&m.filter, m.bodies);
+    } else {
+        weigh(&m);
+    }
+    rc_monitor_close(&m, 1);
+    if (report != NULL) {
+        report_on(report, &m);
+    }
+    return RIGCAL_OK;
+}
+
+/* ---- answers ------------------------------------------------------------------ */
+
+static void end_alarm(rc_monitor *m)
+{
+    m->head->is_alarm = 0;
+    m->head->since = 0;
+    m->head->evidence = 0;
+    rc_alarm_again(&m->head->alarm, m->bodies);
+}
+
+rigcal_status rigcal_monitor_dismiss(rigcal_real monitor[])
+{
+    rc_monitor m;
+    rigcal_status status = rc_monitor_open(&m, monitor);
+    if (status == RIGCAL_OK && m.head->is_alarm == 0) {
+        status = RIGCAL_ERR_STATE;
+    }
+    if (status == RIGCAL_OK) {
+        end_alarm(&m);
+        rc_monitor_close_again(&m);
+    }
+    return status;
+}
+
+/* (M9) without an alarm, (M15) after one. */
+static void open_body(rc_monitor *m, size_t body)
+{
+    const rc_filter *const f = &m->filter;
+    const rigcal_real move_rad = m->head->move_rad, move_t = m->head->move_t;
+    rc_filter_multiply(f->UD, f->n);
+    if (m->head->is_alarm) {
+        rigcal_transform pose;
+        rigcal_real Sigma[36];
+        rc_trial_result(&pose, Sigma, f, m->bodies, body);
+        rc_filter_put(f, body, &pose);
+        rc_filter_spread_by(f, f->UD, body, Sigma);
+    } else {
+        rc_filter_spread(f, f->UD, body, move_rad * move_rad, move_t * move_t);
+    }
+    rc_filter_factor(f->UD, f->n);
+    m->head->settling = SETTLING;
+    m->head->settles = (uint32_t)body;
+}
+
+rigcal_status rigcal_monitor_moved(rigcal_real monitor[], size_t body)
+{
+    rc_monitor m;
+    rigcal_status status = rc_monitor_open(&m, monitor);
+    if (status == RIGCAL_OK &&
+        (body >= m.filter.n_bodies || !rc_filter_has(&m.filter, body))) {
+        status = RIGCAL_ERR_RANGE;
+    }
+    if (status == RIGCAL_OK) {
+        open_body(&m, body);
+        end_alarm(&m);
+        rc_monitor_close_again(&m);
+    }
+    return status;
+}

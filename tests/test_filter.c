@@ -1,0 +1,397 @@
+/* filter: poses and the joint covariance of their errors. The truth: dense matrices in
+ * double, and moves that are made and measured. */
+#include <math.h>
+#include <string.h>
+
+#include "rc_filter.h"
+#include "test_support.h"
+
+enum { BODIES = 4, N = 6 * (BODIES - 1) };
+
+typedef struct {
+    rigcal_transform poses[BODIES];
+    rigcal_real UD[N * (N + 1) / 2], d[N], room[N];
+    rc_filter f;
+    double P[N][N], mean[N]; /* the truth */
+} held;
+
+static held s;
+
+/* ---- a filter, and the same in dense matrices --------------------------------------- */
+
+static void begin(test_rng *rng, size_t frame)
+{
+    double A[N][N];
+
+    memset(&s, 0, sizeof s);
+    for (int b = 0; b < BODIES; b++) {
+        s.poses[b] = test_random_transform(rng);
+    }
+    for (int i = 0; i < N * N; i++) {
+        A[i / N][i % N] = 1e-3 * test_normal(rng);
+    }
+    for (int i = 0; i < N; i++) {
+        for (int j = 0; j < N; j++) {
+            s.P[i][j] = i == j ? 1e-6 : 0;
+            for (int k = 0; k < N; k++) {
+                s.P[i][j] += A[i][k] * A[j][k];
+            }
+        }
+    }
+    for (int i = 0; i < N; i++) {
+        for (int j = 0; j <= i; j++) {
+            s.UD[i * (i + 1) / 2 + j] = (rigcal_real)s.P[i][j];
+        }
+    }
+    s.f.n_bodies = s.f.n_cameras = BODIES;
+    s.f.n = N;
+    s.f.frame = frame;
+    s.f.poses = s.poses;
+    s.f.UD = s.UD;
+    s.f.d = s.d;
+    s.f.room = s.room;
+    rc_filter_factor(s.UD, N);
+}
+
+static void assert_covariance(double tol)
+{
+    for (size_t i = 0; i < N; i++) {
+        TEST_ASSERT_TRUE(s.UD[i * (i + 3) / 2] > 0); /* D: positive definite */
+        for (size_t j = 0; j < N; j++) {
+            ASSERT_NEAR(s.P[i][j] / sqrt(s.P[i][i] * s.P[j][j]),
+                        D(rc_filter_element(s.UD, N, i, j)) / sqrt(s.P[i][i] * s.P[j][j]),
+                        tol);
+        }
+    }
+}
+
+static void random_row(rc_row *row, double h[N], int a, int b, test_rng *rng)
+{
+    memset(h, 0, N * sizeof h[0]);
+    for (int k = 0; k < 6; k++) {
+        row->h_a[k] = (rigcal_real)(500 * test_normal(rng));
+        row->h_b[k] = (rigcal_real)(500 * test_normal(rng));
+        if (a != (int)s.f.frame) {
+            h[rc_filter_first(&s.f, (size_t)a) + k] = D(row->h_a[k]);
+        }
+        if (b != (int)s.f.frame) {
+            h[rc_filter_first(&s.f, (size_t)b) + k] = D(row->h_b[k]);
+        }
+    }
+    row->reach = 1;
+}
+
+/* (M8) in dense matrices. */
+static void learn(const double h[N], double r, double wrong, double *beta, double *z)
+{
+    double Ph[N], S = 1, nu = r;
+
+    for (int i = 0; i < N; i++) {
+        Ph[i] = 0;
+        for (int j = 0; j < N; j++) {
+            Ph[i] += s.P[i][j] * h[j];
+        }
+    }
+    for (int i = 0; i < N; i++) {
+        S += h[i] * Ph[i];
+        nu -= h[i] * s.mean[i];
+    }
+    *z = nu / sqrt(S);
+    const double right = (1 - wrong) * exp(-*z * *z / 2) / sqrt(2 * TEST_PI * S);
+    *beta = right / (right + wrong / 100);
+    const double gain = *beta * (1 - (1 - *beta) * *z * *z);
+    for (int i = 0; i < N; i++) {
+        s.mean[i] += *beta * nu * Ph[i] / S;
+        for (int j = 0; j < N; j++) {
+            s.P[i][j] -= gain / S * Ph[i] * Ph[j];
+        }
+    }
+}
+
+/* ---- covariance ------------------------------------------------------------------------ */
+
+static void test_factors_multiply_to_the_covariance(void)
+{
+    test_rng rng = test_seed(1);
+
+    begin(&rng, 0);
+    assert_covariance(TOL(1e-13, 1e-5));
+    rc_filter_multiply(s.UD, N);
+    for (int i = 0; i < N; i++) {
+        for (int j = 0; j <= i; j++) {
+            ASSERT_NEAR(s.P[i][j] / sqrt(s.P[i][i] * s.P[j][j]),
+                        D(s.UD[i * (i + 1) / 2 + j]) / sqrt(s.P[i][i] * s.P[j][j]),
+                        TOL(1e-13, 1e-5));
+        }
+    }
+}
+
+static void test_rows_that_may_be_wrong_agree_with_dense_matrices(void)
+{
+    for (int trial = 0; trial < TEST_TRIALS(20); trial++) {
+        test_rng rng = test_seed(20 + (uint64_t)trial);
+        const double wrong = trial % 3 == 0 ? 0 : 0.1 * (trial % 3);
+        int is_negative = 0;
+
+        begin(&rng, (size_t)(trial % BODIES));
+        for (int i = 0; i < 60; i++) {
+            const int a = (int)test_uniform(&rng, 0, BODIES), b = (a + 1 + i % 3) % BODIES;
+            double h[N], beta, z;
+            rc_row row;
+            rc_news news;
+
+            random_row(&row, h, a, b, &rng);
+            row.r = (rigcal_real)((i % 5 == 4 ? 6 : 1) * test_normal(&rng));
+            learn(h, D(row.r), wrong, &beta, &z);
+            TEST_ASSERT_TRUE(rc_filter_row(&news, &s.f, (size_t)a, (size_t)b, &row,
+                                           (rigcal_real)wrong, 0));
+            ASSERT_NEAR(z, news.z, TOL(1e-9, 1e-3));
+            ASSERT_NEAR(beta, news.doubt.beta, TOL(1e-9, 2e-3));
+            is_negative += news.doubt.gain < 0;
+        }
+        TEST_ASSERT_TRUE(wrong == 0 || is_negative > 0);
+        assert_covariance(TOL(1e-9, 5e-3));
+        for (int i = 0; i < N; i++) {
+            ASSERT_NEAR(s.mean[i] / sqrt(s.P[i][i]), D(s.d[i]) / sqrt(s.P[i][i]),
+                        TOL(1e-8, 5e-3));
+        }
+    }
+}
+
+/* A direction that is never seen keeps its variance, and others go down by 1e8. */
+static void test_it_stays_positive_definite_where_one_direction_is_never_seen(void)
+{
+    test_rng rng = test_seed(3);
+    double unseen[N], norm = 0, variance = 0;
+
+    begin(&rng, 0);
+    rc_clear(s.UD, N * (N + 1) / 2);
+    for (int i = 0; i < N; i++) {
+        s.UD[i * (i + 3) / 2] = RC(1e-4);
+        unseen[i] = test_normal(&rng);
+        norm += unseen[i] * unseen[i];
+    }
+    for (int i = 0; i < TEST_TRIALS(40000); i++) {
+        const int a = (int)test_uniform(&rng, 0, BODIES), b = (a + 1 + i % 3) % BODIES;
+        double h[N], along = 0;
+        rc_row row;
+        rc_news news;
+
+        random_row(&row, h, a, b, &rng);
+        double part = 0;
+        for (int k = 0; k < N; k++) {
+            along += h[k] * unseen[k];
+            part += (h[k] != 0) * unseen[k] * unseen[k];
+        }
+        for (int k = 0; k < 6; k++) {
+            const int32_t at_a = rc_filter_first(&s.f, (size_t)a),
+                          at_b = rc_filter_first(&s.f, (size_t)b);
+            if (at_a >= 0) {
+                row.h_a[k] = (rigcal_real)(h[at_a + k] - along / part * unseen[at_a + k]);
+            }
+            if (at_b >= 0) {
+                row.h_b[k] = (rigcal_real)(h[at_b + k] - along / part * unseen[at_b + k]);
+            }
+        }
+        row.r = (rigcal_real)test_normal(&rng);
+        TEST_ASSERT_TRUE(rc_filter_row(&news, &s.f, (size_t)a, (size_t)b, &row, 0, 0));
+    }
+    for (size_t i = 0; i < N; i++) {
+        TEST_ASSERT_TRUE(s.UD[i * (i + 3) / 2] > 0);
+        for (size_t j = 0; j < N; j++) {
+            variance += unseen[i] * D(rc_filter_element(s.UD, N, i, j)) * unseen[j] / norm;
+        }
+    }
+    ASSERT_NEAR(1e-4, variance, 3e-6);
+}
+
+/* ---- poses --------------------------------------------------------------------------- */
+
+/* In float a turn of 1e-9 is less than the rounding of R: it is kept beside. */
+static void test_small_steps_add_up(void)
+{
+    test_rng rng = test_seed(4);
+    const double step[6] = {1e-9, -2e-9, 0.5e-9, 1e-9, 2e-9, -1e-9};
+    const int steps = TEST_TRIALS(100000);
+    double R[9], t[3], before[9], t_before[3], angle[3] = {0, 0, 0}, Rt[9], turn[9];
+
+    begin(&rng, 0);
+    for (int k = 0; k < 3; k++) {
+        s.poses[1].t[k] = RC(0.5 + k);
+    }
+    test_transform_parts(before, t_before, &s.poses[1]);
+    for (int i = 0; i < steps; i++) {
+        for (int k = 0; k < 6; k++) {
+            s.d[k] += (rigcal_real)step[k];
+        }
+        rc_filter_apply(&s.f, 1);
+    }
+    test_transform_parts(R, t, &s.poses[1]);
+    test_transpose(Rt, before);
+    test_product(turn, R, Rt);
+    angle[0] = (turn[7] - turn[5]) / 2;
+    angle[1] = (turn[2] - turn[6]) / 2;
+    angle[2] = (turn[3] - turn[1]) / 2;
+    for (int k = 0; k < 3; k++) {
+        ASSERT_NEAR(steps * step[k], angle[k] + D(s.d[k]), TOL(1e-10, 2e-7));
+        ASSERT_NEAR(steps * step[3 + k], t[k] - t_before[k] + D(s.d[3 + k]),
+                    TOL(1e-12, 1e-8));
+    }
+}
+
+static void measure(double e[N], const rigcal_transform from[BODIES])
+{
+    for (size_t b = 0; b < BODIES; b++) {
+        const int32_t first = rc_filter_first(&s.f, b);
+        double R[9], t[3], R0[9], t0[3], Rt[9], turn[9];
+
+        if (first < 0) {
+            continue;
+        }
+        test_transform_parts(R, t, &s.poses[b]);
+        test_transform_parts(R0, t0, &from[b]);
+        test_transpose(Rt, R0);
+        test_product(turn, R, Rt);
+        e[first] = (turn[7] - turn[5]) / 2;
+        e[first + 1] = (turn[2] - turn[6]) / 2;
+        e[first + 2] = (turn[3] - turn[1]) / 2;
+        for (int k = 0; k < 3; k++) {
+            e[first + 3 + k] = t[k] - t0[k];
+        }
+    }
+}
+
+/* (M7) The frame moves by d: all others do as P says, and the frame stays. */
+static void test_a_move_of_the_frame_is_one_of_all_others(void)
+{
+    for (size_t frame = 0; frame < 3; frame++) {
+        test_rng rng = test_seed(50 + frame);
+        const double size = TOL(1e-5, 1e-2);
+        double d[6], e[N];
+        rigcal_transform before[BODIES], moved;
+        rigcal_real Q[36], step[6], P[N * (N + 1) / 2];
+
+        begin(&rng, frame);
+        memcpy(before, s.poses, sizeof before);
+        for (int k = 0; k < 6; k++) {
+            d[k] = size * test_normal(&rng);
+            step[k] = (rigcal_real)d[k];
+        }
+        for (int k = 0; k < 36; k++) {
+            Q[k] = (rigcal_real)(d[k / 6] * d[k % 6]);
+        }
+        moved = s.poses[frame];
+        rc_transform_move(&moved, step);
+        rc_clear(P, N * (N + 1) / 2);
+        rc_filter_spread_by(&s.f, P, frame, Q);
+        rc_filter_put(&s.f, frame, &moved);
+        TEST_ASSERT_EQUAL_MEMORY(&before[frame], &s.poses[frame], sizeof before[0]);
+        const rigcal_transform inverse = test_inverse(&moved),
+                               relative = test_times(&before[3], &inverse),
+                               expected = test_times(&relative, &before[frame]);
+        ASSERT_TRANSFORM(&expected, &s.poses[3], TOL(1e-12, 2e-6), TOL(1e-12, 1e-5));
+        measure(e, before);
+        for (int i = 0; i < N; i++) {
+            for (int j = 0; j <= i; j++) {
+                ASSERT_NEAR(e[i] * e[j] / (size * size),
+                            D(P[i * (i + 1) / 2 + j]) / (size * size), TOL(5e-4, 0.3));
+            }
+        }
+    }
+}
+
+static void test_a_spread_of_equal_axes_is_that_of_its_covariance(void)
+{
+    for (size_t body = 0; body < BODIES; body++) {
+        test_rng rng = test_seed(60);
+        rigcal_real Q[36], P[N * (N + 1) / 2], other[N * (N + 1) / 2];
+
+        begin(&rng, 1);
+        rc_clear(Q, 36);
+        for (int k = 0; k < 6; k++) {
+            Q[7 * k] = k < 3 ? RC(2) : RC(3);
+        }
+        rc_clear(P, N * (N + 1) / 2);
+        rc_clear(other, N * (N + 1) / 2);
+        rc_filter_spread(&s.f, P, body, 2, 3);
+        rc_filter_spread_by(&s.f, other, body, Q);
+        for (int k = 0; k < N * (N + 1) / 2; k++) {
+            ASSERT_NEAR(other[k], P[k], TOL(1e-13, 1e-5));
+        }
+        TEST_ASSERT_TRUE(P[0] > 1 || body > 1); /* the first camera moves with the frame */
+    }
+}
+
+static void test_a_body_comes_with_its_covariance_and_leaves(void)
+{
+    test_rng rng = test_seed(70);
+    double by[6][6], expected;
+    rigcal_real T[36], Q[36];
+
+    begin(&rng, 0);
+    for (int k = 0; k < 36; k++) {
+        by[k / 6][k % 6] = test_normal(&rng);
+        T[k] = (rigcal_real)by[k / 6][k % 6];
+        by[k / 6][k % 6] = D(T[k]);
+        Q[k] = k % 7 == 0 ? RC(1e-6) : 0;
+    }
+    rc_filter_multiply(s.UD, N);
+    rc_filter_come(&s.f, s.UD, 3, 1, T, Q);
+    for (int i = 12; i < 18; i++) {
+        for (int j = 0; j <= i; j++) {
+            expected = i == j ? 1e-6 : 0;
+            for (int k = 0; k < 36; k++) {
+                expected += j < 12
+                                ? (k < 6) * by[i - 12][k % 6] * s.P[k % 6][j]
+                                : by[i - 12][k / 6] * s.P[k / 6][k % 6] * by[j - 12][k % 6];
+            }
+            ASSERT_NEAR(expected, s.UD[i * (i + 1) / 2 + j], TOL(1e-15, 1e-9));
+        }
+    }
+    rc_filter_leave(&s.f, s.UD, 2);
+    for (int i = 6; i < 12; i++) {
+        for (int j = 0; j < N; j++) {
+            const int row = i > j ? i : j, column = i > j ? j : i;
+            ASSERT_NEAR(0, s.UD[row * (row + 1) / 2 + column], 0);
+        }
+    }
+    ASSERT_NEAR(s.P[0][0], s.UD[0], TOL(1e-15, 1e-10));
+}
+
+static void test_rows_of_a_body_that_is_open_count_for_less(void)
+{
+    test_rng rng = test_seed(80);
+    rc_row row;
+    rc_news held_news, open;
+    double h[N];
+    rc_filter f;
+
+    begin(&rng, 0);
+    random_row(&row, h, 1, 2, &rng);
+    row.r = 1;
+    f = s.f;
+    TEST_ASSERT_TRUE(rc_filter_ask(&held_news, &f, 1, 2, &row, 0));
+    rc_filter_multiply(s.UD, N);
+    rc_filter_spread(&s.f, s.UD, 1, RC(0.01), 0);
+    rc_filter_factor(s.UD, N);
+    TEST_ASSERT_TRUE(rc_filter_row(&open, &f, 1, 2, &row, 0, 1));
+    double first_order = 1 + D(held_news.sd) * D(held_news.sd) - 1;
+    for (int k = 0; k < 3; k++) {
+        first_order += 0.01 * D(row.h_a[k]) * D(row.h_a[k]);
+    }
+    /* 64 times the variance of the turn, 0.03, and of the rest */
+    TEST_ASSERT_TRUE(D(open.sd) * D(open.sd) > 2.8 * first_order);
+    TEST_ASSERT_TRUE(D(open.sd) * D(open.sd) < 3.2 * first_order);
+}
+
+TEST_MAIN()
+{
+    RUN_TEST(test_factors_multiply_to_the_covariance);
+    RUN_TEST(test_rows_that_may_be_wrong_agree_with_dense_matrices);
+    RUN_TEST(test_it_stays_positive_definite_where_one_direction_is_never_seen);
+    RUN_TEST(test_small_steps_add_up);
+    RUN_TEST(test_a_move_of_the_frame_is_one_of_all_others);
+    RUN_TEST(test_a_spread_of_equal_axes_is_that_of_its_covariance);
+    RUN_TEST(test_a_body_comes_with_its_covariance_and_leaves);
+    RUN_TEST(test_rows_of_a_body_that_is_open_count_for_less);
+}

@@ -1,0 +1,365 @@
+/* monitor: memory, begin, matches. The truth: simulated rigs, and the same filter in double
+ * made here. */
+#include <math.h>
+#include <string.h>
+
+#include "test_watched.h"
+
+static const double DEGREE = TEST_PI / 180, WRONG = 0.05;
+
+static test_watched w;
+
+#define WANTS_RIG() TEST_WANTS_RAM(sizeof w + 6000)
+
+static void quiet(rigcal_monitor_options *o)
+{
+    ASSERT_STATUS(RIGCAL_OK, rigcal_monitor_defaults(o));
+    o->arl0_frames = RC(1e9);
+}
+
+/* ---- memory --------------------------------------------------------------------------- */
+
+static void test_a_monitor_takes_what_its_macro_says_and_no_more_than_it_may(void)
+{
+    static const double BYTES[9] = {0, 0, 2000, 0, 4400, 0, 0, 0, 11000}; /* in float */
+
+    for (size_t n = 2; n <= 8; n++) {
+        const size_t reals = RIGCAL_MONITOR_SIZE(n, 0);
+
+        TEST_ASSERT_TRUE(rigcal_monitor_size(n, 0) == reals);
+        TEST_ASSERT_TRUE(rigcal_monitor_size(n, 2) == RIGCAL_MONITOR_SIZE(n, 2));
+        if (BYTES[n] > 0) {
+            TEST_ASSERT_TRUE(4.0 * (double)(reals - RIGCAL_MONITOR_LENS * n) <= BYTES[n]);
+        }
+    }
+    TEST_ASSERT_TRUE(rigcal_monitor_size(1, 0) == 0 && rigcal_monitor_size(65, 0) == 0 &&
+                     rigcal_monitor_size(2, 17) == 0);
+}
+
+static void test_memory_that_was_not_begun_is_refused(void)
+{
+    test_rng rng = test_seed(1);
+
+    WANTS_RIG();
+    for (int trial = 0; trial < 20; trial++) {
+        unsigned char *const bytes = (unsigned char *)w.monitor;
+
+        for (size_t k = 0; k < sizeof w.monitor; k++) {
+            bytes[k] = (unsigned char)(trial == 0   ? 0
+                                       : trial == 1 ? 255
+                                                    : test_next(&rng) & 255);
+        }
+        ASSERT_STATUS(RIGCAL_ERR_STATE, rigcal_monitor_frame(NULL, w.monitor, 0));
+        ASSERT_STATUS(RIGCAL_ERR_STATE, rigcal_monitor_dismiss(w.monitor));
+    }
+}
+
+/* Between frames any bit, within a frame any bit of the head. */
+static void test_a_bit_that_was_changed_is_noticed(void)
+{
+    const watched_matches like = {20, 0.3, 0, 0};
+    test_rng rng = test_seed(2);
+    rigcal_monitor_options o;
+    rigcal_monitor_report report;
+    unsigned char *const bytes = (unsigned char *)w.monitor;
+
+    WANTS_RIG();
+    quiet(&o);
+    test_watched_make(&w, &rng, 2, 1, 0.05 * DEGREE, 2e-3);
+    test_watched_begin(&w, 0, &o);
+    test_watched_match(&w, &rng, &like);
+    ASSERT_STATUS(RIGCAL_OK, rigcal_monitor_frame(NULL, w.monitor, 0));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_monitor_ask(&report, w.monitor));
+    for (int trial = 0; trial < TEST_TRIALS(2000); trial++) {
+        const size_t at =
+            (size_t)test_uniform(&rng, 0, (double)(w.size * sizeof(rigcal_real)));
+        const unsigned char bit = (unsigned char)(1 << (trial % 8));
+
+        bytes[at] ^= bit;
+        ASSERT_STATUS(RIGCAL_ERR_STATE, rigcal_monitor_ask(&report, w.monitor));
+        ASSERT_STATUS(RIGCAL_ERR_STATE, rigcal_monitor_frame(NULL, w.monitor, 0));
+        bytes[at] ^= bit;
+    }
+    ASSERT_STATUS(RIGCAL_OK, rigcal_monitor_ask(&report, w.monitor));
+}
+
+static void test_a_monitor_may_be_copied(void)
+{
+    const watched_matches like = {20, 0.3, 0.1, 0};
+    static rigcal_real copy[RIGCAL_MONITOR_SIZE(2, 0)];
+    test_rng rng = test_seed(3);
+
+    TEST_WANTS_RAM(sizeof w + sizeof copy + 6000);
+    test_watched_make(&w, &rng, 2, 1, 0.05 * DEGREE, 2e-3);
+    test_watched_begin(&w, 0, NULL);
+    test_watched_match(&w, &rng, &like);
+    memcpy(copy, w.monitor, sizeof copy);
+    const test_rng same = rng;
+    test_watched_match(&w, &rng, &like);
+    ASSERT_STATUS(RIGCAL_OK, rigcal_monitor_frame(NULL, w.monitor, 1));
+    static rigcal_real first[RIGCAL_MONITOR_SIZE(2, 0)];
+    memcpy(first, w.monitor, sizeof first);
+    memcpy(w.monitor, copy, sizeof copy);
+    rng = same;
+    test_watched_match(&w, &rng, &like);
+    ASSERT_STATUS(RIGCAL_OK, rigcal_monitor_frame(NULL, w.monitor, 1));
+    TEST_ASSERT_EQUAL_MEMORY(first, w.monitor, sizeof first);
+}
+
+/* ---- begin ----------------------------------------------------------------------------- */
+
+static void test_rigs_that_cannot_be_watched_are_refused(void)
+{
+    test_rng rng = test_seed(4);
+
+    WANTS_RIG();
+    test_watched_make(&w, &rng, 2, 1, 0.05 * DEGREE, 2e-3);
+    const size_t size = RIGCAL_MONITOR_SIZE(2, 0);
+    ASSERT_STATUS(RIGCAL_ERR_CAPACITY,
+                  rigcal_monitor_begin(w.monitor, size - 1, &w.rig, 0, NULL));
+    ASSERT_STATUS(RIGCAL_ERR_RANGE,
+                  rigcal_monitor_begin(w.monitor, size, &w.rig, 17, NULL));
+    w.group[1] = 1;
+    ASSERT_STATUS(RIGCAL_DISCONNECTED,
+                  rigcal_monitor_begin(w.monitor, size, &w.rig, 0, NULL));
+    w.group[1] = 0;
+    w.rig.n_cameras = 1;
+    ASSERT_STATUS(RIGCAL_ERR_TOO_FEW,
+                  rigcal_monitor_begin(w.monitor, size, &w.rig, 0, NULL));
+    w.rig.n_cameras = 2;
+    w.Sigma[0] = -w.Sigma[0];
+    ASSERT_STATUS(RIGCAL_ERR_RANGE, rigcal_monitor_begin(w.monitor, size, &w.rig, 0, NULL));
+    w.Sigma[0] = -w.Sigma[0];
+    w.Sigma[1] = 2 * w.Sigma[0];
+    ASSERT_STATUS(RIGCAL_ERR_RANGE, rigcal_monitor_begin(w.monitor, size, &w.rig, 0, NULL));
+    w.Sigma[1] = 0;
+    const rigcal_transform kept = w.cameras[1].cam_from_rig;
+    w.cameras[1].cam_from_rig = w.cameras[0].cam_from_rig;
+    ASSERT_STATUS(RIGCAL_ERR_DEGENERATE,
+                  rigcal_monitor_begin(w.monitor, size, &w.rig, 0, NULL));
+    w.cameras[1].cam_from_rig = kept;
+    ASSERT_STATUS(RIGCAL_OK, rigcal_monitor_begin(w.monitor, size, &w.rig, 0, NULL));
+}
+
+/* ---- a still rig ------------------------------------------------------------------------ */
+
+static double base_variance(void)
+{
+    rigcal_transform b_from_a;
+    rigcal_real Sigma[36];
+    double sum = 0, length;
+
+    ASSERT_STATUS(RIGCAL_OK, rigcal_monitor_pair(&b_from_a, Sigma, w.monitor, 0, 1));
+    const double t[3] = {D(b_from_a.t[0]), D(b_from_a.t[1]), D(b_from_a.t[2])};
+    length = test_norm(t);
+    for (int k = 0; k < 9; k++) {
+        sum += t[k / 3] * t[k % 3] * D(Sigma[6 * (3 + k / 3) + 3 + k % 3]);
+    }
+    return sum / (length * length);
+}
+
+/* A million in bench_monitor; here a fifth. */
+static void test_matches_of_a_still_pair_do_not_learn_the_length_of_its_base(void)
+{
+    const watched_matches like = {100, 0.3, 0, 1};
+
+    WANTS_RIG();
+    for (int is_parallel = 0; is_parallel < 2; is_parallel++) {
+        test_rng rng = test_seed(5);
+        rigcal_monitor_options o;
+
+        quiet(&o);
+        o.wrong = 0;
+        test_watched_make(&w, &rng, 2, is_parallel, 0.05 * DEGREE, 2e-3);
+        test_watched_begin(&w, 0, &o);
+        for (int f = 0; f < TEST_TRIALS(1000); f++) {
+            test_watched_match(&w, &rng, &like);
+            ASSERT_STATUS(RIGCAL_OK, rigcal_monitor_frame(NULL, w.monitor, 0));
+        }
+        TEST_ASSERT_TRUE(base_variance() > 0.9 * 4e-6);
+        TEST_ASSERT_TRUE(base_variance() < 1.1 * 4e-6);
+    }
+}
+
+/* ---- float against double ------------------------------------------------------------------ */
+
+/* The same filter of two cameras, of the matches that the monitor gets, in double: (M1) to
+ * (M3), (M8) with P itself. */
+typedef struct {
+    double R[9], t[3], P[6][6], d[6];
+} reference;
+
+static void reference_row(double h[6], double *r, const reference *ref, const double ma[3],
+                          const double mb[3], double sigma)
+{
+    double q[3], gb[3], na[3], Rt[9], ga[3], c[3], a[3], b[3];
+
+    memcpy(a, ma, sizeof a);
+    memcpy(b, mb, sizeof b);
+    test_transpose(Rt, ref->R);
+    for (int pass = 0; pass < 2; pass++) {
+        test_apply(q, ref->R, a, NULL);
+        test_cross(gb, ref->t, q);
+        test_cross(na, b, ref->t);
+        test_apply(ga, Rt, na, NULL);
+        test_cross(c, q, b);
+        if (pass == 0) {
+            const double e = test_dot(b, gb);
+            const double g2 = ga[0] * ga[0] + ga[1] * ga[1] + gb[0] * gb[0] + gb[1] * gb[1];
+            *r = -e / (sigma * sqrt(g2));
+            for (int k = 0; k < 2; k++) {
+                a[k] -= e / g2 * ga[k];
+                b[k] -= e / g2 * gb[k];
+            }
+            h[0] = sigma * sqrt(g2);
+        }
+    }
+    const double s = h[0];
+    double turned[3], shifted[3];
+    test_cross(turned, b, gb);
+    test_cross(shifted, ref->t, c);
+    for (int k = 0; k < 3; k++) {
+        h[k] = (-turned[k] - shifted[k]) / s;
+        h[3 + k] = c[k] / s;
+    }
+}
+
+static void reference_take(reference *ref, const double ma[3], const double mb[3])
+{
+    double h[6], r, Ph[6], S = 1, nu;
+
+    reference_row(h, &r, ref, ma, mb, 0.3 / 800);
+    nu = r;
+    for (int i = 0; i < 6; i++) {
+        Ph[i] = 0;
+        for (int j = 0; j < 6; j++) {
+            Ph[i] += ref->P[i][j] * h[j];
+        }
+    }
+    for (int i = 0; i < 6; i++) {
+        S += h[i] * Ph[i];
+        nu -= h[i] * ref->d[i];
+    }
+    const double z2 = nu * nu / S,
+                 right = (1 - WRONG) * exp(-z2 / 2) / sqrt(2 * TEST_PI * S),
+                 beta = right / (right + WRONG / 100);
+    for (int i = 0; i < 6; i++) {
+        ref->d[i] += beta * nu * Ph[i] / S;
+        for (int j = 0; j < 6; j++) {
+            ref->P[i][j] -= beta * (1 - (1 - beta) * z2) * Ph[i] * Ph[j] / S;
+        }
+    }
+}
+
+static void reference_apply(reference *ref)
+{
+    double turn[9], R[9];
+
+    if (test_norm(ref->d) > 0) {
+        test_rotation_about(turn, ref->d, test_norm(ref->d));
+        test_product(R, turn, ref->R);
+        memcpy(ref->R, R, sizeof R);
+    }
+    for (int k = 0; k < 3; k++) {
+        ref->t[k] += ref->d[3 + k];
+    }
+    memset(ref->d, 0, sizeof ref->d);
+}
+
+static void test_poses_after_many_rows_are_those_of_double_arithmetic(void)
+{
+    const int frames = TEST_TRIALS(1000);
+    test_rng rng = test_seed(6);
+    rigcal_monitor_options o;
+    rigcal_mounted_camera m;
+    reference ref;
+    double R[9], t[3], Rt[9], turn[9];
+
+    WANTS_RIG();
+    quiet(&o);
+    o.wrong = (rigcal_real)WRONG;
+    test_watched_make(&w, &rng, 2, 0, 0.05 * DEGREE, 2e-3);
+    test_watched_begin(&w, 0, &o);
+    memset(&ref, 0, sizeof ref);
+    test_transform_parts(ref.R, ref.t, &w.cameras[1].cam_from_rig);
+    for (int k = 0; k < 6; k++) {
+        ref.P[k][k] = D(w.Sigma[k * (k + 3) / 2]);
+    }
+    for (int i = 0; i < frames * 100; i++) {
+        double X[3], uv[2];
+        rigcal_real rays[2][3];
+        double m_of[2][3];
+
+        test_watched_point(X, &w, &rng);
+        for (int c = 0; c < 2; c++) {
+            test_watched_pixel(uv, &w, c, X);
+            rays[c][0] = (rigcal_real)((uv[0] - 640 + 0.3 * test_normal(&rng)) / 800);
+            rays[c][1] = (rigcal_real)((uv[1] - 480 + 0.3 * test_normal(&rng)) / 800);
+            rays[c][2] = 1;
+            test_to_double(m_of[c], rays[c], 3);
+        }
+        ASSERT_STATUS(RIGCAL_OK, rigcal_monitor_match_rays(w.monitor, 0, rays[0], 1,
+                                                           rays[1], RC(0.3)));
+        reference_take(&ref, m_of[0], m_of[1]);
+        if (i % 100 == 99) {
+            reference_apply(&ref);
+            ASSERT_STATUS(RIGCAL_OK, rigcal_monitor_frame(NULL, w.monitor, 0));
+        }
+    }
+    ASSERT_STATUS(RIGCAL_OK, rigcal_monitor_camera(&m, w.monitor, 1));
+    test_transform_parts(R, t, &m.cam_from_rig);
+    test_transpose(Rt, ref.R);
+    test_product(turn, R, Rt);
+    const double w3[3] = {turn[7] - turn[5], turn[2] - turn[6], turn[3] - turn[1]};
+    for (int k = 0; k < 3; k++) {
+        const double tol = TEST_ONE_IN > 1 ? 0.05 : 0.01;
+        ASSERT_NEAR(0, w3[k] / 2 / sqrt(ref.P[k][k]), tol);
+        ASSERT_NEAR(0, (t[k] - ref.t[k]) / sqrt(ref.P[3 + k][3 + k]), tol);
+    }
+    for (int k = 0; k < 6; k++) {
+        ASSERT_NEAR(1, D(m.Sigma[7 * k]) / ref.P[k][k], TOL(1e-3, 1e-3));
+    }
+}
+
+/* ---- what is refused ---------------------------------------------------------------------- */
+
+static void test_a_failed_match_changes_nothing(void)
+{
+    static rigcal_real kept[RIGCAL_MONITOR_SIZE(2, 0)];
+    const rigcal_real ray[3] = {0, 0, 1}, along[3] = {1, 0, 0}, behind[3] = {0, 0, -1};
+    test_rng rng = test_seed(7);
+
+    TEST_WANTS_RAM(sizeof w + sizeof kept + 6000);
+    test_watched_make(&w, &rng, 2, 0, 0.05 * DEGREE, 2e-3);
+    test_watched_begin(&w, 0, NULL);
+    const rigcal_transform back = test_inverse(&w.cameras[1].cam_from_rig);
+    const rigcal_real *const to_other = back.t;
+    memcpy(kept, w.monitor, sizeof kept);
+    ASSERT_STATUS(RIGCAL_ERR_BEHIND,
+                  rigcal_monitor_match_rays(w.monitor, 0, ray, 1, behind, 1));
+    ASSERT_STATUS(RIGCAL_ERR_BEHIND,
+                  rigcal_monitor_match_rays(w.monitor, 0, ray, 1, along, 1));
+    /* each camera sees the other */
+    ASSERT_STATUS(RIGCAL_ERR_DEGENERATE,
+                  rigcal_monitor_match_rays(w.monitor, 0, to_other, 1,
+                                            w.cameras[1].cam_from_rig.t, 1));
+    ASSERT_STATUS(RIGCAL_ERR_RANGE,
+                  rigcal_monitor_match_rays(w.monitor, 0, ray, 0, ray, 1));
+    ASSERT_STATUS(RIGCAL_ERR_RANGE,
+                  rigcal_monitor_match_rays(w.monitor, 0, ray, 2, ray, 1));
+    ASSERT_STATUS(RIGCAL_ERR_RANGE,
+                  rigcal_monitor_match_rays(w.monitor, 0, ray, 1, ray, 0));
+    TEST_ASSERT_EQUAL_MEMORY(kept, w.monitor, sizeof kept);
+}
+
+TEST_MAIN()
+{
+    RUN_TEST(test_a_monitor_takes_what_its_macro_says_and_no_more_than_it_may);
+    RUN_TEST(test_memory_that_was_not_begun_is_refused);
+    RUN_TEST(test_a_bit_that_was_changed_is_noticed);
+    RUN_TEST(test_a_monitor_may_be_copied);
+    RUN_TEST(test_rigs_that_cannot_be_watched_are_refused);
+    RUN_TEST(test_matches_of_a_still_pair_do_not_learn_the_length_of_its_base);
+    RUN_TEST(test_poses_after_many_rows_are_those_of_double_arithmetic);
+    RUN_TEST(test_a_failed_match_changes_nothing);
+}

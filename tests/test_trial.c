@@ -1,0 +1,116 @@
+/* trial: which body explains the rows, and where it then is. The truth: a body of a made rig
+ * that is moved by a known step. */
+#include <math.h>
+#include <string.h>
+
+#include "rc_trial.h"
+#include "test_support.h"
+
+enum { BODIES = 3, N = 6 * (BODIES - 1) };
+
+static rigcal_transform poses[BODIES], truth[BODIES];
+static rigcal_real UD[N * (N + 1) / 2], error[N], room[N], bodies[BODIES * RC_ALARM_BODY];
+static rc_filter f;
+static rc_alarm alarm;
+
+static void begin(void)
+{
+    memset(&f, 0, sizeof f);
+    memset(UD, 0, sizeof UD);
+    memset(error, 0, sizeof error);
+    for (int b = 0; b < BODIES; b++) {
+        const double axis[3] = {0.1, 1, 0}, t[3] = {-0.6 * b, 0.1 * (b % 2), 0.1 * b};
+        double R[9];
+
+        test_rotation_about(R, axis, -0.2 * b);
+        poses[b] = truth[b] = test_transform(R, t);
+    }
+    for (int i = 0; i < N; i++) {
+        UD[i * (i + 3) / 2] = RC(1e-12);
+    }
+    f.n_bodies = f.n_cameras = BODIES;
+    f.n = N;
+    f.poses = poses;
+    f.UD = UD;
+    f.d = error;
+    f.room = room;
+    rc_alarm_begin(&alarm, bodies, BODIES, 1000, 0, RC(0.05), RC(5e-3));
+    rc_trial_begin(&f, &alarm, bodies, RC(0.05), RC(5e-3));
+}
+
+static void take(test_rng *rng, double noise_px)
+{
+    static const double PINHOLE[15] = {0, 640, 480, 800, 800, 320, 240};
+    const rigcal_camera camera = test_camera(PINHOLE);
+    const int a = (int)test_uniform(rng, 0, BODIES), b = (a + 1) % BODIES;
+    const double X[3] = {test_uniform(rng, -1, 1), test_uniform(rng, -1, 1),
+                         test_uniform(rng, 2, 4)};
+    rc_seen seen = {.a = (size_t)a, .b = (size_t)b, .n_rows = 1};
+
+    for (int k = 0; k < 2; k++) {
+        double R[9], t[3], p[3];
+
+        test_transform_parts(R, t, &truth[k == 0 ? a : b]);
+        test_apply(p, R, X, t);
+        const rigcal_real ray[3] = {
+            (rigcal_real)(p[0] / p[2] + noise_px / 800 * test_normal(rng)),
+            (rigcal_real)(p[1] / p[2] + noise_px / 800 * test_normal(rng)), 1};
+        ASSERT_STATUS(RIGCAL_OK, rc_sight_of(&seen.sight[k], &camera, ray, RC(0.3)));
+    }
+    (void)rc_trial_take(&f, bodies, &seen, RC(0.1));
+}
+
+static void test_the_body_that_moved_is_named_and_found(void)
+{
+    for (size_t body = 0; body < BODIES; body++) {
+        test_rng rng = test_seed(10 + body);
+        const double axis[3] = {1, -2, 1};
+        double sum = 0, turn[9], R[9], t[3], moved[9];
+        rigcal_transform pose;
+        rigcal_real Sigma[36];
+
+        begin();
+        test_rotation_about(turn, axis, 0.02);
+        test_transform_parts(R, t, &truth[body]);
+        test_product(moved, turn, R);
+        t[1] += 2e-3;
+        truth[body] = test_transform(moved, t);
+        for (int i = 0; i < 200; i++) {
+            take(&rng, 0.3);
+            if (i % 20 == 19) {
+                rc_trial_settle(&f, bodies);
+            }
+        }
+        for (size_t b = 0; b < BODIES; b++) {
+            sum += D(rc_trial_share(&f, bodies, b));
+        }
+        ASSERT_NEAR(1, sum, 1e-5);
+        TEST_ASSERT_TRUE(rc_trial_share(&f, bodies, body) > RC(0.999));
+        rc_trial_result(&pose, Sigma, &f, bodies, body);
+        double seen_R[9], seen_t[3];
+        test_transform_parts(seen_R, seen_t, &pose);
+        ASSERT_NEAR(0, test_angle_between(moved, seen_R),
+                    4 * sqrt(D(Sigma[0]) + D(Sigma[7]) + D(Sigma[14])));
+        for (int k = 0; k < 3; k++) {
+            TEST_ASSERT_TRUE(D(Sigma[7 * k]) > 0 && D(Sigma[7 * k]) < 1e-6);
+            ASSERT_NEAR(t[k], seen_t[k], 5 * sqrt(D(Sigma[21 + 7 * k])));
+        }
+    }
+}
+
+static void test_without_rows_all_bodies_are_equally_likely(void)
+{
+    begin();
+    for (size_t b = 0; b < BODIES; b++) {
+        ASSERT_NEAR(1.0 / 3, rc_trial_share(&f, bodies, b), 1e-5);
+    }
+    f.n_cameras = 2; /* the third is a target without a place */
+    ASSERT_NEAR(0.5, rc_trial_share(&f, bodies, 0), 1e-5);
+    ASSERT_NEAR(0, rc_trial_share(&f, bodies, 2), 0);
+}
+
+TEST_MAIN()
+{
+    RUN_TEST(test_the_body_that_moved_is_named_and_found);
+    RUN_TEST(test_without_rows_all_bodies_are_equally_likely);
+}

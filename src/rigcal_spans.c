@@ -64,7 +64,8 @@ static void direction_at(rigcal_real m[3], const rigcal_spans_solver *s,
     rc_vec3_add_scaled(m, height, s->normal);
 }
 
-/* One try of a border: what is wanted of the height `h` is `wish`, which is `moves` away. */
+/* One try of a border: the height h, the height that the slope there makes of it, and how
+ * far off that is in pixels. */
 typedef struct {
     rigcal_real uv[2], J[6], h, wish, move[2], slope2;
 } trial;

@@ -1,5 +1,6 @@
 /* bench_match: how many true matches the band of two calibrated cameras holds, and the
- * transfer to the third of three, on simulated rigs; and spans against every pixel of an image.
+ * transfer to the third of three, on simulated rigs; and spans against every pixel of an
+ * image.
  *
  *   bench_match bands [RIGS]   the table, so many rigs a line (default 500), each of 200
  *                              matches. Exit status 1 where 20 rigs or more miss a limit

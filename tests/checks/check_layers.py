@@ -63,6 +63,10 @@ SOLVERS = {
                                       "is_relaxed"}),
     "rigcal_judge_solver": ("cost", None),
     "rigcal_cause_solver": ("cause", set()),
+    "rigcal_arc": ("outline", set()),
+    "rigcal_outline": ("outline", {"is_full"}),
+    "rigcal_border_end": ("spans", set()),
+    "rigcal_spans_solver": ("spans", set()),
 }
 FIELD = re.compile(r"(\w+)((?:\[\w+\])*\s*[,;])")
 STRUCT = re.compile(r"struct (rigcal_\w+) \{(.*?)\n\}", re.S)

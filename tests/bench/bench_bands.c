@@ -4,8 +4,8 @@
  *
  *   bench_bands FOLDER...
  *
- * The noise is each camera's own (rigcal_rig_noise); the calibration's covariance is for the
- * noise of the rig times sqrt(F). */
+ * The noise is each camera's own (rigcal_rig_noise); the calibration's covariance is for
+ * the noise of the rig times sqrt(F). */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>

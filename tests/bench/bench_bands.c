@@ -1,6 +1,7 @@
 /* bench_bands: real matches. Calibrates the rig of each folder (data/FORMAT.md), leaves out
  * the views that contradict it, and counts the matches that the 99 % bands of all pairs of
- * cameras hold: points of one name in one frame. One line of a table a folder.
+ * cameras hold: points of one name in one frame. One line of a table a folder; exit status
+ * 1 where a folder's bands hold less than 98 %.
  *
  *   bench_bands FOLDER...
  *
@@ -182,6 +183,8 @@ static void match_pair(tally *t, const set *s, size_t a, size_t b)
 
 int main(int argc, char *argv[])
 {
+    int good = 1;
+
     puts("| set | cameras | matches | in the 99 % band | mean width | sqrt(F) | refused |\n"
          "| --- | ---: | ---: | ---: | ---: | ---: | ---: |");
     for (int i = 1; i < argc; i++) {
@@ -203,6 +206,7 @@ int main(int argc, char *argv[])
                100 * (double)t.held / (double)t.all, t.width / (double)t.all,
                sqrt((double)s.fit.F), (int)t.refused);
         fflush(stdout);
+        good &= t.all > 0 && (double)t.held >= 0.98 * (double)t.all;
     }
-    return 0;
+    return good ? 0 : 1;
 }

@@ -58,12 +58,12 @@ typedef struct rigcal_match_pair {
     const rigcal_camera *camera_a, *camera_b;
     rigcal_transform b_from_a;
     rigcal_real Sigma[36]; /* covariance of (w, dt) of b_from_a, as rigcal_calibrated_pair
-                              and rigcal_rig_pair write it; 0: the pair is exact */
-    rigcal_real sigma_a,
-        sigma_b;               /* noise of one coordinate of a pixel [px], 0 .. 1e6; where
-                                     the views of the rig disagree, times sqrt(F) */
-    rigcal_real k;             /* standard deviations, > 0 .. 100: rigcal_match_k */
-    rigcal_real near_a, far_a; /* range of the distance from camera a along the ray, 0 <=
+                              and rigcal_rig_pair write it, for the noise of the rig times
+                              sqrt(F), where there is an F above 1. 0: the pair is exact */
+    rigcal_real sigma_a, sigma_b; /* noise of one coordinate of a pixel of each camera [px]:
+                                     rigcal_rig_noise. 0 .. 1e6, sigma_b above 0 */
+    rigcal_real k;                /* standard deviations, > 0 .. 100: rigcal_match_k */
+    rigcal_real near_a, far_a;    /* range of the distance from camera a along the ray, 0 <=
                                   near_a < far_a; far_a 0: without end */
 } rigcal_match_pair;
 

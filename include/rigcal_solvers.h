@@ -261,7 +261,7 @@ typedef struct rigcal_arc {
     int32_t is_direct;
 } rigcal_arc;
 
-enum {
+enum rigcal_outline_limits {
     RIGCAL_SPANS_ARCS = 112,
     RIGCAL_SPANS_ACTIVE = 2 * RIGCAL_SPANS_ROW,
     RIGCAL_SPANS_NODES = 5
@@ -290,9 +290,9 @@ struct rigcal_spans_solver {
     rigcal_real ends[2][2], start[2];
     rigcal_real radius2, radius; /* of the image about the axis: normalised; px */
     rigcal_real slope2;          /* |ds/du|^2 where it was last known */
-    rigcal_real at[2],
-        stride; /* place of the first node; tangent of the step to the last */
-    rigcal_real length, height; /* px, of the step; of the last node over the line */
+    rigcal_real at[2];           /* place of the first node */
+    rigcal_real stride;          /* tangent of the step from it to the last one */
+    rigcal_real length, height;  /* px, of the step; of the last node over the line */
     rigcal_real start_uv[2], start_height, start_speed; /* px for a tangent of 1 */
     rigcal_real u[RIGCAL_SPANS_NODES], v[RIGCAL_SPANS_NODES];
     rigcal_border_end corners[2][2]; /* by side and way */

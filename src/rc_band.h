@@ -5,9 +5,9 @@
 #include "rc_camera.h"
 
 /* Pixel of the direction m, of any length, J = d(u, v) / dm, 2 x 3, and D = dm / d(u, v)
- * across m, as its two columns. OK; ERR_NO_RAY also where the lens squeezes an area to a fiftieth, next to where
- * it folds: there no derivative holds over the width of the noise. Does not prove that the
- * lens sees m: rc_project_usable does. */
+ * across m, as its two columns. OK; ERR_NO_RAY also where the lens squeezes an area to a
+ * fiftieth, next to where it folds: there no derivative holds over the width of the noise.
+ * Does not prove that the lens sees m: rc_project_usable does. */
 rigcal_status rc_band_place(rigcal_real uv[2], rigcal_real J[6], rigcal_real D[2][3],
                             const rigcal_camera *camera, int is_pinhole,
                             const rigcal_real m[3]);

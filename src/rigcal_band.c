@@ -20,8 +20,8 @@
  * direction, or the depth no sign. */
 #define EPIPOLE_LIMIT2 RC(9)
 
-/* px^2: a wider band, or a pixel farther from it, is no number to go by: m is 90 degrees off
- * the line. */
+/* px^2: where the band is wider, or the pixel farther from it, m is 90 degrees off the
+ * line, and the number means nothing. */
 #define WIDTH2_MOST RC(1e24)
 
 /* part of the area that a pinhole gives a patch: where the lens gives it less, it is about

@@ -9,11 +9,20 @@
 /* px: how well a crossing is found, along the row. */
 #define CROSSING_TOL RC_TOL(2e-5, 2e-3)
 
+/* px: along the row, of the last step of Newton's method. What it leaves is the square of
+ * that, over some pixels. */
+#define NEWTON_PX RC_TOL(1e-3, 0.05)
+
 /* px: how far a polynomial by v may be from the arc, along the row. */
 #define DIRECT_TOL RC_TOL(2e-5, 5e-3)
 
 /* rows: an arc of fewer is not worth a polynomial by v. */
 #define DIRECT_ROWS RC(6)
+
+/* rows: a longer arc that is not direct is made in so many parts, while there are no more
+ * arcs than this. */
+#define PART_ROWS RC(16)
+enum { PARTS = 4, ARCS_TO_PART = RIGCAL_SPANS_ARCS / 2 };
 
 /* steps: of a crossing by Newton's method, usually 2; and of a turning point by halving. */
 enum { CROSSING_STEPS = 24, TURN_STEPS = RIGCAL_USE_FLOAT ? 24 : 50 };
@@ -34,6 +43,11 @@ static rigcal_real value_at(rigcal_real *slope, const rigcal_real c[NODES], rigc
     return value;
 }
 
+static rigcal_real slope_at(const rigcal_real c[NODES], rigcal_real t)
+{
+    return c[1] + t * (2 * c[2] + t * (3 * c[3] + t * 4 * c[4]));
+}
+
 /* By powers of t, from the values at 0, 1 .. 4: Newton's differences d, multiplied out. */
 static void fit_even(rigcal_real c[NODES], const rigcal_real x[NODES])
 {
@@ -47,15 +61,10 @@ static void fit_even(rigcal_real c[NODES], const rigcal_real x[NODES])
     c[4] = d4 / 24;
 }
 
-/* a[0] + (v - b[0]) (a[1] + ..) */
-static inline rigcal_real direct_at(const rigcal_real a[NODES], const rigcal_real b[NODES],
-                                    rigcal_real v)
+/* The polynomial by w = v - b[0]. */
+static inline rigcal_real direct_at(const rigcal_real a[NODES], rigcal_real w)
 {
-    rigcal_real u = a[LAST];
-    for (int i = LAST - 1; i >= 0; i--) {
-        u = a[i] + (v - b[i]) * u;
-    }
-    return u;
+    return a[0] + w * (a[1] + w * (a[2] + w * (a[3] + w * a[4])));
 }
 
 /* u as a polynomial of v, where that is as good. */
@@ -82,15 +91,20 @@ static void make_direct(rigcal_arc *arc)
             a[i] = (a[i] - a[i - 1]) / rise;
         }
     }
+    for (int k = LAST - 1; k > 0; k--) { /* (w - w_k) times what is above, and a[k] */
+        for (int i = k; i < LAST; i++) {
+            a[i] -= (b[k] - b[0]) * a[i + 1];
+        }
+    }
     for (int i = 0; i < 2; i++) {
-        if (!(RC_FABS(direct_at(a, b, v[i]) - u[i]) <= DIRECT_TOL)) {
+        if (!(RC_FABS(direct_at(a, v[i] - b[0]) - u[i]) <= DIRECT_TOL)) {
             return;
         }
     }
     arc->is_direct = 1;
+    arc->b[0] = b[0];
     for (int i = 0; i < NODES; i++) {
         arc->a[i] = a[i];
-        arc->b[i] = b[i];
     }
 }
 
@@ -148,9 +162,26 @@ static void add_arc(rigcal_outline *outline, const rigcal_real u[NODES],
     }
 }
 
-static rigcal_real slope_at(const rigcal_real c[NODES], rigcal_real t)
+/* The same, in parts where it is long and not direct as a whole: most parts are. */
+static void add_parts(rigcal_outline *outline, const rigcal_real u[NODES],
+                      const rigcal_real v[NODES], const rigcal_real t[2],
+                      const rigcal_real ends[2])
 {
-    return c[1] + t * (2 * c[2] + t * (3 * c[3] + t * 4 * c[4]));
+    const int32_t before = outline->n_arcs;
+    rigcal_real slope, part_t[2] = {t[0], t[0]}, part_ends[2] = {ends[0], ends[0]};
+    add_arc(outline, u, v, t, ends);
+    if (outline->n_arcs == before || outline->n_arcs > ARCS_TO_PART ||
+        outline->arcs[before].is_direct || !(RC_FABS(ends[1] - ends[0]) > PART_ROWS)) {
+        return;
+    }
+    outline->n_arcs = before;
+    for (int i = 1; i <= PARTS; i++) {
+        part_t[1] = (i < PARTS) ? t[0] + (rigcal_real)i * ((t[1] - t[0]) / PARTS) : t[1];
+        part_ends[1] = (i < PARTS) ? value_at(&slope, v, part_t[1]) : ends[1];
+        add_arc(outline, u, v, part_t, part_ends);
+        part_t[0] = part_t[1];
+        part_ends[0] = part_ends[1];
+    }
 }
 
 /* Where v turns between t and t + 1, its slopes there being of different signs. */
@@ -177,7 +208,7 @@ void rc_outline_add(rigcal_outline *outline, const rigcal_real u[NODES],
         if ((slope_at(cv, (rigcal_real)i) > 0) != rises) {
             t[1] = turning_point(cv, (rigcal_real)(i - 1), rises);
             ends[1] = value_at(&slope, cv, t[1]);
-            add_arc(outline, cu, cv, t, ends);
+            add_parts(outline, cu, cv, t, ends);
             t[0] = t[1];
             ends[0] = ends[1];
             rises = !rises;
@@ -185,7 +216,7 @@ void rc_outline_add(rigcal_outline *outline, const rigcal_real u[NODES],
     }
     t[1] = LAST;
     ends[1] = v[LAST];
-    add_arc(outline, cu, cv, t, ends);
+    add_parts(outline, cu, cv, t, ends);
 }
 
 void rc_outline_close(rigcal_outline *outline)
@@ -216,10 +247,9 @@ int32_t rc_outline_rows(int32_t *last, const rigcal_outline *outline)
 /* u where the arc crosses v = row: Newton's method, kept between bounds that close in. */
 RC_APART static rigcal_real crossing_of_t(const rigcal_arc *arc, rigcal_real row)
 {
-    rigcal_real low = arc->t_low, high = arc->t_high, slope_u = 0;
+    rigcal_real low = arc->t_low, high = arc->t_high, slope;
     rigcal_real t = low + (high - low) * (row - arc->low) / (arc->high - arc->low);
     for (int i = 0; i < CROSSING_STEPS; i++) {
-        rigcal_real slope;
         const rigcal_real gap = row - value_at(&slope, arc->b, t);
         if (gap > 0) {
             low = t;
@@ -230,19 +260,18 @@ RC_APART static rigcal_real crossing_of_t(const rigcal_arc *arc, rigcal_real row
         if (!((next - low) * (next - high) <= 0)) {
             next = (low + high) / 2;
         }
-        (void)value_at(&slope_u, arc->a, t);
-        const rigcal_real moved = RC_FABS((next - t) * slope_u);
+        const rigcal_real moved = (next - t) * slope_at(arc->a, t);
         t = next;
-        if (!(moved > CROSSING_TOL)) {
+        if (!(RC_FABS(moved) > NEWTON_PX)) {
             break;
         }
     }
-    return value_at(&slope_u, arc->a, t);
+    return value_at(&slope, arc->a, t);
 }
 
 static inline rigcal_real crossing(const rigcal_arc *arc, rigcal_real row)
 {
-    return arc->is_direct ? direct_at(arc->a, arc->b, row) : crossing_of_t(arc, row);
+    return arc->is_direct ? direct_at(arc->a, row - arc->b[0]) : crossing_of_t(arc, row);
 }
 
 static int crosses(const rigcal_arc *arc, rigcal_real row)
@@ -345,6 +374,32 @@ size_t rc_outline_row(rigcal_span spans[RIGCAL_SPANS_ROW], rigcal_outline *outli
     }
     for (int32_t i = 0; i + 1 < outline->n_active; i += 2) {
         n = add_span(spans, n, at[i], at[i + 1], row, end);
+    }
+    return n;
+}
+
+size_t rc_outline_stretch(rigcal_span spans[], size_t room, rigcal_outline *outline,
+                          int32_t *row, int32_t last, int32_t width)
+{
+    const rigcal_real end = (rigcal_real)(width - 1);
+    size_t n = rc_outline_row(spans, outline, *row, width);
+    (*row)++;
+    if (outline->n_active != 2) {
+        return n;
+    }
+    const rigcal_arc *const p = &outline->arcs[outline->active[0]];
+    const rigcal_arc *const q = &outline->arcs[outline->active[1]];
+    if (!p->is_direct || !q->is_direct) {
+        return n;
+    }
+    for (; *row <= last && n < room; (*row)++) {
+        const rigcal_real v = (rigcal_real)*row;
+        if (!(v < outline->changes)) {
+            break;
+        }
+        const rigcal_real u0 = direct_at(p->a, v - p->b[0]);
+        const rigcal_real u1 = direct_at(q->a, v - q->b[0]);
+        n += add_span(&spans[n], 0, rc_min(u0, u1), rc_max(u0, u1), *row, end);
     }
     return n;
 }

@@ -25,7 +25,7 @@
 #define BEYOND RC(1.05)
 
 /* px: a border ends where a shorter arc would go beyond the lens. */
-#define CLOSED_PX RC(0.02)
+#define CLOSED_PX RC_TOL(0.02, 0.1)
 
 /* px: a border is on its place when the last correction was no more: what the next one
  * would be is some hundredths of it. */
@@ -64,9 +64,10 @@ static void direction_at(rigcal_real m[3], const rigcal_spans_solver *s,
     rc_vec3_add_scaled(m, height, s->normal);
 }
 
-/* One try of a border: what is wanted of the height `h` is `wish`, which is `moves` away. */
+/* One try of a border: the height h, the height that the slope there makes of it, and how
+ * far off that is in pixels. */
 typedef struct {
-    rigcal_real uv[2], J[6], h, wish, move[2], slope2;
+    rigcal_real uv[2], J[6], h, wish, move[2], speed, slope2; /* speed: px by h */
 } trial;
 
 static rigcal_status try_height(trial *at, const rigcal_spans_solver *s,
@@ -84,9 +85,11 @@ static rigcal_status try_height(trial *at, const rigcal_spans_solver *s,
     at->slope2 = g[0] * g[0] + g[1] * g[1];
     at->h = h;
     at->wish = height_at(s, p, at->slope2);
-    for (int i = 0; i < 2; i++) {
-        at->move[i] = (at->wish - h) * rc_vec3_dot(&at->J[3 * i], s->normal);
-    }
+    const rigcal_real du = rc_vec3_dot(&at->J[0], s->normal);
+    const rigcal_real dv = rc_vec3_dot(&at->J[3], s->normal);
+    at->speed = rc_max(RC_FABS(du), RC_FABS(dv));
+    at->move[0] = (at->wish - h) * du;
+    at->move[1] = (at->wish - h) * dv;
     return rc_is_finite(at->uv[0] + at->uv[1] + at->move[0] + at->move[1])
                ? RIGCAL_OK
                : RIGCAL_ERR_NO_RAY;
@@ -104,6 +107,7 @@ static rigcal_status place_border(rigcal_real uv[2], rigcal_real J[6],
     trial now, inside;
     int has_inside = 0;
     inside.uv[0] = inside.uv[1] = inside.move[0] = inside.move[1] = inside.h = 0;
+    inside.speed = RC_MAX;
     for (int i = 0; i < ROUNDS_MAX; i++) {
         const int is_seen = try_height(&now, s, p, h) == RIGCAL_OK;
         const rigcal_real px =
@@ -122,6 +126,9 @@ static rigcal_status place_border(rigcal_real uv[2], rigcal_real J[6],
         const rigcal_real low = has_inside ? inside.h : 0; /* the line itself */
         if (!has_inside && !is_seen && !(RC_FABS(h) > 0)) {
             return RIGCAL_ERR_NO_RAY;
+        }
+        if (has_inside && out * (beyond - low) * inside.speed <= SETTLED_PX) {
+            break;
         }
         h = is_seen ? now.wish : low;
         if (has_inside && !(out * (h - low) > 0 && out * (beyond - h) > 0)) {
@@ -471,21 +478,25 @@ rigcal_status rigcal_spans_result(rigcal_span spans[], size_t capacity, size_t *
     if (solver->phase != DONE || solver->status != RIGCAL_OK) {
         return RIGCAL_ERR_STATE;
     }
+    const int32_t width = solver->band.camera_b.width;
     size_t found = 0;
-    int32_t last;
-    for (int32_t row = rc_outline_rows(&last, &solver->outline); row <= last; row++) {
+    int32_t last, row = rc_outline_rows(&last, &solver->outline);
+    while (row <= last) {
         rigcal_span of_row[RIGCAL_SPANS_ROW];
-        const int is_room = capacity - found >= RIGCAL_SPANS_ROW;
-        rigcal_span *const to = is_room ? &spans[found] : of_row;
-        const size_t n =
-            rc_outline_row(to, &solver->outline, row, solver->band.camera_b.width);
+        if (capacity - found >= RIGCAL_SPANS_ROW) {
+            found += rc_outline_stretch(&spans[found], capacity - found, &solver->outline,
+                                        &row, last, width);
+            continue;
+        }
+        const size_t n = rc_outline_row(of_row, &solver->outline, row, width);
         if (n > capacity - found) {
             return RIGCAL_ERR_CAPACITY;
         }
-        for (size_t i = 0; i < n && !is_room; i++) {
+        for (size_t i = 0; i < n; i++) {
             spans[found + i] = of_row[i];
         }
         found += n;
+        row++;
     }
     if (found == 0) {
         return RIGCAL_ERR_OUTSIDE;

@@ -15,7 +15,7 @@ enum { STEPS = 3 };
 #define RESIDUAL_LEAST RC_TOL(1e-9, 1e-3)
 
 /* The three cameras; what hangs on their poses: of each 6, and the rows below. */
-enum { A, B, C, CAMERAS };
+enum { CAM_A, CAM_B, CAM_C, CAMERAS };
 enum { ROW_X = 0, ROW_UV = 3, ROW_MISS = 5, ROWS = 6 };
 
 /* One camera at the point. */
@@ -67,24 +67,25 @@ static rigcal_status find_point(transferred *t, const rigcal_real uv_a[2],
 {
     rigcal_real rays[2][3], depths[2], miss, o[3], diagonal[3], g[3];
     rigcal_transform b_from_a;
-    rigcal_status status = rc_pixel_to_ray(rays[0], t->sights[A].camera, uv_a);
+    rigcal_status status = rc_pixel_to_ray(rays[0], t->sights[CAM_A].camera, uv_a);
     if (status == RIGCAL_OK) {
-        status = rc_pixel_to_ray(rays[1], t->sights[B].camera, uv_b);
+        status = rc_pixel_to_ray(rays[1], t->sights[CAM_B].camera, uv_b);
     }
-    rc_transform_between(&b_from_a, t->sights[B].cam_from_rig, t->sights[A].cam_from_rig);
+    rc_transform_between(&b_from_a, t->sights[CAM_B].cam_from_rig,
+                         t->sights[CAM_A].cam_from_rig);
     if (status == RIGCAL_OK) {
         status = rigcal_depth_two_views(depths, &miss, &b_from_a, rays[0], rays[1]);
     }
     if (status != RIGCAL_OK) {
         return status;
     }
-    rc_vec3_combine(o, depths[0], rays[0], -1, t->sights[A].cam_from_rig->t);
-    rc_mat3_tmul_vec3(t->X, t->sights[A].cam_from_rig->R, o);
+    rc_vec3_combine(o, depths[0], rays[0], -1, t->sights[CAM_A].cam_from_rig->t);
+    rc_mat3_tmul_vec3(t->X, t->sights[CAM_A].cam_from_rig->R, o);
     for (int step = 0; step <= STEPS; step++) {
         rc_clear(t->H, 6);
         rc_clear(g, 3);
-        for (int i = A; i <= B; i++) {
-            status = look(&t->sights[i], t->X, (i == A) ? uv_a : uv_b);
+        for (int i = CAM_A; i <= CAM_B; i++) {
+            status = look(&t->sights[i], t->X, (i == CAM_A) ? uv_a : uv_b);
             if (status != RIGCAL_OK) {
                 return status;
             }
@@ -113,9 +114,9 @@ static rigcal_status find_point(transferred *t, const rigcal_real uv_a[2],
  * and b, along itself: e_i^T w_i B_i. */
 static void fill_rows(transferred *t)
 {
-    const sight *const c = &t->sights[C];
+    const sight *const c = &t->sights[CAM_C];
     rc_clear(&t->L[0][0][0], (size_t)(ROWS * CAMERAS * 6));
-    for (int i = A; i <= B; i++) {
+    for (int i = CAM_A; i <= CAM_B; i++) {
         const sight *const s = &t->sights[i];
         for (int k = 0; k < 2; k++) {
             rigcal_real by_X[3];
@@ -134,7 +135,7 @@ static void fill_rows(transferred *t)
         }
     }
     for (int k = 0; k < 12; k++) {
-        t->L[ROW_UV + k / 6][C][k % 6] = c->B[k / 6][k % 6];
+        t->L[ROW_UV + k / 6][CAM_C][k % 6] = c->B[k / 6][k % 6];
     }
 }
 
@@ -143,8 +144,8 @@ static void spread(rigcal_real V[ROWS][ROWS], const transferred *t,
                    const rigcal_calibrated_rig *rig, const size_t abc[3])
 {
     rc_clear(&V[0][0], (size_t)(ROWS * ROWS));
-    for (int a = A; a < CAMERAS; a++) {
-        for (int b = A; b < CAMERAS; b++) {
+    for (int a = CAM_A; a < CAMERAS; a++) {
+        for (int b = CAM_A; b < CAMERAS; b++) {
             rigcal_real block[36];
             rc_joint_block(block, rig->Sigma, rc_calibrated_first(rig, abc[a]),
                            rc_calibrated_first(rig, abc[b]));
@@ -165,7 +166,7 @@ static void spread(rigcal_real V[ROWS][ROWS], const transferred *t,
 
 static void write_out(rigcal_transfer *out, const transferred *t, rigcal_real V[ROWS][ROWS])
 {
-    const sight *const c = &t->sights[C];
+    const sight *const c = &t->sights[CAM_C];
     rigcal_real weighed = 0, noise = 0;
     rc_vec3_copy(out->X, t->X);
     for (int i = 0; i < 3; i++) {
@@ -186,7 +187,7 @@ static void write_out(rigcal_transfer *out, const transferred *t, rigcal_real V[
         }
         out->uv[i] = c->uv[i];
     }
-    for (int i = A; i <= B; i++) {
+    for (int i = CAM_A; i <= CAM_B; i++) {
         for (int k = 0; k < 2; k++) {
             weighed += t->weight[i] * t->sights[i].e[k] * t->sights[i].e[k];
             noise += RESIDUAL_LEAST * RESIDUAL_LEAST;
@@ -242,19 +243,19 @@ rigcal_status rigcal_transfer_make(rigcal_transfer *out, const rigcal_calibrated
     if (status != RIGCAL_OK) {
         return status;
     }
-    for (int i = A; i < CAMERAS; i++) {
+    for (int i = CAM_A; i < CAMERAS; i++) {
         t.sights[i].camera = &rig->cameras[abc[i]].camera;
         t.sights[i].cam_from_rig = &rig->cameras[abc[i]].cam_from_rig;
     }
-    t.weight[A] = 1 / (sigma_ab[A] * sigma_ab[A]);
-    t.weight[B] = 1 / (sigma_ab[B] * sigma_ab[B]);
+    t.weight[CAM_A] = 1 / (sigma_ab[CAM_A] * sigma_ab[CAM_A]);
+    t.weight[CAM_B] = 1 / (sigma_ab[CAM_B] * sigma_ab[CAM_B]);
     status = find_point(&t, uv_a, uv_b);
     if (status == RIGCAL_OK) {
-        rc_transform_point(X_c, t.sights[C].cam_from_rig, t.X);
-        status = rc_project_usable(uv, t.sights[C].camera, X_c);
+        rc_transform_point(X_c, t.sights[CAM_C].cam_from_rig, t.X);
+        status = rc_project_usable(uv, t.sights[CAM_C].camera, X_c);
     }
     if (status == RIGCAL_OK) {
-        status = look(&t.sights[C], t.X, NULL);
+        status = look(&t.sights[CAM_C], t.X, NULL);
     }
     if (status != RIGCAL_OK) {
         return status;

@@ -2608,6 +2608,115 @@ static void gate_alarm(void)
 
 /* ---- all of them ---------------------------------------------------------- */
 
+/* ---- bands, candidates, spans ----------------------------------------------- */
+
+/* A Brown lens, or for every third a fisheye, of 160 x 120 pixels. */
+static void set_match_camera(rigcal_camera *c, int n)
+{
+    memset(c, 0, sizeof *c);
+    c->width = 160;
+    c->height = 120;
+    c->fx = c->fy = (rigcal_real)uniform(90, 200);
+    c->cx = 80;
+    c->cy = 60;
+    c->k1 = (rigcal_real)uniform(-0.3, 0.1);
+    if (n % 3 == 2) {
+        c->lens = RIGCAL_LENS_FISHEYE;
+    } else {
+        c->p1 = (rigcal_real)uniform(-2e-3, 2e-3);
+    }
+}
+
+static void set_match_pair(rigcal_match_pair *pair, const rigcal_camera cameras[2], int n)
+{
+    rigcal_real q[4] = {1, 0, 0, 0};
+    memset(pair, 0, sizeof *pair);
+    pair->camera_a = &cameras[0];
+    pair->camera_b = &cameras[1];
+    for (int i = 0; i < 3; i++) {
+        q[1 + i] = (rigcal_real)uniform(-0.2, 0.2);
+        pair->b_from_a.t[i] = (rigcal_real)uniform(-1, 1);
+        pair->Sigma[7 * i] = (rigcal_real)uniform(1e-6, 1e-4);
+        pair->Sigma[7 * i + 21] = (rigcal_real)uniform(1e-6, 1e-4);
+    }
+    (void)rigcal_rotation_from_quaternion(pair->b_from_a.R, q);
+    pair->sigma_a = pair->sigma_b = (rigcal_real)uniform(0.1, 1);
+    (void)rigcal_match_k(&pair->k, (rigcal_real)uniform(0.5, 0.999), 1 + n % 2);
+    pair->near_a = (rigcal_real)(n % 4 ? uniform(0.5, 3) : 0);
+}
+
+static void gate_matching(void)
+{
+    static rigcal_spans_solver solver;
+    static rigcal_span spans[600];
+    unsigned long made[4] = {0}, tested[6] = {0}, inside = 0, units = 0, rows = 0,
+                  pixels = 0;
+    unsigned long arcs = 0, direct = 0, places = 0;
+    state = 171;
+    for (int n = 0; n < 240; n++) {
+        rigcal_camera cameras[2];
+        rigcal_match_pair pair;
+        rigcal_band band;
+        rigcal_band_point points[8];
+        size_t found = 0;
+        rigcal_real uv[2];
+        set_match_camera(&cameras[0], n);
+        set_match_camera(&cameras[1], n);
+        set_match_pair(&pair, cameras, n);
+        uv[0] = (rigcal_real)uniform(0, 159);
+        uv[1] = (rigcal_real)uniform(0, 119);
+        const rigcal_status status = rigcal_band_make(&band, &pair, uv);
+        made[status == RIGCAL_OK ? 0 : status == RIGCAL_ERR_EPIPOLE ? 1 : 2]++;
+        if (status != RIGCAL_OK) {
+            continue;
+        }
+        for (int i = 0; i < 60; i++) {
+            rigcal_match match;
+            uv[0] = (rigcal_real)uniform(0, 159);
+            uv[1] = (rigcal_real)uniform(0, 119);
+            const rigcal_status told = rigcal_band_test(&match, &band, uv);
+            tested[told == RIGCAL_OK            ? 0
+                   : told == RIGCAL_ERR_EPIPOLE ? 1
+                   : told == RIGCAL_ERR_BEHIND  ? 2
+                                                : 3]++;
+            inside += told == RIGCAL_OK && match.is_inside;
+        }
+        if (rigcal_band_curve(points, 8, &found, &band) == RIGCAL_OK) {
+            places += found;
+        }
+        if (rigcal_spans_begin(&solver, &band) != RIGCAL_OK) {
+            continue;
+        }
+        do {
+            units++;
+        } while (rigcal_spans_step(&solver, 1) == RIGCAL_RUNNING);
+        if (rigcal_spans_result(spans, 600, &found, &solver) == RIGCAL_OK) {
+            rows += found;
+            for (size_t k = 0; k < found; k++) {
+                pixels += (unsigned long)(spans[k].last - spans[k].first + 1);
+            }
+        }
+        arcs += (unsigned long)solver.outline.n_arcs;
+        for (int32_t k = 0; k < solver.outline.n_arcs; k++) {
+            direct += (unsigned long)solver.outline.arcs[k].is_direct;
+        }
+    }
+    line("match.made", "%lu", made[0]);
+    line("match.epipole_a", "%lu", made[1]);
+    line("match.no_ray", "%lu", made[2]);
+    line("match.tested", "%lu", tested[0]);
+    line("match.epipole_b", "%lu", tested[1]);
+    line("match.behind", "%lu", tested[2]);
+    line("match.refused", "%lu", tested[3]);
+    line("match.inside", "%lu", inside);
+    line("match.places", "%lu", places);
+    line("spans.units", "%lu", units);
+    line("spans.arcs", "%lu", arcs);
+    line("spans.direct", "%lu", direct);
+    line("spans.rows", "%lu", rows);
+    line("spans.pixels", "%lu", pixels);
+}
+
 static void run(void)
 {
     gate_poses();
@@ -2644,6 +2753,7 @@ static void run(void)
     gate_near_poses();
     gate_ranges();
     gate_store();
+    gate_matching();
     gate_memory();
     gate_alarm();
 }

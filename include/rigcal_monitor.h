@@ -130,10 +130,10 @@ RIGCAL_API rigcal_status rigcal_monitor_match_rays(rigcal_real monitor[], size_t
  *   sigma_px      in  as above
  *   at_fault      out the observation that an error is of, or -1
  *
- * OK; RIGCAL_AMBIGUOUS (the pose of a target without a place: another fits nearly as well,
- * it was not placed), the other caveats of rigcal_pose_solve, with which it was placed;
- * ERR_NULL, ERR_NOT_FINITE, ERR_RANGE, ERR_STATE (also: between an alarm and its answer no
- * target gets a place), ERR_TOO_FEW, ERR_BEHIND, ERR_NO_RAY and those of rigcal_pose_solve
+ * OK; RIGCAL_AMBIGUOUS, RIGCAL_POOR_FIT: the pose of a target without a place may be
+ * another, or does not fit, and it was not placed; the other caveats of rigcal_pose_solve,
+ * with which it was placed; ERR_NULL, ERR_NOT_FINITE, ERR_RANGE, ERR_STATE (also: between an
+ * alarm and its answer no target gets a place), ERR_TOO_FEW, ERR_BEHIND, ERR_NO_RAY and those of rigcal_pose_solve
  * and rigcal_pose_covariance. A failed call changes nothing. O(n n_bodies^2), and for a
  * target without a place one pose. */
 RIGCAL_API rigcal_status rigcal_monitor_view(rigcal_real monitor[], int32_t *at_fault,

@@ -166,6 +166,23 @@
         M(rigcal_rectified, aligned_from_a) M(rigcal_rectified, aligned_from_b)    \
         M(rigcal_rectified, baseline) M(rigcal_rectified, a_is_right)              \
         M(rigcal_rectified, camera)                                                \
+    /* rigcal_monitor.h */                                                         \
+    S(rigcal_monitor_options)                                                      \
+        M(rigcal_monitor_options, arl0_frames) M(rigcal_monitor_options, common)   \
+        M(rigcal_monitor_options, wrong) M(rigcal_monitor_options, walk_rad)       \
+        M(rigcal_monitor_options, walk_t) M(rigcal_monitor_options, move_rad)      \
+        M(rigcal_monitor_options, move_t)                                          \
+    S(rigcal_monitor_report)                                                       \
+        M(rigcal_monitor_report, alarm) M(rigcal_monitor_report, body)             \
+        M(rigcal_monitor_report, confidence) M(rigcal_monitor_report, evidence)    \
+        M(rigcal_monitor_report, noise) M(rigcal_monitor_report, smallest_rad)     \
+        M(rigcal_monitor_report, n_blind) M(rigcal_monitor_report, frames)         \
+        M(rigcal_monitor_report, rows) M(rigcal_monitor_report, doubted)           \
+        M(rigcal_monitor_report, frames_since)                                     \
+    S(rigcal_body_report)                                                          \
+        M(rigcal_body_report, is_blind) M(rigcal_body_report, share)               \
+        M(rigcal_body_report, blame) M(rigcal_body_report, smallest_rad)           \
+        M(rigcal_body_report, weakest) M(rigcal_body_report, weakest_sigma)        \
     /* rigcal_paper.h */                                                           \
     S(rigcal_bearing)                                                              \
         M(rigcal_bearing, X_w) M(rigcal_bearing, ray)                              \

@@ -45,6 +45,12 @@ static rigcal_status take_view(int32_t *at_fault, rc_monitor *m, rc_seen *seen,
 
 /* ---- a target gets its place -------------------------------------------------- */
 
+/* A pose that may be another, or that does not fit, is no place. */
+static int is_placed(rigcal_status status)
+{
+    return status >= 0 && status != RIGCAL_AMBIGUOUS && status != RIGCAL_POOR_FIT;
+}
+
 /* (M4) The first view: its pose, with its covariance, and that of its camera. */
 static rigcal_status place(int32_t *at_fault, rc_monitor *m, const rc_seen *seen,
                            const rigcal_observation observations[], size_t n)
@@ -62,7 +68,7 @@ static rigcal_status place(int32_t *at_fault, rc_monitor *m, const rc_seen *seen
     options.sigma_px = seen->sigma_px;
     const rigcal_status found =
         rigcal_pose_solve(&pose, 1, &n_found, at_fault, &view, &options);
-    if (found < 0 || found == RIGCAL_AMBIGUOUS) {
+    if (!is_placed(found)) {
         return found;
     }
     const rigcal_status status =
@@ -136,7 +142,7 @@ rigcal_status rigcal_monitor_view(rigcal_real monitor[], int32_t *at_fault, size
     status = rc_filter_has(&m.filter, seen.b)
                  ? take_view(at_fault, &m, &seen, observations, n)
                  : place(at_fault, &m, &seen, observations, n);
-    if (status >= 0 && status != RIGCAL_AMBIGUOUS) {
+    if (is_placed(status)) {
         rc_monitor_close(&m, 0);
     }
     return status;

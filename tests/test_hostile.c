@@ -36,7 +36,8 @@ enum { N = 6, N_PAIRS = 15, N_CAMERAS = 3, N_PLACEMENTS = 2, N_VIEWS = 6 };
 enum {
     RIG_WORK = RIGCAL_RIG_WORK(N_CAMERAS, N_CAMERAS, N_PLACEMENTS),
     CHOOSE_WORK = RIGCAL_CHOOSE_WORK(N_CAMERAS, N_PLACEMENTS, N_VIEWS),
-    JUDGE_WORK = RIGCAL_JUDGE_WORK(N_CAMERAS, N_PLACEMENTS)
+    JUDGE_WORK = RIGCAL_JUDGE_WORK(N_CAMERAS, N_PLACEMENTS),
+    MONITOR_SIZE = RIGCAL_MONITOR_SIZE(2, 1)
 };
 
 /* What every call is handed, made once by build_valid. */
@@ -95,6 +96,8 @@ static struct {
     size_t abc[3];
     rigcal_calibrated_rig three; /* a calibrated rig of three cameras */
     rigcal_transfer transfer;
+    rigcal_real monitor[MONITOR_SIZE], alarmed[MONITOR_SIZE];
+    rigcal_monitor_options watching;
 } ok;
 
 static const size_t SIZE_0 = 0, SIZE_1 = 1, SIZE_2 = 2, SIZE_3 = 3, SIZE_4 = 4, SIZE_6 = 6,
@@ -102,7 +105,7 @@ static const size_t SIZE_0 = 0, SIZE_1 = 1, SIZE_2 = 2, SIZE_3 = 3, SIZE_4 = 4, 
                     SIZE_12 = 12, SIZE_WORK = RIG_WORK, SIZE_CHOOSE = CHOOSE_WORK,
                     SIZE_TO_JUDGE = JUDGE_WORK,
 
-                    SIZE_KEPT = RIGCAL_CALIBRATED_SIZE(1),
+                    SIZE_KEPT = RIGCAL_CALIBRATED_SIZE(1), SIZE_MONITOR = MONITOR_SIZE,
                     SIZE_TAKEN = RIGCAL_CALIBRATED_SIZE(2),
                     SIZE_SAVED_RIG = RIGCAL_STORE_RIG_SIZE(2, 1),
                     SIZE_POINT = RIGCAL_POINT_WORK(2);
@@ -481,6 +484,23 @@ static void build_store(void)
                                                UINT_7, UINT_7));
 }
 
+/* Matches that never fit. */
+static void raise_alarm(void)
+{
+    rigcal_monitor_report report = {0};
+
+    for (int f = 0; f < 200 && !report.alarm; f++) {
+        for (int k = 0; k < 10; k++) {
+            const rigcal_real a[3] = {RC(0.1 * (k % 3) - 0.1), RC(0.05 * k - 0.2), 1};
+            const rigcal_real b[3] = {RC(0.1 * (k % 4) - 0.1), RC(0.05 * k - 0.2 + 0.01), 1};
+
+            (void)rigcal_monitor_match_rays(ok.alarmed, 0, a, 1, b, 1);
+        }
+        ASSERT_STATUS(RIGCAL_OK, rigcal_monitor_frame(&report, ok.alarmed, 0));
+    }
+    TEST_ASSERT_EQUAL_INT32(1, report.alarm);
+}
+
 /* The second camera is free. */
 static void build_calibrated(void)
 {
@@ -506,6 +526,15 @@ static void build_calibrated(void)
     memcpy(ok.kept_numbers, &rig.sigma_px, sizeof ok.kept_numbers);
     ASSERT_STATUS(RIGCAL_OK, rigcal_store_save_rig(ok.saved_rig, sizeof ok.saved_rig, &n,
                                                    &rig, UINT_7, UINT_7));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_monitor_defaults(&ok.watching));
+    ok.watching.arl0_frames = 100;
+    ok.watching.move_t = RC(0.01);
+    ok.watching.common = 0;
+    for (int k = 0; k < 2; k++) {
+        ASSERT_STATUS(RIGCAL_OK, rigcal_monitor_begin(k ? ok.alarmed : ok.monitor,
+                                                      MONITOR_SIZE, &rig, 1, &ok.watching));
+    }
+    raise_alarm();
 }
 
 /* Two cameras, and what they see of the first placement's origin; a point that is measured,
@@ -907,6 +936,12 @@ static const kind BLAME = {sizeof(rigcal_blame), offsetof(rigcal_blame, rms_px),
                            0};
 static const kind DIAGNOSIS = {sizeof(rigcal_diagnosis),
                                offsetof(rigcal_diagnosis, rms_mirrored_px), 3, NULL, 0};
+static const kind MONITOR = {sizeof(rigcal_real) * MONITOR_SIZE, 0, 0, NULL, RIGCAL_ERR_STATE};
+static const kind WATCHING = {sizeof(rigcal_monitor_options), 0, 7, NULL, RIGCAL_ERR_RANGE};
+static const kind REPORT = {sizeof(rigcal_monitor_report),
+                            offsetof(rigcal_monitor_report, confidence), 4, NULL, 0};
+static const kind OF_BODY = {sizeof(rigcal_body_report),
+                             offsetof(rigcal_body_report, share), 10, NULL, 0};
 static const kind SEARCH = {sizeof(rigcal_neldermead), 0, 0, NULL, RIGCAL_ERR_STATE};
 static const kind SOLVER = {sizeof(rigcal_paper_solver), 0, 0, NULL, RIGCAL_ERR_STATE};
 static const kind ENTRY = {sizeof(rigcal_layout_entry), 0, 0, NULL, 0};
@@ -1489,6 +1524,20 @@ CALL(point_distance, p[9], p[10], KEPT_AT(0), p[11], p[12])
 CALL(calibrated_take, KEPT_TO(0), RIG_AT(7), p[15], REAL(p[16]))
 CALL(calibrated_covariance, p[9], KEPT_AT(0), COUNTED(p[10]), COUNTED(p[11]))
 CALL(calibrated_pair, p[9], p[10], KEPT_AT(0), COUNTED(p[11]), COUNTED(p[12]))
+CALL(monitor_defaults, p[0])
+CALL(monitor_begin, p[9], COUNTED(p[10]), KEPT_AT(0), COUNTED(p[11]), p[12])
+CALL(monitor_match, p[0], COUNTED(p[1]), p[2], COUNTED(p[3]), p[4], REAL(p[5]))
+CALL(monitor_match_rays, p[0], COUNTED(p[1]), p[2], COUNTED(p[3]), p[4], REAL(p[5]))
+CALL(monitor_view, p[0], p[1], COUNTED(p[2]), COUNTED(p[3]), p[4], COUNTED(p[5]), REAL(p[6]))
+CALL(monitor_lifted, p[0], COUNTED(p[1]))
+CALL(monitor_frame, p[0], p[1], REAL(p[2]))
+CALL(monitor_ask, p[0], p[1])
+CALL(monitor_body, p[0], p[1], COUNTED(p[2]))
+CALL(monitor_moved, p[0], COUNTED(p[1]))
+CALL(monitor_dismiss, p[0])
+CALL(monitor_camera, p[0], p[1], COUNTED(p[2]))
+CALL(monitor_pair, p[0], p[1], p[2], COUNTED(p[3]), COUNTED(p[4]))
+CALL(monitor_rig, KEPT_TO(0), p[7])
 CALL(store_save_rig, p[9], COUNTED(p[10]), p[11], KEPT_AT(0), UINT(p[12]), UINT(p[13]))
 CALL(store_load_rig, KEPT_TO(0), p[7], p[8], COUNTED(p[9]))
 CALL(store_save, p[0], COUNTED(p[1]), p[2], p[3], COUNTED(p[4]), UINT(p[5]),
@@ -1878,6 +1927,42 @@ static const function FUNCTIONS[] = {
      S(STATE) | S(TOO_FEW) | S(CAPACITY) | ROTATED | BIT(RIGCAL_DISCONNECTED),
      {KEPT_OF(KEPT_POSE, KEPT_SIGMA), OUT(TRANSFORM, 1), OUT(MAT6, 1), LESS(&SIZE_0, 2),
       LESS(&SIZE_1, 2)}},
+    {F(monitor_defaults), 0, S(NULL), {OUT(WATCHING, 1)}},
+    {F(monitor_begin), 0,
+     DEVICE | S(ROTATION) | S(CAPACITY) | S(TOO_FEW) | S(STATE) | S(DEGENERATE) |
+         BIT(RIGCAL_DISCONNECTED),
+     {KEPT_OF(KEPT_CAMERA, KEPT_JOINT), OUT(MONITOR, 1),
+      ROOM(&SIZE_MONITOR, MONITOR_SIZE, RIGCAL_ERR_CAPACITY),
+      {R_COUNT, &SIZE, 1, &SIZE_1, 0, RIGCAL_MONITOR_TARGETS_MAX, RIGCAL_ERR_RANGE},
+      IN_OPT(WATCHING, 1, &ok.watching)}},
+    {F(monitor_match), 0, ARGS | S(RANGE) | S(STATE) | S(NO_RAY) | S(BEHIND) | S(DEGENERATE),
+     {STATE(MONITOR, ok.monitor), LESS(&SIZE_0, 2), IN(VEC2, 1, ok.uv), LESS(&SIZE_1, 2),
+      IN(VEC2, 1, ok.uv), VALUE(POSITIVE, &REAL_SIGMA)}},
+    {F(monitor_match_rays), 0,
+     ARGS | S(RANGE) | S(STATE) | S(NO_RAY) | S(BEHIND) | S(DEGENERATE),
+     {STATE(MONITOR, ok.monitor), LESS(&SIZE_0, 2), IN(RAY, 1, ok.ray_a), LESS(&SIZE_1, 2),
+      IN(RAY, 1, ok.ray_b), VALUE(POSITIVE, &REAL_SIGMA)}},
+    {F(monitor_lifted), 0, S(NULL) | S(RANGE) | S(STATE),
+     {STATE(MONITOR, ok.monitor), LESS(&SIZE_0, 1)}},
+    {F(monitor_frame), 0, ARGS | S(RANGE) | S(STATE),
+     {OUT_OPT(REPORT, 1), STATE(MONITOR, ok.monitor), VALUE(TOLERANCE, &REAL_SIGMA)}},
+    {F(monitor_ask), 0, S(NULL) | S(STATE), {OUT(REPORT, 1), IN(MONITOR, 1, ok.monitor)}},
+    {F(monitor_body), 0, S(NULL) | S(RANGE) | S(STATE),
+     {OUT(OF_BODY, 1), IN(MONITOR, 1, ok.monitor), LESS(&SIZE_1, 3)}},
+    {F(monitor_moved), 0, S(NULL) | S(RANGE) | S(STATE),
+     {STATE(MONITOR, ok.monitor), LESS(&SIZE_1, 2)}},
+    {F(monitor_dismiss), 0, S(NULL) | S(STATE), {STATE(MONITOR, ok.alarmed)}},
+    {F(monitor_camera), 0, S(NULL) | S(RANGE) | S(STATE),
+     {OUT_PART(MOUNTED, 1), IN(MONITOR, 1, ok.monitor), LESS(&SIZE_1, 2)}},
+    {F(monitor_pair), 0, S(NULL) | S(RANGE) | S(STATE),
+     {OUT(TRANSFORM, 1), OUT(MAT6, 1), IN(MONITOR, 1, ok.monitor), LESS(&SIZE_0, 2),
+      LESS(&SIZE_1, 2)}},
+    {F(monitor_rig), 0, S(NULL) | S(CAPACITY) | S(STATE),
+     {KEPT_OUT(2, RIGCAL_CALIBRATED_SIZE(1), SIZE_KEPT), IN(MONITOR, 1, ok.monitor)}},
+    {F(monitor_view), 0, VIEWED | FITTED | S(STATE) | S(DEGENERATE),
+     {STATE(MONITOR, ok.monitor), OUT_BAD, LESS(&SIZE_0, 2), LESS(&SIZE_0, 1),
+      IN(OBSERVATION, N, ok.observations), COUNT(&SIZE_6, 4, RIGCAL_ERR_TOO_FEW),
+      VALUE(POSITIVE, &REAL_SIGMA)}},
     {F(store_save_rig), 0, DEVICE | S(ROTATION) | S(TOO_FEW) | S(CAPACITY) | S(STATE),
      {KEPT_OF(KEPT_CAMERA, KEPT_JOINT), OUT(SAVED_RIG, 1),
       ROOM(&SIZE_SAVED_RIG, RIGCAL_STORE_RIG_SIZE(2, 1), RIGCAL_ERR_CAPACITY), OUT(SIZE, 1),
@@ -1897,6 +1982,7 @@ static const char *const HARMLESS[] = {
     "rigcal_store_size",  "rigcal_rig_work",       "rigcal_choose_work",
     "rigcal_judge_work",  "rigcal_store_rig_size", "rigcal_calibrated_size",
     "rigcal_point_work",
+    "rigcal_monitor_size",
 };
 enum { N_HARMLESS = sizeof HARMLESS / sizeof HARMLESS[0] };
 
@@ -2383,7 +2469,8 @@ static void test_every_public_function_of_the_headers_is_in_the_table(void)
                           HEADER("rigcal.h") + HEADER("rigcal_measure.h") +
                               HEADER("rigcal_rig.h") + HEADER("rigcal_choose.h") +
                               HEADER("rigcal_judge.h") + HEADER("rigcal_point.h") +
-                              HEADER("rigcal_match.h") + HEADER("rigcal_solvers.h") +
+                              HEADER("rigcal_match.h") + HEADER("rigcal_monitor.h") +
+                              HEADER("rigcal_solvers.h") +
                               HEADER("rigcal_paper.h"));
 }
 

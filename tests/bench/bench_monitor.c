@@ -64,7 +64,7 @@ static void frame(rigcal_monitor_report *report, test_rng *rng, const rig_case *
     }
 }
 
-static void coverage(int rigs, const rig_case *c, int most)
+static double coverage(int rigs, const rig_case *c, int most)
 {
     const int n = 6 * (c->cameras - 1);
     int inside[3] = {0, 0, 0};
@@ -97,6 +97,7 @@ static void coverage(int rigs, const rig_case *c, int most)
     }
     printf("\n");
     fflush(stdout);
+    return (double)inside[most - 1] / rigs;
 }
 
 /* ---- after a bump ------------------------------------------------------------------ */
@@ -291,7 +292,7 @@ static int blame_one(int *body, int *sure, double *confidence, const blame_case 
     return 1;
 }
 
-static void blame(int bumps, const blame_case *c)
+static double blame(int bumps, const blame_case *c)
 {
     int alarms = 0, right = 0, sure = 0, sure_right = 0;
     double mean = 0;
@@ -314,6 +315,7 @@ static void blame(int bumps, const blame_case *c)
            c->degrees, 100 * c->wrong, alarms, bumps, 100.0 * right / alarms,
            100.0 * sure / alarms, sure ? 100.0 * sure_right / sure : 0, mean / alarms);
     fflush(stdout);
+    return (double)right / bumps;
 }
 
 /* ---- delay ----------------------------------------------------------------------- */
@@ -455,6 +457,15 @@ static const rig_case MOVED[] = {{2, 1, 0},   {4, 0, 0},   {2, 1, 0.1},
 int main(int argc, char *argv[])
 {
     const int many = argc > 2 ? atoi(argv[2]) : 100;
+
+    if (argc > 1 && strcmp(argv[1], "check") == 0) {
+        const blame_case turned = {4, 0, 0, 0.2, 0.3};
+        const int holds =
+            coverage(100, &RIGS[4], 1) > 0.88 && coverage(60, &RIGS[8], 1) > 0.86;
+        const int named = blame(16, &turned) > 0.85;
+
+        return holds && named ? 0 : 1;
+    }
 
     if (argc > 1 && strcmp(argv[1], "coverage") == 0) {
         const int most = argc > 3 ? atoi(argv[3]) : 3;

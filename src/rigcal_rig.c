@@ -172,6 +172,9 @@ rigcal_status rigcal_rig_covariance(rigcal_real Sigma[36], const rigcal_rig *rig
     for (int k = 0; k < 36; k++) {
         Sigma[k] *= sigma_px * sigma_px;
     }
+    if (rig->considered != NULL) {
+        rig->considered->by->camera(Sigma, rig, camera);
+    }
     return RIGCAL_OK;
 }
 
@@ -203,6 +206,9 @@ rigcal_status rigcal_rig_pair(rigcal_transform *b_from_a, rigcal_real Sigma[36],
     rc_rig_parts_of(&parts, rig, 0);
     rc_joint_pair(b_from_a, Sigma, &rig->cams_from_rig[a], &rig->cams_from_rig[b], parts.S,
                   parts.column[a], parts.column[b], sigma_px * sigma_px);
+    if (rig->considered != NULL) {
+        rig->considered->by->pair(Sigma, b_from_a, rig, a, b);
+    }
     return RIGCAL_OK;
 }
 
@@ -276,7 +282,7 @@ rigcal_status rigcal_rig_placement(rigcal_real Sigma[36], rigcal_rig *rig,
                                    rigcal_real sigma_px, size_t placement)
 {
     rc_rig_parts parts;
-    rigcal_real inverse[36];
+    rigcal_real inverse[36], more[36];
     size_t first = 0;
     rigcal_status status = check_counts(Sigma, rig, sigma_px);
     if (status == RIGCAL_OK && placement >= rig->n_placements) {
@@ -292,10 +298,21 @@ rigcal_status rigcal_rig_placement(rigcal_real Sigma[36], rigcal_rig *rig,
     for (size_t f = 0; f < placement; f++) {
         first += rc_rig_views_of(&parts, f);
     }
-    const rc_leverage on = {parts.S, parts.W, parts.slot,
-                            rc_rig_views_of(&parts, placement)};
-    status = place_sure(Sigma, inverse, &on, rig, first);
-    rc_mat6_make_symmetric(Sigma, sigma_px * sigma_px);
+    const size_t count = rc_rig_views_of(&parts, placement);
+    const rc_leverage on = {parts.S, parts.W, parts.slot, count};
+    rc_clear(more, 36);
+    if (rig->considered != NULL) {
+        status = rig->considered->by->placement(more, rig, first, count, placement);
+    }
+    if (status == RIGCAL_OK) {
+        status = place_sure(Sigma, inverse, &on, rig, first);
+    }
+    if (status == RIGCAL_OK) {
+        rc_mat6_make_symmetric(Sigma, sigma_px * sigma_px);
+        for (int k = 0; k < 36; k++) {
+            Sigma[k] += more[k];
+        }
+    }
     return status;
 }
 

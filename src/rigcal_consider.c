@@ -433,13 +433,14 @@ rigcal_status rigcal_consider_step(rigcal_consider_solver *solver, int32_t budge
 rigcal_status rigcal_consider_result(int32_t *at_fault,
                                      const rigcal_consider_solver *solver)
 {
+    const int is_done = solver != NULL && solver->phase == DONE;
     if (at_fault != NULL) {
-        *at_fault = (solver == NULL) ? -1 : solver->at_fault;
+        *at_fault = is_done ? solver->at_fault : -1;
     }
     if (solver == NULL) {
         return RIGCAL_ERR_NULL;
     }
-    return (solver->phase == DONE) ? solver->status : RIGCAL_ERR_STATE;
+    return is_done ? solver->status : RIGCAL_ERR_STATE;
 }
 
 rigcal_status rigcal_rig_consider(rigcal_considered *considered, int32_t *at_fault,

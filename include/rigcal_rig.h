@@ -61,7 +61,8 @@ typedef struct rigcal_camera_prior {
     rigcal_real Sigma[36]; /* of (w, dt), row by row */
 } rigcal_camera_prior;
 
-/* Standard deviations of a camera's own numbers, as its calibration gives them. 0: exact. */
+/* Standard deviations of a camera's own numbers, as its calibration gives them; 0: exact.
+ * */
 typedef struct rigcal_intrinsics_sigma {
     rigcal_real focal;  /* of fx and fy together, as a part of them */
     rigcal_real aspect; /* of fx / fy, as a part of it */
@@ -97,8 +98,8 @@ typedef struct rigcal_rig {
     rigcal_real *work;    /* memory to work in */
     size_t work_capacity; /* its number of reals: RIGCAL_RIG_WORK */
 
-    const rigcal_intrinsics_sigma *intrinsics_sigmas; /* n_cameras, or NULL: they are exact.
-                                                         Only rigcal_rig_consider reads it */
+    const rigcal_intrinsics_sigma *intrinsics_sigmas; /* n_cameras, or NULL: exact. Only
+                                                         rigcal_rig_consider reads them */
     const struct rigcal_considered *considered; /* NULL; rigcal_rig_consider sets it */
 } rigcal_rig;
 

@@ -1,5 +1,6 @@
 /* rc_border.h - parameters beside cameras and placements: what they share with the cameras
- * once each placement has been eliminated, as placements stream by (CAUSES in EQUATIONS.md).
+ * once each placement has been eliminated, as placements stream by (CONSIDER in
+ * EQUATIONS.md).
  *
  * Of each parameter, a column, a view has E = J^T D, 6 numbers by (w, dt) of
  * cam_from_target; Q = D^T D and q = D^T e are of columns alone. A placement with the

@@ -405,7 +405,7 @@ static void test_other_intrinsics_move_the_adjusted_rig_by_the_effects(void)
     }
 }
 
-/* ---- to the last bit ------------------------------------------------------------------ */
+/* ---- to the last bit -------------------------------------------------------- */
 
 typedef struct {
     rigcal_real camera[CAMERAS][36], pair[36], place[PLACES][36];
@@ -524,7 +524,7 @@ static void test_the_budget_changes_no_bit(void)
     }
 }
 
-/* ---- what cannot be ------------------------------------------------------------------- */
+/* ---- what cannot be --------------------------------------------------------- */
 
 static void assert_refused(rigcal_status expected)
 {

@@ -170,8 +170,8 @@ static void add_leverage(rigcal_real v[6], const rc_leverage *on, const rigcal_r
     }
 }
 
-static void add_pair(rigcal_real Sigma[36], const rigcal_transform *b_from_a,
-                     const rigcal_rig *rig, size_t a, size_t b)
+static void considered_pair(rigcal_real Sigma[36], const rigcal_transform *b_from_a,
+                            const rigcal_rig *rig, size_t a, size_t b)
 {
     const rigcal_considered *const all = rig->considered;
     rc_rig_parts parts;
@@ -186,7 +186,7 @@ static void add_pair(rigcal_real Sigma[36], const rigcal_transform *b_from_a,
     }
 }
 
-static void add_camera(rigcal_real Sigma[36], const rigcal_rig *rig, size_t camera)
+static void considered_camera(rigcal_real Sigma[36], const rigcal_rig *rig, size_t camera)
 {
     const rigcal_considered *const all = rig->considered;
     rc_rig_parts parts;
@@ -197,7 +197,7 @@ static void add_camera(rigcal_real Sigma[36], const rigcal_rig *rig, size_t came
     }
 }
 
-static void add_joint(rigcal_real S[], const rigcal_rig *rig)
+static void considered_joint(rigcal_real S[], const rigcal_rig *rig)
 {
     const rigcal_considered *const all = rig->considered;
     for (size_t j = 0; j < all->k; j++) {
@@ -222,8 +222,8 @@ static rigcal_status add_views(rc_border *b, const rigcal_rig *rig, size_t first
 }
 
 /* One deviation of a column moves the placement by H^-1 (B^T E - sum of W_i^T G_i). */
-static rigcal_status placement_of(rigcal_real Sigma[36], const rigcal_rig *rig,
-                                  size_t first, size_t count, size_t placement)
+static rigcal_status considered_placement(rigcal_real Sigma[36], const rigcal_rig *rig,
+                                          size_t first, size_t count, size_t placement)
 {
     const rigcal_considered *const all = rig->considered;
     rc_rig_parts parts;
@@ -259,8 +259,8 @@ static rigcal_status placement_of(rigcal_real Sigma[36], const rigcal_rig *rig,
     return RIGCAL_OK;
 }
 
-static const struct rigcal_considering CONSIDERING = {add_camera, add_pair, add_joint,
-                                                      placement_of};
+static const struct rigcal_considering CONSIDERING = {
+    considered_camera, considered_pair, considered_joint, considered_placement};
 
 /* ---- the pass ----------------------------------------------------------------- */
 

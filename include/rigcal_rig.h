@@ -88,6 +88,9 @@ typedef struct rigcal_rig {
 
     rigcal_real *work;    /* memory to work in */
     size_t work_capacity; /* its number of reals: RIGCAL_RIG_WORK */
+
+    struct rigcal_rig_clocks *clocks; /* of the cameras, see rigcal_clocks.h; NULL: all
+                                         views of a placement are of one instant */
 } rigcal_rig;
 
 /* Reals to work in, of so many cameras that are free or have a prior, and so many in all.

@@ -77,7 +77,7 @@
         M(rigcal_rig, view_pose_source) M(rigcal_rig, context)                     \
         M(rigcal_rig, left_out)                                                    \
         M(rigcal_rig, roles) M(rigcal_rig, priors) M(rigcal_rig, sigma_px)         \
-        M(rigcal_rig, work) M(rigcal_rig, work_capacity)                           \
+        M(rigcal_rig, work) M(rigcal_rig, work_capacity) M(rigcal_rig, clocks)     \
     S(rigcal_rig_fit)                                                              \
         M(rigcal_rig_fit, sum) M(rigcal_rig_fit, freedom)                          \
         M(rigcal_rig_fit, sigma_px) M(rigcal_rig_fit, n_points)                    \
@@ -119,6 +119,15 @@
     S(rigcal_symmetries)                                                           \
         M(rigcal_symmetries, permutations) M(rigcal_symmetries, n_permutations)    \
         M(rigcal_symmetries, n_points) M(rigcal_symmetries, room)                  \
+    /* rigcal_clocks.h */                                                          \
+    S(rigcal_rig_clocks)                                                           \
+        M(rigcal_rig_clocks, calls) M(rigcal_rig_clocks, times)                    \
+        M(rigcal_rig_clocks, view_times) M(rigcal_rig_clocks, instants)            \
+        M(rigcal_rig_clocks, offsets) M(rigcal_rig_clocks, drifts)                 \
+        M(rigcal_rig_clocks, held) M(rigcal_rig_clocks, states)                    \
+        M(rigcal_rig_clocks, free_offsets) M(rigcal_rig_clocks, free_drifts)       \
+        M(rigcal_rig_clocks, neighbours) M(rigcal_rig_clocks, frame)               \
+        M(rigcal_rig_clocks, sigma_time)                                           \
     /* rigcal_paper.h */                                                           \
     S(rigcal_bearing)                                                              \
         M(rigcal_bearing, X_w) M(rigcal_bearing, ray)                              \

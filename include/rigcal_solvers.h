@@ -164,6 +164,32 @@ struct rigcal_rig_solver {
     rigcal_real promised, negligible, gp[6], Hp[21];
 };
 
+/* ---- parameters beside cameras and placements -------------------------------- */
+
+typedef struct rigcal_border {
+    size_t n;              /* unknowns of the cameras */
+    size_t k;              /* columns: the parameters */
+    rigcal_real *T;        /* k rows of n: what they share with the cameras, or NULL */
+    rigcal_real *Z;        /* k rows of 6: B^T E of a placement; eliminated, Y */
+    rigcal_real *q;        /* k; NULL: neither q nor Q is wanted */
+    rigcal_real *Q;        /* row by row: row i has columns first[i] .. i */
+    const uint16_t *first; /* k; NULL: all from 0 on */
+    rigcal_real *W, *slot; /* 36 and 1 of each view of a placement, of its camera: A^T H B,
+                              eliminated Y_c; and its first unknown, -1: it is held */
+    size_t count;          /* views of the placement so far */
+    rigcal_real gp[6], Hp[21]; /* of the placement; eliminated, L^-1 g and L */
+} rigcal_border;
+
+/* ---- intrinsics that are considered ------------------------------------------ */
+
+struct rigcal_consider_solver {
+    rigcal_rig *rig;
+    rigcal_considered *considered;
+    int32_t phase, status, at_fault;
+    size_t view, first, placement, column; /* under way */
+    rigcal_border border;
+};
+
 /* ---- the choice between two poses of each view ------------------------------ */
 
 enum rigcal_choose_rungs { RIGCAL_CHOOSE_RUNGS = 6 };

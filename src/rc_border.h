@@ -1,5 +1,6 @@
 /* rc_border.h - parameters beside cameras and placements: what they share with the cameras
- * once each placement has been eliminated, as placements stream by (CAUSES in EQUATIONS.md).
+ * once each placement has been eliminated, as placements stream by (CONSIDER in
+ * EQUATIONS.md).
  *
  * Of each parameter, a column, a view has E = J^T D, 6 numbers by (w, dt) of
  * cam_from_target; Q = D^T D and q = D^T e are of columns alone. A placement with the
@@ -7,27 +8,14 @@
  *
  *     T_c += A^T E - Y_c Y,    Q -= Y^T Y,    q -= Y^T L^-1 g
  *
- * The rig has been adjusted: S^-1 is in its memory to work in. */
+ * The rig has been adjusted: S^-1 is in its memory to work in, of the poses before the last
+ * step, which is some 1e-4 of it. An adjustment from the optimum makes it exact. */
 #ifndef RC_BORDER_H
 #define RC_BORDER_H
 
 #include "rc_chain.h"
 
-/* All memory is of who begins it. */
-typedef struct {
-    size_t n;              /* unknowns of the cameras */
-    size_t k;              /* columns */
-    rigcal_real *T;        /* k rows of n */
-    rigcal_real *Z;        /* k rows of 6: B^T E of the placement; once it has ended, Y */
-    rigcal_real *q;        /* k; NULL: neither q nor Q is wanted */
-    rigcal_real *Q;        /* row by row: row i has columns first[i] .. i */
-    const uint16_t *first; /* k: NULL, all from 0 on */
-    rigcal_real *W, *slot; /* 36 and 1 for each view of a placement: as of rc_rig_parts.
-                               Once it has ended, W is Y_c; slot: its camera's first
-                               unknown, -1: it is held */
-    size_t count;          /* views of the placement so far */
-    rigcal_real gp[6], Hp[21]; /* of the placement; once it has ended, L^-1 g, and L */
-} rc_border;
+typedef rigcal_border rc_border; /* all memory is of who begins it */
 
 /* The number of reals of Q, and where element (i, j), first[i] <= j <= i, of it is. O(i) */
 size_t rc_border_size(const rc_border *border);

@@ -1,4 +1,4 @@
-/* rc_intrinsics.h - how a projection changes with the camera's own numbers (CAUSES in
+/* rc_intrinsics.h - how a projection changes with the camera's own numbers (CONSIDER in
  * EQUATIONS.md). */
 #ifndef RC_INTRINSICS_H
 #define RC_INTRINSICS_H

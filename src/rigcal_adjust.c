@@ -469,6 +469,7 @@ rigcal_status rc_rig_begin(rigcal_rig_solver *s, rigcal_rig *rig,
     if (rigcal_rig_work(0, rig->n_cameras, rig->n_placements) > rig->work_capacity) {
         return RIGCAL_ERR_CAPACITY;
     }
+    rig->considered = NULL; /* which is of the rig as it was */
     *s = (rigcal_rig_solver){0};
     s->rig = rig;
     s->given = given;

@@ -68,7 +68,7 @@ void rc_border_add(rc_border *b, const rc_chain *chain, size_t column,
         rc_mat3_tmul_vec3(v, chain->R_c, &E[half]);
         rc_vec3_add(&b->Z[6 * column + (size_t)half], v);
     }
-    if (at >= 0) { /* A^T E */
+    if (b->T != NULL && at >= 0) { /* A^T E */
         rigcal_real *const T = &b->T[b->n * column + (size_t)at];
         rc_vec3_cross(v, chain->lever, &E[3]);
         rc_vec3_add(v, &E[0]);

@@ -63,6 +63,8 @@ SOLVERS = {
                                       "is_relaxed"}),
     "rigcal_judge_solver": ("cost", None),
     "rigcal_cause_solver": ("cause", set()),
+    "rigcal_border": ("border", None),
+    "rigcal_consider_solver": ("consider", set()),
 }
 FIELD = re.compile(r"(\w+)((?:\[\w+\])*\s*[,;])")
 STRUCT = re.compile(r"struct (rigcal_\w+) \{(.*?)\n\}", re.S)

@@ -34,6 +34,23 @@ enum rigcal_clock_states {
 
 struct rigcal_clock_calls; /* the library's own */
 
+/* The motion of a target about one of its placements: its (w, dt) at a time `after` that is
+ * the sum of c[k] after^(k + 1). */
+enum rigcal_motion_limits { RIGCAL_MOTION_MOST = 4 };
+typedef struct rigcal_motion {
+    int32_t n;           /* neighbours in time that the curve leads through; 0: unknown */
+    rigcal_real nearest; /* the time of the first of them, after the placement */
+    rigcal_real c[RIGCAL_MOTION_MOST][6];
+} rigcal_motion;
+
+/* What the library remembers from one view to the next. */
+typedef struct rigcal_clock_memory {
+    int32_t placement, moved; /* whose motion that is; -1: of none */
+    rigcal_motion motion;
+    rigcal_real velocity[6], since; /* of the view placed last; its stamp, after `middle` */
+    rigcal_real middle, ratio2;     /* (noise of a pixel / noise of a stamp)^2 */
+} rigcal_clock_memory;
+
 /* Times count from about the start of the recording, in seconds or in any other unit: in
  * float they are exact to 1 ms up to 8000 s. Camera c sees at the stamp t what the target
  * does at t + offsets[c] + drifts[c] (t - middle), where middle is half way from the first
@@ -46,7 +63,8 @@ typedef struct rigcal_rig_clocks {
                                       of its placement */
     rigcal_real
         *instants;        /* n_placements, written: when rig_from_placements holds, the mean
-                              time of the placement's views by the clocks. NaN: not known */
+                              time of the placement's views by the clocks. Above 1e30
+                              (float 1e9): not known */
     rigcal_real *offsets; /* n_cameras: in, where to start; out, how late each is */
     rigcal_real *drifts;  /* n_cameras, or NULL: 0 */
     const uint8_t *held;  /* n_cameras, or NULL: none; not 0: that clock is right as it is.
@@ -56,17 +74,19 @@ typedef struct rigcal_rig_clocks {
     int32_t neighbours;     /* of a placement, by which its motion is known: 1 .. 4 */
     rigcal_real frame;      /* time from one frame to the next; 0: find it in `times`, and
                               write it: the middle one of the steps below 0.35 */
-    rigcal_real sigma_time; /* noise of the stamp of a view by itself; 0: none */
+    rigcal_real sigma_time; /* noise of the stamp of a view by itself; 0: none. The noise of
+                               a pixel must be known: rig->sigma_px, or view_poses */
+    rigcal_clock_memory memory; /* the library's own */
 } rigcal_rig_clocks;
 
-/* Everything 0 but calls and neighbours, 4. OK, ERR_NULL. */
+/* All 0 but calls, and neighbours, which are 4. OK, ERR_NULL. */
 RIGCAL_API rigcal_status rigcal_clocks_defaults(rigcal_rig_clocks *clocks);
 
 /* Reals of the rig's memory to work in, beyond RIGCAL_RIG_WORK or RIGCAL_JUDGE_WORK, for a
  * rig with clocks. The same as a function: rigcal_clocks_work. */
 #define RIGCAL_CLOCKS_WORK(n_free, n_cameras) \
     (12 * (size_t)(n_free) * (size_t)(n_cameras) + \
-     (size_t)(n_cameras) * (2 * (size_t)(n_cameras) + 20) + 32)
+     (size_t)(n_cameras) * (2 * (size_t)(n_cameras) + 18))
 RIGCAL_API size_t rigcal_clocks_work(size_t n_free, size_t n_cameras);
 
 /* Standard deviations of offsets, and of drifts (NULL: not asked), each of n_cameras, for

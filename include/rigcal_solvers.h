@@ -151,6 +151,7 @@ struct rigcal_robust_solver {
 struct rigcal_rig_solver {
     rigcal_rig *rig;
     const struct rigcal_rig_given *given; /* of views: their points, or their own poses */
+    const struct rigcal_clock_calls *clocks; /* NULL: views are of one instant */
     rigcal_levenberg search;
     int32_t loss; /* RIGCAL_LOSS_; 0: squares */
     int32_t phase, is_join, is_trial, is_last, is_final, is_disconnected, at_fault, evals;
@@ -159,6 +160,7 @@ struct rigcal_rig_solver {
     size_t row;                      /* of the factor, or which of the placement's views */
     size_t n_points, n_used, n_seen; /* points, views, placements that count */
     size_t n_free;                   /* cameras of which nothing is known beforehand */
+    size_t n_clocks;                 /* offsets and drifts that are estimated */
     rigcal_real sum, gain;           /* of a pass: the sum, and what a step promises */
     rigcal_real own_sum;             /* of the views by themselves */
     rigcal_real promised, negligible, gp[6], Hp[21];

@@ -8,22 +8,19 @@
 /* The placements of a rig in time. */
 typedef struct {
     const rigcal_transform *poses; /* n: rig_from_placements */
-    const rigcal_real *times;      /* n [s], rising; NaN: not known */
+    const rigcal_real *times;      /* n [s], rising; above RC_COORDINATE_MAX: not known */
     const rigcal_real *count;      /* n, above 0 where there is a pose; NULL: everywhere */
     size_t n;
     rigcal_real longest; /* step from one placement to the next of a run [s] */
     int32_t neighbours;  /* at most, of one placement: 1 .. RC_MOTION_MOST */
 } rc_path;
 
-enum { RC_MOTION_MOST = 4 };
+enum { RC_MOTION_MOST = RIGCAL_MOTION_MOST };
 
 /* The motion about a placement: (w, dt) of rig_from_placement at the time `after` its own
  * is the sum of c[k] after^(k + 1). n: neighbours that the curve leads through; 0: no
  * motion is known. */
-typedef struct {
-    int32_t n;
-    rigcal_real c[RC_MOTION_MOST][6];
-} rc_motion;
+typedef rigcal_motion rc_motion;
 
 /* (H1), (H2): of placement f, by its nearest neighbours in its unbroken run, as many on each
  * side where there are. */

@@ -10,7 +10,8 @@ enum { SERIES_TERMS = 11 };
 
 static int is_on_path(const rc_path *path, size_t f)
 {
-    return (path->count == NULL || path->count[f] > 0) && rc_is_finite(path->times[f]);
+    return (path->count == NULL || path->count[f] > 0) &&
+           RC_FABS(path->times[f]) <= RC_COORDINATE_MAX;
 }
 
 /* The placement before f in its run (side -1), or after it (1); n: there is none. */
@@ -75,6 +76,7 @@ void rc_motion_of(rc_motion *motion, const rc_path *path, size_t f)
 {
     rigcal_real t[RC_MOTION_MOST];
     motion->n = 0;
+    motion->nearest = 0;
     if (!is_on_path(path, f)) {
         return;
     }
@@ -86,6 +88,9 @@ void rc_motion_of(rc_motion *motion, const rc_path *path, size_t f)
         }
         t[motion->n] = path->times[m] - path->times[f];
         rc_deviation(motion->c[motion->n++], &path->poses[m], &path->poses[f]);
+    }
+    if (motion->n > 0) {
+        motion->nearest = t[0];
     }
     divide(motion, t);
     expand(motion, t);

@@ -63,7 +63,8 @@ static rigcal_real real_of(size_t n)
 static void fill_fit(rigcal_rig_fit *fit, const rigcal_rig_solver *s)
 {
     const rigcal_real measured = 2 * real_of(s->n_points);
-    const rigcal_real freedom = measured - 6 * real_of(s->n_free + s->n_seen);
+    const rigcal_real freedom =
+        measured - 6 * real_of(s->n_free + s->n_seen) - real_of(s->n_clocks);
     const rigcal_real within = measured - 6 * real_of(s->n_used);
     const rigcal_real between = freedom - within;
     *fit = (rigcal_rig_fit){0};
@@ -234,9 +235,7 @@ static rigcal_status equations_of(rigcal_real *sum, rigcal_real g[6], rigcal_rea
     if (status != RIGCAL_OK) {
         return status;
     }
-    rc_chain_of(chain, &rig->cams_from_rig[v->camera],
-                &rig->rig_from_placements[v->placement]);
-    return rc_rig_equations(sum, g, H, v, &chain->cam_from_target);
+    return rc_rig_view_equations(sum, g, H, chain, v, rig, view);
 }
 
 /* Of a placement whose views begin with `first`: Sigma of its pose for noise of 1 px, its
@@ -405,8 +404,7 @@ rigcal_status rigcal_rig_residuals(rigcal_real duv[], size_t capacity, size_t *n
     if (status != RIGCAL_OK) {
         return status;
     }
-    rc_chain_of(&chain, &rig->cams_from_rig[v.camera],
-                &rig->rig_from_placements[v.placement]);
+    rc_rig_chain(&chain, rig, v.camera, (size_t)v.placement, view);
     for (size_t i = 0; i < v.view.n; i++) {
         rigcal_real B[6], q[3], X_c[3];
         status =

@@ -47,6 +47,16 @@ rigcal_status rc_rig_pose_at(rigcal_view_pose *out, const rigcal_rig *rig, size_
     return RIGCAL_OK;
 }
 
+void rc_rig_chain(rc_chain *chain, const rigcal_rig *rig, int32_t camera, size_t placement,
+                  size_t view)
+{
+    rigcal_transform seen = rig->rig_from_placements[placement];
+    if (rig->clocks != NULL) {
+        rig->clocks->calls->place(&seen, rig, camera, placement, view);
+    }
+    rc_chain_of(chain, &rig->cams_from_rig[camera], &seen);
+}
+
 size_t rc_rig_views_of(const rc_rig_parts *parts, size_t placement)
 {
     return (size_t)RC_FABS(parts->count[placement]);

@@ -108,6 +108,10 @@ int rc_rig_is_left_out(const rigcal_rig *rig, size_t view);
 int rc_rig_is_held(const rigcal_rig *rig, size_t camera);
 int rc_rig_has_prior(const rigcal_rig *rig, size_t camera);
 
+/* Whether the memory to work in holds what an adjustment leaves there: unknowns in the
+ * order of their cameras, and variances above 0. *parts: where its parts begin. */
+int rc_rig_is_adjusted(rc_rig_parts *parts, const rigcal_rig *rig);
+
 /* The memory to work in holds no covariance of the cameras. */
 void rc_rig_forget(const rigcal_rig *rig);
 

@@ -119,28 +119,6 @@ rigcal_status rigcal_rig_adjust(rigcal_rig_fit *fit, int32_t *at_fault, rigcal_r
 
 /* ---- how sure ------------------------------------------------------------ */
 
-/* Whether the memory to work in holds what an adjustment leaves there: unknowns in the
- * order of their cameras, and variances above 0. */
-static int is_adjusted(rc_rig_parts *parts, const rigcal_rig *rig)
-{
-    size_t n = 0;
-    if (rig->work_capacity < rigcal_rig_work(0, rig->n_cameras, rig->n_placements)) {
-        return 0;
-    }
-    rc_rig_parts_of(parts, rig, 0);
-    for (size_t c = 0; c < rig->n_cameras; c++) {
-        const size_t wanted = rigcal_rig_work(n / 6 + 1, rig->n_cameras, rig->n_placements);
-        const rigcal_real column = parts->column[c];
-        if (rig->work_capacity >= wanted && RC_FABS(column - (rigcal_real)n) <= 0 &&
-            parts->S[rc_packed_at(n, n)] > 0) {
-            n += 6;
-        } else if (!(RC_FABS(column + 1) <= 0)) {
-            return 0;
-        }
-    }
-    return 1;
-}
-
 /* *parts: where the parts of the work of such a rig begin. */
 static rigcal_status check_sure(const rigcal_real *Sigma, const rigcal_rig *rig,
                                 rigcal_real sigma_px, size_t camera, rc_rig_parts *parts)
@@ -158,7 +136,7 @@ static rigcal_status check_sure(const rigcal_real *Sigma, const rigcal_rig *rig,
     if (camera >= rig->n_cameras) {
         return RIGCAL_ERR_RANGE;
     }
-    return is_adjusted(parts, rig) ? RIGCAL_OK : RIGCAL_ERR_STATE;
+    return rc_rig_is_adjusted(parts, rig) ? RIGCAL_OK : RIGCAL_ERR_STATE;
 }
 
 rigcal_status rigcal_rig_covariance(rigcal_real Sigma[36], const rigcal_rig *rig,

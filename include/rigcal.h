@@ -729,6 +729,8 @@ RIGCAL_API rigcal_status rigcal_store_load(rigcal_mounted_camera cameras[], size
 #include "rigcal_rig.h"
 #include "rigcal_choose.h"
 #include "rigcal_judge.h"
+#include "rigcal_clocks.h"
+#include "rigcal_faults.h"
 #include "rigcal_consider.h"
 #include "rigcal_solvers.h"
 

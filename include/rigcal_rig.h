@@ -98,6 +98,8 @@ typedef struct rigcal_rig {
     rigcal_real *work;    /* memory to work in */
     size_t work_capacity; /* its number of reals: RIGCAL_RIG_WORK */
 
+    struct rigcal_rig_clocks *clocks; /* of the cameras, see rigcal_clocks.h; NULL: all
+                                         views of a placement are of one instant */
     const rigcal_intrinsics_sigma *intrinsics_sigmas; /* n_cameras, or NULL: exact. Only
                                                          rigcal_rig_consider reads them */
     const struct rigcal_considered *considered; /* NULL; rigcal_rig_consider sets it */

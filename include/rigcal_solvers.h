@@ -151,6 +151,7 @@ struct rigcal_robust_solver {
 struct rigcal_rig_solver {
     rigcal_rig *rig;
     const struct rigcal_rig_given *given; /* of views: their points, or their own poses */
+    const struct rigcal_clock_calls *clocks; /* NULL: views are of one instant */
     rigcal_levenberg search;
     int32_t loss; /* RIGCAL_LOSS_; 0: squares */
     int32_t phase, is_join, is_trial, is_last, is_final, is_disconnected, at_fault, evals;
@@ -159,6 +160,7 @@ struct rigcal_rig_solver {
     size_t row;                      /* of the factor, or which of the placement's views */
     size_t n_points, n_used, n_seen; /* points, views, placements that count */
     size_t n_free;                   /* cameras of which nothing is known beforehand */
+    size_t n_clocks;                 /* offsets and drifts that are estimated */
     rigcal_real sum, gain;           /* of a pass: the sum, and what a step promises */
     rigcal_real own_sum;             /* of the views by themselves */
     rigcal_real promised, negligible, gp[6], Hp[21];
@@ -245,6 +247,46 @@ struct rigcal_cause_solver {
     rigcal_camera lens;
     rigcal_transform target_from_turned;
     rigcal_pose_solver pose;
+};
+
+/* ---- why the views of a rig disagree ------------------------------------------- */
+
+/* Sums of the columns, besides the border's: of each Q and q with all else free, Q as it
+ * was, and with the pose of each view free; the same across pairs, and across clocks. */
+typedef struct rigcal_columns {
+    rigcal_real *Q, *q, *raw, *own_Q, *own_q, *pairs, *own_pairs, *clocks;
+    size_t per_camera; /* besides the clock */
+    int32_t at[12];    /* of each parameter of a view: among those; -1: not in this pass */
+} rigcal_columns;
+
+/* Cameras that moved: S and g of all cameras, of the placements so far; and of each camera
+ * the best so far. */
+typedef struct rigcal_moves {
+    rigcal_real *S, *g, *best;
+    rigcal_real *camera; /* of each view of the placement */
+    rigcal_real *total, *so_far; /* views of each camera */
+} rigcal_moves;
+
+struct rigcal_faults_solver {
+    rigcal_rig *rig;
+    const rigcal_faults_options *options;
+    rigcal_fault *faults;
+    rigcal_faults found;
+    size_t capacity;
+    int32_t phase, status, at_fault, kinds, left; /* of this pass; that come after it */
+    int32_t test, camera;          /* what is tested next */
+    size_t view, first, placement; /* under way; the first view of the placement */
+    size_t slot;
+    size_t n, n_points, n_used, n_seen, n_free;
+    size_t n_neighbours;
+    rigcal_border border;
+    rigcal_columns columns;
+    rigcal_moves moves;
+    rigcal_real *g;                            /* of the cameras */
+    rigcal_real low[2], high[2];               /* of the board's points */
+    rigcal_real sum, own, product, expected;   /* of the views; of neighbours */
+    rigcal_real along, disagreement, speed2;   /* along the motion, and in all */
+    rigcal_real middle, longest;               /* of times; of steps */
 };
 
 #ifdef __cplusplus

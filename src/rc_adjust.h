@@ -20,6 +20,11 @@ rigcal_status rc_rig_equations(rigcal_real *sum, rigcal_real g[6], rigcal_real H
                                const rigcal_rig_view *view,
                                const rigcal_transform *cam_from_target);
 
+/* View `view`, where the rig is and the clocks stand: the same, and its chain. */
+rigcal_status rc_rig_view_equations(rigcal_real *sum, rigcal_real g[6], rigcal_real H[21],
+                                    rc_chain *chain, const rigcal_rig_view *v,
+                                    const rigcal_rig *rig, size_t view);
+
 /* Begins a search; steps do one unit each until s->phase is RC_RIG_DONE. `given`: views by
  * their points, or by their own poses, which is the join. Once all has been checked the
  * phase is RC_RIG_CHECKED: then the poses from which the search starts may be set, for

@@ -24,4 +24,10 @@ rigcal_real rc_odds(rigcal_real sse, rigcal_real other, rigcal_real sigma_px,
  * 1e30. */
 rigcal_real rc_expected_sets(size_t n, size_t count, rigcal_real near);
 
+/* log(1 + x), x > -1, to a few units in the last place. */
+rigcal_real rc_log1p(rigcal_real x);
+
+/* The chance that F of (k, n) degrees of freedom is more than that. At least 2e-35. */
+rigcal_real rc_f_tail(rigcal_real F, rigcal_real k, rigcal_real n);
+
 #endif /* RC_CHANCE_H */

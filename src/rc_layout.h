@@ -81,7 +81,7 @@
         M(rigcal_rig, view_pose_source) M(rigcal_rig, context)                     \
         M(rigcal_rig, left_out)                                                    \
         M(rigcal_rig, roles) M(rigcal_rig, priors) M(rigcal_rig, sigma_px)         \
-        M(rigcal_rig, work) M(rigcal_rig, work_capacity)                           \
+        M(rigcal_rig, work) M(rigcal_rig, work_capacity) M(rigcal_rig, clocks)     \
         M(rigcal_rig, intrinsics_sigmas) M(rigcal_rig, considered)                 \
     S(rigcal_rig_fit)                                                              \
         M(rigcal_rig_fit, sum) M(rigcal_rig_fit, freedom)                          \
@@ -124,6 +124,22 @@
     S(rigcal_symmetries)                                                           \
         M(rigcal_symmetries, permutations) M(rigcal_symmetries, n_permutations)    \
         M(rigcal_symmetries, n_points) M(rigcal_symmetries, room)                  \
+    /* rigcal_clocks.h */                                                          \
+    S(rigcal_motion)                                                               \
+        M(rigcal_motion, n) M(rigcal_motion, nearest) M(rigcal_motion, c)          \
+    S(rigcal_clock_memory)                                                         \
+        M(rigcal_clock_memory, placement) M(rigcal_clock_memory, moved)            \
+        M(rigcal_clock_memory, motion) M(rigcal_clock_memory, velocity)            \
+        M(rigcal_clock_memory, since) M(rigcal_clock_memory, middle)               \
+        M(rigcal_clock_memory, ratio2)                                             \
+    S(rigcal_rig_clocks)                                                           \
+        M(rigcal_rig_clocks, calls) M(rigcal_rig_clocks, times)                    \
+        M(rigcal_rig_clocks, view_times) M(rigcal_rig_clocks, instants)            \
+        M(rigcal_rig_clocks, offsets) M(rigcal_rig_clocks, drifts)                 \
+        M(rigcal_rig_clocks, held) M(rigcal_rig_clocks, states)                    \
+        M(rigcal_rig_clocks, free_offsets) M(rigcal_rig_clocks, free_drifts)       \
+        M(rigcal_rig_clocks, neighbours) M(rigcal_rig_clocks, frame)               \
+        M(rigcal_rig_clocks, sigma_time) M(rigcal_rig_clocks, memory)              \
     /* rigcal_consider.h */                                                        \
     S(rigcal_considered)                                                           \
         M(rigcal_considered, by) M(rigcal_considered, n) M(rigcal_considered, k)   \

@@ -3,7 +3,7 @@
 #ifndef RC_VIEWS_H
 #define RC_VIEWS_H
 
-#include "rc_chain.h"
+#include "rc_motion.h"
 #include "rc_points.h"
 
 /* What is given of a view, its points or its own pose: functions to check view s->view,
@@ -29,6 +29,48 @@ typedef struct {
 } rc_rig_parts;
 
 void rc_rig_parts_of(rc_rig_parts *parts, const rigcal_rig *rig, size_t n_unknowns);
+
+/* What an adjustment tells the clocks, where a rig has any. */
+enum {
+    RC_CLOCKS_CENTRE,    /* set the instant of s->placement, and its pose to it */
+    RC_CLOCKS_PLACEMENT, /* its views come next */
+    RC_CLOCKS_PLACED,    /* s->Hp is complete */
+    RC_CLOCKS_REDUCED,   /* so are the equations of all, but for priors */
+    RC_CLOCKS_MOVE,      /* by the step in parts->g */
+    RC_CLOCKS_RESTORE,   /* the step did harm */
+    RC_CLOCKS_END        /* no pass is under way any more */
+};
+
+/* The functions of the clocks, which a rig has by rigcal_clocks_defaults alone: a program
+ * without clocks does not have them. */
+struct rigcal_clock_calls {
+    /* What is handed in, before its views are read. */
+    rigcal_status (*check)(const rigcal_rig *rig);
+
+    /* Numbers the unknowns after those of the cameras. */
+    rigcal_status (*begin)(rigcal_rig_solver *s);
+
+    void (*tell)(rigcal_rig_solver *s, const rc_rig_parts *parts, int32_t what);
+
+    /* A placement to where a view sees it. Its velocity there is kept for weigh and add. */
+    void (*place)(rigcal_transform *rig_from_placement, const rigcal_rig *rig,
+                  int32_t camera, size_t placement, size_t view);
+
+    /* Takes the noise of the stamp of the view placed last out of its equations. */
+    void (*weigh)(rigcal_real *sum, rigcal_real g[6], rigcal_real H[21],
+                  const rc_chain *chain, const rigcal_rig *rig);
+
+    /* Adds the equations of that view to those of its clock. */
+    void (*add)(rigcal_rig_solver *s, const rc_rig_parts *parts, const rigcal_real g[6],
+                const rigcal_real H[21], const rc_chain *chain, int32_t camera);
+
+    /* Eliminates the placement from the equations of the clock of a slot, once that is done
+     * with those of its camera. */
+    void (*eliminate)(rigcal_rig_solver *s, const rc_rig_parts *parts, size_t slot);
+
+    /* Holds the unknown of a row that cannot be factored. 0: it is not one of a clock. */
+    int (*hold)(rigcal_rig_solver *s, const rc_rig_parts *parts, size_t row);
+};
 
 /* View `index`, of what the caller gives. */
 rigcal_status rc_rig_view_at(rigcal_rig_view *out, const rigcal_rig *rig, size_t index);
@@ -58,9 +100,17 @@ rigcal_status rc_rig_points(rigcal_points *points, const rigcal_rig_view *view);
 /* How many views there are of a placement, left out or not: they follow one another. */
 size_t rc_rig_views_of(const rc_rig_parts *parts, size_t placement);
 
+/* The chain of a view, where the rig is and the clocks stand. */
+void rc_rig_chain(rc_chain *chain, const rigcal_rig *rig, int32_t camera, size_t placement,
+                  size_t view);
+
 int rc_rig_is_left_out(const rigcal_rig *rig, size_t view);
 int rc_rig_is_held(const rigcal_rig *rig, size_t camera);
 int rc_rig_has_prior(const rigcal_rig *rig, size_t camera);
+
+/* Whether the memory to work in holds what an adjustment leaves there: unknowns in the
+ * order of their cameras, and variances above 0. *parts: where its parts begin. */
+int rc_rig_is_adjusted(rc_rig_parts *parts, const rigcal_rig *rig);
 
 /* The memory to work in holds no covariance of the cameras. */
 void rc_rig_forget(const rigcal_rig *rig);

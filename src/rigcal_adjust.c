@@ -17,6 +17,7 @@ enum { PASSES_MAX = 200 };
 
 enum {
     CHECKING = RC_RIG_REACHING + 1, /* what is handed in, view by view */
+    CENTRING,                       /* the instant of a placement, where a rig has clocks */
     SETTLING,    /* a placement's own step, its views' equations being added */
     REDUCING,    /* its views' equations, by camera and placement */
     ELIMINATING, /* the placement, from the equations of one of its cameras */
@@ -73,6 +74,18 @@ rigcal_status rc_rig_equations(rigcal_real *sum, rigcal_real g[6], rigcal_real H
                                RC_GAUSS_NEWTON);
 }
 
+rigcal_status rc_rig_view_equations(rigcal_real *sum, rigcal_real g[6], rigcal_real H[21],
+                                    rc_chain *chain, const rigcal_rig_view *v,
+                                    const rigcal_rig *rig, size_t view)
+{
+    rc_rig_chain(chain, rig, v->camera, (size_t)v->placement, view);
+    const rigcal_status status = rc_rig_equations(sum, g, H, v, &chain->cam_from_target);
+    if (status == RIGCAL_OK && rig->clocks != NULL) {
+        rig->clocks->calls->weigh(sum, g, H, chain, rig);
+    }
+    return status;
+}
+
 static rigcal_status equations_of_points(rigcal_real *sum, rigcal_real g[6],
                                          rigcal_real H[21], rc_chain *chain,
                                          int32_t *camera, const rigcal_rig_solver *s)
@@ -83,9 +96,7 @@ static rigcal_status equations_of_points(rigcal_real *sum, rigcal_real g[6],
         return status;
     }
     *camera = v.camera;
-    rc_chain_of(chain, &s->rig->cams_from_rig[v.camera],
-                &s->rig->rig_from_placements[s->placement]);
-    return rc_rig_equations(sum, g, H, &v, &chain->cam_from_target);
+    return rc_rig_view_equations(sum, g, H, chain, &v, s->rig, s->view);
 }
 
 const struct rigcal_rig_given rc_given_points = {rc_rig_check_points, equations_of_points,
@@ -93,11 +104,21 @@ const struct rigcal_rig_given rc_given_points = {rc_rig_check_points, equations_
 
 /* ---- a pass -------------------------------------------------------------- */
 
+static void tell_clocks(rigcal_rig_solver *s, int32_t what)
+{
+    if (s->clocks != NULL) {
+        rc_rig_parts parts;
+        rc_rig_parts_of(&parts, s->rig, s->n);
+        s->clocks->tell(s, &parts, what);
+    }
+}
+
 void rc_rig_end(rigcal_rig_solver *s, rigcal_status status, int32_t at_fault)
 {
     s->search.status = status;
     s->at_fault = at_fault;
     s->phase = RC_RIG_DONE;
+    tell_clocks(s, RC_CLOCKS_END);
     rc_rig_forget(s->rig);
 }
 
@@ -122,6 +143,7 @@ static int begin_placement(rigcal_rig_solver *s, const rc_rig_parts *parts)
     s->first = s->view;
     s->row = 0;
     s->phase = (s->is_trial || s->is_last) ? SETTLING : REDUCING;
+    tell_clocks(s, RC_CLOCKS_PLACEMENT);
     return s->placement < s->rig->n_placements;
 }
 
@@ -136,7 +158,21 @@ static void begin_pass(rigcal_rig_solver *s)
     s->sum = s->gain = 0;
     s->view = s->placement = 0;
     s->evals += s->is_trial ? 2 : 1;
-    (void)begin_placement(s, &parts);
+    s->phase = CENTRING;
+    if (s->clocks == NULL) {
+        (void)begin_placement(s, &parts);
+    }
+}
+
+/* Of the next placement. */
+static void centring_step(rigcal_rig_solver *s, const rc_rig_parts *parts)
+{
+    tell_clocks(s, RC_CLOCKS_CENTRE);
+    s->view += rc_rig_views_of(parts, s->placement);
+    if (++s->placement == s->rig->n_placements) {
+        s->view = s->placement = 0;
+        (void)begin_placement(s, parts);
+    }
 }
 
 /* ---- elimination --------------------------------------------------------- */
@@ -191,19 +227,21 @@ static void eliminate_slot(rigcal_rig_solver *s, const rc_rig_parts *parts)
 {
     const size_t slot = s->row++;
     rigcal_real *const Y = &parts->W[36 * slot];
-    if (!(parts->slot[slot] >= 0)) {
-        return;
-    }
-    const size_t at = (size_t)parts->slot[slot];
-    for (size_t i = 0; i < 6; i++) {
-        rc_sym6_forward(&Y[6 * i], factor_of(s));
-        parts->g[at + i] -= dot6(&Y[6 * i], s->gp);
-    }
-    for (size_t other = 0; other <= slot; other++) {
-        if (parts->slot[other] >= 0) {
-            subtract_block(parts->S, at, (size_t)parts->slot[other], Y,
-                           &parts->W[36 * other]);
+    if (parts->slot[slot] >= 0) {
+        const size_t at = (size_t)parts->slot[slot];
+        for (size_t i = 0; i < 6; i++) {
+            rc_sym6_forward(&Y[6 * i], factor_of(s));
+            parts->g[at + i] -= dot6(&Y[6 * i], s->gp);
         }
+        for (size_t other = 0; other <= slot; other++) {
+            if (parts->slot[other] >= 0) {
+                subtract_block(parts->S, at, (size_t)parts->slot[other], Y,
+                               &parts->W[36 * other]);
+            }
+        }
+    }
+    if (s->clocks != NULL) {
+        s->clocks->eliminate(s, parts, slot);
     }
 }
 
@@ -278,6 +316,7 @@ static void take_step(rigcal_rig_solver *s, const rc_rig_parts *parts)
     s->is_last = step == RC_STEP_LAST;
     save_poses(s->rig, parts);
     move_cameras(s, parts);
+    tell_clocks(s, RC_CLOCKS_MOVE);
     begin_pass(s);
 }
 
@@ -286,7 +325,8 @@ static void factor_row(rigcal_rig_solver *s, const rc_rig_parts *parts)
     const size_t i = s->row++;
     if (i < s->n) {
         parts->S[rc_packed_at(i, i)] *= 1 + s->search.lambda;
-        if (!rc_packed_factor_row(parts->S, i, RANK_TOL * parts->d[i])) {
+        if (!rc_packed_factor_row(parts->S, i, RANK_TOL * parts->d[i]) &&
+            (s->clocks == NULL || !s->clocks->hold(s, parts, i))) {
             rc_rig_end(s, RIGCAL_ERR_DEGENERATE, -1);
             return;
         }
@@ -341,6 +381,7 @@ static void end_pass(rigcal_rig_solver *s, rigcal_status status)
         }
     } else if (!rc_levenberg_tried(lm, status, s->sum, s->promised, s->negligible)) {
         restore_poses(s->rig, &parts);
+        tell_clocks(s, RC_CLOCKS_RESTORE);
         s->is_trial = 0;
         if (lm->status != RIGCAL_RUNNING) {
             end_search(s, lm->status, 0);
@@ -389,12 +430,14 @@ static void next_placement(rigcal_rig_solver *s, const rc_rig_parts *parts)
         end_pass(s, RIGCAL_OK);
     } else {
         s->phase = PRIORS;
+        tell_clocks(s, RC_CLOCKS_REDUCED);
     }
 }
 
 /* All views of a placement have been added. */
 static void end_placement(rigcal_rig_solver *s, const rc_rig_parts *parts)
 {
+    tell_clocks(s, RC_CLOCKS_PLACED);
     if (!rc_sym6_factor_of(factor_of(s), s->Hp, s->search.lambda)) {
         s->view--; /* one of them is at fault */
         end_pass(s, RIGCAL_ERR_DEGENERATE);
@@ -436,6 +479,9 @@ static rigcal_status add_equations(rigcal_rig_solver *s, const rc_rig_parts *par
     rc_chain_add_placement(s->gp, s->Hp, &chain, g, H);
     if (s->phase == REDUCING) {
         s->sum += sum;
+        if (s->clocks != NULL) {
+            s->clocks->add(s, parts, g, H, &chain, camera);
+        }
         parts->slot[slot] = parts->column[camera];
         if (parts->slot[slot] >= 0) {
             rc_chain_camera(g, H, &parts->W[36 * slot], &chain);
@@ -497,12 +543,25 @@ rigcal_status rc_rig_begin_points(rigcal_rig_solver *s, rigcal_rig *rig,
     for (size_t c = 0; status == RIGCAL_OK && c < rig->n_cameras; c++) {
         status = rc_check_transform(&rig->cams_from_rig[c]);
     }
-    return (status == RIGCAL_OK) ? rc_rig_begin(s, rig, given) : status;
+    if (status == RIGCAL_OK && rig->clocks != NULL) {
+        status =
+            (rig->clocks->calls == NULL) ? RIGCAL_ERR_NULL : rig->clocks->calls->check(rig);
+    }
+    if (status == RIGCAL_OK) {
+        status = rc_rig_begin(s, rig, given);
+    }
+    if (status == RIGCAL_OK && rig->clocks != NULL) {
+        s->clocks = rig->clocks->calls;
+    }
+    return status;
 }
 
 static void checking_step(rigcal_rig_solver *s)
 {
-    const rigcal_status status = rc_views_step(s);
+    rigcal_status status = rc_views_step(s);
+    if (status == RIGCAL_OK && s->clocks != NULL) {
+        status = s->clocks->begin(s);
+    }
     if (status == RIGCAL_OK) {
         s->phase = RC_RIG_CHECKED;
     } else if (status != RIGCAL_RUNNING) {
@@ -517,6 +576,9 @@ void rc_rig_step(rigcal_rig_solver *s)
     switch (s->phase) {
     case CHECKING:
         checking_step(s);
+        break;
+    case CENTRING:
+        centring_step(s, &parts);
         break;
     case SETTLING:
     case REDUCING:

@@ -73,9 +73,7 @@ static rigcal_status evaluate(rigcal_real *sum, rigcal_real g[6], rigcal_real H[
     rigcal_rig_view v;
     rigcal_status status = rc_rig_view_at(&v, s->rig, s->view);
     if (status == RIGCAL_OK) {
-        rc_chain_of(chain, &s->rig->cams_from_rig[v.camera],
-                    &s->rig->rig_from_placements[v.placement]);
-        status = rc_rig_equations(sum, g, H, &v, &chain->cam_from_target);
+        status = rc_rig_view_equations(sum, g, H, chain, &v, s->rig, s->view);
     }
     s->judged[s->view].rms_px =
         (status == RIGCAL_OK) ? RC_SQRT(*sum / (rigcal_real)(int32_t)v.view.n) : -1;

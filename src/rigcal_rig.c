@@ -63,7 +63,8 @@ static rigcal_real real_of(size_t n)
 static void fill_fit(rigcal_rig_fit *fit, const rigcal_rig_solver *s)
 {
     const rigcal_real measured = 2 * real_of(s->n_points);
-    const rigcal_real freedom = measured - 6 * real_of(s->n_free + s->n_seen);
+    const rigcal_real freedom =
+        measured - 6 * real_of(s->n_free + s->n_seen) - real_of(s->n_clocks);
     const rigcal_real within = measured - 6 * real_of(s->n_used);
     const rigcal_real between = freedom - within;
     *fit = (rigcal_rig_fit){0};
@@ -118,28 +119,6 @@ rigcal_status rigcal_rig_adjust(rigcal_rig_fit *fit, int32_t *at_fault, rigcal_r
 
 /* ---- how sure ------------------------------------------------------------ */
 
-/* Whether the memory to work in holds what an adjustment leaves there: unknowns in the
- * order of their cameras, and variances above 0. */
-static int is_adjusted(rc_rig_parts *parts, const rigcal_rig *rig)
-{
-    size_t n = 0;
-    if (rig->work_capacity < rigcal_rig_work(0, rig->n_cameras, rig->n_placements)) {
-        return 0;
-    }
-    rc_rig_parts_of(parts, rig, 0);
-    for (size_t c = 0; c < rig->n_cameras; c++) {
-        const size_t wanted = rigcal_rig_work(n / 6 + 1, rig->n_cameras, rig->n_placements);
-        const rigcal_real column = parts->column[c];
-        if (rig->work_capacity >= wanted && RC_FABS(column - (rigcal_real)n) <= 0 &&
-            parts->S[rc_packed_at(n, n)] > 0) {
-            n += 6;
-        } else if (!(RC_FABS(column + 1) <= 0)) {
-            return 0;
-        }
-    }
-    return 1;
-}
-
 /* *parts: where the parts of the work of such a rig begin. */
 static rigcal_status check_sure(const rigcal_real *Sigma, const rigcal_rig *rig,
                                 rigcal_real sigma_px, size_t camera, rc_rig_parts *parts)
@@ -157,7 +136,7 @@ static rigcal_status check_sure(const rigcal_real *Sigma, const rigcal_rig *rig,
     if (camera >= rig->n_cameras) {
         return RIGCAL_ERR_RANGE;
     }
-    return is_adjusted(parts, rig) ? RIGCAL_OK : RIGCAL_ERR_STATE;
+    return rc_rig_is_adjusted(parts, rig) ? RIGCAL_OK : RIGCAL_ERR_STATE;
 }
 
 rigcal_status rigcal_rig_covariance(rigcal_real Sigma[36], const rigcal_rig *rig,
@@ -234,9 +213,7 @@ static rigcal_status equations_of(rigcal_real *sum, rigcal_real g[6], rigcal_rea
     if (status != RIGCAL_OK) {
         return status;
     }
-    rc_chain_of(chain, &rig->cams_from_rig[v->camera],
-                &rig->rig_from_placements[v->placement]);
-    return rc_rig_equations(sum, g, H, v, &chain->cam_from_target);
+    return rc_rig_view_equations(sum, g, H, chain, v, rig, view);
 }
 
 /* Of a placement whose views begin with `first`: Sigma of its pose for noise of 1 px, its
@@ -405,8 +382,7 @@ rigcal_status rigcal_rig_residuals(rigcal_real duv[], size_t capacity, size_t *n
     if (status != RIGCAL_OK) {
         return status;
     }
-    rc_chain_of(&chain, &rig->cams_from_rig[v.camera],
-                &rig->rig_from_placements[v.placement]);
+    rc_rig_chain(&chain, rig, v.camera, (size_t)v.placement, view);
     for (size_t i = 0; i < v.view.n; i++) {
         rigcal_real B[6], q[3], X_c[3];
         status =

@@ -1,0 +1,1 @@
+#include "rc_real.h"

@@ -23,6 +23,11 @@ enum {
     OPTION_SEED,
     OPTION_HOLD, /* all that are given, with commas between */
     OPTION_PRIOR,
+    OPTION_TIMES,
+    OPTION_CLOCKS,
+    OPTION_DRIFT,
+    OPTION_SIGMA_TIME,
+    OPTION_INTRINSICS_SIGMA,
     OPTION_COUNT
 };
 
@@ -56,7 +61,7 @@ void cli_flush_stdout(const char *consequence);
 /* A set of files that appears in a folder as a whole or not at all. The folder,
  * and those that lead to it, are made. Whatever fails ends the program, and leaves
  * all as it was. `name` must stay. */
-enum { CLI_OUTPUT_MAX = 5 };
+enum { CLI_OUTPUT_MAX = 7 };
 typedef struct cli_output cli_output;
 cli_output *cli_output_begin(const char *folder);
 FILE *cli_output_file(cli_output *output, const char *name);

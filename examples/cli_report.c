@@ -299,10 +299,6 @@ static void print_groups(const calibration *c)
 
 /* ==== how well the rig fits =============================================== */
 
-/* Of good rigs sqrt(F) is 1 to 3: a lens model is never quite right. Above this value the
- * summary names causes. Noise alone exceeds it in one rig of 10^6. */
-#define DISAGREE 3.0
-
 static void print_closure(const calibration *c)
 {
     const rigcal_rig_fit *fit = &c->fit;
@@ -314,11 +310,7 @@ static void print_closure(const calibration *c)
     printf("sqrt(F) %.2f: times more than noise the views disagree; F has %.0f and %.0f "
            "degrees of freedom\n",
            c->root_F, (double)fit->freedom_between, (double)fit->freedom_within);
-    if (c->root_F >= DISAGREE) {
-        printf("The views fit to %.2g px, but the rig does not: sqrt(F) is %.1f. Look for "
-               "timing, intrinsics, or a bent target.\n",
-               c->own_rms_px, c->root_F);
-    }
+    print_verdict(c);
 }
 
 static void print_fit(const calibration *c)
@@ -421,6 +413,7 @@ void print_summary(const calibration *c)
     print_graph(c);
     if (c->is_adjusted) {
         print_fit(c);
+        print_clocks(c);
         print_largest(c);
     }
 }

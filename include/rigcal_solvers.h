@@ -251,12 +251,19 @@ struct rigcal_cause_solver {
 
 /* ---- why the views of a rig disagree ------------------------------------------- */
 
-/* Sums of the columns, besides the border's: of each Q and q with all else free, Q as it
- * was, and with the pose of each view free; the same across pairs, and across clocks. */
+/* The parameters of the faults that one pass tests, a column each. Sums of each: Q and q with
+ * all else free, Q as it was, and both with the pose of each view free. */
 typedef struct rigcal_columns {
-    rigcal_real *Q, *q, *raw, *own_Q, *own_q, *pairs, *own_pairs, *clocks;
+    const rigcal_rig *rig;
+    int32_t kinds;
+    int32_t at[12];    /* of each parameter of a view, which it is among those of a camera,
+                          or of the board; -1: it is not tested in this pass */
     size_t per_camera; /* besides the clock */
-    int32_t at[12];    /* of each parameter of a view: among those; -1: not in this pass */
+    rigcal_border border;
+    rigcal_real *Q, *q, *raw, *own_Q, *own_q;
+    rigcal_real *pairs, *own_pairs, *clocks; /* Q across two columns; across clocks */
+    rigcal_real *g;                          /* of the cameras */
+    rigcal_real *reference;                  /* 3 of each camera */
 } rigcal_columns;
 
 /* Cameras that moved: S and g of all cameras, of the placements so far; and of each camera
@@ -273,20 +280,16 @@ struct rigcal_faults_solver {
     rigcal_fault *faults;
     rigcal_faults found;
     size_t capacity;
-    int32_t phase, status, at_fault, kinds, left; /* of this pass; that come after it */
-    int32_t test, camera;          /* what is tested next */
-    size_t view, first, placement; /* under way; the first view of the placement */
-    size_t slot;
-    size_t n, n_points, n_used, n_seen, n_free;
-    size_t n_neighbours;
-    rigcal_border border;
+    int32_t phase, status, at_fault, left; /* kinds that come in a later pass */
+    int32_t test, camera;                  /* what is tested next */
+    size_t view, first, placement, slot;   /* under way; the first view of the placement */
+    size_t n, n_free; /* unknowns of the cameras; cameras without a prior */
+    size_t n_points, n_used, n_seen, n_neighbours;
     rigcal_columns columns;
     rigcal_moves moves;
-    rigcal_real *g;                            /* of the cameras */
-    rigcal_real low[2], high[2];               /* of the board's points */
-    rigcal_real sum, own, product, expected;   /* of the views; of neighbours */
-    rigcal_real along, disagreement, speed2;   /* along the motion, and in all */
-    rigcal_real middle, longest;               /* of times; of steps */
+    rigcal_real low[2], high[2];             /* of the board's points */
+    rigcal_real sum, own, product, expected; /* of all, each view alone; of neighbours */
+    rigcal_real along, disagreement, speed2; /* along the motion; in all */
 };
 
 #ifdef __cplusplus

@@ -27,7 +27,18 @@ extern const uint8_t rc_pair_first[RC_PAIRS];
 typedef struct {
     rigcal_real middle[2], half[2]; /* of the points' X and Y, over all views */
     rigcal_real limit2;             /* px^2: of the squared error over sigma_i^2; 0: none */
+    const rigcal_real *reference;   /* 3, of the camera: see below */
 } rc_scan;
+
+/* A principal point is all but a turn of the camera, and a focal length a shift along its
+ * axis. The columns of these are taken against that turn and shift, for the sake of digits:
+ * the camera's own pose takes it up. Of a camera: turns by 1 px of cx and of cy [rad], and
+ * the shift by all of f [length]; zeros: none is taken off.
+ *
+ * (w, v): a turn about the camera's centre, and a shift, by a unit of a parameter. 0: it has
+ * none. */
+int rc_evidence_reference(rigcal_real w[3], rigcal_real v[3],
+                          const rigcal_real reference[3], size_t parameter);
 
 /* Sums over the points of a view. E = J^T D by column; Q = D^T D and q = D^T e of columns
  * alone; `pairs` is Q across the two of a pair. */

@@ -39,6 +39,11 @@ void rc_moved_test(rigcal_moves *moves, const rc_border *border,
                    const rigcal_real S_inverse[], const rigcal_real column[],
                    size_t n_cameras, size_t camera, size_t placement, rigcal_real room[]);
 
+/* theta = I^-1 u in the place of u, its variance diag(I^-1), and the gain u . theta; I of k
+ * rows is factored, and spent. */
+void rc_moved_solve(rigcal_real *gain, rigcal_real theta[], rigcal_real variance[],
+                    rigcal_real I[], size_t k);
+
 /* The longest of the turns, and of the shifts, of the cameras in G. */
 void rc_moved_most(rigcal_real *turn, rigcal_real *shift, const rigcal_real G[], size_t n);
 

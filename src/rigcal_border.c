@@ -121,12 +121,15 @@ int rc_border_eliminate(rc_border *b)
 void rc_border_effect(rigcal_real G[], const rc_border *b, const rigcal_real S_inverse[],
                       size_t column)
 {
-    const rigcal_real *const T = &b->T[b->n * column];
-    for (size_t i = 0; i < b->n; i++) {
-        G[i] = dot(&S_inverse[rc_packed_at(i, 0)], T, i + 1);
-        for (size_t j = i + 1; j < b->n; j++) {
-            G[i] += S_inverse[rc_packed_at(j, i)] * T[j];
+    const rigcal_real *const T = &b->T[b->n * column], *row = S_inverse;
+    for (size_t i = 0; i < b->n; i++) { /* the triangle serves both ways */
+        rigcal_real sum = 0;
+        for (size_t j = 0; j < i; j++) {
+            sum += row[j] * T[j];
+            G[j] += row[j] * T[i];
         }
+        G[i] = sum + row[i] * T[i];
+        row += i + 1;
     }
 }
 

@@ -35,14 +35,17 @@ static void add_board(rows *p, const rc_scan *scan, const rigcal_real X[3],
 {
     const rigcal_real x = (X[0] - scan->middle[0]) / scan->half[0];
     const rigcal_real y = (X[1] - scan->middle[1]) / scan->half[1];
+    rigcal_real longer[3];
+    for (int k = 0; k < 3; k++) {
+        longer[k] = (R[3 * k] * X[0] - R[3 * k + 1] * X[1]) / 2;
+    }
     for (int row = 0; row < 2; row++) {
         const rigcal_real *const b = &p->B[3 * row];
-        rigcal_real by[3];
-        rc_mat3_tmul_vec3(by, R, b);
         rigcal_real *const D = &p->D[row][RC_BY_BENT - FROM];
-        D[0] = by[2] * (1 - x * x);
-        D[1] = by[2] * (1 - y * y);
-        D[2] = (by[0] * X[0] - by[1] * X[1]) / 2;
+        const rigcal_real out = b[0] * R[2] + b[1] * R[5] + b[2] * R[8];
+        D[0] = out * (1 - x * x);
+        D[1] = out * (1 - y * y);
+        D[2] = rc_vec3_dot(b, longer);
     }
 }
 
@@ -51,9 +54,43 @@ static void add_camera(rows *p, const rigcal_camera *camera, const rigcal_real x
 {
     rigcal_real D[2 * RC_INTRINSICS];
     rc_intrinsics(D, camera, x, uv);
-    for (int k = 0; k < 2 * RC_INTRINSICS; k++) {
-        p->D[k / RC_INTRINSICS][RC_BY_INTRINSICS - FROM + k % RC_INTRINSICS] =
-            by_sigma * D[k];
+    for (int row = 0; row < 2; row++) {
+        for (int k = 0; k < RC_INTRINSICS; k++) {
+            p->D[row][RC_BY_INTRINSICS - FROM + k] = by_sigma * D[RC_INTRINSICS * row + k];
+        }
+    }
+}
+
+int rc_evidence_reference(rigcal_real w[3], rigcal_real v[3],
+                          const rigcal_real reference[3], size_t parameter)
+{
+    rc_clear(w, 3);
+    rc_clear(v, 3);
+    switch ((int)parameter - RC_BY_INTRINSICS) {
+    case RC_BY_FOCAL:
+        v[2] = -reference[2];
+        return 1;
+    case RC_BY_CENTRE:
+        w[1] = reference[0];
+        return 1;
+    case RC_BY_CENTRE + 1:
+        w[0] = -reference[1];
+        return 1;
+    default:
+        return 0;
+    }
+}
+
+/* A turn w about the camera's centre moves a pixel by B (w x X_c) = w . (X_c x b). */
+static void take_off_reference(rows *p, const rigcal_real reference[3],
+                               const rigcal_real X_c[3])
+{
+    for (int row = 0; row < 2; row++) {
+        rigcal_real *const D = &p->D[row][RC_BY_INTRINSICS - FROM], turn[3];
+        rc_vec3_cross(turn, X_c, &p->B[3 * row]);
+        D[RC_BY_FOCAL] += p->B[3 * row + 2] * reference[2];
+        D[RC_BY_CENTRE] -= turn[1] * reference[0];
+        D[RC_BY_CENTRE + 1] += turn[0] * reference[1];
     }
 }
 
@@ -73,6 +110,7 @@ static rigcal_status rows_of(rows *p, const rc_scan *scan, const rigcal_points *
         p->B[k] *= by_sigma;
     }
     add_camera(p, camera, x, uv, by_sigma);
+    take_off_reference(p, scan->reference, X_c);
     add_board(p, scan, o->X_w, chain->cam_from_target.R);
     const rigcal_real height = (rigcal_real)camera->height;
     const rigcal_real row_time = (o->uv[1] - (height - 1) / 2) / height;

@@ -1,13 +1,7 @@
-#include "rc_border.h"
-#include "rc_evidence.h"
-#include "rc_finding.h"
+#include "rc_columns.h"
 #include "rc_moved.h"
-#include "rc_views.h"
 
 /* ---- constants ----------------------------------------------------------- */
-
-/* part of Q: with less of it left when all else is free, a parameter cannot be seen. */
-#define RANK_TOL RC_TOL(1e-10, 1e-5)
 
 /* sigma: a point beyond it was left out by the truncated loss. */
 #define TRUNCATED_FROM RC(4)
@@ -33,70 +27,6 @@ enum {
     TESTING      /* a fault, once all views have been summed up */
 };
 
-/* ---- what belongs to a kind ------------------------------------------------- */
-
-static const uint8_t KIND_OF[RC_COLUMNS] = {
-    RIGCAL_FAULT_CLOCK,  RIGCAL_FAULT_DRIFT,      RIGCAL_FAULT_SHUTTER,
-    RIGCAL_FAULT_FOCAL,  RIGCAL_FAULT_ASPECT,     RIGCAL_FAULT_CENTRE,
-    RIGCAL_FAULT_CENTRE, RIGCAL_FAULT_DISTORTION, RIGCAL_FAULT_DISTORTION,
-    RIGCAL_FAULT_BENT,   RIGCAL_FAULT_BENT,       RIGCAL_FAULT_STRETCHED};
-
-/* The first parameter of a view that belongs to a kind; CLOCKS has that of CLOCK. */
-static size_t parameter_of(int32_t kind)
-{
-    size_t p = 0;
-    while (KIND_OF[p] != ((kind == RIGCAL_FAULT_CLOCKS) ? RIGCAL_FAULT_CLOCK : kind)) {
-        p++;
-    }
-    return p;
-}
-
-static int is_of_camera(int32_t kind)
-{
-    return kind != RIGCAL_FAULT_CLOCKS && kind < RIGCAL_FAULT_BENT;
-}
-
-static int has_kind(const rigcal_faults_solver *s, int32_t kind)
-{
-    return (s->kinds & RIGCAL_FAULTS_OF(kind)) != 0;
-}
-
-static int has_clocks(const rigcal_faults_solver *s)
-{
-    return has_kind(s, RIGCAL_FAULT_CLOCK) || has_kind(s, RIGCAL_FAULT_CLOCKS);
-}
-
-/* Columns: the clock of each camera, the others of each camera, those of the board. */
-static size_t column_of(const rigcal_faults_solver *s, size_t camera, size_t parameter)
-{
-    const size_t clocks = has_clocks(s) ? s->rig->n_cameras : 0;
-    if (parameter == RC_BY_CLOCK) {
-        return camera;
-    }
-    return clocks + (size_t)s->columns.at[parameter] +
-           s->columns.per_camera *
-               ((parameter < RC_OF_CAMERA) ? camera : s->rig->n_cameras);
-}
-
-static void number_columns(rigcal_faults_solver *s)
-{
-    int32_t rank = 0;
-    for (size_t p = RC_BY_CLOCK; p < RC_COLUMNS; p++) {
-        if (p == RC_OF_CAMERA) {
-            s->columns.per_camera = (size_t)rank;
-            rank = 0;
-        }
-        s->columns.at[p] = -1;
-        if (p == RC_BY_CLOCK) {
-            s->columns.at[p] = has_clocks(s) ? 0 : -1;
-        } else if (has_kind(s, KIND_OF[p])) {
-            s->columns.at[p] = rank++;
-        }
-    }
-    s->border.k = (has_clocks(s) ? s->rig->n_cameras : 0) +
-                  s->columns.per_camera * s->rig->n_cameras + (size_t)rank;
-}
-
 /* ---- memory ----------------------------------------------------------------- */
 
 size_t rigcal_faults_work(size_t n_free, size_t n_cameras)
@@ -109,80 +39,32 @@ size_t rigcal_faults_least(size_t n_free, size_t n_cameras)
     return RIGCAL_FAULTS_LEAST(n_free, n_cameras);
 }
 
-/* What is left of two pieces of memory: the rig's saved poses, and the caller's. */
-typedef struct {
-    rigcal_real *at[2];
-    size_t left[2];
-    int is_enough;
-} pool;
-
-static rigcal_real *take(pool *from, size_t n)
-{
-    const int which = (n <= from->left[0]) ? 0 : 1;
-    rigcal_real *const at = from->at[which];
-    if (n > from->left[which]) {
-        from->is_enough = 0;
-        return NULL;
-    }
-    from->left[which] -= n;
-    from->at[which] += n;
-    return at;
-}
-
-static size_t packed(size_t n)
-{
-    return n * (n + 1) / 2;
-}
-
-static size_t most(size_t a, size_t b)
-{
-    return (a > b) ? a : b;
-}
-
-static void take_columns(rigcal_faults_solver *s, pool *from)
-{
-    rigcal_columns *const c = &s->columns;
-    const size_t k = s->border.k, n_cameras = s->rig->n_cameras;
-    const size_t n_pairs = (RC_PAIRS - 1) * n_cameras + 1;
-    s->border.T = take(from, k * s->n);
-    c->Q = take(from, k);
-    c->q = take(from, k);
-    c->raw = take(from, k);
-    c->own_Q = take(from, k);
-    c->own_q = take(from, k);
-    c->pairs = take(from, n_pairs);
-    c->own_pairs = take(from, n_pairs);
-    c->clocks = take(from, has_clocks(s) ? packed(n_cameras) : 0);
-}
-
-/* Memory for the kinds of s->kinds. 0: there is not enough. */
+/* Memory for the kinds of s->columns.kinds. 0: there is not enough. */
 static int lay_out(rigcal_faults_solver *s)
 {
     rc_rig_parts parts;
     const size_t n_cameras = s->rig->n_cameras;
-    const int is_moved = has_kind(s, RIGCAL_FAULT_MOVED);
+    const int is_moved = rc_columns_has(&s->columns, RIGCAL_FAULT_MOVED);
     rc_rig_parts_of(&parts, s->rig, 0);
-    number_columns(s);
-    pool from = {
-        {(rigcal_real *)(void *)parts.saved, s->options->work},
-        {(size_t)(parts.S - (rigcal_real *)(void *)parts.saved), s->options->work_capacity},
-        1};
-    const size_t test = s->n + packed(n_cameras) + 5 * n_cameras;
-    s->moves.total = take(&from, n_cameras); /* where it was in the pass before */
-    s->border.n = s->n;
-    s->border.W = parts.W;
-    s->border.slot = parts.slot;
-    s->border.Z = take(&from, most(most(6 * s->border.k, test), is_moved ? 12 * s->n : 0));
-    take_columns(s, &from);
-    s->g = take(&from, s->n);
-    s->moves.so_far = take(&from, n_cameras);
-    s->moves.camera = take(&from, n_cameras);
+    rigcal_real *const saved = (rigcal_real *)(void *)parts.saved;
+    rc_pool pool = {{saved, s->options->work},
+                    {(size_t)(parts.S - saved), s->options->work_capacity},
+                    1};
+    s->moves.total = rc_pool_take(&pool, n_cameras); /* where they were in the pass before */
+    s->columns.reference = rc_pool_take(&pool, 3 * n_cameras);
+    s->columns.rig = s->rig;
+    s->columns.border.n = s->n;
+    s->columns.border.W = parts.W;
+    s->columns.border.slot = parts.slot;
+    rc_columns_lay_out(&s->columns, &pool, is_moved ? 12 * s->n : 0);
+    s->moves.so_far = rc_pool_take(&pool, n_cameras);
+    s->moves.camera = rc_pool_take(&pool, n_cameras);
     if (is_moved) {
-        s->moves.S = take(&from, packed(6 * n_cameras));
-        s->moves.g = take(&from, 6 * n_cameras);
-        s->moves.best = take(&from, RC_MOVED_SIZE * n_cameras);
+        s->moves.S = rc_pool_take(&pool, rc_packed_size(6 * n_cameras));
+        s->moves.g = rc_pool_take(&pool, 6 * n_cameras);
+        s->moves.best = rc_pool_take(&pool, RC_MOVED_SIZE * n_cameras);
     }
-    return from.is_enough;
+    return pool.is_enough;
 }
 
 /* The last of some kinds, MOVED before all others. */
@@ -201,14 +83,14 @@ static int32_t last_of(int32_t kinds)
 /* The kinds of the next pass: as many as there is memory for, the last ones later. */
 static int choose_kinds(rigcal_faults_solver *s)
 {
-    s->kinds = s->left;
+    s->columns.kinds = s->left;
     while (!lay_out(s)) {
-        s->kinds &= ~RIGCAL_FAULTS_OF(last_of(s->kinds));
-        if (s->kinds == 0) {
+        s->columns.kinds &= ~RIGCAL_FAULTS_OF(last_of(s->columns.kinds));
+        if (s->columns.kinds == 0) {
             return 0;
         }
     }
-    s->left &= ~s->kinds;
+    s->left &= ~s->columns.kinds;
     return 1;
 }
 
@@ -231,7 +113,7 @@ static int begin_placement(rigcal_faults_solver *s)
         s->placement--;
         s->first -= rc_rig_views_of(&parts, s->placement);
         if (parts.count[s->placement] > 0) {
-            rc_border_next(&s->border);
+            rc_border_next(&s->columns.border);
             s->view = s->first;
             s->phase = SUMMING;
             s->n_seen++;
@@ -243,21 +125,9 @@ static int begin_placement(rigcal_faults_solver *s)
 
 static void begin_pass(rigcal_faults_solver *s)
 {
-    const rigcal_columns *const c = &s->columns;
-    const size_t k = s->border.k, n_cameras = s->rig->n_cameras;
-    const size_t n_pairs = (RC_PAIRS - 1) * n_cameras + 1;
-    rc_border_begin(&s->border);
-    rc_clear(c->Q, k);
-    rc_clear(c->q, k);
-    rc_clear(c->raw, k);
-    rc_clear(c->own_Q, k);
-    rc_clear(c->own_q, k);
-    rc_clear(c->pairs, n_pairs);
-    rc_clear(c->own_pairs, n_pairs);
-    rc_clear(c->clocks, has_clocks(s) ? packed(n_cameras) : 0);
-    rc_clear(s->g, s->n);
-    if (has_kind(s, RIGCAL_FAULT_MOVED)) {
-        rc_moved_begin(&s->moves, n_cameras);
+    rc_columns_begin(&s->columns);
+    if (rc_columns_has(&s->columns, RIGCAL_FAULT_MOVED)) {
+        rc_moved_begin(&s->moves, s->rig->n_cameras);
     }
     s->n_points = s->n_used = s->n_seen = s->n_neighbours = 0;
     s->sum = s->own = s->product = s->expected = 0;
@@ -271,6 +141,36 @@ static void begin_pass(rigcal_faults_solver *s)
 }
 
 /* ---- where the points are ----------------------------------------------------- */
+
+/* Whether the camera's pose takes up whatever turns and shifts it: it is free, or the only
+ * one of its group that is held. */
+static int is_free_to_move(const rigcal_faults_solver *s, size_t camera)
+{
+    rc_rig_parts parts;
+    size_t fixed = 0;
+    rc_rig_parts_of(&parts, s->rig, 0);
+    for (size_t c = 0; c < s->rig->n_cameras; c++) {
+        if (s->rig->group[c] == s->rig->group[camera] &&
+            (parts.column[c] < 0 || rc_rig_has_prior(s->rig, c))) {
+            fixed++;
+        }
+    }
+    return !rc_rig_has_prior(s->rig, camera) && (parts.column[camera] >= 0 || fixed == 1);
+}
+
+/* By the first view of a camera. */
+static void set_reference(const rigcal_faults_solver *s, const rigcal_rig_view *v)
+{
+    rigcal_real *const reference = &s->columns.reference[3 * v->camera];
+    rc_chain chain;
+    rc_clear(reference, 3);
+    if (is_free_to_move(s, (size_t)v->camera)) {
+        rc_rig_chain(&chain, s->rig, v->camera, (size_t)v->placement, s->view);
+        reference[0] = 1 / v->view.camera->fx;
+        reference[1] = 1 / v->view.camera->fy;
+        reference[2] = chain.cam_from_target.t[2];
+    }
+}
 
 /* View s->view: its camera has one more, and the board reaches over its points. */
 static rigcal_status count_view(rigcal_faults_solver *s)
@@ -289,6 +189,9 @@ static rigcal_status count_view(rigcal_faults_solver *s)
     }
     if (status != RIGCAL_OK) {
         return status;
+    }
+    if (!(s->moves.total[v.camera] > 0)) {
+        set_reference(s, &v);
     }
     s->moves.total[v.camera] += 1;
     for (size_t i = 0; i < v.view.n; i++) {
@@ -311,60 +214,18 @@ static void counting_step(rigcal_faults_solver *s)
     }
 }
 
-static void scan_of(rc_scan *scan, const rigcal_faults_solver *s)
+static void scan_of(rc_scan *scan, const rigcal_faults_solver *s, int32_t camera)
 {
     const rigcal_real limit = TRUNCATED_FROM * s->rig->sigma_px;
     for (int k = 0; k < 2; k++) {
         scan->middle[k] = s->low[k] + (s->high[k] - s->low[k]) / 2;
         scan->half[k] = rc_max((s->high[k] - s->low[k]) / 2, EXTENT_LEAST);
     }
+    scan->reference = &s->columns.reference[3 * camera];
     scan->limit2 = (s->options->is_truncated != 0) ? limit * limit : 0;
 }
 
 /* ---- a view -------------------------------------------------------------------- */
-
-static int is_in_pass(const rigcal_faults_solver *s, size_t parameter)
-{
-    return s->columns.at[parameter] >= 0;
-}
-
-/* Which of the pairs of all columns the k-th of a view of a camera is. */
-static size_t pair_of(const rigcal_faults_solver *s, size_t camera, size_t k)
-{
-    return (RC_PAIRS - 1) * ((k < RC_PAIRS - 1) ? camera : s->rig->n_cameras) +
-           ((k < RC_PAIRS - 1) ? k : 0);
-}
-
-static void add_columns(rigcal_faults_solver *s, const rc_evidence *v,
-                        const rc_chain *chain, size_t camera)
-{
-    for (size_t p = 0; p < RC_COLUMNS; p++) {
-        if (is_in_pass(s, p)) {
-            const size_t at = column_of(s, camera, p);
-            rc_border_add(&s->border, chain, at, v->E[p]);
-            s->columns.Q[at] += v->Q[p];
-            s->columns.raw[at] += v->Q[p];
-            s->columns.q[at] += v->q[p];
-        }
-    }
-    for (size_t k = 0; k < RC_PAIRS; k++) {
-        s->columns.pairs[pair_of(s, camera, k)] += v->pairs[k];
-    }
-}
-
-static void add_own_columns(rigcal_faults_solver *s, const rc_evidence *v, size_t camera)
-{
-    for (size_t p = 0; p < RC_COLUMNS; p++) {
-        if (is_in_pass(s, p)) {
-            const size_t at = column_of(s, camera, p);
-            s->columns.own_Q[at] += v->Q[p];
-            s->columns.own_q[at] += v->q[p];
-        }
-    }
-    for (size_t k = 0; k < RC_PAIRS; k++) {
-        s->columns.own_pairs[pair_of(s, camera, k)] += v->pairs[k];
-    }
-}
 
 /* How much of the view's disagreement lies along its motion (H12), its sum having been. */
 static void add_along(rigcal_faults_solver *s, rigcal_real Q, rigcal_real q,
@@ -397,7 +258,7 @@ static rigcal_status add_view(rigcal_faults_solver *s)
     rc_rig_parts parts;
     rigcal_real m[6], d[6], expected;
     rigcal_status status = rc_rig_view_at(&view, s->rig, s->view);
-    if (status == RIGCAL_OK && (s->border.count >= s->rig->n_cameras || view.camera < 0 ||
+    if (status == RIGCAL_OK && (s->columns.border.count >= s->rig->n_cameras || view.camera < 0 ||
                                 (size_t)view.camera >= s->rig->n_cameras)) {
         status = RIGCAL_ERR_STATE;
     }
@@ -406,7 +267,7 @@ static rigcal_status add_view(rigcal_faults_solver *s)
     }
     const size_t c = (size_t)view.camera;
     rc_rig_parts_of(&parts, s->rig, 0);
-    scan_of(&scan, s);
+    scan_of(&scan, s, view.camera);
     rc_rig_chain(&chain, s->rig, view.camera, s->placement, s->view);
     const rigcal_real since = motion_of(m, &chain, s->rig);
     status = rc_evidence_of(&v, &scan, &view, &chain, m, since);
@@ -418,19 +279,16 @@ static rigcal_status add_view(rigcal_faults_solver *s)
         g[k % 6] = v.g[k % 6];
         H[k] = v.H[k];
     }
-    rc_border_view(&s->border, &chain, parts.column[c], g, H);
-    if (has_kind(s, RIGCAL_FAULT_MOVED)) {
-        rc_moved_view(&s->moves, &s->border, c, g, H);
+    rc_border_view(&s->columns.border, &chain, parts.column[c], g, H);
+    if (rc_columns_has(&s->columns, RIGCAL_FAULT_MOVED)) {
+        rc_moved_view(&s->moves, &s->columns.border, c, g, H);
     }
-    for (int k = 0; parts.column[c] >= 0 && k < 6; k++) {
-        s->g[(size_t)parts.column[c] + (size_t)k] += g[k];
-    }
-    add_columns(s, &v, &chain, c);
+    rc_columns_add(&s->columns, &v, &chain, c, g);
     const rigcal_real sum = v.sum, Q = v.Q[RC_BY_CLOCK], q = v.q[RC_BY_CLOCK];
     if (!rc_evidence_alone(&v, d)) {
         return RIGCAL_ERR_DEGENERATE;
     }
-    add_own_columns(s, &v, c);
+    rc_columns_add_alone(&s->columns, &v, c);
     add_along(s, Q, q, sum - v.sum);
     s->product += rc_evidence_pattern(&expected, &v, d);
     s->expected += expected;
@@ -457,43 +315,6 @@ static void summing_step(rigcal_faults_solver *s)
 
 /* ---- a placement ---------------------------------------------------------------- */
 
-static rigcal_real dot(const rigcal_real a[], const rigcal_real b[], size_t n)
-{
-    rigcal_real sum = 0;
-    for (size_t i = 0; i < n; i++) {
-        sum += a[i] * b[i];
-    }
-    return sum;
-}
-
-/* What columns by themselves, and the cameras' g, lose to the placement. */
-static void eliminate_columns(rigcal_faults_solver *s)
-{
-    const rc_border *const b = &s->border;
-    const size_t n_cameras = s->rig->n_cameras;
-    for (size_t i = 0; i < b->k; i++) {
-        const rigcal_real *const Y = &b->Z[6 * i];
-        s->columns.Q[i] -= dot(Y, Y, 6);
-        s->columns.q[i] -= dot(Y, b->gp, 6);
-        for (size_t j = 0; has_clocks(s) && i < n_cameras && j < i; j++) {
-            s->columns.clocks[rc_packed_at(i, j)] -= dot(Y, &b->Z[6 * j], 6);
-        }
-    }
-    for (size_t k = 0; k < RC_PAIRS; k++) {
-        const size_t p = rc_pair_first[k];
-        for (size_t c = 0; is_in_pass(s, p) && c < ((p < RC_OF_CAMERA) ? n_cameras : 1);
-             c++) {
-            const rigcal_real *const Y = &b->Z[6 * column_of(s, c, p)];
-            s->columns.pairs[pair_of(s, c, k)] -= dot(Y, &Y[6], 6);
-        }
-    }
-    for (size_t row = 0; row < 6 * b->count; row++) {
-        if (b->slot[row / 6] >= 0) {
-            s->g[(size_t)b->slot[row / 6] + row % 6] -= dot(&b->W[6 * row], b->gp, 6);
-        }
-    }
-}
-
 static void begin_testing(rigcal_faults_solver *s);
 
 static void next_placement(rigcal_faults_solver *s)
@@ -505,22 +326,22 @@ static void next_placement(rigcal_faults_solver *s)
 
 static void eliminating_step(rigcal_faults_solver *s)
 {
-    if (!rc_border_eliminate(&s->border)) {
+    if (!rc_border_eliminate(&s->columns.border)) {
         end(s, RIGCAL_ERR_DEGENERATE, (int32_t)s->first);
         return;
     }
-    eliminate_columns(s);
+    rc_columns_eliminate(&s->columns);
     s->slot = 0;
     s->phase = MOVING;
-    if (has_kind(s, RIGCAL_FAULT_MOVED)) {
-        rc_moved_eliminate(&s->moves, &s->border);
+    if (rc_columns_has(&s->columns, RIGCAL_FAULT_MOVED)) {
+        rc_moved_eliminate(&s->moves, &s->columns.border);
     }
 }
 
 /* Whether a camera saw the placement. */
 static int is_there(const rigcal_faults_solver *s, size_t camera)
 {
-    for (size_t slot = 0; slot < s->border.count; slot++) {
+    for (size_t slot = 0; slot < s->columns.border.count; slot++) {
         if ((size_t)s->moves.camera[slot] == camera) {
             return 1;
         }
@@ -535,14 +356,14 @@ static void moving_step(rigcal_faults_solver *s)
     rc_rig_parts parts;
     const uint8_t *const breaks = s->options->breaks;
     const size_t c = s->slot++;
-    if (!has_kind(s, RIGCAL_FAULT_MOVED) || c >= s->rig->n_cameras ||
+    if (!rc_columns_has(&s->columns, RIGCAL_FAULT_MOVED) || c >= s->rig->n_cameras ||
         (breaks != NULL && breaks[s->placement] == 0)) {
         next_placement(s);
     } else if (s->moves.so_far[c] > 0 && s->moves.so_far[c] < s->moves.total[c] &&
                (breaks != NULL || is_there(s, c))) {
         rc_rig_parts_of(&parts, s->rig, 0);
-        rc_moved_test(&s->moves, &s->border, parts.S, parts.column, s->rig->n_cameras, c,
-                      s->placement, s->border.Z);
+        rc_moved_test(&s->moves, &s->columns.border, parts.S, parts.column, s->rig->n_cameras, c,
+                      s->placement, s->columns.border.Z);
     }
 }
 
@@ -561,170 +382,6 @@ static void common_of(rc_common *c, const rigcal_faults_solver *s)
     c->freedom = c->n_measured - 6 * real_of(s->n_free + s->n_seen);
     c->freedom_within = c->n_measured - 6 * real_of(s->n_used);
     c->freedom_between = c->freedom - c->freedom_within;
-}
-
-/* The cameras whose clocks are freed together: not the first of its group, and the clock is
- * seen. */
-static int is_freed(const rigcal_faults_solver *s, size_t camera)
-{
-    int is_first = 1;
-    for (size_t c = 0; c < camera; c++) {
-        is_first &= s->rig->group[c] != s->rig->group[camera];
-    }
-    return !is_first && s->columns.raw[camera] > 0;
-}
-
-/* Columns of a fault; the number of them. */
-static size_t count_columns(const rigcal_faults_solver *s)
-{
-    if (s->test != RIGCAL_FAULT_CLOCKS) {
-        size_t n = 0;
-        for (size_t p = 0; p < RC_COLUMNS; p++) {
-            n += KIND_OF[p] == s->test;
-        }
-        return n;
-    }
-    size_t n = 0;
-    for (size_t c = 0; c < s->rig->n_cameras; c++) {
-        n += (size_t)is_freed(s, c);
-    }
-    return n;
-}
-
-static size_t column_at(const rigcal_faults_solver *s, size_t j)
-{
-    if (s->test != RIGCAL_FAULT_CLOCKS) {
-        return column_of(s, (size_t)s->camera, parameter_of(s->test)) + j;
-    }
-    size_t c = 0;
-    while (!is_freed(s, c) || j-- > 0) {
-        c++;
-    }
-    return c;
-}
-
-/* Q across columns i > j of the fault; of the views by themselves. */
-static rigcal_real Q_across(const rigcal_faults_solver *s, size_t i, size_t j)
-{
-    if (s->test == RIGCAL_FAULT_CLOCKS) {
-        return s->columns.clocks[rc_packed_at(column_at(s, i), column_at(s, j))];
-    }
-    size_t k = 0;
-    while (rc_pair_first[k] != parameter_of(s->test)) {
-        k++;
-    }
-    return s->columns.pairs[pair_of(s, (size_t)s->camera, k)];
-}
-
-/* The room for a test, in the place of Z. */
-typedef struct {
-    rigcal_real *G, *I, *theta, *variance, *turn, *shift;
-} room;
-
-static room room_of(const rigcal_faults_solver *s, size_t k)
-{
-    room r;
-    r.G = s->border.Z;
-    r.I = r.G + s->n;
-    r.theta = r.I + packed(k);
-    r.variance = r.theta + k;
-    r.turn = r.variance + k;
-    r.shift = r.turn + k;
-    return r;
-}
-
-/* I and u of (H6), u in the place of theta, and what a unit of each does (H13). */
-static void reduce(const room *r, const rigcal_faults_solver *s, size_t k)
-{
-    rc_rig_parts parts;
-    rc_rig_parts_of(&parts, s->rig, 0);
-    for (size_t j = 0; j < k; j++) {
-        const size_t at = column_at(s, j);
-        rc_border_effect(r->G, &s->border, parts.S, at);
-        rc_moved_most(&r->turn[j], &r->shift[j], r->G, s->n);
-        r->theta[j] = s->columns.q[at] - dot(r->G, s->g, s->n);
-        for (size_t i = j; i < k; i++) {
-            const rigcal_real Q = (i == j) ? s->columns.Q[at] : Q_across(s, i, j);
-            r->I[rc_packed_at(i, j)] =
-                Q - dot(r->G, &s->border.T[s->n * column_at(s, i)], s->n);
-        }
-    }
-}
-
-/* theta, the gain and the variances. 0: the fault cannot be seen. */
-static int solve(rigcal_real *gain, const room *r, const rigcal_faults_solver *s, size_t k)
-{
-    for (size_t i = 0; i < k; i++) {
-        const rigcal_real raw = s->columns.raw[column_at(s, i)];
-        if (!(raw > 0) || !rc_packed_factor_row(r->I, i, RANK_TOL * raw)) {
-            return 0;
-        }
-    }
-    rc_packed_forward(r->theta, r->I, k);
-    *gain = dot(r->theta, r->theta, k);
-    rc_packed_backward(r->theta, r->I, k);
-    for (size_t i = 0; i < k; i++) {
-        rc_packed_invert_row(r->I, i);
-    }
-    for (size_t i = 0; i < k; i++) {
-        r->variance[i] = 0;
-        for (size_t j = i; j < k; j++) {
-            const rigcal_real x = r->I[rc_packed_at(j, i)];
-            r->variance[i] += x * x;
-        }
-    }
-    return 1;
-}
-
-/* What the views gain by themselves from theta (H8). */
-static rigcal_real own_gain(const rigcal_faults_solver *s, const room *r, size_t k)
-{
-    rigcal_real gain = 0;
-    for (size_t i = 0; i < k; i++) {
-        const size_t at = column_at(s, i);
-        gain +=
-            r->theta[i] * (2 * s->columns.own_q[at] - r->theta[i] * s->columns.own_Q[at]);
-    }
-    for (size_t p = 0; p < RC_PAIRS && s->test != RIGCAL_FAULT_CLOCKS; p++) {
-        if (k == 2 && rc_pair_first[p] == parameter_of(s->test)) {
-            gain -= 2 * r->theta[0] * r->theta[1] *
-                    s->columns.own_pairs[pair_of(s, (size_t)s->camera, p)];
-        }
-    }
-    return gain;
-}
-
-/* Where the caller wants them, the clocks one by one. */
-static void write_clocks(const rigcal_faults_solver *s, const room *r, rigcal_real variance)
-{
-    const size_t n_cameras = s->rig->n_cameras;
-    size_t j = 0;
-    for (size_t c = 0; s->options->clocks != NULL && c < n_cameras; c++) {
-        if (is_freed(s, c)) {
-            s->options->clocks[c] = r->theta[j];
-            s->options->clocks[n_cameras + c] = RC_SQRT(r->variance[j++] * variance);
-        }
-    }
-}
-
-static void test_columns(rigcal_fault *fault, const rigcal_faults_solver *s)
-{
-    rc_common common;
-    rigcal_real gain;
-    const size_t k = count_columns(s);
-    const room r = room_of(s, k);
-    common_of(&common, s);
-    fault->n = (int32_t)k;
-    reduce(&r, s, k);
-    if (k == 0 || !(common.freedom > real_of(k)) || !solve(&gain, &r, s, k)) {
-        return;
-    }
-    const rc_one_step step = {k,      1,       r.theta, r.variance,
-                              r.turn, r.shift, gain,    own_gain(s, &r, k)};
-    rc_finding_of(fault, &common, &step);
-    if (s->test == RIGCAL_FAULT_CLOCKS) {
-        write_clocks(s, &r, (s->sum - fault->gain) / (common.freedom - real_of(k)));
-    }
 }
 
 static void test_moved(rigcal_fault *fault, const rigcal_faults_solver *s)
@@ -753,8 +410,8 @@ static void test_moved(rigcal_fault *fault, const rigcal_faults_solver *s)
 static int find_test(rigcal_faults_solver *s)
 {
     for (; s->test < RIGCAL_FAULT_KINDS; s->test++, s->camera = 0) {
-        const int32_t n = is_of_camera(s->test) ? (int32_t)s->rig->n_cameras : 1;
-        if (has_kind(s, s->test) && s->camera < n) {
+        const int32_t n = rc_is_of_camera(s->test) ? (int32_t)s->rig->n_cameras : 1;
+        if (rc_columns_has(&s->columns, s->test) && s->camera < n) {
             return 1;
         }
     }
@@ -779,10 +436,6 @@ static void go_on_testing(rigcal_faults_solver *s)
 
 static void begin_testing(rigcal_faults_solver *s)
 {
-    const size_t n_cameras = s->rig->n_cameras;
-    for (size_t c = 0; has_clocks(s) && c < n_cameras; c++) {
-        s->columns.clocks[rc_packed_at(c, c)] = s->columns.Q[c];
-    }
     s->test = s->camera = 0;
     s->phase = TESTING;
     go_on_testing(s);
@@ -792,12 +445,14 @@ static void testing_step(rigcal_faults_solver *s)
 {
     rigcal_fault fault = {0};
     fault.kind = s->test;
-    fault.camera = is_of_camera(s->test) ? s->camera : -1;
+    fault.camera = rc_is_of_camera(s->test) ? s->camera : -1;
     fault.placement = -1;
     if (s->test == RIGCAL_FAULT_MOVED) {
         test_moved(&fault, s);
     } else {
-        test_columns(&fault, s);
+        rc_common common;
+        common_of(&common, s);
+        rc_columns_test(&fault, &s->columns, &common, s->options->clocks);
     }
     if (s->test != RIGCAL_FAULT_CLOCKS || fault.n > 1) {
         s->found.n_seen += fault.is_seen;

@@ -80,31 +80,25 @@ static void take_columns(rigcal_real T[], size_t n, const rigcal_moves *m,
     }
 }
 
-/* theta, its variance, and the gain; I becomes its factor. 0: it cannot be told. */
-static int solve(rigcal_real best[], rigcal_real I[21], const rigcal_real diagonal[6],
-                 const rigcal_real u[6])
+void rc_moved_solve(rigcal_real *gain, rigcal_real theta[], rigcal_real variance[],
+                    rigcal_real I[], size_t k)
 {
-    rigcal_real *const theta = &best[RC_MOVED_THETA];
-    for (size_t i = 0; i < 6; i++) {
-        theta[i] = u[i];
-        if (!rc_packed_factor_row(I, i, RANK_TOL * diagonal[i])) {
-            return 0;
-        }
-    }
-    rc_packed_forward(theta, I, 6);
-    best[RC_MOVED_GAIN] = dot6(theta, theta);
-    rc_packed_backward(theta, I, 6);
-    for (size_t i = 0; i < 6; i++) {
+    *gain = 0;
+    rc_packed_forward(theta, I, k);
+    for (size_t i = 0; i < k; i++) {
+        *gain += theta[i] * theta[i];
         rc_packed_invert_row(I, i);
+        variance[i] = 0;
     }
-    for (size_t i = 0; i < 6; i++) {
-        best[RC_MOVED_VARIANCE + i] = 0;
-        for (size_t j = i; j < 6; j++) {
+    for (size_t i = 0; i < k; i++) { /* L^-T, of which L^-1 has the rows */
+        rigcal_real sum = 0;
+        for (size_t j = i; j < k; j++) {
             const rigcal_real x = I[rc_packed_at(j, i)];
-            best[RC_MOVED_VARIANCE + i] += x * x;
+            sum += x * theta[j];
+            variance[i] += x * x;
         }
+        theta[i] = sum;
     }
-    return 1;
 }
 
 void rc_moved_test(rigcal_moves *m, const rc_border *b, const rigcal_real S_inverse[],
@@ -112,7 +106,7 @@ void rc_moved_test(rigcal_moves *m, const rc_border *b, const rigcal_real S_inve
                    size_t placement, rigcal_real room[])
 {
     rc_border of_six = {0};
-    rigcal_real best[RC_MOVED_SIZE], I[21], diagonal[6];
+    rigcal_real best[RC_MOVED_SIZE], I[21];
     rigcal_real *const kept = &m->best[RC_MOVED_SIZE * camera], *const G = room + 6 * b->n;
     const size_t from = 6 * camera;
     of_six.n = b->n;
@@ -129,11 +123,15 @@ void rc_moved_test(rigcal_moves *m, const rc_border *b, const rigcal_real S_inve
                 *at -= room[b->n * i + k] * G[b->n * j + k];
             }
         }
-        diagonal[j] = S_at(m, from + j, from + j);
+        best[RC_MOVED_THETA + j] = m->g[from + j];
     }
-    if (!solve(best, I, diagonal, &m->g[from])) {
-        return;
+    for (size_t i = 0; i < 6; i++) {
+        if (!rc_packed_factor_row(I, i, RANK_TOL * S_at(m, from + i, from + i))) {
+            return;
+        }
     }
+    rc_moved_solve(&best[RC_MOVED_GAIN], &best[RC_MOVED_THETA], &best[RC_MOVED_VARIANCE], I,
+                   6);
     best[RC_MOVED_AT] = (rigcal_real)(int32_t)placement;
     best[RC_MOVED_TRIES] = kept[RC_MOVED_TRIES] += 1;
     if (best[RC_MOVED_GAIN] > kept[RC_MOVED_GAIN]) {

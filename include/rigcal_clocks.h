@@ -48,8 +48,9 @@ typedef struct rigcal_clock_memory {
     int32_t pass, next, view; /* the placement that is set to its instant; its first view */
     int32_t is_moved;         /* 1: some view is of another instant than its placement */
     int32_t placement;        /* whose motion that is; -1: of none */
+    int32_t is_first;         /* 1: so far no view of it has been added */
     rigcal_motion motion;
-    rigcal_real step[6];            /* to the nearest placement */
+    rigcal_real step[6], moved;     /* to the nearest placement; against its noise */
     rigcal_real velocity[6], since; /* of the view placed last; its stamp, after `middle` */
     rigcal_real middle, ratio2;     /* (noise of a pixel / noise of a stamp)^2 */
 } rigcal_clock_memory;

@@ -224,6 +224,15 @@ static void eliminate_right(const rigcal_rig_solver *s, const rc_rig_parts *part
     }
 }
 
+/* row[k] -= part lost[k] */
+static void subtract(rigcal_real row[], rigcal_real part, const rigcal_real lost[],
+                     size_t n)
+{
+    for (size_t k = 0; k < n; k++) {
+        row[k] -= part * lost[k];
+    }
+}
+
 /* What the clock of slot a has in common with the camera and the clock of slot b, as both
  * depend on the placement. */
 static void eliminate_pair(const rigcal_rig_solver *s, const rc_rig_parts *parts,
@@ -231,21 +240,25 @@ static void eliminate_pair(const rigcal_rig_solver *s, const rc_rig_parts *parts
 {
     const size_t n = unknowns_of(s->rig->clocks), at = unknown_of(c, a);
     const rigcal_real *const z = &c->z[6 * a];
-    for (size_t k = 0; parts->slot[b] >= 0 && k < 6; k++) {
-        const rigcal_real lost = rc_vec6_dot(z, &parts->W[36 * b + 6 * k]);
-        for (size_t i = 0; i < n; i++) {
-            parts->S[rc_packed_at(at + i, (size_t)parts->slot[b] + k)] -=
-                part_of(c, a, i) * lost;
-        }
+    const rigcal_real *const W = &parts->W[36 * b];
+    const int is_free_camera = parts->slot[b] >= 0;
+    const int is_lower = has_clock(c, b) && unknown_of(c, b) <= at;
+    rigcal_real by_camera[6], by_clock[2];
+    for (size_t k = 0; is_free_camera && k < 6; k++) {
+        by_camera[k] = rc_vec6_dot(z, &W[6 * k]);
     }
-    if (has_clock(c, b)) {
-        const size_t other = unknown_of(c, b);
-        const rigcal_real lost = rc_vec6_dot(z, &c->w[6 * b]);
-        for (size_t i = 0; i < n; i++) {
-            for (size_t j = 0; j < n && other + j <= at + i; j++) { /* the lower triangle */
-                parts->S[rc_packed_at(at + i, other + j)] -=
-                    part_of(c, a, i) * part_of(c, b, j) * lost;
-            }
+    if (is_lower) {
+        by_clock[0] = rc_vec6_dot(z, &c->w[6 * b]);
+        by_clock[1] = c->since[b] * by_clock[0];
+    }
+    for (size_t i = 0; i < n; i++) {
+        rigcal_real *const row = &parts->S[rc_packed_at(at + i, 0)];
+        const rigcal_real part = part_of(c, a, i);
+        if (is_free_camera) {
+            subtract(&row[(size_t)parts->slot[b]], part, by_camera, 6);
+        }
+        if (is_lower) { /* of its own clock the lower triangle */
+            subtract(&row[unknown_of(c, b)], part, by_clock, (a == b) ? i + 1 : n);
         }
     }
 }
@@ -364,12 +377,12 @@ static void centre(const rigcal_rig_solver *s, const rc_rig_parts *parts, size_t
     if (s->evals < 2) { /* the first pass: poses are as they were handed in */
         *instant = time;
     } else if (RC_FABS(time - *instant) > CENTRE_ENOUGH * rig->clocks->frame) {
-        rigcal_real d[6], velocity[6];
+        rigcal_real d[6];
         rigcal_motion motion;
         rc_path path;
         rc_times_path(&path, rig, rig->rig_from_placements);
         rc_motion_of(&motion, &path, f);
-        rc_motion_at(d, velocity, &motion, time - *instant);
+        rc_motion_at(d, NULL, &motion, time - *instant);
         rc_motion_move(pose, d);
         *instant = time;
     }
@@ -406,30 +419,35 @@ static void begin_placement(const rigcal_rig_solver *s, const rc_rig_parts *part
                             const clock_parts *c)
 {
     rigcal_clock_memory *const memory = &s->rig->clocks->memory;
-    rigcal_real velocity[6];
     rc_path path;
     rc_times_path(&path, s->rig, &parts->saved[s->rig->n_cameras]);
     rc_motion_of(&memory->motion, &path, s->placement);
-    rc_motion_at(memory->step, velocity, &memory->motion, memory->motion.nearest);
+    rc_motion_at(memory->step, NULL, &memory->motion, memory->motion.nearest);
     memory->placement = (int32_t)s->placement;
+    memory->is_first = 1;
     for (size_t slot = 0; slot < s->rig->n_cameras; slot++) {
         c->camera[slot] = -1;
     }
 }
 
-/* Counts a view, and by how much it tells that the target moves. */
+/* Counts a view. The first one of a placement tells by how much that moves, for all. */
 static void count_view(const rigcal_rig_solver *s, const rc_rig_parts *parts,
                        const clock_parts *c, const rigcal_real H[21], const rc_chain *chain,
                        int32_t camera)
 {
-    const rigcal_clock_memory *const memory = &s->rig->clocks->memory;
-    rigcal_real m[6], Hm[6];
-    rc_motion_seen(m, chain, memory->step);
-    rc_sym6_mul(Hm, H, m);
+    rigcal_clock_memory *const memory = &s->rig->clocks->memory;
+    rigcal_real *const count = &c->count[2 * camera];
+    if (memory->is_first != 0) {
+        rigcal_real m[6], Hm[6];
+        rc_motion_seen(m, chain, memory->step);
+        rc_sym6_mul(Hm, H, m);
+        memory->moved = rc_vec6_dot(m, Hm) * real_of(rc_rig_views_of(parts, s->placement));
+        memory->is_first = 0;
+    }
     c->camera[s->view - s->first] = (rigcal_real)camera;
-    c->moved[camera] += rc_vec6_dot(m, Hm) * real_of(rc_rig_views_of(parts, s->placement));
-    c->count[2 * camera] += 1;
-    c->count[2 * camera + 1] += (memory->motion.n > 0) ? 1 : 0;
+    c->moved[camera] += memory->moved;
+    count[0] += 1;
+    count[1] += (memory->motion.n > 0) ? 1 : 0;
 }
 
 /* A view by its points, at its time. */
@@ -489,53 +507,71 @@ static void move(const rigcal_rig_solver *s, const rc_rig_parts *parts)
     }
 }
 
-/* What comes before a unit of the search. 1: it was a unit itself. */
-static int prepare(rigcal_rig_solver *s, const rc_rig_parts *parts, const clock_parts *c)
+/* Before the views of a placement. 1: it was a unit of its own. */
+static int prepare_view(rigcal_rig_solver *s, const rc_rig_parts *parts,
+                        const clock_parts *c)
 {
-    const rigcal_clock_memory *const memory = &s->rig->clocks->memory;
-    const int is_view = s->phase == RC_RIG_SETTLING || s->phase == RC_RIG_REDUCING;
-    if (is_view && memory->pass != s->evals) {
+    if (s->rig->clocks->memory.pass != s->evals) {
         centring_step(s, parts, c);
         return 1;
     }
-    if (is_view && memory->placement != (int32_t)s->placement) {
-        begin_placement(s, parts, c);
-    } else if (s->phase == RC_RIG_ELIMINATING) {
-        eliminate(s, parts, c);
+    begin_placement(s, parts, c);
+    return 0;
+}
+
+static void prepare_row(rigcal_rig_solver *s, const rc_rig_parts *parts,
+                        const clock_parts *c)
+{
+    if (s->row == 0) {
+        save(s, c); /* the last step helped */
+    }
+    for (size_t i = 0; s->row < s->n && i < s->rig->n_cameras; i++) {
+        try_row(s, parts, c, i);
+    }
+}
+
+/* What comes before a unit of the search. 1: it was a unit itself. */
+static int prepare(rigcal_rig_solver *s)
+{
+    const rigcal_clock_memory *const memory = &s->rig->clocks->memory;
+    rc_rig_parts parts;
+    clock_parts c;
+    const int is_view = s->phase == RC_RIG_SETTLING || s->phase == RC_RIG_REDUCING;
+    if (is_view && memory->pass == s->evals && memory->placement == (int32_t)s->placement) {
+        return 0;
+    }
+    rc_rig_parts_of(&parts, s->rig, s->n);
+    clock_parts_of(&c, &parts, s);
+    if (is_view) {
+        return prepare_view(s, &parts, &c);
+    }
+    if (s->phase == RC_RIG_ELIMINATING) {
+        eliminate(s, &parts, &c);
     } else if (s->phase == RC_RIG_PRIORS && s->row == 0) {
-        choose_clocks(s, parts, c);
-    } else if (s->phase == RC_RIG_FACTORING && s->row < s->n) {
-        if (s->row == 0) {
-            save(s, c); /* the last step helped */
-        }
-        for (size_t i = 0; i < s->rig->n_cameras; i++) {
-            try_row(s, parts, c, i);
-        }
+        choose_clocks(s, &parts, &c);
+    } else if (s->phase == RC_RIG_FACTORING) {
+        prepare_row(s, &parts, &c);
     }
     return 0;
 }
 
 static void step(rigcal_rig_solver *s)
 {
-    rc_rig_parts parts;
-    clock_parts c;
     if (s->phase == RC_RIG_CHECKED) {
         const rigcal_status status = number(s);
         if (status != RIGCAL_OK) {
             rc_rig_end(s, status, -1);
             return;
         }
-    } else if (s->phase != RC_RIG_CHECKING) {
-        rc_rig_parts_of(&parts, s->rig, s->n);
-        clock_parts_of(&c, &parts, s);
-        if (prepare(s, &parts, &c)) {
-            return;
-        }
+    } else if (s->phase != RC_RIG_CHECKING && prepare(s)) {
+        return;
     }
     rc_rig_step(s);
     if (s->phase == RC_RIG_DONE) {
-        s->rig->clocks->memory.placement = -1;
-        if (s->search.status == RIGCAL_OK && s->promised > GAIN_LEFT * s->negligible) {
+        rigcal_clock_memory *const memory = &s->rig->clocks->memory;
+        memory->placement = -1;
+        if (s->search.status == RIGCAL_OK && s->n_clocks > 0 &&
+            s->promised > GAIN_LEFT * s->negligible) {
             s->search.status = RIGCAL_BUDGET_SPENT;
         }
     }

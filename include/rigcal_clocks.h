@@ -45,8 +45,12 @@ typedef struct rigcal_motion {
 
 /* What the library remembers from one view to the next. */
 typedef struct rigcal_clock_memory {
-    int32_t placement, moved; /* whose motion that is; -1: of none */
+    int32_t pass, next, view; /* the placement that is set to its instant; its first view */
+    int32_t is_moved;         /* 1: some view is of another instant than its placement */
+    int32_t placement;        /* whose motion that is; -1: of none */
+    int32_t is_first;         /* 1: so far no view of it has been added */
     rigcal_motion motion;
+    rigcal_real step[6], moved;     /* to the nearest placement; against its noise */
     rigcal_real velocity[6], since; /* of the view placed last; its stamp, after `middle` */
     rigcal_real middle, ratio2;     /* (noise of a pixel / noise of a stamp)^2 */
 } rigcal_clock_memory;
@@ -86,7 +90,7 @@ RIGCAL_API rigcal_status rigcal_clocks_defaults(rigcal_rig_clocks *clocks);
  * rig with clocks. The same as a function: rigcal_clocks_work. */
 #define RIGCAL_CLOCKS_WORK(n_free, n_cameras) \
     (12 * (size_t)(n_free) * (size_t)(n_cameras) + \
-     (size_t)(n_cameras) * (2 * (size_t)(n_cameras) + 18))
+     (size_t)(n_cameras) * (2 * (size_t)(n_cameras) + 25))
 RIGCAL_API size_t rigcal_clocks_work(size_t n_free, size_t n_cameras);
 
 /* Standard deviations of offsets, and of drifts (NULL: not asked), each of n_cameras, for

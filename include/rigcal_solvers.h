@@ -151,7 +151,7 @@ struct rigcal_robust_solver {
 struct rigcal_rig_solver {
     rigcal_rig *rig;
     const struct rigcal_rig_given *given; /* of views: their points, or their own poses */
-    const struct rigcal_clock_calls *clocks; /* NULL: views are of one instant */
+    const struct rigcal_rig_given *timed; /* where a rig has clocks, that without them */
     rigcal_levenberg search;
     int32_t loss; /* RIGCAL_LOSS_; 0: squares */
     int32_t phase, is_join, is_trial, is_last, is_final, is_disconnected, at_fault, evals;

@@ -26,7 +26,8 @@ typedef rigcal_motion rc_motion;
  * side where there are. */
 void rc_motion_of(rc_motion *motion, const rc_path *path, size_t f);
 
-/* (H2): d, what takes the placement to where it is `after` its time, and velocity xi. */
+/* (H2): d, what takes the placement to where it is `after` its time, and its velocity xi
+ * there, or NULL. */
 void rc_motion_at(rigcal_real d[6], rigcal_real xi[6], const rc_motion *motion,
                   rigcal_real after);
 

@@ -3,22 +3,43 @@
 #ifndef RC_VIEWS_H
 #define RC_VIEWS_H
 
-#include "rc_motion.h"
+#include "rc_chain.h"
 #include "rc_points.h"
+
+/* What an adjustment takes from the clocks of a rig, which has them by
+ * rigcal_clocks_defaults alone: a program without clocks does not have these functions. */
+struct rigcal_clock_calls {
+    /* Begins a search that rc_rig_begin has begun; or ends it, with an error of what is
+     * handed in. */
+    rigcal_status (*begin)(rigcal_rig_solver *s);
+
+    /* A placement to where a view sees it. */
+    void (*place)(rigcal_transform *rig_from_placement, const rigcal_rig *rig,
+                  int32_t camera, size_t placement, size_t view);
+
+    /* Takes the noise of its stamp out of the equations of the view placed last. */
+    void (*weigh)(rigcal_real *sum, rigcal_real g[6], rigcal_real H[21],
+                  const rc_chain *chain, const rigcal_rig *rig);
+};
+
+typedef struct rc_rig_parts rc_rig_parts;
 
 /* What is given of a view, its points or its own pose: functions to check view s->view,
  * counting what s counts, and to make its equations where the rig is: *sum, g and H by
- * (w, dt) of cam_from_target. */
+ * (w, dt) of cam_from_target. And a unit of the search, and the cameras' part of its step,
+ * which are others where a rig has clocks. */
 struct rigcal_rig_given {
     rigcal_status (*check)(int32_t *camera, int32_t *placement, rigcal_rig_solver *s);
     rigcal_status (*equations)(rigcal_real *sum, rigcal_real g[6], rigcal_real H[21],
                                rc_chain *chain, int32_t *camera,
                                const rigcal_rig_solver *s);
+    void (*step)(rigcal_rig_solver *s);
+    void (*move)(const rigcal_rig_solver *s, const rc_rig_parts *parts);
     int is_join;
 };
 
 /* Where the parts of rig->work begin. */
-typedef struct {
+struct rc_rig_parts {
     rigcal_real *count;      /* of each placement, its views; less than 0: all left out */
     rigcal_real *column;     /* of each camera, its first unknown; -1: it is held */
     rigcal_real *slot;       /* of each view of a placement, the same */
@@ -26,51 +47,9 @@ typedef struct {
     rigcal_transform *saved; /* the cameras, the placements */
     rigcal_real *S, *g;      /* of the cameras, packed; then the covariance, and the step */
     rigcal_real *d;          /* the diagonal before placements were eliminated */
-} rc_rig_parts;
+};
 
 void rc_rig_parts_of(rc_rig_parts *parts, const rigcal_rig *rig, size_t n_unknowns);
-
-/* What an adjustment tells the clocks, where a rig has any. */
-enum {
-    RC_CLOCKS_CENTRE,    /* set the instant of s->placement, and its pose to it */
-    RC_CLOCKS_PLACEMENT, /* its views come next */
-    RC_CLOCKS_PLACED,    /* s->Hp is complete */
-    RC_CLOCKS_REDUCED,   /* so are the equations of all, but for priors */
-    RC_CLOCKS_MOVE,      /* by the step in parts->g */
-    RC_CLOCKS_RESTORE,   /* the step did harm */
-    RC_CLOCKS_END        /* no pass is under way any more */
-};
-
-/* The functions of the clocks, which a rig has by rigcal_clocks_defaults alone: a program
- * without clocks does not have them. */
-struct rigcal_clock_calls {
-    /* What is handed in, before its views are read. */
-    rigcal_status (*check)(const rigcal_rig *rig);
-
-    /* Numbers the unknowns after those of the cameras. */
-    rigcal_status (*begin)(rigcal_rig_solver *s);
-
-    void (*tell)(rigcal_rig_solver *s, const rc_rig_parts *parts, int32_t what);
-
-    /* A placement to where a view sees it. Its velocity there is kept for weigh and add. */
-    void (*place)(rigcal_transform *rig_from_placement, const rigcal_rig *rig,
-                  int32_t camera, size_t placement, size_t view);
-
-    /* Takes the noise of the stamp of the view placed last out of its equations. */
-    void (*weigh)(rigcal_real *sum, rigcal_real g[6], rigcal_real H[21],
-                  const rc_chain *chain, const rigcal_rig *rig);
-
-    /* Adds the equations of that view to those of its clock. */
-    void (*add)(rigcal_rig_solver *s, const rc_rig_parts *parts, const rigcal_real g[6],
-                const rigcal_real H[21], const rc_chain *chain, int32_t camera);
-
-    /* Eliminates the placement from the equations of the clock of a slot, once that is done
-     * with those of its camera. */
-    void (*eliminate)(rigcal_rig_solver *s, const rc_rig_parts *parts, size_t slot);
-
-    /* Holds the unknown of a row that cannot be factored. 0: it is not one of a clock. */
-    int (*hold)(rigcal_rig_solver *s, const rc_rig_parts *parts, size_t row);
-};
 
 /* View `index`, of what the caller gives. */
 rigcal_status rc_rig_view_at(rigcal_rig_view *out, const rigcal_rig *rig, size_t index);

@@ -15,18 +15,6 @@ enum { PASSES_MAX = 200 };
  * the gains fall. The poses are then within a few millionths of their sigma. */
 #define GAIN_ENOUGH RC_TOL(1e-10, 1e-6)
 
-enum {
-    CHECKING = RC_RIG_REACHING + 1, /* what is handed in, view by view */
-    CENTRING,                       /* the instant of a placement, where a rig has clocks */
-    SETTLING,    /* a placement's own step, its views' equations being added */
-    REDUCING,    /* its views' equations, by camera and placement */
-    ELIMINATING, /* the placement, from the equations of one of its cameras */
-    PRIORS,      /* what is known of the cameras beforehand */
-    FACTORING,   /* a row of the cameras' equations */
-    INVERTING,
-    SQUARING
-};
-
 /* ---- views by their points ----------------------------------------------- */
 
 rigcal_status rc_rig_check_points(int32_t *camera, int32_t *placement, rigcal_rig_solver *s)
@@ -96,29 +84,21 @@ static rigcal_status equations_of_points(rigcal_real *sum, rigcal_real g[6],
         return status;
     }
     *camera = v.camera;
-    return rc_rig_view_equations(sum, g, H, chain, &v, s->rig, s->view);
+    rc_chain_of(chain, &s->rig->cams_from_rig[v.camera],
+                &s->rig->rig_from_placements[s->placement]);
+    return rc_rig_equations(sum, g, H, &v, &chain->cam_from_target);
 }
 
 const struct rigcal_rig_given rc_given_points = {rc_rig_check_points, equations_of_points,
-                                                 0};
+                                                 rc_rig_step, rc_rig_move, 0};
 
 /* ---- a pass -------------------------------------------------------------- */
-
-static void tell_clocks(rigcal_rig_solver *s, int32_t what)
-{
-    if (s->clocks != NULL) {
-        rc_rig_parts parts;
-        rc_rig_parts_of(&parts, s->rig, s->n);
-        s->clocks->tell(s, &parts, what);
-    }
-}
 
 void rc_rig_end(rigcal_rig_solver *s, rigcal_status status, int32_t at_fault)
 {
     s->search.status = status;
     s->at_fault = at_fault;
     s->phase = RC_RIG_DONE;
-    tell_clocks(s, RC_CLOCKS_END);
     rc_rig_forget(s->rig);
 }
 
@@ -142,8 +122,7 @@ static int begin_placement(rigcal_rig_solver *s, const rc_rig_parts *parts)
     rc_rigid_clear(s->gp, s->Hp);
     s->first = s->view;
     s->row = 0;
-    s->phase = (s->is_trial || s->is_last) ? SETTLING : REDUCING;
-    tell_clocks(s, RC_CLOCKS_PLACEMENT);
+    s->phase = (s->is_trial || s->is_last) ? RC_RIG_SETTLING : RC_RIG_REDUCING;
     return s->placement < s->rig->n_placements;
 }
 
@@ -158,21 +137,7 @@ static void begin_pass(rigcal_rig_solver *s)
     s->sum = s->gain = 0;
     s->view = s->placement = 0;
     s->evals += s->is_trial ? 2 : 1;
-    s->phase = CENTRING;
-    if (s->clocks == NULL) {
-        (void)begin_placement(s, &parts);
-    }
-}
-
-/* Of the next placement. */
-static void centring_step(rigcal_rig_solver *s, const rc_rig_parts *parts)
-{
-    tell_clocks(s, RC_CLOCKS_CENTRE);
-    s->view += rc_rig_views_of(parts, s->placement);
-    if (++s->placement == s->rig->n_placements) {
-        s->view = s->placement = 0;
-        (void)begin_placement(s, parts);
-    }
+    (void)begin_placement(s, &parts);
 }
 
 /* ---- elimination --------------------------------------------------------- */
@@ -193,11 +158,6 @@ static void add_camera(const rc_rig_parts *parts, size_t at, const rigcal_real g
     }
 }
 
-static rigcal_real dot6(const rigcal_real a[6], const rigcal_real b[6])
-{
-    return rc_vec3_dot(a, b) + rc_vec3_dot(&a[3], &b[3]);
-}
-
 /* S -= Y_i Y_j^T, the rows of which are six of the placement's unknowns each. */
 static void subtract_block(rigcal_real S[], size_t at_i, size_t at_j,
                            const rigcal_real Y_i[36], const rigcal_real Y_j[36])
@@ -210,7 +170,7 @@ static void subtract_block(rigcal_real S[], size_t at_i, size_t at_j,
         rigcal_real *const row = &S[rc_packed_at(at_down + i, at_across)];
         const size_t end = (at_i == at_j) ? i + 1 : 6;
         for (size_t j = 0; j < end; j++) {
-            row[j] -= dot6(&down[6 * i], &across[6 * j]);
+            row[j] -= rc_vec6_dot(&down[6 * i], &across[6 * j]);
         }
     }
 }
@@ -227,21 +187,19 @@ static void eliminate_slot(rigcal_rig_solver *s, const rc_rig_parts *parts)
 {
     const size_t slot = s->row++;
     rigcal_real *const Y = &parts->W[36 * slot];
-    if (parts->slot[slot] >= 0) {
-        const size_t at = (size_t)parts->slot[slot];
-        for (size_t i = 0; i < 6; i++) {
-            rc_sym6_forward(&Y[6 * i], factor_of(s));
-            parts->g[at + i] -= dot6(&Y[6 * i], s->gp);
-        }
-        for (size_t other = 0; other <= slot; other++) {
-            if (parts->slot[other] >= 0) {
-                subtract_block(parts->S, at, (size_t)parts->slot[other], Y,
-                               &parts->W[36 * other]);
-            }
-        }
+    if (!(parts->slot[slot] >= 0)) {
+        return;
     }
-    if (s->clocks != NULL) {
-        s->clocks->eliminate(s, parts, slot);
+    const size_t at = (size_t)parts->slot[slot];
+    for (size_t i = 0; i < 6; i++) {
+        rc_sym6_forward(&Y[6 * i], factor_of(s));
+        parts->g[at + i] -= rc_vec6_dot(&Y[6 * i], s->gp);
+    }
+    for (size_t other = 0; other <= slot; other++) {
+        if (parts->slot[other] >= 0) {
+            subtract_block(parts->S, at, (size_t)parts->slot[other], Y,
+                           &parts->W[36 * other]);
+        }
     }
 }
 
@@ -266,7 +224,7 @@ static void restore_poses(const rigcal_rig *rig, const rc_rig_parts *parts)
     copy_poses(rig->rig_from_placements, &parts->saved[rig->n_cameras], rig->n_placements);
 }
 
-static void move_cameras(const rigcal_rig_solver *s, const rc_rig_parts *parts)
+void rc_rig_move(const rigcal_rig_solver *s, const rc_rig_parts *parts)
 {
     for (size_t c = 0; c < s->rig->n_cameras; c++) {
         if (parts->column[c] >= 0) {
@@ -284,7 +242,7 @@ static void end_search(rigcal_rig_solver *s, rigcal_status status, int is_factor
         s->phase = RC_RIG_DONE;
         rc_rig_forget(s->rig);
     } else if (is_factored && !(s->search.lambda > 0)) {
-        s->phase = INVERTING;
+        s->phase = RC_RIG_INVERTING;
     } else {
         s->search.lambda = 0;
         s->is_final = 1;
@@ -315,8 +273,7 @@ static void take_step(rigcal_rig_solver *s, const rc_rig_parts *parts)
     s->is_trial = step == RC_STEP_TRY;
     s->is_last = step == RC_STEP_LAST;
     save_poses(s->rig, parts);
-    move_cameras(s, parts);
-    tell_clocks(s, RC_CLOCKS_MOVE);
+    s->given->move(s, parts);
     begin_pass(s);
 }
 
@@ -325,8 +282,7 @@ static void factor_row(rigcal_rig_solver *s, const rc_rig_parts *parts)
     const size_t i = s->row++;
     if (i < s->n) {
         parts->S[rc_packed_at(i, i)] *= 1 + s->search.lambda;
-        if (!rc_packed_factor_row(parts->S, i, RANK_TOL * parts->d[i]) &&
-            (s->clocks == NULL || !s->clocks->hold(s, parts, i))) {
+        if (!rc_packed_factor_row(parts->S, i, RANK_TOL * parts->d[i])) {
             rc_rig_end(s, RIGCAL_ERR_DEGENERATE, -1);
             return;
         }
@@ -334,7 +290,7 @@ static void factor_row(rigcal_rig_solver *s, const rc_rig_parts *parts)
     if (s->row >= s->n) {
         s->row = 0;
         if (s->is_final) {
-            s->phase = INVERTING;
+            s->phase = RC_RIG_INVERTING;
         } else {
             take_step(s, parts);
         }
@@ -344,7 +300,7 @@ static void factor_row(rigcal_rig_solver *s, const rc_rig_parts *parts)
 static void invert_row(rigcal_rig_solver *s, const rc_rig_parts *parts)
 {
     if (s->row < s->n) {
-        if (s->phase == INVERTING) {
+        if (s->phase == RC_RIG_INVERTING) {
             rc_packed_invert_row(parts->S, s->row);
         } else {
             rc_packed_square_row(parts->S, s->row, s->n);
@@ -353,7 +309,7 @@ static void invert_row(rigcal_rig_solver *s, const rc_rig_parts *parts)
     }
     if (s->row >= s->n) {
         s->row = 0;
-        s->phase = (s->phase == INVERTING) ? SQUARING : RC_RIG_DONE;
+        s->phase = (s->phase == RC_RIG_INVERTING) ? RC_RIG_SQUARING : RC_RIG_DONE;
     }
 }
 
@@ -366,7 +322,7 @@ static void end_pass(rigcal_rig_solver *s, rigcal_status status)
     rigcal_levenberg *const lm = &s->search;
     rc_rig_parts_of(&parts, s->rig, s->n);
     s->row = 0;
-    s->phase = FACTORING;
+    s->phase = RC_RIG_FACTORING;
     if (s->is_final || s->is_last) {
         if (status != RIGCAL_OK) {
             rc_rig_end(s, status, (int32_t)s->view);
@@ -381,7 +337,6 @@ static void end_pass(rigcal_rig_solver *s, rigcal_status status)
         }
     } else if (!rc_levenberg_tried(lm, status, s->sum, s->promised, s->negligible)) {
         restore_poses(s->rig, &parts);
-        tell_clocks(s, RC_CLOCKS_RESTORE);
         s->is_trial = 0;
         if (lm->status != RIGCAL_RUNNING) {
             end_search(s, lm->status, 0);
@@ -412,7 +367,7 @@ static void add_prior(rigcal_rig_solver *s, const rc_rig_parts *parts)
         rc_deviation(d, &prior->cam_from_rig, &rig->cams_from_rig[c]);
         rc_sym6_mul(g, packed, d);
         add_camera(parts, at, g, packed);
-        s->sum += dot6(g, d);
+        s->sum += rc_vec6_dot(g, d);
     }
     if (s->row >= rig->n_cameras) {
         end_pass(s, RIGCAL_OK);
@@ -429,19 +384,17 @@ static void next_placement(rigcal_rig_solver *s, const rc_rig_parts *parts)
     if (s->is_last) {
         end_pass(s, RIGCAL_OK);
     } else {
-        s->phase = PRIORS;
-        tell_clocks(s, RC_CLOCKS_REDUCED);
+        s->phase = RC_RIG_PRIORS;
     }
 }
 
 /* All views of a placement have been added. */
 static void end_placement(rigcal_rig_solver *s, const rc_rig_parts *parts)
 {
-    tell_clocks(s, RC_CLOCKS_PLACED);
     if (!rc_sym6_factor_of(factor_of(s), s->Hp, s->search.lambda)) {
         s->view--; /* one of them is at fault */
         end_pass(s, RIGCAL_ERR_DEGENERATE);
-    } else if (s->phase == SETTLING) {
+    } else if (s->phase == RC_RIG_SETTLING) {
         rc_sym6_solve(s->gp, factor_of(s));
         rc_transform_move(&s->rig->rig_from_placements[s->placement], s->gp);
         if (s->is_last) {
@@ -449,13 +402,13 @@ static void end_placement(rigcal_rig_solver *s, const rc_rig_parts *parts)
         } else {
             rc_rigid_clear(s->gp, s->Hp);
             s->view = s->first;
-            s->phase = REDUCING;
+            s->phase = RC_RIG_REDUCING;
         }
     } else {
         rc_sym6_forward(s->gp, factor_of(s));
-        s->gain += dot6(s->gp, s->gp);
+        s->gain += rc_vec6_dot(s->gp, s->gp);
         s->row = 0;
-        s->phase = ELIMINATING;
+        s->phase = RC_RIG_ELIMINATING;
     }
 }
 
@@ -477,11 +430,8 @@ static rigcal_status add_equations(rigcal_rig_solver *s, const rc_rig_parts *par
         return status;
     }
     rc_chain_add_placement(s->gp, s->Hp, &chain, g, H);
-    if (s->phase == REDUCING) {
+    if (s->phase == RC_RIG_REDUCING) {
         s->sum += sum;
-        if (s->clocks != NULL) {
-            s->clocks->add(s, parts, g, H, &chain, camera);
-        }
         parts->slot[slot] = parts->column[camera];
         if (parts->slot[slot] >= 0) {
             rc_chain_camera(g, H, &parts->W[36 * slot], &chain);
@@ -520,7 +470,7 @@ rigcal_status rc_rig_begin(rigcal_rig_solver *s, rigcal_rig *rig,
     s->rig = rig;
     s->given = given;
     s->is_join = given->is_join;
-    s->phase = CHECKING;
+    s->phase = RC_RIG_CHECKING;
     s->at_fault = -1;
     rc_levenberg_begin(&s->search, 1);
     const rigcal_status status = rc_views_begin(s);
@@ -543,25 +493,16 @@ rigcal_status rc_rig_begin_points(rigcal_rig_solver *s, rigcal_rig *rig,
     for (size_t c = 0; status == RIGCAL_OK && c < rig->n_cameras; c++) {
         status = rc_check_transform(&rig->cams_from_rig[c]);
     }
-    if (status == RIGCAL_OK && rig->clocks != NULL) {
-        status =
-            (rig->clocks->calls == NULL) ? RIGCAL_ERR_NULL : rig->clocks->calls->check(rig);
-    }
     if (status == RIGCAL_OK) {
         status = rc_rig_begin(s, rig, given);
     }
-    if (status == RIGCAL_OK && rig->clocks != NULL) {
-        s->clocks = rig->clocks->calls;
-    }
-    return status;
+    return (status == RIGCAL_OK && rig->clocks != NULL) ? rig->clocks->calls->begin(s)
+                                                        : status;
 }
 
 static void checking_step(rigcal_rig_solver *s)
 {
-    rigcal_status status = rc_views_step(s);
-    if (status == RIGCAL_OK && s->clocks != NULL) {
-        status = s->clocks->begin(s);
-    }
+    const rigcal_status status = rc_views_step(s);
     if (status == RIGCAL_OK) {
         s->phase = RC_RIG_CHECKED;
     } else if (status != RIGCAL_RUNNING) {
@@ -574,17 +515,14 @@ void rc_rig_step(rigcal_rig_solver *s)
     rc_rig_parts parts;
     rc_rig_parts_of(&parts, s->rig, s->n);
     switch (s->phase) {
-    case CHECKING:
+    case RC_RIG_CHECKING:
         checking_step(s);
         break;
-    case CENTRING:
-        centring_step(s, &parts);
-        break;
-    case SETTLING:
-    case REDUCING:
+    case RC_RIG_SETTLING:
+    case RC_RIG_REDUCING:
         add_view(s, &parts);
         break;
-    case ELIMINATING:
+    case RC_RIG_ELIMINATING:
         eliminate_slot(s, &parts);
         if (s->row == rc_rig_views_of(&parts, s->placement)) {
             next_placement(s, &parts);
@@ -593,14 +531,14 @@ void rc_rig_step(rigcal_rig_solver *s)
     case RC_RIG_CHECKED:
         begin_pass(s);
         break;
-    case PRIORS:
+    case RC_RIG_PRIORS:
         add_prior(s, &parts);
         break;
-    case FACTORING:
+    case RC_RIG_FACTORING:
         factor_row(s, &parts);
         break;
-    case INVERTING:
-    case SQUARING:
+    case RC_RIG_INVERTING:
+    case RC_RIG_SQUARING:
         invert_row(s, &parts);
         break;
     default:

@@ -1,49 +1,42 @@
 #include "rc_adjust.h"
+#include "rc_times.h"
 
 /* ---- constants ----------------------------------------------------------- */
 
-/* s: a longer step from one placement to the next is none of frames that follow each other. */
-#define FRAME_LONGEST RC(0.35)
-
-/* frames: the longest step of a run. More than one and a half, for stamps that are uneven;
- * less than two, for the curve through a gap is not known well enough. */
-#define STEP_LONGEST RC(1.6)
-
-/* part of a frame: a placement whose views have moved by less from its instant stays. */
+/* part of a frame: a placement stays where its views' mean time has moved by less. */
 #define CENTRE_ENOUGH RC(0.01)
 
-/* part of a frame: times whose own rounding is more say nothing of clocks. */
-#define ROUNDING_MOST RC(0.001)
-
-/* sigma^2: of a target that stands still the step from one placement to the next has about
- * 12, from noise. With less than this it hardly moves: its velocity is then known to a
- * third. */
+/* sigma^2: of a target that stands still the step from a placement to the next has 12, by
+ * noise alone. With less than this its velocity is hardly known, and it hardly moves. */
 #define STILL RC(100)
 
 /* sigma^2: a step that gains less moves no unknown by more than a tenth of its sigma. */
 #define GAIN_ENOUGH RC(0.01)
 
-/* frames: a camera is not off by more. */
-#define FRAMES_MOST RC(1e6)
+/* times GAIN_ENOUGH: a search that ends where no step helps, although one promised more, has
+ * not converged. */
+#define GAIN_LEFT RC(100)
 
-/* halvings: of the search of the middle step. */
-enum { HALVINGS = 40 };
+/* part of the diagonal before placements were eliminated: a smaller pivot of a clock is
+ * rounding. */
+#define RANK_TOL RC_TOL(1e-12, 1e-6)
 
 /* ---- the memory to work in ----------------------------------------------- */
 
 /* Behind that of the rig. */
 typedef struct {
-    rigcal_real *saved;  /* the offsets, the drifts */
+    rigcal_real *saved;  /* of each camera, its offset and drift before a step */
     rigcal_real *column; /* of each camera, the first unknown of its clock; -1: none */
-    rigcal_real *moved; /* of each camera, (H_p d, d) of its placements, d to the nearest */
-    rigcal_real *count; /* of each camera: its views; those with a neighbour in time */
-    rigcal_real *y;     /* 6 of each slot: its clock by the placement */
-    rigcal_real *since; /* of each slot, its stamp after the middle */
+    rigcal_real *moved;  /* of each camera, sum of d^T H d, d to the nearest placement */
+    rigcal_real *count;  /* of each camera, its views; those with a neighbour in time */
+    rigcal_real *w;      /* of each slot, 6: its clock by the placement */
+    rigcal_real *z;      /* of each slot, 6: the same by the inverse of the placement's H */
+    rigcal_real *since;  /* of each slot, its stamp after the middle */
     rigcal_real *camera; /* of each slot; -1: its view does not count */
 } clock_parts;
 
-/* Reals of it a camera. */
-enum { PARTS = 14 };
+/* reals: of it a camera. */
+enum { PARTS = 20 };
 
 static void clock_parts_of(clock_parts *c, const rc_rig_parts *parts,
                            const rigcal_rig_solver *s)
@@ -53,8 +46,9 @@ static void clock_parts_of(clock_parts *c, const rc_rig_parts *parts,
     c->column = c->saved + 2 * n;
     c->moved = c->column + n;
     c->count = c->moved + n;
-    c->y = c->count + 2 * n;
-    c->since = c->y + 6 * n;
+    c->w = c->count + 2 * n;
+    c->z = c->w + 6 * n;
+    c->since = c->z + 6 * n;
     c->camera = c->since + n;
 }
 
@@ -63,112 +57,9 @@ size_t rigcal_clocks_work(size_t n_free, size_t n_cameras)
     return RIGCAL_CLOCKS_WORK(n_free, n_cameras);
 }
 
-/* ---- what is handed in --------------------------------------------------- */
-
-static int is_known(rigcal_real time)
+static rigcal_real real_of(size_t n)
 {
-    return time <= RC_COORDINATE_MAX && time >= -RC_COORDINATE_MAX;
-}
-
-/* NaN is no stamp, and right. */
-static rigcal_status check_stamp(rigcal_real time)
-{
-    return (is_known(time) || time != time) ? RIGCAL_OK
-           : rc_is_finite(time)             ? RIGCAL_ERR_RANGE
-                                            : RIGCAL_ERR_NOT_FINITE;
-}
-
-/* Of the times that are known the first, the last, and the largest. */
-static rigcal_status check_times(rigcal_real ends[2], const rigcal_real times[], size_t n)
-{
-    int is_first = 1;
-    for (size_t f = 0; f < n; f++) {
-        const rigcal_status status = check_stamp(times[f]);
-        if (status != RIGCAL_OK) {
-            return status;
-        }
-        if (!is_known(times[f])) {
-            continue;
-        }
-        if (!is_first && !(times[f] > ends[1])) {
-            return (times[f] < ends[1]) ? RIGCAL_ERR_UNSORTED : RIGCAL_ERR_TWICE;
-        }
-        ends[0] = is_first ? times[f] : ends[0];
-        ends[1] = times[f];
-        is_first = 0;
-    }
-    return RIGCAL_OK;
-}
-
-/* How many steps between times that are known are at most `limit`. */
-static size_t count_steps(const rigcal_real times[], size_t n, rigcal_real limit)
-{
-    rigcal_real last = RC_MAX;
-    size_t count = 0;
-    for (size_t f = 0; f < n; f++) {
-        if (is_known(times[f])) {
-            count += times[f] - last <= limit && times[f] > last;
-            last = times[f];
-        }
-    }
-    return count;
-}
-
-/* The middle one of the steps up to FRAME_LONGEST, by halving; that, where there is none. */
-static rigcal_real middle_step(const rigcal_real times[], size_t n)
-{
-    const size_t half = (count_steps(times, n, FRAME_LONGEST) + 1) / 2;
-    rigcal_real low = 0, high = FRAME_LONGEST;
-    for (int k = 0; k < HALVINGS && half > 0; k++) {
-        const rigcal_real middle = (low + high) / 2;
-        if (count_steps(times, n, middle) >= half) {
-            high = middle;
-        } else {
-            low = middle;
-        }
-    }
-    return high;
-}
-
-static rigcal_status check(const rigcal_rig *rig)
-{
-    rigcal_rig_clocks *const clocks = rig->clocks;
-    const size_t C = rig->n_cameras;
-    rigcal_real ends[2] = {0, 0};
-    if (clocks->times == NULL || clocks->instants == NULL || clocks->offsets == NULL ||
-        clocks->states == NULL || (clocks->free_drifts != 0 && clocks->drifts == NULL)) {
-        return RIGCAL_ERR_NULL;
-    }
-    rigcal_status status = check_times(ends, clocks->times, rig->n_placements);
-    for (size_t v = 0; clocks->view_times != NULL && v < rig->n_views; v++) {
-        status = (status == RIGCAL_OK) ? check_stamp(clocks->view_times[v]) : status;
-    }
-    for (size_t c = 0; status == RIGCAL_OK && c < C; c++) {
-        status = rc_check_numbers(&clocks->offsets[c], 1, RC_COORDINATE_MAX);
-        if (status == RIGCAL_OK && clocks->drifts != NULL) {
-            status = rc_check_numbers(&clocks->drifts[c], 1, 1);
-        }
-    }
-    if (status == RIGCAL_OK) {
-        status = rc_check_noise(&clocks->sigma_time);
-    }
-    if (status == RIGCAL_OK) {
-        status = rc_check_noise(&clocks->frame);
-    }
-    if (status != RIGCAL_OK) {
-        return status;
-    }
-    if (clocks->neighbours < 1 || clocks->neighbours > RIGCAL_MOTION_MOST) {
-        return RIGCAL_ERR_RANGE;
-    }
-    if (!(clocks->frame > 0)) {
-        clocks->frame = middle_step(clocks->times, rig->n_placements);
-    }
-    clocks->memory.middle = ends[0] + (ends[1] - ends[0]) / 2;
-    return (RC_EPS * rc_max(RC_FABS(ends[0]), RC_FABS(ends[1])) >
-            ROUNDING_MOST * clocks->frame)
-               ? RIGCAL_ERR_PRECISION
-               : RIGCAL_OK;
+    return (rigcal_real)(int32_t)n;
 }
 
 /* ---- what is unknown ----------------------------------------------------- */
@@ -184,14 +75,13 @@ static int is_held(const rigcal_rig_clocks *clocks, size_t c)
     return clocks->held != NULL && clocks->held[c] != 0;
 }
 
-/* Whether the clock of camera c is free: not where it is held; and of a group in which none
- * is held, the first one is. */
+/* Of a group in which no clock is held, that of the first camera is. */
 static int is_free(const rigcal_rig *rig, size_t c)
 {
+    int is_first = 1, is_fixed = 0;
     if (rig->clocks->free_offsets == 0 || is_held(rig->clocks, c)) {
         return 0;
     }
-    int is_first = 1, is_fixed = 0;
     for (size_t other = 0; other < rig->n_cameras; other++) {
         if (rig->group[other] == rig->group[c]) {
             is_first &= other >= c;
@@ -201,35 +91,49 @@ static int is_free(const rigcal_rig *rig, size_t c)
     return is_fixed || !is_first;
 }
 
-/* The noise of pixels, by which that of stamps is weighed: as stated, or of the views by
- * themselves. */
-static rigcal_status weigh_stamps(const rigcal_rig_solver *s)
+static void save(const rigcal_rig_solver *s, const clock_parts *c)
 {
-    rigcal_rig_clocks *const clocks = s->rig->clocks;
-    const rigcal_real freedom =
-        2 * (rigcal_real)(int32_t)s->n_points - 6 * (rigcal_real)(int32_t)s->n_used;
-    clocks->memory.ratio2 = 0;
-    if (!(clocks->sigma_time > 0)) {
-        return RIGCAL_OK;
+    const rigcal_rig_clocks *const clocks = s->rig->clocks;
+    for (size_t i = 0; i < s->rig->n_cameras; i++) {
+        c->saved[2 * i] = clocks->offsets[i];
+        c->saved[2 * i + 1] = (clocks->drifts == NULL) ? 0 : clocks->drifts[i];
     }
-    rigcal_real sigma2 = s->rig->sigma_px * s->rig->sigma_px;
-    if (!(sigma2 > 0)) {
-        sigma2 = (freedom > 0) ? s->own_sum / freedom : 0;
-    }
-    clocks->memory.ratio2 = sigma2 / (clocks->sigma_time * clocks->sigma_time);
-    return (sigma2 > 0) ? RIGCAL_OK : RIGCAL_ERR_RANGE;
 }
 
-static rigcal_status begin(rigcal_rig_solver *s)
+static void restore(const rigcal_rig_solver *s, const clock_parts *c)
+{
+    const rigcal_rig_clocks *const clocks = s->rig->clocks;
+    for (size_t i = 0; i < s->rig->n_cameras; i++) {
+        clocks->offsets[i] = c->saved[2 * i];
+        if (clocks->drifts != NULL) {
+            clocks->drifts[i] = c->saved[2 * i + 1];
+        }
+    }
+}
+
+/* The variance of a pixel: as stated, or of the views by themselves, or `sum` of the rig; 0:
+ * unknown. */
+static rigcal_real variance_of(const rigcal_rig_solver *s, rigcal_real sum)
+{
+    const rigcal_real freedom = 2 * real_of(s->n_points) - 6 * real_of(s->n_used);
+    const rigcal_real sigma2 = s->rig->sigma_px * s->rig->sigma_px;
+    return (sigma2 > 0)     ? sigma2
+           : !(freedom > 0) ? 0
+           : s->own_sum > 0 ? s->own_sum / freedom
+                            : sum / freedom;
+}
+
+/* Numbers the unknowns, behind those of the cameras. */
+static rigcal_status number(rigcal_rig_solver *s)
 {
     const rigcal_rig *const rig = s->rig;
     rigcal_rig_clocks *const clocks = rig->clocks;
     const size_t C = rig->n_cameras, n_cameras = s->n;
     rc_rig_parts parts;
     clock_parts c;
+    size_t at = n_cameras;
     for (size_t i = 0; i < C; i++) {
-        clocks->states[i] = is_free(rig, i) ? RIGCAL_CLOCK_FREE : RIGCAL_CLOCK_HELD;
-        s->n += (clocks->states[i] == RIGCAL_CLOCK_FREE) ? unknowns_of(clocks) : 0;
+        s->n += is_free(rig, i) ? unknowns_of(clocks) : 0;
     }
     const size_t more = s->n - n_cameras;
     if (rigcal_rig_work(n_cameras / 6, C, rig->n_placements) + more * n_cameras +
@@ -239,186 +143,32 @@ static rigcal_status begin(rigcal_rig_solver *s)
     }
     rc_rig_parts_of(&parts, rig, s->n);
     clock_parts_of(&c, &parts, s);
-    size_t at = n_cameras;
     for (size_t i = 0; i < C; i++) {
-        c.column[i] = -1;
-        if (clocks->states[i] == RIGCAL_CLOCK_FREE) {
-            c.column[i] = (rigcal_real)at;
-            at += unknowns_of(clocks);
-        }
+        c.column[i] = is_free(rig, i) ? (rigcal_real)at : -1;
+        at += is_free(rig, i) ? unknowns_of(clocks) : 0;
     }
-    clocks->memory.placement = -1;
-    return weigh_stamps(s);
-}
-
-/* ---- the time of a view -------------------------------------------------- */
-
-/* Its stamp, or NaN. */
-static rigcal_real stamp_of(const rigcal_rig_clocks *clocks, size_t placement, size_t view)
-{
-    return (clocks->view_times != NULL && is_known(clocks->view_times[view]))
-               ? clocks->view_times[view]
-               : clocks->times[placement];
-}
-
-/* What the camera's clock makes of it. */
-static rigcal_real time_of(const rigcal_rig_clocks *clocks, rigcal_real stamp,
-                           size_t camera)
-{
-    const rigcal_real drift = (clocks->drifts == NULL) ? 0 : clocks->drifts[camera];
-    return stamp + clocks->offsets[camera] + drift * (stamp - clocks->memory.middle);
-}
-
-static void path_of(rc_path *path, const rigcal_rig *rig, const rigcal_transform poses[])
-{
-    path->poses = poses;
-    path->times = rig->clocks->instants;
-    path->count = NULL; /* of a placement that is not seen the instant is unknown */
-    path->n = rig->n_placements;
-    path->longest = STEP_LONGEST * rig->clocks->frame;
-    path->neighbours = rig->clocks->neighbours;
-}
-
-/* ---- where a view sees its placement (H3) -------------------------------- */
-
-static void place(rigcal_transform *rig_from_placement, const rigcal_rig *rig,
-                  int32_t camera, size_t placement, size_t view)
-{
-    rigcal_rig_clocks *const clocks = rig->clocks;
-    rigcal_clock_memory *const memory = &clocks->memory;
-    const rigcal_real stamp = stamp_of(clocks, placement, view);
-    rigcal_motion fresh;
-    const rigcal_motion *motion = &memory->motion;
-    rigcal_real d[6];
-    if (memory->placement != (int32_t)placement) {
-        rc_path path;
-        path_of(&path, rig, rig->rig_from_placements);
-        rc_motion_of(&fresh, &path, placement);
-        motion = &fresh;
+    save(s, &c);
+    clocks->memory.ratio2 = 0;
+    if (clocks->sigma_time > 0) {
+        clocks->memory.ratio2 =
+            variance_of(s, 0) / (clocks->sigma_time * clocks->sigma_time);
+        return (clocks->memory.ratio2 > 0) ? RIGCAL_OK : RIGCAL_ERR_RANGE;
     }
-    rc_clear(memory->velocity, 6);
-    memory->since = stamp - memory->middle;
-    if (motion->n == 0 || !is_known(stamp)) {
-        memory->since = 0;
-        return;
-    }
-    const rigcal_real after =
-        time_of(clocks, stamp, (size_t)camera) - clocks->instants[placement];
-    rc_motion_at(d, memory->velocity, motion, after);
-    if (after > 0 || after < 0) {
-        memory->moved = 1;
-        rc_motion_move(rig_from_placement, d);
-    }
-}
-
-static rigcal_real dot6(const rigcal_real a[6], const rigcal_real b[6])
-{
-    return rc_vec3_dot(a, b) + rc_vec3_dot(&a[3], &b[3]);
-}
-
-/* (H11) */
-static void weigh(rigcal_real *sum, rigcal_real g[6], rigcal_real H[21],
-                  const rc_chain *chain, const rigcal_rig *rig)
-{
-    const rigcal_clock_memory *const memory = &rig->clocks->memory;
-    rigcal_real m[6], Hm[6], full[36];
-    if (!(memory->ratio2 > 0)) {
-        return;
-    }
-    rc_motion_seen(m, chain, memory->velocity);
-    rc_sym6_mul(Hm, H, m);
-    const rigcal_real scale = 1 / (dot6(m, Hm) + memory->ratio2);
-    const rigcal_real along = dot6(m, g);
-    rc_sym6_unpack(full, H);
-    for (int i = 0; i < 6; i++) {
-        g[i] -= Hm[i] * along * scale;
-        for (int j = 0; j < 6; j++) {
-            full[6 * i + j] -= Hm[i] * Hm[j] * scale;
-        }
-    }
-    rc_sym6_pack(H, full);
-    *sum -= along * along * scale;
+    return RIGCAL_OK;
 }
 
 /* ---- the equations of the clocks (H5) ------------------------------------ */
 
-static void add(rigcal_rig_solver *s, const rc_rig_parts *parts, const rigcal_real g[6],
-                const rigcal_real H[21], const rc_chain *chain, int32_t camera)
+/* Of an unknown of the clock of a slot, the offset or the drift, by its offset. */
+static rigcal_real part_of(const clock_parts *c, size_t slot, size_t which)
 {
-    const rigcal_rig_clocks *const clocks = s->rig->clocks;
-    const size_t slot = s->view - s->first;
-    rigcal_real m[6], Hm[6], across[6];
-    clock_parts c;
-    clock_parts_of(&c, parts, s);
-    c.camera[slot] = (rigcal_real)camera;
-    c.count[2 * camera] += 1;
-    if (!(c.column[camera] >= 0)) {
-        return;
-    }
-    const size_t column = (size_t)c.column[camera];
-    rc_motion_seen(m, chain, clocks->memory.velocity);
-    rc_sym6_mul(Hm, H, m);
-    const rigcal_real Q = dot6(m, Hm), q = dot6(m, g);
-    rigcal_real *const y = &c.y[6 * slot];
-    rc_mat3_tmul_vec3(y, chain->R_c, Hm);
-    rc_mat3_tmul_vec3(&y[3], chain->R_c, &Hm[3]);
-    rc_vec3_cross(across, chain->lever, &Hm[3]);
-    rc_vec3_add(across, Hm);
-    rc_vec3_copy(&across[3], &Hm[3]);
-    c.since[slot] = clocks->memory.since;
-    rigcal_real factor = 1;
-    for (size_t i = 0; i < unknowns_of(clocks); i++) {
-        rigcal_real *const row = &parts->S[rc_packed_at(column + i, 0)];
-        parts->g[column + i] += factor * q;
-        parts->d[column + i] += factor * factor * Q;
-        row[column + i] += factor * factor * Q;
-        if (i > 0) {
-            row[column] += factor * Q;
-        }
-        for (int k = 0; parts->column[camera] >= 0 && k < 6; k++) {
-            row[(size_t)parts->column[camera] + (size_t)k] += factor * across[k];
-        }
-        factor = c.since[slot];
-    }
+    return (which > 0) ? c->since[slot] : 1;
 }
 
-/* The clock of slot a and the camera of slot b lose y Y^T. */
-static void subtract_camera(const rigcal_rig_solver *s, const rc_rig_parts *parts,
-                            const clock_parts *c, size_t a, size_t b)
+/* The first unknown of the clock of a slot that has one. */
+static size_t unknown_of(const clock_parts *c, size_t slot)
 {
-    const rigcal_real *const y = &c->y[6 * a], *const Y = &parts->W[36 * b];
-    if (!(parts->slot[b] >= 0)) {
-        return;
-    }
-    const size_t column = (size_t)c->column[(size_t)c->camera[a]];
-    rigcal_real *const row = &parts->S[rc_packed_at(column, (size_t)parts->slot[b])];
-    for (size_t k = 0; k < 6; k++) {
-        const rigcal_real lost = dot6(y, &Y[6 * k]);
-        row[k] -= lost;
-        if (s->rig->clocks->free_drifts != 0) {
-            row[column + 1 + k] -= c->since[a] * lost; /* the next row */
-        }
-    }
-}
-
-/* The clocks of slots a and b. */
-static void subtract_clocks(const rigcal_rig_solver *s, const rc_rig_parts *parts,
-                            const clock_parts *c, size_t a, size_t b)
-{
-    const size_t at[2] = {(size_t)c->column[(size_t)c->camera[a]],
-                          (size_t)c->column[(size_t)c->camera[b]]};
-    const rigcal_real lost = dot6(&c->y[6 * a], &c->y[6 * b]);
-    for (size_t i = 0; i < unknowns_of(s->rig->clocks); i++) {
-        for (size_t j = 0; j < unknowns_of(s->rig->clocks); j++) {
-            const size_t row = at[0] + i, column = at[1] + j;
-            const rigcal_real part =
-                lost * ((i > 0) ? c->since[a] : 1) * ((j > 0) ? c->since[b] : 1);
-            if (a != b || row >= column) {
-                parts->S[(row >= column) ? rc_packed_at(row, column)
-                                         : rc_packed_at(column, row)] -= part;
-            }
-        }
-    }
+    return (size_t)c->column[(size_t)c->camera[slot]];
 }
 
 static int has_clock(const clock_parts *c, size_t slot)
@@ -426,32 +176,104 @@ static int has_clock(const clock_parts *c, size_t slot)
     return c->camera[slot] >= 0 && c->column[(size_t)c->camera[slot]] >= 0;
 }
 
-static void eliminate(rigcal_rig_solver *s, const rc_rig_parts *parts, size_t slot)
+/* Adds a view to the equations of its clock: E = H m, Q = m^T H m and q = m^T g. */
+static void add(const rigcal_rig_solver *s, const rc_rig_parts *parts, const clock_parts *c,
+                const rigcal_real g[6], const rigcal_real H[21], const rc_chain *chain)
 {
-    clock_parts c;
-    clock_parts_of(&c, parts, s);
-    const int is_clock = has_clock(&c, slot);
-    if (is_clock) {
-        rigcal_real *const y = &c.y[6 * slot];
-        const size_t column = (size_t)c.column[(size_t)c.camera[slot]];
-        rc_sym6_forward(y, (const rc_sym6_factor *)(const void *)s->Hp);
-        const rigcal_real lost = dot6(y, s->gp);
-        parts->g[column] -= lost;
-        if (unknowns_of(s->rig->clocks) > 1) {
-            parts->g[column + 1] -= c.since[slot] * lost;
+    const rigcal_clock_memory *const memory = &s->rig->clocks->memory;
+    const size_t slot = s->view - s->first, at = unknown_of(c, slot);
+    const rigcal_real camera = parts->column[(size_t)c->camera[slot]];
+    rigcal_real m[6], Hm[6], across[6];
+    rc_motion_seen(m, chain, memory->velocity);
+    rc_sym6_mul(Hm, H, m);
+    c->since[slot] = memory->since;
+    rc_mat3_tmul_vec3(&c->w[6 * slot], chain->R_c, Hm);
+    rc_mat3_tmul_vec3(&c->w[6 * slot + 3], chain->R_c, &Hm[3]);
+    rc_vec3_cross(across, chain->lever, &Hm[3]);
+    rc_vec3_add(across, Hm);
+    rc_vec3_copy(&across[3], &Hm[3]);
+    const rigcal_real Q = rc_vec6_dot(m, Hm), q = rc_vec6_dot(m, g);
+    for (size_t i = 0; i < unknowns_of(s->rig->clocks); i++) {
+        rigcal_real *const row = &parts->S[rc_packed_at(at + i, 0)];
+        const rigcal_real part = part_of(c, slot, i);
+        parts->g[at + i] += part * q;
+        parts->d[at + i] += part * part * Q;
+        for (size_t j = 0; j <= i; j++) {
+            row[at + j] += part * part_of(c, slot, j) * Q;
+        }
+        for (size_t k = 0; camera >= 0 && k < 6; k++) {
+            row[(size_t)camera + k] += part * across[k];
         }
     }
-    for (size_t other = 0; other <= slot; other++) {
-        if (is_clock) {
-            subtract_camera(s, parts, &c, slot, other);
+}
+
+/* H_p^-1 w of the clock of a slot, and what its right side loses: (H_p^-1 w) g_p. */
+static void eliminate_right(const rigcal_rig_solver *s, const rc_rig_parts *parts,
+                            const clock_parts *c, size_t slot)
+{
+    const rc_sym6_factor *const L = (const rc_sym6_factor *)(const void *)s->Hp;
+    rigcal_real *const z = &c->z[6 * slot];
+    for (size_t k = 0; k < 6; k++) {
+        z[k] = c->w[6 * slot + k];
+    }
+    rc_sym6_forward(z, L);
+    const rigcal_real lost = rc_vec6_dot(z, s->gp); /* L^-1 g_p */
+    rc_sym6_backward(z, L);
+    for (size_t i = 0; i < unknowns_of(s->rig->clocks); i++) {
+        parts->g[unknown_of(c, slot) + i] -= part_of(c, slot, i) * lost;
+    }
+}
+
+/* row[k] -= part lost[k] */
+static void subtract(rigcal_real row[], rigcal_real part, const rigcal_real lost[],
+                     size_t n)
+{
+    for (size_t k = 0; k < n; k++) {
+        row[k] -= part * lost[k];
+    }
+}
+
+/* What the clock of slot a has in common with the camera and the clock of slot b, as both
+ * depend on the placement. */
+static void eliminate_pair(const rigcal_rig_solver *s, const rc_rig_parts *parts,
+                           const clock_parts *c, size_t a, size_t b)
+{
+    const size_t n = unknowns_of(s->rig->clocks), at = unknown_of(c, a);
+    const rigcal_real *const z = &c->z[6 * a];
+    const rigcal_real *const W = &parts->W[36 * b];
+    const int is_free_camera = parts->slot[b] >= 0;
+    const int is_lower = has_clock(c, b) && unknown_of(c, b) <= at;
+    rigcal_real by_camera[6], by_clock[2];
+    for (size_t k = 0; is_free_camera && k < 6; k++) {
+        by_camera[k] = rc_vec6_dot(z, &W[6 * k]);
+    }
+    if (is_lower) {
+        by_clock[0] = rc_vec6_dot(z, &c->w[6 * b]);
+        by_clock[1] = c->since[b] * by_clock[0];
+    }
+    for (size_t i = 0; i < n; i++) {
+        rigcal_real *const row = &parts->S[rc_packed_at(at + i, 0)];
+        const rigcal_real part = part_of(c, a, i);
+        if (is_free_camera) {
+            subtract(&row[(size_t)parts->slot[b]], part, by_camera, 6);
         }
-        if (has_clock(&c, other)) {
-            if (other < slot) {
-                subtract_camera(s, parts, &c, other, slot);
+        if (is_lower) { /* of its own clock the lower triangle */
+            subtract(&row[unknown_of(c, b)], part, by_clock, (a == b) ? i + 1 : n);
+        }
+    }
+}
+
+/* All clocks of the placement against slot s->row, of whose camera W is as it was added. */
+static void eliminate(const rigcal_rig_solver *s, const rc_rig_parts *parts,
+                      const clock_parts *c)
+{
+    const size_t count = rc_rig_views_of(parts, s->placement);
+    for (size_t slot = 0; slot < count; slot++) {
+        if (has_clock(c, slot)) {
+            if (s->row == 0) {
+                eliminate_right(s, parts, c, slot);
             }
-            if (is_clock) {
-                subtract_clocks(s, parts, &c, slot, other);
-            }
+            eliminate_pair(s, parts, c, slot, s->row);
         }
     }
 }
@@ -469,76 +291,74 @@ static void hold_unknown(rigcal_rig_solver *s, const rc_rig_parts *parts, size_t
     s->n_clocks--;
 }
 
-/* The drift goes with the offset. */
-static int hold(rigcal_rig_solver *s, const rc_rig_parts *parts, size_t row)
+/* Row s->row, if it is that of a clock of camera i: whether it can be factored. */
+static void try_row(rigcal_rig_solver *s, const rc_rig_parts *parts, const clock_parts *c,
+                    size_t i)
 {
-    clock_parts c;
-    clock_parts_of(&c, parts, s);
-    for (size_t i = 0; i < s->rig->n_cameras; i++) {
-        const rigcal_real at = (rigcal_real)row - c.column[i];
-        if (c.column[i] >= 0 && at >= 0 && at < (rigcal_real)unknowns_of(s->rig->clocks)) {
-            s->rig->clocks->states[i] = RIGCAL_CLOCK_UNTESTABLE;
-            hold_unknown(s, parts, row);
-            return 1;
-        }
+    rigcal_real *const row = &parts->S[rc_packed_at(s->row, 0)], *const kept = parts->W;
+    if (!(c->column[i] >= 0) || s->row < (size_t)c->column[i] ||
+        s->row >= (size_t)c->column[i] + unknowns_of(s->rig->clocks)) {
+        return;
     }
-    return 0;
+    for (size_t k = 0; k <= s->row; k++) {
+        kept[k] = row[k];
+    }
+    if (!rc_packed_factor_row(parts->S, s->row, RANK_TOL * parts->d[s->row])) {
+        s->rig->clocks->states[i] = RIGCAL_CLOCK_UNTESTABLE;
+        hold_unknown(s, parts, s->row);
+        return;
+    }
+    for (size_t k = 0; k <= s->row; k++) {
+        row[k] = kept[k];
+    }
 }
 
-/* All equations have been added: which clocks there is something known of. */
-static void reduced(rigcal_rig_solver *s, const rc_rig_parts *parts)
+static int32_t state_of(const rigcal_rig_solver *s, const clock_parts *c, size_t i)
+{
+    const rigcal_real seen = c->count[2 * i], moving = c->count[2 * i + 1];
+    return !(seen > 0)                                                ? RIGCAL_CLOCK_UNSEEN
+           : !(c->column[i] >= 0)                                     ? RIGCAL_CLOCK_HELD
+           : !(moving > 0)                                            ? RIGCAL_CLOCK_ALONE
+           : !(c->moved[i] > STILL * variance_of(s, s->sum) * moving) ? RIGCAL_CLOCK_STILL
+                                                                      : RIGCAL_CLOCK_FREE;
+}
+
+/* All views have been added: which clocks something is known of. Where views are of another
+ * instant than their placement, the motion lags by a step, so that the last digits of the
+ * sum need not fall. */
+static void choose_clocks(rigcal_rig_solver *s, const rc_rig_parts *parts,
+                          const clock_parts *c)
 {
     rigcal_rig_clocks *const clocks = s->rig->clocks;
-    clock_parts c;
-    clock_parts_of(&c, parts, s);
-    const rigcal_real freedom =
-        2 * (rigcal_real)(int32_t)s->n_points - 6 * (rigcal_real)(int32_t)s->n_used;
-    rigcal_real sigma2 = s->rig->sigma_px * s->rig->sigma_px;
-    if (!(sigma2 > 0) && freedom > 0) {
-        sigma2 = ((s->own_sum > 0) ? s->own_sum : s->sum) / freedom;
-    }
     s->n_clocks = 0;
     for (size_t i = 0; i < s->rig->n_cameras; i++) {
-        int32_t state = RIGCAL_CLOCK_FREE;
-        if (!(c.count[2 * i] > 0)) {
-            state = RIGCAL_CLOCK_UNSEEN;
-        } else if (!(c.column[i] >= 0)) {
-            state = RIGCAL_CLOCK_HELD;
-        } else if (!(c.count[2 * i + 1] > 0)) {
-            state = RIGCAL_CLOCK_ALONE;
-        } else if (c.moved[i] < STILL * sigma2 * c.count[2 * i + 1]) {
-            state = RIGCAL_CLOCK_STILL;
-        }
-        clocks->states[i] = state;
-        if (c.column[i] >= 0) {
-            const size_t at = (size_t)c.column[i];
-            s->n_clocks += unknowns_of(clocks);
-            for (size_t k = 0; state != RIGCAL_CLOCK_FREE && k < unknowns_of(clocks); k++) {
-                hold_unknown(s, parts, at + k);
+        clocks->states[i] = state_of(s, c, i);
+        for (size_t k = 0; c->column[i] >= 0 && k < unknowns_of(clocks); k++) {
+            s->n_clocks++;
+            if (clocks->states[i] != RIGCAL_CLOCK_FREE) {
+                hold_unknown(s, parts, (size_t)c->column[i] + k);
             }
         }
     }
-    if (s->n_clocks > 0 || clocks->memory.moved != 0) {
-        s->negligible = rc_max(s->negligible, GAIN_ENOUGH * s->sum /
-                                                  (2 * (rigcal_real)(int32_t)s->n_points));
+    if (s->n_clocks > 0 || clocks->memory.is_moved != 0) {
+        s->negligible =
+            rc_max(s->negligible, GAIN_ENOUGH * s->sum / (2 * real_of(s->n_points)));
     }
 }
 
 /* ---- a pass -------------------------------------------------------------- */
 
-/* (H10): the mean time of the placement's views, or RC_MAX. */
-static rigcal_real mean_time(const rigcal_rig_solver *s, const rc_rig_parts *parts)
+/* (H10): the mean time of the views of placement f, or RC_MAX. */
+static rigcal_real mean_time(const rigcal_rig_solver *s, size_t f, size_t begin, size_t end)
 {
     const rigcal_rig *const rig = s->rig;
-    const rigcal_rig_clocks *const clocks = rig->clocks;
-    const size_t end = s->view + rc_rig_views_of(parts, s->placement);
     rigcal_real sum = 0, count = 0, first = 0;
-    for (size_t v = s->view; v < end; v++) {
+    for (size_t v = begin; v < end; v++) {
         rigcal_rig_view view;
-        const rigcal_real stamp = stamp_of(clocks, s->placement, v);
-        if (!rc_rig_is_left_out(rig, v) && is_known(stamp) &&
+        const rigcal_real stamp = rc_times_stamp(rig->clocks, f, v);
+        if (!rc_rig_is_left_out(rig, v) && rc_times_is_known(stamp) &&
             rc_rig_view_at(&view, rig, v) == RIGCAL_OK) {
-            const rigcal_real time = time_of(clocks, stamp, (size_t)view.camera);
+            const rigcal_real time = rc_times_of(rig->clocks, stamp, (size_t)view.camera);
             first = (count > 0) ? first : time;
             sum += time - first;
             count += 1;
@@ -547,119 +367,235 @@ static rigcal_real mean_time(const rigcal_rig_solver *s, const rc_rig_parts *par
     return (count > 0) ? first + sum / count : RC_MAX;
 }
 
-/* The placement, with its pose, at that time. */
-static void centre(const rigcal_rig_solver *s, const rc_rig_parts *parts)
+/* Placement f, with its pose, at that time. */
+static void centre(const rigcal_rig_solver *s, const rc_rig_parts *parts, size_t f,
+                   rigcal_real time)
 {
     const rigcal_rig *const rig = s->rig;
-    const size_t f = s->placement;
     rigcal_real *const instant = &rig->clocks->instants[f];
     rigcal_transform *const pose = &rig->rig_from_placements[f];
-    const rigcal_real time = mean_time(s, parts);
     if (s->evals < 2) { /* the first pass: poses are as they were handed in */
         *instant = time;
     } else if (RC_FABS(time - *instant) > CENTRE_ENOUGH * rig->clocks->frame) {
-        rigcal_real d[6], velocity[6];
+        rigcal_real d[6];
         rigcal_motion motion;
         rc_path path;
-        path_of(&path, rig, rig->rig_from_placements);
+        rc_times_path(&path, rig, rig->rig_from_placements);
         rc_motion_of(&motion, &path, f);
-        rc_motion_at(d, velocity, &motion, time - *instant);
+        rc_motion_at(d, NULL, &motion, time - *instant);
         rc_motion_move(pose, d);
         *instant = time;
     }
     parts->saved[rig->n_cameras + f] = *pose;
 }
 
-/* The motion of the placement that comes next, from where the last step began. */
+/* Before the views of a pass are read: one placement at its instant. A pass that tries no
+ * step is where the last step that helped ended. */
+static void centring_step(const rigcal_rig_solver *s, const rc_rig_parts *parts,
+                          const clock_parts *c)
+{
+    rigcal_clock_memory *const memory = &s->rig->clocks->memory;
+    const size_t f = (size_t)memory->next, begin = (size_t)memory->view;
+    const size_t end = begin + rc_rig_views_of(parts, f);
+    if (f == 0) {
+        if (!s->is_trial && !s->is_last) {
+            restore(s, c);
+        }
+        rc_clear(c->moved, 3 * s->rig->n_cameras);
+        memory->is_moved = 0;
+    }
+    centre(s, parts, f, mean_time(s, f, begin, end));
+    memory->view = (int32_t)end;
+    memory->next++;
+    if ((size_t)memory->next == s->rig->n_placements) {
+        memory->next = memory->view = 0;
+        memory->pass = s->evals;
+        memory->placement = -1;
+    }
+}
+
+/* The motion of the placement that comes next, by where the last step began. */
 static void begin_placement(const rigcal_rig_solver *s, const rc_rig_parts *parts,
                             const clock_parts *c)
 {
-    const rigcal_rig *const rig = s->rig;
-    rigcal_clock_memory *const memory = &rig->clocks->memory;
-    memory->placement = -1;
-    if (s->placement < rig->n_placements) {
-        rc_path path;
-        path_of(&path, rig, &parts->saved[rig->n_cameras]);
-        rc_motion_of(&memory->motion, &path, s->placement);
-        memory->placement = (int32_t)s->placement;
-    }
-    for (size_t slot = 0; slot < rig->n_cameras; slot++) {
+    rigcal_clock_memory *const memory = &s->rig->clocks->memory;
+    rc_path path;
+    rc_times_path(&path, s->rig, &parts->saved[s->rig->n_cameras]);
+    rc_motion_of(&memory->motion, &path, s->placement);
+    rc_motion_at(memory->step, NULL, &memory->motion, memory->motion.nearest);
+    memory->placement = (int32_t)s->placement;
+    memory->is_first = 1;
+    for (size_t slot = 0; slot < s->rig->n_cameras; slot++) {
         c->camera[slot] = -1;
     }
 }
 
-/* How far the target moves to its nearest placement, against what is known of it. */
-static void placed(const rigcal_rig_solver *s, const clock_parts *c)
+/* Counts a view. The first one of a placement tells by how much that moves, for all. */
+static void count_view(const rigcal_rig_solver *s, const rc_rig_parts *parts,
+                       const clock_parts *c, const rigcal_real H[21], const rc_chain *chain,
+                       int32_t camera)
 {
-    const rigcal_motion *const motion = &s->rig->clocks->memory.motion;
-    rigcal_real d[6], velocity[6], Hd[6];
-    if (motion->n == 0) {
-        return;
+    rigcal_clock_memory *const memory = &s->rig->clocks->memory;
+    rigcal_real *const count = &c->count[2 * camera];
+    if (memory->is_first != 0) {
+        rigcal_real m[6], Hm[6];
+        rc_motion_seen(m, chain, memory->step);
+        rc_sym6_mul(Hm, H, m);
+        memory->moved = rc_vec6_dot(m, Hm) * real_of(rc_rig_views_of(parts, s->placement));
+        memory->is_first = 0;
     }
-    rc_motion_at(d, velocity, motion, motion->nearest);
-    rc_sym6_mul(Hd, s->Hp, d);
-    for (size_t slot = 0; slot < s->rig->n_cameras; slot++) {
-        if (c->camera[slot] >= 0) {
-            const size_t camera = (size_t)c->camera[slot];
-            c->moved[camera] += dot6(Hd, d);
-            c->count[2 * camera + 1] += 1;
-        }
-    }
+    c->camera[s->view - s->first] = (rigcal_real)camera;
+    c->moved[camera] += memory->moved;
+    count[0] += 1;
+    count[1] += (memory->motion.n > 0) ? 1 : 0;
 }
 
-/* Of the unknowns `of`, the offsets or the drifts, unknown `which` of each clock. */
-static void move_clocks(const rigcal_rig_solver *s, const rc_rig_parts *parts,
-                        const clock_parts *c, rigcal_real of[], size_t which, int32_t what)
+/* A view by its points, at its time. */
+static rigcal_status equations_of_points(rigcal_real *sum, rigcal_real g[6],
+                                         rigcal_real H[21], rc_chain *chain,
+                                         int32_t *camera, const rigcal_rig_solver *s)
 {
-    const size_t n = s->rig->n_cameras;
-    for (size_t i = 0; of != NULL && i < n; i++) {
-        rigcal_real *const saved = &c->saved[which * n + i];
-        if (what == RC_CLOCKS_RESTORE) {
-            of[i] = *saved;
-        } else {
-            *saved = of[i];
-            if (c->column[i] >= 0 && which < unknowns_of(s->rig->clocks)) {
-                of[i] += parts->g[(size_t)c->column[i] + which];
+    rigcal_rig_view v;
+    const rigcal_status status = rc_rig_view_at(&v, s->rig, s->view);
+    if (status != RIGCAL_OK) {
+        return status;
+    }
+    *camera = v.camera;
+    rc_rig_chain(chain, s->rig, v.camera, s->placement, s->view);
+    return rc_rig_equations(sum, g, H, &v, &chain->cam_from_target);
+}
+
+static rigcal_status equations(rigcal_real *sum, rigcal_real g[6], rigcal_real H[21],
+                               rc_chain *chain, int32_t *camera, const rigcal_rig_solver *s)
+{
+    const int is_reducing = s->phase == RC_RIG_REDUCING;
+    rc_rig_parts parts;
+    clock_parts c;
+    const rigcal_status status = (s->timed == &rc_given_points)
+                                     ? equations_of_points(sum, g, H, chain, camera, s)
+                                     : s->timed->equations(sum, g, H, chain, camera, s);
+    if (status != RIGCAL_OK) {
+        return status;
+    }
+    rc_rig_parts_of(&parts, s->rig, s->n);
+    clock_parts_of(&c, &parts, s);
+    if (is_reducing) {
+        count_view(s, &parts, &c, H, chain, *camera);
+    }
+    rc_times_weigh(sum, g, H, chain, s->rig);
+    if (is_reducing && has_clock(&c, s->view - s->first)) {
+        add(s, &parts, &c, g, H, chain);
+    }
+    return RIGCAL_OK;
+}
+
+/* ---- the search ---------------------------------------------------------- */
+
+static void move(const rigcal_rig_solver *s, const rc_rig_parts *parts)
+{
+    rigcal_rig_clocks *const clocks = s->rig->clocks;
+    clock_parts c;
+    clock_parts_of(&c, parts, s);
+    rc_rig_move(s, parts);
+    for (size_t i = 0; i < s->rig->n_cameras; i++) {
+        if (c.column[i] >= 0) {
+            clocks->offsets[i] += parts->g[(size_t)c.column[i]];
+            if (unknowns_of(clocks) > 1) {
+                clocks->drifts[i] += parts->g[(size_t)c.column[i] + 1];
             }
         }
     }
 }
 
-static void tell(rigcal_rig_solver *s, const rc_rig_parts *parts, int32_t what)
+/* Before the views of a placement. 1: it was a unit of its own. */
+static int prepare_view(rigcal_rig_solver *s, const rc_rig_parts *parts,
+                        const clock_parts *c)
 {
-    rigcal_rig_clocks *const clocks = s->rig->clocks;
-    clock_parts c;
-    clock_parts_of(&c, parts, s);
-    switch (what) {
-    case RC_CLOCKS_CENTRE:
-        if (s->placement == 0) {
-            rc_clear(c.moved, 3 * s->rig->n_cameras);
-            clocks->memory.moved = 0;
-        }
-        centre(s, parts);
-        break;
-    case RC_CLOCKS_PLACEMENT:
-        begin_placement(s, parts, &c);
-        break;
-    case RC_CLOCKS_PLACED:
-        placed(s, &c);
-        break;
-    case RC_CLOCKS_REDUCED:
-        reduced(s, parts);
-        break;
-    case RC_CLOCKS_MOVE:
-    case RC_CLOCKS_RESTORE:
-        move_clocks(s, parts, &c, clocks->offsets, 0, what);
-        move_clocks(s, parts, &c, clocks->drifts, 1, what);
-        break;
-    default:
-        clocks->memory.placement = -1;
-        break;
+    if (s->rig->clocks->memory.pass != s->evals) {
+        centring_step(s, parts, c);
+        return 1;
+    }
+    begin_placement(s, parts, c);
+    return 0;
+}
+
+static void prepare_row(rigcal_rig_solver *s, const rc_rig_parts *parts,
+                        const clock_parts *c)
+{
+    if (s->row == 0) {
+        save(s, c); /* the last step helped */
+    }
+    for (size_t i = 0; s->row < s->n && i < s->rig->n_cameras; i++) {
+        try_row(s, parts, c, i);
     }
 }
 
-static const struct rigcal_clock_calls CALLS = {check, begin, tell,      place,
-                                                weigh, add,   eliminate, hold};
+/* What comes before a unit of the search. 1: it was a unit itself. */
+static int prepare(rigcal_rig_solver *s)
+{
+    const rigcal_clock_memory *const memory = &s->rig->clocks->memory;
+    rc_rig_parts parts;
+    clock_parts c;
+    const int is_view = s->phase == RC_RIG_SETTLING || s->phase == RC_RIG_REDUCING;
+    if (is_view && memory->pass == s->evals && memory->placement == (int32_t)s->placement) {
+        return 0;
+    }
+    rc_rig_parts_of(&parts, s->rig, s->n);
+    clock_parts_of(&c, &parts, s);
+    if (is_view) {
+        return prepare_view(s, &parts, &c);
+    }
+    if (s->phase == RC_RIG_ELIMINATING) {
+        eliminate(s, &parts, &c);
+    } else if (s->phase == RC_RIG_PRIORS && s->row == 0) {
+        choose_clocks(s, &parts, &c);
+    } else if (s->phase == RC_RIG_FACTORING) {
+        prepare_row(s, &parts, &c);
+    }
+    return 0;
+}
+
+static void step(rigcal_rig_solver *s)
+{
+    if (s->phase == RC_RIG_CHECKED) {
+        const rigcal_status status = number(s);
+        if (status != RIGCAL_OK) {
+            rc_rig_end(s, status, -1);
+            return;
+        }
+    } else if (s->phase != RC_RIG_CHECKING && prepare(s)) {
+        return;
+    }
+    rc_rig_step(s);
+    if (s->phase == RC_RIG_DONE) {
+        rigcal_clock_memory *const memory = &s->rig->clocks->memory;
+        memory->placement = -1;
+        if (s->search.status == RIGCAL_OK && s->n_clocks > 0 &&
+            s->promised > GAIN_LEFT * s->negligible) {
+            s->search.status = RIGCAL_BUDGET_SPENT;
+        }
+    }
+}
+
+static const struct rigcal_rig_given TIMED = {rc_rig_check_points, equations, step, move,
+                                              0};
+
+static rigcal_status begin(rigcal_rig_solver *s)
+{
+    rigcal_clock_memory *const memory = &s->rig->clocks->memory;
+    const rigcal_status status = rc_times_check(s->rig);
+    if (status != RIGCAL_OK) {
+        *s = (rigcal_rig_solver){0}; /* it has not begun */
+        return status;
+    }
+    memory->placement = -1;
+    memory->pass = memory->next = memory->view = 0;
+    s->timed = s->given;
+    s->given = &TIMED;
+    return RIGCAL_OK;
+}
+
+static const struct rigcal_clock_calls CALLS = {begin, rc_times_place, rc_times_weigh};
 
 /* ---- public -------------------------------------------------------------- */
 
@@ -681,56 +617,29 @@ rigcal_status rigcal_clocks_sigma(rigcal_real offsets[], rigcal_real drifts[],
     rigcal_real Sigma[36];
     rc_rig_parts parts;
     size_t at = 0;
-    if (offsets == NULL || (rig != NULL && rig->clocks == NULL)) {
+    if (offsets == NULL || rig == NULL || rig->clocks == NULL) {
         return RIGCAL_ERR_NULL;
     }
     const rigcal_status status = rigcal_rig_covariance(Sigma, rig, sigma_px, 0);
     if (status != RIGCAL_OK) {
         return status;
     }
-    const rigcal_rig_clocks *const clocks = rig->clocks;
     rc_rig_parts_of(&parts, rig, 0);
     for (size_t c = 0; c < rig->n_cameras; c++) {
         at += (parts.column[c] >= 0) ? 6 : 0;
     }
     for (size_t c = 0; c < rig->n_cameras; c++) {
-        const int has_column = clocks->states[c] != RIGCAL_CLOCK_HELD &&
-                               clocks->states[c] != RIGCAL_CLOCK_UNSEEN;
-        const int is_asked = clocks->states[c] == RIGCAL_CLOCK_FREE;
         rigcal_real sigma[2] = {0, 0};
-        for (size_t i = 0; has_column && i < unknowns_of(clocks); i++) {
-            sigma[i] = is_asked ? sigma_px * RC_SQRT(parts.S[rc_packed_at(at, at)]) : 0;
+        for (size_t i = 0; is_free(rig, c) && i < unknowns_of(rig->clocks); i++) {
+            if (rig->clocks->states[c] == RIGCAL_CLOCK_FREE) {
+                sigma[i] = sigma_px * RC_SQRT(parts.S[rc_packed_at(at, at)]);
+            }
             at++;
         }
         offsets[c] = sigma[0];
         if (drifts != NULL) {
             drifts[c] = sigma[1];
         }
-    }
-    return RIGCAL_OK;
-}
-
-rigcal_status rigcal_clocks_frames(int32_t frames[], const rigcal_rig_clocks *clocks,
-                                   size_t n_cameras)
-{
-    if (frames == NULL || clocks == NULL || clocks->offsets == NULL) {
-        return RIGCAL_ERR_NULL;
-    }
-    if (!rc_is_finite(clocks->frame)) {
-        return RIGCAL_ERR_NOT_FINITE;
-    }
-    if (!(clocks->frame > 0)) {
-        return RIGCAL_ERR_RANGE;
-    }
-    for (size_t c = 0; c < n_cameras; c++) {
-        const rigcal_real by = clocks->offsets[c] / clocks->frame;
-        if (!rc_is_finite(by)) {
-            return RIGCAL_ERR_NOT_FINITE;
-        }
-        if (RC_FABS(by) > FRAMES_MOST) {
-            return RIGCAL_ERR_RANGE;
-        }
-        frames[c] = (int32_t)((by < 0) ? by - RC(0.5) : by + RC(0.5));
     }
     return RIGCAL_OK;
 }

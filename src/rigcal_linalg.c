@@ -400,6 +400,7 @@ void rc_packed_square_row(rigcal_real L_inverse[], size_t i, size_t n)
 extern inline rigcal_real rc_max(rigcal_real a, rigcal_real b);
 extern inline rigcal_real rc_min(rigcal_real a, rigcal_real b);
 extern inline rigcal_real rc_vec3_dot(const rigcal_real a[3], const rigcal_real b[3]);
+extern inline rigcal_real rc_vec6_dot(const rigcal_real a[6], const rigcal_real b[6]);
 extern inline void rc_vec3_cross(rigcal_real out[3], const rigcal_real a[3],
                                  const rigcal_real b[3]);
 extern inline void rc_vec3_copy(rigcal_real out[3], const rigcal_real a[3]);

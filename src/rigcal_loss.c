@@ -59,14 +59,14 @@ static rigcal_status equations_by_loss(rigcal_real *sum, rigcal_real g[6],
             rc_rigid_add(g, H, B, q, e, of_point * weight, NULL, 0);
         }
     }
-    if (s->clocks != NULL) {
-        s->clocks->weigh(sum, g, H, chain, s->rig);
+    if (s->rig->clocks != NULL) {
+        s->rig->clocks->calls->weigh(sum, g, H, chain, s->rig);
     }
     return rc_is_finite(*sum) ? RIGCAL_OK : RIGCAL_ERR_NO_RAY;
 }
 
 static const struct rigcal_rig_given GIVEN_LOSS = {rc_rig_check_points, equations_by_loss,
-                                                   0};
+                                                   rc_rig_step, rc_rig_move, 0};
 
 rigcal_status rigcal_rig_robust_begin(rigcal_rig_solver *solver, rigcal_rig *rig,
                                       int32_t loss)

@@ -2,9 +2,12 @@
 
 /* ---- constants ----------------------------------------------------------- */
 
-/* terms: of the series of the sine and cosine of half a turn. They are exact to rounding up
- * to half a circle. */
+/* terms: of the series of the sine and cosine of half a turn, at most. They are exact to
+ * rounding up to half a circle. */
 enum { SERIES_TERMS = 11 };
+
+/* of 1: a term of that series that is less is rounding. */
+#define TERM_LEAST (RC_EPS / 4)
 
 /* ---- neighbours in time (H1) --------------------------------------------- */
 
@@ -99,14 +102,20 @@ void rc_motion_of(rc_motion *motion, const rc_path *path, size_t f)
 void rc_motion_at(rigcal_real d[6], rigcal_real xi[6], const rc_motion *motion,
                   rigcal_real after)
 {
-    for (int k = 0; k < 6; k++) {
-        rigcal_real place = 0, speed = 0;
-        for (int row = motion->n - 1; row >= 0; row--) {
-            place = after * place + motion->c[row][k];
-            speed = after * speed + (rigcal_real)(row + 1) * motion->c[row][k];
+    rc_clear(d, 6);
+    for (int row = motion->n - 1; row >= 0; row--) {
+        for (int k = 0; k < 6; k++) {
+            d[k] = after * (d[k] + motion->c[row][k]);
         }
-        d[k] = after * place;
-        xi[k] = speed;
+    }
+    if (xi == NULL) {
+        return;
+    }
+    rc_clear(xi, 6);
+    for (int row = motion->n - 1; row >= 0; row--) {
+        for (int k = 0; k < 6; k++) {
+            xi[k] = after * xi[k] + (rigcal_real)(row + 1) * motion->c[row][k];
+        }
     }
 }
 
@@ -117,7 +126,7 @@ void rc_motion_move(rigcal_transform *pose, const rigcal_real d[6])
     rigcal_real longer[6];
     const rigcal_real xx = rc_vec3_dot(d, d) / 4;
     rigcal_real term = 1, sine_by_x = 1, cosine = 1;
-    for (int k = 1; k <= SERIES_TERMS; k++) {
+    for (int k = 1; k <= SERIES_TERMS && RC_FABS(term) > TERM_LEAST; k++) {
         const rigcal_real even = (rigcal_real)(2 * k);
         term *= -xx / (even * (even - 1));
         cosine += term;

@@ -50,7 +50,7 @@ rigcal_status rigcal_rig_step(rigcal_rig_solver *solver, int32_t budget)
         return status;
     }
     for (; budget > 0 && solver->phase != RC_RIG_DONE; budget--) {
-        rc_rig_step(solver);
+        solver->given->step(solver);
     }
     return (solver->phase == RC_RIG_DONE) ? RIGCAL_OK : RIGCAL_RUNNING;
 }

@@ -33,6 +33,7 @@ typedef struct {
     size_t rig_camera;
     size_t placement; /* of the rig: that of its frame, unless frames are paired anew */
     int in_rig;       /* its points count in the rig */
+    size_t rig_view;  /* of the rig, which view it is; where in_rig */
     int is_left_out;  /* it contradicts others, and does not */
     int is_told;      /* why has been told */
     int is_repeated;  /* another frame has the same pixels */
@@ -165,6 +166,7 @@ void view_take(const calibration *c, view *v, size_t pose);
  * of any pose. */
 typedef struct {
     rigcal_real duv[2], error_px;
+    int is_known; /* of view_residuals_in_rig */
 } residual;
 const char *view_point_name(const calibration *c, const view *v, size_t k);
 int view_leaves_out(const view *v, size_t k);
@@ -181,6 +183,11 @@ const char *rig_frame_name(const calibration *c);
 /* Where the rig puts the target for the camera. Of a view that is not in the rig: the
  * pose taken. */
 rigcal_transform view_in_rig(const calibration *c, const view *v);
+
+/* What is observed less where the rig puts it, of each point of the view: NULL where it is
+ * not known. Points that do not count are left by the placement as it is at its instant. It
+ * holds until the next call. */
+const residual *view_residuals_in_rig(const calibration *c, const view *v);
 
 /* Covariance of (w, dt) of a pose, and the standard deviations of its rotation and of the
  * camera's centre. */

@@ -414,7 +414,7 @@ void consider_intrinsics(calibration *c)
         sigmas[i] = c->intrinsics;
     }
     c->rig.intrinsics_sigmas = sigmas;
-    c->considered.capacity = rigcal_consider_work(n, n);
+    c->considered.capacity = rigcal_consider_work(n, n) + rigcal_consider_clocks_work(n);
     c->considered.effects =
         cli_alloc(c->considered.capacity, sizeof *c->considered.effects);
     status = rigcal_rig_consider(&c->considered, &at_fault, &c->rig);
@@ -446,6 +446,49 @@ static double in_unit(const calibration *c, rigcal_real time)
     return (double)time * (c->times.is_frames ? 1 : 1000);
 }
 
+/* What the command line has for what is to be done. */
+static void print_option(const calibration *c)
+{
+    const int is_found = c->verdict.verdict == RIGCAL_RIG_EXPLAINED ||
+                         c->verdict.verdict == RIGCAL_RIG_FOUND;
+
+    if (c->times.path == NULL && c->verdict.verdict >= RIGCAL_RIG_FOUND) {
+        printf("(--times FILE takes the times of the frames.)\n");
+    } else if (is_found && !c->times.is_free && c->faults[0].kind <= RIGCAL_FAULT_CLOCKS) {
+        printf("(--clocks estimates the clocks%s.)\n",
+               c->faults[0].kind == RIGCAL_FAULT_DRIFT ? ", --drift how fast they run"
+                                                       : "");
+    } else if (c->times.is_free && !(c->times.sigma > 0) &&
+               (c->verdict.bits & RIGCAL_FAULTS_ALONG_MOTION) != 0) {
+        printf("(--sigma-time tells how uncertain a time is by itself.)\n");
+    }
+}
+
+/* The sentences; the placements that they number, by the names of their frames. */
+static void print_frames(const calibration *c, const char *text)
+{
+    static const char WORD[] = "placement ";
+    const char *at;
+
+    while ((at = strstr(text, WORD)) != NULL) {
+        char *end;
+        const char *number = at + sizeof WORD - 1;
+        const unsigned long placement = strtoul(number, &end, 10);
+        const char *name = end != number && placement < c->rig.n_placements
+                               ? name_of_placement(c, placement)
+                               : "";
+
+        if (*name == '\0') {
+            printf("%.*s", (int)(number - text), text);
+            text = number;
+        } else {
+            printf("%.*sframe %s", (int)(at - text), text, name);
+            text = end;
+        }
+    }
+    printf("%s\n", text);
+}
+
 void print_verdict(const calibration *c)
 {
     rigcal_faults_words words;
@@ -463,7 +506,8 @@ void print_verdict(const calibration *c)
     text = cli_alloc(needed + 1, 1);
     if (rigcal_faults_text(text, needed + 1, &needed, &c->verdict, c->faults, &words) ==
         RIGCAL_OK) {
-        printf("%s\n", text);
+        print_frames(c, text);
+        print_option(c);
     }
 }
 

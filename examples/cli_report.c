@@ -135,24 +135,22 @@ static void print_caveat(const view *v)
  * see one of them there. *worst: the point that is farthest off. */
 static double rms_in_rig(const calibration *c, const view *v, outlier *worst)
 {
-    const rigcal_transform pose = view_in_rig(c, v);
+    const residual *list = view_residuals_in_rig(c, v);
     double sum = 0;
     size_t k;
 
     worst->error_px = -1;
     for (k = 0; k < v->n_seen; k++) {
-        residual r;
-
         if (view_leaves_out(v, k)) {
             continue;
         }
-        if (!pose_residual(&r, c, v, k, &pose)) {
+        if (list == NULL || !list[k].is_known) {
             return -1;
         }
-        sum += (double)r.error_px * (double)r.error_px;
-        if ((double)r.error_px > worst->error_px) {
+        sum += (double)list[k].error_px * (double)list[k].error_px;
+        if ((double)list[k].error_px > worst->error_px) {
             worst->point = k;
-            worst->error_px = (double)r.error_px;
+            worst->error_px = (double)list[k].error_px;
         }
     }
     return sqrt(sum / (double)v->n);

@@ -149,6 +149,7 @@ static void gather_views(calibration *c)
         v->in_rig = status == RIGCAL_OK;
         if (v->in_rig) {
             make_pose(&second[n], c, v, 1);
+            v->rig_view = n;
             c->view_of[n++] = places[i].view;
         } else if (c->n_paired == 0) { /* else it has been told */
             say_of_view(c, v, "is left out of the rig", status);
@@ -390,12 +391,28 @@ static void name_not_placed(const calibration *c, const int hidden[], size_t cou
                  count == 1 ? "has" : "have", rig_frame_name(c));
 }
 
-/* A frame with a view that is left out is told as that. */
+static int has_views(const calibration *c, size_t placement)
+{
+    size_t i;
+
+    for (i = 0; i < c->n_views; i++) {
+        if (c->views[i].placement == placement) {
+            return 1;
+        }
+    }
+    return 0;
+}
+
+/* A frame with a view that is left out is told as that. One whose only pictures are now
+ * paired with those of other frames is told there. */
 static void find_placed(calibration *c)
 {
     int *hidden = cli_alloc(c->rig.n_placements, sizeof *hidden);
     size_t i, n_apart = 0;
 
+    for (i = 0; i < c->observations.frames.count; i++) {
+        hidden[c->placement_of[i]] = c->n_paired > 0 && !has_views(c, c->placement_of[i]);
+    }
     for (i = 0; i < c->n_views; i++) {
         const view *v = &c->views[i];
 
@@ -439,6 +456,49 @@ rigcal_transform view_in_rig(const calibration *c, const view *v)
                                  &c->rig.rig_from_placements[v->placement]);
     }
     return pose;
+}
+
+/* Where the cameras have clocks, a view sees the target where it is at its own time. */
+static int put_residuals_by_clocks(residual list[], const calibration *c, const view *v)
+{
+    rigcal_real *duv = cli_alloc(2 * v->n, sizeof *duv);
+    size_t n, k, i = 0;
+    const rigcal_status status =
+        rigcal_rig_residuals(duv, 2 * v->n, &n, &c->rig, v->rig_view);
+
+    for (k = 0; status == RIGCAL_OK && k < v->n_seen; k++) {
+        if (!view_leaves_out(v, k)) {
+            list[k].duv[0] = duv[2 * i];
+            list[k].duv[1] = duv[2 * i + 1];
+            list[k].error_px =
+                (rigcal_real)hypot((double)list[k].duv[0], (double)list[k].duv[1]);
+            i++;
+        }
+    }
+    cli_free(duv);
+    return status == RIGCAL_OK;
+}
+
+const residual *view_residuals_in_rig(const calibration *c, const view *v)
+{
+    static residual *list;
+    static size_t room;
+    const rigcal_transform pose = view_in_rig(c, v);
+    size_t k;
+
+    if (v->n_seen > room) {
+        room = 2 * v->n_seen;
+        list = list == NULL ? cli_alloc(room, sizeof *list)
+                            : cli_resize(list, room, sizeof *list);
+    }
+    for (k = 0; k < v->n_seen; k++) {
+        list[k].is_known = pose_residual(&list[k], c, v, k, &pose);
+    }
+    if (c->rig.clocks != NULL && c->is_adjusted && v->in_rig &&
+        !put_residuals_by_clocks(list, c, v)) {
+        return NULL;
+    }
+    return list;
 }
 
 /* Standard deviations of a pose whose covariance is Sigma: of the rotation, and of the

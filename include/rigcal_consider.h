@@ -40,7 +40,15 @@ typedef struct rigcal_considered rigcal_considered;
     (36 * (size_t)(n_cameras) * ((size_t)(n_free) + 1))
 RIGCAL_API size_t rigcal_consider_work(size_t n_free, size_t n_cameras);
 
-/* After rigcal_rig_adjust, of a rig with intrinsics_sigmas (NULL: all are exact). Sets
+/* More of them, for a rig with clocks. */
+#define RIGCAL_CONSIDER_CLOCKS_WORK(n_cameras) \
+    (4 * (size_t)(n_cameras) * (3 * (size_t)(n_cameras) + 2))
+RIGCAL_API size_t rigcal_consider_clocks_work(size_t n_cameras);
+
+/* With clocks that are free the cameras' covariances contain what the intrinsics do to
+ * them through the clocks. That of a placement is as without clocks.
+ *
+ * After rigcal_rig_adjust, of a rig with intrinsics_sigmas (NULL: all are exact). Sets
  * rig->considered. After rigcal_rig_adjust_robust all points count, the wrong ones too.
  * OK; ERR_NULL, ERR_NOT_FINITE, ERR_RANGE (a deviation below 0 or above 1e9), ERR_STATE
  * (not adjusted), ERR_CAPACITY, and those of views and sources: rig->considered is then

@@ -15,6 +15,11 @@ size_t rigcal_consider_work(size_t n_free, size_t n_cameras)
     return RIGCAL_CONSIDER_WORK(n_free, n_cameras);
 }
 
+size_t rigcal_consider_clocks_work(size_t n_cameras)
+{
+    return RIGCAL_CONSIDER_CLOCKS_WORK(n_cameras);
+}
+
 /* ---- which of the intrinsics ------------------------------------------------ */
 
 /* By RC_BY_FOCAL and so on. */
@@ -88,10 +93,30 @@ static rigcal_status add_points(rigcal_real H[21], rigcal_real E[RC_INTRINSICS][
     return RIGCAL_OK;
 }
 
-/* View `index`, which is of this placement, where the rig is. */
-static rigcal_status evaluate(rigcal_rig_view *v, rc_chain *chain, rigcal_real H[21],
-                              rigcal_real E[RC_INTRINSICS][6], const rigcal_rig *rig,
-                              size_t index, size_t placement)
+/* (H11): the noise of the view's stamp, out of H and E alike. m: its (w, dt) a second. */
+static void weigh(rigcal_real H[21], rigcal_real E[RC_INTRINSICS][6],
+                  const rigcal_real m[6], rigcal_real ratio2)
+{
+    rigcal_real Hm[6], full[36];
+    rc_sym6_mul(Hm, H, m);
+    const rigcal_real scale = 1 / (rc_vec6_dot(m, Hm) + ratio2);
+    rc_sym6_unpack(full, H);
+    for (int i = 0; i < 36; i++) {
+        full[i] -= scale * Hm[i / 6] * Hm[i % 6];
+    }
+    rc_sym6_pack(H, full);
+    for (int p = 0; p < RC_INTRINSICS; p++) {
+        const rigcal_real along = scale * rc_vec6_dot(m, E[p]);
+        rc_vec3_add_scaled(&E[p][0], -along, &Hm[0]);
+        rc_vec3_add_scaled(&E[p][3], -along, &Hm[3]);
+    }
+}
+
+/* View `index`, which is of this placement, where the rig is and the clocks stand. m: its
+ * (w, dt) a second; 0 without clocks. */
+static rigcal_status evaluate(rigcal_rig_view *v, rc_chain *chain, rigcal_real m[6],
+                              rigcal_real H[21], rigcal_real E[RC_INTRINSICS][6],
+                              const rigcal_rig *rig, size_t index, size_t placement)
 {
     rigcal_points points;
     rigcal_status status = rc_rig_view_at(v, rig, index);
@@ -105,32 +130,130 @@ static rigcal_status evaluate(rigcal_rig_view *v, rc_chain *chain, rigcal_real H
     if (status != RIGCAL_OK) {
         return status;
     }
-    rc_chain_of(chain, &rig->cams_from_rig[v->camera],
-                &rig->rig_from_placements[placement]);
-    return add_points(H, E, &points, &chain->cam_from_target);
+    rc_rig_chain(chain, rig, v->camera, placement, index);
+    status = add_points(H, E, &points, &chain->cam_from_target);
+    rc_clear(m, 6);
+    if (rig->clocks != NULL) {
+        rc_motion_seen(m, chain, rig->clocks->memory.velocity);
+        if (rig->clocks->memory.ratio2 > 0) {
+            weigh(H, E, m, rig->clocks->memory.ratio2);
+        }
+    }
+    return status;
 }
+
+/* ---- clocks ------------------------------------------------------------------ */
+
+/* The unknowns of the clock of a camera: *at is the first, counted from that of the first
+ * clock; how many there are. Of one that is held after all they are there, but fixed. */
+static size_t clock_of(size_t *at, const rigcal_rig *rig, size_t camera)
+{
+    const rigcal_rig_clocks *const clocks = rig->clocks;
+    size_t n = 0;
+    *at = 0;
+    for (size_t c = 0; clocks != NULL && c <= camera; c++) {
+        *at += n;
+        n = (clocks->free_offsets == 0 || clocks->states[c] == RIGCAL_CLOCK_HELD ||
+             clocks->states[c] == RIGCAL_CLOCK_UNSEEN)
+                ? 0
+            : (clocks->free_drifts != 0) ? 2
+                                         : 1;
+    }
+    return n;
+}
+
+static size_t unknowns_of_clocks(const rigcal_rig *rig)
+{
+    size_t at;
+    const size_t n = clock_of(&at, rig, rig->n_cameras - 1);
+    return at + n;
+}
+
+/* Of each view of the placement, in the memory behind Z: its clock by the placement; its
+ * stamp after the middle; the clock's first unknown, less than 0 where it is fixed. */
+enum { SLOT_SINCE = 6, SLOT_COLUMN = 7, SLOT = 8 };
+
+static rigcal_real *slots_of(const rc_border *b)
+{
+    return &b->Z[6 * b->k];
+}
+
+/* The view that has been added to the placement, by its clock: m is its (w, dt) a second,
+ * and H its equations. */
+static void begin_slot(rc_border *b, const rc_chain *chain, const rigcal_rig *rig,
+                       size_t camera, const rigcal_real m[6], const rigcal_real H[21])
+{
+    rigcal_real *const slot = &slots_of(b)[SLOT * (b->count - 1)];
+    rigcal_real Hm[6];
+    size_t at;
+    const size_t n = clock_of(&at, rig, camera);
+    slot[SLOT_COLUMN] = -1;
+    if (n > 0 && rig->clocks->states[camera] == RIGCAL_CLOCK_FREE) {
+        rc_sym6_mul(Hm, H, m);
+        rc_mat3_tmul_vec3(&slot[0], chain->R_c, &Hm[0]);
+        rc_mat3_tmul_vec3(&slot[3], chain->R_c, &Hm[3]);
+        slot[SLOT_SINCE] = (n > 1) ? rig->clocks->memory.since : 0;
+        slot[SLOT_COLUMN] = (rigcal_real)(b->n - unknowns_of_clocks(rig) + at);
+    }
+}
+
+/* T of a column and the clock of a slot, offset and drift, += by. */
+static void add_by_clock(rc_border *b, const rigcal_real slot[SLOT], size_t column,
+                         rigcal_real by)
+{
+    if (slot[SLOT_COLUMN] >= 0) {
+        rigcal_real *const T = &b->T[b->n * column + (size_t)slot[SLOT_COLUMN]];
+        T[0] += by;
+        if (slot[SLOT_SINCE] < 0 || slot[SLOT_SINCE] > 0) {
+            T[1] += slot[SLOT_SINCE] * by;
+        }
+    }
+}
+
+/* The placement has been eliminated from all else. */
+static void eliminate_clocks(rc_border *b)
+{
+    const rc_sym6_factor *const L = (const rc_sym6_factor *)(const void *)b->Hp;
+    for (size_t i = 0; i < b->count; i++) {
+        rigcal_real *const slot = &slots_of(b)[SLOT * i];
+        rc_sym6_forward(slot, L);
+        for (size_t column = 0; column < b->k; column++) {
+            add_by_clock(b, slot, column, -rc_vec6_dot(slot, &b->Z[6 * column]));
+        }
+    }
+}
+
+/* ---- a view of a placement ----------------------------------------------------- */
 
 /* Adds a view to the placement under way, if it is not left out. */
 static rigcal_status add_view(rc_border *b, const rigcal_rig *rig, size_t index,
                               size_t placement)
 {
+    rigcal_rig_view v;
+    rigcal_real g[6] = {0, 0, 0, 0, 0, 0}, m[6], H[21], by_view[21];
+    rigcal_real E[RC_INTRINSICS][6], sigma[RC_INTRINSICS];
+    rc_chain chain;
+    rc_rig_parts parts;
     if (rc_rig_is_left_out(rig, index)) {
         return RIGCAL_OK;
     }
     if (b->count >= rig->n_cameras) {
         return RIGCAL_ERR_STATE;
     }
-    rigcal_rig_view v;
-    rigcal_real g[6] = {0, 0, 0, 0, 0, 0}, H[21], E[RC_INTRINSICS][6], sigma[RC_INTRINSICS];
-    rc_chain chain;
-    rc_rig_parts parts;
-    const rigcal_status status = evaluate(&v, &chain, H, E, rig, index, placement);
+    const rigcal_status status = evaluate(&v, &chain, m, H, E, rig, index, placement);
     if (status != RIGCAL_OK) {
         return status;
     }
     const size_t c = (size_t)v.camera;
+    const int has_clocks = rig->clocks != NULL && b->T != NULL;
+    for (int i = 0; i < 21; i++) {
+        by_view[i] = H[i];
+    }
     rc_rig_parts_of(&parts, rig, 0);
     rc_border_view(b, &chain, parts.column[c], g, H);
+    if (has_clocks) {
+        begin_slot(b, &chain, rig, c, m, by_view);
+    }
     size_t column = columns_before(rig, c);
     deviations_of(sigma, rig, c);
     for (int p = 0; p < RC_INTRINSICS; p++) {
@@ -138,7 +261,12 @@ static rigcal_status add_view(rc_border *b, const rigcal_rig *rig, size_t index,
             for (int i = 0; i < 6; i++) {
                 E[p][i] *= sigma[p];
             }
-            rc_border_add(b, &chain, column++, E[p]);
+            rc_border_add(b, &chain, column, E[p]);
+            if (has_clocks) {
+                add_by_clock(b, &slots_of(b)[SLOT * (b->count - 1)], column,
+                             rc_vec6_dot(m, E[p]));
+            }
+            column++;
         }
     }
     return RIGCAL_OK;
@@ -306,26 +434,30 @@ static void eliminating_step(rigcal_consider_solver *s)
         end(s, RIGCAL_ERR_DEGENERATE, (int32_t)s->view - 1);
         return;
     }
+    if (s->rig->clocks != NULL) {
+        eliminate_clocks(&s->border);
+    }
     s->placement++;
     begin_placement(s);
 }
 
-/* A row of T becomes one of G. */
+/* A row of T becomes one of G, without what clocks do. */
 static void solving_step(rigcal_consider_solver *s)
 {
     rc_border *const b = &s->border;
+    const size_t n_cameras = b->n - unknowns_of_clocks(s->rig);
     rc_rig_parts parts;
     if (s->column < b->k) {
         rc_rig_parts_of(&parts, s->rig, b->n);
         rc_border_effect(parts.g, b, parts.S, s->column);
-        for (size_t i = 0; i < b->n; i++) {
-            b->T[b->n * s->column + i] = parts.g[i];
+        for (size_t i = 0; i < n_cameras; i++) {
+            b->T[n_cameras * s->column + i] = parts.g[i];
         }
         s->column++;
         return;
     }
     s->considered->by = &CONSIDERING;
-    s->considered->n = b->n;
+    s->considered->n = n_cameras;
     s->considered->k = b->k;
     s->rig->considered = s->considered;
     end(s, RIGCAL_OK, -1);
@@ -382,7 +514,9 @@ static rigcal_status check(size_t *n, const rigcal_considered *considered, rigca
     for (size_t c = 0; c < rig->n_cameras; c++) {
         *n += (parts.column[c] >= 0) ? 6 : 0;
     }
-    return (considered->capacity < (*n + 6) * columns_before(rig, rig->n_cameras))
+    *n += unknowns_of_clocks(rig);
+    const size_t slots = (rig->clocks == NULL) ? 0 : SLOT * rig->n_cameras;
+    return (considered->capacity < (*n + 6) * columns_before(rig, rig->n_cameras) + slots)
                ? RIGCAL_ERR_CAPACITY
                : RIGCAL_OK;
 }

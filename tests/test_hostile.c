@@ -1602,11 +1602,13 @@ enum { N_FUNCTIONS = sizeof FUNCTIONS / sizeof FUNCTIONS[0] };
 
 /* Those that take plain numbers only and have an answer for every one. */
 static const char *const HARMLESS[] = {
-    "rigcal_version",       "rigcal_sizeof_real",    "rigcal_status_name",
-    "rigcal_status_text",   "rigcal_layout_count",   "rigcal_pairs_for",
-    "rigcal_store_size",    "rigcal_rig_work",       "rigcal_choose_work",
-    "rigcal_judge_work",    "rigcal_store_rig_size", "rigcal_calibrated_size",
-    "rigcal_consider_work",
+    "rigcal_version",        "rigcal_sizeof_real",
+    "rigcal_status_name",    "rigcal_status_text",
+    "rigcal_layout_count",   "rigcal_pairs_for",
+    "rigcal_store_size",     "rigcal_rig_work",
+    "rigcal_choose_work",    "rigcal_judge_work",
+    "rigcal_store_rig_size", "rigcal_calibrated_size",
+    "rigcal_consider_work",  "rigcal_consider_clocks_work",
 };
 enum { N_HARMLESS = sizeof HARMLESS / sizeof HARMLESS[0] };
 

@@ -73,7 +73,7 @@ typedef struct {
     int is_frames;    /* --times frames: the unit is one frame, else 1 s */
     int is_free, has_drift;
     double sigma;     /* of a stamp by itself; 0: none */
-    double *of_frame; /* the mean of its views' */
+    double *of_frame; /* the middle one of its views' */
     stamp *stamps;    /* of each view, by camera and frame */
     size_t n_stamps;
 } known_times;

@@ -342,7 +342,8 @@ static rigcal_status adjust_and_test(calibration *c, int is_free)
 }
 
 /* Where clocks are to be free, and held ones explain why views disagree, no view is wrong,
- * however well the others then agree. */
+ * however well the others then agree. Nor is one where times are known, and all agree: the
+ * choice does not know of times. */
 static int test_views(calibration *c, uint8_t left_out[], size_t n_not_taken)
 {
     const int has_times = c->times.path != NULL;
@@ -350,7 +351,9 @@ static int test_views(calibration *c, uint8_t left_out[], size_t n_not_taken)
     if (!c->is_explained && (has_times || n_not_taken == 0)) {
         place_all(c);
         adjust_and_test(c, 0);
-        c->is_explained = is_explained(c, n_not_taken);
+        c->is_explained =
+            is_explained(c, n_not_taken) ||
+            (has_times && c->is_tested && c->verdict.verdict == RIGCAL_RIG_AGREES);
     }
     if (!c->times.is_free) {
         return c->is_explained ? TEST_EXPLAINS : TEST_TELLS_NOTHING;
@@ -452,7 +455,8 @@ static void print_option(const calibration *c)
     const int is_found = c->verdict.verdict == RIGCAL_RIG_EXPLAINED ||
                          c->verdict.verdict == RIGCAL_RIG_FOUND;
 
-    if (c->times.path == NULL && c->verdict.verdict >= RIGCAL_RIG_FOUND) {
+    if (c->times.path == NULL && c->verdict.verdict >= RIGCAL_RIG_FOUND &&
+        (c->verdict.bits & RIGCAL_FAULTS_PATTERN) == 0) {
         printf("(--times FILE takes the times of the frames.)\n");
     } else if (is_found && !c->times.is_free && c->faults[0].kind <= RIGCAL_FAULT_CLOCKS) {
         printf("(--clocks estimates the clocks%s.)\n",

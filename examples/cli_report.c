@@ -311,6 +311,19 @@ static void print_closure(const calibration *c)
     print_verdict(c);
 }
 
+/* What --intrinsics-sigma adds. */
+static void print_intrinsics(const calibration *c)
+{
+    const rigcal_intrinsics_sigma *s = &c->intrinsics;
+
+    if (c->considered.k > 0) {
+        printf("and for intrinsics that are uncertain by %.3g %% of f, %.3g %% of fx / fy, "
+               "%.3g px of the centre,\n%.3g of k1, %.3g of k2\n",
+               100 * (double)s->focal, 100 * (double)s->aspect, (double)s->centre,
+               (double)s->k1, (double)s->k2);
+    }
+}
+
 static void print_fit(const calibration *c)
 {
     printf("\nrig: %lu view%s, %lu points, ", (unsigned long)c->rig.n_views,
@@ -330,6 +343,7 @@ static void print_fit(const calibration *c)
     if (c->factor > 1) {
         printf("\nmultiplied by sqrt(F), %.2f\n", c->factor);
     }
+    print_intrinsics(c);
 }
 
 typedef struct {

@@ -75,7 +75,20 @@ static void read_stamps(known_times *times, csv_table *table, cli_names *frames,
     check_twice(times, table, frames, cameras);
 }
 
-/* Every view has a time. A frame of the file that is written alike is told. */
+/* A frame of the file that has no observations, and looks like this one, or NULL. */
+static const char *find_alike(const cli_names *frames, size_t n_observed, const char *frame)
+{
+    size_t i;
+
+    for (i = n_observed; i < frames->count; i++) {
+        if (cli_look_alike(frames->name[i], frame)) {
+            return frames->name[i];
+        }
+    }
+    return NULL;
+}
+
+/* Every view has a time. */
 static void check_missing(const known_times *times, const cli_names *frames,
                           const cli_cameras *cameras, const cli_observations *observations)
 {
@@ -87,7 +100,7 @@ static void check_missing(const known_times *times, const cli_names *frames,
         const char *alike;
 
         if (find_stamp(times, o->camera, o->frame) == NULL) {
-            alike = cli_names_alike(frames, frame);
+            alike = find_alike(frames, observations->frames.count, frame);
             cli_fail("%s has no time of camera %s in frame %s, which is in %s%s%s%s",
                      times->path, cameras->names.name[o->camera], frame,
                      observations->table.path, alike != NULL ? ". It has frame " : "",
@@ -98,28 +111,42 @@ static void check_missing(const known_times *times, const cli_names *frames,
 
 /* ==== frames in the order of their times ==================================== */
 
-/* The mean time of the cameras that have points of it. */
-static void find_means(known_times *times, const cli_observations *observations)
+static int compare_stamps_of_frames(const void *va, const void *vb)
+{
+    const stamp *a = va, *b = vb;
+
+    if (a->frame != b->frame) {
+        return a->frame < b->frame ? -1 : 1;
+    }
+    return (a->time > b->time) - (a->time < b->time);
+}
+
+/* The middle one of the times of the cameras that have points of it: one that is wrong does
+ * not count. */
+static void find_middles(known_times *times, const cli_observations *observations)
 {
     const size_t n = observations->frames.count;
-    size_t *count = cli_alloc(n, sizeof *count);
     const cli_observation *last = NULL;
-    size_t i;
+    stamp *list = cli_alloc(observations->count, sizeof *list);
+    size_t i, end, count = 0;
 
     times->of_frame = cli_alloc(n, sizeof *times->of_frame);
     for (i = 0; i < observations->count; i++) {
         const cli_observation *o = &observations->list[i];
 
         if (last == NULL || o->frame != last->frame || o->camera != last->camera) {
-            times->of_frame[o->frame] += find_stamp(times, o->camera, o->frame)->time;
-            count[o->frame]++;
+            list[count++] = *find_stamp(times, o->camera, o->frame);
         }
         last = o;
     }
-    for (i = 0; i < n; i++) {
-        times->of_frame[i] /= (double)count[i];
+    qsort(list, count, sizeof *list, compare_stamps_of_frames);
+    for (i = 0; i < count; i = end) {
+        for (end = i; end < count && list[end].frame == list[i].frame; end++) {
+        }
+        times->of_frame[list[i].frame] =
+            (list[i + (end - i) / 2].time + list[i + (end - i - 1) / 2].time) / 2;
     }
-    cli_free(count);
+    cli_free(list);
 }
 
 typedef struct {
@@ -316,7 +343,7 @@ void read_times(known_times *times, cli_observations *observations,
         read_stamps(times, &table, &frames, cameras, observations);
         check_missing(times, &frames, cameras, observations);
     }
-    find_means(times, observations);
+    find_middles(times, observations);
     sort_frames(times, observations);
     if (!times->is_frames) {
         check_rising(times, &table, cameras, observations);

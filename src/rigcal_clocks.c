@@ -169,53 +169,76 @@ static void add(const rigcal_rig_solver *s, const rc_rig_parts *parts, const clo
         row[c->at + camera] += part * Q;
         row[at] += (i > 0) ? part * part * Q : 0;
         row[at] += DAMPING * part * part * Q;
-        for (size_t k = 0; parts->column[camera] >= 0 && k < 6; k++) {
-            row[(size_t)parts->column[camera] + k] += part * E[k];
+        if (parts->column[camera] >= 0) {
+            rigcal_real *const to = &row[(size_t)parts->column[camera]];
+            for (size_t k = 0; k < 6; k++) {
+                to[k] += part * E[k];
+            }
         }
         part = memory->since;
     }
 }
 
-/* What all clocks of the placement have in common with the camera and the clock of slot
- * s->row, as they depend on the placement. W of the camera is as it was added. */
+/* H_p^-1 w of the clock of a slot, and what its right side loses: (H_p^-1 w) g_p. */
+static void eliminate_right(const rigcal_rig_solver *s, const rc_rig_parts *parts,
+                            const clock_parts *c, size_t slot)
+{
+    const rc_sym6_factor *const L = (const rc_sym6_factor *)(const void *)s->Hp;
+    rigcal_real *const g = &parts->g[c->at + (size_t)c->camera[slot]];
+    rigcal_real *const z = &c->z[6 * slot];
+    for (size_t k = 0; k < 6; k++) {
+        z[k] = c->w[6 * slot + k];
+    }
+    rc_sym6_forward(z, L);
+    const rigcal_real lost = rc_vec6_dot(z, s->gp); /* which is L^-1 g_p */
+    rc_sym6_backward(z, L);
+    g[0] -= lost;
+    if (c->n > 1) {
+        g[s->rig->n_cameras] -= c->since[slot] * lost;
+    }
+}
+
+/* What the clock of slot a has in common with the camera and the clock of slot b, as they
+ * depend on the placement. W of the camera is as it was added. */
+static void eliminate_pair(const rigcal_rig_solver *s, const rc_rig_parts *parts,
+                           const clock_parts *c, size_t a, size_t b)
+{
+    const size_t n = s->rig->n_cameras;
+    const size_t other = c->at + (size_t)c->camera[b];
+    const rigcal_real *const z = &c->z[6 * a], *W = &parts->W[36 * b];
+    const rigcal_real clock = rc_vec6_dot(z, &c->w[6 * b]);
+    size_t at = c->at + (size_t)c->camera[a];
+    rigcal_real part = 1;
+    for (size_t i = 0; i < c->n; i++) {
+        rigcal_real *const row = &parts->S[rc_packed_at(at, 0)];
+        if (parts->slot[b] >= 0) {
+            rigcal_real *const to = &row[(size_t)parts->slot[b]];
+            for (size_t k = 0; k < 6; k++) {
+                to[k] -= part * rc_vec6_dot(z, &W[6 * k]);
+            }
+        }
+        if (other <= at) { /* the lower triangle */
+            row[other] -= part * clock;
+        }
+        if (i > 0 && other + n <= at) {
+            row[other + n] -= part * c->since[b] * clock;
+        }
+        at += n;
+        part = c->since[a];
+    }
+}
+
+/* All clocks of the placement against slot s->row. */
 static void eliminate(const rigcal_rig_solver *s, const rc_rig_parts *parts,
                       const clock_parts *c)
 {
-    const rc_sym6_factor *const L = (const rc_sym6_factor *)(const void *)s->Hp;
-    const size_t n = s->rig->n_cameras, count = rc_rig_views_of(parts, s->placement);
-    const size_t slot = s->row, other = c->at + (size_t)c->camera[slot];
+    const size_t count = rc_rig_views_of(parts, s->placement);
     for (size_t a = 0; a < count; a++) {
-        rigcal_real *const z = &c->z[6 * a];
-        rigcal_real lost[7], part = 1;
-        if (slot == 0) {
-            for (size_t k = 0; k < 6; k++) {
-                z[k] = c->w[6 * a + k];
+        if (s->rig->clocks->states[(size_t)c->camera[a]] != RIGCAL_CLOCK_HELD) {
+            if (s->row == 0) {
+                eliminate_right(s, parts, c, a);
             }
-            rc_sym6_forward(z, L);
-            lost[6] = rc_vec6_dot(z, s->gp); /* which is L^-1 g_p */
-            rc_sym6_backward(z, L);
-            for (size_t i = 0; i < c->n; i++) {
-                parts->g[c->at + i * n + (size_t)c->camera[a]] -=
-                    lost[6] * ((i > 0) ? c->since[a] : 1);
-            }
-        }
-        for (size_t k = 0; k < 6; k++) {
-            lost[k] = rc_vec6_dot(z, &parts->W[36 * slot + 6 * k]);
-        }
-        lost[6] = rc_vec6_dot(z, &c->w[6 * slot]);
-        for (size_t i = 0; i < c->n; i++) {
-            const size_t at = c->at + i * n + (size_t)c->camera[a];
-            rigcal_real *const row = &parts->S[rc_packed_at(at, 0)];
-            for (size_t k = 0; parts->slot[slot] >= 0 && k < 6; k++) {
-                row[(size_t)parts->slot[slot] + k] -= part * lost[k];
-            }
-            if (other <= at) {
-                row[other] -= part * lost[6];
-            }
-            if (i > 0 && other + n <= at) {
-                row[other + n] -= part * c->since[slot] * lost[6];
-            }
-            part = c->since[a];
+            eliminate_pair(s, parts, c, a, s->row);
         }
     }
 }
@@ -343,7 +366,6 @@ static rigcal_status equations_of_points(rigcal_real *sum, rigcal_real g[6],
 static rigcal_status equations(rigcal_real *sum, rigcal_real g[6], rigcal_real H[21],
                                rc_chain *chain, int32_t *camera, const rigcal_rig_solver *s)
 {
-    const int is_reducing = s->phase == RC_RIG_REDUCING;
     rc_rig_parts parts;
     clock_parts c;
     const rigcal_status status = (s->timed == &rc_given_points)
@@ -352,14 +374,14 @@ static rigcal_status equations(rigcal_real *sum, rigcal_real g[6], rigcal_real H
     if (status != RIGCAL_OK) {
         return status;
     }
-    rc_rig_parts_of(&parts, s->rig, s->n);
-    clock_parts_of(&c, &parts, s);
-    if (is_reducing) {
+    if (s->phase == RC_RIG_REDUCING) {
+        rc_rig_parts_of(&parts, s->rig, s->n);
+        clock_parts_of(&c, &parts, s);
         count_view(s, &parts, &c, H, chain, *camera);
-    }
-    rc_times_weigh(sum, g, H, chain, s->rig);
-    if (is_reducing) {
+        rc_times_weigh(sum, g, H, chain, s->rig);
         add(s, &parts, &c, g, H, chain);
+    } else {
+        rc_times_weigh(sum, g, H, chain, s->rig);
     }
     return RIGCAL_OK;
 }

@@ -49,9 +49,10 @@ void rc_motion_of(rigcal_motion *motion, const rc_path *path, size_t f)
 void rc_motion_at(rigcal_real d[6], rigcal_real xi[6], const rigcal_motion *motion,
                   rigcal_real after)
 {
+    const int last = motion->n - 1;
     for (int k = 0; k < 6; k++) {
-        rigcal_real value = 0, slope = 0;
-        for (int row = motion->n - 1; row >= 0; row--) {
+        rigcal_real value = (last >= 0) ? motion->c[last][k] : 0, slope = 0;
+        for (int row = last - 1; row >= 0; row--) {
             const rigcal_real from = after - motion->t[row];
             slope = value + from * slope;
             value = motion->c[row][k] + from * value;

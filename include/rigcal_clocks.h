@@ -24,35 +24,33 @@ extern "C" {
 
 /* What is known of the clock of a camera after an adjustment. */
 enum rigcal_clock_states {
-    RIGCAL_CLOCK_HELD = 0,   /* as it was handed in */
-    RIGCAL_CLOCK_FREE = 1,   /* estimated */
-    RIGCAL_CLOCK_UNSEEN = 2, /* held: the camera has no view that counts */
-    RIGCAL_CLOCK_ALONE = 3,  /* held: no placement of its views has a neighbour in time */
-    RIGCAL_CLOCK_STILL = 4,  /* held: the target hardly moves there */
-    RIGCAL_CLOCK_UNTESTABLE = 5 /* held: it cannot be told from other clocks or the rig */
+    RIGCAL_CLOCK_HELD = 0,  /* as it was handed in. So is that of a camera without views */
+    RIGCAL_CLOCK_FREE = 1,  /* estimated */
+    RIGCAL_CLOCK_ALONE = 2, /* held: no placement of its views has a neighbour in time */
+    RIGCAL_CLOCK_STILL = 3  /* held: the target hardly moves there */
 };
 
 struct rigcal_clock_calls; /* the library's own */
 
-/* The motion of a target about one of its placements: its (w, dt) at a time `after` that is
- * the sum of c[k] after^(k + 1). */
+/* The motion of a target about one of its placements: its (w, dt) at the time x after that
+ * is x (c[0] + (x - t[0]) (c[1] + (x - t[1]) (...))). t: the times of its neighbours. */
 enum rigcal_motion_limits { RIGCAL_MOTION_MOST = 4 };
 typedef struct rigcal_motion {
-    int32_t n;           /* neighbours in time that the curve leads through; 0: unknown */
-    rigcal_real nearest; /* the time of the first of them, after the placement */
-    rigcal_real c[RIGCAL_MOTION_MOST][6];
+    int32_t n; /* neighbours in time that the curve leads through; 0: unknown */
+    rigcal_real t[RIGCAL_MOTION_MOST], c[RIGCAL_MOTION_MOST][6];
 } rigcal_motion;
 
 /* What the library remembers from one view to the next. */
 typedef struct rigcal_clock_memory {
-    int32_t pass, next, view; /* the placement that is set to its instant; its first view */
-    int32_t is_moved;         /* 1: some view is of another instant than its placement */
-    int32_t placement;        /* whose motion that is; -1: of none */
-    int32_t is_first;         /* 1: so far no view of it has been added */
+    int32_t pass;      /* of the adjustment */
+    int32_t is_moved;  /* 1: some view is of another instant than its placement */
+    int32_t placement; /* whose motion that is; -1: of none */
     rigcal_motion motion;
-    rigcal_real step[6], moved;     /* to the nearest placement; against its noise */
-    rigcal_real velocity[6], since; /* of the view placed last; its stamp, after `middle` */
-    rigcal_real middle, ratio2;     /* (noise of a pixel / noise of a stamp)^2 */
+    rigcal_real step[6], moved; /* to the nearest placement; against its noise */
+    rigcal_real views, late;    /* of the placement: its views, and the sum of `after` */
+    rigcal_real velocity[6];    /* of the view placed last */
+    rigcal_real after, since;   /* its time after the placement; its stamp after `middle` */
+    rigcal_real middle, ratio2; /* (noise of a pixel / noise of a stamp)^2 */
 } rigcal_clock_memory;
 
 /* Times count from about the start of the recording, in seconds or in any other unit: in
@@ -90,7 +88,7 @@ RIGCAL_API rigcal_status rigcal_clocks_defaults(rigcal_rig_clocks *clocks);
  * rig with clocks. The same as a function: rigcal_clocks_work. */
 #define RIGCAL_CLOCKS_WORK(n_free, n_cameras) \
     (12 * (size_t)(n_free) * (size_t)(n_cameras) + \
-     (size_t)(n_cameras) * (2 * (size_t)(n_cameras) + 25))
+     (size_t)(n_cameras) * (2 * (size_t)(n_cameras) + 23))
 RIGCAL_API size_t rigcal_clocks_work(size_t n_free, size_t n_cameras);
 
 /* Standard deviations of offsets, and of drifts (NULL: not asked), each of n_cameras, for

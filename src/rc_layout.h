@@ -126,13 +126,14 @@
         M(rigcal_symmetries, n_points) M(rigcal_symmetries, room)                  \
     /* rigcal_clocks.h */                                                          \
     S(rigcal_motion)                                                               \
-        M(rigcal_motion, n) M(rigcal_motion, nearest) M(rigcal_motion, c)          \
+        M(rigcal_motion, n) M(rigcal_motion, t)                                    \
+        M(rigcal_motion, c)                                                        \
     S(rigcal_clock_memory)                                                         \
-        M(rigcal_clock_memory, pass) M(rigcal_clock_memory, next)                  \
-        M(rigcal_clock_memory, view) M(rigcal_clock_memory, is_moved)              \
-        M(rigcal_clock_memory, placement) M(rigcal_clock_memory, is_first)         \
-        M(rigcal_clock_memory, motion) M(rigcal_clock_memory, step)                \
-        M(rigcal_clock_memory, moved) M(rigcal_clock_memory, velocity)             \
+        M(rigcal_clock_memory, pass) M(rigcal_clock_memory, is_moved)              \
+        M(rigcal_clock_memory, placement) M(rigcal_clock_memory, motion)           \
+        M(rigcal_clock_memory, step) M(rigcal_clock_memory, moved)                 \
+        M(rigcal_clock_memory, views) M(rigcal_clock_memory, late)                 \
+        M(rigcal_clock_memory, velocity) M(rigcal_clock_memory, after)             \
         M(rigcal_clock_memory, since) M(rigcal_clock_memory, middle)               \
         M(rigcal_clock_memory, ratio2)                                             \
     S(rigcal_rig_clocks)                                                           \

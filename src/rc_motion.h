@@ -8,31 +8,20 @@
 /* The placements of a rig in time. */
 typedef struct {
     const rigcal_transform *poses; /* n: rig_from_placements */
-    const rigcal_real *times;      /* n [s], rising; above RC_COORDINATE_MAX: not known */
-    const rigcal_real *count;      /* n, above 0 where there is a pose; NULL: everywhere */
+    const rigcal_real *times; /* n [s], rising; above RC_COORDINATE_MAX, NaN: unknown */
     size_t n;
     rigcal_real longest; /* step from one placement to the next of a run [s] */
-    int32_t neighbours;  /* at most, of one placement: 1 .. RC_MOTION_MOST */
+    int32_t neighbours;  /* at most, of one placement: 1 .. RIGCAL_MOTION_MOST */
 } rc_path;
-
-enum { RC_MOTION_MOST = RIGCAL_MOTION_MOST };
-
-/* The motion about a placement: (w, dt) of rig_from_placement at the time `after` its own
- * is the sum of c[k] after^(k + 1). n: neighbours that the curve leads through; 0: no
- * motion is known. */
-typedef rigcal_motion rc_motion;
 
 /* (H1), (H2): of placement f, by its nearest neighbours in its unbroken run, as many on each
  * side where there are. */
-void rc_motion_of(rc_motion *motion, const rc_path *path, size_t f);
+void rc_motion_of(rigcal_motion *motion, const rc_path *path, size_t f);
 
-/* (H2): d, what takes the placement to where it is `after` its time, and its velocity xi
- * there, or NULL. */
-void rc_motion_at(rigcal_real d[6], rigcal_real xi[6], const rc_motion *motion,
+/* (H2): d, what takes the placement to where it is `after` its time, for rc_transform_move;
+ * and its velocity xi there. */
+void rc_motion_at(rigcal_real d[6], rigcal_real xi[6], const rigcal_motion *motion,
                   rigcal_real after);
-
-/* R <- exp([w]x) R, t <- t + dt: unlike rc_transform_move exact, for any turn below pi. */
-void rc_motion_move(rigcal_transform *pose, const rigcal_real d[6]);
 
 /* (H3): m = B xi, by which cam_from_target moves in a second, as (w, dt). */
 void rc_motion_seen(rigcal_real m[6], const rc_chain *chain, const rigcal_real xi[6]);

@@ -6,18 +6,12 @@
 #include "rc_motion.h"
 #include "rc_views.h"
 
-/* Whether a time is known: it is finite, and within RC_COORDINATE_MAX. */
-int rc_times_is_known(rigcal_real time);
-
 /* What is handed in of clocks, but for their calls; finds the frame and the middle. */
 rigcal_status rc_times_check(const rigcal_rig *rig);
 
-/* The stamp of a view, which may not be known; and what its camera's clock makes of it. */
-rigcal_real rc_times_stamp(const rigcal_rig_clocks *clocks, size_t placement, size_t view);
-rigcal_real rc_times_of(const rigcal_rig_clocks *clocks, rigcal_real stamp, size_t camera);
-
-/* The placements with these poses, at their instants. */
-void rc_times_path(rc_path *path, const rigcal_rig *rig, const rigcal_transform poses[]);
+/* The motion of a placement, of which *poses are all. */
+void rc_times_motion(rigcal_motion *motion, const rigcal_rig *rig,
+                     const rigcal_transform poses[], size_t placement);
 
 /* rigcal_clock_calls.place and .weigh. The motion of clocks->memory.placement is that of
  * clocks->memory, of others it is found anew. */

@@ -3,9 +3,6 @@
 
 /* ---- constants ----------------------------------------------------------- */
 
-/* part of a frame: a placement stays where its views' mean time has moved by less. */
-#define CENTRE_ENOUGH RC(0.01)
-
 /* sigma^2: of a target that stands still the step from a placement to the next has 12, by
  * noise alone. With less than this its velocity is hardly known, and it hardly moves. */
 #define STILL RC(100)
@@ -17,39 +14,44 @@
  * not converged. */
 #define GAIN_LEFT RC(100)
 
-/* part of the diagonal before placements were eliminated: a smaller pivot of a clock is
- * rounding. */
-#define RANK_TOL RC_TOL(1e-12, 1e-6)
+/* part of the diagonal before placements were eliminated: it is added to that of a clock, so
+ * that one that cannot be told from others stays. */
+#define DAMPING RC_TOL(1e-9, 1e-5)
 
 /* ---- the memory to work in ----------------------------------------------- */
 
-/* Behind that of the rig. */
+/* Behind that of the rig. The unknowns of the clocks are behind those of the cameras: all
+ * offsets, then all drifts, in the order of their cameras. */
 typedef struct {
-    rigcal_real *saved;  /* of each camera, its offset and drift before a step */
-    rigcal_real *column; /* of each camera, the first unknown of its clock; -1: none */
+    rigcal_real *first;  /* row of S of the first of them; its elements are packed */
+    rigcal_real *saved;  /* 2 a camera: the values before a step */
     rigcal_real *moved;  /* of each camera, sum of d^T H d, d to the nearest placement */
-    rigcal_real *count;  /* of each camera, its views; those with a neighbour in time */
+    rigcal_real *count;  /* of each camera, its views that have one */
     rigcal_real *w;      /* of each slot, 6: its clock by the placement */
-    rigcal_real *z;      /* of each slot, 6: the same by the inverse of the placement's H */
     rigcal_real *since;  /* of each slot, its stamp after the middle */
-    rigcal_real *camera; /* of each slot; -1: its view does not count */
+    rigcal_real *camera; /* of each slot */
+    rigcal_real *z;      /* of each slot, 6: w by the inverse of the placement's H */
+    size_t at, n;        /* the first unknown; unknowns of a clock */
 } clock_parts;
 
 /* reals: of it a camera. */
-enum { PARTS = 20 };
+enum { PARTS = 18 };
 
 static void clock_parts_of(clock_parts *c, const rc_rig_parts *parts,
                            const rigcal_rig_solver *s)
 {
+    const rigcal_rig_clocks *const clocks = s->rig->clocks;
     const size_t n = s->rig->n_cameras;
+    c->n = (clocks->free_offsets == 0) ? 0 : (clocks->free_drifts == 0) ? 1 : 2;
+    c->at = s->n - c->n * n;
+    c->first = &parts->S[rc_packed_at(c->at, 0)];
     c->saved = parts->d + s->n;
-    c->column = c->saved + 2 * n;
-    c->moved = c->column + n;
+    c->moved = c->saved + 2 * n;
     c->count = c->moved + n;
-    c->w = c->count + 2 * n;
-    c->z = c->w + 6 * n;
-    c->since = c->z + 6 * n;
+    c->w = c->count + n;
+    c->since = c->w + 6 * n;
     c->camera = c->since + n;
+    c->z = c->camera + n;
 }
 
 size_t rigcal_clocks_work(size_t n_free, size_t n_cameras)
@@ -64,49 +66,34 @@ static rigcal_real real_of(size_t n)
 
 /* ---- what is unknown ----------------------------------------------------- */
 
-/* Unknowns of a clock that is free. */
-static size_t unknowns_of(const rigcal_rig_clocks *clocks)
-{
-    return (clocks->free_drifts != 0) ? 2 : 1;
-}
-
-static int is_held(const rigcal_rig_clocks *clocks, size_t c)
-{
-    return clocks->held != NULL && clocks->held[c] != 0;
-}
-
 /* Of a group in which no clock is held, that of the first camera is. */
 static int is_free(const rigcal_rig *rig, size_t c)
 {
-    int is_first = 1, is_fixed = 0;
-    if (rig->clocks->free_offsets == 0 || is_held(rig->clocks, c)) {
-        return 0;
-    }
+    const uint8_t *const held = rig->clocks->held;
+    int is_fixed = 0;
     for (size_t other = 0; other < rig->n_cameras; other++) {
         if (rig->group[other] == rig->group[c]) {
-            is_first &= other >= c;
-            is_fixed |= is_held(rig->clocks, other);
+            is_fixed |= other < c || (held != NULL && held[other] != 0);
         }
     }
-    return is_fixed || !is_first;
+    return is_fixed && rig->clocks->free_offsets != 0 && (held == NULL || held[c] == 0);
 }
 
-static void save(const rigcal_rig_solver *s, const clock_parts *c)
-{
-    const rigcal_rig_clocks *const clocks = s->rig->clocks;
-    for (size_t i = 0; i < s->rig->n_cameras; i++) {
-        c->saved[2 * i] = clocks->offsets[i];
-        c->saved[2 * i + 1] = (clocks->drifts == NULL) ? 0 : clocks->drifts[i];
-    }
-}
+/* The offsets and drifts that are unknowns: saved; as they were saved; moved by a step. */
+enum { SAVE, RESTORE, MOVE };
 
-static void restore(const rigcal_rig_solver *s, const clock_parts *c)
+static void values(const rigcal_rig_solver *s, const rc_rig_parts *parts, int what)
 {
     const rigcal_rig_clocks *const clocks = s->rig->clocks;
-    for (size_t i = 0; i < s->rig->n_cameras; i++) {
-        clocks->offsets[i] = c->saved[2 * i];
-        if (clocks->drifts != NULL) {
-            clocks->drifts[i] = c->saved[2 * i + 1];
+    const size_t n = s->rig->n_cameras;
+    clock_parts c;
+    clock_parts_of(&c, parts, s);
+    for (size_t i = 0; i < c.n * n; i++) {
+        rigcal_real *const value = (i < n) ? &clocks->offsets[i] : &clocks->drifts[i - n];
+        if (what == SAVE) {
+            c.saved[i] = *value;
+        } else {
+            *value = (what == MOVE) ? *value + parts->g[c.at + i] : c.saved[i];
         }
     }
 }
@@ -117,37 +104,35 @@ static rigcal_real variance_of(const rigcal_rig_solver *s, rigcal_real sum)
 {
     const rigcal_real freedom = 2 * real_of(s->n_points) - 6 * real_of(s->n_used);
     const rigcal_real sigma2 = s->rig->sigma_px * s->rig->sigma_px;
-    return (sigma2 > 0)     ? sigma2
-           : !(freedom > 0) ? 0
-           : s->own_sum > 0 ? s->own_sum / freedom
-                            : sum / freedom;
+    if (sigma2 > 0 || !(freedom > 0)) {
+        return sigma2;
+    }
+    return ((s->own_sum > 0) ? s->own_sum : sum) / freedom;
 }
 
-/* Numbers the unknowns, behind those of the cameras. */
+/* What is handed in has been checked. */
 static rigcal_status number(rigcal_rig_solver *s)
 {
     const rigcal_rig *const rig = s->rig;
     rigcal_rig_clocks *const clocks = rig->clocks;
-    const size_t C = rig->n_cameras, n_cameras = s->n;
+    const size_t n = rig->n_cameras;
     rc_rig_parts parts;
     clock_parts c;
-    size_t at = n_cameras;
-    for (size_t i = 0; i < C; i++) {
-        s->n += is_free(rig, i) ? unknowns_of(clocks) : 0;
-    }
-    const size_t more = s->n - n_cameras;
-    if (rigcal_rig_work(n_cameras / 6, C, rig->n_placements) + more * n_cameras +
-            more * (more + 5) / 2 + PARTS * C >
+    rc_rig_parts_of(&parts, rig, s->n);
+    clock_parts_of(&c, &parts, s);
+    s->n += c.n * n;
+    if (rigcal_rig_work(0, n, rig->n_placements) + s->n * (s->n + 5) / 2 + PARTS * n >
         rig->work_capacity) {
         return RIGCAL_ERR_CAPACITY;
     }
-    rc_rig_parts_of(&parts, rig, s->n);
-    clock_parts_of(&c, &parts, s);
-    for (size_t i = 0; i < C; i++) {
-        c.column[i] = is_free(rig, i) ? (rigcal_real)at : -1;
-        at += is_free(rig, i) ? unknowns_of(clocks) : 0;
+    for (size_t i = 0; i < n; i++) {
+        clocks->states[i] = is_free(rig, i) ? RIGCAL_CLOCK_FREE : RIGCAL_CLOCK_HELD;
     }
-    save(s, &c);
+    for (size_t f = 0; f < rig->n_placements; f++) {
+        clocks->instants[f] = (parts.count[f] > 0) ? clocks->times[f] : RC_MAX;
+    }
+    rc_rig_parts_of(&parts, rig, s->n);
+    values(s, &parts, SAVE);
     clocks->memory.ratio2 = 0;
     if (clocks->sigma_time > 0) {
         clocks->memory.ratio2 =
@@ -159,51 +144,38 @@ static rigcal_status number(rigcal_rig_solver *s)
 
 /* ---- the equations of the clocks (H5) ------------------------------------ */
 
-/* Of an unknown of the clock of a slot, the offset or the drift, by its offset. */
-static rigcal_real part_of(const clock_parts *c, size_t slot, size_t which)
-{
-    return (which > 0) ? c->since[slot] : 1;
-}
-
-/* The first unknown of the clock of a slot that has one. */
-static size_t unknown_of(const clock_parts *c, size_t slot)
-{
-    return (size_t)c->column[(size_t)c->camera[slot]];
-}
-
-static int has_clock(const clock_parts *c, size_t slot)
-{
-    return c->camera[slot] >= 0 && c->column[(size_t)c->camera[slot]] >= 0;
-}
-
-/* Adds a view to the equations of its clock: E = H m, Q = m^T H m and q = m^T g. */
+/* Adds a view to the equations of its clock: E = H m, Q = m^T H m and q = m^T g; the drift
+ * has `since` times those of the offset. */
 static void add(const rigcal_rig_solver *s, const rc_rig_parts *parts, const clock_parts *c,
                 const rigcal_real g[6], const rigcal_real H[21], const rc_chain *chain)
 {
     const rigcal_clock_memory *const memory = &s->rig->clocks->memory;
-    const size_t slot = s->view - s->first, at = unknown_of(c, slot);
-    const rigcal_real camera = parts->column[(size_t)c->camera[slot]];
-    rigcal_real m[6], Hm[6], across[6];
+    const size_t slot = s->view - s->first, camera = (size_t)c->camera[slot];
+    rigcal_real *const w = &c->w[6 * slot];
+    rigcal_real m[6], E[6], part = 1;
     rc_motion_seen(m, chain, memory->velocity);
-    rc_sym6_mul(Hm, H, m);
+    rc_sym6_mul(E, H, m);
+    const rigcal_real Q = rc_vec6_dot(m, E), q = rc_vec6_dot(m, g);
     c->since[slot] = memory->since;
-    rc_mat3_tmul_vec3(&c->w[6 * slot], chain->R_c, Hm);
-    rc_mat3_tmul_vec3(&c->w[6 * slot + 3], chain->R_c, &Hm[3]);
-    rc_vec3_cross(across, chain->lever, &Hm[3]);
-    rc_vec3_add(across, Hm);
-    rc_vec3_copy(&across[3], &Hm[3]);
-    const rigcal_real Q = rc_vec6_dot(m, Hm), q = rc_vec6_dot(m, g);
-    for (size_t i = 0; i < unknowns_of(s->rig->clocks); i++) {
-        rigcal_real *const row = &parts->S[rc_packed_at(at + i, 0)];
-        const rigcal_real part = part_of(c, slot, i);
-        parts->g[at + i] += part * q;
-        parts->d[at + i] += part * part * Q;
-        for (size_t j = 0; j <= i; j++) {
-            row[at + j] += part * part_of(c, slot, j) * Q;
+    rc_mat3_tmul_vec3(w, chain->R_c, E); /* B^T E, A^T E */
+    rc_mat3_tmul_vec3(&w[3], chain->R_c, &E[3]);
+    rc_vec3_cross(m, chain->lever, &E[3]);
+    rc_vec3_add(E, m);
+    for (size_t i = 0; i < c->n; i++) {
+        const size_t at = c->at + i * s->rig->n_cameras + camera;
+        rigcal_real *const row = &parts->S[rc_packed_at(at, 0)];
+        parts->g[at] += part * q;
+        parts->d[at] += part * part * Q;
+        row[c->at + camera] += part * Q;
+        row[at] += (i > 0) ? part * part * Q : 0;
+        row[at] += DAMPING * part * part * Q;
+        if (parts->column[camera] >= 0) {
+            rigcal_real *const to = &row[(size_t)parts->column[camera]];
+            for (size_t k = 0; k < 6; k++) {
+                to[k] += part * E[k];
+            }
         }
-        for (size_t k = 0; camera >= 0 && k < 6; k++) {
-            row[(size_t)camera + k] += part * across[k];
-        }
+        part = memory->since;
     }
 }
 
@@ -212,115 +184,75 @@ static void eliminate_right(const rigcal_rig_solver *s, const rc_rig_parts *part
                             const clock_parts *c, size_t slot)
 {
     const rc_sym6_factor *const L = (const rc_sym6_factor *)(const void *)s->Hp;
+    rigcal_real *const g = &parts->g[c->at + (size_t)c->camera[slot]];
     rigcal_real *const z = &c->z[6 * slot];
     for (size_t k = 0; k < 6; k++) {
         z[k] = c->w[6 * slot + k];
     }
     rc_sym6_forward(z, L);
-    const rigcal_real lost = rc_vec6_dot(z, s->gp); /* L^-1 g_p */
+    const rigcal_real lost = rc_vec6_dot(z, s->gp); /* which is L^-1 g_p */
     rc_sym6_backward(z, L);
-    for (size_t i = 0; i < unknowns_of(s->rig->clocks); i++) {
-        parts->g[unknown_of(c, slot) + i] -= part_of(c, slot, i) * lost;
+    g[0] -= lost;
+    if (c->n > 1) {
+        g[s->rig->n_cameras] -= c->since[slot] * lost;
     }
 }
 
-/* row[k] -= part lost[k] */
-static void subtract(rigcal_real row[], rigcal_real part, const rigcal_real lost[],
-                     size_t n)
-{
-    for (size_t k = 0; k < n; k++) {
-        row[k] -= part * lost[k];
-    }
-}
-
-/* What the clock of slot a has in common with the camera and the clock of slot b, as both
- * depend on the placement. */
+/* What the clock of slot a has in common with the camera and the clock of slot b, as they
+ * depend on the placement. W of the camera is as it was added. */
 static void eliminate_pair(const rigcal_rig_solver *s, const rc_rig_parts *parts,
                            const clock_parts *c, size_t a, size_t b)
 {
-    const size_t n = unknowns_of(s->rig->clocks), at = unknown_of(c, a);
-    const rigcal_real *const z = &c->z[6 * a];
-    const rigcal_real *const W = &parts->W[36 * b];
-    const int is_free_camera = parts->slot[b] >= 0;
-    const int is_lower = has_clock(c, b) && unknown_of(c, b) <= at;
-    rigcal_real by_camera[6], by_clock[2];
-    for (size_t k = 0; is_free_camera && k < 6; k++) {
-        by_camera[k] = rc_vec6_dot(z, &W[6 * k]);
-    }
-    if (is_lower) {
-        by_clock[0] = rc_vec6_dot(z, &c->w[6 * b]);
-        by_clock[1] = c->since[b] * by_clock[0];
-    }
-    for (size_t i = 0; i < n; i++) {
-        rigcal_real *const row = &parts->S[rc_packed_at(at + i, 0)];
-        const rigcal_real part = part_of(c, a, i);
-        if (is_free_camera) {
-            subtract(&row[(size_t)parts->slot[b]], part, by_camera, 6);
+    const size_t n = s->rig->n_cameras;
+    const size_t other = c->at + (size_t)c->camera[b];
+    const rigcal_real *const z = &c->z[6 * a], *W = &parts->W[36 * b];
+    const rigcal_real clock = rc_vec6_dot(z, &c->w[6 * b]);
+    size_t at = c->at + (size_t)c->camera[a];
+    rigcal_real part = 1;
+    for (size_t i = 0; i < c->n; i++) {
+        rigcal_real *const row = &parts->S[rc_packed_at(at, 0)];
+        if (parts->slot[b] >= 0) {
+            rigcal_real *const to = &row[(size_t)parts->slot[b]];
+            for (size_t k = 0; k < 6; k++) {
+                to[k] -= part * rc_vec6_dot(z, &W[6 * k]);
+            }
         }
-        if (is_lower) { /* of its own clock the lower triangle */
-            subtract(&row[unknown_of(c, b)], part, by_clock, (a == b) ? i + 1 : n);
+        if (other <= at) { /* the lower triangle */
+            row[other] -= part * clock;
         }
+        if (i > 0 && other + n <= at) {
+            row[other + n] -= part * c->since[b] * clock;
+        }
+        at += n;
+        part = c->since[a];
     }
 }
 
-/* All clocks of the placement against slot s->row, of whose camera W is as it was added. */
+/* All clocks of the placement against slot s->row. */
 static void eliminate(const rigcal_rig_solver *s, const rc_rig_parts *parts,
                       const clock_parts *c)
 {
     const size_t count = rc_rig_views_of(parts, s->placement);
-    for (size_t slot = 0; slot < count; slot++) {
-        if (has_clock(c, slot)) {
+    for (size_t a = 0; a < count; a++) {
+        if (s->rig->clocks->states[(size_t)c->camera[a]] != RIGCAL_CLOCK_HELD) {
             if (s->row == 0) {
-                eliminate_right(s, parts, c, slot);
+                eliminate_right(s, parts, c, a);
             }
-            eliminate_pair(s, parts, c, slot, s->row);
+            eliminate_pair(s, parts, c, a, s->row);
         }
     }
 }
 
 /* ---- clocks that are held after all -------------------------------------- */
 
-/* An unknown that does not move, and nothing with it. Rows before it may be factored. */
-static void hold_unknown(rigcal_rig_solver *s, const rc_rig_parts *parts, size_t at)
+/* An unknown that does not move, and nothing with it. */
+static void hold(const rigcal_rig_solver *s, const rc_rig_parts *parts, size_t at)
 {
     for (size_t i = 0; i < s->n; i++) {
         parts->S[(i < at) ? rc_packed_at(at, i) : rc_packed_at(i, at)] = 0;
     }
     parts->S[rc_packed_at(at, at)] = parts->d[at] = 1;
     parts->g[at] = 0;
-    s->n_clocks--;
-}
-
-/* Row s->row, if it is that of a clock of camera i: whether it can be factored. */
-static void try_row(rigcal_rig_solver *s, const rc_rig_parts *parts, const clock_parts *c,
-                    size_t i)
-{
-    rigcal_real *const row = &parts->S[rc_packed_at(s->row, 0)], *const kept = parts->W;
-    if (!(c->column[i] >= 0) || s->row < (size_t)c->column[i] ||
-        s->row >= (size_t)c->column[i] + unknowns_of(s->rig->clocks)) {
-        return;
-    }
-    for (size_t k = 0; k <= s->row; k++) {
-        kept[k] = row[k];
-    }
-    if (!rc_packed_factor_row(parts->S, s->row, RANK_TOL * parts->d[s->row])) {
-        s->rig->clocks->states[i] = RIGCAL_CLOCK_UNTESTABLE;
-        hold_unknown(s, parts, s->row);
-        return;
-    }
-    for (size_t k = 0; k <= s->row; k++) {
-        row[k] = kept[k];
-    }
-}
-
-static int32_t state_of(const rigcal_rig_solver *s, const clock_parts *c, size_t i)
-{
-    const rigcal_real seen = c->count[2 * i], moving = c->count[2 * i + 1];
-    return !(seen > 0)                                                ? RIGCAL_CLOCK_UNSEEN
-           : !(c->column[i] >= 0)                                     ? RIGCAL_CLOCK_HELD
-           : !(moving > 0)                                            ? RIGCAL_CLOCK_ALONE
-           : !(c->moved[i] > STILL * variance_of(s, s->sum) * moving) ? RIGCAL_CLOCK_STILL
-                                                                      : RIGCAL_CLOCK_FREE;
 }
 
 /* All views have been added: which clocks something is known of. Where views are of another
@@ -329,14 +261,21 @@ static int32_t state_of(const rigcal_rig_solver *s, const clock_parts *c, size_t
 static void choose_clocks(rigcal_rig_solver *s, const rc_rig_parts *parts,
                           const clock_parts *c)
 {
-    rigcal_rig_clocks *const clocks = s->rig->clocks;
+    const rigcal_rig_clocks *const clocks = s->rig->clocks;
+    const rigcal_real still = STILL * variance_of(s, s->sum);
     s->n_clocks = 0;
     for (size_t i = 0; i < s->rig->n_cameras; i++) {
-        clocks->states[i] = state_of(s, c, i);
-        for (size_t k = 0; c->column[i] >= 0 && k < unknowns_of(clocks); k++) {
-            s->n_clocks++;
-            if (clocks->states[i] != RIGCAL_CLOCK_FREE) {
-                hold_unknown(s, parts, (size_t)c->column[i] + k);
+        int32_t *const state = &clocks->states[i];
+        if (*state != RIGCAL_CLOCK_HELD) {
+            *state = !(c->count[i] > 0)                  ? RIGCAL_CLOCK_ALONE
+                     : c->moved[i] > still * c->count[i] ? RIGCAL_CLOCK_FREE
+                                                         : RIGCAL_CLOCK_STILL;
+        }
+        for (size_t k = 0; k < c->n; k++) {
+            if (*state == RIGCAL_CLOCK_FREE) {
+                s->n_clocks++;
+            } else {
+                hold(s, parts, c->at + k * s->rig->n_cameras + i);
             }
         }
     }
@@ -348,86 +287,31 @@ static void choose_clocks(rigcal_rig_solver *s, const rc_rig_parts *parts,
 
 /* ---- a pass -------------------------------------------------------------- */
 
-/* (H10): the mean time of the views of placement f, or RC_MAX. */
-static rigcal_real mean_time(const rigcal_rig_solver *s, size_t f, size_t begin, size_t end)
-{
-    const rigcal_rig *const rig = s->rig;
-    rigcal_real sum = 0, count = 0, first = 0;
-    for (size_t v = begin; v < end; v++) {
-        rigcal_rig_view view;
-        const rigcal_real stamp = rc_times_stamp(rig->clocks, f, v);
-        if (!rc_rig_is_left_out(rig, v) && rc_times_is_known(stamp) &&
-            rc_rig_view_at(&view, rig, v) == RIGCAL_OK) {
-            const rigcal_real time = rc_times_of(rig->clocks, stamp, (size_t)view.camera);
-            first = (count > 0) ? first : time;
-            sum += time - first;
-            count += 1;
-        }
-    }
-    return (count > 0) ? first + sum / count : RC_MAX;
-}
-
-/* Placement f, with its pose, at that time. */
-static void centre(const rigcal_rig_solver *s, const rc_rig_parts *parts, size_t f,
-                   rigcal_real time)
-{
-    const rigcal_rig *const rig = s->rig;
-    rigcal_real *const instant = &rig->clocks->instants[f];
-    rigcal_transform *const pose = &rig->rig_from_placements[f];
-    if (s->evals < 2) { /* the first pass: poses are as they were handed in */
-        *instant = time;
-    } else if (RC_FABS(time - *instant) > CENTRE_ENOUGH * rig->clocks->frame) {
-        rigcal_real d[6];
-        rigcal_motion motion;
-        rc_path path;
-        rc_times_path(&path, rig, rig->rig_from_placements);
-        rc_motion_of(&motion, &path, f);
-        rc_motion_at(d, NULL, &motion, time - *instant);
-        rc_motion_move(pose, d);
-        *instant = time;
-    }
-    parts->saved[rig->n_cameras + f] = *pose;
-}
-
-/* Before the views of a pass are read: one placement at its instant. A pass that tries no
- * step is where the last step that helped ended. */
-static void centring_step(const rigcal_rig_solver *s, const rc_rig_parts *parts,
-                          const clock_parts *c)
-{
-    rigcal_clock_memory *const memory = &s->rig->clocks->memory;
-    const size_t f = (size_t)memory->next, begin = (size_t)memory->view;
-    const size_t end = begin + rc_rig_views_of(parts, f);
-    if (f == 0) {
-        if (!s->is_trial && !s->is_last) {
-            restore(s, c);
-        }
-        rc_clear(c->moved, 3 * s->rig->n_cameras);
-        memory->is_moved = 0;
-    }
-    centre(s, parts, f, mean_time(s, f, begin, end));
-    memory->view = (int32_t)end;
-    memory->next++;
-    if ((size_t)memory->next == s->rig->n_placements) {
-        memory->next = memory->view = 0;
-        memory->pass = s->evals;
-        memory->placement = -1;
-    }
-}
-
-/* The motion of the placement that comes next, by where the last step began. */
+/* The motion of the placement that comes next, by where the last step began. A pass that
+ * tries no step is where the last step that helped ended. */
 static void begin_placement(const rigcal_rig_solver *s, const rc_rig_parts *parts,
                             const clock_parts *c)
 {
     rigcal_clock_memory *const memory = &s->rig->clocks->memory;
-    rc_path path;
-    rc_times_path(&path, s->rig, &parts->saved[s->rig->n_cameras]);
-    rc_motion_of(&memory->motion, &path, s->placement);
-    rc_motion_at(memory->step, NULL, &memory->motion, memory->motion.nearest);
-    memory->placement = (int32_t)s->placement;
-    memory->is_first = 1;
-    for (size_t slot = 0; slot < s->rig->n_cameras; slot++) {
-        c->camera[slot] = -1;
+    rigcal_real velocity[6];
+    if (memory->pass != s->evals) {
+        memory->pass = s->evals;
+        rc_clear(c->moved, 2 * s->rig->n_cameras); /* and count */
+        if (!s->is_trial && !s->is_last) {
+            values(s, parts, RESTORE);
+        }
+        if (s->evals == 1) {
+            for (size_t f = 0; f < s->rig->n_placements; f++) {
+                parts->saved[s->rig->n_cameras + f] = s->rig->rig_from_placements[f];
+            }
+        }
     }
+    rc_clear(c->w, 8 * s->rig->n_cameras); /* since and camera, too */
+    rc_times_motion(&memory->motion, s->rig, &parts->saved[s->rig->n_cameras],
+                    s->placement);
+    rc_motion_at(memory->step, velocity, &memory->motion, memory->motion.t[0]);
+    memory->placement = (int32_t)s->placement;
+    memory->views = memory->late = 0;
 }
 
 /* Counts a view. The first one of a placement tells by how much that moves, for all. */
@@ -436,18 +320,32 @@ static void count_view(const rigcal_rig_solver *s, const rc_rig_parts *parts,
                        int32_t camera)
 {
     rigcal_clock_memory *const memory = &s->rig->clocks->memory;
-    rigcal_real *const count = &c->count[2 * camera];
-    if (memory->is_first != 0) {
+    if (!(memory->views > 0)) {
         rigcal_real m[6], Hm[6];
         rc_motion_seen(m, chain, memory->step);
         rc_sym6_mul(Hm, H, m);
         memory->moved = rc_vec6_dot(m, Hm) * real_of(rc_rig_views_of(parts, s->placement));
-        memory->is_first = 0;
     }
+    memory->views += 1;
+    memory->late += memory->after;
     c->camera[s->view - s->first] = (rigcal_real)camera;
     c->moved[camera] += memory->moved;
-    count[0] += 1;
-    count[1] += (memory->motion.n > 0) ? 1 : 0;
+    c->count[camera] += (memory->motion.n > 0) ? 1 : 0;
+}
+
+/* (H10): the placement, and where the next step begins, at the mean time of its views. */
+static void centre(const rigcal_rig_solver *s, const rc_rig_parts *parts)
+{
+    const rigcal_rig *const rig = s->rig;
+    const rigcal_clock_memory *const memory = &rig->clocks->memory;
+    const rigcal_real mean = memory->late / memory->views;
+    rigcal_real d[6], velocity[6];
+    if (mean > 0 || mean < 0) {
+        rc_motion_at(d, velocity, &memory->motion, mean);
+        rc_transform_move(&rig->rig_from_placements[s->placement], d);
+        rc_transform_move(&parts->saved[rig->n_cameras + s->placement], d);
+        rig->clocks->instants[s->placement] += mean;
+    }
 }
 
 /* A view by its points, at its time. */
@@ -468,7 +366,6 @@ static rigcal_status equations_of_points(rigcal_real *sum, rigcal_real g[6],
 static rigcal_status equations(rigcal_real *sum, rigcal_real g[6], rigcal_real H[21],
                                rc_chain *chain, int32_t *camera, const rigcal_rig_solver *s)
 {
-    const int is_reducing = s->phase == RC_RIG_REDUCING;
     rc_rig_parts parts;
     clock_parts c;
     const rigcal_status status = (s->timed == &rc_given_points)
@@ -477,14 +374,14 @@ static rigcal_status equations(rigcal_real *sum, rigcal_real g[6], rigcal_real H
     if (status != RIGCAL_OK) {
         return status;
     }
-    rc_rig_parts_of(&parts, s->rig, s->n);
-    clock_parts_of(&c, &parts, s);
-    if (is_reducing) {
+    if (s->phase == RC_RIG_REDUCING) {
+        rc_rig_parts_of(&parts, s->rig, s->n);
+        clock_parts_of(&c, &parts, s);
         count_view(s, &parts, &c, H, chain, *camera);
-    }
-    rc_times_weigh(sum, g, H, chain, s->rig);
-    if (is_reducing && has_clock(&c, s->view - s->first)) {
+        rc_times_weigh(sum, g, H, chain, s->rig);
         add(s, &parts, &c, g, H, chain);
+    } else {
+        rc_times_weigh(sum, g, H, chain, s->rig);
     }
     return RIGCAL_OK;
 }
@@ -493,66 +390,34 @@ static rigcal_status equations(rigcal_real *sum, rigcal_real g[6], rigcal_real H
 
 static void move(const rigcal_rig_solver *s, const rc_rig_parts *parts)
 {
-    rigcal_rig_clocks *const clocks = s->rig->clocks;
-    clock_parts c;
-    clock_parts_of(&c, parts, s);
     rc_rig_move(s, parts);
-    for (size_t i = 0; i < s->rig->n_cameras; i++) {
-        if (c.column[i] >= 0) {
-            clocks->offsets[i] += parts->g[(size_t)c.column[i]];
-            if (unknowns_of(clocks) > 1) {
-                clocks->drifts[i] += parts->g[(size_t)c.column[i] + 1];
-            }
-        }
-    }
+    values(s, parts, MOVE);
 }
 
-/* Before the views of a placement. 1: it was a unit of its own. */
-static int prepare_view(rigcal_rig_solver *s, const rc_rig_parts *parts,
-                        const clock_parts *c)
-{
-    if (s->rig->clocks->memory.pass != s->evals) {
-        centring_step(s, parts, c);
-        return 1;
-    }
-    begin_placement(s, parts, c);
-    return 0;
-}
-
-static void prepare_row(rigcal_rig_solver *s, const rc_rig_parts *parts,
-                        const clock_parts *c)
-{
-    if (s->row == 0) {
-        save(s, c); /* the last step helped */
-    }
-    for (size_t i = 0; s->row < s->n && i < s->rig->n_cameras; i++) {
-        try_row(s, parts, c, i);
-    }
-}
-
-/* What comes before a unit of the search. 1: it was a unit itself. */
-static int prepare(rigcal_rig_solver *s)
+/* What comes before a unit of the search. */
+static void prepare(rigcal_rig_solver *s)
 {
     const rigcal_clock_memory *const memory = &s->rig->clocks->memory;
+    const int is_view = s->phase == RC_RIG_SETTLING || s->phase == RC_RIG_REDUCING;
     rc_rig_parts parts;
     clock_parts c;
-    const int is_view = s->phase == RC_RIG_SETTLING || s->phase == RC_RIG_REDUCING;
     if (is_view && memory->pass == s->evals && memory->placement == (int32_t)s->placement) {
-        return 0;
+        return;
     }
     rc_rig_parts_of(&parts, s->rig, s->n);
     clock_parts_of(&c, &parts, s);
     if (is_view) {
-        return prepare_view(s, &parts, &c);
-    }
-    if (s->phase == RC_RIG_ELIMINATING) {
+        begin_placement(s, &parts, &c);
+    } else if (s->phase == RC_RIG_ELIMINATING) {
+        if (s->row == 0) {
+            centre(s, &parts);
+        }
         eliminate(s, &parts, &c);
     } else if (s->phase == RC_RIG_PRIORS && s->row == 0) {
         choose_clocks(s, &parts, &c);
-    } else if (s->phase == RC_RIG_FACTORING) {
-        prepare_row(s, &parts, &c);
+    } else if (s->phase == RC_RIG_FACTORING && s->row == 0) {
+        values(s, &parts, SAVE); /* the last step helped */
     }
-    return 0;
 }
 
 static void step(rigcal_rig_solver *s)
@@ -563,13 +428,12 @@ static void step(rigcal_rig_solver *s)
             rc_rig_end(s, status, -1);
             return;
         }
-    } else if (s->phase != RC_RIG_CHECKING && prepare(s)) {
-        return;
+    } else if (s->phase != RC_RIG_CHECKING) {
+        prepare(s);
     }
     rc_rig_step(s);
     if (s->phase == RC_RIG_DONE) {
-        rigcal_clock_memory *const memory = &s->rig->clocks->memory;
-        memory->placement = -1;
+        s->rig->clocks->memory.placement = -1;
         if (s->search.status == RIGCAL_OK && s->n_clocks > 0 &&
             s->promised > GAIN_LEFT * s->negligible) {
             s->search.status = RIGCAL_BUDGET_SPENT;
@@ -585,11 +449,11 @@ static rigcal_status begin(rigcal_rig_solver *s)
     rigcal_clock_memory *const memory = &s->rig->clocks->memory;
     const rigcal_status status = rc_times_check(s->rig);
     if (status != RIGCAL_OK) {
-        *s = (rigcal_rig_solver){0}; /* it has not begun */
+        s->phase = 0; /* it has not begun */
         return status;
     }
     memory->placement = -1;
-    memory->pass = memory->next = memory->view = 0;
+    memory->pass = memory->is_moved = 0;
     s->timed = s->given;
     s->given = &TIMED;
     return RIGCAL_OK;
@@ -625,21 +489,15 @@ rigcal_status rigcal_clocks_sigma(rigcal_real offsets[], rigcal_real drifts[],
         return status;
     }
     rc_rig_parts_of(&parts, rig, 0);
-    for (size_t c = 0; c < rig->n_cameras; c++) {
+    const size_t n = rig->n_cameras;
+    for (size_t c = 0; c < n; c++) {
         at += (parts.column[c] >= 0) ? 6 : 0;
     }
-    for (size_t c = 0; c < rig->n_cameras; c++) {
-        rigcal_real sigma[2] = {0, 0};
-        for (size_t i = 0; is_free(rig, c) && i < unknowns_of(rig->clocks); i++) {
-            if (rig->clocks->states[c] == RIGCAL_CLOCK_FREE) {
-                sigma[i] = sigma_px * RC_SQRT(parts.S[rc_packed_at(at, at)]);
-            }
-            at++;
-        }
-        offsets[c] = sigma[0];
-        if (drifts != NULL) {
-            drifts[c] = sigma[1];
-        }
+    for (size_t i = 0; i < ((drifts == NULL) ? n : 2 * n); i++, at++) {
+        const int is_known = rig->clocks->states[i % n] == RIGCAL_CLOCK_FREE &&
+                             (i < n || rig->clocks->free_drifts != 0);
+        rigcal_real *const sigma = (i < n) ? &offsets[i] : &drifts[i - n];
+        *sigma = is_known ? sigma_px * RC_SQRT(parts.S[rc_packed_at(at, at)]) : 0;
     }
     return RIGCAL_OK;
 }

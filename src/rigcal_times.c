@@ -21,51 +21,14 @@ enum { HALVINGS = 24 };
 
 /* ---- what is handed in --------------------------------------------------- */
 
-int rc_times_is_known(rigcal_real time)
-{
-    return RC_FABS(time) <= RC_COORDINATE_MAX;
-}
-
-/* NaN is no stamp, and right. */
-static rigcal_status check_stamps(const rigcal_real times[], size_t n)
-{
-    for (size_t i = 0; i < n; i++) {
-        const rigcal_real size = RC_FABS(times[i]);
-        if (size > RC_COORDINATE_MAX) {
-            return rc_is_finite(size) ? RIGCAL_ERR_RANGE : RIGCAL_ERR_NOT_FINITE;
-        }
-    }
-    return RIGCAL_OK;
-}
-
-/* Times that are known rise. Their first, and their last. */
-static rigcal_status check_order(rigcal_real ends[2], const rigcal_real times[], size_t n)
-{
-    int is_first = 1;
-    for (size_t f = 0; f < n; f++) {
-        if (!rc_times_is_known(times[f])) {
-            continue;
-        }
-        if (!is_first && !(times[f] > ends[1])) {
-            return (times[f] < ends[1]) ? RIGCAL_ERR_UNSORTED : RIGCAL_ERR_TWICE;
-        }
-        ends[0] = is_first ? times[f] : ends[0];
-        ends[1] = times[f];
-        is_first = 0;
-    }
-    return RIGCAL_OK;
-}
-
 /* How many steps from one time that is known to the next are at most `limit`. */
 static size_t count_steps(const rigcal_real times[], size_t n, rigcal_real limit)
 {
     rigcal_real last = RC_MAX;
     size_t count = 0;
     for (size_t f = 0; f < n; f++) {
-        if (rc_times_is_known(times[f])) {
-            count += times[f] > last && times[f] - last <= limit;
-            last = times[f];
-        }
+        count += times[f] > last && times[f] - last <= limit;
+        last = (times[f] <= RC_MAX) ? times[f] : last;
     }
     return count;
 }
@@ -74,123 +37,110 @@ static size_t count_steps(const rigcal_real times[], size_t n, rigcal_real limit
 static rigcal_real middle_step(const rigcal_real times[], size_t n)
 {
     const size_t half = (count_steps(times, n, FRAME_LONGEST) + 1) / 2;
-    rigcal_real low = 0, high = FRAME_LONGEST;
+    rigcal_real high = FRAME_LONGEST, width = FRAME_LONGEST;
     for (int k = 0; k < HALVINGS && half > 0; k++) {
-        const rigcal_real middle = (low + high) / 2;
-        if (count_steps(times, n, middle) >= half) {
-            high = middle;
-        } else {
-            low = middle;
-        }
+        width /= 2;
+        high -= (count_steps(times, n, high - width) >= half) ? width : 0;
     }
     return high;
 }
 
-static rigcal_status check_clocks(const rigcal_rig_clocks *clocks, size_t n_cameras)
+/* Times that are known rise: the middle between the first and the last of them, and half of
+ * what is between. */
+static rigcal_status check_order(rigcal_real *middle, const rigcal_real times[], size_t n,
+                                 rigcal_real frame)
 {
-    for (size_t c = 0; c < n_cameras; c++) {
-        rigcal_status status = rc_check_numbers(&clocks->offsets[c], 1, RC_COORDINATE_MAX);
-        if (status == RIGCAL_OK && clocks->drifts != NULL) {
-            status = rc_check_numbers(&clocks->drifts[c], 1, 1);
+    rigcal_real first = 0, last = -RC_MAX;
+    for (size_t f = 0; f < n; f++) {
+        const rigcal_real t = times[f];
+        if (RC_FABS(t) > RC_COORDINATE_MAX) {
+            return (RC_FABS(t) > RC_MAX) ? RIGCAL_ERR_NOT_FINITE : RIGCAL_ERR_RANGE;
         }
-        if (status != RIGCAL_OK) {
-            return status;
+        if (t <= last) {
+            return (t < last) ? RIGCAL_ERR_UNSORTED : RIGCAL_ERR_TWICE;
+        }
+        if (t > last) { /* not NaN */
+            first = (last > -RC_MAX) ? first : t;
+            last = t;
         }
     }
-    const rigcal_status status = rc_check_noise(&clocks->sigma_time);
-    if (status != RIGCAL_OK) {
-        return status;
-    }
-    return (clocks->neighbours < 1 || clocks->neighbours > RIGCAL_MOTION_MOST)
-               ? RIGCAL_ERR_RANGE
-               : rc_check_noise(&clocks->frame);
+    last = (last > -RC_MAX) ? last : 0;
+    *middle = (first + last) / 2;
+    return (RC_EPS * rc_max(RC_FABS(first), RC_FABS(last)) > ROUNDING_MOST * frame)
+               ? RIGCAL_ERR_PRECISION
+               : RIGCAL_OK;
 }
 
 rigcal_status rc_times_check(const rigcal_rig *rig)
 {
     rigcal_rig_clocks *const clocks = rig->clocks;
-    rigcal_real ends[2] = {0, 0};
-    if (clocks->times == NULL || clocks->instants == NULL || clocks->offsets == NULL ||
-        clocks->states == NULL || (clocks->free_drifts != 0 && clocks->drifts == NULL)) {
+    const int n = (int)rig->n_cameras;
+    if (clocks->times == NULL || clocks->instants == NULL || clocks->states == NULL ||
+        (clocks->free_drifts != 0 && clocks->drifts == NULL)) {
         return RIGCAL_ERR_NULL;
     }
-    rigcal_status status = check_clocks(clocks, rig->n_cameras);
-    if (status == RIGCAL_OK) {
-        status = check_stamps(clocks->times, rig->n_placements);
-    }
-    if (status == RIGCAL_OK && clocks->view_times != NULL) {
-        status = check_stamps(clocks->view_times, rig->n_views);
+    rigcal_status status = rc_check_numbers(clocks->offsets, n, RC_COORDINATE_MAX);
+    if (status == RIGCAL_OK && clocks->drifts != NULL) {
+        status = rc_check_numbers(clocks->drifts, n, 1);
     }
     if (status == RIGCAL_OK) {
-        status = check_order(ends, clocks->times, rig->n_placements);
+        status = rc_check_noise(&clocks->sigma_time);
+    }
+    if (status == RIGCAL_OK) {
+        status = rc_check_noise(&clocks->frame);
     }
     if (status != RIGCAL_OK) {
         return status;
     }
+    if (clocks->neighbours < 1 || clocks->neighbours > RIGCAL_MOTION_MOST) {
+        return RIGCAL_ERR_RANGE;
+    }
     if (!(clocks->frame > 0)) {
         clocks->frame = middle_step(clocks->times, rig->n_placements);
     }
-    clocks->memory.middle = ends[0] + (ends[1] - ends[0]) / 2;
-    return (RC_EPS * rc_max(RC_FABS(ends[0]), RC_FABS(ends[1])) >
-            ROUNDING_MOST * clocks->frame)
-               ? RIGCAL_ERR_PRECISION
-               : RIGCAL_OK;
-}
-
-/* ---- the time of a view -------------------------------------------------- */
-
-rigcal_real rc_times_stamp(const rigcal_rig_clocks *clocks, size_t placement, size_t view)
-{
-    return (clocks->view_times != NULL && rc_times_is_known(clocks->view_times[view]))
-               ? clocks->view_times[view]
-               : clocks->times[placement];
-}
-
-rigcal_real rc_times_of(const rigcal_rig_clocks *clocks, rigcal_real stamp, size_t camera)
-{
-    const rigcal_real drift = (clocks->drifts == NULL) ? 0 : clocks->drifts[camera];
-    return stamp + clocks->offsets[camera] + drift * (stamp - clocks->memory.middle);
-}
-
-void rc_times_path(rc_path *path, const rigcal_rig *rig, const rigcal_transform poses[])
-{
-    path->poses = poses;
-    path->times = rig->clocks->instants;
-    path->count = NULL; /* of a placement that is not seen the instant is unknown */
-    path->n = rig->n_placements;
-    path->longest = STEP_LONGEST * rig->clocks->frame;
-    path->neighbours = rig->clocks->neighbours;
+    return check_order(&clocks->memory.middle, clocks->times, rig->n_placements,
+                       clocks->frame);
 }
 
 /* ---- where a view sees its placement (H3) -------------------------------- */
+
+void rc_times_motion(rigcal_motion *motion, const rigcal_rig *rig,
+                     const rigcal_transform poses[], size_t placement)
+{
+    const rigcal_rig_clocks *const clocks = rig->clocks;
+    const rc_path path = {poses, clocks->instants, rig->n_placements,
+                          STEP_LONGEST * clocks->frame, clocks->neighbours};
+    rc_motion_of(motion, &path, placement);
+}
 
 void rc_times_place(rigcal_transform *rig_from_placement, const rigcal_rig *rig,
                     int32_t camera, size_t placement, size_t view)
 {
     rigcal_rig_clocks *const clocks = rig->clocks;
     rigcal_clock_memory *const memory = &clocks->memory;
-    const rigcal_real stamp = rc_times_stamp(clocks, placement, view);
     const rigcal_motion *motion = &memory->motion;
     rigcal_motion fresh;
-    rigcal_real d[6];
+    rigcal_real d[6], stamp = clocks->times[placement];
     if (memory->placement != (int32_t)placement) {
-        rc_path path;
-        rc_times_path(&path, rig, rig->rig_from_placements);
-        rc_motion_of(&fresh, &path, placement);
+        rc_times_motion(&fresh, rig, rig->rig_from_placements, placement);
         motion = &fresh;
     }
-    rc_clear(memory->velocity, 6);
-    memory->since = 0;
-    if (motion->n == 0 || !rc_times_is_known(stamp)) {
-        return;
+    if (clocks->view_times != NULL &&
+        RC_FABS(clocks->view_times[view]) <= RC_COORDINATE_MAX) {
+        stamp = clocks->view_times[view];
     }
-    memory->since = stamp - memory->middle;
-    const rigcal_real after =
-        rc_times_of(clocks, stamp, (size_t)camera) - clocks->instants[placement];
-    rc_motion_at(d, memory->velocity, motion, after);
-    if (after > 0 || after < 0) {
+    memory->since = memory->after = 0;
+    if (motion->n > 0) {
+        memory->since = stamp - memory->middle;
+        memory->after = stamp - clocks->instants[placement] + clocks->offsets[camera];
+        if (clocks->drifts != NULL) {
+            memory->after += clocks->drifts[camera] * memory->since;
+        }
+    }
+    rc_motion_at(d, memory->velocity, motion, memory->after);
+    if (memory->after > 0 || memory->after < 0) {
         memory->is_moved = 1;
-        rc_motion_move(rig_from_placement, d);
+        rc_transform_move(rig_from_placement, d);
     }
 }
 
@@ -206,16 +156,16 @@ void rc_times_weigh(rigcal_real *sum, rigcal_real g[6], rigcal_real H[21],
     }
     rc_motion_seen(m, chain, memory->velocity);
     rc_sym6_mul(Hm, H, m);
-    const rigcal_real scale = 1 / (rc_vec6_dot(m, Hm) + memory->ratio2);
     const rigcal_real along = rc_vec6_dot(m, g);
+    const rigcal_real scale = 1 / (rc_vec6_dot(m, Hm) + memory->ratio2);
     rc_sym6_unpack(full, H);
-    for (int i = 0; i < 6; i++) {
-        g[i] -= Hm[i] * along * scale;
-        for (int j = 0; j < 6; j++) {
-            full[6 * i + j] -= Hm[i] * Hm[j] * scale;
-        }
+    for (int k = 0; k < 36; k++) {
+        full[k] -= Hm[k / 6] * Hm[k % 6] * scale;
     }
     rc_sym6_pack(H, full);
+    for (int k = 0; k < 6; k++) {
+        g[k] -= Hm[k] * along * scale;
+    }
     *sum -= along * along * scale;
 }
 

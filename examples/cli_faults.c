@@ -517,13 +517,9 @@ void print_verdict(const calibration *c)
 
 static const char *state_of(const calibration *c, size_t camera)
 {
-    static const char *const STATE[] = {
-        "held",
-        "",
-        "held: it has no views",
-        "held: no frame of it has a neighbour in time",
-        "held: the target hardly moves",
-        "held: it cannot be told from the other clocks or the rig"};
+    static const char *const STATE[] = {"held", "",
+                                        "held: no frame of it has a neighbour in time",
+                                        "held: the target hardly moves"};
     const int32_t state = c->clocks.states[camera];
 
     if (state == RIGCAL_CLOCK_HELD) {
@@ -632,8 +628,7 @@ void write_faults(FILE *file, const calibration *c)
 
 void write_clocks(FILE *file, const calibration *c)
 {
-    static const char *const STATE[] = {"held",  "free",  "unseen",
-                                        "alone", "still", "untestable"};
+    static const char *const STATE[] = {"held", "free", "alone", "still"};
     rigcal_real *offsets, *drifts;
     size_t i;
 

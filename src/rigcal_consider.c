@@ -1,6 +1,7 @@
 #include "rc_border.h"
 #include "rc_intrinsics.h"
 #include "rc_joint.h"
+#include "rc_motion.h"
 #include "rc_views.h"
 
 enum {
@@ -144,33 +145,19 @@ static rigcal_status evaluate(rigcal_rig_view *v, rc_chain *chain, rigcal_real m
 
 /* ---- clocks ------------------------------------------------------------------ */
 
-/* The unknowns of the clock of a camera: *at is the first, counted from that of the first
- * clock; how many there are. Of one that is held after all they are there, but fixed. */
-static size_t clock_of(size_t *at, const rigcal_rig *rig, size_t camera)
-{
-    const rigcal_rig_clocks *const clocks = rig->clocks;
-    size_t n = 0;
-    *at = 0;
-    for (size_t c = 0; clocks != NULL && c <= camera; c++) {
-        *at += n;
-        n = (clocks->free_offsets == 0 || clocks->states[c] == RIGCAL_CLOCK_HELD ||
-             clocks->states[c] == RIGCAL_CLOCK_UNSEEN)
-                ? 0
-            : (clocks->free_drifts != 0) ? 2
-                                         : 1;
-    }
-    return n;
-}
-
+/* Unknowns behind those of the cameras: all offsets, then all drifts. Of a clock that is held
+ * they are there, but fixed. */
 static size_t unknowns_of_clocks(const rigcal_rig *rig)
 {
-    size_t at;
-    const size_t n = clock_of(&at, rig, rig->n_cameras - 1);
-    return at + n;
+    const rigcal_rig_clocks *const clocks = rig->clocks;
+    return (clocks == NULL || clocks->free_offsets == 0) ? 0
+           : (clocks->free_drifts != 0)                  ? 2 * rig->n_cameras
+                                                         : rig->n_cameras;
 }
 
 /* Of each view of the placement, in the memory behind Z: its clock by the placement; its
- * stamp after the middle; the clock's first unknown, less than 0 where it is fixed. */
+ * stamp after the middle; the clock's offset among the unknowns, less than 0 where it is
+ * fixed. */
 enum { SLOT_SINCE = 6, SLOT_COLUMN = 7, SLOT = 8 };
 
 static rigcal_real *slots_of(const rc_border *b)
@@ -184,41 +171,40 @@ static void begin_slot(rc_border *b, const rc_chain *chain, const rigcal_rig *ri
                        size_t camera, const rigcal_real m[6], const rigcal_real H[21])
 {
     rigcal_real *const slot = &slots_of(b)[SLOT * (b->count - 1)];
+    const size_t n = unknowns_of_clocks(rig);
     rigcal_real Hm[6];
-    size_t at;
-    const size_t n = clock_of(&at, rig, camera);
     slot[SLOT_COLUMN] = -1;
     if (n > 0 && rig->clocks->states[camera] == RIGCAL_CLOCK_FREE) {
         rc_sym6_mul(Hm, H, m);
         rc_mat3_tmul_vec3(&slot[0], chain->R_c, &Hm[0]);
         rc_mat3_tmul_vec3(&slot[3], chain->R_c, &Hm[3]);
-        slot[SLOT_SINCE] = (n > 1) ? rig->clocks->memory.since : 0;
-        slot[SLOT_COLUMN] = (rigcal_real)(b->n - unknowns_of_clocks(rig) + at);
+        slot[SLOT_SINCE] = rig->clocks->memory.since;
+        slot[SLOT_COLUMN] = (rigcal_real)(b->n - n + camera);
     }
 }
 
 /* T of a column and the clock of a slot, offset and drift, += by. */
-static void add_by_clock(rc_border *b, const rigcal_real slot[SLOT], size_t column,
-                         rigcal_real by)
+static void add_by_clock(rc_border *b, const rigcal_rig *rig, const rigcal_real slot[SLOT],
+                         size_t column, rigcal_real by)
 {
     if (slot[SLOT_COLUMN] >= 0) {
         rigcal_real *const T = &b->T[b->n * column + (size_t)slot[SLOT_COLUMN]];
         T[0] += by;
-        if (slot[SLOT_SINCE] < 0 || slot[SLOT_SINCE] > 0) {
-            T[1] += slot[SLOT_SINCE] * by;
+        if (unknowns_of_clocks(rig) > rig->n_cameras) {
+            T[rig->n_cameras] += slot[SLOT_SINCE] * by;
         }
     }
 }
 
 /* The placement has been eliminated from all else. */
-static void eliminate_clocks(rc_border *b)
+static void eliminate_clocks(rc_border *b, const rigcal_rig *rig)
 {
     const rc_sym6_factor *const L = (const rc_sym6_factor *)(const void *)b->Hp;
     for (size_t i = 0; i < b->count; i++) {
         rigcal_real *const slot = &slots_of(b)[SLOT * i];
         rc_sym6_forward(slot, L);
         for (size_t column = 0; column < b->k; column++) {
-            add_by_clock(b, slot, column, -rc_vec6_dot(slot, &b->Z[6 * column]));
+            add_by_clock(b, rig, slot, column, -rc_vec6_dot(slot, &b->Z[6 * column]));
         }
     }
 }
@@ -263,7 +249,7 @@ static rigcal_status add_view(rc_border *b, const rigcal_rig *rig, size_t index,
             }
             rc_border_add(b, &chain, column, E[p]);
             if (has_clocks) {
-                add_by_clock(b, &slots_of(b)[SLOT * (b->count - 1)], column,
+                add_by_clock(b, rig, &slots_of(b)[SLOT * (b->count - 1)], column,
                              rc_vec6_dot(m, E[p]));
             }
             column++;
@@ -435,7 +421,7 @@ static void eliminating_step(rigcal_consider_solver *s)
         return;
     }
     if (s->rig->clocks != NULL) {
-        eliminate_clocks(&s->border);
+        eliminate_clocks(&s->border, s->rig);
     }
     s->placement++;
     begin_placement(s);

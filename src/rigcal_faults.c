@@ -1,3 +1,4 @@
+#include "rc_motion.h"
 #include "rc_columns.h"
 #include "rc_moved.h"
 

@@ -7,6 +7,7 @@
 
 #include "rigcal_solvers.h"
 #include "test_fit.h"
+#include "test_motions.h"
 #include "test_rigs.h"
 
 enum {
@@ -405,6 +406,103 @@ static void test_other_intrinsics_move_the_adjusted_rig_by_the_effects(void)
     }
 }
 
+/* ---- with clocks ------------------------------------------------------------------- */
+
+enum {
+    CLOCKS_WORK = RIGCAL_CONSIDER_WORK(MOTION_CAMERAS_MAX, MOTION_CAMERAS_MAX) +
+                  RIGCAL_CONSIDER_CLOCKS_WORK(MOTION_CAMERAS_MAX)
+};
+
+static test_motions moving;
+static rigcal_camera lens[MOTION_CAMERAS_MAX];
+static rigcal_real with_clocks[CLOCKS_WORK];
+
+static void adjust_moving(void)
+{
+    rigcal_rig_fit fit;
+
+    for (int i = 0; i < 3; i++) {
+        const rigcal_status status = rigcal_rig_adjust(&fit, NULL, &moving.rig);
+
+        TEST_ASSERT_GREATER_OR_EQUAL_INT(0, status);
+    }
+}
+
+static void make_moving(int has_drifts, double stamp)
+{
+    const motion_scene scene = {.cameras = 3,
+                                .runs = 5,
+                                .frames = 4,
+                                .fps = 30,
+                                .speed = 0.35,
+                                .turn = 0.8,
+                                .pause = 5,
+                                .offset = 0.01,
+                                .noise_px = 0.01};
+    test_rng rng = test_seed(7351);
+
+    test_motions_make(&moving, &rng, &scene);
+    for (size_t v = 0; v < moving.rig.n_views; v++) {
+        lens[moving.views[v].camera] = moving.camera;
+        moving.views[v].view.camera = &lens[moving.views[v].camera];
+    }
+    moving.rig.clocks = &moving.clocks;
+    moving.rig.sigma_px = RC(0.3);
+    moving.clocks.free_offsets = 1;
+    moving.clocks.drifts = moving.drifts;
+    moving.clocks.free_drifts = has_drifts;
+    moving.clocks.sigma_time = RC(stamp);
+    set_sigmas(&rng);
+    moving.rig.intrinsics_sigmas = sigmas;
+    considered = (rigcal_considered){.effects = with_clocks, .capacity = CLOCKS_WORK};
+    adjust_moving();
+}
+
+/* By how much the cameras move with a smaller lens, less what was foretold; part of it. */
+static double surprise(int camera, int which)
+{
+    const rigcal_camera kept = lens[camera];
+    const int column = BY * camera + which;
+    rigcal_transform before[MOTION_CAMERAS_MAX];
+    double moved = 0, off = 0;
+
+    memcpy(before, moving.cams, sizeof before);
+    lens[camera] = changed(&kept, which, -0.2 * sigma_of(column));
+    adjust_moving();
+    for (int i = 0; i < 12; i++) {
+        const int c = 1 + i / 6;
+        double d[6];
+
+        test_step_between(d, &moving.cams[c], &before[c]);
+        d[i % 6] -= 0.2 * D(with_clocks[(size_t)column * considered.n + (size_t)i]);
+        off += d[i % 6] * d[i % 6];
+        d[i % 6] += 0.2 * D(with_clocks[(size_t)column * considered.n + (size_t)i]);
+        moved += d[i % 6] * d[i % 6];
+    }
+    lens[camera] = kept;
+    adjust_moving();
+    return sqrt(off / moved);
+}
+
+static void test_intrinsics_act_through_clocks_too(void)
+{
+    TEST_ON_HOST_ONLY("a rig of 60 views is adjusted 24 times");
+    for (int k = 0; k < 3; k++) {
+        make_moving(k == 1, k == 2 ? 0.004 : 0);
+        ASSERT_STATUS(RIGCAL_OK, rigcal_rig_consider(&considered, NULL, &moving.rig));
+        TEST_ASSERT_EQUAL_UINT64(12, considered.n);
+        for (int which = 0; which < BY; which += 2) {
+            const double off = surprise(which % 3, which);
+
+            /* The weight of a stamp's noise is by the motion, which lags by a step: its own
+             * derivative is not in the equations of the adjustment. */
+            ASSERT_NEAR(0, off, (k == 2) ? 0.1 : TOL(0.02, 0.2));
+        }
+    }
+    considered.capacity = RIGCAL_CONSIDER_WORK(2, 3);
+    ASSERT_STATUS(RIGCAL_ERR_CAPACITY, rigcal_rig_consider(&considered, NULL, &moving.rig));
+}
+
 /* ---- to the last bit -------------------------------------------------------- */
 
 typedef struct {
@@ -592,6 +690,7 @@ TEST_MAIN()
     RUN_TEST(test_held_cameras_move_placements_and_other_cameras);
     RUN_TEST(test_a_prior_holds_against_intrinsics);
     RUN_TEST(test_other_intrinsics_move_the_adjusted_rig_by_the_effects);
+    RUN_TEST(test_intrinsics_act_through_clocks_too);
     RUN_TEST(test_deviations_of_zero_change_no_bit);
     RUN_TEST(test_pixels_and_intrinsics_are_added);
     RUN_TEST(test_an_adjustment_forgets_what_was_considered);

@@ -1,5 +1,7 @@
 #include "rc_adjust.h"
 
+#include <string.h>
+
 #include "rc_refine.h"
 
 /* ---- constants ----------------------------------------------------------- */
@@ -205,23 +207,18 @@ static void eliminate_slot(rigcal_rig_solver *s, const rc_rig_parts *parts)
 
 /* ---- the cameras' step --------------------------------------------------- */
 
-static void copy_poses(rigcal_transform to[], const rigcal_transform from[], size_t n)
-{
-    for (size_t i = 0; i < n; i++) {
-        to[i] = from[i];
-    }
-}
-
 static void save_poses(const rigcal_rig *rig, const rc_rig_parts *parts)
 {
-    copy_poses(parts->saved, rig->cams_from_rig, rig->n_cameras);
-    copy_poses(&parts->saved[rig->n_cameras], rig->rig_from_placements, rig->n_placements);
+    memcpy(parts->saved, rig->cams_from_rig, rig->n_cameras * sizeof *parts->saved);
+    memcpy(&parts->saved[rig->n_cameras], rig->rig_from_placements,
+           rig->n_placements * sizeof *parts->saved);
 }
 
 static void restore_poses(const rigcal_rig *rig, const rc_rig_parts *parts)
 {
-    copy_poses(rig->cams_from_rig, parts->saved, rig->n_cameras);
-    copy_poses(rig->rig_from_placements, &parts->saved[rig->n_cameras], rig->n_placements);
+    memcpy(rig->cams_from_rig, parts->saved, rig->n_cameras * sizeof *parts->saved);
+    memcpy(rig->rig_from_placements, &parts->saved[rig->n_cameras],
+           rig->n_placements * sizeof *parts->saved);
 }
 
 void rc_rig_move(const rigcal_rig_solver *s, const rc_rig_parts *parts)

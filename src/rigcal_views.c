@@ -100,7 +100,8 @@ int rc_rig_has_prior(const rigcal_rig *rig, size_t camera)
 rigcal_status rc_rig_check(const rigcal_rig *rig)
 {
     if (rig == NULL || rig->cams_from_rig == NULL || rig->rig_from_placements == NULL ||
-        rig->group == NULL || rig->work == NULL) {
+        rig->group == NULL || rig->work == NULL ||
+        (rig->clocks != NULL && rig->clocks->calls == NULL)) {
         return RIGCAL_ERR_NULL;
     }
     if (rig->n_cameras < 1 || rig->n_views < 1) {

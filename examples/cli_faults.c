@@ -308,22 +308,48 @@ static int has_moved_for_long(const calibration *c, const rigcal_fault *f)
     return before >= LEAST && after >= LEAST;
 }
 
+/* The one camera that all views that the choice does not take are of; -1: there is none. */
+static int camera_not_taken(const calibration *c)
+{
+    int camera = -1;
+    size_t i;
+
+    for (i = 0; i < c->rig.n_views; i++) {
+        const int of_view = (int)rig_view(c, i)->rig_camera;
+
+        if (c->choice.takes[i] == RIGCAL_TAKES_NONE) {
+            if (camera >= 0 && of_view != camera) {
+                return -1;
+            }
+            camera = of_view;
+        }
+    }
+    return camera;
+}
+
 /* Whether one fault of the rig explains why the views disagree, or single times do, which
- * are off along the motion. Views that the choice does not take are wrong in most cases: of
- * faults only those of times can explain them. */
+ * are off along the motion. Views that the choice does not take are wrong in most cases. Of
+ * faults only those of times can explain them, and, if they are of one camera, its
+ * intrinsics, if these explain nearly all. */
 static int is_explained(const calibration *c, size_t n_not_taken)
 {
+    static const double NEARLY_ALL = 0.7;
     const rigcal_fault *f = c->faults;
 
     if (!c->is_tested || c->verdict.verdict == RIGCAL_RIG_AGREES) {
         return 0;
     }
-    if (c->verdict.verdict == RIGCAL_RIG_EXPLAINED) {
-        return f->kind <= RIGCAL_FAULT_SHUTTER ||
-               (n_not_taken == 0 &&
-                (f->kind != RIGCAL_FAULT_MOVED || has_moved_for_long(c, f)));
+    if (c->verdict.verdict != RIGCAL_RIG_EXPLAINED) {
+        return (c->verdict.bits & RIGCAL_FAULTS_ALONG_MOTION) != 0;
     }
-    return (c->verdict.bits & RIGCAL_FAULTS_ALONG_MOTION) != 0;
+    if (f->kind <= RIGCAL_FAULT_SHUTTER) {
+        return 1;
+    }
+    if (n_not_taken > 0) {
+        return f->kind <= RIGCAL_FAULT_DISTORTION && f->camera == camera_not_taken(c) &&
+               (double)c->verdict.explained > NEARLY_ALL;
+    }
+    return f->kind != RIGCAL_FAULT_MOVED || has_moved_for_long(c, f);
 }
 
 /* Adjusts and tests the rig, its clocks being free or not. */
@@ -348,7 +374,7 @@ static int test_views(calibration *c, uint8_t left_out[], size_t n_not_taken)
 {
     const int has_times = c->times.path != NULL;
 
-    if (!c->is_explained && (has_times || n_not_taken == 0)) {
+    if (!c->is_explained && (has_times || n_not_taken == 0 || camera_not_taken(c) >= 0)) {
         place_all(c);
         adjust_and_test(c, 0);
         c->is_explained =

@@ -134,12 +134,17 @@ class TestReasons(Recorded):
         self.assertEqual([rows[n]["state"] for n in NAMES], ["held", "still", "still", "still"])
         self.assertIn("held: the target hardly moves", run.stdout)
 
-    def test_intrinsics_of_another_camera_are_named(self):
-        other = dict(camera_row("c"))
-        other["fx"], other["fy"] = 1.1 * other["fx"], 1.1 * other["fy"]
-        self.record(lines={"c": other})
-        verdict = self.verdict(self.run_with_times())
-        self.assertRegex(verdict, "Most likely .*c('s|:).*focal|focal length of c")
+    def test_intrinsics_of_another_camera_are_named_and_no_view(self):
+        for factor in (0.8, 1.03, 1.27):
+            other = dict(camera_row("c"))
+            other["fx"], other["fy"] = factor * other["fx"], factor * other["fy"]
+            self.record(lines={"c": other})
+            run = self.run_recording()
+            self.assert_no_view_is_named(run)
+            self.assertIn("Most likely the focal length of c", self.verdict(run))
+            first = read(self.result("faults.csv"))[0]
+            self.assertEqual((first["fault"], first["camera"], first["explains"]), ("focal", "c", "1"))
+            self.assertAlmostEqual(float(first["value1"]), 1 / factor - 1, delta=0.07)
 
     def test_a_bent_board_is_no_reason(self):
         self.calibrate_well(STEREO)

@@ -333,18 +333,19 @@ static void count_view(const rigcal_rig_solver *s, const rc_rig_parts *parts,
     c->count[camera] += (memory->motion.n > 0) ? 1 : 0;
 }
 
-/* (H10): the placement, and where the next step begins, at the mean time of its views. */
+/* (H10): the placement, and where the next step begins, at the mean time of its views. A pose
+ * that was handed in is of that time. */
 static void centre(const rigcal_rig_solver *s, const rc_rig_parts *parts)
 {
     const rigcal_rig *const rig = s->rig;
     const rigcal_clock_memory *const memory = &rig->clocks->memory;
     const rigcal_real mean = memory->late / memory->views;
     rigcal_real d[6], velocity[6];
-    if (mean > 0 || mean < 0) {
+    rig->clocks->instants[s->placement] += mean;
+    if (s->evals > 1 && (mean > 0 || mean < 0)) {
         rc_motion_at(d, velocity, &memory->motion, mean);
         rc_transform_move(&rig->rig_from_placements[s->placement], d);
         rc_transform_move(&parts->saved[rig->n_cameras + s->placement], d);
-        rig->clocks->instants[s->placement] += mean;
     }
 }
 

@@ -60,8 +60,8 @@ static void expect_motion(const rigcal_motion *motion, int f, double after, int 
     rigcal_real found[6], speed[6];
 
     for (int k = 0; k < 3; k++) {
-        d[k] = AXIS[k] * (polynomial(TURN, t, 0, degree) -
-                          polynomial(TURN, D(times[f]), 0, degree));
+        d[k] = AXIS[k] *
+               (polynomial(TURN, t, 0, degree) - polynomial(TURN, D(times[f]), 0, degree));
         xi[k] = AXIS[k] * polynomial(TURN, t, 1, degree);
         d[3 + k] = polynomial(PLACE[k], t, 0, degree) -
                    polynomial(PLACE[k], D(times[f]), 0, degree);

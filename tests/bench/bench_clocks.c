@@ -28,7 +28,9 @@ static const campaign CAMPAIGNS[] = {
     {"one run of 20", {4, 1, 20, 30, 0.35, 0.8, 10, 0.015, 0, 0, 0.3}, 1.12},
     {"2 runs of 10", {4, 2, 10, 30, 0.35, 0.8, 10, 0.015, 0, 0, 0.3}, 1.12},
     {"4 runs of 5 at 10 fps", {4, 4, 5, 10, 0.35, 0.8, 10, 0.015, 0, 0, 0.3}, 1.2},
-    {"2 runs of 10 at 6 fps, 60 ms, 0.2 m/s", {4, 2, 10, 6, 0.2, 0.8, 10, 0.06, 0, 0, 0.3}, 0},
+    {"2 runs of 10 at 6 fps, 60 ms, 0.2 m/s",
+     {4, 2, 10, 6, 0.2, 0.8, 10, 0.06, 0, 0, 0.3},
+     0},
     {"7 runs of 3, 3 cameras", {3, 7, 3, 30, 0.35, 0.8, 10, 0.015, 0, 0, 0.3}, 1.12},
     {"7 runs of 3, 2 cameras", {2, 7, 3, 30, 0.35, 0.8, 10, 0.015, 0, 0, 0.3}, 1.12},
     {"7 runs of 3, synchronous", {4, 7, 3, 30, 0.35, 0.8, 10, 0, 0, 0, 0.3}, 1.12},
@@ -117,7 +119,8 @@ int main(int argc, char *argv[])
     if (!TEST_PROTECT()) {
         return 1;
     }
-    puts("| 4 cameras, clocks within 15 ms, 30 fps | error over bound, not handled | freed | "
+    puts("| 4 cameras, clocks within 15 ms, 30 fps | error over bound, not handled | freed "
+         "| "
          "clocks to | sqrt F | steps, median | most | not adjusted |\n"
          "| --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: |");
     for (int i = 0; i < N_CAMPAIGNS; i++) {

@@ -152,7 +152,8 @@ void test_motions_make(test_motions *m, test_rng *rng, const motion_scene *scene
         m->true_offsets[c] = scene->offset * test_uniform(rng, -1, 1);
         m->true_drifts[c] = scene->drift * test_uniform(rng, -1, 1);
     }
-    for (int c = scene->cameras - 1; c >= 0; c--) { /* the first camera's time is the time */
+    for (int c = scene->cameras - 1; c >= 0;
+         c--) { /* the first camera's time is the time */
         m->true_offsets[c] -= m->true_offsets[0];
         m->true_drifts[c] -= m->true_drifts[0];
     }
@@ -200,8 +201,7 @@ void test_motions_solve(test_motions *m)
         ASSERT_STATUS(RIGCAL_OK, rigcal_pose_defaults(&options));
         options.use_start = 1;
         options.start = test_times(&m->cams[view->camera], &m->places[view->placement]);
-        TEST_ASSERT_TRUE(
-            rigcal_pose_solve(&pose, 1, &n, NULL, &view->view, &options) >= 0);
+        TEST_ASSERT_TRUE(rigcal_pose_solve(&pose, 1, &n, NULL, &view->view, &options) >= 0);
         ASSERT_STATUS(RIGCAL_OK,
                       rigcal_view_pose_make(&m->own[v], view, &pose.cam_from_world));
     }

@@ -17,10 +17,11 @@ enum {
 
 /* What is recorded. */
 typedef struct {
-    int cameras, runs, frames;   /* of each run */
-    double fps, speed, turn;     /* the board's, rms: m/s, rad/s */
-    double pause;                /* from the middle of a run to that of the next [s] */
-    double offset, drift, stamp; /* clocks within +- that, and noise of a view's stamp [s] */
+    int cameras, runs, frames; /* of each run */
+    double fps, speed, turn;   /* the board's, rms: m/s, rad/s */
+    double pause;              /* from the middle of a run to that of the next [s] */
+    double offset, drift,
+        stamp; /* clocks within +- that, and noise of a view's stamp [s] */
     double noise_px;
 } motion_scene;
 

@@ -333,7 +333,7 @@ static int camera_not_taken(const calibration *c)
  * intrinsics, if these explain nearly all. */
 static int is_explained(const calibration *c, size_t n_not_taken)
 {
-    static const double NEARLY_ALL = 0.7;
+    static const double NEARLY_ALL = 0.8;
     const rigcal_fault *f = c->faults;
 
     if (!c->is_tested || c->verdict.verdict == RIGCAL_RIG_AGREES) {

@@ -139,10 +139,10 @@ typedef struct rigcal_faults_options {
  * to RIGCAL_FAULTS_LEAST, by which each kind has a pass of its own. The same as functions.
  * In float 1.4, 4.5 and 16 KB for 2, 4 and 8 cameras of which one is held. */
 #define RIGCAL_FAULTS_WORK(n_free, n_cameras) \
-    ((size_t)(n_cameras) * (54 * (size_t)(n_free) + 94 + (size_t)(n_cameras) / 2) + \
-     18 * (size_t)(n_free) + 32)
+    ((size_t)(n_cameras) * (54 * (size_t)(n_free) + 97 + (size_t)(n_cameras) / 2) + \
+     24 * (size_t)(n_free) + 32)
 #define RIGCAL_FAULTS_LEAST(n_free, n_cameras) \
-    ((size_t)(n_cameras) * (18 * (size_t)(n_cameras) + 25) + 72 * (size_t)(n_free) + 32)
+    ((size_t)(n_cameras) * (18 * (size_t)(n_cameras) + 50) + 78 * (size_t)(n_free) + 64)
 RIGCAL_API size_t rigcal_faults_work(size_t n_free, size_t n_cameras);
 RIGCAL_API size_t rigcal_faults_least(size_t n_free, size_t n_cameras);
 

@@ -270,7 +270,7 @@ typedef struct rigcal_columns {
  * the best so far. */
 typedef struct rigcal_moves {
     rigcal_real *S, *g, *best;
-    rigcal_real *camera; /* of each view of the placement */
+    rigcal_real *camera;         /* of each view of the placement */
     rigcal_real *total, *so_far; /* views of each camera */
 } rigcal_moves;
 
@@ -287,9 +287,10 @@ struct rigcal_faults_solver {
     size_t n_points, n_used, n_seen, n_neighbours;
     rigcal_columns columns;
     rigcal_moves moves;
-    rigcal_real low[2], high[2];             /* of the board's points */
-    rigcal_real sum, own, product, expected; /* of all, each view alone; of neighbours */
-    rigcal_real along, disagreement, speed2; /* along the motion; in all */
+    rigcal_real low[2], high[2];              /* of the board's points */
+    rigcal_real sum, own;                     /* of all; of each view alone */
+    rigcal_real product, expected, expected2; /* of neighbours */
+    rigcal_real along, disagreement, speed2;  /* along the motion; in all */
 };
 
 #ifdef __cplusplus

@@ -12,10 +12,10 @@ extern inline size_t rc_packed_size(size_t n);
 /* ---- what belongs to a kind ------------------------------------------------- */
 
 static const uint8_t KIND_OF[RC_COLUMNS] = {
-    RIGCAL_FAULT_CLOCK,      RIGCAL_FAULT_DRIFT,      RIGCAL_FAULT_SHUTTER,
-    RIGCAL_FAULT_FOCAL,      RIGCAL_FAULT_ASPECT,     RIGCAL_FAULT_CENTRE,
-    RIGCAL_FAULT_CENTRE,     RIGCAL_FAULT_DISTORTION, RIGCAL_FAULT_DISTORTION,
-    RIGCAL_FAULT_BENT,       RIGCAL_FAULT_BENT,       RIGCAL_FAULT_STRETCHED};
+    RIGCAL_FAULT_CLOCK,  RIGCAL_FAULT_DRIFT,      RIGCAL_FAULT_SHUTTER,
+    RIGCAL_FAULT_FOCAL,  RIGCAL_FAULT_ASPECT,     RIGCAL_FAULT_CENTRE,
+    RIGCAL_FAULT_CENTRE, RIGCAL_FAULT_DISTORTION, RIGCAL_FAULT_DISTORTION,
+    RIGCAL_FAULT_BENT,   RIGCAL_FAULT_BENT,       RIGCAL_FAULT_STRETCHED};
 
 /* The first parameter of a view that belongs to a kind, not of CLOCKS or MOVED. */
 static size_t parameter_of(int32_t kind)
@@ -291,8 +291,8 @@ static int is_moved(const rigcal_columns *s, const rc_rig_parts *parts, const tr
 /* What a unit of a parameter does to the cameras where its column was taken against its
  * reference, a turn and shift (w, v) of its camera: that too. Where the camera is held the
  * others move the other way, but for those of another group. */
-static void add_reference(rigcal_real G[], const rigcal_columns *s, const rc_rig_parts *parts,
-                          const trial *t, size_t j)
+static void add_reference(rigcal_real G[], const rigcal_columns *s,
+                          const rc_rig_parts *parts, const trial *t, size_t j)
 {
     const rigcal_rig *const rig = s->rig;
     const rigcal_transform *const from = &rig->cams_from_rig[t->camera];
@@ -390,8 +390,8 @@ void rc_columns_test(rigcal_fault *fault, const rigcal_columns *s, const rc_comm
     if (!(freedom > 0) || !solve(&gain, &t, s)) {
         return;
     }
-    const rc_one_step step = {t.k,     1,    t.theta, t.variance, t.turn,
-                              t.shift, gain, own_gain(s, &t)};
+    const rc_one_step step = {t.k,    1,       t.theta, t.variance,
+                              t.turn, t.shift, gain,    own_gain(s, &t)};
     rc_finding_of(fault, common, &step);
     if (t.kind == RIGCAL_FAULT_CLOCKS && clocks != NULL) {
         write_clocks(clocks, s, &t, (common->sum - fault->gain) / freedom);

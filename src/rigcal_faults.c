@@ -19,6 +19,10 @@
 /* standard deviations: and above so many. */
 #define PATTERN_DEVIATIONS RC(4)
 
+/* 1: a view's residuals, its six pose parameters taken off, spread by less: by the square of
+ * what is expected of neighbours over half of six. */
+#define POSE_PARTS RC(3)
+
 enum {
     DONE = 1,
     COUNTING,    /* where the points are, and how many views a camera has */
@@ -51,7 +55,8 @@ static int lay_out(rigcal_faults_solver *s)
     rc_pool pool = {{saved, s->options->work},
                     {(size_t)(parts.S - saved), s->options->work_capacity},
                     1};
-    s->moves.total = rc_pool_take(&pool, n_cameras); /* where they were in the pass before */
+    s->moves.total =
+        rc_pool_take(&pool, n_cameras); /* where they were in the pass before */
     s->columns.reference = rc_pool_take(&pool, 3 * n_cameras);
     s->columns.rig = s->rig;
     s->columns.border.n = s->n;
@@ -131,7 +136,7 @@ static void begin_pass(rigcal_faults_solver *s)
         rc_moved_begin(&s->moves, s->rig->n_cameras);
     }
     s->n_points = s->n_used = s->n_seen = s->n_neighbours = 0;
-    s->sum = s->own = s->product = s->expected = 0;
+    s->sum = s->own = s->product = s->expected = s->expected2 = 0;
     s->along = s->disagreement = s->speed2 = 0;
     s->first = s->rig->n_views;
     s->placement = s->rig->n_placements;
@@ -259,8 +264,9 @@ static rigcal_status add_view(rigcal_faults_solver *s)
     rc_rig_parts parts;
     rigcal_real m[6], d[6], expected;
     rigcal_status status = rc_rig_view_at(&view, s->rig, s->view);
-    if (status == RIGCAL_OK && (s->columns.border.count >= s->rig->n_cameras || view.camera < 0 ||
-                                (size_t)view.camera >= s->rig->n_cameras)) {
+    if (status == RIGCAL_OK &&
+        (s->columns.border.count >= s->rig->n_cameras || view.camera < 0 ||
+         (size_t)view.camera >= s->rig->n_cameras)) {
         status = RIGCAL_ERR_STATE;
     }
     if (status != RIGCAL_OK) {
@@ -293,6 +299,7 @@ static rigcal_status add_view(rigcal_faults_solver *s)
     add_along(s, Q, q, sum - v.sum);
     s->product += rc_evidence_pattern(&expected, &v, d);
     s->expected += expected;
+    s->expected2 += expected * expected / POSE_PARTS;
     s->n_neighbours += v.n_neighbours;
     s->n_points += v.n;
     s->n_used++;
@@ -363,8 +370,8 @@ static void moving_step(rigcal_faults_solver *s)
     } else if (s->moves.so_far[c] > 0 && s->moves.so_far[c] < s->moves.total[c] &&
                (breaks != NULL || is_there(s, c))) {
         rc_rig_parts_of(&parts, s->rig, 0);
-        rc_moved_test(&s->moves, &s->columns.border, parts.S, parts.column, s->rig->n_cameras, c,
-                      s->placement, s->columns.border.Z);
+        rc_moved_test(&s->moves, &s->columns.border, parts.S, parts.column,
+                      s->rig->n_cameras, c, s->placement, s->columns.border.Z);
     }
 }
 
@@ -473,7 +480,7 @@ static void judge_residuals(rigcal_faults *found, const rigcal_faults_solver *s,
     if (s->n_neighbours > 0 && variance > 0) {
         const rigcal_real n = 2 * real_of(s->n_neighbours);
         found->pattern = (s->product / variance - s->expected) / n;
-        found->pattern_sigma = 1 / RC_SQRT(n);
+        found->pattern_sigma = RC_SQRT(rc_max(n - s->expected2, 1)) / n;
         if (found->pattern > PATTERN_LEAST &&
             found->pattern > PATTERN_DEVIATIONS * found->pattern_sigma) {
             found->bits |= RIGCAL_FAULTS_PATTERN;
@@ -522,6 +529,9 @@ static void finish(rigcal_faults_solver *s)
     found->sigma_px = (common.freedom > 0) ? RC_SQRT(s->sum / common.freedom) : 0;
     if (!(common.freedom_between > 0) || !(common.freedom_within > 0) || !(s->own > 0)) {
         found->bits |= RIGCAL_FAULTS_NO_LOOP;
+        for (int32_t i = 0; i < found->n; i++) {
+            s->faults[i].explains = 0;
+        }
         judge_clocks(found, s);
         return;
     }

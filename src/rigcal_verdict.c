@@ -5,6 +5,9 @@
 /* digits: most of a number that are printed. */
 enum { DIGITS_MOST = 9 };
 
+/* 1: the first two digits of a number are printed where they are less than that, else one. */
+#define TWO_DIGITS_BELOW RC(1.95)
+
 /* 1: larger numbers are printed as this. */
 #define NUMBER_MOST RC(999999999)
 
@@ -82,7 +85,7 @@ static void put_number(writer *w, rigcal_real x, int decimals)
 static int decimals_of(rigcal_real x)
 {
     int decimals = 0;
-    while (x > 0 && x < 2 && decimals < DIGITS_MOST - 2) {
+    while (x > 0 && x < TWO_DIGITS_BELOW && decimals < DIGITS_MOST - 2) {
         x *= 10;
         decimals++;
     }
@@ -157,8 +160,8 @@ static const fault_words WORDS[RIGCAL_FAULT_KINDS] = {
     {"aspect fx / fy", "larger than given by ", " %", CAMERA_NEXT, PERCENT},
     {"principal point", "off in x and y by ", " px", CAMERA_NEXT, 1},
     {"distortion", "k1 and k2 are larger than given by ", "", CAMERA_NEXT, 1},
-    {"mount", "it moved before placement ", "", "calibrate what was before the move, and after it, apart.",
-     0},
+    {"mount", "it moved before placement ", "",
+     "calibrate what was before the move, and after it, apart.", 0},
     {"the board is bent", "out of its plane along x and y by ", "",
      "put the board on a flat plate, or measure its points.", -1},
     {"the board is stretched", "its X is longer than its Y by ", " %",

@@ -132,6 +132,18 @@ static rigcal_real cost_of(const rigcal_judge_solver *s, const rc_rig_parts *par
     return block[BLOCK_EXCESS] + rc_vec3_dot(&y[0], &y[0]) + rc_vec3_dot(&y[3], &y[3]);
 }
 
+/* A pose of the placement under way at the time of view v: at its own instant. */
+static void move_to_instant(rigcal_transform *pose, const rigcal_judge_solver *s,
+                            int32_t camera, size_t v)
+{
+    const rigcal_transform *const own = &s->rig->rig_from_placements[s->placement];
+    rigcal_transform seen = *own;
+    rigcal_real d[6];
+    s->rig->clocks->calls->place(&seen, s->rig, camera, s->placement, v);
+    rc_deviation(d, own, &seen);
+    rc_transform_move(pose, d);
+}
+
 /* The placement under way as a pose of view v by itself has it; view is -1 where there is
  * no such pose. */
 rigcal_status rc_judge_claim(rc_claim *claim, const rigcal_judge_solver *s, size_t v,
@@ -158,6 +170,9 @@ rigcal_status rc_judge_claim(rc_claim *claim, const rigcal_judge_solver *s, size
         return RIGCAL_ERR_DEGENERATE;
     }
     rc_claim_place(claim, &view, &camera, with_camera);
+    if (s->rig->clocks != NULL) {
+        move_to_instant(&claim->b_from_a, s, first.camera, v);
+    }
     return status;
 }
 

@@ -31,6 +31,10 @@ enum {
     OPTION_COMMON,
     OPTION_WRONG,
     OPTION_WALK,
+    OPTION_CLOCKS,
+    OPTION_DRIFT,
+    OPTION_SIGMA_TIME,
+    OPTION_INTRINSICS_SIGMA,
     OPTION_COUNT
 };
 
@@ -64,7 +68,7 @@ void cli_flush_stdout(const char *consequence);
 /* A set of files that appears in a folder as a whole or not at all. The folder,
  * and those that lead to it, are made. Whatever fails ends the program, and leaves
  * all as it was. `name` must stay. */
-enum { CLI_OUTPUT_MAX = 6 };
+enum { CLI_OUTPUT_MAX = 8 };
 typedef struct cli_output cli_output;
 cli_output *cli_output_begin(const char *folder);
 FILE *cli_output_file(cli_output *output, const char *name);

@@ -183,9 +183,11 @@ static void write_targets(FILE *file, const calibration *c)
 
     fprintf(file, "frame,%s\n", CLI_TRANSFORM_COLUMNS);
     for (frame = 0; frame < c->observations.frames.count; frame++) {
-        if (c->placed[frame]) {
+        const size_t placement = c->placement_of[frame];
+
+        if (c->placed[placement]) {
             fprintf(file, "%s", c->observations.frames.name[frame]);
-            cli_write_transform(file, &c->rig.rig_from_placements[frame]);
+            cli_write_transform(file, &c->rig.rig_from_placements[placement]);
             fprintf(file, "\n");
         }
     }
@@ -220,11 +222,11 @@ static void write_residuals(FILE *file, const calibration *c)
     fprintf(file, "camera,frame,point,du,dv,error_px,left_out\n");
     for (i = 0; i < c->n_views; i++) {
         const view *v = &c->views[i];
-        const rigcal_transform pose = view_in_rig(c, v);
+        const residual *list = view_residuals_in_rig(c, v);
 
         for (k = 0; k < v->n_seen; k++) {
-            residual r;
-            const int is_known = pose_residual(&r, c, v, k, &pose);
+            const int is_known = list != NULL && list[k].is_known;
+            const residual r = list != NULL ? list[k] : (residual){{0, 0}, 0, 0};
 
             fprintf(file, "%s,%s,%s", c->cameras.names.name[v->camera],
                     c->observations.frames.name[v->frame], view_point_name(c, v, k));
@@ -247,6 +249,12 @@ static void write_files(const calibration *c, const char *folder)
     write_targets(cli_output_file(output, "targets.csv"), c);
     write_pairs(cli_output_file(output, "pairs.csv"), c);
     write_residuals(cli_output_file(output, "residuals.csv"), c);
+    if (c->is_tested) {
+        write_faults(cli_output_file(output, "faults.csv"), c);
+    }
+    if (c->times.path != NULL && c->is_adjusted) {
+        write_clocks(cli_output_file(output, "clocks.csv"), c);
+    }
     cli_output_finish(output);
     cli_progress_end();
 }
@@ -288,6 +296,11 @@ static void check_method(const calibration *c, const char *const option[OPTION_C
     if (c->by_paper && (option[OPTION_HOLD] != NULL || option[OPTION_PRIOR] != NULL)) {
         cli_fail("--hold and --prior do not go with --method paper: leave one out");
     }
+    if (c->by_paper &&
+        (option[OPTION_TIMES] != NULL || option[OPTION_INTRINSICS_SIGMA] != NULL)) {
+        cli_fail("--times and --intrinsics-sigma do not go with --method paper, which has "
+                 "no adjustment: leave one out");
+    }
     if (option[OPTION_ROBUST] == NULL &&
         (option[OPTION_THRESHOLD] != NULL || option[OPTION_SEED] != NULL)) {
         cli_fail("--threshold and --seed go with --robust: give it too");
@@ -312,6 +325,10 @@ static void choose(calibration *c, const char *const option[OPTION_COUNT])
     if (option[OPTION_SEED] != NULL) {
         c->robust.seed = choose_seed(option[OPTION_SEED]);
     }
+    if (option[OPTION_INTRINSICS_SIGMA] != NULL) {
+        c->intrinsics = choose_intrinsics_sigma(option[OPTION_INTRINSICS_SIGMA]);
+        c->has_intrinsics = 1;
+    }
 }
 
 int cli_calibrate(const char *const option[OPTION_COUNT])
@@ -325,6 +342,7 @@ int cli_calibrate(const char *const option[OPTION_COUNT])
     read_known(&c.known, &c.cameras, option[OPTION_PRIOR], option[OPTION_HOLD],
                option[OPTION_SIGMA] != NULL);
     cli_observations_read(&c.observations, option[OPTION_OBSERVATIONS], &c.cameras, 1);
+    read_times(&c.times, &c.observations, &c.cameras, option);
     cli_observations_by_view(&c.observations);
     cli_hold();
     solve_views(&c);

@@ -31,11 +31,13 @@ typedef struct {
     int has_sigma;
     rigcal_real sigma_deg, sigma_pos; /* of the rotation; of the centre */
     size_t rig_camera;
-    int in_rig;      /* its points count in the rig */
-    int is_left_out; /* it contradicts others, and does not */
-    int is_told;     /* why has been told */
-    int is_repeated; /* another frame has the same pixels */
-    int verdict;     /* RIGCAL_VIEW_, or -1: it was not judged */
+    size_t placement; /* of the rig: that of its frame, unless frames are paired anew */
+    int in_rig;       /* its points count in the rig */
+    size_t rig_view;  /* of the rig, which view it is; where in_rig */
+    int is_left_out;  /* it contradicts others, and does not */
+    int is_told;      /* why has been told */
+    int is_repeated;  /* another frame has the same pixels */
+    int verdict;      /* RIGCAL_VIEW_, or -1: it was not judged */
 } view;
 
 /* What is wrong, and what to do. The first rank is told first. */
@@ -58,6 +60,29 @@ typedef struct {
 void read_known(known_cameras *known, const cli_cameras *cameras, const char *prior,
                 const char *hold, int has_sigma);
 
+/* The time of a picture; the line of the file that says so. */
+typedef struct {
+    size_t camera, frame;
+    double time;
+    size_t line;
+} stamp;
+
+/* What is known of times. Frames are numbered in the order of theirs. */
+typedef struct {
+    const char *path; /* of --times, or NULL */
+    int is_frames;    /* --times frames: the unit is one frame, else 1 s */
+    int is_free, has_drift;
+    double sigma;     /* of a stamp by itself; 0: none */
+    double *of_frame; /* the middle one of its views' */
+    stamp *stamps;    /* of each view, by camera and frame */
+    size_t n_stamps;
+} known_times;
+
+void read_times(known_times *times, cli_observations *observations,
+                const cli_cameras *cameras, const char *const option[OPTION_COUNT]);
+double time_of_view(const known_times *times, size_t camera, size_t frame);
+rigcal_intrinsics_sigma choose_intrinsics_sigma(const char *text);
+
 /* The rig's cameras are those with a view; they are numbered anew for it. */
 typedef struct {
     cli_cameras cameras;
@@ -79,12 +104,21 @@ typedef struct {
     size_t n_bad_fits; /* views whose points do not fit their pose */
 
     known_cameras known;
-    size_t *camera;     /* of the rig's camera, the number of its name */
-    size_t main_camera; /* of the rig: the first that is fixed, else the first */
-    int *in_frame;      /* whether the rig's camera has a pose in the main one's frame */
-    rigcal_rig rig;     /* its views are sorted by frame; placements are frames */
-    size_t *view_of;    /* of the rig's view, the number of ours */
-    int *placed;        /* by frame: whether it has a place in the main camera's frame */
+    known_times times;
+    int has_intrinsics; /* --intrinsics-sigma */
+    rigcal_intrinsics_sigma intrinsics;
+    size_t *camera;       /* of the rig's camera, the number of its name */
+    size_t main_camera;   /* of the rig: the first that is fixed, else the first */
+    int *in_frame;        /* whether the rig's camera has a pose in the main one's frame */
+    rigcal_rig rig;       /* its views are sorted by placement; placements are frames, and
+                           after frames have been paired anew some without one */
+    size_t *placement_of; /* of a frame */
+    int32_t *paired_by; /* of the rig's camera: its pictures belong so many frames later */
+    size_t n_paired;    /* how often frames have been paired anew */
+    rigcal_rig_clocks clocks;
+    double *placement_time;
+    size_t *view_of; /* of the rig's view, the number of ours */
+    int *placed;     /* by placement: whether it has a place in the main camera's frame */
 
     rigcal_view_pose *second_poses; /* of the rig's views */
     rigcal_choice choice;
@@ -103,6 +137,12 @@ typedef struct {
     double own_rms_px; /* of the views by themselves, per point */
     double noise_px;   /* that the rig's sigmas are for, before ... */
     double root_F, factor; /* ... they are multiplied by factor: 1 at least */
+
+    int is_explained; /* by a fault: then no view is wrong */
+    int is_tested;    /* for faults of the rig as a whole: */
+    rigcal_faults verdict;
+    rigcal_fault *faults; /* verdict.n */
+    rigcal_considered considered;
 } calibration;
 
 /* The pose taken, and the best of those not taken, or NULL. */
@@ -126,6 +166,7 @@ void view_take(const calibration *c, view *v, size_t pose);
  * of any pose. */
 typedef struct {
     rigcal_real duv[2], error_px;
+    int is_known; /* of view_residuals_in_rig */
 } residual;
 const char *view_point_name(const calibration *c, const view *v, size_t k);
 int view_leaves_out(const view *v, size_t k);
@@ -142,6 +183,11 @@ const char *rig_frame_name(const calibration *c);
 /* Where the rig puts the target for the camera. Of a view that is not in the rig: the
  * pose taken. */
 rigcal_transform view_in_rig(const calibration *c, const view *v);
+
+/* What is observed less where the rig puts it, of each point of the view: NULL where it is
+ * not known. Points that do not count are left by the placement as it is at its instant. It
+ * holds until the next call. */
+const residual *view_residuals_in_rig(const calibration *c, const view *v);
 
 /* Covariance of (w, dt) of a pose, and the standard deviations of its rotation and of the
  * camera's centre. */
@@ -176,7 +222,8 @@ const char *view_camera_name(const calibration *c, const view *v);
 const char *view_frame_name(const calibration *c, const view *v);
 
 /* Which pose each view has, which views are wrong, and the rig of the others. Returns 0
- * where there is none. */
+ * where there is none; RIG_PAIRED_ANEW: views have other placements, judge it again. */
+enum { RIG_PAIRED_ANEW = 2 };
 int judge_rig(calibration *c);
 void name_rig_trouble(calibration *c, const char *what, rigcal_status status,
                       int32_t at_fault);
@@ -194,6 +241,26 @@ const symmetries *symmetries_of(const rigcal_view *seen);
 
 /* "a, b and c", of at most some ten. */
 const char *names_joined(const char *const names[], size_t n, const char *last);
+
+/* Of c->judged: which views count, and which pose each has. */
+void note_verdicts(calibration *c);
+
+/* The name of the frame of a placement; "" if it has none. */
+const char *name_of_placement(const calibration *c, size_t placement);
+
+/* Gives the rig the times of its views. Of a rig whose poses have been chosen: adjusts it
+ * with all views, and tests it for faults. Returns 1 where one of them explains why views
+ * disagree, so that none of them is wrong; 2 where frames must be paired anew, and have
+ * been; else 0. */
+enum { TEST_TELLS_NOTHING, TEST_EXPLAINS, TEST_PAIRS_ANEW };
+void give_times(calibration *c);
+int test_all_views(calibration *c);
+void test_rig(calibration *c); /* the adjusted rig */
+void consider_intrinsics(calibration *c);
+void print_verdict(const calibration *c);
+void print_clocks(const calibration *c);
+void write_faults(FILE *file, const calibration *c);
+void write_clocks(FILE *file, const calibration *c);
 
 /* Why views are left out; why there is no rig; what is suspect before. */
 void find_causes(calibration *c);

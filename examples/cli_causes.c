@@ -156,7 +156,7 @@ static double distance_factor(const calibration *c, const view *v)
 
     if (v->verdict != RIGCAL_VIEW_CONTRADICTS ||
         rigcal_transform_compose(&there, &c->rig.cams_from_rig[v->rig_camera],
-                                 &c->rig.rig_from_placements[v->frame]) < 0) {
+                                 &c->rig.rig_from_placements[v->placement]) < 0) {
         return 0;
     }
     rigcal_rotation_angle(&angle, there.R, view_taken(v)->cam_from_world.R);
@@ -219,7 +219,7 @@ static void tell_mirror(reason *r, const calibration *c, const view *v)
 
     if (v->verdict == RIGCAL_VIEW_CONTRADICTS &&
         rigcal_transform_compose(&there, &c->rig.cams_from_rig[v->rig_camera],
-                                 &c->rig.rig_from_placements[v->frame]) >= 0 &&
+                                 &c->rig.rig_from_placements[v->placement]) >= 0 &&
         (fits_mirrored(c, v, &there, 0) || fits_mirrored(c, v, &there, 1))) {
         set_reason(r, "the image of ", view_camera_name(c, v), " is mirrored",
                    "u counts to the right and v downwards: do not mirror the image");
@@ -383,8 +383,8 @@ static void find_wrong_placements(calibration *c)
     for (first = 0; first < c->rig.n_views; first = end) {
         wrong_views w;
 
-        for (end = first; end < c->rig.n_views &&
-                          judged_view(c, end)->frame == judged_view(c, first)->frame;
+        for (end = first; end < c->rig.n_views && judged_view(c, end)->placement ==
+                                                      judged_view(c, first)->placement;
              end++) {
         }
         collect_placement(&w, c, first, end, place);

@@ -582,7 +582,7 @@ const char *cli_number(double *value, const char **problem, const char *text)
     return end;
 }
 
-static double number(const csv_table *table, size_t row, size_t column)
+double csv_number(const csv_table *table, size_t row, size_t column)
 {
     const char *text = cell(table, row, column);
     const char *problem, *end;
@@ -600,13 +600,13 @@ static double number(const csv_table *table, size_t row, size_t column)
 
 rigcal_real csv_real(const csv_table *table, size_t row, size_t column)
 {
-    return column == CSV_NONE ? 0 : (rigcal_real)number(table, row, column);
+    return column == CSV_NONE ? 0 : (rigcal_real)csv_number(table, row, column);
 }
 
 int32_t csv_whole(const csv_table *table, size_t row, size_t column, int32_t least,
                   int32_t most)
 {
-    const double value = number(table, row, column);
+    const double value = csv_number(table, row, column);
 
     if (!(value >= least && value <= most && floor(value) >= value)) {
         csv_fail(table, row, "column %s: \"%s\" is not a whole number from %ld to %ld",

@@ -82,6 +82,7 @@ size_t csv_optional(const csv_table *table, const char *name);
 /* One cell: a number (0 where the column is CSV_NONE), a whole number from least
  * to most, or an id. */
 rigcal_real csv_real(const csv_table *table, size_t row, size_t column);
+double csv_number(const csv_table *table, size_t row, size_t column);
 int32_t csv_whole(const csv_table *table, size_t row, size_t column, int32_t least,
                   int32_t most);
 const char *csv_id(const csv_table *table, size_t row, size_t column);

@@ -270,6 +270,7 @@ const char *cli_form(const csv_table *table)
         {"pairs.csv", {"camera_a", "camera_b", "R11"}},
         {"cameras.csv", {"camera", "width", "fx"}},
         {"observations.csv", {"camera", "u", "v"}},
+        {"times.csv", {"frame", "camera", "time_s"}},
         {"what rigcal triangulate prints", {"frame", "point", "ncams"}},
     };
     size_t i, k;

@@ -260,8 +260,8 @@ static void check_contradictions(const cli_observations *observations,
     }
 }
 
-static size_t find_camera(const cli_cameras *cameras, const csv_table *table, size_t row,
-                          size_t column)
+size_t cli_find_camera(const cli_cameras *cameras, const csv_table *table, size_t row,
+                       size_t column)
 {
     const char *name = csv_id(table, row, column);
     const size_t camera = cli_names_find(&cameras->names, name);
@@ -348,7 +348,7 @@ static void read_observations(cli_observations *observations, const cli_cameras 
         }
         o->line = (uint32_t)table->lines[0];
         o->frame = (uint32_t)cli_names_add(&observations->frames, csv_id(table, 0, frame));
-        o->camera = (uint32_t)find_camera(cameras, table, 0, camera);
+        o->camera = (uint32_t)cli_find_camera(cameras, table, 0, camera);
         o->point = (uint32_t)cli_names_add(&observations->points, csv_id(table, 0, point));
         o->seen.X_w[0] = csv_real(table, 0, X);
         o->seen.X_w[1] = csv_real(table, 0, Y);
@@ -443,7 +443,7 @@ void cli_transforms_read(cli_transforms *transforms, const char *path, const cha
     for (row = 0; row < table->n_rows; row++) {
         names_add_new(&transforms->names, table, row, column);
         if (cameras != NULL) {
-            find_camera(cameras, table, row, column);
+            cli_find_camera(cameras, table, row, column);
         }
         read_transform(&transforms->transform[row], table, row);
     }

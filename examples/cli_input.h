@@ -40,6 +40,10 @@ typedef struct {
 
 void cli_cameras_read(cli_cameras *cameras, const char *path);
 
+/* The number of the camera that a cell names: it must be one of them. */
+size_t cli_find_camera(const cli_cameras *cameras, const csv_table *table, size_t row,
+                       size_t column);
+
 /* There may be millions: the numbers are no larger than they must be. */
 typedef struct {
     rigcal_observation seen;

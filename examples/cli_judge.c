@@ -76,7 +76,7 @@ static int has_another(const calibration *c, const view *v)
     return 0;
 }
 
-static void note_verdicts(calibration *c)
+void note_verdicts(calibration *c)
 {
     size_t i;
 
@@ -219,9 +219,19 @@ int judge_rig(calibration *c)
         return 0;
     }
     make_exact(c);
+    give_times(c);
+    switch (test_all_views(c)) {
+    case TEST_EXPLAINS:
+        return 1;
+    case TEST_PAIRS_ANEW:
+        return RIG_PAIRED_ANEW;
+    default:
+        break;
+    }
     if (!judge_views(c)) {
         find_contradiction(c);
         return 0;
     }
+    test_rig(c);
     return 1;
 }

@@ -135,24 +135,22 @@ static void print_caveat(const view *v)
  * see one of them there. *worst: the point that is farthest off. */
 static double rms_in_rig(const calibration *c, const view *v, outlier *worst)
 {
-    const rigcal_transform pose = view_in_rig(c, v);
+    const residual *list = view_residuals_in_rig(c, v);
     double sum = 0;
     size_t k;
 
     worst->error_px = -1;
     for (k = 0; k < v->n_seen; k++) {
-        residual r;
-
         if (view_leaves_out(v, k)) {
             continue;
         }
-        if (!pose_residual(&r, c, v, k, &pose)) {
+        if (list == NULL || !list[k].is_known) {
             return -1;
         }
-        sum += (double)r.error_px * (double)r.error_px;
-        if ((double)r.error_px > worst->error_px) {
+        sum += (double)list[k].error_px * (double)list[k].error_px;
+        if ((double)list[k].error_px > worst->error_px) {
             worst->point = k;
-            worst->error_px = (double)r.error_px;
+            worst->error_px = (double)list[k].error_px;
         }
     }
     return sqrt(sum / (double)v->n);
@@ -299,10 +297,6 @@ static void print_groups(const calibration *c)
 
 /* ==== how well the rig fits =============================================== */
 
-/* Of good rigs sqrt(F) is 1 to 3: a lens model is never quite right. Above this value the
- * summary names causes. Noise alone exceeds it in one rig of 10^6. */
-#define DISAGREE 3.0
-
 static void print_closure(const calibration *c)
 {
     const rigcal_rig_fit *fit = &c->fit;
@@ -314,10 +308,19 @@ static void print_closure(const calibration *c)
     printf("sqrt(F) %.2f: times more than noise the views disagree; F has %.0f and %.0f "
            "degrees of freedom\n",
            c->root_F, (double)fit->freedom_between, (double)fit->freedom_within);
-    if (c->root_F >= DISAGREE) {
-        printf("The views fit to %.2g px, but the rig does not: sqrt(F) is %.1f. Look for "
-               "timing, intrinsics, or a bent target.\n",
-               c->own_rms_px, c->root_F);
+    print_verdict(c);
+}
+
+/* What --intrinsics-sigma adds. */
+static void print_intrinsics(const calibration *c)
+{
+    const rigcal_intrinsics_sigma *s = &c->intrinsics;
+
+    if (c->considered.k > 0) {
+        printf("and for intrinsics that are uncertain by %.3g %% of f, %.3g %% of fx / fy, "
+               "%.3g px of the centre,\n%.3g of k1, %.3g of k2\n",
+               100 * (double)s->focal, 100 * (double)s->aspect, (double)s->centre,
+               (double)s->k1, (double)s->k2);
     }
 }
 
@@ -340,6 +343,7 @@ static void print_fit(const calibration *c)
     if (c->factor > 1) {
         printf("\nmultiplied by sqrt(F), %.2f\n", c->factor);
     }
+    print_intrinsics(c);
 }
 
 typedef struct {
@@ -421,6 +425,7 @@ void print_summary(const calibration *c)
     print_graph(c);
     if (c->is_adjusted) {
         print_fit(c);
+        print_clocks(c);
         print_largest(c);
     }
 }

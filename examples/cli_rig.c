@@ -57,15 +57,15 @@ const view *views_of(const view **first, const calibration *c, size_t camera)
 
 /* A view of the rig, and which of ours it is. */
 typedef struct {
-    size_t frame, view;
+    size_t placement, view;
 } place;
 
 static int compare_places(const void *va, const void *vb)
 {
     const place *a = va, *b = vb;
 
-    if (a->frame != b->frame) {
-        return a->frame < b->frame ? -1 : 1;
+    if (a->placement != b->placement) {
+        return a->placement < b->placement ? -1 : 1;
     }
     return a->view < b->view ? -1 : a->view > b->view;
 }
@@ -93,7 +93,7 @@ static void fill_view(rigcal_rig_view *seen, const calibration *c, const view *v
     memset(seen, 0, sizeof *seen);
     seen->view = view_points(c, v);
     seen->camera = (int32_t)v->rig_camera;
-    seen->placement = (int32_t)v->frame;
+    seen->placement = (int32_t)v->placement;
 }
 
 static rigcal_status view_at(rigcal_rig_view *seen, size_t index, void *context)
@@ -138,7 +138,7 @@ static void gather_views(calibration *c)
 
     c->view_of = cli_alloc(c->n_views, sizeof *c->view_of);
     for (i = 0; i < c->n_views; i++) {
-        places[i].frame = c->views[i].frame;
+        places[i].placement = c->views[i].placement;
         places[i].view = i;
     }
     qsort(places, c->n_views, sizeof *places, compare_places);
@@ -149,8 +149,9 @@ static void gather_views(calibration *c)
         v->in_rig = status == RIGCAL_OK;
         if (v->in_rig) {
             make_pose(&second[n], c, v, 1);
+            v->rig_view = n;
             c->view_of[n++] = places[i].view;
-        } else {
+        } else if (c->n_paired == 0) { /* else it has been told */
             say_of_view(c, v, "is left out of the rig", status);
             c->exit_status = CLI_GEOMETRY;
         }
@@ -189,16 +190,25 @@ static void give_roles(calibration *c)
 static size_t largest_work(const rigcal_rig *rig, size_t n_views)
 {
     const size_t choose = rigcal_choose_work(rig->n_cameras, rig->n_placements, n_views);
-    const size_t judge = rigcal_judge_work(rig->n_cameras, rig->n_placements);
+    const size_t judge = rigcal_judge_work(rig->n_cameras, rig->n_placements) +
+                         rigcal_clocks_work(rig->n_cameras, rig->n_cameras);
 
     return choose > judge ? choose : judge; /* which is more than an adjustment takes */
 }
 
+/* Placements without a frame are at most as many as views. */
 static void open_rig(calibration *c)
 {
     rigcal_rig *rig = &c->rig;
+    const size_t n_frames = c->observations.frames.count;
+    size_t i;
 
-    rig->n_placements = c->observations.frames.count;
+    rig->n_placements = n_frames + (c->times.is_free ? c->n_views : 0);
+    c->placed = cli_alloc(rig->n_placements, sizeof *c->placed);
+    c->paired_by = cli_alloc(rig->n_cameras, sizeof *c->paired_by);
+    for (i = 0; i < c->n_views; i++) {
+        c->views[i].placement = c->views[i].frame;
+    }
     rig->cams_from_rig = cli_alloc(rig->n_cameras, sizeof *rig->cams_from_rig);
     rig->group = cli_alloc(rig->n_cameras, sizeof *rig->group);
     rig->rig_from_placements =
@@ -206,6 +216,7 @@ static void open_rig(calibration *c)
     rig->work_capacity = largest_work(rig, c->n_views);
     rig->work = cli_alloc(rig->work_capacity, sizeof *rig->work);
     c->in_frame = cli_alloc(rig->n_cameras, sizeof *c->in_frame);
+    rig->n_placements = n_frames;
 }
 
 /* ==== join, adjustment ==================================================== */
@@ -364,7 +375,9 @@ static void name_not_placed(const calibration *c, const int hidden[], size_t cou
 
     cli_say_part("rigcal: frame%s", count == 1 ? "" : "s");
     for (frame = 0; n_named < NAMED && n_named < count; frame++) {
-        if (!c->placed[frame] && !hidden[frame]) {
+        const size_t placement = c->placement_of[frame];
+
+        if (!c->placed[placement] && !hidden[placement]) {
             cli_say_part("%s %s", n_named > 0 ? "," : "",
                          c->observations.frames.name[frame]);
             n_named++;
@@ -378,20 +391,38 @@ static void name_not_placed(const calibration *c, const int hidden[], size_t cou
                  count == 1 ? "has" : "have", rig_frame_name(c));
 }
 
-/* A frame with a view that is left out is told as that. */
+static int has_views(const calibration *c, size_t placement)
+{
+    size_t i;
+
+    for (i = 0; i < c->n_views; i++) {
+        if (c->views[i].placement == placement) {
+            return 1;
+        }
+    }
+    return 0;
+}
+
+/* A frame with a view that is left out is told as that. One whose only pictures are now
+ * paired with those of other frames is told there. */
 static void find_placed(calibration *c)
 {
     int *hidden = cli_alloc(c->rig.n_placements, sizeof *hidden);
     size_t i, n_apart = 0;
 
+    for (i = 0; i < c->observations.frames.count; i++) {
+        hidden[c->placement_of[i]] = c->n_paired > 0 && !has_views(c, c->placement_of[i]);
+    }
     for (i = 0; i < c->n_views; i++) {
         const view *v = &c->views[i];
 
-        c->placed[v->frame] |= v->in_rig && c->in_frame[v->rig_camera];
-        hidden[v->frame] |= v->is_left_out;
+        c->placed[v->placement] |= v->in_rig && c->in_frame[v->rig_camera];
+        hidden[v->placement] |= v->is_left_out;
     }
-    for (i = 0; i < c->rig.n_placements; i++) {
-        n_apart += !c->placed[i] && !hidden[i];
+    for (i = 0; i < c->observations.frames.count; i++) {
+        const size_t placement = c->placement_of[i];
+
+        n_apart += !c->placed[placement] && !hidden[placement];
     }
     if (n_apart > 0) {
         name_not_placed(c, hidden, n_apart);
@@ -409,7 +440,7 @@ static void place_alone(calibration *c)
 
         v->in_rig = v->in_rig && v->rig_camera == c->main_camera;
         if (v->in_rig) {
-            c->rig.rig_from_placements[v->frame] = view_taken(v)->cam_from_world;
+            c->rig.rig_from_placements[v->placement] = view_taken(v)->cam_from_world;
         }
     }
 }
@@ -422,9 +453,52 @@ rigcal_transform view_in_rig(const calibration *c, const view *v)
 
     if (v->in_rig) {
         rigcal_transform_compose(&pose, &c->rig.cams_from_rig[v->rig_camera],
-                                 &c->rig.rig_from_placements[v->frame]);
+                                 &c->rig.rig_from_placements[v->placement]);
     }
     return pose;
+}
+
+/* Where the cameras have clocks, a view sees the target where it is at its own time. */
+static int put_residuals_by_clocks(residual list[], const calibration *c, const view *v)
+{
+    rigcal_real *duv = cli_alloc(2 * v->n, sizeof *duv);
+    size_t n, k, i = 0;
+    const rigcal_status status =
+        rigcal_rig_residuals(duv, 2 * v->n, &n, &c->rig, v->rig_view);
+
+    for (k = 0; status == RIGCAL_OK && k < v->n_seen; k++) {
+        if (!view_leaves_out(v, k)) {
+            list[k].duv[0] = duv[2 * i];
+            list[k].duv[1] = duv[2 * i + 1];
+            list[k].error_px =
+                (rigcal_real)hypot((double)list[k].duv[0], (double)list[k].duv[1]);
+            i++;
+        }
+    }
+    cli_free(duv);
+    return status == RIGCAL_OK;
+}
+
+const residual *view_residuals_in_rig(const calibration *c, const view *v)
+{
+    static residual *list;
+    static size_t room;
+    const rigcal_transform pose = view_in_rig(c, v);
+    size_t k;
+
+    if (v->n_seen > room) {
+        room = 2 * v->n_seen;
+        list = list == NULL ? cli_alloc(room, sizeof *list)
+                            : cli_resize(list, room, sizeof *list);
+    }
+    for (k = 0; k < v->n_seen; k++) {
+        list[k].is_known = pose_residual(&list[k], c, v, k, &pose);
+    }
+    if (c->rig.clocks != NULL && c->is_adjusted && v->in_rig &&
+        !put_residuals_by_clocks(list, c, v)) {
+        return NULL;
+    }
+    return list;
 }
 
 /* Standard deviations of a pose whose covariance is Sigma: of the rotation, and of the
@@ -508,7 +582,7 @@ rigcal_calibrated_rig rig_kept(const calibration *c)
     rigcal_calibrated_rig kept;
 
     memset(&kept, 0, sizeof kept);
-    if (!(noise_of(c) > 0)) {
+    if (!(rig_noise_px(c) > 0)) {
         return kept;
     }
     kept.cameras = cli_alloc(n, sizeof *kept.cameras);
@@ -517,28 +591,45 @@ rigcal_calibrated_rig rig_kept(const calibration *c)
     kept.capacity = n;
     kept.Sigma = cli_alloc(size, sizeof *kept.Sigma);
     kept.Sigma_capacity = size;
-    if (rigcal_calibrated_take(&kept, &c->rig, &c->fit, noise_of(c)) != RIGCAL_OK) {
+    if (rigcal_calibrated_take(&kept, &c->rig, &c->fit, rig_noise_px(c)) != RIGCAL_OK) {
         kept.n_cameras = 0;
     }
     return kept;
 }
 
+/* The views in the order of their placements, and the rig of them; once more, where frames
+ * are paired anew. */
+static int join_or_judge(calibration *c)
+{
+    int outcome;
+
+    do {
+        gather_views(c);
+        if (c->rig.n_views == 0) {
+            return 0;
+        }
+        outcome = c->by_paper ? join_rig(c) : judge_rig(c);
+    } while (outcome == RIG_PAIRED_ANEW);
+    return outcome;
+}
+
 void form_rig(calibration *c)
 {
-    int is_joined = 0;
+    int is_joined;
+    size_t i;
 
     number_cameras(c);
     name_cameras_without_pose(c);
-    c->placed = cli_alloc(c->observations.frames.count, sizeof *c->placed);
+    c->placement_of = cli_alloc(c->observations.frames.count, sizeof *c->placement_of);
+    for (i = 0; i < c->observations.frames.count; i++) {
+        c->placement_of[i] = i;
+    }
     if (c->n_views == 0) {
         return;
     }
     open_rig(c);
     give_roles(c);
-    gather_views(c);
-    if (c->rig.n_views > 0) {
-        is_joined = c->by_paper ? join_rig(c) : judge_rig(c);
-    }
+    is_joined = join_or_judge(c);
     if (!is_joined) {
         stand_alone(c);
         place_alone(c);
@@ -550,6 +641,7 @@ void form_rig(calibration *c)
     if (c->is_adjusted) {
         find_noise(c);
         find_noise_of_cameras(c);
+        consider_intrinsics(c);
     }
     find_placed(c);
 }

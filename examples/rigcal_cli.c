@@ -13,6 +13,9 @@ static const char HELP[] =
     "                     [--sigma PIXELS]\n"
     "                     [--robust [--threshold PIXELS] [--seed NUMBER]]\n"
     "                     [--hold CAMERA]... [--prior FILE]\n"
+    "                     [--times FILE|frames [--clocks [--drift]]\n"
+    "                     [--sigma-time TIME]]\n"
+    "                     [--intrinsics-sigma F,ASPECT,CENTRE,K1,K2]\n"
     "                     [--method ml|paper]\n"
     "  rigcal triangulate --cameras FILE --rig FILE --observations FILE\n"
     "                     [--targets FILE] [--sigma PIXELS]\n"
@@ -28,7 +31,8 @@ static const char HELP[] =
     "contradict the others are left out: the first lines say which, why, and what to\n"
     "do.\n"
     "  --out        the folder for poses.csv, rig.csv, rig.bin, targets.csv,\n"
-    "               pairs.csv and residuals.csv. It is made if it does not exist.\n"
+    "               pairs.csv, residuals.csv, faults.csv and clocks.csv. It is made if\n"
+    "               it does not exist.\n"
     "  --sigma      the noise of one pixel coordinate. Fits and uncertainties are\n"
     "               judged by it; without it, by the residuals.\n"
     "  --robust     leaves out points that disagree with the others by more than\n"
@@ -39,6 +43,16 @@ static const char HELP[] =
     "  --prior      an earlier rig.csv: what is known of the cameras beforehand. Its\n"
     "               covariances count; a camera whose covariance is 0 is held.\n"
     "               It needs --sigma. Remove the lines of cameras that moved.\n"
+    "  --times      when each picture was taken: a file with the columns frame,\n"
+    "               camera, time_s. Then clocks that differ can be found. frames: the\n"
+    "               numbers of the frames serve as times.\n"
+    "  --clocks     estimates how late each camera is against the first, with the\n"
+    "               rig. --drift: and how fast its clock runs.\n"
+    "  --sigma-time the noise of a time by itself: in seconds, or in frames.\n"
+    "  --intrinsics-sigma\n"
+    "               standard deviations of every camera's intrinsics: of f and of\n"
+    "               fx / fy as parts of them, of the centre in pixels, of k1 and of k2.\n"
+    "               The uncertainties of the rig contain them.\n"
     "  --method     ml, the default: the maximum-likelihood poses and rig, and their\n"
     "               uncertainties. paper: the published procedure, without --sigma,\n"
     "               --robust, --hold and --prior.\n"
@@ -97,7 +111,9 @@ typedef struct {
 static const command COMMANDS[] = {
     {"calibrate", cli_calibrate, BIT(OPTION_CAMERAS) | BIT(OPTION_OBSERVATIONS),
      BIT(OPTION_OUT) | BIT(OPTION_METHOD) | BIT(OPTION_SIGMA) | BIT(OPTION_ROBUST) |
-         BIT(OPTION_THRESHOLD) | BIT(OPTION_SEED) | BIT(OPTION_HOLD) | BIT(OPTION_PRIOR)},
+         BIT(OPTION_THRESHOLD) | BIT(OPTION_SEED) | BIT(OPTION_HOLD) | BIT(OPTION_PRIOR) |
+         BIT(OPTION_TIMES) | BIT(OPTION_CLOCKS) | BIT(OPTION_DRIFT) |
+         BIT(OPTION_SIGMA_TIME) | BIT(OPTION_INTRINSICS_SIGMA)},
     {"triangulate", cli_triangulate,
      BIT(OPTION_CAMERAS) | BIT(OPTION_RIG) | BIT(OPTION_OBSERVATIONS),
      BIT(OPTION_TARGETS) | BIT(OPTION_SIGMA)},
@@ -139,6 +155,10 @@ static const struct option OPTIONS[] = {
     {"common", required_argument, NULL, OPTION_COMMON},
     {"wrong", required_argument, NULL, OPTION_WRONG},
     {"walk", required_argument, NULL, OPTION_WALK},
+    {"clocks", no_argument, NULL, OPTION_CLOCKS},
+    {"drift", no_argument, NULL, OPTION_DRIFT},
+    {"sigma-time", required_argument, NULL, OPTION_SIGMA_TIME},
+    {"intrinsics-sigma", required_argument, NULL, OPTION_INTRINSICS_SIGMA},
     {"help", no_argument, NULL, HELP_OPTION},
     {"version", no_argument, NULL, VERSION_OPTION},
     {NULL, 0, NULL, 0},

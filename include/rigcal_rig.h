@@ -61,6 +61,15 @@ typedef struct rigcal_camera_prior {
     rigcal_real Sigma[36]; /* of (w, dt), row by row */
 } rigcal_camera_prior;
 
+/* Standard deviations of a camera's own numbers, as its calibration gives them; 0: exact.
+ * */
+typedef struct rigcal_intrinsics_sigma {
+    rigcal_real focal;  /* of fx and fy together, as a part of them */
+    rigcal_real aspect; /* of fx / fy, as a part of it */
+    rigcal_real centre; /* of cx and of cy [px] */
+    rigcal_real k1, k2;
+} rigcal_intrinsics_sigma;
+
 /* Cameras, placements, and what was seen. Set it to zero, then what is there. */
 typedef struct rigcal_rig {
     rigcal_transform *cams_from_rig; /* n_cameras */
@@ -88,6 +97,12 @@ typedef struct rigcal_rig {
 
     rigcal_real *work;    /* memory to work in */
     size_t work_capacity; /* its number of reals: RIGCAL_RIG_WORK */
+
+    struct rigcal_rig_clocks *clocks; /* of the cameras, see rigcal_clocks.h; NULL: all
+                                         views of a placement are of one instant */
+    const rigcal_intrinsics_sigma *intrinsics_sigmas; /* n_cameras, or NULL: exact. Only
+                                                         rigcal_rig_consider reads them */
+    const struct rigcal_considered *considered; /* NULL; rigcal_rig_consider sets it */
 } rigcal_rig;
 
 /* Reals to work in, of so many cameras that are free or have a prior, and so many in all.
@@ -180,7 +195,11 @@ RIGCAL_API rigcal_status rigcal_rig_robust_result(rigcal_rig_fit *fit, size_t *n
                                                   int32_t *at_fault,
                                                   const rigcal_rig_solver *solver);
 
-/* ==== how sure =============================================================== */
+/* ==== how sure ===============================================================
+ *
+ * Where rigcal_rig_consider has been called after the adjustment (rigcal_consider.h), all
+ * that follows contains the intrinsics' deviations. ERR_STATE also: the rig has been
+ * adjusted again since. */
 
 /* Sigma: covariance of (w, dt) of a camera's pose in the frame of the rig, for noise of
  * sigma_px: 0 of one that is held. OK, ERR_NULL, ERR_RANGE, ERR_STATE (not adjusted). */

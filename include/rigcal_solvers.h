@@ -151,6 +151,7 @@ struct rigcal_robust_solver {
 struct rigcal_rig_solver {
     rigcal_rig *rig;
     const struct rigcal_rig_given *given; /* of views: their points, or their own poses */
+    const struct rigcal_rig_given *timed; /* where a rig has clocks, that without them */
     rigcal_levenberg search;
     int32_t loss; /* RIGCAL_LOSS_; 0: squares */
     int32_t phase, is_join, is_trial, is_last, is_final, is_disconnected, at_fault, evals;
@@ -159,9 +160,36 @@ struct rigcal_rig_solver {
     size_t row;                      /* of the factor, or which of the placement's views */
     size_t n_points, n_used, n_seen; /* points, views, placements that count */
     size_t n_free;                   /* cameras of which nothing is known beforehand */
+    size_t n_clocks;                 /* offsets and drifts that are estimated */
     rigcal_real sum, gain;           /* of a pass: the sum, and what a step promises */
     rigcal_real own_sum;             /* of the views by themselves */
     rigcal_real promised, negligible, gp[6], Hp[21];
+};
+
+/* ---- parameters beside cameras and placements -------------------------------- */
+
+typedef struct rigcal_border {
+    size_t n;              /* unknowns of the cameras */
+    size_t k;              /* columns: the parameters */
+    rigcal_real *T;        /* k rows of n: what they share with the cameras, or NULL */
+    rigcal_real *Z;        /* k rows of 6: B^T E of a placement; eliminated, Y */
+    rigcal_real *q;        /* k; NULL: neither q nor Q is wanted */
+    rigcal_real *Q;        /* row by row: row i has columns first[i] .. i */
+    const uint16_t *first; /* k; NULL: all from 0 on */
+    rigcal_real *W, *slot; /* 36 and 1 of each view of a placement, of its camera: A^T H B,
+                              eliminated Y_c; and its first unknown, -1: it is held */
+    size_t count;          /* views of the placement so far */
+    rigcal_real gp[6], Hp[21]; /* of the placement; eliminated, L^-1 g and L */
+} rigcal_border;
+
+/* ---- intrinsics that are considered ------------------------------------------ */
+
+struct rigcal_consider_solver {
+    rigcal_rig *rig;
+    rigcal_considered *considered;
+    int32_t phase, status, at_fault;
+    size_t view, first, placement, column; /* under way */
+    rigcal_border border;
 };
 
 /* ---- the choice between two poses of each view ------------------------------ */
@@ -297,6 +325,50 @@ struct rigcal_spans_solver {
     rigcal_real u[RIGCAL_SPANS_NODES], v[RIGCAL_SPANS_NODES];
     rigcal_border_end corners[2][2]; /* by side and way */
     rigcal_outline outline;
+};
+
+/* ---- why the views of a rig disagree ------------------------------------------- */
+
+/* The parameters of the faults that one pass tests, a column each. Sums of each: Q and q with
+ * all else free, Q as it was, and both with the pose of each view free. */
+typedef struct rigcal_columns {
+    const rigcal_rig *rig;
+    int32_t kinds;
+    int32_t at[12];    /* of each parameter of a view, which it is among those of a camera,
+                          or of the board; -1: it is not tested in this pass */
+    size_t per_camera; /* besides the clock */
+    rigcal_border border;
+    rigcal_real *Q, *q, *raw, *own_Q, *own_q;
+    rigcal_real *pairs, *own_pairs, *clocks; /* Q across two columns; across clocks */
+    rigcal_real *g;                          /* of the cameras */
+    rigcal_real *reference;                  /* 3 of each camera */
+} rigcal_columns;
+
+/* Cameras that moved: S and g of all cameras, of the placements so far; and of each camera
+ * the best so far. */
+typedef struct rigcal_moves {
+    rigcal_real *S, *g, *best;
+    rigcal_real *camera;         /* of each view of the placement */
+    rigcal_real *total, *so_far; /* views of each camera */
+} rigcal_moves;
+
+struct rigcal_faults_solver {
+    rigcal_rig *rig;
+    const rigcal_faults_options *options;
+    rigcal_fault *faults;
+    rigcal_faults found;
+    size_t capacity;
+    int32_t phase, status, at_fault, left; /* kinds that come in a later pass */
+    int32_t test, camera;                  /* what is tested next */
+    size_t view, first, placement, slot;   /* under way; the first view of the placement */
+    size_t n, n_free; /* unknowns of the cameras; cameras without a prior */
+    size_t n_points, n_used, n_seen, n_neighbours;
+    rigcal_columns columns;
+    rigcal_moves moves;
+    rigcal_real low[2], high[2];              /* of the board's points */
+    rigcal_real sum, own;                     /* of all; of each view alone */
+    rigcal_real product, expected, expected2; /* of neighbours */
+    rigcal_real along, disagreement, speed2;  /* along the motion; in all */
 };
 
 #ifdef __cplusplus

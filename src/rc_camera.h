@@ -40,6 +40,11 @@ rigcal_status rc_project_through(rigcal_real uv[2], rigcal_real J_uv[6],
                                  const rigcal_camera *camera, int is_pinhole,
                                  const rigcal_real X_c[3]);
 
+/* The same through any lens, a pinhole too. Also gives the place x in the plane of the lens
+ * map. */
+rigcal_status rc_project_by(rigcal_real x[2], rigcal_real uv[2], rigcal_real J_uv[6],
+                            const rigcal_camera *camera, const rigcal_real X_c[3]);
+
 /* The pixel of X_c, and the proof that the lens sees it there: as rigcal_camera_project. */
 rigcal_status rc_project_usable(rigcal_real uv[2], const rigcal_camera *camera,
                                 const rigcal_real X_c[3]);

@@ -24,9 +24,6 @@ rigcal_real rc_odds(rigcal_real sse, rigcal_real other, rigcal_real sigma_px,
  * 1e30. */
 rigcal_real rc_expected_sets(size_t n, size_t count, rigcal_real near);
 
-/* Natural logarithm of x > 0, to a few units in the last place. */
-rigcal_real rc_log(rigcal_real x);
-
 /* The number of standard deviations within which a normal variable lies with `probability`,
  * 0 < probability < 1: k^2 is the limit of chi square of 1. To a few units in the last
  * place of 1 - probability. */
@@ -34,5 +31,8 @@ rigcal_real rc_normal_within(rigcal_real probability);
 
 /* The same of the length of a vector of two: k^2 is the limit of chi square of 2. */
 rigcal_real rc_plane_within(rigcal_real probability);
+
+/* The chance that F of (k, n) degrees of freedom is more than that. At least 2e-35. */
+rigcal_real rc_f_tail(rigcal_real F, rigcal_real k, rigcal_real n);
 
 #endif /* RC_CHANCE_H */

@@ -13,6 +13,18 @@ typedef struct {
     size_t count;
 } rc_leverage;
 
+/* What intrinsics that are not exact add to the covariances of rig->considered, which the
+ * layer `consider` fills in: of a camera, of a pair, of all cameras that are not held,
+ * packed; and of a placement that part by itself. */
+struct rigcal_considering {
+    void (*camera)(rigcal_real Sigma[36], const rigcal_rig *rig, size_t camera);
+    void (*pair)(rigcal_real Sigma[36], const rigcal_transform *b_from_a,
+                 const rigcal_rig *rig, size_t a, size_t b);
+    void (*joint)(rigcal_real S[], const rigcal_rig *rig);
+    rigcal_status (*placement)(rigcal_real Sigma[36], const rigcal_rig *rig, size_t first,
+                               size_t count, size_t placement);
+};
+
 /* out += A B, or A^T B: 6 x 6, row by row. */
 void rc_mat6_add_product(rigcal_real out[36], const rigcal_real A[36],
                          const rigcal_real B[36], int is_transposed);
@@ -32,6 +44,10 @@ void rc_joint_spread(rigcal_real Sigma[36], const rc_leverage *on);
 void rc_joint_pair(rigcal_transform *b_from_a, rigcal_real Sigma[36],
                    const rigcal_transform *a_from_rig, const rigcal_transform *b_from_rig,
                    const rigcal_real S[], rigcal_real a, rigcal_real b, rigcal_real scale);
+
+/* How b_from_a hangs on its cameras: of each W. */
+void rc_joint_steps_of_pair(rigcal_real W[72], const rigcal_transform *b_from_a,
+                            const rigcal_transform *a_from_rig);
 
 /* The lower triangle times scale, in both. */
 void rc_mat6_make_symmetric(rigcal_real M[36], rigcal_real scale);

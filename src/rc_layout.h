@@ -69,6 +69,10 @@
         M(rigcal_view_pose, camera) M(rigcal_view_pose, placement)                 \
     S(rigcal_camera_prior)                                                         \
         M(rigcal_camera_prior, cam_from_rig) M(rigcal_camera_prior, Sigma)         \
+    S(rigcal_intrinsics_sigma)                                                     \
+        M(rigcal_intrinsics_sigma, focal) M(rigcal_intrinsics_sigma, aspect)       \
+        M(rigcal_intrinsics_sigma, centre) M(rigcal_intrinsics_sigma, k1)          \
+        M(rigcal_intrinsics_sigma, k2)                                             \
     S(rigcal_rig)                                                                  \
         M(rigcal_rig, cams_from_rig) M(rigcal_rig, n_cameras)                      \
         M(rigcal_rig, rig_from_placements) M(rigcal_rig, n_placements)             \
@@ -77,7 +81,8 @@
         M(rigcal_rig, view_pose_source) M(rigcal_rig, context)                     \
         M(rigcal_rig, left_out)                                                    \
         M(rigcal_rig, roles) M(rigcal_rig, priors) M(rigcal_rig, sigma_px)         \
-        M(rigcal_rig, work) M(rigcal_rig, work_capacity)                           \
+        M(rigcal_rig, work) M(rigcal_rig, work_capacity) M(rigcal_rig, clocks)     \
+        M(rigcal_rig, intrinsics_sigmas) M(rigcal_rig, considered)                 \
     S(rigcal_rig_fit)                                                              \
         M(rigcal_rig_fit, sum) M(rigcal_rig_fit, freedom)                          \
         M(rigcal_rig_fit, sigma_px) M(rigcal_rig_fit, n_points)                    \
@@ -183,6 +188,30 @@
         M(rigcal_body_report, is_blind) M(rigcal_body_report, share)               \
         M(rigcal_body_report, blame) M(rigcal_body_report, smallest_rad)           \
         M(rigcal_body_report, weakest) M(rigcal_body_report, weakest_sigma)        \
+    /* rigcal_clocks.h */                                                          \
+    S(rigcal_motion)                                                               \
+        M(rigcal_motion, n) M(rigcal_motion, t)                                    \
+        M(rigcal_motion, c)                                                        \
+    S(rigcal_clock_memory)                                                         \
+        M(rigcal_clock_memory, pass) M(rigcal_clock_memory, is_moved)              \
+        M(rigcal_clock_memory, placement) M(rigcal_clock_memory, motion)           \
+        M(rigcal_clock_memory, step) M(rigcal_clock_memory, moved)                 \
+        M(rigcal_clock_memory, views) M(rigcal_clock_memory, late)                 \
+        M(rigcal_clock_memory, velocity) M(rigcal_clock_memory, after)             \
+        M(rigcal_clock_memory, since) M(rigcal_clock_memory, middle)               \
+        M(rigcal_clock_memory, ratio2)                                             \
+    S(rigcal_rig_clocks)                                                           \
+        M(rigcal_rig_clocks, calls) M(rigcal_rig_clocks, times)                    \
+        M(rigcal_rig_clocks, view_times) M(rigcal_rig_clocks, instants)            \
+        M(rigcal_rig_clocks, offsets) M(rigcal_rig_clocks, drifts)                 \
+        M(rigcal_rig_clocks, held) M(rigcal_rig_clocks, states)                    \
+        M(rigcal_rig_clocks, free_offsets) M(rigcal_rig_clocks, free_drifts)       \
+        M(rigcal_rig_clocks, neighbours) M(rigcal_rig_clocks, frame)               \
+        M(rigcal_rig_clocks, sigma_time) M(rigcal_rig_clocks, memory)              \
+    /* rigcal_consider.h */                                                        \
+    S(rigcal_considered)                                                           \
+        M(rigcal_considered, by) M(rigcal_considered, n) M(rigcal_considered, k)   \
+        M(rigcal_considered, effects) M(rigcal_considered, capacity)               \
     /* rigcal_paper.h */                                                           \
     S(rigcal_bearing)                                                              \
         M(rigcal_bearing, X_w) M(rigcal_bearing, ray)                              \
@@ -206,8 +235,8 @@
     /* solvers */                                                                  \
     S(rigcal_pose_solver) S(rigcal_robust_solver) S(rigcal_rig_solver)             \
     S(rigcal_choose_solver) S(rigcal_judge_solver) S(rigcal_cause_solver)          \
-    S(rigcal_point_solver) S(rigcal_spans_solver) S(rigcal_paper_solver)           \
-    S(rigcal_neldermead)
+    S(rigcal_consider_solver) S(rigcal_point_solver) S(rigcal_spans_solver)        \
+    S(rigcal_paper_solver) S(rigcal_neldermead)
 /* clang-format on */
 
 #endif /* RC_LAYOUT_H */

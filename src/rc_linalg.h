@@ -18,6 +18,11 @@ inline void rc_vec3_cross(rigcal_real out[3], const rigcal_real a[3],
     out[2] = a[0] * b[1] - a[1] * b[0];
 }
 
+RC_INLINE rigcal_real rc_vec6_dot(const rigcal_real a[6], const rigcal_real b[6])
+{
+    return rc_vec3_dot(a, b) + rc_vec3_dot(&a[3], &b[3]);
+}
+
 RC_INLINE void rc_vec3_copy(rigcal_real out[3], const rigcal_real a[3])
 {
     out[0] = a[0];

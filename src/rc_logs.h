@@ -11,4 +11,7 @@ rigcal_real rc_exp(rigcal_real x);
 /* log(x), x > 0 and finite, to a few roundings. */
 rigcal_real rc_log(rigcal_real x);
 
+/* log(1 + x), x > -1, to a few units in the last place. */
+rigcal_real rc_log1p(rigcal_real x);
+
 #endif /* RC_LOGS_H */

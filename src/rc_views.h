@@ -6,19 +6,40 @@
 #include "rc_chain.h"
 #include "rc_points.h"
 
+/* What an adjustment takes from the clocks of a rig, which has them by
+ * rigcal_clocks_defaults alone: a program without clocks does not have these functions. */
+struct rigcal_clock_calls {
+    /* Begins a search that rc_rig_begin has begun; or ends it, with an error of what is
+     * handed in. */
+    rigcal_status (*begin)(rigcal_rig_solver *s);
+
+    /* A placement to where a view sees it. */
+    void (*place)(rigcal_transform *rig_from_placement, const rigcal_rig *rig,
+                  int32_t camera, size_t placement, size_t view);
+
+    /* Takes the noise of its stamp out of the equations of the view placed last. */
+    void (*weigh)(rigcal_real *sum, rigcal_real g[6], rigcal_real H[21],
+                  const rc_chain *chain, const rigcal_rig *rig);
+};
+
+typedef struct rc_rig_parts rc_rig_parts;
+
 /* What is given of a view, its points or its own pose: functions to check view s->view,
  * counting what s counts, and to make its equations where the rig is: *sum, g and H by
- * (w, dt) of cam_from_target. */
+ * (w, dt) of cam_from_target. And a unit of the search, and the cameras' part of its step,
+ * which are others where a rig has clocks. */
 struct rigcal_rig_given {
     rigcal_status (*check)(int32_t *camera, int32_t *placement, rigcal_rig_solver *s);
     rigcal_status (*equations)(rigcal_real *sum, rigcal_real g[6], rigcal_real H[21],
                                rc_chain *chain, int32_t *camera,
                                const rigcal_rig_solver *s);
+    void (*step)(rigcal_rig_solver *s);
+    void (*move)(const rigcal_rig_solver *s, const rc_rig_parts *parts);
     int is_join;
 };
 
 /* Where the parts of rig->work begin. */
-typedef struct {
+struct rc_rig_parts {
     rigcal_real *count;      /* of each placement, its views; less than 0: all left out */
     rigcal_real *column;     /* of each camera, its first unknown; -1: it is held */
     rigcal_real *slot;       /* of each view of a placement, the same */
@@ -26,7 +47,7 @@ typedef struct {
     rigcal_transform *saved; /* the cameras, the placements */
     rigcal_real *S, *g;      /* of the cameras, packed; then the covariance, and the step */
     rigcal_real *d;          /* the diagonal before placements were eliminated */
-} rc_rig_parts;
+};
 
 void rc_rig_parts_of(rc_rig_parts *parts, const rigcal_rig *rig, size_t n_unknowns);
 
@@ -58,9 +79,17 @@ rigcal_status rc_rig_points(rigcal_points *points, const rigcal_rig_view *view);
 /* How many views there are of a placement, left out or not: they follow one another. */
 size_t rc_rig_views_of(const rc_rig_parts *parts, size_t placement);
 
+/* The chain of a view, where the rig is and the clocks stand. */
+void rc_rig_chain(rc_chain *chain, const rigcal_rig *rig, int32_t camera, size_t placement,
+                  size_t view);
+
 int rc_rig_is_left_out(const rigcal_rig *rig, size_t view);
 int rc_rig_is_held(const rigcal_rig *rig, size_t camera);
 int rc_rig_has_prior(const rigcal_rig *rig, size_t camera);
+
+/* Whether the memory to work in holds what an adjustment leaves there: unknowns in the
+ * order of their cameras, and variances above 0. *parts: where its parts begin. */
+int rc_rig_is_adjusted(rc_rig_parts *parts, const rigcal_rig *rig);
 
 /* The memory to work in holds no covariance of the cameras. */
 void rc_rig_forget(const rigcal_rig *rig);

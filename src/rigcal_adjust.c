@@ -1,5 +1,7 @@
 #include "rc_adjust.h"
 
+#include <string.h>
+
 #include "rc_refine.h"
 
 /* ---- constants ----------------------------------------------------------- */
@@ -14,17 +16,6 @@ enum { PASSES_MAX = 200 };
 /* part of the sum: the search ends when no more is still to be gained, judged by how fast
  * the gains fall. The poses are then within a few millionths of their sigma. */
 #define GAIN_ENOUGH RC_TOL(1e-10, 1e-6)
-
-enum {
-    CHECKING = RC_RIG_REACHING + 1, /* what is handed in, view by view */
-    SETTLING,    /* a placement's own step, its views' equations being added */
-    REDUCING,    /* its views' equations, by camera and placement */
-    ELIMINATING, /* the placement, from the equations of one of its cameras */
-    PRIORS,      /* what is known of the cameras beforehand */
-    FACTORING,   /* a row of the cameras' equations */
-    INVERTING,
-    SQUARING
-};
 
 /* ---- views by their points ----------------------------------------------- */
 
@@ -73,6 +64,18 @@ rigcal_status rc_rig_equations(rigcal_real *sum, rigcal_real g[6], rigcal_real H
                                RC_GAUSS_NEWTON);
 }
 
+rigcal_status rc_rig_view_equations(rigcal_real *sum, rigcal_real g[6], rigcal_real H[21],
+                                    rc_chain *chain, const rigcal_rig_view *v,
+                                    const rigcal_rig *rig, size_t view)
+{
+    rc_rig_chain(chain, rig, v->camera, (size_t)v->placement, view);
+    const rigcal_status status = rc_rig_equations(sum, g, H, v, &chain->cam_from_target);
+    if (status == RIGCAL_OK && rig->clocks != NULL) {
+        rig->clocks->calls->weigh(sum, g, H, chain, rig);
+    }
+    return status;
+}
+
 static rigcal_status equations_of_points(rigcal_real *sum, rigcal_real g[6],
                                          rigcal_real H[21], rc_chain *chain,
                                          int32_t *camera, const rigcal_rig_solver *s)
@@ -89,7 +92,7 @@ static rigcal_status equations_of_points(rigcal_real *sum, rigcal_real g[6],
 }
 
 const struct rigcal_rig_given rc_given_points = {rc_rig_check_points, equations_of_points,
-                                                 0};
+                                                 rc_rig_step, rc_rig_move, 0};
 
 /* ---- a pass -------------------------------------------------------------- */
 
@@ -121,7 +124,7 @@ static int begin_placement(rigcal_rig_solver *s, const rc_rig_parts *parts)
     rc_rigid_clear(s->gp, s->Hp);
     s->first = s->view;
     s->row = 0;
-    s->phase = (s->is_trial || s->is_last) ? SETTLING : REDUCING;
+    s->phase = (s->is_trial || s->is_last) ? RC_RIG_SETTLING : RC_RIG_REDUCING;
     return s->placement < s->rig->n_placements;
 }
 
@@ -157,11 +160,6 @@ static void add_camera(const rc_rig_parts *parts, size_t at, const rigcal_real g
     }
 }
 
-static rigcal_real dot6(const rigcal_real a[6], const rigcal_real b[6])
-{
-    return rc_vec3_dot(a, b) + rc_vec3_dot(&a[3], &b[3]);
-}
-
 /* S -= Y_i Y_j^T, the rows of which are six of the placement's unknowns each. */
 static void subtract_block(rigcal_real S[], size_t at_i, size_t at_j,
                            const rigcal_real Y_i[36], const rigcal_real Y_j[36])
@@ -174,7 +172,7 @@ static void subtract_block(rigcal_real S[], size_t at_i, size_t at_j,
         rigcal_real *const row = &S[rc_packed_at(at_down + i, at_across)];
         const size_t end = (at_i == at_j) ? i + 1 : 6;
         for (size_t j = 0; j < end; j++) {
-            row[j] -= dot6(&down[6 * i], &across[6 * j]);
+            row[j] -= rc_vec6_dot(&down[6 * i], &across[6 * j]);
         }
     }
 }
@@ -197,7 +195,7 @@ static void eliminate_slot(rigcal_rig_solver *s, const rc_rig_parts *parts)
     const size_t at = (size_t)parts->slot[slot];
     for (size_t i = 0; i < 6; i++) {
         rc_sym6_forward(&Y[6 * i], factor_of(s));
-        parts->g[at + i] -= dot6(&Y[6 * i], s->gp);
+        parts->g[at + i] -= rc_vec6_dot(&Y[6 * i], s->gp);
     }
     for (size_t other = 0; other <= slot; other++) {
         if (parts->slot[other] >= 0) {
@@ -209,26 +207,21 @@ static void eliminate_slot(rigcal_rig_solver *s, const rc_rig_parts *parts)
 
 /* ---- the cameras' step --------------------------------------------------- */
 
-static void copy_poses(rigcal_transform to[], const rigcal_transform from[], size_t n)
-{
-    for (size_t i = 0; i < n; i++) {
-        to[i] = from[i];
-    }
-}
-
 static void save_poses(const rigcal_rig *rig, const rc_rig_parts *parts)
 {
-    copy_poses(parts->saved, rig->cams_from_rig, rig->n_cameras);
-    copy_poses(&parts->saved[rig->n_cameras], rig->rig_from_placements, rig->n_placements);
+    memcpy(parts->saved, rig->cams_from_rig, rig->n_cameras * sizeof *parts->saved);
+    memcpy(&parts->saved[rig->n_cameras], rig->rig_from_placements,
+           rig->n_placements * sizeof *parts->saved);
 }
 
 static void restore_poses(const rigcal_rig *rig, const rc_rig_parts *parts)
 {
-    copy_poses(rig->cams_from_rig, parts->saved, rig->n_cameras);
-    copy_poses(rig->rig_from_placements, &parts->saved[rig->n_cameras], rig->n_placements);
+    memcpy(rig->cams_from_rig, parts->saved, rig->n_cameras * sizeof *parts->saved);
+    memcpy(rig->rig_from_placements, &parts->saved[rig->n_cameras],
+           rig->n_placements * sizeof *parts->saved);
 }
 
-static void move_cameras(const rigcal_rig_solver *s, const rc_rig_parts *parts)
+void rc_rig_move(const rigcal_rig_solver *s, const rc_rig_parts *parts)
 {
     for (size_t c = 0; c < s->rig->n_cameras; c++) {
         if (parts->column[c] >= 0) {
@@ -246,7 +239,7 @@ static void end_search(rigcal_rig_solver *s, rigcal_status status, int is_factor
         s->phase = RC_RIG_DONE;
         rc_rig_forget(s->rig);
     } else if (is_factored && !(s->search.lambda > 0)) {
-        s->phase = INVERTING;
+        s->phase = RC_RIG_INVERTING;
     } else {
         s->search.lambda = 0;
         s->is_final = 1;
@@ -277,7 +270,7 @@ static void take_step(rigcal_rig_solver *s, const rc_rig_parts *parts)
     s->is_trial = step == RC_STEP_TRY;
     s->is_last = step == RC_STEP_LAST;
     save_poses(s->rig, parts);
-    move_cameras(s, parts);
+    s->given->move(s, parts);
     begin_pass(s);
 }
 
@@ -294,7 +287,7 @@ static void factor_row(rigcal_rig_solver *s, const rc_rig_parts *parts)
     if (s->row >= s->n) {
         s->row = 0;
         if (s->is_final) {
-            s->phase = INVERTING;
+            s->phase = RC_RIG_INVERTING;
         } else {
             take_step(s, parts);
         }
@@ -304,7 +297,7 @@ static void factor_row(rigcal_rig_solver *s, const rc_rig_parts *parts)
 static void invert_row(rigcal_rig_solver *s, const rc_rig_parts *parts)
 {
     if (s->row < s->n) {
-        if (s->phase == INVERTING) {
+        if (s->phase == RC_RIG_INVERTING) {
             rc_packed_invert_row(parts->S, s->row);
         } else {
             rc_packed_square_row(parts->S, s->row, s->n);
@@ -313,7 +306,7 @@ static void invert_row(rigcal_rig_solver *s, const rc_rig_parts *parts)
     }
     if (s->row >= s->n) {
         s->row = 0;
-        s->phase = (s->phase == INVERTING) ? SQUARING : RC_RIG_DONE;
+        s->phase = (s->phase == RC_RIG_INVERTING) ? RC_RIG_SQUARING : RC_RIG_DONE;
     }
 }
 
@@ -326,7 +319,7 @@ static void end_pass(rigcal_rig_solver *s, rigcal_status status)
     rigcal_levenberg *const lm = &s->search;
     rc_rig_parts_of(&parts, s->rig, s->n);
     s->row = 0;
-    s->phase = FACTORING;
+    s->phase = RC_RIG_FACTORING;
     if (s->is_final || s->is_last) {
         if (status != RIGCAL_OK) {
             rc_rig_end(s, status, (int32_t)s->view);
@@ -371,7 +364,7 @@ static void add_prior(rigcal_rig_solver *s, const rc_rig_parts *parts)
         rc_deviation(d, &prior->cam_from_rig, &rig->cams_from_rig[c]);
         rc_sym6_mul(g, packed, d);
         add_camera(parts, at, g, packed);
-        s->sum += dot6(g, d);
+        s->sum += rc_vec6_dot(g, d);
     }
     if (s->row >= rig->n_cameras) {
         end_pass(s, RIGCAL_OK);
@@ -388,7 +381,7 @@ static void next_placement(rigcal_rig_solver *s, const rc_rig_parts *parts)
     if (s->is_last) {
         end_pass(s, RIGCAL_OK);
     } else {
-        s->phase = PRIORS;
+        s->phase = RC_RIG_PRIORS;
     }
 }
 
@@ -398,7 +391,7 @@ static void end_placement(rigcal_rig_solver *s, const rc_rig_parts *parts)
     if (!rc_sym6_factor_of(factor_of(s), s->Hp, s->search.lambda)) {
         s->view--; /* one of them is at fault */
         end_pass(s, RIGCAL_ERR_DEGENERATE);
-    } else if (s->phase == SETTLING) {
+    } else if (s->phase == RC_RIG_SETTLING) {
         rc_sym6_solve(s->gp, factor_of(s));
         rc_transform_move(&s->rig->rig_from_placements[s->placement], s->gp);
         if (s->is_last) {
@@ -406,13 +399,13 @@ static void end_placement(rigcal_rig_solver *s, const rc_rig_parts *parts)
         } else {
             rc_rigid_clear(s->gp, s->Hp);
             s->view = s->first;
-            s->phase = REDUCING;
+            s->phase = RC_RIG_REDUCING;
         }
     } else {
         rc_sym6_forward(s->gp, factor_of(s));
-        s->gain += dot6(s->gp, s->gp);
+        s->gain += rc_vec6_dot(s->gp, s->gp);
         s->row = 0;
-        s->phase = ELIMINATING;
+        s->phase = RC_RIG_ELIMINATING;
     }
 }
 
@@ -434,7 +427,7 @@ static rigcal_status add_equations(rigcal_rig_solver *s, const rc_rig_parts *par
         return status;
     }
     rc_chain_add_placement(s->gp, s->Hp, &chain, g, H);
-    if (s->phase == REDUCING) {
+    if (s->phase == RC_RIG_REDUCING) {
         s->sum += sum;
         parts->slot[slot] = parts->column[camera];
         if (parts->slot[slot] >= 0) {
@@ -469,11 +462,12 @@ rigcal_status rc_rig_begin(rigcal_rig_solver *s, rigcal_rig *rig,
     if (rigcal_rig_work(0, rig->n_cameras, rig->n_placements) > rig->work_capacity) {
         return RIGCAL_ERR_CAPACITY;
     }
+    rig->considered = NULL; /* which is of the rig as it was */
     *s = (rigcal_rig_solver){0};
     s->rig = rig;
     s->given = given;
     s->is_join = given->is_join;
-    s->phase = CHECKING;
+    s->phase = RC_RIG_CHECKING;
     s->at_fault = -1;
     rc_levenberg_begin(&s->search, 1);
     const rigcal_status status = rc_views_begin(s);
@@ -496,7 +490,11 @@ rigcal_status rc_rig_begin_points(rigcal_rig_solver *s, rigcal_rig *rig,
     for (size_t c = 0; status == RIGCAL_OK && c < rig->n_cameras; c++) {
         status = rc_check_transform(&rig->cams_from_rig[c]);
     }
-    return (status == RIGCAL_OK) ? rc_rig_begin(s, rig, given) : status;
+    if (status == RIGCAL_OK) {
+        status = rc_rig_begin(s, rig, given);
+    }
+    return (status == RIGCAL_OK && rig->clocks != NULL) ? rig->clocks->calls->begin(s)
+                                                        : status;
 }
 
 static void checking_step(rigcal_rig_solver *s)
@@ -514,14 +512,14 @@ void rc_rig_step(rigcal_rig_solver *s)
     rc_rig_parts parts;
     rc_rig_parts_of(&parts, s->rig, s->n);
     switch (s->phase) {
-    case CHECKING:
+    case RC_RIG_CHECKING:
         checking_step(s);
         break;
-    case SETTLING:
-    case REDUCING:
+    case RC_RIG_SETTLING:
+    case RC_RIG_REDUCING:
         add_view(s, &parts);
         break;
-    case ELIMINATING:
+    case RC_RIG_ELIMINATING:
         eliminate_slot(s, &parts);
         if (s->row == rc_rig_views_of(&parts, s->placement)) {
             next_placement(s, &parts);
@@ -530,14 +528,14 @@ void rc_rig_step(rigcal_rig_solver *s)
     case RC_RIG_CHECKED:
         begin_pass(s);
         break;
-    case PRIORS:
+    case RC_RIG_PRIORS:
         add_prior(s, &parts);
         break;
-    case FACTORING:
+    case RC_RIG_FACTORING:
         factor_row(s, &parts);
         break;
-    case INVERTING:
-    case SQUARING:
+    case RC_RIG_INVERTING:
+    case RC_RIG_SQUARING:
         invert_row(s, &parts);
         break;
     default:

@@ -145,14 +145,17 @@ static void copy_rig(rigcal_calibrated_rig *out, const rigcal_rig *rig,
         out->group[c] = rig->group[c];
         m->cam_from_rig = rig->cams_from_rig[c];
         m->has_Sigma = 1;
-        rc_joint_block(m->Sigma, parts->S, parts->column[c], parts->column[c]);
-        for (int k = 0; k < 36; k++) {
-            m->Sigma[k] *= scale;
-        }
         first += out->held[c] ? 0 : 6;
     }
     for (size_t k = 0; k < first * (first + 1) / 2; k++) {
         out->Sigma[k] = scale * parts->S[k];
+    }
+    if (rig->considered != NULL) {
+        rig->considered->by->joint(out->Sigma, rig);
+    }
+    for (size_t c = 0; c < rig->n_cameras; c++) {
+        rc_joint_block(out->cameras[c].Sigma, out->Sigma, parts->column[c],
+                       parts->column[c]);
     }
     out->n_cameras = rig->n_cameras;
 }

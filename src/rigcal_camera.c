@@ -190,12 +190,11 @@ static rigcal_status project_pinhole(rigcal_real uv[2], rigcal_real J_uv[6],
     return RIGCAL_OK;
 }
 
-/* Through any lens. Also gives the place x in the plane of the lens map. X_c is scaled
- * first, so that its largest coordinate is 1: then nothing overflows on the way. With
- * the lens's Jacobian J and (X, Y) = j,
+/* X_c is scaled first, so that its largest coordinate is 1: then nothing overflows on the
+ * way. With the lens's Jacobian J and (X, Y) = j,
  * J dx/dX_c = (J / depth + bend J j j^T, sink J j). */
-static rigcal_status project_by(rigcal_real x[2], rigcal_real uv[2], rigcal_real J_uv[6],
-                                const rigcal_camera *camera, const rigcal_real X_c[3])
+rigcal_status rc_project_by(rigcal_real x[2], rigcal_real uv[2], rigcal_real J_uv[6],
+                            const rigcal_camera *camera, const rigcal_real X_c[3])
 {
     const rigcal_real largest = rc_vec3_max_abs(X_c);
     rigcal_real depth, bend, sink, F[2], J[3];
@@ -233,7 +232,7 @@ rigcal_status rc_project_through(rigcal_real uv[2], rigcal_real J_uv[6],
     RIGCAL_ASSERT(is_pinhole == rc_lens_is_pinhole(camera));
     rigcal_real x[2];
     return is_pinhole ? project_pinhole(uv, J_uv, camera, X_c)
-                      : project_by(x, uv, J_uv, camera, X_c);
+                      : rc_project_by(x, uv, J_uv, camera, X_c);
 }
 
 /* The pixel, and the proof that the lens sees the point there. */
@@ -242,7 +241,7 @@ rigcal_status rc_project_usable(rigcal_real uv[2], const rigcal_camera *camera,
 {
     RIGCAL_ASSERT(rc_check_camera(camera) == RIGCAL_OK);
     rigcal_real x[2], pixel[2], J_uv[6];
-    const rigcal_status status = project_by(x, pixel, J_uv, camera, X_c);
+    const rigcal_status status = rc_project_by(x, pixel, J_uv, camera, X_c);
     if (status != RIGCAL_OK) {
         return status;
     }

@@ -1,5 +1,7 @@
 #include "rc_chance.h"
 
+#include "rc_logs.h"
+
 /* ---- constants ----------------------------------------------------------- */
 
 /* px: the least noise that is believed where none is stated. Pixels are not better. */
@@ -16,15 +18,6 @@ enum { EXP_TERMS = 8 };
 
 /* sets: expected numbers are clipped here, far above any limit, before they overflow. */
 #define EXPECTED_MOST RC(1e30)
-
-/* 1: rc_log halves or doubles x until it is between the inverse of this and this. */
-#define ROOT_2 RC(1.41421356237309504880)
-
-/* 1: natural logarithm of 2. */
-#define LOG_2 RC(0.69314718055994530942)
-
-/* terms: of the series of rc_log; the next is below rounding. */
-enum { LOG_TERMS = RIGCAL_USE_FLOAT ? 5 : 11 };
 
 /* 1: rc_normal_within takes its first quotient up to 2 * 0.425 of probability, and the
  * second quotient counts from 1.6 (Wichura 1988). */
@@ -49,6 +42,15 @@ static const rigcal_real QUOTIENTS[2][2][QUOTIENT_TERMS] = {
       RC(6.89767334985100004550e-1), RC(1.48103976427480074590e-1),
       RC(1.51986665636164571966e-2), RC(5.47593808499534494600e-4),
       RC(1.05075007164441684324e-9)}}};
+
+/* 1: from here on Stirling's series is exact to 1e-11; below, x is raised first. */
+#define STIRLING_FROM RC(8)
+
+/* steps: of the continued fraction, some sqrt(n) for n degrees of freedom. */
+enum { FRACTION_STEPS = 2000 };
+
+/* 1: the least that a denominator of the continued fraction may be. */
+#define FRACTION_LEAST RC(1e-30)
 
 RC_APART rigcal_real rc_freedom(size_t n)
 {
@@ -118,24 +120,6 @@ rigcal_real rc_expected_sets(size_t n, size_t count, rigcal_real near)
     return expected;
 }
 
-/* x = 2^n m: n ln 2 + 2 (z + z^3 / 3 + ..), z = (m - 1) / (m + 1), |z| < 0.172. */
-rigcal_real rc_log(rigcal_real x)
-{
-    RIGCAL_ASSERT(x > 0 && x <= RC_MAX);
-    rigcal_real whole = 0, sum = 0;
-    for (; x > ROOT_2; x /= 2) {
-        whole += LOG_2;
-    }
-    for (; x * ROOT_2 < 1; x *= 2) {
-        whole -= LOG_2;
-    }
-    const rigcal_real z = (x - 1) / (x + 1);
-    for (int k = 2 * LOG_TERMS - 1; k > 0; k -= 2) {
-        sum = 1 / (rigcal_real)k + z * z * sum;
-    }
-    return whole + 2 * z * sum;
-}
-
 static rigcal_real quotient(int which, rigcal_real r)
 {
     rigcal_real value[2] = {0, 0};
@@ -161,4 +145,68 @@ rigcal_real rc_plane_within(rigcal_real probability)
 {
     RIGCAL_ASSERT(probability > 0 && probability < 1);
     return RC_SQRT(-2 * rc_log(1 - probability));
+/* ---- the F distribution ---------------------------------------------------- */
+
+/* log(gamma(x)) - (x - 1/2) log(x) + x - log(2 pi) / 2, x >= STIRLING_FROM */
+static rigcal_real stirling(rigcal_real x)
+{
+    const rigcal_real xx = x * x;
+    return (RC(1) / 12 - (RC(1) / 360 - RC(1) / 1260 / xx) / xx) / x;
+}
+
+/* log(gamma(a + b) / gamma(a) / gamma(b)) by differences, for its terms are large. Of
+ * small a, gamma(a) = gamma(a + 1) / a. */
+static rigcal_real log_beta_inverse(rigcal_real a, rigcal_real b)
+{
+    const rigcal_real half = RC(1) / 2;
+    rigcal_real sum = 0;
+    for (; a < STIRLING_FROM; a++) {
+        sum -= rc_log1p(b / a);
+    }
+    for (; b < STIRLING_FROM; b++) {
+        sum -= rc_log1p(a / b);
+    }
+    const rigcal_real both = a + b;
+    sum += (a - half) * rc_log1p(b / a) + (b - half) * rc_log1p(a / b);
+    sum += half * rc_log1p(both / (2 * RC_PI) - 1);
+    return sum + stirling(both) - stirling(a) - stirling(b);
+}
+
+/* 1 + x, or what is next to 0. */
+static rigcal_real away_from_0(rigcal_real x)
+{
+    return (RC_FABS(1 + x) < FRACTION_LEAST) ? FRACTION_LEAST : 1 + x;
+}
+
+/* The continued fraction of the incomplete beta function (Lentz 1976). */
+static rigcal_real beta_fraction(rigcal_real a, rigcal_real b, rigcal_real x)
+{
+    rigcal_real c = 1, d = 1 / away_from_0(-(a + b) * x / (a + 1)), fraction = d;
+    for (int i = 2; i <= FRACTION_STEPS; i++) {
+        const rigcal_real m = (rigcal_real)(i / 2), at = a + (rigcal_real)i;
+        const rigcal_real next = (i % 2 == 0)
+                                     ? m * (b - m) * x / ((at - 1) * at)
+                                     : -(a + m) * (a + b + m) * x / ((at - 1) * at);
+        d = 1 / away_from_0(next * d);
+        c = away_from_0(next / c);
+        fraction *= c * d;
+        if (RC_FABS(c * d - 1) <= RC_EPS) {
+            break;
+        }
+    }
+    return fraction;
+}
+
+/* The incomplete beta function I_x(a, b) at x = n / (n + k F), a = n / 2, b = k / 2. */
+rigcal_real rc_f_tail(rigcal_real F, rigcal_real k, rigcal_real n)
+{
+    if (!(F > 0)) {
+        return 1;
+    }
+    const rigcal_real odds = k * F / n, a = n / 2, b = k / 2;
+    const rigcal_real x = 1 / (1 + odds), y = odds / (1 + odds);
+    const rigcal_real front =
+        exponential(log_beta_inverse(a, b) - a * rc_log1p(odds) - b * rc_log1p(1 / odds));
+    return (x * (a + b + 2) < a + 1) ? front * beta_fraction(a, b, x) / a
+                                     : 1 - front * beta_fraction(b, a, y) / b;
 }

@@ -73,9 +73,7 @@ static rigcal_status evaluate(rigcal_real *sum, rigcal_real g[6], rigcal_real H[
     rigcal_rig_view v;
     rigcal_status status = rc_rig_view_at(&v, s->rig, s->view);
     if (status == RIGCAL_OK) {
-        rc_chain_of(chain, &s->rig->cams_from_rig[v.camera],
-                    &s->rig->rig_from_placements[v.placement]);
-        status = rc_rig_equations(sum, g, H, &v, &chain->cam_from_target);
+        status = rc_rig_view_equations(sum, g, H, chain, &v, s->rig, s->view);
     }
     s->judged[s->view].rms_px =
         (status == RIGCAL_OK) ? RC_SQRT(*sum / (rigcal_real)(int32_t)v.view.n) : -1;
@@ -134,6 +132,18 @@ static rigcal_real cost_of(const rigcal_judge_solver *s, const rc_rig_parts *par
     return block[BLOCK_EXCESS] + rc_vec3_dot(&y[0], &y[0]) + rc_vec3_dot(&y[3], &y[3]);
 }
 
+/* A pose of the placement under way at the time of view v: at its own instant. */
+static void move_to_instant(rigcal_transform *pose, const rigcal_judge_solver *s,
+                            int32_t camera, size_t v)
+{
+    const rigcal_transform *const own = &s->rig->rig_from_placements[s->placement];
+    rigcal_transform seen = *own;
+    rigcal_real d[6];
+    s->rig->clocks->calls->place(&seen, s->rig, camera, s->placement, v);
+    rc_deviation(d, own, &seen);
+    rc_transform_move(pose, d);
+}
+
 /* The placement under way as a pose of view v by itself has it; view is -1 where there is
  * no such pose. */
 rigcal_status rc_judge_claim(rc_claim *claim, const rigcal_judge_solver *s, size_t v,
@@ -160,6 +170,9 @@ rigcal_status rc_judge_claim(rc_claim *claim, const rigcal_judge_solver *s, size
         return RIGCAL_ERR_DEGENERATE;
     }
     rc_claim_place(claim, &view, &camera, with_camera);
+    if (s->rig->clocks != NULL) {
+        move_to_instant(&claim->b_from_a, s, first.camera, v);
+    }
     return status;
 }
 

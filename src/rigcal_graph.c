@@ -15,7 +15,7 @@ static rigcal_status check_view(int32_t *camera, int32_t *placement, rigcal_rig_
     return rc_rig_is_left_out(s->rig, s->view) ? RIGCAL_OK : rc_check_pose(&pose);
 }
 
-const struct rigcal_rig_given rc_given_poses = {check_view, NULL, 1};
+const struct rigcal_rig_given rc_given_poses = {check_view, NULL, NULL, NULL, 1};
 
 /* Checks the poses of the views, and writes the groups. */
 static rigcal_status check(int32_t *at_fault, rigcal_rig *rig)

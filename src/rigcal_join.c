@@ -59,7 +59,8 @@ static rigcal_status equations_of_pose(rigcal_real *sum, rigcal_real g[6],
     return RIGCAL_OK;
 }
 
-static const struct rigcal_rig_given GIVEN_POSES = {check_pose, equations_of_pose, 1};
+static const struct rigcal_rig_given GIVEN_POSES = {check_pose, equations_of_pose,
+                                                    rc_rig_step, rc_rig_move, 1};
 
 /* ---- where to start ------------------------------------------------------
  *

@@ -78,20 +78,27 @@ static void fill_step(rigcal_real W[36], const rigcal_real x[3], const rigcal_re
     }
 }
 
-void rc_joint_pair(rigcal_transform *b_from_a, rigcal_real Sigma[36],
-                   const rigcal_transform *a_from_rig, const rigcal_transform *b_from_rig,
-                   const rigcal_real S[], rigcal_real a, rigcal_real b, rigcal_real scale)
+void rc_joint_steps_of_pair(rigcal_real W[72], const rigcal_transform *b_from_a,
+                            const rigcal_transform *a_from_rig)
 {
     static const rigcal_real ONE[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
-    rigcal_real x[3], minus_R[9], W[72], at[2] = {a, b};
-    const rc_leverage on = {S, W, at, 2};
-    rc_transform_between(b_from_a, b_from_rig, a_from_rig);
+    rigcal_real x[3], minus_R[9];
     rc_mat3_mul_vec3(x, b_from_a->R, a_from_rig->t);
     for (int k = 0; k < 9; k++) {
         minus_R[k] = -b_from_a->R[k];
     }
     fill_step(&W[0], x, minus_R);
     fill_step(&W[36], x, ONE);
+}
+
+void rc_joint_pair(rigcal_transform *b_from_a, rigcal_real Sigma[36],
+                   const rigcal_transform *a_from_rig, const rigcal_transform *b_from_rig,
+                   const rigcal_real S[], rigcal_real a, rigcal_real b, rigcal_real scale)
+{
+    rigcal_real W[72], at[2] = {a, b};
+    const rc_leverage on = {S, W, at, 2};
+    rc_transform_between(b_from_a, b_from_rig, a_from_rig);
+    rc_joint_steps_of_pair(W, b_from_a, a_from_rig);
     rc_joint_spread(Sigma, &on);
     rc_mat6_make_symmetric(Sigma, scale);
 }

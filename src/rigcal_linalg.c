@@ -283,11 +283,13 @@ void rc_sym6_pack(rigcal_real H[21], const rigcal_real full[36])
 
 void rc_sym6_mul(rigcal_real y[6], const rigcal_real H[21], const rigcal_real x[6])
 {
-    rigcal_real full[36];
-    rc_sym6_unpack(full, H);
-    for (int i = 0; i < 6; i++) {
-        y[i] = rc_vec3_dot(&full[6 * i], x) + rc_vec3_dot(&full[6 * i + 3], &x[3]);
-    }
+    rigcal_real half[3];
+    rc_sym3_mul_vec3(y, H, x);
+    rc_mat3_mul_vec3(half, &H[RC_SYM6_ACROSS], &x[3]);
+    rc_vec3_add(y, half);
+    rc_mat3_tmul_vec3(&y[3], &H[RC_SYM6_ACROSS], x);
+    rc_sym3_mul_vec3(half, &H[RC_SYM6_SECOND], &x[3]);
+    rc_vec3_add(&y[3], half);
 }
 
 int rc_sym6_invert(rigcal_real Sigma[36], const rigcal_real H[21])
@@ -400,6 +402,7 @@ void rc_packed_square_row(rigcal_real L_inverse[], size_t i, size_t n)
 extern inline rigcal_real rc_max(rigcal_real a, rigcal_real b);
 extern inline rigcal_real rc_min(rigcal_real a, rigcal_real b);
 extern inline rigcal_real rc_vec3_dot(const rigcal_real a[3], const rigcal_real b[3]);
+extern inline rigcal_real rc_vec6_dot(const rigcal_real a[6], const rigcal_real b[6]);
 extern inline void rc_vec3_cross(rigcal_real out[3], const rigcal_real a[3],
                                  const rigcal_real b[3]);
 extern inline void rc_vec3_copy(rigcal_real out[3], const rigcal_real a[3]);

@@ -25,6 +25,12 @@ enum { LOG_CHUNK_BITS = 16 };
 /* terms: of the series of log; the next is below a rounding. */
 enum { LOG_TERMS = RIGCAL_USE_FLOAT ? 5 : 11 };
 
+/* 1: the series of log(1 + x) takes x within this. Beyond it the root is taken first. */
+#define LOG1P_SERIES RC(0.25)
+
+/* terms: of that series; the next is below 1e-18. */
+enum { LOG1P_TERMS = 10 };
+
 #define ROOT_2 RC(1.4142135623730950488)
 #define LOG_2 RC(0.69314718055994530942)
 
@@ -65,4 +71,20 @@ rigcal_real rc_log(rigcal_real x)
         sum = sum * square + RC(1) / (rigcal_real)(2 * j - 1);
     }
     return (rigcal_real)k * LOG_2 + 2 * part * sum;
+}
+
+/* log(1 + x) = 2 log(1 + y), y = sqrt(1 + x) - 1; and 2 artanh(x / (2 + x)). */
+rigcal_real rc_log1p(rigcal_real x)
+{
+    RIGCAL_ASSERT(x > -1);
+    rigcal_real scale = 2, sum = 0;
+    while (RC_FABS(x) > LOG1P_SERIES) {
+        x /= 1 + RC_SQRT(1 + x);
+        scale *= 2;
+    }
+    const rigcal_real t = x / (2 + x);
+    for (int i = 2 * LOG1P_TERMS - 1; i > 0; i -= 2) {
+        sum = sum * t * t + 1 / (rigcal_real)i;
+    }
+    return scale * sum * t;
 }

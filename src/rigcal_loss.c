@@ -40,8 +40,7 @@ static rigcal_status equations_by_loss(rigcal_real *sum, rigcal_real g[6],
         return status;
     }
     *camera = v.camera;
-    rc_chain_of(chain, &s->rig->cams_from_rig[v.camera],
-                &s->rig->rig_from_placements[s->placement]);
+    rc_rig_chain(chain, s->rig, v.camera, s->placement, s->view);
     rc_rig_points_of(&points, &v);
     rc_rigid_clear(g, H);
     *sum = 0;
@@ -60,11 +59,14 @@ static rigcal_status equations_by_loss(rigcal_real *sum, rigcal_real g[6],
             rc_rigid_add(g, H, B, q, e, of_point * weight, NULL, 0);
         }
     }
+    if (s->rig->clocks != NULL) {
+        s->rig->clocks->calls->weigh(sum, g, H, chain, s->rig);
+    }
     return rc_is_finite(*sum) ? RIGCAL_OK : RIGCAL_ERR_NO_RAY;
 }
 
 static const struct rigcal_rig_given GIVEN_LOSS = {rc_rig_check_points, equations_by_loss,
-                                                   0};
+                                                   rc_rig_step, rc_rig_move, 0};
 
 rigcal_status rigcal_rig_robust_begin(rigcal_rig_solver *solver, rigcal_rig *rig,
                                       int32_t loss)
@@ -85,14 +87,13 @@ rigcal_status rigcal_rig_robust_begin(rigcal_rig_solver *solver, rigcal_rig *rig
 /* ---- points that are wrong ----------------------------------------------- */
 
 /* Of one view. */
-static size_t count_wrong(const rigcal_rig *rig, const rigcal_rig_view *v)
+static size_t count_wrong(const rigcal_rig *rig, const rigcal_rig_view *v, size_t view)
 {
     rigcal_points points;
     rc_chain chain;
     size_t n = 0;
     const rigcal_real limit = TRUNCATED_FROM * rig->sigma_px;
-    rc_chain_of(&chain, &rig->cams_from_rig[v->camera],
-                &rig->rig_from_placements[v->placement]);
+    rc_rig_chain(&chain, rig, v->camera, (size_t)v->placement, view);
     rc_rig_points_of(&points, v);
     for (size_t i = 0; i < v->view.n; i++) {
         n += !(rc_points_error2(&points, &chain.cam_from_target, i) <= limit * limit);
@@ -123,7 +124,7 @@ rigcal_status rigcal_rig_robust_result(rigcal_rig_fit *fit, size_t *n_wrong,
             if (status != RIGCAL_OK) {
                 return status;
             }
-            n += count_wrong(rig, &v);
+            n += count_wrong(rig, &v, i);
         }
     }
     const rigcal_real lost = 2 * (rigcal_real)(int32_t)n;

@@ -50,7 +50,7 @@ rigcal_status rigcal_rig_step(rigcal_rig_solver *solver, int32_t budget)
         return status;
     }
     for (; budget > 0 && solver->phase != RC_RIG_DONE; budget--) {
-        rc_rig_step(solver);
+        solver->given->step(solver);
     }
     return (solver->phase == RC_RIG_DONE) ? RIGCAL_OK : RIGCAL_RUNNING;
 }
@@ -63,7 +63,8 @@ static rigcal_real real_of(size_t n)
 static void fill_fit(rigcal_rig_fit *fit, const rigcal_rig_solver *s)
 {
     const rigcal_real measured = 2 * real_of(s->n_points);
-    const rigcal_real freedom = measured - 6 * real_of(s->n_free + s->n_seen);
+    const rigcal_real freedom =
+        measured - 6 * real_of(s->n_free + s->n_seen) - real_of(s->n_clocks);
     const rigcal_real within = measured - 6 * real_of(s->n_used);
     const rigcal_real between = freedom - within;
     *fit = (rigcal_rig_fit){0};
@@ -118,30 +119,9 @@ rigcal_status rigcal_rig_adjust(rigcal_rig_fit *fit, int32_t *at_fault, rigcal_r
 
 /* ---- how sure ------------------------------------------------------------ */
 
-/* Whether the memory to work in holds what an adjustment leaves there: unknowns in the
- * order of their cameras, and variances above 0. */
-static int is_adjusted(const rigcal_rig *rig)
-{
-    rc_rig_parts parts;
-    size_t n = 0;
-    if (rig->work_capacity < rigcal_rig_work(0, rig->n_cameras, rig->n_placements)) {
-        return 0;
-    }
-    rc_rig_parts_of(&parts, rig, 0);
-    for (size_t c = 0; c < rig->n_cameras; c++) {
-        const size_t wanted = rigcal_rig_work(n / 6 + 1, rig->n_cameras, rig->n_placements);
-        if (rig->work_capacity >= wanted && parts.column[c] >= (rigcal_real)n &&
-            parts.column[c] <= (rigcal_real)n && parts.S[rc_packed_at(n, n)] > 0) {
-            n += 6;
-        } else if (!(parts.column[c] >= -1 && parts.column[c] <= -1)) {
-            return 0;
-        }
-    }
-    return 1;
-}
-
+/* *parts: where the parts of the work of such a rig begin. */
 static rigcal_status check_sure(const rigcal_real *Sigma, const rigcal_rig *rig,
-                                rigcal_real sigma_px, size_t camera)
+                                rigcal_real sigma_px, size_t camera, rc_rig_parts *parts)
 {
     if (Sigma == NULL) {
         return RIGCAL_ERR_NULL;
@@ -156,21 +136,23 @@ static rigcal_status check_sure(const rigcal_real *Sigma, const rigcal_rig *rig,
     if (camera >= rig->n_cameras) {
         return RIGCAL_ERR_RANGE;
     }
-    return is_adjusted(rig) ? RIGCAL_OK : RIGCAL_ERR_STATE;
+    return rc_rig_is_adjusted(parts, rig) ? RIGCAL_OK : RIGCAL_ERR_STATE;
 }
 
 rigcal_status rigcal_rig_covariance(rigcal_real Sigma[36], const rigcal_rig *rig,
                                     rigcal_real sigma_px, size_t camera)
 {
     rc_rig_parts parts;
-    const rigcal_status status = check_sure(Sigma, rig, sigma_px, camera);
+    const rigcal_status status = check_sure(Sigma, rig, sigma_px, camera, &parts);
     if (status != RIGCAL_OK) {
         return status;
     }
-    rc_rig_parts_of(&parts, rig, 0);
     rc_joint_block(Sigma, parts.S, parts.column[camera], parts.column[camera]);
     for (int k = 0; k < 36; k++) {
         Sigma[k] *= sigma_px * sigma_px;
+    }
+    if (rig->considered != NULL) {
+        rig->considered->by->camera(Sigma, rig, camera);
     }
     return RIGCAL_OK;
 }
@@ -190,7 +172,7 @@ rigcal_status rigcal_rig_pair(rigcal_transform *b_from_a, rigcal_real Sigma[36],
                               size_t b)
 {
     rc_rig_parts parts;
-    rigcal_status status = check_sure(Sigma, rig, sigma_px, a);
+    rigcal_status status = check_sure(Sigma, rig, sigma_px, a, &parts);
     if (status == RIGCAL_OK && (b_from_a == NULL || b >= rig->n_cameras)) {
         status = (b_from_a == NULL) ? RIGCAL_ERR_NULL : RIGCAL_ERR_RANGE;
     }
@@ -200,9 +182,11 @@ rigcal_status rigcal_rig_pair(rigcal_transform *b_from_a, rigcal_real Sigma[36],
     if (status != RIGCAL_OK) {
         return status;
     }
-    rc_rig_parts_of(&parts, rig, 0);
     rc_joint_pair(b_from_a, Sigma, &rig->cams_from_rig[a], &rig->cams_from_rig[b], parts.S,
                   parts.column[a], parts.column[b], sigma_px * sigma_px);
+    if (rig->considered != NULL) {
+        rig->considered->by->pair(Sigma, b_from_a, rig, a, b);
+    }
     return RIGCAL_OK;
 }
 
@@ -211,9 +195,8 @@ static rigcal_status check_counts(const rigcal_real *Sigma, const rigcal_rig *ri
                                   rigcal_real sigma_px)
 {
     rc_rig_parts parts;
-    rigcal_status status = check_sure(Sigma, rig, sigma_px, 0);
+    rigcal_status status = check_sure(Sigma, rig, sigma_px, 0, &parts);
     for (size_t f = 0; status == RIGCAL_OK && f < rig->n_placements; f++) {
-        rc_rig_parts_of(&parts, rig, 0);
         if (!(RC_FABS(parts.count[f]) <= (rigcal_real)rig->n_cameras)) {
             status = RIGCAL_ERR_STATE;
         }
@@ -230,9 +213,7 @@ static rigcal_status equations_of(rigcal_real *sum, rigcal_real g[6], rigcal_rea
     if (status != RIGCAL_OK) {
         return status;
     }
-    rc_chain_of(chain, &rig->cams_from_rig[v->camera],
-                &rig->rig_from_placements[v->placement]);
-    return rc_rig_equations(sum, g, H, v, &chain->cam_from_target);
+    return rc_rig_view_equations(sum, g, H, chain, v, rig, view);
 }
 
 /* Of a placement whose views begin with `first`: Sigma of its pose for noise of 1 px, its
@@ -276,7 +257,7 @@ rigcal_status rigcal_rig_placement(rigcal_real Sigma[36], rigcal_rig *rig,
                                    rigcal_real sigma_px, size_t placement)
 {
     rc_rig_parts parts;
-    rigcal_real inverse[36];
+    rigcal_real inverse[36], more[36];
     size_t first = 0;
     rigcal_status status = check_counts(Sigma, rig, sigma_px);
     if (status == RIGCAL_OK && placement >= rig->n_placements) {
@@ -292,10 +273,21 @@ rigcal_status rigcal_rig_placement(rigcal_real Sigma[36], rigcal_rig *rig,
     for (size_t f = 0; f < placement; f++) {
         first += rc_rig_views_of(&parts, f);
     }
-    const rc_leverage on = {parts.S, parts.W, parts.slot,
-                            rc_rig_views_of(&parts, placement)};
-    status = place_sure(Sigma, inverse, &on, rig, first);
-    rc_mat6_make_symmetric(Sigma, sigma_px * sigma_px);
+    const size_t count = rc_rig_views_of(&parts, placement);
+    const rc_leverage on = {parts.S, parts.W, parts.slot, count};
+    rc_clear(more, 36);
+    if (rig->considered != NULL) {
+        status = rig->considered->by->placement(more, rig, first, count, placement);
+    }
+    if (status == RIGCAL_OK) {
+        status = place_sure(Sigma, inverse, &on, rig, first);
+    }
+    if (status == RIGCAL_OK) {
+        rc_mat6_make_symmetric(Sigma, sigma_px * sigma_px);
+        for (int k = 0; k < 36; k++) {
+            Sigma[k] += more[k];
+        }
+    }
     return status;
 }
 
@@ -390,8 +382,7 @@ rigcal_status rigcal_rig_residuals(rigcal_real duv[], size_t capacity, size_t *n
     if (status != RIGCAL_OK) {
         return status;
     }
-    rc_chain_of(&chain, &rig->cams_from_rig[v.camera],
-                &rig->rig_from_placements[v.placement]);
+    rc_rig_chain(&chain, rig, v.camera, (size_t)v.placement, view);
     for (size_t i = 0; i < v.view.n; i++) {
         rigcal_real B[6], q[3], X_c[3];
         status =

@@ -29,6 +29,26 @@ void rc_rig_forget(const rigcal_rig *rig)
     }
 }
 
+int rc_rig_is_adjusted(rc_rig_parts *parts, const rigcal_rig *rig)
+{
+    size_t n = 0;
+    if (rig->work_capacity < rigcal_rig_work(0, rig->n_cameras, rig->n_placements)) {
+        return 0;
+    }
+    rc_rig_parts_of(parts, rig, 0);
+    for (size_t c = 0; c < rig->n_cameras; c++) {
+        const size_t wanted = rigcal_rig_work(n / 6 + 1, rig->n_cameras, rig->n_placements);
+        const rigcal_real column = parts->column[c];
+        if (rig->work_capacity >= wanted && RC_FABS(column - (rigcal_real)n) <= 0 &&
+            parts->S[rc_packed_at(n, n)] > 0) {
+            n += 6;
+        } else if (!(RC_FABS(column + 1) <= 0)) {
+            return 0;
+        }
+    }
+    return 1;
+}
+
 rigcal_status rc_rig_view_at(rigcal_rig_view *out, const rigcal_rig *rig, size_t index)
 {
     if (rig->views == NULL) {
@@ -45,6 +65,16 @@ rigcal_status rc_rig_pose_at(rigcal_view_pose *out, const rigcal_rig *rig, size_
     }
     *out = rig->view_poses[index];
     return RIGCAL_OK;
+}
+
+void rc_rig_chain(rc_chain *chain, const rigcal_rig *rig, int32_t camera, size_t placement,
+                  size_t view)
+{
+    rigcal_transform seen = rig->rig_from_placements[placement];
+    if (rig->clocks != NULL) {
+        rig->clocks->calls->place(&seen, rig, camera, placement, view);
+    }
+    rc_chain_of(chain, &rig->cams_from_rig[camera], &seen);
 }
 
 size_t rc_rig_views_of(const rc_rig_parts *parts, size_t placement)
@@ -70,7 +100,8 @@ int rc_rig_has_prior(const rigcal_rig *rig, size_t camera)
 rigcal_status rc_rig_check(const rigcal_rig *rig)
 {
     if (rig == NULL || rig->cams_from_rig == NULL || rig->rig_from_placements == NULL ||
-        rig->group == NULL || rig->work == NULL) {
+        rig->group == NULL || rig->work == NULL ||
+        (rig->clocks != NULL && rig->clocks->calls == NULL)) {
         return RIGCAL_ERR_NULL;
     }
     if (rig->n_cameras < 1 || rig->n_views < 1) {

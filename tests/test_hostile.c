@@ -37,7 +37,8 @@ enum {
     RIG_WORK = RIGCAL_RIG_WORK(N_CAMERAS, N_CAMERAS, N_PLACEMENTS),
     CHOOSE_WORK = RIGCAL_CHOOSE_WORK(N_CAMERAS, N_PLACEMENTS, N_VIEWS),
     JUDGE_WORK = RIGCAL_JUDGE_WORK(N_CAMERAS, N_PLACEMENTS),
-    MONITOR_SIZE = RIGCAL_MONITOR_SIZE(2, 1)
+    MONITOR_SIZE = RIGCAL_MONITOR_SIZE(2, 1),
+    CONSIDER_WORK = RIGCAL_CONSIDER_WORK(N_CAMERAS - 1, N_CAMERAS)
 };
 
 /* What every call is handed, made once by build_valid. */
@@ -66,6 +67,8 @@ static struct {
     rigcal_judgement judgement;
     rigcal_judge_solver judge_begun, judge_done;
     rigcal_cause_solver cause_begun, cause_done;
+    rigcal_intrinsics_sigma deviations[N_CAMERAS];
+    rigcal_consider_solver consider_begun, consider_done;
     int32_t permutation[N];
     rigcal_rig rig;
     rigcal_rig_fit fit;
@@ -103,7 +106,7 @@ static struct {
 static const size_t SIZE_0 = 0, SIZE_1 = 1, SIZE_2 = 2, SIZE_3 = 3, SIZE_4 = 4, SIZE_6 = 6,
                     SIZE_8 = 8, SIZE_15 = 15, SIZE_SAVED = RIGCAL_STORE_SIZE(2),
                     SIZE_12 = 12, SIZE_WORK = RIG_WORK, SIZE_CHOOSE = CHOOSE_WORK,
-                    SIZE_TO_JUDGE = JUDGE_WORK,
+                    SIZE_TO_JUDGE = JUDGE_WORK, SIZE_CONSIDER = CONSIDER_WORK,
 
                     SIZE_KEPT = RIGCAL_CALIBRATED_SIZE(1), SIZE_MONITOR = MONITOR_SIZE,
                     SIZE_TAKEN = RIGCAL_CALIBRATED_SIZE(2),
@@ -392,6 +395,30 @@ static void build_judgement(void)
     }
 }
 
+/* A rig whose intrinsics are being considered, and one of which they have been. */
+static void build_considered(void)
+{
+    static rigcal_real work[RIG_WORK], effects[CONSIDER_WORK];
+    static rigcal_considered considered;
+    static rigcal_rig rig;
+
+    for (int c = 0; c < N_CAMERAS; c++) {
+        ok.deviations[c] =
+            (rigcal_intrinsics_sigma){RC(0.003), RC(0.001), RC(3), RC(0.01), RC(0.03)};
+    }
+    rig = ok.rig;
+    memcpy(work, ok.rig_work, sizeof work);
+    rig.work = work;
+    rig.views = ok.rig_views;
+    rig.intrinsics_sigmas = ok.deviations;
+    considered.effects = effects;
+    considered.capacity = CONSIDER_WORK;
+    ASSERT_STATUS(RIGCAL_OK, rigcal_consider_begin(&ok.consider_begun, &considered, &rig));
+    ok.consider_done = ok.consider_begun;
+    while (rigcal_consider_step(&ok.consider_done, 1000) == RIGCAL_RUNNING) {
+    }
+}
+
 /* The states of searches come from the library: there is no other way. */
 static void build_searches(void)
 {
@@ -653,6 +680,7 @@ static void build_valid(void)
     build_adjusted();
     build_choice();
     build_judgement();
+    build_considered();
     build_searches();
     build_pose_searches();
     build_robust();
@@ -818,6 +846,10 @@ static const impossible BAD_SIGHTING[] = {
 static const impossible BAD_LINE[] = {BAD_NUMBER(5, RIGCAL_ERR_RANGE), BAD_END};
 static const impossible NOT_POSITIVE[] = {BAD_NUMBER(0, RIGCAL_ERR_RANGE),
                                           BAD_NUMBER(-1, RIGCAL_ERR_RANGE), BAD_END};
+static const impossible BAD_DEVIATION[] = {
+    BAD_REAL(rigcal_intrinsics_sigma, focal, -1, RIGCAL_ERR_RANGE),
+    BAD_REAL(rigcal_intrinsics_sigma, aspect, 2e9, RIGCAL_ERR_RANGE),
+    BAD_REAL(rigcal_intrinsics_sigma, k2, -1e-9, RIGCAL_ERR_RANGE), BAD_END};
 static const impossible NEGATIVE[] = {BAD_NUMBER(-1, RIGCAL_ERR_RANGE),
                                       BAD_NUMBER(-1e-9, RIGCAL_ERR_RANGE), BAD_END};
 
@@ -911,6 +943,9 @@ static const kind JUDGE_SOLVER = {sizeof(rigcal_judge_solver), 0, 0, NULL,
                                   RIGCAL_ERR_STATE};
 static const kind CAUSE_SOLVER = {sizeof(rigcal_cause_solver), 0, 0, NULL,
                                   RIGCAL_ERR_STATE};
+static const kind DEVIATION = {REALS(5), BAD_DEVIATION, 0};
+static const kind CONSIDER_SOLVER = {sizeof(rigcal_consider_solver), 0, 0, NULL,
+                                     RIGCAL_ERR_STATE};
 static const kind CHOOSE_SOLVER = {sizeof(rigcal_choose_solver), 0, 0, NULL,
                                    RIGCAL_ERR_STATE};
 static const kind RIG_UNREAD = {sizeof(rigcal_real) * RIG_WORK, 0, 0, NULL, 0};
@@ -1380,6 +1415,26 @@ static const rigcal_symmetries *symmetries_of(const void *is_there, const void *
     return is_there ? &symmetries : NULL;
 }
 
+static rigcal_considered *considered_of(const void *is_there, void *effects,
+                                        const void *capacity)
+{
+    static rigcal_considered considered;
+
+    memset(&considered, 0, sizeof considered);
+    considered.effects = effects;
+    considered.capacity = *(const size_t *)capacity;
+    return is_there ? &considered : NULL;
+}
+
+static rigcal_rig *with_deviations(rigcal_rig *rig, const void *is_there,
+                                   const void *deviations)
+{
+    if (is_there) {
+        rig->intrinsics_sigmas = deviations;
+    }
+    return rig;
+}
+
 static rigcal_rig *with_noise(rigcal_rig *rig, const void *is_there, const void *sigma_px)
 {
     if (is_there) {
@@ -1515,6 +1570,10 @@ CALL(cause_begin, p[14], RIG_WITH(0, poses), p[9], symmetries_of(p[10], p[11], p
 CALL(camera_cause_begin, p[14], RIG_WITH(0, poses), p[9], symmetries_of(p[10], p[11], p[12]), COUNTED(p[13]))
 CALL(cause_step, p[0], INT(p[1]))
 CALL(cause_result, p[0], p[1])
+CALL(rig_consider, considered_of(p[9], p[10], p[11]), p[12], RIG_WITH(0, deviations))
+CALL(consider_begin, p[12], considered_of(p[9], p[10], p[11]), RIG_WITH(0, deviations))
+CALL(consider_step, p[0], INT(p[1]))
+CALL(consider_result, p[0], p[1])
 CALL(rig_residuals, p[8], COUNTED(p[9]), p[10], RIG_AT(0), COUNTED(p[11]))
 CALL_BY(point_measure, measure_to(p[15], p[16], sightings_at(p, KEPT_AT(0)), NULL))
 CALL(point_begin, p[15], sightings_at(p, KEPT_AT(0)))
@@ -1882,6 +1941,17 @@ static const function FUNCTIONS[] = {
     {F(rectify), 0, DEVICE | S(ROTATION) | S(PARALLEL) | S(EPIPOLE) | S(NO_RAY) | S(WIDE_RAY),
      {OUT(RECTIFIED, 1), IN(CAMERA, 1, &ok.camera), IN(CAMERA, 1, &ok.camera),
       IN(TRANSFORM, 1, &ok.b_from_a)}},
+    {F(rig_consider), 0, S(STATE) | ADJUSTED,
+     {RIG_DONE, IN_OPT(DEVIATION, N_CAMERAS, ok.deviations), IN(THERE, 1, &INT_1), WORK(NUMBER, CONSIDER_WORK),
+      ROOM(&SIZE_CONSIDER, CONSIDER_WORK, RIGCAL_ERR_CAPACITY), OUT_BAD}},
+    {F(consider_begin), 0, S(STATE) | S(TOO_FEW) | S(CAPACITY) | ARGS,
+     {RIG_DONE, IN_OPT(DEVIATION, N_CAMERAS, ok.deviations), IN(THERE, 1, &INT_1), WORK(NUMBER, CONSIDER_WORK),
+      ROOM(&SIZE_CONSIDER, CONSIDER_WORK, RIGCAL_ERR_CAPACITY), OUT_PART(CONSIDER_SOLVER, 1)}},
+    {F(consider_step), RIGCAL_RUNNING,
+     S(NULL) | S(RANGE) | S(STATE) | BIT(RIGCAL_RUNNING),
+     {STATE(CONSIDER_SOLVER, &ok.consider_begun), CHOICE(&INT_2, 1, 0, RIGCAL_ERR_RANGE)}},
+    {F(consider_result), 0, S(STATE) | ADJUSTED,
+     {OUT_BAD, IN(CONSIDER_SOLVER, 1, &ok.consider_done)}},
     {F(rig_residuals), 0, S(TOO_FEW) | S(CAPACITY) | ARGS,
      {RIG_WITH_MEMORY(RIG_UNREAD), OUT(NUMBER, 12), ROOM(&SIZE_12, 12, RIGCAL_ERR_CAPACITY), OUT(SIZE, 1),
       LESS(&SIZE_4, N_VIEWS)}},
@@ -1977,12 +2047,14 @@ enum { N_FUNCTIONS = sizeof FUNCTIONS / sizeof FUNCTIONS[0] };
 
 /* Those that take plain numbers only and have an answer for every one. */
 static const char *const HARMLESS[] = {
-    "rigcal_version",     "rigcal_sizeof_real",    "rigcal_status_name",
-    "rigcal_status_text", "rigcal_layout_count",   "rigcal_pairs_for",
-    "rigcal_store_size",  "rigcal_rig_work",       "rigcal_choose_work",
-    "rigcal_judge_work",  "rigcal_store_rig_size", "rigcal_calibrated_size",
-    "rigcal_point_work",
-    "rigcal_monitor_size",
+    "rigcal_version",        "rigcal_sizeof_real",
+    "rigcal_status_name",    "rigcal_status_text",
+    "rigcal_layout_count",   "rigcal_pairs_for",
+    "rigcal_store_size",     "rigcal_rig_work",
+    "rigcal_choose_work",    "rigcal_judge_work",
+    "rigcal_store_rig_size", "rigcal_calibrated_size",
+    "rigcal_consider_work",  "rigcal_consider_clocks_work",
+    "rigcal_point_work",     "rigcal_monitor_size",
 };
 enum { N_HARMLESS = sizeof HARMLESS / sizeof HARMLESS[0] };
 
@@ -2468,9 +2540,9 @@ static void test_every_public_function_of_the_headers_is_in_the_table(void)
     TEST_ASSERT_EQUAL_INT(N_FUNCTIONS + N_HARMLESS,
                           HEADER("rigcal.h") + HEADER("rigcal_measure.h") +
                               HEADER("rigcal_rig.h") + HEADER("rigcal_choose.h") +
-                              HEADER("rigcal_judge.h") + HEADER("rigcal_point.h") +
-                              HEADER("rigcal_match.h") + HEADER("rigcal_monitor.h") +
-                              HEADER("rigcal_solvers.h") +
+                              HEADER("rigcal_judge.h") + HEADER("rigcal_consider.h") +
+                              HEADER("rigcal_point.h") + HEADER("rigcal_match.h") +
+                              HEADER("rigcal_monitor.h") + HEADER("rigcal_solvers.h") +
                               HEADER("rigcal_paper.h"));
 }
 

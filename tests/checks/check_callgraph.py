@@ -21,10 +21,15 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 
 # Functions that may call through a pointer, and what of the library they may
 # reach so: a cost, or a source of views, of the caller's, who knows its stack;
-# what is given of a view, its points or its own pose.
+# what is given of a view, its points or its own pose; what intrinsics add to a covariance.
 GIVEN = ("rc_rig_check_points", "check_pose", "check_view", "equations_of_points",
          "equations_of_pose", "equations_by_loss")
-INDIRECT = {"rigcal_neldermead_step": (), "rc_rig_view_at": (), "rc_rig_pose_at": (),
+INDIRECT = {"rigcal_rig_covariance": ("considered_camera",),
+            "rigcal_rig_pair": ("considered_pair",),
+            "rigcal_rig_placement": ("considered_placement",),
+            "copy_rig": ("considered_joint",),
+            "rigcal_calibrated_take": ("considered_joint",),
+            "rigcal_neldermead_step": (), "rc_rig_view_at": (), "rc_rig_pose_at": (),
             "rc_candidate_at": (), "rc_candidates": (),
             "check_next": GIVEN, "add_equations": GIVEN,
             "rc_views_step": GIVEN, "rc_rig_step": GIVEN}

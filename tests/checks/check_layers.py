@@ -69,6 +69,8 @@ SOLVERS = {
     "rigcal_spans_solver": ("spans", set()),
     "rigcal_point_sums": ("sight", None),
     "rigcal_point_solver": ("locate", None),
+    "rigcal_border": ("border", None),
+    "rigcal_consider_solver": ("consider", set()),
 }
 FIELD = re.compile(r"(\w+)((?:\[\w+\])*\s*[,;])")
 STRUCT = re.compile(r"struct (rigcal_\w+) \{(.*?)\n\}", re.S)

@@ -26,6 +26,7 @@ sys.dont_write_bytecode = True
 HERE = os.path.dirname(os.path.abspath(__file__))
 sys.path.insert(0, HERE)
 import point_oracle  # noqa: E402
+import faults_oracle as oracle_faults  # noqa: E402
 import rigcal_oracle as oracle  # noqa: E402
 
 CHECK_TOLERANCE = 1e-10  # of the number, or of 1 where the number is smaller
@@ -885,13 +886,76 @@ def choice():
 
 
 # ---- files -----------------------------------------------------------------------------
+# ---- faults ----------------------------------------------------------------------------
+def faults_rig(seed, fault, size):
+    """Three cameras, two runs of three placements, a board of 3 x 3 points that moves; 0.3 px of
+    noise, and a fault in what was seen."""
+    rng = random.Random(seed)
+    cameras = [[1280, 960, 800 + 10 * c, 805, 640 - 3 * c, 480, -0.1 + 0.02 * c, 0.03] for c in range(3)]
+    X = np.array([[0.11 * i - 0.11, 0.09 * j - 0.09, 0] for j in range(3) for i in range(3)])
+    times = [10 * run + (i - 1) / 30 for run in range(2) for i in range(3)]
+    cams = [(np.eye(3), np.zeros(3))]
+    for angle, shift in ((0.5, (-0.48, 0.05, 0.12)), (-0.6, (0.55, -0.03, 0.17))):
+        cams.append((oracle_faults.turned(np.array([0.03, angle, 0.02])), np.array(shift)))
+    places = []
+    for run in range(2):
+        tilt = decimals(rng, -0.5, 0.5, 3, (3,))
+        start = (oracle_faults.turned(tilt), np.array([0.1 * run - 0.05, 0.04 - 0.1 * run, 1]))
+        speed, bend = decimals(rng, -0.5, 0.5, 3, (6,)), decimals(rng, -2, 2, 3, (6,))
+        places += [oracle_faults.moved(start, speed * (t - 10 * run) + bend * (t - 10 * run) ** 2)
+                   for t in times[3 * run:3 * run + 3]]
+    exact = oracle_faults.Rig(cameras, X, [], times, [(0, 1, 2), (3, 4, 5)])
+    exact.at = places
+    views = []
+    for f in range(6):
+        for c in range(3):
+            uv = exact.project((c, f, np.zeros((9, 2))), cams, places).real
+            if fault:
+                uv = exact.project((c, f, uv), cams, places, fault, np.array(size)).real
+            noise = np.array([round(rng.gauss(0, 0.3), 3) for _ in range(18)]).reshape(9, 2)
+            views.append((c, f, np.round(uv + noise, 3)))
+    rig = oracle_faults.Rig(cameras, X, views, times, [(0, 1, 2), (3, 4, 5)])
+    return (rig,) + rig.fit(cams, places)
+
+
+def faults():
+    """Faults of 5 to 30 sigma, and each test at the optimum without them."""
+    kinds = [((0, 1), [0.004]), ((2, -1), [0.003, -0.004]), ((3, 2), [0.03]), ((5, 0), [0.01]),
+             ((8, 2, 3), [0.01, 0, -0.01, 0, 0.004, 0]), ((9, -1), [0.0015, -0.001]), ((10, -1), [0.01])]
+    every = ([(kind, c) for kind in (0, 1, 3, 4, 5, 6, 7) for c in range(3)] + [(2, -1), (9, -1), (10, -1)] +
+             [(8, c, 3) for c in range(3)])
+    pixels, poses, tests, whole, refits = [], [], [], [], []
+    for scene, (fault, size) in enumerate([(None, None)] + kinds):
+        rig, cams, places, _, cost = faults_rig(60 + scene, fault, size)
+        pixels.append(row(*[v[2] for v in rig.views]))
+        poses.append(row(*[np.concatenate([p[0].ravel(), p[1]]) for p in list(cams) + list(places)]))
+        F, along = rig.closure(cams, places)
+        pattern, pairs = rig.pattern(cams, places, 3)
+        whole.append(row(cost, F, along, pattern, pairs))
+        for one in every if scene < 2 else [fault]:
+            theta, sigma, gain, F_after, p, most = rig.test(cams, places, one)
+            padded = np.zeros((2, 6))
+            padded[0, :len(theta)], padded[1, :len(theta)] = theta, sigma
+            tests.append(row(scene, one[0], one[1], one[2] if len(one) > 2 else -1, padded, gain, F_after, p, most))
+        if fault:
+            _, _, theta, freed = rig.fit(cams, places, fault, len(size))
+            padded = np.zeros(6)
+            padded[:len(theta)] = theta
+            refits.append(row(scene, fault[0], fault[1], padded, cost - freed))
+    return {"FAULTS_PIXELS": ("of each scene, the pixels of all views; camera by camera of each placement", pixels),
+            "FAULTS_POSES": ("of each scene R, t of the cameras, and of the placements, at the optimum", poses),
+            "FAULTS_WHOLE": ("of each scene the sum of squares, F, the part along the motion, the pattern and its pairs", whole),
+            "FAULTS_TESTS": ("scene, kind, camera, placement; theta, its sigma, gain, F afterwards, p, turn, shift", tests),
+            "FAULTS_REFITS": ("scene, kind, camera; theta of an adjustment with that fault free, and its gain", refits)}
+
+
 TOPICS = {
     "neldermead": neldermead, "rotation": rotations, "transform": transforms,
     "scenes": scenes, "pairs": pairs, "elimination_two": elimination_two,
     "elimination_all": elimination_all, "translation": translation,
     "two_views": two_views, "camera": cameras, "triangulation": triangulation,
     "direction": direction, "refine": refine, "store": store, "chance": chance,
-    "rig": rig, "choice": choice,
+    "rig": rig, "choice": choice, "faults": faults,
     "point": lambda: point_oracle.vectors(CAMERAS, project_px, decimals, row),
 }
 

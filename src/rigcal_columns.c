@@ -1,0 +1,399 @@
+#include "rc_columns.h"
+
+#include "rc_moved.h"
+
+extern inline size_t rc_packed_size(size_t n);
+
+/* ---- constants ----------------------------------------------------------- */
+
+/* part of Q: with less of it left when all else is free, a parameter cannot be seen. */
+#define RANK_TOL RC_TOL(1e-10, 1e-5)
+
+/* ---- what belongs to a kind ------------------------------------------------- */
+
+static const uint8_t KIND_OF[RC_COLUMNS] = {
+    RIGCAL_FAULT_CLOCK,  RIGCAL_FAULT_DRIFT,      RIGCAL_FAULT_SHUTTER,
+    RIGCAL_FAULT_FOCAL,  RIGCAL_FAULT_ASPECT,     RIGCAL_FAULT_CENTRE,
+    RIGCAL_FAULT_CENTRE, RIGCAL_FAULT_DISTORTION, RIGCAL_FAULT_DISTORTION,
+    RIGCAL_FAULT_BENT,   RIGCAL_FAULT_BENT,       RIGCAL_FAULT_STRETCHED};
+
+/* The first parameter of a view that belongs to a kind, not of CLOCKS or MOVED. */
+static size_t parameter_of(int32_t kind)
+{
+    size_t p = 0;
+    while (KIND_OF[p] != kind) {
+        p++;
+    }
+    return p;
+}
+
+int rc_is_of_camera(int32_t kind)
+{
+    return kind != RIGCAL_FAULT_CLOCKS && kind < RIGCAL_FAULT_BENT;
+}
+
+int rc_columns_has(const rigcal_columns *s, int32_t kind)
+{
+    return (s->kinds & RIGCAL_FAULTS_OF(kind)) != 0;
+}
+
+static size_t n_clocks(const rigcal_columns *s)
+{
+    return (rc_columns_has(s, RIGCAL_FAULT_CLOCK) || rc_columns_has(s, RIGCAL_FAULT_CLOCKS))
+               ? s->rig->n_cameras
+               : 0;
+}
+
+static int is_in_pass(const rigcal_columns *s, size_t parameter)
+{
+    return s->at[parameter] >= 0;
+}
+
+static size_t column_of(const rigcal_columns *s, size_t camera, size_t parameter)
+{
+    return (parameter == RC_BY_CLOCK)
+               ? camera
+               : n_clocks(s) + (size_t)s->at[parameter] +
+                     s->per_camera *
+                         ((parameter < RC_OF_CAMERA) ? camera : s->rig->n_cameras);
+}
+
+/* Which of the pairs of all columns the k-th of a view of a camera is. */
+static size_t pair_of(const rigcal_columns *s, size_t camera, size_t k)
+{
+    return (k < RC_PAIRS - 1) ? (RC_PAIRS - 1) * camera + k
+                              : (RC_PAIRS - 1) * s->rig->n_cameras;
+}
+
+/* ---- memory ----------------------------------------------------------------- */
+
+rigcal_real *rc_pool_take(rc_pool *pool, size_t n)
+{
+    const int which = (n <= pool->left[0]) ? 0 : 1;
+    rigcal_real *const at = pool->at[which];
+    if (n > pool->left[which]) {
+        pool->is_enough = 0;
+        return NULL;
+    }
+    pool->left[which] -= n;
+    pool->at[which] += n;
+    return at;
+}
+
+static size_t larger(size_t a, size_t b)
+{
+    return (a > b) ? a : b;
+}
+
+static void number_columns(rigcal_columns *s)
+{
+    int32_t rank = 0;
+    s->at[RC_BY_CLOCK] = (n_clocks(s) > 0) ? 0 : -1;
+    for (size_t p = RC_BY_CLOCK + 1; p < RC_COLUMNS; p++) {
+        if (p == RC_OF_CAMERA) {
+            s->per_camera = (size_t)rank;
+            rank = 0;
+        }
+        s->at[p] = rc_columns_has(s, KIND_OF[p]) ? rank++ : -1;
+    }
+    s->border.k = n_clocks(s) + s->per_camera * s->rig->n_cameras + (size_t)rank;
+}
+
+void rc_columns_lay_out(rigcal_columns *s, rc_pool *pool, size_t room)
+{
+    const size_t n_cameras = s->rig->n_cameras, n = s->border.n;
+    const size_t n_pairs = (RC_PAIRS - 1) * n_cameras + 1;
+    number_columns(s);
+    const size_t k = s->border.k;
+    const size_t test = n + rc_packed_size(larger(n_cameras, 2)) + 4 * larger(n_cameras, 2);
+    s->border.Z = rc_pool_take(pool, larger(larger(6 * k, test), room));
+    s->border.T = rc_pool_take(pool, k * n);
+    s->Q = rc_pool_take(pool, k);
+    s->q = rc_pool_take(pool, k);
+    s->raw = rc_pool_take(pool, k);
+    s->own_Q = rc_pool_take(pool, k);
+    s->own_q = rc_pool_take(pool, k);
+    s->pairs = rc_pool_take(pool, n_pairs);
+    s->own_pairs = rc_pool_take(pool, n_pairs);
+    s->clocks = rc_pool_take(pool, rc_packed_size(n_clocks(s)));
+    s->g = rc_pool_take(pool, n);
+}
+
+void rc_columns_begin(rigcal_columns *s)
+{
+    const size_t k = s->border.k, n_pairs = (RC_PAIRS - 1) * s->rig->n_cameras + 1;
+    rc_border_begin(&s->border);
+    rc_clear(s->Q, k);
+    rc_clear(s->q, k);
+    rc_clear(s->raw, k);
+    rc_clear(s->own_Q, k);
+    rc_clear(s->own_q, k);
+    rc_clear(s->pairs, n_pairs);
+    rc_clear(s->own_pairs, n_pairs);
+    rc_clear(s->clocks, rc_packed_size(n_clocks(s)));
+    rc_clear(s->g, s->border.n);
+}
+
+/* ---- sums ---------------------------------------------------------------------- */
+
+static rigcal_real dot(const rigcal_real a[], const rigcal_real b[], size_t n)
+{
+    rigcal_real sum = 0;
+    for (size_t i = 0; i < n; i++) {
+        sum += a[i] * b[i];
+    }
+    return sum;
+}
+
+void rc_columns_add(rigcal_columns *s, const rc_evidence *v, const rc_chain *chain,
+                    size_t camera, const rigcal_real g[6])
+{
+    const rigcal_real of_camera = s->border.slot[s->border.count - 1];
+    for (size_t k = 0; of_camera >= 0 && k < 6; k++) {
+        s->g[(size_t)of_camera + k] += g[k];
+    }
+    for (size_t p = 0; p < RC_COLUMNS; p++) {
+        if (is_in_pass(s, p)) {
+            const size_t at = column_of(s, camera, p);
+            rc_border_add(&s->border, chain, at, v->E[p]);
+            s->Q[at] += v->Q[p];
+            s->raw[at] += v->Q[p];
+            s->q[at] += v->q[p];
+        }
+    }
+    for (size_t k = 0; k < RC_PAIRS; k++) {
+        s->pairs[pair_of(s, camera, k)] += v->pairs[k];
+    }
+}
+
+void rc_columns_add_alone(rigcal_columns *s, const rc_evidence *v, size_t camera)
+{
+    for (size_t p = 0; p < RC_COLUMNS; p++) {
+        if (is_in_pass(s, p)) {
+            const size_t at = column_of(s, camera, p);
+            s->own_Q[at] += v->Q[p];
+            s->own_q[at] += v->q[p];
+        }
+    }
+    for (size_t k = 0; k < RC_PAIRS; k++) {
+        s->own_pairs[pair_of(s, camera, k)] += v->pairs[k];
+    }
+}
+
+static void eliminate_pairs(rigcal_columns *s)
+{
+    for (size_t k = 0; k < RC_PAIRS; k++) {
+        const size_t p = rc_pair_first[k];
+        const size_t n = !is_in_pass(s, p) ? 0 : (p < RC_OF_CAMERA) ? s->rig->n_cameras : 1;
+        for (size_t c = 0; c < n; c++) {
+            const rigcal_real *const Y = &s->border.Z[6 * column_of(s, c, p)];
+            s->pairs[pair_of(s, c, k)] -= dot(Y, &Y[6], 6);
+        }
+    }
+}
+
+void rc_columns_eliminate(rigcal_columns *s)
+{
+    const rc_border *const b = &s->border;
+    for (size_t i = 0; i < b->k; i++) {
+        const rigcal_real *const Y = &b->Z[6 * i];
+        s->Q[i] -= dot(Y, Y, 6);
+        s->q[i] -= dot(Y, b->gp, 6);
+        for (size_t j = 0; i < n_clocks(s) && j < i; j++) {
+            s->clocks[rc_packed_at(i, j)] -= dot(Y, &b->Z[6 * j], 6);
+        }
+    }
+    eliminate_pairs(s);
+    for (size_t row = 0; row < 6 * b->count; row++) {
+        if (b->slot[row / 6] >= 0) {
+            s->g[(size_t)b->slot[row / 6] + row % 6] -= dot(&b->W[6 * row], b->gp, 6);
+        }
+    }
+}
+
+/* ---- a fault -------------------------------------------------------------------- */
+
+/* Its columns, and the room for its test, in the place of Z. */
+typedef struct {
+    int32_t kind;
+    size_t camera, k;
+    rigcal_real *G, *I, *theta, *variance, *turn, *shift;
+} trial;
+
+/* Whether a clock is one of CLOCKS: not of the first camera of its group, and seen. */
+static int is_freed(const rigcal_columns *s, size_t camera)
+{
+    int is_first = 1;
+    for (size_t c = 0; c < camera; c++) {
+        is_first &= s->rig->group[c] != s->rig->group[camera];
+    }
+    return !is_first && s->raw[camera] > 0;
+}
+
+static size_t column_at(const rigcal_columns *s, const trial *t, size_t j)
+{
+    if (t->kind != RIGCAL_FAULT_CLOCKS) {
+        return column_of(s, t->camera, parameter_of(t->kind)) + j;
+    }
+    size_t c = 0;
+    while (!is_freed(s, c) || j-- > 0) {
+        c++;
+    }
+    return c;
+}
+
+static void begin_trial(trial *t, const rigcal_columns *s, const rigcal_fault *fault)
+{
+    t->kind = fault->kind;
+    t->camera = (size_t)((fault->camera < 0) ? 0 : fault->camera);
+    t->k = 0;
+    for (size_t p = 0; p < RC_COLUMNS; p++) {
+        t->k += KIND_OF[p] == t->kind;
+    }
+    for (size_t c = 0; t->kind == RIGCAL_FAULT_CLOCKS && c < s->rig->n_cameras; c++) {
+        t->k += (size_t)is_freed(s, c);
+    }
+    t->G = s->border.Z;
+    t->I = t->G + s->border.n;
+    t->theta = t->I + rc_packed_size(t->k);
+    t->variance = t->theta + t->k;
+    t->turn = t->variance + t->k;
+    t->shift = t->turn + t->k;
+}
+
+/* The pair of a fault that has one: where its two columns have what they share. */
+static size_t pair_at(const rigcal_columns *s, const trial *t)
+{
+    size_t k = 0;
+    while (rc_pair_first[k] != parameter_of(t->kind)) {
+        k++;
+    }
+    return pair_of(s, t->camera, k);
+}
+
+static rigcal_real Q_across(const rigcal_columns *s, const trial *t, size_t i, size_t j)
+{
+    if (i == j) {
+        return s->Q[column_at(s, t, i)];
+    }
+    return (t->kind == RIGCAL_FAULT_CLOCKS)
+               ? s->clocks[rc_packed_at(column_at(s, t, i), column_at(s, t, j))]
+               : s->pairs[pair_at(s, t)];
+}
+
+/* Whether camera c has unknowns, and a frame in common with that of the fault. */
+static int is_moved(const rigcal_columns *s, const rc_rig_parts *parts, const trial *t,
+                    size_t c)
+{
+    return parts->column[c] >= 0 && s->rig->group[c] == s->rig->group[t->camera];
+}
+
+/* What a unit of a parameter does to the cameras where its column was taken against its
+ * reference, a turn and shift (w, v) of its camera: that too. Where the camera is held the
+ * others move the other way, but for those of another group. */
+static void add_reference(rigcal_real G[], const rigcal_columns *s,
+                          const rc_rig_parts *parts, const trial *t, size_t j)
+{
+    const rigcal_rig *const rig = s->rig;
+    const rigcal_transform *const from = &rig->cams_from_rig[t->camera];
+    rigcal_real w[3], v[3], d[6], in_rig[3], in_camera[3];
+    if (t->kind == RIGCAL_FAULT_CLOCKS ||
+        !rc_evidence_reference(w, v, &s->reference[3 * t->camera],
+                               parameter_of(t->kind) + j)) {
+        return;
+    }
+    rc_vec3_copy(&d[0], w);
+    rc_vec3_cross(&d[3], w, from->t);
+    rc_vec3_add(&d[3], v);
+    if (parts->column[t->camera] >= 0) {
+        rc_vec3_add(&G[(size_t)parts->column[t->camera]], &d[0]);
+        rc_vec3_add(&G[(size_t)parts->column[t->camera] + 3], &d[3]);
+        return;
+    }
+    for (size_t c = 0; c < rig->n_cameras; c++) {
+        for (size_t k = 0; is_moved(s, parts, t, c) && k < 6; k += 3) {
+            rc_mat3_tmul_vec3(in_rig, from->R, &d[k]);
+            rc_mat3_mul_vec3(in_camera, rig->cams_from_rig[c].R, in_rig);
+            rc_vec3_add_scaled(&G[(size_t)parts->column[c] + k], -1, in_camera);
+        }
+    }
+}
+
+/* I and u of (H6), u in the place of theta, and what a unit of each does (H13). */
+static void reduce(const trial *t, const rigcal_columns *s)
+{
+    const size_t n = s->border.n;
+    rc_rig_parts parts;
+    rc_rig_parts_of(&parts, s->rig, 0);
+    for (size_t j = 0; j < t->k; j++) {
+        const size_t at = column_at(s, t, j);
+        rc_border_effect(t->G, &s->border, parts.S, at);
+        t->theta[j] = s->q[at] - dot(t->G, s->g, n);
+        for (size_t i = j; i < t->k; i++) {
+            t->I[rc_packed_at(i, j)] =
+                Q_across(s, t, i, j) - dot(t->G, &s->border.T[n * column_at(s, t, i)], n);
+        }
+        add_reference(t->G, s, &parts, t, j);
+        rc_moved_most(&t->turn[j], &t->shift[j], t->G, n);
+    }
+}
+
+/* theta, the gain and the variances. 0: the fault cannot be seen. */
+static int solve(rigcal_real *gain, const trial *t, const rigcal_columns *s)
+{
+    for (size_t i = 0; i < t->k; i++) {
+        const rigcal_real raw = s->raw[column_at(s, t, i)];
+        if (!(raw > 0) || !rc_packed_factor_row(t->I, i, RANK_TOL * raw)) {
+            return 0;
+        }
+    }
+    rc_moved_solve(gain, t->theta, t->variance, t->I, t->k);
+    return t->k > 0;
+}
+
+/* What the views gain by themselves from theta (H8). */
+static rigcal_real own_gain(const rigcal_columns *s, const trial *t)
+{
+    rigcal_real gain = 0;
+    for (size_t i = 0; i < t->k; i++) {
+        const size_t at = column_at(s, t, i);
+        gain += t->theta[i] * (2 * s->own_q[at] - t->theta[i] * s->own_Q[at]);
+    }
+    if (t->k == 2 && t->kind != RIGCAL_FAULT_CLOCKS) {
+        gain -= 2 * t->theta[0] * t->theta[1] * s->own_pairs[pair_at(s, t)];
+    }
+    return gain;
+}
+
+/* The clocks one by one, and their deviations. */
+static void write_clocks(rigcal_real clocks[], const rigcal_columns *s, const trial *t,
+                         rigcal_real variance)
+{
+    size_t j = 0;
+    for (size_t c = 0; c < s->rig->n_cameras; c++) {
+        if (is_freed(s, c)) {
+            clocks[c] = t->theta[j];
+            clocks[s->rig->n_cameras + c] = RC_SQRT(t->variance[j++] * variance);
+        }
+    }
+}
+
+void rc_columns_test(rigcal_fault *fault, const rigcal_columns *s, const rc_common *common,
+                     rigcal_real clocks[])
+{
+    trial t;
+    rigcal_real gain;
+    begin_trial(&t, s, fault);
+    const rigcal_real freedom = common->freedom - (rigcal_real)(int32_t)t.k;
+    fault->n = (int32_t)t.k;
+    reduce(&t, s);
+    if (!(freedom > 0) || !solve(&gain, &t, s)) {
+        return;
+    }
+    const rc_one_step step = {t.k,    1,       t.theta, t.variance,
+                              t.turn, t.shift, gain,    own_gain(s, &t)};
+    rc_finding_of(fault, common, &step);
+    if (t.kind == RIGCAL_FAULT_CLOCKS && clocks != NULL) {
+        write_clocks(clocks, s, &t, (common->sum - fault->gain) / freedom);
+    }
+}

@@ -1,0 +1,580 @@
+#include "rc_border.h"
+#include "rc_intrinsics.h"
+#include "rc_joint.h"
+#include "rc_motion.h"
+#include "rc_views.h"
+
+enum {
+    DONE = 1,
+    ADDING,      /* a view */
+    ELIMINATING, /* a placement, all views of which have been added */
+    SOLVING      /* a row of the effects */
+};
+
+size_t rigcal_consider_work(size_t n_free, size_t n_cameras)
+{
+    return RIGCAL_CONSIDER_WORK(n_free, n_cameras);
+}
+
+size_t rigcal_consider_clocks_work(size_t n_cameras)
+{
+    return RIGCAL_CONSIDER_CLOCKS_WORK(n_cameras);
+}
+
+/* ---- which of the intrinsics ------------------------------------------------ */
+
+/* By RC_BY_FOCAL and so on. */
+static void deviations_of(rigcal_real sigma[RC_INTRINSICS], const rigcal_rig *rig, size_t c)
+{
+    if (rig->intrinsics_sigmas == NULL) {
+        rc_clear(sigma, RC_INTRINSICS);
+        return;
+    }
+    const rigcal_intrinsics_sigma *const s = &rig->intrinsics_sigmas[c];
+    sigma[RC_BY_FOCAL] = s->focal;
+    sigma[RC_BY_ASPECT] = s->aspect;
+    sigma[RC_BY_CENTRE] = sigma[RC_BY_CENTRE + 1] = s->centre;
+    sigma[RC_BY_K1] = s->k1;
+    sigma[RC_BY_K2] = s->k2;
+}
+
+/* How many columns the cameras before c have. */
+static size_t columns_before(const rigcal_rig *rig, size_t c)
+{
+    size_t n = 0;
+    for (size_t before = 0; before < c; before++) {
+        rigcal_real sigma[RC_INTRINSICS];
+        deviations_of(sigma, rig, before);
+        for (int i = 0; i < RC_INTRINSICS; i++) {
+            n += sigma[i] > 0;
+        }
+    }
+    return n;
+}
+
+/* ---- one view --------------------------------------------------------------- */
+
+/* E[p] += D_p (q x b, b), with b a row of B. */
+static void add_row(rigcal_real E[RC_INTRINSICS][6], const rigcal_real q[3],
+                    const rigcal_real b[3], const rigcal_real D[RC_INTRINSICS],
+                    rigcal_real weight)
+{
+    rigcal_real turn[3];
+    rc_vec3_cross(turn, q, b);
+    for (int p = 0; p < RC_INTRINSICS; p++) {
+        rc_vec3_add_scaled(&E[p][0], weight * D[p], turn);
+        rc_vec3_add_scaled(&E[p][3], weight * D[p], b);
+    }
+}
+
+/* A view at cam_from_target: H = J^T J, and E = J^T D of each of the intrinsics, times its
+ * deviation. */
+static rigcal_status add_points(rigcal_real H[21], rigcal_real E[RC_INTRINSICS][6],
+                                const rigcal_points *points,
+                                const rigcal_transform *cam_from_target)
+{
+    static const rigcal_real NO_ERROR[2] = {0, 0};
+    const rigcal_camera *const camera = points->view.camera;
+    rigcal_real g[6];
+    rc_rigid_clear(g, H);
+    rc_clear(&E[0][0], 6 * RC_INTRINSICS);
+    for (size_t i = 0; i < points->view.n; i++) {
+        rigcal_real x[2], uv[2], B[6], q[3], X_c[3], D[2 * RC_INTRINSICS];
+        const rigcal_real weight = rc_points_weight(points, i);
+        rc_points_place(q, X_c, points, cam_from_target, i);
+        const rigcal_status status = rc_project_by(x, uv, B, camera, X_c);
+        if (status != RIGCAL_OK) {
+            return status;
+        }
+        rc_rigid_add(g, H, B, q, NO_ERROR, weight, NULL, 0);
+        rc_intrinsics(D, camera, x, uv);
+        add_row(E, q, &B[0], &D[0], weight);
+        add_row(E, q, &B[3], &D[RC_INTRINSICS], weight);
+    }
+    return RIGCAL_OK;
+}
+
+/* (H11): the noise of the view's stamp, out of H and E alike. m: its (w, dt) a second. */
+static void weigh(rigcal_real H[21], rigcal_real E[RC_INTRINSICS][6],
+                  const rigcal_real m[6], rigcal_real ratio2)
+{
+    rigcal_real Hm[6], full[36];
+    rc_sym6_mul(Hm, H, m);
+    const rigcal_real scale = 1 / (rc_vec6_dot(m, Hm) + ratio2);
+    rc_sym6_unpack(full, H);
+    for (int i = 0; i < 36; i++) {
+        full[i] -= scale * Hm[i / 6] * Hm[i % 6];
+    }
+    rc_sym6_pack(H, full);
+    for (int p = 0; p < RC_INTRINSICS; p++) {
+        const rigcal_real along = scale * rc_vec6_dot(m, E[p]);
+        rc_vec3_add_scaled(&E[p][0], -along, &Hm[0]);
+        rc_vec3_add_scaled(&E[p][3], -along, &Hm[3]);
+    }
+}
+
+/* View `index`, which is of this placement, where the rig is and the clocks stand. m: its
+ * (w, dt) a second; 0 without clocks. */
+static rigcal_status evaluate(rigcal_rig_view *v, rc_chain *chain, rigcal_real m[6],
+                              rigcal_real H[21], rigcal_real E[RC_INTRINSICS][6],
+                              const rigcal_rig *rig, size_t index, size_t placement)
+{
+    rigcal_points points;
+    rigcal_status status = rc_rig_view_at(v, rig, index);
+    if (status == RIGCAL_OK && (v->camera < 0 || (size_t)v->camera >= rig->n_cameras ||
+                                (size_t)v->placement != placement)) {
+        status = RIGCAL_ERR_RANGE;
+    }
+    if (status == RIGCAL_OK) {
+        status = rc_rig_points(&points, v);
+    }
+    if (status != RIGCAL_OK) {
+        return status;
+    }
+    rc_rig_chain(chain, rig, v->camera, placement, index);
+    status = add_points(H, E, &points, &chain->cam_from_target);
+    rc_clear(m, 6);
+    if (rig->clocks != NULL) {
+        rc_motion_seen(m, chain, rig->clocks->memory.velocity);
+        if (rig->clocks->memory.ratio2 > 0) {
+            weigh(H, E, m, rig->clocks->memory.ratio2);
+        }
+    }
+    return status;
+}
+
+/* ---- clocks ------------------------------------------------------------------ */
+
+/* Unknowns behind those of the cameras: all offsets, then all drifts. Of a clock that is held
+ * they are there, but fixed. */
+static size_t unknowns_of_clocks(const rigcal_rig *rig)
+{
+    const rigcal_rig_clocks *const clocks = rig->clocks;
+    return (clocks == NULL || clocks->free_offsets == 0) ? 0
+           : (clocks->free_drifts != 0)                  ? 2 * rig->n_cameras
+                                                         : rig->n_cameras;
+}
+
+/* Of each view of the placement, in the memory behind Z: its clock by the placement; its
+ * stamp after the middle; the clock's offset among the unknowns, less than 0 where it is
+ * fixed. */
+enum { SLOT_SINCE = 6, SLOT_COLUMN = 7, SLOT = 8 };
+
+static rigcal_real *slots_of(const rc_border *b)
+{
+    return &b->Z[6 * b->k];
+}
+
+/* The view that has been added to the placement, by its clock: m is its (w, dt) a second,
+ * and H its equations. */
+static void begin_slot(rc_border *b, const rc_chain *chain, const rigcal_rig *rig,
+                       size_t camera, const rigcal_real m[6], const rigcal_real H[21])
+{
+    rigcal_real *const slot = &slots_of(b)[SLOT * (b->count - 1)];
+    const size_t n = unknowns_of_clocks(rig);
+    rigcal_real Hm[6];
+    slot[SLOT_COLUMN] = -1;
+    if (n > 0 && rig->clocks->states[camera] == RIGCAL_CLOCK_FREE) {
+        rc_sym6_mul(Hm, H, m);
+        rc_mat3_tmul_vec3(&slot[0], chain->R_c, &Hm[0]);
+        rc_mat3_tmul_vec3(&slot[3], chain->R_c, &Hm[3]);
+        slot[SLOT_SINCE] = rig->clocks->memory.since;
+        slot[SLOT_COLUMN] = (rigcal_real)(b->n - n + camera);
+    }
+}
+
+/* T of a column and the clock of a slot, offset and drift, += by. */
+static void add_by_clock(rc_border *b, const rigcal_rig *rig, const rigcal_real slot[SLOT],
+                         size_t column, rigcal_real by)
+{
+    if (slot[SLOT_COLUMN] >= 0) {
+        rigcal_real *const T = &b->T[b->n * column + (size_t)slot[SLOT_COLUMN]];
+        T[0] += by;
+        if (unknowns_of_clocks(rig) > rig->n_cameras) {
+            T[rig->n_cameras] += slot[SLOT_SINCE] * by;
+        }
+    }
+}
+
+/* The placement has been eliminated from all else. */
+static void eliminate_clocks(rc_border *b, const rigcal_rig *rig)
+{
+    const rc_sym6_factor *const L = (const rc_sym6_factor *)(const void *)b->Hp;
+    for (size_t i = 0; i < b->count; i++) {
+        rigcal_real *const slot = &slots_of(b)[SLOT * i];
+        rc_sym6_forward(slot, L);
+        for (size_t column = 0; column < b->k; column++) {
+            add_by_clock(b, rig, slot, column, -rc_vec6_dot(slot, &b->Z[6 * column]));
+        }
+    }
+}
+
+/* ---- a view of a placement ----------------------------------------------------- */
+
+/* Adds a view to the placement under way, if it is not left out. */
+static rigcal_status add_view(rc_border *b, const rigcal_rig *rig, size_t index,
+                              size_t placement)
+{
+    rigcal_rig_view v;
+    rigcal_real g[6] = {0, 0, 0, 0, 0, 0}, m[6], H[21], by_view[21];
+    rigcal_real E[RC_INTRINSICS][6], sigma[RC_INTRINSICS];
+    rc_chain chain;
+    rc_rig_parts parts;
+    if (rc_rig_is_left_out(rig, index)) {
+        return RIGCAL_OK;
+    }
+    if (b->count >= rig->n_cameras) {
+        return RIGCAL_ERR_STATE;
+    }
+    const rigcal_status status = evaluate(&v, &chain, m, H, E, rig, index, placement);
+    if (status != RIGCAL_OK) {
+        return status;
+    }
+    const size_t c = (size_t)v.camera;
+    const int has_clocks = rig->clocks != NULL && b->T != NULL;
+    for (int i = 0; i < 21; i++) {
+        by_view[i] = H[i];
+    }
+    rc_rig_parts_of(&parts, rig, 0);
+    rc_border_view(b, &chain, parts.column[c], g, H);
+    if (has_clocks) {
+        begin_slot(b, &chain, rig, c, m, by_view);
+    }
+    size_t column = columns_before(rig, c);
+    deviations_of(sigma, rig, c);
+    for (int p = 0; p < RC_INTRINSICS; p++) {
+        if (sigma[p] > 0) {
+            for (int i = 0; i < 6; i++) {
+                E[p][i] *= sigma[p];
+            }
+            rc_border_add(b, &chain, column, E[p]);
+            if (has_clocks) {
+                add_by_clock(b, rig, &slots_of(b)[SLOT * (b->count - 1)], column,
+                             rc_vec6_dot(m, E[p]));
+            }
+            column++;
+        }
+    }
+    return RIGCAL_OK;
+}
+
+/* ---- every covariance -------------------------------------------------------- */
+
+/* Sigma += v v^T */
+static void add_outer(rigcal_real Sigma[36], const rigcal_real v[6])
+{
+    for (int i = 0; i < 6; i++) {
+        for (int j = 0; j < 6; j++) {
+            Sigma[6 * i + j] += v[i] * v[j];
+        }
+    }
+}
+
+/* v += scale W^T G of a column, over all that v hangs on. */
+static void add_leverage(rigcal_real v[6], const rc_leverage *on, const rigcal_real G[],
+                         rigcal_real scale)
+{
+    for (size_t i = 0; i < on->count; i++) {
+        for (size_t row = 0; row < 6 && on->at[i] >= 0; row++) {
+            const rigcal_real by = scale * G[(size_t)on->at[i] + row];
+            const rigcal_real *const w = &on->W[36 * i + 6 * row];
+            rc_vec3_add_scaled(&v[0], by, &w[0]);
+            rc_vec3_add_scaled(&v[3], by, &w[3]);
+        }
+    }
+}
+
+static void considered_pair(rigcal_real Sigma[36], const rigcal_transform *b_from_a,
+                            const rigcal_rig *rig, size_t a, size_t b)
+{
+    const rigcal_considered *const all = rig->considered;
+    rc_rig_parts parts;
+    rc_rig_parts_of(&parts, rig, 0);
+    rigcal_real W[72], at[2] = {parts.column[a], parts.column[b]};
+    const rc_leverage hanging = {NULL, W, at, 2}, *const on = &hanging;
+    rc_joint_steps_of_pair(W, b_from_a, &rig->cams_from_rig[a]);
+    for (size_t j = 0; j < all->k; j++) {
+        rigcal_real v[6] = {0, 0, 0, 0, 0, 0};
+        add_leverage(v, on, &all->effects[all->n * j], 1);
+        add_outer(Sigma, v);
+    }
+}
+
+static void considered_camera(rigcal_real Sigma[36], const rigcal_rig *rig, size_t camera)
+{
+    const rigcal_considered *const all = rig->considered;
+    rc_rig_parts parts;
+    rc_rig_parts_of(&parts, rig, 0);
+    const rigcal_real at = parts.column[camera];
+    for (size_t j = 0; j < all->k && at >= 0; j++) {
+        add_outer(Sigma, &all->effects[all->n * j + (size_t)at]);
+    }
+}
+
+static void considered_joint(rigcal_real S[], const rigcal_rig *rig)
+{
+    const rigcal_considered *const all = rig->considered;
+    for (size_t j = 0; j < all->k; j++) {
+        const rigcal_real *const G = &all->effects[all->n * j];
+        for (size_t row = 0; row < all->n; row++) {
+            for (size_t column = 0; column <= row; column++) {
+                S[rc_packed_at(row, column)] += G[row] * G[column];
+            }
+        }
+    }
+}
+
+/* All views of a placement, the first of which is `first`. */
+static rigcal_status add_views(rc_border *b, const rigcal_rig *rig, size_t first,
+                               size_t count, size_t placement)
+{
+    rigcal_status status = RIGCAL_OK;
+    for (size_t i = first; i < first + count && status == RIGCAL_OK; i++) {
+        status = add_view(b, rig, i, placement);
+    }
+    return status;
+}
+
+/* One deviation of a column moves the placement by H^-1 (B^T E - sum of W_i^T G_i). */
+static rigcal_status considered_placement(rigcal_real Sigma[36], const rigcal_rig *rig,
+                                          size_t first, size_t count, size_t placement)
+{
+    const rigcal_considered *const all = rig->considered;
+    rc_rig_parts parts;
+    rigcal_real inverse[36];
+    rc_border b = {0};
+    rc_rig_parts_of(&parts, rig, 0);
+    b.k = all->k;
+    b.Z = &all->effects[all->n * all->k];
+    b.W = parts.W;
+    b.slot = parts.slot;
+    rc_clear(Sigma, 36);
+    if (columns_before(rig, rig->n_cameras) != all->k) {
+        return RIGCAL_ERR_STATE;
+    }
+    rc_border_next(&b);
+    const rigcal_status status = add_views(&b, rig, first, count, placement);
+    if (status != RIGCAL_OK) {
+        return status;
+    }
+    if (!rc_sym6_invert(inverse, b.Hp)) {
+        return RIGCAL_ERR_DEGENERATE;
+    }
+    const rc_leverage on = {NULL, b.W, b.slot, b.count};
+    for (size_t j = 0; j < all->k; j++) {
+        rigcal_real *const Z = &b.Z[6 * j], v[6];
+        add_leverage(Z, &on, &all->effects[all->n * j], -1);
+        for (int i = 0; i < 6; i++) {
+            v[i] = rc_vec3_dot(&inverse[6 * i], &Z[0]) +
+                   rc_vec3_dot(&inverse[6 * i + 3], &Z[3]);
+        }
+        add_outer(Sigma, v);
+    }
+    return RIGCAL_OK;
+}
+
+static const struct rigcal_considering CONSIDERING = {
+    considered_camera, considered_pair, considered_joint, considered_placement};
+
+/* ---- the pass ----------------------------------------------------------------- */
+
+static void end(rigcal_consider_solver *s, rigcal_status status, int32_t at_fault)
+{
+    s->status = status;
+    s->at_fault = at_fault;
+    s->phase = DONE;
+}
+
+/* From s->placement on, the first one that was seen, or the end of the pass. */
+static void begin_placement(rigcal_consider_solver *s)
+{
+    rc_rig_parts parts;
+    rc_rig_parts_of(&parts, s->rig, 0);
+    while (s->placement < s->rig->n_placements && !(parts.count[s->placement] > 0)) {
+        s->view += rc_rig_views_of(&parts, s->placement);
+        s->placement++;
+    }
+    s->first = s->view;
+    rc_border_next(&s->border);
+    s->phase = (s->placement < s->rig->n_placements) ? ADDING : SOLVING;
+}
+
+static void adding_step(rigcal_consider_solver *s)
+{
+    rc_rig_parts parts;
+    const rigcal_status status = add_view(&s->border, s->rig, s->view, s->placement);
+    if (status != RIGCAL_OK) {
+        end(s, status, (int32_t)s->view);
+        return;
+    }
+    rc_rig_parts_of(&parts, s->rig, 0);
+    s->view++;
+    if (s->view - s->first == rc_rig_views_of(&parts, s->placement)) {
+        s->phase = ELIMINATING;
+    }
+}
+
+static void eliminating_step(rigcal_consider_solver *s)
+{
+    if (!rc_border_eliminate(&s->border)) {
+        end(s, RIGCAL_ERR_DEGENERATE, (int32_t)s->view - 1);
+        return;
+    }
+    if (s->rig->clocks != NULL) {
+        eliminate_clocks(&s->border, s->rig);
+    }
+    s->placement++;
+    begin_placement(s);
+}
+
+/* A row of T becomes one of G, without what clocks do. */
+static void solving_step(rigcal_consider_solver *s)
+{
+    rc_border *const b = &s->border;
+    const size_t n_cameras = b->n - unknowns_of_clocks(s->rig);
+    rc_rig_parts parts;
+    if (s->column < b->k) {
+        rc_rig_parts_of(&parts, s->rig, b->n);
+        rc_border_effect(parts.g, b, parts.S, s->column);
+        for (size_t i = 0; i < n_cameras; i++) {
+            b->T[n_cameras * s->column + i] = parts.g[i];
+        }
+        s->column++;
+        return;
+    }
+    s->considered->by = &CONSIDERING;
+    s->considered->n = n_cameras;
+    s->considered->k = b->k;
+    s->rig->considered = s->considered;
+    end(s, RIGCAL_OK, -1);
+}
+
+static void step(rigcal_consider_solver *s)
+{
+    switch (s->phase) {
+    case ADDING:
+        adding_step(s);
+        break;
+    case ELIMINATING:
+        eliminating_step(s);
+        break;
+    default:
+        solving_step(s);
+        break;
+    }
+}
+
+static rigcal_status check_deviations(const rigcal_rig *rig)
+{
+    rigcal_status status = RIGCAL_OK;
+    for (size_t c = 0; c < rig->n_cameras && status == RIGCAL_OK; c++) {
+        rigcal_real sigma[RC_INTRINSICS];
+        deviations_of(sigma, rig, c);
+        status = rc_check_numbers(sigma, RC_INTRINSICS, RC_PIXEL_MAX);
+        for (int i = 0; i < RC_INTRINSICS && status == RIGCAL_OK; i++) {
+            status = (sigma[i] >= 0) ? RIGCAL_OK : RIGCAL_ERR_RANGE;
+        }
+    }
+    return status;
+}
+
+/* *n: unknowns of the cameras. */
+static rigcal_status check(size_t *n, const rigcal_considered *considered, rigcal_rig *rig)
+{
+    rigcal_real Sigma[36];
+    rc_rig_parts parts;
+    rigcal_status status = (considered == NULL || considered->effects == NULL)
+                               ? RIGCAL_ERR_NULL
+                               : rigcal_rig_covariance(Sigma, rig, 0, 0);
+    if (status == RIGCAL_OK && rig->views == NULL && rig->view_source == NULL) {
+        status = RIGCAL_ERR_NULL;
+    }
+    if (status == RIGCAL_OK) {
+        status = check_deviations(rig);
+    }
+    if (status != RIGCAL_OK) {
+        return status;
+    }
+    *n = 0;
+    rc_rig_parts_of(&parts, rig, 0);
+    for (size_t c = 0; c < rig->n_cameras; c++) {
+        *n += (parts.column[c] >= 0) ? 6 : 0;
+    }
+    *n += unknowns_of_clocks(rig);
+    const size_t slots = (rig->clocks == NULL) ? 0 : SLOT * rig->n_cameras;
+    return (considered->capacity < (*n + 6) * columns_before(rig, rig->n_cameras) + slots)
+               ? RIGCAL_ERR_CAPACITY
+               : RIGCAL_OK;
+}
+
+rigcal_status rigcal_consider_begin(rigcal_consider_solver *solver,
+                                    rigcal_considered *considered, rigcal_rig *rig)
+{
+    rc_rig_parts parts;
+    size_t n;
+    if (solver == NULL) {
+        return RIGCAL_ERR_NULL;
+    }
+    const rigcal_status status = check(&n, considered, rig);
+    if (status != RIGCAL_OK) {
+        return status;
+    }
+    rc_rig_parts_of(&parts, rig, 0);
+    rig->considered = NULL;
+    *solver = (rigcal_consider_solver){0};
+    solver->rig = rig;
+    solver->considered = considered;
+    solver->at_fault = -1;
+    rc_border *const b = &solver->border;
+    b->n = n;
+    b->k = columns_before(rig, rig->n_cameras);
+    b->T = considered->effects;
+    b->Z = &b->T[b->n * b->k];
+    b->W = parts.W;
+    b->slot = parts.slot;
+    rc_border_begin(b);
+    begin_placement(solver);
+    return RIGCAL_OK;
+}
+
+rigcal_status rigcal_consider_step(rigcal_consider_solver *solver, int32_t budget)
+{
+    const rigcal_status status =
+        rc_check_step((solver == NULL) ? NULL : &solver->phase, budget);
+    if (status != RIGCAL_OK) {
+        return status;
+    }
+    for (; budget > 0 && solver->phase != DONE; budget--) {
+        step(solver);
+    }
+    return (solver->phase == DONE) ? RIGCAL_OK : RIGCAL_RUNNING;
+}
+
+rigcal_status rigcal_consider_result(int32_t *at_fault,
+                                     const rigcal_consider_solver *solver)
+{
+    const int is_done = solver != NULL && solver->phase == DONE;
+    if (at_fault != NULL) {
+        *at_fault = is_done ? solver->at_fault : -1;
+    }
+    if (solver == NULL) {
+        return RIGCAL_ERR_NULL;
+    }
+    return is_done ? solver->status : RIGCAL_ERR_STATE;
+}
+
+rigcal_status rigcal_rig_consider(rigcal_considered *considered, int32_t *at_fault,
+                                  rigcal_rig *rig)
+{
+    rigcal_consider_solver solver;
+    if (at_fault != NULL) {
+        *at_fault = -1;
+    }
+    const rigcal_status status = rigcal_consider_begin(&solver, considered, rig);
+    if (status != RIGCAL_OK) {
+        return status;
+    }
+    while (rigcal_consider_step(&solver, 1000) == RIGCAL_RUNNING) {
+    }
+    return rigcal_consider_result(at_fault, &solver);
+}

@@ -1,0 +1,104 @@
+#include "rc_finding.h"
+
+/* ---- constants ----------------------------------------------------------- */
+
+/* 1: the chance below which an F of noise alone is said to disagree. */
+#define DISAGREES RC(0.001)
+
+/* 1: the chance below which any fault is found where there is none. */
+#define FOUND RC(0.01)
+
+/* 1: faults whose criterion is within this of the best fit alike: their odds are within
+ * exp(9.2 / 2) = 100. */
+#define ALIKE_MOST RC(9.2)
+
+/* part of F - 1 that a fault must explain to be the reason, where F stays significant. */
+#define EXPLAINS_LEAST RC(0.5)
+
+/* part of the sum: no more is taken off, or a logarithm of 0 follows. */
+#define GAIN_MOST (1 - RC_EPS)
+
+rigcal_real rc_F_of(const rc_common *c, rigcal_real gain, rigcal_real own_gain,
+                    rigcal_real k)
+{
+    const rigcal_real own = c->own - own_gain;
+    const rigcal_real between = rc_max(1, c->freedom_between - k);
+    return (own > 0) ? ((c->sum - gain) - own) / between / (own / c->freedom_within) : 0;
+}
+
+int rc_F_disagrees(const rc_common *c, rigcal_real F, rigcal_real k)
+{
+    return rc_f_tail(F, rc_max(1, c->freedom_between - k), c->freedom_within) <= DISAGREES;
+}
+
+void rc_finding_of(rigcal_fault *fault, const rc_common *c, const rc_one_step *step)
+{
+    const rigcal_real k = (rigcal_real)(int32_t)step->k, freedom = c->freedom - k;
+    const rigcal_real gain = rc_min(step->gain, GAIN_MOST * c->sum);
+    const rigcal_real variance = (c->sum - gain) / freedom;
+    const rigcal_real F = rc_F_of(c, 0, 0, 0);
+    fault->is_seen = 1;
+    fault->n = (int32_t)step->k;
+    fault->gain = gain;
+    fault->p = rc_f_tail(gain / k / variance, k, freedom);
+    fault->p = rc_min(1, fault->p * (rigcal_real)(int32_t)step->tries);
+    fault->bic = c->n_measured * rc_log1p(-gain / c->sum) + k * rc_log1p(c->n_measured - 1);
+    fault->F_after = rc_F_of(c, gain, step->own_gain, k);
+    fault->explains = !rc_F_disagrees(c, fault->F_after, k) ||
+                      fault->F_after - 1 <= (1 - EXPLAINS_LEAST) * (F - 1);
+    for (size_t i = 0; i < step->k; i++) {
+        const rigcal_real sigma = RC_SQRT(step->variance[i] * variance);
+        const rigcal_real large = RIGCAL_FAULT_DEVIATIONS * sigma;
+        fault->turn = rc_max(fault->turn, large * step->turn[i]);
+        fault->shift = rc_max(fault->shift, large * step->shift[i]);
+        if (i < RIGCAL_FAULT_VALUES) {
+            fault->value[i] = step->theta[i];
+            fault->sigma[i] = sigma;
+        }
+    }
+}
+
+/* Whether a comes before b. */
+static int is_before(const rigcal_fault *a, const rigcal_fault *b)
+{
+    return a->is_seen && (!b->is_seen || a->bic < b->bic);
+}
+
+void rc_finding_rank(rigcal_fault faults[], int32_t *n, size_t capacity,
+                     const rigcal_fault *fault)
+{
+    size_t at = (size_t)*n;
+    if (at < capacity) {
+        *n += 1;
+    } else if (is_before(fault, &faults[capacity - 1])) {
+        at = capacity - 1;
+    } else {
+        return;
+    }
+    for (; at > 0 && is_before(fault, &faults[at - 1]); at--) {
+        faults[at] = faults[at - 1];
+    }
+    faults[at] = *fault;
+}
+
+void rc_finding_judge(rigcal_faults *found, const rigcal_fault faults[], const rc_common *c)
+{
+    const rigcal_real seen = (rigcal_real)found->n_seen;
+    const int disagrees = rc_F_disagrees(c, found->F, 0);
+    const int is_named = seen > 0 && faults[0].p * seen < FOUND;
+    found->verdict = !disagrees           ? RIGCAL_RIG_AGREES
+                     : !is_named          ? RIGCAL_RIG_UNEXPLAINED
+                     : faults[0].explains ? RIGCAL_RIG_EXPLAINED
+                                          : RIGCAL_RIG_FOUND;
+    if (!is_named) {
+        return;
+    }
+    found->bits |= RIGCAL_FAULTS_NAMED;
+    found->explained = (found->F > 1) ? (found->F - faults[0].F_after) / (found->F - 1) : 0;
+    for (int32_t i = 1;
+         i < found->n && faults[i].is_seen && faults[i].bic < faults[0].bic + ALIKE_MOST;
+         i++) {
+        found->n_alike = i;
+        found->bits |= RIGCAL_FAULTS_ALIKE;
+    }
+}

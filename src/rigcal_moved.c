@@ -1,0 +1,142 @@
+#include "rc_moved.h"
+
+/* ---- constants ----------------------------------------------------------- */
+
+/* part of the information before anything was eliminated: with less of it left, a camera's
+ * move is not to be told from a rig that stands otherwise. */
+#define RANK_TOL RC_TOL(1e-10, 1e-5)
+
+static rigcal_real dot6(const rigcal_real a[6], const rigcal_real b[6])
+{
+    return rc_vec3_dot(a, b) + rc_vec3_dot(&a[3], &b[3]);
+}
+
+/* ---- sums ------------------------------------------------------------------ */
+
+void rc_moved_begin(rigcal_moves *m, size_t n_cameras)
+{
+    rc_clear(m->S, 6 * n_cameras * (6 * n_cameras + 1) / 2);
+    rc_clear(m->g, 6 * n_cameras);
+    rc_clear(m->best, RC_MOVED_SIZE * n_cameras);
+    rc_clear(m->so_far, n_cameras);
+}
+
+void rc_moved_view(rigcal_moves *m, const rc_border *b, size_t camera,
+                   const rigcal_real g[6], const rigcal_real H[21])
+{
+    rigcal_real full[36];
+    m->camera[b->count - 1] = (rigcal_real)(int32_t)camera;
+    m->so_far[camera] += 1;
+    rc_sym6_unpack(full, H);
+    for (size_t i = 0; i < 6; i++) {
+        rigcal_real *const row = &m->S[rc_packed_at(6 * camera + i, 6 * camera)];
+        for (size_t j = 0; j <= i; j++) {
+            row[j] += full[6 * i + j];
+        }
+        m->g[6 * camera + i] += g[i];
+    }
+}
+
+void rc_moved_eliminate(rigcal_moves *m, const rc_border *b)
+{
+    for (size_t slot = 0; slot < 6 * b->count; slot++) {
+        const rigcal_real *const Y = &b->W[6 * slot];
+        const size_t i = 6 * (size_t)m->camera[slot / 6] + slot % 6;
+        m->g[i] -= dot6(Y, b->gp);
+        for (size_t other = 0; other < 6 * b->count; other++) {
+            const size_t j = 6 * (size_t)m->camera[other / 6] + other % 6;
+            if (j <= i) {
+                m->S[rc_packed_at(i, j)] -= dot6(Y, &b->W[6 * other]);
+            }
+        }
+    }
+}
+
+/* ---- the test -------------------------------------------------------------- */
+
+void rc_moved_most(rigcal_real *turn, rigcal_real *shift, const rigcal_real G[], size_t n)
+{
+    *turn = *shift = 0;
+    for (size_t at = 0; at < n; at += 6) {
+        *turn = rc_max(*turn, rc_vec3_norm(&G[at]));
+        *shift = rc_max(*shift, rc_vec3_norm(&G[at + 3]));
+    }
+}
+
+static rigcal_real S_at(const rigcal_moves *m, size_t i, size_t j)
+{
+    return m->S[(i >= j) ? rc_packed_at(i, j) : rc_packed_at(j, i)];
+}
+
+/* T of the six parameters: the columns of S that are the camera's, by the unknowns. */
+static void take_columns(rigcal_real T[], size_t n, const rigcal_moves *m,
+                         const rigcal_real column[], size_t n_cameras, size_t camera)
+{
+    for (size_t c = 0; c < n_cameras; c++) {
+        for (size_t k = 0; column[c] >= 0 && k < 36; k++) {
+            T[(k / 6) * n + (size_t)column[c] + k % 6] =
+                S_at(m, 6 * c + k % 6, 6 * camera + k / 6);
+        }
+    }
+}
+
+void rc_moved_solve(rigcal_real *gain, rigcal_real theta[], rigcal_real variance[],
+                    rigcal_real I[], size_t k)
+{
+    *gain = 0;
+    rc_packed_forward(theta, I, k);
+    for (size_t i = 0; i < k; i++) {
+        *gain += theta[i] * theta[i];
+        rc_packed_invert_row(I, i);
+        variance[i] = 0;
+    }
+    for (size_t i = 0; i < k; i++) { /* L^-T, of which L^-1 has the rows */
+        rigcal_real sum = 0;
+        for (size_t j = i; j < k; j++) {
+            const rigcal_real x = I[rc_packed_at(j, i)];
+            sum += x * theta[j];
+            variance[i] += x * x;
+        }
+        theta[i] = sum;
+    }
+}
+
+void rc_moved_test(rigcal_moves *m, const rc_border *b, const rigcal_real S_inverse[],
+                   const rigcal_real column[], size_t n_cameras, size_t camera,
+                   size_t placement, rigcal_real room[])
+{
+    rc_border of_six = {0};
+    rigcal_real best[RC_MOVED_SIZE], I[21];
+    rigcal_real *const kept = &m->best[RC_MOVED_SIZE * camera], *const G = room + 6 * b->n;
+    const size_t from = 6 * camera;
+    of_six.n = b->n;
+    of_six.T = room;
+    take_columns(room, b->n, m, column, n_cameras, camera);
+    for (size_t j = 0; j < 6; j++) {
+        rc_border_effect(&G[b->n * j], &of_six, S_inverse, j);
+        rc_moved_most(&best[RC_MOVED_TURN + j], &best[RC_MOVED_SHIFT + j], &G[b->n * j],
+                      b->n);
+        for (size_t i = j; i < 6; i++) {
+            rigcal_real *const at = &I[rc_packed_at(i, j)];
+            *at = S_at(m, from + i, from + j);
+            for (size_t k = 0; k < b->n; k++) {
+                *at -= room[b->n * i + k] * G[b->n * j + k];
+            }
+        }
+        best[RC_MOVED_THETA + j] = m->g[from + j];
+    }
+    for (size_t i = 0; i < 6; i++) {
+        if (!rc_packed_factor_row(I, i, RANK_TOL * S_at(m, from + i, from + i))) {
+            return;
+        }
+    }
+    rc_moved_solve(&best[RC_MOVED_GAIN], &best[RC_MOVED_THETA], &best[RC_MOVED_VARIANCE], I,
+                   6);
+    best[RC_MOVED_AT] = (rigcal_real)(int32_t)placement;
+    best[RC_MOVED_TRIES] = kept[RC_MOVED_TRIES] += 1;
+    if (best[RC_MOVED_GAIN] > kept[RC_MOVED_GAIN]) {
+        for (size_t k = 0; k < RC_MOVED_SIZE; k++) {
+            kept[k] = best[k];
+        }
+    }
+}

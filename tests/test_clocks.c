@@ -1,0 +1,729 @@
+/* clocks: the cameras' clocks as unknowns of the adjustment. The truth: paths of a hand with
+ * cameras that are late by known times, and dense least squares of the same model. */
+#include <math.h>
+#include <string.h>
+
+#include "rigcal_solvers.h"
+#include "test_motions.h"
+
+static test_motions m;
+
+#define WANTS_MOTIONS() TEST_WANTS_RAM(sizeof(test_motions) + 60000)
+
+static const motion_scene SCENE = {3, 3, 3, 30, 0.35, 0.8, 10, 0.01, 0, 0, 0.3};
+
+static void make(const motion_scene *scene, uint64_t seed)
+{
+    test_rng rng = test_seed(seed);
+
+    test_motions_make(&m, &rng, scene);
+    test_motions_solve(&m);
+}
+
+static rigcal_status adjust(rigcal_rig_fit *fit)
+{
+    int32_t at_fault = -2;
+
+    m.rig.clocks = &m.clocks;
+    return rigcal_rig_adjust(fit, &at_fault, &m.rig);
+}
+
+/* ---- nothing to find ------------------------------------------------------ */
+
+static void test_clocks_that_are_known_and_right_change_no_bit(void)
+{
+    rigcal_transform cams[MOTION_CAMERAS_MAX], places[MOTION_PLACES_MAX];
+    rigcal_real Sigma[36], with[36];
+    rigcal_rig_fit fit, again;
+
+    WANTS_MOTIONS();
+    make(&SCENE, 1);
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_adjust(&fit, NULL, &m.rig));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_covariance(Sigma, &m.rig, 1, 2));
+    memcpy(cams, m.cams, sizeof cams);
+    memcpy(places, m.places, sizeof places);
+    test_motions_reset(&m);
+    m.clocks.free_offsets = 0;
+    ASSERT_STATUS(RIGCAL_OK, adjust(&again));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_covariance(with, &m.rig, 1, 2));
+    TEST_ASSERT_EQUAL_MEMORY(cams, m.cams, sizeof cams);
+    TEST_ASSERT_EQUAL_MEMORY(places, m.places, sizeof places);
+    TEST_ASSERT_EQUAL_MEMORY(Sigma, with, sizeof Sigma);
+    TEST_ASSERT_EQUAL_MEMORY(&fit, &again, sizeof fit);
+}
+
+/* ---- clocks are found ----------------------------------------------------- */
+
+static void expect_clocks(double limit)
+{
+    rigcal_real sigma[MOTION_CAMERAS_MAX], rates[MOTION_CAMERAS_MAX];
+
+    ASSERT_STATUS(RIGCAL_OK, rigcal_clocks_sigma(sigma, rates, &m.rig, RC(0.3)));
+    for (size_t c = 0; c < m.rig.n_cameras; c++) {
+        const double off = D(m.offsets[c]) - m.true_offsets[c];
+
+        TEST_ASSERT_EQUAL_INT32(c > 0 ? RIGCAL_CLOCK_FREE : RIGCAL_CLOCK_HELD, m.states[c]);
+        if (c == 0) {
+            ASSERT_NEAR(0, sigma[c], 0);
+            ASSERT_NEAR(0, m.offsets[c], 0);
+        } else {
+            TEST_ASSERT_TRUE(D(sigma[c]) > 0 && D(sigma[c]) < 1e-3);
+            ASSERT_NEAR(0, off / D(sigma[c]), limit);
+        }
+        if (m.clocks.free_drifts && c > 0) {
+            TEST_ASSERT_TRUE(D(rates[c]) > 0);
+            ASSERT_NEAR(0, (D(m.drifts[c]) - m.true_drifts[c]) / D(rates[c]), limit);
+        } else {
+            ASSERT_NEAR(0, rates[c], 0);
+        }
+    }
+}
+
+static void test_clocks_that_differ_are_found(void)
+{
+    WANTS_MOTIONS();
+    for (int trial = 0; trial < TEST_TRIALS(12); trial++) {
+        double inverse[4 * 6 * 6];
+        rigcal_rig_fit fit;
+
+        make(&SCENE, 10 + (uint64_t)trial);
+        ASSERT_STATUS(RIGCAL_OK, rigcal_rig_adjust(&fit, NULL, &m.rig));
+        TEST_ASSERT_TRUE(D(fit.F) > 1.5);
+        ASSERT_STATUS(RIGCAL_OK, adjust(&fit));
+        TEST_ASSERT_TRUE(fit.evals < 30);
+        ASSERT_NEAR(1, fit.F, 0.6);
+        ASSERT_NEAR(0.3, fit.sigma_px, 0.03);
+        ASSERT_NEAR(2.0 * 3 * 9 * 20 - 2 * 6 - 9 * 6 - 2, fit.freedom, 0);
+        expect_clocks(4.5);
+        test_motions_information(inverse, &m, 0.3);
+        TEST_ASSERT_TRUE(test_motions_error2(&m, inverse) < 4);
+    }
+}
+
+static void test_clocks_that_drift_are_found(void)
+{
+    motion_scene scene = SCENE;
+    rigcal_rig_fit fit;
+
+    WANTS_MOTIONS();
+    scene.runs = 4;
+    scene.drift = 1e-4;
+    make(&scene, 30);
+    m.clocks.drifts = m.drifts;
+    m.clocks.free_drifts = 1;
+    ASSERT_STATUS(RIGCAL_OK, adjust(&fit));
+    ASSERT_NEAR(1, fit.F, 0.6);
+    ASSERT_NEAR(2.0 * 3 * 12 * 20 - 2 * 6 - 12 * 6 - 4, fit.freedom, 0);
+    expect_clocks(4.5);
+}
+
+/* ---- dense least squares of the same model -------------------------------- */
+
+enum {
+    LOCAL = 15, /* unknowns of a view: camera, placement, offset, drift, its own time */
+    DENSE = 6 * 2 + 6 * 6 + 2 * 2 + 18
+};
+
+static double H[DENSE][DENSE], g[DENSE];
+
+/* d of the curve through placement f and all others of its run, Lagrange's. */
+static void curve(double d[6], int f, double after, int frames)
+{
+    const int first = f / frames * frames;
+    double R[9], t[3];
+
+    test_transform_parts(R, t, &m.places[f]);
+    memset(d, 0, 6 * sizeof d[0]);
+    for (int i = first; i < first + frames; i++) {
+        const double node = D(m.instants[i]) - D(m.instants[f]);
+        double weight = 1, R_i[9], t_i[3], turn[9], R_t[9];
+
+        for (int j = first; j < first + frames; j++) {
+            const double other = D(m.instants[j]) - D(m.instants[f]);
+            weight *= j == i ? 1 : (after - other) / (node - other);
+        }
+        test_transform_parts(R_i, t_i, &m.places[i]);
+        test_transpose(R_t, R);
+        test_product(turn, R_i, R_t);
+        double w[3] = {turn[7] - turn[5], turn[2] - turn[6], turn[3] - turn[1]};
+        const double sine = test_norm(w) / 2;
+        for (int k = 0; k < 3; k++) {
+            d[k] += weight * w[k] / 2 * (sine > 0 ? asin(sine) / sine : 1);
+            d[3 + k] += weight * (t_i[k] - t[k]);
+        }
+    }
+}
+
+static rigcal_transform moved(const rigcal_transform *T, const double d[6])
+{
+    double R[9], t[3], turn[9], out[9], axis[3];
+    const double angle = test_norm(d);
+
+    test_transform_parts(R, t, T);
+    for (int k = 0; k < 3; k++) {
+        axis[k] = angle > 0 ? d[k] / angle : (k == 0);
+        t[k] += d[3 + k];
+    }
+    test_rotation_about(turn, axis, angle);
+    test_product(out, turn, R);
+    return test_transform(out, t);
+}
+
+/* The residuals of view v, its unknowns moved by x. The curve about its placement is moved
+ * with that; it does not bend. */
+static void residuals(double e[2 * MOTION_POINTS], size_t v, const double x[LOCAL],
+                      int frames)
+{
+    const int c = m.views[v].camera, f = m.views[v].placement;
+    const double middle = D(m.times[m.rig.n_placements - 1]) / 2;
+    const double stamp = D(m.view_times[v]);
+    const double after = stamp + D(m.offsets[c]) + x[12] +
+                         (D(m.drifts[c]) + x[13]) * (stamp - middle) + x[14] -
+                         D(m.instants[f]);
+    double d[6], R[9], t[3];
+
+    curve(d, f, after, frames);
+    const rigcal_transform cam = moved(&m.cams[c], x), place = moved(&m.places[f], &x[6]);
+    const rigcal_transform seen = moved(&place, d), T = test_times(&cam, &seen);
+    test_transform_parts(R, t, &T);
+    for (int i = 0; i < MOTION_POINTS; i++) {
+        double X_c[3];
+
+        test_apply(X_c, R, m.X[i], t);
+        test_project_px(&e[2 * i], &m.camera, X_c);
+        e[2 * i] = D(m.o[v][i].uv[0]) - e[2 * i];
+        e[2 * i + 1] = D(m.o[v][i].uv[1]) - e[2 * i + 1];
+    }
+}
+
+/* Adds it to H and g; of[k]: the unknown that its unknown k is, or -1. */
+static double add_dense(size_t v, const int of[LOCAL], int frames)
+{
+    const double h = 1e-5;
+    double e[2 * MOTION_POINTS], J[LOCAL][2 * MOTION_POINTS], low[2 * MOTION_POINTS],
+        x[LOCAL];
+    double sum = 0;
+
+    memset(x, 0, sizeof x);
+    residuals(e, v, x, frames);
+    for (int k = 0; k < LOCAL; k++) {
+        x[k] = h;
+        residuals(J[k], v, x, frames);
+        x[k] = -h;
+        residuals(low, v, x, frames);
+        x[k] = 0;
+        for (int i = 0; i < 2 * MOTION_POINTS; i++) {
+            J[k][i] = (low[i] - J[k][i]) / (2 * h); /* of the projection */
+        }
+    }
+    for (int i = 0; i < 2 * MOTION_POINTS; i++) {
+        sum += e[i] * e[i];
+        for (int a = 0; a < LOCAL; a++) {
+            g[of[a] < 0 ? 0 : of[a]] += of[a] < 0 ? 0 : J[a][i] * e[i];
+            for (int b = 0; b < LOCAL; b++) {
+                if (of[a] >= 0 && of[b] >= 0) {
+                    H[of[a]][of[b]] += J[a][i] * J[b][i];
+                }
+            }
+        }
+    }
+    return sum;
+}
+
+/* H <- H^-1 of its first n. */
+static void invert(int n)
+{
+    for (int p = 0; p < n; p++) {
+        const double pivot = H[p][p];
+
+        TEST_ASSERT_TRUE(pivot > 0);
+        H[p][p] = 1;
+        for (int j = 0; j < n; j++) {
+            H[p][j] /= pivot;
+        }
+        for (int i = 0; i < n; i++) {
+            const double part = H[i][p];
+
+            if (i != p) {
+                H[i][p] = 0;
+                for (int j = 0; j < n; j++) {
+                    H[i][j] -= part * H[p][j];
+                }
+            }
+        }
+    }
+}
+
+/* The rest of the way to the dense minimum, in sigmas of each unknown; and the covariances
+ * of cameras and clocks. own: the sigma of a view's own time, over that of a pixel; 0: it
+ * has none. */
+static void expect_dense_minimum(int frames, double own, double step_limit,
+                                 double sigma_limit)
+{
+    const int n_cams = (int)m.rig.n_cameras - 1, n_places = (int)m.rig.n_placements;
+    const int n_clocks = n_cams * (m.clocks.free_drifts ? 2 : 1);
+    const int at_clock = 6 * (n_cams + n_places), at_own = at_clock + n_clocks;
+    const int n = at_own + (own > 0 ? (int)m.rig.n_views : 0);
+    rigcal_real sigma[MOTION_CAMERAS_MAX], rates[MOTION_CAMERAS_MAX], Sigma[36];
+
+    TEST_ASSERT_TRUE(n <= DENSE);
+    memset(H, 0, sizeof H);
+    memset(g, 0, sizeof g);
+    for (size_t v = 0; v < m.rig.n_views; v++) {
+        const int c = m.views[v].camera, f = m.views[v].placement;
+        int of[LOCAL];
+
+        for (int k = 0; k < 6; k++) {
+            of[k] = c > 0 ? 6 * (c - 1) + k : -1;
+            of[6 + k] = 6 * (n_cams + f) + k;
+        }
+        of[12] = c > 0 ? at_clock + c - 1 : -1;
+        of[13] = c > 0 && m.clocks.free_drifts ? at_clock + n_cams + c - 1 : -1;
+        of[14] = own > 0 ? at_own + (int)v : -1;
+        (void)add_dense(v, of, frames);
+        if (own > 0) {
+            H[of[14]][of[14]] += 1 / (own * own);
+        }
+    }
+    invert(n);
+    for (int i = 0; i < at_own; i++) {
+        double step = 0;
+
+        for (int j = 0; j < n; j++) {
+            step += H[i][j] * g[j];
+        }
+        ASSERT_NEAR(0, step / (0.3 * sqrt(H[i][i])), step_limit);
+    }
+    ASSERT_STATUS(RIGCAL_OK, rigcal_clocks_sigma(sigma, rates, &m.rig, 1));
+    for (int c = 1; c <= n_cams; c++) {
+        const int at = 6 * (c - 1), clock = at_clock + c - 1;
+
+        ASSERT_STATUS(RIGCAL_OK, rigcal_rig_covariance(Sigma, &m.rig, 1, (size_t)c));
+        for (int k = 0; k < 36; k++) {
+            const double scale =
+                sqrt(H[at + k / 6][at + k / 6] * H[at + k % 6][at + k % 6]);
+            ASSERT_NEAR(H[at + k / 6][at + k % 6] / scale, D(Sigma[k]) / scale,
+                        sigma_limit);
+        }
+        ASSERT_NEAR(1, D(sigma[c]) / sqrt(H[clock][clock]), sigma_limit);
+        if (m.clocks.free_drifts) {
+            ASSERT_NEAR(1, D(rates[c]) / sqrt(H[clock + n_cams][clock + n_cams]),
+                        sigma_limit);
+        }
+    }
+}
+
+static const motion_scene SMALL = {3, 2, 3, 30, 0.35, 0.8, 10, 0.01, 0, 0, 0.3};
+
+static void test_the_answer_is_the_dense_minimum(void)
+{
+    WANTS_MOTIONS();
+    TEST_ON_HOST_ONLY("the dense inverse takes minutes");
+    for (int trial = 0; trial < 4; trial++) {
+        rigcal_rig_fit fit;
+        motion_scene scene = SMALL;
+
+        scene.frames = trial % 2 == 0 ? 3 : 5;
+        scene.runs = trial % 2 == 0 ? 2 : 1;
+        make(&scene, 50 + (uint64_t)trial);
+        ASSERT_STATUS(RIGCAL_OK, adjust(&fit));
+        expect_dense_minimum(scene.frames, 0, TOL(0.12, 0.2), TOL(0.01, 0.02));
+    }
+}
+
+static void test_the_answer_with_drifts_is_the_dense_minimum(void)
+{
+    rigcal_rig_fit fit;
+    motion_scene scene = SMALL;
+
+    WANTS_MOTIONS();
+    TEST_ON_HOST_ONLY("the dense inverse takes minutes");
+    scene.drift = 3e-4;
+    make(&scene, 60);
+    m.clocks.drifts = m.drifts;
+    m.clocks.free_drifts = 1;
+    ASSERT_STATUS(RIGCAL_OK, adjust(&fit));
+    expect_dense_minimum(3, 0, TOL(0.12, 0.2), TOL(0.01, 0.03));
+}
+
+/* ---- noise of stamps ------------------------------------------------------ */
+
+/* It is as if each view had a time of its own with that sigma. */
+static void test_noise_of_stamps_is_a_free_time_of_each_view(void)
+{
+    rigcal_rig_fit fit;
+    motion_scene scene = SMALL;
+
+    WANTS_MOTIONS();
+    TEST_ON_HOST_ONLY("the dense inverse takes minutes");
+    scene.stamp = 1e-4;
+    make(&scene, 70);
+    m.rig.sigma_px = RC(0.3);
+    m.clocks.sigma_time = RC(1e-3);
+    ASSERT_STATUS(RIGCAL_OK, adjust(&fit));
+    expect_dense_minimum(3, 1e-3 / 0.3, TOL(0.12, 0.2), TOL(0.01, 0.03));
+}
+
+static void test_stamps_with_noise_leave_the_noise_of_pixels(void)
+{
+    double without = 0, with = 0;
+
+    WANTS_MOTIONS();
+    for (int trial = 0; trial < TEST_TRIALS(8); trial++) {
+        rigcal_rig_fit fit;
+        motion_scene scene = SCENE;
+
+        scene.stamp = 0.004;
+        scene.offset = 0;
+        make(&scene, 80 + (uint64_t)trial);
+        m.clocks.free_offsets = 0;
+        ASSERT_STATUS(RIGCAL_OK, adjust(&fit));
+        without += D(fit.sigma_px) / TEST_TRIALS(8);
+        test_motions_reset(&m);
+        m.clocks.sigma_time = RC(0.004); /* sigma_px: of the views by themselves */
+        ASSERT_STATUS(RIGCAL_OK, adjust(&fit));
+        with += D(fit.sigma_px) / TEST_TRIALS(8);
+    }
+    TEST_ASSERT_TRUE(without > 0.36);
+    ASSERT_NEAR(0.3, with, TEST_ONE_IN > 1 ? 0.02 : 0.009);
+}
+
+/* The stamps of single views, where they are known, are better than one of all. */
+static void test_the_stamp_of_a_view_counts(void)
+{
+    rigcal_rig_fit fit;
+
+    WANTS_MOTIONS();
+    make(&SCENE, 90);
+    m.clocks.free_offsets = 0;
+    for (size_t v = 0; v < m.rig.n_views; v++) {
+        m.view_times[v] += (rigcal_real)m.true_offsets[m.views[v].camera];
+    }
+    ASSERT_STATUS(RIGCAL_OK, adjust(&fit));
+    TEST_ASSERT_TRUE(D(fit.F) > 1.5);
+    test_motions_reset(&m);
+    m.clocks.view_times = m.view_times;
+    ASSERT_STATUS(RIGCAL_OK, adjust(&fit));
+    ASSERT_NEAR(1, fit.F, 0.6);
+    m.view_times[4] = TEST_NAN; /* then it has that of its placement */
+    m.view_times[7] = TEST_INF;
+    ASSERT_STATUS(RIGCAL_OK, adjust(&fit));
+}
+
+/* ---- what is not known ---------------------------------------------------- */
+
+static void expect_held(int32_t state)
+{
+    rigcal_real sigma[MOTION_CAMERAS_MAX];
+    rigcal_rig_fit fit;
+
+    ASSERT_STATUS(RIGCAL_OK, adjust(&fit));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_clocks_sigma(sigma, NULL, &m.rig, 1));
+    for (size_t c = 1; c < m.rig.n_cameras; c++) {
+        TEST_ASSERT_EQUAL_INT32(state, m.states[c]);
+        ASSERT_NEAR(0, m.offsets[c], 0);
+        ASSERT_NEAR(0, sigma[c], 0);
+    }
+    ASSERT_NEAR(2.0 * 3 * 9 * 20 - 2 * 6 - 9 * 6, fit.freedom, 0);
+}
+
+static void test_clocks_of_a_target_that_stands_still_are_held(void)
+{
+    motion_scene scene = SCENE;
+
+    WANTS_MOTIONS();
+    scene.speed = scene.turn = 0;
+    make(&scene, 100);
+    expect_held(RIGCAL_CLOCK_STILL);
+    scene.speed = 0.001; /* a hundredth of a pixel a frame */
+    make(&scene, 101);
+    expect_held(RIGCAL_CLOCK_STILL);
+}
+
+static void test_clocks_of_single_pictures_are_held(void)
+{
+    motion_scene scene = SCENE;
+
+    WANTS_MOTIONS();
+    scene.runs = 9;
+    scene.frames = 1;
+    make(&scene, 102);
+    expect_held(RIGCAL_CLOCK_ALONE);
+    m.clocks.frame = RC(1.0 / 30);
+    make(&SCENE, 103);
+    for (int f = 0; f < 9; f++) {
+        m.times[f] = TEST_NAN;
+    }
+    expect_held(RIGCAL_CLOCK_ALONE);
+}
+
+/* A clock that is known is not an unknown, and the others are counted from it. */
+static void test_a_clock_that_is_known_is_held(void)
+{
+    const uint8_t held[3] = {0, 0, 1};
+    rigcal_rig_fit fit;
+
+    WANTS_MOTIONS();
+    make(&SCENE, 104);
+    m.clocks.held = held;
+    m.offsets[2] = (rigcal_real)(0.02 + m.true_offsets[2]);
+    ASSERT_STATUS(RIGCAL_OK, adjust(&fit));
+    ASSERT_NEAR(0.02 + m.true_offsets[2], m.offsets[2], TOL(1e-15, 1e-7));
+    TEST_ASSERT_EQUAL_INT32(RIGCAL_CLOCK_HELD, m.states[2]);
+    TEST_ASSERT_EQUAL_INT32(RIGCAL_CLOCK_FREE, m.states[0]);
+    for (int c = 0; c < 2; c++) {
+        ASSERT_NEAR(0.02 + m.true_offsets[c], m.offsets[c], 1.5e-3);
+    }
+    ASSERT_NEAR(1, fit.F, 0.6);
+}
+
+/* A camera without views has a clock that is as it was. */
+static void test_the_clock_of_a_camera_without_views_is_left_alone(void)
+{
+    rigcal_rig_fit fit;
+
+    WANTS_MOTIONS();
+    make(&SCENE, 105);
+    m.offsets[2] = RC(0.25);
+    m.rig.left_out = m.left_out;
+    for (size_t v = 0; v < m.rig.n_views; v++) {
+        m.left_out[v] = m.views[v].camera == 2;
+    }
+    ASSERT_STATUS(RIGCAL_DISCONNECTED, adjust(&fit));
+    TEST_ASSERT_EQUAL_INT32(RIGCAL_CLOCK_HELD, m.states[2]);
+    ASSERT_NEAR(0.25, m.offsets[2], 0);
+    TEST_ASSERT_EQUAL_INT32(RIGCAL_CLOCK_FREE, m.states[1]);
+    ASSERT_NEAR(m.true_offsets[1], m.offsets[1], 1.5e-3);
+}
+
+/* ---- the other functions of a rig ----------------------------------------- */
+
+static void test_what_is_left_is_of_views_at_their_times(void)
+{
+    rigcal_real duv[2 * MOTION_POINTS], noise[3], freedom[3], Sigma[36];
+    double sum = 0;
+    rigcal_rig_fit fit;
+    size_t n;
+
+    WANTS_MOTIONS();
+    make(&SCENE, 110);
+    ASSERT_STATUS(RIGCAL_OK, adjust(&fit));
+    for (size_t v = 0; v < m.rig.n_views; v++) {
+        ASSERT_STATUS(RIGCAL_OK,
+                      rigcal_rig_residuals(duv, 2 * MOTION_POINTS, &n, &m.rig, v));
+        for (size_t i = 0; i < 2 * n; i++) {
+            sum += D(duv[i]) * D(duv[i]);
+        }
+    }
+    ASSERT_NEAR(1, D(fit.sum) / sum, TOL(2e-3, 1e-2));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_noise(noise, freedom, &m.rig));
+    for (int c = 0; c < 3; c++) {
+        ASSERT_NEAR(0.3, noise[c], 0.04);
+    }
+    ASSERT_NEAR(D(fit.freedom), D(freedom[0]) + D(freedom[1]) + D(freedom[2]), 4);
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_placement(Sigma, &m.rig, RC(0.3), 4));
+    for (int k = 0; k < 6; k++) {
+        TEST_ASSERT_TRUE(D(Sigma[7 * k]) > 0);
+    }
+}
+
+/* Clocks that differ look like wrong views, and do not where they are known. */
+static void test_no_view_is_named_for_its_clock(void)
+{
+    static rigcal_judged_view judged[MOTION_VIEWS_MAX];
+    static uint8_t takes[MOTION_VIEWS_MAX];
+    rigcal_judgement judgement;
+    rigcal_choice choice = {0};
+    rigcal_rig_fit fit;
+
+    WANTS_MOTIONS();
+    make(&SCENE, 111);
+    choice.takes = takes;
+    choice.sigma_px = RC(0.3);
+    m.rig.left_out = m.left_out;
+    ASSERT_STATUS(RIGCAL_OK, adjust(&fit));
+    ASSERT_STATUS(RIGCAL_OK,
+                  rigcal_rig_judge(&judgement, NULL, judged, m.left_out, &choice, &m.rig));
+    TEST_ASSERT_EQUAL_INT32((int32_t)m.rig.n_views, judgement.n_fit);
+    ASSERT_NEAR(1, judgement.fit.F, 0.6);
+    expect_clocks(4.5);
+}
+
+static void test_wrong_points_are_left_out_with_clocks_too(void)
+{
+    rigcal_rig_fit fit;
+    size_t n_wrong = 0;
+
+    WANTS_MOTIONS();
+    make(&SCENE, 112);
+    m.rig.sigma_px = RC(0.3);
+    for (size_t v = 0; v < m.rig.n_views; v += 2) {
+        m.o[v][v % MOTION_POINTS].uv[0] += 30;
+    }
+    m.rig.clocks = &m.clocks;
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_adjust_robust(&fit, &n_wrong, NULL, &m.rig));
+    TEST_ASSERT_TRUE(n_wrong >= (m.rig.n_views + 1) / 2 &&
+                     n_wrong < (m.rig.n_views + 1) / 2 + 4);
+    ASSERT_NEAR(0.3, fit.sigma_px, 0.03);
+    expect_clocks(4.5);
+}
+
+static void test_the_bits_are_those_of_any_budget(void)
+{
+    static rigcal_rig_solver solver;
+    rigcal_transform cams[MOTION_CAMERAS_MAX];
+    rigcal_real offsets[MOTION_CAMERAS_MAX];
+    rigcal_rig_fit fit, again;
+
+    WANTS_MOTIONS();
+    make(&SCENE, 113);
+    ASSERT_STATUS(RIGCAL_OK, adjust(&fit));
+    memcpy(cams, m.cams, sizeof cams);
+    memcpy(offsets, m.offsets, sizeof offsets);
+    for (int32_t budget = 1; budget < 12; budget += 5) {
+        test_motions_reset(&m);
+        ASSERT_STATUS(RIGCAL_OK, rigcal_rig_begin(&solver, &m.rig));
+        while (rigcal_rig_step(&solver, budget) == RIGCAL_RUNNING) {
+        }
+        ASSERT_STATUS(RIGCAL_OK, rigcal_rig_result(&again, NULL, &solver));
+        TEST_ASSERT_EQUAL_MEMORY(cams, m.cams, sizeof cams);
+        TEST_ASSERT_EQUAL_MEMORY(offsets, m.offsets, sizeof offsets);
+        TEST_ASSERT_EQUAL_MEMORY(&fit, &again, sizeof fit);
+    }
+}
+
+/* ---- frames, and hostile times -------------------------------------------- */
+
+static void test_the_frame_is_the_middle_step(void)
+{
+    rigcal_rig_fit fit;
+
+    WANTS_MOTIONS();
+    make(&SCENE, 120);
+    ASSERT_STATUS(RIGCAL_OK, adjust(&fit));
+    ASSERT_NEAR(1.0 / 30, m.clocks.frame, 1e-6);
+}
+
+static void test_offsets_in_frames(void)
+{
+    rigcal_real offsets[5] = {RC(0), RC(0.016), RC(0.018), RC(-0.09), RC(-0.01)};
+    static const int32_t EXPECTED[5] = {0, 0, 1, -3, 0};
+    int32_t frames[5];
+    rigcal_rig_clocks clocks;
+
+    ASSERT_STATUS(RIGCAL_OK, rigcal_clocks_defaults(&clocks));
+    clocks.offsets = offsets;
+    clocks.frame = RC(1.0 / 30);
+    ASSERT_STATUS(RIGCAL_OK, rigcal_clocks_frames(frames, &clocks, 5));
+    TEST_ASSERT_EQUAL_INT32_ARRAY(EXPECTED, frames, 5);
+    offsets[2] = TEST_NAN;
+    ASSERT_STATUS(RIGCAL_ERR_NOT_FINITE, rigcal_clocks_frames(frames, &clocks, 5));
+    offsets[2] = RC(1e8);
+    ASSERT_STATUS(RIGCAL_ERR_RANGE, rigcal_clocks_frames(frames, &clocks, 5));
+    clocks.frame = 0;
+    ASSERT_STATUS(RIGCAL_ERR_RANGE, rigcal_clocks_frames(frames, &clocks, 5));
+}
+
+static void test_times_must_rise(void)
+{
+    rigcal_rig_fit fit;
+
+    WANTS_MOTIONS();
+    make(&SCENE, 121);
+    const rigcal_real right = m.times[4];
+    m.times[4] = m.times[3];
+    ASSERT_STATUS(RIGCAL_ERR_TWICE, adjust(&fit));
+    m.times[4] = m.times[2];
+    ASSERT_STATUS(RIGCAL_ERR_UNSORTED, adjust(&fit));
+    m.times[4] = TEST_INF;
+    ASSERT_STATUS(RIGCAL_ERR_NOT_FINITE, adjust(&fit));
+    m.times[4] = RC(TOL(1e31, 1e10));
+    ASSERT_STATUS(RIGCAL_ERR_RANGE, adjust(&fit));
+    m.times[4] = TEST_NAN; /* not known */
+    ASSERT_STATUS(RIGCAL_OK, adjust(&fit));
+    TEST_ASSERT_EQUAL_INT32(RIGCAL_CLOCK_FREE, m.states[1]);
+    m.times[4] = right;
+    for (int f = 0; f < 9; f++) { /* their rounding is more than their steps */
+        m.times[f] = (rigcal_real)(TOL(1e14, 1e5) + f);
+    }
+    ASSERT_STATUS(RIGCAL_ERR_PRECISION, adjust(&fit));
+}
+
+static void test_what_is_handed_in_is_checked(void)
+{
+    rigcal_rig_fit fit;
+
+    WANTS_MOTIONS();
+    make(&SCENE, 122);
+    m.clocks.sigma_time = RC(-0.01);
+    ASSERT_STATUS(RIGCAL_ERR_RANGE, adjust(&fit));
+    m.clocks.sigma_time = TEST_INF;
+    ASSERT_STATUS(RIGCAL_ERR_NOT_FINITE, adjust(&fit));
+    m.clocks.sigma_time = RC(0.01);
+    m.rig.view_poses = NULL; /* and sigma_px is not known */
+    ASSERT_STATUS(RIGCAL_ERR_RANGE, adjust(&fit));
+    m.clocks.sigma_time = 0;
+    m.clocks.neighbours = 5;
+    ASSERT_STATUS(RIGCAL_ERR_RANGE, adjust(&fit));
+    m.clocks.neighbours = 4;
+    m.offsets[1] = TEST_NAN;
+    ASSERT_STATUS(RIGCAL_ERR_NOT_FINITE, adjust(&fit));
+    m.offsets[1] = 0;
+    m.clocks.free_drifts = 1;
+    ASSERT_STATUS(RIGCAL_ERR_NULL, adjust(&fit));
+    m.clocks.free_drifts = 0;
+    m.clocks.frame = RC(-1);
+    ASSERT_STATUS(RIGCAL_ERR_RANGE, adjust(&fit));
+    m.clocks.frame = 0;
+    m.clocks.calls = NULL;
+    ASSERT_STATUS(RIGCAL_ERR_NULL, adjust(&fit));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_clocks_defaults(&m.clocks));
+    ASSERT_STATUS(RIGCAL_ERR_NULL, adjust(&fit));
+}
+
+/* The memory that the macro says is enough, and what is less is refused. */
+static void test_the_memory_is_as_the_manual_says(void)
+{
+    rigcal_rig_fit fit;
+    const size_t enough = rigcal_rig_work(2, 3, 9) + rigcal_clocks_work(2, 3);
+
+    WANTS_MOTIONS();
+    make(&SCENE, 123);
+    m.clocks.drifts = m.drifts;
+    m.clocks.free_drifts = 1;
+    for (size_t i = enough; i < MOTION_WORK; i++) {
+        m.work[i] = RC(7.5);
+    }
+    m.rig.work_capacity = enough;
+    ASSERT_STATUS(RIGCAL_OK, adjust(&fit));
+    for (size_t i = enough; i < MOTION_WORK; i++) {
+        ASSERT_NEAR(7.5, m.work[i], 0);
+    }
+    m.rig.work_capacity--;
+    ASSERT_STATUS(RIGCAL_ERR_CAPACITY, adjust(&fit));
+}
+
+TEST_MAIN()
+{
+    RUN_TEST(test_clocks_that_are_known_and_right_change_no_bit);
+    RUN_TEST(test_clocks_that_differ_are_found);
+    RUN_TEST(test_clocks_that_drift_are_found);
+    RUN_TEST(test_the_answer_is_the_dense_minimum);
+    RUN_TEST(test_the_answer_with_drifts_is_the_dense_minimum);
+    RUN_TEST(test_noise_of_stamps_is_a_free_time_of_each_view);
+    RUN_TEST(test_stamps_with_noise_leave_the_noise_of_pixels);
+    RUN_TEST(test_the_stamp_of_a_view_counts);
+    RUN_TEST(test_clocks_of_a_target_that_stands_still_are_held);
+    RUN_TEST(test_clocks_of_single_pictures_are_held);
+    RUN_TEST(test_a_clock_that_is_known_is_held);
+    RUN_TEST(test_the_clock_of_a_camera_without_views_is_left_alone);
+    RUN_TEST(test_what_is_left_is_of_views_at_their_times);
+    RUN_TEST(test_no_view_is_named_for_its_clock);
+    RUN_TEST(test_wrong_points_are_left_out_with_clocks_too);
+    RUN_TEST(test_the_bits_are_those_of_any_budget);
+    RUN_TEST(test_the_frame_is_the_middle_step);
+    RUN_TEST(test_offsets_in_frames);
+    RUN_TEST(test_times_must_rise);
+    RUN_TEST(test_what_is_handed_in_is_checked);
+    RUN_TEST(test_the_memory_is_as_the_manual_says);
+}

@@ -1,0 +1,700 @@
+/* consider: what intrinsics that are not exact add to the covariances of a rig. The truth
+ * is dense least squares in double, by differences of the projection: the rows of all
+ * poses, and those of the intrinsics; and the adjustment itself with other intrinsics. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "rigcal_solvers.h"
+#include "test_fit.h"
+#include "test_motions.h"
+#include "test_rigs.h"
+
+enum {
+    CAMERAS = 4,
+    PLACES = 5,
+    BY = 6, /* of a camera: focal, aspect, cx, cy, k1, k2 */
+    POSES = 6 * (CAMERAS + PLACES),
+    COLUMNS = BY * CAMERAS,
+    WORK = RIGCAL_CONSIDER_WORK(CAMERAS, CAMERAS)
+};
+
+static test_rig r;
+static rigcal_intrinsics_sigma sigmas[CAMERAS];
+static rigcal_real effects[WORK], spreads[RIG_POINTS_MAX];
+static rigcal_considered considered;
+static uint8_t left_out[RIG_VIEWS_MAX];
+
+#define WANTS TEST_WANTS_RAM(sizeof(test_rig) + 65536)
+
+/* ---- the rig ----------------------------------------------------------------- */
+
+static double uniform(test_rng *rng, double from, double to)
+{
+    return (double)(float)test_uniform(rng, from, to);
+}
+
+static void set_sigmas(test_rng *rng)
+{
+    for (int c = 0; c < CAMERAS; c++) {
+        sigmas[c].focal = RC(uniform(rng, 0.001, 0.004));
+        sigmas[c].aspect = RC(uniform(rng, 0.0005, 0.002));
+        sigmas[c].centre = RC(uniform(rng, 1, 4));
+        sigmas[c].k1 = RC(uniform(rng, 0.005, 0.02));
+        sigmas[c].k2 = RC(uniform(rng, 0.01, 0.04));
+    }
+}
+
+/* Lenses of both models, sigmas of points, views that are missing or left out. */
+static void make(uint64_t seed)
+{
+    test_rng rng = test_seed(seed);
+    size_t kept = 0;
+
+    test_rig_random(&r, &rng, CAMERAS, PLACES, 12);
+    r.camera[1].k4 = RC(0.05);
+    r.camera[1].p1 = RC(0.01);
+    r.camera[2].lens = RIGCAL_LENS_FISHEYE;
+    test_rig_see_all(&r, &rng, 0.3);
+    for (size_t v = 0; v < r.rig.n_views; v++) {
+        if (v != 6) { /* camera 2 has not seen placement 1 */
+            r.views[kept++] = r.views[v];
+        }
+    }
+    r.rig.n_views = kept;
+    for (int i = 0; i < r.n_points; i++) {
+        spreads[i] = RC(uniform(&rng, 0.5, 2));
+    }
+    for (size_t v = 0; v < kept; v++) {
+        r.views[v].view.sigma = spreads;
+    }
+    memset(left_out, 0, sizeof left_out);
+    left_out[9] = 1;
+    r.rig.left_out = left_out;
+    set_sigmas(&rng);
+    r.rig.intrinsics_sigmas = sigmas;
+    considered = (rigcal_considered){.effects = effects, .capacity = WORK};
+}
+
+/* The covariance of an adjustment is of the poses before its last step: from the optimum
+ * these are the same, so it is adjusted again. */
+static void adjust(void)
+{
+    rigcal_rig_fit fit;
+
+    for (int i = 0; i < 3; i++) {
+        ASSERT_STATUS(RIGCAL_OK, rigcal_rig_adjust(&fit, NULL, &r.rig));
+    }
+}
+
+static void adjust_and_consider(void)
+{
+    int32_t at_fault = -2;
+
+    adjust();
+    TEST_ASSERT_NULL(r.rig.considered);
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_consider(&considered, &at_fault, &r.rig));
+    TEST_ASSERT_EQUAL_INT32(-1, at_fault);
+}
+
+/* ---- dense least squares -------------------------------------------------------- */
+
+static double sigma_of(int column)
+{
+    const rigcal_intrinsics_sigma *const s = &sigmas[column / BY];
+    const rigcal_real by[BY] = {s->focal, s->aspect, s->centre, s->centre, s->k1, s->k2};
+
+    return D(by[column % BY]);
+}
+
+static rigcal_camera changed(const rigcal_camera *camera, int which, double step)
+{
+    rigcal_camera c = *camera;
+
+    switch (which) {
+    case 0:
+        c.fx = RC(D(c.fx) * (1 + step));
+        c.fy = RC(D(c.fy) * (1 + step));
+        break;
+    case 1:
+        c.fx = RC(D(c.fx) * (1 + step / 2));
+        c.fy = RC(D(c.fy) * (1 - step / 2));
+        break;
+    case 2:
+        c.cx = RC(D(c.cx) + step);
+        break;
+    case 3:
+        c.cy = RC(D(c.cy) + step);
+        break;
+    case 4:
+        c.k1 = RC(D(c.k1) + step);
+        break;
+    default:
+        c.k2 = RC(D(c.k2) + step);
+        break;
+    }
+    return c;
+}
+
+/* Pixel of point i of a view, its camera's and its placement's pose moved. */
+static void pixel(double uv[2], const rigcal_rig_view *v, int i, const rigcal_camera *lens,
+                  const double d_camera[6], const double d_place[6])
+{
+    double R[9], t[3], X[3], X_r[3], X_c[3];
+
+    test_to_double(X, v->view.observations[i].X_w, 3);
+    test_transform_parts(R, t, &r.places[v->placement]);
+    test_move(R, t, d_place);
+    test_apply(X_r, R, X, t);
+    test_transform_parts(R, t, &r.cams[v->camera]);
+    test_move(R, t, d_camera);
+    test_apply(X_c, R, X_r, t);
+    test_project_px(uv, lens, X_c);
+}
+
+/* M = J^T J and B = J^T D over all poses; the first `fixed` cameras have no unknowns. */
+static double M[POSES][POSES + COLUMNS];
+
+static void add_point(const rigcal_rig_view *v, int i, int fixed)
+{
+    static const double NOTHING[6] = {0};
+    const double step = 1e-5, s = D(v->view.sigma[i]);
+    const int c = v->camera, f = v->placement;
+    double rows[2][POSES + COLUMNS];
+
+    memset(rows, 0, sizeof rows);
+    for (int k = 0; k < 12; k++) {
+        double d[6] = {0}, up[2], down[2];
+        const int is_camera = k < 6;
+        const int at = is_camera ? 6 * c + k : 6 * CAMERAS + 6 * f + k - 6;
+
+        d[k % 6] = step;
+        pixel(up, v, i, &r.camera[c], is_camera ? d : NOTHING, is_camera ? NOTHING : d);
+        d[k % 6] = -step;
+        pixel(down, v, i, &r.camera[c], is_camera ? d : NOTHING, is_camera ? NOTHING : d);
+        for (int row = 0; row < 2 && !(is_camera && c < fixed); row++) {
+            rows[row][at] = (up[row] - down[row]) / (2 * step) / s;
+        }
+    }
+    for (int k = 0; k < BY; k++) {
+        const rigcal_camera more = changed(&r.camera[c], k, 0.5);
+        double up[2], there[2];
+
+        pixel(up, v, i, &more, NOTHING, NOTHING);
+        pixel(there, v, i, &r.camera[c], NOTHING, NOTHING);
+        for (int row = 0; row < 2; row++) {
+            rows[row][POSES + BY * c + k] = (up[row] - there[row]) / 0.5 / s;
+        }
+    }
+    for (int row = 0; row < 2; row++) {
+        for (int a = 0; a < POSES; a++) {
+            for (int b = 0; b < POSES + COLUMNS; b++) {
+                M[a][b] += rows[row][a] * rows[row][b];
+            }
+        }
+    }
+}
+
+/* The effects of all deviations on all poses, in the last columns of M. */
+static void solve_dense(int fixed)
+{
+    memset(M, 0, sizeof M);
+    for (size_t v = 0; v < r.rig.n_views; v++) {
+        for (int i = 0; i < r.n_points && !left_out[v]; i++) {
+            add_point(&r.views[v], i, fixed);
+        }
+    }
+    for (int a = 0; a < 6 * fixed; a++) {
+        M[a][a] = 1;
+    }
+    for (int c = 0; c < CAMERAS; c++) { /* of a prior, sigma_px^2 Sigma^-1 */
+        for (int k = 0; k < 6 && r.roles[c] == RIGCAL_CAMERA_PRIOR; k++) {
+            const double v = D(r.rig.sigma_px) * D(r.rig.sigma_px);
+
+            M[6 * c + k][6 * c + k] += v / D(r.priors[c].Sigma[7 * k]);
+        }
+    }
+    for (int p = 0; p < POSES; p++) {
+        const double by = 1 / M[p][p];
+
+        for (int b = p; b < POSES + COLUMNS; b++) {
+            M[p][b] *= by;
+        }
+        for (int a = 0; a < POSES; a++) {
+            const double part = M[a][p];
+
+            for (int b = p; b < POSES + COLUMNS && a != p; b++) {
+                M[a][b] -= part * M[p][b];
+            }
+        }
+    }
+}
+
+/* Adds v v^T of each column, where v is what one deviation does. */
+static void spread(double Sigma[36], int row_a, int row_b)
+{
+    memset(Sigma, 0, 36 * sizeof *Sigma);
+    for (int k = 0; k < COLUMNS; k++) {
+        for (int i = 0; i < 6; i++) {
+            for (int j = 0; j < 6; j++) {
+                Sigma[6 * i + j] += M[row_a + i][POSES + k] * M[row_b + j][POSES + k] *
+                                    sigma_of(k) * sigma_of(k);
+            }
+        }
+    }
+}
+
+static void spread_of_pair(double Sigma[36], int a, int b)
+{
+    double R_a[9], t_a[3], R_b[9], t_b[3], R_ab[9], t_ab[3], R_i[9];
+
+    memset(Sigma, 0, 36 * sizeof *Sigma);
+    for (int k = 0; k < COLUMNS; k++) {
+        const double step = 1e-4 * sigma_of(k);
+        double v[2][6] = {{0}, {0}}, d[2][9 + 3], d_pair[6];
+
+        for (int sign = -1; sign <= 1; sign += 2) {
+            for (int i = 0; i < 6; i++) {
+                v[0][i] = sign * step * M[6 * a + i][POSES + k];
+                v[1][i] = sign * step * M[6 * b + i][POSES + k];
+            }
+            test_transform_parts(R_a, t_a, &r.cams[a]);
+            test_transform_parts(R_b, t_b, &r.cams[b]);
+            test_move(R_a, t_a, v[0]);
+            test_move(R_b, t_b, v[1]);
+            test_transpose(R_i, R_a);
+            test_product(R_ab, R_b, R_i);
+            test_apply(t_ab, R_ab, t_a, NULL);
+            memcpy(d[sign > 0], R_ab, sizeof R_ab);
+            for (int i = 0; i < 3; i++) {
+                d[sign > 0][9 + i] = t_b[i] - t_ab[i];
+            }
+        }
+        test_difference(d_pair, d[0], &d[0][9], d[1], &d[1][9]);
+        for (int i = 0; i < 36 && step > 0; i++) {
+            Sigma[i] += d_pair[i / 6] * d_pair[i % 6] / (4 * 1e-8);
+        }
+    }
+}
+
+static void assert_part(const double expected[36], const rigcal_real seen[36], double part)
+{
+    for (int i = 0; i < 6; i++) {
+        for (int j = 0; j < 6; j++) {
+            const double size = sqrt(expected[7 * i] * expected[7 * j]);
+
+            ASSERT_NEAR(expected[6 * i + j], seen[6 * i + j], part * size);
+        }
+    }
+}
+
+#define PART TOL(2e-7, 2e-3)
+
+/* Of sigma_px 0 that is all there is of a covariance. */
+static void assert_all(int fixed)
+{
+    double expected[36];
+    rigcal_real Sigma[36];
+    rigcal_transform pair;
+
+    solve_dense(fixed);
+    for (int a = 0; a < CAMERAS; a++) {
+        ASSERT_STATUS(RIGCAL_OK, rigcal_rig_covariance(Sigma, &r.rig, 0, (size_t)a));
+        spread(expected, 6 * a, 6 * a);
+        assert_part(expected, Sigma, PART);
+        for (int b = 0; b < CAMERAS; b++) {
+            ASSERT_STATUS(RIGCAL_OK,
+                          rigcal_rig_pair(&pair, Sigma, &r.rig, 0, (size_t)a, (size_t)b));
+            spread_of_pair(expected, a, b);
+            if (a != b && (a >= fixed || b >= fixed)) {
+                assert_part(expected, Sigma, 2 * PART);
+            }
+        }
+    }
+    for (int f = 0; f < PLACES; f++) {
+        ASSERT_STATUS(RIGCAL_OK, rigcal_rig_placement(Sigma, &r.rig, 0, (size_t)f));
+        spread(expected, 6 * (CAMERAS + f), 6 * (CAMERAS + f));
+        assert_part(expected, Sigma, PART);
+    }
+}
+
+static void test_the_effects_are_those_of_dense_least_squares(void)
+{
+    WANTS;
+    for (uint64_t trial = 0; trial < (uint64_t)TEST_TRIALS(3); trial++) {
+        make(7301 + trial);
+        adjust_and_consider();
+        TEST_ASSERT_EQUAL_UINT64(COLUMNS, considered.k);
+        assert_all(1);
+    }
+}
+
+static void test_cameras_with_exact_intrinsics_have_no_columns(void)
+{
+    WANTS;
+    make(7311);
+    memset(&sigmas[0], 0, sizeof sigmas[0]);
+    sigmas[1].centre = sigmas[1].k1 = 0;
+    sigmas[3].focal = 0;
+    adjust_and_consider();
+    TEST_ASSERT_EQUAL_UINT64(COLUMNS - 6 - 3 - 1, considered.k);
+    assert_all(1);
+}
+
+static void test_held_cameras_move_placements_and_other_cameras(void)
+{
+    WANTS;
+    for (int held = 2; held <= CAMERAS; held += 2) {
+        make(7312);
+        for (int c = 0; c < held; c++) {
+            r.roles[c] = RIGCAL_CAMERA_HELD;
+        }
+        r.rig.roles = r.roles;
+        adjust_and_consider();
+        assert_all(held);
+    }
+}
+
+static void test_a_prior_holds_against_intrinsics(void)
+{
+    WANTS;
+    make(7313);
+    r.roles[0] = RIGCAL_CAMERA_HELD;
+    r.roles[2] = RIGCAL_CAMERA_PRIOR;
+    r.priors[2].cam_from_rig = r.cams[2];
+    for (int k = 0; k < 6; k++) {
+        r.priors[2].Sigma[7 * k] = RC(1e-6);
+    }
+    r.rig.roles = r.roles;
+    r.rig.priors = r.priors;
+    r.rig.sigma_px = RC(0.3);
+    adjust_and_consider();
+    assert_all(1);
+}
+
+/* ---- against the adjustment itself -------------------------------------------------- */
+
+static void test_other_intrinsics_move_the_adjusted_rig_by_the_effects(void)
+{
+    WANTS;
+    make(7321);
+    adjust_and_consider();
+    for (int k = 0; k < COLUMNS; k += 5) {
+        const rigcal_camera kept = r.camera[k / BY];
+        const size_t column = (size_t)k * considered.n;
+        rigcal_transform before[CAMERAS];
+        double moved = 0, off = 0;
+        rigcal_real foretold[6 * CAMERAS];
+
+        memcpy(before, r.cams, sizeof before);
+        memcpy(foretold, &effects[column], considered.n * sizeof *foretold);
+        /* A larger camera is the truth where the smaller one is taken for it. */
+        r.camera[k / BY] = changed(&kept, k % BY, -sigma_of(k));
+        adjust();
+        for (int c = 1; c < CAMERAS; c++) {
+            double d[6];
+
+            test_step_between(d, &r.cams[c], &before[c]);
+            for (int i = 0; i < 6; i++) {
+                moved += d[i] * d[i];
+                off += pow(d[i] - D(foretold[6 * (c - 1) + i]), 2);
+            }
+        }
+        TEST_ASSERT_TRUE(sqrt(off) < 0.1 * sqrt(moved));
+        r.camera[k / BY] = kept;
+        adjust_and_consider();
+    }
+}
+
+/* ---- with clocks ------------------------------------------------------------------- */
+
+enum {
+    CLOCKS_WORK = RIGCAL_CONSIDER_WORK(MOTION_CAMERAS_MAX, MOTION_CAMERAS_MAX) +
+                  RIGCAL_CONSIDER_CLOCKS_WORK(MOTION_CAMERAS_MAX)
+};
+
+static test_motions moving;
+static rigcal_camera lens[MOTION_CAMERAS_MAX];
+static rigcal_real with_clocks[CLOCKS_WORK];
+
+static void adjust_moving(void)
+{
+    rigcal_rig_fit fit;
+
+    for (int i = 0; i < 3; i++) {
+        const rigcal_status status = rigcal_rig_adjust(&fit, NULL, &moving.rig);
+
+        TEST_ASSERT_GREATER_OR_EQUAL_INT(0, status);
+    }
+}
+
+static void make_moving(int has_drifts, double stamp)
+{
+    const motion_scene scene = {.cameras = 3,
+                                .runs = 5,
+                                .frames = 4,
+                                .fps = 30,
+                                .speed = 0.35,
+                                .turn = 0.8,
+                                .pause = 5,
+                                .offset = 0.01,
+                                .noise_px = 0.01};
+    test_rng rng = test_seed(7351);
+
+    test_motions_make(&moving, &rng, &scene);
+    for (size_t v = 0; v < moving.rig.n_views; v++) {
+        lens[moving.views[v].camera] = moving.camera;
+        moving.views[v].view.camera = &lens[moving.views[v].camera];
+    }
+    moving.rig.clocks = &moving.clocks;
+    moving.rig.sigma_px = RC(0.3);
+    moving.clocks.free_offsets = 1;
+    moving.clocks.drifts = moving.drifts;
+    moving.clocks.free_drifts = has_drifts;
+    moving.clocks.sigma_time = RC(stamp);
+    set_sigmas(&rng);
+    moving.rig.intrinsics_sigmas = sigmas;
+    considered = (rigcal_considered){.effects = with_clocks, .capacity = CLOCKS_WORK};
+    adjust_moving();
+}
+
+/* By how much the cameras move with a smaller lens, less what was foretold; part of it. */
+static double surprise(int camera, int which)
+{
+    const rigcal_camera kept = lens[camera];
+    const int column = BY * camera + which;
+    rigcal_transform before[MOTION_CAMERAS_MAX];
+    double moved = 0, off = 0;
+
+    memcpy(before, moving.cams, sizeof before);
+    lens[camera] = changed(&kept, which, -0.2 * sigma_of(column));
+    adjust_moving();
+    for (int i = 0; i < 12; i++) {
+        const int c = 1 + i / 6;
+        double d[6];
+
+        test_step_between(d, &moving.cams[c], &before[c]);
+        d[i % 6] -= 0.2 * D(with_clocks[(size_t)column * considered.n + (size_t)i]);
+        off += d[i % 6] * d[i % 6];
+        d[i % 6] += 0.2 * D(with_clocks[(size_t)column * considered.n + (size_t)i]);
+        moved += d[i % 6] * d[i % 6];
+    }
+    lens[camera] = kept;
+    adjust_moving();
+    return sqrt(off / moved);
+}
+
+static void test_intrinsics_act_through_clocks_too(void)
+{
+    TEST_ON_HOST_ONLY("a rig of 60 views is adjusted 24 times");
+    for (int k = 0; k < 3; k++) {
+        make_moving(k == 1, k == 2 ? 0.004 : 0);
+        ASSERT_STATUS(RIGCAL_OK, rigcal_rig_consider(&considered, NULL, &moving.rig));
+        TEST_ASSERT_EQUAL_UINT64(12, considered.n);
+        for (int which = 0; which < BY; which += 2) {
+            const double off = surprise(which % 3, which);
+
+            /* The weight of a stamp's noise is by the motion, which lags by a step: its own
+             * derivative is not in the equations of the adjustment. */
+            ASSERT_NEAR(0, off, (k == 2) ? 0.1 : TOL(0.02, 0.2));
+        }
+    }
+    considered.capacity = RIGCAL_CONSIDER_WORK(2, 3);
+    ASSERT_STATUS(RIGCAL_ERR_CAPACITY, rigcal_rig_consider(&considered, NULL, &moving.rig));
+}
+
+/* ---- to the last bit -------------------------------------------------------- */
+
+typedef struct {
+    rigcal_real camera[CAMERAS][36], pair[36], place[PLACES][36];
+    rigcal_real noise[CAMERAS], freedom[CAMERAS], joint[RIGCAL_CALIBRATED_SIZE(CAMERAS)];
+    rigcal_mounted_camera mounted[CAMERAS];
+} answers;
+
+static void ask(answers *a)
+{
+    static int32_t group[CAMERAS];
+    static uint8_t held[CAMERAS];
+    rigcal_transform pair;
+    rigcal_calibrated_rig out = {.cameras = a->mounted,
+                                 .group = group,
+                                 .held = held,
+                                 .capacity = CAMERAS,
+                                 .Sigma = a->joint,
+                                 .Sigma_capacity = RIGCAL_CALIBRATED_SIZE(CAMERAS)};
+
+    memset(a, 0, sizeof *a);
+    for (size_t c = 0; c < CAMERAS; c++) {
+        ASSERT_STATUS(RIGCAL_OK, rigcal_rig_covariance(a->camera[c], &r.rig, RC(0.3), c));
+    }
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_pair(&pair, a->pair, &r.rig, RC(0.3), 1, 3));
+    for (size_t f = 0; f < PLACES; f++) {
+        ASSERT_STATUS(RIGCAL_OK, rigcal_rig_placement(a->place[f], &r.rig, RC(0.3), f));
+    }
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_noise(a->noise, a->freedom, &r.rig));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_calibrated_take(&out, &r.rig, NULL, RC(0.3)));
+}
+
+static void test_deviations_of_zero_change_no_bit(void)
+{
+    static answers plain, with;
+
+    WANTS;
+    make(7331);
+    adjust();
+    ask(&plain);
+    memset(sigmas, 0, sizeof sigmas);
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_consider(&considered, NULL, &r.rig));
+    ask(&with);
+    TEST_ASSERT_EQUAL_MEMORY(&plain, &with, sizeof plain);
+    r.rig.intrinsics_sigmas = NULL;
+    considered.capacity = 0;
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_consider(&considered, NULL, &r.rig));
+    ask(&with);
+    TEST_ASSERT_EQUAL_MEMORY(&plain, &with, sizeof plain);
+}
+
+static void test_pixels_and_intrinsics_are_added(void)
+{
+    static answers plain, with, alone;
+
+    WANTS;
+    make(7332);
+    adjust();
+    ask(&plain);
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_consider(&considered, NULL, &r.rig));
+    ask(&with);
+    TEST_ASSERT_EQUAL_MEMORY(plain.noise, with.noise, sizeof plain.noise);
+    for (size_t c = 1; c < CAMERAS; c++) {
+        ASSERT_STATUS(RIGCAL_OK, rigcal_rig_covariance(alone.camera[c], &r.rig, 0, c));
+        for (int k = 0; k < 36; k++) {
+            const double size =
+                D(with.camera[c][7 * (k / 6)]) * D(with.camera[c][7 * (k % 6)]);
+
+            ASSERT_NEAR(D(plain.camera[c][k]) + D(alone.camera[c][k]), with.camera[c][k],
+                        TOL(1e-12, 1e-5) * sqrt(size));
+        }
+        /* The rig that is taken has the same, in its joint covariance too. */
+        TEST_ASSERT_EQUAL_MEMORY(with.mounted[c].Sigma, with.camera[c],
+                                 sizeof with.camera[c]);
+    }
+}
+
+static void test_an_adjustment_forgets_what_was_considered(void)
+{
+    static answers plain, again;
+
+    WANTS;
+    make(7333);
+    adjust();
+    ask(&plain);
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_consider(&considered, NULL, &r.rig));
+    TEST_ASSERT_EQUAL_PTR(&considered, r.rig.considered);
+    make(7333);
+    r.rig.considered = &considered;
+    adjust();
+    TEST_ASSERT_NULL(r.rig.considered);
+    ask(&again);
+    TEST_ASSERT_EQUAL_MEMORY(&plain, &again, sizeof plain);
+}
+
+static void test_the_budget_changes_no_bit(void)
+{
+    static rigcal_real kept[WORK];
+
+    WANTS;
+    make(7334);
+    adjust_and_consider();
+    memcpy(kept, effects, considered.n * considered.k * sizeof *kept);
+    for (int32_t budget = 1; budget < 40; budget += 6) {
+        rigcal_consider_solver solver;
+        int32_t at_fault = -2;
+
+        memset(effects, 0x55, sizeof effects);
+        ASSERT_STATUS(RIGCAL_OK, rigcal_consider_begin(&solver, &considered, &r.rig));
+        TEST_ASSERT_NULL(r.rig.considered);
+        ASSERT_STATUS(RIGCAL_ERR_STATE, rigcal_consider_result(&at_fault, &solver));
+        while (rigcal_consider_step(&solver, budget) == RIGCAL_RUNNING) {
+        }
+        ASSERT_STATUS(RIGCAL_OK, rigcal_consider_result(&at_fault, &solver));
+        TEST_ASSERT_EQUAL_INT32(-1, at_fault);
+        TEST_ASSERT_EQUAL_MEMORY(kept, effects, considered.n * considered.k * sizeof *kept);
+    }
+}
+
+/* ---- what cannot be --------------------------------------------------------- */
+
+static void assert_refused(rigcal_status expected)
+{
+    const rigcal_considered before = considered;
+    int32_t at_fault = -2;
+
+    ASSERT_STATUS(expected, rigcal_rig_consider(&considered, &at_fault, &r.rig));
+    TEST_ASSERT_EQUAL_MEMORY(&before, &considered, sizeof before);
+    TEST_ASSERT_EQUAL_INT32(-1, at_fault);
+}
+
+static void test_bad_deviations_and_memory_are_refused(void)
+{
+    static const struct {
+        double value;
+        rigcal_status status;
+    } BAD[] = {{-1e-6, RIGCAL_ERR_RANGE}, {2e9, RIGCAL_ERR_RANGE}};
+    rigcal_real *const each[] = {&sigmas[2].focal, &sigmas[0].aspect, &sigmas[3].centre,
+                                 &sigmas[1].k1, &sigmas[3].k2};
+
+    WANTS;
+    make(7341);
+    assert_refused(RIGCAL_ERR_STATE);
+    adjust();
+    for (int k = 0; k < 5; k++) {
+        const rigcal_real kept = *each[k];
+
+        for (int i = 0; i < 2; i++) {
+            *each[k] = RC(BAD[i].value);
+            assert_refused(BAD[i].status);
+        }
+        *each[k] = TEST_NAN;
+        assert_refused(RIGCAL_ERR_NOT_FINITE);
+        *each[k] = TEST_INF;
+        assert_refused(RIGCAL_ERR_NOT_FINITE);
+        *each[k] = kept;
+    }
+    TEST_ASSERT_EQUAL_UINT64(WORK, rigcal_consider_work(CAMERAS, CAMERAS));
+    considered.capacity = (6 * (CAMERAS - 1) + 6) * COLUMNS;
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_consider(&considered, NULL, &r.rig));
+    considered.capacity--;
+    ASSERT_STATUS(RIGCAL_ERR_CAPACITY, rigcal_rig_consider(&considered, NULL, &r.rig));
+    r.rig.views = NULL;
+    ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_rig_consider(&considered, NULL, &r.rig));
+}
+
+static void test_a_view_that_has_changed_is_told(void)
+{
+    int32_t at_fault = -2;
+
+    WANTS;
+    make(7342);
+    adjust();
+    r.o[8][3].uv[1] = TEST_NAN; /* of view 7, as one is missing before it */
+    ASSERT_STATUS(RIGCAL_ERR_NOT_FINITE,
+                  rigcal_rig_consider(&considered, &at_fault, &r.rig));
+    TEST_ASSERT_EQUAL_INT32(7, at_fault);
+    TEST_ASSERT_NULL(r.rig.considered);
+}
+
+TEST_MAIN()
+{
+    RUN_TEST(test_the_effects_are_those_of_dense_least_squares);
+    RUN_TEST(test_cameras_with_exact_intrinsics_have_no_columns);
+    RUN_TEST(test_held_cameras_move_placements_and_other_cameras);
+    RUN_TEST(test_a_prior_holds_against_intrinsics);
+    RUN_TEST(test_other_intrinsics_move_the_adjusted_rig_by_the_effects);
+    RUN_TEST(test_intrinsics_act_through_clocks_too);
+    RUN_TEST(test_deviations_of_zero_change_no_bit);
+    RUN_TEST(test_pixels_and_intrinsics_are_added);
+    RUN_TEST(test_an_adjustment_forgets_what_was_considered);
+    RUN_TEST(test_the_budget_changes_no_bit);
+    RUN_TEST(test_bad_deviations_and_memory_are_refused);
+    RUN_TEST(test_a_view_that_has_changed_is_told);
+}

@@ -6,7 +6,8 @@
 
 #include "cli.h"
 
-static const char HELP[] =
+/* In parts: C99 compilers need not take a string of more than 4095 bytes. */
+static const char HELP_USAGE[] =
     "rigcal - where each camera of a rig is, from a few points of known shape\n"
     "\n"
     "  rigcal calibrate   --cameras FILE --observations FILE [--out FOLDER]\n"
@@ -26,7 +27,9 @@ static const char HELP[] =
     "                     --times FILE) [--sigma PIXELS] [--arl0 FRAMES]\n"
     "                     [--common SHARE] [--wrong SHARE] [--walk DEGREES,LENGTH]\n"
     "  rigcal --help | --version\n"
-    "\n"
+    "\n";
+
+static const char HELP_CALIBRATE[] =
     "calibrate finds every camera's pose and the rig that they form. Views that\n"
     "contradict the others are left out: the first lines say which, why, and what to\n"
     "do.\n"
@@ -56,7 +59,9 @@ static const char HELP[] =
     "  --method     ml, the default: the maximum-likelihood poses and rig, and their\n"
     "               uncertainties. paper: the published procedure, without --sigma,\n"
     "               --robust, --hold and --prior.\n"
-    "\n"
+    "\n";
+
+static const char HELP_OTHERS[] =
     "triangulate measures the points that two or more cameras observed. It prints\n"
     "CSV.\n"
     "  --targets    gives the points in the target's frame; without it they are in\n"
@@ -90,15 +95,24 @@ static const char HELP[] =
     "  --common     how far the matches of a frame err together, 0 to 1; 0.5.\n"
     "  --wrong      the share of wrong matches that is expected; 0.1.\n"
     "  --walk       how far cameras wander in a second: a random walk; 0,0.\n"
-    "\n"
+    "\n";
+
+static const char HELP_END[] =
     "examples/data/FORMAT.md describes the files, and how to make them from those of\n"
     "OpenCV, Kalibr, ROS, COLMAP, MATLAB and others.\n"
     "\n"
     "Exit status: 0 all is done, or no more is wrong than that a view fits badly. 1\n"
     "something could not be computed or was left out: the first lines name it, and the\n"
-    "rest is done; of monitor, there was an alarm. 2 wrong use, a file at fault, or output "
-    "that could not be written:\n"
-    "no file was written.\n";
+    "rest is done; of monitor, there was an alarm. 2 wrong use, a file at fault, or\n"
+    "output that could not be written: no file was written.\n";
+
+static void print_help(void)
+{
+    fputs(HELP_USAGE, stdout);
+    fputs(HELP_CALIBRATE, stdout);
+    fputs(HELP_OTHERS, stdout);
+    fputs(HELP_END, stdout);
+}
 
 #define BIT(option) (1U << (option))
 
@@ -252,7 +266,7 @@ static int take_option(const char *option[OPTION_COUNT], const command *chosen, 
     } else if (given == '?') {
         refuse_option(chosen, argv);
     } else if (given == HELP_OPTION) {
-        fputs(HELP, stdout);
+        print_help();
         return 0;
     } else if (given == VERSION_OPTION) {
         print_version();
@@ -318,7 +332,7 @@ static int run(int argc, char *argv[])
         WRONG_USE("give a command: calibrate, triangulate, line or monitor");
     }
     if (strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "-h") == 0) {
-        fputs(HELP, stdout);
+        print_help();
         return CLI_DONE;
     }
     if (strcmp(argv[1], "--version") == 0) {

@@ -145,7 +145,7 @@ static rigcal_status evaluate(rigcal_rig_view *v, rc_chain *chain, rigcal_real m
 
 /* ---- clocks ------------------------------------------------------------------ */
 
-/* Unknowns behind those of the cameras: all offsets, then all drifts. Of a clock that is held
+/* ---- clocks ----------------------------------------------------------------- */
  * they are there, but fixed. */
 static size_t unknowns_of_clocks(const rigcal_rig *rig)
 {

@@ -3,9 +3,9 @@
  *
  * Views may fit by themselves while the rig does not fit them: the loop closure F of
  * rigcal_rig_fit is large. A fault is one thing that may be the reason: a clock, a wrong
- * focal length, a bent board. Each fault is tested by itself, without adjusting again. It is
- * freed in the equations of the adjustment, and one step tells how large it is, and how much
- * of the sum of squares it explains.
+ * focal length, a bent board. Each fault is tested by itself, without adjusting again. It
+ * is freed in the equations of the adjustment, and one step tells how large it is, and how
+ * much of the sum of squares it explains.
  *
  *   rigcal_rig_faults    after rigcal_rig_adjust: all faults, the likeliest first
  *   rigcal_faults_text   what was found, in sentences
@@ -106,7 +106,7 @@ typedef struct rigcal_faults {
                         below 0.01 */
     int32_t n_cameras, passes;                      /* of the rig; over all views */
     rigcal_real F, freedom_between, freedom_within; /* as of rigcal_rig_fit, but that the
-                                                       views' own sums are of second order */
+                                                       views' sums are of second order */
     rigcal_real sigma_px;               /* noise by the rig: sqrt(sum / freedom), */
     rigcal_real own_px;                 /* and by each view alone */
     rigcal_real explained;              /* part of F - 1 that the first fault explains */
@@ -129,15 +129,14 @@ typedef struct rigcal_faults_options {
     const uint8_t *breaks; /* n_placements, or NULL: all; not 0: a camera may have moved
                               just before that one */
     rigcal_real *clocks;   /* 2 n_cameras, or NULL: written, of CLOCKS the value of each
-                              camera, then the sigma of each; 0 of those that are not freed */
+                              camera, then the sigma of each; 0 of one that is not freed */
     rigcal_real *work;     /* memory to work in, */
     size_t work_capacity;  /* and its number of reals: RIGCAL_FAULTS_WORK */
 } rigcal_faults_options;
 
-/* Reals to work in, for cameras that are free or have a prior, and all. With these there are
- * at most two passes over the views. With fewer there are more, and the same results: down
- * to RIGCAL_FAULTS_LEAST, by which each kind has a pass of its own. The same as functions.
- * In float 1.4, 4.5 and 16 KB for 2, 4 and 8 cameras of which one is held. */
+/* Reals to work in, for cameras that are free or have a prior, and all. With these there
+ * are at most two passes over the views. With fewer there are more, and the same results:
+ * down to RIGCAL_FAULTS_LEAST. The same as functions. In float 1.4, 4.5 and 16 KB for 2, 4 and 8 cameras of which one is held. */
 #define RIGCAL_FAULTS_WORK(n_free, n_cameras) \
     ((size_t)(n_cameras) * (54 * (size_t)(n_free) + 97 + (size_t)(n_cameras) / 2) + \
      24 * (size_t)(n_free) + 32)
@@ -197,8 +196,8 @@ typedef struct rigcal_faults_words {
  * divided by a space, with a line of its own for each step of the verdict. `text` gets as
  * many whole sentences as it has room for, and a 0 at the end; *n_needed, if not NULL, the
  * size that all of them take.
- * OK; ERR_CAPACITY: not all of them fit; ERR_NULL; ERR_NOT_FINITE, ERR_RANGE: what is handed
- * in is no result of rigcal_rig_faults, nothing is written. */
+ * OK; ERR_CAPACITY: not all of them fit; ERR_NULL; ERR_NOT_FINITE, ERR_RANGE: what is
+ * handed in is no result of rigcal_rig_faults, nothing is written. */
 RIGCAL_API rigcal_status rigcal_faults_text(char text[], size_t capacity, size_t *n_needed,
                                             const rigcal_faults *found,
                                             const rigcal_fault faults[],

@@ -1,5 +1,5 @@
-/* rc_columns.h - the parameters of the faults that are tested in one pass over the views, as
- * a border of the rig's equations (FAULTS in EQUATIONS.md, H5 to H8).
+/* rc_columns.h - the parameters of the faults that are tested in one pass over the views,
+ * as a border of the rig's equations (FAULTS in EQUATIONS.md, H5 to H8).
  *
  * Columns: the clock of each camera, the other parameters of each camera, those of the
  * board. */

@@ -32,6 +32,16 @@ void rc_finding_of(rigcal_fault *fault, const rc_common *common, const rc_one_st
 void rc_finding_rank(rigcal_fault faults[], int32_t *n, size_t capacity,
                      const rigcal_fault *fault);
 
+/* Sums over neighbouring residuals and along the motion. */
+typedef struct {
+    rigcal_real n, product, expected, expected2; /* pairs of points; see rc_evidence.h */
+    rigcal_real along, disagreement, speed2;
+} rc_residues;
+
+/* Pattern and motion (H12), (H14). */
+void rc_finding_residues(rigcal_faults *found, const rc_residues *residues,
+                         const rc_common *common);
+
 /* The verdict, the bits that go with it, n_alike and explained, once all are ranked. */
 void rc_finding_judge(rigcal_faults *found, const rigcal_fault faults[],
                       const rc_common *common);

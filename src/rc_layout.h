@@ -148,6 +148,31 @@
     S(rigcal_considered)                                                           \
         M(rigcal_considered, by) M(rigcal_considered, n) M(rigcal_considered, k)   \
         M(rigcal_considered, effects) M(rigcal_considered, capacity)               \
+    /* rigcal_faults.h */                                                          \
+    S(rigcal_fault)                                                                \
+        M(rigcal_fault, kind) M(rigcal_fault, camera) M(rigcal_fault, placement)   \
+        M(rigcal_fault, n) M(rigcal_fault, is_seen) M(rigcal_fault, explains)      \
+        M(rigcal_fault, value) M(rigcal_fault, sigma) M(rigcal_fault, gain)        \
+        M(rigcal_fault, p) M(rigcal_fault, bic) M(rigcal_fault, F_after)           \
+        M(rigcal_fault, turn) M(rigcal_fault, shift)                               \
+    S(rigcal_faults)                                                               \
+        M(rigcal_faults, verdict) M(rigcal_faults, bits) M(rigcal_faults, n)       \
+        M(rigcal_faults, n_alike) M(rigcal_faults, n_seen)                         \
+        M(rigcal_faults, n_cameras) M(rigcal_faults, passes) M(rigcal_faults, F)   \
+        M(rigcal_faults, freedom_between) M(rigcal_faults, freedom_within)         \
+        M(rigcal_faults, sigma_px) M(rigcal_faults, own_px)                        \
+        M(rigcal_faults, explained) M(rigcal_faults, pattern)                      \
+        M(rigcal_faults, pattern_sigma) M(rigcal_faults, along)                    \
+        M(rigcal_faults, along_time) M(rigcal_faults, frame)                       \
+        M(rigcal_faults, clocks)                                                   \
+    S(rigcal_faults_options)                                                       \
+        M(rigcal_faults_options, kinds) M(rigcal_faults_options, is_truncated)     \
+        M(rigcal_faults_options, breaks) M(rigcal_faults_options, clocks)          \
+        M(rigcal_faults_options, work) M(rigcal_faults_options, work_capacity)     \
+    S(rigcal_faults_words)                                                         \
+        M(rigcal_faults_words, names) M(rigcal_faults_words, length)               \
+        M(rigcal_faults_words, time) M(rigcal_faults_words, length_scale)          \
+        M(rigcal_faults_words, time_scale) M(rigcal_faults_words, with_unseen)     \
     /* rigcal_paper.h */                                                           \
     S(rigcal_bearing)                                                              \
         M(rigcal_bearing, X_w) M(rigcal_bearing, ray)                              \
@@ -171,7 +196,8 @@
     /* solvers */                                                                  \
     S(rigcal_pose_solver) S(rigcal_robust_solver) S(rigcal_rig_solver)             \
     S(rigcal_choose_solver) S(rigcal_judge_solver) S(rigcal_cause_solver)          \
-    S(rigcal_consider_solver) S(rigcal_paper_solver) S(rigcal_neldermead)
+    S(rigcal_consider_solver) S(rigcal_faults_solver)                              \
+    S(rigcal_paper_solver) S(rigcal_neldermead)
 /* clang-format on */
 
 #endif /* RC_LAYOUT_H */

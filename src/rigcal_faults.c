@@ -10,19 +10,6 @@
 /* 1: of the board's half extent. A board of one line has no shape across it. */
 #define EXTENT_LEAST RC(1e-12)
 
-/* part of the disagreement: along the motion as much means single stamps that are wrong. */
-#define ALONG_MOST RC(0.3)
-
-/* 1: a pattern of neighbouring residuals is one above this, */
-#define PATTERN_LEAST RC(0.1)
-
-/* standard deviations: and above so many. */
-#define PATTERN_DEVIATIONS RC(4)
-
-/* 1: a view's residuals, its six pose parameters taken off, spread by less: by the square of
- * what is expected of neighbours over half of six. */
-#define POSE_PARTS RC(3)
-
 enum {
     DONE = 1,
     COUNTING,    /* where the points are, and how many views a camera has */
@@ -32,7 +19,7 @@ enum {
     TESTING      /* a fault, once all views have been summed up */
 };
 
-/* ---- memory ----------------------------------------------------------------- */
+/* ---- memory ------------------------------------------------------------ */
 
 size_t rigcal_faults_work(size_t n_free, size_t n_cameras)
 {
@@ -100,7 +87,7 @@ static int choose_kinds(rigcal_faults_solver *s)
     return 1;
 }
 
-/* ---- a pass ------------------------------------------------------------------ */
+/* ---- a pass ------------------------------------------------------------ */
 
 static void end(rigcal_faults_solver *s, rigcal_status status, int32_t at_fault)
 {
@@ -146,7 +133,7 @@ static void begin_pass(rigcal_faults_solver *s)
     }
 }
 
-/* ---- where the points are ----------------------------------------------------- */
+/* ---- where the points are ---------------------------------------------- */
 
 /* Whether the camera's pose takes up whatever turns and shifts it: it is free, or the only
  * one of its group that is held. */
@@ -231,7 +218,7 @@ static void scan_of(rc_scan *scan, const rigcal_faults_solver *s, int32_t camera
     scan->limit2 = (s->options->is_truncated != 0) ? limit * limit : 0;
 }
 
-/* ---- a view -------------------------------------------------------------------- */
+/* ---- a view ------------------------------------------------------------ */
 
 /* How much of the view's disagreement lies along its motion (H12), its sum having been. */
 static void add_along(rigcal_faults_solver *s, rigcal_real Q, rigcal_real q,
@@ -299,7 +286,7 @@ static rigcal_status add_view(rigcal_faults_solver *s)
     add_along(s, Q, q, sum - v.sum);
     s->product += rc_evidence_pattern(&expected, &v, d);
     s->expected += expected;
-    s->expected2 += expected * expected / POSE_PARTS;
+    s->expected2 += expected * expected;
     s->n_neighbours += v.n_neighbours;
     s->n_points += v.n;
     s->n_used++;
@@ -321,7 +308,7 @@ static void summing_step(rigcal_faults_solver *s)
     }
 }
 
-/* ---- a placement ---------------------------------------------------------------- */
+/* ---- a placement ------------------------------------------------------- */
 
 static void begin_testing(rigcal_faults_solver *s);
 
@@ -357,8 +344,8 @@ static int is_there(const rigcal_faults_solver *s, size_t camera)
     return 0;
 }
 
-/* A camera may have moved before the placement where it has views on both sides. Between two
- * of its views one placement is as good as another. */
+/* A camera may have moved before the placement where it has views on both sides. Between
+ * two of its views one placement is as good as another. */
 static void moving_step(rigcal_faults_solver *s)
 {
     rc_rig_parts parts;
@@ -375,7 +362,7 @@ static void moving_step(rigcal_faults_solver *s)
     }
 }
 
-/* ---- a fault ---------------------------------------------------------------------- */
+/* ---- a fault ----------------------------------------------------------- */
 
 static rigcal_real real_of(size_t n)
 {
@@ -412,7 +399,7 @@ static void test_moved(rigcal_fault *fault, const rigcal_faults_solver *s)
     }
 }
 
-/* ---- all faults of a pass ----------------------------------------------------------- */
+/* ---- all faults of a pass ---------------------------------------------- */
 
 /* The next fault from s->test, s->camera on. 0: there is none. */
 static int find_test(rigcal_faults_solver *s)
@@ -470,30 +457,7 @@ static void testing_step(rigcal_faults_solver *s)
     go_on_testing(s);
 }
 
-/* ---- the verdict ------------------------------------------------------------------------ */
-
-/* Neighbouring residuals, and the part along the motion. */
-static void judge_residuals(rigcal_faults *found, const rigcal_faults_solver *s,
-                            const rc_common *common)
-{
-    const rigcal_real variance = s->own / common->freedom_within;
-    if (s->n_neighbours > 0 && variance > 0) {
-        const rigcal_real n = 2 * real_of(s->n_neighbours);
-        found->pattern = (s->product / variance - s->expected) / n;
-        found->pattern_sigma = RC_SQRT(rc_max(n - s->expected2, 1)) / n;
-        if (found->pattern > PATTERN_LEAST &&
-            found->pattern > PATTERN_DEVIATIONS * found->pattern_sigma) {
-            found->bits |= RIGCAL_FAULTS_PATTERN;
-        }
-    }
-    if (s->disagreement > 0 && s->speed2 > 0) {
-        found->along = s->along / s->disagreement;
-        found->along_time = RC_SQRT(s->along / s->speed2);
-        if (found->along > ALONG_MOST && (found->bits & RIGCAL_FAULTS_PATTERN) == 0) {
-            found->bits |= RIGCAL_FAULTS_ALONG_MOTION;
-        }
-    }
-}
+/* ---- the verdict ------------------------------------------------------- */
 
 /* Why clocks could not be tested, and that two cameras are alike. */
 static void judge_clocks(rigcal_faults *found, const rigcal_faults_solver *s)
@@ -537,12 +501,15 @@ static void finish(rigcal_faults_solver *s)
     }
     found->own_px = RC_SQRT(s->own / common.freedom_within);
     found->F = rc_F_of(&common, 0, 0, 0);
-    judge_residuals(found, s, &common);
+    const rc_residues residues = {
+        real_of(s->n_neighbours), s->product, s->expected, s->expected2, s->along,
+        s->disagreement,          s->speed2};
+    rc_finding_residues(found, &residues, &common);
     judge_clocks(found, s);
     rc_finding_judge(found, s->faults, &common);
 }
 
-/* ---- in steps ------------------------------------------------------------------------------ */
+/* ---- in steps ---------------------------------------------------------- */
 
 static rigcal_status check(const rigcal_rig *rig, const rigcal_faults_options *options,
                            size_t capacity)

@@ -18,6 +18,19 @@
 /* part of the sum: no more is taken off, or a logarithm of 0 follows. */
 #define GAIN_MOST (1 - RC_EPS)
 
+/* part of the disagreement: along the motion as much means single stamps that are wrong. */
+#define ALONG_MOST RC(0.3)
+
+/* 1: a pattern of neighbouring residuals is one above this, */
+#define PATTERN_LEAST RC(0.1)
+
+/* standard deviations: and above so many. */
+#define PATTERN_DEVIATIONS RC(4)
+
+/* 1: the products of neighbours spread by less where a view's six pose parameters are taken
+ * off: by the square of what is expected of them, over half of six. */
+#define POSE_PARTS RC(3)
+
 rigcal_real rc_F_of(const rc_common *c, rigcal_real gain, rigcal_real own_gain,
                     rigcal_real k)
 {
@@ -100,5 +113,25 @@ void rc_finding_judge(rigcal_faults *found, const rigcal_fault faults[], const r
          i++) {
         found->n_alike = i;
         found->bits |= RIGCAL_FAULTS_ALIKE;
+    }
+}
+
+void rc_finding_residues(rigcal_faults *found, const rc_residues *r, const rc_common *c)
+{
+    const rigcal_real variance = c->own / c->freedom_within, n = 2 * r->n;
+    if (n > 0 && variance > 0) {
+        found->pattern = (r->product / variance - r->expected) / n;
+        found->pattern_sigma = RC_SQRT(rc_max(n - r->expected2 / POSE_PARTS, 1)) / n;
+        if (found->pattern > PATTERN_LEAST &&
+            found->pattern > PATTERN_DEVIATIONS * found->pattern_sigma) {
+            found->bits |= RIGCAL_FAULTS_PATTERN;
+        }
+    }
+    if (r->disagreement > 0 && r->speed2 > 0) {
+        found->along = r->along / r->disagreement;
+        found->along_time = RC_SQRT(r->along / r->speed2);
+        if (found->along > ALONG_MOST && (found->bits & RIGCAL_FAULTS_PATTERN) == 0) {
+            found->bits |= RIGCAL_FAULTS_ALONG_MOTION;
+        }
     }
 }

@@ -1,11 +1,11 @@
 #include "rc_real.h"
 
-/* ---- constants ----------------------------------------------------------- */
+/* ---- constants --------------------------------------------------------- */
 
 /* digits: most of a number that are printed. */
 enum { DIGITS_MOST = 9 };
 
-/* 1: the first two digits of a number are printed where they are less than that, else one. */
+/* 1: a number whose first two digits are less is printed with both, else with one. */
 #define TWO_DIGITS_BELOW RC(1.95)
 
 /* 1: larger numbers are printed as this. */
@@ -18,7 +18,7 @@ enum { DIGITS_MOST = 9 };
 #define PERCENT RC(100)
 #define MILLIONTHS RC(1e6)
 
-/* ---- a text that grows by whole sentences ------------------------------------ */
+/* ---- a text that grows by whole sentences ------------------------------ */
 
 typedef struct {
     char *text;
@@ -106,7 +106,7 @@ static void put_rounded(writer *w, rigcal_real x)
     put_number(w, x, decimals_of(x));
 }
 
-/* ---- names and units ----------------------------------------------------------- */
+/* ---- names and units --------------------------------------------------- */
 
 static void put_camera(writer *w, int32_t camera)
 {
@@ -135,7 +135,7 @@ static void put_time_unit(writer *w)
     put(w, (w->words->time != NULL) ? w->words->time : "s");
 }
 
-/* ---- a fault ---------------------------------------------------------------------- */
+/* ---- a fault ----------------------------------------------------------- */
 
 /* What is wrong, whose; and how large it is, in what unit: a part of 100 or so, or 0 for a
  * time and -1 for a length. By their kinds. */
@@ -258,7 +258,7 @@ static void put_fault(writer *w, const rigcal_fault *f)
     }
 }
 
-/* ---- the sentences ------------------------------------------------------------------ */
+/* ---- the sentences ----------------------------------------------------- */
 
 static void say_agreement(writer *w)
 {
@@ -403,7 +403,7 @@ static const char *next_of(const rigcal_faults *found, const rigcal_fault faults
                : "look which single views are wrong.";
 }
 
-/* ---- all of them ----------------------------------------------------------------------- */
+/* ---- all of them ------------------------------------------------------- */
 
 static rigcal_status check(const rigcal_faults *found, const rigcal_fault faults[],
                            const rigcal_faults_words *words)

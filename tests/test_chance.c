@@ -208,6 +208,38 @@ static void test_expected_sets_are_clipped_and_not_infinite(void)
     ASSERT_NEAR(1000.0 * 999 * 998 / 3, rc_expected_sets(1000, 3, 0), TOL(0, 40));
 }
 
+/* ---- the F distribution ----------------------------------------------------- */
+
+/* F, its degrees of freedom, and the tail as scipy.stats.f.sf has it. */
+static void test_the_tail_of_F_is_that_of_scipy(void)
+{
+    static const double TAILS[9][4] = {
+        {0.5, 1, 20, 0.487658095051},     {3.9, 1, 3800, 0.0483583843531},
+        {30, 1, 3800, 4.60040051933e-08}, {2, 2, 150, 0.138928186422},
+        {5, 6, 3800, 4.11044870604e-05},  {1.1, 200, 4000, 0.164970063924},
+        {1.5, 63, 800, 0.00883795158976}, {0.9, 18, 40, 0.582106834561},
+        {8, 7, 3, 0.0576655485597}};
+
+    for (int i = 0; i < 9; i++) {
+        const double *const x = TAILS[i];
+
+        ASSERT_NEAR(x[3], rc_f_tail(RC(x[0]), RC(x[1]), RC(x[2])), TOL(1e-8, 2e-3) * x[3]);
+    }
+    ASSERT_NEAR(1, rc_f_tail(0, 3, 100), 0);
+    ASSERT_NEAR(0, rc_f_tail(RC(1e6), 3, 4000), 1e-34);
+}
+
+static void test_the_logarithm_is_that_of_the_C_library(void)
+{
+    for (int i = -9; i < 20; i++) {
+        const double x = i < 0 ? -1 + pow(10, i) : pow(3, i) - 1;
+
+        ASSERT_NEAR(log1p(D(RC(x))), rc_log1p(RC(x)),
+                    TOL(1e-14, 1e-5) * (1 + fabs(log1p(D(RC(x))))));
+    }
+    ASSERT_NEAR(1e-9, rc_log1p(RC(1e-9)), 1e-15);
+}
+
 TEST_MAIN()
 {
     RUN_TEST(test_a_pose_takes_six_degrees_of_freedom_and_leaves_one_at_least);
@@ -222,4 +254,6 @@ TEST_MAIN()
     RUN_TEST(test_expected_sets_are_binomial);
     RUN_TEST(test_expected_sets_are_the_mean_of_draws);
     RUN_TEST(test_expected_sets_are_clipped_and_not_infinite);
+    RUN_TEST(test_the_tail_of_F_is_that_of_scipy);
+    RUN_TEST(test_the_logarithm_is_that_of_the_C_library);
 }

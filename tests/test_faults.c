@@ -1,6 +1,6 @@
 /* faults: why the views of a rig disagree. The truth: tests/vectors, where one dense system
- * of all unknowns is solved, its derivatives by complex steps; and adjustments with the fault
- * free. */
+ * of all unknowns is solved, its derivatives by complex steps; and adjustments with the
+ * fault free. */
 #include <math.h>
 #include <string.h>
 

@@ -1,4 +1,4 @@
-/* verdict: what was found of a rig, in sentences. Each sentence when its number says so, and
+/* verdict: what was found of a rig, in sentences. Each comes when its number says so, and
  * not else. */
 #include <string.h>
 

@@ -65,6 +65,9 @@ SOLVERS = {
     "rigcal_cause_solver": ("cause", set()),
     "rigcal_border": ("border", None),
     "rigcal_consider_solver": ("consider", set()),
+    "rigcal_columns": ("columns", None),
+    "rigcal_moves": ("moved", None),
+    "rigcal_faults_solver": ("faults", set()),
 }
 FIELD = re.compile(r"(\w+)((?:\[\w+\])*\s*[,;])")
 STRUCT = re.compile(r"struct (rigcal_\w+) \{(.*?)\n\}", re.S)

@@ -11,7 +11,8 @@ import sys
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 HEADERS = ["rigcal.h", "rigcal_measure.h", "rigcal_rig.h", "rigcal_choose.h",
-           "rigcal_judge.h", "rigcal_clocks.h", "rigcal_consider.h", "rigcal_paper.h"]
+           "rigcal_judge.h", "rigcal_clocks.h", "rigcal_consider.h", "rigcal_faults.h",
+           "rigcal_paper.h"]
 SOLVER = re.compile(r"struct (rigcal_(?:\w+_solver|neldermead)) \{")
 STRUCT = re.compile(r"struct (rigcal_\w+) \{(.*?)\n\}", re.S)
 FIELD = re.compile(r"\*?(\w+)(?:\[\w+\])*\s*(?=[,;])")

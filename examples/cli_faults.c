@@ -206,8 +206,8 @@ void test_rig(calibration *c)
     rigcal_faults_options options;
     int32_t at_fault = -1;
 
-    if (!c->is_adjusted) {
-        return;
+    if (!c->is_adjusted || c->clocks.sigma_time > 0) {
+        return; /* the test is of times that are exact */
     }
     memset(&options, 0, sizeof options);
     options.work_capacity = rigcal_faults_work(n, n);
@@ -352,36 +352,42 @@ static int is_explained(const calibration *c, size_t n_not_taken)
     return f->kind != RIGCAL_FAULT_MOVED || has_moved_for_long(c, f);
 }
 
-/* Adjusts and tests the rig, its clocks being free or not. */
-static rigcal_status adjust_and_test(calibration *c, int is_free)
+/* Adjusts the rig, its clocks being free or not. */
+static rigcal_status adjust(calibration *c, int is_free, double sigma_time)
 {
     int32_t at_fault = -1;
     rigcal_status status;
 
     c->clocks.free_offsets = is_free;
     c->clocks.free_drifts = is_free && c->times.has_drift;
-    c->is_tested = 0;
+    c->clocks.sigma_time = (rigcal_real)sigma_time;
     status = adjust_in_steps(c, &at_fault);
     c->is_adjusted = status >= 0;
-    test_rig(c);
     return status;
 }
 
-/* Where clocks are to be free, and held ones explain why views disagree, no view is wrong,
- * however well the others then agree. Nor is one where times are known, and all agree: the
- * choice does not know of times. */
-static int test_views(calibration *c, uint8_t left_out[], size_t n_not_taken)
+/* Where held clocks and exact times explain why views disagree, no view is wrong, however
+ * well the others agree when clocks are free. Nor is one where times are known, and all
+ * agree: the choice does not know of times. */
+static void test_as_it_is(calibration *c, size_t n_not_taken)
 {
     const int has_times = c->times.path != NULL;
 
     if (!c->is_explained && (has_times || n_not_taken == 0 || camera_not_taken(c) >= 0)) {
         place_all(c);
-        adjust_and_test(c, 0);
+        c->is_tested = 0;
+        adjust(c, 0, 0);
+        test_rig(c);
         c->is_explained =
             is_explained(c, n_not_taken) ||
             (has_times && c->is_tested && c->verdict.verdict == RIGCAL_RIG_AGREES);
     }
-    if (!c->times.is_free) {
+}
+
+static int test_views(calibration *c, uint8_t left_out[], size_t n_not_taken)
+{
+    test_as_it_is(c, n_not_taken);
+    if (!c->times.is_free && !(c->times.sigma > 0)) {
         return c->is_explained ? TEST_EXPLAINS : TEST_TELLS_NOTHING;
     }
     if (c->is_explained) {
@@ -389,11 +395,14 @@ static int test_views(calibration *c, uint8_t left_out[], size_t n_not_taken)
     } else {
         c->rig.left_out = left_out;
     }
-    if (adjust_and_test(c, 1) < 0) {
+    if (adjust(c, c->times.is_free, c->times.sigma) < 0) {
         return TEST_TELLS_NOTHING;
     }
     if (must_pair_anew(c)) {
         return TEST_PAIRS_ANEW;
+    }
+    if (!(c->times.sigma > 0)) {
+        test_rig(c);
     }
     return c->is_explained || (n_not_taken == 0 && is_explained(c, 0)) ? TEST_EXPLAINS
                                                                        : TEST_TELLS_NOTHING;
@@ -417,7 +426,7 @@ int test_all_views(calibration *c)
     } else {
         memcpy(rig->cams_from_rig, cameras, n_cameras * sizeof *cameras);
         memcpy(rig->rig_from_placements, placements, n_placements * sizeof *placements);
-        c->is_adjusted = c->is_tested = 0;
+        c->is_adjusted = 0;
     }
     cli_free(cameras);
     cli_free(placements);
@@ -536,6 +545,14 @@ void print_verdict(const calibration *c)
     text = cli_alloc(needed + 1, 1);
     if (rigcal_faults_text(text, needed + 1, &needed, &c->verdict, c->faults, &words) ==
         RIGCAL_OK) {
+        char *next = strstr(text, " Next:");
+
+        if (c->times.sigma > 0 && c->times.is_free && next != NULL) {
+            *next = '\0'; /* it has been done */
+        }
+        if (c->times.sigma > 0) {
+            printf("With exact times%s: ", c->times.is_free ? " and held clocks" : "");
+        }
         print_frames(c, text);
         print_option(c);
     }

@@ -145,8 +145,8 @@ static rigcal_status evaluate(rigcal_rig_view *v, rc_chain *chain, rigcal_real m
 
 /* ---- clocks ------------------------------------------------------------------ */
 
-/* Unknowns behind those of the cameras: all offsets, then all drifts. Of a clock that is held
- * they are there, but fixed. */
+/* Unknowns behind those of the cameras: all offsets, then all drifts. Of a clock that is
+ * held they are there, but fixed. */
 static size_t unknowns_of_clocks(const rigcal_rig *rig)
 {
     const rigcal_rig_clocks *const clocks = rig->clocks;

@@ -1601,7 +1601,7 @@ static const function FUNCTIONS[] = {
      {KEPT_OUT(2, RIGCAL_CALIBRATED_SIZE(1), SIZE_KEPT), IN(MONITOR, 1, ok.monitor)}},
     {F(monitor_view), 0, VIEWED | FITTED | S(STATE) | S(DEGENERATE),
      {STATE(MONITOR, ok.monitor), OUT_BAD, LESS(&SIZE_0, 2), LESS(&SIZE_0, 1),
-      IN(OBSERVATION, N, ok.observations), COUNT(&SIZE_6, 4, RIGCAL_ERR_TOO_FEW),
+      IN(OBSERVATION, N, ok.observations), COUNT(&SIZE_6, 3, RIGCAL_ERR_TOO_FEW),
       VALUE(POSITIVE, &REAL_SIGMA)}},
     {F(store_save_rig), 0, DEVICE | S(ROTATION) | S(TOO_FEW) | S(CAPACITY) | S(STATE),
      {KEPT_OF(KEPT_CAMERA, KEPT_JOINT), OUT(SAVED_RIG, 1),

@@ -478,7 +478,8 @@ static void raise_alarm(void)
     for (int f = 0; f < 200 && !report.alarm; f++) {
         for (int k = 0; k < 10; k++) {
             const rigcal_real a[3] = {RC(0.1 * (k % 3) - 0.1), RC(0.05 * k - 0.2), 1};
-            const rigcal_real b[3] = {RC(0.1 * (k % 4) - 0.1), RC(0.05 * k - 0.2 + 0.01), 1};
+            const rigcal_real b[3] = {RC(0.1 * (k % 4) - 0.1), RC(0.05 * k - 0.2 + 0.01),
+                                      1};
 
             (void)rigcal_monitor_match_rays(ok.alarmed, 0, a, 1, b, 1);
         }
@@ -786,7 +787,8 @@ static const kind BLAME = {sizeof(rigcal_blame), offsetof(rigcal_blame, rms_px),
                            0};
 static const kind DIAGNOSIS = {sizeof(rigcal_diagnosis),
                                offsetof(rigcal_diagnosis, rms_mirrored_px), 3, NULL, 0};
-static const kind MONITOR = {sizeof(rigcal_real) * MONITOR_SIZE, 0, 0, NULL, RIGCAL_ERR_STATE};
+static const kind MONITOR = {sizeof(rigcal_real) * MONITOR_SIZE, 0, 0, NULL,
+                             RIGCAL_ERR_STATE};
 static const kind WATCHING = {sizeof(rigcal_monitor_options), 0, 7, NULL, RIGCAL_ERR_RANGE};
 static const kind REPORT = {sizeof(rigcal_monitor_report),
                             offsetof(rigcal_monitor_report, confidence), 4, NULL, 0};
@@ -1617,10 +1619,10 @@ enum { N_FUNCTIONS = sizeof FUNCTIONS / sizeof FUNCTIONS[0] };
 
 /* Those that take plain numbers only and have an answer for every one. */
 static const char *const HARMLESS[] = {
-    "rigcal_version",     "rigcal_sizeof_real",    "rigcal_status_name",
-    "rigcal_status_text", "rigcal_layout_count",   "rigcal_pairs_for",
-    "rigcal_store_size",  "rigcal_rig_work",       "rigcal_choose_work",
-    "rigcal_judge_work",  "rigcal_store_rig_size", "rigcal_calibrated_size",
+    "rigcal_version",      "rigcal_sizeof_real",    "rigcal_status_name",
+    "rigcal_status_text",  "rigcal_layout_count",   "rigcal_pairs_for",
+    "rigcal_store_size",   "rigcal_rig_work",       "rigcal_choose_work",
+    "rigcal_judge_work",   "rigcal_store_rig_size", "rigcal_calibrated_size",
     "rigcal_monitor_size",
 };
 enum { N_HARMLESS = sizeof HARMLESS / sizeof HARMLESS[0] };
@@ -2108,8 +2110,7 @@ static void test_every_public_function_of_the_headers_is_in_the_table(void)
                           HEADER("rigcal.h") + HEADER("rigcal_measure.h") +
                               HEADER("rigcal_rig.h") + HEADER("rigcal_choose.h") +
                               HEADER("rigcal_judge.h") + HEADER("rigcal_monitor.h") +
-                              HEADER("rigcal_solvers.h") +
-                              HEADER("rigcal_paper.h"));
+                              HEADER("rigcal_solvers.h") + HEADER("rigcal_paper.h"));
 }
 
 /* ---- what one line of a table cannot tell -------------------------------- */

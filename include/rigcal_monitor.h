@@ -122,7 +122,7 @@ RIGCAL_API rigcal_status rigcal_monitor_match_rays(rigcal_real monitor[], size_t
                                                    rigcal_real sigma_px);
 
 /* A camera sees a target: two rows a point (M4). Of a target without a place the pose is
- * solved from this view, 4 points or more, which says where it is and nothing else; the next
+ * solved from this view, 3 points or more, which says where it is and nothing else; the next
  * views of it do. A target is in one place until it is lifted: one that is carried about is
  * lifted after each placement, one that stays never is.
  *

@@ -519,7 +519,8 @@ static void raise_alarm(void)
     for (int f = 0; f < 200 && !report.alarm; f++) {
         for (int k = 0; k < 10; k++) {
             const rigcal_real a[3] = {RC(0.1 * (k % 3) - 0.1), RC(0.05 * k - 0.2), 1};
-            const rigcal_real b[3] = {RC(0.1 * (k % 4) - 0.1), RC(0.05 * k - 0.2 + 0.01), 1};
+            const rigcal_real b[3] = {RC(0.1 * (k % 4) - 0.1), RC(0.05 * k - 0.2 + 0.01),
+                                      1};
 
             (void)rigcal_monitor_match_rays(ok.alarmed, 0, a, 1, b, 1);
         }
@@ -971,7 +972,8 @@ static const kind BLAME = {sizeof(rigcal_blame), offsetof(rigcal_blame, rms_px),
                            0};
 static const kind DIAGNOSIS = {sizeof(rigcal_diagnosis),
                                offsetof(rigcal_diagnosis, rms_mirrored_px), 3, NULL, 0};
-static const kind MONITOR = {sizeof(rigcal_real) * MONITOR_SIZE, 0, 0, NULL, RIGCAL_ERR_STATE};
+static const kind MONITOR = {sizeof(rigcal_real) * MONITOR_SIZE, 0, 0, NULL,
+                             RIGCAL_ERR_STATE};
 static const kind WATCHING = {sizeof(rigcal_monitor_options), 0, 7, NULL, RIGCAL_ERR_RANGE};
 static const kind REPORT = {sizeof(rigcal_monitor_report),
                             offsetof(rigcal_monitor_report, confidence), 4, NULL, 0};
@@ -2031,7 +2033,7 @@ static const function FUNCTIONS[] = {
      {KEPT_OUT(2, RIGCAL_CALIBRATED_SIZE(1), SIZE_KEPT), IN(MONITOR, 1, ok.monitor)}},
     {F(monitor_view), 0, VIEWED | FITTED | S(STATE) | S(DEGENERATE),
      {STATE(MONITOR, ok.monitor), OUT_BAD, LESS(&SIZE_0, 2), LESS(&SIZE_0, 1),
-      IN(OBSERVATION, N, ok.observations), COUNT(&SIZE_6, 4, RIGCAL_ERR_TOO_FEW),
+      IN(OBSERVATION, N, ok.observations), COUNT(&SIZE_6, 3, RIGCAL_ERR_TOO_FEW),
       VALUE(POSITIVE, &REAL_SIGMA)}},
     {F(store_save_rig), 0, DEVICE | S(ROTATION) | S(TOO_FEW) | S(CAPACITY) | S(STATE),
      {KEPT_OF(KEPT_CAMERA, KEPT_JOINT), OUT(SAVED_RIG, 1),

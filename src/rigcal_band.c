@@ -1,5 +1,6 @@
 #include "rc_band.h"
 #include "rc_chance.h"
+#include "rc_logs.h"
 
 /* ---- constants ----------------------------------------------------------- */
 

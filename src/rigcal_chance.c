@@ -145,6 +145,8 @@ rigcal_real rc_plane_within(rigcal_real probability)
 {
     RIGCAL_ASSERT(probability > 0 && probability < 1);
     return RC_SQRT(-2 * rc_log(1 - probability));
+}
+
 /* ---- the F distribution ---------------------------------------------------- */
 
 /* log(gamma(x)) - (x - 1/2) log(x) + x - log(2 pi) / 2, x >= STIRLING_FROM */

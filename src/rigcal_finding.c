@@ -1,4 +1,5 @@
 #include "rc_finding.h"
+#include "rc_logs.h"
 
 /* ---- constants ----------------------------------------------------------- */
 

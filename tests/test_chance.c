@@ -3,6 +3,7 @@
 #include <math.h>
 
 #include "rc_chance.h"
+#include "rc_logs.h"
 #include "test_support.h"
 #include "vectors_chance.h"
 

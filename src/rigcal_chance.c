@@ -11,6 +11,9 @@
 /* 1: the series is of exp(x / 256), x within EXPONENT_MOST; a power of 2. */
 enum { EXP_PARTS = 256 };
 
+/* roots: at most; each halves the logarithm, and the largest number takes 13. */
+enum { LOG_ROOTS = 20 };
+
 /* terms: of that series; the next is below 1e-10. */
 enum { EXP_TERMS = 8 };
 
@@ -19,6 +22,9 @@ enum { EXP_TERMS = 8 };
 
 /* 1: the logarithm's series takes x within this. Beyond it the root is taken first. */
 #define LOG_SERIES RC(0.25)
+
+/* roots: at most; each halves the logarithm, and the largest number takes 13. */
+enum { LOG_ROOTS = 20 };
 
 /* terms: of that series; the next is below 1e-18. */
 enum { LOG_TERMS = 10 };
@@ -107,7 +113,7 @@ rigcal_real rc_log1p(rigcal_real x)
 {
     RIGCAL_ASSERT(x > -1);
     rigcal_real scale = 2, sum = 0;
-    while (RC_FABS(x) > LOG_SERIES) {
+    for (int k = 0; k < LOG_ROOTS && RC_FABS(x) > LOG_SERIES; k++) {
         x /= 1 + RC_SQRT(1 + x);
         scale *= 2;
     }

@@ -11,9 +11,6 @@
 /* 1: the series is of exp(x / 256), x within EXPONENT_MOST; a power of 2. */
 enum { EXP_PARTS = 256 };
 
-/* roots: at most; each halves the logarithm, and the largest number takes 13. */
-enum { LOG_ROOTS = 20 };
-
 /* terms: of that series; the next is below 1e-10. */
 enum { EXP_TERMS = 8 };
 

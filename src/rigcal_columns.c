@@ -67,6 +67,16 @@ static size_t pair_of(const rigcal_columns *s, size_t camera, size_t k)
 
 /* ---- memory ----------------------------------------------------------------- */
 
+size_t rigcal_faults_work(size_t n_free, size_t n_cameras)
+{
+    return RIGCAL_FAULTS_WORK(n_free, n_cameras);
+}
+
+size_t rigcal_faults_least(size_t n_free, size_t n_cameras)
+{
+    return RIGCAL_FAULTS_LEAST(n_free, n_cameras);
+}
+
 rigcal_real *rc_pool_take(rc_pool *pool, size_t n)
 {
     const int which = (n <= pool->left[0]) ? 0 : 1;

@@ -21,16 +21,6 @@ enum {
 
 /* ---- memory ------------------------------------------------------------ */
 
-size_t rigcal_faults_work(size_t n_free, size_t n_cameras)
-{
-    return RIGCAL_FAULTS_WORK(n_free, n_cameras);
-}
-
-size_t rigcal_faults_least(size_t n_free, size_t n_cameras)
-{
-    return RIGCAL_FAULTS_LEAST(n_free, n_cameras);
-}
-
 /* Memory for the kinds of s->columns.kinds. 0: there is not enough. */
 static int lay_out(rigcal_faults_solver *s)
 {

@@ -28,6 +28,9 @@ enum { LOG_TERMS = RIGCAL_USE_FLOAT ? 5 : 11 };
 /* 1: the series of log(1 + x) takes x within this. Beyond it the root is taken first. */
 #define LOG1P_SERIES RC(0.25)
 
+/* roots: at most; each halves the logarithm, and the largest number takes 13. */
+enum { LOG1P_ROOTS = 20 };
+
 /* terms: of that series; the next is below 1e-18. */
 enum { LOG1P_TERMS = 10 };
 
@@ -78,7 +81,7 @@ rigcal_real rc_log1p(rigcal_real x)
 {
     RIGCAL_ASSERT(x > -1);
     rigcal_real scale = 2, sum = 0;
-    while (RC_FABS(x) > LOG1P_SERIES) {
+    for (int k = 0; k < LOG1P_ROOTS && RC_FABS(x) > LOG1P_SERIES; k++) {
         x /= 1 + RC_SQRT(1 + x);
         scale *= 2;
     }

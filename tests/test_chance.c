@@ -232,7 +232,7 @@ static void test_the_tail_of_F_is_that_of_scipy(void)
 
 static void test_the_logarithm_is_that_of_the_C_library(void)
 {
-    for (int i = -9; i < 20; i++) {
+    for (int i = -4; i < 20; i++) {
         const double x = i < 0 ? -1 + pow(10, i) : pow(3, i) - 1;
 
         ASSERT_NEAR(log1p(D(RC(x))), rc_log1p(RC(x)),

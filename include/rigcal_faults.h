@@ -136,7 +136,8 @@ typedef struct rigcal_faults_options {
 
 /* Reals to work in, for cameras that are free or have a prior, and all. With these there
  * are at most two passes over the views. With fewer there are more, and the same results:
- * down to RIGCAL_FAULTS_LEAST. The same as functions. In float 1.4, 4.5 and 16 KB for 2, 4 and 8 cameras of which one is held. */
+ * down to RIGCAL_FAULTS_LEAST. The same as functions. In float 1.4, 4.5 and 16 KB
+ * for 2, 4 and 8 cameras of which one is held. */
 #define RIGCAL_FAULTS_WORK(n_free, n_cameras) \
     ((size_t)(n_cameras) * (54 * (size_t)(n_free) + 97 + (size_t)(n_cameras) / 2) + \
      24 * (size_t)(n_free) + 32)

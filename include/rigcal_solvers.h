@@ -329,8 +329,8 @@ struct rigcal_spans_solver {
 
 /* ---- why the views of a rig disagree ------------------------------------------- */
 
-/* The parameters of the faults that one pass tests, a column each. Sums of each: Q and q with
- * all else free, Q as it was, and both with the pose of each view free. */
+/* The parameters of the faults that one pass tests, a column each. Sums of each: Q and q
+ * with all else free, Q as it was, and both with the pose of each view free. */
 typedef struct rigcal_columns {
     const rigcal_rig *rig;
     int32_t kinds;

@@ -35,8 +35,8 @@ typedef struct {
  * the camera's own pose takes it up. Of a camera: turns by 1 px of cx and of cy [rad], and
  * the shift by all of f [length]; zeros: none is taken off.
  *
- * (w, v): a turn about the camera's centre, and a shift, by a unit of a parameter. 0: it has
- * none. */
+ * (w, v): a turn about the camera's centre, and a shift, by a unit of a parameter. 0: it
+ * has none. */
 int rc_evidence_reference(rigcal_real w[3], rigcal_real v[3],
                           const rigcal_real reference[3], size_t parameter);
 

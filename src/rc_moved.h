@@ -9,8 +9,8 @@
 #include "rc_border.h"
 
 /* The best of a camera: its gain, 0 if there is none yet; where; how many were tried; and
- * of its six parameters theta, its variance for noise of 1 px, and what a unit of each does to
- * the cameras. */
+ * of its six parameters theta, its variance for noise of 1 px, and what a unit of each does
+ * to the cameras. */
 enum {
     RC_MOVED_GAIN = 0,
     RC_MOVED_AT = 1,

@@ -24,8 +24,8 @@
  * others have. */
 #define UNSEEN RC(1e-3)
 
-/* 1: A is the mean time between false alarms, times 1 + common, over this. A is a bound that
- * noise does not reach: counted were 0.4 to 1.2 of the false alarms that are stated
+/* 1: A is the mean time between false alarms, times 1 + common, over this. A is a bound
+ * that noise does not reach: counted were 0.4 to 1.2 of the false alarms that are stated
  * (DESIGN.md). 1 + common is what matches of real boards, which err together, need. */
 #define SLACK RC(2.5)
 
@@ -37,9 +37,10 @@
  * 5 matches a frame of 8 cameras false alarms were a tenth of what is stated. */
 #define ENOUGH RC(1.5)
 
-/* rows^2, rows: where a body has few rows a frame even its longest windows lose by them. Its
- * part of the sum is taken 1 + SPARSE / rows^2 times, for FEWEST rows or more: 1.8 times at
- * most. Without that 5 rows a frame of 4 cameras made a third of the alarms stated. */
+/* rows^2, rows: where a body has few rows a frame even its longest windows lose by them.
+ * Its part of the sum is taken 1 + SPARSE / rows^2 times, for FEWEST rows or more: 1.8
+ * times at most. Without that 5 rows a frame of 4 cameras made a third of the alarms
+ * stated. */
 #define SPARSE RC(5)
 #define FEWEST RC(2.5)
 

@@ -375,7 +375,7 @@ static rigcal_real weight_of(const rigcal_real body[], int n_windows)
  * left as they are: that changes with M alone, when all start anew. */
 static void end_body(rigcal_real body[], const rc_alarm *alarm)
 {
-    rigcal_real root[RC_ALARM_WINDOWS], exponent[RC_ALARM_WINDOWS];
+    rigcal_real root[RC_ALARM_WINDOWS] = {0}, exponent[RC_ALARM_WINDOWS] = {0};
     const int first = first_of_use(body, alarm);
     rigcal_real most = 0, sum = 0;
     weigh_frame(body, alarm->common);

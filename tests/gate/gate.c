@@ -1017,7 +1017,7 @@ static int five_are_kept(double px)
 static int sight_is_proved(double off)
 {
     static const double X[3] = {0, 0, 0};
-    rc_sight v;
+    rc_sighted v;
     rigcal_real there[3] = {0, 0, 0};
     eyes_begin(2);
     eyes_see(0, 0, 1, X);
@@ -1039,7 +1039,7 @@ static void gate_sights(void)
     edge("point.agrees_px", five_are_kept, 0.1, 5);
     edge("point.proof", sight_is_proved, 1e-4, 0.2);
     for (int i = 0; i < 200; i++) {
-        rc_sight v;
+        rc_sighted v;
         rigcal_real ray[3];
         double aside = 0;
         eyes_begin(2);

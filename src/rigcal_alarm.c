@@ -166,7 +166,7 @@ static rigcal_real square_of(const rigcal_real L[21], const rigcal_real x[6])
 static void start_window(rigcal_real body[], int i)
 {
     rc_clear(&body[i * RC_ALARM_WINDOW], H);
-    expect(&body[i * RC_ALARM_WINDOW + H], body, LENGTH(i));
+    expect(&body[i * RC_ALARM_WINDOW + H], body, (rigcal_real)LENGTH(i));
 }
 
 /* All windows start with the next frame. */
@@ -175,7 +175,7 @@ static void start_windows(rigcal_real body[])
     rigcal_real W[21];
     rc_clear(body, SUMS);
     for (int i = 0; i < RC_ALARM_WINDOWS; i++) {
-        expect(W, body, LENGTH(i));
+        expect(W, body, (rigcal_real)LENGTH(i));
         const rigcal_real root = factor(W) ? inverse_root(W) : 0;
         body[i * RC_ALARM_WINDOW + ROOT_W] = root > 0 ? 1 / root : 0;
         if (i > 0) {
@@ -357,7 +357,8 @@ static int first_of_use(const rigcal_real body[], const rc_alarm *alarm)
     const rigcal_real rows = rows_of(body);
     rigcal_real wanted = alarm->log_limit;
     int i = 0;
-    while (i + 1 < RC_ALARM_WINDOWS && LENGTH(i) * rows < ENOUGH * wanted * wanted) {
+    while (i + 1 < RC_ALARM_WINDOWS &&
+           (rigcal_real)LENGTH(i) * rows < ENOUGH * wanted * wanted) {
         wanted -= LOG_4;
         i++;
     }
@@ -389,7 +390,8 @@ static void end_body(rigcal_real body[], const rc_alarm *alarm)
     }
     const rigcal_real one = rc_exp(-most);
     for (int i = first; i < RC_ALARM_WINDOWS; i++) {
-        sum += LENGTH(i) * rc_max(0, root[i] * rc_exp(exponent[i] - most) - one);
+        sum +=
+            (rigcal_real)LENGTH(i) * rc_max(0, root[i] * rc_exp(exponent[i] - most) - one);
     }
     sum *= weight_of(body, RC_ALARM_WINDOWS - first);
     body[LOG_SUM] = most + rc_log(rc_max(sum, LAMBDA_LEAST));

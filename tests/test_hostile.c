@@ -2614,10 +2614,9 @@ static void test_every_public_function_of_the_headers_is_in_the_table(void)
                           HEADER("rigcal.h") + HEADER("rigcal_measure.h") +
                               HEADER("rigcal_rig.h") + HEADER("rigcal_choose.h") +
                               HEADER("rigcal_judge.h") + HEADER("rigcal_clocks.h") +
-                              HEADER("rigcal_consider.h") +
-                              HEADER("rigcal_point.h") + HEADER("rigcal_match.h") +
-                              HEADER("rigcal_monitor.h") + HEADER("rigcal_solvers.h") +
-                              HEADER("rigcal_paper.h"));
+                              HEADER("rigcal_consider.h") + HEADER("rigcal_point.h") +
+                              HEADER("rigcal_match.h") + HEADER("rigcal_monitor.h") +
+                              HEADER("rigcal_solvers.h") + HEADER("rigcal_paper.h"));
 }
 
 /* ---- what one line of a table cannot tell -------------------------------- */

@@ -291,11 +291,11 @@ static void measure(rigcal_real body[])
     const int longest = RC_ALARM_WINDOWS - 1;
     const rigcal_real *const sum = &body[longest * RC_ALARM_WINDOW + H];
     rigcal_real W[21];
-    expect(W, body, LENGTH(longest));
+    expect(W, body, (rigcal_real)LENGTH(longest));
     for (int k = 0; k < 21; k++) {
         body[M + k] = (sum[k] - W[k]) / body[SINCE];
     }
-    expect(W, body, LENGTH(longest));
+    expect(W, body, (rigcal_real)LENGTH(longest));
     if (!factor(W)) {
         rc_clear(&body[M], 21);
     }

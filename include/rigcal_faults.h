@@ -143,6 +143,10 @@ typedef struct rigcal_faults_options {
      24 * (size_t)(n_free) + 32)
 #define RIGCAL_FAULTS_LEAST(n_free, n_cameras) \
     ((size_t)(n_cameras) * (18 * (size_t)(n_cameras) + 50) + 78 * (size_t)(n_free) + 64)
+
+/* Reals beyond either, where the adjustment freed clocks. */
+#define RIGCAL_FAULTS_CLOCKS_WORK(n_cameras) \
+    ((size_t)(n_cameras) * (30 * (size_t)(n_cameras) + 36))
 RIGCAL_API size_t rigcal_faults_work(size_t n_free, size_t n_cameras);
 RIGCAL_API size_t rigcal_faults_least(size_t n_free, size_t n_cameras);
 
@@ -159,6 +163,10 @@ typedef struct rigcal_faults_solver rigcal_faults_solver; /* see rigcal_solvers.
  *
  * The faults are those of EQUATIONS.md (H4), the test is (H5) to (H9). The target's scale,
  * one offset common to all clocks, and which of two cameras is late, are not to be seen.
+ *
+ * With rig->clocks the noise of stamps, sigma_time, is that of the adjustment (H11). Clocks
+ * that it freed are free here too: CLOCK and CLOCKS are then not seen, nor is DRIFT where
+ * drifts were freed.
  *
  * OK, ERR_NULL, ERR_RANGE (capacity is 0, kinds, is_truncated without sigma_px), ERR_STATE
  * (the rig is not adjusted), ERR_CAPACITY (work), and of views those of rigcal_rig_adjust.

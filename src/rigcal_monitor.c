@@ -97,7 +97,7 @@ static void sum_all(uint32_t seal[2], const rc_monitor *m)
     sum_words(seal, (const unsigned char *)m->memory + from, n_bytes);
 }
 
-/* The head, out of the memory; and its first part in again. */
+/* The head, out of the memory; its first part in again; and all of it. */
 static void copy_out(rc_monitor_part top[RC_MONITOR_PARTS], const rigcal_real memory[])
 {
     const rc_monitor_part *const parts = (const rc_monitor_part *)memory;
@@ -109,6 +109,14 @@ static void copy_out(rc_monitor_part top[RC_MONITOR_PARTS], const rigcal_real me
 static void copy_first_in(rc_monitor *m)
 {
     *(rc_monitor_part *)m->memory = m->top.parts[0];
+}
+
+static void copy_in(rc_monitor *m)
+{
+    rc_monitor_part *const parts = (rc_monitor_part *)m->memory;
+    parts[0] = m->top.parts[0];
+    parts[1] = m->top.parts[1];
+    parts[2] = m->top.parts[2];
 }
 
 void rc_monitor_lay_out(rc_monitor *m, rigcal_real memory[])
@@ -171,7 +179,7 @@ void rc_monitor_close(rc_monitor *m, int is_frame_over)
     sum_head(seal, &m->top.head);
     m->top.head.head_seal = seal[1];
     m->top.head.seal[0] = m->top.head.seal[1] = 0;
-    memcpy(m->memory, m->top.parts, sizeof m->top);
+    copy_in(m);
     if (is_frame_over) {
         sum_all(m->top.head.seal, m);
         copy_first_in(m);

@@ -17,7 +17,7 @@ typedef struct {
     const rigcal_real *h[2];
 } rc_part;
 
-/* room = U^T h. Returns h P h; O(n^2) at most, of n unknowns. */
+/* room = U^T h. Returns h P h; O(n^2) at most, of n unknowns, 6 of each body. */
 rigcal_real rc_filter_seen(rigcal_real room[], const rigcal_real UD[], size_t n,
                            const rc_part *part);
 

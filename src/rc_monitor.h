@@ -7,8 +7,10 @@
 
 /* The first numbers of the memory. */
 typedef struct {
-    uint32_t seal[2];   /* of all that follows; 0, 0 within a frame */
-    uint32_t head_seal; /* of what follows up to `rows` */
+    uint32_t seal[2];   /* of all that follows but head_seal; 0, 0 within a frame */
+    uint32_t head_seal; /* of what follows from `magic` on */
+    uint32_t rows, doubted;
+    rc_alarm alarm;
     uint32_t magic;
     uint32_t n_cameras, n_targets, frame;
     uint32_t placed;   /* bit k: target k has a place */
@@ -18,16 +20,37 @@ typedef struct {
     uint32_t frames, since;
     rigcal_real wrong, walk_rad, walk_t, move_rad, move_t, evidence;
     rigcal_real numbers[4]; /* of the calibrated rig: sigma_px, F, degrees of freedom */
-    uint32_t rows, doubted;
-    rc_alarm alarm;
 } rc_monitor_head;
+
+/* It lies in an array of reals, where C99 6.5 lets no integer be read: it is copied out and
+ * in, as structs of reals, which compilers copy by a few instructions. A row changes the
+ * first part alone. */
+typedef struct {
+    rigcal_real reals[16];
+} rc_monitor_part;
+
+enum { RC_MONITOR_PARTS = 3 };
+
+typedef union {
+    rc_monitor_head head;
+    rc_monitor_part parts[RC_MONITOR_PARTS];
+} rc_monitor_copy;
+
+typedef struct {
+    rigcal_real reals[RIGCAL_MONITOR_LENS];
+} rc_monitor_lens_part;
+
+typedef union {
+    rigcal_camera camera;
+    rc_monitor_lens_part part;
+} rc_monitor_lens_copy;
 
 /* A monitor that was opened. */
 typedef struct {
-    rc_monitor_head *head;
+    rc_monitor_copy top; /* copied out; who changes it calls rc_monitor_close */
     rc_filter filter;
     rigcal_real *bodies; /* of the alarm */
-    rigcal_real *lenses; /* RIGCAL_MONITOR_LENS of each camera */
+    rigcal_real *lenses; /* RIGCAL_MONITOR_LENS of each camera: the bytes of them */
     rigcal_real *memory;
     size_t size;
 } rc_monitor;
@@ -36,16 +59,19 @@ typedef struct {
  * calls rc_monitor_close. */
 rigcal_status rc_monitor_open(rc_monitor *m, const rigcal_real memory[]);
 
-/* Where everything is, of a head that is right: m->head is there. */
+/* Where everything is, of a head that is right: m->top is there. A pose is read in its
+ * place: reals and nothing else are in it. */
 void rc_monitor_lay_out(rc_monitor *m, rigcal_real memory[]);
 
-/* The head is sealed; is_frame_over: all is. */
+/* The head is sealed and put back; is_frame_over: all is sealed. */
 void rc_monitor_close(rc_monitor *m, int is_frame_over);
 
 /* The same as it was opened. */
 void rc_monitor_close_again(rc_monitor *m);
 
-const rigcal_camera *rc_monitor_lens(const rc_monitor *m, size_t index);
+/* A camera's intrinsics, copied. */
+const rigcal_camera *rc_monitor_lens(rc_monitor_lens_copy *lens, const rc_monitor *m,
+                                     size_t index);
 
 /* OK; ERR_NULL, ERR_NOT_FINITE, ERR_RANGE of sigma_px. */
 rigcal_status rc_monitor_check_noise(rigcal_real sigma_px);

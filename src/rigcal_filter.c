@@ -51,6 +51,20 @@ static void add_part(rigcal_real room[], const rigcal_real UD[], size_t n, size_
     }
 }
 
+/* to += by from */
+static void add_scaled(rigcal_real *to, const rigcal_real *from, size_t n, rigcal_real by)
+{
+    for (; n >= 4; n -= 4, to += 4, from += 4) {
+        to[0] += from[0] * by;
+        to[1] += from[1] * by;
+        to[2] += from[2] * by;
+        to[3] += from[3] * by;
+    }
+    for (; n > 0; n--, to++, from++) {
+        *to += *from * by;
+    }
+}
+
 rigcal_real rc_filter_seen(rigcal_real room[], const rigcal_real UD[], size_t n,
                            const rc_part *part)
 {
@@ -58,8 +72,9 @@ rigcal_real rc_filter_seen(rigcal_real room[], const rigcal_real UD[], size_t n,
     const rigcal_real zero =
         part->h[0][0] - part->h[0][0]; /* a C library's memset is slow */
     rigcal_real hPh = 0;
-    for (size_t j = 0; j < n; j++) {
-        room[j] = zero;
+    for (size_t j = 0; j < n; j += 6) {
+        rigcal_real *const six = &room[j];
+        six[0] = six[1] = six[2] = six[3] = six[4] = six[5] = zero;
     }
     for (int k = 0; k < 2; k++) {
         if (part->at[k] >= 0) {
@@ -94,20 +109,6 @@ static void exchange(rigcal_real *u, rigcal_real *b, size_t n, rigcal_real by,
         const rigcal_real u0 = *u, b0 = *b;
         *u = u0 + by * b0;
         *b = b0 + u0 * v;
-    }
-}
-
-/* to += by from */
-static void add_scaled(rigcal_real *to, const rigcal_real *from, size_t n, rigcal_real by)
-{
-    for (; n >= 4; n -= 4, to += 4, from += 4) {
-        to[0] += from[0] * by;
-        to[1] += from[1] * by;
-        to[2] += from[2] * by;
-        to[3] += from[3] * by;
-    }
-    for (; n > 0; n--, to++, from++) {
-        *to += *from * by;
     }
 }
 
@@ -268,10 +269,7 @@ int rc_filter_row(rc_news *news, const rc_filter *f, size_t a, size_t b, const r
     }
     const rigcal_real S = news->sd * news->sd;
     rc_filter_learn(f->UD, f->room, f->n, hPh, S, news->doubt.gain);
-    const rigcal_real by = news->doubt.beta * nu / S;
-    for (size_t i = 0; i < f->n; i++) {
-        f->d[i] += by * f->room[i];
-    }
+    add_scaled(f->d, f->room, f->n, news->doubt.beta * nu / S);
     return 1;
 }
 

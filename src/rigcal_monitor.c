@@ -52,10 +52,13 @@ size_t rigcal_monitor_size(size_t n_cameras, size_t n_targets)
 
 /* The macro has room for all of it. */
 typedef char rc_monitor_head_fits
-    [sizeof(rc_monitor_head) <= RIGCAL_MONITOR_HEAD * sizeof(rigcal_real) ? 1 : -1];
+    [sizeof(rc_monitor_copy) == RIGCAL_MONITOR_HEAD * sizeof(rigcal_real) ? 1 : -1];
+typedef char rc_monitor_rows_fit[offsetof(rc_monitor_head, magic) <= sizeof(rc_monitor_part)
+                                     ? 1
+                                     : -1];
 typedef char rc_monitor_body_fits[RC_ALARM_BODY + 12 <= RIGCAL_MONITOR_BODY ? 1 : -1];
 typedef char rc_monitor_lens_fits
-    [sizeof(rigcal_camera) <= RIGCAL_MONITOR_LENS * sizeof(rigcal_real) ? 1 : -1];
+    [sizeof(rc_monitor_lens_copy) == RIGCAL_MONITOR_LENS * sizeof(rigcal_real) ? 1 : -1];
 typedef char rc_monitor_trial_fits[(int)RC_TRIAL_SIZE <= (int)RC_ALARM_WINDOW ? 1 : -1];
 
 /* Two sums of words, the second of the first: it tells exchanged words too. */
@@ -81,24 +84,44 @@ static void sum_words(uint32_t seal[2], const void *from, size_t n_bytes)
     seal[1] = b;
 }
 
-/* From here on a seal counts. */
-#define SEALED_FROM offsetof(rc_monitor_head, magic)
-
 static void sum_head(uint32_t seal[2], const rc_monitor_head *head)
 {
-    const size_t n_bytes = offsetof(rc_monitor_head, rows) - SEALED_FROM;
-    sum_words(seal, (const unsigned char *)head + SEALED_FROM, n_bytes);
+    const size_t from = offsetof(rc_monitor_head, magic);
+    sum_words(seal, (const unsigned char *)head + from, sizeof *head - from);
 }
 
 static void sum_all(uint32_t seal[2], const rc_monitor *m)
 {
-    const size_t n_bytes = m->size * sizeof(rigcal_real) - SEALED_FROM;
-    sum_words(seal, (const unsigned char *)m->memory + SEALED_FROM, n_bytes);
+    const size_t from = offsetof(rc_monitor_head, rows);
+    const size_t n_bytes = m->size * sizeof(rigcal_real) - from;
+    sum_words(seal, (const unsigned char *)m->memory + from, n_bytes);
+}
+
+/* The head, out of the memory; its first part in again; and all of it. */
+static void copy_out(rc_monitor_part top[RC_MONITOR_PARTS], const rigcal_real memory[])
+{
+    const rc_monitor_part *const parts = (const rc_monitor_part *)memory;
+    top[0] = parts[0];
+    top[1] = parts[1];
+    top[2] = parts[2];
+}
+
+static void copy_first_in(rc_monitor *m)
+{
+    *(rc_monitor_part *)m->memory = m->top.parts[0];
+}
+
+static void copy_in(rc_monitor *m)
+{
+    rc_monitor_part *const parts = (rc_monitor_part *)m->memory;
+    parts[0] = m->top.parts[0];
+    parts[1] = m->top.parts[1];
+    parts[2] = m->top.parts[2];
 }
 
 void rc_monitor_lay_out(rc_monitor *m, rigcal_real memory[])
 {
-    const rc_monitor_head *const head = m->head;
+    const rc_monitor_head *const head = &m->top.head;
     rc_filter *const f = &m->filter;
     rigcal_real *at = memory + RIGCAL_MONITOR_HEAD;
     f->n_cameras = head->n_cameras;
@@ -134,15 +157,15 @@ rigcal_status rc_monitor_open(rc_monitor *m, const rigcal_real memory[])
     if (memory == NULL) {
         return RIGCAL_ERR_NULL;
     }
-    m->head = (rc_monitor_head *)memory;
-    if (!is_head(m->head)) {
+    copy_out(m->top.parts, memory);
+    if (!is_head(&m->top.head)) {
         return RIGCAL_ERR_STATE;
     }
     rc_monitor_lay_out(m, (rigcal_real *)memory);
-    if ((m->head->seal[0] | m->head->seal[1]) != 0) {
+    if ((m->top.head.seal[0] | m->top.head.seal[1]) != 0) {
         uint32_t seal[2];
         sum_all(seal, m);
-        if (m->head->seal[0] != seal[0] || m->head->seal[1] != seal[1]) {
+        if (m->top.head.seal[0] != seal[0] || m->top.head.seal[1] != seal[1]) {
             return RIGCAL_ERR_STATE;
         }
     }
@@ -152,23 +175,27 @@ rigcal_status rc_monitor_open(rc_monitor *m, const rigcal_real memory[])
 void rc_monitor_close(rc_monitor *m, int is_frame_over)
 {
     uint32_t seal[2];
-    m->head->placed = m->filter.placed;
-    sum_head(seal, m->head);
-    m->head->head_seal = seal[1];
-    m->head->seal[0] = m->head->seal[1] = 0;
+    m->top.head.placed = m->filter.placed;
+    sum_head(seal, &m->top.head);
+    m->top.head.head_seal = seal[1];
+    m->top.head.seal[0] = m->top.head.seal[1] = 0;
+    copy_in(m);
     if (is_frame_over) {
-        sum_all(m->head->seal, m);
+        sum_all(m->top.head.seal, m);
+        copy_first_in(m);
     }
 }
 
 void rc_monitor_close_again(rc_monitor *m)
 {
-    rc_monitor_close(m, (m->head->seal[0] | m->head->seal[1]) != 0);
+    rc_monitor_close(m, (m->top.head.seal[0] | m->top.head.seal[1]) != 0);
 }
 
-const rigcal_camera *rc_monitor_lens(const rc_monitor *m, size_t index)
+const rigcal_camera *rc_monitor_lens(rc_monitor_lens_copy *lens, const rc_monitor *m,
+                                     size_t index)
 {
-    return (const rigcal_camera *)(m->lenses + RIGCAL_MONITOR_LENS * index);
+    lens->part = *(const rc_monitor_lens_part *)(m->lenses + RIGCAL_MONITOR_LENS * index);
+    return &lens->camera;
 }
 
 /* ---- begin ------------------------------------------------------------------ */
@@ -354,8 +381,8 @@ rigcal_status rigcal_monitor_begin(rigcal_real monitor[], size_t capacity,
         return RIGCAL_ERR_DEGENERATE;
     }
     memset(monitor, 0, rigcal_monitor_size(rig->n_cameras, n_targets) * sizeof monitor[0]);
-    m.head = (rc_monitor_head *)monitor;
-    *m.head = head;
+    memset(&m.top, 0, sizeof m.top);
+    m.top.head = head;
     rc_monitor_lay_out(&m, monitor);
     for (size_t b = 0; b < m.filter.n_bodies; b++) {
         rc_transform_identity(&m.filter.poses[b]);
@@ -366,8 +393,8 @@ rigcal_status rigcal_monitor_begin(rigcal_real monitor[], size_t capacity,
                sizeof(rigcal_camera));
     }
     copy_covariance(&m.filter, rig);
-    rc_alarm_begin(&m.head->alarm, m.bodies, m.filter.n_bodies, chosen.arl0_frames,
-                   chosen.common, m.head->move_rad, m.head->move_t);
+    rc_alarm_begin(&m.top.head.alarm, m.bodies, m.filter.n_bodies, chosen.arl0_frames,
+                   chosen.common, m.top.head.move_rad, m.top.head.move_t);
     rc_monitor_close(&m, 1);
     return RIGCAL_OK;
 }
@@ -386,8 +413,8 @@ rigcal_status rc_monitor_check_noise(rigcal_real sigma_px)
  * frame, all other poses do. */
 static void settle(const rc_monitor *m)
 {
-    for (size_t b = 0; b < m->filter.n_bodies && m->head->settling > 0; b++) {
-        if (b == m->head->settles || m->head->settles == m->filter.frame) {
+    for (size_t b = 0; b < m->filter.n_bodies && m->top.head.settling > 0; b++) {
+        if (b == m->top.head.settles || m->top.head.settles == m->filter.frame) {
             rc_filter_apply(&m->filter, b);
         }
     }
@@ -404,13 +431,13 @@ static rigcal_status take_rows(rc_monitor *m, const rc_seen *seen)
         if (status != RIGCAL_OK) {
             return status;
         }
-        if (!rc_filter_row(&news, f, seen->a, seen->b, &rows[k], m->head->wrong,
-                           m->head->settling > 0)) {
+        if (!rc_filter_row(&news, f, seen->a, seen->b, &rows[k], m->top.head.wrong,
+                           m->top.head.settling > 0)) {
             return RIGCAL_ERR_DEGENERATE;
         }
-        m->head->rows++;
-        m->head->doubted += (news.doubt.beta < RC(0.5)) ? 1 : 0;
-        rc_alarm_row(&m->head->alarm, m->bodies, news.z, news.sd, seen->a, rows[k].h_a,
+        m->top.head.rows++;
+        m->top.head.doubted += (news.doubt.beta < RC(0.5)) ? 1 : 0;
+        rc_alarm_row(&m->top.head.alarm, m->bodies, news.z, news.sd, seen->a, rows[k].h_a,
                      seen->b, rows[k].h_b);
         settle(m);
     }
@@ -419,12 +446,12 @@ static rigcal_status take_rows(rc_monitor *m, const rc_seen *seen)
 
 rigcal_status rc_monitor_take(rc_monitor *m, const rc_seen *seen)
 {
-    if (m->head->is_alarm == 0) {
+    if (m->top.head.is_alarm == 0) {
         return take_rows(m, seen);
     }
-    const int is_doubted = rc_trial_take(&m->filter, m->bodies, seen, m->head->wrong);
-    m->head->rows += (uint32_t)seen->n_rows;
-    m->head->doubted += is_doubted ? (uint32_t)seen->n_rows : 0;
+    const int is_doubted = rc_trial_take(&m->filter, m->bodies, seen, m->top.head.wrong);
+    m->top.head.rows += (uint32_t)seen->n_rows;
+    m->top.head.doubted += is_doubted ? (uint32_t)seen->n_rows : 0;
     return RIGCAL_OK;
 }
 
@@ -450,10 +477,19 @@ static rigcal_status take_match(rc_monitor *m, rc_seen *seen, size_t a, size_t b
     seen->b = b;
     seen->n_rows = 1;
     const rigcal_status status = rc_monitor_take(m, seen);
-    if (status == RIGCAL_OK) {
-        m->head->seal[0] = m->head->seal[1] = 0; /* the head itself is as it was */
+    if (status == RIGCAL_OK) { /* the other parts are as they were */
+        m->top.head.seal[0] = m->top.head.seal[1] = 0;
+        copy_first_in(m);
     }
     return status;
+}
+
+/* The sight of a ray. */
+static rigcal_status sight_ray(rc_ray_noise *sight, const rc_monitor *m, size_t index,
+                               const rigcal_real ray[3], rigcal_real sigma_px)
+{
+    rc_monitor_lens_copy lens;
+    return rc_ray_noise_of(sight, rc_monitor_lens(&lens, m, index), ray, sigma_px);
 }
 
 rigcal_status rigcal_monitor_match_rays(rigcal_real monitor[], size_t camera_a,
@@ -470,24 +506,23 @@ rigcal_status rigcal_monitor_match_rays(rigcal_real monitor[], size_t camera_a,
         status = open_match(&m, monitor, camera_a, camera_b, sigma_px);
     }
     if (status == RIGCAL_OK) {
-        status =
-            rc_sight_of(&seen.sight[0], rc_monitor_lens(&m, camera_a), ray_a, sigma_px);
+        status = sight_ray(&seen.sight[0], &m, camera_a, ray_a, sigma_px);
     }
     if (status == RIGCAL_OK) {
-        status =
-            rc_sight_of(&seen.sight[1], rc_monitor_lens(&m, camera_b), ray_b, sigma_px);
+        status = sight_ray(&seen.sight[1], &m, camera_b, ray_b, sigma_px);
     }
     return (status == RIGCAL_OK) ? take_match(&m, &seen, camera_a, camera_b) : status;
 }
 
 /* The sight of a pixel. */
-static rigcal_status sight_pixel(rc_sight *sight, const rc_monitor *m, size_t index,
+static rigcal_status sight_pixel(rc_ray_noise *sight, const rc_monitor *m, size_t index,
                                  const rigcal_real uv[2], rigcal_real sigma_px)
 {
-    const rigcal_camera *const camera = rc_monitor_lens(m, index);
+    rc_monitor_lens_copy lens;
     rigcal_real ray[3];
+    const rigcal_camera *const camera = rc_monitor_lens(&lens, m, index);
     const rigcal_status status = rc_pixel_to_ray(ray, camera, uv);
-    return (status == RIGCAL_OK) ? rc_sight_of(sight, camera, ray, sigma_px) : status;
+    return (status == RIGCAL_OK) ? rc_ray_noise_of(sight, camera, ray, sigma_px) : status;
 }
 
 rigcal_status rigcal_monitor_match(rigcal_real monitor[], size_t camera_a,

@@ -26,7 +26,8 @@ static rigcal_status open_for(rc_monitor *m, const rigcal_real monitor[], size_t
 
 static void mount(rigcal_mounted_camera *out, const rc_monitor *m, size_t index)
 {
-    out->camera = *rc_monitor_lens(m, index);
+    rc_monitor_lens_copy lens;
+    out->camera = *rc_monitor_lens(&lens, m, index);
     out->cam_from_rig = m->filter.poses[index];
     rc_filter_block(out->Sigma, &m->filter, index, index);
     out->has_Sigma = 1;
@@ -105,10 +106,10 @@ rigcal_status rigcal_monitor_rig(rigcal_calibrated_rig *rig, const rigcal_real m
         }
     }
     rig->n_cameras = f->n_cameras;
-    rig->sigma_px = m.head->numbers[0];
-    rig->F = m.head->numbers[1];
-    rig->freedom_between = m.head->numbers[2];
-    rig->freedom_within = m.head->numbers[3];
+    rig->sigma_px = m.top.head.numbers[0];
+    rig->F = m.top.head.numbers[1];
+    rig->freedom_between = m.top.head.numbers[2];
+    rig->freedom_within = m.top.head.numbers[3];
     return RIGCAL_OK;
 }
 
@@ -184,15 +185,15 @@ rigcal_status rigcal_monitor_body(rigcal_body_report *report, const rigcal_real 
     memset(report, 0, sizeof *report);
     rc_filter_block(Sigma, f, body, body);
     report->weakest_sigma =
-        worst_of(report->weakest, Sigma, m.head->move_t / m.head->move_rad);
+        worst_of(report->weakest, Sigma, m.top.head.move_t / m.top.head.move_rad);
     report->is_blind = !rc_filter_has(f, body) || rc_alarm_is_blind(m.bodies, body);
     if (report->is_blind == 0) {
-        report->smallest_rad = rc_alarm_smallest(&m.head->alarm, m.bodies, body);
+        report->smallest_rad = rc_alarm_smallest(&m.top.head.alarm, m.bodies, body);
     }
-    if (m.head->is_alarm) {
+    if (m.top.head.is_alarm) {
         report->blame = rc_trial_share(f, m.bodies, body);
     } else if (rc_filter_has(f, body)) {
-        report->share = rc_alarm_share(&m.head->alarm, m.bodies, body);
+        report->share = rc_alarm_share(&m.top.head.alarm, m.bodies, body);
     }
     return RIGCAL_OK;
 }

@@ -61,7 +61,7 @@ static rigcal_status place(int32_t *at_fault, rc_monitor *m, const rc_seen *seen
     rigcal_pose pose;
     rigcal_pose_uncertainty sure;
     size_t n_found;
-    if (m->head->is_alarm) {
+    if (m->top.head.is_alarm) {
         return RIGCAL_ERR_STATE;
     }
     (void)rigcal_pose_defaults(&options);
@@ -84,7 +84,7 @@ static rigcal_status place(int32_t *at_fault, rc_monitor *m, const rc_seen *seen
     rc_filter_come(f, f->UD, seen->b, seen->a, by_camera, Q);
     rc_filter_factor(f->UD, f->n);
     f->poses[seen->b] = target;
-    rc_alarm_forget(&m->head->alarm, m->bodies, seen->b);
+    rc_alarm_forget(&m->top.head.alarm, m->bodies, seen->b);
     m->filter.placed |= (uint32_t)1 << (seen->b - f->n_cameras);
     return found;
 }
@@ -119,13 +119,14 @@ rigcal_status rigcal_monitor_view(rigcal_real monitor[], int32_t *at_fault, size
 {
     rc_monitor m;
     rc_seen seen;
+    rc_monitor_lens_copy lens;
     rc_write_fault(at_fault, -1);
     rigcal_status status = rc_monitor_open(&m, monitor);
     if (status == RIGCAL_OK) {
         status = rc_monitor_check_noise(sigma_px);
     }
     if (status == RIGCAL_OK &&
-        (camera >= m.filter.n_cameras || target >= m.head->n_targets)) {
+        (camera >= m.filter.n_cameras || target >= m.top.head.n_targets)) {
         status = RIGCAL_ERR_RANGE;
     }
     if (status == RIGCAL_OK) {
@@ -137,7 +138,7 @@ rigcal_status rigcal_monitor_view(rigcal_real monitor[], int32_t *at_fault, size
     seen.a = camera;
     seen.b = m.filter.n_cameras + target;
     seen.n_rows = 2;
-    seen.camera = rc_monitor_lens(&m, camera);
+    seen.camera = rc_monitor_lens(&lens, &m, camera);
     seen.sigma_px = sigma_px;
     status = rc_filter_has(&m.filter, seen.b)
                  ? take_view(at_fault, &m, &seen, observations, n)
@@ -152,7 +153,7 @@ rigcal_status rigcal_monitor_lifted(rigcal_real monitor[], size_t target)
 {
     rc_monitor m;
     rigcal_status status = rc_monitor_open(&m, monitor);
-    if (status == RIGCAL_OK && target >= m.head->n_targets) {
+    if (status == RIGCAL_OK && target >= m.top.head.n_targets) {
         status = RIGCAL_ERR_RANGE;
     }
     if (status != RIGCAL_OK) {
@@ -165,8 +166,8 @@ rigcal_status rigcal_monitor_lifted(rigcal_real monitor[], size_t target)
         rc_filter_leave(f, f->UD, body);
         rc_filter_factor(f->UD, f->n);
         m.filter.placed &= ~((uint32_t)1 << target);
-        if (m.head->settles == body) {
-            m.head->settling = 0;
+        if (m.top.head.settles == body) {
+            m.top.head.settling = 0;
         }
     }
     rc_monitor_close_again(&m);

@@ -15,8 +15,8 @@ enum { SETTLING = 10 };
 static void walk(const rc_monitor *m, rigcal_real seconds)
 {
     const rc_filter *const f = &m->filter;
-    const rigcal_real q_rad = m->head->walk_rad * m->head->walk_rad * seconds;
-    const rigcal_real q_t = m->head->walk_t * m->head->walk_t * seconds;
+    const rigcal_real q_rad = m->top.head.walk_rad * m->top.head.walk_rad * seconds;
+    const rigcal_real q_t = m->top.head.walk_t * m->top.head.walk_t * seconds;
     if (!(q_rad > 0 || q_t > 0)) {
         return;
     }
@@ -30,7 +30,7 @@ static void walk(const rc_monitor *m, rigcal_real seconds)
 /* (M14) Weighs the frame, and raises the alarm. */
 static void weigh(rc_monitor *m)
 {
-    rc_monitor_head *const head = m->head;
+    rc_monitor_head *const head = &m->top.head;
     head->evidence = rc_alarm_frame(&head->alarm, m->bodies);
     if (head->evidence >= 0) {
         head->is_alarm = 1;
@@ -42,7 +42,7 @@ static void weigh(rc_monitor *m)
 
 static void report_on(rigcal_monitor_report *report, const rc_monitor *m)
 {
-    const rc_monitor_head *const head = m->head;
+    const rc_monitor_head *const head = &m->top.head;
     const rc_filter *const f = &m->filter;
     rigcal_real most = -1;
     report->alarm = (int32_t)head->is_alarm;
@@ -102,14 +102,14 @@ rigcal_status rigcal_monitor_frame(rigcal_monitor_report *report, rigcal_real mo
     if (!(seconds >= 0 && seconds <= SECONDS_MOST)) {
         return RIGCAL_ERR_RANGE;
     }
-    m.head->frames++;
+    m.top.head.frames++;
     for (size_t b = 0; b < m.filter.n_bodies; b++) {
         rc_filter_apply(&m.filter, b);
     }
     walk(&m, seconds);
-    m.head->settling -= (m.head->settling > 0) ? 1 : 0;
-    if (m.head->is_alarm) {
-        m.head->since++;
+    m.top.head.settling -= (m.top.head.settling > 0) ? 1 : 0;
+    if (m.top.head.is_alarm) {
+        m.top.head.since++;
         rc_trial_settle(&m.filter, m.bodies);
     } else {
         weigh(&m);
@@ -125,17 +125,17 @@ rigcal_status rigcal_monitor_frame(rigcal_monitor_report *report, rigcal_real mo
 
 static void end_alarm(rc_monitor *m)
 {
-    m->head->is_alarm = 0;
-    m->head->since = 0;
-    m->head->evidence = 0;
-    rc_alarm_again(&m->head->alarm, m->bodies);
+    m->top.head.is_alarm = 0;
+    m->top.head.since = 0;
+    m->top.head.evidence = 0;
+    rc_alarm_again(&m->top.head.alarm, m->bodies);
 }
 
 rigcal_status rigcal_monitor_dismiss(rigcal_real monitor[])
 {
     rc_monitor m;
     rigcal_status status = rc_monitor_open(&m, monitor);
-    if (status == RIGCAL_OK && m.head->is_alarm == 0) {
+    if (status == RIGCAL_OK && m.top.head.is_alarm == 0) {
         status = RIGCAL_ERR_STATE;
     }
     if (status == RIGCAL_OK) {
@@ -149,9 +149,9 @@ rigcal_status rigcal_monitor_dismiss(rigcal_real monitor[])
 static void open_body(rc_monitor *m, size_t body)
 {
     const rc_filter *const f = &m->filter;
-    const rigcal_real move_rad = m->head->move_rad, move_t = m->head->move_t;
+    const rigcal_real move_rad = m->top.head.move_rad, move_t = m->top.head.move_t;
     rc_filter_multiply(f->UD, f->n);
-    if (m->head->is_alarm) {
+    if (m->top.head.is_alarm) {
         rigcal_transform pose;
         rigcal_real Sigma[36];
         rc_trial_result(&pose, Sigma, f, m->bodies, body);
@@ -161,8 +161,8 @@ static void open_body(rc_monitor *m, size_t body)
         rc_filter_spread(f, f->UD, body, move_rad * move_rad, move_t * move_t);
     }
     rc_filter_factor(f->UD, f->n);
-    m->head->settling = SETTLING;
-    m->head->settles = (uint32_t)body;
+    m->top.head.settling = SETTLING;
+    m->top.head.settles = (uint32_t)body;
 }
 
 rigcal_status rigcal_monitor_moved(rigcal_real monitor[], size_t body)

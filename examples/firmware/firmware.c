@@ -1,14 +1,16 @@
 #include "firmware.h"
+#include "line.h"
+#include "watch.h"
 
 #include <string.h>
 
-enum { WAITING = 0, SOLVING, JOINING, ADJUSTING, ERASING, PROGRAMMING };
+enum { WAITING = 0, SOLVING, JOINING, ADJUSTING, WATCHING, ERASING, PROGRAMMING };
 
 #define R(x) ((rigcal_real)(x))
 
 /* Noise of a corner [px], and how far a camera must have moved to be stored anew: five
  * times what that noise lets a pose waver. */
-#define SIGMA_PX R(0.2)
+#define SIGMA_PX R(FIRMWARE_SIGMA_PX)
 #define MOVED_DISTANCE R(0.01)
 #define MOVED_ANGLE R(0.01)
 
@@ -29,74 +31,7 @@ const rigcal_camera FIRMWARE_INTRINSICS[FIRMWARE_CAMERAS] = {
 /* Three points would do for several poses, and leave no error to judge them by. */
 enum { POINTS_LEAST = 4 };
 
-/* ---- the serial line: text without printf --------------------------------- */
-
-typedef struct {
-    char text[320];
-    size_t n;
-} line;
-
-static void put_text(line *out, const char *text)
-{
-    while (*text != '\0' && out->n < sizeof out->text) {
-        out->text[out->n++] = *text++;
-    }
-}
-
-/* At least `digits` digits. */
-static void put_unsigned(line *out, uint32_t x, int digits)
-{
-    char reversed[10];
-    int n = 0;
-    for (; x > 0 || n < digits; x /= 10) {
-        reversed[n++] = (char)('0' + x % 10);
-    }
-    while (n > 0 && out->n < sizeof out->text) {
-        out->text[out->n++] = reversed[--n];
-    }
-}
-
-/* Six decimals, from an integer number of millionths. Beyond +-2147 the end of that
- * range is sent. */
-static void put_micro(line *out, rigcal_real x)
-{
-    const rigcal_real most = R(2147.0);
-    const rigcal_real within = (x < -most) ? -most : (x > most) ? most : x;
-    const int32_t micro = (int32_t)(within * R(1e6) + (within < 0 ? R(-0.5) : R(0.5)));
-    const uint32_t size = (micro < 0) ? 0U - (uint32_t)micro : (uint32_t)micro;
-    put_text(out, (micro < 0) ? "-" : "");
-    put_unsigned(out, size / 1000000, 1);
-    put_text(out, ".");
-    put_unsigned(out, size % 1000000, 6);
-}
-
-static void put_count(line *out, const char *name, uint32_t x)
-{
-    put_text(out, name);
-    put_unsigned(out, x, 1);
-}
-
-static void put_vector(line *out, const char *name, const rigcal_real x[3])
-{
-    put_text(out, name);
-    put_micro(out, x[0]);
-    put_text(out, ",");
-    put_micro(out, x[1]);
-    put_text(out, ",");
-    put_micro(out, x[2]);
-}
-
-static void put_status(line *out, rigcal_status status)
-{
-    put_text(out, " status=");
-    put_text(out, rigcal_status_name(status) + sizeof "RIGCAL_" - 1);
-}
-
-static void send(line *out)
-{
-    put_text(out, "\r\n");
-    port_send(out->text, out->n);
-}
+/* ---- what is sent ------------------------------------------------------------ */
 
 static void begin_frame_line(line *out, const firmware *f, const char *what,
                              rigcal_status status)
@@ -112,7 +47,7 @@ static void report_failure(const firmware *f, rigcal_status status)
 {
     line out;
     begin_frame_line(&out, f, "none", status);
-    send(&out);
+    send_line(&out);
 }
 
 static void report_pose(const firmware *f, rigcal_status status, const rigcal_pose *found,
@@ -131,7 +66,7 @@ static void report_pose(const firmware *f, rigcal_status status, const rigcal_po
     put_text(&out, " rms=");
     put_micro(&out, found->rms_px);
     put_count(&out, " ticks=", (uint32_t)f->ticks);
-    send(&out);
+    send_line(&out);
 }
 
 static void report_slot(const char *what, int32_t slot, uint32_t sequence)
@@ -140,7 +75,7 @@ static void report_slot(const char *what, int32_t slot, uint32_t sequence)
     put_text(&out, what);
     put_count(&out, " slot=", (uint32_t)slot);
     put_count(&out, " sequence=", sequence);
-    send(&out);
+    send_line(&out);
 }
 
 /* ---- the calibration in flash ---------------------------------------------- */
@@ -148,16 +83,18 @@ static void report_slot(const char *what, int32_t slot, uint32_t sequence)
 /* Whether the slot holds a calibration of this machine, which is then in f. */
 static int load_slot(firmware *f, int32_t slot, uint32_t *sequence)
 {
-    rigcal_mounted_camera cameras[FIRMWARE_CAMERAS];
+    firmware_watch *const w = &f->watch;
     rigcal_saved_info info;
-    if (rigcal_store_load(cameras, FIRMWARE_CAMERAS, &info, port_flash(slot),
-                          PORT_SLOT_BYTES) != RIGCAL_OK ||
+    watch_clear(w);
+    if (rigcal_store_load_rig(&w->rig, &info, port_flash(slot), PORT_SLOT_BYTES) !=
+            RIGCAL_OK ||
         info.n_cameras != FIRMWARE_CAMERAS || info.tag != FIRMWARE_SERIAL) {
+        watch_clear(w);
         return 0;
     }
     for (int i = 0; i < FIRMWARE_CAMERAS; i++) {
-        f->cameras[i] = cameras[i];
-        f->stored[i] = cameras[i].cam_from_rig;
+        f->cameras[i] = w->cameras[i];
+        f->stored[i] = w->cameras[i].cam_from_rig;
         f->is_known[i] = 1;
     }
     *sequence = info.sequence;
@@ -172,9 +109,11 @@ static void load_newest(firmware *f)
     const int has_second = load_slot(f, 1, &sequence[1]);
     if (has_first && has_second) {
         f->slot = ((int32_t)(sequence[1] - sequence[0]) > 0) ? 1 : 0;
-        (void)load_slot(f, f->slot, &sequence[f->slot]);
     } else {
         f->slot = has_first ? 0 : has_second ? 1 : -1;
+    }
+    if (f->slot >= 0) {
+        (void)load_slot(f, f->slot, &sequence[f->slot]);
     }
     f->sequence = (f->slot >= 0) ? sequence[f->slot] : 0;
 }
@@ -224,9 +163,14 @@ static void begin_saving(firmware *f)
 {
     memset(f->is_fresh, 0, sizeof f->is_fresh);
     memset(f->image, 0xff, sizeof f->image);
-    if (rigcal_store_save(f->image, sizeof f->image, &f->image_bytes, f->cameras,
-                          FIRMWARE_CAMERAS, f->sequence + 1,
-                          FIRMWARE_SERIAL) != RIGCAL_OK) {
+    const rigcal_calibrated_rig *const rig = &f->watch.rig;
+    const rigcal_status status =
+        rig->sigma_px > 0
+            ? rigcal_store_save_rig(f->image, sizeof f->image, &f->image_bytes, rig,
+                                    f->sequence + 1, FIRMWARE_SERIAL)
+            : rigcal_store_save(f->image, sizeof f->image, &f->image_bytes, f->cameras,
+                                FIRMWARE_CAMERAS, f->sequence + 1, FIRMWARE_SERIAL);
+    if (status != RIGCAL_OK) {
         save_failed(f);
         return;
     }
@@ -302,7 +246,7 @@ static void take_frame(firmware *f)
     port_frame frame;
     rigcal_pose_options options;
     if (!port_take_frame(&frame) || frame.camera < 0 || frame.camera >= FIRMWARE_CAMERAS ||
-        frame.placement < 0 || frame.placement > FIRMWARE_PLACEMENTS) {
+        frame.placement < PORT_AT_WORK || frame.placement > FIRMWARE_PLACEMENTS) {
         return;
     }
     f->camera = frame.camera;
@@ -316,6 +260,10 @@ static void take_frame(firmware *f)
     f->view.n = observe(f->seen, &frame);
     if (f->view.n < POINTS_LEAST) {
         report_failure(f, RIGCAL_ERR_TOO_FEW);
+        return;
+    }
+    if (f->placement == PORT_AT_WORK) {
+        f->state = WATCHING;
         return;
     }
     rigcal_status status = rigcal_pose_defaults(&options);
@@ -342,7 +290,7 @@ static void report_rig_failure(firmware *f, const char *what, rigcal_status stat
     f->state = WAITING;
     put_text(&out, what);
     put_status(&out, status);
-    send(&out);
+    send_line(&out);
 }
 
 /* Where the first point of the last placement is, from both cameras, and the line in camera
@@ -372,10 +320,10 @@ static void report_measured(const firmware *f, rigcal_real sigma_px)
     put_vector(&out, "point at=", point.X);
     put_text(&out, " rms=");
     put_micro(&out, point.rms_px);
-    send(&out);
+    send_line(&out);
     out.n = 0;
     put_vector(&out, "line camera=1 abc=", matching);
-    send(&out);
+    send_line(&out);
 }
 
 /* Camera 1 is where the rig has it, with the rig's covariance, and both go into flash. */
@@ -392,17 +340,17 @@ static void finish_rig(firmware *f)
     if (status == RIGCAL_OK) {
         status = rigcal_rig_pair(&pair, Sigma, &r->rig, SIGMA_PX, 0, 1);
     }
+    if (status == RIGCAL_OK) {
+        watch_clear(&f->watch);
+        status = rigcal_calibrated_take(&f->watch.rig, &r->rig, &fit, SIGMA_PX);
+    }
     if (status != RIGCAL_OK) {
         report_rig_failure(f, "no rig", status);
         return;
     }
     for (int c = 0; c < FIRMWARE_CAMERAS; c++) {
-        rigcal_mounted_camera *const mounted = &f->cameras[c];
-        mounted->cam_from_rig = r->cams_from_rig[c];
-        if (c > 0 && rigcal_rig_covariance(mounted->Sigma, &r->rig, SIGMA_PX, (size_t)c) ==
-                         RIGCAL_OK) {
-            mounted->has_Sigma = 1;
-        }
+        f->watch.cameras[c].camera = f->cameras[c].camera;
+        f->cameras[c] = f->watch.cameras[c];
         f->is_known[c] = f->is_fresh[c] = 1;
     }
     const rigcal_real mm2[3] = {R(1e6) * Sigma[21], R(1e6) * Sigma[28], R(1e6) * Sigma[35]};
@@ -411,7 +359,7 @@ static void finish_rig(firmware *f)
     put_text(&out, " sigma=");
     put_micro(&out, fit.sigma_px);
     put_count(&out, " ticks=", (uint32_t)r->ticks);
-    send(&out);
+    send_line(&out);
     report_measured(f, SIGMA_PX);
     if (f->tries_left > 0) {
         begin_saving(f);
@@ -543,6 +491,28 @@ static void finish_frame(firmware *f)
     f->is_known[f->camera] = 1;
     f->is_fresh[f->camera] = 1;
     if (wants_saving(f)) {
+        watch_clear(&f->watch); /* poses found one by one have no joint covariance */
+        begin_saving(f);
+    }
+}
+
+/* ---- at work ------------------------------------------------------------------ */
+
+/* What one camera saw, with the rig as it was stored. Moved or followed so far, it is stored
+ * anew. */
+static void watch(firmware *f)
+{
+    const firmware_watch *const w = &f->watch;
+    f->state = WAITING;
+    if (!watch_view(&f->watch, f->camera, &f->view)) {
+        return;
+    }
+    int moved = 0;
+    for (int c = 0; c < FIRMWARE_CAMERAS; c++) {
+        f->cameras[c] = w->cameras[c];
+        moved = moved || has_moved(&f->cameras[c].cam_from_rig, &f->stored[c]);
+    }
+    if (moved && f->tries_left > 0) {
         begin_saving(f);
     }
 }
@@ -575,13 +545,31 @@ void firmware_boot(firmware *f)
         report_slot("loaded", f->slot, f->sequence);
     } else {
         put_text(&out, "uncalibrated");
-        send(&out);
+        send_line(&out);
     }
     port_feed_watchdog();
 }
 
+/* "how are you?" at the end of a line. */
+static void listen(firmware *f)
+{
+    static const char QUESTION[] = "how are you?";
+    for (int c = port_receive(); c >= 0; c = port_receive()) {
+        if (c == '\r' || c == '\n') {
+            if (f->n_heard == sizeof QUESTION - 1) {
+                watch_answer(&f->watch);
+            }
+            f->n_heard = 0;
+        } else {
+            const int fits = f->n_heard < sizeof QUESTION - 1 && c == QUESTION[f->n_heard];
+            f->n_heard = fits ? f->n_heard + 1 : sizeof QUESTION; /* no more fits */
+        }
+    }
+}
+
 void firmware_tick(firmware *f)
 {
+    listen(f);
     switch (f->state) {
     case SOLVING:
         solve(f);
@@ -591,6 +579,9 @@ void firmware_tick(firmware *f)
         break;
     case ADJUSTING:
         adjust(f);
+        break;
+    case WATCHING:
+        watch(f);
         break;
     case ERASING:
         erase(f);

@@ -20,6 +20,7 @@ enum {
  * machine: a calibration of another one is not used. */
 extern const rigcal_real FIRMWARE_TARGET[FIRMWARE_POINTS][3];
 extern const rigcal_camera FIRMWARE_INTRINSICS[FIRMWARE_CAMERAS];
+#define FIRMWARE_SIGMA_PX 0.2 /* noise of a corner */
 #define FIRMWARE_SERIAL UINT32_C(0x52494721)
 
 /* What was seen of the board, and the rig that comes of it. Camera 0 is held. */
@@ -36,6 +37,19 @@ typedef struct {
     rigcal_rig_solver solver;
     int32_t n_views, ticks;
 } firmware_rig;
+
+/* The rig in flash, and what watches it at work; the board that the cameras see then is
+ * body FIRMWARE_CAMERAS. */
+typedef struct {
+    rigcal_mounted_camera cameras[FIRMWARE_CAMERAS];
+    int32_t group[FIRMWARE_CAMERAS];
+    uint8_t held[FIRMWARE_CAMERAS];
+    rigcal_real Sigma[RIGCAL_CALIBRATED_SIZE(FIRMWARE_CAMERAS - 1)];
+    rigcal_calibrated_rig rig; /* sigma_px 0: there is none */
+    rigcal_real monitor[RIGCAL_MONITOR_SIZE(FIRMWARE_CAMERAS, 1)];
+    int32_t is_on;   /* the monitor was begun */
+    int32_t mending; /* frames until the body that was bumped is where it is now */
+} firmware_watch;
 
 /* All of the firmware's memory. */
 typedef struct {
@@ -54,6 +68,8 @@ typedef struct {
     rigcal_view view; /* of that frame: its camera, and what of seen[] was seen */
     rigcal_pose_solver solver;
     firmware_rig rig;
+    firmware_watch watch;
+    size_t n_heard; /* characters of the question that came so far */
 
     uint8_t image[PORT_SLOT_BYTES]; /* on its way to the flash */
     size_t image_bytes, written;

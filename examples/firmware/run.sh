@@ -35,7 +35,8 @@ build() {
     objects=$out/$name
     tests=$out/$name/tests
     mkdir -p "$tests"
-    for source in src/*.c examples/firmware/sim_port.c; do
+    for source in src/*.c examples/firmware/line.c examples/firmware/watch.c \
+        examples/firmware/sim_port.c; do
         "$@" $strict -DRIGCAL_BUILD -c "$source" \
             -o "$objects/$(basename "$source" .c).o"
     done

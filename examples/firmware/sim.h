@@ -23,7 +23,8 @@ enum {
     SIM_WATCHDOG_INSTRUCTIONS = 200000, /* where they are counted */
 
     SIM_FRAMES_MAX = 16,
-    SIM_SERIAL_BYTES = 4096
+    SIM_SERIAL_BYTES = 4096,
+    SIM_TYPED_BYTES = 64
 };
 
 /* What becomes of a byte, or of a slot, that was being changed when the power went. */
@@ -54,7 +55,8 @@ typedef struct {
 
     char serial[SIM_SERIAL_BYTES]; /* ends with 0 */
     size_t n_serial;
-    int echo; /* 1: to standard output too */
+    int echo;                    /* 1: to standard output too */
+    char typed[SIM_TYPED_BYTES]; /* and not yet taken */
 
     int watchdog_units, spent;
     int most_spent;                     /* between two feeds */
@@ -82,6 +84,9 @@ port_frame *sim_shoot(int camera, unsigned mask);
  * RAM is at power-up. `most` bounds the ticks. */
 sim_end sim_boot(firmware *f);
 sim_end sim_run(firmware *f, int most);
+
+/* Somebody types this at the other end of the serial line. */
+void sim_type(const char *text);
 
 /* Forgets what was sent so far. */
 void sim_clear_serial(void);

@@ -50,6 +50,22 @@ static void hold_up(void)
     sim.placement = 0;
 }
 
+/* The rig at work for n frames: camera 1 is `by` [rad, and half of that in metres] off. */
+static sim_end work(int n, double by)
+{
+    static const double BOARD[3] = {0, 0, 0.05};
+    sim_end end = SIM_IDLE;
+    for (int i = 0; i < n && end == SIM_IDLE; i++) {
+        const double center[3] = {-0.4, 0.35 + by / 2, 1.3};
+        sim_place(1, center, -1.4 + by);
+        sim_hold(PORT_AT_WORK, 0.3, -0.2, BOARD);
+        shoot(0xff);
+        end = sim_run(&app, 1000);
+    }
+    sim.placement = 0;
+    return end;
+}
+
 int main(void)
 {
     int ok = 1;
@@ -93,6 +109,25 @@ int main(void)
     tell("a board with the points is held up in four places: the rig is adjusted");
     hold_up();
     ok &= expect(SIM_IDLE, sim_run(&app, 10000), "saved slot=0 sequence=3");
+
+    tell("the rig works, and warms up");
+    for (int i = 0; i < 60; i++) {
+        ok &= work(1, 1e-6 * i) == SIM_IDLE;
+    }
+    sim_type("how are you?\n");
+    ok &= expect(SIM_IDLE, sim_run(&app, 10), "well");
+
+    tell("camera 1 is bumped");
+    ok &= expect(SIM_IDLE, work(20, 0.02), "alarm");
+    ok &= expect(SIM_IDLE, work(40, 0.02), "saved slot=1 sequence=4");
+    sim_type("how are you?\n");
+    ok &= expect(SIM_IDLE, sim_run(&app, 10), "well");
+
+    tell("reset: it is watched from where it was left");
+    ok &= expect(SIM_IDLE, sim_boot(&app), "loaded slot=1 sequence=4");
+    ok &= work(30, 0.02) == SIM_IDLE;
+    sim_type("how are you?\n");
+    ok &= expect(SIM_IDLE, sim_run(&app, 10), "well");
 
     printf("[watchdog: %d of %d units spent at most between two feeds]\n", sim.most_spent,
            SIM_WATCHDOG_UNITS);

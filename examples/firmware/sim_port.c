@@ -116,6 +116,22 @@ void port_send(const char text[], size_t n)
     sim.fed_at += counts_now() - begin; /* hardware would do this */
 }
 
+int port_receive(void)
+{
+    const char c = sim.typed[0];
+    if (c == '\0') {
+        return -1;
+    }
+    memmove(sim.typed, sim.typed + 1, sizeof sim.typed - 1);
+    return (unsigned char)c;
+}
+
+void sim_type(const char *text)
+{
+    const size_t used = strlen(sim.typed);
+    strncat(sim.typed, text, sizeof sim.typed - 1 - used);
+}
+
 void sim_clear_serial(void)
 {
     sim.n_serial = 0;
@@ -278,7 +294,7 @@ port_frame *sim_shoot(int camera, unsigned mask)
         for (int i = 0; i < 3; i++) {
             X[i] = (double)FIRMWARE_TARGET[p][i];
         }
-        for (int i = 0; i < 3 && sim.placement > 0; i++) {
+        for (int i = 0; i < 3 && sim.placement != 0; i++) {
             X[i] = sim.shift[i];
             for (int k = 0; k < 3; k++) {
                 X[i] += sim.turn[3 * i + k] * (double)FIRMWARE_TARGET[p][k];
@@ -344,7 +360,7 @@ sim_end sim_run(firmware *f, int most)
     }
     sim.fed_at = counts_now();
     for (volatile int i = 0; i < most; i++) {
-        if (sim.n_frames == 0 && f->state == 0) {
+        if (sim.n_frames == 0 && f->state == 0 && sim.typed[0] == '\0') {
             return SIM_IDLE;
         }
         spend(SIM_COST_TICK);

@@ -19,6 +19,7 @@
 #include "rc_direction.h"
 #include "rc_levenberg.h"
 #include "rc_logs.h"
+#include "rc_monitor.h"
 #include "rc_neldermead.h"
 #include "rc_p3p.h"
 #include "rc_pose.h"
@@ -2607,6 +2608,351 @@ static void gate_alarm(void)
     line("exp.series", "%.4g", (double)rc_exp(RC(61.7)));
 }
 
+/* ---- monitor ----------------------------------------------------------------- */
+
+enum { WATCHED = 3, WATCHED_FREE = 6 * (WATCHED - 1) };
+
+static struct {
+    rigcal_mounted_camera cameras[WATCHED];
+    int32_t group[WATCHED];
+    uint8_t held[WATCHED];
+    rigcal_real Sigma[RIGCAL_CALIBRATED_SIZE(WATCHED - 1)];
+    rigcal_calibrated_rig rig;
+    rigcal_monitor_options options;
+    rigcal_real monitor[RIGCAL_MONITOR_SIZE(WATCHED, 1)];
+    double turned; /* of camera 1, rad */
+} watched;
+
+static rigcal_status watched_begin(void)
+{
+    return rigcal_monitor_begin(watched.monitor, RIGCAL_MONITOR_SIZE(WATCHED, 1),
+                                &watched.rig, 1, &watched.options);
+}
+
+static void set_watched(void)
+{
+    memset(&watched, 0, sizeof watched);
+    for (int c = 0; c < WATCHED; c++) {
+        const double q[4] = {1, 0.01 * c, 0.1 * c, 0.02};
+        double R[9];
+        rigcal_mounted_camera *const m = &watched.cameras[c];
+        rotation_of(R, q);
+        for (int k = 0; k < 9; k++) {
+            m->cam_from_rig.R[k] = (rigcal_real)R[k];
+        }
+        m->cam_from_rig.t[0] = (rigcal_real)(-0.5 * c);
+        m->cam_from_rig.t[1] = (rigcal_real)(0.1 * (c % 2));
+        m->camera.width = m->camera.height = 800;
+        m->camera.fx = m->camera.fy = 800;
+        m->camera.cx = m->camera.cy = 400;
+        watched.held[c] = c == 0;
+    }
+    for (size_t i = 0; i < WATCHED_FREE; i++) {
+        watched.Sigma[i * (i + 3) / 2] = (rigcal_real)(i % 6 < 3 ? 1e-6 : 4e-6);
+    }
+    const rigcal_calibrated_rig rig = {watched.cameras,
+                                       watched.group,
+                                       watched.held,
+                                       WATCHED,
+                                       watched.Sigma,
+                                       sizeof watched.Sigma / sizeof watched.Sigma[0],
+                                       WATCHED,
+                                       RC(0.3),
+                                       0,
+                                       0,
+                                       0};
+    watched.rig = rig;
+    (void)rigcal_monitor_defaults(&watched.options);
+    watched.options.arl0_frames = 1000;
+}
+
+/* The ray of a point in a camera, with noise of 0.3 px. */
+static void watched_ray(rigcal_real ray[3], int c, const double X[3])
+{
+    double p[3];
+    for (int i = 0; i < 3; i++) {
+        const rigcal_transform *const T = &watched.cameras[c].cam_from_rig;
+        p[i] = (double)T->R[3 * i] * X[0] + (double)T->R[3 * i + 1] * X[1] +
+               (double)T->R[3 * i + 2] * X[2] + (double)T->t[i];
+    }
+    ray[0] = (rigcal_real)(p[0] / p[2] + 3.75e-4 * normal());
+    ray[1] =
+        (rigcal_real)(p[1] / p[2] + 3.75e-4 * normal() + (c == 1 ? watched.turned : 0));
+    ray[2] = 1;
+}
+
+/* A frame of n matches, one in ten of which is wrong. */
+static rigcal_monitor_report watched_frame(tally *t, int n)
+{
+    rigcal_monitor_report report;
+    for (int i = 0; i < n; i++) {
+        const double X[3] = {uniform(-1, 1), uniform(-1, 1), uniform(3, 5)};
+        const int a = (int)uniform(0, WATCHED);
+        const int b = (a + 1 + (int)uniform(0, WATCHED - 1)) % WATCHED;
+        rigcal_real ray_a[3], ray_b[3];
+        watched_ray(ray_a, a, X);
+        watched_ray(ray_b, b, X);
+        ray_b[1] += (rigcal_real)(uniform(0, 1) < 0.1 ? uniform(-0.05, 0.05) : 0);
+        (void)count(t, rigcal_monitor_match_rays(watched.monitor, (size_t)a, ray_a,
+                                                 (size_t)b, ray_b, RC(0.3)));
+    }
+    (void)rigcal_monitor_frame(&report, watched.monitor, RC(0.03));
+    t->found += report.alarm;
+    return report;
+}
+
+/* Where the cameras are, and how well that is known. */
+static void watched_lines(const char *name)
+{
+    double sum = 0, variance = 0;
+    char counter[64];
+    rigcal_mounted_camera m;
+    for (size_t c = 0; c < WATCHED; c++) {
+        (void)rigcal_monitor_camera(&m, watched.monitor, c);
+        for (int k = 0; k < 12; k++) {
+            sum += k < 9 ? (double)m.cam_from_rig.R[k] : (double)m.cam_from_rig.t[k - 9];
+        }
+        for (int k = 0; k < 36; k += 7) {
+            variance += (double)m.Sigma[k];
+        }
+    }
+    snprintf(counter, sizeof counter, "%s.poses", name);
+    line(counter, "%.5g", sum);
+    snprintf(counter, sizeof counter, "%s.variance", name);
+    line(counter, "%.3g", variance);
+}
+
+/* Frames of a still rig, a bump, its alarm, and its answer. */
+static void watched_run(const char *name, double wrong, double turned)
+{
+    rigcal_monitor_report report;
+    rigcal_body_report body;
+    char counter[64];
+    tally t;
+    begin(&t, name);
+    set_watched();
+    watched.options.wrong = (rigcal_real)wrong;
+    watched.options.walk_rad = RC(1e-5);
+    (void)watched_begin();
+    for (int f = 0; f < 40; f++) {
+        (void)watched_frame(&t, 20);
+    }
+    watched.turned = turned;
+    do {
+        report = watched_frame(&t, 20);
+    } while (report.frames_since < 2 && report.frames < 100);
+    (void)rigcal_monitor_body(&body, watched.monitor, 2);
+    snprintf(counter, sizeof counter, "%s.blame", name);
+    line(counter, "%.3g", (double)body.blame);
+    (void)rigcal_monitor_moved(watched.monitor, (size_t)report.body);
+    for (int f = 0; f < 3; f++) {
+        report = watched_frame(&t, 20);
+    }
+    t.misses = (long)report.doubted;
+    end(&t);
+    watched_lines(name);
+    (void)rigcal_monitor_moved(watched.monitor, 2);
+    watched.turned = 0;
+    (void)watched_frame(&t, 1); /* a row of a body that is open */
+    snprintf(counter, sizeof counter, "%s.opened", name);
+    watched_lines(counter);
+}
+
+/* A target gets its place, is seen again, and goes. */
+static void watched_target(void)
+{
+    rigcal_observation seen[8];
+    tally t;
+    begin(&t, "monitor.target");
+    set_watched();
+    (void)watched_begin();
+    for (size_t c = 0; c < WATCHED; c++) {
+        for (int i = 0; i < 8; i++) {
+            const double X[3] = {i % 2 - 0.5, i / 2 % 2 - 0.5, 3 + 0.3 * (i / 4)};
+            rigcal_real ray[3];
+            watched_ray(ray, (int)c, X);
+            for (int k = 0; k < 3; k++) {
+                seen[i].X_w[k] = (rigcal_real)(X[k] - (k == 2 ? 3 : 0));
+            }
+            seen[i].uv[0] = 800 * ray[0] + 400;
+            seen[i].uv[1] = 800 * ray[1] + 400;
+        }
+        (void)count(&t, rigcal_monitor_view(watched.monitor, NULL, c, 0, seen, 8, RC(0.3)));
+    }
+    (void)rigcal_monitor_frame(NULL, watched.monitor, 1);
+    end(&t);
+    watched_lines("monitor.target");
+}
+
+static int holds_arl0(double x)
+{
+    watched.options.arl0_frames = (rigcal_real)x;
+    return watched_begin() == RIGCAL_OK;
+}
+
+static int holds_arl0_least(double x)
+{
+    return holds_arl0(1 / x);
+}
+
+static int holds_wrong(double x)
+{
+    watched.options.wrong = (rigcal_real)x;
+    return watched_begin() == RIGCAL_OK;
+}
+
+static int holds_move(double x)
+{
+    watched.options.move_rad = (rigcal_real)x;
+    return watched_begin() == RIGCAL_OK;
+}
+
+static int holds_walk(double x)
+{
+    watched.options.walk_rad = (rigcal_real)x;
+    return watched_begin() == RIGCAL_OK;
+}
+
+static int holds_correlation(double x)
+{
+    watched.Sigma[1] = watched.Sigma[0] * (rigcal_real)(1 + x);
+    return watched_begin() == RIGCAL_OK;
+}
+
+static int holds_noise(double x)
+{
+    const rigcal_real a[3] = {0, 0, 1}, b[3] = {RC(-0.1), 0, 1};
+    return rigcal_monitor_match_rays(watched.monitor, 0, a, 1, b, (rigcal_real)x) !=
+           RIGCAL_ERR_RANGE;
+}
+
+static int holds_noise_least(double x)
+{
+    return holds_noise(1 / x);
+}
+
+static int holds_seconds(double x)
+{
+    return rigcal_monitor_frame(NULL, watched.monitor, (rigcal_real)x) == RIGCAL_OK;
+}
+
+/* A match so near to the line through both centres. */
+static int off_line(double angle, double sigma_px)
+{
+    const rigcal_transform a = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
+    const rigcal_transform b = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 1}};
+    const rigcal_real ray[3] = {(rigcal_real)angle, 0, 1};
+    rc_row rows[2];
+    rc_seen seen;
+    memset(&seen, 0, sizeof seen);
+    seen.n_rows = 1;
+    seen.b = 1;
+    for (int k = 0; k < 2; k++) {
+        (void)rc_ray_noise_of(&seen.sight[k], &watched.cameras[0].camera, ray,
+                              (rigcal_real)sigma_px);
+    }
+    return rc_rows_of(rows, &seen, &a, &b) == RIGCAL_OK;
+}
+
+static int holds_off_noise(double x)
+{
+    return off_line(1 / x, 0.3);
+}
+
+static int holds_off_rounding(double x)
+{
+    return off_line(1 / x, ANY_OF(1e-14, 1e-6));
+}
+
+/* What rounding leaves of a turn is kept. */
+static int holds_left(double x)
+{
+    const rc_filter f = {2,    0,
+                         6,    2,
+                         0,    (rigcal_transform[2]){{{0}, {0}}, {{0}, {0}}},
+                         NULL, (rigcal_real[6]){0},
+                         NULL};
+    f.poses[1] = watched.cameras[1].cam_from_rig;
+    for (int k = 0; k < 3; k++) {
+        f.d[k] = (rigcal_real)(x * (1 - 0.3 * k));
+    }
+    rc_filter_apply(&f, 1);
+    return f.d[0] != 0 || f.d[1] != 0 || f.d[2] != 0;
+}
+
+static void watched_edges(void)
+{
+    set_watched();
+    edge("monitor.arl0_most", holds_arl0, 1e3, 1e12);
+    edge("monitor.arl0_least", holds_arl0_least, 1e-3, 1);
+    set_watched();
+    edge("monitor.wrong_most", holds_wrong, 0.1, 10);
+    set_watched();
+    edge("monitor.move_most", holds_move, 0.1, 10);
+    set_watched();
+    edge("monitor.walk_most", holds_walk, 0.1, 10);
+    set_watched();
+    watched.Sigma[2] = watched.Sigma[0];
+    edge("monitor.correlation", holds_correlation, ANY_OF(1e-14, 1e-6), 1);
+    set_watched();
+    (void)watched_begin();
+    edge("monitor.noise_most", holds_noise, 1, 1e9);
+    edge("monitor.noise_least", holds_noise_least, 1, 1e9);
+    edge("monitor.seconds_most", holds_seconds, 1, 1e9);
+    edge("rows.noise", holds_off_noise, 1, 1e9);
+    edge("rows.rounding", holds_off_rounding, 1, 1e20);
+    edge("filter.left_turn", holds_left, ANY_OF(1e-7, 1e-4), 0.5);
+}
+
+/* What is chosen where nothing is asked for, and numbers of the layers themselves. */
+static void watched_numbers(void)
+{
+    rigcal_monitor_options o;
+    rigcal_body_report body;
+    rc_monitor m;
+    rigcal_real P[3] = {1, 1, 1};
+    rc_doubt doubt;
+    set_watched();
+    (void)rigcal_monitor_defaults(&o);
+    line("monitor.arl0", "%.4g", (double)o.arl0_frames);
+    line("monitor.common", "%.4g", (double)o.common);
+    line("monitor.wrong", "%.4g", (double)o.wrong);
+    line("monitor.move", "%.4g", (double)o.move_rad);
+    watched.options.wrong = 0;
+    watched.Sigma[13] = RC(0.0003) * watched.Sigma[9];
+    (void)watched_begin();
+    (void)rigcal_monitor_moved(watched.monitor, 2);
+    (void)rc_monitor_open(&m, watched.monitor);
+    line("monitor.magic", "%lx", (unsigned long)m.top.head.magic);
+    line("monitor.wrong_least", "%.4g", (double)m.top.head.wrong);
+    line("monitor.lever", "%.4g", (double)(m.top.head.move_t / m.top.head.move_rad));
+    line("monitor.settling", "%lu", (unsigned long)m.top.head.settling);
+    (void)rigcal_monitor_body(&body, watched.monitor, 1);
+    line("monitor.weakest", "%.3g", fabs((double)body.weakest[4]));
+    rc_filter_factor(P, 2);
+    line("filter.pivot", "%.3g", (double)P[0]);
+    rc_filter_doubt(&doubt, 0, 1, RC(0.5));
+    line("filter.likelihood", "%.4g", (double)doubt.likelihood);
+    line("filter.beta", "%.4g", (double)doubt.beta);
+    rc_alarm_begin(&m.top.head.alarm, m.bodies, 2, 1000, 0, 1, 1);
+    m.bodies[RC_ALARM_BODY - 1] = 0;
+    m.bodies[2 * RC_ALARM_BODY - 1] = -1000;
+    m.filter.n_bodies = 2;
+    rc_trial_begin(&m.filter, &m.top.head.alarm, m.bodies, 1, 1);
+    line("trial.none", "%.4g", (double)rc_alarm_lent(m.bodies, 1)[RC_TRIAL_LOG]);
+}
+
+static void gate_monitor(void)
+{
+    state = 3200;
+    watched_run("monitor.small", 0.1, 3e-4);
+    watched_run("monitor.large", 0.3, 0.02);
+    watched_run("monitor.trusting", 0, 1e-3);
+    watched_target();
+    watched_edges();
+    watched_numbers();
+}
+
 /* ---- all of them ---------------------------------------------------------- */
 
 /* ---- bands, candidates, spans ----------------------------------------------- */
@@ -2902,6 +3248,7 @@ static void run(void)
     gate_memory();
     gate_alarm();
     gate_clocks();
+    gate_monitor();
 }
 
 /* The value of a line: what stands after its name. NULL: the line is another counter's. */

@@ -31,22 +31,24 @@ void rc_rig_forget(const rigcal_rig *rig)
 
 int rc_rig_is_adjusted(rc_rig_parts *parts, const rigcal_rig *rig)
 {
-    size_t n = 0;
-    if (rig->work_capacity < rigcal_rig_work(0, rig->n_cameras, rig->n_placements)) {
-        return 0;
-    }
+    size_t n = 0, n_free = 0;
     rc_rig_parts_of(parts, rig, 0);
-    for (size_t c = 0; c < rig->n_cameras; c++) {
-        const size_t wanted = rigcal_rig_work(n / 6 + 1, rig->n_cameras, rig->n_placements);
-        const rigcal_real column = parts->column[c];
-        if (rig->work_capacity >= wanted && RC_FABS(column - (rigcal_real)n) <= 0 &&
-            parts->S[rc_packed_at(n, n)] > 0) {
+    for (size_t c = 0;; c++) { /* unknowns before n are there, and known */
+        if (rig->work_capacity <
+                rigcal_rig_work(n_free, rig->n_cameras, rig->n_placements) ||
+            (n > 0 && !(parts->S[rc_packed_at(n - 6, n - 6)] > 0))) {
+            return 0;
+        }
+        if (c == rig->n_cameras) {
+            return 1;
+        }
+        if (RC_FABS(parts->column[c] - (rigcal_real)n) <= 0) {
             n += 6;
-        } else if (!(RC_FABS(column + 1) <= 0)) {
+            n_free++;
+        } else if (!(RC_FABS(parts->column[c] + 1) <= 0)) {
             return 0;
         }
     }
-    return 1;
 }
 
 rigcal_status rc_rig_view_at(rigcal_rig_view *out, const rigcal_rig *rig, size_t index)

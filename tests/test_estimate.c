@@ -19,6 +19,11 @@ enum {
 };
 
 #define SIGMA_PX 0.3
+
+/* In double the derivatives by f are those of the changed camera: 0.4 % of them. In float
+ * the poses take all but a thousandth of what the views say of the intrinsics, and S^-1 has
+ * some 1e-5 of rounding: 1e-2 of what is left. */
+#define PART TOL(0.01, 0.06)
 #define WANTS TEST_WANTS_RAM(sizeof(test_rig) + 131072)
 
 static test_rig r;
@@ -142,14 +147,16 @@ static void pixel(double uv[2], const rigcal_rig_view *v, int i, const double d[
     test_project_px(uv, &camera, X_c);
 }
 
+/* The projection is linear in the intrinsics: a step may be as long as it likes. */
 static void add_point(const rigcal_rig_view *v, int i)
 {
+    static const double STEPS[BY] = {0.125, 0.25, 16, 16, 0.125, 0.125};
     int at[18];
     double rows[2][18], there[2], zero[18] = {0};
 
     pixel(there, v, i, zero);
     for (int k = 0; k < 18; k++) {
-        const double step = (k < 12) ? 1e-4 : (k == 14 || k == 15) ? 0.5 : 1e-3;
+        const double step = (k < 12) ? 1e-4 : STEPS[k - 12];
         double d[18] = {0}, up[2], down[2];
 
         at[k] = (k < 6)    ? 6 * v->camera + k
@@ -230,7 +237,7 @@ static void assert_block(int row, const rigcal_real Sigma[36])
         for (int j = 0; j < 6; j++) {
             const double size = sqrt(inverse[row + i][row + i] * inverse[row + j][row + j]);
 
-            ASSERT_NEAR(inverse[row + i][row + j], Sigma[6 * i + j], 0.01 * size);
+            ASSERT_NEAR(inverse[row + i][row + j], Sigma[6 * i + j], PART * size);
         }
     }
 }
@@ -248,8 +255,8 @@ static void assert_minimum(void)
             step += inverse[POSES + k][b] * A[b][ALL];
         }
         if (sigma_of(k) > 0) {
-            ASSERT_NEAR(after, *number_of(&left[k / BY], k % BY), 0.01 * after);
-            ASSERT_NEAR(0, step / after, 0.02);
+            ASSERT_NEAR(after, *number_of(&left[k / BY], k % BY), PART * after);
+            ASSERT_NEAR(0, step / after, 2 * PART);
         }
     }
     for (int c = 1; c < CAMERAS; c++) {

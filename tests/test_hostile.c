@@ -39,7 +39,11 @@ enum {
     JUDGE_WORK = RIGCAL_JUDGE_WORK(N_CAMERAS, N_PLACEMENTS),
     MONITOR_SIZE = RIGCAL_MONITOR_SIZE(2, 1),
     CONSIDER_WORK = RIGCAL_CONSIDER_WORK(N_CAMERAS - 1, N_CAMERAS),
+<<<<<<< HEAD
     CLOCKS_WORK = RIG_WORK + RIGCAL_CLOCKS_WORK(N_CAMERAS, N_CAMERAS)
+=======
+    ESTIMATE_WORK = RIGCAL_ESTIMATE_WORK(N_CAMERAS - 1, N_CAMERAS)
+>>>>>>> estimate
 };
 
 /* What every call is handed, made once by build_valid. */
@@ -70,11 +74,15 @@ static struct {
     rigcal_cause_solver cause_begun, cause_done;
     rigcal_intrinsics_sigma deviations[N_CAMERAS];
     rigcal_consider_solver consider_begun, consider_done;
+<<<<<<< HEAD
     rigcal_rig_clocks clocks;
     rigcal_transform clock_poses[N_CAMERAS], clock_placements[N_PLACEMENTS];
     rigcal_real times[N_PLACEMENTS], instants[N_PLACEMENTS];
     rigcal_real offsets[N_CAMERAS], clock_work[CLOCKS_WORK];
     int32_t clock_states[N_CAMERAS], clock_groups[N_CAMERAS];
+=======
+    rigcal_intrinsics_change changes[N_CAMERAS]; /* none */
+>>>>>>> estimate
     int32_t permutation[N];
     rigcal_rig rig;
     rigcal_rig_fit fit;
@@ -113,7 +121,11 @@ static const size_t SIZE_0 = 0, SIZE_1 = 1, SIZE_2 = 2, SIZE_3 = 3, SIZE_4 = 4, 
                     SIZE_8 = 8, SIZE_15 = 15, SIZE_SAVED = RIGCAL_STORE_SIZE(2),
                     SIZE_12 = 12, SIZE_WORK = RIG_WORK, SIZE_CHOOSE = CHOOSE_WORK,
                     SIZE_TO_JUDGE = JUDGE_WORK, SIZE_CONSIDER = CONSIDER_WORK,
+<<<<<<< HEAD
                     SIZE_CLOCKS = CLOCKS_WORK,
+=======
+                    SIZE_ESTIMATE = ESTIMATE_WORK,
+>>>>>>> estimate
 
                     SIZE_KEPT = RIGCAL_CALIBRATED_SIZE(1), SIZE_MONITOR = MONITOR_SIZE,
                     SIZE_TAKEN = RIGCAL_CALIBRATED_SIZE(2),
@@ -886,6 +898,11 @@ static const impossible BAD_DEVIATION[] = {
     BAD_REAL(rigcal_intrinsics_sigma, focal, -1, RIGCAL_ERR_RANGE),
     BAD_REAL(rigcal_intrinsics_sigma, aspect, 2e9, RIGCAL_ERR_RANGE),
     BAD_REAL(rigcal_intrinsics_sigma, k2, -1e-9, RIGCAL_ERR_RANGE), BAD_END};
+static const impossible BAD_CHANGE[] = {
+    BAD_REAL(rigcal_intrinsics_change, focal, 2e9, RIGCAL_ERR_RANGE),
+    BAD_REAL(rigcal_intrinsics_change, k2, -2e9, RIGCAL_ERR_RANGE), BAD_END};
+static const impossible TOO_FAR[] = {
+    BAD_REAL(rigcal_intrinsics_change, focal, -1.5, RIGCAL_ERR_CAMERA), BAD_END};
 static const impossible NEGATIVE[] = {BAD_NUMBER(-1, RIGCAL_ERR_RANGE),
                                       BAD_NUMBER(-1e-9, RIGCAL_ERR_RANGE), BAD_END};
 
@@ -980,9 +997,14 @@ static const kind JUDGE_SOLVER = {sizeof(rigcal_judge_solver), 0, 0, NULL,
 static const kind CAUSE_SOLVER = {sizeof(rigcal_cause_solver), 0, 0, NULL,
                                   RIGCAL_ERR_STATE};
 static const kind DEVIATION = {REALS(5), BAD_DEVIATION, 0};
+<<<<<<< HEAD
 static const kind CLOCKS = {sizeof(rigcal_rig_clocks), 0, 0, NULL, 0};
 static const kind CLOCK_MEMORY = {sizeof(rigcal_real) * CLOCKS_WORK, 0, 0, NULL,
                                   RIGCAL_ERR_STATE};
+=======
+static const kind MADE = {REALS(6), BAD_CHANGE, 0};
+static const kind CHANGE = {REALS(6), TOO_FAR, 0};
+>>>>>>> estimate
 static const kind CONSIDER_SOLVER = {sizeof(rigcal_consider_solver), 0, 0, NULL,
                                      RIGCAL_ERR_STATE};
 static const kind CHOOSE_SOLVER = {sizeof(rigcal_choose_solver), 0, 0, NULL,
@@ -1466,6 +1488,7 @@ static rigcal_considered *considered_of(const void *is_there, void *effects,
     return is_there ? &considered : NULL;
 }
 
+<<<<<<< HEAD
 static rigcal_rig *with_clocks(rigcal_rig *rig, const void *is_there,
                                const void *has_clocks)
 {
@@ -1484,6 +1507,19 @@ static const rigcal_rig_clocks *clocks_of(const void *is_there, void *offsets,
     clocks.offsets = offsets;
     memcpy(&clocks.frame, frame, sizeof clocks.frame);
     return is_there ? &clocks : NULL;
+=======
+static rigcal_estimated *estimated_of(void *const p[])
+{
+    static rigcal_estimated estimated;
+
+    memset(&estimated, 0, sizeof estimated);
+    estimated.considered.effects = p[10];
+    estimated.considered.capacity = *(const size_t *)p[11];
+    estimated.made = p[12];
+    estimated.change = p[13];
+    estimated.sigma = p[14];
+    return p[9] ? &estimated : NULL;
+>>>>>>> estimate
 }
 
 static rigcal_rig *with_deviations(rigcal_rig *rig, const void *is_there,
@@ -1631,6 +1667,8 @@ CALL(camera_cause_begin, p[14], RIG_WITH(0, poses), p[9], symmetries_of(p[10], p
 CALL(cause_step, p[0], INT(p[1]))
 CALL(cause_result, p[0], p[1])
 CALL(rig_consider, considered_of(p[9], p[10], p[11]), p[12], RIG_WITH(0, deviations))
+CALL(rig_estimate, estimated_of(p), p[15], RIG_WITH(0, deviations), REAL(p[16]))
+CALL(camera_change, p[0], p[1], p[2])
 CALL(consider_begin, p[12], considered_of(p[9], p[10], p[11]), RIG_WITH(0, deviations))
 CALL(consider_step, p[0], INT(p[1]))
 CALL(consider_result, p[0], p[1])
@@ -2007,6 +2045,12 @@ static const function FUNCTIONS[] = {
     {F(rig_consider), 0, S(STATE) | ADJUSTED,
      {RIG_DONE, IN_OPT(DEVIATION, N_CAMERAS, ok.deviations), IN(THERE, 1, &INT_1), WORK(NUMBER, CONSIDER_WORK),
       ROOM(&SIZE_CONSIDER, CONSIDER_WORK, RIGCAL_ERR_CAPACITY), OUT_BAD}},
+    {F(rig_estimate), 0, S(STATE) | ADJUSTED,
+     {RIG_DONE, IN_OPT(DEVIATION, N_CAMERAS, ok.deviations), IN(THERE, 1, &INT_1), WORK(NUMBER, ESTIMATE_WORK),
+      ROOM(&SIZE_ESTIMATE, ESTIMATE_WORK, RIGCAL_ERR_CAPACITY), IN(MADE, N_CAMERAS, ok.changes),
+      OUT(CHANGE, N_CAMERAS), OUT(CHANGE, N_CAMERAS), OUT_BAD, VALUE(SPREAD, &REAL_SIGMA)}},
+    {F(camera_change), 0, DEVICE,
+     {OUT(CAMERA, 1), IN(CAMERA, 1, &ok.camera), IN(CHANGE, 1, ok.changes)}},
     {F(consider_begin), 0, S(STATE) | S(TOO_FEW) | S(CAPACITY) | ARGS,
      {RIG_DONE, IN_OPT(DEVIATION, N_CAMERAS, ok.deviations), IN(THERE, 1, &INT_1), WORK(NUMBER, CONSIDER_WORK),
       ROOM(&SIZE_CONSIDER, CONSIDER_WORK, RIGCAL_ERR_CAPACITY), OUT_PART(CONSIDER_SOLVER, 1)}},
@@ -2127,7 +2171,11 @@ static const char *const HARMLESS[] = {
     "rigcal_store_rig_size", "rigcal_calibrated_size",
     "rigcal_consider_work",  "rigcal_consider_clocks_work",
     "rigcal_point_work",     "rigcal_monitor_size",
+<<<<<<< HEAD
     "rigcal_clocks_work",
+=======
+    "rigcal_estimate_work",
+>>>>>>> estimate
 };
 enum { N_HARMLESS = sizeof HARMLESS / sizeof HARMLESS[0] };
 

@@ -173,6 +173,15 @@
     S(rigcal_considered)                                                           \
         M(rigcal_considered, by) M(rigcal_considered, n) M(rigcal_considered, k)   \
         M(rigcal_considered, effects) M(rigcal_considered, capacity)               \
+        M(rigcal_considered, factor)                                               \
+    S(rigcal_intrinsics_change)                                                    \
+        M(rigcal_intrinsics_change, focal) M(rigcal_intrinsics_change, aspect)     \
+        M(rigcal_intrinsics_change, cx) M(rigcal_intrinsics_change, cy)            \
+        M(rigcal_intrinsics_change, k1) M(rigcal_intrinsics_change, k2)            \
+    S(rigcal_estimated)                                                            \
+        M(rigcal_estimated, considered) M(rigcal_estimated, made)                  \
+        M(rigcal_estimated, change) M(rigcal_estimated, sigma)                     \
+        M(rigcal_estimated, step)                                                  \
     /* rigcal_point.h */                                                           \
     S(rigcal_sighting)                                                             \
         M(rigcal_sighting, camera) M(rigcal_sighting, uv)                          \

@@ -39,11 +39,8 @@ enum {
     JUDGE_WORK = RIGCAL_JUDGE_WORK(N_CAMERAS, N_PLACEMENTS),
     MONITOR_SIZE = RIGCAL_MONITOR_SIZE(2, 1),
     CONSIDER_WORK = RIGCAL_CONSIDER_WORK(N_CAMERAS - 1, N_CAMERAS),
-<<<<<<< HEAD
-    CLOCKS_WORK = RIG_WORK + RIGCAL_CLOCKS_WORK(N_CAMERAS, N_CAMERAS)
-=======
+    CLOCKS_WORK = RIG_WORK + RIGCAL_CLOCKS_WORK(N_CAMERAS, N_CAMERAS),
     ESTIMATE_WORK = RIGCAL_ESTIMATE_WORK(N_CAMERAS - 1, N_CAMERAS)
->>>>>>> estimate
 };
 
 /* What every call is handed, made once by build_valid. */
@@ -74,15 +71,12 @@ static struct {
     rigcal_cause_solver cause_begun, cause_done;
     rigcal_intrinsics_sigma deviations[N_CAMERAS];
     rigcal_consider_solver consider_begun, consider_done;
-<<<<<<< HEAD
     rigcal_rig_clocks clocks;
     rigcal_transform clock_poses[N_CAMERAS], clock_placements[N_PLACEMENTS];
     rigcal_real times[N_PLACEMENTS], instants[N_PLACEMENTS];
     rigcal_real offsets[N_CAMERAS], clock_work[CLOCKS_WORK];
     int32_t clock_states[N_CAMERAS], clock_groups[N_CAMERAS];
-=======
     rigcal_intrinsics_change changes[N_CAMERAS]; /* none */
->>>>>>> estimate
     int32_t permutation[N];
     rigcal_rig rig;
     rigcal_rig_fit fit;
@@ -121,11 +115,7 @@ static const size_t SIZE_0 = 0, SIZE_1 = 1, SIZE_2 = 2, SIZE_3 = 3, SIZE_4 = 4, 
                     SIZE_8 = 8, SIZE_15 = 15, SIZE_SAVED = RIGCAL_STORE_SIZE(2),
                     SIZE_12 = 12, SIZE_WORK = RIG_WORK, SIZE_CHOOSE = CHOOSE_WORK,
                     SIZE_TO_JUDGE = JUDGE_WORK, SIZE_CONSIDER = CONSIDER_WORK,
-<<<<<<< HEAD
-                    SIZE_CLOCKS = CLOCKS_WORK,
-=======
-                    SIZE_ESTIMATE = ESTIMATE_WORK,
->>>>>>> estimate
+                    SIZE_CLOCKS = CLOCKS_WORK, SIZE_ESTIMATE = ESTIMATE_WORK,
 
                     SIZE_KEPT = RIGCAL_CALIBRATED_SIZE(1), SIZE_MONITOR = MONITOR_SIZE,
                     SIZE_TAKEN = RIGCAL_CALIBRATED_SIZE(2),
@@ -997,14 +987,11 @@ static const kind JUDGE_SOLVER = {sizeof(rigcal_judge_solver), 0, 0, NULL,
 static const kind CAUSE_SOLVER = {sizeof(rigcal_cause_solver), 0, 0, NULL,
                                   RIGCAL_ERR_STATE};
 static const kind DEVIATION = {REALS(5), BAD_DEVIATION, 0};
-<<<<<<< HEAD
 static const kind CLOCKS = {sizeof(rigcal_rig_clocks), 0, 0, NULL, 0};
 static const kind CLOCK_MEMORY = {sizeof(rigcal_real) * CLOCKS_WORK, 0, 0, NULL,
                                   RIGCAL_ERR_STATE};
-=======
 static const kind MADE = {REALS(6), BAD_CHANGE, 0};
 static const kind CHANGE = {REALS(6), TOO_FAR, 0};
->>>>>>> estimate
 static const kind CONSIDER_SOLVER = {sizeof(rigcal_consider_solver), 0, 0, NULL,
                                      RIGCAL_ERR_STATE};
 static const kind CHOOSE_SOLVER = {sizeof(rigcal_choose_solver), 0, 0, NULL,
@@ -1488,7 +1475,6 @@ static rigcal_considered *considered_of(const void *is_there, void *effects,
     return is_there ? &considered : NULL;
 }
 
-<<<<<<< HEAD
 static rigcal_rig *with_clocks(rigcal_rig *rig, const void *is_there,
                                const void *has_clocks)
 {
@@ -1507,7 +1493,8 @@ static const rigcal_rig_clocks *clocks_of(const void *is_there, void *offsets,
     clocks.offsets = offsets;
     memcpy(&clocks.frame, frame, sizeof clocks.frame);
     return is_there ? &clocks : NULL;
-=======
+}
+
 static rigcal_estimated *estimated_of(void *const p[])
 {
     static rigcal_estimated estimated;
@@ -1519,7 +1506,6 @@ static rigcal_estimated *estimated_of(void *const p[])
     estimated.change = p[13];
     estimated.sigma = p[14];
     return p[9] ? &estimated : NULL;
->>>>>>> estimate
 }
 
 static rigcal_rig *with_deviations(rigcal_rig *rig, const void *is_there,
@@ -2171,11 +2157,7 @@ static const char *const HARMLESS[] = {
     "rigcal_store_rig_size", "rigcal_calibrated_size",
     "rigcal_consider_work",  "rigcal_consider_clocks_work",
     "rigcal_point_work",     "rigcal_monitor_size",
-<<<<<<< HEAD
-    "rigcal_clocks_work",
-=======
-    "rigcal_estimate_work",
->>>>>>> estimate
+    "rigcal_clocks_work",    "rigcal_estimate_work",
 };
 enum { N_HARMLESS = sizeof HARMLESS / sizeof HARMLESS[0] };
 

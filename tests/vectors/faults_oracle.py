@@ -149,7 +149,7 @@ class Rig:
         theta = np.zeros(k)
         for r in range(rounds):
             self.at = places
-            if r < (4 if fault else 7):
+            if r < (2 if fault else 3):
                 J, D = self.jacobian(cams, places, fault, theta)
                 inverse = np.linalg.pinv(np.hstack([J, D]))
             step = inverse @ self.errors(cams, places, fault, theta).real

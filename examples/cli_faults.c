@@ -206,11 +206,11 @@ void test_rig(calibration *c)
     rigcal_faults_options options;
     int32_t at_fault = -1;
 
-    if (!c->is_adjusted || c->clocks.sigma_time > 0) {
-        return; /* the test is of times that are exact */
+    if (!c->is_adjusted) {
+        return;
     }
     memset(&options, 0, sizeof options);
-    options.work_capacity = rigcal_faults_work(n, n);
+    options.work_capacity = rigcal_faults_work(n, n) + RIGCAL_FAULTS_CLOCKS_WORK(n);
     options.work = cli_alloc(options.work_capacity, sizeof *options.work);
     options.clocks = cli_alloc(2 * n, sizeof *options.clocks);
     c->faults = cli_alloc(capacity, sizeof *c->faults);
@@ -401,9 +401,7 @@ static int test_views(calibration *c, uint8_t left_out[], size_t n_not_taken)
     if (must_pair_anew(c)) {
         return TEST_PAIRS_ANEW;
     }
-    if (!(c->times.sigma > 0)) {
-        test_rig(c);
-    }
+    test_rig(c);
     return c->is_explained || (n_not_taken == 0 && is_explained(c, 0)) ? TEST_EXPLAINS
                                                                        : TEST_TELLS_NOTHING;
 }
@@ -548,14 +546,6 @@ void print_verdict(const calibration *c)
     text = cli_alloc(needed + 1, 1);
     if (rigcal_faults_text(text, needed + 1, &needed, &c->verdict, c->faults, &words) ==
         RIGCAL_OK) {
-        char *next = strstr(text, " Next:");
-
-        if (c->times.sigma > 0 && c->times.is_free && next != NULL) {
-            *next = '\0'; /* it has been done */
-        }
-        if (c->times.sigma > 0) {
-            printf("With exact times%s: ", c->times.is_free ? " and held clocks" : "");
-        }
         print_frames(c, text);
         print_option(c);
     }

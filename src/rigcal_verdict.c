@@ -137,10 +137,10 @@ static void put_time_unit(writer *w)
 
 /* ---- a fault ----------------------------------------------------------- */
 
-/* What is wrong, whose; and how large it is, in what unit: a part of 100 or so, or 0 for a
+/* What is wrong, whose; its words for a value above 0, and below; in what unit: a part of 100 or so, or 0 for a
  * time and -1 for a length. By their kinds. */
 typedef struct {
-    const char *what, *by, *unit, *next;
+    const char *what, *by, *more, *less, *than, *unit, *next;
     rigcal_real scale;
 } fault_words;
 
@@ -148,23 +148,27 @@ static const char CLOCKS_NEXT[] = "let the clocks be estimated.";
 static const char CAMERA_NEXT[] =
     "check that its intrinsics are its own, and calibrate them again.";
 
+#define LATER "later", "earlier"
+#define LONGER "longer", "shorter"
+#define LARGER "larger", "smaller"
+#define NO_WORD "", ""
+
 static const fault_words WORDS[RIGCAL_FAULT_KINDS] = {
-    {"clock", "its pictures are later than their stamps by ", "", CLOCKS_NEXT, 0},
-    {"clock", "it drifts by ", " millionths", "let clocks and drifts be estimated.",
-     MILLIONTHS},
-    {"the clocks", "later than their stamps, against the first camera, are ", "",
-     CLOCKS_NEXT, 0},
-    {"rolling shutter", "its last row is later than its first by ", "",
+    {"clock", "its pictures are ", LATER, " than their stamps by ", "", CLOCKS_NEXT, 0},
+    {"clock", "it drifts by ", NO_WORD, "", " millionths",
+     "let clocks and drifts be estimated.", MILLIONTHS},
+    {"the clocks", "against the first camera, ", NO_WORD, "", "", CLOCKS_NEXT, 0},
+    {"rolling shutter", "its last row is ", LATER, " than its first by ", "",
      "hold the board still for each picture.", 0},
-    {"focal length", "longer than given by ", " %", CAMERA_NEXT, PERCENT},
-    {"aspect fx / fy", "larger than given by ", " %", CAMERA_NEXT, PERCENT},
-    {"principal point", "off in x and y by ", " px", CAMERA_NEXT, 1},
-    {"distortion", "k1 and k2 are larger than given by ", "", CAMERA_NEXT, 1},
-    {"mount", "it moved before placement ", "",
+    {"focal length", "", LONGER, " than given by ", " %", CAMERA_NEXT, PERCENT},
+    {"aspect fx / fy", "", LARGER, " than given by ", " %", CAMERA_NEXT, PERCENT},
+    {"principal point", "off in x and y by ", NO_WORD, "", " px", CAMERA_NEXT, 1},
+    {"distortion", "k1 and k2 are off by ", NO_WORD, "", "", CAMERA_NEXT, 1},
+    {"mount", "it moved before placement ", NO_WORD, "", "",
      "calibrate what was before the move, and after it, apart.", 0},
-    {"the board is bent", "out of its plane along x and y by ", "",
+    {"the board is bent", "out of its plane along x and y by ", NO_WORD, "", "",
      "put the board on a flat plate, or measure its points.", -1},
-    {"the board is stretched", "its X is longer than its Y by ", " %",
+    {"the board is stretched", "its X is ", LONGER, " than its Y by ", " %",
      "measure the board along X and along Y.", PERCENT}};
 
 static int is_clock(int32_t kind)
@@ -183,6 +187,17 @@ static void put_what(writer *w, const rigcal_fault *f)
     put(w, WORDS[f->kind].what);
     put(w, " of ");
     put_camera(w, f->camera);
+}
+
+/* Which way a fault goes: how large it is then has no sign. */
+static rigcal_real put_way(writer *w, int32_t kind, rigcal_real value)
+{
+    const fault_words *const words = &WORDS[kind];
+    if (words->more[0] == 0) {
+        return value;
+    }
+    put(w, (value < 0) ? words->less : words->more);
+    return RC_FABS(value);
 }
 
 /* A number of that kind, with its unit. */
@@ -230,8 +245,10 @@ static void put_clocks(writer *w)
         if (sigma > 0) {
             put(w, comma);
             put_camera(w, c);
-            put(w, "'s pictures by ");
-            put_value(w, RIGCAL_FAULT_CLOCK, clocks[c], sigma);
+            put(w, "'s pictures are ");
+            const rigcal_real by = put_way(w, RIGCAL_FAULT_CLOCK, clocks[c]);
+            put(w, " by ");
+            put_value(w, RIGCAL_FAULT_CLOCK, by, sigma);
             comma = ", ";
         }
     }
@@ -250,7 +267,9 @@ static void put_fault(writer *w, const rigcal_fault *f)
         put(w, ", by ");
         put_move(w, length_of(&f->value[0]), length_of(&f->value[3]));
     } else {
-        put_value(w, f->kind, f->value[0], f->sigma[0]);
+        const rigcal_real by = put_way(w, f->kind, f->value[0]);
+        put(w, WORDS[f->kind].than);
+        put_value(w, f->kind, by, f->sigma[0]);
         if (f->n > 1) {
             put(w, " and ");
             put_value(w, f->kind, f->value[1], f->sigma[1]);

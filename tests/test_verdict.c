@@ -98,7 +98,21 @@ static void test_each_kind_has_its_words_and_units(void)
     ASSERT_SAYS("Next: let the clocks be estimated.");
     explained_by(RIGCAL_FAULT_CLOCKS, -1, 0, 0);
     say();
-    ASSERT_SAYS("right's pictures by -123 +- 2 ms, top's pictures by 32.0 +- 0.7 ms.");
+    ASSERT_SAYS("the clocks: against the first camera, right's pictures are earlier by 123 "
+                "+- 2 ms, top's pictures are later by 32.0 +- 0.7 ms.");
+    explained_by(RIGCAL_FAULT_CLOCK, 2, -0.005, 0.0003);
+    say();
+    ASSERT_SAYS(
+        "the clock of top: its pictures are earlier than their stamps by 5.0 +- 0.3 ms");
+    explained_by(RIGCAL_FAULT_FOCAL, 1, -0.0123, 0.001);
+    say();
+    ASSERT_SAYS("the focal length of right: shorter than given by 1.23 +- 0.10 %");
+    explained_by(RIGCAL_FAULT_ASPECT, 1, -0.003, 0.001);
+    say();
+    ASSERT_SAYS("smaller than given by 0.30 +- 0.10 %");
+    explained_by(RIGCAL_FAULT_DRIFT, 1, -0.00003, 0.000001);
+    say();
+    ASSERT_SAYS("it drifts by -30.0 +- 1.0 millionths");
     explained_by(RIGCAL_FAULT_SHUTTER, 0, 0.015, 0.001);
     say();
     ASSERT_SAYS("the rolling shutter of left: its last row is later than its first by 15.0 "

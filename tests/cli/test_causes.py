@@ -234,6 +234,24 @@ class TestClocks(Recorded):
                         .split()[1].rstrip(":"))
         self.assertGreater(plain, 1.5)
         self.assertLess(with_it, 1.25)
+        run = self.run_with_times("--sigma-time", "0.004")
+        self.assertIn("The views agree with one rig", self.verdict(run))
+
+    def test_a_late_clock_is_named_although_times_are_noisy(self):
+        self.record({"b": 0.03})
+        rng = np.random.default_rng(7)
+        for row in self.times:
+            row[2] += rng.normal(0, 0.004)
+        run = self.run_with_times("--sigma-time", "0.004")
+        first = read(self.result("faults.csv"))[0]
+        self.assertEqual((first["fault"], first["camera"], first["explains"]), ("clock", "b", "1"))
+        self.assertAlmostEqual(float(first["value1"]), 0.03, delta=4 * float(first["sigma1"]))
+        self.assertLess(float(first["sigma1"]), 0.0015)
+        self.assertIn("Most likely the clock of b: its pictures are later", self.verdict(run))
+        run = self.run_with_times("--sigma-time", "0.004", "--clocks")
+        self.assertIn("The views agree with one rig", self.verdict(run))
+        seen = {(r["fault"], r["camera"]): r for r in read(self.result("faults.csv"))}
+        self.assertEqual(seen["clock", "b"]["value1"], "")
 
 
 class TestIntrinsics(Recorded):

@@ -17,6 +17,7 @@
 #include "rc_alarm.h"
 #include "rc_chain.h"
 #include "rc_direction.h"
+#include "rc_finding.h"
 #include "rc_levenberg.h"
 #include "rc_logs.h"
 #include "rc_monitor.h"
@@ -3208,6 +3209,144 @@ static void gate_clocks(void)
     line("times.middle", "%.12g", (double)clocks_probed.frame);
 }
 
+/* ---- what is wrong with a rig ----------------------------------------------- */
+
+/* 3000 numbers of 100 views, 50 of which agree or not: F is as asked for. */
+static rc_common common_of_F(double F)
+{
+    const double own = 250;
+    return (rc_common){
+        (rigcal_real)(own * (1 + F * 300 / 2400)), (rigcal_real)own, 3000, 2700, 300, 2400};
+}
+
+static int F_is_noise(double F)
+{
+    const rc_common c = common_of_F(F);
+    return !rc_F_disagrees(&c, (rigcal_real)F, 0);
+}
+
+/* F of 4; the first of 10 faults leaves F_after, has the chance p, and a second fits worse
+ * by so much. */
+static rigcal_faults judged(double p, double worse)
+{
+    const rc_common c = common_of_F(4);
+    rigcal_faults found = {0};
+    rigcal_fault faults[2] = {{0}, {0}};
+    for (int i = 0; i < 2; i++) {
+        faults[i].is_seen = 1;
+        faults[i].p = (rigcal_real)p;
+        faults[i].bic = (rigcal_real)(-100 + i * worse);
+    }
+    found.n = 2;
+    found.n_seen = 10;
+    found.F = 4;
+    rc_finding_judge(&found, faults, &c);
+    return found;
+}
+
+static int fault_is_found(double p)
+{
+    return (judged(p, 0).bits & RIGCAL_FAULTS_NAMED) != 0;
+}
+
+static int faults_are_alike(double worse)
+{
+    return judged(0, worse).n_alike == 1;
+}
+
+/* A fault that leaves so much of F - 1 = 3. */
+static int fault_explains(double left)
+{
+    static const rigcal_real ONE[1] = {1};
+    const rc_common c = common_of_F(4);
+    const double own = 250;
+    const rc_one_step step = {
+        1, 1, ONE, ONE, ONE, ONE, (rigcal_real)(own * 3 * (1 - left) * 300 / 2400), 0};
+    rigcal_fault fault = {0};
+    rc_finding_of(&fault, &c, &step);
+    return fault.explains;
+}
+
+static rigcal_faults with_residues(double pattern, double n, double along)
+{
+    const rc_common c = common_of_F(1);
+    const double variance = 250. / 2400;
+    const rc_residues r = {(rigcal_real)n,
+                           (rigcal_real)(pattern * 2 * n * variance),
+                           0,
+                           (rigcal_real)(n / 2),
+                           (rigcal_real)along,
+                           1,
+                           1};
+    rigcal_faults found = {0};
+    rc_finding_residues(&found, &r, &c);
+    return found;
+}
+
+static int is_no_pattern(double pattern)
+{
+    return (with_residues(pattern, 1e6, 0).bits & RIGCAL_FAULTS_PATTERN) == 0;
+}
+
+static int is_too_few_for_a_pattern(double n)
+{
+    return (with_residues(0.2, n, 0).bits & RIGCAL_FAULTS_PATTERN) == 0;
+}
+
+static int is_not_along(double along)
+{
+    return (with_residues(0, 100, along).bits & RIGCAL_FAULTS_ALONG_MOTION) == 0;
+}
+
+/* The bytes that a fault's sentences take. */
+static size_t said(int kind, double value, double sigma)
+{
+    rigcal_faults found = {0};
+    rigcal_fault fault = {0};
+    const rigcal_faults_words words = {0};
+    char text[1];
+    size_t n = 0;
+    found.verdict = RIGCAL_RIG_FOUND;
+    found.bits = RIGCAL_FAULTS_NAMED;
+    found.n = found.n_cameras = 1;
+    found.F = 4;
+    found.own_px = 1;
+    fault.kind = kind;
+    fault.n = fault.is_seen = 1;
+    fault.value[0] = (rigcal_real)value;
+    fault.sigma[0] = (rigcal_real)sigma;
+    rigcal_faults_text(text, 1, &n, &found, &fault, &words);
+    return n;
+}
+
+static int takes_two_digits(double sigma)
+{
+    return said(RIGCAL_FAULT_CENTRE, 8, sigma) > said(RIGCAL_FAULT_CENTRE, 8, 3);
+}
+
+static void gate_faults(void)
+{
+    edge("faults.F_noise", F_is_noise, 1, 10);
+    edge("faults.found", fault_is_found, 1e-6, 1);
+    edge("faults.alike", faults_are_alike, 0.1, 100);
+    edge("faults.explains", fault_explains, 0.001, 1);
+    edge("faults.no_pattern", is_no_pattern, 0.001, 1);
+    edge("faults.few_for_pattern", is_too_few_for_a_pattern, 1, 1e6);
+    edge("faults.not_along", is_not_along, 0.001, 1);
+    line("faults.pattern_sigma", "%.4g", (double)with_residues(0, 1000, 0).pattern_sigma);
+    edge("faults.two_digits", takes_two_digits, 1, 9);
+    line("faults.digits", "%zu", said(RIGCAL_FAULT_CENTRE, 1, 1e-12));
+    line("faults.most", "%zu", said(RIGCAL_FAULT_CENTRE, 4e9, 1e9));
+    for (int percent = 0; percent < 2; percent++) {
+        const int kind = percent ? RIGCAL_FAULT_FOCAL : RIGCAL_FAULT_DRIFT;
+        unsigned long bytes = 0;
+        for (int k = 0; k < 40; k++) {
+            bytes += (unsigned long)said(kind, 1, 1e-6 * (1 + k) * (percent ? 1e4 : 1));
+        }
+        line(percent ? "faults.percent" : "faults.millionths", "%lu", bytes);
+    }
+}
+
 static void run(void)
 {
     gate_poses();
@@ -3234,6 +3373,7 @@ static void run(void)
     gate_lens_edges();
     gate_series();
     gate_chance();
+    gate_faults();
     gate_paper();
     gate_paper_edges();
     gate_neldermead();

@@ -52,8 +52,8 @@ class Rig:
         self.board = (X[:, :2] - (low + high)[:2] / 2) / ((high - low)[:2] / 2)
 
     def curve(self, places, f):
-        """Kept, as it is asked for point by point. The polynomial through all placements of a run, from placement f: coefficients of
-        t, t^2, ... of (w, dt)."""
+        """The polynomial through all placements of a run, from placement f: coefficients of
+        t, t^2, ... of (w, dt). Kept, as it is asked for point by point."""
         if getattr(self, "of", None) is not places:
             self.of, self.curves = places, {}
         if f in self.curves:
@@ -98,21 +98,21 @@ class Rig:
                 X[:, 0] *= 1 + theta[0] / 2
                 X[:, 1] *= 1 - theta[0] / 2
         if (late == late[0]).all():
-            p = cam[0] @ self.seen(places[f], f, late[0], X) + cam[1][:, None]
+            p = cam[0] @ self.seen(places[f], f, late[0], X) + cam[1][..., None]
         else:
-            p = np.array([cam[0] @ self.seen(places[f], f, one, x[None])[:, 0] + cam[1]
-                          for one, x in zip(late, X)]).T
-        x, y = p[0] / p[2], p[1] / p[2]
+            p = np.stack([(cam[0] @ self.seen(places[f], f, one, x[None]))[..., 0] + cam[1]
+                          for one, x in zip(late, X)], -1)
+        x, y = p[..., 0, :] / p[..., 2, :], p[..., 1, :] / p[..., 2, :]
         s = x * x + y * y
         g = 1 + s * (k1 + s * k2)
-        return np.array([fx * g * x + cx, fy * g * y + cy]).T
+        return np.stack([fx * g * x + cx, fy * g * y + cy], -1)
 
     def seen(self, place, f, late, X):
         """The board's points in the rig's frame, so long after the placement."""
         if late != 0:
             curve = self.curve(self.at, f)
             place = moved(place, sum(a * late ** (k + 1) for k, a in enumerate(curve)))
-        return place[0] @ X.T + place[1][:, None]
+        return place[0] @ X.T + place[1][..., None]
 
     def errors(self, cams, places, fault=None, theta=()):
         """Observed less projected, (measured, )."""
@@ -128,17 +128,20 @@ class Rig:
         """d(projection) by all unknowns, and by theta. The motion is that of `at`."""
         C, n, k, h = len(cams), 6 * (len(cams) - 1 + len(places)), len(theta), 1e-30
         blocks = []
-        for v in self.views:
-            c, f, uv = v
+        turns = np.array([np.eye(3) + cross(1j * h * w) for w in np.eye(12, 3)])
+        shifts = 1j * h * np.eye(12, 3, -3)
+        for c, f, uv in self.views:
             block = np.zeros((2 * len(uv), n + k))
-            for i in range(12 + k):
-                d, y = np.zeros(12, complex), np.array(theta, complex)
-                (d if i < 12 else y)[i if i < 12 else i - 12] += 1j * h
-                cam = {c: moved(cams[c], d[:6])}
-                place = {f: moved(places[f], d[6:])}
-                at = n + i - 12 if i >= 12 else 6 * (C - 1 + f) + i - 6 if i >= 6 else 6 * (c - 1) + i
-                if at >= 0:
-                    block[:, at] = self.project(v, cam, place, fault, y).imag.ravel() / h
+            cam = turns @ cams[c][0], cams[c][1] + shifts
+            place = np.roll(turns, 6, 0) @ places[f][0], places[f][1] + np.roll(shifts, 6, 0)
+            poses = self.project((c, f, uv), {c: cam}, {f: place}, fault, theta).imag / h
+            poses = poses.reshape(12, -1).T
+            if c > 0:
+                block[:, 6 * (c - 1):6 * c] = poses[:, :6]
+            block[:, 6 * (C - 1 + f):6 * (C + f)] = poses[:, 6:]
+            for i in range(k):
+                y = theta + 1j * h * np.eye(k)[i]
+                block[:, n + i] = self.project((c, f, uv), cams, places, fault, y).imag.ravel() / h
             blocks.append(block)
         J = np.vstack(blocks)
         return J[:, :n], J[:, n:]

@@ -2847,8 +2847,8 @@ static int off_line(double angle, double sigma_px)
     seen.n_rows = 1;
     seen.b = 1;
     for (int k = 0; k < 2; k++) {
-        (void)rc_ray_noise_of(&seen.sight[k], &watched.cameras[0].camera, ray,
-                              (rigcal_real)sigma_px);
+        (void)rc_sight_of(&seen.sight[k], &watched.cameras[0].camera, ray,
+                          (rigcal_real)sigma_px);
     }
     return rc_rows_of(rows, &seen, &a, &b) == RIGCAL_OK;
 }

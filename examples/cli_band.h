@@ -1,4 +1,5 @@
-/* cli_band.h - the band of rigcal line: where the match of a pixel can be, and how surely. */
+/* cli_band.h - the band of rigcal line: where the match of a pixel can be, and how surely.
+ * */
 #ifndef RIGCAL_CLI_BAND_H
 #define RIGCAL_CLI_BAND_H
 

@@ -252,6 +252,9 @@ static void write_files(const calibration *c, const char *folder)
     if (c->is_tested) {
         write_faults(cli_output_file(output, "faults.csv"), c);
     }
+    if (c->estimated.change != NULL) {
+        write_cameras(cli_output_file(output, "cameras.csv"), c);
+    }
     if (c->times.path != NULL && c->is_adjusted) {
         write_clocks(cli_output_file(output, "clocks.csv"), c);
     }
@@ -328,6 +331,14 @@ static void choose(calibration *c, const char *const option[OPTION_COUNT])
     if (option[OPTION_INTRINSICS_SIGMA] != NULL) {
         c->intrinsics = choose_intrinsics_sigma(option[OPTION_INTRINSICS_SIGMA]);
         c->has_intrinsics = 1;
+    }
+    c->is_estimating = option[OPTION_ESTIMATE_INTRINSICS] != NULL;
+    if (c->is_estimating && !c->has_intrinsics) {
+        cli_fail("--estimate-intrinsics goes with --intrinsics-sigma: what is known of the "
+                 "intrinsics holds them");
+    }
+    if (c->is_estimating && option[OPTION_TIMES] != NULL) {
+        cli_fail("--estimate-intrinsics does not go with --times: leave one out");
     }
 }
 

@@ -1,6 +1,6 @@
 /* cli_calibrate.h - what the parts of rigcal calibrate share: every camera's pose in
  * every frame (cli_solve.c), the rig that they form (cli_rig.c), which views are wrong
- * (cli_judge.c) and why (cli_causes.c, cli_suspects.c), what is known of its cameras
+ * (cli_judge.c) and why (cli_causes.c, cli_suspects.c), its intrinsics (cli_estimate.c), what is known of its cameras
  * beforehand (cli_prior.c), what a person reads of it (cli_findings.c, cli_report.c,
  * cli_graph.c), and options and files (cli_calibrate.c). */
 #ifndef RIGCAL_CLI_CALIBRATE_H
@@ -143,6 +143,8 @@ typedef struct {
     rigcal_faults verdict;
     rigcal_fault *faults; /* verdict.n */
     rigcal_considered considered;
+    int is_estimating;          /* --estimate-intrinsics */
+    rigcal_estimated estimated; /* of change NULL: they are not */
 } calibration;
 
 /* The pose taken, and the best of those not taken, or NULL. */
@@ -196,7 +198,9 @@ typedef struct {
     double deg, position;
 } rig_sigma;
 
-/* The noise of a pixel that the rig's covariances are for; 0: it is not known. */
+/* The noise of a pixel that the rig's covariances are for; 0: it is not known. find_noise
+ * finds it, of a rig that has been adjusted. */
+void find_noise(calibration *c);
 rigcal_real rig_noise_px(const calibration *c);
 
 /* Of a camera of the rig; of b_from_a of two of one group. They return 0 if no sigma is
@@ -257,6 +261,9 @@ void give_times(calibration *c);
 int test_all_views(calibration *c);
 void test_rig(calibration *c); /* the adjusted rig */
 void consider_intrinsics(calibration *c);
+int estimate_intrinsics(calibration *c); /* 0: they are as they were */
+void print_estimated(const calibration *c);
+void write_cameras(FILE *file, const calibration *c);
 void print_verdict(const calibration *c);
 void print_clocks(const calibration *c);
 void write_faults(FILE *file, const calibration *c);

@@ -452,6 +452,9 @@ void consider_intrinsics(calibration *c)
         sigmas[i] = c->intrinsics;
     }
     c->rig.intrinsics_sigmas = sigmas;
+    if (c->is_estimating && estimate_intrinsics(c)) {
+        return;
+    }
     c->considered.capacity = rigcal_consider_work(n, n) + rigcal_consider_clocks_work(n);
     c->considered.effects =
         cli_alloc(c->considered.capacity, sizeof *c->considered.effects);

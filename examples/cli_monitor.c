@@ -519,7 +519,8 @@ static timed_frame *read_times(const cli_observations *o, const char *path)
     return frames;
 }
 
-/* Points that two cameras or more saw in a frame are matches, of each camera and the next. */
+/* Points that two cameras or more saw in a frame are matches, of each camera and the next.
+ * */
 static void run_observations(watch *w, const char *path, const char *times_path)
 {
     cli_observations o;

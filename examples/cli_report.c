@@ -316,7 +316,7 @@ static void print_intrinsics(const calibration *c)
 {
     const rigcal_intrinsics_sigma *s = &c->intrinsics;
 
-    if (c->considered.k > 0) {
+    if (c->considered.k > 0 && c->estimated.change == NULL) {
         printf("and for intrinsics that are uncertain by %.3g %% of f, %.3g %% of fx / fy, "
                "%.3g px of the centre,\n%.3g of k1, %.3g of k2\n",
                100 * (double)s->focal, 100 * (double)s->aspect, (double)s->centre,
@@ -426,6 +426,7 @@ void print_summary(const calibration *c)
     if (c->is_adjusted) {
         print_fit(c);
         print_clocks(c);
+        print_estimated(c);
         print_largest(c);
     }
 }

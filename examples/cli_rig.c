@@ -333,7 +333,7 @@ static int join_rig(calibration *c)
 
 /* The noise that the rig's sigmas are for, and how many times more than it the views
  * disagree. Without --sigma it is what the views tell by themselves. */
-static void find_noise(calibration *c)
+void find_noise(calibration *c)
 {
     const rigcal_rig_fit *fit = &c->fit;
     double own = 0, within = (double)fit->freedom_within;
@@ -640,8 +640,8 @@ void form_rig(calibration *c)
     }
     if (c->is_adjusted) {
         find_noise(c);
-        find_noise_of_cameras(c);
         consider_intrinsics(c);
+        find_noise_of_cameras(c);
     }
     find_placed(c);
 }

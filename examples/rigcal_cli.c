@@ -16,7 +16,8 @@ static const char HELP_USAGE[] =
     "                     [--hold CAMERA]... [--prior FILE]\n"
     "                     [--times FILE|frames [--clocks [--drift]]\n"
     "                     [--sigma-time TIME]]\n"
-    "                     [--intrinsics-sigma F,ASPECT,CENTRE,K1,K2]\n"
+    "                     [--intrinsics-sigma F,ASPECT,CENTRE,K1,K2\n"
+    "                     [--estimate-intrinsics]]\n"
     "                     [--method ml|paper]\n"
     "  rigcal triangulate --cameras FILE --rig FILE --observations FILE\n"
     "                     [--targets FILE] [--sigma PIXELS]\n"
@@ -56,6 +57,10 @@ static const char HELP_CALIBRATE[] =
     "               standard deviations of every camera's intrinsics: of f and of\n"
     "               fx / fy as parts of them, of the centre in pixels, of k1 and of k2.\n"
     "               The uncertainties of the rig contain them.\n"
+    "  --estimate-intrinsics\n"
+    "               lets the recording change the intrinsics as far as these deviations\n"
+    "               allow, says what it moved, and writes cameras.csv. Only where the\n"
+    "               deviations are honest; without --times.\n"
     "  --method     ml, the default: the maximum-likelihood poses and rig, and their\n"
     "               uncertainties. paper: the published procedure, without --sigma,\n"
     "               --robust, --hold and --prior.\n"
@@ -127,7 +132,8 @@ static const command COMMANDS[] = {
      BIT(OPTION_OUT) | BIT(OPTION_METHOD) | BIT(OPTION_SIGMA) | BIT(OPTION_ROBUST) |
          BIT(OPTION_THRESHOLD) | BIT(OPTION_SEED) | BIT(OPTION_HOLD) | BIT(OPTION_PRIOR) |
          BIT(OPTION_TIMES) | BIT(OPTION_CLOCKS) | BIT(OPTION_DRIFT) |
-         BIT(OPTION_SIGMA_TIME) | BIT(OPTION_INTRINSICS_SIGMA)},
+         BIT(OPTION_SIGMA_TIME) | BIT(OPTION_INTRINSICS_SIGMA) |
+         BIT(OPTION_ESTIMATE_INTRINSICS)},
     {"triangulate", cli_triangulate,
      BIT(OPTION_CAMERAS) | BIT(OPTION_RIG) | BIT(OPTION_OBSERVATIONS),
      BIT(OPTION_TARGETS) | BIT(OPTION_SIGMA)},
@@ -173,6 +179,7 @@ static const struct option OPTIONS[] = {
     {"drift", no_argument, NULL, OPTION_DRIFT},
     {"sigma-time", required_argument, NULL, OPTION_SIGMA_TIME},
     {"intrinsics-sigma", required_argument, NULL, OPTION_INTRINSICS_SIGMA},
+    {"estimate-intrinsics", no_argument, NULL, OPTION_ESTIMATE_INTRINSICS},
     {"help", no_argument, NULL, HELP_OPTION},
     {"version", no_argument, NULL, VERSION_OPTION},
     {NULL, 0, NULL, 0},

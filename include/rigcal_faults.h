@@ -136,12 +136,17 @@ typedef struct rigcal_faults_options {
 
 /* Reals to work in, for cameras that are free or have a prior, and all. With these there
  * are at most two passes over the views. With fewer there are more, and the same results:
- * down to RIGCAL_FAULTS_LEAST. The same as functions. In float 1.4, 4.5 and 16 KB for 2, 4 and 8 cameras of which one is held. */
+ * down to RIGCAL_FAULTS_LEAST. The same as functions. In float 1.4, 4.5 and 16 KB
+ * for 2, 4 and 8 cameras of which one is held. */
 #define RIGCAL_FAULTS_WORK(n_free, n_cameras) \
     ((size_t)(n_cameras) * (54 * (size_t)(n_free) + 97 + (size_t)(n_cameras) / 2) + \
      24 * (size_t)(n_free) + 32)
 #define RIGCAL_FAULTS_LEAST(n_free, n_cameras) \
     ((size_t)(n_cameras) * (18 * (size_t)(n_cameras) + 50) + 78 * (size_t)(n_free) + 64)
+
+/* Reals beyond either, where the adjustment freed clocks. */
+#define RIGCAL_FAULTS_CLOCKS_WORK(n_cameras) \
+    ((size_t)(n_cameras) * (30 * (size_t)(n_cameras) + 36))
 RIGCAL_API size_t rigcal_faults_work(size_t n_free, size_t n_cameras);
 RIGCAL_API size_t rigcal_faults_least(size_t n_free, size_t n_cameras);
 
@@ -158,6 +163,10 @@ typedef struct rigcal_faults_solver rigcal_faults_solver; /* see rigcal_solvers.
  *
  * The faults are those of EQUATIONS.md (H4), the test is (H5) to (H9). The target's scale,
  * one offset common to all clocks, and which of two cameras is late, are not to be seen.
+ *
+ * With rig->clocks the noise of stamps, sigma_time, is that of the adjustment (H11). Clocks
+ * that it freed are free here too: CLOCK and CLOCKS are then not seen, nor is DRIFT where
+ * drifts were freed.
  *
  * OK, ERR_NULL, ERR_RANGE (capacity is 0, kinds, is_truncated without sigma_px), ERR_STATE
  * (the rig is not adjusted), ERR_CAPACITY (work), and of views those of rigcal_rig_adjust.

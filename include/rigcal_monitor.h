@@ -1,10 +1,10 @@
-/* rigcal_monitor.h - while a rig runs: has it moved, which camera, where is it now. Included
- * by rigcal.h, whose first page holds here too.
+/* rigcal_monitor.h - while a rig runs: has it moved, which camera, where is it now.
+ * Included by rigcal.h, whose first page holds here too.
  *
  * A monitor begins with a calibrated rig. Frame by frame it takes what the cameras see:
- * matched points, views of a target that is carried about, and of one that stays. It follows
- * the poses of the cameras with their joint covariance, raises an alarm when one of them has
- * been bumped, and solves that one anew.
+ * matched points, views of a target that is carried about, and of one that stays. It
+ * follows the poses of the cameras with their joint covariance, raises an alarm when one of
+ * them has been bumped, and solves that one anew.
  *
  *   rigcal_monitor_begin    from a calibrated rig
  *   rigcal_monitor_match    two cameras see one point; _match_rays, its rays are known
@@ -13,14 +13,14 @@
  *   rigcal_monitor_moved    the answer to an alarm: this one did; _dismiss: none did
  *   rigcal_monitor_rig      what to keep of it, for rigcal_store_save_rig
  *
- * Bodies are numbered: the cameras 0 .. n_cameras - 1, then the targets, so that target k is
- * body n_cameras + k. One camera, the first that is held, is the frame: its pose stays, and a
- * move of it shows as one of all others.
+ * Bodies are numbered: the cameras 0 .. n_cameras - 1, then the targets, so that target k
+ * is body n_cameras + k. One camera, the first that is held, is the frame: its pose stays,
+ * and a move of it shows as one of all others.
  *
- * What it cannot see: with matches alone the length of a baseline, and the scale of a rig of
- * more cameras; with two cameras and matches alone, which of the two moved. A move that is
- * too small to be noticed is followed instead. Matches must not be chosen by the calibration
- * under test: search a band of several pixels about the line, or track.
+ * What it cannot see: with matches alone the length of a baseline, and the scale of a rig
+ * of more cameras; with two cameras and matches alone, which of the two moved. A move that
+ * is too small to be noticed is followed instead. Matches must not be chosen by the
+ * calibration under test: search a band of several pixels about the line, or track.
  *
  * EQUATIONS.md MONITOR has the mathematics. */
 #ifndef RIGCAL_H
@@ -122,9 +122,9 @@ RIGCAL_API rigcal_status rigcal_monitor_match_rays(rigcal_real monitor[], size_t
                                                    rigcal_real sigma_px);
 
 /* A camera sees a target: two rows a point (M4). Of a target without a place the pose is
- * solved from this view, 3 points or more, which says where it is and nothing else; the next
- * views of it do. A target is in one place until it is lifted: one that is carried about is
- * lifted after each placement, one that stays never is.
+ * solved from this view, 3 points or more, which says where it is and nothing else; the
+ * next views of it do. A target is in one place until it is lifted: one that is carried
+ * about is lifted after each placement, one that stays never is.
  *
  *   observations  in  n: X_w in the frame of the target, uv [px]
  *   sigma_px      in  as above
@@ -132,10 +132,10 @@ RIGCAL_API rigcal_status rigcal_monitor_match_rays(rigcal_real monitor[], size_t
  *
  * OK; RIGCAL_AMBIGUOUS, RIGCAL_POOR_FIT: the pose of a target without a place may be
  * another, or does not fit, and it was not placed; the other caveats of rigcal_pose_solve,
- * with which it was placed; ERR_NULL, ERR_NOT_FINITE, ERR_RANGE, ERR_STATE (also: between an
- * alarm and its answer no target gets a place), ERR_TOO_FEW, ERR_BEHIND, ERR_NO_RAY and those of rigcal_pose_solve
- * and rigcal_pose_covariance. A failed call changes nothing. O(n n_bodies^2), and for a
- * target without a place one pose. */
+ * with which it was placed; ERR_NULL, ERR_NOT_FINITE, ERR_RANGE, ERR_STATE (also: between
+ * an alarm and its answer no target gets a place), ERR_TOO_FEW, ERR_BEHIND, ERR_NO_RAY and
+ * those of rigcal_pose_solve and rigcal_pose_covariance. A failed call changes nothing. O(n
+ * n_bodies^2), and for a target without a place one pose. */
 RIGCAL_API rigcal_status rigcal_monitor_view(rigcal_real monitor[], int32_t *at_fault,
                                              size_t camera, size_t target,
                                              const rigcal_observation observations[],
@@ -166,9 +166,9 @@ typedef struct rigcal_monitor_report {
     uint32_t frames_since; /* since the alarm, that one included; 0 without */
 } rigcal_monitor_report;
 
-/* Ends a frame: takes what its rows say into the poses, adds the walk of `seconds` since the
- * last end, 0 .. 1e6, and weighs the evidence. An alarm only reports. From the alarm to its
- * answer the poses rest, and the rows tell which body it was. report NULL: not wanted.
+/* Ends a frame: takes what its rows say into the poses, adds the walk of `seconds` since
+ * the last end, 0 .. 1e6, and weighs the evidence. An alarm only reports. From the alarm to
+ * its answer the poses rest, and the rows tell which body it was. report NULL: not wanted.
  * OK, ERR_NULL, ERR_NOT_FINITE, ERR_RANGE, ERR_STATE. O(n_bodies^2) */
 RIGCAL_API rigcal_status rigcal_monitor_frame(rigcal_monitor_report *report,
                                               rigcal_real monitor[], rigcal_real seconds);
@@ -223,9 +223,10 @@ RIGCAL_API rigcal_status rigcal_monitor_pair(rigcal_transform *b_from_a,
                                              const rigcal_real monitor[], size_t a,
                                              size_t b);
 
-/* All cameras with their joint covariance, for rigcal_store_save_rig. rig has its arrays and
- * their capacities; the camera that is the frame is held. sigma_px and F are those of the
- * begin. OK, ERR_NULL, ERR_CAPACITY, ERR_STATE; nothing is written then. O(n_cameras^2) */
+/* All cameras with their joint covariance, for rigcal_store_save_rig. rig has its arrays
+ * and their capacities; the camera that is the frame is held. sigma_px and F are those of
+ * the begin. OK, ERR_NULL, ERR_CAPACITY, ERR_STATE; nothing is written then. O(n_cameras^2)
+ * */
 RIGCAL_API rigcal_status rigcal_monitor_rig(rigcal_calibrated_rig *rig,
                                             const rigcal_real monitor[]);
 

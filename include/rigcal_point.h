@@ -115,8 +115,8 @@ RIGCAL_API rigcal_status rigcal_point_result(rigcal_measured_point *point, uint8
 
 /* The distance of two points that were measured with one rig, and its standard deviation:
  * the calibration's error is common to both and mostly cancels. Their cameras need not be
- * the same. sigma NULL: not wanted. OK, ERR_NULL (also of gains), ERR_NOT_FINITE, ERR_RANGE,
- * those of rigcal_calibrated_covariance; ERR_COINCIDENT: the points are one.
+ * the same. sigma NULL: not wanted. OK, ERR_NULL (also of gains), ERR_NOT_FINITE,
+ * ERR_RANGE, those of rigcal_calibrated_covariance; ERR_COINCIDENT: the points are one.
  * RIGCAL_DISCONNECTED: not written. O(n^2) of their views. */
 RIGCAL_API rigcal_status rigcal_point_distance(rigcal_real *distance, rigcal_real *sigma,
                                                const rigcal_calibrated_rig *rig,

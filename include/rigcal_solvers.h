@@ -329,25 +329,29 @@ struct rigcal_spans_solver {
 
 /* ---- why the views of a rig disagree ------------------------------------------- */
 
-/* The parameters of the faults that one pass tests, a column each. Sums of each: Q and q with
- * all else free, Q as it was, and both with the pose of each view free. */
+/* The parameters of the faults that one pass tests, a column each. Sums of each: Q and q
+ * with all else free, Q as it was, and both with the pose of each view free. */
 typedef struct rigcal_columns {
     const rigcal_rig *rig;
     int32_t kinds;
+    size_t n;          /* unknowns of the cameras, before those of the clocks */
+    size_t per_clock;  /* unknowns of a clock that the adjustment freed: 0, 1 or 2 */
     int32_t at[12];    /* of each parameter of a view, which it is among those of a camera,
                           or of the board; -1: it is not tested in this pass */
     size_t per_camera; /* besides the clock */
     rigcal_border border;
     rigcal_real *Q, *q, *raw, *own_Q, *own_q;
     rigcal_real *pairs, *own_pairs, *clocks; /* Q across two columns; across clocks */
-    rigcal_real *g;                          /* of the cameras */
-    rigcal_real *reference;                  /* 3 of each camera */
+    rigcal_real *g;                          /* of the cameras and clocks */
+    rigcal_real *since;     /* of each camera, the stamp of its view in the placement */
+    rigcal_real *reference; /* 3 of each camera */
 } rigcal_columns;
 
 /* Cameras that moved: S and g of all cameras, of the placements so far; and of each camera
  * the best so far. */
 typedef struct rigcal_moves {
     rigcal_real *S, *g, *best;
+    rigcal_real *clocks;         /* S of the free clocks by all cameras */
     rigcal_real *camera;         /* of each view of the placement */
     rigcal_real *total, *so_far; /* views of each camera */
 } rigcal_moves;

@@ -51,4 +51,8 @@ rigcal_real rc_border_information(const rc_border *border, size_t i, size_t j,
 rigcal_real rc_border_slope(const rc_border *border, size_t i, const rigcal_real G_i[],
                             const rigcal_real g[]);
 
+/* rows <- L^-1 rows: k rows of `width`, L packed as of rc_packed_factor_row. The sum of
+ * their outer products is then that with the weight (L L^T)^-1. O(k^2 width) */
+void rc_border_mix(rigcal_real rows[], size_t width, const rigcal_real L[], size_t k);
+
 #endif /* RC_BORDER_H */

@@ -18,7 +18,4 @@ rigcal_real rc_calibrated_first(const rigcal_calibrated_rig *rig, size_t camera)
  * ERR_STATE (sigma_px is 0). */
 rigcal_status rc_calibrated_numbers(const rigcal_real numbers[4]);
 
-/* Of a rig that was checked: the first unknown of a camera; -1: it is held. */
-rigcal_real rc_calibrated_first(const rigcal_calibrated_rig *rig, size_t camera);
-
 #endif /* RC_CALIBRATED_H */

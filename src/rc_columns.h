@@ -39,9 +39,13 @@ void rc_columns_lay_out(rigcal_columns *columns, rc_pool *pool, size_t room);
 /* A pass begins: all sums are 0. */
 void rc_columns_begin(rigcal_columns *columns);
 
+/* Whether a clock is an unknown of the adjustment; all unknowns of clocks. */
+int rc_columns_is_free(const rigcal_columns *columns, size_t camera);
+size_t rc_columns_n_free(const rigcal_columns *columns);
+
 /* What a view of a camera tells, after rc_border_view with its g and H by the camera. */
 void rc_columns_add(rigcal_columns *columns, const rc_evidence *view, const rc_chain *chain,
-                    size_t camera, const rigcal_real g[6]);
+                    size_t camera, rigcal_real since, const rigcal_real g[6]);
 
 /* The same of the view by itself: after rc_evidence_alone. */
 void rc_columns_add_alone(rigcal_columns *columns, const rc_evidence *view, size_t camera);
@@ -55,5 +59,14 @@ void rc_columns_end(rigcal_columns *columns);
 /* Tests a fault of fault->kind and fault->camera. clocks: NULL, or where CLOCKS go. */
 void rc_columns_test(rigcal_fault *fault, const rigcal_columns *columns,
                      const rc_common *common, rigcal_real clocks[]);
+
+/* theta = I^-1 u in the place of u, its variance diag(I^-1), and the gain u . theta; I of k
+ * rows is factored, and spent. */
+void rc_columns_solve(rigcal_real *gain, rigcal_real theta[], rigcal_real variance[],
+                      rigcal_real I[], size_t k);
+
+/* The longest of the turns, and of the shifts, of the cameras in G. */
+void rc_columns_most(rigcal_real *turn, rigcal_real *shift, const rigcal_real G[],
+                     size_t n);
 
 #endif /* RC_COLUMNS_H */

@@ -35,8 +35,8 @@ typedef struct {
  * the camera's own pose takes it up. Of a camera: turns by 1 px of cx and of cy [rad], and
  * the shift by all of f [length]; zeros: none is taken off.
  *
- * (w, v): a turn about the camera's centre, and a shift, by a unit of a parameter. 0: it has
- * none. */
+ * (w, v): a turn about the camera's centre, and a shift, by a unit of a parameter. 0: it
+ * has none. */
 int rc_evidence_reference(rigcal_real w[3], rigcal_real v[3],
                           const rigcal_real reference[3], size_t parameter);
 
@@ -50,6 +50,9 @@ typedef struct {
     /* Over neighbours i, j: sum of e_i . e_j; of J_i^T e_j + J_j^T e_i; of J_i^T J_j. */
     rigcal_real product, mixed[6], M[36];
     size_t n_neighbours;
+
+    rigcal_real m[6];        /* its motion */
+    rigcal_real stamp, left; /* (H11): 1 / s, and the part of m^T H m that is left */
 } rc_evidence;
 
 /* All of it, of a view whose chain this is, with its motion m by cam_from_target in a unit
@@ -57,6 +60,14 @@ typedef struct {
 rigcal_status rc_evidence_of(rc_evidence *out, const rc_scan *scan,
                              const rigcal_rig_view *view, const rc_chain *chain,
                              const rigcal_real m[6], rigcal_real since);
+
+/* (H11): ratio2 is (noise of a pixel / noise of the view's stamp)^2; 0: the stamp is exact.
+ * The sums stay: a view whose own pose is free has no use for its stamp. */
+void rc_evidence_stamp(rc_evidence *v, rigcal_real ratio2);
+
+/* E, Q and q of a parameter with the noise of the stamp out; `along` is m^T E before. */
+void rc_evidence_weighed(rigcal_real E[6], rigcal_real *Q, rigcal_real *q,
+                         rigcal_real *along, const rc_evidence *v, size_t parameter);
 
 /* The same where the view's own pose is free: sum, E, Q, q and pairs are what is left, and
  * d is how far that pose is. g and H stay. 0: H is not positive definite to rounding. */

@@ -26,8 +26,9 @@ rigcal_real rc_filter_seen(rigcal_real room[], const rigcal_real UD[], size_t n,
 void rc_filter_learn(rigcal_real UD[], rigcal_real room[], size_t n, rigcal_real hPh,
                      rigcal_real S, rigcal_real gain);
 
-/* A row that may be wrong (M8): nu is its innovation, S the variance of that if it is right.
- * beta, the probability that it is; gain, of rc_filter_learn; the likelihood of nu. */
+/* A row that may be wrong (M8): nu is its innovation, S the variance of that if it is
+ * right. beta, the probability that it is; gain, of rc_filter_learn; the likelihood of nu.
+ * */
 typedef struct {
     rigcal_real beta, gain, likelihood;
 } rc_doubt;
@@ -40,8 +41,9 @@ void rc_filter_factor(rigcal_real P[], size_t n);
 
 /* ---- bodies ------------------------------------------------------------------ */
 
-/* (M9) What a body that is open makes of a row: its noise of variance 1 + BEND hPh u, with u
- * the variance of w and of dt / reach. UD: the factors of the body's own P, n unknowns. */
+/* (M9) What a body that is open makes of a row: its noise of variance 1 + BEND hPh u, with
+ * u the variance of w and of dt / reach. UD: the factors of the body's own P, n unknowns.
+ * */
 rigcal_real rc_filter_bend(const rigcal_real UD[], size_t n, size_t first,
                            rigcal_real reach);
 
@@ -100,7 +102,8 @@ void rc_filter_block(rigcal_real out[36], const rc_filter *f, size_t a, size_t b
 /* One element of P. O(n) */
 rigcal_real rc_filter_element(const rigcal_real UD[], size_t n, size_t i, size_t j);
 
-/* A body leaves: its unknowns are 0, and so is what is known of them. P is multiplied out. */
+/* A body leaves: its unknowns are 0, and so is what is known of them. P is multiplied out.
+ * */
 void rc_filter_leave(const rc_filter *f, rigcal_real P[], size_t body);
 
 /* A body comes, that hangs on another: d = by d_other + noise of the covariance Q. P is

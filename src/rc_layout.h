@@ -124,6 +124,55 @@
     S(rigcal_symmetries)                                                           \
         M(rigcal_symmetries, permutations) M(rigcal_symmetries, n_permutations)    \
         M(rigcal_symmetries, n_points) M(rigcal_symmetries, room)                  \
+    /* rigcal_clocks.h */                                                          \
+    S(rigcal_motion)                                                               \
+        M(rigcal_motion, n) M(rigcal_motion, t)                                    \
+        M(rigcal_motion, c)                                                        \
+    S(rigcal_clock_memory)                                                         \
+        M(rigcal_clock_memory, pass) M(rigcal_clock_memory, is_moved)              \
+        M(rigcal_clock_memory, placement) M(rigcal_clock_memory, motion)           \
+        M(rigcal_clock_memory, step) M(rigcal_clock_memory, moved)                 \
+        M(rigcal_clock_memory, views) M(rigcal_clock_memory, late)                 \
+        M(rigcal_clock_memory, velocity) M(rigcal_clock_memory, after)             \
+        M(rigcal_clock_memory, since) M(rigcal_clock_memory, middle)               \
+        M(rigcal_clock_memory, ratio2)                                             \
+    S(rigcal_rig_clocks)                                                           \
+        M(rigcal_rig_clocks, calls) M(rigcal_rig_clocks, times)                    \
+        M(rigcal_rig_clocks, view_times) M(rigcal_rig_clocks, instants)            \
+        M(rigcal_rig_clocks, offsets) M(rigcal_rig_clocks, drifts)                 \
+        M(rigcal_rig_clocks, held) M(rigcal_rig_clocks, states)                    \
+        M(rigcal_rig_clocks, free_offsets) M(rigcal_rig_clocks, free_drifts)       \
+        M(rigcal_rig_clocks, neighbours) M(rigcal_rig_clocks, frame)               \
+        M(rigcal_rig_clocks, sigma_time) M(rigcal_rig_clocks, memory)              \
+    /* rigcal_faults.h */                                                          \
+    S(rigcal_fault)                                                                \
+        M(rigcal_fault, kind) M(rigcal_fault, camera) M(rigcal_fault, placement)   \
+        M(rigcal_fault, n) M(rigcal_fault, is_seen) M(rigcal_fault, explains)      \
+        M(rigcal_fault, value) M(rigcal_fault, sigma) M(rigcal_fault, gain)        \
+        M(rigcal_fault, p) M(rigcal_fault, bic) M(rigcal_fault, F_after)           \
+        M(rigcal_fault, turn) M(rigcal_fault, shift)                               \
+    S(rigcal_faults)                                                               \
+        M(rigcal_faults, verdict) M(rigcal_faults, bits) M(rigcal_faults, n)       \
+        M(rigcal_faults, n_alike) M(rigcal_faults, n_seen)                         \
+        M(rigcal_faults, n_cameras) M(rigcal_faults, passes) M(rigcal_faults, F)   \
+        M(rigcal_faults, freedom_between) M(rigcal_faults, freedom_within)         \
+        M(rigcal_faults, sigma_px) M(rigcal_faults, own_px)                        \
+        M(rigcal_faults, explained) M(rigcal_faults, pattern)                      \
+        M(rigcal_faults, pattern_sigma) M(rigcal_faults, along)                    \
+        M(rigcal_faults, along_time) M(rigcal_faults, frame)                       \
+        M(rigcal_faults, clocks)                                                   \
+    S(rigcal_faults_options)                                                       \
+        M(rigcal_faults_options, kinds) M(rigcal_faults_options, is_truncated)     \
+        M(rigcal_faults_options, breaks) M(rigcal_faults_options, clocks)          \
+        M(rigcal_faults_options, work) M(rigcal_faults_options, work_capacity)     \
+    S(rigcal_faults_words)                                                         \
+        M(rigcal_faults_words, names) M(rigcal_faults_words, length)               \
+        M(rigcal_faults_words, time) M(rigcal_faults_words, length_scale)          \
+        M(rigcal_faults_words, time_scale) M(rigcal_faults_words, with_unseen)     \
+    /* rigcal_consider.h */                                                        \
+    S(rigcal_considered)                                                           \
+        M(rigcal_considered, by) M(rigcal_considered, n) M(rigcal_considered, k)   \
+        M(rigcal_considered, effects) M(rigcal_considered, capacity)               \
     /* rigcal_point.h */                                                           \
     S(rigcal_sighting)                                                             \
         M(rigcal_sighting, camera) M(rigcal_sighting, uv)                          \
@@ -188,55 +237,6 @@
         M(rigcal_body_report, is_blind) M(rigcal_body_report, share)               \
         M(rigcal_body_report, blame) M(rigcal_body_report, smallest_rad)           \
         M(rigcal_body_report, weakest) M(rigcal_body_report, weakest_sigma)        \
-    /* rigcal_clocks.h */                                                          \
-    S(rigcal_motion)                                                               \
-        M(rigcal_motion, n) M(rigcal_motion, t)                                    \
-        M(rigcal_motion, c)                                                        \
-    S(rigcal_clock_memory)                                                         \
-        M(rigcal_clock_memory, pass) M(rigcal_clock_memory, is_moved)              \
-        M(rigcal_clock_memory, placement) M(rigcal_clock_memory, motion)           \
-        M(rigcal_clock_memory, step) M(rigcal_clock_memory, moved)                 \
-        M(rigcal_clock_memory, views) M(rigcal_clock_memory, late)                 \
-        M(rigcal_clock_memory, velocity) M(rigcal_clock_memory, after)             \
-        M(rigcal_clock_memory, since) M(rigcal_clock_memory, middle)               \
-        M(rigcal_clock_memory, ratio2)                                             \
-    S(rigcal_rig_clocks)                                                           \
-        M(rigcal_rig_clocks, calls) M(rigcal_rig_clocks, times)                    \
-        M(rigcal_rig_clocks, view_times) M(rigcal_rig_clocks, instants)            \
-        M(rigcal_rig_clocks, offsets) M(rigcal_rig_clocks, drifts)                 \
-        M(rigcal_rig_clocks, held) M(rigcal_rig_clocks, states)                    \
-        M(rigcal_rig_clocks, free_offsets) M(rigcal_rig_clocks, free_drifts)       \
-        M(rigcal_rig_clocks, neighbours) M(rigcal_rig_clocks, frame)               \
-        M(rigcal_rig_clocks, sigma_time) M(rigcal_rig_clocks, memory)              \
-    /* rigcal_consider.h */                                                        \
-    S(rigcal_considered)                                                           \
-        M(rigcal_considered, by) M(rigcal_considered, n) M(rigcal_considered, k)   \
-        M(rigcal_considered, effects) M(rigcal_considered, capacity)               \
-    /* rigcal_faults.h */                                                          \
-    S(rigcal_fault)                                                                \
-        M(rigcal_fault, kind) M(rigcal_fault, camera) M(rigcal_fault, placement)   \
-        M(rigcal_fault, n) M(rigcal_fault, is_seen) M(rigcal_fault, explains)      \
-        M(rigcal_fault, value) M(rigcal_fault, sigma) M(rigcal_fault, gain)        \
-        M(rigcal_fault, p) M(rigcal_fault, bic) M(rigcal_fault, F_after)           \
-        M(rigcal_fault, turn) M(rigcal_fault, shift)                               \
-    S(rigcal_faults)                                                               \
-        M(rigcal_faults, verdict) M(rigcal_faults, bits) M(rigcal_faults, n)       \
-        M(rigcal_faults, n_alike) M(rigcal_faults, n_seen)                         \
-        M(rigcal_faults, n_cameras) M(rigcal_faults, passes) M(rigcal_faults, F)   \
-        M(rigcal_faults, freedom_between) M(rigcal_faults, freedom_within)         \
-        M(rigcal_faults, sigma_px) M(rigcal_faults, own_px)                        \
-        M(rigcal_faults, explained) M(rigcal_faults, pattern)                      \
-        M(rigcal_faults, pattern_sigma) M(rigcal_faults, along)                    \
-        M(rigcal_faults, along_time) M(rigcal_faults, frame)                       \
-        M(rigcal_faults, clocks)                                                   \
-    S(rigcal_faults_options)                                                       \
-        M(rigcal_faults_options, kinds) M(rigcal_faults_options, is_truncated)     \
-        M(rigcal_faults_options, breaks) M(rigcal_faults_options, clocks)          \
-        M(rigcal_faults_options, work) M(rigcal_faults_options, work_capacity)     \
-    S(rigcal_faults_words)                                                         \
-        M(rigcal_faults_words, names) M(rigcal_faults_words, length)               \
-        M(rigcal_faults_words, time) M(rigcal_faults_words, length_scale)          \
-        M(rigcal_faults_words, time_scale) M(rigcal_faults_words, with_unseen)     \
     /* rigcal_paper.h */                                                           \
     S(rigcal_bearing)                                                              \
         M(rigcal_bearing, X_w) M(rigcal_bearing, ray)                              \

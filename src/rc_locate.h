@@ -5,13 +5,13 @@
 
 #include "rc_sight.h"
 
-rc_sight *rc_sights_of(const rigcal_point_solver *p);
+rc_sighted *rc_sights_of(const rigcal_point_solver *p);
 
 /* The number of the k-th view that is used. */
 size_t rc_sight_number(const rigcal_point_solver *p, size_t k);
 
 /* Sine squared of the angle between two rays, either way. */
-rigcal_real rc_sight_aside(const rc_sight *a, const rc_sight *b);
+rigcal_real rc_sight_aside(const rc_sighted *a, const rc_sighted *b);
 
 /* The widest such angle of the views that are used [radian]. */
 rigcal_real rc_locate_parallax(const rigcal_point_solver *p);

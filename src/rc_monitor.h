@@ -55,8 +55,8 @@ typedef struct {
     size_t size;
 } rc_monitor;
 
-/* OK, ERR_NULL, ERR_STATE: it was not begun, or was altered. It only reads; who writes calls
- * rc_monitor_close. */
+/* OK, ERR_NULL, ERR_STATE: it was not begun, or was altered. It only reads; who writes
+ * calls rc_monitor_close. */
 rigcal_status rc_monitor_open(rc_monitor *m, const rigcal_real memory[]);
 
 /* Where everything is, of a head that is right: m->top is there. A pose is read in its

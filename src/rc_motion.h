@@ -1,5 +1,5 @@
-/* rc_motion.h - how a target moves: the curve through its placements near in time (CLOCKS in
- * EQUATIONS.md). Nothing is stored beyond a pose and a time of each placement. */
+/* rc_motion.h - how a target moves: the curve through its placements near in time (CLOCKS
+ * in EQUATIONS.md). Nothing is stored beyond a pose and a time of each placement. */
 #ifndef RC_MOTION_H
 #define RC_MOTION_H
 
@@ -14,8 +14,8 @@ typedef struct {
     int32_t neighbours;  /* at most, of one placement: 1 .. RIGCAL_MOTION_MOST */
 } rc_path;
 
-/* (H1), (H2): of placement f, by its nearest neighbours in its unbroken run, as many on each
- * side where there are. */
+/* (H1), (H2): of placement f, by its nearest neighbours in its unbroken run, as many on
+ * each side where there are. */
 void rc_motion_of(rigcal_motion *motion, const rc_path *path, size_t f);
 
 /* (H2): d, what takes the placement to where it is `after` its time, for rc_transform_move;

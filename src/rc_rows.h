@@ -32,8 +32,8 @@ typedef struct {
     rigcal_real sigma_px;        /* and the noise of that */
 } rc_seen;
 
-/* Its n_rows rows, where the two bodies are. OK; of a match ERR_DEGENERATE, on the line through
- * both centres; of a view ERR_BEHIND, ERR_NO_RAY, ERR_DEGENERATE. */
+/* Its n_rows rows, where the two bodies are. OK; of a match ERR_DEGENERATE, on the line
+ * through both centres; of a view ERR_BEHIND, ERR_NO_RAY, ERR_DEGENERATE. */
 rigcal_status rc_rows_of(rc_row rows[], const rc_seen *seen, const rigcal_transform *a,
                          const rigcal_transform *b);
 

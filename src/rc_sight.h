@@ -20,29 +20,29 @@ typedef struct {
     rigcal_real B[12];      /* d projection / d (w, dt), 2 x 6 */
     rigcal_real G[6];       /* d X / d pixel, 3 x 2 */
     rigcal_real y[8];       /* two rows of L^-1 (A e), L L^T = V */
-} rc_sight;
+} rc_sighted;
 
 /* Its number of reals, as RIGCAL_POINT_WORK has it. */
 enum { RC_SIGHT_REALS = 43 };
 
 /* Checks view i and its camera, and makes its ray. */
-rigcal_status rc_sight_check(rc_sight *v, const rigcal_sightings *s, size_t i);
+rigcal_status rc_sight_check(rc_sighted *v, const rigcal_sightings *s, size_t i);
 
 /* e and A at X. OK, ERR_BEHIND, ERR_NO_RAY, ERR_DEGENERATE. */
-rigcal_status rc_sight_evaluate(rc_sight *v, const rigcal_sightings *s, size_t i,
+rigcal_status rc_sight_evaluate(rc_sighted *v, const rigcal_sightings *s, size_t i,
                                 const rigcal_real X[3]);
 
 /* B, after A; and whether the camera sees X through its lens: OK, ERR_BEHIND, ERR_NO_RAY,
  * ERR_DEGENERATE. */
-rigcal_status rc_sight_move(rc_sight *v, const rigcal_sightings *s, size_t i,
+rigcal_status rc_sight_move(rc_sighted *v, const rigcal_sightings *s, size_t i,
                             const rigcal_real X[3]);
 
 /* C = B_a Sigma_ab B_b^T, 2 x 2: what the calibration adds to V. */
-void rc_sight_block(rigcal_real C[4], const rc_sight *a, const rc_sight *b,
+void rc_sight_block(rigcal_real C[4], const rc_sighted *a, const rc_sighted *b,
                     const rigcal_real Sigma[]);
 
 /* Adds the k-th view that is used. 0: V is not positive definite. */
-int rc_sight_add(rigcal_point_sums *sums, rc_sight sights[], size_t k,
+int rc_sight_add(rigcal_point_sums *sums, rc_sighted sights[], size_t k,
                  const rigcal_real Sigma[]);
 
 #endif /* RC_SIGHT_H */

@@ -23,8 +23,8 @@
  * others have. */
 #define UNSEEN RC(1e-3)
 
-/* 1: A is the mean time between false alarms, times 1 + common, over this. A is a bound that
- * noise does not reach: counted were 0.4 to 1.2 of the false alarms that are stated
+/* 1: A is the mean time between false alarms, times 1 + common, over this. A is a bound
+ * that noise does not reach: counted were 0.4 to 1.2 of the false alarms that are stated
  * (DESIGN.md). 1 + common is what matches of real boards, which err together, need. */
 #define SLACK RC(2.5)
 
@@ -169,7 +169,7 @@ static rigcal_real square_of(const rigcal_real L[21], const rigcal_real x[6])
 static void start_window(rigcal_real body[], int i)
 {
     rc_clear(&body[i * RC_ALARM_WINDOW], H);
-    expect(&body[i * RC_ALARM_WINDOW + H], body, LENGTH(i));
+    expect(&body[i * RC_ALARM_WINDOW + H], body, (rigcal_real)LENGTH(i));
 }
 
 /* All windows start with the next frame. */
@@ -178,7 +178,7 @@ static void start_windows(rigcal_real body[])
     rigcal_real W[21];
     rc_clear(body, SUMS);
     for (int i = 0; i < RC_ALARM_WINDOWS; i++) {
-        expect(W, body, LENGTH(i));
+        expect(W, body, (rigcal_real)LENGTH(i));
         const rigcal_real root = factor(W) ? inverse_root(W) : 0;
         body[i * RC_ALARM_WINDOW + ROOT_W] = root > 0 ? 1 / root : 0;
         if (i > 0) {
@@ -294,11 +294,11 @@ static void measure(rigcal_real body[])
     const int longest = RC_ALARM_WINDOWS - 1;
     const rigcal_real *const sum = &body[longest * RC_ALARM_WINDOW + H];
     rigcal_real W[21];
-    expect(W, body, LENGTH(longest));
+    expect(W, body, (rigcal_real)LENGTH(longest));
     for (int k = 0; k < 21; k++) {
         body[M + k] = (sum[k] - W[k]) / body[SINCE];
     }
-    expect(W, body, LENGTH(longest));
+    expect(W, body, (rigcal_real)LENGTH(longest));
     if (!factor(W)) {
         rc_clear(&body[M], 21);
     }
@@ -360,7 +360,8 @@ static int first_of_use(const rigcal_real body[], const rc_alarm *alarm)
     const rigcal_real rows = rows_of(body);
     rigcal_real wanted = alarm->log_limit;
     int i = 0;
-    while (i + 1 < RC_ALARM_WINDOWS && LENGTH(i) * rows < ENOUGH * wanted * wanted) {
+    while (i + 1 < RC_ALARM_WINDOWS &&
+           (rigcal_real)LENGTH(i) * rows < ENOUGH * wanted * wanted) {
         wanted -= LOG_4;
         i++;
     }
@@ -378,7 +379,7 @@ static rigcal_real weight_of(const rigcal_real body[], int n_windows)
  * left as they are: that changes with M alone, when all start anew. */
 static void end_body(rigcal_real body[], const rc_alarm *alarm)
 {
-    rigcal_real root[RC_ALARM_WINDOWS], exponent[RC_ALARM_WINDOWS];
+    rigcal_real root[RC_ALARM_WINDOWS] = {0}, exponent[RC_ALARM_WINDOWS] = {0};
     const int first = first_of_use(body, alarm);
     rigcal_real most = 0, sum = 0;
     weigh_frame(body, alarm->common);
@@ -392,7 +393,8 @@ static void end_body(rigcal_real body[], const rc_alarm *alarm)
     }
     const rigcal_real one = rc_exp(-most);
     for (int i = first; i < RC_ALARM_WINDOWS; i++) {
-        sum += LENGTH(i) * rc_max(0, root[i] * rc_exp(exponent[i] - most) - one);
+        sum +=
+            (rigcal_real)LENGTH(i) * rc_max(0, root[i] * rc_exp(exponent[i] - most) - one);
     }
     sum *= weight_of(body, RC_ALARM_WINDOWS - first);
     body[LOG_SUM] = most + rc_log(rc_max(sum, LAMBDA_LEAST));

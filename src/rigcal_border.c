@@ -144,3 +144,17 @@ rigcal_real rc_border_slope(const rc_border *b, size_t i, const rigcal_real G_i[
 {
     return b->q[i] - ((g == NULL) ? 0 : dot(G_i, g, b->n));
 }
+
+void rc_border_mix(rigcal_real rows[], size_t width, const rigcal_real L[], size_t k)
+{
+    for (size_t i = 0; i < k; i++) {
+        const rigcal_real *const l = &L[rc_packed_at(i, 0)];
+        for (size_t column = 0; column < width; column++) {
+            rigcal_real left = rows[width * i + column];
+            for (size_t j = 0; j < i; j++) {
+                left -= l[j] * rows[width * j + column];
+            }
+            rows[width * i + column] = left * l[i];
+        }
+    }
+}

@@ -162,11 +162,13 @@ static rigcal_real log_beta_inverse(rigcal_real a, rigcal_real b)
 {
     const rigcal_real half = RC(1) / 2;
     rigcal_real sum = 0;
-    for (; a < STIRLING_FROM; a++) {
+    while (a < STIRLING_FROM) {
         sum -= rc_log1p(b / a);
+        a += 1;
     }
-    for (; b < STIRLING_FROM; b++) {
+    while (b < STIRLING_FROM) {
         sum -= rc_log1p(a / b);
+        b += 1;
     }
     const rigcal_real both = a + b;
     sum += (a - half) * rc_log1p(b / a) + (b - half) * rc_log1p(a / b);
@@ -185,7 +187,8 @@ static rigcal_real beta_fraction(rigcal_real a, rigcal_real b, rigcal_real x)
 {
     rigcal_real c = 1, d = 1 / away_from_0(-(a + b) * x / (a + 1)), fraction = d;
     for (int i = 2; i <= FRACTION_STEPS; i++) {
-        const rigcal_real m = (rigcal_real)(i / 2), at = a + (rigcal_real)i;
+        const int pair = i / 2;
+        const rigcal_real m = (rigcal_real)pair, at = a + (rigcal_real)i;
         const rigcal_real next = (i % 2 == 0)
                                      ? m * (b - m) * x / ((at - 1) * at)
                                      : -(a + m) * (a + b + m) * x / ((at - 1) * at);

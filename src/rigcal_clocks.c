@@ -10,12 +10,12 @@
 /* sigma^2: a step that gains less moves no unknown by more than a tenth of its sigma. */
 #define GAIN_ENOUGH RC(0.01)
 
-/* times GAIN_ENOUGH: a search that ends where no step helps, although one promised more, has
- * not converged. */
+/* times GAIN_ENOUGH: a search that ends where no step helps, although one promised more,
+ * has not converged. */
 #define GAIN_LEFT RC(100)
 
-/* part of the diagonal before placements were eliminated: it is added to that of a clock, so
- * that one that cannot be told from others stays. */
+/* part of the diagonal before placements were eliminated: it is added to that of a clock,
+ * so that one that cannot be told from others stays. */
 #define DAMPING RC_TOL(1e-9, 1e-5)
 
 /* ---- the memory to work in ----------------------------------------------- */
@@ -98,8 +98,8 @@ static void values(const rigcal_rig_solver *s, const rc_rig_parts *parts, int wh
     }
 }
 
-/* The variance of a pixel: as stated, or of the views by themselves, or `sum` of the rig; 0:
- * unknown. */
+/* The variance of a pixel: as stated, or of the views by themselves, or `sum` of the rig;
+ * 0: unknown. */
 static rigcal_real variance_of(const rigcal_rig_solver *s, rigcal_real sum)
 {
     const rigcal_real freedom = 2 * real_of(s->n_points) - 6 * real_of(s->n_used);
@@ -333,8 +333,8 @@ static void count_view(const rigcal_rig_solver *s, const rc_rig_parts *parts,
     c->count[camera] += (memory->motion.n > 0) ? 1 : 0;
 }
 
-/* (H10): the placement, and where the next step begins, at the mean time of its views. A pose
- * that was handed in is of that time. */
+/* (H10): the placement, and where the next step begins, at the mean time of its views. A
+ * pose that was handed in is of that time. */
 static void centre(const rigcal_rig_solver *s, const rc_rig_parts *parts)
 {
     const rigcal_rig *const rig = s->rig;

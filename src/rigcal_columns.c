@@ -1,7 +1,5 @@
 #include "rc_columns.h"
 
-#include "rc_moved.h"
-
 extern inline size_t rc_packed_size(size_t n);
 
 /* ---- constants ----------------------------------------------------------- */
@@ -39,9 +37,26 @@ int rc_columns_has(const rigcal_columns *s, int32_t kind)
 
 static size_t n_clocks(const rigcal_columns *s)
 {
-    return (rc_columns_has(s, RIGCAL_FAULT_CLOCK) || rc_columns_has(s, RIGCAL_FAULT_CLOCKS))
+    return (s->per_clock > 0 || rc_columns_has(s, RIGCAL_FAULT_CLOCK) ||
+            rc_columns_has(s, RIGCAL_FAULT_CLOCKS))
                ? s->rig->n_cameras
                : 0;
+}
+
+int rc_columns_is_free(const rigcal_columns *s, size_t camera)
+{
+    const rigcal_rig_clocks *const clocks = s->rig->clocks;
+    return clocks != NULL && clocks->free_offsets != 0 &&
+           clocks->states[camera] == RIGCAL_CLOCK_FREE;
+}
+
+size_t rc_columns_n_free(const rigcal_columns *s)
+{
+    size_t n = 0;
+    for (size_t c = 0; c < s->rig->n_cameras; c++) {
+        n += (size_t)rc_columns_is_free(s, c);
+    }
+    return (n > 0 && s->rig->clocks->free_drifts != 0) ? 2 * n : n;
 }
 
 static int is_in_pass(const rigcal_columns *s, size_t parameter)
@@ -111,12 +126,15 @@ static void number_columns(rigcal_columns *s)
 
 void rc_columns_lay_out(rigcal_columns *s, rc_pool *pool, size_t room)
 {
-    const size_t n_cameras = s->rig->n_cameras, n = s->border.n;
+    const size_t n_cameras = s->rig->n_cameras, n_free = rc_columns_n_free(s);
     const size_t n_pairs = (RC_PAIRS - 1) * n_cameras + 1;
+    s->per_clock = (n_free == 0) ? 0 : (s->rig->clocks->free_drifts == 0) ? 1 : 2;
+    s->border.n = s->n + s->per_clock * n_cameras;
+    const size_t n = s->border.n;
     number_columns(s);
     const size_t k = s->border.k;
     const size_t test = n + rc_packed_size(larger(n_cameras, 2)) + 4 * larger(n_cameras, 2);
-    s->border.Z = rc_pool_take(pool, larger(larger(6 * k, test), room));
+    s->border.Z = rc_pool_take(pool, larger(larger(6 * k, test), room * n));
     s->border.T = rc_pool_take(pool, k * n);
     s->Q = rc_pool_take(pool, k);
     s->q = rc_pool_take(pool, k);
@@ -127,6 +145,7 @@ void rc_columns_lay_out(rigcal_columns *s, rc_pool *pool, size_t room)
     s->own_pairs = rc_pool_take(pool, n_pairs);
     s->clocks = rc_pool_take(pool, rc_packed_size(n_clocks(s)));
     s->g = rc_pool_take(pool, n);
+    s->since = rc_pool_take(pool, (s->per_clock > 1) ? n_cameras : 0);
 }
 
 void rc_columns_begin(rigcal_columns *s)
@@ -142,6 +161,7 @@ void rc_columns_begin(rigcal_columns *s)
     rc_clear(s->own_pairs, n_pairs);
     rc_clear(s->clocks, rc_packed_size(n_clocks(s)));
     rc_clear(s->g, s->border.n);
+    rc_clear(s->since, (s->per_clock > 1) ? s->rig->n_cameras : 0);
 }
 
 /* ---- sums ---------------------------------------------------------------------- */
@@ -155,9 +175,26 @@ static rigcal_real dot(const rigcal_real a[], const rigcal_real b[], size_t n)
     return sum;
 }
 
-void rc_columns_add(rigcal_columns *s, const rc_evidence *v, const rc_chain *chain,
-                    size_t camera, const rigcal_real g[6])
+/* What the free clock of a view shares: element of its rows, `part` of its own times. */
+static void add_to_clock(const rigcal_columns *s, rigcal_real of[], size_t camera,
+                         rigcal_real x)
 {
+    if (rc_columns_is_free(s, camera)) {
+        of[s->n + camera] += x;
+        if (s->per_clock > 1) {
+            of[s->n + s->rig->n_cameras + camera] += s->since[camera] * x;
+        }
+    }
+}
+
+void rc_columns_add(rigcal_columns *s, const rc_evidence *v, const rc_chain *chain,
+                    size_t camera, rigcal_real since, const rigcal_real g[6])
+{
+    rigcal_real E[6], Q, q, along, other;
+    if (s->per_clock > 1) {
+        s->since[camera] = since;
+    }
+    add_to_clock(s, s->g, camera, v->left * v->q[RC_BY_CLOCK]);
     const rigcal_real of_camera = s->border.slot[s->border.count - 1];
     for (size_t k = 0; of_camera >= 0 && k < 6; k++) {
         s->g[(size_t)of_camera + k] += g[k];
@@ -165,14 +202,19 @@ void rc_columns_add(rigcal_columns *s, const rc_evidence *v, const rc_chain *cha
     for (size_t p = 0; p < RC_COLUMNS; p++) {
         if (is_in_pass(s, p)) {
             const size_t at = column_of(s, camera, p);
-            rc_border_add(&s->border, chain, at, v->E[p]);
-            s->Q[at] += v->Q[p];
-            s->raw[at] += v->Q[p];
-            s->q[at] += v->q[p];
+            rc_evidence_weighed(E, &Q, &q, &along, v, p);
+            rc_border_add(&s->border, chain, at, E);
+            add_to_clock(s, &s->border.T[s->border.n * at], camera, v->left * along);
+            s->Q[at] += Q;
+            s->raw[at] += Q;
+            s->q[at] += q;
         }
     }
     for (size_t k = 0; k < RC_PAIRS; k++) {
-        s->pairs[pair_of(s, camera, k)] += v->pairs[k];
+        const size_t p = rc_pair_first[k];
+        along = rc_vec6_dot(v->m, v->E[p]);
+        other = rc_vec6_dot(v->m, v->E[p + 1]);
+        s->pairs[pair_of(s, camera, k)] += v->pairs[k] - v->stamp * along * other;
     }
 }
 
@@ -202,9 +244,23 @@ static void eliminate_pairs(rigcal_columns *s)
     }
 }
 
+/* The clocks' rows: of each column, and of g. */
+static void eliminate_clocks(rigcal_columns *s)
+{
+    const rc_border *const b = &s->border;
+    for (size_t c = 0; s->per_clock > 0 && c < s->rig->n_cameras; c++) {
+        const rigcal_real *const Y = &b->Z[6 * c];
+        add_to_clock(s, s->g, c, -dot(Y, b->gp, 6));
+        for (size_t i = 0; i < b->k; i++) {
+            add_to_clock(s, &b->T[b->n * i], c, -dot(Y, &b->Z[6 * i], 6));
+        }
+    }
+}
+
 void rc_columns_eliminate(rigcal_columns *s)
 {
     const rc_border *const b = &s->border;
+    eliminate_clocks(s);
     for (size_t i = 0; i < b->k; i++) {
         const rigcal_real *const Y = &b->Z[6 * i];
         s->Q[i] -= dot(Y, Y, 6);
@@ -237,7 +293,7 @@ static int is_freed(const rigcal_columns *s, size_t camera)
     for (size_t c = 0; c < camera; c++) {
         is_first &= s->rig->group[c] != s->rig->group[camera];
     }
-    return !is_first && s->raw[camera] > 0;
+    return !is_first && s->per_clock == 0 && s->raw[camera] > 0;
 }
 
 static size_t column_at(const rigcal_columns *s, const trial *t, size_t j)
@@ -329,6 +385,36 @@ static void add_reference(rigcal_real G[], const rigcal_columns *s,
     }
 }
 
+void rc_columns_most(rigcal_real *turn, rigcal_real *shift, const rigcal_real G[], size_t n)
+{
+    *turn = *shift = 0;
+    for (size_t at = 0; at < n; at += 6) {
+        *turn = rc_max(*turn, rc_vec3_norm(&G[at]));
+        *shift = rc_max(*shift, rc_vec3_norm(&G[at + 3]));
+    }
+}
+
+void rc_columns_solve(rigcal_real *gain, rigcal_real theta[], rigcal_real variance[],
+                      rigcal_real I[], size_t k)
+{
+    *gain = 0;
+    rc_packed_forward(theta, I, k);
+    for (size_t i = 0; i < k; i++) {
+        *gain += theta[i] * theta[i];
+        rc_packed_invert_row(I, i);
+        variance[i] = 0;
+    }
+    for (size_t i = 0; i < k; i++) { /* L^-T, of which L^-1 has the rows */
+        rigcal_real sum = 0;
+        for (size_t j = i; j < k; j++) {
+            const rigcal_real x = I[rc_packed_at(j, i)];
+            sum += x * theta[j];
+            variance[i] += x * x;
+        }
+        theta[i] = sum;
+    }
+}
+
 /* I and u of (H6), u in the place of theta, and what a unit of each does (H13). */
 static void reduce(const trial *t, const rigcal_columns *s)
 {
@@ -344,20 +430,24 @@ static void reduce(const trial *t, const rigcal_columns *s)
                 Q_across(s, t, i, j) - dot(t->G, &s->border.T[n * column_at(s, t, i)], n);
         }
         add_reference(t->G, s, &parts, t, j);
-        rc_moved_most(&t->turn[j], &t->shift[j], t->G, n);
+        rc_columns_most(&t->turn[j], &t->shift[j], t->G, s->n);
     }
 }
 
 /* theta, the gain and the variances. 0: the fault cannot be seen. */
 static int solve(rigcal_real *gain, const trial *t, const rigcal_columns *s)
 {
+    if ((t->kind == RIGCAL_FAULT_CLOCK && s->per_clock > 0) ||
+        (t->kind == RIGCAL_FAULT_DRIFT && s->per_clock > 1)) {
+        return 0; /* the adjustment has taken it out */
+    }
     for (size_t i = 0; i < t->k; i++) {
         const rigcal_real raw = s->raw[column_at(s, t, i)];
         if (!(raw > 0) || !rc_packed_factor_row(t->I, i, RANK_TOL * raw)) {
             return 0;
         }
     }
-    rc_moved_solve(gain, t->theta, t->variance, t->I, t->k);
+    rc_columns_solve(gain, t->theta, t->variance, t->I, t->k);
     return t->k > 0;
 }
 

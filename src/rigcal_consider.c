@@ -361,6 +361,9 @@ static rigcal_status considered_placement(rigcal_real Sigma[36], const rigcal_ri
         return RIGCAL_ERR_DEGENERATE;
     }
     const rc_leverage on = {NULL, b.W, b.slot, b.count};
+    if (all->factor != NULL) {
+        rc_border_mix(b.Z, 6, all->factor, all->k);
+    }
     for (size_t j = 0; j < all->k; j++) {
         rigcal_real *const Z = &b.Z[6 * j], v[6];
         add_leverage(Z, &on, &all->effects[all->n * j], -1);
@@ -445,6 +448,7 @@ static void solving_step(rigcal_consider_solver *s)
     s->considered->by = &CONSIDERING;
     s->considered->n = n_cameras;
     s->considered->k = b->k;
+    s->considered->factor = NULL;
     s->rig->considered = s->considered;
     end(s, RIGCAL_OK, -1);
 }

@@ -183,6 +183,10 @@ static rigcal_real shortest_step(const rigcal_view *view)
 /* The clock's column is J m. */
 static void add_clock(rc_evidence *out, const rigcal_real m[6], rigcal_real since)
 {
+    for (int k = 0; k < 6; k++) {
+        out->m[k] = m[k];
+    }
+    out->left = 1;
     rc_sym6_mul(out->E[RC_BY_CLOCK], out->H, m);
     out->Q[RC_BY_CLOCK] = dot(out->E[RC_BY_CLOCK], m, 6);
     out->q[RC_BY_CLOCK] = dot(out->g, m, 6);
@@ -221,6 +225,28 @@ rigcal_status rc_evidence_of(rc_evidence *out, const rc_scan *scan,
     }
     add_clock(out, m, since);
     return rc_is_finite(out->sum) ? RIGCAL_OK : RIGCAL_ERR_NO_RAY;
+}
+
+/* ---- noise of stamps (H11) -------------------------------------------------- */
+
+void rc_evidence_stamp(rc_evidence *v, rigcal_real ratio2)
+{
+    if (ratio2 > 0) {
+        v->stamp = 1 / (v->Q[RC_BY_CLOCK] + ratio2);
+        v->left = ratio2 * v->stamp;
+    }
+}
+
+void rc_evidence_weighed(rigcal_real E[6], rigcal_real *Q, rigcal_real *q,
+                         rigcal_real *along, const rc_evidence *v, size_t parameter)
+{
+    *along = dot(v->m, v->E[parameter], 6);
+    const rigcal_real part = v->stamp * *along;
+    for (int k = 0; k < 6; k++) {
+        E[k] = v->E[parameter][k] - part * v->E[RC_BY_CLOCK][k];
+    }
+    *Q = v->Q[parameter] - part * *along;
+    *q = v->q[parameter] - part * v->q[RC_BY_CLOCK];
 }
 
 /* ---- with the view's own pose free ----------------------------------------- */

@@ -36,17 +36,11 @@ static int lay_out(rigcal_faults_solver *s)
         rc_pool_take(&pool, n_cameras); /* where they were in the pass before */
     s->columns.reference = rc_pool_take(&pool, 3 * n_cameras);
     s->columns.rig = s->rig;
-    s->columns.border.n = s->n;
+    s->columns.n = s->n;
     s->columns.border.W = parts.W;
     s->columns.border.slot = parts.slot;
-    rc_columns_lay_out(&s->columns, &pool, is_moved ? 12 * s->n : 0);
-    s->moves.so_far = rc_pool_take(&pool, n_cameras);
-    s->moves.camera = rc_pool_take(&pool, n_cameras);
-    if (is_moved) {
-        s->moves.S = rc_pool_take(&pool, rc_packed_size(6 * n_cameras));
-        s->moves.g = rc_pool_take(&pool, 6 * n_cameras);
-        s->moves.best = rc_pool_take(&pool, RC_MOVED_SIZE * n_cameras);
-    }
+    rc_columns_lay_out(&s->columns, &pool, is_moved ? 12 : 0);
+    rc_moved_lay_out(&s->moves, &s->columns, &pool);
     return pool.is_enough;
 }
 
@@ -110,7 +104,7 @@ static void begin_pass(rigcal_faults_solver *s)
 {
     rc_columns_begin(&s->columns);
     if (rc_columns_has(&s->columns, RIGCAL_FAULT_MOVED)) {
-        rc_moved_begin(&s->moves, s->rig->n_cameras);
+        rc_moved_begin(&s->moves, &s->columns);
     }
     s->n_points = s->n_used = s->n_seen = s->n_neighbours = 0;
     s->sum = s->own = s->product = s->expected = s->expected2 = 0;
@@ -258,17 +252,22 @@ static rigcal_status add_view(rigcal_faults_solver *s)
     if (status != RIGCAL_OK) {
         return status;
     }
-    rigcal_real g[6], H[21];
+    rigcal_real g[6], H[21], sum = v.sum;
     for (int k = 0; k < 21; k++) {
         g[k % 6] = v.g[k % 6];
         H[k] = v.H[k];
     }
+    if (s->rig->clocks != NULL) {
+        s->rig->clocks->calls->weigh(&sum, g, H, &chain, s->rig);
+        rc_evidence_stamp(&v, s->rig->clocks->memory.ratio2);
+    }
     rc_border_view(&s->columns.border, &chain, parts.column[c], g, H);
+    rc_columns_add(&s->columns, &v, &chain, c, since, g);
     if (rc_columns_has(&s->columns, RIGCAL_FAULT_MOVED)) {
         rc_moved_view(&s->moves, &s->columns.border, c, g, H);
+        rc_moved_clock(&s->moves, &s->columns, &v, &chain, c);
     }
-    rc_columns_add(&s->columns, &v, &chain, c, g);
-    const rigcal_real sum = v.sum, Q = v.Q[RC_BY_CLOCK], q = v.q[RC_BY_CLOCK];
+    const rigcal_real Q = v.left * v.Q[RC_BY_CLOCK], q = v.left * v.q[RC_BY_CLOCK];
     if (!rc_evidence_alone(&v, d)) {
         return RIGCAL_ERR_DEGENERATE;
     }
@@ -319,19 +318,8 @@ static void eliminating_step(rigcal_faults_solver *s)
     s->slot = 0;
     s->phase = MOVING;
     if (rc_columns_has(&s->columns, RIGCAL_FAULT_MOVED)) {
-        rc_moved_eliminate(&s->moves, &s->columns.border);
+        rc_moved_eliminate(&s->moves, &s->columns);
     }
-}
-
-/* Whether a camera saw the placement. */
-static int is_there(const rigcal_faults_solver *s, size_t camera)
-{
-    for (size_t slot = 0; slot < s->columns.border.count; slot++) {
-        if ((size_t)s->moves.camera[slot] == camera) {
-            return 1;
-        }
-    }
-    return 0;
 }
 
 /* A camera may have moved before the placement where it has views on both sides. Between
@@ -345,10 +333,10 @@ static void moving_step(rigcal_faults_solver *s)
         (breaks != NULL && breaks[s->placement] == 0)) {
         next_placement(s);
     } else if (s->moves.so_far[c] > 0 && s->moves.so_far[c] < s->moves.total[c] &&
-               (breaks != NULL || is_there(s, c))) {
+               (breaks != NULL || rc_moved_saw(&s->moves, &s->columns, c))) {
         rc_rig_parts_of(&parts, s->rig, 0);
-        rc_moved_test(&s->moves, &s->columns.border, parts.S, parts.column,
-                      s->rig->n_cameras, c, s->placement, s->columns.border.Z);
+        rc_moved_test(&s->moves, &s->columns, parts.S, parts.column, c, s->placement,
+                      s->columns.border.Z);
     }
 }
 
@@ -364,7 +352,8 @@ static void common_of(rc_common *c, const rigcal_faults_solver *s)
     c->sum = s->sum;
     c->own = s->own;
     c->n_measured = 2 * real_of(s->n_points);
-    c->freedom = c->n_measured - 6 * real_of(s->n_free + s->n_seen);
+    c->freedom = c->n_measured - 6 * real_of(s->n_free + s->n_seen) -
+                 real_of(rc_columns_n_free(&s->columns));
     c->freedom_within = c->n_measured - 6 * real_of(s->n_used);
     c->freedom_between = c->freedom - c->freedom_within;
 }

@@ -25,7 +25,8 @@
 
 /* ---- a factored covariance ---------------------------------------------------- */
 
-/* room += U^T h of six unknowns from `at` on: of columns within them, then of those beyond. */
+/* room += U^T h of six unknowns from `at` on: of columns within them, then of those beyond.
+ * */
 static void add_part(rigcal_real room[], const rigcal_real UD[], size_t n, size_t at,
                      const rigcal_real h[6])
 {
@@ -87,7 +88,8 @@ rigcal_real rc_filter_seen(rigcal_real room[], const rigcal_real UD[], size_t n,
     return hPh;
 }
 
-/* u += by b and b += v u, of n elements: four at a time, so that most instructions count. */
+/* u += by b and b += v u, of n elements: four at a time, so that most instructions count.
+ * */
 static void exchange(rigcal_real *u, rigcal_real *b, size_t n, rigcal_real by,
                      rigcal_real v)
 {

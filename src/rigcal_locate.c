@@ -3,9 +3,9 @@
 /* What the next view is for. */
 enum { RAYS, EVALUATE, COVARIANCE };
 
-rc_sight *rc_sights_of(const rigcal_point_solver *p)
+rc_sighted *rc_sights_of(const rigcal_point_solver *p)
 {
-    return (rc_sight *)(void *)p->sightings->work;
+    return (rc_sighted *)(void *)p->sightings->work;
 }
 
 size_t rc_sight_number(const rigcal_point_solver *p, size_t k)
@@ -34,7 +34,7 @@ static void end(rigcal_point_solver *p, rigcal_status status)
 
 /* ---- the start ------------------------------------------------------------ */
 
-rigcal_real rc_sight_aside(const rc_sight *a, const rc_sight *b)
+rigcal_real rc_sight_aside(const rc_sighted *a, const rc_sighted *b)
 {
     rigcal_real normal[3];
     rc_vec3_cross(normal, a->ray, b->ray);
@@ -149,7 +149,7 @@ static void add_ray(rigcal_point_solver *p)
 {
     const rigcal_sightings *const s = p->sightings;
     const size_t i = rc_sight_number(p, p->view);
-    const rc_sight *const v = &rc_sights_of(p)[i];
+    const rc_sighted *const v = &rc_sights_of(p)[i];
     const rigcal_transform *const T = &s->rig->cameras[s->seen[i].camera].cam_from_rig;
     rigcal_real o[3];
     if (!(rc_vec3_dot(v->ray, v->ray) > 0)) {
@@ -190,7 +190,7 @@ static void evaluated(rigcal_point_solver *p, rigcal_status status)
 static void evaluate_view(rigcal_point_solver *p)
 {
     const size_t i = rc_sight_number(p, p->view);
-    rc_sight *const v = &rc_sights_of(p)[i];
+    rc_sighted *const v = &rc_sights_of(p)[i];
     rigcal_status status = rc_sight_evaluate(v, p->sightings, i, p->X);
     if (status != RIGCAL_OK) {
         evaluated(p, status);
@@ -219,7 +219,7 @@ static void end_without_covariance(rigcal_point_solver *p)
 static void add_covariance(rigcal_point_solver *p)
 {
     const size_t i = rc_sight_number(p, p->view);
-    rc_sight *const v = &rc_sights_of(p)[i];
+    rc_sighted *const v = &rc_sights_of(p)[i];
     rigcal_real L[6], x[3];
     const rigcal_status status = rc_sight_move(v, p->sightings, i, p->X);
     if (status != RIGCAL_OK) {

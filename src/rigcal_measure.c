@@ -123,7 +123,7 @@ static void begin_point(rigcal_point_solver *p, int32_t of, size_t n_used)
 static void check_view(rigcal_point_solver *p)
 {
     const rigcal_sightings *const s = p->sightings;
-    rc_sight *const v = &rc_sights_of(p)[p->view];
+    rc_sighted *const v = &rc_sights_of(p)[p->view];
     const size_t i = p->view++;
     const rigcal_status status = rc_sight_check(v, s, i);
     if (status != RIGCAL_OK) {
@@ -169,7 +169,7 @@ static int choose_pair(rigcal_point_solver *p)
 /* The views that agree with the best pair are used. */
 static void begin_agreed(rigcal_point_solver *p)
 {
-    rc_sight *const sights = rc_sights_of(p);
+    rc_sighted *const sights = rc_sights_of(p);
     size_t count = 0;
     for (size_t i = 0; i < p->sightings->n; i++) {
         if (sights[i].chosen > 0) {
@@ -237,7 +237,7 @@ static void begin_pairs(rigcal_point_solver *p)
 static rigcal_real miss_of(const rigcal_point_solver *p, size_t i)
 {
     const rigcal_sightings *const s = p->sightings;
-    rc_sight v = rc_sights_of(p)[i];
+    rc_sighted v = rc_sights_of(p)[i];
     rigcal_real C[4], a[3];
     if (rc_sight_evaluate(&v, s, i, p->X) != RIGCAL_OK ||
         rc_sight_move(&v, s, i, p->X) != RIGCAL_OK) {
@@ -256,7 +256,7 @@ static rigcal_real miss_of(const rigcal_point_solver *p, size_t i)
 
 static void compare_view(rigcal_point_solver *p)
 {
-    rc_sight *const sights = rc_sights_of(p);
+    rc_sighted *const sights = rc_sights_of(p);
     const size_t i = p->view++, n = p->sightings->n;
     const int is_own = i == p->two[0] || i == p->two[1];
     const rigcal_real miss = is_own ? p->chi2 / 2 : miss_of(p, i);
@@ -382,7 +382,7 @@ static void write_gains(rigcal_measured_point *point, const rigcal_point_solver 
 {
     for (size_t k = 0; k < p->n_used; k++) {
         const size_t i = rc_sight_number(p, k);
-        const rc_sight *const v = &rc_sights_of(p)[i];
+        const rc_sighted *const v = &rc_sights_of(p)[i];
         point->gains[k].camera = p->sightings->seen[i].camera;
         for (int row = 0; row < 3; row++) {
             for (int j = 0; j < 6; j++) {
@@ -409,7 +409,7 @@ static rigcal_real rms_of(const rigcal_point_solver *p)
     rigcal_real sse = 0, step[3];
     rc_vec3_sub(step, p->X, p->before);
     for (size_t k = 0; k < p->n_used; k++) {
-        const rc_sight *const v = &rc_sights_of(p)[rc_sight_number(p, k)];
+        const rc_sighted *const v = &rc_sights_of(p)[rc_sight_number(p, k)];
         for (int row = 0; row < 2; row++) {
             const rigcal_real e = v->e[row] - rc_vec3_dot(&v->A[3 * row], step);
             sse += e * e;

@@ -421,8 +421,8 @@ rigcal_status rc_monitor_check_noise(rigcal_real sigma_px)
     return is_within(sigma_px, NOISE_LEAST, NOISE_MOST) ? RIGCAL_OK : RIGCAL_ERR_RANGE;
 }
 
-/* Where a body settles, its pose takes in each row before the next; where that is the frame,
- * all other poses do. */
+/* Where a body settles, its pose takes in each row before the next; where that is the
+ * frame, all other poses do. */
 static void settle(const rc_monitor *m)
 {
     for (size_t b = 0; b < m->filter.n_bodies && m->top.head.settling > 0; b++) {

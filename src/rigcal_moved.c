@@ -13,8 +13,23 @@ static rigcal_real dot6(const rigcal_real a[6], const rigcal_real b[6])
 
 /* ---- sums ------------------------------------------------------------------ */
 
-void rc_moved_begin(rigcal_moves *m, size_t n_cameras)
+void rc_moved_lay_out(rigcal_moves *m, const rigcal_columns *s, rc_pool *pool)
 {
+    const size_t n = s->rig->n_cameras;
+    m->so_far = rc_pool_take(pool, n);
+    m->camera = rc_pool_take(pool, n);
+    if (rc_columns_has(s, RIGCAL_FAULT_MOVED)) {
+        m->S = rc_pool_take(pool, rc_packed_size(6 * n));
+        m->g = rc_pool_take(pool, 6 * n);
+        m->best = rc_pool_take(pool, RC_MOVED_SIZE * n);
+        m->clocks = rc_pool_take(pool, s->per_clock * 6 * n * n);
+    }
+}
+
+void rc_moved_begin(rigcal_moves *m, const rigcal_columns *s)
+{
+    const size_t n_cameras = s->rig->n_cameras;
+    rc_clear(m->clocks, s->per_clock * n_cameras * 6 * n_cameras);
     rc_clear(m->S, 6 * n_cameras * (6 * n_cameras + 1) / 2);
     rc_clear(m->g, 6 * n_cameras);
     rc_clear(m->best, RC_MOVED_SIZE * n_cameras);
@@ -37,8 +52,41 @@ void rc_moved_view(rigcal_moves *m, const rc_border *b, size_t camera,
     }
 }
 
-void rc_moved_eliminate(rigcal_moves *m, const rc_border *b)
+/* Adds to what a free clock, and its drift, share with unknown i of all cameras. */
+static void add_to_clock(const rigcal_moves *m, const rigcal_columns *s, size_t camera,
+                         size_t i, rigcal_real x)
 {
+    const size_t n = 6 * s->rig->n_cameras;
+    if (rc_columns_is_free(s, camera)) {
+        m->clocks[n * camera + i] += x;
+        if (s->per_clock > 1) {
+            m->clocks[n * (s->rig->n_cameras + camera) + i] += s->since[camera] * x;
+        }
+    }
+}
+
+void rc_moved_clock(const rigcal_moves *m, const rigcal_columns *s, const rc_evidence *v,
+                    const rc_chain *chain, size_t camera)
+{
+    const rigcal_real *const E = v->E[RC_BY_CLOCK];
+    rigcal_real A[6];
+    rc_vec3_cross(A, chain->lever, &E[3]);
+    rc_vec3_add(A, E);
+    rc_vec3_copy(&A[3], &E[3]);
+    for (size_t k = 0; k < 6; k++) {
+        add_to_clock(m, s, camera, 6 * camera + k, v->left * A[k]);
+    }
+}
+
+void rc_moved_eliminate(rigcal_moves *m, const rigcal_columns *s)
+{
+    const rc_border *const b = &s->border;
+    for (size_t slot = 0; s->per_clock > 0 && slot < 6 * b->count; slot++) {
+        const size_t i = 6 * (size_t)m->camera[slot / 6] + slot % 6;
+        for (size_t c = 0; c < s->rig->n_cameras; c++) {
+            add_to_clock(m, s, c, i, -dot6(&b->Z[6 * c], &b->W[6 * slot]));
+        }
+    }
     for (size_t slot = 0; slot < 6 * b->count; slot++) {
         const rigcal_real *const Y = &b->W[6 * slot];
         const size_t i = 6 * (size_t)m->camera[slot / 6] + slot % 6;
@@ -52,16 +100,17 @@ void rc_moved_eliminate(rigcal_moves *m, const rc_border *b)
     }
 }
 
-/* ---- the test -------------------------------------------------------------- */
-
-void rc_moved_most(rigcal_real *turn, rigcal_real *shift, const rigcal_real G[], size_t n)
+int rc_moved_saw(const rigcal_moves *m, const rigcal_columns *s, size_t camera)
 {
-    *turn = *shift = 0;
-    for (size_t at = 0; at < n; at += 6) {
-        *turn = rc_max(*turn, rc_vec3_norm(&G[at]));
-        *shift = rc_max(*shift, rc_vec3_norm(&G[at + 3]));
+    for (size_t slot = 0; slot < s->border.count; slot++) {
+        if ((size_t)m->camera[slot] == camera) {
+            return 1;
+        }
     }
+    return 0;
 }
+
+/* ---- the test -------------------------------------------------------------- */
 
 static rigcal_real S_at(const rigcal_moves *m, size_t i, size_t j)
 {
@@ -69,9 +118,15 @@ static rigcal_real S_at(const rigcal_moves *m, size_t i, size_t j)
 }
 
 /* T of the six parameters: the columns of S that are the camera's, by the unknowns. */
-static void take_columns(rigcal_real T[], size_t n, const rigcal_moves *m,
-                         const rigcal_real column[], size_t n_cameras, size_t camera)
+static void take_columns(rigcal_real T[], const rigcal_columns *s, const rigcal_moves *m,
+                         const rigcal_real column[], size_t camera)
 {
+    const size_t n = s->border.n, n_cameras = s->rig->n_cameras;
+    for (size_t at = s->n; at < n; at++) {
+        for (size_t k = 0; k < 6; k++) {
+            T[k * n + at] = m->clocks[6 * n_cameras * (at - s->n) + 6 * camera + k];
+        }
+    }
     for (size_t c = 0; c < n_cameras; c++) {
         for (size_t k = 0; column[c] >= 0 && k < 36; k++) {
             T[(k / 6) * n + (size_t)column[c] + k % 6] =
@@ -80,42 +135,22 @@ static void take_columns(rigcal_real T[], size_t n, const rigcal_moves *m,
     }
 }
 
-void rc_moved_solve(rigcal_real *gain, rigcal_real theta[], rigcal_real variance[],
-                    rigcal_real I[], size_t k)
+void rc_moved_test(rigcal_moves *m, const rigcal_columns *s, const rigcal_real S_inverse[],
+                   const rigcal_real column[], size_t camera, size_t placement,
+                   rigcal_real room[])
 {
-    *gain = 0;
-    rc_packed_forward(theta, I, k);
-    for (size_t i = 0; i < k; i++) {
-        *gain += theta[i] * theta[i];
-        rc_packed_invert_row(I, i);
-        variance[i] = 0;
-    }
-    for (size_t i = 0; i < k; i++) { /* L^-T, of which L^-1 has the rows */
-        rigcal_real sum = 0;
-        for (size_t j = i; j < k; j++) {
-            const rigcal_real x = I[rc_packed_at(j, i)];
-            sum += x * theta[j];
-            variance[i] += x * x;
-        }
-        theta[i] = sum;
-    }
-}
-
-void rc_moved_test(rigcal_moves *m, const rc_border *b, const rigcal_real S_inverse[],
-                   const rigcal_real column[], size_t n_cameras, size_t camera,
-                   size_t placement, rigcal_real room[])
-{
+    const rc_border *const b = &s->border;
     rc_border of_six = {0};
     rigcal_real best[RC_MOVED_SIZE], I[21];
     rigcal_real *const kept = &m->best[RC_MOVED_SIZE * camera], *const G = room + 6 * b->n;
     const size_t from = 6 * camera;
     of_six.n = b->n;
     of_six.T = room;
-    take_columns(room, b->n, m, column, n_cameras, camera);
+    take_columns(room, s, m, column, camera);
     for (size_t j = 0; j < 6; j++) {
         rc_border_effect(&G[b->n * j], &of_six, S_inverse, j);
-        rc_moved_most(&best[RC_MOVED_TURN + j], &best[RC_MOVED_SHIFT + j], &G[b->n * j],
-                      b->n);
+        rc_columns_most(&best[RC_MOVED_TURN + j], &best[RC_MOVED_SHIFT + j], &G[b->n * j],
+                        s->n);
         for (size_t i = j; i < 6; i++) {
             rigcal_real *const at = &I[rc_packed_at(i, j)];
             *at = S_at(m, from + i, from + j);
@@ -130,8 +165,8 @@ void rc_moved_test(rigcal_moves *m, const rc_border *b, const rigcal_real S_inve
             return;
         }
     }
-    rc_moved_solve(&best[RC_MOVED_GAIN], &best[RC_MOVED_THETA], &best[RC_MOVED_VARIANCE], I,
-                   6);
+    rc_columns_solve(&best[RC_MOVED_GAIN], &best[RC_MOVED_THETA], &best[RC_MOVED_VARIANCE],
+                     I, 6);
     best[RC_MOVED_AT] = (rigcal_real)(int32_t)placement;
     best[RC_MOVED_TRIES] = kept[RC_MOVED_TRIES] += 1;
     if (best[RC_MOVED_GAIN] > kept[RC_MOVED_GAIN]) {

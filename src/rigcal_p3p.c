@@ -249,8 +249,8 @@ static int depths_of(rigcal_real s[3], const rigcal_real v[3], const triangle *T
 /* In rows, the axes of the triangle 0, u, w: along w - u, across it, normal to it.
  * u x w of a thin triangle is not normal to rounding: the last row is taken anew.
  * 0 when |u x w| is no more than `least`. */
-static int frame(rigcal_real F[9], const rigcal_real u[3], const rigcal_real w[3],
-                 rigcal_real least)
+static int axes_of(rigcal_real F[9], const rigcal_real u[3], const rigcal_real w[3],
+                   rigcal_real least)
 {
     rc_vec3_sub(&F[0], w, u);
     rc_vec3_cross(&F[6], u, w);
@@ -317,8 +317,8 @@ static int prepare(problem *P, const rigcal_real x[3][3], const rigcal_real ray[
     T->h = RC_SQRT(h2);
     rc_vec3_scale(T->chord2, 1 / h2, T->chord2);
     return least > RAY_TOL * RAY_TOL &&
-           frame(P->frame, w[0], w[1],
-                 LINE_TOL * (1 + rc_vec3_max_abs(P->middle) * by_size));
+           axes_of(P->frame, w[0], w[1],
+                   LINE_TOL * (1 + rc_vec3_max_abs(P->middle) * by_size));
 }
 
 /* The pose of a solution with depths s / h. */
@@ -331,7 +331,7 @@ RC_APART static int write_pose(rigcal_transform *cam_from_points, const problem 
     for (int k = 0; k < 2; k++) {
         rc_vec3_combine(w[k], s[1 + k] * by_h, P->ray[1 + k], -1, first);
     }
-    if (!frame(F, w[0], w[1], 0)) {
+    if (!axes_of(F, w[0], w[1], 0)) {
         return 0;
     }
     for (int row = 0; row < 3; row++) {

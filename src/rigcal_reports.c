@@ -166,8 +166,8 @@ static rigcal_real worst_of(rigcal_real direction[6], const rigcal_real Sigma[36
     return RC_SQRT(rc_max(variance, 0) * trace);
 }
 
-/* Of a frame, how well the body that is known worst against it is known is not told: its own
- * pose is exact. */
+/* Of a frame, how well the body that is known worst against it is known is not told: its
+ * own pose is exact. */
 rigcal_status rigcal_monitor_body(rigcal_body_report *report, const rigcal_real monitor[],
                                   size_t body)
 {

@@ -118,8 +118,8 @@ static rigcal_status match_row(rc_row *row, const rc_seen *seen, const rigcal_tr
 
 /* ---- a view of a target ------------------------------------------------------ */
 
-/* (M4) A point u from the target's origin, seen along the axes of the camera at p = q + t_a:
- * dp = w_a x q + dt_a - R_ab (w_b x u + dt_b). */
+/* (M4) A point u from the target's origin, seen along the axes of the camera at p = q +
+ * t_a: dp = w_a x q + dt_a - R_ab (w_b x u + dt_b). */
 static rigcal_status view_rows(rc_row rows[2], const rc_seen *seen,
                                const rigcal_transform *a, const rigcal_transform *b)
 {

@@ -50,7 +50,7 @@ static int find_mild(rigcal_real x[2], const rigcal_camera *c, const rigcal_real
 }
 
 /* The unit ray of a pixel in the rig's frame; 0: the lens images none. */
-static void fill_ray(rc_sight *v, const rigcal_mounted_camera *m, const rigcal_real uv[2])
+static void fill_ray(rc_sighted *v, const rigcal_mounted_camera *m, const rigcal_real uv[2])
 {
     const rigcal_camera *const c = &m->camera;
     const rigcal_real target[2] = {(uv[0] - c->cx) / c->fx, (uv[1] - c->cy) / c->fy};
@@ -72,7 +72,7 @@ static const rigcal_mounted_camera *camera_of(const rigcal_sightings *s, size_t 
     return &s->rig->cameras[s->seen[i].camera];
 }
 
-static rigcal_status check_noise(rc_sight *v, rigcal_real sigma_px)
+static rigcal_status check_noise(rc_sighted *v, rigcal_real sigma_px)
 {
     const rigcal_status status = rc_check_noise(&sigma_px);
     if (status == RIGCAL_OK && !(sigma_px > 0)) {
@@ -82,7 +82,7 @@ static rigcal_status check_noise(rc_sight *v, rigcal_real sigma_px)
     return status;
 }
 
-rigcal_status rc_sight_check(rc_sight *v, const rigcal_sightings *s, size_t i)
+rigcal_status rc_sight_check(rc_sighted *v, const rigcal_sightings *s, size_t i)
 {
     const rigcal_sighting *const seen = &s->seen[i];
     if (seen->camera < 0 || (size_t)seen->camera >= s->rig->n_cameras) {
@@ -110,7 +110,7 @@ rigcal_status rc_sight_check(rc_sight *v, const rigcal_sightings *s, size_t i)
     return RIGCAL_OK;
 }
 
-rigcal_status rc_sight_evaluate(rc_sight *v, const rigcal_sightings *s, size_t i,
+rigcal_status rc_sight_evaluate(rc_sighted *v, const rigcal_sightings *s, size_t i,
                                 const rigcal_real X[3])
 {
     const rigcal_mounted_camera *const m = camera_of(s, i);
@@ -127,7 +127,7 @@ rigcal_status rc_sight_evaluate(rc_sight *v, const rigcal_sightings *s, size_t i
 }
 
 /* Rows (q x p, p), p a row of d projection / d X_c, q = R X. */
-rigcal_status rc_sight_move(rc_sight *v, const rigcal_sightings *s, size_t i,
+rigcal_status rc_sight_move(rc_sighted *v, const rigcal_sightings *s, size_t i,
                             const rigcal_real X[3])
 {
     const rigcal_transform *const T = &camera_of(s, i)->cam_from_rig;
@@ -201,7 +201,7 @@ static void block_own(rigcal_real C[4], const rigcal_real B_a[12],
     }
 }
 
-void rc_sight_block(rigcal_real C[4], const rc_sight *a, const rc_sight *b,
+void rc_sight_block(rigcal_real C[4], const rc_sighted *a, const rc_sighted *b,
                     const rigcal_real Sigma[])
 {
     if (!(a->first >= 0 && b->first >= 0)) {
@@ -219,7 +219,7 @@ void rc_sight_block(rigcal_real C[4], const rc_sight *a, const rc_sight *b,
 }
 
 /* G = N A^T W, of one view. */
-static void fill_gain(rc_sight *v, const rigcal_real N[6])
+static void fill_gain(rc_sighted *v, const rigcal_real N[6])
 {
     for (int row = 0; row < 2; row++) {
         rigcal_real g[3];
@@ -252,10 +252,10 @@ static void add_symmetric(rigcal_real Sigma[6], const rigcal_real G[6],
 }
 
 /* One row of L^-1 (A e) in its place, and its part of the sums. */
-static int add_row(rigcal_point_sums *sums, rc_sight sights[], size_t row)
+static int add_row(rigcal_point_sums *sums, rc_sighted sights[], size_t row)
 {
     rigcal_real *const L = &sums->V[rc_packed_at(row, 0)];
-    rc_sight *const v = &sights[(size_t)sights[row / 2].order];
+    rc_sighted *const v = &sights[(size_t)sights[row / 2].order];
     rigcal_real *const y = &v->y[4 * (row % 2)];
     if (!rc_packed_factor_row(sums->V, row, 0)) {
         return 0;
@@ -276,16 +276,16 @@ static int add_row(rigcal_point_sums *sums, rc_sight sights[], size_t row)
     return 1;
 }
 
-int rc_sight_add(rigcal_point_sums *sums, rc_sight sights[], size_t k,
+int rc_sight_add(rigcal_point_sums *sums, rc_sighted sights[], size_t k,
                  const rigcal_real Sigma[])
 {
-    rc_sight *const v = &sights[(size_t)sights[k].order];
+    rc_sighted *const v = &sights[(size_t)sights[k].order];
     rigcal_real *const upper = &sums->V[rc_packed_at(2 * k, 0)];
     rigcal_real *const lower = &sums->V[rc_packed_at(2 * k + 1, 0)];
     rigcal_real h[6] = {0, 0, 0, 0, 0, 0}, C[4];
     fill_gain(v, sums->N);
     for (size_t j = 0; j < k; j++) {
-        const rc_sight *const w = &sights[(size_t)sights[j].order];
+        const rc_sighted *const w = &sights[(size_t)sights[j].order];
         rc_sight_block(C, v, w, Sigma);
         upper[2 * j] = C[0];
         upper[2 * j + 1] = C[1];

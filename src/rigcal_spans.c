@@ -95,15 +95,15 @@ static rigcal_status try_height(trial *at, const rigcal_spans_solver *s,
                : RIGCAL_ERR_NO_RAY;
 }
 
-/* The pixel of the border of this side at p, and J there. The noise of b's pixels weighs by
- * the slope at the place itself: the height that follows from it is put in until it stays.
- * Where the lens folds before, the border is the fold: it is between a height that the lens
- * sees and one that it does not, which close in. */
-static rigcal_status place_border(rigcal_real uv[2], rigcal_real J[6],
-                                  rigcal_spans_solver *s, const rigcal_real p[2])
+/* The height of the border of this side over p. The noise of b's pixels weighs by the slope
+ * at the place itself: the height that follows from it is put in until it stays. Where the
+ * lens folds before, the border is the fold: it is between a height that the lens sees and
+ * one that it does not, which close in. 0: there is none. */
+static int find_height(trial *found, const rigcal_spans_solver *s, const rigcal_real p[2],
+                       rigcal_real slope2)
 {
-    const rigcal_real p2 = p[0] * p[0] + p[1] * p[1], out = (s->side == 0) ? 1 : -1;
-    rigcal_real h = height_at(s, p, s->slope2 * p2), beyond = out * RC_MAX;
+    const rigcal_real out = (s->side == 0) ? 1 : -1;
+    rigcal_real h = height_at(s, p, slope2), beyond = out * RC_MAX;
     trial now, inside;
     int has_inside = 0;
     inside.uv[0] = inside.uv[1] = inside.move[0] = inside.move[1] = inside.h = 0;
@@ -125,7 +125,7 @@ static rigcal_status place_border(rigcal_real uv[2], rigcal_real J[6],
         }
         const rigcal_real low = has_inside ? inside.h : 0; /* the line itself */
         if (!has_inside && !is_seen && !(RC_FABS(h) > 0)) {
-            return RIGCAL_ERR_NO_RAY;
+            break;
         }
         if (has_inside && out * (beyond - low) * inside.speed <= SETTLED_PX) {
             break;
@@ -135,7 +135,17 @@ static rigcal_status place_border(rigcal_real uv[2], rigcal_real J[6],
             h = (low + beyond) / 2;
         }
     }
-    if (!has_inside) {
+    *found = inside;
+    return has_inside;
+}
+
+/* The pixel of the border of this side at p, and J there. */
+static rigcal_status place_border(rigcal_real uv[2], rigcal_real J[6],
+                                  rigcal_spans_solver *s, const rigcal_real p[2])
+{
+    const rigcal_real p2 = p[0] * p[0] + p[1] * p[1];
+    trial inside;
+    if (!find_height(&inside, s, p, s->slope2 * p2)) {
         return RIGCAL_ERR_NO_RAY;
     }
     const rigcal_real px = rc_max(RC_FABS(inside.move[0]), RC_FABS(inside.move[1]));

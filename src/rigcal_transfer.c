@@ -115,7 +115,7 @@ static rigcal_status find_point(transferred *t, const rigcal_real uv_a[2],
 static void fill_rows(transferred *t)
 {
     const sight *const c = &t->sights[CAM_C];
-    rc_clear(&t->L[0][0][0], (size_t)(ROWS * CAMERAS * 6));
+    rc_clear(&t->L[0][0][0], sizeof t->L / sizeof t->L[0][0][0]);
     for (int i = CAM_A; i <= CAM_B; i++) {
         const sight *const s = &t->sights[i];
         for (int k = 0; k < 2; k++) {
@@ -143,7 +143,7 @@ static void fill_rows(transferred *t)
 static void spread(rigcal_real V[ROWS][ROWS], const transferred *t,
                    const rigcal_calibrated_rig *rig, const size_t abc[3])
 {
-    rc_clear(&V[0][0], (size_t)(ROWS * ROWS));
+    rc_clear(&V[0][0], (size_t)ROWS * ROWS);
     for (int a = CAM_A; a < CAMERAS; a++) {
         for (int b = CAM_A; b < CAMERAS; b++) {
             rigcal_real block[36];

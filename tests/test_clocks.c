@@ -1,5 +1,5 @@
-/* clocks: the cameras' clocks as unknowns of the adjustment. The truth: paths of a hand with
- * cameras that are late by known times, and dense least squares of the same model. */
+/* clocks: the cameras' clocks as unknowns of the adjustment. The truth: paths of a hand
+ * with cameras that are late by known times, and dense least squares of the same model. */
 #include <math.h>
 #include <string.h>
 

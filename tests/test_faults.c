@@ -8,19 +8,31 @@
 #include "test_support.h"
 #include "vectors_faults.h"
 
-enum { CAMERAS = 3, PLACEMENTS = 6, VIEWS = CAMERAS * PLACEMENTS, POINTS = 9, FAULTS = 40 };
+/* A camera more than the vectors have: one that moved, as it stood afterwards. */
+enum {
+    CAMERAS = 3,
+    MORE = CAMERAS + 1,
+    PLACEMENTS = 6,
+    VIEWS = CAMERAS * PLACEMENTS,
+    POINTS = 9,
+    FAULTS = 40
+};
 
 /* A rig of the vectors, and what is found of it. */
 typedef struct {
     rigcal_camera camera[CAMERAS];
     rigcal_observation o[VIEWS][POINTS];
     rigcal_rig_view views[VIEWS];
-    rigcal_transform cams[CAMERAS], places[PLACEMENTS];
-    rigcal_real times[PLACEMENTS], instants[PLACEMENTS], offsets[CAMERAS];
-    int32_t states[CAMERAS], group[CAMERAS];
-    rigcal_real work[RIGCAL_RIG_WORK(CAMERAS, CAMERAS, PLACEMENTS) +
-                     RIGCAL_CLOCKS_WORK(CAMERAS, CAMERAS)];
-    rigcal_real room[RIGCAL_FAULTS_WORK(CAMERAS, CAMERAS)], clocks[2 * CAMERAS];
+    rigcal_transform cams[MORE], places[PLACEMENTS];
+    rigcal_real times[PLACEMENTS], instants[PLACEMENTS], offsets[MORE];
+    rigcal_real drifts[MORE];
+    uint8_t held[MORE];
+    int32_t states[MORE], group[MORE];
+    rigcal_real
+        work[RIGCAL_RIG_WORK(MORE, MORE, PLACEMENTS) + RIGCAL_CLOCKS_WORK(MORE, MORE)];
+    rigcal_real
+        room[RIGCAL_FAULTS_WORK(CAMERAS, CAMERAS) + RIGCAL_FAULTS_CLOCKS_WORK(CAMERAS)],
+        clocks[2 * CAMERAS];
     rigcal_rig_clocks with_clocks;
     rigcal_rig rig;
     rigcal_faults_options options;
@@ -220,6 +232,178 @@ static void test_the_clocks_are_told_one_by_one(void)
     }
 }
 
+/* ---- against adjustments: clocks that are free, stamps with noise (H11) ------------ */
+
+/* The sum of squares where it is least. */
+static double least_sum(fixture *f)
+{
+    rigcal_rig_fit fit;
+
+    for (int k = 0; k < 4; k++) {
+        TEST_ASSERT_TRUE(rigcal_rig_adjust(&fit, NULL, &f->rig) >= 0);
+    }
+    return D(fit.sum);
+}
+
+/* The camera, clock or board as it would be with a fault so large. */
+static void correct(fixture *f, int kind, int c, const rigcal_real theta[])
+{
+    rigcal_camera *const camera = &f->camera[c];
+
+    switch (kind) {
+    case RIGCAL_FAULT_CLOCK:
+        f->offsets[c] += theta[0];
+        break;
+    case RIGCAL_FAULT_DRIFT:
+        f->drifts[c] += theta[0];
+        break;
+    case RIGCAL_FAULT_FOCAL:
+        camera->fx *= 1 + theta[0];
+        camera->fy *= 1 + theta[0];
+        break;
+    case RIGCAL_FAULT_ASPECT:
+        camera->fx *= 1 + theta[0] / 2;
+        camera->fy *= 1 - theta[0] / 2;
+        break;
+    case RIGCAL_FAULT_CENTRE:
+        camera->cx += theta[0];
+        camera->cy += theta[1];
+        break;
+    case RIGCAL_FAULT_DISTORTION:
+        camera->k1 += theta[0];
+        camera->k2 += theta[1];
+        break;
+    default: /* STRETCHED */
+        for (int v = 0; v < VIEWS; v++) {
+            for (int i = 0; i < POINTS; i++) {
+                f->o[v][i].X_w[0] *= 1 + theta[0] / 2;
+                f->o[v][i].X_w[1] *= 1 - theta[0] / 2;
+            }
+        }
+        break;
+    }
+}
+
+/* Clocks as the adjustment has them: free or not, their stamps with noise or not. */
+static void set_clocks(fixture *f, int free_offsets, int free_drifts, double sigma_time)
+{
+    f->with_clocks.free_offsets = free_offsets;
+    f->with_clocks.free_drifts = free_drifts;
+    f->with_clocks.drifts = f->drifts;
+    f->with_clocks.sigma_time = (rigcal_real)sigma_time;
+    f->rig.sigma_px = RC(0.3);
+}
+
+/* The sum falls by the gain, and rises by the variance a sigma further on. */
+static void assert_as_adjusted(int kind, int free_offsets, int free_drifts,
+                               double sigma_time)
+{
+    rigcal_real further[RIGCAL_FAULT_VALUES] = {0};
+
+    set_up(&x, 3);
+    set_clocks(&x, free_offsets, free_drifts, sigma_time);
+    const double before = least_sum(&x);
+    test_it(&x);
+    const rigcal_fault seen =
+        *fault_of(&x, kind, (kind == RIGCAL_FAULT_STRETCHED) ? -1 : 1);
+
+    TEST_ASSERT_EQUAL_INT32(1, seen.is_seen);
+    correct(&x, kind, 1, seen.value);
+    const double after = least_sum(&x);
+    const double freedom = D(x.found.freedom_between) + D(x.found.freedom_within);
+    const double noise2 = after / (freedom - seen.n);
+
+    /* Two of a camera are not quite linear. */
+    ASSERT_NEAR(before - after, seen.gain,
+                0.02 * seen.n * D(seen.gain) + TOL(1e-3, 1e-2) * noise2);
+    if (seen.n == 1) { /* of two, the other one follows */
+        further[0] = seen.sigma[0];
+        correct(&x, kind, 1, further);
+        ASSERT_NEAR(noise2, least_sum(&x) - after, 0.08 * noise2);
+    }
+}
+
+static void test_faults_are_those_of_adjustments_with_free_clocks_and_noisy_stamps(void)
+{
+    static const int KINDS[] = {RIGCAL_FAULT_CLOCK,    RIGCAL_FAULT_DRIFT,
+                                RIGCAL_FAULT_FOCAL,    RIGCAL_FAULT_ASPECT,
+                                RIGCAL_FAULT_CENTRE,   RIGCAL_FAULT_DISTORTION,
+                                RIGCAL_FAULT_STRETCHED};
+
+    WANTS_A_RIG;
+    for (size_t i = 0; i < sizeof KINDS / sizeof *KINDS; i++) {
+        assert_as_adjusted(KINDS[i], 0, 0, 0.001);
+        if (KINDS[i] != RIGCAL_FAULT_CLOCK) {
+            assert_as_adjusted(KINDS[i], 1, 0, 0);
+            assert_as_adjusted(KINDS[i], 1, 0, 0.001);
+        }
+        if (KINDS[i] > RIGCAL_FAULT_DRIFT) {
+            assert_as_adjusted(KINDS[i], 1, 1, 0.001);
+        }
+    }
+}
+
+/* The views after the move are of a camera of its own. */
+static void assert_moved(int c, int free_drifts)
+{
+    static const uint8_t breaks[PLACEMENTS] = {0, 0, 0, 1, 0, 0};
+
+    set_up(&x, 5);
+    set_clocks(&x, 1, free_drifts, 0.001);
+    for (int k = 0; k < MORE; k++) {
+        x.held[k] = (uint8_t)(k != ((c == 1) ? 2 : 1));
+    }
+    x.with_clocks.held = x.held;
+    x.options.breaks = breaks;
+    const double before = least_sum(&x);
+    test_it(&x);
+    const rigcal_fault seen = *fault_of(&x, RIGCAL_FAULT_MOVED, c);
+
+    TEST_ASSERT_EQUAL_INT32(1, seen.is_seen);
+    x.rig.n_cameras = MORE;
+    x.cams[CAMERAS] = x.cams[c];
+    for (int v = 0; v < VIEWS; v++) {
+        if (x.views[v].camera == c && x.views[v].placement >= seen.placement) {
+            x.views[v].camera = CAMERAS;
+        }
+    }
+    ASSERT_NEAR(before - least_sum(&x), seen.gain, TOL(0.02, 0.08) * D(seen.gain));
+}
+
+static void test_a_camera_that_moved_is_another_one_with_free_clocks(void)
+{
+    WANTS_A_RIG;
+    for (int c = 0; c < CAMERAS; c++) {
+        assert_moved(c, 0);
+        assert_moved(c, 1);
+    }
+}
+
+static void test_clocks_that_are_free_are_not_found(void)
+{
+    static rigcal_fault faults[FAULTS];
+    rigcal_faults found;
+
+    WANTS_A_RIG;
+    set_up(&x, 2);
+    set_clocks(&x, 1, 1, 0.001);
+    (void)least_sum(&x);
+    test_it(&x);
+    for (int c = 0; c < CAMERAS; c++) {
+        TEST_ASSERT_EQUAL_INT32(0, fault_of(&x, RIGCAL_FAULT_CLOCK, c)->is_seen);
+        TEST_ASSERT_EQUAL_INT32(0, fault_of(&x, RIGCAL_FAULT_DRIFT, c)->is_seen);
+    }
+    x.options.work_capacity =
+        RIGCAL_FAULTS_LEAST(CAMERAS, CAMERAS) + RIGCAL_FAULTS_CLOCKS_WORK(CAMERAS);
+    ASSERT_STATUS(RIGCAL_OK,
+                  rigcal_rig_faults(&found, faults, FAULTS, NULL, &x.options, &x.rig));
+    for (int i = 0; i < found.n; i++) {
+        const rigcal_fault *const other = fault_of(&x, faults[i].kind, faults[i].camera);
+
+        ASSERT_NEAR(other->gain, faults[i].gain, TOL(1e-9, 1e-3) * (1 + D(other->gain)));
+    }
+}
+
 /* ---- what cannot be seen ---------------------------------------------------------- */
 
 static void test_without_times_no_clock_is_tested_and_that_is_told(void)
@@ -397,6 +581,9 @@ TEST_MAIN()
     RUN_TEST(test_what_the_views_have_in_common_is_that_of_dense_least_squares);
     RUN_TEST(test_a_fault_is_named_and_is_that_of_an_adjustment_with_it);
     RUN_TEST(test_the_clocks_are_told_one_by_one);
+    RUN_TEST(test_faults_are_those_of_adjustments_with_free_clocks_and_noisy_stamps);
+    RUN_TEST(test_a_camera_that_moved_is_another_one_with_free_clocks);
+    RUN_TEST(test_clocks_that_are_free_are_not_found);
     RUN_TEST(test_without_times_no_clock_is_tested_and_that_is_told);
     RUN_TEST(test_placements_far_apart_in_time_have_no_motion);
     RUN_TEST(test_a_camera_without_views_has_no_faults);

@@ -108,7 +108,8 @@ static void learn(const double h[N], double r, double wrong, double *beta, doubl
     }
 }
 
-/* ---- covariance ------------------------------------------------------------------------ */
+/* ---- covariance ------------------------------------------------------------------------
+ * */
 
 static void test_factors_multiply_to_the_covariance(void)
 {

@@ -38,7 +38,8 @@ enum {
     CHOOSE_WORK = RIGCAL_CHOOSE_WORK(N_CAMERAS, N_PLACEMENTS, N_VIEWS),
     JUDGE_WORK = RIGCAL_JUDGE_WORK(N_CAMERAS, N_PLACEMENTS),
     MONITOR_SIZE = RIGCAL_MONITOR_SIZE(2, 1),
-    CONSIDER_WORK = RIGCAL_CONSIDER_WORK(N_CAMERAS - 1, N_CAMERAS)
+    CONSIDER_WORK = RIGCAL_CONSIDER_WORK(N_CAMERAS - 1, N_CAMERAS),
+    CLOCKS_WORK = RIG_WORK + RIGCAL_CLOCKS_WORK(N_CAMERAS, N_CAMERAS)
 };
 
 /* What every call is handed, made once by build_valid. */
@@ -69,6 +70,11 @@ static struct {
     rigcal_cause_solver cause_begun, cause_done;
     rigcal_intrinsics_sigma deviations[N_CAMERAS];
     rigcal_consider_solver consider_begun, consider_done;
+    rigcal_rig_clocks clocks;
+    rigcal_transform clock_poses[N_CAMERAS], clock_placements[N_PLACEMENTS];
+    rigcal_real times[N_PLACEMENTS], instants[N_PLACEMENTS];
+    rigcal_real offsets[N_CAMERAS], clock_work[CLOCKS_WORK];
+    int32_t clock_states[N_CAMERAS], clock_groups[N_CAMERAS];
     int32_t permutation[N];
     rigcal_rig rig;
     rigcal_rig_fit fit;
@@ -107,6 +113,7 @@ static const size_t SIZE_0 = 0, SIZE_1 = 1, SIZE_2 = 2, SIZE_3 = 3, SIZE_4 = 4, 
                     SIZE_8 = 8, SIZE_15 = 15, SIZE_SAVED = RIGCAL_STORE_SIZE(2),
                     SIZE_12 = 12, SIZE_WORK = RIG_WORK, SIZE_CHOOSE = CHOOSE_WORK,
                     SIZE_TO_JUDGE = JUDGE_WORK, SIZE_CONSIDER = CONSIDER_WORK,
+                    SIZE_CLOCKS = CLOCKS_WORK,
 
                     SIZE_KEPT = RIGCAL_CALIBRATED_SIZE(1), SIZE_MONITOR = MONITOR_SIZE,
                     SIZE_TAKEN = RIGCAL_CALIBRATED_SIZE(2),
@@ -419,6 +426,33 @@ static void build_considered(void)
     }
 }
 
+/* A rig that has been adjusted with clocks, of two frames that follow each other. */
+static void build_clocks(void)
+{
+    rigcal_rig rig;
+    rigcal_rig_fit fit;
+
+    rig = ok.rig;
+    memcpy(ok.clock_poses, ok.poses, sizeof ok.poses);
+    memcpy(ok.clock_placements, ok.placements, sizeof ok.placements);
+    ok.times[1] = RC(0.1);
+    ASSERT_STATUS(RIGCAL_OK, rigcal_clocks_defaults(&ok.clocks));
+    ok.clocks.times = ok.times;
+    ok.clocks.instants = ok.instants;
+    ok.clocks.offsets = ok.offsets;
+    ok.clocks.states = ok.clock_states;
+    ok.clocks.free_offsets = 1;
+    rig.cams_from_rig = ok.clock_poses;
+    rig.rig_from_placements = ok.clock_placements;
+    rig.group = ok.clock_groups;
+    rig.views = ok.rig_views;
+    rig.work = ok.clock_work;
+    rig.work_capacity = CLOCKS_WORK;
+    rig.clocks = &ok.clocks;
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_adjust(&fit, NULL, &rig));
+    TEST_ASSERT_EQUAL_INT32(RIGCAL_CLOCK_FREE, ok.clock_states[1]);
+}
+
 /* The states of searches come from the library: there is no other way. */
 static void build_searches(void)
 {
@@ -682,6 +716,7 @@ static void build_valid(void)
     build_choice();
     build_judgement();
     build_considered();
+    build_clocks();
     build_searches();
     build_pose_searches();
     build_robust();
@@ -945,6 +980,9 @@ static const kind JUDGE_SOLVER = {sizeof(rigcal_judge_solver), 0, 0, NULL,
 static const kind CAUSE_SOLVER = {sizeof(rigcal_cause_solver), 0, 0, NULL,
                                   RIGCAL_ERR_STATE};
 static const kind DEVIATION = {REALS(5), BAD_DEVIATION, 0};
+static const kind CLOCKS = {sizeof(rigcal_rig_clocks), 0, 0, NULL, 0};
+static const kind CLOCK_MEMORY = {sizeof(rigcal_real) * CLOCKS_WORK, 0, 0, NULL,
+                                  RIGCAL_ERR_STATE};
 static const kind CONSIDER_SOLVER = {sizeof(rigcal_consider_solver), 0, 0, NULL,
                                      RIGCAL_ERR_STATE};
 static const kind CHOOSE_SOLVER = {sizeof(rigcal_choose_solver), 0, 0, NULL,
@@ -1428,6 +1466,26 @@ static rigcal_considered *considered_of(const void *is_there, void *effects,
     return is_there ? &considered : NULL;
 }
 
+static rigcal_rig *with_clocks(rigcal_rig *rig, const void *is_there,
+                               const void *has_clocks)
+{
+    if (is_there) {
+        rig->clocks = has_clocks ? &ok.clocks : NULL;
+    }
+    return rig;
+}
+
+/* Clocks of which only the offsets and the frame count. */
+static const rigcal_rig_clocks *clocks_of(const void *is_there, void *offsets,
+                                          const void *frame)
+{
+    static rigcal_rig_clocks clocks;
+
+    clocks.offsets = offsets;
+    memcpy(&clocks.frame, frame, sizeof clocks.frame);
+    return is_there ? &clocks : NULL;
+}
+
 static rigcal_rig *with_deviations(rigcal_rig *rig, const void *is_there,
                                    const void *deviations)
 {
@@ -1576,6 +1634,9 @@ CALL(rig_consider, considered_of(p[9], p[10], p[11]), p[12], RIG_WITH(0, deviati
 CALL(consider_begin, p[12], considered_of(p[9], p[10], p[11]), RIG_WITH(0, deviations))
 CALL(consider_step, p[0], INT(p[1]))
 CALL(consider_result, p[0], p[1])
+CALL(clocks_defaults, p[0])
+CALL(clocks_sigma, p[9], p[10], RIG_WITH(0, clocks), REAL(p[11]))
+CALL(clocks_frames, p[0], clocks_of(p[1], p[2], p[3]), COUNTED(p[4]))
 CALL(rig_residuals, p[8], COUNTED(p[9]), p[10], RIG_AT(0), COUNTED(p[11]))
 CALL_BY(point_measure, measure_to(p[15], p[16], sightings_at(p, KEPT_AT(0)), NULL))
 CALL(point_begin, p[15], sightings_at(p, KEPT_AT(0)))
@@ -1954,6 +2015,15 @@ static const function FUNCTIONS[] = {
      {STATE(CONSIDER_SOLVER, &ok.consider_begun), CHOICE(&INT_2, 1, 0, RIGCAL_ERR_RANGE)}},
     {F(consider_result), 0, S(STATE) | ADJUSTED,
      {OUT_BAD, IN(CONSIDER_SOLVER, 1, &ok.consider_done)}},
+    {F(clocks_defaults), 0, S(NULL), {OUT_PART(CLOCKS, 1)}},
+    {F(clocks_sigma), 0, S(STATE) | S(TOO_FEW) | ARGS,
+     {IN(THERE, 1, &INT_1), STATE(RIG_CAMS, ok.clock_poses), COUNT(&SIZE_3, 1, RIGCAL_ERR_TOO_FEW),
+      STATE(RIG_PLACEMENTS, ok.clock_placements), STATE(RIG_GROUPS, ok.clock_groups),
+      COUNT(&SIZE_6, 1, RIGCAL_ERR_TOO_FEW), STATE(CLOCK_MEMORY, ok.clock_work), ROOM(&SIZE_CLOCKS, 0, 0),
+      IN(THERE, 1, &INT_1), OUT(NUMBER, N_CAMERAS), OUT_OPT(NUMBER, N_CAMERAS), VALUE(TOLERANCE, &REAL_SIGMA)}},
+    {F(clocks_frames), 0, ARGS,
+     {OUT(INT32, N_CAMERAS), IN(THERE, 1, &INT_1), IN(NUMBER, N_CAMERAS, ok.offsets),
+      VALUE(POSITIVE, &REAL_SIGMA), COUNT(&SIZE_3, 0, RIGCAL_ERR_RANGE)}},
     {F(rig_residuals), 0, S(TOO_FEW) | S(CAPACITY) | ARGS,
      {RIG_WITH_MEMORY(RIG_UNREAD), OUT(NUMBER, 12), ROOM(&SIZE_12, 12, RIGCAL_ERR_CAPACITY), OUT(SIZE, 1),
       LESS(&SIZE_4, N_VIEWS)}},
@@ -2057,6 +2127,7 @@ static const char *const HARMLESS[] = {
     "rigcal_store_rig_size", "rigcal_calibrated_size",
     "rigcal_consider_work",  "rigcal_consider_clocks_work",
     "rigcal_point_work",     "rigcal_monitor_size",
+    "rigcal_clocks_work",
 };
 enum { N_HARMLESS = sizeof HARMLESS / sizeof HARMLESS[0] };
 
@@ -2542,10 +2613,10 @@ static void test_every_public_function_of_the_headers_is_in_the_table(void)
     TEST_ASSERT_EQUAL_INT(N_FUNCTIONS + N_HARMLESS,
                           HEADER("rigcal.h") + HEADER("rigcal_measure.h") +
                               HEADER("rigcal_rig.h") + HEADER("rigcal_choose.h") +
-                              HEADER("rigcal_judge.h") + HEADER("rigcal_consider.h") +
-                              HEADER("rigcal_point.h") + HEADER("rigcal_match.h") +
-                              HEADER("rigcal_monitor.h") + HEADER("rigcal_solvers.h") +
-                              HEADER("rigcal_paper.h"));
+                              HEADER("rigcal_judge.h") + HEADER("rigcal_clocks.h") +
+                              HEADER("rigcal_consider.h") + HEADER("rigcal_point.h") +
+                              HEADER("rigcal_match.h") + HEADER("rigcal_monitor.h") +
+                              HEADER("rigcal_solvers.h") + HEADER("rigcal_paper.h"));
 }
 
 /* ---- what one line of a table cannot tell -------------------------------- */

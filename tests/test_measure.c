@@ -208,8 +208,8 @@ static void test_a_point_of_exact_views_is_where_it_is(void)
     }
 }
 
-/* The point that is measured with a camera at R <- exp([w]x) R, t <- t + dt, by differences:
- * the gain is minus that, for it tells what an error of the camera does. */
+/* The point that is measured with a camera at R <- exp([w]x) R, t <- t + dt, by
+ * differences: the gain is minus that, for it tells what an error of the camera does. */
 static void test_gains_are_what_moved_cameras_do(void)
 {
     const double step = TOL(1e-5, 2e-3);

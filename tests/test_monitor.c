@@ -17,7 +17,8 @@ static void quiet(rigcal_monitor_options *o)
     o->arl0_frames = RC(1e9);
 }
 
-/* ---- memory --------------------------------------------------------------------------- */
+/* ---- memory ---------------------------------------------------------------------------
+ * */
 
 static void test_a_monitor_takes_what_its_macro_says_and_no_more_than_it_may(void)
 {
@@ -106,7 +107,8 @@ static void test_a_monitor_may_be_copied(void)
     TEST_ASSERT_EQUAL_MEMORY(first, w.monitor, sizeof first);
 }
 
-/* ---- begin ----------------------------------------------------------------------------- */
+/* ---- begin -----------------------------------------------------------------------------
+ * */
 
 static void test_rigs_that_cannot_be_watched_are_refused(void)
 {
@@ -141,7 +143,8 @@ static void test_rigs_that_cannot_be_watched_are_refused(void)
     ASSERT_STATUS(RIGCAL_OK, rigcal_monitor_begin(w.monitor, size, &w.rig, 0, NULL));
 }
 
-/* ---- a still rig ------------------------------------------------------------------------ */
+/* ---- a still rig ------------------------------------------------------------------------
+ * */
 
 static double base_variance(void)
 {
@@ -181,7 +184,8 @@ static void test_matches_of_a_still_pair_do_not_learn_the_length_of_its_base(voi
     }
 }
 
-/* ---- float against double ------------------------------------------------------------------ */
+/* ---- float against double
+ * ------------------------------------------------------------------ */
 
 /* The same filter of two cameras, of the matches that the monitor gets, in double: (M1) to
  * (M3), (M8) with P itself. */
@@ -321,7 +325,8 @@ static void test_poses_after_many_rows_are_those_of_double_arithmetic(void)
     }
 }
 
-/* ---- what is refused ---------------------------------------------------------------------- */
+/* ---- what is refused
+ * ---------------------------------------------------------------------- */
 
 static void test_a_failed_match_changes_nothing(void)
 {

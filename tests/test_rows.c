@@ -1,5 +1,5 @@
-/* rows: what cameras see as rows between bodies. The truth: differences of the measurements,
- * made in double by the formulas of rigcal.h. */
+/* rows: what cameras see as rows between bodies. The truth: differences of the
+ * measurements, made in double by the formulas of rigcal.h. */
 #include <math.h>
 #include <string.h>
 
@@ -378,7 +378,8 @@ static void test_a_point_behind_the_camera_has_no_row(void)
     ASSERT_STATUS(RIGCAL_ERR_BEHIND, rc_rows_of(rows, &seen, &T, &T));
 }
 
-/* ---- a target gets its place ----------------------------------------------------------- */
+/* ---- a target gets its place -----------------------------------------------------------
+ * */
 
 static void test_the_place_of_a_target_moves_as_its_camera_and_its_view_do(void)
 {

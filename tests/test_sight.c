@@ -12,7 +12,7 @@ static rigcal_real noise = RC(0.5);
 static rigcal_sighting seen;
 static rigcal_calibrated_rig rig;
 static rigcal_sightings s;
-static rc_sight v;
+static rc_sighted v;
 
 /* What a camera sees of X, exactly. */
 static void see(const double camera[15], const double ypr[3], const double t[3],
@@ -109,7 +109,7 @@ static void test_blocks_are_the_products(void)
     enum { FREE = 18 };
     double Sigma[FREE][FREE], expected[4];
     rigcal_real packed[FREE * (FREE + 1) / 2], C[4];
-    rc_sight a, b;
+    rc_sighted a, b;
     test_rng rng = test_seed(642);
 
     for (int i = 0; i < FREE; i++) {

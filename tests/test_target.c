@@ -1,5 +1,6 @@
 /* target: views of a target that is carried about, and of one that stays. The truth: the
- * joint least squares with the target's own unknowns, dense and in double; simulated rigs. */
+ * joint least squares with the target's own unknowns, dense and in double; simulated rigs.
+ * */
 #include <math.h>
 #include <string.h>
 
@@ -212,7 +213,8 @@ static void test_rows_of_a_placement_give_the_joint_least_squares(void)
     }
 }
 
-/* ---- a target that is carried about ---------------------------------------------------- */
+/* ---- a target that is carried about ----------------------------------------------------
+ * */
 
 static double base_sd(void)
 {
@@ -273,7 +275,8 @@ static void test_a_target_that_was_lifted_has_no_place(void)
     ASSERT_STATUS(RIGCAL_ERR_RANGE, rigcal_monitor_lifted(w.monitor, 1));
 }
 
-/* ---- a target that stays ---------------------------------------------------------------- */
+/* ---- a target that stays ----------------------------------------------------------------
+ * */
 
 static void test_a_target_that_stays_tells_which_of_two_cameras_moved(void)
 {
@@ -309,7 +312,8 @@ static void test_a_target_that_stays_tells_which_of_two_cameras_moved(void)
     }
 }
 
-/* ---- what is refused ---------------------------------------------------------------------- */
+/* ---- what is refused
+ * ---------------------------------------------------------------------- */
 
 static void test_views_that_cannot_be_are_refused_and_change_nothing(void)
 {

@@ -1,5 +1,5 @@
-/* watch: the end of a frame, the alarm and its answers. The truth: simulated rigs of which a
- * camera is turned. */
+/* watch: the end of a frame, the alarm and its answers. The truth: simulated rigs of which
+ * a camera is turned. */
 #include <math.h>
 #include <string.h>
 
@@ -217,7 +217,8 @@ static void test_poses_rest_until_an_alarm_is_answered(void)
     TEST_ASSERT_EQUAL_INT32(0, report.alarm);
 }
 
-/* ---- a body that is opened without an alarm ---------------------------------------------- */
+/* ---- a body that is opened without an alarm
+ * ---------------------------------------------- */
 
 static void test_a_camera_that_is_opened_is_solved_anew_by_the_next_rows(void)
 {

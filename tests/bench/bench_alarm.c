@@ -1,7 +1,7 @@
 /* bench_alarm: how often the alarm of a monitor is false. Nothing moves in simulated rigs.
  *
  *   bench_alarm check                              few frames of few cases, with limits
- *   bench_alarm known FRAMES ARL0 COMMON [CASE]    the calibration is known: the alarm alone,
+ *   bench_alarm known FRAMES ARL0 COMMON [CASE]    the alarm alone, its rig being known,
  *                                                  with rows that are made here in double
  *   bench_alarm watched FRAMES ARL0 COMMON [CASE]  the whole monitor, which begins with
  *                                                  0.05 degrees and 2 mm

@@ -1,6 +1,9 @@
 /* bench_clocks: rigs of four cameras with clocks of their own, adjusted without them and
  * with them free. Boards of 20 points at 1 m, 0.3 px of noise; the path of a hand.
  *
+ * Then clocks that drift, adjusted with offsets alone and with drifts, too; and stamps of
+ * views that have noise, adjusted without that and with it.
+ *
  *   bench_clocks [RIGS]    the tables, so many rigs a line (default 40)
  *   bench_clocks check     few rigs, against limits */
 #include <math.h>
@@ -35,6 +38,8 @@ static const campaign CAMPAIGNS[] = {
     {"7 runs of 3, 2 cameras", {2, 7, 3, 30, 0.35, 0.8, 10, 0.015, 0, 0, 0.3}, 1.12},
     {"7 runs of 3, synchronous", {4, 7, 3, 30, 0.35, 0.8, 10, 0, 0, 0, 0.3}, 1.12},
 };
+static const motion_scene STAMPED = {4, 7, 3, 30, 0.35, 0.8, 10, 0, 0, 0.004, 0.3};
+
 enum { N_CAMPAIGNS = sizeof CAMPAIGNS / sizeof CAMPAIGNS[0] };
 
 static test_motions m;
@@ -107,6 +112,81 @@ static int run(const campaign *c, int number, int rigs)
            (!(c->limit > 0) || with < 1.3 * c->limit); /* of few rigs */
 }
 
+/* ---- drifts, stamps --------------------------------------------------------- */
+
+/* The squared error over the bound; its sigma. -1: not adjusted. */
+static double error2_of(double *sigma, rigcal_rig_clocks *clocks, const double bound[])
+{
+    rigcal_rig_fit fit;
+
+    if (adjust(&fit, clocks) < 0) {
+        return -1;
+    }
+    *sigma += D(fit.sigma_px);
+    return test_motions_error2(&m, bound);
+}
+
+/* Drifts are within 50 ppm. In the middle of the recording the cameras are in time. */
+static int run_drifts(int rigs, double noise_px)
+{
+    const motion_scene scene = {4, 7, 3, 30, 0.35, 0.8, 10, 0, 5e-5, 0, noise_px};
+    double bound[6 * 6 * 9], errors[3] = {0, 0, 0}, sigma = 0;
+    rigcal_rig_fit fit;
+    int failed = 0;
+
+    for (int trial = 0; trial < rigs; trial++) {
+        test_rng rng = test_seed(40000 + (uint64_t)trial);
+
+        test_motions_make(&m, &rng, &scene);
+        test_motions_solve(&m);
+        m.clocks.drifts = m.drifts;
+        m.clocks.free_drifts = 1;
+        failed += adjust(&fit, &m.clocks) < 0;
+        test_motions_information(bound, &m, noise_px);
+        for (int k = 2; k >= 0; k--) {
+            m.clocks.free_drifts = k > 1;
+            const double error2 = error2_of(&sigma, k > 0 ? &m.clocks : NULL, bound);
+            failed += error2 < 0;
+            errors[k] += error2 / rigs;
+        }
+    }
+    printf("Drifts within 50 ppm, 7 runs of 3 in a minute, noise %.3f px: error over bound "
+           "%.2f without clocks, %.2f with offsets, %.3f with drifts; not adjusted %d.\n",
+           noise_px, sqrt(errors[0]), sqrt(errors[1]), sqrt(errors[2]), failed);
+    return failed == 0 && (noise_px < NOISE ? sqrt(errors[2] / errors[0]) < 0.1
+                                            : sqrt(errors[2]) < 1.3 * 1.12);
+}
+
+/* Noise of stamps of 4 ms, told and not told. */
+static int run_stamps(int rigs)
+{
+    double bound[6 * 6 * 9], errors[2] = {0, 0}, sigmas[2] = {0, 0};
+    rigcal_rig_fit fit;
+    int failed = 0;
+
+    for (int trial = 0; trial < rigs; trial++) {
+        test_rng rng = test_seed(50000 + (uint64_t)trial);
+
+        test_motions_make(&m, &rng, &STAMPED);
+        test_motions_solve(&m);
+        m.clocks.free_offsets = 0;
+        m.clocks.sigma_time = RC(0.004);
+        failed += adjust(&fit, &m.clocks) < 0;
+        test_motions_information(bound, &m, NOISE);
+        for (int k = 1; k >= 0; k--) {
+            m.clocks.sigma_time = k > 0 ? RC(0.004) : 0;
+            const double error2 = error2_of(&sigmas[k], &m.clocks, bound);
+            failed += error2 < 0;
+            errors[k] += error2 / rigs;
+        }
+    }
+    printf("Stamps with 4 ms of noise: sigma %.4f px without sigma_time, %.4f px with it "
+           "(pixels: %.4f px); error over bound %.2f, %.3f; not adjusted %d.\n",
+           sigmas[0] / rigs, sigmas[1] / rigs, NOISE, sqrt(errors[0]), sqrt(errors[1]),
+           failed);
+    return failed == 0 && fabs(sigmas[1] / rigs / NOISE - 1) < 0.03;
+}
+
 int main(int argc, char *argv[])
 {
     const int is_check = argc > 1 && strcmp(argv[1], "check") == 0;
@@ -128,6 +208,8 @@ int main(int argc, char *argv[])
     for (int i = 0; i < N_CAMPAIGNS; i++) {
         is_good &= run(&CAMPAIGNS[i], i, rigs);
     }
+    puts("");
+    is_good &= run_drifts(rigs, NOISE) & run_drifts(rigs, NOISE / 20) & run_stamps(rigs);
     return is_check && !is_good;
 }
 

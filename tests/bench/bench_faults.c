@@ -15,6 +15,15 @@
 #include "rigcal_solvers.h"
 #include "test_support.h"
 
+/* Unity, which the tests' scenes are checked with, wants them. */
+void setUp(void)
+{
+}
+
+void tearDown(void)
+{
+}
+
 enum { C_MAX = 8, F_MAX = 24, V_MAX = C_MAX * F_MAX, N = 20, FAULTS = 10 * C_MAX + 3 };
 
 typedef struct {

@@ -2,7 +2,7 @@
  * Simulated rigs, 20 matches a frame of 0.3 px.
  *
  *   bench_monitor check            few rigs of few cases, with limits
- *   bench_monitor coverage RIGS    the 95 % ellipsoid of all unknowns, after 10 to 1000 frames
+ *   bench_monitor coverage RIGS    the 95 % ellipsoid of all, after 10 to 1000 frames
  *   bench_monitor bump RIGS        the same after a bump
  *   bench_monitor blame BUMPS      who it was
  *   bench_monitor delay MOVES      how soon the alarm comes */

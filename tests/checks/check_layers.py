@@ -72,7 +72,7 @@ SOLVERS = {
     "rigcal_point_sums": ("sight", None),
     "rigcal_point_solver": ("locate", None),
     "rigcal_border": ("border", None),
-    "rigcal_consider_solver": ("consider", set()),
+    "rigcal_consider_solver": ("consider", {"border", "column", "placement"}),
     "rigcal_columns": ("columns", None),
     "rigcal_moves": ("moved", None),
     "rigcal_faults_solver": ("faults", set()),

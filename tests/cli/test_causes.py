@@ -260,6 +260,67 @@ class TestIntrinsics(Recorded):
                         self.assertGreater(float(b[k]), 5 * float(a[k]))
 
 
+class TestEstimatedIntrinsics(Recorded):
+    """Cameras whose file is off by two of its deviations in f, and by one in the centre."""
+    SIGMAS = "0.003,0.001,3,0.01,0.03"
+    ON = ["--intrinsics-sigma", SIGMAS, "--estimate-intrinsics"]
+
+    def record_off(self):
+        lines = {}
+        for k, name in enumerate(NAMES):
+            lines[name] = dict(camera_row(name))
+            for f in "fx", "fy":
+                lines[name][f] *= 1 + 0.006 * (-1)**k
+            lines[name]["cx"] += 3
+        self.record(lines=lines)
+
+    def test_the_recording_moves_them_towards_the_truth(self):
+        self.record_off()
+        self.run_recording("--intrinsics-sigma", self.SIGMAS)
+        self.assertFalse(os.path.exists(self.result("cameras.csv")))
+        before = self.off_by()
+        run = self.run_recording(*self.ON)
+        self.assertEqual((run.returncode, run.stderr), (0, ""))
+        after = self.off_by()
+        self.assertLess(after[1], 0.7 * before[1])
+        self.assertIn("intrinsics estimated, with their deviations as a prior", run.stdout)
+        self.assertRegex(run.stdout, r"\n  b: moved f by 0\.\d+ \+- 0\.\d+ %.*; it could not tell .*k2\n")
+        found = {r["camera"]: r for r in read(self.result("cameras.csv"))}
+        self.assertEqual(list(found), list(NAMES))
+        left = [abs(float(found[n]["fx"]) / camera_row(n)["fx"] - 1) for n in NAMES]
+        self.assertLess(max(left), 0.8 * 0.006)
+        self.assertLess(np.mean(left), 0.5 * 0.006)
+
+    def test_what_is_written_is_a_camera_file(self):
+        self.record_off()
+        self.run_recording(*self.ON)
+        changed = content(self.out, "cameras.csv")
+        path = write(self.folder, "changed.csv", changed)
+        before = transforms(self.result("rig.csv"), "camera")
+        run = self.calibrate(path, self.observations_csv)
+        self.assertEqual((run.returncode, run.stderr), (0, ""))
+        after = transforms(self.result("rig.csv"), "camera")
+        for name in NAMES:
+            self.assertLess(np.linalg.norm(before[name][1] - after[name][1]), 2e-5)
+
+    def test_deviations_of_zero_move_nothing(self):
+        self.record_off()
+        plain = self.run_recording().returncode, content(self.out, "rig.csv")
+        run = self.run_recording("--intrinsics-sigma", "0,0,0,0,0", "--estimate-intrinsics")
+        self.assertEqual((run.returncode, content(self.out, "rig.csv")), plain)
+        for r in read(self.result("cameras.csv")):
+            self.assertAlmostEqual(float(r["fx"]), self.cameras[r["camera"]]["fx"], delta=1e-3)
+
+    def test_options_that_it_needs_and_does_not_go_with(self):
+        self.record()
+        self.files_of_recording()
+        for options, words in ((["--estimate-intrinsics"], "goes with --intrinsics-sigma"),
+                               ([*self.ON, "--times", "frames"], "does not go with --times")):
+            run = self.calibrate(self.cameras_csv, self.observations_csv, None, *options)
+            self.assertEqual((run.returncode, run.stdout), (2, ""))
+            self.assertIn(words, run.stderr)
+
+
 class TestComplaints(Recorded):
     """Every bad file or option is told, and what is wrong is named."""
 

@@ -882,7 +882,7 @@ class TestUse(CliTest):
                 (["line", "--method", "ml"], "has no option --method"),
                 (["calibrate", *both, "extra"], 'takes options only, not "extra"'),
                 (["triangulate", *both, "--robust"], "has no option --robust"),
-                (["line", "--sigma", "1"], "has no option --sigma"),
+                (["line", "--robust"], "has no option --robust"),
                 (["calibrate", *both, "--robust", "--robust"], "given twice"),
                 (["calibrate", *both, *both], "given twice"),
                 (["triangulate", *both], "needs --rig"),

@@ -25,6 +25,7 @@
 #include "rc_pose.h"
 #include "rc_sight.h"
 #include "rc_store.h"
+#include "rc_times.h"
 #include "rigcal_paper.h"
 
 #define PI 3.14159265358979323846
@@ -1018,7 +1019,7 @@ static int five_are_kept(double px)
 static int sight_is_proved(double off)
 {
     static const double X[3] = {0, 0, 0};
-    rc_sight v;
+    rc_sighted v;
     rigcal_real there[3] = {0, 0, 0};
     eyes_begin(2);
     eyes_see(0, 0, 1, X);
@@ -1040,7 +1041,7 @@ static void gate_sights(void)
     edge("point.agrees_px", five_are_kept, 0.1, 5);
     edge("point.proof", sight_is_proved, 1e-4, 0.2);
     for (int i = 0; i < 200; i++) {
-        rc_sight v;
+        rc_sighted v;
         rigcal_real ray[3];
         double aside = 0;
         eyes_begin(2);
@@ -2708,8 +2709,11 @@ static void watched_lines(const char *name)
     rigcal_mounted_camera m;
     for (size_t c = 0; c < WATCHED; c++) {
         (void)rigcal_monitor_camera(&m, watched.monitor, c);
-        for (int k = 0; k < 12; k++) {
-            sum += k < 9 ? (double)m.cam_from_rig.R[k] : (double)m.cam_from_rig.t[k - 9];
+        for (int k = 0; k < 9; k++) {
+            sum += (double)m.cam_from_rig.R[k];
+        }
+        for (int k = 0; k < 3; k++) {
+            sum += (double)m.cam_from_rig.t[k];
         }
         for (int k = 0; k < 36; k += 7) {
             variance += (double)m.Sigma[k];
@@ -3063,6 +3067,150 @@ static void gate_matching(void)
     line("spans.pixels", "%lu", pixels);
 }
 
+/* ---- clocks ----------------------------------------------------------------- */
+
+/* The rig of rig_probed with a clock for each camera. */
+static rigcal_rig_clocks clocks_probed;
+static rigcal_real clock_times[RIG_PLACEMENTS], clock_instants[RIG_PLACEMENTS],
+    clock_offsets[RIG_CAMERAS], clock_drifts[RIG_CAMERAS],
+    clock_work[RIGCAL_JUDGE_WORK(RIG_CAMERAS, RIG_PLACEMENTS) +
+               RIGCAL_CLOCKS_WORK(RIG_CAMERAS, RIG_CAMERAS)];
+static int32_t clock_states[RIG_CAMERAS];
+
+/* Placements `step` apart in time, from `first` on. */
+static void begin_clocks(rig_scene *r, double first, double step)
+{
+    (void)rigcal_clocks_defaults(&clocks_probed);
+    for (int f = 0; f < RIG_PLACEMENTS; f++) {
+        clock_times[f] = clock_instants[f] = RC(first + step * f);
+    }
+    for (int c = 0; c < RIG_CAMERAS; c++) {
+        clock_offsets[c] = clock_drifts[c] = 0;
+    }
+    clocks_probed.times = clock_times;
+    clocks_probed.instants = clock_instants;
+    clocks_probed.offsets = clock_offsets;
+    clocks_probed.drifts = clock_drifts;
+    clocks_probed.states = clock_states;
+    clocks_probed.free_offsets = 1;
+    r->rig.clocks = &clocks_probed;
+    r->rig.work = clock_work;
+    r->rig.work_capacity = sizeof clock_work / sizeof clock_work[0];
+}
+
+/* A board that moves, seen by cameras of which c is late by `late` times c. */
+static void moving_rig(rig_scene *r, int n_cameras, double speed, double late,
+                       double sigma_px)
+{
+    scene placed;
+    rig_begin(r, (size_t)n_cameras);
+    begin_clocks(r, 0, 0.033);
+    random_scene(&placed, 8, PLANAR, BROWN, sigma_px, 5, 8);
+    for (int f = 0; f < RIG_PLACEMENTS; f++) {
+        for (int c = 0; c < n_cameras; c++) {
+            const double t = 0.033 * f + late * c;
+            const double q[4] = {1, 0.1 * speed * t, 0.2 * speed * t * t, 0.1 * speed * t};
+            const double shift[3] = {speed * t, speed * t * t, -0.5 * speed * t};
+            double R[9];
+            scene moved = placed;
+            rotation_of(R, q);
+            for (int i = 0; i < 9; i++) {
+                moved.R[i] = 0;
+                for (int k = 0; k < 3; k++) {
+                    moved.R[i] += placed.R[i / 3 * 3 + k] * R[3 * k + i % 3];
+                }
+            }
+            for (int k = 0; k < 3; k++) {
+                moved.t[k] += shift[k];
+            }
+            (void)rig_add(r, c, f, &moved);
+        }
+    }
+}
+
+static int target_is_still(double speed)
+{
+    rigcal_rig_fit fit;
+    state = 3300;
+    moving_rig(&rig_probed, 2, speed, 0, 0.3);
+    return rigcal_rig_join(&rig_probed.rig, NULL) == RIGCAL_OK &&
+           rigcal_rig_adjust(&fit, NULL, &rig_probed.rig) >= 0 &&
+           clock_states[1] == RIGCAL_CLOCK_STILL;
+}
+
+static int step_is_frame(double step)
+{
+    begin_clocks(&rig_probed, 0, step);
+    (void)rc_times_check(&rig_probed.rig);
+    return (double)clocks_probed.frame > 0.99 * step;
+}
+
+static int step_is_run(double frames)
+{
+    rigcal_motion motion;
+    begin_clocks(&rig_probed, 0, frames);
+    clocks_probed.frame = 1;
+    rc_times_motion(&motion, &rig_probed.rig, rig_probed.placements, 2);
+    return motion.n > 0;
+}
+
+static int times_are_exact(double first)
+{
+    begin_clocks(&rig_probed, first, 0.1 * first);
+    clocks_probed.frame = RC(0.033);
+    return rc_times_check(&rig_probed.rig) == RIGCAL_OK;
+}
+
+static int frames_are_taken(double frames)
+{
+    int32_t off[2];
+    begin_clocks(&rig_probed, 0, 1);
+    clocks_probed.frame = RC(0.5);
+    clock_offsets[1] = RC(0.5 * frames);
+    return rigcal_clocks_frames(off, &clocks_probed, 2) == RIGCAL_OK;
+}
+
+static void count_clocks(tally *t, int n_cameras, double late, const rigcal_rig_fit *fit)
+{
+    t->steps += fit->evals;
+    for (int c = 1; c < n_cameras; c++) {
+        t->found += clock_states[c] == RIGCAL_CLOCK_FREE;
+        t->misses += fabs((double)clock_offsets[c] - late * c) > 0.002;
+    }
+}
+
+static void gate_clocks(void)
+{
+    tally t;
+    begin(&t, "clocks");
+    state = 3200;
+    for (int i = 0; i < 40; i++) {
+        rigcal_rig_fit fit;
+        const int n = 2 + i % 3;
+        const double late = uniform(-0.01, 0.01), speed = uniform(0.05, 3);
+        moving_rig(&rig_probed, n, speed, late, i % 4 ? 0.3 : 0);
+        clocks_probed.free_drifts = i % 5 == 1;
+        clocks_probed.sigma_time = i % 4 == 1 ? RC(0.002) : 0;
+        if (rigcal_rig_join(&rig_probed.rig, NULL) == RIGCAL_OK &&
+            count(&t, rigcal_rig_adjust(&fit, NULL, &rig_probed.rig)) >= 0) {
+            count_clocks(&t, n, late, &fit);
+        }
+        if (i == 6) {
+            line("clocks.offset", ANY_OF("%.12g", "%.7g"), (double)clock_offsets[1]);
+        }
+    }
+    end(&t);
+    edge("clocks.still", target_is_still, 1e-3, 10);
+    rig_begin(&rig_probed, 2);
+    edge("times.frame", step_is_frame, 0.05, 2);
+    edge("times.run", step_is_run, 0.5, 10);
+    edge("times.exact", times_are_exact, 1, 1e15);
+    edge("times.frames", frames_are_taken, 1, 1e8);
+    begin_clocks(&rig_probed, 0, 0.0331234);
+    (void)rc_times_check(&rig_probed.rig);
+    line("times.middle", "%.12g", (double)clocks_probed.frame);
+}
+
 static void run(void)
 {
     gate_poses();
@@ -3102,6 +3250,7 @@ static void run(void)
     gate_matching();
     gate_memory();
     gate_alarm();
+    gate_clocks();
     gate_monitor();
 }
 

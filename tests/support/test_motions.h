@@ -1,6 +1,7 @@
 /* test_motions.h - a simulated rig whose cameras have clocks of their own: a board of 20
- * points that moves in front of it, in runs of frames that follow each other. The pixels are
- * those of the true path, which no polynomial is. Truth and projection are in double. */
+ * points that moves in front of it, in runs of frames that follow each other. The pixels
+ * are those of the true path, which no polynomial is. Truth and projection are in double.
+ * */
 #ifndef TEST_MOTIONS_H
 #define TEST_MOTIONS_H
 

@@ -1,6 +1,6 @@
 /* test_watched.h - a simulated rig that is watched by a monitor. The truth, and what comes
- * of it, are in double. Camera 0 is the frame; f = 800 px, no distortion; the scene is 2 to 4
- * before the cameras. */
+ * of it, are in double. Camera 0 is the frame; f = 800 px, no distortion; the scene is 2 to
+ * 4 before the cameras. */
 #ifndef TEST_WATCHED_H
 #define TEST_WATCHED_H
 

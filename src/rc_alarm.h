@@ -17,14 +17,14 @@
 
 /* ---- constants ----------------------------------------------------------- */
 
+/* frames: of the longest window; a move that takes more to be seen is followed. */
+#define RC_ALARM_LONGEST 256
+
 enum {
     RC_ALARM_WINDOWS = 5,
     RC_ALARM_WINDOW = 28, /* numbers of a window: G, H, |W|^(1/2) */
     RC_ALARM_BODY = RC_ALARM_WINDOWS * RC_ALARM_WINDOW + 21 + 5
 };
-
-/* frames: of the longest window. */
-#define RC_ALARM_LONGEST 256
 
 /* ---- state --------------------------------------------------------------- */
 

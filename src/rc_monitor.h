@@ -29,7 +29,7 @@ typedef struct {
     rigcal_real reals[16];
 } rc_monitor_part;
 
-enum { RC_MONITOR_PARTS = 3 };
+enum { RC_MONITOR_PARTS = RIGCAL_MONITOR_HEAD / 16 };
 
 typedef union {
     rc_monitor_head head;

@@ -10,12 +10,12 @@
  * and dm/dv, across the ray. */
 typedef struct {
     rigcal_real m[3], T[2][3];
-} rc_ray_noise;
+} rc_sight;
 
 /* Of a camera that was checked, and a ray of any length but 0: OK, ERR_NO_RAY,
  * ERR_BEHIND, ERR_DEGENERATE. */
-rigcal_status rc_ray_noise_of(rc_ray_noise *sight, const rigcal_camera *camera,
-                              const rigcal_real ray[3], rigcal_real sigma_px);
+rigcal_status rc_sight_of(rc_sight *sight, const rigcal_camera *camera,
+                          const rigcal_real ray[3], rigcal_real sigma_px);
 
 typedef struct {
     rigcal_real r, h_a[6], h_b[6];
@@ -26,7 +26,7 @@ typedef struct {
 typedef struct {
     size_t a, b;
     int n_rows;                  /* 1: a match of two cameras; 2: camera a sees target b */
-    rc_ray_noise sight[2];       /* of a match */
+    rc_sight sight[2];           /* of a match */
     const rigcal_camera *camera; /* of a view: the camera, the point of the target, */
     rigcal_real X[3], uv[2];     /* where it was seen, */
     rigcal_real sigma_px;        /* and the noise of that */

@@ -7,7 +7,6 @@
 /* frames: window i starts anew after 4^i. Each serves moves that are seen in about as
  * many frames; with powers of 2 there were twice the windows, and no sooner alarm. */
 #define LOG_4 RC(1.38629436111989061883)
-#define LENGTH(window) ((int32_t)1 << (2 * (window)))
 
 /* standard deviations: innovations are clipped here. Huber's value: normal noise loses 5 %
  * of what it says, and a wrong match pulls no more than this. */
@@ -37,11 +36,12 @@
  * 5 matches a frame of 8 cameras false alarms were a tenth of what is stated. */
 #define ENOUGH RC(1.5)
 
-/* rows^2, rows: where a body has few rows a frame even its longest windows lose by them.
- * Its part of the sum is taken 1 + SPARSE / rows^2 times, for FEWEST rows or more: 1.8
- * times at most. Without that 5 rows a frame of 4 cameras made a third of the alarms
- * stated. */
+/* rows^2: where a body has few rows a frame even its longest windows lose by them. Its part
+ * of the sum is taken 1 + this / rows^2 times. Without that 5 rows a frame of 4 cameras
+ * made a third of the alarms stated. */
 #define SPARSE RC(5)
+
+/* rows: a body with fewer a frame gets no more of that: 1.8 times at most. */
 #define FEWEST RC(2.5)
 
 /* rows: a body with fewer in the longest window is blind. A move has six unknowns. */
@@ -59,6 +59,9 @@
 
 /* part of an element of the diagonal: a smaller pivot is rounding. */
 #define RANK_TOL (8 * RC_EPS)
+
+/* Frames of a window. */
+#define LENGTH(window) ((int32_t)1 << (2 * (window)))
 
 /* Numbers of a window. The first window is one frame: its H is without W. */
 enum {

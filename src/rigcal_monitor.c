@@ -7,24 +7,34 @@
 /* 1: the first word of a monitor's own numbers, "rcm1". */
 #define MAGIC 0x316d6372u
 
-/* frames: the mean time between false alarms, by default; at least and at most. */
+/* frames: the mean time between false alarms, by default: a day at 12 a second. */
 #define ARL0_DEFAULT RC(1e6)
+
+/* frames: at least; with fewer the windows do not come to an end between alarms. */
 #define ARL0_LEAST RC(100)
+
+/* frames: at most; a year at 30 a second. */
 #define ARL0_MOST RC(1e9)
 
 /* 1: how far the rows of a frame err together, by default: what matches of real boards
  * want, which all sit where the lens model is a little wrong. */
 #define COMMON_DEFAULT RC(0.5)
 
-/* part of the matches: thought wrong by default, at least and at most. With none a bump
- * would draw the poses along until it is noticed. */
+/* part of the matches: thought wrong by default. */
 #define WRONG_DEFAULT RC(0.1)
+
+/* part of the matches: thought wrong at least. With none a bump would draw the poses along
+ * until it is noticed. */
 #define WRONG_LEAST RC(1e-5)
+
+/* part of the matches: thought wrong at most. With more none says anything. */
 #define WRONG_MOST RC(0.9)
 
 /* rad: the largest move by default, 3 degrees; from there one frame of rows brings the
- * pose back. At most. */
+ * pose back. */
 #define MOVE_DEFAULT RC(0.0523598776)
+
+/* rad: the largest move at most. A pose is to be solved anew beyond it. */
 #define MOVE_MOST RC(0.5)
 
 /* part of the mean distance of the cameras: the length that goes with a turn of one
@@ -34,8 +44,10 @@
 /* rad per square root of a second: more is no calibrated rig. */
 #define WALK_MOST RC(1)
 
-/* px: noise, at least and at most. */
+/* px: noise at least; what a row weighs stays within float. */
 #define NOISE_LEAST RC(1e-6)
+
+/* px: noise at most; it is the size of the largest image. */
 #define NOISE_MOST RC(1e6)
 
 /* part of a correlation: as much beyond 1 is rounding. */
@@ -485,11 +497,11 @@ static rigcal_status take_match(rc_monitor *m, rc_seen *seen, size_t a, size_t b
 }
 
 /* The sight of a ray. */
-static rigcal_status sight_ray(rc_ray_noise *sight, const rc_monitor *m, size_t index,
+static rigcal_status sight_ray(rc_sight *sight, const rc_monitor *m, size_t index,
                                const rigcal_real ray[3], rigcal_real sigma_px)
 {
     rc_monitor_lens_copy lens;
-    return rc_ray_noise_of(sight, rc_monitor_lens(&lens, m, index), ray, sigma_px);
+    return rc_sight_of(sight, rc_monitor_lens(&lens, m, index), ray, sigma_px);
 }
 
 rigcal_status rigcal_monitor_match_rays(rigcal_real monitor[], size_t camera_a,
@@ -515,14 +527,14 @@ rigcal_status rigcal_monitor_match_rays(rigcal_real monitor[], size_t camera_a,
 }
 
 /* The sight of a pixel. */
-static rigcal_status sight_pixel(rc_ray_noise *sight, const rc_monitor *m, size_t index,
+static rigcal_status sight_pixel(rc_sight *sight, const rc_monitor *m, size_t index,
                                  const rigcal_real uv[2], rigcal_real sigma_px)
 {
     rc_monitor_lens_copy lens;
     rigcal_real ray[3];
     const rigcal_camera *const camera = rc_monitor_lens(&lens, m, index);
     const rigcal_status status = rc_pixel_to_ray(ray, camera, uv);
-    return (status == RIGCAL_OK) ? rc_ray_noise_of(sight, camera, ray, sigma_px) : status;
+    return (status == RIGCAL_OK) ? rc_sight_of(sight, camera, ray, sigma_px) : status;
 }
 
 rigcal_status rigcal_monitor_match(rigcal_real monitor[], size_t camera_a,

@@ -12,8 +12,8 @@
 /* ---- a ray and its noise -------------------------------------------------- */
 
 /* d uv = B dm, B m = 0. Of all dm that is the shortest: T = B^T (B B^T)^-1. */
-rigcal_status rc_ray_noise_of(rc_ray_noise *sight, const rigcal_camera *camera,
-                              const rigcal_real ray[3], rigcal_real sigma_px)
+rigcal_status rc_sight_of(rc_sight *sight, const rigcal_camera *camera,
+                          const rigcal_real ray[3], rigcal_real sigma_px)
 {
     rigcal_real uv[2], B[6];
     if (!rc_vec3_unit(sight->m, ray)) {
@@ -39,7 +39,7 @@ rigcal_status rc_ray_noise_of(rc_ray_noise *sight, const rigcal_camera *camera,
 /* ---- a match --------------------------------------------------------------- */
 
 /* What the noise of a ray does to e: along its two columns. Returns their square. */
-static rigcal_real noise_of(rigcal_real along[2], const rc_ray_noise *sight,
+static rigcal_real noise_of(rigcal_real along[2], const rc_sight *sight,
                             const rigcal_real g[3])
 {
     along[0] = rc_vec3_dot(sight->T[0], g);
@@ -48,8 +48,7 @@ static rigcal_real noise_of(rigcal_real along[2], const rc_ray_noise *sight,
 }
 
 /* Whether a ray keeps off the line through both centres: |g| = |t| sin of the angle. */
-static int keeps_off(const rc_ray_noise *sight, const rigcal_real g[3],
-                     const rigcal_real t[3])
+static int keeps_off(const rc_sight *sight, const rigcal_real g[3], const rigcal_real t[3])
 {
     const rigcal_real noise =
         rc_vec3_dot(sight->T[0], sight->T[0]) + rc_vec3_dot(sight->T[1], sight->T[1]);
@@ -59,7 +58,7 @@ static int keeps_off(const rc_ray_noise *sight, const rigcal_real g[3],
 }
 
 /* The ray at which e = 0 to second order, `by` = e / s^2. */
-static void correct(rigcal_real m[3], const rc_ray_noise *sight, rigcal_real by,
+static void correct(rigcal_real m[3], const rc_sight *sight, rigcal_real by,
                     const rigcal_real along[2])
 {
     rc_vec3_copy(m, sight->m);
@@ -86,7 +85,7 @@ static void derivatives(rigcal_real h[6], rigcal_real by, const rigcal_real t[3]
 static rigcal_status match_row(rc_row *row, const rc_seen *seen, const rigcal_transform *a,
                                const rigcal_transform *b)
 {
-    const rc_ray_noise *const sight_a = &seen->sight[0], *const sight_b = &seen->sight[1];
+    const rc_sight *const sight_a = &seen->sight[0], *const sight_b = &seen->sight[1];
     rigcal_transform b_from_a;
     rigcal_real along_a[2], along_b[2], m_a[3], m_b[3], q[3], g_a[3], g_b[3], n_a[3], c[3];
     const rigcal_real *const t = b_from_a.t;

@@ -833,6 +833,168 @@ static void test_a_rig_of_which_a_view_is_missing_is_begun_anew(void)
     TEST_ASSERT_EQUAL_INT(1, times_sent("rig t="));
 }
 
+/* ---- at work ------------------------------------------------------------- */
+
+/* The rig at work for n frames of both cameras; camera 1 is off by a turn [rad] and a shift
+ * of half as many metres. */
+static void work(int n, double by)
+{
+    static const double BOARD[3] = {0, 0, 0.05};
+
+    sim_clear_serial();
+    sim.noise_px = 0.2;
+    for (int i = 0; i < n; i++) {
+        const double center[3] = {HERE[1][0], HERE[1][1] + by / 2, HERE[1][2]};
+
+        sim_place(1, center, -1.4 + by);
+        sim_hold(PORT_AT_WORK, 0.3, -0.2, BOARD);
+        shoot_both();
+        TEST_ASSERT_EQUAL_INT(SIM_IDLE, sim_run(&app, TICKS));
+    }
+    sim.placement = 0;
+}
+
+static void ask(void)
+{
+    sim_clear_serial();
+    sim_type("how are you?\r\n");
+    TEST_ASSERT_EQUAL_INT(SIM_IDLE, sim_run(&app, TICKS));
+    TEST_ASSERT_EQUAL_INT(1, times_sent("\r\n"));
+}
+
+/* A rig in slot 1, number 2, that has worked for a while. */
+static void work_in(void)
+{
+    calibrate();
+    hold_up(1, FIRMWARE_PLACEMENTS);
+    assert_sent("saved slot=1 sequence=2");
+    work(30, 0);
+}
+
+/* Whether camera 1 is where it truly is, against camera 0. */
+static void assert_mended(const rigcal_mounted_camera cameras[])
+{
+    double R[9], t[3], Rt[9], true_R[9], moved[3];
+    rigcal_transform pair;
+
+    ASSERT_STATUS(RIGCAL_OK, rigcal_transform_between(&pair, &cameras[1].cam_from_rig,
+                                                      &cameras[0].cam_from_rig));
+    test_transform_parts(R, t, &pair);
+    test_transpose(Rt, sim.R[0]);
+    test_product(true_R, sim.R[1], Rt);
+    test_apply(moved, true_R, sim.t[0], NULL);
+    TEST_ASSERT_TRUE(test_angle_between(R, true_R) < 0.004);
+    for (int i = 0; i < 3; i++) {
+        ASSERT_NEAR(sim.t[1][i] - moved[i], t[i], 0.006);
+    }
+}
+
+static void test_it_says_how_it_is(void)
+{
+    boot();
+    ask();
+    assert_sent("not watched");
+    work_in();
+    ask();
+    assert_sent("well evidence=-");
+    sim_clear_serial();
+    sim_type("how are you\nhow are you??\nhow  are you?\n?\n\n");
+    TEST_ASSERT_EQUAL_INT(SIM_IDLE, sim_run(&app, TICKS));
+    TEST_ASSERT_EQUAL_STRING("", sim.serial);
+}
+
+static void test_a_rig_that_warms_up_is_followed_without_an_alarm(void)
+{
+    work_in();
+    for (int i = 1; i <= 200; i++) {
+        work(1, 1e-6 * i);
+        TEST_ASSERT_EQUAL_STRING("", sim.serial);
+    }
+    ask();
+    assert_sent("well evidence=-");
+}
+
+static void test_a_bump_is_told_named_mended_and_stored(void)
+{
+    rigcal_mounted_camera stored[FIRMWARE_CAMERAS];
+    rigcal_saved_info info;
+
+    work_in();
+    work(20, 0.02);
+    assert_sent("alarm frame=");
+    TEST_ASSERT_EQUAL_INT(0, times_sent("saved")); /* not while it is in doubt */
+    ask();
+    assert_sent("alarm ");
+    work(40, 0.02);
+    assert_sent("moved camera=1 sure=");
+    TEST_ASSERT_EQUAL_INT(1, times_sent("saved"));
+    assert_sent("saved slot=0 sequence=3");
+    ask();
+    assert_sent("well evidence=-");
+    ASSERT_STATUS(RIGCAL_OK, rigcal_store_load(stored, FIRMWARE_CAMERAS, &info,
+                                               sim.flash[0], PORT_SLOT_BYTES));
+    TEST_ASSERT_EQUAL_INT32(FIRMWARE_CAMERAS - 1, info.n_free);
+    assert_mended(stored);
+    boot();
+    assert_sent("loaded slot=0 sequence=3");
+    work(30, 0.02); /* watched from there */
+    TEST_ASSERT_EQUAL_STRING("", sim.serial);
+}
+
+static void test_power_cut_after_any_byte_of_what_was_mended_loses_nothing(void)
+{
+    enum {
+        BYTES = RIGCAL_STORE_RIG_SIZE(FIRMWARE_CAMERAS, FIRMWARE_CAMERAS - 1),
+        ALL_WORK = PORT_SLOT_BYTES +
+                   (BYTES + PORT_PAGE_BYTES - 1) / PORT_PAGE_BYTES * PORT_PAGE_BYTES
+    };
+
+    work_in();
+    do {
+        board = sim;
+        ready = app;
+        work(1, 0.02);
+    } while (times_sent("saved") == 0);
+    sim = board;
+    app = ready;
+    sim_hold(PORT_AT_WORK, 0.3, -0.2, (const double[3]){0, 0, 0.05});
+    shoot_both();
+    come_to_erasing(&board, &ready);
+    for (long k = 0; k < ALL_WORK; k++) {
+        sim = board;
+        app = ready;
+        sim.cut = (sim_cut)(k % 3);
+        sim.random += (uint64_t)k;
+        sim.cut_after = sim.worked + k;
+        TEST_ASSERT_EQUAL_INT(SIM_CUT, sim_run(&app, TICKS));
+        sim.cut_after = -1;
+        boot();
+        if (memcmp(sim.flash[0], ready.image, BYTES) == 0) {
+            TEST_ASSERT_TRUE(k >= PORT_SLOT_BYTES + BYTES - 1);
+            TEST_ASSERT_EQUAL_STRING("loaded slot=0 sequence=3\r\n", sim.serial);
+            assert_mended(app.cameras);
+        } else {
+            TEST_ASSERT_EQUAL_STRING("loaded slot=1 sequence=2\r\n", sim.serial);
+        }
+        TEST_ASSERT_TRUE(app.watch.rig.sigma_px > 0); /* it can be watched */
+    }
+}
+
+static void test_the_rig_of_another_machine_is_not_watched(void)
+{
+    size_t size;
+
+    work_in();
+    ASSERT_STATUS(RIGCAL_OK, rigcal_store_save_rig(sim.flash[1], PORT_SLOT_BYTES, &size,
+                                                   &app.watch.rig, 9, FIRMWARE_SERIAL + 1));
+    sim.flash[0][0] ^= 1;
+    boot();
+    TEST_ASSERT_EQUAL_STRING("uncalibrated\r\n", sim.serial);
+    work(1, 0);
+    ask();
+    assert_sent("not watched");
+}
+
 TEST_MAIN_WITH_SETUP()
 {
     RUN_TEST(test_a_new_board_says_that_it_is_uncalibrated);
@@ -860,6 +1022,11 @@ TEST_MAIN_WITH_SETUP()
     RUN_TEST(test_a_bit_that_cannot_be_programmed_is_seen);
     RUN_TEST(test_a_board_in_several_places_makes_a_rig_in_flash);
     RUN_TEST(test_a_rig_of_which_a_view_is_missing_is_begun_anew);
+    RUN_TEST(test_it_says_how_it_is);
+    RUN_TEST(test_a_rig_that_warms_up_is_followed_without_an_alarm);
+    RUN_TEST(test_a_bump_is_told_named_mended_and_stored);
+    RUN_TEST(test_power_cut_after_any_byte_of_what_was_mended_loses_nothing);
+    RUN_TEST(test_the_rig_of_another_machine_is_not_watched);
     RUN_TEST(test_the_watchdog_is_fed_in_time_whatever_happens);
     RUN_TEST(test_a_watchdog_that_is_not_fed_in_time_bites);
 }

@@ -163,8 +163,7 @@ static rigcal_status row_of(rc_row *row, matched *m, const rigcal_camera camera[
         uv[c][1] += noise * test_normal(rng);
         ray_of(in_ray, &camera[c], uv[c], near[c]);
         test_to_real(ray, in_ray, 3);
-        ASSERT_STATUS(RIGCAL_OK,
-                      rc_ray_noise_of(&seen.sight[c], &camera[c], ray, RC(SIGMA)));
+        ASSERT_STATUS(RIGCAL_OK, rc_sight_of(&seen.sight[c], &camera[c], ray, RC(SIGMA)));
     }
     match(m, camera, uv, near);
     return rc_rows_of(row, &seen, &T[0], &T[1]);
@@ -290,14 +289,14 @@ static void test_a_match_on_the_line_through_both_centres_is_refused(void)
     rc_row row;
     const double I[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1}, o[3] = {0, 0, 0}, z[3] = {0, 0, -0.5};
 
-    ASSERT_STATUS(RIGCAL_OK, rc_ray_noise_of(&seen.sight[0], &camera, ahead, RC(SIGMA)));
-    ASSERT_STATUS(RIGCAL_OK, rc_ray_noise_of(&seen.sight[1], &camera, ahead, RC(SIGMA)));
+    ASSERT_STATUS(RIGCAL_OK, rc_sight_of(&seen.sight[0], &camera, ahead, RC(SIGMA)));
+    ASSERT_STATUS(RIGCAL_OK, rc_sight_of(&seen.sight[1], &camera, ahead, RC(SIGMA)));
     T[0] = test_transform(I, o);
     T[1] = test_transform(I, z);
     ASSERT_STATUS(RIGCAL_ERR_DEGENERATE, rc_rows_of(&row, &seen, &T[0], &T[1]));
     ASSERT_STATUS(RIGCAL_ERR_DEGENERATE, rc_rows_of(&row, &seen, &T[0], &T[0]));
-    ASSERT_STATUS(RIGCAL_OK, rc_ray_noise_of(&seen.sight[0], &camera, aside, RC(SIGMA)));
-    ASSERT_STATUS(RIGCAL_OK, rc_ray_noise_of(&seen.sight[1], &camera, aside, RC(SIGMA)));
+    ASSERT_STATUS(RIGCAL_OK, rc_sight_of(&seen.sight[0], &camera, aside, RC(SIGMA)));
+    ASSERT_STATUS(RIGCAL_OK, rc_sight_of(&seen.sight[1], &camera, aside, RC(SIGMA)));
     ASSERT_STATUS(RIGCAL_OK, rc_rows_of(&row, &seen, &T[0], &T[1]));
 }
 

@@ -55,7 +55,7 @@ static void take(test_rng *rng, double noise_px)
         const rigcal_real ray[3] = {
             (rigcal_real)(p[0] / p[2] + noise_px / 800 * test_normal(rng)),
             (rigcal_real)(p[1] / p[2] + noise_px / 800 * test_normal(rng)), 1};
-        ASSERT_STATUS(RIGCAL_OK, rc_ray_noise_of(&seen.sight[k], &camera, ray, RC(0.3)));
+        ASSERT_STATUS(RIGCAL_OK, rc_sight_of(&seen.sight[k], &camera, ray, RC(0.3)));
     }
     (void)rc_trial_take(&f, bodies, &seen, RC(0.1));
 }

@@ -2710,8 +2710,11 @@ static void watched_lines(const char *name)
     rigcal_mounted_camera m;
     for (size_t c = 0; c < WATCHED; c++) {
         (void)rigcal_monitor_camera(&m, watched.monitor, c);
-        for (int k = 0; k < 12; k++) {
-            sum += k < 9 ? (double)m.cam_from_rig.R[k] : (double)m.cam_from_rig.t[k - 9];
+        for (int k = 0; k < 9; k++) {
+            sum += (double)m.cam_from_rig.R[k];
+        }
+        for (int k = 0; k < 3; k++) {
+            sum += (double)m.cam_from_rig.t[k];
         }
         for (int k = 0; k < 36; k += 7) {
             variance += (double)m.Sigma[k];
@@ -2849,8 +2852,8 @@ static int off_line(double angle, double sigma_px)
     seen.n_rows = 1;
     seen.b = 1;
     for (int k = 0; k < 2; k++) {
-        (void)rc_ray_noise_of(&seen.sight[k], &watched.cameras[0].camera, ray,
-                              (rigcal_real)sigma_px);
+        (void)rc_sight_of(&seen.sight[k], &watched.cameras[0].camera, ray,
+                          (rigcal_real)sigma_px);
     }
     return rc_rows_of(rows, &seen, &a, &b) == RIGCAL_OK;
 }

@@ -501,7 +501,7 @@ static timed_frame *read_times(const cli_observations *o, const char *path)
 
         f->first = f->n == 0 ? i : f->first;
         f->n++;
-        f->time = NAN;
+        f->time = (double)NAN;
     }
     for (row = 0; row < table.n_rows; row++) {
         const size_t number = cli_names_find(&o->frames, csv_id(&table, row, frame));

@@ -119,11 +119,11 @@ RIGCAL_API size_t rigcal_estimate_work(size_t n_free, size_t n_cameras);
 
 /* After rigcal_rig_adjust, of a rig with intrinsics_sigmas; sigma_px > 0 [px] is the noise
  * of its pixels. Sets rig->considered to what is left: *estimated must last as long. A
- * deviation of 0 stays 0, and what it is of does not move. In float the deviations are
- * good to some 5 %. Two passes over the views, in one call: O(n) + O(n_views n_cameras^2) + O(n_cameras^3).
- * OK; ERR_NOT_FINITE, ERR_RANGE (sigma_px; a number of `made` beyond 1e9), ERR_STATE also:
- * the rig has clocks; and those of rigcal_rig_consider: rig->considered is then NULL, and
- * nothing of `change` and `sigma` is written. *at_fault: as there. */
+ * deviation of 0 stays 0, and what it is of does not move. In float the deviations are good
+ * to some 5 %. Two passes over the views, in one call: O(n) + O(n_views n_cameras^2) +
+ * O(n_cameras^3). OK; ERR_NOT_FINITE, ERR_RANGE (sigma_px; a number of `made` beyond 1e9),
+ * ERR_STATE also: the rig has clocks; and those of rigcal_rig_consider: rig->considered is
+ * then NULL, and nothing of `change` and `sigma` is written. *at_fault: as there. */
 RIGCAL_API rigcal_status rigcal_rig_estimate(rigcal_estimated *estimated, int32_t *at_fault,
                                              rigcal_rig *rig, rigcal_real sigma_px);
 

@@ -137,8 +137,8 @@ static void put_time_unit(writer *w)
 
 /* ---- a fault ----------------------------------------------------------- */
 
-/* What is wrong, whose; its words for a value above 0, and below; in what unit: a part of 100 or so, or 0 for a
- * time and -1 for a length. By their kinds. */
+/* What is wrong, whose; its words for a value above 0, and below; in what unit: a part of
+ * 100 or so, or 0 for a time and -1 for a length. By their kinds. */
 typedef struct {
     const char *what, *by, *more, *less, *than, *unit, *next;
     rigcal_real scale;

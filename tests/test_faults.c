@@ -351,7 +351,7 @@ static void assert_moved(int c, int free_drifts)
     set_up(&x, 5);
     set_clocks(&x, 1, free_drifts, 0.001);
     for (int k = 0; k < MORE; k++) {
-        x.held[k] = (uint8_t)(k != ((c == 1) ? 2 : 1));
+        x.held[k] = (uint8_t)(free_drifts ? k != ((c == 1) ? 2 : 1) : k == 0);
     }
     x.with_clocks.held = x.held;
     x.options.breaks = breaks;
@@ -362,6 +362,12 @@ static void assert_moved(int c, int free_drifts)
     TEST_ASSERT_EQUAL_INT32(1, seen.is_seen);
     x.rig.n_cameras = MORE;
     x.cams[CAMERAS] = x.cams[c];
+    x.offsets[CAMERAS] = x.offsets[c];
+    x.drifts[CAMERAS] = x.drifts[c];
+    for (int k = 0; k < MORE && !free_drifts;
+         k++) { /* one clock, against which the others are free */
+        x.held[k] = (uint8_t)(k == c || k == CAMERAS);
+    }
     for (int v = 0; v < VIEWS; v++) {
         if (x.views[v].camera == c && x.views[v].placement >= seen.placement) {
             x.views[v].camera = CAMERAS;

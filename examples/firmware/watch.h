@@ -7,8 +7,8 @@
 /* No rig, and nothing watched; w->rig has its arrays, to be filled. */
 void watch_clear(firmware_watch *w);
 
-/* What a camera saw of the board at work. The last camera ends a frame. 1: w->rig is the rig
- * as it is now. 0: there is none, or it is in doubt. */
+/* What a camera saw of the board at work. The last camera ends a frame. 1: w->rig is the
+ * rig as it is now. 0: there is none, or it is in doubt. */
 int watch_view(firmware_watch *w, int32_t camera, const rigcal_view *view);
 
 /* Sends how the rig is. */

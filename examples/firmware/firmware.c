@@ -498,8 +498,8 @@ static void finish_frame(firmware *f)
 
 /* ---- at work ------------------------------------------------------------------ */
 
-/* What one camera saw, with the rig as it was stored. Moved or followed so far, it is
- * stored anew. */
+/* What one camera saw at work. A rig that moved far enough since it was stored is stored
+ * anew. */
 static void watch(firmware *f)
 {
     const firmware_watch *const w = &f->watch;

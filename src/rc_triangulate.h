@@ -5,6 +5,8 @@
 #include "rc_levenberg.h"
 #include "rc_points.h"
 
+/* ---- constants ----------------------------------------------------------- */
+
 /* sine squared of the angle between two rays: the least parallax, 0.1 degree. A bearing
  * error e moves the point by range * e / sin(angle) in depth, there over 500 times as far
  * as sideways. */
@@ -13,6 +15,8 @@
 /* evaluations: of a triangulation, usually 2 or 3. The worst case that the manuals
  * state. */
 enum { RC_TRIANGULATION_EVALS = 50 };
+
+/* ---- what is shared ------------------------------------------------------- */
 
 /* L L^T = H, damped. 0: not positive definite to rounding. */
 int rc_point_factor(rigcal_real L[6], const rigcal_real H[6], rigcal_real damping);

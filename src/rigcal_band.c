@@ -4,8 +4,10 @@
 
 /* ---- constants ----------------------------------------------------------- */
 
-/* 1: the range of a probability. Nearer to 1, float has no digits left. */
+/* 1: the least probability that may be asked for: less is a mistake. */
 #define PROBABILITY_MIN RC(0.001)
+
+/* 1: the largest. Nearer to 1, float has no digits left. */
 #define PROBABILITY_MAX RC(0.999999)
 
 /* px: a larger noise of a pixel is a mistake, and its square may overflow. */

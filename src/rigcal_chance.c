@@ -19,12 +19,25 @@ enum { EXP_TERMS = 8 };
 /* sets: expected numbers are clipped here, far above any limit, before they overflow. */
 #define EXPECTED_MOST RC(1e30)
 
-/* 1: rc_normal_within takes its first quotient up to 2 * 0.425 of probability, and the
- * second quotient counts from 1.6 (Wichura 1988). */
+/* 1: rc_normal_within takes its first quotient up to twice this probability (Wichura
+ * 1988). */
 #define CENTRAL RC(0.425)
+
+/* 1: its second quotient counts from here (Wichura 1988). */
 #define TAIL_FROM RC(1.6)
 
-/* 1: numerators and denominators of both quotients of rc_normal_within, by ascending
+/* 1: from here on Stirling's series is exact to 1e-11; below, x is raised first. */
+#define STIRLING_FROM RC(8)
+
+/* steps: of the continued fraction, some sqrt(n) for n degrees of freedom. */
+enum { FRACTION_STEPS = 2000 };
+
+/* 1: the least that a denominator of the continued fraction may be. */
+#define FRACTION_LEAST RC(1e-30)
+
+/* ---- facts --------------------------------------------------------------- */
+
+/* Numerators and denominators of both quotients of rc_normal_within, by ascending
  * powers (Wichura 1988, PPND16). */
 enum { QUOTIENT_TERMS = 8 };
 static const rigcal_real QUOTIENTS[2][2][QUOTIENT_TERMS] = {
@@ -42,15 +55,6 @@ static const rigcal_real QUOTIENTS[2][2][QUOTIENT_TERMS] = {
       RC(6.89767334985100004550e-1), RC(1.48103976427480074590e-1),
       RC(1.51986665636164571966e-2), RC(5.47593808499534494600e-4),
       RC(1.05075007164441684324e-9)}}};
-
-/* 1: from here on Stirling's series is exact to 1e-11; below, x is raised first. */
-#define STIRLING_FROM RC(8)
-
-/* steps: of the continued fraction, some sqrt(n) for n degrees of freedom. */
-enum { FRACTION_STEPS = 2000 };
-
-/* 1: the least that a denominator of the continued fraction may be. */
-#define FRACTION_LEAST RC(1e-30)
 
 RC_APART rigcal_real rc_freedom(size_t n)
 {

@@ -13,7 +13,7 @@
  * exp(9.2 / 2) = 100. */
 #define ALIKE_MOST RC(9.2)
 
-/* part of F - 1 that a fault must explain to be the reason, where F stays significant. */
+/* part of F - 1: a fault must explain it to be the reason, where F stays significant. */
 #define EXPLAINS_LEAST RC(0.5)
 
 /* part of the sum: no more is taken off, or a logarithm of 0 follows. */

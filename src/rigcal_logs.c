@@ -8,20 +8,6 @@
 /* 1: the series is of exp(x / 256), which is then squared eight times. */
 #define EXP_PART RC(0.00390625)
 
-/* Inverse factorials. The next term is below 2e-6 in float, 1e-12 in double. */
-static const rigcal_real SERIES[] = {
-#if !RIGCAL_USE_FLOAT
-    RC(1) / 39916800, RC(1) / 3628800, RC(1) / 362880,
-    RC(1) / 40320,    RC(1) / 5040,    RC(1) / 720,
-#endif
-    RC(1) / 120,      RC(1) / 24,      RC(1) / 6,
-    RC(1) / 2,        RC(1),           RC(1)};
-enum { EXP_TERMS = sizeof SERIES / sizeof SERIES[0] };
-
-/* 1: powers of 2 are taken out of the argument of log in chunks of 2^16. */
-#define LOG_CHUNK RC(65536)
-enum { LOG_CHUNK_BITS = 16 };
-
 /* terms: of the series of log; the next is below a rounding. */
 enum { LOG_TERMS = RIGCAL_USE_FLOAT ? 5 : 11 };
 
@@ -34,8 +20,24 @@ enum { LOG1P_ROOTS = 20 };
 /* terms: of that series; the next is below 1e-18. */
 enum { LOG1P_TERMS = 10 };
 
+/* ---- facts --------------------------------------------------------------- */
+
 #define ROOT_2 RC(1.4142135623730950488)
 #define LOG_2 RC(0.69314718055994530942)
+
+/* Powers of 2 are taken out of the argument of log in chunks first. */
+#define LOG_CHUNK RC(65536)
+enum { LOG_CHUNK_BITS = 16 }; /* 2^16 */
+
+/* Inverse factorials. The next term is below 2e-6 in float, 1e-12 in double. */
+static const rigcal_real SERIES[] = {
+#if !RIGCAL_USE_FLOAT
+    RC(1) / 39916800, RC(1) / 3628800, RC(1) / 362880,
+    RC(1) / 40320,    RC(1) / 5040,    RC(1) / 720,
+#endif
+    RC(1) / 120,      RC(1) / 24,      RC(1) / 6,
+    RC(1) / 2,        RC(1),           RC(1)};
+enum { EXP_TERMS = sizeof SERIES / sizeof SERIES[0] };
 
 rigcal_real rc_exp(rigcal_real x)
 {

@@ -19,13 +19,20 @@
 /* rows: an arc of fewer is not worth a polynomial by v. */
 #define DIRECT_ROWS RC(6)
 
-/* rows: a longer arc that is not direct is made in so many parts, while there are no more
- * arcs than this. */
+/* rows: a longer arc that is not direct is made in parts. */
 #define PART_ROWS RC(16)
-enum { PARTS = 4, ARCS_TO_PART = RIGCAL_SPANS_ARCS / 2 };
 
-/* steps: of a crossing by Newton's method, usually 2; and of a turning point by halving. */
-enum { CROSSING_STEPS = 24, TURN_STEPS = RIGCAL_USE_FLOAT ? 24 : 50 };
+/* parts: of such an arc. */
+enum { PARTS = 4 };
+
+/* arcs: with more of them none is made in parts. */
+enum { ARCS_TO_PART = RIGCAL_SPANS_ARCS / 2 };
+
+/* steps: of a crossing by Newton's method, usually 2. */
+enum { CROSSING_STEPS = 24 };
+
+/* steps: of a turning point by halving, to rounding. */
+enum { TURN_STEPS = RIGCAL_USE_FLOAT ? 24 : 50 };
 
 enum { NODES = RIGCAL_SPANS_NODES, LAST = NODES - 1 };
 

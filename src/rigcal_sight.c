@@ -6,7 +6,7 @@
  * the lens images, needs no proof of its own that the lens sees it there. */
 #define NEAR_RAY RC(1e-4)
 
-/* squared distance in the plane of a lens, 0.1 px of a usual camera: the Newton step from
+/* squared distance in a lens's plane: 0.1 px of a usual camera. The Newton step from
  * there ends the search for a ray, which is then good to 1e-6 px. */
 #define RAY_NEAR RC(1e-8)
 

@@ -11,10 +11,13 @@
  * long. */
 #define BEND_SPARE RC(16)
 
-/* part of the radius of the image: length of the first arc, of the shortest, and of the
- * longest. */
+/* part of the radius of the image: length of the first arc, which is then fitted. */
 #define ARC_FIRST RC(0.5)
+
+/* part of the radius of the image: length of the shortest arc, a few pixels. */
 #define ARC_LEAST RC(0.01)
+
+/* part of the radius of the image: length of the longest arc. */
 #define ARC_MOST RC(1)
 
 /* tangent: of the angle of an arc at most, 45 degrees. */

@@ -11,11 +11,13 @@ enum { DIGITS_MOST = 9 };
 /* 1: larger numbers are printed as this. */
 #define NUMBER_MOST RC(999999999)
 
-/* degrees in a radian. */
+/* degrees: in a radian. */
 #define DEGREES (180 / RC_PI)
 
-/* one in so many: percent, and millionths. */
+/* percent: in a whole. */
 #define PERCENT RC(100)
+
+/* millionths: in a whole, of which drifts are told. */
 #define MILLIONTHS RC(1e6)
 
 /* ---- a text that grows by whole sentences ------------------------------ */

@@ -238,6 +238,9 @@ static rigcal_status check(const rigcal_estimated *estimated, const rigcal_rig *
     if (status == RIGCAL_OK && !(sigma_px > 0)) {
         status = RIGCAL_ERR_RANGE;
     }
+    if (status == RIGCAL_OK) {
+        status = rc_rig_check(rig);
+    }
     if (status == RIGCAL_OK && rig->clocks != NULL) {
         status = RIGCAL_ERR_STATE;
     }

@@ -167,6 +167,7 @@ static int is_head(const rc_monitor_head *head)
 rigcal_status rc_monitor_open(rc_monitor *m, const rigcal_real memory[])
 {
     if (memory == NULL) {
+        *m = (rc_monitor){0};
         return RIGCAL_ERR_NULL;
     }
     copy_out(m->top.parts, memory);

@@ -161,7 +161,8 @@ void rc_moved_test(rigcal_moves *m, const rigcal_columns *s, const rigcal_real S
         best[RC_MOVED_THETA + j] = m->g[from + j];
     }
     for (size_t i = 0; i < 6; i++) {
-        if (!rc_packed_factor_row(I, i, RANK_TOL * S_at(m, from + i, from + i))) {
+        const rigcal_real raw = S_at(m, from + i, from + i);
+        if (!(raw > 0) || !rc_packed_factor_row(I, i, RANK_TOL * raw)) {
             return;
         }
     }

@@ -364,8 +364,9 @@ static rigcal_status equations_of_points(rigcal_real *sum, rigcal_real g[6],
     return rc_rig_equations(sum, g, H, &v, &chain->cam_from_target);
 }
 
-static rigcal_status equations(rigcal_real *sum, rigcal_real g[6], rigcal_real H[21],
-                               rc_chain *chain, int32_t *camera, const rigcal_rig_solver *s)
+static rigcal_status equations_timed(rigcal_real *sum, rigcal_real g[6], rigcal_real H[21],
+                                     rc_chain *chain, int32_t *camera,
+                                     const rigcal_rig_solver *s)
 {
     rc_rig_parts parts;
     clock_parts c;
@@ -389,7 +390,7 @@ static rigcal_status equations(rigcal_real *sum, rigcal_real g[6], rigcal_real H
 
 /* ---- the search ---------------------------------------------------------- */
 
-static void move(const rigcal_rig_solver *s, const rc_rig_parts *parts)
+static void move_timed(const rigcal_rig_solver *s, const rc_rig_parts *parts)
 {
     rc_rig_move(s, parts);
     values(s, parts, MOVE);
@@ -421,7 +422,7 @@ static void prepare(rigcal_rig_solver *s)
     }
 }
 
-static void step(rigcal_rig_solver *s)
+static void step_timed(rigcal_rig_solver *s)
 {
     if (s->phase == RC_RIG_CHECKED) {
         const rigcal_status status = number(s);
@@ -442,10 +443,10 @@ static void step(rigcal_rig_solver *s)
     }
 }
 
-static const struct rigcal_rig_given TIMED = {rc_rig_check_points, equations, step, move,
-                                              0};
+static const struct rigcal_rig_given TIMED = {rc_rig_check_points, equations_timed,
+                                              step_timed, move_timed, 0};
 
-static rigcal_status begin(rigcal_rig_solver *s)
+static rigcal_status begin_clocks(rigcal_rig_solver *s)
 {
     rigcal_clock_memory *const memory = &s->rig->clocks->memory;
     const rigcal_status status = rc_times_check(s->rig);
@@ -460,7 +461,8 @@ static rigcal_status begin(rigcal_rig_solver *s)
     return RIGCAL_OK;
 }
 
-static const struct rigcal_clock_calls CALLS = {begin, rc_times_place, rc_times_weigh};
+static const struct rigcal_clock_calls CALLS = {begin_clocks, rc_times_place,
+                                                rc_times_weigh};
 
 /* ---- public -------------------------------------------------------------- */
 

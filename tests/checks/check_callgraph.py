@@ -21,9 +21,11 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 
 # Functions that may call through a pointer, and what of the library they may
 # reach so: a cost, or a source of views, of the caller's, who knows its stack;
-# what is given of a view, its points or its own pose; what intrinsics add to a covariance.
+# what is given of a view, its points or its own pose; what intrinsics add to a covariance;
+# the clocks of a rig.
 GIVEN = ("rc_rig_check_points", "check_pose", "check_view", "equations_of_points",
-         "equations_of_pose", "equations_by_loss")
+         "equations_of_pose", "equations_by_loss", "equations_timed")
+PLACE, WEIGH = ("rc_times_place",), ("rc_times_weigh",)
 INDIRECT = {"rigcal_rig_covariance": ("considered_camera",),
             "rigcal_rig_pair": ("considered_pair",),
             "rigcal_rig_placement": ("considered_placement",),
@@ -31,6 +33,12 @@ INDIRECT = {"rigcal_rig_covariance": ("considered_camera",),
             "rigcal_calibrated_take": ("considered_joint",),
             "rigcal_neldermead_step": (), "rc_rig_view_at": (), "rc_rig_pose_at": (),
             "rc_candidate_at": (), "rc_candidates": (),
+            "rc_rig_begin_points": ("begin_clocks",), "rc_rig_chain": PLACE,
+            "rc_judge_claim": PLACE, "move_to_instant": PLACE,
+            "rc_rig_view_equations": WEIGH, "equations_by_loss": WEIGH,
+            "equations_timed": WEIGH, "add_view": WEIGH,
+            "rigcal_rig_step": ("rc_rig_step", "step_timed"),
+            "take_step": ("rc_rig_move", "move_timed"),
             "check_next": GIVEN, "add_equations": GIVEN,
             "rc_views_step": GIVEN, "rc_rig_step": GIVEN}
 
@@ -41,7 +49,7 @@ STACK_LIMIT = 4096
 # there is room. In one call they hold the solvers too.
 STACK_LIMITS = {"rigcal_rig_cause": 7168, "rigcal_camera_cause": 7168,
                 "rigcal_cause_step": 5120, "rigcal_rig_judge": 5632,
-                "rigcal_judge_step": 5120}
+                "rigcal_judge_step": 5120, "rigcal_monitor_view": 5632}
 
 NODE = re.compile(r'node: \{ title: "([^"]+)" label: "([^"]*)"')
 EDGE = re.compile(r'edge: \{ sourcename: "([^"]+)" targetname: "([^"]+)"')

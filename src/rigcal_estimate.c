@@ -238,11 +238,11 @@ static rigcal_status check(const rigcal_estimated *estimated, const rigcal_rig *
     if (status == RIGCAL_OK && !(sigma_px > 0)) {
         status = RIGCAL_ERR_RANGE;
     }
-    if (status == RIGCAL_OK) {
-        status = rc_rig_check(rig);
-    }
     if (status == RIGCAL_OK && rig->clocks != NULL) {
         status = RIGCAL_ERR_STATE;
+    }
+    if (status == RIGCAL_OK) {
+        status = rc_rig_check(rig);
     }
     for (size_t c = 0; c < rig->n_cameras && status == RIGCAL_OK; c++) {
         rigcal_real made[RC_INTRINSICS];

@@ -46,7 +46,8 @@ INDIRECT = {"rigcal_rig_covariance": ("considered_camera",),
 STACK_LIMIT = 4096
 
 # Those that may, in double: which views contradict, and why, is asked once in a while, where
-# there is room. In one call they hold the solvers too.
+# there is room. In one call they hold the solvers too. The first view of a monitor's target
+# is solved as a pose.
 STACK_LIMITS = {"rigcal_rig_cause": 7168, "rigcal_camera_cause": 7168,
                 "rigcal_cause_step": 5120, "rigcal_rig_judge": 5632,
                 "rigcal_judge_step": 5120, "rigcal_monitor_view": 5632}

@@ -330,10 +330,11 @@ static int camera_not_taken(const calibration *c)
 /* Whether one fault of the rig explains why the views disagree, or single times do, which
  * are off along the motion. Views that the choice does not take are wrong in most cases. Of
  * faults only those of times can explain them, and, if they are of one camera, its
- * intrinsics, if these explain nearly all. */
+ * intrinsics, if these explain nearly all. Intrinsics that are off by two fifths are beyond
+ * one step's reach: what it says of them explains nothing. */
 static int is_explained(const calibration *c, size_t n_not_taken)
 {
-    static const double NEARLY_ALL = 0.8;
+    static const double NEARLY_ALL = 0.8, IN_REACH = 0.4;
     const rigcal_fault *f = c->faults;
 
     if (!c->is_tested || c->verdict.verdict == RIGCAL_RIG_AGREES) {
@@ -344,6 +345,10 @@ static int is_explained(const calibration *c, size_t n_not_taken)
     }
     if (f->kind <= RIGCAL_FAULT_SHUTTER) {
         return 1;
+    }
+    if ((f->kind == RIGCAL_FAULT_FOCAL || f->kind == RIGCAL_FAULT_ASPECT) &&
+        fabs((double)f->value[0]) > IN_REACH) {
+        return 0;
     }
     if (n_not_taken > 0) {
         return f->kind <= RIGCAL_FAULT_DISTORTION && f->camera == camera_not_taken(c) &&

@@ -86,10 +86,11 @@ static void begin(estimate *e, calibration *c)
 /* Until it is settled; the rig's covariances then contain what is left. */
 static rigcal_status run(estimate *e, calibration *c, int32_t *at_fault)
 {
-    rigcal_status status = RIGCAL_OK;
     int round;
 
     for (round = 0; round < ROUNDS_MOST; round++) {
+        rigcal_status status;
+
         find_noise(c);
         status = rigcal_rig_estimate(&e->is, at_fault, &c->rig, rig_noise_px(c));
         if (status != RIGCAL_OK || (double)e->is.step < SETTLED) {
@@ -175,12 +176,11 @@ void print_estimated(const calibration *c)
                 cannot[n_cannot++] = NAME[k];
             }
         }
-        printf("%s%s%s\n",
-               n_moved > 0 && n_cannot > 0 ? "; "
-               : n_cannot > 0              ? " "
-                                           : "",
-               n_cannot > 0 ? "it could not tell " : "",
-               n_cannot > 0 ? names_joined(cannot, n_cannot, " and ") : "");
+        if (n_cannot > 0) {
+            printf("%s it could not tell %s", n_moved > 0 ? ";" : "",
+                   names_joined(cannot, n_cannot, " and "));
+        }
+        printf("\n");
     }
 }
 

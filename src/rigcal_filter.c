@@ -479,9 +479,9 @@ void rc_filter_come(const rc_filter *f, rigcal_real P[], size_t body, size_t oth
 void rc_filter_block(rigcal_real out[36], const rc_filter *f, size_t a, size_t b)
 {
     const int32_t i = rc_filter_first(f, a), j = rc_filter_first(f, b);
-    for (int k = 0; k < 36; k++) {
-        out[k] = (i < 0 || j < 0) ? 0
-                                  : rc_filter_element(f->UD, f->n, (size_t)(i + k / 6),
-                                                      (size_t)(j + k % 6));
+    for (size_t k = 0; k < 36; k++) {
+        out[k] = (i < 0 || j < 0)
+                     ? 0
+                     : rc_filter_element(f->UD, f->n, (size_t)i + k / 6, (size_t)j + k % 6);
     }
 }

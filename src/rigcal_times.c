@@ -56,10 +56,10 @@ static rigcal_status check_order(rigcal_real *middle, const rigcal_real times[],
         if (RC_FABS(t) > RC_COORDINATE_MAX) {
             return (RC_FABS(t) > RC_MAX) ? RIGCAL_ERR_NOT_FINITE : RIGCAL_ERR_RANGE;
         }
-        if (t <= last) {
+        if (t < last || t == last) {
             return (t < last) ? RIGCAL_ERR_UNSORTED : RIGCAL_ERR_TWICE;
         }
-        if (t > last) { /* not NaN */
+        if (t > last) { /* NaN is not */
             first = (last > -RC_MAX) ? first : t;
             last = t;
         }

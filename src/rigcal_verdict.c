@@ -35,7 +35,10 @@ static void put(writer *w, const char *text)
     for (; *text != 0; text++) {
         const int is_small = w->is_start && *text >= 'a' && *text <= 'z';
         if (w->n < w->capacity) {
-            w->text[w->n] = is_small ? (char)(*text - 'a' + 'A') : *text;
+            w->text[w->n] = *text;
+            if (is_small) {
+                w->text[w->n] = (char)(*text + ('A' - 'a'));
+            }
         }
         w->is_start = 0;
         w->n++;

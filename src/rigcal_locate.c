@@ -131,7 +131,8 @@ static void go_on(rigcal_point_solver *p)
 static void begin_search(rigcal_point_solver *p)
 {
     const rigcal_real n = (rigcal_real)p->n_used, of_n[3] = {n, n, n};
-    if (rc_locate_parallax(p) < p->sightings->parallax_least ||
+    const rigcal_real least = p->sightings->parallax_least;
+    if ((least > 0 && rc_locate_parallax(p) < least) ||
         !rc_sym3_factor(p->H, p->H, of_n, RC_PARALLAX_MIN / 4)) {
         end(p, RIGCAL_ERR_PARALLEL);
         return;

@@ -544,7 +544,7 @@ static rigcal_real spread_of(const rigcal_calibrated_rig *rig,
             const rigcal_real other = lever_of(w, rig, p, q, direction, b);
             rc_joint_block(Sigma, rig->Sigma, first, other);
             for (int i = 0; i < 36; i++) {
-                sum += ((a == b) ? 1 : 2) * v[i / 6] * Sigma[i] * w[i % 6];
+                sum += RC((a == b) ? 1 : 2) * v[i / 6] * Sigma[i] * w[i % 6];
             }
         }
     }

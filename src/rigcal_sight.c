@@ -29,8 +29,8 @@ static int is_mild(const rigcal_camera *c, const rigcal_real x[2])
 /* x with F(x) = target, of such a lens. 0: it must be sought with more care. */
 static int find_mild(rigcal_real x[2], const rigcal_camera *c, const rigcal_real target[2])
 {
-    const rigcal_real denominator[3] = {c->k4, c->k5, c->k6};
-    if (rc_lens_is_fisheye(c) || !rc_all_within(denominator, 3, 0)) {
+    const rigcal_real denominator = RC_FABS(c->k4) + RC_FABS(c->k5) + RC_FABS(c->k6);
+    if (rc_lens_is_fisheye(c) || denominator > 0) {
         return 0;
     }
     x[0] = target[0];

@@ -7,15 +7,6 @@
 /* px: the least noise that is believed where none is stated. Pixels are not better. */
 #define NOISE_LEAST RC(0.01)
 
-/* 1: exponents are clipped here. exp(80) = 5e34 is near the end of float. */
-#define EXPONENT_MOST RC(80)
-
-/* 1: the series is of exp(x / 256), x within EXPONENT_MOST; a power of 2. */
-enum { EXP_PARTS = 256 };
-
-/* terms: of that series; the next is below 1e-10. */
-enum { EXP_TERMS = 8 };
-
 /* sets: expected numbers are clipped here, far above any limit, before they overflow. */
 #define EXPECTED_MOST RC(1e30)
 
@@ -83,17 +74,6 @@ RC_APART static rigcal_real power(rigcal_real base, size_t exponent)
     return result;
 }
 
-/* The series of exp(x / EXP_PARTS), to that power: exp itself would bring 0.4 KB along. */
-static rigcal_real exponential(rigcal_real x)
-{
-    const rigcal_real part = rc_min(rc_max(x, -EXPONENT_MOST), EXPONENT_MOST) / EXP_PARTS;
-    rigcal_real sum = 1;
-    for (int k = EXP_TERMS; k > 0; k--) {
-        sum = 1 + part * sum / (rigcal_real)k;
-    }
-    return power(sum, EXP_PARTS);
-}
-
 /* Noise known: exp of half the difference. Unknown, it is integrated out with the prior
  * 1 / noise, which leaves the power n - 3 of the ratio; added is what the least noise makes
  * of a sum. */
@@ -103,7 +83,7 @@ rigcal_real rc_odds(rigcal_real sse, rigcal_real other, rigcal_real sigma_px,
     RIGCAL_ASSERT(sigma_px >= 0 && pixel_size > 0);
     RIGCAL_ASSERT(n >= 3 && sse >= 0 && other >= 0);
     if (sigma_px > 0) {
-        return exponential((other - sse) / (2 * sigma_px * sigma_px));
+        return rc_exp((other - sse) / (2 * sigma_px * sigma_px));
     }
     const rigcal_real noise = NOISE_LEAST * pixel_size;
     const rigcal_real least = rc_freedom(n) * noise * noise;
@@ -215,7 +195,7 @@ rigcal_real rc_f_tail(rigcal_real F, rigcal_real k, rigcal_real n)
     const rigcal_real odds = k * F / n, a = n / 2, b = k / 2;
     const rigcal_real x = 1 / (1 + odds), y = odds / (1 + odds);
     const rigcal_real front =
-        exponential(log_beta_inverse(a, b) - a * rc_log1p(odds) - b * rc_log1p(1 / odds));
+        rc_exp(log_beta_inverse(a, b) - a * rc_log1p(odds) - b * rc_log1p(1 / odds));
     return (x * (a + b + 2) < a + 1) ? front * beta_fraction(a, b, x) / a
                                      : 1 - front * beta_fraction(b, a, y) / b;
 }

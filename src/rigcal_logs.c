@@ -5,8 +5,11 @@
 /* 1: exponents are clipped here. exp(80) = 5e34 is near the end of float. */
 #define EXPONENT_MOST RC(80)
 
-/* 1: the series is of exp(x / 256), which is then squared eight times. */
-#define EXP_PART RC(0.00390625)
+/* 1: the series is of exp(x / 256), which is then squared eight times; a power of 2. */
+enum { EXP_PARTS = 256 };
+
+/* terms: of that series, for x / 256 within 0.32; the next is below a rounding. */
+enum { EXP_TERMS = RIGCAL_USE_FLOAT ? 6 : 11 };
 
 /* terms: of the series of log; the next is below a rounding. */
 enum { LOG_TERMS = RIGCAL_USE_FLOAT ? 5 : 11 };
@@ -29,24 +32,14 @@ enum { LOG1P_TERMS = 10 };
 #define LOG_CHUNK RC(65536)
 enum { LOG_CHUNK_BITS = 16 }; /* 2^16 */
 
-/* Inverse factorials. The next term is below 2e-6 in float, 1e-12 in double. */
-static const rigcal_real SERIES[] = {
-#if !RIGCAL_USE_FLOAT
-    RC(1) / 39916800, RC(1) / 3628800, RC(1) / 362880,
-    RC(1) / 40320,    RC(1) / 5040,    RC(1) / 720,
-#endif
-    RC(1) / 120,      RC(1) / 24,      RC(1) / 6,
-    RC(1) / 2,        RC(1),           RC(1)};
-enum { EXP_TERMS = sizeof SERIES / sizeof SERIES[0] };
-
 rigcal_real rc_exp(rigcal_real x)
 {
-    const rigcal_real part = EXP_PART * rc_min(rc_max(x, -EXPONENT_MOST), EXPONENT_MOST);
-    rigcal_real sum = 0;
-    for (int k = 0; k < EXP_TERMS; k++) {
-        sum = sum * part + SERIES[k];
+    const rigcal_real part = rc_min(rc_max(x, -EXPONENT_MOST), EXPONENT_MOST) / EXP_PARTS;
+    rigcal_real sum = 1;
+    for (int k = EXP_TERMS; k > 0; k--) {
+        sum = 1 + part * sum / (rigcal_real)k;
     }
-    for (int k = 0; k < 8; k++) {
+    for (int k = 1; k < EXP_PARTS; k *= 2) {
         sum *= sum;
     }
     return sum;

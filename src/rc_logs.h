@@ -5,7 +5,7 @@
 
 #include "rc_real.h"
 
-/* exp(x), to 256 roundings; x is clipped to +-80. */
+/* exp(x), to 1e-9 (float: 5e-5); x is clipped to +-80. */
 rigcal_real rc_exp(rigcal_real x);
 
 /* log(x), x > 0 and finite, to a few roundings. */

@@ -7,22 +7,6 @@
 
 static const double DISTANCE = 4, ARC = 1.2;
 
-/* Right-handed, z along `z`, x along the part of `near_x` across it. */
-static void axes_of(double R_t[9], const double near_x[3], const double z[3])
-{
-    double length = test_norm(z), *const x = R_t, *const y = &R_t[3];
-
-    for (int k = 0; k < 3; k++) {
-        R_t[6 + k] = z[k] / length;
-    }
-    test_cross(x, near_x, &R_t[6]);
-    length = test_norm(x);
-    for (int k = 0; k < 3; k++) {
-        x[k] /= length;
-    }
-    test_cross(y, &R_t[6], x);
-}
-
 /* cam_from_world: on an arc about the origin, looking at it. */
 static rigcal_transform camera_at(test_rng *rng, int index, int n)
 {
@@ -33,7 +17,7 @@ static rigcal_transform camera_at(test_rng *rng, int index, int n)
     const double axis[3] = {0, 0, 1};
     double rows[9], roll[9], R[9], t[3];
 
-    axes_of(rows, up, z);
+    test_axes_of(rows, up, z);
     test_rotation_about(roll, axis, test_uniform(rng, -0.3, 0.3));
     test_product(R, roll, rows);
     test_apply(t, R, z, NULL);
@@ -49,7 +33,7 @@ static rigcal_transform place_at(test_rng *rng)
                          0.4 * test_uniform(rng, -1, 1)};
     double rows[9], R[9];
 
-    axes_of(rows, any, z);
+    test_axes_of(rows, any, z);
     test_transpose(R, rows);
     return test_transform(R, t);
 }

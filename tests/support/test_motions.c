@@ -5,22 +5,6 @@
 
 static const double ARC = 1.4; /* rad, at the distance 1 */
 
-/* Right-handed, z along `z`, x along the part of `near_x` across it. */
-static void axes_of(double R_t[9], const double near_x[3], const double z[3])
-{
-    double length = test_norm(z), *const x = R_t, *const y = &R_t[3];
-
-    for (int k = 0; k < 3; k++) {
-        R_t[6 + k] = z[k] / length;
-    }
-    test_cross(x, near_x, &R_t[6]);
-    length = test_norm(x);
-    for (int k = 0; k < 3; k++) {
-        x[k] /= length;
-    }
-    test_cross(y, &R_t[6], x);
-}
-
 static rigcal_transform camera_at(test_rng *rng, int index, int n)
 {
     const double azimuth = (index - 0.5 * (n - 1)) * ARC / fmax(n - 1, 1);
@@ -28,7 +12,7 @@ static rigcal_transform camera_at(test_rng *rng, int index, int n)
     const double up[3] = {0, 0, -1};
     double R[9], t[3];
 
-    axes_of(R, up, z);
+    test_axes_of(R, up, z);
     test_apply(t, R, z, NULL);
     return test_transform(R, t);
 }
@@ -43,7 +27,7 @@ static void path_at(motion_path *p, test_rng *rng, const motion_scene *scene,
                          0.12 * test_uniform(rng, -1, 1)};
     double rows[9], R[9], rms[2] = {0, 0};
 
-    axes_of(rows, any, z);
+    test_axes_of(rows, any, z);
     test_transpose(R, rows);
     const rigcal_transform place = test_transform(R, t), base = test_times(first, &place);
     test_transform_parts(p->base_R, p->base_t, &base);

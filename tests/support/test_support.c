@@ -270,6 +270,21 @@ double test_norm(const double a[3])
     return sqrt(test_dot(a, a));
 }
 
+void test_axes_of(double R_t[9], const double near_x[3], const double z[3])
+{
+    double length = test_norm(z), *const x = R_t, *const y = &R_t[3];
+
+    for (int k = 0; k < 3; k++) {
+        R_t[6 + k] = z[k] / length;
+    }
+    test_cross(x, near_x, &R_t[6]);
+    length = test_norm(x);
+    for (int k = 0; k < 3; k++) {
+        x[k] /= length;
+    }
+    test_cross(y, &R_t[6], x);
+}
+
 double test_determinant(const double A[9])
 {
     double c[3];

@@ -167,6 +167,10 @@ double test_dot(const double a[3], const double b[3]);
 double test_norm(const double a[3]);
 double test_determinant(const double A[9]);
 
+/* The rows of R_t are right-handed axes: z along `z`, x along the part of `near_x` across
+ * it. */
+void test_axes_of(double R_t[9], const double near_x[3], const double z[3]);
+
 /* Angle between two rotations, [0, pi], from the distance of the matrices. */
 double test_angle_between(const double A[9], const double B[9]);
 

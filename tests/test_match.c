@@ -186,7 +186,7 @@ static void test_the_curve_is_the_line_and_its_borders_the_band(void)
             }
         }
     }
-    TEST_ASSERT_TRUE(n_points > TEST_TRIALS(60) / 2);
+    TEST_ASSERT_TRUE(TEST_ONE_IN > 1 || n_points > 60); /* few trials may have none */
 }
 
 static void test_the_curve_runs_from_near_to_far(void)

@@ -101,7 +101,8 @@ c_struct!(rigcal_rig {
     view_poses: *const rigcal_view_pose, view_pose_source: *const u8,
     context: *mut u8, left_out: *const u8, roles: *const u8, priors: *const u8,
     sigma_px: Real,
-    work: *mut Real, work_capacity: usize
+    work: *mut Real, work_capacity: usize,
+    clocks: *mut u8, intrinsics_sigmas: *const u8, considered: *const u8
 });
 c_struct!(rigcal_rig_fit {
     sum: Real, freedom: Real, sigma_px: Real, n_points: usize, evals: i32,

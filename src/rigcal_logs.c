@@ -74,8 +74,8 @@ rigcal_real rc_log(rigcal_real x)
     return (rigcal_real)k * LOG_2 + log_of_part((x - 1) / (x + 1));
 }
 
-/* Within sqrt(2) of 1 the rounding of 1 + x would count: log(1 + x) = 2 artanh(x / (2 + x)).
- * No 1 + x above 0 is less than half of RC_EPS. */
+/* Near 0 the rounding of 1 + x would count: log(1 + x) = 2 artanh(x / (2 + x)). No 1 + x
+ * above 0 is less than half of RC_EPS. */
 rigcal_real rc_log1p(rigcal_real x)
 {
     RIGCAL_ASSERT(x > -1);

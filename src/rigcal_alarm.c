@@ -180,7 +180,7 @@ static void start_windows(rigcal_real body[])
     for (int i = 0; i < RC_ALARM_WINDOWS; i++) {
         expect(W, body, (rigcal_real)LENGTH(i));
         const rigcal_real root = factor(W) ? inverse_root(W) : 0;
-        body[i * RC_ALARM_WINDOW + ROOT_W] = root > 0 ? 1 / root : 0;
+        body[i * RC_ALARM_WINDOW + ROOT_W] = RC_MAX * root > 1 ? 1 / root : 0;
         if (i > 0) {
             start_window(body, i);
         }

@@ -17,14 +17,11 @@
 /* 1: its second quotient counts from here (Wichura 1988). */
 #define TAIL_FROM RC(1.6)
 
-/* 1: from here on Stirling's series is exact to 1e-11; below, x is raised first. */
+/* 1: from here on Stirling's series is exact to 3e-10; below, x is raised first. */
 #define STIRLING_FROM RC(8)
 
-/* steps: of the continued fraction, some sqrt(n) for n degrees of freedom. */
+/* steps: of the continued fraction, some ten cube roots of the degrees of freedom. */
 enum { FRACTION_STEPS = 2000 };
-
-/* 1: the least that a denominator of the continued fraction may be. */
-#define FRACTION_LEAST RC(1e-30)
 
 /* ---- facts --------------------------------------------------------------- */
 
@@ -160,24 +157,25 @@ static rigcal_real log_beta_inverse(rigcal_real a, rigcal_real b)
     return sum + stirling(both) - stirling(a) - stirling(b);
 }
 
-/* 1 + x, or what is next to 0. */
-static rigcal_real away_from_0(rigcal_real x)
+/* 1 + x > 0, which rounding may not make 0. */
+static rigcal_real above_0(rigcal_real x)
 {
-    return (RC_FABS(1 + x) < FRACTION_LEAST) ? FRACTION_LEAST : 1 + x;
+    return rc_max(1 + x, RC_EPS);
 }
 
-/* The continued fraction of the incomplete beta function (Lentz 1976). */
+/* The continued fraction of the incomplete beta function (Lentz 1976), of x below
+ * (a + 1) / (a + b + 2): no denominator is much below 1 / (a + b). */
 static rigcal_real beta_fraction(rigcal_real a, rigcal_real b, rigcal_real x)
 {
-    rigcal_real c = 1, d = 1 / away_from_0(-(a + b) * x / (a + 1)), fraction = d;
+    rigcal_real c = 1, d = 1 / above_0(-(a + b) * x / (a + 1)), fraction = d;
     for (int i = 2; i <= FRACTION_STEPS; i++) {
         const int pair = i / 2;
         const rigcal_real m = (rigcal_real)pair, at = a + (rigcal_real)i;
         const rigcal_real next = (i % 2 == 0)
                                      ? m * (b - m) * x / ((at - 1) * at)
                                      : -(a + m) * (a + b + m) * x / ((at - 1) * at);
-        d = 1 / away_from_0(next * d);
-        c = away_from_0(next / c);
+        d = 1 / above_0(next * d);
+        c = above_0(next / c);
         fraction *= c * d;
         if (RC_FABS(c * d - 1) <= RC_EPS) {
             break;

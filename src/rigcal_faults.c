@@ -7,9 +7,6 @@
 /* sigma: a point beyond it was left out by the truncated loss. */
 #define TRUNCATED_FROM RC(4)
 
-/* 1: of the board's half extent. A board of one line has no shape across it. */
-#define EXTENT_LEAST RC(1e-12)
-
 enum {
     DONE = 1,
     COUNTING,    /* where the points are, and how many views a camera has */
@@ -196,7 +193,8 @@ static void scan_of(rc_scan *scan, const rigcal_faults_solver *s, int32_t camera
     const rigcal_real limit = TRUNCATED_FROM * s->rig->sigma_px;
     for (int k = 0; k < 2; k++) {
         scan->middle[k] = s->low[k] + (s->high[k] - s->low[k]) / 2;
-        scan->half[k] = rc_max((s->high[k] - s->low[k]) / 2, EXTENT_LEAST);
+        const rigcal_real half = (s->high[k] - s->low[k]) / 2;
+        scan->half[k] = (half > 0) ? half : 1; /* of a line: no x but the middle's */
     }
     scan->reference = &s->columns.reference[3 * camera];
     scan->limit2 = (s->options->is_truncated != 0) ? limit * limit : 0;

@@ -11,17 +11,8 @@ enum { EXP_PARTS = 256 };
 /* terms: of that series, for x / 256 within 0.32; the next is below 3e-12 (float: 1e-7). */
 enum { EXP_TERMS = RIGCAL_USE_FLOAT ? 6 : 9 };
 
-/* terms: of the series of log; the next is below a rounding. */
+/* terms: of the series of log; the next is below a tenth of a rounding. */
 enum { LOG_TERMS = RIGCAL_USE_FLOAT ? 5 : 11 };
-
-/* 1: the series of log(1 + x) takes x within this. Beyond it the root is taken first. */
-#define LOG1P_SERIES RC(0.25)
-
-/* roots: at most; each halves the logarithm, and the largest number takes 13. */
-enum { LOG1P_ROOTS = 20 };
-
-/* terms: of that series; the next is below 1e-18. */
-enum { LOG1P_TERMS = 10 };
 
 /* ---- facts --------------------------------------------------------------- */
 
@@ -45,8 +36,18 @@ rigcal_real rc_exp(rigcal_real x)
     return sum;
 }
 
-/* x = 2^k y, y within sqrt(2) of 1: log y = 2 artanh((y - 1) / (y + 1)), a series whose
- * argument is at most 0.172. */
+/* log((1 + part) / (1 - part)) = 2 artanh(part), part within 0.172. */
+static rigcal_real log_of_part(rigcal_real part)
+{
+    const rigcal_real square = part * part;
+    rigcal_real sum = 0;
+    for (int j = LOG_TERMS; j > 0; j--) {
+        sum = sum * square + RC(1) / (rigcal_real)(2 * j - 1);
+    }
+    return 2 * part * sum;
+}
+
+/* x = 2^k y, y within sqrt(2) of 1: log y = 2 artanh((y - 1) / (y + 1)). */
 rigcal_real rc_log(rigcal_real x)
 {
     RIGCAL_ASSERT(x > 0 && x <= RC_MAX);
@@ -63,26 +64,17 @@ rigcal_real rc_log(rigcal_real x)
     for (; x * ROOT_2 < 1; k--) {
         x *= 2;
     }
-    const rigcal_real part = (x - 1) / (x + 1), square = part * part;
-    rigcal_real sum = 0;
-    for (int j = LOG_TERMS; j > 0; j--) {
-        sum = sum * square + RC(1) / (rigcal_real)(2 * j - 1);
-    }
-    return (rigcal_real)k * LOG_2 + 2 * part * sum;
+    return (rigcal_real)k * LOG_2 + log_of_part((x - 1) / (x + 1));
 }
 
-/* log(1 + x) = 2 log(1 + y), y = sqrt(1 + x) - 1; and 2 artanh(x / (2 + x)). */
+/* Near 0 the rounding of 1 + x would count: log(1 + x) = 2 artanh(x / (2 + x)). No 1 + x
+ * above 0 is less than half of RC_EPS. */
 rigcal_real rc_log1p(rigcal_real x)
 {
     RIGCAL_ASSERT(x > -1);
-    rigcal_real scale = 2, sum = 0;
-    for (int k = 0; k < LOG1P_ROOTS && RC_FABS(x) > LOG1P_SERIES; k++) {
-        x /= 1 + RC_SQRT(1 + x);
-        scale *= 2;
+    const rigcal_real y = 1 + x;
+    if (y <= ROOT_2 && y * ROOT_2 >= 1) {
+        return log_of_part(x / (2 + x));
     }
-    const rigcal_real t = x / (2 + x);
-    for (int i = 2 * LOG1P_TERMS - 1; i > 0; i -= 2) {
-        sum = sum * t * t + 1 / (rigcal_real)i;
-    }
-    return scale * sum * t;
+    return rc_log(rc_min(rc_max(y, RC_EPS / 2), RC_MAX));
 }

@@ -2,8 +2,8 @@
 
 /* ---- constants ----------------------------------------------------------- */
 
-/* part of the information before anything was eliminated: with less of it left, a camera's
- * move is not to be told from a rig that stands otherwise. */
+/* part of the information of the views from there on: with less of it left when all else is
+ * free, a camera's move is not to be told from a rig that stands otherwise. */
 #define RANK_TOL RC_TOL(1e-10, 1e-5)
 
 static rigcal_real dot6(const rigcal_real a[6], const rigcal_real b[6])

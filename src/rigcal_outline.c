@@ -31,9 +31,6 @@ enum { ARCS_TO_PART = RIGCAL_SPANS_ARCS / 2 };
 /* steps: of a crossing by Newton's method, usually 2. */
 enum { CROSSING_STEPS = 24 };
 
-/* steps: of a turning point by halving, to rounding. */
-enum { TURN_STEPS = RIGCAL_USE_FLOAT ? 24 : 50 };
-
 enum { NODES = RIGCAL_SPANS_NODES, LAST = NODES - 1 };
 
 /* ---- polynomials --------------------------------------------------------- */
@@ -191,12 +188,12 @@ static void add_parts(rigcal_outline *outline, const rigcal_real u[NODES],
     }
 }
 
-/* Where v turns between t and t + 1, its slopes there being of different signs. */
+/* Where v turns between t and t + 1, its slopes there being of different signs: by halving,
+ * to rounding. */
 static rigcal_real turning_point(const rigcal_real v[NODES], rigcal_real t, int rises)
 {
-    rigcal_real from = t, width = 1;
-    for (int i = 0; i < TURN_STEPS; i++) {
-        width /= 2;
+    rigcal_real from = t;
+    for (rigcal_real width = RC(1) / 2; width > RC_EPS; width /= 2) {
         if ((slope_at(v, from + width) > 0) == rises) {
             from += width;
         }

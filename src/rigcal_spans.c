@@ -17,9 +17,6 @@
 /* part of the radius of the image: length of the shortest arc, a few pixels. */
 #define ARC_LEAST RC(0.01)
 
-/* part of the radius of the image: length of the longest arc. */
-#define ARC_MOST RC(1)
-
 /* tangent: of the angle of an arc at most, 45 degrees. */
 #define STRIDE_MOST RC(1)
 
@@ -270,7 +267,7 @@ static void set_stride(rigcal_spans_solver *s, rigcal_real bend)
         return;
     }
     if (bend * BEND_SPARE < BEND_MAX) {
-        s->length = rc_min(2 * s->length, ARC_MOST * s->radius);
+        s->length *= 2;
     }
     s->stride *= s->length / rc_max(LAST * rc_vec3_norm(chord), ARC_LEAST * s->length);
 }

@@ -14,14 +14,17 @@
 #include <string.h>
 
 #include "count_hooks.h"
+#include "rc_adjust.h"
 #include "rc_alarm.h"
 #include "rc_chain.h"
+#include "rc_chance.h"
 #include "rc_direction.h"
 #include "rc_finding.h"
 #include "rc_levenberg.h"
 #include "rc_logs.h"
 #include "rc_monitor.h"
 #include "rc_neldermead.h"
+#include "rc_outline.h"
 #include "rc_p3p.h"
 #include "rc_pose.h"
 #include "rc_sight.h"
@@ -1723,11 +1726,36 @@ static int noise_is_believed(double sse)
     return rc_odds(0, RC(sse * sse), 0, 1, 7) < 2;
 }
 
+/* Half of all F of (n, n) degrees of freedom are below 1. */
+static int half_is_below_1(double n)
+{
+    return fabs((double)rc_f_tail(1, RC(n), RC(n)) - 0.5) < ANY_OF(1e-6, 1e-2);
+}
+
+/* How many logarithms are the nearest number there is. */
+static int nearest_logs(void)
+{
+    int n = 0;
+    for (int i = 0; i < 20000; i++) {
+        const rigcal_real x = RC(0.7072 + 0.0000353 * i);
+        n += !(RC_FABS(rc_log(x) - RC(log((double)x))) > 0);
+    }
+    return n;
+}
+
 static void gate_chance(void)
 {
     edge("chance.exponent", exponent_is_free, 1, 500);
     edge("chance.noise_px", noise_is_believed, 1e-6, 10);
     line("chance.sets_most", "%.1e", (double)rc_expected_sets(100000, 1000, 1));
+    double within = 0;
+    for (int i = 1; i < 10; i++) {
+        within += (double)rc_normal_within(RC(0.1 * i));
+    }
+    line("chance.within", ANY_OF("%.10g", "%.5g"), within);
+    line("chance.f_tail", ANY_OF("%.11g", "%.4g"), (double)rc_f_tail(4, 1, 1));
+    edge("chance.fraction", half_is_below_1, 10, 1e10);
+    line("log.nearest", "%d", nearest_logs());
 }
 
 /* ---- the published procedure ---------------------------------------------- */
@@ -2596,6 +2624,38 @@ static void alarm_run(const char *name, int frames, int n, double common, double
     line(counter, "%.5g", (double)rc_alarm_noise(&alarm));
 }
 
+/* A frame of one body of 60 rows in each of so many directions; size: how much one says. */
+static double alarm_frame_of(int n, const double direction[][6], double size)
+{
+    const rigcal_real none[6] = {0};
+    for (int i = 0; i < 60 * n; i++) {
+        rigcal_real h[6];
+        for (int k = 0; k < 6; k++) {
+            h[k] = (rigcal_real)(size * direction[i % n][k]);
+        }
+        rc_alarm_row(&alarm, alarm_bodies, 2, 1, 0, h, 1, none);
+    }
+    return (double)rc_alarm_frame(&alarm, alarm_bodies);
+}
+
+/* Rows of one direction say something: across it nothing is left but what is expected. */
+static int rows_are_one(double size)
+{
+    static const double ASKEW[1][6] = {{1, 1}};
+    rc_alarm_begin(&alarm, alarm_bodies, 2, 200, 0, 1, 1);
+    return alarm_frame_of(1, ASKEW, size) > -50;
+}
+
+/* The second frame, of rows that say as much as those of the first, is evidence. */
+static int rows_are_within_range(double size)
+{
+    static const double AXES[6][6] = {{1},          {0, 1},          {0, 0, 1},
+                                      {0, 0, 0, 1}, {0, 0, 0, 0, 1}, {0, 0, 0, 0, 0, 1}};
+    rc_alarm_begin(&alarm, alarm_bodies, 2, 200, 0, 1, 1);
+    (void)alarm_frame_of(6, AXES, size);
+    return alarm_frame_of(6, AXES, size) > 120;
+}
+
 static void gate_alarm(void)
 {
     state = 3100;
@@ -2604,6 +2664,8 @@ static void gate_alarm(void)
     alarm_run("alarm.many", 1500, 60, 0, 1e7);
     rc_alarm_begin(&alarm, alarm_bodies, ALARM_BODIES, 200, 0, 1, 1);
     line("alarm.nothing", "%.4g", (double)rc_alarm_frame(&alarm, alarm_bodies));
+    edge("alarm.rank", rows_are_one, 1, 1e12);
+    edge("alarm.largest", rows_are_within_range, 1e3, ANY_OF(1e70, 1e14));
     line("log", "%.6g", (double)rc_log(RC(3.7e-20)));
     line("exp", "%.4g", (double)rc_exp(-1000));
     line("exp.series", "%.4g", (double)rc_exp(RC(61.7)));
@@ -3003,6 +3065,8 @@ static void gate_matching(void)
     unsigned long made[4] = {0}, tested[6] = {0}, inside = 0, units = 0, rows = 0,
                   pixels = 0;
     unsigned long arcs = 0, direct = 0, places = 0;
+    tally t;
+    begin(&t, "match");
     state = 171;
     for (int n = 0; n < 240; n++) {
         rigcal_camera cameras[2];
@@ -3052,6 +3116,7 @@ static void gate_matching(void)
             direct += (unsigned long)solver.outline.arcs[k].is_direct;
         }
     }
+    end(&t);
     line("match.made", "%lu", made[0]);
     line("match.epipole_a", "%lu", made[1]);
     line("match.no_ray", "%lu", made[2]);
@@ -3066,6 +3131,256 @@ static void gate_matching(void)
     line("spans.direct", "%lu", direct);
     line("spans.rows", "%lu", rows);
     line("spans.pixels", "%lu", pixels);
+}
+
+/* Borders in large images of lenses that bend much: some have many arcs. */
+static void gate_long_borders(void)
+{
+    static rigcal_spans_solver solver;
+    unsigned long units = 0, arcs = 0;
+    state = 172;
+    for (int n = 0; n < 60; n++) {
+        rigcal_camera cameras[2];
+        rigcal_match_pair pair;
+        rigcal_band band;
+        rigcal_real uv[2];
+        set_match_camera(&cameras[0], 0);
+        cameras[1] = camera_of(PINHOLE, uniform(2000, 6000));
+        cameras[1].width = 8000;
+        cameras[1].height = 6000;
+        cameras[1].cx = 4000;
+        cameras[1].cy = 3000;
+        cameras[1].k1 = RC(uniform(-0.3, 0.3));
+        cameras[1].k2 = RC(uniform(-0.3, 0.3));
+        cameras[1].k3 = RC(uniform(-0.2, 0.2));
+        cameras[1].p1 = RC(uniform(-0.02, 0.02));
+        set_match_pair(&pair, cameras, n);
+        uv[0] = RC(uniform(0, 159));
+        uv[1] = RC(uniform(0, 119));
+        if (rigcal_band_make(&band, &pair, uv) == RIGCAL_OK &&
+            rigcal_spans_begin(&solver, &band) == RIGCAL_OK) {
+            do {
+                units++;
+            } while (rigcal_spans_step(&solver, 1) == RIGCAL_RUNNING);
+            arcs += (unsigned long)solver.outline.n_arcs;
+        }
+    }
+    line("spans.long.units", "%lu", units);
+    line("spans.long.arcs", "%lu", arcs);
+}
+
+/* Two cameras side by side that are exactly known. */
+static rigcal_camera pinholes[2];
+static rigcal_match_pair pair_probed;
+
+static void begin_pair(void)
+{
+    memset(&pair_probed, 0, sizeof pair_probed);
+    for (int c = 0; c < 2; c++) {
+        pinholes[c] = camera_of(PINHOLE, 800);
+    }
+    pair_probed.camera_a = &pinholes[0];
+    pair_probed.camera_b = &pinholes[1];
+    pair_probed.b_from_a = identity();
+    pair_probed.b_from_a.t[0] = -1;
+    pair_probed.sigma_b = 1;
+    pair_probed.k = 3;
+}
+
+static int band_is_made(void)
+{
+    const rigcal_real uv[2] = {pinholes[0].cx, pinholes[0].cy};
+    rigcal_band band;
+    return rigcal_band_make(&band, &pair_probed, uv) == RIGCAL_OK;
+}
+
+static int band_takes_noise(double sigma)
+{
+    pair_probed.sigma_b = RC(sigma);
+    return band_is_made();
+}
+
+static int band_takes_k(double k)
+{
+    pair_probed.k = RC(k);
+    return band_is_made();
+}
+
+/* The ray (x, y, 1) of b, which turns by `turn` a pixel, against the band of (0, 0, 1). */
+static rigcal_status band_told(double x, double y, double turn)
+{
+    const rigcal_real uv[2] = {pinholes[0].cx, pinholes[0].cy};
+    const rigcal_real m[3] = {RC(x), RC(y), 1};
+    rigcal_band band;
+    rigcal_match match;
+    rigcal_ray ray = {{0, 0, 0}, {RC(turn), 0, 0, RC(turn), 0, 0}};
+    (void)rc_vec3_unit(ray.m, m);
+    const rigcal_status status = rigcal_band_make(&band, &pair_probed, uv);
+    return status == RIGCAL_OK ? rigcal_band_test_ray(&match, &band, &ray) : status;
+}
+
+static int rays_are_parallel(double x)
+{
+    return band_told(-x, 0, 1. / 800) == RIGCAL_ERR_PARALLEL;
+}
+
+static int ray_is_near_enough(double pixels)
+{
+    return band_told(-0.1, 0.1, 0.1 / pixels) == RIGCAL_OK;
+}
+
+static int match_k_is_given(double probability)
+{
+    rigcal_real k;
+    return rigcal_match_k(&k, RC(probability), RIGCAL_MATCH_SEARCH) == RIGCAL_OK;
+}
+
+static int probability_is_seldom(double one_in)
+{
+    return match_k_is_given(1 / one_in);
+}
+
+static int probability_is_not_all(double one_in)
+{
+    return match_k_is_given(1 - 1 / one_in);
+}
+
+static int baseline_is_ahead(double aside)
+{
+    rigcal_rectified r;
+    begin_pair();
+    pair_probed.b_from_a.t[0] = RC(-aside);
+    pair_probed.b_from_a.t[2] = -1;
+    return rigcal_rectify(&r, &pinholes[0], &pinholes[1], &pair_probed.b_from_a) ==
+           RIGCAL_ERR_EPIPOLE;
+}
+
+static void gate_bands(void)
+{
+    begin_pair();
+    edge("band.noise_most", band_takes_noise, 1, 1e12);
+    begin_pair();
+    edge("band.k_most", band_takes_k, 1, 1e6);
+    begin_pair();
+    edge("band.parallel", rays_are_parallel, ANY_OF(1e-20, 1e-12), 0.1);
+    edge("band.width_px", ray_is_near_enough, 1, ANY_OF(1e20, 1e15));
+    edge("band.one_in", probability_is_seldom, 2, 1e9);
+    edge("band.all_but_one_in", probability_is_not_all, 2, 1e7);
+    edge("rectify.aside", baseline_is_ahead, 1e-3, 10);
+}
+
+/* ---- outlines --------------------------------------------------------------- */
+
+static rigcal_outline outline_probed;
+
+/* A border from row v[0] to row v[4]. */
+static void outline_add(const double u[5], const double v[5])
+{
+    rigcal_real by_u[5], by_v[5];
+    for (int i = 0; i < 5; i++) {
+        by_u[i] = RC(u[i]);
+        by_v[i] = RC(v[i]);
+    }
+    rc_outline_add(&outline_probed, by_u, by_v);
+}
+
+/* A strip of columns that ends so far to the left of the image. */
+static int strip_is_seen(double beside)
+{
+    const double left[5] = {-9, -9, -9, -9, -9}, down[5] = {0, 4, 8, 12, 16};
+    const double right[5] = {-beside, -beside, -beside, -beside, -beside};
+    rigcal_span spans[RIGCAL_SPANS_ROW];
+    rc_outline_begin(&outline_probed, 100);
+    outline_add(left, down);
+    outline_add(right, down);
+    rc_outline_close(&outline_probed);
+    return rc_outline_row(spans, &outline_probed, 5, 100) > 0;
+}
+
+/* A border that hardly leaves row 5: Newton's method comes nearer by a quarter a step. */
+static long level_crossing(void)
+{
+    const double left[5] = {0, 0, 0, 0, 0};
+    double right[5], down[5];
+    rigcal_span spans[RIGCAL_SPANS_ROW];
+    for (int i = 0; i < 5; i++) {
+        right[i] = 1e6 * i;
+        down[i] = 5 - 1e-13 + i * i * i * i;
+    }
+    rc_outline_begin(&outline_probed, 100);
+    outline_add(left, down);
+    outline_add(right, down);
+    rc_outline_close(&outline_probed);
+    return rc_outline_row(spans, &outline_probed, 5, 1000000) > 0 ? (long)spans[0].last
+                                                                  : -1;
+}
+
+static void gate_outlines(void)
+{
+    const double right[5] = {0, 10, 20, 30, 40}, down[5] = {0, 5, 20, 45, 80};
+    edge("outline.beside", strip_is_seen, ANY_OF(1e-9, 1e-6), 1);
+    line("outline.level", "%ld", level_crossing());
+    rc_outline_begin(&outline_probed, 100);
+    for (int i = 0; i < 60; i++) {
+        outline_add(right, down);
+    }
+    line("outline.parts", "%ld", (long)outline_probed.n_arcs);
+}
+
+/* ---- a third camera --------------------------------------------------------- */
+
+static const size_t WATCHED_ABC[3] = {0, 1, 2};
+
+/* From a point that b sees so many pixels off. */
+static rigcal_status transfer_of(rigcal_transfer *out, double off)
+{
+    const double X[3] = {0.2, -0.1, 4};
+    const rigcal_real sigma[2] = {RC(0.3), RC(0.3)};
+    rigcal_real uv[2][2];
+    for (int c = 0; c < 2; c++) {
+        double p[3];
+        for (int i = 0; i < 3; i++) {
+            const rigcal_transform *const T = &watched.cameras[c].cam_from_rig;
+            p[i] = (double)T->R[3 * i] * X[0] + (double)T->R[3 * i + 1] * X[1] +
+                   (double)T->R[3 * i + 2] * X[2] + (double)T->t[i];
+        }
+        uv[c][0] = RC(400 + 800 * p[0] / p[2]);
+        uv[c][1] = RC(400 + 800 * p[1] / p[2] + (c == 1 ? off : 0));
+    }
+    return rigcal_transfer_make(out, &watched.rig, WATCHED_ABC, uv[0], uv[1], sigma);
+}
+
+static int miss_is_rounding(double off)
+{
+    rigcal_transfer out;
+    return transfer_of(&out, off) == RIGCAL_OK && !(out.chi2 > 0);
+}
+
+/* A covariance that is all but of one direction. */
+static int covariance_is_none(double across)
+{
+    rigcal_transfer out;
+    const rigcal_real at[2] = {0, 0};
+    rigcal_real chi2;
+    memset(&out, 0, sizeof out);
+    out.Sigma[0] = out.Sigma[3] = 1;
+    out.Sigma[1] = out.Sigma[2] = RC(1) - RC(across);
+    return rigcal_transfer_test(&chi2, &out, 0, at) == RIGCAL_ERR_DEGENERATE;
+}
+
+static void gate_transfers(void)
+{
+    rigcal_transfer out;
+    set_watched();
+    edge("transfer.miss_px", miss_is_rounding, ANY_OF(1e-12, 1e-4), 1);
+    edge("transfer.rank", covariance_is_none, ANY_OF(1.2e-16, 6e-8), 0.1);
+    for (int k = 0; k < 3; k++) {
+        static const double OFF[3] = {1, 30, 150};
+        char name[32];
+        snprintf(name, sizeof name, "transfer.off_%.0f_px", OFF[k]);
+        (void)transfer_of(&out, OFF[k]);
+        line(name, ANY_OF("%.12g", "%.5g"), (double)out.X[2]);
+    }
 }
 
 /* ---- clocks ----------------------------------------------------------------- */
@@ -3171,6 +3486,24 @@ static int frames_are_taken(double frames)
     return rigcal_clocks_frames(off, &clocks_probed, 2) == RIGCAL_OK;
 }
 
+/* A search that ends although its last step promised so many times what is negligible. */
+static int end_is_converged(double left)
+{
+    rigcal_rig_solver s;
+    rigcal_rig_fit fit;
+    state = 3300;
+    moving_rig(&rig_probed, 2, 1, 0, 0.3);
+    if (rigcal_rig_join(&rig_probed.rig, NULL) != RIGCAL_OK ||
+        rigcal_rig_begin(&s, &rig_probed.rig) != RIGCAL_OK) {
+        return 0;
+    }
+    while (rigcal_rig_step(&s, 1) == RIGCAL_RUNNING) {
+        s.promised =
+            s.phase == RC_RIG_SQUARING ? (rigcal_real)left * s.negligible : s.promised;
+    }
+    return rigcal_rig_result(&fit, NULL, &s) == RIGCAL_OK;
+}
+
 static void count_clocks(tally *t, int n_cameras, double late, const rigcal_rig_fit *fit)
 {
     t->steps += fit->evals;
@@ -3202,6 +3535,7 @@ static void gate_clocks(void)
     }
     end(&t);
     edge("clocks.still", target_is_still, 1e-3, 10);
+    edge("clocks.left", end_is_converged, 1, 1e6);
     rig_begin(&rig_probed, 2);
     edge("times.frame", step_is_frame, 0.05, 2);
     edge("times.run", step_is_run, 0.5, 10);
@@ -3327,6 +3661,164 @@ static int takes_two_digits(double sigma)
     return said(RIGCAL_FAULT_CENTRE, 8, sigma) > said(RIGCAL_FAULT_CENTRE, 8, 3);
 }
 
+/* The deviation of a fault that takes off more than all. */
+static double sigma_of_all(void)
+{
+    static const rigcal_real ONE[1] = {1};
+    const rc_common c = common_of_F(4);
+    const rc_one_step step = {1, 1, ONE, ONE, ONE, ONE, 2 * c.sum, 0};
+    rigcal_fault fault = {0};
+    rc_finding_of(&fault, &c, &step);
+    return (double)fault.sigma[0];
+}
+
+/* So much of a radian is told with a digit behind the point. */
+static int turn_takes_two_digits(double turn)
+{
+    return said(RIGCAL_FAULT_MOVED, turn, 0) > said(RIGCAL_FAULT_MOVED, 0.1, 0);
+}
+
+/* Faults of the rig of rig_probed. */
+static rigcal_faults_solver faults_solver;
+static rigcal_fault faults_probed[4];
+
+static rigcal_faults faults_of(int kind, const uint8_t *breaks, int is_truncated)
+{
+    static rigcal_real room[RIGCAL_FAULTS_WORK(RIG_CAMERAS, RIG_CAMERAS)];
+    rigcal_faults_options options = {0};
+    rigcal_faults found = {0};
+    options.kinds = RIGCAL_FAULTS_OF(kind);
+    options.breaks = breaks;
+    options.is_truncated = is_truncated;
+    options.work = room;
+    options.work_capacity = sizeof room / sizeof room[0];
+    if (rigcal_faults_begin(&faults_solver, faults_probed, 4, &options, &rig_probed.rig) ==
+        RIGCAL_OK) {
+        (void)rigcal_faults_step(&faults_solver, INT32_MAX);
+        (void)rigcal_faults_result(&found, NULL, &faults_solver);
+    }
+    return found;
+}
+
+/* Eight points of a target 5 ahead, x and y of each. */
+static void place_eight(scene *s, double at[8][2], double sigma_px)
+{
+    static const double AHEAD[9] = {1, 0, 0, 0, -1, 0, 0, 0, -1};
+    random_scene(s, 8, PLANAR, PINHOLE, sigma_px, 5, 5.1);
+    memcpy(s->R, AHEAD, sizeof AHEAD);
+    s->t[0] = s->t[1] = 0;
+    s->t[2] = 5;
+    for (int i = 0; i < 8; i++) {
+        s->X[i][0] = at[i][0];
+        s->X[i][1] = at[i][1];
+    }
+}
+
+/* Three times: the equations are then those of where the rig is. */
+static int adjust_probed(void)
+{
+    rigcal_rig_fit fit;
+    int is_adjusted = rigcal_rig_join(&rig_probed.rig, NULL) == RIGCAL_OK;
+    for (int i = 0; i < 3; i++) {
+        is_adjusted =
+            is_adjusted && rigcal_rig_adjust(&fit, NULL, &rig_probed.rig) >= RIGCAL_OK;
+    }
+    return is_adjusted;
+}
+
+/* Points on three circles, so much apart: seen from ahead k1 and k2 and the distance do the
+ * same. */
+static int ring_hides_distortion(double apart)
+{
+    double at[8][2];
+    scene s;
+    for (int i = 0; i < 8; i++) {
+        static const double CIRCLE[4][2] = {{1, 0}, {0.6, 0.8}, {0, 1}, {-0.8, 0.6}};
+        const double r = (1 + i % 3 * apart) * (i < 4 ? 1 : -1);
+        at[i][0] = r * CIRCLE[i % 4][0];
+        at[i][1] = r * CIRCLE[i % 4][1];
+    }
+    state = 3400;
+    place_eight(&s, at, 0);
+    rig_begin(&rig_probed, 1);
+    (void)rig_add(&rig_probed, 0, 0, &s);
+    return adjust_probed() && faults_of(RIGCAL_FAULT_DISTORTION, NULL, 0).n_seen == 0;
+}
+
+/* Cameras 0 and 1 at placements 0 and 1, the points of placement 0 so many times as noisy.
+ * Whether a move of camera 1 between the two is seen. */
+static int move_is_seen(double noise)
+{
+    static const uint8_t BREAKS[RIG_PLACEMENTS] = {0, 1};
+    rig_begin(&rig_probed, 2);
+    state = 3410;
+    for (int f = 0; f < 2; f++) {
+        scene s;
+        random_scene(&s, 8, GENERAL, PINHOLE, 0.3, 5, 6);
+        for (int c = 0; c < 2; c++) {
+            (void)rig_add(&rig_probed, c, f, &s);
+        }
+    }
+    for (size_t k = 0; k < rig_probed.rig.n_views; k++) {
+        scene *const s = &rig_probed.seen[k];
+        for (int i = 0; i < s->n; i++) {
+            s->sigma[i] = RC(rig_probed.views[k].placement == 0 ? noise : 1);
+        }
+        rig_probed.views[k].view.sigma = s->sigma;
+        (void)rigcal_view_pose_make(&rig_probed.own[k], &rig_probed.views[k],
+                                    &s->options.start);
+    }
+    return adjust_probed() && faults_of(RIGCAL_FAULT_MOVED, BREAKS, 0).n_seen > 0;
+}
+
+/* One point is off by so many sigma, of four views that are exact. */
+static int point_counts(double off)
+{
+    rig_begin(&rig_probed, 2);
+    state = 3420;
+    for (int f = 0; f < 2; f++) {
+        scene s;
+        random_scene(&s, 8, GENERAL, PINHOLE, 0, 5, 6);
+        for (int c = 0; c < 2; c++) {
+            (void)rig_add(&rig_probed, c, f, &s);
+        }
+    }
+    rig_probed.rig.sigma_px = RC(0.3);
+    if (!adjust_probed()) {
+        return 0;
+    }
+    rig_probed.seen[1].o[3].uv[0] += RC(0.3 * off);
+    (void)faults_of(RIGCAL_FAULT_FOCAL, NULL, 1);
+    return faults_solver.n_points == 32;
+}
+
+/* A square, and a point that is so many of its sides from the last corner. */
+static int step_is_to_a_neighbour(double step)
+{
+    double at[8][2] = {{0, 0}, {0.1, 0}, {0.1, 0.1}, {0, 0.1}, {0, 0.1 + 0.1 * step}};
+    scene s;
+    state = 3430;
+    place_eight(&s, at, 0.3);
+    s.n = 5;
+    rig_begin(&rig_probed, 1);
+    (void)rig_add(&rig_probed, 0, 0, &s);
+    if (!adjust_probed()) {
+        return 0;
+    }
+    (void)faults_of(RIGCAL_FAULT_FOCAL, NULL, 0);
+    return faults_solver.n_neighbours == 4;
+}
+
+static void gate_fault_edges(void)
+{
+    line("faults.sigma_of_all", "%.3g", sigma_of_all());
+    edge("faults.degrees", turn_takes_two_digits, 0.01, 0.09);
+    edge("faults.ring", ring_hides_distortion, ANY_OF(1e-9, 1e-5), 0.5);
+    edge("faults.before", move_is_seen, 1, ANY_OF(1e7, 1e4));
+    edge("faults.point_counts", point_counts, 0.1, 100);
+    edge("faults.neighbour", step_is_to_a_neighbour, 1.05, 4);
+}
+
 static void gate_faults(void)
 {
     edge("faults.F_noise", F_is_noise, 1, 10);
@@ -3377,6 +3869,7 @@ static void run(void)
     gate_series();
     gate_chance();
     gate_faults();
+    gate_fault_edges();
     gate_paper();
     gate_paper_edges();
     gate_neldermead();
@@ -3388,6 +3881,10 @@ static void run(void)
     gate_ranges();
     gate_store();
     gate_matching();
+    gate_long_borders();
+    gate_bands();
+    gate_outlines();
+    gate_transfers();
     gate_memory();
     gate_alarm();
     gate_clocks();

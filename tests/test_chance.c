@@ -228,6 +228,7 @@ static void test_the_tail_of_F_is_that_of_scipy(void)
     }
     ASSERT_NEAR(1, rc_f_tail(0, 3, 100), 0);
     ASSERT_NEAR(0, rc_f_tail(RC(1e6), 3, 4000), 1e-34);
+    ASSERT_NEAR(1, rc_f_tail(RC(TOL(1e-310, 1e-40)), 3, 4000), 0); /* 1 / F overflows */
 }
 
 static void test_the_logarithm_is_that_of_the_C_library(void)
@@ -239,6 +240,8 @@ static void test_the_logarithm_is_that_of_the_C_library(void)
                     TOL(1e-14, 1e-5) * (1 + fabs(log1p(D(RC(x))))));
     }
     ASSERT_NEAR(1e-9, rc_log1p(RC(1e-9)), 1e-15);
+    ASSERT_NEAR(log(D(RC_MAX)), rc_log1p(RC_MAX), TOL(1e-11, 1e-4));
+    ASSERT_NEAR(log(D(RC_EPS) / 2), rc_log1p(RC_EPS / 2 - 1), TOL(1e-12, 1e-5));
 }
 
 TEST_MAIN()

@@ -51,7 +51,8 @@ for build in gcc-double clang-float; do
     cmake -G Ninja -S . -B "$out/$build" -DRIGCAL_SINGLE_FILE="$one" \
         -DCMAKE_C_COMPILER="${build%-*}" -DRIGCAL_REAL="${build#*-}" \
         -DCMAKE_BUILD_TYPE=RelWithDebInfo -DRIGCAL_WERROR=ON \
-        -DCMAKE_C_FLAGS="-I$out/names" -DRIGCAL_BUILD_TESTS=ON -DRIGCAL_BUILD_EXAMPLES=OFF
+        -DCMAKE_C_FLAGS="-I$out/names" -DRIGCAL_BUILD_TESTS=ON -DRIGCAL_BUILD_BENCHES=OFF \
+        -DRIGCAL_BUILD_EXAMPLES=OFF
     cmake --build "$out/$build"
     ctest --test-dir "$out/$build" --output-on-failure -L unit >"$out/$build.log" ||
         { cat "$out/$build.log"; exit 1; }

@@ -1,0 +1,216 @@
+# The benches, of which ctest runs a short form. Included by tests/CMakeLists.txt, whose
+# folders and variables hold.
+
+# The figures of DESIGN.md. It prints how it was built, so that they can be
+# had again; ctest only sees that it runs.
+string(TOUPPER "${CMAKE_BUILD_TYPE}" build_type)
+get_directory_property(build_options COMPILE_OPTIONS)
+set(build ${CMAKE_C_COMPILER_ID} ${CMAKE_C_COMPILER_VERSION} ${CMAKE_C_FLAGS}
+    ${CMAKE_C_FLAGS_${build_type}} ${build_options})
+if(gnu_like)
+    list(APPEND build -ffp-contract=off)
+endif()
+string(REGEX REPLACE "[; ]+" " " build "${build}")
+file(GLOB sets CONFIGURE_DEPENDS
+    ${PROJECT_SOURCE_DIR}/examples/data/*/reference_poses.csv
+    ${CMAKE_CURRENT_SOURCE_DIR}/data/*/reference_poses.csv)
+list(TRANSFORM sets REPLACE "(.*)/reference_poses.csv" "\"\\1\"")
+list(JOIN sets "," sets)
+
+set(examples ${PROJECT_SOURCE_DIR}/examples)
+add_executable(bench_paper
+    bench/bench_paper.c ${examples}/cli_input.c ${examples}/cli_names.c
+    ${examples}/cli_csv.c ${examples}/cli_foreign.c)
+rigcal_own_code(bench_paper)
+target_include_directories(bench_paper PRIVATE ${examples})
+target_compile_definitions(bench_paper PRIVATE
+    BENCH_BUILD="${build}" BENCH_SETS=${sets})
+target_link_libraries(bench_paper PRIVATE rigcal_test_support)
+# gcc-double and gcc-float take all scenes; sanitizers look at the same code with the first.
+option(RIGCAL_TEST_FEW_SCENES "Run the benches of ctest with a part of their scenes" OFF)
+set(wide_scenes 100)
+set(pose_scenes 20)
+set(grid_scenes 5)
+if(RIGCAL_TEST_FEW_SCENES)
+    set(wide_scenes 15)
+    set(pose_scenes 4)
+    set(grid_scenes 1)
+endif()
+add_test(NAME bench_paper COMMAND bench_paper grid ${grid_scenes})
+set_tests_properties(bench_paper PROPERTIES LABELS bench TIMEOUT ${limit})
+
+# Scenes and what is right about them; bench/opencv.sh links them too.
+add_library(rigcal_bench_support STATIC
+    bench/bench_scenes.c bench/bench_starts.c bench/bench_minima.c
+    bench/bench_solution.c)
+rigcal_own_code(rigcal_bench_support)
+target_include_directories(rigcal_bench_support PUBLIC bench)
+target_link_libraries(rigcal_bench_support PUBLIC rigcal_test_support)
+
+add_executable(bench_pose bench/bench_pose.c)
+rigcal_own_code(bench_pose)
+target_compile_definitions(bench_pose PRIVATE BENCH_BUILD="${build}")
+target_link_libraries(bench_pose PRIVATE rigcal_bench_support)
+add_test(NAME bench_pose COMMAND bench_pose minima ${pose_scenes})
+set_tests_properties(bench_pose PROPERTIES LABELS bench TIMEOUT ${limit})
+if(UNIX)
+    add_test(NAME bench_pose_compare COMMAND sh -c
+        "'$<TARGET_FILE:bench_pose>' answers 3 | '$<TARGET_FILE:bench_pose>' compare 3")
+    set_tests_properties(bench_pose_compare PROPERTIES
+        LABELS bench TIMEOUT ${limit})
+endif()
+
+add_executable(bench_wide bench/bench_wide.c)
+rigcal_own_code(bench_wide)
+target_compile_definitions(bench_wide PRIVATE BENCH_BUILD="${build}")
+target_link_libraries(bench_wide PRIVATE rigcal_bench_support)
+add_test(NAME bench_wide COMMAND bench_wide check ${wide_scenes})
+set_tests_properties(bench_wide PROPERTIES LABELS bench TIMEOUT ${limit})
+
+add_executable(bench_choose bench/bench_choose.c)
+rigcal_own_code(bench_choose)
+target_link_libraries(bench_choose PRIVATE rigcal_test_support)
+add_test(NAME bench_choose COMMAND bench_choose 1)
+set_tests_properties(bench_choose PROPERTIES LABELS bench TIMEOUT ${limit})
+
+# Which views of a rig are named.
+add_executable(bench_judge bench/bench_judge.c)
+rigcal_own_code(bench_judge)
+target_link_libraries(bench_judge PRIVATE rigcal_test_support)
+add_test(NAME bench_judge COMMAND bench_judge 1)
+set_tests_properties(bench_judge PROPERTIES LABELS bench TIMEOUT ${limit})
+
+# Whether points keep what their sigmas promise.
+add_executable(bench_points bench/bench_points.c)
+rigcal_own_code(bench_points)
+target_compile_definitions(bench_points PRIVATE BENCH_BUILD="${build}")
+target_link_libraries(bench_points PRIVATE rigcal_test_support)
+add_test(NAME bench_points COMMAND bench_points check)
+set_tests_properties(bench_points PROPERTIES LABELS bench TIMEOUT ${limit})
+
+# How often the alarm of a monitor is false.
+add_executable(bench_alarm bench/bench_alarm.c)
+rigcal_own_code(bench_alarm)
+target_compile_definitions(bench_alarm PRIVATE BENCH_BUILD="${build}")
+target_link_libraries(bench_alarm PRIVATE rigcal_test_support)
+add_test(NAME bench_alarm COMMAND bench_alarm check)
+set_tests_properties(bench_alarm PROPERTIES LABELS bench TIMEOUT ${limit})
+
+# How many true matches a band holds; spans against every pixel.
+add_executable(bench_match bench/bench_match.c)
+rigcal_own_code(bench_match)
+target_link_libraries(bench_match PRIVATE rigcal_test_support)
+foreach(what "bands 20" "spans 12")
+    string(REGEX REPLACE " .*" "" name ${what})
+    separate_arguments(words UNIX_COMMAND ${what})
+    add_test(NAME bench_match_${name} COMMAND bench_match ${words})
+    set_tests_properties(bench_match_${name} PROPERTIES LABELS bench TIMEOUT ${limit})
+endforeach()
+
+# Real matches in their bands.
+add_executable(bench_bands
+    bench/bench_bands.c ${examples}/cli_input.c ${examples}/cli_names.c
+    ${examples}/cli_csv.c ${examples}/cli_foreign.c)
+rigcal_own_code(bench_bands)
+target_include_directories(bench_bands PRIVATE ${examples})
+target_link_libraries(bench_bands PRIVATE ${library})
+if(NOT MSVC)
+    target_link_libraries(bench_bands PRIVATE m)
+endif()
+add_test(NAME bench_bands COMMAND bench_bands ${examples}/data/opencv_stereo
+    ${examples}/data/myptv_stepped ${examples}/data/openptv_cavity)
+set_tests_properties(bench_bands PROPERTIES LABELS bench TIMEOUT ${limit})
+
+# How well a monitor knows how well it knows, and whom it blames.
+add_executable(bench_monitor bench/bench_monitor.c)
+rigcal_own_code(bench_monitor)
+target_link_libraries(bench_monitor PRIVATE rigcal_test_support)
+add_test(NAME bench_monitor COMMAND bench_monitor check)
+set_tests_properties(bench_monitor PROPERTIES LABELS bench TIMEOUT ${limit})
+
+# Whether ellipsoids hold, with intrinsics that are not exact.
+add_executable(bench_consider bench/bench_consider.c)
+rigcal_own_code(bench_consider)
+target_link_libraries(bench_consider PRIVATE rigcal_test_support)
+add_test(NAME bench_consider COMMAND bench_consider check)
+set_tests_properties(bench_consider PROPERTIES LABELS bench TIMEOUT ${limit})
+
+# What is wrong with a rig as a whole.
+add_executable(bench_faults bench/bench_faults.c)
+rigcal_own_code(bench_faults)
+target_link_libraries(bench_faults PRIVATE rigcal_test_support)
+add_test(NAME bench_faults COMMAND bench_faults check)
+set_tests_properties(bench_faults PROPERTIES LABELS bench TIMEOUT ${limit})
+
+# Rigs whose cameras have clocks of their own.
+add_executable(bench_clocks bench/bench_clocks.c)
+rigcal_own_code(bench_clocks)
+target_link_libraries(bench_clocks PRIVATE rigcal_test_support)
+add_test(NAME bench_clocks COMMAND bench_clocks check)
+set_tests_properties(bench_clocks PROPERTIES LABELS bench TIMEOUT ${limit})
+
+# The scenes of the paper's experiments, which are for the library in double.
+if(RIGCAL_REAL STREQUAL "double")
+    add_executable(bench_paper_scenes bench/bench_paper_scenes.c
+        ${examples}/paper/scene.c ${examples}/paper/solve.c)
+    rigcal_own_code(bench_paper_scenes)
+    target_include_directories(bench_paper_scenes PRIVATE ${examples}/paper)
+    target_link_libraries(bench_paper_scenes PRIVATE rigcal_bench_support)
+    add_test(NAME bench_paper_scenes COMMAND bench_paper_scenes 5)
+    set_tests_properties(bench_paper_scenes PROPERTIES
+        LABELS bench TIMEOUT ${limit})
+endif()
+
+# Beside OpenCV; bench/opencv.sh asks for it.
+option(RIGCAL_BENCH_OPENCV "Build bench_opencv, which wants OpenCV" OFF)
+if(RIGCAL_BENCH_OPENCV)
+    enable_language(CXX)
+    find_path(opencv_headers opencv2/calib3d.hpp PATH_SUFFIXES opencv4)
+    add_executable(bench_opencv bench/bench_opencv.cpp)
+    rigcal_own_code(bench_opencv)
+    target_compile_features(bench_opencv PRIVATE cxx_std_17)
+    target_include_directories(bench_opencv SYSTEM PRIVATE ${opencv_headers})
+    target_compile_definitions(bench_opencv PRIVATE BENCH_BUILD="${build}")
+    target_link_libraries(bench_opencv PRIVATE
+        rigcal_bench_support opencv_calib3d opencv_core)
+endif()
+
+add_executable(bench_robust bench/bench_robust.c)
+rigcal_own_code(bench_robust)
+target_compile_definitions(bench_robust PRIVATE BENCH_BUILD="${build}")
+target_link_libraries(bench_robust PRIVATE rigcal_bench_support)
+add_test(NAME bench_robust COMMAND bench_robust wrong 10)
+set_tests_properties(bench_robust PROPERTIES LABELS bench TIMEOUT ${limit})
+
+# Adjusted rigs; bench/rig.sh links the first with Ceres, too.
+add_library(rigcal_bench_rigs STATIC bench/bench_rigs.c)
+rigcal_own_code(rigcal_bench_rigs)
+target_include_directories(rigcal_bench_rigs PUBLIC bench)
+target_link_libraries(rigcal_bench_rigs PUBLIC rigcal_test_support)
+
+add_executable(bench_rig bench/bench_rig.c)
+rigcal_own_code(bench_rig)
+target_link_libraries(bench_rig PRIVATE rigcal_bench_rigs)
+add_test(NAME bench_rig COMMAND bench_rig check)
+set_tests_properties(bench_rig PROPERTIES LABELS bench TIMEOUT ${limit})
+
+add_executable(bench_rig_statistics bench/bench_rig_statistics.c bench/bench_rig_cases.c)
+rigcal_own_code(bench_rig_statistics)
+target_compile_definitions(bench_rig_statistics PRIVATE BENCH_BUILD="${build}")
+target_link_libraries(bench_rig_statistics PRIVATE rigcal_test_support)
+add_test(NAME bench_rig_statistics COMMAND bench_rig_statistics check)
+set_tests_properties(bench_rig_statistics PROPERTIES LABELS bench TIMEOUT ${limit})
+
+add_executable(bench_rig_views bench/bench_rig_views.c)
+rigcal_own_code(bench_rig_views)
+target_link_libraries(bench_rig_views PRIVATE rigcal_test_support)
+
+option(RIGCAL_BENCH_CERES "Build bench_ceres, which wants Ceres" OFF)
+if(RIGCAL_BENCH_CERES)
+    enable_language(CXX)
+    find_package(Ceres REQUIRED)
+    add_executable(bench_ceres bench/bench_ceres.cpp)
+    rigcal_own_code(bench_ceres)
+    target_compile_features(bench_ceres PRIVATE cxx_std_17)
+    target_link_libraries(bench_ceres PRIVATE rigcal_bench_rigs Ceres::ceres)
+endif()

@@ -30,7 +30,8 @@ done
 gcc $strict -I$port -c $port/rigcal_tables.c -o "$out/rigcal_tables.o"
 ar rcs "$out/librigcal_tables.a" "$out/rigcal_tables.o"
 cmake -G Ninja -S . -B "$out/tests" -DCMAKE_C_COMPILER=gcc -DCMAKE_BUILD_TYPE=RelWithDebInfo \
-    -DRIGCAL_WERROR=ON -DRIGCAL_REAL=float -DRIGCAL_BUILD_TESTS=ON -DRIGCAL_BUILD_EXAMPLES=OFF \
+    -DRIGCAL_WERROR=ON -DRIGCAL_REAL=float -DRIGCAL_BUILD_TESTS=ON -DRIGCAL_BUILD_BENCHES=OFF \
+    -DRIGCAL_BUILD_EXAMPLES=OFF \
     -DRIGCAL_CONFIG_FILE=$port/rigcal_config_cmsis_dsp.h \
     -DCMAKE_C_STANDARD_LIBRARIES="$out/librigcal_tables.a -lm"
 cmake --build "$out/tests"

@@ -439,6 +439,15 @@ static rigcal_status check(const rigcal_faults *found, const rigcal_fault faults
         !rc_is_finite(words->time_scale)) {
         return RIGCAL_ERR_NOT_FINITE;
     }
+    for (int32_t c = 0; c < found->n_cameras; c++) {
+        if (words->names != NULL && words->names[c] == NULL) {
+            return RIGCAL_ERR_NULL;
+        }
+        if (found->clocks != NULL && !(rc_is_finite(found->clocks[c]) &&
+                                       rc_is_finite(found->clocks[found->n_cameras + c]))) {
+            return RIGCAL_ERR_NOT_FINITE;
+        }
+    }
     for (int32_t i = 0; i < found->n; i++) {
         if (faults[i].kind < 0 || faults[i].kind >= RIGCAL_FAULT_KINDS ||
             faults[i].camera < -1 || faults[i].camera >= found->n_cameras) {
@@ -462,9 +471,6 @@ rigcal_status rigcal_faults_text(char text[], size_t capacity, size_t *n_needed,
     if (status != RIGCAL_OK) {
         return status;
     }
-    if (capacity == 0) {
-        return RIGCAL_ERR_CAPACITY;
-    }
     writer w = {text, capacity, 0, 0, 1, found, words};
     say_agreement(&w);
     say_fault(&w, faults);
@@ -475,7 +481,9 @@ rigcal_status rigcal_faults_text(char text[], size_t capacity, size_t *n_needed,
     }
     put(&w, "Next: ");
     say(&w, next_of(found, faults));
-    text[w.whole] = 0;
+    if (capacity > 0) {
+        text[w.whole] = 0;
+    }
     if (n_needed != NULL) {
         *n_needed = w.n; /* a space less, and a 0 */
     }

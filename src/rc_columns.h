@@ -65,7 +65,7 @@ void rc_columns_test(rigcal_fault *fault, const rigcal_columns *columns,
 void rc_columns_solve(rigcal_real *gain, rigcal_real theta[], rigcal_real variance[],
                       rigcal_real I[], size_t k);
 
-/* The longest of the turns, and of the shifts, of the cameras in G. */
+/* The longest of the turns, and of the shifts, of the cameras in G; of those so far. */
 void rc_columns_most(rigcal_real *turn, rigcal_real *shift, const rigcal_real G[],
                      size_t n);
 

@@ -239,7 +239,7 @@ static void eliminate_pairs(rigcal_columns *s)
         const size_t n = !is_in_pass(s, p) ? 0 : (p < RC_OF_CAMERA) ? s->rig->n_cameras : 1;
         for (size_t c = 0; c < n; c++) {
             const rigcal_real *const Y = &s->border.Z[6 * column_of(s, c, p)];
-            s->pairs[pair_of(s, c, k)] -= dot(Y, &Y[6], 6);
+            s->pairs[pair_of(s, c, k)] -= rc_vec6_dot(Y, &Y[6]);
         }
     }
 }
@@ -250,9 +250,9 @@ static void eliminate_clocks(rigcal_columns *s)
     const rc_border *const b = &s->border;
     for (size_t c = 0; s->per_clock > 0 && c < s->rig->n_cameras; c++) {
         const rigcal_real *const Y = &b->Z[6 * c];
-        add_to_clock(s, s->g, c, -dot(Y, b->gp, 6));
+        add_to_clock(s, s->g, c, -rc_vec6_dot(Y, b->gp));
         for (size_t i = 0; i < b->k; i++) {
-            add_to_clock(s, &b->T[b->n * i], c, -dot(Y, &b->Z[6 * i], 6));
+            add_to_clock(s, &b->T[b->n * i], c, -rc_vec6_dot(Y, &b->Z[6 * i]));
         }
     }
 }
@@ -263,16 +263,16 @@ void rc_columns_eliminate(rigcal_columns *s)
     eliminate_clocks(s);
     for (size_t i = 0; i < b->k; i++) {
         const rigcal_real *const Y = &b->Z[6 * i];
-        s->Q[i] -= dot(Y, Y, 6);
-        s->q[i] -= dot(Y, b->gp, 6);
+        s->Q[i] -= rc_vec6_dot(Y, Y);
+        s->q[i] -= rc_vec6_dot(Y, b->gp);
         for (size_t j = 0; i < n_clocks(s) && j < i; j++) {
-            s->clocks[rc_packed_at(i, j)] -= dot(Y, &b->Z[6 * j], 6);
+            s->clocks[rc_packed_at(i, j)] -= rc_vec6_dot(Y, &b->Z[6 * j]);
         }
     }
     eliminate_pairs(s);
     for (size_t row = 0; row < 6 * b->count; row++) {
         if (b->slot[row / 6] >= 0) {
-            s->g[(size_t)b->slot[row / 6] + row % 6] -= dot(&b->W[6 * row], b->gp, 6);
+            s->g[(size_t)b->slot[row / 6] + row % 6] -= rc_vec6_dot(&b->W[6 * row], b->gp);
         }
     }
 }
@@ -387,7 +387,6 @@ static void add_reference(rigcal_real G[], const rigcal_columns *s,
 
 void rc_columns_most(rigcal_real *turn, rigcal_real *shift, const rigcal_real G[], size_t n)
 {
-    *turn = *shift = 0;
     for (size_t at = 0; at < n; at += 6) {
         *turn = rc_max(*turn, rc_vec3_norm(&G[at]));
         *shift = rc_max(*shift, rc_vec3_norm(&G[at + 3]));
@@ -430,6 +429,7 @@ static void reduce(const trial *t, const rigcal_columns *s)
                 Q_across(s, t, i, j) - dot(t->G, &s->border.T[n * column_at(s, t, i)], n);
         }
         add_reference(t->G, s, &parts, t, j);
+        t->turn[j] = t->shift[j] = 0;
         rc_columns_most(&t->turn[j], &t->shift[j], t->G, s->n);
     }
 }

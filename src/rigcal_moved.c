@@ -1,11 +1,5 @@
 #include "rc_moved.h"
 
-/* ---- constants ----------------------------------------------------------- */
-
-/* part of the information before anything was eliminated: with less of it left, a camera's
- * move is not to be told from a rig that stands otherwise. */
-#define RANK_TOL RC_TOL(1e-10, 1e-5)
-
 /* ---- sums ------------------------------------------------------------------ */
 
 void rc_moved_lay_out(rigcal_moves *m, const rigcal_columns *s, rc_pool *pool)
@@ -47,19 +41,6 @@ void rc_moved_view(rigcal_moves *m, const rc_border *b, size_t camera,
     }
 }
 
-/* Adds to what a free clock, and its drift, share with unknown i of all cameras. */
-static void add_to_clock(const rigcal_moves *m, const rigcal_columns *s, size_t camera,
-                         size_t i, rigcal_real x)
-{
-    const size_t n = 6 * s->rig->n_cameras;
-    if (rc_columns_is_free(s, camera)) {
-        m->clocks[n * camera + i] += x;
-        if (s->per_clock > 1) {
-            m->clocks[n * (s->rig->n_cameras + camera) + i] += s->since[camera] * x;
-        }
-    }
-}
-
 void rc_moved_clock(const rigcal_moves *m, const rigcal_columns *s, const rc_evidence *v,
                     const rc_chain *chain, size_t camera)
 {
@@ -69,7 +50,8 @@ void rc_moved_clock(const rigcal_moves *m, const rigcal_columns *s, const rc_evi
     rc_vec3_add(A, E);
     rc_vec3_copy(&A[3], &E[3]);
     for (size_t k = 0; k < 6; k++) {
-        add_to_clock(m, s, camera, 6 * camera + k, v->left * A[k]);
+        rc_columns_add_clock(s, &m->clocks[6 * camera + k], 6 * s->rig->n_cameras, camera,
+                             v->left * A[k]);
     }
 }
 
@@ -93,7 +75,8 @@ void rc_moved_eliminate(rigcal_moves *m, const rigcal_columns *s)
         const size_t i = 6 * (size_t)m->camera[slot / 6] + slot % 6;
         m->g[i] -= rc_vec6_dot(&b->W[6 * slot], b->gp);
         for (size_t c = 0; s->per_clock > 0 && c < s->rig->n_cameras; c++) {
-            add_to_clock(m, s, c, i, -rc_vec6_dot(&b->Z[6 * c], &b->W[6 * slot]));
+            rc_columns_add_clock(s, &m->clocks[i], 6 * s->rig->n_cameras, c,
+                                 -rc_vec6_dot(&b->Z[6 * c], &b->W[6 * slot]));
         }
     }
     for (size_t view = 0; view < b->count; view++) {
@@ -207,14 +190,13 @@ void rc_moved_test(rigcal_moves *m, const rigcal_columns *s, const rigcal_real S
     }
     reduce(I, G, room, n, S_inverse);
     for (size_t i = 0; i < 6; i++) {
-        const rigcal_real raw = at(m->S, from + i, from + i);
         best[RC_MOVED_THETA + i] = m->g[from + i];
-        if (!(raw > 0) || !rc_packed_factor_row(I, i, RANK_TOL * raw)) {
-            return;
-        }
+        best[RC_MOVED_VARIANCE + i] = at(m->S, from + i, from + i);
     }
-    rc_columns_solve(&best[RC_MOVED_GAIN], &best[RC_MOVED_THETA], &best[RC_MOVED_VARIANCE],
-                     I, 6);
+    if (!rc_columns_solve(&best[RC_MOVED_GAIN], &best[RC_MOVED_THETA],
+                          &best[RC_MOVED_VARIANCE], I, 6)) {
+        return;
+    }
     kept[RC_MOVED_TRIES] += 1;
     if (best[RC_MOVED_GAIN] > kept[RC_MOVED_GAIN]) {
         best[RC_MOVED_AT] = (rigcal_real)(int32_t)placement;

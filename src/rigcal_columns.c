@@ -11,7 +11,19 @@ extern inline size_t rc_packed_size(size_t n);
  * each view by itself. Then Q across two columns, and the same of each view by itself; Q
  * across clocks; g of the cameras and clocks; of each camera, the stamp of its view in the
  * placement. */
-enum { Q_OF, SLOPE, RAW, OWN_Q, OWN_SLOPE, PAIRS, OWN_PAIRS, CLOCKS, G, SINCE, SUMS };
+enum {
+    Q_OF,
+    SLOPE,
+    RAW,
+    OWN_Q,
+    OWN_SLOPE,
+    PAIRS,
+    OWN_PAIRS,
+    CLOCKS,
+    GRADIENT,
+    SINCE,
+    SUMS
+};
 
 /* ---- what belongs to a kind ------------------------------------------------- */
 
@@ -139,7 +151,7 @@ static size_t size_of(const rigcal_columns *s, int part)
         return (RC_PAIRS - 1) * s->rig->n_cameras + 1;
     case CLOCKS:
         return rc_packed_size(n_clocks(s));
-    case G:
+    case GRADIENT:
         return s->border.n;
     case SINCE:
         return (s->per_clock > 1) ? s->rig->n_cameras : 0;
@@ -201,10 +213,11 @@ void rc_columns_add(rigcal_columns *s, const rc_evidence *v, const rc_chain *cha
     if (s->per_clock > 1) {
         s->sums[SINCE][camera] = since;
     }
-    rc_columns_add_clock(s, &s->sums[G][s->n], 1, camera, v->left * v->q[RC_BY_CLOCK]);
+    rc_columns_add_clock(s, &s->sums[GRADIENT][s->n], 1, camera,
+                         v->left * v->q[RC_BY_CLOCK]);
     const rigcal_real of_camera = s->border.slot[s->border.count - 1];
     for (size_t k = 0; of_camera >= 0 && k < 6; k++) {
-        s->sums[G][(size_t)of_camera + k] += g[k];
+        s->sums[GRADIENT][(size_t)of_camera + k] += g[k];
     }
     for (size_t p = 0; p < RC_COLUMNS; p++) {
         if (is_in_pass(s, p)) {
@@ -258,7 +271,7 @@ static void eliminate_clocks(rigcal_columns *s)
     const rc_border *const b = &s->border;
     for (size_t c = 0; s->per_clock > 0 && c < s->rig->n_cameras; c++) {
         const rigcal_real *const Y = &b->Z[6 * c];
-        rc_columns_add_clock(s, &s->sums[G][s->n], 1, c, -rc_vec6_dot(Y, b->gp));
+        rc_columns_add_clock(s, &s->sums[GRADIENT][s->n], 1, c, -rc_vec6_dot(Y, b->gp));
         for (size_t i = 0; i < b->k; i++) {
             rc_columns_add_clock(s, &b->T[b->n * i + s->n], 1, c,
                                  -rc_vec6_dot(Y, &b->Z[6 * i]));
@@ -281,7 +294,7 @@ void rc_columns_eliminate(rigcal_columns *s)
     eliminate_pairs(s);
     for (size_t row = 0; row < 6 * b->count; row++) {
         if (b->slot[row / 6] >= 0) {
-            s->sums[G][(size_t)b->slot[row / 6] + row % 6] -=
+            s->sums[GRADIENT][(size_t)b->slot[row / 6] + row % 6] -=
                 rc_vec6_dot(&b->W[6 * row], b->gp);
         }
     }
@@ -440,7 +453,7 @@ static void reduce(const trial *t, const rigcal_columns *s)
         const size_t at = column_at(s, t, j);
         rc_border_effect(t->G, &s->border, parts.S, at);
         t->variance[j] = s->sums[RAW][at];
-        t->theta[j] = s->sums[SLOPE][at] - dot(t->G, s->sums[G], n);
+        t->theta[j] = s->sums[SLOPE][at] - dot(t->G, s->sums[GRADIENT], n);
         for (size_t i = j; i < t->k; i++) {
             t->I[rc_packed_at(i, j)] =
                 Q_across(s, t, i, j) - dot(t->G, &s->border.T[n * column_at(s, t, i)], n);

@@ -170,7 +170,7 @@ typedef struct rigcal_faults_solver rigcal_faults_solver; /* see rigcal_solvers.
  *
  * OK, ERR_NULL, ERR_RANGE (capacity is 0, kinds, is_truncated without sigma_px), ERR_STATE
  * (the rig is not adjusted), ERR_CAPACITY (work), and of views those of rigcal_rig_adjust.
- * It evaluates each view once a pass, and costs about as much as 4 evaluations of
+ * It evaluates each view once a pass, and costs about as much as 5 evaluations of
  * rigcal_rig_adjust. */
 RIGCAL_API rigcal_status rigcal_rig_faults(rigcal_faults *found, rigcal_fault faults[],
                                            size_t capacity, int32_t *at_fault,

@@ -464,8 +464,8 @@ static void build_clocks(void)
     TEST_ASSERT_EQUAL_INT32(RIGCAL_CLOCK_FREE, ok.clock_states[1]);
 }
 
-/* A rig whose faults are being looked for, one of which they have been, and what may be told
- * of a rig with free clocks, or a camera that moved. */
+/* A rig whose faults are being looked for, one of which they have been, and what may be
+ * told of a rig with free clocks, or a camera that moved. */
 static void build_faults(void)
 {
     static rigcal_real work[RIG_WORK], room[FAULTS_WORK];

@@ -491,7 +491,7 @@ static int untestable(int n)
     return explained > 0.03 * n + 1 || told < n;
 }
 
-/* ---- what it costs --------------------------------------------------------------------- */
+/* ---- what it costs ----------------------------------------------------------------- */
 
 static int cost(int n)
 {

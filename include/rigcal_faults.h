@@ -170,7 +170,7 @@ typedef struct rigcal_faults_solver rigcal_faults_solver; /* see rigcal_solvers.
  *
  * OK, ERR_NULL, ERR_RANGE (capacity is 0, kinds, is_truncated without sigma_px), ERR_STATE
  * (the rig is not adjusted), ERR_CAPACITY (work), and of views those of rigcal_rig_adjust.
- * It evaluates each view once a pass, and costs about as much as 4 evaluations of
+ * It evaluates each view once a pass, and costs about as much as 5 evaluations of
  * rigcal_rig_adjust. */
 RIGCAL_API rigcal_status rigcal_rig_faults(rigcal_faults *found, rigcal_fault faults[],
                                            size_t capacity, int32_t *at_fault,
@@ -205,8 +205,9 @@ typedef struct rigcal_faults_words {
  * divided by a space, with a line of its own for each step of the verdict. `text` gets as
  * many whole sentences as it has room for, and a 0 at the end; *n_needed, if not NULL, the
  * size that all of them take.
- * OK; ERR_CAPACITY: not all of them fit; ERR_NULL; ERR_NOT_FINITE, ERR_RANGE: what is
- * handed in is no result of rigcal_rig_faults, nothing is written. */
+ * OK; ERR_CAPACITY: not all of them fit. A capacity of 0 asks for the size. ERR_NULL;
+ * ERR_NOT_FINITE, ERR_RANGE: what is handed in is no result of rigcal_rig_faults, nothing
+ * is written. */
 RIGCAL_API rigcal_status rigcal_faults_text(char text[], size_t capacity, size_t *n_needed,
                                             const rigcal_faults *found,
                                             const rigcal_fault faults[],

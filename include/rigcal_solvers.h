@@ -340,10 +340,7 @@ typedef struct rigcal_columns {
                           or of the board; -1: it is not tested in this pass */
     size_t per_camera; /* besides the clock */
     rigcal_border border;
-    rigcal_real *Q, *q, *raw, *own_Q, *own_q;
-    rigcal_real *pairs, *own_pairs, *clocks; /* Q across two columns; across clocks */
-    rigcal_real *g;                          /* of the cameras and clocks */
-    rigcal_real *since;     /* of each camera, the stamp of its view in the placement */
+    rigcal_real *sums[10];  /* sums of columns: see rigcal_columns.c */
     rigcal_real *reference; /* 3 of each camera */
 } rigcal_columns;
 

@@ -60,12 +60,18 @@ void rc_columns_end(rigcal_columns *columns);
 void rc_columns_test(rigcal_fault *fault, const rigcal_columns *columns,
                      const rc_common *common, rigcal_real clocks[]);
 
-/* theta = I^-1 u in the place of u, its variance diag(I^-1), and the gain u . theta; I of k
- * rows is factored, and spent. */
-void rc_columns_solve(rigcal_real *gain, rigcal_real theta[], rigcal_real variance[],
-                      rigcal_real I[], size_t k);
+/* Adds what a free clock shares to its element of a row, and `since` times that to the
+ * element of its drift; `of`: the element of camera 0, `stride` from one to the next. */
+void rc_columns_add_clock(const rigcal_columns *columns, rigcal_real of[], size_t stride,
+                          size_t camera, rigcal_real x);
 
-/* The longest of the turns, and of the shifts, of the cameras in G. */
+/* theta = I^-1 u in the place of u, its variance diag(I^-1), and the gain u . theta; I of k
+ * rows is factored, and spent. `variance` has the diagonal before anything was eliminated.
+ * 0: with so little of it left, the parameters cannot be seen. */
+int rc_columns_solve(rigcal_real *gain, rigcal_real theta[], rigcal_real variance[],
+                     rigcal_real I[], size_t k);
+
+/* The longest of the turns, and of the shifts, of the cameras in G; of those so far. */
 void rc_columns_most(rigcal_real *turn, rigcal_real *shift, const rigcal_real G[],
                      size_t n);
 

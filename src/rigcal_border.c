@@ -87,14 +87,14 @@ static void eliminate_column(rc_border *b, const rc_sym6_factor *L, size_t i,
         if (b->slot[slot] >= 0) {
             rigcal_real *const T = &b->T[b->n * i + (size_t)b->slot[slot]];
             for (size_t row = 0; row < 6; row++) {
-                T[row] -= dot(&b->W[36 * slot + 6 * row], Y, 6);
+                T[row] -= rc_vec6_dot(&b->W[36 * slot + 6 * row], Y);
             }
         }
     }
     if (b->q != NULL) {
-        b->q[i] -= dot(Y, b->gp, 6);
+        b->q[i] -= rc_vec6_dot(Y, b->gp);
         for (size_t j = first_of(b, i); j <= i; j++) {
-            *(*Q)++ -= dot(Y, &b->Z[6 * j], 6);
+            *(*Q)++ -= rc_vec6_dot(Y, &b->Z[6 * j]);
         }
     }
 }

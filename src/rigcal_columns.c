@@ -7,6 +7,24 @@ extern inline size_t rc_packed_size(size_t n);
 /* part of Q: with less of it left when all else is free, a parameter cannot be seen. */
 #define RANK_TOL RC_TOL(1e-10, 1e-5)
 
+/* Parts of s->sums. Of each column: Q; q; Q before placements were eliminated; Q and q of
+ * each view by itself. Then Q across two columns, and the same of each view by itself; Q
+ * across clocks; g of the cameras and clocks; of each camera, the stamp of its view in the
+ * placement. */
+enum {
+    Q_OF,
+    SLOPE,
+    RAW,
+    OWN_Q,
+    OWN_SLOPE,
+    PAIRS,
+    OWN_PAIRS,
+    CLOCKS,
+    GRADIENT,
+    SINCE,
+    SUMS
+};
+
 /* ---- what belongs to a kind ------------------------------------------------- */
 
 static const uint8_t KIND_OF[RC_COLUMNS] = {
@@ -124,10 +142,27 @@ static void number_columns(rigcal_columns *s)
     s->border.k = n_clocks(s) + s->per_camera * s->rig->n_cameras + (size_t)rank;
 }
 
+/* Reals of a part of s->sums. */
+static size_t size_of(const rigcal_columns *s, int part)
+{
+    switch (part) {
+    case PAIRS:
+    case OWN_PAIRS:
+        return (RC_PAIRS - 1) * s->rig->n_cameras + 1;
+    case CLOCKS:
+        return rc_packed_size(n_clocks(s));
+    case GRADIENT:
+        return s->border.n;
+    case SINCE:
+        return (s->per_clock > 1) ? s->rig->n_cameras : 0;
+    default:
+        return s->border.k;
+    }
+}
+
 void rc_columns_lay_out(rigcal_columns *s, rc_pool *pool, size_t room)
 {
     const size_t n_cameras = s->rig->n_cameras, n_free = rc_columns_n_free(s);
-    const size_t n_pairs = (RC_PAIRS - 1) * n_cameras + 1;
     s->per_clock = (n_free == 0) ? 0 : (s->rig->clocks->free_drifts == 0) ? 1 : 2;
     s->border.n = s->n + s->per_clock * n_cameras;
     const size_t n = s->border.n;
@@ -136,32 +171,17 @@ void rc_columns_lay_out(rigcal_columns *s, rc_pool *pool, size_t room)
     const size_t test = n + rc_packed_size(larger(n_cameras, 2)) + 4 * larger(n_cameras, 2);
     s->border.Z = rc_pool_take(pool, larger(larger(6 * k, test), room * n));
     s->border.T = rc_pool_take(pool, k * n);
-    s->Q = rc_pool_take(pool, k);
-    s->q = rc_pool_take(pool, k);
-    s->raw = rc_pool_take(pool, k);
-    s->own_Q = rc_pool_take(pool, k);
-    s->own_q = rc_pool_take(pool, k);
-    s->pairs = rc_pool_take(pool, n_pairs);
-    s->own_pairs = rc_pool_take(pool, n_pairs);
-    s->clocks = rc_pool_take(pool, rc_packed_size(n_clocks(s)));
-    s->g = rc_pool_take(pool, n);
-    s->since = rc_pool_take(pool, (s->per_clock > 1) ? n_cameras : 0);
+    for (int i = 0; i < SUMS; i++) {
+        s->sums[i] = rc_pool_take(pool, size_of(s, i));
+    }
 }
 
 void rc_columns_begin(rigcal_columns *s)
 {
-    const size_t k = s->border.k, n_pairs = (RC_PAIRS - 1) * s->rig->n_cameras + 1;
     rc_border_begin(&s->border);
-    rc_clear(s->Q, k);
-    rc_clear(s->q, k);
-    rc_clear(s->raw, k);
-    rc_clear(s->own_Q, k);
-    rc_clear(s->own_q, k);
-    rc_clear(s->pairs, n_pairs);
-    rc_clear(s->own_pairs, n_pairs);
-    rc_clear(s->clocks, rc_packed_size(n_clocks(s)));
-    rc_clear(s->g, s->border.n);
-    rc_clear(s->since, (s->per_clock > 1) ? s->rig->n_cameras : 0);
+    for (int i = 0; i < SUMS; i++) {
+        rc_clear(s->sums[i], size_of(s, i));
+    }
 }
 
 /* ---- sums ---------------------------------------------------------------------- */
@@ -175,14 +195,13 @@ static rigcal_real dot(const rigcal_real a[], const rigcal_real b[], size_t n)
     return sum;
 }
 
-/* What the free clock of a view shares: element of its rows, `part` of its own times. */
-static void add_to_clock(const rigcal_columns *s, rigcal_real of[], size_t camera,
-                         rigcal_real x)
+void rc_columns_add_clock(const rigcal_columns *s, rigcal_real of[], size_t stride,
+                          size_t camera, rigcal_real x)
 {
     if (rc_columns_is_free(s, camera)) {
-        of[s->n + camera] += x;
+        of[stride * camera] += x;
         if (s->per_clock > 1) {
-            of[s->n + s->rig->n_cameras + camera] += s->since[camera] * x;
+            of[stride * (s->rig->n_cameras + camera)] += s->sums[SINCE][camera] * x;
         }
     }
 }
@@ -192,29 +211,31 @@ void rc_columns_add(rigcal_columns *s, const rc_evidence *v, const rc_chain *cha
 {
     rigcal_real E[6], Q, q, along, other;
     if (s->per_clock > 1) {
-        s->since[camera] = since;
+        s->sums[SINCE][camera] = since;
     }
-    add_to_clock(s, s->g, camera, v->left * v->q[RC_BY_CLOCK]);
+    rc_columns_add_clock(s, &s->sums[GRADIENT][s->n], 1, camera,
+                         v->left * v->q[RC_BY_CLOCK]);
     const rigcal_real of_camera = s->border.slot[s->border.count - 1];
     for (size_t k = 0; of_camera >= 0 && k < 6; k++) {
-        s->g[(size_t)of_camera + k] += g[k];
+        s->sums[GRADIENT][(size_t)of_camera + k] += g[k];
     }
     for (size_t p = 0; p < RC_COLUMNS; p++) {
         if (is_in_pass(s, p)) {
             const size_t at = column_of(s, camera, p);
             rc_evidence_weighed(E, &Q, &q, &along, v, p);
             rc_border_add(&s->border, chain, at, E);
-            add_to_clock(s, &s->border.T[s->border.n * at], camera, v->left * along);
-            s->Q[at] += Q;
-            s->raw[at] += Q;
-            s->q[at] += q;
+            rc_columns_add_clock(s, &s->border.T[s->border.n * at + s->n], 1, camera,
+                                 v->left * along);
+            s->sums[Q_OF][at] += Q;
+            s->sums[RAW][at] += Q;
+            s->sums[SLOPE][at] += q;
         }
     }
     for (size_t k = 0; k < RC_PAIRS; k++) {
         const size_t p = rc_pair_first[k];
         along = rc_vec6_dot(v->m, v->E[p]);
         other = rc_vec6_dot(v->m, v->E[p + 1]);
-        s->pairs[pair_of(s, camera, k)] += v->pairs[k] - v->stamp * along * other;
+        s->sums[PAIRS][pair_of(s, camera, k)] += v->pairs[k] - v->stamp * along * other;
     }
 }
 
@@ -223,12 +244,12 @@ void rc_columns_add_alone(rigcal_columns *s, const rc_evidence *v, size_t camera
     for (size_t p = 0; p < RC_COLUMNS; p++) {
         if (is_in_pass(s, p)) {
             const size_t at = column_of(s, camera, p);
-            s->own_Q[at] += v->Q[p];
-            s->own_q[at] += v->q[p];
+            s->sums[OWN_Q][at] += v->Q[p];
+            s->sums[OWN_SLOPE][at] += v->q[p];
         }
     }
     for (size_t k = 0; k < RC_PAIRS; k++) {
-        s->own_pairs[pair_of(s, camera, k)] += v->pairs[k];
+        s->sums[OWN_PAIRS][pair_of(s, camera, k)] += v->pairs[k];
     }
 }
 
@@ -239,7 +260,7 @@ static void eliminate_pairs(rigcal_columns *s)
         const size_t n = !is_in_pass(s, p) ? 0 : (p < RC_OF_CAMERA) ? s->rig->n_cameras : 1;
         for (size_t c = 0; c < n; c++) {
             const rigcal_real *const Y = &s->border.Z[6 * column_of(s, c, p)];
-            s->pairs[pair_of(s, c, k)] -= dot(Y, &Y[6], 6);
+            s->sums[PAIRS][pair_of(s, c, k)] -= rc_vec6_dot(Y, &Y[6]);
         }
     }
 }
@@ -250,9 +271,10 @@ static void eliminate_clocks(rigcal_columns *s)
     const rc_border *const b = &s->border;
     for (size_t c = 0; s->per_clock > 0 && c < s->rig->n_cameras; c++) {
         const rigcal_real *const Y = &b->Z[6 * c];
-        add_to_clock(s, s->g, c, -dot(Y, b->gp, 6));
+        rc_columns_add_clock(s, &s->sums[GRADIENT][s->n], 1, c, -rc_vec6_dot(Y, b->gp));
         for (size_t i = 0; i < b->k; i++) {
-            add_to_clock(s, &b->T[b->n * i], c, -dot(Y, &b->Z[6 * i], 6));
+            rc_columns_add_clock(s, &b->T[b->n * i + s->n], 1, c,
+                                 -rc_vec6_dot(Y, &b->Z[6 * i]));
         }
     }
 }
@@ -263,16 +285,17 @@ void rc_columns_eliminate(rigcal_columns *s)
     eliminate_clocks(s);
     for (size_t i = 0; i < b->k; i++) {
         const rigcal_real *const Y = &b->Z[6 * i];
-        s->Q[i] -= dot(Y, Y, 6);
-        s->q[i] -= dot(Y, b->gp, 6);
+        s->sums[Q_OF][i] -= rc_vec6_dot(Y, Y);
+        s->sums[SLOPE][i] -= rc_vec6_dot(Y, b->gp);
         for (size_t j = 0; i < n_clocks(s) && j < i; j++) {
-            s->clocks[rc_packed_at(i, j)] -= dot(Y, &b->Z[6 * j], 6);
+            s->sums[CLOCKS][rc_packed_at(i, j)] -= rc_vec6_dot(Y, &b->Z[6 * j]);
         }
     }
     eliminate_pairs(s);
     for (size_t row = 0; row < 6 * b->count; row++) {
         if (b->slot[row / 6] >= 0) {
-            s->g[(size_t)b->slot[row / 6] + row % 6] -= dot(&b->W[6 * row], b->gp, 6);
+            s->sums[GRADIENT][(size_t)b->slot[row / 6] + row % 6] -=
+                rc_vec6_dot(&b->W[6 * row], b->gp);
         }
     }
 }
@@ -293,7 +316,7 @@ static int is_freed(const rigcal_columns *s, size_t camera)
     for (size_t c = 0; c < camera; c++) {
         is_first &= s->rig->group[c] != s->rig->group[camera];
     }
-    return !is_first && s->per_clock == 0 && s->raw[camera] > 0;
+    return !is_first && s->per_clock == 0 && s->sums[RAW][camera] > 0;
 }
 
 static size_t column_at(const rigcal_columns *s, const trial *t, size_t j)
@@ -340,11 +363,11 @@ static size_t pair_at(const rigcal_columns *s, const trial *t)
 static rigcal_real Q_across(const rigcal_columns *s, const trial *t, size_t i, size_t j)
 {
     if (i == j) {
-        return s->Q[column_at(s, t, i)];
+        return s->sums[Q_OF][column_at(s, t, i)];
     }
     return (t->kind == RIGCAL_FAULT_CLOCKS)
-               ? s->clocks[rc_packed_at(column_at(s, t, i), column_at(s, t, j))]
-               : s->pairs[pair_at(s, t)];
+               ? s->sums[CLOCKS][rc_packed_at(column_at(s, t, i), column_at(s, t, j))]
+               : s->sums[PAIRS][pair_at(s, t)];
 }
 
 /* Whether camera c has unknowns, and a frame in common with that of the fault. */
@@ -387,17 +410,21 @@ static void add_reference(rigcal_real G[], const rigcal_columns *s,
 
 void rc_columns_most(rigcal_real *turn, rigcal_real *shift, const rigcal_real G[], size_t n)
 {
-    *turn = *shift = 0;
     for (size_t at = 0; at < n; at += 6) {
         *turn = rc_max(*turn, rc_vec3_norm(&G[at]));
         *shift = rc_max(*shift, rc_vec3_norm(&G[at + 3]));
     }
 }
 
-void rc_columns_solve(rigcal_real *gain, rigcal_real theta[], rigcal_real variance[],
-                      rigcal_real I[], size_t k)
+int rc_columns_solve(rigcal_real *gain, rigcal_real theta[], rigcal_real variance[],
+                     rigcal_real I[], size_t k)
 {
     *gain = 0;
+    for (size_t i = 0; i < k; i++) {
+        if (!(variance[i] > 0) || !rc_packed_factor_row(I, i, RANK_TOL * variance[i])) {
+            return 0;
+        }
+    }
     rc_packed_forward(theta, I, k);
     for (size_t i = 0; i < k; i++) {
         *gain += theta[i] * theta[i];
@@ -413,6 +440,7 @@ void rc_columns_solve(rigcal_real *gain, rigcal_real theta[], rigcal_real varian
         }
         theta[i] = sum;
     }
+    return 1;
 }
 
 /* I and u of (H6), u in the place of theta, and what a unit of each does (H13). */
@@ -424,12 +452,14 @@ static void reduce(const trial *t, const rigcal_columns *s)
     for (size_t j = 0; j < t->k; j++) {
         const size_t at = column_at(s, t, j);
         rc_border_effect(t->G, &s->border, parts.S, at);
-        t->theta[j] = s->q[at] - dot(t->G, s->g, n);
+        t->variance[j] = s->sums[RAW][at];
+        t->theta[j] = s->sums[SLOPE][at] - dot(t->G, s->sums[GRADIENT], n);
         for (size_t i = j; i < t->k; i++) {
             t->I[rc_packed_at(i, j)] =
                 Q_across(s, t, i, j) - dot(t->G, &s->border.T[n * column_at(s, t, i)], n);
         }
         add_reference(t->G, s, &parts, t, j);
+        t->turn[j] = t->shift[j] = 0;
         rc_columns_most(&t->turn[j], &t->shift[j], t->G, s->n);
     }
 }
@@ -441,14 +471,7 @@ static int solve(rigcal_real *gain, const trial *t, const rigcal_columns *s)
         (t->kind == RIGCAL_FAULT_DRIFT && s->per_clock > 1)) {
         return 0; /* the adjustment has taken it out */
     }
-    for (size_t i = 0; i < t->k; i++) {
-        const rigcal_real raw = s->raw[column_at(s, t, i)];
-        if (!(raw > 0) || !rc_packed_factor_row(t->I, i, RANK_TOL * raw)) {
-            return 0;
-        }
-    }
-    rc_columns_solve(gain, t->theta, t->variance, t->I, t->k);
-    return t->k > 0;
+    return t->k > 0 && rc_columns_solve(gain, t->theta, t->variance, t->I, t->k);
 }
 
 /* What the views gain by themselves from theta (H8). */
@@ -457,10 +480,11 @@ static rigcal_real own_gain(const rigcal_columns *s, const trial *t)
     rigcal_real gain = 0;
     for (size_t i = 0; i < t->k; i++) {
         const size_t at = column_at(s, t, i);
-        gain += t->theta[i] * (2 * s->own_q[at] - t->theta[i] * s->own_Q[at]);
+        gain +=
+            t->theta[i] * (2 * s->sums[OWN_SLOPE][at] - t->theta[i] * s->sums[OWN_Q][at]);
     }
     if (t->k == 2 && t->kind != RIGCAL_FAULT_CLOCKS) {
-        gain -= 2 * t->theta[0] * t->theta[1] * s->own_pairs[pair_at(s, t)];
+        gain -= 2 * t->theta[0] * t->theta[1] * s->sums[OWN_PAIRS][pair_at(s, t)];
     }
     return gain;
 }

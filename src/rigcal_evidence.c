@@ -118,7 +118,7 @@ static rigcal_status rows_of(rows *p, const rc_scan *scan, const rigcal_points *
         p->e[row] = by_sigma * (o->uv[row] - uv[row]);
         rc_vec3_cross(p->J[row], p->q, &p->B[3 * row]);
         rc_vec3_copy(&p->J[row][3], &p->B[3 * row]);
-        p->D[row][0] = row_time * dot(p->J[row], m, 6);
+        p->D[row][0] = row_time * rc_vec6_dot(p->J[row], m);
     }
     p->counts = !(scan->limit2 > 0 && dot(p->e, p->e, 2) > scan->limit2);
     return RIGCAL_OK;
@@ -128,21 +128,24 @@ static rigcal_status rows_of(rows *p, const rc_scan *scan, const rigcal_points *
 
 static void add_point(rc_evidence *out, const rows *p)
 {
+    const rigcal_real *const D = p->D[0], *const F = p->D[1];
+    rigcal_real *const Q = &out->Q[FROM], *const q = &out->q[FROM];
     out->n++;
     out->sum += dot(p->e, p->e, 2);
     rc_rigid_add(out->g, out->H, p->B, p->q, p->e, 1, NULL, 0);
     for (int c = 0; c < POINT_COLUMNS; c++) {
-        const rigcal_real u = p->D[0][c], v = p->D[1][c];
         rigcal_real *const E = out->E[FROM + c];
         for (int k = 0; k < 6; k++) {
-            E[k] += u * p->J[0][k] + v * p->J[1][k];
+            E[k] += D[c] * p->J[0][k] + F[c] * p->J[1][k];
         }
-        out->Q[FROM + c] += u * u + v * v;
-        out->q[FROM + c] += u * p->e[0] + v * p->e[1];
+    }
+    for (int c = 0; c < POINT_COLUMNS; c++) {
+        Q[c] += D[c] * D[c] + F[c] * F[c];
+        q[c] += D[c] * p->e[0] + F[c] * p->e[1];
     }
     for (int k = 0; k < RC_PAIRS; k++) {
         const int c = rc_pair_first[k] - FROM;
-        out->pairs[k] += p->D[0][c] * p->D[0][c + 1] + p->D[1][c] * p->D[1][c + 1];
+        out->pairs[k] += D[c] * D[c + 1] + F[c] * F[c + 1];
     }
 }
 
@@ -150,15 +153,13 @@ static void add_neighbours(rc_evidence *out, const rows *a, const rows *b)
 {
     out->n_neighbours++;
     out->product += dot(a->e, b->e, 2);
-    for (int row = 0; row < 2; row++) {
-        const rigcal_real *const J = b->J[row];
-        for (int i = 0; i < 6; i++) {
-            const rigcal_real s = a->J[row][i];
-            rigcal_real *const M = &out->M[6 * i];
-            out->mixed[i] += s * b->e[row] + J[i] * a->e[row];
-            for (int j = 0; j < 6; j++) {
-                M[j] += s * J[j];
-            }
+    for (int i = 0; i < 6; i++) {
+        const rigcal_real u = a->J[0][i], v = a->J[1][i];
+        rigcal_real *const M = &out->M[6 * i];
+        out->mixed[i] += u * b->e[0] + v * b->e[1];
+        out->mixed[i] += b->J[0][i] * a->e[0] + b->J[1][i] * a->e[1];
+        for (int j = 0; j < 6; j++) {
+            M[j] += u * b->J[0][j] + v * b->J[1][j];
         }
     }
 }
@@ -188,8 +189,8 @@ static void add_clock(rc_evidence *out, const rigcal_real m[6], rigcal_real sinc
     }
     out->left = 1;
     rc_sym6_mul(out->E[RC_BY_CLOCK], out->H, m);
-    out->Q[RC_BY_CLOCK] = dot(out->E[RC_BY_CLOCK], m, 6);
-    out->q[RC_BY_CLOCK] = dot(out->g, m, 6);
+    out->Q[RC_BY_CLOCK] = rc_vec6_dot(out->E[RC_BY_CLOCK], m);
+    out->q[RC_BY_CLOCK] = rc_vec6_dot(out->g, m);
     for (int k = 0; k < 6; k++) {
         out->E[RC_BY_DRIFT][k] = since * out->E[RC_BY_CLOCK][k];
     }
@@ -240,7 +241,7 @@ void rc_evidence_stamp(rc_evidence *v, rigcal_real ratio2)
 void rc_evidence_weighed(rigcal_real E[6], rigcal_real *Q, rigcal_real *q,
                          rigcal_real *along, const rc_evidence *v, size_t parameter)
 {
-    *along = dot(v->m, v->E[parameter], 6);
+    *along = rc_vec6_dot(v->m, v->E[parameter]);
     const rigcal_real part = v->stamp * *along;
     for (int k = 0; k < 6; k++) {
         E[k] = v->E[parameter][k] - part * v->E[RC_BY_CLOCK][k];
@@ -261,15 +262,15 @@ int rc_evidence_alone(rc_evidence *v, rigcal_real d[6])
         d[k] = v->g[k];
     }
     rc_sym6_forward(d, &L);
-    v->sum -= dot(d, d, 6);
+    v->sum -= rc_vec6_dot(d, d);
     for (int c = 0; c < RC_COLUMNS; c++) {
         rc_sym6_forward(v->E[c], &L);
-        v->Q[c] -= dot(v->E[c], v->E[c], 6);
-        v->q[c] -= dot(v->E[c], d, 6);
+        v->Q[c] -= rc_vec6_dot(v->E[c], v->E[c]);
+        v->q[c] -= rc_vec6_dot(v->E[c], d);
     }
     for (int k = 0; k < RC_PAIRS; k++) {
         const int c = rc_pair_first[k];
-        v->pairs[k] -= dot(v->E[c], v->E[c + 1], 6);
+        v->pairs[k] -= rc_vec6_dot(v->E[c], v->E[c + 1]);
     }
     rc_sym6_backward(d, &L);
     return 1;
@@ -278,10 +279,10 @@ int rc_evidence_alone(rc_evidence *v, rigcal_real d[6])
 rigcal_real rc_evidence_pattern(rigcal_real *expected, const rc_evidence *v,
                                 const rigcal_real d[6])
 {
-    rigcal_real inverse[36], product = v->product - dot(d, v->mixed, 6);
+    rigcal_real inverse[36], product = v->product - rc_vec6_dot(d, v->mixed);
     (void)rc_sym6_invert(inverse, v->H);
     for (int i = 0; i < 6; i++) {
-        product += d[i] * dot(&v->M[6 * i], d, 6);
+        product += d[i] * rc_vec6_dot(&v->M[6 * i], d);
     }
     *expected = -dot(inverse, v->M, 36);
     return product;

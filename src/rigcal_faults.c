@@ -399,10 +399,9 @@ static void go_on_testing(rigcal_faults_solver *s)
     }
     if (s->left == 0) {
         finish(s);
-    } else if (choose_kinds(s)) {
-        begin_pass(s);
     } else {
-        end(s, RIGCAL_ERR_CAPACITY, -1);
+        (void)choose_kinds(s);
+        begin_pass(s);
     }
 }
 
@@ -517,7 +516,6 @@ static void count_unknowns(rigcal_faults_solver *s)
 {
     rc_rig_parts parts;
     rc_rig_parts_of(&parts, s->rig, 0);
-    s->n = s->n_free = 0;
     for (size_t c = 0; c < s->rig->n_cameras; c++) {
         if (parts.column[c] >= 0) {
             s->n += 6;
@@ -526,37 +524,42 @@ static void count_unknowns(rigcal_faults_solver *s)
     }
 }
 
-rigcal_status rigcal_faults_begin(rigcal_faults_solver *s, rigcal_fault faults[],
+rigcal_status rigcal_faults_begin(rigcal_faults_solver *solver, rigcal_fault faults[],
                                   size_t capacity, const rigcal_faults_options *options,
                                   rigcal_rig *rig)
 {
-    if (s == NULL || faults == NULL || options == NULL || options->work == NULL) {
+    rigcal_faults_solver s = {0}; /* a solver that is refused stays as it is */
+    if (solver == NULL || faults == NULL || options == NULL || options->work == NULL) {
         return RIGCAL_ERR_NULL;
     }
     const rigcal_status status = check(rig, options, capacity);
     if (status != RIGCAL_OK) {
         return status;
     }
-    *s = (rigcal_faults_solver){0};
-    s->rig = rig;
-    s->options = options;
-    s->faults = faults;
-    s->capacity = capacity;
-    s->left = (options->kinds == 0) ? RIGCAL_FAULTS_ALL : options->kinds;
-    s->at_fault = -1;
+    s.rig = rig;
+    s.options = options;
+    s.faults = faults;
+    s.capacity = capacity;
+    s.phase = COUNTING;
+    s.at_fault = -1;
     for (int k = 0; k < 2; k++) {
-        s->low[k] = RC_MAX;
-        s->high[k] = -RC_MAX;
+        s.low[k] = RC_MAX;
+        s.high[k] = -RC_MAX;
     }
-    count_unknowns(s);
-    if (!choose_kinds(s)) {
-        return RIGCAL_ERR_CAPACITY;
+    count_unknowns(&s);
+    const int32_t all = (options->kinds == 0) ? RIGCAL_FAULTS_ALL : options->kinds;
+    for (s.left = all; s.left != 0;) { /* each pass has room */
+        if (!choose_kinds(&s)) {
+            return RIGCAL_ERR_CAPACITY;
+        }
     }
-    rc_clear(s->moves.total, rig->n_cameras);
+    s.left = all;
+    (void)choose_kinds(&s);
+    rc_clear(s.moves.total, rig->n_cameras);
     if (options->clocks != NULL) {
         rc_clear(options->clocks, 2 * rig->n_cameras);
     }
-    s->phase = COUNTING;
+    *solver = s;
     return RIGCAL_OK;
 }
 

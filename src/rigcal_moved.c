@@ -1,16 +1,5 @@
 #include "rc_moved.h"
 
-/* ---- constants ----------------------------------------------------------- */
-
-/* part of the information of the views from there on: with less of it left when all else is
- * free, a camera's move is not to be told from a rig that stands otherwise. */
-#define RANK_TOL RC_TOL(1e-10, 1e-5)
-
-static rigcal_real dot6(const rigcal_real a[6], const rigcal_real b[6])
-{
-    return rc_vec3_dot(a, b) + rc_vec3_dot(&a[3], &b[3]);
-}
-
 /* ---- sums ------------------------------------------------------------------ */
 
 void rc_moved_lay_out(rigcal_moves *m, const rigcal_columns *s, rc_pool *pool)
@@ -52,19 +41,6 @@ void rc_moved_view(rigcal_moves *m, const rc_border *b, size_t camera,
     }
 }
 
-/* Adds to what a free clock, and its drift, share with unknown i of all cameras. */
-static void add_to_clock(const rigcal_moves *m, const rigcal_columns *s, size_t camera,
-                         size_t i, rigcal_real x)
-{
-    const size_t n = 6 * s->rig->n_cameras;
-    if (rc_columns_is_free(s, camera)) {
-        m->clocks[n * camera + i] += x;
-        if (s->per_clock > 1) {
-            m->clocks[n * (s->rig->n_cameras + camera) + i] += s->since[camera] * x;
-        }
-    }
-}
-
 void rc_moved_clock(const rigcal_moves *m, const rigcal_columns *s, const rc_evidence *v,
                     const rc_chain *chain, size_t camera)
 {
@@ -74,28 +50,38 @@ void rc_moved_clock(const rigcal_moves *m, const rigcal_columns *s, const rc_evi
     rc_vec3_add(A, E);
     rc_vec3_copy(&A[3], &E[3]);
     for (size_t k = 0; k < 6; k++) {
-        add_to_clock(m, s, camera, 6 * camera + k, v->left * A[k]);
+        rc_columns_add_clock(s, &m->clocks[6 * camera + k], 6 * s->rig->n_cameras, camera,
+                             v->left * A[k]);
+    }
+}
+
+/* S of two cameras loses what their views of the placement share by it. */
+static void eliminate_pair(rigcal_moves *m, const rc_border *b, size_t view, size_t other)
+{
+    const size_t c = (size_t)m->camera[view], d = (size_t)m->camera[other];
+    for (size_t i = 0; d <= c && i < 6; i++) {
+        const rigcal_real *const Y = &b->W[36 * view + 6 * i];
+        rigcal_real *const row = &m->S[rc_packed_at(6 * c + i, 6 * d)];
+        for (size_t j = 0; j < ((d < c) ? 6 : i + 1); j++) {
+            row[j] -= rc_vec6_dot(Y, &b->W[36 * other + 6 * j]);
+        }
     }
 }
 
 void rc_moved_eliminate(rigcal_moves *m, const rigcal_columns *s)
 {
     const rc_border *const b = &s->border;
-    for (size_t slot = 0; s->per_clock > 0 && slot < 6 * b->count; slot++) {
+    for (size_t slot = 0; slot < 6 * b->count; slot++) {
         const size_t i = 6 * (size_t)m->camera[slot / 6] + slot % 6;
-        for (size_t c = 0; c < s->rig->n_cameras; c++) {
-            add_to_clock(m, s, c, i, -dot6(&b->Z[6 * c], &b->W[6 * slot]));
+        m->g[i] -= rc_vec6_dot(&b->W[6 * slot], b->gp);
+        for (size_t c = 0; s->per_clock > 0 && c < s->rig->n_cameras; c++) {
+            rc_columns_add_clock(s, &m->clocks[i], 6 * s->rig->n_cameras, c,
+                                 -rc_vec6_dot(&b->Z[6 * c], &b->W[6 * slot]));
         }
     }
-    for (size_t slot = 0; slot < 6 * b->count; slot++) {
-        const rigcal_real *const Y = &b->W[6 * slot];
-        const size_t i = 6 * (size_t)m->camera[slot / 6] + slot % 6;
-        m->g[i] -= dot6(Y, b->gp);
-        for (size_t other = 0; other < 6 * b->count; other++) {
-            const size_t j = 6 * (size_t)m->camera[other / 6] + other % 6;
-            if (j <= i) {
-                m->S[rc_packed_at(i, j)] -= dot6(Y, &b->W[6 * other]);
-            }
+    for (size_t view = 0; view < b->count; view++) {
+        for (size_t other = 0; other < b->count; other++) {
+            eliminate_pair(m, b, view, other);
         }
     }
 }
@@ -112,25 +98,79 @@ int rc_moved_saw(const rigcal_moves *m, const rigcal_columns *s, size_t camera)
 
 /* ---- the test -------------------------------------------------------------- */
 
-static rigcal_real S_at(const rigcal_moves *m, size_t i, size_t j)
+static rigcal_real at(const rigcal_real packed[], size_t i, size_t j)
 {
-    return m->S[(i >= j) ? rc_packed_at(i, j) : rc_packed_at(j, i)];
+    return packed[(i >= j) ? rc_packed_at(i, j) : rc_packed_at(j, i)];
 }
 
-/* T of the six parameters: the columns of S that are the camera's, by the unknowns. */
+/* T of the six parameters: the columns of S that are the camera's, by the unknowns, six
+ * numbers of each. */
 static void take_columns(rigcal_real T[], const rigcal_columns *s, const rigcal_moves *m,
                          const rigcal_real column[], size_t camera)
 {
-    const size_t n = s->border.n, n_cameras = s->rig->n_cameras;
-    for (size_t at = s->n; at < n; at++) {
+    const size_t n_cameras = s->rig->n_cameras;
+    for (size_t i = s->n; i < s->border.n; i++) {
+        const rigcal_real *const row = &m->clocks[6 * (n_cameras * (i - s->n) + camera)];
         for (size_t k = 0; k < 6; k++) {
-            T[k * n + at] = m->clocks[6 * n_cameras * (at - s->n) + 6 * camera + k];
+            T[6 * i + k] = row[k];
         }
     }
     for (size_t c = 0; c < n_cameras; c++) {
-        for (size_t k = 0; column[c] >= 0 && k < 36; k++) {
-            T[(k / 6) * n + (size_t)column[c] + k % 6] =
-                S_at(m, 6 * c + k % 6, 6 * camera + k / 6);
+        for (size_t i = 0; column[c] >= 0 && i < 6; i++) {
+            rigcal_real *const to = &T[6 * ((size_t)column[c] + i)];
+            for (size_t k = 0; k < 6; k++) {
+                to[k] = at(m->S, 6 * c + i, 6 * camera + k);
+            }
+        }
+    }
+}
+
+/* I -= T^T S^-1 T, and G = S^-1 T, of six parameters. */
+static void reduce(rigcal_real I[21], rigcal_real G[], const rigcal_real T[], size_t n,
+                   const rigcal_real S_inverse[])
+{
+    const rigcal_real *row = S_inverse;
+    for (size_t i = 0; i < n; i++) { /* the triangle serves both ways */
+        rigcal_real sum[6] = {0}, own[6];
+        for (int k = 0; k < 6; k++) {
+            own[k] = T[6 * i + (size_t)k];
+        }
+        for (size_t j = 0; j < i; j++) {
+            const rigcal_real x = row[j];
+            const rigcal_real *const other = &T[6 * j];
+            rigcal_real *const g = &G[6 * j];
+            for (int k = 0; k < 6; k++) {
+                sum[k] += x * other[k];
+            }
+            for (int k = 0; k < 6; k++) {
+                g[k] += x * own[k];
+            }
+        }
+        for (int k = 0; k < 6; k++) {
+            G[6 * i + (size_t)k] = sum[k] + row[i] * own[k];
+        }
+        row += i + 1;
+    }
+    for (size_t i = 0; i < n; i++) {
+        rigcal_real *at = I;
+        for (size_t k = 0; k < 6; k++) {
+            const rigcal_real x = T[6 * i + k];
+            for (size_t j = 0; j <= k; j++) {
+                *at++ -= x * G[6 * i + j];
+            }
+        }
+    }
+}
+
+/* The longest turn and shift of a camera by a unit of parameter k. */
+static void most(rigcal_real *best, const rigcal_real G[], size_t n, size_t k)
+{
+    rigcal_real d[6];
+    best[RC_MOVED_TURN + k] = best[RC_MOVED_SHIFT + k] = 0;
+    for (size_t i = 0; i < n; i++) {
+        d[i % 6] = G[6 * i + k];
+        if (i % 6 == 5) {
+            rc_columns_most(&best[RC_MOVED_TURN + k], &best[RC_MOVED_SHIFT + k], d, 6);
         }
     }
 }
@@ -139,38 +179,31 @@ void rc_moved_test(rigcal_moves *m, const rigcal_columns *s, const rigcal_real S
                    const rigcal_real column[], size_t camera, size_t placement,
                    rigcal_real room[])
 {
-    const rc_border *const b = &s->border;
-    rc_border of_six = {0};
+    const size_t n = s->border.n, from = 6 * camera;
     rigcal_real best[RC_MOVED_SIZE], I[21];
-    rigcal_real *const kept = &m->best[RC_MOVED_SIZE * camera], *const G = room + 6 * b->n;
-    const size_t from = 6 * camera;
-    of_six.n = b->n;
-    of_six.T = room;
+    rigcal_real *const kept = &m->best[RC_MOVED_SIZE * camera], *const G = room + 6 * n;
     take_columns(room, s, m, column, camera);
-    for (size_t j = 0; j < 6; j++) {
-        rc_border_effect(&G[b->n * j], &of_six, S_inverse, j);
-        rc_columns_most(&best[RC_MOVED_TURN + j], &best[RC_MOVED_SHIFT + j], &G[b->n * j],
-                        s->n);
-        for (size_t i = j; i < 6; i++) {
-            rigcal_real *const at = &I[rc_packed_at(i, j)];
-            *at = S_at(m, from + i, from + j);
-            for (size_t k = 0; k < b->n; k++) {
-                *at -= room[b->n * i + k] * G[b->n * j + k];
-            }
+    for (size_t k = 0; k < 36; k++) {
+        if (k % 6 <= k / 6) {
+            I[rc_packed_at(k / 6, k % 6)] = at(m->S, from + k / 6, from + k % 6);
         }
-        best[RC_MOVED_THETA + j] = m->g[from + j];
     }
+    reduce(I, G, room, n, S_inverse);
     for (size_t i = 0; i < 6; i++) {
-        const rigcal_real raw = S_at(m, from + i, from + i);
-        if (!(raw > 0) || !rc_packed_factor_row(I, i, RANK_TOL * raw)) {
-            return;
-        }
+        best[RC_MOVED_THETA + i] = m->g[from + i];
+        best[RC_MOVED_VARIANCE + i] = at(m->S, from + i, from + i);
     }
-    rc_columns_solve(&best[RC_MOVED_GAIN], &best[RC_MOVED_THETA], &best[RC_MOVED_VARIANCE],
-                     I, 6);
-    best[RC_MOVED_AT] = (rigcal_real)(int32_t)placement;
-    best[RC_MOVED_TRIES] = kept[RC_MOVED_TRIES] += 1;
+    if (!rc_columns_solve(&best[RC_MOVED_GAIN], &best[RC_MOVED_THETA],
+                          &best[RC_MOVED_VARIANCE], I, 6)) {
+        return;
+    }
+    kept[RC_MOVED_TRIES] += 1;
     if (best[RC_MOVED_GAIN] > kept[RC_MOVED_GAIN]) {
+        best[RC_MOVED_AT] = (rigcal_real)(int32_t)placement;
+        best[RC_MOVED_TRIES] = kept[RC_MOVED_TRIES];
+        for (size_t k = 0; k < 6; k++) {
+            most(best, G, s->n, k);
+        }
         for (size_t k = 0; k < RC_MOVED_SIZE; k++) {
             kept[k] = best[k];
         }

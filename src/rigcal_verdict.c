@@ -1,4 +1,4 @@
-#include "rc_real.h"
+#include "rc_linalg.h"
 
 /* ---- constants --------------------------------------------------------- */
 
@@ -27,39 +27,36 @@ typedef struct {
     size_t capacity, n, whole; /* bytes that it takes; of its whole sentences that fit */
     int is_start;              /* of a sentence */
     const rigcal_faults *found;
+    const rigcal_fault *fault; /* that is told of */
     const rigcal_faults_words *words;
 } writer;
+
+static void put_letter(writer *w, char letter)
+{
+    const int is_small = w->is_start && letter >= 'a' && letter <= 'z';
+    if (w->n < w->capacity) {
+        w->text[w->n] = is_small ? (char)(letter - 'a' + 'A') : letter;
+    }
+    w->is_start = 0;
+    w->n++;
+}
 
 static void put(writer *w, const char *text)
 {
     for (; *text != 0; text++) {
-        const int is_small = w->is_start && *text >= 'a' && *text <= 'z';
-        if (w->n < w->capacity) {
-            w->text[w->n] = *text;
-            if (is_small) {
-                w->text[w->n] = (char)(*text + ('A' - 'a'));
-            }
-        }
-        w->is_start = 0;
-        w->n++;
+        put_letter(w, *text);
     }
 }
 
 /* A sentence ends: it counts, if there is room for the 0 too. */
-static void end_sentence(writer *w, const char *end)
+static void end_sentence(writer *w)
 {
-    put(w, end);
+    put_letter(w, '.');
     if (w->n < w->capacity) {
         w->whole = w->n;
     }
-    put(w, " ");
+    put_letter(w, ' ');
     w->is_start = 1;
-}
-
-static void say(writer *w, const char *sentence)
-{
-    put(w, sentence);
-    end_sentence(w, "");
 }
 
 /* x, rounded, with so many digits behind the point. */
@@ -111,7 +108,75 @@ static void put_rounded(writer *w, rigcal_real x)
     put_number(w, x, decimals_of(x));
 }
 
-/* ---- names and units --------------------------------------------------- */
+/* ---- the kinds of faults, and their units ------------------------------- */
+
+/* A sentence is plain text, in which ~ ends it, [this|that] is `this` where the fault's
+ * value is not negative, and % and a letter are what put_thing puts there. */
+typedef struct {
+    const char *what, *is, *next; /* what is wrong; how; what to do */
+} kind_words;
+
+static const char CLOCKS_NEXT[] = "let the clocks be estimated~";
+static const char STILL_NEXT[] = "hold the board still for each picture~";
+static const char CAMERA_NEXT[] =
+    "check that its intrinsics are its own, and calibrate them again~";
+
+static const kind_words KINDS[RIGCAL_FAULT_KINDS] = {
+    {"clock", "its pictures are [later|earlier] than their stamps by %v", CLOCKS_NEXT},
+    {"clock", "it drifts by %v", "let clocks and drifts be estimated~"},
+    {"the clocks", "against the first camera, %c", CLOCKS_NEXT},
+    {"rolling shutter", "its last row is [later|earlier] than its first by %v", STILL_NEXT},
+    {"focal length", "[longer|shorter] than given by %v", CAMERA_NEXT},
+    {"aspect fx / fy", "[larger|smaller] than given by %v", CAMERA_NEXT},
+    {"principal point", "off in x and y by %v", CAMERA_NEXT},
+    {"distortion", "k1 and k2 are off by %v", CAMERA_NEXT},
+    {"mount", "it moved before placement %b",
+     "calibrate what was before the move, and after it, apart~"},
+    {"the board is bent", "out of its plane along x and y by %v",
+     "put the board on a flat plate, or measure its points~"},
+    {"the board is stretched", "its X is [longer|shorter] than its Y by %v",
+     "measure the board along X and along Y~"}};
+
+enum { TIME, LENGTH, PART, MILLIONTH, PIXEL, NUMBER };
+
+static const uint8_t UNIT_OF[RIGCAL_FAULT_KINDS] = {
+    TIME, MILLIONTH, TIME, TIME, PART, PART, PIXEL, NUMBER, NUMBER, LENGTH, PART};
+
+typedef struct {
+    const char *name;
+    rigcal_real scale;
+} unit;
+
+static const unit UNITS[] = {
+    {"s", 1}, {"units", 1}, {"%", PERCENT}, {"millionths", MILLIONTHS}, {"px", 1}, {"", 1}};
+
+/* Its scale, and its name, which the caller may have set. */
+static rigcal_real scale_of(const char **name, const writer *w, int which)
+{
+    const char *const given = (which == TIME) ? w->words->time : w->words->length;
+    const rigcal_real scale =
+        (which == TIME) ? w->words->time_scale : w->words->length_scale;
+    *name = (which <= LENGTH && given != NULL) ? given : UNITS[which].name;
+    return (which <= LENGTH && scale > 0) ? scale : UNITS[which].scale;
+}
+
+/* value +- sigma; 0: sigma alone. */
+static void put_value(writer *w, int which, rigcal_real value, rigcal_real sigma)
+{
+    const char *name;
+    const rigcal_real scale = scale_of(&name, w, which);
+    if (value > 0 || value < 0) {
+        put_measured(w, scale * value, scale * sigma);
+    } else {
+        put_rounded(w, scale * sigma);
+    }
+    if (which != NUMBER) {
+        put_letter(w, ' ');
+        put(w, name);
+    }
+}
+
+/* ---- what stands in a sentence ----------------------------------------- */
 
 static void put_camera(writer *w, int32_t camera)
 {
@@ -123,107 +188,14 @@ static void put_camera(writer *w, int32_t camera)
     }
 }
 
-static rigcal_real scale_or_1(rigcal_real scale)
-{
-    return (scale > 0) ? scale : 1;
-}
-
-static void put_length_unit(writer *w)
-{
-    put(w, " ");
-    put(w, (w->words->length != NULL) ? w->words->length : "units");
-}
-
-static void put_time_unit(writer *w)
-{
-    put(w, " ");
-    put(w, (w->words->time != NULL) ? w->words->time : "s");
-}
-
-/* ---- a fault ----------------------------------------------------------- */
-
-/* What is wrong, whose; its words for a value above 0, and below; in what unit: a part of
- * 100 or so, or 0 for a time and -1 for a length. By their kinds. */
-typedef struct {
-    const char *what, *by, *more, *less, *than, *unit, *next;
-    rigcal_real scale;
-} fault_words;
-
-static const char CLOCKS_NEXT[] = "let the clocks be estimated.";
-static const char CAMERA_NEXT[] =
-    "check that its intrinsics are its own, and calibrate them again.";
-
-#define LATER "later", "earlier"
-#define LONGER "longer", "shorter"
-#define LARGER "larger", "smaller"
-#define NO_WORD "", ""
-
-static const fault_words WORDS[RIGCAL_FAULT_KINDS] = {
-    {"clock", "its pictures are ", LATER, " than their stamps by ", "", CLOCKS_NEXT, 0},
-    {"clock", "it drifts by ", NO_WORD, "", " millionths",
-     "let clocks and drifts be estimated.", MILLIONTHS},
-    {"the clocks", "against the first camera, ", NO_WORD, "", "", CLOCKS_NEXT, 0},
-    {"rolling shutter", "its last row is ", LATER, " than its first by ", "",
-     "hold the board still for each picture.", 0},
-    {"focal length", "", LONGER, " than given by ", " %", CAMERA_NEXT, PERCENT},
-    {"aspect fx / fy", "", LARGER, " than given by ", " %", CAMERA_NEXT, PERCENT},
-    {"principal point", "off in x and y by ", NO_WORD, "", " px", CAMERA_NEXT, 1},
-    {"distortion", "k1 and k2 are off by ", NO_WORD, "", "", CAMERA_NEXT, 1},
-    {"mount", "it moved before placement ", NO_WORD, "", "",
-     "calibrate what was before the move, and after it, apart.", 0},
-    {"the board is bent", "out of its plane along x and y by ", NO_WORD, "", "",
-     "put the board on a flat plate, or measure its points.", -1},
-    {"the board is stretched", "its X is ", LONGER, " than its Y by ", " %",
-     "measure the board along X and along Y.", PERCENT}};
-
-static int is_clock(int32_t kind)
-{
-    return kind == RIGCAL_FAULT_CLOCK || kind == RIGCAL_FAULT_CLOCKS;
-}
-
 /* "the focal length of left" */
 static void put_what(writer *w, const rigcal_fault *f)
 {
-    if (f->camera < 0) {
-        put(w, WORDS[f->kind].what);
-        return;
-    }
-    put(w, "the ");
-    put(w, WORDS[f->kind].what);
-    put(w, " of ");
-    put_camera(w, f->camera);
-}
-
-/* Which way a fault goes: how large it is then has no sign. */
-static rigcal_real put_way(writer *w, int32_t kind, rigcal_real value)
-{
-    const fault_words *const words = &WORDS[kind];
-    if (words->more[0] == 0) {
-        return value;
-    }
-    put(w, (value < 0) ? words->less : words->more);
-    return RC_FABS(value);
-}
-
-/* A number of that kind, with its unit. */
-static void put_value(writer *w, int32_t kind, rigcal_real value, rigcal_real sigma)
-{
-    rigcal_real scale = WORDS[kind].scale;
-    const int is_time = !(scale > 0) && !(scale < 0), is_length = scale < 0;
-    if (is_time || is_length) {
-        scale = scale_or_1(is_time ? w->words->time_scale : w->words->length_scale);
-    }
-    if (value > 0 || value < 0) {
-        put_measured(w, scale * value, scale * sigma);
-    } else {
-        put_rounded(w, scale * sigma);
-    }
-    if (is_time) {
-        put_time_unit(w);
-    } else if (is_length) {
-        put_length_unit(w);
-    } else {
-        put(w, WORDS[kind].unit);
+    put(w, (f->camera < 0) ? "" : "the ");
+    put(w, KINDS[f->kind].what);
+    if (f->camera >= 0) {
+        put(w, " of ");
+        put_camera(w, f->camera);
     }
 }
 
@@ -232,13 +204,16 @@ static void put_move(writer *w, rigcal_real turn, rigcal_real shift)
 {
     put_rounded(w, DEGREES * turn);
     put(w, " degrees and ");
-    put_rounded(w, scale_or_1(w->words->length_scale) * shift);
-    put_length_unit(w);
+    put_value(w, LENGTH, 0, shift);
 }
 
-static rigcal_real length_of(const rigcal_real v[3])
+/* Where a camera moved, and how far. */
+static void put_break(writer *w)
 {
-    return RC_SQRT(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+    const rigcal_real *const d = w->fault->value;
+    put_number(w, (rigcal_real)w->fault->placement, 0);
+    put(w, ", by ");
+    put_move(w, RC_SQRT(rc_vec3_dot(d, d)), RC_SQRT(rc_vec3_dot(&d[3], &d[3])));
 }
 
 static void put_clocks(writer *w)
@@ -251,180 +226,249 @@ static void put_clocks(writer *w)
             put(w, comma);
             put_camera(w, c);
             put(w, "'s pictures are ");
-            const rigcal_real by = put_way(w, RIGCAL_FAULT_CLOCK, clocks[c]);
-            put(w, " by ");
-            put_value(w, RIGCAL_FAULT_CLOCK, by, sigma);
+            put(w, (clocks[c] < 0) ? "earlier by " : "later by ");
+            put_value(w, TIME, RC_FABS(clocks[c]), sigma);
             comma = ", ";
         }
     }
 }
 
-/* All of a fault but the end of the sentence. */
-static void put_fault(writer *w, const rigcal_fault *f)
+/* Faults with a direction of their own are told without a sign. */
+static void put_size(writer *w)
 {
-    put_what(w, f);
-    put(w, ": ");
-    put(w, WORDS[f->kind].by);
-    if (f->kind == RIGCAL_FAULT_CLOCKS) {
+    const rigcal_fault *const f = w->fault;
+    const int which = UNIT_OF[f->kind];
+    const int has_way = which == TIME || which == PART;
+    put_value(w, which, has_way ? RC_FABS(f->value[0]) : f->value[0], f->sigma[0]);
+    if (f->n > 1) {
+        put(w, " and ");
+        put_value(w, which, f->value[1], f->sigma[1]);
+    }
+}
+
+/* The others that fit as well. */
+static void put_alike(writer *w)
+{
+    const rigcal_fault *const first = w->fault;
+    const char *comma = "With this recording it cannot be told from ";
+    for (int32_t i = 1; i <= w->found->n_alike; i++) {
+        if (first[i].explains || !first->explains) {
+            put(w, comma);
+            put_what(w, &first[i]);
+            comma = ", ";
+        }
+    }
+    if (comma[1] == ' ') {
+        end_sentence(w);
+    }
+}
+
+/* How large the fault is that would go unseen. */
+static void put_unseen(writer *w)
+{
+    const rigcal_fault *const f = w->fault;
+    if (f->kind != RIGCAL_FAULT_CLOCKS && f->kind != RIGCAL_FAULT_MOVED) {
+        put(w, ", off by ");
+        put_value(w, UNIT_OF[f->kind], 0, RIGCAL_FAULT_DEVIATIONS * f->sigma[0]);
+    }
+}
+
+static void put_more(writer *w, char thing)
+{
+    const rigcal_fault *const f = w->fault;
+    switch (thing) {
+    case 'b':
+        put_break(w);
+        break;
+    case 'c':
         put_clocks(w);
-    } else if (f->kind == RIGCAL_FAULT_MOVED) {
-        put_number(w, (rigcal_real)f->placement, 0);
-        put(w, ", by ");
-        put_move(w, length_of(&f->value[0]), length_of(&f->value[3]));
-    } else {
-        const rigcal_real by = put_way(w, f->kind, f->value[0]);
-        put(w, WORDS[f->kind].than);
-        put_value(w, f->kind, by, f->sigma[0]);
-        if (f->n > 1) {
-            put(w, " and ");
-            put_value(w, f->kind, f->value[1], f->sigma[1]);
+        break;
+    case 'm':
+        put_move(w, f->turn, f->shift);
+        break;
+    case 't':
+        put_value(w, TIME, 0, w->found->along_time);
+        break;
+    case 'u':
+        put_unseen(w);
+        break;
+    case 'v':
+        put_size(w);
+        break;
+    case 'w':
+        put_what(w, f);
+        break;
+    case '2':
+        put_alike(w);
+        break;
+    default:
+        put_letter(w, thing);
+        break;
+    }
+}
+
+static void put_thing(writer *w, char thing)
+{
+    const rigcal_faults *const found = w->found;
+    rigcal_real x = found->pattern;
+    int decimals = 2;
+    switch (thing) {
+    case 'F':
+        x = RC_SQRT(rc_max(found->F, 0));
+        break;
+    case 'p':
+        break;
+    case 's':
+        x = found->pattern_sigma;
+        break;
+    case 'a':
+        x = PERCENT * found->along;
+        decimals = 0;
+        break;
+    case 'e':
+        x = PERCENT * rc_min(found->explained, 1);
+        decimals = 0;
+        break;
+    case 'o':
+        x = found->own_px;
+        decimals = decimals_of(x);
+        break;
+    default:
+        put_more(w, thing);
+        return;
+    }
+    put_number(w, x, decimals);
+}
+
+/* A sentence, or more. %i is how the fault is wrong, and %n what to do: sentences too. */
+static void tell(writer *w, const char *sentence)
+{
+    const char *rest = "";
+    char skip_to = 0;
+    for (; *sentence != 0 || *rest != 0; sentence++) {
+        if (*sentence == 0) {
+            sentence = rest;
+            rest = "";
+        }
+        const char letter = *sentence;
+        if (skip_to != 0) {
+            skip_to = (letter == skip_to) ? 0 : skip_to;
+        } else if (letter == '[') {
+            skip_to = (w->fault->value[0] < 0) ? '|' : 0;
+        } else if (letter == '|') {
+            skip_to = ']';
+        } else if (letter == '~') {
+            end_sentence(w);
+        } else if (letter != '%' && letter != ']') {
+            put_letter(w, letter);
+        } else if (letter == '%' && (*++sentence == 'i' || *sentence == 'n')) {
+            const kind_words *const kind = &KINDS[w->fault->kind];
+            rest = sentence + 1;
+            sentence = ((*sentence == 'i') ? kind->is : kind->next) - 1;
+        } else if (letter == '%') {
+            put_thing(w, *sentence);
         }
     }
 }
 
 /* ---- the sentences ----------------------------------------------------- */
 
-static void say_agreement(writer *w)
-{
-    const rigcal_faults *const found = w->found;
-    if ((found->bits & RIGCAL_FAULTS_NO_LOOP) != 0) {
-        say(w, "No two cameras saw the same placements: the views cannot disagree, and "
-               "nothing was tested.");
-        return;
-    }
-    if (found->verdict == RIGCAL_RIG_AGREES) {
-        put(w, "The views agree with one rig (");
-    } else {
-        put(w, "The views fit (");
-        put_rounded(w, found->own_px);
-        put(w, " px) but the rig does not (");
-    }
-    put_number(w, RC_SQRT(rc_max(found->F, 0)), 2);
-    end_sentence(w, (found->verdict == RIGCAL_RIG_AGREES) ? " of the noise)."
-                                                          : " times the noise).");
-}
+/* Of which verdicts, with all of which bits, without any of which. */
+typedef struct {
+    uint16_t verdicts, with, without;
+    const char *sentence;
+} rule;
 
-static void say_alike(writer *w, const rigcal_fault faults[])
+#define OF(verdict) (1 << RIGCAL_RIG_##verdict)
+
+enum {
+    ALL = OF(AGREES) | OF(EXPLAINED) | OF(FOUND) | OF(UNEXPLAINED),
+    OPEN = OF(FOUND) | OF(UNEXPLAINED),
+    NAMED = RIGCAL_FAULTS_NAMED,
+    PATTERN = RIGCAL_FAULTS_PATTERN,
+    ALONG = RIGCAL_FAULTS_ALONG_MOTION,
+    NO_TIMES = RIGCAL_FAULTS_NO_TIMES,
+    ALONE = RIGCAL_FAULTS_NO_NEIGHBOUR,
+    STILL = RIGCAL_FAULTS_NO_MOTION,
+    NO_LOOP = RIGCAL_FAULTS_NO_LOOP,
+    CLOCK_OR_MOVED =
+        1 << 14, /* besides the bits of rigcal_faults: what the first fault is */
+    TWO = RIGCAL_FAULTS_TWO_CAMERAS | CLOCK_OR_MOVED
+};
+
+/* All that hold are told, in this order; then what would go unseen. */
+static const rule RULES[] = {
+    {ALL, NO_LOOP, 0,
+     "No two cameras saw the same placements: the views cannot disagree, and nothing was "
+     "tested~"},
+    {OF(AGREES), 0, NO_LOOP, "The views agree with one rig (%F of the noise)~"},
+    {ALL - OF(AGREES), 0, NO_LOOP,
+     "The views fit (%o px) but the rig does not (%F times the noise)~"},
+    {OF(EXPLAINED), NAMED, 0, "Most likely %w: %i~That explains %e %% of it~"},
+    {ALL - OF(EXPLAINED), NAMED, 0, "One thing is wrong, %w: %i; that is certain, "},
+    {OF(FOUND), NAMED, 0, "but it is not why the views disagree~"},
+    {OF(AGREES) | OF(UNEXPLAINED), NAMED, 0, "though the views hardly show it~"},
+    {ALL, NAMED, 0, "%2"},
+    {ALL, NAMED | TWO, 0, "With two cameras it is one or the other~"},
+    {OPEN, PATTERN, 0,
+     "Neighbouring points err together (%p; noise: 0.00 +- %s): the lens model, the "
+     "board's coordinates or the detector, in every view~Disagreement between views of 2 "
+     "to 8 times the noise is to be expected from that alone~"},
+    {OPEN, 0, 0, "None of the causes that can be tested explains it~"},
+    {OPEN, ALONG, 0,
+     "%a %% of it lies along the board's motion: single time stamps are wrong (by some "
+     "%t)~"}};
+
+/* The first that holds is told. */
+static const rule UNTESTED[] = {{ALL, NO_TIMES, 0, "no times are given~"},
+                                {ALL, ALONE, 0, "no placement has a neighbour in time~"},
+                                {ALL, STILL, 0, "the target stood still~"}};
+
+static const char RECORD[] = "record three frames or more at each place, at most 0.1 s "
+                             "apart, with the times of the frames~";
+
+/* The first that holds is what to do next. */
+static const rule NEXT[] = {
+    {ALL - OF(FOUND), NAMED, 0, "%n"},
+    {ALL, NO_LOOP, 0, "show the target where two cameras see it~"},
+    {OF(AGREES), 0, 0, "nothing~"},
+    {ALL, PATTERN, 0, "check the lens model, the board's coordinates and the detector~"},
+    {ALL, ALONG, 0,
+     "hold the board still for each picture, or trigger the cameras together~"},
+    {ALL, NO_TIMES, 0, RECORD},
+    {ALL, ALONE, 0, RECORD},
+    {ALL, 0, 0, "look which single views are wrong~"}};
+
+#define N_OF(table) (sizeof(table) / sizeof((table)[0]))
+
+/* Tells `before` and the sentences of the rules that hold, `most` at most. */
+static void tell_rules(writer *w, const char *before, const rule rules[], size_t n,
+                       size_t most)
 {
-    const rigcal_faults *const found = w->found;
-    const char *comma = "With this recording it cannot be told from ";
-    for (int32_t i = 1; i <= found->n_alike; i++) {
-        if (faults[i].explains || !faults[0].explains) {
-            put(w, comma);
-            put_what(w, &faults[i]);
-            comma = ", ";
+    int32_t bits = w->found->bits;
+    if ((bits & NAMED) != 0 &&
+        (w->fault->kind == RIGCAL_FAULT_CLOCK || w->fault->kind == RIGCAL_FAULT_CLOCKS ||
+         w->fault->kind == RIGCAL_FAULT_MOVED)) {
+        bits |= CLOCK_OR_MOVED;
+    }
+    for (size_t i = 0; i < n && most > 0; i++) {
+        if ((rules[i].verdicts >> w->found->verdict & 1) != 0 &&
+            (bits & rules[i].with) == rules[i].with && (bits & rules[i].without) == 0) {
+            tell(w, before);
+            tell(w, rules[i].sentence);
+            most--;
         }
     }
-    if (comma[1] == ' ') {
-        end_sentence(w, ".");
-    }
-    if ((found->bits & RIGCAL_FAULTS_TWO_CAMERAS) != 0 &&
-        (is_clock(faults[0].kind) || faults[0].kind == RIGCAL_FAULT_MOVED)) {
-        say(w, "With two cameras it is one or the other.");
-    }
 }
 
-static void say_fault(writer *w, const rigcal_fault faults[])
+static void tell_unseen(writer *w)
 {
-    const rigcal_faults *const found = w->found;
-    if ((found->bits & RIGCAL_FAULTS_NAMED) == 0) {
-        return;
+    for (int32_t i = 0; i < w->found->n; i++, w->fault++) {
+        tell(w, w->fault->is_seen
+                    ? "%w%u, would go unseen; the largest such fault moves a camera by %m~"
+                    : "%w: this recording cannot show it~");
     }
-    put(w,
-        (found->verdict == RIGCAL_RIG_EXPLAINED) ? "Most likely " : "One thing is wrong, ");
-    put_fault(w, &faults[0]);
-    if (found->verdict == RIGCAL_RIG_EXPLAINED) {
-        end_sentence(w, ".");
-        put(w, "That explains ");
-        put_number(w, PERCENT * rc_min(found->explained, 1), 0);
-        end_sentence(w, " % of it.");
-    } else {
-        end_sentence(w, (found->verdict == RIGCAL_RIG_FOUND)
-                            ? "; that is certain, but it is not why the views disagree."
-                            : "; that is certain, though the views hardly show it.");
-    }
-    say_alike(w, faults);
-}
-
-static void say_pattern(writer *w)
-{
-    const rigcal_faults *const found = w->found;
-    if (found->verdict < RIGCAL_RIG_FOUND) {
-        return;
-    }
-    if ((found->bits & RIGCAL_FAULTS_PATTERN) != 0) {
-        put(w, "Neighbouring points err together (");
-        put_number(w, found->pattern, 2);
-        put(w, "; noise: 0.00 +- ");
-        put_number(w, found->pattern_sigma, 2);
-        end_sentence(w, "): the lens model, the board's coordinates or the detector, in "
-                        "every view.");
-        say(w, "Disagreement between views of 2 to 8 times the noise is to be expected "
-               "from that alone.");
-    }
-    say(w, "None of the causes that can be tested explains it.");
-    if ((found->bits & RIGCAL_FAULTS_ALONG_MOTION) != 0) {
-        put_number(w, PERCENT * found->along, 0);
-        put(w, " % of it lies along the board's motion: single time stamps are wrong (by "
-               "some ");
-        put_rounded(w, scale_or_1(w->words->time_scale) * found->along_time);
-        put_time_unit(w);
-        end_sentence(w, ").");
-    }
-}
-
-static void say_untested(writer *w)
-{
-    const int32_t bits = w->found->bits;
-    if ((bits & RIGCAL_FAULTS_NO_TIMES) != 0) {
-        say(w, "Clocks could not be tested: no times are given.");
-    } else if ((bits & RIGCAL_FAULTS_NO_NEIGHBOUR) != 0) {
-        say(w, "Clocks could not be tested: no placement has a neighbour in time.");
-    } else if ((bits & RIGCAL_FAULTS_NO_MOTION) != 0) {
-        say(w, "Clocks could not be tested: the target stood still.");
-    }
-}
-
-static void say_unseen(writer *w, const rigcal_fault *f)
-{
-    put_what(w, f);
-    if (!f->is_seen) {
-        end_sentence(w, ": this recording cannot show it.");
-        return;
-    }
-    if (f->kind != RIGCAL_FAULT_CLOCKS && f->kind != RIGCAL_FAULT_MOVED) {
-        put(w, ", off by ");
-        put_value(w, f->kind, 0, RIGCAL_FAULT_DEVIATIONS * f->sigma[0]);
-    }
-    put(w, ", would go unseen; the largest such fault moves a camera by ");
-    put_move(w, f->turn, f->shift);
-    end_sentence(w, ".");
-}
-
-/* The one thing to do next. */
-static const char *next_of(const rigcal_faults *found, const rigcal_fault faults[])
-{
-    const int is_reason =
-        (found->bits & RIGCAL_FAULTS_NAMED) != 0 && found->verdict != RIGCAL_RIG_FOUND;
-    if (is_reason) {
-        return WORDS[faults[0].kind].next;
-    }
-    if ((found->bits & RIGCAL_FAULTS_NO_LOOP) != 0) {
-        return "show the target where two cameras see it.";
-    }
-    if (found->verdict == RIGCAL_RIG_AGREES) {
-        return "nothing.";
-    }
-    if ((found->bits & RIGCAL_FAULTS_PATTERN) != 0) {
-        return "check the lens model, the board's coordinates and the detector.";
-    }
-    if ((found->bits & RIGCAL_FAULTS_ALONG_MOTION) != 0) {
-        return "hold the board still for each picture, or trigger the cameras together.";
-    }
-    return ((found->bits & (RIGCAL_FAULTS_NO_TIMES | RIGCAL_FAULTS_NO_NEIGHBOUR)) != 0)
-               ? "record three frames or more at each place, at most 0.1 s apart, with the "
-                 "times of the frames."
-               : "look which single views are wrong.";
+    w->fault -= w->found->n;
 }
 
 /* ---- all of them ------------------------------------------------------- */
@@ -441,6 +485,15 @@ static rigcal_status check(const rigcal_faults *found, const rigcal_fault faults
     if (!rc_all_finite(&found->F, 10) || !rc_is_finite(words->length_scale) ||
         !rc_is_finite(words->time_scale)) {
         return RIGCAL_ERR_NOT_FINITE;
+    }
+    for (int32_t c = 0; c < found->n_cameras; c++) {
+        if (words->names != NULL && words->names[c] == NULL) {
+            return RIGCAL_ERR_NULL;
+        }
+        if (found->clocks != NULL && !(rc_is_finite(found->clocks[c]) &&
+                                       rc_is_finite(found->clocks[found->n_cameras + c]))) {
+            return RIGCAL_ERR_NOT_FINITE;
+        }
     }
     for (int32_t i = 0; i < found->n; i++) {
         if (faults[i].kind < 0 || faults[i].kind >= RIGCAL_FAULT_KINDS ||
@@ -465,20 +518,16 @@ rigcal_status rigcal_faults_text(char text[], size_t capacity, size_t *n_needed,
     if (status != RIGCAL_OK) {
         return status;
     }
-    if (capacity == 0) {
-        return RIGCAL_ERR_CAPACITY;
+    writer w = {text, capacity, 0, 0, 1, found, faults, words};
+    tell_rules(&w, "", RULES, N_OF(RULES), N_OF(RULES));
+    tell_rules(&w, "Clocks could not be tested: ", UNTESTED, N_OF(UNTESTED), 1);
+    if (words->with_unseen != 0) {
+        tell_unseen(&w);
     }
-    writer w = {text, capacity, 0, 0, 1, found, words};
-    say_agreement(&w);
-    say_fault(&w, faults);
-    say_pattern(&w);
-    say_untested(&w);
-    for (int32_t i = 0; words->with_unseen != 0 && i < found->n; i++) {
-        say_unseen(&w, &faults[i]);
+    tell_rules(&w, "Next: ", NEXT, N_OF(NEXT), 1);
+    if (capacity > 0) {
+        text[w.whole] = 0;
     }
-    put(&w, "Next: ");
-    say(&w, next_of(found, faults));
-    text[w.whole] = 0;
     if (n_needed != NULL) {
         *n_needed = w.n; /* a space less, and a 0 */
     }

@@ -40,7 +40,10 @@ enum {
     MONITOR_SIZE = RIGCAL_MONITOR_SIZE(2, 1),
     CONSIDER_WORK = RIGCAL_CONSIDER_WORK(N_CAMERAS - 1, N_CAMERAS),
     CLOCKS_WORK = RIG_WORK + RIGCAL_CLOCKS_WORK(N_CAMERAS, N_CAMERAS),
-    ESTIMATE_WORK = RIGCAL_ESTIMATE_WORK(N_CAMERAS - 1, N_CAMERAS)
+    ESTIMATE_WORK = RIGCAL_ESTIMATE_WORK(N_CAMERAS - 1, N_CAMERAS),
+    FAULTS_WORK = RIGCAL_FAULTS_WORK(N_CAMERAS - 1, N_CAMERAS),
+    N_FAULTS = 2,
+    TEXT_SIZE = 2000
 };
 
 /* What every call is handed, made once by build_valid. */
@@ -77,6 +80,11 @@ static struct {
     rigcal_real offsets[N_CAMERAS], clock_work[CLOCKS_WORK];
     int32_t clock_states[N_CAMERAS], clock_groups[N_CAMERAS];
     rigcal_intrinsics_change changes[N_CAMERAS]; /* none */
+    rigcal_faults_solver faults_begun, faults_done;
+    rigcal_faults told;
+    rigcal_fault told_faults[N_FAULTS];
+    rigcal_real told_clocks[2 * N_CAMERAS];
+    char text[TEXT_SIZE];
     int32_t permutation[N];
     rigcal_rig rig;
     rigcal_rig_fit fit;
@@ -116,6 +124,7 @@ static const size_t SIZE_0 = 0, SIZE_1 = 1, SIZE_2 = 2, SIZE_3 = 3, SIZE_4 = 4, 
                     SIZE_12 = 12, SIZE_WORK = RIG_WORK, SIZE_CHOOSE = CHOOSE_WORK,
                     SIZE_TO_JUDGE = JUDGE_WORK, SIZE_CONSIDER = CONSIDER_WORK,
                     SIZE_CLOCKS = CLOCKS_WORK, SIZE_ESTIMATE = ESTIMATE_WORK,
+                    SIZE_FAULTS = FAULTS_WORK, SIZE_TEXT = TEXT_SIZE,
 
                     SIZE_KEPT = RIGCAL_CALIBRATED_SIZE(1), SIZE_MONITOR = MONITOR_SIZE,
                     SIZE_TAKEN = RIGCAL_CALIBRATED_SIZE(2),
@@ -455,6 +464,49 @@ static void build_clocks(void)
     TEST_ASSERT_EQUAL_INT32(RIGCAL_CLOCK_FREE, ok.clock_states[1]);
 }
 
+/* A rig whose faults are being looked for, one of which they have been, and what may be
+ * told of a rig with free clocks, or a camera that moved. */
+static void build_faults(void)
+{
+    static rigcal_real work[RIG_WORK], room[FAULTS_WORK];
+    static rigcal_fault faults[N_FAULTS];
+    static rigcal_faults_options options;
+    static rigcal_rig rig;
+
+    rig = ok.rig;
+    memcpy(work, ok.rig_work, sizeof work);
+    rig.work = work;
+    rig.views = ok.rig_views;
+    options.work = room;
+    options.work_capacity = FAULTS_WORK;
+    ASSERT_STATUS(RIGCAL_OK,
+                  rigcal_faults_begin(&ok.faults_begun, faults, N_FAULTS, &options, &rig));
+    ok.faults_done = ok.faults_begun;
+    while (rigcal_faults_step(&ok.faults_done, 1000) == RIGCAL_RUNNING) {
+    }
+    ASSERT_STATUS(RIGCAL_OK, rigcal_faults_result(&ok.told, NULL, &ok.faults_done));
+    ok.told.verdict = RIGCAL_RIG_EXPLAINED;
+    ok.told.bits = RIGCAL_FAULTS_NAMED | RIGCAL_FAULTS_ALIKE | RIGCAL_FAULTS_NO_MOTION;
+    ok.told.n = N_FAULTS;
+    ok.told.n_alike = 1;
+    ok.told.n_cameras = N_CAMERAS;
+    memset(ok.told_faults, 0, sizeof ok.told_faults);
+    for (int32_t i = 0; i < N_FAULTS; i++) {
+        rigcal_fault *const fault = &ok.told_faults[i];
+
+        fault->kind = (i == 0) ? RIGCAL_FAULT_CLOCKS : RIGCAL_FAULT_MOVED;
+        fault->camera = i - 1;
+        fault->placement = 1;
+        fault->n = (i == 0) ? 2 : 6;
+        fault->is_seen = fault->explains = 1;
+        fault->value[0] = RC(0.02);
+        fault->sigma[0] = RC(0.001);
+    }
+    for (int c = 0; c < 2 * N_CAMERAS; c++) {
+        ok.told_clocks[c] = RC(0.01);
+    }
+}
+
 /* The states of searches come from the library: there is no other way. */
 static void build_searches(void)
 {
@@ -719,6 +771,7 @@ static void build_valid(void)
     build_judgement();
     build_considered();
     build_clocks();
+    build_faults();
     build_searches();
     build_pose_searches();
     build_robust();
@@ -893,6 +946,23 @@ static const impossible BAD_CHANGE[] = {
     BAD_REAL(rigcal_intrinsics_change, k2, -2e9, RIGCAL_ERR_RANGE), BAD_END};
 static const impossible TOO_FAR[] = {
     BAD_REAL(rigcal_intrinsics_change, focal, -1.5, RIGCAL_ERR_CAMERA), BAD_END};
+static const impossible BAD_TOLD[] = {
+    BAD_INT(rigcal_faults, verdict, -1, RIGCAL_ERR_RANGE),
+    BAD_INT(rigcal_faults, verdict, 4, RIGCAL_ERR_RANGE),
+    BAD_INT(rigcal_faults, n, -1, RIGCAL_ERR_RANGE),
+    BAD_INT(rigcal_faults, n, 0, RIGCAL_ERR_RANGE), /* though one is named */
+    BAD_INT(rigcal_faults, n_alike, -1, RIGCAL_ERR_RANGE),
+    BAD_INT(rigcal_faults, n_alike, N_FAULTS, RIGCAL_ERR_RANGE),
+    BAD_INT(rigcal_faults, n_cameras, -1, RIGCAL_ERR_RANGE),
+    BAD_END};
+static const impossible BAD_FAULT[] = {
+    BAD_INT(rigcal_fault, kind, -1, RIGCAL_ERR_RANGE),
+    BAD_INT(rigcal_fault, kind, RIGCAL_FAULT_KINDS, RIGCAL_ERR_RANGE),
+    BAD_INT(rigcal_fault, kind, INT32_MIN, RIGCAL_ERR_RANGE),
+    BAD_INT(rigcal_fault, camera, -2, RIGCAL_ERR_RANGE),
+    BAD_INT(rigcal_fault, camera, N_CAMERAS, RIGCAL_ERR_RANGE),
+    BAD_INT(rigcal_fault, camera, INT32_MAX, RIGCAL_ERR_RANGE),
+    BAD_END};
 static const impossible NEGATIVE[] = {BAD_NUMBER(-1, RIGCAL_ERR_RANGE),
                                       BAD_NUMBER(-1e-9, RIGCAL_ERR_RANGE), BAD_END};
 
@@ -994,6 +1064,13 @@ static const kind MADE = {REALS(6), BAD_CHANGE, 0};
 static const kind CHANGE = {REALS(6), TOO_FAR, 0};
 static const kind CONSIDER_SOLVER = {sizeof(rigcal_consider_solver), 0, 0, NULL,
                                      RIGCAL_ERR_STATE};
+static const kind FAULTS_SOLVER = {sizeof(rigcal_faults_solver), 0, 0, NULL,
+                                   RIGCAL_ERR_STATE};
+static const kind FAULTS = {sizeof(rigcal_faults), offsetof(rigcal_faults, F), 10, BAD_TOLD,
+                            0};
+static const kind FAULT = {sizeof(rigcal_fault), offsetof(rigcal_fault, value), 18,
+                           BAD_FAULT, 0};
+static const kind TEXT = {TEXT_SIZE, 0, 0, NULL, 0};
 static const kind CHOOSE_SOLVER = {sizeof(rigcal_choose_solver), 0, 0, NULL,
                                    RIGCAL_ERR_STATE};
 static const kind RIG_UNREAD = {sizeof(rigcal_real) * RIG_WORK, 0, 0, NULL, 0};
@@ -1247,6 +1324,13 @@ typedef struct {
         COUNT(&SIZE_3, 1, RIGCAL_ERR_TOO_FEW), STATE(RIG_PLACEMENTS, ok.placements), \
         STATE(RIG_GROUPS, ok.groups), COUNT(&SIZE_6, 1, RIGCAL_ERR_TOO_FEW), \
         STATE(memory, ok.rig_work), ROOM(&SIZE_WORK, 0, 0)
+/* The faults, whether options are there, kinds, is_truncated, work, work_capacity, breaks;
+ * `at_fault` before the options. */
+#define FAULTS_BY(faults, at_fault) \
+    faults, ROOM(&SIZE_2, 1, RIGCAL_ERR_RANGE), at_fault, IN(THERE, 1, &INT_1), \
+        CHOICE(&INT_0, 0, RIGCAL_FAULTS_ALL, RIGCAL_ERR_RANGE), \
+        CHOICE(&INT_0, 0, 0, RIGCAL_ERR_RANGE), WORK(NUMBER, FAULTS_WORK), \
+        ROOM(&SIZE_FAULTS, 4, RIGCAL_ERR_CAPACITY), IN_OPT(BYTES, N_PLACEMENTS, ok.takes)
 /* Of a tag every number is good. */
 #define ANY_INTEGER(valid) \
     { \
@@ -1495,6 +1579,41 @@ static const rigcal_rig_clocks *clocks_of(const void *is_there, void *offsets,
     return is_there ? &clocks : NULL;
 }
 
+static const rigcal_faults_options *faults_by(void *const p[])
+{
+    static rigcal_faults_options options;
+
+    options.kinds = *(const int32_t *)p[13];
+    options.is_truncated = *(const int32_t *)p[14];
+    options.work = p[15];
+    options.work_capacity = *(const size_t *)p[16];
+    options.breaks = p[17];
+    return p[12] ? &options : NULL;
+}
+
+/* What was found, with clocks beside it. */
+static const rigcal_faults *told_of(const void *told, const void *clocks)
+{
+    static rigcal_faults found;
+
+    if (told != NULL) {
+        memcpy(&found, told, sizeof found);
+        found.clocks = clocks;
+    }
+    return told ? &found : NULL;
+}
+
+static const rigcal_faults_words *words_of(const void *is_there, const void *length_scale,
+                                           const void *time_scale)
+{
+    static rigcal_faults_words words;
+
+    words.with_unseen = 1;
+    memcpy(&words.length_scale, length_scale, sizeof words.length_scale);
+    memcpy(&words.time_scale, time_scale, sizeof words.time_scale);
+    return is_there ? &words : NULL;
+}
+
 static rigcal_estimated *estimated_of(void *const p[])
 {
     static rigcal_estimated estimated;
@@ -1661,6 +1780,11 @@ CALL(consider_result, p[0], p[1])
 CALL(clocks_defaults, p[0])
 CALL(clocks_sigma, p[9], p[10], RIG_WITH(0, clocks), REAL(p[11]))
 CALL(clocks_frames, p[0], clocks_of(p[1], p[2], p[3]), COUNTED(p[4]))
+CALL(rig_faults, p[8], p[9], COUNTED(p[10]), p[11], faults_by(p), RIG_AT(0))
+CALL(faults_begin, p[8], p[9], COUNTED(p[10]), faults_by(p), RIG_AT(0))
+CALL(faults_step, p[0], INT(p[1]))
+CALL(faults_result, p[0], p[1], p[2])
+CALL(faults_text, p[0], COUNTED(p[1]), p[2], told_of(p[3], p[4]), p[5], words_of(p[6], p[7], p[8]))
 CALL(rig_residuals, p[8], COUNTED(p[9]), p[10], RIG_AT(0), COUNTED(p[11]))
 CALL_BY(point_measure, measure_to(p[15], p[16], sightings_at(p, KEPT_AT(0)), NULL))
 CALL(point_begin, p[15], sightings_at(p, KEPT_AT(0)))
@@ -2054,6 +2178,19 @@ static const function FUNCTIONS[] = {
     {F(clocks_frames), 0, ARGS,
      {OUT(INT32, N_CAMERAS), IN(THERE, 1, &INT_1), IN(NUMBER, N_CAMERAS, ok.offsets),
       VALUE(POSITIVE, &REAL_SIGMA), COUNT(&SIZE_3, 0, RIGCAL_ERR_RANGE)}},
+    {F(rig_faults), 0, S(STATE) | ADJUSTED,
+     {RIG_DONE, OUT(FAULTS, 1), FAULTS_BY(WORK(FAULT, N_FAULTS), OUT_BAD)}},
+    {F(faults_begin), 0, S(STATE) | ADJUSTED,
+     {RIG_DONE, OUT_PART(FAULTS_SOLVER, 1), FAULTS_BY(OUT_PART(FAULT, N_FAULTS), OUT_OPT(THERE, 1))}},
+    {F(faults_step), RIGCAL_RUNNING,
+     S(NULL) | S(RANGE) | S(STATE) | BIT(RIGCAL_RUNNING),
+     {STATE(FAULTS_SOLVER, &ok.faults_begun), CHOICE(&INT_2, 1, 0, RIGCAL_ERR_RANGE)}},
+    {F(faults_result), 0, S(STATE) | ADJUSTED,
+     {OUT(FAULTS, 1), OUT_BAD, IN(FAULTS_SOLVER, 1, &ok.faults_done)}},
+    {F(faults_text), 0, ARGS | S(CAPACITY),
+     {STATE(TEXT, ok.text), ROOM(&SIZE_TEXT, 4, RIGCAL_ERR_CAPACITY), {R_UNREAD, &SIZE, 1, &SIZE_0, 0, 0, 0},
+      IN(FAULTS, 1, &ok.told), IN_OPT(NUMBER, 2 * N_CAMERAS, ok.told_clocks), IN(FAULT, N_FAULTS, ok.told_faults),
+      IN(THERE, 1, &INT_1), VALUE(NUMBER, &REAL_SIGMA), VALUE(NUMBER, &REAL_SIGMA)}},
     {F(rig_residuals), 0, S(TOO_FEW) | S(CAPACITY) | ARGS,
      {RIG_WITH_MEMORY(RIG_UNREAD), OUT(NUMBER, 12), ROOM(&SIZE_12, 12, RIGCAL_ERR_CAPACITY), OUT(SIZE, 1),
       LESS(&SIZE_4, N_VIEWS)}},
@@ -2158,6 +2295,7 @@ static const char *const HARMLESS[] = {
     "rigcal_consider_work",  "rigcal_consider_clocks_work",
     "rigcal_point_work",     "rigcal_monitor_size",
     "rigcal_clocks_work",    "rigcal_estimate_work",
+    "rigcal_faults_work",    "rigcal_faults_least",
 };
 enum { N_HARMLESS = sizeof HARMLESS / sizeof HARMLESS[0] };
 
@@ -2650,7 +2788,8 @@ static void test_every_public_function_of_the_headers_is_in_the_table(void)
                               HEADER("rigcal_judge.h") + HEADER("rigcal_clocks.h") +
                               HEADER("rigcal_consider.h") + HEADER("rigcal_point.h") +
                               HEADER("rigcal_match.h") + HEADER("rigcal_monitor.h") +
-                              HEADER("rigcal_solvers.h") + HEADER("rigcal_paper.h"));
+                              HEADER("rigcal_faults.h") + HEADER("rigcal_solvers.h") +
+                              HEADER("rigcal_paper.h"));
 }
 
 /* ---- what one line of a table cannot tell -------------------------------- */
@@ -2725,6 +2864,56 @@ static void test_the_far_end_of_a_line_lies_beyond_the_near_one(void)
     ASSERT_UNTOUCHED(n);
 }
 
+static void test_a_camera_of_a_list_of_names_has_one(void)
+{
+    static const char *const names[N_CAMERAS] = {"left", "middle", NULL};
+    const rigcal_faults_words words = {.names = names};
+    char text[TEXT_SIZE];
+
+    ASSERT_REFUSED(
+        RIGCAL_ERR_NULL, text,
+        rigcal_faults_text(text, sizeof text, NULL, &ok.told, ok.told_faults, &words));
+}
+
+static void test_the_size_of_a_text_can_be_asked_for(void)
+{
+    const rigcal_faults_words words = {0};
+    size_t n_needed = 0;
+    char text[TEXT_SIZE];
+
+    ASSERT_REFUSED(
+        RIGCAL_ERR_CAPACITY, text,
+        rigcal_faults_text(text, 0, &n_needed, &ok.told, ok.told_faults, &words));
+    TEST_ASSERT_TRUE(n_needed > 100);
+    ASSERT_STATUS(RIGCAL_OK, rigcal_faults_text(text, n_needed, NULL, &ok.told,
+                                                ok.told_faults, &words));
+    TEST_ASSERT_EQUAL_UINT64(n_needed, strlen(text) + 1);
+}
+
+/* One kind at a time is the least: then another needs more. */
+static void test_faults_that_have_no_room_are_refused_before_the_first(void)
+{
+    static rigcal_real work[RIG_WORK], room[FAULTS_WORK];
+    rigcal_fault faults[N_FAULTS];
+    rigcal_faults_options options = {.work = room};
+    rigcal_faults found;
+    rigcal_rig rig = ok.rig;
+    rigcal_status status = RIGCAL_ERR_CAPACITY;
+
+    memcpy(work, ok.rig_work, sizeof work);
+    rig.work = work;
+    rig.views = ok.rig_views;
+    for (size_t n = 0; status == RIGCAL_ERR_CAPACITY && n <= FAULTS_WORK; n += 5) {
+        options.work_capacity = n;
+        FILL(faults);
+        status = rigcal_rig_faults(&found, faults, N_FAULTS, NULL, &options, &rig);
+        if (status != RIGCAL_OK) {
+            ASSERT_UNTOUCHED(faults);
+        }
+    }
+    ASSERT_STATUS(RIGCAL_OK, status);
+}
+
 static void test_weights_that_are_all_zero_make_no_mean(void)
 {
     static const rigcal_real none[N_VIEWS] = {0};
@@ -2778,6 +2967,9 @@ TEST_MAIN_WITH_SETUP()
     RUN_TEST(test_only_none_or_two_pairs_eliminate);
     RUN_TEST(test_a_pair_is_of_two_different_points);
     RUN_TEST(test_the_far_end_of_a_line_lies_beyond_the_near_one);
+    RUN_TEST(test_a_camera_of_a_list_of_names_has_one);
+    RUN_TEST(test_the_size_of_a_text_can_be_asked_for);
+    RUN_TEST(test_faults_that_have_no_room_are_refused_before_the_first);
     RUN_TEST(test_weights_that_are_all_zero_make_no_mean);
     RUN_TEST(test_pairs_for_any_number_of_points_does_not_wrap_round);
 }

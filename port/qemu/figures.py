@@ -56,6 +56,12 @@ FLASH = {
     "solve_pose and rig, chosen and judged":
         ["rigcal_pose_solve", "rigcal_view_pose_make", "rigcal_rig_choose", "rigcal_rig_judge",
          "rigcal_rig_covariance"],
+    "solve_pose and rig with clocks":
+        ["rigcal_pose_solve", "rigcal_rig_adjust", "rigcal_rig_covariance",
+         "rigcal_clocks_defaults", "rigcal_clocks_sigma", "rigcal_clocks_frames"],
+    "solve_pose and rig with faults in words":
+        ["rigcal_pose_solve", "rigcal_rig_adjust", "rigcal_rig_covariance", "rigcal_rig_faults",
+         "rigcal_faults_text"],
 }
 
 # Without an FPU: the jobs of a rig take minutes there, and the Cortex-M0 has no RAM for them.

@@ -3,6 +3,7 @@
  *     bench_faults none N        no fault: shares of p, of rigs with a name, of scores
  *     bench_faults power N       each fault in the scene of 4 cameras, 8 bursts of 3
  *     bench_faults untestable N  the true fault cannot be tested
+ *     bench_faults cost N        evaluations of the adjustments of N rigs; for callgrind
  *     bench_faults check         a few of each, with limits
  *
  * N rigs a line. 4 cameras at 1 m on 80 degrees of arc, f 800 px, a board of 20 points that
@@ -321,19 +322,22 @@ static void make(const plan *p, uint64_t seed)
     }
 }
 
+static long evaluations; /* of all adjustments */
+
 /* 0: the rig could not be adjusted. */
 static int test_it(const uint8_t *breaks)
 {
-    rigcal_rig_fit fit;
+    rigcal_rig_fit fit = {0};
     rigcal_faults_options options;
 
     memset(&options, 0, sizeof options);
     options.work = s.room;
     options.work_capacity = sizeof s.room / sizeof *s.room;
     options.breaks = breaks;
-    return rigcal_rig_adjust(&fit, NULL, &s.rig) == RIGCAL_OK &&
-           rigcal_rig_faults(&s.found, s.faults, FAULTS, NULL, &options, &s.rig) ==
-               RIGCAL_OK;
+    const rigcal_status status = rigcal_rig_adjust(&fit, NULL, &s.rig);
+    evaluations += fit.evals;
+    return status == RIGCAL_OK && rigcal_rig_faults(&s.found, s.faults, FAULTS, NULL,
+                                                    &options, &s.rig) == RIGCAL_OK;
 }
 
 /* ---- no fault --------------------------------------------------------------------- */
@@ -487,6 +491,22 @@ static int untestable(int n)
     return explained > 0.03 * n + 1 || told < n;
 }
 
+/* ---- what it costs ----------------------------------------------------------------- */
+
+static int cost(int n)
+{
+    for (int i = 0; i < n; i++) {
+        const plan p = {-1, -1, 0, {0}, 4, 8, 3, 1, 0};
+
+        make(&p, 70000 + (uint64_t)i);
+        if (!test_it(NULL)) {
+            return 1;
+        }
+    }
+    printf("%ld\n", evaluations);
+    return 0;
+}
+
 int main(int argc, char *argv[])
 {
     const int n = (argc > 2) ? atoi(argv[2]) : 0;
@@ -500,9 +520,12 @@ int main(int argc, char *argv[])
     if (argc > 2 && n > 0 && strcmp(argv[1], "untestable") == 0) {
         return untestable(n);
     }
+    if (argc > 2 && n > 0 && strcmp(argv[1], "cost") == 0) {
+        return cost(n);
+    }
     if (argc == 2 && strcmp(argv[1], "check") == 0) {
         return none(14) | power(2, 1) | untestable(4);
     }
-    fprintf(stderr, "bench_faults none | power | untestable N, or check\n");
+    fprintf(stderr, "bench_faults none | power | untestable | cost N, or check\n");
     return 2;
 }

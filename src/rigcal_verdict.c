@@ -33,9 +33,11 @@ typedef struct {
 
 static void put_letter(writer *w, char letter)
 {
-    const int is_small = w->is_start && letter >= 'a' && letter <= 'z';
     if (w->n < w->capacity) {
-        w->text[w->n] = is_small ? (char)(letter - 'a' + 'A') : letter;
+        w->text[w->n] = letter;
+        if (w->is_start && letter >= 'a' && letter <= 'z') {
+            w->text[w->n] = (char)(letter + ('A' - 'a'));
+        }
     }
     w->is_start = 0;
     w->n++;

@@ -2526,7 +2526,7 @@ static void not_finite_numbers(void)
             continue;
         }
         for (size_t k = 0; k < n_reals(i); k++) {
-            for (size_t v = (i + k) % STEP % 3; v < 3; v += STEP) {
+            for (size_t v = ((size_t)i + k) % STEP % 3; v < 3; v += STEP) {
                 snprintf(what, sizeof what, "argument %d, number %u: %g", i, (unsigned)k,
                          values[v]);
                 refresh(FINITE_BYTE);
@@ -2581,7 +2581,7 @@ static void extreme_numbers(void)
             continue;
         }
         for (size_t k = 0; k <= n_reals(i); k++) {
-            for (size_t v = (i + k) % STEP; v < sizeof values / sizeof values[0];
+            for (size_t v = ((size_t)i + k) % STEP; v < sizeof values / sizeof values[0];
                  v += STEP) {
                 snprintf(what, sizeof what, "argument %d, %s %u: %s%g", i,
                          k < n_reals(i) ? "number" : "all", (unsigned)k,

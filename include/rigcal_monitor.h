@@ -44,7 +44,7 @@ enum rigcal_monitor_limits {
     RIGCAL_MONITOR_CAMERAS_MAX = 64,
     RIGCAL_MONITOR_TARGETS_MAX = 16,
     RIGCAL_MONITOR_HEAD = 48,  /* reals of a monitor at most, besides those of its bodies */
-    RIGCAL_MONITOR_BODY = 205, /* reals of a body: pose, and evidence of a move */
+    RIGCAL_MONITOR_BODY = 179, /* reals of a body: pose, and evidence of a move */
     RIGCAL_MONITOR_LENS = 15   /* reals of a camera's intrinsics at most */
 };
 

@@ -25,29 +25,37 @@
 
 /* ---- a factored covariance ---------------------------------------------------- */
 
-/* room += U^T h of six unknowns from `at` on: of columns within them, then of those beyond.
- * */
-static void add_part(rigcal_real room[], const rigcal_real UD[], size_t n, size_t at,
-                     const rigcal_real h[6])
+/* room = U^T h of six unknowns from `at` on, or += it: of columns within them, then of
+ * those beyond. */
+static inline void put_part(rigcal_real room[], const rigcal_real UD[], size_t n, size_t at,
+                            const rigcal_real h[6], int is_first)
 {
     const rigcal_real h0 = h[0], h1 = h[1], h2 = h[2], h3 = h[3], h4 = h[4], h5 = h[5];
     const rigcal_real *u = &UD[rc_packed_at(at, at)];
-    rigcal_real *const f = &room[at];
-    f[0] += h0;
+    rigcal_real *f = &room[at], *const end = &room[n];
+    f[0] = is_first ? h0 : f[0] + h0;
     u += at + 1;
-    f[1] += h1 + u[0] * h0;
+    const rigcal_real f1 = h1 + u[0] * h0;
+    f[1] = is_first ? f1 : f[1] + f1;
     u += at + 2;
-    f[2] += h2 + u[0] * h0 + u[1] * h1;
+    const rigcal_real f2 = h2 + u[0] * h0 + u[1] * h1;
+    f[2] = is_first ? f2 : f[2] + f2;
     u += at + 3;
-    f[3] += h3 + u[0] * h0 + u[1] * h1 + u[2] * h2;
+    const rigcal_real f3 = h3 + u[0] * h0 + u[1] * h1 + u[2] * h2;
+    f[3] = is_first ? f3 : f[3] + f3;
     u += at + 4;
-    f[4] += h4 + u[0] * h0 + u[1] * h1 + u[2] * h2 + u[3] * h3;
+    const rigcal_real f4 = h4 + u[0] * h0 + u[1] * h1 + u[2] * h2 + u[3] * h3;
+    f[4] = is_first ? f4 : f[4] + f4;
     u += at + 5;
-    f[5] += h5 + u[0] * h0 + u[1] * h1 + u[2] * h2 + u[3] * h3 + u[4] * h4;
+    const rigcal_real f5 = h5 + u[0] * h0 + u[1] * h1 + u[2] * h2 + u[3] * h3 + u[4] * h4;
+    f[5] = is_first ? f5 : f[5] + f5;
     u += at + 6;
-    for (size_t j = at + 6; j < n; j++) {
-        room[j] += u[0] * h0 + u[1] * h1 + u[2] * h2 + u[3] * h3 + u[4] * h4 + u[5] * h5;
-        u += j + 1;
+    size_t to_next = at + 7;
+    for (f += 6; f < end; f++) {
+        const rigcal_real sum =
+            u[0] * h0 + u[1] * h1 + u[2] * h2 + u[3] * h3 + u[4] * h4 + u[5] * h5;
+        *f = is_first ? sum : *f + sum;
+        u += to_next++;
     }
 }
 
@@ -65,70 +73,127 @@ static void add_scaled(rigcal_real *to, const rigcal_real *from, size_t n, rigca
     }
 }
 
+/* f D f of the unknowns from `at` on, two at a time. */
+static rigcal_real weigh(const rigcal_real room[], const rigcal_real UD[], size_t n,
+                         size_t at)
+{
+    const rigcal_real *D = &UD[rc_packed_at(at, at)];
+    rigcal_real sum = 0;
+    for (size_t j = at; j < n; j += 2) {
+        const rigcal_real f = room[j], g = room[j + 1];
+        sum += D[0] * f * f + D[j + 2] * g * g;
+        D += 2 * j + 5;
+    }
+    return sum;
+}
+
 rigcal_real rc_filter_seen(rigcal_real room[], const rigcal_real UD[], size_t n,
                            const rc_part *part)
 {
-    const rigcal_real *diagonal = UD;
+    RIGCAL_ASSERT(n % 6 == 0);
+    const int low = part->at[0] < 0 || (part->at[1] >= 0 && part->at[1] < part->at[0]);
+    const size_t at = part->at[low] < 0 ? n : (size_t)part->at[low];
     const rigcal_real zero =
-        part->h[0][0] - part->h[0][0]; /* a C library's memset is slow */
-    rigcal_real hPh = 0;
-    for (size_t j = 0; j < n; j += 6) {
-        rigcal_real *const six = &room[j];
-        six[0] = six[1] = six[2] = six[3] = six[4] = six[5] = zero;
+        part->h[low][0] - part->h[low][0]; /* a C library's memset is slow */
+    for (size_t j = 0; j < at; j++) {
+        room[j] = zero;
     }
-    for (int k = 0; k < 2; k++) {
-        if (part->at[k] >= 0) {
-            add_part(room, UD, n, (size_t)part->at[k], part->h[k]);
-        }
+    if (at < n) {
+        put_part(room, UD, n, at, part->h[low], 1);
     }
-    for (size_t j = 0; j < n; j++) {
-        hPh += *diagonal * room[j] * room[j];
-        diagonal += j + 2;
+    if (part->at[!low] >= 0) {
+        put_part(room, UD, n, (size_t)part->at[!low], part->h[!low], 0);
     }
-    return hPh;
+    return weigh(room, UD, n, at);
 }
 
-/* u += by b and b += v u, of n elements: four at a time, so that most instructions count.
- * */
-static void exchange(rigcal_real *u, rigcal_real *b, size_t n, rigcal_real by,
-                     rigcal_real v)
+/* One element of a column: u += by b. Returns b + v u, of the u before. */
+static inline rigcal_real exchange(rigcal_real *u, rigcal_real b, rigcal_real by,
+                                   rigcal_real v)
 {
-    for (; n >= 4; n -= 4, u += 4, b += 4) {
-        const rigcal_real u0 = u[0], u1 = u[1], u2 = u[2], u3 = u[3];
-        const rigcal_real b0 = b[0], b1 = b[1], b2 = b[2], b3 = b[3];
-        u[0] = u0 + by * b0;
-        u[1] = u1 + by * b1;
-        u[2] = u2 + by * b2;
-        u[3] = u3 + by * b3;
-        b[0] = b0 + u0 * v;
-        b[1] = b1 + u1 * v;
-        b[2] = b2 + u2 * v;
-        b[3] = b3 + u3 * v;
+    const rigcal_real before = *u;
+    *u = before + by * b;
+    return b + before * v;
+}
+
+/* Six columns, the k-th and on, with their k rows above; b of those is in the room. */
+static void exchange_above(rigcal_real *u, size_t k, rigcal_real *room,
+                           const rigcal_real by[6], const rigcal_real v[6])
+{
+    const rigcal_real by0 = by[0], by1 = by[1], by2 = by[2];
+    const rigcal_real by3 = by[3], by4 = by[4], by5 = by[5];
+    const rigcal_real v0 = v[0], v1 = v[1], v2 = v[2], v3 = v[3], v4 = v[4], v5 = v[5];
+    rigcal_real *const end = room + k, *u1 = u + k + 1, *u2 = u1 + k + 2;
+    rigcal_real *u3 = u2 + k + 3, *u4 = u3 + k + 4, *u5 = u4 + k + 5;
+    while (room < end) {
+        rigcal_real b = exchange(u++, *room, by0, v0);
+        b = exchange(u1++, b, by1, v1);
+        b = exchange(u2++, b, by2, v2);
+        b = exchange(u3++, b, by3, v3);
+        b = exchange(u4++, b, by4, v4);
+        *room++ = exchange(u5++, b, by5, v5);
     }
-    for (; n > 0; n--, u++, b++) {
-        const rigcal_real u0 = *u, b0 = *b;
-        *u = u0 + by * b0;
-        *b = b0 + u0 * v;
-    }
+}
+
+/* The same of the six rows that they have on the diagonal. */
+static void exchange_within(rigcal_real *u, size_t k, rigcal_real b[6],
+                            const rigcal_real by[6], const rigcal_real v[6])
+{
+    rigcal_real b0 = b[0], b1 = b[1], b2 = b[2], b3 = b[3];
+    u += k + 1; /* the second column */
+    b0 = exchange(&u[0], b0, by[1], v[1]);
+    u += k + 2;
+    b0 = exchange(&u[0], b0, by[2], v[2]);
+    b1 = exchange(&u[1], b1, by[2], v[2]);
+    u += k + 3;
+    b0 = exchange(&u[0], b0, by[3], v[3]);
+    b1 = exchange(&u[1], b1, by[3], v[3]);
+    b2 = exchange(&u[2], b2, by[3], v[3]);
+    u += k + 4;
+    b0 = exchange(&u[0], b0, by[4], v[4]);
+    b1 = exchange(&u[1], b1, by[4], v[4]);
+    b2 = exchange(&u[2], b2, by[4], v[4]);
+    b3 = exchange(&u[3], b3, by[4], v[4]);
+    u += k + 5;
+    b[0] = exchange(&u[0], b0, by[5], v[5]);
+    b[1] = exchange(&u[1], b1, by[5], v[5]);
+    b[2] = exchange(&u[2], b2, by[5], v[5]);
+    b[3] = exchange(&u[3], b3, by[5], v[5]);
+    b[4] = exchange(&u[4], b[4], by[5], v[5]);
 }
 
 /* Bierman's update, of D - gain / S v v^T, v = D U^T h: alpha grows from S - gain hPh to S.
- * Where a row is doubted much, gain is negative, and P grows. */
+ * Where a row is doubted much, gain is negative, and P grows. Six columns at a time: with
+ * one, most instructions would read and write. */
 void rc_filter_learn(rigcal_real UD[], rigcal_real room[], size_t n, rigcal_real hPh,
                      rigcal_real S, rigcal_real gain)
 {
-    rigcal_real alpha = S - gain * hPh;
+    RIGCAL_ASSERT(n % 6 == 0);
+    const rigcal_real loss = -gain;
+    rigcal_real alpha = S + loss * hPh;
     rigcal_real *column = UD;
-    for (size_t j = 0; j < n; j++) {
-        const rigcal_real f = room[j], v = column[j] * f;
-        const rigcal_real before = alpha, by = -gain * f / before;
-        alpha += gain * f * v;
-        column[j] *= before / alpha;
-        room[j] = v;
-        if (v != 0) {
-            exchange(column, room, j, by, v);
+    for (size_t k = 0; k < n; k += 6) {
+        rigcal_real by[6], v[6], *diagonal = column + k;
+        int is_seen = 0;
+        for (size_t j = 0; j < 6; j++) {
+            const rigcal_real f = room[k + j], before = alpha;
+            by[j] = 0;
+            v[j] = *diagonal * f;
+            if (v[j] != 0) {
+                const rigcal_real part = loss * f;
+                by[j] = part / before;
+                alpha -= part * v[j];
+                *diagonal *= before / alpha;
+                is_seen = 1;
+            }
+            room[k + j] = v[j];
+            diagonal += k + j + 2;
         }
-        column += j + 1;
+        if (is_seen) {
+            exchange_above(column, k, room, by, v);
+            exchange_within(column + k, k, &room[k], by, v);
+        }
+        column += 6 * k + 21;
     }
 }
 
@@ -164,6 +229,41 @@ rigcal_real rc_filter_element(const rigcal_real UD[], size_t n, size_t i, size_t
     return sum;
 }
 
+/* to += the columns k, k + 1, k + 2 by three numbers, n elements of each. */
+static void add_three(rigcal_real *to, size_t n, const rigcal_real *from, size_t k,
+                      const rigcal_real by[3])
+{
+    const rigcal_real *second = from + k + 1, *third = second + k + 2;
+    const rigcal_real x = by[0], y = by[1], z = by[2];
+    for (; n >= 2; n -= 2, to += 2, from += 2, second += 2, third += 2) {
+        to[0] = to[0] + from[0] * x + second[0] * y + third[0] * z;
+        to[1] = to[1] + from[1] * x + second[1] * y + third[1] * z;
+    }
+    if (n > 0) {
+        *to = *to + *from * x + *second * y + *third * z;
+    }
+}
+
+/* Of the columns beyond j, U and D: column j += by times what they make of P there. */
+static void add_beyond(rigcal_real UD[], size_t n, size_t j, rigcal_real by)
+{
+    rigcal_real *const to = &UD[rc_packed_at(j, 0)];
+    const rigcal_real *column = to + j + 1;
+    size_t k = j + 1;
+    for (; k + 3 <= n; k += 3) {
+        const rigcal_real *const second = column + k + 1, *const third = second + k + 2;
+        const rigcal_real of[3] = {by * column[k] * column[j],
+                                   by * second[k + 1] * second[j],
+                                   by * third[k + 2] * third[j]};
+        add_three(to, j + 1, column, k, of);
+        column = third + k + 3;
+    }
+    for (; k < n; k++) {
+        add_scaled(to, column, j + 1, by * column[k] * column[j]);
+        column += k + 1;
+    }
+}
+
 /* Column by column: those to the right are still U and D. */
 void rc_filter_multiply(rigcal_real UD[], size_t n)
 {
@@ -172,29 +272,21 @@ void rc_filter_multiply(rigcal_real UD[], size_t n)
         for (size_t i = 0; i < j; i++) {
             to[i] *= to[j];
         }
-        const rigcal_real *column = to + j + 1;
-        for (size_t k = j + 1; k < n; k++) {
-            add_scaled(to, column, j + 1, column[k] * column[j]);
-            column += k + 1;
-        }
+        add_beyond(UD, n, j, 1);
         to += j + 1;
     }
 }
 
-/* From the last column on. A variance of 0 is known exactly, and has no column. */
+/* From the last column on: those to the right are U and D already. A variance of 0 is known
+ * exactly, and has no column. */
 void rc_filter_factor(rigcal_real P[], size_t n)
 {
     for (size_t j = n; j-- > 0;) {
         rigcal_real *const column = &P[rc_packed_at(j, 0)];
-        const rigcal_real pivot = column[j];
-        const rigcal_real by = pivot > 0 ? 1 / pivot : 0;
-        rigcal_real *to = P;
-        for (size_t k = 0; k < j; k++) {
-            const rigcal_real u = column[k] * by, variance = to[k];
-            add_scaled(to, column, k + 1, -u);
-            to[k] = rc_max(to[k], PIVOT_LEAST * variance);
-            to += k + 1;
-        }
+        const rigcal_real variance = column[j];
+        add_beyond(P, n, j, -1);
+        column[j] = rc_max(column[j], PIVOT_LEAST * variance);
+        const rigcal_real by = column[j] > 0 ? 1 / column[j] : 0;
         for (size_t k = 0; k < j; k++) {
             column[k] *= by;
         }
@@ -229,8 +321,8 @@ static int tell(rc_news *news, rigcal_real *hPh, rigcal_real *nu, const rc_filte
     rigcal_real S = 1;
     *nu = row->r;
     for (int k = 0; k < 2; k++) {
-        for (int i = 0; i < 6 && part->at[k] >= 0; i++) {
-            *nu -= part->h[k][i] * f->d[part->at[k] + i];
+        if (part->at[k] >= 0) {
+            *nu -= rc_vec6_dot(part->h[k], &f->d[part->at[k]]);
         }
     }
     *hPh = rc_filter_seen(f->room, f->UD, f->n, part);

@@ -7,6 +7,10 @@
 /* 1: the first word of a monitor's own numbers, "rcm1". */
 #define MAGIC 0x316d6372u
 
+/* 1: what a sum of words is multiplied by; odd, so that no changed word is lost. 2^32 over
+ * the golden ratio. */
+#define SEAL_FACTOR 0x9e3779b9u
+
 /* frames: the mean time between false alarms, by default: a day at 12 a second. */
 #define ARL0_DEFAULT RC(1e6)
 
@@ -68,12 +72,13 @@ typedef char rc_monitor_head_fits
 typedef char rc_monitor_rows_fit[offsetof(rc_monitor_head, magic) <= sizeof(rc_monitor_part)
                                      ? 1
                                      : -1];
-typedef char rc_monitor_body_fits[RC_ALARM_BODY + 12 <= RIGCAL_MONITOR_BODY ? 1 : -1];
+typedef char rc_monitor_body_fits[RC_ALARM_BODY + 12 == RIGCAL_MONITOR_BODY ? 1 : -1];
 typedef char rc_monitor_lens_fits
     [sizeof(rc_monitor_lens_copy) == RIGCAL_MONITOR_LENS * sizeof(rigcal_real) ? 1 : -1];
 typedef char rc_monitor_trial_fits[(int)RC_TRIAL_SIZE <= (int)RC_ALARM_WINDOW ? 1 : -1];
 
-/* Two sums of words, the second of the first: it tells exchanged words too. */
+/* Two sums of words, one word to each in turn. Each is multiplied before, so that it tells
+ * exchanged words too. */
 static void sum_words(uint32_t seal[2], const void *from, size_t n_bytes)
 {
     const unsigned char *at = (const unsigned char *)from;
@@ -83,17 +88,15 @@ static void sum_words(uint32_t seal[2], const void *from, size_t n_bytes)
         memcpy(&x, at + 4, sizeof x);
         memcpy(&y, at + 8, sizeof y);
         memcpy(&z, at + 12, sizeof z);
-        b += a += w;
-        b += a += x;
-        b += a += y;
-        b += a += z;
+        a = (a * SEAL_FACTOR + w) * SEAL_FACTOR + y;
+        b = (b * SEAL_FACTOR + x) * SEAL_FACTOR + z;
     }
     for (; n_bytes >= sizeof w; n_bytes -= sizeof w, at += sizeof w) {
         memcpy(&w, at, sizeof w);
-        b += a += w;
+        a = a * SEAL_FACTOR + w;
     }
     seal[0] = a | 1; /* never 0 */
-    seal[1] = b;
+    seal[1] = a ^ b;
 }
 
 static void sum_head(uint32_t seal[2], const rc_monitor_head *head)
@@ -505,15 +508,27 @@ static rigcal_status sight_ray(rc_sight *sight, const rc_monitor *m, size_t inde
     return rc_sight_of(sight, rc_monitor_lens(&lens, m, index), ray, sigma_px);
 }
 
+/* rc_check_ray, which is asked only where something might be wrong. */
+static inline rigcal_status check_ray(const rigcal_real ray[3])
+{
+    if (ray != NULL) {
+        const rigcal_real sum = RC_FABS(ray[0]) + RC_FABS(ray[1]) + RC_FABS(ray[2]);
+        if (sum > 3 / RC_COORDINATE_MAX && sum <= RC_COORDINATE_MAX) {
+            return RIGCAL_OK;
+        }
+    }
+    return rc_check_ray(ray);
+}
+
 rigcal_status rigcal_monitor_match_rays(rigcal_real monitor[], size_t camera_a,
                                         const rigcal_real ray_a[3], size_t camera_b,
                                         const rigcal_real ray_b[3], rigcal_real sigma_px)
 {
     rc_monitor m;
     rc_seen seen;
-    rigcal_status status = rc_check_ray(ray_a);
+    rigcal_status status = check_ray(ray_a);
     if (status == RIGCAL_OK) {
-        status = rc_check_ray(ray_b);
+        status = check_ray(ray_b);
     }
     if (status == RIGCAL_OK) {
         status = open_match(&m, monitor, camera_a, camera_b, sigma_px);

@@ -107,39 +107,64 @@ rigcal_real rc_filter_seen(rigcal_real room[], const rigcal_real UD[], size_t n,
     return weigh(room, UD, n, at);
 }
 
-/* One element of a column: u += by b. Returns b + v u, of the u before. */
+/* One element of a column: u -= by b. Returns b + v u, of the u before. */
 static inline rigcal_real exchange(rigcal_real *u, rigcal_real b, rigcal_real by,
                                    rigcal_real v)
 {
     const rigcal_real before = *u;
-    *u = before + by * b;
+    *u = before - by * b;
     return b + before * v;
 }
 
-/* Six columns, the k-th and on, with their k rows above; b of those is in the room. */
-static void exchange_above(rigcal_real *u, size_t k, rigcal_real *room,
-                           const rigcal_real by[6], const rigcal_real v[6])
+/* Six columns at a time, the k-th and on: with one, most instructions would read and write.
+ * by and v are each column's own. */
+typedef struct {
+    rigcal_real by[6], v[6];
+} six_columns;
+
+/* One of them: D in the place of *diagonal, f of the room. alpha grows. */
+static inline void begin_column(six_columns *six, int j, rigcal_real *diagonal,
+                                rigcal_real f, rigcal_real *alpha, rigcal_real gain)
 {
-    const rigcal_real by0 = by[0], by1 = by[1], by2 = by[2];
-    const rigcal_real by3 = by[3], by4 = by[4], by5 = by[5];
-    const rigcal_real v0 = v[0], v1 = v[1], v2 = v[2], v3 = v[3], v4 = v[4], v5 = v[5];
-    rigcal_real *const end = room + k, *u1 = u + k + 1, *u2 = u1 + k + 2;
-    rigcal_real *u3 = u2 + k + 3, *u4 = u3 + k + 4, *u5 = u4 + k + 5;
-    while (room < end) {
-        rigcal_real b = exchange(u++, *room, by0, v0);
-        b = exchange(u1++, b, by1, v1);
-        b = exchange(u2++, b, by2, v2);
-        b = exchange(u3++, b, by3, v3);
-        b = exchange(u4++, b, by4, v4);
-        *room++ = exchange(u5++, b, by5, v5);
+    const rigcal_real D = *diagonal, before = *alpha, v = D * f, part = gain * f;
+    six->v[j] = v;
+    six->by[j] = 0;
+    if (v != 0) {
+        const rigcal_real after = before + part * v;
+        six->by[j] = part / before;
+        *diagonal = D * (before / after);
+        *alpha = after;
     }
 }
 
-/* The same of the six rows that they have on the diagonal. */
-static void exchange_within(rigcal_real *u, size_t k, rigcal_real b[6],
-                            const rigcal_real by[6], const rigcal_real v[6])
+static inline int is_any(const rigcal_real v[6])
 {
-    rigcal_real b0 = b[0], b1 = b[1], b2 = b[2], b3 = b[3];
+    return v[0] != 0 || v[1] != 0 || v[2] != 0 || v[3] != 0 || v[4] != 0 || v[5] != 0;
+}
+
+/* With their k rows above; b of those is in the room. */
+static inline void exchange_above(rigcal_real *u, size_t k, rigcal_real *room,
+                                  const six_columns *six)
+{
+    const rigcal_real *const by = six->by, *const v = six->v;
+    rigcal_real *const end = room + k, *u1 = u + k + 1, *u2 = u1 + k + 2;
+    rigcal_real *u3 = u2 + k + 3, *u4 = u3 + k + 4, *u5 = u4 + k + 5;
+    while (room < end) {
+        rigcal_real b = exchange(u++, *room, by[0], v[0]);
+        b = exchange(u1++, b, by[1], v[1]);
+        b = exchange(u2++, b, by[2], v[2]);
+        b = exchange(u3++, b, by[3], v[3]);
+        b = exchange(u4++, b, by[4], v[4]);
+        *room++ = exchange(u5++, b, by[5], v[5]);
+    }
+}
+
+/* With the six rows that they have on the diagonal, whose b is v at first. */
+static inline void exchange_within(rigcal_real *u, size_t k, rigcal_real b[6],
+                                   const six_columns *six)
+{
+    const rigcal_real *const by = six->by, *const v = six->v;
+    rigcal_real b0 = v[0], b1 = v[1], b2 = v[2], b3 = v[3];
     u += k + 1; /* the second column */
     b0 = exchange(&u[0], b0, by[1], v[1]);
     u += k + 2;
@@ -159,51 +184,66 @@ static void exchange_within(rigcal_real *u, size_t k, rigcal_real b[6],
     b[1] = exchange(&u[1], b1, by[5], v[5]);
     b[2] = exchange(&u[2], b2, by[5], v[5]);
     b[3] = exchange(&u[3], b3, by[5], v[5]);
-    b[4] = exchange(&u[4], b[4], by[5], v[5]);
+    b[4] = exchange(&u[4], v[4], by[5], v[5]);
+    b[5] = v[5];
 }
 
 /* Bierman's update, of D - gain / S v v^T, v = D U^T h: alpha grows from S - gain hPh to S.
- * Where a row is doubted much, gain is negative, and P grows. Six columns at a time: with
- * one, most instructions would read and write. */
+ * Where a row is doubted much, gain is negative, and P grows. */
 void rc_filter_learn(rigcal_real UD[], rigcal_real room[], size_t n, rigcal_real hPh,
                      rigcal_real S, rigcal_real gain)
 {
     RIGCAL_ASSERT(n % 6 == 0);
-    const rigcal_real loss = -gain;
-    rigcal_real alpha = S + loss * hPh;
+    rigcal_real alpha = S - gain * hPh;
     rigcal_real *column = UD;
     for (size_t k = 0; k < n; k += 6) {
-        rigcal_real by[6], v[6], *diagonal = column + k;
-        int is_seen = 0;
-        for (size_t j = 0; j < 6; j++) {
-            const rigcal_real f = room[k + j], before = alpha;
-            by[j] = 0;
-            v[j] = *diagonal * f;
-            if (v[j] != 0) {
-                const rigcal_real part = loss * f;
-                by[j] = part / before;
-                alpha -= part * v[j];
-                *diagonal *= before / alpha;
-                is_seen = 1;
-            }
-            room[k + j] = v[j];
-            diagonal += k + j + 2;
-        }
-        if (is_seen) {
-            exchange_above(column, k, room, by, v);
-            exchange_within(column + k, k, &room[k], by, v);
+        six_columns six;
+        rigcal_real *const f = &room[k], *D = column + k;
+        begin_column(&six, 0, D, f[0], &alpha, gain);
+        D += k + 2;
+        begin_column(&six, 1, D, f[1], &alpha, gain);
+        D += k + 3;
+        begin_column(&six, 2, D, f[2], &alpha, gain);
+        D += k + 4;
+        begin_column(&six, 3, D, f[3], &alpha, gain);
+        D += k + 5;
+        begin_column(&six, 4, D, f[4], &alpha, gain);
+        D += k + 6;
+        begin_column(&six, 5, D, f[5], &alpha, gain);
+        if (is_any(six.v)) {
+            exchange_above(column, k, room, &six);
+            exchange_within(column + k, k, f, &six);
+        } else {
+            rc_vec3_copy(f, six.v);
+            rc_vec3_copy(&f[3], &six.v[3]);
         }
         column += 6 * k + 21;
     }
 }
 
+/* Column by column, so that no element is asked for by itself. */
 rigcal_real rc_filter_bend(const rigcal_real UD[], size_t n, size_t first,
                            rigcal_real reach)
 {
-    rigcal_real turn = 0, shift = 0;
-    for (size_t k = first; k < first + 3; k++) {
-        turn += rc_filter_element(UD, n, k, k);
-        shift += rc_filter_element(UD, n, k + 3, k + 3);
+    const rigcal_real *u = &UD[rc_packed_at(first, first)];
+    rigcal_real turn = u[0], shift;
+    u += first + 1;
+    turn += u[1] * (1 + u[0] * u[0]);
+    u += first + 2;
+    turn += u[2] * (1 + u[0] * u[0] + u[1] * u[1]);
+    u += first + 3;
+    turn += u[3] * rc_vec3_dot(u, u);
+    shift = u[3];
+    u += first + 4;
+    turn += u[4] * rc_vec3_dot(u, u);
+    shift += u[4] * (1 + u[3] * u[3]);
+    u += first + 5;
+    turn += u[5] * rc_vec3_dot(u, u);
+    shift += u[5] * (1 + u[3] * u[3] + u[4] * u[4]);
+    for (size_t j = first + 6; j < n; j++) {
+        u += j;
+        turn += u[j - first] * rc_vec3_dot(u, u);
+        shift += u[j - first] * rc_vec3_dot(&u[3], &u[3]);
     }
     return BEND * (turn + shift / (reach * reach));
 }
@@ -316,7 +356,7 @@ static void part_of(rc_part *part, const rc_filter *f, size_t a, size_t b,
 
 /* Tells; leaves U^T h in the room. */
 static int tell(rc_news *news, rigcal_real *hPh, rigcal_real *nu, const rc_filter *f,
-                const rc_part *part, const rc_row *row, rigcal_real wrong, int is_open)
+                const rc_part *part, const rc_row *row, rigcal_real wrong, int open)
 {
     rigcal_real S = 1;
     *nu = row->r;
@@ -326,8 +366,8 @@ static int tell(rc_news *news, rigcal_real *hPh, rigcal_real *nu, const rc_filte
         }
     }
     *hPh = rc_filter_seen(f->room, f->UD, f->n, part);
-    for (int k = 0; k < 2 && is_open; k++) {
-        if (part->at[k] >= 0) {
+    for (int k = 0; k < 2; k++) {
+        if ((open >> k & 1) && part->at[k] >= 0) {
             S += *hPh * rc_filter_bend(f->UD, f->n, (size_t)part->at[k], row->reach);
         }
     }
@@ -351,12 +391,12 @@ int rc_filter_ask(rc_news *news, const rc_filter *f, size_t a, size_t b, const r
 }
 
 int rc_filter_row(rc_news *news, const rc_filter *f, size_t a, size_t b, const rc_row *row,
-                  rigcal_real wrong, int is_open)
+                  rigcal_real wrong, int open)
 {
     rigcal_real hPh, nu;
     rc_part part;
     part_of(&part, f, a, b, row);
-    if (!tell(news, &hPh, &nu, f, &part, row, wrong, is_open)) {
+    if (!tell(news, &hPh, &nu, f, &part, row, wrong, open)) {
         return 0;
     }
     const rigcal_real S = news->sd * news->sd;
@@ -388,6 +428,21 @@ static void left_of_turn(rigcal_real left[3], const rigcal_real w[3],
     }
 }
 
+/* x / |x|, of a length that is 1 but for rounding. */
+static inline void tidy_row(rigcal_real x[3])
+{
+    rc_vec3_scale(x, RC(1.5) - RC(0.5) * rc_vec3_dot(x, x), x);
+}
+
+/* rc_rotation_tidy of what is a rotation but for the rounding of one step. */
+static void tidy(rigcal_real R[9])
+{
+    tidy_row(&R[0]);
+    rc_vec3_cross(&R[6], &R[0], &R[3]);
+    tidy_row(&R[6]);
+    rc_vec3_cross(&R[3], &R[6], &R[0]);
+}
+
 void rc_filter_apply(const rc_filter *f, size_t body)
 {
     const int32_t first = rc_filter_first(f, body);
@@ -398,7 +453,7 @@ void rc_filter_apply(const rc_filter *f, size_t body)
     rigcal_transform *const pose = &f->poses[body];
     const rigcal_transform before = *pose;
     rc_transform_move(pose, d);
-    rc_rotation_tidy(pose->R);
+    tidy(pose->R);
     rigcal_real left[3] = {0, 0, 0}, did[3];
     if (rc_vec3_max_abs(d) <= LEFT_TURN_MAX) {
         left_of_turn(left, d, before.R, pose->R);
@@ -440,19 +495,26 @@ static void add_block(rigcal_real P[], size_t i, size_t j, const rigcal_real M[]
     }
 }
 
-/* Q of a body's own axes: diagonal. Of the frame R_b Q R_c^T of all others, block by block:
- * where Q is the same along all axes, that is R_b R_c^T. */
-void rc_filter_spread(const rc_filter *f, rigcal_real P[], size_t body, rigcal_real q_rad,
-                      rigcal_real q_t)
+/* The diagonal of a body's block. */
+static void add_diagonal(rigcal_real P[], size_t first, rigcal_real q_rad, rigcal_real q_t)
 {
-    const int32_t first = rc_filter_first(f, body);
-    for (size_t k = 0; k < 3 && first >= 0; k++) {
-        const size_t i = (size_t)first + k;
+    for (size_t i = first; i < first + 3; i++) {
         P[rc_packed_at(i, i)] += q_rad;
         P[rc_packed_at(i + 3, i + 3)] += q_t;
     }
-    for (size_t b = 0; b < f->n_bodies && first < 0; b++) {
-        for (size_t c = 0; c <= b; c++) {
+}
+
+/* Q of a body's own axes: diagonal. Of the frame R_b Q R_c^T of all others, block by block:
+ * where Q is the same along all axes, that is R_b R_c^T, and 1 where b = c. */
+void rc_filter_spread(const rc_filter *f, rigcal_real P[], size_t body, rigcal_real q_rad,
+                      rigcal_real q_t)
+{
+    if (body != f->frame) {
+        add_diagonal(P, (size_t)rc_filter_first(f, body), q_rad, q_t);
+        return;
+    }
+    for (size_t b = 0; b < f->n_bodies; b++) {
+        for (size_t c = 0; c < b; c++) {
             rigcal_real turn[9], shift[9];
             if (b == body || c == body) {
                 continue;
@@ -466,6 +528,9 @@ void rc_filter_spread(const rc_filter *f, rigcal_real P[], size_t body, rigcal_r
             const size_t j = (size_t)rc_filter_first(f, c);
             add_block(P, i, j, turn, 3);
             add_block(P, i + 3, j + 3, shift, 3);
+        }
+        if (b != body) {
+            add_diagonal(P, (size_t)rc_filter_first(f, b), q_rad, q_t);
         }
     }
 }

@@ -29,28 +29,47 @@ enum { LOG1P_TERMS = 10 };
 #define LOG_CHUNK RC(65536)
 enum { LOG_CHUNK_BITS = 16 }; /* 2^16 */
 
-/* Inverse factorials. The next term is below 2e-6 in float, 1e-12 in double. */
+/* Inverse factorials. In float the next term is below 2e-6; double takes those on, to
+ * below 1e-12. */
+enum { FLOAT_TERMS = 6, MORE_TERMS = RIGCAL_USE_FLOAT ? 0 : 6 };
 static const rigcal_real SERIES[] = {
+    RC(1),           RC(1),           RC(1) / 2,     RC(1) / 6,
+    RC(1) / 24,      RC(1) / 120,
 #if !RIGCAL_USE_FLOAT
-    RC(1) / 39916800, RC(1) / 3628800, RC(1) / 362880,
-    RC(1) / 40320,    RC(1) / 5040,    RC(1) / 720,
+    RC(1) / 720,     RC(1) / 5040,    RC(1) / 40320, RC(1) / 362880,
+    RC(1) / 3628800, RC(1) / 39916800
 #endif
-    RC(1) / 120,      RC(1) / 24,      RC(1) / 6,
-    RC(1) / 2,        RC(1),           RC(1)};
-enum { EXP_TERMS = sizeof SERIES / sizeof SERIES[0] };
+};
 
+/* Written out, but for what double has more: it is asked for once a row of a monitor. */
 rigcal_real rc_exp(rigcal_real x)
 {
     const rigcal_real part = EXP_PART * rc_min(rc_max(x, -EXPONENT_MOST), EXPONENT_MOST);
     rigcal_real sum = 0;
-    for (int k = 0; k < EXP_TERMS; k++) {
-        sum = sum * part + SERIES[k];
+    for (int k = FLOAT_TERMS + MORE_TERMS; k > FLOAT_TERMS; k--) {
+        sum = sum * part + SERIES[k - 1];
     }
-    for (int k = 0; k < 8; k++) {
-        sum *= sum;
-    }
-    return sum;
+    sum = sum * part + SERIES[5];
+    sum = sum * part + SERIES[4];
+    sum = sum * part + SERIES[3];
+    sum = sum * part + SERIES[2];
+    sum = sum * part + SERIES[1];
+    sum = sum * part + SERIES[0];
+    const rigcal_real square = sum * sum, fourth = square * square;
+    const rigcal_real eighth = fourth * fourth, part_16 = eighth * eighth;
+    const rigcal_real part_32 = part_16 * part_16, part_64 = part_32 * part_32;
+    const rigcal_real part_128 = part_64 * part_64;
+    return part_128 * part_128;
 }
+
+/* 1 / (2 j + 1) of the series of log. */
+static const rigcal_real ODD_PARTS[LOG_TERMS] = {
+    RC(1),      RC(1) / 3,  RC(1) / 5,  RC(1) / 7,  RC(1) / 9,
+#if !RIGCAL_USE_FLOAT
+    RC(1) / 11, RC(1) / 13, RC(1) / 15, RC(1) / 17, RC(1) / 19,
+    RC(1) / 21
+#endif
+};
 
 /* x = 2^k y, y within sqrt(2) of 1: log y = 2 artanh((y - 1) / (y + 1)), a series whose
  * argument is at most 0.172. */
@@ -73,7 +92,7 @@ rigcal_real rc_log(rigcal_real x)
     const rigcal_real part = (x - 1) / (x + 1), square = part * part;
     rigcal_real sum = 0;
     for (int j = LOG_TERMS; j > 0; j--) {
-        sum = sum * square + RC(1) / (rigcal_real)(2 * j - 1);
+        sum = sum * square + ODD_PARTS[j - 1];
     }
     return (rigcal_real)k * LOG_2 + 2 * part * sum;
 }

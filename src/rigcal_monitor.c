@@ -425,20 +425,33 @@ rigcal_status rc_monitor_check_noise(rigcal_real sigma_px)
     return is_within(sigma_px, NOISE_LEAST, NOISE_MOST) ? RIGCAL_OK : RIGCAL_ERR_RANGE;
 }
 
-/* Where a body settles, its pose takes in each row before the next; where that is the
+/* Which of the two bodies settles, as bits: where that is the frame, both. */
+static int settling_of(const rc_monitor *m, const rc_seen *seen)
+{
+    const size_t body = m->top.head.settles;
+    if (m->top.head.settling == 0) {
+        return 0;
+    }
+    return body == m->filter.frame ? 3 : (seen->a == body) + 2 * (seen->b == body);
+}
+
+/* Where a body settles, its pose takes in each row of it before the next; where that is the
  * frame, all other poses do. */
 static void settle(const rc_monitor *m)
 {
-    for (size_t b = 0; b < m->filter.n_bodies && m->top.head.settling > 0; b++) {
-        if (b == m->top.head.settles || m->top.head.settles == m->filter.frame) {
-            rc_filter_apply(&m->filter, b);
-        }
+    if (m->top.head.settles != m->filter.frame) {
+        rc_filter_apply(&m->filter, m->top.head.settles);
+        return;
+    }
+    for (size_t b = 0; b < m->filter.n_bodies; b++) {
+        rc_filter_apply(&m->filter, b);
     }
 }
 
 static rigcal_status take_rows(rc_monitor *m, const rc_seen *seen)
 {
     const rc_filter *const f = &m->filter;
+    const int open = settling_of(m, seen);
     for (int k = 0; k < seen->n_rows; k++) {
         rc_row rows[2];
         rc_news news;
@@ -447,15 +460,16 @@ static rigcal_status take_rows(rc_monitor *m, const rc_seen *seen)
         if (status != RIGCAL_OK) {
             return status;
         }
-        if (!rc_filter_row(&news, f, seen->a, seen->b, &rows[k], m->top.head.wrong,
-                           m->top.head.settling > 0)) {
+        if (!rc_filter_row(&news, f, seen->a, seen->b, &rows[k], m->top.head.wrong, open)) {
             return RIGCAL_ERR_DEGENERATE;
         }
         m->top.head.rows++;
         m->top.head.doubted += (news.doubt.beta < RC(0.5)) ? 1 : 0;
         rc_alarm_row(&m->top.head.alarm, m->bodies, news.z, news.sd, seen->a, rows[k].h_a,
                      seen->b, rows[k].h_b);
-        settle(m);
+        if (open != 0) {
+            settle(m);
+        }
     }
     return RIGCAL_OK;
 }

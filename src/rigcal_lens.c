@@ -25,11 +25,10 @@ extern inline int rc_lens_is_fisheye(const rigcal_camera *camera);
 
 int rc_lens_is_pinhole(const rigcal_camera *camera)
 {
-    const rigcal_real sum = RC_FABS(camera->k1) + RC_FABS(camera->k2) +
-                            RC_FABS(camera->p1) + RC_FABS(camera->p2) +
-                            RC_FABS(camera->k3) + RC_FABS(camera->k4) +
-                            RC_FABS(camera->k5) + RC_FABS(camera->k6);
-    return sum <= 0 && !rc_lens_is_fisheye(camera);
+    rigcal_real coefficients[8];
+    memcpy(coefficients, (const char *)camera + offsetof(rigcal_camera, k1),
+           sizeof coefficients);
+    return !rc_lens_is_fisheye(camera) && rc_all_within(coefficients, 8, 0);
 }
 
 /* A polynomial of one degree more, by Horner's rule: its value at s, and its derivative. */

@@ -78,8 +78,8 @@ enum {
     SINCE,                                  /* frames of the longest window */
     ROWS, /* rows in the longest window; in the one before */
     ROWS_BEFORE,
-    LOG_SUM, /* log of the body's part of the sum */
-    SMALLEST /* the smallest turn that is noticed [largest move], of M */
+    SMALLEST, /* the smallest turn that is noticed [largest move], of M */
+    LOG_SUM   /* log of the body's part of the sum */
 };
 
 static rigcal_real *body_of(rigcal_real bodies[], size_t body)

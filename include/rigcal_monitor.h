@@ -49,7 +49,7 @@ enum rigcal_monitor_limits {
 };
 
 /* Reals of a monitor of n_cameras, 2 or more, and so many targets at a time. In float and
- * without targets: 2 cameras 2084 bytes, 4 cameras 4540, 8 cameras 11180; 60 bytes of each
+ * without targets: 2 cameras 1876 bytes, 4 cameras 4124, 8 cameras 10348; 60 bytes of each
  * camera are its intrinsics. The function gives 0 for counts that are out of range. */
 #define RIGCAL_MONITOR_UNKNOWNS(n_cameras, n_targets) \
     (6 * ((size_t)(n_cameras) + (size_t)(n_targets)-1))

@@ -474,8 +474,8 @@ static void run_matches(watch *w, const char *path)
 }
 
 typedef struct {
-    double time;
-    size_t first, n;
+    double time; /* the sum of n_times, then their mean */
+    size_t first, n, n_times;
 } timed_frame;
 
 static int by_time(const void *a, const void *b)
@@ -485,7 +485,8 @@ static int by_time(const void *a, const void *b)
     return (x->time > y->time) - (x->time < y->time);
 }
 
-/* Frames of observations with their times. */
+/* Frames of observations with their times: the mean of each, where cameras have times of
+ * their own. */
 static timed_frame *read_times(const cli_observations *o, const char *path)
 {
     timed_frame *frames = cli_alloc(o->frames.count, sizeof *frames);
@@ -501,19 +502,20 @@ static timed_frame *read_times(const cli_observations *o, const char *path)
 
         f->first = f->n == 0 ? i : f->first;
         f->n++;
-        f->time = (double)NAN;
     }
     for (row = 0; row < table.n_rows; row++) {
         const size_t number = cli_names_find(&o->frames, csv_id(&table, row, frame));
 
         if (number != CLI_UNKNOWN) {
-            frames[number].time = time_in(&table, row, time);
+            frames[number].time += time_in(&table, row, time);
+            frames[number].n_times++;
         }
     }
     for (i = 0; i < o->frames.count; i++) {
-        if (isnan(frames[i].time)) {
+        if (frames[i].n_times == 0) {
             cli_fail("%s has no time_s of frame %s", path, o->frames.name[i]);
         }
+        frames[i].time /= (double)frames[i].n_times;
     }
     qsort(frames, o->frames.count, sizeof *frames, by_time);
     return frames;

@@ -44,12 +44,12 @@ enum rigcal_monitor_limits {
     RIGCAL_MONITOR_CAMERAS_MAX = 64,
     RIGCAL_MONITOR_TARGETS_MAX = 16,
     RIGCAL_MONITOR_HEAD = 48,  /* reals of a monitor at most, besides those of its bodies */
-    RIGCAL_MONITOR_BODY = 205, /* reals of a body: pose, and evidence of a move */
+    RIGCAL_MONITOR_BODY = 179, /* reals of a body: pose, and evidence of a move */
     RIGCAL_MONITOR_LENS = 15   /* reals of a camera's intrinsics at most */
 };
 
 /* Reals of a monitor of n_cameras, 2 or more, and so many targets at a time. In float and
- * without targets: 2 cameras 2084 bytes, 4 cameras 4540, 8 cameras 11180; 60 bytes of each
+ * without targets: 2 cameras 1876 bytes, 4 cameras 4124, 8 cameras 10348; 60 bytes of each
  * camera are its intrinsics. The function gives 0 for counts that are out of range. */
 #define RIGCAL_MONITOR_UNKNOWNS(n_cameras, n_targets) \
     (6 * ((size_t)(n_cameras) + (size_t)(n_targets)-1))

@@ -23,7 +23,7 @@
 enum {
     RC_ALARM_WINDOWS = 5,
     RC_ALARM_WINDOW = 28, /* numbers of a window: G, H, |W|^(1/2) */
-    RC_ALARM_BODY = RC_ALARM_WINDOWS * RC_ALARM_WINDOW + 21 + 5
+    RC_ALARM_BODY = RC_ALARM_WINDOWS * RC_ALARM_WINDOW + 21 + 6
 };
 
 /* ---- state --------------------------------------------------------------- */

@@ -74,9 +74,10 @@ typedef struct {
 int rc_filter_ask(rc_news *news, const rc_filter *f, size_t a, size_t b, const rc_row *row,
                   rigcal_real wrong);
 
-/* The same, and learnt: O(n^2). is_open: one of the two bodies may be off by degrees. */
+/* The same, and learnt: O(n^2). open: bits of the bodies that may be off by degrees: 1 of
+ * a, 2 of b. */
 int rc_filter_row(rc_news *news, const rc_filter *f, size_t a, size_t b, const rc_row *row,
-                  rigcal_real wrong, int is_open);
+                  rigcal_real wrong, int open);
 
 /* Takes d of a body into its pose; what rounding leaves of it stays in d. */
 void rc_filter_apply(const rc_filter *f, size_t body);

@@ -78,7 +78,8 @@ enum {
     SINCE,                                  /* frames of the longest window */
     ROWS, /* rows in the longest window; in the one before */
     ROWS_BEFORE,
-    LOG_SUM /* log of the body's part of the sum */
+    SMALLEST, /* the smallest turn that is noticed [largest move], of M */
+    LOG_SUM   /* log of the body's part of the sum */
 };
 
 static rigcal_real *body_of(rigcal_real bodies[], size_t body)
@@ -93,14 +94,35 @@ static const rigcal_real *body_in(const rigcal_real bodies[], size_t body)
 
 /* ---- windows --------------------------------------------------------------- */
 
-/* A += s x x^T */
+/* A += s x x^T, written out: a third of the instructions of loops over blocks. */
 static void add_outer(rigcal_real A[21], rigcal_real s, const rigcal_real x[6])
 {
-    rc_sym3_add_outer(A, s, x);
-    for (int i = 0; i < 3; i++) {
-        rc_vec3_add_scaled(&A[RC_SYM6_ACROSS + 3 * i], s * x[i], &x[3]);
-    }
-    rc_sym3_add_outer(&A[RC_SYM6_SECOND], s, &x[3]);
+    const rigcal_real x0 = x[0], x1 = x[1], x2 = x[2], x3 = x[3], x4 = x[4], x5 = x[5];
+    const rigcal_real s0 = s * x0, s1 = s * x1, s2 = s * x2;
+    const rigcal_real s3 = s * x3, s4 = s * x4;
+    A[0] += s0 * x0;
+    A[1] += s0 * x1;
+    A[2] += s0 * x2;
+    A[3] += s1 * x1;
+    A[4] += s1 * x2;
+    A[5] += s2 * x2;
+    rigcal_real *const across = &A[RC_SYM6_ACROSS];
+    across[0] += s0 * x3;
+    across[1] += s0 * x4;
+    across[2] += s0 * x5;
+    across[3] += s1 * x3;
+    across[4] += s1 * x4;
+    across[5] += s1 * x5;
+    across[6] += s2 * x3;
+    across[7] += s2 * x4;
+    across[8] += s2 * x5;
+    rigcal_real *const second = &A[RC_SYM6_SECOND];
+    second[0] += s3 * x3;
+    second[1] += s3 * x4;
+    second[2] += s3 * x5;
+    second[3] += s4 * x4;
+    second[4] += s4 * x5;
+    second[5] += s * x5 * x5;
 }
 
 /* W = length / EXPECTED (M + UNSEEN diag M) + 1, in units of the largest move. */
@@ -234,17 +256,22 @@ rigcal_real *rc_alarm_lent(rigcal_real bodies[], size_t body)
 
 /* ---- a row ----------------------------------------------------------------- */
 
-/* g += p, and the sum of p p^T, for p = by D h. */
-static void add_row(rigcal_real body[], const rc_alarm *alarm, rigcal_real by,
+/* g += p, and the sum of p p^T, for p = D h, the turn and the shift by numbers of their
+ * own. */
+static void add_row(rigcal_real body[], rigcal_real turn, rigcal_real shift,
                     const rigcal_real h[6])
 {
-    rigcal_real p[6];
-    rc_vec3_scale(p, by * alarm->move_rad, h);
-    rc_vec3_scale(&p[3], by * alarm->move_t, &h[3]);
-    rc_vec3_add(&body[G], p);
-    rc_vec3_add(&body[G + 3], &p[3]);
-    add_outer(&body[H], 1, p);
+    const rigcal_real p[6] = {turn * h[0],  turn * h[1],  turn * h[2],
+                              shift * h[3], shift * h[4], shift * h[5]};
+    rigcal_real *const g = &body[G];
+    g[0] += p[0];
+    g[1] += p[1];
+    g[2] += p[2];
+    g[3] += p[3];
+    g[4] += p[4];
+    g[5] += p[5];
     body[ROWS] += 1;
+    add_outer(&body[H], 1, p);
 }
 
 void rc_alarm_row(rc_alarm *alarm, rigcal_real bodies[], rigcal_real z, rigcal_real sd,
@@ -259,8 +286,10 @@ void rc_alarm_row(rc_alarm *alarm, rigcal_real bodies[], rigcal_real z, rigcal_r
     }
     alarm->rows += 1;
     alarm->squares += psi * psi;
-    add_row(body_of(bodies, a), alarm, psi / sd, h_a);
-    add_row(body_of(bodies, b), alarm, psi / sd, h_b);
+    const rigcal_real by = psi / sd;
+    const rigcal_real turn = by * alarm->move_rad, shift = by * alarm->move_t;
+    add_row(body_of(bodies, a), turn, shift, h_a);
+    add_row(body_of(bodies, b), turn, shift, h_b);
 }
 
 /* ---- the end of a frame ------------------------------------------------------ */
@@ -287,9 +316,24 @@ static void weigh_frame(rigcal_real body[], rigcal_real common)
     add_outer(&body[H], common, &body[G]);
 }
 
+/* The smallest turn that the longest window would notice by M, over the largest: x^2 =
+ * 2 log(A K B / L) / (e . H e), for the e of least e . H e. 0: none. */
+static rigcal_real smallest_of(const rigcal_real turns[6], rigcal_real log_limit)
+{
+    const rigcal_real longest = RC_ALARM_LONGEST;
+    const rigcal_real wanted = 2 * (log_limit - rc_log(longest));
+    rigcal_real axis[3], seen[3], thickness;
+    if (!(wanted > 0) || !rc_sym3_thinnest(axis, &thickness, turns)) {
+        return 0;
+    }
+    rc_sym3_mul_vec3(seen, turns, axis);
+    const rigcal_real least = longest * rc_vec3_dot(axis, seen);
+    return least > 0 ? RC_SQRT(wanted / least) : 0;
+}
+
 /* Measures M by the longest window and starts all windows with it. M is 0 where rounding
  * leaves nothing that W could be made of. */
-static void measure(rigcal_real body[])
+static void measure(rigcal_real body[], rigcal_real log_limit)
 {
     const int longest = RC_ALARM_WINDOWS - 1;
     const rigcal_real *const sum = &body[longest * RC_ALARM_WINDOW + H];
@@ -302,6 +346,7 @@ static void measure(rigcal_real body[])
     if (!factor(W)) {
         rc_clear(&body[M], 21);
     }
+    body[SMALLEST] = smallest_of(&body[M], log_limit);
     body[MEASURED] = body[SINCE];
     body[ROWS_BEFORE] = body[ROWS];
     body[ROWS] = 0;
@@ -354,7 +399,8 @@ static rigcal_real rows_of(const rigcal_real body[])
     return body[ROWS_BEFORE] / rc_max(body[MEASURED], 1);
 }
 
-/* The windows from this one on share the weight of a body: those with rows enough. */
+/* The windows from this one on share the weight of a body: those with rows enough. Before
+ * M is measured all are alike, and the longest stands for them. */
 static int first_of_use(const rigcal_real body[], const rc_alarm *alarm)
 {
     const rigcal_real rows = rows_of(body);
@@ -365,7 +411,7 @@ static int first_of_use(const rigcal_real body[], const rc_alarm *alarm)
         wanted -= LOG_4;
         i++;
     }
-    return body[MEASURED] > 0 ? i : 0;
+    return body[MEASURED] > 0 ? i : RC_ALARM_WINDOWS - 1;
 }
 
 /* What a body's sum is multiplied by, of so many windows. */
@@ -401,14 +447,17 @@ static void end_body(rigcal_real body[], const rc_alarm *alarm)
     body[SINCE] += 1;
 }
 
-/* Windows whose last frame this was start anew, but for the longest. */
-static void end_windows(rigcal_real body[])
+/* Windows whose last frame this was start anew, but for the longest. `zero` is 0, which a
+ * compiler must not know: a C library's memset is slow. */
+static void end_windows(rigcal_real body[], rigcal_real zero)
 {
     const int32_t frames = (int32_t)body[SINCE];
     for (int i = 1; i + 1 < RC_ALARM_WINDOWS && frames % LENGTH(i) == 0; i++) {
         start_window(body, i);
     }
-    rc_clear(body, SUMS);
+    for (int k = 0; k < SUMS; k++) {
+        body[k] = zero;
+    }
 }
 
 rigcal_real rc_alarm_frame(rc_alarm *alarm, rigcal_real bodies[])
@@ -420,10 +469,10 @@ rigcal_real rc_alarm_frame(rc_alarm *alarm, rigcal_real bodies[])
         const int is_time =
             body[SINCE] >= GROWTH * body[MEASURED] || body[SINCE] >= RC_ALARM_LONGEST;
         if (is_time && !has_measured) {
-            measure(body);
+            measure(body, alarm->log_limit);
             has_measured = 1;
         } else {
-            end_windows(body);
+            end_windows(body, alarm->rows - alarm->rows);
         }
     }
     alarm->log_sum = log_of_all(bodies, (size_t)alarm->n_bodies);
@@ -443,21 +492,12 @@ int rc_alarm_is_blind(const rigcal_real bodies[], size_t body)
     return rc_max(at[ROWS], at[ROWS_BEFORE]) < SEEING_ROWS;
 }
 
-/* x^2 = 2 log(A K B / L) / (e . H e), for the e of least e . H e. */
 rigcal_real rc_alarm_smallest(const rc_alarm *alarm, const rigcal_real bodies[],
                               size_t body)
 {
-    const rigcal_real *const at = body_in(bodies, body), *const turns = &at[M];
-    const rigcal_real longest = RC_ALARM_LONGEST;
-    const rigcal_real wanted = 2 * (alarm->log_limit - rc_log(longest));
-    rigcal_real axis[3], seen[3], thickness;
-    if (rc_alarm_is_blind(bodies, body) || !(wanted > 0) ||
-        !rc_sym3_thinnest(axis, &thickness, turns)) {
-        return 0;
-    }
-    rc_sym3_mul_vec3(seen, turns, axis);
-    const rigcal_real least = longest * rc_vec3_dot(axis, seen);
-    return least > 0 ? alarm->move_rad * RC_SQRT(wanted / least) : 0;
+    return rc_alarm_is_blind(bodies, body)
+               ? 0
+               : alarm->move_rad * body_in(bodies, body)[SMALLEST];
 }
 
 rigcal_real rc_alarm_noise(const rc_alarm *alarm)

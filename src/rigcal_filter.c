@@ -25,29 +25,37 @@
 
 /* ---- a factored covariance ---------------------------------------------------- */
 
-/* room += U^T h of six unknowns from `at` on: of columns within them, then of those beyond.
- * */
-static void add_part(rigcal_real room[], const rigcal_real UD[], size_t n, size_t at,
-                     const rigcal_real h[6])
+/* room = U^T h of six unknowns from `at` on, or += it: of columns within them, then of
+ * those beyond. */
+static inline void put_part(rigcal_real room[], const rigcal_real UD[], size_t n, size_t at,
+                            const rigcal_real h[6], int is_first)
 {
     const rigcal_real h0 = h[0], h1 = h[1], h2 = h[2], h3 = h[3], h4 = h[4], h5 = h[5];
     const rigcal_real *u = &UD[rc_packed_at(at, at)];
-    rigcal_real *const f = &room[at];
-    f[0] += h0;
+    rigcal_real *f = &room[at], *const end = &room[n];
+    f[0] = is_first ? h0 : f[0] + h0;
     u += at + 1;
-    f[1] += h1 + u[0] * h0;
+    const rigcal_real f1 = h1 + u[0] * h0;
+    f[1] = is_first ? f1 : f[1] + f1;
     u += at + 2;
-    f[2] += h2 + u[0] * h0 + u[1] * h1;
+    const rigcal_real f2 = h2 + u[0] * h0 + u[1] * h1;
+    f[2] = is_first ? f2 : f[2] + f2;
     u += at + 3;
-    f[3] += h3 + u[0] * h0 + u[1] * h1 + u[2] * h2;
+    const rigcal_real f3 = h3 + u[0] * h0 + u[1] * h1 + u[2] * h2;
+    f[3] = is_first ? f3 : f[3] + f3;
     u += at + 4;
-    f[4] += h4 + u[0] * h0 + u[1] * h1 + u[2] * h2 + u[3] * h3;
+    const rigcal_real f4 = h4 + u[0] * h0 + u[1] * h1 + u[2] * h2 + u[3] * h3;
+    f[4] = is_first ? f4 : f[4] + f4;
     u += at + 5;
-    f[5] += h5 + u[0] * h0 + u[1] * h1 + u[2] * h2 + u[3] * h3 + u[4] * h4;
+    const rigcal_real f5 = h5 + u[0] * h0 + u[1] * h1 + u[2] * h2 + u[3] * h3 + u[4] * h4;
+    f[5] = is_first ? f5 : f[5] + f5;
     u += at + 6;
-    for (size_t j = at + 6; j < n; j++) {
-        room[j] += u[0] * h0 + u[1] * h1 + u[2] * h2 + u[3] * h3 + u[4] * h4 + u[5] * h5;
-        u += j + 1;
+    size_t to_next = at + 7;
+    for (f += 6; f < end; f++) {
+        const rigcal_real sum =
+            u[0] * h0 + u[1] * h1 + u[2] * h2 + u[3] * h3 + u[4] * h4 + u[5] * h5;
+        *f = is_first ? sum : *f + sum;
+        u += to_next++;
     }
 }
 
@@ -65,51 +73,119 @@ static void add_scaled(rigcal_real *to, const rigcal_real *from, size_t n, rigca
     }
 }
 
+/* f D f of the unknowns from `at` on, two at a time. */
+static rigcal_real weigh(const rigcal_real room[], const rigcal_real UD[], size_t n,
+                         size_t at)
+{
+    const rigcal_real *D = &UD[rc_packed_at(at, at)];
+    rigcal_real sum = 0;
+    for (size_t j = at; j < n; j += 2) {
+        const rigcal_real f = room[j], g = room[j + 1];
+        sum += D[0] * f * f + D[j + 2] * g * g;
+        D += 2 * j + 5;
+    }
+    return sum;
+}
+
 rigcal_real rc_filter_seen(rigcal_real room[], const rigcal_real UD[], size_t n,
                            const rc_part *part)
 {
-    const rigcal_real *diagonal = UD;
+    RIGCAL_ASSERT(n % 6 == 0);
+    const int low = part->at[0] < 0 || (part->at[1] >= 0 && part->at[1] < part->at[0]);
+    const size_t at = part->at[low] < 0 ? n : (size_t)part->at[low];
     const rigcal_real zero =
-        part->h[0][0] - part->h[0][0]; /* a C library's memset is slow */
-    rigcal_real hPh = 0;
-    for (size_t j = 0; j < n; j += 6) {
-        rigcal_real *const six = &room[j];
-        six[0] = six[1] = six[2] = six[3] = six[4] = six[5] = zero;
+        part->h[low][0] - part->h[low][0]; /* a C library's memset is slow */
+    for (size_t j = 0; j < at; j++) {
+        room[j] = zero;
     }
-    for (int k = 0; k < 2; k++) {
-        if (part->at[k] >= 0) {
-            add_part(room, UD, n, (size_t)part->at[k], part->h[k]);
-        }
+    if (at < n) {
+        put_part(room, UD, n, at, part->h[low], 1);
     }
-    for (size_t j = 0; j < n; j++) {
-        hPh += *diagonal * room[j] * room[j];
-        diagonal += j + 2;
+    if (part->at[!low] >= 0) {
+        put_part(room, UD, n, (size_t)part->at[!low], part->h[!low], 0);
     }
-    return hPh;
+    return weigh(room, UD, n, at);
 }
 
-/* u += by b and b += v u, of n elements: four at a time, so that most instructions count.
- * */
-static void exchange(rigcal_real *u, rigcal_real *b, size_t n, rigcal_real by,
-                     rigcal_real v)
+/* One element of a column: u -= by b. Returns b + v u, of the u before. */
+static inline rigcal_real exchange(rigcal_real *u, rigcal_real b, rigcal_real by,
+                                   rigcal_real v)
 {
-    for (; n >= 4; n -= 4, u += 4, b += 4) {
-        const rigcal_real u0 = u[0], u1 = u[1], u2 = u[2], u3 = u[3];
-        const rigcal_real b0 = b[0], b1 = b[1], b2 = b[2], b3 = b[3];
-        u[0] = u0 + by * b0;
-        u[1] = u1 + by * b1;
-        u[2] = u2 + by * b2;
-        u[3] = u3 + by * b3;
-        b[0] = b0 + u0 * v;
-        b[1] = b1 + u1 * v;
-        b[2] = b2 + u2 * v;
-        b[3] = b3 + u3 * v;
+    const rigcal_real before = *u;
+    *u = before - by * b;
+    return b + before * v;
+}
+
+/* Six columns at a time, the k-th and on: with one, most instructions would read and write.
+ * by and v are each column's own. */
+typedef struct {
+    rigcal_real by[6], v[6];
+} six_columns;
+
+/* One of them: D in the place of *diagonal, f of the room. alpha grows. */
+static inline void begin_column(six_columns *six, int j, rigcal_real *diagonal,
+                                rigcal_real f, rigcal_real *alpha, rigcal_real gain)
+{
+    const rigcal_real D = *diagonal, before = *alpha, v = D * f, part = gain * f;
+    six->v[j] = v;
+    six->by[j] = 0;
+    if (v != 0) {
+        const rigcal_real after = before + part * v;
+        six->by[j] = part / before;
+        *diagonal = D * (before / after);
+        *alpha = after;
     }
-    for (; n > 0; n--, u++, b++) {
-        const rigcal_real u0 = *u, b0 = *b;
-        *u = u0 + by * b0;
-        *b = b0 + u0 * v;
+}
+
+static inline int is_any(const rigcal_real v[6])
+{
+    return v[0] != 0 || v[1] != 0 || v[2] != 0 || v[3] != 0 || v[4] != 0 || v[5] != 0;
+}
+
+/* With their k rows above; b of those is in the room. */
+static inline void exchange_above(rigcal_real *u, size_t k, rigcal_real *room,
+                                  const six_columns *six)
+{
+    const rigcal_real *const by = six->by, *const v = six->v;
+    rigcal_real *const end = room + k, *u1 = u + k + 1, *u2 = u1 + k + 2;
+    rigcal_real *u3 = u2 + k + 3, *u4 = u3 + k + 4, *u5 = u4 + k + 5;
+    while (room < end) {
+        rigcal_real b = exchange(u++, *room, by[0], v[0]);
+        b = exchange(u1++, b, by[1], v[1]);
+        b = exchange(u2++, b, by[2], v[2]);
+        b = exchange(u3++, b, by[3], v[3]);
+        b = exchange(u4++, b, by[4], v[4]);
+        *room++ = exchange(u5++, b, by[5], v[5]);
     }
+}
+
+/* With the six rows that they have on the diagonal, whose b is v at first. */
+static inline void exchange_within(rigcal_real *u, size_t k, rigcal_real b[6],
+                                   const six_columns *six)
+{
+    const rigcal_real *const by = six->by, *const v = six->v;
+    rigcal_real b0 = v[0], b1 = v[1], b2 = v[2], b3 = v[3];
+    u += k + 1; /* the second column */
+    b0 = exchange(&u[0], b0, by[1], v[1]);
+    u += k + 2;
+    b0 = exchange(&u[0], b0, by[2], v[2]);
+    b1 = exchange(&u[1], b1, by[2], v[2]);
+    u += k + 3;
+    b0 = exchange(&u[0], b0, by[3], v[3]);
+    b1 = exchange(&u[1], b1, by[3], v[3]);
+    b2 = exchange(&u[2], b2, by[3], v[3]);
+    u += k + 4;
+    b0 = exchange(&u[0], b0, by[4], v[4]);
+    b1 = exchange(&u[1], b1, by[4], v[4]);
+    b2 = exchange(&u[2], b2, by[4], v[4]);
+    b3 = exchange(&u[3], b3, by[4], v[4]);
+    u += k + 5;
+    b[0] = exchange(&u[0], b0, by[5], v[5]);
+    b[1] = exchange(&u[1], b1, by[5], v[5]);
+    b[2] = exchange(&u[2], b2, by[5], v[5]);
+    b[3] = exchange(&u[3], b3, by[5], v[5]);
+    b[4] = exchange(&u[4], v[4], by[5], v[5]);
+    b[5] = v[5];
 }
 
 /* Bierman's update, of D - gain / S v v^T, v = D U^T h: alpha grows from S - gain hPh to S.
@@ -117,28 +193,57 @@ static void exchange(rigcal_real *u, rigcal_real *b, size_t n, rigcal_real by,
 void rc_filter_learn(rigcal_real UD[], rigcal_real room[], size_t n, rigcal_real hPh,
                      rigcal_real S, rigcal_real gain)
 {
+    RIGCAL_ASSERT(n % 6 == 0);
     rigcal_real alpha = S - gain * hPh;
     rigcal_real *column = UD;
-    for (size_t j = 0; j < n; j++) {
-        const rigcal_real f = room[j], v = column[j] * f;
-        const rigcal_real before = alpha, by = -gain * f / before;
-        alpha += gain * f * v;
-        column[j] *= before / alpha;
-        room[j] = v;
-        if (v != 0) {
-            exchange(column, room, j, by, v);
+    for (size_t k = 0; k < n; k += 6) {
+        six_columns six;
+        rigcal_real *const f = &room[k], *D = column + k;
+        begin_column(&six, 0, D, f[0], &alpha, gain);
+        D += k + 2;
+        begin_column(&six, 1, D, f[1], &alpha, gain);
+        D += k + 3;
+        begin_column(&six, 2, D, f[2], &alpha, gain);
+        D += k + 4;
+        begin_column(&six, 3, D, f[3], &alpha, gain);
+        D += k + 5;
+        begin_column(&six, 4, D, f[4], &alpha, gain);
+        D += k + 6;
+        begin_column(&six, 5, D, f[5], &alpha, gain);
+        if (is_any(six.v)) {
+            exchange_above(column, k, room, &six);
+            exchange_within(column + k, k, f, &six);
+        } else {
+            rc_vec3_copy(f, six.v);
+            rc_vec3_copy(&f[3], &six.v[3]);
         }
-        column += j + 1;
+        column += 6 * k + 21;
     }
 }
 
+/* Column by column, so that no element is asked for by itself. */
 rigcal_real rc_filter_bend(const rigcal_real UD[], size_t n, size_t first,
                            rigcal_real reach)
 {
-    rigcal_real turn = 0, shift = 0;
-    for (size_t k = first; k < first + 3; k++) {
-        turn += rc_filter_element(UD, n, k, k);
-        shift += rc_filter_element(UD, n, k + 3, k + 3);
+    const rigcal_real *u = &UD[rc_packed_at(first, first)];
+    rigcal_real turn = u[0], shift;
+    u += first + 1;
+    turn += u[1] * (1 + u[0] * u[0]);
+    u += first + 2;
+    turn += u[2] * (1 + u[0] * u[0] + u[1] * u[1]);
+    u += first + 3;
+    turn += u[3] * rc_vec3_dot(u, u);
+    shift = u[3];
+    u += first + 4;
+    turn += u[4] * rc_vec3_dot(u, u);
+    shift += u[4] * (1 + u[3] * u[3]);
+    u += first + 5;
+    turn += u[5] * rc_vec3_dot(u, u);
+    shift += u[5] * (1 + u[3] * u[3] + u[4] * u[4]);
+    for (size_t j = first + 6; j < n; j++) {
+        u += j;
+        turn += u[j - first] * rc_vec3_dot(u, u);
+        shift += u[j - first] * rc_vec3_dot(&u[3], &u[3]);
     }
     return BEND * (turn + shift / (reach * reach));
 }
@@ -164,6 +269,41 @@ rigcal_real rc_filter_element(const rigcal_real UD[], size_t n, size_t i, size_t
     return sum;
 }
 
+/* to += the columns k, k + 1, k + 2 by three numbers, n elements of each. */
+static void add_three(rigcal_real *to, size_t n, const rigcal_real *from, size_t k,
+                      const rigcal_real by[3])
+{
+    const rigcal_real *second = from + k + 1, *third = second + k + 2;
+    const rigcal_real x = by[0], y = by[1], z = by[2];
+    for (; n >= 2; n -= 2, to += 2, from += 2, second += 2, third += 2) {
+        to[0] = to[0] + from[0] * x + second[0] * y + third[0] * z;
+        to[1] = to[1] + from[1] * x + second[1] * y + third[1] * z;
+    }
+    if (n > 0) {
+        *to = *to + *from * x + *second * y + *third * z;
+    }
+}
+
+/* Of the columns beyond j, U and D: column j += by times what they make of P there. */
+static void add_beyond(rigcal_real UD[], size_t n, size_t j, rigcal_real by)
+{
+    rigcal_real *const to = &UD[rc_packed_at(j, 0)];
+    const rigcal_real *column = to + j + 1;
+    size_t k = j + 1;
+    for (; k + 3 <= n; k += 3) {
+        const rigcal_real *const second = column + k + 1, *const third = second + k + 2;
+        const rigcal_real of[3] = {by * column[k] * column[j],
+                                   by * second[k + 1] * second[j],
+                                   by * third[k + 2] * third[j]};
+        add_three(to, j + 1, column, k, of);
+        column = third + k + 3;
+    }
+    for (; k < n; k++) {
+        add_scaled(to, column, j + 1, by * column[k] * column[j]);
+        column += k + 1;
+    }
+}
+
 /* Column by column: those to the right are still U and D. */
 void rc_filter_multiply(rigcal_real UD[], size_t n)
 {
@@ -172,29 +312,21 @@ void rc_filter_multiply(rigcal_real UD[], size_t n)
         for (size_t i = 0; i < j; i++) {
             to[i] *= to[j];
         }
-        const rigcal_real *column = to + j + 1;
-        for (size_t k = j + 1; k < n; k++) {
-            add_scaled(to, column, j + 1, column[k] * column[j]);
-            column += k + 1;
-        }
+        add_beyond(UD, n, j, 1);
         to += j + 1;
     }
 }
 
-/* From the last column on. A variance of 0 is known exactly, and has no column. */
+/* From the last column on: those to the right are U and D already. A variance of 0 is known
+ * exactly, and has no column. */
 void rc_filter_factor(rigcal_real P[], size_t n)
 {
     for (size_t j = n; j-- > 0;) {
         rigcal_real *const column = &P[rc_packed_at(j, 0)];
-        const rigcal_real pivot = column[j];
-        const rigcal_real by = pivot > 0 ? 1 / pivot : 0;
-        rigcal_real *to = P;
-        for (size_t k = 0; k < j; k++) {
-            const rigcal_real u = column[k] * by, variance = to[k];
-            add_scaled(to, column, k + 1, -u);
-            to[k] = rc_max(to[k], PIVOT_LEAST * variance);
-            to += k + 1;
-        }
+        const rigcal_real variance = column[j];
+        add_beyond(P, n, j, -1);
+        column[j] = rc_max(column[j], PIVOT_LEAST * variance);
+        const rigcal_real by = column[j] > 0 ? 1 / column[j] : 0;
         for (size_t k = 0; k < j; k++) {
             column[k] *= by;
         }
@@ -224,18 +356,18 @@ static void part_of(rc_part *part, const rc_filter *f, size_t a, size_t b,
 
 /* Tells; leaves U^T h in the room. */
 static int tell(rc_news *news, rigcal_real *hPh, rigcal_real *nu, const rc_filter *f,
-                const rc_part *part, const rc_row *row, rigcal_real wrong, int is_open)
+                const rc_part *part, const rc_row *row, rigcal_real wrong, int open)
 {
     rigcal_real S = 1;
     *nu = row->r;
     for (int k = 0; k < 2; k++) {
-        for (int i = 0; i < 6 && part->at[k] >= 0; i++) {
-            *nu -= part->h[k][i] * f->d[part->at[k] + i];
+        if (part->at[k] >= 0) {
+            *nu -= rc_vec6_dot(part->h[k], &f->d[part->at[k]]);
         }
     }
     *hPh = rc_filter_seen(f->room, f->UD, f->n, part);
-    for (int k = 0; k < 2 && is_open; k++) {
-        if (part->at[k] >= 0) {
+    for (int k = 0; k < 2; k++) {
+        if ((open >> k & 1) && part->at[k] >= 0) {
             S += *hPh * rc_filter_bend(f->UD, f->n, (size_t)part->at[k], row->reach);
         }
     }
@@ -259,12 +391,12 @@ int rc_filter_ask(rc_news *news, const rc_filter *f, size_t a, size_t b, const r
 }
 
 int rc_filter_row(rc_news *news, const rc_filter *f, size_t a, size_t b, const rc_row *row,
-                  rigcal_real wrong, int is_open)
+                  rigcal_real wrong, int open)
 {
     rigcal_real hPh, nu;
     rc_part part;
     part_of(&part, f, a, b, row);
-    if (!tell(news, &hPh, &nu, f, &part, row, wrong, is_open)) {
+    if (!tell(news, &hPh, &nu, f, &part, row, wrong, open)) {
         return 0;
     }
     const rigcal_real S = news->sd * news->sd;
@@ -296,6 +428,21 @@ static void left_of_turn(rigcal_real left[3], const rigcal_real w[3],
     }
 }
 
+/* x / |x|, of a length that is 1 but for rounding. */
+static inline void tidy_row(rigcal_real x[3])
+{
+    rc_vec3_scale(x, RC(1.5) - RC(0.5) * rc_vec3_dot(x, x), x);
+}
+
+/* rc_rotation_tidy of what is a rotation but for the rounding of one step. */
+static void tidy(rigcal_real R[9])
+{
+    tidy_row(&R[0]);
+    rc_vec3_cross(&R[6], &R[0], &R[3]);
+    tidy_row(&R[6]);
+    rc_vec3_cross(&R[3], &R[6], &R[0]);
+}
+
 void rc_filter_apply(const rc_filter *f, size_t body)
 {
     const int32_t first = rc_filter_first(f, body);
@@ -306,7 +453,7 @@ void rc_filter_apply(const rc_filter *f, size_t body)
     rigcal_transform *const pose = &f->poses[body];
     const rigcal_transform before = *pose;
     rc_transform_move(pose, d);
-    rc_rotation_tidy(pose->R);
+    tidy(pose->R);
     rigcal_real left[3] = {0, 0, 0}, did[3];
     if (rc_vec3_max_abs(d) <= LEFT_TURN_MAX) {
         left_of_turn(left, d, before.R, pose->R);
@@ -348,19 +495,26 @@ static void add_block(rigcal_real P[], size_t i, size_t j, const rigcal_real M[]
     }
 }
 
-/* Q of a body's own axes: diagonal. Of the frame R_b Q R_c^T of all others, block by block:
- * where Q is the same along all axes, that is R_b R_c^T. */
-void rc_filter_spread(const rc_filter *f, rigcal_real P[], size_t body, rigcal_real q_rad,
-                      rigcal_real q_t)
+/* The diagonal of a body's block. */
+static void add_diagonal(rigcal_real P[], size_t first, rigcal_real q_rad, rigcal_real q_t)
 {
-    const int32_t first = rc_filter_first(f, body);
-    for (size_t k = 0; k < 3 && first >= 0; k++) {
-        const size_t i = (size_t)first + k;
+    for (size_t i = first; i < first + 3; i++) {
         P[rc_packed_at(i, i)] += q_rad;
         P[rc_packed_at(i + 3, i + 3)] += q_t;
     }
-    for (size_t b = 0; b < f->n_bodies && first < 0; b++) {
-        for (size_t c = 0; c <= b; c++) {
+}
+
+/* Q of a body's own axes: diagonal. Of the frame R_b Q R_c^T of all others, block by block:
+ * where Q is the same along all axes, that is R_b R_c^T, and 1 where b = c. */
+void rc_filter_spread(const rc_filter *f, rigcal_real P[], size_t body, rigcal_real q_rad,
+                      rigcal_real q_t)
+{
+    if (body != f->frame) {
+        add_diagonal(P, (size_t)rc_filter_first(f, body), q_rad, q_t);
+        return;
+    }
+    for (size_t b = 0; b < f->n_bodies; b++) {
+        for (size_t c = 0; c < b; c++) {
             rigcal_real turn[9], shift[9];
             if (b == body || c == body) {
                 continue;
@@ -374,6 +528,9 @@ void rc_filter_spread(const rc_filter *f, rigcal_real P[], size_t body, rigcal_r
             const size_t j = (size_t)rc_filter_first(f, c);
             add_block(P, i, j, turn, 3);
             add_block(P, i + 3, j + 3, shift, 3);
+        }
+        if (b != body) {
+            add_diagonal(P, (size_t)rc_filter_first(f, b), q_rad, q_t);
         }
     }
 }

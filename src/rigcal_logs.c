@@ -36,13 +36,22 @@ rigcal_real rc_exp(rigcal_real x)
     return sum;
 }
 
+/* 1 / (2 j + 1) of the series of log. */
+static const rigcal_real ODD_PARTS[LOG_TERMS] = {
+    RC(1),      RC(1) / 3,  RC(1) / 5,  RC(1) / 7,  RC(1) / 9,
+#if !RIGCAL_USE_FLOAT
+    RC(1) / 11, RC(1) / 13, RC(1) / 15, RC(1) / 17, RC(1) / 19,
+    RC(1) / 21
+#endif
+};
+
 /* log((1 + part) / (1 - part)) = 2 artanh(part), part within 0.172. */
 static rigcal_real log_of_part(rigcal_real part)
 {
     const rigcal_real square = part * part;
     rigcal_real sum = 0;
     for (int j = LOG_TERMS; j > 0; j--) {
-        sum = sum * square + RC(1) / (rigcal_real)(2 * j - 1);
+        sum = sum * square + ODD_PARTS[j - 1];
     }
     return 2 * part * sum;
 }

@@ -7,6 +7,10 @@
 /* 1: the first word of a monitor's own numbers, "rcm1". */
 #define MAGIC 0x316d6372u
 
+/* 1: what a sum of words is multiplied by; odd, so that no changed word is lost. 2^32 over
+ * the golden ratio. */
+#define SEAL_FACTOR 0x9e3779b9u
+
 /* frames: the mean time between false alarms, by default: a day at 12 a second. */
 #define ARL0_DEFAULT RC(1e6)
 
@@ -68,12 +72,13 @@ typedef char rc_monitor_head_fits
 typedef char rc_monitor_rows_fit[offsetof(rc_monitor_head, magic) <= sizeof(rc_monitor_part)
                                      ? 1
                                      : -1];
-typedef char rc_monitor_body_fits[RC_ALARM_BODY + 12 <= RIGCAL_MONITOR_BODY ? 1 : -1];
+typedef char rc_monitor_body_fits[RC_ALARM_BODY + 12 == RIGCAL_MONITOR_BODY ? 1 : -1];
 typedef char rc_monitor_lens_fits
     [sizeof(rc_monitor_lens_copy) == RIGCAL_MONITOR_LENS * sizeof(rigcal_real) ? 1 : -1];
 typedef char rc_monitor_trial_fits[(int)RC_TRIAL_SIZE <= (int)RC_ALARM_WINDOW ? 1 : -1];
 
-/* Two sums of words, the second of the first: it tells exchanged words too. */
+/* Two sums of words, one word to each in turn. Each is multiplied before, so that it tells
+ * exchanged words too. */
 static void sum_words(uint32_t seal[2], const void *from, size_t n_bytes)
 {
     const unsigned char *at = (const unsigned char *)from;
@@ -83,17 +88,15 @@ static void sum_words(uint32_t seal[2], const void *from, size_t n_bytes)
         memcpy(&x, at + 4, sizeof x);
         memcpy(&y, at + 8, sizeof y);
         memcpy(&z, at + 12, sizeof z);
-        b += a += w;
-        b += a += x;
-        b += a += y;
-        b += a += z;
+        a = (a * SEAL_FACTOR + w) * SEAL_FACTOR + y;
+        b = (b * SEAL_FACTOR + x) * SEAL_FACTOR + z;
     }
     for (; n_bytes >= sizeof w; n_bytes -= sizeof w, at += sizeof w) {
         memcpy(&w, at, sizeof w);
-        b += a += w;
+        a = a * SEAL_FACTOR + w;
     }
     seal[0] = a | 1; /* never 0 */
-    seal[1] = b;
+    seal[1] = a ^ b;
 }
 
 static void sum_head(uint32_t seal[2], const rc_monitor_head *head)
@@ -422,20 +425,33 @@ rigcal_status rc_monitor_check_noise(rigcal_real sigma_px)
     return is_within(sigma_px, NOISE_LEAST, NOISE_MOST) ? RIGCAL_OK : RIGCAL_ERR_RANGE;
 }
 
-/* Where a body settles, its pose takes in each row before the next; where that is the
+/* Which of the two bodies settles, as bits: where that is the frame, both. */
+static int settling_of(const rc_monitor *m, const rc_seen *seen)
+{
+    const size_t body = m->top.head.settles;
+    if (m->top.head.settling == 0) {
+        return 0;
+    }
+    return body == m->filter.frame ? 3 : (seen->a == body) + 2 * (seen->b == body);
+}
+
+/* Where a body settles, its pose takes in each row of it before the next; where that is the
  * frame, all other poses do. */
 static void settle(const rc_monitor *m)
 {
-    for (size_t b = 0; b < m->filter.n_bodies && m->top.head.settling > 0; b++) {
-        if (b == m->top.head.settles || m->top.head.settles == m->filter.frame) {
-            rc_filter_apply(&m->filter, b);
-        }
+    if (m->top.head.settles != m->filter.frame) {
+        rc_filter_apply(&m->filter, m->top.head.settles);
+        return;
+    }
+    for (size_t b = 0; b < m->filter.n_bodies; b++) {
+        rc_filter_apply(&m->filter, b);
     }
 }
 
 static rigcal_status take_rows(rc_monitor *m, const rc_seen *seen)
 {
     const rc_filter *const f = &m->filter;
+    const int open = settling_of(m, seen);
     for (int k = 0; k < seen->n_rows; k++) {
         rc_row rows[2];
         rc_news news;
@@ -444,15 +460,16 @@ static rigcal_status take_rows(rc_monitor *m, const rc_seen *seen)
         if (status != RIGCAL_OK) {
             return status;
         }
-        if (!rc_filter_row(&news, f, seen->a, seen->b, &rows[k], m->top.head.wrong,
-                           m->top.head.settling > 0)) {
+        if (!rc_filter_row(&news, f, seen->a, seen->b, &rows[k], m->top.head.wrong, open)) {
             return RIGCAL_ERR_DEGENERATE;
         }
         m->top.head.rows++;
         m->top.head.doubted += (news.doubt.beta < RC(0.5)) ? 1 : 0;
         rc_alarm_row(&m->top.head.alarm, m->bodies, news.z, news.sd, seen->a, rows[k].h_a,
                      seen->b, rows[k].h_b);
-        settle(m);
+        if (open != 0) {
+            settle(m);
+        }
     }
     return RIGCAL_OK;
 }
@@ -505,15 +522,27 @@ static rigcal_status sight_ray(rc_sight *sight, const rc_monitor *m, size_t inde
     return rc_sight_of(sight, rc_monitor_lens(&lens, m, index), ray, sigma_px);
 }
 
+/* rc_check_ray, which is asked only where something might be wrong. */
+static inline rigcal_status check_ray(const rigcal_real ray[3])
+{
+    if (ray != NULL) {
+        const rigcal_real sum = RC_FABS(ray[0]) + RC_FABS(ray[1]) + RC_FABS(ray[2]);
+        if (sum > 3 / RC_COORDINATE_MAX && sum <= RC_COORDINATE_MAX) {
+            return RIGCAL_OK;
+        }
+    }
+    return rc_check_ray(ray);
+}
+
 rigcal_status rigcal_monitor_match_rays(rigcal_real monitor[], size_t camera_a,
                                         const rigcal_real ray_a[3], size_t camera_b,
                                         const rigcal_real ray_b[3], rigcal_real sigma_px)
 {
     rc_monitor m;
     rc_seen seen;
-    rigcal_status status = rc_check_ray(ray_a);
+    rigcal_status status = check_ray(ray_a);
     if (status == RIGCAL_OK) {
-        status = rc_check_ray(ray_b);
+        status = check_ray(ray_b);
     }
     if (status == RIGCAL_OK) {
         status = open_match(&m, monitor, camera_a, camera_b, sigma_px);

@@ -192,11 +192,12 @@ static void add_parts(rigcal_outline *outline, const rigcal_real u[NODES],
  * to rounding. */
 static rigcal_real turning_point(const rigcal_real v[NODES], rigcal_real t, int rises)
 {
-    rigcal_real from = t;
-    for (rigcal_real width = RC(1) / 2; width > RC_EPS; width /= 2) {
+    rigcal_real from = t, width = RC(1) / 2;
+    while (width > RC_EPS) {
         if ((slope_at(v, from + width) > 0) == rises) {
             from += width;
         }
+        width /= 2;
     }
     return from;
 }

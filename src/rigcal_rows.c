@@ -9,18 +9,60 @@
 /* rad: the same for rounding, where the noise is less. */
 #define EPIPOLE_ROUNDING (64 * RC_EPS)
 
+/* 1: of a pinhole, rays whose tangent is more are not imaged. */
+#define TANGENT_MOST RC_TOL(1e8, 1e4)
+
 /* ---- a ray and its noise -------------------------------------------------- */
+
+/* The same as below, of m = c (x, y, 1) in closed form:
+ * T = sigma c^3 ((1 + y^2, -x y, -x) / fx, (-x y, 1 + x^2, -y) / fy). */
+static rigcal_status sight_of_pinhole(rc_sight *sight, const rigcal_camera *camera,
+                                      const rigcal_real ray[3], rigcal_real sigma_px)
+{
+    if (!(ray[2] > 0)) {
+        return RIGCAL_ERR_BEHIND;
+    }
+    const rigcal_real x = ray[0] / ray[2], y = ray[1] / ray[2];
+    const rigcal_real xx = 1 + x * x, yy = 1 + y * y;
+    if (!(xx + yy <= TANGENT_MOST * TANGENT_MOST)) {
+        return RIGCAL_ERR_NO_RAY;
+    }
+    const rigcal_real c = 1 / RC_SQRT(xx + y * y), scale = sigma_px * c * c * c;
+    const rigcal_real u = scale / camera->fx, v = scale / camera->fy;
+    rigcal_real *const m = sight->m, *const along_u = sight->T[0];
+    rigcal_real *const along_v = sight->T[1];
+    m[0] = c * x;
+    m[1] = c * y;
+    m[2] = c;
+    along_u[0] = u * yy;
+    along_u[1] = -u * x * y;
+    along_u[2] = -u * x;
+    along_v[0] = -v * x * y;
+    along_v[1] = v * xx;
+    along_v[2] = -v * y;
+    return RIGCAL_OK;
+}
+
+/* rc_lens_is_pinhole, without a call: it is asked twice a row. */
+static inline int is_pinhole(const rigcal_camera *camera)
+{
+    return !(camera->k1 != 0 || camera->k2 != 0 || camera->p1 != 0 || camera->p2 != 0 ||
+             camera->k3 != 0 || camera->k4 != 0 || camera->k5 != 0 || camera->k6 != 0) &&
+           !rc_lens_is_fisheye(camera);
+}
 
 /* d uv = B dm, B m = 0. Of all dm that is the shortest: T = B^T (B B^T)^-1. */
 rigcal_status rc_sight_of(rc_sight *sight, const rigcal_camera *camera,
                           const rigcal_real ray[3], rigcal_real sigma_px)
 {
+    if (is_pinhole(camera)) {
+        return sight_of_pinhole(sight, camera, ray, sigma_px);
+    }
     rigcal_real uv[2], B[6];
     if (!rc_vec3_unit(sight->m, ray)) {
         return RIGCAL_ERR_DEGENERATE;
     }
-    const rigcal_status status =
-        rc_project_through(uv, B, camera, rc_lens_is_pinhole(camera), sight->m);
+    const rigcal_status status = rc_project_through(uv, B, camera, 0, sight->m);
     if (status != RIGCAL_OK) {
         return status;
     }
@@ -38,9 +80,30 @@ rigcal_status rc_sight_of(rc_sight *sight, const rigcal_camera *camera,
 
 /* ---- a match --------------------------------------------------------------- */
 
+/* out = M^T v: of rc_linalg.h, but inline, for its many calls here. */
+static inline void turn_back(rigcal_real out[3], const rigcal_real M[9],
+                             const rigcal_real v[3])
+{
+    out[0] = M[0] * v[0] + M[3] * v[1] + M[6] * v[2];
+    out[1] = M[1] * v[0] + M[4] * v[1] + M[7] * v[2];
+    out[2] = M[2] * v[0] + M[5] * v[1] + M[8] * v[2];
+}
+
+/* R = B A^T; t = t_b - R t_a. */
+static inline void relate(rigcal_real R[9], rigcal_real t[3], const rigcal_transform *b,
+                          const rigcal_transform *a)
+{
+    rc_mat3_mul_vec3(&R[0], a->R, &b->R[0]);
+    rc_mat3_mul_vec3(&R[3], a->R, &b->R[3]);
+    rc_mat3_mul_vec3(&R[6], a->R, &b->R[6]);
+    t[0] = b->t[0] - rc_vec3_dot(&R[0], a->t);
+    t[1] = b->t[1] - rc_vec3_dot(&R[3], a->t);
+    t[2] = b->t[2] - rc_vec3_dot(&R[6], a->t);
+}
+
 /* What the noise of a ray does to e: along its two columns. Returns their square. */
-static rigcal_real noise_of(rigcal_real along[2], const rc_sight *sight,
-                            const rigcal_real g[3])
+static inline rigcal_real noise_of(rigcal_real along[2], const rc_sight *sight,
+                                   const rigcal_real g[3])
 {
     along[0] = rc_vec3_dot(sight->T[0], g);
     along[1] = rc_vec3_dot(sight->T[1], g);
@@ -48,71 +111,72 @@ static rigcal_real noise_of(rigcal_real along[2], const rc_sight *sight,
 }
 
 /* Whether a ray keeps off the line through both centres: |g| = |t| sin of the angle. */
-static int keeps_off(const rc_sight *sight, const rigcal_real g[3], const rigcal_real t[3])
+static inline int keeps_off(const rc_sight *sight, const rigcal_real g[3], rigcal_real t2)
 {
     const rigcal_real noise =
         rc_vec3_dot(sight->T[0], sight->T[0]) + rc_vec3_dot(sight->T[1], sight->T[1]);
     const rigcal_real least =
         rc_max(EPIPOLE_NOISE * EPIPOLE_NOISE * noise, EPIPOLE_ROUNDING * EPIPOLE_ROUNDING);
-    return rc_vec3_dot(g, g) > least * rc_vec3_dot(t, t);
+    return rc_vec3_dot(g, g) > least * t2;
 }
 
 /* The ray at which e = 0 to second order, `by` = e / s^2. */
-static void correct(rigcal_real m[3], const rc_sight *sight, rigcal_real by,
-                    const rigcal_real along[2])
+static inline void correct(rigcal_real m[3], const rc_sight *sight, rigcal_real by,
+                           const rigcal_real along[2])
 {
-    rc_vec3_copy(m, sight->m);
-    rc_vec3_add_scaled(m, -by * along[0], sight->T[0]);
-    rc_vec3_add_scaled(m, -by * along[1], sight->T[1]);
+    const rigcal_real u = by * along[0], v = by * along[1];
+    m[0] = sight->m[0] - u * sight->T[0][0] - v * sight->T[1][0];
+    m[1] = sight->m[1] - u * sight->T[0][1] - v * sight->T[1][1];
+    m[2] = sight->m[2] - u * sight->T[0][2] - v * sight->T[1][2];
 }
 
-/* h = by (-m x g - t x c; c), with the gradients g of e by m = m_b and c by t. */
-static void derivatives(rigcal_real h[6], rigcal_real by, const rigcal_real t[3],
-                        const rigcal_real c[3], const rigcal_real m[3],
-                        const rigcal_real g[3])
+/* The derivatives by = 1 / s of -e at the match (m_a, m_b): with the gradients g of e by
+ * m_b and c by t, h_b = by (-m_b x g - t_b x c; c). A move of both cameras together is not
+ * seen: h_a = -R^T h_b. */
+static void derive(rc_row *row, rigcal_real by, const rigcal_transform *b,
+                   const rigcal_real R[9], const rigcal_real t[3], const rigcal_real m_a[3],
+                   const rigcal_real m_b[3])
 {
-    rigcal_real moved[3], turned[3];
-    rc_vec3_cross(moved, t, c);
-    rc_vec3_cross(turned, m, g);
-    rc_vec3_combine(h, -by, moved, -by, turned);
-    rc_vec3_scale(&h[3], by, c);
+    rigcal_real q[3], g[3], c[3], moved[3], turned[3];
+    rc_mat3_mul_vec3(q, R, m_a);
+    rc_vec3_cross(g, t, q);
+    rc_vec3_cross(c, q, m_b);
+    rc_vec3_scale(c, by, c);
+    rc_vec3_cross(moved, c, b->t);
+    rc_vec3_cross(turned, g, m_b);
+    rc_vec3_combine(row->h_b, 1, moved, by, turned);
+    rc_vec3_copy(&row->h_b[3], c);
+    turn_back(moved, R, row->h_b);
+    turn_back(turned, R, c);
+    rc_vec3_scale(row->h_a, -1, moved);
+    rc_vec3_scale(&row->h_a[3], -1, turned);
 }
 
 /* (M1) The constraint e = m_b . (t x R m_a), b_from_a = (R, t); r = -e / s, s^2 = the noise
  * of e. (M2), (M3) h at the corrected match: at the noisy one h along the base is
- * -r / |base|, of which a match knows nothing. A move of both cameras together is not seen:
- * h_a = -R^T h_b. */
+ * -r / |base|, of which a match knows nothing. */
 static rigcal_status match_row(rc_row *row, const rc_seen *seen, const rigcal_transform *a,
                                const rigcal_transform *b)
 {
     const rc_sight *const sight_a = &seen->sight[0], *const sight_b = &seen->sight[1];
-    rigcal_transform b_from_a;
-    rigcal_real along_a[2], along_b[2], m_a[3], m_b[3], q[3], g_a[3], g_b[3], n_a[3], c[3];
-    const rigcal_real *const t = b_from_a.t;
-    rc_transform_between(&b_from_a, b, a);
-    rc_mat3_mul_vec3(q, b_from_a.R, sight_a->m);
+    rigcal_real R[9], t[3], along_a[2], along_b[2], m_a[3], m_b[3], q[3], g_a[3], g_b[3];
+    relate(R, t, b, a);
+    rc_mat3_mul_vec3(q, R, sight_a->m);
     rc_vec3_cross(g_b, t, q);
-    rc_vec3_cross(n_a, sight_b->m, t);
-    rc_mat3_tmul_vec3(g_a, b_from_a.R, n_a);
-    const rigcal_real e = rc_vec3_dot(sight_b->m, g_b);
+    rc_vec3_cross(q, sight_b->m, t);
+    turn_back(g_a, R, q);
+    const rigcal_real e = rc_vec3_dot(sight_b->m, g_b), t2 = rc_vec3_dot(t, t);
     const rigcal_real s2 =
         noise_of(along_a, sight_a, g_a) + noise_of(along_b, sight_b, g_b);
-    if (!(keeps_off(sight_a, g_b, t) && keeps_off(sight_b, n_a, t) && s2 > 0)) {
+    if (!(keeps_off(sight_a, g_b, t2) && keeps_off(sight_b, q, t2) && s2 > 0)) {
         return RIGCAL_ERR_DEGENERATE;
     }
-    const rigcal_real by = 1 / RC_SQRT(s2);
+    const rigcal_real by = 1 / RC_SQRT(s2), back = e * by * by;
     row->r = -e * by;
-    row->reach = RC_SQRT(rc_vec3_dot(t, t));
-    correct(m_a, sight_a, e / s2, along_a);
-    correct(m_b, sight_b, e / s2, along_b);
-    rc_mat3_mul_vec3(q, b_from_a.R, m_a);
-    rc_vec3_cross(g_b, t, q);
-    rc_vec3_cross(c, q, m_b);
-    derivatives(row->h_b, by, b->t, c, m_b, g_b);
-    rc_mat3_tmul_vec3(row->h_a, b_from_a.R, row->h_b);
-    rc_mat3_tmul_vec3(&row->h_a[3], b_from_a.R, &row->h_b[3]);
-    rc_vec3_scale(row->h_a, -1, row->h_a);
-    rc_vec3_scale(&row->h_a[3], -1, &row->h_a[3]);
+    row->reach = RC_SQRT(t2);
+    correct(m_a, sight_a, back, along_a);
+    correct(m_b, sight_b, back, along_b);
+    derive(row, by, b, R, t, m_a, m_b);
     return RIGCAL_OK;
 }
 

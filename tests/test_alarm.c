@@ -189,11 +189,11 @@ static double add_frame(window *w, const dense *d, double common)
 }
 
 /* A body's part of the sum: of its windows whose rows are 1.5 times the square of the log
- * that they must reach, or more, and of the longest. */
+ * that they must reach, or more, and of the longest; of that alone before M is measured. */
 static double end_reference_body(dense *d, double common)
 {
     double sum = 0, n = 0;
-    const double rows = d->measured ? (double)d->rows_before / d->measured : 1e9;
+    const double rows = d->measured ? (double)d->rows_before / d->measured : 0;
     for (int i = 0; i < WINDOWS; i++) {
         const double length = pow(4, i), wanted = log(LIMIT * BODIES * WINDOWS / length);
         const double log_lambda = add_frame(&d->w[i], d, common);

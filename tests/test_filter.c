@@ -363,7 +363,7 @@ static void test_rows_of_a_body_that_is_open_count_for_less(void)
 {
     test_rng rng = test_seed(80);
     rc_row row;
-    rc_news held_news, open;
+    rc_news held_news, closed, open;
     double h[N];
     rc_filter f;
 
@@ -375,11 +375,18 @@ static void test_rows_of_a_body_that_is_open_count_for_less(void)
     rc_filter_multiply(s.UD, N);
     rc_filter_spread(&s.f, s.UD, 1, RC(0.01), 0);
     rc_filter_factor(s.UD, N);
+    rigcal_real kept[N * (N + 1) / 2];
+    memcpy(kept, s.UD, sizeof kept);
+    TEST_ASSERT_TRUE(rc_filter_row(&closed, &f, 1, 2, &row, 0, 2));
+    memcpy(s.UD, kept, sizeof kept);
+    memset(s.d, 0, sizeof s.d);
     TEST_ASSERT_TRUE(rc_filter_row(&open, &f, 1, 2, &row, 0, 1));
     double first_order = 1 + D(held_news.sd) * D(held_news.sd) - 1;
     for (int k = 0; k < 3; k++) {
         first_order += 0.01 * D(row.h_a[k]) * D(row.h_a[k]);
     }
+    /* that of the body that is held bends nothing */
+    ASSERT_NEAR(1, D(closed.sd) * D(closed.sd) / first_order, 1e-2);
     /* 64 times the variance of the turn, 0.03, and of the rest */
     TEST_ASSERT_TRUE(D(open.sd) * D(open.sd) > 2.8 * first_order);
     TEST_ASSERT_TRUE(D(open.sd) * D(open.sd) < 3.2 * first_order);

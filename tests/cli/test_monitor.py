@@ -172,6 +172,15 @@ class Monitor(CliTest):
         self.assertEqual([float(r["time_s"]) for r in rows], [5, 6, 7, 8, 9, 10])
         self.assertEqual({r["rows"] for r in rows}, {"48"})  # 24 points: a with b, b with c
 
+    def test_the_time_of_a_frame_is_the_mean_of_its_cameras(self):
+        rig, poses = self.rig(3)
+        seen = write(self.folder, "o.csv", observations(poses, np.random.default_rng(7), 3))
+        times = write(self.folder, "t.csv", "frame,camera,time_s\n" + "".join(
+            f"f{f},{c},{10 - f + late}\n" for f in range(3) for c, late in zip("abc", (0, 0.25, 0.5))))
+        run = rigcal("monitor", "--rig", rig, "--observations", seen, "--times", times)
+        self.assertEqual(run.returncode, 0, run.stderr)
+        self.assertEqual([float(r["time_s"]) for r in read(run.stdout)], [8.25, 9.25, 10.25])
+
     def test_poses_wander_where_a_walk_is_given(self):
         rig, poses = self.rig(3)
         text = matches(lambda f: poses, 30, np.random.default_rng(8))

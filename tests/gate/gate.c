@@ -2976,8 +2976,9 @@ static void watched_numbers(void)
     rigcal_monitor_options o;
     rigcal_body_report body;
     rc_monitor m;
-    rigcal_real P[3] = {1, 1, 1};
+    rigcal_real P[3] = {1, 1, 1}, ray[3] = {1, 0, 1};
     rc_doubt doubt;
+    rc_sight sight;
     set_watched();
     (void)rigcal_monitor_defaults(&o);
     line("monitor.arl0", "%.4g", (double)o.arl0_frames);
@@ -2990,6 +2991,12 @@ static void watched_numbers(void)
     (void)rigcal_monitor_moved(watched.monitor, 2);
     (void)rc_monitor_open(&m, watched.monitor);
     line("monitor.magic", "%lx", (unsigned long)m.top.head.magic);
+    line("monitor.seal", "%lx", (unsigned long)m.top.head.head_seal);
+    for (ray[0] = 1;
+         rc_sight_of(&sight, &watched.cameras[0].camera, ray, 1) == RIGCAL_OK;) {
+        ray[0] *= RC(1.5);
+    }
+    line("rows.tangent", "%.3g", (double)ray[0]);
     line("monitor.wrong_least", "%.4g", (double)m.top.head.wrong);
     line("monitor.lever", "%.4g", (double)(m.top.head.move_t / m.top.head.move_rad));
     line("monitor.settling", "%lu", (unsigned long)m.top.head.settling);

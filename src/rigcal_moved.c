@@ -152,11 +152,11 @@ static void reduce(rigcal_real I[21], rigcal_real G[], const rigcal_real T[], si
         row += i + 1;
     }
     for (size_t i = 0; i < n; i++) {
-        rigcal_real *at = I;
+        rigcal_real *next = I;
         for (size_t k = 0; k < 6; k++) {
             const rigcal_real x = T[6 * i + k];
             for (size_t j = 0; j <= k; j++) {
-                *at++ -= x * G[6 * i + j];
+                *next++ -= x * G[6 * i + j];
             }
         }
     }

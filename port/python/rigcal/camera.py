@@ -46,7 +46,7 @@ def check_dist(dist: Sequence[float], lens: str) -> tuple[float, ...]:
     return values
 
 
-def check_size(size: Any) -> Optional[tuple[int, int]]:
+def check_size(size: Any) -> tuple[int, int] | None:
     """(width, height) as integers, None as it is; Error otherwise."""
     if size is None:
         return None
@@ -79,11 +79,11 @@ class Camera:
     fy: float
     cx: float
     cy: float
-    size: Optional[tuple[int, int]] = None
+    size: tuple[int, int] | None = None
     dist: tuple[float, ...] = ()
     lens: str = "brown"
     name: str = ""
-    cam_from_rig: Optional[Transform] = None
+    cam_from_rig: Transform | None = None
     extra: Mapping[str, Any] = field(default_factory=dict, compare=False, repr=False)
 
     def __post_init__(self) -> None:

@@ -15,7 +15,7 @@ class Error(ValueError):
     bad   index of the observation at fault; None when no single one is
     """
 
-    def __init__(self, text: str, name: str = "", bad: Optional[int] = None) -> None:
+    def __init__(self, text: str, name: str = "", bad: int | None = None) -> None:
         super().__init__(text)
         self.text = text
         self.name = name
@@ -28,7 +28,7 @@ class Error(ValueError):
 class FileError(Error):
     """A file cannot be read or written: `str` gives "file: what"."""
 
-    def __init__(self, path: Union[str, os.PathLike[str]], what: str) -> None:
+    def __init__(self, path: str | os.PathLike[str], what: str) -> None:
         self.path = os.fspath(path)
         self.what = what
         super().__init__(f"{self.path}: {what}")

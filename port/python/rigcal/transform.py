@@ -189,7 +189,7 @@ class Transform:
             )
         return Transform(self.R @ other.R, self.R @ other.t + self.t, self.to, other.frm)
 
-    def _key(self) -> tuple[Union[str, float], ...]:
+    def _key(self) -> tuple[str | float, ...]:
         return (self.to, self.frm, *self.R.ravel().tolist(), *self.t.tolist())
 
     def __eq__(self, other: object) -> bool:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import csv
 import os
 from collections.abc import Iterable, Mapping, Sequence
@@ -12,16 +13,14 @@ import numpy.typing as npt
 
 from .camera import Camera
 from .errors import Error, FileError
-from .transform import Transform
+from .formats import load_cameras
 
 Path = os.PathLike[str]
 
 OBSERVATIONS = ("frame", "camera", "point", "X", "Y", "Z", "u", "v")
 TIMES = ("frame", "camera", "time_s")
 IDS = ("frame", "camera", "point")
-INTRINSICS = ("fx", "fy", "cx", "cy")
-COEFFICIENTS = ("k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6")
-TRANSFORM = tuple(f"R{i}{j}" for i in "123" for j in "123") + ("tx", "ty", "tz")
+TRANSFORM = (*(f"R{i}{j}" for i in "123" for j in "123"), "tx", "ty", "tz")
 COVARIANCE = tuple(f"S{i}{j}" for i in range(1, 7) for j in range(1, i + 1))
 
 # What a name in a file of the program must not have.
@@ -81,7 +80,9 @@ def _rows(rows: Sequence[Any], wanted: Sequence[str], what: str) -> Table:
                 row[name] if isinstance(row, Mapping) else getattr(row, name)
                 for name in wanted
             ]
-        if isinstance(values, (str, bytes)) or not isinstance(values, (Sequence, np.ndarray)):
+        if isinstance(values, (str, bytes)) or not isinstance(
+            values, (Sequence, np.ndarray)
+        ):
             raise Error(f"{what}[{k}]: a row is expected, not {_shape(row)}")
         if len(values) != len(wanted):
             raise Error(
@@ -121,8 +122,8 @@ def columns(table: Any, wanted: Sequence[str], what: str) -> Table:
         found = _rows(list(table), wanted, what)
     else:
         raise Error(
-            f"{what}: a data frame, a dict of columns, a structured array, rows, or the path "
-            f"of a CSV file is expected, not {_shape(table)}"
+            f"{what}: a data frame, a dict of columns, a structured array, rows, or the "
+            f"path of a CSV file is expected, not {_shape(table)}"
         )
     lengths = {name: len(column) for name, column in found.items()}
     if len(set(lengths.values())) > 1:
@@ -148,13 +149,16 @@ def _id(value: Any) -> str | None:
 
 def ids(values: Column, what: str) -> Column:
     """Names as text; whole numbers are names too."""
-    different, place = [], []
+    different: list[str] = []
+    place: list[int] = []
     number: dict[Any, int] = {}
     for row, value in enumerate(values.tolist()):
         try:
             known = number.get(value)
         except TypeError:
-            raise Error(f"{what}, row {row}: a name is expected, not {_shape(value)}") from None
+            raise Error(
+                f"{what}, row {row}: a name is expected, not {_shape(value)}"
+            ) from None
         if known is None:
             text = _id(value)
             if text is None:
@@ -170,7 +174,9 @@ def ids(values: Column, what: str) -> Column:
 def check_name(name: str, what: str) -> None:
     """Error unless the program can write it into its files."""
     if not name or REFUSED & set(name):
-        raise Error(f"{what}: a name without commas, blanks and quotes is expected, not {name!r}")
+        raise Error(
+            f"{what}: a name without commas, blanks and quotes is expected, not {name!r}"
+        )
     if name.isprintable():
         return
     if any(ord(c) < ord(" ") or c == "\x7f" for c in name):
@@ -200,7 +206,9 @@ def reals(values: Column, what: str) -> Column:
 def write(path: Path, table: Mapping[str, Sequence[Any]]) -> None:
     """A CSV file of the program, all digits of a number."""
     texts = [
-        column if isinstance(column, list) else [str(x) for x in np.asarray(column).tolist()]
+        column
+        if isinstance(column, list)
+        else [str(x) for x in np.asarray(column).tolist()]
         for column in table.values()
     ]
     with open(path, "w", encoding="utf-8", errors="surrogateescape", newline="\n") as file:
@@ -236,65 +244,18 @@ def covariances(table: Mapping[str, Sequence[str]]) -> Column:
     return full
 
 
-def write_cameras(path: Path, cameras: Mapping[str, Camera]) -> None:
-    """cameras.csv. Error names a camera that it cannot hold."""
-    rows: list[list[str]] = []
-    for name, camera in cameras.items():
-        check_name(name, f"cameras: {name!r}")
-        if camera.size is None:
-            raise Error(
-                f"cameras[{name!r}]: its size, (width, height) in pixels, is not known: "
-                "dataclasses.replace(camera, size=(...)) tells it"
-            )
-        numbers = [getattr(camera, key) for key in INTRINSICS]
-        numbers += [camera.coefficients[key] for key in COEFFICIENTS]
-        rows.append([name, *map(str, camera.size), *map(repr, numbers), camera.lens])
-    head = ["camera", "width", "height", *INTRINSICS, *COEFFICIENTS, "lens"]
-    write(path, {name: [row[k] for row in rows] for k, name in enumerate(head)})
+def is_own(path: Any) -> bool:
+    """Whether it is a CSV file with a column camera: one of the program."""
+    with contextlib.suppress(OSError), open(path, "rb") as file:
+        words = file.read(4096).decode("utf-8-sig", "replace").split()
+        return bool(words) and "camera" in words[0].split(",")
+    return False
 
 
-def read_cameras(path: Path) -> dict[str, Camera]:
-    """cameras.csv that the program wrote."""
-    table = read(path)
-    found = {}
-    for k, name in enumerate(table["camera"]):
-        value = {
-            key: float(table[key][k]) if key in table and table[key][k] else 0.0
-            for key in ("width", "height", *INTRINSICS, *COEFFICIENTS)
-        }
-        lens = table["lens"][k] if "lens" in table and table["lens"][k] else "brown"
-        keys = COEFFICIENTS if lens == "brown" else ("k1", "k2", "k3", "k4")
-        dist = [value[key] for key in keys]
-        while len(dist) > 0 and not any(dist):
-            dist = []
-        found[name] = Camera(
-            *(value[key] for key in INTRINSICS),
-            size=(int(value["width"]), int(value["height"])),
-            dist=tuple(dist),
-            lens=lens,
-            name=name,
-        )
-    return found
-
-
-def write_transforms(path: Path, cameras: Mapping[str, Camera]) -> None:
-    """rig.csv of cameras that have a pose, without covariances."""
-    rows = []
-    for name, camera in cameras.items():
-        check_name(name, f"cameras: {name!r}")
-        pose = camera.cam_from_rig
-        if pose is not None:
-            rows.append([name, *map(repr, [*pose.R.ravel().tolist(), *pose.t.tolist()])])
-    head = ["camera", *TRANSFORM]
-    write(path, {name: [row[k] for row in rows] for k, name in enumerate(head)})
-
-
-def named_cameras(cameras: Any) -> dict[str, Camera]:
+def named_cameras(cameras: Any, what: str = "cameras") -> dict[str, Camera]:
     """Cameras by name: of a mapping, of a sequence of cameras with names, of a file."""
     if isinstance(cameras, (str, os.PathLike)):
-        from .formats import load_cameras
-
-        return dict(load_cameras(cameras))
+        return load_cameras(cameras)
     if isinstance(cameras, Camera):
         cameras = [cameras]
     if isinstance(cameras, Mapping):
@@ -303,20 +264,15 @@ def named_cameras(cameras: Any) -> dict[str, Camera]:
         given = list(cameras)
         found = {getattr(c, "name", None) or f"cam{k}": c for k, c in enumerate(given)}
         if len(found) < len(given):
-            raise Error("cameras: two cameras have the same name")
+            raise Error(f"{what}: two cameras have the same name")
     else:
-        raise Error(f"cameras: cameras by name are expected, not {_shape(cameras)}")
+        raise Error(f"{what}: cameras by name are expected, not {_shape(cameras)}")
     for name, camera in found.items():
         if not isinstance(name, str) or not isinstance(camera, Camera):
-            raise Error(f"cameras[{name!r}]: a Camera is expected, not {_shape(camera)}")
+            raise Error(f"{what}[{name!r}]: a Camera is expected, not {_shape(camera)}")
     if not found:
-        raise Error("cameras: there is no camera")
+        raise Error(f"{what}: there is no camera")
     return found
-
-
-def pose_of(name: str, R: Column, t: Column) -> Transform:
-    """cam_from_rig of a camera."""
-    return Transform(R, t, to=name, frm="rig")
 
 
 def must_exist(path: Any) -> str:

@@ -19,7 +19,9 @@ from typing import IO, Any, Union
 import numpy as np
 
 from . import _tables
+from .camera import Camera
 from .errors import Caveat, Error
+from .formats import save_cameras
 from .rig import Rig
 
 __all__ = ["calibrate"]
@@ -93,9 +95,7 @@ def _teller(progress: Progress) -> tuple[Callable[[str], None], Callable[[], Non
     return bar, bar.close
 
 
-def run(
-    arguments: Sequence[str], progress: Progress = False
-) -> tuple[int, str, list[str]]:
+def run(arguments: Sequence[str], progress: Progress = False) -> tuple[int, str, list[str]]:
     """Runs the program: its exit status, what it printed, its messages line by line."""
     tell, end = _teller(progress)
     messages = []
@@ -163,14 +163,27 @@ class _Files:
         _tables.write(path, table)  # type: ignore[arg-type]
         return str(path)
 
+    def cameras(self, argument: str, cameras: Mapping[str, Camera]) -> dict[str, str]:
+        """Paths of cameras.csv and of rig.csv, which may not be there."""
+        try:
+            for name in cameras:
+                _tables.check_name(name, f"{name!r}")
+            folder = self.folder / argument
+            folder.mkdir()
+            save_cameras(os.fspath(folder) + os.sep, cameras, "rigcal")
+        except Error as problem:
+            what = getattr(problem, "what", problem.text)
+            raise Error(f"{argument}: {what}") from None
+        names = ("cameras.csv", "rig.csv")
+        return {name: str(self.new(f"{argument}/{name}", argument)) for name in names}
+
     def in_words_of_arguments(self, line: str) -> str:
         """A message without the paths of this folder. Line 2 of a file is row 0."""
         for path, argument in self.called.items():
-            line = re.sub(
-                re.escape(path) + r":(\d+): ",
-                lambda found, a=argument: f"{a}, row {int(found.group(1)) - 2}: ",
-                line,
-            )
+            for number in re.findall(re.escape(path) + r":(\d+): ", line):
+                line = line.replace(
+                    f"{path}:{number}", f"{argument}, row {int(number) - 2}"
+                )
             line = line.replace(path, argument)
         return line
 
@@ -185,14 +198,13 @@ def _times(files: _Files, given: Any) -> str:
 
 
 def _prior(files: _Files, given: Any) -> str:
-    if isinstance(given, (str, os.PathLike)):
-        return _tables.must_exist(given)
-    path = files.new("prior.csv", "prior")
     if isinstance(given, Rig):
+        path = files.new("prior.csv", "prior")
         given.write_prior(path)
-    else:
-        _tables.write_transforms(path, _tables.named_cameras(given))
-    return str(path)
+        return str(path)
+    if isinstance(given, (str, os.PathLike)) and _tables.is_own(given):
+        return str(given)
+    return files.cameras("prior", _tables.named_cameras(given, "prior"))["rig.csv"]
 
 
 def _number(value: Any, name: str) -> str:
@@ -212,7 +224,9 @@ def _intrinsics_sigma(given: Any) -> str:
     if isinstance(given, Mapping):
         unknown = set(given) - set(INTRINSICS_SIGMA)
         if unknown:
-            raise Error(f"{name}: {INTRINSICS_SIGMA} are known, not {sorted(map(str, unknown))}")
+            raise Error(
+                f"{name}: {INTRINSICS_SIGMA} are known, not {sorted(map(str, unknown))}"
+            )
         values = [given.get(key, 0.0) for key in INTRINSICS_SIGMA]
     try:
         array = np.asarray(values, dtype=np.float64)
@@ -276,9 +290,8 @@ def calibrate(
     with tempfile.TemporaryDirectory(prefix="rigcal-") as folder:
         files = _Files(folder)
         known = _tables.named_cameras(cameras)
-        path = files.new("cameras.csv", "cameras")
-        _tables.write_cameras(path, known)
-        arguments = ["calibrate", "--progress", "--cameras", str(path)]
+        path = files.cameras("cameras", known)["cameras.csv"]
+        arguments = ["calibrate", "--progress", "--cameras", path]
         arguments += [
             "--observations",
             files.table("observations.csv", "detections", detections, _tables.OBSERVATIONS),
@@ -315,7 +328,9 @@ def calibrate(
         warnings.warn(text, Caveat, stacklevel=2)
     if len(told) > WARNED_MOST:
         warnings.warn(
-            f"and {len(told) - WARNED_MOST} more: Rig.warnings has all", Caveat, stacklevel=2
+            f"and {len(told) - WARNED_MOST} more: Rig.warnings has all",
+            Caveat,
+            stacklevel=2,
         )
     return rig
 

@@ -17,7 +17,7 @@ from collections.abc import Iterator, Sequence
 from typing import Any, NoReturn
 
 from . import _tables
-from .calibrate import calibrate, joined, program, run
+from .calibrate import PROGRESS, joined, program, run
 from .errors import Caveat, Error, FileError
 from .formats import FORMATS, load_cameras, save_cameras
 from .rig import Fault, Rig, load
@@ -52,38 +52,27 @@ The other commands are those of the program:
 
 # Options of the program: True where one takes a value.
 OPTIONS = {
-    "calibrate": {
-        **dict.fromkeys(
-            ("cameras", "observations", "out", "sigma", "threshold", "seed", "hold", "prior",
-             "times", "sigma-time", "intrinsics-sigma", "method"), True,
-        ),
-        **dict.fromkeys(
-            ("robust", "clocks", "drift", "estimate-intrinsics", "progress"), False,
-        ),
-    },
-    "triangulate": dict.fromkeys(
-        ("cameras", "rig", "observations", "targets", "sigma"), True
-    ),
-    "line": dict.fromkeys(
-        ("cameras", "rig", "from", "to", "pixel", "depth", "sigma", "probability",
-         "candidates"), True,
-    ),
-    "monitor": dict.fromkeys(
-        ("rig", "matches", "observations", "times", "sigma", "arl0", "common", "wrong",
-         "walk"), True,
-    ),
-}  # fmt: skip
+    command: {name.rstrip("!"): not name.endswith("!") for name in names.split()}
+    for command, names in {
+        "calibrate": "cameras observations out sigma threshold seed hold prior times "
+        "sigma-time intrinsics-sigma method robust! clocks! drift! estimate-intrinsics! "
+        "progress!",
+        "triangulate": "cameras rig observations targets sigma",
+        "line": "cameras rig from to pixel depth sigma probability candidates",
+        "monitor": "rig matches observations times sigma arl0 common wrong walk",
+    }.items()
+}
 COMMANDS = ("calibrate", "diagnose", "triangulate", "line", "monitor", "convert")
 NO_VALUE = object()
 
 
-class _WrongUse(Exception):
+class _UsageError(Exception):
     pass
 
 
 class _Parser(argparse.ArgumentParser):
     def error(self, message: str) -> NoReturn:
-        raise _WrongUse(message)
+        raise _UsageError(message)
 
 
 def _say(text: str) -> None:
@@ -103,7 +92,7 @@ def _options(command: str, arguments: Sequence[str]) -> dict[str, list[str]] | N
             parser.add_argument("--" + name, action="append_const", const="")
     try:
         known, rest = parser.parse_known_args(list(arguments))
-    except _WrongUse:  # an abbreviation of several
+    except _UsageError:  # an abbreviation of several
         return None
     found = {key.replace("_", "-"): value for key, value in vars(known).items() if value}
     single = all(len(value) == 1 for key, value in found.items() if key != "hold")
@@ -116,12 +105,7 @@ def _is_foreign(path: str) -> bool:
     """Whether it is a file of cameras that the program does not read."""
     if os.path.isdir(path):
         return True
-    try:
-        head = pathlib.Path(path).open("rb").read(4096).decode("utf-8-sig", "replace")
-    except OSError:
-        return False
-    line = next((line for line in head.splitlines() if line.strip()), "")
-    return not path.lower().endswith(".csv") and "camera," not in line.replace(" ", "") + ","
+    return os.path.isfile(path) and not path.endswith(".csv") and not _tables.is_own(path)
 
 
 class _Converted:
@@ -150,7 +134,11 @@ class _Converted:
             if both and len({"cameras", "rig"} & set(given)) == 1 and _is_foreign(both[0]):
                 changed["cameras"] = changed["rig"] = both
         for option in ("cameras", "rig", "prior"):
-            if option in changed and _is_foreign(changed[option][0]) and command != "monitor":
+            if (
+                option in changed
+                and _is_foreign(changed[option][0])
+                and command != "monitor"
+            ):
                 name = "cameras.csv" if option == "cameras" else "rig.csv"
                 changed[option] = [self.file(option, name, changed[option][0])]
         return changed
@@ -168,24 +156,26 @@ def _pass_on(command: str, arguments: Sequence[str]) -> int:
         changed = converted.options(command, given) if given is not None else None
         if not converted.names or changed is None:
             return subprocess.call([program(), command, *arguments])
-        with contextlib.ExitStack() as stack:
-            progress = ["--progress"] if command == "calibrate" else []
-            asked = "progress" in changed
-            if asked:
-                stack.callback(lambda: None)
-            words = [
-                f"--{name}={value}" if OPTIONS[command][name] else f"--{name}"
-                for name, values in changed.items() if name != "progress"
-                for value in values
-            ]  # fmt: skip
-            show: Any = None
-            if asked:
-                show = lambda text: print(f"rigcal-progress: {text}", file=sys.stderr)
-            status, text, messages = run([command, *progress, *words], show)
+        status, text, messages = _call(command, changed)
         for line in messages:
             print(converted.in_words_of_user(line), file=sys.stderr)
         sys.stdout.write(text)
         return status
+
+
+def _call(command: str, options: dict[str, list[str]]) -> tuple[int, str, list[str]]:
+    """Runs the program, with a bar on a terminal, or with lines of progress."""
+    words = [command, *(["--progress"] if command == "calibrate" else [])]
+    for name, values in options.items():
+        if name != "progress":
+            words += [
+                f"--{name}" + (f"={v}" if OPTIONS[command][name] else "") for v in values
+            ]
+    return run(words, _tell_line if "progress" in options else None)
+
+
+def _tell_line(text: str) -> None:
+    print(f"{PROGRESS}{text}", file=sys.stderr)
 
 
 # ---- ours -----------------------------------------------------------------------
@@ -217,7 +207,7 @@ def _convert(arguments: Sequence[str]) -> int:
     given = parser.parse_args(list(arguments))
     *sources, target = given.files
     if not sources:
-        raise _WrongUse("convert takes the file to read and the file to write")
+        raise _UsageError("convert takes the file to read and the file to write")
     how = {"format": given.from_format, "scale": given.scale, "lens": given.lens}
     with _caveats_told():
         if len(sources) == 1:
@@ -250,7 +240,7 @@ def _told(rig: Rig) -> Iterator[str]:
         yield rig.cause
     seen = [fault for fault in rig.faults if fault.p == fault.p][:WARNING_SHOWN]
     if seen:
-        yield "likeliest faults of the rig as a whole, with the chance of each by noise alone:"
+        yield "likeliest faults of the rig as a whole, and p, the chance by noise alone:"
     for fault in seen:
         where = " ".join(x for x in (fault.camera, fault.frame) if x)
         explains = ", explains" if fault.explains else ""
@@ -264,19 +254,16 @@ def _diagnose(arguments: Sequence[str]) -> int:
     given = _options("calibrate", arguments)
     for option in ("cameras", "observations"):
         if given is not None and option not in given:
-            raise _WrongUse(f"diagnose needs --{option}")
+            raise _UsageError(f"diagnose needs --{option}")
     if given is None:
-        raise _WrongUse("diagnose has the options of calibrate, each once and with its value")
+        raise _UsageError(
+            "diagnose has the options of calibrate, each once and with its value"
+        )
     with tempfile.TemporaryDirectory(prefix="rigcal-") as folder:
         converted = _Converted(folder)
         changed = converted.options("calibrate", given)
         changed.setdefault("out", [os.path.join(folder, "out")])
-        changed["progress"] = [""]
-        words = [
-            f"--{name}={value}" if OPTIONS["calibrate"][name] else f"--{name}"
-            for name, values in changed.items() for value in values
-        ]  # fmt: skip
-        status, report, messages = run(["calibrate", *words], None)
+        status, report, messages = _call("calibrate", changed)
         told = joined(converted.in_words_of_user(line) for line in messages)
         if status not in (DONE, GEOMETRY) or not report:
             for line in messages:
@@ -297,9 +284,11 @@ def _help() -> int:
 def _run(arguments: Sequence[str]) -> int:
     known = f"{', '.join(COMMANDS[:-1])} or {COMMANDS[-1]}"
     if not arguments:
-        raise _WrongUse(f"give a command: {known}")
+        raise _UsageError(f"give a command: {known}")
     command, *rest = arguments
-    if command in ("--help", "-h") or (command in ("diagnose", "convert") and "--help" in rest):
+    if command in ("--help", "-h") or (
+        command in ("diagnose", "convert") and "--help" in rest
+    ):
         return _help()
     if command == "--version":
         return subprocess.call([program(), command])
@@ -308,7 +297,7 @@ def _run(arguments: Sequence[str]) -> int:
     if command == "diagnose":
         return _diagnose(rest)
     if command not in OPTIONS:
-        raise _WrongUse(f'there is no command "{command}": the commands are {known}')
+        raise _UsageError(f'there is no command "{command}": the commands are {known}')
     return _pass_on(command, rest)
 
 
@@ -317,7 +306,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         status = _run(sys.argv[1:] if arguments is None else arguments)
         sys.stdout.flush()
-    except _WrongUse as problem:
+    except _UsageError as problem:
         _say(str(problem))
         _say("run rigcal --help for the commands and their options")
         return USAGE

@@ -6,7 +6,7 @@ import json
 import os
 import pathlib
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -15,6 +15,7 @@ import numpy.typing as npt
 from . import _tables
 from .camera import Camera
 from .errors import Error, FileError
+from .formats import load_cameras, save_cameras
 from .transform import Array, Transform
 
 __all__ = ["Clock", "Fault", "LeftOut", "Pair", "Rig", "load"]
@@ -113,8 +114,8 @@ class Rig:
     joint_covariance  (6 n, 6 n) of (w, dt) of all cameras in their order: w [rad] turns
               about the camera's axes, R <- exp([w]x) R, t <- t + dt. None: not known
     targets   {frame: Transform}: rig_from_target
-    views     structured array, a row a view: camera, frame, n, cam_from_target (3, 4), rms_px,
-              rotation_deg, position, second_rms_px, probability, verdict
+    views     structured array, a row a view: camera, frame, n, cam_from_target (3, 4),
+              rms_px, rotation_deg, position, second_rms_px, probability, verdict
     residuals structured array, a row a point, of the rig: view (row of views), camera,
               frame, point, du, dv, error_px, left_out
     left_out  views that do not count, and why
@@ -160,7 +161,9 @@ class Rig:
             return self.cameras[name]
         except (KeyError, TypeError):
             there = ", ".join(self.cameras)
-            raise Error(f"there is no camera {name!r} in the rig, which has {there}") from None
+            raise Error(
+                f"there is no camera {name!r} in the rig, which has {there}"
+            ) from None
 
     def __iter__(self) -> Iterator[str]:
         return iter(self.cameras)
@@ -196,7 +199,8 @@ class Rig:
             raise Error("the covariance of the rig is not known: README.md tells when")
         names = list(self.cameras)
         a, b = (names.index(self._named(n)) for n in (camera, other or camera))
-        return self.joint_covariance[6 * a : 6 * a + 6, 6 * b : 6 * b + 6].copy()
+        rows, columns = slice(6 * a, 6 * a + 6), slice(6 * b, 6 * b + 6)
+        return np.array(self.joint_covariance[rows, columns], dtype=np.float64)
 
     def _named(self, name: str) -> str:
         self[name]
@@ -215,8 +219,6 @@ class Rig:
             except OSError as problem:
                 raise FileError(path, str(problem.strerror)) from None
             return
-        from .formats import save_cameras
-
         save_cameras(path, self.cameras, format)
 
     def write_prior(self, path: str | os.PathLike[str]) -> None:
@@ -253,8 +255,6 @@ def load(path: str | os.PathLike[str]) -> Rig:
     if where.is_dir():
         return Rig.from_folder(where, _intrinsics(where))
     _tables.must_exist(path)
-    from .formats import load_cameras
-
     cameras = load_cameras(path)
     posed = {name: c for name, c in cameras.items() if c.cam_from_rig is not None}
     if not posed:
@@ -263,8 +263,6 @@ def load(path: str | os.PathLike[str]) -> Rig:
 
 
 def _intrinsics(folder: pathlib.Path) -> dict[str, Camera]:
-    from .formats import load_cameras
-
     stored = list(load_cameras(folder / "rig.bin").values())
     names = _tables.read(folder / "rig.csv")["camera"]
     return dict(zip(names, stored))
@@ -330,10 +328,14 @@ class _Reader:
         table = self.table("rig.csv")
         intrinsics = {**self.given}
         if (self.folder / "cameras.csv").is_file():  # as they were estimated
-            intrinsics.update(_tables.read_cameras(self.folder / "cameras.csv"))
+            intrinsics.update(load_cameras(self.folder / "cameras.csv"))
         cameras = {
-            name: _posed(intrinsics[name], name, *pose)
-            for name, pose in zip(table["camera"], _tables.transforms(table))
+            name: replace(
+                intrinsics[name],
+                name=name,
+                cam_from_rig=Transform(R, t, to=name, frm="rig"),
+            )
+            for name, (R, t) in zip(table["camera"], _tables.transforms(table))
         }
         sigmas = {
             name: Sigma(*numbers)
@@ -413,7 +415,8 @@ class _Reader:
         table = self.table("residuals.csv")
         cameras, frames, points = (table[key] for key in ("camera", "frame", "point"))
         number = {
-            key: k for k, key in enumerate(zip(views["camera"].tolist(), views["frame"].tolist()))
+            key: k
+            for k, key in enumerate(zip(views["camera"].tolist(), views["frame"].tolist()))
         }
         found = np.zeros(len(cameras), _residuals_dtype(cameras, frames, points))
         found["view"] = [number[key] for key in zip(cameras, frames)]
@@ -454,36 +457,43 @@ class _Reader:
 
     def faults(self) -> list[Fault]:
         table = self.table("faults.csv")
-        found = []
-        for row in zip(*table.values()):
-            r = dict(zip(table, row))
-            n = [float(r[k]) if r[k] else np.nan for k in list(table)[4:9]]
-            pairs = [
-                (float(r[f"value{k}"]), float(r[f"sigma{k}"])) for k in range(1, 7)
-                if r[f"value{k}"]
-            ]  # fmt: skip
-            found.append(
-                Fault(
-                    r["fault"], r["camera"], r["frame"], r["explains"] == "1", *n,
-                    values=tuple(v for v, _ in pairs), sigmas=tuple(s for _, s in pairs),
-                )
-            )  # fmt: skip
-        return found
+        texts = [dict(zip(table, row)) for row in zip(*table.values())]
+        return [_fault(text) for text in texts]
 
     def clocks(self) -> dict[str, Clock]:
         table = self.table("clocks.csv")
-        return {
-            name: Clock(*map(float, numbers), state=state, paired_later=int(later))
-            for name, *numbers, state, later in zip(*table.values())
-        }
+        texts = [dict(zip(table, row)) for row in zip(*table.values())]
+        return {text["camera"]: _clock(text) for text in texts}
 
 
-def _posed(camera: Camera, name: str, R: Array, t: Array) -> Camera:
-    return Camera(
-        camera.fx, camera.fy, camera.cx, camera.cy, size=camera.size, dist=camera.dist,
-        lens=camera.lens, name=name, cam_from_rig=_tables.pose_of(name, R, t),
-        extra=camera.extra,
-    )  # fmt: skip
+def _clock(text: Mapping[str, str]) -> Clock:
+    """One line of clocks.csv."""
+    return Clock(
+        offset=float(text["offset"]),
+        sigma_offset=float(text["sigma_offset"]),
+        drift=float(text["drift"]),
+        sigma_drift=float(text["sigma_drift"]),
+        state=text["state"],
+        paired_later=int(text["paired_later"]),
+    )
+
+
+def _fault(text: Mapping[str, str]) -> Fault:
+    """One line of faults.csv."""
+    known = [k for k in range(1, 7) if text[f"value{k}"]]
+    return Fault(
+        name=text["fault"],
+        camera=text["camera"],
+        frame=text["frame"],
+        explains=text["explains"] == "1",
+        p=float(text["p"] or "nan"),
+        gain_px2=float(text["gain_px2"] or "nan"),
+        F_after=float(text["F_after"] or "nan"),
+        shows_turn_deg=float(text["shows_turn_deg"] or "nan"),
+        shows_shift=float(text["shows_shift"] or "nan"),
+        values=tuple(float(text[f"value{k}"]) for k in known),
+        sigmas=tuple(float(text[f"sigma{k}"]) for k in known),
+    )
 
 
 def _joint(table: Mapping[str, Sequence[str]]) -> Array | None:
@@ -507,7 +517,9 @@ def _joint(table: Mapping[str, Sequence[str]]) -> Array | None:
     return joint
 
 
-def _reason(findings: Sequence[Mapping[str, Any]], camera: str, frame: str) -> Mapping[str, Any]:
+def _reason(
+    findings: Sequence[Mapping[str, Any]], camera: str, frame: str
+) -> Mapping[str, Any]:
     """The finding that is about a view, or else about its camera."""
     for f in findings:
         if camera in f["cameras"] and frame in f["frames"]:

@@ -272,14 +272,17 @@ def accounted(library: ctypes.CDLL) -> dict[str, tuple[int, int]]:
     return found
 
 
-def check_layout(library: ctypes.CDLL, structs: dict[str, np.dtype[Any]] = STRUCTS) -> int:
-    """Number of structs; ImportError names the first that is not the library's."""
+def check_layout(
+    library: ctypes.CDLL, structs: dict[str, np.dtype[Any]] = STRUCTS
+) -> dict[str, int]:
+    """Sizes of all of the library's structs, solvers too; ImportError names the first
+    field that is not the library's."""
     here, there = declared(structs), accounted(library)
-    there = {name: at for name, at in there.items() if name.split(".")[0] in structs}
-    for name in sorted(here.keys() | there.keys()):
-        if here.get(name) != there.get(name):
+    known = {name: at for name, at in there.items() if name.split(".")[0] in structs}
+    for name in sorted(here.keys() | known.keys()):
+        if here.get(name) != known.get(name):
             raise ImportError(
                 f"{name}: (offset, size) is {here.get(name)} in rigcal/_layout.py and "
-                f"{there.get(name)} in the library"
+                f"{known.get(name)} in the library"
             )
-    return len(structs)
+    return {name: size for name, (_, size) in there.items() if "." not in name}

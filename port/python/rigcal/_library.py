@@ -92,10 +92,10 @@ def load(path: pathlib.Path) -> Any:
         raise ImportError(
             f"{path} is not there: install the package (pip install ./port/python)"
         )
-    library = ctypes.CDLL(str(path))
+    library: Any = ctypes.CDLL(str(path))
     if library.rigcal_sizeof_real() != REAL_BYTES:
         raise ImportError(f"{path} is a build in float; this package is for double")
-    check_layout(library)
+    library.sizes = check_layout(library)
     for name, (result, arguments) in PROTOTYPES.items():
         function = getattr(library, f"rigcal_{name}")
         function.restype = LETTERS[result]

@@ -540,7 +540,7 @@ def indices(value: Any, count: int, below: int, what: str) -> npt.NDArray[np.int
         )
     if array.size and (array.min() < 0 or array.max() >= below):
         raise Error(f"{what}: 0 to {below - 1} is expected; its shape is {array.shape}")
-    return np.ascontiguousarray(array, np.int32)
+    return array.astype(np.int32)  # a copy: C believes it, whoever changes the array
 
 
 def solve_poses(

@@ -234,16 +234,6 @@ def transforms(table: Mapping[str, Sequence[str]]) -> list[tuple[Column, Column]
     return [(row[:9].reshape(3, 3), row[9:]) for row in both]
 
 
-def covariances(table: Mapping[str, Sequence[str]]) -> Column:
-    """(n, 6, 6) of the columns S11 to S66; NaN where they are empty."""
-    n = len(table[COVARIANCE[0]])
-    full = np.empty((n, 6, 6))
-    for name in COVARIANCE:
-        i, j = int(name[1]) - 1, int(name[2]) - 1
-        full[:, i, j] = full[:, j, i] = numbers_of(table[name])
-    return full
-
-
 def is_own(path: Any) -> bool:
     """Whether it is a CSV file with a column camera: one of the program."""
     with contextlib.suppress(OSError), open(path, "rb") as file:

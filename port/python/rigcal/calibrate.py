@@ -184,6 +184,10 @@ class _Files:
                 line = line.replace(
                     f"{path}:{number}", f"{argument}, row {int(number) - 2}"
                 )
+            if path in line:
+                line = re.sub(
+                    r" on line (\d+)", lambda n: f" in row {int(n.group(1)) - 2}", line
+                )
             line = line.replace(path, argument)
         return line
 
@@ -199,12 +203,15 @@ def _times(files: _Files, given: Any) -> str:
 
 def _prior(files: _Files, given: Any) -> str:
     if isinstance(given, Rig):
-        path = files.new("prior.csv", "prior")
+        path = str(files.new("prior.csv", "prior"))
         given.write_prior(path)
-        return str(path)
+        return path
     if isinstance(given, (str, os.PathLike)) and _tables.is_own(given):
         return str(given)
-    return files.cameras("prior", _tables.named_cameras(given, "prior"))["rig.csv"]
+    path = files.cameras("prior", _tables.named_cameras(given, "prior"))["rig.csv"]
+    if not os.path.isfile(path):
+        raise Error("prior: no camera of it has a pose")
+    return path
 
 
 def _number(value: Any, name: str) -> str:
@@ -303,7 +310,9 @@ def calibrate(
             ("sigma-time", sigma_time),
         ):  # fmt: skip
             if number is not None:
-                arguments.append(f"--{name}={_number(number, name.replace('-', '_'))}")
+                arguments.append(
+                    f"--{name}={_number(number, NAMES.get(name, name.replace('-', '_')))}"
+                )
         for name, is_wanted in (
             ("robust", robust), ("clocks", clocks), ("drift", drift),
             ("estimate-intrinsics", estimate_intrinsics),
@@ -319,11 +328,13 @@ def calibrate(
         if intrinsics_sigma is not None:
             arguments.append("--intrinsics-sigma=" + _intrinsics_sigma(intrinsics_sigma))
         status, report, messages = run(arguments, progress)
+        report = files.in_words_of_arguments(report)
         told = joined(files.in_words_of_arguments(line) for line in messages)
         told = [_as_arguments(text) for text in told]
         if status not in (0, 1) or not report:  # then there is no rig, and no file
-            raise Error(told[0] if told else f"the program ended with status {status}")
-        rig = Rig.from_folder(kept, known, report=report, warnings=told)
+            text = "\n".join(told[: WARNED_MOST if status == 1 else 1])
+            raise Error(text or f"the program ended with status {status}")
+        rig = Rig.from_folder(kept, report, told, known)
     for text in told[:WARNED_MOST]:
         warnings.warn(text, Caveat, stacklevel=2)
     if len(told) > WARNED_MOST:

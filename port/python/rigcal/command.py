@@ -269,8 +269,7 @@ def _diagnose(arguments: Sequence[str]) -> int:
             for line in messages:
                 print(converted.in_words_of_user(line), file=sys.stderr)
             return status
-        cameras = load_cameras(changed["cameras"][0])
-        rig = Rig.from_folder(changed["out"][0], cameras, report=report, warnings=told)
+        rig = Rig.from_folder(changed["out"][0], report, told)
     print("\n".join(_told(rig)))
     return status
 

@@ -13,12 +13,16 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _tables
+from ._calibrated import CalibratedRig, Pair
 from .camera import Camera
 from .errors import Error, FileError
-from .formats import load_cameras, save_cameras
+from .formats import load_cameras, save_cameras, stored
+from .formats._common import read_file
+from .measure import Bands, Curves, Points, Spans, Transfers
+from .monitor import Monitor
 from .transform import Array, Transform
 
-__all__ = ["Clock", "Fault", "LeftOut", "Pair", "Rig", "load"]
+__all__ = ["Clock", "Fault", "LeftOut", "Rig", "Sigma", "load"]
 
 Table = npt.NDArray[Any]  # structured
 
@@ -35,21 +39,6 @@ class Sigma:
     rotation_deg: float
     position: float
     noise_px: float
-
-
-@dataclass(frozen=True, eq=False)
-class Pair:
-    """Camera b from camera a.
-
-    b_from_a      the transform
-    covariance    (6, 6) of (w [rad], dt): R <- exp([w]x) R, t <- t + dt; NaN: not known
-    rotation_deg, position  standard deviations, as of Sigma
-    """
-
-    b_from_a: Transform
-    covariance: Array
-    rotation_deg: float
-    position: float
 
 
 @dataclass(frozen=True)
@@ -108,11 +97,9 @@ class Clock:
 class Rig:
     """What `rigcal.calibrate` and `rigcal.load` return. rig["left"] is a Camera.
 
+    calibrated  cameras with their joint covariance, and what is measured with them
     cameras   {name: Camera}; cam_from_rig takes the rig's frame to the camera's
-    sigmas    {name: Sigma}: how sure each is
-    pairs     {(a, b): Pair} of cameras that share a frame of the target
-    joint_covariance  (6 n, 6 n) of (w, dt) of all cameras in their order: w [rad] turns
-              about the camera's axes, R <- exp([w]x) R, t <- t + dt. None: not known
+    sigmas    {name: Sigma}: how sure each is; of cameras whose covariance is known
     targets   {frame: Transform}: rig_from_target
     views     structured array, a row a view: camera, frame, n, cam_from_target (3, 4),
               rms_px, rotation_deg, position, second_rms_px, probability, verdict
@@ -131,14 +118,13 @@ class Rig:
     warnings  what it says besides
     """
 
+    calibrated: CalibratedRig
     cameras: dict[str, Camera]
     sigmas: dict[str, Sigma] = field(default_factory=dict)
-    pairs: dict[tuple[str, str], Pair] = field(default_factory=dict)
-    joint_covariance: Array | None = None
     targets: dict[str, Transform] = field(default_factory=dict)
-    views: Table = field(default_factory=lambda: np.zeros(0, _views_dtype([""], [""])))
+    views: Table = field(default_factory=lambda: np.zeros(0, _views_dtype([], [])))
     residuals: Table = field(
-        default_factory=lambda: np.zeros(0, _residuals_dtype([""], [""], [""]))
+        default_factory=lambda: np.zeros(0, _residuals_dtype([], [], []))
     )
     left_out: list[LeftOut] = field(default_factory=list)
     F: float | None = None
@@ -152,18 +138,13 @@ class Rig:
     clocks: dict[str, Clock] = field(default_factory=dict)
     report: str = ""
     warnings: list[str] = field(default_factory=list)
-    stored: bytes = b""  # of rigcal_store_save_rig, or rigcal_store_save
+    stored: bytes = b""  # of the library's store
 
     # ---- as a collection of cameras -------------------------------------------
 
     def __getitem__(self, name: str) -> Camera:
-        try:
-            return self.cameras[name]
-        except (KeyError, TypeError):
-            there = ", ".join(self.cameras)
-            raise Error(
-                f"there is no camera {name!r} in the rig, which has {there}"
-            ) from None
+        self.calibrated.number(str(name))
+        return self.cameras[str(name)]
 
     def __iter__(self) -> Iterator[str]:
         return iter(self.cameras)
@@ -182,55 +163,86 @@ class Rig:
 
     # ---- transforms and how sure they are -------------------------------------
 
-    def cam_from_rig(self, name: str) -> Transform:
+    def cam_from_rig(self, camera: str) -> Transform:
         """Takes the rig's frame to that of a camera."""
-        pose = self[name].cam_from_rig
-        if pose is None:
-            raise Error(f"camera {name!r} has no pose in the rig")
+        pose = self[camera].cam_from_rig
+        assert pose is not None
         return pose
 
     def between(self, to: str, frm: str) -> Transform:
         """Takes the frame of camera `frm` to that of camera `to`."""
         return self.cam_from_rig(to) @ self.cam_from_rig(frm).inv()
 
-    def covariance(self, camera: str, other: str | None = None) -> Array:
-        """(6, 6) of (w, dt) of a camera; with another: of its w, dt with those of it."""
-        if self.joint_covariance is None:
-            raise Error("the covariance of the rig is not known: README.md tells when")
-        names = list(self.cameras)
-        a, b = (names.index(self._named(n)) for n in (camera, other or camera))
-        rows, columns = slice(6 * a, 6 * a + 6), slice(6 * b, 6 * b + 6)
-        return np.array(self.joint_covariance[rows, columns], dtype=np.float64)
+    def pair(self, a: str, b: str) -> Pair:
+        """b_from_a and its covariance (6, 6) of (w, dt); None: not known."""
+        return self.calibrated.pair(a, b)
 
-    def _named(self, name: str) -> str:
-        self[name]
-        return name
+    def covariance(self, camera: str, other: str | None = None) -> Array:
+        """(6, 6) of (w, dt) of a camera; with another one, the cross covariance.
+
+        R <- exp([w]x) R, t <- t + dt: w [rad] and dt are along the camera's axes."""
+        return self.calibrated.covariance(camera, other)
+
+    @property
+    def joint_covariance(self) -> Array:
+        """(6 n, 6 n) of (w, dt) of all cameras, in their order."""
+        return np.block([[self.covariance(a, b) for b in self] for a in self])
+
+    # ---- what it measures ----------------------------------------------------
+
+    def triangulate(self, uv: Any, **options: Any) -> Points:
+        """n points that two or more cameras saw: see CalibratedRig.triangulate.
+
+        uv  {camera: (n, 2)} of pixels, NaN where it did not see the point. Points have the
+            covariance of noise and calibration together."""
+        if options.get("sigma_px") is None:
+            options["sigma_px"] = self.noise_px
+        return self.calibrated.triangulate(uv, **options)
+
+    def match_line(self, a: str, uv: Any, b: str, **options: Any) -> Curves:
+        """Where b sees the points behind pixels uv (K, 2) of a, as curves in its image with
+        half the width of their band: see CalibratedRig.match_line."""
+        return self.calibrated.match_line(a, uv, b, **options)
+
+    def band(self, a: str, uv: Any, b: str, **options: Any) -> Bands:
+        """The bands of image b that hold the matches: see CalibratedRig.band."""
+        return self.calibrated.band(a, uv, b, **options)
+
+    def spans(self, a: str, uv: Any, b: str, **options: Any) -> Spans:
+        """The pixels of image b to search, row by row: see CalibratedRig.spans."""
+        return self.calibrated.spans(a, uv, b, **options)
+
+    def transfer(
+        self, a: str, uv_a: Any, b: str, uv_b: Any, c: str, **options: Any
+    ) -> Transfers:
+        """Where c must see what a and b see: see CalibratedRig.transfer."""
+        return self.calibrated.transfer(a, uv_a, b, uv_b, c, **options)
+
+    def monitor(self, **options: Any) -> Monitor:
+        """Watches the rig while it runs: see Monitor."""
+        return self.calibrated.monitor(**options)
 
     # ---- files ----------------------------------------------------------------
 
     def save(self, path: str | os.PathLike[str], format: str | None = None) -> None:
-        """The stored bytes, with the joint covariance, as `*.bin` or format "bin"; else
+        """The stored bytes, with the joint covariance, as `*.bin` or format "stored"; else
         the cameras in a format of save_cameras, by the file's name or by `format`."""
-        if format == "bin" or (format is None and os.fspath(path).endswith(".bin")):
-            if not self.stored:
-                raise Error("this rig has no stored bytes")
+        if format == "stored" or (format is None and os.fspath(path).endswith(".bin")):
             try:
-                pathlib.Path(path).write_bytes(self.stored)
+                pathlib.Path(path).write_bytes(self.stored or self.calibrated.to_bytes())
             except OSError as problem:
                 raise FileError(path, str(problem.strerror)) from None
-            return
-        save_cameras(path, self.cameras, format)
+        else:
+            save_cameras(path, self.cameras, format)
 
     def write_prior(self, path: str | os.PathLike[str]) -> None:
         """rig.csv with each camera's covariance: what is known beforehand."""
-        if self.joint_covariance is None:
-            raise Error("prior: the covariance of this rig is not known")
-        table: dict[str, list[str]] = {"camera": list(self.cameras)}
-        poses = [self.cam_from_rig(name) for name in self.cameras]
+        table: dict[str, list[str]] = {"camera": list(self)}
+        poses = [self.cam_from_rig(name) for name in self]
         numbers = np.array([[*pose.R.ravel(), *pose.t] for pose in poses])
         for name, column in zip(_tables.TRANSFORM, numbers.T.tolist()):
             table[name] = [repr(x) for x in column]
-        blocks = [self.covariance(name) for name in self.cameras]
+        blocks = [self.covariance(name) for name in self]
         for name in _tables.COVARIANCE:
             i, j = int(name[1]) - 1, int(name[2]) - 1
             table[name] = [repr(float(block[i, j])) for block in blocks]
@@ -240,32 +252,49 @@ class Rig:
     def from_folder(
         cls,
         folder: str | os.PathLike[str],
-        cameras: Mapping[str, Camera],
         report: str = "",
         warnings: Sequence[str] = (),
+        given: Mapping[str, Camera] | None = None,
     ) -> Rig:
-        """From what `rigcal calibrate --out FOLDER` wrote, and the intrinsics."""
-        return _Reader(pathlib.Path(folder), cameras).rig(report, list(warnings))
+        """From what `rigcal calibrate --out FOLDER` wrote. given: cameras whose `extra`
+        is kept."""
+        return _Reader(pathlib.Path(folder)).rig(report, list(warnings), given or {})
 
 
-def load(path: str | os.PathLike[str]) -> Rig:
-    """A rig of stored bytes (rig.bin), of a folder of `calibrate`, or of a file of any
-    format that has poses."""
+def load(path: str | os.PathLike[str], names: Sequence[str] | None = None) -> Rig:
+    """A rig of stored bytes, of a folder of `calibrate`, or of cameras with poses in a file
+    of any format. names: of the cameras of stored bytes, which do not hold them; None:
+    those of the rig.csv beside a rig.bin, or cam0, cam1, ..."""
     where = pathlib.Path(path)
-    if where.is_dir():
-        return Rig.from_folder(where, _intrinsics(where))
-    _tables.must_exist(path)
+    if (where / "summary.json").is_file():
+        return Rig.from_folder(where)
+    data = b"" if where.is_dir() else read_file(path)
+    if data.startswith(stored.MAGIC):
+        beside = where.with_name("rig.csv")
+        if names is None and where.name == "rig.bin" and beside.is_file():
+            names = _tables.read(beside)["camera"]
+        try:
+            calibrated = CalibratedRig.from_bytes(data, names)
+        except Error as problem:
+            raise FileError(path, str(problem)) from None
+        return Rig(calibrated, calibrated.cameras, stored=data)
     cameras = load_cameras(path)
     posed = {name: c for name, c in cameras.items() if c.cam_from_rig is not None}
     if not posed:
         raise FileError(path, "no camera in it has a pose")
-    return Rig(cameras=posed)
+    return Rig(CalibratedRig.from_cameras(posed), posed)
 
 
-def _intrinsics(folder: pathlib.Path) -> dict[str, Camera]:
-    stored = list(load_cameras(folder / "rig.bin").values())
-    names = _tables.read(folder / "rig.csv")["camera"]
-    return dict(zip(names, stored))
+def _load_bytes(data: bytes) -> list[Camera]:
+    return list(CalibratedRig.from_bytes(data).cameras.values())
+
+
+def _save_bytes(cameras: Sequence[Camera]) -> bytes:
+    data: bytes = CalibratedRig.from_cameras(cameras).to_bytes()
+    return data
+
+
+stored.load_bytes, stored.save_bytes = _load_bytes, _save_bytes
 
 
 # ---- the program's files ------------------------------------------------------
@@ -308,9 +337,8 @@ def _residuals_dtype(
 class _Reader:
     """The files of a folder."""
 
-    def __init__(self, folder: pathlib.Path, cameras: Mapping[str, Camera]) -> None:
+    def __init__(self, folder: pathlib.Path) -> None:
         self.folder = folder
-        self.given = cameras
         try:
             text = (folder / "summary.json").read_text("utf-8", "surrogateescape")
             self.summary: dict[str, Any] = json.loads(text)
@@ -323,36 +351,23 @@ class _Reader:
         path = self.folder / name
         return _tables.read(path) if path.is_file() else {}
 
-    def rig(self, report: str, warnings: list[str]) -> Rig:
+    def rig(self, report: str, warnings: list[str], given: Mapping[str, Camera]) -> Rig:
         s = self.summary
+        data = read_file(self.folder / "rig.bin")
         table = self.table("rig.csv")
-        intrinsics = {**self.given}
-        if (self.folder / "cameras.csv").is_file():  # as they were estimated
-            intrinsics.update(load_cameras(self.folder / "cameras.csv"))
+        calibrated = CalibratedRig.from_bytes(data, table["camera"])
+        sigmas = self.sigmas(table)
+        if len(sigmas) == len(calibrated):
+            calibrated.noise = np.array([sigma.noise_px for sigma in sigmas.values()])
         cameras = {
-            name: replace(
-                intrinsics[name],
-                name=name,
-                cam_from_rig=Transform(R, t, to=name, frm="rig"),
-            )
-            for name, (R, t) in zip(table["camera"], _tables.transforms(table))
-        }
-        sigmas = {
-            name: Sigma(*numbers)
-            for name, *numbers in zip(
-                table["camera"],
-                *(
-                    _tables.numbers_of(table[key]).tolist()
-                    for key in ("sigma_rot_deg", "sigma_pos", "sigma_px")
-                ),
-            )
+            name: replace(camera, extra=given[name].extra) if name in given else camera
+            for name, camera in calibrated.cameras.items()
         }
         views = self.views()
         return Rig(
-            cameras=cameras,
+            calibrated,
+            cameras,
             sigmas=sigmas,
-            pairs=self.pairs(),
-            joint_covariance=_joint(table),
             targets=self.targets(),
             views=views,
             residuals=self.residuals(views),
@@ -368,22 +383,16 @@ class _Reader:
             clocks=self.clocks(),
             report=report,
             warnings=warnings,
-            stored=(self.folder / "rig.bin").read_bytes(),
+            stored=data,
         )
 
-    def pairs(self) -> dict[tuple[str, str], Pair]:
-        table = self.table("pairs.csv")
+    @staticmethod
+    def sigmas(table: Mapping[str, Sequence[str]]) -> dict[str, Sigma]:
         rows = zip(
-            table["camera_a"],
-            table["camera_b"],
-            _tables.transforms(table),
-            _tables.covariances(table),
-            _tables.numbers_of(table["sigma_rot_deg"]).tolist(),
-            _tables.numbers_of(table["sigma_pos"]).tolist(),
+            *(table[key] for key in ("camera", "sigma_rot_deg", "sigma_pos", "sigma_px"))
         )
         return {
-            (a, b): Pair(Transform(R, t, to=b, frm=a), Sigma, deg, position)
-            for a, b, (R, t), Sigma, deg, position in rows
+            name: Sigma(*map(float, numbers)) for name, *numbers in rows if all(numbers)
         }
 
     def targets(self) -> dict[str, Transform]:
@@ -450,7 +459,7 @@ class _Reader:
         found = [f["advice"] for f in s["findings"] if f["about"] == "rig" and f["advice"]]
         _, next_, last = (s["sentences"] or "").rpartition("Next: ")
         if next_:
-            found.append(last.strip())
+            found.append(last.strip(" ."))
         if s["next"]:
             found.append(s["next"])
         return found
@@ -494,27 +503,6 @@ def _fault(text: Mapping[str, str]) -> Fault:
         values=tuple(float(text[f"value{k}"]) for k in known),
         sigmas=tuple(float(text[f"sigma{k}"]) for k in known),
     )
-
-
-def _joint(table: Mapping[str, Sequence[str]]) -> Array | None:
-    """(6 n, 6 n) of rig.csv; None where it is empty."""
-    names = table["camera"]
-    own = _tables.covariances(table)
-    if not np.isfinite(own).all():
-        return None
-    joint = np.zeros((6 * len(names), 6 * len(names)))
-    for a, name in enumerate(names):
-        joint[6 * a : 6 * a + 6, 6 * a : 6 * a + 6] = own[a]
-        keys = [f"S{i}{j}@{name}" for i in range(1, 7) for j in range(1, 7)]
-        if keys[0] not in table:
-            continue
-        between = np.array([_tables.numbers_of(table[key]) for key in keys]).T
-        for b in range(a + 1, len(names)):
-            if np.isfinite(between[b]).all():
-                block = between[b].reshape(6, 6)
-                joint[6 * b : 6 * b + 6, 6 * a : 6 * a + 6] = block
-                joint[6 * a : 6 * a + 6, 6 * b : 6 * b + 6] = block.T
-    return joint
 
 
 def _reason(

@@ -84,8 +84,8 @@ def read_file(path: PathLike) -> bytes:
 
 def write_file(path: PathLike, content: str | bytes) -> None:
     """Text as UTF-8 with LF. The folder is made."""
-    data = content.encode("utf-8") if isinstance(content, str) else content
     try:
+        data = content.encode("utf-8") if isinstance(content, str) else content
         os.makedirs(os.path.dirname(path) or ".", exist_ok=True)
         with open(path, "wb") as file:
             file.write(data)

@@ -328,9 +328,6 @@ def save_cameras(
         for part, group in _groups(target, listed):
             for file, content in write(group, options).items():
                 files[os.path.join(part, file) if file else part] = content
-    for file in files:
-        if os.path.dirname(file):
-            os.makedirs(os.path.dirname(file), exist_ok=True)
     for file, content in files.items():
         write_file(file, content)
 

@@ -83,9 +83,10 @@ def read_file(path: PathLike) -> bytes:
 
 
 def write_file(path: PathLike, content: str | bytes) -> None:
-    """Text as UTF-8 with LF."""
-    data = content.encode("utf-8") if isinstance(content, str) else content
+    """Text as UTF-8 with LF. The folder is made."""
     try:
+        data = content.encode("utf-8") if isinstance(content, str) else content
+        os.makedirs(os.path.dirname(path) or ".", exist_ok=True)
         with open(path, "wb") as file:
             file.write(data)
     except (OSError, ValueError) as e:
@@ -137,8 +138,9 @@ def nearest(R: Array, node: Node) -> Array:
 
 def pose(R: Node, t: Node, name: str, scale: float) -> Transform:
     """cam_from_rig of its two parts."""
+    matrix = rotation(R)
     with place(t):
-        return Transform(rotation(R), t.array((3,)) * scale, to=name, frm="rig")
+        return Transform(matrix, t.array((3,)) * scale, to=name, frm="rig")
 
 
 def rigid(node: Node, to: str, frm: str, scale: float = 1.0) -> Transform:

@@ -99,6 +99,8 @@ class Node:
         if isinstance(value, dict) and "data" in value:
             count = (self["rows"].whole(), self["cols"].whole())
             value = value["data"]
+        if isinstance(value, np.ndarray):
+            value = value.tolist()
         self._check_leaves(value)
         try:
             array = np.array(value, dtype=np.float64)
@@ -111,7 +113,7 @@ class Node:
                 raise self.fail(f"{array.size} numbers, but rows x cols is {count}")
             array = array.reshape(count)
         if shape is None:
-            shape = (array.size,)
+            return array.ravel()
         is_list = array.ndim < 2 or 1 in array.shape
         if array.size != int(np.prod(shape)) or not (is_list or array.shape == shape):
             raise self.fail(f"shape {shape} is expected, not {array.shape}")

@@ -118,7 +118,7 @@ def exact_rig(n=3):
                 320,
                 240,
                 size=(640, 480),
-                dist=(-0.1, 0.01, 1e-3, -5e-4),
+                dist=(-0.2, 0.01, 1e-3, -5e-4),
                 name=f"c{k}",
                 cam_from_rig=rigcal.Transform.from_rvec(
                     [0.02 * k, -0.12 * k, 0.01],

@@ -52,6 +52,7 @@ class CalibratedRig:
     group      (n,) cameras of different groups have no common frame
     held       (n,) True: the camera has no unknowns
     noise      (n,) noise of a pixel's coordinate of each camera, or None: sigma_px of all
+    sequence, tag   numbers of the caller's, of any meaning, that the stored form keeps
     """
 
     def __init__(
@@ -67,6 +68,8 @@ class CalibratedRig:
         freedom_between: float = 0.0,
         freedom_within: float = 0.0,
         noise: npt.ArrayLike | None = None,
+        sequence: int = 0,
+        tag: int = 0,
     ) -> None:
         n = len(names)
         if not 1 <= n <= RIGCAL_STORE_CAMERAS_MAX or len(set(names)) != n:
@@ -85,6 +88,8 @@ class CalibratedRig:
         if size:
             self._Sigma[:] = reals([] if Sigma is None else Sigma, (size,), "Sigma")
         self.sigma_px, self.F = float(sigma_px), float(F)
+        self.sequence = whole(sequence, "sequence", 0, 2**32 - 1)
+        self.tag = whole(tag, "tag", 0, 2**32 - 1)
         self.freedom_between = float(freedom_between)
         self.freedom_within = float(freedom_within)
         self.noise = None if noise is None else self._noise_of(noise, "noise")
@@ -153,16 +158,17 @@ class CalibratedRig:
             group=group,
             held=held,
             Sigma=Sigma[:size],
+            sequence=int(info["sequence"][0]),
+            tag=int(info["tag"][0]),
             **{
                 field: float(struct[field][0])
                 for field in ("sigma_px", "F", "freedom_between", "freedom_within")
             },
         )
 
-    def to_bytes(self, sequence: int = 0, tag: int = 0) -> bytes:
+    def to_bytes(self) -> bytes:
         """The stored form, the same from every machine; names are not in it."""
-        sequence = whole(sequence, "sequence", 0, 2**32 - 1)
-        tag, n = whole(tag, "tag", 0, 2**32 - 1), len(self.names)
+        n, sequence, tag = len(self.names), self.sequence, self.tag
         n_bytes = np.zeros(1, np.uintp)
         if self.sigma_px > 0:
             free = n - int(np.count_nonzero(self._held))

@@ -242,6 +242,7 @@ class Monitor:
         return CalibratedRig(
             old.names, mounted, group=group, held=held,
             Sigma=Sigma[: lib.calibrated_size(free)], noise=old.noise,
+            sequence=old.sequence, tag=old.tag,
             **{
                 field: float(struct[field][0])
                 for field in ("sigma_px", "F", "freedom_between", "freedom_within")

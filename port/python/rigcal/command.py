@@ -149,13 +149,21 @@ class _Converted:
         return line
 
 
+def _program(*arguments: str) -> int:
+    """The program itself, with our standard streams; its exit status."""
+    try:
+        return subprocess.call([program(), *arguments])
+    except OSError as problem:
+        raise Error(f"the program rigcal cannot be run: {problem}") from None
+
+
 def _pass_on(command: str, arguments: Sequence[str]) -> int:
     given = _options(command, arguments)
     with tempfile.TemporaryDirectory(prefix="rigcal-") as folder:
         converted = _Converted(folder)
         changed = converted.options(command, given) if given is not None else None
         if not converted.names or changed is None:
-            return subprocess.call([program(), command, *arguments])
+            return _program(command, *arguments)
         status, text, messages = _call(command, changed)
         for line in messages:
             print(converted.in_words_of_user(line), file=sys.stderr)
@@ -210,12 +218,26 @@ def _convert(arguments: Sequence[str]) -> int:
         raise _UsageError("convert takes the file to read and the file to write")
     how = {"format": given.from_format, "scale": given.scale, "lens": given.lens}
     with _caveats_told():
-        if len(sources) == 1:
-            cameras = _read(sources[0], **how)
-        else:
-            cameras = load_cameras(sources, **how)
-        save_cameras(target, cameras, given.to_format)
+        with _options_named("--from"):
+            if len(sources) == 1:
+                cameras = _read(sources[0], **how)
+            else:
+                cameras = load_cameras(sources, **how)
+        with _options_named("--to"):
+            save_cameras(target, cameras, given.to_format)
     return DONE
+
+
+@contextlib.contextmanager
+def _options_named(format_option: str) -> Iterator[None]:
+    """An Error has the names of options in the place of those of arguments."""
+    try:
+        yield
+    except FileError as problem:
+        what = problem.what.replace("format=", f"{format_option}=").replace(
+            "lens=", "--lens="
+        )
+        raise FileError(problem.path, what) from None
 
 
 def _value_of(fault: Fault) -> str:
@@ -277,7 +299,7 @@ def _diagnose(arguments: Sequence[str]) -> int:
 def _help() -> int:
     print(HELP.format(formats=", ".join(FORMATS)), end="")
     sys.stdout.flush()
-    return subprocess.call([program(), "--help"])
+    return _program("--help")
 
 
 def _run(arguments: Sequence[str]) -> int:
@@ -290,7 +312,7 @@ def _run(arguments: Sequence[str]) -> int:
     ):
         return _help()
     if command == "--version":
-        return subprocess.call([program(), command])
+        return _program(command)
     if command == "convert":
         return _convert(rest)
     if command == "diagnose":

@@ -274,6 +274,19 @@ def test_one_of_two_has_the_reason_of_both() -> None:
     assert len({v.why for v in rig.left_out}) == 1
 
 
+def test_the_partner_of_a_duplicate_has_its_reason() -> None:
+    table = table_of(STEREO / "observations.csv")
+    left = table["camera"] == "left"
+    for name in "uv":
+        again = table[name][left & (table["frame"] == "03")]
+        table[name][left & (table["frame"] == "07")] = again
+    with pytest.warns(rigcal.Caveat, match="frame 07 is a duplicate of frame 03 in camera"):
+        rig = rigcal.calibrate(STEREO / "cameras.csv", table)
+    out = {(view.camera, view.frame): view.why for view in rig.left_out}
+    assert set(out) == {("left", "07"), ("right", "07")}
+    assert all("is a duplicate" in why for why in out.values())
+
+
 def test_of_many_messages_five_are_warned_of() -> None:
     table = table_of(STEREO / "observations.csv")
     with pytest.warns(rigcal.Caveat) as caught:
@@ -465,6 +478,7 @@ WRONG: list[tuple[Any, str]] = [
     ({**GOOD, "point": ["a", 'b"', "d"]}, r"detections\['point'\], row 1"),
     ({**GOOD, "point": ["a", "b,", "d"]}, r"detections\['point'\], row 1"),
     ({**GOOD, "point": ["a", "b\x01", "d"]}, r"detections\['point'\], row 1: .*control"),
+    ({**GOOD, "point": {1: 2}}, r"detections\['point'\]: a column is expected"),
     ({**GOOD, "point": [[1], [2], [3, 4]]}, r"detections\['point'\]"),
     ({**GOOD, "camera": ["z"] * 3}, "detections, row 0: camera z is not in cameras"),
     ({**GOOD, "X": [0.0, 1e300, 0]}, "has no pose in frame 1 because of point 2"),
@@ -610,8 +624,11 @@ def test_names_of_any_script() -> None:
 def test_many_detections() -> None:
     recording = Recording(noise=0)
     rows = [
-        [f"{k}-{r[0]}", *r[1:]] for k in range(30) for r in recording.rows
-    ]  # 57 600 rows
+        [f"{seed}-{r[0]}", *r[1:]]
+        for seed in range(30)
+        for r in Recording(noise=0, seed=seed).rows
+    ]
+    assert len(rows) == 57600
     rig = rigcal.calibrate(recording.cameras, rows)
     assert len(rig.residuals) == len(rows)
     assert max(off_by(rig)) < 1e-8

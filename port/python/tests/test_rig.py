@@ -297,6 +297,8 @@ def test_a_folder(rig: rigcal.Rig, folder: pathlib.Path, tmp_path: pathlib.Path)
     with pytest.raises(rigcal.FileError, match=r"summary\.json: this is no summary"):
         rigcal.load(tmp_path)
     (tmp_path / "summary.json").unlink()
+    with pytest.raises(rigcal.FileError, match=r"summary\.json: No such file"):
+        rigcal.Rig.from_folder(tmp_path)
     with pytest.raises(rigcal.FileError):
         rigcal.load(tmp_path)
 

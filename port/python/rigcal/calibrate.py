@@ -13,8 +13,8 @@ import sys
 import tempfile
 import time
 import warnings
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from typing import IO, Any, Union
+from collections.abc import Iterable, Mapping, Sequence
+from typing import IO, Any, Callable, Union
 
 import numpy as np
 

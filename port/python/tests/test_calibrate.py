@@ -301,7 +301,7 @@ def test_without_a_rig_there_is_an_error() -> None:
     rows = [row for row in recording.rows if row[2] in ("p0", "p1")]
     with pytest.raises(rigcal.Error, match="has no pose in any frame") as error:
         rigcal.calibrate(recording.cameras, rows)
-    assert "a pose takes 3 at least" in str(error.value) or "\n" in str(error.value)
+    assert str(error.value).count("\n") == 4  # five messages
 
 
 def test_cameras_that_share_nothing() -> None:

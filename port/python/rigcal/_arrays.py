@@ -34,25 +34,43 @@ def shown(wanted: tuple[int | str, ...]) -> str:
     return f"({inside},)" if len(wanted) == 1 else f"({inside})"
 
 
+def numeric(value: npt.ArrayLike, what: str, wanted: str, kinds: str) -> npt.NDArray[Any]:
+    """`value` as an array of any shape, of a type of one of these kinds."""
+    try:
+        array = np.asarray(value)
+    except (TypeError, ValueError, OverflowError):  # ragged lists
+        raise Error(f"{what}: {wanted} are expected") from None
+    if array.dtype.kind not in kinds:
+        raise Error(
+            f"{what}: {wanted} are expected, not {array.dtype} of shape {array.shape}"
+        )
+    return array
+
+
 def reals(value: npt.ArrayLike, wanted: tuple[int | str, ...], what: str) -> Array:
     """`value` as a contiguous float64 array of a shape like (2, "n", 3), where a letter is
     any number. It may hold NaN."""
     if type(value) is np.ndarray and value.dtype == FLOAT and value.flags.c_contiguous:
         array: npt.NDArray[Any] = value
     else:
-        try:
-            array = np.asarray(value)
-        except (TypeError, ValueError):  # ragged lists
-            raise Error(f"{what}: numbers of shape {shown(wanted)} are expected") from None
-        if array.dtype.kind not in "fiu":
-            raise Error(
-                f"{what}: numbers are expected, not {array.dtype} of shape {array.shape}"
-            )
+        array = numeric(value, what, f"numbers of shape {shown(wanted)}", "fiu")
     if not fits(array.shape, wanted):
         raise Error(f"{what}: shape {shown(wanted)} is expected, not {array.shape}")
-    if array.size > COUNT_MAX * 16 or any(n > COUNT_MAX for n in array.shape):
+    if any(n > COUNT_MAX for n in array.shape):
         raise Error(f"{what}: shape {array.shape} has more than 2^28 items")
     return np.ascontiguousarray(array, FLOAT)
+
+
+def indices(
+    value: npt.ArrayLike, wanted: tuple[int | str, ...], what: str, below: int
+) -> Any:
+    """`value` as int64, each 0 to below - 1: a copy, which nobody else changes."""
+    array = numeric(value, what, f"whole numbers of shape {shown(wanted)}", "iu")
+    if not fits(array.shape, wanted):
+        raise Error(f"{what}: shape {shown(wanted)} is expected, not {array.shape}")
+    if array.size and (array.min() < 0 or array.max() >= below):
+        raise Error(f"{what}: 0 to {below - 1} is expected; its shape is {array.shape}")
+    return array.astype(np.int64)
 
 
 def real(value: Any, what: str, low: float, high: float) -> float:

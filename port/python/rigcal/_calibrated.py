@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Union
 import numpy as np
 import numpy.typing as npt
 
-from ._arrays import Array, camera_struct, real, reals, transform_struct, whole
+from ._arrays import Array, camera_struct, numeric, real, reals, transform_struct, whole
 from ._layout import (
     CALIBRATED_RIG,
     MATCH_PAIR,
@@ -283,7 +283,7 @@ class CalibratedRig:
             for name, number in value.items():
                 numbers[self.number(name)] = real(number, f"{what}[{name!r}]", 1e-6, 1e6)
             return numbers
-        if np.ndim(value) == 0:
+        if numeric(value, what, "a number, or one of each camera,", "fiu").ndim == 0:
             return np.full(len(self.names), real(value, what, 1e-6, 1e6))
         array = reals(value, (len(self.names),), what)
         for number in array.tolist():

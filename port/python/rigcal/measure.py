@@ -8,7 +8,16 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from ._arrays import Array, camera_struct, needs_size, real, reals, transform_struct, whole
+from ._arrays import (
+    Array,
+    camera_struct,
+    needs_size,
+    numeric,
+    real,
+    reals,
+    transform_struct,
+    whole,
+)
 from ._layout import BAND, BAND_POINT, MATCH, RAY, SPAN
 from ._library import address, lib, must
 from ._names import RIGCAL_SPANS_ROW, Status
@@ -434,7 +443,8 @@ class Bands:
 
 def make_bands(pair: npt.NDArray[Any], uv: npt.ArrayLike, camera_b: Camera) -> Bands:
     """The bands of pixels uv (K, 2) or (2,) by struct rigcal_match_pair."""
-    pixels = reals(np.reshape(uv, (1, 2)) if np.shape(uv) == (2,) else uv, ("K", 2), "uv")
+    seen = numeric(uv, "uv", "numbers of shape (K, 2)", "fiu")
+    pixels = reals(seen[np.newaxis] if seen.shape == (2,) else seen, ("K", 2), "uv")
     bands, status = np.empty(len(pixels), BAND), np.empty(len(pixels), np.int32)
     lib.batch_bands(
         address(bands), address(status), address(pair), address(pixels), len(pixels)

@@ -12,7 +12,16 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _arrays
-from ._arrays import Array, camera_array, camera_struct, real, reals, whole
+from ._arrays import (
+    Array,
+    camera_array,
+    camera_struct,
+    indices,
+    numeric,
+    real,
+    reals,
+    whole,
+)
 from ._layout import (
     BLAME,
     DIAGNOSIS,
@@ -493,11 +502,7 @@ def one_target(X: Array, counts: npt.NDArray[np.int64] | list[int]) -> None:
 
 def ragged(X: Any, uv: Any, n: npt.ArrayLike) -> Batch:
     """Views one after the other: uv (sum of n, 2)."""
-    counts = np.asarray(n)
-    if counts.ndim != 1 or counts.dtype.kind not in "iu":
-        raise Error(f"n: whole numbers (K,) are expected, not shape {counts.shape}")
-    if (counts < 0).any() or (counts > _arrays.COUNT_MAX).any():
-        raise Error("n: a count is below 0 or above 2^28")
+    counts = indices(n, ("K",), "n", _arrays.COUNT_MAX)
     pixels, points = reals(uv, ("sum of n", 2), "uv"), reals(X, ("n", 3), "X")
     first = offsets(counts)
     if first[-1] != len(pixels):
@@ -508,13 +513,16 @@ def ragged(X: Any, uv: Any, n: npt.ArrayLike) -> Batch:
     return Batch(points, pixels, None, first, is_one)
 
 
+POINTS = "numbers of shape (n, 3) or (K, n, 3)", "fiu"
+
+
 def batch(X: Any, uv: Any, n: npt.ArrayLike | None) -> Batch:
     """Views of any of the forms that solve_poses takes."""
     if n is not None:
         return ragged(X, uv, n)
     if isinstance(uv, (list, tuple)):
         pixels, counts = joined(uv, 2, "uv")
-        if isinstance(X, (list, tuple)) and len(X) == len(counts) and np.ndim(X[0]) == 2:
+        if isinstance(X, (list, tuple)) and X and numeric(X[0], "X", *POINTS).ndim == 2:
             points, of_points = joined(X, 3, "X")
             if of_points != counts:
                 raise Error(f"X has views of {of_points} points, and uv of {counts}")
@@ -524,23 +532,10 @@ def batch(X: Any, uv: Any, n: npt.ArrayLike | None) -> Batch:
         return Batch(points, pixels, None, offsets(counts), True)
     pixels = reals(uv, ("K", "n", 2), "uv")
     views, count, _ = pixels.shape
-    is_one = np.ndim(X) == 2
+    is_one = numeric(X, "X", *POINTS).ndim == 2
     points = reals(X, (count, 3) if is_one else (views, count, 3), "X")
     first = np.arange(views + 1, dtype=np.int64) * count
     return Batch(points, pixels, None, first, is_one)
-
-
-def indices(value: Any, count: int, below: int, what: str) -> npt.NDArray[np.int32]:
-    """(count,) int32, each 0 to below - 1."""
-    array = np.asarray(value)
-    if array.dtype.kind not in "iu" or array.shape != (count,):
-        raise Error(
-            f"{what}: whole numbers of shape ({count},) are expected, not "
-            f"{array.dtype} of shape {array.shape}"
-        )
-    if array.size and (array.min() < 0 or array.max() >= below):
-        raise Error(f"{what}: 0 to {below - 1} is expected; its shape is {array.shape}")
-    return array.astype(np.int32)  # a copy: C believes it, whoever changes the array
 
 
 def solve_poses(
@@ -578,7 +573,7 @@ def solve_poses(
     cameras = camera_array(camera)
     which = None
     if camera_of is not None:
-        which = indices(camera_of, count, len(cameras), "camera_of")
+        which = indices(camera_of, (count,), "camera_of", len(cameras)).astype(np.int32)
     elif len(cameras) != 1:
         raise Error(
             f"camera_of: {len(cameras)} cameras, and not said which view is of which"

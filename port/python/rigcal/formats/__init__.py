@@ -189,7 +189,10 @@ def load_cameras(
             )
         fmt = FORMATS[names[0]]
         options = Options(fmt.unit if scale is None else scale, lens)
-        return _named(fmt.read(documents, options), lens)
+        cameras = _named(fmt.read(documents, options), lens)
+        if not cameras:
+            raise Error("there is no camera in the file")
+        return cameras
 
 
 def _check_options(scale: float | None, lens: str | None) -> None:
@@ -259,7 +262,7 @@ def _kind(data: bytes) -> str:
     if first.startswith("{"):
         is_model = re.search(r"""['"](LENSMODEL|DISTORTION)_\w""", text)
         return "python" if is_model else "json"
-    columns = [name.strip() for name in first.split(",")]
+    columns = table.header(first)
     if table.is_cameras(columns) or table.is_rig(columns):
         return "csv"
     if colmap.is_line(first.split()):

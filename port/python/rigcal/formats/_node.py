@@ -27,6 +27,10 @@ def _is_plain(value: Any) -> bool:
     return isinstance(value, (str, int)) or (isinstance(value, float) and isfinite(value))
 
 
+class Placed(Error):
+    """An Error whose text says already where in the file it is."""
+
+
 class Node:
     """`value` as a parser gave it: dict, list, str, number, None; `where` "cam0.size"."""
 
@@ -34,9 +38,9 @@ class Node:
         self.value = value
         self.where = where
 
-    def fail(self, what: str) -> Error:
+    def fail(self, what: str) -> Placed:
         """To be raised: what is wrong here."""
-        return Error(f"{self.where}: {what}" if self.where else what)
+        return Placed(f"{self.where}: {what}" if self.where else what)
 
     def _at(self, key: str) -> str:
         return f"{self.where}.{key}" if self.where else key

@@ -32,8 +32,6 @@ def _read(document: Document, options: Options) -> list[Camera]:
         name = part["name"].text() if "name" in part else number
         extra = part.plain(KEPT)
         cameras.append(read_layout(part, LAYOUT, name, "brown", options.scale, extra))
-    if not cameras:
-        raise Error("there is no camera in the file")
     return cameras
 
 

@@ -13,7 +13,6 @@ from typing import Any
 import numpy as np
 
 from ..camera import Camera
-from ..errors import Error
 from ..transform import Transform
 from ._common import (
     Document,
@@ -49,8 +48,6 @@ def _number(item: tuple[str, Node]) -> int:
 
 def _read(document: Document, options: Options) -> list[Camera]:
     cams = sorted(document.node.mapping().items(), key=_number)
-    if not cams:
-        raise Error("there is no camera in the file")
     names = [part["name"].text() if "name" in part else key for key, part in cams]
     poses = _poses([part for _, part in cams], names, options.scale)
     return [_camera(part, name, T) for (_, part), name, T in zip(cams, names, poses)]

@@ -51,8 +51,6 @@ def _read(document: Document, options: Options) -> list[Camera]:
         dist = part["dist"]
         lens = unmarked_lens(dist.array(), dist, options)
         cameras[name] = read_layout(part, LAYOUT, name, lens, options.scale)
-    if not cameras:
-        raise node["cameras"].fail("there is no camera in the file")
     poses_node = node.get("camera_poses")
     if poses_node is None:
         return list(cameras.values())

@@ -55,8 +55,6 @@ def claims(node: Node) -> bool:
 def _read(document: Document, options: Options) -> list[Camera]:
     top = document.node
     frames = top["frames"].list()
-    if not frames:
-        raise top["frames"].fail("there is no frame in the file")
     paths = [frame["file_path"].text() for frame in frames]
     stems = [_stem(path) for path in paths]
     names = stems if len(set(stems)) == len(stems) else paths

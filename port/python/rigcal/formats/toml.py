@@ -15,7 +15,6 @@ from collections.abc import Sequence
 from typing import Any
 
 from ..camera import Camera
-from ..errors import Error
 from ._common import LAYOUTS, Document, Files, Options, each, read_layout, write_layout
 from ._node import Node
 from ._text import dump_toml, toml_key
@@ -60,8 +59,6 @@ def _read(document: Document, options: Options) -> list[Camera]:
         name = part["name"].text() if "name" in part else section
         extra = part.plain(KEPT)
         cameras.append(read_layout(part, LAYOUT, name, lens, options.scale, extra))
-    if not cameras:
-        raise Error("there is no camera in the file")
     return cameras
 
 

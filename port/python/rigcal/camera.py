@@ -24,13 +24,9 @@ PIXEL_MAX = 1e9
 
 def check_dist(dist: Sequence[float], lens: str) -> tuple[float, ...]:
     """The coefficients as a tuple of a length that `lens` has; Error otherwise."""
-    try:
-        array = np.array(dist, dtype=np.float64).reshape(-1)
-    except (TypeError, ValueError, OverflowError):
-        raise Error("dist: numbers are expected") from None
-    values = tuple(array.tolist())
+    values = tuple(numbers(dist, None, "dist").ravel().tolist())
     if not all(abs(v) <= COEFFICIENT_MAX for v in values):
-        raise Error("dist: a coefficient is NaN, infinite or beyond 1e9")
+        raise Error("dist: a coefficient is beyond 1e9")
     if lens == "fisheye":
         if len(values) not in (0, 4):
             raise Error(f"dist: a fisheye has 4 coefficients (k1..k4), not {len(values)}")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 import numpy.typing as npt
@@ -17,13 +18,21 @@ ROTATION_TOLERANCE = 1e-6  # of an entry of R R^T - I: that of RIGCAL_ERR_ROTATI
 LENGTH_MAX = 1e30  # caller's unit: the library's range of lengths
 
 
-def numbers(value: npt.ArrayLike, shape: tuple[int, ...], what: str) -> Array:
-    """`value` as a read-only float64 copy of `shape`; Error names `what`."""
+def numbers(value: npt.ArrayLike, shape: tuple[int, ...] | None, what: str) -> Array:
+    """`value` as a read-only float64 copy of `shape` (None: any); Error names `what`."""
+    expected = (
+        "numbers are expected"
+        if shape is None
+        else f"numbers of shape {shape} are expected"
+    )
     try:
-        array = np.array(value, dtype=np.float64)
+        given = np.array(value)
+        if given.dtype.kind not in "biufO":  # texts, complex numbers, dates
+            raise TypeError
+        array = given.astype(np.float64)
     except (TypeError, ValueError, OverflowError):
-        raise Error(f"{what}: numbers of shape {shape} are expected") from None
-    if array.shape != shape:
+        raise Error(f"{what}: {expected}") from None
+    if shape is not None and array.shape != shape:
         raise Error(f"{what}: shape {shape} is expected, not {array.shape}")
     if not np.isfinite(array).all():
         raise Error(f"{what}: an element is NaN or infinite")
@@ -96,6 +105,7 @@ class Transform:
     t: Array
     to: str = "cam0"
     frm: str = "rig"
+    __array_ufunc__: ClassVar[None] = None  # so that an array @ this is a TypeError
 
     def __post_init__(self) -> None:
         R = numbers(self.R, (3, 3), "R")
@@ -173,7 +183,7 @@ class Transform:
 
     def apply(self, X: npt.ArrayLike) -> Array:
         """Points (..., 3) of `frm` in `to`, the same shape."""
-        points = np.asarray(X, dtype=np.float64)
+        points = numbers(X, None, "X")
         if points.ndim == 0 or points.shape[-1] != 3:
             raise Error(f"X: shape (..., 3) is expected, not {points.shape}")
         moved: Array = points @ self.R.T + self.t

@@ -7,6 +7,7 @@ over the root of 10 in a quaternion, -0.6435 = -atan(3/4) as a vector."""
 from dataclasses import dataclass, field, replace
 
 import numpy as np
+
 from rigcal import Camera, Transform
 
 R = np.array([[0.8, 0.0, -0.6], [0.0, 1.0, 0.0], [0.6, 0.0, 0.8]])
@@ -25,7 +26,9 @@ RATIONAL = (
 NONE = ((), ())
 
 
-def truth(dist=BROWN, lens="brown", names=("left", "right"), size=SIZE, pose=True, scale=1.0):
+def truth(
+    dist=BROWN, lens="brown", names=("left", "right"), size=SIZE, pose=True, scale=1.0
+):
     """What a file of two cameras says."""
     poses = (np.eye(3), np.zeros(3)), (R, T * scale)
     return {
@@ -509,14 +512,14 @@ SAMPLES = {
     "caliscope-old": Sample(
         "caliscope", {"config.toml": CALISCOPE_OLD}, truth(names=("cam_0", "cam_1"))
     ),
-    "mrcal": Sample(
-        "mrcal", {"right.cameramodel": MRCAL}, only("right", truth(RATIONAL))
-    ),
+    "mrcal": Sample("mrcal", {"right.cameramodel": MRCAL}, only("right", truth(RATIONAL))),
     "colmap": Sample("colmap", COLMAP, truth(BROWN4)),
     "colmap-rigs": Sample(
         "colmap", {**COLMAP, "rigs.txt": COLMAP_RIGS}, truth(BROWN4, names=("1", "2"))
     ),
-    "matlab-json": Sample("matlab", {"rig.json": MATLAB_JSON}, truth(names=("cam1", "cam2"))),
+    "matlab-json": Sample(
+        "matlab", {"rig.json": MATLAB_JSON}, truth(names=("cam1", "cam2"))
+    ),
     "nerfstudio": Sample("nerfstudio", {"transforms.json": NERFSTUDIO}, truth()),
     "multical": Sample("multical", {"calibration.json": MULTICAL}, truth()),
     "bop": Sample(

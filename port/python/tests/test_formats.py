@@ -6,8 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-import rigcal
 from format_samples import BROWN4, FISHEYE, NONE, RATIONAL, SAMPLES, SIZE, truth
+
+import rigcal
 from rigcal import Camera, FileError, Transform, load_cameras, save_cameras
 
 EXACT = 1e-12
@@ -103,7 +104,9 @@ def test_every_lens_is_kept_or_refused(format, lens, tmp_path):
     assert_same(load_cameras(path, **options), expected)
 
 
-@pytest.mark.parametrize("format, name", [("mrcal", "right.cameramodel"), ("ros", "r.yaml")])
+@pytest.mark.parametrize(
+    "format, name", [("mrcal", "right.cameramodel"), ("ros", "r.yaml")]
+)
 @pytest.mark.parametrize("lens", LENSES)
 def test_one_camera_a_file_takes_a_placeholder(format, name, lens, tmp_path):
     cameras = truth(*LENSES[lens])
@@ -150,7 +153,16 @@ def turned(seed, name, shift=1.0):
 )
 def test_five_cameras_and_a_rig_that_is_none_of_them(format, path, tmp_path):
     cameras = [
-        Camera(700 + i, 710 + i, 330.25, 250.125, SIZE, (), name=name, cam_from_rig=turned(i, name))
+        Camera(
+            700 + i,
+            710 + i,
+            330.25,
+            250.125,
+            SIZE,
+            (),
+            name=name,
+            cam_from_rig=turned(i, name),
+        )
         for i, name in enumerate(["a", "cam0", "b_to_c", "c", "d-1"])
     ]
     save_cameras(os.path.join(tmp_path, path), cameras, format)
@@ -164,7 +176,10 @@ def test_five_cameras_and_a_rig_that_is_none_of_them(format, path, tmp_path):
 @pytest.mark.parametrize("format", ["opencv", "matlab"])
 def test_a_pair_has_its_first_camera_as_rig(format, tmp_path):
     names = NAMES.get(format, ("left", "right"))
-    cameras = [replace(c, cam_from_rig=turned(i, c.name)) for i, c in enumerate(truth(names=names).values())]
+    cameras = [
+        replace(c, cam_from_rig=turned(i, c.name))
+        for i, c in enumerate(truth(names=names).values())
+    ]
     save_cameras(tmp_path / PATHS[format], cameras)
     found = list(load_cameras(tmp_path / PATHS[format]).values())
     assert found[0].cam_from_rig == Transform.identity(names[0], "rig")
@@ -249,14 +264,17 @@ def test_ros_driver_without_calibration_leaves_zeros(tmp_path):
     text = SAMPLES["ros-message"].files["info.yaml"]
     zeros = "R: [0, 0, 0, 0, 0, 0, 0, 0, 0]"
     text = text.replace("R: [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]", zeros)
-    (tmp_path / "info.yaml").write_text(text.replace('  frame_id: "cam_optical"', "  frame_id: ''"))
+    (tmp_path / "info.yaml").write_text(
+        text.replace('  frame_id: "cam_optical"', "  frame_id: ''")
+    )
     found = load_cameras(tmp_path / "info.yaml")
     assert found["info"].cam_from_rig is None
 
 
 def test_kalibr_keeps_the_imu(tmp_path):
     imu = "  T_cam_imu:\n" + "".join(
-        f"  - [{row}]\n" for row in ("0, 1, 0, 1", "-1, 0, 0, 2", "0, 0, 1, 3", "0, 0, 0, 1")
+        f"  - [{row}]\n"
+        for row in ("0, 1, 0, 1", "-1, 0, 0, 2", "0, 0, 1, 3", "0, 0, 0, 1")
     )
     text = SAMPLES["kalibr"].files["camchain.yaml"].replace("cam0:\n", "cam0:\n" + imu)
     (tmp_path / "camchain.yaml").write_text(text)
@@ -301,10 +319,14 @@ def test_caliscope_keeps_what_its_windows_need(tmp_path):
 
 def test_mrcal_older_names(tmp_path):
     text = SAMPLES["mrcal"].files["right.cameramodel"]
-    text = text.replace("'lens_model'", "'distortion_model'").replace("LENSMODEL", "DISTORTION")
+    text = text.replace("'lens_model'", "'distortion_model'").replace(
+        "LENSMODEL", "DISTORTION"
+    )
     (tmp_path / "right.cameramodel").write_text(text)
     assert_same(load_cameras(tmp_path / "right.cameramodel"), SAMPLES["mrcal"].truth)
-    newer = SAMPLES["mrcal"].files["right.cameramodel"].replace("'extrinsics'", "'rt_cam_ref'")
+    newer = (
+        SAMPLES["mrcal"].files["right.cameramodel"].replace("'extrinsics'", "'rt_cam_ref'")
+    )
     (tmp_path / "right.cameramodel").write_text(newer)
     assert_same(load_cameras(tmp_path / "right.cameramodel"), SAMPLES["mrcal"].truth)
 
@@ -338,7 +360,12 @@ def test_colmap_without_images_has_no_poses(tmp_path):
             (800, 800),
             (0.1, 0, 0, 0),
         ),
-        ("RADIAL_FISHEYE 640 480 800 321 241 .1 .2", "fisheye", (800, 800), (0.1, 0.2, 0, 0)),
+        (
+            "RADIAL_FISHEYE 640 480 800 321 241 .1 .2",
+            "fisheye",
+            (800, 800),
+            (0.1, 0.2, 0, 0),
+        ),
     ],
 )
 def test_colmap_models(line, lens, f, dist, tmp_path):
@@ -373,7 +400,9 @@ def test_matlab_in_inches_and_by_focal_length(tmp_path):
     found = load_cameras(tmp_path / "a.json")
     assert_same({"cam1": found["cam1"]}, {"cam1": truth(names=("cam1", "cam2"))["cam1"]})
     assert found["cam2"].cx == 310.5
-    np.testing.assert_allclose(found["cam2"].cam_from_rig.t, np.array([-200, 10, 30]) * 0.0254)
+    np.testing.assert_allclose(
+        found["cam2"].cam_from_rig.t, np.array([-200, 10, 30]) * 0.0254
+    )
     np.testing.assert_array_equal(
         load_cameras(tmp_path / "a.json", scale=1)["cam2"].cam_from_rig.t, [-200, 10, 30]
     )
@@ -488,7 +517,12 @@ def test_names_of_a_mapping_count(tmp_path):
         ("a.csv", truth(), {"scale": "1"}, "scale"),
         ("a.csv", truth(size=None), {}, "left: this format needs the image size"),
         ("model", {"a  b": truth()["left"]}, {"format": "colmap"}, "blanks"),
-        ("a.mat", list(truth().values()) * 1 + [replace(truth()["left"], name="c")], {}, "two"),
+        (
+            "a.mat",
+            list(truth().values()) * 1 + [replace(truth()["left"], name="c")],
+            {},
+            "two",
+        ),
         ("a.xml", truth(pose=False), {}, "left: this format needs cam_from_rig"),
     ],
 )
@@ -563,3 +597,32 @@ def test_content_counts_and_not_the_name(tmp_path):
         if len(sample.files) == 1:
             (tmp_path / "file.dat").write_text(next(iter(sample.files.values())))
             assert len(load_cameras(tmp_path / "file.dat", **sample.options)) >= 1
+
+
+def test_a_list_of_colmap_is_no_folder(tmp_path):
+    path = SAMPLES["colmap"].put(tmp_path) / "cameras.txt"
+    with pytest.raises(FileError, match="give one folder"):
+        load_cameras([path, path])
+
+
+def test_colmap_counts_blank_lines_for_nothing(tmp_path):
+    sample = SAMPLES["colmap-rigs"]
+    for name, text in sample.files.items():
+        (tmp_path / name).write_text("\n" + text + "\n\n")
+    assert_same(load_cameras(tmp_path), sample.truth)
+
+
+def test_matlab_without_units_is_in_millimetres(tmp_path):
+    text = SAMPLES["matlab-json"].files["rig.json"].replace("WorldUnits", "Unit")
+    (tmp_path / "rig.json").write_text(text)
+    assert_same(load_cameras(tmp_path / "rig.json"), SAMPLES["matlab-json"].truth)
+
+
+def test_line_ends_of_windows_do_no_harm(tmp_path):
+    for name, sample in SAMPLES.items():
+        folder = tmp_path / name
+        folder.mkdir()
+        for file, text in sample.files.items():
+            (folder / file).write_bytes(text.replace("\n", "\r\n").encode())
+        path = folder if len(sample.files) > 1 else folder / next(iter(sample.files))
+        assert_same(load_cameras(path, **sample.options), sample.truth)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from format_samples import BROWN, BROWN4, FISHEYE, RATIONAL, SAMPLES, truth
 from lens import points, project
+
 from rigcal import load_cameras, load_target, save_cameras
 
 cv2 = pytest.importorskip("cv2")
@@ -183,7 +184,9 @@ def test_mrcal_reads_our_model(dist, tmp_path):
     assert_projects(camera, mrcal.project(X_cam, *model.intrinsics()))
     model.write(str(tmp_path / "theirs.cameramodel"))
     (found,) = load_cameras(tmp_path / "theirs.cameramodel").values()
-    assert np.abs(project(found, X) - project(camera, X)).max() < 1e-5  # it writes 10 digits
+    assert (
+        np.abs(project(found, X) - project(camera, X)).max() < 1e-5
+    )  # it writes 10 digits
 
 
 # ==== targets =================================================================
@@ -201,7 +204,7 @@ def test_a_tag_of_an_aprilgrid_is_seen_as_opencv_sees_it(tmp_path):
     np.testing.assert_allclose(square[:, :2], expected, atol=1e-15)
     flipped = corners * [1, -1, -1] + [0, 0, 1]  # x right, y down, z forward
     uv = flipped[:, :2] / flipped[:, 2:] * 500
-    ok, rvec, t = cv2.solvePnP(
+    ok, _, t = cv2.solvePnP(
         square, uv, np.diag([500.0, 500, 1]), None, flags=cv2.SOLVEPNP_IPPE_SQUARE
     )
     assert ok

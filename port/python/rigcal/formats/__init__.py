@@ -68,6 +68,10 @@ from .target import Target, load_target, save_target
 
 __all__ = ["Target", "load_cameras", "load_target", "save_cameras", "save_target"]
 
+# A line [name]: a table of TOML. Rows of numbers in YAML are none.
+TOML_HEAD = re.compile(
+    r"^[ \t]*\[+[ \t]*[A-Za-z_\"'][^\]\n]*\]+[ \t\r]*(#.*)?$", re.MULTILINE
+)
 FROM_FILE = 0.0  # unit: the file says
 
 
@@ -185,7 +189,10 @@ def load_cameras(
             )
         fmt = FORMATS[names[0]]
         options = Options(fmt.unit if scale is None else scale, lens)
-        return _named(fmt.read(documents, options), lens)
+        cameras = _named(fmt.read(documents, options), lens)
+        if not cameras:
+            raise Error("there is no camera in the file")
+        return cameras
 
 
 def _check_options(scale: float | None, lens: str | None) -> None:
@@ -248,23 +255,21 @@ def _kind(data: bytes) -> str:
     if data.startswith((b"MATLAB 5.0", b"MATLAB 7.3", b"\x89HDF")):
         return "mat"
     text = decode(data)
-    if re.match(r"\s*(<\?xml|<opencv_storage)", text):
+    lines = (line.strip() for line in text.split("\n"))
+    first = next((line for line in lines if line and not line.startswith("#")), "")
+    if first.startswith(("<?xml", "<opencv_storage")):
         return "xml"
-    if re.match(r"\s*(#.*\s*)*\{", text):
+    if first.startswith("{"):
         is_model = re.search(r"""['"](LENSMODEL|DISTORTION)_\w""", text)
         return "python" if is_model else "json"
-    columns = table.header(text)
+    columns = table.header(first)
     if table.is_cameras(columns) or table.is_rig(columns):
         return "csv"
-    heads = (line.split() for line in text.split("\n"))
-    words = next((w for w in heads if w and not w[0].startswith("#")), [])
-    if colmap.is_line(words):
+    if colmap.is_line(first.split()):
         return "colmap"
-    if re.search(r"^\s*Model\s*=\s*CAHV", text, re.MULTILINE):
+    if re.search(r"^Model *= *CAHV", text, re.MULTILINE):
         raise Error("the camera model CAHVOR is not supported")
-    return (
-        "toml" if re.search(r"^\s*\[[^\]\n]+\]\s*(#.*)?$", text, re.MULTILINE) else "yaml"
-    )
+    return "toml" if TOML_HEAD.search(text) else "yaml"
 
 
 def _recognise(document: Document) -> str:

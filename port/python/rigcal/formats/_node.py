@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from math import isfinite
 from typing import Any
 
 import numpy as np
@@ -22,6 +23,14 @@ def flatten(value: Any) -> Iterator[Any]:
         yield value
 
 
+def _is_plain(value: Any) -> bool:
+    return isinstance(value, (str, int)) or (isinstance(value, float) and isfinite(value))
+
+
+class Placed(Error):
+    """An Error whose text says already where in the file it is."""
+
+
 class Node:
     """`value` as a parser gave it: dict, list, str, number, None; `where` "cam0.size"."""
 
@@ -29,9 +38,9 @@ class Node:
         self.value = value
         self.where = where
 
-    def fail(self, what: str) -> Error:
+    def fail(self, what: str) -> Placed:
         """To be raised: what is wrong here."""
-        return Error(f"{self.where}: {what}" if self.where else what)
+        return Placed(f"{self.where}: {what}" if self.where else what)
 
     def _at(self, key: str) -> str:
         return f"{self.where}.{key}" if self.where else key
@@ -67,6 +76,15 @@ class Node:
     def __contains__(self, key: str) -> bool:
         return isinstance(self.value, dict) and self.value.get(key) is not None
 
+    def plain(self, keys: Sequence[str]) -> dict[str, Any]:
+        """The values of these names that are numbers, texts or lists of them: they are kept
+        to be written again, and not used."""
+        kept = {}
+        for key in keys:
+            if key in self and all(map(_is_plain, flatten(self[key].value))):
+                kept[key] = self[key].value
+        return kept
+
     def text(self) -> str:
         """A text that is not empty; whole numbers count as text, as in names."""
         if isinstance(self.value, int) and not isinstance(self.value, bool):
@@ -83,6 +101,8 @@ class Node:
 
     def number(self) -> float:
         """One finite number."""
+        if isinstance(self.value, (list, dict)):
+            raise self.fail("one number is expected")
         return float(self.array(()))
 
     def whole(self) -> int:

@@ -24,6 +24,7 @@ else:
     import tomli as tomllib
 
 YAML_MAX = 4 << 20  # bytes: PyYAML reads about 0.3 MB a second
+DEPTH_MAX = 100  # brackets: PyYAML takes a time that grows with their square
 TOO_DEEP = "nested too deeply"
 
 
@@ -150,11 +151,22 @@ def _represent(dumper: Any, matrix: Matrix) -> Any:
 _Dumper.add_representer(Matrix, _represent)
 
 
+def _depth(text: str) -> int:
+    """How deep brackets are nested at most, wherever they stand."""
+    depth = deepest = 0
+    for bracket in re.findall(r"[\[\]{}]", text):
+        depth += 1 if bracket in "[{" else -1
+        deepest = max(deepest, depth)
+    return deepest
+
+
 def parse_yaml(text: str) -> Any:
     """The first document. OpenCV's "%YAML:1.0" is no YAML and left out."""
     if len(text) > YAML_MAX:
         raise Error(f"more than {YAML_MAX >> 20} MB of YAML: that is no camera file")
-    text = re.sub(r"\A\s*%YAML:\S*[^\n]*", "", text)
+    if _depth(text) > DEPTH_MAX:
+        raise Error(f"no YAML: {TOO_DEEP}")
+    text = re.sub(r"\A%YAML:[^\n]*", "", text.lstrip())
     try:
         return next(yaml.load_all(text, Loader=_Loader), None)
     except yaml.MarkedYAMLError as e:

@@ -30,10 +30,8 @@ def _read(document: Document, options: Options) -> list[Camera]:
     cameras = []
     for number, part in document.node.mapping().items():
         name = part["name"].text() if "name" in part else number
-        extra = {key: part[key].value for key in KEPT if key in part}
+        extra = part.plain(KEPT)
         cameras.append(read_layout(part, LAYOUT, name, "brown", options.scale, extra))
-    if not cameras:
-        raise Error("there is no camera in the file")
     return cameras
 
 

@@ -124,8 +124,6 @@ def _cameras(text: str) -> dict[str, Camera]:
             lens=lens,
             name=number,
         )
-    if not cameras:
-        raise Error("there is no camera in the file")
     return cameras
 
 

@@ -13,7 +13,6 @@ from typing import Any
 import numpy as np
 
 from ..camera import Camera
-from ..errors import Error
 from ..transform import Transform
 from ._common import (
     Document,
@@ -49,8 +48,6 @@ def _number(item: tuple[str, Node]) -> int:
 
 def _read(document: Document, options: Options) -> list[Camera]:
     cams = sorted(document.node.mapping().items(), key=_number)
-    if not cams:
-        raise Error("there is no camera in the file")
     names = [part["name"].text() if "name" in part else key for key, part in cams]
     poses = _poses([part for _, part in cams], names, options.scale)
     return [_camera(part, name, T) for (_, part), name, T in zip(cams, names, poses)]
@@ -84,9 +81,9 @@ def _poses(
 
 def _camera(part: Node, name: str, T: Transform | None) -> Camera:
     model, distortion = part["camera_model"], part["distortion_model"]
-    if model.value != "pinhole":
+    if model.text() != "pinhole":
         raise refuse(model, model.text(), ["pinhole"])
-    if distortion.value not in LENSES:
+    if distortion.text() not in LENSES:
         raise refuse(distortion, distortion.text(), LENSES)
     lens, count = LENSES[distortion.text()]
     return make(
@@ -97,7 +94,7 @@ def _camera(part: Node, name: str, T: Transform | None) -> Camera:
         lens=lens,
         name=name,
         cam_from_rig=T,
-        extra={key: part[key].value for key in KEPT if key in part},
+        extra=part.plain(KEPT),
     )
 
 

@@ -80,7 +80,10 @@ def _find(node: Node) -> Node | None:
 
 
 def claims(node: Node) -> bool:
-    return isinstance(node.value, dict) and _find(node) is not None
+    """A struct of cameras, or any .mat file: its variables begin with __header__."""
+    return isinstance(node.value, dict) and (
+        any(str(name).startswith("__") for name in node.value) or _find(node) is not None
+    )
 
 
 def _read(document: Document, options: Options) -> list[Camera]:

@@ -46,13 +46,11 @@ def _read(document: Document, options: Options) -> list[Camera]:
     cameras = {}
     for name, part in node["cameras"].mapping().items():
         model = part.get("model")
-        if model is not None and model.value not in MODELS:
+        if model is not None and model.text() not in MODELS:
             raise refuse(model, model.text(), MODELS)
         dist = part["dist"]
         lens = unmarked_lens(dist.array(), dist, options)
         cameras[name] = read_layout(part, LAYOUT, name, lens, options.scale)
-    if not cameras:
-        raise node["cameras"].fail("there is no camera in the file")
     poses_node = node.get("camera_poses")
     if poses_node is None:
         return list(cameras.values())

@@ -55,8 +55,6 @@ def claims(node: Node) -> bool:
 def _read(document: Document, options: Options) -> list[Camera]:
     top = document.node
     frames = top["frames"].list()
-    if not frames:
-        raise top["frames"].fail("there is no frame in the file")
     paths = [frame["file_path"].text() for frame in frames]
     stems = [_stem(path) for path in paths]
     names = stems if len(set(stems)) == len(stems) else paths
@@ -81,7 +79,7 @@ def _camera(top: Node, frame: Node, name: str, options: Options) -> Camera:
     model = (
         find("camera_model") if "camera_model" in frame or "camera_model" in top else None
     )
-    if model is not None and model.value not in MODELS:
+    if model is not None and model.text() not in MODELS:
         raise refuse(model, model.text(), MODELS)
     lens = "brown" if model is None else MODELS[model.text()]
     for key in ("k4", "k5", "k6") if lens == "brown" else ("p1", "p2"):
@@ -99,7 +97,7 @@ def _camera(top: Node, frame: Node, name: str, options: Options) -> Camera:
         lens=lens,
         name=name,
         cam_from_rig=type(world_from_gl).from_matrix(M, "rig", name).inv(),
-        extra={k: find(k).value for k in KEPT if k in frame or k in top},
+        extra={**top.plain(KEPT), **frame.plain(KEPT)},
     )
 
 

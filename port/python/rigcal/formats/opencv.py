@@ -1,6 +1,7 @@
 """OpenCV's FileStorage: one camera, or a stereo pair, in YAML, XML or JSON.
 
-T is in the caller's unit. Second from first: X_2 = R X_1 + T, and the first camera is the
+The cameras of a pair are "left" and "right" where the file has no names. T is in the
+caller's unit. Second from first: X_2 = R X_1 + T, and the first camera is the
 rig. Names of values differ from program to program (M1, K1, cameraMatrix1, ...): they are
 compared without case and underscores. A file of 4 coefficients does not say which lens it
 is of, unless it has `fisheye_model`. 12 and 14 coefficients must be 0 from the 9th on."""

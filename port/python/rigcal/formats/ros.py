@@ -45,7 +45,6 @@ K_NAMES = ("camera_matrix", "K", "k")
 D_NAMES = ("distortion_coefficients", "D", "d")
 R_NAMES = ("rectification_matrix", "R", "r")
 P_NAMES = ("projection_matrix", "P", "p")
-KEPT = ("frame_id", "binning_x", "binning_y")
 
 
 def claims(node: Node) -> bool:
@@ -59,15 +58,16 @@ def claims(node: Node) -> bool:
 
 def _read(document: Document, options: Options) -> list[Camera]:
     node = document.node
-    model = node["distortion_model"]
-    if model.value not in LENSES:
-        raise refuse(model, model.text(), LENSES)
+    model_node = node["distortion_model"]
+    model = model_node.text()
+    if model not in LENSES:
+        raise refuse(model_node, model, LENSES)
     D, R, P = node.get(*D_NAMES), node.get(*R_NAMES), node.get(*P_NAMES)
     header = node.get("header")
     frame = header.get("frame_id") if header is not None else None
     name_node = node.get("camera_name") or frame
     name = name_node.text() if name_node and name_node.value else document.stem
-    extra: dict[str, Any] = {} if frame is None else {"frame_id": frame.value}
+    extra: dict[str, Any] = {} if header is None else header.plain(["frame_id"])
     if P is not None and any(P.array((3, 4)).ravel()):
         extra["P"] = P.array((3, 4)).tolist()
     if _is_cut(node):
@@ -84,7 +84,7 @@ def _read(document: Document, options: Options) -> list[Camera]:
             node[K_NAMES].array((3, 3)),
             dist=() if D is None else D.array(),
             size=tuple(side.number() for side in size),
-            lens=LENSES[model.text()],
+            lens=LENSES[model],
             name=name,
             cam_from_rig=_pose(R, P, name, options.scale),
             extra=extra,

@@ -34,11 +34,8 @@ CAMERAS, RIG = "cameras.csv", "rig.csv"
 
 
 def header(text: str) -> list[str]:
-    """The names of the columns, in the first line that is not blank."""
-    for line in text.split("\n"):
-        if line.strip():
-            return [name.strip() for name in line.split(",")]
-    return []
+    """The names of the columns, in the first line."""
+    return [name.strip() for name in text.lstrip().split("\n")[0].split(",")]
 
 
 def is_cameras(columns: Sequence[str]) -> bool:

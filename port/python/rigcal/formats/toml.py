@@ -15,7 +15,6 @@ from collections.abc import Sequence
 from typing import Any
 
 from ..camera import Camera
-from ..errors import Error
 from ._common import LAYOUTS, Document, Files, Options, each, read_layout, write_layout
 from ._node import Node
 from ._text import dump_toml, toml_key
@@ -25,14 +24,11 @@ KEPT = ("rotation_count", "ignore", "error", "grid_count", "exposure")
 
 
 def _sections(node: Node) -> dict[str, Node]:
-    """The tables of cameras: under [cameras], or at the top."""
-    cameras = node.get("cameras")
-    tables = (node if cameras is None else cameras).mapping()
-    return {
-        name: part
-        for name, part in tables.items()
-        if isinstance(part.value, dict) and (cameras is not None or _is_camera(part))
-    }
+    """The tables of cameras: all that are under [cameras], or at the top those that look
+    like one."""
+    if "cameras" in node:
+        return node["cameras"].mapping()
+    return {name: part for name, part in node.mapping().items() if _is_camera(part)}
 
 
 def _is_camera(part: Node) -> bool:
@@ -41,41 +37,28 @@ def _is_camera(part: Node) -> bool:
 
 
 def claims_anipose(node: Node) -> bool:
-    return (
-        isinstance(node.value, dict)
-        and not claims_caliscope(node)
-        and any(_is_camera(part) for part in node.mapping().values())
-    )
+    parts = node.mapping()
+    return not claims_caliscope(node) and any(map(_is_camera, parts.values()))
 
 
 def claims_caliscope(node: Node) -> bool:
-    return isinstance(node.value, dict) and any(
-        "port" in part or "cam_id" in part for part in _sections_or_none(node).values()
-    )
-
-
-def _sections_or_none(node: Node) -> dict[str, Node]:
-    cameras = node.get("cameras")
-    return (
-        {}
-        if cameras is not None and not isinstance(cameras.value, dict)
-        else _sections(node)
-    )
+    held = node.get("cameras") or node
+    parts = held.value.values() if isinstance(held.value, dict) else ()
+    return any("port" in Node(part) or "cam_id" in Node(part) for part in parts)
 
 
 def _read(document: Document, options: Options) -> list[Camera]:
     cameras = []
     for section, part in _sections(document.node).items():
-        ignore = part.get("ignore")
-        if "matrix" not in part and ignore is not None and ignore.flag():
+        is_ignored, is_fisheye = (
+            key in part and part[key].flag() for key in ("ignore", "fisheye")
+        )
+        if is_ignored and "matrix" not in part:
             continue
-        fisheye = part.get("fisheye")
-        lens = "fisheye" if fisheye is not None and fisheye.flag() else "brown"
+        lens = "fisheye" if is_fisheye else "brown"
         name = part["name"].text() if "name" in part else section
-        extra = {key: part[key].value for key in KEPT if key in part}
+        extra = part.plain(KEPT)
         cameras.append(read_layout(part, LAYOUT, name, lens, options.scale, extra))
-    if not cameras:
-        raise Error("there is no camera in the file")
     return cameras
 
 

@@ -81,6 +81,16 @@ def as_frame(table: dict[str, Any]) -> Any:
     return pytest.importorskip("pandas").DataFrame(table)
 
 
+class Frame:
+    """What every data frame has."""
+
+    def __init__(self, table: dict[str, Any]) -> None:
+        self.table, self.columns = table, list(table)
+
+    def __getitem__(self, name: str) -> Any:
+        return self.table[name]
+
+
 def as_named(table: dict[str, Any]) -> Any:
     row = collections.namedtuple("row", list(reversed(COLUMNS)))  # type: ignore[misc]
     return [
@@ -93,7 +103,8 @@ FORMS = {
     "columns": dict,
     "lists": lambda t: {name: column.tolist() for name, column in t.items()},
     "structured": as_structured,
-    "data frame": as_frame,
+    "pandas": as_frame,
+    "a data frame": Frame,
     "tuples": lambda t: list(zip(*(t[name].tolist() for name in COLUMNS))),
     "arrays": lambda t: [np.array(r, object) for r in zip(*(t[name] for name in COLUMNS))],
     "dicts": lambda t: [dict(zip(t, r)) for r in zip(*map(np.ndarray.tolist, t.values()))],
@@ -262,6 +273,18 @@ def test_a_wrong_camera_and_a_view_without_a_pose_are_left_out() -> None:
     of_d = {why for (name, _), why in out.items() if name == "d"}
     assert len(out) >= 22
     assert any("camera d" in why for why in of_d)
+
+
+def test_two_views_of_a_frame_have_reasons_of_their_own() -> None:
+    recording = Recording()
+    recording.spoil("301", "c")
+    kept = recording.of("301", "b")[:2]
+    recording.rows = [r for r in recording.rows if r[:2] != ["301", "b"]] + kept
+    with pytest.warns(rigcal.Caveat):
+        rig = rigcal.calibrate(recording.cameras, recording.rows)
+    out = {view.camera: view.why for view in rig.left_out}
+    assert "has no pose" in out["b"]
+    assert "camera c contradicts" in out["c"]
 
 
 def test_one_of_two_has_the_reason_of_both() -> None:

@@ -134,6 +134,16 @@ def test_one_file_serves_as_cameras_and_rig(capfd: Any, files: pathlib.Path) -> 
     assert f"{files / 'Calib.toml'} has no covariance" in err
 
 
+def test_a_broken_file_of_the_program_with_another_ending(
+    capfd: Any, tmp_path: pathlib.Path
+) -> None:
+    path = tmp_path / "cameras.txt"
+    path.write_text(CAMERAS.read_text().replace("640,480", "640,x"))
+    given = ["calibrate", f"--cameras={path}", f"--observations={OBSERVATIONS}"]
+    assert ran(capfd, *given) == of_program(*given)
+    assert of_program(*given)[2].startswith(f"{path}:2: ")
+
+
 def test_a_prior_of_another_format(capfd: Any, files: pathlib.Path) -> None:
     given = [f"--cameras={files / 'Calib.toml'}", f"--observations={OBSERVATIONS}"]
     status, out, err = ran(

@@ -262,8 +262,10 @@ def test_stored_bytes(
     rig.save(tmp_path / "x.bin")
     assert (tmp_path / "x.bin").read_bytes() == (folder / "rig.bin").read_bytes()
     rig.save(tmp_path / "x.rigcal", "stored")
+    rig.save(folder / "x.bin")
     for path, names, known in (
         (tmp_path / "x.bin", None, ["cam0", "cam1"]),
+        (folder / "x.bin", None, ["cam0", "cam1"]),  # the rig.csv there may be of another
         (tmp_path / "x.rigcal", ["l", "r"], ["l", "r"]),
         (folder / "rig.bin", None, ["left", "right"]),
     ):

@@ -105,6 +105,19 @@ class TestSummary(CliTest):
         self.assertEqual([(f["about"], f["cameras"]) for f in self.summary()["findings"]],
                          [("camera", ["third"])])
 
+    def test_wrong_intrinsics_are_of_the_camera_and_its_views_are_not_told(self):
+        rows = read(STEREO + "/cameras.csv")
+        rows[1]["k1"] = "0.6"
+        c = write(self.folder, "c.csv", "\n".join(
+            [",".join(rows[0]), *(",".join(r.values()) for r in rows)]) + "\n")
+        run = self.calibrate(c, STEREO + "/observations.csv")
+        findings = self.summary()["findings"]
+        self.assertIn(("camera", ["right"], []),
+                      [(f["about"], f["cameras"], f["frames"]) for f in findings])
+        told = [what.replace("; the view is left out of the rig", "")
+                for what, _ in self.told(run)]
+        self.assertEqual(told, [f["what"] for f in findings])
+
     def test_names_of_any_text(self):
         NAME = "l\\\u00e9ft"
         def named(text):

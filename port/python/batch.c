@@ -51,7 +51,8 @@ static int is_missing(rigcal_status status)
     return status < 0 || status == RIGCAL_DISCONNECTED;
 }
 
-/* Stores an item's status. Numbers that are not there become NaN. Returns 1 of a failure. */
+/* Stores an item's status. Numbers that are not there become NaN. Returns 1 for a failure,
+ * else 0. */
 static size_t end_item(int32_t *status, rigcal_status got, rigcal_real numbers[],
                        size_t n_numbers)
 {
@@ -96,7 +97,8 @@ static void keep_inliers(rigcal_view *view, rigcal_real work[], const uint8_t in
     view->sigma = (view->sigma != NULL) ? sigma : NULL;
 }
 
-/* The covariance of a solved view, if it is wanted; poses that were not found become NaN. */
+/* The covariance of a solved view, if it is wanted. Poses that were not found become NaN.
+ * Returns 1 for a failure, else 0. */
 static size_t end_view(const rigcal_batch_solved *solved, size_t k, size_t n_found,
                        const rigcal_view *view, rigcal_real sigma_px)
 {

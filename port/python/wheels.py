@@ -41,7 +41,8 @@ camera = rigcal.Camera(800, 800, 320, 240, size=(640, 480))
 X = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, .5], [.3, .6, 1]])
 uv = rigcal.project(camera, X + [0, 0, 4]).uv
 assert np.allclose(rigcal.solve_pose(camera, X, uv).cam_from_world.t, [0, 0, 4])
-print(subprocess.run([program(), "--version"], capture_output=True, text=True).stdout.strip())
+said = subprocess.run([program(), "--version"], capture_output=True, text=True)
+print(said.stdout.strip())
 """
 
 
@@ -106,7 +107,9 @@ def build(sdist: pathlib.Path, out: pathlib.Path, name: str) -> pathlib.Path:
 
 def is_tried(name: str, wheel: pathlib.Path) -> str:
     """What the wheel says in a new virtual environment, where it can run."""
-    libc = "musl" if "musl" in platform.libc_ver()[0] or not platform.libc_ver()[0] else "many"
+    libc = (
+        "musl" if "musl" in platform.libc_ver()[0] or not platform.libc_ver()[0] else "many"
+    )
     here = {"Linux": f"{libc}linux", "Darwin": "macosx", "Windows": "win"}
     system = here.get(platform.system(), "?")
     if not (name.startswith(system) and name.endswith(platform.machine().lower())):

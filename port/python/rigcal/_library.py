@@ -109,8 +109,7 @@ lib = load(FOLDER / FILES.get(sys.platform, "librigcal.so"))
 
 def address(array: npt.NDArray[Any]) -> int:
     """Where the first element of an array is; the caller keeps the array."""
-    where: int = array.__array_interface__["data"][0]
-    return where
+    return array.ctypes.data
 
 
 def must(status: int, what: str, bad: int | None = None) -> Status:

@@ -74,19 +74,25 @@ class Pose:
 
     def __init__(
         self,
-        found: npt.NDArray[Any],
+        found: Array,
         status: Status,
         bad: int | None = None,
-        uncertainty: npt.NDArray[Any] | None = None,
+        uncertainty: Array | None = None,
         inliers: npt.NDArray[np.bool_] | None = None,
         frames: tuple[str, str] = ("cam", "world"),
     ) -> None:
-        self._found = found
-        self._uncertainty = uncertainty
+        # Reals, not structs: NumPy copies structs ten times as slowly.
+        self._numbers = found
+        self._sure = uncertainty
         self._inliers = inliers
         self._frames = frames
         self.status = status
         self.bad = bad
+
+    @property
+    def _found(self) -> npt.NDArray[Any]:
+        """struct rigcal_pose, as many as were found."""
+        return self._numbers.view(POSE)[:, 0]
 
     @functools.cached_property
     def cam_from_world(self) -> Transform:
@@ -110,8 +116,8 @@ class Pose:
     @property
     def others(self) -> list[Pose]:
         return [
-            Pose(self._found[k : k + 1], self.status, frames=self._frames)
-            for k in range(1, len(self._found))
+            Pose(self._numbers[k : k + 1], self.status, frames=self._frames)
+            for k in range(1, len(self._numbers))
         ]
 
     @property
@@ -125,9 +131,9 @@ class Pose:
         return self._inliers
 
     def _known(self, field: str) -> Array:
-        if self._uncertainty is None:
+        if self._sure is None:
             raise Error(f"{field}: how sure this pose is, is not known")
-        known: Array = self._uncertainty[field][0]
+        known: Array = self._sure.view(UNCERTAINTY)[field][0]
         return known
 
     @property
@@ -259,14 +265,12 @@ class Poses:
         got = must(status, f"view {k}", None if bad < 0 else bad)
         first, end = self._first[k : k + 2].tolist()
         flat = None if self.inliers is None else self.inliers.reshape(-1)[first:end]
-        sure = covariance == 0 and self._uncertainties is not None
+        table = self._uncertainties
         return Pose(
-            self._poses[k, :n_found],
+            as_reals(self._poses[k])[:n_found],
             got,
             None if bad < 0 else bad,
-            self._uncertainties[k : k + 1]
-            if sure and self._uncertainties is not None
-            else None,
+            as_reals(table)[k] if table is not None and covariance == 0 else None,
             flat,
             self._frames[0 if self._camera_of is None else int(self._camera_of[k])],
         )
@@ -318,14 +322,20 @@ def frames_of(camera: Camera) -> tuple[str, str]:
 # ---- one pose -----------------------------------------------------------------
 
 
+def as_reals(structs: npt.NDArray[Any]) -> Array:
+    """(n, reals) of structs (n,) that consist of reals alone."""
+    numbers: Array = structs.view(np.float64).reshape(len(structs), -1)
+    return numbers
+
+
 class Block:
     """Memory of one call: kept for the next one, since making it takes longer than a
     pose."""
 
     def __init__(self) -> None:
-        self.poses = np.zeros(RIGCAL_POSES_MAX, POSE)
+        self.poses = as_reals(np.zeros(RIGCAL_POSES_MAX, POSE))
         self.result = np.zeros(1, RESULT)
-        self.uncertainty = np.zeros(1, UNCERTAINTY)
+        self.uncertainty = as_reals(np.zeros(1, UNCERTAINTY))[0]
         self.first = np.zeros(2, np.int64)
         self.solved = np.zeros(1, SOLVED)
         self.solved["poses"], self.solved["most"] = address(self.poses), RIGCAL_POSES_MAX

@@ -194,7 +194,8 @@ def test_opencv_pair_in_two_files(tmp_path):
     text = SAMPLES["opencv-yaml"].files["stereo.yml"]
     head, extrinsics = text[: text.index("R: ")], text[text.index("R: ") :]
     (tmp_path / "intrinsics.yml").write_text(head)
-    (tmp_path / "extrinsics.yml").write_text("%YAML:1.0\n---\n" + extrinsics)
+    time = 'calibration_time: "Sunday"\n'  # a key that both files have
+    (tmp_path / "extrinsics.yml").write_text(f"%YAML:1.0\n---\n{time}{extrinsics}")
     both = [tmp_path / "intrinsics.yml", tmp_path / "extrinsics.yml"]
     assert_same(load_cameras(both), truth())
     assert_same(load_cameras(both[:1]), truth(pose=False))
@@ -423,7 +424,8 @@ def test_matlab_one_camera_without_size(tmp_path):
 
 def test_nerfstudio_intrinsics_at_the_top(tmp_path):
     (tmp_path / "t.json").write_text(
-        '{"camera_model": "OPENCV_FISHEYE", "fl_x": 800, "fl_y": 810, "cx": 321, "cy": 240.75,'
+        '{"camera_model": "OPENCV_FISHEYE", "fl_x": 800, "fl_y": 810, "cx": 321,'
+        ' "cy": 240.75,'
         ' "w": 640, "h": 480, "k1": 0.1, "k2": 0.2, "k3": 0.3, "k4": 0.4, "frames": [{'
         ' "file_path": "a/0.png", "transform_matrix":'
         ' [[1,0,0,0],[0,-1,0,0],[0,0,-1,0],[0,0,0,1]]}, {"file_path": "b/0.png",'

@@ -287,7 +287,8 @@ def _recognise(document: Document) -> str:
     known = ", ".join(fits)
     raise FileError(
         document.path,
-        f"{document.kind}, but of no known format ({known}): pass format= to see what it lacks",
+        f"{document.kind}, but of no known format ({known}): pass format= to see what it "
+        "lacks",
     )
 
 

@@ -167,8 +167,8 @@ def unmarked_lens(dist: Array, node: Node, options: Options) -> str:
     """The lens of a file that does not say which: 4 coefficients are of either."""
     if options.lens is None and dist.size == 4:
         raise node.fail(
-            'these 4 coefficients may be k1 k2 p1 p2 or those of a fisheye: pass lens="brown" '
-            'or lens="fisheye"'
+            "these 4 coefficients may be k1 k2 p1 p2 or those of a fisheye: "
+            'pass lens="brown" or lens="fisheye"'
         )
     return options.lens or "brown"
 
@@ -208,14 +208,15 @@ def read_layout(
     node: Node, layout: Layout, name: str, lens: str, scale: float, extra: Any = None
 ) -> Camera:
     """A camera of a layout. Without rotation and translation it has no pose."""
-    dist = node.get(layout.dist) if layout.dist else None
+    K = node[layout.matrix].array((3, 3))
+    dist = node[layout.dist] if layout.dist else None
     size = node.get(layout.size) if layout.size else None
     R, t = node.get(layout.rotation), node.get(layout.translation)
     if (R is None) != (t is None):
         raise node.fail(f"one of {layout.rotation} and {layout.translation} is missing")
     return make(
         node,
-        node[layout.matrix].array((3, 3)),
+        K,
         dist=() if dist is None else dist.array(),
         size=None if size is None else size.array((2,)),
         lens=lens,

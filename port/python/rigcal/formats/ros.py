@@ -62,7 +62,7 @@ def _read(document: Document, options: Options) -> list[Camera]:
     model = model_node.text()
     if model not in LENSES:
         raise refuse(model_node, model, LENSES)
-    D, R, P = node.get(*D_NAMES), node.get(*R_NAMES), node.get(*P_NAMES)
+    D, R, P = node[D_NAMES], node.get(*R_NAMES), node.get(*P_NAMES)
     header = node.get("header")
     frame = header.get("frame_id") if header is not None else None
     name_node = node.get("camera_name") or frame
@@ -82,7 +82,7 @@ def _read(document: Document, options: Options) -> list[Camera]:
         make(
             node,
             node[K_NAMES].array((3, 3)),
-            dist=() if D is None else D.array(),
+            dist=D.array(),
             size=tuple(side.number() for side in size),
             lens=LENSES[model],
             name=name,

@@ -180,7 +180,9 @@ def test_a_pair_has_its_first_camera_as_rig(format, tmp_path):
         replace(c, cam_from_rig=turned(i, c.name))
         for i, c in enumerate(truth(names=names).values())
     ]
-    save_cameras(tmp_path / PATHS[format], cameras)
+    with pytest.warns(rigcal.Caveat, match="is its first camera, ") as caught:
+        save_cameras(tmp_path / PATHS[format], cameras)
+    assert caught[0].filename == __file__
     found = list(load_cameras(tmp_path / PATHS[format]).values())
     assert found[0].cam_from_rig == Transform.identity(names[0], "rig")
     expected = cameras[1].cam_from_rig @ cameras[0].cam_from_rig.inv()
@@ -249,8 +251,9 @@ def test_ros_warns_of_a_pose_that_is_not_rectified(tmp_path):
 def test_ros_warns_of_a_part_of_the_image(old, new, tmp_path):
     text = SAMPLES["ros-message"].files["info.yaml"].replace(old, new)
     (tmp_path / "info.yaml").write_text(text)
-    with pytest.warns(rigcal.Caveat, match="full image"):
+    with pytest.warns(rigcal.Caveat, match="full image") as caught:
         load_cameras(tmp_path / "info.yaml")
+    assert caught[0].filename == __file__
 
 
 def test_ros_2_writes_small_letters(tmp_path):
@@ -307,7 +310,7 @@ def test_anipose_in_millimetres(tmp_path):
     path = SAMPLES["anipose"].put(tmp_path)
     found = load_cameras(path, scale=0.001)
     assert_same(found, truth(scale=0.001))
-    save_cameras(tmp_path / "Calib.toml", found, scale=0.001)
+    save_cameras(tmp_path / "Calib.toml", found, "pose2sim", scale=0.001)
     assert_same(load_cameras(tmp_path / "Calib.toml"), truth())
 
 

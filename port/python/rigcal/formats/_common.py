@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import sys
 import warnings
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
@@ -279,14 +280,21 @@ def only_one(cameras: Sequence[Camera]) -> Camera:
 
 def left_out(camera: Camera) -> None:
     """Warns that a pose does not go into the file."""
-    warnings.warn(
-        Caveat(f"{camera.name}: this format has no place for cam_from_rig: left out"),
-        stacklevel=4,
-    )
+    warn(f"{camera.name}: this format has no place for cam_from_rig: left out")
+
+
+def warn(text: str) -> None:
+    """A Caveat, of the line that called load_cameras or save_cameras."""
+    depth, frame = 1, sys._getframe()
+    while frame.f_back is not None and __package__ in frame.f_globals.get("__name__", ""):
+        depth, frame = depth + 1, frame.f_back
+    warnings.warn(Caveat(text), stacklevel=depth)
 
 
 def second_from_first(cameras: Sequence[Camera], scale: float) -> tuple[Array, Array]:
-    """R and t of a stereo pair; t in the file's unit."""
+    """R and t of a stereo pair; t in the file's unit. Warns where a frame is lost."""
     first, second = need_pose(cameras[0]), need_pose(cameras[1])
+    if not np.array_equal(first.matrix, np.eye(4)):
+        warn(f"the rig of this format is its first camera, {cameras[0].name}")
     R = second.R @ first.R.T
     return R, (second.t - R @ first.t) / scale

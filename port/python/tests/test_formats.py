@@ -180,7 +180,9 @@ def test_a_pair_has_its_first_camera_as_rig(format, tmp_path):
         replace(c, cam_from_rig=turned(i, c.name))
         for i, c in enumerate(truth(names=names).values())
     ]
-    save_cameras(tmp_path / PATHS[format], cameras)
+    with pytest.warns(rigcal.Caveat, match="is its first camera, ") as caught:
+        save_cameras(tmp_path / PATHS[format], cameras)
+    assert caught[0].filename == __file__
     found = list(load_cameras(tmp_path / PATHS[format]).values())
     assert found[0].cam_from_rig == Transform.identity(names[0], "rig")
     expected = cameras[1].cam_from_rig @ cameras[0].cam_from_rig.inv()
@@ -194,7 +196,8 @@ def test_opencv_pair_in_two_files(tmp_path):
     text = SAMPLES["opencv-yaml"].files["stereo.yml"]
     head, extrinsics = text[: text.index("R: ")], text[text.index("R: ") :]
     (tmp_path / "intrinsics.yml").write_text(head)
-    (tmp_path / "extrinsics.yml").write_text("%YAML:1.0\n---\n" + extrinsics)
+    time = 'calibration_time: "Sunday"\n'  # a key that both files have
+    (tmp_path / "extrinsics.yml").write_text(f"%YAML:1.0\n---\n{time}{extrinsics}")
     both = [tmp_path / "intrinsics.yml", tmp_path / "extrinsics.yml"]
     assert_same(load_cameras(both), truth())
     assert_same(load_cameras(both[:1]), truth(pose=False))
@@ -248,8 +251,9 @@ def test_ros_warns_of_a_pose_that_is_not_rectified(tmp_path):
 def test_ros_warns_of_a_part_of_the_image(old, new, tmp_path):
     text = SAMPLES["ros-message"].files["info.yaml"].replace(old, new)
     (tmp_path / "info.yaml").write_text(text)
-    with pytest.warns(rigcal.Caveat, match="full image"):
+    with pytest.warns(rigcal.Caveat, match="full image") as caught:
         load_cameras(tmp_path / "info.yaml")
+    assert caught[0].filename == __file__
 
 
 def test_ros_2_writes_small_letters(tmp_path):
@@ -306,7 +310,7 @@ def test_anipose_in_millimetres(tmp_path):
     path = SAMPLES["anipose"].put(tmp_path)
     found = load_cameras(path, scale=0.001)
     assert_same(found, truth(scale=0.001))
-    save_cameras(tmp_path / "Calib.toml", found, scale=0.001)
+    save_cameras(tmp_path / "Calib.toml", found, "pose2sim", scale=0.001)
     assert_same(load_cameras(tmp_path / "Calib.toml"), truth())
 
 
@@ -423,7 +427,8 @@ def test_matlab_one_camera_without_size(tmp_path):
 
 def test_nerfstudio_intrinsics_at_the_top(tmp_path):
     (tmp_path / "t.json").write_text(
-        '{"camera_model": "OPENCV_FISHEYE", "fl_x": 800, "fl_y": 810, "cx": 321, "cy": 240.75,'
+        '{"camera_model": "OPENCV_FISHEYE", "fl_x": 800, "fl_y": 810, "cx": 321,'
+        ' "cy": 240.75,'
         ' "w": 640, "h": 480, "k1": 0.1, "k2": 0.2, "k3": 0.3, "k4": 0.4, "frames": [{'
         ' "file_path": "a/0.png", "transform_matrix":'
         ' [[1,0,0,0],[0,-1,0,0],[0,0,-1,0],[0,0,0,1]]}, {"file_path": "b/0.png",'

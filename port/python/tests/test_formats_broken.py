@@ -153,9 +153,12 @@ def spoilt(name):
 EDITS = {
     "opencv-yaml": [
         ("M1: ", "N1: ", "matrix1|is missing"),
-        ("M2: ", "N2: ", "m2.* is missing"),
+        ("M2: ", "N2: ", "cameramatrix2 .* is missing"),
         ("R: ", "Q: ", "r or rotation"),
         ("T: ", "Q: ", "t or translation"),
+        ("D1: ", "B1: ", "distortioncoefficients1 .* is missing"),
+        ("D2: ", "xi2: ", '"omni" is not supported'),
+        ("imageSize: ", "xi: 1.2\nimageSize: ", '"omni" is not supported'),
         ("rows: 3", "rows: 4", "rows x cols"),
         ("rows: 3", "rows: -3", "whole number"),
         ("cols: 5", "cols: 4", "rows x cols"),
@@ -243,6 +246,11 @@ EDITS = {
         ("camera_name: right", "camera_name: [right]", "text"),
         ("cols: 5\n", "cols: 4\n", "rows x cols"),
         ("0.0015, -0.02]", "0.0015, -0.02, 3]", "rows x cols"),
+        (
+            "distortion_coefficients",
+            "distortions",
+            " or D or d is missing",
+        ),
         ("-140.0, 0.0, 700.0", "-140.0, 0.0, 0.0", "rectified"),
         ("1.0, 0.0]", "1.0, 7.0]", "rectified"),
         ("cols: 4\n  data: [700.0, 0.0,", "cols: 3\n  data: [0.0,", "rows x cols|shape"),
@@ -294,6 +302,7 @@ EDITS = {
     "anipose": [
         ('name = "right"', 'name = "left"', "left is there twice"),
         ('name = "right"', "name = 1.5", "text"),
+        ("distortions = [ -0.28", "distortion = [ -0.28", "cam_1: distortions is missing"),
         ('name = "right"', 'name = ""', "text"),
         ("[cam_1]", "[cam_0]", "no TOML"),
         ("[cam_1]", "[cam_1", "no TOML"),

@@ -255,7 +255,7 @@ def test_a_file_of_four_coefficients_needs_a_word(tmp_path):
 
 
 def test_rotations_of_six_digits_become_rotations(tmp_path):
-    """0.707107 is half the root of 2 to six digits: the nearest rotation has all of them."""
+    """0.707107 is half the root of 2 to six digits; the nearest rotation has all digits."""
     half = 0.707107
     chain = camchain(
         None, [[half, -half, 0, 0], [half, half, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]

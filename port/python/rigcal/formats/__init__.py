@@ -152,6 +152,16 @@ FORMATS = {
 }
 
 
+ALIASES = {"pose2sim": "anipose"}
+
+
+def _known(format: str) -> str:
+    name = ALIASES.get(format, format)
+    if name not in FORMATS:
+        raise Error(f"format: one of {', '.join(FORMATS)} is expected, not {format!r}")
+    return name
+
+
 # ==== reading =================================================================
 
 
@@ -178,8 +188,7 @@ def load_cameras(
         raise Error("path: there is no file in the list")
     first = os.fspath(paths[0])
     with blame(first):
-        if format is not None and format not in FORMATS:
-            raise Error(f"format: one of {', '.join(FORMATS)} is expected, not {format!r}")
+        format = None if format is None else _known(format)
         _check_options(scale, lens)
         documents = [_open(p, format) for entry in paths for p in _files(entry, format)]
         names = [format or _recognise(document) for document in documents]
@@ -287,7 +296,8 @@ def _recognise(document: Document) -> str:
     known = ", ".join(fits)
     raise FileError(
         document.path,
-        f"{document.kind}, but of no known format ({known}): pass format= to see what it lacks",
+        f"{document.kind}, but of no known format ({known}): pass format= to see what it "
+        "lacks",
     )
 
 
@@ -322,9 +332,7 @@ def save_cameras(
         if not listed:
             raise Error("there is no camera to write")
         _named(listed, None)
-        name = format or _format_of(target)
-        if name not in FORMATS:
-            raise Error(f"format: one of {', '.join(FORMATS)} is expected, not {format!r}")
+        name = _format_of(target) if format is None else _known(format)
         _check_options(scale, None)
         fmt = FORMATS[name]
         options = Options(fmt.unit if scale is None else scale)

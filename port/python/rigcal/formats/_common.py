@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import sys
 import warnings
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
@@ -167,8 +168,8 @@ def unmarked_lens(dist: Array, node: Node, options: Options) -> str:
     """The lens of a file that does not say which: 4 coefficients are of either."""
     if options.lens is None and dist.size == 4:
         raise node.fail(
-            'these 4 coefficients may be k1 k2 p1 p2 or those of a fisheye: pass lens="brown" '
-            'or lens="fisheye"'
+            "these 4 coefficients may be k1 k2 p1 p2 or those of a fisheye: "
+            'pass lens="brown" or lens="fisheye"'
         )
     return options.lens or "brown"
 
@@ -208,14 +209,15 @@ def read_layout(
     node: Node, layout: Layout, name: str, lens: str, scale: float, extra: Any = None
 ) -> Camera:
     """A camera of a layout. Without rotation and translation it has no pose."""
-    dist = node.get(layout.dist) if layout.dist else None
+    K = node[layout.matrix].array((3, 3))
+    dist = node[layout.dist] if layout.dist else None
     size = node.get(layout.size) if layout.size else None
     R, t = node.get(layout.rotation), node.get(layout.translation)
     if (R is None) != (t is None):
         raise node.fail(f"one of {layout.rotation} and {layout.translation} is missing")
     return make(
         node,
-        node[layout.matrix].array((3, 3)),
+        K,
         dist=() if dist is None else dist.array(),
         size=None if size is None else size.array((2,)),
         lens=lens,
@@ -278,14 +280,21 @@ def only_one(cameras: Sequence[Camera]) -> Camera:
 
 def left_out(camera: Camera) -> None:
     """Warns that a pose does not go into the file."""
-    warnings.warn(
-        Caveat(f"{camera.name}: this format has no place for cam_from_rig: left out"),
-        stacklevel=4,
-    )
+    warn(f"{camera.name}: this format has no place for cam_from_rig: left out")
+
+
+def warn(text: str) -> None:
+    """A Caveat, of the line that called load_cameras or save_cameras."""
+    depth, frame = 1, sys._getframe()
+    while frame.f_back is not None and __package__ in frame.f_globals.get("__name__", ""):
+        depth, frame = depth + 1, frame.f_back
+    warnings.warn(Caveat(text), stacklevel=depth)
 
 
 def second_from_first(cameras: Sequence[Camera], scale: float) -> tuple[Array, Array]:
-    """R and t of a stereo pair; t in the file's unit."""
+    """R and t of a stereo pair; t in the file's unit. Warns where a frame is lost."""
     first, second = need_pose(cameras[0]), need_pose(cameras[1])
+    if not np.array_equal(first.matrix, np.eye(4)):
+        warn(f"the rig of this format is its first camera, {cameras[0].name}")
     R = second.R @ first.R.T
     return R, (second.t - R @ first.t) / scale

@@ -70,7 +70,7 @@ class Node:
         names = (keys,) if isinstance(keys, str) else keys
         part = self.get(*names)
         if part is None:
-            raise self.fail(f"{' or '.join(names)} is missing")
+            raise self.fail(f"{' or '.join(names[:3])} is missing")
         return part
 
     def __contains__(self, key: str) -> bool:

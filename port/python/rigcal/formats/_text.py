@@ -9,6 +9,7 @@ import ast
 import json
 import re
 import sys
+import warnings
 import xml.etree.ElementTree as ET
 from collections.abc import Mapping
 from typing import Any, Callable
@@ -72,7 +73,9 @@ def dump_json(value: Any) -> str:
 
 def parse_literal(text: str) -> Any:
     try:
-        tree = ast.parse(text.strip(), mode="eval")
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", SyntaxWarning)
+            tree = ast.parse(text.strip(), mode="eval")
         for node in ast.walk(tree):
             if isinstance(node, ast.Dict):
                 _unique([(getattr(k, "value", k), None) for k in node.keys])

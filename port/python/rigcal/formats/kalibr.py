@@ -99,8 +99,8 @@ def _camera(part: Node, name: str, T: Transform | None) -> Camera:
 
 
 def write(cameras: Sequence[Camera], options: Options) -> Files:
-    """A camchain. Only lenses with 4 coefficients at most fit in. The camera's own name goes
-    into `name`, which Kalibr does not read."""
+    """A camchain. Only lenses with 4 coefficients at most fit in. The camera's own name
+    goes into `name`, which Kalibr does not read."""
     chain: dict[str, Any] = {}
     before: Transform | None = None
     for i, camera in enumerate(cameras):

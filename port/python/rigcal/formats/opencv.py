@@ -27,6 +27,7 @@ from ._common import (
     left_out,
     make,
     pose,
+    refuse,
     second_from_first,
     unmarked_lens,
 )
@@ -43,6 +44,7 @@ ROTATION = ("r", "rotation", "rotationmatrix", "rmat", "rot")
 TRANSLATION = ("t", "translation", "translationvector", "tvec", "trans")
 NAME = ("cameraname", "name")
 FISHEYE = ("fisheyemodel", "fisheye")
+OMNI = ("xi",)  # of OpenCV's omnidir
 SIDES = (("1", "left", "l"), ("2", "right", "r"))
 NAMES = ("left", "right")
 
@@ -51,38 +53,52 @@ def _plain(name: str) -> str:
     return re.sub(r"[_\s-]", "", name).lower()
 
 
-def _by_plain_name(node: Node) -> Node:
-    parts: dict[str, Any] = {}
-    for name, part in node.mapping().items():
-        if _plain(name) in parts and not name.isupper():
-            raise node.fail(f"{name} is there twice, spelt in two ways")
-        parts[_plain(name)] = part.value
-    return Node(parts, node.where)
-
-
 def _with(names: Sequence[str], ends: Sequence[str]) -> tuple[str, ...]:
     before = [end + name for name in names if len(name) > 1 for end in ends]
     return (*[name + end for name in names for end in ends], *before)
+
+
+USED = {
+    name
+    for names in (MATRIX, DIST, SIZE, NAME, FISHEYE, OMNI, ROTATION, TRANSLATION)
+    for name in (*names, *_with(names, SIDES[0]), *_with(names, SIDES[1]))
+}
+
+
+def _by_plain_name(node: Node) -> Node:
+    parts: dict[str, Any] = {}
+    for name, part in node.mapping().items():
+        plain = _plain(name)
+        if plain in parts and plain in USED:
+            raise node.fail(f"{name} is there twice, spelt in two ways")
+        parts[plain] = part.value
+    return Node(parts, node.where)
 
 
 def claims(node: Node) -> bool:
     """Whether a document is of this format: a matrix by its name, or R and T."""
     if not isinstance(node.value, dict) or "distortion_model" in node.value:
         return False
-    names = {_plain(str(name)): v for name, v in node.value.items()}
-    sides = _with(MATRIX, SIDES[0])
-    has_matrix = any(isinstance(names.get(n), (dict, list)) for n in (*MATRIX, *sides))
-    has_pair = any(n in names for n in ROTATION) and any(n in names for n in TRANSLATION)
-    return has_matrix or has_pair
+    names = {_plain(str(name)) for name in node.value}
+    has_pair = names.intersection(ROTATION) and names.intersection(TRANSLATION)
+    return _has_matrix(node) or bool(has_pair)
+
+
+def _has_matrix(node: Node) -> bool:
+    values = {_plain(str(name)): value for name, value in node.value.items()}
+    names = (*MATRIX, *_with(MATRIX, SIDES[0]))
+    return any(isinstance(values.get(name), (dict, list)) for name in names)
 
 
 def read(documents: Sequence[Document], options: Options) -> list[Camera]:
-    """One camera a file, or a pair whose values may be in two files."""
-    if len(documents) > 1:
-        names = [set(document.node.mapping()) for document in documents]
-        if not set.intersection(*names):
-            merged = {k: v for d in documents for k, v in d.node.value.items()}
-            documents = [Document(documents[0].path, "yaml", b"", Node(merged))]
+    """One camera a file, or a pair, whose R and T may be in a file of their own."""
+    with_matrix = [d for d in documents if d.node.mapping() and _has_matrix(d.node)]
+    if len(with_matrix) == 1:
+        merged: dict[str, Any] = {}
+        for document in documents:
+            merged.update({} if document is with_matrix[0] else document.node.value)
+        merged.update(with_matrix[0].node.value)
+        documents = [replace(with_matrix[0], node=Node(merged))]
     cameras: list[Camera] = []
     for document in documents:
         with blame(document.path):
@@ -112,13 +128,17 @@ def _camera(node: Node, ends: Sequence[str], default: str, options: Options) -> 
     def names(plain: Sequence[str]) -> tuple[str, ...]:
         return _with(plain, ends) if ends else tuple(plain)
 
-    dist_node = node.get(*names(DIST))
-    dist = Node([]).array() if dist_node is None else dist_node.array()
+    K = node[names(MATRIX)].array((3, 3))
+    xi = node.get(*names(OMNI), *OMNI)
+    if xi is not None:
+        raise refuse(xi, "omni", ("brown", "fisheye"))
+    dist_node = node[names(DIST)]
+    dist = dist_node.array()
     fisheye = node.get(*names(FISHEYE), *FISHEYE)
     if fisheye is not None:
         lens = "fisheye" if fisheye.number() else "brown"
     else:
-        lens = unmarked_lens(dist, dist_node or node, options)
+        lens = unmarked_lens(dist, dist_node, options)
     name = node.get(*names(NAME))
     size = node.get(*names(SIZE), *SIZE)
     for end in (*ends, ""):
@@ -127,7 +147,7 @@ def _camera(node: Node, ends: Sequence[str], default: str, options: Options) -> 
             size = Node(pair, "image_width" + end)
     return make(
         node,
-        node[names(MATRIX)].array((3, 3)),
+        K,
         dist=dist,
         size=None if size is None else size.array((2,)),
         lens=lens,

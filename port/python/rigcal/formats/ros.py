@@ -8,14 +8,12 @@ says nothing of the pose. Frames are optical ones: x right, y down, z forward.""
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
 from ..camera import Camera
-from ..errors import Caveat
 from ..transform import Array, Transform
 from ._common import (
     Document,
@@ -30,6 +28,7 @@ from ._common import (
     only_one,
     place,
     refuse,
+    warn,
 )
 from ._node import Node
 from ._text import dump_yaml
@@ -62,7 +61,7 @@ def _read(document: Document, options: Options) -> list[Camera]:
     model = model_node.text()
     if model not in LENSES:
         raise refuse(model_node, model, LENSES)
-    D, R, P = node.get(*D_NAMES), node.get(*R_NAMES), node.get(*P_NAMES)
+    D, R, P = node[D_NAMES], node.get(*R_NAMES), node.get(*P_NAMES)
     header = node.get("header")
     frame = header.get("frame_id") if header is not None else None
     name_node = node.get("camera_name") or frame
@@ -71,18 +70,13 @@ def _read(document: Document, options: Options) -> list[Camera]:
     if P is not None and any(P.array((3, 4)).ravel()):
         extra["P"] = P.array((3, 4)).tolist()
     if _is_cut(node):
-        warnings.warn(
-            Caveat(
-                f"{document.path}: binning or a region of interest: K is of the full image"
-            ),
-            stacklevel=5,
-        )
+        warn(f"{document.path}: binning or a region of interest: K is of the full image")
     size = [node[("image_width", "width")], node[("image_height", "height")]]
     return [
         make(
             node,
             node[K_NAMES].array((3, 3)),
-            dist=() if D is None else D.array(),
+            dist=D.array(),
             size=tuple(side.number() for side in size),
             lens=LENSES[model],
             name=name,

@@ -36,6 +36,7 @@ enum {
     OPTION_SIGMA_TIME,
     OPTION_INTRINSICS_SIGMA,
     OPTION_ESTIMATE_INTRINSICS,
+    OPTION_PROGRESS,
     OPTION_COUNT
 };
 
@@ -69,7 +70,7 @@ void cli_flush_stdout(const char *consequence);
 /* A set of files that appears in a folder as a whole or not at all. The folder,
  * and those that lead to it, are made. Whatever fails ends the program, and leaves
  * all as it was. `name` must stay. */
-enum { CLI_OUTPUT_MAX = 8 };
+enum { CLI_OUTPUT_MAX = 10 };
 typedef struct cli_output cli_output;
 cli_output *cli_output_begin(const char *folder);
 FILE *cli_output_file(cli_output *output, const char *name);

@@ -249,6 +249,7 @@ static void write_files(const calibration *c, const char *folder)
     write_targets(cli_output_file(output, "targets.csv"), c);
     write_pairs(cli_output_file(output, "pairs.csv"), c);
     write_residuals(cli_output_file(output, "residuals.csv"), c);
+    write_summary(cli_output_file(output, "summary.json"), c);
     if (c->is_tested) {
         write_faults(cli_output_file(output, "faults.csv"), c);
     }
@@ -348,6 +349,9 @@ int cli_calibrate(const char *const option[OPTION_COUNT])
     calibration c;
 
     memset(&c, 0, sizeof c);
+    if (option[OPTION_PROGRESS] != NULL) {
+        cli_progress_lines();
+    }
     choose(&c, option);
     cli_cameras_read(&c.cameras, option[OPTION_CAMERAS]);
     read_known(&c.known, &c.cameras, option[OPTION_PRIOR], option[OPTION_HOLD],

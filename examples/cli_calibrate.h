@@ -47,6 +47,8 @@ typedef struct {
     size_t number;
     const view *v; /* that it is about, or NULL */
     const char *what, *advice;
+    const char *cameras, *frames; /* that it is about, with commas between; or NULL */
+    int is_said;                  /* in other words, or at another place */
 } finding;
 
 /* What is known beforehand of each camera of cameras.csv. */
@@ -220,6 +222,11 @@ rigcal_calibrated_rig rig_kept(const calibration *c);
  * messages that were held. What is returned holds until the next. */
 finding *find(calibration *c, finding_rank rank, const char *what, const char *advice);
 void tell_findings(calibration *c);
+int is_finding_told(const calibration *c, const finding *f);
+
+/* Says why a view has no pose, or is not in the rig, and keeps it for summary.json. The
+ * exit status is as it was. */
+void say_of_view(calibration *c, const view *v, const char *what);
 
 /* The name of a view's camera; of its frame. */
 const char *view_camera_name(const calibration *c, const view *v);
@@ -246,6 +253,9 @@ const symmetries *symmetries_of(const rigcal_view *seen);
 /* "a, b and c", of at most some ten. */
 const char *names_joined(const char *const names[], size_t n, const char *last);
 
+/* "a,b,c", all of them. */
+const char *names_with_commas(const char *const names[], size_t n);
+
 /* Of c->judged: which views count, and which pose each has. */
 void note_verdicts(calibration *c);
 
@@ -264,6 +274,7 @@ void consider_intrinsics(calibration *c);
 int estimate_intrinsics(calibration *c); /* 0: they are as they were */
 void print_estimated(const calibration *c);
 void write_cameras(FILE *file, const calibration *c);
+const char *verdict_text(const calibration *c); /* NULL: there is none */
 void print_verdict(const calibration *c);
 void print_clocks(const calibration *c);
 void write_faults(FILE *file, const calibration *c);
@@ -288,6 +299,9 @@ void name_left_out(const calibration *c, const char *folder);
 void form_rig(calibration *c);
 void print_summary(const calibration *c); /* of a view at least */
 void print_graph(const calibration *c);
+int find_weakest(rigcal_weakest *weakest, const calibration *c);
+const char *next_text(const calibration *c, const rigcal_weakest *weakest);
+void write_summary(FILE *file, const calibration *c);
 int *cameras_that_count(const calibration *c); /* of the rig: those with a view in it */
 int widest(const cli_names *names);
 void print_rig_sigma(const rig_sigma *s, int is_known);

@@ -322,6 +322,7 @@ static void find_wrong_views(calibration *c, const wrong_views *w)
                                                         w->is_one_of_two ? " or " : " and ")
                                        : "why is not known";
     const char *what;
+    finding *f;
 
     if (!w->is_one_of_two) {
         what = cli_text("frame %s: camera%s %s contradict%s the others and %s left out: %s",
@@ -335,11 +336,13 @@ static void find_wrong_views(calibration *c, const wrong_views *w)
         what = cli_text("frame %s: camera%s %s %s left out, no two agree: %s", frame,
                         several, names, w->n > 1 ? "are" : "is", why);
     }
-    find(c, ABOUT_VIEW, what,
-         w->n_reasons > 0
-             ? w->reasons[0].advice
-             : "look at the images: is the camera, the frame and each point right, and did "
-               "the target or a camera move? Correct it, or remove these lines");
+    f = find(c, ABOUT_VIEW, what,
+             w->n_reasons > 0
+                 ? w->reasons[0].advice
+                 : "look at the images: is the camera, the frame and each point right, and "
+                   "did the target or a camera move? Correct it, or remove these lines");
+    f->cameras = names_with_commas(w->name, w->n);
+    f->frames = frame;
 }
 
 static void collect_placement(wrong_views *w, calibration *c, size_t first, size_t end,
@@ -469,7 +472,8 @@ static void find_wrong_camera(calibration *c, size_t camera, size_t n_out, size_
                   r.after != NULL ? reasons_joined(&r, 1, "") : "why is not known"),
          r.advice != NULL
              ? r.advice
-             : "check its intrinsics and the names of its frames. Did it move?");
+             : "check its intrinsics and the names of its frames. Did it move?")
+        ->cameras = name;
 }
 
 static void find_wrong_cameras(calibration *c)

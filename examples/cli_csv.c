@@ -22,7 +22,12 @@
 
 /* ==== complaints, memory ================================================== */
 
-static int is_progress_shown;
+static int is_progress_shown, is_progress_in_lines;
+
+void cli_progress_lines(void)
+{
+    is_progress_in_lines = 1;
+}
 
 void cli_progress_end(void)
 {
@@ -37,16 +42,17 @@ void cli_progress(size_t n_views, const char *format, ...)
     enum { LEAST = 50 };
     va_list arguments;
 
-    if (n_views < LEAST || !isatty(STDERR_FILENO)) {
+    if (!is_progress_in_lines && (n_views < LEAST || !isatty(STDERR_FILENO))) {
         return;
     }
     cli_progress_end();
     va_start(arguments, format);
-    fputs("rigcal: ", stderr);
+    fputs(is_progress_in_lines ? "rigcal-progress: " : "rigcal: ", stderr);
     vfprintf(stderr, format, arguments);
+    fputs(is_progress_in_lines ? "\n" : "", stderr);
     va_end(arguments);
     fflush(stderr);
-    is_progress_shown = 1;
+    is_progress_shown = !is_progress_in_lines;
 }
 
 /* Messages that wait for those that must stand before them. */

@@ -39,6 +39,10 @@ const char *cli_text(const char *format, ...) CLI_PRINTF(1, 2);
 void cli_progress(size_t n_views, const char *format, ...) CLI_PRINTF(2, 3);
 void cli_progress_end(void);
 
+/* From now on each is a line that begins with "rigcal-progress: ", wherever it goes, and of
+ * work of any length. */
+void cli_progress_lines(void);
+
 /* Zeroed memory for count things; never NULL. It is freed when the program ends,
  * which for a program that ends soon, and may end anywhere, is soon enough. */
 void *cli_alloc(size_t count, size_t size);

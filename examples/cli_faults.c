@@ -510,10 +510,10 @@ static void print_option(const calibration *c)
 }
 
 /* The sentences; the placements that they number, by the names of their frames. */
-static void print_frames(const calibration *c, const char *text)
+static const char *with_frames(const calibration *c, const char *text)
 {
     static const char WORD[] = "placement ";
-    const char *at;
+    const char *at, *done = "";
 
     while ((at = strstr(text, WORD)) != NULL) {
         char *end;
@@ -524,24 +524,24 @@ static void print_frames(const calibration *c, const char *text)
                                : "";
 
         if (*name == '\0') {
-            printf("%.*s", (int)(number - text), text);
+            done = cli_text("%s%.*s", done, (int)(number - text), text);
             text = number;
         } else {
-            printf("%.*sframe %s", (int)(at - text), text, name);
+            done = cli_text("%s%.*sframe %s", done, (int)(at - text), text, name);
             text = end;
         }
     }
-    printf("%s\n", text);
+    return cli_text("%s%s", done, text);
 }
 
-void print_verdict(const calibration *c)
+const char *verdict_text(const calibration *c)
 {
     rigcal_faults_words words;
     size_t needed = 0;
     char none[1], *text;
 
     if (!c->is_tested) {
-        return;
+        return NULL;
     }
     memset(&words, 0, sizeof words);
     words.names = names_of_cameras(c);
@@ -549,9 +549,18 @@ void print_verdict(const calibration *c)
     words.time_scale = c->times.is_frames ? 1 : 1000;
     rigcal_faults_text(none, 1, &needed, &c->verdict, c->faults, &words);
     text = cli_alloc(needed + 1, 1);
-    if (rigcal_faults_text(text, needed + 1, &needed, &c->verdict, c->faults, &words) ==
-        RIGCAL_OK) {
-        print_frames(c, text);
+    return rigcal_faults_text(text, needed + 1, &needed, &c->verdict, c->faults, &words) ==
+                   RIGCAL_OK
+               ? with_frames(c, text)
+               : NULL;
+}
+
+void print_verdict(const calibration *c)
+{
+    const char *text = verdict_text(c);
+
+    if (text != NULL) {
+        printf("%s\n", text);
         print_option(c);
     }
 }

@@ -16,13 +16,26 @@ finding *find(calibration *c, finding_rank rank, const char *what, const char *a
         c->findings = list;
     }
     f = &list[c->n_findings];
+    memset(f, 0, sizeof *f);
     f->rank = rank;
     f->number = c->n_findings++;
-    f->v = NULL;
     f->what = what;
     f->advice = advice;
     c->exit_status = CLI_GEOMETRY;
     return f;
+}
+
+void say_of_view(calibration *c, const view *v, const char *what)
+{
+    const int exit_status = c->exit_status;
+    finding *f;
+
+    cli_say("%s", what);
+    f = find(c, ABOUT_VIEW, what, "");
+    f->cameras = view_camera_name(c, v);
+    f->frames = view_frame_name(c, v);
+    f->is_said = 1;
+    c->exit_status = exit_status;
 }
 
 static int compare_findings(const void *va, const void *vb)
@@ -37,7 +50,7 @@ static int compare_findings(const void *va, const void *vb)
 
 /* Of a view whose camera is named as a whole, nothing more is told; nor that it fits badly
  * for a noise that is too small for most. */
-static int is_told(const calibration *c, const finding *f)
+int is_finding_told(const calibration *c, const finding *f)
 {
     return f->v != NULL && (c->camera_is_told[f->v->camera] ||
                             (c->sigma_is_told && f->v->status == RIGCAL_POOR_FIT));
@@ -54,7 +67,7 @@ void tell_findings(calibration *c)
     for (i = 0; i < c->n_findings; i++) {
         const finding *f = &c->findings[i];
 
-        if (is_told(c, f)) {
+        if (f->is_said || is_finding_told(c, f)) {
             continue;
         }
         if (n++ < TOLD_MOST) {

@@ -170,21 +170,33 @@ static void print_pairs(const calibration *c, const rigcal_link links[])
     }
 }
 
+int find_weakest(rigcal_weakest *weakest, const calibration *c)
+{
+    const rigcal_real noise = (rigcal_real)(c->noise_px * c->factor);
+
+    return c->is_adjusted && c->noise_px > 0 &&
+           rigcal_rig_weakest(weakest, &c->rig, noise) >= 0;
+}
+
+const char *next_text(const calibration *c, const rigcal_weakest *weakest)
+{
+    return cli_text("show the target to %s and %s together in more places",
+                    rig_camera_name(c, (size_t)weakest->camera),
+                    rig_camera_name(c, (size_t)weakest->other));
+}
+
 /* The camera that hangs on least, and what helps. */
 static void print_weakest(const calibration *c)
 {
     rigcal_weakest weakest;
 
-    if (!c->is_adjusted || !(c->noise_px > 0) ||
-        rigcal_rig_weakest(&weakest, &c->rig, (rigcal_real)(c->noise_px * c->factor)) < 0) {
+    if (!find_weakest(&weakest, c)) {
         return;
     }
     printf("weakest: camera %s, +- %.2g deg and %.2g to %s, to which it is surest\n",
            rig_camera_name(c, (size_t)weakest.camera), DEGREE * (double)weakest.rotation,
            (double)weakest.translation, rig_camera_name(c, (size_t)weakest.other));
-    printf("next: show the target to %s and %s together in more places\n",
-           rig_camera_name(c, (size_t)weakest.camera),
-           rig_camera_name(c, (size_t)weakest.other));
+    printf("next: %s\n", next_text(c, &weakest));
 }
 
 void print_graph(const calibration *c)

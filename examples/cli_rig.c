@@ -104,13 +104,6 @@ static rigcal_status view_at(rigcal_rig_view *seen, size_t index, void *context)
     return RIGCAL_OK;
 }
 
-static void say_of_view(const calibration *c, const view *v, const char *what,
-                        rigcal_status status)
-{
-    cli_say("camera %s in frame %s %s: %s", c->cameras.names.name[v->camera],
-            c->observations.frames.name[v->frame], what, rigcal_status_text(status));
-}
-
 /* What the view's pose number `which` says; of n = 0 if there is none. */
 static rigcal_status make_pose(rigcal_view_pose *pose, const calibration *c, const view *v,
                                size_t which)
@@ -152,7 +145,10 @@ static void gather_views(calibration *c)
             v->rig_view = n;
             c->view_of[n++] = places[i].view;
         } else if (c->n_paired == 0) { /* else it has been told */
-            say_of_view(c, v, "is left out of the rig", status);
+            say_of_view(c, v,
+                        cli_text("camera %s in frame %s is left out of the rig: %s",
+                                 view_camera_name(c, v), view_frame_name(c, v),
+                                 rigcal_status_text(status)));
             c->exit_status = CLI_GEOMETRY;
         }
     }
@@ -247,9 +243,9 @@ static void name_cameras_without_pose(calibration *c)
                  cli_text("camera %s is not in the rig: %s", c->cameras.names.name[camera],
                           seen ? "it has no pose in any frame"
                                : "there are no observations of it"),
-                 seen
-                     ? "the messages below say why, frame by frame"
-                     : "check its name in observations.csv, or remove it from cameras.csv");
+                 seen ? "the messages below say why, frame by frame"
+                      : "check its name in observations.csv, or remove it from cameras.csv")
+                ->cameras = c->cameras.names.name[camera];
         }
     }
 }

@@ -233,21 +233,22 @@ static rigcal_status solve(const calibration *c, view *v, int32_t *at_fault)
 static void name_trouble(calibration *c, const view *v, int32_t at_fault)
 {
     const char *camera = view_camera_name(c, v), *frame = view_frame_name(c, v);
-    const char *text = rigcal_status_text(v->status);
+    const char *text = rigcal_status_text(v->status), *what;
 
     if (v->status == RIGCAL_ERR_TOO_FEW) {
-        cli_say("camera %s has no pose in frame %s: it sees %lu point%s there, and "
-                "a pose takes 3 at least",
-                camera, frame, (unsigned long)v->n, v->n == 1 ? "" : "s");
+        what = cli_text("camera %s has no pose in frame %s: it sees %lu point%s there, and "
+                        "a pose takes 3 at least",
+                        camera, frame, (unsigned long)v->n, v->n == 1 ? "" : "s");
     } else if (v->status < 0 && at_fault >= 0) {
-        cli_say("camera %s has no pose in frame %s because of point %s: %s", camera, frame,
-                view_point_name(c, v, (size_t)at_fault), text);
+        what = cli_text("camera %s has no pose in frame %s because of point %s: %s", camera,
+                        frame, view_point_name(c, v, (size_t)at_fault), text);
     } else if (v->status < 0) {
-        cli_say("camera %s has no pose in frame %s: %s", camera, frame, text);
+        what = cli_text("camera %s has no pose in frame %s: %s", camera, frame, text);
     } else {
-        cli_say("camera %s in frame %s, %.3g px rms: %s", camera, frame,
-                (double)view_taken(v)->rms_px, text);
+        what = cli_text("camera %s in frame %s, %.3g px rms: %s", camera, frame,
+                        (double)view_taken(v)->rms_px, text);
     }
+    say_of_view(c, v, what);
 }
 
 /* A view without a pose is not kept. One that only fits badly is, and the exit status is as
@@ -255,8 +256,11 @@ static void name_trouble(calibration *c, const view *v, int32_t at_fault)
 static void find_of(calibration *c, const view *v, const char *what, const char *advice)
 {
     const int exit_status = c->exit_status;
+    finding *f = find(c, ABOUT_VIEW, what, advice);
 
-    find(c, ABOUT_VIEW, what, advice)->v = v->status >= 0 ? v : NULL;
+    f->v = v->status >= 0 ? v : NULL;
+    f->cameras = view_camera_name(c, v);
+    f->frames = view_frame_name(c, v);
     if (v->status >= 0) {
         c->exit_status = exit_status;
     }

@@ -17,6 +17,17 @@ const char *names_joined(const char *const names[], size_t n, const char *last)
     return n > NAMED ? cli_text("%s and %lu more", text, (unsigned long)(n - NAMED)) : text;
 }
 
+const char *names_with_commas(const char *const names[], size_t n)
+{
+    const char *text = n > 0 ? names[0] : "";
+    size_t i;
+
+    for (i = 1; i < n; i++) {
+        text = cli_text("%s,%s", text, names[i]);
+    }
+    return text;
+}
+
 /* ==== the same pixels in two frames ======================================= */
 
 typedef struct {
@@ -124,13 +135,18 @@ void find_duplicates(calibration *c)
         names[n_names++] = list[i].camera;
         if (i + 1 == n || list[i + 1].frame != list[i].frame ||
             list[i + 1].other != list[i].other) {
-            find(c, ABOUT_VIEW,
-                 cli_text("frame %s is a duplicate of frame %s in camera%s %s: all pixels "
-                          "are the same",
-                          c->observations.frames.name[list[i].frame],
-                          c->observations.frames.name[list[i].other],
-                          n_names > 1 ? "s" : "", names_joined(names, n_names, " and ")),
-                 "remove the lines of the frame that this image is not of");
+            const char *const frames[2] = {c->observations.frames.name[list[i].frame],
+                                           c->observations.frames.name[list[i].other]};
+            finding *f = find(
+                c, ABOUT_VIEW,
+                cli_text("frame %s is a duplicate of frame %s in camera%s %s: all pixels "
+                         "are the same",
+                         frames[0], frames[1], n_names > 1 ? "s" : "",
+                         names_joined(names, n_names, " and ")),
+                "remove the lines of the frame that this image is not of");
+
+            f->cameras = names_with_commas(names, n_names);
+            f->frames = names_with_commas(frames, 2);
             n_names = 0;
         }
     }
@@ -206,7 +222,8 @@ static void find_wrong_intrinsics(calibration *c, const double noise[])
                          "to %.3g px, those of the other cameras to %.3g px",
                          c->cameras.names.name[i], noise[i], middle),
                 "check its line of cameras.csv, or calibrate its lens again: focal "
-                "lengths, centre, distortion, image size");
+                "lengths, centre, distortion, image size")
+                ->cameras = c->cameras.names.name[i];
         }
     }
     cli_free(others);

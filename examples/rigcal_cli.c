@@ -18,7 +18,7 @@ static const char HELP_USAGE[] =
     "                     [--sigma-time TIME]]\n"
     "                     [--intrinsics-sigma F,ASPECT,CENTRE,K1,K2\n"
     "                     [--estimate-intrinsics]]\n"
-    "                     [--method ml|paper]\n"
+    "                     [--method ml|paper] [--progress]\n"
     "  rigcal triangulate --cameras FILE --rig FILE --observations FILE\n"
     "                     [--targets FILE] [--sigma PIXELS]\n"
     "  rigcal line        --cameras FILE --rig FILE --from CAMERA --to CAMERA\n"
@@ -35,8 +35,8 @@ static const char HELP_CALIBRATE[] =
     "contradict the others are left out: the first lines say which, why, and what to\n"
     "do.\n"
     "  --out        the folder for poses.csv, rig.csv, rig.bin, targets.csv,\n"
-    "               pairs.csv, residuals.csv, faults.csv and clocks.csv. It is made if\n"
-    "               it does not exist.\n"
+    "               pairs.csv, residuals.csv, summary.json, faults.csv and clocks.csv.\n"
+    "               It is made if it does not exist.\n"
     "  --sigma      the noise of one pixel coordinate. Fits and uncertainties are\n"
     "               judged by it; without it, by the residuals.\n"
     "  --robust     leaves out points that disagree with the others by more than\n"
@@ -64,6 +64,8 @@ static const char HELP_CALIBRATE[] =
     "  --method     ml, the default: the maximum-likelihood poses and rig, and their\n"
     "               uncertainties. paper: the published procedure, without --sigma,\n"
     "               --robust, --hold and --prior.\n"
+    "  --progress   tells on standard error how far the work is, a line each, for\n"
+    "               programs that show it. A terminal shows it without being asked.\n"
     "\n";
 
 static const char HELP_OTHERS[] =
@@ -134,7 +136,7 @@ static const command COMMANDS[] = {
          BIT(OPTION_THRESHOLD) | BIT(OPTION_SEED) | BIT(OPTION_HOLD) | BIT(OPTION_PRIOR) |
          BIT(OPTION_TIMES) | BIT(OPTION_CLOCKS) | BIT(OPTION_DRIFT) |
          BIT(OPTION_SIGMA_TIME) | BIT(OPTION_INTRINSICS_SIGMA) |
-         BIT(OPTION_ESTIMATE_INTRINSICS)},
+         BIT(OPTION_ESTIMATE_INTRINSICS) | BIT(OPTION_PROGRESS)},
     {"triangulate", cli_triangulate,
      BIT(OPTION_CAMERAS) | BIT(OPTION_RIG) | BIT(OPTION_OBSERVATIONS),
      BIT(OPTION_TARGETS) | BIT(OPTION_SIGMA)},
@@ -181,6 +183,7 @@ static const struct option OPTIONS[] = {
     {"sigma-time", required_argument, NULL, OPTION_SIGMA_TIME},
     {"intrinsics-sigma", required_argument, NULL, OPTION_INTRINSICS_SIGMA},
     {"estimate-intrinsics", no_argument, NULL, OPTION_ESTIMATE_INTRINSICS},
+    {"progress", no_argument, NULL, OPTION_PROGRESS},
     {"help", no_argument, NULL, HELP_OPTION},
     {"version", no_argument, NULL, VERSION_OPTION},
     {NULL, 0, NULL, 0},

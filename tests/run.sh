@@ -43,6 +43,7 @@ hooks         gcc,clang,arm,cmake,unity,python
 consumers     gcc,g++,cmake,pkgconf        sh tests/consumers/run.sh build/consumers
 install       gcc,cmake,make,pkgconf,python
               $PYTHON tests/checks/check_install.py
+python        gcc,cmake,venv               sh port/python/tests/run.sh build/python
 cli           gcc,cmake,unity,numpy,build/gcc-double
               cli gcc-double
 cli-float     gcc,cmake,unity,numpy,build/gcc-float

@@ -23,7 +23,7 @@ CAVITY = os.path.join(ROOT, "examples", "data", "openptv_cavity")
 STEPPED = os.path.join(ROOT, "examples", "data", "myptv_stepped")
 SCENE = os.path.join(ROOT, "tests", "data", "pose2sim_scene")
 OUTPUTS = ["poses.csv", "rig.csv", "targets.csv", "pairs.csv", "residuals.csv", "faults.csv",
-           "rig.bin"]
+           "rig.bin", "summary.json"]
 ADDED = ["sigma_rot_deg", "sigma_pos", "second_rms_px", "probability", "verdict"]
 ENTRIES = [f"S{i}{j}" for i in range(1, 7) for j in range(1, i + 1)]
 RIG_ADDED = ["sigma_rot_deg", "sigma_pos", *ENTRIES]

@@ -1,0 +1,343 @@
+"""The command `rigcal`: that of the C program, with files of every format.
+
+The program does the work. What it does not read is converted to its own CSV before.
+"""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import os
+import pathlib
+import subprocess
+import sys
+import tempfile
+import warnings
+from collections.abc import Iterator, Sequence
+from typing import Any, NoReturn
+
+from . import _tables
+from .calibrate import PROGRESS, joined, program, run
+from .errors import Caveat, Error, FileError
+from .formats import FORMATS, load_cameras, save_cameras
+from .rig import Fault, Rig, load
+
+__all__ = ["main"]
+
+DONE, GEOMETRY, USAGE = 0, 1, 2  # exit statuses, as of the program
+WARNING_SHOWN = 5  # faults that diagnose prints
+
+HELP = """\
+rigcal - where each camera of a rig is, from a few points of known shape
+
+Files of cameras, of --cameras, --rig and --prior, may have any of these formats:
+{formats}.
+One file with poses serves as --cameras and --rig both.
+
+  rigcal diagnose    --cameras FILE --observations FILE [options of calibrate]
+  rigcal convert     FILE... FILE [--from FORMAT] [--to FORMAT] [--scale FACTOR]
+                     [--lens brown|fisheye]
+
+diagnose says what is wrong with a recording, why, and what to do, without the tables of
+calibrate. Its exit status is that of calibrate.
+
+convert reads cameras of one format and writes them in another: the last file. A folder of
+calibrate --out is read too. The names of files tell the formats, or --from and --to do.
+  --scale      multiplies lengths that are read.
+  --lens       that of a file of four coefficients which does not say it.
+
+The other commands are those of the program:
+
+"""
+
+# Options of the program: True where one takes a value.
+OPTIONS = {
+    command: {name.rstrip("!"): not name.endswith("!") for name in names.split()}
+    for command, names in {
+        "calibrate": "cameras observations out sigma threshold seed hold prior times "
+        "sigma-time intrinsics-sigma method robust! clocks! drift! estimate-intrinsics! "
+        "progress!",
+        "triangulate": "cameras rig observations targets sigma",
+        "line": "cameras rig from to pixel depth sigma probability candidates",
+        "monitor": "rig matches observations times sigma arl0 common wrong walk",
+    }.items()
+}
+COMMANDS = ("calibrate", "diagnose", "triangulate", "line", "monitor", "convert")
+NO_VALUE = object()
+
+
+class _UsageError(Exception):
+    pass
+
+
+class _Parser(argparse.ArgumentParser):
+    def error(self, message: str) -> NoReturn:
+        raise _UsageError(message)
+
+
+def _say(text: str) -> None:
+    print(f"rigcal: {text}", file=sys.stderr)
+
+
+# ---- the program's own commands -------------------------------------------------
+
+
+def _options(command: str, arguments: Sequence[str]) -> dict[str, list[str]] | None:
+    """Values by option; None: they are not as they should be, and the program says why."""
+    parser = _Parser(add_help=False)
+    for name, takes_value in OPTIONS[command].items():
+        if takes_value:
+            parser.add_argument("--" + name, action="append", nargs="?", const=NO_VALUE)
+        else:
+            parser.add_argument("--" + name, action="append_const", const="")
+    try:
+        known, rest = parser.parse_known_args(list(arguments))
+    except _UsageError:  # an abbreviation of several
+        return None
+    found = {key.replace("_", "-"): value for key, value in vars(known).items() if value}
+    single = all(len(value) == 1 for key, value in found.items() if key != "hold")
+    if rest or not single or any(NO_VALUE in value for value in found.values()):
+        return None
+    return found
+
+
+def _is_foreign(path: str) -> bool:
+    """Whether it is a file of cameras that the program does not read."""
+    if os.path.isdir(path):
+        return True
+    return os.path.isfile(path) and not path.endswith(".csv") and not _tables.is_own(path)
+
+
+class _Converted:
+    """The options with files of the program in the place of others."""
+
+    def __init__(self, folder: str) -> None:
+        self.folder = pathlib.Path(folder)
+        self.names: dict[str, str] = {}  # the user's file, by ours
+
+    def file(self, option: str, name: str, path: str) -> str:
+        """The program's file of one of another format."""
+        ours = self.folder / option / name
+        if not ours.is_file():
+            cameras = _read(path)
+            ours.parent.mkdir(parents=True)
+            save_cameras(os.fspath(ours.parent) + os.sep, cameras, "rigcal")
+            if not ours.is_file():
+                raise FileError(path, "no camera in it has a pose")
+        self.names[os.fspath(ours)] = path
+        return os.fspath(ours)
+
+    def options(self, command: str, given: dict[str, list[str]]) -> dict[str, list[str]]:
+        changed = dict(given)
+        if "rig" in OPTIONS[command] and "cameras" in OPTIONS[command]:
+            both = given.get("cameras") or given.get("rig")
+            if both and len({"cameras", "rig"} & set(given)) == 1 and _is_foreign(both[0]):
+                changed["cameras"] = changed["rig"] = both
+        for option in ("cameras", "rig", "prior"):
+            if (
+                option in changed
+                and _is_foreign(changed[option][0])
+                and command != "monitor"
+            ):
+                name = "cameras.csv" if option == "cameras" else "rig.csv"
+                changed[option] = [self.file(option, name, changed[option][0])]
+        return changed
+
+    def in_words_of_user(self, line: str) -> str:
+        for ours, path in self.names.items():
+            line = line.replace(ours, path)
+        return line
+
+
+def _program(*arguments: str) -> int:
+    """The program itself, with our standard streams; its exit status."""
+    try:
+        return subprocess.call([program(), *arguments])
+    except OSError as problem:
+        raise Error(f"the program rigcal cannot be run: {problem}") from None
+
+
+def _pass_on(command: str, arguments: Sequence[str]) -> int:
+    given = _options(command, arguments)
+    with tempfile.TemporaryDirectory(prefix="rigcal-") as folder:
+        converted = _Converted(folder)
+        changed = converted.options(command, given) if given is not None else None
+        if not converted.names or changed is None:
+            return _program(command, *arguments)
+        status, text, messages = _call(command, changed)
+        for line in messages:
+            print(converted.in_words_of_user(line), file=sys.stderr)
+        sys.stdout.write(text)
+        return status
+
+
+def _call(command: str, options: dict[str, list[str]]) -> tuple[int, str, list[str]]:
+    """Runs the program, with a bar on a terminal, or with lines of progress."""
+    words = [command, *(["--progress"] if command == "calibrate" else [])]
+    for name, values in options.items():
+        if name != "progress":
+            words += [
+                f"--{name}" + (f"={v}" if OPTIONS[command][name] else "") for v in values
+            ]
+    return run(words, _tell_line if "progress" in options else None)
+
+
+def _tell_line(text: str) -> None:
+    print(f"{PROGRESS}{text}", file=sys.stderr)
+
+
+# ---- ours -----------------------------------------------------------------------
+
+
+def _read(path: str, **how: Any) -> dict[str, Any]:
+    """Cameras of a file; of a folder of calibrate --out."""
+    if os.path.isfile(os.path.join(path, "summary.json")):
+        return load(path).cameras
+    return load_cameras(path, **how)
+
+
+@contextlib.contextmanager
+def _caveats_told() -> Iterator[None]:
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always", Caveat)
+        yield
+    for warning in caught:
+        _say(str(warning.message))
+
+
+def _convert(arguments: Sequence[str]) -> int:
+    parser = _Parser("rigcal convert", add_help=False)
+    parser.add_argument("files", nargs="+", metavar="FILE")
+    for name, known in (("from", FORMATS), ("to", FORMATS)):
+        parser.add_argument("--" + name, choices=list(known), dest=name + "_format")
+    parser.add_argument("--scale", type=float)
+    parser.add_argument("--lens", choices=["brown", "fisheye"])
+    given = parser.parse_args(list(arguments))
+    *sources, target = given.files
+    if not sources:
+        raise _UsageError("convert takes the file to read and the file to write")
+    how = {"format": given.from_format, "scale": given.scale, "lens": given.lens}
+    with _caveats_told():
+        with _options_named("--from"):
+            if len(sources) == 1:
+                cameras = _read(sources[0], **how)
+            else:
+                cameras = load_cameras(sources, **how)
+        with _options_named("--to"):
+            save_cameras(target, cameras, given.to_format)
+    return DONE
+
+
+@contextlib.contextmanager
+def _options_named(format_option: str) -> Iterator[None]:
+    """An Error has the names of options in the place of those of arguments."""
+    try:
+        yield
+    except FileError as problem:
+        what = problem.what.replace("format=", f"{format_option}=").replace(
+            "lens=", "--lens="
+        )
+        raise FileError(problem.path, what) from None
+
+
+def _value_of(fault: Fault) -> str:
+    return ", ".join(f"{v:.4g} +- {s:.2g}" for v, s in zip(fault.values, fault.sigmas))
+
+
+def _told(rig: Rig) -> Iterator[str]:
+    """What diagnose prints."""
+    for text in rig.warnings:
+        what, _, advice = text.partition("; ")
+        yield what
+        if advice:
+            yield "  " + advice
+    if not rig.warnings:
+        yield "no view, camera or point is wrong"
+    for view in rig.left_out:
+        yield f"left out of the rig: {view.camera} in frame {view.frame}"
+    if rig.sqrt_f is None:
+        yield "the views have nothing in common that could disagree"
+    else:
+        yield f"the views disagree {rig.sqrt_f:.2f} times more than noise: {rig.verdict}"
+        yield rig.cause
+    seen = [fault for fault in rig.faults if fault.p == fault.p][:WARNING_SHOWN]
+    if seen:
+        yield "likeliest faults of the rig as a whole, and p, the chance by noise alone:"
+    for fault in seen:
+        where = " ".join(x for x in (fault.camera, fault.frame) if x)
+        explains = ", explains" if fault.explains else ""
+        name = f"{fault.name} {where}".strip()
+        yield f"  {name}: {_value_of(fault)}, p {fault.p:.2g}{explains}"
+    for text in rig.advice:
+        yield f"next: {text}"
+
+
+def _diagnose(arguments: Sequence[str]) -> int:
+    given = _options("calibrate", arguments)
+    for option in ("cameras", "observations"):
+        if given is not None and option not in given:
+            raise _UsageError(f"diagnose needs --{option}")
+    if given is None:
+        raise _UsageError(
+            "diagnose has the options of calibrate, each once and with its value"
+        )
+    with tempfile.TemporaryDirectory(prefix="rigcal-") as folder:
+        converted = _Converted(folder)
+        changed = converted.options("calibrate", given)
+        changed.setdefault("out", [os.path.join(folder, "out")])
+        status, report, messages = _call("calibrate", changed)
+        told = joined(converted.in_words_of_user(line) for line in messages)
+        if status not in (DONE, GEOMETRY) or not report:
+            for line in messages:
+                print(converted.in_words_of_user(line), file=sys.stderr)
+            return status
+        rig = Rig.from_folder(changed["out"][0], report, told)
+    print("\n".join(_told(rig)))
+    return status
+
+
+def _help() -> int:
+    print(HELP.format(formats=", ".join(FORMATS)), end="")
+    sys.stdout.flush()
+    return _program("--help")
+
+
+def _run(arguments: Sequence[str]) -> int:
+    known = f"{', '.join(COMMANDS[:-1])} or {COMMANDS[-1]}"
+    if not arguments:
+        raise _UsageError(f"give a command: {known}")
+    command, *rest = arguments
+    if command in ("--help", "-h") or (
+        command in ("diagnose", "convert") and "--help" in rest
+    ):
+        return _help()
+    if command == "--version":
+        return _program(command)
+    if command == "convert":
+        return _convert(rest)
+    if command == "diagnose":
+        return _diagnose(rest)
+    if command not in OPTIONS:
+        raise _UsageError(f'there is no command "{command}": the commands are {known}')
+    return _pass_on(command, rest)
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Runs a command; returns the exit status."""
+    try:
+        status = _run(sys.argv[1:] if arguments is None else arguments)
+        sys.stdout.flush()
+    except _UsageError as problem:
+        _say(str(problem))
+        _say("run rigcal --help for the commands and their options")
+        return USAGE
+    except FileError as problem:
+        print(problem, file=sys.stderr)
+        return USAGE
+    except Error as problem:
+        _say(str(problem))
+        return USAGE
+    except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return USAGE
+    return 128 - status if status < 0 else status

@@ -5,7 +5,8 @@
 
 It needs ziglang, build, wheel, scikit-build-core and cmake in this Python. Each wheel is
 made from one sdist. Those of this machine's kind are installed in a new virtual
-environment, where a pose is solved; all others are only built: "untried".
+environment, where a pose is solved; all others are only built: "untried". On Windows the
+program `rigcal` is left out, which is written for POSIX.
 """
 
 from __future__ import annotations

@@ -23,7 +23,7 @@ import warnings
 import numpy as np
 
 import rigcal
-from rigcal._library import FOLDER, program
+from rigcal._library import FOLDER
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
 POINTS = 8
@@ -47,7 +47,7 @@ def in_c(camera, X, uv, repeats: int) -> list[float]:
     numbers = [camera.fx, camera.fy, camera.cx, camera.cy, *camera.coefficients.values()]
     flags = ["-std=c99", "-D_DEFAULT_SOURCE", "-ffp-contract=off", "-DNDEBUG", "-O3"]
     sources = sorted((ROOT / "src").glob("*.c"))
-    library = [FOLDER / program().with_name("librigcal.so").name, f"-Wl,-rpath,{FOLDER}"]
+    library = [FOLDER / "librigcal.so", f"-Wl,-rpath,{FOLDER}"]
     took = []
     with tempfile.TemporaryDirectory() as work:
         data = pathlib.Path(work, "views")

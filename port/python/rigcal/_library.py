@@ -25,8 +25,12 @@ REAL_BYTES = 8
 
 
 def program() -> pathlib.Path:
-    """The C program `rigcal` of this package: README.md of the library tells its use."""
-    return FOLDER / ("rigcal.exe" if sys.platform == "win32" else "rigcal")
+    """The C program `rigcal` of this package: README.md of the library tells its use.
+    It is written for POSIX, and not in the wheels for Windows."""
+    path = FOLDER / "rigcal"
+    if not path.is_file():
+        raise Error("the program rigcal is not in this package: there is none for Windows")
+    return path
 
 
 STATUS, COUNT, REAL = ctypes.c_int32, ctypes.c_size_t, ctypes.c_double

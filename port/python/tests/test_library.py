@@ -122,6 +122,12 @@ def test_the_program_runs():
     assert rigcal.__version__ in said.stdout
 
 
+def test_a_program_that_is_missing_is_named(monkeypatch, tmp_path):
+    monkeypatch.setattr(_library, "FOLDER", tmp_path)
+    with pytest.raises(rigcal.Error, match="Windows"):
+        _library.program()
+
+
 def test_everything_exported_is_there():
     assert all(hasattr(rigcal, name) for name in rigcal.__all__)
     assert len(set(_layout.STRUCTS)) >= 30

@@ -291,7 +291,7 @@ def test_one_band_tests_many_pixels(rng):
 def test_search_is_the_test_of_all_pairs(rng):
     rig, X = exact_rig(2), in_front(rng, 70)
     uv = sightings(rig, X, 0.3, rng)
-    candidates = np.vstack([uv["c1"], [[np.nan, 5], [1e8, 0]]])
+    candidates = np.vstack([[[np.nan, 5], [1e8, 0]], uv["c1"]])
     bands = rig.band("c0", uv["c0"], "c1", depth=(1, 6), sigma_px=0.3)
     found = bands.search(candidates, most=5, threads=2)
     for k in range(70):
@@ -299,7 +299,7 @@ def test_search_is_the_test_of_all_pairs(rng):
         tested = one.test(uv["c1"])
         inside = np.flatnonzero(tested.is_inside)
         best = inside[np.argsort(tested.score[inside])][:5]
-        assert found.index[k, : len(best)].tolist() == best.tolist()
+        assert found.index[k, : len(best)].tolist() == (best + 2).tolist()
         assert (found.index[k, len(best) :] == -1).all()
         assert found.n_inside[k] == len(inside)
         assert np.allclose(found.score[k, : len(best)], tested.score[best])

@@ -23,17 +23,30 @@ enum { LOG_TERMS = RIGCAL_USE_FLOAT ? 5 : 11 };
 #define LOG_CHUNK RC(65536)
 enum { LOG_CHUNK_BITS = 16 }; /* 2^16 */
 
+/* 1 / k! */
+static const rigcal_real BY_FACTORIAL[EXP_TERMS + 1] = {
+    RC(1),        RC(1),         RC(1) / 2,     RC(1) / 6,
+    RC(1) / 24,   RC(1) / 120,   RC(1) / 720,
+#if !RIGCAL_USE_FLOAT
+    RC(1) / 5040, RC(1) / 40320, RC(1) / 362880
+#endif
+};
+
 rigcal_real rc_exp(rigcal_real x)
 {
     const rigcal_real part = rc_min(rc_max(x, -EXPONENT_MOST), EXPONENT_MOST) / EXP_PARTS;
-    rigcal_real sum = 1;
-    for (int k = EXP_TERMS; k > 0; k--) {
-        sum = 1 + part * sum / (rigcal_real)k;
+    rigcal_real sum = 0;
+    for (int k = EXP_TERMS; k >= 0; k--) {
+        sum = sum * part + BY_FACTORIAL[k];
     }
-    for (int k = 1; k < EXP_PARTS; k *= 2) {
-        sum *= sum;
-    }
-    return sum;
+    sum *= sum;
+    sum *= sum;
+    sum *= sum;
+    sum *= sum;
+    sum *= sum;
+    sum *= sum;
+    sum *= sum;
+    return sum * sum;
 }
 
 /* 1 / (2 j + 1) of the series of log. */

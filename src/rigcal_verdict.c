@@ -354,9 +354,13 @@ static void tell(writer *w, const char *sentence)
         }
         const char letter = *sentence;
         if (skip_to != 0) {
-            skip_to = (letter == skip_to) ? 0 : skip_to;
+            if (letter == skip_to) {
+                skip_to = 0;
+            }
         } else if (letter == '[') {
-            skip_to = (w->fault->value[0] < 0) ? '|' : 0;
+            if (w->fault->value[0] < 0) {
+                skip_to = '|';
+            }
         } else if (letter == '|') {
             skip_to = ']';
         } else if (letter == '~') {

@@ -16,7 +16,8 @@ def test_a_camera_has_its_parts_as_plain_numbers():
         **GOOD, size=np.array([640, 480]), dist=np.array([[0.1, 0.2, 0.3, 0.4]])
     )
     assert camera == Camera(500.0, 510.0, 320.0, 240.0, (640, 480), (0.1, 0.2, 0.3, 0.4))
-    assert type(camera.fx) is float and type(camera.size[0]) is int
+    assert type(camera.fx) is float
+    assert type(camera.size[0]) is int
     assert camera.matrix.tolist() == [[500, 0, 320], [0, 510, 240], [0, 0, 1]]
     assert Camera.from_matrix(camera.matrix, size=(640, 480), dist=camera.dist) == camera
     assert hash(camera) == hash(replace(camera, extra={"a": []}))
@@ -54,7 +55,7 @@ def test_coefficients_of_longer_models_may_be_zero(count):
 
 
 @pytest.mark.parametrize(
-    "changes, what",
+    ("changes", "what"),
     [
         ({"fx": 0}, "fx: a focal length above 0"),
         ({"fy": -1}, "fy: a focal length above 0"),
@@ -87,7 +88,7 @@ def test_what_is_no_camera(changes, what):
 
 
 @pytest.mark.parametrize(
-    "K, what",
+    ("K", "what"),
     [
         ([[500, 1, 320], [0, 510, 240], [0, 0, 1]], "skew is not supported, and it is 1"),
         ([[500, 0, 320], [1, 510, 240], [0, 0, 1]], "fx 0 cx, 0 fy cy, 0 0 1"),
@@ -123,4 +124,5 @@ def test_errors_have_their_parts():
         "",
     )
     assert str(pickle.loads(pickle.dumps(file))) == "a.yaml: what"
-    assert issubclass(FileError, Error) and issubclass(Caveat, UserWarning)
+    assert issubclass(FileError, Error)
+    assert issubclass(Caveat, UserWarning)

@@ -199,10 +199,10 @@ def test_help(capfd: Any) -> None:
             assert word in out
 
 
-def test_it_is_installed_as_a_command() -> None:
+def test_it_is_installed_as_a_command(tmp_path: pathlib.Path) -> None:
     code = "import sys; from rigcal.command import main; sys.exit(main())"
     words = [sys.executable, "-c", code, "line", "--nothing"]
-    run = subprocess.run(words, capture_output=True, text=True)
+    run = subprocess.run(words, capture_output=True, text=True, cwd=tmp_path)
     assert (run.returncode, run.stdout, run.stderr) == of_program("line", "--nothing")
 
 
@@ -222,13 +222,16 @@ def test_a_signal_is_an_exit_status(
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="pipes")
-def test_a_reader_that_goes_away() -> None:
+def test_a_reader_that_goes_away(tmp_path: pathlib.Path) -> None:
     code = "import sys; from rigcal.command import main; sys.exit(main(sys.argv[1:]))"
     words = ["diagnose", f"--cameras={CAMERAS}", f"--observations={OBSERVATIONS}"]
     read, write = os.pipe()
     os.close(read)
     run = subprocess.run(
-        [sys.executable, "-c", code, *words], stdout=write, stderr=subprocess.PIPE
+        [sys.executable, "-c", code, *words],
+        stdout=write,
+        stderr=subprocess.PIPE,
+        cwd=tmp_path,
     )
     os.close(write)
     assert run.returncode == 2

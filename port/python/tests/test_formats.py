@@ -90,7 +90,7 @@ def test_every_lens_is_kept_or_refused(format, lens, tmp_path):
     cameras = truth(*LENSES[lens], NAMES.get(format, ("left", "right")))
     path = tmp_path / PATHS[format]
     if lens in REFUSED.get(format, []):
-        with pytest.raises(FileError, match="left|cam0|cam1"):
+        with pytest.raises(FileError, match=r"left|cam0|cam1"):
             save_cameras(path, cameras)
         assert os.listdir(tmp_path) == []
         return
@@ -105,7 +105,7 @@ def test_every_lens_is_kept_or_refused(format, lens, tmp_path):
 
 
 @pytest.mark.parametrize(
-    "format, name", [("mrcal", "right.cameramodel"), ("ros", "r.yaml")]
+    ("format", "name"), [("mrcal", "right.cameramodel"), ("ros", "r.yaml")]
 )
 @pytest.mark.parametrize("lens", LENSES)
 def test_one_camera_a_file_takes_a_placeholder(format, name, lens, tmp_path):
@@ -139,7 +139,7 @@ def turned(seed, name, shift=1.0):
 
 
 @pytest.mark.parametrize(
-    "format, path",
+    ("format", "path"),
     [
         ("kalibr", "camchain.yaml"),
         ("anipose", "a.toml"),
@@ -245,7 +245,7 @@ def test_ros_warns_of_a_pose_that_is_not_rectified(tmp_path):
 
 
 @pytest.mark.parametrize(
-    "old, new",
+    ("old", "new"),
     [("binning_x: 0", "binning_x: 2"), ("x_offset: 0", "x_offset: 16")],
 )
 def test_ros_warns_of_a_part_of_the_image(old, new, tmp_path):
@@ -344,7 +344,7 @@ def test_colmap_without_images_has_no_poses(tmp_path):
 
 
 @pytest.mark.parametrize(
-    "line, lens, f, dist",
+    ("line", "lens", "f", "dist"),
     [
         ("SIMPLE_PINHOLE 640 480 800 321 241", "brown", (800, 800), ()),
         ("PINHOLE 640 480 800 810 321 241", "brown", (800, 810), ()),
@@ -508,7 +508,7 @@ def test_names_of_a_mapping_count(tmp_path):
 
 
 @pytest.mark.parametrize(
-    "path, cameras, options, what",
+    ("path", "cameras", "options", "what"),
     [
         ("a.yaml", truth(), {}, "pass format="),
         ("a.yaml", truth(), {"format": "opnecv"}, "opnecv"),
@@ -545,7 +545,7 @@ def test_a_place_where_nothing_can_be_written(tmp_path):
 
 
 @pytest.mark.parametrize(
-    "options, what",
+    ("options", "what"),
     [
         ({"format": "opnecv"}, "opnecv"),
         ({"format": "kalibr"}, "yaml or json is expected for kalibr"),

@@ -547,7 +547,7 @@ def complaint(path, folder, options):
         if text.startswith(str(folder)) and "\n" not in text and is_told_once:
             return text
         return f"WRONG FORM {text!r}"
-    except Exception as error:  # noqa: BLE001 - any is a failure
+    except Exception as error:  # any is a failure
         return f"WRONG {type(error).__name__}: {error}"
     return "WRONG: no error"
 
@@ -598,7 +598,7 @@ BESIDE = [
 ]
 
 
-@pytest.mark.parametrize("file, old, new, match", BESIDE)
+@pytest.mark.parametrize(("file", "old", "new", "match"), BESIDE)
 def test_broken_neighbours_of_colmap(file, old, new, match, tmp_path):
     files = {**SAMPLES["colmap"].files}
     if file == "rigs.txt":
@@ -612,7 +612,7 @@ def test_broken_neighbours_of_colmap(file, old, new, match, tmp_path):
 
 
 @pytest.mark.parametrize(
-    "old, new, match",
+    ("old", "new", "match"),
     [
         ("right,0.8", "left,0.8", "camera left is there twice"),
         ("0.6,0,0.8", "0.6,0,0.9", "line 3: the matrix is not a rotation"),
@@ -851,7 +851,7 @@ TARGET = "target_type: aprilgrid\ntagCols: 6\ntagRows: 4\ntagSize: 0.1\ntagSpaci
 
 
 @pytest.mark.parametrize(
-    "old, new, match",
+    ("old", "new", "match"),
     [
         ("aprilgrid", "charuco", "one of aprilgrid, checkerboard, circlegrid"),
         ("aprilgrid", "[a]", "text"),

@@ -263,7 +263,7 @@ def test_rotations_of_six_digits_become_rotations(tmp_path):
     R = load_json(tmp_path, chain)["cam1"].cam_from_rig.R
     close(R, [[0.5**0.5, -(0.5**0.5), 0], [0.5**0.5, 0.5**0.5, 0], [0, 0, 1]])
     chain["cam1"]["T_cn_cnm1"][0][0] = 0.7072
-    with pytest.raises(FileError, match="cam1.T_cn_cnm1: the matrix is not a rotation"):
+    with pytest.raises(FileError, match=r"cam1\.T_cn_cnm1: the matrix is not a rotation"):
         load_json(tmp_path, chain)
 
 

@@ -32,7 +32,7 @@ LENSES = [("brown", BROWN4), ("brown", BROWN), ("brown", RATIONAL), ("fisheye", 
 
 
 @pytest.mark.parametrize("ending", ["yml", "xml", "json"])
-@pytest.mark.parametrize("lens, dist", LENSES)
+@pytest.mark.parametrize(("lens", "dist"), LENSES)
 def test_opencv_reads_our_pair(lens, dist, ending, tmp_path):
     cameras = truth(dist, lens)
     save_cameras(tmp_path / f"pair.{ending}", cameras, "opencv")
@@ -48,7 +48,7 @@ def test_opencv_reads_our_pair(lens, dist, ending, tmp_path):
 
 
 @pytest.mark.parametrize("ending", ["yml", "xml", "json"])
-@pytest.mark.parametrize("lens, dist", LENSES)
+@pytest.mark.parametrize(("lens", "dist"), LENSES)
 def test_we_read_a_pair_of_opencv(lens, dist, ending, tmp_path):
     path = str(tmp_path / f"pair.{ending}")
     storage = cv2.FileStorage(path, cv2.FILE_STORAGE_WRITE)
@@ -126,7 +126,7 @@ def test_ros_rectified_pair_is_what_opencv_rectifies(tmp_path):
 # ==== Anipose, COLMAP, mrcal ==================================================
 
 
-@pytest.mark.parametrize("lens, dist", LENSES)
+@pytest.mark.parametrize(("lens", "dist"), LENSES)
 def test_aniposelib_reads_our_toml(lens, dist, tmp_path):
     cameras_of = pytest.importorskip("aniposelib.cameras")
     cameras = truth(dist, lens)
@@ -139,7 +139,7 @@ def test_aniposelib_reads_our_toml(lens, dist, tmp_path):
         assert_projects(camera, project(cameras[name], X))
 
 
-@pytest.mark.parametrize("lens, dist", LENSES)
+@pytest.mark.parametrize(("lens", "dist"), LENSES)
 def test_pycolmap_reads_our_model(lens, dist, tmp_path):
     pycolmap = pytest.importorskip("pycolmap")
     cameras = truth(dist, lens)

@@ -89,7 +89,7 @@ def test_frames_must_meet():
 
 
 @pytest.mark.parametrize(
-    "R, t, what",
+    ("R", "t", "what"),
     [
         (np.eye(2), [0, 0, 0], r"R: shape \(3, 3\) is expected, not \(2, 2\)"),
         (np.eye(3) * 1.01, [0, 0, 0], "R: the matrix is not a rotation"),
@@ -135,9 +135,10 @@ def test_a_transform_is_a_value():
     with pytest.raises(AttributeError):
         T.t = np.zeros(3)
     same = Transform(np.eye(3), [1, 2, 3])
-    assert T == same and hash(T) == hash(same) and pickle.loads(pickle.dumps(T)) == T
-    assert T != Transform(np.eye(3), [1, 2, 4]) and T != Transform(
-        np.eye(3), [1, 2, 3], "a"
-    )
+    assert same == T
+    assert hash(T) == hash(same)
+    assert pickle.loads(pickle.dumps(T)) == T
+    assert Transform(np.eye(3), [1, 2, 4]) != T
+    assert Transform(np.eye(3), [1, 2, 3], "a") != T
     assert T != 1
     assert repr(T) == "Transform(cam0_from_rig: rvec (0, 0, 0), t (1, 2, 3))"

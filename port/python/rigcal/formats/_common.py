@@ -15,7 +15,7 @@ import numpy as np
 from ..camera import BROWN_LENGTHS, Camera
 from ..errors import Caveat, Error, FileError
 from ..transform import Array, Transform, rotation_from_rvec
-from ._node import Node, Placed
+from ._node import Node, PlacedError
 
 PathLike = Union[str, "os.PathLike[str]"]
 
@@ -64,7 +64,7 @@ def place(node: Node) -> Iterator[None]:
     """Puts the place in a file before the text of an Error."""
     try:
         yield
-    except Placed:
+    except PlacedError:
         raise
     except Error as e:
         raise node.fail(e.text) from None
@@ -179,7 +179,7 @@ def shortest(dist: Sequence[float]) -> list[float]:
     return list(dist[: min(n for n in BROWN_LENGTHS if not any(dist[n:]))])
 
 
-def refuse(node: Node, model: str, known: Iterable[str]) -> Placed:
+def refuse(node: Node, model: str, known: Iterable[str]) -> PlacedError:
     """To be raised: a lens model that the library does not have, by its name."""
     return node.fail(
         f'the camera model "{model}" is not supported (supported: {", ".join(known)}): '

@@ -27,7 +27,7 @@ def _is_plain(value: Any) -> bool:
     return isinstance(value, (str, int)) or (isinstance(value, float) and isfinite(value))
 
 
-class Placed(Error):
+class PlacedError(Error):
     """An Error whose text says already where in the file it is."""
 
 
@@ -38,9 +38,9 @@ class Node:
         self.value = value
         self.where = where
 
-    def fail(self, what: str) -> Placed:
+    def fail(self, what: str) -> PlacedError:
         """To be raised: what is wrong here."""
-        return Placed(f"{self.where}: {what}" if self.where else what)
+        return PlacedError(f"{self.where}: {what}" if self.where else what)
 
     def _at(self, key: str) -> str:
         return f"{self.where}.{key}" if self.where else key

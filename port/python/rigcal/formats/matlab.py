@@ -57,7 +57,7 @@ def load_mat(data: bytes) -> Any:
     loadmat = _scipy_io().loadmat
     try:
         return loadmat(io.BytesIO(data), simplify_cells=True)
-    except Exception as e:  # noqa: BLE001 - SciPy raises what it meets
+    except Exception as e:  # SciPy raises what it meets
         raise Error(f"the .mat file is damaged: {type(e).__name__}: {e}") from None
 
 

@@ -431,7 +431,7 @@ static void left_of_turn(rigcal_real left[3], const rigcal_real w[3],
 /* x / |x|, of a length that is 1 but for rounding. */
 static inline void tidy_row(rigcal_real x[3])
 {
-    rc_vec3_scale(x, RC(1.5) - RC(0.5) * rc_vec3_dot(x, x), x);
+    rc_vec3_scale(x, (3 - rc_vec3_dot(x, x)) / 2, x);
 }
 
 /* rc_rotation_tidy of what is a rotation but for the rounding of one step. */

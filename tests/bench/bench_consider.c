@@ -123,7 +123,7 @@ static int estimate(tally *t, rigcal_rig_fit *fit)
         if (rigcal_rig_estimate(&e, NULL, &b.rig, fit->sigma_px) != RIGCAL_OK) {
             return 0;
         }
-        if (D(e.step) < 0.1) {
+        if (D(e.step) < TOL(0.1, 0.25)) { /* as of calibrate --estimate-intrinsics */
             t->held_estimated += holds(fit->sigma_px);
             add_errors(&t->turn2_estimated, &t->shift2_estimated);
             return 1;

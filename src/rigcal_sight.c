@@ -152,11 +152,6 @@ rigcal_status rc_sight_move(rc_sighted *v, const rigcal_sightings *s, size_t i,
 
 /* ---- their covariance ---------------------------------------------------- */
 
-static inline rigcal_real dot6(const rigcal_real a[6], const rigcal_real b[6])
-{
-    return rc_vec3_dot(a, b) + rc_vec3_dot(a + 3, b + 3);
-}
-
 /* C = B_a Sigma B_b^T, of the rows of the unknowns `row` and the columns `column`, before
  * them. */
 static void block_before(rigcal_real C[4], const rigcal_real B_a[12],
@@ -164,15 +159,15 @@ static void block_before(rigcal_real C[4], const rigcal_real B_a[12],
                          size_t column)
 {
     const rigcal_real *at = &Sigma[rc_packed_at(row, column)];
-    rigcal_real u = dot6(at, &B_b[0]), v = dot6(at, &B_b[6]);
+    rigcal_real u = rc_vec6_dot(at, &B_b[0]), v = rc_vec6_dot(at, &B_b[6]);
     C[0] = B_a[0] * u;
     C[1] = B_a[0] * v;
     C[2] = B_a[6] * u;
     C[3] = B_a[6] * v;
     for (size_t i = 1; i < 6; i++) {
         at += row + i;
-        u = dot6(at, &B_b[0]);
-        v = dot6(at, &B_b[6]);
+        u = rc_vec6_dot(at, &B_b[0]);
+        v = rc_vec6_dot(at, &B_b[6]);
         C[0] += B_a[i] * u;
         C[1] += B_a[i] * v;
         C[2] += B_a[6 + i] * u;

@@ -11,6 +11,17 @@ if(gnu_like)
     list(APPEND build -ffp-contract=off)
 endif()
 string(REGEX REPLACE "[; ]+" " " build "${build}")
+
+# bench(NAME LIBRARY ARGUMENTS...): bench/NAME.c, which ctest runs with these arguments.
+function(bench name library)
+    add_executable(${name} bench/${name}.c)
+    rigcal_own_code(${name})
+    target_compile_definitions(${name} PRIVATE BENCH_BUILD="${build}")
+    target_link_libraries(${name} PRIVATE ${library})
+    add_test(NAME ${name} COMMAND ${name} ${ARGN})
+    set_tests_properties(${name} PROPERTIES LABELS bench TIMEOUT ${limit})
+endfunction()
+
 file(GLOB sets CONFIGURE_DEPENDS
     ${PROJECT_SOURCE_DIR}/examples/data/*/reference_poses.csv
     ${CMAKE_CURRENT_SOURCE_DIR}/data/*/reference_poses.csv)
@@ -47,12 +58,7 @@ rigcal_own_code(rigcal_bench_support)
 target_include_directories(rigcal_bench_support PUBLIC bench)
 target_link_libraries(rigcal_bench_support PUBLIC rigcal_test_support)
 
-add_executable(bench_pose bench/bench_pose.c)
-rigcal_own_code(bench_pose)
-target_compile_definitions(bench_pose PRIVATE BENCH_BUILD="${build}")
-target_link_libraries(bench_pose PRIVATE rigcal_bench_support)
-add_test(NAME bench_pose COMMAND bench_pose minima ${pose_scenes})
-set_tests_properties(bench_pose PROPERTIES LABELS bench TIMEOUT ${limit})
+bench(bench_pose rigcal_bench_support minima ${pose_scenes})
 if(UNIX)
     add_test(NAME bench_pose_compare COMMAND sh -c
         "'$<TARGET_FILE:bench_pose>' answers 3 | '$<TARGET_FILE:bench_pose>' compare 3")
@@ -60,41 +66,18 @@ if(UNIX)
         LABELS bench TIMEOUT ${limit})
 endif()
 
-add_executable(bench_wide bench/bench_wide.c)
-rigcal_own_code(bench_wide)
-target_compile_definitions(bench_wide PRIVATE BENCH_BUILD="${build}")
-target_link_libraries(bench_wide PRIVATE rigcal_bench_support)
-add_test(NAME bench_wide COMMAND bench_wide check ${wide_scenes})
-set_tests_properties(bench_wide PROPERTIES LABELS bench TIMEOUT ${limit})
+bench(bench_wide rigcal_bench_support check ${wide_scenes})
 
-add_executable(bench_choose bench/bench_choose.c)
-rigcal_own_code(bench_choose)
-target_link_libraries(bench_choose PRIVATE rigcal_test_support)
-add_test(NAME bench_choose COMMAND bench_choose 1)
-set_tests_properties(bench_choose PROPERTIES LABELS bench TIMEOUT ${limit})
+bench(bench_choose rigcal_test_support 1)
 
 # Which views of a rig are named.
-add_executable(bench_judge bench/bench_judge.c)
-rigcal_own_code(bench_judge)
-target_link_libraries(bench_judge PRIVATE rigcal_test_support)
-add_test(NAME bench_judge COMMAND bench_judge 1)
-set_tests_properties(bench_judge PROPERTIES LABELS bench TIMEOUT ${limit})
+bench(bench_judge rigcal_test_support 1)
 
 # Whether points keep what their sigmas promise.
-add_executable(bench_points bench/bench_points.c)
-rigcal_own_code(bench_points)
-target_compile_definitions(bench_points PRIVATE BENCH_BUILD="${build}")
-target_link_libraries(bench_points PRIVATE rigcal_test_support)
-add_test(NAME bench_points COMMAND bench_points check)
-set_tests_properties(bench_points PROPERTIES LABELS bench TIMEOUT ${limit})
+bench(bench_points rigcal_test_support check)
 
 # How often the alarm of a monitor is false.
-add_executable(bench_alarm bench/bench_alarm.c)
-rigcal_own_code(bench_alarm)
-target_compile_definitions(bench_alarm PRIVATE BENCH_BUILD="${build}")
-target_link_libraries(bench_alarm PRIVATE rigcal_test_support)
-add_test(NAME bench_alarm COMMAND bench_alarm check)
-set_tests_properties(bench_alarm PROPERTIES LABELS bench TIMEOUT ${limit})
+bench(bench_alarm rigcal_test_support check)
 
 # How many true matches a band holds; spans against every pixel.
 add_executable(bench_match bench/bench_match.c)
@@ -122,32 +105,16 @@ add_test(NAME bench_bands COMMAND bench_bands ${examples}/data/opencv_stereo
 set_tests_properties(bench_bands PROPERTIES LABELS bench TIMEOUT ${limit})
 
 # How well a monitor knows how well it knows, and whom it blames.
-add_executable(bench_monitor bench/bench_monitor.c)
-rigcal_own_code(bench_monitor)
-target_link_libraries(bench_monitor PRIVATE rigcal_test_support)
-add_test(NAME bench_monitor COMMAND bench_monitor check)
-set_tests_properties(bench_monitor PROPERTIES LABELS bench TIMEOUT ${limit})
+bench(bench_monitor rigcal_test_support check)
 
 # Whether ellipsoids hold, with intrinsics that are not exact.
-add_executable(bench_consider bench/bench_consider.c)
-rigcal_own_code(bench_consider)
-target_link_libraries(bench_consider PRIVATE rigcal_test_support)
-add_test(NAME bench_consider COMMAND bench_consider check)
-set_tests_properties(bench_consider PROPERTIES LABELS bench TIMEOUT ${limit})
+bench(bench_consider rigcal_test_support check)
 
 # What is wrong with a rig as a whole.
-add_executable(bench_faults bench/bench_faults.c)
-rigcal_own_code(bench_faults)
-target_link_libraries(bench_faults PRIVATE rigcal_test_support)
-add_test(NAME bench_faults COMMAND bench_faults check)
-set_tests_properties(bench_faults PROPERTIES LABELS bench TIMEOUT ${limit})
+bench(bench_faults rigcal_test_support check)
 
 # Rigs whose cameras have clocks of their own.
-add_executable(bench_clocks bench/bench_clocks.c)
-rigcal_own_code(bench_clocks)
-target_link_libraries(bench_clocks PRIVATE rigcal_test_support)
-add_test(NAME bench_clocks COMMAND bench_clocks check)
-set_tests_properties(bench_clocks PROPERTIES LABELS bench TIMEOUT ${limit})
+bench(bench_clocks rigcal_test_support check)
 
 # The scenes of the paper's experiments, which are for the library in double.
 if(RIGCAL_REAL STREQUAL "double")
@@ -175,12 +142,7 @@ if(RIGCAL_BENCH_OPENCV)
         rigcal_bench_support opencv_calib3d opencv_core)
 endif()
 
-add_executable(bench_robust bench/bench_robust.c)
-rigcal_own_code(bench_robust)
-target_compile_definitions(bench_robust PRIVATE BENCH_BUILD="${build}")
-target_link_libraries(bench_robust PRIVATE rigcal_bench_support)
-add_test(NAME bench_robust COMMAND bench_robust wrong 10)
-set_tests_properties(bench_robust PROPERTIES LABELS bench TIMEOUT ${limit})
+bench(bench_robust rigcal_bench_support wrong 10)
 
 # Adjusted rigs; bench/rig.sh links the first with Ceres, too.
 add_library(rigcal_bench_rigs STATIC bench/bench_rigs.c)
@@ -188,11 +150,7 @@ rigcal_own_code(rigcal_bench_rigs)
 target_include_directories(rigcal_bench_rigs PUBLIC bench)
 target_link_libraries(rigcal_bench_rigs PUBLIC rigcal_test_support)
 
-add_executable(bench_rig bench/bench_rig.c)
-rigcal_own_code(bench_rig)
-target_link_libraries(bench_rig PRIVATE rigcal_bench_rigs)
-add_test(NAME bench_rig COMMAND bench_rig check)
-set_tests_properties(bench_rig PROPERTIES LABELS bench TIMEOUT ${limit})
+bench(bench_rig rigcal_bench_rigs check)
 
 add_executable(bench_rig_statistics bench/bench_rig_statistics.c bench/bench_rig_cases.c)
 rigcal_own_code(bench_rig_statistics)

@@ -653,10 +653,10 @@ RIGCAL_API rigcal_status rigcal_pose_diagnose(rigcal_diagnosis *diagnosis,
 /* ==== store ===============================================================
  *
  * A calibration as bytes, for a flash page, a file or a message. The form is little-endian,
- * without gaps, the same from every machine and compiler; DESIGN.md has its table. It
- * carries a version and CRC-32s: one or two altered bits and every length too short are
- * refused for certain, other damage but for one chance in 4e9. That guards against
- * accidents, not forgery. */
+ * without gaps, the same from every machine and compiler; examples/data/FORMAT.md has its
+ * table. It carries a version and CRC-32s. One or two altered bits, and every length that is
+ * too short, are refused for certain; other damage is missed with a chance of one in 4e9.
+ * That guards against accidents, not forgery. */
 
 /* One camera of a stored calibration. */
 typedef struct rigcal_mounted_camera {

@@ -25,7 +25,7 @@
 
 /* 1: A is the mean time between false alarms, times 1 + common, over this. A is a bound
  * that noise does not reach: counted were 0.4 to 1.2 of the false alarms that are stated
- * (DESIGN.md). 1 + common is what matches of real boards, which err together, need. */
+ * (BENCHMARKS.md). 1 + common is what matches of real boards, which err together, need. */
 #define SLACK RC(2.5)
 
 /* 1: what is said of rows is measured again when there are so many times as many frames. */

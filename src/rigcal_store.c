@@ -13,7 +13,7 @@
  * covariance stored in double and loaded in float. */
 #define CORRELATION_TOL RC_TOL(1e-9, 1e-5)
 
-/* The byte form: DESIGN.md, "Stored calibration". All numbers little-endian. */
+/* The byte form: examples/data/FORMAT.md. All numbers little-endian. */
 enum {
     FORM_CAMERAS = 1, /* version: each camera has its own covariance */
     FORM_RIG = 2,     /* all cameras have a joint one */

@@ -1,5 +1,5 @@
 /* bench_choose: the choice between two poses of each view, on simulated rigs of square tags
- * (f = 800 px, 0.3 px, cameras over 70 degrees of arc); as Markdown of DESIGN.md.
+ * (f = 800 px, 0.3 px, cameras over 70 degrees of arc); as Markdown of BENCHMARKS.md.
  *
  *   bench_choose [RIGS]                     the table, so many rigs a line (default 40)
  *   bench_choose one C F DISTANCE SHARE     one rig, for an instruction count: the choice

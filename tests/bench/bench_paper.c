@@ -1,4 +1,4 @@
-/* bench_paper: the figures of DESIGN.md about the published method, as Markdown.
+/* bench_paper: the figures of BENCHMARKS.md about the published method, as Markdown.
  *
  *   bench_paper grid [SCENES]  the search without a guess, on random scenes
  *   bench_paper data [DIR]...  what the elimination does, on real cameras

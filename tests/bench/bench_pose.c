@@ -1,4 +1,4 @@
-/* bench_pose: the figures of DESIGN.md about rigcal_pose_solve, as Markdown.
+/* bench_pose: the figures of BENCHMARKS.md about rigcal_pose_solve, as Markdown.
  *
  *   bench_pose minima [SCENES] [SIGMA_PX] [--known] [--list]
  *       whether the best minimum is found, and how good it is; --known: the noise

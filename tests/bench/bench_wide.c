@@ -1,5 +1,5 @@
 /* bench_wide: rigcal_pose_solve where every point is 40 to 89 degrees off the optical
- * axis, or to 110 degrees of a fisheye; as Markdown of DESIGN.md.
+ * axis, or to 110 degrees of a fisheye; as Markdown of BENCHMARKS.md.
  *
  *   bench_wide table [SCENES] [--list]
  *       SCENES of each lens (default 100 000); --list: the scenes that went wrong, on

@@ -1,7 +1,7 @@
 # The benches, of which ctest runs a short form. Included by tests/CMakeLists.txt, whose
 # folders and variables hold.
 
-# The figures of DESIGN.md. It prints how it was built, so that they can be
+# The figures of BENCHMARKS.md. It prints how it was built, so that they can be
 # had again; ctest only sees that it runs.
 string(TOUPPER "${CMAKE_BUILD_TYPE}" build_type)
 get_directory_property(build_options COMPILE_OPTIONS)

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Mean instructions of rigcal_pose_solve, as a Markdown table of DESIGN.md, and what the test
+# Mean instructions of rigcal_pose_solve, as a Markdown table of BENCHMARKS.md, and what the test
 # of faults costs. Run by hand; wants valgrind.
 #
 #   sh tests/bench/instructions.sh [COUNT]

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """False alarms of a monitor on real boards that were held out of the calibration, and how
-soon it finds a camera that was turned: two Markdown tables of DESIGN.md.
+soon it finds a camera that was turned: two Markdown tables of BENCHMARKS.md.
 
     python3 tests/bench/monitor_boards.py RIGCAL LIBRARY [FRAMES]
 

@@ -1,5 +1,5 @@
 #!/bin/sh
-# rigcal_pose_solve beside the pose solvers of OpenCV: Markdown tables of DESIGN.md.
+# rigcal_pose_solve beside the pose solvers of OpenCV: Markdown tables of BENCHMARKS.md.
 # By hand: it installs 350 MB of Debian packages if they are missing.
 #
 #   sh tests/bench/opencv.sh [SCENES]

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Points of real rigs through `rigcal calibrate` and `rigcal triangulate`: a Markdown table of
-DESIGN.md.
+BENCHMARKS.md.
 
     python3 tests/bench/real_points.py               the sets of the repository
     python3 tests/bench/real_points.py FOLDER...     other sets, files as examples/data/FORMAT.md

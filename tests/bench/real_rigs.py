@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Real rigs through `rigcal calibrate`, in double and in float, beside SciPy: two Markdown
-tables of DESIGN.md.
+tables of BENCHMARKS.md.
 
     python3 tests/bench/real_rigs.py                 the sets of the repository
     python3 tests/bench/real_rigs.py FOLDER...       other sets, files as examples/data/FORMAT.md

@@ -1,6 +1,6 @@
 #!/bin/sh
 # rigcal_rig_adjust beside Ceres and SciPy, on the same rigs from the same starts: a Markdown
-# table of DESIGN.md. Installs Ceres, SciPy and valgrind by apt where they are missing.
+# table of BENCHMARKS.md. Installs Ceres, SciPy and valgrind by apt where they are missing.
 #
 #   sh tests/bench/rig.sh          all three rigs, instructions and CPU time; by hand, some
 #                                  minutes

@@ -1,6 +1,6 @@
 #!/bin/sh
 # Bytes of RAM that the adjustment of a rig takes, beside the views that the caller has: a
-# Markdown table of DESIGN.md. A step of CI; wants arm-none-eabi-gcc.
+# Markdown table of BENCHMARKS.md. A step of CI; wants arm-none-eabi-gcc.
 #
 #   sh tests/bench/rig_memory.sh
 #

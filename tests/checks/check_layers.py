@@ -173,6 +173,12 @@ def intrusions(work):
                     for name, number, struct, field in found)
 
 
+def mapped():
+    """The layers that the map in CONTRIBUTING.md lists, from the top."""
+    text = (ROOT / "CONTRIBUTING.md").read_text().split("## The map of the house")[1]
+    return re.findall(r"^\| `(\w+)` \|", text.split("\n## ")[0], re.M)
+
+
 def main():
     unknown = {m[1] for m in STRUCT.finditer(
         (ROOT / "include/rigcal_solvers.h").read_text())} - SOLVERS.keys()
@@ -183,6 +189,11 @@ def main():
     if not files:
         sys.exit("check_layers: there is nothing in src/")
     bad = 0
+    listed = [name for name in order if name not in [*APART, "real"]]
+    if mapped() != listed:
+        wrong = sorted(set(mapped()) ^ set(listed)) or "their order"
+        print(f"CONTRIBUTING.md: its map has not the layers of CMakeLists.txt: {wrong}")
+        bad += 1
     for path in files:
         for number, text in offences(path, order):
             print(f"{path.relative_to(ROOT)}:{number}: {text}")

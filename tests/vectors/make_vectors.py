@@ -627,7 +627,7 @@ def stored_cameras():
 
 
 def stored(rows, letter):
-    """The byte form of DESIGN.md; letter d or f, struct's for the two precisions."""
+    """The byte form of FORMAT.md; letter d or f, struct's for the two precisions."""
     body = b""
     for r in rows:
         body += struct.pack("<4i", *[int(x) for x in r[:4]])

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Compiles and runs the C programs of README.md and CONTRIBUTING.md.
+"""Compiles and runs the C programs of README.md, examples/README.md and CONTRIBUTING.md.
 
 A ```c block that defines main is a program. Any other ```c block is a part of the file that
 the link before it names, word for word; if that is a program of examples/, the program is
@@ -7,10 +7,13 @@ meant. Programs are compiled as strictly as the library itself, and run. What a 
 must be the ```text block that follows it, word for word.
 
 The first programs, examples/*.c besides the command line, have at most 40 lines each, and
-README.md shows all of them.
+examples/README.md shows all of them.
 
 A ```sh block of CONTRIBUTING.md that a ```text block follows is run as it is printed, in a
 copy of the project; it must print that text.
+
+Between "<!-- figures from FILE -->" and "<!-- end of figures -->" every number must stand
+in FILE, which a script wrote.
 """
 import pathlib
 import re
@@ -72,11 +75,11 @@ def compare(where, printed, text):
         sys.exit(f"{where}: this is printed:\n{printed}\nand the text block says:\n{text}")
 
 
-def named_file(before, where):
+def named_file(before, where, folder):
     names = LINK.findall(before)
     if not names:
         sys.exit(f"{where}: a ```c block without main, and no link before it names its file")
-    path = ROOT / names[-1]
+    path = folder / names[-1]
     if not path.is_file():
         sys.exit(f"{where}: there is no {names[-1]}")
     return path
@@ -95,6 +98,7 @@ def check_part(code, path, where):
 
 def check_document(name, work, shown):
     """Counts what was compared; adds the programs shown to `shown`."""
+    folder = (ROOT / name).parent
     blocks = blocks_of((ROOT / name).read_text())
     count = 0
     for k, (language, code, line, before) in enumerate(blocks):
@@ -105,7 +109,7 @@ def check_document(name, work, shown):
                 source = work / "document.c"
                 source.write_text(code)
             else:
-                source = named_file(before, where)
+                source = named_file(before, where, folder)
                 check_part(code, source, where)
                 if not MAIN.search(source.read_text()):
                     continue
@@ -124,6 +128,26 @@ def check_document(name, work, shown):
     return count
 
 
+FIGURES = re.compile(r"<!-- figures from (\S+) -->\n(.*?)<!-- end of figures -->", re.S)
+NUMBER = re.compile(r"(?<![\w.-])\d+(?:\.\d+)?(?:e[-+]?\d+)?(?![\w-])")
+
+
+def check_figures(name):
+    """How many numbers of the document stand in the file that they are from."""
+    text, count = (ROOT / name).read_text(), 0
+    for found in FIGURES.finditer(text):
+        known = set(NUMBER.findall((ROOT / found[1]).read_text()))
+        rows = [row.split("|")[2:] for row in found[2].splitlines()[2:]]
+        figures = [number for row in rows for cell in row for number in NUMBER.findall(cell)]
+        count += len(figures)
+        missing = sorted(set(figures) - known)
+        if missing:
+            sys.exit(f"{name}: {', '.join(missing)}: not in {found[1]}")
+    if text.count("<!-- figures from") != len(FIGURES.findall(text)):
+        sys.exit(f"{name}: a block of figures has no end")
+    return count
+
+
 def main():
     shown = set()
     programs = first_programs()
@@ -135,11 +159,14 @@ def main():
         work = pathlib.Path(work)
         build_library(work)
         count = check_document("README.md", work, shown)
+        count += check_document("examples/README.md", work, shown)
         for path in programs:
             if path not in shown:
-                sys.exit(f"README.md does not show examples/{path.name}")
+                sys.exit(f"examples/README.md does not show examples/{path.name}")
         count += check_document("CONTRIBUTING.md", work, shown)
-    print(f"{count} outputs as printed, {len(programs)} programs of at most {LINES_MOST} lines")
+    figures = check_figures("README.md")
+    print(f"{count} outputs as printed, {len(programs)} programs of at most {LINES_MOST} lines, "
+          f"{figures} figures from their files")
 
 
 if __name__ == "__main__":

@@ -36,9 +36,9 @@ def main():
     readme = (ROOT / "README.md").read_text()
     if readme.count(SECTION) != 1:
         sys.exit(f"README.md: there is no section {SECTION}, or more than one")
-    before, section = readme.split(SECTION)
+    section = readme.split(SECTION)[1]
     section = re.split(r"^##", section, flags=re.M)[0]
-    told = blocks(before)
+    told = blocks(readme)
     at = next(k for k, (language, code) in enumerate(told)
               if language == "c" and re.search(r"\bmain\s*\(", code))
     program, expected = told[at][1], told[at + 1][1]

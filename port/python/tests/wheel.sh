@@ -13,11 +13,8 @@ if ! [ -f "$wheel" ] || [ -n "$(find port/python/rigcal port/python/*.[cht]* src
         examples/*cli* CMakeLists.txt -newer "$wheel" ! -name '*.pyc' -type f | head -n 1)" ]
 then
     rm -rf "${out:?}/wheel"
-    /usr/bin/python3 -m pip --version >/dev/null 2>&1 ||
-        /usr/bin/python3 -m venv "$out/pip"
-    pip="/usr/bin/python3 -m pip"
-    [ ! -x "$out/pip/bin/pip" ] || pip=$out/pip/bin/pip
-    $pip -q wheel --no-deps --config-settings=build-dir="$out/cmake-alone" \
+    [ -x "$out/pip/bin/pip" ] || /usr/bin/python3 -m venv "$out/pip"
+    "$out/pip/bin/pip" -q wheel --no-deps --config-settings=build-dir="$out/cmake-alone" \
         -w "$out/wheel" ./port/python
     wheel=$(echo "$out"/wheel/rigcal-*.whl)
 fi

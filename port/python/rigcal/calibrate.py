@@ -335,6 +335,7 @@ def calibrate(
             text = "\n".join(told[: WARNED_MOST if status == 1 else 1])
             raise Error(text or f"the program ended with status {status}")
         rig = Rig.from_folder(kept, report, told, known)
+        rig.images = dict(getattr(detections, "images", {}))
     for text in told[:WARNED_MOST]:
         warnings.warn(text, Caveat, stacklevel=2)
     if len(told) > WARNED_MOST:

@@ -10,7 +10,6 @@ from collections.abc import Mapping
 from typing import Any
 
 from .. import _tables
-from ..calibrate import _teller
 from ..errors import Caveat
 from .detections import Detections
 from .find import find
@@ -60,6 +59,8 @@ def detect(
     found, or if images and intrinsics do not belong together. What is odd is a Caveat, and
     in Detections.warnings.
     """
+    from ..calibrate import _teller
+
     known = None if cameras is None else _tables.named_cameras(cameras)
     tell, end = _teller(progress)
     try:

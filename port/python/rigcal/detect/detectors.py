@@ -232,6 +232,14 @@ class CharucoDetector:
 
 # ---- tags -----------------------------------------------------------------------
 
+# Detectors of AprilTag's library, by family and options, that no thread uses now. They are
+# used again and never freed: pupil_apriltags frees a family and uses it afterwards.
+_KEPT: dict[tuple[str, str], list[Any]] = {}
+
+
+def _kept_alive(library: Any) -> Any:
+    return type("Detector", (library.Detector,), {"__del__": lambda self: None})
+
 
 class TagDetector:
     """Tags by the AprilTag library, or by cv2.aruco if the family is a dictionary of it."""
@@ -254,18 +262,25 @@ class TagDetector:
                 f'"rigcal[detect]" ({problem}); or family="APRILTAG_{family[3:]}", the '
                 "tags of OpenCV"
             ) from None
-        try:
-            detect = library.Detector(families=family, nthreads=1, **options).detect
-        except TypeError as problem:
-            raise Error(f"detector: {problem}") from None
+        kept = _KEPT.setdefault((family, repr(sorted(options.items()))), [])
 
         def find(image: Grey) -> list[tuple[int, Array]]:
+            try:
+                own = kept.pop()
+            except IndexError:
+                own = _kept_alive(library)(families=family, nthreads=1, **options)
+            tags = own.detect(image)
+            kept.append(own)
             # AprilTag begins at the bottom left and goes the other way round.
             return [
                 (int(tag.tag_id), np.asarray(tag.corners)[::-1] - APRILTAG_ORIGIN)
-                for tag in detect(image)
+                for tag in tags
             ]
 
+        try:
+            find(np.zeros((32, 32), np.uint8))
+        except TypeError as problem:
+            raise Error(f"detector: {problem}") from None
         return find
 
     @staticmethod

@@ -209,7 +209,7 @@ def _doubts(
 ) -> Iterator[str]:
     """What is odd about the target in a camera's pictures."""
     name, missed = camera.name, [key for key in looks if key not in usable]
-    if isinstance(target, Charuco) and len(missed) >= len(looks) / 2:
+    if isinstance(target, Charuco) and usable and len(missed) >= len(looks) / 2:
         better = mistakes.is_better(_again(camera, missed), target)
         if better:
             yield f"camera {name}: {target} is seen in {len(usable)} pictures; {better}"
@@ -242,6 +242,19 @@ def _in_two(
     if not any(has_two(key) for key in keys[::step][:LOOKED_AT]):
         return []
     return [key for key in keys if has_two(key)]
+
+
+def _why_nothing(cameras: Sequence[tuple[Camera, list[str], bool]], target: Target) -> str:
+    """What is told of cameras that saw no target at all."""
+    names = ", ".join(camera.name for camera, _, _ in cameras)
+    count = sum(len(keys) for _, keys, _ in cameras)
+    text = f"camera {names}: {target} is in none of {count} pictures"
+    for camera, keys, has_two in cameras[:1]:
+        if has_two:
+            return f"camera {names}: no picture of {count} shows one target alone"
+        why = mistakes.why_nothing(_again(camera, keys), target)
+        text += f"; {why}" if why else ""
+    return text
 
 
 # ---- all of it ----------------------------------------------------------------------
@@ -288,8 +301,6 @@ def named_alike(cameras: Sequence[Camera], known: Mapping[str, Any]) -> list[str
             f"{len(known)}: {', '.join(known)}. Name the sources: {{camera: source}}, or "
             "camera=SOURCE"
         )
-    by_number = {name.rstrip("0123456789").__len__() and name: name for name in known}
-    del by_number
     pairs = dict(zip(names, known))
     for camera, name in zip(cameras, known):
         camera.name = name
@@ -326,7 +337,7 @@ def find(
     points = target.points
     least = LEAST_CHARUCO if isinstance(target, Charuco) else LEAST
     sizes, views = {}, {}
-    nothing = []
+    nothing: list[tuple[Camera, list[str], bool]] = []
     for camera in cameras:
         looks = {key: look for (name, key), look in found.items() if name == camera.name}
         if not looks:
@@ -349,15 +360,13 @@ def find(
             )
             usable = {key: view for key, view in usable.items() if key not in two}
         if not usable:
-            why = "" if two else mistakes.why_nothing(_again(camera, list(looks)), target)
-            nothing.append(
-                f"camera {camera.name}: {target} is in none of {len(looks)} pictures"
-                + (f"; {why}" if why else "")
-            )
+            nothing.append((camera, list(looks), bool(two)))
         views.update({(camera.name, key): view for key, view in usable.items()})
-    if not views:
-        raise Error("\n".join([*nothing, *(text for text in told if "two boards" in text)]))
-    told += nothing
+    if nothing:
+        why = _why_nothing(nothing, target)
+        if not views:
+            raise Error("\n".join([why, *told]))
+        told.append(why)
     return _table(target, cameras, frames, views, sizes, timed, told)
 
 

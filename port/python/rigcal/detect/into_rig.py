@@ -214,7 +214,7 @@ def swapped(detections: Detections, cameras: Mapping[str, Camera]) -> list[str]:
         if own > FITS_BETTER * other and middle[a, a] > middle[a, b]:
             told.append(
                 f"the images of {a} and {b} fit with the other's intrinsics "
-                f"({other:.2g} px, {own:.2g} px with their own): are the two swapped?"
+                f"({other / 2**0.5:.2g} px, {own / 2**0.5:.2g} px with their own): are the two swapped?"
             )
     return told
 

@@ -46,6 +46,7 @@ calibrate --out is read too. The names of files tell the formats, or --from and 
   --scale      multiplies lengths that are read.
   --lens       that of a file of four coefficients which does not say it.
 
+{detect}
 The other commands are those of the program:
 
 """
@@ -62,7 +63,9 @@ OPTIONS = {
         "monitor": "rig matches observations times sigma arl0 common wrong walk",
     }.items()
 }
-COMMANDS = ("calibrate", "diagnose", "triangulate", "line", "monitor", "convert")
+COMMANDS = (
+    "calibrate", "detect", "diagnose", "triangulate", "line", "monitor", "convert",
+)  # fmt: skip
 NO_VALUE = object()
 
 
@@ -200,9 +203,11 @@ def _read(path: str, **how: Any) -> dict[str, Any]:
 def _caveats_told() -> Iterator[None]:
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", Caveat)
-        yield
-    for warning in caught:
-        _say(str(warning.message))
+        try:
+            yield
+        finally:
+            for warning in caught:
+                _say(str(warning.message))
 
 
 def _convert(arguments: Sequence[str]) -> int:
@@ -296,8 +301,55 @@ def _diagnose(arguments: Sequence[str]) -> int:
     return status
 
 
+# ---- images -----------------------------------------------------------------------
+
+
+def _detect(arguments: Sequence[str]) -> int:
+    from .detect.command import add_target, detect_images
+
+    parser = _Parser("rigcal detect", add_help=False, allow_abbrev=False)
+    parser.add_argument("sources", nargs="+", metavar="SOURCE")
+    add_target(parser)
+    parser.add_argument("--out", required=True)
+    parser.add_argument("--times-out")
+    with _caveats_told():
+        return detect_images(parser.parse_args(list(arguments)))
+
+
+def _calibrate_images(arguments: Sequence[str]) -> int:
+    from .detect.command import add_target, calibrate_images
+
+    parser = _Parser("rigcal calibrate", add_help=False, allow_abbrev=False)
+    which = parser.add_mutually_exclusive_group(required=True)
+    which.add_argument("--images", nargs="+", metavar="SOURCE")
+    which.add_argument("--videos", nargs="+", metavar="SOURCE")
+    add_target(parser)
+    for name, takes_value in OPTIONS["calibrate"].items():
+        if name in ("cameras", "times", "progress", "observations"):
+            continue
+        if name == "hold":
+            parser.add_argument("--hold", action="append", default=[])
+        elif takes_value:
+            kind = {"seed": int, "sigma": float, "threshold": float, "sigma-time": float}
+            default = "ml" if name == "method" else None
+            parser.add_argument("--" + name, type=kind.get(name, str), default=default)
+        else:
+            parser.add_argument("--" + name, action="store_true")
+    parser.add_argument("--html")
+    with _caveats_told():
+        return calibrate_images(parser.parse_args(list(arguments)))
+
+
+def _is_of_images(arguments: Sequence[str]) -> bool:
+    """Whether calibrate begins with images."""
+    words = [word.partition("=")[0] for word in arguments]
+    return "--images" in words or "--videos" in words
+
+
 def _help() -> int:
-    print(HELP.format(formats=", ".join(FORMATS)), end="")
+    from .detect.command import HELP as detect
+
+    print(HELP.format(formats=", ".join(FORMATS), detect=detect), end="")
     sys.stdout.flush()
     return _program("--help")
 
@@ -308,11 +360,15 @@ def _run(arguments: Sequence[str]) -> int:
         raise _UsageError(f"give a command: {known}")
     command, *rest = arguments
     if command in ("--help", "-h") or (
-        command in ("diagnose", "convert") and "--help" in rest
+        command in ("diagnose", "convert", "detect") and "--help" in rest
     ):
         return _help()
     if command == "--version":
         return _program(command)
+    if command == "detect":
+        return _detect(rest)
+    if command == "calibrate" and _is_of_images(rest):
+        return _calibrate_images(rest)
     if command == "convert":
         return _convert(rest)
     if command == "diagnose":

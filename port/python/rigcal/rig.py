@@ -116,6 +116,7 @@ class Rig:
     clocks    {name: Clock}, with times
     report    what the C program prints
     warnings  what it says besides
+    images    {(camera, frame): path, (video, number) or array}, if detections had them
     """
 
     calibrated: CalibratedRig
@@ -139,6 +140,7 @@ class Rig:
     report: str = ""
     warnings: list[str] = field(default_factory=list)
     stored: bytes = b""  # of the library's store
+    images: dict[tuple[str, str], Any] = field(default_factory=dict)
 
     # ---- as a collection of cameras -------------------------------------------
 

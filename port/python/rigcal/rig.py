@@ -104,7 +104,7 @@ class Rig:
     views     structured array, a row a view: camera, frame, n, cam_from_target (3, 4),
               rms_px, rotation_deg, position, second_rms_px, probability, verdict
     residuals structured array, a row a point, of the rig: view (row of views), camera,
-              frame, point, du, dv, error_px, left_out
+              frame, point, X, Y, Z, u, v, du, dv, error_px, left_out; X to v as detected
     left_out  views that do not count, and why
     F, sqrt_f how many times more than noise the views disagree; None: nothing can
     sigma_px  noise of one coordinate by the rig's residuals; noise_px: by the views
@@ -329,6 +329,7 @@ def _residuals_dtype(
         ("camera", _text_dtype(cameras)),
         ("frame", _text_dtype(frames)),
         ("point", _text_dtype(points)),
+        *((name, "f8") for name in _tables.OBSERVATIONS[3:]),
         ("du", "f8"),
         ("dv", "f8"),
         ("error_px", "f8"),
@@ -432,8 +433,8 @@ class _Reader:
         found = np.zeros(len(cameras), _residuals_dtype(cameras, frames, points))
         found["view"] = [number[key] for key in zip(cameras, frames)]
         found["camera"], found["frame"], found["point"] = cameras, frames, points
-        for name in ("du", "dv", "error_px"):
-            found[name] = _tables.numbers_of(table[name])
+        for name in (*_tables.OBSERVATIONS[3:], "du", "dv", "error_px"):
+            found[name] = _tables.numbers_of(table[name]) if name in table else np.nan
         found["left_out"] = [flag == "1" for flag in table["left_out"]]
         return found
 

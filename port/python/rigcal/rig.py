@@ -224,7 +224,98 @@ class Rig:
         """Watches the rig while it runs: see Monitor."""
         return self.calibrated.monitor(**options)
 
+    # ---- pictures -------------------------------------------------------------
+
+    def plot(
+        self,
+        *,
+        ax: Any = None,
+        dark: bool = False,
+        k: float = 3.0,
+        exaggeration: float | None = None,
+        boards: bool = True,
+    ) -> Any:
+        """The rig in space: cameras as frustums of their image, boards as outlines, and how
+        sure each centre is as an ellipsoid. Returns the figure.
+
+        k             half axes of the ellipsoids, in standard deviations
+        exaggeration  how many times as large they are drawn; None: so that they are seen.
+                      The title tells it
+        boards        False: without them
+        ax            3-D axes of Matplotlib to draw on; dark: for a dark background
+
+        Scales are equal, up is as the cameras stand. Needs rigcal[plot], as all pictures.
+        """
+        from . import plots
+
+        return plots.plot_rig(
+            self, ax=ax, dark=dark, k=k, exaggeration=exaggeration, boards=boards
+        )
+
+    def plot_residuals(
+        self,
+        cameras: str | Sequence[str] | None = None,
+        *,
+        scale: float | None = None,
+        most: int | None = None,
+        ax: Any = None,
+        dark: bool = False,
+    ) -> Any:
+        """Residuals of the rig as arrows, a panel a camera, from where the rig puts a point
+        towards where it was seen. Points left out are crosses. Returns the figure.
+
+        cameras  names; None: all
+        scale    how many times as long as they are; None: so that they are seen. The
+                 title tells it
+        most     arrows of a camera; None: as many as can be told apart
+        ax       axes to draw on, of one camera
+        """
+        from . import plots
+
+        return plots.plot_residuals(
+            self, cameras=cameras, scale=scale, most=most, ax=ax, dark=dark
+        )
+
+    def plot_views(self, *, worst: int = 5, ax: Any = None, dark: bool = False) -> Any:
+        """The rms of each view in the rig, the worst of them named. Returns the figure."""
+        from . import plots
+
+        return plots.plot_views(self, worst=worst, ax=ax, dark=dark)
+
+    def plot_graph(self, *, ax: Any = None, dark: bool = False) -> Any:
+        """How many frames each two cameras share, and who saw the target when; what is left
+        out is dashed. Returns the figure.
+
+        ax  axes to draw the first of the two on
+        """
+        from . import plots
+
+        return plots.plot_graph(self, ax=ax, dark=dark)
+
+    def plot_match(self, a: str, uv: Any, b: str, **options: Any) -> Any:
+        """Where b sees the points behind pixels uv (K, 2) of a. Returns the figure.
+
+        images      a pair, of a and of b: arrays or paths; None: blank, of the true sizes
+        candidates  (m, 2) pixels of b: dots; those in a band are rings, the best are stars
+        depth, probability, sigma_px   as of CalibratedRig.band
+        dark        for a dark background
+        """
+        from . import plots
+
+        return plots.plot_match(self, a, uv, b, **options)
+
     # ---- files ----------------------------------------------------------------
+
+    def html(self, path: str | os.PathLike[str], title: str | None = None) -> None:
+        """Writes one page with all there is to say of the rig: the verdict, what to do,
+        pictures, tables. It needs nothing besides: no network, no other file.
+
+        It is light or dark as the reader's system is, at most html.BYTES_MOST large, and
+        there whole or not at all. Names of files are in it, no folders.
+        """
+        from .html import write_page
+
+        write_page(self, path, title)
 
     def save(self, path: str | os.PathLike[str], format: str | None = None) -> None:
         """The stored bytes, with the joint covariance, as `*.bin` or format "stored"; else

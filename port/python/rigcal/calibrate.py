@@ -336,6 +336,11 @@ def calibrate(
             raise Error(text or f"the program ended with status {status}")
         rig = Rig.from_folder(kept, report, told, known)
         rig.images = dict(getattr(detections, "images", {}))
+        rig.made = {
+            "cameras": _called(cameras),
+            "detections": _called(detections),
+            "options": " ".join(map(_without_folders, _options_of(arguments))) or "none",
+        }
     for text in told[:WARNED_MOST]:
         warnings.warn(text, Caveat, stacklevel=2)
     if len(told) > WARNED_MOST:
@@ -345,6 +350,33 @@ def calibrate(
             stacklevel=2,
         )
     return rig
+
+
+def _called(given: Any) -> str:
+    """What an argument is: the name of its file, or its type."""
+    if isinstance(given, (str, os.PathLike)):
+        return pathlib.Path(given).name
+    return type(given).__name__
+
+
+NOT_TOLD = ("cameras", "observations", "out", "progress", "method=ml")
+
+
+def _options_of(arguments: Sequence[str]) -> list[str]:
+    """Options of the program as they were given, without files of every run."""
+    return [
+        word
+        for word in arguments
+        if word.startswith("--")
+        and word[2:].partition("=")[0] not in NOT_TOLD
+        and word[2:] not in NOT_TOLD
+    ]
+
+
+def _without_folders(option: str) -> str:
+    """--prior=/tmp/x/rig.csv as --prior=rig.csv"""
+    name, is_given, value = option.partition("=")
+    return name + is_given + pathlib.PurePath(value).name if is_given else name
 
 
 def _as_arguments(text: str) -> str:

@@ -116,6 +116,7 @@ class Rig:
     clocks    {name: Clock}, with times
     report    what the C program prints
     warnings  what it says besides
+    made      how: names of files, options, by what they are
     images    {(camera, frame): path, (video, number) or array}, if detections had them
     """
 
@@ -139,6 +140,7 @@ class Rig:
     clocks: dict[str, Clock] = field(default_factory=dict)
     report: str = ""
     warnings: list[str] = field(default_factory=list)
+    made: dict[str, str] = field(default_factory=dict)
     stored: bytes = b""  # of the library's store
     images: dict[tuple[str, str], Any] = field(default_factory=dict)
 
@@ -360,7 +362,9 @@ def load(path: str | os.PathLike[str], names: Sequence[str] | None = None) -> Ri
     those of the rig.csv beside a rig.bin, or cam0, cam1, ..."""
     where = pathlib.Path(path)
     if (where / "summary.json").is_file():
-        return Rig.from_folder(where)
+        rig = Rig.from_folder(where)
+        rig.made["files"] = _name_of(where)
+        return rig
     data = b"" if where.is_dir() else read_file(path)
     if data.startswith(stored.MAGIC):
         beside = where.with_name("rig.csv")
@@ -370,12 +374,18 @@ def load(path: str | os.PathLike[str], names: Sequence[str] | None = None) -> Ri
             calibrated = CalibratedRig.from_bytes(data, names)
         except Error as problem:
             raise FileError(path, str(problem)) from None
-        return Rig(calibrated, calibrated.cameras, stored=data)
+        made = {"file": _name_of(where)}
+        return Rig(calibrated, calibrated.cameras, stored=data, made=made)
     cameras = load_cameras(path)
     posed = {name: c for name, c in cameras.items() if c.cam_from_rig is not None}
     if not posed:
         raise FileError(path, "no camera in it has a pose")
-    return Rig(CalibratedRig.from_cameras(posed), posed)
+    return Rig(CalibratedRig.from_cameras(posed), posed, made={"file": _name_of(where)})
+
+
+def _name_of(path: pathlib.Path) -> str:
+    """The name without the folders that lead to it."""
+    return path.name or path.resolve().name
 
 
 def _load_bytes(data: bytes) -> list[Camera]:

@@ -103,13 +103,18 @@ def make_axes(ax: Any, size: tuple[float, float], figure: Any = None, **how: Any
     return (figure or new_figure(size)).add_subplot(**how)
 
 
-def plain(text: object, most: int = 40) -> str:
-    """A user's text as it is: no mathematics of Matplotlib, no control characters."""
+def clean(text: object, most: int | None = None) -> str:
+    """A user's text without control characters and halves of characters, shortened."""
     shown = str(text).encode("utf-8", "replace").decode("utf-8")
     shown = "".join(c if c.isprintable() else "\N{REPLACEMENT CHARACTER}" for c in shown)
-    if len(shown) > most:
+    if most is not None and len(shown) > most:
         shown = shown[: most - 1] + "\N{HORIZONTAL ELLIPSIS}"
-    return shown.replace("$", r"\$")
+    return shown
+
+
+def plain(text: object, most: int = 40) -> str:
+    """A user's text in a picture as it is: no mathematics of Matplotlib."""
+    return clean(text, most).replace("$", r"\$")
 
 
 def say(ax: Any, text: str, theme: Theme) -> None:

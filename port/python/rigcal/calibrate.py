@@ -336,11 +336,7 @@ def calibrate(
             raise Error(text or f"the program ended with status {status}")
         rig = Rig.from_folder(kept, report, told, known)
         rig.images = dict(getattr(detections, "images", {}))
-        rig.made = {
-            "cameras": _called(cameras),
-            "detections": _called(detections),
-            "options": " ".join(map(_without_folders, _options_of(arguments))) or "none",
-        }
+        rig.made = made_of(cameras, detections, arguments)
     for text in told[:WARNED_MOST]:
         warnings.warn(text, Caveat, stacklevel=2)
     if len(told) > WARNED_MOST:
@@ -350,6 +346,15 @@ def calibrate(
             stacklevel=2,
         )
     return rig
+
+
+def made_of(cameras: Any, detections: Any, arguments: Sequence[str]) -> dict[str, str]:
+    """Rig.made of the arguments, and of the options of the program."""
+    return {
+        "cameras": _called(cameras),
+        "detections": _called(detections),
+        "options": " ".join(map(_without_folders, _options_of(arguments))) or "none",
+    }
 
 
 def _called(given: Any) -> str:

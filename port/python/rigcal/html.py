@@ -32,6 +32,7 @@ if TYPE_CHECKING:
 
 BYTES_MOST = 3_000_000  # of a page
 ROWS_MOST, FAULTS_MOST = 100, 15  # of a table
+TITLE_MOST = 60  # characters of the cameras' names
 REPORT_MOST = 100_000  # characters of the program's report
 THUMBS_MOST, THUMB_WIDTH, THUMB_QUALITY = 6, 560, 72
 SIGMA = 3.0  # half axes of ellipsoids
@@ -43,6 +44,16 @@ WORDS = {"good": "Good", "warn": "Look at this", "bad-one": "Something is wrong"
 def text(value: object) -> str:
     """A user's text in the page."""
     return _html.escape(clean(value))
+
+
+FOLDERS = re.compile(
+    r"(?<![\w./\\])(?:[A-Za-z]:)?([/\\][^\s/\\:,;'\"]+)[/\\](?:[^\s/\\:,;'\"]+[/\\])*"
+)
+
+
+def no_folders(said: str) -> str:
+    """A message with names of files only, as far as folders of this machine are named."""
+    return FOLDERS.sub(lambda m: "" if os.path.isdir(m[1]) or ":" in m[0] else m[0], said)
 
 
 # ---- what is said -----------------------------------------------------------------
@@ -95,7 +106,7 @@ def advice(rig: Rig) -> list[str]:
         told = [w.partition("; ")[2] for w in rig.warnings if "; " in w]
     if not told:
         told = ["nothing: save the rig, and use it"] if rig.verdict == "agrees" else []
-    return list(dict.fromkeys(told))
+    return [no_folders(one) for one in dict.fromkeys(told)]
 
 
 def _facts(rig: Rig) -> str:
@@ -177,10 +188,10 @@ def _space(rig: Rig) -> str:
     scene = make_scene(rig, SIGMA)
     still = svg(figure, "space", "the cameras of the rig in space")
     data = json.dumps(_lines(scene), separators=(",", ":"), ensure_ascii=True)
-    notes = [caption(scene, SIGMA), *scene.notes]
+    notes = "; ".join(n for n in (caption(scene, SIGMA), *scene.notes) if n)
     return (
         f'<div id="space"><div class="still wide picture">{still}</div></div>'
-        f'<p class="note">{text("; ".join(n for n in notes if n))}. Lengths are in the unit '
+        f'<p class="note">{text(notes)}{". " if notes else ""}Lengths are in the unit '
         "of the target. Drag to turn; arrow keys turn, + and - zoom.</p>"
         f'<script type="application/json" id="lines">{data.replace("<", chr(92) + "u003c")}'
         "</script>"
@@ -256,6 +267,8 @@ def _known(x: float | None, digits: int = 3) -> str:
 def _cameras(rig: Rig) -> str:
     r, views, out = rig.residuals, rig.views, is_left_out(rig)
     rows = []
+    centres = np.array([rig.cam_from_rig(name).center for name in rig])
+    centres[np.abs(centres) < 1e-9 * np.abs(centres).max()] = 0  # rounding
     for k, name in enumerate(rig):
         camera, sigma = rig[name], rig.sigmas.get(name)
         own = (r["camera"] == name) & ~r["left_out"]
@@ -265,7 +278,7 @@ def _cameras(rig: Rig) -> str:
         rows.append([
             f'<i class="dot" style="background:var(--c{k % N_COLOURS})"></i>{text(name)}',
             size, "fisheye" if camera.lens == "fisheye" else "brown",
-            _known(camera.fx, 5), *(_known(x, 5) for x in rig.cam_from_rig(name).center),
+            _known(camera.fx, 5), *(_known(x, 5) for x in centres[k].tolist()),
             *(_known(x) for x in ((sigma.position, sigma.rotation_deg, sigma.noise_px)
                                   if sigma else (None,) * 3)),
             _known(rms(r["error_px"][own])) if own.any() else "?",
@@ -287,7 +300,7 @@ def _faults(rig: Rig) -> str:
     body = _table(
         ["fault", "about", "how large", "by noise alone", "disagreement<br>without it",
          "the reason"],
-        ([text(FAULTS.get(f.name, f.name)), text(" ".join(x for x in (f.camera, f.frame) if x)) or "all",
+        ([text(FAULTS.get(f.name, f.name)), text(f"{f.camera} {f.frame}".strip()) or "all",
           _value(f), _known(f.p, 2),
           _known(math.sqrt(f.F_after)) if f.F_after >= 0 else "?",
           "yes" if f.explains else "no"] for f in seen),
@@ -368,7 +381,8 @@ def _thumbs(rig: Rig) -> str:
     body = f'<div class="thumbs">{"".join(made)}</div>' if made else ""
     body += f'<p class="note">Residuals are {number(scale)} times as long as they are.</p>'
     if missing:
-        body += f'<p class="note">No image of {text("; ".join(missing))}.</p>'
+        told = text(no_folders("; ".join(missing)))
+        body += f'<p class="note">No image of {told}.</p>'
     return body
 
 
@@ -431,7 +445,7 @@ def _first(rig: Rig) -> str:
     """The verdict, why, and what to do."""
     kind, sentence = headline(rig)
     cause = rig.cause.rpartition("Next: ")[0] or rig.cause
-    more = f"<p>{text(cause.strip())}</p>" if cause.strip() else ""
+    more = f"<p>{text(no_folders(cause.strip()))}</p>" if cause.strip() else ""
     return (
         f'<div class="verdict {kind}"><b>{WORDS[kind]}</b><p class="main">{sentence}</p>'
         f'{more}</div><p class="facts">{_facts(rig)}</p>'
@@ -443,7 +457,7 @@ def _made(rig: Rig) -> str:
 
     rows = [f"rigcal {__version__}"]
     rows += [f"{name}: {value}" for name, value in rig.made.items()]
-    return _listed(rows)
+    return _listed(map(no_folders, rows))
 
 
 def _report(rig: Rig) -> str:
@@ -454,15 +468,19 @@ def _report(rig: Rig) -> str:
         half = REPORT_MOST // 2
         left = len(shown) - REPORT_MOST
         shown = f"{shown[:half]}\n... {left} characters are left out ...\n{shown[-half:]}"
-    lines = "\n".join(map(text, shown.splitlines()))
+    lines = "\n".join(text(no_folders(line)) for line in shown.splitlines())
     return f"<details><summary>show it</summary><pre>{lines}</pre></details>"
+
+
+NEEDED_LEAST = ("The program's report", "The worst views", "Who saw the target together",
+                "How well each view fits", "Residuals")  # fmt: skip
 
 
 def make_page(rig: Rig, title: str | None = None) -> str:
     """The page as text; at most BYTES_MOST as UTF-8."""
     need()
     if title is None:
-        title = f"Rig of {count(len(rig), 'camera')}: {', '.join(rig)}"[:120]
+        title = f"Rig of {count(len(rig), 'camera')}: {clean(', '.join(rig), TITLE_MOST)}"
     has_views = len(rig.views) > 0
     parts = [
         ("What to do next", _listed(advice(rig), "ol")),
@@ -475,19 +493,16 @@ def make_page(rig: Rig, title: str | None = None) -> str:
         ("What may be wrong with the rig as a whole", _faults(rig)),
         ("Clocks", _clocks(rig)),
         ("Views that are left out", _left_out(rig)),
-        ("What the program warned of", _listed(rig.warnings[:ROWS_MOST])),
+        ("What the program warned of", _listed(map(no_folders, rig.warnings[:ROWS_MOST]))),
         ("The program's report", _report(rig)),
         ("How it was made", _made(rig)),
     ]
     bodies = dict(parts)
-    dropped: list[str] = []
-    for least in (None, "The program's report", "The worst views",
-                  "Who saw the target together", "How well each view fits", "Residuals"):  # fmt: skip
+    for least in (None, *NEEDED_LEAST):
         if least is not None:
             bodies[least] = (
                 '<p class="note">Left out here: the page would be too large.</p>'
             )
-            dropped.append(least)
         page = _assembled(rig, title, bodies)
         if len(page.encode("utf-8", "replace")) <= BYTES_MOST:
             return page

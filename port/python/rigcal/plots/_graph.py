@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from ..rig import Rig
 
 EDGES_MOST = 10  # that are drawn as lines: 5 cameras; of more there is a table
-TABLE_WIDTH = 200.0  # points
+TABLE_WIDTH = 165.0  # points
 TICKS_MOST = 14
 NONE, COUNTS, LEFT_OUT = 0, 1, 2
 

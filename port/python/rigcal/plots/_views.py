@@ -68,6 +68,7 @@ def plot_residuals(
         if ax is None:
             tall = high * (side * image_shape(rig, names) + LINES) + 0.3
             figure = figure or new_figure((side * wide, tall))
+            figure.set_size_inches(side * wide, tall)
             axes = figure.subplots(high, wide, squeeze=False).ravel().tolist()
         else:
             figure, axes = ax.figure, [ax]

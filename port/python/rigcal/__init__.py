@@ -36,6 +36,7 @@ from .measure import (
     undistort,
 )
 from .monitor import BodyReport, Monitor, MonitorReport
+from .plots import plot_monitor
 from .poses import (
     Blame,
     Diagnosis,
@@ -107,6 +108,7 @@ __all__ = [
     "load_cameras",
     "load_target",
     "pixel_to_ray",
+    "plot_monitor",
     "project",
     "save_cameras",
     "save_target",

@@ -106,6 +106,14 @@ class CalibratedRig:
             struct[field] = getattr(self, field)
         return struct
 
+    def __getstate__(self) -> dict[str, Any]:
+        """All but the struct, whose pointers are of this process."""
+        return {key: value for key, value in self.__dict__.items() if key != "struct"}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        self.struct = self._make_struct(len(self._Sigma) if self.sigma_px > 0 else 0)
+
     # ---- made from, and into ----
 
     @classmethod

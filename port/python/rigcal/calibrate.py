@@ -346,6 +346,7 @@ def calibrate(
             before = known if prior is None or not isinstance(prior, Rig) else prior.cameras
             told = noted + into_rig.compare(rig.cameras, before, detections) + told
             rig.warnings = told
+        rig.made = made_of(cameras, detections, arguments)
     for text in told[:WARNED_MOST]:
         warnings.warn(text, Caveat, stacklevel=2)
     if len(told) > WARNED_MOST:
@@ -364,6 +365,42 @@ def _prepared(
     into_rig.check_sizes(detections, cameras)
     detections, noted = into_rig.turned(detections, cameras)
     return detections, noted + into_rig.swapped(detections, cameras)
+
+
+def made_of(cameras: Any, detections: Any, arguments: Sequence[str]) -> dict[str, str]:
+    """Rig.made of the arguments, and of the options of the program."""
+    return {
+        "cameras": _called(cameras),
+        "detections": _called(detections),
+        "options": " ".join(map(_without_folders, _options_of(arguments))) or "none",
+    }
+
+
+def _called(given: Any) -> str:
+    """What an argument is: the name of its file, or its type."""
+    if isinstance(given, (str, os.PathLike)):
+        return pathlib.Path(given).name
+    return type(given).__name__
+
+
+NOT_TOLD = ("cameras", "observations", "out", "progress", "method=ml")
+
+
+def _options_of(arguments: Sequence[str]) -> list[str]:
+    """Options of the program as they were given, without files of every run."""
+    return [
+        word
+        for word in arguments
+        if word.startswith("--")
+        and word[2:].partition("=")[0] not in NOT_TOLD
+        and word[2:] not in NOT_TOLD
+    ]
+
+
+def _without_folders(option: str) -> str:
+    """--prior=/tmp/x/rig.csv as --prior=rig.csv"""
+    name, is_given, value = option.partition("=")
+    return name + is_given + pathlib.PurePath(value).name if is_given else name
 
 
 def _as_arguments(text: str) -> str:

@@ -17,9 +17,11 @@ from collections.abc import Iterator, Sequence
 from typing import Any, NoReturn
 
 from . import _tables
-from .calibrate import PROGRESS, joined, program, run
+from .calibrate import PROGRESS, joined, made_of, program, run
 from .errors import Caveat, Error, FileError
 from .formats import FORMATS, load_cameras, save_cameras
+from .html import check_path, write_page
+from .plots import need
 from .rig import Fault, Rig, load
 
 __all__ = ["main"]
@@ -37,6 +39,8 @@ One file with poses serves as --cameras and --rig both.
   rigcal diagnose    --cameras FILE --observations FILE [options of calibrate]
   rigcal convert     FILE... FILE [--from FORMAT] [--to FORMAT] [--scale FACTOR]
                      [--lens brown|fisheye]
+  rigcal report      FOLDER|FILE [--out rig.html] [--title TEXT]
+  rigcal calibrate   --html FILE [--title TEXT] [options of the program]
 
 diagnose says what is wrong with a recording, why, and what to do, without the tables of
 calibrate. Its exit status is that of calibrate.
@@ -47,6 +51,10 @@ calibrate --out is read too. The names of files tell the formats, or --from and 
   --lens       that of a file of four coefficients which does not say it.
 
 {detect}
+report writes one page: the verdict, what to do next, pictures, tables. It reads a folder of
+calibrate --out, or any file of a rig. calibrate --html writes the same page. The page needs
+Matplotlib (pip install rigcal[plot]); the C program by itself has no --html.
+
 The other commands are those of the program:
 
 """
@@ -65,6 +73,7 @@ OPTIONS = {
 }
 COMMANDS = (
     "calibrate", "detect", "diagnose", "triangulate", "line", "monitor", "convert",
+    "report",
 )  # fmt: skip
 NO_VALUE = object()
 
@@ -346,6 +355,56 @@ def _is_of_images(arguments: Sequence[str]) -> bool:
     return "--images" in words or "--videos" in words
 
 
+def _report(arguments: Sequence[str]) -> int:
+    parser = _Parser("rigcal report", add_help=False)
+    parser.add_argument("rig", nargs="+", metavar="FOLDER|FILE")
+    parser.add_argument("--out", default="rig.html")
+    parser.add_argument("--title")
+    given = parser.parse_args(list(arguments))
+    if len(given.rig) > 1:
+        raise _UsageError("report takes one folder of calibrate --out, or one file")
+    check_path(given.out)
+    need()
+    with _caveats_told():
+        rig = load(given.rig[0])
+        write_page(rig, given.out, given.title)
+    print(given.out)
+    return DONE
+
+
+def _paged(arguments: Sequence[str]) -> int:
+    """calibrate --html: calibrates, and writes a page of what came out."""
+    parser = _Parser(add_help=False, allow_abbrev=False)
+    parser.add_argument("--html")
+    parser.add_argument("--title")
+    page, rest = parser.parse_known_args(list(arguments))
+    given = _options("calibrate", rest)
+    if given is None or not {"cameras", "observations"} <= set(given):
+        return _program("calibrate", *rest)  # it says why not
+    check_path(page.html)
+    need()
+    with tempfile.TemporaryDirectory(prefix="rigcal-") as folder:
+        converted = _Converted(folder)
+        changed = converted.options("calibrate", given)
+        changed.setdefault("out", [os.path.join(folder, "out")])
+        status, report, messages = _call("calibrate", changed)
+        told = [converted.in_words_of_user(line) for line in messages]
+        for line in told:
+            print(line, file=sys.stderr)
+        sys.stdout.write(report)
+        if status in (DONE, GEOMETRY) and report:
+            rig = Rig.from_folder(changed["out"][0], report, joined(told))
+            words = [
+                f"--{name}" + (f"={v}" if OPTIONS["calibrate"][name] else "")
+                for name, values in given.items()
+                for v in values
+            ]
+            rig.made = made_of(given["cameras"][0], given["observations"][0], words)
+            write_page(rig, page.html, page.title)
+            print(page.html, file=sys.stderr)
+    return status
+
+
 def _help() -> int:
     from .detect.command import HELP as detect
 
@@ -360,7 +419,7 @@ def _run(arguments: Sequence[str]) -> int:
         raise _UsageError(f"give a command: {known}")
     command, *rest = arguments
     if command in ("--help", "-h") or (
-        command in ("diagnose", "convert", "detect") and "--help" in rest
+        command in ("diagnose", "convert", "detect", "report") and "--help" in rest
     ):
         return _help()
     if command == "--version":
@@ -373,6 +432,10 @@ def _run(arguments: Sequence[str]) -> int:
         return _convert(rest)
     if command == "diagnose":
         return _diagnose(rest)
+    if command == "report":
+        return _report(rest)
+    if command == "calibrate" and any(word.startswith("--html") for word in rest):
+        return _paged(rest)
     if command not in OPTIONS:
         raise _UsageError(f'there is no command "{command}": the commands are {known}')
     return _pass_on(command, rest)

@@ -48,12 +48,16 @@ def escaped(text: str) -> str:
 def as_rows(lines: list[str]) -> list[tuple[str, str]] | None:
     """(name, what it is) of a paragraph in columns; None: it is no such paragraph."""
     rows: list[tuple[str, str]] = []
+    column = 0
     for line in lines:
         found = ROW.match(line)
         if found:
+            column = found.start(2)
             rows.append((found[1], found[2]))
         elif rows and line.startswith(" "):
             rows[-1] = (rows[-1][0], f"{rows[-1][1]} {line.strip()}")
+        elif rows and line[column - 1 : column] == " " and line[:column].strip(" ,"):
+            rows.append((line[:column].strip(), line[column:]))  # a name of full length
         elif rows:
             rows.append(("", line))
         else:
@@ -83,14 +87,18 @@ def tidy(app: Any, what: str, name: str, obj: Any, options: Any, lines: list[str
             made += [escaped(" ".join(line.strip() for line in part)), ""]
         else:
             for head, text in rows:
-                made += [f"``{head}``" if head else "..", f"    {escaped(text)}", ""] if head else [
-                    escaped(text),
-                    "",
-                ]
+                made += (
+                    [f"``{head}``", f"    {escaped(text)}"]
+                    if head
+                    else ["", escaped(text), ""]
+                )
+            made.append("")
     lines[:] = made
 
 
-def skip(app: Any, what: str, name: str, obj: Any, is_skipped: bool, options: Any) -> bool | None:
+def skip(
+    app: Any, what: str, name: str, obj: Any, is_skipped: bool, options: Any
+) -> bool | None:
     """Fields of named tuples and of data classes are in the docstring of their class."""
     text = inspect.getdoc(obj) or ""
     if text.startswith("Alias for field number") or isinstance(obj, enum.Enum):

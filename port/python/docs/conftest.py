@@ -66,8 +66,15 @@ def setup(namespace: dict[str, Any]) -> None:
 def teardown(namespace: dict[str, Any]) -> None:
     os.chdir(namespace["_before"])
     namespace["_folder"].cleanup()
-    sys.modules["matplotlib.pyplot"].close("all") if "matplotlib.pyplot" in sys.modules else None
+    sys.modules["matplotlib.pyplot"].close(
+        "all"
+    ) if "matplotlib.pyplot" in sys.modules else None
 
 
-PARSERS = [CodeBlockParser(name, run) for name, run in (("python", python), ("sh", sh), ("text", text))]
-pytest_collect_file = Sybil(PARSERS, pattern="*.md", setup=setup, teardown=teardown).pytest()
+PARSERS = [
+    CodeBlockParser(name, run)
+    for name, run in (("python", python), ("sh", sh), ("text", text))
+]
+pytest_collect_file = Sybil(
+    PARSERS, pattern="*.md", setup=setup, teardown=teardown
+).pytest()

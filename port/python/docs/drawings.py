@@ -12,33 +12,40 @@ import sys
 from typing import Any
 
 import numpy as np
-
 import rigcal
 
 IMAGES = "/usr/share/doc/opencv-doc/examples/data"
 STEREO = pathlib.Path(__file__).resolve().parents[3] / "examples/data/opencv_stereo"
 
 
+TIPS = {
+    "x": "#d0504b",
+    "y": "#2d9f55",
+    "z": "#3f83d8",
+    "line": "var(--color-foreground-secondary)",
+}
+
+
 class Drawing:
     """Lines, dots and texts of one SVG."""
 
     def __init__(self, width: float, height: float, title: str) -> None:
+        svg = f'xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}"'
+        box = 'viewBox="0 0 10 10" refX="8" refY="5" markerWidth="6" markerHeight="6"'
+        tips = "".join(
+            f'<marker id="tip-{name}" {box} orient="auto">'
+            f'<path d="M0 0L10 5L0 10z" fill="{colour}"/></marker>'
+            for name, colour in TIPS.items()
+        )
         self.head = (
-            f'<figure class="drawing"><svg xmlns="http://www.w3.org/2000/svg" width="{width}" '
-            f'viewBox="0 0 {width} {height}" role="img"><title>{title}</title>\n'
-            "<defs>"
-            + "".join(
-                f'<marker id="tip-{c}" viewBox="0 0 10 10" refX="8" refY="5" markerWidth="6" '
-                f'markerHeight="6" orient="auto"><path d="M0 0L10 5L0 10z" fill="{colour}"/>'
-                "</marker>"
-                for c, colour in (("x", "#d0504b"), ("y", "#2d9f55"), ("z", "#3f83d8"),
-                                  ("line", "var(--color-foreground-secondary)"))
-            )
-            + "</defs>\n"
-        )  # fmt: skip
+            f'<figure class="drawing"><svg {svg} width="{width}" role="img">'
+            f"<title>{title}</title>\n<defs>{tips}</defs>\n"
+        )
         self.parts: list[str] = []
 
-    def path(self, points: Any, kind: str = "line", closed: bool = False, tip: str = "") -> None:
+    def path(
+        self, points: Any, kind: str = "line", closed: bool = False, tip: str = ""
+    ) -> None:
         d = "M" + "L".join(f"{x:.1f} {y:.1f}" for x, y in points) + ("z" if closed else "")
         end = f' marker-end="url(#tip-{tip})"' if tip else ""
         self.parts.append(f'<path class="{kind}" d="{d}"{end}/>')
@@ -70,12 +77,12 @@ class Drawing:
 
 def frames(path: pathlib.Path) -> None:
     """Two cameras and a board in space, with their axes and what takes one to another."""
-    drawing = Drawing(720, 400, "Frames of two cameras and of a target")
-    view = rigcal.Transform.from_rvec([-0.42, 0.55, 0.12], [-0.35, -0.12, 4.1], "page", "rig")
+    drawing = Drawing(720, 460, "Frames of two cameras and of a target")
+    view = rigcal.Transform.from_rvec([0.5, 0.4, -0.05], [-1.2, 0.25, 4.2], "page", "rig")
 
     def on_page(X: Any) -> Any:
         Y = view.apply(X)
-        return Y[..., :2] / Y[..., 2:] * 760 + [300, 190]
+        return Y[..., :2] / Y[..., 2:] * 820 + [340, 280]
 
     def axes(frame_from: rigcal.Transform, length: float, name: str, shift: Any) -> None:
         origin = on_page(frame_from.apply(np.zeros(3)))
@@ -86,37 +93,44 @@ def frames(path: pathlib.Path) -> None:
         drawing.text(origin + shift, name, anchor="middle")
 
     def camera(rig_from_cam: rigcal.Transform) -> None:
-        corners = np.array([[-1, -0.75, 1.4], [1, -0.75, 1.4], [1, 0.75, 1.4], [-1, 0.75, 1.4]])
-        corners = on_page(rig_from_cam.apply(corners * 0.16))
+        corners = np.array(
+            [[-1, -0.75, 1.4], [1, -0.75, 1.4], [1, 0.75, 1.4], [-1, 0.75, 1.4]]
+        )
+        corners = on_page(rig_from_cam.apply(corners * 0.22))
         drawing.path(corners, "thin", closed=True)
         for corner in corners:
             drawing.path([on_page(rig_from_cam.apply(np.zeros(3))), corner], "thin")
 
     left = rigcal.Transform.identity("rig", "left")
-    right = rigcal.Transform.from_rvec([0, -0.35, 0], [0.95, 0, 0.1], "rig", "right")
-    board = rigcal.Transform.from_rvec([0.1, 0.35, 0.1], [0.05, -0.3, 1.5], "rig", "target")
+    right = rigcal.Transform.from_rvec([0, -0.3, 0], [1.5, 0, 0.1], "rig", "right")
+    board = rigcal.Transform.from_rvec([0.1, 0.0, 0.1], [0.35, -0.75, 1.8], "rig", "target")
     squares = np.mgrid[:5, :4].reshape(2, -1).T
     for i, j in squares:
         if (i + j) % 2:
-            square = np.array([[i, j, 0], [i + 1, j, 0], [i + 1, j + 1, 0], [i, j + 1, 0]]) * 0.14
-            drawing.path(on_page(board.apply(square - [0.14, 0.14, 0])), "dark", closed=True)
-    edge = np.array([[0, 0, 0], [5, 0, 0], [5, 4, 0], [0, 4, 0]]) * 0.14 - [0.14, 0.14, 0]
+            square = (
+                np.array([[i, j, 0], [i + 1, j, 0], [i + 1, j + 1, 0], [i, j + 1, 0]])
+                * 0.24
+            )
+            drawing.path(
+                on_page(board.apply(square - [0.24, 0.24, 0])), "dark", closed=True
+            )
+    edge = np.array([[0, 0, 0], [5, 0, 0], [5, 4, 0], [0, 4, 0]]) * 0.24 - [0.24, 0.24, 0]
     drawing.path(on_page(board.apply(edge)), "thin", closed=True)
-    for pose, name, shift in ((left, "left = rig", [-12, 26]), (right, "right", [0, 34])):
+    for pose, name, shift in ((left, "left = rig", [-48, 8]), (right, "right", [40, 26])):
         camera(pose)
-        axes(pose, 0.42, name, shift)
-    axes(board, 0.34, "target", [-10, -22])
-    X = np.array([0.42, 0.28, 0])
+        axes(pose, 0.55, name, shift)
+    axes(board, 0.5, "target", [-6, -40])
+    X = np.array([0.72, 0.48, 0])
     drawing.dot(on_page(board.apply(X)), 5)
     drawing.text(on_page(board.apply(X)) + [9, -6], "X")
     for pose in (left, right):
         drawing.path(on_page(np.array([pose.apply(np.zeros(3)), board.apply(X)])), "thin")
-    a, b = on_page(left.t) + [14, 14], on_page(right.t) + [-14, 16]
-    drawing.curve(a, (a + b) / 2 + [0, 46], b)
-    drawing.text((a + b) / 2 + [0, 44], "right_from_left", "small", "middle")
-    a, b = on_page(board.t) + [-16, 6], on_page(left.t) + [-10, -12]
-    drawing.curve(a, (a + b) / 2 + [-70, -20], b)
-    drawing.text((a + b) / 2 + [-48, -14], "rig_from_target", "small", "end")
+    a, b = on_page(left.t) + [12, 16], on_page(right.t) + [-14, 10]
+    drawing.curve(a, (a + b) / 2 + [0, 80], b)
+    drawing.text((a + b) / 2 + [0, 62], "right_from_left", "small", "middle")
+    a, b = on_page(board.t) + [-16, 0], on_page(left.t) + [-8, -14]
+    drawing.curve(a, (a + b) / 2 + [-80, -50], b)
+    drawing.text((a + b) / 2 + [-52, -34], "rig_from_target", "small", "end")
     drawing.write(path)
 
 
@@ -135,8 +149,8 @@ def pixels(path: pathlib.Path) -> None:
     drawing.dot(origin, 4)
     drawing.text([x0 - 4, 24], "(-0.5, -0.5)", "small", "middle")
     drawing.dot([x0, y0], 3)
-    notes = ("(0, 0): the centre of the first pixel", "rigcal, OpenCV, Kalibr, ROS, mrcal, Anipose",
-             "", "its corner is (0, 0): subtract 0.5", "AprilTag, COLMAP, nerfstudio",
+    notes = ("(0, 0): the centre of the first pixel",
+             "rigcal, OpenCV, Kalibr, ROS, mrcal, Anipose", "", "its corner is (0, 0): subtract 0.5", "AprilTag, COLMAP, nerfstudio",
              "", "its centre is (1, 1): subtract 1", "MATLAB")  # fmt: skip
     for k, note in enumerate(notes):
         drawing.text([290, 42 + k * 18], note, "small" if k % 3 else "")
@@ -163,7 +177,9 @@ def axes_of(drawing: Drawing, target: Any, scale: float, at: Any, length: float)
                  "z in" if into else "z out", "z small", "end")  # fmt: skip
 
 
-def squares_of(drawing: Drawing, target: Any, scale: float, at: Any, first: Any, n: Any) -> None:
+def squares_of(
+    drawing: Drawing, target: Any, scale: float, at: Any, first: Any, n: Any
+) -> None:
     """Dark squares; the one at `first` is dark."""
     for i in range(n[0]):
         for j in range(n[1]):
@@ -197,7 +213,10 @@ def targets(path: pathlib.Path) -> None:
     for i in range(5):
         for j in range(4):
             if (i + j) % 2:
-                marker = np.array([[0, 0], [1, 0], [1, 1], [0, 1]]) * 0.75 + [i + 0.125, j + 0.125]
+                marker = np.array([[0, 0], [1, 0], [1, 1], [0, 1]]) * 0.75 + [
+                    i + 0.125,
+                    j + 0.125,
+                ]
                 drawing.path(on_paper(charuco, marker, 40, at), "line", closed=True)
     axes_of(drawing, charuco, 40, at, 2.6)
     numbered(drawing, charuco, ("0", "1", "4", "11"), 40, at)
@@ -228,7 +247,9 @@ def rig(folder: pathlib.Path) -> None:
     import matplotlib
 
     matplotlib.use("agg")
-    sources = {name: sorted(glob.glob(f"{IMAGES}/{name}[01]*.jpg")) for name in ("left", "right")}
+    sources = {
+        name: sorted(glob.glob(f"{IMAGES}/{name}[01]*.jpg")) for name in ("left", "right")
+    }
     found = rigcal.detect(sources, rigcal.Chessboard(9, 6, 0.025), progress=False)
     made = rigcal.calibrate(STEREO / "cameras.csv", found, progress=False)
     for name, dark in (("rig", False), ("rig_dark", True)):

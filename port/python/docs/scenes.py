@@ -9,7 +9,6 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-
 import rigcal
 
 HERE = pathlib.Path(__file__).resolve().parent
@@ -45,7 +44,9 @@ def other_programs() -> None:
     stereo_table()
     found = rigcal.calibrate("cameras.csv", "observations.csv").cameras
     # Kalibr has no k3.
-    cameras = {name: replace(camera, dist=camera.dist[:4]) for name, camera in found.items()}
+    cameras = {
+        name: replace(camera, dist=camera.dist[:4]) for name, camera in found.items()
+    }
     for path in ("camchain.yaml", "calibration.toml", "{name}.cameramodel"):
         rigcal.save_cameras(path, cameras)
     grid = rigcal.Target("aprilgrid", 6, 6, 0.088, 0.3)
@@ -109,7 +110,10 @@ def matches(rig: rigcal.Rig, quiet: int, moved: int) -> Any:
         X = rng.uniform(-0.12, 0.12, (20, 3)) * [1, 1, 2] + [0, 0, 0.6]
         right = rig.cam_from_rig("right")
         if k >= quiet:
-            right = rigcal.Transform.from_rvec([0.005, 0, 0], [0, 0, 0], "right", "right") @ right
+            right = (
+                rigcal.Transform.from_rvec([0.005, 0, 0], [0, 0, 0], "right", "right")
+                @ right
+            )
         poses = {"left": rig.cam_from_rig("left"), "right": right}
         yield [
             rigcal.project(rig[name], pose.apply(X)).uv + rng.normal(0, 0.2, (20, 2))

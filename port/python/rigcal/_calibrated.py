@@ -238,15 +238,18 @@ class CalibratedRig:
 
     @property
     def cameras(self) -> dict[str, Camera]:
+        """{name: Camera}, each with its cam_from_rig."""
         return {name: self[name] for name in self.names}
 
     @property
     def group(self) -> npt.NDArray[np.int32]:
+        """(n,) numbers: cameras of different groups have no common frame."""
         group: npt.NDArray[np.int32] = self._group.copy()
         return group
 
     @property
     def held(self) -> npt.NDArray[np.bool_]:
+        """(n,) True: the camera has no unknowns."""
         held: npt.NDArray[np.bool_] = self._held != 0
         return held
 

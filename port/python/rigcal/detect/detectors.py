@@ -68,6 +68,9 @@ def sigmas(image: Grey, uv: Array, window: int) -> list[float]:
         ]
     )
     spread: Array = np.sqrt(np.var(moved, axis=0).sum(axis=1))
+    # OpenCV puts a corner back where it was if it has gone beyond the window.
+    is_lost = 2 * (moved == start.reshape(-1, 2)).all(axis=2).sum(axis=0) >= len(halves)
+    spread[is_lost] = window
     return np.hypot(SIGMA_LEAST, np.minimum(spread, window)).tolist()  # type: ignore[no-any-return]
 
 
@@ -164,7 +167,9 @@ class ChessboardDetector:
         return corners
 
     def __call__(self, image: Grey) -> Seen:
-        uv = self.corners(image)
+        uv = self.corners(255 - image if self.board.inverted else image)
+        if uv is None and self.board.inverted:
+            uv = self.corners(image)
         if uv is None:
             return Seen()
         uv = in_order(image, uv, self.board)

@@ -290,6 +290,20 @@ def _with_id(target: Target, looks: Mapping[Any, Look]) -> Target:
     return Tag(target.size, next(iter(counts)), target.family)
 
 
+def crossed(cameras: Sequence[Camera]) -> Iterator[str]:
+    """Sources whose files are named as another camera is."""
+    names = {camera.name for camera in cameras}
+    for camera in cameras:
+        paths = [path for path in camera.pictures.values() if isinstance(path, str)]
+        first = os.path.basename(camera.video or (paths[0] if paths else ""))
+        others = [name for name in names - {camera.name} if first.startswith(name)]
+        if others and not first.startswith(camera.name):
+            yield (
+                f"camera {camera.name} is given {first}, and there is a camera {others[0]}: "
+                "are the two swapped?"
+            )
+
+
 def named_alike(cameras: Sequence[Camera], known: Mapping[str, Any]) -> list[str]:
     """Gives sources the names of cameras whose intrinsics are known: by name, or in order."""
     names = [camera.name for camera in cameras]
@@ -322,6 +336,7 @@ def find(
     search = _Searcher(target, options)
     cameras = cameras_of(sources, every)
     told = named_alike(cameras, known) if known else []
+    told += crossed(cameras)
     if times is not None:
         give_times(cameras, read_times(times))
     timed = all(camera.times for camera in cameras)

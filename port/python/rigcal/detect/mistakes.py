@@ -136,7 +136,7 @@ def _other_markers(images: Sequence[Grey], family: str) -> str:
     counts = {}
     for name in OTHERS:
         find = aruco.ArucoDetector(dictionary(name), parameters).detectMarkers
-        counts[name] = sum(len(find(image)[0]) for image in images)
+        counts[name] = sum(len(find(image)[0]) for image in images[:PROBED])
     best = max(counts, key=lambda name: counts[name])
     own = family.upper().replace("DICT_", "").replace("TAG", "APRILTAG_", 1)
     if counts[best] >= 2 and best.split("_")[0:2] != own.split("_")[0:2]:

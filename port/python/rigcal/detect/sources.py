@@ -52,6 +52,7 @@ class Camera:
     pictures: dict[str, Any] = field(default_factory=dict)
     times: dict[str, float] = field(default_factory=dict)
     video: str = ""
+    is_named: bool = True  # the keys are those of files, not only an order
     turned: int = 0  # degrees that a video says that it be turned
 
 
@@ -162,7 +163,7 @@ def _camera(name: str | None, source: Any, every: int, number: int) -> Camera:
         items = list(source)
         if items and all(isinstance(item, np.ndarray) for item in items):
             keys = [str(k).zfill(4) for k in range(len(items))]
-            return Camera(name or f"cam{number}", dict(zip(keys, items)))
+            return Camera(name or f"cam{number}", dict(zip(keys, items)), is_named=False)
         if not items or not all(isinstance(item, (str, os.PathLike)) for item in items):
             raise Error(
                 f"sources[{name if name is not None else number!r}]: paths or arrays are "
@@ -186,9 +187,10 @@ def _camera(name: str | None, source: Any, every: int, number: int) -> Camera:
     if videos:
         return _video(name, videos[0], every)
     keys = _keys(paths)
-    if len(set(keys)) < len(keys):
+    is_named = len({_plain(key) for key in keys}) == len(keys)
+    if not is_named:
         keys = [str(k).zfill(4) for k in range(len(paths))]
-    return Camera(name, dict(zip(keys, paths)))
+    return Camera(name, dict(zip(keys, paths)), is_named=is_named)
 
 
 def cameras_of(sources: Any, every: int) -> list[Camera]:
@@ -306,7 +308,8 @@ def frames_of(cameras: Sequence[Camera], by_time: bool) -> tuple[list[Frame], li
     by_name = [{_plain(key): key for key in camera.pictures} for camera in cameras]
     names = list(dict.fromkeys(name for keys in by_name for name in keys))
     common = [name for name in names if all(name in keys for keys in by_name)]
-    if 2 * len(common) >= min(map(len, by_name)) or len(cameras) == 1:
+    is_named = all(camera.is_named for camera in cameras)
+    if len(cameras) == 1 or (is_named and 2 * len(common) >= min(map(len, by_name))):
         return _frames_by_name(cameras, by_name, names)
     return _frames_by_order(cameras)
 
@@ -404,11 +407,11 @@ def _frames_by_time(cameras: Sequence[Camera]) -> tuple[list[Frame], list[str]]:
                 best[j] = (off, k)
         for j, (_, k) in best.items():
             frames[k].keys[camera.name] = keys[j]
-        if len(best) < 0.9 * len(times):
+        if len(best) < 0.9 * len(middle):
             told.append(
-                f"camera {camera.name}: {len(times) - len(best)} of {len(times)} pictures "
-                f"have none of camera {reference.name} within {1000 * within:.3g} ms, half "
-                "the time between two pictures"
+                f"{len(middle) - len(best)} of {len(middle)} pictures of camera "
+                f"{reference.name} have none of camera {camera.name} within "
+                f"{1000 * within:.3g} ms, half the time between two pictures"
             )
     ends = {c.name: max(c.times.values()) - min(c.times.values()) for c in cameras}
     long, short = max(ends, key=lambda n: ends[n]), min(ends, key=lambda n: ends[n])

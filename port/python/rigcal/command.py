@@ -347,9 +347,9 @@ def _is_of_images(arguments: Sequence[str]) -> bool:
 
 
 def _help() -> int:
-    from .detect.command import HELP as detect
+    from .detect import command
 
-    print(HELP.format(formats=", ".join(FORMATS), detect=detect), end="")
+    print(HELP.format(formats=", ".join(FORMATS), detect=command.HELP), end="")
     sys.stdout.flush()
     return _program("--help")
 

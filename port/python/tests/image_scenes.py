@@ -6,8 +6,9 @@ import pathlib
 
 import cv2
 import numpy as np
-import rigcal
 from conftest import numpy_project
+
+import rigcal
 
 DATA = pathlib.Path("/usr/share/doc/opencv-doc/examples/data")
 HTML = pathlib.Path("/usr/share/doc/opencv-doc/opencv4/html")
@@ -153,7 +154,11 @@ def moving_rig(target, count, delays, fps=30.0, seed=1):
         images = []
         for n in range(count):
             t = n / fps + delay
-            rvec = [0.35 * np.sin(2.1 * t), 0.15 + 0.35 * np.cos(1.7 * t), 0.4 * np.sin(1.3 * t)]
+            rvec = [
+                0.35 * np.sin(2.1 * t),
+                0.15 + 0.35 * np.cos(1.7 * t),
+                0.4 * np.sin(1.3 * t),
+            ]
             shift = (0.1 + 0.07 * np.sin(2.6 * t), 0.05 * np.cos(2.2 * t))
             pose = looking_at(target, rvec, 0.85 + 0.1 * np.sin(1.9 * t), shift)
             R, T = cam_from_rig.R @ pose.R, cam_from_rig.R @ pose.t + cam_from_rig.t

@@ -10,6 +10,7 @@ import image_scenes as scenes
 import numpy as np
 import pupil_apriltags
 import pytest
+
 import rigcal
 from rigcal.detect import detectors, read_picture
 from rigcal.detect.pictures import grey
@@ -59,7 +60,9 @@ def test_sector_detector_is_opencvs():
     _, own = cv2.findChessboardCornersSB(image, (9, 6))
     ordered = detectors.in_order(image, own.reshape(-1, 2).astype(float), board)
     classic = np.array(list(seen_by(board, image).values()))
-    assert np.hypot(*(ordered - classic).T).max() < 1.0  # the same corner has the same number
+    assert (
+        np.hypot(*(ordered - classic).T).max() < 1.0
+    )  # the same corner has the same number
 
 
 def test_charuco_is_opencvs():
@@ -103,9 +106,7 @@ def test_apriltags_are_the_librarys_less_half_a_pixel(rng):
     image = real("left03.jpg")
     tags, boxes = {}, {7: (40, 60, 0), 12: (420, 280, 2)}
     for number, (left, top, turn) in boxes.items():
-        drawing, _, _ = scenes.grid_drawing(
-            rigcal.AprilGrid(1, 1, 0.05, 0.3, first=number)
-        )
+        drawing, _, _ = scenes.grid_drawing(rigcal.AprilGrid(1, 1, 0.05, 0.3, first=number))
         image[top : top + 128, left : left + 128] = np.rot90(
             cv2.GaussianBlur(drawing, (0, 0), 0.8)[:128, :128], turn
         )
@@ -174,7 +175,9 @@ def test_symmetric_chessboards_are_read_from_the_front(size, rng):
     assert len(target.symmetry) == (3 if size == (4, 4) else 1)
     for roll in (0.0, 1.5, 3.0):
         pose = scenes.looking_at(target, [0.0, 0.0, roll], 0.4)
-        found = np.array(list(seen_by(target, scenes.show(target, camera, pose, rng)).values()))
+        found = np.array(
+            list(seen_by(target, scenes.show(target, camera, pose, rng)).values())
+        )
         true = np.array(list(scenes.truth(target, camera, pose).values()))
         readings = [true, *(true[p] for p in target.symmetry)]
         assert min(np.abs(found - uv).max() for uv in readings) < 0.35

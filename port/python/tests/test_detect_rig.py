@@ -10,8 +10,9 @@ import warnings
 import image_scenes as scenes
 import numpy as np
 import pytest
-import rigcal
 from conftest import ROOT, angle
+
+import rigcal
 from rigcal import command
 from rigcal.detect import into_rig
 
@@ -47,9 +48,7 @@ def test_26_images(stereo):
 
 def test_sigma_ranks_residuals(stereo):
     rig = rigcal.calibrate(CAMERAS, stereo)
-    error = {
-        (r["camera"], r["frame"], r["point"]): r["error_px"] for r in rig.residuals
-    }
+    error = {(r["camera"], r["frame"], r["point"]): r["error_px"] for r in rig.residuals}
     e = np.array([error[k] for k in zip(stereo.camera, stereo.frame, stereo.point)])
     worst = stereo.sigma_px > np.quantile(stereo.sigma_px, 0.95)
     assert np.sqrt(np.mean(e[worst] ** 2)) > 1.1 * np.sqrt(np.mean(e[~worst] ** 2))
@@ -73,7 +72,9 @@ def test_boards_read_from_several_sides(stereo, size, rng):
     found = as_board(stereo, *size)
     right = rigcal.calibrate(CAMERAS, found)
     turns = len(found.target.symmetry)
-    changed = {key: int(rng.integers(1, turns + 1)) for key in found.views if rng.random() < 0.4}
+    changed = {
+        key: int(rng.integers(1, turns + 1)) for key in found.views if rng.random() < 0.4
+    }
     mixed = into_rig._renamed(found, changed)
     assert not (mixed.point == found.point).all()
     with warnings.catch_warnings(record=True) as caught:
@@ -101,7 +102,9 @@ def videos(tmp_path_factory):
     folder = tmp_path_factory.mktemp("videos")
     target = rigcal.Chessboard(9, 6, 0.03)
     cameras, pictures = scenes.moving_rig(target, 30, DELAYS, FPS)
-    paths = {n: scenes.write_video(folder / f"{n}.avi", p, FPS) for n, p in pictures.items()}
+    paths = {
+        n: scenes.write_video(folder / f"{n}.avi", p, FPS) for n, p in pictures.items()
+    }
     bare = {n: dataclasses.replace(c, cam_from_rig=None) for n, c in cameras.items()}
     rigcal.save_cameras(folder / "cameras.csv", bare)
     return paths, cameras, folder / "cameras.csv"
@@ -117,7 +120,16 @@ def test_clocks_of_videos(videos, tmp_path, capsys):
     paths, cameras, file = videos
     out, table = str(tmp_path / "out"), ["--board", "9x6", "--square", "0.03"]
     status = command.main(
-        ["calibrate", "--videos", *paths.values(), *table, "--cameras", str(file), "--out", out]
+        [
+            "calibrate",
+            "--videos",
+            *paths.values(),
+            *table,
+            "--cameras",
+            str(file),
+            "--out",
+            out,
+        ]
     )
     text = capsys.readouterr().out
     assert status == 0
@@ -156,7 +168,9 @@ def run(capsys, *words):
 
 def test_calibrate_from_images(capsys, tmp_path, monkeypatch):
     pages = []
-    monkeypatch.setattr(rigcal.Rig, "html", lambda rig, path: pages.append(path), raising=False)
+    monkeypatch.setattr(
+        rigcal.Rig, "html", lambda rig, path: pages.append(path), raising=False
+    )
     status, out, err = run(
         capsys, "calibrate", "--images", LEFT, RIGHT, "--board", "9x6", "--square", "0.025",
         "--cameras", CAMERAS, "--out", tmp_path, "--html", tmp_path / "rig.html",
@@ -178,7 +192,9 @@ def test_detect_writes_what_calibrate_reads(capfd, tmp_path, videos):
         "--out", table, "--times-out", times, "--every", "3",
     )  # fmt: skip
     assert status == 0
-    assert "cam1: a chessboard of 9 x 6 inner corners in 10 of 10 pictures, 540 points" in out
+    assert (
+        "cam1: a chessboard of 9 x 6 inner corners in 10 of 10 pictures, 540 points" in out
+    )
     two = tmp_path / "cameras.csv"
     two.write_text("\n".join(file.read_text().splitlines()[:3]) + "\n")
     status, out, _ = run(
@@ -186,8 +202,8 @@ def test_detect_writes_what_calibrate_reads(capfd, tmp_path, videos):
     )
     assert "cam0    cam1" in out
     status, _, err = run(
-        capfd, "detect", LEFT.replace("*", "01"), "--board", "9x6", "--square", "1", "--out",
-        table, "--times-out", times,
+        capfd, "detect", LEFT.replace("*", "01"), "--board", "9x6", "--square", "1",
+        "--out", table, "--times-out", times,
     )  # fmt: skip
     assert (status, "the images have no times" in err) == (2, True)
 
@@ -237,7 +253,10 @@ def test_targets_of_the_command(tmp_path):
         ("detect", "SOURCE, --out"),
         ("detect a=b c --out x --board 9x6 --square 1", "NAME=SOURCE, or none"),
         ("detect a=b a=c --out x --board 9x6 --square 1", "two sources have the same name"),
-        ("detect /no --out x --board 9x6 --square 1", "/no: there is no such file or folder"),
+        (
+            "detect /no --out x --board 9x6 --square 1",
+            "/no: there is no such file or folder",
+        ),
         ("calibrate --images a --videos b", "not allowed with"),
         ("calibrate --images a --board 9x6 --square 1", "--cameras: the file of the intri"),
         ("calibrate --images a --observations b", "unrecognized arguments: --observations"),

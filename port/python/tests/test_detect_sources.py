@@ -8,6 +8,7 @@ import cv2
 import image_scenes as scenes
 import numpy as np
 import pytest
+
 import rigcal
 from rigcal.detect import sources
 from rigcal.detect.pictures import exif_turn
@@ -76,7 +77,7 @@ def test_one_folder_longer(tmp_path, image):
 def test_one_folder_longer_without_common_numbers(tmp_path, image):
     write(tmp_path / "a", ["101.png", "102.png", "103.png"], image)
     write(tmp_path / "b", ["7.png", "8.png"], image)
-    with pytest.raises(rigcal.Error, match="a has 3, b has 2, .* camera a are 103.png"):
+    with pytest.raises(rigcal.Error, match=r"a has 3, b has 2, .* camera a are 103.png"):
         rigcal.detect([tmp_path / "a", tmp_path / "b"], BOARD)
 
 
@@ -115,7 +116,10 @@ def test_what_is_no_image(tmp_path, image):
         rigcal.detect([tmp_path], BOARD)
     with pytest.raises(rigcal.Error, match="every: a whole number"):
         rigcal.detect([tmp_path], BOARD, every=0)
-    for bad, text in ((np.zeros((4, 5)), "uint8 or uint16"), (np.zeros((2, 2, 2), "u1"), "an image")):
+    for bad, text in (
+        (np.zeros((4, 5)), "uint8 or uint16"),
+        (np.zeros((2, 2, 2), "u1"), "an image"),
+    ):
         with pytest.raises(rigcal.Error, match=text):
             rigcal.detect({"a": [bad]}, BOARD)
 
@@ -144,10 +148,15 @@ def test_times_of_a_table_pair_pictures(tmp_path, image):
     # camera b began two pictures later, and the third of a has none
     a = scenes.write_video(tmp_path / "a.avi", [image] * 6)
     b = scenes.write_video(tmp_path / "b.avi", [image] * 4)
-    rows = [("a", k, 0.1 * k) for k in range(6)] + [("b", k, 0.1 * k + 0.21) for k in range(4)]
+    rows = [("a", k, 0.1 * k) for k in range(6)] + [
+        ("b", k, 0.1 * k + 0.21) for k in range(4)
+    ]
     text = "camera,frame,time_s\n" + "".join(f"{c},{f:04d},{t}\n" for c, f, t in rows)
     (tmp_path / "times.csv").write_text(text)
-    with pytest.warns(rigcal.Caveat, match="2 of 6 pictures of camera a have none of camera b within 50 ms"):
+    with pytest.warns(
+        rigcal.Caveat,
+        match="2 of 6 pictures of camera a have none of camera b within 50 ms",
+    ):
         found = rigcal.detect([a, b], BOARD, times=tmp_path / "times.csv")
     assert found.images["b", "0003"] == (b, 1)
     assert found.times["0003", "b"] == pytest.approx(0.31)
@@ -176,8 +185,12 @@ def test_times_of_other_programs(tmp_path, image):
 
 def test_images_with_times(tmp_path, image):
     write(tmp_path, [f"{side}{k}.png" for side in "ab" for k in (1, 2)], image)
-    times = {(f"{side}{k}.png", side): k + 0.01 * (side == "b") for side in "ab" for k in (1, 2)}
-    found = rigcal.detect([str(tmp_path / f"{side}*.png") for side in "ab"], BOARD, times=times)
+    times = {
+        (f"{side}{k}.png", side): k + 0.01 * (side == "b") for side in "ab" for k in (1, 2)
+    }
+    found = rigcal.detect(
+        [str(tmp_path / f"{side}*.png") for side in "ab"], BOARD, times=times
+    )
     assert found.times[("2", "b")] == pytest.approx(2.01)
 
 
@@ -216,7 +229,17 @@ def test_progress(image):
 def test_table(tmp_path, image):
     found = rigcal.detect({"a": [image]}, BOARD)
     assert dict(found)["u"] is found.u
-    assert set(found.keys()) == {"frame", "camera", "point", "X", "Y", "Z", "u", "v", "sigma_px"}
+    assert set(found.keys()) == {
+        "frame",
+        "camera",
+        "point",
+        "X",
+        "Y",
+        "Z",
+        "u",
+        "v",
+        "sigma_px",
+    }
     assert repr(found) == "Detections(20 points, 1 views, ['a'])"
     with pytest.raises(KeyError):
         found["w"]

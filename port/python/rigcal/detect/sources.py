@@ -95,10 +95,17 @@ def _files(source: str) -> list[str]:
     return sorted(found, key=_natural)
 
 
+def _prefix(names: Sequence[str]) -> str:
+    """What all begin with."""
+    least, most = min(names), max(names)
+    alike = (k for k, (a, b) in enumerate(zip(least, most)) if a != b)
+    return least[: next(alike, len(least))]
+
+
 def _common(names: Sequence[str]) -> tuple[str, str]:
     """What all names begin and end with, numbers left whole."""
-    head = os.path.commonprefix(list(names))
-    tail = os.path.commonprefix([name[len(head) :][::-1] for name in names])[::-1]
+    head = _prefix(names)
+    tail = _prefix([name[len(head) :][::-1] for name in names])[::-1]
     return re.sub(r"\d+$", "", head), re.sub(r"^\d+", "", tail)
 
 
@@ -254,7 +261,7 @@ def _plain(key: str) -> str:
 
 
 def give_times(cameras: Sequence[Camera], given: Mapping[tuple[str, str], float]) -> None:
-    """Sets the times of the pictures by camera and by frame: number or name of a picture."""
+    """Sets the times of pictures by camera and by frame: a picture's number or name."""
     by_camera: dict[str, dict[str, float]] = {}
     for (frame, name), time in given.items():
         by_camera.setdefault(name, {})[_plain(frame)] = time
@@ -351,10 +358,10 @@ def _frames_by_order(cameras: Sequence[Camera]) -> tuple[list[Frame], list[str]]
         long = max(cameras, key=lambda c: len(c.pictures))
         extra = list(long.pictures)[min(counts.values()) :]
         raise Error(
-            f"the cameras have different numbers of images, {counted}, and the names of the "
-            "files do not say which belong together. The last ones of camera "
-            f"{long.name} are {_some([_label(long, key) for key in extra])}: give images of "
-            "one time the same number, or pass times"
+            f"the cameras have different numbers of images, {counted}, and the names of "
+            "the files do not say which belong together. The last ones of camera "
+            f"{long.name} are {_some([_label(long, key) for key in extra])}: give images "
+            "of one time the same number, or pass times"
         )
     columns = [list(camera.pictures) for camera in cameras]
     frames = []
@@ -363,9 +370,12 @@ def _frames_by_order(cameras: Sequence[Camera]) -> tuple[list[Frame], list[str]]
         frames.append(Frame(str(k).zfill(4), keys))
     told = []
     if any(_label(c, k) != k for c in cameras for k in c.pictures):
-        pairs = " with ".join(os.path.basename(_label(c, next(iter(c.pictures)))) for c in cameras)
+        pairs = " with ".join(
+            os.path.basename(_label(c, next(iter(c.pictures)))) for c in cameras
+        )
         told.append(
-            f"images are paired by their order, since the numbers in their names differ: {pairs}"
+            "images are paired by their order, since the numbers in their names differ: "
+            f"{pairs}"
         )
     return frames, told
 

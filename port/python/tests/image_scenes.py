@@ -4,14 +4,18 @@ from __future__ import annotations
 
 import pathlib
 
-import cv2
 import numpy as np
+import pytest
 from conftest import numpy_project
 
 import rigcal
 
+cv2 = pytest.importorskip("cv2")
+pytest.importorskip("pupil_apriltags")
 DATA = pathlib.Path("/usr/share/doc/opencv-doc/examples/data")
 HTML = pathlib.Path("/usr/share/doc/opencv-doc/opencv4/html")
+if not DATA.is_dir():
+    pytest.skip("the images of Debian's opencv-doc are not here", allow_module_level=True)
 SCALE = 60  # pixels of a drawing per square
 OVER = 2  # a picture is drawn so many times larger, and then averaged
 

@@ -5,16 +5,16 @@ from __future__ import annotations
 import sys
 import warnings
 
-import cv2
 import image_scenes as scenes
 import numpy as np
-import pupil_apriltags
 import pytest
 
 import rigcal
 from rigcal.detect import detectors, read_picture
 from rigcal.detect.pictures import grey
 
+cv2 = scenes.cv2
+pupil_apriltags = pytest.importorskip("pupil_apriltags")
 GRID = rigcal.AprilGrid(3, 2, 0.05, 0.3)
 FACING = [np.pi, 0, 0]  # a target whose z axis comes out of it, looked at
 

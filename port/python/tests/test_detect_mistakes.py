@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 import warnings
 
-import cv2
 import image_scenes as scenes
 import numpy as np
 import pytest
@@ -15,6 +14,7 @@ import rigcal
 from rigcal.detect import mistakes
 from rigcal.detect.pictures import grey, read_picture
 
+cv2 = scenes.cv2
 CAMERAS = ROOT / "examples/data/opencv_stereo/cameras.csv"
 LEFT, RIGHT = (str(scenes.DATA / f"{side}0*.jpg") for side in ("left", "right"))
 BOARD = rigcal.Chessboard(9, 6, 0.025)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import struct
 
-import cv2
 import image_scenes as scenes
 import numpy as np
 import pytest
@@ -13,6 +12,7 @@ import rigcal
 from rigcal.detect import sources
 from rigcal.detect.pictures import exif_turn
 
+cv2 = scenes.cv2
 BOARD = rigcal.Chessboard(5, 4, 0.03)
 
 

@@ -275,10 +275,10 @@ def calibrate(
     """Where each camera is, by what they saw of a target of known shape.
 
     cameras     {name: Camera}, cameras with names, or a file of any format: intrinsics
-    detections  of rigcal.detect; or frame, camera, point, X, Y, Z, u, v: a data frame, a dict of columns, a
-                structured array, rows, or the path of a CSV file. A frame is one place of
-                the target; X, Y, Z is the point on the target, u, v its pixel, with (0, 0)
-                the centre of the top-left pixel
+    detections  of rigcal.detect; or columns frame, camera, point, X, Y, Z, u, v: a data
+                frame, a dict of columns, a structured array, rows, or the path of a CSV
+                file. A frame is one place of the target; X, Y, Z is the point on the
+                target, u, v its pixel, with (0, 0) the centre of the top-left pixel
     sigma_px    noise of one coordinate of a pixel. None: that of the residuals
     robust      leaves out points that disagree by more than threshold_px; seed chooses
                 other random samples

@@ -406,9 +406,9 @@ def _paged(arguments: Sequence[str]) -> int:
 
 
 def _help() -> int:
-    from .detect.command import HELP as detect
+    from .detect import command
 
-    print(HELP.format(formats=", ".join(FORMATS), detect=detect), end="")
+    print(HELP.format(formats=", ".join(FORMATS), detect=command.HELP), end="")
     sys.stdout.flush()
     return _program("--help")
 

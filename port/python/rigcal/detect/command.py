@@ -12,13 +12,14 @@ from typing import Any
 from ..calibrate import calibrate
 from ..errors import Error
 from ..formats import load_target
-from . import AprilGrid, Charuco, Chessboard, Detections, Tag, Target, detect
+from . import Detections, detect
+from .targets import AprilGrid, Charuco, Chessboard, Tag, Target
 
 __all__ = ["add_target", "calibrate_images", "detect_images", "target_of"]
 
 HELP = """\
-  rigcal detect      SOURCE... TARGET --out FILE [--times FILE [--times-out FILE]] [--every N]
-                     [--cameras FILE] [--progress]
+  rigcal detect      SOURCE... TARGET --out FILE [--times FILE [--times-out FILE]]
+                     [--every N] [--cameras FILE] [--progress]
   rigcal calibrate   (--images|--videos) SOURCE... TARGET --cameras FILE [--times FILE]
                      [--every N] [--html FILE] [options of calibrate]
 
@@ -172,7 +173,9 @@ def calibrate_images(given: argparse.Namespace) -> int:
         try:
             how["intrinsics_sigma"] = [float(x) for x in given.intrinsics_sigma.split(",")]
         except ValueError:
-            raise Error("--intrinsics-sigma: five numbers, with commas, are expected") from None
+            raise Error(
+                "--intrinsics-sigma: five numbers, with commas, are expected"
+            ) from None
     rig = calibrate(
         given.cameras,
         found,

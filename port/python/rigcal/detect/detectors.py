@@ -1,7 +1,7 @@
 """The detectors of OpenCV and AprilTag: their corners in the order of rigcal's targets.
 
-Pixel (0, 0) is the centre of the top-left pixel. OpenCV counts so; AprilTag counts from that
-pixel's corner, so that 0.5 is subtracted from its numbers.
+Pixel (0, 0) is the centre of the top-left pixel. OpenCV counts so. AprilTag counts from the
+corner of that pixel: 0.5 is subtracted from its numbers.
 """
 
 from __future__ import annotations
@@ -26,7 +26,12 @@ Grey = npt.NDArray[np.uint8]
 WINDOW = 5  # half the window in which a corner is refined [px]
 WINDOW_PART = 0.4  # and at most this part of the way to the next corner
 REFINED = (3, 100, 1e-6)  # cv2.TermCriteria: at most 100 steps, to 1e-6 px
-WINDOWS = (0.6, 0.8, 1.2, 1.4)  # of the half window, to see by how much a corner depends on it
+WINDOWS = (
+    0.6,
+    0.8,
+    1.2,
+    1.4,
+)  # of the half window, to see by how much a corner depends on it
 SIGMA_LEAST = 0.1  # px: what is left where the window does not matter
 APRILTAG_ORIGIN = 0.5  # px: its pixel (0, 0) is a corner, ours is a centre
 FAMILIES = (
@@ -53,8 +58,8 @@ class Seen:
 def sigmas(image: Grey, uv: Array, window: int) -> list[float]:
     """How far each corner moves if the window in which it is refined is another one [px].
 
-    Where edges are sharp and straight it moves little. Blur, a reflection, the border of the
-    board or an occlusion within the window moves it.
+    Where edges are sharp and straight it moves little. Blur, a reflection, or something in
+    front of the board within the window moves it.
     """
     if not len(uv):
         return []
@@ -68,6 +73,9 @@ def sigmas(image: Grey, uv: Array, window: int) -> list[float]:
         ]
     )
     spread: Array = np.sqrt(np.var(moved, axis=0).sum(axis=1))
+    # OpenCV puts a corner back where it was if it has gone beyond the window.
+    is_lost = 2 * (moved == start.reshape(-1, 2)).all(axis=2).sum(axis=0) >= len(halves)
+    spread[is_lost] = window
     return np.hypot(SIGMA_LEAST, np.minimum(spread, window)).tolist()  # type: ignore[no-any-return]
 
 
@@ -134,8 +142,8 @@ def in_order(image: Grey, uv: Array, board: Chessboard) -> Array:
 
 
 class ChessboardDetector:
-    """cv2.findChessboardCorners and cv2.cornerSubPix; with "sector", where they find nothing,
-    cv2.findChessboardCornersSB."""
+    """cv2.findChessboardCorners and cv2.cornerSubPix; with "sector", where they find
+    nothing, cv2.findChessboardCornersSB."""
 
     def __init__(self, board: Chessboard, options: Mapping[str, Any]) -> None:
         unknown = set(options) - {"window", "flags", "sector"}
@@ -164,7 +172,9 @@ class ChessboardDetector:
         return corners
 
     def __call__(self, image: Grey) -> Seen:
-        uv = self.corners(image)
+        uv = self.corners(255 - image if self.board.inverted else image)
+        if uv is None and self.board.inverted:
+            uv = self.corners(image)
         if uv is None:
             return Seen()
         uv = in_order(image, uv, self.board)

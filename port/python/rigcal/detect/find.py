@@ -19,7 +19,15 @@ from . import mistakes
 from .detections import Detections
 from .detectors import Seen, detector
 from .pictures import Image, Looks, depth_of, grey, looks_of, read_picture
-from .sources import Camera, Frame, cameras_of, frames_of, give_times, pictures_of, read_times
+from .sources import (
+    Camera,
+    Frame,
+    cameras_of,
+    frames_of,
+    give_times,
+    pictures_of,
+    read_times,
+)
 from .targets import Charuco, Chessboard, Tag, Target
 
 __all__ = ["find"]
@@ -130,8 +138,9 @@ def size_of(camera: Camera, looks: Mapping[str, Look]) -> tuple[int, int]:
         other = looks[odd[0]].looks.size
         what = "turned by 90 degrees" if other == size[::-1] else "of another size"
         raise Error(
-            f"camera {camera.name}: {_names(odd, camera)} has {other[0]} x {other[1]} pixels, "
-            f"{what}; the others have {size[0]} x {size[1]}. A camera's pictures have one size"
+            f"camera {camera.name}: {_names(odd, camera)} has {other[0]} x {other[1]} "
+            f"pixels, {what}; the others have {size[0]} x {size[1]}. The pictures of a "
+            "camera have one size"
         )
     return size
 
@@ -141,20 +150,20 @@ def check_size(name: str, size: tuple[int, int], wanted: Any, turned: int = 0) -
     if wanted is None or tuple(wanted) == size:
         return
     text = (
-        f"camera {name}: its pictures have {size[0]} x {size[1]} pixels, its intrinsics are "
-        f"for {wanted[0]} x {wanted[1]}"
+        f"camera {name}: its pictures have {size[0]} x {size[1]} pixels, its intrinsics "
+        f"are for {wanted[0]} x {wanted[1]}"
     )
     if size == tuple(wanted)[::-1]:
         said = f" (the file says that they be turned by {turned})" if turned else ""
         raise Error(
-            f"{text}: they are turned by 90 degrees{said}. Intrinsics are of the picture as it "
-            "is stored: turn the pictures back, or calibrate the intrinsics with turned ones"
+            f"{text}: they are turned by 90 degrees{said}. Intrinsics are of the picture "
+            "as it is stored: turn the pictures back, or make the intrinsics of turned ones"
         )
     x, y = size[0] / wanted[0], size[1] / wanted[1]
     if abs(x / y - 1) < 0.01:
         raise Error(
-            f"{text}: they are scaled by {x:.4g}. Use pictures of the full size, or multiply "
-            "fx, fy, cx + 0.5 and cy + 0.5 by that"
+            f"{text}: they are scaled by {x:.4g}. Use pictures of the full size, or "
+            "multiply fx, fy, cx + 0.5 and cy + 0.5 by that"
         )
     raise Error(f"{text}: they are cropped or of another camera")
 
@@ -172,20 +181,20 @@ def _oddities(camera: Camera, looks: Mapping[str, Look]) -> Iterator[str]:
     if deep:
         bits = Counter(look.depth for look in deep).most_common(1)[0][0]
         yield (
-            f"camera {name}: {len(deep)} pictures have 16 bits a value, of which {bits} are "
-            "in use; they are scaled to 8 for the detector"
+            f"camera {name}: {len(deep)} pictures have 16 bits a value, of which {bits} "
+            "are in use; they are scaled to 8 for the detector"
         )
     turned = [key for key, look in looks.items() if look.looks.turned]
     if turned:
         yield (
-            f"camera {name}: {_names(turned, camera)} says in its EXIF that it be turned by "
-            f"{looks[turned[0]].looks.turned} degrees. It is read as it is stored, which is "
-            "right for intrinsics that were made so"
+            f"camera {name}: {_names(turned, camera)} says in its EXIF that it be turned "
+            f"by {looks[turned[0]].looks.turned} degrees. It is read as it is stored, "
+            "which is right for intrinsics that were made so"
         )
     if camera.turned:
         yield (
-            f"camera {name}: the video says that it be turned by {camera.turned} degrees. It "
-            "is read as it is stored, which is right for intrinsics that were made so"
+            f"camera {name}: the video says that it be turned by {camera.turned} degrees. "
+            "It is read as it is stored, which is right for intrinsics that were made so"
         )
     blurred = [key for key, look in looks.items() if look.width > mistakes.BLURRED]
     if blurred and len(blurred) < len(looks):
@@ -220,9 +229,9 @@ def _doubts(
             size = mistakes.size_shown(images, target)
             shown = f"{size[0]} x {size[1]} inner corners" if size else "another number"
             yield (
-                f"camera {name}: the board is not of {target.columns} x {target.rows} inner "
-                f"corners: in {sum(odd.values())} of {len(usable)} pictures it seems to have "
-                f"{shown}"
+                f"camera {name}: the board is not of {target.columns} x {target.rows} "
+                f"inner corners: in {sum(odd.values())} of {len(usable)} pictures it seems "
+                f"to have {shown}"
             )
 
 
@@ -272,7 +281,11 @@ def _usable(
     if np.linalg.matrix_rank(X - X.mean(axis=0), tol=1e-6 * float(np.abs(X).max() + 1)) < 2:
         return None
     sigma = dict(zip(seen.pixels, seen.sigma_px))
-    return names, np.array([seen.pixels[n] for n in names]), np.array([sigma[n] for n in names])
+    return (
+        names,
+        np.array([seen.pixels[n] for n in names]),
+        np.array([sigma[n] for n in names]),
+    )
 
 
 def _with_id(target: Target, looks: Mapping[Any, Look]) -> Target:
@@ -290,16 +303,30 @@ def _with_id(target: Target, looks: Mapping[Any, Look]) -> Target:
     return Tag(target.size, next(iter(counts)), target.family)
 
 
+def crossed(cameras: Sequence[Camera]) -> Iterator[str]:
+    """Sources whose files are named as another camera is."""
+    names = {camera.name for camera in cameras}
+    for camera in cameras:
+        paths = [path for path in camera.pictures.values() if isinstance(path, str)]
+        first = os.path.basename(camera.video or (paths[0] if paths else ""))
+        others = [name for name in names - {camera.name} if first.startswith(name)]
+        if others and not first.startswith(camera.name):
+            yield (
+                f"camera {camera.name} is given {first}, and there is a camera "
+                f"{others[0]}: are the two swapped?"
+            )
+
+
 def named_alike(cameras: Sequence[Camera], known: Mapping[str, Any]) -> list[str]:
-    """Gives sources the names of cameras whose intrinsics are known: by name, or in order."""
+    """Gives sources the names of cameras with known intrinsics: by name, or in order."""
     names = [camera.name for camera in cameras]
     if set(names) <= set(known):
         return []
     if len(names) != len(known):
         raise Error(
-            f"sources: {', '.join(names)} are {len(names)} cameras, and the intrinsics are of "
-            f"{len(known)}: {', '.join(known)}. Name the sources: {{camera: source}}, or "
-            "camera=SOURCE"
+            f"sources: {', '.join(names)} are {len(names)} cameras, and the intrinsics "
+            f"are of {len(known)}: {', '.join(known)}. Name the sources: "
+            "{camera: source}, or camera=SOURCE"
         )
     pairs = dict(zip(names, known))
     for camera, name in zip(cameras, known):
@@ -322,6 +349,7 @@ def find(
     search = _Searcher(target, options)
     cameras = cameras_of(sources, every)
     told = named_alike(cameras, known) if known else []
+    told += crossed(cameras)
     if times is not None:
         give_times(cameras, read_times(times))
     timed = all(camera.times for camera in cameras)
@@ -336,7 +364,8 @@ def find(
     target = _with_id(target, found)
     points = target.points
     least = LEAST_CHARUCO if isinstance(target, Charuco) else LEAST
-    sizes, views = {}, {}
+    sizes: dict[str, tuple[int, int]] = {}
+    views: dict[tuple[str, str], tuple[list[str], Array, Array]] = {}
     nothing: list[tuple[Camera, list[str], bool]] = []
     for camera in cameras:
         looks = {key: look for (name, key), look in found.items() if name == camera.name}
@@ -348,8 +377,8 @@ def find(
                 camera.name, sizes[camera.name], known[camera.name].size, camera.turned
             )
         told += _oddities(camera, looks)
-        usable = {key: _usable(look, points, least) for key, look in looks.items()}
-        usable = {key: view for key, view in usable.items() if view is not None}
+        tried = {key: _usable(look, points, least) for key, look in looks.items()}
+        usable = {key: view for key, view in tried.items() if view is not None}
         told += _doubts(camera, looks, target, usable)
         two = _in_two(camera, looks, target, usable)
         if two:

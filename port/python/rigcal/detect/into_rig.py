@@ -6,7 +6,6 @@ from __future__ import annotations
 import dataclasses
 import itertools
 from collections.abc import Mapping, Sequence
-from typing import Any
 
 import numpy as np
 
@@ -30,12 +29,12 @@ Key = tuple[str, str]
 
 
 def check_sizes(detections: Detections, cameras: Mapping[str, Camera]) -> None:
-    """Error unless the pictures have the sizes of the intrinsics, and cameras have names."""
+    """Error unless all cameras have intrinsics, of the size of their pictures."""
     unknown = [name for name in detections.cameras if name not in cameras]
     if unknown:
         raise Error(
             f"detections: {', '.join(unknown)} are not among the cameras, "
-            f"{', '.join(cameras)}. rigcal.detect(..., cameras=...) gives sources their names"
+            f"{', '.join(cameras)}. rigcal.detect(..., cameras=...) gives them their names"
         )
     for name, size in detections.sizes.items():
         if name in cameras:
@@ -67,7 +66,7 @@ def _views(detections: Detections) -> dict[Key, tuple[Array, Array]]:
 
 
 def _apart(A: Array, B: Array) -> Array:
-    """How far poses are apart: radian of the turn, and the shift over the distance, (...,)."""
+    """How far poses are apart, (...,): radian of the turn + shift over distance."""
     R = np.swapaxes(A[..., :3, :3], -1, -2) @ B[..., :3, :3]
     turn = np.arccos(np.clip((np.trace(R, axis1=-2, axis2=-1) - 1) / 2, -1, 1))
     length = np.linalg.norm(A[..., :3, 3], axis=-1) + np.linalg.norm(B[..., :3, 3], axis=-1)
@@ -94,8 +93,8 @@ def _turns(detections: Detections) -> Array:
 
 
 def _relation(a: Array, b: Array) -> tuple[Array, float]:
-    """b_from_a that most frames agree with, of a (f, 4, 4) and b (f, turns, 4, 4); and by how
-    much more they do than with the next best that is another one."""
+    """b_from_a that most frames agree with, of a (f, 4, 4) and b (f, turns, 4, 4); and by
+    how much more they do than with the next best that is another one."""
     all_ = b @ np.linalg.inv(a)[:, None]
     tried = all_[:: max(1, len(all_) // TRIED_MOST)].reshape(-1, 4, 4)
     near = _apart(tried[:, None, None], all_[None]).min(axis=2)
@@ -106,11 +105,13 @@ def _relation(a: Array, b: Array) -> tuple[Array, float]:
     return tried[best], margin
 
 
-def turned(detections: Detections, cameras: Mapping[str, Camera]) -> tuple[Detections, list[str]]:
-    """Detections of a symmetric target, all cameras of a frame reading it the same way round.
+def turned(
+    detections: Detections, cameras: Mapping[str, Camera]
+) -> tuple[Detections, list[str]]:
+    """Detections of a symmetric target, read the same way round by all cameras of a frame.
 
-    A board that looks the same from both ends has two readings in each view. Those are taken
-    with which the cameras stand to each other in all frames as they do in most.
+    A board that looks the same from both ends has two readings in each view. Those are
+    taken with which the cameras stand to each other in all frames as they do in most.
     """
     target = detections.target
     if target is None or not target.symmetry or len(detections.cameras) < 2:
@@ -148,11 +149,13 @@ def turned(detections: Detections, cameras: Mapping[str, Camera]) -> tuple[Detec
     return _renamed(detections, changed), told
 
 
-def _joined(poses: Mapping[Key, Array], names: Sequence[str]) -> tuple[dict[str, Array], list[str]]:
+def _joined(
+    poses: Mapping[Key, Array], names: Sequence[str]
+) -> tuple[dict[str, Array], list[str]]:
     """cam_from_rig by the frames that cameras share, most first; and whose is in doubt."""
     frames = {name: {frame for n, frame in poses if n == name} for name in names}
     in_rig: dict[str, Array] = {names[0]: np.eye(4)}
-    doubtful = []
+    doubtful: list[str] = []
     while True:
         pairs = [
             (len(frames[a] & frames[b]), a, b)
@@ -204,17 +207,23 @@ def swapped(detections: Detections, cameras: Mapping[str, Camera]) -> list[str]:
         for X, uv in own[:: max(1, len(own) // 12)]:
             both = [_pose(cameras[other], X, uv) for other in names]
             for other, pose in zip(names, both):
-                rms.setdefault((name, other), []).append(np.inf if pose is None else pose[1])
+                rms.setdefault((name, other), []).append(
+                    np.inf if pose is None else pose[1]
+                )
     middle = {key: float(np.median(values)) for key, values in rms.items()}
     told = []
     for a, b in itertools.combinations(names, 2):
         if min(len(rms[a, a]), len(rms[b, b])) < VIEWS_LEAST:
             continue
-        own, other = np.hypot(middle[a, a], middle[b, b]), np.hypot(middle[a, b], middle[b, a])
+        own, other = (
+            np.hypot(middle[a, a], middle[b, b]),
+            np.hypot(middle[a, b], middle[b, a]),
+        )
         if own > FITS_BETTER * other and middle[a, a] > middle[a, b]:
             told.append(
                 f"the images of {a} and {b} fit with the other's intrinsics "
-                f"({other / 2**0.5:.2g} px, {own / 2**0.5:.2g} px with their own): are the two swapped?"
+                f"({other / 2**0.5:.2g} px, {own / 2**0.5:.2g} px with their own): are the "
+                "two swapped?"
             )
     return told
 
@@ -264,10 +273,12 @@ def compare(
     if abs(factor - 1) < SAME_LENGTH or spread > abs(factor - 1) / 2:
         return []
     a, b = pairs[0]
-    lengths = [float(np.linalg.norm((T[b] @ T[a].inv()).t)) for T in (_bare(after), _bare(before))]
+    lengths = [
+        float(np.linalg.norm((T[b] @ T[a].inv()).t)) for T in (_bare(after), _bare(before))
+    ]
     text = (
-        f"{a} and {b} are {lengths[0]:.4g} apart, and {lengths[1]:.4g} by the file: all lengths "
-        f"are {factor:.4g} of those"
+        f"{a} and {b} are {lengths[0]:.4g} apart, and {lengths[1]:.4g} by the file: all "
+        f"lengths are {factor:.4g} of those"
     )
     if square:
         text += f". Is a square {square / factor:.4g}, not {square:.4g}?"

@@ -20,7 +20,14 @@ BLURRED = 8.0  # px from dark to light: an image in focus has 2 to 4
 LIKE_INSIDE = 0.75  # of a saddle inside: half of it is at the border of a board
 NEAR = 2  # columns and rows that are tried on either side of those given
 PROBED = 2  # images in which other sizes are looked for: each takes a while
-OTHERS = ("4X4_1000", "5X5_1000", "6X6_1000", "7X7_1000", "ARUCO_ORIGINAL", "APRILTAG_36h11")
+OTHERS = (
+    "4X4_1000",
+    "5X5_1000",
+    "6X6_1000",
+    "7X7_1000",
+    "ARUCO_ORIGINAL",
+    "APRILTAG_36h11",
+)
 
 
 def edge_width(image: Grey) -> float:
@@ -52,11 +59,15 @@ def beyond(image: Grey, uv: Array, board: Chessboard) -> tuple[int, int]:
     for axis, n in ((0, columns), (1, rows)):
         for step in (-1.0, float(n)):
             edge = np.array([step])
-            if (strength(edge, y) if axis == 0 else strength(x, edge)) > LIKE_INSIDE * inside:
+            if (
+                strength(edge, y) if axis == 0 else strength(x, edge)
+            ) > LIKE_INSIDE * inside:
                 more[axis] += 1
         for step in (0.0, float(n - 1)):
             edge = np.array([step])
-            if (strength(edge, y) if axis == 0 else strength(x, edge)) < LIKE_INSIDE * inside:
+            if (
+                strength(edge, y) if axis == 0 else strength(x, edge)
+            ) < LIKE_INSIDE * inside:
                 more[axis] -= 1
     return more[0], more[1]
 
@@ -115,13 +126,13 @@ def is_better(images: Sequence[Grey], target: Target) -> str:
         {"legacy": not target.legacy, "inverted": not target.inverted},
         {"columns": target.rows, "rows": target.columns},
     ):
-        other = dataclasses.replace(target, **changes)  # type: ignore[arg-type]
+        other = dataclasses.replace(target, **changes)
         found = _count(images, other) if other != target else 0
         if found > 3 * given and found >= 4:
             what = ", ".join(f"{name}={value}" for name, value in changes.items())
             return (
-                f"with {what} there are {found} corners in {len(images)} of the images, and "
-                f"{given} as given: is the board of that pattern?"
+                f"with {what} there are {found} corners in {len(images)} of the images, "
+                f"and {given} as given: is the board of that pattern?"
             )
     return ""
 
@@ -136,7 +147,7 @@ def _other_markers(images: Sequence[Grey], family: str) -> str:
     counts = {}
     for name in OTHERS:
         find = aruco.ArucoDetector(dictionary(name), parameters).detectMarkers
-        counts[name] = sum(len(find(image)[0]) for image in images)
+        counts[name] = sum(len(find(image)[0]) for image in images[:PROBED])
     best = max(counts, key=lambda name: counts[name])
     own = family.upper().replace("DICT_", "").replace("TAG", "APRILTAG_", 1)
     if counts[best] >= 2 and best.split("_")[0:2] != own.split("_")[0:2]:

@@ -70,8 +70,8 @@ def read_picture(picture: Any) -> Image:
 
 @dataclass(frozen=True)
 class Looks:
-    """What is told of a picture: size (width, height), channels, bits of a value, and by how
-    many degrees its EXIF says that it be turned."""
+    """What is told of a picture: size (width, height), channels, bits of a value, and by
+    how many degrees its EXIF says that it be turned."""
 
     size: tuple[int, int]
     channels: int
@@ -83,7 +83,9 @@ def looks_of(image: Image, path: str = "") -> Looks:
     """Error if it is no image."""
     channels = image.shape[2] if image.ndim == 3 else 1
     if image.ndim not in (2, 3) or channels not in (1, 3, 4) or not image.size:
-        raise Error(f"an image (h, w), (h, w, 3) or (h, w, 4) is expected, not {image.shape}")
+        raise Error(
+            f"an image (h, w), (h, w, 3) or (h, w, 4) is expected, not {image.shape}"
+        )
     if image.dtype not in (np.uint8, np.uint16):
         raise Error(f"an image of uint8 or uint16 is expected, not {image.dtype}")
     height, width = image.shape[:2]

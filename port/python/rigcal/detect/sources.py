@@ -52,6 +52,7 @@ class Camera:
     pictures: dict[str, Any] = field(default_factory=dict)
     times: dict[str, float] = field(default_factory=dict)
     video: str = ""
+    is_named: bool = True  # the keys are those of files, not only an order
     turned: int = 0  # degrees that a video says that it be turned
 
 
@@ -94,10 +95,17 @@ def _files(source: str) -> list[str]:
     return sorted(found, key=_natural)
 
 
+def _prefix(names: Sequence[str]) -> str:
+    """What all begin with."""
+    least, most = min(names), max(names)
+    alike = (k for k, (a, b) in enumerate(zip(least, most)) if a != b)
+    return least[: next(alike, len(least))]
+
+
 def _common(names: Sequence[str]) -> tuple[str, str]:
     """What all names begin and end with, numbers left whole."""
-    head = os.path.commonprefix(list(names))
-    tail = os.path.commonprefix([name[len(head) :][::-1] for name in names])[::-1]
+    head = _prefix(names)
+    tail = _prefix([name[len(head) :][::-1] for name in names])[::-1]
     return re.sub(r"\d+$", "", head), re.sub(r"^\d+", "", tail)
 
 
@@ -162,7 +170,7 @@ def _camera(name: str | None, source: Any, every: int, number: int) -> Camera:
         items = list(source)
         if items and all(isinstance(item, np.ndarray) for item in items):
             keys = [str(k).zfill(4) for k in range(len(items))]
-            return Camera(name or f"cam{number}", dict(zip(keys, items)))
+            return Camera(name or f"cam{number}", dict(zip(keys, items)), is_named=False)
         if not items or not all(isinstance(item, (str, os.PathLike)) for item in items):
             raise Error(
                 f"sources[{name if name is not None else number!r}]: paths or arrays are "
@@ -186,9 +194,10 @@ def _camera(name: str | None, source: Any, every: int, number: int) -> Camera:
     if videos:
         return _video(name, videos[0], every)
     keys = _keys(paths)
-    if len(set(keys)) < len(keys):
+    is_named = len({_plain(key) for key in keys}) == len(keys)
+    if not is_named:
         keys = [str(k).zfill(4) for k in range(len(paths))]
-    return Camera(name, dict(zip(keys, paths)))
+    return Camera(name, dict(zip(keys, paths)), is_named=is_named)
 
 
 def cameras_of(sources: Any, every: int) -> list[Camera]:
@@ -252,7 +261,7 @@ def _plain(key: str) -> str:
 
 
 def give_times(cameras: Sequence[Camera], given: Mapping[tuple[str, str], float]) -> None:
-    """Sets the times of the pictures by camera and by frame: number or name of a picture."""
+    """Sets the times of pictures by camera and by frame: a picture's number or name."""
     by_camera: dict[str, dict[str, float]] = {}
     for (frame, name), time in given.items():
         by_camera.setdefault(name, {})[_plain(frame)] = time
@@ -306,7 +315,8 @@ def frames_of(cameras: Sequence[Camera], by_time: bool) -> tuple[list[Frame], li
     by_name = [{_plain(key): key for key in camera.pictures} for camera in cameras]
     names = list(dict.fromkeys(name for keys in by_name for name in keys))
     common = [name for name in names if all(name in keys for keys in by_name)]
-    if 2 * len(common) >= min(map(len, by_name)) or len(cameras) == 1:
+    is_named = all(camera.is_named for camera in cameras)
+    if len(cameras) == 1 or (is_named and 2 * len(common) >= min(map(len, by_name))):
         return _frames_by_name(cameras, by_name, names)
     return _frames_by_order(cameras)
 
@@ -348,10 +358,10 @@ def _frames_by_order(cameras: Sequence[Camera]) -> tuple[list[Frame], list[str]]
         long = max(cameras, key=lambda c: len(c.pictures))
         extra = list(long.pictures)[min(counts.values()) :]
         raise Error(
-            f"the cameras have different numbers of images, {counted}, and the names of the "
-            "files do not say which belong together. The last ones of camera "
-            f"{long.name} are {_some([_label(long, key) for key in extra])}: give images of "
-            "one time the same number, or pass times"
+            f"the cameras have different numbers of images, {counted}, and the names of "
+            "the files do not say which belong together. The last ones of camera "
+            f"{long.name} are {_some([_label(long, key) for key in extra])}: give images "
+            "of one time the same number, or pass times"
         )
     columns = [list(camera.pictures) for camera in cameras]
     frames = []
@@ -360,9 +370,12 @@ def _frames_by_order(cameras: Sequence[Camera]) -> tuple[list[Frame], list[str]]
         frames.append(Frame(str(k).zfill(4), keys))
     told = []
     if any(_label(c, k) != k for c in cameras for k in c.pictures):
-        pairs = " with ".join(os.path.basename(_label(c, next(iter(c.pictures)))) for c in cameras)
+        pairs = " with ".join(
+            os.path.basename(_label(c, next(iter(c.pictures)))) for c in cameras
+        )
         told.append(
-            f"images are paired by their order, since the numbers in their names differ: {pairs}"
+            "images are paired by their order, since the numbers in their names differ: "
+            f"{pairs}"
         )
     return frames, told
 
@@ -404,11 +417,11 @@ def _frames_by_time(cameras: Sequence[Camera]) -> tuple[list[Frame], list[str]]:
                 best[j] = (off, k)
         for j, (_, k) in best.items():
             frames[k].keys[camera.name] = keys[j]
-        if len(best) < 0.9 * len(times):
+        if len(best) < 0.9 * len(middle):
             told.append(
-                f"camera {camera.name}: {len(times) - len(best)} of {len(times)} pictures "
-                f"have none of camera {reference.name} within {1000 * within:.3g} ms, half "
-                "the time between two pictures"
+                f"{len(middle) - len(best)} of {len(middle)} pictures of camera "
+                f"{reference.name} have none of camera {camera.name} within "
+                f"{1000 * within:.3g} ms, half the time between two pictures"
             )
     ends = {c.name: max(c.times.values()) - min(c.times.values()) for c in cameras}
     long, short = max(ends, key=lambda n: ends[n]), min(ends, key=lambda n: ends[n])

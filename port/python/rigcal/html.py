@@ -223,10 +223,9 @@ def _lines(scene: Scene) -> dict[str, Any]:
         lines_out.append(["line", 0.6, [-1, s, floor, 1, s, floor]])
     lines_out += [[colour, width, flat(X)] for colour, width, X in lines]
     names = [
-        [f"c{k % N_COLOURS}", clean(name, 24), flat(of[0].mean(0) + scene.up * np.ptp(
-            of[0] @ scene.up) * 0.55)]
-        for k, (name, of) in enumerate(scene.frustums.items())
-    ]  # fmt: skip
+        [clean(name, 24), flat(of[0].mean(0) + 0.55 * np.ptp(of[0] @ scene.up) * scene.up)]
+        for name, of in scene.frustums.items()
+    ]
     return {"lines": lines_out, "names": names,
             "label": f"{count(len(names), 'camera')} in space"}  # fmt: skip
 

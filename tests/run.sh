@@ -43,7 +43,7 @@ hooks         gcc,clang,arm,cmake,unity,python
 consumers     gcc,g++,cmake,pkgconf        sh tests/consumers/run.sh build/consumers
 install       gcc,cmake,make,pkgconf,python
               $PYTHON tests/checks/check_install.py
-python        gcc,cmake,venv               sh port/python/tests/run.sh build/python
+python        gcc,cmake,venv,chromium      sh port/python/tests/run.sh build/python
 cli           gcc,cmake,unity,numpy,build/gcc-double
               cli gcc-double
 cli-float     gcc,cmake,unity,numpy,build/gcc-float
@@ -102,6 +102,7 @@ want_need() {
     rust) want rustc rustc --version ;;
     ceres) want libceres-dev test -e /usr/include/ceres/ceres.h ;;
     arduino) want arduino-builder arduino-builder -version ;;
+    chromium) want chromium-headless-shell chromium-headless-shell --version ;;
     venv) want python3-venv /usr/bin/python3 -c "import ensurepip" ;;
     arm)
         want gcc-arm-none-eabi arm-none-eabi-gcc --version

@@ -87,7 +87,7 @@ def stored() -> rigcal.Rig:
     return ring(2, 0)
 
 
-def pixels(figure: Any, dpi: int = 60) -> Any:
+def pixels(figure: Any, dpi: int = 45) -> Any:
     """(h, w, 3) of a figure as it is saved."""
     from matplotlib.image import imread
 
@@ -109,9 +109,9 @@ def ink(image: Any, box: Any = None) -> float:
     return float((flat != common).mean())
 
 
-def panels(figure: Any, dpi: int = 60) -> list[float]:
+def panels(figure: Any, image: Any = None) -> list[float]:
     """The ink in each axes of a figure that show something."""
-    image = pixels(figure, dpi)
+    image = pixels(figure) if image is None else image
     found = []
     for ax in figure.axes:
         if ax.axison or ax.texts or ax.lines or ax.collections or ax.patches:

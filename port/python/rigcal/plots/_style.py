@@ -62,7 +62,7 @@ class Theme:
 
 def marker(k: int) -> str:
     """Of camera k. Cameras of one colour have different ones."""
-    return MARKERS[(k + k // N_COLOURS) % len(MARKERS)]
+    return MARKERS[(k % N_COLOURS + k // N_COLOURS) % len(MARKERS)]
 
 
 def need() -> Any:

@@ -12,6 +12,7 @@ import sys
 from typing import Any
 
 import numpy as np
+
 import rigcal
 
 IMAGES = "/usr/share/doc/opencv-doc/examples/data"
@@ -149,11 +150,17 @@ def pixels(path: pathlib.Path) -> None:
     drawing.dot(origin, 4)
     drawing.text([x0 - 4, 24], "(-0.5, -0.5)", "small", "middle")
     drawing.dot([x0, y0], 3)
-    notes = ("(0, 0): the centre of the first pixel",
-             "rigcal, OpenCV, Kalibr, ROS, mrcal, Anipose", "", "its corner is (0, 0): subtract 0.5", "AprilTag, COLMAP, nerfstudio",
-             "", "its centre is (1, 1): subtract 1", "MATLAB")  # fmt: skip
-    for k, note in enumerate(notes):
-        drawing.text([290, 42 + k * 18], note, "small" if k % 3 else "")
+    notes = (
+        (
+            "(0, 0): the centre of the first pixel",
+            "rigcal, OpenCV, Kalibr, ROS, mrcal, Anipose",
+        ),
+        ("its corner is (0, 0): subtract 0.5", "AprilTag, COLMAP, nerfstudio"),
+        ("its centre is (1, 1): subtract 1", "MATLAB"),
+    )
+    for k, (what, who) in enumerate(notes):
+        drawing.text([290, 42 + k * 54], what)
+        drawing.text([290, 60 + k * 54], who, "small")
     drawing.write(path)
 
 

@@ -9,6 +9,7 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
+
 import rigcal
 
 HERE = pathlib.Path(__file__).resolve().parent

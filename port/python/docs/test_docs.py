@@ -14,6 +14,7 @@ import zlib
 from typing import Any
 
 import pytest
+
 import rigcal
 
 HTML = pathlib.Path(os.environ.get("RIGCAL_DOCS", "nowhere"))

@@ -86,9 +86,9 @@ function draw(){
   g.stroke();});
  g.textAlign="center";g.font="600 "+13*ratio+"px system-ui,sans-serif";
  data.names.forEach(function(n){
-  var at=place(n[2],0);g.lineWidth=4*ratio;g.strokeStyle=ink("paper");
-  g.strokeText(n[1],at[0],at[1]-5*ratio);
-  g.fillStyle=ink(n[0]);g.fillText(n[1],at[0],at[1]-5*ratio);});
+  var at=place(n[1],0);g.lineWidth=4*ratio;g.strokeStyle=ink("paper");
+  g.strokeText(n[0],at[0],at[1]-5*ratio);
+  g.fillStyle=ink("ink");g.fillText(n[0],at[0],at[1]-5*ratio);});
 }
 function turn(dx,dy){azim-=dx;elev=Math.max(-1.5,Math.min(1.5,elev+dy));draw()}
 canvas.tabIndex=0;canvas.setAttribute("role","img");

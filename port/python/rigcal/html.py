@@ -72,6 +72,11 @@ def headline(rig: Rig) -> tuple[str, str]:
             "These are the poses of cameras in a file. There is no recording by which they "
             "could be judged."
         )
+    if rig.verdict is None and any("not adjusted" in told for told in rig.warnings):
+        return "bad-one", (
+            "The views could not be adjusted together: the rig is only joined from single "
+            "views."
+        )
     if rig.verdict is None:
         return "warn", (
             "Nothing contradicts this rig, and nothing could: no two ways lead from one "
@@ -223,10 +228,9 @@ def _lines(scene: Scene) -> dict[str, Any]:
         lines_out.append(["line", 0.6, [-1, s, floor, 1, s, floor]])
     lines_out += [[colour, width, flat(X)] for colour, width, X in lines]
     names = [
-        [f"c{k % N_COLOURS}", clean(name, 24), flat(of[0].mean(0) + scene.up * np.ptp(
-            of[0] @ scene.up) * 0.55)]
-        for k, (name, of) in enumerate(scene.frustums.items())
-    ]  # fmt: skip
+        [clean(name, 24), flat(of[0].mean(0) + 0.55 * np.ptp(of[0] @ scene.up) * scene.up)]
+        for name, of in scene.frustums.items()
+    ]
     return {"lines": lines_out, "names": names,
             "label": f"{count(len(names), 'camera')} in space"}  # fmt: skip
 
@@ -484,6 +488,7 @@ def make_page(rig: Rig, title: str | None = None) -> str:
     has_views = len(rig.views) > 0
     parts = [
         ("What to do next", _listed(advice(rig), "ol")),
+        ("What the program warned of", _listed(map(no_folders, rig.warnings[:ROWS_MOST]))),
         ("The rig", _space(rig)),
         ("Cameras", _cameras(rig)),
         ("Residuals", _picture(rig, "residuals") if has_views else ""),
@@ -493,7 +498,6 @@ def make_page(rig: Rig, title: str | None = None) -> str:
         ("What may be wrong with the rig as a whole", _faults(rig)),
         ("Clocks", _clocks(rig)),
         ("Views that are left out", _left_out(rig)),
-        ("What the program warned of", _listed(map(no_folders, rig.warnings[:ROWS_MOST]))),
         ("The program's report", _report(rig)),
         ("How it was made", _made(rig)),
     ]

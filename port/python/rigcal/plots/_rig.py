@@ -195,5 +195,5 @@ def _names(ax: Any, scene: Scene, theme: Theme) -> None:
         per_point = 0.01 * scene.size / max(float(np.ptp(rise)) * points, 1e-9)
         ax.text(
             *(X + [0, 0, min(up * per_point, scene.size)]), text, ha="center", va="bottom",
-            fontsize=9, weight="bold", color=theme.of(k), clip_on=False,
+            fontsize=9, weight="bold", color=theme.ink, clip_on=False,
         )  # fmt: skip

@@ -17,12 +17,12 @@ from ..transform import Array
 LIGHT = {
     "paper": "#ffffff", "panel": "#f5f6f8", "ink": "#1f2430", "faint": "#5d6675",
     "line": "#ccd1d9", "bad": "#c7390a", "c0": "#0072b2", "c1": "#c98000", "c2": "#009e73",
-    "c3": "#aa4499", "c4": "#56b4e9", "c5": "#7a6c00",
+    "c3": "#c9609f", "c4": "#45a3dd", "c5": "#4f4a45",
 }  # fmt: skip
 DARK = {
     "paper": "#14171c", "panel": "#1d2229", "ink": "#e8ebf0", "faint": "#9aa4b3",
     "line": "#3c4450", "bad": "#ff8052", "c0": "#4fb0ea", "c1": "#f2b233", "c2": "#35cfa2",
-    "c3": "#e59bd6", "c4": "#b4dcff", "c5": "#d2c65c",
+    "c3": "#d9669a", "c4": "#b4dcff", "c5": "#857f6e",
 }  # fmt: skip
 N_COLOURS = 6
 MARKERS = "osD^vPX"
@@ -62,7 +62,7 @@ class Theme:
 
 def marker(k: int) -> str:
     """Of camera k. Cameras of one colour have different ones."""
-    return MARKERS[(k + k // N_COLOURS) % len(MARKERS)]
+    return MARKERS[(k % N_COLOURS + k // N_COLOURS) % len(MARKERS)]
 
 
 def need() -> Any:

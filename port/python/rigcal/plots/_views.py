@@ -162,7 +162,7 @@ def _panel(
     error = rms(rows["error_px"][counts])
     title = plain(name, 28) + (f": {number(error)} px rms" if counts.any() else "")
     title += "" if camera.size else "; image size not known"
-    ax.set_title(title, color=colour)
+    ax.set_title(title)
     if not placed.any():
         reason = "no point counts" if len(rows) else "no residuals: no recording"
         if len(rows):

@@ -160,8 +160,10 @@ def test_times_of_a_table_pair_pictures(tmp_path, image):
         found = rigcal.detect([a, b], BOARD, times=tmp_path / "times.csv")
     assert found.images["b", "0003"] == (b, 1)
     assert found.times["0003", "b"] == pytest.approx(0.31)
-    again = rigcal.detect([a, b], BOARD, times={(str(f), c): t for c, f, t in rows})
-    assert again.times == found.times
+    for first in (0, 1, 64):  # frames may be counted from elsewhere
+        times = {(str(f + first), c): t for c, f, t in rows}
+        with pytest.warns(rigcal.Caveat):
+            assert rigcal.detect([a, b], BOARD, times=times).times == found.times
 
 
 def test_times_of_other_programs(tmp_path, image):

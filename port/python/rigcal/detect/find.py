@@ -326,7 +326,7 @@ def named_alike(cameras: Sequence[Camera], known: Mapping[str, Any]) -> list[str
         raise Error(
             f"sources: {', '.join(names)} are {len(names)} cameras, and the intrinsics "
             f"are of {len(known)}: {', '.join(known)}. Name the sources: "
-            "{camera: source}, or camera=SOURCE"
+            "{camera: source}, or camera=SOURCE. In a shell a pattern is put in quotes"
         )
     pairs = dict(zip(names, known))
     for camera, name in zip(cameras, known):

@@ -53,6 +53,7 @@ class Camera:
     times: dict[str, float] = field(default_factory=dict)
     video: str = ""
     is_named: bool = True  # the keys are those of files, not only an order
+    count: int = 0  # of the pictures of a video
     turned: int = 0  # degrees that a video says that it be turned
 
 
@@ -153,6 +154,7 @@ def _video(name: str, path: str, every: int) -> Camera:
         last = time
         number += 1
     video.release()
+    camera.count = number
     if not camera.pictures:
         raise FileError(path, "there is no picture in this video")
     return camera
@@ -260,6 +262,15 @@ def _plain(key: str) -> str:
     return str(int(key)) if key.isdecimal() else key
 
 
+def _by_order(own: dict[str, float], camera: Camera) -> dict[str, float]:
+    """Times by the number of the picture in a video, from 0. A table with one for each that
+    counts otherwise, as from 1 or from where the video was cut, has them in order."""
+    numbers = {str(k) for k in range(camera.count)}
+    if len(own) != camera.count or set(own) == numbers:
+        return own
+    return {str(k): own[key] for k, key in enumerate(sorted(own, key=_natural))}
+
+
 def give_times(cameras: Sequence[Camera], given: Mapping[tuple[str, str], float]) -> None:
     """Sets the times of pictures by camera and by frame: a picture's number or name."""
     by_camera: dict[str, dict[str, float]] = {}
@@ -275,6 +286,8 @@ def give_times(cameras: Sequence[Camera], given: Mapping[tuple[str, str], float]
                 f"times: there is none of camera {camera.name}; those of "
                 f"{', '.join(sorted(by_camera))} are there"
             )
+        if camera.video:
+            own = _by_order(own, camera)
         camera.times = {}
         for key, picture in camera.pictures.items():
             words = [_plain(key)]

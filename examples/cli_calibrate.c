@@ -214,12 +214,12 @@ static void write_pairs(FILE *file, const calibration *c)
     }
 }
 
-/* What is observed less what the rig puts there. */
+/* Each point as it was given, and what is observed less where the rig puts it. */
 static void write_residuals(FILE *file, const calibration *c)
 {
     size_t i, k;
 
-    fprintf(file, "camera,frame,point,du,dv,error_px,left_out\n");
+    fprintf(file, "camera,frame,point,X,Y,Z,u,v,du,dv,error_px,left_out\n");
     for (i = 0; i < c->n_views; i++) {
         const view *v = &c->views[i];
         const residual *list = view_residuals_in_rig(c, v);
@@ -230,6 +230,8 @@ static void write_residuals(FILE *file, const calibration *c)
 
             fprintf(file, "%s,%s,%s", c->cameras.names.name[v->camera],
                     c->observations.frames.name[v->frame], view_point_name(c, v, k));
+            cli_write_numbers(file, v->first[k].seen.X_w, 3);
+            cli_write_numbers(file, v->first[k].seen.uv, 2);
             cli_write_known(file, r.duv[0], is_known);
             cli_write_known(file, r.duv[1], is_known);
             cli_write_known(file, r.error_px, is_known);

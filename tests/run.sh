@@ -43,7 +43,11 @@ hooks         gcc,clang,arm,cmake,unity,python
 consumers     gcc,g++,cmake,pkgconf        sh tests/consumers/run.sh build/consumers
 install       gcc,cmake,make,pkgconf,python
               $PYTHON tests/checks/check_install.py
-python        gcc,cmake,venv               sh port/python/tests/run.sh build/python
+python        gcc,cmake,venv,opencv-doc,chromium,build/python
+              sh port/python/tests/run.sh build/python
+docs          gcc,cmake,venv,opencv-doc,chromium,build/python
+              sh port/python/docs/run.sh build/docs
+fleet         gcc,cmake,venv,build/python  sh examples/fleet/run.sh build/fleet
 cli           gcc,cmake,unity,numpy,build/gcc-double
               cli gcc-double
 cli-float     gcc,cmake,unity,numpy,build/gcc-float
@@ -104,6 +108,8 @@ want_need() {
     rust) want rustc rustc --version ;;
     ceres) want libceres-dev test -e /usr/include/ceres/ceres.h ;;
     arduino) want arduino-builder arduino-builder -version ;;
+    opencv-doc) want opencv-doc test -e /usr/share/doc/opencv-doc/examples/data/left01.jpg ;;
+    chromium) want chromium-headless-shell chromium-headless-shell --version ;;
     venv) want python3-venv /usr/bin/python3 -c "import ensurepip" ;;
     arm)
         want gcc-arm-none-eabi arm-none-eabi-gcc --version

@@ -18,6 +18,7 @@ from ._names import (
 )
 from .calibrate import calibrate
 from .camera import Camera
+from .detect import AprilGrid, Charuco, Chessboard, Detections, Tag, Tags, detect
 from .errors import Caveat, Error, FileError
 from .formats import Target, load_cameras, load_target, save_cameras, save_target
 from .measure import (
@@ -35,6 +36,7 @@ from .measure import (
     undistort,
 )
 from .monitor import BodyReport, Monitor, MonitorReport
+from .plots import plot_monitor
 from .poses import (
     Blame,
     Diagnosis,
@@ -54,6 +56,7 @@ _number = _lib.version()
 __version__ = f"{_number // 10000}.{_number // 100 % 100}.{_number % 100}"
 
 __all__ = [
+    "AprilGrid",
     "Bands",
     "Blame",
     "BlameVerdicts",
@@ -62,9 +65,12 @@ __all__ = [
     "Camera",
     "Causes",
     "Caveat",
+    "Charuco",
+    "Chessboard",
     "Clock",
     "ClockStates",
     "Curves",
+    "Detections",
     "Diagnosis",
     "DiagnosisVerdicts",
     "Error",
@@ -86,6 +92,8 @@ __all__ = [
     "Sigma",
     "Spans",
     "Status",
+    "Tag",
+    "Tags",
     "Target",
     "Transfers",
     "Transform",
@@ -93,12 +101,14 @@ __all__ = [
     "__version__",
     "blame",
     "calibrate",
+    "detect",
     "diagnose",
     "distort",
     "load",
     "load_cameras",
     "load_target",
     "pixel_to_ray",
+    "plot_monitor",
     "project",
     "save_cameras",
     "save_target",

@@ -106,6 +106,14 @@ class CalibratedRig:
             struct[field] = getattr(self, field)
         return struct
 
+    def __getstate__(self) -> dict[str, Any]:
+        """All but the struct, whose pointers are of this process."""
+        return {key: value for key, value in self.__dict__.items() if key != "struct"}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        self.struct = self._make_struct(len(self._Sigma) if self.sigma_px > 0 else 0)
+
     # ---- made from, and into ----
 
     @classmethod
@@ -230,15 +238,18 @@ class CalibratedRig:
 
     @property
     def cameras(self) -> dict[str, Camera]:
+        """{name: Camera}, each with its cam_from_rig."""
         return {name: self[name] for name in self.names}
 
     @property
     def group(self) -> npt.NDArray[np.int32]:
+        """(n,) numbers: cameras of different groups have no common frame."""
         group: npt.NDArray[np.int32] = self._group.copy()
         return group
 
     @property
     def held(self) -> npt.NDArray[np.bool_]:
+        """(n,) True: the camera has no unknowns."""
         held: npt.NDArray[np.bool_] = self._held != 0
         return held
 

@@ -20,6 +20,8 @@ import numpy as np
 
 from . import _tables
 from .camera import Camera
+from .detect import into_rig
+from .detect.detections import Detections
 from .errors import Caveat, Error
 from .formats import save_cameras
 from .rig import Rig
@@ -273,10 +275,10 @@ def calibrate(
     """Where each camera is, by what they saw of a target of known shape.
 
     cameras     {name: Camera}, cameras with names, or a file of any format: intrinsics
-    detections  frame, camera, point, X, Y, Z, u, v: a data frame, a dict of columns, a
-                structured array, rows, or the path of a CSV file. A frame is one place of
-                the target; X, Y, Z is the point on the target, u, v its pixel, with (0, 0)
-                the centre of the top-left pixel
+    detections  of rigcal.detect; or columns frame, camera, point, X, Y, Z, u, v: a data
+                frame, a dict of columns, a structured array, rows, or the path of a CSV
+                file. A frame is one place of the target; X, Y, Z is the point on the
+                target, u, v its pixel, with (0, 0) the centre of the top-left pixel
     sigma_px    noise of one coordinate of a pixel. None: that of the residuals
     robust      leaves out points that disagree by more than threshold_px; seed chooses
                 other random samples
@@ -297,6 +299,10 @@ def calibrate(
     with tempfile.TemporaryDirectory(prefix="rigcal-") as folder:
         files = _Files(folder)
         known = _tables.named_cameras(cameras)
+        noted: list[str] = []
+        if isinstance(detections, Detections):
+            times = detections.times if times is None else times
+            detections, noted = _prepared(detections, known)
         path = files.cameras("cameras", known)["cameras.csv"]
         arguments = ["calibrate", "--progress", "--cameras", path]
         arguments += [
@@ -335,6 +341,12 @@ def calibrate(
             text = "\n".join(told[: WARNED_MOST if status == 1 else 1])
             raise Error(text or f"the program ended with status {status}")
         rig = Rig.from_folder(kept, report, told, known)
+        if isinstance(detections, Detections):
+            rig.images = dict(detections.images)
+            before = known if prior is None or not isinstance(prior, Rig) else prior.cameras
+            told = noted + into_rig.compare(rig.cameras, before, detections) + told
+            rig.warnings = told
+        rig.made = made_of(cameras, detections, arguments)
     for text in told[:WARNED_MOST]:
         warnings.warn(text, Caveat, stacklevel=2)
     if len(told) > WARNED_MOST:
@@ -344,6 +356,51 @@ def calibrate(
             stacklevel=2,
         )
     return rig
+
+
+def _prepared(
+    detections: Detections, cameras: Mapping[str, Camera]
+) -> tuple[Detections, list[str]]:
+    """Detections as the program takes them, and what is odd about them."""
+    into_rig.check_sizes(detections, cameras)
+    detections, noted = into_rig.turned(detections, cameras)
+    return detections, noted + into_rig.swapped(detections, cameras)
+
+
+def made_of(cameras: Any, detections: Any, arguments: Sequence[str]) -> dict[str, str]:
+    """Rig.made of the arguments, and of the options of the program."""
+    return {
+        "cameras": _called(cameras),
+        "detections": _called(detections),
+        "options": " ".join(map(_without_folders, _options_of(arguments))) or "none",
+    }
+
+
+def _called(given: Any) -> str:
+    """What an argument is: the name of its file, or its type."""
+    if isinstance(given, (str, os.PathLike)):
+        return pathlib.Path(given).name
+    return type(given).__name__
+
+
+NOT_TOLD = ("cameras", "observations", "out", "progress", "method=ml")
+
+
+def _options_of(arguments: Sequence[str]) -> list[str]:
+    """Options of the program as they were given, without files of every run."""
+    return [
+        word
+        for word in arguments
+        if word.startswith("--")
+        and word[2:].partition("=")[0] not in NOT_TOLD
+        and word[2:] not in NOT_TOLD
+    ]
+
+
+def _without_folders(option: str) -> str:
+    """--prior=/tmp/x/rig.csv as --prior=rig.csv"""
+    name, is_given, value = option.partition("=")
+    return name + is_given + pathlib.PurePath(value).name if is_given else name
 
 
 def _as_arguments(text: str) -> str:

@@ -17,9 +17,11 @@ from collections.abc import Iterator, Sequence
 from typing import Any, NoReturn
 
 from . import _tables
-from .calibrate import PROGRESS, joined, program, run
+from .calibrate import PROGRESS, joined, made_of, program, run
 from .errors import Caveat, Error, FileError
 from .formats import FORMATS, load_cameras, save_cameras
+from .html import check_path, write_page
+from .plots import need
 from .rig import Fault, Rig, load
 
 __all__ = ["main"]
@@ -37,6 +39,8 @@ One file with poses serves as --cameras and --rig both.
   rigcal diagnose    --cameras FILE --observations FILE [options of calibrate]
   rigcal convert     FILE... FILE [--from FORMAT] [--to FORMAT] [--scale FACTOR]
                      [--lens brown|fisheye]
+  rigcal report      FOLDER|FILE [--out rig.html] [--title TEXT]
+  rigcal calibrate   --html FILE [--title TEXT] [options of the program]
 
 diagnose says what is wrong with a recording, why, and what to do, without the tables of
 calibrate. Its exit status is that of calibrate.
@@ -45,6 +49,11 @@ convert reads cameras of one format and writes them in another: the last file. A
 calibrate --out is read too. The names of files tell the formats, or --from and --to do.
   --scale      multiplies lengths that are read.
   --lens       that of a file of four coefficients which does not say it.
+
+{detect}
+report writes one page: the verdict, what to do next, pictures, tables. It reads a folder of
+calibrate --out, or any file of a rig. calibrate --html writes the same page. The page needs
+Matplotlib (pip install rigcal[plot]); the C program by itself has no --html.
 
 The other commands are those of the program:
 
@@ -62,7 +71,10 @@ OPTIONS = {
         "monitor": "rig matches observations times sigma arl0 common wrong walk",
     }.items()
 }
-COMMANDS = ("calibrate", "diagnose", "triangulate", "line", "monitor", "convert")
+COMMANDS = (
+    "calibrate", "detect", "diagnose", "triangulate", "line", "monitor", "convert",
+    "report",
+)  # fmt: skip
 NO_VALUE = object()
 
 
@@ -200,9 +212,11 @@ def _read(path: str, **how: Any) -> dict[str, Any]:
 def _caveats_told() -> Iterator[None]:
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", Caveat)
-        yield
-    for warning in caught:
-        _say(str(warning.message))
+        try:
+            yield
+        finally:
+            for warning in caught:
+                _say(str(warning.message))
 
 
 def _convert(arguments: Sequence[str]) -> int:
@@ -296,8 +310,105 @@ def _diagnose(arguments: Sequence[str]) -> int:
     return status
 
 
+# ---- images -----------------------------------------------------------------------
+
+
+def _detect(arguments: Sequence[str]) -> int:
+    from .detect.command import add_target, detect_images
+
+    parser = _Parser("rigcal detect", add_help=False, allow_abbrev=False)
+    parser.add_argument("sources", nargs="+", metavar="SOURCE")
+    add_target(parser)
+    parser.add_argument("--out", required=True)
+    parser.add_argument("--times-out")
+    with _caveats_told():
+        return detect_images(parser.parse_args(list(arguments)))
+
+
+def _calibrate_images(arguments: Sequence[str]) -> int:
+    from .detect.command import add_target, calibrate_images
+
+    parser = _Parser("rigcal calibrate", add_help=False, allow_abbrev=False)
+    which = parser.add_mutually_exclusive_group(required=True)
+    which.add_argument("--images", nargs="+", metavar="SOURCE")
+    which.add_argument("--videos", nargs="+", metavar="SOURCE")
+    add_target(parser)
+    for name, takes_value in OPTIONS["calibrate"].items():
+        if name in ("cameras", "times", "progress", "observations"):
+            continue
+        if name == "hold":
+            parser.add_argument("--hold", action="append", default=[])
+        elif takes_value:
+            kind = {"seed": int, "sigma": float, "threshold": float, "sigma-time": float}
+            default = "ml" if name == "method" else None
+            parser.add_argument("--" + name, type=kind.get(name, str), default=default)
+        else:
+            parser.add_argument("--" + name, action="store_true")
+    parser.add_argument("--html")
+    with _caveats_told():
+        return calibrate_images(parser.parse_args(list(arguments)))
+
+
+def _is_of_images(arguments: Sequence[str]) -> bool:
+    """Whether calibrate begins with images."""
+    words = [word.partition("=")[0] for word in arguments]
+    return "--images" in words or "--videos" in words
+
+
+def _report(arguments: Sequence[str]) -> int:
+    parser = _Parser("rigcal report", add_help=False)
+    parser.add_argument("rig", nargs="+", metavar="FOLDER|FILE")
+    parser.add_argument("--out", default="rig.html")
+    parser.add_argument("--title")
+    given = parser.parse_args(list(arguments))
+    if len(given.rig) > 1:
+        raise _UsageError("report takes one folder of calibrate --out, or one file")
+    check_path(given.out)
+    need()
+    with _caveats_told():
+        rig = load(given.rig[0])
+        write_page(rig, given.out, given.title)
+    print(given.out)
+    return DONE
+
+
+def _paged(arguments: Sequence[str]) -> int:
+    """calibrate --html: calibrates, and writes a page of what came out."""
+    parser = _Parser(add_help=False, allow_abbrev=False)
+    parser.add_argument("--html")
+    parser.add_argument("--title")
+    page, rest = parser.parse_known_args(list(arguments))
+    given = _options("calibrate", rest)
+    if given is None or not {"cameras", "observations"} <= set(given):
+        return _program("calibrate", *rest)  # it says why not
+    check_path(page.html)
+    need()
+    with tempfile.TemporaryDirectory(prefix="rigcal-") as folder:
+        converted = _Converted(folder)
+        changed = converted.options("calibrate", given)
+        changed.setdefault("out", [os.path.join(folder, "out")])
+        status, report, messages = _call("calibrate", changed)
+        told = [converted.in_words_of_user(line) for line in messages]
+        for line in told:
+            print(line, file=sys.stderr)
+        sys.stdout.write(report)
+        if status in (DONE, GEOMETRY) and report:
+            rig = Rig.from_folder(changed["out"][0], report, joined(told))
+            words = [
+                f"--{name}" + (f"={v}" if OPTIONS["calibrate"][name] else "")
+                for name, values in given.items()
+                for v in values
+            ]
+            rig.made = made_of(given["cameras"][0], given["observations"][0], words)
+            write_page(rig, page.html, page.title)
+            print(page.html, file=sys.stderr)
+    return status
+
+
 def _help() -> int:
-    print(HELP.format(formats=", ".join(FORMATS)), end="")
+    from .detect import command
+
+    print(HELP.format(formats=", ".join(FORMATS), detect=command.HELP), end="")
     sys.stdout.flush()
     return _program("--help")
 
@@ -308,15 +419,23 @@ def _run(arguments: Sequence[str]) -> int:
         raise _UsageError(f"give a command: {known}")
     command, *rest = arguments
     if command in ("--help", "-h") or (
-        command in ("diagnose", "convert") and "--help" in rest
+        command in ("diagnose", "convert", "detect", "report") and "--help" in rest
     ):
         return _help()
     if command == "--version":
         return _program(command)
+    if command == "detect":
+        return _detect(rest)
+    if command == "calibrate" and _is_of_images(rest):
+        return _calibrate_images(rest)
     if command == "convert":
         return _convert(rest)
     if command == "diagnose":
         return _diagnose(rest)
+    if command == "report":
+        return _report(rest)
+    if command == "calibrate" and any(word.startswith("--html") for word in rest):
+        return _paged(rest)
     if command not in OPTIONS:
         raise _UsageError(f'there is no command "{command}": the commands are {known}')
     return _pass_on(command, rest)

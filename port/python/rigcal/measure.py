@@ -167,6 +167,7 @@ class Points:
 
     @property
     def rms_px(self) -> Array:
+        """(n,) reprojection error, root mean square a view that is used [px]."""
         return self._field("rms_px")
 
     @property
@@ -176,6 +177,7 @@ class Points:
 
     @property
     def freedom(self) -> Array:
+        """(n,) degrees of freedom of chi2: 2 a view that is used, less 3."""
         return self._field("freedom")
 
     @property

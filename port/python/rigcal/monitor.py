@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -192,6 +193,13 @@ class Monitor:
         report = np.zeros(1, MONITOR_REPORT)
         must(lib.monitor_ask(address(report), self._at), "monitor")
         return self._report(report)
+
+    @staticmethod
+    def plot(reports: Sequence[MonitorReport], seconds: Any = None, **options: Any) -> Any:
+        """The evidence over time, and who is blamed: see plot_monitor."""
+        from .plots import plot_monitor
+
+        return plot_monitor(reports, seconds, **options)
 
     def body(self, body: Which) -> BodyReport:
         """A camera, or a target by its name."""

@@ -102,6 +102,7 @@ class Pose:
 
     @property
     def rms_px(self) -> float:
+        """Reprojection error, root mean square a point [px]."""
         return float(self._found["rms_px"][0])
 
     @property
@@ -111,10 +112,12 @@ class Pose:
 
     @property
     def probability(self) -> float:
+        """That this is the right one of those found, for normal noise."""
         return float(self._found["probability"][0])
 
     @property
     def others(self) -> list[Pose]:
+        """The other poses that were found, best first."""
         return [
             Pose(self._numbers[k : k + 1], self.status, frames=self._frames)
             for k in range(1, len(self._numbers))
@@ -193,6 +196,7 @@ class Poses:
 
     @property
     def status(self) -> npt.NDArray[np.int32]:
+        """(K,) Status of each; below 0 it failed."""
         status: npt.NDArray[np.int32] = self._results["status"]
         return status
 
@@ -203,11 +207,13 @@ class Poses:
 
     @property
     def n_found(self) -> npt.NDArray[np.int32]:
+        """(K,) how many poses of each view were found."""
         found: npt.NDArray[np.int32] = self._results["n_found"]
         return found
 
     @property
     def bad(self) -> npt.NDArray[np.int32]:
+        """(K,) the point at fault; -1: none."""
         bad: npt.NDArray[np.int32] = self._results["at_fault"]
         return bad
 
@@ -217,24 +223,29 @@ class Poses:
 
     @property
     def R(self) -> Array:
+        """(K, 3, 3) of cam_from_world."""
         rotations: Array = self._poses["cam_from_world"]["R"][:, 0].reshape(-1, 3, 3)
         return rotations
 
     @property
     def t(self) -> Array:
+        """(K, 3) of cam_from_world."""
         moves: Array = self._poses["cam_from_world"]["t"][:, 0]
         return moves
 
     @property
     def rms_px(self) -> Array:
+        """(K,) reprojection error, root mean square a point [px]."""
         return self._of_best("rms_px")
 
     @property
     def sse(self) -> Array:
+        """(K,) sum of |du|^2 / sigma_i^2 over the points [px^2 where no sigma is given]."""
         return self._of_best("sse")
 
     @property
     def probability(self) -> Array:
+        """(K,) that each is the right one of those found, for normal noise."""
         return self._of_best("probability")
 
     def _known(self, field: str) -> Array:

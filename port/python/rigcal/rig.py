@@ -104,7 +104,7 @@ class Rig:
     views     structured array, a row a view: camera, frame, n, cam_from_target (3, 4),
               rms_px, rotation_deg, position, second_rms_px, probability, verdict
     residuals structured array, a row a point, of the rig: view (row of views), camera,
-              frame, point, du, dv, error_px, left_out
+              frame, point, X, Y, Z, u, v, du, dv, error_px, left_out; X to v as detected
     left_out  views that do not count, and why
     F, sqrt_f how many times more than noise the views disagree; None: nothing can
     sigma_px  noise of one coordinate by the rig's residuals; noise_px: by the views
@@ -116,6 +116,8 @@ class Rig:
     clocks    {name: Clock}, with times
     report    what the C program prints
     warnings  what it says besides
+    made      how: names of files, options, by what they are
+    images    {(camera, frame): path, (video, number) or array}, if detections had them
     """
 
     calibrated: CalibratedRig
@@ -138,7 +140,9 @@ class Rig:
     clocks: dict[str, Clock] = field(default_factory=dict)
     report: str = ""
     warnings: list[str] = field(default_factory=list)
+    made: dict[str, str] = field(default_factory=dict)
     stored: bytes = b""  # of the library's store
+    images: dict[tuple[str, str], Any] = field(default_factory=dict)
 
     # ---- as a collection of cameras -------------------------------------------
 
@@ -222,7 +226,98 @@ class Rig:
         """Watches the rig while it runs: see Monitor."""
         return self.calibrated.monitor(**options)
 
+    # ---- pictures -------------------------------------------------------------
+
+    def plot(
+        self,
+        *,
+        ax: Any = None,
+        dark: bool = False,
+        k: float = 3.0,
+        exaggeration: float | None = None,
+        boards: bool = True,
+    ) -> Any:
+        """The rig in space: cameras as frustums of their image, boards as outlines, and how
+        sure each centre is as an ellipsoid. Returns the figure.
+
+        k             half axes of the ellipsoids, in standard deviations
+        exaggeration  how many times as large they are drawn; None: so that they are seen.
+                      The title tells it
+        boards        False: without them
+        ax            3-D axes of Matplotlib to draw on; dark: for a dark background
+
+        Scales are equal, up is as the cameras stand. Needs rigcal[plot], as all pictures.
+        """
+        from . import plots
+
+        return plots.plot_rig(
+            self, ax=ax, dark=dark, k=k, exaggeration=exaggeration, boards=boards
+        )
+
+    def plot_residuals(
+        self,
+        cameras: str | Sequence[str] | None = None,
+        *,
+        scale: float | None = None,
+        most: int | None = None,
+        ax: Any = None,
+        dark: bool = False,
+    ) -> Any:
+        """Residuals of the rig as arrows, a panel a camera, from where the rig puts a point
+        towards where it was seen. Points left out are crosses. Returns the figure.
+
+        cameras  names; None: all
+        scale    how many times as long as they are; None: so that they are seen. The
+                 title tells it
+        most     arrows of a camera; None: as many as can be told apart
+        ax       axes to draw on, of one camera
+        """
+        from . import plots
+
+        return plots.plot_residuals(
+            self, cameras=cameras, scale=scale, most=most, ax=ax, dark=dark
+        )
+
+    def plot_views(self, *, worst: int = 5, ax: Any = None, dark: bool = False) -> Any:
+        """The rms of each view in the rig, the worst of them named. Returns the figure."""
+        from . import plots
+
+        return plots.plot_views(self, worst=worst, ax=ax, dark=dark)
+
+    def plot_graph(self, *, ax: Any = None, dark: bool = False) -> Any:
+        """How many frames each two cameras share, and who saw the target when; what is left
+        out is dashed. Returns the figure.
+
+        ax  axes to draw the first of the two on
+        """
+        from . import plots
+
+        return plots.plot_graph(self, ax=ax, dark=dark)
+
+    def plot_match(self, a: str, uv: Any, b: str, **options: Any) -> Any:
+        """Where b sees the points behind pixels uv (K, 2) of a. Returns the figure.
+
+        images      a pair, of a and of b: arrays or paths; None: blank, of the true sizes
+        candidates  (m, 2) pixels of b: dots; those in a band are rings, the best are stars
+        depth, probability, sigma_px   as of CalibratedRig.band
+        dark        for a dark background
+        """
+        from . import plots
+
+        return plots.plot_match(self, a, uv, b, **options)
+
     # ---- files ----------------------------------------------------------------
+
+    def html(self, path: str | os.PathLike[str], title: str | None = None) -> None:
+        """Writes one page with all there is to say of the rig: the verdict, what to do,
+        pictures, tables. It needs nothing besides: no network, no other file.
+
+        It is light or dark as the reader's system is, at most html.BYTES_MOST large, and
+        there whole or not at all. Names of files are in it, no folders.
+        """
+        from .html import write_page
+
+        write_page(self, path, title)
 
     def save(self, path: str | os.PathLike[str], format: str | None = None) -> None:
         """The stored bytes, with the joint covariance, as `*.bin` or format "stored"; else
@@ -267,7 +362,9 @@ def load(path: str | os.PathLike[str], names: Sequence[str] | None = None) -> Ri
     those of the rig.csv beside a rig.bin, or cam0, cam1, ..."""
     where = pathlib.Path(path)
     if (where / "summary.json").is_file():
-        return Rig.from_folder(where)
+        rig = Rig.from_folder(where)
+        rig.made["files"] = _name_of(where)
+        return rig
     data = b"" if where.is_dir() else read_file(path)
     if data.startswith(stored.MAGIC):
         beside = where.with_name("rig.csv")
@@ -277,12 +374,18 @@ def load(path: str | os.PathLike[str], names: Sequence[str] | None = None) -> Ri
             calibrated = CalibratedRig.from_bytes(data, names)
         except Error as problem:
             raise FileError(path, str(problem)) from None
-        return Rig(calibrated, calibrated.cameras, stored=data)
+        made = {"file": _name_of(where)}
+        return Rig(calibrated, calibrated.cameras, stored=data, made=made)
     cameras = load_cameras(path)
     posed = {name: c for name, c in cameras.items() if c.cam_from_rig is not None}
     if not posed:
         raise FileError(path, "no camera in it has a pose")
-    return Rig(CalibratedRig.from_cameras(posed), posed)
+    return Rig(CalibratedRig.from_cameras(posed), posed, made={"file": _name_of(where)})
+
+
+def _name_of(path: pathlib.Path) -> str:
+    """The name without the folders that lead to it."""
+    return path.name or path.resolve().name
 
 
 def _load_bytes(data: bytes) -> list[Camera]:
@@ -327,6 +430,7 @@ def _residuals_dtype(
         ("camera", _text_dtype(cameras)),
         ("frame", _text_dtype(frames)),
         ("point", _text_dtype(points)),
+        *((name, "f8") for name in _tables.OBSERVATIONS[3:]),
         ("du", "f8"),
         ("dv", "f8"),
         ("error_px", "f8"),
@@ -430,8 +534,8 @@ class _Reader:
         found = np.zeros(len(cameras), _residuals_dtype(cameras, frames, points))
         found["view"] = [number[key] for key in zip(cameras, frames)]
         found["camera"], found["frame"], found["point"] = cameras, frames, points
-        for name in ("du", "dv", "error_px"):
-            found[name] = _tables.numbers_of(table[name])
+        for name in (*_tables.OBSERVATIONS[3:], "du", "dv", "error_px"):
+            found[name] = _tables.numbers_of(table[name]) if name in table else np.nan
         found["left_out"] = [flag == "1" for flag in table["left_out"]]
         return found
 

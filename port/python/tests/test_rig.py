@@ -6,6 +6,7 @@ import csv
 import pathlib
 import pickle
 import subprocess
+import sys
 from typing import Any
 
 import numpy as np
@@ -341,7 +342,17 @@ def test_cameras_are_stored_and_loaded_by_the_formats(
             == rig.cam_from_rig("right").R).all()  # fmt: skip
 
 
-def test_a_rig_can_be_pickled(rig: rigcal.Rig) -> None:
+def test_a_rig_can_be_pickled(rig: rigcal.Rig, tmp_path: pathlib.Path) -> None:
     again = pickle.loads(pickle.dumps(rig))
     assert again.cameras == rig.cameras
     assert (again.joint_covariance == rig.joint_covariance).all()
+    (tmp_path / "rig.pickle").write_bytes(pickle.dumps(rig))
+    script = (
+        "import pickle, sys; rig = pickle.load(open(sys.argv[1], 'rb'));"
+        "print(repr(float(rig.joint_covariance.sum())))"
+    )
+    other = subprocess.run(  # a process in which no address of this one is valid
+        [sys.executable, "-c", script, str(tmp_path / "rig.pickle")],
+        capture_output=True, text=True, check=True,
+    )  # fmt: skip
+    assert float(other.stdout) == rig.joint_covariance.sum()

@@ -169,6 +169,23 @@ def test_corners_are_where_they_are_drawn(target, roll, rng):
     assert front_towards(target, solved.cam_from_world)
 
 
+@pytest.mark.parametrize("inverted", [False, True])
+@pytest.mark.parametrize("size", [(7, 4), (6, 4), (5, 5)])
+def test_any_order_of_a_detector_becomes_the_same(size, inverted, rng):
+    board, camera = rigcal.Chessboard(*size, 0.03, inverted), scenes.pinhole()
+    pose = scenes.looking_at(board, [0.2, -0.1, 0.4], 0.4)
+    image = scenes.show(board, camera, pose, rng)
+    true = np.array(list(scenes.truth(board, camera, pose).values()))
+    table = true.reshape(size[1], size[0], 2)
+    orders = [table, table[::-1, ::-1], table[::-1], table[:, ::-1]]
+    if size[0] == size[1]:
+        orders += [np.rot90(table, k) for k in (1, 3)] + [table.transpose(1, 0, 2)]
+    readings = [true, *(true[p] for p in board.symmetry)]
+    for order in orders:
+        found = detectors.in_order(image, order.reshape(-1, 2).copy(), board)
+        assert any((found == reading).all() for reading in readings)
+
+
 @pytest.mark.parametrize("size", [(6, 4), (5, 3), (4, 4), (5, 5)])
 def test_symmetric_chessboards_are_read_from_the_front(size, rng):
     target, camera = rigcal.Chessboard(*size, 0.03), scenes.pinhole()

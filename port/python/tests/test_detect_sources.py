@@ -271,6 +271,19 @@ def test_exif(tmp_path, order):
     assert exif_turn(str(tmp_path)) == 0
 
 
+def test_a_picture_that_is_too_late_has_no_partner():
+    def camera(name, *times):
+        keys = [str(k) for k in range(len(times))]
+        return sources.Camera(name, dict(zip(keys, keys)), dict(zip(keys, times)))
+
+    late = [0.01, 0.11, 0.262, 0.31, 0.41]  # the third by more than half of 0.101 s
+    pair = [camera("a", 0.0, 0.101, 0.202, 0.303, 0.404), camera("b", *late)]
+    frames, told = sources.frames_of(pair, by_time=True)
+    assert [frame.keys.get("b") for frame in frames] == ["0", "1", None, "3", "4"]
+    assert [frame.keys["a"] for frame in frames] == ["0", "1", "2", "3", "4"]
+    assert "1 of 5 pictures of camera a have none of camera b" in told[0]
+
+
 def test_names_of_cameras():
     assert sources._common(["left01", "left02"]) == ("left", "")
     assert sources._keys(["a/x1_left.png", "a/x12_left.png"]) == ["1", "12"]

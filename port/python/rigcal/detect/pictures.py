@@ -61,7 +61,7 @@ def read_picture(picture: Any) -> Image:
             raise FileError(path, f"picture {number} cannot be read")
     else:
         path = str(picture)
-        image = cv2.imread(path, cv2.IMREAD_UNCHANGED | cv2.IMREAD_IGNORE_ORIENTATION)
+        image = cv2.imread(path, cv2.IMREAD_UNCHANGED)  # which leaves EXIF aside
         if image is None:
             raise FileError(path, "this is no image that OpenCV reads")
     array: Image = image

@@ -221,9 +221,10 @@ static int matches_one(const char *pattern, const char *end, char character)
     return is_other ? !is_in && c != '\n' : is_in;
 }
 
-/* Whether the text matches at this place. A pattern is made of characters and of sets,
- * [a-z] or [^a-z], each as it is, or any number of it (*), one or more (+), one or none (?);
- * of words, (one|other); of ends of lines (^ $). Depth: no more than it has parts. */
+/* Whether the text matches at this place. A pattern is made of characters and sets, [a-z] or
+ * [^a-z]; behind each may stand how often: any number (*), one or more (+), one or none (?).
+ * (one|other) is one of the words; ^ and $ are the begin and the end of a line. It calls
+ * itself at most once for each part of the pattern. */
 static int matches_at(const char *pattern, const char *text, const char *at)
 {
     const char *end;

@@ -1,9 +1,8 @@
-#define _XOPEN_SOURCE 700
-
 #include "cli_csv.h"
 
 #include "cli_foreign.h"
 #include "cli_input.h"
+#include "cli_os.h"
 
 #include <errno.h>
 #include <float.h>
@@ -12,7 +11,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #if RIGCAL_USE_FLOAT
 #define REAL_MAX ((double)FLT_MAX)
@@ -42,7 +40,7 @@ void cli_progress(size_t n_views, const char *format, ...)
     enum { LEAST = 50 };
     va_list arguments;
 
-    if (!is_progress_in_lines && (n_views < LEAST || !isatty(STDERR_FILENO))) {
+    if (!is_progress_in_lines && (n_views < LEAST || !cli_os_is_terminal())) {
         return;
     }
     cli_progress_end();
@@ -412,7 +410,7 @@ void csv_open(csv_table *table, const char *path)
     table->source = s;
     s->room = ROOM;
     s->text = cli_alloc(s->room + 1, 1);
-    s->file = fopen(path, "rb");
+    s->file = cli_os_open(path);
     if (s->file == NULL) {
         cli_fail("cannot read %s: %s", path, strerror(errno));
     }

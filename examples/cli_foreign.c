@@ -1,8 +1,5 @@
-#define _POSIX_C_SOURCE 200809L
-
 #include "cli_foreign.h"
 
-#include <regex.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -142,19 +139,19 @@ static const format TABS = {"a table separated by tabs", "separate its fields by
 static const format BLANKS = {"a table separated by blanks",
                               "separate its fields by commas", "Tables of other forms"};
 
-/* The first that is found counts: where the text begins, or on any line (^). Case
- * does not matter. */
+/* The first that is found counts: where the text begins, behind lines that begin with # and
+ * blanks, or on any line. */
 typedef struct {
     int where;
-    const char *pattern;
+    const char *pattern; /* see matches_at */
     const format *is;
 } words;
 
-enum { BEGINS, HAS };
+enum { BEGINS, BEHIND_COMMENTS, HAS };
 
 static const words WORDS[] = {
     {BEGINS, "version https://git-lfs", &LFS_POINTER},
-    {BEGINS, "<(!doctype )?html", &WEB_PAGE},
+    {BEGINS, "<(html|!doctype html)", &WEB_PAGE},
     {HAS, "<opencv_storage", &OPENCV_XML},
     {HAS, "\"type_id\" *: *\"opencv", &OPENCV_JSON},
     {BEGINS, "%yaml:", &OPENCV_YAML},
@@ -166,35 +163,137 @@ static const words WORDS[] = {
      "projection_matrix) *:",
      &ROS},
     {BEGINS, "# (camera|image|3D point|rig calib|frame) list with", &COLMAP},
-    {BEGINS, "[0-9]+ [A-Z_]*(PINHOLE|RADIAL|OPENCV|FOV|FISHEYE)[A-Z_]* [0-9]+ [0-9]+ ",
+    {BEGINS, "[0-9]+ [a-z_]*(PINHOLE|RADIAL|OPENCV|FOV|FISHEYE)[a-z_]* [0-9]+ [0-9]+ ",
      &COLMAP},
     {BEGINS, "# bundle file", &BUNDLER},
     {BEGINS, "NVM_V3", &VISUAL_SFM},
     {HAS, "[\"']lensmodel[\"'] *:", &MRCAL},
-    {HAS, "^ *fc *= *\\[", &MATLAB_TEXT},
+    {HAS, "^ *fc *= *[[]", &MATLAB_TEXT},
     {BEGINS, "<[?!a-z]", &XML},
-    {BEGINS, "\\{|\\[[[:space:]]*[[{\"0-9-]", &JSON},
-    {HAS, "^\\[[a-z0-9_. \"-]+\\][[:space:]]*$", &TOML},
-    {BEGINS, "(#[^\n]*\n[[:space:]]*)*(---|%yaml|[a-z_][a-z0-9_-]*:( |\r?$))", &YAML},
+    {BEGINS, "{", &JSON},
+    {BEGINS, "[[][ \t\r\n\v\f]*[[{\"0-9-]", &JSON},
+    {HAS, "^[[][a-z0-9_. \"-]+][ \t\r\n\v\f]*$", &TOML},
+    {BEHIND_COMMENTS, "(---|%yaml)", &YAML},
+    {BEHIND_COMMENTS, "[a-z_][a-z0-9_-]*: ", &YAML},
+    {BEHIND_COMMENTS, "[a-z_][a-z0-9_-]*:\r?$", &YAML},
     {BEGINS, "\"[^\",]*\",", &QUOTES},
     {BEGINS, "[^,;]+;[^,]*$", &SEMICOLONS},
     {BEGINS, "[^,\t]+\t[^,]*$", &TABS},
-    {BEGINS, "([^,]* )?(frame|camera|point|fx|u|v) [^,]*$", &BLANKS},
+    {BEGINS, "(frame|camera|point|fx|u|v) [^,]*$", &BLANKS},
+    {BEGINS, "[^,]* (frame|camera|point|fx|u|v) [^,]*$", &BLANKS},
 };
+
+static int small(char c)
+{
+    return c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : (unsigned char)c;
+}
+
+/* The end of what matches one character: itself, or a set in brackets. */
+static const char *end_of_one(const char *pattern)
+{
+    if (*pattern == '[') {
+        pattern += pattern[1] == '^' ? 2 : 1;
+        pattern = strchr(pattern + 1, ']'); /* the first may be ] */
+    }
+    return pattern + 1;
+}
+
+/* Whether it matches the character: capitals as small letters. [^a] is none of these, and
+ * no end of a line. */
+static int matches_one(const char *pattern, const char *end, char character)
+{
+    const int c = small(character);
+    int is_other, is_in = 0;
+
+    if (*pattern != '[' || c == '\0') {
+        return c != '\0' && small(*pattern) == c;
+    }
+    pattern++;
+    is_other = *pattern == '^';
+    for (pattern += is_other; pattern < end - 1; pattern++) {
+        if (pattern[1] == '-' && pattern + 2 < end - 1) {
+            is_in |= c >= small(pattern[0]) && c <= small(pattern[2]);
+            pattern += 2;
+        } else {
+            is_in |= c == small(*pattern);
+        }
+    }
+    return is_other ? !is_in && c != '\n' : is_in;
+}
+
+/* Whether the text matches at this place. A pattern is made of characters and sets, [a-z] or
+ * [^a-z]; behind each may stand how often: any number (*), one or more (+), one or none (?).
+ * (one|other) is one of the words; ^ and $ are the begin and the end of a line. It calls
+ * itself at most once for each part of the pattern. */
+static int matches_at(const char *pattern, const char *text, const char *at)
+{
+    const char *end;
+    size_t n = 0, least, most;
+
+    if (*pattern == '\0') {
+        return 1;
+    }
+    if (*pattern == '^') {
+        return (at == text || at[-1] == '\n') && matches_at(pattern + 1, text, at);
+    }
+    if (*pattern == '$' && pattern[1] == '\0') {
+        return *at == '\0' || *at == '\n';
+    }
+    if (*pattern == '(') {
+        const char *rest = strchr(pattern, ')') + 1;
+
+        do {
+            pattern++;
+            for (n = 0; pattern[n] != '|' && pattern[n] != ')' &&
+                        small(pattern[n]) == small(at[n]);
+                 n++) {
+            }
+            if ((pattern[n] == '|' || pattern[n] == ')') &&
+                matches_at(rest, text, at + n)) {
+                return 1;
+            }
+            pattern += strcspn(pattern, "|)");
+        } while (*pattern == '|');
+        return 0;
+    }
+    end = end_of_one(pattern);
+    least = *end != '*' && *end != '?';
+    most = *end == '*' || *end == '+' ? (size_t)-1 : 1;
+    while (n < most && matches_one(pattern, end, at[n])) {
+        n++;
+    }
+    end += *end == '*' || *end == '+' || *end == '?';
+    for (n++; n-- > least;) {
+        if (matches_at(end, text, at + n)) {
+            return 1;
+        }
+    }
+    return 0;
+}
+
+static const char *behind_comments(const char *text)
+{
+    while (*text == '#' && strchr(text, '\n') != NULL) {
+        text = strchr(text, '\n');
+        text += strspn(text, " \t\r\n\v\f");
+    }
+    return text;
+}
 
 static int matches(const words *w, const char *text)
 {
-    regmatch_t where;
-    regex_t compiled;
-    int found;
+    const char *at;
 
-    if (regcomp(&compiled, w->pattern, REG_EXTENDED | REG_ICASE | REG_NEWLINE) != 0) {
-        cli_fail("cannot look for %s: out of memory?", w->pattern);
+    if (w->where != HAS) {
+        at = w->where == BEGINS ? text : behind_comments(text);
+        return matches_at(w->pattern, text, at);
     }
-    found = regexec(&compiled, text, 1, &where, 0) == 0 &&
-            (w->where == HAS || where.rm_so == 0);
-    regfree(&compiled);
-    return found;
+    for (at = text; *at != '\0'; at++) {
+        if (matches_at(w->pattern, text, at)) {
+            return 1;
+        }
+    }
+    return 0;
 }
 
 /* Whether the header names one of our key columns. */

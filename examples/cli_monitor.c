@@ -1,5 +1,6 @@
 /* rigcal monitor: has a camera of a calibrated rig moved, which one, where is it now? */
 #include "cli.h"
+#include "cli_os.h"
 
 #include <errno.h>
 #include <math.h>
@@ -49,7 +50,7 @@ static const char *beside(const char *path)
 static uint8_t *read_bytes(size_t *n_bytes, const char *path)
 {
     enum { CHUNK = 65536 };
-    FILE *file = fopen(path, "rb");
+    FILE *file = cli_os_open(path);
     uint8_t *bytes = cli_alloc(CHUNK, 1);
     size_t got;
 

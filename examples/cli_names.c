@@ -1,11 +1,10 @@
 /* Names, numbered in order of first appearance; those that look alike. */
 #include "cli_input.h"
+#include "cli_os.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <wchar.h>
-#include <wctype.h>
 
 void cli_names_open(cli_names *names)
 {
@@ -95,24 +94,10 @@ size_t cli_names_add(cli_names *names, const char *name)
 /* ==== names that look alike =============================================== */
 
 /* Characters that a key leaves out: blanks, also invisible ones, and quotes. */
-static int is_ignored(wint_t c)
+static int is_ignored(unsigned long c, int is_blank)
 {
-    return iswspace(c) || c == 0xa0 || (c >= 0x200b && c <= 0x200d) || c == 0x2060 ||
+    return is_blank || c == 0xa0 || (c >= 0x200b && c <= 0x200d) || c == 0x2060 ||
            c == 0xfeff || c == '"' || c == '\'';
-}
-
-/* Bytes that are no UTF-8 count as characters. */
-static wint_t next_character(const char **text, mbstate_t *state)
-{
-    wchar_t c = 0;
-    const size_t length = mbrtowc(&c, *text, strlen(*text), state);
-
-    if (length == (size_t)-1 || length == (size_t)-2 || length == 0) {
-        memset(state, 0, sizeof *state);
-        return (unsigned char)*(*text)++;
-    }
-    *text += length;
-    return (wint_t)c;
 }
 
 /* Whether the name is a number that a double holds exactly. */
@@ -128,22 +113,20 @@ static char *key_of(const char *name)
 {
     enum { DIGITS = 9 };
     char *key = cli_alloc(DIGITS * strlen(name) + 32, 1), *end = key;
-    mbstate_t state;
-    int after_digit = 0;
+    int after_digit = 0, is_blank;
     double value;
 
     if (is_number(&value, name)) {
         sprintf(key, "%.17g", value + 0);
         return key;
     }
-    memset(&state, 0, sizeof state);
     while (*name != '\0') {
-        const wint_t c = next_character(&name, &state);
+        const unsigned long c = cli_os_character(&is_blank, &name);
         const int is_leading_zero =
             c == '0' && !after_digit && *name >= '0' && *name <= '9';
 
-        if (!is_ignored(c) && !is_leading_zero) {
-            end += sprintf(end, "%lx.", (unsigned long)towlower(c));
+        if (!is_ignored(c, is_blank) && !is_leading_zero) {
+            end += sprintf(end, "%lx.", c);
             after_digit = c >= '0' && c <= '9';
         }
     }

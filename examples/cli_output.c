@@ -1,15 +1,10 @@
-#define _XOPEN_SOURCE 700
-
 #include "cli.h"
 
-#include <dirent.h>
+#include "cli_os.h"
+
 #include <errno.h>
-#include <fcntl.h>
-#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 /* ==== numbers ============================================================= */
 
@@ -58,7 +53,6 @@ void cli_flush_stdout(const char *consequence)
  * files are there, or are given up. */
 
 struct cli_output {
-    sigset_t mask;       /* of before */
     char *folder, *work; /* work: NULL until made */
     int is_new;          /* work becomes the folder */
     char **made;         /* folders made on the way to it */
@@ -68,40 +62,7 @@ struct cli_output {
     FILE *file[CLI_OUTPUT_MAX]; /* NULL when closed */
 };
 
-static const int SIGNALS[] = {SIGHUP,  SIGINT,  SIGQUIT, SIGPIPE, SIGALRM,
-                              SIGTERM, SIGUSR1, SIGUSR2, SIGXCPU, SIGXFSZ};
-enum { N_SIGNALS = sizeof SIGNALS / sizeof SIGNALS[0] };
-
 #define UNFINISHED "rigcal-unfinished-"
-
-static void hold_signals(cli_output *output)
-{
-    sigset_t held;
-    size_t i;
-
-    sigemptyset(&held);
-    for (i = 0; i < N_SIGNALS; i++) {
-        sigaddset(&held, SIGNALS[i]);
-    }
-    sigprocmask(SIG_BLOCK, &held, &output->mask);
-}
-
-/* Whether a signal is held that will end the program. */
-static int must_end(void)
-{
-    sigset_t waiting;
-    struct sigaction action;
-    size_t i;
-
-    sigpending(&waiting);
-    for (i = 0; i < N_SIGNALS; i++) {
-        if (sigismember(&waiting, SIGNALS[i]) &&
-            sigaction(SIGNALS[i], NULL, &action) == 0 && action.sa_handler != SIG_IGN) {
-            return 1;
-        }
-    }
-    return 0;
-}
 
 static char *join(const char *folder, const char *before, const char *name)
 {
@@ -121,13 +82,13 @@ static void clean_up(cli_output *output)
         if (output->file[i] != NULL) {
             fclose(output->file[i]);
         }
-        unlink(join(output->work, "", output->name[i]));
+        cli_os_remove(join(output->work, "", output->name[i]));
     }
     if (output->work != NULL) {
-        rmdir(output->work);
+        cli_os_remove_folder(output->work);
     }
     while (output->n_made > 0) {
-        rmdir(output->made[--output->n_made]);
+        cli_os_remove_folder(output->made[--output->n_made]);
     }
 }
 
@@ -142,10 +103,11 @@ static CLI_NORETURN void give_up(cli_output *output, const char *path)
 /* The path without slashes at its end. */
 static char *trimmed(const char *path)
 {
+    const size_t root = cli_os_root(path);
     size_t length = strlen(path);
     char *copy = cli_alloc(length + 1, 1);
 
-    while (length > 1 && path[length - 1] == '/') {
+    while (length > root && cli_os_is_slash(path[length - 1])) {
         length--;
     }
     memcpy(copy, path, length);
@@ -156,14 +118,14 @@ static char *trimmed(const char *path)
 /* Gives up unless the path is a folder; errno tells why it could not be made. */
 static void want_folder(cli_output *output, const char *path)
 {
-    struct stat there;
     const int reason = errno;
+    const int is = cli_os_look(path);
 
-    if (stat(path, &there) != 0) {
+    if (is == CLI_OS_NOTHING) {
         errno = reason == EEXIST ? ENOENT : reason;
         give_up(output, path);
     }
-    if (!S_ISDIR(there.st_mode)) {
+    if (is != CLI_OS_FOLDER) {
         errno = ENOTDIR;
         give_up(output, path);
     }
@@ -176,12 +138,12 @@ static void make_parents(cli_output *output)
     size_t i;
 
     output->made = cli_alloc(room, sizeof *output->made);
-    for (i = 1; output->folder[i] != '\0'; i++) {
-        if (output->folder[i] == '/' && output->folder[i - 1] != '/') {
+    for (i = cli_os_root(output->folder); output->folder[i] != '\0'; i++) {
+        if (cli_os_is_slash(output->folder[i]) && !cli_os_is_slash(output->folder[i - 1])) {
             char *parent = cli_alloc(room, 1);
 
             memcpy(parent, output->folder, i);
-            if (mkdir(parent, 0777) == 0) {
+            if (cli_os_make_folder(parent) == 0) {
                 output->made[output->n_made++] = parent;
             } else {
                 want_folder(output, parent);
@@ -191,31 +153,25 @@ static void make_parents(cli_output *output)
 }
 
 /* Earlier runs that were killed while they replaced the files of this folder. */
-static void name_unfinished(const char *folder)
+static void name_unfinished(const char *folder, const char *name)
 {
-    DIR *list = opendir(folder);
-    const struct dirent *entry;
-
-    while (list != NULL && (entry = readdir(list)) != NULL) {
-        if (strncmp(entry->d_name, UNFINISHED, sizeof UNFINISHED - 1) == 0) {
-            cli_say("%s/%s is of a run that was killed, or that still runs: files "
-                    "missing from %s are in it",
-                    folder, entry->d_name, folder);
-        }
-    }
-    if (list != NULL) {
-        closedir(list);
+    if (strncmp(name, UNFINISHED, sizeof UNFINISHED - 1) == 0) {
+        cli_say("%s/%s is of a run that was killed, or that still runs: files missing "
+                "from %s are in it",
+                folder, name, folder);
     }
 }
 
 static void make_work(cli_output *output)
 {
     static const char NAME[] = UNFINISHED "XXXXXX";
-    const char *slash = strrchr(output->folder, '/');
-    const size_t parent = slash != NULL ? (size_t)(slash - output->folder) + 1 : 0;
-    char *work = cli_alloc(strlen(output->folder) + sizeof NAME + 2, 1);
+    size_t parent = strlen(output->folder);
+    char *work = cli_alloc(parent + sizeof NAME + 2, 1);
 
     if (output->is_new) {
+        while (parent > 0 && !cli_os_is_slash(output->folder[parent - 1])) {
+            parent--;
+        }
         memcpy(work, output->folder, parent);
         strcpy(work + parent, NAME);
     } else {
@@ -223,7 +179,7 @@ static void make_work(cli_output *output)
         strcat(work, "/");
         strcat(work, NAME);
     }
-    if (mkdtemp(work) == NULL) {
+    if (cli_os_make_own_folder(work) != 0) {
         give_up(output, output->folder);
     }
     output->work = work;
@@ -232,18 +188,17 @@ static void make_work(cli_output *output)
 cli_output *cli_output_begin(const char *folder)
 {
     cli_output *output = cli_alloc(1, sizeof *output);
-    struct stat there;
 
     if (*folder == '\0') {
         cli_fail("--out names no folder: give the one to write the files to");
     }
-    hold_signals(output);
+    cli_os_hold_signals();
     output->folder = trimmed(folder);
     make_parents(output);
-    output->is_new = stat(output->folder, &there) != 0 && errno == ENOENT;
+    output->is_new = cli_os_look(output->folder) == CLI_OS_NOTHING && errno == ENOENT;
     if (!output->is_new) {
         want_folder(output, output->folder);
-        name_unfinished(output->folder);
+        cli_os_list(output->folder, name_unfinished);
     }
     make_work(output);
     return output;
@@ -251,21 +206,14 @@ cli_output *cli_output_begin(const char *folder)
 
 FILE *cli_output_file(cli_output *output, const char *name)
 {
-    const size_t i = output->count;
-    const int fd =
-        open(join(output->work, "", name), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW, 0666);
+    FILE *file = cli_os_create(join(output->work, "", name));
 
-    if (fd < 0) {
+    if (file == NULL) {
         give_up(output, join(output->folder, "", name));
     }
-    output->name[i] = name;
-    output->count++;
-    output->file[i] = fdopen(fd, "w");
-    if (output->file[i] == NULL) {
-        close(fd);
-        give_up(output, join(output->folder, "", name));
-    }
-    return output->file[i];
+    output->name[output->count] = name;
+    output->file[output->count++] = file;
+    return file;
 }
 
 static void close_file(cli_output *output, size_t i)
@@ -284,13 +232,12 @@ static void close_file(cli_output *output, size_t i)
 /* Gives up if a folder has the name of one of the files. */
 static void check_places(cli_output *output)
 {
-    struct stat there;
     size_t i;
 
     for (i = 0; i < output->count; i++) {
         const char *path = join(output->folder, "", output->name[i]);
 
-        if (lstat(path, &there) == 0 && S_ISDIR(there.st_mode)) {
+        if (cli_os_look_at_link(path) == CLI_OS_FOLDER) {
             errno = EISDIR;
             give_up(output, path);
         }
@@ -300,16 +247,16 @@ static void check_places(cli_output *output)
 /* Moves a file of the folder into work, or out of it; 0 done, or not there. */
 static int put_away(const cli_output *output, size_t i)
 {
-    const int failed = rename(join(output->folder, "", output->name[i]),
-                              join(output->work, "earlier-", output->name[i]));
+    const int failed = cli_os_rename(join(output->folder, "", output->name[i]),
+                                     join(output->work, "earlier-", output->name[i]));
 
     return failed != 0 && errno != ENOENT ? -1 : 0;
 }
 
 static int take_back(const cli_output *output, size_t i)
 {
-    const int failed = rename(join(output->work, "earlier-", output->name[i]),
-                              join(output->folder, "", output->name[i]));
+    const int failed = cli_os_rename(join(output->work, "earlier-", output->name[i]),
+                                     join(output->folder, "", output->name[i]));
 
     return failed != 0 && errno != ENOENT ? -1 : 0;
 }
@@ -321,7 +268,7 @@ static CLI_NORETURN void undo(cli_output *output, size_t n_new, const char *path
     size_t i;
 
     for (i = 0; i < n_new; i++) {
-        unlink(join(output->folder, "", output->name[i]));
+        cli_os_remove(join(output->folder, "", output->name[i]));
     }
     for (i = 0; i < output->count; i++) {
         if (take_back(output, i) != 0) {
@@ -345,28 +292,15 @@ static void replace_files(cli_output *output)
         }
     }
     for (i = 0; i < output->count; i++) {
-        if (rename(join(output->work, "", output->name[i]),
-                   join(output->folder, "", output->name[i])) != 0) {
+        if (cli_os_rename(join(output->work, "", output->name[i]),
+                          join(output->folder, "", output->name[i])) != 0) {
             undo(output, i, join(output->folder, "", output->name[i]));
         }
     }
     for (i = 0; i < output->count; i++) {
-        unlink(join(output->work, "earlier-", output->name[i]));
+        cli_os_remove(join(output->work, "earlier-", output->name[i]));
     }
-    rmdir(output->work);
-}
-
-static void rename_folder(cli_output *output)
-{
-    const mode_t withheld = umask(0);
-    struct stat there;
-
-    umask(withheld);
-    if (stat(output->work, &there) != 0 ||
-        chmod(output->work, (there.st_mode & S_ISGID) | (0777 & ~withheld)) != 0 ||
-        rename(output->work, output->folder) != 0) {
-        give_up(output, output->folder);
-    }
+    cli_os_remove_folder(output->work);
 }
 
 void cli_output_finish(cli_output *output)
@@ -376,15 +310,15 @@ void cli_output_finish(cli_output *output)
     for (i = 0; i < output->count; i++) {
         close_file(output, i);
     }
-    if (must_end()) {
+    if (cli_os_must_end()) {
         clean_up(output);
-        sigprocmask(SIG_SETMASK, &output->mask, NULL); /* and it does */
+        cli_os_release_signals(); /* and it does */
         exit(CLI_USAGE);
     }
-    if (output->is_new) {
-        rename_folder(output);
-    } else {
+    if (!output->is_new) {
         replace_files(output);
+    } else if (cli_os_publish(output->work, output->folder) != 0) {
+        give_up(output, output->folder);
     }
-    sigprocmask(SIG_SETMASK, &output->mask, NULL);
+    cli_os_release_signals();
 }

@@ -1,6 +1,7 @@
 /* What a program reads of a calibration: summary.json. */
 #include "cli_calibrate.h"
 
+#include <float.h>
 #include <math.h>
 #include <string.h>
 
@@ -51,7 +52,7 @@ static void write_field(FILE *file, const char *key, const char *text)
 static void write_number(FILE *file, const char *key, double number, int is_known)
 {
     write_key(file, key);
-    if (is_known && isfinite(number)) {
+    if (is_known && fabs(number) <= DBL_MAX) {
         fprintf(file, "%.17g", number);
     } else {
         fputs("null", file);

@@ -1,10 +1,10 @@
 /* rigcal - the library from the command line, on the files of data/FORMAT.md. */
 #include <getopt.h>
-#include <locale.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "cli.h"
+#include "cli_os.h"
 
 /* In parts: C99 compilers need not take a string of more than 4095 bytes. */
 static const char HELP_USAGE[] =
@@ -358,9 +358,7 @@ int main(int argc, char *argv[])
 {
     int status;
 
-    if (setlocale(LC_CTYPE, "C.UTF-8") == NULL) { /* for cli_names_alike */
-        setlocale(LC_CTYPE, "");
-    }
+    cli_os_begin(&argc, &argv);
     if (rigcal_sizeof_real() != (int32_t)sizeof(rigcal_real)) {
         cli_fail("this program and the library differ in rigcal_real: build both "
                  "with the same RIGCAL_REAL");

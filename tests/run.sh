@@ -76,6 +76,7 @@ cppcheck      cppcheck                     sh tests/checks/check_cppcheck.sh
 readme        gcc,python                   $PYTHON tests/checks/check_readme.py
 header        gcc,g++,clang                sh tests/checks/check_header.sh
 cross         arm                          sh tests/checks/check_cross.sh
+windows       mingw,cmake                  sh tests/checks/check_windows.sh build/windows
 memory        arm                          sh tests/bench/rig_memory.sh
 layers        gcc,python                   $PYTHON tests/checks/check_layers.py
 limits        gcc,python                   $PYTHON tests/checks/check_limits.py
@@ -128,6 +129,7 @@ want_need() {
         want libc6-dev-mips-cross test -e /usr/mips-linux-gnu/include/stdio.h
         want qemu-user qemu-mips --version
         ;;
+    mingw) want gcc-mingw-w64-x86-64 x86_64-w64-mingw32-gcc --version ;;
     time) want time /usr/bin/time --version ;;
     python) needs_python=yes ;;
     numpy | scipy)

@@ -7,9 +7,11 @@ build alone. The version is that of include/rigcal.h.
 from __future__ import annotations
 
 import contextlib
+import os
 import pathlib
 import re
 import shutil
+import tempfile
 from collections.abc import Iterator
 from typing import Any
 
@@ -43,22 +45,25 @@ def dynamic_metadata(field: str, settings: dict[str, Any]) -> str:
 
 
 @contextlib.contextmanager
-def copied_sources() -> Iterator[None]:
-    """c/ with all that the build takes, as long as an sdist is made."""
-    if sources() == OWN:
-        yield
-        return
-    try:
+def alone() -> Iterator[None]:
+    """In a copy of this folder with all that the build takes in c/, as an sdist has it."""
+    before = os.getcwd()
+    with tempfile.TemporaryDirectory() as work:
+        copy = pathlib.Path(work) / HERE.name
+        shutil.copytree(HERE, copy, ignore=shutil.ignore_patterns("c", "__pycache__", ".*"))
         for pattern in TAKEN:
-            for path in CHECKOUT.glob(pattern):
-                target = OWN / path.relative_to(CHECKOUT)
+            for path in sources().glob(pattern):
+                target = copy / OWN.name / path.relative_to(sources())
                 target.parent.mkdir(parents=True, exist_ok=True)
                 shutil.copyfile(path, target)
-        yield
-    finally:
-        shutil.rmtree(OWN, ignore_errors=True)
+        os.chdir(copy)
+        try:
+            yield
+        finally:
+            os.chdir(before)
 
 
 def build_sdist(sdist_directory: str, config_settings: Any = None) -> str:
-    with copied_sources():
-        return str(_build.build_sdist(sdist_directory, config_settings))
+    folder = os.path.abspath(sdist_directory)
+    with alone():
+        return str(_build.build_sdist(folder, config_settings))

@@ -5,8 +5,7 @@
 
 It needs ziglang, build, wheel, scikit-build-core and cmake in this Python. Each wheel is
 made from one sdist. Those of this machine's kind are installed in a new virtual
-environment, where a pose is solved; all others are only built: "untried". On Windows the
-program `rigcal` is left out, which is written for POSIX.
+environment, where a pose is solved; all others are only built: "untried".
 """
 
 from __future__ import annotations

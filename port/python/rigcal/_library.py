@@ -25,11 +25,10 @@ REAL_BYTES = 8
 
 
 def program() -> pathlib.Path:
-    """The C program `rigcal` of this package: README.md of the library tells its use.
-    It is written for POSIX, and not in the wheels for Windows."""
-    path = FOLDER / "rigcal"
+    """The C program `rigcal` of this package: README.md of the library tells its use."""
+    path = FOLDER / ("rigcal.exe" if sys.platform == "win32" else "rigcal")
     if not path.is_file():
-        raise Error("the program rigcal is not in this package: there is none for Windows")
+        raise Error(f"{path} is not there: install the package again")
     return path
 
 

@@ -717,8 +717,8 @@ def test_a_program_that_is_not_there(monkeypatch: pytest.MonkeyPatch) -> None:
     with pytest.raises(rigcal.Error, match="the program rigcal cannot be run"):
         rigcal.calibrate({"a": camera()}, GOOD)
     monkeypatch.delenv("RIGCAL_PROGRAM")
-    monkeypatch.setattr(rigcal._library, "program", lambda: pathlib.Path("/nowhere"))
-    with pytest.raises(rigcal.Error, match="this wheel has no program"):
+    monkeypatch.setattr(rigcal._library, "FOLDER", pathlib.Path("/nowhere"))
+    with pytest.raises(rigcal.Error, match="is not there"):
         rigcal.calibrate({"a": camera()}, GOOD)
 
 

@@ -92,6 +92,21 @@ def test_a_start_leads_to_the_pose_near_it(camera, target, truth, rng):
     assert angle(free.cam_from_world.R, near.cam_from_world.R) < 1e-6
 
 
+def test_a_start_decides_between_two_poses(camera, rng):
+    corners = np.array([[-1, 1, 0], [1, 1, 0], [1, -1, 0], [-1, -1, 0]]) * 0.05
+    truth = rigcal.Transform.from_rvec([0.4, 0.2, 0.1], [0.05, -0.02, 5], "left", "world")
+    uv = seen(camera, truth, corners, 0.2, rng)
+    with pytest.warns(rigcal.Caveat, match="RIGCAL_AMBIGUOUS"):
+        free = rigcal.solve_pose(camera, corners, uv, sigma_px=0.5)
+    (other,) = free.others
+    assert angle(free.cam_from_world.R, other.cam_from_world.R) > 0.1
+    for pose in (free, other):
+        start = pose.cam_from_world
+        near = rigcal.solve_pose(camera, corners, uv, start=start, sigma_px=0.5)
+        assert angle(near.cam_from_world.R, start.R) < 1e-6
+        assert not near.others
+
+
 def test_robust_leaves_out_wrong_points(camera, target, truth, rng):
     uv = seen(camera, truth, target, 0.2, rng)
     uv[[2, 7]] += 30

@@ -31,15 +31,17 @@ rv32imac      riscv,cmake,unity            preset rv32imac
 rv32imafc     riscv,cmake,unity            preset rv32imafc
 mips          mips,cmake,unity             preset mips
 mips-double   mips,cmake,unity             preset mips-double
-gcc-float-O3  gcc,cmake,unity              preset gcc-float-O3
+gcc-float-O3  gcc,cmake,unity,build/gcc-float
+              preset_build gcc-float && relinked gcc-float-O3 gcc-float gcc
 clang-double  clang,cmake,unity            preset clang-double
-clang-float   clang,cmake,unity            preset clang-float
+clang-float   clang,cmake,unity,build/clang-float
+              preset clang-float
 shared        gcc,cmake,unity              preset shared-tests
-single-file   gcc,g++,clang,cmake,unity,python
-              sh tests/ways/single_file.sh build/single_file
+single-file   gcc,g++,clang,cmake,unity,python,build/gcc-double,build/clang-float
+              preset_build gcc-double && preset_build clang-float && sh tests/ways/single_file.sh
 ways          gcc,g++,cmake,arduino,venv   sh tests/ways/run.sh build/ways
-hooks         gcc,clang,arm,cmake,unity,python
-              sh tests/ways/hooks.sh build/hooks
+hooks         gcc,clang,arm,cmake,unity,python,build/gcc-float
+              preset_build gcc-float && sh tests/ways/hooks.sh build/hooks
 consumers     gcc,g++,cmake,pkgconf        sh tests/consumers/run.sh build/consumers
 install       gcc,cmake,make,pkgconf,python
               $PYTHON tests/checks/check_install.py
@@ -223,6 +225,7 @@ export CMAKE_BUILD_PARALLEL_LEVEL="$jobs" CTEST_PARALLEL_LEVEL="$jobs"
 export PYTHONDONTWRITEBYTECODE=1
 
 echo "$steps" | awk -v asked=" $asked " 'index(asked, " " $1 " ")' >"$state/steps"
+began=$(date +%s)
 run_steps "$lanes" "$state/steps" || exit 1
 
 passed=0
@@ -241,5 +244,6 @@ if [ $# -eq 0 ]; then
 else
     echo "Failed: $*. The logs are in build/logs."
 fi
-echo "$passed passed, $# failed"
+echo "$passed passed, $# failed, in $(($(date +%s) - began)) s ($(processor_seconds \
+    "$state"/times/*) s of a processor)"
 [ $# -eq 0 ]

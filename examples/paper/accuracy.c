@@ -681,7 +681,7 @@ void figures_10_to_14(void)
                  "off_inch_q75\n");
     fprintf(over, "depth_cm,width_px,method,tried,correct,rotation,translation\n");
     for (int d = 0; d < PAPER_DEPTHS; d++) {
-        for (int w = 0; w < PAPER_WIDTHS; w++) {
+        for (int w = 0; w < PAPER_WIDTHS; w += table_every) {
             paper_scene scene;
             paper_images images;
             paper_attempt a[2][PAPER_CAMERAS];

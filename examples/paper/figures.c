@@ -1,11 +1,13 @@
 /* rigcal_paper: the numbers behind the figures of the paper, and behind ours.
  *
- *   rigcal_paper DIR [FIGURE]...   writes FIGURE.csv into DIR; all when none is named
+ *   rigcal_paper [-e N] DIR [FIGURE]...   writes FIGURE.csv into DIR; all when none is named
  *
+ * -e N: of the depths and resolutions of the long tables, every N-th, from the first.
  * scene.h tells the scene and every setting, solve.h what is compared. */
 #include "figures.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "scene.h"
@@ -49,8 +51,13 @@ int main(int argc, char *argv[])
 {
     int made = 0;
 
-    if (argc < 2) {
-        fprintf(stderr, "usage: rigcal_paper DIR [FIGURE]...\n");
+    if (argc > 2 && strcmp(argv[1], "-e") == 0) {
+        table_every = atoi(argv[2]);
+        argv += 2;
+        argc -= 2;
+    }
+    if (argc < 2 || table_every < 1) {
+        fprintf(stderr, "usage: rigcal_paper [-e N] DIR [FIGURE]...\n");
         return 2;
     }
     table_folder = argv[1];

@@ -419,7 +419,7 @@ void figure_6_share(void)
     FILE *const file = table_open("fig06_share");
 
     fprintf(file, SHARE_COLUMNS);
-    for (int d = 20; d <= 320; d += 20) {
+    for (int d = 20; d <= 320; d += 20 * table_every) {
         share_documented(file, d, (int)PAPER_WIDTH, PAPER_PERFECT);
         share_random(file, d, (int)PAPER_WIDTH, PAPER_PERFECT);
         fprintf(stderr, "  figure 6: %d cm\n", d);
@@ -435,7 +435,7 @@ void figure_9(void)
 
     fprintf(file, SHARE_COLUMNS);
     for (int d = 0; d < PAPER_DEPTHS; d++) {
-        for (int w = 0; w < PAPER_WIDTHS; w++) {
+        for (int w = 0; w < PAPER_WIDTHS; w += table_every) {
             share_documented(file, paper_depths_cm[d], paper_widths[w], PAPER_DIGITAL);
             share_random(file, paper_depths_cm[d], paper_widths[w], PAPER_DIGITAL);
             fprintf(stderr, "  figure 9: %g cm, %d px\n", paper_depths_cm[d],

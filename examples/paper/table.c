@@ -6,6 +6,7 @@
 #include "scene.h"
 
 const char *table_folder;
+int table_every = 1;
 
 FILE *table_open(const char *name)
 {

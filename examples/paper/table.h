@@ -7,6 +7,10 @@
 /* Where the tables go; set once by main. */
 extern const char *table_folder;
 
+/* Of the depths of fig06_share, and of the resolutions of fig09 and of fig10-14, one in so
+ * many is done: 1, all; set once by main. */
+extern int table_every;
+
 /* NAME.csv there; a file that cannot be written ends the program. */
 FILE *table_open(const char *name);
 void table_close(FILE *file);

@@ -55,6 +55,13 @@ end_step() {
     exit 143
 }
 
+# Sums what "times" wrote into the files, one of each step: a shell's line of its own time,
+# and one of its children's.
+processor_seconds() {
+    cat "$@" | awk '{gsub("s", ""); for (i = 1; i <= 2; i++) {
+        split($i, t, "m"); sum += 60 * t[1] + t[2]}} END {printf "%.0f", sum}'
+}
+
 # run_step NAME COMMAND: its shell's "times" are the processor's seconds of the step.
 run_step() {
     log=build/logs/$1.log
@@ -69,9 +76,7 @@ run_step() {
     step=
     took="$(($(date +%s) - begin)) s"
     if [ -s "$state/times/$1" ]; then
-        took="$took ($(awk '{gsub("s", ""); for (i = 1; i <= 2; i++) {
-            split($i, t, "m"); sum += 60 * t[1] + t[2]}} END {printf "%.0f", sum}' \
-            "$state/times/$1") s of a processor)"
+        took="$took ($(processor_seconds "$state/times/$1") s of a processor)"
     fi
     if [ $status -eq 0 ]; then
         : >"$state/ok/$1"

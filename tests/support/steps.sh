@@ -2,6 +2,9 @@
 #
 #   preset_build PRESET   builds in build/PRESET
 #   preset PRESET         builds, and runs every test
+#   relinked PRESET BUILT COMPILER
+#                         builds the library of PRESET, and runs the unit tests of the
+#                         preset BUILT with it
 #   cli PRESET            builds, and runs the tests of the command line
 #   regressions           runs every tests/regression/*.sh
 #
@@ -17,6 +20,11 @@ preset_build() {
 
 preset() {
     preset_build "$1" && ctest --preset "$1"
+}
+
+relinked() {
+    preset_build "$1" &&
+        sh tests/ways/relink.sh "build/$2" "build/$1/relinked" "$3" "build/$1/librigcal.a"
 }
 
 cli() {

@@ -1,7 +1,8 @@
 #!/bin/sh
 # Each package of port/package.sh, taken in by the tool it is for and built. Where
 # that wants a vendor's SDK (ESP-IDF, Zephyr, an Arduino core), the little of it that
-# the package calls stands in this folder, for the host.
+# the package calls stands in this folder, for the host. What is tried is the packages, not
+# what an optimiser makes of them: -O0, if the tool lets us.
 #
 #   sh tests/ways/run.sh [FOLDER]     builds in FOLDER, build/ways
 set -eu
@@ -63,7 +64,7 @@ for variant in float double; do
         $variant "$out/cmsis-pack/$variant.h" >"$out/cmsis-pack/$variant"
     # shellcheck disable=SC2046 -- a list of sources
     (cd "$out/cmsis-pack/rigcal" &&
-        gcc -std=c99 -O2 -include "../$variant.h" -Iinclude $(cat ../$variant) \
+        gcc -std=c99 -O0 -include "../$variant.h" -Iinclude $(cat ../$variant) \
             "$OLDPWD/tests/consumers/main.c" -lm -o ../program_$variant)
 done
 check "$double" "$out/cmsis-pack/program_double"
@@ -71,8 +72,8 @@ check "$float" "$out/cmsis-pack/program_float"
 
 # Conan: create builds the package and runs its test.
 "$bin/conan" profile detect
-check "$double" "$bin/conan" create "$out/conan/rigcal" --no-remote
-check "$float" "$bin/conan" create "$out/conan/rigcal" --no-remote \
+check "$double" "$bin/conan" create "$out/conan/rigcal" --no-remote -s build_type=Debug
+check "$float" "$bin/conan" create "$out/conan/rigcal" --no-remote -s build_type=Debug \
     -o "rigcal/*:real=float" -o "rigcal/*:shared=True"
 
 # ESP-IDF: the component manager reads and packs it, Kconfig chooses.
@@ -113,7 +114,7 @@ sed -i '/"license"/d' "$out/platformio/unlicensed/library.json"
 tar -xzf "$out/platformio/rigcal.tar.gz" -C "$out/platformio/unpacked"
 # shellcheck disable=SC2046 -- several flags
 (cd "$out/platformio/unpacked" &&
-    gcc -O2 -DRIGCAL_USE_FLOAT=1 $(/usr/bin/python3 -c '
+    gcc -O0 -DRIGCAL_USE_FLOAT=1 $(/usr/bin/python3 -c '
 import json
 build = json.load(open("library.json"))["build"]
 print(*build["flags"], "-I" + build["includeDir"])') src/*.c \
@@ -122,7 +123,7 @@ check "$float" "$out/platformio/program"
 
 # A port's own first program, from the template.
 for real in 0 1; do
-    gcc -std=c99 -O2 -Wall -Wextra -Wpedantic -Wconversion -Wdouble-promotion -Wshadow \
+    gcc -std=c99 -O1 -Wall -Wextra -Wpedantic -Wconversion -Wdouble-promotion -Wshadow \
         -Werror -DRIGCAL_USE_FLOAT=$real -Iinclude port/template/main_template.c src/*.c \
         -lm -o "$out/template_$real"
     check "rigcal works" "$out/template_$real"

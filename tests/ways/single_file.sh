@@ -1,7 +1,7 @@
 #!/bin/sh
 # The library as one header and one source: made, built by gcc and clang as
-# strictly as its parts, included from C++, and put through the tests of every layer. The
-# statistics (label bench) are of the same mathematics, which gcc-double counts.
+# strictly as its parts, included from C++, and put through the tests of every layer, which
+# are those of build/gcc-double and build/clang-float.
 #
 #   sh tests/ways/single_file.sh [FOLDER]     builds in FOLDER, build/single_file
 set -eu
@@ -13,48 +13,45 @@ rm -rf "${out:?}"/*
 one=$out/rigcal
 ${PYTHON:-python3} port/single_file/amalgamate.py "$one"
 
-# The tests include the public headers by their names. Here each name is that one header.
-mkdir "$out/names"
-for header in include/*.h; do
-    echo '#include <rigcal.h>' >"$out/names/$(basename "$header")"
-done
-rm "$out/names/rigcal.h"
-
 strict="-Wall -Wextra -pedantic -Wpedantic -Wconversion -Wdouble-promotion -Wshadow -Werror"
-for real in "" -DRIGCAL_USE_FLOAT=1; do
-    for cc in gcc clang; do
-        for level in -O0 -O2; do
-            $cc -std=c99 $level $strict $real -c "$one/rigcal.c" -o "$out/rigcal.o"
-        done
-    done
-    for cxx in g++ clang++; do
-        $cxx -std=c++11 $strict -Wold-style-cast $real -I"$one" \
-            tests/consumers/main.cpp "$out/rigcal.o" -lm -o "$out/consumer_cxx"
-        "$out/consumer_cxx"
-    done
+
+# Its header declares what the parts of it declare, no less and no more.
+declared() {
+    "$@" -E -P -std=c99 -x c - | tr -s ' \n' ' ' | tr ';' '\n' | sort
+}
+for header in include/*.h; do
+    echo "#include \"$(basename "$header")\""
+done | declared gcc -Iinclude >"$out/parts.txt"
+echo '#include "rigcal.h"' | declared gcc -I"$one" >"$out/one.txt"
+[ "$(wc -l <"$out/parts.txt")" -gt 100 ]
+diff "$out/parts.txt" "$out/one.txt" ||
+    { echo "single_file: these declarations differ from those of include/"; exit 1; }
+
+# Each compiler with each precision, one of them without optimisation.
+for how in "gcc g++ double -O2" "clang clang++ float -O2" "gcc g++ float -O0" \
+    "clang clang++ double -O0"; do
+    # shellcheck disable=SC2086 -- several words
+    set -- $how
+    real=
+    [ "$3" = double ] || real=-DRIGCAL_USE_FLOAT=1
+    object=$out/rigcal_$1_$3.o
+    # shellcheck disable=SC2086 -- several options
+    $1 -std=c99 $4 $strict -ffp-contract=off $real -c "$one/rigcal.c" -o "$object"
+    # shellcheck disable=SC2086 -- several options
+    $2 -std=c++11 $strict -Wold-style-cast $real -I"$one" \
+        tests/consumers/main.cpp "$object" -lm -o "$out/consumer_cxx"
+    "$out/consumer_cxx"
 done
 
 # Its global names are those of its parts, no fewer and no more.
 names() {
-    nm -P -g --defined-only "$@" | awk 'NF > 2 {print $1}' | sort
+    nm -P -g --defined-only "$1" | awk 'NF > 2 {print $1}' | sort
 }
-mkdir "$out/parts"
-for source in src/*.c; do
-    gcc -std=c99 -DRIGCAL_BUILD -DRIGCAL_USE_FLOAT=1 -Iinclude -c "$source" \
-        -o "$out/parts/$(basename "$source" .c).o"
-done
-names "$out"/parts/*.o >"$out/parts.txt"
-names "$out/rigcal.o" | diff "$out/parts.txt" - ||
-    { echo "single_file: these names differ from those of src/"; exit 1; }
-
 for build in gcc-double clang-float; do
-    cmake -G Ninja -S . -B "$out/$build" -DRIGCAL_SINGLE_FILE="$one" \
-        -DCMAKE_C_COMPILER="${build%-*}" -DRIGCAL_REAL="${build#*-}" \
-        -DCMAKE_BUILD_TYPE=RelWithDebInfo -DRIGCAL_WERROR=ON \
-        -DCMAKE_C_FLAGS="-I$out/names" -DRIGCAL_BUILD_TESTS=ON -DRIGCAL_BUILD_BENCHES=OFF \
-        -DRIGCAL_BUILD_EXAMPLES=OFF
-    cmake --build "$out/$build"
-    ctest --test-dir "$out/$build" --output-on-failure -L unit >"$out/$build.log" ||
-        { cat "$out/$build.log"; exit 1; }
+    object=$out/rigcal_$(echo $build | tr - _).o
+    names build/$build/librigcal.a >"$out/names.txt"
+    names "$object" | diff "$out/names.txt" - ||
+        { echo "single_file: these names differ from those of src/"; exit 1; }
+    sh tests/ways/relink.sh build/$build "$out/$build" ${build%-*} "$object"
 done
-echo "$(wc -l <"$out/parts.txt") global names, every unit test twice, on one source"
+echo "$(wc -l <"$out/names.txt") global names, every unit test twice, on one source"

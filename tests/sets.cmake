@@ -1,0 +1,69 @@
+# Which unit tests a build has: RIGCAL_TEST_SET. Included by tests/CMakeLists.txt, which
+# has the list of all, RIGCAL_TESTS, and the regressions.
+#
+#   all      every test
+#   target   those that a target may change though another of its kind passes: the layout
+#            of types, the order of bytes, rounding, the C library's functions, deep stacks
+#   large    target, and those that 32 KB of RAM are too little for
+#   one      one test: the build is what is tried
+#
+# Every layer runs on a target of each kind:
+#
+#   soft float         cortex-m0: all that fit in its RAM; rv32imac: large, the others
+#   hard float         cortex-m4f: all
+#   double             cortex-m7-double: all
+#   big-endian         mips: all
+#   others of a kind   cortex-m7, cortex-m33, rv32imafc, mips-double: target
+#   hosts              all; shared: one, as unit tests reach functions that it hides
+set(RIGCAL_TEST_SET all CACHE STRING "Which unit tests: all, target, large or one")
+set_property(CACHE RIGCAL_TEST_SET PROPERTY STRINGS all target large one)
+
+set(one about)
+
+# Two rigs of 80 views take 128 KB, the rays of an image and all windows of an alarm more
+# than 256 KB. The arguments of all functions are more than 16 KB with the stack.
+set(wants_256k cost judge cause outline spans match alarm border)
+set(wants_32k hostile)
+
+set(target
+    about layout bytes store store_rig   # types, bytes
+    linalg rotation camera logs chance   # rounding, the C library
+    pose adjust rig verdict)             # deep stacks, all layers below
+set(large ${target} ${wants_32k} ${wants_256k})
+
+# What a build cannot have, or what another has seen.
+set(left_out)
+if(CMAKE_CROSSCOMPILING)
+    list(APPEND left_out p3p_data judge_data) # read files
+    list(APPEND left_out bounds)              # the same counts as of a host
+    if(RIGCAL_BARE_RAM LESS 0x8000)
+        list(APPEND left_out ${wants_32k})
+    endif()
+    if(RIGCAL_BARE_RAM LESS 0x40000)
+        list(APPEND left_out ${wants_256k})
+    endif()
+endif()
+if(RIGCAL_CONFIG_FILE)
+    list(APPEND left_out bounds small) # have config headers of their own
+endif()
+if(RIGCAL_SANITIZE AND RIGCAL_REAL STREQUAL "float")
+    list(APPEND left_out bounds) # the loops of the build in double, sanitized there
+endif()
+
+foreach(set one target large)
+    foreach(name IN LISTS ${set})
+        if(NOT name IN_LIST RIGCAL_TESTS)
+            message(FATAL_ERROR "tests/sets.cmake: ${set} names ${name}, which is no test.")
+        endif()
+    endforeach()
+endforeach()
+if(NOT RIGCAL_TEST_SET MATCHES "^(all|target|large|one)$")
+    message(FATAL_ERROR "RIGCAL_TEST_SET is \"${RIGCAL_TEST_SET}\"; it must be all, target, "
+            "large or one.")
+endif()
+file(GLOB regressions CONFIGURE_DEPENDS regression/*.c)
+if(NOT RIGCAL_TEST_SET STREQUAL "all")
+    set(RIGCAL_TESTS ${${RIGCAL_TEST_SET}})
+    set(regressions)
+endif()
+list(REMOVE_ITEM RIGCAL_TESTS ${left_out} "") # no empty list, before CMake 3.20

@@ -49,7 +49,8 @@ int fuzz_is_transform(const rigcal_transform *b_from_a);
 int fuzz_is_covariance(const rigcal_real Sigma[], int n, double slack);
 
 /* What the rounding of rigcal_real does to a result that double has to 1e-9. */
-#define FUZZ_TOL(for_double, for_float) (sizeof(rigcal_real) == 8 ? (for_double) : (for_float))
+#define FUZZ_TOL(for_double, for_float) \
+    (sizeof(rigcal_real) == 8 ? (for_double) : (for_float))
 
 /* ---- arguments from bytes ----------------------------------------------------- */
 

@@ -100,10 +100,11 @@ static void check_covariances(fuzz_rig *made, rigcal_real sigma_px)
 static void check_faults(fuzz_rig *made)
 {
     static rigcal_real work[FAULTS_WORK];
-    static char text[4000];
+    static char text[8000];
     rigcal_fault faults[N_FAULTS];
     rigcal_faults found;
     rigcal_faults_options options;
+    rigcal_faults_words words;
     rigcal_status status;
     int32_t at_fault, i;
     size_t n_needed;
@@ -125,8 +126,10 @@ static void check_faults(fuzz_rig *made)
         PROMISE(faults[i].p >= 0 && faults[i].p <= 1);
         PROMISE(fuzz_all_finite(faults[i].value, (size_t)faults[i].n));
     }
+    memset(&words, 0, sizeof words);
+    words.with_unseen = 1;
     MARK(text);
-    status = rigcal_faults_text(text, sizeof text, &n_needed, &found, faults, NULL);
+    status = rigcal_faults_text(text, sizeof text, &n_needed, &found, faults, &words);
     PROMISE(status == RIGCAL_OK);
     PROMISE(strlen(text) + 1 == n_needed);
 }
@@ -197,8 +200,8 @@ static void check_steps(const fuzz_rig *made, fuzz_rig *before, rigcal_status ex
     status = rigcal_rig_result(&again, &at_fault, &solver);
     PROMISE(status == expected);
     PROMISE(status < 0 || memcmp(&again, fit, sizeof again) == 0);
-    PROMISE(memcmp(before->cams_from_rig, made->cams_from_rig, sizeof made->cams_from_rig) ==
-            0);
+    PROMISE(memcmp(before->cams_from_rig, made->cams_from_rig,
+                   sizeof made->cams_from_rig) == 0);
 }
 
 static void adjust(fuzz_rig *made, int options, fuzz_bytes *bytes, fuzz_budget budget)

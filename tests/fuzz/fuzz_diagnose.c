@@ -38,12 +38,15 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 
     PROMISE(rigcal_pose_defaults(&options) == RIGCAL_OK);
     switch (fuzz_below(&bytes, 3)) {
-    case 1: options.sigma_px = fuzz_real(&bytes); break;
+    case 1:
+        options.sigma_px = fuzz_real(&bytes);
+        break;
     case 2:
         options.use_start = 1;
         fuzz_transform(&options.start, &bytes);
         break;
-    default: break;
+    default:
+        break;
     }
     fuzz_view(&view, &camera, observations, sigma, POINTS_MOST, &bytes);
     MARK(rms_without);

@@ -58,7 +58,8 @@ static void check_depths(const scene *s)
     PROMISE_UNTOUCHED(status, X);
     PROMISE(status < 0 || (fuzz_all_finite(X, 3) && X[2] >= 0));
     MARK(bound);
-    status = rigcal_point_bound(&bound, &s->cams_from_rig[0], &s->cams_from_rig[1], s->ray_a);
+    status =
+        rigcal_point_bound(&bound, &s->cams_from_rig[0], &s->cams_from_rig[1], s->ray_a);
     PROMISE_UNTOUCHED(status, bound);
     PROMISE(status < 0 || (bound >= 0 && fuzz_all_finite(&bound, 1)));
 }
@@ -304,7 +305,8 @@ static void check_band(const scene *s, fuzz_bytes *bytes)
     MARK(matches);
     MARK(n_written);
     MARK(n_inside);
-    status = rigcal_band_search(matches, 2, &n_written, &n_inside, &at_fault, &band, uv_b, 3);
+    status =
+        rigcal_band_search(matches, 2, &n_written, &n_inside, &at_fault, &band, uv_b, 3);
     PROMISE(fuzz_is_status(status) && at_fault >= -1 && at_fault < 3);
     PROMISE_UNTOUCHED(status, matches);
     PROMISE_UNTOUCHED(status, n_inside);
@@ -436,10 +438,18 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         check_triangulation(&s);
         measure(&s, &bytes);
         break;
-    case 2: check_band(&s, &bytes); break;
-    case 3: check_spans(&s, &bytes); break;
-    case 4: check_transfer(&s, &bytes); break;
-    default: check_pair(&s); break;
+    case 2:
+        check_band(&s, &bytes);
+        break;
+    case 3:
+        check_spans(&s, &bytes);
+        break;
+    case 4:
+        check_transfer(&s, &bytes);
+        break;
+    default:
+        check_pair(&s);
+        break;
     }
     return 0;
 }

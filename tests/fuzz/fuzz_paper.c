@@ -7,8 +7,8 @@
 enum { POINTS_MOST = 12, PAIRS_MOST = 80 };
 
 /* What is computed from one pair, at any place. */
-static void check_equations(const rigcal_pair pairs[], size_t n_pairs, const rigcal_real x[9],
-                            int32_t eliminated, int32_t pairs_used)
+static void check_equations(const rigcal_pair pairs[], size_t n_pairs,
+                            const rigcal_real x[9], int32_t eliminated, int32_t pairs_used)
 {
     rigcal_elimination elimination;
     rigcal_real pqk[3], residual;
@@ -26,7 +26,8 @@ static void check_equations(const rigcal_pair pairs[], size_t n_pairs, const rig
     PROMISE_UNTOUCHED(status, residual);
     PROMISE(status < 0 || residual >= 0);
     MARK(elimination);
-    status = rigcal_pairs_eliminate(&elimination, pairs, n_pairs, pairs_used, eliminated, x);
+    status =
+        rigcal_pairs_eliminate(&elimination, pairs, n_pairs, pairs_used, eliminated, x);
     PROMISE(fuzz_is_status(status));
     PROMISE_UNTOUCHED(status, elimination);
     if (status >= 0) {

@@ -37,8 +37,8 @@ static void check_poses(const rigcal_pose poses[], size_t n_found, const rigcal_
     PROMISE(fabs(sum - 1) < FUZZ_TOL(1e-12, 1e-5));
 }
 
-static void check_covariance(const rigcal_view *view, const rigcal_transform *cam_from_world,
-                             rigcal_real sigma_px)
+static void check_covariance(const rigcal_view *view,
+                             const rigcal_transform *cam_from_world, rigcal_real sigma_px)
 {
     rigcal_pose_uncertainty uncertainty;
     rigcal_status status;
@@ -84,7 +84,9 @@ static void read_options(rigcal_pose_options *options, fuzz_bytes *bytes)
 {
     PROMISE(rigcal_pose_defaults(options) == RIGCAL_OK);
     switch (fuzz_below(bytes, 4)) {
-    case 1: options->sigma_px = fuzz_real(bytes); break;
+    case 1:
+        options->sigma_px = fuzz_real(bytes);
+        break;
     case 2:
         options->use_start = 1;
         fuzz_transform(&options->start, bytes);
@@ -94,7 +96,8 @@ static void read_options(rigcal_pose_options *options, fuzz_bytes *bytes)
         options->sigma_px = fuzz_real(bytes);
         fuzz_transform(&options->start, bytes);
         break;
-    default: break;
+    default:
+        break;
     }
 }
 

@@ -158,7 +158,9 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         check_graph(&made);
         check_join(&made, budget);
         break;
-    default: check_judgement(&made, &bytes, budget); break;
+    default:
+        check_judgement(&made, &bytes, budget);
+        break;
     }
     return 0;
 }

@@ -51,7 +51,8 @@ static void check_answer(const answer *found, const rigcal_view *view)
 
 /* The same bits come out whatever the budgets, and in the same number of units. */
 static rigcal_status solve_in_steps(answer *found, const rigcal_view *view,
-                                    const rigcal_robust_options *options, fuzz_budget budget)
+                                    const rigcal_robust_options *options,
+                                    fuzz_budget budget)
 {
     rigcal_robust_solver solver;
     int32_t at_fault;

@@ -15,7 +15,8 @@ static void check_forms(const rigcal_real R[9])
     PROMISE(rigcal_yaw_pitch_roll_from_rotation(ypr, R) == RIGCAL_OK);
     PROMISE(rigcal_rotation_from_yaw_pitch_roll(back, ypr) == RIGCAL_OK);
     PROMISE(rigcal_rotation_angle(&angle, back, R) == RIGCAL_OK);
-    PROMISE(angle >= 0 && angle < FUZZ_TOL(1e-7, 2e-3)); /* at gimbal lock, its square root */
+    PROMISE(angle >= 0 &&
+            angle < FUZZ_TOL(1e-7, 2e-3)); /* at gimbal lock, its square root */
     PROMISE(rigcal_vector_from_rotation(w, R) == RIGCAL_OK);
     PROMISE(rigcal_rotation_from_vector(back, w) == RIGCAL_OK);
     PROMISE(rigcal_rotation_angle(&angle, back, R) == RIGCAL_OK);
@@ -131,9 +132,15 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     fuzz_bytes bytes = {data, data + size};
 
     switch (fuzz_below(&bytes, 3)) {
-    case 0: make_rotations(&bytes); break;
-    case 1: combine(&bytes); break;
-    default: average(&bytes); break;
+    case 0:
+        make_rotations(&bytes);
+        break;
+    case 1:
+        combine(&bytes);
+        break;
+    default:
+        average(&bytes);
+        break;
     }
     return 0;
 }

@@ -184,13 +184,19 @@ def adjust(rig: Rig) -> list[bytes]:
 
 def monitor(rig: Rig) -> list[bytes]:
     cameras = posed(rig)[:3]
-    data = bytes([len(cameras) - 2, 1]) + b"".join(data for _, data in cameras)
-    data += reals(1e-6, 0.3)
-    seen = b"".join(
-        b"\0\0\1" + reals(300 - 7 * i, 200 + 3 * i, 290 - 7 * i, 200 + 3 * i, 0.3)
+    head = bytes([len(cameras) - 2, 1]) + b"".join(data for _, data in cameras)
+    head += reals(1e-6, 0.3)
+    match = b"".join(
+        b"\0\0\0\1" + reals(300 - 7 * i, 200 + 3 * i, 290 - 7 * i, 200 + 3 * i, 0.3)
         for i in range(6)
     )
-    return [data + (seen + b"\2" + reals(0.1)) * 3 + bytes([kind]) * 4 for kind in range(9)]
+    frame = b"\0\2" + reals(0.1)
+    rows = next(rows for rows in rig.views.values() if len(rows) >= 6)[:6]
+    target = b"\0\4\0\6\0" + rig.observations(rows) + reals(0.3)
+    return [
+        head + (match + frame) * 3 + (target + frame) * 2 + bytes([0, kind, 1]) + frame * 2
+        for kind in (6, 7, 8)
+    ]
 
 
 def neldermead(rig: Rig) -> list[bytes]:

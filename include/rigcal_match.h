@@ -156,8 +156,8 @@ RIGCAL_API rigcal_status rigcal_band_search_rays(rigcal_match matches[], size_t 
  * and at most one more at each end of a span. A row has several spans where the band
  * crosses it several times. Pixels near the image of the centre of a, which the test
  * refuses, count as inside. This holds while the half width of the band is below a
- * twentieth of the image's width. Of a wider one pixels may be missing where its borders
- * leave the lens's field. */
+ * twentieth of fx and of fy, 3 degrees. Of a wider one pixels may be missing where its
+ * borders leave the lens's field. */
 typedef struct rigcal_span {
     int32_t row, first, last; /* columns first to last, within the image */
 } rigcal_span;

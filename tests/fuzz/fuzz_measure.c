@@ -316,7 +316,8 @@ static void check_band(const scene *s, fuzz_bytes *bytes)
     }
 }
 
-/* Bands of so small a part of the image's width are narrow: the manual promises no more. */
+/* Bands of half a width below this part of a focal length are narrow: the manual promises
+ * no more. */
 enum { NARROW = 20 };
 
 /* A pixel whose centre the test finds inside is in a span of its row. */
@@ -337,7 +338,8 @@ static void check_pixel(const rigcal_band *band, rigcal_spans_solver *solver, in
         is_covered = is_covered || (spans[i].first <= u && u <= spans[i].last);
     }
     if (rigcal_band_test(&match, band, uv) == RIGCAL_OK && match.is_inside &&
-        match.half_width_px < (rigcal_real)band->camera_b.width / NARROW) {
+        NARROW * match.half_width_px < band->camera_b.fx &&
+        NARROW * match.half_width_px < band->camera_b.fy) {
         PROMISE(is_covered);
     }
 }

@@ -155,7 +155,9 @@ RIGCAL_API rigcal_status rigcal_band_search_rays(rigcal_match matches[], size_t 
  * The pixels of image b to look at: each whose centre is in the band, by the test above,
  * and at most one more at each end of a span. A row has several spans where the band
  * crosses it several times. Pixels near the image of the centre of a, which the test
- * refuses, count as inside. */
+ * refuses, count as inside. This holds while the half width of the band is below a
+ * twentieth of fx and of fy, 3 degrees. Of a wider one pixels may be missing where its
+ * borders leave the lens's field. */
 typedef struct rigcal_span {
     int32_t row, first, last; /* columns first to last, within the image */
 } rigcal_span;
@@ -179,7 +181,8 @@ RIGCAL_API rigcal_status rigcal_spans_begin(rigcal_spans_solver *solver,
 
 /* Spends at most `budget` >= 1 units, each one place of the borders, at most
  * RIGCAL_SPANS_UNITS. RUNNING: call again; the same bits come out whatever the budgets. OK:
- * ask for the spans. ERR_NULL, ERR_RANGE, ERR_STATE. */
+ * ask for the spans. ERR_NULL, ERR_RANGE, ERR_STATE; ERR_DEGENERATE: the borders have more
+ * arcs than the solver has room for. */
 RIGCAL_API rigcal_status rigcal_spans_step(rigcal_spans_solver *solver, int32_t budget);
 
 /* The spans of one row, 0 to height - 1: the first *n_found of spans[RIGCAL_SPANS_ROW].

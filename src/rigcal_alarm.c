@@ -483,7 +483,9 @@ rigcal_real rc_alarm_frame(rc_alarm *alarm, rigcal_real bodies[])
 
 rigcal_real rc_alarm_share(const rc_alarm *alarm, const rigcal_real bodies[], size_t body)
 {
-    return rc_exp(body_in(bodies, body)[LOG_SUM] - alarm->log_sum);
+    /* Not log_sum, which begins anew with an answer. */
+    const rigcal_real all = log_of_all(bodies, (size_t)alarm->n_bodies);
+    return rc_min(1, rc_exp(body_in(bodies, body)[LOG_SUM] - all));
 }
 
 int rc_alarm_is_blind(const rigcal_real bodies[], size_t body)

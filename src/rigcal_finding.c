@@ -45,6 +45,22 @@ int rc_F_disagrees(const rc_common *c, rigcal_real F, rigcal_real k)
     return rc_f_tail(F, rc_max(1, c->freedom_between - k), c->freedom_within) <= DISAGREES;
 }
 
+/* Numbers that overflow are of a fault that cannot be told: it is not seen. */
+static void keep_if_finite(rigcal_fault *fault)
+{
+    const rigcal_real others[6] = {fault->gain,    fault->p,    fault->bic,
+                                   fault->F_after, fault->turn, fault->shift};
+    if (rc_all_finite(others, 6) && rc_all_finite(fault->value, RIGCAL_FAULT_VALUES) &&
+        rc_all_finite(fault->sigma, RIGCAL_FAULT_VALUES)) {
+        return;
+    }
+    const rigcal_fault unseen = {.kind = fault->kind,
+                                 .camera = fault->camera,
+                                 .placement = fault->placement,
+                                 .n = fault->n};
+    *fault = unseen;
+}
+
 void rc_finding_of(rigcal_fault *fault, const rc_common *c, const rc_one_step *step)
 {
     const rigcal_real k = (rigcal_real)(int32_t)step->k, freedom = c->freedom - k;
@@ -70,6 +86,7 @@ void rc_finding_of(rigcal_fault *fault, const rc_common *c, const rc_one_step *s
             fault->sigma[i] = sigma;
         }
     }
+    keep_if_finite(fault);
 }
 
 /* Whether a comes before b. */

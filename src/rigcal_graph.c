@@ -224,16 +224,20 @@ rigcal_status rigcal_rig_weakest(rigcal_weakest *weakest, const rigcal_rig *rig,
     if (status != RIGCAL_OK) {
         return status;
     }
-    *weakest = (rigcal_weakest){-1, -1, -1, 0};
+    rigcal_weakest least_sure = {-1, -1, -1, 0};
     for (size_t c = 0; c < rig->n_cameras; c++) {
         rigcal_weakest found;
         status = surest(&found, rig, sigma_px, c);
         if (status != RIGCAL_OK) {
             return status;
         }
-        if (found.other >= 0 && found.rotation > weakest->rotation) {
-            *weakest = found;
+        if (found.other >= 0 && found.rotation > least_sure.rotation) {
+            least_sure = found;
         }
     }
-    return (weakest->other < 0) ? RIGCAL_ERR_TOO_FEW : RIGCAL_OK;
+    if (least_sure.other < 0) {
+        return RIGCAL_ERR_TOO_FEW;
+    }
+    *weakest = least_sure;
+    return RIGCAL_OK;
 }

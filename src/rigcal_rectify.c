@@ -13,8 +13,9 @@ static rigcal_status align(rigcal_rectified *out, const rigcal_transform *b_from
     const rigcal_real *const R = b_from_a->R;
     rigcal_real *const x = &out->aligned_from_a[0], *const y = &out->aligned_from_a[3];
     rigcal_real *const z = &out->aligned_from_a[6], centre[3];
+    out->baseline = rc_vec3_norm(b_from_a->t); /* 0 also where the squares underflow */
     rc_mat3_tmul_vec3(centre, R, b_from_a->t);
-    if (!rc_vec3_unit(x, centre)) { /* towards a from b */
+    if (!(out->baseline > 0) || !rc_vec3_unit(x, centre)) { /* towards a from b */
         return RIGCAL_ERR_PARALLEL;
     }
     const rigcal_real axes_x[3] = {1 + R[0], R[1], R[2]};
@@ -34,7 +35,6 @@ static rigcal_status align(rigcal_rectified *out, const rigcal_transform *b_from
     rc_rotation_tidy(out->aligned_from_a);
     rc_mat3_mul_t(out->aligned_from_b, out->aligned_from_a, R);
     rc_rotation_tidy(out->aligned_from_b);
-    out->baseline = rc_vec3_norm(b_from_a->t);
     return RIGCAL_OK;
 }
 

@@ -336,9 +336,10 @@ rigcal_status rigcal_rig_noise(rigcal_real sigma_px[], rigcal_real freedom[],
     if (status != RIGCAL_OK) {
         return status;
     }
+    /* Outputs are written at the end: the sums stand where the adjustment saved its poses. */
     rc_rig_parts_of(&parts, rig, 0);
-    rc_clear(sigma_px, rig->n_cameras);
-    rc_clear(freedom, rig->n_cameras);
+    rigcal_real *const sum = parts.saved[0].R, *const left = sum + rig->n_cameras;
+    rc_clear(sum, 2 * rig->n_cameras);
     for (size_t f = 0; f < rig->n_placements && status == RIGCAL_OK; f++) {
         const rc_leverage on = {parts.S, parts.W, parts.slot, rc_rig_views_of(&parts, f)};
         if (parts.count[f] > 0) {
@@ -346,13 +347,14 @@ rigcal_status rigcal_rig_noise(rigcal_real sigma_px[], rigcal_real freedom[],
         }
         for (size_t i = 0; i < on.count && status == RIGCAL_OK; i++) {
             if (!rc_rig_is_left_out(rig, first + i)) {
-                status = add_noise(sigma_px, freedom, Sigma, inverse, &on, rig, first, i);
+                status = add_noise(sum, left, Sigma, inverse, &on, rig, first, i);
             }
         }
         first += on.count;
     }
-    for (size_t c = 0; c < rig->n_cameras; c++) {
-        sigma_px[c] = (freedom[c] > 0) ? RC_SQRT(sigma_px[c] / freedom[c]) : 0;
+    for (size_t c = 0; c < rig->n_cameras && status == RIGCAL_OK; c++) {
+        sigma_px[c] = (left[c] > 0) ? RC_SQRT(sum[c] / left[c]) : 0;
+        freedom[c] = left[c];
     }
     return status;
 }
@@ -383,10 +385,12 @@ rigcal_status rigcal_rig_residuals(rigcal_real duv[], size_t capacity, size_t *n
         return status;
     }
     rc_rig_chain(&chain, rig, v.camera, (size_t)v.placement, view);
-    for (size_t i = 0; i < v.view.n; i++) {
+    rigcal_real last[2];
+    for (size_t i = 0; i < 2 * v.view.n; i++) { /* a first time to see that all can be */
         rigcal_real B[6], q[3], X_c[3];
-        status =
-            rc_points_residual(&duv[2 * i], B, q, X_c, &points, &chain.cam_from_target, i);
+        const size_t point = i % v.view.n;
+        rigcal_real *const to = (i < v.view.n) ? last : &duv[2 * point];
+        status = rc_points_residual(to, B, q, X_c, &points, &chain.cam_from_target, point);
         if (status != RIGCAL_OK) {
             return status;
         }

@@ -1,0 +1,84 @@
+/* fuzz.h - what the fuzz harnesses share: arguments made of bytes, and promises.
+ *
+ * A harness is one function, which libFuzzer calls with bytes of its own making. It reads
+ * arguments from them, calls the library, and checks what the public headers promise for
+ * any input. The sanitizers watch the memory meanwhile.
+ *
+ * A number is the eight bytes of a double, so NaN, infinity and denormals are as likely as
+ * the mutation makes them. Bytes that are missing read as zero. */
+#ifndef FUZZ_H
+#define FUZZ_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "rigcal_paper.h"
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
+
+/* ---- promises --------------------------------------------------------------- */
+
+/* Ends the program, with the promise that was broken, its file and line. */
+#define PROMISE(holds) \
+    do { \
+        if (!(holds)) { \
+            fuzz_broken(#holds, __FILE__, __LINE__); \
+        } \
+    } while (0)
+void fuzz_broken(const char *promise, const char *file, int line);
+
+/* An output is marked before a call. After a negative status the mark must still be there
+ * ("a negative one failed and wrote no output"). */
+void fuzz_mark(void *output, size_t size);
+int fuzz_is_marked(const void *output, size_t size);
+#define MARK(output) fuzz_mark(&(output), sizeof(output))
+#define IS_MARKED(output) fuzz_is_marked(&(output), sizeof(output))
+
+/* status is one that the library has, and after a negative one `output` is untouched. */
+#define PROMISE_UNTOUCHED(status, output) PROMISE((status) >= 0 || IS_MARKED(output))
+int fuzz_is_status(rigcal_status status);
+
+/* Whether all n numbers are finite; whether R is a rotation to `tolerance`: the largest
+ * element of R^T R - I, and of det R - 1. */
+int fuzz_all_finite(const rigcal_real x[], size_t n);
+int fuzz_is_rotation(const rigcal_real R[9], double tolerance);
+int fuzz_is_transform(const rigcal_transform *b_from_a);
+
+/* Whether a matrix n x n can be a covariance: finite, symmetric, no negative variance, and
+ * no correlation beyond 1. `slack` is the part of the variances that rounding may cost. */
+int fuzz_is_covariance(const rigcal_real Sigma[], int n, double slack);
+
+/* What the rounding of rigcal_real does to a result that double has to 1e-9. */
+#define FUZZ_TOL(for_double, for_float) \
+    (sizeof(rigcal_real) == 8 ? (for_double) : (for_float))
+
+/* ---- arguments from bytes ----------------------------------------------------- */
+
+typedef struct fuzz_bytes {
+    const uint8_t *next, *end;
+} fuzz_bytes;
+
+int fuzz_is_empty(const fuzz_bytes *bytes);
+uint8_t fuzz_byte(fuzz_bytes *bytes);
+uint32_t fuzz_word(fuzz_bytes *bytes);               /* any 32 bits, little-endian */
+int32_t fuzz_below(fuzz_bytes *bytes, int32_t most); /* 0 .. most - 1, of one byte */
+rigcal_real fuzz_real(fuzz_bytes *bytes);            /* any, NaN and infinity included */
+void fuzz_reals(rigcal_real x[], size_t n, fuzz_bytes *bytes);
+
+/* A rotation from a rotation vector or, where the first byte is odd, any nine numbers. */
+void fuzz_rotation(rigcal_real R[9], fuzz_bytes *bytes);
+void fuzz_transform(rigcal_transform *b_from_a, fuzz_bytes *bytes);
+void fuzz_camera(rigcal_camera *camera, fuzz_bytes *bytes);
+
+/* A view of up to `capacity` points. sigma[capacity] is used if the bytes say so. */
+void fuzz_view(rigcal_view *view, rigcal_camera *camera, rigcal_observation observations[],
+               rigcal_real sigma[], size_t capacity, fuzz_bytes *bytes);
+
+/* Budgets of a solver's steps: from the bytes, then 1, 2, 3, 5, 8 .. */
+typedef struct fuzz_budget {
+    int32_t last, before;
+} fuzz_budget;
+fuzz_budget fuzz_budget_of(fuzz_bytes *bytes);
+int32_t fuzz_budget_next(fuzz_budget *budget);
+
+#endif /* FUZZ_H */

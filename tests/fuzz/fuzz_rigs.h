@@ -1,0 +1,35 @@
+/* fuzz_rigs.h - a small rig made of bytes: cameras, placements, views with their poses. */
+#ifndef FUZZ_RIGS_H
+#define FUZZ_RIGS_H
+
+#include "fuzz.h"
+
+enum {
+    RIG_CAMERAS = 3,
+    RIG_PLACEMENTS = 5,
+    RIG_VIEWS = RIG_CAMERAS * RIG_PLACEMENTS,
+    RIG_POINTS = 6,
+    RIG_WORK = RIGCAL_JUDGE_WORK(RIG_CAMERAS, RIG_PLACEMENTS) +
+               RIGCAL_CLOCKS_WORK(RIG_CAMERAS, RIG_CAMERAS) +
+               RIGCAL_CHOOSE_WORK(RIG_CAMERAS, RIG_PLACEMENTS, RIG_VIEWS)
+};
+
+typedef struct fuzz_rig {
+    rigcal_camera cameras[RIG_CAMERAS];
+    rigcal_observation observations[RIG_VIEWS][RIG_POINTS];
+    rigcal_rig_view views[RIG_VIEWS];
+    rigcal_view_pose poses[RIG_VIEWS], second_poses[RIG_VIEWS];
+    rigcal_transform cams_from_rig[RIG_CAMERAS], rig_from_placements[RIG_PLACEMENTS];
+    int32_t group[RIG_CAMERAS];
+    rigcal_real work[RIG_WORK];
+    rigcal_rig rig;
+} fuzz_rig;
+
+/* Cameras and views from the bytes, the pose of each view by rigcal_pose_solve. Views
+ * without a pose are left out. Returns 0 if no view is left. */
+int fuzz_rig_read(fuzz_rig *made, fuzz_bytes *bytes);
+
+/* After a function that writes the rig's poses: all are rigid. */
+void fuzz_rig_check(const rigcal_rig *rig);
+
+#endif /* FUZZ_RIGS_H */

@@ -1,0 +1,102 @@
+#!/bin/sh
+# The fuzz harnesses, with the address and undefined-behaviour sanitizers.
+#
+#   sh tests/fuzz/run.sh                   each from the corpus, 5 seconds in double; a step of CI
+#   sh tests/fuzz/run.sh float             the same in float
+#   sh tests/fuzz/run.sh msan              the inputs found so far, under the memory sanitizer
+#   sh tests/fuzz/run.sh campaign SECONDS [HARNESS...]
+#                                          goes on where the last campaign ended: the inputs
+#                                          found stay in build/fuzz/corpus. Each part ends with
+#                                          a line in tests/fuzz/RESULTS.md
+#
+# Everything is built in build/fuzz. A finding ends the run: its input is in build/fuzz.
+set -eu
+cd "$(dirname "$0")/../.."
+. tests/support/packages.sh
+
+what=${1:-double}
+harnesses=$(ls tests/fuzz/fuzz_*.c | sed 's|.*/fuzz_||; s|\.c$||; /^rigs$/d')
+case $what in
+double | float) seconds=5 ;;
+msan) seconds=0 ;;
+campaign)
+    if [ $# -lt 2 ]; then
+        echo "usage: sh tests/fuzz/run.sh campaign SECONDS [HARNESS...]" >&2
+        exit 2
+    fi
+    seconds=$2
+    shift 2
+    [ $# -eq 0 ] || harnesses=$*
+    ;;
+*)
+    echo "usage: sh tests/fuzz/run.sh [float | msan | campaign SECONDS [HARNESS...]]" >&2
+    exit 2
+    ;;
+esac
+
+want clang-19 clang-19 --version
+want libclang-rt-19-dev sh -c 'test -e /usr/lib/llvm-19/lib/clang/19/lib/linux/libclang_rt.fuzzer-x86_64.a'
+install_missing
+
+build=build/fuzz/$what
+sanitize=address,undefined
+defines=
+case $what in
+campaign) build=build/fuzz/double ;;
+float) defines=-DRIGCAL_USE_FLOAT=1 ;;
+msan) sanitize=memory ;;
+esac
+mkdir -p "$build" build/fuzz/corpus
+flags="-std=c99 -g -O1 -Wall -Wextra -Werror -fno-sanitize-recover=all -Iinclude -Iexamples $defines"
+
+# Objects are made anew where a source or a header is newer.
+newest=$(find src include -type f -newer "$build/library.a" 2>/dev/null || echo none)
+if [ -n "$newest" ]; then
+    printf '%s\n' src/*.c | xargs -P "${CMAKE_BUILD_PARALLEL_LEVEL:-2}" -I{} sh -c '
+        clang-19 $1 -fsanitize=fuzzer-no-link,$2 -c "$3" -o "$4/$(basename "$3" .c).o"
+    ' compile "$flags" "$sanitize" {} "$build"
+    rm -f "$build/library.a"
+    ar rcs "$build/library.a" "$build"/rigcal_*.o
+fi
+/usr/bin/python3 tests/fuzz/make_corpus.py build/fuzz/corpus
+
+# Of what libFuzzer prints at the end of `log`: the number after the name $1.
+figure() {
+    sed -n "s/^stat::$1: *//p" "$log"
+}
+
+run() {
+    log=$build/$1.log
+    program=$build/fuzz_$1
+    # shellcheck disable=SC2086 -- a list of flags
+    clang-19 $flags -fsanitize=fuzzer,$sanitize "tests/fuzz/fuzz_$1.c" tests/fuzz/fuzz.c \
+        tests/fuzz/fuzz_rigs.c "$build/library.a" -lm -o "$program"
+    found=build/fuzz/corpus/$1
+    set -- "$1" -max_len=8192 -timeout=100 -print_final_stats=1 \
+        -artifact_prefix=build/fuzz/"$1"- "$found"
+    name=$1
+    shift
+    if [ "$what" = msan ]; then
+        set -- -runs=0 "$@"
+    else
+        set -- -max_total_time="$seconds" "$@"
+    fi
+    if ! "$program" "$@" >"$log" 2>&1; then
+        grep -a -e "a promise is broken" -e "ERROR" -e "runtime error" "$log" || tail "$log"
+        echo "$name: a finding; its input is build/fuzz/$name-*, the log $log"
+        return 1
+    fi
+    executed=$(figure number_of_executed_units)
+    rate=$(figure average_exec_per_sec)
+    printf '%-10s %9d executions, %6d a second\n' "$name" "$executed" "$rate"
+    if [ "$what" = campaign ]; then
+        hours=$(awk -v rate="$rate" 'BEGIN {printf "%.1f", rate > 0 ? 1e9 / rate / 3600 : 0}')
+        printf '| %s | %s | %s | %s | %s | %s | none |\n' "$(date +%F)" \
+            "$(git rev-parse --short HEAD)" "$name" "$executed" "$rate" "$hours" \
+            >>tests/fuzz/RESULTS.md
+    fi
+}
+
+for harness in $harnesses; do
+    run "$harness"
+done

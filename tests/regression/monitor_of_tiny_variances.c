@@ -1,0 +1,75 @@
+/* Variances below the smallest normal number have no finite inverse: a monitor began with
+ * covariances of NaN. After an answer to an alarm a body's share of the evidence was above
+ * 1. Of two centres so near that the square of their distance is 0, the baseline of the
+ * aligned pair was 0. */
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+#include "test_watched.h"
+
+static test_watched w;
+
+static void test_variances_that_are_denormal(void)
+{
+    test_rng rng = test_seed(22);
+    rigcal_mounted_camera camera;
+
+    test_watched_make(&w, &rng, 2, 1, 1e-4, 1e-4);
+    for (int i = 0; i < 6; i++) {
+        w.Sigma[i * (i + 1) / 2 + i] = RC(TOL(DBL_MIN, (double)FLT_MIN) / 8);
+    }
+    test_watched_begin(&w, 0, NULL);
+    ASSERT_STATUS(RIGCAL_OK, rigcal_monitor_camera(&camera, w.monitor, 1));
+    for (int i = 0; i < 36; i++) {
+        TEST_ASSERT_TRUE(fabs(D(camera.Sigma[i])) <= 1e-30);
+    }
+}
+
+static void test_shares_after_an_answer(void)
+{
+    const watched_matches like = {20, 0.3, 0, 0};
+    const double bump[6] = {0.02, 0.02, 0, 0, 0, 0};
+    test_rng rng = test_seed(24);
+    rigcal_monitor_report report = {0};
+    rigcal_body_report body;
+
+    test_watched_make(&w, &rng, 2, 1, 1e-4, 1e-4);
+    test_watched_begin(&w, 0, NULL);
+    for (int frame = 0; frame < 60 && !report.alarm; frame++) {
+        if (frame == 30) {
+            test_watched_bump(&w, 1, bump);
+        }
+        test_watched_match(&w, &rng, &like);
+        ASSERT_STATUS(RIGCAL_OK, rigcal_monitor_frame(&report, w.monitor, RC(0.1)));
+    }
+    TEST_ASSERT_EQUAL(1, report.alarm);
+    ASSERT_STATUS(RIGCAL_OK, rigcal_monitor_moved(w.monitor, 1));
+    double sum = 0;
+    for (size_t b = 0; b < 2; b++) {
+        ASSERT_STATUS(RIGCAL_OK, rigcal_monitor_body(&body, w.monitor, b));
+        TEST_ASSERT_TRUE(body.share >= 0 && body.share <= 1);
+        sum += D(body.share);
+    }
+    ASSERT_NEAR(1, sum, TOL(1e-9, 1e-5));
+}
+
+static void test_centres_that_nearly_coincide(void)
+{
+    const rigcal_camera camera = test_pinhole();
+    rigcal_transform b_from_a = {{1, 0, 0, 0, 1, 0, 0, 0, 1},
+                                 {RC(TOL(1e-200, 1e-30)), 0, 0}};
+    rigcal_rectified rectified;
+
+    ASSERT_REFUSED(RIGCAL_ERR_PARALLEL, rectified,
+                   rigcal_rectify(&rectified, &camera, &camera, &b_from_a));
+    b_from_a.t[0] = RC(-0.1);
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rectify(&rectified, &camera, &camera, &b_from_a));
+}
+
+TEST_MAIN()
+{
+    RUN_TEST(test_variances_that_are_denormal);
+    RUN_TEST(test_shares_after_an_answer);
+    RUN_TEST(test_centres_that_nearly_coincide);
+}

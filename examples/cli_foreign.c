@@ -221,8 +221,8 @@ static int matches_one(const char *pattern, const char *end, char character)
     return is_other ? !is_in && c != '\n' : is_in;
 }
 
-/* Whether the text matches at this place. A pattern is made of characters and sets, [a-z] or
- * [^a-z]; behind each may stand how often: any number (*), one or more (+), one or none (?).
+/* Whether the text matches at this place. A pattern is made of characters and sets: [a-z],
+ * [^a-z]. Behind each may stand how often: any number (*), one or more (+), 0 or 1 (?).
  * (one|other) is one of the words; ^ and $ are the begin and the end of a line. It calls
  * itself at most once for each part of the pattern. */
 static int matches_at(const char *pattern, const char *text, const char *at)

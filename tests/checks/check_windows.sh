@@ -9,11 +9,13 @@ cd "$(dirname "$0")/../.."
 mkdir -p "$1"
 out=$(cd "$1" && pwd)
 
-cmake -S . -B "$out" -G Ninja -DCMAKE_SYSTEM_NAME=Windows -DCMAKE_C_FLAGS=-O1 \
+cmake -S . -B "$out" -G Ninja -DCMAKE_SYSTEM_NAME=Windows \
     -DCMAKE_C_COMPILER=x86_64-w64-mingw32-gcc -DRIGCAL_WERROR=ON >"$out/log"
 cmake --build "$out" --target rigcal_cli >>"$out/log" || { cat "$out/log"; exit 1; }
 echo "rigcal.exe: built"
 [ $# -gt 1 ] || exit 0
+export WINEDEBUG=-all
+wine "$out/rigcal.exe" --version >/dev/null 2>&1 # which may first set Wine up
 
 # Calibrates into $out/$1 with the program that follows.
 calibrate() {
@@ -32,7 +34,7 @@ calibrate() {
 for data in examples/data/*/; do
     [ -f "$data/observations.csv" ] && [ -f "$data/cameras.csv" ] || continue
     calibrate here "$2"
-    WINEDEBUG=-all calibrate windows wine "$out/rigcal.exe"
+    calibrate windows wine "$out/rigcal.exe"
     diff -r "$out/here" "$out/windows"
     echo "$data: $(find "$out/here" -type f | wc -l) files, equal"
 done

@@ -42,7 +42,13 @@ def arrays(columns):
     kinds = st.sampled_from(
         ["f8", "f4", "f2", ">f8", "i4", "u1", "?", "c16", "O", "U3", "M8[s]"]
     )
-    made = kinds.flatmap(lambda kind: npst.arrays(np.dtype(kind), shapes))
+    made = kinds.flatmap(
+        lambda kind: npst.arrays(
+            np.dtype(kind),
+            shapes,
+            elements=st.none() | st.integers() if kind == "O" else None,
+        )
+    )
     return st.one_of(made, made.map(strange), st.sampled_from(OBJECTS))
 
 

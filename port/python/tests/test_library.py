@@ -124,7 +124,7 @@ def test_the_program_runs():
 
 def test_a_program_that_is_missing_is_named(monkeypatch, tmp_path):
     monkeypatch.setattr(_library, "FOLDER", tmp_path)
-    with pytest.raises(rigcal.Error, match="Windows"):
+    with pytest.raises(rigcal.Error, match="is not there"):
         _library.program()
 
 

@@ -1,6 +1,6 @@
 /* rigcal_paper: the numbers behind the figures of the paper, and behind ours.
  *
- *   rigcal_paper [-e N] DIR [FIGURE]...   writes FIGURE.csv into DIR; all when none is named
+ *   rigcal_paper [-e N] DIR [FIGURE]...   writes FIGURE.csv into DIR, or all of them
  *
  * -e N: of the depths and resolutions of the long tables, every N-th, from the first.
  * scene.h tells the scene and every setting, solve.h what is compared. */

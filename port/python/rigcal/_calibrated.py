@@ -203,12 +203,12 @@ class CalibratedRig:
     def __len__(self) -> int:
         return len(self.names)
 
-    def number(self, camera: Which) -> int:
-        """The number of a camera of this name."""
+    def number(self, camera: Which, argument: str = "") -> int:
+        """The number of a camera of this name; argument: the one that names it."""
         if isinstance(camera, str):
             if camera not in self.names:
-                known = ", ".join(self.names)
-                raise Error(f"there is no camera {camera!r} in this rig: {known}")
+                known, where = ", ".join(self.names), argument and f"{argument}: "
+                raise Error(f"{where}there is no camera {camera!r} in this rig: {known}")
             return self.names.index(camera)
         return whole(camera, "camera", 0, len(self.names) - 1)
 
@@ -292,7 +292,7 @@ class CalibratedRig:
         if isinstance(value, Mapping):
             numbers = np.full(len(self.names), np.nan)
             for name, number in value.items():
-                numbers[self.number(name)] = real(number, f"{what}[{name!r}]", 1e-6, 1e6)
+                numbers[self.number(name, what)] = real(number, f"{what}[{name!r}]", 1e-6, 1e6)
             return numbers
         if numeric(value, what, "a number, or one of each camera,", "fiu").ndim == 0:
             return np.full(len(self.names), real(value, what, 1e-6, 1e6))
@@ -318,7 +318,7 @@ class CalibratedRig:
         if isinstance(uv, Mapping):
             seen: list[Array | None] = [None] * len(self.names)
             for name, pixels in uv.items():
-                seen[self.number(name)] = reals(pixels, ("n", 2), f"uv[{name!r}]")
+                seen[self.number(name, "uv")] = reals(pixels, ("n", 2), f"uv[{name!r}]")
             counts = {array.shape for array in seen if array is not None}
             if len(counts) != 1:
                 raise Error(f"uv: as many pixels of each camera are expected, not {counts}")

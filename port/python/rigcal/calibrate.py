@@ -299,6 +299,7 @@ def calibrate(
         noted: list[str] = []
         if isinstance(detections, Detections):
             times = detections.times if times is None else times
+            known = into_rig.with_sizes(known, detections)
             detections, noted = _prepared(detections, known)
         path = files.cameras("cameras", known)["cameras.csv"]
         arguments = ["calibrate", "--progress", "--cameras", path]

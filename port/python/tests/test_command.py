@@ -169,8 +169,8 @@ def test_progress_of_another_format(capfd: Any, files: pathlib.Path) -> None:
 @pytest.mark.parametrize(
     ("arguments", "text"),
     [
-        ([], "rigcal: give a command: calibrate, diagnose, triangulate, line, monitor or"),
-        (["make"], 'rigcal: there is no command "make": the commands are calibrate, diag'),
+        ([], "rigcal: give a command: calibrate, detect, diagnose, triangulate, line, "),
+        (["make"], 'rigcal: there is no command "make": the commands are calibrate, det'),
         (["convert"], "rigcal: "),
         (["convert", "x"], "rigcal: convert takes the file to read and the file to write"),
         (["convert", "x", "y", "--from"], "rigcal: argument --from"),

@@ -46,6 +46,14 @@ def test_26_images(stereo):
     assert np.median(np.hypot(own.u - stereo.u[same], own.v - stereo.v[same])) < 1e-3
 
 
+def test_sizes_of_cameras_come_from_images(stereo, tmp_path):
+    known = rigcal.load_cameras(CAMERAS)
+    bare = {n: dataclasses.replace(c, size=None) for n, c in known.items()}
+    rig = rigcal.calibrate(bare, stereo)
+    assert rig["left"].size == (640, 480)
+    assert baseline(rig) == baseline(rigcal.calibrate(known, stereo))
+
+
 def test_sigma_ranks_residuals(stereo):
     rig = rigcal.calibrate(CAMERAS, stereo)
     error = {(r["camera"], r["frame"], r["point"]): r["error_px"] for r in rig.residuals}

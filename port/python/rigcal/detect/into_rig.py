@@ -5,18 +5,19 @@ from __future__ import annotations
 
 import dataclasses
 import itertools
+import warnings
 from collections.abc import Mapping, Sequence
 
 import numpy as np
 
 from ..camera import Camera
-from ..errors import Error
+from ..errors import Caveat, Error
 from ..poses import solve_pose
 from ..transform import Array, Transform
 from .detections import Detections
 from .find import check_size
 
-__all__ = ["check_sizes", "compare", "swapped", "turned"]
+__all__ = ["check_sizes", "compare", "swapped", "turned", "with_sizes"]
 
 FAR = 0.15  # a pose that differs so much, rad and parts of the distance, counts as wrong
 TRIED_MOST = 60  # frames whose relation of two cameras is tried as that of all
@@ -41,15 +42,27 @@ def check_sizes(detections: Detections, cameras: Mapping[str, Camera]) -> None:
             check_size(name, size, cameras[name].size)
 
 
+def with_sizes(cameras: Mapping[str, Camera], detections: Detections) -> dict[str, Camera]:
+    """Cameras with the size of their pictures, where their file does not say it."""
+    return {
+        name: dataclasses.replace(camera, size=detections.sizes[name])
+        if camera.size is None and name in detections.sizes
+        else camera
+        for name, camera in cameras.items()
+    }
+
+
 # ---- poses of views ---------------------------------------------------------------
 
 
 def _pose(camera: Camera, X: Array, uv: Array) -> tuple[Array, float] | None:
     """cam_from_target, (4, 4), and rms of a view [px]."""
-    try:
-        pose = solve_pose(camera, X, uv)
-    except Error:
-        return None
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", Caveat)  # the program says it of the views
+        try:
+            pose = solve_pose(camera, X, uv)
+        except Error:
+            return None
     T = np.eye(4)
     T[:3, :3], T[:3, 3] = pose.cam_from_world.R, pose.cam_from_world.t
     return T, pose.rms_px

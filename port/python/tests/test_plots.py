@@ -504,9 +504,10 @@ def test_without_matplotlib_the_extra_is_named(monkeypatch: pytest.MonkeyPatch) 
             getattr(ring(2), plot)()
 
 
-def test_the_package_does_not_import_matplotlib() -> None:
+def test_the_package_does_not_import_matplotlib(tmp_path: pathlib.Path) -> None:
     script = "import rigcal, sys; sys.exit('matplotlib' in sys.modules)"
-    assert subprocess.run([sys.executable, "-c", script], check=False).returncode == 0
+    run = subprocess.run([sys.executable, "-c", script], check=False, cwd=tmp_path)
+    assert run.returncode == 0
 
 
 # ---- colours -----------------------------------------------------------------------------

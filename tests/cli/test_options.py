@@ -164,8 +164,10 @@ class TestResiduals(CliTest):
             found = np.array([[float(r["du"]), float(r["dv"])] for r in rows[key]])
             error = np.array([float(r["error_px"]) for r in rows[key]])
             counts = np.array([r["left_out"] == "0" for r in rows[key]])
-            given = np.array([[float(r[k]) for k in "XYZuv"] for r in rows[key]])
-            np.testing.assert_allclose(given, np.hstack([X, uv]), rtol=1e-6 if FLOAT else 1e-9)
+            names = ("X", "Y", "Z", "observed_u", "observed_v")
+            given = np.array([[float(r[k]) for k in names] for r in rows[key]])
+            np.testing.assert_allclose(given, np.hstack([X, uv]),
+                                       rtol=1e-6 if FLOAT else 1e-9)
             np.testing.assert_allclose(found, wanted, atol=0.05 if FLOAT else 1e-6)
             np.testing.assert_allclose(error, np.hypot(*found.T), rtol=1e-5)
             self.assertEqual(int(poses[key]["n"]), counts.sum())

@@ -535,7 +535,8 @@ class _Reader:
         found["view"] = [number[key] for key in zip(cameras, frames)]
         found["camera"], found["frame"], found["point"] = cameras, frames, points
         for name in (*_tables.OBSERVATIONS[3:], "du", "dv", "error_px"):
-            found[name] = _tables.numbers_of(table[name]) if name in table else np.nan
+            key = f"observed_{name}" if name in "uv" else name
+            found[name] = _tables.numbers_of(table[key]) if key in table else np.nan
         found["left_out"] = [flag == "1" for flag in table["left_out"]]
         return found
 

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from cli_scenes import STEREO
+from cli_scenes import STEREO, Recording, rotation
 from conftest import numpy_project
 from plot_scenes import SIZE, ink, labelled, panels, pixels, ring, stored, texts
 
@@ -100,6 +100,20 @@ def test_ellipsoids_are_those_of_the_covariance(stereo_rig: rigcal.Rig) -> None:
         assert f"{scene.exaggeration:g} times as large" in said
         assert "no ellipsoid of left" in said
     assert scene.exaggeration == 50
+
+
+def test_the_covariance_of_a_centre_is_that_of_moved_poses() -> None:
+    recording = Recording()
+    rig = rigcal.calibrate(recording.cameras, recording.rows)
+    T, step = rig.cam_from_rig("c"), 1e-6
+    J = np.zeros((3, 6))
+    for k, d in enumerate(step * np.eye(6)):
+        R = rotation(*d[:3]) @ T.R
+        J[:, k] = (-R.T @ (T.t + d[3:]) - T.center) / step
+    expected = J @ rig.covariance("c") @ J.T
+    C = _scene.centre_covariance(rig, "c")
+    assert C is not None
+    assert np.abs(C - expected).max() < 1e-4 * np.abs(expected).max()
 
 
 def test_scales_are_equal_and_all_is_inside(stereo_rig: rigcal.Rig) -> None:
@@ -504,9 +518,10 @@ def test_without_matplotlib_the_extra_is_named(monkeypatch: pytest.MonkeyPatch) 
             getattr(ring(2), plot)()
 
 
-def test_the_package_does_not_import_matplotlib() -> None:
+def test_the_package_does_not_import_matplotlib(tmp_path: pathlib.Path) -> None:
     script = "import rigcal, sys; sys.exit('matplotlib' in sys.modules)"
-    assert subprocess.run([sys.executable, "-c", script], check=False).returncode == 0
+    run = subprocess.run([sys.executable, "-c", script], check=False, cwd=tmp_path)
+    assert run.returncode == 0
 
 
 # ---- colours -----------------------------------------------------------------------------

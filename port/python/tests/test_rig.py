@@ -353,6 +353,6 @@ def test_a_rig_can_be_pickled(rig: rigcal.Rig, tmp_path: pathlib.Path) -> None:
     )
     other = subprocess.run(  # a process in which no address of this one is valid
         [sys.executable, "-c", script, str(tmp_path / "rig.pickle")],
-        capture_output=True, text=True, check=True,
+        capture_output=True, text=True, check=True, cwd=tmp_path,
     )  # fmt: skip
     assert float(other.stdout) == rig.joint_covariance.sum()

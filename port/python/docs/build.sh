@@ -15,6 +15,7 @@ mkdir "$out/source"
 here=port/python/docs
 cp -R $here/*.md $here/conf.py $here/howto $here/reference $here/_static "$out/source"
 cp port/python/FORMATS.md "$out/source/formats.md"
+cp port/python/DETECT.md "$out/source/images.md"
 "$python" -c 'import rigcal.command; rigcal.command.main(["--help"])' >"$out/source/help.txt"
 "$python" $here/drawings.py "$out/source"
 "$python" -m sphinx -q -W --keep-going -E -d "$out/doctrees" -b html "$out/source" "$out/html"

@@ -17,6 +17,7 @@ import tempfile
 from typing import Any
 
 import matplotlib
+import matplotlib.pyplot
 import pytest
 import scenes
 from sybil import Example, Sybil
@@ -66,9 +67,7 @@ def setup(namespace: dict[str, Any]) -> None:
 def teardown(namespace: dict[str, Any]) -> None:
     os.chdir(namespace["_before"])
     namespace["_folder"].cleanup()
-    sys.modules["matplotlib.pyplot"].close(
-        "all"
-    ) if "matplotlib.pyplot" in sys.modules else None
+    matplotlib.pyplot.close("all")
 
 
 PARSERS = [

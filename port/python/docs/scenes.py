@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import csv
+import glob
 import pathlib
 import shutil
 import sys
@@ -14,6 +16,7 @@ import rigcal
 
 HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parents[2]
+IMAGES = "/usr/share/doc/opencv-doc/examples/data"
 STEREO = ROOT / "examples/data/opencv_stereo"
 sys.path[:0] = [str(HERE.parent / "tests"), str(ROOT / "examples/fleet")]
 
@@ -35,10 +38,6 @@ def opencv_files() -> None:
     rigcal.save_cameras("intrinsics.yml", posed, "opencv")
     for name, camera in cameras.items():
         rigcal.save_cameras(f"{name}.yml", [camera], "opencv")
-    table = pathlib.Path("observations.csv")
-    names = dict(zip(cameras, rigcal.load_cameras("intrinsics.yml")))
-    shutil.copy(table, "named.csv")
-    assert set(names) == {"left", "right"}
 
 
 def other_programs() -> None:
@@ -102,6 +101,49 @@ def late() -> tuple[Any, Any, Any]:
 
     recording = Recording(late={"b": 0.012})
     return recording.cameras, recording.rows, recording.times
+
+
+def poses() -> tuple[Any, ...]:
+    """A camera, a target, its pixels in one view, and in 50."""
+    rng = np.random.default_rng(2)
+    camera = rigcal.Camera(800, 800, 320, 240, (640, 480), (-0.1, 0.01, 1e-3, -5e-4))
+    X = rng.uniform(-0.3, 0.3, (12, 3)) * [1, 1, 0.5]
+    many = []
+    for _ in range(50):
+        t = [*rng.uniform(-0.2, 0.2, 2), 1.5]
+        pose = rigcal.Transform.from_rvec(rng.uniform(-0.5, 0.5, 3), t, "cam", "world")
+        many.append(rigcal.project(camera, X, pose).uv + rng.normal(0, 0.2, (12, 2)))
+    return camera, X, many[0], np.array(many)
+
+
+def pixels_of_frame(frame: str) -> Any:
+    """(n, 2) of left and of right, by point."""
+    with open("observations.csv", newline="") as file:
+        rows = [row for row in csv.DictReader(file) if row["frame"] == frame]
+    for camera in ("left", "right"):
+        yield np.array(
+            [[float(row["u"]), float(row["v"])] for row in rows if row["camera"] == camera]
+        )
+
+
+def everything() -> None:
+    """What the snippets of README.md, DETECT.md and FORMATS.md read."""
+    stereo_table()
+    cameras = rigcal.load_cameras("cameras.csv")
+    rigcal.save_cameras(
+        "camchain.yaml", [replace(c, dist=c.dist[:4]) for c in posed(cameras)]
+    )
+    rigcal.save_cameras("stereo.yml", posed(cameras), "opencv")
+    for name, camera in cameras.items():
+        rigcal.save_cameras(f"{name}.yaml", [camera], "ros")
+        pathlib.Path(name).mkdir()
+        for path in glob.glob(f"{IMAGES}/{name}[01]*.jpg"):
+            shutil.copy(path, ".")
+            shutil.copy(path, name)
+
+
+def posed(cameras: Any) -> list[rigcal.Camera]:
+    return list(rigcal.calibrate(cameras, "observations.csv").cameras.values())
 
 
 def matches(rig: rigcal.Rig, quiet: int, moved: int) -> Any:

@@ -13,7 +13,10 @@ import subprocess
 import zlib
 from typing import Any
 
+import conftest
 import pytest
+import scenes
+from sybil import Sybil
 
 import rigcal
 
@@ -26,6 +29,20 @@ def test_the_site_is_built() -> None:
     names = {page.relative_to(HTML).as_posix() for page in PAGES}
     assert {"index.html", "quickstart.html", "conventions.html", "command.html"} <= names
     assert len(names) >= 17
+
+
+@pytest.mark.filterwarnings("ignore::rigcal.Caveat")
+@pytest.mark.parametrize("name", ["README.md", "DETECT.md", "FORMATS.md"])
+def test_the_snippets_of_a_page_beside_run(name: str) -> None:
+    path = pathlib.Path(__file__).resolve().parents[1] / name
+    document = Sybil(conftest.PARSERS).parse(path)
+    conftest.setup(document.namespace)
+    try:
+        scenes.everything()
+        ran = [example.evaluate() for example in document.examples()]
+    finally:
+        conftest.teardown(document.namespace)
+    assert ran
 
 
 # ---- the reference -----------------------------------------------------------------

@@ -526,7 +526,7 @@ typedef struct rigcal_robust_options {
                                  (times sigma_i where those are given); 1e-6 .. 1e6.
                                  0 (default): 4 sigma_px, or 3 pixels */
     rigcal_real sigma_px;     /* as in rigcal_pose_options */
-    int32_t samples;          /* at most so many triples; all of them when there are no
+    int32_t samples;          /* the most triples that are tried; all, when there are no
                                  more. 500 (default), 1 .. 100000 */
     uint32_t seed;            /* of the random triples. 1 (default) */
 } rigcal_robust_options;
@@ -544,7 +544,7 @@ RIGCAL_API rigcal_status rigcal_robust_solve(rigcal_pose poses[], size_t capacit
                                              const rigcal_robust_options *options);
 
 /* As rigcal_pose_begin; `inliers`, n bytes, is written until the search is done, so it must
- * stay too, and holds nothing of use before, or after a failure.
+ * stay valid too. Do not read it before the search is done, or after a failure.
  * OK, ERR_NULL, ERR_NOT_FINITE, ERR_CAMERA, ERR_RANGE, ERR_TOO_FEW (n < 5),
  * ERR_COINCIDENT, ERR_COLLINEAR, ERR_PRECISION. */
 RIGCAL_API rigcal_status rigcal_robust_begin(rigcal_robust_solver *solver,
@@ -654,9 +654,9 @@ RIGCAL_API rigcal_status rigcal_pose_diagnose(rigcal_diagnosis *diagnosis,
  *
  * A calibration as bytes, for a flash page, a file or a message. The form is little-endian,
  * without gaps, the same from every machine and compiler; examples/data/FORMAT.md has its
- * table. It carries a version and CRC-32s. One or two altered bits, and every length that is
- * too short, are refused for certain; other damage is missed with a chance of one in 4e9.
- * That guards against accidents, not forgery. */
+ * table. It carries a version and CRC-32s. One or two altered bits, and every length that
+ * is too short, are refused for certain; other damage is missed with a chance of one in
+ * 4e9. That guards against accidents, not forgery. */
 
 /* One camera of a stored calibration. */
 typedef struct rigcal_mounted_camera {
@@ -681,9 +681,9 @@ typedef struct rigcal_saved_info {
     int32_t real_bytes; /* 4 or 8: rigcal_sizeof_real() of who saved it */
 } rigcal_saved_info;
 
-/* Bytes that n cameras take, 1 .. 65535, for this build and for one whose reals have so
- * many bytes: 32 and 376 a camera in double, 196 in float. The function gives 0 for another
- * n. */
+/* Bytes that n cameras take, n in 1 .. 65535: 32 and, for each camera, 376 in double or 196
+ * in float. STORE_SIZE is for the reals of this build, STORE_SIZE_OF for reals of
+ * real_bytes bytes. The function gives 0 for another n. */
 enum rigcal_store_limits {
     RIGCAL_STORE_CAMERAS_MAX = 65535,
     RIGCAL_STORE_HEADER_BYTES = 32

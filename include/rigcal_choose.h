@@ -1,9 +1,9 @@
-/* rigcal_choose.h - which cameras of a rig hang together and how well, and which of its two
+/* rigcal_choose.h - which cameras of a rig are connected and how well, and which of its two
  * poses each ambiguous view has. Included by rigcal.h, whose first page holds here too.
  *
  *   rigcal_rig_links     what every two cameras share, and the groups
  *   rigcal_rig_advise    of several groups: which cameras to show the target together
- *   rigcal_rig_weakest   of an adjusted rig: the camera that hangs on least
+ *   rigcal_rig_weakest   of an adjusted rig: the camera that is least sure
  *   rigcal_rig_choose    one pose of each view, cameras, placements: the start of
  *                        rigcal_rig_adjust
  *
@@ -32,8 +32,8 @@ typedef struct rigcal_link {
 #define RIGCAL_LINK(a, b) ((size_t)(b) * ((size_t)(b)-1) / 2 + (size_t)(a))
 #define RIGCAL_LINKS(n_cameras) RIGCAL_LINK(0, n_cameras)
 
-/* All links, from rig->view_poses, and rig->group. *n_groups: 1 where all cameras hang
- * together. `capacity` counts links. It uses rig->work: the covariance that an adjustment
+/* All links, from rig->view_poses, and rig->group. *n_groups: 1 where all cameras are
+ * connected. `capacity` counts links. It uses rig->work: the covariance that an adjustment
  * left there is lost. The statuses of rigcal_rig_join. Time O(n_views n_cameras). */
 RIGCAL_API rigcal_status rigcal_rig_links(rigcal_link links[], size_t capacity,
                                           int32_t *n_groups, int32_t *at_fault,
@@ -81,7 +81,7 @@ typedef struct rigcal_choice {
     uint8_t *takes;                        /* n_views, written: of rigcal_takes */
 
     rigcal_real sigma_px; /* noise: the rig's, or from the views' own fits */
-    rigcal_real tau2;  /* 1, 4, 16, 64 or 256: so many times sigma^2 right views differ */
+    rigcal_real tau2;  /* 1, 4, 16, 64 or 256: right views differ by sigma^2 times this */
     rigcal_real share; /* of what could agree, how much does. 0: nothing could */
     size_t n_left_out; /* views that take none */
 } rigcal_choice;

@@ -69,8 +69,8 @@ typedef float rigcal_real;
 typedef double rigcal_real;
 #endif
 
-/* What may be left out where flash is short, by 0, and what a caller who wants it is then
- * told:
+/* What a 0 leaves out, where flash is short, and which status a caller who wants it then
+ * gets:
  *
  *   FISHEYE       RIGCAL_ERR_CAMERA, of a camera with such a lens
  *   THREE_POINTS  RIGCAL_ERR_TOO_FEW: a pose wants four different points; of three, and of

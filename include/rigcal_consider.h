@@ -35,8 +35,8 @@ struct rigcal_considered {
 };
 typedef struct rigcal_considered rigcal_considered;
 
-/* Reals of its memory, of so many cameras that are free or have a prior, and so many in
- * all. The same as a function: rigcal_consider_work. */
+/* Reals of its memory, for n_cameras of which n_free are free or have a prior. The same as
+ * a function: rigcal_consider_work. */
 #define RIGCAL_CONSIDER_WORK(n_free, n_cameras) \
     (36 * (size_t)(n_cameras) * ((size_t)(n_free) + 1))
 RIGCAL_API size_t rigcal_consider_work(size_t n_free, size_t n_cameras);

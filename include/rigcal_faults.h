@@ -29,10 +29,10 @@ extern "C" {
 
 /* What may be wrong, and its parameters: n of them. Up to MOVED they are of one camera. */
 enum rigcal_fault_kinds {
-    RIGCAL_FAULT_CLOCK = 0,   /* 1: its pictures are so much later than their stamps */
+    RIGCAL_FAULT_CLOCK = 0,   /* 1: by how much its pictures are later than their stamps */
     RIGCAL_FAULT_DRIFT = 1,   /* 1: the same, a unit of time after the middle of `times` */
     RIGCAL_FAULT_CLOCKS = 2,  /* CLOCK of all cameras but the first of each group */
-    RIGCAL_FAULT_SHUTTER = 3, /* 1: the last row is so much later than the first. The
+    RIGCAL_FAULT_SHUTTER = 3, /* 1: by how much the last row is later than the first. The
                                     middle row is at the stamp */
     RIGCAL_FAULT_FOCAL = 4,   /* 1: fx and fy are larger by this part */
     RIGCAL_FAULT_ASPECT = 5,  /* 1: fx / fy is larger by this part */
@@ -50,7 +50,8 @@ enum rigcal_fault_kinds {
 #define RIGCAL_FAULTS_OF(kind) ((int32_t)1 << (kind))
 #define RIGCAL_FAULTS_ALL (RIGCAL_FAULTS_OF(RIGCAL_FAULT_KINDS) - 1)
 
-/* A fault of so many standard deviations is found in nine of ten rigs. */
+/* DEVIATIONS: a fault as large as this number of its standard deviations is found in nine
+ * of ten rigs. */
 enum rigcal_fault_limits { RIGCAL_FAULT_DEVIATIONS = 5, RIGCAL_FAULT_VALUES = 6 };
 
 typedef struct rigcal_fault {
@@ -92,8 +93,8 @@ enum rigcal_faults_bits {
     RIGCAL_FAULTS_NO_NEIGHBOUR = 32, /* the same: no placement has a neighbour in time */
     RIGCAL_FAULTS_NO_MOTION = 64,    /* the target stood still: a clock off by a whole frame
                                         would not have been found */
-    RIGCAL_FAULTS_TWO_CAMERAS = 128, /* which of the two it is cannot be told, of clocks and
-                                        of a camera that moved */
+    RIGCAL_FAULTS_TWO_CAMERAS = 128, /* of two cameras, nothing says which one is late, or
+                                        which one moved */
     RIGCAL_FAULTS_NO_LOOP = 256 /* the views have nothing in common to disagree about */
 };
 

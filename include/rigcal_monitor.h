@@ -48,7 +48,7 @@ enum rigcal_monitor_limits {
     RIGCAL_MONITOR_LENS = 15   /* reals of a camera's intrinsics at most */
 };
 
-/* Reals of a monitor of n_cameras, 2 or more, and so many targets at a time. In float and
+/* Reals of a monitor of n_cameras, 2 or more, and of n_targets at a time. In float and
  * without targets: 2 cameras 1876 bytes, 4 cameras 4124, 8 cameras 10348; 60 bytes of each
  * camera are its intrinsics. The function gives 0 for counts that are out of range. */
 #define RIGCAL_MONITOR_UNKNOWNS(n_cameras, n_targets) \
@@ -78,7 +78,8 @@ typedef struct rigcal_monitor_options {
                                 mean distance of the cameras times move_rad; 0: default */
 } rigcal_monitor_options;
 
-/* All defaults; 0 of move_t, which hangs on the rig. OK, ERR_NULL. */
+/* Writes all defaults. move_t is 0, because its default depends on the rig. OK,
+ * ERR_NULL. */
 RIGCAL_API rigcal_status rigcal_monitor_defaults(rigcal_monitor_options *options);
 
 /* Begins with the poses and the joint covariance of a calibrated rig, all cameras of one
@@ -159,7 +160,7 @@ typedef struct rigcal_monitor_report {
     rigcal_real
         smallest_rad;      /* the turn of the body that is seen worst that would have been
                                  noticed [rad]; 0: there is a blind body */
-    int32_t n_blind;       /* bodies with too few rows of late to say anything */
+    int32_t n_blind;       /* bodies with too few recent rows to say anything */
     uint32_t frames;       /* since the begin */
     uint32_t rows;         /* taken since the begin; it wraps at 2^32, as frames do */
     uint32_t doubted;      /* of them those that were more likely wrong than right */

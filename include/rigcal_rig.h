@@ -105,8 +105,8 @@ typedef struct rigcal_rig {
     const struct rigcal_considered *considered; /* NULL; rigcal_rig_consider sets it */
 } rigcal_rig;
 
-/* Reals to work in, of so many cameras that are free or have a prior, and so many in all.
- * The same as a function: rigcal_rig_work. */
+/* Reals of `work`, for n_cameras of which n_free are free or have a prior. The same as a
+ * function: rigcal_rig_work. */
 #define RIGCAL_RIG_WORK(n_free, n_cameras, n_placements) \
     (3 * (size_t)(n_free) * (6 * (size_t)(n_free) + 1) + 12 * (size_t)(n_free) + \
      51 * (size_t)(n_cameras) + 13 * (size_t)(n_placements))
@@ -250,7 +250,7 @@ typedef struct rigcal_calibrated_rig {
     rigcal_real F, freedom_between, freedom_within; /* as of rigcal_rig_fit */
 } rigcal_calibrated_rig;
 
-/* Reals of Sigma for so many cameras that are not held: at most RIGCAL_STORE_FREE_MAX. */
+/* Reals of Sigma for n_free cameras that are not held, at most RIGCAL_STORE_FREE_MAX. */
 #define RIGCAL_STORE_FREE_MAX 3800
 #define RIGCAL_CALIBRATED_SIZE(n_free) (3 * (size_t)(n_free) * (6 * (size_t)(n_free) + 1))
 RIGCAL_API size_t rigcal_calibrated_size(size_t n_free);

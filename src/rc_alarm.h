@@ -34,7 +34,7 @@ typedef struct {
     rigcal_real log_limit;     /* log of A K B */
     rigcal_real move_rad;      /* the largest turn thought possible [rad] */
     rigcal_real move_t;        /* the largest shift thought possible [length] */
-    rigcal_real rows, squares; /* of the rows of late: their number, and the sum of psi^2 */
+    rigcal_real rows, squares; /* of recent rows: their number, and the sum of psi^2 */
     rigcal_real log_sum;       /* of the last frame: log of K B times the sum */
 } rc_alarm;
 
@@ -68,7 +68,7 @@ rigcal_real *rc_alarm_lent(rigcal_real bodies[], size_t body);
 /* A body's part of the sum, 0 .. 1; all are 1 together. */
 rigcal_real rc_alarm_share(const rc_alarm *alarm, const rigcal_real bodies[], size_t body);
 
-/* 1: a body of which there were fewer than 6 rows in the last longest window and since. */
+/* 1: the body is blind: since the last longest window began it had fewer than 6 rows. */
 int rc_alarm_is_blind(const rigcal_real bodies[], size_t body);
 
 /* The smallest turn of a body, about the axis that is seen worst, that the longest window

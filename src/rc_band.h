@@ -18,8 +18,8 @@ rigcal_status rc_band_check(const rigcal_band *band);
 /* OK, ERR_NOT_FINITE, ERR_RANGE (m is not of length 1) of a ray that a caller hands in. */
 rigcal_status rc_ray_check(const rigcal_ray *ray);
 
-/* A checked ray against a checked band: as rigcal_band_test_ray, all but the index. Of
- * ERR_PARALLEL the half width is written. */
+/* A checked ray against a checked band: writes all of rigcal_band_test_ray except the
+ * index. With ERR_PARALLEL the half width is written. */
 rigcal_status rc_band_test(rigcal_match *match, const rigcal_band *band,
                            const rigcal_ray *ray);
 

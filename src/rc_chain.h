@@ -31,7 +31,8 @@ void rc_chain_add_placement(rigcal_real g_placement[6], rigcal_real H_placement[
 void rc_chain_camera(rigcal_real g[6], rigcal_real H[21], rigcal_real W[36],
                      const rc_chain *chain);
 
-/* d = (log(R_to R^T), t_to - t): what takes `from` to `to`, but for second order. */
+/* d = (log(R_to R^T), t_to - t): the step that takes `from` to `to`, exact to first
+ * order. */
 void rc_deviation(rigcal_real d[6], const rigcal_transform *to,
                   const rigcal_transform *from);
 

@@ -9,8 +9,8 @@
  * fit: 1. */
 rigcal_real rc_freedom(size_t n);
 
-/* The value that chi squared of `freedom` degrees of freedom exceeds as seldom as a normal
- * variable exceeds so many standard deviations (Wilson and Hilferty 1931). */
+/* The limit of chi squared with `freedom` degrees of freedom. It is exceeded as seldom as a
+ * normal variable exceeds `deviations` standard deviations (Wilson and Hilferty 1931). */
 rigcal_real rc_chi2_limit(rigcal_real freedom, rigcal_real deviations);
 
 /* (C) Likelihood of a sum of squared errors over that of another, for n >= 3 points.

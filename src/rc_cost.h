@@ -42,7 +42,8 @@ void rc_judge_next_placement(rigcal_judge_solver *s, const rc_rig_parts *parts);
 void rc_judge_evaluate(rigcal_judge_solver *s, const rc_rig_parts *parts);
 void rc_judge_cost(rigcal_judge_solver *s, const rc_rig_parts *parts);
 
-/* By how much the views differ more than by noise, told by the middle cost. */
+/* Sets the scale: by how much the views differ more than noise explains, from the median
+ * cost. */
 void rc_judge_set_scale(rigcal_judge_solver *s, const rc_rig_parts *parts);
 
 #endif /* RC_COST_H */

@@ -19,9 +19,10 @@ int rc_moments_finish(rigcal_moments *sums);
 void rc_moments_mirror(rigcal_moments *sums);
 
 /* Object-space cost of the direction m3 (unit length: the optical axis, seen from the
- * target), least over translation, with the points' mean in front, and over yaw: of its two
- * minima the one that is the pose's near an optimum; far from any, in some three directions
- * of a hundred, it may be the other. RC_MAX where the mean cannot be in front. */
+ * target): the least over translation, with the points' mean in front, and over yaw. As a
+ * function of yaw it has up to two minima. Near an optimum the right one is found; far from
+ * any, in some three directions of a hundred, it may be the other. RC_MAX where the mean
+ * cannot be in front. */
 rigcal_real rc_direction_cost(const rigcal_moments *sums, const rigcal_real m3[3]);
 
 /* The pose that has that cost: virtual camera from the points as counted above. */

@@ -30,10 +30,10 @@ typedef struct {
     const rigcal_real *reference;   /* 3, of the camera: see below */
 } rc_scan;
 
-/* A principal point is all but a turn of the camera, and a focal length a shift along its
- * axis. The columns of these are taken against that turn and shift, for the sake of digits:
- * the camera's own pose takes it up. Of a camera: turns by 1 px of cx and of cy [rad], and
- * the shift by all of f [length]; zeros: none is taken off.
+/* A principal point nearly acts as a turn of the camera, and a focal length as a shift
+ * along its axis. The columns of these are taken against that turn and shift, which keeps
+ * the digits; the camera's own pose takes it up. Of a camera: turns by 1 px of cx and of cy
+ * [rad], and the shift by all of f [length]; zeros: none is taken off.
  *
  * (w, v): a turn about the camera's centre, and a shift, by a unit of a parameter. 0: it
  * has none. */

@@ -107,8 +107,8 @@ rigcal_real rc_filter_element(const rigcal_real UD[], size_t n, size_t i, size_t
  * */
 void rc_filter_leave(const rc_filter *f, rigcal_real P[], size_t body);
 
-/* A body comes, that hangs on another: d = by d_other + noise of the covariance Q. P is
- * multiplied out. */
+/* Adds a body whose error depends on another body: d = by d_other + noise of covariance Q.
+ * P is multiplied out. */
 void rc_filter_come(const rc_filter *f, rigcal_real P[], size_t body, size_t other,
                     const rigcal_real by[36], const rigcal_real Q[36]);
 

@@ -1,4 +1,4 @@
-/* rc_finding.h - from one step of a fault to what is told of it, and the verdict (FAULTS in
+/* rc_finding.h - from one step of a fault to its numbers, and the verdict (FAULTS in
  * EQUATIONS.md, H6 to H9). */
 #ifndef RC_FINDING_H
 #define RC_FINDING_H
@@ -28,7 +28,8 @@ int rc_F_disagrees(const rc_common *common, rigcal_real F, rigcal_real k);
 /* Fills in all numbers of a fault that is seen. */
 void rc_finding_of(rigcal_fault *fault, const rc_common *common, const rc_one_step *step);
 
-/* Puts a fault into its place among *n of a list of so many at most, the best first. */
+/* Puts a fault into its place in a list of *n faults, the best first; `capacity` is the
+ * most that the list can hold. */
 void rc_finding_rank(rigcal_fault faults[], int32_t *n, size_t capacity,
                      const rigcal_fault *fault);
 

@@ -1,12 +1,12 @@
-/* rc_joint.h - the joint covariance of cameras, and of what hangs on them (RIG in
+/* rc_joint.h - the joint covariance of cameras, and of what depends on them (RIG in
  * EQUATIONS.md). S is packed, its unknowns are (w, dt) of each camera that is not held. */
 #ifndef RC_JOINT_H
 #define RC_JOINT_H
 
 #include "rc_transform.h"
 
-/* How 6 numbers hang on cameras, d = sum of W_i^T d_i: of each camera W, 36 numbers row by
- * row, and its first unknown, less than 0 where it is held or does not count. */
+/* How 6 numbers depend on cameras, d = sum of W_i^T d_i. Of each camera: W, 36 numbers row
+ * by row, and its first unknown, less than 0 where it is held or does not count. */
 typedef struct {
     const rigcal_real *S;
     rigcal_real *W, *at;
@@ -45,7 +45,7 @@ void rc_joint_pair(rigcal_transform *b_from_a, rigcal_real Sigma[36],
                    const rigcal_transform *a_from_rig, const rigcal_transform *b_from_rig,
                    const rigcal_real S[], rigcal_real a, rigcal_real b, rigcal_real scale);
 
-/* How b_from_a hangs on its cameras: of each W. */
+/* How b_from_a depends on its two cameras: W of each. */
 void rc_joint_steps_of_pair(rigcal_real W[72], const rigcal_transform *b_from_a,
                             const rigcal_transform *a_from_rig);
 

@@ -184,17 +184,17 @@ inline size_t rc_packed_at(size_t i, size_t j)
     return i * (i + 1) / 2 + j;
 }
 
-/* Row i of Cholesky's factor in the place of row i of A, the rows above being done; its
- * diagonal is held as inverses. 0: A is not positive definite to rounding: the pivot is no
- * more than `least`. O(i^2). */
+/* Replaces row i of A by row i of Cholesky's factor; the rows above must be done. The
+ * diagonal is held as inverses. 0: A is not positive definite to rounding, as the pivot is
+ * at most `least`. O(i^2). */
 int rc_packed_factor_row(rigcal_real A[], size_t i, rigcal_real least);
 
 /* x <- L^-1 x, x <- L^-T x; O(n^2). */
 void rc_packed_forward(rigcal_real x[], const rigcal_real L[], size_t n);
 void rc_packed_backward(rigcal_real x[], const rigcal_real L[], size_t n);
 
-/* Row i of L^-1 in the place of row i of L, the rows above being done; O(i^2). Then row i
- * of (L L^T)^-1 = L^-T L^-1 in its place, the rows above being done; O(n i). */
+/* The first replaces row i of L by row i of L^-1, O(i^2). The second then replaces row i of
+ * L^-1 by row i of (L L^T)^-1 = L^-T L^-1, O(n i). The rows above must be done. */
 void rc_packed_invert_row(rigcal_real L[], size_t i);
 void rc_packed_square_row(rigcal_real L_inverse[], size_t i, size_t n);
 

@@ -19,7 +19,7 @@ rigcal_status rc_sight_of(rc_sight *sight, const rigcal_camera *camera,
 
 typedef struct {
     rigcal_real r, h_a[6], h_b[6];
-    rigcal_real reach; /* length: a shift of so much changes h as a turn of a radian does */
+    rigcal_real reach; /* length: a shift by it changes h as a turn of a radian does */
 } rc_row;
 
 /* What was seen of two bodies a and b. */
@@ -37,8 +37,8 @@ typedef struct {
 rigcal_status rc_rows_of(rc_row rows[], const rc_seen *seen, const rigcal_transform *a,
                          const rigcal_transform *b);
 
-/* A target is placed where a view by a camera has it: how its error hangs on that of the
- * camera's pose, 36 numbers row by row, and on that of the view's. */
+/* Places a target where a view by a camera has it. by_camera, 36 numbers row by row: how
+ * its error depends on that of the camera's pose; by_view: on that of the view's pose. */
 void rc_rows_place(rigcal_transform *target_from_rig, rigcal_real by_camera[36],
                    rigcal_real by_view[36], const rigcal_transform *camera_from_rig,
                    const rigcal_transform *camera_from_target);

@@ -7,7 +7,7 @@
 
 enum { RC_SCORE_PLACEMENTS = RIGCAL_CHOOSE_PLACEMENTS };
 
-/* tau^2 at a rung: of the limit below which two claims agree, so many sigma^2. */
+/* tau^2 at a rung of the ladder: two claims agree below a limit of sigma^2 times this. */
 rigcal_real rc_score_tau2(int rung);
 
 /* The score of a hypothesis that is none, below all others. */

@@ -6,7 +6,8 @@
 #include "rc_motion.h"
 #include "rc_views.h"
 
-/* What is handed in of clocks, but for their calls; finds the frame and the middle. */
+/* Checks what the caller gave of clocks, except their calls; finds the frame and the
+ * middle. */
 rigcal_status rc_times_check(const rigcal_rig *rig);
 
 /* The motion of a placement, of which *poses are all. */

@@ -183,8 +183,8 @@ static rc_sym6_factor *factor_of(rigcal_rig_solver *s)
     return (rc_sym6_factor *)(void *)s->Hp;
 }
 
-/* What the camera of a slot loses to the placement, of which s->gp is L^-1 g now. Each row
- * of W becomes one of Y = W L^-T. */
+/* Takes from the camera of a slot what the placement takes up; s->gp holds L^-1 g now. Each
+ * row of W becomes one of Y = W L^-T. */
 static void eliminate_slot(rigcal_rig_solver *s, const rc_rig_parts *parts)
 {
     const size_t slot = s->row++;

@@ -19,8 +19,8 @@
  * so moves of sqrt(8) of its own standard deviations. */
 #define EXPECTED RC(8)
 
-/* part of the diagonal: directions that no row sees have at least so much of what the
- * others have. */
+/* part of the diagonal: a direction that no row sees gets this part of what the others
+ * have. */
 #define UNSEEN RC(1e-3)
 
 /* 1: A is the mean time between false alarms, times 1 + common, over this. A is a bound
@@ -28,10 +28,10 @@
  * (BENCHMARKS.md). 1 + common is what matches of real boards, which err together, need. */
 #define SLACK RC(2.5)
 
-/* 1: what is said of rows is measured again when there are so many times as many frames. */
+/* 1: the mean of rows is measured again when there are this many times as many frames. */
 #define GROWTH 4
 
-/* 1: a window takes part if its rows are so many times the square of the log that it must
+/* 1: a window takes part if its rows are this many times the square of the log that it must
  * reach. With fewer it takes its share of the weight and hardly ever raises the alarm: with
  * 5 matches a frame of 8 cameras false alarms were a tenth of what is stated. */
 #define ENOUGH RC(1.5)
@@ -50,7 +50,7 @@
 /* 1: the least sum that a log is taken of, where all windows were refused. */
 #define LAMBDA_LEAST RC(1e-30)
 
-/* rows: the noise is told by about so many of late. */
+/* rows: the noise is measured over about this many recent rows. */
 #define NOISE_ROWS RC(4096)
 
 /* 1: 2^50. Three inverse roots of the elements of W + H are scaled by it, so that the
@@ -138,8 +138,8 @@ static void expect(rigcal_real W[21], const rigcal_real body[], rigcal_real leng
     }
 }
 
-/* The factor of a matrix of two blocks in its place. 0: it is not finite, or not positive
- * definite, which W makes it but for rounding. */
+/* Replaces a matrix of two blocks by its factor. 0: it is not finite, or rounding has made
+ * it not positive definite, which W prevents otherwise. */
 static int factor(rigcal_real A[21])
 {
     rigcal_real *const across = &A[RC_SYM6_ACROSS], *const B = &A[RC_SYM6_SECOND];
@@ -353,8 +353,7 @@ static void measure(rigcal_real body[], rigcal_real log_limit)
     start_windows(body);
 }
 
-/* Lambda of a window is *root exp(*exponent), A being W + H, of which the factor takes the
- * place. */
+/* Lambda of a window is *root exp(*exponent). A is W + H; its factor takes its place. */
 static void evaluate(rigcal_real *root, rigcal_real *exponent, rigcal_real A[21],
                      const rigcal_real window[])
 {
@@ -414,7 +413,7 @@ static int first_of_use(const rigcal_real body[], const rc_alarm *alarm)
     return body[MEASURED] > 0 ? i : RC_ALARM_WINDOWS - 1;
 }
 
-/* What a body's sum is multiplied by, of so many windows. */
+/* The factor of a body's sum, when n_windows windows count. */
 static rigcal_real weight_of(const rigcal_real body[], int n_windows)
 {
     const rigcal_real rows = rc_max(rows_of(body), FEWEST);
@@ -447,8 +446,8 @@ static void end_body(rigcal_real body[], const rc_alarm *alarm)
     body[SINCE] += 1;
 }
 
-/* Windows whose last frame this was start anew, but for the longest. `zero` is 0, which a
- * compiler must not know: a C library's memset is slow. */
+/* Starts the windows anew whose last frame this was, except the longest. `zero` is 0, which
+ * a compiler must not know: a C library's memset is slow. */
 static void end_windows(rigcal_real body[], rigcal_real zero)
 {
     const int32_t frames = (int32_t)body[SINCE];

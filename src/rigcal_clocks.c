@@ -15,7 +15,7 @@
 #define GAIN_LEFT RC(100)
 
 /* part of the diagonal before placements were eliminated: it is added to that of a clock,
- * so that one that cannot be told from others stays. */
+ * so that a clock that the data do not separate from others stays. */
 #define DAMPING RC_TOL(1e-9, 1e-5)
 
 /* ---- the memory to work in ----------------------------------------------- */

@@ -377,9 +377,9 @@ static int is_moved(const rigcal_columns *s, const rc_rig_parts *parts, const tr
     return parts->column[c] >= 0 && s->rig->group[c] == s->rig->group[t->camera];
 }
 
-/* What a unit of a parameter does to the cameras where its column was taken against its
- * reference, a turn and shift (w, v) of its camera: that too. Where the camera is held the
- * others move the other way, but for those of another group. */
+/* Adds what a unit of a parameter does to the cameras by its reference, the turn and shift
+ * (w, v) of its camera against which its column was taken. Where that camera is held, the
+ * other cameras of its group move the other way. */
 static void add_reference(rigcal_real G[], const rigcal_columns *s,
                           const rc_rig_parts *parts, const trial *t, size_t j)
 {
@@ -431,7 +431,7 @@ int rc_columns_solve(rigcal_real *gain, rigcal_real theta[], rigcal_real varianc
         rc_packed_invert_row(I, i);
         variance[i] = 0;
     }
-    for (size_t i = 0; i < k; i++) { /* L^-T, of which L^-1 has the rows */
+    for (size_t i = 0; i < k; i++) { /* by L^-T; its columns are the rows of L^-1 */
         rigcal_real sum = 0;
         for (size_t j = i; j < k; j++) {
             const rigcal_real x = I[rc_packed_at(j, i)];
@@ -443,7 +443,7 @@ int rc_columns_solve(rigcal_real *gain, rigcal_real theta[], rigcal_real varianc
     return 1;
 }
 
-/* I and u of (H6), u in the place of theta, and what a unit of each does (H13). */
+/* I and u of (H6), u where theta will be, and what a unit of each parameter does (H13). */
 static void reduce(const trial *t, const rigcal_columns *s)
 {
     const size_t n = s->border.n;

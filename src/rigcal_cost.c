@@ -192,8 +192,8 @@ static void claim_of_kept(rc_claim *claim, const rigcal_judge_solver *s,
     }
 }
 
-/* Of a view that is left out: how far its own pose is from the placement as those that are
- * not left out have it or, where all are, from the nearest of the others. */
+/* How far the pose of a view that is left out is from the placement as the views that are
+ * not left out have it. Where all are left out: from the nearest of the others. */
 static rigcal_status distance_of(rigcal_real *least, const rigcal_judge_solver *s,
                                  const rc_rig_parts *parts)
 {
@@ -291,7 +291,7 @@ static rigcal_real cost_at(const rigcal_judge_solver *s, size_t place)
     return high;
 }
 
-/* By how much the views differ more than by noise, told by the middle one. */
+/* The scale is from the median of the costs. */
 void rc_judge_set_scale(rigcal_judge_solver *s, const rc_rig_parts *parts)
 {
     rigcal_real free_cameras = 0;

@@ -413,9 +413,9 @@ int rc_filter_row(rc_news *news, const rc_filter *f, size_t a, size_t b, const r
 
 /* ---- poses ------------------------------------------------------------------- */
 
-/* What a turn w should have done to R, less what it did, is a turn that is left: half the
- * antisymmetric part of (R + w x R + w x (w x R) / 2 - R') R'^T. The differences are exact,
- * but for orders that a small w does not have. */
+/* The turn that is left of a turn w after R became R': what w should have done to R, less
+ * what it did. It is half the antisymmetric part of (R + w x R + w x (w x R) / 2 - R')
+ * R'^T. The differences are exact to the third order in w, which is small. */
 static void left_of_turn(rigcal_real left[3], const rigcal_real w[3],
                          const rigcal_real before[9], const rigcal_real after[9])
 {
@@ -434,13 +434,14 @@ static void left_of_turn(rigcal_real left[3], const rigcal_real w[3],
     }
 }
 
-/* x / |x|, of a length that is 1 but for rounding. */
+/* x / |x| for a length that differs from 1 by rounding only. */
 static inline void tidy_row(rigcal_real x[3])
 {
     rc_vec3_scale(x, (3 - rc_vec3_dot(x, x)) / 2, x);
 }
 
-/* rc_rotation_tidy of what is a rotation but for the rounding of one step. */
+/* rc_rotation_tidy for a matrix that differs from a rotation only by the rounding of one
+ * step. */
 static void tidy(rigcal_real R[9])
 {
     tidy_row(&R[0]);

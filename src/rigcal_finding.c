@@ -25,7 +25,7 @@
 /* 1: a pattern of neighbouring residuals is one above this, */
 #define PATTERN_LEAST RC(0.1)
 
-/* standard deviations: and above so many. */
+/* standard deviations: and above this many. */
 #define PATTERN_DEVIATIONS RC(4)
 
 /* 1: the products of neighbours spread by less where a view's six pose parameters are taken

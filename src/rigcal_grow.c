@@ -7,13 +7,14 @@
 
 /* ---- constants ----------------------------------------------------------- */
 
-/* share: a rung is high enough when it has so much of what agrees at the next one. */
+/* share: a rung is high enough when at least this share of what agrees at the next rung
+ * agrees at it. */
 #define RUNG_ENOUGH RC(0.8)
 
 /* share: of views, below which they contradict each other. */
 #define SHARE_LEAST RC(0.5)
 
-/* placements: two cameras that agree in so many, besides the one that joins them, may be
+/* placements: two cameras that agree in this many, besides the one that joins them, may be
  * believed against the rest. */
 enum { SURE_LEAST = 2 };
 

@@ -83,8 +83,9 @@ static void leave_out_lone_views(rigcal_judge_solver *s, const rc_rig_parts *par
     }
 }
 
-/* So is the view by which alone a camera would hang on the others, where it has more that
- * do not agree: it is where that view puts it, and nothing says that it is right. */
+/* Leaves out, too, the only view that still connects a camera to the others when more views
+ * of that camera disagree. The camera would be where that view puts it, and nothing says
+ * that it is right. */
 static rigcal_status leave_out_lone_cameras(rigcal_judge_solver *s,
                                             const rc_rig_parts *parts, uint8_t mark)
 {

@@ -122,7 +122,7 @@ static void radial_slope(rigcal_real G[G_DEGREE + 1], const polynomials *p)
     }
 }
 
-/* The least of N / D, of which N is no less than `low`, D > 0 between its bounds. */
+/* The least that N / D can be, if N is at least `low` and D > 0 lies between its bounds. */
 RC_APART static rigcal_real least_quotient(rigcal_real low, const rigcal_real D[2])
 {
     return low / ((low > 0) ? D[1] : D[0]);

@@ -296,7 +296,7 @@ static int may_drop(const rigcal_point_solver *p)
     return p->sightings->n > 2 && p->sightings->keep_all == 0;
 }
 
-/* The point of all views, of which the status is `status` if it is right. */
+/* Judges the point of all views; `status` is returned if it is right. */
 static void judge_all(rigcal_point_solver *p, rigcal_status status)
 {
     if ((status >= 0 && is_one_point(p)) || (status < 0 && !may_drop(p))) {

@@ -435,8 +435,8 @@ static int settling_of(const rc_monitor *m, const rc_seen *seen)
     return body == m->filter.frame ? 3 : (seen->a == body) + 2 * (seen->b == body);
 }
 
-/* Where a body settles, its pose takes in each row of it before the next; where that is the
- * frame, all other poses do. */
+/* While a body settles, its pose changes after each of its rows. If the body is the frame,
+ * all other poses change instead. */
 static void settle(const rc_monitor *m)
 {
     if (m->top.head.settles != m->filter.frame) {

@@ -23,8 +23,8 @@ enum {
     DONE
 };
 
-/* trial = (1 + s) centroid - s worst, the centroid of all but the worst: s = 1
- * reflects, 2 expands, 1/2 contracts outside, -1/2 inside. */
+/* trial = (1 + s) centroid - s worst; the centroid is that of all vertices except the
+ * worst. s = 1 reflects, 2 expands, 1/2 contracts outside, -1/2 inside. */
 static void set_trial(rigcal_neldermead *nm, rigcal_real s, int32_t phase)
 {
     const int32_t k = nm->k;

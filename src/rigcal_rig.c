@@ -216,8 +216,9 @@ static rigcal_status equations_of(rigcal_real *sum, rigcal_real g[6], rigcal_rea
     return rc_rig_view_equations(sum, g, H, chain, v, rig, view);
 }
 
-/* Of a placement whose views begin with `first`: Sigma of its pose for noise of 1 px, its
- * own part of it, H^-1, and how it hangs on the cameras: d = -H^-1 sum of W_i^T d_i. */
+/* Covariances of the pose of the placement whose views begin with `first`, for noise of 1
+ * px: Sigma of all, `inverse` its own part, H^-1. `on`: how the pose depends on the
+ * cameras, d = -H^-1 sum of W_i^T d_i. */
 static rigcal_status place_sure(rigcal_real Sigma[36], rigcal_real inverse[36],
                                 const rc_leverage *on, const rigcal_rig *rig, size_t first)
 {
@@ -293,8 +294,9 @@ rigcal_status rigcal_rig_placement(rigcal_real Sigma[36], rigcal_rig *rig,
 
 /* ---- noise of each camera ------------------------------------------------ */
 
-/* Adds a view to its camera's sum, and to its freedom. What its points lose of that to the
- * unknowns is trace(H Cov(T)), T its pose, of which camera and placement have shares. */
+/* Adds a view to its camera's sum, and to its freedom. T is the pose of the view, which
+ * camera and placement make. The points lose trace(H Cov(T)) of their freedom to the
+ * unknowns. */
 static rigcal_status add_noise(rigcal_real sum[], rigcal_real freedom[],
                                const rigcal_real Sigma[36], const rigcal_real inverse[36],
                                const rc_leverage *on, const rigcal_rig *rig, size_t first,

@@ -6,7 +6,8 @@
  * written to a file with seven digits, but not for one that scales or shears. */
 #define ROTATION_TOL RC_TOL(1e-6, 1e-3)
 
-/* cosine of pitch: where it is no more, yaw and roll cannot be told apart. */
+/* cosine of pitch: at or below it, yaw and roll turn about one axis, and only their sum is
+ * known. */
 #define GIMBAL_COS (4 * RC_EPS)
 
 /* 1: a matrix, its largest element being 1, with no more determinant is singular to

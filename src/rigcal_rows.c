@@ -2,8 +2,8 @@
 
 /* ---- constants ----------------------------------------------------------- */
 
-/* 1: nearer to the line through both centres than so many times its noise a match has no
- * direction across. */
+/* 1: a match that is nearer to the line through both centres than this many times its noise
+ * has no direction across. */
 #define EPIPOLE_NOISE RC(10)
 
 /* rad: the same for rounding, where the noise is less. */
@@ -152,9 +152,9 @@ static void derive(rc_row *row, rigcal_real by, const rigcal_transform *b,
     rc_vec3_scale(&row->h_a[3], -1, turned);
 }
 
-/* (M1) The constraint e = m_b . (t x R m_a), b_from_a = (R, t); r = -e / s, s^2 = the noise
- * of e. (M2), (M3) h at the corrected match: at the noisy one h along the base is
- * -r / |base|, of which a match knows nothing. */
+/* (M1) The constraint e = m_b . (t x R m_a), b_from_a = (R, t); r = -e / s, and s^2 is the
+ * variance of e. (M2), (M3) h is taken at the corrected match. At the noisy one h would be
+ * -r / |base| along the base, although a match says nothing of its length. */
 static rigcal_status match_row(rc_row *row, const rc_seen *seen, const rigcal_transform *a,
                                const rigcal_transform *b)
 {

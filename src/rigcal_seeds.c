@@ -43,7 +43,7 @@ enum { DESCENT_EVALS = 10 };
  * refined. */
 #define MIRROR_WORSE RC(10)
 
-/* rays: of a pinhole, that are taken in one step; they cost next to nothing. */
+/* rays: of a pinhole camera that one step takes; they cost nearly nothing. */
 enum { PINHOLE_RAYS = 16 };
 
 /* cosine of 80 degrees: rays farther off the middle of the target's image do not fit the
@@ -526,9 +526,9 @@ static int32_t try_lean(rigcal_search *s, int32_t lean)
 
 /* ---- mirrored points ----------------------------------------------------- */
 
-/* Mirrored points, -x, have far away the same image as x, turned half about the line of
- * sight: their pose is near the direction found, and the cost there tells whether it is
- * worth refining. */
+/* Mirrored points, -x: far away they have the same image as x, turned half about the line
+ * of sight. So their pose is near the direction found, and the cost there says whether it
+ * is worth refining. */
 int rc_seeds_mirrored(rigcal_search *s)
 {
     RIGCAL_ASSERT(s->optima.n >= 1);

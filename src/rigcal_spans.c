@@ -7,8 +7,8 @@
  * misses is 30 and more times smaller. */
 #define BEND_MAX RC_TOL(1e-3, 0.2)
 
-/* 1: an arc whose fourth differences are so many times smaller lets the next be twice as
- * long. */
+/* 1: if the fourth differences of an arc are smaller by this factor, the next may be twice
+ * as long. */
 #define BEND_SPARE RC(16)
 
 /* part of the radius of the image: length of the first arc, which is then fitted. */
@@ -20,8 +20,8 @@
 /* tangent: of the angle of an arc at most, 45 degrees. */
 #define STRIDE_MOST RC(1)
 
-/* 1: how far beyond the corners of the image, in parts of their distance from the axis, a
- * border is followed: room for a decentered lens, of which distances do not grow evenly. */
+/* 1: a border is followed to this many times the distance of the corners of the image from
+ * the axis. The room is for a decentered lens, whose distances do not grow evenly. */
 #define BEYOND RC(1.05)
 
 /* px: a border ends where a shorter arc would go beyond the lens. */

@@ -287,7 +287,8 @@ static size_t count_free(const form_parts *p, size_t n_cameras)
     return n_free;
 }
 
-/* What bytes of a rig say of each camera besides: whether it is held, its group. */
+/* Checks what form 2 has of each camera besides form 1: whether it is held, and its
+ * group. */
 static rigcal_status check_links(const form_parts *p, size_t n_cameras)
 {
     uint32_t groups = 0;
@@ -420,7 +421,8 @@ rigcal_status rigcal_store_info(rigcal_saved_info *info, const uint8_t bytes[],
     return RIGCAL_OK;
 }
 
-/* Whole bytes, of which `info` tells: whether their numbers are such as are saved. */
+/* Checks the numbers in complete bytes, which `info` describes: only what rigcal_store_save
+ * would save is accepted. */
 static rigcal_status check_bytes(form_parts *p, const uint8_t bytes[],
                                  const rigcal_saved_info *info)
 {

@@ -2,8 +2,8 @@
 
 /* ---- constants ----------------------------------------------------------- */
 
-/* odds: poses from behind are wrong, unless those from the front are less likely than
- * so. */
+/* odds: poses from behind are dropped, unless those from the front are less likely than
+ * this, relative to them. */
 #define FRONT_LEAST RC(1e-3)
 
 /* Whether the camera is on the side that the tag's z axis points to: z.t < 0, z being the

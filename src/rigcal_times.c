@@ -10,7 +10,8 @@
  * less than two, for the curve through a gap is not known well enough. */
 #define STEP_LONGEST RC(1.6)
 
-/* part of a frame: times whose own rounding is more say nothing of clocks. */
+/* part of a frame: if the rounding of the times is larger, they say nothing about
+ * clocks. */
 #define ROUNDING_MOST RC(0.001)
 
 /* frames: a camera is not off by more. Frame numbers fit an int32_t. */

@@ -14,7 +14,7 @@ enum { STEPS = 3 };
 /* part of a pixel's noise: residuals below this are rounding, and fit. */
 #define RESIDUAL_LEAST RC_TOL(1e-9, 1e-3)
 
-/* The three cameras; what hangs on their poses: of each 6, and the rows below. */
+/* The three cameras; the rows that depend on their poses, each on 6 numbers of a camera. */
 enum { CAM_A, CAM_B, CAM_C, CAMERAS };
 enum { ROW_X = 0, ROW_UV = 3, ROW_MISS = 5, ROWS = 6 };
 
@@ -26,7 +26,7 @@ typedef struct {
     rigcal_real A[2][3], B[2][6]; /* d uv / d X, d uv / d (w, dt) */
 } sight;
 
-/* Everything of one transfer. L: how the rows hang on the cameras. */
+/* Everything of one transfer. L: how the rows depend on the cameras. */
 typedef struct {
     sight sights[CAMERAS];
     rigcal_real X[3], H[6], weight[2];

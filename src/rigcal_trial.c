@@ -7,9 +7,9 @@
 /* 1: a likelihood is no less, so that it has a log where no match is thought wrong. */
 #define LIKELIHOOD_LEAST RC(1e-30)
 
-/* part of a log: what a row says counts half. Until the alarm all bodies were drawn along
- * with the one that moved, and rows of a frame err together: with 1, one in ten of those
- * that were said to be sure was wrong. */
+/* part of a log: a row counts half. Until the alarm all bodies were drawn along with the
+ * one that moved, and the rows of a frame err together. With 1, one in ten of the answers
+ * called sure was wrong. */
 #define WEIGHT RC(0.5)
 
 /* 1, as a log: shares of the evidence that differ by less are equal: windows of bodies do

@@ -17,7 +17,7 @@ enum { DIGITS_MOST = 9 };
 /* percent: in a whole. */
 #define PERCENT RC(100)
 
-/* millionths: in a whole, of which drifts are told. */
+/* millionths in a whole: the unit in which drifts are written. */
 #define MILLIONTHS RC(1e6)
 
 /* ---- a text that grows by whole sentences ------------------------------ */
@@ -27,7 +27,7 @@ typedef struct {
     size_t capacity, n, whole; /* bytes that it takes; of its whole sentences that fit */
     int is_start;              /* of a sentence */
     const rigcal_faults *found;
-    const rigcal_fault *fault; /* that is told of */
+    const rigcal_fault *fault; /* the sentence is about it */
     const rigcal_faults_words *words;
 } writer;
 
@@ -61,7 +61,7 @@ static void end_sentence(writer *w)
     w->is_start = 1;
 }
 
-/* x, rounded, with so many digits behind the point. */
+/* Writes x, rounded to `decimals` digits behind the point. */
 static void put_number(writer *w, rigcal_real x, int decimals)
 {
     char digits[DIGITS_MOST + 3];
@@ -235,7 +235,7 @@ static void put_clocks(writer *w)
     }
 }
 
-/* Faults with a direction of their own are told without a sign. */
+/* Faults with a direction of their own are written without a sign. */
 static void put_size(writer *w)
 {
     const rigcal_fault *const f = w->fault;
@@ -402,7 +402,8 @@ enum {
     TWO = RIGCAL_FAULTS_TWO_CAMERAS | CLOCK_OR_MOVED
 };
 
-/* All that hold are told, in this order; then what would go unseen. */
+/* The sentences of all rules that hold are written in this order; then what would go
+ * unseen. */
 static const rule RULES[] = {
     {ALL, NO_LOOP, 0,
      "No two cameras saw the same placements: the views cannot disagree, and nothing was "
@@ -425,7 +426,7 @@ static const rule RULES[] = {
      "%a %% of it lies along the board's motion: single time stamps are wrong (by some "
      "%t)~"}};
 
-/* The first that holds is told. */
+/* Only the sentence of the first rule that holds is written. */
 static const rule UNTESTED[] = {{ALL, NO_TIMES, 0, "no times are given~"},
                                 {ALL, ALONE, 0, "no placement has a neighbour in time~"},
                                 {ALL, STILL, 0, "the target stood still~"}};

@@ -161,7 +161,7 @@ rigcal_real rc_information_of_both(rigcal_real a, rigcal_real b)
 
 /* ---- groups of cameras that share placements ----------------------------- */
 
-/* The first camera that camera c hangs on. */
+/* The first camera of the group of camera c, as far as groups are joined. */
 static int32_t root_of(const rigcal_rig *rig, int32_t c)
 {
     while (rig->group[c] != c) {
@@ -170,8 +170,8 @@ static int32_t root_of(const rigcal_rig *rig, int32_t c)
     return c;
 }
 
-/* Cameras a and b saw one placement: the later of their first cameras hangs on the other.
- * */
+/* Cameras a and b saw one placement: joins their groups under the earlier of their first
+ * cameras. */
 static void connect(rigcal_rig *rig, int32_t a, int32_t b)
 {
     const int32_t first = root_of(rig, a), second = root_of(rig, b);
@@ -179,8 +179,8 @@ static void connect(rigcal_rig *rig, int32_t a, int32_t b)
     rig->group[a] = rig->group[b] = (first > second) ? second : first;
 }
 
-/* From the first cameras to the numbers of the groups. A camera hangs on one before it,
- * whose number is known by then. */
+/* Replaces first cameras by the numbers of the groups. The first camera of a group comes
+ * before the others, so its number is known by then. */
 static int32_t number_groups(rigcal_rig *rig)
 {
     int32_t groups = 0;

@@ -5,8 +5,8 @@
 /* s: between the ends of two frames, at most. */
 #define SECONDS_MOST RC(1e6)
 
-/* frames: after a body was opened, its pose takes in every row at once, since over degrees
- * a row is not linear. */
+/* frames: for this long after a body was opened, its pose changes after every row, since
+ * over degrees a row is not linear. */
 enum { SETTLING = 10 };
 
 /* ---- the end of a frame ------------------------------------------------------ */

@@ -7,7 +7,7 @@ SVG a picture into the folder PICTURES.
     draw.py --check NUMBERS PICTURES
 
 compares instead: the pictures must be as they are drawn from the numbers, word for word;
-the numbers in them may differ by half a pixel, because of another math library.
+what is drawn may be half a pixel off, because of another math library.
 """
 import csv
 import math
@@ -517,6 +517,7 @@ def draw_monitor(folder):
 PICTURES = {"rig": draw_rig, "frames": draw_frames, "sphere": draw_sphere,
             "two_poses": draw_two_poses, "band": draw_band, "graph": draw_graph,
             "monitor": draw_monitor}
+WORDS = re.compile(r">([^<]*)</text>")
 NUMBER = re.compile(r"-?\d+(?:\.\d+)?")
 
 
@@ -524,6 +525,9 @@ def differs(kept, made):
     """What is different, or nothing."""
     if NUMBER.sub("0", kept) != NUMBER.sub("0", made):
         return "other shapes or words"
+    for a, b in zip(WORDS.findall(kept), WORDS.findall(made)):
+        if a != b:
+            return f"'{a}' is '{b}' now"
     for a, b in zip(NUMBER.findall(kept), NUMBER.findall(made)):
         if abs(float(a) - float(b)) > PIXELS_OFF:
             return f"{a} is {b} now"

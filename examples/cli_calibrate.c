@@ -219,7 +219,8 @@ static void write_residuals(FILE *file, const calibration *c)
 {
     size_t i, k;
 
-    fprintf(file, "camera,frame,point,X,Y,Z,observed_u,observed_v,du,dv,error_px,left_out\n");
+    fprintf(file,
+            "camera,frame,point,X,Y,Z,observed_u,observed_v,du,dv,error_px,left_out\n");
     for (i = 0; i < c->n_views; i++) {
         const view *v = &c->views[i];
         const residual *list = view_residuals_in_rig(c, v);

@@ -329,9 +329,7 @@ void rc_filter_factor(rigcal_real P[], size_t n)
         const rigcal_real variance = column[j];
         add_beyond(P, n, j, -1);
         column[j] = rc_max(column[j], PIVOT_LEAST * variance);
-        if (!(column[j] >= VARIANCE_LEAST)) {
-            column[j] = 0;
-        }
+        column[j] = column[j] >= VARIANCE_LEAST ? column[j] : 0;
         const rigcal_real by = column[j] > 0 ? 1 / column[j] : 0;
         for (size_t k = 0; k < j; k++) {
             column[k] *= by;

@@ -169,7 +169,7 @@ def test_progress_of_another_format(capfd: Any, files: pathlib.Path) -> None:
 @pytest.mark.parametrize(
     ("arguments", "text"),
     [
-        ([], "rigcal: give a command: calibrate, diagnose, triangulate, line, monitor, con"),
+        ([], "rigcal: give a command: calibrate, diagnose, triangulate, line, monitor, c"),
         (["make"], 'rigcal: there is no command "make": the commands are calibrate, diag'),
         (["convert"], "rigcal: "),
         (["convert", "x"], "rigcal: convert takes the file to read and the file to write"),

@@ -115,7 +115,8 @@ def write(folder: pathlib.Path, rows: list[pd.DataFrame], rigs_a_file: int) -> N
         stop = start + rigs_a_file
         last = ends[stop] + 5 if stop < len(rows) else len(table)
         part = table[first:last]
-        part.to_parquet(folder / f"part-{k:03}.parquet", index=False)
+        # Spark reads gzip without a library of the machine's own.
+        part.to_parquet(folder / f"part-{k:03}.parquet", index=False, compression="gzip")
 
 
 def make(folder: pathlib.Path, rigs: int, places: int, seed: int) -> None:

@@ -31,7 +31,7 @@ list(JOIN sets "," sets)
 set(examples ${PROJECT_SOURCE_DIR}/examples)
 add_executable(bench_paper
     bench/bench_paper.c ${examples}/cli_input.c ${examples}/cli_names.c
-    ${examples}/cli_csv.c ${examples}/cli_foreign.c)
+    ${examples}/cli_csv.c ${examples}/cli_foreign.c ${examples}/cli_os.c)
 rigcal_own_code(bench_paper)
 target_include_directories(bench_paper PRIVATE ${examples})
 target_compile_definitions(bench_paper PRIVATE
@@ -93,7 +93,7 @@ endforeach()
 # Real matches in their bands.
 add_executable(bench_bands
     bench/bench_bands.c ${examples}/cli_input.c ${examples}/cli_names.c
-    ${examples}/cli_csv.c ${examples}/cli_foreign.c)
+    ${examples}/cli_csv.c ${examples}/cli_foreign.c ${examples}/cli_os.c)
 rigcal_own_code(bench_bands)
 target_include_directories(bench_bands PRIVATE ${examples})
 target_link_libraries(bench_bands PRIVATE ${library})

@@ -292,7 +292,8 @@ class CalibratedRig:
         if isinstance(value, Mapping):
             numbers = np.full(len(self.names), np.nan)
             for name, number in value.items():
-                numbers[self.number(name, what)] = real(number, f"{what}[{name!r}]", 1e-6, 1e6)
+                which = self.number(name, what)
+                numbers[which] = real(number, f"{what}[{name!r}]", 1e-6, 1e6)
             return numbers
         if numeric(value, what, "a number, or one of each camera,", "fiu").ndim == 0:
             return np.full(len(self.names), real(value, what, 1e-6, 1e6))

@@ -46,21 +46,9 @@ void rc_points_of(rigcal_points *points, const rigcal_view *view, const uint8_t 
     points->is_mirrored = 0;
 }
 
-size_t rc_points_next(const rigcal_points *points, size_t i)
-{
-    while (i < points->view.n && ((int32_t)i == points->left_out ||
-                                  (points->mask != NULL && points->mask[i] == 0))) {
-        i++;
-    }
-    return i;
-}
-
-RC_APART rigcal_real rc_points_weight(const rigcal_points *points, size_t i)
-{
-    RIGCAL_ASSERT(i < points->view.n);
-    const rigcal_real *const sigma = points->view.sigma;
-    return (sigma == NULL) ? 1 : 1 / (sigma[i] * sigma[i]);
-}
+extern inline size_t rc_points_next(const rigcal_points *points, size_t i);
+extern inline rigcal_real rc_points_weight(const rigcal_points *points, size_t i);
+extern inline void rc_points_at(rigcal_real x[3], const rigcal_points *points, size_t i);
 
 rigcal_real rc_negligible(rigcal_real pixel_size, rigcal_real extent_px)
 {
@@ -78,10 +66,21 @@ static void prepare(rigcal_points *points, rigcal_real extent_px)
     points->negligible = rc_negligible(points->pixel_size, extent_px);
 }
 
-/* Observation i, and its sigma. */
+/* Whether an observation is within all limits; NaN is not. */
+static inline int is_within(const rigcal_observation *o)
+{
+    return RC_FABS(o->X_w[0]) <= RC_COORDINATE_MAX &&
+           RC_FABS(o->X_w[1]) <= RC_COORDINATE_MAX &&
+           RC_FABS(o->X_w[2]) <= RC_COORDINATE_MAX && RC_FABS(o->uv[0]) <= RC_PIXEL_MAX &&
+           RC_FABS(o->uv[1]) <= RC_PIXEL_MAX;
+}
+
+/* Observation i, and its sigma. What is wrong with it is only asked if something is. */
 static rigcal_status check_point(const rigcal_view *view, size_t i)
 {
-    const rigcal_status status = rc_check_observation(&view->observations[i]);
+    const rigcal_observation *const o = &view->observations[i];
+    const rigcal_status status =
+        (RC_FOR_SPEED && is_within(o)) ? RIGCAL_OK : rc_check_observation(o);
     return (status == RIGCAL_OK && view->sigma != NULL) ? check_sigma(&view->sigma[i])
                                                         : status;
 }
@@ -135,14 +134,6 @@ rigcal_status rc_points_survey(rigcal_points *points, rigcal_real uv_middle[2],
 }
 
 /* ---- one point ----------------------------------------------------------- */
-
-void rc_points_at(rigcal_real x[3], const rigcal_points *points, size_t i)
-{
-    RIGCAL_ASSERT(i < points->view.n);
-    const rigcal_real *const X = points->view.observations[i].X_w;
-    const rigcal_real *const o = points->origin;
-    rc_vec3_sub(x, points->is_mirrored ? o : X, points->is_mirrored ? X : o);
-}
 
 void rc_points_place(rigcal_real q[3], rigcal_real X_c[3], const rigcal_points *points,
                      const rigcal_transform *cam_from_points, size_t i)

@@ -16,6 +16,78 @@ enum { WITH_WIDE = RIGCAL_WITH_THREE_POINTS };
 
 /* ---- the equations ------------------------------------------------------- */
 
+/* What a pinhole's point adds (E1): x = X / Z and y = Y / Z, a = w fx^2 / Z^2,
+ * b = w fy^2 / Z^2, and c, the force on it. M is (a 0 ax; 0 b by; ax by m), of which the
+ * zeros are used; K = [q]x M row by row. */
+static inline void add_pinhole(rigcal_real g[6], rigcal_real H[21], const rigcal_real q[3],
+                               const rigcal_real c[3], rigcal_real a, rigcal_real b,
+                               rigcal_real x, rigcal_real y)
+{
+    const rigcal_real ax = -a * x, by = -b * y, m = -(ax * x + by * y);
+    g[0] += q[1] * c[2] - q[2] * c[1];
+    g[1] += q[2] * c[0] - q[0] * c[2];
+    g[2] += q[0] * c[1] - q[1] * c[0];
+    g[3] += c[0];
+    g[4] += c[1];
+    g[5] += c[2];
+    H[15] += a;
+    H[17] += ax;
+    H[18] += b;
+    H[19] += by;
+    H[20] += m;
+    const rigcal_real k00 = q[1] * ax, k01 = q[1] * by - q[2] * b, k02 = q[1] * m - q[2] * by;
+    const rigcal_real k10 = q[2] * a - q[0] * ax, k11 = -q[0] * by, k12 = q[2] * ax - q[0] * m;
+    const rigcal_real k20 = -q[1] * a, k21 = q[0] * b, k22 = q[0] * by - q[1] * ax;
+    H[6] += k00;
+    H[7] += k01;
+    H[8] += k02;
+    H[9] += k10;
+    H[10] += k11;
+    H[11] += k12;
+    H[12] += k20;
+    H[13] += k21;
+    H[14] += k22;
+    H[0] += q[1] * k02 - q[2] * k01;
+    H[1] += q[2] * k00 - q[0] * k02;
+    H[2] += q[0] * k01 - q[1] * k00;
+    H[3] += q[2] * k10 - q[0] * k12;
+    H[4] += q[0] * k11 - q[1] * k10;
+    H[5] += q[0] * k21 - q[1] * k20;
+}
+
+/* (E1) The equations of a pinhole by Gauss and Newton, written out: here is where the time
+ * of a search goes. */
+static rigcal_status pinhole_equations(rigcal_real *sum, rigcal_real g[6],
+                                       rigcal_real H[21], const rigcal_points *points,
+                                       size_t n, const rigcal_transform *cam_from_points)
+{
+    const rigcal_camera *const camera = points->view.camera;
+    const rigcal_real *const t = cam_from_points->t;
+    rigcal_real total = 0;
+    for (size_t i = rc_points_next(points, 0); i < n; i = rc_points_next(points, i + 1)) {
+        const rigcal_real *const uv = points->view.observations[i].uv;
+        rigcal_real x[3], q[3];
+        rc_points_at(x, points, i);
+        rc_mat3_mul_vec3(q, cam_from_points->R, x);
+        const rigcal_real Z = q[2] + t[2];
+        if (!(Z > 0)) {
+            return RIGCAL_ERR_BEHIND;
+        }
+        const rigcal_real by_Z = 1 / Z, weight = rc_points_weight(points, i);
+        const rigcal_real at[2] = {(q[0] + t[0]) * by_Z, (q[1] + t[1]) * by_Z};
+        const rigcal_real bu = camera->fx * by_Z, bv = camera->fy * by_Z;
+        const rigcal_real eu = uv[0] - (camera->fx * at[0] + camera->cx);
+        const rigcal_real ev = uv[1] - (camera->fy * at[1] + camera->cy);
+        const rigcal_real wu = weight * bu, wv = weight * bv;
+        rigcal_real c[3] = {wu * eu, wv * ev, 0};
+        c[2] = -(c[0] * at[0] + c[1] * at[1]);
+        add_pinhole(g, H, q, c, wu * bu, wv * bv, at[0], at[1]);
+        total += weight * (eu * eu + ev * ev);
+    }
+    *sum = total;
+    return rc_is_finite(total) ? RIGCAL_OK : RIGCAL_ERR_NO_RAY;
+}
+
 rigcal_status rc_refine_equations(rigcal_real *sum, rigcal_real g[6], rigcal_real H[21],
                                   const rigcal_points *points, size_t n,
                                   const rigcal_transform *cam_from_points, int equations)
@@ -25,6 +97,9 @@ rigcal_status rc_refine_equations(rigcal_real *sum, rigcal_real g[6], rigcal_rea
     const int is_fisheye = rc_lens_is_fisheye(points->view.camera);
     rigcal_real total = 0;
     rc_rigid_clear(g, H);
+    if (RC_FOR_SPEED && points->is_pinhole && equations == RC_GAUSS_NEWTON) {
+        return pinhole_equations(sum, g, H, points, n, cam_from_points);
+    }
     for (size_t i = rc_points_next(points, 0); i < n; i = rc_points_next(points, i + 1)) {
         rigcal_real e[2] = {0, 0}, B[6], q[3], X_c[3];
         const rigcal_status status =

@@ -91,14 +91,6 @@ static void look_along(rigcal_real R[9], const rigcal_real axis[3])
     }
 }
 
-static void turn_to_virtual(rigcal_real turned[3], const rigcal_real axis[3],
-                            const rigcal_real ray[3])
-{
-    rigcal_real cam_from_virtual[9];
-    look_along(cam_from_virtual, axis);
-    rc_mat3_tmul_vec3(turned, cam_from_virtual, ray);
-}
-
 /* From the virtual camera and size 1 to the camera and the caller's unit. */
 RC_APART static void leave_virtual(rigcal_transform *T, const rigcal_search *s)
 {
@@ -174,6 +166,9 @@ static void count_point(rigcal_search *s, size_t i, const rigcal_real ray[3])
     if (triple->count < 3) {
         triple->index[triple->count] = (int32_t)i;
         rc_vec3_copy(triple->ray[triple->count], ray);
+        if (RC_FOR_SPEED) {
+            (void)rc_vec3_unit(triple->ray[triple->count], ray);
+        }
     }
     triple->count++;
 }
@@ -184,20 +179,41 @@ static void begin_picking(rigcal_search *s)
     s->work.triple.count = 0;
 }
 
+/* The ray of a point, of any length: that of a pinhole needs no root. */
+static rigcal_status ray_of(rigcal_real ray[3], const rigcal_points *points, size_t i)
+{
+    const rigcal_camera *const c = points->view.camera;
+    const rigcal_real *const uv = points->view.observations[i].uv;
+    if (!RC_FOR_SPEED || !points->is_pinhole) {
+        return rc_pixel_to_ray(ray, c, uv);
+    }
+    ray[0] = (uv[0] - c->cx) / c->fx;
+    ray[1] = (uv[1] - c->cy) / c->fy;
+    ray[2] = 1;
+    return RIGCAL_OK;
+}
+
+/* Whether a ray is nearer to an axis, along which it has that coordinate, than the angle of
+ * that cosine. A ray for speed is of any length. */
+static inline int is_near(rigcal_real along, rigcal_real cosine, const rigcal_real ray[3])
+{
+    return along > (RC_FOR_SPEED ? 0 : cosine) &&
+           (!RC_FOR_SPEED || along * along > cosine * cosine * rc_vec3_dot(ray, ray));
+}
+
 /* Point s->point, scaled to size 1, and its image in the virtual camera. */
-RC_APART static int32_t gather_point(rigcal_search *s)
+RC_APART static int32_t gather_point(rigcal_search *s, const rigcal_real frame[9])
 {
     const size_t i = s->point;
     rigcal_real x[3], ray[3], u[3];
-    if (rc_pixel_to_ray(ray, s->points.view.camera, s->points.view.observations[i].uv) !=
-        RIGCAL_OK) {
+    if (ray_of(ray, &s->points, i) != RIGCAL_OK) {
         return RC_SEEDS_UNSEEN;
     }
-    turn_to_virtual(u, s->axis, ray);
-    if (!WITH_WIDE && !(ray[2] > SPREAD_COSINE)) {
+    rc_mat3_tmul_vec3(u, frame, ray);
+    if (!WITH_WIDE && !is_near(ray[2], SPREAD_COSINE, ray)) {
         return RIGCAL_ERR_WIDE_RAY;
     }
-    if (!(u[2] > SPREAD_COSINE)) {
+    if (!is_near(u[2], SPREAD_COSINE, ray)) {
         if (WITH_WIDE) {
             RIGCAL_TRACE("rays too far apart for the lattice: point", i, u[2]);
             s->is_wide = 1;
@@ -208,7 +224,7 @@ RC_APART static int32_t gather_point(rigcal_search *s)
         }
         return RC_SEEDS_BUSY;
     }
-    s->is_wide |= WITH_WIDE && !(ray[2] > WIDE_COSINE);
+    s->is_wide |= WITH_WIDE && !is_near(ray[2], WIDE_COSINE, ray);
     rc_vec3_scale(u, 1 / u[2], u);
     rc_points_at(x, &s->points, i);
     rc_vec3_scale(x, s->scale, x);
@@ -222,8 +238,10 @@ static int32_t gathering_step(rigcal_search *s)
 {
     const size_t n = s->points.view.n;
     int left = s->points.is_pinhole ? PINHOLE_RAYS : 1;
+    rigcal_real frame[9];
+    look_along(frame, s->axis);
     for (; left > 0 && s->point < n; left--) {
-        const int32_t came = gather_point(s);
+        const int32_t came = gather_point(s, frame);
         if (came != RC_SEEDS_BUSY || s->phase != GATHERING) {
             return came;
         }

@@ -44,6 +44,12 @@ static rigcal_real k4_of(const rigcal_camera *camera, int is_in_N)
     return (rc_lens_is_fisheye(camera) == is_in_N) ? camera->k4 : 0;
 }
 
+static inline int has_denominator(const rigcal_camera *camera)
+{
+    return !rc_lens_is_fisheye(camera) &&
+           RC_FABS(camera->k4) + RC_FABS(camera->k5) + RC_FABS(camera->k6) > 0;
+}
+
 /* With d = N / D, d' = (N' - d D') / D and p = d' x + 2 g:
  *   J = (d + 2 g.x) I + p x^T + x p^T */
 int rc_lens_map(rigcal_real F[2], rigcal_real J[3], const rigcal_camera *camera,
@@ -51,18 +57,23 @@ int rc_lens_map(rigcal_real F[2], rigcal_real J[3], const rigcal_camera *camera,
 {
     const rigcal_real g[2] = {camera->p2, camera->p1};
     const rigcal_real s = x[0] * x[0] + x[1] * x[1];
-    rigcal_real N[2] = {k4_of(camera, 1), 0}, D[2] = {camera->k6, 0};
+    rigcal_real N[2] = {k4_of(camera, 1), 0};
     horner(N, s, camera->k3);
     horner(N, s, camera->k2);
     horner(N, s, camera->k1);
     horner(N, s, 1);
-    horner(D, s, camera->k5);
-    horner(D, s, k4_of(camera, 0));
-    horner(D, s, 1);
-    if (!(D[0] > 0)) {
-        return 0;
+    if (!RC_FOR_SPEED || has_denominator(camera)) {
+        rigcal_real D[2] = {camera->k6, 0};
+        horner(D, s, camera->k5);
+        horner(D, s, k4_of(camera, 0));
+        horner(D, s, 1);
+        if (!(D[0] > 0)) {
+            return 0;
+        }
+        N[0] /= D[0];
+        N[1] = (N[1] - N[0] * D[1]) / D[0];
     }
-    const rigcal_real d = N[0] / D[0], slope = (N[1] - d * D[1]) / D[0];
+    const rigcal_real d = N[0], slope = N[1];
     const rigcal_real scale = d + 2 * (g[0] * x[0] + g[1] * x[1]);
     const rigcal_real p[2] = {slope * x[0] + 2 * g[0], slope * x[1] + 2 * g[1]};
 

@@ -16,28 +16,41 @@ enum { WITH_WIDE = RIGCAL_WITH_THREE_POINTS };
 
 /* ---- the equations ------------------------------------------------------- */
 
-/* What a pinhole's point adds (E1): x = X / Z and y = Y / Z, a = w fx^2 / Z^2,
- * b = w fy^2 / Z^2, and c, the force on it. M is (a 0 ax; 0 b by; ax by m), of which the
- * zeros are used; K = [q]x M row by row. */
-static inline void add_pinhole(rigcal_real g[6], rigcal_real H[21], const rigcal_real q[3],
-                               const rigcal_real c[3], rigcal_real a, rigcal_real b,
-                               rigcal_real x, rigcal_real y)
+/* What a point adds (E1): x, where it is in the lens's plane; c, the force along X and Y;
+ * and the block (a h; h b) of M, from which the rest follows. Of a pinhole h is 0. */
+static inline void add_in_plane(rigcal_real g[6], rigcal_real H[21],
+                                const rigcal_real q[3], const rigcal_real x[2],
+                                const rigcal_real c[2], const rigcal_real ahb[3],
+                                int is_pinhole)
 {
-    const rigcal_real ax = -a * x, by = -b * y, m = -(ax * x + by * y);
-    g[0] += q[1] * c[2] - q[2] * c[1];
-    g[1] += q[2] * c[0] - q[0] * c[2];
+    const rigcal_real a = ahb[0], h = ahb[1], b = ahb[2];
+    const rigcal_real along = -(c[0] * x[0] + c[1] * x[1]);
+    const rigcal_real u = is_pinhole ? -a * x[0] : -(a * x[0] + h * x[1]);
+    const rigcal_real v = is_pinhole ? -b * x[1] : -(h * x[0] + b * x[1]);
+    const rigcal_real m = -(u * x[0] + v * x[1]);
+    g[0] += q[1] * along - q[2] * c[1];
+    g[1] += q[2] * c[0] - q[0] * along;
     g[2] += q[0] * c[1] - q[1] * c[0];
     g[3] += c[0];
     g[4] += c[1];
-    g[5] += c[2];
+    g[5] += along;
     H[15] += a;
-    H[17] += ax;
+    if (!is_pinhole) {
+        H[16] += h;
+    }
+    H[17] += u;
     H[18] += b;
-    H[19] += by;
+    H[19] += v;
     H[20] += m;
-    const rigcal_real k00 = q[1] * ax, k01 = q[1] * by - q[2] * b, k02 = q[1] * m - q[2] * by;
-    const rigcal_real k10 = q[2] * a - q[0] * ax, k11 = -q[0] * by, k12 = q[2] * ax - q[0] * m;
-    const rigcal_real k20 = -q[1] * a, k21 = q[0] * b, k22 = q[0] * by - q[1] * ax;
+    const rigcal_real k00 = is_pinhole ? q[1] * u : q[1] * u - q[2] * h;
+    const rigcal_real k01 = q[1] * v - q[2] * b;
+    const rigcal_real k02 = q[1] * m - q[2] * v;
+    const rigcal_real k10 = q[2] * a - q[0] * u;
+    const rigcal_real k11 = is_pinhole ? -q[0] * v : q[2] * h - q[0] * v;
+    const rigcal_real k12 = q[2] * u - q[0] * m;
+    const rigcal_real k20 = is_pinhole ? -q[1] * a : q[0] * h - q[1] * a;
+    const rigcal_real k21 = is_pinhole ? q[0] * b : q[0] * b - q[1] * h;
+    const rigcal_real k22 = q[0] * v - q[1] * u;
     H[6] += k00;
     H[7] += k01;
     H[8] += k02;
@@ -55,33 +68,50 @@ static inline void add_pinhole(rigcal_real g[6], rigcal_real H[21], const rigcal
     H[5] += q[0] * k21 - q[1] * k20;
 }
 
-/* (E1) The equations of a pinhole by Gauss and Newton, written out: here is where the time
- * of a search goes. */
-static rigcal_status pinhole_equations(rigcal_real *sum, rigcal_real g[6],
-                                       rigcal_real H[21], const rigcal_points *points,
-                                       size_t n, const rigcal_transform *cam_from_points)
+/* c = J c, (a h; h b) = J (a 0; 0 b) J */
+static inline void pull_back(rigcal_real c[2], rigcal_real ahb[3], const rigcal_real J[3])
+{
+    const rigcal_real a = ahb[0], b = ahb[2], c0 = c[0];
+    c[0] = J[0] * c0 + J[1] * c[1];
+    c[1] = J[1] * c0 + J[2] * c[1];
+    ahb[0] = a * J[0] * J[0] + b * J[1] * J[1];
+    ahb[1] = J[1] * (a * J[0] + b * J[2]);
+    ahb[2] = a * J[1] * J[1] + b * J[2] * J[2];
+}
+
+/* (E1) The equations of a pinhole or Brown's lens by Gauss and Newton, written out: here is
+ * where the time of a search goes. */
+static inline rigcal_status plane_equations(rigcal_real *sum, rigcal_real g[6],
+                                            rigcal_real H[21], const rigcal_points *points,
+                                            size_t n, const rigcal_transform *T,
+                                            int is_pinhole)
 {
     const rigcal_camera *const camera = points->view.camera;
-    const rigcal_real *const t = cam_from_points->t;
+    const rigcal_real fx = camera->fx, fy = camera->fy;
     rigcal_real total = 0;
     for (size_t i = rc_points_next(points, 0); i < n; i = rc_points_next(points, i + 1)) {
         const rigcal_real *const uv = points->view.observations[i].uv;
-        rigcal_real x[3], q[3];
-        rc_points_at(x, points, i);
-        rc_mat3_mul_vec3(q, cam_from_points->R, x);
-        const rigcal_real Z = q[2] + t[2];
+        const rigcal_real weight = rc_points_weight(points, i);
+        rigcal_real X[3], q[3], J[3];
+        rc_points_at(X, points, i);
+        rc_mat3_mul_vec3(q, T->R, X);
+        const rigcal_real Z = q[2] + T->t[2], by_Z = 1 / Z;
+        const rigcal_real x[2] = {(q[0] + T->t[0]) * by_Z, (q[1] + T->t[1]) * by_Z};
+        rigcal_real F[2] = {x[0], x[1]};
         if (!(Z > 0)) {
             return RIGCAL_ERR_BEHIND;
         }
-        const rigcal_real by_Z = 1 / Z, weight = rc_points_weight(points, i);
-        const rigcal_real at[2] = {(q[0] + t[0]) * by_Z, (q[1] + t[1]) * by_Z};
-        const rigcal_real bu = camera->fx * by_Z, bv = camera->fy * by_Z;
-        const rigcal_real eu = uv[0] - (camera->fx * at[0] + camera->cx);
-        const rigcal_real ev = uv[1] - (camera->fy * at[1] + camera->cy);
-        const rigcal_real wu = weight * bu, wv = weight * bv;
-        rigcal_real c[3] = {wu * eu, wv * ev, 0};
-        c[2] = -(c[0] * at[0] + c[1] * at[1]);
-        add_pinhole(g, H, q, c, wu * bu, wv * bv, at[0], at[1]);
+        if (!is_pinhole && !rc_lens_map(F, J, camera, x)) {
+            return RIGCAL_ERR_NO_RAY;
+        }
+        const rigcal_real bu = fx * by_Z, bv = fy * by_Z, wu = weight * bu, wv = weight * bv;
+        const rigcal_real eu = uv[0] - (fx * F[0] + camera->cx);
+        const rigcal_real ev = uv[1] - (fy * F[1] + camera->cy);
+        rigcal_real c[2] = {wu * eu, wv * ev}, ahb[3] = {wu * bu, 0, wv * bv};
+        if (!is_pinhole) {
+            pull_back(c, ahb, J);
+        }
+        add_in_plane(g, H, q, x, c, ahb, is_pinhole);
         total += weight * (eu * eu + ev * ev);
     }
     *sum = total;
@@ -97,8 +127,10 @@ rigcal_status rc_refine_equations(rigcal_real *sum, rigcal_real g[6], rigcal_rea
     const int is_fisheye = rc_lens_is_fisheye(points->view.camera);
     rigcal_real total = 0;
     rc_rigid_clear(g, H);
-    if (RC_FOR_SPEED && points->is_pinhole && equations == RC_GAUSS_NEWTON) {
-        return pinhole_equations(sum, g, H, points, n, cam_from_points);
+    if (RC_FOR_SPEED && !is_fisheye && equations == RC_GAUSS_NEWTON) {
+        return points->is_pinhole
+                   ? plane_equations(sum, g, H, points, n, cam_from_points, 1)
+                   : plane_equations(sum, g, H, points, n, cam_from_points, 0);
     }
     for (size_t i = rc_points_next(points, 0); i < n; i = rc_points_next(points, i + 1)) {
         rigcal_real e[2] = {0, 0}, B[6], q[3], X_c[3];

@@ -27,6 +27,8 @@ typedef struct rigcal_points {
     rigcal_real extent_px;  /* that of their pixels */
     rigcal_real pixel_size; /* of rc_pixel_size */
     rigcal_real negligible; /* a change of the sum of squared errors that means nothing */
+    rigcal_real proved2; /* of Brown's lens: x^2 + y^2 up to which it is proved not to fold;
+                               0: of no point */
 } rigcal_points;
 
 /* ---- Nelder-Mead ------------------------------------------------------------ */
@@ -54,7 +56,7 @@ typedef struct rigcal_levenberg {
 
 typedef struct rigcal_refinement {
     rigcal_levenberg search;
-    int32_t evals, is_approach;
+    int32_t evals, is_approach, is_part; /* along the rays; by some of the points */
     rigcal_transform cam_from_points;
     rigcal_real g[6], H[21];
 } rigcal_refinement;
@@ -102,7 +104,8 @@ typedef struct rigcal_optima {
 
 /* The points, the optima found so far, where to start next, and what is under way. */
 typedef struct rigcal_search {
-    int32_t phase, next, n_seeds, n_exact, triples, leans, is_flat, is_plane, is_wide;
+    int32_t phase, next, n_seeds, n_exact, n_roots, triples, leans;
+    int32_t is_flat, is_plane, is_wide;
     size_t point;
     rigcal_real scale, axis[3], normal[3];
     rigcal_points points;

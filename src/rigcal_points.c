@@ -43,6 +43,7 @@ void rc_points_of(rigcal_points *points, const rigcal_view *view, const uint8_t 
     points->view = *view;
     points->mask = mask;
     points->left_out = -1;
+    points->proved2 = 0;
     points->is_mirrored = 0;
 }
 
@@ -57,6 +58,20 @@ rigcal_real rc_negligible(rigcal_real pixel_size, rigcal_real extent_px)
     return rc_max(GAIN_NEGLIGIBLE * pixel_size * pixel_size, rounding * rounding);
 }
 
+/* The farthest pixel off the axis, as the lens has it. */
+static rigcal_real reach_of(const rigcal_points *points)
+{
+    const rigcal_camera *const c = points->view.camera;
+    rigcal_real most = 0;
+    for (size_t i = rc_points_next(points, 0); i < points->view.n;
+         i = rc_points_next(points, i + 1)) {
+        const rigcal_real *const uv = points->view.observations[i].uv;
+        const rigcal_real x = (uv[0] - c->cx) / c->fx, y = (uv[1] - c->cy) / c->fy;
+        most = rc_max(most, x * x + y * y);
+    }
+    return RC_SQRT(most);
+}
+
 /* What *points says of its view besides where the points are. */
 static void prepare(rigcal_points *points, rigcal_real extent_px)
 {
@@ -64,6 +79,9 @@ static void prepare(rigcal_points *points, rigcal_real extent_px)
     points->extent_px = extent_px;
     points->pixel_size = rc_pixel_size(points->view.camera);
     points->negligible = rc_negligible(points->pixel_size, extent_px);
+    if (RC_FOR_SPEED && !points->is_pinhole && !rc_lens_is_fisheye(points->view.camera)) {
+        points->proved2 = rc_lens_proved(points->view.camera, reach_of(points));
+    }
 }
 
 /* Whether an observation is within all limits; NaN is not. */

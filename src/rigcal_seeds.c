@@ -59,6 +59,9 @@ enum { PINHOLE_RAYS = 16 };
  * that fits. */
 enum { TRIPLES = 6 };
 
+/* points: so few start from the poses of three of them. */
+enum { FEW = 8 };
+
 /* The best directions of the lattice are followed. */
 enum { FOLLOWED = RIGCAL_SEEDS_MAX };
 
@@ -68,6 +71,9 @@ enum { OTHER_WAY = 0, SIDEWAYS, SIDEWAYS_BACK, LEANS };
 /* Whether there is code for rays that far off, which takes the poses of three points. */
 enum { WITH_WIDE = RIGCAL_WITH_THREE_POINTS };
 
+/* Whether there is code that starts few points from three of them. */
+enum { STARTS_FROM_THREE = RIGCAL_FOR_SPEED && RIGCAL_WITH_THREE_POINTS };
+
 enum {
     GATHERING, /* rays, and the sums over the points */
     GATHERED,
@@ -76,6 +82,12 @@ enum {
     DESCENT,
     CHOOSING /* the next start */
 };
+
+/* How many poses of the widest triple there are. */
+static inline int32_t n_roots(const rigcal_search *s)
+{
+    return STARTS_FROM_THREE ? s->n_roots : 0;
+}
 
 /* ---- the virtual camera -------------------------------------------------- */
 
@@ -128,6 +140,9 @@ static void begin_gathering(rigcal_search *s)
     s->phase = GATHERING;
     s->point = rc_points_next(&s->points, 0);
     s->next = s->n_seeds = s->n_exact = s->triples = s->leans = s->is_wide = 0;
+    if (STARTS_FROM_THREE) {
+        s->n_roots = 0;
+    }
     s->scale = 1 / s->points.size;
     s->work.triple.count = 0;
     rc_moments_begin(&s->from.lattice.moments);
@@ -179,18 +194,21 @@ static void begin_picking(rigcal_search *s)
     s->work.triple.count = 0;
 }
 
-/* The ray of a point, of any length: that of a pinhole needs no root. */
+/* The ray of a point, of any length: where it is quickly had, that needs no root. */
 static rigcal_status ray_of(rigcal_real ray[3], const rigcal_points *points, size_t i)
 {
     const rigcal_camera *const c = points->view.camera;
     const rigcal_real *const uv = points->view.observations[i].uv;
-    if (!RC_FOR_SPEED || !points->is_pinhole) {
-        return rc_pixel_to_ray(ray, c, uv);
+    if (RC_FOR_SPEED) {
+        const rigcal_real target[2] = {(uv[0] - c->cx) / c->fx, (uv[1] - c->cy) / c->fy};
+        ray[0] = target[0];
+        ray[1] = target[1];
+        ray[2] = 1;
+        if (points->is_pinhole || rc_lens_invert_within(ray, c, target, points->proved2)) {
+            return RIGCAL_OK;
+        }
     }
-    ray[0] = (uv[0] - c->cx) / c->fx;
-    ray[1] = (uv[1] - c->cy) / c->fy;
-    ray[2] = 1;
-    return RIGCAL_OK;
+    return rc_pixel_to_ray(ray, c, uv);
 }
 
 /* Whether a ray is nearer to an axis, along which it has that coordinate, than the angle of
@@ -253,19 +271,6 @@ static int32_t gathering_step(rigcal_search *s)
 }
 
 /* ---- three points -------------------------------------------------------- */
-
-RC_APART int32_t rc_poses_of_three(rigcal_transform cam_from_points[RC_P3P_MAX],
-                                   const rigcal_points *points, const int32_t index[3],
-                                   const rigcal_real ray[3][3])
-{
-    RIGCAL_ASSERT(index[0] != index[1] && index[0] != index[2] && index[1] != index[2]);
-    RIGCAL_ASSERT(RC_IS_UNIT(ray[0]) && RC_IS_UNIT(ray[1]) && RC_IS_UNIT(ray[2]));
-    rigcal_real x[3][3];
-    for (int k = 0; k < 3; k++) {
-        rc_points_at(x[k], points, (size_t)index[k]);
-    }
-    return rc_p3p(cam_from_points, (const rigcal_real(*)[3])x, ray);
-}
 
 int rc_seeds_pick(rigcal_search *s)
 {
@@ -388,6 +393,14 @@ static void scanning_step(rigcal_search *s)
     }
 }
 
+static void begin_scanning(rigcal_search *s)
+{
+    s->phase = SCANNING;
+    s->next = 0;
+    s->from.lattice.azimuth[0] = 1;
+    s->from.lattice.azimuth[1] = 0;
+}
+
 /* All points have been gathered. */
 static int32_t begin_search(rigcal_search *s)
 {
@@ -414,12 +427,23 @@ static int32_t begin_search(rigcal_search *s)
         s->triples = (s->n_exact > 0) ? TRIPLES : 0;
     }
     s->phase = CHOOSING;
-    if (s->n_exact == 0) {
-        s->phase = SCANNING;
-        s->from.lattice.azimuth[0] = 1;
-        s->from.lattice.azimuth[1] = 0;
+    if (STARTS_FROM_THREE && s->n_exact == 0 && s->points.n_used <= FEW && !s->is_wide) {
+        s->n_roots = rc_roots_find(&s->optima, &s->points);
+        RIGCAL_TRACE("poses of the widest triple", s->n_roots, 0);
+    }
+    if (s->n_exact + n_roots(s) == 0) {
+        begin_scanning(s);
     }
     return RC_SEEDS_BUSY;
+}
+
+int rc_seeds_scan(rigcal_search *s)
+{
+    if (n_roots(s) == 0 || s->n_seeds > 0) {
+        return 0;
+    }
+    begin_scanning(s);
+    return 1;
 }
 
 /* ---- the descent --------------------------------------------------------- */
@@ -527,7 +551,8 @@ static void leaning_direction(rigcal_real m3[3], const rigcal_real first[3],
     (void)rc_vec3_unit(m3, m3);
 }
 
-/* The way of a lean, if it is worth it. */
+/* The way of a lean, if it is worth it. After the poses of three points it mostly is downhill
+ * to one of them. */
 static int32_t try_lean(rigcal_search *s, int32_t lean)
 {
     const rigcal_moments *const sums = &s->from.lattice.moments;
@@ -536,6 +561,10 @@ static int32_t try_lean(rigcal_search *s, int32_t lean)
     found_direction(first, s, 0);
     leaning_direction(m3, first, s->normal, lean);
     RIGCAL_TRACE("lean (0: other way, 1, 2: sideways)", lean, rc_direction_cost(sums, m3));
+    if (n_roots(s) > 0 && (lean != OTHER_WAY || s->optima.n > 1) &&
+        leads_to_found(s, m3, rc_direction_cost(sums, m3))) {
+        return RC_SEEDS_BUSY;
+    }
     return (lean == OTHER_WAY ||
             rc_direction_cost(sums, m3) * n < SHALLOW * rc_direction_cost(sums, first))
                ? follow(s, m3)
@@ -567,6 +596,18 @@ int rc_seeds_mirrored(rigcal_search *s)
     return 1;
 }
 
+/* ---- few points ---------------------------------------------------------- */
+
+/* A pose of the widest triple, unless it would only lead to an optimum found. No more
+ * optima are found than poses were read, so none of these is overwritten. */
+static int32_t next_root(rigcal_search *s)
+{
+    rigcal_transform *const start = &s->work.refinement.cam_from_points;
+    rc_optimum_transform(start, &s->optima.list[s->next++]);
+    return (rc_optima_near(&s->optima, start->R, SAME_BASIN) < 0) ? RC_SEEDS_START
+                                                                  : RC_SEEDS_BUSY;
+}
+
 /* ---- the next start ------------------------------------------------------ */
 
 RC_APART static int32_t choosing_step(rigcal_search *s)
@@ -576,6 +617,9 @@ RC_APART static int32_t choosing_step(rigcal_search *s)
     }
     if (WITH_WIDE && s->triples > 0) {
         return end_triple(s);
+    }
+    if (s->next < n_roots(s) && s->n_seeds == 0) {
+        return next_root(s);
     }
     if (s->is_flat && s->optima.n > 0 && s->leans < LEANS) {
         return try_lean(s, s->leans++);

@@ -185,6 +185,15 @@ typedef double rigcal_real;
 #endif
 #endif
 
+/* Has a function made anew in each of its callers, for the sake of speed. */
+#ifndef RIGCAL_FORCE_INLINE
+#if defined(__GNUC__)
+#define RIGCAL_FORCE_INLINE __attribute__((always_inline))
+#else
+#define RIGCAL_FORCE_INLINE
+#endif
+#endif
+
 /* What a public function is declared with. RIGCAL_SHARED: the library is a
  * shared one. RIGCAL_BUILD: it is being compiled, not used. */
 #ifndef RIGCAL_API

@@ -56,9 +56,10 @@ typedef struct rigcal_levenberg {
 
 typedef struct rigcal_refinement {
     rigcal_levenberg search;
-    int32_t evals, is_approach, is_part; /* along the rays; by some of the points */
+    int32_t evals, is_approach;
     rigcal_transform cam_from_points;
     rigcal_real g[6], H[21];
+    int32_t is_part; /* 1: the next step is by some of the points */
 } rigcal_refinement;
 
 /* ---- where a search of a pose may start ------------------------------------- */
@@ -104,8 +105,7 @@ typedef struct rigcal_optima {
 
 /* The points, the optima found so far, where to start next, and what is under way. */
 typedef struct rigcal_search {
-    int32_t phase, next, n_seeds, n_exact, n_roots, triples, leans;
-    int32_t is_flat, is_plane, is_wide;
+    int32_t phase, next, n_seeds, n_exact, triples, leans, is_flat, is_plane, is_wide;
     size_t point;
     rigcal_real scale, axis[3], normal[3];
     rigcal_points points;
@@ -119,6 +119,7 @@ typedef struct rigcal_search {
         rigcal_descent descent;
         rigcal_refinement refinement;
     } work;
+    int32_t n_roots; /* poses of the widest triple */
 } rigcal_search;
 
 struct rigcal_pose_solver {

@@ -68,14 +68,6 @@ typedef char rc_not_with_fsingle_precision_constant[sizeof 1.0 == sizeof(double)
  * comes to the same, to rounding. */
 enum { RC_FOR_SPEED = RIGCAL_FOR_SPEED };
 
-/* For speed: a function that is to be made anew of each caller, which tells it what it need
- * not do. */
-#ifdef __GNUC__
-#define RC_MADE_ANEW __attribute__((always_inline)) static inline
-#else
-#define RC_MADE_ANEW static inline
-#endif
-
 /* Functions that are inline have a body of their own in rigcal_linalg.c, which is what a
  * compiler for size calls. They may not use the math hooks, which may be static. */
 RC_INLINE rigcal_real rc_max(rigcal_real a, rigcal_real b)

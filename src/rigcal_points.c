@@ -43,7 +43,9 @@ void rc_points_of(rigcal_points *points, const rigcal_view *view, const uint8_t 
     points->view = *view;
     points->mask = mask;
     points->left_out = -1;
-    points->proved2 = 0;
+    if (RC_FOR_SPEED) {
+        points->proved2 = 0;
+    }
     points->is_mirrored = 0;
 }
 

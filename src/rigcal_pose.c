@@ -201,11 +201,12 @@ static void end_mirrored(rigcal_pose_solver *s)
     end_search(s);
 }
 
-/* Whether the poses of three points led to none that fits. */
-static int is_unexplained(const rigcal_pose_solver *s)
+/* Goes on by the lattice where the poses of three points led to none that fits. */
+static int searches_on(rigcal_pose_solver *s)
 {
-    return s->search.n_roots > 0 &&
-           (s->search.optima.n == 0 || is_poor(s, NOISE_MOST, DEVIATIONS));
+    return RC_FOR_SPEED &&
+           (s->search.optima.n == 0 || is_poor(s, NOISE_MOST, DEVIATIONS)) &&
+           rc_seeds_scan(&s->search);
 }
 
 static void seeding_step(rigcal_pose_solver *s)
@@ -224,7 +225,7 @@ static void seeding_step(rigcal_pose_solver *s)
             end_search(s);
         }
     } else if (came == RC_SEEDS_SPENT) {
-        if (!RC_FOR_SPEED || !is_unexplained(s) || !rc_seeds_scan(&s->search)) {
+        if (!searches_on(s)) {
             end_seeding(s);
         }
     } else {

@@ -37,8 +37,9 @@ static inline void add_force(rigcal_real g[6], const rigcal_real q[3],
 }
 
 /* The last column (u, v, m) of M. */
-RC_MADE_ANEW void column_of(rigcal_real uvm[3], const rigcal_real ahb[3],
-                            const rigcal_real x[2], int is_pinhole)
+RIGCAL_FORCE_INLINE static inline void column_of(rigcal_real uvm[3],
+                                                 const rigcal_real ahb[3],
+                                                 const rigcal_real x[2], int is_pinhole)
 {
     uvm[0] = -ahb[0] * x[0];
     uvm[1] = -ahb[2] * x[1];
@@ -69,9 +70,11 @@ static inline void add_bend(rigcal_real H[21], rigcal_real uvm[3], const rigcal_
 
 /* What it adds to H (E1), of the block (a h; h b) of M and its last column. Of a pinhole h is
  * 0. */
-RC_MADE_ANEW void add_in_plane(rigcal_real H[21], const rigcal_real q[3],
-                               const rigcal_real ahb[3], const rigcal_real uvm[3],
-                               int is_pinhole)
+RIGCAL_FORCE_INLINE static inline void add_in_plane(rigcal_real H[21],
+                                                    const rigcal_real q[3],
+                                                    const rigcal_real ahb[3],
+                                                    const rigcal_real uvm[3],
+                                                    int is_pinhole)
 {
     const rigcal_real a = ahb[0], h = ahb[1], b = ahb[2];
     const rigcal_real u = uvm[0], v = uvm[1], m = uvm[2];
@@ -128,10 +131,9 @@ typedef struct {
 
 /* (E1) The equations of a pinhole or Brown's lens; H NULL: but for it. Written out: here is
  * where the time of a search goes. */
-RC_MADE_ANEW rigcal_status go_through(rigcal_real *sum, rigcal_real g[6], rigcal_real H[21],
-                                      const rigcal_points *points,
-                                      const rigcal_transform *T, const pass_kind *pass,
-                                      int is_pinhole)
+RIGCAL_FORCE_INLINE static inline rigcal_status go_through(
+    rigcal_real *sum, rigcal_real g[6], rigcal_real H[21], const rigcal_points *points,
+    const rigcal_transform *T, const pass_kind *pass, int is_pinhole)
 {
     const rigcal_camera *const camera = points->view.camera;
     const rigcal_real fx = camera->fx, fy = camera->fy;
@@ -194,10 +196,6 @@ rigcal_status rc_refine_equations(rigcal_real *sum, rigcal_real g[6], rigcal_rea
     const int is_fisheye = rc_lens_is_fisheye(points->view.camera);
     rigcal_real total = 0;
     rc_rigid_clear(g, H);
-    if (RC_FOR_SPEED && !is_fisheye) {
-        const pass_kind pass = {n, 1, equations};
-        return plane_equations(sum, g, H, points, cam_from_points, &pass);
-    }
     for (size_t i = rc_points_next(points, 0); i < n; i = rc_points_next(points, i + 1)) {
         rigcal_real e[2] = {0, 0}, B[6], q[3], X_c[3];
         const rigcal_status status =
@@ -260,6 +258,12 @@ void rc_refine_begin_part(rigcal_refinement *state, const rigcal_points *points)
 static rigcal_status evaluate(rigcal_real *sum, rigcal_refinement *state,
                               const rigcal_points *points)
 {
+    if (RC_FOR_SPEED && !rc_lens_is_fisheye(points->view.camera)) {
+        const pass_kind pass = {points->view.n, 1, state->search.equations};
+        rc_rigid_clear(state->g, state->H);
+        return plane_equations(sum, state->g, state->H, points, &state->cam_from_points,
+                               &pass);
+    }
     return rc_refine_equations(sum, state->g, state->H, points, points->view.n,
                                &state->cam_from_points, state->search.equations);
 }

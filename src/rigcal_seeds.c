@@ -59,10 +59,9 @@ enum { PINHOLE_RAYS = 16 };
  * that fits. */
 enum { TRIPLES = 6 };
 
-/* points: so few start from the poses of three of them. */
-enum { FEW = 8 };
-
-/* The best directions of the lattice are followed. */
+/* points: so few start from the poses of three of them, where there is code for it. The
+ * best directions of the lattice are followed. */
+enum { FEW = RIGCAL_FOR_SPEED && RIGCAL_WITH_THREE_POINTS ? 8 : 0 };
 enum { FOLLOWED = RIGCAL_SEEDS_MAX };
 
 /* How a flat target's seed leans against its first optimum. */
@@ -70,9 +69,6 @@ enum { OTHER_WAY = 0, SIDEWAYS, SIDEWAYS_BACK, LEANS };
 
 /* Whether there is code for rays that far off, which takes the poses of three points. */
 enum { WITH_WIDE = RIGCAL_WITH_THREE_POINTS };
-
-/* Whether there is code that starts few points from three of them. */
-enum { STARTS_FROM_THREE = RIGCAL_FOR_SPEED && RIGCAL_WITH_THREE_POINTS };
 
 enum {
     GATHERING, /* rays, and the sums over the points */
@@ -82,12 +78,6 @@ enum {
     DESCENT,
     CHOOSING /* the next start */
 };
-
-/* How many poses of the widest triple there are. */
-static inline int32_t n_roots(const rigcal_search *s)
-{
-    return STARTS_FROM_THREE ? s->n_roots : 0;
-}
 
 /* ---- the virtual camera -------------------------------------------------- */
 
@@ -101,6 +91,14 @@ static void look_along(rigcal_real R[9], const rigcal_real axis[3])
         R[3 * k + 1] = m2[k];
         R[3 * k + 2] = axis[k];
     }
+}
+
+static inline void turn_to_virtual(rigcal_real turned[3], const rigcal_real axis[3],
+                                   const rigcal_real ray[3])
+{
+    rigcal_real frame[9];
+    look_along(frame, axis);
+    rc_mat3_tmul_vec3(turned, frame, ray);
 }
 
 /* From the virtual camera and size 1 to the camera and the caller's unit. */
@@ -140,9 +138,6 @@ static void begin_gathering(rigcal_search *s)
     s->phase = GATHERING;
     s->point = rc_points_next(&s->points, 0);
     s->next = s->n_seeds = s->n_exact = s->triples = s->leans = s->is_wide = 0;
-    if (STARTS_FROM_THREE) {
-        s->n_roots = 0;
-    }
     s->scale = 1 / s->points.size;
     s->work.triple.count = 0;
     rc_moments_begin(&s->from.lattice.moments);
@@ -194,25 +189,22 @@ static void begin_picking(rigcal_search *s)
     s->work.triple.count = 0;
 }
 
-/* The ray of a point, of any length: where it is quickly had, that needs no root. */
+/* The ray of a point, of any length. */
 static rigcal_status ray_of(rigcal_real ray[3], const rigcal_points *points, size_t i)
 {
     const rigcal_camera *const c = points->view.camera;
     const rigcal_real *const uv = points->view.observations[i].uv;
     if (RC_FOR_SPEED) {
-        const rigcal_real target[2] = {(uv[0] - c->cx) / c->fx, (uv[1] - c->cy) / c->fy};
-        ray[0] = target[0];
-        ray[1] = target[1];
-        ray[2] = 1;
-        if (points->is_pinhole || rc_lens_invert_within(ray, c, target, points->proved2)) {
+        const rigcal_real at[3] = {(uv[0] - c->cx) / c->fx, (uv[1] - c->cy) / c->fy, 1};
+        rc_vec3_copy(ray, at);
+        if (points->is_pinhole || rc_lens_invert_within(ray, c, at, points->proved2)) {
             return RIGCAL_OK;
         }
     }
     return rc_pixel_to_ray(ray, c, uv);
 }
 
-/* Whether a ray is nearer to an axis, along which it has that coordinate, than the angle of
- * that cosine. A ray for speed is of any length. */
+/* Whether a ray is nearer to an axis, along which it is so long, than that cosine's angle. */
 static inline int is_near(rigcal_real along, rigcal_real cosine, const rigcal_real ray[3])
 {
     return along > (RC_FOR_SPEED ? 0 : cosine) &&
@@ -227,7 +219,11 @@ RC_APART static int32_t gather_point(rigcal_search *s, const rigcal_real frame[9
     if (ray_of(ray, &s->points, i) != RIGCAL_OK) {
         return RC_SEEDS_UNSEEN;
     }
-    rc_mat3_tmul_vec3(u, frame, ray);
+    if (RC_FOR_SPEED) {
+        rc_mat3_tmul_vec3(u, frame, ray);
+    } else {
+        turn_to_virtual(u, s->axis, ray);
+    }
     if (!WITH_WIDE && !is_near(ray[2], SPREAD_COSINE, ray)) {
         return RIGCAL_ERR_WIDE_RAY;
     }
@@ -256,8 +252,10 @@ static int32_t gathering_step(rigcal_search *s)
 {
     const size_t n = s->points.view.n;
     int left = s->points.is_pinhole ? PINHOLE_RAYS : 1;
-    rigcal_real frame[9];
-    look_along(frame, s->axis);
+    rigcal_real frame[9]; /* for speed once for all of them */
+    if (RC_FOR_SPEED) {
+        look_along(frame, s->axis);
+    }
     for (; left > 0 && s->point < n; left--) {
         const int32_t came = gather_point(s, frame);
         if (came != RC_SEEDS_BUSY || s->phase != GATHERING) {
@@ -396,7 +394,6 @@ static void scanning_step(rigcal_search *s)
 static void begin_scanning(rigcal_search *s)
 {
     s->phase = SCANNING;
-    s->next = 0;
     s->from.lattice.azimuth[0] = 1;
     s->from.lattice.azimuth[1] = 0;
 }
@@ -427,11 +424,11 @@ static int32_t begin_search(rigcal_search *s)
         s->triples = (s->n_exact > 0) ? TRIPLES : 0;
     }
     s->phase = CHOOSING;
-    if (STARTS_FROM_THREE && s->n_exact == 0 && s->points.n_used <= FEW && !s->is_wide) {
+    if (FEW > 0 && s->n_exact == 0 && s->points.n_used <= FEW && !s->is_wide) {
         s->n_roots = rc_roots_find(&s->optima, &s->points);
         RIGCAL_TRACE("poses of the widest triple", s->n_roots, 0);
     }
-    if (s->n_exact + n_roots(s) == 0) {
+    if (s->n_exact + FEW * s->n_roots == 0) {
         begin_scanning(s);
     }
     return RC_SEEDS_BUSY;
@@ -439,9 +436,10 @@ static int32_t begin_search(rigcal_search *s)
 
 int rc_seeds_scan(rigcal_search *s)
 {
-    if (n_roots(s) == 0 || s->n_seeds > 0) {
+    if (FEW * s->n_roots == 0 || s->n_seeds > 0) {
         return 0;
     }
+    s->next = 0;
     begin_scanning(s);
     return 1;
 }
@@ -551,8 +549,7 @@ static void leaning_direction(rigcal_real m3[3], const rigcal_real first[3],
     (void)rc_vec3_unit(m3, m3);
 }
 
-/* The way of a lean, if it is worth it. After the poses of three points it mostly is downhill
- * to one of them. */
+/* The way of a lean, if it is worth it; after those of three points, not downhill to one. */
 static int32_t try_lean(rigcal_search *s, int32_t lean)
 {
     const rigcal_moments *const sums = &s->from.lattice.moments;
@@ -561,7 +558,7 @@ static int32_t try_lean(rigcal_search *s, int32_t lean)
     found_direction(first, s, 0);
     leaning_direction(m3, first, s->normal, lean);
     RIGCAL_TRACE("lean (0: other way, 1, 2: sideways)", lean, rc_direction_cost(sums, m3));
-    if (n_roots(s) > 0 && (lean != OTHER_WAY || s->optima.n > 1) &&
+    if (FEW * s->n_roots > 0 && (lean != OTHER_WAY || s->optima.n > 1) &&
         leads_to_found(s, m3, rc_direction_cost(sums, m3))) {
         return RC_SEEDS_BUSY;
     }
@@ -598,8 +595,7 @@ int rc_seeds_mirrored(rigcal_search *s)
 
 /* ---- few points ---------------------------------------------------------- */
 
-/* A pose of the widest triple, unless it would only lead to an optimum found. No more
- * optima are found than poses were read, so none of these is overwritten. */
+/* One of the widest triple. No more optima are found than were read: none is overwritten. */
 static int32_t next_root(rigcal_search *s)
 {
     rigcal_transform *const start = &s->work.refinement.cam_from_points;
@@ -618,7 +614,7 @@ RC_APART static int32_t choosing_step(rigcal_search *s)
     if (WITH_WIDE && s->triples > 0) {
         return end_triple(s);
     }
-    if (s->next < n_roots(s) && s->n_seeds == 0) {
+    if (FEW * s->n_roots > 0 && s->next < s->n_roots && s->n_seeds == 0) {
         return next_root(s);
     }
     if (s->is_flat && s->optima.n > 0 && s->leans < LEANS) {

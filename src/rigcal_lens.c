@@ -238,7 +238,7 @@ int rc_lens_is_usable(const rigcal_camera *camera, const rigcal_real x[2])
 }
 
 #if RIGCAL_FOR_SPEED
-/* A disc has all the way from the axis to each of its points. In any direction e of it
+/* (B6) A disc has all the way from the axis to each of its points. In any direction e of it
  * |a| and |b| are at most |g|, so that the bounds of both at once serve for all. */
 rigcal_real rc_lens_proved(const rigcal_camera *camera, rigcal_real reach)
 {

@@ -50,7 +50,7 @@ RIGCAL_FORCE_INLINE static inline void column_of(rigcal_real uvm[3],
     uvm[2] = -(uvm[0] * x[0] + uvm[1] * x[1]);
 }
 
-/* The curvature (E2): what it adds to H by w, and to M, of which these are the last column. */
+/* The curvature (B5): what it adds to H by w, and to M, of which these are the last column. */
 static inline void add_bend(rigcal_real H[21], rigcal_real uvm[3], const rigcal_real q[3],
                             const rigcal_real x[2], const rigcal_real c[2],
                             rigcal_real by_Z)
@@ -68,7 +68,7 @@ static inline void add_bend(rigcal_real H[21], rigcal_real uvm[3], const rigcal_
     H[5] += d0 + d1;
 }
 
-/* What it adds to H (E1), of the block (a h; h b) of M and its last column. Of a pinhole h is
+/* What it adds to H (B5), of the block (a h; h b) of M and its last column. Of a pinhole h is
  * 0. */
 RIGCAL_FORCE_INLINE static inline void add_in_plane(rigcal_real H[21],
                                                     const rigcal_real q[3],
@@ -129,7 +129,7 @@ typedef struct {
     int equations;
 } pass_kind;
 
-/* (E1) The equations of a pinhole or Brown's lens; H NULL: but for it. Written out: here is
+/* (B5) The equations of a pinhole or Brown's lens; H NULL: but for it. Written out: here is
  * where the time of a search goes. */
 RIGCAL_FORCE_INLINE static inline rigcal_status go_through(
     rigcal_real *sum, rigcal_real g[6], rigcal_real H[21], const rigcal_points *points,

@@ -440,9 +440,11 @@ RIGCAL_API rigcal_status rigcal_pose_begin(rigcal_pose_solver *solver, int32_t *
  *   a unit is                                    of one search, at most    usually
  *   the ray of one point (of 16 of a pinhole)    n; 2 n if one is unseen   n
  *   a direction's cost, the equations of a       900 (wide: 2000)          40 to 70
- *     refinement, O(n), or the next start                                  (10 to 120)
- *   the proof that a lens with distortion sees   7 n                       n to 2 n
- *     one point where an optimum puts it
+ *     refinement, O(n), or the next start                                  (10 to 120);
+ *                                                                         n <= 8: 7 to 55
+ *   the proof that a lens with distortion sees   7 n                       1 to 4; of a
+ *     one point where an optimum puts it, or                               fisheye n to
+ *     all of them at once                                                  2 n
  *
  * The first equations of a refinement of a wide target take the rays of all points too. */
 RIGCAL_API rigcal_status rigcal_pose_step(rigcal_pose_solver *solver, int32_t budget);

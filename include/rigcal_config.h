@@ -91,6 +91,19 @@ typedef double rigcal_real;
 #define RIGCAL_WITH_MIRRORED 1
 #endif
 
+/* 1: what is only faster is in too: the equations of a pinhole written out, checks written
+ * out, starts from three of few points (these besides with RIGCAL_WITH_THREE_POINTS), and
+ * the first steps of many points on some of them. 0: the same poses, to rounding, by less
+ * code: some 2 KB of flash. A compiler that is told to optimise for size (-Os) has it at 0
+ * unless it is given. */
+#ifndef RIGCAL_FOR_SPEED
+#ifdef __OPTIMIZE_SIZE__
+#define RIGCAL_FOR_SPEED 0
+#else
+#define RIGCAL_FOR_SPEED 1
+#endif
+#endif
+
 /* The header that declares the functions below; only src/ includes it. */
 #ifndef RIGCAL_MATH_HEADER
 #define RIGCAL_MATH_HEADER <math.h>
@@ -169,6 +182,15 @@ typedef double rigcal_real;
 #define RIGCAL_NOINLINE __attribute__((noinline))
 #else
 #define RIGCAL_NOINLINE
+#endif
+#endif
+
+/* Has a function made anew in each of its callers, for the sake of speed. */
+#ifndef RIGCAL_FORCE_INLINE
+#if defined(__GNUC__)
+#define RIGCAL_FORCE_INLINE __attribute__((always_inline))
+#else
+#define RIGCAL_FORCE_INLINE
 #endif
 #endif
 

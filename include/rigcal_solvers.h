@@ -27,6 +27,8 @@ typedef struct rigcal_points {
     rigcal_real extent_px;  /* that of their pixels */
     rigcal_real pixel_size; /* of rc_pixel_size */
     rigcal_real negligible; /* a change of the sum of squared errors that means nothing */
+    rigcal_real proved2; /* of Brown's lens: x^2 + y^2 up to which it is proved not to fold;
+                               0: of no point */
 } rigcal_points;
 
 /* ---- Nelder-Mead ------------------------------------------------------------ */
@@ -57,6 +59,7 @@ typedef struct rigcal_refinement {
     int32_t evals, is_approach;
     rigcal_transform cam_from_points;
     rigcal_real g[6], H[21];
+    int32_t is_part; /* 1: the next step is by some of the points */
 } rigcal_refinement;
 
 /* ---- where a search of a pose may start ------------------------------------- */
@@ -116,6 +119,7 @@ typedef struct rigcal_search {
         rigcal_descent descent;
         rigcal_refinement refinement;
     } work;
+    int32_t n_roots; /* poses of the widest triple */
 } rigcal_search;
 
 struct rigcal_pose_solver {

@@ -28,6 +28,16 @@ int rc_lens_map(rigcal_real F[2], rigcal_real J[3], const rigcal_camera *camera,
  * F does not fold. A proof by interval bounds, not by samples; at most 1024 steps. */
 int rc_lens_is_usable(const rigcal_camera *camera, const rigcal_real x[2]);
 
+/* Proves the same of a disc about the axis at once, into which the lens maps all within
+ * `reach` of the axis and some more. Returns its radius squared; 0: no proof was found. At
+ * most 8 steps. Brown's lens. */
+rigcal_real rc_lens_proved(const rigcal_camera *camera, rigcal_real reach);
+
+/* x with F(x) = target, within 1e-10 of it, in a disc so proved; 0: not found there, in 5
+ * steps of Newton's method. */
+int rc_lens_invert_within(rigcal_real x[2], const rigcal_camera *camera,
+                          const rigcal_real target[2], rigcal_real proved2);
+
 /* x with |F(x) - target| <= tolerance, where the lens is usable; 0: there is none. At most
  * 127 Newton solves of 60 steps, and 7 proofs. */
 int rc_lens_invert(rigcal_real x[2], const rigcal_camera *camera,

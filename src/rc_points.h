@@ -31,13 +31,31 @@ rigcal_status rc_points_survey(rigcal_points *points, rigcal_real uv_middle[2],
                                int32_t *at_fault);
 
 /* The first point from i on that counts; n when there is none. */
-size_t rc_points_next(const rigcal_points *points, size_t i);
+RC_INLINE size_t rc_points_next(const rigcal_points *points, size_t i)
+{
+    while (i < points->view.n && ((int32_t)i == points->left_out ||
+                                  (points->mask != NULL && points->mask[i] == 0))) {
+        i++;
+    }
+    return i;
+}
 
 /* 1 / sigma^2 of point i. */
-rigcal_real rc_points_weight(const rigcal_points *points, size_t i);
+RC_INLINE rigcal_real rc_points_weight(const rigcal_points *points, size_t i)
+{
+    RIGCAL_ASSERT(i < points->view.n);
+    const rigcal_real *const sigma = points->view.sigma;
+    return (sigma == NULL) ? 1 : 1 / (sigma[i] * sigma[i]);
+}
 
 /* x: point i counted from the origin; of a mirrored target, mirrored there. */
-void rc_points_at(rigcal_real x[3], const rigcal_points *points, size_t i);
+RC_INLINE void rc_points_at(rigcal_real x[3], const rigcal_points *points, size_t i)
+{
+    RIGCAL_ASSERT(i < points->view.n);
+    const rigcal_real *const X = points->view.observations[i].X_w;
+    const rigcal_real *const o = points->origin;
+    rc_vec3_sub(x, points->is_mirrored ? o : X, points->is_mirrored ? X : o);
+}
 
 /* q = R x, and X_c = q + t, the point in the camera's frame. */
 void rc_points_place(rigcal_real q[3], rigcal_real X_c[3], const rigcal_points *points,

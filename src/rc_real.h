@@ -64,6 +64,10 @@ typedef char rc_not_with_fsingle_precision_constant[sizeof 1.0 == sizeof(double)
 #define RC_INLINE inline
 #endif
 
+/* Whether what is only faster is in: code that is written out beside shorter code that
+ * comes to the same, to rounding. */
+enum { RC_FOR_SPEED = RIGCAL_FOR_SPEED };
+
 /* Functions that are inline have a body of their own in rigcal_linalg.c, which is what a
  * compiler for size calls. They may not use the math hooks, which may be static. */
 RC_INLINE rigcal_real rc_max(rigcal_real a, rigcal_real b)

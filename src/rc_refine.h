@@ -19,6 +19,10 @@ rigcal_status rc_refine_equations(rigcal_real *sum, rigcal_real g[6], rigcal_rea
  * is_wide: from errors along the rays at first, whose equations take the ray of every pixel
  * too. */
 void rc_refine_begin(rigcal_refinement *state, int is_wide);
+
+/* After rc_refine_begin: the first step of many points is to be by some of them. */
+void rc_refine_begin_part(rigcal_refinement *state, const rigcal_points *points);
+
 void rc_refine_step(rigcal_refinement *state, const rigcal_points *points,
                     int32_t max_evals);
 

@@ -9,9 +9,8 @@
 
 #include "rc_direction.h"
 #include "rc_neldermead.h"
-#include "rc_optima.h"
-#include "rc_p3p.h"
 #include "rc_refine.h"
+#include "rc_roots.h"
 
 /* What a step came to. */
 enum {
@@ -23,7 +22,7 @@ enum {
     RC_SEEDS_SPENT         /* there is no other start */
 };
 
-/* Begins a search over the points surveyed in s->points. The virtual camera looks along the
+/* Begins a search, all 0 at first, over the points surveyed in s->points. The virtual camera looks along the
  * ray of uv_middle; where that has none, along the camera's own axis. */
 void rc_seeds_begin(rigcal_search *s, const rigcal_real uv_middle[2]);
 
@@ -40,9 +39,7 @@ int rc_seeds_pick(rigcal_search *s);
  * does. Their start is then in search->work.refinement.cam_from_points. */
 int rc_seeds_mirrored(rigcal_search *s);
 
-/* (D) All poses of three of the points from their rays; how many, as of rc_p3p. */
-int32_t rc_poses_of_three(rigcal_transform cam_from_points[RC_P3P_MAX],
-                          const rigcal_points *points, const int32_t index[3],
-                          const rigcal_real ray[3][3]);
+/* The search being spent: begins that of the lattice. 0: it has been, or there is none. */
+int rc_seeds_scan(rigcal_search *s);
 
 #endif /* RC_SEEDS_H */

@@ -21,6 +21,20 @@ void rc_moments_begin(rigcal_moments *sums)
     *sums = (rigcal_moments){0};
 }
 
+/* Adds x x^T to the four sums that have it, so many times; multiplied out once. */
+static inline void add_outers(rigcal_moments *sums, rigcal_real k, rigcal_real weight,
+                              const rigcal_real wu[2], const rigcal_real x[3])
+{
+    const rigcal_real xx[6] = {x[0] * x[0], x[0] * x[1], x[0] * x[2],
+                               x[1] * x[1], x[1] * x[2], x[2] * x[2]};
+    for (int i = 0; i < 6; i++) {
+        sums->K_less_C[i] += k * xx[i];
+        sums->C[i] += weight * xx[i];
+        sums->G[0][i] += wu[0] * xx[i];
+        sums->G[1][i] += wu[1] * xx[i];
+    }
+}
+
 void rc_moments_add(rigcal_moments *sums, rigcal_real weight, const rigcal_real x[3],
                     const rigcal_real u[2])
 {
@@ -30,10 +44,14 @@ void rc_moments_add(rigcal_moments *sums, rigcal_real weight, const rigcal_real 
     sums->weight += weight;
     sums->S += uu;
     rc_vec3_add_scaled(sums->h, uu, x);
-    rc_sym3_add_outer(sums->K_less_C, uu - weight, x);
-    rc_sym3_add_outer(sums->C, weight, x);
-    rc_sym3_add_outer(sums->G[0], wu[0], x);
-    rc_sym3_add_outer(sums->G[1], wu[1], x);
+    if (RC_FOR_SPEED) {
+        add_outers(sums, uu - weight, weight, wu, x);
+    } else {
+        rc_sym3_add_outer(sums->K_less_C, uu - weight, x);
+        rc_sym3_add_outer(sums->C, weight, x);
+        rc_sym3_add_outer(sums->G[0], wu[0], x);
+        rc_sym3_add_outer(sums->G[1], wu[1], x);
+    }
     for (int part = 0; part < 2; part++) {
         sums->u_mean[part] += wu[part];
         rc_vec3_add_scaled(sums->V_mean[part], wu[part], x);

@@ -13,6 +13,22 @@ enum { WALK_MAX = 1024 };
 /* part of the way: a proof that ends so near to the end has reached it. */
 #define WALK_LEFT (4 * RC_EPS)
 
+/* steps: to the radius that a lens maps to the one wanted. */
+enum { REACH_STEPS = 3 };
+
+/* times that radius: the disc of a proof. Points are near where they were seen. */
+#define REACH_MORE RC(1.1)
+
+/* steps: of the proof of a disc, usually 1 or 2. */
+enum { DISC_STEPS = 8 };
+
+/* steps: of Newton's method in such a disc, usually 3. */
+enum { NEAR_STEPS = 5 };
+
+/* squared distance in the plane: Newton's step from so near to the target is the last. What
+ * it misses by is the square of this distance or, in float, rounding. */
+#define NEAR_ENOUGH RC_TOL(1e-10, 1e-8)
+
 /* steps: of a Newton iteration, usually 3 to 6. The worst case that the manual states. */
 enum { NEWTON_MAX = 60 };
 
@@ -44,6 +60,12 @@ static rigcal_real k4_of(const rigcal_camera *camera, int is_in_N)
     return (rc_lens_is_fisheye(camera) == is_in_N) ? camera->k4 : 0;
 }
 
+static inline int has_denominator(const rigcal_camera *camera)
+{
+    return !rc_lens_is_fisheye(camera) &&
+           RC_FABS(camera->k4) + RC_FABS(camera->k5) + RC_FABS(camera->k6) > 0;
+}
+
 /* With d = N / D, d' = (N' - d D') / D and p = d' x + 2 g:
  *   J = (d + 2 g.x) I + p x^T + x p^T */
 int rc_lens_map(rigcal_real F[2], rigcal_real J[3], const rigcal_camera *camera,
@@ -51,18 +73,23 @@ int rc_lens_map(rigcal_real F[2], rigcal_real J[3], const rigcal_camera *camera,
 {
     const rigcal_real g[2] = {camera->p2, camera->p1};
     const rigcal_real s = x[0] * x[0] + x[1] * x[1];
-    rigcal_real N[2] = {k4_of(camera, 1), 0}, D[2] = {camera->k6, 0};
+    rigcal_real N[2] = {k4_of(camera, 1), 0};
     horner(N, s, camera->k3);
     horner(N, s, camera->k2);
     horner(N, s, camera->k1);
     horner(N, s, 1);
-    horner(D, s, camera->k5);
-    horner(D, s, k4_of(camera, 0));
-    horner(D, s, 1);
-    if (!(D[0] > 0)) {
-        return 0;
+    if (!RC_FOR_SPEED || has_denominator(camera)) {
+        rigcal_real D[2] = {camera->k6, 0};
+        horner(D, s, camera->k5);
+        horner(D, s, k4_of(camera, 0));
+        horner(D, s, 1);
+        if (!(D[0] > 0)) {
+            return 0;
+        }
+        N[0] /= D[0];
+        N[1] = (N[1] - N[0] * D[1]) / D[0];
     }
-    const rigcal_real d = N[0] / D[0], slope = (N[1] - d * D[1]) / D[0];
+    const rigcal_real d = N[0], slope = N[1];
     const rigcal_real scale = d + 2 * (g[0] * x[0] + g[1] * x[1]);
     const rigcal_real p[2] = {slope * x[0] + 2 * g[0], slope * x[1] + 2 * g[1]};
 
@@ -210,6 +237,57 @@ int rc_lens_is_usable(const rigcal_camera *camera, const rigcal_real x[2])
     return rc_is_finite(e.end) && e.end - from <= WALK_LEFT * e.end;
 }
 
+#if RIGCAL_FOR_SPEED
+/* (B6) A disc has all the way from the axis to each of its points. In any direction e of it
+ * |a| and |b| are at most |g|, so that the bounds of both at once serve for all. */
+rigcal_real rc_lens_proved(const rigcal_camera *camera, rigcal_real reach)
+{
+    RIGCAL_ASSERT(reach >= 0 && !rc_lens_is_fisheye(camera));
+    const rigcal_real g = RC_SQRT(camera->p1 * camera->p1 + camera->p2 * camera->p2);
+    rigcal_real r = reach, F[2], J[3], from = 0;
+    direction e;
+    for (int i = 0; i < REACH_STEPS; i++) { /* F is no nearer to the axis than `low` */
+        const rigcal_real x[2] = {r, 0};
+        const rigcal_real low =
+            rc_lens_map(F, J, camera, x) ? F[0] - 3 * (camera->p2 + g) * r * r : 0;
+        r *= rc_min(reach / rc_max(low, reach / 2), 2);
+    }
+    r *= REACH_MORE;
+    e.end = r * r;
+    e.ar = -g * r;
+    e.br = g * r;
+    begin_direction(&e, camera);
+    rigcal_real length = e.end;
+    for (int i = 0; i < DISC_STEPS && from < e.end; i++) {
+        if (is_usable_between(&e, from, length)) {
+            from += length;
+            length = e.end - from;
+        } else {
+            length /= 2;
+        }
+    }
+    return from;
+}
+
+int rc_lens_invert_within(rigcal_real x[2], const rigcal_camera *camera,
+                          const rigcal_real target[2], rigcal_real proved2)
+{
+    x[0] = target[0];
+    x[1] = target[1];
+    for (int i = 0; i < NEAR_STEPS && x[0] * x[0] + x[1] * x[1] <= proved2; i++) {
+        rigcal_real F[2], J[3];
+        (void)rc_lens_map(F, J, camera, x);
+        const rigcal_real u = target[0] - F[0], v = target[1] - F[1];
+        const rigcal_real by_det = 1 / (J[0] * J[2] - J[1] * J[1]);
+        x[0] += (J[2] * u - J[1] * v) * by_det;
+        x[1] += (J[0] * v - J[1] * u) * by_det;
+        if (u * u + v * v <= NEAR_ENOUGH) {
+            return x[0] * x[0] + x[1] * x[1] <= proved2;
+        }
+    }
+    return 0;
+}
+#endif
 /* ---- its inverse --------------------------------------------------------- */
 
 /* Newton's method for F(x) = target from x, a place where J is positive definite. A step

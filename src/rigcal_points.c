@@ -43,30 +43,35 @@ void rc_points_of(rigcal_points *points, const rigcal_view *view, const uint8_t 
     points->view = *view;
     points->mask = mask;
     points->left_out = -1;
+    if (RC_FOR_SPEED) {
+        points->proved2 = 0;
+    }
     points->is_mirrored = 0;
 }
 
-size_t rc_points_next(const rigcal_points *points, size_t i)
-{
-    while (i < points->view.n && ((int32_t)i == points->left_out ||
-                                  (points->mask != NULL && points->mask[i] == 0))) {
-        i++;
-    }
-    return i;
-}
-
-RC_APART rigcal_real rc_points_weight(const rigcal_points *points, size_t i)
-{
-    RIGCAL_ASSERT(i < points->view.n);
-    const rigcal_real *const sigma = points->view.sigma;
-    return (sigma == NULL) ? 1 : 1 / (sigma[i] * sigma[i]);
-}
+extern inline size_t rc_points_next(const rigcal_points *points, size_t i);
+extern inline rigcal_real rc_points_weight(const rigcal_points *points, size_t i);
+extern inline void rc_points_at(rigcal_real x[3], const rigcal_points *points, size_t i);
 
 rigcal_real rc_negligible(rigcal_real pixel_size, rigcal_real extent_px)
 {
     RIGCAL_ASSERT(pixel_size > 0 && extent_px >= 0);
     const rigcal_real rounding = PIXEL_ROUNDING * extent_px;
     return rc_max(GAIN_NEGLIGIBLE * pixel_size * pixel_size, rounding * rounding);
+}
+
+/* The farthest pixel off the axis, as the lens has it. */
+static rigcal_real reach_of(const rigcal_points *points)
+{
+    const rigcal_camera *const c = points->view.camera;
+    rigcal_real most = 0;
+    for (size_t i = rc_points_next(points, 0); i < points->view.n;
+         i = rc_points_next(points, i + 1)) {
+        const rigcal_real *const uv = points->view.observations[i].uv;
+        const rigcal_real x = (uv[0] - c->cx) / c->fx, y = (uv[1] - c->cy) / c->fy;
+        most = rc_max(most, x * x + y * y);
+    }
+    return RC_SQRT(most);
 }
 
 /* What *points says of its view besides where the points are. */
@@ -76,12 +81,26 @@ static void prepare(rigcal_points *points, rigcal_real extent_px)
     points->extent_px = extent_px;
     points->pixel_size = rc_pixel_size(points->view.camera);
     points->negligible = rc_negligible(points->pixel_size, extent_px);
+    if (RC_FOR_SPEED && !points->is_pinhole && !rc_lens_is_fisheye(points->view.camera)) {
+        points->proved2 = rc_lens_proved(points->view.camera, reach_of(points));
+    }
 }
 
-/* Observation i, and its sigma. */
+/* Whether an observation is within all limits; NaN is not. */
+static inline int is_within(const rigcal_observation *o)
+{
+    return RC_FABS(o->X_w[0]) <= RC_COORDINATE_MAX &&
+           RC_FABS(o->X_w[1]) <= RC_COORDINATE_MAX &&
+           RC_FABS(o->X_w[2]) <= RC_COORDINATE_MAX && RC_FABS(o->uv[0]) <= RC_PIXEL_MAX &&
+           RC_FABS(o->uv[1]) <= RC_PIXEL_MAX;
+}
+
+/* Observation i, and its sigma. What is wrong with it is only asked if something is. */
 static rigcal_status check_point(const rigcal_view *view, size_t i)
 {
-    const rigcal_status status = rc_check_observation(&view->observations[i]);
+    const rigcal_observation *const o = &view->observations[i];
+    const rigcal_status status =
+        (RC_FOR_SPEED && is_within(o)) ? RIGCAL_OK : rc_check_observation(o);
     return (status == RIGCAL_OK && view->sigma != NULL) ? check_sigma(&view->sigma[i])
                                                         : status;
 }
@@ -135,14 +154,6 @@ rigcal_status rc_points_survey(rigcal_points *points, rigcal_real uv_middle[2],
 }
 
 /* ---- one point ----------------------------------------------------------- */
-
-void rc_points_at(rigcal_real x[3], const rigcal_points *points, size_t i)
-{
-    RIGCAL_ASSERT(i < points->view.n);
-    const rigcal_real *const X = points->view.observations[i].X_w;
-    const rigcal_real *const o = points->origin;
-    rc_vec3_sub(x, points->is_mirrored ? o : X, points->is_mirrored ? X : o);
-}
 
 void rc_points_place(rigcal_real q[3], rigcal_real X_c[3], const rigcal_points *points,
                      const rigcal_transform *cam_from_points, size_t i)

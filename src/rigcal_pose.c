@@ -201,6 +201,14 @@ static void end_mirrored(rigcal_pose_solver *s)
     end_search(s);
 }
 
+/* Goes on by the lattice where the poses of three points led to none that fits. */
+static int searches_on(rigcal_pose_solver *s)
+{
+    return RC_FOR_SPEED &&
+           (s->search.optima.n == 0 || is_poor(s, NOISE_MOST, DEVIATIONS)) &&
+           rc_seeds_scan(&s->search);
+}
+
 static void seeding_step(rigcal_pose_solver *s)
 {
     const int32_t came = rc_seeds_step(&s->search);
@@ -217,7 +225,9 @@ static void seeding_step(rigcal_pose_solver *s)
             end_search(s);
         }
     } else if (came == RC_SEEDS_SPENT) {
-        end_seeding(s);
+        if (!searches_on(s)) {
+            end_seeding(s);
+        }
     } else {
         fail(s, came,
              (came == RIGCAL_ERR_WIDE_RAY) ? (int32_t)s->search.point : s->at_fault);
@@ -290,10 +300,30 @@ static void end_refinement(rigcal_pose_solver *s)
     }
 }
 
+/* Goes on over the points that are seen where the lens is proved already. */
+static void skip_proved(rigcal_pose_solver *s)
+{
+    const rigcal_points *const points = &s->search.points;
+    for (; s->next < points->view.n; s->next = rc_points_next(points, s->next + 1)) {
+        rigcal_real q[3], X[3];
+        rc_points_place(q, X, points, &s->search.work.refinement.cam_from_points, s->next);
+        if (!(X[2] > 0 && X[0] * X[0] + X[1] * X[1] <= points->proved2 * X[2] * X[2])) {
+            return;
+        }
+    }
+}
+
 RC_APART static void proving_step(rigcal_pose_solver *s)
 {
     const rigcal_points *const points = &s->search.points;
     rigcal_real q[3], X_c[3], uv[2];
+    if (RC_FOR_SPEED && points->proved2 > 0) {
+        skip_proved(s);
+        if (s->next == points->view.n) {
+            settle(s, 1);
+            return;
+        }
+    }
     rc_points_place(q, X_c, points, &s->search.work.refinement.cam_from_points, s->next);
     const int is_seen = rc_project_usable(uv, points->view.camera, X_c) == RIGCAL_OK;
     if (!is_seen) {
@@ -390,6 +420,9 @@ static void begin_warm(rigcal_pose_solver *s, const rigcal_transform *start)
     rc_transform_point(cam_from_points->t, start, s->search.points.origin);
     s->is_warm = 1;
     begin_refining(s, REFINING, 0);
+    if (RC_FOR_SPEED) {
+        rc_refine_begin_part(&s->search.work.refinement, &s->search.points);
+    }
 }
 
 rigcal_status rc_pose_begin(rigcal_pose_solver *solver, int32_t *at_fault,

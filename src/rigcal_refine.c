@@ -11,10 +11,181 @@
 /* steps: of an approach, usually 3 to 5. */
 enum { APPROACH_STEPS = 12 };
 
+/* points: of the part that the first step of a refinement of many points, twice as many at
+ * least, may go by. */
+enum { PART = 12 };
+
+/* part of the sum: where a step gains no more, H is nearly the same after it. */
+#define SAME_H RC(1e-3)
+
 /* Whether there is code for rays far off the axis, which takes poses of three points. */
 enum { WITH_WIDE = RIGCAL_WITH_THREE_POINTS };
 
 /* ---- the equations ------------------------------------------------------- */
+
+/* What a point adds to g: x, where it is in the lens's plane; c, the force along X and Y. */
+static inline void add_force(rigcal_real g[6], const rigcal_real q[3],
+                             const rigcal_real x[2], const rigcal_real c[2])
+{
+    const rigcal_real along = -(c[0] * x[0] + c[1] * x[1]);
+    g[0] += q[1] * along - q[2] * c[1];
+    g[1] += q[2] * c[0] - q[0] * along;
+    g[2] += q[0] * c[1] - q[1] * c[0];
+    g[3] += c[0];
+    g[4] += c[1];
+    g[5] += along;
+}
+
+/* The last column (u, v, m) of M. */
+RIGCAL_FORCE_INLINE static inline void column_of(rigcal_real uvm[3],
+                                                 const rigcal_real ahb[3],
+                                                 const rigcal_real x[2], int is_pinhole)
+{
+    uvm[0] = -ahb[0] * x[0];
+    uvm[1] = -ahb[2] * x[1];
+    if (!is_pinhole) {
+        uvm[0] -= ahb[1] * x[1];
+        uvm[1] -= ahb[1] * x[0];
+    }
+    uvm[2] = -(uvm[0] * x[0] + uvm[1] * x[1]);
+}
+
+/* The curvature (B5): what it adds to H by w, and to M, of which these are the last column. */
+static inline void add_bend(rigcal_real H[21], rigcal_real uvm[3], const rigcal_real q[3],
+                            const rigcal_real x[2], const rigcal_real c[2],
+                            rigcal_real by_Z)
+{
+    const rigcal_real along = -(c[0] * x[0] + c[1] * x[1]);
+    const rigcal_real d0 = c[0] * q[0], d1 = c[1] * q[1], d2 = along * q[2];
+    uvm[0] += c[0] * by_Z;
+    uvm[1] += c[1] * by_Z;
+    uvm[2] += 2 * along * by_Z;
+    H[0] += d1 + d2;
+    H[1] -= (c[0] * q[1] + c[1] * q[0]) / 2;
+    H[2] -= (c[0] * q[2] + along * q[0]) / 2;
+    H[3] += d0 + d2;
+    H[4] -= (c[1] * q[2] + along * q[1]) / 2;
+    H[5] += d0 + d1;
+}
+
+/* What it adds to H (B5), of the block (a h; h b) of M and its last column. Of a pinhole h is
+ * 0. */
+RIGCAL_FORCE_INLINE static inline void add_in_plane(rigcal_real H[21],
+                                                    const rigcal_real q[3],
+                                                    const rigcal_real ahb[3],
+                                                    const rigcal_real uvm[3],
+                                                    int is_pinhole)
+{
+    const rigcal_real a = ahb[0], h = ahb[1], b = ahb[2];
+    const rigcal_real u = uvm[0], v = uvm[1], m = uvm[2];
+    H[15] += a;
+    if (!is_pinhole) {
+        H[16] += h;
+    }
+    H[17] += u;
+    H[18] += b;
+    H[19] += v;
+    H[20] += m;
+    const rigcal_real k00 = is_pinhole ? q[1] * u : q[1] * u - q[2] * h;
+    const rigcal_real k01 = q[1] * v - q[2] * b;
+    const rigcal_real k02 = q[1] * m - q[2] * v;
+    const rigcal_real k10 = q[2] * a - q[0] * u;
+    const rigcal_real k11 = is_pinhole ? -q[0] * v : q[2] * h - q[0] * v;
+    const rigcal_real k12 = q[2] * u - q[0] * m;
+    const rigcal_real k20 = is_pinhole ? -q[1] * a : q[0] * h - q[1] * a;
+    const rigcal_real k21 = is_pinhole ? q[0] * b : q[0] * b - q[1] * h;
+    const rigcal_real k22 = q[0] * v - q[1] * u;
+    H[6] += k00;
+    H[7] += k01;
+    H[8] += k02;
+    H[9] += k10;
+    H[10] += k11;
+    H[11] += k12;
+    H[12] += k20;
+    H[13] += k21;
+    H[14] += k22;
+    H[0] += q[1] * k02 - q[2] * k01;
+    H[1] += q[2] * k00 - q[0] * k02;
+    H[2] += q[0] * k01 - q[1] * k00;
+    H[3] += q[2] * k10 - q[0] * k12;
+    H[4] += q[0] * k11 - q[1] * k10;
+    H[5] += q[0] * k21 - q[1] * k20;
+}
+
+/* c = J c, (a h; h b) = J (a 0; 0 b) J */
+static inline void pull_back(rigcal_real c[2], rigcal_real ahb[3], const rigcal_real J[3])
+{
+    const rigcal_real a = ahb[0], b = ahb[2], c0 = c[0];
+    c[0] = J[0] * c0 + J[1] * c[1];
+    c[1] = J[1] * c0 + J[2] * c[1];
+    ahb[0] = a * J[0] * J[0] + b * J[1] * J[1];
+    ahb[1] = J[1] * (a * J[0] + b * J[2]);
+    ahb[2] = a * J[1] * J[1] + b * J[2] * J[2];
+}
+
+/* Which points are gone through, and for what. */
+typedef struct {
+    size_t n, stride; /* one in `stride` of the first n observations */
+    int equations;
+} pass_kind;
+
+/* (B5) The equations of a pinhole or Brown's lens; H NULL: but for it. Written out: here is
+ * where the time of a search goes. */
+RIGCAL_FORCE_INLINE static inline rigcal_status go_through(
+    rigcal_real *sum, rigcal_real g[6], rigcal_real H[21], const rigcal_points *points,
+    const rigcal_transform *T, const pass_kind *pass, int is_pinhole)
+{
+    const rigcal_camera *const camera = points->view.camera;
+    const rigcal_real fx = camera->fx, fy = camera->fy;
+    rigcal_real total = 0;
+    size_t more = 0; /* every other stride is longer, lest it be a row of a grid */
+    for (size_t i = rc_points_next(points, 0); i < pass->n;
+         i = rc_points_next(points, i + pass->stride + more)) {
+        const rigcal_real *const uv = points->view.observations[i].uv;
+        const rigcal_real weight = rc_points_weight(points, i);
+        more = (pass->stride > 1) ? 1 - more : 0;
+        rigcal_real X[3], q[3], J[3], uvm[3];
+        rc_points_at(X, points, i);
+        rc_mat3_mul_vec3(q, T->R, X);
+        const rigcal_real Z = q[2] + T->t[2], by_Z = 1 / Z;
+        const rigcal_real x[2] = {(q[0] + T->t[0]) * by_Z, (q[1] + T->t[1]) * by_Z};
+        rigcal_real F[2] = {x[0], x[1]};
+        if (!(Z > 0)) {
+            return RIGCAL_ERR_BEHIND;
+        }
+        if (!is_pinhole && !rc_lens_map(F, J, camera, x)) {
+            return RIGCAL_ERR_NO_RAY;
+        }
+        const rigcal_real bu = fx * by_Z, bv = fy * by_Z, wu = weight * bu,
+                          wv = weight * bv;
+        const rigcal_real eu = uv[0] - (fx * F[0] + camera->cx);
+        const rigcal_real ev = uv[1] - (fy * F[1] + camera->cy);
+        rigcal_real c[2] = {wu * eu, wv * ev}, ahb[3] = {wu * bu, 0, wv * bv};
+        if (!is_pinhole) {
+            pull_back(c, ahb, J);
+        }
+        total += weight * (eu * eu + ev * ev);
+        add_force(g, q, x, c);
+        if (H == NULL) {
+            continue;
+        }
+        column_of(uvm, ahb, x, is_pinhole);
+        if (pass->equations != RC_GAUSS_NEWTON) {
+            add_bend(H, uvm, q, x, c, by_Z);
+        }
+        add_in_plane(H, q, ahb, uvm, is_pinhole);
+    }
+    *sum = total;
+    return rc_is_finite(total) ? RIGCAL_OK : RIGCAL_ERR_NO_RAY;
+}
+
+static rigcal_status plane_equations(rigcal_real *sum, rigcal_real g[6], rigcal_real H[21],
+                                     const rigcal_points *points, const rigcal_transform *T,
+                                     const pass_kind *pass)
+{
+    return points->is_pinhole ? go_through(sum, g, H, points, T, pass, 1)
+                              : go_through(sum, g, H, points, T, pass, 0);
+}
 
 rigcal_status rc_refine_equations(rigcal_real *sum, rigcal_real g[6], rigcal_real H[21],
                                   const rigcal_points *points, size_t n,
@@ -72,14 +243,61 @@ void rc_refine_begin(rigcal_refinement *state, int is_wide)
     rc_levenberg_begin(&state->search, is_wide);
     state->evals = 0;
     state->is_approach = is_wide;
+    if (RC_FOR_SPEED) {
+        state->is_part = 0;
+    }
+}
+
+void rc_refine_begin_part(rigcal_refinement *state, const rigcal_points *points)
+{
+    state->is_part = RC_FOR_SPEED && points->n_used >= 2 * PART &&
+                     !rc_lens_is_fisheye(points->view.camera);
 }
 
 /* *sum, state->g and state->H where `state` is. */
 static rigcal_status evaluate(rigcal_real *sum, rigcal_refinement *state,
                               const rigcal_points *points)
 {
+    if (RC_FOR_SPEED && !rc_lens_is_fisheye(points->view.camera)) {
+        const pass_kind pass = {points->view.n, 1, state->search.equations};
+        rc_rigid_clear(state->g, state->H);
+        return plane_equations(sum, state->g, state->H, points, &state->cam_from_points,
+                               &pass);
+    }
     return rc_refine_equations(sum, state->g, state->H, points, points->view.n,
                                &state->cam_from_points, state->search.equations);
+}
+
+/* The same but for H, where that is quicker. */
+static rigcal_status evaluate_force(rigcal_real *sum, rigcal_refinement *state,
+                                    const rigcal_points *points)
+{
+    if (state->search.equations != RC_GAUSS_NEWTON ||
+        rc_lens_is_fisheye(points->view.camera)) {
+        return evaluate(sum, state, points);
+    }
+    for (int k = 0; k < 6; k++) {
+        state->g[k] = 0;
+    }
+    const pass_kind pass = {points->view.n, 1, RC_GAUSS_NEWTON};
+    return points->is_pinhole
+               ? go_through(sum, state->g, NULL, points, &state->cam_from_points, &pass, 1)
+               : go_through(sum, state->g, NULL, points, &state->cam_from_points, &pass, 0);
+}
+
+/* A step by some of the points, which costs next to nothing. It is not refused: whatever it
+ * comes to, all points go on from there. */
+RC_APART static void part_step(rigcal_refinement *state, const rigcal_points *points)
+{
+    rigcal_real sum, gain, d[6];
+    rc_rigid_clear(state->g, state->H);
+    const pass_kind pass = {points->view.n, points->n_used / PART, RC_GAUSS_NEWTON};
+    if (plane_equations(&sum, state->g, state->H, points, &state->cam_from_points, &pass) ==
+            RIGCAL_OK &&
+        damped_step(d, &gain, state)) {
+        rc_transform_move(&state->cam_from_points, d);
+    }
+    state->is_part = 0;
 }
 
 /* A step of Gauss and Newton on errors along the rays. It is neither damped nor refused:
@@ -117,7 +335,9 @@ static void try_step(rigcal_refinement *state, const rigcal_points *points,
     rigcal_real sum = 0, t[3];
     rc_vec3_copy(t, pose->t);
     rc_transform_move(pose, d);
-    const rigcal_status status = evaluate(&sum, state, points);
+    const int is_same_H = RC_FOR_SPEED && gain <= SAME_H * state->search.sum;
+    const rigcal_status status =
+        is_same_H ? evaluate_force(&sum, state, points) : evaluate(&sum, state, points);
     if (!rc_levenberg_tried(&state->search, status, sum, gain, points->negligible)) {
         rc_vec3_scale(d, -1, d);
         rc_transform_move(pose, d);
@@ -152,6 +372,8 @@ void rc_refine_step(rigcal_refinement *state, const rigcal_points *points,
     state->evals++;
     if (WITH_WIDE && state->is_approach) {
         approach(state, points);
+    } else if (RC_FOR_SPEED && state->is_part) {
+        part_step(state, points);
     } else {
         search(state, points);
     }

@@ -59,7 +59,9 @@ enum { PINHOLE_RAYS = 16 };
  * that fits. */
 enum { TRIPLES = 6 };
 
-/* The best directions of the lattice are followed. */
+/* points: so few start from the poses of three of them, where there is code for it. The
+ * best directions of the lattice are followed. */
+enum { FEW = RIGCAL_FOR_SPEED && RIGCAL_WITH_THREE_POINTS ? 8 : 0 };
 enum { FOLLOWED = RIGCAL_SEEDS_MAX };
 
 /* How a flat target's seed leans against its first optimum. */
@@ -91,12 +93,12 @@ static void look_along(rigcal_real R[9], const rigcal_real axis[3])
     }
 }
 
-static void turn_to_virtual(rigcal_real turned[3], const rigcal_real axis[3],
-                            const rigcal_real ray[3])
+static inline void turn_to_virtual(rigcal_real turned[3], const rigcal_real axis[3],
+                                   const rigcal_real ray[3])
 {
-    rigcal_real cam_from_virtual[9];
-    look_along(cam_from_virtual, axis);
-    rc_mat3_tmul_vec3(turned, cam_from_virtual, ray);
+    rigcal_real frame[9];
+    look_along(frame, axis);
+    rc_mat3_tmul_vec3(turned, frame, ray);
 }
 
 /* From the virtual camera and size 1 to the camera and the caller's unit. */
@@ -174,6 +176,9 @@ static void count_point(rigcal_search *s, size_t i, const rigcal_real ray[3])
     if (triple->count < 3) {
         triple->index[triple->count] = (int32_t)i;
         rc_vec3_copy(triple->ray[triple->count], ray);
+        if (RC_FOR_SPEED) {
+            (void)rc_vec3_unit(triple->ray[triple->count], ray);
+        }
     }
     triple->count++;
 }
@@ -184,20 +189,45 @@ static void begin_picking(rigcal_search *s)
     s->work.triple.count = 0;
 }
 
+/* The ray of a point, of any length. */
+static rigcal_status ray_of(rigcal_real ray[3], const rigcal_points *points, size_t i)
+{
+    const rigcal_camera *const c = points->view.camera;
+    const rigcal_real *const uv = points->view.observations[i].uv;
+    if (RC_FOR_SPEED) {
+        const rigcal_real at[3] = {(uv[0] - c->cx) / c->fx, (uv[1] - c->cy) / c->fy, 1};
+        rc_vec3_copy(ray, at);
+        if (points->is_pinhole || rc_lens_invert_within(ray, c, at, points->proved2)) {
+            return RIGCAL_OK;
+        }
+    }
+    return rc_pixel_to_ray(ray, c, uv);
+}
+
+/* Whether a ray is nearer to an axis, along which it is so long, than that cosine's angle. */
+static inline int is_near(rigcal_real along, rigcal_real cosine, const rigcal_real ray[3])
+{
+    return along > (RC_FOR_SPEED ? 0 : cosine) &&
+           (!RC_FOR_SPEED || along * along > cosine * cosine * rc_vec3_dot(ray, ray));
+}
+
 /* Point s->point, scaled to size 1, and its image in the virtual camera. */
-RC_APART static int32_t gather_point(rigcal_search *s)
+RC_APART static int32_t gather_point(rigcal_search *s, const rigcal_real frame[9])
 {
     const size_t i = s->point;
     rigcal_real x[3], ray[3], u[3];
-    if (rc_pixel_to_ray(ray, s->points.view.camera, s->points.view.observations[i].uv) !=
-        RIGCAL_OK) {
+    if (ray_of(ray, &s->points, i) != RIGCAL_OK) {
         return RC_SEEDS_UNSEEN;
     }
-    turn_to_virtual(u, s->axis, ray);
-    if (!WITH_WIDE && !(ray[2] > SPREAD_COSINE)) {
+    if (RC_FOR_SPEED) {
+        rc_mat3_tmul_vec3(u, frame, ray);
+    } else {
+        turn_to_virtual(u, s->axis, ray);
+    }
+    if (!WITH_WIDE && !is_near(ray[2], SPREAD_COSINE, ray)) {
         return RIGCAL_ERR_WIDE_RAY;
     }
-    if (!(u[2] > SPREAD_COSINE)) {
+    if (!is_near(u[2], SPREAD_COSINE, ray)) {
         if (WITH_WIDE) {
             RIGCAL_TRACE("rays too far apart for the lattice: point", i, u[2]);
             s->is_wide = 1;
@@ -208,7 +238,7 @@ RC_APART static int32_t gather_point(rigcal_search *s)
         }
         return RC_SEEDS_BUSY;
     }
-    s->is_wide |= WITH_WIDE && !(ray[2] > WIDE_COSINE);
+    s->is_wide |= WITH_WIDE && !is_near(ray[2], WIDE_COSINE, ray);
     rc_vec3_scale(u, 1 / u[2], u);
     rc_points_at(x, &s->points, i);
     rc_vec3_scale(x, s->scale, x);
@@ -222,8 +252,12 @@ static int32_t gathering_step(rigcal_search *s)
 {
     const size_t n = s->points.view.n;
     int left = s->points.is_pinhole ? PINHOLE_RAYS : 1;
+    rigcal_real frame[9]; /* for speed once for all of them */
+    if (RC_FOR_SPEED) {
+        look_along(frame, s->axis);
+    }
     for (; left > 0 && s->point < n; left--) {
-        const int32_t came = gather_point(s);
+        const int32_t came = gather_point(s, frame);
         if (came != RC_SEEDS_BUSY || s->phase != GATHERING) {
             return came;
         }
@@ -235,19 +269,6 @@ static int32_t gathering_step(rigcal_search *s)
 }
 
 /* ---- three points -------------------------------------------------------- */
-
-RC_APART int32_t rc_poses_of_three(rigcal_transform cam_from_points[RC_P3P_MAX],
-                                   const rigcal_points *points, const int32_t index[3],
-                                   const rigcal_real ray[3][3])
-{
-    RIGCAL_ASSERT(index[0] != index[1] && index[0] != index[2] && index[1] != index[2]);
-    RIGCAL_ASSERT(RC_IS_UNIT(ray[0]) && RC_IS_UNIT(ray[1]) && RC_IS_UNIT(ray[2]));
-    rigcal_real x[3][3];
-    for (int k = 0; k < 3; k++) {
-        rc_points_at(x[k], points, (size_t)index[k]);
-    }
-    return rc_p3p(cam_from_points, (const rigcal_real(*)[3])x, ray);
-}
 
 int rc_seeds_pick(rigcal_search *s)
 {
@@ -370,6 +391,13 @@ static void scanning_step(rigcal_search *s)
     }
 }
 
+static void begin_scanning(rigcal_search *s)
+{
+    s->phase = SCANNING;
+    s->from.lattice.azimuth[0] = 1;
+    s->from.lattice.azimuth[1] = 0;
+}
+
 /* All points have been gathered. */
 static int32_t begin_search(rigcal_search *s)
 {
@@ -396,12 +424,24 @@ static int32_t begin_search(rigcal_search *s)
         s->triples = (s->n_exact > 0) ? TRIPLES : 0;
     }
     s->phase = CHOOSING;
-    if (s->n_exact == 0) {
-        s->phase = SCANNING;
-        s->from.lattice.azimuth[0] = 1;
-        s->from.lattice.azimuth[1] = 0;
+    if (FEW > 0 && s->n_exact == 0 && s->points.n_used <= FEW && !s->is_wide) {
+        s->n_roots = rc_roots_find(&s->optima, &s->points);
+        RIGCAL_TRACE("poses of the widest triple", s->n_roots, 0);
+    }
+    if (s->n_exact + FEW * s->n_roots == 0) {
+        begin_scanning(s);
     }
     return RC_SEEDS_BUSY;
+}
+
+int rc_seeds_scan(rigcal_search *s)
+{
+    if (FEW * s->n_roots == 0 || s->n_seeds > 0) {
+        return 0;
+    }
+    s->next = 0;
+    begin_scanning(s);
+    return 1;
 }
 
 /* ---- the descent --------------------------------------------------------- */
@@ -509,7 +549,7 @@ static void leaning_direction(rigcal_real m3[3], const rigcal_real first[3],
     (void)rc_vec3_unit(m3, m3);
 }
 
-/* The way of a lean, if it is worth it. */
+/* The way of a lean, if it is worth it; after those of three points, not downhill to one. */
 static int32_t try_lean(rigcal_search *s, int32_t lean)
 {
     const rigcal_moments *const sums = &s->from.lattice.moments;
@@ -518,6 +558,10 @@ static int32_t try_lean(rigcal_search *s, int32_t lean)
     found_direction(first, s, 0);
     leaning_direction(m3, first, s->normal, lean);
     RIGCAL_TRACE("lean (0: other way, 1, 2: sideways)", lean, rc_direction_cost(sums, m3));
+    if (FEW * s->n_roots > 0 && (lean != OTHER_WAY || s->optima.n > 1) &&
+        leads_to_found(s, m3, rc_direction_cost(sums, m3))) {
+        return RC_SEEDS_BUSY;
+    }
     return (lean == OTHER_WAY ||
             rc_direction_cost(sums, m3) * n < SHALLOW * rc_direction_cost(sums, first))
                ? follow(s, m3)
@@ -549,6 +593,17 @@ int rc_seeds_mirrored(rigcal_search *s)
     return 1;
 }
 
+/* ---- few points ---------------------------------------------------------- */
+
+/* One of the widest triple. No more optima are found than were read: none is overwritten. */
+static int32_t next_root(rigcal_search *s)
+{
+    rigcal_transform *const start = &s->work.refinement.cam_from_points;
+    rc_optimum_transform(start, &s->optima.list[s->next++]);
+    return (rc_optima_near(&s->optima, start->R, SAME_BASIN) < 0) ? RC_SEEDS_START
+                                                                  : RC_SEEDS_BUSY;
+}
+
 /* ---- the next start ------------------------------------------------------ */
 
 RC_APART static int32_t choosing_step(rigcal_search *s)
@@ -558,6 +613,9 @@ RC_APART static int32_t choosing_step(rigcal_search *s)
     }
     if (WITH_WIDE && s->triples > 0) {
         return end_triple(s);
+    }
+    if (FEW * s->n_roots > 0 && s->next < s->n_roots && s->n_seeds == 0) {
+        return next_root(s);
     }
     if (s->is_flat && s->optima.n > 0 && s->leans < LEANS) {
         return try_lean(s, s->leans++);

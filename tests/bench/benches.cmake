@@ -68,6 +68,9 @@ endif()
 
 bench(bench_wide rigcal_bench_support check ${wide_scenes})
 
+# What a solve costs: that its scenes are solved.
+bench(bench_cost rigcal_bench_support check)
+
 bench(bench_choose rigcal_test_support 1)
 
 # Which views of a rig are named.

@@ -1,0 +1,104 @@
+#include "rc_roots.h"
+
+/* ---- constants ----------------------------------------------------------- */
+
+/* times the least sum of squared errors, and a pixel's square: a pose of three points by
+ * which the others are farther off is none of them all. */
+#define ROOT_WORSE RC(100)
+
+/* of its longest side: a triple that is no wider leaves the turn about that side to noise,
+ * and its poses are no starts. */
+#define NARROW RC(0.25)
+
+/* ---- three points -------------------------------------------------------- */
+
+RC_APART int32_t rc_poses_of_three(rigcal_transform cam_from_points[RC_P3P_MAX],
+                                   const rigcal_points *points, const int32_t index[3],
+                                   const rigcal_real ray[3][3])
+{
+    RIGCAL_ASSERT(index[0] != index[1] && index[0] != index[2] && index[1] != index[2]);
+    RIGCAL_ASSERT(RC_IS_UNIT(ray[0]) && RC_IS_UNIT(ray[1]) && RC_IS_UNIT(ray[2]));
+    rigcal_real x[3][3];
+    for (int k = 0; k < 3; k++) {
+        rc_points_at(x[k], points, (size_t)index[k]);
+    }
+    return rc_p3p(cam_from_points, (const rigcal_real(*)[3])x, ray);
+}
+
+#if RIGCAL_FOR_SPEED && RIGCAL_WITH_THREE_POINTS
+/* ---- the widest three ---------------------------------------------------- */
+
+/* The point farthest from the origin; that farthest from it; and that which is farthest
+ * from the line of both. 0: it is near that line. */
+static int widest_triple(int32_t index[3], const rigcal_points *points)
+{
+    rigcal_real from[3] = {0, 0, 0}, side[3] = {0, 0, 0}, x[3], across[3], most = -1;
+    for (int k = 0; k < 3; k++) {
+        most = -1;
+        for (size_t i = rc_points_next(points, 0); i < points->view.n;
+             i = rc_points_next(points, i + 1)) {
+            rc_points_at(x, points, i);
+            rc_vec3_sub(x, x, from);
+            rc_vec3_cross(across, side, x);
+            const rigcal_real far =
+                (k < 2) ? rc_vec3_dot(x, x) : rc_vec3_dot(across, across);
+            if (far > most) {
+                most = far;
+                index[k] = (int32_t)i;
+            }
+        }
+        rc_points_at(x, points, (size_t)index[k]);
+        if (k == 0) {
+            rc_vec3_copy(from, x);
+        } else if (k == 1) {
+            rc_vec3_sub(side, x, from);
+        }
+    }
+    const rigcal_real squared = rc_vec3_dot(side, side);
+    return most > NARROW * NARROW * squared * squared;
+}
+
+/* By how much the points other than those three are off. */
+static rigcal_real sum_of_others(const rigcal_points *points, const rigcal_transform *T,
+                                 const int32_t index[3])
+{
+    rigcal_real sum = 0;
+    for (size_t i = rc_points_next(points, 0); i < points->view.n;
+         i = rc_points_next(points, i + 1)) {
+        const int32_t k = (int32_t)i;
+        if (k != index[0] && k != index[1] && k != index[2]) {
+            sum += rc_min(rc_points_error2(points, T, i), RC_MAX / ROOT_WORSE);
+        }
+    }
+    return sum;
+}
+
+int32_t rc_roots_find(rigcal_optima *optima, const rigcal_points *points)
+{
+    RIGCAL_ASSERT(optima->n == 0 && points->n_used > 3);
+    rigcal_transform root[RC_P3P_MAX];
+    rigcal_real ray[3][3];
+    int32_t index[3], kept = 0;
+    if (!widest_triple(index, points)) {
+        return 0;
+    }
+    for (int k = 0; k < 3; k++) {
+        if (rc_pixel_to_ray(ray[k], points->view.camera,
+                            points->view.observations[index[k]].uv) != RIGCAL_OK) {
+            return 0;
+        }
+    }
+    const int32_t n = rc_poses_of_three(root, points, index, (const rigcal_real(*)[3])ray);
+    for (int32_t k = 0; k < n; k++) {
+        (void)rc_optima_insert(optima, -1, &root[k],
+                               sum_of_others(points, &root[k], index));
+    }
+    const rigcal_real pixel = points->pixel_size;
+    while (kept < n &&
+           optima->list[kept].sse <= ROOT_WORSE * (optima->list[0].sse + pixel * pixel)) {
+        kept++;
+    }
+    optima->n = 0;
+    return kept;
+}
+#endif

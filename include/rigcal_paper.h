@@ -68,9 +68,9 @@ RIGCAL_API rigcal_status rigcal_neldermead_step(rigcal_neldermead *nm, rigcal_co
 
 /* The best vertex so far, at any time after the first cost was told: x[k], its cost,
  * evaluations spent (`cost` and `evals` may be NULL). A reflection becomes a vertex after
- * its expansion was told: until then, or where the evaluations end, it does not count. RUNNING, OK (the tolerances are met),
- * BUDGET_SPENT (max_evals), ERR_NULL, ERR_STATE (too early), or ERR_NOT_FINITE (no vertex
- * has a finite cost). */
+ * its expansion was told: until then, or where the evaluations end, it does not count.
+ * RUNNING, OK (the tolerances are met), BUDGET_SPENT (max_evals), ERR_NULL, ERR_STATE (too
+ * early), or ERR_NOT_FINITE (no vertex has a finite cost). */
 RIGCAL_API rigcal_status rigcal_neldermead_result(rigcal_real x[], rigcal_real *cost,
                                                   int32_t *evals,
                                                   const rigcal_neldermead *nm);

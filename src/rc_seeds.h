@@ -22,8 +22,9 @@ enum {
     RC_SEEDS_SPENT         /* there is no other start */
 };
 
-/* Begins a search, all 0 at first, over the points surveyed in s->points. The virtual camera looks along the
- * ray of uv_middle; where that has none, along the camera's own axis. */
+/* Begins a search, all 0 at first, over the points surveyed in s->points. The virtual
+ * camera looks along the ray of uv_middle; where that has none, along the camera's own
+ * axis. */
 void rc_seeds_begin(rigcal_search *s, const rigcal_real uv_middle[2]);
 
 /* One ray (of a pinhole, whose rays cost next to nothing, up to 16), one cost of a

@@ -23,7 +23,7 @@ enum { WITH_WIDE = RIGCAL_WITH_THREE_POINTS };
 
 /* ---- the equations ------------------------------------------------------- */
 
-/* What a point adds to g: x, where it is in the lens's plane; c, the force along X and Y. */
+/* Adds a point to g: x, its place in the lens's plane; c, the force along X and Y. */
 static inline void add_force(rigcal_real g[6], const rigcal_real q[3],
                              const rigcal_real x[2], const rigcal_real c[2])
 {
@@ -50,7 +50,7 @@ RIGCAL_FORCE_INLINE static inline void column_of(rigcal_real uvm[3],
     uvm[2] = -(uvm[0] * x[0] + uvm[1] * x[1]);
 }
 
-/* The curvature (B5): what it adds to H by w, and to M, of which these are the last column. */
+/* The curvature (B5): adds its part to H by w, and to M, of which uvm is the last column. */
 static inline void add_bend(rigcal_real H[21], rigcal_real uvm[3], const rigcal_real q[3],
                             const rigcal_real x[2], const rigcal_real c[2],
                             rigcal_real by_Z)
@@ -68,8 +68,8 @@ static inline void add_bend(rigcal_real H[21], rigcal_real uvm[3], const rigcal_
     H[5] += d0 + d1;
 }
 
-/* What it adds to H (B5), of the block (a h; h b) of M and its last column. Of a pinhole h is
- * 0. */
+/* Adds a point to H (B5), by the block (a h; h b) of M and its last column. Of a pinhole h
+ * is 0. */
 RIGCAL_FORCE_INLINE static inline void add_in_plane(rigcal_real H[21],
                                                     const rigcal_real q[3],
                                                     const rigcal_real ahb[3],

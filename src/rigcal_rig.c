@@ -338,7 +338,7 @@ rigcal_status rigcal_rig_noise(rigcal_real sigma_px[], rigcal_real freedom[],
     if (status != RIGCAL_OK) {
         return status;
     }
-    /* Outputs are written at the end: the sums stand where the adjustment saved its poses. */
+    /* Outputs are written at the end: the sums stand where the adjustment kept poses. */
     rc_rig_parts_of(&parts, rig, 0);
     rigcal_real *const sum = parts.saved[0].R, *const left = sum + rig->n_cameras;
     rc_clear(sum, 2 * rig->n_cameras);

@@ -204,7 +204,7 @@ static rigcal_status ray_of(rigcal_real ray[3], const rigcal_points *points, siz
     return rc_pixel_to_ray(ray, c, uv);
 }
 
-/* Whether a ray is nearer to an axis, along which it is so long, than that cosine's angle. */
+/* Whether a ray, `along` long along an axis, is nearer to it than the cosine's angle. */
 static inline int is_near(rigcal_real along, rigcal_real cosine, const rigcal_real ray[3])
 {
     return along > (RC_FOR_SPEED ? 0 : cosine) &&
@@ -549,7 +549,7 @@ static void leaning_direction(rigcal_real m3[3], const rigcal_real first[3],
     (void)rc_vec3_unit(m3, m3);
 }
 
-/* The way of a lean, if it is worth it; after those of three points, not downhill to one. */
+/* The way of a lean, if it is worth it. After roots none that goes downhill to an optimum. */
 static int32_t try_lean(rigcal_search *s, int32_t lean)
 {
     const rigcal_moments *const sums = &s->from.lattice.moments;
@@ -595,7 +595,8 @@ int rc_seeds_mirrored(rigcal_search *s)
 
 /* ---- few points ---------------------------------------------------------- */
 
-/* One of the widest triple. No more optima are found than were read: none is overwritten. */
+/* A root of the widest triple. No more optima are found than roots were read: none is
+ * overwritten. */
 static int32_t next_root(rigcal_search *s)
 {
     rigcal_transform *const start = &s->work.refinement.cam_from_points;

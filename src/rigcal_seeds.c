@@ -549,7 +549,7 @@ static void leaning_direction(rigcal_real m3[3], const rigcal_real first[3],
     (void)rc_vec3_unit(m3, m3);
 }
 
-/* The way of a lean, if it is worth it. After roots none that goes downhill to an optimum. */
+/* The way of a lean, if it is worth it. After roots none that goes downhill to one. */
 static int32_t try_lean(rigcal_search *s, int32_t lean)
 {
     const rigcal_moments *const sums = &s->from.lattice.moments;

@@ -78,6 +78,7 @@ cppcheck      cppcheck                     sh tests/checks/check_cppcheck.sh
 readme        gcc,python                   $PYTHON tests/checks/check_readme.py
 header        gcc,g++,clang                sh tests/checks/check_header.sh
 cross         arm                          sh tests/checks/check_cross.sh
+fuzz          python                       sh tests/fuzz/run.sh
 windows       mingw,cmake                  sh tests/checks/check_windows.sh build/windows
 memory        arm                          sh tests/bench/rig_memory.sh
 layers        gcc,python                   $PYTHON tests/checks/check_layers.py

@@ -11,10 +11,10 @@ int32_t rc_poses_of_three(rigcal_transform cam_from_points[RC_P3P_MAX],
                           const rigcal_points *points, const int32_t index[3],
                           const rigcal_real ray[3][3]);
 
-/* (D4) The number of poses of the widest triple that the other points do not rule out, best
- * first. Their places are those of list[], of which optima->n, which is 0, counts none: a pose is
- * to be read before so many optima are found. 0 as well: the lens images no ray at a point
- * of the triple. O(n). */
+/* (D4) Returns the number of poses of the widest triple that the other points do not rule
+ * out, 0 also where the lens images no ray at a point of the triple. They stand in list[],
+ * best first. optima->n is 0 and stays so: read a pose before so many optima are found.
+ * O(n). */
 int32_t rc_roots_find(rigcal_optima *optima, const rigcal_points *points);
 
 #endif /* RC_ROOTS_H */

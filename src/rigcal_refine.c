@@ -50,7 +50,7 @@ RIGCAL_FORCE_INLINE static inline void column_of(rigcal_real uvm[3],
     uvm[2] = -(uvm[0] * x[0] + uvm[1] * x[1]);
 }
 
-/* The curvature (B5): adds its part to H by w, and to M, of which uvm is the last column. */
+/* The curvature (B5): adds its part to H by w, and to M, whose last column is uvm. */
 static inline void add_bend(rigcal_real H[21], rigcal_real uvm[3], const rigcal_real q[3],
                             const rigcal_real x[2], const rigcal_real c[2],
                             rigcal_real by_Z)

@@ -214,7 +214,8 @@ def text(rig: Rig) -> list[bytes]:
     return [
         b"\0" + (head + row).encode(),
         b"\1" + seen.encode(),
-        b"\2" + "\ufeff# note\r\nframe, camera ,time_s\r\n1,cam,0.5\r\n".encode(),
+        b"\2camera,R11,R12,R13,R21,R22,R23,R31,R32,R33,tx,ty,tz\na,1,0,0,0,1,0,0,0,1,0,0,2\n",
+        b"\3" + "\ufeffframe, camera ,time_s\r\n1,7,0.5\r\n".encode(),
     ]
 
 

@@ -68,9 +68,14 @@ figure() {
 run() {
     log=$build/$1.log
     program=$build/fuzz_$1
-    # shellcheck disable=SC2086 -- a list of flags
+    # The reader is a part of the command line, which fuzz_csv.c includes.
+    case $1 in
+    csv) others="examples/cli_input.c examples/cli_names.c examples/cli_foreign.c examples/cli_os.c" ;;
+    *) others=tests/fuzz/fuzz_rigs.c ;;
+    esac
+    # shellcheck disable=SC2086 -- lists of flags and of sources
     clang-19 $flags -fsanitize=fuzzer,$sanitize "tests/fuzz/fuzz_$1.c" tests/fuzz/fuzz.c \
-        tests/fuzz/fuzz_rigs.c "$build/library.a" -lm -o "$program"
+        $others "$build/library.a" -lm -o "$program"
     found=build/fuzz/corpus/$1
     set -- "$1" -max_len=8192 -timeout=100 -print_final_stats=1 \
         -artifact_prefix=build/fuzz/"$1"- "$found"

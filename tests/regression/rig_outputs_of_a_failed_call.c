@@ -6,6 +6,8 @@
 
 static test_rig r;
 
+#define WANTS_RIG TEST_WANTS_RAM(sizeof(test_rig) + 12000)
+
 /* An adjusted rig; then the last point of the last view gets a place behind its camera. */
 static void make_rig_that_fails(void)
 {
@@ -30,6 +32,7 @@ static void test_noise_of_a_view_that_fails(void)
 {
     rigcal_real sigma_px[2], freedom[2], kept[2];
 
+    WANTS_RIG;
     make_rig_that_fails();
     memset(freedom, 0x5A, sizeof freedom);
     memcpy(kept, freedom, sizeof kept);
@@ -43,6 +46,7 @@ static void test_residuals_of_a_point_that_fails(void)
     rigcal_real duv[2 * RIG_POINTS_MAX];
     size_t n_written;
 
+    WANTS_RIG;
     make_rig_that_fails();
     ASSERT_REFUSED(RIGCAL_ERR_BEHIND, duv,
                    rigcal_rig_residuals(duv, 2 * RIG_POINTS_MAX, &n_written, &r.rig,
@@ -58,6 +62,7 @@ static void test_the_weakest_of_one_camera(void)
     rigcal_rig_fit fit;
     rigcal_weakest weakest;
 
+    WANTS_RIG;
     test_rig_random(&r, &rng, 1, 2, 6);
     test_rig_see_all(&r, &rng, 0.3);
     test_rig_solve_views(&r);

@@ -19,9 +19,6 @@
 /* part of a variance: what is less of it is rounding. A pivot has at least as much. */
 #define PIVOT_LEAST (4 * RC_EPS)
 
-/* variance: a smaller one is exact. Its inverse would be infinite. */
-#define VARIANCE_LEAST RC_TOL(DBL_MIN, FLT_MIN)
-
 /* rad: for turns up to this what is left of one is kept; the terms that are not looked at
  * are beyond rounding then. */
 #define LEFT_TURN_MAX RC_TOL(1e-5, 1e-3)
@@ -329,8 +326,10 @@ void rc_filter_factor(rigcal_real P[], size_t n)
         const rigcal_real variance = column[j];
         add_beyond(P, n, j, -1);
         column[j] = rc_max(column[j], PIVOT_LEAST * variance);
-        column[j] = column[j] >= VARIANCE_LEAST ? column[j] : 0;
-        const rigcal_real by = column[j] > 0 ? 1 / column[j] : 0;
+        /* A variance so small that its inverse overflows is none. */
+        const rigcal_real inverse = 1 / column[j];
+        const rigcal_real by = rc_is_finite(inverse) ? inverse : 0;
+        column[j] = by > 0 ? column[j] : 0;
         for (size_t k = 0; k < j; k++) {
             column[k] *= by;
         }

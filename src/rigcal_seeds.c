@@ -424,7 +424,8 @@ static int32_t begin_search(rigcal_search *s)
         s->triples = (s->n_exact > 0) ? TRIPLES : 0;
     }
     s->phase = CHOOSING;
-    if (FEW > 0 && s->n_exact == 0 && s->points.n_used <= FEW && !s->is_wide) {
+    if (FEW > 0 && s->n_exact == 0 && s->points.n_used > 3 && s->points.n_used <= FEW &&
+        !s->is_wide) {
         s->n_roots = rc_roots_find(&s->optima, &s->points);
         RIGCAL_TRACE("poses of the widest triple", s->n_roots, 0);
     }

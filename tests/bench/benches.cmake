@@ -37,17 +37,7 @@ target_include_directories(bench_paper PRIVATE ${examples})
 target_compile_definitions(bench_paper PRIVATE
     BENCH_BUILD="${build}" BENCH_SETS=${sets})
 target_link_libraries(bench_paper PRIVATE rigcal_test_support)
-# gcc-double and gcc-float take all scenes; sanitizers look at the same code with the first.
-option(RIGCAL_TEST_FEW_SCENES "Run the benches of ctest with a part of their scenes" OFF)
-set(wide_scenes 100)
-set(pose_scenes 20)
-set(grid_scenes 5)
-if(RIGCAL_TEST_FEW_SCENES)
-    set(wide_scenes 15)
-    set(pose_scenes 4)
-    set(grid_scenes 1)
-endif()
-add_test(NAME bench_paper COMMAND bench_paper grid ${grid_scenes})
+add_test(NAME bench_paper COMMAND bench_paper grid 5)
 set_tests_properties(bench_paper PROPERTIES LABELS bench TIMEOUT ${limit})
 
 # Scenes and what is right about them; bench/opencv.sh links them too.
@@ -58,7 +48,7 @@ rigcal_own_code(rigcal_bench_support)
 target_include_directories(rigcal_bench_support PUBLIC bench)
 target_link_libraries(rigcal_bench_support PUBLIC rigcal_test_support)
 
-bench(bench_pose rigcal_bench_support minima ${pose_scenes})
+bench(bench_pose rigcal_bench_support minima 20)
 if(UNIX)
     add_test(NAME bench_pose_compare COMMAND sh -c
         "'$<TARGET_FILE:bench_pose>' answers 3 | '$<TARGET_FILE:bench_pose>' compare 3")
@@ -66,7 +56,7 @@ if(UNIX)
         LABELS bench TIMEOUT ${limit})
 endif()
 
-bench(bench_wide rigcal_bench_support check ${wide_scenes})
+bench(bench_wide rigcal_bench_support check 100)
 
 # What a solve costs: that its scenes are solved.
 bench(bench_cost rigcal_bench_support check)

@@ -11,10 +11,15 @@ int32_t rc_poses_of_three(rigcal_transform cam_from_points[RC_P3P_MAX],
                           const rigcal_points *points, const int32_t index[3],
                           const rigcal_real ray[3][3]);
 
-/* (D4) Returns the number of poses of the widest triple that the other points do not rule
- * out, 0 also where the lens images no ray at a point of the triple. They stand in list[],
- * best first. optima->n is 0 and stays so: read a pose before so many optima are found.
- * O(n). */
-int32_t rc_roots_find(rigcal_optima *optima, const rigcal_points *points);
+/* (D4) The search for the poses of the widest triple that the other points do not rule out.
+ * A step is the triple, the ray of one of its points, its poses, or the score of one pose:
+ * O(n). triple->count, 0 at first, counts the steps. Returns 1 when it is done.
+ *
+ *   optima   out     the poses stand in list[], best first; n is 0 and stays so: read a
+ *                    pose before so many optima are found
+ *   n_roots  in/out  their number, 0 at first. 0 also where the triple is narrow, or the
+ *                    lens images no ray at one of its points */
+int rc_roots_step(rigcal_optima *optima, int32_t *n_roots, rigcal_triple *triple,
+                  const rigcal_points *points);
 
 #endif /* RC_ROOTS_H */

@@ -73,32 +73,73 @@ static rigcal_real sum_of_others(const rigcal_points *points, const rigcal_trans
     return sum;
 }
 
-int32_t rc_roots_find(rigcal_optima *optima, const rigcal_points *points)
+/* ---- the search ---------------------------------------------------------- */
+
+/* The steps, as triple->count numbers them. */
+enum { TRIPLE = 0, RAYS = 1, POSES = 4, SCORES = 5 };
+
+/* All poses of the triple, unscored. */
+static int32_t put_poses(rigcal_optima *optima, const rigcal_triple *triple,
+                         const rigcal_points *points)
 {
-    RIGCAL_ASSERT(optima->n == 0 && points->n_used > 3);
     rigcal_transform root[RC_P3P_MAX];
-    rigcal_real ray[3][3];
-    int32_t index[3], kept = 0;
-    if (!widest_triple(index, points)) {
-        return 0;
-    }
-    for (int k = 0; k < 3; k++) {
-        if (rc_pixel_to_ray(ray[k], points->view.camera,
-                            points->view.observations[index[k]].uv) != RIGCAL_OK) {
-            return 0;
-        }
-    }
-    const int32_t n = rc_poses_of_three(root, points, index, (const rigcal_real(*)[3])ray);
+    const int32_t n = rc_poses_of_three(root, points, triple->index,
+                                        (const rigcal_real(*)[3])triple->ray);
     for (int32_t k = 0; k < n; k++) {
-        (void)rc_optima_insert(optima, -1, &root[k],
-                               sum_of_others(points, &root[k], index));
-    }
-    const rigcal_real pixel = points->pixel_size;
-    while (kept < n &&
-           optima->list[kept].sse <= ROOT_WORSE * (optima->list[0].sse + pixel * pixel)) {
-        kept++;
+        (void)rc_optima_insert(optima, -1, &root[k], (rigcal_real)k);
     }
     optima->n = 0;
+    return n;
+}
+
+static void score(rigcal_optimum *pose, const rigcal_triple *triple,
+                  const rigcal_points *points)
+{
+    rigcal_transform T;
+    rc_optimum_transform(&T, pose);
+    pose->sse = sum_of_others(points, &T, triple->index);
+}
+
+/* Sorts n scored poses, best first; returns how many the others do not rule out. */
+static int32_t rank(rigcal_optimum list[], int32_t n, rigcal_real pixel)
+{
+    int32_t kept = 0;
+    for (int32_t i = 1; i < n; i++) {
+        const rigcal_optimum moved = list[i];
+        int32_t at = i;
+        for (; at > 0 && list[at - 1].sse > moved.sse; at--) {
+            list[at] = list[at - 1];
+        }
+        list[at] = moved;
+    }
+    while (kept < n && list[kept].sse <= ROOT_WORSE * (list[0].sse + pixel * pixel)) {
+        kept++;
+    }
     return kept;
+}
+
+int rc_roots_step(rigcal_optima *optima, int32_t *n_roots, rigcal_triple *triple,
+                  const rigcal_points *points)
+{
+    RIGCAL_ASSERT(optima->n == 0 && points->n_used > 3);
+    const int32_t step = triple->count++;
+    if (step == TRIPLE) {
+        return !widest_triple(triple->index, points);
+    }
+    if (step < POSES) {
+        const int32_t k = step - RAYS;
+        return rc_pixel_to_ray(triple->ray[k], points->view.camera,
+                               points->view.observations[triple->index[k]].uv) != RIGCAL_OK;
+    }
+    if (step == POSES) {
+        *n_roots = put_poses(optima, triple, points);
+    } else {
+        score(&optima->list[step - SCORES], triple, points);
+    }
+    if (step - POSES < *n_roots) {
+        return 0;
+    }
+    *n_roots = rank(optima->list, *n_roots, points->pixel_size);
+    return 1;
 }
 #endif

@@ -74,6 +74,7 @@ enum {
     GATHERING, /* rays, and the sums over the points */
     GATHERED,
     PICKING, /* a triple of rays far apart */
+    ROOTING, /* poses of the widest triple of few points */
     SCANNING,
     DESCENT,
     CHOOSING /* the next start */
@@ -426,14 +427,27 @@ static int32_t begin_search(rigcal_search *s)
     s->phase = CHOOSING;
     if (FEW > 0 && s->n_exact == 0 && s->points.n_used > 3 && s->points.n_used <= FEW &&
         !s->is_wide) {
-        s->n_roots = rc_roots_find(&s->optima, &s->points);
-        RIGCAL_TRACE("poses of the widest triple", s->n_roots, 0);
-    }
-    if (s->n_exact + FEW * s->n_roots == 0) {
+        s->work.triple.count = s->n_roots = 0;
+        s->phase = ROOTING;
+    } else if (s->n_exact == 0) {
         begin_scanning(s);
     }
     return RC_SEEDS_BUSY;
 }
+
+#if RIGCAL_FOR_SPEED && RIGCAL_WITH_THREE_POINTS
+static int32_t rooting_step(rigcal_search *s)
+{
+    if (rc_roots_step(&s->optima, &s->n_roots, &s->work.triple, &s->points)) {
+        RIGCAL_TRACE("poses of the widest triple", s->n_roots, 0);
+        s->phase = CHOOSING;
+        if (s->n_roots == 0) {
+            begin_scanning(s);
+        }
+    }
+    return RC_SEEDS_BUSY;
+}
+#endif
 
 int rc_seeds_scan(rigcal_search *s)
 {
@@ -639,6 +653,10 @@ int32_t rc_seeds_step(rigcal_search *s)
         return gathering_step(s);
     case GATHERED:
         return begin_search(s);
+#if RIGCAL_FOR_SPEED && RIGCAL_WITH_THREE_POINTS
+    case ROOTING:
+        return rooting_step(s);
+#endif
     case PICKING:
         return WITH_WIDE ? picking_step(s) : RC_SEEDS_BUSY;
     case SCANNING:

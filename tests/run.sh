@@ -78,7 +78,7 @@ cppcheck      cppcheck                     sh tests/checks/check_cppcheck.sh
 readme        gcc,python                   $PYTHON tests/checks/check_readme.py
 header        gcc,g++,clang                sh tests/checks/check_header.sh
 cross         arm                          sh tests/checks/check_cross.sh
-fuzz          python                       sh tests/fuzz/run.sh
+fuzz          libfuzzer,python             sh tests/fuzz/run.sh
 windows       mingw,cmake                  sh tests/checks/check_windows.sh build/windows
 memory        arm                          sh tests/bench/rig_memory.sh
 layers        gcc,python                   $PYTHON tests/checks/check_layers.py
@@ -99,6 +99,11 @@ want_need() {
         ;;
     g++) want g++ g++ --version ;;
     clang) want clang clang --version ;;
+    libfuzzer)
+        want clang-19 clang-19 --version
+        want libclang-rt-19-dev \
+            test -e /usr/lib/llvm-19/lib/clang/19/lib/linux/libclang_rt.fuzzer-x86_64.a
+        ;;
     cmake)
         want cmake cmake --version
         want ninja-build ninja --version

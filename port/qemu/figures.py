@@ -8,8 +8,8 @@
                           instructions of one job, function by function
 
 Instructions are counted by count.c, stack by a pattern, flash in an image of what a
-job's functions pull in and nothing else. The results of all float images must be the
-same bits.
+job's functions pull in and nothing else. The results of all float images for
+size must be the same bits, and those of all for speed.
 """
 import pathlib
 import re
@@ -203,6 +203,12 @@ def measure():
 
 
 def disagreements(bits):
+    """Of the images for size, and of those for speed: RIGCAL_FOR_SPEED gives other bits."""
+    for option in ("-Os", "-O2"):
+        yield from disagreements_of({t: b for t, b in bits.items() if option in t})
+
+
+def disagreements_of(bits):
     """Against the image that has all jobs; a small one, or one without a rig, leaves some out."""
     first = max(bits, key=lambda title: len(bits[title]))
     for title in bits:

@@ -276,7 +276,9 @@ int rc_lens_invert_within(rigcal_real x[2], const rigcal_camera *camera,
     x[1] = target[1];
     for (int i = 0; i < NEAR_STEPS && x[0] * x[0] + x[1] * x[1] <= proved2; i++) {
         rigcal_real F[2], J[3];
-        (void)rc_lens_map(F, J, camera, x);
+        if (!rc_lens_map(F, J, camera, x)) {
+            return 0;
+        }
         const rigcal_real u = target[0] - F[0], v = target[1] - F[1];
         const rigcal_real by_det = 1 / (J[0] * J[2] - J[1] * J[1]);
         x[0] += (J[2] * u - J[1] * v) * by_det;

@@ -221,6 +221,29 @@ static int matches_one(const char *pattern, const char *end, char character)
     return is_other ? !is_in && c != '\n' : is_in;
 }
 
+static int matches_at(const char *pattern, const char *text, const char *at);
+
+/* (one|other), and what is behind it. */
+static int matches_words(const char *pattern, const char *text, const char *at)
+{
+    const char *rest = strchr(pattern, ')') + 1;
+
+    do {
+        size_t n = 0;
+
+        pattern++;
+        while (pattern[n] != '|' && pattern[n] != ')' &&
+               small(pattern[n]) == small(at[n])) {
+            n++;
+        }
+        if ((pattern[n] == '|' || pattern[n] == ')') && matches_at(rest, text, at + n)) {
+            return 1;
+        }
+        pattern += strcspn(pattern, "|)");
+    } while (*pattern == '|');
+    return 0;
+}
+
 /* Whether the text matches at this place. A pattern is made of characters and sets: [a-z],
  * [^a-z]. Behind each may stand how often: any number (*), one or more (+), 0 or 1 (?).
  * (one|other) is one of the words; ^ and $ are the begin and the end of a line. It calls
@@ -240,21 +263,7 @@ static int matches_at(const char *pattern, const char *text, const char *at)
         return *at == '\0' || *at == '\n';
     }
     if (*pattern == '(') {
-        const char *rest = strchr(pattern, ')') + 1;
-
-        do {
-            pattern++;
-            for (n = 0; pattern[n] != '|' && pattern[n] != ')' &&
-                        small(pattern[n]) == small(at[n]);
-                 n++) {
-            }
-            if ((pattern[n] == '|' || pattern[n] == ')') &&
-                matches_at(rest, text, at + n)) {
-                return 1;
-            }
-            pattern += strcspn(pattern, "|)");
-        } while (*pattern == '|');
-        return 0;
+        return matches_words(pattern, text, at);
     }
     end = end_of_one(pattern);
     least = *end != '*' && *end != '?';

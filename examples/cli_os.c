@@ -22,6 +22,7 @@
 
 /* ==== POSIX =============================================================== */
 
+/* NOLINTNEXTLINE(readability-non-const-parameter): Windows writes them */
 void cli_os_begin(int *argc, char ***argv)
 {
     (void)argc;

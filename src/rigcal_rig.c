@@ -387,7 +387,7 @@ rigcal_status rigcal_rig_residuals(rigcal_real duv[], size_t capacity, size_t *n
         return status;
     }
     rc_rig_chain(&chain, rig, v.camera, (size_t)v.placement, view);
-    rigcal_real last[2];
+    rigcal_real last[2] = {0, 0};
     for (size_t i = 0; i < 2 * v.view.n; i++) { /* a first time to see that all can be */
         rigcal_real B[6], q[3], X_c[3];
         const size_t point = i % v.view.n;

@@ -44,7 +44,7 @@ SOLVERS = {
     "rigcal_refinement": ("refine", {"search", "cam_from_points", "H"}),
     "rigcal_moments": ("direction", {"weight", "C"}),
     "rigcal_lattice": ("seeds", set()),
-    "rigcal_triple": ("seeds", set()),
+    "rigcal_triple": ("seeds", {"index", "ray", "count"}),
     "rigcal_descent": ("seeds", set()),
     "rigcal_optimum": ("optima", None),
     "rigcal_optima": ("optima", None),

@@ -14,7 +14,7 @@ import tempfile
 
 from check_layers import ROOT, without_comments
 
-FILE_LINES = 650  # of a file of src/
+FILE_LINES = 680  # of a file of src/
 FUNCTION_LINES = 60
 ARGUMENTS = 8
 HEADER_LINES = {"rigcal.h": 850}

@@ -57,8 +57,9 @@ class TestCalibrateRealData(CliTest):
                 self.assertLess(part, part_limit)
                 self.assertLess(abs(rms), rms_limit)
 
-    # The reference is the optimum, so what is off is rounding, of its digits too.
-    BEST = (0.01, 5e-5, 1e-3) if FLOAT else (1e-5, 1e-8, 1e-8)
+    # The reference is the optimum, so what is off is rounding, of its nine digits too, and
+    # where the refinement ends: below what any sum of squares shows.
+    BEST = (0.01, 5e-5, 1e-3) if FLOAT else (1e-5, 2e-8, 1e-8)
 
     def test_poses_of_the_stereo_pair(self):
         self.check_poses(STEREO, *self.BEST)

@@ -114,7 +114,7 @@ run() {
     rate=$(figure average_exec_per_sec)
     printf '%-10s %9d executions, %6d a second\n' "$name" "$executed" "$rate"
     if [ "$what" = campaign ]; then
-        hours=$(awk -v rate="$rate" 'BEGIN {printf "%.1f", rate > 0 ? 1e9 / rate / 3600 : 0}')
+        hours=$(awk -v rate="$rate" 'BEGIN {printf "%.1f", (rate > 0) ? 1e9 / rate / 3600 : 0}')
         printf '| %s | %s | %s | %s | %s | %s | none |\n' "$(date +%F)" \
             "$(git rev-parse --short HEAD)" "$name" "$executed" "$rate" "$hours" \
             >>tests/fuzz/RESULTS.md

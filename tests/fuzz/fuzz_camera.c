@@ -71,7 +71,6 @@ static void check_projection(const rigcal_camera *camera, const rigcal_real X[3]
     if (is_small(camera, uv) && sizeof(rigcal_real) == 8 && camera->fx > 100 &&
         camera->fy > 100 && length > DBL_MIN / DBL_EPSILON &&
         rigcal_camera_ray(ray, camera, uv) == RIGCAL_OK) {
-
         for (i = 0; i < 3; i++) { /* near a fold two rays have nearly one pixel */
             PROMISE(fabs((double)ray[i] - (double)X[i] / length) < 1e-3);
         }
@@ -82,8 +81,9 @@ static void check_projection(const rigcal_camera *camera, const rigcal_real X[3]
 static double moves_by(const rigcal_camera *camera, const rigcal_real straight[2],
                        const rigcal_real uv[2])
 {
-    const rigcal_real beside[2] = {straight[0] * (1 + (rigcal_real)1e-13) + (rigcal_real)1e-13,
-                                   straight[1] * (1 + (rigcal_real)1e-13) + (rigcal_real)1e-13};
+    const rigcal_real beside[2] = {
+        straight[0] * (1 + (rigcal_real)1e-13) + (rigcal_real)1e-13,
+        straight[1] * (1 + (rigcal_real)1e-13) + (rigcal_real)1e-13};
     rigcal_real moved[2];
 
     return rigcal_camera_distort(moved, camera, beside) == RIGCAL_OK

@@ -60,6 +60,8 @@ real-rigs     gcc,cmake,unity,numpy,scipy,build/gcc-double,build/gcc-float
               preset_build gcc-double && preset_build gcc-float && $PYTHON tests/bench/real_rigs.py
 real-points   gcc,cmake,unity,numpy,build/gcc-double
               preset_build gcc-double && $PYTHON tests/bench/real_points.py
+tables        gcc,cmake,unity,python,build/gcc-double
+              preset_build gcc-double && $PYTHON tests/bench/tables.py --check
 pictures      gcc,cmake,unity,python,build/gcc-double
               preset_build gcc-double && sh examples/pictures/run.sh --check build/gcc-double
 scale         gcc,cmake,unity,numpy,time,build/gcc-double

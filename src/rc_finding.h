@@ -15,10 +15,8 @@ typedef struct {
 typedef struct {
     size_t k, tries;
     const rigcal_real *theta, *variance; /* k numbers each; variance for noise of 1 px */
-    const rigcal_real *turn, *shift;     /* k: the most that one unit turns or shifts a
-                                            camera */
-    rigcal_real gain, own_gain;          /* decrease of the sum of the rig, of the views by
-                                            themselves */
+    const rigcal_real *turn, *shift;     /* k: what one unit does to a camera at most */
+    rigcal_real gain, own_gain;          /* decrease of sum; of own */
 } rc_one_step;
 
 rigcal_real rc_F_of(const rc_common *common, rigcal_real gain, rigcal_real own_gain,
@@ -37,7 +35,7 @@ void rc_finding_rank(rigcal_fault faults[], int32_t *n, size_t capacity,
 
 /* Sums over neighbouring residuals, and over residuals along the motion. */
 typedef struct {
-    rigcal_real n, product, expected, expected2; /* pairs of neighbours; see
+    rigcal_real n, product, expected, expected2; /* over pairs of neighbours; see
                                                     rc_evidence.h */
     rigcal_real along, disagreement, speed2;
 } rc_residues;

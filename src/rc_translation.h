@@ -1,4 +1,4 @@
-/* rc_translation.h - translation for a known rotation (16). */
+/* rc_translation.h - the translation for a known rotation (16). */
 #ifndef RC_TRANSLATION_H
 #define RC_TRANSLATION_H
 

@@ -95,6 +95,7 @@ RC_APART void rc_transform_move(rigcal_transform *pose, const rigcal_real d[6])
     rc_vec3_add(pose->t, &d[3]);
 }
 
+/* (17), (18):  R_ba = R_bw R_aw^T,  t_ba = t_bw - R_ba t_aw */
 void rc_transform_between(rigcal_transform *b_from_a, const rigcal_transform *b_from_world,
                           const rigcal_transform *a_from_world)
 {

@@ -88,6 +88,7 @@ limits        gcc,python                   $PYTHON tests/checks/check_limits.py
 layout        python                       $PYTHON tests/checks/check_layout.py
 manifests     python                       $PYTHON tests/checks/check_manifests.py
 format        clang-format                 sh tests/checks/check_format.sh
+release       gcc,cmake,python             sh tests/checks/check_release.sh build/release-check
 shell         nothing                      sh tests/checks/check_shell.sh
 words         nothing                      sh tests/checks/check_words.sh
 '

@@ -32,7 +32,7 @@ enum {
 typedef struct {
     int32_t n_bodies;
     rigcal_real common;        /* 0 .. 1: share by which the rows of a frame err together */
-    rigcal_real log_limit;     /* log of A K B */
+    rigcal_real log_limit;     /* log(A K B): bound, windows, bodies */
     rigcal_real move_rad;      /* the largest turn thought possible [rad] */
     rigcal_real move_t;        /* the largest shift thought possible [length] */
     rigcal_real rows, squares; /* of recent rows: number, sum of psi^2 */

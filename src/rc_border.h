@@ -8,9 +8,9 @@
  *
  *     T_c += A^T E - Y_c Y,    Q -= Y^T Y,    q -= Y^T L^-1 g
  *
- * The rig must have been adjusted: S^-1 is in rig->work. It is that of the poses before the
- * last step, so some 1e-4 of it are wrong. An adjustment that begins at the optimum makes
- * it exact. */
+ * The rig must have been adjusted: S^-1 is in rig->work. It belongs to the poses before the
+ * last step, so it is off by some 1e-4 of itself. An adjustment that begins at the optimum
+ * makes it exact. */
 #ifndef RC_BORDER_H
 #define RC_BORDER_H
 

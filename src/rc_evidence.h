@@ -33,8 +33,8 @@ typedef struct {
 } rc_scan;
 
 /* A change of the principal point acts nearly like a turn of the camera, and one of the
- * focal length like a shift along its axis. Their columns have this turn or shift
- * subtracted, which keeps the digits. The camera's own pose takes it up. reference has, of
+ * focal length like a shift along its axis. This turn or shift is subtracted from their
+ * columns, so that no digits are lost. The camera's own pose takes it up. reference has, of
  * a camera, the turns by 1 px of cx and of cy [rad], and the shift by all of f [length].
  * Zeros: nothing is subtracted.
  *

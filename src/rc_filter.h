@@ -108,7 +108,8 @@ void rc_filter_block(rigcal_real out[36], const rc_filter *f, size_t a, size_t b
 /* One element of P. O(n) */
 rigcal_real rc_filter_element(const rigcal_real UD[], size_t n, size_t i, size_t j);
 
-/* Removes a body: its part of P and its error become 0. P must be multiplied out. */
+/* Removes a body: its rows and columns of P, and its error, become 0. P must be multiplied
+ * out. */
 void rc_filter_leave(const rc_filter *f, rigcal_real P[], size_t body);
 
 /* Adds a body whose error depends on another body: d = by d_other + noise of covariance Q.

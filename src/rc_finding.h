@@ -16,7 +16,7 @@ typedef struct {
     size_t k, tries;
     const rigcal_real *theta, *variance; /* k numbers each; variance for noise of 1 px */
     const rigcal_real *turn, *shift;     /* k: what one unit does to a camera at most */
-    rigcal_real gain, own_gain;          /* decrease of sum; of own */
+    rigcal_real gain, own_gain;          /* decreases of sum and of own */
 } rc_one_step;
 
 rigcal_real rc_F_of(const rc_common *common, rigcal_real gain, rigcal_real own_gain,

@@ -14,10 +14,10 @@ typedef struct {
     size_t count;
 } rc_leverage;
 
-/* Functions that add the errors of the intrinsics to the covariances of rig->considered.
- * The layer `consider` fills them in. They add to the covariance of a camera, of a pair,
- * and to S, packed. `placement` computes what it adds to a placement as a matrix of its
- * own. */
+/* Functions that add the errors of the intrinsics to covariances, if rig->considered is
+ * set. The layer `consider` fills them in. They add to the covariance of a camera, of a
+ * pair, and to S, packed. `placement` computes what it adds to a placement as a matrix of
+ * its own. */
 struct rigcal_considering {
     void (*camera)(rigcal_real Sigma[36], const rigcal_rig *rig, size_t camera);
     void (*pair)(rigcal_real Sigma[36], const rigcal_transform *b_from_a,

@@ -22,7 +22,7 @@ typedef struct {
     rigcal_real numbers[4]; /* of the calibrated rig: sigma_px, F, degrees of freedom */
 } rc_monitor_head;
 
-/* The head lies in an array of reals. C99 6.5 forbids to read integers there, so the head
+/* The head lies in an array of reals. C99 6.5 forbids reading integers there, so the head
  * is copied out and in. It is copied as structs of reals, which compilers do by few
  * instructions. A row changes the first part only. */
 typedef struct {

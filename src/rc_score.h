@@ -28,7 +28,7 @@ typedef struct {
     rigcal_real *placed;         /* the view that placed it: 2 view + candidate */
     rigcal_real *strength;       /* the state of each placement */
     rigcal_real *camera, *told;  /* camera of each view (-1: left out); its information */
-    rigcal_real *links;          /* shared information of each two cameras */
+    rigcal_real *links;          /* information that each two cameras share */
     rigcal_real *score, *number; /* of each camera: its best hypothesis */
     rigcal_real *state;          /* of each camera: its state */
     rc_claim *cams;              /* cam_from_rig of the joined cameras */
@@ -54,7 +54,7 @@ rigcal_real rc_score_variance(const rigcal_rig *rig, const rc_score_parts *parts
 size_t rc_score_view_of(const rigcal_rig *rig, const rc_score_parts *parts, size_t camera,
                         size_t placement);
 
-/* Makes the list of the s->n placements that tell most of camera s->b. They come from what
+/* Lists the s->n placements that tell most about where camera s->b is. They come from what
  * s->b shares with camera s->a or, if s->a is -1, from the placements that are placed.
  * Returns 0 if there is none. */
 int rc_score_begin(rigcal_choose_solver *s, const rc_score_parts *parts);

@@ -247,8 +247,8 @@ static void compare_view(rigcal_cause_solver *s)
 
 /* ---- all views of a camera ----------------------------------------------------- */
 
-/* Changes the pose of a view from the target to the permuted target. The information matrix
- * moves to the origin of the permuted target. */
+/* Replaces the pose of the target by the pose of the permuted target. The information
+ * matrix moves to the origin of the permuted target. */
 static void turn(rigcal_view_pose *own, const rigcal_transform *target_from_turned)
 {
     const rigcal_transform before = own->cam_from_target;

@@ -158,7 +158,7 @@ static rigcal_real log_beta_inverse(rigcal_real a, rigcal_real b)
     return sum + stirling(both) - stirling(a) - stirling(b);
 }
 
-/* 1 + x, which is above 0 but for rounding. */
+/* 1 + x > 0. Rounding may make it 0, so it is at least RC_EPS. */
 static rigcal_real above_0(rigcal_real x)
 {
     return rc_max(1 + x, RC_EPS);

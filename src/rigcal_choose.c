@@ -21,9 +21,8 @@ int rc_claim_of_view(rc_claim *claim, const rigcal_view_pose *pose, rigcal_real 
 }
 
 /* out += J S J^T with J = (1 0; [l]x 1): a turn w also shifts a point that is `l` away from
- * the pivot. S = (A B; B^T D) in blocks. Row by row M = B + A [l]x^T is made first. It is
- * the block across of the result. The same product of the second block follows, and its
- * mirror. */
+ * the pivot. S = (A B; B^T D) in blocks. M = B + A [l]x^T is the block across of the
+ * result. Its second block is D + [l]x M + ([l]x B)^T. */
 static void add_levered(rigcal_real out[21], const rigcal_real S[21],
                         const rigcal_real l[3])
 {

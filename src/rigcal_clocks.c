@@ -28,7 +28,7 @@ typedef struct {
     rigcal_real *moved;  /* of each camera: sum of d^T H d, d to the nearest placement */
     rigcal_real *count;  /* of each camera: its views whose placement has a neighbour */
     rigcal_real *w;      /* of each slot, 6: its clock by the placement */
-    rigcal_real *since;  /* of each slot: its stamp less t0 */
+    rigcal_real *since;  /* of each slot: its stamp less the middle of the recording */
     rigcal_real *camera; /* of each slot: its camera */
     rigcal_real *z;      /* of each slot, 6: w times the inverse of the placement's H */
     size_t at, n;        /* first unknown of the clocks; unknowns of a clock */

@@ -67,8 +67,8 @@ static void add_row(rigcal_real E[RC_INTRINSICS][6], const rigcal_real q[3],
     }
 }
 
-/* A view at cam_from_target: H = J^T J, and E = J^T D of each of the intrinsics, without
- * its deviation. */
+/* A view at cam_from_target: H = J^T J, and E = J^T D of each of the intrinsics, not yet
+ * times its deviation. */
 static rigcal_status add_points(rigcal_real H[21], rigcal_real E[RC_INTRINSICS][6],
                                 const rigcal_points *points,
                                 const rigcal_transform *cam_from_target)

@@ -6,7 +6,7 @@
 /* ---- constants ----------------------------------------------------------- */
 
 /* sigma^2: the median of chi squared of 6 degrees of freedom. The middle view costs about
- * this where noise is all. */
+ * this if noise is the only error. */
 #define COST_USUAL RC(5.35)
 
 /* of the median's excess over noise: how much the limit grows with it. Errors of lens and

@@ -218,8 +218,8 @@ static void add_along(rigcal_faults_solver *s, rigcal_real Q, rigcal_real q,
     }
 }
 
-/* The motion in cam_from_target of the view whose chain was computed last. Returns its time
- * after t0. */
+/* m is the motion of cam_from_target, for the view whose chain was computed last. Returns
+ * its time after the middle of the recording. */
 static rigcal_real motion_of(rigcal_real m[6], const rc_chain *chain, const rigcal_rig *rig)
 {
     rc_clear(m, 6);

@@ -6,7 +6,8 @@
 /* 1: the views disagree if noise alone gives such an F with a smaller chance than this. */
 #define DISAGREES RC(0.001)
 
-/* 1: a fault is named if the chance to find any fault where there is none is smaller. */
+/* 1: a fault is named if the chance to find any fault where there is none is smaller than
+ * this. */
 #define FOUND RC(0.01)
 
 /* 1: faults whose criteria differ by less fit alike: their odds are within exp(9.2 / 2) =
@@ -29,8 +30,8 @@
 /* standard deviations: a pattern must also exceed this many. */
 #define PATTERN_DEVIATIONS RC(4)
 
-/* 1: half of a view's six pose parameters. Fitting them makes the products of neighbours
- * vary less, by the square of what is expected of them over this. */
+/* 1: half of a view's six pose parameters. Fitting them lowers the variance of the products
+ * of neighbours by the square of their expected sum, over this. */
 #define POSE_PARTS RC(3)
 
 rigcal_real rc_F_of(const rc_common *c, rigcal_real gain, rigcal_real own_gain,

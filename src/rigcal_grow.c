@@ -12,7 +12,7 @@
  * next rung agree at it. */
 #define RUNG_ENOUGH RC(0.8)
 
-/* share: of placements that agree. If fewer do, the views contradict each other. */
+/* share: of the placements. If fewer of them agree, the views contradict each other. */
 #define SHARE_LEAST RC(0.5)
 
 /* placements: that two cameras must agree in, besides the one that joins them, so that they
@@ -113,8 +113,8 @@ static void begin_pairing(rigcal_choose_solver *s)
     s->phase = PAIRING;
 }
 
-/* Computes the information of a view. Adds to the links of its camera to the cameras of the
- * placement's views before it. */
+/* Computes the information of a view. Adds what it shares with the placement's earlier
+ * views to the links of their cameras. */
 RC_APART static rigcal_status weighing_step(rigcal_choose_solver *s,
                                             const rc_score_parts *p)
 {

@@ -166,7 +166,7 @@ static void begin(rigcal_rig_solver *s, const rc_rig_parts *parts)
                 return;
             }
         } else {
-            rc_transform_identity(camera); /* final for the first of a group only */
+            rc_transform_identity(camera); /* final only for the first camera of a group */
             parts->slot[c] = (parts->column[c] < 0) ? 1 : 0;
         }
     }

@@ -93,7 +93,7 @@ int rc_levenberg_promised(rigcal_levenberg *lm, rigcal_real gain, rigcal_real ne
     RIGCAL_ASSERT(negligible >= 0);
     const int is_indefinite = lm->equations == RC_NEWTON_INDEFINITE;
     if (is_last(lm, gain, negligible)) {
-        if (is_indefinite) { /* at a saddle, which is no optimum, with no way down */
+        if (is_indefinite) { /* a saddle: no optimum, and no step leads down */
             lm->status = RIGCAL_BUDGET_SPENT;
             return RC_STEP_NONE;
         }

@@ -298,7 +298,7 @@ static int may_drop(const rigcal_point_solver *p)
     return p->sightings->n > 2 && p->sightings->keep_all == 0;
 }
 
-/* Judges the point of all views. Returns `status` from the search if the point is right. */
+/* Judges the point of all views. The search ends with `status` if the point is right. */
 static void judge_all(rigcal_point_solver *p, rigcal_status status)
 {
     if ((status >= 0 && is_one_point(p)) || (status < 0 && !may_drop(p))) {

@@ -125,8 +125,8 @@ void rc_outline_begin(rigcal_outline *outline, int32_t height)
     outline->next = outline->n_active = 0;
 }
 
-/* The first row at or below v. The rows of [v0, v1) are those from the first of v0 to
- * before that of v1. */
+/* The first row at or below v. The rows in [v0, v1) begin at row_from(v0) and end before
+ * row_from(v1). */
 static int32_t row_from(const rigcal_outline *outline, rigcal_real v)
 {
     if (!(v > 0)) {

@@ -119,8 +119,8 @@ rigcal_status rigcal_rig_adjust(rigcal_rig_fit *fit, int32_t *at_fault, rigcal_r
 
 /* ---- how sure ------------------------------------------------------------ */
 
-/* Checks the arguments of a question how sure a pose is. *parts says where the parts of
- * rig->work begin. */
+/* Checks the arguments of a function that tells how sure a pose is. *parts says where the
+ * parts of rig->work begin. */
 static rigcal_status check_sure(const rigcal_real *Sigma, const rigcal_rig *rig,
                                 rigcal_real sigma_px, size_t camera, rc_rig_parts *parts)
 {
@@ -296,7 +296,7 @@ rigcal_status rigcal_rig_placement(rigcal_real Sigma[36], rigcal_rig *rig,
 /* ---- noise of each camera ------------------------------------------------ */
 
 /* Adds a view to its camera's sum and freedom. T is the pose of the view, from camera and
- * placement. The unknowns take trace(H Cov(T)) from the freedom of the points. */
+ * placement. The unknowns lower the freedom of the points by trace(H Cov(T)). */
 static rigcal_status add_noise(rigcal_real sum[], rigcal_real freedom[],
                                const rigcal_real Sigma[36], const rigcal_real inverse[36],
                                const rc_leverage *on, const rigcal_rig *rig, size_t first,

@@ -17,7 +17,8 @@ enum { RAY_STEPS = 3 };
 
 /* Whether the Jacobian of Brown's lens without a denominator is positive definite on the
  * whole way from the axis to x. Its least eigenvalue is at least 1 minus this sum of
- * bounds. This holds for most images, and costs a tenth of rc_lens_is_usable. */
+ * bounds. The test holds for most images, and takes a tenth of the time of
+ * rc_lens_is_usable. */
 static int is_mild(const rigcal_camera *c, const rigcal_real x[2])
 {
     const rigcal_real s = x[0] * x[0] + x[1] * x[1];

@@ -71,7 +71,7 @@ static void direction_at(rigcal_real m[3], const rigcal_spans_solver *s,
 /* One try of a border: the height h, the height `wish` that follows from the slope there,
  * and the move in pixels between them. */
 typedef struct {
-    rigcal_real uv[2], J[6], h, wish, move[2], speed, slope2; /* speed: px by h */
+    rigcal_real uv[2], J[6], h, wish, move[2], speed, slope2; /* speed: px per unit of h */
 } trial;
 
 static rigcal_status try_height(trial *at, const rigcal_spans_solver *s,

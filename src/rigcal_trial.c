@@ -7,7 +7,7 @@
 /* 1: the least likelihood, so that it has a log even if no match is thought wrong. */
 #define LIKELIHOOD_LEAST RC(1e-30)
 
-/* part of a log: a row counts half. Until the alarm the body that moved dragged all others
+/* part of a log: a row counts half. Until the alarm the body that moved drags all others
  * along, and the rows of a frame err together. With 1, one in ten of the answers called
  * sure was wrong. */
 #define WEIGHT RC(0.5)

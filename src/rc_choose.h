@@ -56,7 +56,7 @@ rigcal_real rc_claims_apart(const rc_claim *p, const rc_claim *q);
  * limit. */
 typedef struct {
     rigcal_real cost;   /* sum over all views */
-    rigcal_real spread; /* the claim's variance of rotation; of ties the least one wins */
+    rigcal_real spread; /* the claim's variance of rotation; the least one wins ties */
     int32_t agree;      /* number of views that agree, the claim's own included */
     int32_t n;          /* number of views */
 } rc_support;

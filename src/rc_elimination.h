@@ -5,7 +5,8 @@
 
 #include "rc_pairs.h"
 
-/* rigcal_pairs_eliminate, rigcal_pairs_residual. OK or ERR_DEGENERATE. */
+/* rigcal_pairs_eliminate and rigcal_pairs_residual without checks. rc_eliminate returns OK
+ * or ERR_DEGENERATE. */
 rigcal_status rc_eliminate(rigcal_elimination *out, const rigcal_pair pairs[],
                            size_t n_pairs, int32_t pairs_used, int32_t eliminated,
                            const rigcal_real angles[2]);

@@ -15,7 +15,7 @@ typedef struct {
 } rc_path;
 
 /* (H1), (H2): the motion at placement f, from its nearest neighbours in its unbroken run.
- * They are as many on each side as far as there are any. */
+ * They are taken from both sides in turn, while there are any. */
 void rc_motion_of(rigcal_motion *motion, const rc_path *path, size_t f);
 
 /* (H2): d, by which rc_transform_move takes the placement to where it is `after` its time,

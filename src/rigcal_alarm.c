@@ -28,7 +28,8 @@
  * (BENCHMARKS.md). Matches of real boards err together and need the factor 1 + common. */
 #define SLACK RC(2.5)
 
-/* 1: M is measured again when there are this many times as many frames. */
+/* 1: M is measured again when there are this many times as many frames as it was measured
+ * by. */
 #define GROWTH 4
 
 /* 1: a window counts if its rows are this many times the square of the log that it must
@@ -69,7 +70,7 @@ enum {
     G = 0, /* sum of g */
     H = 6, /* W plus the sum of h */
     SUMS = 27,
-    ROOT_W = SUMS /* W|^(1/2) over 2^100 */
+    ROOT_W = SUMS /* the root of |W|, over 2^100 */
 };
 
 /* Numbers of a body, after those of its windows. */

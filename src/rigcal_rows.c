@@ -6,7 +6,7 @@
  * no direction across this line. */
 #define EPIPOLE_NOISE RC(10)
 
-/* rad: the same for rounding, if the noise is smaller. */
+/* rad: the least such angle if the noise is smaller. It is rounding. */
 #define EPIPOLE_ROUNDING (64 * RC_EPS)
 
 /* 1: a pinhole does not image rays with a larger tangent. */

@@ -27,7 +27,7 @@ enum {
     AT_HEADER_CRC = 28,
     HEADER_BYTES = RIGCAL_STORE_HEADER_BYTES,
 
-    CAMERA_INTEGERS = 4, /* lens, width, height, has_Sigma; in a rig the last is held */
+    CAMERA_INTEGERS = 4, /* lens, width, height, has_Sigma (in a rig: held) */
     AT_ROLE = 12,
     AT_GROUP = 16, /* in a rig only */
     CAMERA_REALS = 12,

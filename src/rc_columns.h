@@ -55,9 +55,6 @@ void rc_columns_add_alone(rigcal_columns *columns, const rc_evidence *view, size
 /* Eliminates the placement from the columns, after rc_border_eliminate. */
 void rc_columns_eliminate(rigcal_columns *columns);
 
-/* Ends a pass, after all views have been added. */
-void rc_columns_end(rigcal_columns *columns);
-
 /* Tests the fault of fault->kind and fault->camera. clocks may be NULL; otherwise CLOCKS
  * writes its values there. */
 void rc_columns_test(rigcal_fault *fault, const rigcal_columns *columns,

@@ -91,11 +91,13 @@ typedef struct {
     cli_observations observations;
     int by_paper; /* --method paper */
     int is_robust;
+    int is_weighing;          /* --weigh: points count by column sigma_px */
     rigcal_pose_options pose; /* of --method ml */
     rigcal_robust_options robust;
     int exit_status;
 
     rigcal_observation *observed; /* work for one view: the points that count */
+    rigcal_real *observed_sigma;  /* of each; NULL: all alike */
     size_t *observed_at;          /* and which of the view's each is */
     rigcal_bearing *bearings;
     rigcal_pair *pairs;

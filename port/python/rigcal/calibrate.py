@@ -254,6 +254,7 @@ def calibrate(
     detections: Any,
     *,
     sigma_px: float | None = None,
+    weigh: bool = False,
     robust: bool = False,
     threshold_px: float | None = None,
     seed: int | None = None,
@@ -277,6 +278,9 @@ def calibrate(
                 file. A frame is one place of the target; X, Y, Z is the point on the
                 target, u, v its pixel, with (0, 0) the centre of the top-left pixel
     sigma_px    noise of one coordinate of a pixel. None: that of the residuals
+    weigh       points count by their column sigma_px, as 1 / sigma_px^2, in the poses of
+                views and in the rig; sigma_px is then the noise of the usual point, the
+                median. False: all points count alike, as in plain least squares
     robust      leaves out points that disagree by more than threshold_px; seed chooses
                 other random samples
     hold        names of cameras that stay where they are
@@ -302,10 +306,12 @@ def calibrate(
             known = into_rig.with_sizes(known, detections)
             detections, noted = _prepared(detections, known)
         path = files.cameras("cameras", known)["cameras.csv"]
+        has_sigma = weigh or isinstance(detections, Detections)
+        wanted = (*_tables.OBSERVATIONS, *(("sigma_px",) if has_sigma else ()))
         arguments = ["calibrate", "--progress", "--cameras", path]
         arguments += [
             "--observations",
-            files.table("observations.csv", "detections", detections, _tables.OBSERVATIONS),
+            files.table("observations.csv", "detections", detections, wanted),
         ]
         kept = os.fspath(out) if out is not None else str(files.folder / "out")
         arguments += ["--out=" + kept, "--method=" + str(method)]
@@ -318,7 +324,7 @@ def calibrate(
                     f"--{name}={_number(number, NAMES.get(name, name.replace('-', '_')))}"
                 )
         for name, is_wanted in (
-            ("robust", robust), ("clocks", clocks), ("drift", drift),
+            ("weigh", weigh), ("robust", robust), ("clocks", clocks), ("drift", drift),
             ("estimate-intrinsics", estimate_intrinsics),
         ):  # fmt: skip
             if is_wanted:

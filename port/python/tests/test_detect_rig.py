@@ -62,6 +62,29 @@ def test_sigma_ranks_residuals(stereo):
     assert np.sqrt(np.mean(e[worst] ** 2)) > 1.1 * np.sqrt(np.mean(e[~worst] ** 2))
 
 
+def test_corners_weigh_by_their_sigma(stereo, tmp_path):
+    """A corner that is far off and of large sigma moves a rig that does not weigh."""
+    plain = rigcal.calibrate(CAMERAS, stereo)
+    assert "all points count alike: column sigma_px is not used" in plain.report
+    u, sigma = stereo.u.copy(), np.ones(len(stereo))
+    wrong = np.flatnonzero(stereo.point == "13")
+    u[wrong] += 2.0
+    sigma[wrong] = 1e5
+    spoilt = dataclasses.replace(stereo, u=u, sigma_px=sigma)
+    without = {name: np.delete(stereo[name], wrong) for name in stereo.columns}
+    right = rigcal.calibrate(CAMERAS, without)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", rigcal.Caveat)
+        rigs = [rigcal.calibrate(CAMERAS, spoilt, weigh=weigh) for weigh in (True, False)]
+    off = [abs(baseline(rig) - baseline(right)) for rig in rigs]
+    assert off[0] < 1e-9 < 1e-5 < off[1]
+    spoilt.save(tmp_path / "d.csv")
+    from_file = rigcal.calibrate(CAMERAS, tmp_path / "d.csv", weigh=True)
+    assert baseline(from_file) == baseline(rigs[0])
+    with pytest.raises(rigcal.Error, match="detections: no column sigma_px"):
+        rigcal.calibrate(CAMERAS, {n: without[n] for n in list(without)[:8]}, weigh=True)
+
+
 # ---- boards that look the same from several sides ---------------------------------
 
 

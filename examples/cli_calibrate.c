@@ -370,6 +370,7 @@ int cli_calibrate(const char *const option[OPTION_COUNT])
     cli_observations_by_view(&c.observations);
     cli_hold();
     solve_views(&c);
+    turn_views(&c);
     name_left_out(&c, folder);
     find_duplicates(&c);
     find_suspects(&c);

@@ -297,6 +297,7 @@ double camera_noise(const calibration *c, size_t camera);
 /* In this order. All say what they cannot do, and set the exit status. `folder`: of
  * the files, or NULL. */
 void solve_views(calibration *c);
+void turn_views(calibration *c); /* of targets that look the same from several sides */
 void name_left_out(const calibration *c, const char *folder);
 void form_rig(calibration *c);
 void print_summary(const calibration *c); /* of a view at least */

@@ -339,6 +339,37 @@ static rigcal_real read_sigma(const csv_table *table, size_t column)
     return (rigcal_real)sigma;
 }
 
+/* Column turned of a line: the same of all lines of a point. */
+static void read_turned(cli_observations *observations, const cli_observation *o,
+                        size_t column)
+{
+    const csv_table *table = &observations->table;
+    const char *name = csv_id(table, 0, column);
+    const uint32_t to = (uint32_t)cli_names_add(&observations->points, name);
+    const size_t before = observations->room_turned;
+
+    if (observations->turned == NULL) {
+        observations->turned = cli_alloc(1, sizeof *observations->turned);
+    }
+    if (observations->points.count > before) {
+        size_t i;
+
+        observations->room_turned = observations->points.count * 2;
+        observations->turned = cli_resize(observations->turned, observations->room_turned,
+                                          sizeof *observations->turned);
+        for (i = before; i < observations->room_turned; i++) {
+            observations->turned[i] = CLI_NOT_TURNED;
+        }
+    }
+    if (observations->turned[o->point] != CLI_NOT_TURNED &&
+        observations->turned[o->point] != to) {
+        csv_fail(table, 0, "column turned: point %s is %s here, and %s on a line before",
+                 observations->points.name[o->point], name,
+                 observations->points.name[observations->turned[o->point]]);
+    }
+    observations->turned[o->point] = to;
+}
+
 static void read_observations(cli_observations *observations, const cli_cameras *cameras,
                               int columns)
 {
@@ -353,6 +384,7 @@ static void read_observations(cli_observations *observations, const cli_cameras 
     const size_t Z = targets ? csv_column(table, "Z") : CSV_NONE;
     const size_t u = csv_column(table, "u"), v = csv_column(table, "v");
     const size_t sigma = columns & CLI_SIGMAS ? csv_column(table, "sigma_px") : CSV_NONE;
+    const size_t turned = targets ? csv_optional(table, "turned") : CSV_NONE;
     size_t room = 0;
 
     while (csv_next(table)) {
@@ -371,6 +403,9 @@ static void read_observations(cli_observations *observations, const cli_cameras 
         o->seen.uv[0] = csv_real(table, 0, u);
         o->seen.uv[1] = csv_real(table, 0, v);
         o->sigma = sigma == CSV_NONE ? 1 : read_sigma(table, sigma);
+        if (turned != CSV_NONE) {
+            read_turned(observations, o, turned);
+        }
         if (o->line % SHOWN == 0) {
             cli_progress(o->line, "reading %s, line %lu", table->path,
                          (unsigned long)o->line);
@@ -416,6 +451,8 @@ void cli_observations_read(cli_observations *observations, const char *path,
     cli_names_open(&observations->frames);
     cli_names_open(&observations->points);
     observations->count = 0;
+    observations->turned = NULL;
+    observations->room_turned = 0;
     observations->list = cli_alloc(1, sizeof *observations->list);
     observations->has_sigma = columns != 0 && csv_optional(table, "sigma_px") != CSV_NONE;
     read_observations(observations, cameras, columns);

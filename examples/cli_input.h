@@ -57,8 +57,12 @@ typedef struct {
     cli_names frames, points;
     cli_observation *list;
     size_t count;
-    int has_sigma; /* of CLI_TARGETS: there is a column sigma_px */
+    int has_sigma;    /* of CLI_TARGETS: there is a column sigma_px */
+    uint32_t *turned; /* of each point, which it becomes where the target is read from its
+                         next side; NULL: there is no column turned */
+    size_t room_turned;
 } cli_observations;
+#define CLI_NOT_TURNED UINT32_MAX
 
 /* Sorted by frame, point, camera. `columns`: CLI_TARGETS: X, Y, Z are read;
  * CLI_SIGMAS: sigma_px too, which must be there. It is divided by its median. */

@@ -304,14 +304,15 @@ def calibrate(
         if isinstance(detections, Detections):
             times = detections.times if times is None else times
             known = into_rig.with_sizes(known, detections)
-            detections, noted = _prepared(detections, known)
+            into_rig.check_sizes(detections, known)
+            noted = into_rig.swapped(detections, known)
         path = files.cameras("cameras", known)["cameras.csv"]
-        has_sigma = weigh or isinstance(detections, Detections)
-        wanted = (*_tables.OBSERVATIONS, *(("sigma_px",) if has_sigma else ()))
         arguments = ["calibrate", "--progress", "--cameras", path]
         arguments += [
             "--observations",
-            files.table("observations.csv", "detections", detections, wanted),
+            files.table(
+                "observations.csv", "detections", *_observations(detections, weigh)
+            ),
         ]
         kept = os.fspath(out) if out is not None else str(files.folder / "out")
         arguments += ["--out=" + kept, "--method=" + str(method)]
@@ -362,13 +363,17 @@ def calibrate(
     return rig
 
 
-def _prepared(
-    detections: Detections, cameras: Mapping[str, Camera]
-) -> tuple[Detections, list[str]]:
-    """Detections as the program takes them, and what is odd about them."""
-    into_rig.check_sizes(detections, cameras)
-    detections, noted = into_rig.turned(detections, cameras)
-    return detections, noted + into_rig.swapped(detections, cameras)
+def _observations(detections: Any, weigh: bool) -> tuple[Any, Sequence[str]]:
+    """A table, and the columns of it that the program takes."""
+    wanted = list(_tables.OBSERVATIONS)
+    if isinstance(detections, Detections):
+        detections = detections.table()
+        wanted.append("sigma_px")
+    elif weigh:
+        wanted.append("sigma_px")
+    if "turned" in (_tables.names_of(detections) or ()):
+        wanted.append("turned")
+    return detections, wanted
 
 
 def made_of(cameras: Any, detections: Any, arguments: Sequence[str]) -> dict[str, str]:

@@ -14,7 +14,6 @@ from conftest import ROOT, angle
 
 import rigcal
 from rigcal import command
-from rigcal.detect import into_rig
 
 CAMERAS = ROOT / "examples/data/opencv_stereo/cameras.csv"
 LEFT, RIGHT = (str(scenes.DATA / f"{side}*.jpg") for side in ("left", "right"))
@@ -98,15 +97,29 @@ def as_board(stereo, columns, rows):
     return dataclasses.replace(stereo, **{**columns_of, "point": point}, target=board)
 
 
+def read_from(found, changed):
+    """Detections with views that are read from another side: {(camera, frame): turns}."""
+    names = list(found.target.points)
+    X = np.array(list(found.target.points.values()))
+    point, at = found.point.copy(), np.column_stack([found.X, found.Y, found.Z])
+    for key, turns in changed.items():
+        rows = found.views[key]
+        new = [found.target.symmetry[turns - 1][int(name)] for name in point[rows]]
+        point[rows], at[rows] = [names[k] for k in new], X[new]
+    x, y, z = at.T
+    return dataclasses.replace(found, point=point, X=x, Y=y, Z=z)
+
+
 @pytest.mark.parametrize("size", [(8, 6), (7, 5), (6, 6)])
-def test_boards_read_from_several_sides(stereo, size, rng):
+def test_boards_read_from_several_sides(stereo, size, rng, tmp_path):
     found = as_board(stereo, *size)
     right = rigcal.calibrate(CAMERAS, found)
+    assert right.warnings == []
     turns = len(found.target.symmetry)
     changed = {
         key: int(rng.integers(1, turns + 1)) for key in found.views if rng.random() < 0.4
     }
-    mixed = into_rig._renamed(found, changed)
+    mixed = read_from(found, changed)
     assert not (mixed.point == found.point).all()
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
@@ -114,6 +127,16 @@ def test_boards_read_from_several_sides(stereo, size, rng):
     assert f"looks the same from {turns + 1} sides" in str(caught[0].message)
     assert baseline(rig) == pytest.approx(baseline(right), rel=1e-6)
     assert rig.left_out == []
+    assert rig.sqrt_f == pytest.approx(right.sqrt_f, rel=1e-6)
+    # so does a table that has gone through a file, or is a mapping, or was loaded
+    mixed.save(tmp_path / "d.csv")
+    loaded = rigcal.Detections.load(tmp_path / "d.csv")
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        for table in (tmp_path / "d.csv", loaded, loaded.table()):
+            assert baseline(rigcal.calibrate(CAMERAS, table)) == baseline(rig)
+    loaded.save(tmp_path / "e.csv")
+    assert (tmp_path / "e.csv").read_text() == (tmp_path / "d.csv").read_text()
 
 
 def test_a_symmetric_board_in_one_place_is_open(stereo):

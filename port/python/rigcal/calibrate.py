@@ -286,7 +286,9 @@ def calibrate(
     hold        names of cameras that stay where they are
     prior       an earlier Rig, its rig.csv, or cameras: what is known beforehand
     times       when each picture was taken [s]: frame, camera, time_s as detections,
-                {(frame, camera): time}, or "frames": their numbers are times
+                {(frame, camera): time}, or "frames": their numbers are times. None: those
+                of detections. Without clocks and sigma_time these only test the clocks,
+                and all pictures of a frame count as taken at once
     clocks      estimates how late each camera is; drift: and how fast its clock runs
     sigma_time  noise of a time by itself
     intrinsics_sigma     standard deviations: focal and aspect as parts, centre [px], k1, k2
@@ -302,7 +304,9 @@ def calibrate(
         known = _tables.named_cameras(cameras)
         noted: list[str] = []
         if isinstance(detections, Detections):
-            times = detections.times if times is None else times
+            if times is None and detections.times is not None:
+                is_used = clocks or sigma_time is not None
+                times = detections.times if is_used else _of_frames(detections.times)
             known = into_rig.with_sizes(known, detections)
             into_rig.check_sizes(detections, known)
             noted = into_rig.swapped(detections, known)
@@ -361,6 +365,22 @@ def calibrate(
             stacklevel=2,
         )
     return rig
+
+
+def _of_frames(times: Mapping[tuple[str, str], float]) -> dict[tuple[str, str], float]:
+    """The mean time of each frame in the place of its pictures' own: to test the clocks of
+    a rig that is adjusted as if all pictures of a frame were taken at once. The times as
+    they are, where means would not rise as they do."""
+    of: dict[str, list[float]] = {}
+    for (frame, _), stamp in times.items():
+        of.setdefault(frame, []).append(stamp)
+    mean = {frame: float(np.mean(own)) for frame, own in of.items()}
+    found = {(frame, camera): mean[frame] for frame, camera in times}
+    for camera in {camera for _, camera in times}:
+        stamps = sorted((stamp, f) for (f, c), stamp in times.items() if c == camera)
+        if any(mean[b] <= mean[a] for (_, a), (_, b) in zip(stamps, stamps[1:])):
+            return dict(times)
+    return found
 
 
 def _observations(detections: Any, weigh: bool) -> tuple[Any, Sequence[str]]:

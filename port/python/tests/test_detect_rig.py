@@ -170,6 +170,23 @@ def off(rig, cameras, name):
     return np.degrees(angle(found.R, true.R)), np.linalg.norm(found.t - true.t)
 
 
+def test_times_of_pictures_only_test_clocks_unless_these_are_asked_for(videos):
+    """Without clocks the rig is that without times, though a frame's pictures differ."""
+    paths, _, file = videos
+    found = rigcal.detect(paths, rigcal.Chessboard(9, 6, 0.03), every=2)
+    late = {"cam0": 0.0, "cam1": 0.004, "cam2": -0.003}
+    found.times = {(f, c): t + late[c] for (f, c), t in found.times.items()}
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", rigcal.Caveat)
+        rig = rigcal.calibrate(file, found)
+        without = rigcal.calibrate(file, dict(found))
+        known = rigcal.calibrate(file, found, times=found.times)
+    assert "the clocks" in rig.cause
+    rms = [np.sqrt(np.mean(r.residuals["error_px"] ** 2)) for r in (rig, without, known)]
+    assert rms[0] == pytest.approx(rms[1], rel=1e-6)
+    assert rms[2] != pytest.approx(rms[1], rel=1e-3)
+
+
 def test_clocks_of_videos(videos, tmp_path, capsys):
     paths, cameras, file = videos
     out, table = str(tmp_path / "out"), ["--board", "9x6", "--square", "0.03"]

@@ -5,6 +5,8 @@ The program holds the whole of the work, so that both give the same numbers.
 
 from __future__ import annotations
 
+import contextlib
+import itertools
 import os
 import pathlib
 import re
@@ -22,6 +24,7 @@ from . import _tables
 from .camera import Camera
 from .detect import into_rig
 from .detect.detections import Detections
+from .detect.targets import Chessboard
 from .errors import Caveat, Error
 from .formats import save_cameras
 from .rig import Rig
@@ -353,6 +356,7 @@ def calibrate(
         if isinstance(detections, Detections):
             rig.images = dict(detections.images)
             before = known if prior is None or not isinstance(prior, Rig) else prior.cameras
+            noted += _odd_pictures(rig, known, detections)
             told = noted + into_rig.compare(rig.cameras, before, detections) + told
             rig.warnings = told
         rig.made = made_of(cameras, detections, arguments)
@@ -365,6 +369,31 @@ def calibrate(
             stacklevel=2,
         )
     return rig
+
+
+MIRRORED_MOST = 8  # cameras that are tried
+
+
+def _odd_pictures(
+    rig: Rig, known: Mapping[str, Camera], detections: Detections
+) -> list[str]:
+    """Pictures that are upside down, or cameras whose pictures are mirrored."""
+    names = detections.cameras
+    lost = [name for name in names if name not in rig.cameras]
+    if not (lost and detections.sizes and isinstance(detections.target, Chessboard)):
+        return into_rig.upside_down(
+            rig.cameras, [(view.camera, view.frame) for view in rig.left_out], detections
+        )
+    fits = []
+    for name, by_rows in itertools.product(names[:MIRRORED_MOST], (False, True)):
+        table = into_rig.mirrored(detections, name, by_rows)
+        with warnings.catch_warnings(), contextlib.suppress(Error):
+            warnings.simplefilter("ignore", Caveat)
+            other = calibrate(known, table)
+            if len(other.cameras) == len(names) and not other.left_out:
+                fits.append(name)
+    which = " or ".join(dict.fromkeys(fits))
+    return [f"are the pictures of {which} mirrored? Then they fit"] if fits else []
 
 
 def _of_frames(times: Mapping[tuple[str, str], float]) -> dict[tuple[str, str], float]:

@@ -6,7 +6,8 @@ from __future__ import annotations
 import dataclasses
 import itertools
 import warnings
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
@@ -16,9 +17,11 @@ from ..poses import solve_pose
 from ..transform import Array, Transform
 from .detections import Detections
 from .find import check_size
+from .targets import Chessboard
 
-__all__ = ["check_sizes", "compare", "swapped", "with_sizes"]
+__all__ = ["check_sizes", "compare", "mirrored", "swapped", "upside_down", "with_sizes"]
 
+FAR = 0.15  # a pose that differs so much, rad and parts of the distance, is another one
 SAME_LENGTH = 0.01  # part by which baselines differ in spite of a right square
 SAME_TURN = 0.1  # rad: two rigs of the same cameras
 FITS_BETTER = 1.5  # times: views with the intrinsics of another camera
@@ -73,6 +76,78 @@ def _views(detections: Detections) -> dict[Key, tuple[Array, Array]]:
     return {key: (X[rows], uv[rows]) for key, rows in d.views.items()}
 
 
+# ---- pictures that are turned or mirrored --------------------------------------------
+
+
+def _apart(A: Array, B: Array) -> float:
+    """How far poses (4, 4) are apart: radian of the turn + shift over distance."""
+    turn = np.arccos(np.clip((np.trace(A[:3, :3].T @ B[:3, :3]) - 1) / 2, -1, 1))
+    length = np.linalg.norm(A[:3, 3]) + np.linalg.norm(B[:3, 3])
+    return float(turn + 2 * np.linalg.norm(A[:3, 3] - B[:3, 3]) / max(length, 1e-12))
+
+
+def _matrix(T: Transform) -> Array:
+    return np.vstack([np.column_stack([T.R, T.t]), [0, 0, 0, 1.0]])
+
+
+def upside_down(
+    found: Mapping[str, Camera], left_out: Sequence[Key], detections: Detections
+) -> list[str]:
+    """Views that do not count in the rig, and would if their picture were turned by 180
+    degrees."""
+    views = _views(detections)
+    placed = {n: _matrix(c.cam_from_rig) for n, c in found.items() if c.cam_from_rig}
+    told = []
+    for frame in dict.fromkeys(frame for _, frame in left_out):
+        poses = {}
+        for name in placed:
+            if (name, frame) in views:
+                poses[name] = _pose(found[name], *views[name, frame])
+        best: tuple[float, str] = (FAR, "")
+        for name in [n for n, f in left_out if f == frame and n in placed]:
+            X, uv = views[name, frame]
+            size = np.array(detections.sizes.get(name) or found[name].size or (0, 0))
+            turned = _pose(found[name], X, size - 1 - uv)
+            for other, pose in poses.items():
+                if other != name and pose is not None and turned is not None:
+                    expected = placed[name] @ np.linalg.inv(placed[other]) @ pose[0]
+                    best = min(best, (_apart(turned[0], expected), name))
+        if best[1]:
+            told.append(
+                f"camera {best[1]} in frame {frame}: its picture is upside down: turned by "
+                "180 degrees it agrees with the rig. Turn it back"
+            )
+    return told
+
+
+def mirrored(detections: Detections, name: str, by_rows: bool) -> dict[str, Any]:
+    """The table with the pictures of a camera mirrored, and the corners of the chessboard
+    named as they are read then."""
+    board = detections.target
+    assert isinstance(board, Chessboard)
+    table = dict(detections.table())
+    rows = detections.camera == name
+    number = detections.point[rows].astype(int)
+    x, y = number % board.columns, number // board.columns
+    if by_rows:
+        y = board.rows - 1 - y
+    else:
+        x = board.columns - 1 - x
+    names, X = list(board.points), np.array(list(board.points.values()))
+    new = y * board.columns + x
+    columns: dict[str, Any] = {
+        "point": np.array(names)[new], "X": X[new, 0], "Y": X[new, 1], "Z": X[new, 2],
+        "u": detections.sizes[name][0] - 1 - detections.u[rows],
+    }  # fmt: skip
+    if "turned" in table:
+        after = dict(zip(detections.point.tolist(), table["turned"].tolist()))
+        columns["turned"] = np.array([after[point] for point in columns["point"].tolist()])
+    for column, values in columns.items():
+        table[column] = table[column].copy()
+        table[column][rows] = values
+    return table
+
+
 # ---- the order of cameras, and the square -------------------------------------------
 
 
@@ -118,15 +193,12 @@ def compare(
     if not pairs:
         return []
 
-    def matrix(T: Transform) -> Array:
-        return np.vstack([np.column_stack([T.R, T.t]), [0, 0, 0, 1.0]])
-
     def misfit(order: Mapping[str, str]) -> tuple[float, Array]:
         """The largest turn between the two rigs, and the factors of all baselines."""
         turns, factors = [], []
         for a, b in pairs:
-            now = matrix(after[b]) @ np.linalg.inv(matrix(after[a]))
-            then = matrix(before[order[b]]) @ np.linalg.inv(matrix(before[order[a]]))
+            now = _matrix(after[b]) @ np.linalg.inv(_matrix(after[a]))
+            then = _matrix(before[order[b]]) @ np.linalg.inv(_matrix(before[order[a]]))
             R = now[:3, :3] @ then[:3, :3].T
             turn = np.arccos(np.clip((np.trace(R) - 1) / 2, -1, 1))
             lengths = np.linalg.norm(now[:3, 3]), np.linalg.norm(then[:3, 3])

@@ -1,6 +1,7 @@
 # Sourced by the shell of each step that tests/run.sh starts, at the project's root.
 #
-#   preset_build PRESET   builds in build/PRESET
+#   preset_build PRESET [TARGET]
+#                         builds in build/PRESET, all or the target alone
 #   preset PRESET         builds, and runs every test
 #   relinked PRESET BUILT COMPILER
 #                         builds the library of PRESET, and runs the unit tests of the
@@ -15,7 +16,7 @@ set -u
 
 preset_build() {
     drop_moved_build "build/$1"
-    cmake --preset "$1" && cmake --build --preset "$1"
+    cmake --preset "$1" && cmake --build --preset "$1" ${2:+--target "$2"}
 }
 
 preset() {

@@ -250,7 +250,7 @@ static int choose_rung(rigcal_choose_solver *s)
     rigcal_choice *const choice = s->choice;
     int k = 0;
     while (k < RIGCAL_CHOOSE_RUNGS - 2 &&
-           !(s->counts[k] > 0 && s->counts[k] >= RUNG_ENOUGH * s->counts[k + 1])) {
+           (!(s->counts[k] > 0) || !(s->counts[k] >= RUNG_ENOUGH * s->counts[k + 1]))) {
         k++;
     }
     s->rung = k;

@@ -43,8 +43,8 @@ static rigcal_status check_view(rigcal_judge_solver *s, size_t v)
     s->left_out[v] = takes == RIGCAL_TAKES_NONE;
     return (takes > RIGCAL_TAKES_NONE || !(first.sse >= 0) ||
             (takes == RIGCAL_TAKES_SECOND && second.n == 0) ||
-            (second.n > 0 && !(second.sse >= 0 && second.camera == first.camera &&
-                               second.placement == first.placement)))
+            (second.n > 0 && (!(second.sse >= 0) || second.camera != first.camera ||
+                              second.placement != first.placement)))
                ? RIGCAL_ERR_RANGE
                : RIGCAL_OK;
 }

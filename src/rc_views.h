@@ -51,7 +51,11 @@ struct rc_rig_parts {
 
 void rc_rig_parts_of(rc_rig_parts *parts, const rigcal_rig *rig, size_t n_unknowns);
 
-/* View `index`, of what the caller gives. */
+/* OK, or ERR_RANGE: not a camera and a placement of the rig. */
+rigcal_status rc_rig_numbers(const rigcal_rig *rig, int32_t camera, int32_t placement);
+
+/* View `index`, of what the caller gives: of a camera and placement of the rig, whenever it
+ * is asked. */
 rigcal_status rc_rig_view_at(rigcal_rig_view *out, const rigcal_rig *rig, size_t index);
 rigcal_status rc_rig_pose_at(rigcal_view_pose *out, const rigcal_rig *rig, size_t index);
 

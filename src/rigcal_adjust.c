@@ -421,9 +421,10 @@ static rigcal_status add_equations(rigcal_rig_solver *s, const rc_rig_parts *par
 {
     rigcal_real sum = 0, g[6], H[21];
     rc_chain chain;
-    int32_t camera = 0;
+    int32_t camera = -1;
     const rigcal_status status = s->given->equations(&sum, g, H, &chain, &camera, s);
     if (status != RIGCAL_OK) {
+        s->is_final |= camera < 0; /* no view: another step would not help */
         return status;
     }
     rc_chain_add_placement(s->gp, s->Hp, &chain, g, H);

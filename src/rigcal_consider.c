@@ -121,8 +121,7 @@ static rigcal_status evaluate(rigcal_rig_view *v, rc_chain *chain, rigcal_real m
 {
     rigcal_points points;
     rigcal_status status = rc_rig_view_at(v, rig, index);
-    if (status == RIGCAL_OK && (v->camera < 0 || (size_t)v->camera >= rig->n_cameras ||
-                                (size_t)v->placement != placement)) {
+    if (status == RIGCAL_OK && (size_t)v->placement != placement) {
         status = RIGCAL_ERR_RANGE;
     }
     if (status == RIGCAL_OK) {

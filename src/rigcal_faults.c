@@ -155,9 +155,6 @@ static rigcal_status count_view(rigcal_faults_solver *s)
         return RIGCAL_OK;
     }
     rigcal_status status = rc_rig_view_at(&v, s->rig, s->view);
-    if (status == RIGCAL_OK && (v.camera < 0 || (size_t)v.camera >= s->rig->n_cameras)) {
-        status = RIGCAL_ERR_RANGE;
-    }
     if (status == RIGCAL_OK) {
         status = rc_rig_points(&points, &v);
     }
@@ -233,9 +230,7 @@ static rigcal_status add_view(rigcal_faults_solver *s)
     rc_rig_parts parts;
     rigcal_real m[6], d[6], expected;
     rigcal_status status = rc_rig_view_at(&view, s->rig, s->view);
-    if (status == RIGCAL_OK &&
-        (s->columns.border.count >= s->rig->n_cameras || view.camera < 0 ||
-         (size_t)view.camera >= s->rig->n_cameras)) {
+    if (status == RIGCAL_OK && s->columns.border.count >= s->rig->n_cameras) {
         status = RIGCAL_ERR_STATE;
     }
     if (status != RIGCAL_OK) {

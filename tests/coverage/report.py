@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """What of src/ the tests do not cover, against exceptions.txt.
 
-    python3 tests/coverage/report.py [--open] PRECISION...
+    python3 tests/coverage/report.py [--update] PRECISION...
 
 reads build/coverage-PRECISION/coverage.json, which tests/coverage/run.sh writes. An item is
 
@@ -15,7 +15,7 @@ A line that does not run, in a function that does, hangs on an item of the secon
 kind. The conditions of a decision that are never true or false are not named again as
 never-alone.
 
-With --open it writes the items that are missing in exceptions.txt as lines of that file.
+With --update it rewrites exceptions.txt: what is covered goes, what is new comes as open.
 """
 
 import argparse
@@ -172,32 +172,41 @@ def read_exceptions():
     return proofs
 
 
-def print_missing(missing):
-    """The items without an exception, as lines of exceptions.txt."""
-    by_item = {}
-    for item, precision in missing:
-        by_item.setdefault(item, []).append(precision)
-    for item, where in sorted(by_item.items()):
-        word = "both" if len(where) == 2 else where[0]
-        print(f"{item[0]} {item[1]} {word} {item[2]} {item[3]} => {OPEN}")
+def update(seen, proofs):
+    """Rewrites exceptions.txt: what is covered goes, what is new comes as open. What only
+    one precision was asked for stays as it is of the other."""
+    kept = {}
+    for (item, precision), proof in proofs.items():
+        if precision not in seen or item in seen[precision]:
+            kept.setdefault((item, proof), []).append(precision)
+    for precision, items in seen.items():
+        for item in items:
+            if (item, precision) not in proofs:
+                kept.setdefault((item, OPEN), []).append(precision)
+    with open(EXCEPTIONS, encoding="utf-8") as f:
+        head = [line for line in f if line.startswith("#")]
+    with open(EXCEPTIONS, "w", encoding="utf-8") as f:
+        f.writelines(head)
+        for (item, proof), where in sorted(kept.items()):
+            word = "both" if len(where) == 2 else where[0]
+            f.write(f"{item[0]} {item[1]} {word} {item[2]} {item[3]} => {proof}\n")
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
-    parser.add_argument("--open", action="store_true",
-                        help="write what is missing as lines of exceptions.txt")
+    parser.add_argument("--update", action="store_true",
+                        help="rewrite exceptions.txt by what is seen")
     parser.add_argument("precisions", nargs="+", choices=("double", "float"))
     args = parser.parse_args()
     proofs = read_exceptions()
-    missing = []
     failed = False
-    for precision in args.precisions:
-        items, totals = items_of(precision)
+    seen = {precision: items_of(precision) for precision in args.precisions}
+    if args.update:
+        update({precision: items for precision, (items, _) in seen.items()}, proofs)
+        proofs = read_exceptions()
+    for precision, (items, totals) in seen.items():
         stale = [key for key in proofs if key[1] == precision and key[0] not in items]
         new = [item for item in items if (item, precision) not in proofs]
-        missing += [(item, precision) for item in new]
-        if args.open:
-            continue
         n_open = sum(proofs.get((item, precision)) == OPEN for item in items)
         for file, function, outcome, text in new:
             line = items[(file, function, outcome, text)][0]
@@ -210,8 +219,6 @@ def main():
                            for kind in ("lines", "branches", "mcdc"))
         print(f"{precision}: {shares}; {len(items) - len(new) - n_open} proven exceptions, "
               f"{n_open} open, {len(new)} new, {len(stale)} stale")
-    if args.open:
-        print_missing(missing)
     sys.exit(failed)
 
 

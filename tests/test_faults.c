@@ -581,6 +581,61 @@ static void test_points_beyond_4_sigma_do_not_count_where_they_are_left_out(void
     ASSERT_NEAR(D(whole.freedom_within) - 2, x.found.freedom_within, 0);
 }
 
+static void test_options_are_checked(void)
+{
+    WANTS_A_RIG;
+    set_up(&x, 0);
+    test_it(&x);
+#define FAULTS_OF rigcal_rig_faults(&x.found, x.faults, FAULTS, NULL, &x.options, &x.rig)
+    x.options.is_truncated = 2;
+    x.rig.sigma_px = 1;
+    ASSERT_REFUSED(RIGCAL_ERR_RANGE, x.found, FAULTS_OF);
+    x.options.is_truncated = 1;
+    ASSERT_STATUS(RIGCAL_OK, FAULTS_OF);
+    x.rig.sigma_px = 0;
+    ASSERT_REFUSED(RIGCAL_ERR_RANGE, x.found, FAULTS_OF);
+    x.options.is_truncated = -1;
+    ASSERT_REFUSED(RIGCAL_ERR_RANGE, x.found, FAULTS_OF);
+    x.options.is_truncated = 0;
+    x.rig.views = NULL;
+    ASSERT_REFUSED(RIGCAL_ERR_NULL, x.found, FAULTS_OF);
+    x.rig.views = x.views;
+    x.work[1] = RC(MORE + 1); /* of a placement more views than there are cameras */
+    ASSERT_REFUSED(RIGCAL_ERR_STATE, x.found, FAULTS_OF);
+    TEST_ASSERT_EQUAL_size_t(RIGCAL_FAULTS_WORK(5, 7), rigcal_faults_work(5, 7));
+    TEST_ASSERT_EQUAL_size_t(RIGCAL_FAULTS_LEAST(5, 7), rigcal_faults_least(5, 7));
+}
+
+/* Asked for one kind, it is that one; each as when all are asked for. */
+static void test_kinds_that_are_asked_for(void)
+{
+    rigcal_fault all[FAULTS];
+    int32_t n_all;
+
+    WANTS_A_RIG;
+    set_up(&x, 1);
+    test_it(&x);
+    memcpy(all, x.faults, sizeof all);
+    n_all = x.found.n;
+    for (int kind = 0; kind < RIGCAL_FAULT_KINDS; kind++) {
+        x.options.kinds = RIGCAL_FAULTS_OF(kind);
+        test_it(&x);
+        for (int i = 0; i < x.found.n; i++) {
+            int k = 0;
+
+            TEST_ASSERT_EQUAL_INT32(kind, x.faults[i].kind);
+            while (k < n_all &&
+                   (all[k].kind != kind || all[k].camera != x.faults[i].camera ||
+                    all[k].placement != x.faults[i].placement)) {
+                k++;
+            }
+            TEST_ASSERT_TRUE(k < n_all);
+            ASSERT_NEAR(D(all[k].value[0]), x.faults[i].value[0],
+                        TOL(1e-9, 1e-4) + TOL(1e-6, 1e-2) * fabs(D(all[k].value[0])));
+        }
+    }
+}
+
 TEST_MAIN()
 {
     RUN_TEST(test_each_fault_is_that_of_dense_least_squares);
@@ -599,4 +654,6 @@ TEST_MAIN()
     RUN_TEST(test_a_short_list_has_the_best);
     RUN_TEST(test_the_covariance_stays);
     RUN_TEST(test_points_beyond_4_sigma_do_not_count_where_they_are_left_out);
+    RUN_TEST(test_options_are_checked);
+    RUN_TEST(test_kinds_that_are_asked_for);
 }

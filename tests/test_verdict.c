@@ -292,6 +292,16 @@ static void test_what_is_no_result_is_refused(void)
                   rigcal_faults_text(text, ROOM, NULL, &found, faults, NULL));
 }
 
+static void test_a_named_fault_that_is_not_there_is_refused(void)
+{
+    explained_by(RIGCAL_FAULT_FOCAL, 1, 0.01, 0.001);
+    found.bits |= RIGCAL_FAULTS_NAMED;
+    ASSERT_STATUS(RIGCAL_OK, rigcal_faults_text(text, ROOM, NULL, &found, faults, &words));
+    found.n = found.n_alike = 0;
+    ASSERT_STATUS(RIGCAL_ERR_RANGE,
+                  rigcal_faults_text(text, ROOM, NULL, &found, faults, &words));
+}
+
 TEST_MAIN()
 {
     RUN_TEST(test_a_rig_that_agrees);
@@ -307,4 +317,5 @@ TEST_MAIN()
     RUN_TEST(test_without_names_and_units_there_are_numbers);
     RUN_TEST(test_a_buffer_that_is_too_small_gets_whole_sentences);
     RUN_TEST(test_what_is_no_result_is_refused);
+    RUN_TEST(test_a_named_fault_that_is_not_there_is_refused);
 }

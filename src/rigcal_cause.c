@@ -586,7 +586,7 @@ static rigcal_status run(rigcal_cause *cause, rigcal_cause_solver *s, rigcal_sta
     if (begun != RIGCAL_OK || cause == NULL) {
         return (begun != RIGCAL_OK) ? begun : RIGCAL_ERR_NULL;
     }
-    while (rigcal_cause_step(s, 1000) == RIGCAL_RUNNING) {
+    while (rigcal_cause_step(s, 100) == RIGCAL_RUNNING) {
     }
     return rigcal_cause_result(cause, s);
 }

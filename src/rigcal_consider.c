@@ -577,7 +577,7 @@ rigcal_status rigcal_rig_consider(rigcal_considered *considered, int32_t *at_fau
     if (status != RIGCAL_OK) {
         return status;
     }
-    while (rigcal_consider_step(&solver, 1000) == RIGCAL_RUNNING) {
+    while (rigcal_consider_step(&solver, 100) == RIGCAL_RUNNING) {
     }
     return rigcal_consider_result(at_fault, &solver);
 }

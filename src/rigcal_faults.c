@@ -629,7 +629,7 @@ rigcal_status rigcal_rig_faults(rigcal_faults *found, rigcal_fault faults[],
     if (status != RIGCAL_OK) {
         return status;
     }
-    while (rigcal_faults_step(&solver, 1000) == RIGCAL_RUNNING) {
+    while (rigcal_faults_step(&solver, 100) == RIGCAL_RUNNING) {
     }
     return rigcal_faults_result(found, at_fault, &solver);
 }

@@ -640,7 +640,7 @@ rigcal_status rigcal_rig_choose(rigcal_choice *choice, int32_t *at_fault, rigcal
     if (status != RIGCAL_OK) {
         return status;
     }
-    while (rigcal_choose_step(&solver, 1000) == RIGCAL_RUNNING) {
+    while (rigcal_choose_step(&solver, 100) == RIGCAL_RUNNING) {
     }
     return rigcal_choose_result(at_fault, &solver);
 }

@@ -479,7 +479,7 @@ rigcal_status rigcal_rig_judge(rigcal_judgement *judgement, int32_t *at_fault,
     if (status != RIGCAL_OK) {
         return status;
     }
-    while (rigcal_judge_step(&solver, 1000) == RIGCAL_RUNNING) {
+    while (rigcal_judge_step(&solver, 100) == RIGCAL_RUNNING) {
     }
     return rigcal_judge_result(judgement, at_fault, &solver);
 }

@@ -636,6 +636,28 @@ static void test_kinds_that_are_asked_for(void)
     }
 }
 
+static void test_clocks_without_their_memory_are_refused(void)
+{
+    rigcal_rig_fit fit;
+
+    WANTS_A_RIG;
+    set_up(&x, 0);
+#define ADJUST rigcal_rig_adjust(&fit, NULL, &x.rig)
+    x.with_clocks.instants = NULL;
+    ASSERT_REFUSED(RIGCAL_ERR_NULL, fit, ADJUST);
+    x.with_clocks.instants = x.instants;
+    x.with_clocks.states = NULL;
+    ASSERT_REFUSED(RIGCAL_ERR_NULL, fit, ADJUST);
+    x.with_clocks.states = x.states;
+    x.with_clocks.neighbours = 0;
+    ASSERT_REFUSED(RIGCAL_ERR_RANGE, fit, ADJUST);
+    x.with_clocks.neighbours = RIGCAL_MOTION_MOST + 1;
+    ASSERT_REFUSED(RIGCAL_ERR_RANGE, fit, ADJUST);
+    x.with_clocks.neighbours = RIGCAL_MOTION_MOST;
+    ASSERT_STATUS(RIGCAL_OK, ADJUST);
+#undef ADJUST
+}
+
 TEST_MAIN()
 {
     RUN_TEST(test_each_fault_is_that_of_dense_least_squares);
@@ -656,4 +678,5 @@ TEST_MAIN()
     RUN_TEST(test_points_beyond_4_sigma_do_not_count_where_they_are_left_out);
     RUN_TEST(test_options_are_checked);
     RUN_TEST(test_kinds_that_are_asked_for);
+    RUN_TEST(test_clocks_without_their_memory_are_refused);
 }

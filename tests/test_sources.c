@@ -21,6 +21,7 @@ enum {
     NO_NUMBER,
     NO_INFORMATION,
     AT_INFINITY,
+    TOO_MANY,
     WAYS
 };
 
@@ -110,6 +111,8 @@ static rigcal_status change_pose(rigcal_view_pose *pose)
         memset(pose->information, 0, sizeof pose->information);
     } else if (source.way == NO_POINTS) {
         pose->n = 0;
+    } else if (source.way == TOO_MANY) {
+        pose->n = SIZE_MAX;
     }
     return (source.way == FAILS) ? RIGCAL_ERR_DAMAGED : RIGCAL_OK;
 }
@@ -251,7 +254,7 @@ static rigcal_status finds_faults(void)
 
 /* The view WRONG is turned; it has a second pose. is_adjusted: the rig is adjusted, that
  * view left out. */
-static void make(int is_adjusted, int has_clocks)
+static void make(int seen, int is_adjusted, int has_clocks)
 {
     test_rng rng = test_seed(4000);
     rigcal_rig_fit fit;
@@ -259,7 +262,7 @@ static void make(int is_adjusted, int has_clocks)
     for (int32_t i = 0; i < BOARD_POINTS; i++) {
         turned[i] = BOARD_POINTS - 1 - i;
     }
-    test_boards_make(&b, &rng, CAMERAS, PLACES, SEEN, 0.3, 0);
+    test_boards_make(&b, &rng, CAMERAS, PLACES, seen, 0.3, 0);
     test_boards_solve(&b);
     memset(second, 0, sizeof second);
     second[WRONG] = b.own[WRONG];
@@ -309,7 +312,7 @@ static void try_all(rigcal_status (*function)(void))
     for (source.way = 0; source.way < WAYS; source.way++) {
         const size_t stride = 1 + n / ((source.way == FAILS) ? 900 : 40);
 
-        for (source.at = 1; source.at <= n; source.at += stride) {
+        for (source.at = 1; source.at <= n; source.at += (source.at < 80) ? 1 : stride) {
             b = before;
             source.calls = 0;
             at_fault = -2;
@@ -330,7 +333,7 @@ static void try_all(rigcal_status (*function)(void))
 static void test_sources_of_a_join_and_a_choice(void)
 {
     TEST_ON_HOST_ONLY("thousands of searches");
-    make(0, 0);
+    make(SEEN, 0, 0);
     try_all(links);
     try_all(joins);
     before.choice.second_source = b.choice.second_source = next_second;
@@ -340,7 +343,7 @@ static void test_sources_of_a_join_and_a_choice(void)
 static void test_sources_of_an_adjustment(void)
 {
     TEST_ON_HOST_ONLY("thousands of searches");
-    make(0, 0);
+    make(SEEN, 0, 0);
     before.rig.left_out = b.rig.left_out = b.left_out;
     before.left_out[WRONG] = b.left_out[WRONG] = 1;
     try_all(adjusts);
@@ -350,15 +353,19 @@ static void test_sources_of_an_adjustment(void)
 static void test_sources_of_a_judgement(void)
 {
     TEST_ON_HOST_ONLY("thousands of searches");
-    make(0, 0);
+    make(SEEN, 0, 0);
     before.choice.second_source = b.choice.second_source = next_second;
+    before.choice.takes[WRONG] = b.choice.takes[WRONG] = RIGCAL_TAKES_SECOND;
+    try_all(judges);
+    make(2, 0, 0); /* of two views that disagree none is left */
     try_all(judges);
 }
 
 static void test_sources_of_a_cause(void)
 {
     TEST_ON_HOST_ONLY("thousands of searches");
-    make(1, 0);
+    make(SEEN, 1, 0);
+    before.left_out[WRONG + 1] = b.left_out[WRONG + 1] = 1; /* of the same placement */
     try_all(tells_the_cause);
     try_all(tells_the_cause_of_a_camera);
 }
@@ -366,7 +373,7 @@ static void test_sources_of_a_cause(void)
 static void test_sources_after_an_adjustment(void)
 {
     TEST_ON_HOST_ONLY("thousands of searches");
-    make(1, 0);
+    make(SEEN, 1, 0);
     try_all(tells_the_noise);
     try_all(tells_a_placement);
     try_all(tells_residuals);
@@ -378,7 +385,7 @@ static void test_sources_after_an_adjustment(void)
 static void test_sources_of_a_rig_with_clocks(void)
 {
     TEST_ON_HOST_ONLY("thousands of searches");
-    make(1, 1);
+    make(SEEN, 1, 1);
     try_all(considers);
     try_all(finds_faults);
     try_all(adjusts);

@@ -302,6 +302,18 @@ static void test_a_named_fault_that_is_not_there_is_refused(void)
                   rigcal_faults_text(text, ROOM, NULL, &found, faults, &words));
 }
 
+/* Where the first one does not explain, the others need not either. */
+static void test_what_cannot_be_told_apart_where_nothing_explains(void)
+{
+    explained_by(RIGCAL_FAULT_CLOCK, 0, 0.005, 0.0003);
+    found.n_alike = 2;
+    found.bits |= RIGCAL_FAULTS_ALIKE;
+    faults[0].explains = faults[1].explains = faults[2].explains = 0;
+    say();
+    ASSERT_SAYS(
+        "it cannot be told from the focal length of right, the focal length of top.");
+}
+
 TEST_MAIN()
 {
     RUN_TEST(test_a_rig_that_agrees);
@@ -318,4 +330,5 @@ TEST_MAIN()
     RUN_TEST(test_a_buffer_that_is_too_small_gets_whole_sentences);
     RUN_TEST(test_what_is_no_result_is_refused);
     RUN_TEST(test_a_named_fault_that_is_not_there_is_refused);
+    RUN_TEST(test_what_cannot_be_told_apart_where_nothing_explains);
 }

@@ -230,9 +230,6 @@ static rigcal_status add_view(rigcal_faults_solver *s)
     rc_rig_parts parts;
     rigcal_real m[6], d[6], expected;
     rigcal_status status = rc_rig_view_at(&view, s->rig, s->view);
-    if (status == RIGCAL_OK && s->columns.border.count >= s->rig->n_cameras) {
-        status = RIGCAL_ERR_STATE;
-    }
     if (status != RIGCAL_OK) {
         return status;
     }

@@ -263,7 +263,7 @@ static void take_step(rigcal_rig_solver *s, const rc_rig_parts *parts)
         gain <= little || gain * gain <= (s->search.last_gain - gain) * little;
     const int step =
         rc_levenberg_promised(&s->search, gain, is_enough ? gain : s->negligible);
-    if (step == RC_STEP_NONE || (step == RC_STEP_TRY && s->evals >= PASSES_MAX)) {
+    if (step == RC_STEP_TRY && s->evals >= PASSES_MAX) {
         end_search(s, RIGCAL_BUDGET_SPENT, 1);
         return;
     }

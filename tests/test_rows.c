@@ -464,6 +464,16 @@ static void test_a_ray_that_grazes_has_no_sight(void)
     ASSERT_STATUS(RIGCAL_OK, rc_sight_of(&sight, &camera, ahead, 1));
 }
 
+static void test_a_ray_of_no_length_is_none(void)
+{
+    const rigcal_real nothing[3] = {0, 0, 0};
+    rigcal_camera camera = test_pinhole();
+    rc_sight sight;
+
+    camera.k1 = RC(0.05);
+    ASSERT_STATUS(RIGCAL_ERR_DEGENERATE, rc_sight_of(&sight, &camera, nothing, 1));
+}
+
 TEST_MAIN()
 {
     RUN_TEST(test_a_match_agrees_with_differences_through_any_lens);
@@ -476,4 +486,5 @@ TEST_MAIN()
     RUN_TEST(test_the_place_of_a_target_moves_as_its_camera_and_its_view_do);
     RUN_TEST(test_each_coefficient_of_a_lens_counts);
     RUN_TEST(test_a_ray_that_grazes_has_no_sight);
+    RUN_TEST(test_a_ray_of_no_length_is_none);
 }

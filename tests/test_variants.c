@@ -2,6 +2,7 @@
  * that is held, or whose prior is as good as that. What is found of the rig is the same. */
 #include <string.h>
 
+#include "rigcal_solvers.h"
 #include "test_boards.h"
 
 enum { CAMERAS = 4, PLACES = 6, SEEN = 3, EMPTY = 2, TURNED = 7 };
@@ -11,11 +12,13 @@ static const double NOISE = 0.3;
 static test_boards b;
 static rigcal_real
     memory[RIGCAL_FAULTS_WORK(CAMERAS, CAMERAS) + RIGCAL_CONSIDER_WORK(CAMERAS, CAMERAS)];
+static rigcal_real more[RIGCAL_ESTIMATE_WORK(CAMERAS, CAMERAS)];
 static rigcal_intrinsics_sigma sigmas[CAMERAS];
 static uint8_t roles[CAMERAS];
 static rigcal_camera_prior priors[CAMERAS];
 
-#define WANTS_BOARDS TEST_WANTS_RAM(sizeof(test_boards) + sizeof memory + 40000)
+#define WANTS_BOARDS \
+    TEST_WANTS_RAM(sizeof(test_boards) + sizeof memory + sizeof more + 40000)
 
 /* What is found of the rig. */
 typedef struct {
@@ -248,6 +251,131 @@ static void test_counts_that_cannot_be_are_refused(void)
     ASSERT_REFUSED(RIGCAL_ERR_STATE, Sigma, rigcal_rig_placement(Sigma, &b.rig, 1, 0));
 }
 
+static void test_a_rig_whose_views_are_all_left_out_is_refused(void)
+{
+    rigcal_link found[RIGCAL_LINKS(CAMERAS)];
+    int32_t n_groups, at_fault = 0;
+
+    WANTS_BOARDS;
+    make(4600);
+    memset(b.left_out, 1, sizeof b.left_out);
+    b.rig.left_out = b.left_out;
+    ASSERT_STATUS(RIGCAL_ERR_TOO_FEW, rigcal_rig_links(found, RIGCAL_LINKS(CAMERAS),
+                                                       &n_groups, &at_fault, &b.rig));
+    TEST_ASSERT_EQUAL_INT32(-1, at_fault);
+    at_fault = 0;
+    ASSERT_STATUS(RIGCAL_ERR_TOO_FEW, rigcal_rig_choose(&b.choice, &at_fault, &b.rig));
+    TEST_ASSERT_EQUAL_INT32(-1, at_fault);
+}
+
+/* Memory to work in that says that no placement was seen. */
+static void test_a_rig_without_placements_has_no_faults(void)
+{
+    rigcal_faults_options options = {0};
+    rigcal_faults found;
+    rigcal_fault faults[12];
+    rigcal_rig_fit fit;
+
+    WANTS_BOARDS;
+    make(4700);
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_adjust(&fit, NULL, &b.rig));
+    options.work = memory;
+    options.work_capacity = sizeof memory / sizeof *memory;
+    for (int f = 0; f < PLACES; f++) {
+        b.work[f] = 0;
+    }
+    ASSERT_REFUSED(RIGCAL_ERR_TOO_FEW, found,
+                   rigcal_rig_faults(&found, faults, 12, NULL, &options, &b.rig));
+}
+
+/* Point 4 of view v is where its camera does not look. */
+static void put_behind(size_t v)
+{
+    const rigcal_transform chain =
+        test_times(&b.true_cams[b.views[v].camera], &b.true_places[b.views[v].placement]);
+    const rigcal_real behind[3] = {0, 0, -2};
+    rigcal_transform target_from_cam;
+
+    ASSERT_STATUS(RIGCAL_OK, rigcal_transform_invert(&target_from_cam, &chain));
+    ASSERT_STATUS(RIGCAL_OK,
+                  rigcal_transform_point(b.o[v][4].X_w, &target_from_cam, behind));
+}
+
+static void test_a_point_behind_its_camera_has_a_status(void)
+{
+    static const rigcal_intrinsics_change MADE[CAMERAS];
+    rigcal_intrinsics_change change[CAMERAS], sigma[CAMERAS];
+    rigcal_estimated estimated = {0};
+    rigcal_considered considered = {0};
+    rigcal_faults_options options = {0};
+    rigcal_faults found, whole;
+    rigcal_fault faults[12];
+    rigcal_real Sigma[36];
+    rigcal_rig_fit fit;
+    int32_t at_fault;
+
+    WANTS_BOARDS;
+    make(4800);
+    b.rig.sigma_px = RC(NOISE);
+    b.rig.intrinsics_sigmas = sigmas;
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_adjust(&fit, NULL, &b.rig));
+    considered.effects = memory;
+    considered.capacity = sizeof memory / sizeof *memory;
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_consider(&considered, NULL, &b.rig));
+    put_behind(8); /* of placement 2 */
+    ASSERT_REFUSED(RIGCAL_ERR_BEHIND, Sigma, rigcal_rig_placement(Sigma, &b.rig, 1, 2));
+    ASSERT_STATUS(RIGCAL_ERR_BEHIND, rigcal_rig_consider(&considered, &at_fault, &b.rig));
+    TEST_ASSERT_EQUAL_INT32(8, at_fault);
+    TEST_ASSERT_NULL(b.rig.considered);
+    estimated.considered.effects = more;
+    estimated.considered.capacity = sizeof more / sizeof *more;
+    estimated.made = MADE;
+    estimated.change = change;
+    estimated.sigma = sigma;
+    ASSERT_STATUS(RIGCAL_ERR_BEHIND,
+                  rigcal_rig_estimate(&estimated, &at_fault, &b.rig, RC(NOISE)));
+    b.rig.intrinsics_sigmas = NULL;
+    options.work = memory;
+    options.work_capacity = sizeof memory / sizeof *memory;
+    ASSERT_REFUSED(RIGCAL_ERR_BEHIND, found,
+                   rigcal_rig_faults(&found, faults, 12, &at_fault, &options, &b.rig));
+    TEST_ASSERT_EQUAL_INT32(8, at_fault);
+    options.is_truncated = 1; /* it is then a wrong point as any other */
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_faults(&found, faults, 12, NULL, &options, &b.rig));
+    make(4800);
+    b.rig.sigma_px = RC(NOISE);
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_adjust(&fit, NULL, &b.rig));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_faults(&whole, faults, 12, NULL, &options, &b.rig));
+    ASSERT_NEAR(D(whole.freedom_within) - 2, found.freedom_within, 0);
+}
+
+/* Of the truncated loss a point that cannot be seen is a wrong one; of Huber's, which has
+ * no limit, it is an error. */
+static void test_a_point_behind_its_camera_is_wrong_by_the_truncated_loss(void)
+{
+    static rigcal_rig_solver solver;
+    rigcal_rig_fit fit;
+    size_t n_wrong = 0;
+    int32_t at_fault;
+
+    WANTS_BOARDS;
+    make(4900);
+    b.rig.sigma_px = RC(NOISE);
+    put_behind(8);
+    ASSERT_STATUS(RIGCAL_OK,
+                  rigcal_rig_robust_begin(&solver, &b.rig, RIGCAL_LOSS_TRUNCATED));
+    while (rigcal_rig_step(&solver, 1000) == RIGCAL_RUNNING) {
+    }
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_robust_result(&fit, &n_wrong, &at_fault, &solver));
+    TEST_ASSERT_EQUAL_size_t(1, n_wrong);
+    make(4900);
+    b.rig.sigma_px = RC(NOISE);
+    put_behind(8);
+    ASSERT_STATUS(RIGCAL_ERR_BEHIND,
+                  rigcal_rig_adjust_robust(&fit, &n_wrong, &at_fault, &b.rig));
+    TEST_ASSERT_EQUAL_INT32(8, at_fault);
+}
+
 TEST_MAIN()
 {
     RUN_TEST(test_a_placement_that_nobody_saw_changes_nothing);
@@ -255,4 +383,8 @@ TEST_MAIN()
     RUN_TEST(test_a_camera_held_by_its_role);
     RUN_TEST(test_a_sure_prior_is_as_a_camera_that_is_held);
     RUN_TEST(test_counts_that_cannot_be_are_refused);
+    RUN_TEST(test_a_rig_whose_views_are_all_left_out_is_refused);
+    RUN_TEST(test_a_rig_without_placements_has_no_faults);
+    RUN_TEST(test_a_point_behind_its_camera_has_a_status);
+    RUN_TEST(test_a_point_behind_its_camera_is_wrong_by_the_truncated_loss);
 }

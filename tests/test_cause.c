@@ -397,6 +397,38 @@ static void test_counts_of_symmetries_are_checked(void)
 #undef CAUSE
 }
 
+/* Of a camera without views, or whose views have other points than the symmetry's. */
+static void test_a_camera_that_has_nothing_to_turn(void)
+{
+    rigcal_cause cause;
+
+    WANTS_BOARDS;
+    make(3960, 3, 4);
+    test_boards_reverse(&b, 2);
+    judge();
+    symmetries.n_points = BOARD_POINTS / 2;
+    symmetries.n_permutations = 1;
+    for (int32_t i = 0; i < BOARD_POINTS / 2; i++) {
+        permutations[i] = i;
+    }
+    ASSERT_STATUS(RIGCAL_OK,
+                  rigcal_camera_cause(&cause, &b.rig, &b.judgement, &symmetries, 1));
+    TEST_ASSERT_EQUAL_INT32(RIGCAL_CAUSE_UNKNOWN, cause.cause);
+    TEST_ASSERT_EQUAL_INT32(-1, cause.permutation);
+    symmetries = (rigcal_symmetries){permutations, PERMUTATIONS, BOARD_POINTS, room};
+    fill_permutations();
+    for (size_t v = 0; v < b.rig.n_views; v++) {
+        b.left_out[v] = 1;
+    }
+    b.rig.left_out = b.left_out;
+    b.cams[3] = b.cams[2];
+    b.rig.n_cameras = 4;
+    ASSERT_STATUS(RIGCAL_OK,
+                  rigcal_camera_cause(&cause, &b.rig, &b.judgement, &symmetries, 3));
+    TEST_ASSERT_EQUAL_INT32(RIGCAL_CAUSE_UNKNOWN, cause.cause);
+    TEST_ASSERT_EQUAL_INT32(0, cause.n_views);
+}
+
 TEST_MAIN()
 {
     RUN_TEST(test_a_turned_view_is_told_with_its_permutation);
@@ -413,4 +445,5 @@ TEST_MAIN()
     RUN_TEST(test_the_same_bits_whatever_the_budgets);
     RUN_TEST(test_permutations_are_checked);
     RUN_TEST(test_counts_of_symmetries_are_checked);
+    RUN_TEST(test_a_camera_that_has_nothing_to_turn);
 }

@@ -4,6 +4,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "rc_finding.h"
 #include "rigcal_solvers.h"
 #include "test_support.h"
 #include "vectors_faults.h"
@@ -658,6 +659,99 @@ static void test_clocks_without_their_memory_are_refused(void)
 #undef ADJUST
 }
 
+/* ---- the verdict by itself -------------------------------------------------- */
+
+/* 200 numbers of sum 260, of which the views by themselves leave 100 of 120. */
+static const rc_common COMMON = {260, 100, 200, 150, 30, 120};
+
+static void test_a_step_whose_numbers_overflow_is_not_seen(void)
+{
+    const rigcal_real one = 1, large = RC(TOL(1e300, 1e38)), tiny = RC(1e-3);
+    rigcal_fault fault;
+
+    for (int what = 0; what < 4; what++) {
+        rc_one_step step = {1, 1, &one, &tiny, &one, &one, 100, 0};
+
+        memset(&fault, 0, sizeof fault);
+        fault.kind = RIGCAL_FAULT_FOCAL;
+        fault.camera = 2;
+        fault.placement = -1;
+        if (what == 1) { /* what it does to the camera */
+            step.turn = &large;
+            step.variance = &large;
+        } else if (what == 2) { /* its value */
+            const rigcal_real infinite = TEST_INF;
+            step.theta = &infinite;
+            rc_finding_of(&fault, &COMMON, &step);
+        } else if (what == 3) { /* its sigma */
+            const rigcal_real infinite = TEST_INF, nothing = 0;
+            step.variance = &infinite;
+            step.turn = step.shift = &nothing;
+            rc_finding_of(&fault, &COMMON, &step);
+        }
+        if (what < 2) {
+            rc_finding_of(&fault, &COMMON, &step);
+        }
+        TEST_ASSERT_EQUAL_INT32(what == 0, fault.is_seen);
+        TEST_ASSERT_EQUAL_INT32(RIGCAL_FAULT_FOCAL, fault.kind);
+        TEST_ASSERT_EQUAL_INT32(2, fault.camera);
+        if (what > 0) {
+            ASSERT_NEAR(0, fault.value[0], 0);
+            ASSERT_NEAR(0, fault.turn, 0);
+        }
+    }
+}
+
+static void test_the_verdict_of_what_could_not_be_seen(void)
+{
+    rigcal_fault faults[3];
+    rigcal_faults found;
+
+    memset(faults, 0, sizeof faults);
+    memset(&found, 0, sizeof found);
+    found.F = rc_F_of(&COMMON, 0, 0, 0);
+    ASSERT_NEAR((260 - 100) / 30. / (100 / 120.), found.F, TOL(1e-14, 1e-5));
+    found.n = 3;
+    rc_finding_judge(&found, faults, &COMMON); /* nothing was seen */
+    TEST_ASSERT_EQUAL_INT32(RIGCAL_RIG_UNEXPLAINED, found.verdict);
+    TEST_ASSERT_EQUAL_INT32(0, found.bits & RIGCAL_FAULTS_NAMED);
+    found.n_seen = 1;
+    faults[0].is_seen = 1;
+    faults[0].bic = -50;
+    faults[1].bic = -50; /* but not seen: it is not alike */
+    rc_finding_judge(&found, faults, &COMMON);
+    TEST_ASSERT_EQUAL_INT32(RIGCAL_RIG_FOUND, found.verdict);
+    TEST_ASSERT_EQUAL_INT32(0, found.n_alike);
+    faults[1].is_seen = 1;
+    rc_finding_judge(&found, faults, &COMMON);
+    TEST_ASSERT_EQUAL_INT32(1, found.n_alike);
+    const rc_common exact = {0, 0, 200, 150, 30, 120};
+    ASSERT_NEAR(0, rc_F_of(&exact, 0, 0, 0), 0);
+}
+
+static void test_residues_of_nothing_have_no_pattern(void)
+{
+    const rc_common exact = {0, 0, 200, 150, 30, 120};
+    rc_residues r = {50, 60, 0, 0, 8, 10, 4};
+    rigcal_faults found;
+
+    memset(&found, 0, sizeof found);
+    rc_finding_residues(&found, &r, &COMMON);
+    ASSERT_NEAR(60 / (100 / 120.) / 100, found.pattern, TOL(1e-14, 1e-6));
+    TEST_ASSERT_EQUAL_INT32(RIGCAL_FAULTS_PATTERN, found.bits); /* not the motion as well */
+    ASSERT_NEAR(0.8, found.along, TOL(1e-14, 1e-6));
+    ASSERT_NEAR(sqrt(2), found.along_time, TOL(1e-14, 1e-6));
+    memset(&found, 0, sizeof found);
+    r.speed2 = 0; /* it stood still */
+    rc_finding_residues(&found, &r, &exact);
+    ASSERT_NEAR(0, found.pattern, 0);
+    ASSERT_NEAR(0, found.along, 0);
+    TEST_ASSERT_EQUAL_INT32(0, found.bits);
+    r.n = 0;
+    rc_finding_residues(&found, &r, &COMMON);
+    ASSERT_NEAR(0, found.pattern_sigma, 0);
+}
+
 TEST_MAIN()
 {
     RUN_TEST(test_each_fault_is_that_of_dense_least_squares);
@@ -679,4 +773,7 @@ TEST_MAIN()
     RUN_TEST(test_options_are_checked);
     RUN_TEST(test_kinds_that_are_asked_for);
     RUN_TEST(test_clocks_without_their_memory_are_refused);
+    RUN_TEST(test_a_step_whose_numbers_overflow_is_not_seen);
+    RUN_TEST(test_the_verdict_of_what_could_not_be_seen);
+    RUN_TEST(test_residues_of_nothing_have_no_pattern);
 }

@@ -376,6 +376,42 @@ static void test_a_point_behind_its_camera_is_wrong_by_the_truncated_loss(void)
     TEST_ASSERT_EQUAL_INT32(8, at_fault);
 }
 
+/* Two cameras, one placement, three points each: as many numbers as unknowns. All fits, and
+ * nothing tells how well. */
+static void test_a_rig_without_freedom_tells_no_noise(void)
+{
+    test_rng rng = test_seed(5100);
+    rigcal_real sigma_px[2], freedom[2];
+    rigcal_faults_options options = {0};
+    rigcal_faults found;
+    rigcal_fault faults[12];
+    rigcal_rig_fit fit;
+
+    WANTS_BOARDS;
+    test_boards_make(&b, &rng, 2, 1, 2, 0, 0);
+    test_boards_solve(&b);
+    for (int v = 0; v < 2; v++) {
+        b.o[v][1] = b.o[v][4];
+        b.o[v][2] = b.o[v][15];
+        b.views[v].view.n = 3;
+    }
+    b.rig.view_poses = NULL;
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_adjust(&fit, NULL, &b.rig));
+    ASSERT_NEAR(0, fit.freedom, 0);
+    ASSERT_NEAR(0, fit.sigma_px, 0);
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_noise(sigma_px, freedom, &b.rig));
+    for (int c = 0; c < 2; c++) {
+        ASSERT_NEAR(0, freedom[c], TOL(1e-6, 1e-2));
+    }
+    options.work = memory;
+    options.work_capacity = sizeof memory / sizeof *memory;
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_faults(&found, faults, 12, NULL, &options, &b.rig));
+    ASSERT_NEAR(0, found.sigma_px, 0);
+    TEST_ASSERT_EQUAL_INT32(RIGCAL_RIG_AGREES, found.verdict);
+    TEST_ASSERT_TRUE((found.bits & RIGCAL_FAULTS_NO_LOOP) != 0);
+    TEST_ASSERT_EQUAL_INT32(0, found.n_seen);
+}
+
 TEST_MAIN()
 {
     RUN_TEST(test_a_placement_that_nobody_saw_changes_nothing);
@@ -387,4 +423,5 @@ TEST_MAIN()
     RUN_TEST(test_a_rig_without_placements_has_no_faults);
     RUN_TEST(test_a_point_behind_its_camera_has_a_status);
     RUN_TEST(test_a_point_behind_its_camera_is_wrong_by_the_truncated_loss);
+    RUN_TEST(test_a_rig_without_freedom_tells_no_noise);
 }

@@ -265,7 +265,7 @@ static void take_step(rigcal_rig_solver *s, const rc_rig_parts *parts)
         gain <= little || gain * gain <= (s->search.last_gain - gain) * little;
     const int step =
         rc_levenberg_promised(&s->search, gain, is_enough ? gain : s->negligible);
-    if (step == RC_STEP_NONE || (step == RC_STEP_TRY && s->evals >= PASSES_MAX)) {
+    if (step == RC_STEP_TRY && s->evals >= PASSES_MAX) {
         end_search(s, RIGCAL_BUDGET_SPENT, 1);
         return;
     }
@@ -423,9 +423,10 @@ static rigcal_status add_equations(rigcal_rig_solver *s, const rc_rig_parts *par
 {
     rigcal_real sum = 0, g[6], H[21];
     rc_chain chain;
-    int32_t camera = 0;
+    int32_t camera = -1;
     const rigcal_status status = s->given->equations(&sum, g, H, &chain, &camera, s);
     if (status != RIGCAL_OK) {
+        s->is_final |= camera < 0; /* no view: another step would not help */
         return status;
     }
     rc_chain_add_placement(s->gp, s->Hp, &chain, g, H);

@@ -43,7 +43,7 @@ rigcal_status rigcal_match_k(rigcal_real *k, rigcal_real probability, int32_t pu
     if (!rc_is_finite(probability)) {
         return RIGCAL_ERR_NOT_FINITE;
     }
-    if (!(probability >= PROBABILITY_MIN && probability <= PROBABILITY_MAX) ||
+    if (!(probability >= PROBABILITY_MIN) || !(probability <= PROBABILITY_MAX) ||
         (purpose != RIGCAL_MATCH_SEARCH && purpose != RIGCAL_MATCH_DRAW)) {
         return RIGCAL_ERR_RANGE;
     }
@@ -167,7 +167,7 @@ static rigcal_status check_pair(const rigcal_match_pair *pair)
     if (status == RIGCAL_OK && !rc_is_finite(pair->sigma_a)) {
         status = RIGCAL_ERR_NOT_FINITE;
     }
-    if (status == RIGCAL_OK && !(pair->sigma_a >= 0 && pair->sigma_a <= NOISE_MOST)) {
+    if (status == RIGCAL_OK && (!(pair->sigma_a >= 0) || !(pair->sigma_a <= NOISE_MOST))) {
         status = RIGCAL_ERR_RANGE;
     }
     return (status == RIGCAL_OK) ? check_range(pair->near_a, pair->far_a) : status;

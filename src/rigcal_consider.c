@@ -122,8 +122,7 @@ static rigcal_status evaluate(rigcal_rig_view *v, rc_chain *chain, rigcal_real m
 {
     rigcal_points points;
     rigcal_status status = rc_rig_view_at(v, rig, index);
-    if (status == RIGCAL_OK && (v->camera < 0 || (size_t)v->camera >= rig->n_cameras ||
-                                (size_t)v->placement != placement)) {
+    if (status == RIGCAL_OK && (size_t)v->placement != placement) {
         status = RIGCAL_ERR_RANGE;
     }
     if (status == RIGCAL_OK) {
@@ -581,7 +580,7 @@ rigcal_status rigcal_rig_consider(rigcal_considered *considered, int32_t *at_fau
     if (status != RIGCAL_OK) {
         return status;
     }
-    while (rigcal_consider_step(&solver, 1000) == RIGCAL_RUNNING) {
+    while (rigcal_consider_step(&solver, 100) == RIGCAL_RUNNING) {
     }
     return rigcal_consider_result(at_fault, &solver);
 }

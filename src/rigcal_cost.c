@@ -66,18 +66,21 @@ void rc_judge_begin_pass(rigcal_judge_solver *s, int32_t phase)
 }
 
 /* Evaluates view s->view where the rig is: its sum of squared errors, its equations by its
- * own pose, and its rms. */
+ * own pose, and its rms. The rms is -1 if the view is left out and cannot be seen there. */
 static rigcal_status evaluate(rigcal_real *sum, rigcal_real g[6], rigcal_real H[21],
                               rc_chain *chain, rigcal_judge_solver *s)
 {
     rigcal_rig_view v;
     rigcal_status status = rc_rig_view_at(&v, s->rig, s->view);
-    if (status == RIGCAL_OK) {
-        status = rc_rig_view_equations(sum, g, H, chain, &v, s->rig, s->view);
+    s->judged[s->view].rms_px = -1;
+    if (status != RIGCAL_OK) {
+        return status;
     }
-    s->judged[s->view].rms_px =
-        (status == RIGCAL_OK) ? RC_SQRT(*sum / (rigcal_real)(int32_t)v.view.n) : -1;
-    return status;
+    status = rc_rig_view_equations(sum, g, H, chain, &v, s->rig, s->view);
+    if (status == RIGCAL_OK) {
+        s->judged[s->view].rms_px = RC_SQRT(*sum / (rigcal_real)(int32_t)v.view.n);
+    }
+    return (status == RIGCAL_OK || s->left_out[s->view] != 0) ? RIGCAL_OK : status;
 }
 
 void rc_judge_evaluate(rigcal_judge_solver *s, const rc_rig_parts *parts)
@@ -199,17 +202,22 @@ static rigcal_status distance_of(rigcal_real *least, const rigcal_judge_solver *
     const size_t count = rc_rig_views_of(parts, s->placement);
     rc_claim own, other;
     rigcal_status status = rc_judge_claim(&own, s, s->view, 0, 0);
+    if (status != RIGCAL_OK) {
+        return status;
+    }
     if (s->n_kept > 0) {
         claim_of_kept(&other, s, parts);
         *least = rc_claims_apart(&own, &other);
-        return status;
+        return RIGCAL_OK;
     }
     *least = -1;
     for (size_t v = s->first; status == RIGCAL_OK && v < s->first + count; v++) {
         if (v != s->view) {
             status = rc_judge_claim(&other, s, v, 0, 0);
-            const rigcal_real apart = rc_claims_apart(&own, &other);
-            *least = (*least < 0) ? apart : rc_min(*least, apart);
+            if (status == RIGCAL_OK) {
+                const rigcal_real apart = rc_claims_apart(&own, &other);
+                *least = (*least < 0) ? apart : rc_min(*least, apart);
+            }
         }
     }
     return status;
@@ -221,12 +229,12 @@ static rigcal_status judge_left_out(rigcal_judge_solver *s, const rc_rig_parts *
     rigcal_real sum, g[6], H[21], least;
     rc_chain chain;
     const rigcal_status status = distance_of(&least, s, parts);
+    if (status != RIGCAL_OK) {
+        return status;
+    }
     judged->cost = least / s->sigma2 * (RC_COST_LIMIT / RC_CHOOSE_LIMIT);
     judged->rms_px = -1;
-    if (s->n_kept > 0) {
-        (void)evaluate(&sum, g, H, &chain, s);
-    }
-    return status;
+    return (s->n_kept > 0) ? evaluate(&sum, g, H, &chain, s) : RIGCAL_OK;
 }
 
 static void end_placement(rigcal_judge_solver *s, const rc_rig_parts *parts)

@@ -107,11 +107,6 @@ static rigcal_status add_view(const rc_border *b, const rigcal_rig *rig, size_t 
     rc_chain chain;
     rigcal_real sigma[RC_INTRINSICS];
     rigcal_status status = rc_rig_view_at(&v, rig, index);
-    if (status == RIGCAL_OK &&
-        (v.camera < 0 || (size_t)v.camera >= rig->n_cameras || v.placement < 0 ||
-         (size_t)v.placement >= rig->n_placements)) {
-        status = RIGCAL_ERR_RANGE;
-    }
     if (status == RIGCAL_OK) {
         status = rc_rig_points(&points, &v);
     }

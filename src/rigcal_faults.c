@@ -158,9 +158,6 @@ static rigcal_status count_view(rigcal_faults_solver *s)
         return RIGCAL_OK;
     }
     rigcal_status status = rc_rig_view_at(&v, s->rig, s->view);
-    if (status == RIGCAL_OK && (v.camera < 0 || (size_t)v.camera >= s->rig->n_cameras)) {
-        status = RIGCAL_ERR_RANGE;
-    }
     if (status == RIGCAL_OK) {
         status = rc_rig_points(&points, &v);
     }
@@ -239,11 +236,6 @@ static rigcal_status add_view(rigcal_faults_solver *s)
     rc_rig_parts parts;
     rigcal_real m[6], d[6], expected;
     rigcal_status status = rc_rig_view_at(&view, s->rig, s->view);
-    if (status == RIGCAL_OK &&
-        (s->columns.border.count >= s->rig->n_cameras || view.camera < 0 ||
-         (size_t)view.camera >= s->rig->n_cameras)) {
-        status = RIGCAL_ERR_STATE;
-    }
     if (status != RIGCAL_OK) {
         return status;
     }
@@ -640,7 +632,7 @@ rigcal_status rigcal_rig_faults(rigcal_faults *found, rigcal_fault faults[],
     if (status != RIGCAL_OK) {
         return status;
     }
-    while (rigcal_faults_step(&solver, 1000) == RIGCAL_RUNNING) {
+    while (rigcal_faults_step(&solver, 100) == RIGCAL_RUNNING) {
     }
     return rigcal_faults_result(found, at_fault, &solver);
 }

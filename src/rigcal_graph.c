@@ -67,6 +67,9 @@ static rigcal_status add_links(rigcal_link links[], const rigcal_rig *rig,
                 continue;
             }
             const int32_t other = (int32_t)parts->slot[j];
+            if (other == pose.camera) { /* another than before, of a source */
+                return RIGCAL_ERR_TWICE;
+            }
             rigcal_link *const link =
                 &links[(other < pose.camera) ? RIGCAL_LINK(other, pose.camera)
                                              : RIGCAL_LINK(pose.camera, other)];

@@ -257,7 +257,7 @@ static int choose_rung(rigcal_choose_solver *s)
     rigcal_choice *const choice = s->choice;
     int k = 0;
     while (k < RIGCAL_CHOOSE_RUNGS - 2 &&
-           !(s->counts[k] > 0 && s->counts[k] >= RUNG_ENOUGH * s->counts[k + 1])) {
+           (!(s->counts[k] > 0) || !(s->counts[k] >= RUNG_ENOUGH * s->counts[k + 1]))) {
         k++;
     }
     s->rung = k;
@@ -651,7 +651,7 @@ rigcal_status rigcal_rig_choose(rigcal_choice *choice, int32_t *at_fault, rigcal
     if (status != RIGCAL_OK) {
         return status;
     }
-    while (rigcal_choose_step(&solver, 1000) == RIGCAL_RUNNING) {
+    while (rigcal_choose_step(&solver, 100) == RIGCAL_RUNNING) {
     }
     return rigcal_choose_result(at_fault, &solver);
 }

@@ -44,8 +44,8 @@ static rigcal_status check_view(rigcal_judge_solver *s, size_t v)
     s->left_out[v] = takes == RIGCAL_TAKES_NONE;
     return (takes > RIGCAL_TAKES_NONE || !(first.sse >= 0) ||
             (takes == RIGCAL_TAKES_SECOND && second.n == 0) ||
-            (second.n > 0 && !(second.sse >= 0 && second.camera == first.camera &&
-                               second.placement == first.placement)))
+            (second.n > 0 && (!(second.sse >= 0) || second.camera != first.camera ||
+                              second.placement != first.placement)))
                ? RIGCAL_ERR_RANGE
                : RIGCAL_OK;
 }
@@ -481,7 +481,7 @@ rigcal_status rigcal_rig_judge(rigcal_judgement *judgement, int32_t *at_fault,
     if (status != RIGCAL_OK) {
         return status;
     }
-    while (rigcal_judge_step(&solver, 1000) == RIGCAL_RUNNING) {
+    while (rigcal_judge_step(&solver, 100) == RIGCAL_RUNNING) {
     }
     return rigcal_judge_result(judgement, at_fault, &solver);
 }

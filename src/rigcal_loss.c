@@ -157,7 +157,7 @@ rigcal_status rigcal_rig_adjust_robust(rigcal_rig_fit *fit, size_t *n_wrong,
         if (status != RIGCAL_OK) {
             return status;
         }
-        while (rigcal_rig_step(&solver, 1000) == RIGCAL_RUNNING) {
+        while (rigcal_rig_step(&solver, 100) == RIGCAL_RUNNING) {
         }
         status = rc_rig_outcome(at_fault, &solver);
     }

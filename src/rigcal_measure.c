@@ -74,7 +74,7 @@ static rigcal_status check_all(const rigcal_sightings *s)
     if (!rc_is_finite(s->parallax_least)) {
         return RIGCAL_ERR_NOT_FINITE;
     }
-    if (!(s->parallax_least >= 0 && s->parallax_least <= RC_PI / 2) ||
+    if (!(s->parallax_least >= 0) || !(s->parallax_least <= RC_PI / 2) ||
         (s->keep_all != 0 && s->keep_all != 1) || s->n > RIGCAL_SIGHTINGS_MAX) {
         return RIGCAL_ERR_RANGE;
     }

@@ -272,7 +272,7 @@ static rigcal_status check_cameras(size_t *frame, const rigcal_calibrated_rig *r
         }
         for (size_t j = 0; j <= i; j++) {
             const rigcal_real of_both = row[i] * rig->Sigma[rc_packed_at(j, j)];
-            if (!(row[i] >= 0 && row[i] <= RC_COORDINATE_MAX) ||
+            if (!(row[i] >= 0) || !(row[i] <= RC_COORDINATE_MAX) ||
                 row[j] * row[j] > of_both * (1 + CORRELATION_ROUNDING)) {
                 return RIGCAL_ERR_RANGE;
             }

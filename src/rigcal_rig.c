@@ -112,7 +112,7 @@ rigcal_status rigcal_rig_adjust(rigcal_rig_fit *fit, int32_t *at_fault, rigcal_r
     if (status != RIGCAL_OK) {
         return status;
     }
-    while (rigcal_rig_step(&solver, 1000) == RIGCAL_RUNNING) {
+    while (rigcal_rig_step(&solver, 100) == RIGCAL_RUNNING) {
     }
     return rigcal_rig_result(fit, at_fault, &solver);
 }

@@ -46,9 +46,10 @@ static rigcal_status sight_of_pinhole(rc_sight *sight, const rigcal_camera *came
 /* rc_lens_is_pinhole, inline because each row needs it twice. */
 static inline int is_pinhole(const rigcal_camera *camera)
 {
-    return !(camera->k1 != 0 || camera->k2 != 0 || camera->p1 != 0 || camera->p2 != 0 ||
-             camera->k3 != 0 || camera->k4 != 0 || camera->k5 != 0 || camera->k6 != 0) &&
-           !rc_lens_is_fisheye(camera);
+    const int is_distorted = camera->k1 != 0 || camera->k2 != 0 || camera->p1 != 0 ||
+                             camera->p2 != 0 || camera->k3 != 0 || camera->k4 != 0 ||
+                             camera->k5 != 0 || camera->k6 != 0;
+    return !is_distorted && !rc_lens_is_fisheye(camera);
 }
 
 /* d uv = B dm and B m = 0. Of all dm that fit, T = B^T (B B^T)^-1 gives the shortest. */

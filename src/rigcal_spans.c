@@ -135,7 +135,7 @@ static int find_height(trial *found, const rigcal_spans_solver *s, const rigcal_
             break;
         }
         h = is_seen ? now.wish : low;
-        if (has_inside && !(out * (h - low) > 0 && out * (beyond - h) > 0)) {
+        if (has_inside && (!(out * (h - low) > 0) || !(out * (beyond - h) > 0))) {
             h = (low + beyond) / 2;
         }
     }
@@ -303,7 +303,7 @@ static int finish_arc(rigcal_spans_solver *s)
     s->u[0] = s->u[LAST];
     s->v[0] = s->v[LAST];
     return !s->is_last && s->n_arcs < 2 * ARCS_OF_BORDER &&
-           !(before > s->radius2 && now > before);
+           (!(before > s->radius2) || !(now > before));
 }
 
 /* Adds one node of the current arc. If the lens does not see it, the arc begins again at

@@ -138,6 +138,7 @@ static uint8_t *put_Sigma(uint8_t *at, const rigcal_mounted_camera *m)
     return at;
 }
 
+#if !RIGCAL_USE_FLOAT
 /* Makes a rotation that was stored as floats orthonormal in doubles. Floats are so to 1e-7
  * at best. */
 static void make_orthonormal(rigcal_real R[9])
@@ -153,6 +154,7 @@ static void make_orthonormal(rigcal_real R[9])
     }
     memcpy(R, nearest, sizeof nearest);
 }
+#endif
 
 /* Where the parts of stored bytes are. */
 typedef struct {
@@ -232,9 +234,11 @@ static void get_mounted(rigcal_mounted_camera *m, size_t *first, const form_part
     c->k6 = numbers[11];
     at = rc_get_reals(m->cam_from_rig.R, 9, at, real_bytes);
     at = rc_get_reals(m->cam_from_rig.t, 3, at, real_bytes);
+#if !RIGCAL_USE_FLOAT
     if ((size_t)real_bytes < sizeof(rigcal_real)) {
         make_orthonormal(m->cam_from_rig.R);
     }
+#endif
     get_Sigma(m, p, at, *first, is_held);
     *first += is_held ? 0 : 6;
 }

@@ -498,8 +498,8 @@ static rigcal_status check(const rigcal_faults *found, const rigcal_fault faults
         if (words->names != NULL && words->names[c] == NULL) {
             return RIGCAL_ERR_NULL;
         }
-        if (found->clocks != NULL && !(rc_is_finite(found->clocks[c]) &&
-                                       rc_is_finite(found->clocks[found->n_cameras + c]))) {
+        if (found->clocks != NULL && (!rc_is_finite(found->clocks[c]) ||
+                                      !rc_is_finite(found->clocks[found->n_cameras + c]))) {
             return RIGCAL_ERR_NOT_FINITE;
         }
     }

@@ -51,22 +51,36 @@ int rc_rig_is_adjusted(rc_rig_parts *parts, const rigcal_rig *rig)
     }
 }
 
+rigcal_status rc_rig_numbers(const rigcal_rig *rig, int32_t camera, int32_t placement)
+{
+    return (camera < 0 || (size_t)camera >= rig->n_cameras || placement < 0 ||
+            (size_t)placement >= rig->n_placements)
+               ? RIGCAL_ERR_RANGE
+               : RIGCAL_OK;
+}
+
 rigcal_status rc_rig_view_at(rigcal_rig_view *out, const rigcal_rig *rig, size_t index)
 {
+    rigcal_status status = RIGCAL_OK;
     if (rig->views == NULL) {
-        return rig->view_source(out, index, rig->context);
+        status = rig->view_source(out, index, rig->context);
+    } else {
+        *out = rig->views[index];
     }
-    *out = rig->views[index];
-    return RIGCAL_OK;
+    return (status != RIGCAL_OK) ? status
+                                 : rc_rig_numbers(rig, out->camera, out->placement);
 }
 
 rigcal_status rc_rig_pose_at(rigcal_view_pose *out, const rigcal_rig *rig, size_t index)
 {
+    rigcal_status status = RIGCAL_OK;
     if (rig->view_poses == NULL) {
-        return rig->view_pose_source(out, index, rig->context);
+        status = rig->view_pose_source(out, index, rig->context);
+    } else {
+        *out = rig->view_poses[index];
     }
-    *out = rig->view_poses[index];
-    return RIGCAL_OK;
+    return (status != RIGCAL_OK) ? status
+                                 : rc_rig_numbers(rig, out->camera, out->placement);
 }
 
 void rc_rig_chain(rc_chain *chain, const rigcal_rig *rig, int32_t camera, size_t placement,
@@ -193,14 +207,6 @@ static int32_t number_groups(rigcal_rig *rig)
 
 /* ---- checks -------------------------------------------------------------- */
 
-static rigcal_status check_numbers(const rigcal_rig *rig, int32_t camera, int32_t placement)
-{
-    return (camera < 0 || (size_t)camera >= rig->n_cameras || placement < 0 ||
-            (size_t)placement >= rig->n_placements)
-               ? RIGCAL_ERR_RANGE
-               : RIGCAL_OK;
-}
-
 rigcal_status rc_rig_points(rigcal_points *points, const rigcal_rig_view *view)
 {
     rigcal_real uv_middle[2];
@@ -275,9 +281,6 @@ static rigcal_status check_next(rigcal_rig_solver *s, const rc_rig_parts *parts)
 {
     int32_t camera = -1, placement = -1;
     rigcal_status status = s->given->check(&camera, &placement, s);
-    if (status == RIGCAL_OK) {
-        status = check_numbers(s->rig, camera, placement);
-    }
     if (status == RIGCAL_OK && !s->is_join) {
         status = rc_check_transform(&s->rig->rig_from_placements[placement]);
     }

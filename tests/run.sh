@@ -89,6 +89,7 @@ readme        gcc,python                   $PYTHON tests/checks/check_readme.py
 header        gcc,g++,clang                sh tests/checks/check_header.sh
 cross         arm                          sh tests/checks/check_cross.sh
 fuzz          libfuzzer,python             sh tests/fuzz/run.sh
+coverage      llvm,cmake,unity,python      sh tests/coverage/run.sh
 windows       mingw,cmake                  sh tests/checks/check_windows.sh build/windows
 memory        arm                          sh tests/bench/rig_memory.sh
 layers        gcc,python                   $PYTHON tests/checks/check_layers.py
@@ -114,6 +115,12 @@ want_need() {
         want clang-19 clang-19 --version
         want libclang-rt-19-dev \
             test -e /usr/lib/llvm-19/lib/clang/19/lib/linux/libclang_rt.fuzzer-x86_64.a
+        ;;
+    llvm)
+        want clang-19 clang-19 --version
+        want libclang-rt-19-dev \
+            test -e /usr/lib/llvm-19/lib/clang/19/lib/linux/libclang_rt.profile-x86_64.a
+        want llvm-19 llvm-cov-19 --version
         ;;
     cmake)
         want cmake cmake --version

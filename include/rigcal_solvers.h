@@ -78,10 +78,20 @@ typedef struct rigcal_lattice {
     rigcal_moments moments;
 } rigcal_lattice;
 
+/* The poses of three points (EQUATIONS.md D), one after the other. In units of the longest
+ * side, whose opposite point is the first. */
+typedef struct rigcal_p3p {
+    rigcal_real size, middle[3], frame[9]; /* of the points */
+    rigcal_real squared[3], chord2[3], h;  /* sides; chords between the rays, over h^2 */
+    rigcal_real conic[9], line[3], v[2][3]; /* the second line; where one crosses it */
+    uint8_t first, is_second, crossings, next;
+} rigcal_p3p;
+
 /* Three points and their rays; `count`, how many there are, 4 for more. */
 typedef struct rigcal_triple {
     int32_t index[3], count;
     rigcal_real ray[3][3];
+    rigcal_p3p poses;
 } rigcal_triple;
 
 /* A descent under way, near the direction m3. */

@@ -298,8 +298,7 @@ static int32_t picking_step(rigcal_search *s)
         i += ((n + 1) >> 2) + (n >> 4);
     }
     s->next = 0;
-    s->n_exact = rc_poses_of_three(s->from.exact, &s->points, triple->index,
-                                   (const rigcal_real(*)[3])triple->ray);
+    s->n_exact = rc_triple_poses(s->from.exact, triple, &s->points);
     RIGCAL_TRACE("poses of a triple", s->n_exact, 0);
     s->phase = CHOOSING;
     return RC_SEEDS_BUSY;
@@ -403,7 +402,7 @@ static void begin_scanning(rigcal_search *s)
 static int32_t begin_search(rigcal_search *s)
 {
     rigcal_moments *const sums = &s->from.lattice.moments;
-    const rigcal_triple *const triple = &s->work.triple;
+    rigcal_triple *const triple = &s->work.triple;
     rigcal_real thickness;
     if (!rc_moments_finish(sums) || triple->count < 3) {
         return RIGCAL_ERR_COINCIDENT;
@@ -420,8 +419,7 @@ static int32_t begin_search(rigcal_search *s)
         }
         /* If there is no pose, the sums, which share memory with the poses, are still
          * there. */
-        s->n_exact = rc_poses_of_three(s->from.exact, &s->points, triple->index,
-                                       (const rigcal_real(*)[3])triple->ray);
+        s->n_exact = rc_triple_poses(s->from.exact, triple, &s->points);
         s->triples = (s->n_exact > 0) ? TRIPLES : 0;
     }
     s->phase = CHOOSING;

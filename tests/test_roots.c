@@ -42,7 +42,7 @@ static void make_scene(scene *s, test_rng *rng, int n, double across)
 /* All steps; at most two of the triple and its poses, three rays, and a score each. */
 static int32_t find(rigcal_optima *optima, const rigcal_points *points)
 {
-    rigcal_triple triple = {{0}, 0, {{0}}};
+    rigcal_triple triple = {0};
     int32_t n = 0;
 
     while (!rc_roots_step(optima, &n, &triple, points)) {

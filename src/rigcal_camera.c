@@ -112,24 +112,27 @@ RC_APART static rigcal_status fisheye_ray(rigcal_real ray[3], const rigcal_real 
     return RIGCAL_OK;
 }
 
+/* How far a ray's projection may be from its pixel, at a focal length of 1. */
+RC_APART static rigcal_real tolerance_at(const rigcal_camera *c, const rigcal_real uv[2])
+{
+    const rigcal_real pixels[3] = {uv[0], uv[1], c->cx};
+    const rigcal_real largest = rc_max(rc_vec3_max_abs(pixels), RC_FABS(c->cy));
+    return (MISS_MAX_PX + MISS_ROUNDING * largest) / rc_max(c->fx, c->fy);
+}
+
 rigcal_status rc_pixel_to_ray(rigcal_real ray[3], const rigcal_camera *camera,
                               const rigcal_real uv[2])
 {
     RIGCAL_ASSERT(rc_check_camera(camera) == RIGCAL_OK && rc_check_pixel(uv) == RIGCAL_OK);
     const rigcal_camera *const c = camera;
     const rigcal_real target[2] = {(uv[0] - c->cx) / c->fx, (uv[1] - c->cy) / c->fy};
-    const rigcal_real pixels[3] = {uv[0], uv[1], c->cx};
-    const rigcal_real largest = rc_max(rc_vec3_max_abs(pixels), RC_FABS(c->cy));
-    const rigcal_real tolerance =
-        (MISS_MAX_PX + MISS_ROUNDING * largest) / rc_max(c->fx, c->fy);
-    rigcal_real x[2] = {target[0], target[1]};
-    if (!rc_lens_is_pinhole(camera) && !rc_lens_invert(x, camera, target, tolerance)) {
+    rigcal_real m[3] = {target[0], target[1], 1};
+    if (!rc_lens_is_pinhole(c) && !rc_lens_invert(m, c, target, tolerance_at(c, uv))) {
         return RIGCAL_ERR_NO_RAY;
     }
-    if (rc_lens_is_fisheye(camera)) {
-        return fisheye_ray(ray, x);
+    if (rc_lens_is_fisheye(c)) {
+        return fisheye_ray(ray, m);
     }
-    const rigcal_real m[3] = {x[0], x[1], 1};
     return rc_vec3_unit(ray, m) ? RIGCAL_OK : RIGCAL_ERR_NO_RAY;
 }
 

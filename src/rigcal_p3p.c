@@ -191,7 +191,7 @@ static int split(rigcal_real l[3], rigcal_real m[3], rigcal_real D[9])
  * a complex pair. v = x a + y b, with those rows a and b of [l]x that leave v its
  * digits: the coordinate of the largest of l follows from the other two. */
 RC_APART static uint8_t cross_line(rigcal_real v[2][3], const rigcal_real l[3],
-                               const rigcal_real C[9])
+                                   const rigcal_real C[9])
 {
     int k = (RC_FABS(l[1]) > RC_FABS(l[0])) ? 1 : 0;
     k = (RC_FABS(l[2]) > RC_FABS(l[k])) ? 2 : k;

@@ -5,11 +5,9 @@ extern inline rigcal_status rc_residual(rigcal_real e[2], rigcal_real B[6],
                                         const rigcal_real uv[2], const rigcal_real X_c[3]);
 
 void rc_residual_along_ray(rigcal_real e[2], rigcal_real B[6], const rigcal_camera *camera,
-                           int is_pinhole, const rigcal_real uv[2],
+                           int is_pinhole, const rigcal_real m[3],
                            const rigcal_real X_c[3])
 {
-    rigcal_real m[3];
-    (void)rc_pixel_to_ray(m, camera, uv);
     (void)rc_project_through(e, B, camera, is_pinhole, m);
     e[0] = -rc_vec3_dot(&B[0], X_c);
     e[1] = -rc_vec3_dot(&B[3], X_c);

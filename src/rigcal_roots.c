@@ -124,7 +124,7 @@ RC_APART static int32_t put_poses(rigcal_optima *optima, rigcal_triple *triple,
 }
 
 RC_APART static void score(rigcal_optimum *pose, const rigcal_triple *triple,
-                  const rigcal_points *points)
+                           const rigcal_points *points)
 {
     rigcal_transform T;
     rc_optimum_transform(&T, pose);

@@ -190,19 +190,28 @@ static void begin_picking(rigcal_search *s)
     s->work.triple.count = 0;
 }
 
-/* The ray of a point, of any length. */
-static rigcal_status ray_of(rigcal_real ray[3], const rigcal_points *points, size_t i)
+/* Where a pixel is in the lens's plane. */
+static inline void plane_of(rigcal_real at[3], const rigcal_points *points, size_t i)
 {
     const rigcal_camera *const c = points->view.camera;
     const rigcal_real *const uv = points->view.observations[i].uv;
+    at[0] = (uv[0] - c->cx) / c->fx;
+    at[1] = (uv[1] - c->cy) / c->fy;
+    at[2] = 1;
+}
+
+/* The ray of a point, of any length. */
+static rigcal_status ray_of(rigcal_real ray[3], const rigcal_points *points, size_t i)
+{
     if (RC_FOR_SPEED) {
-        const rigcal_real at[3] = {(uv[0] - c->cx) / c->fx, (uv[1] - c->cy) / c->fy, 1};
-        rc_vec3_copy(ray, at);
-        if (points->is_pinhole || rc_lens_invert_within(ray, c, at, points->proved2)) {
+        rigcal_real at[3];
+        plane_of(at, points, i);
+        ray[2] = 1;
+        if (rc_lens_invert_within(ray, points->view.camera, at, points->proved2)) {
             return RIGCAL_OK;
         }
     }
-    return rc_pixel_to_ray(ray, c, uv);
+    return rc_pixel_to_ray(ray, points->view.camera, points->view.observations[i].uv);
 }
 
 /* Whether a ray, `along` long along an axis, is nearer to it than the cosine's angle. */
@@ -212,15 +221,14 @@ static inline int is_near(rigcal_real along, rigcal_real cosine, const rigcal_re
            (!RC_FOR_SPEED || along * along > cosine * cosine * rc_vec3_dot(ray, ray));
 }
 
-/* Point s->point, scaled to size 1, and its image in the virtual camera. */
-RC_APART static int32_t gather_point(rigcal_search *s, const rigcal_real frame[9])
+/* Point s->point, scaled to size 1, and its image in the virtual camera, whose frame is
+ * NULL where it is not known. */
+RC_APART static int32_t gather_point(rigcal_search *s, const rigcal_real frame[9],
+                                     const rigcal_real ray[3])
 {
     const size_t i = s->point;
-    rigcal_real x[3], ray[3], u[3];
-    if (ray_of(ray, &s->points, i) != RIGCAL_OK) {
-        return RC_SEEDS_UNSEEN;
-    }
-    if (RC_FOR_SPEED) {
+    rigcal_real x[3], u[3];
+    if (RC_FOR_SPEED && frame != NULL) {
         rc_mat3_tmul_vec3(u, frame, ray);
     } else {
         turn_to_virtual(u, s->axis, ray);
@@ -249,24 +257,45 @@ RC_APART static int32_t gather_point(rigcal_search *s, const rigcal_real frame[9
     return RC_SEEDS_BUSY;
 }
 
-static int32_t gathering_step(rigcal_search *s)
+/* A pinhole's rays need no stack, and one frame serves for all. */
+RC_APART static int32_t gather_pinhole(rigcal_search *s)
 {
-    const size_t n = s->points.view.n;
-    int left = s->points.is_pinhole ? PINHOLE_RAYS : 1;
-    rigcal_real frame[9]; /* for speed once for all of them */
-    if (RC_FOR_SPEED) {
-        look_along(frame, s->axis);
-    }
-    for (; left > 0 && s->point < n; left--) {
-        const int32_t came = gather_point(s, frame);
+    rigcal_real frame[9], ray[3];
+    look_along(frame, s->axis);
+    for (int left = PINHOLE_RAYS; left > 0 && s->point < s->points.view.n; left--) {
+        plane_of(ray, &s->points, s->point);
+        const int32_t came = gather_point(s, frame, ray);
         if (came != RC_SEEDS_BUSY || s->phase != GATHERING) {
             return came;
         }
     }
-    if (s->point == n) {
-        s->phase = GATHERED;
+    return RC_SEEDS_BUSY;
+}
+
+static int32_t gather_rays(rigcal_search *s)
+{
+    int left = s->points.is_pinhole ? PINHOLE_RAYS : 1;
+    for (; left > 0 && s->point < s->points.view.n; left--) {
+        rigcal_real ray[3];
+        if (ray_of(ray, &s->points, s->point) != RIGCAL_OK) {
+            return RC_SEEDS_UNSEEN;
+        }
+        const int32_t came = gather_point(s, NULL, ray);
+        if (came != RC_SEEDS_BUSY || s->phase != GATHERING) {
+            return came;
+        }
     }
     return RC_SEEDS_BUSY;
+}
+
+RC_APART static int32_t gathering_step(rigcal_search *s)
+{
+    const int32_t came =
+        (RC_FOR_SPEED && s->points.is_pinhole) ? gather_pinhole(s) : gather_rays(s);
+    if (s->phase == GATHERING && s->point == s->points.view.n) {
+        s->phase = GATHERED;
+    }
+    return came;
 }
 
 /* ---- three points -------------------------------------------------------- */
@@ -281,7 +310,7 @@ int rc_seeds_pick(rigcal_search *s)
 }
 
 /* A triple spread over the points' order, and its poses. */
-static int32_t picking_step(rigcal_search *s)
+RC_APART static int32_t picking_step(rigcal_search *s)
 {
     const size_t n = s->points.view.n;
     rigcal_triple *const triple = &s->work.triple;
@@ -374,7 +403,7 @@ static void insert_seed(rigcal_search *s, rigcal_real cost)
     lattice->index[at] = s->next;
 }
 
-static void scanning_step(rigcal_search *s)
+RC_APART static void scanning_step(rigcal_search *s)
 {
     rigcal_lattice *const lattice = &s->from.lattice;
     rigcal_real m3[3];
@@ -399,7 +428,7 @@ static void begin_scanning(rigcal_search *s)
 }
 
 /* All points have been gathered. */
-static int32_t begin_search(rigcal_search *s)
+RC_APART static int32_t begin_search(rigcal_search *s)
 {
     rigcal_moments *const sums = &s->from.lattice.moments;
     rigcal_triple *const triple = &s->work.triple;
@@ -531,7 +560,7 @@ static int32_t end_descent(rigcal_search *s)
                                                                         : RC_SEEDS_BUSY;
 }
 
-static int32_t descent_step(rigcal_search *s)
+RC_APART static int32_t descent_step(rigcal_search *s)
 {
     rigcal_neldermead *const nm = &s->work.descent.nm;
     rigcal_real m3[3];

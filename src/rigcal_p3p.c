@@ -262,9 +262,7 @@ static int axes_of(rigcal_real F[9], const rigcal_real u[3], const rigcal_real w
     return 1;
 }
 
-/* The problem as the equations take it. 0: points on a line, or rays that coincide. */
-RC_APART static int prepare(rigcal_p3p *P, const rigcal_real x[3][3],
-                            const rigcal_real ray[3][3])
+int rc_p3p_begin(rigcal_p3p *P, const rigcal_real x[3][3], const rigcal_real ray[3][3])
 {
     rigcal_real longest = -1, d[3], w[2][3];
     int top = 0;
@@ -350,10 +348,10 @@ static void cross(rigcal_p3p *P, const rigcal_real line[3])
     P->next = 0;
 }
 
-int rc_p3p_begin(rigcal_p3p *P, const rigcal_real x[3][3], const rigcal_real ray[3][3])
+int rc_p3p_solve(rigcal_p3p *P)
 {
     rigcal_real first[3];
-    if (!prepare(P, x, ray) || !find_lines(first, P)) {
+    if (!find_lines(first, P)) {
         return 0;
     }
     cross(P, first);
@@ -385,7 +383,7 @@ int rc_p3p(rigcal_transform cam_from_points[RC_P3P_MAX], const rigcal_real x[3][
 {
     rigcal_p3p P;
     int count = 0;
-    if (rc_p3p_begin(&P, x, ray)) {
+    if (rc_p3p_begin(&P, x, ray) && rc_p3p_solve(&P)) {
         while (count < RC_P3P_MAX && rc_p3p_next(&cam_from_points[count], &P, ray)) {
             count++;
         }

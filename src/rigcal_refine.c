@@ -293,8 +293,10 @@ void rc_refine_begin_part(rigcal_refinement *state, const rigcal_points *points)
 
 /* *sum, state->g and state->H where `state` is; H only if `with_H`, where that is
  * quicker. */
-static rigcal_status evaluate(rigcal_real *sum, rigcal_refinement *state,
-                              const rigcal_points *points, int with_H)
+RIGCAL_FORCE_INLINE static inline rigcal_status evaluate(rigcal_real *sum,
+                                                         rigcal_refinement *state,
+                                                         const rigcal_points *points,
+                                                         int with_H)
 {
     if (RC_FOR_SPEED && !rc_lens_is_fisheye(points->view.camera)) {
         const pass_kind pass = {points->view.n, 1, state->search.equations};
@@ -355,8 +357,8 @@ RC_APART static void approach(rigcal_refinement *state, const rigcal_points *poi
 
 /* Takes the step unless it does harm. Then it is taken back, the turn by its inverse: no
  * copy of the rotation. */
-RC_APART static void try_step(rigcal_refinement *state, const rigcal_points *points,
-                              rigcal_real d[6], rigcal_real gain)
+static void try_step(rigcal_refinement *state, const rigcal_points *points,
+                     rigcal_real d[6], rigcal_real gain)
 {
     rigcal_transform *const pose = &state->cam_from_points;
     rigcal_real sum = 0, t[3];

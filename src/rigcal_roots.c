@@ -31,7 +31,7 @@ static int32_t poses_by(rigcal_transform cam_from_points[RC_P3P_MAX], rigcal_p3p
                         const rigcal_real ray[3][3])
 {
     int32_t n = 0;
-    if (begin_poses(P, points, index, ray)) {
+    if (begin_poses(P, points, index, ray) && rc_p3p_solve(P)) {
         while (n < RC_P3P_MAX && rc_p3p_next(&cam_from_points[n], P, ray)) {
             n++;
         }
@@ -114,7 +114,8 @@ RC_APART static int32_t put_poses(rigcal_optima *optima, rigcal_triple *triple,
     const rigcal_real(*const ray)[3] = (const rigcal_real(*)[3])triple->ray;
     rigcal_transform root;
     int32_t n = 0;
-    if (begin_poses(&triple->poses, points, triple->index, ray)) {
+    if (begin_poses(&triple->poses, points, triple->index, ray) &&
+        rc_p3p_solve(&triple->poses)) {
         for (; n < RC_P3P_MAX && rc_p3p_next(&root, &triple->poses, ray); n++) {
             (void)rc_optima_insert(optima, -1, &root, (rigcal_real)n);
         }

@@ -113,7 +113,8 @@ RC_APART static rigcal_status fisheye_ray(rigcal_real ray[3], const rigcal_real 
 }
 
 /* How far a ray's projection may be from its pixel, at a focal length of 1. */
-RC_APART static rigcal_real tolerance_at(const rigcal_camera *c, const rigcal_real uv[2])
+RC_APART_FAST static rigcal_real tolerance_at(const rigcal_camera *c,
+                                              const rigcal_real uv[2])
 {
     const rigcal_real pixels[3] = {uv[0], uv[1], c->cx};
     const rigcal_real largest = rc_max(rc_vec3_max_abs(pixels), RC_FABS(c->cy));

@@ -149,7 +149,8 @@ static void polynomial_range(rigcal_real range[2], rigcal_real b[], int degree,
 }
 
 /* G = (N + 2 s N') D - 2 s N D': d/dr (r N / D) times D^2. */
-RC_APART static void radial_slope(rigcal_real G[G_DEGREE + 1], const rigcal_camera *camera)
+RC_APART_FAST static void radial_slope(rigcal_real G[G_DEGREE + 1],
+                                       const rigcal_camera *camera)
 {
     rigcal_real N[N_DEGREE + 1], D[D_DEGREE + 1];
     powers_of_N(N, camera);
@@ -184,8 +185,8 @@ typedef struct {
  *
  * It is positive definite on all of r^2 in [from, from + length] when the bounds of G, N
  * and D there make it so. */
-RC_APART static int is_usable_between(const direction *e, rigcal_real from,
-                                      rigcal_real length)
+RC_APART_FAST static int is_usable_between(const direction *e, rigcal_real from,
+                                           rigcal_real length)
 {
     const rigcal_real half = length / 2, middle = from + half;
     rigcal_real slope[2], N[2], D[2], b[G_DEGREE + 1];
@@ -208,8 +209,8 @@ RC_APART static int is_usable_between(const direction *e, rigcal_real from,
     return along > 0 && across > 0 && along * across > 4 * e->br * e->br * far;
 }
 
-RC_APART static int is_definite_at(const rigcal_camera *camera, const rigcal_real x[2],
-                                   rigcal_real part)
+RC_APART_FAST static int is_definite_at(const rigcal_camera *camera, const rigcal_real x[2],
+                                        rigcal_real part)
 {
     const rigcal_real at[2] = {part * x[0], part * x[1]};
     rigcal_real F[2], J[3];
@@ -218,7 +219,7 @@ RC_APART static int is_definite_at(const rigcal_camera *camera, const rigcal_rea
 
 /* Walks from the axis to x in steps that are halved until the bounds decide, or their end
  * is seen to be beyond a turning point, and doubled after each success. */
-RC_APART static int walk_to(const rigcal_camera *camera, const rigcal_real x[2])
+RC_APART_FAST static int walk_to(const rigcal_camera *camera, const rigcal_real x[2])
 {
     direction e;
     e.camera = camera;

@@ -105,8 +105,8 @@ static rigcal_status check_point(const rigcal_view *view, size_t i)
 }
 
 /* Where the points are, and their pixels. */
-RC_APART static rigcal_status measure(rigcal_points *points, rigcal_real uv_middle[2],
-                                      int32_t *at_fault)
+RC_APART_FAST static rigcal_status measure(rigcal_points *points, rigcal_real uv_middle[2],
+                                           int32_t *at_fault)
 {
     const rigcal_observation *const o = points->view.observations, *first = NULL;
     rigcal_real total = 0, size = 0, extent = 0;

@@ -314,7 +314,7 @@ RC_APART static void skip_proved(rigcal_pose_solver *s)
 }
 
 /* Whether the lens sees the next point. */
-RC_APART static int sees_next(const rigcal_pose_solver *s)
+RC_APART_FAST static int sees_next(const rigcal_pose_solver *s)
 {
     const rigcal_points *const points = &s->search.points;
     rigcal_real q[3], X_c[3], uv[2];

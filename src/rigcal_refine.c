@@ -252,8 +252,8 @@ rigcal_status rc_refine_equations(rigcal_real *sum, rigcal_real g[6], rigcal_rea
 
 /* The step from where `state` is; *gain gets what it promises, undiminished. 0: H is not
  * positive definite. */
-RC_APART static int damped_step(rigcal_real d[6], rigcal_real *gain,
-                                const rigcal_refinement *state)
+RC_APART_FAST static int damped_step(rigcal_real d[6], rigcal_real *gain,
+                                     const rigcal_refinement *state)
 {
     rc_sym6_factor L;
     if (!rc_sym6_factor_of(&L, state->H, state->search.lambda)) {
@@ -322,8 +322,9 @@ RC_APART static void part_step(rigcal_refinement *state, const rigcal_points *po
 }
 
 /* The equations of point i, seen along ray m. Returns what it adds to the sum. */
-RC_APART static rigcal_real add_along(rigcal_refinement *state, const rigcal_points *points,
-                                      size_t i, const rigcal_real m[3])
+RC_APART_FAST static rigcal_real add_along(rigcal_refinement *state,
+                                           const rigcal_points *points, size_t i,
+                                           const rigcal_real m[3])
 {
     rigcal_real e[2], B[6], q[3], X_c[3];
     rc_points_place(q, X_c, points, &state->cam_from_points, i);
@@ -373,7 +374,7 @@ static void try_step(rigcal_refinement *state, const rigcal_points *points,
     }
 }
 
-RC_APART static void search(rigcal_refinement *state, const rigcal_points *points)
+RC_APART_FAST static void search(rigcal_refinement *state, const rigcal_points *points)
 {
     rigcal_levenberg *const lm = &state->search;
     rigcal_real d[6], gain, sum = 0;

@@ -13,8 +13,8 @@
 /* ---- three points -------------------------------------------------------- */
 
 /* Begins with three of the points; 0: they have no pose. */
-RC_APART static int begin_poses(rigcal_p3p *P, const rigcal_points *points,
-                                const int32_t index[3], const rigcal_real ray[3][3])
+RC_APART_FAST static int begin_poses(rigcal_p3p *P, const rigcal_points *points,
+                                     const int32_t index[3], const rigcal_real ray[3][3])
 {
     RIGCAL_ASSERT(index[0] != index[1] && index[0] != index[2] && index[1] != index[2]);
     RIGCAL_ASSERT(RC_IS_UNIT(ray[0]) && RC_IS_UNIT(ray[1]) && RC_IS_UNIT(ray[2]));

@@ -288,7 +288,7 @@ static int32_t gather_rays(rigcal_search *s)
     return RC_SEEDS_BUSY;
 }
 
-RC_APART static int32_t gathering_step(rigcal_search *s)
+RC_APART_FAST static int32_t gathering_step(rigcal_search *s)
 {
     const int32_t came =
         (RC_FOR_SPEED && s->points.is_pinhole) ? gather_pinhole(s) : gather_rays(s);
@@ -310,7 +310,7 @@ int rc_seeds_pick(rigcal_search *s)
 }
 
 /* A triple spread over the points' order, and its poses. */
-RC_APART static int32_t picking_step(rigcal_search *s)
+RC_APART_FAST static int32_t picking_step(rigcal_search *s)
 {
     const size_t n = s->points.view.n;
     rigcal_triple *const triple = &s->work.triple;
@@ -403,7 +403,7 @@ static void insert_seed(rigcal_search *s, rigcal_real cost)
     lattice->index[at] = s->next;
 }
 
-RC_APART static void scanning_step(rigcal_search *s)
+RC_APART_FAST static void scanning_step(rigcal_search *s)
 {
     rigcal_lattice *const lattice = &s->from.lattice;
     rigcal_real m3[3];
@@ -428,7 +428,7 @@ static void begin_scanning(rigcal_search *s)
 }
 
 /* All points have been gathered. */
-RC_APART static int32_t begin_search(rigcal_search *s)
+RC_APART_FAST static int32_t begin_search(rigcal_search *s)
 {
     rigcal_moments *const sums = &s->from.lattice.moments;
     rigcal_triple *const triple = &s->work.triple;
@@ -560,7 +560,7 @@ static int32_t end_descent(rigcal_search *s)
                                                                         : RC_SEEDS_BUSY;
 }
 
-RC_APART static int32_t descent_step(rigcal_search *s)
+RC_APART_FAST static int32_t descent_step(rigcal_search *s)
 {
     rigcal_neldermead *const nm = &s->work.descent.nm;
     rigcal_real m3[3];

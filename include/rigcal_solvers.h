@@ -83,7 +83,10 @@ typedef struct rigcal_lattice {
 typedef struct rigcal_p3p {
     rigcal_real size, middle[3], frame[9]; /* of the points */
     rigcal_real squared[3], chord2[3], h;  /* sides; chords between the rays, over h^2 */
-    rigcal_real conic[9], line[3], v[2][3]; /* the second line; where one crosses it */
+    union rigcal_p3p_work {
+        rigcal_real x[3][3], conic[9]; /* the points, at first */
+    } work;
+    rigcal_real line[3], v[2][3]; /* the second line; where one crosses the conic */
     uint8_t first, is_second, crossings, next;
 } rigcal_p3p;
 

@@ -130,9 +130,10 @@ static rigcal_real root_apart(rigcal_real r2, rigcal_real g)
  * solutions merge, those two do. With C0 and C1 both degenerate it is the third. */
 static void pencil_root(rigcal_real m[2], const rigcal_real c[4])
 {
-    const int swapped = RC_FABS(c[0]) > RC_FABS(c[3]);
-    const rigcal_real b3 = c[swapped ? 0 : 3], b2 = c[swapped ? 1 : 2];
-    const rigcal_real b1 = c[swapped ? 2 : 1], b0 = c[swapped ? 3 : 0];
+    const int swapped = RC_FABS(c[0]) > RC_FABS(c[3]), down = swapped ? 1 : -1;
+    const rigcal_real *const lead = swapped ? &c[0] : &c[3];
+    const rigcal_real b3 = lead[0], b2 = lead[down], b1 = lead[2 * down];
+    const rigcal_real b0 = lead[3 * down];
     rigcal_real one = b2, x = -b1;
     if (RC_FABS(b3) > LEAD_LEAST * (RC_FABS(b1) + RC_FABS(b2))) {
         const rigcal_real by_lead = 1 / b3, k = b2 * by_lead / 3;
@@ -143,6 +144,16 @@ static void pencil_root(rigcal_real m[2], const rigcal_real c[4])
     }
     m[swapped] = one;
     m[!swapped] = x;
+}
+
+/* Which of n numbers is the largest, whatever their signs. */
+static int largest_of(const rigcal_real x[], int n)
+{
+    int at = 0;
+    for (int k = 1; k < n; k++) {
+        at = (RC_FABS(x[k]) > RC_FABS(x[at])) ? k : at;
+    }
+    return at;
 }
 
 /* S = [c]x */
@@ -175,10 +186,7 @@ static int split(rigcal_real l[3], rigcal_real m[3], rigcal_real D[9])
     rc_vec3_scale(c, 1 / RC_SQRT(-A[at]), row);
     skew(A, c);
     add_scaled(D, 1, A);
-    at = 0;
-    for (int k = 1; k < 9; k++) {
-        at = (RC_FABS(D[k]) > RC_FABS(D[at])) ? k : at;
-    }
+    at = largest_of(D, 9);
     const int first = (at < 3) ? 0 : (at < 6) ? 3 : 6; /* of its row */
     rc_vec3_copy(l, &D[first]);
     for (int k = 0; k < 3; k++) {
@@ -193,8 +201,7 @@ static int split(rigcal_real l[3], rigcal_real m[3], rigcal_real D[9])
 RC_APART static uint8_t cross_line(rigcal_real v[2][3], const rigcal_real l[3],
                                    const rigcal_real C[9])
 {
-    int k = (RC_FABS(l[1]) > RC_FABS(l[0])) ? 1 : 0;
-    k = (RC_FABS(l[2]) > RC_FABS(l[k])) ? 2 : k;
+    const int k = largest_of(l, 3);
     rigcal_real S[9], Ca[3], Cb[3];
     const rigcal_real *const a = &S[3 * CYCLE[k + 1]];
     const rigcal_real *const b = &S[3 * CYCLE[k + 2]];
@@ -262,8 +269,10 @@ static int axes_of(rigcal_real F[9], const rigcal_real u[3], const rigcal_real w
     return 1;
 }
 
-int rc_p3p_begin(rigcal_p3p *P, const rigcal_real x[3][3], const rigcal_real ray[3][3])
+/* The problem as the equations take it. 0: points on a line, or rays that coincide. */
+RC_APART_FAST static int prepare(rigcal_p3p *P, const rigcal_real ray[3][3])
 {
+    const rigcal_real(*const x)[3] = (const rigcal_real(*)[3])P->work.x;
     rigcal_real longest = -1, d[3], w[2][3];
     int top = 0;
     for (int k = 0; k < 3; k++) { /* the side opposite to k */
@@ -279,12 +288,13 @@ int rc_p3p_begin(rigcal_p3p *P, const rigcal_real x[3][3], const rigcal_real ray
     const rigcal_real by_size = 1 / P->size;
     const rigcal_real *const point = x[top];
     P->first = (uint8_t)top;
-    rigcal_real h2 = 0, least = RC_MAX;
+    rigcal_real h2 = 0;
+    int is_apart = 1;
     for (int k = 0; k < 3; k++) {
         rc_vec3_sub(d, ray[CYCLE[top + TO[k]]], ray[CYCLE[top + FROM[k]]]);
         P->chord2[k] = rc_vec3_dot(d, d);
         h2 = rc_max(h2, P->chord2[k]);
-        least = rc_min(least, P->chord2[k]);
+        is_apart = is_apart && P->chord2[k] > RAY_TOL * RAY_TOL;
     }
     for (int k = 0; k < 2; k++) {
         rc_vec3_sub(d, x[CYCLE[top + 1 + k]], point);
@@ -296,9 +306,8 @@ int rc_p3p_begin(rigcal_p3p *P, const rigcal_real x[3][3], const rigcal_real ray
     rc_vec3_add(P->middle, point);
     P->h = RC_SQRT(h2);
     rc_vec3_scale(P->chord2, 1 / h2, P->chord2);
-    return least > RAY_TOL * RAY_TOL &&
-           axes_of(P->frame, w[0], w[1],
-                   LINE_TOL * (1 + rc_vec3_max_abs(P->middle) * by_size));
+    return is_apart && axes_of(P->frame, w[0], w[1],
+                               LINE_TOL * (1 + rc_vec3_max_abs(P->middle) * by_size));
 }
 
 /* The pose of a solution with depths s / h. */
@@ -329,7 +338,7 @@ RC_APART static int write_pose(rigcal_transform *cam_from_points, const rigcal_p
  * them there; the second line is kept. 0 when there are none. */
 RC_APART static int find_lines(rigcal_real first[3], rigcal_p3p *P)
 {
-    rigcal_real *const conic = P->conic;
+    rigcal_real *const conic = P->work.conic;
     rigcal_real C0[9], c[4], m[2];
     conics(C0, conic, P);
     pencil_cubic(c, C0, conic);
@@ -344,14 +353,14 @@ RC_APART static int find_lines(rigcal_real first[3], rigcal_p3p *P)
 
 static void cross(rigcal_p3p *P, const rigcal_real line[3])
 {
-    P->crossings = cross_line(P->v, line, P->conic);
+    P->crossings = cross_line(P->v, line, P->work.conic);
     P->next = 0;
 }
 
-int rc_p3p_solve(rigcal_p3p *P)
+int rc_p3p_begin(rigcal_p3p *P, const rigcal_real ray[3][3])
 {
     rigcal_real first[3];
-    if (!find_lines(first, P)) {
+    if (!prepare(P, ray) || !find_lines(first, P)) {
         return 0;
     }
     cross(P, first);
@@ -383,7 +392,10 @@ int rc_p3p(rigcal_transform cam_from_points[RC_P3P_MAX], const rigcal_real x[3][
 {
     rigcal_p3p P;
     int count = 0;
-    if (rc_p3p_begin(&P, x, ray) && rc_p3p_solve(&P)) {
+    for (int k = 0; k < 3; k++) {
+        rc_vec3_copy(P.work.x[k], x[k]);
+    }
+    if (rc_p3p_begin(&P, ray)) {
         while (count < RC_P3P_MAX && rc_p3p_next(&cam_from_points[count], &P, ray)) {
             count++;
         }

@@ -18,11 +18,10 @@ RC_APART_FAST static int begin_poses(rigcal_p3p *P, const rigcal_points *points,
 {
     RIGCAL_ASSERT(index[0] != index[1] && index[0] != index[2] && index[1] != index[2]);
     RIGCAL_ASSERT(RC_IS_UNIT(ray[0]) && RC_IS_UNIT(ray[1]) && RC_IS_UNIT(ray[2]));
-    rigcal_real x[3][3];
     for (int k = 0; k < 3; k++) {
-        rc_points_at(x[k], points, (size_t)index[k]);
+        rc_points_at(P->work.x[k], points, (size_t)index[k]);
     }
-    return rc_p3p_begin(P, (const rigcal_real(*)[3])x, ray);
+    return rc_p3p_begin(P, ray);
 }
 
 /* All poses, P being there to work in. */
@@ -31,7 +30,7 @@ static int32_t poses_by(rigcal_transform cam_from_points[RC_P3P_MAX], rigcal_p3p
                         const rigcal_real ray[3][3])
 {
     int32_t n = 0;
-    if (begin_poses(P, points, index, ray) && rc_p3p_solve(P)) {
+    if (begin_poses(P, points, index, ray)) {
         while (n < RC_P3P_MAX && rc_p3p_next(&cam_from_points[n], P, ray)) {
             n++;
         }
@@ -114,8 +113,7 @@ RC_APART static int32_t put_poses(rigcal_optima *optima, rigcal_triple *triple,
     const rigcal_real(*const ray)[3] = (const rigcal_real(*)[3])triple->ray;
     rigcal_transform root;
     int32_t n = 0;
-    if (begin_poses(&triple->poses, points, triple->index, ray) &&
-        rc_p3p_solve(&triple->poses)) {
+    if (begin_poses(&triple->poses, points, triple->index, ray)) {
         for (; n < RC_P3P_MAX && rc_p3p_next(&root, &triple->poses, ray); n++) {
             (void)rc_optima_insert(optima, -1, &root, (rigcal_real)n);
         }

@@ -45,7 +45,7 @@ SOLVERS = {
     "rigcal_moments": ("direction", {"weight", "C"}),
     "rigcal_lattice": ("seeds", set()),
     "rigcal_triple": ("seeds", {"index", "ray", "count", "poses"}),
-    "rigcal_p3p": ("p3p", set()),
+    "rigcal_p3p": ("p3p", {"work", "x"}),
     "rigcal_descent": ("seeds", set()),
     "rigcal_optimum": ("optima", None),
     "rigcal_optima": ("optima", None),

@@ -1,7 +1,5 @@
 #include "rc_camera.h"
 
-#include <string.h>
-
 /* ---- constants ----------------------------------------------------------- */
 
 /* px: a shorter focal length is a mistake, and would vanish in products. */
@@ -33,11 +31,10 @@ enum { P1 = 6, K5 = 10, NUMBERS = 12 };
 rigcal_status rc_check_camera(const rigcal_camera *camera)
 {
     const rigcal_camera *const c = camera;
-    rigcal_real numbers[NUMBERS];
     if (c == NULL) {
         return RIGCAL_ERR_NULL;
     }
-    memcpy(numbers, (const char *)c + offsetof(rigcal_camera, fx), sizeof numbers);
+    const rigcal_real *const numbers = rc_camera_numbers(c, offsetof(rigcal_camera, fx));
     const rigcal_status status = rc_check_numbers(numbers, NUMBERS, RC_PIXEL_MAX);
     if (status == RIGCAL_ERR_NOT_FINITE) {
         return status;

@@ -38,13 +38,13 @@ enum { STAGES_MAX = 64 };
 /* ---- the map ------------------------------------------------------------- */
 
 extern inline int rc_lens_is_fisheye(const rigcal_camera *camera);
+extern inline const rigcal_real *rc_camera_numbers(const rigcal_camera *camera,
+                                                   size_t offset);
 
-RC_APART int rc_lens_is_pinhole(const rigcal_camera *camera)
+int rc_lens_is_pinhole(const rigcal_camera *camera)
 {
-    rigcal_real coefficients[8];
-    memcpy(coefficients, (const char *)camera + offsetof(rigcal_camera, k1),
-           sizeof coefficients);
-    return !rc_lens_is_fisheye(camera) && rc_all_within(coefficients, 8, 0);
+    return !rc_lens_is_fisheye(camera) &&
+           rc_all_within(rc_camera_numbers(camera, offsetof(rigcal_camera, k1)), 8, 0);
 }
 
 /* A polynomial of one degree more, by Horner's rule: its value at s, and its derivative. */
@@ -110,22 +110,15 @@ RC_APART static int is_positive_definite(const rigcal_real J[3])
 
 enum { N_DEGREE = 4, D_DEGREE = 3, G_DEGREE = 6 };
 
-/* N and D by ascending powers of s. */
-static void powers_of_N(rigcal_real N[N_DEGREE + 1], const rigcal_camera *camera)
+/* N by ascending powers of s; else D. */
+RC_APART static void powers_of(rigcal_real c[N_DEGREE + 1], const rigcal_camera *camera,
+                               int is_N)
 {
-    N[0] = 1;
-    N[1] = camera->k1;
-    N[2] = camera->k2;
-    N[3] = camera->k3;
-    N[4] = k4_of(camera, 1);
-}
-
-static void powers_of_D(rigcal_real D[D_DEGREE + 1], const rigcal_camera *camera)
-{
-    D[0] = 1;
-    D[1] = k4_of(camera, 0);
-    D[2] = camera->k5;
-    D[3] = camera->k6;
+    c[0] = 1;
+    c[1] = is_N ? camera->k1 : k4_of(camera, 0);
+    c[2] = is_N ? camera->k2 : camera->k5;
+    c[3] = is_N ? camera->k3 : camera->k6;
+    c[4] = is_N ? k4_of(camera, 1) : 0;
 }
 
 /* Lower and upper bound of a polynomial within `half` of `middle`: the other terms of its
@@ -152,9 +145,9 @@ static void polynomial_range(rigcal_real range[2], rigcal_real b[], int degree,
 RC_APART_FAST static void radial_slope(rigcal_real G[G_DEGREE + 1],
                                        const rigcal_camera *camera)
 {
-    rigcal_real N[N_DEGREE + 1], D[D_DEGREE + 1];
-    powers_of_N(N, camera);
-    powers_of_D(D, camera);
+    rigcal_real N[N_DEGREE + 1], D[N_DEGREE + 1];
+    powers_of(N, camera, 1);
+    powers_of(D, camera, 0);
     for (int i = 0; i <= G_DEGREE; i++) {
         G[i] = 0;
     }
@@ -190,7 +183,7 @@ RC_APART_FAST static int is_usable_between(const direction *e, rigcal_real from,
 {
     const rigcal_real half = length / 2, middle = from + half;
     rigcal_real slope[2], N[2], D[2], b[G_DEGREE + 1];
-    powers_of_D(b, e->camera);
+    powers_of(b, e->camera, 0);
     polynomial_range(D, b, D_DEGREE, middle, half);
     memcpy(b, e->G, sizeof b);
     polynomial_range(slope, b, G_DEGREE, middle, half);
@@ -200,7 +193,7 @@ RC_APART_FAST static int is_usable_between(const direction *e, rigcal_real from,
     if (!(RC_FABS(e->ar) > 0 || RC_FABS(e->br) > 0)) {
         return slope[0] > 0; /* then N / D > 0 too: r N / D rises from 0 */
     }
-    powers_of_N(b, e->camera);
+    powers_of(b, e->camera, 1);
     polynomial_range(N, b, N_DEGREE, middle, half);
     const rigcal_real far = (from + length) / e->end;
     const rigcal_real ar_low = e->ar * RC_SQRT((e->ar > 0) ? from / e->end : far);

@@ -43,12 +43,12 @@ static const uint8_t CYCLE[5] = {0, 1, 2, 0, 1};
 static void sides(rigcal_real f[3], rigcal_real s[3], const rigcal_p3p *T,
                   const rigcal_real v[3])
 {
+    const rigcal_real along[3] = {v[1], v[2], v[1] - v[2]}; /* SIDE v */
     s[0] = v[0];
     s[1] = v[0] + T->h * v[1];
     s[2] = v[0] + T->h * v[2];
     for (int k = 0; k < 3; k++) {
-        const rigcal_real along = rc_vec3_dot(SIDE[k], v);
-        f[k] = along * along + T->chord2[k] * s[FROM[k]] * s[TO[k]];
+        f[k] = along[k] * along[k] + T->chord2[k] * s[FROM[k]] * s[TO[k]];
     }
 }
 
@@ -215,11 +215,10 @@ RC_APART static uint8_t cross_line(rigcal_real v[2][3], const rigcal_real l[3],
     const rigcal_real sum = (B < 0) ? root - B : -B - root;
     /* A x^2 + 2 B x y + G y^2 = 0 has the roots (sum : A) and (G : sum). */
     const int is_one = !(discriminant > 0);
+    rc_vec3_combine(v[0], sum, a, A, b);
+    rc_vec3_combine(v[1], G, a, sum, b);
     if (is_one && RC_FABS(A) < RC_FABS(G)) {
-        rc_vec3_combine(v[0], G, a, sum, b);
-    } else {
-        rc_vec3_combine(v[0], sum, a, A, b);
-        rc_vec3_combine(v[1], G, a, sum, b);
+        rc_vec3_copy(v[0], v[1]);
     }
     return is_one ? 1 : 2;
 }
@@ -259,12 +258,8 @@ static int axes_of(rigcal_real F[9], const rigcal_real u[3], const rigcal_real w
         return 0;
     }
     rc_vec3_cross(&F[3], &F[6], &F[0]);
-    const rigcal_real by_along = 1 / rc_vec3_norm(&F[0]);
-    const rigcal_real by_across = 1 / rc_vec3_norm(&F[3]);
-    for (int k = 0; k < 3; k++) {
-        F[k] *= by_along;
-        F[3 + k] *= by_across;
-    }
+    rc_vec3_scale(&F[0], 1 / rc_vec3_norm(&F[0]), &F[0]);
+    rc_vec3_scale(&F[3], 1 / rc_vec3_norm(&F[3]), &F[3]);
     rc_vec3_cross(&F[6], &F[0], &F[3]);
     return 1;
 }

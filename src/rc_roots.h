@@ -23,7 +23,7 @@ int32_t rc_triple_poses(rigcal_transform cam_from_points[RC_P3P_MAX], rigcal_tri
  *                    pose before so many optima are found
  *   n_roots  in/out  their number, 0 at first. 0 also where the triple is narrow, or the
  *                    lens images no ray at one of its points */
-int rc_roots_step(rigcal_optima *optima, int32_t *n_roots, rigcal_triple *triple,
+int rc_roots_step(rigcal_optima *optima, uint8_t *n_roots, rigcal_triple *triple,
                   const rigcal_points *points);
 
 #endif /* RC_ROOTS_H */

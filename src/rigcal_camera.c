@@ -92,7 +92,7 @@ rigcal_real rc_pixel_size(const rigcal_camera *camera)
 /* The ray at x, theta = |x| < pi off the axis: (sin theta / theta x, cos theta) by their
  * series in theta^2. The C library's would bring along its reduction of large angles,
  * 3 KB of flash. */
-RC_APART static rigcal_status fisheye_ray(rigcal_real ray[3], const rigcal_real x[2])
+RC_APART_FAST static rigcal_status fisheye_ray(rigcal_real ray[3], const rigcal_real x[2])
 {
     const rigcal_real theta2 = x[0] * x[0] + x[1] * x[1];
     rigcal_real sinc = 1, cosine = 1;

@@ -299,7 +299,7 @@ int rc_lens_invert_within(rigcal_real x[2], const rigcal_camera *camera,
 /* Newton's method for F(x) = target from x, a place where J is positive definite. A step
  * that leaves such places, or does not bring F nearer, is halved. Ends where no step helps
  * any more and returns |F(x) - target| there. */
-RC_APART static rigcal_real solve_from(rigcal_real x[2], const rigcal_camera *camera,
+RC_APART_FAST static rigcal_real solve_from(rigcal_real x[2], const rigcal_camera *camera,
                                        const rigcal_real target[2])
 {
     rigcal_real F[2], J[3], step[2] = {0, 0}, miss = RC_MAX;

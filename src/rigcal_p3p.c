@@ -306,7 +306,7 @@ RC_APART_FAST static int prepare(rigcal_p3p *P, const rigcal_real ray[3][3])
 }
 
 /* The pose of a solution with depths s / h. */
-RC_APART static int write_pose(rigcal_transform *cam_from_points, const rigcal_p3p *P,
+RC_APART_FAST static int write_pose(rigcal_transform *cam_from_points, const rigcal_p3p *P,
                                const rigcal_real ray[3][3], const rigcal_real s[3])
 {
     const rigcal_real by_h = 1 / P->h;
@@ -331,7 +331,7 @@ RC_APART static int write_pose(rigcal_transform *cam_from_points, const rigcal_p
 
 /* The lines on which the solutions lie, two by two at most, and a conic that crosses
  * them there; the second line is kept. 0 when there are none. */
-RC_APART static int find_lines(rigcal_real first[3], rigcal_p3p *P)
+RC_APART_FAST static int find_lines(rigcal_real first[3], rigcal_p3p *P)
 {
     rigcal_real *const conic = P->work.conic;
     rigcal_real C0[9], c[4], m[2];

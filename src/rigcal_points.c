@@ -77,7 +77,7 @@ static rigcal_real reach_of(const rigcal_points *points)
 /* What *points says of its view besides where the points are. */
 static void prepare(rigcal_points *points)
 {
-    points->is_pinhole = rc_lens_is_pinhole(points->view.camera);
+    points->is_pinhole = (uint8_t)rc_lens_is_pinhole(points->view.camera);
     points->pixel_size = rc_pixel_size(points->view.camera);
     points->negligible = rc_negligible(points->pixel_size, points->extent_px);
     if (RC_FOR_SPEED && !points->is_pinhole && !rc_lens_is_fisheye(points->view.camera)) {

@@ -62,7 +62,7 @@ static void fail(rigcal_pose_solver *s, rigcal_status status, int32_t at_fault)
     s->phase = DONE;
 }
 
-static void begin_refining(rigcal_pose_solver *s, int32_t phase, int is_wide)
+static void begin_refining(rigcal_pose_solver *s, uint8_t phase, int is_wide)
 {
     rc_refine_begin(&s->search.work.refinement, is_wide);
     s->phase = phase;

@@ -279,7 +279,7 @@ void rc_refine_begin(rigcal_refinement *state, int is_wide)
 {
     rc_levenberg_begin(&state->search, is_wide);
     state->evals = 0;
-    state->is_approach = is_wide;
+    state->is_approach = (uint8_t)is_wide;
     if (RC_FOR_SPEED) {
         state->is_part = 0;
     }
@@ -337,7 +337,7 @@ RC_APART_FAST static rigcal_real add_along(rigcal_refinement *state,
 /* A step of Gauss and Newton on errors along the rays. It is neither damped nor refused:
  * the weights of rays far off the axis make its way a steep and winding valley, which small
  * steps would follow for long. */
-RC_APART static void approach(rigcal_refinement *state, const rigcal_points *points)
+RC_APART_FAST static void approach(rigcal_refinement *state, const rigcal_points *points)
 {
     const rigcal_view *const view = &points->view;
     rigcal_real d[6], gain = 0, sum = 0;

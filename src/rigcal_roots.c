@@ -107,12 +107,12 @@ static rigcal_real sum_of_others(const rigcal_points *points, const rigcal_trans
 enum { TRIPLE = 0, RAYS = 1, POSES = 4, SCORES = 5 };
 
 /* All poses of the triple, unscored: n_roots of them. */
-RC_APART static int32_t put_poses(rigcal_optima *optima, rigcal_triple *triple,
+RC_APART static uint8_t put_poses(rigcal_optima *optima, rigcal_triple *triple,
                                   const rigcal_points *points)
 {
     const rigcal_real(*const ray)[3] = (const rigcal_real(*)[3])triple->ray;
     rigcal_transform root;
-    int32_t n = 0;
+    uint8_t n = 0;
     if (begin_poses(&triple->poses, points, triple->index, ray)) {
         for (; n < RC_P3P_MAX && rc_p3p_next(&root, &triple->poses, ray); n++) {
             (void)rc_optima_insert(optima, -1, &root, (rigcal_real)n);
@@ -131,9 +131,9 @@ RC_APART static void score(rigcal_optimum *pose, const rigcal_triple *triple,
 }
 
 /* Sorts n scored poses, best first; returns how many the others do not rule out. */
-RC_APART static int32_t rank(rigcal_optimum list[], int32_t n, rigcal_real pixel)
+RC_APART static uint8_t rank(rigcal_optimum list[], int32_t n, rigcal_real pixel)
 {
-    int32_t kept = 0;
+    uint8_t kept = 0;
     for (int32_t i = 1; i < n; i++) {
         const rigcal_optimum moved = list[i];
         int32_t at = i;
@@ -148,7 +148,7 @@ RC_APART static int32_t rank(rigcal_optimum list[], int32_t n, rigcal_real pixel
     return kept;
 }
 
-int rc_roots_step(rigcal_optima *optima, int32_t *n_roots, rigcal_triple *triple,
+int rc_roots_step(rigcal_optima *optima, uint8_t *n_roots, rigcal_triple *triple,
                   const rigcal_points *points)
 {
     RIGCAL_ASSERT(optima->n == 0 && points->n_used > 3);

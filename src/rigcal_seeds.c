@@ -327,7 +327,7 @@ RC_APART_FAST static int32_t picking_step(rigcal_search *s)
         i += ((n + 1) >> 2) + (n >> 4);
     }
     s->next = 0;
-    s->n_exact = rc_triple_poses(s->from.exact, triple, &s->points);
+    s->n_exact = (uint8_t)rc_triple_poses(s->from.exact, triple, &s->points);
     RIGCAL_TRACE("poses of a triple", s->n_exact, 0);
     s->phase = CHOOSING;
     return RC_SEEDS_BUSY;
@@ -448,7 +448,7 @@ RC_APART_FAST static int32_t begin_search(rigcal_search *s)
         }
         /* If there is no pose, the sums, which share memory with the poses, are still
          * there. */
-        s->n_exact = rc_triple_poses(s->from.exact, triple, &s->points);
+        s->n_exact = (uint8_t)rc_triple_poses(s->from.exact, triple, &s->points);
         s->triples = (s->n_exact > 0) ? TRIPLES : 0;
     }
     s->phase = CHOOSING;

@@ -43,7 +43,7 @@ static void make_scene(scene *s, test_rng *rng, int n, double across)
 static int32_t find(rigcal_optima *optima, const rigcal_points *points)
 {
     rigcal_triple triple = {0};
-    int32_t n = 0;
+    uint8_t n = 0;
 
     while (!rc_roots_step(optima, &n, &triple, points)) {
         TEST_ASSERT_LESS_THAN_INT32(5 + RC_P3P_MAX, triple.count);

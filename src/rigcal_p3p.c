@@ -76,14 +76,14 @@ static void add_scaled(rigcal_real A[9], rigcal_real s, const rigcal_real B[9])
 }
 
 /* The conics on which the sides 01 and 02 have the right ratio to 12. */
-static void conics(rigcal_real C0[9], rigcal_real C1[9], const rigcal_p3p *T)
+static void conics(rigcal_real *const C[2], const rigcal_p3p *T)
 {
     rigcal_real M12[9];
     form(M12, T, 2);
-    form(C0, T, 0);
-    form(C1, T, 1);
-    add_scaled(C0, -T->squared[0], M12);
-    add_scaled(C1, -T->squared[1], M12);
+    for (int k = 0; k < 2; k++) {
+        form(C[k], T, k);
+        add_scaled(C[k], -T->squared[k], M12);
+    }
 }
 
 /* Trace of the product of symmetric matrices. */
@@ -93,14 +93,14 @@ static rigcal_real trace_of(const rigcal_real A[9], const rigcal_real C[9])
            rc_vec3_dot(&A[6], &C[6]);
 }
 
-/* det(C0 + x C1) by powers of x. */
-static void pencil_cubic(rigcal_real c[4], const rigcal_real C0[9], const rigcal_real C1[9])
+/* det(C[0] + x C[1]) by powers of x. */
+static void pencil_cubic(rigcal_real c[4], rigcal_real *const C[2])
 {
     rigcal_real A[9];
-    c[0] = rc_mat3_cofactors(A, C0);
-    c[1] = trace_of(A, C1);
-    c[3] = rc_mat3_cofactors(A, C1);
-    c[2] = trace_of(A, C0);
+    for (int k = 0; k < 2; k++) {
+        c[3 * k] = rc_mat3_cofactors(A, C[k]);
+        c[1 + k] = trace_of(A, C[1 - k]);
+    }
 }
 
 /* The real root of y^3 - 3 r2 y + g, g >= 0, that lies apart from the others, or
@@ -335,8 +335,9 @@ RC_APART_FAST static int find_lines(rigcal_real first[3], rigcal_p3p *P)
 {
     rigcal_real *const conic = P->work.conic;
     rigcal_real C0[9], c[4], m[2];
-    conics(C0, conic, P);
-    pencil_cubic(c, C0, conic);
+    rigcal_real *const C[2] = {C0, conic};
+    conics(C, P);
+    pencil_cubic(c, C);
     pencil_root(m, c);
     for (int k = 0; k < 9; k++) {
         const rigcal_real apart = m[0] * C0[k] + m[1] * conic[k];

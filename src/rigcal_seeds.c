@@ -223,7 +223,7 @@ static inline int is_near(rigcal_real along, rigcal_real cosine, const rigcal_re
 
 /* Point s->point, scaled to size 1, and its image in the virtual camera, whose frame is
  * NULL where it is not known. */
-RC_APART static int32_t gather_point(rigcal_search *s, const rigcal_real frame[9],
+RC_APART_FAST static int32_t gather_point(rigcal_search *s, const rigcal_real frame[9],
                                      const rigcal_real ray[3])
 {
     const size_t i = s->point;
@@ -649,7 +649,7 @@ static int32_t next_root(rigcal_search *s)
 
 /* ---- the next start ------------------------------------------------------ */
 
-RC_APART static int32_t choosing_step(rigcal_search *s)
+RC_APART_FAST static int32_t choosing_step(rigcal_search *s)
 {
     if (WITH_WIDE && s->next < s->n_exact) {
         return next_exact(s);

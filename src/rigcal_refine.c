@@ -293,10 +293,8 @@ void rc_refine_begin_part(rigcal_refinement *state, const rigcal_points *points)
 
 /* *sum, state->g and state->H where `state` is; H only if `with_H`, where that is
  * quicker. */
-RIGCAL_FORCE_INLINE static inline rigcal_status evaluate(rigcal_real *sum,
-                                                         rigcal_refinement *state,
-                                                         const rigcal_points *points,
-                                                         int with_H)
+static rigcal_status evaluate(rigcal_real *sum, rigcal_refinement *state,
+                              const rigcal_points *points, int with_H)
 {
     if (RC_FOR_SPEED && !rc_lens_is_fisheye(points->view.camera)) {
         const pass_kind pass = {points->view.n, 1, state->search.equations};
@@ -356,40 +354,44 @@ RC_APART_FAST static void approach(rigcal_refinement *state, const rigcal_points
     }
 }
 
-/* Takes the step unless it does harm. Then it is taken back, the turn by its inverse: no
- * copy of the rotation. */
-static void try_step(rigcal_refinement *state, const rigcal_points *points,
-                     rigcal_real d[6], rigcal_real gain)
+/* Moves by the next step, if there is one. Returns whether it is to be tried; t is from
+ * where. */
+static int move_on(rigcal_real d[6], rigcal_real *gain, rigcal_real t[3],
+                   rigcal_refinement *state, const rigcal_points *points)
 {
     rigcal_transform *const pose = &state->cam_from_points;
-    rigcal_real sum = 0, t[3];
+    if (!damped_step(d, gain, state)) {
+        rc_levenberg_not_definite(&state->search);
+        return 0;
+    }
+    const int step = rc_levenberg_promised(&state->search, *gain, points->negligible);
+    if (step == RC_STEP_NONE) {
+        return 0;
+    }
     rc_vec3_copy(t, pose->t);
     rc_transform_move(pose, d);
-    const int is_same_H = RC_FOR_SPEED && gain <= SAME_H * state->search.sum;
-    const rigcal_status status = evaluate(&sum, state, points, !is_same_H);
-    if (!rc_levenberg_tried(&state->search, status, sum, gain, points->negligible)) {
-        rc_vec3_scale(d, -1, d);
-        rc_transform_move(pose, d);
-        rc_vec3_copy(pose->t, t);
-    }
+    return step == RC_STEP_TRY;
 }
 
+/* The equations where `state` is, or a step. One that does harm is taken back, the turn by
+ * its inverse: no copy of the rotation. */
 RC_APART_FAST static void search(rigcal_refinement *state, const rigcal_points *points)
 {
     rigcal_levenberg *const lm = &state->search;
-    rigcal_real d[6], gain, sum = 0;
-    if (lm->want == RC_WANT_EQUATIONS) {
-        const rigcal_status status = evaluate(&sum, state, points, 1);
+    rigcal_transform *const pose = &state->cam_from_points;
+    rigcal_real d[6], t[3], gain = 0, sum = 0;
+    const int is_step = lm->want != RC_WANT_EQUATIONS;
+    if (is_step && !move_on(d, &gain, t, state, points)) {
+        return;
+    }
+    const int is_same_H = RC_FOR_SPEED && is_step && gain <= SAME_H * lm->sum;
+    const rigcal_status status = evaluate(&sum, state, points, !is_same_H);
+    if (!is_step) {
         rc_levenberg_evaluated(lm, status, sum);
-    } else if (!damped_step(d, &gain, state)) {
-        rc_levenberg_not_definite(lm);
-    } else {
-        const int step = rc_levenberg_promised(lm, gain, points->negligible);
-        if (step == RC_STEP_TRY) {
-            try_step(state, points, d, gain);
-        } else if (step == RC_STEP_LAST) {
-            rc_transform_move(&state->cam_from_points, d);
-        }
+    } else if (!rc_levenberg_tried(lm, status, sum, gain, points->negligible)) {
+        rc_vec3_scale(d, -1, d);
+        rc_transform_move(pose, d);
+        rc_vec3_copy(pose->t, t);
     }
 }
 

@@ -354,12 +354,10 @@ RC_APART_FAST static void approach(rigcal_refinement *state, const rigcal_points
     }
 }
 
-/* Moves by the next step, if there is one. Returns whether it is to be tried; t is from
- * where. */
-static int move_on(rigcal_real d[6], rigcal_real *gain, rigcal_real t[3],
-                   rigcal_refinement *state, const rigcal_points *points)
+/* Moves by the next step, if there is one. Returns whether it is to be tried. */
+static int move_on(rigcal_real d[6], rigcal_real *gain, rigcal_refinement *state,
+                   const rigcal_points *points)
 {
-    rigcal_transform *const pose = &state->cam_from_points;
     if (!damped_step(d, gain, state)) {
         rc_levenberg_not_definite(&state->search);
         return 0;
@@ -368,8 +366,7 @@ static int move_on(rigcal_real d[6], rigcal_real *gain, rigcal_real t[3],
     if (step == RC_STEP_NONE) {
         return 0;
     }
-    rc_vec3_copy(t, pose->t);
-    rc_transform_move(pose, d);
+    rc_transform_move(&state->cam_from_points, d);
     return step == RC_STEP_TRY;
 }
 
@@ -381,7 +378,8 @@ RC_APART_FAST static void search(rigcal_refinement *state, const rigcal_points *
     rigcal_transform *const pose = &state->cam_from_points;
     rigcal_real d[6], t[3], gain = 0, sum = 0;
     const int is_step = lm->want != RC_WANT_EQUATIONS;
-    if (is_step && !move_on(d, &gain, t, state, points)) {
+    rc_vec3_copy(t, pose->t);
+    if (is_step && !move_on(d, &gain, state, points)) {
         return;
     }
     const int is_same_H = RC_FOR_SPEED && is_step && gain <= SAME_H * lm->sum;

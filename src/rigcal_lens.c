@@ -66,6 +66,47 @@ static inline int has_denominator(const rigcal_camera *camera)
            RC_FABS(camera->k4) + RC_FABS(camera->k5) + RC_FABS(camera->k6) > 0;
 }
 
+enum { N_DEGREE = 4, D_DEGREE = 3, G_DEGREE = 6 };
+
+/* N by ascending powers of s; else D. */
+RIGCAL_FORCE_INLINE static inline void put_powers(rigcal_real c[N_DEGREE + 1],
+                                                  const rigcal_camera *camera, int is_N)
+{
+    c[0] = 1;
+    c[1] = is_N ? camera->k1 : k4_of(camera, 0);
+    c[2] = is_N ? camera->k2 : camera->k5;
+    c[3] = is_N ? camera->k3 : camera->k6;
+    c[4] = is_N ? k4_of(camera, 1) : 0;
+}
+
+RC_APART static void powers_of(rigcal_real c[N_DEGREE + 1], const rigcal_camera *camera,
+                               int is_N)
+{
+    put_powers(c, camera, is_N);
+}
+
+/* N at s, else D, and its derivative; for speed written out. */
+static inline void polynomial_at(rigcal_real value[2], rigcal_real s,
+                                 const rigcal_camera *camera, int is_N)
+{
+    rigcal_real c[N_DEGREE + 1];
+    if (RC_FOR_SPEED) {
+        put_powers(c, camera, is_N);
+        value[0] = c[4];
+        value[1] = 0;
+        horner(value, s, c[3]);
+        horner(value, s, c[2]);
+        horner(value, s, c[1]);
+        horner(value, s, c[0]);
+        return;
+    }
+    powers_of(c, camera, is_N);
+    value[0] = value[1] = 0;
+    for (int k = N_DEGREE; k >= 0; k--) {
+        horner(value, s, c[k]);
+    }
+}
+
 /* With d = N / D, d' = (N' - d D') / D and p = d' x + 2 g:
  *   J = (d + 2 g.x) I + p x^T + x p^T */
 int rc_lens_map(rigcal_real F[2], rigcal_real J[3], const rigcal_camera *camera,
@@ -73,16 +114,11 @@ int rc_lens_map(rigcal_real F[2], rigcal_real J[3], const rigcal_camera *camera,
 {
     const rigcal_real g[2] = {camera->p2, camera->p1};
     const rigcal_real s = x[0] * x[0] + x[1] * x[1];
-    rigcal_real N[2] = {k4_of(camera, 1), 0};
-    horner(N, s, camera->k3);
-    horner(N, s, camera->k2);
-    horner(N, s, camera->k1);
-    horner(N, s, 1);
+    rigcal_real N[2];
+    polynomial_at(N, s, camera, 1);
     if (!RC_FOR_SPEED || has_denominator(camera)) {
-        rigcal_real D[2] = {camera->k6, 0};
-        horner(D, s, camera->k5);
-        horner(D, s, k4_of(camera, 0));
-        horner(D, s, 1);
+        rigcal_real D[2];
+        polynomial_at(D, s, camera, 0);
         if (!(D[0] > 0)) {
             return 0;
         }
@@ -107,19 +143,6 @@ RC_APART static int is_positive_definite(const rigcal_real J[3])
 }
 
 /* ---- where it can be used ------------------------------------------------ */
-
-enum { N_DEGREE = 4, D_DEGREE = 3, G_DEGREE = 6 };
-
-/* N by ascending powers of s; else D. */
-RC_APART static void powers_of(rigcal_real c[N_DEGREE + 1], const rigcal_camera *camera,
-                               int is_N)
-{
-    c[0] = 1;
-    c[1] = is_N ? camera->k1 : k4_of(camera, 0);
-    c[2] = is_N ? camera->k2 : camera->k5;
-    c[3] = is_N ? camera->k3 : camera->k6;
-    c[4] = is_N ? k4_of(camera, 1) : 0;
-}
 
 /* Lower and upper bound of a polynomial within `half` of `middle`: the other terms of its
  * series there take from the first, and add to it, no more than their absolute values.
@@ -300,7 +323,7 @@ int rc_lens_invert_within(rigcal_real x[2], const rigcal_camera *camera,
  * that leaves such places, or does not bring F nearer, is halved. Ends where no step helps
  * any more and returns |F(x) - target| there. */
 RC_APART_FAST static rigcal_real solve_from(rigcal_real x[2], const rigcal_camera *camera,
-                                       const rigcal_real target[2])
+                                            const rigcal_real target[2])
 {
     rigcal_real F[2], J[3], step[2] = {0, 0}, miss = RC_MAX;
     rigcal_real at[2] = {x[0], x[1]};

@@ -35,7 +35,6 @@ typedef struct {
     rigcal_real move_rad;      /* the largest turn thought possible [rad] */
     rigcal_real move_t;        /* the largest shift thought possible [length] */
     rigcal_real rows, squares; /* of recent rows: their number, and the sum of psi^2 */
-    rigcal_real log_sum;       /* of the last frame: log of K B times the sum */
 } rc_alarm;
 
 /* ---- functions ----------------------------------------------------------- */

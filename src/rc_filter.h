@@ -55,7 +55,7 @@ typedef struct {
     rigcal_transform *poses; /* n_bodies, body_from_rig */
     rigcal_real *UD;         /* n (n + 1) / 2 */
     rigcal_real *d;          /* n: the error estimated, and not yet in the poses */
-    rigcal_real *room;       /* n */
+    rigcal_real *room;       /* n; zeros between rows: one that fails leaves no trace */
 } rc_filter;
 
 /* Whether a body is there: a camera, or a target with a place. */

@@ -225,7 +225,7 @@ void rc_alarm_begin(rc_alarm *alarm, rigcal_real bodies[], size_t n_bodies,
                               RC_ALARM_WINDOWS);
     alarm->move_rad = move_rad;
     alarm->move_t = move_t;
-    alarm->rows = alarm->squares = alarm->log_sum = 0;
+    alarm->rows = alarm->squares = 0;
     for (size_t b = 0; b < n_bodies; b++) {
         rc_alarm_forget(alarm, bodies, b);
     }
@@ -246,7 +246,6 @@ void rc_alarm_again(rc_alarm *alarm, rigcal_real bodies[])
         rigcal_real *const at = body_of(bodies, b);
         start_windows(at);
     }
-    alarm->log_sum = 0;
 }
 
 rigcal_real *rc_alarm_lent(rigcal_real bodies[], size_t body)
@@ -474,15 +473,13 @@ rigcal_real rc_alarm_frame(rc_alarm *alarm, rigcal_real bodies[])
             end_windows(body, alarm->rows - alarm->rows);
         }
     }
-    alarm->log_sum = log_of_all(bodies, (size_t)alarm->n_bodies);
-    return alarm->log_sum - alarm->log_limit;
+    return log_of_all(bodies, (size_t)alarm->n_bodies) - alarm->log_limit;
 }
 
 /* ---- what it says ------------------------------------------------------------ */
 
 rigcal_real rc_alarm_share(const rc_alarm *alarm, const rigcal_real bodies[], size_t body)
 {
-    /* Not log_sum, which begins anew with an answer. */
     const rigcal_real all = log_of_all(bodies, (size_t)alarm->n_bodies);
     return rc_min(1, rc_exp(body_in(bodies, body)[LOG_SUM] - all));
 }

@@ -390,7 +390,9 @@ int rc_filter_ask(rc_news *news, const rc_filter *f, size_t a, size_t b, const r
     rigcal_real hPh, nu;
     rc_part part;
     part_of(&part, f, a, b, row);
-    return tell(news, &hPh, &nu, f, &part, row, wrong, 0);
+    const int is_told = tell(news, &hPh, &nu, f, &part, row, wrong, 0);
+    rc_clear(f->room, f->n);
+    return is_told;
 }
 
 int rc_filter_row(rc_news *news, const rc_filter *f, size_t a, size_t b, const rc_row *row,
@@ -399,13 +401,14 @@ int rc_filter_row(rc_news *news, const rc_filter *f, size_t a, size_t b, const r
     rigcal_real hPh, nu;
     rc_part part;
     part_of(&part, f, a, b, row);
-    if (!tell(news, &hPh, &nu, f, &part, row, wrong, open)) {
-        return 0;
+    const int is_told = tell(news, &hPh, &nu, f, &part, row, wrong, open);
+    if (is_told) {
+        const rigcal_real S = news->sd * news->sd;
+        rc_filter_learn(f->UD, f->room, f->n, hPh, S, news->doubt.gain);
+        add_scaled(f->d, f->room, f->n, news->doubt.beta * nu / S);
     }
-    const rigcal_real S = news->sd * news->sd;
-    rc_filter_learn(f->UD, f->room, f->n, hPh, S, news->doubt.gain);
-    add_scaled(f->d, f->room, f->n, news->doubt.beta * nu / S);
-    return 1;
+    rc_clear(f->room, f->n);
+    return is_told;
 }
 
 /* ---- poses ------------------------------------------------------------------- */

@@ -70,6 +70,9 @@ enum { OTHER_WAY = 0, SIDEWAYS, SIDEWAYS_BACK, LEANS };
 /* Whether there is code for rays that far off, which takes the poses of three points. */
 enum { WITH_WIDE = RIGCAL_WITH_THREE_POINTS };
 
+/* A bit of is_wide: the rays are too far apart for the lattice. */
+enum { TOO_WIDE = 2 };
+
 enum {
     GATHERING, /* rays, and the sums over the points */
     GATHERED,
@@ -184,12 +187,6 @@ static void count_point(rigcal_search *s, size_t i, const rigcal_real ray[3])
     triple->count++;
 }
 
-static void begin_picking(rigcal_search *s)
-{
-    s->phase = PICKING;
-    s->work.triple.count = 0;
-}
-
 /* Where a pixel is in the lens's plane. */
 static inline void plane_of(rigcal_real at[3], const rigcal_points *points, size_t i)
 {
@@ -224,7 +221,7 @@ static inline int is_near(rigcal_real along, rigcal_real cosine, const rigcal_re
 /* Point s->point, scaled to size 1, and its image in the virtual camera, whose frame is
  * NULL where it is not known. */
 RC_APART_FAST static int32_t gather_point(rigcal_search *s, const rigcal_real frame[9],
-                                     const rigcal_real ray[3])
+                                          const rigcal_real ray[3])
 {
     const size_t i = s->point;
     rigcal_real x[3], u[3];
@@ -236,23 +233,21 @@ RC_APART_FAST static int32_t gather_point(rigcal_search *s, const rigcal_real fr
     if (!WITH_WIDE && !is_near(ray[2], SPREAD_COSINE, ray)) {
         return RIGCAL_ERR_WIDE_RAY;
     }
-    if (!is_near(u[2], SPREAD_COSINE, ray)) {
-        if (WITH_WIDE) {
-            RIGCAL_TRACE("rays too far apart for the lattice: point", i, u[2]);
-            s->is_wide = 1;
-            begin_picking(s);
-        } else { /* by the camera's own axis, off which no ray is that far */
-            look_ahead(s);
-            begin_gathering(s);
-        }
+    if (is_near(u[2], SPREAD_COSINE, ray)) {
+        s->is_wide |= WITH_WIDE && !is_near(ray[2], WIDE_COSINE, ray);
+        rc_vec3_scale(u, 1 / u[2], u);
+        rc_points_at(x, &s->points, i);
+        rc_vec3_scale(x, s->scale, x);
+        rc_moments_add(&s->from.lattice.moments, rc_points_weight(&s->points, i), x, u);
+        count_point(s, i, ray);
+    } else if (WITH_WIDE) {
+        RIGCAL_TRACE("rays too far apart for the lattice: point", i, u[2]);
+        s->is_wide |= TOO_WIDE;
+    } else { /* by the camera's own axis, off which no ray is that far */
+        look_ahead(s);
+        begin_gathering(s);
         return RC_SEEDS_BUSY;
     }
-    s->is_wide |= WITH_WIDE && !is_near(ray[2], WIDE_COSINE, ray);
-    rc_vec3_scale(u, 1 / u[2], u);
-    rc_points_at(x, &s->points, i);
-    rc_vec3_scale(x, s->scale, x);
-    rc_moments_add(&s->from.lattice.moments, rc_points_weight(&s->points, i), x, u);
-    count_point(s, i, ray);
     s->point = rc_points_next(&s->points, i + 1);
     return RC_SEEDS_BUSY;
 }
@@ -263,9 +258,10 @@ RC_APART static int32_t gather_pinhole(rigcal_search *s)
     rigcal_real frame[9], ray[3];
     look_along(frame, s->axis);
     for (int left = PINHOLE_RAYS; left > 0 && s->point < s->points.view.n; left--) {
-        plane_of(ray, &s->points, s->point);
+        const size_t i = s->point;
+        plane_of(ray, &s->points, i);
         const int32_t came = gather_point(s, frame, ray);
-        if (came != RC_SEEDS_BUSY || s->phase != GATHERING) {
+        if (came != RC_SEEDS_BUSY || s->point <= i) { /* begun again, by another frame */
             return came;
         }
     }
@@ -281,7 +277,7 @@ static int32_t gather_rays(rigcal_search *s)
             return RC_SEEDS_UNSEEN;
         }
         const int32_t came = gather_point(s, NULL, ray);
-        if (came != RC_SEEDS_BUSY || s->phase != GATHERING) {
+        if (came != RC_SEEDS_BUSY) {
             return came;
         }
     }
@@ -292,8 +288,8 @@ RC_APART_FAST static int32_t gathering_step(rigcal_search *s)
 {
     const int32_t came =
         (RC_FOR_SPEED && s->points.is_pinhole) ? gather_pinhole(s) : gather_rays(s);
-    if (s->phase == GATHERING && s->point == s->points.view.n) {
-        s->phase = GATHERED;
+    if (s->point == s->points.view.n) {
+        s->phase = (s->is_wide & TOO_WIDE) ? PICKING : GATHERED;
     }
     return came;
 }
@@ -305,11 +301,12 @@ int rc_seeds_pick(rigcal_search *s)
     if (s->triples >= TRIPLES) {
         return 0;
     }
-    begin_picking(s);
+    s->phase = PICKING;
     return 1;
 }
 
-/* A triple spread over the points' order, and its poses. */
+/* A triple spread over the points' order, and its poses. All points have rays: they were
+ * gathered. */
 RC_APART_FAST static int32_t picking_step(rigcal_search *s)
 {
     const size_t n = s->points.view.n;
@@ -318,11 +315,8 @@ RC_APART_FAST static int32_t picking_step(rigcal_search *s)
     for (int k = 0; k < 3; k++) {
         i = rc_points_next(&s->points, i);
         i = (i < n) ? i : rc_points_next(&s->points, i - n);
-        if (rc_pixel_to_ray(triple->ray[k], s->points.view.camera,
-                            s->points.view.observations[i].uv) != RIGCAL_OK) {
-            s->point = i;
-            return RC_SEEDS_UNSEEN;
-        }
+        (void)rc_pixel_to_ray(triple->ray[k], s->points.view.camera,
+                              s->points.view.observations[i].uv);
         triple->index[k] = (int32_t)i;
         i += ((n + 1) >> 2) + (n >> 4);
     }
@@ -666,7 +660,7 @@ RC_APART_FAST static int32_t choosing_step(rigcal_search *s)
     if (s->next < s->n_seeds) {
         try_seed(s, s->next++);
     } else if (WITH_WIDE && s->is_wide) {
-        begin_picking(s);
+        s->phase = PICKING;
     } else {
         return RC_SEEDS_SPENT;
     }

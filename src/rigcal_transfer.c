@@ -197,6 +197,13 @@ static void write_out(rigcal_transfer *out, const transferred *t, rigcal_real V[
         (weighed > noise) ? weighed * (weighed / (weighed + V[ROW_MISS][ROW_MISS])) : 0;
 }
 
+/* A rig's Sigma that is no covariance may leave a negative one. */
+static int has_variances(const rigcal_transfer *made)
+{
+    const rigcal_real *const S = made->Sigma, *const S_X = made->Sigma_X;
+    return S[0] >= 0 && S[3] >= 0 && S_X[0] >= 0 && S_X[4] >= 0 && S_X[8] >= 0;
+}
+
 /* ---- public -------------------------------------------------------------- */
 
 static rigcal_status check(const rigcal_calibrated_rig *rig, const size_t abc[3],
@@ -268,7 +275,8 @@ rigcal_status rigcal_transfer_make(rigcal_transfer *out, const rigcal_calibrated
     rigcal_transfer made;
     write_out(&made, &t, V);
     if (!rc_all_finite(made.uv, 2) || !rc_all_finite(made.Sigma, 4) ||
-        !rc_all_finite(made.Sigma_X, 9) || !rc_is_finite(made.chi2)) {
+        !rc_all_finite(made.Sigma_X, 9) || !rc_is_finite(made.chi2) ||
+        !has_variances(&made)) {
         return RIGCAL_ERR_DEGENERATE;
     }
     *out = made;

@@ -60,6 +60,8 @@ real-rigs     gcc,cmake,unity,numpy,scipy,build/gcc-double,build/gcc-float
               preset_build gcc-double && preset_build gcc-float && $PYTHON tests/bench/real_rigs.py
 real-points   gcc,cmake,unity,numpy,build/gcc-double
               preset_build gcc-double && $PYTHON tests/bench/real_points.py
+tables        gcc,cmake,unity,python,build/gcc-double
+              preset_build gcc-double && $PYTHON tests/bench/tables.py --check
 pictures      gcc,cmake,unity,python,build/gcc-double
               preset_build gcc-double && sh examples/pictures/run.sh --check build/gcc-double
 scale         gcc,cmake,unity,numpy,time,build/gcc-double
@@ -86,6 +88,7 @@ limits        gcc,python                   $PYTHON tests/checks/check_limits.py
 layout        python                       $PYTHON tests/checks/check_layout.py
 manifests     python                       $PYTHON tests/checks/check_manifests.py
 format        clang-format                 sh tests/checks/check_format.sh
+release       gcc,cmake,python             sh tests/checks/check_release.sh build/release-check
 shell         nothing                      sh tests/checks/check_shell.sh
 words         nothing                      sh tests/checks/check_words.sh
 '

@@ -112,4 +112,12 @@ rigcal_status rc_check_numbers(const rigcal_real x[], int n, rigcal_real limit);
  * deeper functions later. */
 #define RC_APART RIGCAL_NOINLINE
 
+/* The same where speed counts. For size a function that is called once is cheaper inlined,
+ * and leaves the stack as it was. */
+#if RIGCAL_FOR_SPEED
+#define RC_APART_FAST RIGCAL_NOINLINE
+#else
+#define RC_APART_FAST
+#endif
+
 #endif /* RC_REAL_H */

@@ -50,7 +50,7 @@ rigcal_status rc_rig_check_points(int32_t *camera, int32_t *placement, rigcal_ri
 void rc_rig_points_of(rigcal_points *points, const rigcal_rig_view *view)
 {
     rc_points_of(points, &view->view, NULL);
-    points->is_pinhole = rc_lens_is_pinhole(view->view.camera);
+    points->is_pinhole = (uint8_t)rc_lens_is_pinhole(view->view.camera);
     points->origin[0] = points->origin[1] = points->origin[2] = 0;
 }
 

@@ -60,7 +60,7 @@ rigcal_real rc_chi2_limit(rigcal_real freedom, rigcal_real deviations)
 }
 
 /* base^exponent. Underflows to 0, overflows to infinity. */
-RC_APART static rigcal_real power(rigcal_real base, size_t exponent)
+RC_APART_FAST static rigcal_real power(rigcal_real base, size_t exponent)
 {
     rigcal_real result = 1;
     for (; exponent > 0; exponent /= 2) {

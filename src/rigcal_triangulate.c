@@ -212,40 +212,40 @@ RC_APART int rc_point_factor(rigcal_real L[6], const rigcal_real H[6], rigcal_re
     return rc_sym3_factor(L, L, D, RANK_TOL);
 }
 
-static void try_step(triangulation *s, const sightings *v, const rigcal_real step[3],
-                     rigcal_real gain)
+/* Moves by the next step, if there is one. Returns whether it is to be tried. J^T J also
+ * serves as Newton's H, because the residuals of a point are small against the curvature. */
+static int move_on(rigcal_real *gain, triangulation *s)
 {
-    rigcal_real before[3], sum = 0;
-    rc_vec3_copy(before, s->X);
-    rc_vec3_add(s->X, step);
-    const rigcal_status status = evaluate(&sum, s, v);
-    if (!rc_levenberg_tried(&s->search, status, sum, gain, s->negligible)) {
-        rc_vec3_copy(s->X, before);
-    }
-}
-
-/* One step, with at most one evaluation. J^T J also serves as Newton's H, because the
- * residuals of a point are small against the curvature. */
-static void step_once(triangulation *s, const sightings *v)
-{
-    rigcal_real L[6], step[3], sum = 0;
-    if (s->search.want == RC_WANT_EQUATIONS) {
-        const rigcal_status status = evaluate(&sum, s, v);
-        rc_levenberg_evaluated(&s->search, status, sum);
-        return;
-    }
+    rigcal_real L[6], step[3];
     if (!rc_point_factor(L, s->H, s->search.lambda)) {
         rc_levenberg_not_definite(&s->search);
-        return;
+        return 0;
     }
     rc_vec3_copy(step, s->g);
     rc_point_solve(step, L);
-    const rigcal_real gain = rc_vec3_dot(s->g, step);
-    const int taken = rc_levenberg_promised(&s->search, gain, s->negligible);
-    if (taken == RC_STEP_TRY) {
-        try_step(s, v, step, gain);
-    } else if (taken == RC_STEP_LAST) {
-        rc_vec3_add(s->X, step);
+    *gain = rc_vec3_dot(s->g, step);
+    const int taken = rc_levenberg_promised(&s->search, *gain, s->negligible);
+    if (taken == RC_STEP_NONE) {
+        return 0;
+    }
+    rc_vec3_add(s->X, step);
+    return taken == RC_STEP_TRY;
+}
+
+/* One evaluation, or none. */
+static void step_once(triangulation *s, const sightings *v)
+{
+    rigcal_real before[3], gain = 0, sum = 0;
+    const int is_step = s->search.want != RC_WANT_EQUATIONS;
+    rc_vec3_copy(before, s->X);
+    if (is_step && !move_on(&gain, s)) {
+        return;
+    }
+    const rigcal_status status = evaluate(&sum, s, v);
+    if (!is_step) {
+        rc_levenberg_evaluated(&s->search, status, sum);
+    } else if (!rc_levenberg_tried(&s->search, status, sum, gain, s->negligible)) {
+        rc_vec3_copy(s->X, before);
     }
 }
 

@@ -86,6 +86,11 @@ LIMITS = [
     ("Flash with libraries", "solve_pose", "cortex-m0 float -Os", 24 * 1024),
     ("Flash with libraries", "solve_pose, triangulate, epiline_px",
      "cortex-m4f float -Os small", 16 * 1024),
+    ("Flash with libraries", "solve_pose, triangulate, epiline_px",
+     "cortex-m4f float -Os", 20 * 1024),
+    *[("Stack", f"solve_pose_{job}", column, limit)
+      for job in ("3", "tag", "4", "8", "8_lens", "50")
+      for column, limit in (("cortex-m7 double -O2", 2048), ("cortex-m4f float -O2", 1229))],
 ]
 
 

@@ -1099,7 +1099,7 @@ static void test_a_solver_with_a_field_out_of_range_is_refused(void)
     solver = whole;
     solver.phase = 99;
     ASSERT_STATUS(RIGCAL_ERR_STATE, rigcal_pose_step(&solver, 1));
-    solver.phase = -1;
+    solver.phase = UINT8_MAX;
     ASSERT_STATUS(RIGCAL_ERR_STATE, rigcal_pose_step(&solver, 1));
     ASSERT_STATUS(RIGCAL_OK, rigcal_pose_step(&whole, INT32_MAX));
     for (int32_t n = -1; n <= RIGCAL_POSES_MAX + 1; n += RIGCAL_POSES_MAX + 2) {

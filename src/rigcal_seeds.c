@@ -97,14 +97,6 @@ static void look_along(rigcal_real R[9], const rigcal_real axis[3])
     }
 }
 
-static inline void turn_to_virtual(rigcal_real turned[3], const rigcal_real axis[3],
-                                   const rigcal_real ray[3])
-{
-    rigcal_real frame[9];
-    look_along(frame, axis);
-    rc_mat3_tmul_vec3(turned, frame, ray);
-}
-
 /* From the virtual camera and size 1 to the camera and the caller's unit. */
 RC_APART static void leave_virtual(rigcal_transform *T, const rigcal_search *s)
 {
@@ -228,7 +220,9 @@ RC_APART_FAST static int32_t gather_point(rigcal_search *s, const rigcal_real fr
     if (RC_FOR_SPEED && frame != NULL) {
         rc_mat3_tmul_vec3(u, frame, ray);
     } else {
-        turn_to_virtual(u, s->axis, ray);
+        rigcal_real own[9];
+        look_along(own, s->axis);
+        rc_mat3_tmul_vec3(u, own, ray);
     }
     if (!WITH_WIDE && !is_near(ray[2], SPREAD_COSINE, ray)) {
         return RIGCAL_ERR_WIDE_RAY;
@@ -268,26 +262,20 @@ RC_APART static int32_t gather_pinhole(rigcal_search *s)
     return RC_SEEDS_BUSY;
 }
 
-static int32_t gather_rays(rigcal_search *s)
-{
-    int left = s->points.is_pinhole ? PINHOLE_RAYS : 1;
-    for (; left > 0 && s->point < s->points.view.n; left--) {
-        rigcal_real ray[3];
-        if (ray_of(ray, &s->points, s->point) != RIGCAL_OK) {
-            return RC_SEEDS_UNSEEN;
-        }
-        const int32_t came = gather_point(s, NULL, ray);
-        if (came != RC_SEEDS_BUSY) {
-            return came;
-        }
-    }
-    return RC_SEEDS_BUSY;
-}
-
 RC_APART_FAST static int32_t gathering_step(rigcal_search *s)
 {
-    const int32_t came =
-        (RC_FOR_SPEED && s->points.is_pinhole) ? gather_pinhole(s) : gather_rays(s);
+    int32_t came = RC_SEEDS_BUSY;
+    if (RC_FOR_SPEED && s->points.is_pinhole) {
+        came = gather_pinhole(s);
+    } else {
+        int left = s->points.is_pinhole ? PINHOLE_RAYS : 1;
+        for (; left > 0 && came == RC_SEEDS_BUSY && s->point < s->points.view.n; left--) {
+            rigcal_real ray[3];
+            came = (ray_of(ray, &s->points, s->point) == RIGCAL_OK)
+                       ? gather_point(s, NULL, ray)
+                       : RC_SEEDS_UNSEEN;
+        }
+    }
     if (s->point == s->points.view.n) {
         s->phase = (s->is_wide & TOO_WIDE) ? PICKING : GATHERED;
     }

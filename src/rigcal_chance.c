@@ -7,8 +7,12 @@
 /* px: the least noise that is believed where none is stated. Pixels are not better. */
 #define NOISE_LEAST RC(0.01)
 
-/* sets: expected numbers are clipped here, far above any limit, before they overflow. */
+/* sets: expected numbers are clipped here, far above any limit. */
 #define EXPECTED_MOST RC(1e30)
+
+/* 1: from here on expected numbers are counted in units of it, lest they overflow on the
+ * way to a small one. A power of two: exact. */
+#define EXPECTED_UNIT RC(1.237940039285380274899124224e27)
 
 /* 1: rc_normal_within takes its first quotient up to twice this probability (Wichura
  * 1988). */
@@ -94,11 +98,22 @@ rigcal_real rc_expected_sets(size_t n, size_t count, rigcal_real near)
     RIGCAL_ASSERT(count <= n && near >= 0 && near <= 1);
     const rigcal_real all = (rigcal_real)n;
     rigcal_real expected = all * (all - 1) * (all - 2) / 3;
+    size_t units = 0; /* powers of the unit */
     for (size_t i = 0; i + 3 < count; i++) {
         const rigcal_real ways = (all - 3 - (rigcal_real)i) / (rigcal_real)(i + 1);
-        expected = rc_min(expected * ways * near, EXPECTED_MOST);
+        expected *= ways * near;
+        if (expected >= EXPECTED_UNIT) {
+            expected /= EXPECTED_UNIT;
+            units++;
+        } else if (expected < 1 && units > 0) {
+            expected *= EXPECTED_UNIT;
+            units--;
+        }
     }
-    return expected;
+    for (; units > 0 && expected < EXPECTED_MOST; units--) {
+        expected *= EXPECTED_UNIT;
+    }
+    return rc_min(expected, EXPECTED_MOST);
 }
 
 static rigcal_real quotient(int which, rigcal_real r)

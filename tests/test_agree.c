@@ -1,0 +1,4 @@
+#include "test_support.h"
+TEST_MAIN()
+{
+}

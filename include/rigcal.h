@@ -529,10 +529,10 @@ typedef struct rigcal_robust_options {
                                  0 (default): 4 sigma_px, or 3 pixels */
     rigcal_real sigma_px;     /* as in rigcal_pose_options */
     int32_t samples;          /* the most triples that are tried; all, when there are no
-                                 more. 20000 (default), 1 .. 100000 */
+                                 more. 10000 (default), 1 .. 100000 */
     uint32_t seed;            /* of the random triples. 1 (default) */
     int32_t max_units;        /* the most units that the search spends before the points
-                                 that agree are solved for. 200000 (default), >= 1 */
+                                 that agree are solved for. 100000 (default), >= 1 */
 } rigcal_robust_options;
 
 typedef struct rigcal_robust_solver rigcal_robust_solver; /* see rigcal_solvers.h */

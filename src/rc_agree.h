@@ -19,7 +19,7 @@ enum { RC_AGREE_BINS = 16 };
  * not limit / 2^(k + 1), the last for all that are nearer. */
 typedef struct {
     size_t count[RC_AGREE_BINS];
-    rigcal_real most[RC_AGREE_BINS]; /* of each bin, the largest distance squared */
+    rigcal_real sum[RC_AGREE_BINS]; /* of their distances squared */
 } rc_agree_histogram;
 
 /* Sets marks[i] to 1 for points within the limit, to 0 for the others. *off, which may be

@@ -1,6 +1,7 @@
 #include <string.h>
 
 #include "rc_agree.h"
+#include "rc_logs.h"
 #include "rc_pose.h"
 
 /* ---- constants ----------------------------------------------------------- */
@@ -10,14 +11,14 @@
 enum { POINTS_LEAST = 5 };
 
 /* samples: the default. With nine in ten of many points wrong, to have missed every clean
- * one has a chance of 1e-4, by USEFUL_PART. */
-enum { SAMPLES = 20000 };
+ * one has a chance of 1e-3, by USEFUL_PART. */
+enum { SAMPLES = 10000 };
 
 /* samples: more are a mistake. */
 enum { SAMPLES_MAX = 100000 };
 
-/* units: the default for the search; a triple takes 3 as a rule, 5 through a lens. */
-enum { UNITS = 200000 };
+/* units: the default for the search. A triple takes 3 as a rule, 5 through a lens. */
+enum { UNITS = 100000 };
 
 /* points: of more, the triples are not counted. They would overflow, and are far more than
  * SAMPLES_MAX. */
@@ -34,13 +35,18 @@ enum { COUNTED_MAX = 1000 };
 #define THRESHOLD_SIGMAS RC(4)
 
 /* logs: samples end when that of the chance to have missed every clean one is less. */
-#define MISSED_LOG RC(9.2)
+#define MISSED_LOG RC(6.9)
 
-/* part: a clean sample counts as so much of one, for noise spoils some. */
-#define USEFUL_PART RC(0.5)
+/* part: a clean sample counts as so much of one, for noise spoils some. Of general targets
+ * 0.9 lead to the pose. */
+#define USEFUL_PART RC(0.7)
 
 /* points: a pose on which fewer agree is not improved. */
 enum { IMPROVED_LEAST = 5 };
+
+/* points: fewer that agree have the caveat in any case. A wrong one among them would find
+ * others that go along. */
+enum { SURE_LEAST = 6 };
 
 /* evaluations: of the points that agree, by which a best pose is improved. */
 enum { IMPROVE_EVALS = 3 };
@@ -203,17 +209,27 @@ static rigcal_real limit_of(const rigcal_robust_solver *s)
     return s->threshold_px * s->threshold_px;
 }
 
-/* How many samples are enough, where `count` points agree with the best pose. */
+/* How many samples are enough, where `count` points agree with the best pose: N random
+ * ones miss all useful triples with the chance exp(-useful N / all); of all triples, drawn
+ * once each, (1 - N / all)^useful. */
 static void decide_samples(rigcal_robust_solver *s, size_t count)
 {
-    rigcal_real part = USEFUL_PART;
+    const rigcal_real samples = (rigcal_real)s->samples;
+    rigcal_real part = USEFUL_PART, enough;
     for (int k = 0; k < 3; k++) {
         part *= ((rigcal_real)count - (rigcal_real)k) /
                 ((rigcal_real)s->points.view.n - (rigcal_real)k);
     }
-    s->wanted = (MISSED_LOG < part * (rigcal_real)s->samples)
-                    ? (int32_t)(MISSED_LOG / part) + 1
-                    : s->samples;
+    if (s->is_complete) {
+        enough = (part > 0) ? samples * (1 - rc_exp(-MISSED_LOG / (part * samples)))
+                            : samples;
+    } else {
+        enough = (MISSED_LOG < part * samples) ? MISSED_LOG / part : samples;
+    }
+    s->wanted = (int32_t)enough + 1;
+    if (s->wanted > s->samples) {
+        s->wanted = s->samples;
+    }
 }
 
 /* Takes the pose if it is the best so far; then its points are to improve it. */
@@ -562,7 +578,7 @@ rigcal_status rigcal_robust_result(rigcal_pose poses[], size_t capacity, size_t 
         return status;
     }
     *n_inliers = count;
-    if (!(solver->by_chance < CHANCE)) {
+    if (count < SURE_LEAST || !(solver->by_chance < CHANCE)) {
         return RIGCAL_FEW_AGREE;
     }
     return (status == RIGCAL_OK && 2 * count < n) ? RIGCAL_MOST_DISAGREE : status;

@@ -57,11 +57,12 @@ enum { IMPROVE_ROUNDS = 4 };
 /* times: that the points that agree are decided anew by the pose of the last ones. */
 enum { ROUNDS = 8 };
 
-/* poses expected by chance: above it the pose has a caveat. */
-#define CHANCE RC(1e-3)
+/* poses expected by chance, which is far more than there are: above it the pose has a
+ * caveat. Of 270 000 scenes with all points wrong at most 3 are below. */
+#define CHANCE RC(4e-3)
 
 /* poses expected by chance: from here on there is no pose. */
-#define CHANCE_MOST RC(1)
+#define CHANCE_MOST RC(0.3)
 
 enum {
     NOT_BEGUN = 0,
@@ -221,8 +222,8 @@ static void decide_samples(rigcal_robust_solver *s, size_t count)
                 ((rigcal_real)s->points.view.n - (rigcal_real)k);
     }
     if (s->is_complete) {
-        enough = (part > 0) ? samples * (1 - rc_exp(-MISSED_LOG / (part * samples)))
-                            : samples;
+        enough =
+            (part > 0) ? samples * (1 - rc_exp(-MISSED_LOG / (part * samples))) : samples;
     } else {
         enough = (MISSED_LOG < part * samples) ? MISSED_LOG / part : samples;
     }
@@ -301,8 +302,7 @@ static void improving_step(rigcal_robust_solver *s)
 
 static void rescoring_step(rigcal_robust_solver *s)
 {
-    if (is_best(s, &s->work.trial.better.cam_from_points) &&
-        ++s->rounds < IMPROVE_ROUNDS) {
+    if (is_best(s, &s->work.trial.better.cam_from_points) && ++s->rounds < IMPROVE_ROUNDS) {
         s->phase = MARKING;
     } else {
         end_pose(s);
@@ -410,20 +410,22 @@ static rigcal_status check_options(const rigcal_robust_options *o)
     return status;
 }
 
-/* The rectangle of the image [px^2] in which the points were seen, over the mean of their
- * sigma_i^2. */
+/* The rectangle [px^2] in which the points were seen, over the mean of their sigma_i^2. Of
+ * pixels beyond the image it goes no farther than the image is large: one of them alone would
+ * make it as large as it likes. */
 static rigcal_real seen_area(const rigcal_view *view)
 {
     const rigcal_observation *const o = view->observations;
     const int32_t size[2] = {view->camera->width, view->camera->height};
     rigcal_real area = (rigcal_real)view->n, variances = 0;
     for (int k = 0; k < 2; k++) {
-        rigcal_real low = (rigcal_real)size[k], high = 0;
+        const rigcal_real side = (rigcal_real)size[k];
+        rigcal_real low = 2 * side, high = -side;
         for (size_t i = 0; i < view->n; i++) {
             low = rc_min(low, o[i].uv[k]);
             high = rc_max(high, o[i].uv[k]);
         }
-        area *= rc_max(rc_min(high, (rigcal_real)size[k]) - rc_max(low, 0), 0);
+        area *= rc_max(rc_min(high, 2 * side) - rc_max(low, -side), 0);
     }
     for (size_t i = 0; i < view->n; i++) {
         variances += (view->sigma == NULL) ? 1 : view->sigma[i] * view->sigma[i];

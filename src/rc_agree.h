@@ -6,14 +6,16 @@
 #include "rc_chance.h"
 #include "rc_points.h"
 
+/* Of squared distances, each bin half the one before: the last is for distances below half a
+ * percent of the limit's. */
+enum { RC_AGREE_BINS = 16 };
+
 /* Sum over the points of their squared distance from their projection over sigma_i^2, none
  * counting more than `limit` [px^2]. It is given up where it comes to `enough`: *sum is
  * then at least that. Returns how many of the points gone through are within the limit. */
 size_t rc_agree_score(rigcal_real *sum, const rigcal_points *points,
                       const rigcal_transform *cam_from_points, rigcal_real limit,
                       rigcal_real enough);
-
-enum { RC_AGREE_BINS = 16 };
 
 /* How far the points within the limit are off: bin k is for those within limit / 2^k and
  * not limit / 2^(k + 1), the last for all that are nearer. */

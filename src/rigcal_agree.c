@@ -1,8 +1,6 @@
 #include "rc_agree.h"
 
-/* ---- constants ----------------------------------------------------------- */
-
-/* the base of natural logarithms */
+/* The base of natural logarithms. */
 #define RC_E RC(2.718281828459045235360287471352662498)
 
 /* ---- one point ----------------------------------------------------------- */

@@ -10,10 +10,6 @@
 /* sets: expected numbers are clipped here, far above any limit. */
 #define EXPECTED_MOST RC(1e30)
 
-/* 1: from here on expected numbers are counted in units of it, lest they overflow on the
- * way to a small one. A power of two: exact. */
-#define EXPECTED_UNIT RC(1.237940039285380274899124224e27)
-
 /* 1: rc_normal_within takes its first quotient up to twice this probability (Wichura
  * 1988). */
 #define CENTRAL RC(0.425)
@@ -28,6 +24,10 @@
 enum { FRACTION_STEPS = 2000 };
 
 /* ---- facts --------------------------------------------------------------- */
+
+/* 2^90, in which large expected numbers are counted, lest they overflow on the way to a
+ * small one. */
+#define EXPECTED_UNIT RC(1.237940039285380274899124224e27)
 
 /* Numerators and denominators of both quotients of rc_normal_within, by ascending
  * powers (Wichura 1988, PPND16). */

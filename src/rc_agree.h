@@ -6,8 +6,8 @@
 #include "rc_chance.h"
 #include "rc_points.h"
 
-/* Of squared distances, each bin half the one before: the last is for distances below half a
- * percent of the limit's. */
+/* Of squared distances, each bin half the one before: the last is for distances below
+ * 0.6 % of the limit's. */
 enum { RC_AGREE_BINS = 16 };
 
 /* Sum over the points of their squared distance from their projection over sigma_i^2, none

@@ -24,8 +24,8 @@ static void project_by(projection *p, const rigcal_points *points,
     }
 }
 
-/* Squared distance over sigma_i^2, or something above the limit. A point that is too far off
- * in u costs no more than that, and no point that is too far off a division. */
+/* Squared distance over sigma_i^2, or something above the limit. A point that is too far
+ * off costs no division, and where it is so in u alone, nothing of v. */
 RIGCAL_FORCE_INLINE static inline rigcal_real off2(const projection *p,
                                                    const rigcal_points *points, size_t i,
                                                    rigcal_real limit)

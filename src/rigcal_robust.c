@@ -410,9 +410,9 @@ static rigcal_status check_options(const rigcal_robust_options *o)
     return status;
 }
 
-/* The rectangle [px^2] in which the points were seen, over the mean of their sigma_i^2. Of
- * pixels beyond the image it goes no farther than the image is large: one of them alone would
- * make it as large as it likes. */
+/* The rectangle [px^2] in which the points were seen, over the mean of their sigma_i^2. It
+ * goes beyond the image by no more than the image's size: one wrong pixel alone would make
+ * it as large as it likes. */
 static rigcal_real seen_area(const rigcal_view *view)
 {
     const rigcal_observation *const o = view->observations;

@@ -756,8 +756,7 @@ static long robust_units(uint64_t seed, int kind)
     return units;
 }
 
-/* Of 2 million needles these took the most: of 9 searches, few are of other points than the
- * last. */
+/* Two needles that take more than two searches: few are of other points than the last. */
 static void test_a_robust_pose_takes_at_most_those_of_9_searches_and_of_its_own(void)
 {
     static const uint64_t WORST[2] = {311805, 1296296};
@@ -771,7 +770,7 @@ static void test_a_robust_pose_takes_at_most_those_of_9_searches_and_of_its_own(
     for (int i = 0; i < 2; i++) {
         keep_largest(&largest, robust_units(WORST[i], NEEDLE));
     }
-    TEST_ASSERT_GREATER_OR_EQUAL_INT(2500, largest);
+    TEST_ASSERT_GREATER_OR_EQUAL_INT(2000, largest);
 }
 
 /* ---- diagnose ------------------------------------------------------------ */

@@ -5,8 +5,8 @@
  *   bench_beside N PERCENT image|near COUNT [FILE]
  *
  * Prints: right, wrong yet believed, refused, with few that agree; processor seconds. FILE
- * gets, as doubles: of each scene n points x, y, z, u, v, then the true R and t, then by how
- * far a pose may be off to be right: radians, and part of the distance. */
+ * gets, as doubles: of each scene n points x, y, z, u, v, then the true R and t, then by
+ * how far a pose may be off to be right: radians, and part of the distance. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -91,11 +91,13 @@ typedef struct {
     cli_observations observations;
     int by_paper; /* --method paper */
     int is_robust;
+    int is_weighing;          /* --weigh: points count by column sigma_px */
     rigcal_pose_options pose; /* of --method ml */
     rigcal_robust_options robust;
     int exit_status;
 
     rigcal_observation *observed; /* work for one view: the points that count */
+    rigcal_real *observed_sigma;  /* of each; NULL: all alike */
     size_t *observed_at;          /* and which of the view's each is */
     rigcal_bearing *bearings;
     rigcal_pair *pairs;
@@ -295,6 +297,7 @@ double camera_noise(const calibration *c, size_t camera);
 /* In this order. All say what they cannot do, and set the exit status. `folder`: of
  * the files, or NULL. */
 void solve_views(calibration *c);
+void turn_views(calibration *c); /* of targets that look the same from several sides */
 void name_left_out(const calibration *c, const char *folder);
 void form_rig(calibration *c);
 void print_summary(const calibration *c); /* of a view at least */

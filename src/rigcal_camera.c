@@ -154,14 +154,14 @@ static rigcal_status plane_depth(rigcal_real *depth, rigcal_real *bend, rigcal_r
 {
     const rigcal_real Z = X_c[2];
     const rigcal_real rr = X_c[0] * X_c[0] + X_c[1] * X_c[1];
-    if (RIGCAL_WITH_FISHEYE && is_fisheye && rr > 0) {
+    if (RIGCAL_WITH_FISHEYE && is_fisheye && rr > RC_EPS * RC_EPS) {
         const rigcal_real r = RC_SQRT(rr), by_rho2 = 1 / (rr + Z * Z);
         *depth = r / angle_off_axis(r, Z);
         *bend = (Z * by_rho2 - 1 / *depth) / rr;
         *sink = -by_rho2;
         return RIGCAL_OK;
     }
-    if (!(Z > 0)) { /* straight behind a fisheye is no direction in its image */
+    if (!(Z > 0)) { /* straight behind a fisheye, to rounding, is nowhere in its image */
         return is_fisheye ? RIGCAL_ERR_NO_RAY : RIGCAL_ERR_BEHIND;
     }
     *depth = Z;

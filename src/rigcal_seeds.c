@@ -70,6 +70,9 @@ enum { OTHER_WAY = 0, SIDEWAYS, SIDEWAYS_BACK, LEANS };
 /* Whether there is code for rays that far off, which takes the poses of three points. */
 enum { WITH_WIDE = RIGCAL_WITH_THREE_POINTS };
 
+/* A bit of is_wide: the rays are too far apart for the lattice. */
+enum { TOO_WIDE = 2 };
+
 enum {
     GATHERING, /* rays, and the sums over the points */
     GATHERED,
@@ -184,12 +187,6 @@ static void count_point(rigcal_search *s, size_t i, const rigcal_real ray[3])
     triple->count++;
 }
 
-static void begin_picking(rigcal_search *s)
-{
-    s->phase = PICKING;
-    s->work.triple.count = 0;
-}
-
 /* The ray of a point, of any length. */
 static rigcal_status ray_of(rigcal_real ray[3], const rigcal_points *points, size_t i)
 {
@@ -228,23 +225,21 @@ RC_APART static int32_t gather_point(rigcal_search *s, const rigcal_real frame[9
     if (!WITH_WIDE && !is_near(ray[2], SPREAD_COSINE, ray)) {
         return RIGCAL_ERR_WIDE_RAY;
     }
-    if (!is_near(u[2], SPREAD_COSINE, ray)) {
-        if (WITH_WIDE) {
-            RIGCAL_TRACE("rays too far apart for the lattice: point", i, u[2]);
-            s->is_wide = 1;
-            begin_picking(s);
-        } else { /* by the camera's own axis, off which no ray is that far */
-            look_ahead(s);
-            begin_gathering(s);
-        }
+    if (is_near(u[2], SPREAD_COSINE, ray)) {
+        s->is_wide |= WITH_WIDE && !is_near(ray[2], WIDE_COSINE, ray);
+        rc_vec3_scale(u, 1 / u[2], u);
+        rc_points_at(x, &s->points, i);
+        rc_vec3_scale(x, s->scale, x);
+        rc_moments_add(&s->from.lattice.moments, rc_points_weight(&s->points, i), x, u);
+        count_point(s, i, ray);
+    } else if (WITH_WIDE) {
+        RIGCAL_TRACE("rays too far apart for the lattice: point", i, u[2]);
+        s->is_wide |= TOO_WIDE;
+    } else { /* by the camera's own axis, off which no ray is that far */
+        look_ahead(s);
+        begin_gathering(s);
         return RC_SEEDS_BUSY;
     }
-    s->is_wide |= WITH_WIDE && !is_near(ray[2], WIDE_COSINE, ray);
-    rc_vec3_scale(u, 1 / u[2], u);
-    rc_points_at(x, &s->points, i);
-    rc_vec3_scale(x, s->scale, x);
-    rc_moments_add(&s->from.lattice.moments, rc_points_weight(&s->points, i), x, u);
-    count_point(s, i, ray);
     s->point = rc_points_next(&s->points, i + 1);
     return RC_SEEDS_BUSY;
 }
@@ -264,7 +259,7 @@ static int32_t gathering_step(rigcal_search *s)
         }
     }
     if (s->point == n) {
-        s->phase = GATHERED;
+        s->phase = (s->is_wide & TOO_WIDE) ? PICKING : GATHERED;
     }
     return RC_SEEDS_BUSY;
 }
@@ -276,11 +271,12 @@ int rc_seeds_pick(rigcal_search *s)
     if (s->triples >= TRIPLES) {
         return 0;
     }
-    begin_picking(s);
+    s->phase = PICKING;
     return 1;
 }
 
-/* A triple spread over the points' order, and its poses. */
+/* A triple spread over the points' order, and its poses. All points have rays: they were
+ * gathered. */
 static int32_t picking_step(rigcal_search *s)
 {
     const size_t n = s->points.view.n;
@@ -289,11 +285,8 @@ static int32_t picking_step(rigcal_search *s)
     for (int k = 0; k < 3; k++) {
         i = rc_points_next(&s->points, i);
         i = (i < n) ? i : rc_points_next(&s->points, i - n);
-        if (rc_pixel_to_ray(triple->ray[k], s->points.view.camera,
-                            s->points.view.observations[i].uv) != RIGCAL_OK) {
-            s->point = i;
-            return RC_SEEDS_UNSEEN;
-        }
+        (void)rc_pixel_to_ray(triple->ray[k], s->points.view.camera,
+                              s->points.view.observations[i].uv);
         triple->index[k] = (int32_t)i;
         i += ((n + 1) >> 2) + (n >> 4);
     }
@@ -639,7 +632,7 @@ RC_APART static int32_t choosing_step(rigcal_search *s)
     if (s->next < s->n_seeds) {
         try_seed(s, s->next++);
     } else if (WITH_WIDE && s->is_wide) {
-        begin_picking(s);
+        s->phase = PICKING;
     } else {
         return RC_SEEDS_SPENT;
     }

@@ -7,12 +7,13 @@
 #define FRONT_LEAST RC(1e-3)
 
 /* Whether the camera is on the side that the tag's z axis points to: z.t < 0, z being the
- * third column of the rotation. */
+ * third column of the rotation, by more than rounding. Edge-on a tag shows neither side. */
 static int is_from_front(const rigcal_pose_solver *solver, int32_t i)
 {
     rigcal_transform T;
     rc_pose_found(&T, solver, i);
-    return T.R[2] * T.t[0] + T.R[5] * T.t[1] + T.R[8] * T.t[2] < 0;
+    const rigcal_real rounding = 16 * RC_EPS * rc_vec3_max_abs(T.t);
+    return T.R[2] * T.t[0] + T.R[5] * T.t[1] + T.R[8] * T.t[2] < -rounding;
 }
 
 static void place_corners(rigcal_observation corners[4], const rigcal_real uv[8],

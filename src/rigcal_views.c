@@ -33,7 +33,7 @@ int rc_rig_is_adjusted(rc_rig_parts *parts, const rigcal_rig *rig)
 {
     size_t n = 0, n_free = 0;
     rc_rig_parts_of(parts, rig, 0);
-    for (size_t c = 0;; c++) { /* unknowns before n are there, and known */
+    for (size_t c = 0;; c++) { /* the unknowns before n have a variance */
         if (rig->work_capacity <
                 rigcal_rig_work(n_free, rig->n_cameras, rig->n_placements) ||
             (n > 0 && !(parts->S[rc_packed_at(n - 6, n - 6)] > 0))) {
@@ -170,8 +170,8 @@ static int32_t root_of(const rigcal_rig *rig, int32_t c)
     return c;
 }
 
-/* Cameras a and b saw one placement: joins their groups under the earlier of their first
- * cameras. */
+/* Cameras a and b saw the same placement: joins their groups. The group keeps the lower of
+ * the two first cameras. */
 static void connect(rigcal_rig *rig, int32_t a, int32_t b)
 {
     const int32_t first = root_of(rig, a), second = root_of(rig, b);
@@ -179,8 +179,8 @@ static void connect(rigcal_rig *rig, int32_t a, int32_t b)
     rig->group[a] = rig->group[b] = (first > second) ? second : first;
 }
 
-/* Replaces first cameras by the numbers of the groups. The first camera of a group comes
- * before the others, so its number is known by then. */
+/* Replaces the first camera of each group by the number of the group. The first camera
+ * comes before the others, so its number is known when theirs is needed. */
 static int32_t number_groups(rigcal_rig *rig)
 {
     int32_t groups = 0;
@@ -201,7 +201,6 @@ static rigcal_status check_numbers(const rigcal_rig *rig, int32_t camera, int32_
                : RIGCAL_OK;
 }
 
-/* The points of a view; they count from the target's own origin. */
 rigcal_status rc_rig_points(rigcal_points *points, const rigcal_rig_view *view)
 {
     rigcal_real uv_middle[2];
@@ -236,7 +235,7 @@ static rigcal_status check_camera(const rigcal_rig *rig, size_t c)
                                : RIGCAL_ERR_RANGE;
 }
 
-/* The unknowns of the cameras. Of a group in which none is held, and none has a prior, the
+/* Numbers the unknowns of the cameras. If no camera of a group is held or has a prior, its
  * first one is held. */
 static rigcal_status number_unknowns(rigcal_rig_solver *s)
 {
@@ -271,7 +270,7 @@ static rigcal_status number_unknowns(rigcal_rig_solver *s)
                : RIGCAL_OK;
 }
 
-/* View s->view, and what it connects. */
+/* Checks view s->view, and joins the cameras that it connects. */
 static rigcal_status check_next(rigcal_rig_solver *s, const rc_rig_parts *parts)
 {
     int32_t camera = -1, placement = -1;
@@ -288,7 +287,8 @@ static rigcal_status check_next(rigcal_rig_solver *s, const rc_rig_parts *parts)
     if ((size_t)placement < s->placement) {
         return RIGCAL_ERR_UNSORTED;
     }
-    if (parts->slot[camera] > (rigcal_real)placement) { /* the last one it saw, plus 1 */
+    if (parts->slot[camera] > (rigcal_real)placement) { /* the placement that it saw last,
+                                                           plus 1 */
         return RIGCAL_ERR_TWICE;
     }
     s->placement = (size_t)placement;

@@ -248,14 +248,15 @@ static void test_a_fisheye_sees_behind_itself_but_not_its_own_centre(void)
 static void test_a_fisheye_does_not_see_straight_back(void)
 {
     const rigcal_camera camera = test_lens_camera(&TEST_LENSES[TEST_N_LENSES - 4]);
-    const rigcal_real back[3] = {0, 0, -2};
-    rigcal_real uv[2];
-    rigcal_status status;
+    const rigcal_real backs[2][3] = {{0, 0, -2}, {RC(1e-20), RC(-3e-20), -2}};
 
-    FILL(uv);
-    status = rigcal_camera_project(uv, &camera, back);
-    TEST_ASSERT_TRUE(status == RIGCAL_ERR_BEHIND || status == RIGCAL_ERR_NO_RAY);
-    ASSERT_UNTOUCHED(uv);
+    for (int i = 0; i < 2; i++) { /* to rounding: its azimuth may have lost its digits */
+        rigcal_real uv[2];
+        FILL(uv);
+        const rigcal_status status = rigcal_camera_project(uv, &camera, backs[i]);
+        TEST_ASSERT_TRUE(status == RIGCAL_ERR_BEHIND || status == RIGCAL_ERR_NO_RAY);
+        ASSERT_UNTOUCHED(uv);
+    }
 }
 
 static void test_intrinsics_that_cannot_be_are_refused(void)

@@ -1,7 +1,8 @@
 #!/bin/sh
 # The fuzz harnesses, with the address and undefined-behaviour sanitizers.
 #
-#   sh tests/fuzz/run.sh                   each from the corpus, 5 seconds in double; a step of CI
+#   sh tests/fuzz/run.sh                   each from the corpus in double: so many inputs, always
+#                                          the same; a step of CI
 #   sh tests/fuzz/run.sh float             the same in float
 #   sh tests/fuzz/run.sh msan              the inputs found so far, under the memory sanitizer
 #   sh tests/fuzz/run.sh campaign SECONDS [HARNESS...]
@@ -17,8 +18,7 @@ cd "$(dirname "$0")/../.."
 what=${1:-double}
 harnesses=$(ls tests/fuzz/fuzz_*.c | sed 's|.*/fuzz_||; s|\.c$||; /^rigs$/d')
 case $what in
-double | float) seconds=5 ;;
-msan) seconds=0 ;;
+double | float | msan) seconds= ;;
 campaign)
     if [ $# -lt 2 ]; then
         echo "usage: sh tests/fuzz/run.sh campaign SECONDS [HARNESS...]" >&2
@@ -46,7 +46,7 @@ campaign) build=build/fuzz/double ;;
 float) defines=-DRIGCAL_USE_FLOAT=1 ;;
 msan) sanitize=memory ;;
 esac
-mkdir -p "$build" build/fuzz/corpus
+mkdir -p "$build"
 flags="-std=c99 -g -O1 -Wall -Wextra -Werror -fno-sanitize-recover=all -Iinclude -Iexamples $defines"
 
 # Objects are made anew where a source or a header is newer.
@@ -58,7 +58,26 @@ if [ -n "$newest" ]; then
     rm -f "$build/library.a"
     ar rcs "$build/library.a" "$build"/rigcal_*.o
 fi
-/usr/bin/python3 tests/fuzz/make_corpus.py build/fuzz/corpus
+# CI begins from the same inputs each time, whatever campaigns have found.
+case $what in
+double | float)
+    corpus=$build/corpus
+    rm -rf "$corpus"
+    ;;
+*) corpus=build/fuzz/corpus ;;
+esac
+mkdir -p "$corpus"
+/usr/bin/python3 tests/fuzz/make_corpus.py "$corpus"
+
+# The inputs of a harness in CI: some 3 seconds on an idle core.
+runs_of() {
+    case $1 in
+    camera | rotation | neldermead) echo 150000 ;;
+    store) echo 100000 ;;
+    adjust | csv | measure) echo 20000 ;;
+    *) echo 6000 ;;
+    esac
+}
 
 # Of what libFuzzer prints at the end of `log`: the number after the name $1.
 figure() {
@@ -76,16 +95,16 @@ run() {
     # shellcheck disable=SC2086 -- lists of flags and of sources
     clang-19 $flags -fsanitize=fuzzer,$sanitize "tests/fuzz/fuzz_$1.c" tests/fuzz/fuzz.c \
         $others "$build/library.a" -lm -o "$program"
-    found=build/fuzz/corpus/$1
+    found=$corpus/$1
     set -- "$1" -max_len=8192 -timeout=100 -print_final_stats=1 \
         -artifact_prefix=build/fuzz/"$1"- "$found"
     name=$1
     shift
-    if [ "$what" = msan ]; then
-        set -- -runs=0 "$@"
-    else
-        set -- -max_total_time="$seconds" "$@"
-    fi
+    case $what in
+    campaign) set -- -max_total_time="$seconds" "$@" ;;
+    msan) set -- -runs=0 "$@" ;;
+    *) set -- -seed=1 -runs="$(runs_of "$name")" "$@" ;;
+    esac
     if ! "$program" "$@" >"$log" 2>&1; then
         grep -a -e "a promise is broken" -e "ERROR" -e "runtime error" "$log" || tail "$log"
         echo "$name: a finding; its input is build/fuzz/$name-*, the log $log"
@@ -95,7 +114,7 @@ run() {
     rate=$(figure average_exec_per_sec)
     printf '%-10s %9d executions, %6d a second\n' "$name" "$executed" "$rate"
     if [ "$what" = campaign ]; then
-        hours=$(awk -v rate="$rate" 'BEGIN {printf "%.1f", rate > 0 ? 1e9 / rate / 3600 : 0}')
+        hours=$(awk -v rate="$rate" 'BEGIN {printf "%.1f", (rate > 0) ? 1e9 / rate / 3600 : 0}')
         printf '| %s | %s | %s | %s | %s | %s | none |\n' "$(date +%F)" \
             "$(git rev-parse --short HEAD)" "$name" "$executed" "$rate" "$hours" \
             >>tests/fuzz/RESULTS.md

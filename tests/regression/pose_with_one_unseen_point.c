@@ -84,8 +84,57 @@ static void test_two_are_refused(void)
     TEST_ASSERT_EQUAL_INT32(4, at_fault);
 }
 
+/* Where the rays go all around, the pixels behind the first that was far off were never
+ * looked at: a pixel without a ray brought in what the stack had left there. */
+static void test_one_of_a_target_that_surrounds_the_camera(void)
+{
+    enum { AROUND = 40 }; /* more than the triples take */
+    static const double T[3] = {0.1, -0.2, 0.05};
+    test_rng rng = test_seed(6);
+    rigcal_observation seen[AROUND];
+    rigcal_pose poses[RIGCAL_POSES_MAX];
+    rigcal_camera camera = test_pinhole();
+
+    camera.lens = RIGCAL_LENS_FISHEYE;
+    camera.fx = camera.fy = RC(120);
+    for (int trial = 0; trial < TEST_TRIALS(AROUND); trial++) {
+        const int unseen = trial % AROUND;
+        int32_t at_fault = -2;
+        size_t n_found;
+        double R[9], back[9], found_R[9], found_t[3];
+
+        test_random_rotation(R, &rng);
+        test_transpose(back, R);
+        for (int i = 0; i < AROUND; i++) {
+            const double theta = test_uniform(&rng, 1, 2.4),
+                         phi = test_uniform(&rng, 0, 6.2);
+            const double far = test_uniform(&rng, 1, 3);
+            const double X_c[3] = {far * sin(theta) * cos(phi), far * sin(theta) * sin(phi),
+                                   far * cos(theta)};
+            double from[3], X[3], uv[2];
+
+            for (int k = 0; k < 3; k++) {
+                from[k] = X_c[k] - T[k];
+            }
+            test_apply(X, back, from, NULL);
+            test_project_px(uv, &camera, X_c);
+            test_to_real(seen[i].X_w, X, 3);
+            test_to_real(seen[i].uv, uv, 2);
+        }
+        seen[unseen].uv[0] = camera.cx + RC(120 * 3.2);
+        seen[unseen].uv[1] = camera.cy;
+        ASSERT_STATUS(RIGCAL_UNSEEN_POINT,
+                      rigcal_pose_solve(poses, RIGCAL_POSES_MAX, &n_found, &at_fault,
+                                        &VIEW(&camera, seen, NULL, AROUND), NULL));
+        TEST_ASSERT_EQUAL_INT32(unseen, at_fault);
+        test_transform_parts(found_R, found_t, &poses[0].cam_from_world);
+        ASSERT_NEAR(0, test_angle_between(R, found_R), TOL(1e-8, 1e-3));
+    }
+}
+
 TEST_MAIN()
 {
     RUN_TEST(test_the_others_give_the_pose);
+    RUN_TEST(test_one_of_a_target_that_surrounds_the_camera);
     RUN_TEST(test_two_are_refused);
 }

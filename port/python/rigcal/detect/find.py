@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import os
 import threading
 from collections import Counter, deque
@@ -129,6 +130,10 @@ def _names(keys: Sequence[str], camera: Camera) -> str:
     return ", ".join(shown) + (f" and {more} more" if more > 0 else "")
 
 
+def _is(keys: Sequence[str]) -> str:
+    return "is" if len(keys) == 1 else "are"
+
+
 def size_of(camera: Camera, looks: Mapping[str, Look]) -> tuple[int, int]:
     """The size of a camera's pictures; Error where they differ."""
     counts = Counter(look.looks.size for look in looks.values())
@@ -197,13 +202,19 @@ def _oddities(camera: Camera, looks: Mapping[str, Look]) -> Iterator[str]:
             "It is read as it is stored, which is right for intrinsics that were made so"
         )
     blurred = [key for key, look in looks.items() if look.width > mistakes.BLURRED]
-    if blurred and len(blurred) < len(looks):
+    if blurred and any(look.seen.pixels for look in looks.values()):
         widths = [looks[key].width for key in blurred]
         without = sum(not looks[key].seen.pixels for key in blurred)
         yield (
-            f"camera {name}: {_names(blurred, camera)} is blurred: edges are "
+            f"camera {name}: {_names(blurred, camera)} {_is(blurred)} blurred: edges are "
             f"{np.median(widths):.0f} px wide; the target is not found in {without} of "
             f"{len(blurred)}"
+        )
+    cut = [key for key, look in looks.items() if look.looks.is_cut]
+    if cut:
+        yield (
+            f"camera {name}: {_names(cut, camera)} {_is(cut)} cut off: the file ends "
+            "before the image does, and the rest of it is grey. Copy it again"
         )
 
 
@@ -223,8 +234,9 @@ def _doubts(
         if better:
             yield f"camera {name}: {target} is seen in {len(usable)} pictures; {better}"
     if isinstance(target, Chessboard) and usable:
-        odd = Counter(looks[key].more for key in usable if looks[key].more != (0, 0))
-        if 2 * sum(odd.values()) > len(usable):
+        sharp = [key for key in usable if looks[key].width <= mistakes.BLURRED]
+        odd = Counter(looks[key].more for key in sharp if looks[key].more != (0, 0))
+        if odd and 2 * sum(odd.values()) > len(usable):
             images = _again(camera, list(usable))
             size = mistakes.size_shown(images, target)
             shown = f"{size[0]} x {size[1]} inner corners" if size else "another number"
@@ -396,7 +408,29 @@ def find(
         if not views:
             raise Error("\n".join([why, *told]))
         told.append(why)
+    told += _same_pictures(cameras, frames, views)
     return _table(target, cameras, frames, views, sizes, timed, told)
+
+
+def _same_pictures(
+    cameras: Sequence[Camera],
+    frames: Sequence[Frame],
+    views: Mapping[tuple[str, str], tuple[list[str], Array, Array]],
+) -> Iterator[str]:
+    """Cameras that saw the same, pixel by pixel: two are never so alike."""
+    for a, b in itertools.combinations(cameras, 2):
+        pairs = [(f.keys.get(a.name, ""), f.keys.get(b.name, "")) for f in frames]
+        both = [
+            (views[a.name, k], views[b.name, m], m)
+            for k, m in pairs
+            if (a.name, k) in views and (b.name, m) in views
+        ]
+        same = [m for x, y, m in both if x[0] == y[0] and np.array_equal(x[1], y[1])]
+        if same:
+            yield (
+                f"cameras {a.name} and {b.name} have the same picture in {len(same)} of "
+                f"{len(both)} frames, as {_names(same, b)}: is a source given twice?"
+            )
 
 
 def _table(

@@ -78,13 +78,20 @@ def _ending(path: str) -> str:
     return os.path.splitext(path)[1].lower()
 
 
+def _holds(folder: str, name: str) -> bool:
+    """Whether there is a folder of that name in a folder."""
+    return os.path.isdir(os.path.join(folder, name))
+
+
 def _files(source: str) -> list[str]:
     """Files of a pattern, a folder, or the file itself."""
     if os.path.isdir(source):
         found = [os.path.join(source, name) for name in os.listdir(source)]
         found = [path for path in found if _ending(path) in IMAGES | VIDEOS]
         if not found:
-            raise FileError(source, "there is no image or video in this folder")
+            inside = [name for name in sorted(os.listdir(source)) if _holds(source, name)]
+            advice = f"; give its folders: {_some(inside)}" if inside else ""
+            raise FileError(source, f"there is no image or video in this folder{advice}")
     elif os.path.isfile(source):
         found = [source]
     elif glob.has_magic(source):

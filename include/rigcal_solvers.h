@@ -145,23 +145,25 @@ struct rigcal_pose_solver {
 
 /* ---- a robust pose ---------------------------------------------------------- */
 
-/* The best pose of three points so far, and the rays and poses of one triple. */
+/* The best pose so far, the rays and poses of one triple, and a pose that is improved. */
 typedef struct rigcal_trial_poses {
     rigcal_transform best, tried[RIGCAL_POSES_MAX];
     rigcal_real ray[3][3], cost;
+    rigcal_refinement better;
 } rigcal_trial_poses;
 
 struct rigcal_robust_solver {
     rigcal_points points; /* all of them */
     uint8_t *inliers;
-    size_t n_agree;
     union rigcal_robust_work {
         rigcal_trial_poses trial;
         rigcal_pose_solver pose;
     } work;
-    rigcal_real sigma_px, threshold_px, missed, area_px2;
+    rigcal_real sigma_px, threshold_px, area_px2, by_chance;
     uint32_t random;
-    int32_t sample[3], samples, tried, is_complete, phase, next, n_poses, rounds, failure;
+    int32_t sample[3], samples, tried, wanted, is_complete, phase, next, n_poses, rounds;
+    int32_t rank, stride; /* of the triples where all are tried */
+    int32_t units, max_units, failure;
 };
 
 /* ---- an adjusted rig -------------------------------------------------------- */

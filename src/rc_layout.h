@@ -41,6 +41,7 @@
     S(rigcal_robust_options)                                                       \
         M(rigcal_robust_options, threshold_px) M(rigcal_robust_options, sigma_px)  \
         M(rigcal_robust_options, samples) M(rigcal_robust_options, seed)           \
+        M(rigcal_robust_options, max_units)                                        \
     S(rigcal_blame)                                                                \
         M(rigcal_blame, verdict) M(rigcal_blame, point)                            \
         M(rigcal_blame, is_rest_poor) M(rigcal_blame, rms_px)                      \

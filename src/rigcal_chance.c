@@ -7,7 +7,7 @@
 /* px: the least noise where none is stated. No camera's pixels are better. */
 #define NOISE_LEAST RC(0.01)
 
-/* sets: expected numbers are clipped here, far above any limit, before they overflow. */
+/* sets: expected numbers are clipped here, far above any limit. */
 #define EXPECTED_MOST RC(1e30)
 
 /* 1: rc_normal_within uses its first quotient up to twice this probability (Wichura
@@ -25,6 +25,10 @@
 enum { FRACTION_STEPS = 2000 };
 
 /* ---- facts --------------------------------------------------------------- */
+
+/* 2^90, in which large expected numbers are counted, lest they overflow on the way to a
+ * small one. */
+#define EXPECTED_UNIT RC(1.237940039285380274899124224e27)
 
 /* Numerators and denominators of both quotients of rc_normal_within, by ascending powers
  * (Wichura 1988, PPND16). */
@@ -95,11 +99,22 @@ rigcal_real rc_expected_sets(size_t n, size_t count, rigcal_real near)
     RIGCAL_ASSERT(count <= n && near >= 0 && near <= 1);
     const rigcal_real all = (rigcal_real)n;
     rigcal_real expected = all * (all - 1) * (all - 2) / 3;
+    size_t units = 0; /* powers of the unit */
     for (size_t i = 0; i + 3 < count; i++) {
         const rigcal_real ways = (all - 3 - (rigcal_real)i) / (rigcal_real)(i + 1);
-        expected = rc_min(expected * ways * near, EXPECTED_MOST);
+        expected *= ways * near;
+        if (expected >= EXPECTED_UNIT) {
+            expected /= EXPECTED_UNIT;
+            units++;
+        } else if (expected < 1 && units > 0) {
+            expected *= EXPECTED_UNIT;
+            units--;
+        }
     }
-    return expected;
+    for (; units > 0 && expected < EXPECTED_MOST; units--) {
+        expected *= EXPECTED_UNIT;
+    }
+    return rc_min(expected, EXPECTED_MOST);
 }
 
 static rigcal_real quotient(int which, rigcal_real r)

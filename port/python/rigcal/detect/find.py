@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import os
 import threading
 from collections import Counter, deque
@@ -408,29 +407,7 @@ def find(
         if not views:
             raise Error("\n".join([why, *told]))
         told.append(why)
-    told += _same_pictures(cameras, frames, views)
     return _table(target, cameras, frames, views, sizes, timed, told)
-
-
-def _same_pictures(
-    cameras: Sequence[Camera],
-    frames: Sequence[Frame],
-    views: Mapping[tuple[str, str], tuple[list[str], Array, Array]],
-) -> Iterator[str]:
-    """Cameras that saw the same, pixel by pixel: two are never so alike."""
-    for a, b in itertools.combinations(cameras, 2):
-        pairs = [(f.keys.get(a.name, ""), f.keys.get(b.name, "")) for f in frames]
-        both = [
-            (views[a.name, k], views[b.name, m], m)
-            for k, m in pairs
-            if (a.name, k) in views and (b.name, m) in views
-        ]
-        same = [m for x, y, m in both if x[0] == y[0] and np.array_equal(x[1], y[1])]
-        if same:
-            yield (
-                f"cameras {a.name} and {b.name} have the same picture in {len(same)} of "
-                f"{len(both)} frames, as {_names(same, b)}: is a source given twice?"
-            )
 
 
 def _table(

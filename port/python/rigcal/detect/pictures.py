@@ -34,14 +34,18 @@ def opencv() -> Any:
         ) from None
 
 
+def _why(path: str) -> str:
+    """ ": the file is empty", or ""."""
+    is_empty = os.path.isfile(path) and not os.path.getsize(path)
+    return ": the file is empty" if is_empty else ""
+
+
 def open_video(path: str) -> Any:
     """cv2.VideoCapture of a video, its pictures as they are stored."""
     cv2 = opencv()
     video = cv2.VideoCapture(path)
     if not video.isOpened():
-        is_empty = os.path.isfile(path) and not os.path.getsize(path)
-        what = "the file is empty" if is_empty else "this is no video that OpenCV reads"
-        raise FileError(path, what)
+        raise FileError(path, f"this is no video that OpenCV reads{_why(path)}")
     video.set(cv2.CAP_PROP_ORIENTATION_AUTO, 0)
     return video
 
@@ -67,9 +71,7 @@ def read_picture(picture: Any) -> Image:
         path = str(picture)
         image = cv2.imread(path, cv2.IMREAD_UNCHANGED)  # which leaves EXIF aside
         if image is None:
-            is_empty = os.path.isfile(path) and not os.path.getsize(path)
-            what = "the file is empty" if is_empty else "this is no image that OpenCV reads"
-            raise FileError(path, what)
+            raise FileError(path, f"this is no image that OpenCV reads{_why(path)}")
     array: Image = image
     return array
 

@@ -346,9 +346,10 @@ RIGCAL_API rigcal_status rigcal_camera_project(rigcal_real uv[2],
 
 /* Unit ray that is imaged at a pixel: its projection is that pixel to 1e-9 px / 2e-3 px
  * (with an image and focal lengths of up to 4000 px; in float times the lens's
- * magnification, where that is above 1), or ERR_NO_RAY. A damped Newton iteration from the axis, then a proof that the
- * straight path to the answer does not cross the turning point. At most 127 Newton solves
- * of 60 steps, usually one of 3 to 6, and 7 proofs of 1024 steps, usually one of 1 to 3. */
+ * magnification, where that is above 1), or ERR_NO_RAY. A damped Newton iteration from the
+ * axis, then a proof that the straight path to the answer does not cross the turning point.
+ * At most 127 Newton solves of 60 steps, usually one of 3 to 6, and 7 proofs of 1024 steps,
+ * usually one of 1 to 3. */
 RIGCAL_API rigcal_status rigcal_camera_ray(rigcal_real ray[3], const rigcal_camera *camera,
                                            const rigcal_real uv[2]);
 

@@ -95,7 +95,8 @@ typedef double rigcal_real;
  * out, starts from three of few points (these besides with RIGCAL_WITH_THREE_POINTS), and
  * the first steps of many points on some of them. 0: the same poses, to rounding, by less
  * code: some 2 KB of flash. A compiler that is told to optimise for size (-Os) has it at 0
- * unless it is given. */
+ * unless it is given. All files of a build must have the same: give it, where some of them
+ * are optimised otherwise. */
 #ifndef RIGCAL_FOR_SPEED
 #ifdef __OPTIMIZE_SIZE__
 #define RIGCAL_FOR_SPEED 0

@@ -214,7 +214,7 @@ typedef struct rigcal_transfer {
  *
  * OK, RIGCAL_DISCONNECTED, ERR_NULL, ERR_NOT_FINITE, ERR_CAMERA, ERR_ROTATION, ERR_RANGE,
  * ERR_TOO_FEW, ERR_CAPACITY, ERR_STATE (no joint covariance), ERR_NO_RAY, ERR_PARALLEL,
- * ERR_BEHIND (a, b or c), ERR_DEGENERATE. */
+ * ERR_BEHIND (a, b or c), ERR_DEGENERATE (also: the joint covariance is none). */
 RIGCAL_API rigcal_status rigcal_transfer_make(
     rigcal_transfer *transfer, const rigcal_calibrated_rig *rig, const size_t abc[3],
     const rigcal_real uv_a[2], const rigcal_real uv_b[2], const rigcal_real sigma_ab[2]);

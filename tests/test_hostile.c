@@ -2515,7 +2515,7 @@ static int has_checked_reals(int i)
 }
 
 /* An emulated target tries one value in so many of each number, other ones of the next. */
-enum { STEP = TEST_ONE_IN > 1 ? 4 : 1 };
+enum { STEP = TEST_ONE_IN > 1 ? 8 : 1 };
 
 static void not_finite_numbers(void)
 {

@@ -379,6 +379,7 @@ static int none(int n)
         }
         named += (s.found.bits & RIGCAL_FAULTS_NAMED) != 0;
     }
+    printf("| fault | tests | below 0.05 | below 0.01 |\n| --- | ---: | ---: | ---: |\n");
     for (int k = 0; k < RIGCAL_FAULT_KINDS; k++) {
         printf("| %s | %.0f | %.2f %% | %.2f %% |\n", NAMES[k], all[k],
                100 * below5[k] / all[k], 100 * below1[k] / all[k]);
@@ -437,7 +438,7 @@ static int power(int n, int with_limits)
     int bad = 0;
 
     printf("| fault | sqrt F | named first | none | another | explains | one or the other "
-           "|\n");
+           "|\n| --- | ---: | ---: | ---: | ---: | ---: | ---: |\n");
     for (size_t k = 0; k < sizeof LINES / sizeof *LINES; k++) {
         const line *const l = &LINES[k];
         double F = 0, right = 0, no = 0, explains = 0, both = 0;

@@ -309,10 +309,11 @@ static int run_spans(int bands)
         look_at_image(&scene, found);
         count_pixels(&n, &camera);
     }
-    printf(
-        "%ld bands, of which %ld do not meet the image; %ld pixels inside, %ld missed, %ld "
-        "more at the ends of spans, %ld too many; %ld where rounding decides\n",
-        n.bands, n.none, n.pixels, n.missed, n.more, n.many, n.close);
+    printf("| bands | off the image | pixels inside | missed | one more at an end | too "
+           "many | "
+           "where rounding decides |\n| ---: | ---: | ---: | ---: | ---: | ---: | ---: |\n"
+           "| %ld | %ld | %ld | %ld | %ld | %ld | %ld |\n",
+           n.bands, n.none, n.pixels, n.missed, n.more, n.many, n.close);
     return n.missed == 0 && n.many == 0;
 }
 

@@ -90,10 +90,10 @@ static double coverage(int rigs, const rig_case *c, int most)
             }
         }
     }
-    printf("%d cameras, %s, %2.0f %% wrong:", c->cameras,
-           c->is_parallel ? "parallel" : "arc     ", 100 * c->wrong);
+    printf("| %d cameras, %s, %.0f %% |", c->cameras,
+           c->is_parallel ? "parallel pair" : "on an arc", 100 * c->wrong);
     for (int k = 0; k < most; k++) {
-        printf("  %5.1f (%.2f)", 100.0 * inside[k] / rigs, nees[k]);
+        printf(" %.1f (%.2f) |", 100.0 * inside[k] / rigs, nees[k]);
     }
     printf("\n");
     fflush(stdout);
@@ -173,13 +173,14 @@ static void bump(int rigs, const rig_case *c, double degrees, int by_alarm)
             }
         }
     }
-    printf("%d cameras, %s, %2.0f %% wrong, %.2f degrees, %s %d of %d:", c->cameras,
-           c->is_parallel ? "parallel" : "arc     ", 100 * c->wrong, degrees,
-           by_alarm ? "alarm " : "opened", tried, rigs);
+    printf("| %d cameras, %s, %.0f %% | up to %.2f | %s | %d |", c->cameras,
+           c->is_parallel ? "parallel pair" : "on an arc", 100 * c->wrong, degrees,
+           by_alarm ? "alarm" : "opened", tried);
     for (int k = 0; k < 4; k++) {
-        printf("  %5.1f (%.2f)", 100.0 * inside[k] / tried, nees[k] / tried);
+        printf(tried > 0 ? " %.1f (%.2f) |" : " - |", 100.0 * inside[k] / tried,
+               nees[k] / tried);
     }
-    printf(" right %d\n", right);
+    printf("\n");
     fflush(stdout);
 }
 
@@ -309,11 +310,11 @@ static double blame(int bumps, const blame_case *c)
             mean += confidence;
         }
     }
-    printf("%d cameras%s%s, %.2f degrees, %2.0f %% wrong: %d of %d alarms, right %5.1f %%, "
-           "sure %5.1f %%, right when sure %5.1f %%, mean probability %.3f\n",
-           c->cameras, c->is_parallel ? " parallel" : "", c->has_tag ? " and a tag" : "",
-           c->degrees, 100 * c->wrong, alarms, bumps, 100.0 * right / alarms,
-           100.0 * sure / alarms, sure ? 100.0 * sure_right / sure : 0, mean / alarms);
+    printf(
+        "| %d cameras%s%s | %.2f | %.0f %% | %d | %.1f %% | %.1f %% | %.1f %% | %.3f |\n",
+        c->cameras, c->is_parallel ? " parallel" : "", c->has_tag ? " and a tag" : "",
+        c->degrees, 100 * c->wrong, alarms, 100.0 * right / alarms, 100.0 * sure / alarms,
+        sure ? 100.0 * sure_right / sure : 0, mean / alarms);
     fflush(stdout);
     return (double)right / bumps;
 }
@@ -386,8 +387,8 @@ static test_watched before;
 static void delay(int moves, const rig_case *c, double common, double mu_least,
                   double mu_most)
 {
-    double ratio = 0, frames = 0, limits = 0;
-    int found = 0, tried = 0, is_false = 0;
+    double ratio = 0, frames = 0;
+    int found = 0, tried = 0;
 
     for (int r = 0; r < moves; r++) {
         test_rng rng = test_seed(5500 + (uint64_t)r);
@@ -406,8 +407,7 @@ static void delay(int moves, const rig_case *c, double common, double mu_least,
         for (f = 0; f < quiet && !report.alarm; f++) {
             seen_frame(&report, &rng, c->wrong, 0);
         }
-        if (report.alarm) {
-            is_false++;
+        if (report.alarm) { /* a false one */
             continue;
         }
         before = w;
@@ -439,15 +439,11 @@ static void delay(int moves, const rig_case *c, double common, double mu_least,
         tried++;
         found += report.alarm;
         frames += f;
-        limits += limit_of(wanted, 1e4);
         ratio += f / limit_of(wanted, 1e4);
     }
-    printf("%d cameras%s, common %.1f, %2.0f %% wrong, %.1f to %.1f sd: found %5.1f %%, "
-           "frames "
-           "%6.1f, limit %5.1f, ratio of means %.2f, mean of ratios %.2f, false %d\n",
+    printf("| %d cameras%s | %.1f | %.0f %% | %.1f to %.1f | %.1f %% | %.1f | %.2f |\n",
            c->cameras, c->is_parallel ? " parallel" : "", common, 100 * c->wrong, mu_least,
-           mu_most, 100.0 * found / tried, frames / tried, limits / tried, frames / limits,
-           ratio / tried, is_false);
+           mu_most, 100.0 * found / tried, frames / tried, ratio / tried);
     fflush(stdout);
 }
 
@@ -469,11 +465,20 @@ int main(int argc, char *argv[])
 
     if (argc > 1 && strcmp(argv[1], "coverage") == 0) {
         const int most = argc > 3 ? atoi(argv[3]) : 3;
+        printf("| rig, wrong matches |");
+        for (int k = 0; k < most; k++) {
+            printf(" frame %d |", AFTER[k]);
+        }
+        printf("\n| --- |%s\n", most == 1   ? " ---: |"
+                                : most == 2 ? " ---: | ---: |"
+                                            : " ---: | ---: | ---: |");
         for (int k = 0; k < N_RIGS; k++) {
             coverage(many, &RIGS[k], most);
         }
     } else if (argc > 1 && strcmp(argv[1], "bump") == 0) {
         const int only = argc > 3 ? atoi(argv[3]) : -1;
+        printf("| rig, wrong matches | turn | | bumps | frame 1 | 3 | 10 | 30 |\n"
+               "| --- | --- | --- | ---: | ---: | ---: | ---: | ---: |\n");
         for (int k = 0; k < N_RIGS; k++) {
             if (only >= 0 && k != only) {
                 continue;
@@ -485,6 +490,10 @@ int main(int argc, char *argv[])
     }
     if (argc > 1 && strcmp(argv[1], "blame") == 0) {
         const int only = argc > 3 ? atoi(argv[3]) : -1;
+        printf(
+            "| rig | turn, degrees | wrong | alarms | right | sure (> 0.99) | right when "
+            "sure | mean probability of the right one |\n"
+            "| --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: |\n");
         for (int k = 0; k < N_BLAMES; k++) {
             if (only >= 0 && k != only) {
                 continue;
@@ -492,6 +501,9 @@ int main(int argc, char *argv[])
             blame(many, &BLAMES[k]);
         }
     } else if (argc > 1 && strcmp(argv[1], "delay") == 0) {
+        printf(
+            "| rig | common | wrong | move | found in 600 frames | frames | over the limit "
+            "|\n| --- | ---: | ---: | --- | ---: | ---: | ---: |\n");
         for (int k = 0; k < 6; k++) {
             if (k < 2) {
                 delay(many, &MOVED[k], 0, 0.8, 2);

@@ -165,3 +165,8 @@ if(RIGCAL_BENCH_CERES)
     target_compile_features(bench_ceres PRIVATE cxx_std_17)
     target_link_libraries(bench_ceres PRIVATE rigcal_bench_rigs Ceres::ceres)
 endif()
+
+# All of them, for bench/run.sh.
+get_directory_property(targets BUILDSYSTEM_TARGETS)
+list(FILTER targets INCLUDE REGEX "^bench_")
+add_custom_target(benches DEPENDS ${targets})

@@ -1,7 +1,7 @@
-/* Variances below the smallest normal number have no finite inverse: a monitor began with
- * covariances of NaN. After an answer to an alarm a body's share of the evidence was above
- * 1. Of two centres so near that the square of their distance is 0, the baseline of the
- * aligned pair was 0. */
+/* Variances at the ends of the range. Those below the smallest normal number have no finite
+ * inverse: a monitor began with covariances of NaN. After an answer to an alarm a body's
+ * share of the evidence was above 1. Of two centres so near that the square of their
+ * distance is 0, the baseline of the aligned pair was 0. */
 #include <float.h>
 #include <math.h>
 #include <string.h>
@@ -67,9 +67,43 @@ static void test_centres_that_nearly_coincide(void)
     ASSERT_STATUS(RIGCAL_OK, rigcal_rectify(&rectified, &camera, &camera, &b_from_a));
 }
 
+/* A match whose variance overflows was refused, but had written into the sealed memory:
+ * each call after it was refused too. Here the centres come ever nearer, so that a pixel is
+ * ever more of their distance. */
+static void test_variances_that_overflow(void)
+{
+    static rigcal_real kept[RIGCAL_MONITOR_SIZE(2, 0)];
+    const rigcal_real ray_a[3] = {RC(0.1), RC(0.2), 1}, ray_b[3] = {RC(-0.1), RC(0.1), 1};
+    test_rng rng = test_seed(25);
+    rigcal_monitor_report report;
+    int refused = 0;
+
+    TEST_WANTS_RAM(sizeof w + sizeof kept + 6000);
+    test_watched_make(&w, &rng, 2, 1, 1e-4, 1e-4);
+    test_watched_begin(&w, 0, NULL);
+    for (int halvings = 0; halvings < TOL(1000, 100); halvings++) {
+        for (int k = 0; k < 3; k++) {
+            w.cameras[1].cam_from_rig.t[k] /= 2;
+            w.Sigma[(3 + k) * (4 + k) / 2 + 3 + k] = RC(TOL(1e30, 1e9));
+        }
+        if (rigcal_monitor_begin(w.monitor, w.size, &w.rig, 0, NULL) != RIGCAL_OK) {
+            break; /* one centre */
+        }
+        ASSERT_STATUS(RIGCAL_OK, rigcal_monitor_frame(&report, w.monitor, RC(0.1)));
+        memcpy(kept, w.monitor, sizeof kept);
+        if (rigcal_monitor_match_rays(w.monitor, 0, ray_a, 1, ray_b, RC(1e-5)) < 0) {
+            TEST_ASSERT_EQUAL_MEMORY(kept, w.monitor, sizeof kept);
+            ASSERT_STATUS(RIGCAL_OK, rigcal_monitor_frame(&report, w.monitor, RC(0.1)));
+            refused++;
+        }
+    }
+    TEST_ASSERT_TRUE(refused > 0);
+}
+
 TEST_MAIN()
 {
     RUN_TEST(test_variances_that_are_denormal);
+    RUN_TEST(test_variances_that_overflow);
     RUN_TEST(test_shares_after_an_answer);
     RUN_TEST(test_centres_that_nearly_coincide);
 }

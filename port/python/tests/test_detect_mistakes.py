@@ -243,7 +243,7 @@ def test_rotated_video(tmp_path):
     )
     (tmp_path / "left.mp4").write_bytes(data)
     with pytest.warns(
-        rigcal.Caveat, match="the video says that it be turned by (90|270) degr"
+        rigcal.Caveat, match="the video says that it is turned by (90|270) degr"
     ):
         found = rigcal.detect([path], BOARD)
     assert found.sizes == {"left": (640, 480)}

@@ -69,7 +69,7 @@ def test_lists_of_paths_and_arrays(tmp_path, image):
 def test_one_folder_longer(tmp_path, image):
     write(tmp_path / "a", ["1.png", "2.png", "3.png", "4.png"], image)
     write(tmp_path / "b", ["1.png", "3.png", "4.png"], image)
-    with pytest.warns(rigcal.Caveat, match=r"camera a has 1 images .* 2.png \(images: a 4"):
+    with pytest.warns(rigcal.Caveat, match=r"camera a has 1 image .* 2.png \(images: a 4"):
         found = rigcal.detect([tmp_path / "a", tmp_path / "b"], BOARD)
     assert names_of(found)["b", "3"] == "3.png"
 

@@ -79,7 +79,7 @@ def read_picture(picture: Any) -> Image:
 @dataclass(frozen=True)
 class Looks:
     """What is told of a picture: size (width, height), channels, bits of a value, and by
-    how many degrees its EXIF says that it be turned."""
+    how many degrees its EXIF says that it is turned."""
 
     size: tuple[int, int]
     channels: int
@@ -114,7 +114,7 @@ def is_cut(path: str) -> bool:
 
 
 def exif_turn(path: str) -> int:
-    """By how many degrees a JPEG file says that it be turned; 0 if it does not say."""
+    """By how many degrees a JPEG file says that it is turned; 0 if it does not say."""
     try:
         with open(path, "rb") as file:
             data = file.read(EXIF_BYTES)

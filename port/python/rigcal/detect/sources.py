@@ -55,7 +55,7 @@ class Camera:
     video: str = ""
     is_named: bool = True  # the keys are those of files, not only an order
     count: int = 0  # of the pictures of a video
-    turned: int = 0  # degrees that a video says that it be turned
+    turned: int = 0  # degrees that a video says that it is turned
 
 
 @dataclass
@@ -368,7 +368,8 @@ def _frames_by_name(
         if alone and len(cameras) > 1:
             counts = ", ".join(f"{c.name} {len(c.pictures)}" for c in cameras)
             told.append(
-                f"camera {camera.name} has {len(alone)} images that no other camera has: "
+                f"camera {camera.name} has {len(alone)} image{'s' * (len(alone) > 1)} that "
+                "no other camera has: "
                 f"{_some(alone)} (images: {counts}). Images are paired by the numbers in "
                 "their names"
             )

@@ -11,7 +11,7 @@ enum { TURNS_MOST = 12, RELATIONS_TRIED = 60 };
 /* A pose that differs by so much, rad and parts of the distance, counts as another one. */
 static const double FAR = 0.15;
 
-/* Parts of the target's size by which turned points may be beside points: digits of X,Y,Z. */
+/* Turned points are beside points by at most this part of the target: digits of X,Y,Z. */
 static const double DIGITS = 1e-4;
 
 typedef struct {

@@ -1,5 +1,6 @@
 /* cli_calibrate.h - what the parts of rigcal calibrate share: every camera's pose in every
- * frame (cli_solve.c), the rig that they form (cli_rig.c), which views are wrong
+ * frame (cli_solve.c), targets that look the same from several sides (cli_turned.c,
+ * cli_symmetry.c), the rig that they form (cli_rig.c), which views are wrong
  * (cli_judge.c) and why (cli_causes.c, cli_suspects.c), its intrinsics (cli_estimate.c),
  * what is known of its cameras beforehand (cli_prior.c), what a person reads of it
  * (cli_findings.c, cli_report.c, cli_graph.c), and options and files (cli_calibrate.c). */

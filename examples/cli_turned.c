@@ -11,7 +11,7 @@ enum { TURNS_MOST = 12, RELATIONS_TRIED = 60 };
 /* A pose that differs by so much, rad and parts of the distance, counts as another one. */
 static const double FAR = 0.15;
 
-/* Parts of the target's size by which turned points may be beside points: digits of X,Y,Z. */
+/* Turned points are beside points by at most this part of the target: digits of X,Y,Z. */
 static const double DIGITS = 1e-4;
 
 typedef struct {
@@ -65,9 +65,9 @@ static size_t count_turns(const cli_observations *seen,
         if (at != p || (most > 1 && n > 1 && n != most)) {
             csv_fail_line(
                 &seen->table, place[p]->line,
-                "column turned: as many turns as bring other points back, at most "
-                "%d, do not bring back point %s",
-                TURNS_MOST, seen->points.name[p]);
+                "column turned: point %s is not itself again after as many turns as the "
+                "other points, or after %d",
+                seen->points.name[p], TURNS_MOST);
         }
         most = n > most ? n : most;
     }
@@ -105,7 +105,7 @@ static double axes_of(double axes[9], const rigcal_real a[3], const rigcal_real 
     return yy > 1e-6 * xx ? sqrt(xx) : 0;
 }
 
-/* Where point p is, and where it is once turned. */
+/* Where point p is. */
 static const rigcal_real *at_point(const cli_observation *const place[], size_t p)
 {
     return place[p]->seen.X_w;
@@ -175,8 +175,8 @@ static rigcal_transform turn_of(const cli_observations *seen,
         if (!is_alike) {
             csv_fail_line(
                 &seen->table, place[p]->line,
-                "column turned: no turn of the target takes each point to the one "
-                "that it names, and %s to %s",
+                "column turned: no turn of the target takes every point to the one "
+                "that its line names, as %s to %s",
                 seen->points.name[p], seen->points.name[to[p]]);
         }
     }

@@ -150,9 +150,8 @@ def report(found: dict[str, Timing], rows: float, rigs: int, times: int) -> Iter
     for name, timing in found.items():
         took = statistics.median(timing.seconds)
         busy = statistics.median(timing.busy) / rigs
-        print(
-            f"| {name} | {took:.1f} | {took / loop:.2f} | {busy:.3f} | {timing.cores:.2f} |"
-        )
+        ratio = took / loop
+        yield f"| {name} | {took:.1f} | {ratio:.2f} | {busy:.3f} | {timing.cores:.2f} |"
     for engine in ("Dask, {} worker{}", "Spark, local[{}]"):
         one, two = (engine.format(n, "s" * (n > 1)) for n in (1, 2))
         if one in found:

@@ -131,11 +131,11 @@ class TestTurned(CliTest):
                 (cell(n - 1, "p3"), f":{n + 1}: column turned: point p14 is p3 here, and p0 on a"),
                 (cell(4, ""), ":6: column turned"),
                 (of_point("p3", "p99"), ":5: column turned: point p99, which p3 becomes, is in no"),
-                (of_point("p3", "p10"), "do not bring back point p"),
+                (of_point("p3", "p10"), "is not itself again after as many turns as the other"),
                 (lambda k, f: f.__setitem__(8, f"p{(int(f[2][1:]) + 1) % 15}"),
-                 "do not bring back point p"),
+                 "is not itself again after as many turns as the other"),
                 (lambda k, f: f.__setitem__(8, {"p0": "p1", "p1": "p0"}.get(f[2], f[2])),
-                 "column turned: no turn of the target takes each point to the one that"),
+                 "column turned: no turn of the target takes every point to the one that"),
                 (lambda k, f: f.__setitem__(3, "9") if k >= n // 2 and f[2] == "p3" else None,
                  "has other coordinates X, Y, Z")):
             with self.subTest(text=text):

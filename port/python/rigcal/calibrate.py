@@ -312,7 +312,8 @@ def calibrate(
                 times = detections.times if is_used else _of_frames(detections.times)
             known = into_rig.with_sizes(known, detections)
             into_rig.check_sizes(detections, known)
-            noted = into_rig.swapped(detections, known)
+            noted = into_rig.same_pictures(detections)
+            noted += into_rig.swapped(detections, known)
         path = files.cameras("cameras", known)["cameras.csv"]
         arguments = ["calibrate", "--progress", "--cameras", path]
         arguments += [

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import os
 import threading
 from collections import Counter, deque
@@ -159,7 +158,7 @@ def check_size(name: str, size: tuple[int, int], wanted: Any, turned: int = 0) -
         f"are for {wanted[0]} x {wanted[1]}"
     )
     if size == tuple(wanted)[::-1]:
-        said = f" (the file says that they be turned by {turned})" if turned else ""
+        said = f" (the file says that they are turned by {turned})" if turned else ""
         raise Error(
             f"{text}: they are turned by 90 degrees{said}. Intrinsics are of the picture "
             "as it is stored: turn the pictures back, or make the intrinsics of turned ones"
@@ -168,7 +167,7 @@ def check_size(name: str, size: tuple[int, int], wanted: Any, turned: int = 0) -
     if abs(x / y - 1) < 0.01:
         raise Error(
             f"{text}: they are scaled by {x:.4g}. Use pictures of the full size, or "
-            "multiply fx, fy, cx + 0.5 and cy + 0.5 by that"
+            "multiply fx, fy, cx + 0.5 and cy + 0.5 by that factor"
         )
     raise Error(f"{text}: they are cropped or of another camera")
 
@@ -192,13 +191,13 @@ def _oddities(camera: Camera, looks: Mapping[str, Look]) -> Iterator[str]:
     turned = [key for key, look in looks.items() if look.looks.turned]
     if turned:
         yield (
-            f"camera {name}: {_names(turned, camera)} says in its EXIF that it be turned "
+            f"camera {name}: {_names(turned, camera)} says in its EXIF that it is turned "
             f"by {looks[turned[0]].looks.turned} degrees. It is read as it is stored, "
             "which is right for intrinsics that were made so"
         )
     if camera.turned:
         yield (
-            f"camera {name}: the video says that it be turned by {camera.turned} degrees. "
+            f"camera {name}: the video says that it is turned by {camera.turned} degrees. "
             "It is read as it is stored, which is right for intrinsics that were made so"
         )
     blurred = [key for key, look in looks.items() if look.width > mistakes.BLURRED]
@@ -396,7 +395,7 @@ def find(
         if two:
             told.append(
                 f"camera {camera.name}: {_names(two, camera)} shows two boards, or a tag "
-                "twice; which is meant is not known, and "
+                "twice; it is not known which is meant, and "
                 f"{'it is' if len(two) == 1 else 'they are'} left out. Show one at a time"
             )
             usable = {key: view for key, view in usable.items() if key not in two}
@@ -408,29 +407,7 @@ def find(
         if not views:
             raise Error("\n".join([why, *told]))
         told.append(why)
-    told += _same_pictures(cameras, frames, views)
     return _table(target, cameras, frames, views, sizes, timed, told)
-
-
-def _same_pictures(
-    cameras: Sequence[Camera],
-    frames: Sequence[Frame],
-    views: Mapping[tuple[str, str], tuple[list[str], Array, Array]],
-) -> Iterator[str]:
-    """Cameras that saw the same, pixel by pixel: two are never so alike."""
-    for a, b in itertools.combinations(cameras, 2):
-        pairs = [(f.keys.get(a.name, ""), f.keys.get(b.name, "")) for f in frames]
-        both = [
-            (views[a.name, k], views[b.name, m], m)
-            for k, m in pairs
-            if (a.name, k) in views and (b.name, m) in views
-        ]
-        same = [m for x, y, m in both if x[0] == y[0] and np.array_equal(x[1], y[1])]
-        if same:
-            yield (
-                f"cameras {a.name} and {b.name} have the same picture in {len(same)} of "
-                f"{len(both)} frames, as {_names(same, b)}: is a source given twice?"
-            )
 
 
 def _table(

@@ -19,7 +19,15 @@ from .detections import Detections
 from .find import check_size
 from .targets import Chessboard
 
-__all__ = ["check_sizes", "compare", "mirrored", "swapped", "upside_down", "with_sizes"]
+__all__ = [
+    "check_sizes",
+    "compare",
+    "mirrored",
+    "same_pictures",
+    "swapped",
+    "upside_down",
+    "with_sizes",
+]
 
 FAR = 0.15  # a pose that differs so much, rad and parts of the distance, is another one
 SAME_LENGTH = 0.01  # part by which baselines differ in spite of a right square
@@ -146,6 +154,21 @@ def mirrored(detections: Detections, name: str, by_rows: bool) -> dict[str, Any]
         table[column] = table[column].copy()
         table[column][rows] = values
     return table
+
+
+def same_pictures(detections: Detections) -> list[str]:
+    """Cameras that saw the same, to the last bit: two are never so alike."""
+    views, told = _views(detections), []
+    for a, b in itertools.combinations(detections.cameras, 2):
+        both = [f for f in detections.frames if (a, f) in views and (b, f) in views]
+        same = [f for f in both if np.array_equal(views[a, f][1], views[b, f][1])]
+        if same:
+            shown = ", ".join(same[:4]) + (" ..." if len(same) > 4 else "")
+            told.append(
+                f"cameras {a} and {b} have the same picture in {len(same)} of {len(both)} "
+                f"frames, {shown}: is a source given twice?"
+            )
+    return told
 
 
 # ---- the order of cameras, and the square -------------------------------------------

@@ -34,14 +34,18 @@ def opencv() -> Any:
         ) from None
 
 
+def _why(path: str) -> str:
+    """ ": the file is empty", or ""."""
+    is_empty = os.path.isfile(path) and not os.path.getsize(path)
+    return ": the file is empty" if is_empty else ""
+
+
 def open_video(path: str) -> Any:
     """cv2.VideoCapture of a video, its pictures as they are stored."""
     cv2 = opencv()
     video = cv2.VideoCapture(path)
     if not video.isOpened():
-        is_empty = os.path.isfile(path) and not os.path.getsize(path)
-        what = "the file is empty" if is_empty else "this is no video that OpenCV reads"
-        raise FileError(path, what)
+        raise FileError(path, f"this is no video that OpenCV reads{_why(path)}")
     video.set(cv2.CAP_PROP_ORIENTATION_AUTO, 0)
     return video
 
@@ -67,9 +71,7 @@ def read_picture(picture: Any) -> Image:
         path = str(picture)
         image = cv2.imread(path, cv2.IMREAD_UNCHANGED)  # which leaves EXIF aside
         if image is None:
-            is_empty = os.path.isfile(path) and not os.path.getsize(path)
-            what = "the file is empty" if is_empty else "this is no image that OpenCV reads"
-            raise FileError(path, what)
+            raise FileError(path, f"this is no image that OpenCV reads{_why(path)}")
     array: Image = image
     return array
 
@@ -77,7 +79,7 @@ def read_picture(picture: Any) -> Image:
 @dataclass(frozen=True)
 class Looks:
     """What is told of a picture: size (width, height), channels, bits of a value, and by
-    how many degrees its EXIF says that it be turned."""
+    how many degrees its EXIF says that it is turned."""
 
     size: tuple[int, int]
     channels: int
@@ -112,7 +114,7 @@ def is_cut(path: str) -> bool:
 
 
 def exif_turn(path: str) -> int:
-    """By how many degrees a JPEG file says that it be turned; 0 if it does not say."""
+    """By how many degrees a JPEG file says that it is turned; 0 if it does not say."""
     try:
         with open(path, "rb") as file:
             data = file.read(EXIF_BYTES)

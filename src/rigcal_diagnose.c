@@ -40,7 +40,8 @@ static rigcal_status best_fit(rigcal_pose *pose, problem *P)
     if (status != RIGCAL_OK) {
         return status;
     }
-    (void)rigcal_pose_step(&solver, INT32_MAX); /* to its end */
+    while (rigcal_pose_step(&solver, INT32_MAX) == RIGCAL_RUNNING) {
+    }
     return rigcal_pose_result(pose, 1, &n_found, NULL, &solver);
 }
 

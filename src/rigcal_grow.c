@@ -51,7 +51,7 @@ RC_APART static rigcal_status check_second(rigcal_choose_solver *s, const rc_sco
         return status;
     }
     p->camera[view] = (rigcal_real)first.camera;
-    if (first.n > 3) {
+    if (first.n > 3 && first.n <= RC_COUNT_MAX) {
         p->told[view] = first.sse / rc_chi2_limit(rc_freedom(first.n), 0);
     }
     if (second.n == 0) {

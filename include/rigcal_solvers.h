@@ -57,7 +57,8 @@ typedef struct rigcal_levenberg {
 typedef struct rigcal_refinement {
     rigcal_levenberg search;
     int32_t evals;
-    uint8_t is_approach, is_part; /* the next step is along the rays, by some of the points */
+    uint8_t is_approach,
+        is_part; /* the next step is along the rays, by some of the points */
     rigcal_transform cam_from_points;
     rigcal_real g[6], H[21];
 } rigcal_refinement;

@@ -307,7 +307,7 @@ RC_APART_FAST static int prepare(rigcal_p3p *P, const rigcal_real ray[3][3])
 
 /* The pose of a solution with depths s / h. */
 RC_APART_FAST static int write_pose(rigcal_transform *cam_from_points, const rigcal_p3p *P,
-                               const rigcal_real ray[3][3], const rigcal_real s[3])
+                                    const rigcal_real ray[3][3], const rigcal_real s[3])
 {
     const rigcal_real by_h = 1 / P->h;
     rigcal_real first[3], w[2][3], F[9], middle[3], turned[3];

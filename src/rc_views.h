@@ -55,8 +55,8 @@ void rc_rig_parts_of(rc_rig_parts *parts, const rigcal_rig *rig, size_t n_unknow
 /* OK, or ERR_RANGE: these are not a camera and a placement of the rig. */
 rigcal_status rc_rig_numbers(const rigcal_rig *rig, int32_t camera, int32_t placement);
 
-/* View `index`, and its pose, as the caller gives them. ERR_RANGE if they are not of a camera
- * and placement of the rig, which is checked at each call. */
+/* View `index`, and its pose, as the caller gives them. ERR_RANGE if they are not of a
+ * camera and placement of the rig, which is checked at each call. */
 rigcal_status rc_rig_view_at(rigcal_rig_view *out, const rigcal_rig *rig, size_t index);
 rigcal_status rc_rig_pose_at(rigcal_view_pose *out, const rigcal_rig *rig, size_t index);
 

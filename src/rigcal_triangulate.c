@@ -212,8 +212,8 @@ RC_APART int rc_point_factor(rigcal_real L[6], const rigcal_real H[6], rigcal_re
     return rc_sym3_factor(L, L, D, RANK_TOL);
 }
 
-/* Moves by the next step, if there is one. Returns whether it is to be tried. J^T J also
- * serves as Newton's H, because the residuals of a point are small against the curvature. */
+/* Moves by the next step, if there is one. Returns whether it is to be tried. J^T J serves
+ * as Newton's H too, because the residuals of a point are small against the curvature. */
 static int move_on(rigcal_real *gain, triangulation *s)
 {
     rigcal_real L[6], step[3];

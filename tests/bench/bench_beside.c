@@ -1,6 +1,6 @@
 /* The robust pose beside other programs on the same scenes: a general target of 3 to 10
  * sizes away, half a pixel of noise, and wrong pixels anywhere in the image or near the
- * target. beside.py runs it, and PoseLib on the scenes that it writes.
+ * target. robust_poselib.py runs it, and PoseLib on the scenes that it writes.
  *
  *   bench_beside N PERCENT image|near COUNT [FILE]
  *

@@ -2,7 +2,7 @@
 """The robust pose beside PoseLib's RANSAC on the same scenes: a Markdown table of
 BENCHMARKS.md.
 
-    python3 tests/bench/beside.py [COUNT] [PROGRAM]      1000 scenes a line, gcc-double
+    python3 tests/bench/robust_poselib.py [COUNT] [PROGRAM]      1000 scenes a line, gcc-double
 
 Wants the package poselib. Each line is run by both at once, one after the other; times are
 of one processor. PoseLib: estimate_absolute_pose, its defaults but for 3 px.

@@ -3,7 +3,7 @@
 
     python3 port/python/wheels.py FOLDER [PLATFORM...]
 
-It needs ziglang, build, wheel, scikit-build-core, cmake and zopfli in this Python. A wheel is
+It needs ziglang, build, wheel, scikit-build-core, cmake and zopfli. Each wheel is
 made from one sdist. Those of this machine's kind are installed in a new virtual
 environment, where a pose is solved; all others are only built: "untried".
 """

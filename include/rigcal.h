@@ -441,7 +441,7 @@ RIGCAL_API rigcal_status rigcal_pose_begin(rigcal_pose_solver *solver, int32_t *
                                            const rigcal_view *view,
                                            const rigcal_pose_options *options);
 
-/* Spends at most `budget` >= 1 units. RUNNING: call again. The budgets do not change one bit
+/* Spends at most `budget` >= 1 units. RUNNING: call again. The budgets do not change a bit
  * of the result. OK: ask for the result. ERR_NULL, ERR_RANGE, ERR_STATE.
  *
  *   a unit is                                    of one search, at most    usually

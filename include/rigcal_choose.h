@@ -88,7 +88,7 @@ typedef struct rigcal_choice {
 
     rigcal_real sigma_px; /* the noise used: the rig's, or that of the views' own fits */
     rigcal_real tau2;  /* 1, 4, 16, 64 or 256: right views differ by sigma^2 times this */
-    rigcal_real share; /* part of the views that could agree which do. 0: none could */
+    rigcal_real share; /* of the pairs of views that could agree, the part that does */
     size_t n_left_out; /* number of views that take neither pose */
 } rigcal_choice;
 

@@ -66,7 +66,7 @@ typedef struct rigcal_fault {
     int32_t is_seen;   /* 0: this recording cannot show it, and all numbers below are 0 */
     int32_t explains;  /* 1: with the fault removed, F is not significant (0.001), or F - 1
                           is at most half as large */
-    /* Size of the fault and its deviation. Of more than six CLOCKS the first six. */
+    /* Size of the fault, and its standard deviation. CLOCKS of more: the first six. */
     rigcal_real value[RIGCAL_FAULT_VALUES], sigma[RIGCAL_FAULT_VALUES];
     rigcal_real gain;    /* removing the fault lowers the sum of squares by this [px^2] */
     rigcal_real p;       /* the chance that noise alone gives that gain. For MOVED, it is

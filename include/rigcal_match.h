@@ -247,7 +247,7 @@ typedef struct rigcal_rectified {
     rigcal_real baseline; /* between the centres, > 0 */
     int32_t a_is_right;   /* 1: a is the right camera, b the left one; 0: as usual */
     rigcal_camera camera; /* virtual pinhole of both: its pixel is seen by a along
-                                aligned_from_a^T (x, y, 1), and by b alike */
+                             aligned_from_a^T (x, y, 1), and by b alike */
 } rigcal_rectified;
 
 /* The aligned x axis is the baseline. The z axis is as near as possible to the mean of

@@ -2,7 +2,7 @@
  *
  * This header is the manual: behaviour that is not written here is not promised.
  *
- * START HERE. Seven calls do what most people need:
+ * START HERE. Most people need seven calls:
  *
  *   rigcal_pose_solve        one camera's pose from the points that it saw
  *   rigcal_tag_solve         the same from the four corners of one square tag
@@ -12,9 +12,10 @@
  *   rigcal_epiline_px        the line on which a match must lie in another image
  *   rigcal_store_save        the calibration as bytes, for flash or a file
  *
- * Every function returns a rigcal_status. 0 is done. A negative one failed and wrote no
- * output. A positive one wrote its outputs, which can be used, and names a caveat: read
- * rigcal_status_text. The programs in examples/ have at most 40 lines each.
+ * Every function returns a rigcal_status. 0: the call is done. Negative: it failed and
+ * wrote no output. Positive: it wrote outputs that can be used, and the status names a
+ * caveat. rigcal_status_text says it in words. The programs in examples/ have at most 40
+ * lines each.
  *
  *   frames     world or target (any origin), rig, camera: x right, y down, z forward
  *              along the optical axis; all right-handed
@@ -181,25 +182,27 @@ enum rigcal_statuses { RIGCAL_STATUSES(RIGCAL_STATUS_VALUE) };
 /* MAJOR * 10000 + MINOR * 100 + PATCH of the linked library. */
 RIGCAL_API int32_t rigcal_version(void);
 
-/* 8 (double) or 4 (float): what the linked library calls rigcal_real. A caller that was
- * compiled otherwise must not go on. */
+/* The size of rigcal_real in the linked library: 8 (double) or 4 (float). A caller whose
+ * own size differs must not go on. */
 RIGCAL_API int32_t rigcal_sizeof_real(void);
 
-/* The name of a status ("RIGCAL_ERR_NULL") and its text, which says what is wrong and what
- * to do. Static, never NULL: a number that is no status gives "unknown status". */
+/* The name of a status ("RIGCAL_ERR_NULL") and its text. The text says what is wrong and
+ * what to do. Both are static and never NULL. A number that is no status gives "unknown
+ * status". */
 RIGCAL_API const char *rigcal_status_name(rigcal_status status);
 RIGCAL_API const char *rigcal_status_text(rigcal_status status);
 
-/* One line of the library's own account of its structs, for bindings that cannot see the
- * header: "rigcal_camera" with offset 0 and the struct's size, or "rigcal_camera.fx" with
- * the field's offset and size, in bytes. Solvers are given by their size only. */
+/* One line of the list of the library's structs, for bindings that cannot read this
+ * header. A line is "rigcal_camera" with offset 0 and the struct's size, or
+ * "rigcal_camera.fx" with the field's offset and size, in bytes. A solver has one line,
+ * with its size. */
 typedef struct rigcal_layout_entry {
     char name[48];
     int32_t offset;
     int32_t size;
 } rigcal_layout_entry;
 
-/* Line `index` of that account, 0 to rigcal_layout_count() - 1.
+/* Line `index` of that list, 0 to rigcal_layout_count() - 1.
  * OK, ERR_NULL, ERR_RANGE (no such line). */
 RIGCAL_API int32_t rigcal_layout_count(void);
 RIGCAL_API rigcal_status rigcal_layout(rigcal_layout_entry *entry, int32_t index);
@@ -211,25 +214,25 @@ RIGCAL_API rigcal_status rigcal_layout(rigcal_layout_entry *entry, int32_t index
  *
  * Yaw, pitch, roll compose as R = Rz(yaw) Ry(pitch) Rx(roll) (8). */
 
-/* R[9] from ypr = (yaw, pitch, roll), any angles within 1e6 / 1e3, else ERR_RANGE (beyond
- * that the angle's own rounding is the larger error). */
+/* R[9] from ypr = (yaw, pitch, roll). Angles may be of up to 1e6 / 1e3; beyond, the
+ * rounding of the angle would be the larger error: ERR_RANGE. */
 RIGCAL_API rigcal_status rigcal_rotation_from_yaw_pitch_roll(rigcal_real R[9],
                                                              const rigcal_real ypr[3]);
 
 /* Yaw and roll in (-pi, pi], pitch in [-pi/2, pi/2]. At gimbal lock (|pitch| = pi/2) yaw
- * and roll turn about one axis: roll is given as 0. */
+ * and roll turn about the same axis; then roll is 0. */
 RIGCAL_API rigcal_status rigcal_yaw_pitch_roll_from_rotation(rigcal_real ypr[3],
                                                              const rigcal_real R[9]);
 
 /* Rotation vector w: the axis times the angle, right-handed (Rodrigues; OpenCV's rvec).
- * |w| <= 1e6 / 1e3, else ERR_RANGE. Back: |w| in [0, pi]. */
+ * |w| <= 1e6 / 1e3, else ERR_RANGE. The inverse returns |w| in [0, pi]. */
 RIGCAL_API rigcal_status rigcal_rotation_from_vector(rigcal_real R[9],
                                                      const rigcal_real w[3]);
 RIGCAL_API rigcal_status rigcal_vector_from_rotation(rigcal_real w[3],
                                                      const rigcal_real R[9]);
 
-/* Quaternion (w, x, y, z), scalar first, of any length but zero (ERR_ROTATION); R takes v
- * to q v q*. Back: unit length, w >= 0. */
+/* Quaternion (w, x, y, z), scalar first. Its length may be anything but zero
+ * (ERR_ROTATION). R takes v to q v q*. The inverse returns unit length and w >= 0. */
 RIGCAL_API rigcal_status rigcal_rotation_from_quaternion(rigcal_real R[9],
                                                          const rigcal_real q_wxyz[4]);
 RIGCAL_API rigcal_status rigcal_quaternion_from_rotation(rigcal_real q_wxyz[4],
@@ -240,8 +243,8 @@ RIGCAL_API rigcal_status rigcal_quaternion_from_rotation(rigcal_real q_wxyz[4],
  * precision or mirrors (det <= 0). At most 40 iterations, usually 7 or fewer. */
 RIGCAL_API rigcal_status rigcal_rotation_nearest(rigcal_real R[9], const rigcal_real M[9]);
 
-/* Angle of the rotation that takes Ra to Rb, [0, pi]; accurate for the smallest angles
- * too. */
+/* Angle of the rotation that takes Ra to Rb, in [0, pi]. It is accurate for the smallest
+ * angles too. */
 RIGCAL_API rigcal_status rigcal_rotation_angle(rigcal_real *angle, const rigcal_real Ra[9],
                                                const rigcal_real Rb[9]);
 
@@ -265,18 +268,18 @@ RIGCAL_API rigcal_status rigcal_transform_point(rigcal_real X_b[3],
                                                 const rigcal_transform *b_from_a,
                                                 const rigcal_real X_a[3]);
 
-/* (17), (18): camera b from camera a, when both know where one world is. The answer does
- * not depend on where that world has its origin. */
+/* (17), (18): camera b from camera a, when the poses of both are known in the same world.
+ * The answer does not depend on where that world has its origin. */
 RIGCAL_API rigcal_status rigcal_transform_between(rigcal_transform *b_from_a,
                                                   const rigcal_transform *b_from_world,
                                                   const rigcal_transform *a_from_world);
 
-/* The mean of n >= 1 estimates of one transform: the rotation that minimises the weighted
- * sum of squared angles (Karcher mean, from the chordal mean; Hartley et al. 2013; at most
- * 20 iterations), and the weighted mean of t. weight NULL: all equal; else each >= 0, not
- * all 0. sigma_rad, sigma_t (NULL: not wanted): weighted root mean square deviation of the
- * estimates, as an angle and as a length. And ERR_TOO_FEW; ERR_ROTATION also when the
- * rotations cancel. */
+/* The mean of n >= 1 estimates of one transform. Its rotation minimises the weighted sum
+ * of squared angles (Karcher mean, iterated from the chordal mean; Hartley et al. 2013; at
+ * most 20 iterations). Its t is the weighted mean. weight NULL: all are equal; else each
+ * is >= 0, and one is above 0. sigma_rad, sigma_t (NULL: not wanted): weighted root mean
+ * square deviation of the estimates, as an angle and as a length. Also returns
+ * ERR_TOO_FEW, and ERR_ROTATION when the rotations cancel. */
 RIGCAL_API rigcal_status rigcal_transform_mean(rigcal_transform *mean,
                                                rigcal_real *sigma_rad, rigcal_real *sigma_t,
                                                const rigcal_transform transforms[],
@@ -298,10 +301,11 @@ RIGCAL_API rigcal_status rigcal_transform_mean(rigcal_transform *mean,
  *
  *   u = fx xd + cx,  v = fy yd + cy        (the principal point may be anywhere)
  *
- * A distortion polynomial turns back somewhere off the axis and images a second, spurious
- * ray on the same pixels. The lens is used only out to there: along each straight line
- * from the axis, as long as the Jacobian of (xd, yd) is positive definite. Beyond, the
- * answer is ERR_NO_RAY, never the other branch. */
+ * A distortion polynomial turns back somewhere off the axis. Beyond that turning point it
+ * images a second, spurious ray on the same pixels. The lens is therefore used only up to
+ * the turning point: along each straight line from the axis, as long as the Jacobian of
+ * (xd, yd) is positive definite. Beyond it the answer is ERR_NO_RAY, never the spurious
+ * ray. */
 enum rigcal_lenses { RIGCAL_LENS_BROWN = 0, RIGCAL_LENS_FISHEYE = 1 };
 
 typedef struct rigcal_camera {
@@ -327,8 +331,8 @@ typedef struct rigcal_view {
     size_t n;
 } rigcal_view;
 
-/* Whether the intrinsics can be used. OK, ERR_NULL, ERR_NOT_FINITE, ERR_CAMERA. All
- * functions that take a camera check it so. */
+/* Whether the intrinsics can be used. OK, ERR_NULL, ERR_NOT_FINITE, ERR_CAMERA. Every
+ * function that takes a camera makes this check. */
 RIGCAL_API rigcal_status rigcal_camera_check(const rigcal_camera *camera);
 
 /* Where the camera is: its centre in the world, o_w = -R^T t.
@@ -336,26 +340,26 @@ RIGCAL_API rigcal_status rigcal_camera_check(const rigcal_camera *camera);
 RIGCAL_API rigcal_status rigcal_camera_center(rigcal_real o_w[3],
                                               const rigcal_transform *cam_from_world);
 
-/* Pixel of a point in the camera frame, inside the image or not. ERR_BEHIND when it is not
- * in front (Brown: Z <= 0), ERR_NO_RAY when it lies beyond the lens's turning point,
- * ERR_DEGENERATE at the camera's centre, and every status of rigcal_camera_check. Cost:
- * one proof, see rigcal_camera_ray. */
+/* Pixel of a point in the camera frame. The pixel may lie outside the image. ERR_BEHIND
+ * when the point is not in front (Brown: Z <= 0), ERR_NO_RAY when it lies beyond the
+ * lens's turning point, ERR_DEGENERATE at the camera's centre, and every status of
+ * rigcal_camera_check. Cost: one proof, see rigcal_camera_ray. */
 RIGCAL_API rigcal_status rigcal_camera_project(rigcal_real uv[2],
                                                const rigcal_camera *camera,
                                                const rigcal_real X_c[3]);
 
-/* Unit ray that is imaged at a pixel: its projection is that pixel to 1e-9 px / 2e-3 px
- * (with an image and focal lengths of up to 4000 px; in float times the lens's
- * magnification, where that is above 1), or ERR_NO_RAY. A damped Newton iteration from the
- * axis, then a proof that the straight path to the answer does not cross the turning point.
- * At most 127 Newton solves of 60 steps, usually one of 3 to 6, and 7 proofs of 1024 steps,
- * usually one of 1 to 3. */
+/* Unit ray that is imaged at a pixel, or ERR_NO_RAY. The ray's projection is the pixel to
+ * 1e-9 px / 2e-3 px, where the image and the focal lengths have up to 4000 px. In float
+ * the error is multiplied by the lens's magnification, if that is above 1. The ray is
+ * found by a damped Newton iteration from the axis. Then a proof follows that the straight
+ * path to it does not cross the turning point. Cost: at most 127 Newton solves of 60
+ * steps, usually one of 3 to 6; at most 7 proofs of 1024 steps, usually one of 1 to 3. */
 RIGCAL_API rigcal_status rigcal_camera_ray(rigcal_real ray[3], const rigcal_camera *camera,
                                            const rigcal_real uv[2]);
 
-/* The pixel at which the same camera without distortion would see the ray of uv, and back.
- * Lines in space are straight there. ERR_NO_RAY as above; ERR_WIDE_RAY for a fisheye's
- * rays at 90 degrees and beyond. */
+/* The pixel at which the same camera without distortion would see the ray of uv, and the
+ * inverse. In undistorted pixels, straight lines in space are straight. ERR_NO_RAY as
+ * above; ERR_WIDE_RAY for a fisheye's rays at 90 degrees and beyond. */
 RIGCAL_API rigcal_status rigcal_camera_undistort(rigcal_real uv_straight[2],
                                                  const rigcal_camera *camera,
                                                  const rigcal_real uv[2]);
@@ -364,53 +368,55 @@ RIGCAL_API rigcal_status rigcal_camera_distort(rigcal_real uv[2],
                                                const rigcal_real uv_straight[2]);
 
 /* Root mean square distance [px] of n >= 1 observed pixels from the projections of their
- * points: sqrt(sum(du^2 + dv^2) / n), whatever their sigma. `worst` (NULL: not wanted) gets
- * the index of the largest. ERR_BEHIND, ERR_NO_RAY as rigcal_camera_project; ERR_TOO_FEW;
- * ERR_ROTATION, ERR_RANGE. */
+ * points: sqrt(sum(du^2 + dv^2) / n). view->sigma does not weigh them. `worst` (NULL: not
+ * wanted) gets the index of the largest distance. ERR_BEHIND, ERR_NO_RAY as
+ * rigcal_camera_project; ERR_TOO_FEW; ERR_ROTATION, ERR_RANGE. */
 RIGCAL_API rigcal_status rigcal_view_rms(rigcal_real *rms_px, int32_t *worst,
                                          const rigcal_view *view,
                                          const rigcal_transform *cam_from_world);
 
 /* ==== pose ================================================================
  *
- * One camera's pose from a view of n >= 3 points and nothing else: no guess. The direction
- * of the optical axis is searched on the whole sphere, yaw and translation being
- * eliminated together (EQUATIONS.md A). Each optimum is then refined to the
- * maximum-likelihood pose, the least squares of the reprojection error in pixels through
- * the full lens model (B).
+ * One camera's pose from a view of n >= 3 points. No guess is needed. The search covers
+ * every direction that the optical axis can have; for each direction, yaw and translation
+ * follow from linear equations (EQUATIONS.md A). Each optimum is then refined to the
+ * maximum-likelihood pose, which has the least sum of squared reprojection errors in
+ * pixels through the full lens model (B).
  *
- * A flat target seen from afar has two optima that fit nearly alike (C): all that were
- * found are returned, best first, and the status says when the first is not sure.
+ * A flat target seen from afar has two optima that fit nearly alike (C). All optima that
+ * were found are returned, best first. The status says when the first is not sure.
  *
- * Three points have up to four poses that fit exactly (D), and nothing in them says which
- * is right. Where noise has made two of these one, a minimum is left that does not fit
- * exactly. It is returned besides exact poses only if sigma_px is given.
+ * Three points have up to four poses that fit exactly (D), and nothing in the data says
+ * which is right. Noise can merge two of these poses into one minimum that does not fit
+ * exactly. Such a minimum is returned beside exact poses only if sigma_px is given.
  *
  * Points of a pinhole may be up to 89 degrees off its axis, those of a fisheye as far as
  * its lens goes. Where one is more than 60 degrees off, or 80 off the middle of the
  * target's image, the target is *wide*: poses of three points are tried too, or instead,
  * and refinement begins with errors along the rays (B).
  *
- * Where no noise is stated, some is assumed, in pixels. The unit of uv is a pixel if fx is
- * 28 or more. For a shorter fx, as of normalised images, a pixel is fx^2 / 800. */
+ * Where the noise is not stated, the solver assumes one, in pixels. The unit of uv is a
+ * pixel if fx is 28 or more. For a shorter fx, as of normalised images, a pixel is fx^2 /
+ * 800. */
 enum rigcal_pose_limits { RIGCAL_POSES_MAX = 4 };
 
 typedef struct rigcal_pose {
     rigcal_transform cam_from_world;
-    rigcal_real sse;         /* sum of |du|^2 / sigma_i^2 over the points; px^2 where no
-                                sigma is given */
+    rigcal_real sse;         /* sum of |du|^2 / sigma_i^2 over the points; without
+                                view->sigma, in px^2 */
     rigcal_real rms_px;      /* reprojection error: root mean square a point */
-    rigcal_real probability; /* that this is the right one of those found, for normal
-                                noise; over all found they sum to 1 */
+    rigcal_real probability; /* that this pose is the right one of those found, if noise is
+                                normal. They sum to 1 over all that were found */
 } rigcal_pose;
 
 typedef struct rigcal_pose_options {
-    int32_t use_start;    /* 1: `start` is a previous pose, and the only start unless it
-                             proves bad; only the optimum near it is returned. 0: default */
-    rigcal_real sigma_px; /* noise of one coordinate of a pixel (times sigma_i where those
-                             are given), 1e-6 .. 1e6, when known: then the fit is judged by
-                             it. 0 (default): unknown, at least 0.01 px, and integrated
-                             over */
+    int32_t use_start;    /* 1: the search starts from `start`, a previous pose, and returns
+                             only the optimum near it; if that is bad, the whole sphere is
+                             searched. 0: default */
+    rigcal_real sigma_px; /* noise of one coordinate of a pixel, times sigma_i where
+                             view->sigma is given; 1e-6 .. 1e6. The fit is judged by it. 0
+                             (default): unknown; probabilities are then integrated over all
+                             noise from 0.01 px on */
     rigcal_transform start;
 } rigcal_pose_options;
 
@@ -426,8 +432,8 @@ RIGCAL_API rigcal_status rigcal_pose_solve(rigcal_pose poses[], size_t capacity,
                                            const rigcal_view *view,
                                            const rigcal_pose_options *options);
 
-/* Begins a search. What the view points to is read until the result has been asked for.
- * Looks at every number once, and at no ray but one: time O(n), about that of an
+/* Begins a search. What the view points to must last until the result has been asked for.
+ * This call checks every number once and computes one ray. Time O(n), about that of one
  * evaluation.
  * OK, ERR_NULL, ERR_NOT_FINITE, ERR_CAMERA, ERR_RANGE, ERR_ROTATION (of start),
  * ERR_TOO_FEW (n < 3), ERR_COINCIDENT, ERR_PRECISION. */
@@ -435,8 +441,8 @@ RIGCAL_API rigcal_status rigcal_pose_begin(rigcal_pose_solver *solver, int32_t *
                                            const rigcal_view *view,
                                            const rigcal_pose_options *options);
 
-/* Spends at most `budget` >= 1 units. RUNNING: call again; the same bits come out whatever
- * the budgets. OK: ask for the result. ERR_NULL, ERR_RANGE, ERR_STATE.
+/* Spends at most `budget` >= 1 units. RUNNING: call again. The budgets do not change a bit
+ * of the result. OK: ask for the result. ERR_NULL, ERR_RANGE, ERR_STATE.
  *
  *   a unit is                                    of one search, at most    usually
  *   the ray of one point (of 16 of a pinhole)    n; 2 n if one is unseen   n
@@ -447,33 +453,35 @@ RIGCAL_API rigcal_status rigcal_pose_begin(rigcal_pose_solver *solver, int32_t *
  *     one point where an optimum puts it, or                               fisheye n to
  *     all of them at once                                                  2 n
  *
- * The first equations of a refinement of a wide target take the rays of all points too. */
+ * In the refinement of a wide target, the first equations also compute the rays of all
+ * points. */
 RIGCAL_API rigcal_status rigcal_pose_step(rigcal_pose_solver *solver, int32_t budget);
 
-/* The optima of a search that is done, best first: the first *n_found of poses[capacity],
- * capacity >= 1. The first status that applies:
+/* The optima of a search that is done, best first. They are the first *n_found of
+ * poses[capacity], capacity >= 1. Returns the first of these statuses that applies:
  *
- * RIGCAL_POOR_FIT: the error is larger than noise of sigma_px causes once in a million
- *     fits: wrong correspondences, target or intrinsics. Where no sigma_px was given, of
- *     noise of 2 px, or of 0.7 % of the image's extent where that is more. Or mirrored
- *     points (left-handed coordinates, an image with v upwards) would be a hundred times
- *     as likely, unless the target is flat or wide.
+ * RIGCAL_POOR_FIT: the error is so large that noise of sigma_px causes it at most once in
+ *     a million fits. The correspondences, the target or the intrinsics are wrong. Without
+ *     sigma_px, the noise counts as 2 px, or as 0.7 % of the image's extent if that is
+ *     more. The status also applies when mirrored points (left-handed coordinates, an
+ *     image with v upwards) would be a hundred times as likely. Flat and wide targets are
+ *     not tested for mirroring.
  * RIGCAL_BUDGET_SPENT: the refinement of the first pose ran out of evaluations.
  * RIGCAL_VAGUE: the data hardly fix the first pose: the standard deviation of its rotation
- *     is above 0.25 rad for noise of sigma_px or, if that is not given, for the noise that
- *     its error shows, but at least 0.25 px.
+ *     is above 0.25 rad for noise of sigma_px. Without sigma_px, the noise is what the
+ *     pose's error shows, but at least 0.25 px.
  * RIGCAL_AMBIGUOUS: another pose fits nearly as well: see `probability`. A target seen
  *     exactly edge-on has a flipped twin that fits alike.
  * RIGCAL_UNSEEN_POINT: the lens images no ray at the pixel of point *at_fault. The poses
  *     are those of the other points.
  * OK: the first pose is right with probability 0.99 or more.
  *
- * All these poses are finite, R a rotation to rounding, every point in front of the camera
- * and within its lens.
+ * All these poses are finite. R is a rotation to rounding. Every point lies in front of
+ * the camera and within its lens.
  *
  * ERR_NULL, ERR_RANGE, ERR_STATE, ERR_NO_POSE, ERR_DEGENERATE (the observations do not fix
- * the pose). A search, which is not run where `start` fits, can also return ERR_NO_RAY
- * (two pixels or more have no ray; *at_fault is the second), ERR_COINCIDENT,
+ * the pose). Where `start` fits, the search is not run. A search can also return
+ * ERR_NO_RAY (two pixels or more have no ray; *at_fault is the second), ERR_COINCIDENT,
  * ERR_COLLINEAR, and in a build without three points ERR_WIDE_RAY. */
 RIGCAL_API rigcal_status rigcal_pose_result(rigcal_pose poses[], size_t capacity,
                                             size_t *n_found, int32_t *at_fault,
@@ -490,8 +498,8 @@ typedef struct rigcal_pose_uncertainty {
     rigcal_real sigma_px;       /* the noise that it holds for */
 } rigcal_pose_uncertainty;
 
-/* The covariance sigma_px^2 (J^T J)^-1 at a pose, which is the Cramer-Rao bound at the true
- * one. sigma_px 0: estimated, sqrt(sse / (2 n - 6)), which needs n >= 4.
+/* The covariance sigma_px^2 (J^T J)^-1 at a pose. At the true pose it is the Cramer-Rao
+ * bound. sigma_px 0: the noise is estimated as sqrt(sse / (2 n - 6)), which needs n >= 4.
  * OK, ERR_NULL, ERR_NOT_FINITE, ERR_CAMERA, ERR_ROTATION, ERR_RANGE, ERR_TOO_FEW (n < 3, or
  * n = 3 without sigma_px), ERR_BEHIND, ERR_NO_RAY, ERR_DEGENERATE. */
 RIGCAL_API rigcal_status rigcal_pose_covariance(rigcal_pose_uncertainty *out,
@@ -501,16 +509,17 @@ RIGCAL_API rigcal_status rigcal_pose_covariance(rigcal_pose_uncertainty *out,
 
 /* ==== tag =================================================================
  *
- * The commonest case: one square tag. Its frame has the origin in the middle, x to the
- * right and y up as it is read, z out of it, towards who reads it; the unit is that of
- * `size`, the length of its edge.
+ * The commonest case: one square tag. The origin of its frame is the tag's middle. For
+ * someone who reads the tag, x points to the right, y up, and z out of the tag towards the
+ * reader. The unit is that of `size`, the length of an edge.
  *
  *   uv   in   its corners, as pixels: top left, top right, bottom right, bottom left as it
  *             is read (ArUco's order; AprilTag's p[3], p[2], p[1], p[0])
  *
- * Only poses that see its front are returned, at most two as a rule, best first; the rest
- * is as of rigcal_pose_solve with these four points. Its statuses, ERR_RANGE (size not
- * above 0) and ERR_MIRRORED: the corners run the wrong way round. */
+ * Only poses that see the tag's front are returned, best first, and usually at most two.
+ * All else is as in rigcal_pose_solve with these four points. Statuses: those of
+ * rigcal_pose_solve, ERR_RANGE (size not above 0) and ERR_MIRRORED (the corners run the
+ * wrong way round). */
 RIGCAL_API rigcal_status rigcal_tag_solve(rigcal_pose cams_from_tag[], size_t capacity,
                                           size_t *n_found, int32_t *at_fault,
                                           const rigcal_camera *camera,
@@ -592,71 +601,73 @@ RIGCAL_API rigcal_status rigcal_robust_result(rigcal_pose poses[], size_t capaci
 
 /* ==== diagnose ============================================================
  *
- * What is wrong with observations that fit badly. Each function solves some poses of the n
- * points in one call: one, two for the mirrored target and image, and one for each point
- * that is left out in turn. Of more than RIGCAL_BLAME_TRIES points only those farthest
- * from their projections are left out. The stack does not grow with n. */
+ * What is wrong with observations that fit badly. One call solves several poses: one of
+ * all n points, two of the mirrored target and image, and one for each point that is left
+ * out in turn. Of more than RIGCAL_BLAME_TRIES points, only those farthest from their
+ * projections are left out in turn. The stack does not grow with n. */
 enum rigcal_blame_limits { RIGCAL_BLAME_TRIES = 64 };
 
 enum rigcal_blame_verdicts {
     RIGCAL_BLAME_NONE = 0,   /* no point stands out */
-    RIGCAL_BLAME_LIKELY = 1, /* one does, but chance, or another point, may be it */
+    RIGCAL_BLAME_LIKELY = 1, /* one does, but chance or another point may be the reason */
     RIGCAL_BLAME_SURE = 2    /* chance 0.01 or less, probability 0.99 or more */
 };
 
 typedef struct rigcal_blame {
     int32_t verdict;            /* RIGCAL_BLAME_ */
-    int32_t point;              /* without which the rest agree best; -1 when no rest has a
-                                   pose */
-    int32_t is_rest_poor;       /* 1: the rest are RIGCAL_POOR_FIT too */
+    int32_t point;              /* the one without which the others agree best; -1: no such
+                                   others have a pose */
+    int32_t is_rest_poor;       /* 1: the others are RIGCAL_POOR_FIT too */
     rigcal_real rms_px;         /* of all points; -1: they have no pose */
     rigcal_real rms_without_px; /* without that point */
-    rigcal_real chance;         /* that noise alone does as much for the best of n points:
-                                   an F test of 2 and 2 n - 8 degrees of freedom, or chi
-                                   squared where sigma_px is given; an upper bound, at
-                                   most 1 */
-    rigcal_real probability;    /* that it is this point, if it is one of them (C) */
+    rigcal_real chance;         /* that noise alone makes the fit improve as much, for the
+                                   best of n points. It is an upper bound, at most 1, from
+                                   an F test of 2 and 2 n - 8 degrees of freedom, or from
+                                   chi squared where sigma_px is given */
+    rigcal_real probability;    /* that this point is wrong, if one point is (C) */
 } rigcal_blame;
 
 /* Which one of n >= 5 points to blame for a bad fit. rms_without[i] is the rms without
- * point i [px], -1 where the rest has no pose or i was not left out; NULL: not wanted.
- * Noise is integrated over or, better, stated in the options. Of five points the four left
- * have two degrees of freedom: unless the noise is stated, an error of 60 times the noise
- * is surely blamed less than half of the time.
- * OK, ERR_NULL, and those of rigcal_pose_begin; ERR_TOO_FEW (n < 5); what
- * rigcal_pose_result says of points that no one point is the cause of. */
+ * point i [px]. It is -1 where the other points have no pose or i was not left out. NULL:
+ * not wanted. Unless the options state the noise, it is integrated over; to state it is
+ * better. Of five points, the four that are left have two degrees of freedom. Without
+ * stated noise, RIGCAL_BLAME_SURE is then reached less than half of the time, even for an
+ * error of 60 times the noise.
+ * OK, ERR_NULL, ERR_TOO_FEW (n < 5), the statuses of rigcal_pose_begin, and errors of
+ * rigcal_pose_result that no one point causes. */
 RIGCAL_API rigcal_status rigcal_pose_blame(rigcal_blame *blame, rigcal_real rms_without[],
                                            const rigcal_view *view,
                                            const rigcal_pose_options *options);
 
 enum rigcal_diagnosis_verdicts {
     RIGCAL_DIAGNOSIS_CONSISTENT = 0, /* the fit is not RIGCAL_POOR_FIT */
-    RIGCAL_DIAGNOSIS_UNITS = 1,      /* the same, but the length of t is not that of the
-                                        previous pose, by a factor of units */
+    RIGCAL_DIAGNOSIS_UNITS = 1,      /* the fit is consistent, but the length of t differs
+                                        from that of the previous pose by a factor between
+                                        units */
     RIGCAL_DIAGNOSIS_ONE_POINT = 2,  /* one point is wrong: see blame */
     RIGCAL_DIAGNOSIS_MIRRORED = 3,   /* the target's coordinates are left-handed, or the
-                                        image is mirrored or v counts upwards, which make
-                                        nearly the same image: so fitted, the data are a
-                                        thousand times likelier */
+                                        image is mirrored, or v counts upwards. All three
+                                        make nearly the same image. Fitted as such, the data
+                                        are a thousand times likelier */
     RIGCAL_DIAGNOSIS_UNEXPLAINED = 4 /* poor, and none of these */
 };
 
 typedef struct rigcal_diagnosis {
     int32_t verdict;             /* RIGCAL_DIAGNOSIS_ */
-    int32_t is_handed;           /* 1: the data decide whether they are mirrored; 0: both
-                                    readings fit about equally well, as those of a flat
-                                    target always do, and of any far away */
+    int32_t is_handed;           /* 1: the data decide whether they are mirrored. 0: both
+                                    readings fit about equally well, as they always do for a
+                                    flat target or a distant one */
     rigcal_real rms_mirrored_px; /* of the target mirrored, Z to -Z; -1: no pose */
     rigcal_real rms_flipped_px;  /* of the image flipped, v to height - 1 - v */
-    rigcal_real units;           /* 10, 25.4, 100, 1000 or the inverse of one of these:
-                                    about the length of t found over that of the previous
-                                    pose. 0: no such factor, or no pose */
+    rigcal_real units;           /* about the length of t found, over that of the previous
+                                    pose: 10, 25.4, 100, 1000 or the inverse of one of
+                                    these. 0: no such factor, or no pose */
     rigcal_blame blame;
 } rigcal_diagnosis;
 
 /* Whether the fit of n >= 5 points is consistent and, if not, what would make it so. With
- * options->use_start, `start` is a previous pose in the right units; it is used for nothing
- * else. rms_without and the statuses are as of rigcal_pose_blame. */
+ * options->use_start, `start` is a previous pose in the right units; only the units are
+ * compared with it. rms_without and the statuses are as in rigcal_pose_blame. */
 RIGCAL_API rigcal_status rigcal_pose_diagnose(rigcal_diagnosis *diagnosis,
                                               rigcal_real rms_without[],
                                               const rigcal_view *view,
@@ -664,38 +675,41 @@ RIGCAL_API rigcal_status rigcal_pose_diagnose(rigcal_diagnosis *diagnosis,
 
 /* ==== store ===============================================================
  *
- * A calibration as bytes, for a flash page, a file or a message. The form is little-endian,
- * without gaps, the same from every machine and compiler; examples/data/FORMAT.md has its
- * table. It carries a version and CRC-32s. One or two altered bits, and every length that
- * is too short, are refused for certain; other damage is missed with a chance of one in
- * 4e9. That guards against accidents, not forgery. */
+ * A calibration as bytes, for a flash page, a file or a message. The form is little-endian
+ * and has no gaps. Every machine and compiler writes the same bytes.
+ * examples/data/FORMAT.md has the table of fields. The bytes carry a version and CRC-32s.
+ * One or two altered bits, and every length that is too short, are always refused. Other
+ * damage is missed with a chance of one in 4e9. The checks guard against accidents, not
+ * against forgery. */
 
 /* One camera of a stored calibration. */
 typedef struct rigcal_mounted_camera {
     rigcal_camera camera;
     rigcal_transform cam_from_rig;
-    rigcal_real Sigma[36]; /* covariance of cam_from_rig, as of a pose in
-                              rigcal_pose_uncertainty: symmetric and positive semidefinite,
-                              to 1e-9 / 1e-5 of a correlation. The lower triangle is stored.
-                              All 0 is an exact pose, as camera 0 of a rig has */
-    int32_t has_Sigma;     /* 1: known. 0: not; Sigma is not read, and 0 when loaded */
+    rigcal_real Sigma[36]; /* covariance of cam_from_rig, in the form of
+                              rigcal_pose_uncertainty. It must be symmetric and positive
+                              semidefinite, to 1e-9 / 1e-5 of a correlation. The lower
+                              triangle is stored. All 0: the pose is exact, as that of
+                              camera 0 of a rig */
+    int32_t has_Sigma;     /* 1: Sigma is known. 0: it is not read, and is 0 when loaded */
 } rigcal_mounted_camera;
 
 /* What stored bytes say besides their cameras. */
 typedef struct rigcal_saved_info {
-    uint32_t sequence;  /* the caller's number of this calibration; the later one of two is
-                           a when (int32_t)(a - b) > 0, which survives the wrap at 2^32 */
-    uint32_t tag;       /* the caller's, of any meaning: a rig's serial number */
+    uint32_t sequence;  /* the caller's number of this calibration. Of two numbers, a is the
+                           later one if (int32_t)(a - b) > 0; this survives the wrap at
+                           2^32 */
+    uint32_t tag;       /* the caller gives it any meaning, as a rig's serial number */
     int32_t n_cameras;  /* 1 .. RIGCAL_STORE_CAMERAS_MAX */
     int32_t n_free;     /* cameras of the joint covariance (rigcal_store_save_rig); -1: the
                            bytes hold none */
     int32_t n_bytes;    /* of the stored form, from its first byte on */
-    int32_t real_bytes; /* 4 or 8: rigcal_sizeof_real() of who saved it */
+    int32_t real_bytes; /* 4 or 8: rigcal_sizeof_real() of the build that saved it */
 } rigcal_saved_info;
 
-/* Bytes that n cameras take, n in 1 .. 65535: 32 and, for each camera, 376 in double or 196
- * in float. STORE_SIZE is for the reals of this build, STORE_SIZE_OF for reals of
- * real_bytes bytes. The function gives 0 for another n. */
+/* Bytes that n cameras take, n in 1 .. 65535: 32, and 376 in double or 196 in float for
+ * each camera. STORE_SIZE is for the reals of this build, STORE_SIZE_OF for reals of
+ * real_bytes bytes. The function returns 0 for any other n. */
 enum rigcal_store_limits {
     RIGCAL_STORE_CAMERAS_MAX = 65535,
     RIGCAL_STORE_HEADER_BYTES = 32
@@ -705,9 +719,9 @@ enum rigcal_store_limits {
 #define RIGCAL_STORE_SIZE(n) RIGCAL_STORE_SIZE_OF(n, sizeof(rigcal_real))
 RIGCAL_API size_t rigcal_store_size(size_t n_cameras);
 
-/* Writes n_cameras >= 1 cameras in their order as bytes[capacity], of which the first
- * *n_bytes = rigcal_store_size(n_cameras) are written. Only what every other function would
- * take is saved.
+/* Writes n_cameras >= 1 cameras in their order into the first *n_bytes =
+ * rigcal_store_size(n_cameras) of bytes[capacity]. Refuses numbers that other functions
+ * would refuse.
  * OK, ERR_NULL, ERR_NOT_FINITE, ERR_CAMERA, ERR_ROTATION, ERR_RANGE (t, has_Sigma, a Sigma
  * that is no covariance, n_cameras), ERR_TOO_FEW (no camera), ERR_CAPACITY. */
 RIGCAL_API rigcal_status rigcal_store_save(uint8_t bytes[], size_t capacity,
@@ -716,20 +730,20 @@ RIGCAL_API rigcal_status rigcal_store_save(uint8_t bytes[], size_t capacity,
                                            size_t n_cameras, uint32_t sequence,
                                            uint32_t tag);
 
-/* Whether bytes[n_bytes] begin with a whole stored calibration, and which. What follows its
- * end is not read. Time O(bytes of it).
+/* Whether bytes[n_bytes] begin with a whole stored calibration, and which one. Bytes after
+ * its end are not read. Time is linear in its bytes.
  * OK, ERR_NULL, ERR_FOREIGN (other bytes, erased flash among them), ERR_DAMAGED (also:
  * fewer bytes than it has), ERR_VERSION. */
 RIGCAL_API rigcal_status rigcal_store_info(rigcal_saved_info *info, const uint8_t bytes[],
                                            size_t n_bytes);
 
-/* The cameras of such bytes: the first info->n_cameras of cameras[capacity], checked as any
- * input is. A camera of a calibrated rig (rigcal_rig.h) gets its own covariance. By a build
- * of the same precision bit for bit what was saved. A build of the other precision reads
- * them too: a float build rounds to nearest; a double build makes rotations orthonormal to
- * its own rounding.
- * Those of rigcal_store_info, ERR_CAPACITY, and ERR_NOT_FINITE (also: too large for a float
- * build), ERR_CAMERA, ERR_ROTATION, ERR_RANGE for numbers that rigcal_store_save would have
+/* Loads the cameras of such bytes into the first info->n_cameras of cameras[capacity], and
+ * checks them as any input. A camera of a calibrated rig (rigcal_rig.h) gets its own
+ * covariance. A build of the same precision loads what was saved, bit for bit. A build of
+ * the other precision can load the bytes too: a float build rounds to nearest; a double
+ * build makes rotations orthonormal to its own rounding. The statuses of
+ * rigcal_store_info, ERR_CAPACITY, and ERR_NOT_FINITE (also: too large for a float build),
+ * ERR_CAMERA, ERR_ROTATION, ERR_RANGE for numbers that rigcal_store_save would have
  * refused. */
 RIGCAL_API rigcal_status rigcal_store_load(rigcal_mounted_camera cameras[], size_t capacity,
                                            rigcal_saved_info *info, const uint8_t bytes[],

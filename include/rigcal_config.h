@@ -14,9 +14,9 @@
 
 /* ---- options of the compiler ----------------------------------------------
  *
- * The library refuses NaN and infinity by comparisons. Its accuracies are those of
- * operations that each round once, to rigcal_real. The compilation of the library stops
- * where the compiler tells that an option breaks this:
+ * The library refuses NaN and infinity by comparisons. Its accuracies assume that each
+ * operation rounds once, to rigcal_real. Some options of compilers break this. Where the
+ * compiler lets the library know, its compilation stops:
  *
  *   options                                     what breaks           who tells
  *   -ffast-math, -Ofast, -ffinite-math-only     NaN passes as good    gcc, clang
@@ -29,24 +29,24 @@
  *   -fsingle-precision-constant, in double      accuracy              gcc
  *   -fno-honor-nans, -fno-honor-infinities      NaN passes as good    nobody (clang)
  *
- * Where nobody tells, CMake looks for the option in the flags that it is given. A build by
- * hand has to look itself. port/template/main_template.c checks on the target that NaN is
- * refused. -fno-math-errno and -fno-trapping-math do no harm.
+ * For the options that nobody tells, CMake searches the flags that it is given. Who builds
+ * by hand has to check the flags. port/template/main_template.c checks on the target that
+ * NaN is refused. -fno-math-errno and -fno-trapping-math do no harm.
  *
- * Contraction: the compiler makes one fused multiply-add of a product and a sum, where the
- * processor has that instruction. gcc does so unless -ffp-contract=off or -std=c99 is
- * given, clang from 14 on unless -ffp-contract=off is, MSVC before 2022 unless /fp:strict
- * is. CMake switches it off. With contraction these promises fall, and the tests find no
- * other:
+ * Contraction: the compiler turns a product and a sum into one fused multiply-add, where
+ * the processor has that instruction. gcc does so unless -ffp-contract=off or -std=c99 is
+ * given, clang from 14 on unless -ffp-contract=off is given, MSVC before 2022 unless
+ * /fp:strict is given. CMake switches contraction off. With contraction these promises no
+ * longer hold; the tests found no others:
  *
  *   - The same input gives the same bits on every target with the same libm.
  *   - A search takes as many evaluations as on other targets. Its upper bounds hold.
- *   - A search by rigcal_neldermead_*, in float, ends in the same place of a flat valley.
+ *   - In float, a search by rigcal_neldermead_* ends at the same place of a flat valley.
  *
- * A program that gcc links with -ffast-math makes the processor take subnormal numbers for
- * zero. Then lengths whose squares are below 1e-308 / 1e-38 count as zero. */
+ * If gcc links a program with -ffast-math, the processor takes subnormal numbers for zero.
+ * Then lengths whose squares are below 1e-308 / 1e-38 count as zero. */
 
-/* CMake's option has this name. Given to a compiler, it would do nothing. */
+/* This is the name of CMake's option. As a macro for the compiler it would do nothing. */
 /* clang-format off */
 #ifdef RIGCAL_REAL
 #error "RIGCAL_REAL is an option of CMake. A compiler is given RIGCAL_USE_FLOAT=1 for float, or RIGCAL_USE_FLOAT=0 for double."
@@ -54,8 +54,8 @@
 /* clang-format on */
 
 /* 1: rigcal_real is float, for cores whose FPU is single precision or absent.
- * 0: double. The one choice that changes the ABI: library and caller must agree,
- * and rigcal_sizeof_real() tells what the library was built with. */
+ * 0: double. Only this choice changes the ABI: library and caller must agree.
+ * rigcal_sizeof_real() returns what the library was built with. */
 #ifndef RIGCAL_USE_FLOAT
 #define RIGCAL_USE_FLOAT 0
 #endif
@@ -69,16 +69,16 @@ typedef float rigcal_real;
 typedef double rigcal_real;
 #endif
 
-/* What a 0 leaves out, where flash is short, and which status a caller who wants it then
- * gets:
+/* A 0 leaves a part out, where flash is short. A caller who needs that part then gets this
+ * status:
  *
- *   FISHEYE       RIGCAL_ERR_CAMERA, of a camera with such a lens
- *   THREE_POINTS  RIGCAL_ERR_TOO_FEW: a pose wants four different points; of three, and of
- *                 more of which some are given twice, there is none.
- *                 RIGCAL_ERR_WIDE_RAY: no ray may be 80 degrees or more off the optical
- *                 axis, for such poses begin with those of three points
- *   MIRRORED      nothing: a pose does not look whether mirrored coordinates would fit far
- *                 better. It is POOR_FIT only if its own error is too large
+ *   FISHEYE       RIGCAL_ERR_CAMERA, for a camera with such a lens
+ *   THREE_POINTS  RIGCAL_ERR_TOO_FEW: a pose needs four different points. A point that is
+ *                 given twice counts once. RIGCAL_ERR_WIDE_RAY: no ray may be 80 degrees
+ *                 or more off the optical axis, because poses of such rays start from
+ *                 poses of three points
+ *   MIRRORED      none. A pose is not compared with that of mirrored coordinates. It is
+ *                 POOR_FIT only if its own error is too large
  *
  * port/template/rigcal_config_small.h leaves out all three. */
 #ifndef RIGCAL_WITH_FISHEYE
@@ -91,12 +91,12 @@ typedef double rigcal_real;
 #define RIGCAL_WITH_MIRRORED 1
 #endif
 
-/* 1: what is only faster is in too: the equations of a pinhole written out, checks written
- * out, starts from three of few points (these besides with RIGCAL_WITH_THREE_POINTS), and
- * the first steps of many points on some of them. 0: the same poses, to rounding, by less
- * code: some 2 KB of flash. A compiler that is told to optimise for size (-Os) has it at 0
- * unless it is given. All files of a build must have the same: give it, where some of them
- * are optimised otherwise. */
+/* 1: the build has code that only saves time: the equations of a pinhole written out,
+ * checks written out, starts from three points where there are few (also needs
+ * RIGCAL_WITH_THREE_POINTS), and first steps that use only some of many points. 0: the
+ * poses are the same to rounding, and the code is some 2 KB of flash smaller. The default
+ * is 0 if the compiler optimises for size (-Os). All files of a build must have the same
+ * value: define it, if some of them are optimised differently. */
 #ifndef RIGCAL_FOR_SPEED
 #ifdef __OPTIMIZE_SIZE__
 #define RIGCAL_FOR_SPEED 0
@@ -153,15 +153,15 @@ typedef double rigcal_real;
 #endif
 #endif
 
-/* 1: the preconditions inside the library are checked, for who works on it or ports it.
- * 0: they cost nothing. Callers cannot violate one: public functions check their arguments
- * first and return a status. CMake's option has the same name. */
+/* 1: the library checks its internal preconditions, for those who work on it or port it.
+ * 0: they cost nothing. Callers cannot violate them, because public functions check their
+ * arguments first and return a status. CMake's option has the same name. */
 #ifndef RIGCAL_ASSERTS
 #define RIGCAL_ASSERTS 0
 #endif
 
-/* What a check is. The C library's assert() prints the condition and aborts; a firmware
- * may have something of its own, which counts whatever RIGCAL_ASSERTS is. */
+/* How a precondition is checked. The C library's assert() prints the condition and aborts.
+ * A firmware may define its own check, which is used whatever RIGCAL_ASSERTS is. */
 #ifndef RIGCAL_ASSERT
 #if RIGCAL_ASSERTS
 #define RIGCAL_ASSERT(condition) assert(condition)
@@ -170,14 +170,14 @@ typedef double rigcal_real;
 #endif
 #endif
 
-/* What a search does, event by event, for who works on the library: `event` is a text,
- * `number` an integer and `value` a rigcal_real. CONTRIBUTING.md shows a trace. It costs
- * nothing where it is not defined. */
+/* Traces what a search does, event by event, for those who work on the library. `event` is
+ * a text, `number` an integer and `value` a rigcal_real. CONTRIBUTING.md shows a trace.
+ * Where the macro is not defined, it costs nothing. */
 #ifndef RIGCAL_TRACE
 #define RIGCAL_TRACE(event, number, value) ((void)0)
 #endif
 
-/* Keeps a function out of its callers, for the sake of the stack. */
+/* The compiler must not inline the function: this saves stack in its callers. */
 #ifndef RIGCAL_NOINLINE
 #if defined(__GNUC__)
 #define RIGCAL_NOINLINE __attribute__((noinline))
@@ -186,7 +186,7 @@ typedef double rigcal_real;
 #endif
 #endif
 
-/* Has a function made anew in each of its callers, for the sake of speed. */
+/* The compiler must inline the function into each caller: this saves time. */
 #ifndef RIGCAL_FORCE_INLINE
 #if defined(__GNUC__)
 #define RIGCAL_FORCE_INLINE __attribute__((always_inline))
@@ -195,8 +195,8 @@ typedef double rigcal_real;
 #endif
 #endif
 
-/* What a public function is declared with. RIGCAL_SHARED: the library is a
- * shared one. RIGCAL_BUILD: it is being compiled, not used. */
+/* Every public function is declared with this. RIGCAL_SHARED: the library is a shared one.
+ * RIGCAL_BUILD: the library is being compiled, not used. */
 #ifndef RIGCAL_API
 #if defined(_WIN32) && defined(RIGCAL_SHARED)
 #ifdef RIGCAL_BUILD

@@ -1,17 +1,18 @@
 /* rigcal_match.h - where in another image the match of a pixel can be, and how surely.
  * Included by rigcal.h, whose first page holds here too.
  *
- * A calibrated pair of cameras turns the search for a match into one along a line. The line
- * has a width: the pixels of both cameras are noisy, and the calibration is not exact.
+ * With a calibrated pair of cameras, the match of a pixel is searched along a line instead
+ * of the whole image. The line has a width, because the pixels of both cameras are noisy
+ * and the calibration is not exact.
  *
  *   rigcal_match_k          how many standard deviations hold a given share of matches
  *   rigcal_band_make        the band in image b of one pixel of image a
  *   rigcal_band_curve       the band as a curve with two borders, to draw
  *   rigcal_band_test        whether one pixel of b is in it
- *   rigcal_band_search      those of many pixels that are in it, best first
+ *   rigcal_band_search      which of many pixels are in it, best first
  *   rigcal_spans_begin      the columns to search, for every row of image b
  *   rigcal_transfer_make    where a third camera must see what a and b see
- *   rigcal_rectify          two cameras turned so that the lines are the rows
+ *   rigcal_rectify          turns two cameras so that the matching lines are rows
  *
  * EQUATIONS.md MATCH has the mathematics: (M1) and so on. */
 #ifndef RIGCAL_H
@@ -29,13 +30,14 @@ extern "C" {
 
 /* What a band of given probability is for. */
 enum rigcal_match_purposes {
-    RIGCAL_MATCH_SEARCH = 1, /* the true match is within with that probability: chi square
-                                of 1, k = 2.576 for 0.99 */
-    RIGCAL_MATCH_DRAW = 2    /* the whole true line is: chi square of 2, k = 3.035 */
+    RIGCAL_MATCH_SEARCH = 1, /* the band holds the true match with that probability: chi
+                                square with 1 degree of freedom, k = 2.576 for 0.99 */
+    RIGCAL_MATCH_DRAW = 2    /* the band holds the whole true line with that probability:
+                                chi square with 2 degrees, k = 3.035 */
 };
 
-/* k, the number of standard deviations, for a probability in [0.001, 0.999999]. In float
- * the nearest number to 0.999999 has 6 % of error in what it leaves out.
+/* k, the number of standard deviations, for a probability in [0.001, 0.999999]. The
+ * nearest float to 0.999999 is 6 % off in the share of matches that it leaves out.
  * OK, ERR_NULL, ERR_NOT_FINITE, ERR_RANGE. */
 RIGCAL_API rigcal_status rigcal_match_k(rigcal_real *k, rigcal_real probability,
                                         int32_t purpose);
@@ -48,7 +50,7 @@ typedef struct rigcal_ray {
     rigcal_real D[6]; /* dm / d(u, v), 3 x 2 row by row */
 } rigcal_ray;
 
-/* Of a pixel of `camera`. Make it once for each pixel, and use it for all bands.
+/* The ray of a pixel of `camera`. Make it once for each pixel, and use it for all bands.
  * OK, ERR_NULL, ERR_NOT_FINITE, ERR_CAMERA, ERR_RANGE, ERR_NO_RAY. */
 RIGCAL_API rigcal_status rigcal_ray_make(rigcal_ray *ray, const rigcal_camera *camera,
                                          const rigcal_real uv[2]);
@@ -58,13 +60,15 @@ typedef struct rigcal_match_pair {
     const rigcal_camera *camera_a, *camera_b;
     rigcal_transform b_from_a;
     rigcal_real Sigma[36]; /* covariance of (w, dt) of b_from_a, as rigcal_calibrated_pair
-                              and rigcal_rig_pair write it, for the noise of the rig times
-                              sqrt(F), where there is an F above 1. 0: the pair is exact */
+                              and rigcal_rig_pair write it. Ask them for the noise of the
+                              rig, times sqrt(F) if F is above 1. All 0: the pair is
+                              exact */
     rigcal_real sigma_a, sigma_b; /* noise of one coordinate of a pixel of each camera [px]:
                                      rigcal_rig_noise. 0 .. 1e6, sigma_b above 0 */
-    rigcal_real k;                /* standard deviations, > 0 .. 100: rigcal_match_k */
+    rigcal_real k;                /* half width of the band in standard deviations, > 0 ..
+                                     100: rigcal_match_k */
     rigcal_real near_a, far_a;    /* range of the distance from camera a along the ray, 0 <=
-                                  near_a < far_a; far_a 0: without end */
+                                     near_a < far_a; far_a 0: no limit */
 } rigcal_match_pair;
 
 /* The band of one pixel of a. Flat: it keeps no pointer and may be copied. */
@@ -80,14 +84,15 @@ typedef struct rigcal_band {
     rigcal_real sigma_b, k, near_a, far_a;
 } rigcal_band;
 
-/* The band of pixel uv_a. Its cost does not depend on what follows.
+/* The band of pixel uv_a. Time O(1).
  * OK, ERR_NULL, ERR_NOT_FINITE, ERR_CAMERA, ERR_ROTATION, ERR_RANGE, ERR_NO_RAY (of uv_a),
  * ERR_EPIPOLE (uv_a is within max(3, k) standard deviations of the image of the centre of
  * b, or the centres coincide: the line has no direction). */
 RIGCAL_API rigcal_status rigcal_band_make(rigcal_band *band, const rigcal_match_pair *pair,
                                           const rigcal_real uv_a[2]);
 
-/* The same from the ray of that pixel. And ERR_RANGE (its m is not of length 1). */
+/* The same from the ray of that pixel. Also returns ERR_RANGE (m does not have length
+ * 1). */
 RIGCAL_API rigcal_status rigcal_band_make_ray(rigcal_band *band,
                                               const rigcal_match_pair *pair,
                                               const rigcal_ray *ray_a);
@@ -101,10 +106,9 @@ typedef struct rigcal_band_point {
 } rigcal_band_point;
 
 /* The band along the depth range: `capacity` >= 2 places from near to far, evenly spaced in
- * the angle between the two rays. Those that camera b cannot see, being behind it or beyond
- * its lens, are left out: *n_written are written.
- * OK, ERR_NULL, ERR_NOT_FINITE, ERR_CAMERA, ERR_RANGE, ERR_OUTSIDE (none left).
- * O(capacity) */
+ * the angle between the two rays. Places that camera b cannot see, behind it or beyond its
+ * lens, are left out: *n_written are written. OK, ERR_NULL, ERR_NOT_FINITE, ERR_CAMERA,
+ * ERR_RANGE, ERR_OUTSIDE (none left). O(capacity) */
 RIGCAL_API rigcal_status rigcal_band_curve(rigcal_band_point points[], size_t capacity,
                                            size_t *n_written, const rigcal_band *band);
 
@@ -122,20 +126,21 @@ typedef struct rigcal_match {
                             the place of the line nearest to the candidate */
 } rigcal_match;
 
-/* A pixel of b, or its ray, against the band.
+/* Tests a pixel of b, or its ray, against the band.
  * OK, ERR_NULL, ERR_NOT_FINITE, ERR_CAMERA, ERR_RANGE, ERR_NO_RAY, and for the geometry
  * ERR_EPIPOLE (within 3 standard deviations of the image of the centre of a, where the
  * depth has no sign), ERR_PARALLEL (the rays are parallel, to rounding), ERR_BEHIND (the
- * rays meet behind a camera), ERR_DEGENERATE (90 degrees off the line: no first order). */
+ * rays meet behind a camera), ERR_DEGENERATE (the candidate is 90 degrees off the line,
+ * where the first-order test fails). */
 RIGCAL_API rigcal_status rigcal_band_test(rigcal_match *match, const rigcal_band *band,
                                           const rigcal_real uv_b[2]);
 RIGCAL_API rigcal_status rigcal_band_test_ray(rigcal_match *match, const rigcal_band *band,
                                               const rigcal_ray *ray_b);
 
-/* Those of n candidates that are inside, best first: the first *n_written of
- * matches[capacity]. *n_inside, capacity or not, is how many there are. A candidate that
- * rigcal_band_test refuses for its geometry is not inside. One pass; each that is inside is
- * sorted in, O(n + n_inside capacity).
+/* Finds those of n candidates that are inside, best first. They are the first *n_written
+ * of matches[capacity]. *n_inside is how many there are, even beyond the capacity. A
+ * candidate that rigcal_band_test refuses for its geometry is not inside. There is one
+ * pass, and each candidate that is inside is sorted in: O(n + n_inside capacity).
  *
  *   uv_b      in   n pairs
  *   rays_b    in   n, of rigcal_ray_make
@@ -152,12 +157,12 @@ RIGCAL_API rigcal_status rigcal_band_search_rays(rigcal_match matches[], size_t 
 
 /* ==== spans ==================================================================
  *
- * The pixels of image b to look at: each whose centre is in the band, by the test above,
- * and at most one more at each end of a span. A row has several spans where the band
- * crosses it several times. Pixels near the image of the centre of a, which the test
- * refuses, count as inside. This holds while the half width of the band is below a
- * twentieth of fx and of fy, 3 degrees. Of a wider one pixels may be missing where its
- * borders leave the lens's field. */
+ * The pixels of image b in which to search. A span has every pixel whose centre is in the
+ * band by the test above, and at most one more at each end. Where the band crosses a row
+ * several times, the row has several spans. Pixels near the image of the centre of a,
+ * which the test refuses, count as inside. All this holds while the half width of the band
+ * is below a twentieth of fx and of fy, 3 degrees. The spans of a wider band may lack
+ * pixels where its borders leave the lens's field. */
 typedef struct rigcal_span {
     int32_t row, first, last; /* columns first to last, within the image */
 } rigcal_span;
@@ -169,8 +174,9 @@ enum rigcal_spans_limits {
 
 typedef struct rigcal_spans_solver rigcal_spans_solver; /* see rigcal_solvers.h */
 
-/* All spans of the image of b, row by row, in a row from left to right: begin, step to the
- * end, result. The solver is memory to work in, too much for a small stack. */
+/* All spans of the image of b, row by row, and from left to right in each row. It calls
+ * begin, step to the end, and result. The solver is memory to work in; it is too large for
+ * a small stack. */
 RIGCAL_API rigcal_status rigcal_spans_find(rigcal_span spans[], size_t capacity,
                                            size_t *n_found, rigcal_spans_solver *solver,
                                            const rigcal_band *band);
@@ -179,14 +185,15 @@ RIGCAL_API rigcal_status rigcal_spans_find(rigcal_span spans[], size_t capacity,
 RIGCAL_API rigcal_status rigcal_spans_begin(rigcal_spans_solver *solver,
                                             const rigcal_band *band);
 
-/* Spends at most `budget` >= 1 units, each one place of the borders, at most
- * RIGCAL_SPANS_UNITS. RUNNING: call again; the same bits come out whatever the budgets. OK:
- * ask for the spans. ERR_NULL, ERR_RANGE, ERR_STATE; ERR_DEGENERATE: the borders have more
- * arcs than the solver has room for. */
+/* Spends at most `budget` >= 1 units. A unit is one place of the borders; there are at
+ * most RIGCAL_SPANS_UNITS. RUNNING: call again. The budgets do not change one bit of the
+ * result. OK: ask for the spans. ERR_NULL, ERR_RANGE, ERR_STATE; ERR_DEGENERATE: the
+ * borders have more arcs than the solver has room for. */
 RIGCAL_API rigcal_status rigcal_spans_step(rigcal_spans_solver *solver, int32_t budget);
 
 /* The spans of one row, 0 to height - 1: the first *n_found of spans[RIGCAL_SPANS_ROW].
- * Rows may come in any order. OK (also of none), ERR_NULL, ERR_RANGE, ERR_STATE. */
+ * Rows may come in any order. OK (also if there are none), ERR_NULL, ERR_RANGE,
+ * ERR_STATE. */
 RIGCAL_API rigcal_status rigcal_spans_row(rigcal_span spans[], size_t *n_found,
                                           rigcal_spans_solver *solver, int32_t row);
 
@@ -197,16 +204,16 @@ RIGCAL_API rigcal_status rigcal_spans_result(rigcal_span spans[], size_t capacit
 
 /* ==== a third camera ========================================================= */
 
-/* Where camera c must see the point that a sees at uv_a and b at uv_b. */
+/* Where camera c must see the point that camera a sees at uv_a and camera b at uv_b. */
 typedef struct rigcal_transfer {
     rigcal_real uv[2];      /* pixel of c */
     rigcal_real Sigma[4];   /* its covariance [px^2], without the noise of c's pixels */
     rigcal_real X[3];       /* the point, in the frame of the rig */
     rigcal_real Sigma_X[9]; /* its covariance, with the calibration's share */
-    rigcal_real chi2;       /* of the match of uv_a and uv_b: chi square of 1 */
+    rigcal_real chi2;       /* of the match of uv_a and uv_b: chi square with 1 degree */
 } rigcal_transfer;
 
-/* From a calibrated rig, with the joint covariance of its three cameras.
+/* Makes a transfer from a calibrated rig, with the joint covariance of its three cameras.
  *
  *   abc          in   three different cameras of the rig, of one group
  *   uv_a, uv_b   in   pixels
@@ -214,13 +221,15 @@ typedef struct rigcal_transfer {
  *
  * OK, RIGCAL_DISCONNECTED, ERR_NULL, ERR_NOT_FINITE, ERR_CAMERA, ERR_ROTATION, ERR_RANGE,
  * ERR_TOO_FEW, ERR_CAPACITY, ERR_STATE (no joint covariance), ERR_NO_RAY, ERR_PARALLEL,
- * ERR_BEHIND (a, b or c), ERR_DEGENERATE (also: the joint covariance is none). */
+ * ERR_BEHIND (a, b or c), ERR_DEGENERATE (also: the joint covariance is not a
+ * covariance). */
 RIGCAL_API rigcal_status rigcal_transfer_make(
     rigcal_transfer *transfer, const rigcal_calibrated_rig *rig, const size_t abc[3],
     const rigcal_real uv_a[2], const rigcal_real uv_b[2], const rigcal_real sigma_ab[2]);
 
-/* chi2 of a candidate pixel of c, whose noise is sigma_c >= 0: chi square of 2 for a true
- * match, 9.21 at 0.99 (k^2 of RIGCAL_MATCH_DRAW).
+/* chi2 of a candidate pixel of c, whose noise is sigma_c >= 0. For a true match it is chi
+ * square with 2 degrees, which is below 9.21 with probability 0.99 (k^2 of
+ * RIGCAL_MATCH_DRAW).
  * OK, ERR_NULL, ERR_NOT_FINITE, ERR_RANGE, ERR_DEGENERATE (no covariance). */
 RIGCAL_API rigcal_status rigcal_transfer_test(rigcal_real *chi2,
                                               const rigcal_transfer *transfer,
@@ -238,13 +247,13 @@ typedef struct rigcal_rectified {
     rigcal_real baseline; /* between the centres, > 0 */
     int32_t a_is_right;   /* 1: a is the right camera, b the left one; 0: as usual */
     rigcal_camera camera; /* virtual pinhole of both: its pixel is seen by a along
-                                aligned_from_a^T (x, y, 1), and by b alike */
+                             aligned_from_a^T (x, y, 1), and by b alike */
 } rigcal_rectified;
 
-/* The aligned x axis is the baseline; z is as near as can be to the mean of both optical
- * axes. The virtual camera has the mean focal length, the size of image a, and its
- * principal point where the middles of both images come to lie around the middle of its
- * own. Sigma: how far a match is off its row, see the band.
+/* The aligned x axis is the baseline. The z axis is as near as possible to the mean of
+ * both optical axes. The virtual camera has the mean focal length and the size of image a.
+ * Its principal point is such that the middles of both images come to lie around the
+ * middle of its own image. How far a match may be off its row is the band's to say.
  * OK, ERR_NULL, ERR_NOT_FINITE, ERR_CAMERA, ERR_ROTATION, ERR_RANGE, ERR_PARALLEL (the
  * centres coincide), ERR_EPIPOLE (the baseline is within 10 degrees of the optical axes),
  * ERR_NO_RAY, ERR_WIDE_RAY (the middle of an image is behind the aligned camera). */

@@ -1,10 +1,10 @@
-/* rigcal_paper.h - the published procedure, and the parts that it is made of.
+/* rigcal_paper.h - the published procedure, and its parts.
  *
  * For those who study it, teach it or build on it. rigcal_pose_solve of rigcal.h is more
  * accurate, needs no guess, and takes less time. The first page of rigcal.h holds here too.
  *
- * Three parts: neldermead, the search; pairs, the calibration equations; paper, the solver
- * that is made of both. */
+ * There are three parts. neldermead is the search. pairs are the calibration equations.
+ * paper is the solver that uses both. */
 #ifndef RIGCAL_PAPER_H
 #define RIGCAL_PAPER_H
 
@@ -16,35 +16,37 @@ extern "C" {
 
 /* ==== neldermead ==========================================================
  *
- * Minimises a function of 1 to 3 variables by the simplex method of Nelder and Mead (1965)
- * in the form of Lagarias et al. (1998), which fminsearch and SciPy share: reflection 1,
- * expansion 2, contraction 1/2, shrink 1/2. Knows nothing of cameras. Evaluation by
- * evaluation it does what scipy.optimize.minimize(method='Nelder-Mead') does from the same
- * simplex.
+ * Minimises a function of 1 to 3 variables by the simplex method of Nelder and Mead
+ * (1965), in the form of Lagarias et al. (1998). fminsearch and SciPy use the same form:
+ * reflection 1, expansion 2, contraction 1/2, shrink 1/2. From the same simplex, each
+ * evaluation is that of scipy.optimize.minimize(method='Nelder-Mead'). The search knows
+ * nothing of cameras.
  *
- * Ask for the point to evaluate, tell its cost, until the search is done:
+ * Ask for the point to evaluate, and tell its cost, until the search is done:
  *
  *     rigcal_neldermead_begin(&nm, x0, k, xtol, ftol, max_evals);
  *     while (rigcal_neldermead_ask(x, &nm) == RIGCAL_RUNNING)
  *         rigcal_neldermead_tell(&nm, cost(x));
  *     status = rigcal_neldermead_result(x, &least, &evals, &nm);
  *
- * so there is no callback, and the search may pause at any evaluation.
+ * So there is no callback, and the search may pause at any evaluation.
  *
- * It stops when every vertex is within xtol of the best in every coordinate and every cost
- * within ftol of the best (both floored at a few roundings of the best), or after
- * max_evals. A cost of NaN or infinity is a place to move away from. */
+ * The search stops when every vertex is within xtol of the best one in every coordinate,
+ * and every cost is within ftol of the best cost. Both tolerances are at least a few
+ * roundings of the best. It also stops after max_evals. It moves away from a cost of NaN
+ * or infinity. */
 enum rigcal_neldermead_limits { RIGCAL_NELDERMEAD_DIM_MAX = 3 };
 
-/* Starts from x0[k] with fminsearch's simplex: each coordinate in turn larger by 5 %, or
- * 0.00025 where it is zero. k 1 .. 3, tolerances >= 0, max_evals >= 1; ERR_RANGE otherwise.
+/* Starts from x0[k] with the simplex of fminsearch: each further vertex has one coordinate
+ * that is 5 % larger, or 0.00025 if the coordinate is zero. k 1 .. 3, tolerances >= 0,
+ * max_evals >= 1; ERR_RANGE otherwise.
  * OK, ERR_NULL, ERR_NOT_FINITE, ERR_RANGE. */
 RIGCAL_API rigcal_status rigcal_neldermead_begin(rigcal_neldermead *nm,
                                                  const rigcal_real x0[], int32_t k,
                                                  rigcal_real xtol, rigcal_real ftol,
                                                  int32_t max_evals);
 
-/* The same from a simplex of the caller's: k + 1 vertices of k coordinates. */
+/* The same from a simplex that the caller gives: k + 1 vertices of k coordinates. */
 RIGCAL_API rigcal_status rigcal_neldermead_begin_simplex(rigcal_neldermead *nm,
                                                          const rigcal_real simplex[],
                                                          int32_t k, rigcal_real xtol,
@@ -56,29 +58,30 @@ RIGCAL_API rigcal_status rigcal_neldermead_begin_simplex(rigcal_neldermead *nm,
 RIGCAL_API rigcal_status rigcal_neldermead_ask(rigcal_real x[],
                                                const rigcal_neldermead *nm);
 
-/* The cost of the point asked for. Returns what the next ask will, or ERR_STATE when none
- * was asked for. */
+/* Tells the cost of the point that was asked for. Returns the status of the next ask, or
+ * ERR_STATE when no point was asked for. */
 RIGCAL_API rigcal_status rigcal_neldermead_tell(rigcal_neldermead *nm, rigcal_real cost);
 
-/* At most `budget` >= 1 evaluations of `cost` (ERR_NULL if NULL), for callers who prefer a
- * callback. RUNNING: call again. OK: ask for the result. ERR_RANGE, ERR_STATE. */
+/* Makes at most `budget` >= 1 evaluations of `cost` (ERR_NULL if NULL), for callers who
+ * prefer a callback. RUNNING: call again. OK: ask for the result. ERR_RANGE, ERR_STATE. */
 typedef rigcal_real (*rigcal_cost)(void *context, const rigcal_real x[]);
 RIGCAL_API rigcal_status rigcal_neldermead_step(rigcal_neldermead *nm, rigcal_cost cost,
                                                 void *context, int32_t budget);
 
 /* The best vertex so far, at any time after the first cost was told: x[k], its cost,
- * evaluations spent (`cost` and `evals` may be NULL). A reflection becomes a vertex after
- * its expansion was told: until then, or where the evaluations end, it does not count.
- * RUNNING, OK (the tolerances are met), BUDGET_SPENT (max_evals), ERR_NULL, ERR_STATE (too
- * early), or ERR_NOT_FINITE (no vertex has a finite cost). */
+ * evaluations spent (`cost` and `evals` may be NULL). A reflection becomes a vertex only
+ * when the cost of its expansion has been told. Until then, or if the evaluations end
+ * first, it does not count. RUNNING, OK (the tolerances are met), BUDGET_SPENT
+ * (max_evals), ERR_NULL, ERR_STATE (too early), or ERR_NOT_FINITE (no vertex has a finite
+ * cost). */
 RIGCAL_API rigcal_status rigcal_neldermead_result(rigcal_real x[], rigcal_real *cost,
                                                   int32_t *evals,
                                                   const rigcal_neldermead *nm);
 
 /* ==== bearings ============================================================ */
 
-/* A reference point and its bearing: the ray that it was seen along, in the camera frame,
- * of any length but zero. The procedure takes these, so that any lens serves. */
+/* A reference point and its bearing: the ray along which it was seen, in the camera frame,
+ * of any length but zero. The procedure takes bearings, so it works with any lens. */
 typedef struct rigcal_bearing {
     rigcal_real X_w[3];
     rigcal_real ray[3];
@@ -92,8 +95,8 @@ RIGCAL_API rigcal_status rigcal_bearings_of_view(rigcal_bearing bearings[],
 
 /* ==== pairs: the calibration equations ==================================== */
 
-/* Which Euler angle is found by linear algebra while the other two are searched. The two
- * that remain keep the order yaw, pitch, roll. */
+/* Which Euler angle is found by linear algebra while the other two are searched. These two
+ * keep the order yaw, pitch, roll. */
 enum rigcal_angles {
     RIGCAL_YAW = 0,
     RIGCAL_PITCH = 1,
@@ -108,25 +111,26 @@ typedef struct rigcal_pair {
     int32_t i, j;          /* indices of the bearings */
 } rigcal_pair;
 
-/* Pairs enough for n bearings: 4 n, or all n (n - 1) / 2 where that is less. */
+/* A sufficient number of pairs for n bearings: 4 n, or all n (n - 1) / 2 if that is
+ * less. */
 #define RIGCAL_PAIRS_FOR(n) ((n) <= 9 ? (n) * ((n)-1) / 2 : 4 * (n))
 RIGCAL_API size_t rigcal_pairs_for(size_t n);
 
-/* The pair (i, j); the other bearings are not read. ERR_COINCIDENT when the points, or the
- * rays, are the same to rounding: such a pair carries no equation. OK, ERR_NULL,
+/* Makes the pair (i, j). The other bearings are not read. ERR_COINCIDENT: the points, or
+ * the rays, are the same to rounding, and such a pair gives no equation. OK, ERR_NULL,
  * ERR_NOT_FINITE, ERR_RANGE (a ray of length zero; i, j not two different indices below
  * n). */
 RIGCAL_API rigcal_status rigcal_pair_make(rigcal_pair *pair,
                                           const rigcal_bearing bearings[], size_t n,
                                           int32_t i, int32_t j);
 
-/* Chooses pairs among n >= 3 bearings: all of them up to n = 9, else 4 n, every point in
- * about eight, spread by a fixed disorder so that runs repeat. Left out are degenerate
- * pairs and those whose rays lie closer than a sixth of the image that the target fills,
- * whose sine is mostly noise. The first two are well conditioned for the published
- * elimination by two pairs. A capacity below rigcal_pairs_for(n) bounds memory at some
- * accuracy, with few points at much: fewer are chosen, still spread. A larger one
- * changes nothing. Time O(n).
+/* Chooses pairs among n >= 3 bearings. Up to n = 9 it takes all pairs. Beyond, it takes 4
+ * n, each point in about eight of them, spread in a fixed disorder so that runs repeat. It
+ * leaves out degenerate pairs, and pairs whose rays are closer than a sixth of the image
+ * that the target fills, because their sine is mostly noise. The first two pairs are well
+ * conditioned for the published elimination by two pairs. With a capacity below
+ * rigcal_pairs_for(n), fewer pairs are chosen, still spread: this saves memory and costs
+ * accuracy, much of it with few points. A larger capacity changes nothing. Time O(n).
  *
  *   pairs     out   `capacity` >= 3 entries, *n_pairs of them written; >= 3
  *   bearings  in    n of them; every ray less than 90 degrees off the axis
@@ -138,7 +142,7 @@ RIGCAL_API rigcal_status rigcal_pairs_choose(rigcal_pair pairs[], size_t capacit
                                              size_t *n_pairs,
                                              const rigcal_bearing bearings[], size_t n);
 
-/* (13): sine-like residual e = normal . R offset of one pair.
+/* (13): the residual e = normal . R offset of one pair, which behaves like a sine.
  * OK, ERR_NULL, ERR_NOT_FINITE, ERR_ROTATION, ERR_RANGE (the pair's vectors are not of unit
  * length, here and below). */
 RIGCAL_API rigcal_status rigcal_pair_residual(rigcal_real *e, const rigcal_pair *pair,
@@ -164,25 +168,25 @@ typedef struct rigcal_elimination {
  *
  *   pairs       n_pairs >= 3
  *   pairs_used  2: only the first two pairs determine the angle, as published; the others
- *               are residuals (13c). 0: all pairs do, by least squares, and all are
- *               residuals: less noise in w for the same work
+ *               are residuals (13c). 0: all pairs determine it, by least squares, and all
+ *               are residuals. This has less noise in w for the same work
  *
- * OK, ERR_NULL, ERR_NOT_FINITE, ERR_RANGE, ERR_TOO_FEW, ERR_DEGENERATE (A singular to
- * rounding, by all pairs from cond(A) = 1e7 / 700 on; or c = s = 0). Time O(n_pairs). */
+ * OK, ERR_NULL, ERR_NOT_FINITE, ERR_RANGE, ERR_TOO_FEW, ERR_DEGENERATE (A is singular to
+ * rounding, with all pairs from cond(A) = 1e7 / 700 on; or c = s = 0). Time O(n_pairs). */
 RIGCAL_API rigcal_status rigcal_pairs_eliminate(rigcal_elimination *out,
                                                 const rigcal_pair pairs[], size_t n_pairs,
                                                 int32_t pairs_used, int32_t eliminated,
                                                 const rigcal_real angles[2]);
 
-/* (5): sum |e| over n_pairs >= 3 pairs at ypr, the objective of the search over all three
- * angles. OK, ERR_NULL, ERR_NOT_FINITE, ERR_RANGE, ERR_TOO_FEW. */
+/* (5): sum |e| over n_pairs >= 3 pairs at ypr. It is the objective of the search over all
+ * three angles. OK, ERR_NULL, ERR_NOT_FINITE, ERR_RANGE, ERR_TOO_FEW. */
 RIGCAL_API rigcal_status rigcal_pairs_residual(rigcal_real *residual,
                                                const rigcal_pair pairs[], size_t n_pairs,
                                                const rigcal_real ypr[3]);
 
-/* (10a), (10b), (16): t of cam_from_world for a known rotation. By pairs: t_z is the
- * average over the pairs of (10a) and (10b) (coordinates that differ by less than
- * 1e-9 / 1e-4 are left out), t_x and t_y the average of (9) over the points.
+/* (10a), (10b), (16): t of cam_from_world for a known rotation, from pairs. t_z is the
+ * average of (10a) and (10b) over the pairs, without coordinates that differ by less than
+ * 1e-9 / 1e-4. t_x and t_y are the average of (9) over the points.
  * OK, ERR_NULL, ERR_NOT_FINITE, ERR_RANGE, ERR_ROTATION, ERR_TOO_FEW (n < 2, no pairs),
  * ERR_WIDE_RAY, ERR_DEGENERATE (nothing left to average). */
 RIGCAL_API rigcal_status rigcal_translation_from_pairs(rigcal_real t[3],
@@ -191,8 +195,9 @@ RIGCAL_API rigcal_status rigcal_translation_from_pairs(rigcal_real t[3],
                                                        size_t n, const rigcal_pair pairs[],
                                                        size_t n_pairs);
 
-/* The better one: least squares over all 2 n equations t_xy - u t_z = u q_z - q_xy,
- * q = R X, n >= 2. Statuses as above; ERR_DEGENERATE when all rays are the same. */
+/* The same by least squares over all 2 n equations t_xy - u t_z = u q_z - q_xy, with q = R
+ * X and n >= 2. It is more accurate. Statuses as above; ERR_DEGENERATE when all rays are
+ * the same. */
 RIGCAL_API rigcal_status rigcal_translation_least_squares(rigcal_real t[3],
                                                           const rigcal_real R[9],
                                                           const rigcal_bearing bearings[],
@@ -200,17 +205,18 @@ RIGCAL_API rigcal_status rigcal_translation_least_squares(rigcal_real t[3],
 
 /* ==== paper ===============================================================
  *
- * Where one camera is, by the published procedure: Nelder-Mead over two angles with the
- * third eliminated (14), (15), or over three (5), (6); translation by least squares
- * (16). */
+ * One camera's pose by the published procedure. Nelder-Mead searches two angles while the
+ * third is eliminated (14), (15), or all three (5), (6). Least squares give the
+ * translation (16). */
 typedef struct rigcal_paper_options {
     int32_t angles;     /* 2 (default) or 3: how many are searched; 3 needs a guess */
     int32_t eliminated; /* RIGCAL_BEST_CONDITIONED (default), _YAW, .. */
-    int32_t pairs_used; /* to eliminate by: 0 all (default), 2 as published */
-    int32_t use_guess;  /* 1: from guess_ypr, a local search. 0 (default): from a fixed grid
-                           of the two angles, no guess needed */
-    int32_t max_evals;  /* over all starts: 0 for 1000 with a guess, 3952 without; >= 1 with
-                           a guess, >= 192 without */
+    int32_t pairs_used; /* pairs that determine the eliminated angle: 0 all (default), 2 as
+                           published */
+    int32_t use_guess;  /* 1: a local search from guess_ypr. 0 (default): searches from a
+                           fixed grid of the two angles, without a guess */
+    int32_t max_evals;  /* over all starts, >= 1 with a guess, >= 192 without. 0: 1000 with
+                           a guess, 3952 without */
     rigcal_real guess_ypr[3]; /* yaw, pitch, roll of cam_from_world; the eliminated one is
                                  not used */
     rigcal_real xtol;         /* radian; 0: 1e-10 / 1e-5 */
@@ -253,24 +259,25 @@ RIGCAL_API rigcal_status rigcal_paper_solve(rigcal_paper_pose *pose,
                                             const rigcal_pair pairs[], size_t n_pairs,
                                             const rigcal_paper_options *options);
 
-/* Begins a search over pairs chosen by rigcal_pairs_choose or by the caller. `bearings` and
- * `pairs` are read until the search is done, so they must stay; n >= 3, n_pairs >= 3.
- * options NULL: all defaults.
+/* Begins a search over pairs that rigcal_pairs_choose or the caller chose. `bearings` and
+ * `pairs` must last until the search is done. n >= 3, n_pairs >= 3. options NULL: all
+ * defaults.
  * OK, ERR_NULL, ERR_NOT_FINITE, ERR_RANGE, ERR_TOO_FEW, ERR_WIDE_RAY. */
 RIGCAL_API rigcal_status rigcal_paper_begin(rigcal_paper_solver *solver,
                                             const rigcal_bearing bearings[], size_t n,
                                             const rigcal_pair pairs[], size_t n_pairs,
                                             const rigcal_paper_options *options);
 
-/* Spends at most `budget` >= 1 units: an evaluation, O(n_pairs), of which there are at most
- * max_evals; the pose where a start has ended, O(n_pairs + n), of at most 25; or the
- * condition of one of the three eliminations. RUNNING: call again. OK: ask for the result.
- * The same bits come out whatever the budgets. ERR_NULL, ERR_RANGE, ERR_STATE. */
+/* Spends at most `budget` >= 1 units. A unit is one of these: an evaluation, O(n_pairs),
+ * at most max_evals of them; the pose where a start has ended, O(n_pairs + n), at most 25
+ * of them; or the condition of one of the three eliminations. RUNNING: call again. OK: ask
+ * for the result. The budgets do not change one bit of it. ERR_NULL, ERR_RANGE,
+ * ERR_STATE. */
 RIGCAL_API rigcal_status rigcal_paper_step(rigcal_paper_solver *solver, int32_t budget);
 
 /* The best pose of a search that is done, with every point in front.
- * OK, BUDGET_SPENT, ERR_NULL, ERR_STATE (not begun or still running), ERR_BEHIND (the guess
- * led to a pose that fits with points behind the camera: the mirror solution),
+ * OK, BUDGET_SPENT, ERR_NULL, ERR_STATE (not begun or still running), ERR_BEHIND (the
+ * guess led to the mirror solution, which fits with points behind the camera),
  * ERR_NO_POSE. */
 RIGCAL_API rigcal_status rigcal_paper_result(rigcal_paper_pose *pose,
                                              const rigcal_paper_solver *solver);

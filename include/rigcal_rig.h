@@ -1,14 +1,15 @@
 /* rigcal_rig.h - several cameras in one frame. Included by rigcal.h, whose first page holds
  * here too.
  *
- * A target is shown to the cameras in one place after the other, its placements. What a
- * camera sees of it there is a view. From the pose of each view by itself,
+ * A target is shown to the cameras in one place after the other. Each place is a
+ * placement, and what one camera sees of the target there is a view. First the pose of
+ * each view is solved by itself, then:
  *
- *   rigcal_view_pose_make   its pose, with what its points know of it      every view
- *   rigcal_rig_join         all cameras and placements from those          no point is read
- *   rigcal_rig_adjust       the same at maximum likelihood, over all points
- *   rigcal_rig_covariance   how sure a camera is, _pair two, _placement the target
- *   rigcal_calibrated_take  what to keep of it; rigcal_store_save_rig makes bytes of that
+ *   rigcal_view_pose_make   the pose of a view, with its information     for every view
+ *   rigcal_rig_join         cameras and placements from these poses      reads no point
+ *   rigcal_rig_adjust       the same by maximum likelihood               reads all points
+ *   rigcal_rig_covariance   covariance of a camera; _pair: of two, _placement: the target
+ *   rigcal_calibrated_take  what to keep; rigcal_store_save_rig turns it into bytes
  *
  * EQUATIONS.md RIG has the mathematics. */
 #ifndef RIGCAL_H
@@ -24,26 +25,28 @@ extern "C" {
 
 /* ==== what is handed in ====================================================== */
 
-/* What one camera saw of the target in one placement. Several targets of known relation are
- * one target with more points. */
+/* What one camera saw of the target in one placement. Several targets whose relative poses
+ * are known count as one target with more points. */
 typedef struct rigcal_rig_view {
-    rigcal_view view;  /* sigma: NULL, or of each point, a factor of the rig's */
+    rigcal_view view;  /* its sigma: NULL, or a factor for each point by which rig->sigma_px
+                          is multiplied */
     int32_t camera;    /* 0 .. n_cameras - 1 */
     int32_t placement; /* 0 .. n_placements - 1 */
-    int32_t target;    /* 0: so far there is one */
+    int32_t target;    /* 0: there is one target so far */
 } rigcal_rig_view;
 
-/* The pose of one view by itself, and what its points know of it. */
+/* The pose of one view by itself, and how well its points fix it. */
 typedef struct rigcal_view_pose {
     rigcal_transform cam_from_target;
-    rigcal_real information[21]; /* J^T J by (w, dt) of the pose, for noise of 1 px */
+    rigcal_real information[21]; /* J^T J for (w, dt) of the pose, for noise of 1 px */
     rigcal_real sse;             /* sum of |du|^2 / sigma_i^2 */
     size_t n;                    /* number of points */
     int32_t camera, placement;
 } rigcal_view_pose;
 
-/* View `index` of n_views, for those that do not fit into memory: from flash, from a file.
- * What it points to must last until the next call. OK, or a status that ends the work. */
+/* A function of the caller's that writes view `index` of n_views, from flash or a file,
+ * for views that do not fit into memory. What the view points to must last until the next
+ * call. Returns OK, or a status that ends the work. */
 typedef rigcal_status (*rigcal_view_source)(rigcal_rig_view *view, size_t index,
                                             void *context);
 typedef rigcal_status (*rigcal_view_pose_source)(rigcal_view_pose *pose, size_t index,
@@ -61,52 +64,54 @@ typedef struct rigcal_camera_prior {
     rigcal_real Sigma[36]; /* of (w, dt), row by row */
 } rigcal_camera_prior;
 
-/* Standard deviations of a camera's own numbers, as its calibration gives them; 0: exact.
- * */
+/* Standard deviations of a camera's intrinsics, as its calibration states them; 0:
+ * exact. */
 typedef struct rigcal_intrinsics_sigma {
-    rigcal_real focal;  /* of fx and fy together, as a part of them */
-    rigcal_real aspect; /* of fx / fy, as a part of it */
+    rigcal_real focal;  /* of fx and fy together, relative to them */
+    rigcal_real aspect; /* of fx / fy, relative to it */
     rigcal_real centre; /* of cx and of cy [px] */
     rigcal_real k1, k2;
 } rigcal_intrinsics_sigma;
 
-/* Cameras, placements, and what was seen. Set it to zero, then what is there. */
+/* Cameras, placements, and what was seen. Set it to zero, then fill in what there is. */
 typedef struct rigcal_rig {
     rigcal_transform *cams_from_rig; /* n_cameras */
     size_t n_cameras;
     rigcal_transform *rig_from_placements; /* n_placements */
     size_t n_placements;
-    int32_t *group; /* n_cameras, written: the number of the group that a camera connects
-                       in, counted from 0 in the order of their first cameras. Cameras of
+    int32_t *group; /* n_cameras, written: the number of the camera's group. Groups are
+                       counted from 0 in the order of their first cameras. Cameras of
                        different groups have no common frame */
 
-    size_t n_views;               /* in the order of their placements, of one no camera
-                                     twice */
+    size_t n_views;               /* in the order of their placements; in each placement
+                                     every camera at most once */
     const rigcal_rig_view *views; /* n_views, or NULL: view_source */
     rigcal_view_source view_source;
     const rigcal_view_pose *view_poses; /* n_views, or NULL: view_pose_source */
     rigcal_view_pose_source view_pose_source;
-    void *context;           /* of the sources */
-    const uint8_t *left_out; /* n_views, or NULL: none. A view of which it is not 0 is
-                                passed over; of it only camera and placement are read */
+    void *context;           /* handed to both sources */
+    const uint8_t *left_out; /* n_views, or NULL: none. Not 0: the view is left out, and
+                                only its camera and placement are read */
 
     const uint8_t *roles; /* n_cameras; NULL: the first of each group is held */
-    const rigcal_camera_prior *priors; /* n_cameras, of which those of that role count */
-    rigcal_real sigma_px; /* noise of one coordinate of a pixel; 0: unknown. With a prior
-                             it must be known */
+    const rigcal_camera_prior *priors; /* n_cameras; those of cameras in the role
+                                          RIGCAL_CAMERA_PRIOR count */
+    rigcal_real sigma_px; /* noise of one coordinate of a pixel; 0: unknown. It must be
+                             known if there is a prior */
 
     rigcal_real *work;    /* memory to work in */
     size_t work_capacity; /* its number of reals: RIGCAL_RIG_WORK */
 
-    struct rigcal_rig_clocks *clocks; /* of the cameras, see rigcal_clocks.h; NULL: all
-                                         views of a placement are of one instant */
+    struct rigcal_rig_clocks *clocks; /* clocks of the cameras, see rigcal_clocks.h; NULL:
+                                         all views of a placement were taken at one
+                                         instant */
     const rigcal_intrinsics_sigma *intrinsics_sigmas; /* n_cameras, or NULL: exact. Only
                                                          rigcal_rig_consider reads them */
     const struct rigcal_considered *considered; /* NULL; rigcal_rig_consider sets it */
 } rigcal_rig;
 
-/* Reals of `work`, for n_cameras of which n_free are free or have a prior. The same as a
- * function: rigcal_rig_work. */
+/* Reals of `work`, for n_cameras of which n_free are free or have a prior. As a function:
+ * rigcal_rig_work. */
 #define RIGCAL_RIG_WORK(n_free, n_cameras, n_placements) \
     (3 * (size_t)(n_free) * (6 * (size_t)(n_free) + 1) + 12 * (size_t)(n_free) + \
      51 * (size_t)(n_cameras) + 13 * (size_t)(n_placements))
@@ -114,16 +119,17 @@ RIGCAL_API size_t rigcal_rig_work(size_t n_free, size_t n_cameras, size_t n_plac
 
 /* ==== the join =============================================================== */
 
-/* The pose of a view, for the join: what its points know there. OK, ERR_NULL, those of
- * rigcal_pose_covariance. O(n). */
+/* Makes the pose of a view for the join, with its information at cam_from_target. OK,
+ * ERR_NULL, those of rigcal_pose_covariance. O(n). */
 RIGCAL_API rigcal_status rigcal_view_pose_make(rigcal_view_pose *pose,
                                                const rigcal_rig_view *view,
                                                const rigcal_transform *cam_from_target);
 
-/* All cameras and placements from the poses of the views, weighed by their information as
- * full matrices: next to maximum likelihood, and the start of the adjustment. Writes
- * cams_from_rig (held ones and those with priors are where they were), rig_from_placements
- * and group. The frame is that of camera 0, if none is held.
+/* Computes all cameras and placements from the poses of the views, which are weighed by
+ * their full information matrices. The result is close to maximum likelihood, and the
+ * adjustment starts from it. Writes cams_from_rig, rig_from_placements and group. Cameras
+ * that are held or have a prior stay where they were. The frame is that of camera 0, if
+ * none is held.
  * OK, RIGCAL_DISCONNECTED, ERR_NULL, ERR_NOT_FINITE, ERR_ROTATION, ERR_RANGE, ERR_TOO_FEW
  * (no camera, no view), ERR_CAPACITY, ERR_TWICE, ERR_UNSORTED, ERR_DEGENERATE (the
  * information of a view or placement is not positive definite), and what a source returns.
@@ -132,9 +138,9 @@ RIGCAL_API rigcal_status rigcal_rig_join(rigcal_rig *rig, int32_t *at_fault);
 
 typedef struct rigcal_rig_solver rigcal_rig_solver; /* see rigcal_solvers.h */
 
-/* The same in steps. Its result is rigcal_rig_result's: to first order, what the fit of the
- * adjustment is going to be, F included. A unit is one view: looked at, or its quadratic,
- * or its part of the elimination, O(n_cameras); or one row of the factor. */
+/* The same in steps. Ask rigcal_rig_result for the result: to first order it is the fit
+ * that the adjustment will have, F included. A unit is one view: checked, or its
+ * quadratic, or its part of the elimination, O(n_cameras); or one row of the factor. */
 RIGCAL_API rigcal_status rigcal_rig_join_begin(rigcal_rig_solver *solver, rigcal_rig *rig);
 RIGCAL_API rigcal_status rigcal_rig_join_step(rigcal_rig_solver *solver, int32_t budget);
 
@@ -146,26 +152,26 @@ typedef struct rigcal_rig_fit {
     rigcal_real freedom;  /* 2 n_points - 6 (free cameras) - 6 (placements seen) */
     rigcal_real sigma_px; /* sqrt(sum / freedom); 0: no freedom */
     size_t n_points;
-    int32_t evals; /* evaluations of each view, settling included */
+    int32_t evals; /* evaluations of each view, also those that settle placements */
 
-    /* The loop closure: how much the views disagree, against what they do by themselves.
-     * For noise alone F is distributed as F(freedom_between, freedom_within); sqrt(F) tells
-     * how many times more than noise they disagree. 0, of no freedom: there is no cycle, or
-     * no view_poses are given. */
+    /* The loop closure: how much the views disagree with each other, compared with the
+       errors inside each view. For noise alone F has the distribution F(freedom_between,
+       freedom_within). The views disagree by sqrt(F) times what noise explains. F and its
+       freedoms are 0 if there is no cycle, or no view_poses are given. */
     rigcal_real F, freedom_between, freedom_within;
 } rigcal_rig_fit;
 
-/* Cameras and placements together by maximum likelihood in pixels over all views, from
- * where they are. After it the rig's `work` holds the cameras' covariance: keep it, and the
- * rig, for the functions below. OK, RIGCAL_DISCONNECTED, RIGCAL_BUDGET_SPENT, and the
- * errors of rigcal_rig_join; of its views those of rigcal_pose_begin, ERR_BEHIND,
- * ERR_NO_RAY, ERR_DEGENERATE. */
+/* Adjusts cameras and placements together, by maximum likelihood in pixels over all views.
+ * It starts from the poses in the rig. Afterwards the rig's `work` holds the cameras'
+ * covariance: keep `work` and the rig for the functions below. OK, RIGCAL_DISCONNECTED,
+ * RIGCAL_BUDGET_SPENT, the errors of rigcal_rig_join, and for views those of
+ * rigcal_pose_begin, ERR_BEHIND, ERR_NO_RAY, ERR_DEGENERATE. */
 RIGCAL_API rigcal_status rigcal_rig_adjust(rigcal_rig_fit *fit, int32_t *at_fault,
                                            rigcal_rig *rig);
 
 /* The same in steps. A unit is one view's evaluation with its block, O(n) and O(n_cameras);
- * one view's part of the elimination of its placement; or one row of the factor. The same
- * bits whatever the budgets. `rig` must last. */
+ * one view's part of the elimination of its placement; or one row of the factor. The
+ * budgets do not change one bit of the result. `rig` must last. */
 RIGCAL_API rigcal_status rigcal_rig_begin(rigcal_rig_solver *solver, rigcal_rig *rig);
 RIGCAL_API rigcal_status rigcal_rig_step(rigcal_rig_solver *solver, int32_t budget);
 RIGCAL_API rigcal_status rigcal_rig_result(rigcal_rig_fit *fit, int32_t *at_fault,
@@ -173,22 +179,24 @@ RIGCAL_API rigcal_status rigcal_rig_result(rigcal_rig_fit *fit, int32_t *at_faul
 
 /* ---- wrong points -----------------------------------------------------------
  *
- * Views first: where whole views are wrong, find them before (rigcal_judge.h). Then Huber's
- * loss, linear from 2 sigma, holds against points that are wrong; and from its answer the
- * truncated loss, constant from 4 sigma, leaves them out altogether. What is left has the
- * equations of least squares, so that the covariance holds as it is. */
+ * Where whole views are wrong, find them first (rigcal_judge.h). Then wrong points are
+ * dealt with in two rounds. Huber's loss, linear from 2 sigma, limits their effect.
+ * Starting from its answer, the truncated loss, constant from 4 sigma, leaves them out
+ * altogether. The points that remain have the equations of least squares, so the
+ * covariance is valid as it is. */
 
 enum rigcal_losses { RIGCAL_LOSS_HUBER = 1, RIGCAL_LOSS_TRUNCATED = 2 };
 
-/* rigcal_rig_adjust by Huber's loss and then by the truncated one. rig->sigma_px must be
- * stated. *fit is of the points within 4 sigma, without F; *n_wrong is the number of the
- * others: those of which rigcal_rig_residuals has more than 4 sigma_i sigma_px, or that
- * their camera cannot see. The statuses of rigcal_rig_adjust; ERR_RANGE also: sigma_px is
- * 0. */
+/* rigcal_rig_adjust with Huber's loss and then with the truncated one. rig->sigma_px must
+ * be stated. *fit is that of the points within 4 sigma, without F. *n_wrong is the number
+ * of the other points: their residual (rigcal_rig_residuals) is above 4 sigma_i sigma_px,
+ * or their camera cannot see them. The statuses of rigcal_rig_adjust; ERR_RANGE (also:
+ * sigma_px is 0). */
 RIGCAL_API rigcal_status rigcal_rig_adjust_robust(rigcal_rig_fit *fit, size_t *n_wrong,
                                                   int32_t *at_fault, rigcal_rig *rig);
 
-/* One of the two in steps of rigcal_rig_step. The result reads all points once more. */
+/* One of the two losses in steps, by rigcal_rig_step. The result reads all points once
+ * more. */
 RIGCAL_API rigcal_status rigcal_rig_robust_begin(rigcal_rig_solver *solver, rigcal_rig *rig,
                                                  int32_t loss);
 RIGCAL_API rigcal_status rigcal_rig_robust_result(rigcal_rig_fit *fit, size_t *n_wrong,
@@ -197,57 +205,59 @@ RIGCAL_API rigcal_status rigcal_rig_robust_result(rigcal_rig_fit *fit, size_t *n
 
 /* ==== how sure ===============================================================
  *
- * Where rigcal_rig_consider has been called after the adjustment (rigcal_consider.h), all
- * that follows contains the intrinsics' deviations. ERR_STATE also: the rig has been
- * adjusted again since. */
+ * If rigcal_rig_consider (rigcal_consider.h) has been called after the adjustment, all
+ * covariances below contain the errors of the intrinsics. ERR_STATE is then also returned
+ * if the rig has been adjusted again since. */
 
 /* Sigma: covariance of (w, dt) of a camera's pose in the frame of the rig, for noise of
- * sigma_px: 0 of one that is held. OK, ERR_NULL, ERR_RANGE, ERR_STATE (not adjusted). */
+ * sigma_px. It is 0 for a camera that is held. OK, ERR_NULL, ERR_RANGE, ERR_STATE (not
+ * adjusted). */
 RIGCAL_API rigcal_status rigcal_rig_covariance(rigcal_real Sigma[36], const rigcal_rig *rig,
                                                rigcal_real sigma_px, size_t camera);
 
-/* b_from_a, and its covariance, cross terms included: the same whichever camera is held.
- * The statuses above; RIGCAL_DISCONNECTED: the two have no common frame, nothing is
- * written. */
+/* b_from_a, and its covariance, cross terms included. Both are the same whichever camera
+ * is held. The statuses above; RIGCAL_DISCONNECTED: the two have no common frame, and
+ * nothing is written. */
 RIGCAL_API rigcal_status rigcal_rig_pair(rigcal_transform *b_from_a, rigcal_real Sigma[36],
                                          const rigcal_rig *rig, rigcal_real sigma_px,
                                          size_t a, size_t b);
 
-/* Of a placement, of (w, dt) of rig_from_placement: it evaluates its views once more. The
- * statuses above, ERR_TOO_FEW (no view of it), and those of views. O(n_views) + O(n). */
+/* Covariance of (w, dt) of rig_from_placements[placement]. It evaluates the placement's
+ * views once more. The statuses above, ERR_TOO_FEW (the placement has no view), and those
+ * of views. O(n_views) + O(n). */
 RIGCAL_API rigcal_status rigcal_rig_placement(rigcal_real Sigma[36], rigcal_rig *rig,
                                               rigcal_real sigma_px, size_t placement);
 
-/* Noise of each camera by its own residuals: sigma_px[n_cameras], 0 without freedom, and
- * its degrees of freedom[n_cameras]: 2 n_points of the camera less what they lose to the
- * unknowns, trace(H Cov(cam_from_target)) of each view. Without priors they sum up to
- * rigcal_rig_fit's. It evaluates every view twice. The statuses of rigcal_rig_placement.
- * O(n_views n_cameras) + O(n). */
+/* Noise of each camera from its own residuals. sigma_px[n_cameras] is the noise, 0 without
+ * freedom. freedom[n_cameras] are the degrees of freedom: 2 n_points of the camera, less
+ * what each of its views loses to the unknowns, trace(H Cov(cam_from_target)). Without
+ * priors they sum up to the freedom of rigcal_rig_fit. The function evaluates every view
+ * twice. The statuses of rigcal_rig_placement. O(n_views n_cameras) + O(n). */
 RIGCAL_API rigcal_status rigcal_rig_noise(rigcal_real sigma_px[], rigcal_real freedom[],
                                           rigcal_rig *rig);
 
-/* What is left of one view: duv gets (du, dv) [px] of each of its n points, observed less
- * projected; *n_written n. OK, ERR_NULL, ERR_RANGE, ERR_CAPACITY (2 n > capacity), those of
- * views and sources. */
+/* The residuals of one view. duv gets (du, dv) [px] of each of its n points, observed
+ * minus projected. *n_written is the number of points n. OK, ERR_NULL, ERR_RANGE,
+ * ERR_CAPACITY (2 n > capacity), those of views and sources. */
 RIGCAL_API rigcal_status rigcal_rig_residuals(rigcal_real duv[], size_t capacity,
                                               size_t *n_written, const rigcal_rig *rig,
                                               size_t view);
 
 /* ==== a calibrated rig, to keep ============================================== */
 
-/* What is left when the views and the memory to work in have gone: the cameras, and the
- * joint covariance of their poses. The arrays are the caller's. */
+/* What to keep when the views and `work` are gone: the cameras, and the joint covariance
+ * of their poses. The caller owns the arrays. */
 typedef struct rigcal_calibrated_rig {
-    rigcal_mounted_camera *cameras; /* Sigma of each: its own block of the joint one */
+    rigcal_mounted_camera *cameras; /* Sigma of each: its block of the joint covariance */
     int32_t *group;                 /* as of rigcal_rig */
-    uint8_t *held;                  /* 1: the camera is held, and has no unknowns; 0 */
+    uint8_t *held;                  /* 1: the camera is held and has no unknowns; else 0 */
     size_t capacity;                /* of each of the three arrays, in cameras */
     rigcal_real *Sigma;    /* covariance of (w, dt) of all cameras that are not held, in
-                               their order: the lower triangle row by row */
+                              their order: the lower triangle row by row */
     size_t Sigma_capacity; /* its number of reals: RIGCAL_CALIBRATED_SIZE */
     size_t n_cameras;      /* 1 .. RIGCAL_STORE_CAMERAS_MAX */
-    rigcal_real sigma_px;  /* the noise that Sigma is for; 0: no joint covariance */
-    rigcal_real F, freedom_between, freedom_within; /* as of rigcal_rig_fit */
+    rigcal_real sigma_px;  /* noise for which Sigma is; 0: there is no joint covariance */
+    rigcal_real F, freedom_between, freedom_within; /* as in rigcal_rig_fit */
 } rigcal_calibrated_rig;
 
 /* Reals of Sigma for n_free cameras that are not held, at most RIGCAL_STORE_FREE_MAX. */
@@ -255,19 +265,20 @@ typedef struct rigcal_calibrated_rig {
 #define RIGCAL_CALIBRATED_SIZE(n_free) (3 * (size_t)(n_free) * (6 * (size_t)(n_free) + 1))
 RIGCAL_API size_t rigcal_calibrated_size(size_t n_free);
 
-/* Takes it out of an adjusted rig. sigma_px > 0 is the noise that Sigma is made for: where
- * the views disagree, that of the pixels times sqrt(F). Writes all but the pointers, the
- * capacities and cameras[i].camera, which is the caller's to fill in. fit: of the
- * adjustment, or NULL: F is not known. OK, ERR_CAPACITY, and those of
- * rigcal_rig_covariance; nothing is written then. O(n_cameras^2) */
+/* Takes a calibrated rig out of an adjusted rig. sigma_px > 0 is the noise for which Sigma
+ * is computed. If the views disagree, use the noise of the pixels times sqrt(F). Writes
+ * all but the pointers, the capacities and cameras[i].camera, which the caller fills in.
+ * fit: that of the adjustment, or NULL: F is not known. OK, ERR_CAPACITY, and those of
+ * rigcal_rig_covariance; after an error nothing is written. O(n_cameras^2) */
 RIGCAL_API rigcal_status rigcal_calibrated_take(rigcal_calibrated_rig *out,
                                                 const rigcal_rig *rig,
                                                 const rigcal_rig_fit *fit,
                                                 rigcal_real sigma_px);
 
-/* Sigma[6 i + j]: covariance of element i of (w, dt) of camera a and element j of that of
- * camera b. a == b: of one camera. 0 where one is held. OK, ERR_NULL, ERR_TOO_FEW (no
- * camera), ERR_CAPACITY, ERR_NOT_FINITE, ERR_RANGE, ERR_STATE (sigma_px is 0). */
+/* Sigma[6 i + j]: covariance of element i of (w, dt) of camera a with element j of (w, dt)
+ * of camera b. If a == b, it is the covariance of one camera. It is 0 if either camera is
+ * held. OK, ERR_NULL, ERR_TOO_FEW (no camera), ERR_CAPACITY, ERR_NOT_FINITE, ERR_RANGE,
+ * ERR_STATE (sigma_px is 0). */
 RIGCAL_API rigcal_status rigcal_calibrated_covariance(rigcal_real Sigma[36],
                                                       const rigcal_calibrated_rig *rig,
                                                       size_t a, size_t b);
@@ -278,7 +289,7 @@ RIGCAL_API rigcal_status rigcal_calibrated_pair(rigcal_transform *b_from_a,
                                                 const rigcal_calibrated_rig *rig, size_t a,
                                                 size_t b);
 
-/* Bytes that a calibrated rig takes; see "store" in rigcal.h. The function gives 0 for
+/* Bytes that a calibrated rig takes; see "store" in rigcal.h. The function returns 0 for
  * counts that cannot be stored. */
 #define RIGCAL_STORE_RIG_SIZE_OF(n, n_free, real_bytes) \
     (RIGCAL_STORE_HEADER_BYTES + 4 * (size_t)(real_bytes) + \
@@ -288,19 +299,19 @@ RIGCAL_API rigcal_status rigcal_calibrated_pair(rigcal_transform *b_from_a,
     RIGCAL_STORE_RIG_SIZE_OF(n, n_free, sizeof(rigcal_real))
 RIGCAL_API size_t rigcal_store_rig_size(size_t n_cameras, size_t n_free);
 
-/* As rigcal_store_save, of a calibrated rig. cameras[i].Sigma and has_Sigma are not read:
- * the joint covariance has them. It is checked for variances below 0, correlations beyond
- * 1, and that the block of each camera is a covariance. The statuses of rigcal_store_save,
- * and ERR_STATE (sigma_px is 0). */
+/* As rigcal_store_save, for a calibrated rig. cameras[i].Sigma and has_Sigma are not read,
+ * because the joint covariance contains them. The function refuses a joint covariance with
+ * variances below 0, correlations beyond 1, or a camera's block that is no covariance. The
+ * statuses of rigcal_store_save, and ERR_STATE (sigma_px is 0). */
 RIGCAL_API rigcal_status rigcal_store_save_rig(uint8_t bytes[], size_t capacity,
                                                size_t *n_bytes,
                                                const rigcal_calibrated_rig *rig,
                                                uint32_t sequence, uint32_t tag);
 
-/* As rigcal_store_load, of a calibrated rig: rig has the arrays and their capacities;
- * rigcal_store_info tells what they must be. Bytes of rigcal_store_save load too: there is
- * no joint covariance in them, so sigma_px is 0, each camera has its own Sigma, and
- * rig->Sigma may be NULL. The statuses of rigcal_store_load. */
+/* As rigcal_store_load, for a calibrated rig. The caller sets the arrays of rig and their
+ * capacities; rigcal_store_info tells how large they must be. Bytes of rigcal_store_save
+ * can be loaded too. They have no joint covariance: then sigma_px is 0, each camera has
+ * its own Sigma, and rig->Sigma may be NULL. The statuses of rigcal_store_load. */
 RIGCAL_API rigcal_status rigcal_store_load_rig(rigcal_calibrated_rig *rig,
                                                rigcal_saved_info *info,
                                                const uint8_t bytes[], size_t n_bytes);

@@ -1,7 +1,7 @@
-/* rigcal_solvers.h - what a solver keeps between its steps. Included by rigcal.h.
+/* rigcal_solvers.h - what each solver keeps between its steps. Included by rigcal.h.
  *
- * A caller needs the sizes of the solvers, and that they are flat and may be copied. Do not
- * read or write their contents: they may change with every version. */
+ * A caller needs only the sizes of the solvers. They are flat and may be copied. Do not
+ * read or write their contents, which may change with every version. */
 #ifndef RIGCAL_H
 #include "rigcal.h" /* which includes this one in its turn */
 #endif
@@ -17,24 +17,24 @@ extern "C" {
 
 typedef struct rigcal_points {
     rigcal_view view;
-    const uint8_t *mask; /* of each: 0, it does not count; NULL: all do */
-    int32_t left_out;    /* one more that does not count, or -1 */
-    uint8_t is_mirrored; /* 1: they are mirrored at the origin */
+    const uint8_t *mask; /* one for each point: 0: it does not count. NULL: all count */
+    int32_t left_out;    /* index of one more point that does not count, or -1 */
+    uint8_t is_mirrored; /* 1: the points are mirrored at the origin */
     uint8_t is_pinhole;
     size_t n_used;          /* that count */
-    rigcal_real origin[3];  /* their weighted mean */
-    rigcal_real size;       /* their longest distance from the first, along an axis */
-    rigcal_real extent_px;  /* that of their pixels */
-    rigcal_real pixel_size; /* of rc_pixel_size */
+    rigcal_real origin[3];  /* weighted mean of the points */
+    rigcal_real size;       /* their longest distance from the first point, along an axis */
+    rigcal_real extent_px;  /* the same of their pixels */
+    rigcal_real pixel_size; /* see rc_pixel_size */
     rigcal_real negligible; /* a change of the sum of squared errors that means nothing */
-    rigcal_real proved2; /* of Brown's lens: x^2 + y^2 up to which it is proved not to fold;
-                               0: of no point */
+    rigcal_real proved2;    /* Brown's lens is proved not to fold up to this x^2 + y^2; 0:
+                               nowhere */
 } rigcal_points;
 
 /* ---- Nelder-Mead ------------------------------------------------------------ */
 
 typedef struct rigcal_vertex {
-    rigcal_real x[3], cost; /* of a simplex: the first k coordinates count */
+    rigcal_real x[3], cost; /* a vertex of the simplex: the first k coordinates count */
 } rigcal_vertex;
 
 typedef struct rigcal_neldermead {
@@ -65,22 +65,22 @@ typedef struct rigcal_refinement {
 
 /* ---- where a search of a pose may start ------------------------------------- */
 
-/* Sums over the points from which the cost of a direction follows (EQUATIONS.md A). */
+/* Sums over the points. The cost of a direction follows from them (EQUATIONS.md A). */
 typedef struct rigcal_moments {
     rigcal_real weight, S, u_mean[2], V_mean[2][3], h[3], K_less_C[6], C[6], G[2][6];
 } rigcal_moments;
 
 enum rigcal_seed_limits { RIGCAL_SEEDS_MAX = 3 };
 
-/* The best directions of the lattice, by their numbers. */
+/* The numbers of the best directions of the lattice. */
 typedef struct rigcal_lattice {
     int32_t index[RIGCAL_SEEDS_MAX];
     rigcal_real least_cost, azimuth[2], cost[RIGCAL_SEEDS_MAX];
     rigcal_moments moments;
 } rigcal_lattice;
 
-/* The poses of three points (EQUATIONS.md D), one after the other. In units of the longest
- * side, whose opposite point is the first. */
+/* The poses of three points (EQUATIONS.md D), one after the other. Lengths are in units of
+ * the longest side. The point opposite to that side is the first. */
 typedef struct rigcal_p3p {
     rigcal_real size, middle[3], frame[9]; /* of the points */
     rigcal_real squared[3], chord2[3], h;  /* sides; chords between the rays, over h^2 */
@@ -91,7 +91,7 @@ typedef struct rigcal_p3p {
     uint8_t first, is_second, crossings, next;
 } rigcal_p3p;
 
-/* Three points and their rays; `count`, how many there are, 4 for more. */
+/* Three points and their rays. `count` is the number of points, 4 for more than three. */
 typedef struct rigcal_triple {
     int32_t index[3], count;
     rigcal_real ray[3][3];
@@ -106,8 +106,8 @@ typedef struct rigcal_descent {
 
 /* ---- a pose ----------------------------------------------------------------- */
 
-/* An optimum: camera from the points' own origin; the third row of its rotation is the
- * cross product of these two. */
+/* An optimum: the camera from the points' own origin. The third row of its rotation is the
+ * cross product of the two rows. */
 typedef struct rigcal_optimum {
     rigcal_real rows[6], t[3], sse;
 } rigcal_optimum;
@@ -140,7 +140,8 @@ struct rigcal_pose_solver {
     uint8_t phase, is_warm, is_mirrored, is_unfinished;
     int32_t failure, at_fault, same;
     size_t next;
-    rigcal_real sigma_px, variance; /* of the rotation of the first, for noise of 1 px */
+    rigcal_real sigma_px, variance; /* variance of the first pose's rotation, for noise of 1
+                                       px */
     rigcal_search search;
 };
 
@@ -171,19 +172,23 @@ struct rigcal_robust_solver {
 
 struct rigcal_rig_solver {
     rigcal_rig *rig;
-    const struct rigcal_rig_given *given; /* of views: their points, or their own poses */
-    const struct rigcal_rig_given *timed; /* where a rig has clocks, that without them */
+    const struct rigcal_rig_given *given; /* reads views: their points, or their own
+                                             poses */
+    const struct rigcal_rig_given *timed; /* if the rig has clocks: the same without them */
     rigcal_levenberg search;
     int32_t loss; /* RIGCAL_LOSS_; 0: squares */
     int32_t phase, is_join, is_trial, is_last, is_final, is_disconnected, at_fault, evals;
-    size_t n;                        /* unknowns: of the cameras that are not held */
+    size_t n;                        /* number of unknowns, of the cameras that are not
+                                        held */
     size_t view, first, placement;   /* under way; the first view of the placement */
-    size_t row;                      /* of the factor, or which of the placement's views */
-    size_t n_points, n_used, n_seen; /* points, views, placements that count */
-    size_t n_free;                   /* cameras of which nothing is known beforehand */
-    size_t n_clocks;                 /* offsets and drifts that are estimated */
-    rigcal_real sum, gain;           /* of a pass: the sum, and what a step promises */
-    rigcal_real own_sum;             /* of the views by themselves */
+    size_t row;                      /* row of the factor, or view of the placement */
+    size_t n_points, n_used, n_seen; /* numbers of points, views, placements that count */
+    size_t n_free;                   /* number of cameras of which nothing is known
+                                        beforehand */
+    size_t n_clocks;                 /* number of offsets and drifts that are estimated */
+    rigcal_real sum, gain;           /* of one pass: the sum, and the gain that a step
+                                        promises */
+    rigcal_real own_sum;             /* sum over the views by themselves */
     rigcal_real promised, negligible, gp[6], Hp[21];
 };
 
@@ -192,7 +197,7 @@ struct rigcal_rig_solver {
 typedef struct rigcal_border {
     size_t n;              /* unknowns of the cameras */
     size_t k;              /* columns: the parameters */
-    rigcal_real *T;        /* k rows of n: what they share with the cameras, or NULL */
+    rigcal_real *T;        /* k rows of n: the part shared with the cameras, or NULL */
     rigcal_real *Z;        /* k rows of 6: B^T E of a placement; eliminated, Y */
     rigcal_real *q;        /* k; NULL: neither q nor Q is wanted */
     rigcal_real *Q;        /* row by row: row i has columns first[i] .. i */
@@ -217,24 +222,24 @@ struct rigcal_consider_solver {
 
 enum rigcal_choose_rungs { RIGCAL_CHOOSE_RUNGS = 6 };
 
-/* The best hypothesis of where a camera is. */
+/* The best hypothesis about a camera's pose. */
 typedef struct rigcal_seed {
     rigcal_real score;
-    int32_t a, b, number; /* b from a; a -1: from the rig */
+    int32_t a, b, number; /* camera b from camera a; a -1: b from the rig */
     int32_t n;            /* placements compared */
 } rigcal_seed;
 
 struct rigcal_choose_solver {
-    rigcal_rig_solver check; /* of what is handed in */
+    rigcal_rig_solver check; /* checks what is handed in */
     rigcal_choice *choice;
     int32_t phase, status, rung, is_again, is_relaxed, is_final;
-    int32_t a, b;                 /* cameras under way; a -1: the rig */
+    int32_t a, b;                 /* cameras under way; a -1: the rig instead */
     size_t view, placement;       /* under way */
-    size_t n, row, column, which; /* placements compared, two of them; a claim */
+    size_t n, row, column, which; /* number of placements compared, two of them; a claim */
     rigcal_real limit;            /* px^2, at tau^2 = 1 */
     rigcal_real most, counts[RIGCAL_CHOOSE_RUNGS];
     rigcal_seed seed[RIGCAL_CHOOSE_RUNGS];
-    int32_t agree, best; /* of a placement: the best claim so far */
+    int32_t agree, best; /* the best claim of a placement so far */
     rigcal_real cost, spread;
 };
 
@@ -248,10 +253,12 @@ struct rigcal_judge_solver {
     int32_t phase, status, at_fault, is_placed, rounds, adjustments;
     int32_t n_of[4];               /* views of each verdict */
     size_t view, first, placement; /* under way; the first view of the placement */
-    size_t n_kept, slot;           /* of its views that count; which of them */
-    size_t n_costs, n_places;      /* that can be judged: views, placements */
+    size_t n_kept, slot;           /* number of its views that count; which of them is under
+                                      way */
+    size_t n_costs, n_places;      /* numbers of views, placements that can be judged */
     rigcal_real sigma2, scale;
-    rigcal_real tried_cost; /* of the view that is left out to see; 0: none is */
+    rigcal_real tried_cost; /* cost of the view that is left out to see whether it matters;
+                               0: none is */
     rigcal_rig_solver adjust;
 };
 
@@ -259,12 +266,13 @@ struct rigcal_cause_solver {
     const rigcal_rig *rig;
     const rigcal_symmetries *symmetries;
     int32_t phase, status, is_camera, acting; /* the camera that a view is tested for */
-    int32_t agree, checked;                   /* of a camera: its views */
-    size_t view, first, last, test;           /* the views of its placement */
+    int32_t agree, checked;                   /* numbers of the camera's views */
+    size_t view, first, last, test;           /* views of its placement; the test under
+                                                 way */
     rigcal_real limit;                        /* px^2 */
     rigcal_cause found;
     rigcal_view_pose own;
-    rigcal_rig_view seen; /* as it is tested */
+    rigcal_rig_view seen; /* the view as it is tested */
     rigcal_camera lens;
     rigcal_transform target_from_turned;
     rigcal_pose_solver pose;
@@ -272,7 +280,7 @@ struct rigcal_cause_solver {
 
 /* ---- a point that is measured ------------------------------------------------ */
 
-/* The covariance of the 2 n pixels, and what it makes of a point. */
+/* The covariance of the 2 n pixels, and the sums for a point that follow from it. */
 typedef struct rigcal_point_sums {
     rigcal_real *V;         /* packed, then its factor */
     rigcal_real N[6];       /* (A^T W A)^-1, W the weights */
@@ -283,14 +291,16 @@ typedef struct rigcal_point_sums {
 
 struct rigcal_point_solver {
     const rigcal_sightings *sightings;
-    int32_t phase, status, of;         /* of: all views, two, or those that agree */
-    int32_t whole;                     /* the status, if no two views agree */
-    int32_t stage, located;            /* of the point under way, and its status */
-    int32_t is_tried, is_stale, evals; /* a step waits for its sum; the equations are those
-                                          of another place */
+    int32_t phase, status, of;         /* of: which views are used: all, two, or those that
+                                          agree */
+    int32_t whole;                     /* the status to return if no two views agree */
+    int32_t stage, located;            /* stage of the point under way, and its status */
+    int32_t is_tried, is_stale, evals; /* a step waits for its sum; the equations belong to
+                                          another place */
     size_t view, n_used;               /* the view under way; how many are used */
     size_t pair, two[2];               /* the pair under way */
-    size_t n_pairs, agree, best;       /* pairs ranked; views that agree; the most */
+    size_t n_pairs, agree, best;       /* numbers of pairs ranked; of views that agree; the
+                                          most that agreed */
     rigcal_real tolerance;             /* factor of the limits, 1 at least */
     rigcal_real distance, least;       /* sums of what they miss by; of the best */
     rigcal_levenberg search;
@@ -301,7 +311,7 @@ struct rigcal_point_solver {
 
 /* ---- the spans of a band ---------------------------------------------------- */
 
-/* A part of the border, on which v only rises or only falls. */
+/* A part of the border on which v only rises or only falls. */
 typedef struct rigcal_arc {
     rigcal_real low, high;  /* of v, at its ends */
     rigcal_real a[5], b[5]; /* direct: u at v is a[0] + (v - b[0]) (a[1] + (v - b[1]) ...;
@@ -317,9 +327,10 @@ enum rigcal_outline_limits {
 };
 
 typedef struct rigcal_outline {
-    int32_t n_arcs, height, is_full; /* 1: there were more arcs than there is room for */
+    int32_t n_arcs, height, is_full; /* is_full 1: there were more arcs than there is room
+                                        for */
     int32_t row, next, n_active;
-    rigcal_real changes; /* row from which on other arcs may be crossed */
+    rigcal_real changes; /* from this row on, other arcs may be crossed */
     uint8_t order[RIGCAL_SPANS_ARCS], active[RIGCAL_SPANS_ACTIVE];
     rigcal_arc arcs[RIGCAL_SPANS_ARCS];
 } rigcal_outline;
@@ -333,45 +344,50 @@ typedef struct rigcal_border_end {
 struct rigcal_spans_solver {
     rigcal_band band;
     int32_t phase, status, is_pinhole;
-    int32_t side, way, node, n_arcs; /* of the border under way */
-    int32_t is_last, is_closing;     /* its arc ends the depth range; the lens ends near */
+    int32_t side, way, node, n_arcs; /* place on the border under way */
+    int32_t is_last, is_closing;     /* this arc ends the depth range; the lens ends
+                                        nearby */
     rigcal_real A, normal[3];        /* (M6); line / across */
     rigcal_real ends[2][2], start[2];
-    rigcal_real radius2, radius; /* of the image about the axis: normalised; px */
+    rigcal_real radius2, radius; /* radius of the image about the axis: normalised, squared;
+                                    px */
     rigcal_real slope2;          /* |ds/du|^2 where it was last known */
-    rigcal_real at[2];           /* place of the first node */
+    rigcal_real at[2];           /* position of the first node */
     rigcal_real stride;          /* tangent of the step from it to the last one */
-    rigcal_real length, height;  /* px, of the step; of the last node over the line */
+    rigcal_real length, height;  /* px: length of the step; height of the last node over the
+                                    line */
     rigcal_real start_uv[2], start_height, start_speed; /* px for a tangent of 1 */
     rigcal_real u[RIGCAL_SPANS_NODES], v[RIGCAL_SPANS_NODES];
-    rigcal_border_end corners[2][2]; /* by side and way */
+    rigcal_border_end corners[2][2]; /* indexed by side and way */
     rigcal_outline outline;
 };
 
 /* ---- why the views of a rig disagree ------------------------------------------- */
 
-/* The parameters of the faults that one pass tests, a column each. Sums of each: Q and q
- * with all else free, Q as it was, and both with the pose of each view free. */
+/* The parameters of the faults that one pass tests, one column each. Sums of each: Q and q
+ * with all other unknowns free, Q before placements are eliminated, and Q and q with the
+ * pose of each view free. */
 typedef struct rigcal_columns {
     const rigcal_rig *rig;
     int32_t kinds;
     size_t n;          /* unknowns of the cameras, before those of the clocks */
-    size_t per_clock;  /* unknowns of a clock that the adjustment freed: 0, 1 or 2 */
-    int32_t at[12];    /* of each parameter of a view, which it is among those of a camera,
-                          or of the board; -1: it is not tested in this pass */
-    size_t per_camera; /* besides the clock */
+    size_t per_clock;  /* number of unknowns of a clock that the adjustment freed: 0, 1 or
+                          2 */
+    int32_t at[12];    /* for each parameter of a view, its number among those of a camera
+                          or the board; -1: it is not tested in this pass */
+    size_t per_camera; /* parameters of a camera besides its clock */
     rigcal_border border;
     rigcal_real *sums[10];  /* sums of columns: see rigcal_columns.c */
     rigcal_real *reference; /* 3 of each camera */
 } rigcal_columns;
 
-/* Cameras that moved: S and g of all cameras, of the placements so far; and of each camera
- * the best so far. */
+/* Cameras that moved: S and g of all cameras, summed over the placements so far, and the
+ * best fault of each camera so far. */
 typedef struct rigcal_moves {
     rigcal_real *S, *g, *best;
-    rigcal_real *clocks;         /* S of the free clocks by all cameras */
-    rigcal_real *camera;         /* of each view of the placement */
-    rigcal_real *total, *so_far; /* views of each camera */
+    rigcal_real *clocks;         /* S of the free clocks and all cameras */
+    rigcal_real *camera;         /* the camera of each view of the placement */
+    rigcal_real *total, *so_far; /* numbers of views of each camera */
 } rigcal_moves;
 
 struct rigcal_faults_solver {
@@ -380,17 +396,18 @@ struct rigcal_faults_solver {
     rigcal_fault *faults;
     rigcal_faults found;
     size_t capacity;
-    int32_t phase, status, at_fault, left; /* kinds that come in a later pass */
+    int32_t phase, status, at_fault, left; /* left: kinds for a later pass */
     int32_t test, camera;                  /* what is tested next */
     size_t view, first, placement, slot;   /* under way; the first view of the placement */
     size_t n, n_free; /* unknowns of the cameras; cameras without a prior */
     size_t n_points, n_used, n_seen, n_neighbours;
     rigcal_columns columns;
     rigcal_moves moves;
-    rigcal_real low[2], high[2];              /* of the board's points */
-    rigcal_real sum, own;                     /* of all; of each view alone */
-    rigcal_real product, expected, expected2; /* of neighbours */
-    rigcal_real along, disagreement, speed2;  /* along the motion; in all */
+    rigcal_real low[2], high[2];              /* bounds of the board's points */
+    rigcal_real sum, own;                     /* sums of squares: of all views; of each view
+                                                 by itself */
+    rigcal_real product, expected, expected2; /* sums over neighbouring points */
+    rigcal_real along, disagreement, speed2;  /* sums along the motion; in all */
 };
 
 #ifdef __cplusplus

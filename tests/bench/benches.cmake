@@ -61,6 +61,9 @@ bench(bench_wide rigcal_bench_support check 100)
 # What a solve costs: that its scenes are solved.
 bench(bench_cost rigcal_bench_support check)
 
+# How that grows with the points.
+bench(bench_growth rigcal_test_support check)
+
 bench(bench_choose rigcal_test_support 1)
 
 # Which views of a rig are named.

@@ -296,6 +296,10 @@ static void check_method(const calibration *c, const char *const option[OPTION_C
     if (c->by_paper && option[OPTION_ROBUST] != NULL) {
         cli_fail("--robust does not go with --method paper: leave one out");
     }
+    if (c->by_paper && option[OPTION_WEIGH] != NULL) {
+        cli_fail("--weigh does not go with --method paper, in which all points count "
+                 "alike: leave one out");
+    }
     if (c->by_paper && option[OPTION_SIGMA] != NULL) {
         cli_fail("--sigma does not go with --method paper, which knows no noise: "
                  "leave one out");
@@ -318,6 +322,7 @@ static void choose(calibration *c, const char *const option[OPTION_COUNT])
 {
     c->by_paper = choose_method(option[OPTION_METHOD]);
     c->is_robust = option[OPTION_ROBUST] != NULL;
+    c->is_weighing = option[OPTION_WEIGH] != NULL;
     check_method(c, option);
     rigcal_pose_defaults(&c->pose);
     rigcal_robust_defaults(&c->robust);
@@ -359,11 +364,13 @@ int cli_calibrate(const char *const option[OPTION_COUNT])
     cli_cameras_read(&c.cameras, option[OPTION_CAMERAS]);
     read_known(&c.known, &c.cameras, option[OPTION_PRIOR], option[OPTION_HOLD],
                option[OPTION_SIGMA] != NULL);
-    cli_observations_read(&c.observations, option[OPTION_OBSERVATIONS], &c.cameras, 1);
+    cli_observations_read(&c.observations, option[OPTION_OBSERVATIONS], &c.cameras,
+                          CLI_TARGETS | (c.is_weighing ? CLI_SIGMAS : 0));
     read_times(&c.times, &c.observations, &c.cameras, option);
     cli_observations_by_view(&c.observations);
     cli_hold();
     solve_views(&c);
+    turn_views(&c);
     name_left_out(&c, folder);
     find_duplicates(&c);
     find_suspects(&c);

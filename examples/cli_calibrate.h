@@ -1,5 +1,6 @@
 /* cli_calibrate.h - what the parts of rigcal calibrate share: every camera's pose in every
- * frame (cli_solve.c), the rig that they form (cli_rig.c), which views are wrong
+ * frame (cli_solve.c), targets that look the same from several sides (cli_turned.c,
+ * cli_symmetry.c), the rig that they form (cli_rig.c), which views are wrong
  * (cli_judge.c) and why (cli_causes.c, cli_suspects.c), its intrinsics (cli_estimate.c),
  * what is known of its cameras beforehand (cli_prior.c), what a person reads of it
  * (cli_findings.c, cli_report.c, cli_graph.c), and options and files (cli_calibrate.c). */
@@ -91,11 +92,13 @@ typedef struct {
     cli_observations observations;
     int by_paper; /* --method paper */
     int is_robust;
+    int is_weighing;          /* --weigh: points count by column sigma_px */
     rigcal_pose_options pose; /* of --method ml */
     rigcal_robust_options robust;
     int exit_status;
 
     rigcal_observation *observed; /* work for one view: the points that count */
+    rigcal_real *observed_sigma;  /* of each; NULL: all alike */
     size_t *observed_at;          /* and which of the view's each is */
     rigcal_bearing *bearings;
     rigcal_pair *pairs;
@@ -295,6 +298,7 @@ double camera_noise(const calibration *c, size_t camera);
 /* In this order. All say what they cannot do, and set the exit status. `folder`: of
  * the files, or NULL. */
 void solve_views(calibration *c);
+void turn_views(calibration *c); /* of targets that look the same from several sides */
 void name_left_out(const calibration *c, const char *folder);
 void form_rig(calibration *c);
 void print_summary(const calibration *c); /* of a view at least */

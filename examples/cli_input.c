@@ -326,18 +326,65 @@ static cli_observation *add_observation(cli_observations *observations, size_t *
     return &observations->list[observations->count++];
 }
 
+/* The noise of a line, of one line to another: within what rigcal_view takes. */
+static rigcal_real read_sigma(const csv_table *table, size_t column)
+{
+    static const double LEAST = 1e-6, MOST = 1e6;
+    const double sigma = csv_number(table, 0, column);
+
+    if (!(sigma >= LEAST && sigma <= MOST)) {
+        csv_fail(table, 0, "column sigma_px: %g is not a noise in pixels, from %g to %g",
+                 sigma, LEAST, MOST);
+    }
+    return (rigcal_real)sigma;
+}
+
+/* Column turned of a line: the same of all lines of a point. */
+static void read_turned(cli_observations *observations, const cli_observation *o,
+                        size_t column)
+{
+    const csv_table *table = &observations->table;
+    const char *name = csv_id(table, 0, column);
+    const uint32_t to = (uint32_t)cli_names_add(&observations->points, name);
+    const size_t before = observations->room_turned;
+
+    if (observations->turned == NULL) {
+        observations->turned = cli_alloc(1, sizeof *observations->turned);
+    }
+    if (observations->points.count > before) {
+        size_t i;
+
+        observations->room_turned = observations->points.count * 2;
+        observations->turned = cli_resize(observations->turned, observations->room_turned,
+                                          sizeof *observations->turned);
+        for (i = before; i < observations->room_turned; i++) {
+            observations->turned[i] = CLI_NOT_TURNED;
+        }
+    }
+    if (observations->turned[o->point] != CLI_NOT_TURNED &&
+        observations->turned[o->point] != to) {
+        csv_fail(table, 0, "column turned: point %s is %s here, and %s on a line before",
+                 observations->points.name[o->point], name,
+                 observations->points.name[observations->turned[o->point]]);
+    }
+    observations->turned[o->point] = to;
+}
+
 static void read_observations(cli_observations *observations, const cli_cameras *cameras,
-                              int targets)
+                              int columns)
 {
     enum { SHOWN = 100000 };
     csv_table *table = &observations->table;
     const size_t frame = csv_column(table, "frame");
     const size_t camera = csv_column(table, "camera");
     const size_t point = csv_column(table, "point");
+    const int targets = columns & CLI_TARGETS;
     const size_t X = targets ? csv_column(table, "X") : CSV_NONE;
     const size_t Y = targets ? csv_column(table, "Y") : CSV_NONE;
     const size_t Z = targets ? csv_column(table, "Z") : CSV_NONE;
     const size_t u = csv_column(table, "u"), v = csv_column(table, "v");
+    const size_t sigma = columns & CLI_SIGMAS ? csv_column(table, "sigma_px") : CSV_NONE;
+    const size_t turned = targets ? csv_optional(table, "turned") : CSV_NONE;
     size_t room = 0;
 
     while (csv_next(table)) {
@@ -355,6 +402,10 @@ static void read_observations(cli_observations *observations, const cli_cameras 
         o->seen.X_w[2] = csv_real(table, 0, Z);
         o->seen.uv[0] = csv_real(table, 0, u);
         o->seen.uv[1] = csv_real(table, 0, v);
+        o->sigma = sigma == CSV_NONE ? 1 : read_sigma(table, sigma);
+        if (turned != CSV_NONE) {
+            read_turned(observations, o, turned);
+        }
         if (o->line % SHOWN == 0) {
             cli_progress(o->line, "reading %s, line %lu", table->path,
                          (unsigned long)o->line);
@@ -362,8 +413,36 @@ static void read_observations(cli_observations *observations, const cli_cameras 
     }
 }
 
+static int by_value(const void *left, const void *right)
+{
+    const rigcal_real a = *(const rigcal_real *)left, b = *(const rigcal_real *)right;
+
+    return (a > b) - (a < b);
+}
+
+/* The noise of the usual line is 1: all noises of the rig are then those of such a line,
+ * in pixels. */
+static void divide_by_usual_sigma(cli_observations *observations)
+{
+    const size_t count = observations->count;
+    rigcal_real *list = cli_alloc(count + 1, sizeof *list), usual;
+    size_t i;
+
+    for (i = 0; i < count; i++) {
+        list[i] = observations->list[i].sigma;
+    }
+    qsort(list, count, sizeof *list, by_value);
+    usual = list[count / 2];
+    for (i = 0; i < count; i++) {
+        rigcal_real *sigma = &observations->list[i].sigma;
+
+        *sigma = (rigcal_real)fmin(fmax((double)(*sigma / usual), 1e-6), 1e6);
+    }
+    cli_free(list);
+}
+
 void cli_observations_read(cli_observations *observations, const char *path,
-                           const cli_cameras *cameras, int targets)
+                           const cli_cameras *cameras, int columns)
 {
     csv_table *table = &observations->table;
 
@@ -372,8 +451,14 @@ void cli_observations_read(cli_observations *observations, const char *path,
     cli_names_open(&observations->frames);
     cli_names_open(&observations->points);
     observations->count = 0;
+    observations->turned = NULL;
+    observations->room_turned = 0;
     observations->list = cli_alloc(1, sizeof *observations->list);
-    read_observations(observations, cameras, targets);
+    observations->has_sigma = columns != 0 && csv_optional(table, "sigma_px") != CSV_NONE;
+    read_observations(observations, cameras, columns);
+    if (columns & CLI_SIGMAS) {
+        divide_by_usual_sigma(observations);
+    }
     observations->list =
         cli_resize(observations->list, observations->count, sizeof *observations->list);
     qsort(observations->list, observations->count, sizeof *observations->list, by_point);

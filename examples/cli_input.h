@@ -47,6 +47,7 @@ size_t cli_find_camera(const cli_cameras *cameras, const csv_table *table, size_
 /* There may be millions: the numbers are no larger than they must be. */
 typedef struct {
     rigcal_observation seen;
+    rigcal_real sigma;             /* 1, unless column sigma_px is read */
     uint32_t frame, camera, point; /* numbers of their names */
     uint32_t line;                 /* of the file */
 } cli_observation;
@@ -56,12 +57,18 @@ typedef struct {
     cli_names frames, points;
     cli_observation *list;
     size_t count;
+    int has_sigma;    /* of CLI_TARGETS: there is a column sigma_px */
+    uint32_t *turned; /* of each point, which it becomes where the target is read from its
+                         next side; NULL: there is no column turned */
+    size_t room_turned;
 } cli_observations;
+#define CLI_NOT_TURNED UINT32_MAX
 
-/* Sorted by frame, point, camera. Without `targets` the columns X, Y, Z are not
- * read. */
+/* Sorted by frame, point, camera. `columns`: CLI_TARGETS: X, Y, Z are read;
+ * CLI_SIGMAS: sigma_px too, which must be there. It is divided by its median. */
+enum { CLI_TARGETS = 1, CLI_SIGMAS = 2 };
 void cli_observations_read(cli_observations *observations, const char *path,
-                           const cli_cameras *cameras, int targets);
+                           const cli_cameras *cameras, int columns);
 
 /* Sorts them by camera, frame and line instead: view by view. */
 void cli_observations_by_view(cli_observations *observations);

@@ -324,6 +324,17 @@ static void print_intrinsics(const calibration *c)
     }
 }
 
+/* How points of different noise count. */
+static void print_weights(const calibration *c)
+{
+    if (c->is_weighing) {
+        printf("points are weighed by column sigma_px; sigma and noise are those of the "
+               "usual point, rms counts all alike\n");
+    } else if (c->observations.has_sigma) {
+        printf("all points count alike: column sigma_px is not used (--weigh uses it)\n");
+    }
+}
+
 static void print_fit(const calibration *c)
 {
     printf("\nrig: %lu view%s, %lu points, ", (unsigned long)c->rig.n_views,
@@ -333,6 +344,7 @@ static void print_fit(const calibration *c)
     } else {
         printf("whose sigma is not known\n");
     }
+    print_weights(c);
     print_closure(c);
     if (!(c->noise_px > 0)) {
         return;

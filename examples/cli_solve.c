@@ -83,12 +83,16 @@ static rigcal_real distance_to_points(const rigcal_transform *cam_from_target,
 
 rigcal_view view_points(const calibration *c, const view *v)
 {
-    rigcal_view seen = {&c->cameras.camera[v->camera], c->observed, NULL, v->n};
+    rigcal_view seen = {&c->cameras.camera[v->camera], c->observed, c->observed_sigma,
+                        v->n};
     size_t i, n = 0;
 
     for (i = 0; i < v->n_seen; i++) {
         if (!view_leaves_out(v, i)) {
             c->observed_at[n] = i;
+            if (c->observed_sigma != NULL) {
+                c->observed_sigma[n] = v->first[i].sigma;
+            }
             c->observed[n++] = v->first[i].seen;
         }
     }
@@ -418,6 +422,7 @@ void solve_views(calibration *c)
     }
     c->observed = cli_alloc(most, sizeof *c->observed);
     c->observed_at = cli_alloc(most, sizeof *c->observed_at);
+    c->observed_sigma = c->is_weighing ? cli_alloc(most, sizeof *c->observed_sigma) : NULL;
     c->views = cli_alloc(n_views, sizeof *c->views);
     for (begin = 0; begin < count; begin = end) {
         view v;

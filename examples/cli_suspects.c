@@ -175,10 +175,13 @@ static double median(double list[], size_t n)
 }
 
 /* Noise of one coordinate, from the view's own fit; 0: it tells nothing. */
-static double own_noise(const view *v)
+static double own_noise(const calibration *c, const view *v)
 {
     const double rms_px = (double)view_taken(v)->rms_px, n = (double)v->n;
 
+    if (c->is_weighing && n > 3) {
+        return sqrt((double)view_taken(v)->sse / (2 * n - 6));
+    }
     return n > 3 ? rms_px * sqrt(n / (2 * n - 6)) : 0;
 }
 
@@ -190,7 +193,7 @@ double camera_noise(const calibration *c, size_t camera)
     size_t n = 0;
 
     for (; v < end; v++) {
-        list[n] = own_noise(v);
+        list[n] = own_noise(c, v);
         n += list[n] > 0;
     }
     noise = n >= VIEWS_LEAST ? median(list, n) : 0;
@@ -243,7 +246,7 @@ static void find_wrong_points(calibration *c, const double noise[])
         rigcal_view seen;
 
         if (v->is_told || c->camera_is_told[v->camera] || !(usual > 0) || v->n < 6 ||
-            own_noise(v) < VIEW_WORSE * usual) {
+            own_noise(c, v) < VIEW_WORSE * usual) {
             continue;
         }
         n++;
@@ -266,7 +269,7 @@ static void find_wrong_sigma(calibration *c, double list[])
     double usual;
 
     for (i = 0; i < c->n_views; i++) {
-        list[n] = own_noise(&c->views[i]);
+        list[n] = own_noise(c, &c->views[i]);
         n += list[n] > 0;
         n_poor += c->views[i].status == RIGCAL_POOR_FIT;
     }

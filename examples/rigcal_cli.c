@@ -11,7 +11,7 @@ static const char HELP_USAGE[] =
     "rigcal - where each camera of a rig is, from a few points of known shape\n"
     "\n"
     "  rigcal calibrate   --cameras FILE --observations FILE [--out FOLDER]\n"
-    "                     [--sigma PIXELS]\n"
+    "                     [--sigma PIXELS] [--weigh]\n"
     "                     [--robust [--threshold PIXELS] [--seed NUMBER]]\n"
     "                     [--hold CAMERA]... [--prior FILE]\n"
     "                     [--times FILE|frames [--clocks [--drift]]\n"
@@ -39,6 +39,10 @@ static const char HELP_CALIBRATE[] =
     "               It is made if it does not exist.\n"
     "  --sigma      the noise of one pixel coordinate. Fits and uncertainties are\n"
     "               judged by it; without it, by the residuals.\n"
+    "  --weigh      weighs every point by 1 / sigma_px^2, a column of the observations:\n"
+    "               in the poses of views, in the rig and in all uncertainties. The\n"
+    "               noise that is stated or found is then that of the usual point, the\n"
+    "               median of the column. Without --weigh all points count alike.\n"
     "  --robust     leaves out points that disagree with the others by more than\n"
     "               --threshold (4 x --sigma; without --sigma 3 pixels).\n"
     "               --seed chooses other random samples; 1 if not given.\n"
@@ -63,7 +67,7 @@ static const char HELP_CALIBRATE[] =
     "               deviations are honest; without --times.\n"
     "  --method     ml, the default: the maximum-likelihood poses and rig, and their\n"
     "               uncertainties. paper: the published procedure, without --sigma,\n"
-    "               --robust, --hold and --prior.\n"
+    "               --weigh, --robust, --hold and --prior.\n"
     "  --progress   tells on standard error how far the work is, a line each, for\n"
     "               programs that show it. A terminal shows it without being asked.\n"
     "\n";
@@ -136,7 +140,7 @@ static const command COMMANDS[] = {
          BIT(OPTION_THRESHOLD) | BIT(OPTION_SEED) | BIT(OPTION_HOLD) | BIT(OPTION_PRIOR) |
          BIT(OPTION_TIMES) | BIT(OPTION_CLOCKS) | BIT(OPTION_DRIFT) |
          BIT(OPTION_SIGMA_TIME) | BIT(OPTION_INTRINSICS_SIGMA) |
-         BIT(OPTION_ESTIMATE_INTRINSICS) | BIT(OPTION_PROGRESS)},
+         BIT(OPTION_ESTIMATE_INTRINSICS) | BIT(OPTION_PROGRESS) | BIT(OPTION_WEIGH)},
     {"triangulate", cli_triangulate,
      BIT(OPTION_CAMERAS) | BIT(OPTION_RIG) | BIT(OPTION_OBSERVATIONS),
      BIT(OPTION_TARGETS) | BIT(OPTION_SIGMA)},
@@ -184,6 +188,7 @@ static const struct option OPTIONS[] = {
     {"intrinsics-sigma", required_argument, NULL, OPTION_INTRINSICS_SIGMA},
     {"estimate-intrinsics", no_argument, NULL, OPTION_ESTIMATE_INTRINSICS},
     {"progress", no_argument, NULL, OPTION_PROGRESS},
+    {"weigh", no_argument, NULL, OPTION_WEIGH},
     {"help", no_argument, NULL, HELP_OPTION},
     {"version", no_argument, NULL, VERSION_OPTION},
     {NULL, 0, NULL, 0},

@@ -530,17 +530,22 @@ RIGCAL_API rigcal_status rigcal_tag_solve(rigcal_pose cams_from_tag[], size_t ca
  *
  * One camera's pose from a view some of whose observations are wrong: another point's
  * pixel, or none's. Poses of three points each (D) are tried, from all triples or from
- * random ones, and scored by all the points. Then rigcal_pose_solve runs on the points
- * that agree with the best pose; this is repeated, at most 8 times, until the set of
- * agreeing points no longer changes. The same input and seed give the same bits. */
+ * random ones, and scored by all the points. The best so far is refined by the points that
+ * agree with it. The search ends when a better one is unlikely (E). Then rigcal_pose_solve
+ * runs on the points that agree with the best pose; this is repeated, at most 8 times,
+ * until the set of agreeing points no longer changes. The same input and seed give the same
+ * bits. */
 typedef struct rigcal_robust_options {
     rigcal_real threshold_px; /* a point farther than this from its projection is wrong
                                  (times sigma_i where those are given); 1e-6 .. 1e6.
                                  0 (default): 4 sigma_px, or 3 pixels */
     rigcal_real sigma_px;     /* as in rigcal_pose_options */
     int32_t samples;          /* the most triples that are tried; all, when there are no
-                                 more. 500 (default), 1 .. 100000 */
+                                 more. 10000 (default): with nine in ten points wrong the
+                                 chance to miss is 1e-3. 1 .. 100000 */
     uint32_t seed;            /* of the random triples. 1 (default) */
+    int32_t max_units;        /* the most units that are spent on triples; then the best
+                                 pose so far must do. 100000 (default), >= 1 */
 } rigcal_robust_options;
 
 typedef struct rigcal_robust_solver rigcal_robust_solver; /* see rigcal_solvers.h */
@@ -569,16 +574,20 @@ RIGCAL_API rigcal_status rigcal_robust_begin(rigcal_robust_solver *solver,
  *
  *   a unit is                                          at most
  *   the ray of one point of a triple (of a pinhole     a triple takes 7 of these two
- *     all three), or one pose scored by all points       (of a pinhole 5)
- *   the choice of the points that agree                9
+ *     all three), or one pose scored by all points       (of a pinhole 5); all with
+ *   the choice of the points that agree with a new       the next two max_units
+ *     best pose, one evaluation of them, or its score  20 a new best pose
+ *   the choice of the points that agree at last, or    26
+ *     one evaluation of them
  *   a unit of rigcal_pose_step                         those of 9 searches */
 RIGCAL_API rigcal_status rigcal_robust_step(rigcal_robust_solver *solver, int32_t budget);
 
 /* As rigcal_pose_result, of the *n_inliers points that agree: those whose byte of `inliers`
  * is 1, not 0. The first status that applies:
  *
- * RIGCAL_FEW_AGREE: so few agree that with all points wrong it would happen more than once
- *     in a thousand times: do not trust the pose without another reason.
+ * RIGCAL_FEW_AGREE: fewer than 6 agree, or so few, or so badly, that with all points wrong
+ *     chance might bring it about: do not trust the pose without another reason. (E) Of
+ *     270 000 scenes with all points wrong at most 3 have a pose without this caveat.
  * RIGCAL_POOR_FIT, _BUDGET_SPENT, _VAGUE, _AMBIGUOUS: as there, of these points.
  * RIGCAL_MOST_DISAGREE: fewer than half of all points agree. The pose is no chance, but may
  *     be that of a part of the target, as of a grid shifted by one square.

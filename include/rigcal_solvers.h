@@ -19,8 +19,8 @@ typedef struct rigcal_points {
     rigcal_view view;
     const uint8_t *mask; /* one for each point: 0: it does not count. NULL: all count */
     int32_t left_out;    /* index of one more point that does not count, or -1 */
-    int32_t is_mirrored; /* 1: the points are mirrored at the origin */
-    int32_t is_pinhole;
+    uint8_t is_mirrored; /* 1: the points are mirrored at the origin */
+    uint8_t is_pinhole;
     size_t n_used;          /* that count */
     rigcal_real origin[3];  /* weighted mean of the points */
     rigcal_real size;       /* their longest distance from the first point, along an axis */
@@ -56,10 +56,11 @@ typedef struct rigcal_levenberg {
 
 typedef struct rigcal_refinement {
     rigcal_levenberg search;
-    int32_t evals, is_approach;
+    int32_t evals;
+    uint8_t is_approach,
+        is_part; /* the next step is along the rays, by some of the points */
     rigcal_transform cam_from_points;
     rigcal_real g[6], H[21];
-    int32_t is_part; /* 1: the next step uses some of the points */
 } rigcal_refinement;
 
 /* ---- where a search of a pose may start ------------------------------------- */
@@ -78,10 +79,23 @@ typedef struct rigcal_lattice {
     rigcal_moments moments;
 } rigcal_lattice;
 
+/* The poses of three points (EQUATIONS.md D), one after the other. In units of the longest
+ * side, whose opposite point is the first. */
+typedef struct rigcal_p3p {
+    rigcal_real size, middle[3], frame[9]; /* of the points */
+    rigcal_real squared[3], chord2[3], h;  /* sides; chords between the rays, over h^2 */
+    union rigcal_p3p_work {
+        rigcal_real x[3][3], conic[9]; /* the points, at first */
+    } work;
+    rigcal_real line[3], v[2][3]; /* the second line; where one crosses the conic */
+    uint8_t first, is_second, crossings, next;
+} rigcal_p3p;
+
 /* Three points and their rays. `count` is the number of points, 4 for more than three. */
 typedef struct rigcal_triple {
     int32_t index[3], count;
     rigcal_real ray[3][3];
+    rigcal_p3p poses;
 } rigcal_triple;
 
 /* A descent under way, near the direction m3. */
@@ -105,7 +119,8 @@ typedef struct rigcal_optima {
 
 /* The points, the optima found so far, where to start next, and what is under way. */
 typedef struct rigcal_search {
-    int32_t phase, next, n_seeds, n_exact, triples, leans, is_flat, is_plane, is_wide;
+    uint8_t phase, next, n_seeds, n_exact, triples, leans, is_flat, is_plane, is_wide;
+    uint8_t n_roots; /* number of poses of the widest triple */
     size_t point;
     rigcal_real scale, axis[3], normal[3];
     rigcal_points points;
@@ -119,11 +134,11 @@ typedef struct rigcal_search {
         rigcal_descent descent;
         rigcal_refinement refinement;
     } work;
-    int32_t n_roots; /* number of poses of the widest triple */
 } rigcal_search;
 
 struct rigcal_pose_solver {
-    int32_t phase, failure, at_fault, same, is_warm, is_mirrored, is_unfinished;
+    uint8_t phase, is_warm, is_mirrored, is_unfinished;
+    int32_t failure, at_fault, same;
     size_t next;
     rigcal_real sigma_px, variance; /* variance of the first pose's rotation, for noise of 1
                                        px */
@@ -132,23 +147,25 @@ struct rigcal_pose_solver {
 
 /* ---- a robust pose ---------------------------------------------------------- */
 
-/* The best pose of three points so far, and the rays and poses of one triple. */
+/* The best pose so far, the rays and poses of one triple, and a pose that is improved. */
 typedef struct rigcal_trial_poses {
     rigcal_transform best, tried[RIGCAL_POSES_MAX];
     rigcal_real ray[3][3], cost;
+    rigcal_refinement better;
 } rigcal_trial_poses;
 
 struct rigcal_robust_solver {
     rigcal_points points; /* all of them */
     uint8_t *inliers;
-    size_t n_agree;
     union rigcal_robust_work {
         rigcal_trial_poses trial;
         rigcal_pose_solver pose;
     } work;
-    rigcal_real sigma_px, threshold_px, missed, area_px2;
+    rigcal_real sigma_px, threshold_px, area_px2, by_chance;
     uint32_t random;
-    int32_t sample[3], samples, tried, is_complete, phase, next, n_poses, rounds, failure;
+    int32_t sample[3], samples, tried, wanted, is_complete, phase, next, n_poses, rounds;
+    int32_t rank, stride; /* of the triples where all are tried */
+    int32_t units, max_units, failure;
 };
 
 /* ---- an adjusted rig -------------------------------------------------------- */

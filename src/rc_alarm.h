@@ -8,8 +8,8 @@
  *     rc_alarm_frame    at the end of a frame: the evidence; 0 or more is the alarm
  *     rc_alarm_again    when the alarm was answered
  *
- * Between an alarm and its answer the first RC_ALARM_WINDOW numbers of each body are not
- * used: rc_alarm_lent is where they are. */
+ * Between an alarm and its answer, others may use the first RC_ALARM_WINDOW numbers of each
+ * body: rc_alarm_lent says where they are. */
 #ifndef RC_ALARM_H
 #define RC_ALARM_H
 
@@ -17,7 +17,8 @@
 
 /* ---- constants ----------------------------------------------------------- */
 
-/* frames: of the longest window; a move that takes more to be seen is followed. */
+/* frames: length of the longest window. If a move takes longer to be seen, the filter
+ * follows it instead. */
 #define RC_ALARM_LONGEST 256
 
 enum {
@@ -30,54 +31,57 @@ enum {
 
 typedef struct {
     int32_t n_bodies;
-    rigcal_real common;        /* 0 .. 1: how far the rows of a frame err together */
-    rigcal_real log_limit;     /* log of A K B */
+    rigcal_real common;        /* 0 .. 1: share by which the rows of a frame err together */
+    rigcal_real log_limit;     /* log(A K B): bound, windows, bodies */
     rigcal_real move_rad;      /* the largest turn thought possible [rad] */
     rigcal_real move_t;        /* the largest shift thought possible [length] */
-    rigcal_real rows, squares; /* of recent rows: their number, and the sum of psi^2 */
+    rigcal_real rows, squares; /* of recent rows: number, sum of psi^2 */
 } rc_alarm;
 
 /* ---- functions ----------------------------------------------------------- */
 
-/* bodies: RC_ALARM_BODY numbers for each of n_bodies >= 1.
- * arl0_frames: mean number of frames between false alarms, 100 or more. */
+/* Begins. bodies has RC_ALARM_BODY numbers for each of n_bodies >= 1 bodies. arl0_frames is
+ * the mean number of frames between false alarms, 100 or more. */
 void rc_alarm_begin(rc_alarm *alarm, rigcal_real bodies[], size_t n_bodies,
                     rigcal_real arl0_frames, rigcal_real common, rigcal_real move_rad,
                     rigcal_real move_t);
 
-/* One row: its innovation z [standard deviations], that deviation sd = sqrt(S), and its
- * derivatives by the errors of the two bodies a and b that it is of. */
+/* Takes one row: its innovation z [standard deviations], the standard deviation sd =
+ * sqrt(S), and its derivatives by the errors of its two bodies a and b. */
 void rc_alarm_row(rc_alarm *alarm, rigcal_real bodies[], rigcal_real z, rigcal_real sd,
                   size_t a, const rigcal_real h_a[6], size_t b, const rigcal_real h_b[6]);
 
-/* Ends a frame. Returns the evidence: log of the sum over A, 0 or more is the alarm. */
+/* Ends a frame. Returns the evidence, log(sum / A). 0 or more is the alarm. */
 rigcal_real rc_alarm_frame(rc_alarm *alarm, rigcal_real bodies[]);
 
-/* The alarm was answered: all windows start anew. What was measured of the rows stays. */
+/* After the alarm was answered: starts all windows anew. What was measured of the rows
+ * stays. */
 void rc_alarm_again(rc_alarm *alarm, rigcal_real bodies[]);
 
-/* Another body takes the place of this one: its windows start, nothing is known of it. */
+/* Another body takes the place of this one: starts its windows and clears what was
+ * measured. */
 void rc_alarm_forget(rc_alarm *alarm, rigcal_real bodies[], size_t body);
 
-/* RC_ALARM_WINDOW numbers of a body, for the trials between the alarm and its answer. */
+/* RC_ALARM_WINDOW numbers of a body, which the trials use between the alarm and its
+ * answer. */
 rigcal_real *rc_alarm_lent(rigcal_real bodies[], size_t body);
 
 /* ---- after rc_alarm_frame -------------------------------------------------- */
 
-/* A body's part of the sum, 0 .. 1; all are 1 together. */
+/* The share of a body in the sum, 0 .. 1. All shares add up to 1. */
 rigcal_real rc_alarm_share(const rc_alarm *alarm, const rigcal_real bodies[], size_t body);
 
-/* 1: the body is blind: since the last longest window began it had fewer than 6 rows. */
+/* 1: the body is blind. It had fewer than 6 rows in the longest window. */
 int rc_alarm_is_blind(const rigcal_real bodies[], size_t body);
 
-/* The smallest turn of a body, about the axis that is seen worst, that the longest window
- * would have noticed [rad]. 0: none would; the body is blind or turns about one axis are
- * not seen. */
+/* The smallest turn of a body that the longest window would have noticed, about the axis
+ * for which it sees least [rad]. 0: it would notice none, because the body is blind or
+ * turns about one axis are not seen. */
 rigcal_real rc_alarm_smallest(const rc_alarm *alarm, const rigcal_real bodies[],
                               size_t body);
 
-/* rms of the clipped innovations over that of normal noise as stated: 1 is as stated, at
- * most 1.6. 0: there was no row. */
+/* The rms of the clipped innovations, relative to that of normal noise as stated. 1: the
+ * noise is as stated; at most 1.6. 0: there was no row. */
 rigcal_real rc_alarm_noise(const rc_alarm *alarm);
 
 #endif /* RC_ALARM_H */

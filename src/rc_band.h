@@ -4,30 +4,30 @@
 
 #include "rc_camera.h"
 
-/* Pixel of the direction m, of any length, J = d(u, v) / dm, 2 x 3, and D = dm / d(u, v)
- * across m, as its two columns. OK; ERR_NO_RAY also where the lens squeezes an area to a
- * fiftieth, next to where it folds: there no derivative holds over the width of the noise.
- * Does not prove that the lens sees m: rc_project_usable does. */
+/* Projects the direction m, of any length: its pixel, J = d(u, v) / dm, 2 x 3, and the two
+ * columns of D = dm / d(u, v) across m. OK; ERR_NO_RAY, also where the lens shrinks an area
+ * to a fiftieth, close to where it folds: there no derivative holds over the width of the
+ * noise. It does not prove that the lens sees m: use rc_project_usable. */
 rigcal_status rc_band_place(rigcal_real uv[2], rigcal_real J[6], rigcal_real D[2][3],
                             const rigcal_camera *camera, int is_pinhole,
                             const rigcal_real m[3]);
 
-/* OK, ERR_NULL, ERR_NOT_FINITE, ERR_CAMERA, ERR_RANGE of a band that a caller hands in. */
+/* Checks a band from a caller: OK, ERR_NULL, ERR_NOT_FINITE, ERR_CAMERA, ERR_RANGE. */
 rigcal_status rc_band_check(const rigcal_band *band);
 
-/* OK, ERR_NOT_FINITE, ERR_RANGE (m is not of length 1) of a ray that a caller hands in. */
+/* Checks a ray from a caller: OK, ERR_NOT_FINITE, ERR_RANGE (m does not have length 1). */
 rigcal_status rc_ray_check(const rigcal_ray *ray);
 
-/* A checked ray against a checked band: writes all of rigcal_band_test_ray except the
- * index. With ERR_PARALLEL the half width is written. */
+/* Tests a checked ray against a checked band. It writes all that rigcal_band_test_ray
+ * writes except the index. With ERR_PARALLEL only the half width is written. */
 rigcal_status rc_band_test(rigcal_match *match, const rigcal_band *band,
                            const rigcal_ray *ray);
 
-/* Direction (along, across) in the basis (ray, towards), of length 1, of the point at
- * `depth` from camera a. */
+/* The direction (along, across), in the basis (ray, towards), of the point at `depth` from
+ * camera a. It has length 1. */
 void rc_band_direction(rigcal_real out[2], const rigcal_band *band, rigcal_real depth);
 
-/* The ends of the depth range, far and near, as such directions: infinity is (1, 0). */
+/* The ends of the depth range, far and near, as such directions. Infinity is (1, 0). */
 void rc_band_ends(rigcal_real ends[2][2], const rigcal_band *band);
 
 /* The larger eigenvalue of (a b; b c). */

@@ -4,19 +4,19 @@
 
 #include "rc_real.h"
 
-/* CRC-32 of IEEE 802.3 (reflected polynomial EDB88320, all ones before, inverted
- * after), that of zlib, zip and PNG. */
+/* CRC-32 of IEEE 802.3, as in zlib, zip and PNG: reflected polynomial EDB88320, all ones
+ * before, inverted after. */
 uint32_t rc_crc32(const uint8_t bytes[], size_t n);
 
-/* They return where the bytes end. */
+/* Both return the end of the bytes written. */
 uint8_t *rc_put_u32(uint8_t *at, uint32_t x);
 uint8_t *rc_put_reals(uint8_t *at, const rigcal_real x[], size_t n);
 
 uint32_t rc_u16_at(const uint8_t *at);
 uint32_t rc_u32_at(const uint8_t *at);
 
-/* Reals of 4 or 8 bytes; returns where they end. A float build rounds doubles to nearest,
- * too large ones and NaN to infinity. */
+/* Reads reals of 4 or 8 bytes. Returns the end of the bytes read. A float build rounds
+ * doubles to nearest; those too large and NaN become infinity. */
 const uint8_t *rc_get_reals(rigcal_real x[], size_t n, const uint8_t *at,
                             int32_t real_bytes);
 

@@ -1,8 +1,9 @@
-/* rc_choose.h - which of the poses of a view the others support (CHOICE in EQUATIONS.md).
+/* rc_choose.h - finds the pose of a view that the other views support (CHOICE in
+ * EQUATIONS.md).
  *
- * A claim is a transform with what is known of it. A view claims where a placement is, two
- * views where one camera is from the other. Right claims agree, wrong ones do not repeat.
- */
+ * A claim is a transform with its covariance. One view claims where a placement is. Two
+ * views claim where one camera is from the other. Right claims agree; wrong ones do not
+ * repeat. */
 #ifndef RC_CHOOSE_H
 #define RC_CHOOSE_H
 
@@ -10,65 +11,69 @@
 
 /* ---- constants ----------------------------------------------------------- */
 
-/* sigma^2 tau^2: what two right claims are apart at most: chi squared of 6 degrees of
- * freedom, which exceeds this once in 25000. */
+/* sigma^2 tau^2: limit of the squared distance of two right claims. It is chi squared of 6
+ * degrees of freedom, which exceeds 30 once in 25000. */
 #define RC_CHOOSE_LIMIT RC(30)
 
 /* ---- claims -------------------------------------------------------------- */
 
 typedef struct {
     rigcal_transform b_from_a;
-    rigcal_real Sigma[21]; /* of its turn w, and of the shift of `pivot` as seen in b, for
+    rigcal_real Sigma[21]; /* of the turn w and of the shift of `pivot` as seen in b, for
                               noise of 1 px */
     rigcal_real pivot[3];  /* in frame a: where the target is */
     rigcal_real extra;     /* px^2: sum of squares, less that of the view's first pose */
-    rigcal_real view;      /* its number; -1: there is no such claim */
+    rigcal_real view;      /* the view's number; -1: there is no claim */
     rigcal_real candidate; /* 0 or 1: which pose of the view */
 } rc_claim;
 
-/* Reals that a claim takes, and that the claims of a placement of so many views take at
+/* Reals that one claim takes. Reals that the claims of a placement of n_views views take at
  * most. */
 #define RC_CLAIM_REALS 39
 #define RC_CLAIMS_WORK(n_views) (2 * RC_CLAIM_REALS * (size_t)(n_views))
 
-/* A pose of a view: cam_from_target. 0: its information is not positive definite. */
+/* The claim cam_from_target of one pose of a view. Returns 0 if the pose's information
+ * matrix is not positive definite. */
 int rc_claim_of_view(rc_claim *claim, const rigcal_view_pose *pose, rigcal_real first_sse,
                      int32_t view, int32_t candidate);
 
-/* rig_from_placement from that and cam_from_rig: T = C^-1 V, both poses' errors together.
- * The camera is a claim of its own, whose pivot is in the rig; exact where it is 0. Without
- * `with_camera` only the view's error is in it. */
+/* The claim rig_from_placement = C^-1 V, of a view's claim V and a camera's claim C. The
+ * camera's pivot is a point of the rig. With `with_camera` the covariance contains the
+ * errors of both, otherwise that of the view alone. A camera whose Sigma is 0 is exact. */
 void rc_claim_place(rc_claim *placement, const rc_claim *view, const rc_claim *camera,
                     int with_camera);
 
-/* b_from_a from two claims about one thing: b_from_x and a_from_x, both pivots 0. */
+/* The claim b_from_a from two claims about one placement x: b_from_x and a_from_x. Both
+ * pivots must be 0. */
 void rc_claim_between(rc_claim *b_from_a, const rc_claim *b, const rc_claim *a);
 
-/* Squared distance of two claims of one transform in units of what both leave open, for
- * noise of 1 px [px^2]: chi squared of 6 times sigma^2, if both are right. */
+/* Squared distance of two claims of one transform, weighed by the sum of their covariances,
+ * for noise of 1 px [px^2]. If both are right it is sigma^2 times chi squared of 6. */
 rigcal_real rc_claims_apart(const rc_claim *p, const rc_claim *q);
 
-/* What the other claims of a placement make of one of them: each view costs that of its
- * candidates which is nearest, at most `limit` [px^2]; it agrees if that is less. */
+/* How far the other claims of a placement support one of them. Each view costs as much as
+ * its nearest candidate, at most `limit` [px^2]. A view agrees if its cost is below the
+ * limit. */
 typedef struct {
-    rigcal_real cost;   /* of all views */
-    rigcal_real spread; /* of the claim: its variance of rotation. Ties go to the least */
-    int32_t agree;      /* views that do, its own included */
-    int32_t n;          /* views */
+    rigcal_real cost;   /* sum over all views */
+    rigcal_real spread; /* the claim's variance of rotation; the least one wins ties */
+    int32_t agree;      /* number of views that agree, the claim's own included */
+    int32_t n;          /* number of views */
 } rc_support;
 
-/* Claims are in the order of their views, those of one view one after the other. choice:
- * NULL, or of each view by its number: 0 or 1, the candidate that agrees, or 2: none.
- * Compares at most n claims. */
+/* Claims must be in the order of their views; the two of a view stand side by side. choice
+ * may be NULL. Otherwise each view's entry becomes 0 or 1, the candidate that agrees, or 2
+ * if none does. Compares at most n claims. */
 void rc_choose_support(rc_support *support, uint8_t choice[], const rc_claim claims[],
                        size_t n, size_t which, rigcal_real limit);
 
-/* Whether that is better: more agree, or at less cost. */
+/* Whether a support is better than another: more views agree or, if as many agree, it costs
+ * less. */
 int rc_choose_is_better(const rc_support *support, const rc_support *than);
 
-/* One placement: of its n >= 1 claims (rc_claim_place) the one that the others support
- * best. Returns its index; support and choice as above. Limit: 30 sigma^2 tau^2, or
- * whatever stands for sigma^2 tau^2. O(n^2). */
+/* Of the n >= 1 claims of one placement (rc_claim_place): the index of the one that the
+ * others support best. support and choice are as above. limit is 30 sigma^2 tau^2, or 30
+ * times whatever stands for sigma^2 tau^2. O(n^2). */
 size_t rc_choose_place(rc_support *support, uint8_t choice[], const rc_claim claims[],
                        size_t n, rigcal_real limit);
 

@@ -1,8 +1,8 @@
-/* rc_columns.h - the parameters of the faults that are tested in one pass over the views,
- * as a border of the rig's equations (FAULTS in EQUATIONS.md, H5 to H8).
+/* rc_columns.h - the parameters of the faults that one pass over the views tests, as a
+ * border of the rig's equations (FAULTS in EQUATIONS.md, H5 to H8).
  *
- * Columns: the clock of each camera, the other parameters of each camera, those of the
- * board. */
+ * The columns are the clock of each camera, then the other parameters of each camera, then
+ * those of the board. */
 #ifndef RC_COLUMNS_H
 #define RC_COLUMNS_H
 
@@ -18,10 +18,11 @@ typedef struct {
     int is_enough;
 } rc_pool;
 
-/* n reals of the first piece that has them; NULL, and not enough. */
+/* Takes n reals of the first piece that has them. Otherwise it returns NULL, and is_enough
+ * becomes 0. */
 rigcal_real *rc_pool_take(rc_pool *pool, size_t n);
 
-/* Elements of a packed matrix of n rows. */
+/* Number of elements of a packed matrix of n rows. */
 inline size_t rc_packed_size(size_t n)
 {
     return n * (n + 1) / 2;
@@ -29,49 +30,50 @@ inline size_t rc_packed_size(size_t n)
 
 int rc_columns_has(const rigcal_columns *columns, int32_t kind);
 
-/* Whether a kind has parameters of each camera. */
+/* Whether each camera has its own parameters of this kind. */
 int rc_is_of_camera(int32_t kind);
 
-/* Numbers the columns of columns->kinds, and takes memory for them; `room` reals at least
- * for Z. */
+/* Numbers the columns of columns->kinds and takes memory for them. Z gets at least `room`
+ * reals for each unknown of the rig. */
 void rc_columns_lay_out(rigcal_columns *columns, rc_pool *pool, size_t room);
 
-/* A pass begins: all sums are 0. */
+/* Begins a pass: sets all sums to 0. */
 void rc_columns_begin(rigcal_columns *columns);
 
-/* Whether a clock is an unknown of the adjustment; all unknowns of clocks. */
+/* Whether the adjustment has this camera's clock as an unknown. rc_columns_n_free: the
+ * number of such unknowns. */
 int rc_columns_is_free(const rigcal_columns *columns, size_t camera);
 size_t rc_columns_n_free(const rigcal_columns *columns);
 
-/* What a view of a camera tells, after rc_border_view with its g and H by the camera. */
+/* Adds a view of a camera, after rc_border_view. g is by the camera, as that leaves it. */
 void rc_columns_add(rigcal_columns *columns, const rc_evidence *view, const rc_chain *chain,
                     size_t camera, rigcal_real since, const rigcal_real g[6]);
 
-/* The same of the view by itself: after rc_evidence_alone. */
+/* Adds the view with its own pose free, after rc_evidence_alone. */
 void rc_columns_add_alone(rigcal_columns *columns, const rc_evidence *view, size_t camera);
 
-/* The placement has been eliminated from the border. */
+/* Eliminates the placement from the columns, after rc_border_eliminate. */
 void rc_columns_eliminate(rigcal_columns *columns);
 
-/* All views have been added. */
-void rc_columns_end(rigcal_columns *columns);
-
-/* Tests a fault of fault->kind and fault->camera. clocks: NULL, or where CLOCKS go. */
+/* Tests the fault of fault->kind and fault->camera. clocks may be NULL; otherwise CLOCKS
+ * writes its values there. */
 void rc_columns_test(rigcal_fault *fault, const rigcal_columns *columns,
                      const rc_common *common, rigcal_real clocks[]);
 
-/* Adds what a free clock shares to its element of a row, and `since` times that to the
- * element of its drift; `of`: the element of camera 0, `stride` from one to the next. */
+/* Adds x to the element of a free clock in a row, and `since` times x to the element of its
+ * drift. `of` is the element of camera 0; elements are `stride` apart. */
 void rc_columns_add_clock(const rigcal_columns *columns, rigcal_real of[], size_t stride,
                           size_t camera, rigcal_real x);
 
-/* theta = I^-1 u in the place of u, its variance diag(I^-1), and the gain u . theta; I of k
- * rows is factored, and spent. `variance` has the diagonal before anything was eliminated.
- * 0: with so little of it left, the parameters cannot be seen. */
+/* Solves theta = I^-1 u, with u in theta at first. variance becomes diag(I^-1), and gain u
+ * . theta. I has k rows and is overwritten. `variance` must hold the diagonal before
+ * anything was eliminated. Returns 0 if so little of it is left that the parameters cannot
+ * be seen. */
 int rc_columns_solve(rigcal_real *gain, rigcal_real theta[], rigcal_real variance[],
                      rigcal_real I[], size_t k);
 
-/* The longest of the turns, and of the shifts, of the cameras in G; of those so far. */
+/* Raises *turn to the largest turn, and *shift to the largest shift, of the cameras in
+ * G. */
 void rc_columns_most(rigcal_real *turn, rigcal_real *shift, const rigcal_real G[],
                      size_t n);
 

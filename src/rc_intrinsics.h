@@ -1,23 +1,24 @@
-/* rc_intrinsics.h - how a projection changes with the camera's own numbers (CONSIDER in
+/* rc_intrinsics.h - how a projection changes with the camera's intrinsics (CONSIDER in
  * EQUATIONS.md). */
 #ifndef RC_INTRINSICS_H
 #define RC_INTRINSICS_H
 
 #include "rc_camera.h"
 
-/* The parameters of a camera, in their order: fx and fy by a part, fx / fy by a part, the
+/* The parameters of a camera: fx and fy by a part of themselves, fx / fy by a part, the
  * principal point [px], k1 and k2. */
 enum {
     RC_BY_FOCAL = 0,
     RC_BY_ASPECT = 1,
-    RC_BY_CENTRE = 2, /* and the next: cx, cy */
+    RC_BY_CENTRE = 2, /* and the next one: cx, cy */
     RC_BY_K1 = 4,
     RC_BY_K2 = 5,
     RC_INTRINSICS = 6
 };
 
-/* D = d projection / d parameters, row by row: 2 x RC_INTRINSICS. Of the point that
- * rc_project_by has put at x in the plane of the lens map, and at the pixel uv. */
+/* D = d projection / d parameters, row by row: 2 x RC_INTRINSICS. x and uv are what
+ * rc_project_by has found for the point: its place in the plane of the lens map, and its
+ * pixel. */
 void rc_intrinsics(rigcal_real D[2 * RC_INTRINSICS], const rigcal_camera *camera,
                    const rigcal_real x[2], const rigcal_real uv[2]);
 

@@ -1,7 +1,8 @@
-/* rc_layout.h - the structs of the public headers: the one list that rigcal_layout and its
- * test are made from. tests/checks/check_layout.py compares it with the headers.
+/* rc_layout.h - the one list of the structs of the public headers, from which rigcal_layout
+ * and its test are made. tests/checks/check_layout.py compares it with the headers.
  *
- * S(struct), M(struct, member). What a solver keeps is its own: S alone. */
+ * S(struct) and M(struct, member). The members of a solver are its own, so it has only
+ * S. */
 #ifndef RC_LAYOUT_H
 #define RC_LAYOUT_H
 
@@ -40,6 +41,7 @@
     S(rigcal_robust_options)                                                       \
         M(rigcal_robust_options, threshold_px) M(rigcal_robust_options, sigma_px)  \
         M(rigcal_robust_options, samples) M(rigcal_robust_options, seed)           \
+        M(rigcal_robust_options, max_units)                                        \
     S(rigcal_blame)                                                                \
         M(rigcal_blame, verdict) M(rigcal_blame, point)                            \
         M(rigcal_blame, is_rest_poor) M(rigcal_blame, rms_px)                      \

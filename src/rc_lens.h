@@ -17,6 +17,12 @@ inline int rc_lens_is_fisheye(const rigcal_camera *camera)
     return RIGCAL_WITH_FISHEYE && camera->lens == RIGCAL_LENS_FISHEYE;
 }
 
+/* A camera's numbers from one of them on, in their order: fx to k6. */
+inline const rigcal_real *rc_camera_numbers(const rigcal_camera *camera, size_t offset)
+{
+    return (const rigcal_real *)(const void *)((const char *)camera + offset);
+}
+
 /* Whether all eight coefficients are 0, of Brown's lens. */
 int rc_lens_is_pinhole(const rigcal_camera *camera);
 

@@ -73,16 +73,16 @@ inline void rc_vec3_combine(rigcal_real out[3], rigcal_real s, const rigcal_real
 /* x = 0 */
 void rc_clear(rigcal_real x[], size_t n);
 
-/* Of the length 1, as nearly as a rotation is one: for preconditions. */
+/* Whether a vector has length 1, to the tolerance of a rotation. For preconditions. */
 #define RC_IS_UNIT(v) (RC_FABS(rc_vec3_dot(v, v) - 1) <= RC_TOL(1e-6, 1e-3))
 
 rigcal_real rc_vec3_norm(const rigcal_real a[3]);
 rigcal_real rc_vec3_max_abs(const rigcal_real a[3]);
 
-/* out = a / |a| without overflow or underflow on the way; 0 when a is zero. */
+/* out = a / |a| without overflow or underflow on the way. Returns 0 if a is zero. */
 int rc_vec3_unit(rigcal_real out[3], const rigcal_real a[3]);
 
-/* Rows m1, m2 that complete the unit vector m3 to a rotation (Duff et al. 2017). */
+/* Rows m1 and m2 that make a rotation with the unit vector m3 (Duff et al. 2017). */
 void rc_vec3_complete(rigcal_real m1[3], rigcal_real m2[3], const rigcal_real m3[3]);
 
 /* out = M v, out = M^T v */
@@ -100,31 +100,31 @@ void rc_mat3_tmul_vec3(rigcal_real out[3], const rigcal_real M[9], const rigcal_
 void rc_mat3_mul(rigcal_real out[9], const rigcal_real A[9], const rigcal_real B[9]);
 void rc_mat3_mul_t(rigcal_real out[9], const rigcal_real A[9], const rigcal_real B[9]);
 
-/* Cofactors of M: det(M) M^-T. Returns det(M). */
+/* The cofactors of M, det(M) M^-T. Returns det(M). */
 rigcal_real rc_mat3_cofactors(rigcal_real out[9], const rigcal_real M[9]);
 
-/* Symmetric 3 x 3 matrices are held as xx, xy, xz, yy, yz, zz. */
+/* Symmetric 3 x 3 matrices are stored as xx, xy, xz, yy, yz, zz. */
 
 /* A += s x x^T */
 void rc_sym3_add_outer(rigcal_real A[6], rigcal_real s, const rigcal_real x[3]);
 
-/* The direction across which the points with the moments C = sum x x^T extend least, unit
- * length: its eigenvector of the least eigenvalue. With a, b, c the eigenvalues over their
- * sum, *thickness is 1 / (1/a + 1/b + 1/c), about the least of them; of a plane it is
- * rounding. 0: the points are on a line, to rounding, and have no such direction. */
+/* The direction of unit length in which points with the moments C = sum x x^T extend least:
+ * the eigenvector of the least eigenvalue. With the eigenvalues a, b, c divided by their
+ * sum, *thickness is 1 / (1/a + 1/b + 1/c), which is about the least of them. For a plane
+ * it is rounding. Returns 0 if the points are on a line to rounding and have no such
+ * direction. */
 int rc_sym3_thinnest(rigcal_real normal[3], rigcal_real *thickness, const rigcal_real C[6]);
 
 /* out = A v */
 void rc_sym3_mul_vec3(rigcal_real out[3], const rigcal_real A[6], const rigcal_real v[3]);
 
-/* Cholesky's factor of A = L L^T: L is xx, yx, zx, yy, zy, zz, its diagonal held as
- * inverses, and may be A. 0 when A is not positive definite to working precision: a
- * pivot is no more than `rank_tol` of its element of `diagonal`. */
+/* Cholesky's factor of A = L L^T. L is xx, yx, zx, yy, zy, zz, with the inverses of its
+ * diagonal; it may be A. Returns 0 if A is not positive definite to working precision: a
+ * pivot is at most `rank_tol` times its element of `diagonal`. */
 int rc_sym3_factor(rigcal_real L[6], const rigcal_real A[6], const rigcal_real diagonal[3],
                    rigcal_real rank_tol);
 
-/* damped = A + damping D, and D = diag(A); where an element of that is small or negative
- * against the largest, D has a hundredth of the largest. */
+/* damped = A + damping D. D is diag(A), but at least a hundredth of its largest element. */
 void rc_sym3_damp(rigcal_real damped[6], rigcal_real D[3], const rigcal_real A[6],
                   rigcal_real damping);
 
@@ -154,8 +154,8 @@ typedef struct {
     rigcal_real first[6], across[3][3], second[6];
 } rc_sym6_factor;
 
-/* L L^T = H + damping D, as of rc_sym3_damp. L may take the place of H, element by element.
- * 0: not positive definite to rounding. */
+/* L L^T = H + damping D, with D as in rc_sym3_damp. L may lie in the memory of H, element
+ * by element. Returns 0 if it is not positive definite to rounding. */
 int rc_sym6_factor_of(rc_sym6_factor *L, const rigcal_real H[21], rigcal_real damping);
 
 /* x <- L^-1 x, x <- L^-T x, x <- (L L^T)^-1 x */
@@ -163,17 +163,17 @@ void rc_sym6_forward(rigcal_real x[6], const rc_sym6_factor *L);
 void rc_sym6_backward(rigcal_real x[6], const rc_sym6_factor *L);
 void rc_sym6_solve(rigcal_real x[6], const rc_sym6_factor *L);
 
-/* All of H, row by row; and back, from the upper triangle. */
+/* All of H, row by row; and H from the upper triangle. */
 void rc_sym6_unpack(rigcal_real full[36], const rigcal_real H[21]);
 void rc_sym6_pack(rigcal_real H[21], const rigcal_real full[36]);
 
 /* y = H x */
 void rc_sym6_mul(rigcal_real y[6], const rigcal_real H[21], const rigcal_real x[6]);
 
-/* Sigma = H^-1, row by row. 0: H is not positive definite to rounding. */
+/* Sigma = H^-1, row by row. Returns 0 if H is not positive definite to rounding. */
 int rc_sym6_invert(rigcal_real Sigma[36], const rigcal_real H[21]);
 
-/* Of H^-1 the trace of the first block alone. 0: as above; *trace is then as it was. */
+/* The trace of the first block of H^-1. Returns 0 as above; *trace then keeps its value. */
 int rc_sym6_inverse_trace(rigcal_real *trace, const rigcal_real H[21]);
 
 /* ---- symmetric matrices of any size, packed ------------------------------
@@ -184,9 +184,9 @@ inline size_t rc_packed_at(size_t i, size_t j)
     return i * (i + 1) / 2 + j;
 }
 
-/* Replaces row i of A by row i of Cholesky's factor; the rows above must be done. The
- * diagonal is held as inverses. 0: A is not positive definite to rounding, as the pivot is
- * at most `least`. O(i^2). */
+/* Replaces row i of A by row i of Cholesky's factor, with the inverse of its diagonal. The
+ * rows above must have been replaced. Returns 0 if the pivot is at most `least`: A is not
+ * positive definite to rounding. O(i^2). */
 int rc_packed_factor_row(rigcal_real A[], size_t i, rigcal_real least);
 
 /* x <- L^-1 x, x <- L^-T x; O(n^2). */
@@ -194,7 +194,8 @@ void rc_packed_forward(rigcal_real x[], const rigcal_real L[], size_t n);
 void rc_packed_backward(rigcal_real x[], const rigcal_real L[], size_t n);
 
 /* The first replaces row i of L by row i of L^-1, O(i^2). The second then replaces row i of
- * L^-1 by row i of (L L^T)^-1 = L^-T L^-1, O(n i). The rows above must be done. */
+ * L^-1 by row i of (L L^T)^-1 = L^-T L^-1, O(n i). The rows above must have been
+ * replaced. */
 void rc_packed_invert_row(rigcal_real L[], size_t i);
 void rc_packed_square_row(rigcal_real L_inverse[], size_t i, size_t n);
 

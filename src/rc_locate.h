@@ -1,5 +1,5 @@
-/* rc_locate.h - a point from the views that are used, with its covariance, view by view
- * (POINT in EQUATIONS.md). */
+/* rc_locate.h - finds a point from the views that are used, with its covariance. It takes
+ * one view a step (POINT in EQUATIONS.md). */
 #ifndef RC_LOCATE_H
 #define RC_LOCATE_H
 
@@ -7,18 +7,20 @@
 
 rc_sighted *rc_sights_of(const rigcal_point_solver *p);
 
-/* The number of the k-th view that is used. */
+/* The number, among all views, of the k-th view that is used. */
 size_t rc_sight_number(const rigcal_point_solver *p, size_t k);
 
-/* Sine squared of the angle between two rays, either way. */
+/* Squared sine of the angle between two rays. Rays of opposite directions have the angle
+ * 0. */
 rigcal_real rc_sight_aside(const rc_sighted *a, const rc_sighted *b);
 
-/* The widest such angle of the views that are used [radian]. */
+/* The widest such angle between the views that are used [radian]. */
 rigcal_real rc_locate_parallax(const rigcal_point_solver *p);
 
-/* From the first n_used of the views' order. Then view after view: RUNNING; OK, and
- * BUDGET_SPENT, p->X, p->sums, p->chi2 and the views' e, A, B, G are there; ERR_NO_RAY,
- * ERR_PARALLEL, ERR_BEHIND, ERR_DEGENERATE. */
+/* Begins a point from the first n_used views of the order. Each step takes one view and
+ * returns RUNNING until the end. Then it returns OK or BUDGET_SPENT, and p->X, p->sums,
+ * p->chi2 and e, A, B, G of the views are written. Or it returns ERR_NO_RAY, ERR_PARALLEL,
+ * ERR_BEHIND or ERR_DEGENERATE. */
 void rc_locate_begin(rigcal_point_solver *p, size_t n_used);
 rigcal_status rc_locate_step(rigcal_point_solver *p);
 

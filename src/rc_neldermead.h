@@ -15,7 +15,7 @@ void rc_neldermead_begin_simplex(rigcal_neldermead *nm, const rigcal_real simple
 /* The vertex of the least cost. */
 const rigcal_vertex *rc_neldermead_best(const rigcal_neldermead *nm);
 
-/* Takes the cost of nm->trial and sets the next trial and nm->status. */
+/* Takes the cost of nm->trial. Sets the next trial and nm->status. */
 void rc_neldermead_tell(rigcal_neldermead *nm, rigcal_real cost);
 
 #endif /* RC_NELDERMEAD_H */

@@ -15,4 +15,10 @@ enum { RC_P3P_MAX = 4 };
 int rc_p3p(rigcal_transform cam_from_points[RC_P3P_MAX], const rigcal_real x[3][3],
            const rigcal_real ray[3][3]);
 
+/* The same one by one, with little stack: of the points in P->work.x. 0: there is none to
+ * ask for. Else each `next` gives a pose, until one returns 0. */
+int rc_p3p_begin(rigcal_p3p *P, const rigcal_real ray[3][3]);
+int rc_p3p_next(rigcal_transform *cam_from_points, rigcal_p3p *P,
+                const rigcal_real ray[3][3]);
+
 #endif /* RC_P3P_H */

@@ -23,11 +23,12 @@ inline rigcal_status rc_residual(rigcal_real e[2], rigcal_real B[6],
     return status;
 }
 
-/* The error along the observed ray m: to first order that in pixels, and without the pole
- * that a pinhole has 90 degrees off the axis. B = d projection / d X at m, where B m = 0;
- * e = -B X_c. Both are |X_c| times as large as they should be: weigh by 1 / |X_c|^2. */
+/* The error along the observed unit ray m: to first order that in pixels, and without the
+ * pole that a pinhole has 90 degrees off the axis. B = d projection / d X at m, where
+ * B m = 0; e = -B X_c. Both are |X_c| times as large as they should be: weigh by
+ * 1 / |X_c|^2. */
 void rc_residual_along_ray(rigcal_real e[2], rigcal_real B[6], const rigcal_camera *camera,
-                           int is_pinhole, const rigcal_real uv[2],
+                           int is_pinhole, const rigcal_real m[3],
                            const rigcal_real X_c[3]);
 
 /* Least squares by a rigid transform: g = J^T e and H = J^T J in the blocks of rc_sym6_*,

@@ -11,6 +11,10 @@ int32_t rc_poses_of_three(rigcal_transform cam_from_points[RC_P3P_MAX],
                           const rigcal_points *points, const int32_t index[3],
                           const rigcal_real ray[3][3]);
 
+/* (D) The same of a triple's points and rays, with less stack. */
+int32_t rc_triple_poses(rigcal_transform cam_from_points[RC_P3P_MAX], rigcal_triple *triple,
+                        const rigcal_points *points);
+
 /* (D4) The search for the poses of the widest triple that the other points do not rule out.
  * A step is the triple, the ray of one of its points, its poses, or the score of one pose:
  * O(n). triple->count, 0 at first, counts the steps. Returns 1 when it is done.
@@ -19,7 +23,7 @@ int32_t rc_poses_of_three(rigcal_transform cam_from_points[RC_P3P_MAX],
  *                    pose before so many optima are found
  *   n_roots  in/out  their number, 0 at first. 0 also where the triple is narrow, or the
  *                    lens images no ray at one of its points */
-int rc_roots_step(rigcal_optima *optima, int32_t *n_roots, rigcal_triple *triple,
+int rc_roots_step(rigcal_optima *optima, uint8_t *n_roots, rigcal_triple *triple,
                   const rigcal_points *points);
 
 #endif /* RC_ROOTS_H */

@@ -1,4 +1,4 @@
-/* rc_store.h - calibrations as bytes; see rigcal.h. The lowest layer. */
+/* rc_store.h - calibrations as bytes; see rigcal.h. No other layer includes it. */
 #ifndef RC_STORE_H
 #define RC_STORE_H
 

@@ -4,13 +4,14 @@
 
 #include "rc_rotation.h"
 
-/* OK, ERR_NULL, ERR_NOT_FINITE, ERR_ROTATION or ERR_RANGE. */
+/* Checks a transform from a caller: OK, ERR_NULL, ERR_NOT_FINITE, ERR_ROTATION or
+ * ERR_RANGE. */
 rigcal_status rc_check_transform(const rigcal_transform *b_from_a);
 
-/* OK, ERR_NULL, ERR_NOT_FINITE or ERR_RANGE. */
+/* Checks a point from a caller: OK, ERR_NULL, ERR_NOT_FINITE or ERR_RANGE. */
 rigcal_status rc_check_point(const rigcal_real X[3]);
 
-/* A ray of any length but zero: the same. */
+/* Checks a ray, of any length but zero: the same statuses. */
 rigcal_status rc_check_ray(const rigcal_real ray[3]);
 
 void rc_transform_identity(rigcal_transform *a_from_a);
@@ -22,11 +23,12 @@ void rc_transform_point(rigcal_real X_b[3], const rigcal_transform *b_from_a,
 void rc_transform_between(rigcal_transform *b_from_a, const rigcal_transform *b_from_world,
                           const rigcal_transform *a_from_world);
 
-/* R <- exp([w]x) R, t <- t + dt for the step d = (w, dt); the exponential to second order,
- * and for any step a rotation. */
+/* R <- exp([w]x) R, t <- t + dt for the step d = (w, dt). The exponential is exact to
+ * second order, and R stays a rotation for any step. */
 void rc_transform_move(rigcal_transform *pose, const rigcal_real d[6]);
 
-/* rigcal_transform_mean of n >= 1 transforms, weights checked: OK or ERR_ROTATION. */
+/* rigcal_transform_mean of n >= 1 transforms, after the weights were checked: OK or
+ * ERR_ROTATION. */
 rigcal_status rc_transform_mean(rigcal_transform *mean, rigcal_real *sigma_rad,
                                 rigcal_real *sigma_t, const rigcal_transform transforms[],
                                 const rigcal_real weight[], size_t n);

@@ -1,4 +1,5 @@
-/* rc_triangulate.h - what points from rays have in common; see rigcal_measure.h. */
+/* rc_triangulate.h - what all layers share that find points from rays; see
+ * rigcal_measure.h. */
 #ifndef RC_TRIANGULATE_H
 #define RC_TRIANGULATE_H
 
@@ -7,18 +8,18 @@
 
 /* ---- constants ----------------------------------------------------------- */
 
-/* sine squared of the angle between two rays: the least parallax, 0.1 degree. A bearing
- * error e moves the point by range * e / sin(angle) in depth, there over 500 times as far
- * as sideways. */
+/* squared sine of the angle between two rays: the least parallax, 0.1 degree. A bearing
+ * error e moves the point in depth by range * e / sin(angle). At this angle that is over
+ * 500 times as far as sideways. */
 #define RC_PARALLAX_MIN RC(3.05e-6)
 
-/* evaluations: of a triangulation, usually 2 or 3. The worst case that the manuals
- * state. */
+/* evaluations: of a triangulation, usually 2 or 3. It bounds the worst case, which the
+ * manuals state. */
 enum { RC_TRIANGULATION_EVALS = 50 };
 
 /* ---- what is shared ------------------------------------------------------- */
 
-/* L L^T = H, damped. 0: not positive definite to rounding. */
+/* L L^T = H with damping. Returns 0 if H is not positive definite to rounding. */
 int rc_point_factor(rigcal_real L[6], const rigcal_real H[6], rigcal_real damping);
 
 /* x <- (L L^T)^-1 x */

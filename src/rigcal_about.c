@@ -10,8 +10,8 @@ int32_t rigcal_sizeof_real(void)
     return (int32_t)sizeof(rigcal_real);
 }
 
-/* A switch, not a table of pointers: tables need relocation in a shared library, which
- * makes them writable data while it loads. */
+/* A switch, because a table of pointers needs relocation in a shared library, which makes
+ * it writable data while it loads. */
 
 #define NAME_OF(name, number, text) \
     case name: \

@@ -6,15 +6,15 @@
 
 /* ---- constants ----------------------------------------------------------- */
 
-/* passes: over all views, of a search, usually 4 to 8. The worst case. */
+/* passes: of a search over all views, usually 4 to 8. It bounds the worst case. */
 enum { PASSES_MAX = 200 };
 
 /* part of the diagonal before placements were eliminated: a smaller pivot of a camera is
  * rounding. */
 #define RANK_TOL RC_TOL(1e-12, 1e-6)
 
-/* part of the sum: the search ends when no more is still to be gained, judged by how fast
- * the gains fall. The poses are then within a few millionths of their sigma. */
+/* part of the sum: the search ends when the expected further gain is less, as judged by how
+ * fast the gains fall. The poses are then within a few millionths of their sigma. */
 #define GAIN_ENOUGH RC_TOL(1e-10, 1e-6)
 
 /* ---- views by their points ----------------------------------------------- */
@@ -50,7 +50,7 @@ rigcal_status rc_rig_check_points(int32_t *camera, int32_t *placement, rigcal_ri
 void rc_rig_points_of(rigcal_points *points, const rigcal_rig_view *view)
 {
     rc_points_of(points, &view->view, NULL);
-    points->is_pinhole = rc_lens_is_pinhole(view->view.camera);
+    points->is_pinhole = (uint8_t)rc_lens_is_pinhole(view->view.camera);
     points->origin[0] = points->origin[1] = points->origin[2] = 0;
 }
 
@@ -113,8 +113,8 @@ rigcal_status rc_rig_outcome(int32_t *at_fault, const rigcal_rig_solver *s)
     return (status == RIGCAL_OK && s->is_disconnected) ? RIGCAL_DISCONNECTED : status;
 }
 
-/* A placement that was seen, from s->placement on. A step of its own comes first, where the
- * cameras have moved. 0: there is none. */
+/* Begins the next placement that was seen, from s->placement on. If the cameras have moved,
+ * it first takes a step of its own. Returns 0 if there is none. */
 static int begin_placement(rigcal_rig_solver *s, const rc_rig_parts *parts)
 {
     while (s->placement < s->rig->n_placements && !(parts->count[s->placement] > 0)) {
@@ -128,12 +128,13 @@ static int begin_placement(rigcal_rig_solver *s, const rc_rig_parts *parts)
     return s->placement < s->rig->n_placements;
 }
 
-/* From the first view on. */
+/* Begins a pass at the first view. */
 static void begin_pass(rigcal_rig_solver *s)
 {
     rc_rig_parts parts;
     rc_rig_parts_of(&parts, s->rig, s->n);
-    if (!s->is_last) {                                       /* which keeps the factor */
+    if (!s->is_last) {                                       /* the last pass keeps the
+                                                                factor */
         rc_clear(parts.S, s->n * (s->n + 1) / 2 + 2 * s->n); /* S, g and d */
     }
     s->sum = s->gain = 0;
@@ -144,7 +145,7 @@ static void begin_pass(rigcal_rig_solver *s)
 
 /* ---- elimination --------------------------------------------------------- */
 
-/* The equations of one camera, whose unknowns begin at `at`. */
+/* Adds the equations of one camera, whose unknowns begin at `at`. */
 static void add_camera(const rc_rig_parts *parts, size_t at, const rigcal_real g[6],
                        const rigcal_real H[21])
 {
@@ -160,11 +161,11 @@ static void add_camera(const rc_rig_parts *parts, size_t at, const rigcal_real g
     }
 }
 
-/* S -= Y_i Y_j^T, the rows of which are six of the placement's unknowns each. */
+/* S -= Y_i Y_j^T. Each row of Y has six of the placement's unknowns. */
 static void subtract_block(rigcal_real S[], size_t at_i, size_t at_j,
                            const rigcal_real Y_i[36], const rigcal_real Y_j[36])
 {
-    const int is_below = at_i >= at_j; /* the lower triangle is kept */
+    const int is_below = at_i >= at_j; /* only the lower triangle is kept */
     const rigcal_real *const down = is_below ? Y_i : Y_j;
     const rigcal_real *const across = is_below ? Y_j : Y_i;
     const size_t at_down = is_below ? at_i : at_j, at_across = is_below ? at_j : at_i;
@@ -177,14 +178,14 @@ static void subtract_block(rigcal_real S[], size_t at_i, size_t at_j,
     }
 }
 
-/* L L^T = H of the placement, in the place of H. */
+/* L of L L^T = H of the placement, in the memory of H. */
 static rc_sym6_factor *factor_of(rigcal_rig_solver *s)
 {
     return (rc_sym6_factor *)(void *)s->Hp;
 }
 
-/* Takes from the camera of a slot what the placement takes up; s->gp holds L^-1 g now. Each
- * row of W becomes one of Y = W L^-T. */
+/* Eliminates the placement from the camera of a slot. s->gp must hold L^-1 g. Each row of W
+ * becomes a row of Y = W L^-T. */
 static void eliminate_slot(rigcal_rig_solver *s, const rc_rig_parts *parts)
 {
     const size_t slot = s->row++;
@@ -231,7 +232,8 @@ void rc_rig_move(const rigcal_rig_solver *s, const rc_rig_parts *parts)
     }
 }
 
-/* The search has ended. The covariance wants the factor of undamped equations. */
+/* Ends the search. The covariance needs the factor of undamped equations, so a pass may
+ * follow. */
 static void end_search(rigcal_rig_solver *s, rigcal_status status, int is_factored)
 {
     s->search.status = status;
@@ -248,7 +250,7 @@ static void end_search(rigcal_rig_solver *s, rigcal_status status, int is_factor
     }
 }
 
-/* The cameras' equations have been factored: their step, if it is worth it. */
+/* Takes the cameras' step, if it is worth it, after their equations were factored. */
 static void take_step(rigcal_rig_solver *s, const rc_rig_parts *parts)
 {
     rigcal_real gain = s->gain;
@@ -263,7 +265,7 @@ static void take_step(rigcal_rig_solver *s, const rc_rig_parts *parts)
         gain <= little || gain * gain <= (s->search.last_gain - gain) * little;
     const int step =
         rc_levenberg_promised(&s->search, gain, is_enough ? gain : s->negligible);
-    if (step == RC_STEP_NONE || (step == RC_STEP_TRY && s->evals >= PASSES_MAX)) {
+    if (step == RC_STEP_TRY && s->evals >= PASSES_MAX) {
         end_search(s, RIGCAL_BUDGET_SPENT, 1);
         return;
     }
@@ -312,7 +314,7 @@ static void invert_row(rigcal_rig_solver *s, const rc_rig_parts *parts)
 
 /* ---- the end of a pass --------------------------------------------------- */
 
-/* All views have been evaluated, or one could not be: `status`. */
+/* Ends a pass, after all views were evaluated or one failed with `status`. */
 static void end_pass(rigcal_rig_solver *s, rigcal_status status)
 {
     rc_rig_parts parts;
@@ -343,7 +345,7 @@ static void end_pass(rigcal_rig_solver *s, rigcal_status status)
     }
 }
 
-/* What is known of camera s->row beforehand: its information, in pixels. */
+/* Adds the prior of camera s->row: its information, in pixels. */
 static void add_prior(rigcal_rig_solver *s, const rc_rig_parts *parts)
 {
     const rigcal_rig *const rig = s->rig;
@@ -371,7 +373,7 @@ static void add_prior(rigcal_rig_solver *s, const rc_rig_parts *parts)
     }
 }
 
-/* The next placement that was seen, or the end of the pass. */
+/* Goes to the next placement that was seen, or ends the pass. */
 static void next_placement(rigcal_rig_solver *s, const rc_rig_parts *parts)
 {
     s->placement++;
@@ -385,11 +387,11 @@ static void next_placement(rigcal_rig_solver *s, const rc_rig_parts *parts)
     }
 }
 
-/* All views of a placement have been added. */
+/* Ends a placement, after all its views were added. */
 static void end_placement(rigcal_rig_solver *s, const rc_rig_parts *parts)
 {
     if (!rc_sym6_factor_of(factor_of(s), s->Hp, s->search.lambda)) {
-        s->view--; /* one of them is at fault */
+        s->view--; /* one of its views is at fault */
         end_pass(s, RIGCAL_ERR_DEGENERATE);
     } else if (s->phase == RC_RIG_SETTLING) {
         rc_sym6_solve(s->gp, factor_of(s));
@@ -414,16 +416,17 @@ static int is_end_of_placement(const rigcal_rig_solver *s, const rc_rig_parts *p
     return s->view - s->first == rc_rig_views_of(parts, s->placement);
 }
 
-/* Adds the view to its placement's equations and, where the pass reduces, to its camera's.
- * */
+/* Adds a view to its placement's equations. If the pass reduces, adds it to its camera's
+ * too. */
 static rigcal_status add_equations(rigcal_rig_solver *s, const rc_rig_parts *parts,
                                    size_t slot)
 {
     rigcal_real sum = 0, g[6], H[21];
     rc_chain chain;
-    int32_t camera = 0;
+    int32_t camera = -1;
     const rigcal_status status = s->given->equations(&sum, g, H, &chain, &camera, s);
     if (status != RIGCAL_OK) {
+        s->is_final |= camera < 0; /* no view: another step would not help */
         return status;
     }
     rc_chain_add_placement(s->gp, s->Hp, &chain, g, H);
@@ -462,7 +465,7 @@ rigcal_status rc_rig_begin(rigcal_rig_solver *s, rigcal_rig *rig,
     if (rigcal_rig_work(0, rig->n_cameras, rig->n_placements) > rig->work_capacity) {
         return RIGCAL_ERR_CAPACITY;
     }
-    rig->considered = NULL; /* which is of the rig as it was */
+    rig->considered = NULL; /* it belongs to the rig before this search */
     *s = (rigcal_rig_solver){0};
     s->rig = rig;
     s->given = given;

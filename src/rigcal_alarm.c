@@ -4,19 +4,19 @@
 
 /* ---- constants ----------------------------------------------------------- */
 
-/* frames: window i starts anew after 4^i. Each serves moves that are seen in about as
- * many frames; with powers of 2 there were twice the windows, and no sooner alarm. */
+/* frames: log of 4. Window i starts anew after 4^i frames and finds moves that show in
+ * about as many frames. Powers of 2 needed twice the windows and raised no alarm sooner. */
 #define LOG_4 RC(1.38629436111989061883)
 
 /* standard deviations: innovations are clipped here. Huber's value: normal noise loses 5 %
- * of what it says, and a wrong match pulls no more than this. */
+ * of its information, and a wrong match pulls no more than this. */
 #define CLIP RC(1.345)
 
-/* 1: rms of normal noise that is clipped there. */
+/* 1: rms of normal noise that is clipped at CLIP. */
 #define CLIPPED_RMS RC(0.842713)
 
-/* 1: a window expects moves of (this / its length) of the inverse of what a frame says,
- * so moves of sqrt(8) of its own standard deviations. */
+/* 1: a window expects moves whose precision is (its length / this) times the information of
+ * a frame. So it expects moves of sqrt(8) of its own standard deviations. */
 #define EXPECTED RC(8)
 
 /* part of the diagonal: a direction that no row sees gets this part of what the others
@@ -24,61 +24,63 @@
 #define UNSEEN RC(1e-3)
 
 /* 1: A is the mean time between false alarms, times 1 + common, over this. A is a bound
- * that noise does not reach: counted were 0.4 to 1.2 of the false alarms that are stated
- * (BENCHMARKS.md). 1 + common is what matches of real boards, which err together, need. */
+ * that noise does not reach: counted were 0.4 to 1.2 of the stated number of false alarms
+ * (BENCHMARKS.md). Matches of real boards err together and need the factor 1 + common. */
 #define SLACK RC(2.5)
 
-/* 1: the mean of rows is measured again when there are this many times as many frames. */
+/* 1: M is measured again when there are this many times as many frames as it was measured
+ * by. */
 #define GROWTH 4
 
-/* 1: a window takes part if its rows are this many times the square of the log that it must
- * reach. With fewer it takes its share of the weight and hardly ever raises the alarm: with
- * 5 matches a frame of 8 cameras false alarms were a tenth of what is stated. */
+/* 1: a window counts if its rows are this many times the square of the log that it must
+ * reach. With fewer rows it takes its share of the weight and hardly ever raises the alarm.
+ * With 5 matches a frame of 8 cameras, false alarms were a tenth of the stated number. */
 #define ENOUGH RC(1.5)
 
-/* rows^2: where a body has few rows a frame even its longest windows lose by them. Its part
- * of the sum is taken 1 + this / rows^2 times. Without that 5 rows a frame of 4 cameras
- * made a third of the alarms stated. */
+/* rows^2: if a body has few rows a frame, even its longest windows lose by them. Its part
+ * of the sum is multiplied by 1 + this / rows^2. Without it 5 rows a frame of 4 cameras
+ * made a third of the stated alarms. */
 #define SPARSE RC(5)
 
-/* rows: a body with fewer a frame gets no more of that: 1.8 times at most. */
+/* rows: a body with fewer a frame counts as having this many. Its part of the sum is
+ * multiplied by 1.8 at most. */
 #define FEWEST RC(2.5)
 
 /* rows: a body with fewer in the longest window is blind. A move has six unknowns. */
 #define SEEING_ROWS 6
 
-/* 1: the least sum that a log is taken of, where all windows were refused. */
+/* 1: the least sum whose log is taken. The sum is 0 if no window's Lambda exceeds 1. */
 #define LAMBDA_LEAST RC(1e-30)
 
 /* rows: the noise is measured over about this many recent rows. */
 #define NOISE_ROWS RC(4096)
 
-/* 1: 2^50. Three inverse roots of the elements of W + H are scaled by it, so that the
- * product of all six stays within float: W + H may be 1e18. */
+/* 1: 2^50. The product of each three inverse roots of W + H is scaled by it, so that the
+ * product of all six stays within float. W + H may be 1e18. */
 #define SCALE RC(1125899906842624.0)
 
 /* part of an element of the diagonal: a smaller pivot is rounding. */
 #define RANK_TOL (8 * RC_EPS)
 
-/* Frames of a window. */
+/* Number of frames of a window. */
 #define LENGTH(window) ((int32_t)1 << (2 * (window)))
 
-/* Numbers of a window. The first window is one frame: its H is without W. */
+/* Numbers of a window. The first window is the current frame: its H is without W. */
 enum {
     G = 0, /* sum of g */
-    H = 6, /* W, and what that sum varies by */
+    H = 6, /* W plus the sum of h */
     SUMS = 27,
-    ROOT_W = SUMS /* |W|^(1/2), over 2^100 */
+    ROOT_W = SUMS /* the root of |W|, over 2^100 */
 };
 
-/* Numbers of a body, in the order in which they are held, windows first. */
+/* Numbers of a body, after those of its windows. */
 enum {
-    M = RC_ALARM_WINDOWS * RC_ALARM_WINDOW, /* mean of H of a frame */
-    MEASURED = M + 21,                      /* frames that M is the mean of; 0: M is 0 */
-    SINCE,                                  /* frames of the longest window */
+    M = RC_ALARM_WINDOWS * RC_ALARM_WINDOW, /* the mean of h of a frame */
+    MEASURED = M + 21,                      /* number of frames in the mean M; 0: M is 0 */
+    SINCE,                                  /* frames since the longest window began */
     ROWS, /* rows in the longest window; in the one before */
     ROWS_BEFORE,
-    SMALLEST, /* the smallest turn that is noticed [largest move], of M */
+    SMALLEST, /* smallest turn noticed [largest move], by M */
     LOG_SUM   /* log of the body's part of the sum */
 };
 
@@ -94,7 +96,8 @@ static const rigcal_real *body_in(const rigcal_real bodies[], size_t body)
 
 /* ---- windows --------------------------------------------------------------- */
 
-/* A += s x x^T, written out: a third of the instructions of loops over blocks. */
+/* A += s x x^T, written out: this takes a third of the instructions of loops over
+ * blocks. */
 static void add_outer(rigcal_real A[21], rigcal_real s, const rigcal_real x[6])
 {
     const rigcal_real x0 = x[0], x1 = x[1], x2 = x[2], x3 = x[3], x4 = x[4], x5 = x[5];
@@ -138,8 +141,8 @@ static void expect(rigcal_real W[21], const rigcal_real body[], rigcal_real leng
     }
 }
 
-/* Replaces a matrix of two blocks by its factor. 0: it is not finite, or rounding has made
- * it not positive definite, which W prevents otherwise. */
+/* Replaces a matrix of two blocks by its factor. Returns 0 if it is not finite, or if
+ * rounding has made it not positive definite. Otherwise W keeps it positive definite. */
 static int factor(rigcal_real A[21])
 {
     rigcal_real *const across = &A[RC_SYM6_ACROSS], *const B = &A[RC_SYM6_SECOND];
@@ -166,7 +169,7 @@ static int factor(rigcal_real A[21])
     return rc_sym3_factor(B, B, &diagonal[3], RANK_TOL);
 }
 
-/* 2^100 / |A|^(1/2) of a factor; A is 1 or more, so this does not overflow. */
+/* 2^100 / |A|^(1/2) from the factor of A. A is 1 or more, so this does not overflow. */
 static rigcal_real inverse_root(const rigcal_real L[21])
 {
     const rigcal_real *const B = &L[RC_SYM6_SECOND];
@@ -187,14 +190,14 @@ static rigcal_real square_of(const rigcal_real L[21], const rigcal_real x[6])
     return rc_vec3_dot(y, y) + rc_vec3_dot(z, z);
 }
 
-/* Window i >= 1 starts with the next frame. */
+/* Starts window i >= 1 with the next frame. */
 static void start_window(rigcal_real body[], int i)
 {
     rc_clear(&body[i * RC_ALARM_WINDOW], H);
     expect(&body[i * RC_ALARM_WINDOW + H], body, (rigcal_real)LENGTH(i));
 }
 
-/* All windows start with the next frame. */
+/* Starts all windows with the next frame. */
 static void start_windows(rigcal_real body[])
 {
     rigcal_real W[21];
@@ -255,8 +258,8 @@ rigcal_real *rc_alarm_lent(rigcal_real bodies[], size_t body)
 
 /* ---- a row ----------------------------------------------------------------- */
 
-/* g += p, and the sum of p p^T, for p = D h, the turn and the shift by numbers of their
- * own. */
+/* Adds p to g and p p^T to H of the frame. p = D h psi / sd; turn and shift are the factors
+ * of its two halves. */
 static void add_row(rigcal_real body[], rigcal_real turn, rigcal_real shift,
                     const rigcal_real h[6])
 {
@@ -293,7 +296,7 @@ void rc_alarm_row(rc_alarm *alarm, rigcal_real bodies[], rigcal_real z, rigcal_r
 
 /* ---- the end of a frame ------------------------------------------------------ */
 
-/* log of the sum over bodies. */
+/* log of the sum over all bodies. */
 static rigcal_real log_of_all(const rigcal_real bodies[], size_t n)
 {
     rigcal_real most = body_in(bodies, 0)[LOG_SUM], sum = 0;
@@ -306,7 +309,8 @@ static rigcal_real log_of_all(const rigcal_real bodies[], size_t n)
     return most + rc_log(sum);
 }
 
-/* What varies, of a frame: with `common` the rows of one frame err together. */
+/* Makes H of the frame: the part `common` of it is g g^T, because the rows of a frame err
+ * together by this share. */
 static void weigh_frame(rigcal_real body[], rigcal_real common)
 {
     for (int k = 0; k < 21; k++) {
@@ -315,8 +319,8 @@ static void weigh_frame(rigcal_real body[], rigcal_real common)
     add_outer(&body[H], common, &body[G]);
 }
 
-/* The smallest turn that the longest window would notice by M, over the largest: x^2 =
- * 2 log(A K B / L) / (e . H e), for the e of least e . H e. 0: none. */
+/* The smallest turn that the longest window would notice with M, over the largest move: x^2
+ * = 2 log(A K B / L) / (e . H e), for the axis e of least e . H e. 0: it notices none. */
 static rigcal_real smallest_of(const rigcal_real turns[6], rigcal_real log_limit)
 {
     const rigcal_real longest = RC_ALARM_LONGEST;
@@ -330,8 +334,8 @@ static rigcal_real smallest_of(const rigcal_real turns[6], rigcal_real log_limit
     return least > 0 ? RC_SQRT(wanted / least) : 0;
 }
 
-/* Measures M by the longest window and starts all windows with it. M is 0 where rounding
- * leaves nothing that W could be made of. */
+/* Measures M from the longest window and starts all windows with it. M becomes 0 if
+ * rounding leaves no W that can be factored. */
 static void measure(rigcal_real body[], rigcal_real log_limit)
 {
     const int longest = RC_ALARM_WINDOWS - 1;
@@ -352,7 +356,8 @@ static void measure(rigcal_real body[], rigcal_real log_limit)
     start_windows(body);
 }
 
-/* Lambda of a window is *root exp(*exponent). A is W + H; its factor takes its place. */
+/* Lambda of a window is *root exp(*exponent). A is W + H, and is overwritten by its
+ * factor. */
 static void evaluate(rigcal_real *root, rigcal_real *exponent, rigcal_real A[21],
                      const rigcal_real window[])
 {
@@ -363,7 +368,7 @@ static void evaluate(rigcal_real *root, rigcal_real *exponent, rigcal_real A[21]
     }
 }
 
-/* The same of the first window, the frame. */
+/* Lambda of the first window, the frame. */
 static void evaluate_frame(rigcal_real *root, rigcal_real *exponent,
                            const rigcal_real body[])
 {
@@ -375,7 +380,7 @@ static void evaluate_frame(rigcal_real *root, rigcal_real *exponent,
     evaluate(root, exponent, A, body);
 }
 
-/* The same of another, which takes the frame in. */
+/* Adds the frame to another window, then Lambda of this window. */
 static void evaluate_window(rigcal_real *root, rigcal_real *exponent, rigcal_real window[],
                             const rigcal_real frame[])
 {
@@ -391,14 +396,14 @@ static void evaluate_window(rigcal_real *root, rigcal_real *exponent, rigcal_rea
     evaluate(root, exponent, A, window);
 }
 
-/* Rows a frame that M was measured by. */
+/* Number of rows a frame, in the time in which M was measured. */
 static rigcal_real rows_of(const rigcal_real body[])
 {
     return body[ROWS_BEFORE] / rc_max(body[MEASURED], 1);
 }
 
-/* The windows from this one on share the weight of a body: those with rows enough. Before
- * M is measured all are alike, and the longest stands for them. */
+/* The first window of a body that counts: it and all longer ones have enough rows. Before M
+ * is measured all windows are alike, and only the longest counts. */
 static int first_of_use(const rigcal_real body[], const rc_alarm *alarm)
 {
     const rigcal_real rows = rows_of(body);
@@ -412,15 +417,16 @@ static int first_of_use(const rigcal_real body[], const rc_alarm *alarm)
     return body[MEASURED] > 0 ? i : RC_ALARM_WINDOWS - 1;
 }
 
-/* The factor of a body's sum, when n_windows windows count. */
+/* The factor of a body's sum if n_windows windows count. */
 static rigcal_real weight_of(const rigcal_real body[], int n_windows)
 {
     const rigcal_real rows = rc_max(rows_of(body), FEWEST);
     return RC_ALARM_WINDOWS / (rigcal_real)n_windows * (1 + SPARSE / (rows * rows));
 }
 
-/* A body's part of the sum, once its windows have the frame. Those without rows enough are
- * left as they are: that changes with M alone, when all start anew. */
+/* Adds the frame to a body's windows and computes its part of the sum. Windows that do not
+ * count stay as they are. Which ones count changes only with M, when all windows start
+ * anew. */
 static void end_body(rigcal_real body[], const rc_alarm *alarm)
 {
     rigcal_real root[RC_ALARM_WINDOWS] = {0}, exponent[RC_ALARM_WINDOWS] = {0};
@@ -445,8 +451,8 @@ static void end_body(rigcal_real body[], const rc_alarm *alarm)
     body[SINCE] += 1;
 }
 
-/* Starts the windows anew whose last frame this was, except the longest. `zero` is 0, which
- * a compiler must not know: a C library's memset is slow. */
+/* Starts the windows anew that end with this frame, except the longest. `zero` is 0; the
+ * compiler must not know it, or it calls the C library's memset, which is slow. */
 static void end_windows(rigcal_real body[], rigcal_real zero)
 {
     const int32_t frames = (int32_t)body[SINCE];

@@ -4,30 +4,32 @@
 
 /* ---- constants ----------------------------------------------------------- */
 
-/* 1: the least probability that may be asked for: less is a mistake. */
+/* 1: the least probability that may be asked for. Less is a mistake. */
 #define PROBABILITY_MIN RC(0.001)
 
-/* 1: the largest. Nearer to 1, float has no digits left. */
+/* 1: the largest probability that may be asked for. Nearer to 1 float has no digits
+ * left. */
 #define PROBABILITY_MAX RC(0.999999)
 
-/* px: a larger noise of a pixel is a mistake, and its square may overflow. */
+/* px: the largest noise of a pixel. More is a mistake, and its square may overflow. */
 #define NOISE_MOST RC(1e6)
 
-/* 1: more standard deviations are a mistake. */
+/* 1: the most standard deviations. More are a mistake. */
 #define K_MAX RC(100)
 
-/* sine: rays that are more parallel are so to rounding, as is a ray to the epipole. */
+/* sine: of the angle below which rays are parallel to rounding, or a ray points to the
+ * epipole. */
 #define PARALLEL_TOL (16 * RC_EPS)
 
-/* squared standard deviations: nearer to an epipole than three of them, the line has no
- * direction, or the depth no sign. */
+/* squared standard deviations: within three of them of an epipole, the line has no
+ * direction or the depth no sign. */
 #define EPIPOLE_LIMIT2 RC(9)
 
-/* px^2: where the band is wider, or the pixel farther from it, m is 90 degrees off the
- * line, and the number means nothing. */
+/* px^2: limit of the squared width and distance. Beyond it m is 90 degrees off the line,
+ * and the number means nothing. */
 #define WIDTH2_MOST RC(1e24)
 
-/* part of the area that a pinhole gives a patch: where the lens gives it less, it is about
+/* part of the area that a patch has in a pinhole's image: a lens that leaves less is about
  * to fold. The zone that is lost is some tenths of a pixel wide. */
 #define SQUEEZED RC(0.02)
 
@@ -41,7 +43,7 @@ rigcal_status rigcal_match_k(rigcal_real *k, rigcal_real probability, int32_t pu
     if (!rc_is_finite(probability)) {
         return RIGCAL_ERR_NOT_FINITE;
     }
-    if (!(probability >= PROBABILITY_MIN && probability <= PROBABILITY_MAX) ||
+    if (!(probability >= PROBABILITY_MIN) || !(probability <= PROBABILITY_MAX) ||
         (purpose != RIGCAL_MATCH_SEARCH && purpose != RIGCAL_MATCH_DRAW)) {
         return RIGCAL_ERR_RANGE;
     }
@@ -52,8 +54,8 @@ rigcal_status rigcal_match_k(rigcal_real *k, rigcal_real probability, int32_t pu
 
 /* ---- the ray of a pixel -------------------------------------------------- */
 
-/* With J = (a; b) the rows of d uv / dm, both across m, and c = (a x b).m:
- * D = (b x m, m x a) / c, for J D = 1 and m D = 0. */
+/* D = (b x m, m x a) / c, with J = (a; b), the rows of d uv / dm, both across m, and c = (a
+ * x b).m. So J D = 1 and m D = 0. */
 rigcal_status rc_band_place(rigcal_real uv[2], rigcal_real J[6], rigcal_real D[2][3],
                             const rigcal_camera *camera, int is_pinhole,
                             const rigcal_real m[3])
@@ -130,7 +132,7 @@ static rigcal_status check_range(rigcal_real near_a, rigcal_real far_a)
                : RIGCAL_ERR_RANGE;
 }
 
-/* sigma_b and k of a pair or a band: OK, ERR_NOT_FINITE, ERR_RANGE. */
+/* Checks sigma_b and k of a pair or a band: OK, ERR_NOT_FINITE, ERR_RANGE. */
 static rigcal_status check_widths(rigcal_real sigma_b, rigcal_real k)
 {
     if (!rc_is_finite(sigma_b) || !rc_is_finite(k)) {
@@ -151,7 +153,7 @@ static rigcal_status check_pair(const rigcal_match_pair *pair)
     }
     rigcal_real nothing = 0;
     for (int i = 0; i < 36; i++) {
-        nothing += 0 * pair->Sigma[i]; /* NaN, if one of them is not finite */
+        nothing += 0 * pair->Sigma[i]; /* NaN if one of them is not finite */
     }
     if (status == RIGCAL_OK && !rc_is_finite(nothing)) {
         status = RIGCAL_ERR_NOT_FINITE;
@@ -165,13 +167,13 @@ static rigcal_status check_pair(const rigcal_match_pair *pair)
     if (status == RIGCAL_OK && !rc_is_finite(pair->sigma_a)) {
         status = RIGCAL_ERR_NOT_FINITE;
     }
-    if (status == RIGCAL_OK && !(pair->sigma_a >= 0 && pair->sigma_a <= NOISE_MOST)) {
+    if (status == RIGCAL_OK && (!(pair->sigma_a >= 0) || !(pair->sigma_a <= NOISE_MOST))) {
         status = RIGCAL_ERR_RANGE;
     }
     return (status == RIGCAL_OK) ? check_range(pair->near_a, pair->far_a) : status;
 }
 
-/* x^T A y of a 3 x 3 block of Sigma. */
+/* x^T A y with a 3 x 3 block A of Sigma. */
 static rigcal_real between(const rigcal_real x[3], const rigcal_real block[],
                            const rigcal_real y[3])
 {
@@ -179,15 +181,15 @@ static rigcal_real between(const rigcal_real x[3], const rigcal_real block[],
            x[2] * rc_vec3_dot(&block[12], y);
 }
 
-/* The blocks of Sigma: of w, of w and dt, of dt. */
+/* Where the blocks of Sigma begin: of w, of w and dt, of dt. */
 enum { OF_W = 0, ACROSS = 3, OF_DT = 21 };
 
-/* (M3) In the axes q = ray, e = towards, n = line / across, t = (x, y, 0). What the
- * calibration does to the line is K^T (w, dt), with the columns
+/* (M3) The axes are q = ray, e = towards and n = line / across; t = (x, y, 0). The error
+ * (w, dt) of the calibration moves the line by K^T (w, dt), with the columns
  *
  *     (-y e, 0), (x e, -n), (x n, e)
  *
- * and a turn of q by (0, be, bn) does (-y bn, x bn, -x be). */
+ * A turn of q by (0, be, bn) moves it by (-y bn, x bn, -x be). */
 static void line_covariance(rigcal_band *band, const rigcal_match_pair *pair,
                             rigcal_real D_a[2][3], const rigcal_real n[3])
 {
@@ -213,9 +215,9 @@ static void line_covariance(rigcal_band *band, const rigcal_match_pair *pair,
     }
 }
 
-/* Whether the line has a direction: its length is max(3, k) times its largest standard
- * deviation. And the variance of the direction of t, across which are n and
- * (x e - y q) / |t|. */
+/* Checks that the line has a direction: its length must exceed max(3, k) times its largest
+ * standard deviation. Also sets the variance of the direction of t. n and (x e - y q) / |t|
+ * are across t. */
 static rigcal_status check_epipole(rigcal_band *band, const rigcal_match_pair *pair,
                                    const rigcal_real n[3])
 {
@@ -245,7 +247,7 @@ static rigcal_status fill_band(rigcal_band *band, const rigcal_match_pair *pair,
     if (!rc_vec3_unit(direction, t)) {
         return RIGCAL_ERR_EPIPOLE;
     }
-    rc_vec3_cross(turned, direction, band->ray); /* a difference would cancel */
+    rc_vec3_cross(turned, direction, band->ray); /* a difference of products would cancel */
     if (!(rc_vec3_norm(turned) > PARALLEL_TOL)) {
         return RIGCAL_ERR_EPIPOLE;
     }
@@ -342,8 +344,8 @@ rigcal_status rc_band_check(const rigcal_band *band)
 
 /* ---- a candidate --------------------------------------------------------- */
 
-/* Whether m, of length 1, is within 3 standard deviations of the direction of t. With
- * x, y, h its parts along ray, towards and across both, the squared sine of the angle is
+/* Whether m, of length 1, is within 3 standard deviations of the direction of t. x, y and h
+ * are its parts along ray, along towards and across both. The squared sine of the angle is
  * ((along y - across x)^2 + |t|^2 h^2) / |t|^2. */
 static int is_near_epipole(const rigcal_band *band, const rigcal_ray *ray,
                            const rigcal_real xyh[3])

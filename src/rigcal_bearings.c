@@ -52,7 +52,7 @@ rigcal_status rigcal_bearings_of_view(rigcal_bearing bearings[], int32_t *at_fau
     if (status != RIGCAL_OK) {
         return status;
     }
-    /* Twice through, so that nothing is written when anything is wrong. */
+    /* Passes twice over the points, so that nothing is written if one is wrong. */
     for (size_t i = 0; i < view->n; i++) {
         status = rc_check_observation(&o[i]);
         if (status == RIGCAL_OK) {

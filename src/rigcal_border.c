@@ -77,7 +77,8 @@ void rc_border_add(rc_border *b, const rc_chain *chain, size_t column,
     }
 }
 
-/* What column i loses to the placement; the columns before it are done. */
+/* Eliminates the placement from column i. The columns before it must have been
+ * eliminated. */
 static void eliminate_column(rc_border *b, const rc_sym6_factor *L, size_t i,
                              rigcal_real **Q)
 {
@@ -122,7 +123,8 @@ void rc_border_effect(rigcal_real G[], const rc_border *b, const rigcal_real S_i
                       size_t column)
 {
     const rigcal_real *const T = &b->T[b->n * column], *row = S_inverse;
-    for (size_t i = 0; i < b->n; i++) { /* the triangle serves both ways */
+    for (size_t i = 0; i < b->n; i++) { /* S is symmetric: each element of the triangle
+                                           serves twice */
         rigcal_real sum = 0;
         for (size_t j = 0; j < i; j++) {
             sum += row[j] * T[j];

@@ -8,7 +8,7 @@ typedef uint32_t real_bits;
 typedef uint64_t real_bits;
 #endif
 
-/* Bytes and bits of a number are copied, which takes IEEE 754 for granted. */
+/* The bits of numbers are copied to bytes, which needs IEEE 754. */
 typedef char a_real_is_an_ieee_number[(sizeof(float) == 4 && FLT_MANT_DIG == 24 &&
                                        FLT_MAX_EXP == 128 &&
                                        sizeof(rigcal_real) == sizeof(real_bits) &&
@@ -20,7 +20,7 @@ typedef char a_real_is_an_ieee_number[(sizeof(float) == 4 && FLT_MANT_DIG == 24 
 uint32_t rc_crc32(const uint8_t bytes[], size_t n)
 {
     RIGCAL_ASSERT(bytes != NULL || n == 0);
-    /* Remainders of the sixteen nibbles. */
+    /* Remainders of the sixteen values of 4 bits. */
     static const uint32_t NIBBLE[16] = {0x00000000, 0x1db71064, 0x3b6e20c8, 0x26d930ac,
                                         0x76dc4190, 0x6b6b51f4, 0x4db26158, 0x5005713c,
                                         0xedb88320, 0xf00f9344, 0xd6d6a3e8, 0xcb61b38c,
@@ -77,9 +77,8 @@ static float float_of_bits(uint32_t bits)
 
 #if RIGCAL_USE_FLOAT
 
-/* The float nearest to the double of these bits, ties to even, by integers: a
- * float build has no double arithmetic. Infinity for what is too large, and for
- * NaN. */
+/* The float nearest to the double with these bits, ties to even. It uses integers, because
+ * a float build has no double arithmetic. Too large numbers and NaN become infinity. */
 static rigcal_real real_of_double(uint64_t bits)
 {
     enum { DROPPED = 52 - 23, ALL_DROPPED = 54, FLOAT_INFINITY = 0xff };
@@ -89,7 +88,7 @@ static rigcal_real real_of_double(uint64_t bits)
     if (exponent >= FLOAT_INFINITY) {
         return float_of_bits(sign | (uint32_t)FLOAT_INFINITY << 23);
     }
-    /* Below the normal floats, the more digits go the smaller it is. */
+    /* Below the normal floats, smaller numbers lose more digits. */
     const int32_t shift = (exponent >= 1) ? DROPPED : DROPPED + 1 - exponent;
     if (shift >= ALL_DROPPED) {
         return float_of_bits(sign);
@@ -100,7 +99,7 @@ static rigcal_real real_of_double(uint64_t bits)
     if (rest > half || (rest == half && (kept & 1) != 0)) {
         kept++;
     }
-    /* The leading one of `kept` adds to the exponent, a carry does too. */
+    /* The leading 1 of `kept` adds 1 to the exponent, and so does a carry. */
     const uint32_t below = (exponent >= 1) ? (uint32_t)(exponent - 1) << 23 : 0;
     return float_of_bits(sign | (below + kept));
 }

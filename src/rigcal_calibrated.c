@@ -21,7 +21,7 @@ rigcal_status rc_calibrated_numbers(const rigcal_real numbers[4])
     return (numbers[0] > 0) ? RIGCAL_OK : RIGCAL_ERR_STATE;
 }
 
-/* Counts of arrays that are there. */
+/* Checks groups, roles and the number of free cameras. */
 static rigcal_status check_cameras(size_t *n_free, const rigcal_calibrated_rig *rig)
 {
     int32_t groups = 0;
@@ -134,7 +134,7 @@ rigcal_status rigcal_calibrated_pair(rigcal_transform *b_from_a, rigcal_real Sig
 
 /* ---- from an adjusted rig ------------------------------------------------ */
 
-/* The covariance is that of rig->work; all else has been checked. */
+/* Copies an adjusted rig, after all checks. The covariance is in rig->work. */
 static void copy_rig(rigcal_calibrated_rig *out, const rigcal_rig *rig,
                      const rc_rig_parts *parts, rigcal_real scale)
 {

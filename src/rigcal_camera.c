@@ -1,7 +1,5 @@
 #include "rc_camera.h"
 
-#include <string.h>
-
 /* ---- constants ----------------------------------------------------------- */
 
 /* px: a shorter focal length is a mistake, and would vanish in products. */
@@ -33,11 +31,10 @@ enum { P1 = 6, K5 = 10, NUMBERS = 12 };
 rigcal_status rc_check_camera(const rigcal_camera *camera)
 {
     const rigcal_camera *const c = camera;
-    rigcal_real numbers[NUMBERS];
     if (c == NULL) {
         return RIGCAL_ERR_NULL;
     }
-    memcpy(numbers, (const char *)c + offsetof(rigcal_camera, fx), sizeof numbers);
+    const rigcal_real *const numbers = rc_camera_numbers(c, offsetof(rigcal_camera, fx));
     const rigcal_status status = rc_check_numbers(numbers, NUMBERS, RC_PIXEL_MAX);
     if (status == RIGCAL_ERR_NOT_FINITE) {
         return status;
@@ -95,7 +92,7 @@ rigcal_real rc_pixel_size(const rigcal_camera *camera)
 /* The ray at x, theta = |x| < pi off the axis: (sin theta / theta x, cos theta) by their
  * series in theta^2. The C library's would bring along its reduction of large angles,
  * 3 KB of flash. */
-RC_APART static rigcal_status fisheye_ray(rigcal_real ray[3], const rigcal_real x[2])
+RC_APART_FAST static rigcal_status fisheye_ray(rigcal_real ray[3], const rigcal_real x[2])
 {
     const rigcal_real theta2 = x[0] * x[0] + x[1] * x[1];
     rigcal_real sinc = 1, cosine = 1;
@@ -112,24 +109,28 @@ RC_APART static rigcal_status fisheye_ray(rigcal_real ray[3], const rigcal_real 
     return RIGCAL_OK;
 }
 
+/* How far a ray's projection may be from its pixel, at a focal length of 1. */
+RC_APART_FAST static rigcal_real tolerance_at(const rigcal_camera *c,
+                                              const rigcal_real uv[2])
+{
+    const rigcal_real pixels[3] = {uv[0], uv[1], c->cx};
+    const rigcal_real largest = rc_max(rc_vec3_max_abs(pixels), RC_FABS(c->cy));
+    return (MISS_MAX_PX + MISS_ROUNDING * largest) / rc_max(c->fx, c->fy);
+}
+
 rigcal_status rc_pixel_to_ray(rigcal_real ray[3], const rigcal_camera *camera,
                               const rigcal_real uv[2])
 {
     RIGCAL_ASSERT(rc_check_camera(camera) == RIGCAL_OK && rc_check_pixel(uv) == RIGCAL_OK);
     const rigcal_camera *const c = camera;
     const rigcal_real target[2] = {(uv[0] - c->cx) / c->fx, (uv[1] - c->cy) / c->fy};
-    const rigcal_real pixels[3] = {uv[0], uv[1], c->cx};
-    const rigcal_real largest = rc_max(rc_vec3_max_abs(pixels), RC_FABS(c->cy));
-    const rigcal_real tolerance =
-        (MISS_MAX_PX + MISS_ROUNDING * largest) / rc_max(c->fx, c->fy);
-    rigcal_real x[2] = {target[0], target[1]};
-    if (!rc_lens_is_pinhole(camera) && !rc_lens_invert(x, camera, target, tolerance)) {
+    rigcal_real m[3] = {target[0], target[1], 1};
+    if (!rc_lens_is_pinhole(c) && !rc_lens_invert(m, c, target, tolerance_at(c, uv))) {
         return RIGCAL_ERR_NO_RAY;
     }
-    if (rc_lens_is_fisheye(camera)) {
-        return fisheye_ray(ray, x);
+    if (rc_lens_is_fisheye(c)) {
+        return fisheye_ray(ray, m);
     }
-    const rigcal_real m[3] = {x[0], x[1], 1};
     return rc_vec3_unit(ray, m) ? RIGCAL_OK : RIGCAL_ERR_NO_RAY;
 }
 

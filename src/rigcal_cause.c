@@ -2,23 +2,24 @@
 #include "rc_choose.h"
 #include "rc_pose.h"
 
-/* Why a view contradicts: it agrees with the rest when its points are permuted, or as a
- * view of the placement before or after, or of another camera. Of a camera the same, for
- * all its views together. */
+/* Why a view contradicts the others. It is tested with its points permuted, as a view of
+ * the placement before or after, and with the lens of another camera. A cause is found if
+ * it then agrees with the rest. All views of a camera are tested together in the same
+ * way. */
 
 enum {
     DONE = 1,
-    TESTING, /* what may be the cause, one after the other */
-    SOLVING, /* a pose of the view as it then is */
-    SCORING  /* of a camera: where one of its views puts it, against the others */
+    TESTING, /* tests the causes, one after the other */
+    SOLVING, /* solves the pose of the view as it is tested */
+    SCORING  /* compares where one view puts a camera with the others */
 };
 
-/* Tests of a camera: as it is, late, early, then the permutations. */
+/* Tests of a camera: unchanged, one placement late, one early, then the permutations. */
 enum { AS_IT_IS, LATE, EARLY, FIRST_PERMUTATION };
 
 /* ---- what the others say ---------------------------------------------------- */
 
-/* The first view of a placement, or of one after it. */
+/* The first view of this placement or, if nobody saw it, of one after it. */
 static rigcal_status first_of(size_t *first, const rigcal_rig *rig, int32_t placement)
 {
     size_t low = 0, high = rig->n_views;
@@ -39,8 +40,8 @@ static rigcal_status first_of(size_t *first, const rigcal_rig *rig, int32_t plac
     return RIGCAL_OK;
 }
 
-/* A placement as one view of camera `camera` has it. 0: its information is not positive
- * definite. */
+/* The claim about a placement that one view of `camera` makes. Returns 0 if the view's
+ * information matrix is not positive definite. */
 static int place_by(rc_claim *placement, const rigcal_cause_solver *s,
                     const rigcal_view_pose *own, size_t camera)
 {
@@ -53,9 +54,9 @@ static int place_by(rc_claim *placement, const rigcal_cause_solver *s,
     return 1;
 }
 
-/* A placement as the views of other cameras than these two have it: where the rig has it,
- * known as well as those views that are not left out know it; where all are left out, by
- * the first. placement->view is -1 where there are none. */
+/* The claim about placement f that the views of other cameras than these two make. It is
+ * the rig's placement with the information of the kept views. If all are left out, it is
+ * the claim of the first of them. placement->view is -1 if there is no such view. */
 static rigcal_status place_by_others(rc_claim *placement, const rigcal_cause_solver *s,
                                      int32_t f, int32_t camera, int32_t other)
 {
@@ -100,7 +101,7 @@ static void end(rigcal_cause_solver *s, rigcal_status status)
 
 /* ---- one view ---------------------------------------------------------------- */
 
-/* What a test has found: the nearest counts. */
+/* Notes what a test has found. The cause with the least distance counts. */
 static void note(rigcal_cause_solver *s, rigcal_real apart, int32_t cause, int32_t number)
 {
     rigcal_cause *const found = &s->found;
@@ -109,7 +110,7 @@ static void note(rigcal_cause_solver *s, rigcal_real apart, int32_t cause, int32
         return;
     }
     if (cause == RIGCAL_CAUSE_SHIFTED && found->cause == RIGCAL_CAUSE_SHIFTED) {
-        found->is_still = 1; /* before and after alike */
+        found->is_still = 1; /* the placements before and after fit alike */
     }
     if (found->cause == RIGCAL_CAUSE_UNKNOWN || part < found->distance) {
         found->cause = cause;
@@ -120,8 +121,8 @@ static void note(rigcal_cause_solver *s, rigcal_real apart, int32_t cause, int32
     }
 }
 
-/* The view under test with its points permuted, in the caller's room. 0: it has not the
- * target's points. */
+/* Permutes the points of the tested view, in memory of the caller. Returns 0 if the view
+ * has not exactly the target's points. */
 static int permute(rigcal_cause_solver *s, size_t row)
 {
     const rigcal_symmetries *const sym = s->symmetries;
@@ -139,7 +140,7 @@ static int permute(rigcal_cause_solver *s, size_t row)
     return 1;
 }
 
-/* Solves the view under test as it is now. */
+/* Begins to solve the tested view as it is now. */
 static void begin_solving(rigcal_cause_solver *s)
 {
     if (rigcal_pose_begin(&s->pose, NULL, &s->seen.view, NULL) == RIGCAL_OK) {
@@ -160,8 +161,8 @@ static void test_shift(rigcal_cause_solver *s, int32_t shift)
     }
 }
 
-/* With the lens of the camera of view v, if that is another view of the placement that is
- * left out. */
+/* Tests the view with the lens of the camera of view v, if v is another view of the
+ * placement and is left out too. */
 static void test_swap(rigcal_cause_solver *s, size_t v)
 {
     rigcal_rig_view other;
@@ -171,10 +172,6 @@ static void test_swap(rigcal_cause_solver *s, size_t v)
     rigcal_status status = rc_rig_view_at(&other, s->rig, v);
     if (status == RIGCAL_OK) {
         status = rc_check_view(&other.view);
-    }
-    if (status == RIGCAL_OK &&
-        (other.camera < 0 || (size_t)other.camera >= s->rig->n_cameras)) {
-        status = RIGCAL_ERR_RANGE;
     }
     if (status == RIGCAL_OK) {
         s->lens = *other.view.camera;
@@ -194,7 +191,7 @@ static size_t n_permutations(const rigcal_cause_solver *s)
     return (s->symmetries == NULL) ? 0 : s->symmetries->n_permutations;
 }
 
-/* The next test of a view. */
+/* Begins the next test of a view. */
 static void test_view(rigcal_cause_solver *s)
 {
     const size_t n = n_permutations(s), test = s->test++;
@@ -215,7 +212,7 @@ static void test_view(rigcal_cause_solver *s)
     }
 }
 
-/* The poses of the view as it was tested, against the placement as the others have it. */
+/* Compares the poses of the tested view with the placement as the other views have it. */
 static void compare_view(rigcal_cause_solver *s)
 {
     const size_t n = n_permutations(s), test = s->test - 1;
@@ -246,8 +243,8 @@ static void compare_view(rigcal_cause_solver *s)
 
 /* ---- all views of a camera ----------------------------------------------------- */
 
-/* What the symmetry makes of the pose of a view: that of the target so named, with its
- * information by a shift of that target's own origin. */
+/* Replaces the pose of the target by the pose of the permuted target. The information
+ * matrix moves to the origin of the permuted target. */
 static void turn(rigcal_view_pose *own, const rigcal_transform *target_from_turned)
 {
     const rigcal_transform before = own->cam_from_target;
@@ -259,8 +256,8 @@ static void turn(rigcal_view_pose *own, const rigcal_transform *target_from_turn
     rc_chain_camera(g, own->information, W, &chain);
 }
 
-/* Where view v puts the camera, as the test has it. claim->view is -1 where nothing says
- * so: it is of another camera, or the only one of its placement. */
+/* The claim of where the camera is that view v makes in this test. claim->view is -1 if
+ * there is none: another camera's view, or the only view of its placement. */
 static rigcal_status claim_camera(rc_claim *claim, const rigcal_cause_solver *s, size_t v)
 {
     const int32_t shift = (s->test == LATE) ? -1 : (s->test == EARLY) ? 1 : 0;
@@ -282,7 +279,7 @@ static rigcal_status claim_camera(rc_claim *claim, const rigcal_cause_solver *s,
     return status;
 }
 
-/* How many views agree with where view s->view puts the camera. */
+/* Counts the views that agree with where view s->view puts the camera. */
 static rigcal_status score(int32_t *agree, int32_t *n, const rigcal_cause_solver *s)
 {
     rc_claim by_view, by_other;
@@ -299,8 +296,8 @@ static rigcal_status score(int32_t *agree, int32_t *n, const rigcal_cause_solver
     return status;
 }
 
-/* The views have been scored as the test has them: most must agree, and more than as they
- * are. */
+/* Ends a test whose views were all scored. The test counts if most views agree, and more
+ * than in the tests before. */
 static void end_camera_test(rigcal_cause_solver *s)
 {
     rigcal_cause *const found = &s->found;
@@ -323,7 +320,7 @@ static void end_camera_test(rigcal_cause_solver *s)
     }
 }
 
-/* One view of the camera puts it somewhere: do the others agree? */
+/* Scores one view: how many other views agree with where it puts the camera? */
 static void score_view(rigcal_cause_solver *s)
 {
     int32_t agree, n;
@@ -348,8 +345,8 @@ static void begin_scoring(rigcal_cause_solver *s)
     s->phase = SCORING;
 }
 
-/* The next test of a camera. Of a permutation one view is solved, which says how the target
- * is turned by it. */
+/* Begins the next test of a camera. For a permutation it solves one view, which tells how
+ * the permutation turns the target. */
 static void test_camera(rigcal_cause_solver *s)
 {
     const size_t row = s->test - FIRST_PERMUTATION;
@@ -375,7 +372,7 @@ static void test_camera(rigcal_cause_solver *s)
             return;
         }
     }
-    if (s->phase == TESTING) { /* there is no such view */
+    if (s->phase == TESTING) { /* no view can be permuted */
         s->test++;
     }
 }
@@ -416,7 +413,7 @@ static rigcal_status check_symmetries(const rigcal_symmetries *sym)
         for (size_t i = 0; i < sym->n_points; i++) {
             sym->room[i].uv[0] = 0;
         }
-        for (size_t i = 0; i < sym->n_points; i++) { /* each point once */
+        for (size_t i = 0; i < sym->n_points; i++) { /* each point must occur once */
             if (number[i] < 0 || (size_t)number[i] >= sym->n_points ||
                 sym->room[number[i]].uv[0] > 0) {
                 return RIGCAL_ERR_RANGE;
@@ -427,7 +424,7 @@ static rigcal_status check_symmetries(const rigcal_symmetries *sym)
     return RIGCAL_OK;
 }
 
-/* The poses of all views, and where the placements are of those that are not left out. */
+/* Checks the poses of all views, and the placements of those that are not left out. */
 static rigcal_status check_views(const rigcal_rig *rig)
 {
     int32_t before = 0;
@@ -440,11 +437,6 @@ static rigcal_status check_views(const rigcal_rig *rig)
         }
         if (status == RIGCAL_OK) {
             status = rc_check_numbers(own.information, 21, RC_MAX);
-        }
-        if (status == RIGCAL_OK &&
-            (own.camera < 0 || (size_t)own.camera >= rig->n_cameras || own.placement < 0 ||
-             (size_t)own.placement >= rig->n_placements)) {
-            status = RIGCAL_ERR_RANGE;
         }
         if (status == RIGCAL_OK && !rc_sym6_factor_of(&L, own.information, 0)) {
             status = RIGCAL_ERR_DEGENERATE;
@@ -463,7 +455,7 @@ static rigcal_status check_views(const rigcal_rig *rig)
     return RIGCAL_OK;
 }
 
-/* Of view or camera `number`. */
+/* Begins the tests of the view or camera `number`. */
 static rigcal_status begin(rigcal_cause_solver *s, const rigcal_rig *rig,
                            rigcal_real limit_px2, const rigcal_symmetries *symmetries,
                            size_t number, int is_camera)
@@ -595,7 +587,7 @@ static rigcal_status run(rigcal_cause *cause, rigcal_cause_solver *s, rigcal_sta
     if (begun != RIGCAL_OK || cause == NULL) {
         return (begun != RIGCAL_OK) ? begun : RIGCAL_ERR_NULL;
     }
-    while (rigcal_cause_step(s, 1000) == RIGCAL_RUNNING) {
+    while (rigcal_cause_step(s, 100) == RIGCAL_RUNNING) {
     }
     return rigcal_cause_result(cause, s);
 }

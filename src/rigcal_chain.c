@@ -2,12 +2,12 @@
 
 /* ---- constants ----------------------------------------------------------- */
 
-/* of 1 + cos(angle): a turn by next to half a circle, whose axis does not show in what is
- * left of its sine. */
+/* of 1 + cos(angle): below it the turn is so close to half a circle that the rest of its
+ * sine does not show its axis. */
 #define HALF_TURN RC_TOL(1e-12, 1e-6)
 
-/* terms: of the series of a sine's angle. It is exact to rounding up to a turn by a right
- * angle, and good to one part in a million up to half a circle. */
+/* terms: of the series for the angle of a sine. It is exact to rounding for a turn up to a
+ * right angle, and to one part in a million up to half a circle. */
 enum { ARCSINE_TERMS = 14 };
 
 void rc_chain_of(rc_chain *chain, const rigcal_transform *cam_from_rig,
@@ -89,8 +89,8 @@ void rc_chain_camera(rigcal_real g[6], rigcal_real H[21], rigcal_real W[36],
     times_B(W, chain);
 }
 
-/* The turn by its quarter: x = sin(angle / 4), and angle = 4 asin(x) by its series, which
- * needs neither arc tangent nor cases. */
+/* With x = sin(angle / 4) the angle is 4 asin(x), computed by its series. This needs
+ * neither an arc tangent nor cases. */
 void rc_deviation(rigcal_real d[6], const rigcal_transform *to,
                   const rigcal_transform *from)
 {
@@ -99,7 +99,7 @@ void rc_deviation(rigcal_real d[6], const rigcal_transform *to,
     rc_vec3_sub(&d[3], to->t, from->t);
     const rigcal_real versine = (1 + R[0] + R[4] + R[8]) / 2; /* 1 + cos(angle) */
     if (versine < HALF_TURN) {
-        d[0] = RC_PI; /* no small step undoes it, about whatever axis */
+        d[0] = RC_PI; /* no small step undoes it, about any axis */
         d[1] = d[2] = 0;
         return;
     }

@@ -4,29 +4,34 @@
 
 /* ---- constants ----------------------------------------------------------- */
 
-/* px: the least noise that is believed where none is stated. Pixels are not better. */
+/* px: the least noise where none is stated. No camera's pixels are better. */
 #define NOISE_LEAST RC(0.01)
 
-/* sets: expected numbers are clipped here, far above any limit, before they overflow. */
+/* sets: expected numbers are clipped here, far above any limit. */
 #define EXPECTED_MOST RC(1e30)
 
-/* 1: rc_normal_within takes its first quotient up to twice this probability (Wichura
+/* 1: rc_normal_within uses its first quotient up to twice this probability (Wichura
  * 1988). */
 #define CENTRAL RC(0.425)
 
-/* 1: its second quotient counts from here (Wichura 1988). */
+/* 1: where the argument of its second quotient begins (Wichura 1988). */
 #define TAIL_FROM RC(1.6)
 
-/* 1: from here on Stirling's series is exact to 3e-10; below, x is raised first. */
+/* 1: from here on Stirling's series is exact to 3e-10. A smaller x is raised first. */
 #define STIRLING_FROM RC(8)
 
-/* steps: of the continued fraction, some ten cube roots of the degrees of freedom. */
+/* steps: of the continued fraction. It needs some ten cube roots of the degrees of
+ * freedom. */
 enum { FRACTION_STEPS = 2000 };
 
 /* ---- facts --------------------------------------------------------------- */
 
-/* Numerators and denominators of both quotients of rc_normal_within, by ascending
- * powers (Wichura 1988, PPND16). */
+/* 2^90, in which large expected numbers are counted, lest they overflow on the way to a
+ * small one. */
+#define EXPECTED_UNIT RC(1.237940039285380274899124224e27)
+
+/* Numerators and denominators of both quotients of rc_normal_within, by ascending powers
+ * (Wichura 1988, PPND16). */
 enum { QUOTIENT_TERMS = 8 };
 static const rigcal_real QUOTIENTS[2][2][QUOTIENT_TERMS] = {
     {{RC(3.3871328727963666080e0), RC(1.3314166789178437745e2), RC(1.9715909503065514427e3),
@@ -59,7 +64,7 @@ rigcal_real rc_chi2_limit(rigcal_real freedom, rigcal_real deviations)
 }
 
 /* base^exponent. Underflows to 0, overflows to infinity. */
-RC_APART static rigcal_real power(rigcal_real base, size_t exponent)
+RC_APART_FAST static rigcal_real power(rigcal_real base, size_t exponent)
 {
     rigcal_real result = 1;
     for (; exponent > 0; exponent /= 2) {
@@ -71,9 +76,9 @@ RC_APART static rigcal_real power(rigcal_real base, size_t exponent)
     return result;
 }
 
-/* Noise known: exp of half the difference. Unknown, it is integrated out with the prior
- * 1 / noise, which leaves the power n - 3 of the ratio; added is what the least noise makes
- * of a sum. */
+/* With known noise the odds are exp of half the difference. Unknown noise is integrated out
+ * with the prior 1 / noise, which gives the ratio to the power n - 3. `least`, the sum that
+ * the least noise makes, is added to both sums. */
 rigcal_real rc_odds(rigcal_real sse, rigcal_real other, rigcal_real sigma_px,
                     rigcal_real pixel_size, size_t n)
 {
@@ -87,18 +92,29 @@ rigcal_real rc_odds(rigcal_real sse, rigcal_real other, rigcal_real sigma_px,
     return power((other + least) / (sse + least), n - 3);
 }
 
-/* Three points choose a pose, with two solutions as a rule: n (n - 1) (n - 2) / 6 times 2.
- * Of the others, count - 3 agree by chance. */
+/* Three points choose a pose, usually with two solutions: n (n - 1) (n - 2) / 6 times 2
+ * poses. Of the other points, count - 3 agree by chance. */
 rigcal_real rc_expected_sets(size_t n, size_t count, rigcal_real near)
 {
     RIGCAL_ASSERT(count <= n && near >= 0 && near <= 1);
     const rigcal_real all = (rigcal_real)n;
     rigcal_real expected = all * (all - 1) * (all - 2) / 3;
+    size_t units = 0; /* powers of the unit */
     for (size_t i = 0; i + 3 < count; i++) {
         const rigcal_real ways = (all - 3 - (rigcal_real)i) / (rigcal_real)(i + 1);
-        expected = rc_min(expected * ways * near, EXPECTED_MOST);
+        expected *= ways * near;
+        if (expected >= EXPECTED_UNIT) {
+            expected /= EXPECTED_UNIT;
+            units++;
+        } else if (expected < 1 && units > 0) {
+            expected *= EXPECTED_UNIT;
+            units--;
+        }
     }
-    return expected;
+    for (; units > 0 && expected < EXPECTED_MOST; units--) {
+        expected *= EXPECTED_UNIT;
+    }
+    return rc_min(expected, EXPECTED_MOST);
 }
 
 static rigcal_real quotient(int which, rigcal_real r)
@@ -137,8 +153,8 @@ static rigcal_real stirling(rigcal_real x)
     return (RC(1) / 12 - (RC(1) / 360 - RC(1) / 1260 / xx) / xx) / x;
 }
 
-/* log(gamma(a + b) / gamma(a) / gamma(b)) by differences, for its terms are large. Of
- * small a, gamma(a) = gamma(a + 1) / a. */
+/* log(gamma(a + b) / gamma(a) / gamma(b)), by differences because its terms are large. A
+ * small a is raised by gamma(a) = gamma(a + 1) / a. */
 static rigcal_real log_beta_inverse(rigcal_real a, rigcal_real b)
 {
     const rigcal_real half = RC(1) / 2;
@@ -157,14 +173,14 @@ static rigcal_real log_beta_inverse(rigcal_real a, rigcal_real b)
     return sum + stirling(both) - stirling(a) - stirling(b);
 }
 
-/* 1 + x > 0, which rounding may not make 0. */
+/* 1 + x > 0. Rounding may make it 0, so it is at least RC_EPS. */
 static rigcal_real above_0(rigcal_real x)
 {
     return rc_max(1 + x, RC_EPS);
 }
 
-/* The continued fraction of the incomplete beta function (Lentz 1976), of x below
- * (a + 1) / (a + b + 2): no denominator is much below 1 / (a + b). */
+/* The continued fraction of the incomplete beta function (Lentz 1976), for x below (a + 1)
+ * / (a + b + 2). Then no denominator is much below 1 / (a + b). */
 static rigcal_real beta_fraction(rigcal_real a, rigcal_real b, rigcal_real x)
 {
     rigcal_real c = 1, d = 1 / above_0(-(a + b) * x / (a + 1)), fraction = d;

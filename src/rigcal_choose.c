@@ -20,8 +20,9 @@ int rc_claim_of_view(rc_claim *claim, const rigcal_view_pose *pose, rigcal_real 
     return 1;
 }
 
-/* out += J S J^T, J = (1 0; [l]x 1): a turn w shifts what is `l` from its pivot too. Row by
- * row M = S + [l]x S of the block across, then the same of the second, and its mirror. */
+/* out += J S J^T with J = (1 0; [l]x 1): a turn w also shifts a point that is `l` away from
+ * the pivot. S = (A B; B^T D) in blocks. M = B + A [l]x^T is the block across of the
+ * result. Its second block is D + [l]x M + ([l]x B)^T. */
 static void add_levered(rigcal_real out[21], const rigcal_real S[21],
                         const rigcal_real l[3])
 {
@@ -96,8 +97,8 @@ void rc_claim_between(rc_claim *b_from_a, const rc_claim *b, const rc_claim *a)
     b_from_a->extra += a->extra;
 }
 
-/* At the pivot of p: what a claim says of a turn and of a shift there. Far from both pivots
- * these would be large and nearly the same. */
+/* The distance is taken at the pivot of p: both claims' turn, and their shift of this
+ * point. Far from both pivots the shifts would be large and nearly the same. */
 rigcal_real rc_claims_apart(const rc_claim *p, const rc_claim *q)
 {
     const rigcal_transform *const P = &p->b_from_a, *const Q = &q->b_from_a;

@@ -3,38 +3,38 @@
 
 /* ---- constants ----------------------------------------------------------- */
 
-/* sigma^2: of a target that stands still the step from a placement to the next has 12, by
- * noise alone. With less than this its velocity is hardly known, and it hardly moves. */
+/* sigma^2: noise alone makes the squared step between two placements of a resting target 12
+ * in the mean. Below this the velocity is hardly known, and the target hardly moves. */
 #define STILL RC(100)
 
 /* sigma^2: a step that gains less moves no unknown by more than a tenth of its sigma. */
 #define GAIN_ENOUGH RC(0.01)
 
-/* times GAIN_ENOUGH: a search that ends where no step helps, although one promised more,
- * has not converged. */
+/* times GAIN_ENOUGH: a search has not converged if no step helps although the last one
+ * promised more than this. */
 #define GAIN_LEFT RC(100)
 
-/* part of the diagonal before placements were eliminated: it is added to that of a clock,
- * so that a clock that the data do not separate from others stays. */
+/* part of the diagonal before placements were eliminated: added to the diagonal of each
+ * clock. A clock that the data do not separate from other clocks then stays where it is. */
 #define DAMPING RC_TOL(1e-9, 1e-5)
 
 /* ---- the memory to work in ----------------------------------------------- */
 
-/* Behind that of the rig. The unknowns of the clocks are behind those of the cameras: all
- * offsets, then all drifts, in the order of their cameras. */
+/* Memory behind that of the rig. The unknowns of the clocks follow those of the cameras:
+ * first all offsets, then all drifts, in the order of the cameras. */
 typedef struct {
-    rigcal_real *first;  /* row of S of the first of them; its elements are packed */
+    rigcal_real *first;  /* row of S of the first clock; S is packed */
     rigcal_real *saved;  /* 2 a camera: the values before a step */
-    rigcal_real *moved;  /* of each camera, sum of d^T H d, d to the nearest placement */
-    rigcal_real *count;  /* of each camera, its views that have one */
+    rigcal_real *moved;  /* of each camera: sum of d^T H d, d to the nearest placement */
+    rigcal_real *count;  /* of each camera: its views whose placement has a neighbour */
     rigcal_real *w;      /* of each slot, 6: its clock by the placement */
-    rigcal_real *since;  /* of each slot, its stamp after the middle */
-    rigcal_real *camera; /* of each slot */
-    rigcal_real *z;      /* of each slot, 6: w by the inverse of the placement's H */
-    size_t at, n;        /* the first unknown; unknowns of a clock */
+    rigcal_real *since;  /* of each slot: its stamp less the middle of the recording */
+    rigcal_real *camera; /* of each slot: its camera */
+    rigcal_real *z;      /* of each slot, 6: w times the inverse of the placement's H */
+    size_t at, n;        /* first unknown of the clocks; unknowns of a clock */
 } clock_parts;
 
-/* reals: of it a camera. */
+/* reals: that a camera takes of this memory. */
 enum { PARTS = 18 };
 
 static void clock_parts_of(clock_parts *c, const rc_rig_parts *parts,
@@ -66,7 +66,8 @@ static rigcal_real real_of(size_t n)
 
 /* ---- what is unknown ----------------------------------------------------- */
 
-/* Of a group in which no clock is held, that of the first camera is. */
+/* Whether a clock is free. If no clock of a group is held, that of its first camera is
+ * held. */
 static int is_free(const rigcal_rig *rig, size_t c)
 {
     const uint8_t *const held = rig->clocks->held;
@@ -79,7 +80,8 @@ static int is_free(const rigcal_rig *rig, size_t c)
     return is_fixed && rig->clocks->free_offsets != 0 && (held == NULL || held[c] == 0);
 }
 
-/* The offsets and drifts that are unknowns: saved; as they were saved; moved by a step. */
+/* Saves the offsets and drifts that are unknowns, restores them, or moves them by the
+ * step. */
 enum { SAVE, RESTORE, MOVE };
 
 static void values(const rigcal_rig_solver *s, const rc_rig_parts *parts, int what)
@@ -98,8 +100,8 @@ static void values(const rigcal_rig_solver *s, const rc_rig_parts *parts, int wh
     }
 }
 
-/* The variance of a pixel: as stated, or of the views by themselves, or `sum` of the rig;
- * 0: unknown. */
+/* The variance of a pixel [px^2]: the stated one, or that of the views at their own poses,
+ * or else that of `sum`, the rig's sum of squares. Returns 0 if it is unknown. */
 static rigcal_real variance_of(const rigcal_rig_solver *s, rigcal_real sum)
 {
     const rigcal_real freedom = 2 * real_of(s->n_points) - 6 * real_of(s->n_used);
@@ -110,7 +112,7 @@ static rigcal_real variance_of(const rigcal_rig_solver *s, rigcal_real sum)
     return ((s->own_sum > 0) ? s->own_sum : sum) / freedom;
 }
 
-/* What is handed in has been checked. */
+/* Numbers the unknowns of the clocks, after the input was checked. */
 static rigcal_status number(rigcal_rig_solver *s)
 {
     const rigcal_rig *const rig = s->rig;
@@ -144,8 +146,8 @@ static rigcal_status number(rigcal_rig_solver *s)
 
 /* ---- the equations of the clocks (H5) ------------------------------------ */
 
-/* Adds a view to the equations of its clock: E = H m, Q = m^T H m and q = m^T g; the drift
- * has `since` times those of the offset. */
+/* Adds a view to the equations of its clock: E = H m, Q = m^T H m and q = m^T g. Those of
+ * the drift are `since` times as large. */
 static void add(const rigcal_rig_solver *s, const rc_rig_parts *parts, const clock_parts *c,
                 const rigcal_real g[6], const rigcal_real H[21], const rc_chain *chain)
 {
@@ -157,7 +159,7 @@ static void add(const rigcal_rig_solver *s, const rc_rig_parts *parts, const clo
     rc_sym6_mul(E, H, m);
     const rigcal_real Q = rc_vec6_dot(m, E), q = rc_vec6_dot(m, g);
     c->since[slot] = memory->since;
-    rc_mat3_tmul_vec3(w, chain->R_c, E); /* B^T E, A^T E */
+    rc_mat3_tmul_vec3(w, chain->R_c, E); /* B^T E, then A^T E */
     rc_mat3_tmul_vec3(&w[3], chain->R_c, &E[3]);
     rc_vec3_cross(m, chain->lever, &E[3]);
     rc_vec3_add(E, m);
@@ -179,7 +181,8 @@ static void add(const rigcal_rig_solver *s, const rc_rig_parts *parts, const clo
     }
 }
 
-/* H_p^-1 w of the clock of a slot, and what its right side loses: (H_p^-1 w) g_p. */
+/* Computes H_p^-1 w of the clock of a slot. Subtracts (H_p^-1 w) g_p from the clock's right
+ * side. */
 static void eliminate_right(const rigcal_rig_solver *s, const rc_rig_parts *parts,
                             const clock_parts *c, size_t slot)
 {
@@ -190,7 +193,7 @@ static void eliminate_right(const rigcal_rig_solver *s, const rc_rig_parts *part
         z[k] = c->w[6 * slot + k];
     }
     rc_sym6_forward(z, L);
-    const rigcal_real lost = rc_vec6_dot(z, s->gp); /* which is L^-1 g_p */
+    const rigcal_real lost = rc_vec6_dot(z, s->gp); /* s->gp is L^-1 g_p */
     rc_sym6_backward(z, L);
     g[0] -= lost;
     if (c->n > 1) {
@@ -198,8 +201,8 @@ static void eliminate_right(const rigcal_rig_solver *s, const rc_rig_parts *part
     }
 }
 
-/* What the clock of slot a has in common with the camera and the clock of slot b, as they
- * depend on the placement. W of the camera is as it was added. */
+/* Subtracts what the clock of slot a shares, through the placement, with the camera and the
+ * clock of slot b. W of the camera must still be as it was added. */
 static void eliminate_pair(const rigcal_rig_solver *s, const rc_rig_parts *parts,
                            const clock_parts *c, size_t a, size_t b)
 {
@@ -217,7 +220,7 @@ static void eliminate_pair(const rigcal_rig_solver *s, const rc_rig_parts *parts
                 to[k] -= part * rc_vec6_dot(z, &W[6 * k]);
             }
         }
-        if (other <= at) { /* the lower triangle */
+        if (other <= at) { /* only the lower triangle is kept */
             row[other] -= part * clock;
         }
         if (i > 0 && other + n <= at) {
@@ -228,7 +231,7 @@ static void eliminate_pair(const rigcal_rig_solver *s, const rc_rig_parts *parts
     }
 }
 
-/* All clocks of the placement against slot s->row. */
+/* Eliminates all clocks of the placement against slot s->row. */
 static void eliminate(const rigcal_rig_solver *s, const rc_rig_parts *parts,
                       const clock_parts *c)
 {
@@ -245,7 +248,7 @@ static void eliminate(const rigcal_rig_solver *s, const rc_rig_parts *parts,
 
 /* ---- clocks that are held after all -------------------------------------- */
 
-/* An unknown that does not move, and nothing with it. */
+/* Holds an unknown: clears its row and right side, so that its step is 0. */
 static void hold(const rigcal_rig_solver *s, const rc_rig_parts *parts, size_t at)
 {
     for (size_t i = 0; i < s->n; i++) {
@@ -255,9 +258,9 @@ static void hold(const rigcal_rig_solver *s, const rc_rig_parts *parts, size_t a
     parts->g[at] = 0;
 }
 
-/* All views have been added: which clocks something is known of. Where views are of another
- * instant than their placement, the motion lags by a step, so that the last digits of the
- * sum need not fall. */
+/* Chooses the clocks that the data tell about, after all views have been added. Where views
+ * are of another time than their placement the motion lags by a step. Then the last digits
+ * of the sum need not fall, and a larger gain counts as negligible. */
 static void choose_clocks(rigcal_rig_solver *s, const rc_rig_parts *parts,
                           const clock_parts *c)
 {
@@ -287,8 +290,8 @@ static void choose_clocks(rigcal_rig_solver *s, const rc_rig_parts *parts,
 
 /* ---- a pass -------------------------------------------------------------- */
 
-/* The motion of the placement that comes next, by where the last step began. A pass that
- * tries no step is where the last step that helped ended. */
+/* Finds the motion at the next placement, from the poses where the last step began. A pass
+ * that tries no step is at the end of the last step that helped. */
 static void begin_placement(const rigcal_rig_solver *s, const rc_rig_parts *parts,
                             const clock_parts *c)
 {
@@ -296,7 +299,7 @@ static void begin_placement(const rigcal_rig_solver *s, const rc_rig_parts *part
     rigcal_real velocity[6];
     if (memory->pass != s->evals) {
         memory->pass = s->evals;
-        rc_clear(c->moved, 2 * s->rig->n_cameras); /* and count */
+        rc_clear(c->moved, 2 * s->rig->n_cameras); /* clears count, too */
         if (!s->is_trial && !s->is_last) {
             values(s, parts, RESTORE);
         }
@@ -306,7 +309,7 @@ static void begin_placement(const rigcal_rig_solver *s, const rc_rig_parts *part
             }
         }
     }
-    rc_clear(c->w, 8 * s->rig->n_cameras); /* since and camera, too */
+    rc_clear(c->w, 8 * s->rig->n_cameras); /* clears since and camera, too */
     rc_times_motion(&memory->motion, s->rig, &parts->saved[s->rig->n_cameras],
                     s->placement);
     rc_motion_at(memory->step, velocity, &memory->motion, memory->motion.t[0]);
@@ -314,7 +317,8 @@ static void begin_placement(const rigcal_rig_solver *s, const rc_rig_parts *part
     memory->views = memory->late = 0;
 }
 
-/* Counts a view. The first one of a placement tells by how much that moves, for all. */
+/* Counts a view. The first view of a placement tells by how much the placement moves; all
+ * its views use this. */
 static void count_view(const rigcal_rig_solver *s, const rc_rig_parts *parts,
                        const clock_parts *c, const rigcal_real H[21], const rc_chain *chain,
                        int32_t camera)
@@ -333,8 +337,8 @@ static void count_view(const rigcal_rig_solver *s, const rc_rig_parts *parts,
     c->count[camera] += (memory->motion.n > 0) ? 1 : 0;
 }
 
-/* (H10): the placement, and where the next step begins, at the mean time of its views. A
- * pose that was handed in is of that time. */
+/* (H10): moves the placement, and the pose where the next step begins, to the mean time of
+ * its views. The pose that the caller gave is already of that time. */
 static void centre(const rigcal_rig_solver *s, const rc_rig_parts *parts)
 {
     const rigcal_rig *const rig = s->rig;
@@ -349,7 +353,7 @@ static void centre(const rigcal_rig_solver *s, const rc_rig_parts *parts)
     }
 }
 
-/* A view by its points, at its time. */
+/* The equations of a view from its points, at the view's time. */
 static rigcal_status equations_of_points(rigcal_real *sum, rigcal_real g[6],
                                          rigcal_real H[21], rc_chain *chain,
                                          int32_t *camera, const rigcal_rig_solver *s)
@@ -396,7 +400,7 @@ static void move_timed(const rigcal_rig_solver *s, const rc_rig_parts *parts)
     values(s, parts, MOVE);
 }
 
-/* What comes before a unit of the search. */
+/* Prepares the clocks' part of the next unit of the search. */
 static void prepare(rigcal_rig_solver *s)
 {
     const rigcal_clock_memory *const memory = &s->rig->clocks->memory;
@@ -451,7 +455,7 @@ static rigcal_status begin_clocks(rigcal_rig_solver *s)
     rigcal_clock_memory *const memory = &s->rig->clocks->memory;
     const rigcal_status status = rc_times_check(s->rig);
     if (status != RIGCAL_OK) {
-        s->phase = 0; /* it has not begun */
+        s->phase = 0; /* the search has not begun */
         return status;
     }
     memory->placement = -1;

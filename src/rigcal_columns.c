@@ -4,13 +4,13 @@ extern inline size_t rc_packed_size(size_t n);
 
 /* ---- constants ----------------------------------------------------------- */
 
-/* part of Q: with less of it left when all else is free, a parameter cannot be seen. */
+/* part of Q: a parameter cannot be seen if less of it is left when all else is free. */
 #define RANK_TOL RC_TOL(1e-10, 1e-5)
 
-/* Parts of s->sums. Of each column: Q; q; Q before placements were eliminated; Q and q of
- * each view by itself. Then Q across two columns, and the same of each view by itself; Q
- * across clocks; g of the cameras and clocks; of each camera, the stamp of its view in the
- * placement. */
+/* Parts of s->sums. Of each column: Q; q; Q before placements were eliminated; Q and q with
+ * each view's own pose free. Then Q across two columns, and the same with each view's own
+ * pose free. Then Q across clocks; g of the cameras and clocks; of each camera the stamp of
+ * its view in the placement. */
 enum {
     Q_OF,
     SLOPE,
@@ -33,7 +33,7 @@ static const uint8_t KIND_OF[RC_COLUMNS] = {
     RIGCAL_FAULT_CENTRE, RIGCAL_FAULT_DISTORTION, RIGCAL_FAULT_DISTORTION,
     RIGCAL_FAULT_BENT,   RIGCAL_FAULT_BENT,       RIGCAL_FAULT_STRETCHED};
 
-/* The first parameter of a view that belongs to a kind, not of CLOCKS or MOVED. */
+/* The first parameter of a view that belongs to a kind other than CLOCKS and MOVED. */
 static size_t parameter_of(int32_t kind)
 {
     size_t p = 0;
@@ -91,7 +91,7 @@ static size_t column_of(const rigcal_columns *s, size_t camera, size_t parameter
                          ((parameter < RC_OF_CAMERA) ? camera : s->rig->n_cameras);
 }
 
-/* Which of the pairs of all columns the k-th of a view of a camera is. */
+/* The number, among the pairs of all columns, of pair k of a view of this camera. */
 static size_t pair_of(const rigcal_columns *s, size_t camera, size_t k)
 {
     return (k < RC_PAIRS - 1) ? (RC_PAIRS - 1) * camera + k
@@ -142,7 +142,7 @@ static void number_columns(rigcal_columns *s)
     s->border.k = n_clocks(s) + s->per_camera * s->rig->n_cameras + (size_t)rank;
 }
 
-/* Reals of a part of s->sums. */
+/* Number of reals of a part of s->sums. */
 static size_t size_of(const rigcal_columns *s, int part)
 {
     switch (part) {
@@ -265,7 +265,7 @@ static void eliminate_pairs(rigcal_columns *s)
     }
 }
 
-/* The clocks' rows: of each column, and of g. */
+/* Eliminates the placement from the clocks' rows of each column and of g. */
 static void eliminate_clocks(rigcal_columns *s)
 {
     const rc_border *const b = &s->border;
@@ -302,14 +302,15 @@ void rc_columns_eliminate(rigcal_columns *s)
 
 /* ---- a fault -------------------------------------------------------------------- */
 
-/* Its columns, and the room for its test, in the place of Z. */
+/* The columns of a fault, and room for its test in the memory of Z. */
 typedef struct {
     int32_t kind;
     size_t camera, k;
     rigcal_real *G, *I, *theta, *variance, *turn, *shift;
 } trial;
 
-/* Whether a clock is one of CLOCKS: not of the first camera of its group, and seen. */
+/* Whether CLOCKS has this camera's clock as a parameter: the camera is not the first of its
+ * group, and the data show its clock. */
 static int is_freed(const rigcal_columns *s, size_t camera)
 {
     int is_first = 1;
@@ -350,7 +351,7 @@ static void begin_trial(trial *t, const rigcal_columns *s, const rigcal_fault *f
     t->shift = t->turn + t->k;
 }
 
-/* The pair of a fault that has one: where its two columns have what they share. */
+/* The number of the pair that the two columns of this fault make. */
 static size_t pair_at(const rigcal_columns *s, const trial *t)
 {
     size_t k = 0;
@@ -370,16 +371,16 @@ static rigcal_real Q_across(const rigcal_columns *s, const trial *t, size_t i, s
                : s->sums[PAIRS][pair_at(s, t)];
 }
 
-/* Whether camera c has unknowns, and a frame in common with that of the fault. */
+/* Whether camera c has unknowns, and is of the same group as the fault's camera. */
 static int is_moved(const rigcal_columns *s, const rc_rig_parts *parts, const trial *t,
                     size_t c)
 {
     return parts->column[c] >= 0 && s->rig->group[c] == s->rig->group[t->camera];
 }
 
-/* Adds what a unit of a parameter does to the cameras by its reference, the turn and shift
- * (w, v) of its camera against which its column was taken. Where that camera is held, the
- * other cameras of its group move the other way. */
+/* Adds to G what one unit of parameter j does to the cameras through its reference. The
+ * reference is the turn w and the shift v of the camera against which the column was taken.
+ * If the fault's camera is held, the other cameras of its group move the other way. */
 static void add_reference(rigcal_real G[], const rigcal_columns *s,
                           const rc_rig_parts *parts, const trial *t, size_t j)
 {
@@ -431,7 +432,8 @@ int rc_columns_solve(rigcal_real *gain, rigcal_real theta[], rigcal_real varianc
         rc_packed_invert_row(I, i);
         variance[i] = 0;
     }
-    for (size_t i = 0; i < k; i++) { /* by L^-T; its columns are the rows of L^-1 */
+    for (size_t i = 0; i < k; i++) { /* theta and variance by L^-T; its columns are the rows
+                                        of L^-1 */
         rigcal_real sum = 0;
         for (size_t j = i; j < k; j++) {
             const rigcal_real x = I[rc_packed_at(j, i)];
@@ -443,7 +445,8 @@ int rc_columns_solve(rigcal_real *gain, rigcal_real theta[], rigcal_real varianc
     return 1;
 }
 
-/* I and u of (H6), u where theta will be, and what a unit of each parameter does (H13). */
+/* Computes I and u of (H6), u in theta, and what one unit of each parameter does to the
+ * cameras (H13). */
 static void reduce(const trial *t, const rigcal_columns *s)
 {
     const size_t n = s->border.n;
@@ -464,17 +467,17 @@ static void reduce(const trial *t, const rigcal_columns *s)
     }
 }
 
-/* theta, the gain and the variances. 0: the fault cannot be seen. */
+/* Solves for theta, gain and variances. Returns 0 if the data cannot show the fault. */
 static int solve(rigcal_real *gain, const trial *t, const rigcal_columns *s)
 {
     if ((t->kind == RIGCAL_FAULT_CLOCK && s->per_clock > 0) ||
         (t->kind == RIGCAL_FAULT_DRIFT && s->per_clock > 1)) {
-        return 0; /* the adjustment has taken it out */
+        return 0; /* the adjustment has already removed it */
     }
     return t->k > 0 && rc_columns_solve(gain, t->theta, t->variance, t->I, t->k);
 }
 
-/* What the views gain by themselves from theta (H8). */
+/* What the views gain from theta with their own poses free (H8). */
 static rigcal_real own_gain(const rigcal_columns *s, const trial *t)
 {
     rigcal_real gain = 0;
@@ -489,7 +492,7 @@ static rigcal_real own_gain(const rigcal_columns *s, const trial *t)
     return gain;
 }
 
-/* The clocks one by one, and their deviations. */
+/* Writes each clock's value and its deviation. */
 static void write_clocks(rigcal_real clocks[], const rigcal_columns *s, const trial *t,
                          rigcal_real variance)
 {

@@ -6,9 +6,9 @@
 
 enum {
     DONE = 1,
-    ADDING,      /* a view */
-    ELIMINATING, /* a placement, all views of which have been added */
-    SOLVING      /* a row of the effects */
+    ADDING,      /* adds a view */
+    ELIMINATING, /* eliminates a placement, after all its views */
+    SOLVING      /* computes a row of the effects */
 };
 
 size_t rigcal_consider_work(size_t n_free, size_t n_cameras)
@@ -23,7 +23,7 @@ size_t rigcal_consider_clocks_work(size_t n_cameras)
 
 /* ---- which of the intrinsics ------------------------------------------------ */
 
-/* By RC_BY_FOCAL and so on. */
+/* Deviations of the intrinsics, in the order of RC_BY_FOCAL and so on. */
 static void deviations_of(rigcal_real sigma[RC_INTRINSICS], const rigcal_rig *rig, size_t c)
 {
     if (rig->intrinsics_sigmas == NULL) {
@@ -38,7 +38,7 @@ static void deviations_of(rigcal_real sigma[RC_INTRINSICS], const rigcal_rig *ri
     sigma[RC_BY_K2] = s->k2;
 }
 
-/* How many columns the cameras before c have. */
+/* Number of columns of the cameras before c. */
 static size_t columns_before(const rigcal_rig *rig, size_t c)
 {
     size_t n = 0;
@@ -54,7 +54,7 @@ static size_t columns_before(const rigcal_rig *rig, size_t c)
 
 /* ---- one view --------------------------------------------------------------- */
 
-/* E[p] += D_p (q x b, b), with b a row of B. */
+/* E[p] += D_p (q x b, b), where b is a row of B. */
 static void add_row(rigcal_real E[RC_INTRINSICS][6], const rigcal_real q[3],
                     const rigcal_real b[3], const rigcal_real D[RC_INTRINSICS],
                     rigcal_real weight)
@@ -67,8 +67,8 @@ static void add_row(rigcal_real E[RC_INTRINSICS][6], const rigcal_real q[3],
     }
 }
 
-/* A view at cam_from_target: H = J^T J, and E = J^T D of each of the intrinsics, times its
- * deviation. */
+/* A view at cam_from_target: H = J^T J, and E = J^T D of each of the intrinsics, not yet
+ * times its deviation. */
 static rigcal_status add_points(rigcal_real H[21], rigcal_real E[RC_INTRINSICS][6],
                                 const rigcal_points *points,
                                 const rigcal_transform *cam_from_target)
@@ -94,7 +94,8 @@ static rigcal_status add_points(rigcal_real H[21], rigcal_real E[RC_INTRINSICS][
     return RIGCAL_OK;
 }
 
-/* (H11): the noise of the view's stamp, out of H and E alike. m: its (w, dt) a second. */
+/* (H11): eliminates the noise of the view's stamp from H and E. m is its (w, dt) a
+ * second. */
 static void weigh(rigcal_real H[21], rigcal_real E[RC_INTRINSICS][6],
                   const rigcal_real m[6], rigcal_real ratio2)
 {
@@ -113,16 +114,15 @@ static void weigh(rigcal_real H[21], rigcal_real E[RC_INTRINSICS][6],
     }
 }
 
-/* View `index`, which is of this placement, where the rig is and the clocks stand. m: its
- * (w, dt) a second; 0 without clocks. */
+/* Evaluates view `index` of this placement, with the poses and clocks as they are. m is its
+ * (w, dt) a second, 0 if there are no clocks. */
 static rigcal_status evaluate(rigcal_rig_view *v, rc_chain *chain, rigcal_real m[6],
                               rigcal_real H[21], rigcal_real E[RC_INTRINSICS][6],
                               const rigcal_rig *rig, size_t index, size_t placement)
 {
     rigcal_points points;
     rigcal_status status = rc_rig_view_at(v, rig, index);
-    if (status == RIGCAL_OK && (v->camera < 0 || (size_t)v->camera >= rig->n_cameras ||
-                                (size_t)v->placement != placement)) {
+    if (status == RIGCAL_OK && (size_t)v->placement != placement) {
         status = RIGCAL_ERR_RANGE;
     }
     if (status == RIGCAL_OK) {
@@ -145,8 +145,8 @@ static rigcal_status evaluate(rigcal_rig_view *v, rc_chain *chain, rigcal_real m
 
 /* ---- clocks ------------------------------------------------------------------ */
 
-/* Unknowns behind those of the cameras: all offsets, then all drifts. Of a clock that is
- * held they are there, but fixed. */
+/* Number of unknowns after those of the cameras: all offsets, then all drifts. A held clock
+ * has unknowns too, but they are fixed. */
 static size_t unknowns_of_clocks(const rigcal_rig *rig)
 {
     const rigcal_rig_clocks *const clocks = rig->clocks;
@@ -155,9 +155,9 @@ static size_t unknowns_of_clocks(const rigcal_rig *rig)
                                                          : rig->n_cameras;
 }
 
-/* Of each view of the placement, in the memory behind Z: its clock by the placement; its
- * stamp after the middle; the clock's offset among the unknowns, less than 0 where it is
- * fixed. */
+/* Numbers of each view of the placement, in the memory behind Z: its clock by the
+ * placement; its stamp less the middle of the recording; the unknown of the clock's offset,
+ * below 0 if it is fixed. */
 enum { SLOT_SINCE = 6, SLOT_COLUMN = 7, SLOT = 8 };
 
 static rigcal_real *slots_of(const rc_border *b)
@@ -165,8 +165,8 @@ static rigcal_real *slots_of(const rc_border *b)
     return &b->Z[6 * b->k];
 }
 
-/* The view that has been added to the placement, by its clock: m is its (w, dt) a second,
- * and H its equations. */
+/* Adds the clock of the view that was added last. m is its (w, dt) a second, H its
+ * equations. */
 static void begin_slot(rc_border *b, const rc_chain *chain, const rigcal_rig *rig,
                        size_t camera, const rigcal_real m[6], const rigcal_real H[21])
 {
@@ -183,7 +183,8 @@ static void begin_slot(rc_border *b, const rc_chain *chain, const rigcal_rig *ri
     }
 }
 
-/* T of a column and the clock of a slot, offset and drift, += by. */
+/* Adds `by` to T of a column at the offset of a slot's clock, and `since` times as much at
+ * its drift. */
 static void add_by_clock(rc_border *b, const rigcal_rig *rig, const rigcal_real slot[SLOT],
                          size_t column, rigcal_real by)
 {
@@ -196,7 +197,7 @@ static void add_by_clock(rc_border *b, const rigcal_rig *rig, const rigcal_real 
     }
 }
 
-/* The placement has been eliminated from all else. */
+/* Eliminates the placement from the clocks, after rc_border_eliminate. */
 static void eliminate_clocks(rc_border *b, const rigcal_rig *rig)
 {
     const rc_sym6_factor *const L = (const rc_sym6_factor *)(const void *)b->Hp;
@@ -211,7 +212,7 @@ static void eliminate_clocks(rc_border *b, const rigcal_rig *rig)
 
 /* ---- a view of a placement ----------------------------------------------------- */
 
-/* Adds a view to the placement under way, if it is not left out. */
+/* Adds a view to the current placement, unless it is left out. */
 static rigcal_status add_view(rc_border *b, const rigcal_rig *rig, size_t index,
                               size_t placement)
 {
@@ -270,7 +271,7 @@ static void add_outer(rigcal_real Sigma[36], const rigcal_real v[6])
     }
 }
 
-/* v += scale W^T G of a column, over all that v hangs on. */
+/* v += scale W^T G of a column, summed over all cameras on which v depends. */
 static void add_leverage(rigcal_real v[6], const rc_leverage *on, const rigcal_real G[],
                          rigcal_real scale)
 {
@@ -324,7 +325,7 @@ static void considered_joint(rigcal_real S[], const rigcal_rig *rig)
     }
 }
 
-/* All views of a placement, the first of which is `first`. */
+/* Adds all views of a placement. `first` is its first view. */
 static rigcal_status add_views(rc_border *b, const rigcal_rig *rig, size_t first,
                                size_t count, size_t placement)
 {
@@ -335,7 +336,8 @@ static rigcal_status add_views(rc_border *b, const rigcal_rig *rig, size_t first
     return status;
 }
 
-/* One deviation of a column moves the placement by H^-1 (B^T E - sum of W_i^T G_i). */
+/* Covariance of a placement from the intrinsics. One deviation of a column moves it by H^-1
+ * (B^T E - sum of W_i^T G_i). */
 static rigcal_status considered_placement(rigcal_real Sigma[36], const rigcal_rig *rig,
                                           size_t first, size_t count, size_t placement)
 {
@@ -388,7 +390,7 @@ static void end(rigcal_consider_solver *s, rigcal_status status, int32_t at_faul
     s->phase = DONE;
 }
 
-/* From s->placement on, the first one that was seen, or the end of the pass. */
+/* Begins the first placement that was seen, from s->placement on, or ends the pass. */
 static void begin_placement(rigcal_consider_solver *s)
 {
     rc_rig_parts parts;
@@ -430,7 +432,7 @@ static void eliminating_step(rigcal_consider_solver *s)
     begin_placement(s);
 }
 
-/* A row of T becomes one of G, without what clocks do. */
+/* Turns a row of T into a row of G, and drops the clocks' part. */
 static void solving_step(rigcal_consider_solver *s)
 {
     rc_border *const b = &s->border;
@@ -482,7 +484,7 @@ static rigcal_status check_deviations(const rigcal_rig *rig)
     return status;
 }
 
-/* *n: unknowns of the cameras. */
+/* Checks the arguments. *n: number of unknowns of the cameras and clocks. */
 static rigcal_status check(size_t *n, const rigcal_considered *considered, rigcal_rig *rig)
 {
     rigcal_real Sigma[36];
@@ -578,7 +580,7 @@ rigcal_status rigcal_rig_consider(rigcal_considered *considered, int32_t *at_fau
     if (status != RIGCAL_OK) {
         return status;
     }
-    while (rigcal_consider_step(&solver, 1000) == RIGCAL_RUNNING) {
+    while (rigcal_consider_step(&solver, 100) == RIGCAL_RUNNING) {
     }
     return rigcal_consider_result(at_fault, &solver);
 }

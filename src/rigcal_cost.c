@@ -5,16 +5,17 @@
 
 /* ---- constants ----------------------------------------------------------- */
 
-/* sigma^2: the median of chi square of 6 degrees of freedom, about which the middle view
- * costs where noise is all. */
+/* sigma^2: the median of chi squared of 6 degrees of freedom. The middle view costs about
+ * this if noise is the only error. */
 #define COST_USUAL RC(5.35)
 
-/* of the median's excess over noise: how much the limit grows with it. Patterns of lens and
- * target have longer tails than noise. With 10 the limit is some 75 times the middle cost;
- * right views of real sets, with clocks apart, have cost up to 60 times. */
+/* of the median's excess over noise: how much the limit grows with it. Errors of lens and
+ * target have longer tails than noise. With 10 the limit is some 75 times the middle cost.
+ * Right views of real sets, with clocks apart, have cost up to 60 times. */
 #define SCALE_SLOPE RC(10)
 
-/* halvings: of a search of the median. Its error is this part of the largest cost. */
+/* halvings: of the interval that holds the median. Its error is then 2^-60 of the largest
+ * cost. */
 enum { HALVINGS = 60 };
 
 void rc_judge_end(rigcal_judge_solver *s, rigcal_status status, int32_t at_fault)
@@ -26,11 +27,10 @@ void rc_judge_end(rigcal_judge_solver *s, rigcal_status status, int32_t at_fault
 
 /* ---- what is handed in ------------------------------------------------------ */
 
-/* Pose 0 or 1 of a view by itself; n is 0 where there is none. */
 /* ---- what a view costs ----------------------------------------------------- */
 
-/* Of each view of a placement, in the memory to work in: H, g by the placement, and by how
- * much its sum of squared errors is more than that of its own pose. */
+/* Of each view of a placement, in rig->work: H and g by the placement, and the excess of
+ * the view's sum of squared errors over that at its own pose. */
 enum { BLOCK_G = 21, BLOCK_EXCESS = 27, BLOCK = 36 };
 
 static void add_block(rigcal_real H[21], const rigcal_real block[BLOCK])
@@ -40,7 +40,6 @@ static void add_block(rigcal_real H[21], const rigcal_real block[BLOCK])
     }
 }
 
-/* From the first placement that was seen on. */
 void rc_judge_next_placement(rigcal_judge_solver *s, const rc_rig_parts *parts)
 {
     while (s->placement < s->rig->n_placements &&
@@ -66,18 +65,22 @@ void rc_judge_begin_pass(rigcal_judge_solver *s, int32_t phase)
     rc_judge_next_placement(s, &parts);
 }
 
-/* View v, where the rig is: its equations by its own pose, and its rms. */
+/* Evaluates view s->view where the rig is: its sum of squared errors, its equations by its
+ * own pose, and its rms. The rms is -1 if the view is left out and cannot be seen there. */
 static rigcal_status evaluate(rigcal_real *sum, rigcal_real g[6], rigcal_real H[21],
                               rc_chain *chain, rigcal_judge_solver *s)
 {
     rigcal_rig_view v;
     rigcal_status status = rc_rig_view_at(&v, s->rig, s->view);
-    if (status == RIGCAL_OK) {
-        status = rc_rig_view_equations(sum, g, H, chain, &v, s->rig, s->view);
+    s->judged[s->view].rms_px = -1;
+    if (status != RIGCAL_OK) {
+        return status;
     }
-    s->judged[s->view].rms_px =
-        (status == RIGCAL_OK) ? RC_SQRT(*sum / (rigcal_real)(int32_t)v.view.n) : -1;
-    return status;
+    status = rc_rig_view_equations(sum, g, H, chain, &v, s->rig, s->view);
+    if (status == RIGCAL_OK) {
+        s->judged[s->view].rms_px = RC_SQRT(*sum / (rigcal_real)(int32_t)v.view.n);
+    }
+    return (status == RIGCAL_OK || s->left_out[s->view] != 0) ? RIGCAL_OK : status;
 }
 
 void rc_judge_evaluate(rigcal_judge_solver *s, const rc_rig_parts *parts)
@@ -108,9 +111,9 @@ void rc_judge_evaluate(rigcal_judge_solver *s, const rc_rig_parts *parts)
     }
 }
 
-/* What the sum of squared errors falls by without the view: its own excess, and what its
- * placement gains as it settles by the others, cameras where they are. Less than 0: the
- * others do not fix it. */
+/* What the sum of squared errors falls by without the view [px^2]: the view's own excess,
+ * and what its placement gains by settling without it while the cameras stay. Returns -1 if
+ * the other views do not fix the placement. */
 static rigcal_real cost_of(const rigcal_judge_solver *s, const rc_rig_parts *parts,
                            size_t slot)
 {
@@ -132,7 +135,8 @@ static rigcal_real cost_of(const rigcal_judge_solver *s, const rc_rig_parts *par
     return block[BLOCK_EXCESS] + rc_vec3_dot(&y[0], &y[0]) + rc_vec3_dot(&y[3], &y[3]);
 }
 
-/* A pose of the placement under way at the time of view v: at its own instant. */
+/* Moves a claimed pose of the current placement from the time of view v to the placement's
+ * own time. */
 static void move_to_instant(rigcal_transform *pose, const rigcal_judge_solver *s,
                             int32_t camera, size_t v)
 {
@@ -144,8 +148,6 @@ static void move_to_instant(rigcal_transform *pose, const rigcal_judge_solver *s
     rc_transform_move(pose, d);
 }
 
-/* The placement under way as a pose of view v by itself has it; view is -1 where there is
- * no such pose. */
 rigcal_status rc_judge_claim(rc_claim *claim, const rigcal_judge_solver *s, size_t v,
                              int candidate, int with_camera)
 {
@@ -176,7 +178,7 @@ rigcal_status rc_judge_claim(rc_claim *claim, const rigcal_judge_solver *s, size
     return status;
 }
 
-/* The placement as those of its views have it that are not left out. */
+/* The claim about the placement that its kept views make together. */
 static void claim_of_kept(rc_claim *claim, const rigcal_judge_solver *s,
                           const rc_rig_parts *parts)
 {
@@ -187,30 +189,35 @@ static void claim_of_kept(rc_claim *claim, const rigcal_judge_solver *s,
     }
     *claim = (rc_claim){0};
     claim->b_from_a = s->rig->rig_from_placements[s->placement];
-    if (rc_sym6_invert(Sigma, H)) { /* else no other is far from it */
+    if (rc_sym6_invert(Sigma, H)) { /* otherwise Sigma stays 0 */
         rc_sym6_pack(claim->Sigma, Sigma);
     }
 }
 
-/* How far the pose of a view that is left out is from the placement as the views that are
- * not left out have it. Where all are left out: from the nearest of the others. */
+/* How far the pose of a left-out view is from the placement as the kept views have it. If
+ * none is kept: how far it is from the nearest of the other views. */
 static rigcal_status distance_of(rigcal_real *least, const rigcal_judge_solver *s,
                                  const rc_rig_parts *parts)
 {
     const size_t count = rc_rig_views_of(parts, s->placement);
     rc_claim own, other;
     rigcal_status status = rc_judge_claim(&own, s, s->view, 0, 0);
+    if (status != RIGCAL_OK) {
+        return status;
+    }
     if (s->n_kept > 0) {
         claim_of_kept(&other, s, parts);
         *least = rc_claims_apart(&own, &other);
-        return status;
+        return RIGCAL_OK;
     }
     *least = -1;
     for (size_t v = s->first; status == RIGCAL_OK && v < s->first + count; v++) {
         if (v != s->view) {
             status = rc_judge_claim(&other, s, v, 0, 0);
-            const rigcal_real apart = rc_claims_apart(&own, &other);
-            *least = (*least < 0) ? apart : rc_min(*least, apart);
+            if (status == RIGCAL_OK) {
+                const rigcal_real apart = rc_claims_apart(&own, &other);
+                *least = (*least < 0) ? apart : rc_min(*least, apart);
+            }
         }
     }
     return status;
@@ -222,12 +229,12 @@ static rigcal_status judge_left_out(rigcal_judge_solver *s, const rc_rig_parts *
     rigcal_real sum, g[6], H[21], least;
     rc_chain chain;
     const rigcal_status status = distance_of(&least, s, parts);
+    if (status != RIGCAL_OK) {
+        return status;
+    }
     judged->cost = least / s->sigma2 * (RC_COST_LIMIT / RC_CHOOSE_LIMIT);
     judged->rms_px = -1;
-    if (s->n_kept > 0) {
-        (void)evaluate(&sum, g, H, &chain, s);
-    }
-    return status;
+    return (s->n_kept > 0) ? evaluate(&sum, g, H, &chain, s) : RIGCAL_OK;
 }
 
 static void end_placement(rigcal_judge_solver *s, const rc_rig_parts *parts)
@@ -268,7 +275,7 @@ void rc_judge_cost(rigcal_judge_solver *s, const rc_rig_parts *parts)
 
 /* ---- the limit --------------------------------------------------------------- */
 
-/* The cost of that place in the order of size. */
+/* The cost at this place when the costs are sorted. */
 static rigcal_real cost_at(const rigcal_judge_solver *s, size_t place)
 {
     rigcal_real low = 0, high = 0;
@@ -291,7 +298,6 @@ static rigcal_real cost_at(const rigcal_judge_solver *s, size_t place)
     return high;
 }
 
-/* The scale is from the median of the costs. */
 void rc_judge_set_scale(rigcal_judge_solver *s, const rc_rig_parts *parts)
 {
     rigcal_real free_cameras = 0;

@@ -2,7 +2,7 @@
 
 /* ---- constants ----------------------------------------------------------- */
 
-/* points: the least. Of four, without one of them, any three fit. */
+/* points: the least number. If one of four is left out, any three fit. */
 enum { POINTS_LEAST = 5 };
 
 /* chance of noise alone: below it one point is surely wrong. A usual level of a test. */
@@ -14,23 +14,24 @@ enum { POINTS_LEAST = 5 };
 /* probability: from here on it is surely this point and no other. */
 #define SURE_PROBABILITY RC(0.99)
 
-/* odds of the data as given against those mirrored: below them they are mirrored. */
+/* odds of the data as given to those mirrored: if they are less, the data are mirrored. */
 #define MIRRORED_ODDS RC(1e-3)
 
-/* ratio: so near to a mistake of units a ratio of distances is that mistake. */
+/* ratio: two distances whose ratio is within this factor of a usual mistake of units have
+ * this mistake. */
 #define UNITS_NEAR RC(1.1)
 
-/* Ratios of lengths that are mistakes of units. */
+/* Ratios of lengths that come from mistakes of units. */
 static const rigcal_real UNITS[4] = {10, RC(25.4), 100, 1000};
 
 /* ---- fits ---------------------------------------------------------------- */
 
 typedef struct {
-    rigcal_points points; /* surveyed by every fit */
+    rigcal_points points; /* every fit surveys them again */
     rigcal_pose_options options;
 } problem;
 
-/* The best pose of the points that count, with the status of its result. */
+/* The best pose of the points that count. Returns the status of its result. */
 static rigcal_status best_fit(rigcal_pose *pose, problem *P)
 {
     rigcal_pose_solver solver;
@@ -52,12 +53,13 @@ static rigcal_real odds(const problem *P, rigcal_real sse, rigcal_real other, si
 
 /* ---- one point ----------------------------------------------------------- */
 
-/* What is known of the points left out so far. */
+/* What is known after some points were left out in turn. */
 typedef struct {
-    rigcal_real best, total; /* sum of squares of the best; likelihoods over its own */
+    rigcal_real best, total; /* least sum of squares; sum of likelihoods over that of the
+                                best */
 } tried;
 
-/* The fit without point i. */
+/* Fits all points but i. */
 static void leave_out(rigcal_blame *blame, rigcal_real rms_without[], tried *so_far,
                       problem *P, size_t i)
 {
@@ -83,8 +85,9 @@ static void leave_out(rigcal_blame *blame, rigcal_real rms_without[], tried *so_
     }
 }
 
-/* Which point is the next farthest from its projection after one at *distance2, that gets
- * its own; n when there is none. Equal distances are one. */
+/* The point farthest from its projection among those nearer than *distance2, which becomes
+ * its squared distance. Returns n if there is none. Points of equal distance count as
+ * one. */
 static size_t next_farthest(rigcal_real *distance2, const rigcal_points *points,
                             const rigcal_transform *cam_from_points)
 {
@@ -102,7 +105,8 @@ static size_t next_farthest(rigcal_real *distance2, const rigcal_points *points,
     return at;
 }
 
-/* Of more points than can be tried, those farthest from their projections. */
+/* If there are more points than can be tried, leaves out those farthest from their
+ * projections. */
 static void leave_out_farthest(rigcal_blame *blame, rigcal_real rms_without[],
                                tried *so_far, problem *P,
                                const rigcal_transform *cam_from_world)
@@ -122,11 +126,11 @@ static void leave_out_farthest(rigcal_blame *blame, rigcal_real rms_without[],
     }
 }
 
-/* Fills all of *blame from the fit of all points: its status, and its pose where it has
- * one. The verdict is for noise of which each point has its share: leaving point i out
- * lowers the sum from S to S_i, and the chance that the best of n does so is at most
- * n (S_i / S)^(n - 4), an F test of 2 and 2 n - 8 degrees of freedom; where the noise
- * is known, n exp(-(S - S_i) / (2 sigma^2)). */
+/* Fills all of *blame from the fit of all points: `status`, and `pose` if it has one. The
+ * verdict assumes that each point has its share of the noise. Leaving point i out lowers
+ * the sum from S to S_i. The chance that the best of n does so is at most n (S_i / S)^(n -
+ * 4), an F test of 2 and 2 n - 8 degrees of freedom. If the noise is known it is n exp(-(S
+ * - S_i) / (2 sigma^2)). */
 static void find_blame(rigcal_blame *blame, rigcal_real rms_without[], problem *P,
                        const rigcal_pose *pose, rigcal_status status)
 {
@@ -159,14 +163,14 @@ static void find_blame(rigcal_blame *blame, rigcal_real rms_without[], problem *
     }
 }
 
-/* Statuses that a wrong point may be the cause of. */
+/* Whether a wrong point may be the cause of this status. */
 static int may_be_a_point(rigcal_status status)
 {
     return status >= 0 || status == RIGCAL_ERR_NO_POSE || status == RIGCAL_ERR_NO_RAY ||
            status == RIGCAL_ERR_WIDE_RAY || status == RIGCAL_ERR_DEGENERATE;
 }
 
-/* The problem of a caller's arguments: checks what rc_pose_begin does not. */
+/* Sets the problem from a caller's arguments. Checks what rc_pose_begin does not check. */
 static rigcal_status begin(problem *P, const rigcal_view *view,
                            const rigcal_pose_options *options)
 {
@@ -204,8 +208,8 @@ rigcal_status rigcal_pose_blame(rigcal_blame *blame, rigcal_real rms_without[],
 
 /* ---- mirrors and units --------------------------------------------------- */
 
-/* Rms of the target mirrored, as `camera` sees it, and whether it fits well and is much
- * likelier than the fit of the points as given; *unlike: whether much less likely. */
+/* Fits the mirrored target as `camera` sees it. Returns whether it fits well and is much
+ * likelier than the points as given. *unlike: whether it is much less likely. */
 static int fits_mirrored(rigcal_real *rms_px, int *unlike, const problem *P,
                          const rigcal_camera *camera, rigcal_real sse, rigcal_status status)
 {
@@ -223,7 +227,7 @@ static int fits_mirrored(rigcal_real *rms_px, int *unlike, const problem *P,
            (status < 0 || odds(P, sse, pose.sse, n) < MIRRORED_ODDS);
 }
 
-/* The mistake of units that a ratio of distances is near, or 0. */
+/* The mistake of units that a ratio of distances is close to, or 0. */
 static rigcal_real units_of(rigcal_real ratio)
 {
     for (int k = 0; k < 4; k++) {
@@ -256,7 +260,7 @@ static void judge(rigcal_diagnosis *d, rigcal_status status, int is_mirrored)
     }
 }
 
-/* A camera whose image is that of `camera` flipped, v to height - 1 - v. */
+/* A camera whose image is that of `camera` flipped: v becomes height - 1 - v. */
 static void flip(rigcal_camera *flipped, const rigcal_camera *camera)
 {
     *flipped = *camera;
@@ -291,7 +295,7 @@ rigcal_status rigcal_pose_diagnose(rigcal_diagnosis *diagnosis, rigcal_real rms_
     find_blame(&d.blame, rms_without, &P, &pose, fitted);
     int is_mirrored =
         fits_mirrored(&d.rms_mirrored_px, &unlike[0], &P, view->camera, pose.sse, fitted);
-    /* A flipped image is that of a mirrored target in a flipped camera. */
+    /* A flipped image is the image of a mirrored target in a flipped camera. */
     flip(&flipped, view->camera);
     is_mirrored |=
         fits_mirrored(&d.rms_flipped_px, &unlike[1], &P, &flipped, pose.sse, fitted);

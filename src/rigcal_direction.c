@@ -2,16 +2,17 @@
 
 /* ---- constants ----------------------------------------------------------- */
 
-/* 1, a tangent: Newton's longest step to the best yaw; a longer one may leave its basin. */
+/* 1, a tangent: longest Newton step to the best yaw. A longer one may leave its basin. */
 #define STEP_MOST RC(0.5)
 
-/* 1, a tangent: the last step. The error of the cost is its square, which is nothing. */
+/* 1, a tangent: a step that is less is the last. The error of the cost is its square. */
 #define STEP_SMALL RC(1e-3)
 
 /* steps: to the best yaw, usually 2 or 3. */
 enum { NEWTON_STEPS_MAX = 6 };
 
-/* part: an image whose extent is less, of its distance from the middle, is one point. */
+/* part of the squared distance from the middle: an image whose squared extent is less is
+ * one point. */
 #define EXTENT_LEAST (64 * RC_EPS)
 
 /* ---- moments ------------------------------------------------------------- */
@@ -21,7 +22,8 @@ void rc_moments_begin(rigcal_moments *sums)
     *sums = (rigcal_moments){0};
 }
 
-/* Adds x x^T to the four sums that have it, so many times; multiplied out once. */
+/* Adds x x^T to the four sums that contain it, with their factors. The products are
+ * computed once. */
 static inline void add_outers(rigcal_moments *sums, rigcal_real k, rigcal_real weight,
                               const rigcal_real wu[2], const rigcal_real x[3])
 {
@@ -58,7 +60,7 @@ void rc_moments_add(rigcal_moments *sums, rigcal_real weight, const rigcal_real 
     }
 }
 
-/* The sums were taken about zero; here the means are taken out. sum x = 0. */
+/* The sums were taken about zero; this subtracts the means. sum x = 0. */
 int rc_moments_finish(rigcal_moments *sums)
 {
     RIGCAL_ASSERT(sums->weight > 0);
@@ -75,14 +77,14 @@ int rc_moments_finish(rigcal_moments *sums)
 
 /* ---- the cost of a direction --------------------------------------------- */
 
-/* What is left of the cost as a function of yaw, z = exp(i yaw):
+/* The cost as a function of yaw, with z = exp(i yaw):
  *   base - Re(a z) - Re(U^2 z^2) / (2 S),     depth (Re(U z) - B) / S > 0 */
 typedef struct {
     rigcal_real base, a[2], U[2], B;
     rigcal_real m1[3], m2[3];
 } harmonics;
 
-/* (r - i s) . (m1 + i m2), times a scale. */
+/* (r - i s) . (m1 + i m2), times scale. */
 static void project(rigcal_real out[2], const harmonics *f, rigcal_real scale,
                     const rigcal_real r[3], const rigcal_real s[3])
 {
@@ -114,17 +116,16 @@ static void harmonics_of(harmonics *f, const rigcal_moments *sums, const rigcal_
               (UU / 2 + f->B * f->B) / sums->S;
 }
 
-/* With psi = yaw + arg U the second harmonic is u2 cos 2 psi, u2 = |U|^2 / (2 S), and the
- * depth is positive for cos psi > B / |U|:
+/* With psi = yaw + arg U the second harmonic is u2 cos 2 psi, u2 = |U|^2 / (2 S). The depth
+ * is positive for cos psi > B / |U|.
  *
  *   gain(psi) = p cos psi + q sin psi + u2 cos 2 psi,   q >= 0 by reflection
  *
- * so the maximum lies in 0 <= psi <= pi. At the truth psi is small, since U e^(i
- * yaw) = sum conj(du) q_xy and du is nearly q_xy over the depth; so Newton's method
- * on the point (c, s) of the circle starts at 0, or at a right angle where that is
- * better.
- * Gives the harmonics of m3, the gain and z = exp(i yaw); -RC_MAX where no yaw has a
- * positive depth. */
+ * So the maximum lies in 0 <= psi <= pi. At the truth psi is small, because U e^(i yaw) =
+ * sum conj(du) q_xy and du is nearly q_xy over the depth. So Newton's method on the point
+ * (c, s) of the circle starts at 0, or at a right angle if that is better. Writes the
+ * harmonics of m3 and z = exp(i yaw). Returns the gain, or -RC_MAX if no yaw has a positive
+ * depth. */
 static rigcal_real best_yaw(rigcal_real z[2], harmonics *f, const rigcal_moments *sums,
                             const rigcal_real m3[3])
 {

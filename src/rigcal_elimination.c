@@ -2,15 +2,15 @@
 
 /* ---- constants ----------------------------------------------------------- */
 
-/* 1 / condition: two pairs that are worse are singular to rounding. */
+/* 1 / condition: if it is less, two pairs are singular to rounding. */
 #define SINGULAR_TWO (4 * RC_EPS)
 
-/* 1 / condition^2: all pairs that are worse are singular to rounding. */
+/* 1 / condition^2: if it is less, all pairs together are singular to rounding. */
 #define SINGULAR_ALL (16 * RC_EPS)
 
 /* ---- elimination --------------------------------------------------------- */
 
-/* Axes (a, b) that the eliminated angle turns, a to b, and c that it keeps. */
+/* The eliminated angle turns axis a to axis b, and keeps axis c. */
 typedef struct {
     int a, b, c;
 } turned_axes;
@@ -27,14 +27,14 @@ static turned_axes axes_of(int32_t eliminated)
     }
 }
 
-/* R = L E(w) Q: what stands left and right of the eliminated rotation E. */
+/* R = L E(w) Q: L and Q are the factors left and right of the eliminated rotation E. */
 typedef struct {
     rigcal_real L[9], Q[9];
     turned_axes axes;
 } split_rotation;
 
-/* R = Rz Ry Rx: pitch stands left of an eliminated roll, right of an eliminated
- * yaw; the eliminated factor itself is left out by giving it angle 0. */
+/* R = Rz Ry Rx: pitch is left of an eliminated roll and right of an eliminated yaw. The
+ * angle 0 leaves the eliminated factor out. */
 static void split_at(split_rotation *split, int32_t eliminated, const rigcal_real angles[2])
 {
     rigcal_real ypr[3], Rz[9], Ry[9], Rx[9];
@@ -82,7 +82,7 @@ void rc_angles_split(rigcal_real angles[2], int32_t eliminated, const rigcal_rea
     }
 }
 
-/* Normal equations of A (c, s)^T = b over the first n_pairs pairs. */
+/* Sums for the normal equations of A (c, s)^T = b over the first n_pairs pairs. */
 typedef struct {
     rigcal_real pp, pq, qq, pk, qk;
 } normal_sums;
@@ -109,8 +109,9 @@ static rigcal_real larger_eigenvalue(const normal_sums *sums)
     return (sums->pp + sums->qq) / 2 + RC_SQRT(half_gap * half_gap + sums->pq * sums->pq);
 }
 
-/* Two equations, two unknowns: Cramer's rule on A itself keeps the accuracy that
- * A^T A would lose. cond(A) = largest singular value squared over |det A|. */
+/* Solves two equations with two unknowns by Cramer's rule on A itself, which keeps the
+ * accuracy that A^T A would lose. cond(A) is the largest singular value squared over |det
+ * A|. */
 static int solve_two_pairs(rigcal_elimination *out, const rigcal_pair pairs[2],
                            const split_rotation *split)
 {

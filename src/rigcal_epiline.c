@@ -2,15 +2,15 @@
 
 /* ---- constants ----------------------------------------------------------- */
 
-/* sine: t and R m that are more parallel meet the epipole, to rounding. */
+/* sine: if t and R m are more parallel, the ray meets the epipole to rounding. */
 #define EPIPOLE_TOL (16 * RC_EPS)
 
-/* 1: how far alpha^2 + beta^2 of a line may be from 1. Room for one written with seven
- * digits. */
+/* 1: how far alpha^2 + beta^2 of a line may be from 1. It allows for a line that was
+ * written with seven digits. */
 #define LINE_TOL RC_TOL(1e-6, 1e-3)
 
-/* Divides by |(alpha, beta)|: the left side becomes a distance. 0 when the line
- * is at infinity. */
+/* Divides by |(alpha, beta)|, so that the left side becomes a distance. Returns 0 if the
+ * line is at infinity. */
 static int scale_line(rigcal_real line[3])
 {
     const rigcal_real length = RC_SQRT(line[0] * line[0] + line[1] * line[1]);
@@ -63,7 +63,7 @@ rigcal_status rigcal_epiline(rigcal_real line[3], const rigcal_transform *b_from
     return status;
 }
 
-/* x = (u - cx) / fx and y alike put into alpha x + beta y + gamma = 0. */
+/* x = (u - cx) / fx and the like for y, put into alpha x + beta y + gamma = 0. */
 rigcal_status rigcal_epiline_px(rigcal_real line_px[3], const rigcal_camera *camera_b,
                                 const rigcal_transform *b_from_a,
                                 const rigcal_real ray_a[3])
@@ -125,8 +125,7 @@ static rigcal_real within(rigcal_real x, rigcal_real low, rigcal_real high)
     return rc_max(low, rc_min(x, high));
 }
 
-/* Narrows [from, to] to where low <= start + s slope <= high (Liang and Barsky
- * 1984). */
+/* Narrows [from, to] to where low <= start + s slope <= high (Liang and Barsky 1984). */
 static void clip_interval(rigcal_real *from, rigcal_real *to, rigcal_real start,
                           rigcal_real slope, rigcal_real low, rigcal_real high)
 {
@@ -155,7 +154,8 @@ rigcal_status rigcal_epiline_clip(rigcal_real ends[4], const rigcal_real line_px
     const rigcal_real right = (rigcal_real)width - RC(0.5);
     const rigcal_real bottom = (rigcal_real)height - RC(0.5);
     const rigcal_real alpha = line_px[0], beta = line_px[1];
-    /* The foot of the perpendicular from the image's centre, and onwards. */
+    /* (u, v) is the foot of the perpendicular from the image's centre. The line is followed
+     * from there. */
     const rigcal_real cu = (right - RC(0.5)) / 2, cv = (bottom - RC(0.5)) / 2;
     const rigcal_real distance = alpha * cu + beta * cv + line_px[2];
     const rigcal_real u = cu - distance * alpha, v = cv - distance * beta;
@@ -165,7 +165,7 @@ rigcal_status rigcal_epiline_clip(rigcal_real ends[4], const rigcal_real line_px
     if (!(from < to)) {
         return RIGCAL_ERR_OUTSIDE;
     }
-    /* Rounding may put an end on the border just beyond it. */
+    /* Rounding may put an end just beyond the border. */
     ends[0] = within(u + from * beta, RC(-0.5), right);
     ends[1] = within(v - from * alpha, RC(-0.5), bottom);
     ends[2] = within(u + to * beta, RC(-0.5), right);
@@ -244,7 +244,8 @@ rigcal_status rigcal_epiline_curve(rigcal_real uv_b[], size_t capacity, size_t *
     }
     size_t written = 0;
     for (size_t i = 0; i < capacity; i++) {
-        /* 1 / depth from 1 / near to 1 / far in even steps. Near / far may underflow. */
+        /* 1 / depth goes from 1 / near to 1 / far in even steps. Near / far may
+         * underflow. */
         const rigcal_real s = (rigcal_real)i / (rigcal_real)(capacity - 1);
         const rigcal_real depth =
             (i + 1 < capacity) ? near_a / ((1 - s) + s * (near_a / far_a)) : far_a;

@@ -9,7 +9,7 @@ size_t rigcal_estimate_work(size_t n_free, size_t n_cameras)
 
 /* ---- a camera's own numbers -------------------------------------------------- */
 
-/* By RC_BY_FOCAL and so on. */
+/* The six numbers in the order of RC_BY_FOCAL and so on. */
 static void numbers_of(rigcal_real x[RC_INTRINSICS], const rigcal_intrinsics_change *change)
 {
     x[RC_BY_FOCAL] = change->focal;
@@ -57,7 +57,7 @@ rigcal_status rigcal_camera_change(rigcal_camera *out, const rigcal_camera *came
     return status;
 }
 
-/* The deviations, and the number of the camera's first column. */
+/* Writes the deviations of a camera. Returns the number of its first column. */
 static size_t columns_of(rigcal_real sigma[RC_INTRINSICS], const rigcal_rig *rig,
                          size_t camera)
 {
@@ -66,7 +66,7 @@ static size_t columns_of(rigcal_real sigma[RC_INTRINSICS], const rigcal_rig *rig
     for (size_t c = 0; c <= camera && rig->intrinsics_sigmas != NULL; c++) {
         const rigcal_intrinsics_sigma *const s = &rig->intrinsics_sigmas[c];
         for (int i = 0; i < RC_INTRINSICS; i++) {
-            n += sigma[i] > 0; /* of the camera before */
+            n += sigma[i] > 0; /* columns of the camera before */
         }
         const rigcal_intrinsics_change all = {s->focal,  s->aspect, s->centre,
                                               s->centre, s->k1,     s->k2};
@@ -77,7 +77,7 @@ static size_t columns_of(rigcal_real sigma[RC_INTRINSICS], const rigcal_rig *rig
 
 /* ---- what the views say of the intrinsics alone -------------------------------- */
 
-/* Q = D^T D and q = D^T e of the camera's columns += those of a point. */
+/* Adds a point to Q = D^T D and q = D^T e of its camera's columns. */
 static void add_point(const rc_border *b, size_t column,
                       const rigcal_real sigma[RC_INTRINSICS],
                       const rigcal_real D[2 * RC_INTRINSICS], const rigcal_real e[2],
@@ -107,11 +107,6 @@ static rigcal_status add_view(const rc_border *b, const rigcal_rig *rig, size_t 
     rc_chain chain;
     rigcal_real sigma[RC_INTRINSICS];
     rigcal_status status = rc_rig_view_at(&v, rig, index);
-    if (status == RIGCAL_OK &&
-        (v.camera < 0 || (size_t)v.camera >= rig->n_cameras || v.placement < 0 ||
-         (size_t)v.placement >= rig->n_placements)) {
-        status = RIGCAL_ERR_RANGE;
-    }
     if (status == RIGCAL_OK) {
         status = rc_rig_points(&points, &v);
     }
@@ -145,7 +140,8 @@ static rigcal_real dot(const rigcal_real a[], const rigcal_real b[], size_t n)
     return sum;
 }
 
-/* All placements are eliminated; then each row of T becomes one of G, and Q loses T^T G. */
+/* Eliminates all placements. Then it turns each row of T into a row of G and subtracts T^T
+ * G from Q. */
 static rigcal_status eliminate(rigcal_consider_solver *s, int32_t *at_fault,
                                const rigcal_rig *rig, rigcal_real T[])
 {
@@ -168,8 +164,8 @@ static rigcal_status eliminate(rigcal_consider_solver *s, int32_t *at_fault,
     return rigcal_consider_result(at_fault, s);
 }
 
-/* Q <- L of Q / sigma_px^2 + 1, and q <- what is most likely, in deviations; q enters as
- * D^T e, and what has been made of it is taken back. */
+/* Q <- L of Q / sigma_px^2 + 1, and q <- the most likely change in deviations. Before, q is
+ * D^T e. The change that was already made is subtracted. */
 static rigcal_status solve(const rc_border *b, const rigcal_real made[],
                            rigcal_real sigma_px)
 {
@@ -191,7 +187,8 @@ static rigcal_status solve(const rc_border *b, const rigcal_real made[],
     return RIGCAL_OK;
 }
 
-/* Column i of L^-1: its length is the deviation afterwards, by that before. */
+/* Computes column i of L^-1. Returns its length: the deviation afterwards as a part of the
+ * one before. */
 static rigcal_real deviation(rigcal_real x[], const rc_border *b, size_t i)
 {
     rc_clear(x, b->k);
@@ -200,7 +197,7 @@ static rigcal_real deviation(rigcal_real x[], const rc_border *b, size_t i)
     return RC_SQRT(dot(x, x, b->k));
 }
 
-/* What has been found, by camera. x: memory of k. */
+/* Writes the results of each camera. x is memory for k numbers. */
 static void tell(rigcal_estimated *out, const rc_border *b, const rigcal_rig *rig,
                  rigcal_real x[])
 {
@@ -253,7 +250,8 @@ static rigcal_status check(const rigcal_estimated *estimated, const rigcal_rig *
     return status;
 }
 
-/* Where Q, q and room for a row are, behind what consider needs; their capacity. */
+/* Sets Q, q and room for a row, behind the memory that `consider` needs. Checks the
+ * capacity. */
 static rigcal_status open(rc_border *b, const rigcal_considered *considered)
 {
     const size_t used = (b->n + 6) * b->k, size = rc_packed_at(b->k, 0);
@@ -264,7 +262,7 @@ static rigcal_status open(rc_border *b, const rigcal_considered *considered)
                                                              : RIGCAL_OK;
 }
 
-/* `made` in deviations. */
+/* The changes that were already made, divided by their deviations. */
 static void scale_made(rigcal_real x[], const rigcal_estimated *estimated,
                        const rigcal_rig *rig)
 {

@@ -2,8 +2,8 @@
 
 /* ---- constants ----------------------------------------------------------- */
 
-/* 1: points of a view are neighbours within the square root of this times its smallest step
- * from one to the next: 1.2. The end of a row is then none of the next. */
+/* 1: square of 1.2. Points of a view are neighbours if their step is at most 1.2 times the
+ * shortest one. So the last point of a row is no neighbour of the next row's first. */
 #define NEIGHBOUR_MOST RC(1.44)
 
 const uint8_t rc_pair_first[RC_PAIRS] = {RC_BY_INTRINSICS + RC_BY_CENTRE,
@@ -11,10 +11,10 @@ const uint8_t rc_pair_first[RC_PAIRS] = {RC_BY_INTRINSICS + RC_BY_CENTRE,
 
 /* ---- one point ----------------------------------------------------------- */
 
-/* D has the columns from the shutter's on. */
+/* Columns of D, which begin with the shutter's. */
 enum { FROM = RC_BY_SHUTTER, POINT_COLUMNS = RC_COLUMNS - FROM };
 
-/* The two rows of a point, over its sigma. */
+/* The two rows of a point, divided by its sigma. */
 typedef struct {
     rigcal_real e[2], B[6], q[3], J[2][6], D[2][POINT_COLUMNS];
     int counts;
@@ -29,7 +29,8 @@ static rigcal_real dot(const rigcal_real a[], const rigcal_real b[], size_t n)
     return sum;
 }
 
-/* What moves a point of the target moves its pixel by B R of that. */
+/* Adds the board's columns: a shift of a point of the target moves its pixel by B R times
+ * this shift. */
 static void add_board(rows *p, const rc_scan *scan, const rigcal_real X[3],
                       const rigcal_real R[9])
 {
@@ -81,7 +82,7 @@ int rc_evidence_reference(rigcal_real w[3], rigcal_real v[3],
     }
 }
 
-/* A turn w about the camera's centre moves a pixel by B (w x X_c) = w . (X_c x b). */
+/* A turn w about the camera's centre moves a pixel by B (w x X_c), so by w . (X_c x b). */
 static void take_off_reference(rows *p, const rigcal_real reference[3],
                                const rigcal_real X_c[3])
 {
@@ -164,7 +165,7 @@ static void add_neighbours(rc_evidence *out, const rows *a, const rows *b)
     }
 }
 
-/* Squared distance on the target of point i and the one before it. */
+/* Squared distance on the target between point i and the one before it. */
 static rigcal_real step_to(const rigcal_view *view, size_t i)
 {
     rigcal_real d[3];
@@ -181,7 +182,7 @@ static rigcal_real shortest_step(const rigcal_view *view)
     return least;
 }
 
-/* The clock's column is J m. */
+/* Adds the clock's columns. The column of the offset is J m. */
 static void add_clock(rc_evidence *out, const rigcal_real m[6], rigcal_real since)
 {
     for (int k = 0; k < 6; k++) {

@@ -4,21 +4,21 @@
 
 /* ---- constants ----------------------------------------------------------- */
 
-/* sigma: a point beyond it was left out by the truncated loss. */
+/* sigma: the truncated loss left out points whose error is larger. */
 #define TRUNCATED_FROM RC(4)
 
 enum {
     DONE = 1,
-    COUNTING,    /* where the points are, and how many views a camera has */
-    SUMMING,     /* a view's sums */
-    ELIMINATING, /* its placement */
-    MOVING,      /* whether the camera of one of its views moved there */
-    TESTING      /* a fault, once all views have been summed up */
+    COUNTING,    /* counts the views of each camera, finds how far the points reach */
+    SUMMING,     /* adds the sums of a view */
+    ELIMINATING, /* eliminates a placement */
+    MOVING,      /* tests whether a camera moved at this placement */
+    TESTING      /* tests a fault, after all views have been added */
 };
 
 /* ---- memory ------------------------------------------------------------ */
 
-/* Memory for the kinds of s->columns.kinds. 0: there is not enough. */
+/* Takes memory for the kinds of s->columns.kinds. Returns 0 if there is not enough. */
 static int lay_out(rigcal_faults_solver *s)
 {
     rc_rig_parts parts;
@@ -30,7 +30,8 @@ static int lay_out(rigcal_faults_solver *s)
                     {(size_t)(parts.S - saved), s->options->work_capacity},
                     1};
     s->moves.total =
-        rc_pool_take(&pool, n_cameras); /* where they were in the pass before */
+        rc_pool_take(&pool, n_cameras); /* taken first: it and reference lie at the same
+                                           place in every pass */
     s->columns.reference = rc_pool_take(&pool, 3 * n_cameras);
     s->columns.rig = s->rig;
     s->columns.n = s->n;
@@ -41,7 +42,7 @@ static int lay_out(rigcal_faults_solver *s)
     return pool.is_enough;
 }
 
-/* The last of some kinds, MOVED before all others. */
+/* The kind that can wait longest: MOVED if it is one of them, otherwise the last. */
 static int32_t last_of(int32_t kinds)
 {
     int32_t kind = RIGCAL_FAULT_KINDS - 1;
@@ -54,7 +55,8 @@ static int32_t last_of(int32_t kinds)
     return kind;
 }
 
-/* The kinds of the next pass: as many as there is memory for, the last ones later. */
+/* Chooses the kinds of the next pass: as many as there is memory for. The others wait for a
+ * later pass. Returns 0 if there is memory for none. */
 static int choose_kinds(rigcal_faults_solver *s)
 {
     s->columns.kinds = s->left;
@@ -77,8 +79,9 @@ static void end(rigcal_faults_solver *s, rigcal_status status, int32_t at_fault)
     s->phase = DONE;
 }
 
-/* A placement that was seen, from s->placement down. Views are looked at from the last
- * placement to the first, for cameras that moved. 0: there is none. */
+/* Goes down from s->placement to the next placement that was seen. The tests for cameras
+ * that moved need the views from the last placement to the first. Returns 0 if there is
+ * none. */
 static int begin_placement(rigcal_faults_solver *s)
 {
     rc_rig_parts parts;
@@ -116,7 +119,7 @@ static void begin_pass(rigcal_faults_solver *s)
 
 /* ---- where the points are ---------------------------------------------- */
 
-/* Whether the camera's pose takes up whatever turns and shifts it: it is free, or the only
+/* Whether the camera's pose can take up any turn and shift: it is free, or it is the only
  * one of its group that is held. */
 static int is_free_to_move(const rigcal_faults_solver *s, size_t camera)
 {
@@ -132,7 +135,7 @@ static int is_free_to_move(const rigcal_faults_solver *s, size_t camera)
     return !rc_rig_has_prior(s->rig, camera) && (parts.column[camera] >= 0 || fixed == 1);
 }
 
-/* By the first view of a camera. */
+/* Sets the reference of a camera from its first view. */
 static void set_reference(const rigcal_faults_solver *s, const rigcal_rig_view *v)
 {
     rigcal_real *const reference = &s->columns.reference[3 * v->camera];
@@ -146,7 +149,7 @@ static void set_reference(const rigcal_faults_solver *s, const rigcal_rig_view *
     }
 }
 
-/* View s->view: its camera has one more, and the board reaches over its points. */
+/* Counts view s->view for its camera, and widens the extent of the board to its points. */
 static rigcal_status count_view(rigcal_faults_solver *s)
 {
     rigcal_rig_view v;
@@ -155,9 +158,6 @@ static rigcal_status count_view(rigcal_faults_solver *s)
         return RIGCAL_OK;
     }
     rigcal_status status = rc_rig_view_at(&v, s->rig, s->view);
-    if (status == RIGCAL_OK && (v.camera < 0 || (size_t)v.camera >= s->rig->n_cameras)) {
-        status = RIGCAL_ERR_RANGE;
-    }
     if (status == RIGCAL_OK) {
         status = rc_rig_points(&points, &v);
     }
@@ -194,7 +194,8 @@ static void scan_of(rc_scan *scan, const rigcal_faults_solver *s, int32_t camera
     for (int k = 0; k < 2; k++) {
         scan->middle[k] = s->low[k] + (s->high[k] - s->low[k]) / 2;
         const rigcal_real half = (s->high[k] - s->low[k]) / 2;
-        scan->half[k] = (half > 0) ? half : 1; /* of a line: no x but the middle's */
+        scan->half[k] = (half > 0) ? half : 1; /* all points on a line: none is off the
+                                                  middle */
     }
     scan->reference = &s->columns.reference[3 * camera];
     scan->limit2 = (s->options->is_truncated != 0) ? limit * limit : 0;
@@ -202,7 +203,8 @@ static void scan_of(rc_scan *scan, const rigcal_faults_solver *s, int32_t camera
 
 /* ---- a view ------------------------------------------------------------ */
 
-/* How much of the view's disagreement lies along its motion (H12), its sum having been. */
+/* Adds how much of the view's disagreement lies along its motion (H12). Q and q are those
+ * of the clock. */
 static void add_along(rigcal_faults_solver *s, rigcal_real Q, rigcal_real q,
                       rigcal_real disagreement)
 {
@@ -213,7 +215,8 @@ static void add_along(rigcal_faults_solver *s, rigcal_real Q, rigcal_real q,
     }
 }
 
-/* The motion by cam_from_target of the view whose chain was found last. */
+/* m is the motion of cam_from_target, for the view whose chain was computed last. Returns
+ * its time after the middle of the recording. */
 static rigcal_real motion_of(rigcal_real m[6], const rc_chain *chain, const rigcal_rig *rig)
 {
     rc_clear(m, 6);
@@ -233,11 +236,6 @@ static rigcal_status add_view(rigcal_faults_solver *s)
     rc_rig_parts parts;
     rigcal_real m[6], d[6], expected;
     rigcal_status status = rc_rig_view_at(&view, s->rig, s->view);
-    if (status == RIGCAL_OK &&
-        (s->columns.border.count >= s->rig->n_cameras || view.camera < 0 ||
-         (size_t)view.camera >= s->rig->n_cameras)) {
-        status = RIGCAL_ERR_STATE;
-    }
     if (status != RIGCAL_OK) {
         return status;
     }
@@ -320,8 +318,8 @@ static void eliminating_step(rigcal_faults_solver *s)
     }
 }
 
-/* A camera may have moved before the placement where it has views on both sides. Between
- * two of its views one placement is as good as another. */
+/* Tests whether a camera moved before this placement. It needs views of the camera on both
+ * sides. Between two of its views all placements fit alike, so only one is tested. */
 static void moving_step(rigcal_faults_solver *s)
 {
     rc_rig_parts parts;
@@ -378,7 +376,7 @@ static void test_moved(rigcal_fault *fault, const rigcal_faults_solver *s)
 
 /* ---- all faults of a pass ---------------------------------------------- */
 
-/* The next fault from s->test, s->camera on. 0: there is none. */
+/* Finds the next fault from s->test, s->camera on. Returns 0 if there is none. */
 static int find_test(rigcal_faults_solver *s)
 {
     for (; s->test < RIGCAL_FAULT_KINDS; s->test++, s->camera = 0) {
@@ -435,7 +433,7 @@ static void testing_step(rigcal_faults_solver *s)
 
 /* ---- the verdict ------------------------------------------------------- */
 
-/* Why clocks could not be tested, and that two cameras are alike. */
+/* Notes why clocks could not be tested, and whether there are two cameras only. */
 static void judge_clocks(rigcal_faults *found, const rigcal_faults_solver *s)
 {
     const rigcal_rig_clocks *const clocks = s->rig->clocks;
@@ -528,7 +526,7 @@ rigcal_status rigcal_faults_begin(rigcal_faults_solver *solver, rigcal_fault fau
                                   size_t capacity, const rigcal_faults_options *options,
                                   rigcal_rig *rig)
 {
-    rigcal_faults_solver s = {0}; /* a solver that is refused stays as it is */
+    rigcal_faults_solver s = {0}; /* a solver that is refused stays unchanged */
     if (solver == NULL || faults == NULL || options == NULL || options->work == NULL) {
         return RIGCAL_ERR_NULL;
     }
@@ -548,7 +546,7 @@ rigcal_status rigcal_faults_begin(rigcal_faults_solver *solver, rigcal_fault fau
     }
     count_unknowns(&s);
     const int32_t all = (options->kinds == 0) ? RIGCAL_FAULTS_ALL : options->kinds;
-    for (s.left = all; s.left != 0;) { /* each pass has room */
+    for (s.left = all; s.left != 0;) { /* every pass must fit */
         if (!choose_kinds(&s)) {
             return RIGCAL_ERR_CAPACITY;
         }
@@ -634,7 +632,7 @@ rigcal_status rigcal_rig_faults(rigcal_faults *found, rigcal_fault faults[],
     if (status != RIGCAL_OK) {
         return status;
     }
-    while (rigcal_faults_step(&solver, 1000) == RIGCAL_RUNNING) {
+    while (rigcal_faults_step(&solver, 100) == RIGCAL_RUNNING) {
     }
     return rigcal_faults_result(found, at_fault, &solver);
 }

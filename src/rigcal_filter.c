@@ -5,28 +5,28 @@
 
 /* ---- constants ----------------------------------------------------------- */
 
-/* standard deviations of noise: wrong matches are even over as much to either side. A
- * search of some pixels about the line has 10 to 100. */
+/* standard deviations of noise: wrong matches are spread evenly over this much on each
+ * side. A search of some pixels about the line has 10 to 100. */
 #define WRONG_SPREAD RC(50)
 
 /* 1: 1 / sqrt(2 pi), the density of a normal variable at its mean. */
 #define NORMAL_DENSITY RC(0.398942280401432678)
 
-/* 1: second-order terms of a row over its own size by first order, squared, for turns by a
- * radian. */
+/* 1: the squared ratio of a row's second-order terms to its first-order terms, for a turn
+ * of one radian. */
 #define BEND RC(64)
 
-/* part of a variance: what is less of it is rounding. A pivot has at least as much. */
+/* part of a variance: a pivot is at least this. A smaller rest is rounding. */
 #define PIVOT_LEAST (4 * RC_EPS)
 
-/* rad: for turns up to this what is left of one is kept; the terms that are not looked at
- * are beyond rounding then. */
+/* rad: the largest turn of which the rest is kept. The neglected terms are then below
+ * rounding. */
 #define LEFT_TURN_MAX RC_TOL(1e-5, 1e-3)
 
 /* ---- a factored covariance ---------------------------------------------------- */
 
-/* room = U^T h of six unknowns from `at` on, or += it: of columns within them, then of
- * those beyond. */
+/* room = U^T h, or += it, of six unknowns from `at` on: first the six columns of these
+ * unknowns, then the columns beyond. */
 static inline void put_part(rigcal_real room[], const rigcal_real UD[], size_t n, size_t at,
                             const rigcal_real h[6], int is_first)
 {
@@ -73,7 +73,7 @@ static void add_scaled(rigcal_real *to, const rigcal_real *from, size_t n, rigca
     }
 }
 
-/* f D f of the unknowns from `at` on, two at a time. */
+/* f D f of the unknowns from `at` on, two at a time. f is in the room. */
 static rigcal_real weigh(const rigcal_real room[], const rigcal_real UD[], size_t n,
                          size_t at)
 {
@@ -94,7 +94,8 @@ rigcal_real rc_filter_seen(rigcal_real room[], const rigcal_real UD[], size_t n,
     const int low = part->at[0] < 0 || (part->at[1] >= 0 && part->at[1] < part->at[0]);
     const size_t at = part->at[low] < 0 ? n : (size_t)part->at[low];
     const rigcal_real zero =
-        part->h[low][0] - part->h[low][0]; /* a C library's memset is slow */
+        part->h[low][0] - part->h[low][0]; /* the compiler must not know that it is 0: the C
+                                              library's memset is slow */
     for (size_t j = 0; j < at; j++) {
         room[j] = zero;
     }
@@ -107,7 +108,7 @@ rigcal_real rc_filter_seen(rigcal_real room[], const rigcal_real UD[], size_t n,
     return weigh(room, UD, n, at);
 }
 
-/* One element of a column: u -= by b. Returns b + v u, of the u before. */
+/* One element u of a column: u -= by b. Returns b + v u, with u before the change. */
 static inline rigcal_real exchange(rigcal_real *u, rigcal_real b, rigcal_real by,
                                    rigcal_real v)
 {
@@ -116,13 +117,13 @@ static inline rigcal_real exchange(rigcal_real *u, rigcal_real b, rigcal_real by
     return b + before * v;
 }
 
-/* Six columns at a time, the k-th and on: with one, most instructions would read and write.
- * by and v are each column's own. */
+/* Six columns at a time, from the k-th on. With single columns most instructions would read
+ * and write memory. Each column has its own by and v. */
 typedef struct {
     rigcal_real by[6], v[6];
 } six_columns;
 
-/* One of them: D in the place of *diagonal, f of the room. alpha grows. */
+/* Begins one of the six: replaces D, at *diagonal, by its new value. alpha grows. */
 static inline void begin_column(six_columns *six, int j, rigcal_real *diagonal,
                                 rigcal_real f, rigcal_real *alpha, rigcal_real gain)
 {
@@ -142,7 +143,7 @@ static inline int is_any(const rigcal_real v[6])
     return v[0] != 0 || v[1] != 0 || v[2] != 0 || v[3] != 0 || v[4] != 0 || v[5] != 0;
 }
 
-/* With their k rows above; b of those is in the room. */
+/* Changes the k rows above the six columns' own. Their b is in the room. */
 static inline void exchange_above(rigcal_real *u, size_t k, rigcal_real *room,
                                   const six_columns *six)
 {
@@ -159,13 +160,13 @@ static inline void exchange_above(rigcal_real *u, size_t k, rigcal_real *room,
     }
 }
 
-/* With the six rows that they have on the diagonal, whose b is v at first. */
+/* Changes the six columns' own rows. Their b begins as v. */
 static inline void exchange_within(rigcal_real *u, size_t k, rigcal_real b[6],
                                    const six_columns *six)
 {
     const rigcal_real *const by = six->by, *const v = six->v;
     rigcal_real b0 = v[0], b1 = v[1], b2 = v[2], b3 = v[3];
-    u += k + 1; /* the second column */
+    u += k + 1; /* begins with the second column */
     b0 = exchange(&u[0], b0, by[1], v[1]);
     u += k + 2;
     b0 = exchange(&u[0], b0, by[2], v[2]);
@@ -188,8 +189,8 @@ static inline void exchange_within(rigcal_real *u, size_t k, rigcal_real b[6],
     b[5] = v[5];
 }
 
-/* Bierman's update, of D - gain / S v v^T, v = D U^T h: alpha grows from S - gain hPh to S.
- * Where a row is doubted much, gain is negative, and P grows. */
+/* Bierman's update of D - gain / S v v^T, v = D U^T h. alpha grows from S - gain hPh to S.
+ * If a row is much in doubt, gain is negative and P grows. */
 void rc_filter_learn(rigcal_real UD[], rigcal_real room[], size_t n, rigcal_real hPh,
                      rigcal_real S, rigcal_real gain)
 {
@@ -221,7 +222,7 @@ void rc_filter_learn(rigcal_real UD[], rigcal_real room[], size_t n, rigcal_real
     }
 }
 
-/* Column by column, so that no element is asked for by itself. */
+/* It goes column by column, which is cheaper than rc_filter_element for each element. */
 rigcal_real rc_filter_bend(const rigcal_real UD[], size_t n, size_t first,
                            rigcal_real reach)
 {
@@ -269,7 +270,7 @@ rigcal_real rc_filter_element(const rigcal_real UD[], size_t n, size_t i, size_t
     return sum;
 }
 
-/* to += the columns k, k + 1, k + 2 by three numbers, n elements of each. */
+/* to += columns k, k + 1 and k + 2, times three numbers. Each has n elements. */
 static void add_three(rigcal_real *to, size_t n, const rigcal_real *from, size_t k,
                       const rigcal_real by[3])
 {
@@ -284,7 +285,7 @@ static void add_three(rigcal_real *to, size_t n, const rigcal_real *from, size_t
     }
 }
 
-/* Of the columns beyond j, U and D: column j += by times what they make of P there. */
+/* Column j += by times what the columns beyond j, still U and D, contribute to P there. */
 static void add_beyond(rigcal_real UD[], size_t n, size_t j, rigcal_real by)
 {
     rigcal_real *const to = &UD[rc_packed_at(j, 0)];
@@ -304,7 +305,7 @@ static void add_beyond(rigcal_real UD[], size_t n, size_t j, rigcal_real by)
     }
 }
 
-/* Column by column: those to the right are still U and D. */
+/* Column by column from the first: the columns to the right are still U and D. */
 void rc_filter_multiply(rigcal_real UD[], size_t n)
 {
     rigcal_real *to = UD;
@@ -317,8 +318,8 @@ void rc_filter_multiply(rigcal_real UD[], size_t n)
     }
 }
 
-/* From the last column on: those to the right are U and D already. A variance of 0 is known
- * exactly, and has no column. */
+/* Column by column from the last: the columns to the right are U and D already. An unknown
+ * of variance 0 is known exactly: its column is 0. */
 void rc_filter_factor(rigcal_real P[], size_t n)
 {
     for (size_t j = n; j-- > 0;) {
@@ -326,7 +327,7 @@ void rc_filter_factor(rigcal_real P[], size_t n)
         const rigcal_real variance = column[j];
         add_beyond(P, n, j, -1);
         column[j] = rc_max(column[j], PIVOT_LEAST * variance);
-        /* A variance so small that its inverse overflows is none. */
+        /* A variance so small that its inverse overflows counts as 0. */
         const rigcal_real inverse = 1 / column[j];
         const rigcal_real by = rc_is_finite(inverse) ? inverse : 0;
         column[j] = by > 0 ? column[j] : 0;
@@ -357,7 +358,7 @@ static void part_of(rc_part *part, const rc_filter *f, size_t a, size_t b,
     part->h[1] = row->h_b;
 }
 
-/* Tells; leaves U^T h in the room. */
+/* Evaluates a row, and leaves U^T h in the room. */
 static int tell(rc_news *news, rigcal_real *hPh, rigcal_real *nu, const rc_filter *f,
                 const rc_part *part, const rc_row *row, rigcal_real wrong, int open)
 {
@@ -413,9 +414,9 @@ int rc_filter_row(rc_news *news, const rc_filter *f, size_t a, size_t b, const r
 
 /* ---- poses ------------------------------------------------------------------- */
 
-/* The turn that is left of a turn w after R became R': what w should have done to R, less
- * what it did. It is half the antisymmetric part of (R + w x R + w x (w x R) / 2 - R')
- * R'^T. The differences are exact to the third order in w, which is small. */
+/* The part of the turn w that rounding kept from R as it became R'. It is the turn that w
+ * should have made, less the turn that it made: half the antisymmetric part of (R + w x R +
+ * w x (w x R) / 2 - R') R'^T. This is exact to the third order in w, which is small. */
 static void left_of_turn(rigcal_real left[3], const rigcal_real w[3],
                          const rigcal_real before[9], const rigcal_real after[9])
 {
@@ -434,14 +435,14 @@ static void left_of_turn(rigcal_real left[3], const rigcal_real w[3],
     }
 }
 
-/* x / |x| for a length that differs from 1 by rounding only. */
+/* x / |x|, if |x| differs from 1 by rounding only. */
 static inline void tidy_row(rigcal_real x[3])
 {
     rc_vec3_scale(x, (3 - rc_vec3_dot(x, x)) / 2, x);
 }
 
-/* rc_rotation_tidy for a matrix that differs from a rotation only by the rounding of one
- * step. */
+/* Like rc_rotation_tidy, for a matrix that differs from a rotation only by the rounding of
+ * one step. */
 static void tidy(rigcal_real R[9])
 {
     tidy_row(&R[0]);
@@ -490,8 +491,8 @@ void rc_filter_put(const rc_filter *f, size_t body, const rigcal_transform *pose
 
 /* ---- moves --------------------------------------------------------------------- */
 
-/* P += M, 3 x 3 or 6 x 6 row by row, at row i and column j of packed P; of a block on the
- * diagonal the lower triangle. */
+/* P += M at row i and column j of packed P. M is 3 x 3 or 6 x 6, row by row. Of a block on
+ * the diagonal only the lower triangle is added. */
 static void add_block(rigcal_real P[], size_t i, size_t j, const rigcal_real M[],
                       size_t size)
 {
@@ -502,7 +503,7 @@ static void add_block(rigcal_real P[], size_t i, size_t j, const rigcal_real M[]
     }
 }
 
-/* The diagonal of a body's block. */
+/* Adds to the diagonal of a body's block. */
 static void add_diagonal(rigcal_real P[], size_t first, rigcal_real q_rad, rigcal_real q_t)
 {
     for (size_t i = first; i < first + 3; i++) {
@@ -511,8 +512,9 @@ static void add_diagonal(rigcal_real P[], size_t first, rigcal_real q_rad, rigca
     }
 }
 
-/* Q of a body's own axes: diagonal. Of the frame R_b Q R_c^T of all others, block by block:
- * where Q is the same along all axes, that is R_b R_c^T, and 1 where b = c. */
+/* For a body, Q is diagonal in its own axes. For the frame, every block b, c of the others
+ * gets R_b Q R_c^T. If Q is the same along all axes this is Q R_b R_c^T, and Q itself for b
+ * = c. */
 void rc_filter_spread(const rc_filter *f, rigcal_real P[], size_t body, rigcal_real q_rad,
                       rigcal_real q_t)
 {
@@ -542,7 +544,7 @@ void rc_filter_spread(const rc_filter *f, rigcal_real P[], size_t body, rigcal_r
     }
 }
 
-/* R_b R_f^T in both places of the diagonal. */
+/* R_b R_f^T in both blocks of the diagonal. */
 static void turn_of(rigcal_real out[36], const rc_filter *f, size_t body)
 {
     rigcal_real R[9];
@@ -604,7 +606,7 @@ void rc_filter_leave(const rc_filter *f, rigcal_real P[], size_t body)
     rc_clear(&f->d[first], 6);
 }
 
-/* Of two bodies, of P multiplied out. */
+/* The block of two bodies from P, multiplied out. */
 static void block_of(rigcal_real out[36], const rc_filter *f, const rigcal_real P[],
                      size_t a, size_t b)
 {

@@ -3,33 +3,35 @@
 
 /* ---- constants ----------------------------------------------------------- */
 
-/* 1: the chance below which an F of noise alone is said to disagree. */
+/* 1: the views disagree if noise alone gives such an F with a smaller chance than this. */
 #define DISAGREES RC(0.001)
 
-/* 1: the chance below which any fault is found where there is none. */
+/* 1: a fault is named if the chance to find any fault where there is none is smaller than
+ * this. */
 #define FOUND RC(0.01)
 
-/* 1: faults whose criterion is within this of the best fit alike: their odds are within
- * exp(9.2 / 2) = 100. */
+/* 1: faults whose criteria differ by less fit alike: their odds are within exp(9.2 / 2) =
+ * 100. */
 #define ALIKE_MOST RC(9.2)
 
-/* part of F - 1: a fault must explain it to be the reason, where F stays significant. */
+/* part of F - 1: that a fault must explain to be the reason, if F stays significant. */
 #define EXPLAINS_LEAST RC(0.5)
 
-/* part of the sum: no more is taken off, or a logarithm of 0 follows. */
+/* part of the sum: no gain may take more, or the logarithm of 0 follows. */
 #define GAIN_MOST (1 - RC_EPS)
 
-/* part of the disagreement: along the motion as much means single stamps that are wrong. */
+/* part of the disagreement: if more of it lies along the motion, single time stamps are
+ * wrong. */
 #define ALONG_MOST RC(0.3)
 
-/* 1: a pattern of neighbouring residuals is one above this, */
+/* 1: least correlation of neighbouring residuals that is a pattern. */
 #define PATTERN_LEAST RC(0.1)
 
-/* standard deviations: and above this many. */
+/* standard deviations: a pattern must also exceed this many. */
 #define PATTERN_DEVIATIONS RC(4)
 
-/* 1: the products of neighbours spread by less where a view's six pose parameters are taken
- * off: by the square of what is expected of them, over half of six. */
+/* 1: half of a view's six pose parameters. Fitting them lowers the variance of the products
+ * of neighbours by the square of their expected sum, over this. */
 #define POSE_PARTS RC(3)
 
 rigcal_real rc_F_of(const rc_common *c, rigcal_real gain, rigcal_real own_gain,
@@ -45,7 +47,7 @@ int rc_F_disagrees(const rc_common *c, rigcal_real F, rigcal_real k)
     return rc_f_tail(F, rc_max(1, c->freedom_between - k), c->freedom_within) <= DISAGREES;
 }
 
-/* Numbers that overflow are of a fault that cannot be told: it is not seen. */
+/* Clears a fault whose numbers overflow: the views do not show it. */
 static void keep_if_finite(rigcal_fault *fault)
 {
     const rigcal_real others[6] = {fault->gain,    fault->p,    fault->bic,

@@ -2,7 +2,7 @@
 
 /* ---- links --------------------------------------------------------------- */
 
-/* View s->view. */
+/* Checks view s->view. */
 static rigcal_status check_view(int32_t *camera, int32_t *placement, rigcal_rig_solver *s)
 {
     rigcal_view_pose pose;
@@ -45,7 +45,7 @@ static rigcal_status check(int32_t *at_fault, rigcal_rig *rig)
     return status;
 }
 
-/* A placement of `count` views from `first` on. */
+/* Adds the `count` views of a placement, from `first` on, to the links. */
 static rigcal_status add_links(rigcal_link links[], const rigcal_rig *rig,
                                const rc_rig_parts *parts, size_t first, size_t count)
 {
@@ -67,6 +67,9 @@ static rigcal_status add_links(rigcal_link links[], const rigcal_rig *rig,
                 continue;
             }
             const int32_t other = (int32_t)parts->slot[j];
+            if (other == pose.camera) { /* another than before, of a source */
+                return RIGCAL_ERR_TWICE;
+            }
             rigcal_link *const link =
                 &links[(other < pose.camera) ? RIGCAL_LINK(other, pose.camera)
                                              : RIGCAL_LINK(pose.camera, other)];
@@ -119,7 +122,7 @@ rigcal_status rigcal_rig_links(rigcal_link links[], size_t capacity, int32_t *n_
 
 /* ---- advice -------------------------------------------------------------- */
 
-/* What a camera has in common with all others. */
+/* The information that a camera shares with all others. */
 static rigcal_real total_of(const rigcal_link links[], size_t n_cameras, size_t camera)
 {
     rigcal_real sum = 0;
@@ -132,7 +135,7 @@ static rigcal_real total_of(const rigcal_link links[], size_t n_cameras, size_t 
     return sum;
 }
 
-/* Of a group the camera that has most; its total. */
+/* The camera of a group that shares most information; *most is its total. */
 static int32_t best_of(rigcal_real *most, const rigcal_link links[], const rigcal_rig *rig,
                        int32_t group)
 {
@@ -190,7 +193,7 @@ rigcal_status rigcal_rig_advise(rigcal_advice advice[], size_t capacity, size_t 
 
 /* ---- the weakest link ---------------------------------------------------- */
 
-/* The camera to which `camera` is surest; other -1: there is none. */
+/* Finds the camera to which `camera` is surest. found->other is -1 if there is none. */
 static rigcal_status surest(rigcal_weakest *found, const rigcal_rig *rig,
                             rigcal_real sigma_px, size_t camera)
 {

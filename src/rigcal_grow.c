@@ -2,37 +2,40 @@
 #include "rc_graph.h"
 #include "rc_score.h"
 
-/* Pairs of cameras are scored, the best is the seed; then camera after camera joins, and
- * the placements that it sees are placed again (CHOICE in EQUATIONS.md). */
+/* Scores pairs of cameras and takes the best pair as the seed. Then one camera after the
+ * other joins. The placements that it sees are placed anew each time (CHOICE in
+ * EQUATIONS.md). */
 
 /* ---- constants ----------------------------------------------------------- */
 
-/* share: a rung is high enough when at least this share of what agrees at the next rung
- * agrees at it. */
+/* share: a rung is high enough if at least this share of the placements that agree at the
+ * next rung agree at it. */
 #define RUNG_ENOUGH RC(0.8)
 
-/* share: of views, below which they contradict each other. */
+/* share: of the placements. If fewer of them agree, the views contradict each other. */
 #define SHARE_LEAST RC(0.5)
 
-/* placements: two cameras that agree in this many, besides the one that joins them, may be
- * believed against the rest. */
+/* placements: that two cameras must agree in, besides the one that joins them, so that they
+ * are believed against the other cameras. */
 enum { SURE_LEAST = 2 };
 
-/* rung: up to which they are; at higher ones, wrong views agree by chance. */
+/* rung: the highest at which two cameras are believed so. At higher rungs wrong views agree
+ * by chance. */
 enum { SURE_RUNG = 2 };
 
-/* pairs: that are scored with each camera, those that have most in common. More take
+/* pairs: that are scored for each camera, those that share most information. More take more
  * time. */
 enum { PAIRS_MOST = 3 };
 
-/* views: of a placement, of most information, that may place it. */
+/* views: of a placement, those of most information, that may place it. */
 enum { VIEWS_MOST = 8 };
 
 enum { CHECKING = 1, WEIGHING, PAIRING, SCORING, CLAIMING, SUPPORTING, RESECTING, DONE };
 
 /* ---- what is handed in --------------------------------------------------- */
 
-/* The second, and what the first leaves for the noise. */
+/* Reads and checks the second pose of a view. Keeps the variance that the first pose's fit
+ * leaves, from which the noise is found. */
 RC_APART static rigcal_status check_second(rigcal_choose_solver *s, const rc_score_parts *p,
                                            size_t view)
 {
@@ -48,7 +51,7 @@ RC_APART static rigcal_status check_second(rigcal_choose_solver *s, const rc_sco
         return status;
     }
     p->camera[view] = (rigcal_real)first.camera;
-    if (first.n > 3) {
+    if (first.n > 3 && first.n <= RC_COUNT_MAX) {
         p->told[view] = first.sse / rc_chi2_limit(rc_freedom(first.n), 0);
     }
     if (second.n == 0) {
@@ -106,11 +109,12 @@ static void begin_pairing(rigcal_choose_solver *s)
     for (int k = 0; k < RIGCAL_CHOOSE_RUNGS; k++) {
         s->seed[k].b = -1;
     }
-    s->which = s->view = 0; /* cameras of a pair */
+    s->which = s->view = 0; /* the two cameras of a pair */
     s->phase = PAIRING;
 }
 
-/* What a view tells, and what its camera has in common with those before. */
+/* Computes the information of a view. Adds what it shares with the placement's earlier
+ * views to the links of their cameras. */
 RC_APART static rigcal_status weighing_step(rigcal_choose_solver *s,
                                             const rc_score_parts *p)
 {
@@ -135,7 +139,8 @@ RC_APART static rigcal_status weighing_step(rigcal_choose_solver *s,
 
 /* ---- which pairs are scored ---------------------------------------------- */
 
-/* How many links of camera a tell more than that to b. */
+/* How many links of camera a have more information than its link to b. Of equal links the
+ * one to the lower camera counts as more. */
 static size_t rank_of(const rc_score_parts *p, size_t n_cameras, size_t a, size_t b)
 {
     const rigcal_real link = *link_of(p, a, b);
@@ -154,7 +159,7 @@ static int is_joined(const rc_score_parts *p, size_t camera)
     return p->state[camera] >= RC_JOINED && p->state[camera] <= RC_JOINED;
 }
 
-/* Of cameras that have not joined. */
+/* Whether a pair is scored. Only pairs of cameras that have not joined are. */
 static int is_scored(const rigcal_choose_solver *s, const rc_score_parts *p, size_t a,
                      size_t b)
 {
@@ -172,7 +177,7 @@ static rigcal_real total_of(const rc_score_parts *p, size_t n_cameras, size_t ca
     return sum;
 }
 
-/* A pair is scored: its best hypothesis at each rung. */
+/* A pair has been scored: keeps the best hypothesis at each rung. */
 static void finish_pair(rigcal_choose_solver *s, const rc_score_parts *p)
 {
     for (int k = 0; k < RIGCAL_CHOOSE_RUNGS; k++) {
@@ -195,8 +200,8 @@ static void begin_placing(rigcal_choose_solver *s)
     s->phase = CLAIMING;
 }
 
-/* A camera joins: what it sees is placed again, where few have seen it yet, and cameras
- * that wait are scored again with what has changed. */
+/* A camera joins. The placements that it sees must be placed anew, unless enough cameras
+ * have seen them. Waiting cameras that see one of these are scored again. */
 static void join(rigcal_choose_solver *s, const rc_score_parts *p, size_t camera)
 {
     p->state[camera] = RC_JOINED;
@@ -223,7 +228,7 @@ static void join(rigcal_choose_solver *s, const rc_score_parts *p, size_t camera
     begin_placing(s);
 }
 
-/* Camera s->b joins by a hypothesis. */
+/* Camera s->b joins by the hypothesis of this number. */
 static rigcal_status join_by(rigcal_choose_solver *s, const rc_score_parts *p,
                              int32_t number)
 {
@@ -235,8 +240,9 @@ static rigcal_status join_by(rigcal_choose_solver *s, const rc_score_parts *p,
     return status;
 }
 
-/* Two cameras agree in most of what they share: others may be wrong throughout, and are
- * left out. The placement of the hypothesis itself tells nothing. */
+/* Whether two cameras agree in most of the placements that they share. Then other cameras
+ * may be wrong throughout, and are left out. The hypothesis' own placement does not
+ * count. */
 static int is_sure(const rigcal_seed *seed)
 {
     const int32_t agree = rc_score_agree(seed->score) - 1;
@@ -244,13 +250,14 @@ static int is_sure(const rigcal_seed *seed)
            (rigcal_real)agree >= SHARE_LEAST * (rigcal_real)(seed->n - 1);
 }
 
-/* tau^2: the first rung to which the next adds little. 0: views contradict each other. */
+/* Sets tau^2: that of the first rung to which the next one adds little. Returns 0 if the
+ * views contradict each other. */
 static int choose_rung(rigcal_choose_solver *s)
 {
     rigcal_choice *const choice = s->choice;
     int k = 0;
     while (k < RIGCAL_CHOOSE_RUNGS - 2 &&
-           !(s->counts[k] > 0 && s->counts[k] >= RUNG_ENOUGH * s->counts[k + 1])) {
+           (!(s->counts[k] > 0) || !(s->counts[k] >= RUNG_ENOUGH * s->counts[k + 1]))) {
         k++;
     }
     s->rung = k;
@@ -260,8 +267,8 @@ static int choose_rung(rigcal_choose_solver *s)
            (k <= SURE_RUNG && is_sure(&s->seed[k]));
 }
 
-/* The best pair is the seed; without one a camera by itself. Its first camera is the frame
- * for now. */
+/* The best pair is the seed, and its first camera the frame for now. If there is no pair,
+ * one camera that has not joined begins by itself. */
 RC_APART static rigcal_status begin_frame(rigcal_choose_solver *s, const rc_score_parts *p)
 {
     if (!s->is_again && !choose_rung(s)) {
@@ -285,8 +292,8 @@ RC_APART static rigcal_status begin_frame(rigcal_choose_solver *s, const rc_scor
     return (best.b < 0) ? RIGCAL_OK : join_by(s, p, best.number);
 }
 
-/* The next pair. The camera that has more in common with all is the frame, so that the
- * order of the cameras does not matter. */
+/* Begins the next pair. Camera a, the frame, is the one that shares more information with
+ * all cameras. So the order of the cameras does not matter. */
 static rigcal_status pairing_step(rigcal_choose_solver *s, const rc_score_parts *p)
 {
     const size_t C = s->check.rig->n_cameras;
@@ -325,8 +332,8 @@ static rigcal_status scoring_step(rigcal_choose_solver *s, const rc_score_parts 
     return RIGCAL_OK;
 }
 
-/* All cameras that wait are scored, by placements of which views disagree or not. Returns
- * how many. */
+/* Marks all waiting cameras to be scored. If is_relaxed, placements whose views disagree
+ * count too. Returns how many cameras wait. */
 static size_t score_all(rigcal_choose_solver *s, const rc_score_parts *p, int is_relaxed)
 {
     size_t n = 0;
@@ -374,7 +381,7 @@ static rigcal_status resecting_step(rigcal_choose_solver *s, const rc_score_part
             p->strength[f] = RC_STALE;
         }
         begin_placing(s);
-    } else if (!s->is_relaxed) { /* nor so: another group */
+    } else if (!s->is_relaxed) { /* relaxed scores joined none: begin another group */
         begin_pairing(s);
     }
     return RIGCAL_OK;
@@ -382,7 +389,8 @@ static rigcal_status resecting_step(rigcal_choose_solver *s, const rc_score_part
 
 /* ---- the frame ----------------------------------------------------------- */
 
-/* 1: where the camera is, is given. */
+/* Writes where a camera is, or should be. Returns 1 if the caller gave it: a prior or a
+ * held pose. */
 static int is_given(rigcal_transform *cam_from_rig, const rigcal_rig *rig, size_t camera)
 {
     if (rc_rig_has_prior(rig, camera)) {
@@ -393,7 +401,8 @@ static int is_given(rigcal_transform *cam_from_rig, const rigcal_rig *rig, size_
     return rc_rig_is_held(rig, camera);
 }
 
-/* A group from the frame in which it grew: that of `camera`, as it is to be. */
+/* Moves a group from the frame in which it grew to the frame of the rig. `camera` gets the
+ * pose that was given, or else the identity. */
 RC_APART static void set_frame(const rigcal_choose_solver *s, const rc_score_parts *p,
                                size_t camera)
 {
@@ -422,7 +431,8 @@ RC_APART static void set_frame(const rigcal_choose_solver *s, const rc_score_par
     }
 }
 
-/* Of each group the first camera that is given is the frame, or else its first. */
+/* Finishes the choice. The frame of each group is that of its first camera that is given,
+ * or else that of its first camera. */
 static void finish(rigcal_choose_solver *s, const rc_score_parts *p)
 {
     const rigcal_rig *const rig = s->check.rig;
@@ -450,7 +460,7 @@ static void finish(rigcal_choose_solver *s, const rc_score_parts *p)
 
 /* ---- placing ------------------------------------------------------------- */
 
-/* Whether a claim is of one of the views that tell most. */
+/* Whether a claim comes from one of the VIEWS_MOST views of most information. */
 static int may_place(const rigcal_choose_solver *s, const rc_score_parts *p, size_t which)
 {
     const rigcal_real told = p->told[(size_t)p->claims[which].view];
@@ -462,7 +472,7 @@ static int may_place(const rigcal_choose_solver *s, const rc_score_parts *p, siz
     return more < VIEWS_MOST;
 }
 
-/* The claims of a view about its placement. */
+/* Adds the claims of the next view about its placement. */
 RC_APART static rigcal_status claiming_step(rigcal_choose_solver *s,
                                             const rc_score_parts *p)
 {
@@ -502,7 +512,8 @@ static void place(rigcal_choose_solver *s, const rc_score_parts *p)
         (support.agree > 1 || support.n == 1) ? RC_KNOWN : RC_DOUBTFUL;
 }
 
-/* One claim against all others of the placement; after the last it is placed. */
+/* Compares one claim with all others of its placement. After the last one the placement is
+ * placed. */
 static void supporting_step(rigcal_choose_solver *s, const rc_score_parts *p)
 {
     while (s->which < s->n && !may_place(s, p, s->which)) {
@@ -640,7 +651,7 @@ rigcal_status rigcal_rig_choose(rigcal_choice *choice, int32_t *at_fault, rigcal
     if (status != RIGCAL_OK) {
         return status;
     }
-    while (rigcal_choose_step(&solver, 1000) == RIGCAL_RUNNING) {
+    while (rigcal_choose_step(&solver, 100) == RIGCAL_RUNNING) {
     }
     return rigcal_choose_result(at_fault, &solver);
 }

@@ -1,7 +1,8 @@
 #include "rc_intrinsics.h"
 
-/* With s = |x|^2, of Brown's lens and of the fisheye alike, for whose x is theta long and
- * whose D is 1: the map changes by x s / D with k1, and by x s^2 / D with k2. */
+/* With s = |x|^2 the lens map changes by x s / D with k1, and by x s^2 / D with k2. This
+ * holds for Brown's lens and for the fisheye, whose x has the length theta and whose D is
+ * 1. */
 void rc_intrinsics(rigcal_real D[2 * RC_INTRINSICS], const rigcal_camera *camera,
                    const rigcal_real x[2], const rigcal_real uv[2])
 {

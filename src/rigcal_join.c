@@ -2,13 +2,13 @@
 
 /* ---- constants ----------------------------------------------------------- */
 
-/* part of a pose: what rounding leaves of its numbers. Views that agree to that have no
- * more to gain, and the join of them ends. */
+/* part of a pose: rounding of its numbers. If views agree to this, the join gains nothing
+ * more and ends. */
 #define POSE_ROUNDING (4 * RC_EPS)
 
 /* ---- views by their own poses -------------------------------------------- */
 
-/* What rounding of the pose of a view is in its sum of squares. */
+/* The part of the sum of squares that comes from rounding of a view's pose. */
 static rigcal_real negligible_of(const rigcal_view_pose *v)
 {
     const rigcal_real *const H = v->information, *const by_dt = &H[RC_SYM6_SECOND];
@@ -36,7 +36,8 @@ static rigcal_status check_pose(int32_t *camera, int32_t *placement, rigcal_rig_
     return rc_check_pose(&v);
 }
 
-/* The quadratic that the information of a view makes about its own pose. */
+/* The equations of a view from its own pose: the quadratic that its information makes about
+ * this pose. */
 static rigcal_status equations_of_pose(rigcal_real *sum, rigcal_real g[6],
                                        rigcal_real H[21], rc_chain *chain, int32_t *camera,
                                        const rigcal_rig_solver *s)
@@ -68,7 +69,7 @@ static const struct rigcal_rig_given GIVEN_POSES = {check_pose, equations_of_pos
  * them, all that one placement apart first. parts->slot says of each camera whether it is
  * reached. */
 
-/* What a camera, not yet reached, is best reached by. */
+/* The best way found so far to a camera that is not yet reached. */
 typedef struct {
     rigcal_real information;
     rigcal_transform cam_from_rig;
@@ -79,8 +80,8 @@ static candidate *candidates_of(const rc_rig_parts *parts)
     return (candidate *)(void *)parts->W;
 }
 
-/* Of a camera that is reached: the placement by this view, if it knows more than those
- * before it. s->gain is the information of the best. */
+/* Places the placement by a view of a reached camera, if the view has more information than
+ * those before it. s->gain is the information of the best view. */
 static void place_by(rigcal_rig_solver *s, const rigcal_view_pose *v)
 {
     const rigcal_real information = rc_view_information(v);
@@ -93,8 +94,8 @@ static void place_by(rigcal_rig_solver *s, const rigcal_view_pose *v)
     }
 }
 
-/* Of a camera that is not: where it is by the placement and this view. The information of
- * that way is of both views, as variances are added. */
+/* Places a camera that is not reached by the placement and this view. The variances of both
+ * views add up. */
 static void reach_by(const rigcal_rig_solver *s, candidate *best, const rigcal_view_pose *v)
 {
     const rigcal_real way = rc_information_of_both(s->gain, rc_view_information(v));
@@ -126,7 +127,8 @@ static rigcal_status look_at_view(rigcal_rig_solver *s, const rc_rig_parts *part
     return RIGCAL_OK;
 }
 
-/* The next placement that has views, from s->placement on; 0: there is none. */
+/* Begins the next placement that has views, from s->placement on. Returns 0 if there is
+ * none. */
 static int begin_placement(rigcal_rig_solver *s, const rc_rig_parts *parts)
 {
     while (s->placement < s->rig->n_placements &&
@@ -148,7 +150,7 @@ static void begin_round(rigcal_rig_solver *s, const rc_rig_parts *parts)
     (void)begin_placement(s, parts);
 }
 
-/* Where the cameras are that are fixed. */
+/* Begins with the cameras that are fixed. */
 static void begin(rigcal_rig_solver *s, const rc_rig_parts *parts)
 {
     const rigcal_rig *const rig = s->rig;
@@ -164,14 +166,14 @@ static void begin(rigcal_rig_solver *s, const rc_rig_parts *parts)
                 return;
             }
         } else {
-            rc_transform_identity(camera); /* the first of a group; others: for now */
+            rc_transform_identity(camera); /* final only for the first camera of a group */
             parts->slot[c] = (parts->column[c] < 0) ? 1 : 0;
         }
     }
     begin_round(s, parts);
 }
 
-/* Takes the cameras that were reached; goes on while there are any. */
+/* Takes the cameras that were reached. Begins another round if there were any. */
 static void end_round(rigcal_rig_solver *s, const rc_rig_parts *parts)
 {
     const candidate *const best = candidates_of(parts);

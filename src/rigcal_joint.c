@@ -66,7 +66,8 @@ void rc_joint_spread(rigcal_real Sigma[36], const rc_leverage *on)
 
 /* ---- a pair -------------------------------------------------------------- */
 
-/* W = (M 0; [x]x M  M)^T, M a rotation: what a step of a camera does to b_from_a. */
+/* W = (M 0; [x]x M  M)^T: what a step of a camera does to b_from_a. M is a rotation or the
+ * negative of one. */
 static void fill_step(rigcal_real W[36], const rigcal_real x[3], const rigcal_real M[9])
 {
     rc_clear(W, 36);

@@ -5,8 +5,8 @@
 
 /* ---- constants ----------------------------------------------------------- */
 
-/* rounds of naming: one takes every wrong view that is the worst of its placement; views
- * hidden by worse ones follow. */
+/* rounds: of naming. Each round takes the worst view of every placement. Wrong views that
+ * it hides follow in the next round. */
 enum { ROUNDS = 3 };
 
 /* ---- what is handed in ------------------------------------------------------ */
@@ -21,7 +21,8 @@ static void begin_adjustment(rigcal_judge_solver *s)
     }
 }
 
-/* What the choice says of a view whose first pose has been checked. */
+/* Checks the second pose of a view, and what the choice says of the view. The first pose
+ * has been checked. */
 static rigcal_status check_view(rigcal_judge_solver *s, size_t v)
 {
     rigcal_view_pose first, second;
@@ -43,15 +44,15 @@ static rigcal_status check_view(rigcal_judge_solver *s, size_t v)
     s->left_out[v] = takes == RIGCAL_TAKES_NONE;
     return (takes > RIGCAL_TAKES_NONE || !(first.sse >= 0) ||
             (takes == RIGCAL_TAKES_SECOND && second.n == 0) ||
-            (second.n > 0 && !(second.sse >= 0 && second.camera == first.camera &&
-                               second.placement == first.placement)))
+            (second.n > 0 && (!(second.sse >= 0) || second.camera != first.camera ||
+                              second.placement != first.placement)))
                ? RIGCAL_ERR_RANGE
                : RIGCAL_OK;
 }
 
 /* ---- naming ---------------------------------------------------------------- */
 
-/* left_out of a view that is left out for good, and of one that is so to see. */
+/* Values of left_out: for good, or only as a trial. */
 enum { OUT = 1, OUT_TO_SEE = 2 };
 
 /* How many views of a placement are not left out; *last is one of them. */
@@ -68,8 +69,7 @@ static size_t kept_of(size_t *last, const rigcal_judge_solver *s, size_t first,
     return kept;
 }
 
-/* Of a placement that several cameras saw, a view with which no other agrees is left out
- * too. */
+/* If one view is left of a placement that several cameras saw, it is left out too. */
 static void leave_out_lone_views(rigcal_judge_solver *s, const rc_rig_parts *parts,
                                  uint8_t mark)
 {
@@ -89,7 +89,7 @@ static void leave_out_lone_views(rigcal_judge_solver *s, const rc_rig_parts *par
 static rigcal_status leave_out_lone_cameras(rigcal_judge_solver *s,
                                             const rc_rig_parts *parts, uint8_t mark)
 {
-    rigcal_real *const kept = parts->slot, *const all = parts->W; /* of each camera */
+    rigcal_real *const kept = parts->slot, *const all = parts->W; /* views of each camera */
     rc_clear(kept, s->rig->n_cameras);
     rc_clear(all, s->rig->n_cameras);
     for (int is_marking = 0; is_marking < 2; is_marking++) {
@@ -124,7 +124,8 @@ static rigcal_status leave_out_lone(rigcal_judge_solver *s, const rc_rig_parts *
     return status;
 }
 
-/* Adjusts, without the views that are left out and those that they leave alone. */
+/* Begins an adjustment without the views that are left out. Views that then stand alone are
+ * left out as well. */
 static void adjust_without(rigcal_judge_solver *s, const rc_rig_parts *parts, uint8_t mark)
 {
     const rigcal_status status = leave_out_lone(s, parts, mark);
@@ -134,8 +135,8 @@ static void adjust_without(rigcal_judge_solver *s, const rc_rig_parts *parts, ui
     }
 }
 
-/* Leaves out the worst view of each placement if it is beyond the limit. Where none is, the
- * worst of all is left out to see: so no view raises its own limit. */
+/* Leaves out the worst view of each placement if its cost is above the limit. If no view is
+ * left out, the worst of all is left out as a trial. So no view raises its own limit. */
 static void name_worst(rigcal_judge_solver *s, const rc_rig_parts *parts)
 {
     size_t first = 0, most = 0, n = 0;
@@ -173,8 +174,8 @@ static void name_worst(rigcal_judge_solver *s, const rc_rig_parts *parts)
     }
 }
 
-/* The view that was left out to see is judged by the limit that the others set: it stays
- * out, or the rig before stands. */
+/* Judges the view that was left out as a trial by the limit that the others set. It stays
+ * out, or the rig before the trial is adjusted again. */
 static void end_trial(rigcal_judge_solver *s)
 {
     const int is_out = s->tried_cost > RC_COST_LIMIT * s->scale;
@@ -191,7 +192,7 @@ static void end_trial(rigcal_judge_solver *s)
     begin_adjustment(s);
 }
 
-/* The rig has been adjusted, and the costs are known. */
+/* Chooses the next phase after the rig was adjusted and the costs are known. */
 static void decide(rigcal_judge_solver *s)
 {
     if (s->tried_cost > 0) {
@@ -214,8 +215,9 @@ static int32_t taken(const rigcal_judge_solver *s, size_t v)
     return (s->left_out[v] == 0) ? s->choice->takes[v] : RIGCAL_TAKES_NONE;
 }
 
-/* Which views of the placement under way agree, and where it then is, if that is not what
- * it was. `verdict` holds meanwhile what a view took. */
+/* Decides which views of the current placement agree. If others agree than before, the
+ * placement is moved to where these views have it. Until the end `verdict` holds what a
+ * view took before. */
 static rigcal_status choose_placement(rigcal_judge_solver *s, const rc_rig_parts *parts,
                                       size_t count)
 {
@@ -278,7 +280,7 @@ static void place_again(rigcal_judge_solver *s, const rc_rig_parts *parts)
 
 /* ---- the search ------------------------------------------------------------- */
 
-/* The views in turn, as the join checks them: they are not left out before. */
+/* Checks one view as the join checks it. All views are checked: none is left out yet. */
 static void checking_step(rigcal_judge_solver *s, const rc_rig_parts *parts)
 {
     const size_t v = s->adjust.view;
@@ -399,7 +401,7 @@ rigcal_status rigcal_judge_begin(rigcal_judge_solver *solver, rigcal_judged_view
         return RIGCAL_ERR_NULL;
     }
     rigcal_status status = check(judged, left_out, choice, rig);
-    if (status == RIGCAL_OK) { /* all that an adjustment wants */
+    if (status == RIGCAL_OK) { /* an adjustment needs all of these */
         status = rigcal_rig_begin(&solver->adjust, rig);
     }
     if (status != RIGCAL_OK) {
@@ -416,7 +418,7 @@ rigcal_status rigcal_judge_begin(rigcal_judge_solver *solver, rigcal_judged_view
     }
     rig->left_out = left_out;
     solver->phase = RC_JUDGE_CHECKING;
-    return rigcal_rig_join_begin(&solver->adjust, rig); /* which checks the poses */
+    return rigcal_rig_join_begin(&solver->adjust, rig); /* checks the poses */
 }
 
 rigcal_status rigcal_judge_step(rigcal_judge_solver *solver, int32_t budget)
@@ -479,7 +481,7 @@ rigcal_status rigcal_rig_judge(rigcal_judgement *judgement, int32_t *at_fault,
     if (status != RIGCAL_OK) {
         return status;
     }
-    while (rigcal_judge_step(&solver, 1000) == RIGCAL_RUNNING) {
+    while (rigcal_judge_step(&solver, 100) == RIGCAL_RUNNING) {
     }
     return rigcal_judge_result(judgement, at_fault, &solver);
 }

@@ -4,7 +4,7 @@
 #define FIELD(type, field) \
     {#type "." #field, (int32_t)offsetof(type, field), (int32_t)sizeof(((type *)0)->field)},
 
-/* The size of a pointer is meant, where a field is one. */
+/* If a field is a pointer, the size of the pointer is meant. */
 /* NOLINTNEXTLINE(bugprone-sizeof-expression) */
 static const rigcal_layout_entry LAYOUT[] = {RC_LAYOUT(STRUCT, FIELD)};
 

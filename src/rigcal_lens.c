@@ -38,13 +38,13 @@ enum { STAGES_MAX = 64 };
 /* ---- the map ------------------------------------------------------------- */
 
 extern inline int rc_lens_is_fisheye(const rigcal_camera *camera);
+extern inline const rigcal_real *rc_camera_numbers(const rigcal_camera *camera,
+                                                   size_t offset);
 
 int rc_lens_is_pinhole(const rigcal_camera *camera)
 {
-    rigcal_real coefficients[8];
-    memcpy(coefficients, (const char *)camera + offsetof(rigcal_camera, k1),
-           sizeof coefficients);
-    return !rc_lens_is_fisheye(camera) && rc_all_within(coefficients, 8, 0);
+    return !rc_lens_is_fisheye(camera) &&
+           rc_all_within(rc_camera_numbers(camera, offsetof(rigcal_camera, k1)), 8, 0);
 }
 
 /* A polynomial of one degree more, by Horner's rule: its value at s, and its derivative. */
@@ -66,6 +66,47 @@ static inline int has_denominator(const rigcal_camera *camera)
            RC_FABS(camera->k4) + RC_FABS(camera->k5) + RC_FABS(camera->k6) > 0;
 }
 
+enum { N_DEGREE = 4, D_DEGREE = 3, G_DEGREE = 6 };
+
+/* N by ascending powers of s; else D. */
+RIGCAL_FORCE_INLINE static inline void put_powers(rigcal_real c[N_DEGREE + 1],
+                                                  const rigcal_camera *camera, int is_N)
+{
+    c[0] = 1;
+    c[1] = is_N ? camera->k1 : k4_of(camera, 0);
+    c[2] = is_N ? camera->k2 : camera->k5;
+    c[3] = is_N ? camera->k3 : camera->k6;
+    c[4] = is_N ? k4_of(camera, 1) : 0;
+}
+
+RC_APART static void powers_of(rigcal_real c[N_DEGREE + 1], const rigcal_camera *camera,
+                               int is_N)
+{
+    put_powers(c, camera, is_N);
+}
+
+/* N at s, else D, and its derivative; for speed written out. */
+static inline void polynomial_at(rigcal_real value[2], rigcal_real s,
+                                 const rigcal_camera *camera, int is_N)
+{
+    rigcal_real c[N_DEGREE + 1];
+    if (RC_FOR_SPEED) {
+        put_powers(c, camera, is_N);
+        value[0] = c[4];
+        value[1] = 0;
+        horner(value, s, c[3]);
+        horner(value, s, c[2]);
+        horner(value, s, c[1]);
+        horner(value, s, c[0]);
+        return;
+    }
+    powers_of(c, camera, is_N);
+    value[0] = value[1] = 0;
+    for (int k = N_DEGREE; k >= 0; k--) {
+        horner(value, s, c[k]);
+    }
+}
+
 /* With d = N / D, d' = (N' - d D') / D and p = d' x + 2 g:
  *   J = (d + 2 g.x) I + p x^T + x p^T */
 int rc_lens_map(rigcal_real F[2], rigcal_real J[3], const rigcal_camera *camera,
@@ -73,16 +114,11 @@ int rc_lens_map(rigcal_real F[2], rigcal_real J[3], const rigcal_camera *camera,
 {
     const rigcal_real g[2] = {camera->p2, camera->p1};
     const rigcal_real s = x[0] * x[0] + x[1] * x[1];
-    rigcal_real N[2] = {k4_of(camera, 1), 0};
-    horner(N, s, camera->k3);
-    horner(N, s, camera->k2);
-    horner(N, s, camera->k1);
-    horner(N, s, 1);
+    rigcal_real N[2];
+    polynomial_at(N, s, camera, 1);
     if (!RC_FOR_SPEED || has_denominator(camera)) {
-        rigcal_real D[2] = {camera->k6, 0};
-        horner(D, s, camera->k5);
-        horner(D, s, k4_of(camera, 0));
-        horner(D, s, 1);
+        rigcal_real D[2];
+        polynomial_at(D, s, camera, 0);
         if (!(D[0] > 0)) {
             return 0;
         }
@@ -108,21 +144,13 @@ RC_APART static int is_positive_definite(const rigcal_real J[3])
 
 /* ---- where it can be used ------------------------------------------------ */
 
-enum { N_DEGREE = 4, D_DEGREE = 3, G_DEGREE = 6 };
-
-/* N and D by ascending powers of s. */
-typedef struct {
-    rigcal_real N[N_DEGREE + 1], D[D_DEGREE + 1];
-} polynomials;
-
 /* Lower and upper bound of a polynomial within `half` of `middle`: the other terms of its
  * series there take from the first, and add to it, no more than their absolute values.
- * Their distance from the true range shrinks as half^2. */
-static void polynomial_range(rigcal_real range[2], const rigcal_real c[], int degree,
+ * Their distance from the true range shrinks as half^2. The series takes the place of b. */
+static void polynomial_range(rigcal_real range[2], rigcal_real b[], int degree,
                              rigcal_real middle, rigcal_real half)
 {
-    rigcal_real b[G_DEGREE + 1], power = half, reach = 0;
-    memcpy(b, c, (size_t)(degree + 1) * sizeof *b);
+    rigcal_real power = half, reach = 0;
     for (int i = 0; i <= degree; i++) { /* powers of s - middle: b[i] is done */
         for (int j = degree - 1; j >= i; j--) {
             b[j] += middle * b[j + 1];
@@ -137,14 +165,18 @@ static void polynomial_range(rigcal_real range[2], const rigcal_real c[], int de
 }
 
 /* G = (N + 2 s N') D - 2 s N D': d/dr (r N / D) times D^2. */
-static void radial_slope(rigcal_real G[G_DEGREE + 1], const polynomials *p)
+RC_APART_FAST static void radial_slope(rigcal_real G[G_DEGREE + 1],
+                                       const rigcal_camera *camera)
 {
+    rigcal_real N[N_DEGREE + 1], D[N_DEGREE + 1];
+    powers_of(N, camera, 1);
+    powers_of(D, camera, 0);
     for (int i = 0; i <= G_DEGREE; i++) {
         G[i] = 0;
     }
     for (int i = 0; i <= N_DEGREE; i++) {
         for (int j = 0; j <= D_DEGREE && i + j <= G_DEGREE; j++) {
-            G[i + j] += p->N[i] * p->D[j] * (rigcal_real)(1 + 2 * (i - j));
+            G[i + j] += N[i] * D[j] * (rigcal_real)(1 + 2 * (i - j));
         }
     }
 }
@@ -158,23 +190,9 @@ RC_APART static rigcal_real least_quotient(rigcal_real low, const rigcal_real D[
 /* A direction e from the axis, r^2 = `end` at its end, where a r and b r are given:
  * a = g.e, b = g.e', e' normal to e. */
 typedef struct {
-    polynomials p;
+    const rigcal_camera *camera;
     rigcal_real G[G_DEGREE + 1], ar, br, end;
 } direction;
-
-static void begin_direction(direction *e, const rigcal_camera *camera)
-{
-    rigcal_real *const N = e->p.N, *const D = e->p.D;
-    N[0] = D[0] = 1;
-    N[1] = camera->k1;
-    N[2] = camera->k2;
-    N[3] = camera->k3;
-    N[4] = k4_of(camera, 1);
-    D[1] = k4_of(camera, 0);
-    D[2] = camera->k5;
-    D[3] = camera->k6;
-    radial_slope(e->G, &e->p);
-}
 
 /* In the basis (e, e') the Jacobian is
  *
@@ -183,19 +201,23 @@ static void begin_direction(direction *e, const rigcal_camera *camera)
  *
  * It is positive definite on all of r^2 in [from, from + length] when the bounds of G, N
  * and D there make it so. */
-static int is_usable_between(const direction *e, rigcal_real from, rigcal_real length)
+RC_APART_FAST static int is_usable_between(const direction *e, rigcal_real from,
+                                           rigcal_real length)
 {
     const rigcal_real half = length / 2, middle = from + half;
-    rigcal_real slope[2], N[2], D[2];
-    polynomial_range(D, e->p.D, D_DEGREE, middle, half);
-    polynomial_range(slope, e->G, G_DEGREE, middle, half);
+    rigcal_real slope[2], N[2], D[2], b[G_DEGREE + 1];
+    powers_of(b, e->camera, 0);
+    polynomial_range(D, b, D_DEGREE, middle, half);
+    memcpy(b, e->G, sizeof b);
+    polynomial_range(slope, b, G_DEGREE, middle, half);
     if (!(D[0] > 0)) {
         return 0;
     }
     if (!(RC_FABS(e->ar) > 0 || RC_FABS(e->br) > 0)) {
         return slope[0] > 0; /* then N / D > 0 too: r N / D rises from 0 */
     }
-    polynomial_range(N, e->p.N, N_DEGREE, middle, half);
+    powers_of(b, e->camera, 1);
+    polynomial_range(N, b, N_DEGREE, middle, half);
     const rigcal_real far = (from + length) / e->end;
     const rigcal_real ar_low = e->ar * RC_SQRT((e->ar > 0) ? from / e->end : far);
     const rigcal_real along = least_quotient(least_quotient(slope[0], D), D) + 6 * ar_low;
@@ -203,8 +225,8 @@ static int is_usable_between(const direction *e, rigcal_real from, rigcal_real l
     return along > 0 && across > 0 && along * across > 4 * e->br * e->br * far;
 }
 
-static int is_definite_at(const rigcal_camera *camera, const rigcal_real x[2],
-                          rigcal_real part)
+RC_APART_FAST static int is_definite_at(const rigcal_camera *camera, const rigcal_real x[2],
+                                        rigcal_real part)
 {
     const rigcal_real at[2] = {part * x[0], part * x[1]};
     rigcal_real F[2], J[3];
@@ -213,16 +235,14 @@ static int is_definite_at(const rigcal_camera *camera, const rigcal_real x[2],
 
 /* Walks from the axis to x in steps that are halved until the bounds decide, or their end
  * is seen to be beyond a turning point, and doubled after each success. */
-int rc_lens_is_usable(const rigcal_camera *camera, const rigcal_real x[2])
+RC_APART_FAST static int walk_to(const rigcal_camera *camera, const rigcal_real x[2])
 {
     direction e;
+    e.camera = camera;
     e.end = x[0] * x[0] + x[1] * x[1];
-    if (rc_lens_is_pinhole(camera)) {
-        return rc_is_finite(e.end);
-    }
     e.ar = camera->p2 * x[0] + camera->p1 * x[1];
     e.br = camera->p1 * x[0] - camera->p2 * x[1];
-    begin_direction(&e, camera);
+    radial_slope(e.G, camera);
     rigcal_real from = 0, length = e.end;
     for (int i = 0; i < WALK_MAX && length > WALK_LEAST * e.end; i++) {
         if (is_usable_between(&e, from, length)) {
@@ -235,6 +255,12 @@ int rc_lens_is_usable(const rigcal_camera *camera, const rigcal_real x[2])
         }
     }
     return rc_is_finite(e.end) && e.end - from <= WALK_LEFT * e.end;
+}
+
+int rc_lens_is_usable(const rigcal_camera *camera, const rigcal_real x[2])
+{
+    return rc_lens_is_pinhole(camera) ? rc_is_finite(x[0] * x[0] + x[1] * x[1])
+                                      : walk_to(camera, x);
 }
 
 #if RIGCAL_FOR_SPEED
@@ -256,7 +282,8 @@ rigcal_real rc_lens_proved(const rigcal_camera *camera, rigcal_real reach)
     e.end = r * r;
     e.ar = -g * r;
     e.br = g * r;
-    begin_direction(&e, camera);
+    e.camera = camera;
+    radial_slope(e.G, camera);
     rigcal_real length = e.end;
     for (int i = 0; i < DISC_STEPS && from < e.end; i++) {
         if (is_usable_between(&e, from, length)) {
@@ -295,8 +322,8 @@ int rc_lens_invert_within(rigcal_real x[2], const rigcal_camera *camera,
 /* Newton's method for F(x) = target from x, a place where J is positive definite. A step
  * that leaves such places, or does not bring F nearer, is halved. Ends where no step helps
  * any more and returns |F(x) - target| there. */
-RC_APART static rigcal_real solve_from(rigcal_real x[2], const rigcal_camera *camera,
-                                       const rigcal_real target[2])
+RC_APART_FAST static rigcal_real solve_from(rigcal_real x[2], const rigcal_camera *camera,
+                                            const rigcal_real target[2])
 {
     rigcal_real F[2], J[3], step[2] = {0, 0}, miss = RC_MAX;
     rigcal_real at[2] = {x[0], x[1]};

@@ -2,42 +2,43 @@
 
 /* ---- constants ----------------------------------------------------------- */
 
-/* part of D: damping of the first step, so little that a good start is not slowed. */
+/* part of D: damping of the first step. It is small, so it does not slow a good start. */
 #define DAMPING_FIRST RC(1e-5)
 
-/* part of D: a step damped by no more counts as undamped, and may be the last. */
+/* part of D: a step with at most this damping counts as undamped, and may be the last. */
 #define DAMPING_NEAR RC(1e-2)
 
-/* part of D: no step that is damped more helps; the search ends. */
+/* part of D: the search ends if this much damping does not help. */
 #define DAMPING_LAST RC(1e8)
 
 /* part of D: first damping of a Newton's H that is not positive definite. */
 #define DAMPING_INDEFINITE RC(1e-4)
 
-/* part of D: a Newton's H that needs more damping is given up for J^T J. */
+/* part of D: if Newton's H needs more damping, J^T J takes its place. */
 #define DAMPING_NEWTON RC(10)
 
-/* factor: of the damping after a step that did harm. */
+/* factor: on the damping, after a step that did harm. */
 #define DAMPING_MORE RC(10)
 
-/* factor: of the damping after a step that helped. */
+/* factor: on the damping, after a step that helped. */
 #define DAMPING_LESS RC(0.1)
 
-/* part of the sum: a rise by no more may be rounding. */
+/* part of the sum: a rise up to this may be rounding. */
 #define SUM_ROUNDING (16 * RC_EPS)
 
-/* part of the sum: the search ends when no more is still to be gained, judged by how fast
- * the gains fall. */
+/* part of the sum: the search ends when the expected further gain is less, as judged by how
+ * fast the gains fall. */
 #define LEFT_LEAST RC_TOL(1e-12, 1e-6)
 
-/* part of the sum: the search ends with a step that gains no more. */
+/* part of the sum: the search ends with a step that gains less. */
 #define GAIN_LEAST RC_TOL(1e-13, 1e-6)
 
-/* part of the sum: a step that promised no more, and yet made it rise, met rounding. */
+/* part of the sum: if a step that promised less makes the sum rise, the rise is
+ * rounding. */
 #define GAIN_ROUNDING RC_TOL(1e-7, 1e-4)
 
-/* ratio of gains: those that fall no faster are those of a valley, where Newton's H
- * helps. */
+/* ratio of gains: if a gain is more than this part of the one before, the search is in a
+ * valley, where Newton's H helps. */
 #define SLOW RC(0.1)
 
 void rc_levenberg_begin(rigcal_levenberg *lm, int is_near)
@@ -75,10 +76,10 @@ void rc_levenberg_not_definite(rigcal_levenberg *lm)
     }
 }
 
-/* A nearly undamped step is the last when next to nothing is left to gain after it. Were
- * the gains to go on falling as from the step before, by r = gain / last_gain each, that
- * would be gain r / (1 - r). Near an optimum they fall ever faster; in a valley, where r is
- * near 1, a small gain alone says nothing. */
+/* A nearly undamped step is the last if almost nothing is left to gain after it. If each
+ * gain is r = gain / last_gain of the one before, gain r / (1 - r) is left. Near an optimum
+ * the gains fall ever faster. In a valley r is near 1, and a small gain alone says
+ * nothing. */
 static int is_last(const rigcal_levenberg *lm, rigcal_real gain, rigcal_real negligible)
 {
     return lm->lambda <= DAMPING_NEAR &&
@@ -92,11 +93,11 @@ int rc_levenberg_promised(rigcal_levenberg *lm, rigcal_real gain, rigcal_real ne
     RIGCAL_ASSERT(negligible >= 0);
     const int is_indefinite = lm->equations == RC_NEWTON_INDEFINITE;
     if (is_last(lm, gain, negligible)) {
-        if (is_indefinite) { /* a saddle is no optimum, and there is no way down */
+        if (is_indefinite) { /* a saddle: no optimum, and no step leads down */
             lm->status = RIGCAL_BUDGET_SPENT;
             return RC_STEP_NONE;
         }
-        lm->sum = rc_max(0, lm->sum - gain); /* by the quadratic model */
+        lm->sum = rc_max(0, lm->sum - gain); /* by the quadratic model, not evaluated */
         lm->status = RIGCAL_OK;
         return RC_STEP_LAST;
     }

@@ -2,15 +2,16 @@
 
 /* ---- constants ----------------------------------------------------------- */
 
-/* part: points on a line have moments, their sum being 1, whose eigenvalues taken two at a
- * time have products that sum to less: rounding. */
+/* part: the moments of points, divided by their trace, have eigenvalues whose products in
+ * pairs add up to this. If the sum is less, the points are on a line to rounding. */
 #define LINE_THICKNESS RC_TOL(1e-12, 1e-7)
 
-/* squarings: of a matrix, an even number; the ratio of its eigenvalues to the power 64. */
+/* squarings: of a matrix, an even number. They raise the ratios of its eigenvalues to the
+ * power 64. */
 enum { SQUARINGS = 6 };
 
-/* part of the largest of its block: the least element of D. Where a Newton's H has made
- * one small or negative, damping must act all the same. */
+/* part of the largest of its block: the least element of D. So damping acts even where
+ * Newton's H has a small or negative element. */
 #define D_LEAST RC(1e-2)
 
 /* part of an element of the diagonal: a smaller pivot is rounding. */
@@ -73,7 +74,7 @@ int rc_vec3_unit(rigcal_real out[3], const rigcal_real a[3])
     if (!(largest > 0)) {
         return 0;
     }
-    /* Not by a reciprocal: 1 / largest overflows when largest is subnormal. */
+    /* A reciprocal would not do: 1 / largest overflows if largest is subnormal. */
     const rigcal_real b[3] = {a[0] / largest, a[1] / largest, a[2] / largest};
     rc_vec3_scale(out, 1 / rc_vec3_norm(b), b);
     return 1;
@@ -138,7 +139,7 @@ void rc_sym3_mul_vec3(rigcal_real out[3], const rigcal_real A[6], const rigcal_r
     out[2] = A[2] * v[0] + A[4] * v[1] + A[5] * v[2];
 }
 
-/* *inverse = 1 / sqrt(pivot). 0 when pivot <= least. */
+/* *inverse = 1 / sqrt(pivot). Returns 0 if pivot <= least. */
 RC_APART static int invert_root(rigcal_real *inverse, rigcal_real pivot, rigcal_real least)
 {
     if (!(pivot > least)) {
@@ -164,9 +165,9 @@ int rc_sym3_factor(rigcal_real L[6], const rigcal_real A[6], const rigcal_real d
     return invert_root(&L[5], A[5] - L[2] * L[2] - L[4] * L[4], rank_tol * diagonal[2]);
 }
 
-/* The cofactors of C have the eigenvectors of C, and eigenvalues that are the products of
- * the other two: the least extended direction is the largest. Squaring a few times leaves
- * it alone. */
+/* The cofactors of C have the eigenvectors of C. Each eigenvalue is the product of the
+ * other two of C, so the direction of least extent has the largest. A few squarings leave
+ * only this direction. */
 int rc_sym3_thinnest(rigcal_real normal[3], rigcal_real *thickness, const rigcal_real C[6])
 {
     RIGCAL_ASSERT(C[0] >= 0 && C[3] >= 0 && C[5] >= 0);
@@ -185,7 +186,7 @@ int rc_sym3_thinnest(rigcal_real normal[3], rigcal_real *thickness, const rigcal
     for (int k = 0; k < 9; k++) {
         B[k] /= trace;
     }
-    /* The largest is 1/3 or more: no underflow. */
+    /* No underflow: the largest eigenvalue is 1/3 or more. */
     for (int i = 0; i < SQUARINGS; i += 2) {
         rc_mat3_mul(A, B, B);
         rc_mat3_mul(B, A, A);
@@ -261,7 +262,7 @@ void rc_sym6_solve(rigcal_real x[6], const rc_sym6_factor *L)
     rc_sym6_backward(x, L);
 }
 
-/* Where the elements of H stand in a full matrix, and in its other triangle. */
+/* The index of each element of H in a full matrix, and in its other triangle. */
 static const uint8_t IN_FULL[21] = {0,  1,  2,  7,  8,  14, 3,  4,  5,  9, 10,
                                     11, 15, 16, 17, 21, 22, 23, 28, 29, 35};
 static const uint8_t MIRRORED[21] = {0,  6,  12, 7,  13, 14, 18, 24, 30, 19, 25,
@@ -369,8 +370,8 @@ void rc_packed_backward(rigcal_real x[], const rigcal_real L[], size_t n)
     }
 }
 
-/* Row i of L^-1: M_ij = -(sum over j <= k < i of L_ik M_kj) / L_ii. The sum for j takes the
- * elements of L from j on, so that those before may be overwritten. */
+/* Row i of L^-1: M_ij = -(sum over j <= k < i of L_ik M_kj) / L_ii. The sum for j uses only
+ * elements of row i from j on, so those before it may be overwritten. */
 void rc_packed_invert_row(rigcal_real L[], size_t i)
 {
     rigcal_real *const row = &L[rc_packed_at(i, 0)];
@@ -383,8 +384,8 @@ void rc_packed_invert_row(rigcal_real L[], size_t i)
     }
 }
 
-/* Row i of M^T M: sum over k >= max(i, j) of M_ki M_kj; j <= i needs rows from i on
- * only. */
+/* Row i of M^T M: sum over k >= max(i, j) of M_ki M_kj. For j <= i only rows from i on are
+ * needed. */
 void rc_packed_square_row(rigcal_real L_inverse[], size_t i, size_t n)
 {
     RIGCAL_ASSERT(i < n);

@@ -1,6 +1,6 @@
 #include "rc_locate.h"
 
-/* What the next view is for. */
+/* What the next view is used for. */
 enum { RAYS, EVALUATE, COVARIANCE };
 
 rc_sighted *rc_sights_of(const rigcal_point_solver *p)
@@ -55,7 +55,7 @@ static void begin_equations(rigcal_point_solver *p)
     begin_views(p, EVALUATE);
 }
 
-/* L L^T = A, not damped. 0: not positive definite. */
+/* L L^T = A, without damping. Returns 0 if A is not positive definite. */
 static int factor(rigcal_real L[6], const rigcal_real A[6])
 {
     const rigcal_real diagonal[3] = {A[0], A[3], A[5]};
@@ -86,7 +86,7 @@ static void begin_covariance(rigcal_point_solver *p)
     begin_views(p, COVARIANCE);
 }
 
-/* One step of the search, up to its evaluation. 0: nothing is to be evaluated. */
+/* Begins one step of the search. Returns 0 if there is no point to evaluate. */
 static int take_step(rigcal_point_solver *p)
 {
     rigcal_real L[6], step[3];
@@ -144,8 +144,8 @@ static void begin_search(rigcal_point_solver *p)
     go_on(p);
 }
 
-/* sum (I - d d^T) (X - o) = 0, o = -R^T t, d along the ray. Two rays an angle a apart leave
- * the sum of I - d d^T a least eigenvalue of a^2 / 2. */
+/* Adds a ray to sum (I - d d^T) (X - o) = 0, o = -R^T t, d along the ray. The sum of I - d
+ * d^T over two rays an angle a apart has a least eigenvalue of a^2 / 2. */
 static void add_ray(rigcal_point_solver *p)
 {
     const rigcal_sightings *const s = p->sightings;
@@ -170,7 +170,7 @@ static void add_ray(rigcal_point_solver *p)
     }
 }
 
-/* All views have been evaluated at X, or one of them could not be. */
+/* Goes on after all views have been evaluated at X, or after one of them failed. */
 static void evaluated(rigcal_point_solver *p, rigcal_status status)
 {
     if (p->is_stale && p->search.status != RIGCAL_RUNNING) {
@@ -210,13 +210,14 @@ static void evaluate_view(rigcal_point_solver *p)
 
 /* ---- its covariance ------------------------------------------------------- */
 
-/* That of the rig is none, or is not finite. */
+/* Ends if the rig's covariance is not positive definite, or is not finite. */
 static void end_without_covariance(rigcal_point_solver *p)
 {
     end(p, rc_all_finite(p->sums.Sigma, 6) ? RIGCAL_ERR_DEGENERATE : RIGCAL_ERR_NOT_FINITE);
 }
 
-/* chi2 = e^T V^-1 e at the least of it: less c^T M^-1 c, for what is left to move. */
+/* chi2 = e^T V^-1 e at its minimum over X: c^T M^-1 c, which a move of X still gains, is
+ * subtracted. */
 static void add_covariance(rigcal_point_solver *p)
 {
     const size_t i = rc_sight_number(p, p->view);

@@ -2,16 +2,17 @@
 
 /* ---- constants ----------------------------------------------------------- */
 
-/* 1: exponents are clipped here. exp(80) = 5e34 is near the end of float. */
+/* 1: exponents are clipped here. exp(80) = 5e34 is near the largest float. */
 #define EXPONENT_MOST RC(80)
 
-/* 1: the series is of exp(x / 256), which is then squared eight times; a power of 2. */
+/* 1: exp(x / 256) comes from a series and is squared eight times. A power of 2. */
 enum { EXP_PARTS = 256 };
 
-/* terms: of that series, for x / 256 within 0.32; the next is below 3e-12 (float: 1e-7). */
+/* terms: of the series of exp, for x / 256 within 0.32. The next one is below 3e-12 (float:
+ * 1e-7). */
 enum { EXP_TERMS = RIGCAL_USE_FLOAT ? 6 : 9 };
 
-/* terms: of the series of log; the next is below a tenth of a rounding. */
+/* terms: of the series of log. The next one is below a tenth of a rounding. */
 enum { LOG_TERMS = RIGCAL_USE_FLOAT ? 5 : 11 };
 
 /* ---- facts --------------------------------------------------------------- */
@@ -19,7 +20,7 @@ enum { LOG_TERMS = RIGCAL_USE_FLOAT ? 5 : 11 };
 #define ROOT_2 RC(1.4142135623730950488)
 #define LOG_2 RC(0.69314718055994530942)
 
-/* Powers of 2 are taken out of the argument of log in chunks first. */
+/* The argument of log is first divided or multiplied by this power of 2. */
 #define LOG_CHUNK RC(65536)
 enum { LOG_CHUNK_BITS = 16 }; /* 2^16 */
 

@@ -2,15 +2,16 @@
 
 /* ---- constants ----------------------------------------------------------- */
 
-/* sigma: beyond it Huber's loss is linear. */
+/* sigma: Huber's loss is linear for larger errors. */
 #define HUBER_FROM RC(2)
 
-/* sigma: beyond it an error counts as much as at it. */
+/* sigma: a larger error counts as much as one of this size. */
 #define TRUNCATED_FROM RC(4)
 
 /* ---- views by a loss of their points ------------------------------------- */
 
-/* Of a squared error, over sigma^2: its loss, and the weight that least squares give it. */
+/* The loss of a squared error, which is divided by sigma^2. *weight is its weight in least
+ * squares. */
 static rigcal_real loss_of(rigcal_real *weight, rigcal_real error2, int32_t loss)
 {
     const rigcal_real from = (loss == RIGCAL_LOSS_HUBER) ? HUBER_FROM : TRUNCATED_FROM;
@@ -27,7 +28,8 @@ static rigcal_real loss_of(rigcal_real *weight, rigcal_real error2, int32_t loss
     return from * from;
 }
 
-/* A point that its camera cannot see is beyond any limit. */
+/* The equations of a view. A point that its camera cannot see counts as an error above any
+ * limit. */
 static rigcal_status equations_by_loss(rigcal_real *sum, rigcal_real g[6],
                                        rigcal_real H[21], rc_chain *chain, int32_t *camera,
                                        const rigcal_rig_solver *s)
@@ -86,7 +88,7 @@ rigcal_status rigcal_rig_robust_begin(rigcal_rig_solver *solver, rigcal_rig *rig
 
 /* ---- points that are wrong ----------------------------------------------- */
 
-/* Of one view. */
+/* Number of wrong points of one view. */
 static size_t count_wrong(const rigcal_rig *rig, const rigcal_rig_view *v, size_t view)
 {
     rigcal_points points;
@@ -155,7 +157,7 @@ rigcal_status rigcal_rig_adjust_robust(rigcal_rig_fit *fit, size_t *n_wrong,
         if (status != RIGCAL_OK) {
             return status;
         }
-        while (rigcal_rig_step(&solver, 1000) == RIGCAL_RUNNING) {
+        while (rigcal_rig_step(&solver, 100) == RIGCAL_RUNNING) {
         }
         status = rc_rig_outcome(at_fault, &solver);
     }

@@ -2,8 +2,8 @@
 
 /* ---- the curve ----------------------------------------------------------- */
 
-/* With p on the line: X = d ray + t at the distance d is (d + along) ray + across towards,
- * so p is along (d + along, across). */
+/* The point at the distance d is X = d ray + t = (d + along) ray + across towards. So its
+ * direction p is along (d + along, across). */
 void rc_band_direction(rigcal_real out[2], const rigcal_band *band, rigcal_real depth)
 {
     const rigcal_real X[3] = {depth + band->along, band->across, 0};
@@ -23,7 +23,7 @@ void rc_band_ends(rigcal_real ends[2][2], const rigcal_band *band)
     rc_band_direction(ends[1], band, band->near_a);
 }
 
-/* The place of the line in the direction p: RIGCAL_OK, or what is wrong there. */
+/* The place of the line in the direction p. RIGCAL_OK, or the error there. */
 static rigcal_status place_on_line(rigcal_band_point *point, const rigcal_band *band,
                                    const rigcal_real p[2])
 {
@@ -96,14 +96,14 @@ rigcal_status rigcal_band_curve(rigcal_band_point points[], size_t capacity,
 
 /* ---- many candidates ----------------------------------------------------- */
 
-/* Where the candidates are: one of the two is not NULL. */
+/* The candidates. One of the two pointers is not NULL. */
 typedef struct {
     const rigcal_real *uv;
     const rigcal_ray *rays;
 } candidates;
 
-/* Sorts *match into the first *n of matches[capacity], the least score first; of equal
- * ones, the one that came first. */
+/* Inserts *match into the first *n of matches[capacity], sorted by score, the least first.
+ * Of equal scores the one that came first stays first. */
 static void sort_in(rigcal_match matches[], size_t capacity, size_t *n,
                     const rigcal_match *match)
 {

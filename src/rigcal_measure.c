@@ -4,23 +4,23 @@
 
 /* ---- constants ----------------------------------------------------------- */
 
-/* standard deviations: of a normal variable, exceeded once in a hundred times. */
+/* standard deviations: a normal variable exceeds this once in a hundred times. */
 #define DEVIATIONS RC(2.326)
 
-/* chi square of 2: exceeded once in a hundred times. A view that is within agrees. */
+/* chi squared of 2: it exceeds this once in a hundred times. A view below it agrees. */
 #define AGREES RC(9.21)
 
-/* views: of no more, every pair is tried. */
+/* views: every pair is tried if there are no more than this. */
 enum { ALL_PAIRS = 16 };
 
-/* reals: of a ranked pair, its parallax and its two views. */
+/* reals: that a ranked pair takes: its parallax and its two views. */
 enum { PAIR_REALS = 3 };
 
 /* ---- memory -------------------------------------------------------------- */
 
 enum { CHECK = 1, LOCATE, RANK, COMPARE, DONE };
 
-/* What the point under way is of. */
+/* Which views the current point is found from. */
 enum { OF_ALL, OF_PAIR, OF_AGREED };
 
 size_t rigcal_point_work(size_t n)
@@ -36,7 +36,8 @@ static rigcal_real *ranks_of(const rigcal_point_solver *p)
 
 /* ---- begin --------------------------------------------------------------- */
 
-/* Its pointers and numbers; without a joint covariance those of its cameras. */
+/* Checks the rig's pointers and numbers. Without a joint covariance only those of its
+ * cameras are checked. */
 static rigcal_status check_rig(const rigcal_calibrated_rig *rig)
 {
     size_t n_free;
@@ -73,7 +74,7 @@ static rigcal_status check_all(const rigcal_sightings *s)
     if (!rc_is_finite(s->parallax_least)) {
         return RIGCAL_ERR_NOT_FINITE;
     }
-    if (!(s->parallax_least >= 0 && s->parallax_least <= RC_PI / 2) ||
+    if (!(s->parallax_least >= 0) || !(s->parallax_least <= RC_PI / 2) ||
         (s->keep_all != 0 && s->keep_all != 1) || s->n > RIGCAL_SIGHTINGS_MAX) {
         return RIGCAL_ERR_RANGE;
     }
@@ -145,7 +146,7 @@ static void check_view(rigcal_point_solver *p)
 
 /* ---- wrong views --------------------------------------------------------- */
 
-/* The next pair in p->two. 0: there is none. */
+/* Writes the next pair into p->two. Returns 0 if there is none. */
 static int choose_pair(rigcal_point_solver *p)
 {
     const size_t k = p->pair++;
@@ -166,7 +167,7 @@ static int choose_pair(rigcal_point_solver *p)
     return p->two[1] < p->sightings->n;
 }
 
-/* The views that agree with the best pair are used. */
+/* Begins the point of the views that agree with the best pair. */
 static void begin_agreed(rigcal_point_solver *p)
 {
     rc_sighted *const sights = rc_sights_of(p);
@@ -192,7 +193,8 @@ static void next_pair(rigcal_point_solver *p)
     }
 }
 
-/* The widest first: one pair more takes its place, the last may fall out. */
+/* Inserts a pair into the ranking, the widest angle first. If the ranking is full its last
+ * pair falls out. */
 static void rank_pair(rigcal_point_solver *p, size_t i, size_t j)
 {
     const rigcal_real aside = rc_sight_aside(&rc_sights_of(p)[i], &rc_sights_of(p)[j]);
@@ -232,8 +234,8 @@ static void begin_pairs(rigcal_point_solver *p)
     }
 }
 
-/* Squared distance of a view from the point of two others, over its variance: of the noise,
- * of the point, and of the camera. */
+/* Squared distance of a view from the point of two others, weighed by the inverse
+ * covariance. The covariance has the noise, the point's and the camera's error. */
 static rigcal_real miss_of(const rigcal_point_solver *p, size_t i)
 {
     const rigcal_sightings *const s = p->sightings;
@@ -284,8 +286,8 @@ static rigcal_real freedom_of(const rigcal_point_solver *p)
     return (rigcal_real)(2 * p->n_used - 3);
 }
 
-/* chi2 is that of noise. Where views of the rig differ by more, so do right ones of a
- * point. */
+/* Whether the views see one point. Their chi2 is that of noise alone. If the views of the
+ * rig differ by more, right views of a point do so too. */
 static int is_one_point(const rigcal_point_solver *p)
 {
     return p->chi2 <= p->tolerance * rc_chi2_limit(freedom_of(p), DEVIATIONS);
@@ -296,7 +298,7 @@ static int may_drop(const rigcal_point_solver *p)
     return p->sightings->n > 2 && p->sightings->keep_all == 0;
 }
 
-/* Judges the point of all views; `status` is returned if it is right. */
+/* Judges the point of all views. The search ends with `status` if the point is right. */
 static void judge_all(rigcal_point_solver *p, rigcal_status status)
 {
     if ((status >= 0 && is_one_point(p)) || (status < 0 && !may_drop(p))) {
@@ -367,7 +369,7 @@ rigcal_status rigcal_point_step(rigcal_point_solver *solver, int32_t budget)
     return solver->status;
 }
 
-/* 3 x 3, row by row. */
+/* The packed matrix as 3 x 3, row by row. */
 static void unpack(rigcal_real full[9], const rigcal_real A[6])
 {
     for (int i = 0, at = 0; i < 3; i++) {
@@ -377,7 +379,7 @@ static void unpack(rigcal_real full[9], const rigcal_real A[6])
     }
 }
 
-/* -G B, of each view. */
+/* Writes -G B of each view. */
 static void write_gains(rigcal_measured_point *point, const rigcal_point_solver *p)
 {
     for (size_t k = 0; k < p->n_used; k++) {
@@ -403,7 +405,7 @@ static void write_used(uint8_t used[], const rigcal_point_solver *p)
     }
 }
 
-/* Of the views that are used, where the last step went [px]. */
+/* The rms of the used views at the point where the last step went [px]. */
 static rigcal_real rms_of(const rigcal_point_solver *p)
 {
     rigcal_real sse = 0, step[3];
@@ -467,7 +469,7 @@ rigcal_status rigcal_point_measure(rigcal_measured_point *point, uint8_t used[],
 
 /* ---- a length ------------------------------------------------------------ */
 
-/* What is given of one of the two points. */
+/* Checks what the caller gives of one of the two points. */
 static rigcal_status check_end(const rigcal_measured_point *end,
                                const rigcal_calibrated_rig *rig)
 {
@@ -514,8 +516,8 @@ static rigcal_status check_ends(const rigcal_calibrated_rig *rig,
     return status;
 }
 
-/* w = direction^T gain of view k of p, and less that of q, which follow; and the first
- * unknown of its camera. */
+/* w = direction^T gain of view k of p, or minus that of view k - p->n_used of q. Returns
+ * the first unknown of its camera. */
 static rigcal_real lever_of(rigcal_real w[6], const rigcal_calibrated_rig *rig,
                             const rigcal_measured_point *p, const rigcal_measured_point *q,
                             const rigcal_real direction[3], size_t k)
@@ -530,7 +532,7 @@ static rigcal_real lever_of(rigcal_real w[6], const rigcal_calibrated_rig *rig,
     return (rig->sigma_px > 0) ? rc_calibrated_first(rig, (size_t)g->camera) : -1;
 }
 
-/* The calibration's part of the variance. */
+/* The part of the variance that the calibration causes. */
 static rigcal_real spread_of(const rigcal_calibrated_rig *rig,
                              const rigcal_measured_point *p, const rigcal_measured_point *q,
                              const rigcal_real direction[3])

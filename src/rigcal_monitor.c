@@ -4,57 +4,58 @@
 
 /* ---- constants ----------------------------------------------------------- */
 
-/* 1: the first word of a monitor's own numbers, "rcm1". */
+/* 1: the first word of a head, "rcm1". */
 #define MAGIC 0x316d6372u
 
-/* 1: what a sum of words is multiplied by; odd, so that no changed word is lost. 2^32 over
- * the golden ratio. */
+/* 1: factor of the sums of words. It is odd, so that no changed word is lost. 2^32 over the
+ * golden ratio. */
 #define SEAL_FACTOR 0x9e3779b9u
 
-/* frames: the mean time between false alarms, by default: a day at 12 a second. */
+/* frames: default of the mean time between false alarms. One day at 12 frames a second. */
 #define ARL0_DEFAULT RC(1e6)
 
-/* frames: at least; with fewer the windows do not come to an end between alarms. */
+/* frames: the least mean time between false alarms. With fewer the windows would not end
+ * between alarms. */
 #define ARL0_LEAST RC(100)
 
-/* frames: at most; a year at 30 a second. */
+/* frames: the longest mean time between false alarms. One year at 30 frames a second. */
 #define ARL0_MOST RC(1e9)
 
-/* 1: how far the rows of a frame err together, by default: what matches of real boards
- * want, which all sit where the lens model is a little wrong. */
+/* 1: default share by which the rows of a frame err together. Matches of real boards need
+ * it: they all lie where the lens model is a little wrong. */
 #define COMMON_DEFAULT RC(0.5)
 
-/* part of the matches: thought wrong by default. */
+/* part of the matches: default of how many are wrong. */
 #define WRONG_DEFAULT RC(0.1)
 
-/* part of the matches: thought wrong at least. With none a bump would draw the poses along
- * until it is noticed. */
+/* part of the matches: the least that are taken as wrong. With none a bump would drag the
+ * poses along until it is noticed. */
 #define WRONG_LEAST RC(1e-5)
 
-/* part of the matches: thought wrong at most. With more none says anything. */
+/* part of the matches: the most that may be wrong. With more no match tells anything. */
 #define WRONG_MOST RC(0.9)
 
-/* rad: the largest move by default, 3 degrees; from there one frame of rows brings the
- * pose back. */
+/* rad: default of the largest move, 3 degrees. After such a move one frame of rows brings
+ * the pose back. */
 #define MOVE_DEFAULT RC(0.0523598776)
 
-/* rad: the largest move at most. A pose is to be solved anew beyond it. */
+/* rad: the most that the largest move may be. Beyond it the pose must be solved anew. */
 #define MOVE_MOST RC(0.5)
 
-/* part of the mean distance of the cameras: the length that goes with a turn of one
- * radian. */
+/* part of the mean distance between cameras: the default length that goes with a turn of
+ * one radian. */
 #define LEVER RC(0.1)
 
-/* rad per square root of a second: more is no calibrated rig. */
+/* rad per square root of a second: the fastest random walk. More is no calibrated rig. */
 #define WALK_MOST RC(1)
 
-/* px: noise at least; what a row weighs stays within float. */
+/* px: least noise. With it the weight of a row stays within float. */
 #define NOISE_LEAST RC(1e-6)
 
-/* px: noise at most; it is the size of the largest image. */
+/* px: largest noise, the size of the largest image. */
 #define NOISE_MOST RC(1e6)
 
-/* part of a correlation: as much beyond 1 is rounding. */
+/* part of a correlation: rounding may bring it above 1 by this. */
 #define CORRELATION_ROUNDING RC_TOL(1e-9, 1e-5)
 
 /* ---- memory ---------------------------------------------------------------- */
@@ -66,7 +67,7 @@ size_t rigcal_monitor_size(size_t n_cameras, size_t n_targets)
     return is_right ? RIGCAL_MONITOR_SIZE(n_cameras, n_targets) : 0;
 }
 
-/* The macro has room for all of it. */
+/* Compile-time checks that the public macros have room for the structs. */
 typedef char rc_monitor_head_fits
     [sizeof(rc_monitor_copy) == RIGCAL_MONITOR_HEAD * sizeof(rigcal_real) ? 1 : -1];
 typedef char rc_monitor_rows_fit[offsetof(rc_monitor_head, magic) <= sizeof(rc_monitor_part)
@@ -77,8 +78,8 @@ typedef char rc_monitor_lens_fits
     [sizeof(rc_monitor_lens_copy) == RIGCAL_MONITOR_LENS * sizeof(rigcal_real) ? 1 : -1];
 typedef char rc_monitor_trial_fits[(int)RC_TRIAL_SIZE <= (int)RC_ALARM_WINDOW ? 1 : -1];
 
-/* Two sums of words, one word to each in turn. Each is multiplied before, so that it tells
- * exchanged words too. */
+/* Two sums of words, which take the words in turn. Each sum is multiplied before a word is
+ * added, so exchanged words change it too. */
 static void sum_words(uint32_t seal[2], const void *from, size_t n_bytes)
 {
     const unsigned char *at = (const unsigned char *)from;
@@ -112,7 +113,7 @@ static void sum_all(uint32_t seal[2], const rc_monitor *m)
     sum_words(seal, (const unsigned char *)m->memory + from, n_bytes);
 }
 
-/* The head, out of the memory; its first part in again; and all of it. */
+/* Copy the head out of the memory; write its first part back; write all of it back. */
 static void copy_out(rc_monitor_part top[RC_MONITOR_PARTS], const rigcal_real memory[])
 {
     const rc_monitor_part *const parts = (const rc_monitor_part *)memory;
@@ -156,7 +157,7 @@ void rc_monitor_lay_out(rc_monitor *m, rigcal_real memory[])
     m->size = rigcal_monitor_size(f->n_cameras, head->n_targets);
 }
 
-/* Whether the words of the head are those of a monitor. */
+/* Whether these are the words of a monitor's head. */
 static int is_head(const rc_monitor_head *head)
 {
     uint32_t seal[2];
@@ -248,7 +249,7 @@ static rigcal_status check_options(const rigcal_monitor_options *o)
                : RIGCAL_ERR_RANGE;
 }
 
-/* Cameras of one group; *frame is the first that is held. */
+/* Checks the cameras and their covariance. *frame is the first held camera. */
 static rigcal_status check_cameras(size_t *frame, const rigcal_calibrated_rig *rig)
 {
     size_t n = 0;
@@ -271,7 +272,7 @@ static rigcal_status check_cameras(size_t *frame, const rigcal_calibrated_rig *r
         }
         for (size_t j = 0; j <= i; j++) {
             const rigcal_real of_both = row[i] * rig->Sigma[rc_packed_at(j, j)];
-            if (!(row[i] >= 0 && row[i] <= RC_COORDINATE_MAX) ||
+            if (!(row[i] >= 0) || !(row[i] <= RC_COORDINATE_MAX) ||
                 row[j] * row[j] > of_both * (1 + CORRELATION_ROUNDING)) {
                 return RIGCAL_ERR_RANGE;
             }
@@ -280,7 +281,7 @@ static rigcal_status check_cameras(size_t *frame, const rigcal_calibrated_rig *r
     return (*frame == rig->n_cameras) ? RIGCAL_ERR_RANGE : RIGCAL_OK;
 }
 
-/* The mean distance of the cameras' centres. */
+/* The mean distance between the cameras' centres. */
 static rigcal_real mean_distance(const rigcal_calibrated_rig *rig)
 {
     rigcal_real sum = 0, count = 0;
@@ -296,7 +297,7 @@ static rigcal_real mean_distance(const rigcal_calibrated_rig *rig)
     return sum / count;
 }
 
-/* The covariance of the cameras; targets, and cameras that are held, have none. */
+/* Copies the covariance of the cameras. It is 0 for targets and held cameras. */
 static void copy_covariance(rc_filter *f, const rigcal_calibrated_rig *rig)
 {
     size_t from_i = 0;
@@ -343,7 +344,7 @@ static void begin_head(rc_monitor_head *head, const rigcal_calibrated_rig *rig,
     head->numbers[3] = rig->freedom_within;
 }
 
-/* What is wrong with a rig whose numbers are there; *frame as above. */
+/* Checks a rig and its numbers. *frame is the first held camera. */
 static rigcal_status check_rig(size_t *frame, const rigcal_calibrated_rig *rig,
                                size_t n_targets, size_t capacity)
 {
@@ -425,7 +426,7 @@ rigcal_status rc_monitor_check_noise(rigcal_real sigma_px)
     return is_within(sigma_px, NOISE_LEAST, NOISE_MOST) ? RIGCAL_OK : RIGCAL_ERR_RANGE;
 }
 
-/* Which of the two bodies settles, as bits: where that is the frame, both. */
+/* Which of the two bodies settle, as bits. If the frame settles, both do. */
 static int settling_of(const rc_monitor *m, const rc_seen *seen)
 {
     const size_t body = m->top.head.settles;
@@ -435,8 +436,8 @@ static int settling_of(const rc_monitor *m, const rc_seen *seen)
     return body == m->filter.frame ? 3 : (seen->a == body) + 2 * (seen->b == body);
 }
 
-/* While a body settles, its pose changes after each of its rows. If the body is the frame,
- * all other poses change instead. */
+/* Moves the pose of the body that settles, after each of its rows. If this body is the
+ * frame, all other poses move instead. */
 static void settle(const rc_monitor *m)
 {
     if (m->top.head.settles != m->filter.frame) {
@@ -485,7 +486,7 @@ rigcal_status rc_monitor_take(rc_monitor *m, const rc_seen *seen)
     return RIGCAL_OK;
 }
 
-/* Opens a monitor for a match: OK, and what the arguments lack. */
+/* Opens a monitor for a match and checks the arguments. */
 static rigcal_status open_match(rc_monitor *m, const rigcal_real monitor[], size_t a,
                                 size_t b, rigcal_real sigma_px)
 {
@@ -500,21 +501,21 @@ static rigcal_status open_match(rc_monitor *m, const rigcal_real monitor[], size
     return status;
 }
 
-/* Takes a match whose sights are there. */
+/* Takes a match whose sights are set. */
 static rigcal_status take_match(rc_monitor *m, rc_seen *seen, size_t a, size_t b)
 {
     seen->a = a;
     seen->b = b;
     seen->n_rows = 1;
     const rigcal_status status = rc_monitor_take(m, seen);
-    if (status == RIGCAL_OK) { /* the other parts are as they were */
+    if (status == RIGCAL_OK) { /* the other parts did not change */
         m->top.head.seal[0] = m->top.head.seal[1] = 0;
         copy_first_in(m);
     }
     return status;
 }
 
-/* The sight of a ray. */
+/* Makes the sight of a ray. */
 static rigcal_status sight_ray(rc_sight *sight, const rc_monitor *m, size_t index,
                                const rigcal_real ray[3], rigcal_real sigma_px)
 {
@@ -522,7 +523,7 @@ static rigcal_status sight_ray(rc_sight *sight, const rc_monitor *m, size_t inde
     return rc_sight_of(sight, rc_monitor_lens(&lens, m, index), ray, sigma_px);
 }
 
-/* rc_check_ray, which is asked only where something might be wrong. */
+/* Like rc_check_ray, but calls it only if something may be wrong. */
 static inline rigcal_status check_ray(const rigcal_real ray[3])
 {
     if (ray != NULL) {
@@ -556,7 +557,7 @@ rigcal_status rigcal_monitor_match_rays(rigcal_real monitor[], size_t camera_a,
     return (status == RIGCAL_OK) ? take_match(&m, &seen, camera_a, camera_b) : status;
 }
 
-/* The sight of a pixel. */
+/* Makes the sight of a pixel. */
 static rigcal_status sight_pixel(rc_sight *sight, const rc_monitor *m, size_t index,
                                  const rigcal_real uv[2], rigcal_real sigma_px)
 {

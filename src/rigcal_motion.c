@@ -2,13 +2,13 @@
 
 /* ---- neighbours in time (H1) --------------------------------------------- */
 
-/* The placement before f in its run (by -1), or after it (by 1); n: there is none. */
+/* The placement before f in its run (by = -1), or after it (by = 1). n: there is none. */
 static size_t next_of(const rc_path *path, size_t f, size_t by)
 {
     rigcal_real step;
     size_t m = f;
     do {
-        m += by; /* before 0 there is more than any n */
+        m += by; /* before 0 it wraps to more than any n */
         if (m >= path->n) {
             return path->n;
         }
@@ -19,7 +19,7 @@ static size_t next_of(const rc_path *path, size_t f, size_t by)
 
 /* ---- the curve (H2) ------------------------------------------------------ */
 
-/* Newton's divided differences, by the nodes 0 and t. */
+/* Newton's divided differences with the nodes 0 and t. */
 void rc_motion_of(rigcal_motion *motion, const rc_path *path, size_t f)
 {
     size_t next[2] = {next_of(path, f, (size_t)-1), next_of(path, f, 1)};

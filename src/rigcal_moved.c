@@ -55,7 +55,7 @@ void rc_moved_clock(const rigcal_moves *m, const rigcal_columns *s, const rc_evi
     }
 }
 
-/* S of two cameras loses what their views of the placement share by it. */
+/* Subtracts from S of two cameras what their views share through the placement. */
 static void eliminate_pair(rigcal_moves *m, const rc_border *b, size_t view, size_t other)
 {
     const size_t c = (size_t)m->camera[view], d = (size_t)m->camera[other];
@@ -103,8 +103,7 @@ static rigcal_real at(const rigcal_real packed[], size_t i, size_t j)
     return packed[(i >= j) ? rc_packed_at(i, j) : rc_packed_at(j, i)];
 }
 
-/* T of the six parameters: the columns of S that are the camera's, by the unknowns, six
- * numbers of each. */
+/* T of the six parameters: the six columns of S of the camera, one row for each unknown. */
 static void take_columns(rigcal_real T[], const rigcal_columns *s, const rigcal_moves *m,
                          const rigcal_real column[], size_t camera)
 {
@@ -125,12 +124,13 @@ static void take_columns(rigcal_real T[], const rigcal_columns *s, const rigcal_
     }
 }
 
-/* I -= T^T S^-1 T, and G = S^-1 T, of six parameters. */
+/* Of six parameters: I -= T^T S^-1 T, and G = S^-1 T. */
 static void reduce(rigcal_real I[21], rigcal_real G[], const rigcal_real T[], size_t n,
                    const rigcal_real S_inverse[])
 {
     const rigcal_real *row = S_inverse;
-    for (size_t i = 0; i < n; i++) { /* the triangle serves both ways */
+    for (size_t i = 0; i < n; i++) { /* S is symmetric: each element of the triangle serves
+                                        twice */
         rigcal_real sum[6] = {0}, own[6];
         for (int k = 0; k < 6; k++) {
             own[k] = T[6 * i + (size_t)k];
@@ -162,7 +162,7 @@ static void reduce(rigcal_real I[21], rigcal_real G[], const rigcal_real T[], si
     }
 }
 
-/* The longest turn and shift of a camera by a unit of parameter k. */
+/* The largest turn and shift of a camera by one unit of parameter k. */
 static void most(rigcal_real *best, const rigcal_real G[], size_t n, size_t k)
 {
     rigcal_real d[6];

@@ -2,24 +2,24 @@
 
 /* ---- constants ----------------------------------------------------------- */
 
-/* part of a coordinate: the edge of fminsearch's first simplex. */
+/* part of a coordinate: the edge of the first simplex, as in fminsearch. */
 #define EDGE_RELATIVE RC(0.05)
 
-/* unit of the coordinate: that edge where the coordinate is 0. */
+/* unit of the coordinate: the edge of the first simplex where the coordinate is 0. */
 #define EDGE_AT_ZERO RC(0.00025)
 
 /* part of the best vertex: a smaller tolerance cannot be met. */
 #define TOL_FLOOR (10 * RC_EPS)
 
-/* The point whose cost is awaited. */
+/* Which point's cost the search waits for. */
 enum {
     NOT_BEGUN = 0,
-    FIRST_SIMPLEX, /* vertex vertex_next */
+    FIRST_SIMPLEX, /* the vertex vertex_next */
     REFLECTION,
     EXPANSION,
     CONTRACTION_OUTSIDE,
     CONTRACTION_INSIDE,
-    SHRINK, /* vertex vertex_next */
+    SHRINK, /* the vertex vertex_next */
     DONE
 };
 
@@ -39,8 +39,8 @@ static void set_trial(rigcal_neldermead *nm, rigcal_real s, int32_t phase)
     nm->phase = phase;
 }
 
-/* trial = vertex v of a first simplex, or of one that shrinks: moved halfway to the
- * best. All of it is copied: k numbers alone would be a memmove to a compiler. */
+/* trial = vertex v of the first simplex, or of one that shrinks, where it moves halfway to
+ * the best. The whole vertex is copied: a compiler would make a memmove of k numbers. */
 static void set_trial_vertex(rigcal_neldermead *nm, int32_t v, int32_t phase)
 {
     nm->trial = nm->vertex[v];
@@ -85,7 +85,7 @@ static int has_converged(const rigcal_neldermead *nm)
     return 1;
 }
 
-/* The simplex is complete: sort it, then stop or reflect. */
+/* The simplex is complete: sorts it, then stops or reflects. */
 static void next_iteration(rigcal_neldermead *nm)
 {
     sort_vertices(nm);
@@ -137,7 +137,7 @@ static void tell_contraction(rigcal_neldermead *nm)
     }
 }
 
-/* A vertex of the first simplex, or of a shrunk one. */
+/* Takes a vertex of the first simplex, or of a shrunk one. */
 static void tell_vertex(rigcal_neldermead *nm)
 {
     const int32_t v = nm->vertex_next;
@@ -187,7 +187,7 @@ void rc_neldermead_begin(rigcal_neldermead *nm, const rigcal_real x0[], int32_t 
 
 const rigcal_vertex *rc_neldermead_best(const rigcal_neldermead *nm)
 {
-    const rigcal_vertex *best = nm->vertex; /* sorted between iterations only */
+    const rigcal_vertex *best = nm->vertex; /* they are sorted only between iterations */
     for (int32_t v = 1; v <= nm->k; v++) {
         if (nm->vertex[v].cost < best->cost) {
             best = &nm->vertex[v];
@@ -283,7 +283,7 @@ static int is_begun(const rigcal_neldermead *nm)
            nm->vertex_next <= nm->k;
 }
 
-/* What ask, tell and step return. */
+/* The status that ask, tell and step return. */
 static rigcal_status stepped(const rigcal_neldermead *nm)
 {
     return (nm->phase == DONE) ? RIGCAL_OK : RIGCAL_RUNNING;

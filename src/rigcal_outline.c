@@ -2,40 +2,40 @@
 
 /* ---- constants ----------------------------------------------------------- */
 
-/* px: how far an arc may be from where it is computed to cross a row. Both ends of a span
- * are moved outwards by this, so that no pixel is missed; half a pixel would add one. */
+/* px: an arc may be wrong by this where it crosses a row. Both ends of a span are moved
+ * outwards by it, so that no pixel is missed. Half a pixel would add one. */
 #define SLACK RC(0.1)
 
-/* px: how well a crossing is found, along the row. */
+/* px: accuracy of a crossing, along the row. */
 #define CROSSING_TOL RC_TOL(2e-5, 2e-3)
 
-/* px: along the row, of the last step of Newton's method. What it leaves is the square of
- * that, over some pixels. */
+/* px: the last step of Newton's method along the row. The error after it is its square,
+ * over some pixels. */
 #define NEWTON_PX RC_TOL(1e-3, 0.05)
 
-/* px: how far a polynomial by v may be from the arc, along the row. */
+/* px: how far a polynomial in v may be from the arc, along the row. */
 #define DIRECT_TOL RC_TOL(2e-5, 5e-3)
 
-/* rows: an arc of fewer is not worth a polynomial by v. */
+/* rows: a polynomial in v is made only for arcs of more than this. */
 #define DIRECT_ROWS RC(6)
 
-/* rows: a longer arc that is not direct is made in parts. */
+/* rows: a longer arc is divided if no polynomial in v fits it. */
 #define PART_ROWS RC(16)
 
-/* parts: of such an arc. */
+/* parts: into which such an arc is divided. */
 enum { PARTS = 4 };
 
-/* arcs: with more of them none is made in parts. */
+/* arcs: none is divided if there are more. */
 enum { ARCS_TO_PART = RIGCAL_SPANS_ARCS / 2 };
 
-/* steps: of a crossing by Newton's method, usually 2. */
+/* steps: of Newton's method for a crossing, usually 2. */
 enum { CROSSING_STEPS = 24 };
 
 enum { NODES = RIGCAL_SPANS_NODES, LAST = NODES - 1 };
 
 /* ---- polynomials --------------------------------------------------------- */
 
-/* The value at t, and the derivative where it is wanted. */
+/* The value at t; *slope is the derivative there. */
 static rigcal_real value_at(rigcal_real *slope, const rigcal_real c[NODES], rigcal_real t)
 {
     rigcal_real value = c[LAST], derivative = 0;
@@ -52,7 +52,8 @@ static rigcal_real slope_at(const rigcal_real c[NODES], rigcal_real t)
     return c[1] + t * (2 * c[2] + t * (3 * c[3] + t * 4 * c[4]));
 }
 
-/* By powers of t, from the values at 0, 1 .. 4: Newton's differences d, multiplied out. */
+/* Coefficients of the powers of t, from the values at 0, 1 .. 4: Newton's differences d,
+ * multiplied out. */
 static void fit_even(rigcal_real c[NODES], const rigcal_real x[NODES])
 {
     const rigcal_real d1 = x[1] - x[0], e1 = x[2] - x[1], f1 = x[3] - x[2],
@@ -65,13 +66,13 @@ static void fit_even(rigcal_real c[NODES], const rigcal_real x[NODES])
     c[4] = d4 / 24;
 }
 
-/* The polynomial by w = v - b[0]. */
+/* The polynomial in w = v - b[0]. */
 static inline rigcal_real direct_at(const rigcal_real a[NODES], rigcal_real w)
 {
     return a[0] + w * (a[1] + w * (a[2] + w * (a[3] + w * a[4])));
 }
 
-/* u as a polynomial of v, where that is as good. */
+/* Makes u a polynomial in v, if that is as accurate. */
 static void make_direct(rigcal_arc *arc)
 {
     rigcal_real a[NODES], b[NODES], slope, v[2], u[2];
@@ -81,7 +82,7 @@ static void make_direct(rigcal_arc *arc)
         a[i] = value_at(&slope, arc->a, t);
         b[i] = value_at(&slope, arc->b, t);
     }
-    for (int i = 0; i < 2; i++) { /* next to the ends it is worst */
+    for (int i = 0; i < 2; i++) { /* the error is largest near the ends */
         const rigcal_real t = arc->t_low + (RC(0.5) + (rigcal_real)(3 * i)) * step;
         u[i] = value_at(&slope, arc->a, t);
         v[i] = value_at(&slope, arc->b, t);
@@ -95,7 +96,7 @@ static void make_direct(rigcal_arc *arc)
             a[i] = (a[i] - a[i - 1]) / rise;
         }
     }
-    for (int k = LAST - 1; k > 0; k--) { /* (w - w_k) times what is above, and a[k] */
+    for (int k = LAST - 1; k > 0; k--) { /* multiplies by (w - w_k), adds a[k] */
         for (int i = k; i < LAST; i++) {
             a[i] -= (b[k] - b[0]) * a[i + 1];
         }
@@ -124,7 +125,8 @@ void rc_outline_begin(rigcal_outline *outline, int32_t height)
     outline->next = outline->n_active = 0;
 }
 
-/* The least row from v on: rows of [v0, v1) are those from one to the next. */
+/* The first row at or below v. The rows in [v0, v1) begin at row_from(v0) and end before
+ * row_from(v1). */
 static int32_t row_from(const rigcal_outline *outline, rigcal_real v)
 {
     if (!(v > 0)) {
@@ -137,7 +139,8 @@ static int32_t row_from(const rigcal_outline *outline, rigcal_real v)
     return whole + ((rigcal_real)whole < v);
 }
 
-/* The arc from t0 to t1, where v is v0 and v1. Without a row, it is of no use. */
+/* Adds the arc from t[0] to t[1], at whose ends v is ends[0] and ends[1]. An arc that
+ * crosses no row is left out. */
 static void add_arc(rigcal_outline *outline, const rigcal_real u[NODES],
                     const rigcal_real v[NODES], const rigcal_real t[2],
                     const rigcal_real ends[2])
@@ -166,7 +169,7 @@ static void add_arc(rigcal_outline *outline, const rigcal_real u[NODES],
     }
 }
 
-/* The same, in parts where it is long and not direct as a whole: most parts are. */
+/* Adds an arc. A long one that is not direct is added in parts: most parts are direct. */
 static void add_parts(rigcal_outline *outline, const rigcal_real u[NODES],
                       const rigcal_real v[NODES], const rigcal_real t[2],
                       const rigcal_real ends[2])
@@ -188,8 +191,8 @@ static void add_parts(rigcal_outline *outline, const rigcal_real u[NODES],
     }
 }
 
-/* Where v turns between t and t + 1, its slopes there being of different signs: by halving,
- * to rounding. */
+/* Where v turns between t and t + 1, at which its slopes have different signs. Halves the
+ * interval down to rounding. */
 static rigcal_real turning_point(const rigcal_real v[NODES], rigcal_real t, int rises)
 {
     rigcal_real from = t, width = RC(1) / 2;
@@ -249,7 +252,8 @@ int32_t rc_outline_rows(int32_t *last, const rigcal_outline *outline)
 
 /* ---- rows ---------------------------------------------------------------- */
 
-/* u where the arc crosses v = row: Newton's method, kept between bounds that close in. */
+/* u where the arc crosses v = row, by Newton's method. Bounds that close in keep it on the
+ * arc. */
 RC_APART static rigcal_real crossing_of_t(const rigcal_arc *arc, rigcal_real row)
 {
     rigcal_real low = arc->t_low, high = arc->t_high, slope;
@@ -289,7 +293,7 @@ static void see_change(rigcal_outline *outline, rigcal_real v)
     outline->changes = rc_min(outline->changes, v);
 }
 
-/* The arcs that cross the row; below the row `changes` they stay the same. */
+/* Finds the arcs that cross the row. They stay the same up to the row `changes`. */
 static void go_to_row(rigcal_outline *outline, int32_t row)
 {
     const rigcal_real v = (rigcal_real)row;
@@ -320,15 +324,15 @@ static void go_to_row(rigcal_outline *outline, int32_t row)
     outline->n_active = kept;
 }
 
-/* The least column from u on, u not far from the image. */
+/* The first column at or right of u. u must not be far from the image. */
 static inline int32_t column_from(rigcal_real u)
 {
     const int32_t whole = (u > 0) ? (int32_t)u : 0;
     return whole + ((rigcal_real)whole < u);
 }
 
-/* The pixels of [from, to] within the columns, and of the slack beside it where it holds
- * one at all. Spans that touch become one. */
+/* Adds the pixels of [from, to] within the columns. If it holds a pixel at all, those
+ * within SLACK beside it are added too. Spans that touch become one. */
 static inline size_t add_span(rigcal_span spans[], size_t n, rigcal_real from,
                               rigcal_real to, int32_t row, rigcal_real end)
 {
@@ -361,7 +365,7 @@ size_t rc_outline_row(rigcal_span spans[RIGCAL_SPANS_ROW], rigcal_outline *outli
         go_to_row(outline, row);
     }
     outline->row = row;
-    if (outline->n_active == 2) { /* nearly always */
+    if (outline->n_active == 2) { /* nearly always so */
         const rigcal_real u0 =
             crossing(&outline->arcs[outline->active[0]], (rigcal_real)row);
         const rigcal_real u1 =

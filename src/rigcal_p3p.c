@@ -26,16 +26,10 @@ enum { ROOT_STEPS = 12 };
 /* part of the next two coefficients: a cubic's leading one of no more is zero. */
 #define LEAD_LEAST RC_EPS
 
-/* The triangle, point 0 opposite to the longest side, which is 1. The unknowns are
+/* The triangle has point 0 opposite to the longest side, which is 1. The unknowns are
  * v = (D, p, q), for depths s0 = D / h, s1 = s0 + p, s2 = s0 + q, with h the longest
  * chord between the rays. SIDE, in rows, takes v to the differences of depths along the
  * sides 01, 02, 12. */
-typedef struct {
-    rigcal_real squared[3]; /* the sides; the last is 1 */
-    rigcal_real chord2[3];  /* the chords between the rays, over h^2 */
-    rigcal_real h;
-} triangle;
-
 static const rigcal_real SIDE[3][3] = {{0, 1, 0}, {0, 0, 1}, {0, 1, -1}};
 
 /* Side k goes from point FROM[k] to point TO[k]. */
@@ -46,22 +40,22 @@ static const uint8_t CYCLE[5] = {0, 1, 2, 0, 1};
 /* ---- the equations ------------------------------------------------------- */
 
 /* (D1) Squares of the sides that v makes, and the three depths times h. */
-static void sides(rigcal_real f[3], rigcal_real s[3], const triangle *T,
+static void sides(rigcal_real f[3], rigcal_real s[3], const rigcal_p3p *T,
                   const rigcal_real v[3])
 {
+    const rigcal_real along[3] = {v[1], v[2], v[1] - v[2]}; /* SIDE v */
     s[0] = v[0];
     s[1] = v[0] + T->h * v[1];
     s[2] = v[0] + T->h * v[2];
     for (int k = 0; k < 3; k++) {
-        const rigcal_real along = rc_vec3_dot(SIDE[k], v);
-        f[k] = along * along + T->chord2[k] * s[FROM[k]] * s[TO[k]];
+        f[k] = along[k] * along[k] + T->chord2[k] * s[FROM[k]] * s[TO[k]];
     }
 }
 
 /* ---- the pencil of conics ------------------------------------------------ */
 
 /* f[k] = v^T M v, M symmetric. */
-static void form(rigcal_real M[9], const triangle *T, int k)
+static void form(rigcal_real M[9], const rigcal_p3p *T, int k)
 {
     const rigcal_real depth[9] = {1, 0, 0, 1, T->h, 0, 1, 0, T->h};
     const rigcal_real *const from = &depth[3 * FROM[k]];
@@ -82,14 +76,14 @@ static void add_scaled(rigcal_real A[9], rigcal_real s, const rigcal_real B[9])
 }
 
 /* The conics on which the sides 01 and 02 have the right ratio to 12. */
-static void conics(rigcal_real C0[9], rigcal_real C1[9], const triangle *T)
+static void conics(rigcal_real *const C[2], const rigcal_p3p *T)
 {
     rigcal_real M12[9];
     form(M12, T, 2);
-    form(C0, T, 0);
-    form(C1, T, 1);
-    add_scaled(C0, -T->squared[0], M12);
-    add_scaled(C1, -T->squared[1], M12);
+    for (int k = 0; k < 2; k++) {
+        form(C[k], T, k);
+        add_scaled(C[k], -T->squared[k], M12);
+    }
 }
 
 /* Trace of the product of symmetric matrices. */
@@ -99,14 +93,14 @@ static rigcal_real trace_of(const rigcal_real A[9], const rigcal_real C[9])
            rc_vec3_dot(&A[6], &C[6]);
 }
 
-/* det(C0 + x C1) by powers of x. */
-static void pencil_cubic(rigcal_real c[4], const rigcal_real C0[9], const rigcal_real C1[9])
+/* det(C[0] + x C[1]) by powers of x. */
+static void pencil_cubic(rigcal_real c[4], rigcal_real *const C[2])
 {
     rigcal_real A[9];
-    c[0] = rc_mat3_cofactors(A, C0);
-    c[1] = trace_of(A, C1);
-    c[3] = rc_mat3_cofactors(A, C1);
-    c[2] = trace_of(A, C0);
+    for (int k = 0; k < 2; k++) {
+        c[3 * k] = rc_mat3_cofactors(A, C[k]);
+        c[1 + k] = trace_of(A, C[1 - k]);
+    }
 }
 
 /* The real root of y^3 - 3 r2 y + g, g >= 0, that lies apart from the others, or
@@ -136,9 +130,10 @@ static rigcal_real root_apart(rigcal_real r2, rigcal_real g)
  * solutions merge, those two do. With C0 and C1 both degenerate it is the third. */
 static void pencil_root(rigcal_real m[2], const rigcal_real c[4])
 {
-    const int swapped = RC_FABS(c[0]) > RC_FABS(c[3]);
-    const rigcal_real b3 = c[swapped ? 0 : 3], b2 = c[swapped ? 1 : 2];
-    const rigcal_real b1 = c[swapped ? 2 : 1], b0 = c[swapped ? 3 : 0];
+    const int swapped = RC_FABS(c[0]) > RC_FABS(c[3]), down = swapped ? 1 : -1;
+    const rigcal_real *const lead = swapped ? &c[0] : &c[3];
+    const rigcal_real b3 = lead[0], b2 = lead[down], b1 = lead[2 * down];
+    const rigcal_real b0 = lead[3 * down];
     rigcal_real one = b2, x = -b1;
     if (RC_FABS(b3) > LEAD_LEAST * (RC_FABS(b1) + RC_FABS(b2))) {
         const rigcal_real by_lead = 1 / b3, k = b2 * by_lead / 3;
@@ -149,6 +144,16 @@ static void pencil_root(rigcal_real m[2], const rigcal_real c[4])
     }
     m[swapped] = one;
     m[!swapped] = x;
+}
+
+/* Which of n numbers is the largest, whatever their signs. */
+static int largest_of(const rigcal_real x[], int n)
+{
+    int at = 0;
+    for (int k = 1; k < n; k++) {
+        at = (RC_FABS(x[k]) > RC_FABS(x[at])) ? k : at;
+    }
+    return at;
 }
 
 /* S = [c]x */
@@ -166,7 +171,7 @@ RC_APART static void skew(rigcal_real S[9], const rigcal_real c[3])
 /* The two lines that make up a conic of rank 2: D = l m^T + m l^T. Their crossing c
  * is the root of -adj(D), and N = D + [c]x = 2 l m^T, which takes the place of D. 0 when
  * they are complex. */
-static int split(rigcal_real lines[2][3], rigcal_real D[9])
+static int split(rigcal_real l[3], rigcal_real m[3], rigcal_real D[9])
 {
     rigcal_real A[9], c[3];
     int at = 0;
@@ -181,14 +186,11 @@ static int split(rigcal_real lines[2][3], rigcal_real D[9])
     rc_vec3_scale(c, 1 / RC_SQRT(-A[at]), row);
     skew(A, c);
     add_scaled(D, 1, A);
-    at = 0;
-    for (int k = 1; k < 9; k++) {
-        at = (RC_FABS(D[k]) > RC_FABS(D[at])) ? k : at;
-    }
+    at = largest_of(D, 9);
     const int first = (at < 3) ? 0 : (at < 6) ? 3 : 6; /* of its row */
-    rc_vec3_copy(lines[0], &D[first]);
+    rc_vec3_copy(l, &D[first]);
     for (int k = 0; k < 3; k++) {
-        lines[1][k] = D[at - first + 3 * k];
+        m[k] = D[at - first + 3 * k];
     }
     return 1;
 }
@@ -196,11 +198,10 @@ static int split(rigcal_real lines[2][3], rigcal_real D[9])
 /* Where the line l.v = 0 crosses the conic C, up to scale: 2, or 1, the real part of
  * a complex pair. v = x a + y b, with those rows a and b of [l]x that leave v its
  * digits: the coordinate of the largest of l follows from the other two. */
-RC_APART static int cross_line(rigcal_real v[2][3], const rigcal_real l[3],
-                               const rigcal_real C[9])
+RC_APART static uint8_t cross_line(rigcal_real v[2][3], const rigcal_real l[3],
+                                   const rigcal_real C[9])
 {
-    int k = (RC_FABS(l[1]) > RC_FABS(l[0])) ? 1 : 0;
-    k = (RC_FABS(l[2]) > RC_FABS(l[k])) ? 2 : k;
+    const int k = largest_of(l, 3);
     rigcal_real S[9], Ca[3], Cb[3];
     const rigcal_real *const a = &S[3 * CYCLE[k + 1]];
     const rigcal_real *const b = &S[3 * CYCLE[k + 2]];
@@ -214,11 +215,10 @@ RC_APART static int cross_line(rigcal_real v[2][3], const rigcal_real l[3],
     const rigcal_real sum = (B < 0) ? root - B : -B - root;
     /* A x^2 + 2 B x y + G y^2 = 0 has the roots (sum : A) and (G : sum). */
     const int is_one = !(discriminant > 0);
+    rc_vec3_combine(v[0], sum, a, A, b);
+    rc_vec3_combine(v[1], G, a, sum, b);
     if (is_one && RC_FABS(A) < RC_FABS(G)) {
-        rc_vec3_combine(v[0], G, a, sum, b);
-    } else {
-        rc_vec3_combine(v[0], sum, a, A, b);
-        rc_vec3_combine(v[1], G, a, sum, b);
+        rc_vec3_copy(v[0], v[1]);
     }
     return is_one ? 1 : 2;
 }
@@ -227,7 +227,7 @@ RC_APART static int cross_line(rigcal_real v[2][3], const rigcal_real l[3],
 
 /* The depths times h of v, scaled to the size of the triangle, in front. 0 when it
  * does not make the sides, or a point is not in front. */
-static int depths_of(rigcal_real s[3], const rigcal_real v[3], const triangle *T)
+static int depths_of(rigcal_real s[3], const rigcal_real v[3], const rigcal_p3p *T)
 {
     rigcal_real f[3], wrong = 0;
     sides(f, s, T, v);
@@ -258,30 +258,17 @@ static int axes_of(rigcal_real F[9], const rigcal_real u[3], const rigcal_real w
         return 0;
     }
     rc_vec3_cross(&F[3], &F[6], &F[0]);
-    const rigcal_real by_along = 1 / rc_vec3_norm(&F[0]);
-    const rigcal_real by_across = 1 / rc_vec3_norm(&F[3]);
-    for (int k = 0; k < 3; k++) {
-        F[k] *= by_along;
-        F[3 + k] *= by_across;
-    }
+    rc_vec3_scale(&F[0], 1 / rc_vec3_norm(&F[0]), &F[0]);
+    rc_vec3_scale(&F[3], 1 / rc_vec3_norm(&F[3]), &F[3]);
     rc_vec3_cross(&F[6], &F[0], &F[3]);
     return 1;
 }
 
-/* The problem as the equations take it: the points and rays in the order of the
- * triangle. */
-typedef struct {
-    const rigcal_real *ray[3];
-    rigcal_real size;      /* longest side */
-    rigcal_real middle[3]; /* of the points */
-    rigcal_real frame[9];  /* of the points */
-    triangle T;
-} problem;
-
-static int prepare(problem *P, const rigcal_real x[3][3], const rigcal_real ray[3][3])
+/* The problem as the equations take it. 0: points on a line, or rays that coincide. */
+RC_APART_FAST static int prepare(rigcal_p3p *P, const rigcal_real ray[3][3])
 {
+    const rigcal_real(*const x)[3] = (const rigcal_real(*)[3])P->work.x;
     rigcal_real longest = -1, d[3], w[2][3];
-    triangle *const T = &P->T;
     int top = 0;
     for (int k = 0; k < 3; k++) { /* the side opposite to k */
         rc_vec3_sub(d, x[CYCLE[k + 2]], x[CYCLE[k + 1]]);
@@ -294,42 +281,39 @@ static int prepare(problem *P, const rigcal_real x[3][3], const rigcal_real ray[
         return 0;
     }
     const rigcal_real by_size = 1 / P->size;
-    const rigcal_real *points[3];
+    const rigcal_real *const point = x[top];
+    P->first = (uint8_t)top;
+    rigcal_real h2 = 0;
+    int is_apart = 1;
     for (int k = 0; k < 3; k++) {
-        points[k] = x[CYCLE[top + k]];
-        P->ray[k] = ray[CYCLE[top + k]];
-    }
-    rigcal_real h2 = 0, least = RC_MAX;
-    for (int k = 0; k < 3; k++) {
-        rc_vec3_sub(d, P->ray[TO[k]], P->ray[FROM[k]]);
-        T->chord2[k] = rc_vec3_dot(d, d);
-        h2 = rc_max(h2, T->chord2[k]);
-        least = rc_min(least, T->chord2[k]);
+        rc_vec3_sub(d, ray[CYCLE[top + TO[k]]], ray[CYCLE[top + FROM[k]]]);
+        P->chord2[k] = rc_vec3_dot(d, d);
+        h2 = rc_max(h2, P->chord2[k]);
+        is_apart = is_apart && P->chord2[k] > RAY_TOL * RAY_TOL;
     }
     for (int k = 0; k < 2; k++) {
-        rc_vec3_sub(d, points[1 + k], points[0]);
+        rc_vec3_sub(d, x[CYCLE[top + 1 + k]], point);
         rc_vec3_scale(w[k], by_size, d);
-        T->squared[k] = rc_vec3_dot(w[k], w[k]);
+        P->squared[k] = rc_vec3_dot(w[k], w[k]);
     }
-    T->squared[2] = 1;
+    P->squared[2] = 1;
     rc_vec3_combine(P->middle, P->size / 3, w[0], P->size / 3, w[1]);
-    rc_vec3_add(P->middle, points[0]);
-    T->h = RC_SQRT(h2);
-    rc_vec3_scale(T->chord2, 1 / h2, T->chord2);
-    return least > RAY_TOL * RAY_TOL &&
-           axes_of(P->frame, w[0], w[1],
-                   LINE_TOL * (1 + rc_vec3_max_abs(P->middle) * by_size));
+    rc_vec3_add(P->middle, point);
+    P->h = RC_SQRT(h2);
+    rc_vec3_scale(P->chord2, 1 / h2, P->chord2);
+    return is_apart && axes_of(P->frame, w[0], w[1],
+                               LINE_TOL * (1 + rc_vec3_max_abs(P->middle) * by_size));
 }
 
 /* The pose of a solution with depths s / h. */
-RC_APART static int write_pose(rigcal_transform *cam_from_points, const problem *P,
-                               const rigcal_real s[3])
+RC_APART_FAST static int write_pose(rigcal_transform *cam_from_points, const rigcal_p3p *P,
+                                    const rigcal_real ray[3][3], const rigcal_real s[3])
 {
-    const rigcal_real by_h = 1 / P->T.h;
+    const rigcal_real by_h = 1 / P->h;
     rigcal_real first[3], w[2][3], F[9], middle[3], turned[3];
-    rc_vec3_scale(first, s[0] * by_h, P->ray[0]);
+    rc_vec3_scale(first, s[0] * by_h, ray[P->first]);
     for (int k = 0; k < 2; k++) {
-        rc_vec3_combine(w[k], s[1 + k] * by_h, P->ray[1 + k], -1, first);
+        rc_vec3_combine(w[k], s[1 + k] * by_h, ray[CYCLE[P->first + 1 + k]], -1, first);
     }
     if (!axes_of(F, w[0], w[1], 0)) {
         return 0;
@@ -346,38 +330,70 @@ RC_APART static int write_pose(rigcal_transform *cam_from_points, const problem 
 }
 
 /* The lines on which the solutions lie, two by two at most, and a conic that crosses
- * them there. 0 when there are none. */
-RC_APART static int find_lines(rigcal_real lines[2][3], rigcal_real conic[9],
-                               const triangle *T)
+ * them there; the second line is kept. 0 when there are none. */
+RC_APART_FAST static int find_lines(rigcal_real first[3], rigcal_p3p *P)
 {
+    rigcal_real *const conic = P->work.conic;
     rigcal_real C0[9], c[4], m[2];
-    conics(C0, conic, T);
-    pencil_cubic(c, C0, conic);
+    rigcal_real *const C[2] = {C0, conic};
+    conics(C, P);
+    pencil_cubic(c, C);
     pencil_root(m, c);
     for (int k = 0; k < 9; k++) {
         const rigcal_real apart = m[0] * C0[k] + m[1] * conic[k];
         conic[k] = m[0] * conic[k] - m[1] * C0[k];
         C0[k] = apart;
     }
-    return split(lines, C0);
+    return split(first, P->line, C0);
+}
+
+static void cross(rigcal_p3p *P, const rigcal_real line[3])
+{
+    P->crossings = cross_line(P->v, line, P->work.conic);
+    P->next = 0;
+}
+
+int rc_p3p_begin(rigcal_p3p *P, const rigcal_real ray[3][3])
+{
+    rigcal_real first[3];
+    if (!prepare(P, ray) || !find_lines(first, P)) {
+        return 0;
+    }
+    cross(P, first);
+    P->is_second = 0;
+    return 1;
+}
+
+int rc_p3p_next(rigcal_transform *cam_from_points, rigcal_p3p *P,
+                const rigcal_real ray[3][3])
+{
+    rigcal_real s[3];
+    for (;;) {
+        while (P->next < P->crossings) {
+            if (depths_of(s, P->v[P->next++], P) &&
+                write_pose(cam_from_points, P, ray, s)) {
+                return 1;
+            }
+        }
+        if (P->is_second) {
+            return 0;
+        }
+        cross(P, P->line);
+        P->is_second = 1;
+    }
 }
 
 int rc_p3p(rigcal_transform cam_from_points[RC_P3P_MAX], const rigcal_real x[3][3],
            const rigcal_real ray[3][3])
 {
-    rigcal_real lines[2][3], conic[9];
-    problem P;
+    rigcal_p3p P;
     int count = 0;
-    if (!prepare(&P, x, ray) || !find_lines(lines, conic, &P.T)) {
-        return 0;
+    for (int k = 0; k < 3; k++) {
+        rc_vec3_copy(P.work.x[k], x[k]);
     }
-    for (int side = 0; side < 2; side++) {
-        rigcal_real v[2][3], s[3];
-        const int crossings = cross_line(v, lines[side], conic);
-        for (int k = 0; k < crossings; k++) {
-            if (depths_of(s, v[k], &P.T)) {
-                count += write_pose(&cam_from_points[count], &P, s);
-            }
+    if (rc_p3p_begin(&P, ray)) {
+        while (count < RC_P3P_MAX && rc_p3p_next(&cam_from_points[count], &P, ray)) {
+            count++;
         }
     }
     return count;

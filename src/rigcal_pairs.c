@@ -2,30 +2,30 @@
 
 /* ---- constants ----------------------------------------------------------- */
 
-/* part of the size, or sine: points and rays that are nearer are the same. */
+/* part of the size, or sine: points or rays that are nearer are the same. */
 #define SAME (8 * RC_EPS)
 
-/* part of the length: a target from which nothing stands farther out is a line, and such
- * rays are a plane. The turn about the line would be noise. */
+/* part of the length: a target that extends less across its length is a line. Rays that do
+ * so are in a plane. A turn about the line would be noise. */
 #define FLAT RC_TOL(1e-6, 1e-4)
 
-/* part of the image that the target fills: nearer pairs are left out, for the direction of
- * their plane is mostly noise. Chosen on real targets; 0.1 to 0.25 do about as well, 0 and
- * 0.4 do not. */
+/* part of the image that the target fills: pairs whose points are nearer are left out,
+ * because the direction of their plane is mostly noise. Chosen on real targets: 0.1 to 0.25
+ * do about as well, 0 and 0.4 do not. */
 #define NEAR_PART (RC(1) / 6)
 
-/* points: of no more all pairs are taken. Of 9 that is 4 for each. */
+/* points: up to this many all pairs are taken. Of 9 points these are 4 for each. */
 enum { ALL_PAIRS_UP_TO = 9 };
 
-/* pairs: for each point, where there are more points. */
+/* pairs: that each point has if there are more points. */
 enum { PARTNERS = 4 };
 
-/* rounds: in which those pairs are chosen; 4, and as many again where pairs are left
+/* rounds: in which those pairs are chosen: 4, and as many again because pairs may be left
  * out. */
 enum { ROUNDS_MAX = 8 };
 
-/* 1: how far the square of a unit vector may be from 1. Room for one that was stored in
- * single precision or as text. */
+/* 1: how far the square of a unit vector may be from 1. It allows for a vector that was
+ * stored in single precision or as text. */
 #define UNIT_TOL RC(0.002)
 
 /* ---- checks -------------------------------------------------------------- */
@@ -65,7 +65,7 @@ rigcal_status rc_check_pairs(const rigcal_pair pairs[], size_t n_pairs, size_t n
 
 /* ---- pairs --------------------------------------------------------------- */
 
-/* Distance of two rays as points of the unit sphere. */
+/* Distance between two rays as points of the unit sphere. */
 static rigcal_real ray_distance(const rigcal_real ray_a[3], const rigcal_real ray_b[3])
 {
     rigcal_real a[3], b[3], difference[3];
@@ -82,7 +82,7 @@ static rigcal_real point_distance(const rigcal_real X_a[3], const rigcal_real X_
     return rc_vec3_norm(difference);
 }
 
-/* (11)..(13) for the points i and j. 0: the pair carries no equation. */
+/* (11)..(13) for the points i and j. Returns 0 if the pair gives no equation. */
 static int make_pair(rigcal_pair *pair, const rigcal_bearing bearings[], size_t i, size_t j)
 {
     const rigcal_real *const X_i = bearings[i].X_w, *const X_j = bearings[j].X_w;
@@ -120,8 +120,8 @@ static size_t farthest(const rigcal_bearing bearings[], size_t n, size_t from, i
     return far;
 }
 
-/* Whether the points have a shape: three of them, not on a line, and told apart
- * by the precision of their coordinates. */
+/* Checks that the points have a shape: at least three are different, not on one line, and
+ * distinguished by the precision of their coordinates. */
 static rigcal_status check_points_shape(const rigcal_bearing bearings[], size_t n)
 {
     const size_t a = farthest(bearings, n, 0, 0);
@@ -155,8 +155,8 @@ static rigcal_status check_points_shape(const rigcal_bearing bearings[], size_t 
     return (width > FLAT * length + SAME * size) ? RIGCAL_OK : RIGCAL_ERR_COLLINEAR;
 }
 
-/* Whether the rays span space. *extent gets the size of the bundle, as a distance
- * on the unit sphere. */
+/* Checks that the rays are not in one plane. *extent is the size of the bundle, as a
+ * distance on the unit sphere. */
 static rigcal_status check_rays_shape(rigcal_real *extent, const rigcal_bearing bearings[],
                                       size_t n)
 {
@@ -191,7 +191,7 @@ typedef struct {
     rigcal_pair *pairs;
     size_t n, capacity;
     const rigcal_bearing *bearings;
-    rigcal_real nearest; /* least distance of the two rays */
+    rigcal_real nearest; /* least distance between the two rays */
 } pair_list;
 
 static void add_pair(pair_list *list, size_t i, size_t j)
@@ -203,7 +203,7 @@ static void add_pair(pair_list *list, size_t i, size_t j)
     }
 }
 
-/* Every pair once, those of distant indices first. */
+/* Adds every pair once, those of distant indices first. */
 static void add_all_pairs(pair_list *list, size_t n)
 {
     for (size_t apart = n - 1; apart >= 1; apart--) {
@@ -213,9 +213,9 @@ static void add_all_pairs(pair_list *list, size_t n)
     }
 }
 
-/* The points in a fixed disorder: a linear congruential generator of full period
- * 2^k >= n (Hull and Dobell 1962) passes every index below n once a period; the
- * others are skipped. */
+/* An order of the points that is fixed but irregular. A linear congruential generator of
+ * full period 2^k >= n (Hull and Dobell 1962) gives every index below n once a period. The
+ * other numbers are skipped. */
 typedef struct {
     uint32_t state, mask;
     size_t n;
@@ -238,10 +238,9 @@ static size_t next_of(disorder *d)
     return (size_t)d->state;
 }
 
-/* Round r pairs every point with the one r places on in the disorder, so no pair
- * comes twice, and on a grid of points the pairs run in all
- * directions, which constant strides of the index do not. Four rounds fill the
- * list unless pairs are left out. */
+/* Round r pairs every point with the one r places later in this order, so no pair comes
+ * twice. On a grid of points the pairs run in all directions; with constant steps of the
+ * index they would not. Four rounds fill the list unless pairs are left out. */
 static void add_spread_pairs(pair_list *list, size_t n)
 {
     for (size_t round = 1; round <= ROUNDS_MAX && 2 * round < n; round++) {
@@ -257,8 +256,8 @@ static void add_spread_pairs(pair_list *list, size_t n)
     }
 }
 
-/* How well two pairs fix an angle together: both far apart in the image, their
- * planes and their offsets in different directions. */
+/* How well two pairs together fix an angle. It is large if both are long in the image and
+ * if their planes and offsets have different directions. */
 static rigcal_real joint_worth(const rigcal_pair *first, const rigcal_pair *second,
                                const rigcal_bearing bearings[])
 {
@@ -276,7 +275,7 @@ static void swap_pairs(rigcal_pair *a, rigcal_pair *b)
     *b = kept;
 }
 
-/* To the front: the pair that is longest in the image, then its best partner. */
+/* Puts the pair that is longest in the image first, then its best partner. */
 static void put_best_first(pair_list *list)
 {
     rigcal_pair *const pairs = list->pairs;
@@ -365,7 +364,7 @@ rigcal_status rigcal_pairs_choose(rigcal_pair pairs[], size_t capacity, size_t *
     }
     pair_list list = {pairs, 0, capacity, bearings, NEAR_PART * extent};
     add_pairs(&list, n);
-    if (list.n < 3) { /* few points, some of them near: take what there is */
+    if (list.n < 3) { /* few points, some of them near: takes near pairs too */
         list.nearest = 0;
         add_pairs(&list, n);
     }

@@ -5,40 +5,40 @@
 
 /* ---- constants ----------------------------------------------------------- */
 
-/* nodes: of the grid by the first angle, half a turn, off the axes. */
+/* nodes: of the grid in the first angle, over half a turn, none of them on the axes. */
 enum { GRID_FIRST = 6 };
 
-/* nodes: of the grid by the second angle, a whole turn. */
+/* nodes: of the grid in the second angle, over a whole turn. */
 enum { GRID_SECOND = 12 };
 
-/* rad: nodes of the grid are so far apart. A coarser grid misses basins. */
+/* rad: distance between nodes of the grid. A coarser grid misses basins. */
 #define GRID_STEP (RC_PI / 6)
 
-/* rad: a seed's first simplex, two thirds of a cell. */
+/* rad: edge of a seed's first simplex, two thirds of a cell. */
 #define GRID_EDGE (RC_PI / 9)
 
-/* rad, and of the objective: a seed's search only has to land in the right basin; the
- * winner is searched again to the tolerances asked for. */
+/* rad, and of the objective: tolerance of a seed's search, which only has to end in the
+ * right basin. The winner is searched again to the caller's tolerances. */
 #define SEED_TOL RC(1e-4)
 
-/* evaluations: of a seed's search. */
+/* evaluations: the most of a seed's search. */
 enum { SEED_EVALS_MAX = 120 };
 
-/* evaluations: a simplex that has not met the tolerances by then has gone flat against a
- * kink of the objective, a sum of absolute values. A fresh one from the same place gets
- * on. */
+/* evaluations: the most of one simplex. If it has not met the tolerances by then, it is
+ * flat against a kink of the objective, which is a sum of absolute values. A new simplex at
+ * the same place goes on. */
 enum { SIMPLEX_EVALS_MAX = 400 };
 
-/* rad, and of the objective: the default of xtol and ftol. */
+/* rad, and of the objective: default of xtol and ftol. */
 #define DEFAULT_TOL RC_TOL(1e-10, 1e-5)
 
-/* evaluations: the default of max_evals with a guess. */
+/* evaluations: default of max_evals with a guess. */
 enum { DEFAULT_EVALS = 1000 };
 
-/* rad: a guess that is farther from 0 is a mistake. */
+/* rad: a guess farther from 0 is a mistake. */
 #define GUESS_MAX RC(1e3)
 
-/* Nodes of the grid, the best of which are seeds. */
+/* Number of nodes of the grid, and of the best ones, which become seeds. */
 enum { GRID_NODES = GRID_FIRST * GRID_SECOND, SEEDS = RIGCAL_PAPER_SEEDS };
 
 enum {
@@ -65,7 +65,7 @@ static rigcal_real objective(const rigcal_paper_solver *s, const rigcal_real ang
     return (status == RIGCAL_OK) ? at.residual : RC_MAX;
 }
 
-/* cond(A) at ypr when `eliminated` is the angle left out; RC_MAX if singular. */
+/* cond(A) at ypr if `eliminated` is the eliminated angle. RC_MAX if A is singular. */
 static rigcal_real condition_at(const rigcal_paper_solver *s, int32_t eliminated,
                                 const rigcal_real ypr[3])
 {
@@ -78,7 +78,7 @@ static rigcal_real condition_at(const rigcal_paper_solver *s, int32_t eliminated
                : RC_MAX;
 }
 
-/* Eliminates this angle, if that is better conditioned than any so far. */
+/* Chooses this angle to be eliminated, if it is better conditioned than any so far. */
 static void consider(rigcal_paper_solver *s, int32_t eliminated, const rigcal_real ypr[3])
 {
     const rigcal_real condition = condition_at(s, eliminated, ypr);
@@ -90,7 +90,7 @@ static void consider(rigcal_paper_solver *s, int32_t eliminated, const rigcal_re
 
 /* ---- from angles to a pose ----------------------------------------------- */
 
-/* Fills in what the angles found imply: rotation, translation (16), residual. */
+/* Fills in what follows from the angles: rotation, translation (16), residual. */
 static rigcal_status pose_of_angles(rigcal_paper_pose *pose, const rigcal_paper_solver *s,
                                     const rigcal_real angles[3], rigcal_real residual)
 {
@@ -110,14 +110,14 @@ static rigcal_status pose_of_angles(rigcal_paper_pose *pose, const rigcal_paper_
         pose->condition = at.condition;
         pose->eliminated = s->eliminated;
     }
-    /* The search may have wandered round the circle: bring the angles home. */
+    /* The search may have gone round the circle: takes the angles back to their range. */
     rigcal_transform *const T = &pose->cam_from_world;
     rc_rotation_from_yaw_pitch_roll(T->R, pose->ypr);
     rc_yaw_pitch_roll_from_rotation(pose->ypr, T->R);
     return rc_translation_least_squares(T->t, T->R, s->bearings, s->n);
 }
 
-/* Cheirality of every point, and the error in the image. */
+/* Checks that every point is in front of the camera. Computes the error in the image. */
 static int check_in_front(rigcal_paper_pose *pose, const rigcal_paper_solver *s)
 {
     const rigcal_transform *const T = &pose->cam_from_world;
@@ -146,7 +146,7 @@ static void grid_node(rigcal_real angles[2], int32_t node)
     angles[1] = ((rigcal_real)second - RC(GRID_SECOND - 1) / 2) * GRID_STEP;
 }
 
-/* Keeps the SEEDS best nodes in order. */
+/* Keeps the SEEDS best nodes, the best first. */
 static void remember_seed(rigcal_paper_solver *s, int32_t node, rigcal_real cost)
 {
     int32_t at = SEEDS;
@@ -162,7 +162,7 @@ static void remember_seed(rigcal_paper_solver *s, int32_t node, rigcal_real cost
     }
 }
 
-/* What is left of the bound on evaluations for one more search. */
+/* How many evaluations one more search may take: `wanted`, or what is left of max_evals. */
 static int32_t allowance(const rigcal_paper_solver *s, int32_t wanted)
 {
     const int32_t left = s->options.max_evals - s->evals;
@@ -196,7 +196,7 @@ static void start_last(rigcal_paper_solver *s, const rigcal_real ypr[3])
     s->starts++;
 }
 
-/* A search has ended: judge where it did. */
+/* Judges the place where a search ended. */
 static void judge(rigcal_paper_solver *s)
 {
     rigcal_paper_pose pose = s->best;
@@ -209,7 +209,7 @@ static void judge(rigcal_paper_solver *s)
         s->behind = 1;
         return;
     }
-    /* The last search starts from the best of the seeds, and supersedes it. */
+    /* The last search starts from the best seed, so its result takes that one's place. */
     if (!s->found || s->phase == JUDGING_LAST || pose.rms < s->best.rms) {
         s->found = 1;
         s->best = pose;
@@ -222,7 +222,7 @@ static void finish(rigcal_paper_solver *s, int32_t spent)
     s->phase = DONE;
 }
 
-/* After a seed: the next one, or once more from the best of them all. */
+/* After a seed: begins the next one, or the last search from the best of all. */
 static void judging_seed_step(rigcal_paper_solver *s)
 {
     judge(s);
@@ -249,8 +249,8 @@ static void conditioning_step(rigcal_paper_solver *s)
     }
 }
 
-/* After the search from the guess, or from the best seed: its end is judged, or it goes
- * on from where it stopped. */
+/* Ends the search from the guess or the best seed. It is judged, or a new simplex goes on
+ * from where it stopped. */
 static void end_last(rigcal_paper_solver *s)
 {
     rigcal_real angles[3] = {0, 0, 0}, ypr[3];
@@ -269,7 +269,7 @@ static void judging_last_step(rigcal_paper_solver *s)
     finish(s, s->nm.status == RIGCAL_BUDGET_SPENT);
 }
 
-/* One evaluation of the grid. */
+/* Evaluates one node of the grid. */
 static void seed_step(rigcal_paper_solver *s)
 {
     rigcal_real angles[3] = {0, 0, 0};
@@ -283,7 +283,7 @@ static void seed_step(rigcal_paper_solver *s)
     }
 }
 
-/* One evaluation of a simplex search. */
+/* Does one evaluation of a simplex search. */
 static void search_step(rigcal_paper_solver *s)
 {
     s->evals++;

@@ -75,12 +75,11 @@ static rigcal_real reach_of(const rigcal_points *points)
 }
 
 /* What *points says of its view besides where the points are. */
-static void prepare(rigcal_points *points, rigcal_real extent_px)
+static void prepare(rigcal_points *points)
 {
-    points->is_pinhole = rc_lens_is_pinhole(points->view.camera);
-    points->extent_px = extent_px;
+    points->is_pinhole = (uint8_t)rc_lens_is_pinhole(points->view.camera);
     points->pixel_size = rc_pixel_size(points->view.camera);
-    points->negligible = rc_negligible(points->pixel_size, extent_px);
+    points->negligible = rc_negligible(points->pixel_size, points->extent_px);
     if (RC_FOR_SPEED && !points->is_pinhole && !rc_lens_is_fisheye(points->view.camera)) {
         points->proved2 = rc_lens_proved(points->view.camera, reach_of(points));
     }
@@ -105,8 +104,9 @@ static rigcal_status check_point(const rigcal_view *view, size_t i)
                                                         : status;
 }
 
-rigcal_status rc_points_survey(rigcal_points *points, rigcal_real uv_middle[2],
-                               int32_t *at_fault)
+/* Where the points are, and their pixels. */
+RC_APART_FAST static rigcal_status measure(rigcal_points *points, rigcal_real uv_middle[2],
+                                           int32_t *at_fault)
 {
     const rigcal_observation *const o = points->view.observations, *first = NULL;
     rigcal_real total = 0, size = 0, extent = 0;
@@ -144,11 +144,22 @@ rigcal_status rc_points_survey(rigcal_points *points, rigcal_real uv_middle[2],
     uv_middle[1] = first->uv[1] + uv_shift[1] / total;
     points->n_used = n_used;
     points->size = size;
-    prepare(points, extent);
-    if (!(size > 1 / RC_COORDINATE_MAX)) {
+    points->extent_px = extent;
+    return RIGCAL_OK;
+}
+
+rigcal_status rc_points_survey(rigcal_points *points, rigcal_real uv_middle[2],
+                               int32_t *at_fault)
+{
+    const rigcal_status status = measure(points, uv_middle, at_fault);
+    if (status != RIGCAL_OK) {
+        return status;
+    }
+    prepare(points);
+    if (!(points->size > 1 / RC_COORDINATE_MAX)) {
         return RIGCAL_ERR_COINCIDENT;
     }
-    return (rc_vec3_max_abs(points->origin) * RC_EPS <= RC_SHAPE_ROUNDING * size)
+    return (rc_vec3_max_abs(points->origin) * RC_EPS <= RC_SHAPE_ROUNDING * points->size)
                ? RIGCAL_OK
                : RIGCAL_ERR_PRECISION;
 }

@@ -62,7 +62,7 @@ static void fail(rigcal_pose_solver *s, rigcal_status status, int32_t at_fault)
     s->phase = DONE;
 }
 
-static void begin_refining(rigcal_pose_solver *s, int32_t phase, int is_wide)
+static void begin_refining(rigcal_pose_solver *s, uint8_t phase, int is_wide)
 {
     rc_refine_begin(&s->search.work.refinement, is_wide);
     s->phase = phase;
@@ -301,7 +301,7 @@ static void end_refinement(rigcal_pose_solver *s)
 }
 
 /* Goes on over the points that are seen where the lens is proved already. */
-static void skip_proved(rigcal_pose_solver *s)
+RC_APART static void skip_proved(rigcal_pose_solver *s)
 {
     const rigcal_points *const points = &s->search.points;
     for (; s->next < points->view.n; s->next = rc_points_next(points, s->next + 1)) {
@@ -313,10 +313,18 @@ static void skip_proved(rigcal_pose_solver *s)
     }
 }
 
-RC_APART static void proving_step(rigcal_pose_solver *s)
+/* Whether the lens sees the next point. */
+RC_APART_FAST static int sees_next(const rigcal_pose_solver *s)
 {
     const rigcal_points *const points = &s->search.points;
     rigcal_real q[3], X_c[3], uv[2];
+    rc_points_place(q, X_c, points, &s->search.work.refinement.cam_from_points, s->next);
+    return rc_project_usable(uv, points->view.camera, X_c) == RIGCAL_OK;
+}
+
+RC_APART static void proving_step(rigcal_pose_solver *s)
+{
+    const rigcal_points *const points = &s->search.points;
     if (RC_FOR_SPEED && points->proved2 > 0) {
         skip_proved(s);
         if (s->next == points->view.n) {
@@ -324,8 +332,7 @@ RC_APART static void proving_step(rigcal_pose_solver *s)
             return;
         }
     }
-    rc_points_place(q, X_c, points, &s->search.work.refinement.cam_from_points, s->next);
-    const int is_seen = rc_project_usable(uv, points->view.camera, X_c) == RIGCAL_OK;
+    const int is_seen = sees_next(s);
     if (!is_seen) {
         RIGCAL_TRACE("the lens does not see point", (int32_t)s->next, 0);
     }

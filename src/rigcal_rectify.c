@@ -2,18 +2,19 @@
 
 /* ---- constants ----------------------------------------------------------- */
 
-/* sine: least angle between the baseline and the optical axes, 10 degrees. Below it, the
- * aligned images are little but stretched pixels. */
+/* sine: of the least angle between the baseline and the optical axes, 10 degrees. Below it,
+ * the aligned images would be little but stretched pixels. */
 #define AXIS_SINE_MIN RC(0.1736)
 
-/* Rows x, y, z of aligned_from_a, of unit vectors in frame a: x along the baseline, as
- * nearly as can be the way of both cameras' x axes, z nearest to both optical axes. */
+/* The rows x, y, z of aligned_from_a are unit vectors in frame a. x is along the baseline,
+ * in the direction of both cameras' x axes. z is the direction across x that is nearest to
+ * both optical axes. */
 static rigcal_status align(rigcal_rectified *out, const rigcal_transform *b_from_a)
 {
     const rigcal_real *const R = b_from_a->R;
     rigcal_real *const x = &out->aligned_from_a[0], *const y = &out->aligned_from_a[3];
     rigcal_real *const z = &out->aligned_from_a[6], centre[3];
-    out->baseline = rc_vec3_norm(b_from_a->t); /* 0 also where the squares underflow */
+    out->baseline = rc_vec3_norm(b_from_a->t); /* also 0 if its square underflows */
     rc_mat3_tmul_vec3(centre, R, b_from_a->t);
     if (!(out->baseline > 0) || !rc_vec3_unit(x, centre)) { /* towards a from b */
         return RIGCAL_ERR_PARALLEL;
@@ -38,7 +39,7 @@ static rigcal_status align(rigcal_rectified *out, const rigcal_transform *b_from
     return RIGCAL_OK;
 }
 
-/* Where the middle of the image comes to lie, normalised: added to xy. */
+/* Adds the place of the image's middle in the aligned frame, normalised, to xy. */
 static rigcal_status add_middle(rigcal_real xy[2], const rigcal_real aligned_from_cam[9],
                                 const rigcal_camera *camera)
 {

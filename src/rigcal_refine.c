@@ -179,12 +179,48 @@ RIGCAL_FORCE_INLINE static inline rigcal_status go_through(
     return rc_is_finite(total) ? RIGCAL_OK : RIGCAL_ERR_NO_RAY;
 }
 
-static rigcal_status plane_equations(rigcal_real *sum, rigcal_real g[6], rigcal_real H[21],
-                                     const rigcal_points *points, const rigcal_transform *T,
-                                     const pass_kind *pass)
+RC_APART static rigcal_status pinhole_equations(rigcal_real *sum, rigcal_refinement *state,
+                                                const rigcal_points *points,
+                                                const pass_kind *pass)
 {
-    return points->is_pinhole ? go_through(sum, g, H, points, T, pass, 1)
-                              : go_through(sum, g, H, points, T, pass, 0);
+    return go_through(sum, state->g, state->H, points, &state->cam_from_points, pass, 1);
+}
+
+RC_APART static rigcal_status lens_equations(rigcal_real *sum, rigcal_refinement *state,
+                                             const rigcal_points *points,
+                                             const pass_kind *pass)
+{
+    return go_through(sum, state->g, state->H, points, &state->cam_from_points, pass, 0);
+}
+
+RC_APART static rigcal_status pinhole_force(rigcal_real *sum, rigcal_refinement *state,
+                                            const rigcal_points *points,
+                                            const pass_kind *pass)
+{
+    return go_through(sum, state->g, NULL, points, &state->cam_from_points, pass, 1);
+}
+
+RC_APART static rigcal_status lens_force(rigcal_real *sum, rigcal_refinement *state,
+                                         const rigcal_points *points, const pass_kind *pass)
+{
+    return go_through(sum, state->g, NULL, points, &state->cam_from_points, pass, 0);
+}
+
+static rigcal_status plane_equations(rigcal_real *sum, rigcal_refinement *state,
+                                     const rigcal_points *points, const pass_kind *pass)
+{
+    rc_rigid_clear(state->g, state->H);
+    return points->is_pinhole ? pinhole_equations(sum, state, points, pass)
+                              : lens_equations(sum, state, points, pass);
+}
+
+/* The same but for H. */
+static rigcal_status plane_force(rigcal_real *sum, rigcal_refinement *state,
+                                 const rigcal_points *points, const pass_kind *pass)
+{
+    rc_clear(state->g, 6);
+    return points->is_pinhole ? pinhole_force(sum, state, points, pass)
+                              : lens_force(sum, state, points, pass);
 }
 
 rigcal_status rc_refine_equations(rigcal_real *sum, rigcal_real g[6], rigcal_real H[21],
@@ -216,7 +252,8 @@ rigcal_status rc_refine_equations(rigcal_real *sum, rigcal_real g[6], rigcal_rea
 
 /* The step from where `state` is; *gain gets what it promises, undiminished. 0: H is not
  * positive definite. */
-static int damped_step(rigcal_real d[6], rigcal_real *gain, const rigcal_refinement *state)
+RC_APART_FAST static int damped_step(rigcal_real d[6], rigcal_real *gain,
+                                     const rigcal_refinement *state)
 {
     rc_sym6_factor L;
     if (!rc_sym6_factor_of(&L, state->H, state->search.lambda)) {
@@ -242,7 +279,7 @@ void rc_refine_begin(rigcal_refinement *state, int is_wide)
 {
     rc_levenberg_begin(&state->search, is_wide);
     state->evals = 0;
-    state->is_approach = is_wide;
+    state->is_approach = (uint8_t)is_wide;
     if (RC_FOR_SPEED) {
         state->is_part = 0;
     }
@@ -254,35 +291,19 @@ void rc_refine_begin_part(rigcal_refinement *state, const rigcal_points *points)
                      !rc_lens_is_fisheye(points->view.camera);
 }
 
-/* *sum, state->g and state->H where `state` is. */
+/* *sum, state->g and state->H where `state` is; H only if `with_H`, where that is
+ * quicker. */
 static rigcal_status evaluate(rigcal_real *sum, rigcal_refinement *state,
-                              const rigcal_points *points)
+                              const rigcal_points *points, int with_H)
 {
     if (RC_FOR_SPEED && !rc_lens_is_fisheye(points->view.camera)) {
         const pass_kind pass = {points->view.n, 1, state->search.equations};
-        rc_rigid_clear(state->g, state->H);
-        return plane_equations(sum, state->g, state->H, points, &state->cam_from_points,
-                               &pass);
+        return (with_H || pass.equations != RC_GAUSS_NEWTON)
+                   ? plane_equations(sum, state, points, &pass)
+                   : plane_force(sum, state, points, &pass);
     }
     return rc_refine_equations(sum, state->g, state->H, points, points->view.n,
                                &state->cam_from_points, state->search.equations);
-}
-
-/* The same but for H, where that is quicker. */
-static rigcal_status evaluate_force(rigcal_real *sum, rigcal_refinement *state,
-                                    const rigcal_points *points)
-{
-    if (state->search.equations != RC_GAUSS_NEWTON ||
-        rc_lens_is_fisheye(points->view.camera)) {
-        return evaluate(sum, state, points);
-    }
-    for (int k = 0; k < 6; k++) {
-        state->g[k] = 0;
-    }
-    const pass_kind pass = {points->view.n, 1, RC_GAUSS_NEWTON};
-    return points->is_pinhole
-               ? go_through(sum, state->g, NULL, points, &state->cam_from_points, &pass, 1)
-               : go_through(sum, state->g, NULL, points, &state->cam_from_points, &pass, 0);
 }
 
 /* A step by some of the points, which costs next to nothing. It is not refused: whatever it
@@ -290,33 +311,40 @@ static rigcal_status evaluate_force(rigcal_real *sum, rigcal_refinement *state,
 RC_APART static void part_step(rigcal_refinement *state, const rigcal_points *points)
 {
     rigcal_real sum, gain, d[6];
-    rc_rigid_clear(state->g, state->H);
     const pass_kind pass = {points->view.n, points->n_used / PART, RC_GAUSS_NEWTON};
-    if (plane_equations(&sum, state->g, state->H, points, &state->cam_from_points, &pass) ==
-            RIGCAL_OK &&
+    if (plane_equations(&sum, state, points, &pass) == RIGCAL_OK &&
         damped_step(d, &gain, state)) {
         rc_transform_move(&state->cam_from_points, d);
     }
     state->is_part = 0;
 }
 
+/* The equations of point i, seen along ray m. Returns what it adds to the sum. */
+RC_APART_FAST static rigcal_real add_along(rigcal_refinement *state,
+                                           const rigcal_points *points, size_t i,
+                                           const rigcal_real m[3])
+{
+    rigcal_real e[2], B[6], q[3], X_c[3];
+    rc_points_place(q, X_c, points, &state->cam_from_points, i);
+    rc_residual_along_ray(e, B, points->view.camera, points->is_pinhole, m, X_c);
+    const rigcal_real weight = rc_points_weight(points, i) / rc_vec3_dot(X_c, X_c);
+    rc_rigid_add(state->g, state->H, B, q, e, weight, NULL, 0);
+    return weight * (e[0] * e[0] + e[1] * e[1]);
+}
+
 /* A step of Gauss and Newton on errors along the rays. It is neither damped nor refused:
  * the weights of rays far off the axis make its way a steep and winding valley, which small
  * steps would follow for long. */
-RC_APART static void approach(rigcal_refinement *state, const rigcal_points *points)
+RC_APART_FAST static void approach(rigcal_refinement *state, const rigcal_points *points)
 {
     const rigcal_view *const view = &points->view;
     rigcal_real d[6], gain = 0, sum = 0;
     rc_rigid_clear(state->g, state->H);
     for (size_t i = rc_points_next(points, 0); i < view->n;
          i = rc_points_next(points, i + 1)) {
-        rigcal_real e[2], B[6], q[3], X_c[3];
-        rc_points_place(q, X_c, points, &state->cam_from_points, i);
-        rc_residual_along_ray(e, B, view->camera, points->is_pinhole,
-                              view->observations[i].uv, X_c);
-        const rigcal_real weight = rc_points_weight(points, i) / rc_vec3_dot(X_c, X_c);
-        rc_rigid_add(state->g, state->H, B, q, e, weight, NULL, 0);
-        sum += weight * (e[0] * e[0] + e[1] * e[1]);
+        rigcal_real *const m = d; /* a ray, before there is a step */
+        (void)rc_pixel_to_ray(m, view->camera, view->observations[i].uv);
+        sum += add_along(state, points, i, m);
     }
     if (damped_step(d, &gain, state)) {
         rc_transform_move(&state->cam_from_points, d);
@@ -326,41 +354,42 @@ RC_APART static void approach(rigcal_refinement *state, const rigcal_points *poi
     }
 }
 
-/* Takes the step unless it does harm. Then it is taken back, the turn by its inverse: no
- * copy of the rotation. */
-static void try_step(rigcal_refinement *state, const rigcal_points *points,
-                     rigcal_real d[6], rigcal_real gain)
+/* Moves by the next step, if there is one. Returns whether it is to be tried. */
+static int move_on(rigcal_real d[6], rigcal_real *gain, rigcal_refinement *state,
+                   const rigcal_points *points)
 {
+    if (!damped_step(d, gain, state)) {
+        rc_levenberg_not_definite(&state->search);
+        return 0;
+    }
+    const int step = rc_levenberg_promised(&state->search, *gain, points->negligible);
+    if (step == RC_STEP_NONE) {
+        return 0;
+    }
+    rc_transform_move(&state->cam_from_points, d);
+    return step == RC_STEP_TRY;
+}
+
+/* The equations where `state` is, or a step. One that does harm is taken back, the turn by
+ * its inverse: no copy of the rotation. */
+RC_APART_FAST static void search(rigcal_refinement *state, const rigcal_points *points)
+{
+    rigcal_levenberg *const lm = &state->search;
     rigcal_transform *const pose = &state->cam_from_points;
-    rigcal_real sum = 0, t[3];
+    rigcal_real d[6], t[3], gain = 0, sum = 0;
+    const int is_step = lm->want != RC_WANT_EQUATIONS;
     rc_vec3_copy(t, pose->t);
-    rc_transform_move(pose, d);
-    const int is_same_H = RC_FOR_SPEED && gain <= SAME_H * state->search.sum;
-    const rigcal_status status =
-        is_same_H ? evaluate_force(&sum, state, points) : evaluate(&sum, state, points);
-    if (!rc_levenberg_tried(&state->search, status, sum, gain, points->negligible)) {
+    if (is_step && !move_on(d, &gain, state, points)) {
+        return;
+    }
+    const int is_same_H = RC_FOR_SPEED && is_step && gain <= SAME_H * lm->sum;
+    const rigcal_status status = evaluate(&sum, state, points, !is_same_H);
+    if (!is_step) {
+        rc_levenberg_evaluated(lm, status, sum);
+    } else if (!rc_levenberg_tried(lm, status, sum, gain, points->negligible)) {
         rc_vec3_scale(d, -1, d);
         rc_transform_move(pose, d);
         rc_vec3_copy(pose->t, t);
-    }
-}
-
-static void search(rigcal_refinement *state, const rigcal_points *points)
-{
-    rigcal_levenberg *const lm = &state->search;
-    rigcal_real d[6], gain, sum = 0;
-    if (lm->want == RC_WANT_EQUATIONS) {
-        const rigcal_status status = evaluate(&sum, state, points);
-        rc_levenberg_evaluated(lm, status, sum);
-    } else if (!damped_step(d, &gain, state)) {
-        rc_levenberg_not_definite(lm);
-    } else {
-        const int step = rc_levenberg_promised(lm, gain, points->negligible);
-        if (step == RC_STEP_TRY) {
-            try_step(state, points, d, gain);
-        } else if (step == RC_STEP_LAST) {
-            rc_transform_move(&state->cam_from_points, d);
-        }
     }
 }
 

@@ -5,13 +5,13 @@
 
 /* ---- constants ----------------------------------------------------------- */
 
-/* squarings: the direction known worst is that of P^1024, to rounding unless the two worst
- * have the same variance to a percent. */
+/* squarings: the direction known worst comes from P^1024. It is exact to rounding, unless
+ * the two largest variances differ by less than a percent. */
 enum { SQUARINGS = 10 };
 
 /* ---- poses ---------------------------------------------------------------------- */
 
-/* Opens a monitor to ask for bodies a and b. */
+/* Opens a monitor for a question about bodies a and b. */
 static rigcal_status open_for(rc_monitor *m, const rigcal_real monitor[], size_t a,
                               size_t b)
 {
@@ -115,7 +115,7 @@ rigcal_status rigcal_monitor_rig(rigcal_calibrated_rig *rig, const rigcal_real m
 
 /* ---- the direction known worst ------------------------------------------------- */
 
-/* P over its trace; returns the trace. */
+/* Divides P by its trace. Returns the trace. */
 static rigcal_real scale_down(rigcal_real P[36])
 {
     rigcal_real trace = 0;
@@ -128,8 +128,8 @@ static rigcal_real scale_down(rigcal_real P[36])
     return trace;
 }
 
-/* The eigenvector of the largest eigenvalue, and the root of that: a column of a high power
- * of P. 0, 0 of a body that is known exactly. */
+/* The eigenvector of the largest eigenvalue, as a column of a high power of P. Returns the
+ * root of the eigenvalue. Both are 0 if the body is known exactly. */
 static rigcal_real worst_of(rigcal_real direction[6], const rigcal_real Sigma[36],
                             rigcal_real lever)
 {
@@ -166,8 +166,8 @@ static rigcal_real worst_of(rigcal_real direction[6], const rigcal_real Sigma[36
     return RC_SQRT(rc_max(variance, 0) * trace);
 }
 
-/* Of a frame, how well the body that is known worst against it is known is not told: its
- * own pose is exact. */
+/* For the frame weakest_sigma is 0: its own pose is exact. The report does not tell how
+ * well other bodies are known against it. */
 rigcal_status rigcal_monitor_body(rigcal_body_report *report, const rigcal_real monitor[],
                                   size_t body)
 {

@@ -5,11 +5,8 @@ extern inline rigcal_status rc_residual(rigcal_real e[2], rigcal_real B[6],
                                         const rigcal_real uv[2], const rigcal_real X_c[3]);
 
 void rc_residual_along_ray(rigcal_real e[2], rigcal_real B[6], const rigcal_camera *camera,
-                           int is_pinhole, const rigcal_real uv[2],
-                           const rigcal_real X_c[3])
+                           int is_pinhole, const rigcal_real m[3], const rigcal_real X_c[3])
 {
-    rigcal_real m[3];
-    (void)rc_pixel_to_ray(m, camera, uv);
     (void)rc_project_through(e, B, camera, is_pinhole, m);
     e[0] = -rc_vec3_dot(&B[0], X_c);
     e[1] = -rc_vec3_dot(&B[3], X_c);
@@ -50,50 +47,66 @@ static void add_curvature(rigcal_real H[21], rigcal_real M[9], const rigcal_real
     }
 }
 
-/* K row by row: the row of [q]x M is a m + b n, m and n two rows of M; across += it, and
- * out = q x it. */
-static inline void add_row(rigcal_real out[3], rigcal_real across[3],
-                           const rigcal_real q[3], rigcal_real a, const rigcal_real m[3],
-                           rigcal_real b, const rigcal_real n[3])
+/* Row i of M = B^T B, weighed. */
+RIGCAL_FORCE_INLINE static inline void put_row(rigcal_real M[9], rigcal_real weight,
+                                               const rigcal_real B[6], int i)
 {
-    rigcal_real row[3];
-    rc_vec3_combine(row, a, m, b, n);
-    rc_vec3_add(across, row);
-    rc_vec3_cross(out, q, row);
+    rc_vec3_combine(&M[3 * i], weight * B[i], B, weight * B[3 + i], B + 3);
 }
 
-/* With c = B^T e and M = B^T B the point adds (q x c, c) to g, and to H: M by dt,
- * K = [q]x M across, and K [q]x^T by w, the rows of which are q x those of K. Written out,
- * for this is where the time of a refinement goes. */
+/* Row i of what a point adds to H: of M by dt, of K = [q]x M across, and of K [q]x^T by w,
+ * which is q x that of K. The row of [q]x M is a m + b n, m and n two rows of M. */
+RIGCAL_FORCE_INLINE static inline void add_row(rigcal_real H[21], const rigcal_real q[3],
+                                               const rigcal_real M[9], int i)
+{
+    static const uint8_t CYCLE[5] = {0, 1, 2, 0, 1};
+    const int j = CYCLE[i + 1], k = CYCLE[i + 2], at = i * (7 - i) / 2;
+    rigcal_real *const by_w = &H[at], *const by_dt = &H[RC_SYM6_SECOND + at];
+    rigcal_real row[3], v[3];
+    for (int c = i; c < 3; c++) {
+        by_dt[c - i] += M[3 * i + c];
+    }
+    rc_vec3_combine(row, q[j], &M[3 * k], -q[k], &M[3 * j]);
+    rc_vec3_add(&H[RC_SYM6_ACROSS + 3 * i], row);
+    rc_vec3_cross(v, q, row);
+    for (int c = i; c < 3; c++) {
+        by_w[c - i] += v[c];
+    }
+}
+
+/* With c = B^T e and M = B^T B the point adds (q x c, c) to g, and to H by rows. For speed
+ * these are written out, for here is where the time of an adjustment goes. */
 RC_APART void rc_rigid_add(rigcal_real g[6], rigcal_real H[21], const rigcal_real B[6],
                            const rigcal_real q[3], const rigcal_real e[2],
                            rigcal_real weight, const rigcal_real X_c[3], int is_fisheye)
 {
     RIGCAL_ASSERT(weight > 0);
-    const rigcal_real *const bu = B, *const bv = B + 3;
-    rigcal_real *const across = &H[RC_SYM6_ACROSS], *const by_dt = &H[RC_SYM6_SECOND];
     rigcal_real c[3], M[9], v[3];
-    rc_vec3_combine(c, weight * e[0], bu, weight * e[1], bv);
-    rc_vec3_combine(&M[0], weight * bu[0], bu, weight * bv[0], bv);
-    rc_vec3_combine(&M[3], weight * bu[1], bu, weight * bv[1], bv);
-    rc_vec3_combine(&M[6], weight * bu[2], bu, weight * bv[2], bv);
+    rc_vec3_combine(c, weight * e[0], B, weight * e[1], B + 3);
+    if (RC_FOR_SPEED) {
+        put_row(M, weight, B, 0);
+        put_row(M, weight, B, 1);
+        put_row(M, weight, B, 2);
+    } else {
+        for (int i = 0; i < 3; i++) {
+            put_row(M, weight, B, i);
+        }
+    }
     if (X_c != NULL) {
         add_curvature(H, M, c, q, X_c, is_fisheye);
     }
     rc_vec3_cross(v, q, c);
     rc_vec3_add(&g[0], v);
     rc_vec3_add(&g[3], c);
-    rc_vec3_add(by_dt, M);
-    by_dt[3] += M[4];
-    by_dt[4] += M[5];
-    by_dt[5] += M[8];
-    add_row(v, &across[0], q, q[1], &M[6], -q[2], &M[3]);
-    rc_vec3_add(H, v);
-    add_row(v, &across[3], q, q[2], &M[0], -q[0], &M[6]);
-    H[3] += v[1];
-    H[4] += v[2];
-    add_row(v, &across[6], q, q[0], &M[3], -q[1], &M[0]);
-    H[5] += v[2];
+    if (RC_FOR_SPEED) {
+        add_row(H, q, M, 0);
+        add_row(H, q, M, 1);
+        add_row(H, q, M, 2);
+    } else {
+        for (int i = 0; i < 3; i++) {
+            add_row(H, q, M, i);
+        }
+    }
 }
 
 /* ---- by a point ----------------------------------------------------------- */

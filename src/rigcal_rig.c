@@ -112,14 +112,15 @@ rigcal_status rigcal_rig_adjust(rigcal_rig_fit *fit, int32_t *at_fault, rigcal_r
     if (status != RIGCAL_OK) {
         return status;
     }
-    while (rigcal_rig_step(&solver, 1000) == RIGCAL_RUNNING) {
+    while (rigcal_rig_step(&solver, 100) == RIGCAL_RUNNING) {
     }
     return rigcal_rig_result(fit, at_fault, &solver);
 }
 
 /* ---- how sure ------------------------------------------------------------ */
 
-/* *parts: where the parts of the work of such a rig begin. */
+/* Checks the arguments of a function that tells how sure a pose is. *parts says where the
+ * parts of rig->work begin. */
 static rigcal_status check_sure(const rigcal_real *Sigma, const rigcal_rig *rig,
                                 rigcal_real sigma_px, size_t camera, rc_rig_parts *parts)
 {
@@ -190,7 +191,7 @@ rigcal_status rigcal_rig_pair(rigcal_transform *b_from_a, rigcal_real Sigma[36],
     return RIGCAL_OK;
 }
 
-/* The same, and of the views of each placement that no camera has more than one. */
+/* Checks the same, and that no placement has more views than there are cameras. */
 static rigcal_status check_counts(const rigcal_real *Sigma, const rigcal_rig *rig,
                                   rigcal_real sigma_px)
 {
@@ -204,7 +205,7 @@ static rigcal_status check_counts(const rigcal_real *Sigma, const rigcal_rig *ri
     return status;
 }
 
-/* One view of a placement where the rig is. */
+/* The equations of one view, with the poses as they are. */
 static rigcal_status equations_of(rigcal_real *sum, rigcal_real g[6], rigcal_real H[21],
                                   rc_chain *chain, rigcal_rig_view *v,
                                   const rigcal_rig *rig, size_t view)
@@ -216,9 +217,9 @@ static rigcal_status equations_of(rigcal_real *sum, rigcal_real g[6], rigcal_rea
     return rc_rig_view_equations(sum, g, H, chain, v, rig, view);
 }
 
-/* Covariances of the pose of the placement whose views begin with `first`, for noise of 1
- * px: Sigma of all, `inverse` its own part, H^-1. `on`: how the pose depends on the
- * cameras, d = -H^-1 sum of W_i^T d_i. */
+/* Covariances of the pose of a placement, for noise of 1 px. `first` is its first view.
+ * Sigma is the whole covariance, `inverse` = H^-1 the placement's own part. `on` says how
+ * the pose depends on the cameras, d = -H^-1 sum of W_i^T d_i. */
 static rigcal_status place_sure(rigcal_real Sigma[36], rigcal_real inverse[36],
                                 const rc_leverage *on, const rigcal_rig *rig, size_t first)
 {
@@ -294,9 +295,8 @@ rigcal_status rigcal_rig_placement(rigcal_real Sigma[36], rigcal_rig *rig,
 
 /* ---- noise of each camera ------------------------------------------------ */
 
-/* Adds a view to its camera's sum, and to its freedom. T is the pose of the view, which
- * camera and placement make. The points lose trace(H Cov(T)) of their freedom to the
- * unknowns. */
+/* Adds a view to its camera's sum and freedom. T is the pose of the view, from camera and
+ * placement. The unknowns lower the freedom of the points by trace(H Cov(T)). */
 static rigcal_status add_noise(rigcal_real sum[], rigcal_real freedom[],
                                const rigcal_real Sigma[36], const rigcal_real inverse[36],
                                const rc_leverage *on, const rigcal_rig *rig, size_t first,
@@ -338,7 +338,8 @@ rigcal_status rigcal_rig_noise(rigcal_real sigma_px[], rigcal_real freedom[],
     if (status != RIGCAL_OK) {
         return status;
     }
-    /* Outputs are written at the end: the sums stand where the adjustment kept poses. */
+    /* Outputs are written at the end only. Until then the sums are in the memory where the
+     * adjustment kept poses. */
     rc_rig_parts_of(&parts, rig, 0);
     rigcal_real *const sum = parts.saved[0].R, *const left = sum + rig->n_cameras;
     rc_clear(sum, 2 * rig->n_cameras);
@@ -388,7 +389,7 @@ rigcal_status rigcal_rig_residuals(rigcal_real duv[], size_t capacity, size_t *n
     }
     rc_rig_chain(&chain, rig, v.camera, (size_t)v.placement, view);
     rigcal_real last[2] = {0, 0};
-    for (size_t i = 0; i < 2 * v.view.n; i++) { /* a first time to see that all can be */
+    for (size_t i = 0; i < 2 * v.view.n; i++) { /* first a trial of all points */
         rigcal_real B[6], q[3], X_c[3];
         const size_t point = i % v.view.n;
         rigcal_real *const to = (i < v.view.n) ? last : &duv[2 * point];

@@ -1,3 +1,7 @@
+#include <string.h>
+
+#include "rc_agree.h"
+#include "rc_logs.h"
 #include "rc_pose.h"
 
 /* ---- constants ----------------------------------------------------------- */
@@ -6,15 +10,23 @@
  * chance. */
 enum { POINTS_LEAST = 5 };
 
-/* samples: the default. Enough, by MISSED, where 42 of 100 points agree. */
-enum { SAMPLES = 500 };
+/* samples: the default. With nine in ten of many points wrong, to have missed every clean
+ * one has a chance of 1e-3, by USEFUL_PART. */
+enum { SAMPLES = 10000 };
 
 /* samples: more are a mistake. */
 enum { SAMPLES_MAX = 100000 };
 
+/* units: the default for the search. A triple takes 3 as a rule, 5 through a lens. */
+enum { UNITS = 100000 };
+
 /* points: of more, the triples are not counted. They would overflow, and are far more than
  * SAMPLES_MAX. */
 enum { COUNTED_MAX = 1000 };
+
+/* part: triples that are all tried follow each other at this part of their number, the
+ * golden section, which spreads them (Weyl 1916). */
+#define STRIDE_PART RC(0.618)
 
 /* px: how far a point that agrees may be off, where no noise is stated. */
 #define THRESHOLD_PX RC(3)
@@ -22,29 +34,45 @@ enum { COUNTED_MAX = 1000 };
 /* times the noise stated: how far a point that agrees may be off. */
 #define THRESHOLD_SIGMAS RC(4)
 
-/* chance: random samples end when that to have missed every clean one is less. */
-#define MISSED RC(1e-4)
+/* logs: samples end when that of the chance to have missed every clean one is less. */
+#define MISSED_LOG RC(6.9)
 
-/* part: a clean sample counts as so much of one, for noise spoils some. */
-#define USEFUL_PART RC(0.25)
+/* part: a clean sample counts as so much of one, for noise spoils some. Of general targets
+ * 0.9 lead to the pose. */
+#define USEFUL_PART RC(0.7)
+
+/* points: a pose on which fewer agree is not improved. */
+enum { IMPROVED_LEAST = 5 };
+
+/* points: fewer that agree have the caveat in any case. A wrong one among them would find
+ * others that go along. */
+enum { SURE_LEAST = 6 };
+
+/* evaluations: of the points that agree, by which a best pose is improved. */
+enum { IMPROVE_EVALS = 3 };
+
+/* times: that a best pose is improved, while that makes it better. */
+enum { IMPROVE_ROUNDS = 4 };
 
 /* times: that the points that agree are decided anew by the pose of the last ones. */
 enum { ROUNDS = 8 };
 
-/* thresholds: a fit to all that agree may take in points so far from the pose of three. */
-#define REACH RC(2)
+/* poses expected by chance, which is far more than there are: above it the pose has a
+ * caveat. Of 270 000 scenes with all points wrong at most 3 are below. */
+#define CHANCE RC(4e-3)
 
-/* sets expected to agree by chance: above it the pose has a caveat. */
-#define CHANCE RC(1e-3)
-
-/* sets expected to agree by chance: from here on there is no pose. */
-#define CHANCE_MOST RC(1)
+/* poses expected by chance: from here on there is no pose. */
+#define CHANCE_MOST RC(0.3)
 
 enum {
     NOT_BEGUN = 0,
-    SEEING,   /* the rays of a triple, and its poses */
-    SCORING,  /* one of them */
-    AGREEING, /* the points that agree with the best */
+    SEEING,  /* the rays of a triple, and its poses */
+    SCORING, /* one of them */
+    MARKING, /* the points that agree with one that is the best */
+    IMPROVING,
+    RESCORING,
+    SETTLING, /* the points that agree with the best of all, again */
+    REFINING,
     SOLVING,
     SOLVED,
     DONE
@@ -69,22 +97,46 @@ static size_t count_triples(size_t n)
     return (n > COUNTED_MAX) ? RC_COUNT_MAX : n * (n - 1) / 2 * (n - 2) / 3;
 }
 
-/* The next triple in order, from (0, 1, 2). */
-static void next_in_order(int32_t sample[3], int32_t n)
+/* A number near that part of `total` which has no divisor in common with it: steps of so
+ * many come to each number below `total` once. */
+static int32_t stride_of(int32_t total)
 {
-    if (++sample[2] == n) {
-        if (++sample[1] == n - 1) {
-            sample[1] = ++sample[0] + 1;
+    int32_t stride = (int32_t)(STRIDE_PART * (rigcal_real)total) + 1;
+    for (;; stride++) {
+        int32_t a = stride, b = total;
+        while (b > 0) {
+            const int32_t rest = a % b;
+            a = b;
+            b = rest;
         }
-        sample[2] = sample[1] + 1;
+        if (a == 1) {
+            return stride;
+        }
     }
+}
+
+/* Triple number s->rank, (0, 1, 2) being the first; the next has a rank far from it. */
+static void next_of_all(rigcal_robust_solver *s)
+{
+    const int32_t n = (int32_t)s->points.view.n;
+    int32_t i = 0, rest = s->rank;
+    for (; rest >= (n - 1 - i) * (n - 2 - i) / 2; i++) {
+        rest -= (n - 1 - i) * (n - 2 - i) / 2;
+    }
+    s->sample[0] = i;
+    for (i++; rest >= n - 1 - i; i++) {
+        rest -= n - 1 - i;
+    }
+    s->sample[1] = i;
+    s->sample[2] = i + 1 + rest;
+    s->rank += (s->rank < s->samples - s->stride) ? s->stride : s->stride - s->samples;
 }
 
 static void next_sample(rigcal_robust_solver *s)
 {
     const size_t n = s->points.view.n;
     if (s->is_complete) {
-        next_in_order(s->sample, (int32_t)n);
+        next_of_all(s);
         return;
     }
     for (int k = 0; k < 3; k++) { /* distinct: skips what is taken, in order */
@@ -103,37 +155,6 @@ static void next_sample(rigcal_robust_solver *s)
     }
 }
 
-/* ---- scores -------------------------------------------------------------- */
-
-/* Sum of the squared distances, none counting more than the threshold's; above `enough` it
- * is not finished. *count: points within. */
-static rigcal_real score(size_t *count, const rigcal_robust_solver *s,
-                         const rigcal_transform *pose, rigcal_real enough)
-{
-    const rigcal_real limit = s->threshold_px * s->threshold_px;
-    rigcal_real sum = 0;
-    *count = 0;
-    for (size_t i = 0; i < s->points.view.n && sum < enough; i++) {
-        const rigcal_real d2 = rc_points_error2(&s->points, pose, i);
-        *count += d2 <= limit;
-        sum += rc_min(d2, limit);
-    }
-    return sum;
-}
-
-/* Marks the points within the threshold. Returns whether any mark changed. */
-static int mark(rigcal_robust_solver *s, const rigcal_transform *pose)
-{
-    const rigcal_real limit = s->threshold_px * s->threshold_px;
-    int changed = 0;
-    for (size_t i = 0; i < s->points.view.n; i++) {
-        const uint8_t is_in = rc_points_error2(&s->points, pose, i) <= limit;
-        changed |= is_in != s->inliers[i];
-        s->inliers[i] = is_in;
-    }
-    return changed;
-}
-
 /* ---- phases -------------------------------------------------------------- */
 
 static void fail(rigcal_robust_solver *s, rigcal_status status)
@@ -145,13 +166,11 @@ static void fail(rigcal_robust_solver *s, rigcal_status status)
 /* The next triple, unless there have been enough. */
 static void end_sample(rigcal_robust_solver *s)
 {
-    const rigcal_real part = (rigcal_real)s->n_agree / (rigcal_real)s->points.view.n;
-    s->missed *= 1 - USEFUL_PART * part * part * part;
     s->tried++;
     s->next = 0;
     s->phase = SEEING;
-    if (s->tried >= s->samples || (!s->is_complete && s->missed < MISSED)) {
-        s->phase = AGREEING;
+    if (s->tried >= s->wanted) {
+        s->phase = SETTLING;
     } else {
         next_sample(s);
     }
@@ -186,21 +205,111 @@ static void seeing_step(rigcal_robust_solver *s)
     }
 }
 
-static void scoring_step(rigcal_robust_solver *s)
+static rigcal_real limit_of(const rigcal_robust_solver *s)
+{
+    return s->threshold_px * s->threshold_px;
+}
+
+/* How many samples are enough, where `count` points agree with the best pose: N random
+ * ones miss all useful triples with the chance exp(-useful N / all); of all triples, drawn
+ * once each, (1 - N / all)^useful. */
+static void decide_samples(rigcal_robust_solver *s, size_t count)
+{
+    const rigcal_real samples = (rigcal_real)s->samples;
+    rigcal_real part = USEFUL_PART, enough;
+    for (int k = 0; k < 3; k++) {
+        part *= ((rigcal_real)count - (rigcal_real)k) /
+                ((rigcal_real)s->points.view.n - (rigcal_real)k);
+    }
+    if (s->is_complete) {
+        enough =
+            (part > 0) ? samples * (1 - rc_exp(-MISSED_LOG / (part * samples))) : samples;
+    } else {
+        enough = (MISSED_LOG < part * samples) ? MISSED_LOG / part : samples;
+    }
+    s->wanted = (int32_t)enough + 1;
+    if (s->wanted > s->samples) {
+        s->wanted = s->samples;
+    }
+}
+
+/* Takes the pose if it is the best so far; then its points are to improve it. */
+static int is_best(rigcal_robust_solver *s, const rigcal_transform *pose)
 {
     rigcal_trial_poses *const trial = &s->work.trial;
-    const rigcal_transform *const pose = &trial->tried[s->next++];
-    size_t count;
-    const rigcal_real cost = score(&count, s, pose, trial->cost);
-    if (cost < trial->cost) {
-        trial->cost = cost;
-        trial->best = *pose;
-        s->n_agree = count;
+    rigcal_real cost;
+    const size_t count = rc_agree_score(&cost, &s->points, pose, limit_of(s), trial->cost);
+    if (!(cost < trial->cost)) {
+        return 0;
     }
+    trial->cost = cost;
+    trial->best = *pose;
+    decide_samples(s, count);
+    return count >= IMPROVED_LEAST;
+}
+
+/* The next pose of the triple, or the next triple. */
+static void end_pose(rigcal_robust_solver *s)
+{
+    s->phase = SCORING;
+    s->rounds = 0;
     if (s->next == s->n_poses) {
         end_sample(s);
     }
 }
+
+static void scoring_step(rigcal_robust_solver *s)
+{
+    if (is_best(s, &s->work.trial.tried[s->next++])) {
+        s->phase = MARKING;
+    } else {
+        end_pose(s);
+    }
+}
+
+/* ---- the best pose, improved ---------------------------------------------- */
+
+static void begin_improving(rigcal_robust_solver *s, int32_t phase)
+{
+    rigcal_trial_poses *const trial = &s->work.trial;
+    rc_refine_begin(&trial->better, 0);
+    trial->better.cam_from_points = trial->best;
+    s->phase = phase;
+}
+
+/* One evaluation of the points that are marked. Returns whether it was the last. */
+static int improve(rigcal_robust_solver *s, int32_t evals)
+{
+    rigcal_refinement *const better = &s->work.trial.better;
+    s->points.mask = s->inliers;
+    rc_refine_step(better, &s->points, evals);
+    s->points.mask = NULL;
+    return better->search.status != RIGCAL_RUNNING;
+}
+
+static void marking_step(rigcal_robust_solver *s)
+{
+    (void)rc_agree_mark(s->inliers, NULL, &s->points, &s->work.trial.best, limit_of(s));
+    begin_improving(s, IMPROVING);
+}
+
+static void improving_step(rigcal_robust_solver *s)
+{
+    if (improve(s, IMPROVE_EVALS)) {
+        s->phase = RESCORING;
+    }
+}
+
+static void rescoring_step(rigcal_robust_solver *s)
+{
+    if (is_best(s, &s->work.trial.better.cam_from_points) && ++s->rounds < IMPROVE_ROUNDS) {
+        s->phase = MARKING;
+    } else {
+        end_pose(s);
+    }
+}
+
+/* ---- the points that agree ------------------------------------------------ */
 
 /* The pose of the inliers as they are marked; DONE when there is none. */
 static void begin_solving(rigcal_robust_solver *s)
@@ -218,13 +327,28 @@ static void begin_solving(rigcal_robust_solver *s)
     }
 }
 
-static void agreeing_step(rigcal_robust_solver *s)
+/* The points that agree with the best pose, which are refined until they are the same:
+ * a search by all of them costs far more. */
+static void settling_step(rigcal_robust_solver *s)
 {
-    if (s->work.trial.cost < RC_MAX) {
-        (void)mark(s, &s->work.trial.best);
-        begin_solving(s);
-    } else {
+    rigcal_trial_poses *const trial = &s->work.trial;
+    if (!(trial->cost < RC_MAX)) {
         fail(s, RIGCAL_ERR_NO_CONSENSUS);
+    } else if (rc_agree_mark(s->inliers, NULL, &s->points, &trial->best, limit_of(s)) > 0 &&
+               s->rounds++ < IMPROVE_ROUNDS) {
+        begin_improving(s, REFINING);
+    } else {
+        s->rounds = 0;
+        begin_solving(s);
+    }
+}
+
+static void refining_step(rigcal_robust_solver *s)
+{
+    rigcal_trial_poses *const trial = &s->work.trial;
+    if (improve(s, IMPROVE_EVALS)) {
+        trial->best = trial->better.cam_from_points;
+        s->phase = SETTLING;
     }
 }
 
@@ -241,15 +365,19 @@ static void solved_step(rigcal_robust_solver *s)
 {
     rigcal_pose pose;
     size_t n_found;
+    rc_agree_histogram off;
     s->failure = rigcal_pose_result(&pose, 1, &n_found, NULL, &s->work.pose);
     s->phase = DONE;
-    if (s->failure < 0 || s->rounds++ >= ROUNDS) {
+    if (s->failure < 0) {
         return;
     }
     rigcal_transform cam_from_points = pose.cam_from_world;
     rc_transform_point(cam_from_points.t, &pose.cam_from_world, s->points.origin);
-    if (mark(s, &cam_from_points)) {
+    if (rc_agree_mark(s->inliers, &off, &s->points, &cam_from_points, limit_of(s)) > 0 &&
+        s->rounds++ < ROUNDS) {
         begin_solving(s);
+    } else {
+        s->by_chance = rc_agree_by_chance(&off, s->points.view.n, s->area_px2, CHANCE);
     }
 }
 
@@ -264,6 +392,7 @@ rigcal_status rigcal_robust_defaults(rigcal_robust_options *options)
     options->sigma_px = 0;
     options->samples = SAMPLES;
     options->seed = 1;
+    options->max_units = UNITS;
     return RIGCAL_OK;
 }
 
@@ -274,26 +403,34 @@ static rigcal_status check_options(const rigcal_robust_options *o)
     if (status == RIGCAL_OK || sigma_status == RIGCAL_ERR_NOT_FINITE) {
         status = sigma_status;
     }
-    if (status == RIGCAL_OK && (o->samples < 1 || o->samples > SAMPLES_MAX)) {
+    if (status == RIGCAL_OK &&
+        (o->samples < 1 || o->samples > SAMPLES_MAX || o->max_units < 1)) {
         status = RIGCAL_ERR_RANGE;
     }
     return status;
 }
 
-/* The rectangle [px^2] in which the points were seen. */
+/* The rectangle [px^2] in which the points were seen, over the mean of their sigma_i^2. It
+ * goes beyond the image by no more than the image's size: one wrong pixel alone would make
+ * it as large as it likes. */
 static rigcal_real seen_area(const rigcal_view *view)
 {
     const rigcal_observation *const o = view->observations;
-    rigcal_real area = 1;
+    const int32_t size[2] = {view->camera->width, view->camera->height};
+    rigcal_real area = (rigcal_real)view->n, variances = 0;
     for (int k = 0; k < 2; k++) {
-        rigcal_real low = o[0].uv[k], high = low;
-        for (size_t i = 1; i < view->n; i++) {
+        const rigcal_real side = (rigcal_real)size[k];
+        rigcal_real low = 2 * side, high = -side;
+        for (size_t i = 0; i < view->n; i++) {
             low = rc_min(low, o[i].uv[k]);
             high = rc_max(high, o[i].uv[k]);
         }
-        area *= high - low;
+        area *= rc_max(rc_min(high, 2 * side) - rc_max(low, -side), 0);
     }
-    return area;
+    for (size_t i = 0; i < view->n; i++) {
+        variances += (view->sigma == NULL) ? 1 : view->sigma[i] * view->sigma[i];
+    }
+    return area / variances;
 }
 
 /* Fills in *s of points that have been surveyed. */
@@ -310,17 +447,18 @@ static void fill(rigcal_robust_solver *s, const rigcal_points *points, uint8_t i
                                             : THRESHOLD_PX * points->pixel_size;
     s->random = (o->seed != 0) ? o->seed : UINT32_C(0x9e3779b9);
     s->samples = o->samples;
+    s->max_units = o->max_units;
     s->is_complete = count_triples(n) <= (size_t)o->samples;
     if (s->is_complete) {
         s->samples = (int32_t)count_triples(n);
+        s->stride = stride_of(s->samples);
     }
+    s->wanted = s->samples;
     s->work.trial.cost = RC_MAX;
-    s->missed = 1;
     s->sample[1] = 1;
     s->sample[2] = 2;
-    if (!s->is_complete) {
-        next_sample(s);
-    }
+    next_sample(s);
+    memset(inliers, 0, n);
     s->area_px2 = seen_area(&points->view);
     s->phase = SEEING;
 }
@@ -363,6 +501,39 @@ rigcal_status rigcal_robust_begin(rigcal_robust_solver *solver, uint8_t inliers[
     return RIGCAL_OK;
 }
 
+static void unit(rigcal_robust_solver *s)
+{
+    switch (s->phase) {
+    case SEEING:
+        seeing_step(s);
+        break;
+    case SCORING:
+        scoring_step(s);
+        break;
+    case MARKING:
+        marking_step(s);
+        break;
+    case IMPROVING:
+        improving_step(s);
+        break;
+    case RESCORING:
+        rescoring_step(s);
+        break;
+    case SETTLING:
+        settling_step(s);
+        break;
+    case REFINING:
+        refining_step(s);
+        break;
+    case SOLVING:
+        solving_step(s);
+        break;
+    default:
+        solved_step(s);
+        break;
+    }
+}
+
 rigcal_status rigcal_robust_step(rigcal_robust_solver *solver, int32_t budget)
 {
     if (solver == NULL) {
@@ -375,32 +546,13 @@ rigcal_status rigcal_robust_step(rigcal_robust_solver *solver, int32_t budget)
         return RIGCAL_ERR_STATE;
     }
     for (int32_t i = 0; i < budget && solver->phase != DONE; i++) {
-        switch (solver->phase) {
-        case SEEING:
-            seeing_step(solver);
-            break;
-        case SCORING:
-            scoring_step(solver);
-            break;
-        case AGREEING:
-            agreeing_step(solver);
-            break;
-        case SOLVING:
-            solving_step(solver);
-            break;
-        default:
-            solved_step(solver);
-            break;
+        if (solver->phase < SETTLING && solver->units++ == solver->max_units) {
+            solver->phase = SETTLING;
+            solver->rounds = 0;
         }
+        unit(solver);
     }
     return (solver->phase == DONE) ? RIGCAL_OK : RIGCAL_RUNNING;
-}
-
-/* The chance that a wrong point agrees: that of a disc in the area of the image. */
-static rigcal_real chance_of_one(const rigcal_robust_solver *s)
-{
-    const rigcal_real limit = REACH * s->threshold_px;
-    return rc_min(1, RC_PI * limit * limit / s->area_px2);
 }
 
 rigcal_status rigcal_robust_result(rigcal_pose poses[], size_t capacity, size_t *n_found,
@@ -419,8 +571,7 @@ rigcal_status rigcal_robust_result(rigcal_pose poses[], size_t capacity, size_t 
         return solver->failure;
     }
     const size_t n = solver->points.view.n, count = rc_pose_n_used(&solver->work.pose);
-    const rigcal_real expected = rc_expected_sets(n, count, chance_of_one(solver));
-    if (!(expected < CHANCE_MOST)) {
+    if (!(solver->by_chance < CHANCE_MOST)) {
         return RIGCAL_ERR_NO_CONSENSUS;
     }
     const rigcal_status status =
@@ -429,7 +580,7 @@ rigcal_status rigcal_robust_result(rigcal_pose poses[], size_t capacity, size_t 
         return status;
     }
     *n_inliers = count;
-    if (expected > CHANCE) {
+    if (count < SURE_LEAST || !(solver->by_chance < CHANCE)) {
         return RIGCAL_FEW_AGREE;
     }
     return (status == RIGCAL_OK && 2 * count < n) ? RIGCAL_MOST_DISAGREE : status;

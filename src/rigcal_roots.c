@@ -12,17 +12,45 @@
 
 /* ---- three points -------------------------------------------------------- */
 
-RC_APART int32_t rc_poses_of_three(rigcal_transform cam_from_points[RC_P3P_MAX],
-                                   const rigcal_points *points, const int32_t index[3],
-                                   const rigcal_real ray[3][3])
+/* Begins with three of the points; 0: they have no pose. */
+RC_APART_FAST static int begin_poses(rigcal_p3p *P, const rigcal_points *points,
+                                     const int32_t index[3], const rigcal_real ray[3][3])
 {
     RIGCAL_ASSERT(index[0] != index[1] && index[0] != index[2] && index[1] != index[2]);
     RIGCAL_ASSERT(RC_IS_UNIT(ray[0]) && RC_IS_UNIT(ray[1]) && RC_IS_UNIT(ray[2]));
-    rigcal_real x[3][3];
     for (int k = 0; k < 3; k++) {
-        rc_points_at(x[k], points, (size_t)index[k]);
+        rc_points_at(P->work.x[k], points, (size_t)index[k]);
     }
-    return rc_p3p(cam_from_points, (const rigcal_real(*)[3])x, ray);
+    return rc_p3p_begin(P, ray);
+}
+
+/* All poses, P being there to work in. */
+static int32_t poses_by(rigcal_transform cam_from_points[RC_P3P_MAX], rigcal_p3p *P,
+                        const rigcal_points *points, const int32_t index[3],
+                        const rigcal_real ray[3][3])
+{
+    int32_t n = 0;
+    if (begin_poses(P, points, index, ray)) {
+        while (n < RC_P3P_MAX && rc_p3p_next(&cam_from_points[n], P, ray)) {
+            n++;
+        }
+    }
+    return n;
+}
+
+int32_t rc_poses_of_three(rigcal_transform cam_from_points[RC_P3P_MAX],
+                          const rigcal_points *points, const int32_t index[3],
+                          const rigcal_real ray[3][3])
+{
+    rigcal_p3p P;
+    return poses_by(cam_from_points, &P, points, index, ray);
+}
+
+int32_t rc_triple_poses(rigcal_transform cam_from_points[RC_P3P_MAX], rigcal_triple *triple,
+                        const rigcal_points *points)
+{
+    return poses_by(cam_from_points, &triple->poses, points, triple->index,
+                    (const rigcal_real(*)[3])triple->ray);
 }
 
 #if RIGCAL_FOR_SPEED && RIGCAL_WITH_THREE_POINTS
@@ -30,7 +58,7 @@ RC_APART int32_t rc_poses_of_three(rigcal_transform cam_from_points[RC_P3P_MAX],
 
 /* The point farthest from the origin; that farthest from it; and that which is farthest
  * from the line of both. 0: it is near that line. */
-static int widest_triple(int32_t index[3], const rigcal_points *points)
+RC_APART static int widest_triple(int32_t index[3], const rigcal_points *points)
 {
     rigcal_real from[3] = {0, 0, 0}, side[3] = {0, 0, 0}, x[3], across[3], most = -1;
     for (int k = 0; k < 3; k++) {
@@ -78,22 +106,24 @@ static rigcal_real sum_of_others(const rigcal_points *points, const rigcal_trans
 /* The steps, as triple->count numbers them. */
 enum { TRIPLE = 0, RAYS = 1, POSES = 4, SCORES = 5 };
 
-/* All poses of the triple, unscored. */
-static int32_t put_poses(rigcal_optima *optima, const rigcal_triple *triple,
-                         const rigcal_points *points)
+/* All poses of the triple, unscored: n_roots of them. */
+RC_APART static uint8_t put_poses(rigcal_optima *optima, rigcal_triple *triple,
+                                  const rigcal_points *points)
 {
-    rigcal_transform root[RC_P3P_MAX];
-    const int32_t n = rc_poses_of_three(root, points, triple->index,
-                                        (const rigcal_real(*)[3])triple->ray);
-    for (int32_t k = 0; k < n; k++) {
-        (void)rc_optima_insert(optima, -1, &root[k], (rigcal_real)k);
+    const rigcal_real(*const ray)[3] = (const rigcal_real(*)[3])triple->ray;
+    rigcal_transform root;
+    uint8_t n = 0;
+    if (begin_poses(&triple->poses, points, triple->index, ray)) {
+        for (; n < RC_P3P_MAX && rc_p3p_next(&root, &triple->poses, ray); n++) {
+            (void)rc_optima_insert(optima, -1, &root, (rigcal_real)n);
+        }
     }
     optima->n = 0;
     return n;
 }
 
-static void score(rigcal_optimum *pose, const rigcal_triple *triple,
-                  const rigcal_points *points)
+RC_APART static void score(rigcal_optimum *pose, const rigcal_triple *triple,
+                           const rigcal_points *points)
 {
     rigcal_transform T;
     rc_optimum_transform(&T, pose);
@@ -101,9 +131,9 @@ static void score(rigcal_optimum *pose, const rigcal_triple *triple,
 }
 
 /* Sorts n scored poses, best first; returns how many the others do not rule out. */
-static int32_t rank(rigcal_optimum list[], int32_t n, rigcal_real pixel)
+RC_APART static uint8_t rank(rigcal_optimum list[], int32_t n, rigcal_real pixel)
 {
-    int32_t kept = 0;
+    uint8_t kept = 0;
     for (int32_t i = 1; i < n; i++) {
         const rigcal_optimum moved = list[i];
         int32_t at = i;
@@ -118,7 +148,7 @@ static int32_t rank(rigcal_optimum list[], int32_t n, rigcal_real pixel)
     return kept;
 }
 
-int rc_roots_step(rigcal_optima *optima, int32_t *n_roots, rigcal_triple *triple,
+int rc_roots_step(rigcal_optima *optima, uint8_t *n_roots, rigcal_triple *triple,
                   const rigcal_points *points)
 {
     RIGCAL_ASSERT(optima->n == 0 && points->n_used > 3);

@@ -2,25 +2,26 @@
 
 /* ---- constants ----------------------------------------------------------- */
 
-/* 1: how far the elements and the rows of a rotation may be off. Room for one that was
+/* 1: how far elements and rows of a rotation may be off. It allows for a rotation that was
  * written to a file with seven digits, but not for one that scales or shears. */
 #define ROTATION_TOL RC_TOL(1e-6, 1e-3)
 
-/* cosine of pitch: at or below it, yaw and roll turn about one axis, and only their sum is
- * known. */
+/* cosine of pitch: at or below it yaw and roll turn about the same axis, and only their sum
+ * is known. */
 #define GIMBAL_COS (4 * RC_EPS)
 
-/* 1: a matrix, its largest element being 1, with no more determinant is singular to
- * rounding. */
+/* 1: a matrix whose largest element is 1 is singular to rounding if its determinant is no
+ * more. */
 #define SINGULAR_DET (64 * RC_EPS)
 
-/* iterations: to the nearest rotation, usually 4 to 8. */
+/* iterations: to find the nearest rotation, usually 4 to 8. */
 enum { POLAR_ITERATIONS_MAX = 40 };
 
-/* 1: that iteration ends when no element changes more. */
+/* 1: the iteration ends if no element changes more. */
 #define POLAR_END (4 * RC_EPS)
 
-/* Its cofactors are itself, and each row has length 1. */
+/* The cofactors of a rotation are the rotation itself, and each of its rows has length
+ * 1. */
 int rc_is_rotation(const rigcal_real R[9])
 {
     rigcal_real off[9];
@@ -44,7 +45,7 @@ rigcal_status rc_check_rotation(const rigcal_real R[9])
     return rc_is_rotation(R) ? RIGCAL_OK : RIGCAL_ERR_ROTATION;
 }
 
-/* Rotation about axis c of the cyclic triple (a, b, c), a to b. */
+/* Rotation about axis c, from a to b, where (a, b, c) is a cyclic triple. */
 static void rotation_about(rigcal_real R[9], int a, int b, int c, rigcal_real angle)
 {
     const rigcal_real cosine = RC_COS(angle), sine = RC_SIN(angle);
@@ -98,8 +99,8 @@ rigcal_real rc_angle(rigcal_real sine, rigcal_real cosine)
     return (angle <= -RC_PI) ? RC_PI : angle;
 }
 
-/* Roll is read from Rz(yaw)^T R, not from the third row: near gimbal lock that
- * row is rounding, but the sum or difference of yaw and roll stays right. */
+/* Roll comes from Rz(yaw)^T R, not from the third row. Near gimbal lock this row is
+ * rounding, but the sum or difference of yaw and roll stays right. */
 void rc_yaw_pitch_roll_from_rotation(rigcal_real ypr[3], const rigcal_real R[9])
 {
     RIGCAL_ASSERT(rc_is_rotation(R));
@@ -137,8 +138,8 @@ void rc_rotation_from_quaternion(rigcal_real R[9], const rigcal_real q_wxyz[4])
     R[8] = 1 - s * (x * x + y * y);
 }
 
-/* Shepperd (1978): the largest of w, x, y, z is taken from the diagonal, so that
- * no small number is divided by. */
+/* Shepperd (1978): the largest of w, x, y, z comes from the diagonal, so no small number
+ * divides. */
 void rc_quaternion_from_rotation(rigcal_real q_wxyz[4], const rigcal_real R[9])
 {
     RIGCAL_ASSERT(rc_is_rotation(R));
@@ -190,8 +191,8 @@ void rc_vector_from_rotation(rigcal_real w[3], const rigcal_real R[9])
     }
 }
 
-/* From the sine and the cosine of the angle: one of them is accurate wherever
- * the other is not. */
+/* Uses sine and cosine of the angle. Where one of them is inaccurate the other is
+ * accurate. */
 rigcal_real rc_rotation_angle(const rigcal_real Ra[9], const rigcal_real Rb[9])
 {
     rigcal_real Rba[9];
@@ -214,9 +215,8 @@ static rigcal_real frobenius(const rigcal_real M[9])
                    rc_vec3_dot(&M[6], &M[6]));
 }
 
-/* Higham (1986): X <- (g X + X^-T / g) / 2 converges quadratically to the
- * orthogonal polar factor; g = sqrt(|X^-1| / |X|) makes a badly scaled start
- * quick, and tends to 1. */
+/* Higham (1986): X <- (g X + X^-T / g) / 2 converges quadratically to the orthogonal polar
+ * factor. g = sqrt(|X^-1| / |X|) speeds up a badly scaled start, and tends to 1. */
 int rc_rotation_nearest(rigcal_real R[9], const rigcal_real M[9])
 {
     rigcal_real X[9], cofactors[9];

@@ -2,20 +2,20 @@
 
 /* ---- constants ----------------------------------------------------------- */
 
-/* 1: a match that is nearer to the line through both centres than this many times its noise
- * has no direction across. */
+/* 1: a match that is nearer to the line through both centres than this times its noise has
+ * no direction across this line. */
 #define EPIPOLE_NOISE RC(10)
 
-/* rad: the same for rounding, where the noise is less. */
+/* rad: the least such angle if the noise is smaller. It is rounding. */
 #define EPIPOLE_ROUNDING (64 * RC_EPS)
 
-/* 1: of a pinhole, rays whose tangent is more are not imaged. */
+/* 1: a pinhole does not image rays with a larger tangent. */
 #define TANGENT_MOST RC_TOL(1e8, 1e4)
 
 /* ---- a ray and its noise -------------------------------------------------- */
 
-/* The same as below, of m = c (x, y, 1) in closed form:
- * T = sigma c^3 ((1 + y^2, -x y, -x) / fx, (-x y, 1 + x^2, -y) / fy). */
+/* rc_sight_of in closed form, with m = c (x, y, 1): T = sigma c^3 ((1 + y^2, -x y, -x) /
+ * fx, (-x y, 1 + x^2, -y) / fy). */
 static rigcal_status sight_of_pinhole(rc_sight *sight, const rigcal_camera *camera,
                                       const rigcal_real ray[3], rigcal_real sigma_px)
 {
@@ -43,15 +43,16 @@ static rigcal_status sight_of_pinhole(rc_sight *sight, const rigcal_camera *came
     return RIGCAL_OK;
 }
 
-/* rc_lens_is_pinhole, without a call: it is asked twice a row. */
+/* rc_lens_is_pinhole, inline because each row needs it twice. */
 static inline int is_pinhole(const rigcal_camera *camera)
 {
-    return !(camera->k1 != 0 || camera->k2 != 0 || camera->p1 != 0 || camera->p2 != 0 ||
-             camera->k3 != 0 || camera->k4 != 0 || camera->k5 != 0 || camera->k6 != 0) &&
-           !rc_lens_is_fisheye(camera);
+    const int is_distorted = camera->k1 != 0 || camera->k2 != 0 || camera->p1 != 0 ||
+                             camera->p2 != 0 || camera->k3 != 0 || camera->k4 != 0 ||
+                             camera->k5 != 0 || camera->k6 != 0;
+    return !is_distorted && !rc_lens_is_fisheye(camera);
 }
 
-/* d uv = B dm, B m = 0. Of all dm that is the shortest: T = B^T (B B^T)^-1. */
+/* d uv = B dm and B m = 0. Of all dm that fit, T = B^T (B B^T)^-1 gives the shortest. */
 rigcal_status rc_sight_of(rc_sight *sight, const rigcal_camera *camera,
                           const rigcal_real ray[3], rigcal_real sigma_px)
 {
@@ -80,7 +81,7 @@ rigcal_status rc_sight_of(rc_sight *sight, const rigcal_camera *camera,
 
 /* ---- a match --------------------------------------------------------------- */
 
-/* out = M^T v: of rc_linalg.h, but inline, for its many calls here. */
+/* out = M^T v, inline because it is called often here. */
 static inline void turn_back(rigcal_real out[3], const rigcal_real M[9],
                              const rigcal_real v[3])
 {
@@ -101,7 +102,8 @@ static inline void relate(rigcal_real R[9], rigcal_real t[3], const rigcal_trans
     t[2] = b->t[2] - rc_vec3_dot(&R[6], a->t);
 }
 
-/* What the noise of a ray does to e: along its two columns. Returns their square. */
+/* What the noise of a ray does to e, along its two columns. Returns the sum of their
+ * squares. */
 static inline rigcal_real noise_of(rigcal_real along[2], const rc_sight *sight,
                                    const rigcal_real g[3])
 {
@@ -110,7 +112,8 @@ static inline rigcal_real noise_of(rigcal_real along[2], const rc_sight *sight,
     return along[0] * along[0] + along[1] * along[1];
 }
 
-/* Whether a ray keeps off the line through both centres: |g| = |t| sin of the angle. */
+/* Whether a ray is far enough from the line through both centres: |g| = |t| sin of the
+ * angle. */
 static inline int keeps_off(const rc_sight *sight, const rigcal_real g[3], rigcal_real t2)
 {
     const rigcal_real noise =
@@ -120,7 +123,7 @@ static inline int keeps_off(const rc_sight *sight, const rigcal_real g[3], rigca
     return rc_vec3_dot(g, g) > least * t2;
 }
 
-/* The ray at which e = 0 to second order, `by` = e / s^2. */
+/* The ray at which e = 0 to second order. `by` = e / s^2. */
 static inline void correct(rigcal_real m[3], const rc_sight *sight, rigcal_real by,
                            const rigcal_real along[2])
 {
@@ -130,9 +133,9 @@ static inline void correct(rigcal_real m[3], const rc_sight *sight, rigcal_real 
     m[2] = sight->m[2] - u * sight->T[0][2] - v * sight->T[1][2];
 }
 
-/* The derivatives by = 1 / s of -e at the match (m_a, m_b): with the gradients g of e by
- * m_b and c by t, h_b = by (-m_b x g - t_b x c; c). A move of both cameras together is not
- * seen: h_a = -R^T h_b. */
+/* The derivatives of -e at the match (m_a, m_b), times by = 1 / s. With the gradients g of
+ * e by m_b and c of e by t, h_b = by (-m_b x g - t_b x c; c). A move of both cameras
+ * together is not seen, so h_a = -R^T h_b. */
 static void derive(rc_row *row, rigcal_real by, const rigcal_transform *b,
                    const rigcal_real R[9], const rigcal_real t[3], const rigcal_real m_a[3],
                    const rigcal_real m_b[3])
@@ -152,9 +155,9 @@ static void derive(rc_row *row, rigcal_real by, const rigcal_transform *b,
     rc_vec3_scale(&row->h_a[3], -1, turned);
 }
 
-/* (M1) The constraint e = m_b . (t x R m_a), b_from_a = (R, t); r = -e / s, and s^2 is the
- * variance of e. (M2), (M3) h is taken at the corrected match. At the noisy one h would be
- * -r / |base| along the base, although a match says nothing of its length. */
+/* (M1) The constraint is e = m_b . (t x R m_a), with b_from_a = (R, t). r = -e / s, and s^2
+ * is the variance of e. (M2), (M3) h is taken at the corrected match. At the noisy one h
+ * would be -r / |base| along the base, although a match tells nothing of its length. */
 static rigcal_status match_row(rc_row *row, const rc_seen *seen, const rigcal_transform *a,
                                const rigcal_transform *b)
 {
@@ -182,8 +185,8 @@ static rigcal_status match_row(rc_row *row, const rc_seen *seen, const rigcal_tr
 
 /* ---- a view of a target ------------------------------------------------------ */
 
-/* (M4) A point u from the target's origin, seen along the axes of the camera at p = q +
- * t_a: dp = w_a x q + dt_a - R_ab (w_b x u + dt_b). */
+/* (M4) A point is u away from the target's origin and at p = q + t_a in the camera's frame.
+ * dp = w_a x q + dt_a - R_ab (w_b x u + dt_b). */
 static rigcal_status view_rows(rc_row rows[2], const rc_seen *seen,
                                const rigcal_transform *a, const rigcal_transform *b)
 {
@@ -225,9 +228,9 @@ rigcal_status rc_rows_of(rc_row rows[], const rc_seen *seen, const rigcal_transf
 
 /* ---- a target gets its place ------------------------------------------------- */
 
-/* With T = camera_from_target the target's pose is T^-1 camera_from_rig: R = R_T^T R_c,
- * t = R_T^T (t_c - t_T). The errors (w, dt) of the camera and (v, ds) of T turn into
- * R_T^T (w - v) and R_T^T (dt - ds + (t_c - t_T) x v). */
+/* With T = camera_from_target the target's pose is T^-1 camera_from_rig: R = R_T^T R_c and
+ * t = R_T^T (t_c - t_T). The errors (w, dt) of the camera and (v, ds) of T become R_T^T (w
+ * - v) and R_T^T (dt - ds + (t_c - t_T) x v). */
 void rc_rows_place(rigcal_transform *target_from_rig, rigcal_real by_camera[36],
                    rigcal_real by_view[36], const rigcal_transform *camera_from_rig,
                    const rigcal_transform *camera_from_target)

@@ -4,13 +4,14 @@
 
 /* ---- constants ----------------------------------------------------------- */
 
-/* times: tau^2 grows so from rung to rung. It is 1 where noise is all. */
+/* times: tau^2 grows by this from each rung to the next. At rung 0 it is 1: noise alone. */
 #define LADDER_STEP RC(4)
 
-/* px: the least noise that is believed where none is stated. Pixels are not better. */
+/* px: the least noise where none is stated. No camera's pixels are better. */
 #define NOISE_LEAST RC(0.01)
 
-/* halvings: of a search of the median. Its error is this part of the largest. */
+/* halvings: of the interval that holds the median. Its error is then 2^-60 of the largest
+ * number. */
 enum { HALVINGS = 60 };
 
 enum { RUNGS = RIGCAL_CHOOSE_RUNGS, HYPOTHESES = 4 * RC_SCORE_PLACEMENTS };
@@ -99,7 +100,7 @@ size_t rc_score_view_of(const rigcal_rig *rig, const rc_score_parts *parts, size
 
 /* ---- the noise ----------------------------------------------------------- */
 
-/* The number at that place of x, in the order of size; those below 0 do not count. */
+/* The number at this place when x is sorted. Numbers below 0 do not count. */
 static rigcal_real ordered(const rigcal_real x[], size_t n, size_t place)
 {
     rigcal_real low = 0, high = 0;
@@ -140,7 +141,8 @@ rigcal_real rc_score_variance(const rigcal_rig *rig, const rc_score_parts *parts
 
 /* ---- the list ------------------------------------------------------------ */
 
-/* The view that a placement has of s->a, or that placed it; n_views: it has none. */
+/* The view that camera s->a has of a placement or, if s->a is -1, the view that placed it.
+ * Returns n_views if there is none. */
 static size_t other_view(const rigcal_choose_solver *s, const rc_score_parts *parts,
                          size_t placement)
 {
@@ -157,7 +159,7 @@ static size_t other_view(const rigcal_choose_solver *s, const rc_score_parts *pa
 int rc_score_begin(rigcal_choose_solver *s, const rc_score_parts *parts)
 {
     const rigcal_rig *const rig = s->check.rig;
-    rigcal_real *const told = parts->scores; /* of those in the list */
+    rigcal_real *const told = parts->scores; /* information of the placements in the list */
     size_t n = 0;
     for (size_t f = 0; f < rig->n_placements; f++) {
         const size_t view = rc_score_view_of(rig, parts, (size_t)s->b, f);
@@ -188,7 +190,8 @@ int rc_score_begin(rigcal_choose_solver *s, const rc_score_parts *parts)
 
 /* ---- hypotheses ---------------------------------------------------------- */
 
-/* Where b is from a by each two of their poses in a placement, or from the rig. */
+/* Claims of where camera b is from a: from each pair of their poses in this placement. If
+ * s->a is -1, the placement's pose in the rig stands for the poses of a. */
 static rigcal_status hypotheses(rc_claim out[4], const rigcal_choose_solver *s,
                                 const rc_score_parts *parts, size_t placement)
 {
@@ -204,7 +207,7 @@ static rigcal_status hypotheses(rc_claim out[4], const rigcal_choose_solver *s,
         return status;
     }
     if (s->a < 0) {
-        rc_claim *const placed = &out[0]; /* for a while */
+        rc_claim *const placed = &out[0]; /* scratch, overwritten below */
         rc_claim_place(placed, &of_a[placing % 2],
                        &parts->cams[(size_t)parts->camera[other]], 0);
         placed->extra = 0;
@@ -230,8 +233,9 @@ rigcal_status rc_score_claim(rc_claim *b_from_a, const rigcal_choose_solver *s,
 
 /* ---- scores -------------------------------------------------------------- */
 
-/* A placement more, and what it costs hypothesis k of placement `row` of the list: the
- * score is how many agree, less a part below 1 that grows with the cost. */
+/* Adds the cost of one more placement to hypothesis k of placement `row` of the list. The
+ * score is the number of placements that agree. A part below 1, which grows with the cost,
+ * is subtracted. */
 static void add_cost(const rigcal_choose_solver *s, const rc_score_parts *parts, size_t row,
                      size_t k, rigcal_real cost)
 {
@@ -249,8 +253,8 @@ int32_t rc_score_agree(rigcal_real score)
     return (int32_t)(score + 1 - RC(0.5) / (RC_SCORE_PLACEMENTS + 1));
 }
 
-/* The hypotheses of placement s->row of the list against those of s->column: each costs
- * what the nearest of the others does. */
+/* Scores the hypotheses of placement s->row of the list against those of s->column. Each
+ * costs the other placement what its nearest hypothesis there costs. */
 static void compare(const rigcal_choose_solver *s, const rc_score_parts *parts)
 {
     const rc_claim *const rows = parts->rows, *const columns = parts->rows + 4;
@@ -272,8 +276,8 @@ static void compare(const rigcal_choose_solver *s, const rc_score_parts *parts)
     }
 }
 
-/* A hypothesis costs its own placement what its poses fit worse than the first ones. Where
- * there is no hypothesis, the score is below all others, whatever is added to it. */
+/* A hypothesis costs its own placement what its poses fit worse than the first poses. Where
+ * there is no hypothesis the score is below all others, whatever is added to it. */
 static void compare_own(const rigcal_choose_solver *s, const rc_score_parts *parts)
 {
     for (size_t i = 0; i < 4; i++) {
@@ -292,7 +296,7 @@ rigcal_status rc_score_step(rigcal_choose_solver *s, const rc_score_parts *parts
 {
     const int is_own = s->column == s->row;
     rigcal_status status = RIGCAL_OK;
-    if (s->column == 0) { /* a new row */
+    if (s->column == 0) { /* a new row begins */
         status = hypotheses(parts->rows, s, parts, (size_t)parts->list[s->row]);
     }
     if (status == RIGCAL_OK && !is_own) {

@@ -97,14 +97,6 @@ static void look_along(rigcal_real R[9], const rigcal_real axis[3])
     }
 }
 
-static inline void turn_to_virtual(rigcal_real turned[3], const rigcal_real axis[3],
-                                   const rigcal_real ray[3])
-{
-    rigcal_real frame[9];
-    look_along(frame, axis);
-    rc_mat3_tmul_vec3(turned, frame, ray);
-}
-
 /* From the virtual camera and size 1 to the camera and the caller's unit. */
 RC_APART static void leave_virtual(rigcal_transform *T, const rigcal_search *s)
 {
@@ -187,19 +179,28 @@ static void count_point(rigcal_search *s, size_t i, const rigcal_real ray[3])
     triple->count++;
 }
 
-/* The ray of a point, of any length. */
-static rigcal_status ray_of(rigcal_real ray[3], const rigcal_points *points, size_t i)
+/* Where a pixel is in the lens's plane. */
+static inline void plane_of(rigcal_real at[3], const rigcal_points *points, size_t i)
 {
     const rigcal_camera *const c = points->view.camera;
     const rigcal_real *const uv = points->view.observations[i].uv;
+    at[0] = (uv[0] - c->cx) / c->fx;
+    at[1] = (uv[1] - c->cy) / c->fy;
+    at[2] = 1;
+}
+
+/* The ray of a point, of any length. */
+static rigcal_status ray_of(rigcal_real ray[3], const rigcal_points *points, size_t i)
+{
     if (RC_FOR_SPEED) {
-        const rigcal_real at[3] = {(uv[0] - c->cx) / c->fx, (uv[1] - c->cy) / c->fy, 1};
-        rc_vec3_copy(ray, at);
-        if (points->is_pinhole || rc_lens_invert_within(ray, c, at, points->proved2)) {
+        rigcal_real at[3];
+        plane_of(at, points, i);
+        ray[2] = 1;
+        if (rc_lens_invert_within(ray, points->view.camera, at, points->proved2)) {
             return RIGCAL_OK;
         }
     }
-    return rc_pixel_to_ray(ray, c, uv);
+    return rc_pixel_to_ray(ray, points->view.camera, points->view.observations[i].uv);
 }
 
 /* Whether a ray, `along` long along an axis, is nearer to it than the cosine's angle. */
@@ -209,18 +210,19 @@ static inline int is_near(rigcal_real along, rigcal_real cosine, const rigcal_re
            (!RC_FOR_SPEED || along * along > cosine * cosine * rc_vec3_dot(ray, ray));
 }
 
-/* Point s->point, scaled to size 1, and its image in the virtual camera. */
-RC_APART static int32_t gather_point(rigcal_search *s, const rigcal_real frame[9])
+/* Point s->point, scaled to size 1, and its image in the virtual camera, whose frame is
+ * NULL where it is not known. */
+RC_APART_FAST static int32_t gather_point(rigcal_search *s, const rigcal_real frame[9],
+                                          const rigcal_real ray[3])
 {
     const size_t i = s->point;
-    rigcal_real x[3], ray[3], u[3];
-    if (ray_of(ray, &s->points, i) != RIGCAL_OK) {
-        return RC_SEEDS_UNSEEN;
-    }
-    if (RC_FOR_SPEED) {
+    rigcal_real x[3], u[3];
+    if (RC_FOR_SPEED && frame != NULL) {
         rc_mat3_tmul_vec3(u, frame, ray);
     } else {
-        turn_to_virtual(u, s->axis, ray);
+        rigcal_real own[9];
+        look_along(own, s->axis);
+        rc_mat3_tmul_vec3(u, own, ray);
     }
     if (!WITH_WIDE && !is_near(ray[2], SPREAD_COSINE, ray)) {
         return RIGCAL_ERR_WIDE_RAY;
@@ -244,24 +246,40 @@ RC_APART static int32_t gather_point(rigcal_search *s, const rigcal_real frame[9
     return RC_SEEDS_BUSY;
 }
 
-static int32_t gathering_step(rigcal_search *s)
+/* A pinhole's rays need no stack, and one frame serves for all. */
+RC_APART static int32_t gather_pinhole(rigcal_search *s)
 {
-    const size_t n = s->points.view.n;
-    int left = s->points.is_pinhole ? PINHOLE_RAYS : 1;
-    rigcal_real frame[9]; /* for speed once for all of them */
-    if (RC_FOR_SPEED) {
-        look_along(frame, s->axis);
-    }
-    for (; left > 0 && s->point < n; left--) {
-        const int32_t came = gather_point(s, frame);
-        if (came != RC_SEEDS_BUSY || s->phase != GATHERING) {
+    rigcal_real frame[9], ray[3];
+    look_along(frame, s->axis);
+    for (int left = PINHOLE_RAYS; left > 0 && s->point < s->points.view.n; left--) {
+        const size_t i = s->point;
+        plane_of(ray, &s->points, i);
+        const int32_t came = gather_point(s, frame, ray);
+        if (came != RC_SEEDS_BUSY || s->point <= i) { /* begun again, by another frame */
             return came;
         }
     }
-    if (s->point == n) {
+    return RC_SEEDS_BUSY;
+}
+
+RC_APART_FAST static int32_t gathering_step(rigcal_search *s)
+{
+    int32_t came = RC_SEEDS_BUSY;
+    if (RC_FOR_SPEED && s->points.is_pinhole) {
+        came = gather_pinhole(s);
+    } else {
+        int left = s->points.is_pinhole ? PINHOLE_RAYS : 1;
+        for (; left > 0 && came == RC_SEEDS_BUSY && s->point < s->points.view.n; left--) {
+            rigcal_real ray[3];
+            came = (ray_of(ray, &s->points, s->point) == RIGCAL_OK)
+                       ? gather_point(s, NULL, ray)
+                       : RC_SEEDS_UNSEEN;
+        }
+    }
+    if (s->point == s->points.view.n) {
         s->phase = (s->is_wide & TOO_WIDE) ? PICKING : GATHERED;
     }
-    return RC_SEEDS_BUSY;
+    return came;
 }
 
 /* ---- three points -------------------------------------------------------- */
@@ -277,7 +295,7 @@ int rc_seeds_pick(rigcal_search *s)
 
 /* A triple spread over the points' order, and its poses. All points have rays: they were
  * gathered. */
-static int32_t picking_step(rigcal_search *s)
+RC_APART_FAST static int32_t picking_step(rigcal_search *s)
 {
     const size_t n = s->points.view.n;
     rigcal_triple *const triple = &s->work.triple;
@@ -291,8 +309,7 @@ static int32_t picking_step(rigcal_search *s)
         i += ((n + 1) >> 2) + (n >> 4);
     }
     s->next = 0;
-    s->n_exact = rc_poses_of_three(s->from.exact, &s->points, triple->index,
-                                   (const rigcal_real(*)[3])triple->ray);
+    s->n_exact = (uint8_t)rc_triple_poses(s->from.exact, triple, &s->points);
     RIGCAL_TRACE("poses of a triple", s->n_exact, 0);
     s->phase = CHOOSING;
     return RC_SEEDS_BUSY;
@@ -368,7 +385,7 @@ static void insert_seed(rigcal_search *s, rigcal_real cost)
     lattice->index[at] = s->next;
 }
 
-static void scanning_step(rigcal_search *s)
+RC_APART_FAST static void scanning_step(rigcal_search *s)
 {
     rigcal_lattice *const lattice = &s->from.lattice;
     rigcal_real m3[3];
@@ -393,10 +410,10 @@ static void begin_scanning(rigcal_search *s)
 }
 
 /* All points have been gathered. */
-static int32_t begin_search(rigcal_search *s)
+RC_APART_FAST static int32_t begin_search(rigcal_search *s)
 {
     rigcal_moments *const sums = &s->from.lattice.moments;
-    const rigcal_triple *const triple = &s->work.triple;
+    rigcal_triple *const triple = &s->work.triple;
     rigcal_real thickness;
     if (!rc_moments_finish(sums) || triple->count < 3) {
         return RIGCAL_ERR_COINCIDENT;
@@ -413,8 +430,7 @@ static int32_t begin_search(rigcal_search *s)
         }
         /* If there is no pose, the sums, which share memory with the poses, are still
          * there. */
-        s->n_exact = rc_poses_of_three(s->from.exact, &s->points, triple->index,
-                                       (const rigcal_real(*)[3])triple->ray);
+        s->n_exact = (uint8_t)rc_triple_poses(s->from.exact, triple, &s->points);
         s->triples = (s->n_exact > 0) ? TRIPLES : 0;
     }
     s->phase = CHOOSING;
@@ -526,7 +542,7 @@ static int32_t end_descent(rigcal_search *s)
                                                                         : RC_SEEDS_BUSY;
 }
 
-static int32_t descent_step(rigcal_search *s)
+RC_APART_FAST static int32_t descent_step(rigcal_search *s)
 {
     rigcal_neldermead *const nm = &s->work.descent.nm;
     rigcal_real m3[3];
@@ -615,7 +631,7 @@ static int32_t next_root(rigcal_search *s)
 
 /* ---- the next start ------------------------------------------------------ */
 
-RC_APART static int32_t choosing_step(rigcal_search *s)
+RC_APART_FAST static int32_t choosing_step(rigcal_search *s)
 {
     if (WITH_WIDE && s->next < s->n_exact) {
         return next_exact(s);

@@ -2,22 +2,23 @@
 
 /* ---- constants ----------------------------------------------------------- */
 
-/* sine squared of an angle, 0.6 degrees: a point so near to the ray that was seen, which
- * the lens images, needs no proof of its own that the lens sees it there. */
+/* squared sine: of 0.6 degrees. A point so near to the ray that was seen needs no proof
+ * that the lens sees it: the lens images this ray. */
 #define NEAR_RAY RC(1e-4)
 
-/* squared distance in a lens's plane: 0.1 px of a usual camera. The Newton step from
- * there ends the search for a ray, which is then good to 1e-6 px. */
+/* squared distance in a lens's plane: 0.1 px of a usual camera. The Newton step from there
+ * ends the search for a ray. Its error is then 1e-6 px. */
 #define RAY_NEAR RC(1e-8)
 
-/* steps: of that search, usually 2 or 3. */
+/* steps: of the search for a ray, usually 2 or 3. */
 enum { RAY_STEPS = 3 };
 
 /* ---- a ray --------------------------------------------------------------- */
 
-/* Whether the Jacobian of Brown's lens without a denominator is positive definite all the
- * way from the axis to x: its least eigenvalue is no less than this sum of bounds. It holds
- * for most images, and costs a tenth of rc_lens_is_usable. */
+/* Whether the Jacobian of Brown's lens without a denominator is positive definite on the
+ * whole way from the axis to x. Its least eigenvalue is at least 1 minus this sum of
+ * bounds. The test holds for most images, and takes a tenth of the time of
+ * rc_lens_is_usable. */
 static int is_mild(const rigcal_camera *c, const rigcal_real x[2])
 {
     const rigcal_real s = x[0] * x[0] + x[1] * x[1];
@@ -26,7 +27,8 @@ static int is_mild(const rigcal_camera *c, const rigcal_real x[2])
     return radial + 6 * (RC_FABS(c->p1) + RC_FABS(c->p2)) * RC_SQRT(s) < 1;
 }
 
-/* x with F(x) = target, of such a lens. 0: it must be sought with more care. */
+/* Finds x with F(x) = target for such a lens. Returns 0 if it needs a more careful
+ * search. */
 static int find_mild(rigcal_real x[2], const rigcal_camera *c, const rigcal_real target[2])
 {
     const rigcal_real denominator = RC_FABS(c->k4) + RC_FABS(c->k5) + RC_FABS(c->k6);
@@ -49,7 +51,7 @@ static int find_mild(rigcal_real x[2], const rigcal_camera *c, const rigcal_real
     return 0;
 }
 
-/* The unit ray of a pixel in the rig's frame; 0: the lens images none. */
+/* Computes the unit ray of a pixel in the rig's frame. It is 0 if the lens has none. */
 static void fill_ray(rc_sighted *v, const rigcal_mounted_camera *m, const rigcal_real uv[2])
 {
     const rigcal_camera *const c = &m->camera;
@@ -114,7 +116,7 @@ rigcal_status rc_sight_evaluate(rc_sighted *v, const rigcal_sightings *s, size_t
                                 const rigcal_real X[3])
 {
     const rigcal_mounted_camera *const m = camera_of(s, i);
-    rigcal_real *const P = v->B; /* for now */
+    rigcal_real *const P = v->B; /* used as scratch */
     rigcal_real X_c[3];
     rc_transform_point(X_c, &m->cam_from_rig, X);
     const rigcal_status status =
@@ -126,7 +128,7 @@ rigcal_status rc_sight_evaluate(rc_sighted *v, const rigcal_sightings *s, size_t
     return status;
 }
 
-/* Rows (q x p, p), p a row of d projection / d X_c, q = R X. */
+/* The rows are (q x p, p), with p a row of d projection / d X_c and q = R X. */
 rigcal_status rc_sight_move(rc_sighted *v, const rigcal_sightings *s, size_t i,
                             const rigcal_real X[3])
 {
@@ -152,8 +154,8 @@ rigcal_status rc_sight_move(rc_sighted *v, const rigcal_sightings *s, size_t i,
 
 /* ---- their covariance ---------------------------------------------------- */
 
-/* C = B_a Sigma B_b^T, of the rows of the unknowns `row` and the columns `column`, before
- * them. */
+/* C = B_a Sigma B_b^T, with the block of Sigma that begins at `row` and at the lower
+ * `column`. */
 static void block_before(rigcal_real C[4], const rigcal_real B_a[12],
                          const rigcal_real B_b[12], const rigcal_real Sigma[], size_t row,
                          size_t column)
@@ -175,7 +177,8 @@ static void block_before(rigcal_real C[4], const rigcal_real B_a[12],
     }
 }
 
-/* The same of one camera, whose block of Sigma is symmetric and has its lower half. */
+/* The same for one camera. Its block of Sigma is symmetric, and only its lower half is
+ * stored. */
 static void block_own(rigcal_real C[4], const rigcal_real B_a[12],
                       const rigcal_real B_b[12], const rigcal_real Sigma[], size_t row)
 {
@@ -213,7 +216,7 @@ void rc_sight_block(rigcal_real C[4], const rc_sighted *a, const rc_sighted *b,
     }
 }
 
-/* G = N A^T W, of one view. */
+/* G = N A^T W of one view. */
 static void fill_gain(rc_sighted *v, const rigcal_real N[6])
 {
     for (int row = 0; row < 2; row++) {
@@ -246,7 +249,7 @@ static void add_symmetric(rigcal_real Sigma[6], const rigcal_real G[6],
     }
 }
 
-/* One row of L^-1 (A e) in its place, and its part of the sums. */
+/* Computes one row of L^-1 (A e) and adds it to the sums. */
 static int add_row(rigcal_point_sums *sums, rc_sighted sights[], size_t row)
 {
     rigcal_real *const L = &sums->V[rc_packed_at(row, 0)];
@@ -292,7 +295,7 @@ int rc_sight_add(rigcal_point_sums *sums, rc_sighted sights[], size_t k,
     upper[2 * k] = C[0];
     lower[2 * k] = C[2];
     lower[2 * k + 1] = C[3];
-    for (int i = 0; i < 4; i++) { /* half, for it is added with its transpose */
+    for (int i = 0; i < 4; i++) { /* half, because it is added with its transpose */
         C[i] /= 2;
     }
     add_leverage(h, v->G, C);

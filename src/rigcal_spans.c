@@ -3,38 +3,41 @@
 
 /* ---- constants ----------------------------------------------------------- */
 
-/* px: fourth differences of the five nodes of an arc. What a polynomial of fourth degree
- * misses is 30 and more times smaller. */
+/* px: the largest fourth difference of the five nodes of an arc. A polynomial of fourth
+ * degree then misses the border by at most a thirtieth of it. */
 #define BEND_MAX RC_TOL(1e-3, 0.2)
 
-/* 1: if the fourth differences of an arc are smaller by this factor, the next may be twice
- * as long. */
+/* 1: the next arc may be twice as long if the fourth differences are smaller by this
+ * factor. */
 #define BEND_SPARE RC(16)
 
-/* part of the radius of the image: length of the first arc, which is then fitted. */
+/* part of the radius of the image: length of the first arc. Later lengths follow from the
+ * fourth differences. */
 #define ARC_FIRST RC(0.5)
 
 /* part of the radius of the image: length of the shortest arc, a few pixels. */
 #define ARC_LEAST RC(0.01)
 
-/* tangent: of the angle of an arc at most, 45 degrees. */
+/* tangent: of the largest angle of an arc, 45 degrees. */
 #define STRIDE_MOST RC(1)
 
-/* 1: a border is followed to this many times the distance of the corners of the image from
- * the axis. The room is for a decentered lens, whose distances do not grow evenly. */
+/* 1: a border is followed until its distance from the axis is this many times that of the
+ * image's corners. The excess is for a decentered lens, whose distances do not grow
+ * evenly. */
 #define BEYOND RC(1.05)
 
-/* px: a border ends where a shorter arc would go beyond the lens. */
+/* px: a border ends if even an arc of this length would go beyond the lens. */
 #define CLOSED_PX RC_TOL(0.02, 0.1)
 
-/* px: a border is on its place when the last correction was no more: what the next one
- * would be is some hundredths of it. */
+/* px: a place of a border is final if the last correction was no more. The next one would
+ * be some hundredths of it. */
 #define SETTLED_PX RC_TOL(1e-5, 0.05)
 
-/* rounds: of the place of a border, usually 1 or 2; where the lens folds, all of them. */
+/* rounds: to find a place of a border, usually 1 or 2. Where the lens folds all are
+ * used. */
 enum { ROUNDS_MAX = 24 };
 
-/* arcs: of one border, one way, at most. */
+/* arcs: the most of one border in one direction. */
 enum { ARCS_OF_BORDER = 24 };
 
 enum { NODES = RIGCAL_SPANS_NODES, LAST = NODES - 1 };
@@ -43,8 +46,9 @@ enum { NOT_BEGUN, START, TRACE, DONE };
 
 /* ---- one place of a border ----------------------------------------------- */
 
-/* (M6) How high over the line, in the direction `normal` from p, the border of this side
- * is: the root of A h^2 - 2 k^2 b h - k^2 (a + sigma_b^2 slope2) = 0 of that sign. */
+/* (M6) The height of the border on this side over the line at p, in the direction `normal`.
+ * It is the root of A h^2 - 2 k^2 b h - k^2 (a + sigma_b^2 slope2) = 0 with the sign of the
+ * side. */
 static rigcal_real height_at(const rigcal_spans_solver *s, const rigcal_real p[2],
                              rigcal_real slope2)
 {
@@ -64,10 +68,10 @@ static void direction_at(rigcal_real m[3], const rigcal_spans_solver *s,
     rc_vec3_add_scaled(m, height, s->normal);
 }
 
-/* One try of a border: the height h, the height that the slope there makes of it, and how
- * far off that is in pixels. */
+/* One try of a border: the height h, the height `wish` that follows from the slope there,
+ * and the move in pixels between them. */
 typedef struct {
-    rigcal_real uv[2], J[6], h, wish, move[2], speed, slope2; /* speed: px by h */
+    rigcal_real uv[2], J[6], h, wish, move[2], speed, slope2; /* speed: px per unit of h */
 } trial;
 
 static rigcal_status try_height(trial *at, const rigcal_spans_solver *s,
@@ -95,10 +99,10 @@ static rigcal_status try_height(trial *at, const rigcal_spans_solver *s,
                : RIGCAL_ERR_NO_RAY;
 }
 
-/* The height of the border of this side over p. The noise of b's pixels weighs by the slope
- * at the place itself: the height that follows from it is put in until it stays. Where the
- * lens folds before, the border is the fold: it is between a height that the lens sees and
- * one that it does not, which close in. 0: there is none. */
+/* Finds the height of the border of this side over p. The noise of b's pixels weighs by the
+ * slope at the place itself, so the height is computed again until it stays. If the lens
+ * folds before, the border is the fold. It lies between a height that the lens sees and one
+ * that it does not see; these two are brought together. Returns 0 if there is no border. */
 static int find_height(trial *found, const rigcal_spans_solver *s, const rigcal_real p[2],
                        rigcal_real slope2)
 {
@@ -131,7 +135,7 @@ static int find_height(trial *found, const rigcal_spans_solver *s, const rigcal_
             break;
         }
         h = is_seen ? now.wish : low;
-        if (has_inside && !(out * (h - low) > 0 && out * (beyond - h) > 0)) {
+        if (has_inside && (!(out * (h - low) > 0) || !(out * (beyond - h) > 0))) {
             h = (low + beyond) / 2;
         }
     }
@@ -139,7 +143,7 @@ static int find_height(trial *found, const rigcal_spans_solver *s, const rigcal_
     return has_inside;
 }
 
-/* The pixel of the border of this side at p, and J there. */
+/* Finds the pixel of the border of this side at p, and J there. */
 static rigcal_status place_border(rigcal_real uv[2], rigcal_real J[6],
                                   rigcal_spans_solver *s, const rigcal_real p[2])
 {
@@ -162,7 +166,7 @@ static rigcal_status place_border(rigcal_real uv[2], rigcal_real J[6],
 
 /* ---- a border, one way --------------------------------------------------- */
 
-/* The direction in which p moves: towards far (way 0), towards near (way 1). */
+/* The sign of the direction in which p moves: towards far (way 0) or near (way 1). */
 static rigcal_real sign_of(const rigcal_spans_solver *s)
 {
     return (s->way == 0) ? RC(-1) : RC(1);
@@ -174,7 +178,7 @@ static rigcal_real cross2(const rigcal_real a[2], const rigcal_real b[2])
     return a[0] * b[1] - a[1] * b[0];
 }
 
-/* Squared distance from the axis, normalised. */
+/* Squared distance from the axis, in the normalised image. */
 static rigcal_real radius2_of(const rigcal_spans_solver *s, rigcal_real u, rigcal_real v)
 {
     const rigcal_camera *const c = &s->band.camera_b;
@@ -182,7 +186,8 @@ static rigcal_real radius2_of(const rigcal_spans_solver *s, rigcal_real u, rigca
     return x * x + y * y;
 }
 
-/* The next arc: `stride` long, or to the end of the depth range. 0: it is there. */
+/* Sets the end of the next arc: `stride` ahead, or the end of the depth range. Returns 0 if
+ * that end has been reached. */
 static int aim(rigcal_spans_solver *s)
 {
     const rigcal_real *const p = s->at, *const end = s->ends[s->way];
@@ -197,7 +202,7 @@ static int aim(rigcal_spans_solver *s)
     return s->stride > RC_EPS;
 }
 
-/* p + part of the stride. */
+/* p after this part of the stride. */
 static void place_of_node(rigcal_real p[2], const rigcal_spans_solver *s, rigcal_real part)
 {
     const rigcal_real turn = sign_of(s) * part * s->stride;
@@ -205,7 +210,8 @@ static void place_of_node(rigcal_real p[2], const rigcal_spans_solver *s, rigcal
     p[1] = s->at[1] + turn * s->at[0];
 }
 
-/* The first place of a border: the nearest to the axis. 0: the lens does not see it. */
+/* Finds the first place of a border, the nearest to the axis. Returns 0 if the lens does
+ * not see it. */
 static int begin_side(rigcal_spans_solver *s)
 {
     const rigcal_real *const p = s->start, across[2] = {-p[1], p[0]};
@@ -229,7 +235,7 @@ static int begin_side(rigcal_spans_solver *s)
     return s->start_speed > 0;
 }
 
-/* From there, one way. */
+/* Begins at the first place, in one of the two directions. */
 static void begin_way(rigcal_spans_solver *s)
 {
     s->u[0] = s->start_uv[0];
@@ -258,7 +264,8 @@ static rigcal_real bend_of(const rigcal_real x[NODES])
     return RC_FABS((x[0] + x[4]) - 4 * (x[1] + x[3]) + 6 * x[2]);
 }
 
-/* The stride of the next arc: after an easy one longer. */
+/* Sets the stride of the next arc. It is longer after an arc of small fourth
+ * differences. */
 static void set_stride(rigcal_spans_solver *s, rigcal_real bend)
 {
     const rigcal_real chord[3] = {s->u[LAST] - s->u[LAST - 1], s->v[LAST] - s->v[LAST - 1],
@@ -272,8 +279,8 @@ static void set_stride(rigcal_spans_solver *s, rigcal_real bend)
     s->stride *= s->length / rc_max(LAST * rc_vec3_norm(chord), ARC_LEAST * s->length);
 }
 
-/* All five nodes are there: the arc is taken, or made again half as long. 0: the border
- * ends with it, at the end of the depth range or outside the image. */
+/* After all five nodes: takes the arc, or begins it again at half the length. Returns 0 if
+ * the border ends with this arc, at the end of the depth range or outside the image. */
 static int finish_arc(rigcal_spans_solver *s)
 {
     const rigcal_real bend = rc_max(bend_of(s->u), bend_of(s->v));
@@ -296,11 +303,11 @@ static int finish_arc(rigcal_spans_solver *s)
     s->u[0] = s->u[LAST];
     s->v[0] = s->v[LAST];
     return !s->is_last && s->n_arcs < 2 * ARCS_OF_BORDER &&
-           !(before > s->radius2 && now > before);
+           (!(before > s->radius2) || !(now > before));
 }
 
-/* One node of the arc under way. Where the lens does not see it, the arc is made again
- * half as long, until that is next to nothing. 0: the border ends. */
+/* Adds one node of the current arc. If the lens does not see it, the arc begins again at
+ * half the length, down to CLOSED_PX. Returns 0 if the border ends. */
 static int add_node(rigcal_spans_solver *s)
 {
     rigcal_real p[2], uv[2], J[6];
@@ -323,8 +330,8 @@ static int add_node(rigcal_spans_solver *s)
 
 /* ---- the ends ------------------------------------------------------------ */
 
-/* From one border to the other: at an end of the depth range along it, else straight,
- * outside the image or where the lens ends. */
+/* Joins the two borders at one of their ends. At an end of the depth range it follows that
+ * end. Otherwise it is straight, outside the image or where the lens ends. */
 static void close_way(rigcal_spans_solver *s, int way)
 {
     const rigcal_border_end *const from = &s->corners[0][way];
@@ -361,8 +368,9 @@ static void finish(rigcal_spans_solver *s, int is_seen)
 
 /* ---- begin, step, result ------------------------------------------------- */
 
-/* (M6) The place of the line that is nearest to the axis, within the depth range; what
- * belongs to the whole band. */
+/* (M6) Finds the place of the line that is nearest to the axis, within the depth range, and
+ * what is the same for the whole band. Returns 0 unless A > 0: otherwise there are no two
+ * borders. */
 static int prepare(rigcal_spans_solver *s)
 {
     const rigcal_band *const band = &s->band;
@@ -417,7 +425,7 @@ rigcal_status rigcal_spans_begin(rigcal_spans_solver *solver, const rigcal_band 
     return RIGCAL_OK;
 }
 
-/* A unit: the first place of a side, or a node. */
+/* One unit: the first place of a side, or a node. */
 static void step(rigcal_spans_solver *s)
 {
     if (s->phase == START) {

@@ -5,18 +5,18 @@
 
 /* ---- constants ----------------------------------------------------------- */
 
-/* 1: how far an element of a rotation stored as floats may be moved to make it one of
- * doubles. The float build accepts as much. */
+/* 1: the most by which an element of a rotation stored as floats may be moved to make a
+ * rotation of doubles. The float build accepts as much. */
 #define FLOAT_ROTATION_TOL RC(1e-3)
 
-/* 1: the most negative eigenvalue of correlations that may be rounding, also that of a
- * covariance stored in double and loaded in float. */
+/* 1: a negative eigenvalue of correlations up to this may be rounding, also of a covariance
+ * that is stored in double and loaded in float. */
 #define CORRELATION_TOL RC_TOL(1e-9, 1e-5)
 
-/* The byte form: examples/data/FORMAT.md. All numbers little-endian. */
+/* The byte form: examples/data/FORMAT.md. All numbers are little-endian. */
 enum {
     FORM_CAMERAS = 1, /* version: each camera has its own covariance */
-    FORM_RIG = 2,     /* all cameras have a joint one */
+    FORM_RIG = 2,     /* version: all cameras have a joint one */
     AT_VERSION = 4,
     AT_REAL_BYTES = 6,
     AT_N_CAMERAS = 8,
@@ -27,9 +27,9 @@ enum {
     AT_HEADER_CRC = 28,
     HEADER_BYTES = RIGCAL_STORE_HEADER_BYTES,
 
-    CAMERA_INTEGERS = 4, /* lens, width, height, has_Sigma; in a rig: held */
+    CAMERA_INTEGERS = 4, /* lens, width, height, has_Sigma (in a rig: held) */
     AT_ROLE = 12,
-    AT_GROUP = 16, /* in a rig */
+    AT_GROUP = 16, /* in a rig only */
     CAMERA_REALS = 12,
     RIG_REALS = 4,
     CAMERAS_MAX = RIGCAL_STORE_CAMERAS_MAX
@@ -44,7 +44,7 @@ typedef char
                                     ? 1
                                     : -1];
 
-/* The length of the form is an int32_t. */
+/* The length of the bytes must fit an int32_t. */
 typedef char
     a_length_fits[RIGCAL_STORE_RIG_SIZE_OF((uint64_t)CAMERAS_MAX,
                                            (uint64_t)RIGCAL_STORE_FREE_MAX, 8) <= INT32_MAX
@@ -53,7 +53,7 @@ typedef char
 
 /* ---- one camera ----------------------------------------------------------- */
 
-/* Element (i, j) over the standard deviations of i and j. */
+/* Element (i, j) divided by the standard deviations of i and j. */
 static rigcal_real correlation(const rigcal_real Sigma[36], int i, int j)
 {
     const rigcal_real x = Sigma[6 * i + j];
@@ -61,8 +61,8 @@ static rigcal_real correlation(const rigcal_real Sigma[36], int i, int j)
     return (RC_FABS(x) > 0) ? x / deviations : 0;
 }
 
-/* 1 when Sigma is symmetric and positive semidefinite, to rounding: its correlations, with
- * the tolerance added on the diagonal, have a Cholesky factor. */
+/* Whether Sigma is symmetric and positive semidefinite to rounding: its correlations, with
+ * the tolerance added to the diagonal, have a Cholesky factor. */
 static int is_covariance(const rigcal_real Sigma[36])
 {
     rigcal_real L[6][6];
@@ -111,8 +111,8 @@ static rigcal_status check_mounted(const rigcal_mounted_camera *m)
     return is_covariance(m->Sigma) ? RIGCAL_OK : RIGCAL_ERR_RANGE;
 }
 
-/* A camera without its covariance. role: has_Sigma, or whether it is held. group: less
- * than 0: it is not stored. */
+/* Writes a camera without its covariance. role: has_Sigma, or whether the camera is held. A
+ * group below 0 is not stored. */
 static uint8_t *put_mounted(uint8_t *at, const rigcal_mounted_camera *m, int32_t role,
                             int32_t group)
 {
@@ -138,7 +138,9 @@ static uint8_t *put_Sigma(uint8_t *at, const rigcal_mounted_camera *m)
     return at;
 }
 
-/* A rotation of floats is orthonormal to 1e-7 at best, which doubles show. */
+#if !RIGCAL_USE_FLOAT
+/* Makes a rotation that was stored as floats orthonormal in doubles. Floats are so to 1e-7
+ * at best. */
 static void make_orthonormal(rigcal_real R[9])
 {
     rigcal_real nearest[9];
@@ -152,14 +154,15 @@ static void make_orthonormal(rigcal_real R[9])
     }
     memcpy(R, nearest, sizeof nearest);
 }
+#endif
 
 /* Where the parts of stored bytes are. */
 typedef struct {
-    const uint8_t *cameras; /* the first, and from one to the next */
+    const uint8_t *cameras; /* the first; the next ones follow every `stride` bytes */
     size_t stride;
     const uint8_t *joint;     /* NULL: each camera has its own covariance */
-    const rigcal_real *Sigma; /* the joint covariance, if it is not in bytes */
-    const uint8_t *rig;       /* RIG_REALS before the cameras, if it is not */
+    const rigcal_real *Sigma; /* the joint covariance, if it is not in the bytes */
+    const uint8_t *rig;       /* RIG_REALS numbers before the cameras, of a rig */
     int32_t real_bytes;
 } form_parts;
 
@@ -181,8 +184,8 @@ static void find_parts(form_parts *p, const uint8_t bytes[], size_t n_cameras,
     }
 }
 
-/* The covariance of a camera: behind its pose, or in the joint one from unknown `first`
- * on. Of one that is held, or unknown: zeros. */
+/* Reads the covariance of a camera: behind its pose, or from unknown `first` on in the
+ * joint one. It is 0 if the camera is held or its covariance unknown. */
 static void get_Sigma(rigcal_mounted_camera *m, const form_parts *p, const uint8_t *at,
                       size_t first, int is_held)
 {
@@ -201,8 +204,8 @@ static void get_Sigma(rigcal_mounted_camera *m, const form_parts *p, const uint8
     }
 }
 
-/* Camera `index`, whose unknowns are *first and those after it. *first becomes that of the
- * next camera. */
+/* Reads camera `index`, whose unknowns begin at *first. *first becomes that of the next
+ * camera. */
 static void get_mounted(rigcal_mounted_camera *m, size_t *first, const form_parts *p,
                         size_t index)
 {
@@ -231,16 +234,18 @@ static void get_mounted(rigcal_mounted_camera *m, size_t *first, const form_part
     c->k6 = numbers[11];
     at = rc_get_reals(m->cam_from_rig.R, 9, at, real_bytes);
     at = rc_get_reals(m->cam_from_rig.t, 3, at, real_bytes);
+#if !RIGCAL_USE_FLOAT
     if ((size_t)real_bytes < sizeof(rigcal_real)) {
         make_orthonormal(m->cam_from_rig.R);
     }
+#endif
     get_Sigma(m, p, at, *first, is_held);
     *first += is_held ? 0 : 6;
 }
 
 /* ---- the joint covariance ------------------------------------------------ */
 
-/* Element k of the packed covariance: of a rig, or of bytes. */
+/* Element k of the packed covariance, from a rig or from bytes. */
 static rigcal_real joint_at(const form_parts *p, size_t k)
 {
     rigcal_real x;
@@ -251,7 +256,7 @@ static rigcal_real joint_at(const form_parts *p, size_t k)
     return x;
 }
 
-/* That no variance is below 0 and no correlation beyond 1. Time O(n^2) */
+/* Checks that no variance is below 0 and no correlation exceeds 1. Time O(n^2) */
 static rigcal_status check_joint(const form_parts *p, size_t n)
 {
     for (size_t i = 0; i < n; i++) {
@@ -277,7 +282,7 @@ static rigcal_status check_joint(const form_parts *p, size_t n)
     return RIGCAL_OK;
 }
 
-/* Cameras of a rig that are not held, in bytes of it. */
+/* Number of cameras in the bytes of a rig that are not held. */
 static size_t count_free(const form_parts *p, size_t n_cameras)
 {
     size_t n_free = 0;
@@ -287,7 +292,7 @@ static size_t count_free(const form_parts *p, size_t n_cameras)
     return n_free;
 }
 
-/* Checks what form 2 has of each camera besides form 1: whether it is held, and its
+/* Checks what form 2 has of each camera in addition to form 1: whether it is held, and its
  * group. */
 static rigcal_status check_links(const form_parts *p, size_t n_cameras)
 {
@@ -319,8 +324,8 @@ static void seal(uint8_t bytes[], size_t size, uint32_t version, size_t n_camera
     (void)rc_put_u32(bytes + AT_HEADER_CRC, rc_crc32(bytes, AT_HEADER_CRC));
 }
 
-/* Of bytes whose CRCs hold: whether their length is that of their cameras. *n_free gets
- * the cameras of the joint covariance, or -1. */
+/* Whether the length of bytes with right CRCs is that of their cameras. *n_free: cameras of
+ * the joint covariance, or -1. */
 static int is_length_right(int32_t *n_free, const uint8_t bytes[], size_t size, size_t n,
                            int32_t real_bytes)
 {
@@ -393,7 +398,7 @@ rigcal_status rigcal_store_info(rigcal_saved_info *info, const uint8_t bytes[],
             return RIGCAL_ERR_FOREIGN;
         }
     }
-    /* The length is not believed before its own CRC is seen to hold. */
+    /* The length is used only after the header's CRC was found right. */
     if (rc_u32_at(bytes + AT_HEADER_CRC) != rc_crc32(bytes, AT_HEADER_CRC)) {
         return RIGCAL_ERR_DAMAGED;
     }
@@ -421,8 +426,8 @@ rigcal_status rigcal_store_info(rigcal_saved_info *info, const uint8_t bytes[],
     return RIGCAL_OK;
 }
 
-/* Checks the numbers in complete bytes, which `info` describes: only what rigcal_store_save
- * would save is accepted. */
+/* Checks the numbers in complete bytes, which `info` describes. It accepts only what
+ * rigcal_store_save would save. */
 static rigcal_status check_bytes(form_parts *p, const uint8_t bytes[],
                                  const rigcal_saved_info *info)
 {
@@ -434,7 +439,7 @@ static rigcal_status check_bytes(form_parts *p, const uint8_t bytes[],
         rigcal_real numbers[RIG_REALS];
         (void)rc_get_reals(numbers, RIG_REALS, p->rig, p->real_bytes);
         rigcal_status status = rc_calibrated_numbers(numbers);
-        if (status == RIGCAL_ERR_STATE) { /* the bytes say that there is a covariance */
+        if (status == RIGCAL_ERR_STATE) { /* the bytes claim a covariance */
             status = RIGCAL_ERR_RANGE;
         }
         if (status == RIGCAL_OK) {
@@ -501,8 +506,8 @@ size_t rigcal_store_rig_size(size_t n_cameras, size_t n_free)
                : 0;
 }
 
-/* The numbers that rigcal_store_save_rig refuses. A camera's own covariance is its block
- * of the joint one. */
+/* Checks the numbers that rigcal_store_save_rig may refuse. A camera's own covariance is
+ * its block of the joint one. */
 static rigcal_status check_rig(const rigcal_calibrated_rig *rig, size_t n_free)
 {
     const form_parts p = {.Sigma = rig->Sigma};
@@ -554,7 +559,7 @@ rigcal_status rigcal_store_save_rig(uint8_t bytes[], size_t capacity, size_t *n_
     return RIGCAL_OK;
 }
 
-/* The numbers of a rig, and what its cameras are besides. */
+/* Reads the numbers of a rig, and whether each camera is held, its group and the camera. */
 static void get_rig(rigcal_calibrated_rig *rig, const form_parts *p,
                     const rigcal_saved_info *info)
 {

@@ -2,7 +2,7 @@
 
 /* ---- a target has a place ----------------------------------------------------- */
 
-/* What was seen of point `index`. */
+/* Sets the point and its pixel from an observation. */
 static void see(rc_seen *seen, const rigcal_observation *o)
 {
     rc_vec3_copy(seen->X, o->X_w);
@@ -10,7 +10,7 @@ static void see(rc_seen *seen, const rigcal_observation *o)
     seen->uv[1] = o->uv[1];
 }
 
-/* All points must have rows where the bodies are, before one of them counts. */
+/* Checks that all points have rows at the bodies' poses, before one of them is taken. */
 static rigcal_status check_rows(int32_t *at_fault, const rc_monitor *m, rc_seen *seen,
                                 const rigcal_observation observations[], size_t n)
 {
@@ -37,7 +37,8 @@ static rigcal_status take_view(int32_t *at_fault, rc_monitor *m, rc_seen *seen,
     }
     for (size_t i = 0; i < n; i++) {
         see(seen, &observations[i]);
-        /* where a body settles, a point may come behind its camera: it does not count */
+        /* While a body settles, a point may come behind its camera: then it does not
+         * count. */
         (void)rc_monitor_take(m, seen);
     }
     return RIGCAL_OK;
@@ -45,13 +46,15 @@ static rigcal_status take_view(int32_t *at_fault, rc_monitor *m, rc_seen *seen,
 
 /* ---- a target gets its place -------------------------------------------------- */
 
-/* A pose that may be another, or that does not fit, is no place. */
+/* Whether a pose fixes the place of a target. One that is ambiguous or does not fit does
+ * not. */
 static int is_placed(rigcal_status status)
 {
     return status >= 0 && status != RIGCAL_AMBIGUOUS && status != RIGCAL_POOR_FIT;
 }
 
-/* (M4) The first view: its pose, with its covariance, and that of its camera. */
+/* (M4) Places a target by its first view, with the covariances of the view's and the
+ * camera's pose. */
 static rigcal_status place(int32_t *at_fault, rc_monitor *m, const rc_seen *seen,
                            const rigcal_observation observations[], size_t n)
 {

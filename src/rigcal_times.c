@@ -2,27 +2,26 @@
 
 /* ---- constants ----------------------------------------------------------- */
 
-/* s: a longer step from one placement to the next is none of frames that follow each other.
- * Three frames a second are too few for the target's motion to be known. */
+/* s: the longest step between two frames that follow each other. At three frames a second
+ * the target's motion is too little known. */
 #define FRAME_LONGEST RC(0.35)
 
-/* frames: the longest step of a run. More than one and a half, for stamps that are uneven;
- * less than two, for the curve through a gap is not known well enough. */
+/* frames: the longest step of a run. It exceeds one and a half because stamps are uneven.
+ * It is less than two because a curve through a gap is not known well enough. */
 #define STEP_LONGEST RC(1.6)
 
-/* part of a frame: if the rounding of the times is larger, they say nothing about
- * clocks. */
+/* part of a frame: the times tell nothing about clocks if their rounding is larger. */
 #define ROUNDING_MOST RC(0.001)
 
-/* frames: a camera is not off by more. Frame numbers fit an int32_t. */
+/* frames: the largest offset of a clock. Frame numbers then fit an int32_t. */
 #define FRAMES_MOST RC(1e6)
 
-/* halvings: of the search of the middle step. It is then exact to float's rounding. */
+/* halvings: to find the median step. It is then exact to float's rounding. */
 enum { HALVINGS = 24 };
 
 /* ---- what is handed in --------------------------------------------------- */
 
-/* How many steps from one time that is known to the next are at most `limit`. */
+/* How many steps from one known time to the next are at most `limit`. */
 static size_t count_steps(const rigcal_real times[], size_t n, rigcal_real limit)
 {
     rigcal_real last = RC_MAX;
@@ -34,7 +33,7 @@ static size_t count_steps(const rigcal_real times[], size_t n, rigcal_real limit
     return count;
 }
 
-/* The middle one of the steps up to FRAME_LONGEST; that, where there is none. */
+/* The median of the steps up to FRAME_LONGEST, or FRAME_LONGEST if there are none. */
 static rigcal_real middle_step(const rigcal_real times[], size_t n)
 {
     const size_t half = (count_steps(times, n, FRAME_LONGEST) + 1) / 2;
@@ -46,8 +45,8 @@ static rigcal_real middle_step(const rigcal_real times[], size_t n)
     return high;
 }
 
-/* Times that are known rise: the middle between the first and the last of them, and half of
- * what is between. */
+/* Checks that the known times rise. *middle is the middle between the first and the
+ * last. */
 static rigcal_status check_order(rigcal_real *middle, const rigcal_real times[], size_t n,
                                  rigcal_real frame)
 {
@@ -60,7 +59,7 @@ static rigcal_status check_order(rigcal_real *middle, const rigcal_real times[],
         if (t < last || t == last) {
             return (t < last) ? RIGCAL_ERR_UNSORTED : RIGCAL_ERR_TWICE;
         }
-        if (t > last) { /* NaN is not */
+        if (t > last) { /* false for NaN */
             first = (last > -RC_MAX) ? first : t;
             last = t;
         }

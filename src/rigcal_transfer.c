@@ -4,29 +4,30 @@
 
 /* ---- constants ----------------------------------------------------------- */
 
-/* steps: of a point by Gauss and Newton, from the middle between two rays. The third is
- * below rounding. */
+/* steps: of Gauss-Newton for a point, from the middle between two rays. The third is below
+ * rounding. */
 enum { STEPS = 3 };
 
 /* part of an element of the diagonal: a smaller pivot is rounding. */
 #define RANK_TOL (4 * RC_EPS)
 
-/* part of a pixel's noise: residuals below this are rounding, and fit. */
+/* part of a pixel's noise: smaller residuals are rounding and count as 0. */
 #define RESIDUAL_LEAST RC_TOL(1e-9, 1e-3)
 
-/* The three cameras; the rows that depend on their poses, each on 6 numbers of a camera. */
+/* The three cameras, and the rows that depend on their poses. Each row has 6 numbers for
+ * each camera. */
 enum { CAM_A, CAM_B, CAM_C, CAMERAS };
 enum { ROW_X = 0, ROW_UV = 3, ROW_MISS = 5, ROWS = 6 };
 
-/* One camera at the point. */
+/* What one camera sees of the point. */
 typedef struct {
     const rigcal_camera *camera;
     const rigcal_transform *cam_from_rig;
-    rigcal_real uv[2], e[2];      /* projected; what is left */
+    rigcal_real uv[2], e[2];      /* projected pixel; residual */
     rigcal_real A[2][3], B[2][6]; /* d uv / d X, d uv / d (w, dt) */
 } sight;
 
-/* Everything of one transfer. L: how the rows depend on the cameras. */
+/* All numbers of one transfer. L says how the rows depend on the cameras. */
 typedef struct {
     sight sights[CAMERAS];
     rigcal_real X[3], H[6], weight[2];
@@ -35,7 +36,7 @@ typedef struct {
 
 /* ---- the point ----------------------------------------------------------- */
 
-/* Projects X and its derivatives; uv NULL: nothing was observed. */
+/* Projects X, with derivatives. uv may be NULL if nothing was observed. */
 static rigcal_status look(sight *s, const rigcal_real X[3], const rigcal_real *uv)
 {
     const rigcal_transform *const T = s->cam_from_rig;
@@ -60,8 +61,8 @@ static void solve(rigcal_real x[3], const rigcal_real L[6])
     rc_sym3_backward(x, L);
 }
 
-/* The point of a and b: from the middle between the rays, by least squares in pixels. H
- * gets the factor of the normal equations. */
+/* Finds the point that a and b see, by least squares in pixels from the middle between the
+ * rays. H becomes the factor of the normal equations. */
 static rigcal_status find_point(transferred *t, const rigcal_real uv_a[2],
                                 const rigcal_real uv_b[2])
 {
@@ -110,8 +111,8 @@ static rigcal_status find_point(transferred *t, const rigcal_real uv_a[2],
 
 /* ---- how sure ------------------------------------------------------------ */
 
-/* (M8) gain_i = -H^-1 A_i^T w_i B_i; the pixel of c: A_c gain, and B_c; what is left of a
- * and b, along itself: e_i^T w_i B_i. */
+/* (M8) Fills the rows of L. Of X: gain_i = -H^-1 A_i^T w_i B_i. Of c's pixel: A_c gain_i,
+ * and B_c. Of the residual of a and b along itself: e_i^T w_i B_i. */
 static void fill_rows(transferred *t)
 {
     const sight *const c = &t->sights[CAM_C];
@@ -139,7 +140,7 @@ static void fill_rows(transferred *t)
     }
 }
 
-/* V[i][j] of two rows: L_i Sigma L_j^T, Sigma the joint covariance. */
+/* V[i][j] = L_i Sigma L_j^T of each two rows. Sigma is the joint covariance. */
 static void spread(rigcal_real V[ROWS][ROWS], const transferred *t,
                    const rigcal_calibrated_rig *rig, const size_t abc[3])
 {
@@ -197,7 +198,8 @@ static void write_out(rigcal_transfer *out, const transferred *t, rigcal_real V[
         (weighed > noise) ? weighed * (weighed / (weighed + V[ROW_MISS][ROW_MISS])) : 0;
 }
 
-/* A rig's Sigma that is no covariance may leave a negative one. */
+/* Whether all variances are 0 or more. They may not be if the rig's Sigma is no
+ * covariance. */
 static int has_variances(const rigcal_transfer *made)
 {
     const rigcal_real *const S = made->Sigma, *const S_X = made->Sigma_X;

@@ -2,11 +2,11 @@
 
 /* ---- constants ----------------------------------------------------------- */
 
-/* steps: to the mean of rotations, usually 2 or 3. The worst case that the manual
- * states. */
+/* steps: to the mean of rotations, usually 2 or 3. It bounds the worst case, which the
+ * manual states. */
 enum { KARCHER_MAX = 20 };
 
-/* rad: the steps end with one that turns no more, to rounding. */
+/* rad: the steps end if one turns no more than this, which is rounding. */
 #define KARCHER_END (4 * RC_EPS)
 
 rigcal_status rc_check_transform(const rigcal_transform *b_from_a)
@@ -63,7 +63,7 @@ void rc_transform_invert(rigcal_transform *a_from_b, const rigcal_transform *b_f
     }
     rc_mat3_tmul_vec3(a_from_b->t, b_from_a->R, b_from_a->t);
     for (int i = 0; i < 3; i++) {
-        a_from_b->t[i] = 0 - a_from_b->t[i]; /* 0 stays +0 */
+        a_from_b->t[i] = 0 - a_from_b->t[i]; /* so that 0 gives +0 */
     }
 }
 
@@ -74,10 +74,9 @@ void rc_transform_point(rigcal_real X_b[3], const rigcal_transform *b_from_a,
     rc_vec3_add(X_b, b_from_a->t);
 }
 
-/* (17), (18):  R_ba = R_bw R_aw^T,  t_ba = t_bw - R_ba t_aw */
-/* R <- exp([w]x) R, t <- t + dt for the step d = (w, dt), with the quaternion (1, v),
- * v = w / 2, for the exponential: right to second order, and for any step a rotation. It
- * takes a column r of R to r + (v x r + v x (v x r)) 2 / (1 + |v|^2). */
+/* The quaternion (1, v), v = w / 2, stands for the exponential: it is exact to second
+ * order, and a rotation for any step. It takes a column r of R to r + (v x r + v x (v x r))
+ * 2 / (1 + |v|^2). */
 RC_APART void rc_transform_move(rigcal_transform *pose, const rigcal_real d[6])
 {
     rigcal_real v[3];
@@ -96,6 +95,7 @@ RC_APART void rc_transform_move(rigcal_transform *pose, const rigcal_real d[6])
     rc_vec3_add(pose->t, &d[3]);
 }
 
+/* (17), (18):  R_ba = R_bw R_aw^T,  t_ba = t_bw - R_ba t_aw */
 void rc_transform_between(rigcal_transform *b_from_a, const rigcal_transform *b_from_world,
                           const rigcal_transform *a_from_world)
 {
@@ -113,7 +113,7 @@ static rigcal_real weight_of(const rigcal_real weight[], size_t i)
     return (weight == NULL) ? 1 : weight[i];
 }
 
-/* Rotation vector from mean to R_i, in the frame of a. */
+/* The rotation vector from mean to R_i, in the frame of a. */
 static void deviation(rigcal_real w[3], const rigcal_real mean[9], const rigcal_real R_i[9])
 {
     rigcal_real mean_t[9], R_i_t[9], between[9];
@@ -127,7 +127,8 @@ static void deviation(rigcal_real w[3], const rigcal_real mean[9], const rigcal_
     rc_vector_from_rotation(w, between);
 }
 
-/* One step to the Karcher mean: turn by the mean deviation. Returns its angle. */
+/* One step to the Karcher mean: turns by the mean deviation. Returns the angle of the
+ * turn. */
 static rigcal_real karcher_step(rigcal_real mean[9], const rigcal_transform transforms[],
                                 const rigcal_real weight[], size_t n, rigcal_real total)
 {

@@ -2,15 +2,16 @@
 
 /* ---- constants ----------------------------------------------------------- */
 
-/* part of the largest coordinate: rays that differ by no more are the same. */
+/* part of the largest coordinate: rays that differ by less are the same. */
 #define SAME (8 * RC_EPS)
 
-/* 1: the least difference of two normalised coordinates that (10a), (10b) divide by. */
+/* 1: (10a) and (10b) divide by the difference of two normalised coordinates only if it is
+ * larger. */
 #define SPREAD_MIN RC_TOL(1e-9, 1e-4)
 
 /* ---- translation --------------------------------------------------------- */
 
-/* Of bearing i: u = (x, y) and q = R (X - origin). */
+/* u = (x, y) and q = R (X - origin) of a bearing. */
 static void ray_and_turned(rigcal_real u[2], rigcal_real q[3], const rigcal_real R[9],
                            const rigcal_bearing *bearing, const rigcal_real origin[3])
 {
@@ -21,7 +22,7 @@ static void ray_and_turned(rigcal_real u[2], rigcal_real q[3], const rigcal_real
     rc_mat3_mul_vec3(q, R, x);
 }
 
-/* t for the world's own origin, from t for another one. */
+/* Turns t for another origin into t for the world's own origin. */
 static void move_origin(rigcal_real t[3], const rigcal_real R[9],
                         const rigcal_real origin[3])
 {
@@ -30,7 +31,7 @@ static void move_origin(rigcal_real t[3], const rigcal_real R[9],
     rc_vec3_sub(t, t, turned);
 }
 
-/* Least squares of  t_xy - u t_z = w,  w = u q_z - q_xy: with means taken out,
+/* Least squares of  t_xy - u t_z = w,  w = u q_z - q_xy. With the means subtracted
  *   t_z = -sum du.w / sum |du|^2,   t_xy = mean(w) + mean(u) t_z */
 rigcal_status rc_translation_least_squares(rigcal_real t[3], const rigcal_real R[9],
                                            const rigcal_bearing bearings[], size_t n)
@@ -100,7 +101,8 @@ rigcal_status rigcal_translation_least_squares(rigcal_real t[3], const rigcal_re
     return status;
 }
 
-/* (10a), (10b) of one pair: adds t_z of each coordinate that differs enough. */
+/* (10a), (10b) of one pair: adds t_z from each coordinate in which the two differ
+ * enough. */
 static void sum_depths(rigcal_real *sum, size_t *count, const rigcal_real R[9],
                        const rigcal_bearing *first, const rigcal_bearing *second,
                        const rigcal_real origin[3])

@@ -4,16 +4,16 @@
 
 /* ---- constants ----------------------------------------------------------- */
 
-/* 1: a likelihood is no less, so that it has a log where no match is thought wrong. */
+/* 1: the least likelihood, so that it has a log even if no match is thought wrong. */
 #define LIKELIHOOD_LEAST RC(1e-30)
 
-/* part of a log: a row counts half. Until the alarm all bodies were drawn along with the
- * one that moved, and the rows of a frame err together. With 1, one in ten of the answers
- * called sure was wrong. */
+/* part of a log: a row counts half. Until the alarm the body that moved drags all others
+ * along, and the rows of a frame err together. With 1, one in ten of the answers called
+ * sure was wrong. */
 #define WEIGHT RC(0.5)
 
-/* 1, as a log: shares of the evidence that differ by less are equal: windows of bodies do
- * not start together. */
+/* 1, as a log: shares of the evidence that differ by less count as equal. The windows of
+ * bodies do not start together. */
 #define SHARES_EQUAL RC(2)
 
 /* ---- trials ---------------------------------------------------------------- */
@@ -32,7 +32,8 @@ void rc_trial_begin(const rc_filter *f, const rc_alarm *alarm, rigcal_real bodie
                     rigcal_real move_rad, rigcal_real move_t)
 {
     rigcal_real most = LIKELIHOOD_LEAST;
-    const rigcal_real zero = move_rad - move_rad; /* a C library's memset is slow */
+    const rigcal_real zero = move_rad - move_rad; /* the compiler must not know that it is
+                                                     0: the C library's memset is slow */
     for (size_t b = 0; b < f->n_bodies; b++) {
         most = rc_max(most, rc_alarm_share(alarm, bodies, b));
     }
@@ -51,7 +52,7 @@ void rc_trial_begin(const rc_filter *f, const rc_alarm *alarm, rigcal_real bodie
     }
 }
 
-/* x <- the turn by dx after that by x, to second order. */
+/* x <- the turn by x followed by the turn by dx, to second order. */
 static void add_move(rigcal_real x[6], const rigcal_real dx[6])
 {
     rigcal_real both[3];
@@ -61,9 +62,9 @@ static void add_move(rigcal_real x[6], const rigcal_real dx[6])
     rc_vec3_add(&x[3], &dx[3]);
 }
 
-/* A pose moved by x = (w, dt), as rc_transform_move does: with v = w / 2 and s =
- * 2 / (1 + v^2) the turn is (1 - s v^2) 1 + s v v^T + s [v]x. As a product with it takes
- * half the instructions. */
+/* Moves a pose by x = (w, dt), as rc_transform_move does. With v = w / 2 and s = 2 / (1 +
+ * v^2) the turn is (1 - s v^2) 1 + s v v^T + s [v]x. Multiplying by it takes half the
+ * instructions. */
 static void move_by(rigcal_transform *out, const rigcal_transform *pose,
                     const rigcal_real x[6])
 {
@@ -85,7 +86,8 @@ static void move_by(rigcal_transform *out, const rigcal_transform *pose,
     }
 }
 
-/* One row at the pose that the trial has, its numbers over sd. */
+/* Takes one row at the trial's pose. The row's numbers are divided by sd. Returns its
+ * likelihood. */
 static rigcal_real learn_row(rigcal_real trial[], rigcal_real nu, const rigcal_real h[6],
                              rigcal_real reach, rigcal_real sd, rigcal_real wrong)
 {
@@ -110,14 +112,15 @@ static rigcal_real learn_row(rigcal_real trial[], rigcal_real nu, const rigcal_r
     return doubt.likelihood;
 }
 
-/* h . d of a body, whose error is estimated and not yet in its pose. */
+/* h . d of a body: d is its estimated error, which is not yet in its pose. */
 static rigcal_real part_of_error(const rc_filter *f, size_t body, const rigcal_real h[6])
 {
     const int32_t first = rc_filter_first(f, body);
     return first < 0 ? 0 : rc_vec6_dot(h, &f->d[first]);
 }
 
-/* One of the two bodies of what was seen, row `index` of it: the likelihood. */
+/* Takes row `index` of what was seen into the trial of one of its two bodies. Returns its
+ * likelihood. */
 static rigcal_real take_moved(const rc_filter *f, rigcal_real trial[], const rc_seen *seen,
                               int is_b, int index, rigcal_real sd, rigcal_real wrong)
 {
@@ -135,7 +138,8 @@ static rigcal_real take_moved(const rc_filter *f, rigcal_real trial[], const rc_
     return learn_row(trial, nu, is_b ? row->h_b : row->h_a, row->reach, sd, wrong);
 }
 
-/* Only shares count: what the row is to bodies that it is not of is taken from its two. */
+/* Only differences of the sums count. So what the row adds to the trials of other bodies is
+ * subtracted from its two instead. */
 int rc_trial_take(const rc_filter *f, rigcal_real bodies[], const rc_seen *seen,
                   rigcal_real wrong)
 {

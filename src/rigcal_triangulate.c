@@ -10,13 +10,13 @@
 
 /* ---- depth --------------------------------------------------------------- */
 
-/* (22)..(24): normal equations of  depth_b m_b - depth_a r = t,  r = R m_a:
+/* (22)..(24): the normal equations of  depth_b m_b - depth_a r = t,  r = R m_a:
  *
  *     [  r.r   -r.m_b  ] [depth_a]   [ -r.t  ]
  *     [ -r.m_b  m_b.m_b] [depth_b] = [ m_b.t ]      det = |r x m_b|^2
  *
- * det is taken from the cross product: the difference of products cancels at
- * small parallax, which is where it decides. */
+ * det comes from the cross product. The difference of products would cancel at small
+ * parallax, where det decides. */
 static rigcal_status two_depths(rigcal_real depth_ab[2], rigcal_real *miss,
                                 const rigcal_transform *b_from_a, const rigcal_real m_a[3],
                                 const rigcal_real m_b[3])
@@ -27,7 +27,7 @@ static rigcal_status two_depths(rigcal_real depth_ab[2], rigcal_real *miss,
     rc_vec3_cross(normal, r, m_b);
 
     const rigcal_real det = rc_vec3_dot(normal, normal);
-    if (!(det >= RC_PARALLAX_MIN)) { /* of unit rays */
+    if (!(det >= RC_PARALLAX_MIN)) { /* the rays have length 1 */
         return RIGCAL_ERR_PARALLEL;
     }
     const rigcal_real rm = rc_vec3_dot(r, m_b);
@@ -108,7 +108,7 @@ rigcal_status rigcal_depth_aligned(rigcal_real X_left[3], rigcal_real baseline,
 
 /* ---- triangulation ------------------------------------------------------- */
 
-/* What one point is seen by. */
+/* The views of one point. */
 typedef struct {
     const rigcal_camera *cameras;
     const rigcal_transform *cams_from_world;
@@ -146,9 +146,9 @@ RC_APART void rc_point_solve(rigcal_real x[3], const rigcal_real L[6])
     rc_sym3_backward(x, L);
 }
 
-/* The point with the least sum of squared distances from the rays, along unit d from a
- * point o: sum (I - d d^T) (X - o) = 0, o = -R^T t. Two rays an angle a apart leave the
- * sum of I - d d^T a least eigenvalue of a^2 / 2. */
+/* Finds the point with the least sum of squared distances from the rays: sum (I - d d^T) (X
+ * - o) = 0. A ray begins at o = -R^T t and has the unit direction d. The sum of I - d d^T
+ * over two rays an angle a apart has a least eigenvalue of a^2 / 2. */
 static rigcal_status nearest_to_rays(rigcal_real X[3], const sightings *v)
 {
     const rigcal_real n = (rigcal_real)v->n, of_n[3] = {n, n, n};
@@ -174,13 +174,13 @@ static rigcal_status nearest_to_rays(rigcal_real X[3], const sightings *v)
     return RIGCAL_OK;
 }
 
-/* A triangulation under way. */
+/* The state of a triangulation. */
 typedef struct {
     rigcal_levenberg search;
     rigcal_real X[3], g[3], H[6], negligible;
 } triangulation;
 
-/* *sum of squared pixel distances at s->X, g = J^T e and H = J^T J. */
+/* *sum is the sum of squared pixel distances at s->X; g = J^T e and H = J^T J. */
 static rigcal_status evaluate(rigcal_real *sum, triangulation *s, const sightings *v)
 {
     rigcal_real total = 0;
@@ -212,40 +212,40 @@ RC_APART int rc_point_factor(rigcal_real L[6], const rigcal_real H[6], rigcal_re
     return rc_sym3_factor(L, L, D, RANK_TOL);
 }
 
-static void try_step(triangulation *s, const sightings *v, const rigcal_real step[3],
-                     rigcal_real gain)
+/* Moves by the next step, if there is one. Returns whether it is to be tried. J^T J serves
+ * as Newton's H too, because the residuals of a point are small against the curvature. */
+static int move_on(rigcal_real *gain, triangulation *s)
 {
-    rigcal_real before[3], sum = 0;
-    rc_vec3_copy(before, s->X);
-    rc_vec3_add(s->X, step);
-    const rigcal_status status = evaluate(&sum, s, v);
-    if (!rc_levenberg_tried(&s->search, status, sum, gain, s->negligible)) {
-        rc_vec3_copy(s->X, before);
-    }
-}
-
-/* One evaluation, or none. J^T J serves as Newton's H too: residuals of a point are small
- * against the curvature. */
-static void step_once(triangulation *s, const sightings *v)
-{
-    rigcal_real L[6], step[3], sum = 0;
-    if (s->search.want == RC_WANT_EQUATIONS) {
-        const rigcal_status status = evaluate(&sum, s, v);
-        rc_levenberg_evaluated(&s->search, status, sum);
-        return;
-    }
+    rigcal_real L[6], step[3];
     if (!rc_point_factor(L, s->H, s->search.lambda)) {
         rc_levenberg_not_definite(&s->search);
-        return;
+        return 0;
     }
     rc_vec3_copy(step, s->g);
     rc_point_solve(step, L);
-    const rigcal_real gain = rc_vec3_dot(s->g, step);
-    const int taken = rc_levenberg_promised(&s->search, gain, s->negligible);
-    if (taken == RC_STEP_TRY) {
-        try_step(s, v, step, gain);
-    } else if (taken == RC_STEP_LAST) {
-        rc_vec3_add(s->X, step);
+    *gain = rc_vec3_dot(s->g, step);
+    const int taken = rc_levenberg_promised(&s->search, *gain, s->negligible);
+    if (taken == RC_STEP_NONE) {
+        return 0;
+    }
+    rc_vec3_add(s->X, step);
+    return taken == RC_STEP_TRY;
+}
+
+/* One evaluation, or none. */
+static void step_once(triangulation *s, const sightings *v)
+{
+    rigcal_real before[3], gain = 0, sum = 0;
+    const int is_step = s->search.want != RC_WANT_EQUATIONS;
+    rc_vec3_copy(before, s->X);
+    if (is_step && !move_on(&gain, s)) {
+        return;
+    }
+    const rigcal_status status = evaluate(&sum, s, v);
+    if (!is_step) {
+        rc_levenberg_evaluated(&s->search, status, sum);
+    } else if (!rc_levenberg_tried(&s->search, status, sum, gain, s->negligible)) {
+        rc_vec3_copy(s->X, before);
     }
 }
 

@@ -1,10 +1,10 @@
 #include "rc_chance.h"
 #include "rc_refine.h"
 
-/* From t of the points' own origin to t of the world's: t = t' - R o, so
- * dt = dt' - w x R o. The camera's centre is -R^T t: with w and dt in the camera's axes,
- * d(-R^T t) = -R^T (dt - w x t). Both are Sigma <- A Sigma A^T with
- * A = (1 0; [s]x 1), s = R o and s = t. */
+/* Two shifts of a covariance. From t' of the points' own origin to t of the world's origin:
+ * t = t' - R o, so dt = dt' - w x R o. To the camera's centre -R^T t, with w and dt in the
+ * camera's axes: d(-R^T t) = -R^T (dt - w x t). Both are Sigma <- A Sigma A^T with A = (1
+ * 0; [s]x 1), where s = R o or s = t. */
 static void shift_covariance(rigcal_real Sigma[36], const rigcal_real s[3])
 {
     const rigcal_real S[9] = {0, -s[2], s[1], s[2], 0, -s[0], -s[1], s[0], 0};
@@ -24,7 +24,8 @@ static void shift_covariance(rigcal_real Sigma[36], const rigcal_real s[3])
     }
 }
 
-/* 1-sigma along the world's axes of a covariance block given in the camera's. */
+/* Standard deviations along the world's axes, from a covariance block in the camera's
+ * axes. */
 static void center_sigmas(rigcal_real out[3], const rigcal_real Sigma[36],
                           const rigcal_real R[9])
 {
@@ -66,7 +67,7 @@ static void fill_uncertainty(rigcal_pose_uncertainty *out,
     out->sigma_px = RC_SQRT(noise2);
 }
 
-/* Everything that the caller hands in, and where the points are. */
+/* Checks the caller's input and surveys the points. */
 static rigcal_status survey(rigcal_points *points, const rigcal_view *view,
                             const rigcal_transform *cam_from_world, rigcal_real sigma_px)
 {
@@ -103,8 +104,8 @@ rigcal_status rigcal_pose_covariance(rigcal_pose_uncertainty *out, const rigcal_
     if (status != RIGCAL_OK) {
         return status;
     }
-    /* Rounding may hide from the normal equations that a line fixes no turn about itself;
-     * the points do not. */
+    /* A line fixes no turn about itself. Rounding may hide this from the normal equations,
+     * but not from the points. */
     if (rc_points_are_on_line(&points)) {
         return RIGCAL_ERR_DEGENERATE;
     }

@@ -2,13 +2,13 @@
 
 /* ---- constants --------------------------------------------------------- */
 
-/* digits: most of a number that are printed. */
+/* digits: the most digits of a number that are printed. */
 enum { DIGITS_MOST = 9 };
 
-/* 1: a number whose first two digits are less is printed with both, else with one. */
+/* 1: a number is printed with two digits if they are below this, otherwise with one. */
 #define TWO_DIGITS_BELOW RC(1.95)
 
-/* 1: larger numbers are printed as this. */
+/* 1: larger numbers are printed as this one. */
 #define NUMBER_MOST RC(999999999)
 
 /* degrees: in a radian. */
@@ -17,17 +17,17 @@ enum { DIGITS_MOST = 9 };
 /* percent: in a whole. */
 #define PERCENT RC(100)
 
-/* millionths in a whole: the unit in which drifts are written. */
+/* millionths in a whole: drifts are written in this unit. */
 #define MILLIONTHS RC(1e6)
 
 /* ---- a text that grows by whole sentences ------------------------------ */
 
 typedef struct {
     char *text;
-    size_t capacity, n, whole; /* bytes that it takes; of its whole sentences that fit */
-    int is_start;              /* of a sentence */
+    size_t capacity, n, whole; /* bytes of the text; of the whole sentences that fit */
+    int is_start;              /* 1: a sentence begins */
     const rigcal_faults *found;
-    const rigcal_fault *fault; /* the sentence is about it */
+    const rigcal_fault *fault; /* the fault that the sentence is about */
     const rigcal_faults_words *words;
 } writer;
 
@@ -50,7 +50,7 @@ static void put(writer *w, const char *text)
     }
 }
 
-/* A sentence ends: it counts, if there is room for the 0 too. */
+/* Ends a sentence. It counts if there is also room for the final 0. */
 static void end_sentence(writer *w)
 {
     put_letter(w, '.');
@@ -61,7 +61,7 @@ static void end_sentence(writer *w)
     w->is_start = 1;
 }
 
-/* Writes x, rounded to `decimals` digits behind the point. */
+/* Writes x with this number of digits after the point. */
 static void put_number(writer *w, rigcal_real x, int decimals)
 {
     char digits[DIGITS_MOST + 3];
@@ -85,7 +85,7 @@ static void put_number(writer *w, rigcal_real x, int decimals)
     put(w, &digits[at]);
 }
 
-/* How many digits behind the point show the first one or two of x. */
+/* How many digits after the point show the first one or two digits of x. */
 static int decimals_of(rigcal_real x)
 {
     int decimals = 0;
@@ -96,7 +96,7 @@ static int decimals_of(rigcal_real x)
     return decimals;
 }
 
-/* "12.3 +- 0.4" */
+/* Writes "12.3 +- 0.4". */
 static void put_measured(writer *w, rigcal_real value, rigcal_real sigma)
 {
     const int decimals = decimals_of(sigma);
@@ -112,10 +112,10 @@ static void put_rounded(writer *w, rigcal_real x)
 
 /* ---- the kinds of faults, and their units ------------------------------- */
 
-/* A sentence is plain text, in which ~ ends it, [this|that] is `this` where the fault's
- * value is not negative, and % and a letter are what put_thing puts there. */
+/* The words of a fault. ~ ends a sentence. [this|that] is `this` if the fault's value is
+ * not negative, otherwise `that`. % and a letter is replaced by put_thing. */
 typedef struct {
-    const char *what, *is, *next; /* what is wrong; how; what to do */
+    const char *what, *is, *next; /* the fault, how it shows, what to do */
 } kind_words;
 
 static const char CLOCKS_NEXT[] = "let the clocks be estimated~";
@@ -152,7 +152,7 @@ typedef struct {
 static const unit UNITS[] = {
     {"s", 1}, {"units", 1}, {"%", PERCENT}, {"millionths", MILLIONTHS}, {"px", 1}, {"", 1}};
 
-/* Its scale, and its name, which the caller may have set. */
+/* The scale of a unit. *name is its name, which the caller may have set. */
 static rigcal_real scale_of(const char **name, const writer *w, int which)
 {
     const char *const given = (which == TIME) ? w->words->time : w->words->length;
@@ -162,7 +162,7 @@ static rigcal_real scale_of(const char **name, const writer *w, int which)
     return (which <= LENGTH && scale > 0) ? scale : UNITS[which].scale;
 }
 
-/* value +- sigma; 0: sigma alone. */
+/* Writes value +- sigma, or sigma alone if value is 0. */
 static void put_value(writer *w, int which, rigcal_real value, rigcal_real sigma)
 {
     const char *name;
@@ -190,7 +190,7 @@ static void put_camera(writer *w, int32_t camera)
     }
 }
 
-/* "the focal length of left" */
+/* Writes for example "the focal length of left". */
 static void put_what(writer *w, const rigcal_fault *f)
 {
     put(w, (f->camera < 0) ? "" : "the ");
@@ -201,7 +201,7 @@ static void put_what(writer *w, const rigcal_fault *f)
     }
 }
 
-/* How far something turned and shifted. */
+/* Writes how far something turned and shifted. */
 static void put_move(writer *w, rigcal_real turn, rigcal_real shift)
 {
     put_rounded(w, DEGREES * turn);
@@ -209,7 +209,7 @@ static void put_move(writer *w, rigcal_real turn, rigcal_real shift)
     put_value(w, LENGTH, 0, shift);
 }
 
-/* Where a camera moved, and how far. */
+/* Writes the placement where a camera moved, and how far it moved. */
 static void put_break(writer *w)
 {
     const rigcal_real *const d = w->fault->value;
@@ -235,7 +235,7 @@ static void put_clocks(writer *w)
     }
 }
 
-/* Faults with a direction of their own are written without a sign. */
+/* Writes the size of a fault. It has no sign if the words tell the direction. */
 static void put_size(writer *w)
 {
     const rigcal_fault *const f = w->fault;
@@ -248,7 +248,7 @@ static void put_size(writer *w)
     }
 }
 
-/* The others that fit as well. */
+/* Writes the other faults that fit as well. */
 static void put_alike(writer *w)
 {
     const rigcal_fault *const first = w->fault;
@@ -265,7 +265,7 @@ static void put_alike(writer *w)
     }
 }
 
-/* How large the fault is that would go unseen. */
+/* Writes the size of the fault that would go unseen. */
 static void put_unseen(writer *w)
 {
     const rigcal_fault *const f = w->fault;
@@ -342,7 +342,8 @@ static void put_thing(writer *w, char thing)
     put_number(w, x, decimals);
 }
 
-/* A sentence, or more. %i is how the fault is wrong, and %n what to do: sentences too. */
+/* Writes a sentence, or several. %i stands for how the fault shows, and %n for what to do.
+ * These are sentences too. */
 static void tell(writer *w, const char *sentence)
 {
     const char *rest = "";
@@ -379,7 +380,8 @@ static void tell(writer *w, const char *sentence)
 
 /* ---- the sentences ----------------------------------------------------- */
 
-/* Of which verdicts, with all of which bits, without any of which. */
+/* A sentence, and when it holds: for these verdicts, if all bits of `with` and none of
+ * `without` are set. */
 typedef struct {
     uint16_t verdicts, with, without;
     const char *sentence;
@@ -397,13 +399,12 @@ enum {
     ALONE = RIGCAL_FAULTS_NO_NEIGHBOUR,
     STILL = RIGCAL_FAULTS_NO_MOTION,
     NO_LOOP = RIGCAL_FAULTS_NO_LOOP,
-    CLOCK_OR_MOVED =
-        1 << 14, /* besides the bits of rigcal_faults: what the first fault is */
+    CLOCK_OR_MOVED = 1 << 14, /* not a bit of rigcal_faults: the kind of the first fault */
     TWO = RIGCAL_FAULTS_TWO_CAMERAS | CLOCK_OR_MOVED
 };
 
-/* The sentences of all rules that hold are written in this order; then what would go
- * unseen. */
+/* The sentences of all rules that hold, in this order. What would go unseen follows
+ * them. */
 static const rule RULES[] = {
     {ALL, NO_LOOP, 0,
      "No two cameras saw the same placements: the views cannot disagree, and nothing was "
@@ -426,7 +427,7 @@ static const rule RULES[] = {
      "%a %% of it lies along the board's motion: single time stamps are wrong (by some "
      "%t)~"}};
 
-/* Only the sentence of the first rule that holds is written. */
+/* Only the first rule that holds is written. */
 static const rule UNTESTED[] = {{ALL, NO_TIMES, 0, "no times are given~"},
                                 {ALL, ALONE, 0, "no placement has a neighbour in time~"},
                                 {ALL, STILL, 0, "the target stood still~"}};
@@ -434,7 +435,7 @@ static const rule UNTESTED[] = {{ALL, NO_TIMES, 0, "no times are given~"},
 static const char RECORD[] = "record three frames or more at each place, at most 0.1 s "
                              "apart, with the times of the frames~";
 
-/* The first that holds is what to do next. */
+/* What to do next. Only the first rule that holds is written. */
 static const rule NEXT[] = {
     {ALL - OF(FOUND), NAMED, 0, "%n"},
     {ALL, NO_LOOP, 0, "show the target where two cameras see it~"},
@@ -448,7 +449,7 @@ static const rule NEXT[] = {
 
 #define N_OF(table) (sizeof(table) / sizeof((table)[0]))
 
-/* Tells `before` and the sentences of the rules that hold, `most` at most. */
+/* Writes the sentences of the rules that hold, at most `most`, each after `before`. */
 static void tell_rules(writer *w, const char *before, const rule rules[], size_t n,
                        size_t most)
 {
@@ -497,8 +498,8 @@ static rigcal_status check(const rigcal_faults *found, const rigcal_fault faults
         if (words->names != NULL && words->names[c] == NULL) {
             return RIGCAL_ERR_NULL;
         }
-        if (found->clocks != NULL && !(rc_is_finite(found->clocks[c]) &&
-                                       rc_is_finite(found->clocks[found->n_cameras + c]))) {
+        if (found->clocks != NULL && (!rc_is_finite(found->clocks[c]) ||
+                                      !rc_is_finite(found->clocks[found->n_cameras + c]))) {
             return RIGCAL_ERR_NOT_FINITE;
         }
     }
@@ -536,7 +537,7 @@ rigcal_status rigcal_faults_text(char text[], size_t capacity, size_t *n_needed,
         text[w.whole] = 0;
     }
     if (n_needed != NULL) {
-        *n_needed = w.n; /* a space less, and a 0 */
+        *n_needed = w.n; /* without the last space, with a 0 */
     }
     return (w.n <= capacity) ? RIGCAL_OK : RIGCAL_ERR_CAPACITY;
 }

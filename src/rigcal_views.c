@@ -33,7 +33,7 @@ int rc_rig_is_adjusted(rc_rig_parts *parts, const rigcal_rig *rig)
 {
     size_t n = 0, n_free = 0;
     rc_rig_parts_of(parts, rig, 0);
-    for (size_t c = 0;; c++) { /* unknowns before n are there, and known */
+    for (size_t c = 0;; c++) { /* the unknowns before n have a variance */
         if (rig->work_capacity <
                 rigcal_rig_work(n_free, rig->n_cameras, rig->n_placements) ||
             (n > 0 && !(parts->S[rc_packed_at(n - 6, n - 6)] > 0))) {
@@ -51,22 +51,36 @@ int rc_rig_is_adjusted(rc_rig_parts *parts, const rigcal_rig *rig)
     }
 }
 
+rigcal_status rc_rig_numbers(const rigcal_rig *rig, int32_t camera, int32_t placement)
+{
+    return (camera < 0 || (size_t)camera >= rig->n_cameras || placement < 0 ||
+            (size_t)placement >= rig->n_placements)
+               ? RIGCAL_ERR_RANGE
+               : RIGCAL_OK;
+}
+
 rigcal_status rc_rig_view_at(rigcal_rig_view *out, const rigcal_rig *rig, size_t index)
 {
+    rigcal_status status = RIGCAL_OK;
     if (rig->views == NULL) {
-        return rig->view_source(out, index, rig->context);
+        status = rig->view_source(out, index, rig->context);
+    } else {
+        *out = rig->views[index];
     }
-    *out = rig->views[index];
-    return RIGCAL_OK;
+    return (status != RIGCAL_OK) ? status
+                                 : rc_rig_numbers(rig, out->camera, out->placement);
 }
 
 rigcal_status rc_rig_pose_at(rigcal_view_pose *out, const rigcal_rig *rig, size_t index)
 {
+    rigcal_status status = RIGCAL_OK;
     if (rig->view_poses == NULL) {
-        return rig->view_pose_source(out, index, rig->context);
+        status = rig->view_pose_source(out, index, rig->context);
+    } else {
+        *out = rig->view_poses[index];
     }
-    *out = rig->view_poses[index];
-    return RIGCAL_OK;
+    return (status != RIGCAL_OK) ? status
+                                 : rc_rig_numbers(rig, out->camera, out->placement);
 }
 
 void rc_rig_chain(rc_chain *chain, const rigcal_rig *rig, int32_t camera, size_t placement,
@@ -170,8 +184,8 @@ static int32_t root_of(const rigcal_rig *rig, int32_t c)
     return c;
 }
 
-/* Cameras a and b saw one placement: joins their groups under the earlier of their first
- * cameras. */
+/* Cameras a and b saw the same placement: joins their groups. The group keeps the lower of
+ * the two first cameras. */
 static void connect(rigcal_rig *rig, int32_t a, int32_t b)
 {
     const int32_t first = root_of(rig, a), second = root_of(rig, b);
@@ -179,8 +193,8 @@ static void connect(rigcal_rig *rig, int32_t a, int32_t b)
     rig->group[a] = rig->group[b] = (first > second) ? second : first;
 }
 
-/* Replaces first cameras by the numbers of the groups. The first camera of a group comes
- * before the others, so its number is known by then. */
+/* Replaces the first camera of each group by the number of the group. The first camera
+ * comes before the others, so its number is known when theirs is needed. */
 static int32_t number_groups(rigcal_rig *rig)
 {
     int32_t groups = 0;
@@ -193,15 +207,6 @@ static int32_t number_groups(rigcal_rig *rig)
 
 /* ---- checks -------------------------------------------------------------- */
 
-static rigcal_status check_numbers(const rigcal_rig *rig, int32_t camera, int32_t placement)
-{
-    return (camera < 0 || (size_t)camera >= rig->n_cameras || placement < 0 ||
-            (size_t)placement >= rig->n_placements)
-               ? RIGCAL_ERR_RANGE
-               : RIGCAL_OK;
-}
-
-/* The points of a view; they count from the target's own origin. */
 rigcal_status rc_rig_points(rigcal_points *points, const rigcal_rig_view *view)
 {
     rigcal_real uv_middle[2];
@@ -236,7 +241,7 @@ static rigcal_status check_camera(const rigcal_rig *rig, size_t c)
                                : RIGCAL_ERR_RANGE;
 }
 
-/* The unknowns of the cameras. Of a group in which none is held, and none has a prior, the
+/* Numbers the unknowns of the cameras. If no camera of a group is held or has a prior, its
  * first one is held. */
 static rigcal_status number_unknowns(rigcal_rig_solver *s)
 {
@@ -271,14 +276,11 @@ static rigcal_status number_unknowns(rigcal_rig_solver *s)
                : RIGCAL_OK;
 }
 
-/* View s->view, and what it connects. */
+/* Checks view s->view, and joins the cameras that it connects. */
 static rigcal_status check_next(rigcal_rig_solver *s, const rc_rig_parts *parts)
 {
     int32_t camera = -1, placement = -1;
     rigcal_status status = s->given->check(&camera, &placement, s);
-    if (status == RIGCAL_OK) {
-        status = check_numbers(s->rig, camera, placement);
-    }
     if (status == RIGCAL_OK && !s->is_join) {
         status = rc_check_transform(&s->rig->rig_from_placements[placement]);
     }
@@ -288,7 +290,8 @@ static rigcal_status check_next(rigcal_rig_solver *s, const rc_rig_parts *parts)
     if ((size_t)placement < s->placement) {
         return RIGCAL_ERR_UNSORTED;
     }
-    if (parts->slot[camera] > (rigcal_real)placement) { /* the last one it saw, plus 1 */
+    if (parts->slot[camera] > (rigcal_real)placement) { /* the placement that it saw last,
+                                                           plus 1 */
         return RIGCAL_ERR_TWICE;
     }
     s->placement = (size_t)placement;

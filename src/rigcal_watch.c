@@ -2,16 +2,16 @@
 
 /* ---- constants ----------------------------------------------------------- */
 
-/* s: between the ends of two frames, at most. */
+/* s: the longest time between the ends of two frames. */
 #define SECONDS_MOST RC(1e6)
 
-/* frames: for this long after a body was opened, its pose changes after every row, since
- * over degrees a row is not linear. */
+/* frames: for which an opened body's pose changes after each row. A row is not linear over
+ * degrees. */
 enum { SETTLING = 10 };
 
 /* ---- the end of a frame ------------------------------------------------------ */
 
-/* (M6) the walk of every camera. */
+/* (M6) Adds the random walk of every camera. */
 static void walk(const rc_monitor *m, rigcal_real seconds)
 {
     const rc_filter *const f = &m->filter;
@@ -27,7 +27,7 @@ static void walk(const rc_monitor *m, rigcal_real seconds)
     rc_filter_factor(f->UD, f->n);
 }
 
-/* (M14) Weighs the frame, and raises the alarm. */
+/* (M14) Weighs the frame, and raises the alarm if the evidence suffices. */
 static void weigh(rc_monitor *m)
 {
     rc_monitor_head *const head = &m->top.head;
@@ -145,7 +145,7 @@ rigcal_status rigcal_monitor_dismiss(rigcal_real monitor[])
     return status;
 }
 
-/* (M9) without an alarm, (M15) after one. */
+/* Opens a body: (M9) if there is no alarm, (M15) after one. */
 static void open_body(rc_monitor *m, size_t body)
 {
     const rc_filter *const f = &m->filter;

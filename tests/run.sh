@@ -18,27 +18,34 @@ asan          gcc,cmake,unity,build/asan   preset asan
 asan-float    gcc,cmake,unity              preset asan-float
 paper         gcc,cmake,unity,python,build/gcc-double
               preset_build gcc-double && $PYTHON tests/checks/check_paper.py
-figures       gcc,arm,riscv,python         $PYTHON port/qemu/figures.py
-cortex-m4f    arm,cmake,unity              preset cortex-m4f
+figures       gcc,arm,riscv,cmake,unity,python,build/cortex-m4f,build/cortex-m7,build/cortex-m7-double,build/cortex-m33,build/rv32imafc
+              $PYTHON port/qemu/figures.py
+cortex-m4f    arm,cmake,unity,build/cortex-m4f
+              preset cortex-m4f
 gcc-float     gcc,cmake,unity,build/gcc-float
               preset gcc-float
-regression    gcc,clang,cmake,unity,rust,numpy,build/gcc-double
-              preset_build gcc-double && regressions
-cortex-m7     arm,cmake,unity              preset cortex-m7
-m7-double     arm,cmake,unity              preset cortex-m7-double
-cortex-m33    arm,cmake,unity              preset cortex-m33
+regression    gcc,clang,cmake,unity,rust,numpy,build/gcc-double,build/shared
+              preset_build gcc-double && preset_build shared && regressions
+cortex-m7     arm,cmake,unity,build/cortex-m7
+              preset cortex-m7
+m7-double     arm,cmake,unity,build/cortex-m7-double
+              preset cortex-m7-double
+cortex-m33    arm,cmake,unity,build/cortex-m33
+              preset cortex-m33
 rv32imac      riscv,cmake,unity            preset rv32imac
-rv32imafc     riscv,cmake,unity            preset rv32imafc
+rv32imafc     riscv,cmake,unity,build/rv32imafc
+              preset rv32imafc
 mips          mips,cmake,unity             preset mips
 mips-double   mips,cmake,unity             preset mips-double
 gcc-float-O3  gcc,cmake,unity,build/gcc-float
               preset_build gcc-float && relinked gcc-float-O3 gcc-float gcc
-clang-double  clang,cmake,unity            preset clang-double
-clang-float   clang,cmake,unity,build/clang-float
-              preset clang-float
+clang-double  gcc,clang,cmake,unity,build/gcc-double
+              preset_build gcc-double && clang_library clang-double gcc-double
+clang-float   gcc,clang,cmake,unity,build/gcc-float
+              preset_build gcc-float && clang_library clang-float gcc-float
 shared        gcc,cmake,unity              preset shared-tests
-single-file   gcc,g++,clang,cmake,unity,python,build/gcc-double,build/clang-float
-              preset_build gcc-double && preset_build clang-float && sh tests/ways/single_file.sh
+single-file   gcc,g++,clang,cmake,unity,python,build/gcc-double,build/gcc-float
+              preset_build gcc-double && preset_build gcc-float && sh tests/ways/single_file.sh
 ways          gcc,g++,cmake,arduino,venv   sh tests/ways/run.sh build/ways
 hooks         gcc,clang,arm,cmake,unity,python,build/gcc-float
               preset_build gcc-float && sh tests/ways/hooks.sh build/hooks
@@ -66,7 +73,8 @@ pictures      gcc,cmake,unity,python,build/gcc-double
               preset_build gcc-double && sh examples/pictures/run.sh --check build/gcc-double
 scale         gcc,cmake,unity,numpy,time,build/gcc-double
               preset_build gcc-double && $PYTHON tests/bench/scale.py build/gcc-double/rigcal short
-ffi           gcc,cmake,rust,numpy         preset_build shared && sh examples/ffi/run.sh
+ffi           gcc,cmake,rust,numpy,build/shared
+              preset_build shared && sh examples/ffi/run.sh
 firmware      gcc,arm,unity                sh examples/firmware/run.sh build/firmware
 rig-ceres     gcc,g++,cmake,make,ceres,unity
               sh tests/bench/rig.sh check
@@ -81,6 +89,7 @@ readme        gcc,python                   $PYTHON tests/checks/check_readme.py
 header        gcc,g++,clang                sh tests/checks/check_header.sh
 cross         arm                          sh tests/checks/check_cross.sh
 fuzz          libfuzzer,python             sh tests/fuzz/run.sh
+coverage      llvm,cmake,unity,python      sh tests/coverage/run.sh
 windows       mingw,cmake                  sh tests/checks/check_windows.sh build/windows
 memory        arm                          sh tests/bench/rig_memory.sh
 layers        gcc,python                   $PYTHON tests/checks/check_layers.py
@@ -106,6 +115,12 @@ want_need() {
         want clang-19 clang-19 --version
         want libclang-rt-19-dev \
             test -e /usr/lib/llvm-19/lib/clang/19/lib/linux/libclang_rt.fuzzer-x86_64.a
+        ;;
+    llvm)
+        want clang-19 clang-19 --version
+        want libclang-rt-19-dev \
+            test -e /usr/lib/llvm-19/lib/clang/19/lib/linux/libclang_rt.profile-x86_64.a
+        want llvm-19 llvm-cov-19 --version
         ;;
     cmake)
         want cmake cmake --version

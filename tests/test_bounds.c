@@ -742,6 +742,7 @@ static long robust_units(uint64_t seed, int kind)
     hostile_scene(&s, kind, 5 + (int)(seed % 30), &rng);
     ASSERT_STATUS(RIGCAL_OK, rigcal_robust_defaults(&options));
     options.samples = SAMPLES;
+    options.max_units = 1 + (int32_t)(seed % 150);
     options.threshold_px = RC(test_uniform(&rng, 1, 100));
     if (rigcal_robust_begin(&solver, inliers, NULL, &VIEW(&s.camera, s.o, NULL, s.n),
                             &options) < 0) {
@@ -751,14 +752,12 @@ static long robust_units(uint64_t seed, int kind)
         units++;
     }
     TEST_ASSERT_LESS_OR_EQUAL_INT(SAMPLES, solver.tried);
-    TEST_ASSERT_LESS_OR_EQUAL_INT(
-        (s.camera.k1 < 0 ? 7 : 5) * SAMPLES + 9 + 9 * most_units(&s), units);
+    TEST_ASSERT_LESS_OR_EQUAL_INT(options.max_units + 17 + 9 + 9 * most_units(&s), units);
     return units;
 }
 
-/* Of 2 million needles these took the most: of 9 searches, few are of other points than the
- * last. */
-static void test_a_robust_pose_takes_at_most_those_of_9_searches_and_7_a_sample(void)
+/* Two needles that take more than two searches: few are of other points than the last. */
+static void test_a_robust_pose_takes_at_most_those_of_9_searches_and_of_its_own(void)
 {
     static const uint64_t WORST[2] = {311805, 1296296};
     long largest = 0;
@@ -771,7 +770,7 @@ static void test_a_robust_pose_takes_at_most_those_of_9_searches_and_7_a_sample(
     for (int i = 0; i < 2; i++) {
         keep_largest(&largest, robust_units(WORST[i], NEEDLE));
     }
-    TEST_ASSERT_GREATER_OR_EQUAL_INT(3000, largest);
+    TEST_ASSERT_GREATER_OR_EQUAL_INT(2000, largest);
 }
 
 /* ---- diagnose ------------------------------------------------------------ */
@@ -855,7 +854,7 @@ TEST_MAIN()
     RUN_TEST(test_needles_take_760_units);
     RUN_TEST(test_usual_poses_take_7_to_55_or_40_to_70_units);
     RUN_TEST(test_usual_wide_poses_take_10_to_120_units);
-    RUN_TEST(test_a_robust_pose_takes_at_most_those_of_9_searches_and_7_a_sample);
+    RUN_TEST(test_a_robust_pose_takes_at_most_those_of_9_searches_and_of_its_own);
     RUN_TEST(test_a_diagnosis_solves_n_plus_1_to_n_plus_3_poses);
     RUN_TEST(test_a_diagnosis_of_many_points_solves_65_to_67_poses);
 }

@@ -370,6 +370,65 @@ static void test_permutations_are_checked(void)
 #undef CAUSE
 }
 
+/* Counts that an array cannot have; no permutation at all; a rig without views. */
+static void test_counts_of_symmetries_are_checked(void)
+{
+    rigcal_cause cause;
+
+    WANTS_BOARDS;
+    make(3950, 3, 4);
+    test_boards_reverse(&b, 2);
+    judge();
+#define CAUSE rigcal_rig_cause(&cause, &b.rig, &b.judgement, &symmetries, 2)
+    symmetries.n_points = SIZE_MAX;
+    ASSERT_REFUSED(RIGCAL_ERR_RANGE, cause, CAUSE);
+    symmetries.n_points = BOARD_POINTS;
+    symmetries.n_permutations = SIZE_MAX;
+    ASSERT_REFUSED(RIGCAL_ERR_RANGE, cause, CAUSE);
+    symmetries.n_permutations = 0;
+    ASSERT_STATUS(RIGCAL_OK, CAUSE);
+    TEST_ASSERT_NOT_EQUAL_INT32(RIGCAL_CAUSE_TURNED, cause.cause);
+    symmetries.n_permutations = PERMUTATIONS;
+    b.rig.views = NULL;
+    ASSERT_REFUSED(RIGCAL_ERR_NULL, cause, CAUSE);
+    b.rig.views = b.views;
+    b.rig.view_poses = NULL;
+    ASSERT_REFUSED(RIGCAL_ERR_NULL, cause, CAUSE);
+#undef CAUSE
+}
+
+/* Of a camera without views, or whose views have other points than the symmetry's. */
+static void test_a_camera_that_has_nothing_to_turn(void)
+{
+    rigcal_cause cause;
+
+    WANTS_BOARDS;
+    make(3960, 3, 4);
+    test_boards_reverse(&b, 2);
+    judge();
+    symmetries.n_points = BOARD_POINTS / 2;
+    symmetries.n_permutations = 1;
+    for (int32_t i = 0; i < BOARD_POINTS / 2; i++) {
+        permutations[i] = i;
+    }
+    ASSERT_STATUS(RIGCAL_OK,
+                  rigcal_camera_cause(&cause, &b.rig, &b.judgement, &symmetries, 1));
+    TEST_ASSERT_EQUAL_INT32(RIGCAL_CAUSE_UNKNOWN, cause.cause);
+    TEST_ASSERT_EQUAL_INT32(-1, cause.permutation);
+    symmetries = (rigcal_symmetries){permutations, PERMUTATIONS, BOARD_POINTS, room};
+    fill_permutations();
+    for (size_t v = 0; v < b.rig.n_views; v++) {
+        b.left_out[v] = 1;
+    }
+    b.rig.left_out = b.left_out;
+    b.cams[3] = b.cams[2];
+    b.rig.n_cameras = 4;
+    ASSERT_STATUS(RIGCAL_OK,
+                  rigcal_camera_cause(&cause, &b.rig, &b.judgement, &symmetries, 3));
+    TEST_ASSERT_EQUAL_INT32(RIGCAL_CAUSE_UNKNOWN, cause.cause);
+    TEST_ASSERT_EQUAL_INT32(0, cause.n_views);
+}
+
 TEST_MAIN()
 {
     RUN_TEST(test_a_turned_view_is_told_with_its_permutation);
@@ -385,4 +444,6 @@ TEST_MAIN()
     RUN_TEST(test_of_a_camera_with_other_views_the_cause_is_unknown);
     RUN_TEST(test_the_same_bits_whatever_the_budgets);
     RUN_TEST(test_permutations_are_checked);
+    RUN_TEST(test_counts_of_symmetries_are_checked);
+    RUN_TEST(test_a_camera_that_has_nothing_to_turn);
 }

@@ -209,6 +209,19 @@ static void test_expected_sets_are_clipped_and_not_infinite(void)
     ASSERT_NEAR(1000.0 * 999 * 998 / 3, rc_expected_sets(1000, 3, 0), TOL(0, 40));
 }
 
+/* Of very many points the number rises far above the clip before it falls. */
+static void test_expected_sets_are_not_clipped_on_the_way(void)
+{
+    enum { MANY = 10000, COUNT = 290 };
+    double log_expected = log(2) + log(MANY) + log(MANY - 1) + log(MANY - 2) - log(6);
+    for (int i = 1; i <= COUNT - 3; i++) {
+        log_expected += log(MANY - 3 - i + 1) - log(i) + log(0.01);
+    }
+    TEST_ASSERT_TRUE(log_expected < log(1e20) && log_expected > log(1e-20));
+    ASSERT_NEAR(1, RC(D(rc_expected_sets(MANY, COUNT, RC(0.01))) / exp(log_expected)),
+                TOL(1e-9, 1e-3));
+}
+
 /* ---- the F distribution ----------------------------------------------------- */
 
 /* F, its degrees of freedom, and the tail as scipy.stats.f.sf has it. */
@@ -258,6 +271,7 @@ TEST_MAIN()
     RUN_TEST(test_expected_sets_are_binomial);
     RUN_TEST(test_expected_sets_are_the_mean_of_draws);
     RUN_TEST(test_expected_sets_are_clipped_and_not_infinite);
+    RUN_TEST(test_expected_sets_are_not_clipped_on_the_way);
     RUN_TEST(test_the_tail_of_F_is_that_of_scipy);
     RUN_TEST(test_the_logarithm_is_that_of_the_C_library);
 }

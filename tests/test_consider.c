@@ -683,6 +683,12 @@ static void test_a_view_that_has_changed_is_told(void)
     TEST_ASSERT_NULL(r.rig.considered);
 }
 
+static void test_the_memory_for_clocks_is_that_of_the_macro(void)
+{
+    TEST_ASSERT_EQUAL_size_t(RIGCAL_CONSIDER_CLOCKS_WORK(5),
+                             rigcal_consider_clocks_work(5));
+}
+
 TEST_MAIN()
 {
     RUN_TEST(test_the_effects_are_those_of_dense_least_squares);
@@ -697,4 +703,5 @@ TEST_MAIN()
     RUN_TEST(test_the_budget_changes_no_bit);
     RUN_TEST(test_bad_deviations_and_memory_are_refused);
     RUN_TEST(test_a_view_that_has_changed_is_told);
+    RUN_TEST(test_the_memory_for_clocks_is_that_of_the_macro);
 }

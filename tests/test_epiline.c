@@ -642,6 +642,22 @@ static void test_arguments_of_segment_and_curve_are_checked(void)
     ASSERT_UNTOUCHED(n);
 }
 
+/* In tangents there is a line, 64 roundings of it; in pixels of a
+ * long lens it is too far off to be told. */
+static void test_a_line_too_far_off_for_its_pixels_is_refused(void)
+{
+    const rigcal_transform beside = {{1, 0, 0, 0, 1, 0, 0, 0, 1},
+                                     {1, 0, 64 * RC(TOL(2.3e-16, 1.2e-7))}};
+    const rigcal_real ray[3] = {0, 1, 0};
+    rigcal_camera camera = test_pinhole();
+    rigcal_real line[3];
+
+    camera.fx = camera.fy = 1000;
+    ASSERT_STATUS(RIGCAL_OK, rigcal_epiline(line, &beside, ray));
+    ASSERT_REFUSED(RIGCAL_ERR_OUTSIDE, line,
+                   rigcal_epiline_px(line, &camera, &beside, ray));
+}
+
 TEST_MAIN()
 {
     RUN_TEST(test_the_matching_line_of_a_camera_beside_is_level);
@@ -665,4 +681,5 @@ TEST_MAIN()
     RUN_TEST(test_a_curve_of_two_points_is_the_segment_without_distortion);
     RUN_TEST(test_the_curve_stops_at_the_turning_point_of_the_lens);
     RUN_TEST(test_arguments_of_segment_and_curve_are_checked);
+    RUN_TEST(test_a_line_too_far_off_for_its_pixels_is_refused);
 }

@@ -4,6 +4,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "rc_finding.h"
 #include "rigcal_solvers.h"
 #include "test_support.h"
 #include "vectors_faults.h"
@@ -581,6 +582,176 @@ static void test_points_beyond_4_sigma_do_not_count_where_they_are_left_out(void
     ASSERT_NEAR(D(whole.freedom_within) - 2, x.found.freedom_within, 0);
 }
 
+static void test_options_are_checked(void)
+{
+    WANTS_A_RIG;
+    set_up(&x, 0);
+    test_it(&x);
+#define FAULTS_OF rigcal_rig_faults(&x.found, x.faults, FAULTS, NULL, &x.options, &x.rig)
+    x.options.is_truncated = 2;
+    x.rig.sigma_px = 1;
+    ASSERT_REFUSED(RIGCAL_ERR_RANGE, x.found, FAULTS_OF);
+    x.options.is_truncated = 1;
+    ASSERT_STATUS(RIGCAL_OK, FAULTS_OF);
+    x.rig.sigma_px = 0;
+    ASSERT_REFUSED(RIGCAL_ERR_RANGE, x.found, FAULTS_OF);
+    x.options.is_truncated = -1;
+    ASSERT_REFUSED(RIGCAL_ERR_RANGE, x.found, FAULTS_OF);
+    x.options.is_truncated = 0;
+    x.rig.views = NULL;
+    ASSERT_REFUSED(RIGCAL_ERR_NULL, x.found, FAULTS_OF);
+    x.rig.views = x.views;
+    x.work[1] = RC(MORE + 1); /* of a placement more views than there are cameras */
+    ASSERT_REFUSED(RIGCAL_ERR_STATE, x.found, FAULTS_OF);
+    TEST_ASSERT_EQUAL_size_t(RIGCAL_FAULTS_WORK(5, 7), rigcal_faults_work(5, 7));
+    TEST_ASSERT_EQUAL_size_t(RIGCAL_FAULTS_LEAST(5, 7), rigcal_faults_least(5, 7));
+}
+
+/* Asked for one kind, it is that one; each as when all are asked for. */
+static void test_kinds_that_are_asked_for(void)
+{
+    rigcal_fault all[FAULTS];
+    int32_t n_all;
+
+    WANTS_A_RIG;
+    set_up(&x, 1);
+    test_it(&x);
+    memcpy(all, x.faults, sizeof all);
+    n_all = x.found.n;
+    for (int kind = 0; kind < RIGCAL_FAULT_KINDS; kind++) {
+        x.options.kinds = RIGCAL_FAULTS_OF(kind);
+        test_it(&x);
+        for (int i = 0; i < x.found.n; i++) {
+            int k = 0;
+
+            TEST_ASSERT_EQUAL_INT32(kind, x.faults[i].kind);
+            while (k < n_all &&
+                   (all[k].kind != kind || all[k].camera != x.faults[i].camera ||
+                    all[k].placement != x.faults[i].placement)) {
+                k++;
+            }
+            TEST_ASSERT_TRUE(k < n_all);
+            ASSERT_NEAR(D(all[k].value[0]), x.faults[i].value[0],
+                        TOL(1e-9, 1e-4) + TOL(1e-6, 1e-2) * fabs(D(all[k].value[0])));
+        }
+    }
+}
+
+static void test_clocks_without_their_memory_are_refused(void)
+{
+    rigcal_rig_fit fit;
+
+    WANTS_A_RIG;
+    set_up(&x, 0);
+#define ADJUST rigcal_rig_adjust(&fit, NULL, &x.rig)
+    x.with_clocks.instants = NULL;
+    ASSERT_REFUSED(RIGCAL_ERR_NULL, fit, ADJUST);
+    x.with_clocks.instants = x.instants;
+    x.with_clocks.states = NULL;
+    ASSERT_REFUSED(RIGCAL_ERR_NULL, fit, ADJUST);
+    x.with_clocks.states = x.states;
+    x.with_clocks.neighbours = 0;
+    ASSERT_REFUSED(RIGCAL_ERR_RANGE, fit, ADJUST);
+    x.with_clocks.neighbours = RIGCAL_MOTION_MOST + 1;
+    ASSERT_REFUSED(RIGCAL_ERR_RANGE, fit, ADJUST);
+    x.with_clocks.neighbours = RIGCAL_MOTION_MOST;
+    ASSERT_STATUS(RIGCAL_OK, ADJUST);
+#undef ADJUST
+}
+
+/* ---- the verdict by itself -------------------------------------------------- */
+
+/* 200 numbers of sum 260, of which the views by themselves leave 100 of 120. */
+static const rc_common COMMON = {260, 100, 200, 150, 30, 120};
+
+static void test_a_step_whose_numbers_overflow_is_not_seen(void)
+{
+    const rigcal_real one = 1, large = RC(TOL(1e300, 1e38)), tiny = RC(1e-3);
+    rigcal_fault fault;
+
+    for (int what = 0; what < 4; what++) {
+        rc_one_step step = {1, 1, &one, &tiny, &one, &one, 100, 0};
+
+        memset(&fault, 0, sizeof fault);
+        fault.kind = RIGCAL_FAULT_FOCAL;
+        fault.camera = 2;
+        fault.placement = -1;
+        if (what == 1) { /* what it does to the camera */
+            step.turn = &large;
+            step.variance = &large;
+        } else if (what == 2) { /* its value */
+            const rigcal_real infinite = TEST_INF;
+            step.theta = &infinite;
+            rc_finding_of(&fault, &COMMON, &step);
+        } else if (what == 3) { /* its sigma */
+            const rigcal_real infinite = TEST_INF, nothing = 0;
+            step.variance = &infinite;
+            step.turn = step.shift = &nothing;
+            rc_finding_of(&fault, &COMMON, &step);
+        }
+        if (what < 2) {
+            rc_finding_of(&fault, &COMMON, &step);
+        }
+        TEST_ASSERT_EQUAL_INT32(what == 0, fault.is_seen);
+        TEST_ASSERT_EQUAL_INT32(RIGCAL_FAULT_FOCAL, fault.kind);
+        TEST_ASSERT_EQUAL_INT32(2, fault.camera);
+        if (what > 0) {
+            ASSERT_NEAR(0, fault.value[0], 0);
+            ASSERT_NEAR(0, fault.turn, 0);
+        }
+    }
+}
+
+static void test_the_verdict_of_what_could_not_be_seen(void)
+{
+    rigcal_fault faults[3];
+    rigcal_faults found;
+
+    memset(faults, 0, sizeof faults);
+    memset(&found, 0, sizeof found);
+    found.F = rc_F_of(&COMMON, 0, 0, 0);
+    ASSERT_NEAR((260 - 100) / 30. / (100 / 120.), found.F, TOL(1e-14, 1e-5));
+    found.n = 3;
+    rc_finding_judge(&found, faults, &COMMON); /* nothing was seen */
+    TEST_ASSERT_EQUAL_INT32(RIGCAL_RIG_UNEXPLAINED, found.verdict);
+    TEST_ASSERT_EQUAL_INT32(0, found.bits & RIGCAL_FAULTS_NAMED);
+    found.n_seen = 1;
+    faults[0].is_seen = 1;
+    faults[0].bic = -50;
+    faults[1].bic = -50; /* but not seen: it is not alike */
+    rc_finding_judge(&found, faults, &COMMON);
+    TEST_ASSERT_EQUAL_INT32(RIGCAL_RIG_FOUND, found.verdict);
+    TEST_ASSERT_EQUAL_INT32(0, found.n_alike);
+    faults[1].is_seen = 1;
+    rc_finding_judge(&found, faults, &COMMON);
+    TEST_ASSERT_EQUAL_INT32(1, found.n_alike);
+    const rc_common exact = {0, 0, 200, 150, 30, 120};
+    ASSERT_NEAR(0, rc_F_of(&exact, 0, 0, 0), 0);
+}
+
+static void test_residues_of_nothing_have_no_pattern(void)
+{
+    const rc_common exact = {0, 0, 200, 150, 30, 120};
+    rc_residues r = {50, 60, 0, 0, 8, 10, 4};
+    rigcal_faults found;
+
+    memset(&found, 0, sizeof found);
+    rc_finding_residues(&found, &r, &COMMON);
+    ASSERT_NEAR(60 / (100 / 120.) / 100, found.pattern, TOL(1e-14, 1e-6));
+    TEST_ASSERT_EQUAL_INT32(RIGCAL_FAULTS_PATTERN, found.bits); /* not the motion as well */
+    ASSERT_NEAR(0.8, found.along, TOL(1e-14, 1e-6));
+    ASSERT_NEAR(sqrt(2), found.along_time, TOL(1e-14, 1e-6));
+    memset(&found, 0, sizeof found);
+    r.speed2 = 0; /* it stood still */
+    rc_finding_residues(&found, &r, &exact);
+    ASSERT_NEAR(0, found.pattern, 0);
+    ASSERT_NEAR(0, found.along, 0);
+    TEST_ASSERT_EQUAL_INT32(0, found.bits);
+    r.n = 0;
+    rc_finding_residues(&found, &r, &COMMON);
+    ASSERT_NEAR(0, found.pattern_sigma, 0);
+}
+
 TEST_MAIN()
 {
     RUN_TEST(test_each_fault_is_that_of_dense_least_squares);
@@ -599,4 +770,10 @@ TEST_MAIN()
     RUN_TEST(test_a_short_list_has_the_best);
     RUN_TEST(test_the_covariance_stays);
     RUN_TEST(test_points_beyond_4_sigma_do_not_count_where_they_are_left_out);
+    RUN_TEST(test_options_are_checked);
+    RUN_TEST(test_kinds_that_are_asked_for);
+    RUN_TEST(test_clocks_without_their_memory_are_refused);
+    RUN_TEST(test_a_step_whose_numbers_overflow_is_not_seen);
+    RUN_TEST(test_the_verdict_of_what_could_not_be_seen);
+    RUN_TEST(test_residues_of_nothing_have_no_pattern);
 }

@@ -859,6 +859,7 @@ static const impossible BAD_ROBUST[] = {
     BAD_REAL(rigcal_robust_options, sigma_px, -1, RIGCAL_ERR_RANGE),
     BAD_INT(rigcal_robust_options, samples, 0, RIGCAL_ERR_RANGE),
     BAD_INT(rigcal_robust_options, samples, 100001, RIGCAL_ERR_RANGE),
+    BAD_INT(rigcal_robust_options, max_units, 0, RIGCAL_ERR_RANGE),
     BAD_END};
 static const impossible BAD_INDEX[] = {BAD_INT(rigcal_pair, i, -1, RIGCAL_ERR_RANGE),
                                        BAD_INT(rigcal_pair, i, N, RIGCAL_ERR_RANGE),
@@ -1970,10 +1971,10 @@ static const function FUNCTIONS[] = {
      S(NULL) | S(RANGE) | S(STATE) | BIT(RIGCAL_RUNNING),
      {STATE(ROBUST_SOLVER, &ok.robust_solver),
       CHOICE(&INT_8, 1, 0, RIGCAL_ERR_RANGE)}},
-    {F(robust_result), RIGCAL_FEW_AGREE, S(STATE) | AGREED,
+    {F(robust_result), RIGCAL_OK, S(STATE) | AGREED,
      {OUT_PART(ML_POSE, RIGCAL_POSES_MAX), ROOM(&SIZE_4, 1, RIGCAL_ERR_RANGE),
       OUT(SIZE, 1), OUT(SIZE, 1), IN(ROBUST_SOLVER, 1, &ok.robust_solver_done)}},
-    {F(robust_solve), RIGCAL_FEW_AGREE, AGREED,
+    {F(robust_solve), RIGCAL_OK, AGREED,
      {OUT_PART(ML_POSE, RIGCAL_POSES_MAX), ROOM(&SIZE_4, 1, RIGCAL_ERR_RANGE),
       OUT(SIZE, 1), WORK(BYTES, N), OUT(SIZE, 1), OUT_BAD, VIEW_OF_N(5),
       IN_OPT(ROBUST, 1, &ok.robust)}},
@@ -2515,7 +2516,7 @@ static int has_checked_reals(int i)
 }
 
 /* An emulated target tries one value in so many of each number, other ones of the next. */
-enum { STEP = TEST_ONE_IN > 1 ? 4 : 1 };
+enum { STEP = TEST_ONE_IN > 1 ? 8 : 1 };
 
 static void not_finite_numbers(void)
 {

@@ -849,6 +849,70 @@ static void test_arguments_of_a_length_are_checked(void)
                    rigcal_point_distance(&distance, &sigma, &m.rig, &point, &other));
 }
 
+/* Of a rig without a covariance: what else a calibrated one has is checked all the same. */
+static void test_a_rig_without_a_covariance_is_checked(void)
+{
+    test_rng rng = test_seed(620);
+    rigcal_calibrated_rig rig;
+    rigcal_sightings s;
+
+    WANTS_RIG;
+    simulate(&rng, 3, NOISE);
+    rig = m.rig;
+    s = m.s;
+    s.rig = &rig;
+    rig.sigma_px = 0;
+    rig.cameras = NULL;
+    ASSERT_REFUSED(RIGCAL_ERR_NULL, point, rigcal_point_measure(&point, NULL, &s));
+    rig.cameras = m.rig.cameras;
+    rig.group = NULL;
+    ASSERT_REFUSED(RIGCAL_ERR_NULL, point, rigcal_point_measure(&point, NULL, &s));
+    rig.group = m.rig.group;
+    rig.n_cameras = (size_t)RIGCAL_STORE_CAMERAS_MAX + 1;
+    ASSERT_REFUSED(RIGCAL_ERR_RANGE, point, rigcal_point_measure(&point, NULL, &s));
+    rig.n_cameras = 0;
+    ASSERT_REFUSED(RIGCAL_ERR_TOO_FEW, point, rigcal_point_measure(&point, NULL, &s));
+    rig.n_cameras = m.rig.n_cameras;
+    rig.capacity = rig.n_cameras - 1;
+    ASSERT_REFUSED(RIGCAL_ERR_CAPACITY, point, rigcal_point_measure(&point, NULL, &s));
+    rig.capacity = m.rig.capacity;
+    rig.sigma_px = -1;
+    ASSERT_REFUSED(RIGCAL_ERR_RANGE, point, rigcal_point_measure(&point, NULL, &s));
+}
+
+static void test_a_length_between_groups_is_refused(void)
+{
+    static int32_t group[16];
+    test_rng rng = test_seed(621);
+    rigcal_real distance = 0, sigma = 0;
+    rigcal_point_gain of_other[3];
+    rigcal_measured_point other;
+
+    WANTS_RIG;
+    simulate(&rng, 3, NOISE);
+    ASSERT_STATUS(RIGCAL_OK, rigcal_point_measure(&point, NULL, &m.s));
+    memcpy(of_other, gains, sizeof of_other);
+    other = point;
+    other.gains = of_other;
+    other.X[0] += 1;
+    of_other[1].camera = -1;
+    ASSERT_REFUSED(RIGCAL_ERR_RANGE, distance,
+                   rigcal_point_distance(&distance, &sigma, &m.rig, &point, &other));
+    of_other[1].camera = 1;
+    other.n_used = RIGCAL_SIGHTINGS_MAX + 1;
+    ASSERT_REFUSED(RIGCAL_ERR_RANGE, distance,
+                   rigcal_point_distance(&distance, &sigma, &m.rig, &point, &other));
+    other.n_used = 3;
+    group[2] = 1;
+    m.rig.group = group;
+    of_other[0].camera = 2;
+    ASSERT_REFUSED(RIGCAL_DISCONNECTED, distance,
+                   rigcal_point_distance(&distance, &sigma, &m.rig, &point, &other));
+    of_other[0].camera = 0;
+    ASSERT_STATUS(RIGCAL_OK,
+                  rigcal_point_distance(&distance, &sigma, &m.rig, &point, &other));
+}
+
 TEST_MAIN()
 {
     RUN_TEST(test_points_are_those_of_dense_algebra);
@@ -877,4 +941,6 @@ TEST_MAIN()
     RUN_TEST(test_a_camera_may_see_a_point_twice);
     RUN_TEST(test_arguments_are_checked);
     RUN_TEST(test_arguments_of_a_length_are_checked);
+    RUN_TEST(test_a_rig_without_a_covariance_is_checked);
+    RUN_TEST(test_a_length_between_groups_is_refused);
 }

@@ -805,6 +805,46 @@ static void test_the_best_vertex_is_known_from_the_first_cost_on(void)
     }
 }
 
+/* Memory that a search never leaves so. */
+static void test_a_search_with_a_field_out_of_range_is_refused(void)
+{
+    const rigcal_real x0[3] = {3, -1, 1};
+    rigcal_neldermead nm, whole;
+    rigcal_real x[3];
+
+    begin(&whole, x0, 3, TOL(1e-6, 1e-3), 100);
+    for (int field = 0; field < 6; field++) {
+        nm = whole;
+        switch (field) {
+        case 0:
+            nm.phase = 99;
+            break;
+        case 1:
+            nm.phase = -1;
+            break;
+        case 2:
+            nm.k = 0;
+            break;
+        case 3:
+            nm.k = RIGCAL_NELDERMEAD_DIM_MAX + 1;
+            break;
+        case 4:
+            nm.vertex_next = -1;
+            break;
+        default:
+            nm.vertex_next = nm.k + 1;
+            break;
+        }
+        const rigcal_neldermead before = nm;
+
+        ASSERT_REFUSED(RIGCAL_ERR_STATE, x, rigcal_neldermead_ask(x, &nm));
+        ASSERT_STATUS(RIGCAL_ERR_STATE, rigcal_neldermead_tell(&nm, 1));
+        ASSERT_STATUS(RIGCAL_ERR_STATE, rigcal_neldermead_step(&nm, rosenbrock, NULL, 1));
+        ASSERT_REFUSED(RIGCAL_ERR_STATE, x, rigcal_neldermead_result(x, NULL, NULL, &nm));
+        TEST_ASSERT_EQUAL_MEMORY(&before, &nm, sizeof nm);
+    }
+}
+
 TEST_MAIN()
 {
     if (!RIGCAL_USE_FLOAT) { /* float rounds otherwise */
@@ -830,4 +870,5 @@ TEST_MAIN()
     RUN_TEST(test_a_search_that_is_done_asks_nothing_and_hears_nothing);
     RUN_TEST(test_a_search_that_was_not_begun_is_refused);
     RUN_TEST(test_the_best_vertex_is_known_from_the_first_cost_on);
+    RUN_TEST(test_a_search_with_a_field_out_of_range_is_refused);
 }

@@ -1135,6 +1135,22 @@ static void test_a_mirrored_target_does_not_fit(void)
     }
 }
 
+static void test_a_solver_with_a_phase_out_of_range_is_refused(void)
+{
+    test_rng rng = test_seed(53);
+    rigcal_paper_solver solver;
+    test_scene scene;
+
+    test_scene_random(&scene, &rng, 6, TEST_GENERAL);
+    see(&scene);
+    ASSERT_STATUS(RIGCAL_OK,
+                  rigcal_paper_begin(&solver, bearings, 6, pairs, n_pairs, NULL));
+    solver.phase = 99;
+    ASSERT_STATUS(RIGCAL_ERR_STATE, rigcal_paper_step(&solver, 1));
+    solver.phase = -1;
+    ASSERT_STATUS(RIGCAL_ERR_STATE, rigcal_paper_step(&solver, 1));
+}
+
 TEST_MAIN()
 {
     RUN_TEST(test_a_box_is_found_from_all_sides_whichever_angle_is_eliminated);
@@ -1166,4 +1182,5 @@ TEST_MAIN()
     RUN_TEST(test_a_ray_to_the_side_has_no_place_in_these_equations);
     RUN_TEST(test_three_angles_are_not_searched_without_a_guess);
     RUN_TEST(test_a_mirrored_target_does_not_fit);
+    RUN_TEST(test_a_solver_with_a_phase_out_of_range_is_refused);
 }

@@ -333,7 +333,7 @@ static void test_a_point_and_its_error_are_those_of_the_pose(void)
             p.camera.k1 = RC(-0.1);
         }
         ASSERT_STATUS(RIGCAL_OK, survey(&p, 0, NULL));
-        p.points.is_mirrored = is_mirrored;
+        p.points.is_mirrored = (uint8_t)is_mirrored;
         pose = test_random_transform(&rng);
         pose.t[2] = RC(5);
         test_transform_parts(R, t, &pose);

@@ -1085,6 +1085,32 @@ static void test_room_for_one_pose_gives_the_first(void)
     }
 }
 
+/* Memory that a search never leaves so. */
+static void test_a_solver_with_a_field_out_of_range_is_refused(void)
+{
+    test_rng rng = test_seed(62);
+    test_problem p;
+    rigcal_pose_solver solver, whole;
+    rigcal_pose poses[RIGCAL_POSES_MAX];
+    size_t n_found = 0;
+
+    test_random_problem(&p, &rng, 6, (test_shape)0);
+    ASSERT_STATUS(RIGCAL_OK, rigcal_pose_begin(&whole, NULL, &VIEW_OF(&p), NULL));
+    solver = whole;
+    solver.phase = 99;
+    ASSERT_STATUS(RIGCAL_ERR_STATE, rigcal_pose_step(&solver, 1));
+    solver.phase = UINT8_MAX;
+    ASSERT_STATUS(RIGCAL_ERR_STATE, rigcal_pose_step(&solver, 1));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_pose_step(&whole, INT32_MAX));
+    for (int32_t n = -1; n <= RIGCAL_POSES_MAX + 1; n += RIGCAL_POSES_MAX + 2) {
+        solver = whole;
+        solver.search.optima.n = n;
+        ASSERT_REFUSED(
+            RIGCAL_ERR_STATE, poses,
+            rigcal_pose_result(poses, RIGCAL_POSES_MAX, &n_found, NULL, &solver));
+    }
+}
+
 TEST_MAIN()
 {
     RUN_TEST(test_exact_scenes_give_their_pose);
@@ -1119,4 +1145,5 @@ TEST_MAIN()
     RUN_TEST(test_the_observation_at_fault_is_told);
     RUN_TEST(test_arguments_are_checked);
     RUN_TEST(test_room_for_one_pose_gives_the_first);
+    RUN_TEST(test_a_solver_with_a_field_out_of_range_is_refused);
 }

@@ -121,13 +121,14 @@ static void test_along_the_ray_it_is_the_error_to_first_order(void)
         }
         for (int i = 0; i < 2; i++) {
             const double by = (i ? 0.25 : 1) * TOL(1e-3, 1e-2);
-            rigcal_real X[3], e[2], B[6];
+            rigcal_real X[3], e[2], B[6], ray[3];
             double at[3], uv[2], range;
             for (int k = 0; k < 3; k++) {
                 X[k] = RC(s.X_c[k] + by * aside[k]);
                 at[k] = D(X[k]);
             }
-            rc_residual_along_ray(e, B, &s.camera, trial % CAMERAS == PINHOLE, s.pixel, X);
+            ASSERT_STATUS(RIGCAL_OK, rc_pixel_to_ray(ray, &s.camera, s.pixel));
+            rc_residual_along_ray(e, B, &s.camera, trial % CAMERAS == PINHOLE, ray, X);
             test_project_px(uv, &s.camera, at);
             range = test_norm(at);
             remainder[i] = hypot(D(e[0]) / range - (D(s.pixel[0]) - uv[0]),
@@ -147,14 +148,15 @@ static void test_along_the_ray_the_derivative_is_that_at_the_ray(void)
     for (int trial = 0; trial < 50 * CAMERAS; trial++) {
         static const rigcal_real BEHIND[3] = {RC(0.3), RC(-0.4), -2};
         double m[3], of_ray[6], e_exact[2];
-        rigcal_real e[2], B[6];
+        rigcal_real e[2], B[6], ray[3];
         sample s;
         take(&s, trial % CAMERAS, 0, &rng);
         for (int k = 0; k < 3; k++) {
             m[k] = s.X_c[k] / test_norm(s.X_c);
         }
         differences(of_ray, &s.camera, m);
-        rc_residual_along_ray(e, B, &s.camera, trial % CAMERAS == PINHOLE, s.pixel, BEHIND);
+        ASSERT_STATUS(RIGCAL_OK, rc_pixel_to_ray(ray, &s.camera, s.pixel));
+        rc_residual_along_ray(e, B, &s.camera, trial % CAMERAS == PINHOLE, ray, BEHIND);
         ASSERT_ARRAY_NEAR(of_ray, B, 6, TOL(1e-5, 2e-1));
         for (int row = 0; row < 2; row++) {
             e_exact[row] = 0;

@@ -302,6 +302,44 @@ static void test_a_pixel_without_a_ray_is_a_wrong_one(void)
     TEST_ASSERT_TRUE(least_error(&p, p.poses, 1) < TOL(1e-7, 1e-2));
 }
 
+/* Seven in ten wrong in the target's own image: the six right ones are too near their
+ * projections to be chance. */
+static void test_six_of_twenty_are_believed(void)
+{
+    test_rng rng = test_seed(11);
+    int believed = 0, right = 0;
+
+    TEST_ON_HOST_ONLY("a rate wants all scenes");
+    for (int n = 0; n < 300; n++) {
+        problem p;
+
+        make(&p, &rng, 20, TEST_GENERAL);
+        spoil(&p, &rng, 14, NEAR_THE_TARGET);
+        const rigcal_status status = solve(&p, NULL);
+        believed += status == RIGCAL_MOST_DISAGREE;
+        right += status == RIGCAL_MOST_DISAGREE && is_right(&p);
+    }
+    TEST_ASSERT_GREATER_OR_EQUAL_INT(270, right);
+    TEST_ASSERT_LESS_OR_EQUAL_INT(2, believed - right);
+}
+
+/* Nine in ten wrong: some 10 000 triples find the right ones. */
+static void test_nine_in_ten_may_be_wrong(void)
+{
+    test_rng rng = test_seed(12);
+    int right = 0;
+
+    TEST_ON_HOST_ONLY("it takes 50 points or more");
+    for (int n = 0; n < 20; n++) {
+        problem p;
+
+        make(&p, &rng, N_MAX, TEST_GENERAL);
+        spoil(&p, &rng, N_MAX * 88 / 100, IN_THE_IMAGE);
+        right += solve(&p, NULL) == RIGCAL_MOST_DISAGREE && is_right(&p);
+    }
+    TEST_ASSERT_GREATER_OR_EQUAL_INT(19, right);
+}
+
 /* ---- thresholds ---------------------------------------------------------- */
 
 /* sigma_i scales the threshold point by point. */
@@ -410,6 +448,65 @@ static void test_seed_and_samples_count(void)
     TEST_ASSERT_GREATER_THAN_INT(0, differ);
 }
 
+/* The search ends where it may spend no more: with the best pose so far, or with none. */
+static void test_a_search_ends_after_the_units_that_it_may_spend(void)
+{
+    test_rng rng = test_seed(14);
+    rigcal_robust_options options;
+    problem p;
+    int found = 0;
+
+    ASSERT_STATUS(RIGCAL_OK, rigcal_robust_defaults(&options));
+    for (int n = 0; n < TEST_TRIALS(40); n++) {
+        rigcal_robust_solver solver;
+        int32_t units = 0;
+
+        make(&p, &rng, 20, TEST_GENERAL);
+        spoil(&p, &rng, 14, IN_THE_IMAGE);
+        options.max_units = 1;
+        ASSERT_STATUS(RIGCAL_ERR_NO_CONSENSUS, solve(&p, &options));
+        options.max_units = 100;
+        ASSERT_STATUS(RIGCAL_OK,
+                      rigcal_robust_begin(&solver, p.inliers, NULL,
+                                          &VIEW(&p.camera, p.o, NULL, 20), &options));
+        for (units = 0; rigcal_robust_step(&solver, 1) == RIGCAL_RUNNING; units++) {
+        }
+        TEST_ASSERT_GREATER_OR_EQUAL_INT(99, units);
+        TEST_ASSERT_LESS_OR_EQUAL_INT(50, solver.tried); /* two units each at least */
+        options.max_units = 100000;
+        found += solve(&p, &options) >= 0 && is_right(&p);
+    }
+    TEST_ASSERT_GREATER_OR_EQUAL_INT(TEST_TRIALS(40) * 9 / 10, found);
+}
+
+enum { TRIPLES = 10 * 9 * 8 / 6 };
+
+/* Where all triples may be tried, each is tried once. */
+static void test_all_triples_are_tried_once(void)
+{
+    static uint8_t tried[10][10][10];
+    test_rng rng = test_seed(15);
+    rigcal_robust_solver solver;
+    problem p;
+    int32_t before = -1;
+
+    memset(tried, 0, sizeof tried);
+    make(&p, &rng, 10, TEST_GENERAL);
+    spoil(&p, &rng, 10, IN_THE_IMAGE);
+    ASSERT_STATUS(RIGCAL_OK, rigcal_robust_begin(&solver, p.inliers, NULL,
+                                                 &VIEW(&p.camera, p.o, NULL, 10), NULL));
+    do {
+        if (solver.tried != before && solver.tried < TRIPLES) {
+            const int32_t *const s = solver.sample;
+            before = solver.tried;
+            TEST_ASSERT_TRUE(0 <= s[0] && s[0] < s[1] && s[1] < s[2] && s[2] < 10);
+            TEST_ASSERT_EQUAL_INT(0, tried[s[0]][s[1]][s[2]]++);
+        }
+    } while (rigcal_robust_step(&solver, 1) == RIGCAL_RUNNING);
+    TEST_ASSERT_EQUAL_INT(TRIPLES, solver.tried);
+    TEST_ASSERT_EQUAL_INT(TRIPLES - 1, before);
+}
+
 TEST_MAIN()
 {
     RUN_TEST(test_three_in_ten_may_be_wrong);
@@ -422,4 +519,8 @@ TEST_MAIN()
     RUN_TEST(test_the_threshold_is_that_stated);
     RUN_TEST(test_budgets_change_no_bit);
     RUN_TEST(test_seed_and_samples_count);
+    RUN_TEST(test_six_of_twenty_are_believed);
+    RUN_TEST(test_nine_in_ten_may_be_wrong);
+    RUN_TEST(test_a_search_ends_after_the_units_that_it_may_spend);
+    RUN_TEST(test_all_triples_are_tried_once);
 }

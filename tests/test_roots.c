@@ -42,8 +42,8 @@ static void make_scene(scene *s, test_rng *rng, int n, double across)
 /* All steps; at most two of the triple and its poses, three rays, and a score each. */
 static int32_t find(rigcal_optima *optima, const rigcal_points *points)
 {
-    rigcal_triple triple = {{0}, 0, {{0}}};
-    int32_t n = 0;
+    rigcal_triple triple = {0};
+    uint8_t n = 0;
 
     while (!rc_roots_step(optima, &n, &triple, points)) {
         TEST_ASSERT_LESS_THAN_INT32(5 + RC_P3P_MAX, triple.count);

@@ -419,6 +419,61 @@ static void test_the_place_of_a_target_moves_as_its_camera_and_its_view_do(void)
     }
 }
 
+/* Each coefficient alone makes a lens of the camera, and none is a pinhole: the ray's noise
+ * is that of the pixel by differences. */
+static void test_each_coefficient_of_a_lens_counts(void)
+{
+    for (int k = 0; k < 10; k++) {
+        rigcal_camera camera = test_pinhole();
+        rigcal_real *const numbers[] = {&camera.k1, &camera.k2, &camera.p1, &camera.p2,
+                                        &camera.k3, &camera.k4, &camera.k5, &camera.k6};
+        const rigcal_real ray[3] = {RC(0.5), RC(-0.25), RC(1.25)};
+        double m[3], T[2][3], px[2];
+        rc_sight sight;
+
+        if (k < 8) {
+            *numbers[k] = RC(0.05);
+        } else if (k == 8) {
+            camera.lens = RIGCAL_LENS_FISHEYE;
+        }
+        ASSERT_STATUS(RIGCAL_OK, rc_sight_of(&sight, &camera, ray, RC(SIGMA)));
+        test_to_double(m, sight.m, 3);
+        test_project_px(px, &camera, m);
+        for (int i = 0; i < 2; i++) { /* a noise of SIGMA along u, or v, and of 0 across */
+            double moved_px[2], turned[3];
+
+            test_to_double(T[i], sight.T[i], 3);
+            for (int j = 0; j < 3; j++) {
+                turned[j] = m[j] + 1e-3 * T[i][j];
+            }
+            test_project_px(moved_px, &camera, turned);
+            ASSERT_NEAR(i == 0 ? 1e-3 * SIGMA : 0, moved_px[0] - px[0], 2e-6 * SIGMA);
+            ASSERT_NEAR(i == 1 ? 1e-3 * SIGMA : 0, moved_px[1] - px[1], 2e-6 * SIGMA);
+        }
+    }
+}
+
+/* A ray at more than 89.999 degrees from the axis of a pinhole has no image. */
+static void test_a_ray_that_grazes_has_no_sight(void)
+{
+    const rigcal_camera camera = test_pinhole();
+    const rigcal_real along_x[3] = {1, 0, RC(TOL(1e-9, 1e-5))}, ahead[3] = {1, 0, RC(0.01)};
+    rc_sight sight;
+
+    ASSERT_REFUSED(RIGCAL_ERR_NO_RAY, sight, rc_sight_of(&sight, &camera, along_x, 1));
+    ASSERT_STATUS(RIGCAL_OK, rc_sight_of(&sight, &camera, ahead, 1));
+}
+
+static void test_a_ray_of_no_length_is_none(void)
+{
+    const rigcal_real nothing[3] = {0, 0, 0};
+    rigcal_camera camera = test_pinhole();
+    rc_sight sight;
+
+    camera.k1 = RC(0.05);
+    ASSERT_STATUS(RIGCAL_ERR_DEGENERATE, rc_sight_of(&sight, &camera, nothing, 1));
+}
+
 TEST_MAIN()
 {
     RUN_TEST(test_a_match_agrees_with_differences_through_any_lens);
@@ -429,4 +484,7 @@ TEST_MAIN()
     RUN_TEST(test_a_view_agrees_with_differences_through_any_lens);
     RUN_TEST(test_a_point_behind_the_camera_has_no_row);
     RUN_TEST(test_the_place_of_a_target_moves_as_its_camera_and_its_view_do);
+    RUN_TEST(test_each_coefficient_of_a_lens_counts);
+    RUN_TEST(test_a_ray_that_grazes_has_no_sight);
+    RUN_TEST(test_a_ray_of_no_length_is_none);
 }

@@ -353,6 +353,27 @@ static void test_views_that_cannot_be_are_refused_and_change_nothing(void)
     TEST_ASSERT_EQUAL_MEMORY(kept, w.monitor, sizeof kept);
 }
 
+/* A target without a place: it has no pose, no share, and is blind; it is no camera. */
+static void test_a_target_without_a_place_has_no_report(void)
+{
+    test_rng rng = test_seed(201);
+    rigcal_mounted_camera m;
+    rigcal_body_report report;
+
+    WANTS_RIG();
+    test_watched_make(&w, &rng, 2, 1, 0.05 * DEGREE, 2e-3);
+    test_watched_begin(&w, 1, NULL);
+    hang(&rng, 0.1);
+    ASSERT_STATUS(RIGCAL_ERR_RANGE, rigcal_monitor_camera(&m, w.monitor, 2));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_monitor_body(&report, w.monitor, 2));
+    TEST_ASSERT_TRUE(report.is_blind != 0);
+    ASSERT_NEAR(0, report.share, 0);
+    ASSERT_NEAR(0, report.smallest_rad, 0);
+    show(0, &rng, 0);
+    ASSERT_STATUS(RIGCAL_OK, rigcal_monitor_body(&report, w.monitor, 2));
+    TEST_ASSERT_TRUE(report.weakest_sigma > 0);
+}
+
 TEST_MAIN()
 {
     RUN_TEST(test_rows_of_a_placement_give_the_joint_least_squares);
@@ -360,4 +381,5 @@ TEST_MAIN()
     RUN_TEST(test_a_target_that_was_lifted_has_no_place);
     RUN_TEST(test_a_target_that_stays_tells_which_of_two_cameras_moved);
     RUN_TEST(test_views_that_cannot_be_are_refused_and_change_nothing);
+    RUN_TEST(test_a_target_without_a_place_has_no_report);
 }

@@ -197,6 +197,44 @@ static void test_a_covariance_that_does_not_exist_is_refused_by_name(void)
                    rigcal_pose_covariance(&u, &VIEW(&p.camera, p.o, NULL, 6), &pose, 1));
 }
 
+/* On the cylinder through three points, upright on their plane, the camera can move a
+ * little and they stay where they are seen: the danger cylinder of three points. */
+static void test_on_the_danger_cylinder_of_three_points_there_is_no_covariance(void)
+{
+    const rigcal_camera camera = test_pinhole();
+    rigcal_pose_uncertainty out;
+    int n_refused = 0;
+
+    for (int k = 0; k < 20; k++) {
+        const double turn = 0.3 + 0.31 * k;
+        const double centre[3] = {cos(turn), sin(turn), -2};
+        const double t[3] = {-centre[0], -centre[1], -centre[2]};
+        const rigcal_transform cam_from_world = test_transform(NULL, t);
+        rigcal_observation o[3];
+
+        for (int i = 0; i < 3; i++) {
+            const double X[3] = {cos(2.1 * i), sin(2.1 * i), 0};
+            double X_c[3], uv[2];
+
+            test_apply(X_c, (const double[9]){1, 0, 0, 0, 1, 0, 0, 0, 1}, X, t);
+            test_project_px(uv, &camera, X_c);
+            test_to_real(o[i].X_w, X, 3);
+            test_to_real(o[i].uv, uv, 2);
+        }
+        const rigcal_view view = VIEW(&camera, o, NULL, 3);
+        const rigcal_status status =
+            rigcal_pose_covariance(&out, &view, &cam_from_world, RC(0.5));
+
+        if (status == RIGCAL_ERR_DEGENERATE) {
+            n_refused++;
+        } else { /* to rounding it is beside the cylinder: next to nothing is known */
+            ASSERT_STATUS(RIGCAL_OK, status);
+            TEST_ASSERT_TRUE(D(out.center[0]) + D(out.center[1]) + D(out.center[2]) > 10);
+        }
+    }
+    TEST_ASSERT_TRUE(n_refused > 0);
+}
+
 TEST_MAIN()
 {
     RUN_TEST(test_covariances_are_those_of_the_oracle);
@@ -204,4 +242,5 @@ TEST_MAIN()
     RUN_TEST(test_the_deviation_of_the_centre_follows);
     RUN_TEST(test_the_covariance_holds_the_truth_as_often_as_it_says);
     RUN_TEST(test_a_covariance_that_does_not_exist_is_refused_by_name);
+    RUN_TEST(test_on_the_danger_cylinder_of_three_points_there_is_no_covariance);
 }

@@ -292,6 +292,28 @@ static void test_what_is_no_result_is_refused(void)
                   rigcal_faults_text(text, ROOM, NULL, &found, faults, NULL));
 }
 
+static void test_a_named_fault_that_is_not_there_is_refused(void)
+{
+    explained_by(RIGCAL_FAULT_FOCAL, 1, 0.01, 0.001);
+    found.bits |= RIGCAL_FAULTS_NAMED;
+    ASSERT_STATUS(RIGCAL_OK, rigcal_faults_text(text, ROOM, NULL, &found, faults, &words));
+    found.n = found.n_alike = 0;
+    ASSERT_STATUS(RIGCAL_ERR_RANGE,
+                  rigcal_faults_text(text, ROOM, NULL, &found, faults, &words));
+}
+
+/* Where the first one does not explain, the others need not either. */
+static void test_what_cannot_be_told_apart_where_nothing_explains(void)
+{
+    explained_by(RIGCAL_FAULT_CLOCK, 0, 0.005, 0.0003);
+    found.n_alike = 2;
+    found.bits |= RIGCAL_FAULTS_ALIKE;
+    faults[0].explains = faults[1].explains = faults[2].explains = 0;
+    say();
+    ASSERT_SAYS(
+        "it cannot be told from the focal length of right, the focal length of top.");
+}
+
 TEST_MAIN()
 {
     RUN_TEST(test_a_rig_that_agrees);
@@ -307,4 +329,6 @@ TEST_MAIN()
     RUN_TEST(test_without_names_and_units_there_are_numbers);
     RUN_TEST(test_a_buffer_that_is_too_small_gets_whole_sentences);
     RUN_TEST(test_what_is_no_result_is_refused);
+    RUN_TEST(test_a_named_fault_that_is_not_there_is_refused);
+    RUN_TEST(test_what_cannot_be_told_apart_where_nothing_explains);
 }

@@ -36,6 +36,13 @@ COLUMNS = [("cortex-m0", "float", "-Os"), ("cortex-m0", "float", "-Os", "small")
            ("cortex-m7", "float", "-O2"), ("cortex-m7", "double", "-O2"),
            ("rv32imac", "float", "-Os"), ("rv32imafc", "float", "-O2")]
 
+# Presets whose library is that of a column: the same options, but for -g1.
+PRESETS = {("cortex-m4f", "float", "-O2"): "cortex-m4f",
+           ("cortex-m33", "float", "-O2"): "cortex-m33",
+           ("cortex-m7", "float", "-O2"): "cortex-m7",
+           ("cortex-m7", "double", "-O2"): "cortex-m7-double",
+           ("rv32imafc", "float", "-O2"): "rv32imafc"}
+
 # Row: the functions whose flash it is.
 FLASH = {
     "project": ["rigcal_camera_project"],
@@ -79,6 +86,11 @@ LIMITS = [
     ("Flash with libraries", "solve_pose", "cortex-m0 float -Os", 24 * 1024),
     ("Flash with libraries", "solve_pose, triangulate, epiline_px",
      "cortex-m4f float -Os small", 16 * 1024),
+    ("Flash with libraries", "solve_pose, triangulate, epiline_px",
+     "cortex-m4f float -Os", 20 * 1024),
+    *[("Stack", f"solve_pose_{job}", column, limit)
+      for job in ("3", "tag", "4", "8", "8_lens", "50")
+      for column, limit in (("cortex-m7 double -O2", 2048), ("cortex-m4f float -O2", 1229))],
 ]
 
 
@@ -110,13 +122,21 @@ class Image:
         values = words["flash"].split() + words["ram"].split()
         self.memory = [f"-Wl,--defsym={n}={v}" for n, v in zip(names, values)]
         self.memory.append("-Wl,--defsym=__stack_size=4096")
-        self.library = self.dir / "librigcal.a"
+        preset = PRESETS.get((target, real, optimisation)) if extent == "all" else None
+        if preset:
+            self.library = ROOT / "build" / preset / "librigcal.a"
+            run("sh", "-c", f". tests/support/steps.sh; preset_build {preset} rigcal")
+        else:
+            self.library = self.dir / "librigcal.a"
+            self.compile(words["prefix"])
+
+    def compile(self, prefix):
         self.library.unlink(missing_ok=True)
         objects = []
         for source in sorted((ROOT / "src").glob("*.c")):
             objects.append(self.dir / (source.stem + ".o"))
             run(self.gcc, *self.flags, "-DRIGCAL_BUILD", "-c", source, "-o", objects[-1])
-        run(words["prefix"] + "ar", "rcs", self.library, *objects)
+        run(prefix + "ar", "rcs", self.library, *objects)
 
     def jobs(self, *defines):
         image = self.dir / "jobs.elf"

@@ -136,6 +136,7 @@ if(RIGCAL_BENCH_OPENCV)
 endif()
 
 bench(bench_robust rigcal_bench_support wrong 10)
+bench(bench_beside rigcal_bench_support 20 50 near 10)
 
 # Adjusted rigs; bench/rig.sh links the first with Ceres, too.
 add_library(rigcal_bench_rigs STATIC bench/bench_rigs.c)

@@ -19,4 +19,5 @@ if ! { cmake --preset gcc-double && cmake --build --preset gcc-double --target b
     tail -n 20 build/benches.log >&2
     exit 1
 fi
-exec python3 tests/bench/tables.py "$@"
+python=$(find_python numpy scipy || find_python)
+exec "$python" tests/bench/tables.py "$@"

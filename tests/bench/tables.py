@@ -14,8 +14,8 @@ A table stands in BENCHMARKS.md between two comments:
 
 `table 2 of NAME: COMMAND` takes the second table that the command prints. `short` is the
 form of CI, with fewer scenes; `within` is how far a figure of it may be from that in
-short.md. A table without `short` is made by hand only. A command is a bench of
-build/gcc-double/tests, or "sh FILE ..." or "python3 FILE ...", from the root of the project.
+short.md. A table without `short` is made by hand only. A command is a bench of the preset
+gcc-double, or PRESET/BENCH, or "sh FILE ..." or "python3 FILE ...", from the root of the project.
 Below a table stands what made it: command, commit, day, compiler and processor.
 
 Exit status 1: a figure differs, or a command failed; the table stays as it was.
@@ -32,7 +32,6 @@ import sys
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 DOCUMENT = ROOT / "BENCHMARKS.md"
 SHORT = ROOT / "tests/bench/short.md"
-BENCHES = ROOT / "build/gcc-double/tests"
 
 MARK = re.compile(
     r"<!-- table (?:(?P<number>\d+) of )?(?P<name>[\w-]+): (?P<command>[^;>]+?)"
@@ -52,9 +51,10 @@ def output_of(command: str, printed: dict[str, str]) -> str:
         if words[0] in ("sh", "python3"):
             words[0] = sys.executable if words[0] == "python3" else "sh"
         else:
-            words[0] = str(BENCHES / words[0])
+            preset, _, bench = words[0].rpartition("/")
+            words[0] = str(ROOT / "build" / (preset or "gcc-double") / "tests" / bench)
             if not pathlib.Path(words[0]).exists():
-                raise Failed(f"{command}: there is no {words[0]}: build the preset gcc-double")
+                raise Failed(f"{command}: there is no {words[0]}: build the preset {preset or 'gcc-double'}")
         done = subprocess.run(words, cwd=ROOT, capture_output=True, text=True)
         if done.returncode:
             raise Failed(f"{command}: exit status {done.returncode}\n{done.stdout[-500:]}{done.stderr[-500:]}")

@@ -20,6 +20,7 @@ static void read_options(rigcal_robust_options *options, fuzz_bytes *bytes)
         options->sigma_px = fuzz_real(bytes);
         options->samples = (int32_t)fuzz_word(bytes);
         options->seed = fuzz_word(bytes);
+        options->max_units = (int32_t)fuzz_word(bytes);
     }
     if (options->samples > SAMPLES_MOST) { /* one input is to take little time */
         options->samples = options->samples % SAMPLES_MOST + 1;
@@ -49,13 +50,24 @@ static void check_answer(const answer *found, const rigcal_view *view)
     PROMISE(fabs(sum - 1) < FUZZ_TOL(1e-12, 1e-5));
 }
 
-/* The same bits come out whatever the budgets, and in the same number of units. */
+/* Units of the search for a pose of the points that agree, before and after it. */
+enum {
+    SETTLE_MOST = 17,
+    DECIDE_MOST = 9,
+    SEARCHES = 9,
+    SEARCH_MOST = 2000 + 9 * POINTS_MOST
+};
+
+/* The same bits come out whatever the budgets, and in no more units than promised. */
 static rigcal_status solve_in_steps(answer *found, const rigcal_view *view,
                                     const rigcal_robust_options *options,
                                     fuzz_budget budget)
 {
+    const long most =
+        (long)options->max_units + SETTLE_MOST + DECIDE_MOST + (long)SEARCHES * SEARCH_MOST;
     rigcal_robust_solver solver;
     int32_t at_fault;
+    long units = 0;
     rigcal_status status =
         rigcal_robust_begin(&solver, found->inliers, &at_fault, view, options);
 
@@ -64,7 +76,10 @@ static rigcal_status solve_in_steps(answer *found, const rigcal_view *view,
         return status;
     }
     do {
-        status = rigcal_robust_step(&solver, fuzz_budget_next(&budget));
+        const int32_t next = fuzz_budget_next(&budget);
+        PROMISE(units <= most);
+        status = rigcal_robust_step(&solver, next);
+        units += next;
         PROMISE(status == RIGCAL_OK || status == RIGCAL_RUNNING);
     } while (status == RIGCAL_RUNNING);
     return rigcal_robust_result(found->poses, POSES_MOST, &found->n_found,

@@ -683,28 +683,52 @@ static int samples_are_taken(double samples)
            RIGCAL_ERR_RANGE;
 }
 
-/* Five points agree, three do not: how far may these be from agreeing by chance? */
-static int chance_is_below(double threshold_px)
+/* Seven points agree, three do not: how far off may the seven be, and not by chance? */
+static int chance_is_below(double off_px)
 {
+    scene s = probed;
     rigcal_pose pose;
     uint8_t inliers[POINTS_MAX];
     size_t n_found, n_in;
     int32_t at_fault;
     rigcal_robust_options o;
     rigcal_robust_defaults(&o);
-    o.threshold_px = RC(threshold_px);
-    const rigcal_view view = view_of(&probed);
+    o.threshold_px = 100;
+    for (int i = 3; i < s.n; i++) {
+        s.o[i].uv[0] += RC(i % 2 == 0 ? off_px : -off_px);
+        s.o[i].uv[1] += RC(i % 4 < 2 ? off_px : -off_px);
+    }
+    const rigcal_view view = view_of(&s);
     const rigcal_status status =
         rigcal_robust_solve(&pose, 1, &n_found, inliers, &n_in, &at_fault, &view, &o);
     return status != RIGCAL_ERR_NO_CONSENSUS && (wanted == 0 || status != RIGCAL_FEW_AGREE);
 }
 
+/* What a search spends by the defaults where nothing agrees. */
+static void search_of_nothing(const char *name)
+{
+    static rigcal_robust_solver solver;
+    uint8_t inliers[POINTS_MAX];
+    int32_t at_fault;
+    rigcal_robust_options o;
+    long steps = 0;
+    const rigcal_view view = view_of(&probed);
+    rigcal_robust_defaults(&o);
+    if (rigcal_robust_begin(&solver, inliers, &at_fault, &view, &o) < 0) {
+        return;
+    }
+    while (rigcal_robust_step(&solver, 1) == RIGCAL_RUNNING) {
+        steps++;
+    }
+    line(name, "%d of %d, %ld units", (int)solver.tried, (int)solver.samples, steps);
+}
+
 static void gate_robust_edges(void)
 {
     state = 620;
-    random_scene(&probed, 8, GENERAL, PINHOLE, 0, 3, 3.1);
+    random_scene(&probed, 10, GENERAL, PINHOLE, 0, 3, 3.1);
     for (int i = 0; i < 3; i++) {
-        probed.o[i].uv[i % 2] += RC(150);
+        probed.o[i].uv[i % 2] += RC(i == 1 ? -400 : 400);
     }
     wanted = RIGCAL_FEW_AGREE;
     edge("robust.few_px", chance_is_below, 1e-3, 100);
@@ -729,6 +753,18 @@ static void gate_robust_edges(void)
     probed.options.sigma_px = RC(0.1);
     edge("robust.threshold_sigmas", agrees, 0.01, 100);
     edge("robust.samples_max", samples_are_taken, 1, 1e9);
+    random_scene(&probed, 120, GENERAL, PINHOLE, 0.5, 4, 4.1);
+    state = 630;
+    for (int i = 0; i < probed.n; i++) {
+        probed.o[i].uv[0] = RC(uniform(0, 640));
+        probed.o[i].uv[1] = RC(uniform(0, 480));
+    }
+    search_of_nothing("robust.drawn");
+    probed.n = 25;
+    search_of_nothing("robust.all");
+    rigcal_robust_options o;
+    rigcal_robust_defaults(&o);
+    line("robust.max_units", "%d", (int)o.max_units);
 }
 
 static void gate_diagnose(void)

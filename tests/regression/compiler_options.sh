@@ -120,7 +120,7 @@ configured() {
     flags=$1
     shift
     count=$((count + 1))
-    rm -rf "$out/cmake"
+    rm -f "$out/cmake/CMakeCache.txt" # what CMake knows of the compiler stays
     cmake -S . -B "$out/cmake" -DCMAKE_C_COMPILER=clang -DRIGCAL_BUILD_TESTS=OFF \
         -DCMAKE_C_FLAGS="$flags" "$@" >"$out/cmake.txt" 2>&1
 }

@@ -16,10 +16,12 @@ complain() {
     bad=1
 }
 
-cmake --preset shared -B "$out/library" >"$out/build.txt" 2>&1 &&
-    cmake --build "$out/library" >>"$out/build.txt" 2>&1 || { cat "$out/build.txt"; exit 1; }
-rustc --edition 2021 -D warnings -O -o "$out/stereo" -L "$out/library" \
-    -C link-arg="-Wl,-rpath,$out/library" examples/ffi/rust/stereo.rs
+library=$PWD/build/shared
+drop_moved_build "$library"
+cmake --preset shared >"$out/build.txt" 2>&1 &&
+    cmake --build --preset shared >>"$out/build.txt" 2>&1 || { cat "$out/build.txt"; exit 1; }
+rustc --edition 2021 -D warnings -O -o "$out/stereo" -L "$library" \
+    -C link-arg="-Wl,-rpath,$library" examples/ffi/rust/stereo.rs
 
 # The data, altered by awk: $1 the name of the folder, $2 the program.
 data() {
@@ -38,7 +40,7 @@ for language in python rust; do
     run() {
         count=$((count + 1))
         if [ $language = python ]; then
-            "$PYTHON" examples/ffi/python/stereo.py "$out/library/librigcal.so" "$@"
+            "$PYTHON" examples/ffi/python/stereo.py "$library/librigcal.so" "$@"
         else
             "$out/stereo" "$@"
         fi >"$out/stdout.txt" 2>"$out/stderr.txt"
@@ -68,9 +70,9 @@ for tool in sh dirname mktemp rm cc ld ar; do
 done
 count=$((count + 2))
 PATH=$out/bin PYTHON3=$PYTHON \
-    sh examples/ffi/run.sh python "$out/library" >"$out/stdout.txt" 2>"$out/stderr.txt" ||
+    sh examples/ffi/run.sh python "$library" >"$out/stdout.txt" 2>"$out/stderr.txt" ||
     complain "run.sh python fails without rustc"
-PYTHON3=$out/none sh examples/ffi/run.sh rust "$out/library" \
+PYTHON3=$out/none sh examples/ffi/run.sh rust "$library" \
     >"$out/stdout.txt" 2>"$out/stderr.txt" || complain "run.sh rust fails without Python"
 
 [ $bad -eq 0 ] || exit 1

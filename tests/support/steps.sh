@@ -1,10 +1,14 @@
 # Sourced by the shell of each step that tests/run.sh starts, at the project's root.
 #
-#   preset_build PRESET   builds in build/PRESET
+#   preset_build PRESET [TARGET]
+#                         builds in build/PRESET, all or the target alone
 #   preset PRESET         builds, and runs every test
-#   relinked PRESET BUILT COMPILER
+#   relinked PRESET BUILT COMPILER [TARGET]
 #                         builds the library of PRESET, and runs the unit tests of the
 #                         preset BUILT with it
+#   clang_library PRESET BUILT
+#                         the same with clang's library; clang compiles all else for its
+#                         warnings alone, and counts as gcc does
 #   cli PRESET            builds, and runs the tests of the command line
 #   regressions           runs every tests/regression/*.sh
 #
@@ -15,7 +19,7 @@ set -u
 
 preset_build() {
     drop_moved_build "build/$1"
-    cmake --preset "$1" && cmake --build --preset "$1"
+    cmake --preset "$1" && cmake --build --preset "$1" ${2:+--target "$2"}
 }
 
 preset() {
@@ -23,8 +27,23 @@ preset() {
 }
 
 relinked() {
-    preset_build "$1" &&
+    preset_build "$1" "${4-}" &&
         sh tests/ways/relink.sh "build/$2" "build/$1/relinked" "$3" "build/$1/librigcal.a"
+}
+
+clang_library() {
+    relinked "$1" "$2" clang rigcal && warnings_of "$1" &&
+        cmake --build --preset "$1" --target gate test_bounds &&
+        ctest --preset "$1" -R '^(gate|bounds)$'
+}
+
+# What the preset would compile beside the library, as it would.
+warnings_of() {
+    sed -n 's/^ *"command": "\(.*\)",*$/\1/p' "build/$1/compile_commands.json" |
+        grep -v ' -c [^ ]*/src/' |
+        sed 's/\\"/"/g; s/\\\\/\\/g; s/ -o [^ ]* / -fsyntax-only /' >"build/$1/warnings.sh"
+    (cd "build/$1" && sh -e warnings.sh) &&
+        echo "no warning in $(wc -l <"build/$1/warnings.sh") files"
 }
 
 cli() {

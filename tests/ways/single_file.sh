@@ -1,7 +1,7 @@
 #!/bin/sh
 # The library as one header and one source: made, built by gcc and clang as
 # strictly as its parts, included from C++, and put through the tests of every layer, which
-# are those of build/gcc-double and build/clang-float.
+# are those of build/gcc-double and build/gcc-float.
 #
 #   sh tests/ways/single_file.sh [FOLDER]     builds in FOLDER, build/single_file
 set -eu
@@ -47,11 +47,12 @@ done
 names() {
     nm -P -g --defined-only "$1" | awk 'NF > 2 {print $1}' | sort
 }
-for build in gcc-double clang-float; do
-    object=$out/rigcal_$(echo $build | tr - _).o
-    names build/$build/librigcal.a >"$out/names.txt"
+for how in gcc-double clang-float; do
+    object=$out/rigcal_$(echo $how | tr - _).o
+    build=gcc-${how#*-}
+    names "build/$build/librigcal.a" >"$out/names.txt"
     names "$object" | diff "$out/names.txt" - ||
         { echo "single_file: these names differ from those of src/"; exit 1; }
-    sh tests/ways/relink.sh build/$build "$out/$build" ${build%-*} "$object"
+    sh tests/ways/relink.sh "build/$build" "$out/$how" ${how%-*} "$object"
 done
 echo "$(wc -l <"$out/names.txt") global names, every unit test twice, on one source"

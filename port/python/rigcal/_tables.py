@@ -19,7 +19,7 @@ Path = os.PathLike[str]
 
 OBSERVATIONS = ("frame", "camera", "point", "X", "Y", "Z", "u", "v")
 TIMES = ("frame", "camera", "time_s")
-IDS = ("frame", "camera", "point")
+IDS = ("frame", "camera", "point", "turned")
 TRANSFORM = (*(f"R{i}{j}" for i in "123" for j in "123"), "tx", "ty", "tz")
 COVARIANCE = tuple(f"S{i}{j}" for i in range(1, 7) for j in range(1, i + 1))
 
@@ -98,17 +98,24 @@ def _rows(rows: Sequence[Any], wanted: Sequence[str], what: str) -> Table:
     return table
 
 
+def names_of(table: Any) -> Iterable[str] | None:
+    """Names of the columns of a table that has names; None of one that has none."""
+    names: Any = getattr(getattr(table, "dtype", None), "names", None)
+    if names is None and not isinstance(table, np.ndarray):
+        names = getattr(table, "column_names", getattr(table, "columns", None))
+    if names is None and isinstance(table, Mapping):
+        names = table.keys()
+    found: Iterable[str] | None = names
+    return found
+
+
 def columns(table: Any, wanted: Sequence[str], what: str) -> Table:
     """The wanted columns of a table: ids as text, numbers as float64, all of one length.
 
     table: a mapping of columns, a data frame (pandas, polars, Arrow), a structured array,
     an array (n, len(wanted)), or a sequence of rows.
     """
-    names = getattr(getattr(table, "dtype", None), "names", None)
-    if names is None and not isinstance(table, np.ndarray):
-        names = getattr(table, "column_names", getattr(table, "columns", None))
-    if names is None and isinstance(table, Mapping):
-        names = table.keys()
+    names = names_of(table)
     if names is not None:
         found = _pick(table, names, wanted, what)
     elif isinstance(table, np.ndarray):

@@ -5,6 +5,8 @@ The program holds the whole of the work, so that both give the same numbers.
 
 from __future__ import annotations
 
+import contextlib
+import itertools
 import os
 import pathlib
 import re
@@ -22,6 +24,7 @@ from . import _tables
 from .camera import Camera
 from .detect import into_rig
 from .detect.detections import Detections
+from .detect.targets import Chessboard
 from .errors import Caveat, Error
 from .formats import save_cameras
 from .rig import Rig
@@ -254,6 +257,7 @@ def calibrate(
     detections: Any,
     *,
     sigma_px: float | None = None,
+    weigh: bool = False,
     robust: bool = False,
     threshold_px: float | None = None,
     seed: int | None = None,
@@ -277,12 +281,17 @@ def calibrate(
                 file. A frame is one place of the target; X, Y, Z is the point on the
                 target, u, v its pixel, with (0, 0) the centre of the top-left pixel
     sigma_px    noise of one coordinate of a pixel. None: that of the residuals
+    weigh       points count by their column sigma_px, as 1 / sigma_px^2, in the poses of
+                views and in the rig; sigma_px is then the noise of the usual point, the
+                median. False: all points count alike, as in plain least squares
     robust      leaves out points that disagree by more than threshold_px; seed chooses
                 other random samples
     hold        names of cameras that stay where they are
     prior       an earlier Rig, its rig.csv, or cameras: what is known beforehand
     times       when each picture was taken [s]: frame, camera, time_s as detections,
-                {(frame, camera): time}, or "frames": their numbers are times
+                {(frame, camera): time}, or "frames": their numbers are times. None: those
+                of detections. Without clocks and sigma_time these only test the clocks,
+                and all pictures of a frame count as taken at once
     clocks      estimates how late each camera is; drift: and how fast its clock runs
     sigma_time  noise of a time by itself
     intrinsics_sigma     standard deviations: focal and aspect as parts, centre [px], k1, k2
@@ -298,14 +307,20 @@ def calibrate(
         known = _tables.named_cameras(cameras)
         noted: list[str] = []
         if isinstance(detections, Detections):
-            times = detections.times if times is None else times
+            if times is None and detections.times is not None:
+                is_used = clocks or sigma_time is not None
+                times = detections.times if is_used else _of_frames(detections.times)
             known = into_rig.with_sizes(known, detections)
-            detections, noted = _prepared(detections, known)
+            into_rig.check_sizes(detections, known)
+            noted = into_rig.same_pictures(detections)
+            noted += into_rig.swapped(detections, known)
         path = files.cameras("cameras", known)["cameras.csv"]
         arguments = ["calibrate", "--progress", "--cameras", path]
         arguments += [
             "--observations",
-            files.table("observations.csv", "detections", detections, _tables.OBSERVATIONS),
+            files.table(
+                "observations.csv", "detections", *_observations(detections, weigh)
+            ),
         ]
         kept = os.fspath(out) if out is not None else str(files.folder / "out")
         arguments += ["--out=" + kept, "--method=" + str(method)]
@@ -318,7 +333,7 @@ def calibrate(
                     f"--{name}={_number(number, NAMES.get(name, name.replace('-', '_')))}"
                 )
         for name, is_wanted in (
-            ("robust", robust), ("clocks", clocks), ("drift", drift),
+            ("weigh", weigh), ("robust", robust), ("clocks", clocks), ("drift", drift),
             ("estimate-intrinsics", estimate_intrinsics),
         ):  # fmt: skip
             if is_wanted:
@@ -342,6 +357,7 @@ def calibrate(
         if isinstance(detections, Detections):
             rig.images = dict(detections.images)
             before = known if prior is None or not isinstance(prior, Rig) else prior.cameras
+            noted += _odd_pictures(rig, known, detections)
             told = noted + into_rig.compare(rig.cameras, before, detections) + told
             rig.warnings = told
         rig.made = made_of(cameras, detections, arguments)
@@ -356,13 +372,58 @@ def calibrate(
     return rig
 
 
-def _prepared(
-    detections: Detections, cameras: Mapping[str, Camera]
-) -> tuple[Detections, list[str]]:
-    """Detections as the program takes them, and what is odd about them."""
-    into_rig.check_sizes(detections, cameras)
-    detections, noted = into_rig.turned(detections, cameras)
-    return detections, noted + into_rig.swapped(detections, cameras)
+MIRRORED_MOST = 8  # cameras that are tried
+
+
+def _odd_pictures(
+    rig: Rig, known: Mapping[str, Camera], detections: Detections
+) -> list[str]:
+    """Pictures that are upside down, or cameras whose pictures are mirrored."""
+    names = detections.cameras
+    lost = [name for name in names if name not in rig.cameras]
+    if not (lost and detections.sizes and isinstance(detections.target, Chessboard)):
+        return into_rig.upside_down(
+            rig.cameras, [(view.camera, view.frame) for view in rig.left_out], detections
+        )
+    fits = []
+    for name, by_rows in itertools.product(names[:MIRRORED_MOST], (False, True)):
+        table = into_rig.mirrored(detections, name, by_rows)
+        with warnings.catch_warnings(), contextlib.suppress(Error):
+            warnings.simplefilter("ignore", Caveat)
+            other = calibrate(known, table)
+            if len(other.cameras) == len(names) and not other.left_out:
+                fits.append(name)
+    which = " or ".join(dict.fromkeys(fits))
+    return [f"are the pictures of {which} mirrored? Then they fit"] if fits else []
+
+
+def _of_frames(times: Mapping[tuple[str, str], float]) -> dict[tuple[str, str], float]:
+    """The mean time of each frame in the place of its pictures' own: to test the clocks of
+    a rig that is adjusted as if all pictures of a frame were taken at once. The times as
+    they are, where means would not rise as they do."""
+    of: dict[str, list[float]] = {}
+    for (frame, _), stamp in times.items():
+        of.setdefault(frame, []).append(stamp)
+    mean = {frame: float(np.mean(own)) for frame, own in of.items()}
+    found = {(frame, camera): mean[frame] for frame, camera in times}
+    for camera in {camera for _, camera in times}:
+        stamps = sorted((stamp, f) for (f, c), stamp in times.items() if c == camera)
+        if any(mean[b] <= mean[a] for (_, a), (_, b) in zip(stamps, stamps[1:])):
+            return dict(times)
+    return found
+
+
+def _observations(detections: Any, weigh: bool) -> tuple[Any, Sequence[str]]:
+    """A table, and the columns of it that the program takes."""
+    wanted = list(_tables.OBSERVATIONS)
+    if isinstance(detections, Detections):
+        detections = detections.table()
+        wanted.append("sigma_px")
+    elif weigh:
+        wanted.append("sigma_px")
+    if "turned" in (_tables.names_of(detections) or ()):
+        wanted.append("turned")
+    return detections, wanted
 
 
 def made_of(cameras: Any, detections: Any, arguments: Sequence[str]) -> dict[str, str]:

@@ -64,8 +64,8 @@ OPTIONS = {
     command: {name.rstrip("!"): not name.endswith("!") for name in names.split()}
     for command, names in {
         "calibrate": "cameras observations out sigma threshold seed hold prior times "
-        "sigma-time intrinsics-sigma method robust! clocks! drift! estimate-intrinsics! "
-        "progress!",
+        "sigma-time intrinsics-sigma method weigh! robust! clocks! drift! "
+        "estimate-intrinsics! progress!",
         "triangulate": "cameras rig observations targets sigma",
         "line": "cameras rig from to pixel depth sigma probability candidates",
         "monitor": "rig matches observations times sigma arl0 common wrong walk",

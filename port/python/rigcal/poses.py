@@ -311,6 +311,7 @@ def robust_options(
     threshold_px: float | None,
     samples: int | None,
     seed: int | None,
+    max_units: int | None,
 ) -> npt.NDArray[Any]:
     """struct rigcal_robust_options; None: the default of each."""
     options = np.zeros(1, ROBUST_OPTIONS)
@@ -323,6 +324,8 @@ def robust_options(
         options["samples"] = whole(samples, "samples", 1, 100000)
     if seed is not None:
         options["seed"] = whole(seed, "seed", 0, 2**32 - 1)
+    if max_units is not None:
+        options["max_units"] = whole(max_units, "max_units", 1, 2**31 - 1)
     return options
 
 
@@ -422,6 +425,7 @@ def solve_pose(
     threshold_px: float | None = None,
     samples: int | None = None,
     seed: int | None = None,
+    max_units: int | None = None,
 ) -> Pose:
     """The pose of one camera from n >= 3 points (robust: 5), without a guess.
 
@@ -432,7 +436,8 @@ def solve_pose(
     sigma_px      noise of a pixel's coordinate, if it is known
     start         a previous pose: only the optimum near it is looked for
     robust        some points are wrong: find those that agree (Pose.inliers);
-                  threshold_px, samples, seed: struct rigcal_robust_options
+                  threshold_px, samples, seed, max_units: struct
+                  rigcal_robust_options
 
     Raises Error where there is no pose; warns with Caveat of one that is not sure.
     rigcal.h, "pose" and "robust"; EQUATIONS.md A to D.
@@ -445,12 +450,12 @@ def solve_pose(
         if start is not None:
             raise Error("start: a robust pose has no start")
         options: npt.NDArray[Any] | None = robust_options(
-            sigma_px, threshold_px, samples, seed
+            sigma_px, threshold_px, samples, seed, max_units
         )
         inliers = np.zeros(n, np.bool_)
     else:
-        if threshold_px is not None or samples is not None or seed is not None:
-            raise Error("threshold_px, samples, seed: they are for robust=True")
+        if any(x is not None for x in (threshold_px, samples, seed, max_units)):
+            raise Error("threshold_px, samples, seed, max_units: for robust=True")
         options = pose_options(sigma_px, start)
 
     block = take_block()
@@ -572,6 +577,7 @@ def solve_poses(
     threshold_px: float | None = None,
     samples: int | None = None,
     seed: int | None = None,
+    max_units: int | None = None,
     covariance: bool = False,
     most: int = 1,
     threads: int | None = None,
@@ -604,7 +610,7 @@ def solve_poses(
         views.sigma = reals(sigma, shape, "sigma")
     if robust:
         options: npt.NDArray[Any] | None = robust_options(
-            sigma_px, threshold_px, samples, seed
+            sigma_px, threshold_px, samples, seed, max_units
         )
     else:
         options = pose_options(sigma_px, None)

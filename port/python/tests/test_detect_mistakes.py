@@ -92,6 +92,114 @@ def test_blurred_images():
     assert max(mistakes.edge_width(image) for image in sharp) < 4
 
 
+def test_images_blurred_by_motion():
+    """In one direction: edges along it stay sharp."""
+    sharp = [read_picture(path) for path in pictures("left")]
+    for kernel in (np.ones((1, 19)) / 19, np.ones((19, 1)) / 19, np.eye(19) / 19):
+        moved = cv2.filter2D(sharp[0], -1, kernel)
+        assert mistakes.edge_width(moved) > mistakes.BLURRED
+        with pytest.warns(rigcal.Caveat, match="camera left: 0000 is blurred: edges are"):
+            rigcal.detect({"left": [moved, *sharp[1:]]}, BOARD)
+    # and it is not taken for another board where all are blurred
+    kernel = np.eye(25) / 25
+    moved = [
+        cv2.filter2D(read_picture(p), -1, kernel) for p in pictures("left", ("01", "14"))
+    ]
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        rigcal.detect({"left": [*moved, sharp[1]]}, BOARD)
+    assert [str(w.message)[:37] for w in caught] == [
+        "camera left: 0000, 0001 are blurred: "
+    ]
+
+
+def test_a_picture_that_is_upside_down():
+    cameras = rigcal.load_cameras(CAMERAS)
+    left, right = ([read_picture(path) for path in pictures(s)] for s in ("left", "right"))
+    left[1] = np.rot90(left[1], 2).copy()
+    found, _ = quiet(rigcal.detect, {"left": left, "right": right}, BOARD)
+    _, told = quiet(rigcal.calibrate, cameras, found)
+    assert told[0].startswith("camera left in frame 0001: its picture is upside down")
+    assert not any("upside" in text for text in told[1:])
+
+
+@pytest.mark.parametrize("board", [(9, 6), (8, 6), (8, 5)])
+def test_a_camera_whose_pictures_are_mirrored(board):
+    target = rigcal.Chessboard(*board, 0.03)
+    cameras, images = scenes.moving_rig(target, 6, (0, 0, 0), 3.0)
+    images["cam1"] = [np.ascontiguousarray(x[:, ::-1]) for x in images["cam1"]]
+    bare = {n: rigcal.Camera(c.fx, c.fy, c.cx, c.cy, c.size) for n, c in cameras.items()}
+    found, _ = quiet(rigcal.detect, images, target)
+    _, told = quiet(rigcal.calibrate, bare, found)
+    assert any(text.startswith("are the pictures of cam1 mirrored?") for text in told), told
+
+
+def test_markers_in_a_mirror():
+    for target in (rigcal.Charuco(5, 4, 0.05, 0.037), rigcal.AprilGrid(3, 2, 0.05, 0.3)):
+        image = (
+            shown(target, 1)[0] if isinstance(target, rigcal.Charuco) else facing(target)
+        )
+        with pytest.raises(
+            rigcal.Error, match=r"mirrored, 1 of the images have \d+ corners"
+        ):
+            rigcal.detect({"a": [np.ascontiguousarray(image[:, ::-1])]}, target)
+
+
+def test_a_source_that_is_given_twice(stereo):
+    left = pictures("left")
+    twice = {"left": left, "right": [*left[:3], pictures("right")[3]]}
+    _, told = quiet(rigcal.calibrate, CAMERAS, quiet(rigcal.detect, twice, BOARD)[0])
+    assert told[0].startswith(
+        "cameras left and right have the same picture in 3 of 4 frames"
+    )
+    assert not any("twice" in text for text in quiet(rigcal.calibrate, CAMERAS, stereo)[1])
+
+
+def test_files_that_are_broken(tmp_path):
+    data = (scenes.DATA / "left01.jpg").read_bytes()
+    (tmp_path / "left1.jpg").write_bytes(b"")
+    with pytest.raises(
+        rigcal.FileError, match=r"left1\.jpg: this is no image .*: the file is empty"
+    ):
+        rigcal.detect([tmp_path], BOARD)
+    (tmp_path / "left1.jpg").write_bytes(data)
+    (tmp_path / "left2.jpg").write_bytes(data[: len(data) // 2])
+    with pytest.warns(rigcal.Caveat, match=r"left2\.jpg is cut off"):
+        rigcal.detect([tmp_path], BOARD)
+    (tmp_path / "a.mp4").write_bytes(b"")
+    (tmp_path / "b.mp4").write_bytes(b"no video")
+    for name, text in (
+        ("a", "this is no video that OpenCV reads: the file is empty"),
+        ("b", "this is no video that OpenCV reads"),
+    ):
+        with pytest.raises(rigcal.FileError, match=rf"{name}\.mp4: {text}"):
+            rigcal.detect([tmp_path / f"{name}.mp4"], BOARD)
+
+
+def test_a_folder_of_folders(tmp_path):
+    for name in ("left", "right"):
+        (tmp_path / name).mkdir()
+    with pytest.raises(
+        rigcal.FileError, match="in this folder; give its folders: left, right"
+    ):
+        rigcal.detect([tmp_path], BOARD)
+
+
+def test_another_kind_of_board():
+    images = [read_picture(path) for path in pictures("left", FEW[:1])]
+    for target, text in (
+        (rigcal.Chessboard(12, 9, 0.025), "show a chessboard of 9 x 6 inner corners"),
+        (rigcal.Charuco(5, 4, 0.04, 0.03), "9 x 6 inner corners: is it a Chessboard"),
+    ):
+        with pytest.raises(rigcal.Error, match=text):
+            rigcal.detect({"left": images}, target)
+    charuco = shown(rigcal.Charuco(5, 4, 0.05, 0.037), 2)
+    with pytest.raises(
+        rigcal.Error, match="markers of 4X4_1000 are there: is it a ChArUco"
+    ):
+        rigcal.detect({"left": charuco}, rigcal.Chessboard(7, 5, 0.05))
+
+
 def test_no_detection():
     image = cv2.resize(read_picture(str(scenes.DATA / "fruits.jpg")), (240, 180))
     with pytest.raises(
@@ -135,7 +243,7 @@ def test_rotated_video(tmp_path):
     )
     (tmp_path / "left.mp4").write_bytes(data)
     with pytest.warns(
-        rigcal.Caveat, match="the video says that it be turned by (90|270) degr"
+        rigcal.Caveat, match="the video says that it is turned by (90|270) degr"
     ):
         found = rigcal.detect([path], BOARD)
     assert found.sizes == {"left": (640, 480)}

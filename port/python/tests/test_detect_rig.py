@@ -14,7 +14,6 @@ from conftest import ROOT, angle
 
 import rigcal
 from rigcal import command
-from rigcal.detect import into_rig
 
 CAMERAS = ROOT / "examples/data/opencv_stereo/cameras.csv"
 LEFT, RIGHT = (str(scenes.DATA / f"{side}*.jpg") for side in ("left", "right"))
@@ -62,6 +61,29 @@ def test_sigma_ranks_residuals(stereo):
     assert np.sqrt(np.mean(e[worst] ** 2)) > 1.1 * np.sqrt(np.mean(e[~worst] ** 2))
 
 
+def test_corners_weigh_by_their_sigma(stereo, tmp_path):
+    """A corner that is far off and of large sigma moves a rig that does not weigh."""
+    plain = rigcal.calibrate(CAMERAS, stereo)
+    assert "all points count alike: column sigma_px is not used" in plain.report
+    u, sigma = stereo.u.copy(), np.ones(len(stereo))
+    wrong = np.flatnonzero(stereo.point == "13")
+    u[wrong] += 2.0
+    sigma[wrong] = 1e5
+    spoilt = dataclasses.replace(stereo, u=u, sigma_px=sigma)
+    without = {name: np.delete(stereo[name], wrong) for name in stereo.columns}
+    right = rigcal.calibrate(CAMERAS, without)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", rigcal.Caveat)
+        rigs = [rigcal.calibrate(CAMERAS, spoilt, weigh=weigh) for weigh in (True, False)]
+    off = [abs(baseline(rig) - baseline(right)) for rig in rigs]
+    assert off[0] < 1e-9 < 1e-5 < off[1]
+    spoilt.save(tmp_path / "d.csv")
+    from_file = rigcal.calibrate(CAMERAS, tmp_path / "d.csv", weigh=True)
+    assert baseline(from_file) == baseline(rigs[0])
+    with pytest.raises(rigcal.Error, match="detections: no column sigma_px"):
+        rigcal.calibrate(CAMERAS, {n: without[n] for n in list(without)[:8]}, weigh=True)
+
+
 # ---- boards that look the same from several sides ---------------------------------
 
 
@@ -75,15 +97,29 @@ def as_board(stereo, columns, rows):
     return dataclasses.replace(stereo, **{**columns_of, "point": point}, target=board)
 
 
+def read_from(found, changed):
+    """Detections with views that are read from another side: {(camera, frame): turns}."""
+    names = list(found.target.points)
+    X = np.array(list(found.target.points.values()))
+    point, at = found.point.copy(), np.column_stack([found.X, found.Y, found.Z])
+    for key, turns in changed.items():
+        rows = found.views[key]
+        new = [found.target.symmetry[turns - 1][int(name)] for name in point[rows]]
+        point[rows], at[rows] = [names[k] for k in new], X[new]
+    x, y, z = at.T
+    return dataclasses.replace(found, point=point, X=x, Y=y, Z=z)
+
+
 @pytest.mark.parametrize("size", [(8, 6), (7, 5), (6, 6)])
-def test_boards_read_from_several_sides(stereo, size, rng):
+def test_boards_read_from_several_sides(stereo, size, rng, tmp_path):
     found = as_board(stereo, *size)
     right = rigcal.calibrate(CAMERAS, found)
+    assert right.warnings == []
     turns = len(found.target.symmetry)
     changed = {
         key: int(rng.integers(1, turns + 1)) for key in found.views if rng.random() < 0.4
     }
-    mixed = into_rig._renamed(found, changed)
+    mixed = read_from(found, changed)
     assert not (mixed.point == found.point).all()
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
@@ -91,6 +127,16 @@ def test_boards_read_from_several_sides(stereo, size, rng):
     assert f"looks the same from {turns + 1} sides" in str(caught[0].message)
     assert baseline(rig) == pytest.approx(baseline(right), rel=1e-6)
     assert rig.left_out == []
+    assert rig.sqrt_f == pytest.approx(right.sqrt_f, rel=1e-6)
+    # so does a table that has gone through a file, or is a mapping, or was loaded
+    mixed.save(tmp_path / "d.csv")
+    loaded = rigcal.Detections.load(tmp_path / "d.csv")
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        for table in (tmp_path / "d.csv", loaded, loaded.table()):
+            assert baseline(rigcal.calibrate(CAMERAS, table)) == baseline(rig)
+    loaded.save(tmp_path / "e.csv")
+    assert (tmp_path / "e.csv").read_text() == (tmp_path / "d.csv").read_text()
 
 
 def test_a_symmetric_board_in_one_place_is_open(stereo):
@@ -122,6 +168,23 @@ def off(rig, cameras, name):
     """How far a camera is from the truth: turn [deg] and shift."""
     found, true = rig.pair("cam0", name).transform, cameras[name].cam_from_rig
     return np.degrees(angle(found.R, true.R)), np.linalg.norm(found.t - true.t)
+
+
+def test_times_of_pictures_only_test_clocks_unless_these_are_asked_for(videos):
+    """Without clocks the rig is that without times, though a frame's pictures differ."""
+    paths, _, file = videos
+    found = rigcal.detect(paths, rigcal.Chessboard(9, 6, 0.03), every=2)
+    late = {"cam0": 0.0, "cam1": 0.004, "cam2": -0.003}
+    found.times = {(f, c): t + late[c] for (f, c), t in found.times.items()}
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", rigcal.Caveat)
+        rig = rigcal.calibrate(file, found)
+        without = rigcal.calibrate(file, dict(found))
+        known = rigcal.calibrate(file, found, times=found.times)
+    assert "the clocks" in rig.cause
+    rms = [np.sqrt(np.mean(r.residuals["error_px"] ** 2)) for r in (rig, without, known)]
+    assert rms[0] == pytest.approx(rms[1], rel=1e-6)
+    assert rms[2] != pytest.approx(rms[1], rel=1e-3)
 
 
 def test_clocks_of_videos(videos, tmp_path, capsys):

@@ -69,7 +69,7 @@ def test_lists_of_paths_and_arrays(tmp_path, image):
 def test_one_folder_longer(tmp_path, image):
     write(tmp_path / "a", ["1.png", "2.png", "3.png", "4.png"], image)
     write(tmp_path / "b", ["1.png", "3.png", "4.png"], image)
-    with pytest.warns(rigcal.Caveat, match=r"camera a has 1 images .* 2.png \(images: a 4"):
+    with pytest.warns(rigcal.Caveat, match=r"camera a has 1 image .* 2.png \(images: a 4"):
         found = rigcal.detect([tmp_path / "a", tmp_path / "b"], BOARD)
     assert names_of(found)["b", "3"] == "3.png"
 
@@ -287,3 +287,26 @@ def test_a_picture_that_is_too_late_has_no_partner():
 def test_names_of_cameras():
     assert sources._common(["left01", "left02"]) == ("left", "")
     assert sources._keys(["a/x1_left.png", "a/x12_left.png"]) == ["1", "12"]
+
+
+def test_videos_of_as_many_pictures_and_another_rate():
+    def camera(name, count, period):
+        keys = [str(k) for k in range(count)]
+        return sources.Camera(
+            name, dict(zip(keys, keys)), {k: period * int(k) for k in keys}
+        )
+
+    _, told = sources.frames_of([camera("a", 9, 0.1), camera("b", 9, 0.04)], by_time=True)
+    text = "cameras b and a both have 9 pictures, one every 40 ms and one every 100 ms"
+    assert sum(text in line for line in told) == 1
+    _, told = sources.frames_of([camera("a", 9, 0.1), camera("b", 18, 0.05)], by_time=True)
+    assert not any("both have" in line for line in told)
+
+
+def test_files_of_other_endings(tmp_path, image):
+    (tmp_path / "notes.txt").write_text("hello")
+    with pytest.raises(rigcal.FileError, match=r"notes\.txt: this is no image that OpenCV"):
+        rigcal.detect([tmp_path / "notes.txt"], BOARD)
+    cv2.imwrite(str(tmp_path / "a.png"), image)
+    (tmp_path / "a.png").rename(tmp_path / "a.picture")  # it is looked into
+    assert len(rigcal.detect([tmp_path / "a.picture"], BOARD)) == 20

@@ -111,7 +111,7 @@ def test_robust_leaves_out_wrong_points(camera, target, truth, rng):
     uv = seen(camera, truth, target, 0.2, rng)
     uv[[2, 7]] += 30
     pose = rigcal.solve_pose(
-        camera, target, uv, robust=True, threshold_px=2, samples=99, seed=3
+        camera, target, uv, robust=True, threshold_px=2, samples=99, seed=3, max_units=5000
     )
     assert np.flatnonzero(~pose.inliers).tolist() == [2, 7]
     clean = np.delete(np.arange(12), [2, 7])
@@ -182,7 +182,7 @@ def test_options_that_do_not_go_together(camera, target, truth):
     for name, value in (("sigma_px", 0), ("sigma_px", "x"), ("start", 3)):
         with pytest.raises(rigcal.Error, match=name):
             rigcal.solve_pose(camera, target, uv, **{name: value})
-    for name, value in (("samples", 0), ("seed", -1), ("threshold_px", np.nan)):
+    for name, value in (("samples", 0), ("max_units", 0), ("seed", -1), ("threshold_px", np.nan)):
         with pytest.raises(rigcal.Error, match=name):
             rigcal.solve_pose(camera, target, uv, robust=True, **{name: value})
 

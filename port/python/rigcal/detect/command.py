@@ -180,6 +180,7 @@ def calibrate_images(given: argparse.Namespace) -> int:
         given.cameras,
         found,
         seed=given.seed,
+        weigh=given.weigh,
         robust=given.robust,
         clocks=given.clocks,
         drift=given.drift,

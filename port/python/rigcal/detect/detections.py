@@ -36,6 +36,8 @@ class Detections:
     images    {(camera, frame): path, (video, number) or array}: every picture that was
               looked at; `rigcal.detect.read_picture` reads one
     warnings  what is odd about the pictures
+    turned    of each row, the point that it is when a target that looks the same from
+              several sides is read from its next one; None: `target` tells
 
     d["u"] is a column too, so that pandas.DataFrame(dict(d)) is a data frame. len(d) is the
     number of rows.
@@ -55,6 +57,7 @@ class Detections:
     times: dict[tuple[str, str], float] | None = None
     images: dict[tuple[str, str], Picture] = field(default_factory=dict)
     warnings: list[str] = field(default_factory=list)
+    turned: npt.NDArray[Any] | None = None
 
     columns = COLUMNS
 
@@ -96,11 +99,22 @@ class Detections:
             rows.setdefault(key, []).append(k)
         return {key: np.array(which) for key, which in rows.items()}
 
+    def table(self) -> dict[str, Any]:
+        """All columns; turned too, of a target that looks the same from several sides."""
+        table: dict[str, Any] = {name: self[name] for name in COLUMNS}
+        symmetry = self.target.symmetry if self.target is not None else []
+        if self.target is not None and symmetry:
+            names = list(self.target.points)
+            after = {name: names[k] for name, k in zip(names, symmetry[0])}
+            table["turned"] = np.array([after[name] for name in self.point.tolist()])
+        elif self.target is None and self.turned is not None:
+            table["turned"] = self.turned
+        return table
+
     def save(self, path: str | os.PathLike[str]) -> None:
         """Writes a CSV file that `rigcal calibrate --observations` reads."""
         try:
-            table: dict[str, Any] = {name: self[name] for name in COLUMNS}
-            _tables.write(path, table)  # type: ignore[arg-type]
+            _tables.write(path, self.table())  # type: ignore[arg-type]
         except OSError as problem:
             raise FileError(path, problem.strerror or str(problem)) from None
 
@@ -126,4 +140,5 @@ class Detections:
             table, _tables.OBSERVATIONS, os.fspath(path)
         )
         sigma = table.get("sigma_px", np.ones(len(found["u"])))
-        return cls(**found, sigma_px=sigma)
+        turned = np.array(table["turned"]) if "turned" in table else None
+        return cls(**found, sigma_px=sigma, turned=turned)

@@ -129,6 +129,10 @@ def _names(keys: Sequence[str], camera: Camera) -> str:
     return ", ".join(shown) + (f" and {more} more" if more > 0 else "")
 
 
+def _is(keys: Sequence[str]) -> str:
+    return "is" if len(keys) == 1 else "are"
+
+
 def size_of(camera: Camera, looks: Mapping[str, Look]) -> tuple[int, int]:
     """The size of a camera's pictures; Error where they differ."""
     counts = Counter(look.looks.size for look in looks.values())
@@ -154,7 +158,7 @@ def check_size(name: str, size: tuple[int, int], wanted: Any, turned: int = 0) -
         f"are for {wanted[0]} x {wanted[1]}"
     )
     if size == tuple(wanted)[::-1]:
-        said = f" (the file says that they be turned by {turned})" if turned else ""
+        said = f" (the file says that they are turned by {turned})" if turned else ""
         raise Error(
             f"{text}: they are turned by 90 degrees{said}. Intrinsics are of the picture "
             "as it is stored: turn the pictures back, or make the intrinsics of turned ones"
@@ -163,7 +167,7 @@ def check_size(name: str, size: tuple[int, int], wanted: Any, turned: int = 0) -
     if abs(x / y - 1) < 0.01:
         raise Error(
             f"{text}: they are scaled by {x:.4g}. Use pictures of the full size, or "
-            "multiply fx, fy, cx + 0.5 and cy + 0.5 by that"
+            "multiply fx, fy, cx + 0.5 and cy + 0.5 by that factor"
         )
     raise Error(f"{text}: they are cropped or of another camera")
 
@@ -187,23 +191,29 @@ def _oddities(camera: Camera, looks: Mapping[str, Look]) -> Iterator[str]:
     turned = [key for key, look in looks.items() if look.looks.turned]
     if turned:
         yield (
-            f"camera {name}: {_names(turned, camera)} says in its EXIF that it be turned "
+            f"camera {name}: {_names(turned, camera)} says in its EXIF that it is turned "
             f"by {looks[turned[0]].looks.turned} degrees. It is read as it is stored, "
             "which is right for intrinsics that were made so"
         )
     if camera.turned:
         yield (
-            f"camera {name}: the video says that it be turned by {camera.turned} degrees. "
+            f"camera {name}: the video says that it is turned by {camera.turned} degrees. "
             "It is read as it is stored, which is right for intrinsics that were made so"
         )
     blurred = [key for key, look in looks.items() if look.width > mistakes.BLURRED]
-    if blurred and len(blurred) < len(looks):
+    if blurred and any(look.seen.pixels for look in looks.values()):
         widths = [looks[key].width for key in blurred]
         without = sum(not looks[key].seen.pixels for key in blurred)
         yield (
-            f"camera {name}: {_names(blurred, camera)} is blurred: edges are "
+            f"camera {name}: {_names(blurred, camera)} {_is(blurred)} blurred: edges are "
             f"{np.median(widths):.0f} px wide; the target is not found in {without} of "
             f"{len(blurred)}"
+        )
+    cut = [key for key, look in looks.items() if look.looks.is_cut]
+    if cut:
+        yield (
+            f"camera {name}: {_names(cut, camera)} {_is(cut)} cut off: the file ends "
+            "before the image does, and the rest of it is grey. Copy it again"
         )
 
 
@@ -223,8 +233,9 @@ def _doubts(
         if better:
             yield f"camera {name}: {target} is seen in {len(usable)} pictures; {better}"
     if isinstance(target, Chessboard) and usable:
-        odd = Counter(looks[key].more for key in usable if looks[key].more != (0, 0))
-        if 2 * sum(odd.values()) > len(usable):
+        sharp = [key for key in usable if looks[key].width <= mistakes.BLURRED]
+        odd = Counter(looks[key].more for key in sharp if looks[key].more != (0, 0))
+        if odd and 2 * sum(odd.values()) > len(usable):
             images = _again(camera, list(usable))
             size = mistakes.size_shown(images, target)
             shown = f"{size[0]} x {size[1]} inner corners" if size else "another number"
@@ -384,7 +395,7 @@ def find(
         if two:
             told.append(
                 f"camera {camera.name}: {_names(two, camera)} shows two boards, or a tag "
-                "twice; which is meant is not known, and "
+                "twice; it is not known which is meant, and "
                 f"{'it is' if len(two) == 1 else 'they are'} left out. Show one at a time"
             )
             usable = {key: view for key, view in usable.items() if key not in two}

@@ -1,5 +1,5 @@
-"""What `rigcal.calibrate` does with detections: which way round a symmetric board was read,
-and whether the square, the order of the cameras and the size of their images are right."""
+"""What `rigcal.calibrate` asks of detections: whether the square, the order of the cameras
+and the size of their images are right."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ import dataclasses
 import itertools
 import warnings
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
@@ -16,11 +17,19 @@ from ..poses import solve_pose
 from ..transform import Array, Transform
 from .detections import Detections
 from .find import check_size
+from .targets import Chessboard
 
-__all__ = ["check_sizes", "compare", "swapped", "turned", "with_sizes"]
+__all__ = [
+    "check_sizes",
+    "compare",
+    "mirrored",
+    "same_pictures",
+    "swapped",
+    "upside_down",
+    "with_sizes",
+]
 
-FAR = 0.15  # a pose that differs so much, rad and parts of the distance, counts as wrong
-TRIED_MOST = 60  # frames whose relation of two cameras is tried as that of all
+FAR = 0.15  # a pose that differs so much, rad and parts of the distance, is another one
 SAME_LENGTH = 0.01  # part by which baselines differ in spite of a right square
 SAME_TURN = 0.1  # rad: two rigs of the same cameras
 FITS_BETTER = 1.5  # times: views with the intrinsics of another camera
@@ -75,136 +84,91 @@ def _views(detections: Detections) -> dict[Key, tuple[Array, Array]]:
     return {key: (X[rows], uv[rows]) for key, rows in d.views.items()}
 
 
-# ---- boards that look alike from several sides --------------------------------------
+# ---- pictures that are turned or mirrored --------------------------------------------
 
 
-def _apart(A: Array, B: Array) -> Array:
-    """How far poses are apart, (...,): radian of the turn + shift over distance."""
-    R = np.swapaxes(A[..., :3, :3], -1, -2) @ B[..., :3, :3]
-    turn = np.arccos(np.clip((np.trace(R, axis1=-2, axis2=-1) - 1) / 2, -1, 1))
-    length = np.linalg.norm(A[..., :3, 3], axis=-1) + np.linalg.norm(B[..., :3, 3], axis=-1)
-    shift = np.linalg.norm(A[..., :3, 3] - B[..., :3, 3], axis=-1)
-    apart: Array = turn + 2 * shift / np.maximum(length, 1e-12)
-    return apart
+def _apart(A: Array, B: Array) -> float:
+    """How far poses (4, 4) are apart: radian of the turn + shift over distance."""
+    turn = np.arccos(np.clip((np.trace(A[:3, :3].T @ B[:3, :3]) - 1) / 2, -1, 1))
+    length = np.linalg.norm(A[:3, 3]) + np.linalg.norm(B[:3, 3])
+    return float(turn + 2 * np.linalg.norm(A[:3, 3] - B[:3, 3]) / max(length, 1e-12))
 
 
-def _turns(detections: Detections) -> Array:
-    """(n, 4, 4) of what takes the target onto itself, the identity first."""
-    target = detections.target
-    assert target is not None
-    X = np.array(list(target.points.values()))
-    middle = X.mean(axis=0)
-    found = [np.eye(4)]
-    for p in target.symmetry:
-        U, _, Vt = np.linalg.svd((X[p] - middle).T @ (X - middle))
-        U[:, 2] *= np.linalg.det(U) * np.linalg.det(Vt)
-        S = np.eye(4)
-        S[:3, :3] = U @ Vt
-        S[:3, 3] = middle - S[:3, :3] @ middle
-        found.append(S)
-    return np.array(found)
+def _matrix(T: Transform) -> Array:
+    return np.vstack([np.column_stack([T.R, T.t]), [0, 0, 0, 1.0]])
 
 
-def _relation(a: Array, b: Array) -> tuple[Array, float]:
-    """b_from_a that most frames agree with, of a (f, 4, 4) and b (f, turns, 4, 4); and by
-    how much more they do than with the next best that is another one."""
-    all_ = b @ np.linalg.inv(a)[:, None]
-    tried = all_[:: max(1, len(all_) // TRIED_MOST)].reshape(-1, 4, 4)
-    near = _apart(tried[:, None, None], all_[None]).min(axis=2)
-    cost = np.minimum(near, FAR).mean(axis=1)
-    best = int(cost.argmin())
-    others = cost[_apart(tried, tried[best]) > FAR]
-    margin = float(others.min() - cost[best]) if others.size else FAR
-    return tried[best], margin
-
-
-def turned(
-    detections: Detections, cameras: Mapping[str, Camera]
-) -> tuple[Detections, list[str]]:
-    """Detections of a symmetric target, read the same way round by all cameras of a frame.
-
-    A board that looks the same from both ends has two readings in each view. Those are
-    taken with which the cameras stand to each other in all frames as they do in most.
-    """
-    target = detections.target
-    if target is None or not target.symmetry or len(detections.cameras) < 2:
-        return detections, []
-    turns = np.linalg.inv(_turns(detections))
-    poses = {}
-    for key, (X, uv) in _views(detections).items():
-        pose = _pose(cameras[key[0]], X, uv)
-        if pose is not None:
-            poses[key] = pose[0] @ turns
-    in_rig, doubtful = _joined(poses, detections.cameras)
-    chosen = {}
-    for frame in detections.frames:
-        names = [n for n in in_rig if (n, frame) in poses]
-        if len(names) < 2:
-            continue
-        first, *others = names
-        start = np.linalg.inv(poses[first, frame][0]) @ in_rig[first]  # target_from_rig
-        for name in others:
-            should = in_rig[name] @ np.linalg.inv(start)
-            chosen[name, frame] = int(_apart(poses[name, frame], should).argmin())
-    changed = {key: k for key, k in chosen.items() if k}
+def upside_down(
+    found: Mapping[str, Camera], left_out: Sequence[Key], detections: Detections
+) -> list[str]:
+    """Views that do not count in the rig, and would if their picture were turned by 180
+    degrees."""
+    views = _views(detections)
+    placed = {n: _matrix(c.cam_from_rig) for n, c in found.items() if c.cam_from_rig}
     told = []
-    if changed:
-        told.append(
-            f"{target} looks the same from {len(turns)} sides: {len(changed)} of "
-            f"{len(poses)} views were read from another side than the rest, and are turned"
-        )
-    if doubtful:
-        told.append(
-            f"{target} looks the same from {len(turns)} sides, and the frames do not tell "
-            f"which is meant for {', '.join(doubtful)}: show it in more places, or use a "
-            "board with an even and an odd number of corners"
-        )
-    return _renamed(detections, changed), told
+    for frame in dict.fromkeys(frame for _, frame in left_out):
+        poses = {}
+        for name in placed:
+            if (name, frame) in views:
+                poses[name] = _pose(found[name], *views[name, frame])
+        best: tuple[float, str] = (FAR, "")
+        for name in [n for n, f in left_out if f == frame and n in placed]:
+            X, uv = views[name, frame]
+            size = np.array(detections.sizes.get(name) or found[name].size or (0, 0))
+            turned = _pose(found[name], X, size - 1 - uv)
+            for other, pose in poses.items():
+                if other != name and pose is not None and turned is not None:
+                    expected = placed[name] @ np.linalg.inv(placed[other]) @ pose[0]
+                    best = min(best, (_apart(turned[0], expected), name))
+        if best[1]:
+            told.append(
+                f"camera {best[1]} in frame {frame}: its picture is upside down: turned by "
+                "180 degrees it agrees with the rig. Turn it back"
+            )
+    return told
 
 
-def _joined(
-    poses: Mapping[Key, Array], names: Sequence[str]
-) -> tuple[dict[str, Array], list[str]]:
-    """cam_from_rig by the frames that cameras share, most first; and whose is in doubt."""
-    frames = {name: {frame for n, frame in poses if n == name} for name in names}
-    in_rig: dict[str, Array] = {names[0]: np.eye(4)}
-    doubtful: list[str] = []
-    while True:
-        pairs = [
-            (len(frames[a] & frames[b]), a, b)
-            for a, b in itertools.product(in_rig, names)
-            if b not in in_rig and frames[a] & frames[b]
-        ]
-        if not pairs:
-            return in_rig, doubtful
-        _, a, b = max(pairs, key=lambda pair: pair[0])
-        shared = sorted(frames[a] & frames[b])
-        relation, margin = _relation(
-            np.array([poses[a, f][0] for f in shared]),
-            np.array([poses[b, f] for f in shared]),
-        )
-        if margin < FAR / 10:
-            doubtful.append(b)
-        in_rig[b] = relation @ in_rig[a]
+def mirrored(detections: Detections, name: str, by_rows: bool) -> dict[str, Any]:
+    """The table with the pictures of a camera mirrored, and the corners of the chessboard
+    named as they are read then."""
+    board = detections.target
+    assert isinstance(board, Chessboard)
+    table = dict(detections.table())
+    rows = detections.camera == name
+    number = detections.point[rows].astype(int)
+    x, y = number % board.columns, number // board.columns
+    if by_rows:
+        y = board.rows - 1 - y
+    else:
+        x = board.columns - 1 - x
+    names, X = list(board.points), np.array(list(board.points.values()))
+    new = y * board.columns + x
+    columns: dict[str, Any] = {
+        "point": np.array(names)[new], "X": X[new, 0], "Y": X[new, 1], "Z": X[new, 2],
+        "u": detections.sizes[name][0] - 1 - detections.u[rows],
+    }  # fmt: skip
+    if "turned" in table:
+        after = dict(zip(detections.point.tolist(), table["turned"].tolist()))
+        columns["turned"] = np.array([after[point] for point in columns["point"].tolist()])
+    for column, values in columns.items():
+        table[column] = table[column].copy()
+        table[column][rows] = values
+    return table
 
 
-def _renamed(detections: Detections, changed: Mapping[Key, int]) -> Detections:
-    """The same with the points of some views under the names that they have when turned."""
-    target = detections.target
-    if not changed or target is None:
-        return detections
-    names = list(target.points)
-    X = np.array(list(target.points.values()))
-    number = {name: k for k, name in enumerate(names)}
-    point = detections.point.copy()
-    coordinates = np.column_stack([detections.X, detections.Y, detections.Z])
-    for key, turn in changed.items():
-        rows = detections.views[key]
-        new = [target.symmetry[turn - 1][number[name]] for name in point[rows].tolist()]
-        point[rows] = [names[k] for k in new]
-        coordinates[rows] = X[new]
-    x, y, z = coordinates.T
-    return dataclasses.replace(detections, point=point, X=x, Y=y, Z=z)
+def same_pictures(detections: Detections) -> list[str]:
+    """Cameras that saw the same, to the last bit: two are never so alike."""
+    views, told = _views(detections), []
+    for a, b in itertools.combinations(detections.cameras, 2):
+        both = [f for f in detections.frames if (a, f) in views and (b, f) in views]
+        same = [f for f in both if np.array_equal(views[a, f][1], views[b, f][1])]
+        if same:
+            shown = ", ".join(same[:4]) + (" ..." if len(same) > 4 else "")
+            told.append(
+                f"cameras {a} and {b} have the same picture in {len(same)} of {len(both)} "
+                f"frames, {shown}: is a source given twice?"
+            )
+    return told
 
 
 # ---- the order of cameras, and the square -------------------------------------------
@@ -252,15 +216,12 @@ def compare(
     if not pairs:
         return []
 
-    def matrix(T: Transform) -> Array:
-        return np.vstack([np.column_stack([T.R, T.t]), [0, 0, 0, 1.0]])
-
     def misfit(order: Mapping[str, str]) -> tuple[float, Array]:
         """The largest turn between the two rigs, and the factors of all baselines."""
         turns, factors = [], []
         for a, b in pairs:
-            now = matrix(after[b]) @ np.linalg.inv(matrix(after[a]))
-            then = matrix(before[order[b]]) @ np.linalg.inv(matrix(before[order[a]]))
+            now = _matrix(after[b]) @ np.linalg.inv(_matrix(after[a]))
+            then = _matrix(before[order[b]]) @ np.linalg.inv(_matrix(before[order[a]]))
             R = now[:3, :3] @ then[:3, :3].T
             turn = np.arccos(np.clip((np.trace(R) - 1) / 2, -1, 1))
             lengths = np.linalg.norm(now[:3, 3]), np.linalg.norm(then[:3, 3])

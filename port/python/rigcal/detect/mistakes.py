@@ -19,6 +19,7 @@ __all__ = ["beyond", "edge_width", "is_better", "second_board", "why_nothing"]
 BLURRED = 8.0  # px from dark to light: an image in focus has 2 to 4
 LIKE_INSIDE = 0.75  # of a saddle inside: half of it is at the border of a board
 NEAR = 2  # columns and rows that are tried on either side of those given
+FAR = 4  # and in one image
 PROBED = 2  # images in which other sizes are looked for: each takes a while
 OTHERS = (
     "4X4_1000",
@@ -31,13 +32,14 @@ OTHERS = (
 
 
 def edge_width(image: Grey) -> float:
-    """How wide the sharpest edges are [px]: contrast over the steepest slope."""
+    """How wide the sharpest edges are [px]: contrast over the steepest slope, of rows or of
+    columns, whichever is less steep: motion blurs the edges across it alone."""
     x = image.astype(np.float32)
-    slope = np.hypot(x[1:-1, 2:] - x[1:-1, :-2], x[2:, 1:-1] - x[:-2, 1:-1]) / 2
-    if not slope.size:
+    along = np.abs(x[1:-1, 2:] - x[1:-1, :-2]) / 2, np.abs(x[2:, 1:-1] - x[:-2, 1:-1]) / 2
+    if not along[0].size:
         return 0.0
     contrast = float(np.subtract(*np.percentile(x, [99, 1])))
-    steepest = float(np.percentile(slope, 99.9))
+    steepest = min(float(np.percentile(slope, 99.9)) for slope in along)
     return contrast / max(steepest, 1e-3) if contrast > 0 else 0.0
 
 
@@ -89,11 +91,11 @@ def second_board(image: Grey, uv: Array, board: Chessboard) -> bool:
 FAST = 1 + 2 + 8  # cv2.CALIB_CB_ADAPTIVE_THRESH, _NORMALIZE_IMAGE, _FAST_CHECK
 
 
-def _sizes(board: Chessboard) -> list[tuple[int, int]]:
-    """Sizes near the one given, the nearest first."""
+def _sizes(board: Chessboard, by: int) -> list[tuple[int, int]]:
+    """Sizes that differ from the one given by at most so many, the nearest first."""
     given = (max(board.columns, board.rows), min(board.columns, board.rows))
-    columns = range(max(3, given[0] - NEAR), given[0] + NEAR + 1)
-    rows = range(max(3, given[1] - NEAR), given[1] + NEAR + 1)
+    columns = range(max(3, given[0] - by), given[0] + by + 1)
+    rows = range(max(3, given[1] - by), given[1] + by + 1)
     sizes = {(max(c, r), min(c, r)) for c in columns for r in rows} - {given}
     return sorted(sizes, key=lambda s: (abs(s[0] - given[0]) + abs(s[1] - given[1]), s))
 
@@ -101,12 +103,14 @@ def _sizes(board: Chessboard) -> list[tuple[int, int]]:
 def size_shown(images: Sequence[Grey], board: Chessboard) -> tuple[int, int] | None:
     """The number of inner corners that an image shows, if it is near the one given."""
     cv2 = opencv()
-    for image in images[:PROBED]:
-        for size in _sizes(board):
-            found, uv = cv2.findChessboardCorners(image, size, flags=FAST)
-            other = Chessboard(*size, board.square)
-            if found and beyond(image, uv.reshape(-1, 2).astype(float), other) == (0, 0):
-                return size
+    near = _sizes(board, NEAR)
+    tried = [(image, size) for image in images[:PROBED] for size in near]
+    further = [size for size in _sizes(board, FAR) if size not in near]
+    for image, size in tried + [(image, size) for image in images[:1] for size in further]:
+        found, uv = cv2.findChessboardCorners(image, size, flags=FAST)
+        other = Chessboard(*size, board.square)
+        if found and beyond(image, uv.reshape(-1, 2).astype(float), other) == (0, 0):
+            return size
     return None
 
 
@@ -137,7 +141,7 @@ def is_better(images: Sequence[Grey], target: Target) -> str:
     return ""
 
 
-def _other_markers(images: Sequence[Grey], family: str) -> str:
+def _other_markers(images: Sequence[Grey], family: str, least: int = 2) -> str:
     """The dictionary whose markers the images show, if it is another one."""
     from .detectors import dictionary
 
@@ -150,7 +154,7 @@ def _other_markers(images: Sequence[Grey], family: str) -> str:
         counts[name] = sum(len(find(image)[0]) for image in images[:PROBED])
     best = max(counts, key=lambda name: counts[name])
     own = family.upper().replace("DICT_", "").replace("TAG", "APRILTAG_", 1)
-    if counts[best] >= 2 and best.split("_")[0:2] != own.split("_")[0:2]:
+    if counts[best] >= least and best.split("_")[0:2] != own.split("_")[0:2]:
         if best.rsplit("_", 1)[0] == own.rsplit("_", 1)[0]:
             return f"markers of {best} are there: numbers beyond those of {family}"
         return f"markers of {best} are there: is {family} the right family?"
@@ -174,10 +178,27 @@ def why_nothing(images: Sequence[Grey], target: Target) -> str:
                 f"the images show a chessboard of {size[0]} x {size[1]} inner corners: "
                 "count the corners between squares, not the squares"
             )
+        markers = _other_markers(images, "none", 4)
+        if markers:
+            return f"{markers.partition(':')[0]}: is it a ChArUco board, or a grid of tags?"
+    if not isinstance(target, Chessboard):
+        flipped = [np.ascontiguousarray(image[:, ::-1]) for image in images]
+        found = _count(flipped, target)
+        if found >= 4 and found > 3 * _count(images, target):
+            return (
+                f"mirrored, {len(images)} of the images have {found} corners: are the "
+                "images mirrored? Cameras that show a mirror image have a switch for it"
+            )
     if isinstance(target, Charuco):
         better = is_better(images, target) or _other_markers(images, target.dictionary)
         if better:
             return better
+        plain = size_shown(images, Chessboard(target.columns, target.rows, 1.0))
+        if plain is not None and not any(detector(target)(image).tags for image in images):
+            return (
+                f"no marker is seen, and the images show a chessboard of {plain[0]} x "
+                f"{plain[1]} inner corners: is it a Chessboard?"
+            )
     if isinstance(target, (AprilGrid, Tag, Tags)):
         return _other_tags(images, target)
     if max(float(np.ptp(np.percentile(image, [1, 99]))) for image in images) < 40:

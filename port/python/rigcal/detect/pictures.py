@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import os
 import struct
 from dataclasses import dataclass
 from typing import Any
@@ -17,6 +18,7 @@ __all__ = ["Looks", "opencv", "read_picture"]
 Image = npt.NDArray[Any]
 
 EXIF_BYTES = 1 << 16  # EXIF is among the first bytes of a JPEG file
+JPEG_TAIL = 1 << 16  # bytes, among which the end of the image is; cameras add some
 ORIENTATION = 0x0112  # the tag of EXIF
 TURNED = {3: 180, 5: 90, 6: 90, 7: 270, 8: 270}  # degrees, by its value; 1, 2, 4: none
 DEPTHS = (8, 10, 12, 14, 16)  # bits of a sensor, in 16 bits of a file
@@ -32,12 +34,18 @@ def opencv() -> Any:
         ) from None
 
 
+def _why(path: str) -> str:
+    """ ": the file is empty", or ""."""
+    is_empty = os.path.isfile(path) and not os.path.getsize(path)
+    return ": the file is empty" if is_empty else ""
+
+
 def open_video(path: str) -> Any:
     """cv2.VideoCapture of a video, its pictures as they are stored."""
     cv2 = opencv()
     video = cv2.VideoCapture(path)
     if not video.isOpened():
-        raise FileError(path, "this is no video that OpenCV reads")
+        raise FileError(path, f"this is no video that OpenCV reads{_why(path)}")
     video.set(cv2.CAP_PROP_ORIENTATION_AUTO, 0)
     return video
 
@@ -63,7 +71,7 @@ def read_picture(picture: Any) -> Image:
         path = str(picture)
         image = cv2.imread(path, cv2.IMREAD_UNCHANGED)  # which leaves EXIF aside
         if image is None:
-            raise FileError(path, "this is no image that OpenCV reads")
+            raise FileError(path, f"this is no image that OpenCV reads{_why(path)}")
     array: Image = image
     return array
 
@@ -71,12 +79,13 @@ def read_picture(picture: Any) -> Image:
 @dataclass(frozen=True)
 class Looks:
     """What is told of a picture: size (width, height), channels, bits of a value, and by
-    how many degrees its EXIF says that it be turned."""
+    how many degrees its EXIF says that it is turned."""
 
     size: tuple[int, int]
     channels: int
     bits: int
     turned: int = 0
+    is_cut: bool = False  # its file ends before the image does
 
 
 def looks_of(image: Image, path: str = "") -> Looks:
@@ -90,11 +99,22 @@ def looks_of(image: Image, path: str = "") -> Looks:
         raise Error(f"an image of uint8 or uint16 is expected, not {image.dtype}")
     height, width = image.shape[:2]
     bits = 8 * image.dtype.itemsize
-    return Looks((width, height), channels, bits, exif_turn(path) if path else 0)
+    turned = exif_turn(path) if path else 0
+    return Looks((width, height), channels, bits, turned, bool(path) and is_cut(path))
+
+
+def is_cut(path: str) -> bool:
+    """Whether a JPEG file lacks its end."""
+    try:
+        with open(path, "rb") as file:
+            is_jpeg = file.read(2) == b"\xff\xd8"
+            return is_jpeg and b"\xff\xd9" not in file.read()[-JPEG_TAIL:]
+    except OSError:
+        return False
 
 
 def exif_turn(path: str) -> int:
-    """By how many degrees a JPEG file says that it be turned; 0 if it does not say."""
+    """By how many degrees a JPEG file says that it is turned; 0 if it does not say."""
     try:
         with open(path, "rb") as file:
             data = file.read(EXIF_BYTES)

@@ -28,8 +28,9 @@ IMAGES = {
     ".ppm", ".sr", ".tif", ".tiff", ".webp",
 }  # fmt: skip
 VIDEOS = {
-    ".avi", ".h264", ".m4v", ".mjpg", ".mjpeg", ".mkv", ".mov", ".mp4", ".mpeg", ".mpg",
-    ".webm", ".wmv",
+    ".264", ".265", ".3gp", ".avi", ".flv", ".h264", ".h265", ".hevc", ".m2ts", ".m4v",
+    ".mjpeg", ".mjpg", ".mkv", ".mov", ".mp4", ".mpeg", ".mpg", ".mts", ".mxf", ".ogg",
+    ".ogv", ".ts", ".vob", ".webm", ".wmv", ".y4m",
 }  # fmt: skip
 NAMED_MOST = 4  # files that a message names
 # Columns of a table of times: ours, and those of programs that record.
@@ -54,7 +55,7 @@ class Camera:
     video: str = ""
     is_named: bool = True  # the keys are those of files, not only an order
     count: int = 0  # of the pictures of a video
-    turned: int = 0  # degrees that a video says that it be turned
+    turned: int = 0  # degrees that a video says that it is turned
 
 
 @dataclass
@@ -78,13 +79,20 @@ def _ending(path: str) -> str:
     return os.path.splitext(path)[1].lower()
 
 
+def _holds(folder: str, name: str) -> bool:
+    """Whether there is a folder of that name in a folder."""
+    return os.path.isdir(os.path.join(folder, name))
+
+
 def _files(source: str) -> list[str]:
     """Files of a pattern, a folder, or the file itself."""
     if os.path.isdir(source):
         found = [os.path.join(source, name) for name in os.listdir(source)]
         found = [path for path in found if _ending(path) in IMAGES | VIDEOS]
         if not found:
-            raise FileError(source, "there is no image or video in this folder")
+            inside = [name for name in sorted(os.listdir(source)) if _holds(source, name)]
+            advice = f"; give its folders: {_some(inside)}" if inside else ""
+            raise FileError(source, f"there is no image or video in this folder{advice}")
     elif os.path.isfile(source):
         found = [source]
     elif glob.has_magic(source):
@@ -191,10 +199,13 @@ def _camera(name: str | None, source: Any, every: int, number: int) -> Camera:
     if videos and len(paths) > 1:
         raise Error(
             f"sources: camera {name} has {len(videos)} videos among {len(paths)} files; a "
-            "camera has images, or one video"
+            "camera has images, or one video. Give each video as a source of its own"
         )
     if videos:
         return _video(name, videos[0], every)
+    for path in paths:
+        if _ending(path) not in IMAGES and not opencv().haveImageReader(path):
+            raise FileError(path, "this is no image that OpenCV reads, and no known video")
     keys = _keys(paths)
     is_named = len({_plain(key) for key in keys}) == len(keys)
     if not is_named:
@@ -357,7 +368,8 @@ def _frames_by_name(
         if alone and len(cameras) > 1:
             counts = ", ".join(f"{c.name} {len(c.pictures)}" for c in cameras)
             told.append(
-                f"camera {camera.name} has {len(alone)} images that no other camera has: "
+                f"camera {camera.name} has {len(alone)} image{'s' * (len(alone) > 1)} that "
+                "no other camera has: "
                 f"{_some(alone)} (images: {counts}). Images are paired by the numbers in "
                 "their names"
             )
@@ -399,6 +411,19 @@ def period_of(camera: Camera) -> float:
     return float(np.median(np.diff(times))) if len(times) > 1 else math.inf
 
 
+def _other_rates(cameras: Sequence[Camera], reference: Camera) -> Iterator[str]:
+    """Videos of as many pictures as the slowest one, which are said to be faster."""
+    period, count = period_of(reference), len(reference.times)
+    for camera in cameras:
+        own = period_of(camera)
+        if own < 0.9 * period < math.inf and len(camera.times) == count:
+            yield (
+                f"cameras {camera.name} and {reference.name} both have {count} pictures, "
+                f"one every {1000 * own:.3g} ms and one every {1000 * period:.3g} ms. If "
+                "these belong together one by one, a file states a wrong rate: pass times"
+            )
+
+
 def _frames_by_time(cameras: Sequence[Camera]) -> tuple[list[Frame], list[str]]:
     """Of each picture of the slowest camera the nearest one of each other camera, where it
     is within half the time between two pictures."""
@@ -436,6 +461,7 @@ def _frames_by_time(cameras: Sequence[Camera]) -> tuple[list[Frame], list[str]]:
                 f"{reference.name} have none of camera {camera.name} within "
                 f"{1000 * within:.3g} ms, half the time between two pictures"
             )
+    told += _other_rates(cameras, reference)
     ends = {c.name: max(c.times.values()) - min(c.times.values()) for c in cameras}
     long, short = max(ends, key=lambda n: ends[n]), min(ends, key=lambda n: ends[n])
     if ends[long] - ends[short] > 2 * periods[slow]:

@@ -1,0 +1,145 @@
+#include "rc_agree.h"
+
+/* The base of natural logarithms. */
+#define RC_E RC(2.718281828459045235360287471352662498)
+
+/* ---- one point ----------------------------------------------------------- */
+
+/* A pose by which the points of a pinhole are projected: rows that take x to Z u, Z v
+ * and Z. */
+typedef struct {
+    rigcal_real row[3][3], shift[3];
+} projection;
+
+static void project_by(projection *p, const rigcal_points *points,
+                       const rigcal_transform *T)
+{
+    const rigcal_camera *const c = points->view.camera;
+    const rigcal_real focal[2] = {c->fx, c->fy}, middle[2] = {c->cx, c->cy};
+    rc_vec3_copy(p->row[2], &T->R[6]);
+    p->shift[2] = T->t[2];
+    for (int k = 0; k < 2; k++) {
+        rc_vec3_combine(p->row[k], focal[k], &T->R[3 * k], middle[k], &T->R[6]);
+        p->shift[k] = focal[k] * T->t[k] + middle[k] * T->t[2];
+    }
+}
+
+/* Squared distance over sigma_i^2, or something above the limit. A point that is too far
+ * off costs no division, and where it is so in u alone, nothing of v. */
+RIGCAL_FORCE_INLINE static inline rigcal_real off2(const projection *p,
+                                                   const rigcal_points *points, size_t i,
+                                                   rigcal_real limit)
+{
+    const rigcal_observation *const o = &points->view.observations[i];
+    const rigcal_real *const sigma = points->view.sigma;
+    rigcal_real x[3];
+    rc_vec3_sub(x, o->X_w, points->origin);
+    const rigcal_real Z = rc_vec3_dot(p->row[2], x) + p->shift[2];
+    const rigcal_real du = rc_vec3_dot(p->row[0], x) + p->shift[0] - o->uv[0] * Z;
+    const rigcal_real by2 = (sigma == NULL) ? Z * Z : Z * Z * (sigma[i] * sigma[i]);
+    const rigcal_real most = limit * by2;
+    if (!(du * du <= most && Z > 0)) {
+        return RC_MAX;
+    }
+    const rigcal_real dv = rc_vec3_dot(p->row[1], x) + p->shift[1] - o->uv[1] * Z;
+    const rigcal_real d2 = du * du + dv * dv;
+    return (d2 <= most && d2 <= RC_MAX) ? d2 / by2 : RC_MAX;
+}
+
+/* ---- all points ---------------------------------------------------------- */
+
+RIGCAL_FORCE_INLINE static inline size_t score(rigcal_real *sum,
+                                               const rigcal_points *points,
+                                               const rigcal_transform *T, rigcal_real limit,
+                                               rigcal_real enough, int is_pinhole)
+{
+    projection p;
+    rigcal_real total = 0;
+    size_t count = 0;
+    if (is_pinhole) {
+        project_by(&p, points, T);
+    }
+    for (size_t i = 0; i < points->view.n && total < enough; i++) {
+        const rigcal_real d2 =
+            is_pinhole ? off2(&p, points, i, limit) : rc_points_error2(points, T, i);
+        count += d2 <= limit;
+        total += rc_min(d2, limit);
+    }
+    *sum = total;
+    return count;
+}
+
+size_t rc_agree_score(rigcal_real *sum, const rigcal_points *points,
+                      const rigcal_transform *cam_from_points, rigcal_real limit,
+                      rigcal_real enough)
+{
+    RIGCAL_ASSERT(limit > 0 && !points->is_mirrored);
+    return points->is_pinhole ? score(sum, points, cam_from_points, limit, enough, 1)
+                              : score(sum, points, cam_from_points, limit, enough, 0);
+}
+
+static void add_to(rc_agree_histogram *off, rigcal_real d2, rigcal_real limit)
+{
+    int k = 0;
+    for (; k < RC_AGREE_BINS - 1 && d2 <= limit / 2; k++) {
+        limit /= 2;
+    }
+    off->count[k]++;
+    off->sum[k] += d2;
+}
+
+size_t rc_agree_mark(uint8_t marks[], rc_agree_histogram *off, const rigcal_points *points,
+                     const rigcal_transform *cam_from_points, rigcal_real limit)
+{
+    RIGCAL_ASSERT(limit > 0);
+    projection p;
+    size_t changed = 0;
+    project_by(&p, points, cam_from_points);
+    if (off != NULL) {
+        *off = (rc_agree_histogram){{0}, {0}};
+    }
+    for (size_t i = 0; i < points->view.n; i++) {
+        const rigcal_real d2 = points->is_pinhole
+                                   ? off2(&p, points, i, limit)
+                                   : rc_points_error2(points, cam_from_points, i);
+        const uint8_t is_near = d2 <= limit;
+        changed += is_near != marks[i];
+        marks[i] = is_near;
+        if (is_near && off != NULL) {
+            add_to(off, d2, limit);
+        }
+    }
+    return changed;
+}
+
+/* ---- chance -------------------------------------------------------------- */
+
+/* A pose that is fitted to k points leaves 2 k - 6 free errors: those of k - 3 points. That
+ * their squares come to no more has the chance (pi sum / area)^(k - 3) / (k - 3)!, the
+ * factorial by Stirling. Any k may be the one: n - 3 of them. */
+static rigcal_real expected_of(size_t n, size_t k, rigcal_real sum, rigcal_real area)
+{
+    const rigcal_real free = (rigcal_real)(k - 3);
+    const rigcal_real disc = RC_E * RC_PI * sum / free;
+    const rigcal_real near = (disc < area) ? disc / area : 1;
+    return (rigcal_real)(n - 3) * rc_expected_sets(n, k, near) / RC_SQRT(2 * RC_PI * free);
+}
+
+rigcal_real rc_agree_by_chance(const rc_agree_histogram *off, size_t n, rigcal_real area,
+                               rigcal_real enough)
+{
+    rigcal_real least = RC_MAX, sum[RC_AGREE_BINS], total = 0;
+    size_t k = 0;
+    for (int bin = RC_AGREE_BINS - 1; bin >= 0; bin--) {
+        k += off->count[bin];
+        total += off->sum[bin];
+        sum[bin] = total;
+    }
+    for (int bin = 0; bin < RC_AGREE_BINS && k > 3 && !(least < enough); bin++) {
+        if (off->count[bin] > 0) {
+            least = rc_min(least, expected_of(n, k, sum[bin], area));
+        }
+        k -= off->count[bin];
+    }
+    return least;
+}

@@ -78,8 +78,8 @@ typedef struct rigcal_lattice {
     rigcal_moments moments;
 } rigcal_lattice;
 
-/* The poses of three points (EQUATIONS.md D), one after the other. In units of the longest
- * side, whose opposite point is the first. */
+/* The poses of three points (EQUATIONS.md D), one after the other. Lengths are in units of
+ * the longest side. The point opposite to that side is the first. */
 typedef struct rigcal_p3p {
     rigcal_real size, middle[3], frame[9]; /* of the points */
     rigcal_real squared[3], chord2[3], h;  /* sides; chords between the rays, over h^2 */

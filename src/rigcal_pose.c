@@ -496,7 +496,7 @@ rigcal_status rigcal_pose_step(rigcal_pose_solver *solver, int32_t budget)
     if (budget < 1) {
         return RIGCAL_ERR_RANGE;
     }
-    if (solver->phase <= NOT_BEGUN || solver->phase > DONE) {
+    if (solver->phase == NOT_BEGUN || solver->phase > DONE) {
         return RIGCAL_ERR_STATE;
     }
     for (; budget > 0 && solver->phase != DONE; budget--) {

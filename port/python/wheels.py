@@ -3,7 +3,7 @@
 
     python3 port/python/wheels.py FOLDER [PLATFORM...]
 
-It needs ziglang, build, wheel, scikit-build-core, cmake and zopfli in this Python. Each wheel is
+It needs ziglang, build, wheel, scikit-build-core, cmake and zopfli. Each wheel is
 made from one sdist. Those of this machine's kind are installed in a new virtual
 environment, where a pose is solved; all others are only built: "untried".
 """
@@ -83,7 +83,7 @@ def archiver(folder: pathlib.Path, tool: str) -> pathlib.Path:
 
 
 class Squeezed:
-    """A compressor as zipfile wants it, with zopfli's deflate: 4 % less than zlib's best."""
+    """A compressor as zipfile wants it, by zopfli: 4 % less than zlib at its best."""
 
     def __init__(self) -> None:
         self.data = bytearray()

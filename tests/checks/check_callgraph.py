@@ -50,9 +50,8 @@ STACK_LIMIT = 4096
 # is solved as a pose.
 STACK_LIMITS = {"rigcal_rig_cause": 7168, "rigcal_camera_cause": 7168,
                 "rigcal_cause_step": 5120, "rigcal_rig_judge": 5632,
-                "rigcal_judge_step": 5120, "rigcal_monitor_view": 6144,
-                "rigcal_rig_faults": 5120, "rigcal_rig_noise": 4352,
-                "rigcal_pose_blame": 4608, "rigcal_pose_diagnose": 5120}
+                "rigcal_judge_step": 5120, "rigcal_monitor_view": 5120,
+                "rigcal_rig_faults": 5120, "rigcal_rig_noise": 4352}
 
 NODE = re.compile(r'node: \{ title: "([^"]+)" label: "([^"]*)"')
 EDGE = re.compile(r'edge: \{ sourcename: "([^"]+)" targetname: "([^"]+)"')

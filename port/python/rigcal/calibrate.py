@@ -421,7 +421,8 @@ def _observations(detections: Any, weigh: bool) -> tuple[Any, Sequence[str]]:
         wanted.append("sigma_px")
     elif weigh:
         wanted.append("sigma_px")
-    if "turned" in (_tables.names_of(detections) or ()):
+    names = _tables.names_of(detections)
+    if names is not None and "turned" in names:
         wanted.append("turned")
     return detections, wanted
 

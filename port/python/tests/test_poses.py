@@ -182,7 +182,8 @@ def test_options_that_do_not_go_together(camera, target, truth):
     for name, value in (("sigma_px", 0), ("sigma_px", "x"), ("start", 3)):
         with pytest.raises(rigcal.Error, match=name):
             rigcal.solve_pose(camera, target, uv, **{name: value})
-    for name, value in (("samples", 0), ("max_units", 0), ("seed", -1), ("threshold_px", np.nan)):
+    wrong = {"samples": 0, "max_units": 0, "seed": -1, "threshold_px": np.nan}
+    for name, value in wrong.items():
         with pytest.raises(rigcal.Error, match=name):
             rigcal.solve_pose(camera, target, uv, robust=True, **{name: value})
 

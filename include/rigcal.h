@@ -666,8 +666,8 @@ typedef struct rigcal_diagnosis {
 } rigcal_diagnosis;
 
 /* Whether the fit of n >= 5 points is consistent and, if not, what would make it so. With
- * options->use_start, `start` is a previous pose in the right units; only the units are
- * compared with it. rms_without and the statuses are as in rigcal_pose_blame. */
+ * options->use_start, `start` is a previous pose in the right units; it serves only to
+ * compare the units. rms_without and the statuses are as in rigcal_pose_blame. */
 RIGCAL_API rigcal_status rigcal_pose_diagnose(rigcal_diagnosis *diagnosis,
                                               rigcal_real rms_without[],
                                               const rigcal_view *view,

@@ -27,8 +27,7 @@ typedef struct rigcal_points {
     rigcal_real extent_px;  /* the same of their pixels */
     rigcal_real pixel_size; /* see rc_pixel_size */
     rigcal_real negligible; /* a change of the sum of squared errors that means nothing */
-    rigcal_real proved2;    /* Brown's lens is proved not to fold up to this x^2 + y^2; 0:
-                               nowhere */
+    rigcal_real proved2;    /* Brown's lens has no fold up to this x^2 + y^2: proved */
 } rigcal_points;
 
 /* ---- Nelder-Mead ------------------------------------------------------------ */
@@ -120,7 +119,7 @@ typedef struct rigcal_optima {
 /* The points, the optima found so far, where to start next, and what is under way. */
 typedef struct rigcal_search {
     uint8_t phase, next, n_seeds, n_exact, triples, leans, is_flat, is_plane, is_wide;
-    uint8_t n_roots; /* poses of the widest triple */
+    uint8_t n_roots; /* number of poses of the widest triple */
     size_t point;
     rigcal_real scale, axis[3], normal[3];
     rigcal_points points;
@@ -140,8 +139,7 @@ struct rigcal_pose_solver {
     uint8_t phase, is_warm, is_mirrored, is_unfinished;
     int32_t failure, at_fault, same;
     size_t next;
-    rigcal_real sigma_px, variance; /* variance of the first pose's rotation, for noise of 1
-                                       px */
+    rigcal_real sigma_px, variance; /* variance of its rotation, for noise of 1 px */
     rigcal_search search;
 };
 
@@ -172,22 +170,18 @@ struct rigcal_robust_solver {
 
 struct rigcal_rig_solver {
     rigcal_rig *rig;
-    const struct rigcal_rig_given *given; /* reads views: their points, or their own
-                                             poses */
+    const struct rigcal_rig_given *given; /* reads views: points, or own poses */
     const struct rigcal_rig_given *timed; /* if the rig has clocks: the same without them */
     rigcal_levenberg search;
     int32_t loss; /* RIGCAL_LOSS_; 0: squares */
     int32_t phase, is_join, is_trial, is_last, is_final, is_disconnected, at_fault, evals;
-    size_t n;                        /* number of unknowns, of the cameras that are not
-                                        held */
+    size_t n;                        /* unknowns of the cameras that are not held */
     size_t view, first, placement;   /* under way; the first view of the placement */
     size_t row;                      /* row of the factor, or view of the placement */
     size_t n_points, n_used, n_seen; /* numbers of points, views, placements that count */
-    size_t n_free;                   /* number of cameras of which nothing is known
-                                        beforehand */
+    size_t n_free;                   /* cameras without a prior that are not held */
     size_t n_clocks;                 /* number of offsets and drifts that are estimated */
-    rigcal_real sum, gain;           /* of one pass: the sum, and the gain that a step
-                                        promises */
+    rigcal_real sum, gain;           /* of one pass; promised by one step */
     rigcal_real own_sum;             /* sum over the views by themselves */
     rigcal_real promised, negligible, gp[6], Hp[21];
 };
@@ -253,12 +247,10 @@ struct rigcal_judge_solver {
     int32_t phase, status, at_fault, is_placed, rounds, adjustments;
     int32_t n_of[4];               /* views of each verdict */
     size_t view, first, placement; /* under way; the first view of the placement */
-    size_t n_kept, slot;           /* number of its views that count; which of them is under
-                                      way */
+    size_t n_kept, slot;           /* number of its views that count; the one under way */
     size_t n_costs, n_places;      /* numbers of views, placements that can be judged */
     rigcal_real sigma2, scale;
-    rigcal_real tried_cost; /* cost of the view that is left out to see whether it matters;
-                               0: none is */
+    rigcal_real tried_cost; /* cost of the view that is left out on trial; 0: none is */
     rigcal_rig_solver adjust;
 };
 
@@ -267,8 +259,7 @@ struct rigcal_cause_solver {
     const rigcal_symmetries *symmetries;
     int32_t phase, status, is_camera, acting; /* the camera that a view is tested for */
     int32_t agree, checked;                   /* numbers of the camera's views */
-    size_t view, first, last, test;           /* views of its placement; the test under
-                                                 way */
+    size_t view, first, last, test;           /* views of its placement; test under way */
     rigcal_real limit;                        /* px^2 */
     rigcal_cause found;
     rigcal_view_pose own;
@@ -291,16 +282,13 @@ typedef struct rigcal_point_sums {
 
 struct rigcal_point_solver {
     const rigcal_sightings *sightings;
-    int32_t phase, status, of;         /* of: which views are used: all, two, or those that
-                                          agree */
+    int32_t phase, status, of;         /* of: all views, two, or those that agree */
     int32_t whole;                     /* the status to return if no two views agree */
     int32_t stage, located;            /* stage of the point under way, and its status */
-    int32_t is_tried, is_stale, evals; /* a step waits for its sum; the equations belong to
-                                          another place */
+    int32_t is_tried, is_stale, evals; /* a step waits for its sum; old equations */
     size_t view, n_used;               /* the view under way; how many are used */
     size_t pair, two[2];               /* the pair under way */
-    size_t n_pairs, agree, best;       /* numbers of pairs ranked; of views that agree; the
-                                          most that agreed */
+    size_t n_pairs, agree, best;       /* pairs ranked; views that agree; the most so far */
     rigcal_real tolerance;             /* factor of the limits, 1 at least */
     rigcal_real distance, least;       /* sums of what they miss by; of the best */
     rigcal_levenberg search;
@@ -327,8 +315,7 @@ enum rigcal_outline_limits {
 };
 
 typedef struct rigcal_outline {
-    int32_t n_arcs, height, is_full; /* is_full 1: there were more arcs than there is room
-                                        for */
+    int32_t n_arcs, height, is_full; /* is_full: there are more arcs than room for them */
     int32_t row, next, n_active;
     rigcal_real changes; /* from this row on, other arcs may be crossed */
     uint8_t order[RIGCAL_SPANS_ARCS], active[RIGCAL_SPANS_ACTIVE];
@@ -345,17 +332,14 @@ struct rigcal_spans_solver {
     rigcal_band band;
     int32_t phase, status, is_pinhole;
     int32_t side, way, node, n_arcs; /* place on the border under way */
-    int32_t is_last, is_closing;     /* this arc ends the depth range; the lens ends
-                                        nearby */
+    int32_t is_last, is_closing;     /* this arc ends the depth range; the lens ends near */
     rigcal_real A, normal[3];        /* (M6); line / across */
     rigcal_real ends[2][2], start[2];
-    rigcal_real radius2, radius; /* radius of the image about the axis: normalised, squared;
-                                    px */
+    rigcal_real radius2, radius; /* of the image about the axis: normalised; px */
     rigcal_real slope2;          /* |ds/du|^2 where it was last known */
     rigcal_real at[2];           /* position of the first node */
     rigcal_real stride;          /* tangent of the step from it to the last one */
-    rigcal_real length, height;  /* px: length of the step; height of the last node over the
-                                    line */
+    rigcal_real length, height;  /* px: of the step; of the last node over the line */
     rigcal_real start_uv[2], start_height, start_speed; /* px for a tangent of 1 */
     rigcal_real u[RIGCAL_SPANS_NODES], v[RIGCAL_SPANS_NODES];
     rigcal_border_end corners[2][2]; /* indexed by side and way */
@@ -371,10 +355,9 @@ typedef struct rigcal_columns {
     const rigcal_rig *rig;
     int32_t kinds;
     size_t n;          /* unknowns of the cameras, before those of the clocks */
-    size_t per_clock;  /* number of unknowns of a clock that the adjustment freed: 0, 1 or
-                          2 */
+    size_t per_clock;  /* unknowns of a clock that the adjustment freed, at most 2 */
     int32_t at[12];    /* for each parameter of a view, its number among those of a camera
-                          or the board; -1: it is not tested in this pass */
+                          or the board; -1: not tested in this pass */
     size_t per_camera; /* parameters of a camera besides its clock */
     rigcal_border border;
     rigcal_real *sums[10];  /* sums of columns: see rigcal_columns.c */
@@ -404,8 +387,7 @@ struct rigcal_faults_solver {
     rigcal_columns columns;
     rigcal_moves moves;
     rigcal_real low[2], high[2];              /* bounds of the board's points */
-    rigcal_real sum, own;                     /* sums of squares: of all views; of each view
-                                                 by itself */
+    rigcal_real sum, own;                     /* sums of squares: rig; single views */
     rigcal_real product, expected, expected2; /* sums over neighbouring points */
     rigcal_real along, disagreement, speed2;  /* sums along the motion; in all */
 };

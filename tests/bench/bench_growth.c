@@ -1,11 +1,13 @@
 /* bench_growth: solves of one number of points, for callgrind (tests/bench/growth.py).
  *
- *   bench_growth LENS N HOW COUNT   LENS pinhole, brown or fisheye; N 3 .. 10000; HOW cold,
- *                                   warm or robust, three in ten of whose pixels are wrong
- *   bench_growth check              each lens and way with a few points: all are solved
+ *   bench_growth LENS N HOW COUNT
+ *       LENS pinhole, brown or fisheye; N 3 .. 10000; HOW cold, warm or robust, where three
+ *       in ten pixels are wrong
+ *   bench_growth check
+ *       each lens and way with a few points: all are solved
  *
- * Random points in a cube of size 1, 3 to 10 away, 0.5 px noise. Of three points the noise is
- * stated; all others are solved by defaults. */
+ * Random points in a cube of size 1, 3 to 10 away, 0.5 px noise. Of three points the noise
+ * is stated. All others are solved by defaults. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

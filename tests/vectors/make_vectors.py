@@ -845,7 +845,7 @@ def choice_views():
             for i, (pose, information, sse) in enumerate(views[c, f]):
                 ypr = np.round(oracle.matrix_to_euler(pose[0]), 5)
                 t = np.round(pose[1], 5)
-                information = np.round(information, 1)
+                information = np.round(np.round(information, 8), 1)  # ties, whatever rounds J.T @ J
                 views[c, f][i] = ((oracle.euler_to_matrix(*ypr), t), information, sse)
                 rows.append(row(c, f, i, ypr, t, information[np.triu_indices(6)], sse))
     return views, rows

@@ -98,7 +98,10 @@ UNCERTAINTY = struct(
     ("sigma_px", REAL),
 )
 ROBUST_OPTIONS = struct(
-    "robust_options", reals("threshold_px sigma_px"), ("samples", I4), ("seed", U4),
+    "robust_options",
+    reals("threshold_px sigma_px"),
+    ("samples", I4),
+    ("seed", U4),
     ("max_units", I4),
 )
 BLAME = struct(

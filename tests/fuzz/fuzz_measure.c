@@ -320,9 +320,10 @@ static void check_band(const scene *s, fuzz_bytes *bytes)
     }
 }
 
-/* Bands of half a width below this part of a focal length are narrow: the manual promises
- * no more. */
+/* The manual promises no more than: half the width of a band is below this part of a focal
+ * length, and the lens is decentered by this at most. */
 enum { NARROW = 20 };
+#define DECENTERED 0.1
 
 /* A pixel whose centre the test finds inside is in a span of its row. */
 static void check_pixel(const rigcal_band *band, rigcal_spans_solver *solver, int32_t u,
@@ -343,7 +344,9 @@ static void check_pixel(const rigcal_band *band, rigcal_spans_solver *solver, in
     }
     if (rigcal_band_test(&match, band, uv) == RIGCAL_OK && match.is_inside &&
         NARROW * match.half_width_px < band->camera_b.fx &&
-        NARROW * match.half_width_px < band->camera_b.fy) {
+        NARROW * match.half_width_px < band->camera_b.fy &&
+        fabs((double)band->camera_b.p1) <= DECENTERED &&
+        fabs((double)band->camera_b.p2) <= DECENTERED) {
         PROMISE(is_covered);
     }
 }

@@ -32,7 +32,7 @@ TARGETS = {
     "win_amd64": ("x86_64-windows-gnu", "Windows", "AMD64"),
     "win_arm64": ("aarch64-windows-gnu", "Windows", "ARM64"),
 }
-BYTES_MAX = 400000
+BYTES_MAX = 400 * 1024
 # pip takes the last of these that it knows.
 OLD_NAMES = {
     "manylinux2014_x86_64": "manylinux2014_x86_64.manylinux_2_17_x86_64",

@@ -203,8 +203,7 @@ static rigcal_status ray_of(rigcal_real ray[3], const rigcal_points *points, siz
     return rc_pixel_to_ray(ray, points->view.camera, points->view.observations[i].uv);
 }
 
-/* Whether a ray, whose part along an axis is `along`, is within the cosine's angle of
- * it. */
+/* Whether a ray with the part `along` on an axis is within the cosine's angle of it. */
 static inline int is_near(rigcal_real along, rigcal_real cosine, const rigcal_real ray[3])
 {
     return along > (RC_FOR_SPEED ? 0 : cosine) &&

@@ -59,9 +59,8 @@ enum { IMPROVE_ROUNDS = 4 };
  * ones. */
 enum { ROUNDS = 8 };
 
-/* poses expected by chance: above this the pose has a caveat. So many are expected,
- * which is far more than there are. Of 270 000 scenes with all points wrong at most 3
- * are below. */
+/* poses expected by chance: above this the pose has a caveat. The expected number is far
+ * above the true one: of 270 000 scenes with all points wrong at most 3 are below. */
 #define CHANCE RC(4e-3)
 
 /* poses expected by chance: from this on there is no pose. */

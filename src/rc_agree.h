@@ -1,37 +1,39 @@
 /* rc_agree.h - which points agree with a pose, and whether chance explains that they do
- * (EQUATIONS.md E). No derivatives, no square roots. */
+ * (EQUATIONS.md E). It needs no derivatives and no square roots. */
 #ifndef RC_AGREE_H
 #define RC_AGREE_H
 
 #include "rc_chance.h"
 #include "rc_points.h"
 
-/* Of squared distances, each bin half the one before: the last is for distances below
- * 0.6 % of the limit's. */
+/* Bins of squared distances. Each reaches half as far as the one before. The last is for
+ * distances below 0.6 % of the limit. */
 enum { RC_AGREE_BINS = 16 };
 
-/* Sum over the points of their squared distance from their projection over sigma_i^2, none
- * counting more than `limit` [px^2]. It is given up where it comes to `enough`: *sum is
- * then at least that. Returns how many of the points gone through are within the limit. */
+/* The sum over the points of their squared distance from their projection over
+ * sigma_i^2. No point counts more than `limit` [px^2]. It stops when the sum reaches
+ * `enough`: then *sum is at least that. Returns how many of the points gone through are
+ * within the limit. */
 size_t rc_agree_score(rigcal_real *sum, const rigcal_points *points,
                       const rigcal_transform *cam_from_points, rigcal_real limit,
                       rigcal_real enough);
 
-/* How far the points within the limit are off: bin k is for those within limit / 2^k and
- * not limit / 2^(k + 1), the last for all that are nearer. */
+/* How far the points within the limit are off. Bin k is for those within limit / 2^k but
+ * not within limit / 2^(k + 1). The last bin is for all nearer points. */
 typedef struct {
     size_t count[RC_AGREE_BINS];
-    rigcal_real sum[RC_AGREE_BINS]; /* of their distances squared */
+    rigcal_real sum[RC_AGREE_BINS]; /* of their squared distances */
 } rc_agree_histogram;
 
-/* Sets marks[i] to 1 for points within the limit, to 0 for the others. *off, which may be
- * NULL, gets the distances. Returns how many marks changed. */
+/* Sets marks[i] to 1 for points within the limit, else to 0. *off gets the distances,
+ * unless it is NULL. Returns how many marks changed. */
 size_t rc_agree_mark(uint8_t marks[], rc_agree_histogram *off, const rigcal_points *points,
                      const rigcal_transform *cam_from_points, rigcal_real limit);
 
-/* (E) By how many poses so many of n points would be expected to be so near if all were
- * wrong: of the nearest k, for the k of which that is least. It is not sought below
- * `enough`. area: of the pixels, in the unit of the distances squared. */
+/* (E) How many poses would be expected to have so many of n points so near, if all points
+ * were wrong. The nearest k points are counted, for the k that makes the figure least. The
+ * search stops once it is below `enough`. area: of the pixels, in the unit of the squared
+ * distances. */
 rigcal_real rc_agree_by_chance(const rc_agree_histogram *off, size_t n, rigcal_real area,
                                rigcal_real enough);
 

@@ -11,45 +11,48 @@
  * beyond this are mistakes, and would overflow in products. */
 #define RC_PIXEL_MAX RC(1e9)
 
-/* pixels along a side of an image: more are a mistake. */
+/* pixels: a longer side of an image is a mistake. */
 enum { RC_IMAGE_MAX = 1000000 };
 
-/* part of a ray's largest coordinate: z of a ray in front, to rounding. */
+/* part of a ray's largest coordinate: z of a ray in front is at least this, to rounding. */
 #define RC_FORWARD_LEAST RC_EPS
 
 /* ---- functions ----------------------------------------------------------- */
 
-/* OK, ERR_NULL, ERR_NOT_FINITE or ERR_CAMERA. */
+/* Returns OK, ERR_NULL, ERR_NOT_FINITE or ERR_CAMERA. */
 rigcal_status rc_check_camera(const rigcal_camera *camera);
 
-/* OK, ERR_NULL, ERR_NOT_FINITE or ERR_RANGE. */
+/* Return OK, ERR_NULL, ERR_NOT_FINITE or ERR_RANGE. */
 rigcal_status rc_check_pixel(const rigcal_real uv[2]);
 rigcal_status rc_check_observation(const rigcal_observation *o);
 
-/* *at_fault = index, for who wants it. */
+/* Sets *at_fault = index, unless at_fault is NULL. */
 void rc_write_fault(int32_t *at_fault, int32_t index);
 
-/* What a pixel is, in the unit of uv, where an error is assumed in pixels: 1, but less
- * where the focal length is so short that the unit cannot be a pixel. */
+/* The size of a pixel in the unit of uv, for errors that are assumed in pixels. It is 1, or
+ * less if the focal length is so short that the unit cannot be a pixel. */
 rigcal_real rc_pixel_size(const rigcal_camera *camera);
 
-/* Pixel of X_c and d uv / d X_c, 2 x 3; `is_pinhole` as of rc_lens_is_pinhole. Does not
- * check whether X_c lies beyond the lens's turning point; rc_project_usable does. OK,
- * ERR_BEHIND, ERR_NO_RAY (not finite), ERR_DEGENERATE. */
+/* Computes the pixel of X_c and d uv / d X_c, 2 x 3. `is_pinhole` is
+ * rc_lens_is_pinhole(camera). It does not check whether X_c lies beyond the lens's turning
+ * point; rc_project_usable does. Returns OK, ERR_BEHIND, ERR_NO_RAY (not finite) or
+ * ERR_DEGENERATE. */
 rigcal_status rc_project_through(rigcal_real uv[2], rigcal_real J_uv[6],
                                  const rigcal_camera *camera, int is_pinhole,
                                  const rigcal_real X_c[3]);
 
-/* The same through any lens, a pinhole too. Also gives the place x in the plane of the lens
+/* The same for any lens, a pinhole too. Also gives the place x in the plane of the lens
  * map. */
 rigcal_status rc_project_by(rigcal_real x[2], rigcal_real uv[2], rigcal_real J_uv[6],
                             const rigcal_camera *camera, const rigcal_real X_c[3]);
 
-/* The pixel of X_c, and the proof that the lens sees it there: as rigcal_camera_project. */
+/* Computes the pixel of X_c and proves that the lens sees it there, like
+ * rigcal_camera_project. */
 rigcal_status rc_project_usable(rigcal_real uv[2], const rigcal_camera *camera,
                                 const rigcal_real X_c[3]);
 
-/* Unit ray of a pixel, camera and pixel already checked: OK or ERR_NO_RAY. */
+/* Computes the unit ray of a pixel. Camera and pixel are already checked. Returns OK or
+ * ERR_NO_RAY. */
 rigcal_status rc_pixel_to_ray(rigcal_real ray[3], const rigcal_camera *camera,
                               const rigcal_real uv[2]);
 

@@ -10,9 +10,9 @@ void rc_optimum_transform(rigcal_transform *cam_from_points, const rigcal_optimu
 int32_t rc_optima_near(const rigcal_optima *optima, const rigcal_real R[9],
                        rigcal_real angle);
 
-/* Keeps the RIGCAL_POSES_MAX best in order of their sums. This one takes the place of the
- * one at `same`, which is the same pose and worse; -1: it is a new one. Returns its index,
- * or -1 when there was no place for it. */
+/* Keeps the RIGCAL_POSES_MAX best, in order of their sums. The new one replaces the one at
+ * `same`, which is the same pose and worse. If `same` is -1, the pose is a new one. Returns
+ * its index, or -1 if there was no place for it. */
 int32_t rc_optima_insert(rigcal_optima *optima, int32_t same,
                          const rigcal_transform *cam_from_points, rigcal_real sse);
 

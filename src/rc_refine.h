@@ -6,21 +6,23 @@
 #include "rc_levenberg.h"
 #include "rc_points.h"
 
-/* At a pose, over those of the first n observations that count: *sum of the squared errors
- * over sigma^2, g = J^T e, and H by `equations`, RC_GAUSS_NEWTON or another, in the blocks
- * of rc_sym6_*; in the tangent space (w, dt): R <- exp([w]x) R, t <- t + dt.
- * OK, or ERR_BEHIND, ERR_NO_RAY: the camera does not see a point. */
+/* At a pose, over those of the first n observations that count, computes *sum of the
+ * squared errors over sigma^2, g = J^T e, and H in the blocks of rc_sym6_*. `equations` is
+ * RC_GAUSS_NEWTON or another, and chooses H. The tangent space is (w, dt): R <- exp([w]x)
+ * R, t <- t + dt. Returns OK, or ERR_BEHIND or ERR_NO_RAY if the camera does not see a
+ * point. */
 rigcal_status rc_refine_equations(rigcal_real *sum, rigcal_real g[6], rigcal_real H[21],
                                   const rigcal_points *points, size_t n,
                                   const rigcal_transform *cam_from_points, int equations);
 
-/* Levenberg-Marquardt from state->cam_from_points, one evaluation of the equations a step.
- * state->search.status is RUNNING until it is OK, BUDGET_SPENT (max_evals) or a failure.
- * is_wide: from errors along the rays at first, whose equations take the ray of every pixel
- * too. */
+/* Begins Levenberg-Marquardt from state->cam_from_points. Each step evaluates the equations
+ * once. state->search.status is RUNNING until it is OK, BUDGET_SPENT (max_evals) or a
+ * failure. If `is_wide`, the refinement starts with errors along the rays. Then it also
+ * computes the ray of every pixel. */
 void rc_refine_begin(rigcal_refinement *state, int is_wide);
 
-/* After rc_refine_begin: the first step of many points is to be by some of them. */
+/* Call it after rc_refine_begin: the first step then goes by some of the points, if there
+ * are many. */
 void rc_refine_begin_part(rigcal_refinement *state, const rigcal_points *points);
 
 void rc_refine_step(rigcal_refinement *state, const rigcal_points *points,

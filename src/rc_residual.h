@@ -10,7 +10,7 @@
 
 #include "rc_camera.h"
 
-/* OK, or what rc_project_through says; e and B are then undefined. */
+/* Returns OK, or what rc_project_through returns; then e and B are undefined. */
 inline rigcal_status rc_residual(rigcal_real e[2], rigcal_real B[6],
                                  const rigcal_camera *camera, int is_pinhole,
                                  const rigcal_real uv[2], const rigcal_real X_c[3])
@@ -23,10 +23,9 @@ inline rigcal_status rc_residual(rigcal_real e[2], rigcal_real B[6],
     return status;
 }
 
-/* The error along the observed unit ray m: to first order that in pixels, and without the
- * pole that a pinhole has 90 degrees off the axis. B = d projection / d X at m, where
- * B m = 0; e = -B X_c. Both are |X_c| times as large as they should be: weigh by
- * 1 / |X_c|^2. */
+/* The error along the observed unit ray m. To first order it is the error in pixels,
+ * without the pole that a pinhole has 90 degrees off the axis. B = d projection / d X at m,
+ * where B m = 0; e = -B X_c. Both are |X_c| times too large: weigh them by 1 / |X_c|^2. */
 void rc_residual_along_ray(rigcal_real e[2], rigcal_real B[6], const rigcal_camera *camera,
                            int is_pinhole, const rigcal_real m[3],
                            const rigcal_real X_c[3]);
@@ -35,8 +34,8 @@ void rc_residual_along_ray(rigcal_real e[2], rigcal_real B[6], const rigcal_came
  * by w, across (a row of w, a column of dt) and by dt. */
 void rc_rigid_clear(rigcal_real g[6], rigcal_real H[21]);
 
-/* Adds one point, weighed. With X_c not NULL, H also gets the curvature of the error, as
- * Newton's method has it: exactly that of a pinhole, nearly that of another lens. */
+/* Adds one point, weighed. If X_c is not NULL, H also gets the curvature of the error, as
+ * in Newton's method. It is exact for a pinhole, and nearly so for another lens. */
 void rc_rigid_add(rigcal_real g[6], rigcal_real H[21], const rigcal_real B[6],
                   const rigcal_real q[3], const rigcal_real e[2], rigcal_real weight,
                   const rigcal_real X_c[3], int is_fisheye);

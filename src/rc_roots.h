@@ -6,12 +6,13 @@
 #include "rc_p3p.h"
 #include "rc_points.h"
 
-/* (D) All poses of three of the points from their unit rays; how many, as of rc_p3p. */
+/* (D) Computes all poses of three of the points from their unit rays. Returns how many,
+ * like rc_p3p. */
 int32_t rc_poses_of_three(rigcal_transform cam_from_points[RC_P3P_MAX],
                           const rigcal_points *points, const int32_t index[3],
                           const rigcal_real ray[3][3]);
 
-/* (D) The same of a triple's points and rays, with less stack. */
+/* (D) The same for a triple's points and rays, with less stack. */
 int32_t rc_triple_poses(rigcal_transform cam_from_points[RC_P3P_MAX], rigcal_triple *triple,
                         const rigcal_points *points);
 

@@ -12,7 +12,7 @@
 #include "rc_refine.h"
 #include "rc_roots.h"
 
-/* What a step came to. */
+/* What a step returns. */
 enum {
     RC_SEEDS_BUSY,         /* nothing yet */
     RC_SEEDS_START,        /* a start: search->work.refinement.cam_from_points */
@@ -22,25 +22,26 @@ enum {
     RC_SEEDS_SPENT         /* there is no other start */
 };
 
-/* Begins a search, all 0 at first, over the points surveyed in s->points. The virtual
- * camera looks along the ray of uv_middle; where that has none, along the camera's own
- * axis. */
+/* Begins a search over the points surveyed in s->points. All else in *s is 0 before. The
+ * virtual camera looks along the ray of uv_middle or, if that pixel has no ray, along the
+ * camera's own axis. */
 void rc_seeds_begin(rigcal_search *s, const rigcal_real uv_middle[2]);
 
-/* One ray (of a pinhole, whose rays cost next to nothing, up to 16), one cost of a
- * direction, all poses of three points, or one choice. Returns RC_SEEDS_, or a failure:
- * ERR_COINCIDENT, ERR_COLLINEAR, ERR_TOO_FEW (three points, in a build without),
- * ERR_WIDE_RAY (of point s->point, in such a build). */
+/* Does one piece of work: one ray (up to 16 of a pinhole, whose rays cost nearly nothing),
+ * one cost of a direction, all poses of three points, or one choice. Returns RC_SEEDS_ or a
+ * failure: ERR_COINCIDENT, ERR_COLLINEAR, ERR_TOO_FEW (three points) or ERR_WIDE_RAY (of
+ * point s->point). The last two come in builds without poses of three points. */
 int32_t rc_seeds_step(rigcal_search *s);
 
-/* Goes on to another triple. 0: enough have been tried. */
+/* Goes on to another triple. Returns 0 if enough have been tried. */
 int rc_seeds_pick(rigcal_search *s);
 
-/* The search being spent: whether mirrored points may fit as well as the first optimum
- * does. Their start is then in search->work.refinement.cam_from_points. */
+/* For a search that is spent: whether mirrored points may fit as well as the first optimum
+ * does. If so, search->work.refinement.cam_from_points is their start. */
 int rc_seeds_mirrored(rigcal_search *s);
 
-/* The search being spent: begins that of the lattice. 0: it has been, or there is none. */
+/* For a search that is spent: begins the search of the lattice. Returns 0 if it has been
+ * done already, or if there is none. */
 int rc_seeds_scan(rigcal_search *s);
 
 #endif /* RC_SEEDS_H */

@@ -5,8 +5,7 @@
 
 /* ---- one point ----------------------------------------------------------- */
 
-/* A pose by which the points of a pinhole are projected: rows that take x to Z u, Z v
- * and Z. */
+/* A pose as rows that project the points of a pinhole: they take x to Z u, Z v and Z. */
 typedef struct {
     rigcal_real row[3][3], shift[3];
 } projection;
@@ -25,7 +24,7 @@ static void project_by(projection *p, const rigcal_points *points,
 }
 
 /* Squared distance over sigma_i^2, or something above the limit. A point that is too far
- * off costs no division, and where it is so in u alone, nothing of v. */
+ * off costs no division. If it is too far off in u alone, v is not computed. */
 RIGCAL_FORCE_INLINE static inline rigcal_real off2(const projection *p,
                                                    const rigcal_points *points, size_t i,
                                                    rigcal_real limit)
@@ -114,9 +113,10 @@ size_t rc_agree_mark(uint8_t marks[], rc_agree_histogram *off, const rigcal_poin
 
 /* ---- chance -------------------------------------------------------------- */
 
-/* A pose that is fitted to k points leaves 2 k - 6 free errors: those of k - 3 points. That
- * their squares come to no more has the chance (pi sum / area)^(k - 3) / (k - 3)!, the
- * factorial by Stirling. Any k may be the one: n - 3 of them. */
+/* Poses expected by chance. A pose that is fitted to k points leaves 2 k - 6 free errors,
+ * as many as k - 3 points have. The chance that their squares come to no more than `sum` is
+ * (pi sum / area)^(k - 3) / (k - 3)!, with Stirling's factorial. Any k may be the best:
+ * there are n - 3 of them. */
 static rigcal_real expected_of(size_t n, size_t k, rigcal_real sum, rigcal_real area)
 {
     const rigcal_real free = (rigcal_real)(k - 3);

@@ -5,22 +5,23 @@
 /* px: a shorter focal length is a mistake, and would vanish in products. */
 #define FOCAL_MIN RC(1e-6)
 
-/* px: focal length of a usual camera. Where the unit of uv cannot be a pixel, errors that
- * are assumed in pixels are those of such a camera. */
+/* px: focal length of a usual camera. If the unit of uv cannot be a pixel, errors assumed
+ * in pixels are those of such a camera. */
 #define FOCAL_USUAL RC(800)
 
-/* px: how far from the pixel a ray's projection may be, besides rounding. Newton goes on
- * to rounding; this only tells an answer from none. */
+/* px: a ray's projection may be so far from the pixel, besides rounding. Newton's method
+ * goes on to rounding; this only tells an answer from none. */
 #define MISS_MAX_PX RC_TOL(5e-10, 1e-3)
 
-/* part of the largest pixel: what rounding adds to MISS_MAX_PX. */
+/* part of the largest pixel: rounding adds this to MISS_MAX_PX. */
 #define MISS_ROUNDING (4 * RC_EPS)
 
-/* terms: of the sine's and the cosine's series; at pi the next is below 1e-16. */
+/* terms: the series of the sine and the cosine have so many. At pi the next one is below
+ * 1e-16. */
 enum { RAY_TERMS = 14 };
 
-/* terms: of the arc tangent's series up to an eighth of a turn; the next is below
- * rounding. */
+/* terms: the series of the arc tangent has so many, up to an eighth of a turn. The next one
+ * is below rounding. */
 enum { ANGLE_TERMS = RIGCAL_USE_FLOAT ? 10 : 22 };
 
 /* ---- checks -------------------------------------------------------------- */
@@ -39,7 +40,7 @@ rigcal_status rc_check_camera(const rigcal_camera *camera)
     if (status == RIGCAL_ERR_NOT_FINITE) {
         return status;
     }
-    /* As unsigned, 0 and the negative are large. */
+    /* As unsigned numbers, 0 and negative ones are large. */
     const int size_ok =
         (uint32_t)c->width - 1 < RC_IMAGE_MAX && (uint32_t)c->height - 1 < RC_IMAGE_MAX;
     const int numbers_ok = status == RIGCAL_OK && rc_min(c->fx, c->fy) >= FOCAL_MIN;
@@ -80,7 +81,7 @@ void rc_write_fault(int32_t *at_fault, int32_t index)
     }
 }
 
-/* Normalised images have a focal length of 1, real ones of hundreds of pixels. */
+/* Normalised images have a focal length of 1, real ones have hundreds of pixels. */
 rigcal_real rc_pixel_size(const rigcal_camera *camera)
 {
     RIGCAL_ASSERT(camera->fx > 0);
@@ -89,9 +90,9 @@ rigcal_real rc_pixel_size(const rigcal_camera *camera)
 
 /* ---- from a pixel to a ray ----------------------------------------------- */
 
-/* The ray at x, theta = |x| < pi off the axis: (sin theta / theta x, cos theta) by their
- * series in theta^2. The C library's would bring along its reduction of large angles,
- * 3 KB of flash. */
+/* The ray at x, theta = |x| < pi off the axis: (sin theta / theta x, cos theta), by their
+ * series in theta^2. The C library's functions would need 3 KB of flash, because they
+ * reduce large angles. */
 RC_APART_FAST static rigcal_status fisheye_ray(rigcal_real ray[3], const rigcal_real x[2])
 {
     const rigcal_real theta2 = x[0] * x[0] + x[1] * x[1];
@@ -109,7 +110,7 @@ RC_APART_FAST static rigcal_status fisheye_ray(rigcal_real ray[3], const rigcal_
     return RIGCAL_OK;
 }
 
-/* How far a ray's projection may be from its pixel, at a focal length of 1. */
+/* How far a ray's projection may be from its pixel, at focal length 1. */
 RC_APART_FAST static rigcal_real tolerance_at(const rigcal_camera *c,
                                               const rigcal_real uv[2])
 {
@@ -136,8 +137,9 @@ rigcal_status rc_pixel_to_ray(rigcal_real ray[3], const rigcal_camera *camera,
 
 /* ---- from a point to a pixel --------------------------------------------- */
 
-/* Angle of (r, Z) off the Z axis, r >= 0: that of |Z| is halved twice, to an eighth of
- * a turn at most, whose tangent's series is short. atan2 would bring 0.8 KB along. */
+/* The angle of (r, Z) off the Z axis, r >= 0. The angle for |Z| is halved twice, to at most
+ * an eighth of a turn, where the series of the arc tangent is short. atan2 would cost 0.8
+ * KB. */
 static rigcal_real angle_off_axis(rigcal_real r, rigcal_real Z)
 {
     rigcal_real t = r / (RC_FABS(Z) + RC_SQRT(r * r + Z * Z)), sum = 0;
@@ -148,8 +150,8 @@ static rigcal_real angle_off_axis(rigcal_real r, rigcal_real Z)
     return (Z < 0) ? RC_PI - 4 * t * sum : 4 * t * sum;
 }
 
-/* A lens maps the plane point x = (X, Y) / depth. Brown: depth = Z. Fisheye: r / theta.
- * *bend = d(1 / depth)/dr / r, *sink = d(1 / depth)/dZ. */
+/* A lens maps the plane point x = (X, Y) / depth. Brown's depth is Z, the fisheye's r /
+ * theta. *bend = d(1 / depth)/dr / r, *sink = d(1 / depth)/dZ. */
 static rigcal_status plane_depth(rigcal_real *depth, rigcal_real *bend, rigcal_real *sink,
                                  int is_fisheye, const rigcal_real X_c[3])
 {
@@ -162,7 +164,7 @@ static rigcal_status plane_depth(rigcal_real *depth, rigcal_real *bend, rigcal_r
         *sink = -by_rho2;
         return RIGCAL_OK;
     }
-    if (!(Z > 0)) { /* straight behind a fisheye, to rounding, is nowhere in its image */
+    if (!(Z > 0)) { /* a fisheye images nothing straight behind it */
         return is_fisheye ? RIGCAL_ERR_NO_RAY : RIGCAL_ERR_BEHIND;
     }
     *depth = Z;
@@ -191,9 +193,9 @@ static rigcal_status project_pinhole(rigcal_real uv[2], rigcal_real J_uv[6],
     return RIGCAL_OK;
 }
 
-/* X_c is scaled first, so that its largest coordinate is 1: then nothing overflows on the
- * way. With the lens's Jacobian J and (X, Y) = j,
- * J dx/dX_c = (J / depth + bend J j j^T, sink J j). */
+/* Scales X_c first, so that its largest coordinate is 1 and nothing overflows on the way.
+ * With the lens's Jacobian J and (X, Y) = j, J dx/dX_c = (J / depth + bend J j j^T, sink J
+ * j). */
 rigcal_status rc_project_by(rigcal_real x[2], rigcal_real uv[2], rigcal_real J_uv[6],
                             const rigcal_camera *camera, const rigcal_real X_c[3])
 {
@@ -236,7 +238,7 @@ rigcal_status rc_project_through(rigcal_real uv[2], rigcal_real J_uv[6],
                       : rc_project_by(x, uv, J_uv, camera, X_c);
 }
 
-/* The pixel, and the proof that the lens sees the point there. */
+/* Computes the pixel, and proves that the lens sees the point there. */
 rigcal_status rc_project_usable(rigcal_real uv[2], const rigcal_camera *camera,
                                 const rigcal_real X_c[3])
 {

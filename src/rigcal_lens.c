@@ -4,35 +4,39 @@
 
 /* ---- constants ----------------------------------------------------------- */
 
-/* steps: of a proof, usually 1 to 3. The worst case that the manual states. */
+/* steps: the most of a proof, which usually takes 1 to 3. The manual states this worst
+ * case. */
 enum { WALK_MAX = 1024 };
 
-/* part of the way: shorter steps of a proof are rounding. */
+/* part of the way: a shorter step of a proof is rounding. */
 #define WALK_LEAST RC_EPS
 
 /* part of the way: a proof that ends so near to the end has reached it. */
 #define WALK_LEFT (4 * RC_EPS)
 
-/* steps: to the radius that a lens maps to the one wanted. */
+/* steps: to find the radius that a lens maps to the wanted one. */
 enum { REACH_STEPS = 3 };
 
-/* times that radius: the disc of a proof. Points are near where they were seen. */
+/* times that radius: the radius of a proof's disc. Points are near where they were seen. */
 #define REACH_MORE RC(1.1)
 
-/* steps: of the proof of a disc, usually 1 or 2. */
+/* steps: the most of the proof of a disc, which usually takes 1 or 2. */
 enum { DISC_STEPS = 8 };
 
-/* steps: of Newton's method in such a disc, usually 3. */
+/* steps: the most of Newton's method in such a disc, which usually takes 3. */
 enum { NEAR_STEPS = 5 };
 
-/* squared distance in the plane: Newton's step from so near to the target is the last. What
- * it misses by is the square of this distance or, in float, rounding. */
+/* squared distance in the plane: if Newton's method is so near to the target, its next
+ * step is the last. That step misses by the square of this distance or, in float, by
+ * rounding. */
 #define NEAR_ENOUGH RC_TOL(1e-10, 1e-8)
 
-/* steps: of a Newton iteration, usually 3 to 6. The worst case that the manual states. */
+/* steps: the most of a Newton iteration, which usually takes 3 to 6. The manual states this
+ * worst case. */
 enum { NEWTON_MAX = 60 };
 
-/* parts: of the way to a pixel, usually 1; strongly curved lenses take 4 to 16. */
+/* parts: the most of the way to a pixel. Usually 1 is enough; strongly curved lenses take 4
+ * to 16. */
 enum { STAGES_MAX = 64 };
 
 /* ---- the map ------------------------------------------------------------- */
@@ -47,14 +51,14 @@ int rc_lens_is_pinhole(const rigcal_camera *camera)
            rc_all_within(rc_camera_numbers(camera, offsetof(rigcal_camera, k1)), 8, 0);
 }
 
-/* A polynomial of one degree more, by Horner's rule: its value at s, and its derivative. */
+/* One more degree of a polynomial by Horner's rule: its value at s, and its derivative. */
 static inline void horner(rigcal_real value[2], rigcal_real s, rigcal_real coefficient)
 {
     value[1] = value[1] * s + value[0];
     value[0] = value[0] * s + coefficient;
 }
 
-/* Brown's lens has k4 in D, the fisheye in N. */
+/* k4 belongs to D in Brown's lens, and to N in the fisheye. */
 static rigcal_real k4_of(const rigcal_camera *camera, int is_in_N)
 {
     return (rc_lens_is_fisheye(camera) == is_in_N) ? camera->k4 : 0;
@@ -68,7 +72,7 @@ static inline int has_denominator(const rigcal_camera *camera)
 
 enum { N_DEGREE = 4, D_DEGREE = 3, G_DEGREE = 6 };
 
-/* N by ascending powers of s; else D. */
+/* Puts the coefficients of N, else of D, in ascending powers of s. */
 RIGCAL_FORCE_INLINE static inline void put_powers(rigcal_real c[N_DEGREE + 1],
                                                   const rigcal_camera *camera, int is_N)
 {
@@ -85,7 +89,7 @@ RC_APART static void powers_of(rigcal_real c[N_DEGREE + 1], const rigcal_camera 
     put_powers(c, camera, is_N);
 }
 
-/* N at s, else D, and its derivative; for speed written out. */
+/* N, else D, at s, with its derivative. For speed it is written out. */
 static inline void polynomial_at(rigcal_real value[2], rigcal_real s,
                                  const rigcal_camera *camera, int is_N)
 {
@@ -144,14 +148,14 @@ RC_APART static int is_positive_definite(const rigcal_real J[3])
 
 /* ---- where it can be used ------------------------------------------------ */
 
-/* Lower and upper bound of a polynomial within `half` of `middle`: the other terms of its
- * series there take from the first, and add to it, no more than their absolute values.
- * Their distance from the true range shrinks as half^2. The series takes the place of b. */
+/* Lower and upper bound of a polynomial within `half` of `middle`. The other terms of its
+ * series there take off, and add, no more than their absolute values. The distance to the
+ * true range shrinks as half^2. The series takes the place of b. */
 static void polynomial_range(rigcal_real range[2], rigcal_real b[], int degree,
                              rigcal_real middle, rigcal_real half)
 {
     rigcal_real power = half, reach = 0;
-    for (int i = 0; i <= degree; i++) { /* powers of s - middle: b[i] is done */
+    for (int i = 0; i <= degree; i++) { /* powers of s - middle: b[i] is final */
         for (int j = degree - 1; j >= i; j--) {
             b[j] += middle * b[j + 1];
         }
@@ -181,14 +185,14 @@ RC_APART_FAST static void radial_slope(rigcal_real G[G_DEGREE + 1],
     }
 }
 
-/* The least that N / D can be, if N is at least `low` and D > 0 lies between its bounds. */
+/* The least N / D can be, if N is at least `low` and D > 0 lies between its bounds. */
 RC_APART static rigcal_real least_quotient(rigcal_real low, const rigcal_real D[2])
 {
     return low / ((low > 0) ? D[1] : D[0]);
 }
 
-/* A direction e from the axis, r^2 = `end` at its end, where a r and b r are given:
- * a = g.e, b = g.e', e' normal to e. */
+/* A direction e from the axis, to r^2 = `end`. a r and b r are given: a = g.e, b = g.e',
+ * with e' normal to e. */
 typedef struct {
     const rigcal_camera *camera;
     rigcal_real G[G_DEGREE + 1], ar, br, end;
@@ -233,8 +237,8 @@ RC_APART_FAST static int is_definite_at(const rigcal_camera *camera, const rigca
     return rc_lens_map(F, J, camera, at) && is_positive_definite(J);
 }
 
-/* Walks from the axis to x in steps that are halved until the bounds decide, or their end
- * is seen to be beyond a turning point, and doubled after each success. */
+/* Walks from the axis to x. A step is halved until the bounds decide, or until its end is
+ * seen to be beyond a turning point. It is doubled after each success. */
 RC_APART_FAST static int walk_to(const rigcal_camera *camera, const rigcal_real x[2])
 {
     direction e;
@@ -264,15 +268,15 @@ int rc_lens_is_usable(const rigcal_camera *camera, const rigcal_real x[2])
 }
 
 #if RIGCAL_FOR_SPEED
-/* (B6) A disc has all the way from the axis to each of its points. In any direction e of it
- * |a| and |b| are at most |g|, so that the bounds of both at once serve for all. */
+/* (B6) A disc about the axis holds the way from the axis to each of its points. In any
+ * direction e |a| and |b| are at most |g|, so the worst of both at once serves for all. */
 rigcal_real rc_lens_proved(const rigcal_camera *camera, rigcal_real reach)
 {
     RIGCAL_ASSERT(reach >= 0 && !rc_lens_is_fisheye(camera));
     const rigcal_real g = RC_SQRT(camera->p1 * camera->p1 + camera->p2 * camera->p2);
     rigcal_real r = reach, F[2], J[3], from = 0;
     direction e;
-    for (int i = 0; i < REACH_STEPS; i++) { /* F is no nearer to the axis than `low` */
+    for (int i = 0; i < REACH_STEPS; i++) { /* F is at least `low` from the axis */
         const rigcal_real x[2] = {r, 0};
         const rigcal_real low =
             rc_lens_map(F, J, camera, x) ? F[0] - 3 * (camera->p2 + g) * r * r : 0;
@@ -319,9 +323,9 @@ int rc_lens_invert_within(rigcal_real x[2], const rigcal_camera *camera,
 #endif
 /* ---- its inverse --------------------------------------------------------- */
 
-/* Newton's method for F(x) = target from x, a place where J is positive definite. A step
- * that leaves such places, or does not bring F nearer, is halved. Ends where no step helps
- * any more and returns |F(x) - target| there. */
+/* Newton's method for F(x) = target, from an x where J is positive definite. A step is
+ * halved if it leaves such places or does not bring F nearer. It ends when no step helps
+ * any more, and returns |F(x) - target| there. */
 RC_APART_FAST static rigcal_real solve_from(rigcal_real x[2], const rigcal_camera *camera,
                                             const rigcal_real target[2])
 {
@@ -354,8 +358,8 @@ RC_APART_FAST static rigcal_real solve_from(rigcal_real x[2], const rigcal_camer
     return miss;
 }
 
-/* The answer is followed from the axis in `stages` equal parts of the target: one nearly
- * always serves; more keep a strongly curved lens from being jumped across. */
+/* The answer is followed from the axis in `stages` equal parts of the target. One part
+ * nearly always serves. More keep the method from jumping across a strongly curved lens. */
 int rc_lens_invert(rigcal_real x[2], const rigcal_camera *camera,
                    const rigcal_real target[2], rigcal_real tolerance)
 {

@@ -9,7 +9,7 @@ void rc_optimum_transform(rigcal_transform *cam_from_points, const rigcal_optimu
     rc_vec3_copy(cam_from_points->t, optimum->t);
 }
 
-/* The squared differences of two rotations sum to 8 sin^2(angle / 2). */
+/* The squared differences of the elements of two rotations sum to 8 sin^2(angle / 2). */
 RC_APART int32_t rc_optima_near(const rigcal_optima *optima, const rigcal_real R[9],
                                 rigcal_real angle)
 {

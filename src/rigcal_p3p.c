@@ -2,33 +2,34 @@
 
 /* ---- constants ----------------------------------------------------------- */
 
-/* part of the longest side squared: twice the area of points on a line, to rounding of the
- * coordinates, which a far origin enlarges. */
+/* part of the longest side squared: twice the area of points on a line is no more than
+ * this. Rounding of the coordinates makes it, and a far origin enlarges it. */
 #define LINE_TOL (64 * RC_EPS)
 
-/* 1: rays nearer together are one, to rounding. */
+/* 1: rays nearer together than this are one, to rounding. */
 #define RAY_TOL (16 * RC_EPS)
 
-/* longest sides squared: a complex pair whose real part breaks the equations by no more is
- * a double root that noise has lifted. */
+/* longest sides squared: a complex pair is a double root that noise has lifted, if its real
+ * part breaks the equations by no more than this. */
 #define LIFTED RC(0.01)
 
-/* longest sides: a depth times h of no more is zero, to rounding. */
+/* longest sides: a depth times h of no more than this is zero, to rounding. */
 #define DEPTH_MIN (16 * RC_EPS)
 
-/* steps: Newton's, to the root of the pencil, from a start that bounds it; usually 3 to
- * 6. */
+/* steps: Newton's method to the root of the pencil, from a start that bounds it. Usually 3
+ * to 6. */
 enum { ROOT_STEPS = 12 };
 
-/* part of the root: a step of no more is rounding. */
+/* part of the root: a step of no more than this is rounding. */
 #define ROOT_ROUNDING (4 * RC_EPS)
 
-/* part of the next two coefficients: a cubic's leading one of no more is zero. */
+/* part of the next two coefficients: the leading one of a cubic is zero if it is no more
+ * than this. */
 #define LEAD_LEAST RC_EPS
 
-/* The triangle has point 0 opposite to the longest side, which is 1. The unknowns are
- * v = (D, p, q), for depths s0 = D / h, s1 = s0 + p, s2 = s0 + q, with h the longest
- * chord between the rays. SIDE, in rows, takes v to the differences of depths along the
+/* Point 0 of the triangle is opposite to the longest side, whose length is 1. The unknowns
+ * are v = (D, p, q), for depths s0 = D / h, s1 = s0 + p, s2 = s0 + q, and h is the longest
+ * chord between the rays. The rows of SIDE take v to the differences of depths along the
  * sides 01, 02, 12. */
 static const rigcal_real SIDE[3][3] = {{0, 1, 0}, {0, 0, 1}, {0, 1, -1}};
 
@@ -39,7 +40,7 @@ static const uint8_t CYCLE[5] = {0, 1, 2, 0, 1};
 
 /* ---- the equations ------------------------------------------------------- */
 
-/* (D1) Squares of the sides that v makes, and the three depths times h. */
+/* (D1) Computes the squares of the sides that v makes, and the three depths times h. */
 static void sides(rigcal_real f[3], rigcal_real s[3], const rigcal_p3p *T,
                   const rigcal_real v[3])
 {
@@ -54,7 +55,7 @@ static void sides(rigcal_real f[3], rigcal_real s[3], const rigcal_p3p *T,
 
 /* ---- the pencil of conics ------------------------------------------------ */
 
-/* f[k] = v^T M v, M symmetric. */
+/* Computes the symmetric M with f[k] = v^T M v. */
 static void form(rigcal_real M[9], const rigcal_p3p *T, int k)
 {
     const rigcal_real depth[9] = {1, 0, 0, 1, T->h, 0, 1, 0, T->h};
@@ -75,7 +76,7 @@ static void add_scaled(rigcal_real A[9], rigcal_real s, const rigcal_real B[9])
     }
 }
 
-/* The conics on which the sides 01 and 02 have the right ratio to 12. */
+/* Computes the conics on which the sides 01 and 02 have the right ratio to 12. */
 static void conics(rigcal_real *const C[2], const rigcal_p3p *T)
 {
     rigcal_real M12[9];
@@ -86,14 +87,14 @@ static void conics(rigcal_real *const C[2], const rigcal_p3p *T)
     }
 }
 
-/* Trace of the product of symmetric matrices. */
+/* The trace of the product of symmetric matrices. */
 static rigcal_real trace_of(const rigcal_real A[9], const rigcal_real C[9])
 {
     return rc_vec3_dot(&A[0], &C[0]) + rc_vec3_dot(&A[3], &C[3]) +
            rc_vec3_dot(&A[6], &C[6]);
 }
 
-/* det(C[0] + x C[1]) by powers of x. */
+/* Computes det(C[0] + x C[1]) by powers of x. */
 static void pencil_cubic(rigcal_real c[4], rigcal_real *const C[2])
 {
     rigcal_real A[9];
@@ -103,9 +104,9 @@ static void pencil_cubic(rigcal_real c[4], rigcal_real *const C[2])
     }
 }
 
-/* The real root of y^3 - 3 r2 y + g, g >= 0, that lies apart from the others, or
- * alone: the negative one. From -2 r, when it is beyond, from a bound of its own:
- * g^(5/16) for the cube root. */
+/* The negative real root of y^3 - 3 r2 y + g, g >= 0, which lies apart from the others, or
+ * alone. It starts from -2 r if that is beyond the root. Else it starts from another bound,
+ * which has g^(5/16) for the cube root. */
 static rigcal_real root_apart(rigcal_real r2, rigcal_real g)
 {
     rigcal_real y = -2 * RC_SQRT(rc_max(r2, 0));
@@ -126,8 +127,8 @@ static rigcal_real root_apart(rigcal_real r2, rigcal_real g)
     return y;
 }
 
-/* The degenerate conic m[0] C0 + m[1] C1 apart from the other two: where two
- * solutions merge, those two do. With C0 and C1 both degenerate it is the third. */
+/* The degenerate conic m[0] C0 + m[1] C1 that lies apart from the other two. Those two
+ * merge where two solutions do. If C0 and C1 are both degenerate, it is the third. */
 static void pencil_root(rigcal_real m[2], const rigcal_real c[4])
 {
     const int swapped = RC_FABS(c[0]) > RC_FABS(c[3]), down = swapped ? 1 : -1;
@@ -168,9 +169,9 @@ RC_APART static void skew(rigcal_real S[9], const rigcal_real c[3])
     S[7] = c[0];
 }
 
-/* The two lines that make up a conic of rank 2: D = l m^T + m l^T. Their crossing c
- * is the root of -adj(D), and N = D + [c]x = 2 l m^T, which takes the place of D. 0 when
- * they are complex. */
+/* Splits a conic of rank 2 into two lines: D = l m^T + m l^T. Their crossing c is the root
+ * of -adj(D), and N = D + [c]x = 2 l m^T takes the place of D. Returns 0 if the lines are
+ * complex. */
 static int split(rigcal_real l[3], rigcal_real m[3], rigcal_real D[9])
 {
     rigcal_real A[9], c[3];
@@ -187,7 +188,7 @@ static int split(rigcal_real l[3], rigcal_real m[3], rigcal_real D[9])
     skew(A, c);
     add_scaled(D, 1, A);
     at = largest_of(D, 9);
-    const int first = (at < 3) ? 0 : (at < 6) ? 3 : 6; /* of its row */
+    const int first = (at < 3) ? 0 : (at < 6) ? 3 : 6; /* start of its row */
     rc_vec3_copy(l, &D[first]);
     for (int k = 0; k < 3; k++) {
         m[k] = D[at - first + 3 * k];
@@ -195,9 +196,9 @@ static int split(rigcal_real l[3], rigcal_real m[3], rigcal_real D[9])
     return 1;
 }
 
-/* Where the line l.v = 0 crosses the conic C, up to scale: 2, or 1, the real part of
- * a complex pair. v = x a + y b, with those rows a and b of [l]x that leave v its
- * digits: the coordinate of the largest of l follows from the other two. */
+/* Finds where the line l.v = 0 crosses the conic C, up to scale. Returns 2, or 1 for the
+ * real part of a complex pair. v = x a + y b. The rows a and b of [l]x leave v its digits:
+ * the coordinate of the largest of l follows from the other two. */
 RC_APART static uint8_t cross_line(rigcal_real v[2][3], const rigcal_real l[3],
                                    const rigcal_real C[9])
 {
@@ -225,8 +226,8 @@ RC_APART static uint8_t cross_line(rigcal_real v[2][3], const rigcal_real l[3],
 
 /* ---- poses --------------------------------------------------------------- */
 
-/* The depths times h of v, scaled to the size of the triangle, in front. 0 when it
- * does not make the sides, or a point is not in front. */
+/* Computes the depths times h of v, scaled to the size of the triangle, in front. Returns 0
+ * if v does not make the sides, or a point is not in front. */
 static int depths_of(rigcal_real s[3], const rigcal_real v[3], const rigcal_p3p *T)
 {
     rigcal_real f[3], wrong = 0;
@@ -246,9 +247,9 @@ static int depths_of(rigcal_real s[3], const rigcal_real v[3], const rigcal_p3p 
     return is_in_front && wrong <= LIFTED;
 }
 
-/* In rows, the axes of the triangle 0, u, w: along w - u, across it, normal to it.
- * u x w of a thin triangle is not normal to rounding: the last row is taken anew.
- * 0 when |u x w| is no more than `least`. */
+/* Makes the axes of the triangle 0, u, w, in rows: along w - u, across it, and normal to
+ * it. u x w of a thin triangle is not normal to rounding, so the last row is computed anew.
+ * Returns 0 if |u x w| is no more than `least`. */
 static int axes_of(rigcal_real F[9], const rigcal_real u[3], const rigcal_real w[3],
                    rigcal_real least)
 {
@@ -264,7 +265,8 @@ static int axes_of(rigcal_real F[9], const rigcal_real u[3], const rigcal_real w
     return 1;
 }
 
-/* The problem as the equations take it. 0: points on a line, or rays that coincide. */
+/* Prepares the problem for the equations. Returns 0 if the points are on a line or rays
+ * coincide. */
 RC_APART_FAST static int prepare(rigcal_p3p *P, const rigcal_real ray[3][3])
 {
     const rigcal_real(*const x)[3] = (const rigcal_real(*)[3])P->work.x;
@@ -305,7 +307,7 @@ RC_APART_FAST static int prepare(rigcal_p3p *P, const rigcal_real ray[3][3])
                                LINE_TOL * (1 + rc_vec3_max_abs(P->middle) * by_size));
 }
 
-/* The pose of a solution with depths s / h. */
+/* Writes the pose of a solution with depths s / h. */
 RC_APART_FAST static int write_pose(rigcal_transform *cam_from_points, const rigcal_p3p *P,
                                     const rigcal_real ray[3][3], const rigcal_real s[3])
 {
@@ -329,8 +331,8 @@ RC_APART_FAST static int write_pose(rigcal_transform *cam_from_points, const rig
     return 1;
 }
 
-/* The lines on which the solutions lie, two by two at most, and a conic that crosses
- * them there; the second line is kept. 0 when there are none. */
+/* Finds the lines on which the solutions lie, at most two by two, and a conic that crosses
+ * them there. The second line is kept. Returns 0 if there are none. */
 RC_APART_FAST static int find_lines(rigcal_real first[3], rigcal_p3p *P)
 {
     rigcal_real *const conic = P->work.conic;

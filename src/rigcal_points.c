@@ -8,10 +8,11 @@
 /* px, or 1 where relative: more noise is a mistake. */
 #define SIGMA_MAX RC(1e6)
 
-/* px^2: a smaller change of a sum of squares means nothing, in images without noise. */
+/* px^2: in images without noise a smaller change of a sum of squares means nothing. */
 #define GAIN_NEGLIGIBLE RC_TOL(1e-20, 1e-7)
 
-/* part of the image's extent: rounding of a pixel. Its square means nothing either. */
+/* part of the image's extent: this is rounding of a pixel. Its square means nothing
+ * either. */
 #define PIXEL_ROUNDING (8 * RC_EPS)
 
 /* ---- checks -------------------------------------------------------------- */
@@ -60,7 +61,7 @@ rigcal_real rc_negligible(rigcal_real pixel_size, rigcal_real extent_px)
     return rc_max(GAIN_NEGLIGIBLE * pixel_size * pixel_size, rounding * rounding);
 }
 
-/* The farthest pixel off the axis, as the lens has it. */
+/* The distance of the farthest pixel from the axis, in the lens's plane. */
 static rigcal_real reach_of(const rigcal_points *points)
 {
     const rigcal_camera *const c = points->view.camera;
@@ -74,7 +75,7 @@ static rigcal_real reach_of(const rigcal_points *points)
     return RC_SQRT(most);
 }
 
-/* What *points says of its view besides where the points are. */
+/* Fills in what *points says of its view, besides where the points are. */
 static void prepare(rigcal_points *points)
 {
     points->is_pinhole = (uint8_t)rc_lens_is_pinhole(points->view.camera);
@@ -94,7 +95,8 @@ static inline int is_within(const rigcal_observation *o)
            RC_FABS(o->uv[1]) <= RC_PIXEL_MAX;
 }
 
-/* Observation i, and its sigma. What is wrong with it is only asked if something is. */
+/* Checks observation i and its sigma. The detailed check runs only if something is
+ * wrong. */
 static rigcal_status check_point(const rigcal_view *view, size_t i)
 {
     const rigcal_observation *const o = &view->observations[i];
@@ -104,7 +106,7 @@ static rigcal_status check_point(const rigcal_view *view, size_t i)
                                                         : status;
 }
 
-/* Where the points are, and their pixels. */
+/* Finds where the points and their pixels are. */
 RC_APART_FAST static rigcal_status measure(rigcal_points *points, rigcal_real uv_middle[2],
                                            int32_t *at_fault)
 {

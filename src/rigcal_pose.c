@@ -2,55 +2,60 @@
 
 /* ---- constants ----------------------------------------------------------- */
 
-/* evaluations: of a refinement, usually 4 or 5. The worst case that the manual states. */
+/* evaluations: the most of a refinement, which usually takes 4 or 5. The manual states this
+ * worst case. */
 enum { REFINE_EVALS = 100 };
 
-/* rad: two optima whose rotations are nearer are one. */
+/* rad: two optima count as one if their rotations are nearer than this. */
 #define SAME_POSE RC(2e-3)
 
-/* rad: the same of three points, whose poses may be about to merge but are exact. */
+/* rad: the same for three points. Their poses are exact even when two are about to
+ * merge. */
 #define SAME_EXACT RC_TOL(1e-6, 1e-3)
 
-/* px^2: three points fit exactly when the sum of their squared errors is no more. */
+/* px^2: three points fit exactly if the sum of their squared errors is no more than
+ * this. */
 #define EXACT RC_TOL(1e-11, 1e-5)
 
-/* px: the most noise that is believed of a search, where none is stated. */
+/* px: if no noise is stated, a search believes in no more noise than this. */
 #define NOISE_MOST RC(2)
 
-/* px: the same of a warm start, which may have ended elsewhere than at the pose. */
+/* px: the same for a warm start, which may have ended elsewhere than at the pose. */
 #define NOISE_WARM RC(0.55)
 
-/* part of the target's image: the same where that is more, for coarse targets. */
+/* part of the target's image: if this is more than NOISE_MOST or NOISE_WARM, it is used
+ * instead. It serves coarse targets. */
 #define NOISE_PART RC(0.007)
 
-/* standard deviations: a fit error that is larger is poor. Noise alone exceeds it once in
- * a million fits. */
+/* standard deviations: a fit with a larger error is poor. Noise alone exceeds it once in a
+ * million fits. */
 #define DEVIATIONS RC(4.75)
 
-/* standard deviations: the same of a warm start, once in a thousand. Then a search runs,
- * which costs only time. */
+/* standard deviations: the same for a warm start. Noise alone exceeds it once in a thousand
+ * fits. Then a search runs, which only costs time. */
 #define DEVIATIONS_WARM RC(3.1)
 
-/* px: mirrored points are only suspected where the error is above this noise. */
+/* px: mirrored points are suspected only if the error is above this noise. */
 #define MIRROR_NOISE RC(0.1)
 
-/* odds: mirrored points are believed where they are so many times as likely. */
+/* odds: mirrored points are believed only if they are so many times as likely. */
 #define MIRROR_ODDS RC(100)
 
-/* rad: a pose whose rotation has a larger standard deviation is hardly one. */
+/* rad: if the standard deviation of the rotation is larger than this, the points hardly fix
+ * the pose. */
 #define VAGUE RC(0.25)
 
-/* px: that deviation is reckoned with at least so much noise, where none is stated. */
+/* px: if no noise is stated, VAGUE is checked with at least this noise. */
 #define VAGUE_NOISE RC(0.25)
 
-/* probability: from here on the first pose is sure. */
+/* probability: the first pose is sure if it has at least this. */
 #define SURE RC(0.99)
 
 enum {
     NOT_BEGUN = 0,
     SEEDING, /* the next start */
     REFINING,
-    PROVING,  /* that the lens sees the points */
+    PROVING,  /* the proof that the lens sees the points */
     MIRRORED, /* the refinement of mirrored points */
     DONE
 };
@@ -77,7 +82,7 @@ RC_APART static rigcal_real likelihood_of(const rigcal_pose_solver *s, rigcal_re
                    search->points.n_used);
 }
 
-/* Sum of the squared errors [px^2] of optimum i, which without sigma is its sse. */
+/* The sum of the squared errors [px^2] of optimum i. Without sigma that is its sse. */
 RC_APART static rigcal_real squared_pixels(const rigcal_pose_solver *s, int32_t i)
 {
     const rigcal_points *const points = &s->search.points;
@@ -94,8 +99,8 @@ RC_APART static rigcal_real squared_pixels(const rigcal_pose_solver *s, int32_t 
     return sum;
 }
 
-/* Whether the first pose's error is too large for the noise stated; where none is, for
- * noise of `most` px, or of a part of the target's image where that is more. */
+/* Whether the first pose's error is too large for the noise stated. If none is stated, the
+ * noise is taken as `most` px or a part of the target's image, whichever is more. */
 RC_APART static int is_poor(const rigcal_pose_solver *s, rigcal_real most,
                             rigcal_real deviations)
 {
@@ -108,8 +113,8 @@ RC_APART static int is_poor(const rigcal_pose_solver *s, rigcal_real most,
     return !(sum <= noise * noise * rc_chi2_limit(rc_freedom(points->n_used), deviations));
 }
 
-/* Whether the points hardly fix the first pose, for the noise stated or, if there is none,
- * for what its error shows. */
+/* Whether the points hardly fix the first pose, given the noise. If none is stated, the
+ * noise is judged by the pose's error. */
 static int is_vague(const rigcal_pose_solver *s)
 {
     const rigcal_points *const points = &s->search.points;
@@ -123,14 +128,14 @@ static int is_vague(const rigcal_pose_solver *s)
 
 /* ---- the beginning and the end ------------------------------------------- */
 
-/* Whether three points are all there are. */
+/* Whether exactly three points count. */
 static int is_exact(const rigcal_pose_solver *s)
 {
     return RIGCAL_WITH_THREE_POINTS && s->search.points.n_used == 3;
 }
 
-/* The search has ended. Of three points, minima that do not fit may be left by two exact
- * poses that noise has made one. They go where others fit and the noise is not stated. */
+/* Ends the search. With three points, noise can make two exact poses one and leave minima
+ * that do not fit. Those are dropped if others fit and no noise is stated. */
 static void end_search(rigcal_pose_solver *s)
 {
     rigcal_optima *const optima = &s->search.optima;
@@ -152,7 +157,8 @@ RC_APART static void begin_search(rigcal_pose_solver *s)
     rigcal_real uv_middle[2];
     int32_t at;
     if (rc_points_survey(&s->search.points, uv_middle, &at) != RIGCAL_OK) {
-        fail(s, RIGCAL_ERR_NO_RAY, s->at_fault); /* too few without those left out */
+        fail(s, RIGCAL_ERR_NO_RAY, s->at_fault); /* too few points remain without the one
+                                                  * left out */
         return;
     }
     rc_seeds_begin(&s->search, uv_middle);
@@ -161,8 +167,8 @@ RC_APART static void begin_search(rigcal_pose_solver *s)
 
 /* ---- a search ------------------------------------------------------------ */
 
-/* The lens images no ray at the pixel of point i: the pose is that of the others. A second
- * such point is too much. */
+/* Leaves out point i, at whose pixel the lens images no ray. The pose is that of the
+ * others. A second such point is a failure. */
 static void leave_out(rigcal_pose_solver *s, int32_t i)
 {
     if (s->search.points.left_out >= 0) {
@@ -174,8 +180,8 @@ static void leave_out(rigcal_pose_solver *s, int32_t i)
     begin_search(s);
 }
 
-/* The starts are spent. Mirrored points are only suspected where the fit leaves room for a
- * better one. */
+/* Ends seeding when the starts are spent. Mirrored points are suspected only if the fit
+ * leaves room for a better one. */
 RC_APART static void end_seeding(rigcal_pose_solver *s)
 {
     rigcal_points *const points = &s->search.points;
@@ -201,7 +207,7 @@ static void end_mirrored(rigcal_pose_solver *s)
     end_search(s);
 }
 
-/* Goes on by the lattice where the poses of three points led to none that fits. */
+/* Goes on with the lattice if the poses of three points led to none that fits. */
 static int searches_on(rigcal_pose_solver *s)
 {
     return RC_FOR_SPEED &&
@@ -234,8 +240,9 @@ static void seeding_step(rigcal_pose_solver *s)
     }
 }
 
-/* A warm start that ended elsewhere than at the pose shows by its error. One that hardly
- * any data support is not believed either: the search tells what is wrong with them. */
+/* Ends a warm start. If it ended elsewhere than at the pose, its error shows that. If
+ * hardly any data support it, it is dropped too: the search tells what is wrong with the
+ * data. */
 static void end_warm(rigcal_pose_solver *s)
 {
     rigcal_optima *const optima = &s->search.optima;
@@ -248,7 +255,7 @@ static void end_warm(rigcal_pose_solver *s)
     }
 }
 
-/* The refinement's end is an optimum, or none. */
+/* Ends the refinement. Its result is an optimum, or none. */
 RC_APART static void settle(rigcal_pose_solver *s, int is_optimum)
 {
     rigcal_refinement *const end = &s->search.work.refinement;
@@ -267,9 +274,9 @@ RC_APART static void settle(rigcal_pose_solver *s, int is_optimum)
     }
 }
 
-/* Refinement sees to it that the points are in front; whether a lens that turns back sees
- * them is to be proved. One that ran out of evaluations is on its way along a valley,
- * likely to an optimum that is found from elsewhere too. */
+/* Refinement keeps the points in front of the camera. Whether a lens that turns back sees
+ * them still has to be proved. A refinement that ran out of evaluations is on its way along
+ * a valley, and likely leads to an optimum that is found from elsewhere too. */
 static void end_refinement(rigcal_pose_solver *s)
 {
     const rigcal_optima *const optima = &s->search.optima;
@@ -300,7 +307,7 @@ static void end_refinement(rigcal_pose_solver *s)
     }
 }
 
-/* Goes on over the points that are seen where the lens is proved already. */
+/* Skips the points at which the lens is proved already. */
 RC_APART static void skip_proved(rigcal_pose_solver *s)
 {
     const rigcal_points *const points = &s->search.points;
@@ -381,7 +388,7 @@ rigcal_real rc_pose_likelihood(const rigcal_pose_solver *s, int32_t i)
     return likelihood_of(s, s->search.optima.list[i].sse);
 }
 
-/* By exchanges: copies alone would be a memmove to a compiler. */
+/* Exchanges neighbours: a compiler would make a memmove of plain copies. */
 void rc_pose_drop(rigcal_pose_solver *s, int32_t i)
 {
     RIGCAL_ASSERT(s->phase == DONE && i >= 0 && i < s->search.optima.n);
@@ -505,7 +512,8 @@ rigcal_status rigcal_pose_step(rigcal_pose_solver *solver, int32_t budget)
     return (solver->phase == DONE) ? RIGCAL_OK : RIGCAL_RUNNING;
 }
 
-/* A pose as the caller knows it: of the world's origin, with its error in px. */
+/* Writes the pose as the caller knows it: from the world's origin, and with its error in
+ * px. */
 static void write_pose(rigcal_pose *out, const rigcal_pose_solver *s, int32_t i)
 {
     const rigcal_points *const points = &s->search.points;
@@ -518,7 +526,7 @@ static void write_pose(rigcal_pose *out, const rigcal_pose_solver *s, int32_t i)
     out->rms_px = RC_SQRT(squared_pixels(s, i) / (rigcal_real)(int32_t)points->n_used);
 }
 
-/* The first caveat that applies. */
+/* The first caveat that applies to the solution. */
 static rigcal_status caveat_of(const rigcal_pose_solver *s, rigcal_real probability)
 {
     if ((RIGCAL_WITH_MIRRORED && s->is_mirrored) || is_poor(s, NOISE_MOST, DEVIATIONS)) {

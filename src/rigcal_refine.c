@@ -2,28 +2,29 @@
 
 /* ---- constants ----------------------------------------------------------- */
 
-/* rad: the most that one step turns. A larger turn would leave the basin. */
+/* rad: one step turns at most this far. A larger turn would leave the basin. */
 #define TURN_MOST RC(0.3)
 
-/* part of the sum: an approach ends with a step that gains no more. */
+/* part of the sum: an approach ends after a step that gains no more than this. */
 #define APPROACHED RC(1e-4)
 
 /* steps: of an approach, usually 3 to 5. */
 enum { APPROACH_STEPS = 12 };
 
-/* points: of the part that the first step of a refinement of many points, twice as many at
- * least, may go by. */
+/* points: the first step of a refinement may go by this many, if at least twice as many
+ * count. */
 enum { PART = 12 };
 
-/* part of the sum: where a step gains no more, H is nearly the same after it. */
+/* part of the sum: after a step that gains no more than this, H is nearly the same. */
 #define SAME_H RC(1e-3)
 
-/* Whether there is code for rays far off the axis, which takes poses of three points. */
+/* Whether there is code for rays far off the axis. It needs the poses of three points. */
 enum { WITH_WIDE = RIGCAL_WITH_THREE_POINTS };
 
 /* ---- the equations ------------------------------------------------------- */
 
-/* Adds a point to g: x, its place in the lens's plane; c, the force along X and Y. */
+/* Adds a point to g. x is its place in the lens's plane, c the force on it along X and
+ * Y. */
 static inline void add_force(rigcal_real g[6], const rigcal_real q[3],
                              const rigcal_real x[2], const rigcal_real c[2])
 {
@@ -36,7 +37,7 @@ static inline void add_force(rigcal_real g[6], const rigcal_real q[3],
     g[5] += along;
 }
 
-/* The last column (u, v, m) of M. */
+/* Computes the last column (u, v, m) of M. */
 RIGCAL_FORCE_INLINE static inline void column_of(rigcal_real uvm[3],
                                                  const rigcal_real ahb[3],
                                                  const rigcal_real x[2], int is_pinhole)
@@ -50,7 +51,7 @@ RIGCAL_FORCE_INLINE static inline void column_of(rigcal_real uvm[3],
     uvm[2] = -(uvm[0] * x[0] + uvm[1] * x[1]);
 }
 
-/* The curvature (B5): adds its part to H by w, and to M, whose last column is uvm. */
+/* Adds the curvature (B5): to H its part from turns, and to uvm, the last column of M. */
 static inline void add_bend(rigcal_real H[21], rigcal_real uvm[3], const rigcal_real q[3],
                             const rigcal_real x[2], const rigcal_real c[2],
                             rigcal_real by_Z)
@@ -68,8 +69,8 @@ static inline void add_bend(rigcal_real H[21], rigcal_real uvm[3], const rigcal_
     H[5] += d0 + d1;
 }
 
-/* Adds a point to H (B5), by the block (a h; h b) of M and its last column. Of a pinhole h
- * is 0. */
+/* Adds a point to H (B5) from the block (a h; h b) of M and its last column. For a pinhole
+ * h is 0. */
 RIGCAL_FORCE_INLINE static inline void add_in_plane(rigcal_real H[21],
                                                     const rigcal_real q[3],
                                                     const rigcal_real ahb[3],
@@ -112,7 +113,7 @@ RIGCAL_FORCE_INLINE static inline void add_in_plane(rigcal_real H[21],
     H[5] += q[0] * k21 - q[1] * k20;
 }
 
-/* c = J c, (a h; h b) = J (a 0; 0 b) J */
+/* Sets c = J c and (a h; h b) = J (a 0; 0 b) J. */
 static inline void pull_back(rigcal_real c[2], rigcal_real ahb[3], const rigcal_real J[3])
 {
     const rigcal_real a = ahb[0], b = ahb[2], c0 = c[0];
@@ -123,14 +124,14 @@ static inline void pull_back(rigcal_real c[2], rigcal_real ahb[3], const rigcal_
     ahb[2] = a * J[1] * J[1] + b * J[2] * J[2];
 }
 
-/* Which points are gone through, and for what. */
+/* Which points a pass goes through, and which equations it makes. */
 typedef struct {
-    size_t n, stride; /* one in `stride` of the first n observations */
+    size_t n, stride; /* takes one in `stride` of the first n observations */
     int equations;
 } pass_kind;
 
-/* (B5) The equations of a pinhole or Brown's lens; H NULL: but for it. Written out: here is
- * where the time of a search goes. */
+/* (B5) Makes the equations of a pinhole or Brown's lens, without H if H is NULL. The loop
+ * is written out because a search spends its time here. */
 RIGCAL_FORCE_INLINE static inline rigcal_status go_through(
     rigcal_real *sum, rigcal_real g[6], rigcal_real H[21], const rigcal_points *points,
     const rigcal_transform *T, const pass_kind *pass, int is_pinhole)
@@ -214,7 +215,7 @@ static rigcal_status plane_equations(rigcal_real *sum, rigcal_refinement *state,
                               : lens_equations(sum, state, points, pass);
 }
 
-/* The same but for H. */
+/* The same without H. */
 static rigcal_status plane_force(rigcal_real *sum, rigcal_refinement *state,
                                  const rigcal_points *points, const pass_kind *pass)
 {
@@ -250,8 +251,8 @@ rigcal_status rc_refine_equations(rigcal_real *sum, rigcal_real g[6], rigcal_rea
 
 /* ---- a step -------------------------------------------------------------- */
 
-/* The step from where `state` is; *gain gets what it promises, undiminished. 0: H is not
- * positive definite. */
+/* Computes the step from where `state` is. *gain gets the gain that the full step promises.
+ * Returns 0 if H is not positive definite. */
 RC_APART_FAST static int damped_step(rigcal_real d[6], rigcal_real *gain,
                                      const rigcal_refinement *state)
 {
@@ -291,8 +292,8 @@ void rc_refine_begin_part(rigcal_refinement *state, const rigcal_points *points)
                      !rc_lens_is_fisheye(points->view.camera);
 }
 
-/* *sum, state->g and state->H where `state` is; H only if `with_H`, where that is
- * quicker. */
+/* Computes *sum, state->g and state->H where `state` is. Without `with_H` it leaves H as it
+ * was, if that is quicker. */
 static rigcal_status evaluate(rigcal_real *sum, rigcal_refinement *state,
                               const rigcal_points *points, int with_H)
 {
@@ -306,8 +307,8 @@ static rigcal_status evaluate(rigcal_real *sum, rigcal_refinement *state,
                                &state->cam_from_points, state->search.equations);
 }
 
-/* A step by some of the points, which costs next to nothing. It is not refused: whatever it
- * comes to, all points go on from there. */
+/* Makes a step by some of the points, which costs nearly nothing. It is never refused: all
+ * points go on from wherever it ends. */
 RC_APART static void part_step(rigcal_refinement *state, const rigcal_points *points)
 {
     rigcal_real sum, gain, d[6];
@@ -319,7 +320,7 @@ RC_APART static void part_step(rigcal_refinement *state, const rigcal_points *po
     state->is_part = 0;
 }
 
-/* The equations of point i, seen along ray m. Returns what it adds to the sum. */
+/* Adds the equations of point i, seen along ray m. Returns what it adds to the sum. */
 RC_APART_FAST static rigcal_real add_along(rigcal_refinement *state,
                                            const rigcal_points *points, size_t i,
                                            const rigcal_real m[3])
@@ -332,9 +333,9 @@ RC_APART_FAST static rigcal_real add_along(rigcal_refinement *state,
     return weight * (e[0] * e[0] + e[1] * e[1]);
 }
 
-/* A step of Gauss and Newton on errors along the rays. It is neither damped nor refused:
- * the weights of rays far off the axis make its way a steep and winding valley, which small
- * steps would follow for long. */
+/* Makes a step of Gauss and Newton on errors along the rays. It is neither damped nor
+ * refused. The weights of rays far off the axis make a steep and winding valley, which
+ * small steps would follow for long. */
 RC_APART_FAST static void approach(rigcal_refinement *state, const rigcal_points *points)
 {
     const rigcal_view *const view = &points->view;
@@ -342,7 +343,7 @@ RC_APART_FAST static void approach(rigcal_refinement *state, const rigcal_points
     rc_rigid_clear(state->g, state->H);
     for (size_t i = rc_points_next(points, 0); i < view->n;
          i = rc_points_next(points, i + 1)) {
-        rigcal_real *const m = d; /* a ray, before there is a step */
+        rigcal_real *const m = d; /* holds a ray until there is a step */
         (void)rc_pixel_to_ray(m, view->camera, view->observations[i].uv);
         sum += add_along(state, points, i, m);
     }
@@ -354,7 +355,7 @@ RC_APART_FAST static void approach(rigcal_refinement *state, const rigcal_points
     }
 }
 
-/* Moves by the next step, if there is one. Returns whether it is to be tried. */
+/* Moves by the next step, if there is one. Returns 1 if the step is to be tried. */
 static int move_on(rigcal_real d[6], rigcal_real *gain, rigcal_refinement *state,
                    const rigcal_points *points)
 {
@@ -370,8 +371,8 @@ static int move_on(rigcal_real d[6], rigcal_real *gain, rigcal_refinement *state
     return step == RC_STEP_TRY;
 }
 
-/* The equations where `state` is, or a step. One that does harm is taken back, the turn by
- * its inverse: no copy of the rotation. */
+/* Evaluates the equations where `state` is, or makes a step. A step that does harm is
+ * undone by the inverse turn, which saves a copy of the rotation. */
 RC_APART_FAST static void search(rigcal_refinement *state, const rigcal_points *points)
 {
     rigcal_levenberg *const lm = &state->search;

@@ -6,72 +6,74 @@
 
 /* ---- constants ----------------------------------------------------------- */
 
-/* points: the least. Of four, any three agree with a pose, and one point more may by
- * chance. */
+/* points: fewer are an error. Any three of four points agree with a pose, and one more may
+ * agree by chance. */
 enum { POINTS_LEAST = 5 };
 
-/* samples: the default. With nine in ten of many points wrong, to have missed every clean
- * one has a chance of 1e-3, by USEFUL_PART. */
+/* samples: the default. If nine in ten of many points are wrong, so many samples miss every
+ * clean one with a chance of 1e-3, by USEFUL_PART. */
 enum { SAMPLES = 10000 };
 
 /* samples: more are a mistake. */
 enum { SAMPLES_MAX = 100000 };
 
-/* units: the default for the search. A triple takes 3 as a rule, 5 through a lens. */
+/* units: the default for the search. A triple usually takes 3, or 5 through a lens. */
 enum { UNITS = 100000 };
 
-/* points: of more, the triples are not counted. They would overflow, and are far more than
- * SAMPLES_MAX. */
+/* points: with more than this the triples are not counted. Their number would overflow, and
+ * is far more than SAMPLES_MAX. */
 enum { COUNTED_MAX = 1000 };
 
-/* part: triples that are all tried follow each other at this part of their number, the
- * golden section, which spreads them (Weyl 1916). */
+/* part: if all triples are tried, each is this part of their number after the one before.
+ * It is the golden section, which spreads them (Weyl 1916). */
 #define STRIDE_PART RC(0.618)
 
-/* px: how far a point that agrees may be off, where no noise is stated. */
+/* px: a point agrees if it is off by no more than this. It serves if no noise is stated. */
 #define THRESHOLD_PX RC(3)
 
-/* times the noise stated: how far a point that agrees may be off. */
+/* times the noise stated: a point agrees if it is off by no more than this. */
 #define THRESHOLD_SIGMAS RC(4)
 
-/* logs: samples end when that of the chance to have missed every clean one is less. */
+/* logs: samples end when the chance to have missed every clean sample is below
+ * exp(-this). */
 #define MISSED_LOG RC(6.9)
 
-/* part: a clean sample counts as so much of one, for noise spoils some. Of general targets
- * 0.9 lead to the pose. */
+/* part: a clean sample counts as this much of one, because noise spoils some. For general
+ * targets 0.9 of them lead to the pose. */
 #define USEFUL_PART RC(0.7)
 
-/* points: a pose on which fewer agree is not improved. */
+/* points: a pose is not improved if fewer points agree with it. */
 enum { IMPROVED_LEAST = 5 };
 
-/* points: fewer that agree have the caveat in any case. A wrong one among them would find
- * others that go along. */
+/* points: if fewer agree, the pose always has the caveat. A wrong point among them would
+ * find others that agree with it. */
 enum { SURE_LEAST = 6 };
 
-/* evaluations: of the points that agree, by which a best pose is improved. */
+/* evaluations: so many, of the points that agree, improve a best pose. */
 enum { IMPROVE_EVALS = 3 };
 
-/* times: that a best pose is improved, while that makes it better. */
+/* times: a best pose is improved at most so often, while it gets better. */
 enum { IMPROVE_ROUNDS = 4 };
 
-/* times: that the points that agree are decided anew by the pose of the last ones. */
+/* times: the points that agree are decided anew at most so often, by the pose of the last
+ * ones. */
 enum { ROUNDS = 8 };
 
-/* poses expected by chance, which is far more than there are: above it the pose has a
- * caveat. Of 270 000 scenes with all points wrong at most 3 are below. */
+/* poses expected by chance: above this the pose has a caveat. The expected number is far
+ * above the true one: of 270 000 scenes with all points wrong at most 3 are below. */
 #define CHANCE RC(4e-3)
 
-/* poses expected by chance: from here on there is no pose. */
+/* poses expected by chance: from this on there is no pose. */
 #define CHANCE_MOST RC(0.3)
 
 enum {
     NOT_BEGUN = 0,
     SEEING,  /* the rays of a triple, and its poses */
-    SCORING, /* one of them */
-    MARKING, /* the points that agree with one that is the best */
+    SCORING, /* one of the poses */
+    MARKING, /* the points that agree with a new best pose */
     IMPROVING,
     RESCORING,
-    SETTLING, /* the points that agree with the best of all, again */
+    SETTLING, /* the points that agree with the best pose, once more */
     REFINING,
     SOLVING,
     SOLVED,
@@ -80,7 +82,7 @@ enum {
 
 /* ---- samples ------------------------------------------------------------- */
 
-/* Marsaglia's xorshift of 32 bits (2003); the state is not 0. */
+/* Draws by Marsaglia's xorshift of 32 bits (2003). Its state is never 0. */
 static size_t draw(rigcal_robust_solver *s, size_t n)
 {
     uint32_t x = s->random;
@@ -91,14 +93,14 @@ static size_t draw(rigcal_robust_solver *s, size_t n)
     return (size_t)(((uint64_t)x * (uint64_t)n) >> 32);
 }
 
-/* How many triples there are, or RC_COUNT_MAX when more. */
+/* How many triples n points make, or RC_COUNT_MAX if there are more. */
 static size_t count_triples(size_t n)
 {
     return (n > COUNTED_MAX) ? RC_COUNT_MAX : n * (n - 1) / 2 * (n - 2) / 3;
 }
 
-/* A number near that part of `total` which has no divisor in common with it: steps of so
- * many come to each number below `total` once. */
+/* A number near this part of `total` that has no divisor in common with it. So many steps
+ * of its size reach each number below `total` once. */
 static int32_t stride_of(int32_t total)
 {
     int32_t stride = (int32_t)(STRIDE_PART * (rigcal_real)total) + 1;
@@ -115,7 +117,7 @@ static int32_t stride_of(int32_t total)
     }
 }
 
-/* Triple number s->rank, (0, 1, 2) being the first; the next has a rank far from it. */
+/* Finds triple number s->rank; (0, 1, 2) is the first. The next rank is far from it. */
 static void next_of_all(rigcal_robust_solver *s)
 {
     const int32_t n = (int32_t)s->points.view.n;
@@ -139,7 +141,7 @@ static void next_sample(rigcal_robust_solver *s)
         next_of_all(s);
         return;
     }
-    for (int k = 0; k < 3; k++) { /* distinct: skips what is taken, in order */
+    for (int k = 0; k < 3; k++) { /* skips in order what is taken */
         size_t i = draw(s, n - (size_t)k);
         const size_t low =
             (size_t)((s->sample[0] < s->sample[1]) ? s->sample[0] : s->sample[1]);
@@ -163,7 +165,7 @@ static void fail(rigcal_robust_solver *s, rigcal_status status)
     s->phase = DONE;
 }
 
-/* The next triple, unless there have been enough. */
+/* Goes to the next triple, unless there have been enough. */
 static void end_sample(rigcal_robust_solver *s)
 {
     s->tried++;
@@ -188,7 +190,7 @@ static void begin_scoring(rigcal_robust_solver *s)
     }
 }
 
-/* One ray; of a pinhole, whose rays cost next to nothing, all three. */
+/* Computes one ray, or all three of a pinhole, whose rays cost nearly nothing. */
 static void seeing_step(rigcal_robust_solver *s)
 {
     const rigcal_view *const view = &s->points.view;
@@ -210,9 +212,9 @@ static rigcal_real limit_of(const rigcal_robust_solver *s)
     return s->threshold_px * s->threshold_px;
 }
 
-/* How many samples are enough, where `count` points agree with the best pose: N random
- * ones miss all useful triples with the chance exp(-useful N / all); of all triples, drawn
- * once each, (1 - N / all)^useful. */
+/* Decides how many samples are enough if `count` points agree with the best pose. N random
+ * samples miss all useful triples with the chance exp(-useful N / all). If each triple is
+ * drawn once, the chance is (1 - N / all)^useful. */
 static void decide_samples(rigcal_robust_solver *s, size_t count)
 {
     const rigcal_real samples = (rigcal_real)s->samples;
@@ -233,7 +235,7 @@ static void decide_samples(rigcal_robust_solver *s, size_t count)
     }
 }
 
-/* Takes the pose if it is the best so far; then its points are to improve it. */
+/* Takes the pose if it is the best so far. Then its points are to improve it. */
 static int is_best(rigcal_robust_solver *s, const rigcal_transform *pose)
 {
     rigcal_trial_poses *const trial = &s->work.trial;
@@ -248,7 +250,7 @@ static int is_best(rigcal_robust_solver *s, const rigcal_transform *pose)
     return count >= IMPROVED_LEAST;
 }
 
-/* The next pose of the triple, or the next triple. */
+/* Goes to the next pose of the triple, or to the next triple. */
 static void end_pose(rigcal_robust_solver *s)
 {
     s->phase = SCORING;
@@ -277,7 +279,7 @@ static void begin_improving(rigcal_robust_solver *s, int32_t phase)
     s->phase = phase;
 }
 
-/* One evaluation of the points that are marked. Returns whether it was the last. */
+/* Evaluates the marked points once. Returns 1 after the last evaluation. */
 static int improve(rigcal_robust_solver *s, int32_t evals)
 {
     rigcal_refinement *const better = &s->work.trial.better;
@@ -311,7 +313,7 @@ static void rescoring_step(rigcal_robust_solver *s)
 
 /* ---- the points that agree ------------------------------------------------ */
 
-/* The pose of the inliers as they are marked; DONE when there is none. */
+/* Begins to solve the pose of the marked points. The phase is DONE if it cannot. */
 static void begin_solving(rigcal_robust_solver *s)
 {
     rigcal_pose_options options;
@@ -327,8 +329,8 @@ static void begin_solving(rigcal_robust_solver *s)
     }
 }
 
-/* The points that agree with the best pose, which are refined until they are the same:
- * a search by all of them costs far more. */
+/* Marks the points that agree with the best pose, and refines it until they stay the same.
+ * A search by all points would cost far more. */
 static void settling_step(rigcal_robust_solver *s)
 {
     rigcal_trial_poses *const trial = &s->work.trial;
@@ -359,8 +361,7 @@ static void solving_step(rigcal_robust_solver *s)
     }
 }
 
-/* The points that agree with the pose found, and its solution again when they are
- * others. */
+/* Marks the points that agree with the pose found. If they changed, it solves again. */
 static void solved_step(rigcal_robust_solver *s)
 {
     rigcal_pose pose;
@@ -411,8 +412,8 @@ static rigcal_status check_options(const rigcal_robust_options *o)
 }
 
 /* The rectangle [px^2] in which the points were seen, over the mean of their sigma_i^2. It
- * goes beyond the image by no more than the image's size: one wrong pixel alone would make
- * it as large as it likes. */
+ * exceeds the image by at most the image's size. Else one wrong pixel could make it as
+ * large as it likes. */
 static rigcal_real seen_area(const rigcal_view *view)
 {
     const rigcal_observation *const o = view->observations;
@@ -433,7 +434,7 @@ static rigcal_real seen_area(const rigcal_view *view)
     return area / variances;
 }
 
-/* Fills in *s of points that have been surveyed. */
+/* Fills in *s for points that have been surveyed. */
 static void fill(rigcal_robust_solver *s, const rigcal_points *points, uint8_t inliers[],
                  const rigcal_robust_options *o)
 {

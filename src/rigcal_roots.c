@@ -2,17 +2,17 @@
 
 /* ---- constants ----------------------------------------------------------- */
 
-/* times the least sum of squared errors, and a pixel's square: a pose of three points by
- * which the others are farther off is none of them all. */
+/* times the least sum of squared errors plus a pixel's square: a pose of three points is
+ * ruled out if the other points are off by more than this. */
 #define ROOT_WORSE RC(100)
 
-/* of its longest side: a triple that is no wider leaves the turn about that side to noise,
- * and its poses are no starts. */
+/* of its longest side: if a triple is no wider than this, noise decides the turn about that
+ * side. Then its poses are no starts. */
 #define NARROW RC(0.25)
 
 /* ---- three points -------------------------------------------------------- */
 
-/* Begins with three of the points; 0: they have no pose. */
+/* Begins with three of the points. Returns 0 if they have no pose. */
 RC_APART_FAST static int begin_poses(rigcal_p3p *P, const rigcal_points *points,
                                      const int32_t index[3], const rigcal_real ray[3][3])
 {
@@ -24,7 +24,7 @@ RC_APART_FAST static int begin_poses(rigcal_p3p *P, const rigcal_points *points,
     return rc_p3p_begin(P, ray);
 }
 
-/* All poses, P being there to work in. */
+/* Computes all poses. It works in *P. */
 static int32_t poses_by(rigcal_transform cam_from_points[RC_P3P_MAX], rigcal_p3p *P,
                         const rigcal_points *points, const int32_t index[3],
                         const rigcal_real ray[3][3])
@@ -56,8 +56,8 @@ int32_t rc_triple_poses(rigcal_transform cam_from_points[RC_P3P_MAX], rigcal_tri
 #if RIGCAL_FOR_SPEED && RIGCAL_WITH_THREE_POINTS
 /* ---- the widest three ---------------------------------------------------- */
 
-/* The point farthest from the origin; that farthest from it; and that which is farthest
- * from the line of both. 0: it is near that line. */
+/* Takes the point farthest from the origin, the point farthest from that one, and the point
+ * farthest from the line through both. Returns 0 if the last one is near that line. */
 RC_APART static int widest_triple(int32_t index[3], const rigcal_points *points)
 {
     rigcal_real from[3] = {0, 0, 0}, side[3] = {0, 0, 0}, x[3], across[3], most = -1;
@@ -86,7 +86,7 @@ RC_APART static int widest_triple(int32_t index[3], const rigcal_points *points)
     return most > NARROW * NARROW * squared * squared;
 }
 
-/* By how much the points other than those three are off. */
+/* The sum of the squared errors of the points other than the three of the triple. */
 static rigcal_real sum_of_others(const rigcal_points *points, const rigcal_transform *T,
                                  const int32_t index[3])
 {
@@ -103,10 +103,10 @@ static rigcal_real sum_of_others(const rigcal_points *points, const rigcal_trans
 
 /* ---- the search ---------------------------------------------------------- */
 
-/* The steps, as triple->count numbers them. */
+/* The steps of the search, by their number in triple->count. */
 enum { TRIPLE = 0, RAYS = 1, POSES = 4, SCORES = 5 };
 
-/* All poses of the triple, unscored: n_roots of them. */
+/* Puts all poses of the triple into the list, without scores. Returns how many. */
 RC_APART static uint8_t put_poses(rigcal_optima *optima, rigcal_triple *triple,
                                   const rigcal_points *points)
 {
@@ -130,7 +130,7 @@ RC_APART static void score(rigcal_optimum *pose, const rigcal_triple *triple,
     pose->sse = sum_of_others(points, &T, triple->index);
 }
 
-/* Sorts n scored poses, best first; returns how many the others do not rule out. */
+/* Sorts n scored poses, best first. Returns how many the others do not rule out. */
 RC_APART static uint8_t rank(rigcal_optimum list[], int32_t n, rigcal_real pixel)
 {
     uint8_t kept = 0;

@@ -2,52 +2,52 @@
 
 /* ---- constants ----------------------------------------------------------- */
 
-/* directions: of the lattice; every basin of many scenes has one. */
+/* directions: the lattice has so many. In many scenes each basin had one. */
 enum { LATTICE = 24 };
 
 /* rad: first edge of a descent's simplex, about half the lattice's spacing. */
 #define EDGE RC(0.3)
 
-/* evaluations: of a descent, which only has to land where refinement converges. */
+/* evaluations: of a descent. It only has to land where refinement converges. */
 enum { DESCENT_EVALS = 10 };
 
 /* part (rc_sym3_thinnest): a thinner target has a second optimum, which leans the other
  * way. */
 #define FLAT_THICKNESS RC(0.04)
 
-/* part: mirrored points of a thinner target have nearly the same image. */
+/* part: if the target is thinner, its mirrored points have nearly the same image. */
 #define PLANE_THICKNESS RC(1e-4)
 
-/* times the least cost: a direction that costs more is no optimum worth refining, unless
- * the target is flat. Its second optimum may be as bad. */
+/* times the least cost: a direction that costs more is not worth refining, unless the
+ * target is flat. A flat target's second optimum may be as bad. */
 #define HOPELESS RC(100)
 
 /* rad: the least lean of a flat target's other seeds. Nearly head-on the tilt is weakly
  * determined, and the other optimum may lean more. */
 #define LEAN_LEAST RC(0.3)
 
-/* times the first optimum's cost, over the number of points: what a sideways seed may
- * cost. The least cost of few points may be small by chance. */
+/* times the first optimum's cost, over the number of points: a sideways seed may cost this.
+ * With few points the least cost may be small by chance. */
 #define SHALLOW RC(400)
 
-/* rad: with less lean a flat target is seen head-on, and any way of leaning will do. */
+/* rad: with less lean a flat target is seen head-on, and it may lean any way. */
 #define HEAD_ON RC_TOL(1e-6, 1e-3)
 
-/* rad: a seed so near to an optimum found is on its way there. */
+/* rad: a seed so near to a known optimum would lead to it. */
 #define SAME_BASIN RC(0.05)
 
-/* sizes of the target: points that are nearer are one. */
+/* sizes of the target: points that are nearer to each other count as one. */
 #define SAME_POINT RC_TOL(1e-9, 1e-5)
 
-/* times the cost as given: mirrored points that cost more, in the same direction, are not
- * refined. */
+/* times the cost of the points as given: if the mirrored points cost more than this in the
+ * same direction, they are not refined. */
 #define MIRROR_WORSE RC(10)
 
-/* rays: of a pinhole camera that one step takes; they cost nearly nothing. */
+/* rays: of a pinhole camera, in one step. They cost nearly nothing. */
 enum { PINHOLE_RAYS = 16 };
 
 /* cosine of 80 degrees: rays farther off the middle of the target's image do not fit the
- * virtual camera, and triples of points take the place of the search. */
+ * virtual camera. Then triples of points replace the search. */
 #define SPREAD_COSINE RC(0.17)
 
 /* cosine of 60 degrees: a target with a ray farther off the camera's axis is wide. There
@@ -55,19 +55,19 @@ enum { PINHOLE_RAYS = 16 };
  * right. */
 #define WIDE_COSINE RC(0.5)
 
-/* triples: that are tried; one after a search, two without; more until one leads to a pose
- * that fits. */
+/* triples: the most that are tried. One is tried after a search, else two, and more until
+ * one leads to a pose that fits. */
 enum { TRIPLES = 6 };
 
-/* points: so few start from the poses of three of them, where there is code for it. The
- * best directions of the lattice are followed. */
+/* points: so few start from the poses of three of them, in builds that have the code. A
+ * search descends from the FOLLOWED best directions of the lattice. */
 enum { FEW = RIGCAL_FOR_SPEED && RIGCAL_WITH_THREE_POINTS ? 8 : 0 };
 enum { FOLLOWED = RIGCAL_SEEDS_MAX };
 
 /* How a flat target's seed leans against its first optimum. */
 enum { OTHER_WAY = 0, SIDEWAYS, SIDEWAYS_BACK, LEANS };
 
-/* Whether there is code for rays that far off, which takes the poses of three points. */
+/* Whether there is code for wide targets. It needs the poses of three points. */
 enum { WITH_WIDE = RIGCAL_WITH_THREE_POINTS };
 
 /* A bit of is_wide: the rays are too far apart for the lattice. */
@@ -85,7 +85,7 @@ enum {
 
 /* ---- the virtual camera -------------------------------------------------- */
 
-/* Columns m1, m2, axis: camera from the virtual camera, which looks along its axis. */
+/* Columns m1, m2, axis: camera from the virtual camera, which looks along `axis`. */
 static void look_along(rigcal_real R[9], const rigcal_real axis[3])
 {
     rigcal_real m1[3], m2[3];
@@ -97,7 +97,7 @@ static void look_along(rigcal_real R[9], const rigcal_real axis[3])
     }
 }
 
-/* From the virtual camera and size 1 to the camera and the caller's unit. */
+/* Takes T from the virtual camera and size 1 to the camera and the caller's unit. */
 RC_APART static void leave_virtual(rigcal_transform *T, const rigcal_search *s)
 {
     rigcal_real cam_from_virtual[9], R[9], t[3];
@@ -110,7 +110,7 @@ RC_APART static void leave_virtual(rigcal_transform *T, const rigcal_search *s)
     rc_vec3_scale(T->t, 1 / s->scale, t);
 }
 
-/* Camera from points of a direction. */
+/* The pose that belongs to direction m3. */
 static void seed_pose(rigcal_transform *cam_from_points, const rigcal_search *s,
                       const rigcal_real m3[3])
 {
@@ -154,7 +154,7 @@ void rc_seeds_begin(rigcal_search *s, const rigcal_real uv_middle[2])
     begin_gathering(s);
 }
 
-/* Counts point i if it is different from those that count. */
+/* Counts point i if it differs from the points that count already. */
 static void count_point(rigcal_search *s, size_t i, const rigcal_real ray[3])
 {
     const rigcal_observation *const o = s->points.view.observations;
@@ -179,7 +179,7 @@ static void count_point(rigcal_search *s, size_t i, const rigcal_real ray[3])
     triple->count++;
 }
 
-/* Where a pixel is in the lens's plane. */
+/* The place of the pixel of point i in the lens's plane. */
 static inline void plane_of(rigcal_real at[3], const rigcal_points *points, size_t i)
 {
     const rigcal_camera *const c = points->view.camera;
@@ -189,7 +189,7 @@ static inline void plane_of(rigcal_real at[3], const rigcal_points *points, size
     at[2] = 1;
 }
 
-/* The ray of a point, of any length. */
+/* The ray of point i. Its length is arbitrary. */
 static rigcal_status ray_of(rigcal_real ray[3], const rigcal_points *points, size_t i)
 {
     if (RC_FOR_SPEED) {
@@ -203,15 +203,15 @@ static rigcal_status ray_of(rigcal_real ray[3], const rigcal_points *points, siz
     return rc_pixel_to_ray(ray, points->view.camera, points->view.observations[i].uv);
 }
 
-/* Whether a ray, `along` long along an axis, is nearer to it than the cosine's angle. */
+/* Whether a ray with the part `along` on an axis is within the cosine's angle of it. */
 static inline int is_near(rigcal_real along, rigcal_real cosine, const rigcal_real ray[3])
 {
     return along > (RC_FOR_SPEED ? 0 : cosine) &&
            (!RC_FOR_SPEED || along * along > cosine * cosine * rc_vec3_dot(ray, ray));
 }
 
-/* Point s->point, scaled to size 1, and its image in the virtual camera, whose frame is
- * NULL where it is not known. */
+/* Adds point s->point, scaled to size 1, and its image in the virtual camera. `frame` is
+ * the virtual camera's, or NULL if the caller has not computed it. */
 RC_APART_FAST static int32_t gather_point(rigcal_search *s, const rigcal_real frame[9],
                                           const rigcal_real ray[3])
 {
@@ -237,7 +237,7 @@ RC_APART_FAST static int32_t gather_point(rigcal_search *s, const rigcal_real fr
     } else if (WITH_WIDE) {
         RIGCAL_TRACE("rays too far apart for the lattice: point", i, u[2]);
         s->is_wide |= TOO_WIDE;
-    } else { /* by the camera's own axis, off which no ray is that far */
+    } else { /* again with the camera's own axis: no ray is so far off it */
         look_ahead(s);
         begin_gathering(s);
         return RC_SEEDS_BUSY;
@@ -246,7 +246,7 @@ RC_APART_FAST static int32_t gather_point(rigcal_search *s, const rigcal_real fr
     return RC_SEEDS_BUSY;
 }
 
-/* A pinhole's rays need no stack, and one frame serves for all. */
+/* A pinhole's rays need no stack. One frame serves for all of them. */
 RC_APART static int32_t gather_pinhole(rigcal_search *s)
 {
     rigcal_real frame[9], ray[3];
@@ -255,7 +255,7 @@ RC_APART static int32_t gather_pinhole(rigcal_search *s)
         const size_t i = s->point;
         plane_of(ray, &s->points, i);
         const int32_t came = gather_point(s, frame, ray);
-        if (came != RC_SEEDS_BUSY || s->point <= i) { /* begun again, by another frame */
+        if (came != RC_SEEDS_BUSY || s->point <= i) { /* began again */
             return came;
         }
     }
@@ -293,8 +293,8 @@ int rc_seeds_pick(rigcal_search *s)
     return 1;
 }
 
-/* A triple spread over the points' order, and its poses. All points have rays: they were
- * gathered. */
+/* Takes a triple spread over the points' order, and computes its poses. Gathering has shown
+ * that all points have rays. */
 RC_APART_FAST static int32_t picking_step(rigcal_search *s)
 {
     const size_t n = s->points.view.n;
@@ -315,7 +315,8 @@ RC_APART_FAST static int32_t picking_step(rigcal_search *s)
     return RC_SEEDS_BUSY;
 }
 
-/* A pose of three points; of more, unless it would only lead to an optimum found. */
+/* Starts from the next pose of a triple. If there are more than three points, a pose that
+ * would only lead to a known optimum is skipped. */
 static int32_t next_exact(rigcal_search *s)
 {
     rigcal_transform *const start = &s->work.refinement.cam_from_points;
@@ -325,7 +326,7 @@ static int32_t next_exact(rigcal_search *s)
                : RC_SEEDS_BUSY;
 }
 
-/* The poses of a triple have been handed out. Two triples are tried at least, or one after
+/* All poses of a triple have been handed out. At least two triples are tried, or one after
  * a search. */
 static int32_t end_triple(rigcal_search *s)
 {
@@ -337,7 +338,7 @@ static int32_t end_triple(rigcal_search *s)
 
 /* ---- the lattice --------------------------------------------------------- */
 
-/* z = z w, complex */
+/* z = z w, of complex numbers. */
 RC_APART static void turn(rigcal_real z[2], const rigcal_real w[2])
 {
     const rigcal_real x = z[0] * w[0] - z[1] * w[1];
@@ -372,7 +373,7 @@ static void seed_direction(rigcal_real m3[3], int32_t index)
     direction_of(m3, index, azimuth);
 }
 
-/* Keeps the FOLLOWED best directions in order of cost; this one is among them. */
+/* Puts the new direction among the FOLLOWED best, which are in order of cost. */
 static void insert_seed(rigcal_search *s, rigcal_real cost)
 {
     rigcal_lattice *const lattice = &s->from.lattice;
@@ -409,7 +410,7 @@ static void begin_scanning(rigcal_search *s)
     s->from.lattice.azimuth[1] = 0;
 }
 
-/* All points have been gathered. */
+/* Begins the search after all points have been gathered. */
 RC_APART_FAST static int32_t begin_search(rigcal_search *s)
 {
     rigcal_moments *const sums = &s->from.lattice.moments;
@@ -428,8 +429,7 @@ RC_APART_FAST static int32_t begin_search(rigcal_search *s)
         if (!RIGCAL_WITH_THREE_POINTS) {
             return RIGCAL_ERR_TOO_FEW;
         }
-        /* If there is no pose, the sums, which share memory with the poses, are still
-         * there. */
+        /* The sums share memory with the poses. Without poses they stay. */
         s->n_exact = (uint8_t)rc_triple_poses(s->from.exact, triple, &s->points);
         s->triples = (s->n_exact > 0) ? TRIPLES : 0;
     }
@@ -470,8 +470,8 @@ int rc_seeds_scan(rigcal_search *s)
 
 /* ---- the descent --------------------------------------------------------- */
 
-/* Whether the way to an optimum found is downhill: then a descent would only end there once
- * more. */
+/* Whether the cost falls all the way to an optimum found. Then a descent would only end
+ * there once more. */
 static int leads_to_found(const rigcal_search *s, const rigcal_real m3[3], rigcal_real cost)
 {
     for (int32_t i = 0; i < s->optima.n; i++) {
@@ -507,7 +507,7 @@ static void begin_descent(rigcal_search *s, const rigcal_real m3[3], rigcal_real
     s->phase = DESCENT;
 }
 
-/* Seed i, if it is worth a descent. */
+/* Descends from seed i, if it is worth a descent. */
 static void try_seed(rigcal_search *s, int32_t i)
 {
     const rigcal_real cost = s->from.lattice.cost[i];
@@ -519,7 +519,7 @@ static void try_seed(rigcal_search *s, int32_t i)
     }
 }
 
-/* A direction as a start, unless it would only lead to an optimum found. */
+/* Hands out a direction as a start, unless it would only lead to a known optimum. */
 RC_APART static int32_t follow(rigcal_search *s, const rigcal_real m3[3])
 {
     rigcal_transform *const start = &s->work.refinement.cam_from_points;
@@ -553,10 +553,9 @@ RC_APART_FAST static int32_t descent_step(rigcal_search *s)
 
 /* ---- flat targets -------------------------------------------------------- */
 
-/* A flat target's other optimum leans the other way: there the line of sight is mirrored in
- * the target's normal n, m3' = 2 (m3.n) n - m3, m3 being that of the first one found.
- * Nearly head-on the tilt is weakly determined, the other optimum may lean more, and there
- * may be a third one sideways. */
+/* A flat target's other optimum leans the other way: its line of sight is the first one's,
+ * m3, mirrored in the normal n: m3' = 2 (m3.n) n - m3. Nearly head-on the tilt is weakly
+ * determined. Then the other optimum may lean more, and a third one may lie sideways. */
 static void leaning_direction(rigcal_real m3[3], const rigcal_real first[3],
                               const rigcal_real normal[3], int32_t lean)
 {
@@ -565,7 +564,7 @@ static void leaning_direction(rigcal_real m3[3], const rigcal_real first[3],
     if (!(rc_vec3_norm(side) > HEAD_ON)) {
         rc_vec3_complete(side, back, normal);
     }
-    rc_vec3_cross(back, normal, side); /* along n - m3: the other way */
+    rc_vec3_cross(back, normal, side); /* along n - m3, for the other way */
     const rigcal_real far = rc_max(1, LEAN_LEAST / rc_vec3_norm(side));
     rc_vec3_combine(m3, rc_vec3_dot(first, normal), normal,
                     (lean == SIDEWAYS_BACK) ? -far : far,
@@ -573,7 +572,8 @@ static void leaning_direction(rigcal_real m3[3], const rigcal_real first[3],
     (void)rc_vec3_unit(m3, m3);
 }
 
-/* The way of a lean, if it is worth it. After roots none that goes downhill to one. */
+/* Starts from a lean, if it is worth it. If roots were read, a lean from which the cost
+ * falls to a known optimum is not. */
 static int32_t try_lean(rigcal_search *s, int32_t lean)
 {
     const rigcal_moments *const sums = &s->from.lattice.moments;
@@ -594,9 +594,9 @@ static int32_t try_lean(rigcal_search *s, int32_t lean)
 
 /* ---- mirrored points ----------------------------------------------------- */
 
-/* Mirrored points, -x: far away they have the same image as x, turned half about the line
- * of sight. So their pose is near the direction found, and the cost there says whether it
- * is worth refining. */
+/* Mirrored points, -x, have the same image far away as x turned by half a turn about the
+ * line of sight. So their pose is near the direction found. Its cost says whether it is
+ * worth refining. */
 int rc_seeds_mirrored(rigcal_search *s)
 {
     RIGCAL_ASSERT(s->optima.n >= 1);
@@ -619,8 +619,8 @@ int rc_seeds_mirrored(rigcal_search *s)
 
 /* ---- few points ---------------------------------------------------------- */
 
-/* A root of the widest triple. No more optima are found than roots were read: none is
- * overwritten. */
+/* Starts from the next root of the widest triple. The search finds no more optima than
+ * roots were read, so none of the unread roots is overwritten. */
 static int32_t next_root(rigcal_search *s)
 {
     rigcal_transform *const start = &s->work.refinement.cam_from_points;

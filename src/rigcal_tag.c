@@ -2,12 +2,13 @@
 
 /* ---- constants ----------------------------------------------------------- */
 
-/* odds: poses from behind are dropped, unless those from the front are less likely than
- * this, relative to them. */
+/* odds: poses seen from behind are dropped, unless the likelihood of those from the front
+ * is no more than this times that of the best. */
 #define FRONT_LEAST RC(1e-3)
 
-/* Whether the camera is on the side that the tag's z axis points to: z.t < 0, z being the
- * third column of the rotation, by more than rounding. Edge-on a tag shows neither side. */
+/* Whether the camera is on the side that the tag's z axis points to. Then z.t < 0 by
+ * more than rounding, with z the third column of the rotation. Edge-on a tag shows
+ * neither side. */
 static int is_from_front(const rigcal_pose_solver *solver, int32_t i)
 {
     rigcal_transform T;
@@ -29,7 +30,7 @@ static void place_corners(rigcal_observation corners[4], const rigcal_real uv[8]
     }
 }
 
-/* Keeps the poses seen from the front. 0: there is none that may be right. */
+/* Keeps the poses seen from the front. Returns 0 if none of them may be right. */
 static int keep_front(rigcal_pose_solver *solver)
 {
     const int32_t n = rc_pose_n_found(solver);

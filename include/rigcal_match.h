@@ -161,9 +161,8 @@ RIGCAL_API rigcal_status rigcal_band_search_rays(rigcal_match matches[], size_t 
  * band by the test above, and at most one more at each end. Where the band crosses a row
  * several times, the row has several spans. Pixels near the image of the centre of a,
  * which the test refuses, count as inside. All this holds while the half width of the band
- * is below a twentieth of fx and of fy, 3 degrees, and p1 and p2 are within 0.1. The spans
- * of a wider band, or of a lens more decentered, may lack pixels where its borders leave
- * the lens's field. */
+ * is below a hundredth of fx and of fy, 0.6 degrees, and p1 and p2 are within 0.1. The
+ * spans of a wider band, or of a lens more decentered, may lack pixels at its borders. */
 typedef struct rigcal_span {
     int32_t row, first, last; /* columns first to last, within the image */
 } rigcal_span;

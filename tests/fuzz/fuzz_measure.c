@@ -322,7 +322,7 @@ static void check_band(const scene *s, fuzz_bytes *bytes)
 
 /* The manual promises no more than: half the width of a band is below this part of a focal
  * length, and the lens is decentered by this at most. */
-enum { NARROW = 20 };
+enum { NARROW = 100 };
 #define DECENTERED 0.1
 
 /* A pixel whose centre the test finds inside is in a span of its row. */

@@ -10,10 +10,10 @@
  * distances below 0.6 % of the limit. */
 enum { RC_AGREE_BINS = 16 };
 
-/* The sum over the points of their squared distance from their projection over
- * sigma_i^2. No point counts more than `limit` [px^2]. It stops when the sum reaches
- * `enough`: then *sum is at least that. Returns how many of the points gone through are
- * within the limit. */
+/* The sum over the points of their squared distance from their projection over sigma_i^2.
+ * No point adds more than `limit` [px^2]. The loop stops when the sum reaches `enough`:
+ * then *sum is at least that. Returns how many of the points gone through are within the
+ * limit. */
 size_t rc_agree_score(rigcal_real *sum, const rigcal_points *points,
                       const rigcal_transform *cam_from_points, rigcal_real limit,
                       rigcal_real enough);

@@ -34,7 +34,7 @@ void rc_write_fault(int32_t *at_fault, int32_t index);
 rigcal_real rc_pixel_size(const rigcal_camera *camera);
 
 /* Computes the pixel of X_c and d uv / d X_c, 2 x 3. `is_pinhole` is
- * rc_lens_is_pinhole(camera). It does not check whether X_c lies beyond the lens's turning
+ * rc_lens_is_pinhole(camera). Does not check whether X_c lies beyond the lens's turning
  * point; rc_project_usable does. Returns OK, ERR_BEHIND, ERR_NO_RAY (not finite) or
  * ERR_DEGENERATE. */
 rigcal_status rc_project_through(rigcal_real uv[2], rigcal_real J_uv[6],

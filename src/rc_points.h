@@ -63,7 +63,7 @@ RC_INLINE void rc_points_at(rigcal_real x[3], const rigcal_points *points, size_
 void rc_points_place(rigcal_real q[3], rigcal_real X_c[3], const rigcal_points *points,
                      const rigcal_transform *cam_from_points, size_t i);
 
-/* Gives what rc_residual and rc_points_place give of point i. */
+/* Computes what rc_residual and rc_points_place compute for point i. */
 rigcal_status rc_points_residual(rigcal_real e[2], rigcal_real B[6], rigcal_real q[3],
                                  rigcal_real X_c[3], const rigcal_points *points,
                                  const rigcal_transform *cam_from_points, size_t i);

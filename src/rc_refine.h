@@ -6,11 +6,11 @@
 #include "rc_levenberg.h"
 #include "rc_points.h"
 
-/* At a pose, over those of the first n observations that count, computes *sum of the
- * squared errors over sigma^2, g = J^T e, and H in the blocks of rc_sym6_*. `equations` is
- * RC_GAUSS_NEWTON or another, and chooses H. The tangent space is (w, dt): R <- exp([w]x)
- * R, t <- t + dt. Returns OK, or ERR_BEHIND or ERR_NO_RAY if the camera does not see a
- * point. */
+/* Computes the equations at a pose, over those of the first n observations that count: *sum
+ * of the squared errors over sigma^2, g = J^T e, and H in the blocks of rc_sym6_*.
+ * `equations`, RC_GAUSS_NEWTON or another, chooses the kind of H. The tangent space is
+ * (w, dt): R <- exp([w]x) R, t <- t + dt. Returns OK, or ERR_BEHIND or ERR_NO_RAY if the
+ * camera does not see a point. */
 rigcal_status rc_refine_equations(rigcal_real *sum, rigcal_real g[6], rigcal_real H[21],
                                   const rigcal_points *points, size_t n,
                                   const rigcal_transform *cam_from_points, int equations);

@@ -22,9 +22,9 @@ enum {
     RC_SEEDS_SPENT         /* there is no other start */
 };
 
-/* Begins a search over the points surveyed in s->points. All else in *s is 0 before. The
- * virtual camera looks along the ray of uv_middle or, if that pixel has no ray, along the
- * camera's own axis. */
+/* Begins a search over the points surveyed in s->points. The caller has set all else in *s
+ * to 0. The virtual camera looks along the ray of uv_middle or, if that pixel has no ray,
+ * along the camera's own axis. */
 void rc_seeds_begin(rigcal_search *s, const rigcal_real uv_middle[2]);
 
 /* Does one piece of work: one ray (up to 16 of a pinhole, whose rays cost nearly nothing),

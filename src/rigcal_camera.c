@@ -138,8 +138,8 @@ rigcal_status rc_pixel_to_ray(rigcal_real ray[3], const rigcal_camera *camera,
 /* ---- from a point to a pixel --------------------------------------------- */
 
 /* The angle of (r, Z) off the Z axis, r >= 0. The angle for |Z| is halved twice, to at most
- * an eighth of a turn, where the series of the arc tangent is short. atan2 would cost 0.8
- * KB. */
+ * an eighth of a turn, where the series of the arc tangent is short. atan2 would cost
+ * 0.8 KB. */
 static rigcal_real angle_off_axis(rigcal_real r, rigcal_real Z)
 {
     rigcal_real t = r / (RC_FABS(Z) + RC_SQRT(r * r + Z * Z)), sum = 0;
@@ -150,8 +150,8 @@ static rigcal_real angle_off_axis(rigcal_real r, rigcal_real Z)
     return (Z < 0) ? RC_PI - 4 * t * sum : 4 * t * sum;
 }
 
-/* A lens maps the plane point x = (X, Y) / depth. Brown's depth is Z, the fisheye's r /
- * theta. *bend = d(1 / depth)/dr / r, *sink = d(1 / depth)/dZ. */
+/* A lens maps the plane point x = (X, Y) / depth. Brown's depth is Z, the fisheye's is
+ * r / theta. *bend = d(1 / depth)/dr / r, *sink = d(1 / depth)/dZ. */
 static rigcal_status plane_depth(rigcal_real *depth, rigcal_real *bend, rigcal_real *sink,
                                  int is_fisheye, const rigcal_real X_c[3])
 {
@@ -194,8 +194,8 @@ static rigcal_status project_pinhole(rigcal_real uv[2], rigcal_real J_uv[6],
 }
 
 /* Scales X_c first, so that its largest coordinate is 1 and nothing overflows on the way.
- * With the lens's Jacobian J and (X, Y) = j, J dx/dX_c = (J / depth + bend J j j^T, sink J
- * j). */
+ * With the lens's Jacobian J and (X, Y) = j,
+ * J dx/dX_c = (J / depth + bend J j j^T, sink J j). */
 rigcal_status rc_project_by(rigcal_real x[2], rigcal_real uv[2], rigcal_real J_uv[6],
                             const rigcal_camera *camera, const rigcal_real X_c[3])
 {

@@ -105,8 +105,8 @@ static void pencil_cubic(rigcal_real c[4], rigcal_real *const C[2])
 }
 
 /* The negative real root of y^3 - 3 r2 y + g, g >= 0, which lies apart from the others, or
- * alone. It starts from -2 r if that is beyond the root. Else it starts from another bound,
- * which has g^(5/16) for the cube root. */
+ * alone. Newton's method starts from -2 r if the root is not beyond that. Else it starts
+ * from another bound, which has g^(5/16) for the cube root. */
 static rigcal_real root_apart(rigcal_real r2, rigcal_real g)
 {
     rigcal_real y = -2 * RC_SQRT(rc_max(r2, 0));

@@ -157,8 +157,7 @@ RC_APART static void begin_search(rigcal_pose_solver *s)
     rigcal_real uv_middle[2];
     int32_t at;
     if (rc_points_survey(&s->search.points, uv_middle, &at) != RIGCAL_OK) {
-        fail(s, RIGCAL_ERR_NO_RAY, s->at_fault); /* too few points remain without the one
-                                                  * left out */
+        fail(s, RIGCAL_ERR_NO_RAY, s->at_fault); /* too few are left */
         return;
     }
     rc_seeds_begin(&s->search, uv_middle);

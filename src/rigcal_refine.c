@@ -23,8 +23,7 @@ enum { WITH_WIDE = RIGCAL_WITH_THREE_POINTS };
 
 /* ---- the equations ------------------------------------------------------- */
 
-/* Adds a point to g. x is its place in the lens's plane, c the force on it along X and
- * Y. */
+/* Adds a point to g. x is its place in the lens's plane, c the force along X and Y. */
 static inline void add_force(rigcal_real g[6], const rigcal_real q[3],
                              const rigcal_real x[2], const rigcal_real c[2])
 {
@@ -51,7 +50,7 @@ RIGCAL_FORCE_INLINE static inline void column_of(rigcal_real uvm[3],
     uvm[2] = -(uvm[0] * x[0] + uvm[1] * x[1]);
 }
 
-/* Adds the curvature (B5): to H its part from turns, and to uvm, the last column of M. */
+/* Adds the curvature (B5) to the part of H by w, and to uvm, the last column of M. */
 static inline void add_bend(rigcal_real H[21], rigcal_real uvm[3], const rigcal_real q[3],
                             const rigcal_real x[2], const rigcal_real c[2],
                             rigcal_real by_Z)

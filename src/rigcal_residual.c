@@ -24,10 +24,10 @@ void rc_rigid_clear(rigcal_real g[6], rigcal_real H[21])
     }
 }
 
-/* Adds the second derivative of uv, times -e. With c = B^T e a pinhole has -(c k^T + k c^T)
- * / Z, k = (0, 0, 1). A fisheye nearly has X_c / |X_c|^2 instead of k / Z, and distortion
- * bends little more. This goes into M, by dt. exp([w]x) q has [w]x [w]x q / 2, which makes
- * (c.q) 1 - (c q^T + q c^T) / 2 by w. */
+/* Adds the second derivative of uv, times -e. With c = B^T e a pinhole has
+ * -(c k^T + k c^T) / Z, k = (0, 0, 1). A fisheye nearly has X_c / |X_c|^2 instead of k / Z,
+ * and distortion bends little more. This goes into M, by dt. exp([w]x) q has
+ * [w]x [w]x q / 2, which makes (c.q) 1 - (c q^T + q c^T) / 2 by w. */
 static void add_curvature(rigcal_real H[21], rigcal_real M[9], const rigcal_real c[3],
                           const rigcal_real q[3], const rigcal_real X_c[3], int is_fisheye)
 {
@@ -54,9 +54,9 @@ RIGCAL_FORCE_INLINE static inline void put_row(rigcal_real M[9], rigcal_real wei
     rc_vec3_combine(&M[3 * i], weight * B[i], B, weight * B[3 + i], B + 3);
 }
 
-/* Adds row i of a point's part of H: from M by dt, from K = [q]x M across, and from K
- * [q]x^T by w. The last is q x the row of K. The row of [q]x M is a m + b n, with two rows
- * m and n of M. */
+/* Adds row i of a point's part of H: from M by dt, from K = [q]x M across, and from
+ * K [q]x^T by w. The last is q x the row of K. The row of [q]x M is a m + b n, with two
+ * rows m and n of M. */
 RIGCAL_FORCE_INLINE static inline void add_row(rigcal_real H[21], const rigcal_real q[3],
                                                const rigcal_real M[9], int i)
 {

@@ -24,8 +24,8 @@ enum { UNITS = 100000 };
  * is far more than SAMPLES_MAX. */
 enum { COUNTED_MAX = 1000 };
 
-/* part: if all triples are tried, each is this part of their number after the one before.
- * It is the golden section, which spreads them (Weyl 1916). */
+/* part: if all triples are tried, the next one's number is this part of their count further
+ * on. It is the golden section, which spreads them (Weyl 1916). */
 #define STRIDE_PART RC(0.618)
 
 /* px: a point agrees if it is off by no more than this. It serves if no noise is stated. */
@@ -49,7 +49,7 @@ enum { IMPROVED_LEAST = 5 };
  * find others that agree with it. */
 enum { SURE_LEAST = 6 };
 
-/* evaluations: so many, of the points that agree, improve a best pose. */
+/* evaluations: a best pose is improved by so many, over the points that agree. */
 enum { IMPROVE_EVALS = 3 };
 
 /* times: a best pose is improved at most so often, while it gets better. */
@@ -99,8 +99,8 @@ static size_t count_triples(size_t n)
     return (n > COUNTED_MAX) ? RC_COUNT_MAX : n * (n - 1) / 2 * (n - 2) / 3;
 }
 
-/* A number near this part of `total` that has no divisor in common with it. So many steps
- * of its size reach each number below `total` once. */
+/* A number near STRIDE_PART of `total` that has no divisor in common with it. Steps of this
+ * size reach each number below `total` once. */
 static int32_t stride_of(int32_t total)
 {
     int32_t stride = (int32_t)(STRIDE_PART * (rigcal_real)total) + 1;
@@ -141,7 +141,7 @@ static void next_sample(rigcal_robust_solver *s)
         next_of_all(s);
         return;
     }
-    for (int k = 0; k < 3; k++) { /* skips in order what is taken */
+    for (int k = 0; k < 3; k++) { /* distinct: skips those taken, in order */
         size_t i = draw(s, n - (size_t)k);
         const size_t low =
             (size_t)((s->sample[0] < s->sample[1]) ? s->sample[0] : s->sample[1]);

@@ -2,7 +2,7 @@
 
 /* ---- constants ----------------------------------------------------------- */
 
-/* directions: the lattice has so many. In many scenes each basin had one. */
+/* directions: the lattice has this many. In many scenes each basin had one of them. */
 enum { LATTICE = 24 };
 
 /* rad: first edge of a descent's simplex, about half the lattice's spacing. */

@@ -153,7 +153,7 @@ class TestCalibrateRealData(CliTest):
     @unittest.skipIf(FLOAT, "README shows what the double build prints")
     def test_readme_shows_what_is_printed(self):
         """Line by line and in this order; ... stands for lines left out."""
-        shown = re.search(r"What comes out of the first.*\n\n((?:    .*\n)+)",
+        shown = re.search(r"The first command prints this.*\n\n((?:    .*\n)+)",
                           content(ROOT, "README.md"))[1]
         printed = self.calibrate_well(STEREO).stdout.splitlines()
         self.assertGreater(shown.count("\n"), 6)

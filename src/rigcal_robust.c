@@ -279,12 +279,12 @@ static void begin_improving(rigcal_robust_solver *s, int32_t phase)
     s->phase = phase;
 }
 
-/* Evaluates the marked points once. Returns 1 after the last evaluation. */
-static int improve(rigcal_robust_solver *s, int32_t evals)
+/* Evaluates the marked points once. Returns 1 after the last of IMPROVE_EVALS. */
+static int improve(rigcal_robust_solver *s)
 {
     rigcal_refinement *const better = &s->work.trial.better;
     s->points.mask = s->inliers;
-    rc_refine_step(better, &s->points, evals);
+    rc_refine_step(better, &s->points, IMPROVE_EVALS);
     s->points.mask = NULL;
     return better->search.status != RIGCAL_RUNNING;
 }
@@ -297,7 +297,7 @@ static void marking_step(rigcal_robust_solver *s)
 
 static void improving_step(rigcal_robust_solver *s)
 {
-    if (improve(s, IMPROVE_EVALS)) {
+    if (improve(s)) {
         s->phase = RESCORING;
     }
 }
@@ -348,7 +348,7 @@ static void settling_step(rigcal_robust_solver *s)
 static void refining_step(rigcal_robust_solver *s)
 {
     rigcal_trial_poses *const trial = &s->work.trial;
-    if (improve(s, IMPROVE_EVALS)) {
+    if (improve(s)) {
         trial->best = trial->better.cam_from_points;
         s->phase = SETTLING;
     }

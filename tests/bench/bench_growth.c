@@ -12,7 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "test_support.h"
+#include "bench_scenes.h"
 
 enum { POINTS_MOST = 10000, ROBUST_LEAST = 10 };
 
@@ -72,21 +72,6 @@ static void make_scene(double R[9], double t[3], test_rng *rng, const rigcal_cam
     }
 }
 
-/* The start of a warm solve is 2 degrees and 2 % of the distance off. */
-static void disturb(rigcal_transform *start, test_rng *rng, const double R[9],
-                    const double t[3])
-{
-    double turn[9], ways[2][9], R_off[9], t_off[3];
-    test_random_rotation(ways[0], rng);
-    test_random_rotation(ways[1], rng);
-    test_rotation_about(turn, ways[0] + 6, 2 * TEST_PI / 180);
-    test_product(R_off, turn, R);
-    for (int k = 0; k < 3; k++) {
-        t_off[k] = t[k] + 0.02 * test_norm(t) * ways[1][6 + k];
-    }
-    *start = test_transform(R_off, t_off);
-}
-
 /* The number of scenes that have no pose. */
 static int solve(const rigcal_camera *camera, int n, const char *how, int count)
 {
@@ -96,14 +81,15 @@ static int solve(const rigcal_camera *camera, int n, const char *how, int count)
         const int is_robust = strcmp(how, "robust") == 0;
         rigcal_pose poses[RIGCAL_POSES_MAX];
         rigcal_pose_options options;
-        double R[9], t[3];
+        double R[9], t[3], R_start[9], t_start[3];
         size_t n_found, n_agree;
         make_scene(R, t, &rng, camera, n, is_robust ? WRONG : 0);
         const rigcal_view view = {camera, seen, NULL, (size_t)n};
         (void)rigcal_pose_defaults(&options);
         options.sigma_px = (n == 3) ? (rigcal_real)SIGMA_PX : 0;
         options.use_start = strcmp(how, "warm") == 0;
-        disturb(&options.start, &rng, R, t);
+        bench_beside(R_start, t_start, &rng, R, t);
+        options.start = test_transform(R_start, t_start);
         failed += (is_robust ? rigcal_robust_solve(poses, RIGCAL_POSES_MAX, &n_found,
                                                    inliers, &n_agree, NULL, &view, NULL)
                              : rigcal_pose_solve(poses, RIGCAL_POSES_MAX, &n_found, NULL,

@@ -123,17 +123,23 @@ void bench_scene_make(bench_scene *s, const bench_family *f, int n, long index,
     } while (!inside && !(view->sigma > 0));
 }
 
-void bench_disturb(double R[9], double t[3], bench_scene *s)
+void bench_beside(double R[9], double t[3], test_rng *rng, const double R_true[9],
+                  const double t_true[3])
 {
     double turn[9], way[2][9];
 
-    test_random_rotation(way[0], &s->rng);
-    test_random_rotation(way[1], &s->rng);
+    test_random_rotation(way[0], rng);
+    test_random_rotation(way[1], rng);
     test_rotation_about(turn, way[0] + 6, 2 * BENCH_DEGREE);
-    test_product(R, turn, s->R);
+    test_product(R, turn, R_true);
     for (int k = 0; k < 3; k++) {
-        t[k] = s->t[k] + 0.02 * test_norm(s->t) * way[1][6 + k];
+        t[k] = t_true[k] + 0.02 * test_norm(t_true) * way[1][6 + k];
     }
+}
+
+void bench_disturb(double R[9], double t[3], bench_scene *s)
+{
+    bench_beside(R, t, &s->rng, s->R, s->t);
 }
 
 /* ---- the bound ----------------------------------------------------------- */

@@ -48,7 +48,10 @@ int bench_has(const bench_family *f, int n);
 void bench_scene_make(bench_scene *s, const bench_family *f, int n, long index,
                       const bench_view *view);
 
-/* The true pose, off by 2 degrees and 2 % of the distance, each any way. */
+/* The true pose, off by 2 degrees and 2 % of the distance, each any way. Then that of a
+ * scene. */
+void bench_beside(double R[9], double t[3], test_rng *rng, const double R_true[9],
+                  const double t_true[3]);
 void bench_disturb(double R[9], double t[3], bench_scene *s);
 
 /* Least standard deviations that the errors (w, dt) of test_difference can have at

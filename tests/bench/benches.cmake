@@ -62,7 +62,7 @@ bench(bench_wide rigcal_bench_support check 100)
 bench(bench_cost rigcal_bench_support check)
 
 # How that grows with the points.
-bench(bench_growth rigcal_test_support check)
+bench(bench_growth rigcal_bench_support check)
 
 bench(bench_choose rigcal_test_support 1)
 

@@ -4,7 +4,7 @@ BENCHMARKS.md.
 
     python3 tests/bench/robust_poselib.py [COUNT] [PROGRAM]      1000 scenes a line, gcc-double
 
-Wants the package poselib. Each line is run by both at once, one after the other; times are
+It makes the environment of beside_poselib.py, with PyPI's poselib. Each line is run by both at once, one after the other; times are
 of one processor. PoseLib: estimate_absolute_pose, its defaults but for 3 px.
 """
 import math
@@ -14,8 +14,13 @@ import sys
 import tempfile
 import time
 
-import numpy as np
-import poselib
+from beside_poselib import enter_environment
+
+if __name__ == "__main__":
+    enter_environment()
+
+import numpy as np  # noqa: E402 -- of that environment
+import poselib  # noqa: E402
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 CAMERA = {"model": "PINHOLE", "width": 640, "height": 480, "params": [800, 800, 319.5, 239.5]}
@@ -29,15 +34,8 @@ def by_rigcal(program, line, count, file):
     return [int(word) for word in said[:4]], float(said[4])
 
 
-def rotation(q):
-    w, x, y, z = q
-    return np.array([[1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-                     [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-                     [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)]])
-
-
 def is_right(pose, R, t, most):
-    chord = np.linalg.norm(rotation(pose.q) - R)
+    chord = np.linalg.norm(pose.R - R)
     angle = 2 * math.asin(min(1, chord / math.sqrt(8)))
     return (angle <= most[0]
             and np.linalg.norm(pose.t - t) <= most[1] * np.linalg.norm(t))

@@ -18,7 +18,7 @@ cd "$(dirname "$0")/../.."
 what=${1:-double}
 harnesses=$(ls tests/fuzz/fuzz_*.c | sed 's|.*/fuzz_||; s|\.c$||; /^rigs$/d')
 case $what in
-double | float | msan) seconds= ;;
+double | float | msan) ;;
 campaign)
     if [ $# -lt 2 ]; then
         echo "usage: sh tests/fuzz/run.sh campaign SECONDS [HARNESS...]" >&2

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Changes one thing of the library at a time and looks whether a test notices.
 
-    mutate.py                      one mutant of every file of src/: for CI
+    mutate.py                      one mutant of every file of src/, always the same
     mutate.py --per-file 25        so many of each, drawn anew by --seed N
     mutate.py --all                every mutant that there is: days
     mutate.py NAME...              only these layers, e.g. pose rig

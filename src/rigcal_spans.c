@@ -53,11 +53,7 @@ enum { ARCS_OF_BORDER = 24 };
 
 /* 1: a height over the line, as a tangent, above which it is proved that the lens sees the
  * place. */
-#define LEAP RC(0.02)
-
-/* cosine: of the angle between two ends from which on the join goes around on the side of
- * the band, even if that is the longer way. */
-#define BACK RC(-0.9)
+#define LEAP RC(0.05)
 
 enum { NODES = RIGCAL_SPANS_NODES, LAST = NODES - 1 };
 
@@ -405,9 +401,7 @@ static void go_round(rigcal_spans_solver *s, const rigcal_real from[2],
         add_line(s, from, to);
         return;
     }
-    const rigcal_real ahead = rc_vec3_dot(here, end);
-    const int is_short = sign_of(s) * cross2(here, end) >= 0;
-    const rigcal_real way = (is_short || ahead < BACK) ? sign_of(s) : -sign_of(s);
+    const rigcal_real way = (cross2(here, end) < 0) ? RC(-1) : RC(1);
     const rigcal_real aside[3] = {way * (end[1] - here[1]), way * (here[0] - end[0]), 0};
     rigcal_real between[3] = {end[0], end[1], 0};
     (void)rc_vec3_unit(between, aside);

@@ -337,8 +337,8 @@ static void judge(void)
     const int body = named(&sure);
     if (strstr(sim.serial, "alarm frame=") != NULL) {
         count.alarms++;
-        /* If a camera was bumped before a reset, a rig that is wrong places the board. One
-         * such start in some twenty gives a second alarm after it was mended. */
+        /* If a camera was bumped before a reset, a rig that is wrong places the board. Some
+         * such starts, 1 % or fewer, give a second alarm after they were mended. */
         count.false_alarms += still && after == 0;
         count.second += still && after > 0;
         count.from_start += !still && bumped == UNKNOWN;

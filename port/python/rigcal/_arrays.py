@@ -97,6 +97,13 @@ def whole(value: Any, what: str, low: int, high: int) -> int:
     raise Error(f"{what}: a whole number from {low} to {high} is expected, not {value!r}")
 
 
+def flag(value: Any, what: str) -> bool:
+    """True or False, also as 1 or 0."""
+    if isinstance(value, (bool, int, np.bool_)):
+        return bool(value)
+    raise Error(f"{what}: True or False is expected, not {type(value).__name__}")
+
+
 def camera_struct(camera: Camera) -> npt.NDArray[Any]:
     """struct rigcal_camera (1,), kept with the camera, which does not change.
 

@@ -141,7 +141,10 @@ class CalibratedRig:
     @classmethod
     def from_bytes(cls, data: bytes, names: Sequence[str] | None = None) -> Any:
         """From the stored form (rigcal.h, "store"); names None: cam0, cam1, ..."""
-        bytes_ = np.frombuffer(data, np.uint8)
+        try:
+            bytes_ = np.frombuffer(data, np.uint8)
+        except (TypeError, ValueError):  # no bytes, or with gaps between them
+            raise Error(f"data: bytes are expected, not {type(data).__name__}") from None
         info = np.zeros(1, SAVED_INFO)
         must(lib.store_info(address(info), address(bytes_), len(bytes_)), "bytes")
         n, free = int(info["n_cameras"][0]), max(int(info["n_free"][0]), 0)

@@ -90,7 +90,7 @@ class Camera:
             if not abs(value) <= PIXEL_MAX:
                 raise Error(f"{key}: the principal point is beyond 1e9 pixels")
             object.__setattr__(self, key, value)
-        if self.lens not in ("brown", "fisheye"):
+        if not isinstance(self.lens, str) or self.lens not in ("brown", "fisheye"):
             raise Error(f'lens: "brown" or "fisheye" is expected, not {self.lens!r}')
         if not isinstance(self.name, str):
             raise Error(f"name: text is expected, not {self.name!r}")

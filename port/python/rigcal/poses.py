@@ -16,6 +16,7 @@ from ._arrays import (
     Array,
     camera_array,
     camera_struct,
+    flag,
     indices,
     numeric,
     real,
@@ -446,6 +447,7 @@ def solve_pose(
     struct = camera_array(camera) if type(camera) is not Camera else camera_struct(camera)
     n = len(pixels)
     inliers = None
+    robust = flag(robust, "robust")
     if robust:
         if start is not None:
             raise Error("start: a robust pose has no start")
@@ -608,6 +610,7 @@ def solve_poses(
     if sigma is not None:
         shape = views.uv.shape[:-1]
         views.sigma = reals(sigma, shape, "sigma")
+    robust = flag(robust, "robust")
     if robust:
         options: npt.NDArray[Any] | None = robust_options(
             sigma_px, threshold_px, samples, seed, max_units
@@ -618,7 +621,7 @@ def solve_poses(
 
     poses = np.empty((count, most), POSE)
     results = np.empty(count, RESULT)
-    uncertainties = np.empty(count, UNCERTAINTY) if covariance else None
+    uncertainties = np.empty(count, UNCERTAINTY) if flag(covariance, "covariance") else None
     inliers = np.zeros(views.uv.shape[:-1], np.bool_) if robust else None
     work = views.longest
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -15,7 +16,15 @@ __all__ = ["Transform"]
 Array = npt.NDArray[np.float64]
 
 ROTATION_TOLERANCE = 1e-6  # of an entry of R R^T - I: that of RIGCAL_ERR_ROTATION
+SIZE_MAX = 2**31  # numbers in one array
 LENGTH_MAX = 1e30  # caller's unit: the library's range of lengths
+
+
+def check_shape(given: tuple[int, ...], shape: tuple[int, ...] | None, what: str) -> None:
+    if shape is not None and given != shape:
+        raise Error(f"{what}: shape {shape} is expected, not {given}")
+    if math.prod(given) > SIZE_MAX:
+        raise Error(f"{what}: shape {given} has more than 2^31 items")
 
 
 def numbers(value: npt.ArrayLike, shape: tuple[int, ...] | None, what: str) -> Array:
@@ -26,14 +35,15 @@ def numbers(value: npt.ArrayLike, shape: tuple[int, ...] | None, what: str) -> A
         else f"numbers of shape {shape} are expected"
     )
     try:
-        given = np.array(value)
+        given = np.asarray(value)
         if given.dtype.kind not in "biufO":  # texts, complex numbers, dates
             raise TypeError
-        array = given.astype(np.float64)
-    except (TypeError, ValueError, OverflowError):
+        check_shape(given.shape, shape, what)  # before memory for a copy is asked for
+        array = np.array(given, np.float64)
+    except (TypeError, OverflowError):
         raise Error(f"{what}: {expected}") from None
-    if shape is not None and array.shape != shape:
-        raise Error(f"{what}: shape {shape} is expected, not {array.shape}")
+    except ValueError as error:
+        raise error if isinstance(error, Error) else Error(f"{what}: {expected}") from None
     if not np.isfinite(array).all():
         raise Error(f"{what}: an element is NaN or infinite")
     array.setflags(write=False)

@@ -5,7 +5,8 @@ Error, and leaves what it was given as it was.
 
 Arguments are those of a call that works, of which one or two are changed: other shapes,
 types and strides, Fortran's order, negative and zero strides, read-only, byte-swapped,
-huge, NaN, None, and things that are no arrays. test_fuzz.py makes some thousand calls of one seed.
+huge, NaN, None, and things that are no arrays. test_fuzz.py makes some thousand calls of
+one seed.
 """
 
 from __future__ import annotations
@@ -32,8 +33,8 @@ NUMBERS = [
 ]  # fmt: skip
 OBJECTS: list[Any] = [
     None, 3, -1, 2**70, 1.5, "text", b"text", "", [], (), [[]], [[1, 2], [3]], {"a": 1},
-    {1}, [[None]], np.nan, True, 1j, object(), int, range(6), Ellipsis, slice(1), np.zeros(()),
-    np.zeros(0), np.zeros((0, 3)), np.zeros((0, 2)), np.zeros((2, 0)),
+    {1}, [[None]], np.nan, True, 1j, object(), int, range(6), Ellipsis, slice(1),
+    np.zeros(()), np.zeros(0), np.zeros((0, 3)), np.zeros((0, 2)), np.zeros((2, 0)),
     np.broadcast_to(np.float64(1), (2**40, 3)), np.broadcast_to(np.float64(1), (2**40, 2)),
     np.ma.masked_array(np.ones((6, 2)), mask=True), memoryview(b"12"),
     np.zeros(3, [("x", "f8")]), np.datetime64("2020"), "left", "c0", "c1",

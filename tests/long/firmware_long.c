@@ -32,7 +32,8 @@ enum {
     SETTLE_FRAMES = 400,
     BODIES = FIRMWARE_CAMERAS + 1, /* the last is the board at work */
     LEVELS = 4,                    /* places of a body, 0.02 rad and 0.01 m apart */
-    AFTER_FRAMES = 400,            /* see `after` */
+    AFTER_FRAMES = 400,            /* see judge */
+    START_FRAMES = 5,              /* after a reset, until the board has its place */
     UNKNOWN = -1
 };
 
@@ -176,6 +177,7 @@ static void reset(void)
     sim.stuck_mask = 0;
     sim_clear_serial();
     count.resets++;
+    since_start = 0;
     want(sim_boot(&app) == SIM_IDLE, "the watchdog bit during the start");
     want(app.slot == in_use, "another slot in use than the newest whole one");
     want(strstr(sim.serial, in_use < 0 ? "uncalibrated\r\n" : "loaded slot=") != NULL,
@@ -307,7 +309,8 @@ static void bump(void)
     const int body = below(BODIES), to = below(LEVELS - 1);
     levels[body] = to + (to >= levels[body]);
     still = 0;
-    bumped = body;
+    /* As before the start: the board has no place yet by which a camera could be named. */
+    bumped = (since_start < START_FRAMES) ? UNKNOWN : body;
     since_bump = 0;
     count.bumps++;
     make_flash_worse();
@@ -403,6 +406,7 @@ static void frame(void)
     shoot(0);
     shoot(1);
     count.frames++;
+    since_start++;
     count.still_frames += still && after == 0;
     after -= after > 0;
     if (run()) {

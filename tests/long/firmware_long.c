@@ -57,8 +57,9 @@ static int in_use;                       /* the slot; -1: none */
 static int levels[BODIES], base[BODIES]; /* where each is, and where it is believed */
 static int still;                        /* 1: all are where they are believed to be */
 static int unsettled, since_bump, bumped;
-static int from_start; /* the last alarm was of what happened before a reset */
-static int after;      /* frames in which an alarm counts as a second one, see judge */
+static int since_start; /* frames */
+static int from_start;  /* the last alarm was of what happened before a reset */
+static int after;       /* frames in which an alarm counts as a second one, see judge */
 static int wants_help, broken;
 
 static struct {

@@ -342,7 +342,7 @@ static void judge(void)
     if (strstr(sim.serial, "alarm frame=") != NULL) {
         count.alarms++;
         /* If a camera was bumped before a reset, a rig that is wrong places the board. Some
-         * such starts, 1 % or fewer, give a second alarm after they were mended. */
+         * such starts, one or two in a hundred, give a second alarm after they were mended. */
         count.false_alarms += still && after == 0;
         count.second += still && after > 0;
         count.from_start += !still && bumped == UNKNOWN;

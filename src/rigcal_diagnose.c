@@ -40,8 +40,7 @@ static rigcal_status best_fit(rigcal_pose *pose, problem *P)
     if (status != RIGCAL_OK) {
         return status;
     }
-    while (rigcal_pose_step(&solver, INT32_MAX) == RIGCAL_RUNNING) {
-    }
+    (void)rigcal_pose_step(&solver, INT32_MAX);
     return rigcal_pose_result(pose, 1, &n_found, NULL, &solver);
 }
 

@@ -662,7 +662,7 @@ static void test_clocks_without_their_memory_are_refused(void)
 /* ---- where one finds nothing ------------------------------------------------------- */
 
 /* A rig of two cameras 1 beside each other, which look the same way and see the same three
- * or four points in each of n placements: pixels without any rounding, and noise. */
+ * or four points in each of n placements. */
 static void set_up_simple(fixture *f, int n_placements, int n_points, double noise)
 {
     static const double X[4][2] = {{-1, -1}, {1, -1}, {-1, 1}, {1, 1}};
@@ -731,17 +731,6 @@ static void test_views_of_three_points_have_no_loop(void)
             TEST_ASSERT_EQUAL_INT32(n > 2, fault_of(&x, RIGCAL_FAULT_MOVED, c)->is_seen);
         }
     }
-}
-
-/* Pixels without any error have no noise to compare with. */
-static void test_exact_pixels_have_no_loop(void)
-{
-    WANTS_A_RIG;
-    set_up_simple(&x, 3, 4, 0);
-    test_it(&x);
-    TEST_ASSERT_TRUE(D(x.found.freedom_within) > 0 && D(x.found.freedom_between) > 0);
-    TEST_ASSERT_TRUE((x.found.bits & RIGCAL_FAULTS_NO_LOOP) != 0);
-    ASSERT_NEAR(0, x.found.sigma_px, TOL(1e-12, 1e-4));
 }
 
 /* The target stands still but for noise: a clock that is off would not show. */
@@ -1005,7 +994,6 @@ TEST_MAIN()
     RUN_TEST(test_kinds_that_are_asked_for);
     RUN_TEST(test_clocks_without_their_memory_are_refused);
     RUN_TEST(test_views_of_three_points_have_no_loop);
-    RUN_TEST(test_exact_pixels_have_no_loop);
     RUN_TEST(test_of_a_target_that_stands_still_no_clock_is_told);
     RUN_TEST(test_a_board_in_the_plane_of_x_and_z_has_the_same_cameras);
     RUN_TEST(test_a_fault_of_a_camera_that_is_held_is_that_of_an_adjustment);

@@ -160,9 +160,12 @@ RIGCAL_API rigcal_status rigcal_band_search_rays(rigcal_match matches[], size_t 
  * The pixels of image b in which to search. A span has every pixel whose centre is in the
  * band by the test above, and at most one more at each end. Where the band crosses a row
  * several times, the row has several spans. Pixels near the image of the centre of a,
- * which the test refuses, count as inside. All this holds while the half width of the band
- * is below a hundredth of fx and of fy, 0.6 degrees, and p1 and p2 are within 0.1. The
- * spans of a wider band, or of a lens more decentered, may lack pixels at its borders. */
+ * which the test refuses, count as inside.
+ *
+ * All this holds while the half width of the band is below a fiftieth of fx and of fy, 1.1
+ * degrees; p1 and p2 are within 0.05; and nowhere in the image the lens shrinks an area to
+ * a quarter of fx fy. For a pinhole or a fisheye it also holds up to half of fx and of fy.
+ * The spans of other bands may lack pixels. */
 typedef struct rigcal_span {
     int32_t row, first, last; /* columns first to last, within the image */
 } rigcal_span;

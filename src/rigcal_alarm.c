@@ -325,8 +325,8 @@ static void weigh_frame(rigcal_real body[], rigcal_real common)
 }
 
 /* The smallest turn that the longest window would notice with M, over the largest move: x^2
- * = 2 log(A K B / L) / (e . H e), for the axis e of least e . H e. 0: it notices none. A K B
- * is at least 100 / SLACK 5 2, which is more than L = 256. */
+ * = 2 log(A K B / L) / (e . H e), for the axis e of least e . H e. 0: it notices none. A K
+ * B is at least 100 / SLACK 5 2, which is more than L = 256. */
 static rigcal_real smallest_of(const rigcal_real turns[6], rigcal_real log_limit)
 {
     const rigcal_real longest = RC_ALARM_LONGEST;

@@ -159,8 +159,8 @@ static int is_joined(const rc_score_parts *p, size_t camera)
     return p->state[camera] >= RC_JOINED && p->state[camera] <= RC_JOINED;
 }
 
-/* Whether a pair is scored. Only pairs of cameras that have not joined are: of a camera that
- * has not joined, none that shares a placement with it has. */
+/* Whether a pair is scored. Only pairs of cameras that have not joined are: of a camera
+ * that has not joined, none that shares a placement with it has. */
 static int is_scored(const rigcal_choose_solver *s, const rc_score_parts *p, size_t a,
                      size_t b)
 {

@@ -40,6 +40,21 @@ enum { ROUNDS_MAX = 24 };
 /* arcs: the most of one border in one direction. */
 enum { ARCS_OF_BORDER = 24 };
 
+/* 1: two ends outside the image are joined by a straight line if the square of its distance
+ * from the axis is at least this part of theirs. */
+#define CUT RC(0.9998)
+
+/* 1: else they are joined on a circle of this many times the radius of the image. Its
+ * chords of 90 degrees are outside the image too. */
+#define WIDE RC(3)
+
+/* part of the width of the band: the least part of a join, if the lens bends it. */
+#define PART_LEAST RC(0.1)
+
+/* 1: a height over the line, as a tangent, above which it is proved that the lens sees the
+ * place. */
+#define LEAP RC(0.05)
+
 enum { NODES = RIGCAL_SPANS_NODES, LAST = NODES - 1 };
 
 enum { NOT_BEGUN, START, TRACE, DONE };
@@ -68,6 +83,21 @@ static void direction_at(rigcal_real m[3], const rigcal_spans_solver *s,
     rc_vec3_add_scaled(m, height, s->normal);
 }
 
+/* Projects the place of the band at this height over p. Far from the line it also proves
+ * that the lens sees it: between two places a fold may have been passed unnoticed. */
+static rigcal_status place_at(rigcal_real uv[2], rigcal_real J[6], rigcal_real D[2][3],
+                              const rigcal_spans_solver *s, const rigcal_real p[2],
+                              rigcal_real height)
+{
+    rigcal_real m[3], again[2];
+    direction_at(m, s, p, height);
+    const rigcal_status status =
+        rc_band_place(uv, J, D, &s->band.camera_b, s->is_pinhole, m);
+    return (status == RIGCAL_OK && RC_FABS(height) > LEAP)
+               ? rc_project_usable(again, &s->band.camera_b, m)
+               : status;
+}
+
 /* One try of a border: the height h, the height `wish` that follows from the slope there,
  * and the move in pixels between them. */
 typedef struct {
@@ -77,10 +107,8 @@ typedef struct {
 static rigcal_status try_height(trial *at, const rigcal_spans_solver *s,
                                 const rigcal_real p[2], rigcal_real h)
 {
-    rigcal_real m[3], D[2][3];
-    direction_at(m, s, p, h);
-    const rigcal_status status =
-        rc_band_place(at->uv, at->J, D, &s->band.camera_b, s->is_pinhole, m);
+    rigcal_real D[2][3];
+    const rigcal_status status = place_at(at->uv, at->J, D, s, p, h);
     if (status != RIGCAL_OK) {
         return status;
     }
@@ -330,27 +358,134 @@ static int add_node(rigcal_spans_solver *s)
 
 /* ---- the ends ------------------------------------------------------------ */
 
-/* Joins the two borders at one of their ends. At an end of the depth range it follows that
- * end. Otherwise it is straight, outside the image or where the lens ends. */
+/* Adds a straight line. */
+static void add_line(rigcal_spans_solver *s, const rigcal_real from[2],
+                     const rigcal_real to[2])
+{
+    for (int i = 0; i < LAST; i++) {
+        const rigcal_real part = (rigcal_real)i / LAST;
+        s->u[i] = from[0] + part * (to[0] - from[0]);
+        s->v[i] = from[1] + part * (to[1] - from[1]);
+    }
+    s->u[LAST] = to[0];
+    s->v[LAST] = to[1];
+    rc_outline_add(&s->outline, s->u, s->v);
+}
+
+/* Whether the straight line from a to b, in the normalised image, comes nearer to the axis
+ * than both its ends and the circle around the image. */
+static int cuts_circle(const rigcal_spans_solver *s, const rigcal_real a[2],
+                       const rigcal_real b[2])
+{
+    const rigcal_real ab[2] = {b[0] - a[0], b[1] - a[1]};
+    const rigcal_real a2 = a[0] * a[0] + a[1] * a[1], b2 = b[0] * b[0] + b[1] * b[1];
+    const rigcal_real length2 = ab[0] * ab[0] + ab[1] * ab[1];
+    const rigcal_real ahead = -(a[0] * ab[0] + a[1] * ab[1]);
+    const rigcal_real area = cross2(a, b);
+    return ahead > 0 && ahead < length2 &&
+           area * area < CUT * rc_min(s->radius2, rc_min(a2, b2)) * length2;
+}
+
+/* Joins two ends that are outside the image or where the lens ends. A straight line between
+ * them may cut the image if the band is wide. The join then goes out from the axis, around
+ * it on a wide circle, the shorter way, and in again. */
+static void go_round(rigcal_spans_solver *s, const rigcal_real from[2],
+                     const rigcal_real to[2])
+{
+    const rigcal_camera *const c = &s->band.camera_b;
+    const rigcal_real a[3] = {(from[0] - c->cx) / c->fx, (from[1] - c->cy) / c->fy, 0};
+    const rigcal_real b[3] = {(to[0] - c->cx) / c->fx, (to[1] - c->cy) / c->fy, 0};
+    const rigcal_real radius = WIDE * RC_SQRT(s->radius2);
+    rigcal_real at[2] = {from[0], from[1]}, here[3], end[3];
+    if (!cuts_circle(s, a, b) || !rc_vec3_unit(here, a) || !rc_vec3_unit(end, b)) {
+        add_line(s, from, to);
+        return;
+    }
+    const rigcal_real way = (cross2(here, end) < 0) ? RC(-1) : RC(1);
+    const rigcal_real aside[3] = {way * (end[1] - here[1]), way * (here[0] - end[0]), 0};
+    rigcal_real between[3] = {end[0], end[1], 0};
+    (void)rc_vec3_unit(between, aside);
+    for (int i = 0; i < 3; i++) {
+        const rigcal_real *const d = (i == 0) ? here : (i == 1) ? between : end;
+        const rigcal_real next[2] = {c->cx + radius * d[0] * c->fx,
+                                     c->cy + radius * d[1] * c->fy};
+        add_line(s, at, next);
+        at[0] = next[0];
+        at[1] = next[1];
+    }
+    add_line(s, at, to);
+}
+
+/* Follows an end of the depth range across the band, from border `side` to the other one,
+ * in parts. It stops where the lens ends, or outside the image if the other border does not
+ * reach this end. Returns 1 at the other border; *stop is the last place. */
+static int cross_band(rigcal_real stop[2], rigcal_spans_solver *s, int side)
+{
+    const rigcal_border_end *const from = &s->corners[side][s->way];
+    const rigcal_border_end *const to = &s->corners[!side][s->way];
+    const rigcal_real rise = to->height - from->height;
+    rigcal_real at = 0, part = 1;
+    stop[0] = from->uv[0];
+    stop[1] = from->uv[1];
+    while (at < 1) {
+        int n = 1;
+        for (; n < NODES; n++) {
+            const rigcal_real h = from->height + (at + part * (rigcal_real)n / LAST) * rise;
+            rigcal_real uv[2], J[6], D[2][3];
+            if (place_at(uv, J, D, s, s->ends[s->way], h) != RIGCAL_OK) {
+                break;
+            }
+            s->u[n] = uv[0];
+            s->v[n] = uv[1];
+        }
+        s->u[0] = stop[0];
+        s->v[0] = stop[1];
+        const int is_bent = n == NODES && rc_max(bend_of(s->u), bend_of(s->v)) > BEND_MAX;
+        if ((n < NODES || is_bent) && part > PART_LEAST) {
+            part /= 2;
+            continue;
+        }
+        if (n < NODES) {
+            return 0;
+        }
+        const rigcal_real before = radius2_of(s, s->u[0], s->v[0]);
+        at += part;
+        if (!(at < 1) && to->is_of_range) {
+            s->u[LAST] = to->uv[0];
+            s->v[LAST] = to->uv[1];
+        }
+        stop[0] = s->u[LAST];
+        stop[1] = s->v[LAST];
+        rc_outline_add(&s->outline, s->u, s->v);
+        if (!to->is_of_range && before > s->radius2 &&
+            radius2_of(s, stop[0], stop[1]) > before) {
+            break;
+        }
+    }
+    return to->is_of_range;
+}
+
+/* Joins the two borders at one of their ends, along the end of the depth range if one of
+ * them reaches it. */
 static void close_way(rigcal_spans_solver *s, int way)
 {
     const rigcal_border_end *const from = &s->corners[0][way];
     const rigcal_border_end *const to = &s->corners[1][way];
-    for (int i = 0; i < NODES; i++) {
-        const rigcal_real part = (rigcal_real)i / LAST;
-        rigcal_real uv[2], J[6], D[2][3], m[3];
-        s->u[i] = from->uv[0] + part * (to->uv[0] - from->uv[0]);
-        s->v[i] = from->uv[1] + part * (to->uv[1] - from->uv[1]);
-        direction_at(m, s, s->ends[way], from->height + part * (to->height - from->height));
-        if (i > 0 && i < LAST && from->is_of_range && to->is_of_range &&
-            rc_band_place(uv, J, D, &s->band.camera_b, s->is_pinhole, m) == RIGCAL_OK) {
-            s->u[i] = uv[0];
-            s->v[i] = uv[1];
+    rigcal_real stop[2];
+    s->way = way;
+    if (from->is_of_range && to->is_of_range) {
+        if (!cross_band(stop, s, 0)) {
+            add_line(s, stop, to->uv);
         }
+    } else if (from->is_of_range) {
+        (void)cross_band(stop, s, 0);
+        go_round(s, stop, to->uv);
+    } else if (to->is_of_range) {
+        (void)cross_band(stop, s, 1);
+        go_round(s, from->uv, stop);
+    } else {
+        go_round(s, from->uv, to->uv);
     }
-    s->u[LAST] = to->uv[0];
-    s->v[LAST] = to->uv[1];
-    rc_outline_add(&s->outline, s->u, s->v);
 }
 
 static void finish(rigcal_spans_solver *s, int is_seen)

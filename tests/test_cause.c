@@ -398,8 +398,8 @@ static void test_a_few_views_that_are_late_are_not_the_camera(void)
     TEST_ASSERT_EQUAL_INT32(RIGCAL_CAUSE_UNKNOWN, cause.cause);
 }
 
-/* Of a view whose pixels are no image of the target, of one without pixels, and of one whose
- * points are too far from their origin to tell how they lie, no turn can be told. */
+/* Of a view whose pixels are no image of the target, of one without pixels, and of one
+ * whose points are too far from their origin to tell how they lie, no turn can be told. */
 static void test_a_view_that_cannot_be_solved_has_no_cause(void)
 {
     WANTS_BOARDS;

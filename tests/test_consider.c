@@ -503,8 +503,8 @@ static void test_intrinsics_act_through_clocks_too(void)
     ASSERT_STATUS(RIGCAL_ERR_CAPACITY, rigcal_rig_consider(&considered, NULL, &moving.rig));
 }
 
-/* Of a lens of one camera alone: the variance of a placement is what a smaller lens moves it
- * by. */
+/* Of a lens of one camera alone: the variance of a placement is what a smaller lens moves
+ * it by. */
 static void test_intrinsics_act_on_placements_of_a_rig_with_clocks(void)
 {
     TEST_ON_HOST_ONLY("a rig of 60 views is adjusted");

@@ -171,8 +171,9 @@ static void test_placements_without_views_cost_nothing(void)
     }
 }
 
-/* Points of the board are behind camera 3, and it is beside camera 2: their views of it are of another
- * placement. They are left out; that of camera 3 has no error where it is said to be. */
+/* Points of the board are behind camera 3, and it is beside camera 2: their views of it are
+ * of another placement. They are left out; that of camera 3 has no error where it is said
+ * to be. */
 static void test_a_view_of_what_is_behind_its_camera_has_no_error(void)
 {
     enum { F = 5 };

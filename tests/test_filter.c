@@ -323,7 +323,8 @@ static void test_a_spread_of_equal_axes_is_that_of_its_covariance(void)
     }
 }
 
-/* d of body 3 = by d of body 1 + noise; or of body 1, by body 3, whose unknowns are later. */
+/* d of body 3 = by d of body 1 + noise; or of body 1, by body 3, whose unknowns are
+ * later. */
 static void test_a_body_comes_with_its_covariance_and_leaves(void)
 {
     for (int turned = 0; turned < 2; turned++) {

@@ -88,35 +88,58 @@ static size_t find(const rigcal_band *band)
     return status == RIGCAL_OK ? n : 0;
 }
 
-static void test_spans_hold_the_band_and_at_most_a_pixel_more_at_each_end(void)
+/* Compares the spans of random bands with brute force. `half` is the most of their half
+ * width, as a part of the focal length; 0: as test_bands_random makes them. */
+static void look_at_bands(int kind, uint64_t seed, double half)
 {
-    enum { CAMERAS = 24, BANDS = 10 };
+    enum { BANDS = 10 };
+    test_rng rng = test_seed(seed);
+    test_bands scene;
     int found = 0;
 
-    for (int c = 0; c < TEST_TRIALS(CAMERAS); c++) {
-        test_rng rng = test_seed(4100 + (uint64_t)c);
-        test_bands scene;
+    test_bands_random(&scene, &rng, kind, SIDE);
+    const rigcal_camera camera = scene.b;
 
-        test_bands_random(&scene, &rng, c % TEST_LENS_KINDS, SIDE);
-        const rigcal_camera camera = scene.b;
+    see_pixels(&camera);
+    for (int k = 0; k < BANDS; k++) {
+        rigcal_band band;
 
-        see_pixels(&camera);
-        for (int k = 0; k < BANDS; k++) {
-            rigcal_band band;
-
-            test_bands_random(&scene, &rng, c % TEST_LENS_KINDS, SIDE);
-            scene.b = camera;
-            if (rigcal_band_make(&band, &scene.pair, scene.uv_a) == RIGCAL_ERR_EPIPOLE) {
-                continue;
-            }
-            const size_t n = find(&band);
-
-            mark(&scene, n);
-            assert_spans(&camera, n);
-            found += n > 0;
+        test_bands_random(&scene, &rng, kind, SIDE);
+        scene.b = camera;
+        if (half > 0) {
+            scene.pair.sigma_b =
+                RC(test_uniform(&rng, 0.01, half)) * camera.fx / scene.pair.k;
         }
+        if (rigcal_band_make(&band, &scene.pair, scene.uv_a) == RIGCAL_ERR_EPIPOLE) {
+            continue;
+        }
+        const size_t n = find(&band);
+
+        mark(&scene, n);
+        assert_spans(&camera, n);
+        found += n > 0;
     }
-    TEST_ASSERT_TRUE(found > TEST_TRIALS(CAMERAS) * BANDS / 2);
+    TEST_ASSERT_TRUE(found > 1);
+}
+
+static void test_spans_hold_the_band_and_at_most_a_pixel_more_at_each_end(void)
+{
+    enum { CAMERAS = 24 };
+
+    for (int c = 0; c < TEST_TRIALS(CAMERAS); c++) {
+        look_at_bands(c % TEST_LENS_KINDS, 4100 + (uint64_t)c, 0);
+    }
+}
+
+/* A border of a wide band leaves the image long before the other one. */
+static void test_spans_hold_bands_of_half_a_focal_length(void)
+{
+    enum { CAMERAS = 24 };
+
+    for (int c = 0; c < TEST_TRIALS(CAMERAS); c++) {
+        look_at_bands(c % 2 ? TEST_PINHOLE : TEST_FISHEYE, 4300 + (uint64_t)c, 0.5);
+        look_at_bands(TEST_BROWN, 4400 + (uint64_t)c, 0.15);
+    }
 }
 
 /* ---- known by hand --------------------------------------------------------- */
@@ -277,6 +300,7 @@ static void test_too_little_room_is_refused(void)
 TEST_MAIN()
 {
     RUN_TEST(test_spans_hold_the_band_and_at_most_a_pixel_more_at_each_end);
+    RUN_TEST(test_spans_hold_bands_of_half_a_focal_length);
     RUN_TEST(test_a_level_band_has_level_spans);
     RUN_TEST(test_a_depth_range_ends_the_spans);
     RUN_TEST(test_a_band_between_two_rows_has_no_pixel);

@@ -321,9 +321,37 @@ static void check_band(const scene *s, fuzz_bytes *bytes)
 }
 
 /* The manual promises no more than: half the width of a band is below this part of a focal
- * length, and the lens is decentered by this at most. */
-enum { NARROW = 100 };
-#define DECENTERED 0.1
+ * length, the lens is decentered by this at most, and shrinks no area to less than this
+ * part of fx fy. */
+enum { NARROW = 50 };
+#define DECENTERED 0.05
+#define SHRUNK 0.25
+
+/* Whether the lens shrinks nothing to SHRUNK, at 17 x 17 places of the image. */
+static int is_gentle(const rigcal_camera *camera)
+{
+    enum { STEPS = 16 };
+    int i;
+
+    for (i = 0; i < (STEPS + 1) * (STEPS + 1); i++) {
+        const double u = (i % (STEPS + 1)) * (camera->width - 1.) / STEPS;
+        const double v = (int)(i / (STEPS + 1)) * (camera->height - 1.) / STEPS;
+        const rigcal_real uv[2] = {(rigcal_real)u, (rigcal_real)v};
+        rigcal_ray ray;
+        double x, y, z;
+
+        if (rigcal_ray_make(&ray, camera, uv) != RIGCAL_OK) {
+            return 0;
+        }
+        x = (double)ray.D[2] * ray.D[5] - (double)ray.D[4] * ray.D[3];
+        y = (double)ray.D[4] * ray.D[1] - (double)ray.D[0] * ray.D[5];
+        z = (double)ray.D[0] * ray.D[3] - (double)ray.D[2] * ray.D[1];
+        if (!(sqrt(x * x + y * y + z * z) * SHRUNK * camera->fx * camera->fy < 1)) {
+            return 0;
+        }
+    }
+    return 1;
+}
 
 /* A pixel whose centre the test finds inside is in a span of its row. */
 static void check_pixel(const rigcal_band *band, rigcal_spans_solver *solver, int32_t u,
@@ -346,7 +374,7 @@ static void check_pixel(const rigcal_band *band, rigcal_spans_solver *solver, in
         NARROW * match.half_width_px < band->camera_b.fx &&
         NARROW * match.half_width_px < band->camera_b.fy &&
         fabs((double)band->camera_b.p1) <= DECENTERED &&
-        fabs((double)band->camera_b.p2) <= DECENTERED) {
+        fabs((double)band->camera_b.p2) <= DECENTERED && is_gentle(&band->camera_b)) {
         PROMISE(is_covered);
     }
 }

@@ -3212,6 +3212,46 @@ static void gate_long_borders(void)
     line("spans.long.arcs", "%lu", arcs);
 }
 
+/* Bands up to half a focal length wide: borders that leave the image, and fold. */
+static void gate_wide_bands(void)
+{
+    static rigcal_spans_solver solver;
+    static rigcal_span spans[600];
+    unsigned long units = 0, arcs = 0, rows = 0, pixels = 0;
+    state = 173;
+    for (int n = 0; n < 240; n++) {
+        rigcal_camera cameras[2];
+        rigcal_match_pair pair;
+        rigcal_band band;
+        size_t found = 0;
+        rigcal_real uv[2];
+        set_match_camera(&cameras[0], 0);
+        set_match_camera(&cameras[1], n);
+        set_match_pair(&pair, cameras, n);
+        pair.sigma_b = RC(uniform(0.01, 0.5)) * cameras[1].fx / pair.k;
+        uv[0] = RC(uniform(0, 159));
+        uv[1] = RC(uniform(0, 119));
+        if (rigcal_band_make(&band, &pair, uv) != RIGCAL_OK ||
+            rigcal_spans_begin(&solver, &band) != RIGCAL_OK) {
+            continue;
+        }
+        do {
+            units++;
+        } while (rigcal_spans_step(&solver, 1) == RIGCAL_RUNNING);
+        arcs += (unsigned long)solver.outline.n_arcs;
+        if (rigcal_spans_result(spans, 600, &found, &solver) == RIGCAL_OK) {
+            rows += found;
+            for (size_t k = 0; k < found; k++) {
+                pixels += (unsigned long)(spans[k].last - spans[k].first + 1);
+            }
+        }
+    }
+    line("spans.wide.units", "%lu", units);
+    line("spans.wide.arcs", "%lu", arcs);
+    line("spans.wide.rows", "%lu", rows);
+    line("spans.wide.pixels", "%lu", pixels);
+}
+
 /* Two cameras side by side that are exactly known. */
 static rigcal_camera pinholes[2];
 static rigcal_match_pair pair_probed;
@@ -3925,6 +3965,7 @@ static void run(void)
     gate_store();
     gate_matching();
     gate_long_borders();
+    gate_wide_bands();
     gate_bands();
     gate_outlines();
     gate_transfers();

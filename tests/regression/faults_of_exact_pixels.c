@@ -1,6 +1,6 @@
-/* Of pixels without any error the sum of squares is 0. The part of it that a fault takes was
- * 0 / 0: with assertions the test for faults ended the program, without them a fault's bic
- * meant nothing. */
+/* Of pixels without any error the sum of squares is 0. The part of it that a fault takes
+ * was 0 / 0: with assertions the test for faults ended the program, without them a fault's
+ * bic meant nothing. */
 #include <math.h>
 #include <string.h>
 

@@ -1,0 +1,67 @@
+/* The spans of a band of some hundred pixels lacked those at a corner of the image: one
+ * border had left the image, and a straight line joined its end with the other border. */
+#include <string.h>
+
+#include "rigcal_solvers.h"
+#include "test_support.h"
+
+enum { WIDTH = 80, HEIGHT = 60 };
+
+static rigcal_spans_solver solver;
+static rigcal_span spans[2 * HEIGHT];
+
+/* b is 1 to the left and 1 above of a: the match of uv_a is at infinity on uv_a, nearer
+ * further to the lower right. */
+static void assert_band(const rigcal_real uv_a[2])
+{
+    static const double t[3] = {1, 1, 0};
+    static uint8_t is_found[HEIGHT][WIDTH];
+    rigcal_camera camera;
+    rigcal_match_pair pair;
+    rigcal_match match;
+    rigcal_band band;
+    size_t n;
+
+    memset(&camera, 0, sizeof camera);
+    camera.width = WIDTH;
+    camera.height = HEIGHT;
+    camera.fx = camera.fy = 50;
+    camera.cx = 40;
+    camera.cy = 30;
+    memset(&pair, 0, sizeof pair);
+    pair.camera_a = pair.camera_b = &camera;
+    pair.b_from_a = test_transform(NULL, t);
+    pair.sigma_b = 15;
+    pair.k = 2;
+    ASSERT_STATUS(RIGCAL_OK, rigcal_band_make(&band, &pair, uv_a));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_spans_find(spans, 2 * HEIGHT, &n, &solver, &band));
+    memset(is_found, 0, sizeof is_found);
+    for (size_t k = 0; k < n; k++) {
+        for (int32_t u = spans[k].first; u <= spans[k].last; u++) {
+            is_found[spans[k].row][u] = 1;
+        }
+    }
+    for (int v = 0; v < HEIGHT; v++) {
+        for (int u = 0; u < WIDTH; u++) {
+            const rigcal_real uv[2] = {RC(u), RC(v)};
+
+            TEST_ASSERT_TRUE(rigcal_band_test(&match, &band, uv) != RIGCAL_OK ||
+                             !match.is_inside || is_found[v][u]);
+        }
+    }
+}
+
+static void test_a_band_has_the_corners_of_its_image(void)
+{
+    for (int along = -60; along <= 60; along += 5) {
+        const rigcal_real uv_a[2] = {RC(along > 0 ? along : -5),
+                                     RC(along > 0 ? -5 : -along)};
+
+        assert_band(uv_a);
+    }
+}
+
+TEST_MAIN()
+{
+    RUN_TEST(test_a_band_has_the_corners_of_its_image);
+}

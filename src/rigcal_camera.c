@@ -211,15 +211,13 @@ rigcal_status rc_project_by(rigcal_real x[2], rigcal_real uv[2], rigcal_real J_u
     }
     x[0] = scaled[0] / depth;
     x[1] = scaled[1] / depth;
-    if (!rc_lens_map(F, J, camera, x)) {
+    /* With a focal length of RC_PIXEL_MAX the pixel is still finite. */
+    if (!rc_lens_map(F, J, camera, x) || !rc_all_within(F, 2, RC_MAX / RC_PIXEL_MAX / 2)) {
         return RIGCAL_ERR_NO_RAY;
     }
     const rigcal_real focal[2] = {camera->fx, camera->fy};
     uv[0] = focal[0] * F[0] + camera->cx;
     uv[1] = focal[1] * F[1] + camera->cy;
-    if (!rc_all_finite(uv, 2)) {
-        return RIGCAL_ERR_NO_RAY;
-    }
     for (int row = 0; row < 2; row++) {
         const rigcal_real j[3] = {J[row], J[row + 1], 0}; /* (xx, xy), then (xy, yy) */
         const rigcal_real f = focal[row] / largest;

@@ -32,7 +32,7 @@ typedef struct {
 } problem;
 
 /* The best pose of the points that count. Returns the status of its result. */
-static rigcal_status best_fit(rigcal_pose *pose, problem *P)
+RC_APART static rigcal_status best_fit(rigcal_pose *pose, problem *P)
 {
     rigcal_pose_solver solver;
     size_t n_found;

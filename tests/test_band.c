@@ -282,10 +282,10 @@ static void test_the_epipole_of_a_itself_has_no_band(void)
     ASSERT_REFUSED(RIGCAL_ERR_EPIPOLE, band, rigcal_band_make(&band, &scene.pair, uv));
 }
 
-/* A ray 0.1 off the line, whose pixel moves it by `turn` rad a pixel; the direction of the
- * baseline is unsure by `unsure`, the pixels by `sigma_px`. */
-static rigcal_status test_off_the_line(rigcal_match *match, double turn, double unsure,
-                                       double sigma_px)
+/* A ray so far off the line, whose pixel moves it by `turn` rad a pixel; the direction of
+ * the baseline is unsure by `unsure`, the pixels by `sigma_px`. */
+static rigcal_status test_off_the_line(rigcal_match *match, double off, double turn,
+                                       double unsure, double sigma_px)
 {
     static const double beside[3] = {1, 0, 0};
     const rigcal_real uv[2] = {320, 240};
@@ -298,29 +298,32 @@ static rigcal_status test_off_the_line(rigcal_match *match, double turn, double 
     ASSERT_STATUS(RIGCAL_OK, rigcal_band_make(&band, &scene.pair, uv));
     memset(&ray, 0, sizeof ray);
     ray.m[0] = RC(-0.1);
-    ray.m[1] = RC(0.1);
-    ray.m[2] = RC(sqrt(0.98));
+    ray.m[1] = RC(off);
+    ray.m[2] = RC(sqrt(0.99 - off * off));
     ray.D[0] = ray.D[3] = RC(turn);
     FILL(*match);
     return rigcal_band_test_ray(match, &band, &ray);
 }
 
-/* The distance is 0.1 / turn, the half width k sqrt(variance) / turn. */
+/* The distance is off / turn, the half width k sqrt(variance) / turn. */
 static void test_a_ray_whose_pixel_says_nothing_of_the_line_is_degenerate(void)
 {
     const double least = TOL(1e-318, 1e-40), little = TOL(1e-170, 1e-30);
     rigcal_match match;
 
-    ASSERT_STATUS(RIGCAL_OK, test_off_the_line(&match, 1e-3, 1e-6, 0.5));
+    ASSERT_STATUS(RIGCAL_OK, test_off_the_line(&match, 0.1, 1e-3, 1e-6, 0.5));
     ASSERT_NEAR(100, fabs(D(match.distance_px)), TOL(1e-9, 1e-3));
-    ASSERT_STATUS(RIGCAL_ERR_DEGENERATE, test_off_the_line(&match, 0, 1e-6, 0.5));
+    ASSERT_STATUS(RIGCAL_ERR_DEGENERATE, test_off_the_line(&match, 0.1, 0, 1e-6, 0.5));
     ASSERT_UNTOUCHED(match); /* the pixel does not move it */
-    ASSERT_STATUS(RIGCAL_ERR_DEGENERATE, test_off_the_line(&match, 1e-14, 1e-6, 0.5));
+    ASSERT_STATUS(RIGCAL_ERR_DEGENERATE, test_off_the_line(&match, 0.1, 1e-14, 1e-6, 0.5));
     ASSERT_UNTOUCHED(match); /* 1e13 px off */
-    ASSERT_STATUS(RIGCAL_ERR_DEGENERATE, test_off_the_line(&match, 1e-3, 0, 1e-12));
+    ASSERT_STATUS(RIGCAL_ERR_DEGENERATE, test_off_the_line(&match, 0.1, 1e-3, 0, 1e-12));
     ASSERT_UNTOUCHED(match); /* 1e14 standard deviations off */
-    ASSERT_STATUS(RIGCAL_ERR_DEGENERATE, test_off_the_line(&match, 1e6, least, little));
+    ASSERT_STATUS(RIGCAL_ERR_DEGENERATE,
+                  test_off_the_line(&match, 0.1, 1e6, least, little));
     ASSERT_UNTOUCHED(match); /* a variance that a pixel cannot show */
+    ASSERT_STATUS(RIGCAL_ERR_DEGENERATE, test_off_the_line(&match, 0, 1e6, least, little));
+    ASSERT_UNTOUCHED(match);
 }
 
 TEST_MAIN()

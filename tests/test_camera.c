@@ -444,6 +444,8 @@ static void test_a_pixel_that_overflows_is_none(void)
     ASSERT_STATUS(RIGCAL_OK, rigcal_camera_project(uv, &camera, X_c));
     camera.k1 = RC(TOL(1e-148, 1e-18));
     ASSERT_REFUSED(RIGCAL_ERR_NO_RAY, uv, rigcal_camera_project(uv, &camera, X_c));
+    rigcal_real x[2], J[6];
+    ASSERT_STATUS(RIGCAL_ERR_NO_RAY, rc_project_by(x, uv, J, &camera, X_c));
 }
 
 TEST_MAIN()

@@ -728,7 +728,10 @@ static void test_views_of_three_points_have_no_loop(void)
         ASSERT_NEAR(6 * (n - 1), x.found.freedom_between, 0);
         ASSERT_NEAR(0, x.found.freedom_within, 0);
         for (int c = 0; c < 2; c++) {
-            TEST_ASSERT_EQUAL_INT32(n > 2, fault_of(&x, RIGCAL_FAULT_MOVED, c)->is_seen);
+            const rigcal_fault *const moved = fault_of(&x, RIGCAL_FAULT_MOVED, c);
+
+            TEST_ASSERT_EQUAL_INT32(n > 2, moved->is_seen);
+            TEST_ASSERT_EQUAL_INT32(n > 2 ? 1 : -1, moved->placement);
         }
     }
 }

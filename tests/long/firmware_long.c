@@ -341,8 +341,8 @@ static void judge(void)
     const int body = named(&sure);
     if (strstr(sim.serial, "alarm frame=") != NULL) {
         count.alarms++;
-        /* If a camera was bumped before a reset, a rig that is wrong places the board. One or
-         * two in a hundred such starts give a second alarm after they were mended. */
+        /* If a camera was bumped before a reset, a rig that is wrong places the board. Of
+         * such starts, one or two in a hundred give a second alarm after the mending. */
         count.false_alarms += still && after == 0;
         count.second += still && after > 0;
         count.from_start += !still && bumped == UNKNOWN;

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""A large rig through `rigcal calibrate`: time, memory, and whether the answer is right.
+"""A large rig through `rigcal calibrate`: time, memory, and whether the answer is right; a
+Markdown table of BENCHMARKS.md.
 
     python3 tests/bench/scale.py RIGCAL                100 cameras, 200 placements, 50 points
     python3 tests/bench/scale.py RIGCAL short          20 cameras, 40 placements, 20 points
@@ -127,7 +128,7 @@ def check_answer(folder, poses):
         Sigma = Sigma + np.tril(Sigma, -1).T
         chi_square += d @ np.linalg.solve(Sigma, d)
     mean = chi_square / (6 * (len(poses) - 1))
-    print("chi square of the cameras over its freedom: %.3f" % mean)
+    print("| chi square of the cameras over its freedom | %.3f |" % mean)
     # Errors of the cameras are correlated through camera 0, so the mean scatters.
     if not mean < 4:
         return "the cameras are farther from the truth than their sigmas tell"
@@ -139,7 +140,7 @@ def check_answer(folder, poses):
             sums += float(fields[column]) ** 2 + float(fields[column + 1]) ** 2
             n += 2
     rms = np.sqrt(sums / n)
-    print("residuals: %.4f px of one coordinate, over %d" % (rms, n))
+    print("| residuals, px of one coordinate | %.4f |" % rms)
     if not abs(rms / SIGMA_PX - 1) < 0.05:
         return "the residuals do not show the noise of %.2g px" % SIGMA_PX
     return None
@@ -161,11 +162,11 @@ def main(arguments):
         input_bytes = (folder / "observations.csv").stat().st_size
         seconds, of_processor, memory = run(arguments[0], folder)
         ratio = memory / input_bytes
-        print("%d cameras, %d placements, %d points: %d observations" % (
-            *sizes, sizes[0] * sizes[1] * sizes[2]))
-        print("time %.1f s, of the processor %.1f s" % (seconds, of_processor))
-        print("memory %.1f MB, input %.1f MB, ratio %.2f" % (memory / 1e6, input_bytes / 1e6,
-                                                             ratio))
+        print("| %d cameras, %d placements, %d points | |\n| --- | ---: |" % sizes)
+        print("| time, of which of the processor | %.1f s, %.1f s |" % (seconds, of_processor))
+        print("| `observations.csv` | %.1f MB |" % (input_bytes / 1e6))
+        print("| memory of the program | %.1f MB |" % (memory / 1e6))
+        print("| memory over `observations.csv` | %.2f |" % ratio)
         wrong = check_answer(folder, rig[1])
         if wrong is None and memory > RATIO_MAX * input_bytes + BASE_BYTES:
             wrong = "it takes more than %.0f times the input" % RATIO_MAX

@@ -15,8 +15,8 @@
 /* share: of the placements. If fewer of them agree, the views contradict each other. */
 #define SHARE_LEAST RC(0.5)
 
-/* placements: that two cameras must agree in, besides the one that joins them, so that they
- * are believed against the other cameras. */
+/* placements: two cameras are believed against the others if they agree in this many,
+ * besides the one that joins them. */
 enum { SURE_LEAST = 2 };
 
 /* rung: the highest at which two cameras are believed so. At higher rungs wrong views agree

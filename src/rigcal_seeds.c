@@ -60,7 +60,8 @@ enum { PINHOLE_RAYS = 16 };
 enum { TRIPLES = 6 };
 
 /* points: a view with at most this many starts from the poses of three of them, in builds
- * that have the code. A search descends from the FOLLOWED best directions of the lattice. */
+ * that have the code. A search descends from the FOLLOWED best directions of the
+ * lattice. */
 enum { FEW = RIGCAL_FOR_SPEED && RIGCAL_WITH_THREE_POINTS ? 8 : 0 };
 enum { FOLLOWED = RIGCAL_SEEDS_MAX };
 

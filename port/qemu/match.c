@@ -1,5 +1,5 @@
-/* match.c - what matching costs: count.c counts instructions between the marks, six intervals
- * a band, in the order of match.py's ROWS.
+/* match.c - what matching costs: count.c counts instructions between the marks, six
+ * intervals a band, in the order of match.py's ROWS.
  *
  * Two Brown cameras at random; prints "band STATUS SPANS" for each band, then sizes. */
 #include <stdio.h>

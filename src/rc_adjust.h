@@ -20,7 +20,8 @@ rigcal_status rc_rig_equations(rigcal_real *sum, rigcal_real g[6], rigcal_real H
                                const rigcal_rig_view *view,
                                const rigcal_transform *cam_from_target);
 
-/* The same of view `view`, with the poses and clocks as they are, and its chain. */
+/* The same for view number `view` at its present pose, by its present clocks. Also returns
+ * its chain. */
 rigcal_status rc_rig_view_equations(rigcal_real *sum, rigcal_real g[6], rigcal_real H[21],
                                     rc_chain *chain, const rigcal_rig_view *v,
                                     const rigcal_rig *rig, size_t view);

@@ -40,8 +40,8 @@ int rc_seeds_pick(rigcal_search *s);
  * does. If so, search->work.refinement.cam_from_points is their start. */
 int rc_seeds_mirrored(rigcal_search *s);
 
-/* For a search that is spent: begins the search of the lattice. Returns 0 if it has been
- * done already, or if there is none. */
+/* Begins the search of the lattice, for a search that has no starts left. Returns 0 if the
+ * lattice has been searched already, or if there is none. */
 int rc_seeds_scan(rigcal_search *s);
 
 #endif /* RC_SEEDS_H */

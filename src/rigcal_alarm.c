@@ -80,7 +80,7 @@ enum {
     SINCE,                                  /* frames since the longest window began */
     ROWS, /* rows in the longest window; in the one before */
     ROWS_BEFORE,
-    SMALLEST, /* smallest turn noticed [largest move], by M */
+    SMALLEST, /* smallest turn noticed, as M gives it [parts of the largest move] */
     LOG_SUM   /* log of the body's part of the sum */
 };
 

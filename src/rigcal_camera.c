@@ -9,8 +9,8 @@
  * in pixels are those of such a camera. */
 #define FOCAL_USUAL RC(800)
 
-/* px: a ray's projection may be so far from the pixel, besides rounding. Newton's method
- * goes on to rounding; this only tells an answer from none. */
+/* px: a ray is an answer if its projection is no farther from the pixel than this and
+ * rounding. Newton's method itself goes on until rounding. */
 #define MISS_MAX_PX RC_TOL(5e-10, 1e-3)
 
 /* part of the largest pixel: rounding adds this to MISS_MAX_PX. */

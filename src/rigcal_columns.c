@@ -91,7 +91,7 @@ static size_t column_of(const rigcal_columns *s, size_t camera, size_t parameter
                          ((parameter < RC_OF_CAMERA) ? camera : s->rig->n_cameras);
 }
 
-/* The number, among the pairs of all columns, of pair k of a view of this camera. */
+/* The index, in the list of the pairs of all columns, of pair k of this camera's views. */
 static size_t pair_of(const rigcal_columns *s, size_t camera, size_t k)
 {
     return (k < RC_PAIRS - 1) ? (RC_PAIRS - 1) * camera + k

@@ -15,16 +15,16 @@
 /* share: of the placements. If fewer of them agree, the views contradict each other. */
 #define SHARE_LEAST RC(0.5)
 
-/* placements: that two cameras must agree in, besides the one that joins them, so that they
- * are believed against the other cameras. */
+/* placements: two cameras are believed against the others if they agree in this many,
+ * besides the one that joins them. */
 enum { SURE_LEAST = 2 };
 
 /* rung: the highest at which two cameras are believed so. At higher rungs wrong views agree
  * by chance. */
 enum { SURE_RUNG = 2 };
 
-/* pairs: that are scored for each camera, those that share most information. More take more
- * time. */
+/* pairs: so many are scored for each camera, those that share most information. More take
+ * more time. */
 enum { PAIRS_MOST = 3 };
 
 /* views: of a placement, those of most information, that may place it. */

@@ -23,7 +23,7 @@ enum { REACH_STEPS = 3 };
 /* steps: the most of the proof of a disc, which usually takes 1 or 2. */
 enum { DISC_STEPS = 8 };
 
-/* steps: the most of Newton's method in such a disc, which usually takes 3. */
+/* steps: the most that Newton's method takes in such a disc. Usually it takes 3. */
 enum { NEAR_STEPS = 5 };
 
 /* squared distance in the plane: if Newton's method is so near to the target, its next

@@ -216,8 +216,8 @@ static void end_without_covariance(rigcal_point_solver *p)
     end(p, rc_all_finite(p->sums.Sigma, 6) ? RIGCAL_ERR_DEGENERATE : RIGCAL_ERR_NOT_FINITE);
 }
 
-/* chi2 = e^T V^-1 e at its minimum over X: c^T M^-1 c, which a move of X still gains, is
- * subtracted. */
+/* Also sets chi2, the minimum of e^T V^-1 e over X: a move of X to there lowers the sum at
+ * the present X by c^T M^-1 c. */
 static void add_covariance(rigcal_point_solver *p)
 {
     const size_t i = rc_sight_number(p, p->view);

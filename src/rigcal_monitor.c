@@ -46,7 +46,8 @@
  * one radian. */
 #define LEVER RC(0.1)
 
-/* rad per square root of a second: the fastest random walk. More is no calibrated rig. */
+/* rad per square root of a second: the fastest random walk. A rig that moves more is not
+ * calibrated. */
 #define WALK_MOST RC(1)
 
 /* px: least noise. With it the weight of a row stays within float. */

@@ -17,7 +17,7 @@
 /* points: up to this many all pairs are taken. Of 9 points these are 4 for each. */
 enum { ALL_PAIRS_UP_TO = 9 };
 
-/* pairs: that each point has if there are more points. */
+/* pairs: each point has this many, if there are more than ALL_PAIRS_UP_TO points. */
 enum { PARTNERS = 4 };
 
 /* rounds: in which those pairs are chosen: 4, and as many again because pairs may be left

@@ -2,10 +2,10 @@
 
 /* ---- constants ----------------------------------------------------------- */
 
-/* px, or 1 where relative: less noise is a mistake. */
+/* px, or 1 where relative: a smaller sigma is refused as a mistake. */
 #define SIGMA_MIN RC(1e-6)
 
-/* px, or 1 where relative: more noise is a mistake. */
+/* px, or 1 where relative: a larger sigma is refused as a mistake. */
 #define SIGMA_MAX RC(1e6)
 
 /* px^2: in images without noise a smaller change of a sum of squares means nothing. */

@@ -8,7 +8,7 @@
 /* part of the sum: an approach ends after a step that gains no more than this. */
 #define APPROACHED RC(1e-4)
 
-/* steps: of an approach, usually 3 to 5. */
+/* steps: an approach takes at most this many, usually 3 to 5. */
 enum { APPROACH_STEPS = 12 };
 
 /* points: the first step of a refinement may go by this many, if at least twice as many

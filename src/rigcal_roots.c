@@ -6,8 +6,8 @@
  * ruled out if the other points are off by more than this. */
 #define ROOT_WORSE RC(100)
 
-/* of its longest side: if a triple is no wider than this, noise decides the turn about that
- * side. Then its poses are no starts. */
+/* of the longest side: the least width of a triple whose poses are starts. Of a narrower
+ * triple, noise decides the turn about the longest side. */
 #define NARROW RC(0.25)
 
 /* ---- three points -------------------------------------------------------- */

@@ -59,8 +59,9 @@ enum { PINHOLE_RAYS = 16 };
  * one leads to a pose that fits. */
 enum { TRIPLES = 6 };
 
-/* points: so few start from the poses of three of them, in builds that have the code. A
- * search descends from the FOLLOWED best directions of the lattice. */
+/* points: a view with at most this many starts from the poses of three of them, in builds
+ * that have the code. A search descends from the FOLLOWED best directions of the
+ * lattice. */
 enum { FEW = RIGCAL_FOR_SPEED && RIGCAL_WITH_THREE_POINTS ? 8 : 0 };
 enum { FOLLOWED = RIGCAL_SEEDS_MAX };
 

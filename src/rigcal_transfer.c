@@ -111,8 +111,9 @@ static rigcal_status find_point(transferred *t, const rigcal_real uv_a[2],
 
 /* ---- how sure ------------------------------------------------------------ */
 
-/* (M8) Fills the rows of L. Of X: gain_i = -H^-1 A_i^T w_i B_i. Of c's pixel: A_c gain_i,
- * and B_c. Of the residual of a and b along itself: e_i^T w_i B_i. */
+/* (M8) Fills L. The rows of X are gain_i = -H^-1 A_i^T w_i B_i. The rows of c's pixel are
+ * A_c gain_i and B_c. The row of the residual of a and b, along itself, is
+ * e_i^T w_i B_i. */
 static void fill_rows(transferred *t)
 {
     const sight *const c = &t->sights[CAM_C];

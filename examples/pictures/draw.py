@@ -314,8 +314,8 @@ def draw_two_poses(folder):
         picture.cross(at(p), 8, "ink", 1.6)
     for k, v in ((0, 0), (1, 1)):
         row = poses[k][0]
-        picture.text((left + size / 2, top + size / 2 - 10 + 24 * v),
-                     f"{names[k]}: {float(row['rms_px']):.2f} px rms", colours[k], 12.5,
+        picture.text((left + size / 2, top + size / 2 - 24 + 44 * v),
+                     f"{names[k]}\n{float(row['rms_px']):.2f} px rms", colours[k], 12.5,
                      "middle", bold=True)
     picture.text((left, 334), f"In the image, {2 * reach:.0f} px of it: crosses are the "
                  "corners.", "soft", 12.5)
@@ -447,8 +447,14 @@ def draw_graph(folder):
             n = int(row["shared"])
             picture.line(at[a], at[b], "blue", 1.5 + 1.5 * n)
             x, y = (at[a][0] + at[b][0]) / 2, (at[a][1] + at[b][1]) / 2
-            picture.text((x, y - 2), f"{n} shared\n{float(row['sigma_deg']):.2f}°", "ink",
-                         12.5, "middle", halo=True)
+            lines = f"{n} shared", f"{float(row['sigma_deg']):.2f}°"
+            if at[a][1] == at[b][1]:  # above and below the line, else beside it
+                picture.text((x, y - 8), lines[0], "ink", 12.5, "middle")
+                picture.text((x, y + 17), lines[1], "ink", 12.5, "middle")
+            else:
+                is_left = x < at[1][0]
+                picture.text((x - 12 if is_left else x + 12, y - 6), "\n".join(lines), "ink",
+                             12.5, "end" if is_left else "start")
         if row["kind"] == "advice":
             curved(picture, (at[a][0] + 18, at[a][1]), (at[b][0] - 18, at[b][1]), 0, "red")
             picture.text((673, 68), "missing", "red", 13, "middle", bold=True, halo=True)

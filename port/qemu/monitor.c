@@ -7,7 +7,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "rigcal.h"
+#include "marks.h"
 
 #ifndef CAMERAS
 #define CAMERAS 4
@@ -22,38 +22,14 @@
 
 enum { MATCHES = 20, TURNED_AT = FRAMES - 60, ANSWER_AFTER = 15 };
 
-void jobs_begin(void);
-void jobs_end(void);
-
-/* Marks for count.c; called, not inlined, wherever they are. */
-void __attribute__((noinline)) jobs_begin(void)
-{
-    __asm__ volatile("" ::: "memory");
-}
-
-void __attribute__((noinline)) jobs_end(void)
-{
-    __asm__ volatile("" ::: "memory");
-}
-
 /* The linker script's: the stack's top, and its size as an address. */
 extern unsigned char __stack[], __stack_size[];
 
-static uint64_t state = 1;
 static rigcal_real monitor[RIGCAL_MONITOR_SIZE(CAMERAS, 0)];
 static rigcal_mounted_camera cameras[CAMERAS];
 static int32_t group[CAMERAS];
 static uint8_t held[CAMERAS];
 static rigcal_real Sigma[RIGCAL_CALIBRATED_SIZE(CAMERAS - 1)];
-
-/* [low, high), SplitMix64. */
-static rigcal_real uniform(rigcal_real low, rigcal_real high)
-{
-    uint64_t z = (state += UINT64_C(0x9E3779B97F4A7C15));
-    z = (z ^ (z >> 30)) * UINT64_C(0xBF58476D1CE4E5B9);
-    z = (z ^ (z >> 27)) * UINT64_C(0x94D049BB133111EB);
-    return low + (high - low) * ((rigcal_real)((z ^ (z >> 31)) >> 40) / (1 << 24));
-}
 
 /* The sum of four: nearly normal, of standard deviation 1. */
 static rigcal_real noise(void)

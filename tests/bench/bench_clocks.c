@@ -150,9 +150,8 @@ static int run_drifts(int rigs, double noise_px)
             errors[k] += error2 / rigs;
         }
     }
-    printf("Drifts within 50 ppm, 7 runs of 3 in a minute, noise %.3f px: error over bound "
-           "%.2f without clocks, %.2f with offsets, %.3f with drifts; not adjusted %d.\n",
-           noise_px, sqrt(errors[0]), sqrt(errors[1]), sqrt(errors[2]), failed);
+    printf("| %.3f px | %.2f | %.2f | %.3f | %d |\n", noise_px, sqrt(errors[0]),
+           sqrt(errors[1]), sqrt(errors[2]), failed);
     return failed == 0 && (noise_px < NOISE ? sqrt(errors[2] / errors[0]) < 0.1
                                             : sqrt(errors[2]) < 1.3 * 1.12);
 }
@@ -180,9 +179,11 @@ static int run_stamps(int rigs)
             errors[k] += error2 / rigs;
         }
     }
-    printf("Stamps with 4 ms of noise: sigma %.4f px without sigma_time, %.4f px with it "
-           "(pixels: %.4f px); error over bound %.2f, %.3f; not adjusted %d.\n",
-           sigmas[0] / rigs, sigmas[1] / rigs, NOISE, sqrt(errors[0]), sqrt(errors[1]),
+    puts("\n| stamps with 4 ms of noise | sigma_px found | error over bound | not adjusted "
+         "|\n| --- | ---: | ---: | ---: |");
+    printf("| without sigma_time | %.4f px | %.2f | %d |\n"
+           "| with sigma_time | %.4f px | %.3f | %d |\n",
+           sigmas[0] / rigs, sqrt(errors[0]), failed, sigmas[1] / rigs, sqrt(errors[1]),
            failed);
     return failed == 0 && fabs(sigmas[1] / rigs / NOISE - 1) < 0.03;
 }
@@ -208,8 +209,11 @@ int main(int argc, char *argv[])
     for (int i = 0; i < N_CAMPAIGNS; i++) {
         is_good &= run(&CAMPAIGNS[i], i, rigs);
     }
-    puts("");
-    is_good &= run_drifts(rigs, NOISE) & run_drifts(rigs, NOISE / 20) & run_stamps(rigs);
+    puts("\n| noise; clocks drift within 50 ppm | error over bound, no clocks | offsets "
+         "| drifts | not adjusted |\n| --- | ---: | ---: | ---: | ---: |");
+    is_good &= run_drifts(rigs, NOISE);
+    is_good &= run_drifts(rigs, NOISE / 20);
+    is_good &= run_stamps(rigs);
     return is_check && !is_good;
 }
 

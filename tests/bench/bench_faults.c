@@ -391,8 +391,10 @@ static int none(int n)
 
     printf("| all | %.0f | %.2f %% | %.2f %% |\n", total, 100 * total5 / total,
            100 * total1 / total);
-    printf("named: %.2f %% of %d rigs; pattern's score: mean %.3f, deviation %.3f\n",
-           100 * named / n, n, score, deviation);
+    puts("\n| rigs without a fault | a fault named | pattern's score, mean | its deviation "
+         "|\n"
+         "| ---: | ---: | ---: | ---: |");
+    printf("| %d | %.2f %% | %.3f | %.3f |\n", n, 100 * named / n, score, deviation);
     return !(fabs(total5 / total - 0.05) < 0.005 + 1 / sqrt(total) &&
              named / n < 0.015 + 2 / (double)n && fabs(score) < 0.1 + 3 / sqrt(n));
 }
@@ -486,9 +488,11 @@ static int untestable(int n)
         found += (s.found.bits & RIGCAL_FAULTS_NAMED) != 0;
         told += (s.found.bits & RIGCAL_FAULTS_NO_NEIGHBOUR) != 0;
     }
-    printf("clock 5 ms, single pictures: something found in %.1f %%, explained in %.1f %%, "
-           "clocks could not be tested in %.1f %% of %d rigs\n",
-           100 * found / n, 100 * explained / n, 100 * told / n, n);
+    puts("| clock 5 ms, single pictures | something found | explained | clocks not tested "
+         "|\n"
+         "| ---: | ---: | ---: | ---: |");
+    printf("| %d | %.1f %% | %.1f %% | %.1f %% |\n", n, 100 * found / n,
+           100 * explained / n, 100 * told / n);
     return explained > 0.03 * n + 1 || told < n;
 }
 

@@ -1,6 +1,6 @@
 #!/bin/sh
-# Mean instructions of rigcal_pose_solve, as a Markdown table of BENCHMARKS.md, and what the test
-# of faults costs. Run by hand; wants valgrind.
+# Mean instructions of rigcal_pose_solve, and what the test of faults costs: two Markdown tables
+# of BENCHMARKS.md. Run by hand; wants valgrind.
 #
 #   sh tests/bench/instructions.sh [COUNT]
 #   sh tests/bench/instructions.sh faults [COUNT]   only the second, of COUNT rigs (20)
@@ -65,11 +65,12 @@ faults() {
     adjustment=$(instructions_of rigcal_rig_adjust)
     test=$(instructions_of rigcal_rig_faults)
     evaluations=$(cat "$build/cost.txt")
-    echo "Mean of $rigs rigs of 4 cameras, 8 runs of 3, on $(uname -m), gcc -O2, double: an"
-    echo "evaluation of all views in an adjustment takes $((adjustment / evaluations))"
-    echo "instructions, the test of all faults $((test / rigs)), which is"
     hundredths=$((100 * test * evaluations / rigs / adjustment))
-    echo "$((hundredths / 100)).$(printf %02d $((hundredths % 100))) evaluations."
+    echo "| mean of $rigs rigs of 4 cameras, 8 runs of 3 | instructions |"
+    echo "| --- | ---: |"
+    echo "| an evaluation of all views in an adjustment | $((adjustment / evaluations)) |"
+    echo "| the test of all faults | $((test / rigs)) |"
+    echo "| the same, in evaluations | $((hundredths / 100)).$(printf %02d $((hundredths % 100))) |"
 }
 
 if [ $what = faults ]; then

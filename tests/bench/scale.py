@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""A large rig through `rigcal calibrate`: time, memory, and whether the answer is right.
+"""A large rig through `rigcal calibrate`: time, memory, and whether the answer is right; a
+Markdown table of BENCHMARKS.md.
 
     python3 tests/bench/scale.py RIGCAL                100 cameras, 200 placements, 50 points
     python3 tests/bench/scale.py RIGCAL short          20 cameras, 40 placements, 20 points
@@ -7,7 +8,7 @@
 
 RIGCAL is the program. Every camera sees every point of every placement, with noise of
 0.3 px. The script makes the files in a temporary folder, runs the program, and prints the
-time, the largest resident memory and its ratio to the size of the observations' file. It
+time of the processor, the largest resident memory and its ratio to the size of the observations' file. It
 fails if the memory is above 3 times that size and 4 MB, if the residuals do not show the noise that was put in, or if
 the poses are farther from the truth than their standard deviations allow. It does not judge
 the time, which is the machine's.
@@ -90,18 +91,18 @@ def write_files(folder, rng, cameras, poses, placements, target):
 
 
 def run(program, folder):
-    """The time and the processor's time [s] and the largest resident memory [bytes]. /usr/bin/time
+    """The time of the processor [s] and the largest resident memory [bytes]. /usr/bin/time
     starts it: what Python starts counts Python's own memory as well."""
     with open(folder / "summary.txt", "w") as out:
         status = subprocess.run(
-            ["/usr/bin/time", "-f", "%e %U %M", "-o", folder / "used.txt",
+            ["/usr/bin/time", "-f", "%U %M", "-o", folder / "used.txt",
              program, "calibrate", "--cameras", folder / "cameras.csv",
              "--observations", folder / "observations.csv", "--out", folder / "out"],
             stdout=out, check=False).returncode
     if status != 0:
         sys.exit("rigcal calibrate failed: exit status %d" % status)
-    seconds, of_processor, kilobytes = (folder / "used.txt").read_text().split()
-    return float(seconds), float(of_processor), 1024 * int(kilobytes)
+    of_processor, kilobytes = (folder / "used.txt").read_text().split()
+    return float(of_processor), 1024 * int(kilobytes)
 
 
 def check_answer(folder, poses):
@@ -127,7 +128,7 @@ def check_answer(folder, poses):
         Sigma = Sigma + np.tril(Sigma, -1).T
         chi_square += d @ np.linalg.solve(Sigma, d)
     mean = chi_square / (6 * (len(poses) - 1))
-    print("chi square of the cameras over its freedom: %.3f" % mean)
+    print("| chi square of the cameras over its freedom | %.3f |" % mean)
     # Errors of the cameras are correlated through camera 0, so the mean scatters.
     if not mean < 4:
         return "the cameras are farther from the truth than their sigmas tell"
@@ -139,7 +140,7 @@ def check_answer(folder, poses):
             sums += float(fields[column]) ** 2 + float(fields[column + 1]) ** 2
             n += 2
     rms = np.sqrt(sums / n)
-    print("residuals: %.4f px of one coordinate, over %d" % (rms, n))
+    print("| residuals, px of one coordinate | %.4f |" % rms)
     if not abs(rms / SIGMA_PX - 1) < 0.05:
         return "the residuals do not show the noise of %.2g px" % SIGMA_PX
     return None
@@ -159,13 +160,13 @@ def main(arguments):
         folder = pathlib.Path(name)
         write_files(folder, rng, *rig)
         input_bytes = (folder / "observations.csv").stat().st_size
-        seconds, of_processor, memory = run(arguments[0], folder)
+        of_processor, memory = run(arguments[0], folder)
         ratio = memory / input_bytes
-        print("%d cameras, %d placements, %d points: %d observations" % (
-            *sizes, sizes[0] * sizes[1] * sizes[2]))
-        print("time %.1f s, of the processor %.1f s" % (seconds, of_processor))
-        print("memory %.1f MB, input %.1f MB, ratio %.2f" % (memory / 1e6, input_bytes / 1e6,
-                                                             ratio))
+        print("| %d cameras, %d placements, %d points | |\n| --- | ---: |" % sizes)
+        print("| time of the processor | %.1f s |" % of_processor)
+        print("| `observations.csv` | %.1f MB |" % (input_bytes / 1e6))
+        print("| memory of the program | %.1f MB |" % (memory / 1e6))
+        print("| memory over `observations.csv` | %.2f |" % ratio)
         wrong = check_answer(folder, rig[1])
         if wrong is None and memory > RATIO_MAX * input_bytes + BASE_BYTES:
             wrong = "it takes more than %.0f times the input" % RATIO_MAX

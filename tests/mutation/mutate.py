@@ -10,7 +10,7 @@
     mutate.py --record             writes RESULTS.md and recorded.csv of the results so far
 
 A mutant changes a relation, a condition, an operator, a sign, a number, a return value, or
-leaves a statement out. Its file is compiled with assertions and with the sanitizer of
+leaves a statement out; assertions and traces stay. Its file is compiled with assertions and with the sanitizer of
 undefined behaviour, which traps, linked before the library, and run against the test of its
 layer and of the layers that include it. The tests come in the order of their time, divided by
 the share of this layer's mutants that each killed so far. A test that fails, crashes or takes
@@ -62,6 +62,8 @@ TOKEN = re.compile(r"""/\*.*?\*/ | //[^\n]* | "(?:\\.|[^"\\])*" | '(?:\\.|[^'\\]
     | [A-Za-z_]\w* | (?:\d+\.\d*|\.\d+|\d+)(?:[eE][-+]?\d+)?[uUlLfF]* | 0[xX][\da-fA-F]+
     | \+\+|--|->|<<=|>>=|<=|>=|==|!=|&&|\|\||\+=|-=|\*=|/=|\|=|&=|<<|>> | \S""", re.X | re.S | re.M)
 
+DECLARED = re.compile(r"\s*(?:static\s+)?(?:const\s+)?(?:rigcal_\w+|double|float|int|size_t|u?int\d+_t)\s+\w+[^=]*\[$")
+
 Mutant = collections.namedtuple("Mutant", "layer number line kind start end text")
 
 
@@ -87,12 +89,18 @@ class Source:
 
         depth = 0
         before = ""
+        untouched = -1  # the end of an assertion or a trace
+        begun = 0  # the statement
         tokens = [m for m in TOKEN.finditer(self.text) if not m[0].startswith(("/*", "//"))]
         for at, token in enumerate(tokens):
             word, start, end = token[0], *token.span()
             after = tokens[at + 1][0] if at + 1 < len(tokens) else ""
             depth += (word == "{") - (word == "}")
-            if depth > 0 and not word.startswith(("#", '"', "'")):
+            if word in ("RIGCAL_ASSERT", "RIGCAL_TRACE"):
+                untouched = self.text.index(";", start)
+            if word in (";", "{", "}") and start >= untouched:
+                begun = end
+            if depth > 0 and start > untouched and not word.startswith(("#", '"', "'")):
                 is_binary = bool(re.match(r"[\w)\]]", before[-1:])) and before not in ("return", "case", "sizeof")
                 if word in RELATIONS:
                     add("relation", start, end, RELATIONS[word])
@@ -102,6 +110,9 @@ class Source:
                     add("operator", start, end, OPERATORS[word])
                 elif word == "!":
                     add("condition", start, end, "")
+                elif re.fullmatch(r"\d+", word) and DECLARED.match(self.text[begun:start]):
+                    if int(word) > 1:  # a longer array harms nobody
+                        add("number", start, end, str(int(word) - 1))
                 elif re.fullmatch(r"\d+", word) and before not in ("case",):
                     add("number", start, end, str(int(word) + 1))
                 elif re.fullmatch(r"[\d.]+(?:[eE][-+]?\d+)?", word) and before == "(":
@@ -272,9 +283,13 @@ def key_of(source: Source, m: Mutant) -> tuple[str, str, str, str]:
     return (source.layer, source.line(m.line), " ".join(source.text[m.start:m.end].split()), m.text.strip())
 
 
+def place_of(m: Mutant) -> str:
+    return f"{m.start}:{m.text.strip()}"
+
+
 def kept(results: Results, source: Source, m: Mutant, tests: list[str]) -> dict[str, str] | None:
     """What is known of a mutant, where it still holds."""
-    row = results.known.get((source.layer, f"{m.number}"))
+    row = results.known.get((source.layer, place_of(m)))
     if row and row["source"] == digest(source.path) and (row["killed_by"] or row["tests"] == digest_of_tests(tests)):
         return row
     return None
@@ -303,7 +318,7 @@ def record(results: Results, layers: list[str], known: dict[tuple[str, str, str,
         count: collections.Counter[str] = collections.Counter()
         best: tuple[float, int, dict[str, str]] | None = None
         for place, m in enumerate(mutants):
-            row = results.known.get((layer, f"{m.number}"))
+            row = results.known.get((layer, place_of(m)))
             key = key_of(source, m)
             if key in known:
                 what = "equivalent" if row or place < FIRST else ""
@@ -407,7 +422,7 @@ def main() -> int:
                 killer = asan.killer(source, m, has, lane)
                 killer = killer and "asan " + killer
             lanes.append(lane)
-            row = {"layer": layer, "line": f"{m.line}", "kind": m.kind, "key": f"{m.number}", "was": key[2],
+            row = {"layer": layer, "line": f"{m.line}", "kind": m.kind, "key": place_of(m), "was": key[2],
                    "became": key[3], "source": digest(source.path), "tests": digest_of_tests(tests),
                    "killed_by": killer, "seconds": f"{time.monotonic() - start:.1f}"}
             results.add(row)

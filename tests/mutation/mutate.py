@@ -35,7 +35,6 @@ import hashlib
 import json
 import os
 import pathlib
-import random
 import re
 import shlex
 import subprocess
@@ -295,10 +294,11 @@ def kept(results: Results, source: Source, m: Mutant, tests: list[str]) -> dict[
     return None
 
 
-def shuffled(mutants: list[Mutant], layer: str, seed: int) -> list[Mutant]:
-    order = list(mutants)
-    random.Random(f"{seed} {layer}").shuffle(order)
-    return order
+def shuffled(mutants: list[Mutant], source: Source, seed: int) -> list[Mutant]:
+    """An order that depends on the text of each mutant alone: a change of the file moves no other."""
+    def place(m: Mutant) -> str:
+        return hashlib.sha256(f"{seed} {key_of(source, m)}".encode()).hexdigest()
+    return sorted(mutants, key=lambda m: (place(m), m.number))
 
 
 def recorded() -> dict[str, dict[str, str]]:
@@ -314,7 +314,7 @@ def record(results: Results, layers: list[str], known: dict[tuple[str, str, str,
     times = Bench(BUILD).time_of
     for layer in layers:
         source = Source(layer)
-        mutants = shuffled(source.mutants(), layer, seed)
+        mutants = shuffled(source.mutants(), source, seed)
         count: collections.Counter[str] = collections.Counter()
         best: tuple[float, int, dict[str, str]] | None = None
         for place, m in enumerate(mutants):
@@ -363,7 +363,7 @@ def chosen_of(source: Source, options: argparse.Namespace, row: dict[str, str] |
         return [mutants[int(options.only.partition(":")[2])]]
     if options.all:
         return mutants
-    order = shuffled(mutants, source.layer, options.seed)
+    order = shuffled(mutants, source, options.seed)
     if options.per_file:
         return order[:options.per_file]
     if row:

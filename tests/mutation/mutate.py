@@ -279,7 +279,10 @@ def equivalents() -> dict[tuple[str, str, str, str], str]:
 
 
 def key_of(source: Source, m: Mutant) -> tuple[str, str, str, str]:
-    return (source.layer, source.line(m.line), " ".join(source.text[m.start:m.end].split()), m.text.strip())
+    """(layer, line, what was there, what came). "+ (2)" is the second + of its line."""
+    was = source.text[m.start:m.end]
+    before = source.text[source.text.rfind("\n", 0, m.start) + 1:m.start].count(was)
+    return (source.layer, source.line(m.line), " ".join(was.split()) + f" ({before + 1})" * (before > 0), m.text.strip())
 
 
 def place_of(m: Mutant) -> str:

@@ -247,8 +247,8 @@ static void test_poses_to_start_from_are_checked(void)
     TEST_ASSERT_EQUAL_INT32(3, at_fault); /* the first view of placement 1 */
 }
 
-/* Of 12 views of 8 points 192 numbers are measured; 2 cameras and 4 placements are free. The
- * noise found differs by its own deviation, 0.017, of which 0.06 is more than three. */
+/* Of 12 views of 8 points 192 numbers are measured; 2 cameras and 4 placements are free.
+ * The deviation of the noise found is 0.017, of which 0.06 is more than three. */
 static void test_the_noise_found_is_that_of_the_pixels(void)
 {
     rigcal_rig_fit fit;

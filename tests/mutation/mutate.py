@@ -18,9 +18,9 @@ the share of this layer's mutants that each killed so far. A test that fails, cr
 again with the address sanitizer. A survivor is printed, unless equivalent.txt says why no test
 can kill it. Exit status 1 where a survivor is left or equivalent.txt is stale.
 
-The recorded mutant of a file is, of its first 3 by the seed, the one that is killed, by the
-fastest test; recorded.csv names both. A file whose recorded mutant is gone from the source
-takes the first by the seed.
+The recorded mutant of a file is, of those that a test killed, the one of the fastest test,
+and of these the first by the seed; recorded.csv names mutant and test. A file without one
+has none in CI. Where it is gone from the source, the first by the seed takes its place.
 
 Build the preset gcc-double first. Results are appended to build/mutation/results.csv: a run
 that was ended goes on where it was. A mutant runs again when its file changed, or when it
@@ -48,7 +48,6 @@ ASAN = ROOT / "build/asan"
 WORK = ROOT / "build/mutation"
 RECORDED = pathlib.Path(__file__).with_name("recorded.csv")
 REPORT = pathlib.Path(__file__).with_name("RESULTS.md")
-FIRST = 3  # mutants of a file, of which recorded.csv has one
 EQUIVALENT = pathlib.Path(__file__).with_name("equivalent.txt")
 SEED = 22
 TESTS_MOST = 8  # of a mutant: its own layer's, and the nearest that include it; then hostile
@@ -324,13 +323,13 @@ def record(results: Results, layers: list[str], known: dict[tuple[str, str, str,
             row = results.known.get((layer, place_of(m)))
             key = key_of(source, m)
             if key in known:
-                what = "equivalent" if row or place < FIRST else ""
+                what = "equivalent"
             elif not row or row["source"] != digest(source.path):
                 continue
             else:
                 what = {"": "survivors", "compiler": ""}.get(row["killed_by"], "killed")
-                if what == "killed" and place < FIRST:
-                    cost = times(row["killed_by"].removeprefix("asan "))
+                if what == "killed" and not row["killed_by"].startswith("asan "):
+                    cost = times(row["killed_by"])
                     chosen = {"layer": layer, "line": key[1], "was": key[2], "became": key[3], "test": row["killed_by"]}
                     best = min((cost, place, chosen), best or (9e9, 0, chosen), key=lambda b: b[:2])
             count[what] += bool(what)
@@ -369,10 +368,10 @@ def chosen_of(source: Source, options: argparse.Namespace, row: dict[str, str] |
     order = shuffled(mutants, source, options.seed)
     if options.per_file:
         return order[:options.per_file]
-    if row:
-        key = (source.layer, row["line"], row["was"], row["became"])
-        order = [m for m in mutants if key_of(source, m) == key] or order
-    return order[:1]
+    if not row:
+        return []
+    key = (source.layer, row["line"], row["was"], row["became"])
+    return ([m for m in mutants if key_of(source, m) == key] or order)[:1]
 
 
 def main() -> int:
@@ -446,7 +445,7 @@ def main() -> int:
             task.result()
     seen = count["killed"] + count["survive"]
     used = os.times()
-    print(f"mutation: {count['killed']} of {seen} mutants killed in {len(layers)} files; "
+    print(f"mutation: {count['killed']} of {seen} mutants killed in {sum(bool(mutants) for _, mutants in work)} files; "
           f"{count['equivalent']} equivalent, {count['compiler']} that do not compile; "
           f"{used.children_user + used.children_system + used.user:.0f} s of a processor")
     there = {key_of(source, m) for source in map(Source, {key[0] for key in known}) for m in source.mutants()}

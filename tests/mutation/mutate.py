@@ -416,10 +416,10 @@ def main() -> int:
         row = None if options.only or is_ci else kept(results, source, m, tests)
         if not row:
             lane, start = lanes.pop(), time.monotonic()
-            order = results.in_order(bench, layer, tests)
             first = history.get(layer, {}).get("test", "") if is_ci else ""
-            order.sort(key=lambda test: test != first)
-            killer = bench.killer(source, m, order, lane)
+            killer = bench.killer(source, m, [first], lane) if first in bench.link else ""
+            order = [] if killer else results.in_order(bench, layer, tests)
+            killer = killer or bench.killer(source, m, order, lane)
             if not killer and asan and (has := [t for t in order if t in asan.link]):
                 killer = asan.killer(source, m, has, lane)
                 killer = killer and "asan " + killer

@@ -78,6 +78,8 @@ ffi           gcc,cmake,rust,numpy,build/shared
 firmware      gcc,arm,unity                sh examples/firmware/run.sh build/firmware
 rig-ceres     gcc,g++,cmake,make,ceres,unity
               sh tests/bench/rig.sh check
+mutation      gcc,cmake,unity,python,build/gcc-double
+              preset_build gcc-double && $PYTHON tests/mutation/mutate.py
 constants     gcc,python                   $PYTHON tests/gate/constants.py --check
 symbols       gcc,python                   $PYTHON tests/checks/check_symbols.py
 vectors       numpy,scipy                  $PYTHON tests/vectors/make_vectors.py --check

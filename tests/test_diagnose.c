@@ -438,6 +438,65 @@ static void test_units_are_told_from_a_previous_pose(void)
     }
 }
 
+/* Four points on a line have no pose, and the fifth is beside it: only without the fifth
+ * is there no rms. */
+static void test_there_is_no_rms_where_the_others_have_no_pose(void)
+{
+    static const double X[5][3] = {
+        {-2, 0, 0}, {-1, 0, 0}, {1, 0, 0}, {2, 0, 0}, {0.5, 2, 1}};
+    test_rng rng = test_seed(14);
+    problem p;
+
+    make(&p, &rng, 5, TEST_GENERAL);
+    test_rotation(p.scene.R, 0.3, 0.2, 0.1);
+    p.scene.t[0] = p.scene.t[1] = 0.1;
+    p.scene.t[2] = 8;
+    memcpy(p.scene.X, X, sizeof X);
+    test_observations(p.o, &p.scene, &p.camera);
+    blame(&p, NULL);
+    for (int i = 0; i < 4; i++) {
+        TEST_ASSERT_TRUE(p.rms_without[i] >= 0);
+    }
+    TEST_ASSERT_TRUE(p.rms_without[4] >= -1 && p.rms_without[4] <= -1);
+}
+
+/* Of more points than are tried, those that are not have no rms. The wrong one has. */
+static void test_there_is_no_rms_of_what_was_not_left_out(void)
+{
+    enum { MANY = RIGCAL_BLAME_TRIES + 6 };
+    test_rng rng = test_seed(15);
+    rigcal_observation o[MANY];
+    rigcal_real rms_without[MANY];
+    rigcal_blame found;
+    int none = 0;
+    problem p;
+
+    make(&p, &rng, N_MAX, TEST_GENERAL);
+    for (int i = 0; i < MANY; i++) {
+        double X[3], X_c[3], uv[2];
+
+        for (int k = 0; k < 3; k++) {
+            X[k] = p.scene.X[i % N_MAX][k] + 0.01 * test_normal(&rng);
+        }
+        test_apply(X_c, p.scene.R, X, p.scene.t);
+        test_project_px(uv, &p.camera, X_c);
+        uv[0] += NOISE * test_normal(&rng) + (i == 40 ? 30 : 0);
+        uv[1] += NOISE * test_normal(&rng);
+        test_to_real(o[i].X_w, X, 3);
+        test_to_real(o[i].uv, uv, 2);
+        rms_without[i] = 7;
+    }
+    ASSERT_STATUS(RIGCAL_OK, rigcal_pose_blame(&found, rms_without,
+                                               &VIEW(&p.camera, o, NULL, MANY), NULL));
+    for (int i = 0; i < MANY; i++) {
+        none += rms_without[i] >= -1 && rms_without[i] <= -1;
+        TEST_ASSERT_TRUE(rms_without[i] >= -1 && rms_without[i] < 7);
+    }
+    TEST_ASSERT_EQUAL_INT(MANY - RIGCAL_BLAME_TRIES, none);
+    TEST_ASSERT_EQUAL_INT(40, found.point);
+    TEST_ASSERT_TRUE(rms_without[40] > 0);
+}
+
 /* A flat target with one point off its plane, on the wrong side: that point is wrong, or
  * the target is mirrored. The one that fits better counts. */
 static void test_a_point_on_the_wrong_side_is_wrong_or_the_target_is_mirrored(void)
@@ -541,6 +600,8 @@ TEST_MAIN()
     RUN_TEST(test_a_flat_target_has_no_hand);
     RUN_TEST(test_one_wrong_point_is_told_and_several_are_not_explained);
     RUN_TEST(test_units_are_told_from_a_previous_pose);
+    RUN_TEST(test_there_is_no_rms_where_the_others_have_no_pose);
+    RUN_TEST(test_there_is_no_rms_of_what_was_not_left_out);
     RUN_TEST(test_points_without_a_pose_have_no_rms);
     RUN_TEST(test_of_a_turn_that_no_point_shows_there_may_be_no_pose);
     RUN_TEST(test_of_two_points_beyond_the_lens_none_is_blamed);

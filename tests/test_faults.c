@@ -573,6 +573,7 @@ static void test_points_beyond_4_sigma_do_not_count_where_they_are_left_out(void
     set_up(&x, 0);
     test_it(&x);
     whole = x.found;
+    ASSERT_NEAR(0.3, whole.sigma_px, 0.06); /* the noise of the pixels */
     x.o[4][2].uv[0] += RC(40);
     x.rig.sigma_px = RC(0.3);
     x.options.is_truncated = 1;
@@ -975,6 +976,64 @@ static void test_residues_of_nothing_have_no_pattern(void)
     ASSERT_NEAR(0, found.pattern_sigma, 0);
 }
 
+/* Of F = 5 a fault that leaves F = 2 explains 3 of 4. */
+static void test_what_a_fault_explains_is_its_part_of_F_less_one(void)
+{
+    rigcal_fault faults[1];
+    rigcal_faults found;
+
+    memset(faults, 0, sizeof faults);
+    memset(&found, 0, sizeof found);
+    found.F = 5;
+    found.n = 1;
+    found.n_seen = 1;
+    faults[0].is_seen = 1;
+    faults[0].F_after = 2;
+    faults[0].bic = -50;
+    rc_finding_judge(&found, faults, &COMMON);
+    TEST_ASSERT_EQUAL_INT32(RIGCAL_FAULTS_NAMED, found.bits & RIGCAL_FAULTS_NAMED);
+    ASSERT_NEAR(0.75, found.explained, TOL(1e-15, 1e-6));
+}
+
+/* Faults of random BIC, seen or not, in any order: the best of them stay, in order. Those
+ * that are not seen come last. */
+static void test_faults_are_ranked_in_any_order(void)
+{
+    enum { OFFERED = 12, ROOM = 7 };
+    test_rng rng = test_seed(77);
+
+    for (int trial = 0; trial < 200; trial++) {
+        rigcal_fault ranked[ROOM + 1];
+        double bic[OFFERED];
+        int32_t n = 0;
+        int seen = 0;
+
+        memset(ranked, 0, sizeof ranked);
+        ranked[ROOM].kind = 99;
+        for (int i = 0; i < OFFERED; i++) {
+            rigcal_fault fault;
+
+            memset(&fault, 0, sizeof fault);
+            fault.is_seen = test_next(&rng) % 3 != 0;
+            fault.bic = RC(test_uniform(&rng, -100, 0));
+            bic[seen] = D(fault.bic);
+            seen += fault.is_seen;
+            rc_finding_rank(ranked, &n, ROOM, &fault);
+        }
+        TEST_ASSERT_EQUAL_INT32(ROOM, n);
+        TEST_ASSERT_EQUAL_INT32(99, ranked[ROOM].kind);
+        for (int k = 0; k < ROOM; k++) {
+            int before = 0;
+
+            TEST_ASSERT_EQUAL_INT32(k < seen, ranked[k].is_seen);
+            for (int i = 0; i < seen; i++) {
+                before += bic[i] < D(ranked[k].bic);
+            }
+            TEST_ASSERT_TRUE(k >= seen || before == k);
+        }
+    }
+}
+
 TEST_MAIN()
 {
     RUN_TEST(test_each_fault_is_that_of_dense_least_squares);
@@ -1007,4 +1066,6 @@ TEST_MAIN()
     RUN_TEST(test_of_many_parameters_the_first_are_told);
     RUN_TEST(test_the_verdict_of_what_could_not_be_seen);
     RUN_TEST(test_residues_of_nothing_have_no_pattern);
+    RUN_TEST(test_what_a_fault_explains_is_its_part_of_F_less_one);
+    RUN_TEST(test_faults_are_ranked_in_any_order);
 }

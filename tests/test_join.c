@@ -3,6 +3,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "rc_adjust.h"
 #include "test_fit.h"
 #include "test_rigs.h"
 
@@ -297,6 +298,30 @@ static void test_more_cameras_come_near_the_bound(void)
     TEST_ASSERT_TRUE(ratio > 0.94 && ratio < 1.1);
 }
 
+/* Exact poses give the rig at once: the adjustment that follows has nothing to do. */
+static void test_the_adjustment_starts_at_the_joined_cameras(void)
+{
+    test_rng rng = test_seed(347);
+    static rigcal_rig_solver solver;
+
+    WANTS_RIG;
+    for (int trial = 0; trial < TEST_TRIALS(10); trial++) {
+        test_rig_random(&r, &rng, 4, 3, 6);
+        for (int f = 0; f < 3; f++) {
+            test_rig_see(&r, &rng, f, f, 0);
+            test_rig_see(&r, &rng, f + 1, f, 0);
+        }
+        give_true_poses(100);
+        memset(r.cams, 0, sizeof r.cams);
+        ASSERT_STATUS(RIGCAL_OK, rigcal_rig_join_begin(&solver, &r.rig));
+        do {
+            ASSERT_STATUS(RIGCAL_RUNNING, rigcal_rig_join_step(&solver, 1));
+        } while (solver.phase == RC_RIG_CHECKING || solver.phase == RC_RIG_CHECKED ||
+                 solver.phase == RC_RIG_PLACING || solver.phase == RC_RIG_REACHING);
+        assert_joined();
+    }
+}
+
 TEST_MAIN()
 {
     RUN_TEST(test_exact_poses_give_the_rig);
@@ -309,4 +334,5 @@ TEST_MAIN()
     RUN_TEST(test_the_fit_is_that_of_the_adjustment);
     RUN_TEST(test_two_cameras_come_near_the_bound);
     RUN_TEST(test_more_cameras_come_near_the_bound);
+    RUN_TEST(test_the_adjustment_starts_at_the_joined_cameras);
 }

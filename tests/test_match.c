@@ -204,6 +204,26 @@ static void test_the_curve_runs_from_near_to_far(void)
     ASSERT_NEAR(D(band.far_a), points[4].depth_a, TOL(1e-9, 1e-3) * D(band.far_a));
 }
 
+/* Of two places, far and near, often one alone is in the image. */
+static void test_a_curve_may_have_one_point(void)
+{
+    int alone = 0;
+
+    for (uint64_t seed = 4500; seed < 4600; seed++) {
+        rigcal_band_point points[2];
+        size_t n = 0;
+
+        make(seed);
+        if (rigcal_band_curve(points, 2, &n, &band) == RIGCAL_OK) {
+            TEST_ASSERT_TRUE(n == 1 || n == 2);
+            alone += n == 1;
+        } else {
+            TEST_ASSERT_EQUAL_size_t(0, n);
+        }
+    }
+    TEST_ASSERT_GREATER_THAN_INT(0, alone);
+}
+
 TEST_MAIN()
 {
     RUN_TEST(test_those_inside_come_best_first);
@@ -212,4 +232,5 @@ TEST_MAIN()
     RUN_TEST(test_a_candidate_that_is_no_number_is_named);
     RUN_TEST(test_the_curve_is_the_line_and_its_borders_the_band);
     RUN_TEST(test_the_curve_runs_from_near_to_far);
+    RUN_TEST(test_a_curve_may_have_one_point);
 }

@@ -905,6 +905,36 @@ static void test_what_could_not_be_loaded_is_not_saved(void)
     assert_not_saved(RIGCAL_ERR_CAMERA, OWN_BYTES, N);
 }
 
+/* 24 MB in double. */
+static void test_the_most_cameras_are_saved_and_loaded(void)
+{
+    enum { MOST = 65535 };
+    const size_t size = rigcal_store_size(MOST);
+    rigcal_saved_info info;
+    size_t n_bytes;
+
+    TEST_ON_HOST_ONLY("it takes 60 MB");
+    uint8_t *const bytes = malloc(size);
+    rigcal_mounted_camera *const cameras = malloc((MOST + 1) * sizeof *cameras);
+    TEST_ASSERT_TRUE(bytes != NULL && cameras != NULL);
+    for (int i = 0; i <= MOST; i++) {
+        cameras[i] = calibration[i % N];
+    }
+    ASSERT_STATUS(RIGCAL_ERR_RANGE, rigcal_store_save(bytes, size, &n_bytes, cameras,
+                                                      MOST + 1, sequence, tag));
+    ASSERT_STATUS(RIGCAL_OK,
+                  rigcal_store_save(bytes, size, &n_bytes, cameras, MOST, sequence, tag));
+    TEST_ASSERT_EQUAL_size_t(size, n_bytes);
+    memset(cameras, 0, (MOST + 1) * sizeof *cameras);
+    ASSERT_STATUS(RIGCAL_OK, rigcal_store_load(cameras, MOST, &info, bytes, n_bytes));
+    TEST_ASSERT_EQUAL_INT32(MOST, info.n_cameras);
+    TEST_ASSERT_EQUAL_MEMORY(&calibration[(MOST - 1) % N].cam_from_rig,
+                             &cameras[MOST - 1].cam_from_rig, sizeof(rigcal_transform));
+    TEST_ASSERT_EQUAL_INT32(0, cameras[MOST].camera.width);
+    free(cameras);
+    free(bytes);
+}
+
 TEST_MAIN_WITH_SETUP()
 {
     RUN_TEST(test_the_size_is_as_the_table_says);
@@ -934,4 +964,5 @@ TEST_MAIN_WITH_SETUP()
     RUN_TEST(test_integers_that_no_function_takes_are_not_loaded);
     RUN_TEST(test_too_many_cameras_for_the_room_are_refused);
     RUN_TEST(test_what_could_not_be_loaded_is_not_saved);
+    RUN_TEST(test_the_most_cameras_are_saved_and_loaded);
 }

@@ -185,6 +185,56 @@ static void test_what_is_no_tag_is_refused_by_name(void)
                      RIGCAL_OK);
 }
 
+/* A tag anywhere in a wide image, its front or its back to the camera. The side is that of
+ * the true pose; the optical axis says nothing of it. */
+static void test_the_side_is_that_of_the_line_of_sight(void)
+{
+    test_rng rng = test_seed(6);
+    int front = 0, back = 0;
+
+    for (int trial = 0; trial < TEST_TRIALS(2000); trial++) {
+        rigcal_pose poses[RIGCAL_POSES_MAX];
+        size_t n = 0;
+        double axis[3], turn[9], side, R[9];
+        sight s;
+
+        random_sight(&s, &rng, 1, 10 * DEGREE);
+        for (int k = 0; k < 2; k++) {
+            s.t[k] = s.t[2] * test_uniform(&rng, -1.2, 1.2);
+        }
+        for (int k = 0; k < 3; k++) {
+            axis[k] = test_normal(&rng);
+        }
+        test_rotation_about(turn, axis, test_uniform(&rng, 0, TEST_PI));
+        memcpy(R, s.R, sizeof R);
+        test_product(s.R, turn, R);
+        side = (s.R[2] * s.t[0] + s.R[5] * s.t[1] + s.R[8] * s.t[2]) / test_norm(s.t);
+        if (fabs(side) < 0.2) {
+            continue;
+        }
+        for (int i = 0; i < 4; i++) {
+            const double X[3] = {CORNER[i][0], CORNER[i][1], 0};
+            double X_c[3], uv[2];
+
+            test_apply(X_c, s.R, X, s.t);
+            test_project_px(uv, &s.camera, X_c);
+            test_to_real(s.uv + 2 * i, uv, 2);
+        }
+        const rigcal_status status = solve(poses, &n, &s, NULL);
+        if (side > 0) {
+            TEST_ASSERT_EQUAL_INT32(RIGCAL_ERR_MIRRORED, status);
+            back++;
+            continue;
+        }
+        TEST_ASSERT_TRUE(status >= 0);
+        test_transform_parts(R, NULL, &poses[0].cam_from_world);
+        ASSERT_NEAR(0, test_angle_between(R, s.R), TOL(1e-6, 5e-2));
+        front++;
+    }
+    TEST_ASSERT_GREATER_THAN_INT(TEST_TRIALS(400), front);
+    TEST_ASSERT_GREATER_THAN_INT(TEST_TRIALS(400), back);
+}
+
 TEST_MAIN()
 {
     RUN_TEST(test_the_pose_of_a_tag_in_the_unit_of_its_size);
@@ -192,4 +242,5 @@ TEST_MAIN()
     RUN_TEST(test_corners_the_wrong_way_round_are_mirrored);
     RUN_TEST(test_another_first_corner_is_a_turned_tag);
     RUN_TEST(test_what_is_no_tag_is_refused_by_name);
+    RUN_TEST(test_the_side_is_that_of_the_line_of_sight);
 }

@@ -223,6 +223,26 @@ static void test_where_there_is_no_point_there_is_no_transfer(void)
                    rigcal_transfer_make(&out, &kept, ABC, uv[0], uv[0], NOISE));
 }
 
+static void test_each_argument_is_needed(void)
+{
+    rigcal_transfer out;
+
+    WANTS_RIG;
+    make(4907);
+    ASSERT_STATUS(RIGCAL_ERR_NULL,
+                  rigcal_transfer_make(NULL, &kept, ABC, uv[0], uv[1], NOISE));
+    ASSERT_REFUSED(RIGCAL_ERR_NULL, out,
+                   rigcal_transfer_make(&out, NULL, ABC, uv[0], uv[1], NOISE));
+    ASSERT_REFUSED(RIGCAL_ERR_NULL, out,
+                   rigcal_transfer_make(&out, &kept, NULL, uv[0], uv[1], NOISE));
+    ASSERT_REFUSED(RIGCAL_ERR_NULL, out,
+                   rigcal_transfer_make(&out, &kept, ABC, NULL, uv[1], NOISE));
+    ASSERT_REFUSED(RIGCAL_ERR_NULL, out,
+                   rigcal_transfer_make(&out, &kept, ABC, uv[0], NULL, NOISE));
+    ASSERT_REFUSED(RIGCAL_ERR_NULL, out,
+                   rigcal_transfer_make(&out, &kept, ABC, uv[0], uv[1], NULL));
+}
+
 TEST_MAIN()
 {
     RUN_TEST(test_an_exact_pair_shows_the_point);
@@ -230,4 +250,5 @@ TEST_MAIN()
     RUN_TEST(test_a_pair_that_is_off_has_the_chi2_of_its_band);
     RUN_TEST(test_a_candidate_off_by_so_much_has_that_chi2);
     RUN_TEST(test_where_there_is_no_point_there_is_no_transfer);
+    RUN_TEST(test_each_argument_is_needed);
 }

@@ -1,36 +1,53 @@
 #!/usr/bin/env python3
 """Changes one thing of the library at a time and looks whether a test notices.
 
-    mutate.py                      one mutant of every file of src/, always the same
-    mutate.py --per-file 25        so many of each, drawn anew by --seed N
+    mutate.py                      the recorded mutant of every file of src/: the step of CI
+    mutate.py --per-file 25        the first 25 of each, in an order that --seed N shuffles
     mutate.py --all                every mutant that there is: days
     mutate.py NAME...              only these layers, e.g. pose rig
     mutate.py --list NAME          the mutants of a layer, numbered
     mutate.py --only NAME:NUMBER   one mutant, and what its tests say
+    mutate.py --record             writes RESULTS.md and recorded.csv of the results so far
 
 A mutant changes a relation, a condition, an operator, a sign, a number, a return value, or
-leaves a statement out. The file is compiled as the preset asan does (address and undefined
-behaviour sanitizers, assertions), linked before the library, and run against the test of its
-layer, then of the layers that include it, nearest first. A test that fails, crashes or takes
-20 times as long kills the mutant. A survivor is printed, unless equivalent.txt says why no
-test can kill it. Exit status 1 where a survivor is left or equivalent.txt is stale.
+leaves a statement out; assertions and traces stay. Its file is compiled with assertions and with the sanitizer of
+undefined behaviour, which traps, linked before the library, and run against the test of its
+layer and of the layers that include it. The tests come in the order of their time, divided by
+the share of this layer's mutants that each killed so far. A test that fails, crashes or takes
+20 times as long kills the mutant. Where none does and the preset asan is built, the tests run
+again with the address sanitizer. A survivor is printed, unless equivalent.txt says why no test
+can kill it. Exit status 1 where a survivor is left or equivalent.txt is stale.
 
-Build the preset asan first. Results go to build/mutation/results.csv.
+The recorded mutant of a file is, of those that a test killed, the one of the fastest test,
+and of these the first by the seed; recorded.csv names mutant and test. A file without one
+has none in CI. Where it is gone from the source, the first by the seed takes its place.
+
+Build the preset gcc-double first. Results are appended to build/mutation/results.csv: a run
+that was ended goes on where it was. A mutant runs again when its file changed, or when it
+survived and a test changed.
 """
 import argparse
 import collections
+import concurrent.futures
 import csv
+import datetime
+import hashlib
+import json
+import os
 import pathlib
-import random
 import re
 import shlex
 import subprocess
 import sys
+import threading
 import time
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-BUILD = ROOT / "build/asan"
+BUILD = ROOT / os.environ.get("RIGCAL_MUTATION_BUILD", "build/gcc-double")
+ASAN = ROOT / "build/asan"
 WORK = ROOT / "build/mutation"
+RECORDED = pathlib.Path(__file__).with_name("recorded.csv")
+REPORT = pathlib.Path(__file__).with_name("RESULTS.md")
 EQUIVALENT = pathlib.Path(__file__).with_name("equivalent.txt")
 SEED = 22
 TESTS_MOST = 8  # of a mutant: its own layer's, and the nearest that include it; then hostile
@@ -42,6 +59,8 @@ OPERATORS = {"&&": "||", "||": "&&", "+": "-", "-": "+", "*": "/", "/": "*", "+=
 TOKEN = re.compile(r"""/\*.*?\*/ | //[^\n]* | "(?:\\.|[^"\\])*" | '(?:\\.|[^'\\])*' | ^[ \t]*\#(?:\\\n|[^\n])*
     | [A-Za-z_]\w* | (?:\d+\.\d*|\.\d+|\d+)(?:[eE][-+]?\d+)?[uUlLfF]* | 0[xX][\da-fA-F]+
     | \+\+|--|->|<<=|>>=|<=|>=|==|!=|&&|\|\||\+=|-=|\*=|/=|\|=|&=|<<|>> | \S""", re.X | re.S | re.M)
+
+DECLARED = re.compile(r"\s*(?:static\s+)?(?:const\s+)?(?:rigcal_\w+|double|float|int|size_t|u?int\d+_t)\s+\w+[^=]*\[$")
 
 Mutant = collections.namedtuple("Mutant", "layer number line kind start end text")
 
@@ -68,12 +87,18 @@ class Source:
 
         depth = 0
         before = ""
+        untouched = -1  # the end of an assertion or a trace
+        begun = 0  # the statement
         tokens = [m for m in TOKEN.finditer(self.text) if not m[0].startswith(("/*", "//"))]
         for at, token in enumerate(tokens):
             word, start, end = token[0], *token.span()
             after = tokens[at + 1][0] if at + 1 < len(tokens) else ""
             depth += (word == "{") - (word == "}")
-            if depth > 0 and not word.startswith(("#", '"', "'")):
+            if word in ("RIGCAL_ASSERT", "RIGCAL_TRACE"):
+                untouched = self.text.index(";", start)
+            if word in (";", "{", "}") and start >= untouched:
+                begun = end
+            if depth > 0 and start > untouched and not word.startswith(("#", '"', "'")):
                 is_binary = bool(re.match(r"[\w)\]]", before[-1:])) and before not in ("return", "case", "sizeof")
                 if word in RELATIONS:
                     add("relation", start, end, RELATIONS[word])
@@ -83,6 +108,9 @@ class Source:
                     add("operator", start, end, OPERATORS[word])
                 elif word == "!":
                     add("condition", start, end, "")
+                elif re.fullmatch(r"\d+", word) and DECLARED.match(self.text[begun:start]):
+                    if int(word) > 1:  # a longer array harms nobody
+                        add("number", start, end, str(int(word) - 1))
                 elif re.fullmatch(r"\d+", word) and before not in ("case",):
                     add("number", start, end, str(int(word) + 1))
                 elif re.fullmatch(r"[\d.]+(?:[eE][-+]?\d+)?", word) and before == "(":
@@ -114,20 +142,27 @@ class Source:
 class Bench:
     """How a file is compiled, and which tests a layer has."""
 
-    def __init__(self) -> None:
-        said = subprocess.run(["ninja", "-C", str(BUILD), "-t", "commands"], capture_output=True, text=True)
-        if said.returncode or not (BUILD / "librigcal.a").exists():
-            sys.exit("mutate.py: build the preset asan first")
+    def __init__(self, build: pathlib.Path) -> None:
+        self.build = build
+        said = subprocess.run(["ninja", "-C", str(build), "-t", "commands"], capture_output=True, text=True)
+        if said.returncode or not (build / "librigcal.a").exists():
+            sys.exit(f"mutate.py: build the preset {build.name} first")
         self.compile: dict[str, list[str]] = {}
         self.link: dict[str, list[str]] = {}
         for command in said.stdout.splitlines():
             if match := re.search(r"-o CMakeFiles/rigcal\.dir/src/rigcal_(\w+)\.c\.o ", command):
-                words = [w for w in shlex.split(command) if w != "-Werror"]
-                self.compile[match[1]] = words[:words.index("-MD")] + ["-w"]
+                words = [w for w in shlex.split(command) if w != "-Werror" and not w.startswith(("-O", "-W", "-g"))]
+                self.compile[match[1]] = [*words[:words.index("-MD")], "-w", "-O0"]
             elif match := re.search(r" -o tests/test_(\w+) ", command):
-                self.link[match[1]] = shlex.split(command.removeprefix(": && ").removesuffix(" && :"))
+                if (build / "tests" / f"test_{match[1]}").exists():
+                    self.link[match[1]] = shlex.split(command.removeprefix(": && ").removesuffix(" && :"))
+        if build != ASAN:
+            for words in self.compile.values():
+                words += ["-DRIGCAL_ASSERTS=1", "-fsanitize=undefined", "-fsanitize-undefined-trap-on-error"]
         self.includes = {layer: self.included(layer) for layer in self.compile}
-        self.usual: dict[str, float] = {}
+        self.lock = threading.Lock()
+        self.times_file = WORK / f"times-{build.name}.json"
+        self.times: dict[str, float] = json.loads(self.times_file.read_text()) if self.times_file.exists() else {}
 
     @staticmethod
     def included(layer: str) -> set[str]:
@@ -148,35 +183,86 @@ class Bench:
         nearest = [t for t in seen if t != "hostile"][:TESTS_MOST]
         return nearest + ["hostile"] * (bool(nearest) and "hostile" in self.link)
 
-    def usual_time(self, test: str) -> float:
-        if test not in self.usual:
-            start = time.monotonic()
-            done = subprocess.run([BUILD / "tests" / f"test_{test}"], cwd=BUILD / "tests", capture_output=True)
-            if done.returncode:
-                sys.exit(f"mutate.py: test_{test} fails without a mutant")
-            self.usual[test] = time.monotonic() - start
-        return self.usual[test]
+    def time_of(self, test: str) -> float:
+        """Seconds of the test without a mutant, measured once."""
+        with self.lock:
+            if test not in self.times:
+                start = time.monotonic()
+                done = subprocess.run([self.build / "tests" / f"test_{test}"], cwd=self.build / "tests",
+                                      capture_output=True)
+                if done.returncode:
+                    sys.exit(f"mutate.py: test_{test} fails without a mutant")
+                self.times[test] = time.monotonic() - start
+                self.times_file.write_text(json.dumps(self.times, indent=0))
+            return self.times[test]
 
-    def killer(self, source: Source, mutant: Mutant) -> str:
-        """The test that kills it, "compiler", or nothing."""
-        WORK.mkdir(parents=True, exist_ok=True)
-        changed, obj, program = WORK / "mutant.c", WORK / "mutant.o", WORK / "test"
+    def killer(self, source: Source, mutant: Mutant, tests: list[str], lane: int) -> str:
+        """The first of the tests that kills it, "compiler", or nothing."""
+        changed, obj, program = (WORK / f"{self.build.name}-{lane}-{name}" for name in ("mutant.c", "mutant.o", "test"))
         changed.write_text(source.text[:mutant.start] + mutant.text + source.text[mutant.end:])
         command = [*self.compile[source.layer], f"-I{ROOT / 'src'}", "-o", str(obj), "-c", str(changed)]
-        if subprocess.run(command, cwd=BUILD, capture_output=True).returncode:
+        if subprocess.run(command, cwd=self.build, capture_output=True).returncode:
             return "compiler"
-        for test in self.tests_of(source.layer):
-            limit = 10 + SLOW * self.usual_time(test)
+        for test in tests:
+            limit = 10 + SLOW * self.time_of(test)
             words = list(self.link[test])
             words[words.index("-o") + 1] = str(program)
             words.insert(words.index("librigcal.a"), str(obj))
-            subprocess.run(words, cwd=BUILD, check=True, capture_output=True)
+            subprocess.run(words, cwd=self.build, check=True, capture_output=True)
             try:
-                if subprocess.run([program], cwd=BUILD / "tests", capture_output=True, timeout=limit).returncode:
+                if subprocess.run([program], cwd=self.build / "tests", capture_output=True, timeout=limit).returncode:
                     return test
             except subprocess.TimeoutExpired:
                 return test
         return ""
+
+
+class Results:
+    """What is known of mutants: results.csv of this build folder, to which rows are appended."""
+
+    FIELDS = ["layer", "line", "kind", "key", "was", "became", "source", "tests", "killed_by", "seconds"]
+
+    def __init__(self) -> None:
+        WORK.mkdir(parents=True, exist_ok=True)
+        self.path = WORK / "results.csv"
+        self.lock = threading.Lock()
+        self.known: dict[tuple[str, str], dict[str, str]] = {}
+        self.kills: dict[str, collections.Counter[str]] = collections.defaultdict(collections.Counter)
+        if self.path.exists():
+            with open(self.path, newline="") as file:
+                for row in csv.DictReader(file):
+                    self.take(row)
+        else:
+            self.path.write_text(",".join(self.FIELDS) + "\n")
+
+    def take(self, row: dict[str, str]) -> None:
+        self.known[row["layer"], row["key"]] = row
+        self.kills[row["layer"]][row["killed_by"]] += 1
+
+    def add(self, row: dict[str, str]) -> None:
+        with self.lock, open(self.path, "a", newline="") as file:
+            csv.DictWriter(file, self.FIELDS).writerow(row)
+            self.take(row)
+
+    def in_order(self, bench: Bench, layer: str, tests: list[str]) -> list[str]:
+        """The least time for a kill first. A test that ran on nothing yet counts as if it
+        had killed one mutant of two, or of ten if it is of another layer."""
+        kills = self.kills[layer]
+        total = sum(n for test, n in kills.items() if test != "compiler")
+
+        def cost(test: str) -> float:
+            usual = 0.5 if test == layer or test.startswith((layer + "_", f"regression_{layer}_")) else 0.1
+            return (0.03 + bench.time_of(test)) * (total + 2) / (kills[test] + 2 * usual)
+        return sorted(tests, key=cost)
+
+
+def digest(*paths: pathlib.Path) -> str:
+    return hashlib.sha256(b"".join(path.read_bytes() for path in paths if path.exists())).hexdigest()[:12]
+
+
+def digest_of_tests(tests: list[str]) -> str:
+    return digest(*(ROOT / "tests" / (f"regression/{test.removeprefix('regression_')}.c"
+                                      if test.startswith("regression_") else f"test_{test}.c") for test in sorted(tests)))
 
 
 def equivalents() -> dict[tuple[str, str, str, str], str]:
@@ -192,17 +278,112 @@ def equivalents() -> dict[tuple[str, str, str, str], str]:
 
 
 def key_of(source: Source, m: Mutant) -> tuple[str, str, str, str]:
-    return (source.layer, source.line(m.line), " ".join(source.text[m.start:m.end].split()), m.text.strip())
+    """(layer, line, what was there, what came). "+ (2)" is the second + of its line."""
+    was = source.text[m.start:m.end]
+    before = source.text[source.text.rfind("\n", 0, m.start) + 1:m.start].count(was)
+    return (source.layer, source.line(m.line), " ".join(was.split()) + f" ({before + 1})" * (before > 0), m.text.strip())
+
+
+def place_of(m: Mutant) -> str:
+    return f"{m.start}:{m.text.strip()}"
+
+
+def kept(results: Results, source: Source, m: Mutant, tests: list[str]) -> dict[str, str] | None:
+    """What is known of a mutant, where it still holds."""
+    row = results.known.get((source.layer, place_of(m)))
+    if row and row["source"] == digest(source.path) and (row["killed_by"] or row["tests"] == digest_of_tests(tests)):
+        return row
+    return None
+
+
+def shuffled(mutants: list[Mutant], source: Source, seed: int) -> list[Mutant]:
+    """An order that depends on the text of each mutant alone: a change of the file moves no other."""
+    def place(m: Mutant) -> str:
+        return hashlib.sha256(f"{seed} {key_of(source, m)}".encode()).hexdigest()
+    return sorted(mutants, key=lambda m: (place(m), m.number))
+
+
+def recorded() -> dict[str, dict[str, str]]:
+    if not RECORDED.exists():
+        return {}
+    with open(RECORDED, newline="") as file:
+        return {row["layer"]: row for row in csv.DictReader(file)}
+
+
+def record(results: Results, layers: list[str], known: dict[tuple[str, str, str, str], str], seed: int) -> None:
+    """Writes recorded.csv and RESULTS.md."""
+    rows, table, total = [], [], collections.Counter[str]()
+    times = Bench(BUILD).time_of
+    for layer in layers:
+        source = Source(layer)
+        mutants = shuffled(source.mutants(), source, seed)
+        count: collections.Counter[str] = collections.Counter()
+        best: tuple[float, int, dict[str, str]] | None = None
+        for place, m in enumerate(mutants):
+            row = results.known.get((layer, place_of(m)))
+            key = key_of(source, m)
+            if key in known:
+                what = "equivalent"
+            elif not row or row["source"] != digest(source.path):
+                continue
+            else:
+                what = {"": "survivors", "compiler": ""}.get(row["killed_by"], "killed")
+                if what == "killed" and not row["killed_by"].startswith("asan "):
+                    cost = times(row["killed_by"])
+                    chosen = {"layer": layer, "line": key[1], "was": key[2], "became": key[3], "test": row["killed_by"]}
+                    best = min((cost, place, chosen), best or (9e9, 0, chosen), key=lambda b: b[:2])
+            count[what] += bool(what)
+        total += count
+        if best:
+            rows.append(best[2])
+        tried = count["killed"] + count["survivors"]
+        share = f"{100 * count['killed'] / tried:.0f}" if tried else ""
+        table.append(f"| `{layer}` | {len(mutants)} | {tried + count['equivalent']} | {count['killed']} "
+                     f"| {count['equivalent']} | {count['survivors']} | {share} |")
+    with open(RECORDED, "w", newline="") as file:
+        writer = csv.DictWriter(file, ["layer", "line", "was", "became", "test"], lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(rows)
+    commit = subprocess.run(["git", "-C", str(ROOT), "rev-parse", "--short", "HEAD"], capture_output=True, text=True).stdout
+    tried = total["killed"] + total["survivors"]
+    REPORT.write_text(f"""# Results of mutation
+
+Written by `python3 tests/mutation/mutate.py --record` on {datetime.date.today()}, commit {commit.strip()}, seed {seed}.
+Mutants that do not compile are not counted. "There" are all mutants of a file, "run" those whose result is known.
+
+{tried + total['equivalent']} mutants of {len(layers)} files: {total['killed']} killed, {total['equivalent']} equivalent, """
+                      f"""{total['survivors']} survivors: {100 * total['killed'] / max(tried, 1):.1f} % of those that are not equivalent are killed.
+
+| file | there | run | killed | equivalent | survivors | killed % |
+| --- | --- | --- | --- | --- | --- | --- |
+""" + "\n".join(table) + "\n")
+
+
+def chosen_of(source: Source, options: argparse.Namespace, row: dict[str, str] | None) -> list[Mutant]:
+    mutants = source.mutants()
+    if options.only:
+        return [mutants[int(options.only.partition(":")[2])]]
+    if options.all:
+        return mutants
+    order = shuffled(mutants, source, options.seed)
+    if options.per_file:
+        return order[:options.per_file]
+    if not row:
+        return []
+    key = (source.layer, row["line"], row["was"], row["became"])
+    return ([m for m in mutants if key_of(source, m) == key] or order)[:1]
 
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("layers", nargs="*", metavar="NAME")
-    parser.add_argument("--per-file", type=int, default=1)
+    parser.add_argument("--per-file", type=int)
     parser.add_argument("--seed", type=int, default=SEED)
     parser.add_argument("--all", action="store_true")
+    parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--list", metavar="NAME")
     parser.add_argument("--only", metavar="NAME:NUMBER")
+    parser.add_argument("--record", action="store_true")
     options = parser.parse_args()
     names = sorted(path.stem.removeprefix("rigcal_") for path in (ROOT / "src").glob("rigcal_*.c"))
     asked = options.layers or [options.list or (options.only or "").partition(":")[0]]
@@ -214,35 +395,59 @@ def main() -> int:
         for m in source.mutants():
             print(f"{m.number} {source.path.name}:{m.line} {m.kind}: {source.text[m.start:m.end]!r} to {m.text!r}")
         return 0
-    bench, known = Bench(), equivalents()
+    results, known = Results(), equivalents()
+    bench = Bench(BUILD)
+    if options.record:
+        record(results, [name for name in names if bench.tests_of(name)], known, options.seed)
+        return 0
+    asan = Bench(ASAN) if (ASAN / "librigcal.a").exists() and (ASAN / "build.ninja").exists() else None
     layers = [name for name in (asked if asked[0] else names) if name in bench.compile and bench.tests_of(name)]
-    rows, used = [], set()
-    for layer in layers:
-        source = Source(layer)
-        mutants = source.mutants()
-        rng = random.Random(f"{options.seed} {layer}")
-        if options.only:
-            mutants = [mutants[int(options.only.partition(":")[2])]]
-        elif not options.all:
-            mutants = rng.sample(mutants, min(options.per_file, len(mutants)))
-        for m in mutants:
-            key = key_of(source, m)
-            if key in known:
-                used.add(key)
-                rows.append([layer, m.line, m.kind, key[2], key[3], "equivalent"])
-                continue
-            killer = bench.killer(source, m)
-            rows.append([layer, m.line, m.kind, key[2], key[3], killer or "SURVIVES"])
-            if not killer:
-                print(f"src/{source.path.name}:{m.line}: {key[2]!r} to {key[3]!r} ({m.kind}) survives: {key[1]}", flush=True)
-    WORK.mkdir(parents=True, exist_ok=True)
-    with open(WORK / "results.csv", "w", newline="") as file:
-        csv.writer(file).writerows([["layer", "line", "kind", "was", "became", "killed_by"], *rows])
-    count = collections.Counter("survive" if r[5] == "SURVIVES" else r[5] if r[5] in ("compiler", "equivalent")
-                                else "killed" for r in rows)
+    is_ci = not (options.only or options.all or options.per_file)
+    history = recorded()
+    count: collections.Counter[str] = collections.Counter()
+    lanes = list(range(options.jobs))
+
+    def run(source: Source, m: Mutant) -> None:
+        key, layer = key_of(source, m), source.layer
+        if key in known:
+            count["equivalent"] += 1
+            return
+        tests = bench.tests_of(layer)
+        row = None if options.only or is_ci else kept(results, source, m, tests)
+        if not row:
+            lane, start = lanes.pop(), time.monotonic()
+            first = history.get(layer, {}).get("test", "") if is_ci else ""
+            killer = bench.killer(source, m, [first], lane) if first in bench.link else ""
+            order = [] if killer else results.in_order(bench, layer, tests)
+            killer = killer or bench.killer(source, m, order, lane)
+            if not killer and asan and (has := [t for t in order if t in asan.link]):
+                killer = asan.killer(source, m, has, lane)
+                killer = killer and "asan " + killer
+            lanes.append(lane)
+            row = {"layer": layer, "line": f"{m.line}", "kind": m.kind, "key": place_of(m), "was": key[2],
+                   "became": key[3], "source": digest(source.path), "tests": digest_of_tests(tests),
+                   "killed_by": killer, "seconds": f"{time.monotonic() - start:.1f}"}
+            results.add(row)
+        count[{"": "survive", "compiler": "compiler"}.get(row["killed_by"], "killed")] += 1
+        if not row["killed_by"]:
+            print(f"src/{source.path.name}:{m.line}: {key[2]!r} to {key[3]!r} ({m.kind}, {m.number}) survives: {key[1]}",
+                  flush=True)
+        elif options.only:
+            print(f"killed by {row['killed_by']}")
+
+    with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
+        sources = [Source(layer) for layer in layers]
+        work = [(source, list(chosen_of(source, options, history.get(source.layer)))) for source in sources]
+        turns = max(len(mutants) for _, mutants in work)
+        tasks = [pool.submit(run, source, mutants[turn]) for turn in range(turns)
+                 for source, mutants in work if turn < len(mutants)]
+        for task in tasks:
+            task.result()
     seen = count["killed"] + count["survive"]
-    print(f"mutation: {count['killed']} of {seen} mutants killed in {len(layers)} files; "
-          f"{count['equivalent']} equivalent, {count['compiler']} that do not compile")
+    used = os.times()
+    print(f"mutation: {count['killed']} of {seen} mutants killed in {sum(bool(mutants) for _, mutants in work)} files; "
+          f"{count['equivalent']} equivalent, {count['compiler']} that do not compile; "
+          f"{used.children_user + used.children_system + used.user:.0f} s of a processor")
     there = {key_of(source, m) for source in map(Source, {key[0] for key in known}) for m in source.mutants()}
     stale = [key for key in known if key not in there]
     for key in stale:

@@ -46,9 +46,12 @@ def of_compiler(tool: str, command: list[str]) -> list[Finding]:
 
 
 def of_misra(path: str) -> list[Finding]:
-    text = run(["cppcheck", "--quiet", "--std=c99", "--language=c", "--addon=misra", "--suppress=missingIncludeSystem",
-                "--template={file}:{line}: {id}", "-Iinclude", "-Isrc", "-DRIGCAL_BUILD", "-D__GNUC__",
-                "-URIGCAL_USE_FLOAT", "-URIGCAL_CONFIG_FILE", "-U_WIN32", "-URIGCAL_SHARED", path])
+    work = ROOT / "build/static" / pathlib.Path(path).stem  # else its dumps lie beside the sources
+    work.mkdir(parents=True, exist_ok=True)
+    text = run(["cppcheck", f"--cppcheck-build-dir={work}", "--quiet", "--std=c99", "--language=c",
+                "--addon=misra", "--suppress=missingIncludeSystem", "--template={file}:{line}: {id}",
+                "-Iinclude", "-Isrc", "-DRIGCAL_BUILD", "-D__GNUC__", "-URIGCAL_USE_FLOAT",
+                "-URIGCAL_CONFIG_FILE", "-U_WIN32", "-URIGCAL_SHARED", path])
     return [Finding(f"misra {rule}", line.rpartition(": ")[0])
             for line in text.splitlines() for rule in MISRA.findall(line)]
 

@@ -6,8 +6,8 @@
 #   sh tests/proof/run.sh         everything, by hand
 #   sh tests/proof/run.sh short   a sample
 #
-# store.c   rigcal_store_info, _load and _load_rig on unknown bytes: each length from 0 on;
-#           one camera in each version, precision and role, and two, with lengths around the
+# store.c   rigcal_store_info, _load and _load_rig on unknown bytes: each length that is too short
+#           for a camera; one camera in each version, precision and role, and two, with lengths around the
 #           right one. Reals of 8 bytes are read by a double build and by a float build.
 # linalg.c  every function of rc_linalg.h; packed matrices of up to 6 unknowns of 3 cameras.
 #
@@ -35,7 +35,7 @@ prove() {
     done
     # What is written depends on the status.
     case $name in
-    store) split=rigcal_store_info:0,check_bytes:0,is_length_right:0,rc_check_transform:0 ;;
+    store) split=rigcal_store_info:0,check_bytes:0,is_length_right:0,rc_check_transform:0,rc_rotation_nearest:0 ;;
     linalg) split=invert_root:0,rc_sym3_factor:0,rc_sym6_factor_of:0 ;;
     esac
     # shellcheck disable=SC2086 -- a list of files
@@ -71,7 +71,7 @@ if [ "$form" = short ]; then
     prove linalg linalg -DSIZE=6
 else
     for float in 0 1; do
-        prove store "$reader" -DANY_HEADER -DSHORTEST=0 -DLONGEST=215 \
+        prove store "$reader" -DANY_HEADER -DSHORTEST=0 -DLONGEST=163 \
             -DREAL_BYTES=8 -DVERSION=0 -DHELD=0 -DRIGCAL_USE_FLOAT=$float
         for r in 4 8; do
             for n in 1 2; do

@@ -629,11 +629,11 @@ typedef struct rigcal_blame {
 } rigcal_blame;
 
 /* Which one of n >= 5 points to blame for a bad fit. rms_without[i] is the rms without
- * point i [px]. It is -1 where the other points have no pose or i was not left out. NULL:
- * not wanted. Unless the options state the noise, it is integrated over; to state it is
- * better. Of five points, the four that are left have two degrees of freedom. Without
- * stated noise, RIGCAL_BLAME_SURE is then reached less than half of the time, even for an
- * error of 60 times the noise.
+ * point i [px]. It is -1 where the other points have no pose, where the lens does not see
+ * one of them, or where i was not left out. NULL: not wanted. Unless the options state the
+ * noise, it is integrated over; to state it is better. Of five points, the four that are
+ * left have two degrees of freedom. Without stated noise, RIGCAL_BLAME_SURE is then reached
+ * less than half of the time, even for an error of 60 times the noise.
  * OK, ERR_NULL, ERR_TOO_FEW (n < 5), the statuses of rigcal_pose_begin, and errors of
  * rigcal_pose_result that no one point causes. */
 RIGCAL_API rigcal_status rigcal_pose_blame(rigcal_blame *blame, rigcal_real rms_without[],

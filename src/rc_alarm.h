@@ -40,7 +40,7 @@ typedef struct {
 
 /* ---- functions ----------------------------------------------------------- */
 
-/* Begins. bodies has RC_ALARM_BODY numbers for each of n_bodies >= 1 bodies. arl0_frames is
+/* Begins. bodies has RC_ALARM_BODY numbers for each of n_bodies >= 2 bodies. arl0_frames is
  * the mean number of frames between false alarms, 100 or more. */
 void rc_alarm_begin(rc_alarm *alarm, rigcal_real bodies[], size_t n_bodies,
                     rigcal_real arl0_frames, rigcal_real common, rigcal_real move_rad,

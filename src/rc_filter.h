@@ -13,7 +13,7 @@
 /* ---- a factored covariance ---------------------------------------------------- */
 
 /* The parts of a row that are not 0, of n unknowns: 6 numbers from at[k] on. at[k] < 0:
- * there is no such part. */
+ * there is no such part; one of the two there is. */
 typedef struct {
     int32_t at[2];
     const rigcal_real *h[2];

@@ -197,20 +197,25 @@ static void start_window(rigcal_real body[], int i)
     expect(&body[i * RC_ALARM_WINDOW + H], body, (rigcal_real)LENGTH(i));
 }
 
-/* Starts all windows with the next frame. */
-static void start_windows(rigcal_real body[])
+/* Starts all windows with the next frame. Returns 0 if rounding leaves a W that cannot be
+ * factored. */
+static int start_windows(rigcal_real body[])
 {
     rigcal_real W[21];
+    int is_right = 1;
     rc_clear(body, SUMS);
     for (int i = 0; i < RC_ALARM_WINDOWS; i++) {
         expect(W, body, (rigcal_real)LENGTH(i));
-        const rigcal_real root = factor(W) ? inverse_root(W) : 0;
+        const int is_factored = factor(W);
+        const rigcal_real root = is_factored ? inverse_root(W) : 0;
+        is_right &= is_factored;
         body[i * RC_ALARM_WINDOW + ROOT_W] = RC_MAX * root > 1 ? 1 / root : 0;
         if (i > 0) {
             start_window(body, i);
         }
     }
     body[SINCE] = 0;
+    return is_right;
 }
 
 /* ---- begin ----------------------------------------------------------------- */
@@ -219,8 +224,8 @@ void rc_alarm_begin(rc_alarm *alarm, rigcal_real bodies[], size_t n_bodies,
                     rigcal_real arl0_frames, rigcal_real common, rigcal_real move_rad,
                     rigcal_real move_t)
 {
-    RIGCAL_ASSERT(n_bodies > 0 && n_bodies <= INT16_MAX);
-    RIGCAL_ASSERT(arl0_frames > 0 && common >= 0 && common <= 1);
+    RIGCAL_ASSERT(n_bodies >= 2 && n_bodies <= INT16_MAX);
+    RIGCAL_ASSERT(arl0_frames >= 100 && common >= 0 && common <= 1);
     RIGCAL_ASSERT(move_rad > 0 && move_t > 0);
     alarm->n_bodies = (int32_t)n_bodies;
     alarm->common = common;
@@ -240,14 +245,14 @@ void rc_alarm_forget(rc_alarm *alarm, rigcal_real bodies[], size_t body)
     RIGCAL_ASSERT(body < (size_t)alarm->n_bodies);
     (void)alarm;
     rc_clear(at, RC_ALARM_BODY);
-    start_windows(at);
+    (void)start_windows(at);
 }
 
 void rc_alarm_again(rc_alarm *alarm, rigcal_real bodies[])
 {
     for (size_t b = 0; b < (size_t)alarm->n_bodies; b++) {
         rigcal_real *const at = body_of(bodies, b);
-        start_windows(at);
+        (void)start_windows(at);
     }
 }
 
@@ -320,13 +325,14 @@ static void weigh_frame(rigcal_real body[], rigcal_real common)
 }
 
 /* The smallest turn that the longest window would notice with M, over the largest move: x^2
- * = 2 log(A K B / L) / (e . H e), for the axis e of least e . H e. 0: it notices none. */
+ * = 2 log(A K B / L) / (e . H e), for the axis e of least e . H e. 0: it notices none. A K
+ * B is at least 100 / SLACK 5 2, which is more than L = 256. */
 static rigcal_real smallest_of(const rigcal_real turns[6], rigcal_real log_limit)
 {
     const rigcal_real longest = RC_ALARM_LONGEST;
     const rigcal_real wanted = 2 * (log_limit - rc_log(longest));
     rigcal_real axis[3], seen[3], thickness;
-    if (!(wanted > 0) || !rc_sym3_thinnest(axis, &thickness, turns)) {
+    if (!rc_sym3_thinnest(axis, &thickness, turns)) {
         return 0;
     }
     rc_sym3_mul_vec3(seen, turns, axis);
@@ -335,7 +341,7 @@ static rigcal_real smallest_of(const rigcal_real turns[6], rigcal_real log_limit
 }
 
 /* Measures M from the longest window and starts all windows with it. M becomes 0 if
- * rounding leaves no W that can be factored. */
+ * rounding leaves a W that cannot be factored. */
 static void measure(rigcal_real body[], rigcal_real log_limit)
 {
     const int longest = RC_ALARM_WINDOWS - 1;
@@ -345,15 +351,14 @@ static void measure(rigcal_real body[], rigcal_real log_limit)
     for (int k = 0; k < 21; k++) {
         body[M + k] = (sum[k] - W[k]) / body[SINCE];
     }
-    expect(W, body, (rigcal_real)LENGTH(longest));
-    if (!factor(W)) {
+    body[MEASURED] = body[SINCE];
+    if (!start_windows(body)) {
         rc_clear(&body[M], 21);
+        (void)start_windows(body);
     }
     body[SMALLEST] = smallest_of(&body[M], log_limit);
-    body[MEASURED] = body[SINCE];
     body[ROWS_BEFORE] = body[ROWS];
     body[ROWS] = 0;
-    start_windows(body);
 }
 
 /* Lambda of a window is *root exp(*exponent). A is W + H, and is overwritten by its

@@ -381,8 +381,8 @@ rigcal_status rc_band_test(rigcal_match *match, const rigcal_band *band,
                                  y * (y * M[3] + 2 * h * M[4]) + h * h * M[5] +
                                  band->sigma_b * band->sigma_b * slope2;
     const rigcal_real width2 = variance / slope2, distance2 = s * s / slope2;
-    if (!(variance > 0 && slope2 > 0 && width2 > 0 && width2 <= WIDTH2_MOST &&
-          distance2 <= WIDTH2_MOST && s * s / variance <= WIDTH2_MOST)) {
+    if (!(variance > 0 && width2 > 0 && width2 <= WIDTH2_MOST && distance2 <= WIDTH2_MOST &&
+          s * s / variance <= WIDTH2_MOST)) {
         return RIGCAL_ERR_DEGENERATE;
     }
     if (is_near_epipole(band, ray, xyh)) {

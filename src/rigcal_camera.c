@@ -44,10 +44,9 @@ rigcal_status rc_check_camera(const rigcal_camera *camera)
     const int size_ok =
         (uint32_t)c->width - 1 < RC_IMAGE_MAX && (uint32_t)c->height - 1 < RC_IMAGE_MAX;
     const int numbers_ok = status == RIGCAL_OK && rc_min(c->fx, c->fy) >= FOCAL_MIN;
-    const int lens_ok =
-        c->lens == RIGCAL_LENS_BROWN ||
-        (RIGCAL_WITH_FISHEYE && c->lens == RIGCAL_LENS_FISHEYE &&
-         rc_all_within(&numbers[P1], 2, 0) && rc_all_within(&numbers[K5], 2, 0));
+    const int lens_ok = c->lens == RIGCAL_LENS_BROWN ||
+                        (rc_lens_is_fisheye(c) && rc_all_within(&numbers[P1], 2, 0) &&
+                         rc_all_within(&numbers[K5], 2, 0));
     return (size_ok && numbers_ok && lens_ok) ? RIGCAL_OK : RIGCAL_ERR_CAMERA;
 }
 
@@ -212,7 +211,8 @@ rigcal_status rc_project_by(rigcal_real x[2], rigcal_real uv[2], rigcal_real J_u
     }
     x[0] = scaled[0] / depth;
     x[1] = scaled[1] / depth;
-    if (!rc_lens_map(F, J, camera, x) || !rc_all_finite(F, 2)) {
+    /* With a focal length of RC_PIXEL_MAX the pixel is still finite. */
+    if (!rc_lens_map(F, J, camera, x) || !rc_all_within(F, 2, RC_MAX / RC_PIXEL_MAX / 2)) {
         return RIGCAL_ERR_NO_RAY;
     }
     const rigcal_real focal[2] = {camera->fx, camera->fy};
@@ -248,7 +248,7 @@ rigcal_status rc_project_usable(rigcal_real uv[2], const rigcal_camera *camera,
     if (status != RIGCAL_OK) {
         return status;
     }
-    if (!rc_lens_is_usable(camera, x) || !rc_all_finite(pixel, 2)) {
+    if (!rc_lens_is_usable(camera, x)) {
         return RIGCAL_ERR_NO_RAY;
     }
     uv[0] = pixel[0];
@@ -352,11 +352,11 @@ rigcal_status rigcal_view_rms(rigcal_real *rms_px, int32_t *worst, const rigcal_
             largest_at = i;
         }
     }
-    if (status == RIGCAL_OK && !rc_is_finite(sum)) {
-        status = RIGCAL_ERR_NO_RAY;
-    }
     if (status != RIGCAL_OK) {
         return status;
+    }
+    if (!rc_is_finite(sum)) {
+        return RIGCAL_ERR_NO_RAY;
     }
     *rms_px = RC_SQRT(sum / (rigcal_real)view->n);
     if (worst != NULL) {

@@ -231,8 +231,8 @@ static void compare_view(rigcal_cause_solver *s)
     }
     for (size_t i = 0; i < found; i++) {
         rigcal_view_pose own;
-        if (rigcal_view_pose_make(&own, &s->seen, &poses[i].cam_from_world) == RIGCAL_OK &&
-            place_by(&here, s, &own, (size_t)s->acting)) {
+        if (rigcal_view_pose_make(&own, &s->seen, &poses[i].cam_from_world) == RIGCAL_OK) {
+            (void)place_by(&here, s, &own, (size_t)s->acting); /* it can be inverted */
             const rigcal_real apart =
                 rc_claims_apart(&here, &there) + poses[i].sse - poses[0].sse;
             note(s, apart, (test < n) ? RIGCAL_CAUSE_TURNED : RIGCAL_CAUSE_SWAPPED,

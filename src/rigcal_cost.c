@@ -184,14 +184,14 @@ static void claim_of_kept(rc_claim *claim, const rigcal_judge_solver *s,
 {
     rigcal_real g[6], H[21], Sigma[36];
     rc_rigid_clear(g, H);
+    rc_clear(Sigma, 36); /* what it stays where H cannot be inverted */
     for (size_t slot = 0; slot < s->n_kept; slot++) {
         add_block(H, &parts->W[BLOCK * slot]);
     }
     *claim = (rc_claim){0};
     claim->b_from_a = s->rig->rig_from_placements[s->placement];
-    if (rc_sym6_invert(Sigma, H)) { /* otherwise Sigma stays 0 */
-        rc_sym6_pack(claim->Sigma, Sigma);
-    }
+    (void)rc_sym6_invert(Sigma, H);
+    rc_sym6_pack(claim->Sigma, Sigma);
 }
 
 /* How far the pose of a left-out view is from the placement as the kept views have it. If

@@ -32,7 +32,7 @@ typedef struct {
 } problem;
 
 /* The best pose of the points that count. Returns the status of its result. */
-static rigcal_status best_fit(rigcal_pose *pose, problem *P)
+RC_APART static rigcal_status best_fit(rigcal_pose *pose, problem *P)
 {
     rigcal_pose_solver solver;
     size_t n_found;
@@ -40,8 +40,7 @@ static rigcal_status best_fit(rigcal_pose *pose, problem *P)
     if (status != RIGCAL_OK) {
         return status;
     }
-    while (rigcal_pose_step(&solver, INT32_MAX) == RIGCAL_RUNNING) {
-    }
+    (void)rigcal_pose_step(&solver, INT32_MAX);
     return rigcal_pose_result(pose, 1, &n_found, NULL, &solver);
 }
 

@@ -91,17 +91,16 @@ rigcal_real rc_filter_seen(rigcal_real room[], const rigcal_real UD[], size_t n,
                            const rc_part *part)
 {
     RIGCAL_ASSERT(n % 6 == 0);
+    RIGCAL_ASSERT(part->at[0] >= 0 || part->at[1] >= 0);
     const int low = part->at[0] < 0 || (part->at[1] >= 0 && part->at[1] < part->at[0]);
-    const size_t at = part->at[low] < 0 ? n : (size_t)part->at[low];
+    const size_t at = (size_t)part->at[low];
     const rigcal_real zero =
         part->h[low][0] - part->h[low][0]; /* the compiler must not know that it is 0: the C
                                               library's memset is slow */
     for (size_t j = 0; j < at; j++) {
         room[j] = zero;
     }
-    if (at < n) {
-        put_part(room, UD, n, at, part->h[low], 1);
-    }
+    put_part(room, UD, n, at, part->h[low], 1);
     if (part->at[!low] >= 0) {
         put_part(room, UD, n, (size_t)part->at[!low], part->h[!low], 0);
     }

@@ -63,6 +63,12 @@ static void keep_if_finite(rigcal_fault *fault)
     *fault = unseen;
 }
 
+/* n log(1 - gain / sum), 0 of exact pixels. */
+static rigcal_real log_of_rest(const rc_common *c, rigcal_real gain)
+{
+    return (c->sum > 0) ? c->n_measured * rc_log1p(-rc_min(gain / c->sum, GAIN_MOST)) : 0;
+}
+
 void rc_finding_of(rigcal_fault *fault, const rc_common *c, const rc_one_step *step)
 {
     const rigcal_real k = (rigcal_real)(int32_t)step->k, freedom = c->freedom - k;
@@ -74,7 +80,7 @@ void rc_finding_of(rigcal_fault *fault, const rc_common *c, const rc_one_step *s
     fault->gain = gain;
     fault->p = rc_f_tail(gain / k / variance, k, freedom);
     fault->p = rc_min(1, fault->p * (rigcal_real)(int32_t)step->tries);
-    fault->bic = c->n_measured * rc_log1p(-gain / c->sum) + k * rc_log1p(c->n_measured - 1);
+    fault->bic = log_of_rest(c, gain) + k * rc_log1p(c->n_measured - 1);
     fault->F_after = rc_F_of(c, gain, step->own_gain, k);
     fault->explains = !rc_F_disagrees(c, fault->F_after, k) ||
                       fault->F_after - 1 <= (1 - EXPLAINS_LEAST) * (F - 1);

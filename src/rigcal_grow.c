@@ -159,12 +159,13 @@ static int is_joined(const rc_score_parts *p, size_t camera)
     return p->state[camera] >= RC_JOINED && p->state[camera] <= RC_JOINED;
 }
 
-/* Whether a pair is scored. Only pairs of cameras that have not joined are. */
+/* Whether a pair is scored. Only pairs of cameras that have not joined are: of a camera
+ * that has not joined, none that shares a placement with it has. */
 static int is_scored(const rigcal_choose_solver *s, const rc_score_parts *p, size_t a,
                      size_t b)
 {
     const size_t C = s->check.rig->n_cameras;
-    return *link_of(p, a, b) > 0 && !is_joined(p, a) && !is_joined(p, b) &&
+    return *link_of(p, a, b) > 0 && !is_joined(p, a) &&
            (rank_of(p, C, a, b) < PAIRS_MOST || rank_of(p, C, b, a) < PAIRS_MOST);
 }
 
@@ -308,7 +309,7 @@ static rigcal_status pairing_step(rigcal_choose_solver *s, const rc_score_parts 
         const int is_less = total_of(p, C, s->which) < total_of(p, C, s->view);
         s->a = (int32_t)(is_less ? s->view : s->which);
         s->b = (int32_t)(is_less ? s->which : s->view);
-        if (rc_score_begin(s, p)) {
+        if (rc_score_begin(s, p)) { /* not where a source has changed a placement */
             s->phase = SCORING;
         }
     }

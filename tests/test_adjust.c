@@ -493,6 +493,58 @@ static void test_residuals_are_observed_less_projected(void)
     ASSERT_NEAR(sum, fit.sum, TOL(1e-8, 1e-3) * sum);
 }
 
+/* All points of placement 1 are one point, twelve numbers of it or more: nothing tells how
+ * it is turned. */
+static void test_a_placement_that_its_views_do_not_fix_is_degenerate(void)
+{
+    test_rng rng = test_seed(329);
+    rigcal_rig_fit fit;
+    int32_t at_fault;
+
+    WANTS_RIGS(1);
+    test_rig_random(&r, &rng, 2, 2, 8);
+    test_rig_see_all(&r, &rng, 0);
+    for (size_t v = 2; v < 4; v++) {
+        for (int i = 1; i < 8; i++) {
+            r.o[v][i] = r.o[v][0];
+        }
+    }
+    FILL(fit);
+    ASSERT_STATUS(RIGCAL_ERR_DEGENERATE, rigcal_rig_adjust(&fit, &at_fault, &r.rig));
+    ASSERT_UNTOUCHED(fit);
+    TEST_ASSERT_EQUAL_INT32(3, at_fault);
+}
+
+/* With all evaluations spent a search that has still to gain ends with BUDGET_SPENT, and
+ * one that is there does not. */
+static void test_the_evaluations_are_bounded(void)
+{
+    WANTS_RIGS(1);
+    for (int is_far = 0; is_far < 2; is_far++) {
+        test_rng rng = test_seed(330);
+        rigcal_rig_solver solver;
+        rigcal_rig_fit fit;
+
+        test_rig_random(&r, &rng, 3, 4, 8);
+        test_rig_see_all(&r, &rng, 0.3);
+        if (is_far) {
+            test_rig_start(&r, &rng, 0.1, 0.1);
+        } else {
+            adjust(&fit, &r);
+        }
+        ASSERT_STATUS(RIGCAL_OK, rigcal_rig_begin(&solver, &r.rig));
+        while (solver.n_points == 0 || solver.evals == 0) {
+            ASSERT_STATUS(RIGCAL_RUNNING, rigcal_rig_step(&solver, 1));
+        }
+        solver.evals = 200;
+        while (rigcal_rig_step(&solver, 100) == RIGCAL_RUNNING) {
+        }
+        ASSERT_STATUS(is_far ? RIGCAL_BUDGET_SPENT : RIGCAL_OK,
+                      rigcal_rig_result(&fit, NULL, &solver));
+        TEST_ASSERT_TRUE(fit.evals <= 202);
+    }
+}
+
 TEST_MAIN()
 {
     RUN_TEST(test_all_poses_and_covariances_are_those_of_dense_least_squares);
@@ -508,4 +560,6 @@ TEST_MAIN()
     RUN_TEST(test_sigmas_and_the_loop_closure_say_what_noise_does);
     RUN_TEST(test_a_pair_does_not_depend_on_which_camera_is_held);
     RUN_TEST(test_residuals_are_observed_less_projected);
+    RUN_TEST(test_a_placement_that_its_views_do_not_fix_is_degenerate);
+    RUN_TEST(test_the_evaluations_are_bounded);
 }

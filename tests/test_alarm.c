@@ -265,16 +265,16 @@ static double least_eigenvalue(double A[6][6])
     return q + 2 * p * cos(angle + 2 * TEST_PI / 3);
 }
 
-/* Two runs of frames with an answer between, which ends all windows at once; from which on
- * they are compared. */
-static void compare(double common, double size, int from, uint64_t seed)
+/* Two runs of frames of n rows with an answer between, which ends all windows at once; from
+ * which on they are compared. */
+static void compare(double common, double size, int n, int from, uint64_t seed)
 {
     test_rng rng = test_seed(seed);
     const double move[6] = {0.0003 / size, 0, 0.0003 / size, 0, 0, 0};
     begin(common);
     begin_reference();
     for (int f = 0; f < (TEST_ONE_IN > 1 ? 300 : 900); f++) {
-        for (int i = 0; i < 8; i++) {
+        for (int i = 0; i < n; i++) {
             row r = row_of(&rng, 1);
             for (int k = 0; k < 12; k++) {
                 r.h[k / 6][k % 6] *= size;
@@ -314,16 +314,23 @@ static void compare(double common, double size, int from, uint64_t seed)
 
 static void test_the_evidence_is_that_of_dense_determinants(void)
 {
-    compare(0, 1, 0, 1);
-    compare(0.5, 1, 0, 2);
-    compare(1, 1, 0, 3);
+    compare(0, 1, 8, 0, 1);
+    compare(0.5, 1, 8, 0, 2);
+    compare(1, 1, 8, 0, 3);
+}
+
+/* So many that a frame by itself may raise the alarm: all windows count. */
+static void test_the_evidence_is_right_where_a_frame_has_many_rows(void)
+{
+    TEST_ON_HOST_ONLY("225000 rows");
+    compare(0.5, 1, 250, 0, 11);
 }
 
 /* Rows that say two thousand times as much: the determinants are beyond float. Before M is
  * measured float cannot hold the 1 of W beside H. */
 static void test_the_evidence_is_right_where_rows_say_very_much(void)
 {
-    compare(0.5, 2000, 20, 4);
+    compare(0.5, 2000, 8, 20, 4);
 }
 
 /* exp(900) is beyond double, exp(90) beyond float. */
@@ -350,24 +357,47 @@ static void test_evidence_beyond_all_exponents_is_a_number(void)
     ASSERT_NEAR(0, rc_alarm_share(&alarm, bodies, 1), 1e-3);
 }
 
-/* Numbers that overflow do not raise an alarm, and are forgotten with their window. */
+/* Numbers whose squares overflow, and those whose determinant alone does, do not raise an
+ * alarm, and are forgotten with their window. */
 static void test_rows_that_overflow_raise_no_alarm_and_are_forgotten(void)
 {
-    test_rng rng = test_seed(5);
-    double most;
-    begin(0.5);
-    (void)run(&most, &rng, 30, 10, 1);
-    row r = row_of(&rng, 1);
-    for (int k = 0; k < 6; k++) {
-        r.h[0][k] = TOL(1e200, 1e25);
+    const double sizes[2] = {TOL(1e200, 1e25), TOL(1e120, 1e16)};
+    for (int trial = 0; trial < 2; trial++) {
+        test_rng rng = test_seed(5);
+        double most;
+        begin(0.5);
+        (void)run(&most, &rng, 30, 10, 1);
+        row r = row_of(&rng, 1);
+        for (int k = 0; k < 6; k++) {
+            r.h[0][k] = sizes[trial];
+        }
+        feed(&r);
+        for (int f = 0; f < 600; f++) {
+            (void)run(&most, &rng, 1, 10, 1);
+            TEST_ASSERT_TRUE(most < 0);
+        }
+        for (size_t b = 0; b < BODIES; b++) {
+            TEST_ASSERT_TRUE(rc_alarm_smallest(&alarm, bodies, b) > 0);
+        }
     }
-    feed(&r);
-    for (int f = 0; f < 600; f++) {
-        (void)run(&most, &rng, 1, 10, 1);
-        TEST_ASSERT_TRUE(most < 0);
+}
+
+/* Turns about the second axis change no row. */
+static void test_no_turn_about_an_axis_that_is_not_seen_would_be_noticed(void)
+{
+    test_rng rng = test_seed(12);
+    begin(0);
+    for (int f = 0; f < 300; f++) {
+        for (int i = 0; i < 10; i++) {
+            row r = row_of(&rng, 1);
+            r.h[0][1] = r.h[1][1] = 0;
+            feed(&r);
+        }
+        (void)rc_alarm_frame(&alarm, bodies);
     }
     for (size_t b = 0; b < BODIES; b++) {
-        TEST_ASSERT_TRUE(rc_alarm_smallest(&alarm, bodies, b) > 0);
+        TEST_ASSERT_FALSE(rc_alarm_is_blind(bodies, b));
+        ASSERT_NEAR(0, rc_alarm_smallest(&alarm, bodies, b), 0);
     }
 }
 
@@ -533,9 +563,11 @@ static void test_false_alarms_are_no_more_than_stated_whatever_the_noise(void)
 TEST_MAIN()
 {
     RUN_TEST(test_the_evidence_is_that_of_dense_determinants);
+    RUN_TEST(test_the_evidence_is_right_where_a_frame_has_many_rows);
     RUN_TEST(test_the_evidence_is_right_where_rows_say_very_much);
     RUN_TEST(test_evidence_beyond_all_exponents_is_a_number);
     RUN_TEST(test_rows_that_overflow_raise_no_alarm_and_are_forgotten);
+    RUN_TEST(test_no_turn_about_an_axis_that_is_not_seen_would_be_noticed);
     RUN_TEST(test_a_frame_without_rows_says_nothing);
     RUN_TEST(test_a_body_without_rows_is_blind_and_sees_again);
     RUN_TEST(test_noise_is_the_clipped_rms_over_that_of_normal_noise_as_stated);

@@ -272,6 +272,60 @@ static void test_beyond_the_lens_there_is_no_ray(void)
     ASSERT_REFUSED(RIGCAL_ERR_NO_RAY, ray, rigcal_ray_make(&ray, &pinhole, corner));
 }
 
+/* The centre of b is on the ray of the pixel itself. */
+static void test_the_epipole_of_a_itself_has_no_band(void)
+{
+    static const double before[3] = {0, 0, 1};
+    const rigcal_real uv[2] = {320, 240};
+
+    look_the_same_way(before, 0.5);
+    ASSERT_REFUSED(RIGCAL_ERR_EPIPOLE, band, rigcal_band_make(&band, &scene.pair, uv));
+}
+
+/* A ray so far off the line, whose pixel moves it by `turn` rad a pixel; the direction of
+ * the baseline is unsure by `unsure`, the pixels by `sigma_px`. */
+static rigcal_status test_off_the_line(rigcal_match *match, double off, double turn,
+                                       double unsure, double sigma_px)
+{
+    static const double beside[3] = {1, 0, 0};
+    const rigcal_real uv[2] = {320, 240};
+    rigcal_ray ray;
+
+    look_the_same_way(beside, 0.5);
+    scene.pair.sigma_a = 0;
+    scene.pair.sigma_b = RC(sigma_px);
+    scene.pair.Sigma[21] = scene.pair.Sigma[28] = scene.pair.Sigma[35] = RC(unsure);
+    ASSERT_STATUS(RIGCAL_OK, rigcal_band_make(&band, &scene.pair, uv));
+    memset(&ray, 0, sizeof ray);
+    ray.m[0] = RC(-0.1);
+    ray.m[1] = RC(off);
+    ray.m[2] = RC(sqrt(0.99 - off * off));
+    ray.D[0] = ray.D[3] = RC(turn);
+    FILL(*match);
+    return rigcal_band_test_ray(match, &band, &ray);
+}
+
+/* The distance is off / turn, the half width k sqrt(variance) / turn. */
+static void test_a_ray_whose_pixel_says_nothing_of_the_line_is_degenerate(void)
+{
+    const double least = TOL(1e-318, 1e-40), little = TOL(1e-170, 1e-30);
+    rigcal_match match;
+
+    ASSERT_STATUS(RIGCAL_OK, test_off_the_line(&match, 0.1, 1e-3, 1e-6, 0.5));
+    ASSERT_NEAR(100, fabs(D(match.distance_px)), TOL(1e-9, 1e-3));
+    ASSERT_STATUS(RIGCAL_ERR_DEGENERATE, test_off_the_line(&match, 0.1, 0, 1e-6, 0.5));
+    ASSERT_UNTOUCHED(match); /* the pixel does not move it */
+    ASSERT_STATUS(RIGCAL_ERR_DEGENERATE, test_off_the_line(&match, 0.1, 1e-14, 1e-6, 0.5));
+    ASSERT_UNTOUCHED(match); /* 1e13 px off */
+    ASSERT_STATUS(RIGCAL_ERR_DEGENERATE, test_off_the_line(&match, 0.1, 1e-3, 0, 1e-12));
+    ASSERT_UNTOUCHED(match); /* 1e14 standard deviations off */
+    ASSERT_STATUS(RIGCAL_ERR_DEGENERATE,
+                  test_off_the_line(&match, 0.1, 1e6, least, little));
+    ASSERT_UNTOUCHED(match); /* a variance that a pixel cannot show */
+    ASSERT_STATUS(RIGCAL_ERR_DEGENERATE, test_off_the_line(&match, 0, 1e6, least, little));
+    ASSERT_UNTOUCHED(match);
+}
+
 TEST_MAIN()
 {
     RUN_TEST(test_k_is_the_quantile);
@@ -284,4 +338,6 @@ TEST_MAIN()
     RUN_TEST(test_parallel_rays_have_no_depth);
     RUN_TEST(test_one_centre_has_no_band);
     RUN_TEST(test_beyond_the_lens_there_is_no_ray);
+    RUN_TEST(test_the_epipole_of_a_itself_has_no_band);
+    RUN_TEST(test_a_ray_whose_pixel_says_nothing_of_the_line_is_degenerate);
 }

@@ -1,6 +1,7 @@
 /* calibrated: what is kept of an adjusted rig, and what can be asked of it. The covariance
  * of a pair is compared with that of the rig, and with differences. */
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "rc_calibrated.h"
@@ -308,6 +309,55 @@ static void test_a_rig_that_is_not_valid_is_not_asked(void)
                    rigcal_calibrated_covariance(block, &kept, 0, N));
 }
 
+/* The joint covariance of 3801 free cameras cannot be stored. */
+static void test_too_many_free_cameras_are_refused(void)
+{
+    enum { MANY = TEST_ONE_IN > 1 ? 1 : RIGCAL_STORE_FREE_MAX + 1 };
+    static int32_t no_group[MANY];
+    static uint8_t none_held[MANY];
+    rigcal_real block[36];
+
+    TEST_ON_HOST_ONLY("28 KB of cameras");
+    make_adjusted();
+    take(1);
+    kept.n_cameras = kept.capacity = MANY;
+    kept.group = no_group;
+    kept.held = none_held;
+    kept.Sigma_capacity = SIZE_MAX;
+    ASSERT_REFUSED(RIGCAL_ERR_RANGE, block,
+                   rigcal_calibrated_covariance(block, &kept, 1, 2));
+}
+
+/* An adjusted rig of 65536 cameras, all but the first two held and unseen. */
+static void test_a_rig_of_too_many_cameras_is_not_taken(void)
+{
+    const size_t n = RIGCAL_STORE_CAMERAS_MAX + (size_t)1;
+    const size_t work = rigcal_rig_work(1, n, 4);
+    test_rng rng = test_seed(362);
+
+    TEST_ON_HOST_ONLY("20 MB of cameras");
+    test_rig_random(&r, &rng, 2, 4, 8);
+    test_rig_see_all(&r, &rng, 0.3);
+    r.rig.n_cameras = n;
+    r.rig.cams_from_rig = calloc(n, sizeof *r.rig.cams_from_rig);
+    r.rig.group = calloc(n, sizeof *r.rig.group);
+    r.rig.work = calloc(work, sizeof *r.rig.work);
+    r.rig.work_capacity = work;
+    uint8_t *const roles = malloc(n);
+    for (size_t c = 0; c < n; c++) {
+        r.rig.cams_from_rig[c] = r.true_cams[c == 1];
+        roles[c] = c == 1 ? RIGCAL_CAMERA_FREE : RIGCAL_CAMERA_HELD;
+    }
+    r.rig.roles = roles;
+    ASSERT_STATUS(RIGCAL_DISCONNECTED, rigcal_rig_adjust(&fit, NULL, &r.rig));
+    clear();
+    assert_not_taken(RIGCAL_ERR_RANGE, 1);
+    free(r.rig.cams_from_rig);
+    free(r.rig.group);
+    free(r.rig.work);
+    free(roles);
+}
+
 static void test_a_pair_of_poses_that_are_none_is_refused(void)
 {
     rigcal_transform pair;
@@ -348,6 +398,8 @@ TEST_MAIN()
     RUN_TEST(test_without_a_fit_the_closure_is_not_known);
     RUN_TEST(test_what_cannot_be_taken_is_refused_and_nothing_written);
     RUN_TEST(test_a_rig_that_is_not_valid_is_not_asked);
+    RUN_TEST(test_too_many_free_cameras_are_refused);
+    RUN_TEST(test_a_rig_of_too_many_cameras_is_not_taken);
     RUN_TEST(test_a_pair_of_poses_that_are_none_is_refused);
     RUN_TEST(test_the_size_is_that_of_a_triangle);
 }

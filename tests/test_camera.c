@@ -411,6 +411,43 @@ static void test_no_error_is_told_of_points_that_cannot_be_seen(void)
     ASSERT_UNTOUCHED(worst);
 }
 
+/* A pixel that is no number is told before a point that is out of range. */
+static void test_what_is_no_number_is_told_first(void)
+{
+    const rigcal_transform same = test_transform(NULL, NULL);
+    const rigcal_camera camera = test_pinhole();
+    rigcal_observation o = {{RC(TOL(1e31, 1e10)), 0, 1}, {TEST_NAN, 0}};
+    rigcal_real rms;
+
+    ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, rms,
+                   rigcal_view_rms(&rms, NULL, &VIEW(&camera, &o, NULL, 1), &same));
+    o.uv[0] = 0;
+    ASSERT_REFUSED(RIGCAL_ERR_RANGE, rms,
+                   rigcal_view_rms(&rms, NULL, &VIEW(&camera, &o, NULL, 1), &same));
+}
+
+/* Points beside the camera, so little before it that the square of the pixel overflows, or
+ * through a lens the pixel itself. */
+static void test_a_pixel_that_overflows_is_none(void)
+{
+    const double little = TOL(1e-150, 1e-18);
+    const double t[3] = {0, 0, little};
+    const rigcal_transform ahead = test_transform(NULL, t);
+    const rigcal_real X_c[3] = {1, 0, RC(little)};
+    const rigcal_observation o = {{1, 0, 0}, {0, 0}};
+    rigcal_camera camera = test_pinhole();
+    rigcal_real uv[2], rms;
+
+    camera.fx = camera.fy = RC(1e9);
+    ASSERT_REFUSED(RIGCAL_ERR_NO_RAY, rms,
+                   rigcal_view_rms(&rms, NULL, &VIEW(&camera, &o, NULL, 1), &ahead));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_camera_project(uv, &camera, X_c));
+    camera.k1 = RC(TOL(1e-148, 1e-18));
+    ASSERT_REFUSED(RIGCAL_ERR_NO_RAY, uv, rigcal_camera_project(uv, &camera, X_c));
+    rigcal_real x[2], J[6];
+    ASSERT_STATUS(RIGCAL_ERR_NO_RAY, rc_project_by(x, uv, J, &camera, X_c));
+}
+
 TEST_MAIN()
 {
     RUN_TEST(test_points_are_projected_by_the_formulas_of_the_header);
@@ -429,4 +466,6 @@ TEST_MAIN()
     RUN_TEST(test_the_error_of_exact_pixels_is_zero);
     RUN_TEST(test_the_error_is_the_root_of_the_mean_squared_distance);
     RUN_TEST(test_no_error_is_told_of_points_that_cannot_be_seen);
+    RUN_TEST(test_what_is_no_number_is_told_first);
+    RUN_TEST(test_a_pixel_that_overflows_is_none);
 }

@@ -37,13 +37,17 @@ static void make(uint64_t seed, int n_cameras, int n_places)
 
 /* Joined by the truth: of three cameras one of which is wrong, most pairs disagree, and the
  * choice refuses. */
-static void judge(void)
+static rigcal_status judged(void)
 {
     test_boards_solve(&b);
     test_boards_join(&b, NOISE);
     b.choice.sigma_px = RC(NOISE);
-    TEST_ASSERT_TRUE(
-        rigcal_rig_judge(&b.judgement, NULL, b.judged, b.left_out, &b.choice, &b.rig) > 0);
+    return rigcal_rig_judge(&b.judgement, NULL, b.judged, b.left_out, &b.choice, &b.rig);
+}
+
+static void judge(void)
+{
+    TEST_ASSERT_TRUE(judged() > 0);
 }
 
 static rigcal_cause cause_of(int view)
@@ -298,6 +302,175 @@ static void test_of_a_camera_with_other_views_the_cause_is_unknown(void)
     }
 }
 
+/* ---- views that stand still, agree by half, or say nothing ------------------ */
+
+/* The views of placement f have the pixels of placement `from`. */
+static void stand_still(int f, int from)
+{
+    for (int c = 0; c < (int)b.rig.n_cameras; c++) {
+        test_boards_replace(&b, test_boards_view(&b, c, f), test_boards_view(&b, c, from));
+    }
+    b.true_places[f] = b.true_places[from];
+}
+
+/* The placements before and after are one but for noise: the nearer one is told. */
+static void test_of_two_causes_the_nearer_is_told(void)
+{
+    int n_before = 0, n_after = 0;
+
+    WANTS_BOARDS;
+    for (int trial = 0; trial < TEST_TRIALS(12); trial++) {
+        make(4000 + (uint64_t)trial, 4, 8);
+        test_rng rng = test_seed(4020 + (uint64_t)trial);
+        stand_still(5, 3);
+        const int v = test_boards_view(&b, 1, 4);
+        test_boards_replace(&b, v, test_boards_view(&b, 1, 3));
+        for (int f = 3; f < 6; f++) {
+            for (int c = 0; c < 4; c++) {
+                for (int i = 0; i < 2 * BOARD_POINTS; i++) {
+                    b.o[test_boards_view(&b, c, f)][i / 2].uv[i % 2] +=
+                        RC(NOISE * test_normal(&rng));
+                }
+            }
+        }
+        judge();
+        const rigcal_cause cause = cause_of(v);
+        TEST_ASSERT_EQUAL_INT32(RIGCAL_CAUSE_SHIFTED, cause.cause);
+        TEST_ASSERT_EQUAL_INT32(1, cause.is_still);
+        n_before += cause.shift == -1;
+        n_after += cause.shift == 1;
+    }
+    TEST_ASSERT_EQUAL_INT(TEST_TRIALS(12), n_before + n_after);
+    TEST_ASSERT_TRUE(TEST_ONE_IN > 1 || (n_before > 0 && n_after > 0));
+}
+
+/* The target goes to and fro: a placement late is a placement early. */
+static void test_of_a_target_that_goes_to_and_fro_the_shift_of_a_camera_is_open(void)
+{
+    WANTS_BOARDS;
+    make(4040, 3, 8);
+    for (int f = 2; f < 8; f++) {
+        stand_still(f, f - 2);
+    }
+    test_boards_late(&b, 1);
+    judge();
+    const rigcal_cause cause = camera_cause(1);
+    TEST_ASSERT_EQUAL_INT32(RIGCAL_CAUSE_SHIFTED, cause.cause);
+    TEST_ASSERT_EQUAL_INT32(1, cause.is_still);
+}
+
+/* As many views agree as they are as a placement late: nothing is wrong. */
+static void test_of_a_target_that_stands_still_no_camera_is_late(void)
+{
+    WANTS_BOARDS;
+    make(4050, 3, 8);
+    for (int f = 1; f < 8; f++) {
+        stand_still(f, 0);
+    }
+    ASSERT_STATUS(RIGCAL_OK, judged());
+    for (int c = 0; c < 3; c++) {
+        const rigcal_cause cause = camera_cause(c);
+        TEST_ASSERT_EQUAL_INT32(RIGCAL_CAUSE_UNKNOWN, cause.cause);
+        TEST_ASSERT_EQUAL_INT32(8, cause.n_agree);
+    }
+}
+
+/* Three of eight views are a placement late, the others moved each by itself. */
+static void test_a_few_views_that_are_late_are_not_the_camera(void)
+{
+    WANTS_BOARDS;
+    make(4060, 3, 8);
+    for (int f = 7; f >= 0; f--) {
+        const int v = test_boards_view(&b, 2, f);
+        if (f >= 1 && f <= 3) {
+            test_boards_replace(&b, v, test_boards_view(&b, 2, f - 1));
+        }
+    }
+    for (int f = 0; f < 8; f = f == 0 ? 4 : f + 1) {
+        const int v = test_boards_view(&b, 2, f);
+        for (int i = 0; i < BOARD_POINTS; i++) {
+            b.o[v][i].uv[0] += RC(30 * ((f * 5) % 8 - 3.5));
+            b.o[v][i].uv[1] += RC(30 * ((f * 3) % 8 - 3.5));
+        }
+    }
+    judge();
+    const rigcal_cause cause = camera_cause(2);
+    TEST_ASSERT_EQUAL_INT32(RIGCAL_CAUSE_UNKNOWN, cause.cause);
+}
+
+/* Of a view whose pixels are no image of the target, of one without pixels, and of one
+ * whose points are too far from their origin to tell how they lie, no turn can be told. */
+static void test_a_view_that_cannot_be_solved_has_no_cause(void)
+{
+    WANTS_BOARDS;
+    for (int way = 0; way < 3; way++) {
+        test_rng rng = test_seed(4070);
+
+        make(4070, 3, 4);
+        ASSERT_STATUS(RIGCAL_OK, judged());
+        for (int i = 0; i < BOARD_POINTS; i++) {
+            for (int k = 0; k < 2 && way == 0; k++) {
+                b.o[3][i].uv[k] = RC(test_uniform(&rng, -1e5, 1e5));
+            }
+            b.o[3][i].X_w[0] += RC(way == 2 ? TOL(1e8, 3e3) : 0);
+        }
+        if (way == 1) {
+            b.views[3].view.observations = NULL;
+        }
+        TEST_ASSERT_EQUAL_INT32(0, b.views[3].camera);
+        for (int is_camera = 0; is_camera < 2; is_camera++) {
+            const rigcal_cause cause = is_camera ? camera_cause(0) : cause_of(3);
+
+            TEST_ASSERT_EQUAL_INT32(RIGCAL_CAUSE_UNKNOWN, cause.cause);
+            TEST_ASSERT_EQUAL_INT32(-1, cause.permutation);
+        }
+        memmove(b.o[0], b.o[3], sizeof b.o[0]); /* the first that is permuted */
+        TEST_ASSERT_EQUAL_INT32(RIGCAL_CAUSE_UNKNOWN, camera_cause(0).cause);
+    }
+}
+
+/* The other view knows next to nothing of one turn about its camera's axes. Its information
+ * can be inverted there, and not in the frame of the rig. */
+static void test_against_a_view_that_knows_no_turn_there_is_no_cause(void)
+{
+    WANTS_BOARDS;
+    make(4080, 2, 8);
+    test_boards_reverse(&b, 6);
+    judge();
+    memset(b.left_out, 0, sizeof b.left_out);
+    b.rig.left_out = b.left_out;
+    for (int k = 0; k < 21; k++) {
+        b.own[7].information[k] = 0;
+    }
+    for (int k = 0; k < 6; k++) {
+        b.own[7].information[k < 3 ? (k * (7 - k)) / 2 : 15 + ((k - 3) * (10 - k)) / 2] =
+            k == 0 ? RC(TOL(5e-15, 3e-6)) : RC(1e2);
+    }
+    const rigcal_cause cause = cause_of(6);
+    TEST_ASSERT_EQUAL_INT32(RIGCAL_CAUSE_UNKNOWN, cause.cause);
+}
+
+static rigcal_status pose_from(rigcal_view_pose *pose, size_t index, void *context)
+{
+    *pose = ((const rigcal_view_pose *)context)[index];
+    return RIGCAL_OK;
+}
+
+static void test_poses_may_come_from_a_source(void)
+{
+    WANTS_BOARDS;
+    make(4090, 3, 4);
+    test_boards_reverse(&b, 4);
+    judge();
+    const rigcal_cause expected = cause_of(4);
+    b.rig.view_poses = NULL;
+    b.rig.view_pose_source = pose_from;
+    b.rig.context = b.own;
+    const rigcal_cause cause = cause_of(4);
+    TEST_ASSERT_EQUAL_INT32(RIGCAL_CAUSE_TURNED, cause.cause);
+    TEST_ASSERT_EQUAL_MEMORY(&expected, &cause, sizeof cause);
+}
+
 /* ---- steps and arguments --------------------------------------------------- */
 
 static void test_the_same_bits_whatever_the_budgets(void)
@@ -442,6 +615,13 @@ TEST_MAIN()
     RUN_TEST(test_all_views_of_a_camera_are_turned);
     RUN_TEST(test_a_camera_is_turned_about_a_far_origin);
     RUN_TEST(test_of_a_camera_with_other_views_the_cause_is_unknown);
+    RUN_TEST(test_of_two_causes_the_nearer_is_told);
+    RUN_TEST(test_of_a_target_that_goes_to_and_fro_the_shift_of_a_camera_is_open);
+    RUN_TEST(test_of_a_target_that_stands_still_no_camera_is_late);
+    RUN_TEST(test_a_few_views_that_are_late_are_not_the_camera);
+    RUN_TEST(test_a_view_that_cannot_be_solved_has_no_cause);
+    RUN_TEST(test_against_a_view_that_knows_no_turn_there_is_no_cause);
+    RUN_TEST(test_poses_may_come_from_a_source);
     RUN_TEST(test_the_same_bits_whatever_the_budgets);
     RUN_TEST(test_permutations_are_checked);
     RUN_TEST(test_counts_of_symmetries_are_checked);

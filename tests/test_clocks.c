@@ -596,6 +596,67 @@ static void test_the_bits_are_those_of_any_budget(void)
 
 /* ---- what is handed in ----------------------------------------------------- */
 
+/* A placement that nobody saw has no instant. */
+static void test_a_placement_without_views_has_no_instant(void)
+{
+    rigcal_rig_fit fit;
+
+    WANTS_MOTIONS();
+    make(&SCENE, 91);
+    const size_t f = m.rig.n_placements++;
+    m.places[f] = m.places[0];
+    m.times[f] = m.times[f - 1] + 1;
+    ASSERT_STATUS(RIGCAL_OK, adjust(&fit));
+    TEST_ASSERT_TRUE(D(m.instants[f]) > TOL(1e30, 1e9));
+    TEST_ASSERT_TRUE(D(m.instants[f - 1]) < TOL(1e30, 1e9));
+}
+
+/* Views of three points fit whatever the noise: how noisy stamps are beside pixels is not
+ * known. */
+static void test_without_the_noise_of_pixels_stamps_have_no_weight(void)
+{
+    rigcal_rig_fit fit;
+
+    WANTS_MOTIONS();
+    make(&SCENE, 92);
+    m.rig.view_poses = NULL;
+    m.clocks.sigma_time = RC(1e-3);
+    for (size_t v = 0; v < m.rig.n_views; v++) {
+        m.o[v][1] = m.o[v][4]; /* corners of the board */
+        m.o[v][2] = m.o[v][19];
+        m.views[v].view.n = 3;
+    }
+    ASSERT_REFUSED(RIGCAL_ERR_RANGE, fit, adjust(&fit));
+    m.rig.sigma_px = RC(0.3);
+    ASSERT_STATUS(RIGCAL_OK, adjust(&fit));
+}
+
+/* A search that ends although its last step promised much has not converged, if a clock is
+ * free; one that ends with another status keeps that. */
+static void test_a_search_that_promised_more_has_not_converged(void)
+{
+    WANTS_MOTIONS();
+    for (int way = 0; way < 4; way++) {
+        rigcal_rig_solver solver;
+        rigcal_rig_fit fit;
+
+        make(&SCENE, 93);
+        m.rig.clocks = &m.clocks;
+        m.clocks.free_offsets = way > 0;
+        ASSERT_STATUS(RIGCAL_OK, rigcal_rig_begin(&solver, &m.rig));
+        while (rigcal_rig_step(&solver, 1) == RIGCAL_RUNNING) {
+            if (way == 3 && solver.evals == 1) {
+                solver.evals = 200; /* all are spent */
+            }
+            if (way != 1 && solver.search.status != RIGCAL_RUNNING) {
+                solver.promised = RC(1e9);
+            }
+        }
+        ASSERT_STATUS((way < 2) ? RIGCAL_OK : RIGCAL_BUDGET_SPENT,
+                      rigcal_rig_result(&fit, NULL, &solver));
+    }
+}
+
 static void test_what_is_handed_in_is_checked(void)
 {
     rigcal_rig_fit fit;
@@ -668,6 +729,9 @@ TEST_MAIN()
     RUN_TEST(test_no_view_is_named_for_its_clock);
     RUN_TEST(test_wrong_points_are_left_out_with_clocks_too);
     RUN_TEST(test_the_bits_are_those_of_any_budget);
+    RUN_TEST(test_a_placement_without_views_has_no_instant);
+    RUN_TEST(test_without_the_noise_of_pixels_stamps_have_no_weight);
+    RUN_TEST(test_a_search_that_promised_more_has_not_converged);
     RUN_TEST(test_what_is_handed_in_is_checked);
     RUN_TEST(test_the_memory_is_as_the_manual_says);
 }

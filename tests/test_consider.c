@@ -503,6 +503,60 @@ static void test_intrinsics_act_through_clocks_too(void)
     ASSERT_STATUS(RIGCAL_ERR_CAPACITY, rigcal_rig_consider(&considered, NULL, &moving.rig));
 }
 
+/* Of a lens of one camera alone: the variance of a placement is what a smaller lens moves
+ * it by. */
+static void test_intrinsics_act_on_placements_of_a_rig_with_clocks(void)
+{
+    TEST_ON_HOST_ONLY("a rig of 60 views is adjusted");
+    for (int has_clocks = 0; has_clocks < 2; has_clocks++) {
+        rigcal_transform before;
+        rigcal_real Sigma[36];
+        double d[6], seen = 0, foretold = 0, off = 0;
+
+        make_moving(0, 0);
+        memset(sigmas, 0, sizeof sigmas);
+        sigmas[1].focal = RC(1e-3);
+        moving.clocks.free_offsets = has_clocks;
+        adjust_moving();
+        ASSERT_STATUS(RIGCAL_OK, rigcal_rig_consider(&considered, NULL, &moving.rig));
+        ASSERT_STATUS(RIGCAL_OK, rigcal_rig_placement(Sigma, &moving.rig, 0, 6));
+        before = moving.places[6];
+        const rigcal_camera kept = lens[1];
+        lens[1] = changed(&kept, 0, -1e-3);
+        adjust_moving();
+        test_step_between(d, &moving.places[6], &before);
+        for (int i = 0; i < 36; i++) {
+            seen += d[i / 6] * d[i % 6] * d[i / 6] * d[i % 6];
+            foretold += D(Sigma[i]) * D(Sigma[i]);
+            off += pow(d[i / 6] * d[i % 6] - D(Sigma[i]), 2);
+        }
+        TEST_ASSERT_TRUE(sqrt(off) < 0.2 * sqrt(seen) && foretold > 0);
+    }
+}
+
+/* More steps than are taken at once. */
+static void test_many_steps_are_taken(void)
+{
+    TEST_WANTS_RAM(1000000); /* a rig of 72 views */
+    make_moving(0, 0);
+    for (int p = 0; p < 4; p++) { /* the last run twice, some time later */
+        const int from = 16 + p, to = 20 + p;
+
+        moving.places[to] = moving.places[from];
+        moving.times[to] = moving.times[from] + 5;
+        for (int c = 0; c < 3; c++) {
+            moving.views[3 * to + c] = moving.views[3 * from + c];
+            moving.views[3 * to + c].placement = to;
+        }
+    }
+    moving.rig.n_placements = 24;
+    moving.rig.n_views = 72;
+    adjust_moving();
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_consider(&considered, NULL, &moving.rig));
+    TEST_ASSERT_EQUAL_UINT64(18, considered.k);
+    TEST_ASSERT_TRUE(72 + 24 + considered.k + 1 > 100);
+}
+
 /* ---- to the last bit -------------------------------------------------------- */
 
 typedef struct {
@@ -683,6 +737,36 @@ static void test_a_view_that_has_changed_is_told(void)
     TEST_ASSERT_NULL(r.rig.considered);
 }
 
+/* Views of placement 0 change after the rig was considered. */
+static void test_a_placement_that_has_changed_has_no_covariance(void)
+{
+    rigcal_real Sigma[36];
+    int32_t at_fault = -2;
+
+    WANTS;
+    make(7343);
+    adjust_and_consider();
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_placement(Sigma, &r.rig, 1, 0));
+    const rigcal_real kept = r.o[1][3].uv[1];
+    r.o[1][3].uv[1] = TEST_NAN; /* of its second view */
+    ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, Sigma, rigcal_rig_placement(Sigma, &r.rig, 1, 0));
+    r.o[1][3].uv[1] = kept;
+    sigmas[1].k1 = 0; /* a column less than was considered */
+    ASSERT_REFUSED(RIGCAL_ERR_STATE, Sigma, rigcal_rig_placement(Sigma, &r.rig, 1, 0));
+    sigmas[1].k1 = RC(0.01);
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_placement(Sigma, &r.rig, 1, 0));
+    for (int v = 0; v < CAMERAS; v++) { /* all see one point only */
+        for (int i = 1; i < r.n_points; i++) {
+            r.o[v][i] = r.o[v][0];
+        }
+    }
+    ASSERT_REFUSED(RIGCAL_ERR_DEGENERATE, Sigma, rigcal_rig_placement(Sigma, &r.rig, 1, 0));
+    ASSERT_STATUS(RIGCAL_ERR_DEGENERATE,
+                  rigcal_rig_consider(&considered, &at_fault, &r.rig));
+    TEST_ASSERT_EQUAL_INT32(CAMERAS - 1, at_fault);
+    TEST_ASSERT_NULL(r.rig.considered);
+}
+
 static void test_the_memory_for_clocks_is_that_of_the_macro(void)
 {
     TEST_ASSERT_EQUAL_size_t(RIGCAL_CONSIDER_CLOCKS_WORK(5),
@@ -697,7 +781,10 @@ TEST_MAIN()
     RUN_TEST(test_a_prior_holds_against_intrinsics);
     RUN_TEST(test_other_intrinsics_move_the_adjusted_rig_by_the_effects);
     RUN_TEST(test_intrinsics_act_through_clocks_too);
+    RUN_TEST(test_intrinsics_act_on_placements_of_a_rig_with_clocks);
+    RUN_TEST(test_many_steps_are_taken);
     RUN_TEST(test_deviations_of_zero_change_no_bit);
+    RUN_TEST(test_a_placement_that_has_changed_has_no_covariance);
     RUN_TEST(test_pixels_and_intrinsics_are_added);
     RUN_TEST(test_an_adjustment_forgets_what_was_considered);
     RUN_TEST(test_the_budget_changes_no_bit);

@@ -136,8 +136,97 @@ static void test_costs_of_noise_are_chi_squared(void)
     ASSERT_NEAR(6, sum / cycles, 0.5);
 }
 
+static void judge(void)
+{
+    test_boards_solve(&b);
+    test_boards_join(&b, NOISE);
+    b.choice.sigma_px = RC(NOISE);
+    TEST_ASSERT_TRUE(
+        rigcal_rig_judge(&b.judgement, NULL, b.judged, b.left_out, &b.choice, &b.rig) >= 0);
+}
+
+/* Placements that nobody saw, in the middle and at the end, change no cost. */
+static void test_placements_without_views_cost_nothing(void)
+{
+    test_rng rng = test_seed(960);
+    rigcal_real costs[15];
+
+    TEST_WANTS_RAM(sizeof(test_boards) + 20000);
+    test_boards_make(&b, &rng, 3, 5, 3, NOISE, 0);
+    judge();
+    for (int v = 0; v < 15; v++) {
+        costs[v] = b.judged[v].cost;
+    }
+    for (int f = 4; f >= 2; f--) {
+        b.true_places[f + 1] = b.true_places[f];
+    }
+    b.true_places[6] = b.true_places[2];
+    for (int v = 6; v < 15; v++) {
+        b.views[v].placement++;
+    }
+    b.rig.n_placements = 7;
+    judge();
+    for (int v = 0; v < 15; v++) {
+        ASSERT_NEAR(costs[v], b.judged[v].cost, TOL(1e-9, 1e-3) * (1 + D(costs[v])));
+    }
+}
+
+/* Points of the board are behind camera 3, and it is beside camera 2: their views of it are
+ * of another placement. They are left out; that of camera 3 has no error where it is said
+ * to be. */
+static void test_a_view_of_what_is_behind_its_camera_has_no_error(void)
+{
+    enum { F = 5 };
+    test_rng rng = test_seed(961);
+    double centre[3], middle[3];
+    int n_behind = 0;
+
+    TEST_WANTS_RAM(sizeof(test_boards) + 20000);
+    test_boards_make(&b, &rng, 4, 6, 4, NOISE, 0);
+    const rigcal_transform rig_from_last = test_inverse(&b.true_cams[3]);
+    test_to_double(centre, rig_from_last.t, 3);
+    test_to_double(middle, b.true_places[0].t, 3);
+    b.true_places[F] = test_inverse(&b.true_cams[0]); /* turned to camera 0 */
+    for (int k = 0; k < 3; k++) {
+        b.true_places[F].t[k] = RC(centre[k] + 0.08 * (centre[k] - middle[k]));
+    }
+    for (int c = 0; c < 4; c++) {
+        const rigcal_transform T = test_times(&b.true_cams[c], &b.true_places[F]);
+        const int v = test_boards_view(&b, c, F);
+
+        for (int i = 0; i < BOARD_POINTS; i++) {
+            double X_c[3], uv[2];
+
+            test_move_point(X_c, &T, b.X[i]);
+            TEST_ASSERT_TRUE(c > 1 || X_c[2] > 0);
+            n_behind += c == 3 && X_c[2] < 0;
+            test_project_px(uv, &b.camera, X_c);
+            for (int k = 0; k < 2; k++) {
+                b.o[v][i].uv[k] = RC(uv[k] + NOISE * test_normal(&rng));
+            }
+        }
+        if (c > 1) {
+            test_boards_replace(&b, v, test_boards_view(&b, c, 0));
+        }
+    }
+    TEST_ASSERT_TRUE(n_behind > 0);
+    judge();
+    for (int c = 0; c < 4; c++) {
+        const int v = test_boards_view(&b, c, F);
+
+        TEST_ASSERT_EQUAL_INT(c > 1, b.left_out[v] != 0);
+        if (c == 3) {
+            ASSERT_NEAR(-1, b.judged[v].rms_px, 0);
+        }
+        TEST_ASSERT_TRUE(c < 2 ? D(b.judged[v].rms_px) > 0 && D(b.judged[v].rms_px) < 1
+                               : D(b.judged[v].cost) > 1);
+    }
+}
+
 TEST_MAIN()
 {
     RUN_TEST(test_a_view_costs_what_the_sum_falls_by_without_it);
     RUN_TEST(test_costs_of_noise_are_chi_squared);
+    RUN_TEST(test_placements_without_views_cost_nothing);
+    RUN_TEST(test_a_view_of_what_is_behind_its_camera_has_no_error);
 }

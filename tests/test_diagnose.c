@@ -4,7 +4,7 @@
 
 #include "test_support.h"
 
-enum { N_MAX = 20 };
+enum { N_MAX = 20, N_MANY = 70 };
 
 static const double NOISE = 0.5; /* px */
 
@@ -173,6 +173,165 @@ static void test_numbers_are_those_of_the_fits(void)
     }
 }
 
+/* ---- no pose of all points ------------------------------------------------ */
+
+/* Pixels at random, of which no pose is. */
+static void test_points_without_a_pose_have_no_rms(void)
+{
+    test_rng rng = test_seed(14);
+    int n_found = 0, n_blamed = 0;
+
+    for (int k = 0; k < 200 && n_found < TEST_TRIALS(10); k++) {
+        rigcal_pose pose;
+        size_t n;
+        problem p;
+
+        make(&p, &rng, 5, TEST_GENERAL);
+        for (int i = 0; i < p.n; i++) {
+            p.o[i].uv[0] = RC(test_uniform(&rng, -1e5, 1e5));
+            p.o[i].uv[1] = RC(test_uniform(&rng, -1e5, 1e5));
+        }
+        if (rigcal_pose_solve(&pose, 1, &n, NULL, &VIEW(&p.camera, p.o, NULL, 5), NULL) !=
+            RIGCAL_ERR_NO_POSE) {
+            continue;
+        }
+        n_found++;
+        TEST_ASSERT_TRUE(diagnose(&p, NULL) >= RIGCAL_DIAGNOSIS_ONE_POINT);
+        p.blame = p.diagnosis.blame;
+        ASSERT_NEAR(-1, p.blame.rms_px, 0);
+        if (p.blame.point >= 0) {
+            ASSERT_NEAR(p.rms_without[p.blame.point], p.blame.rms_without_px, 0);
+            TEST_ASSERT_TRUE(p.blame.rms_without_px >= 0);
+            n_blamed++;
+        } else {
+            TEST_ASSERT_EQUAL_INT32(RIGCAL_BLAME_NONE, p.blame.verdict);
+        }
+    }
+    TEST_ASSERT_EQUAL_INT(TEST_TRIALS(10), n_found);
+    TEST_ASSERT_TRUE(TEST_ONE_IN > 1 || (n_blamed > 0 && n_blamed < n_found));
+}
+
+/* Points on a long line 1 ahead, and one at a distance r from it that moves along its own
+ * ray when the target turns about the line: where the ray touches its circle. */
+static void put_on_a_ray(problem *p, test_rng *rng, double r)
+{
+    const double far = sqrt(1 - r * r), ahead[3] = {0, 0, 1};
+    const double R[9] = {1, 0, 0, 0, far, r, 0, -r, far};
+    double turned[9];
+
+    p->camera = test_pinhole();
+    p->camera.fx = p->camera.fy = 200;
+    p->n = 5;
+    test_random_rotation(turned, rng);
+    for (int i = 0; i < p->n; i++) {
+        const double X[3] = {i > 0 ? test_uniform(rng, -8, 8) : 0, i > 0 ? 0 : r, 0};
+        double X_w[3], X_c[3], uv[2];
+
+        test_apply(X_c, R, X, ahead);
+        test_apply(X_w, turned, X, NULL);
+        test_project_px(uv, &p->camera, X_c);
+        test_to_real(p->o[i].X_w, X_w, 3);
+        test_to_real(p->o[i].uv, uv, 2);
+    }
+}
+
+/* Nothing tells the turn about the line, and some such scenes have no pose. They are
+ * diagnosed all the same. */
+static void test_of_a_turn_that_no_point_shows_there_may_be_no_pose(void)
+{
+    test_rng rng = test_seed(18);
+    int n_degenerate = 0;
+
+    TEST_ON_HOST_ONLY("some of many scenes");
+    for (int k = 0; k < 100; k++) {
+        rigcal_pose pose;
+        size_t n;
+        problem p;
+
+        put_on_a_ray(&p, &rng, test_uniform(&rng, 0.2, 0.9));
+        const rigcal_status status = rigcal_pose_solve(
+            &pose, 1, &n, NULL, &VIEW(&p.camera, p.o, NULL, (size_t)p.n), NULL);
+        blame(&p, NULL);
+        TEST_ASSERT_EQUAL_INT(status < 0, p.blame.rms_px < 0);
+        n_degenerate += status == RIGCAL_ERR_DEGENERATE;
+    }
+    TEST_ASSERT_TRUE(n_degenerate > 0);
+}
+
+/* n points at random before a fisheye, the pixels of points 2 and 5 beyond its rays. */
+static void before_a_fisheye(rigcal_camera *camera, rigcal_observation o[], int n)
+{
+    test_rng rng = test_seed(16);
+
+    *camera = test_pinhole();
+    camera->lens = RIGCAL_LENS_FISHEYE;
+    camera->fx = camera->fy = 200;
+    for (int i = 0; i < n; i++) {
+        double X[3], X_c[3], uv[2];
+
+        for (int k = 0; k < 3; k++) {
+            X[k] = test_uniform(&rng, -1, 1);
+            X_c[k] = X[k] + (k == 2 ? 3 : 0);
+        }
+        test_project_px(uv, camera, X_c);
+        test_to_real(o[i].X_w, X, 3);
+        test_to_real(o[i].uv, uv, 2);
+    }
+    o[2].uv[0] = o[5].uv[1] = 1200;
+}
+
+/* One point that no ray sees counts as left out. So of two there is no pose, whichever
+ * other point is left out, and no point is to blame. */
+static void test_of_two_points_beyond_the_lens_none_is_blamed(void)
+{
+    static rigcal_observation o[N_MANY];
+    static rigcal_real rms_without[N_MANY];
+    rigcal_camera camera;
+    rigcal_diagnosis found;
+
+    for (int n = 8; n <= N_MANY; n += N_MANY - 8) {
+        before_a_fisheye(&camera, o, n);
+        ASSERT_STATUS(RIGCAL_OK, rigcal_pose_diagnose(&found, rms_without,
+                                                      &VIEW(&camera, o, NULL, n), NULL));
+        TEST_ASSERT_EQUAL_INT32(RIGCAL_DIAGNOSIS_UNEXPLAINED, found.verdict);
+        TEST_ASSERT_EQUAL_INT32(RIGCAL_BLAME_NONE, found.blame.verdict);
+        TEST_ASSERT_EQUAL_INT32(-1, found.blame.point);
+        ASSERT_NEAR(-1, found.blame.rms_px, 0);
+        for (int i = 0; i < n; i++) {
+            ASSERT_NEAR(-1, rms_without[i], 0);
+        }
+    }
+}
+
+/* Ten points, nine of them seen eight times: points of equal distance count as one, so no
+ * more than ten are tried. */
+static void test_points_that_are_seen_alike_are_tried_once(void)
+{
+    test_rng rng = test_seed(17);
+    rigcal_observation o[73];
+    rigcal_real rms_without[73];
+    rigcal_blame found;
+    int n = 0, n_tried = 0;
+    problem p;
+
+    TEST_ON_HOST_ONLY("13 poses of 73 points");
+    make(&p, &rng, 10, TEST_GENERAL);
+    spoil(&p, &rng, 4, 30);
+    for (int k = 0; k < 80; k++) {
+        if (k % 10 != 4 || k < 10) {
+            o[n++] = p.o[k % 10];
+        }
+    }
+    ASSERT_STATUS(RIGCAL_OK, rigcal_pose_blame(&found, rms_without,
+                                               &VIEW(&p.camera, o, NULL, n), NULL));
+    TEST_ASSERT_EQUAL_INT32(RIGCAL_BLAME_SURE, found.verdict);
+    TEST_ASSERT_EQUAL_INT32(4, found.point);
+    for (int i = 0; i < n; i++) {
+        n_tried += rms_without[i] >= 0;
+    }
+    TEST_ASSERT_EQUAL_INT(10, n_tried);
+}
+
 /* ---- mirrors and units --------------------------------------------------- */
 
 static void test_consistent_data_are(void)
@@ -279,6 +438,98 @@ static void test_units_are_told_from_a_previous_pose(void)
     }
 }
 
+/* A flat target with one point off its plane, on the wrong side: that point is wrong, or
+ * the target is mirrored. The one that fits better counts. */
+static void test_a_point_on_the_wrong_side_is_wrong_or_the_target_is_mirrored(void)
+{
+    const rigcal_pose_options known = stated(NOISE);
+    int n_mirrored = 0, n_one = 0;
+
+    TEST_ON_HOST_ONLY("both want many scenes");
+    for (int k = 0; k < 40; k++) {
+        test_rng rng = test_seed(1800 + (uint64_t)k);
+        problem p;
+
+        p.camera = test_pinhole();
+        p.n = 9;
+        test_scene_random(&p.scene, &rng, p.n, TEST_GENERAL);
+        for (int i = 0; i < p.n; i++) {
+            double X_c[3], uv[2];
+
+            p.scene.X[i][2] = i == 8 ? 0.7 : 0;
+            test_apply(X_c, p.scene.R, p.scene.X[i], p.scene.t);
+            test_project_px(uv, &p.camera, X_c);
+            test_to_real(p.o[i].X_w, p.scene.X[i], 3);
+            for (int j = 0; j < 2; j++) {
+                p.o[i].uv[j] = RC(uv[j] + NOISE * test_normal(&rng));
+            }
+        }
+        p.o[8].X_w[2] = -p.o[8].X_w[2];
+        (void)diagnose(&p, &known);
+        const rigcal_diagnosis *const d = &p.diagnosis;
+        if (d->blame.verdict == RIGCAL_BLAME_SURE && d->blame.point == 8 &&
+            !d->blame.is_rest_poor && d->rms_mirrored_px >= 0 &&
+            D(d->rms_mirrored_px) < 2 * NOISE) {
+            const int is_better =
+                d->rms_mirrored_px < d->blame.rms_without_px ||
+                (d->rms_flipped_px >= 0 && d->rms_flipped_px < d->blame.rms_without_px);
+
+            TEST_ASSERT_EQUAL_INT32(is_better ? RIGCAL_DIAGNOSIS_MIRRORED
+                                              : RIGCAL_DIAGNOSIS_ONE_POINT,
+                                    d->verdict);
+            n_mirrored += is_better;
+            n_one += !is_better;
+        }
+    }
+    TEST_ASSERT_TRUE(n_mirrored > 2 && n_one > 2);
+}
+
+/* (C), by the numbers that are told: both of the mirrored readings are a thousand times
+ * less likely. */
+static void test_the_data_decide_where_neither_mirrored_reading_fits(void)
+{
+    int n_both = 0, n_one[2] = {0, 0};
+
+    TEST_ON_HOST_ONLY("the borderline wants many scenes");
+    for (int k = 0; k < 300; k++) {
+        test_rng rng = test_seed(1900 + (uint64_t)k);
+        int n_unlike = 0, is_unlike[2];
+        problem p;
+
+        p.camera = test_pinhole();
+        p.camera.cy = RC(test_uniform(&rng, 0, 480)); /* the flipped one is another */
+        const double thickness = test_uniform(&rng, 0.02, 0.2);
+        p.n = 9;
+        test_scene_random(&p.scene, &rng, p.n, TEST_GENERAL);
+        for (int i = 0; i < p.n; i++) {
+            double X_c[3], uv[2];
+
+            p.scene.X[i][2] *= thickness;
+            test_apply(X_c, p.scene.R, p.scene.X[i], p.scene.t);
+            test_project_px(uv, &p.camera, X_c);
+            test_to_real(p.o[i].X_w, p.scene.X[i], 3);
+            for (int j = 0; j < 2; j++) {
+                p.o[i].uv[j] = RC(uv[j] + NOISE * test_normal(&rng));
+            }
+        }
+        if (diagnose(&p, NULL) == RIGCAL_DIAGNOSIS_MIRRORED) {
+            continue;
+        }
+        const double rms = D(p.diagnosis.blame.rms_px);
+        const double mirrored[2] = {D(p.diagnosis.rms_mirrored_px),
+                                    D(p.diagnosis.rms_flipped_px)};
+        for (int i = 0; i < 2; i++) {
+            is_unlike[i] = mirrored[i] < 0 || pow(rms / mirrored[i], 2 * (p.n - 3)) < 1e-3;
+            n_unlike += is_unlike[i];
+        }
+        TEST_ASSERT_EQUAL_INT32(n_unlike == 2, p.diagnosis.is_handed);
+        n_both += n_unlike == 2;
+        n_one[0] += n_unlike == 1 && is_unlike[0];
+        n_one[1] += n_unlike == 1 && is_unlike[1];
+    }
+    TEST_ASSERT_TRUE(n_both > 2 && n_one[0] > 2 && n_one[1] > 2);
+}
+
 TEST_MAIN()
 {
     RUN_TEST(test_the_wrong_point_is_blamed);
@@ -290,4 +541,10 @@ TEST_MAIN()
     RUN_TEST(test_a_flat_target_has_no_hand);
     RUN_TEST(test_one_wrong_point_is_told_and_several_are_not_explained);
     RUN_TEST(test_units_are_told_from_a_previous_pose);
+    RUN_TEST(test_points_without_a_pose_have_no_rms);
+    RUN_TEST(test_of_a_turn_that_no_point_shows_there_may_be_no_pose);
+    RUN_TEST(test_of_two_points_beyond_the_lens_none_is_blamed);
+    RUN_TEST(test_points_that_are_seen_alike_are_tried_once);
+    RUN_TEST(test_a_point_on_the_wrong_side_is_wrong_or_the_target_is_mirrored);
+    RUN_TEST(test_the_data_decide_where_neither_mirrored_reading_fits);
 }

@@ -410,6 +410,45 @@ static void test_an_image_without_extent_is_refused(void)
     }
 }
 
+/* A hundred times nearer to the middle than rounding of a pixel beside it. */
+static void test_an_image_less_than_rounding_is_refused(void)
+{
+    for (int is_seen = 0; is_seen < 2; is_seen++) {
+        const double size = is_seen ? TOL(1e-13, 1e-5) : TOL(1e-18, 1e-10);
+        rigcal_moments sums;
+
+        rc_moments_begin(&sums);
+        for (int i = 0; i < 4; i++) {
+            const rigcal_real x[3] = {RC(i % 2), RC(i / 2), 0};
+            const rigcal_real u[2] = {RC(size * (i % 2 - 0.5)), RC(size * (i / 2 - 0.5))};
+
+            rc_moments_add(&sums, 1, x, u);
+        }
+        TEST_ASSERT_EQUAL_INT(is_seen, rc_moments_finish(&sums));
+    }
+}
+
+/* Points on a line whose images go with none of their coordinates: no yaw is told, whether
+ * they are before the camera or behind it. */
+static void test_an_image_that_no_yaw_explains_costs_the_most(void)
+{
+    static const double X[3] = {1, 1, -2}, U[3] = {2, 0, 1};
+    rigcal_moments sums;
+
+    rc_moments_begin(&sums);
+    for (int i = 0; i < 3; i++) {
+        const rigcal_real x[3] = {RC(X[i]), 0, 0}, u[2] = {RC(U[i]), 0};
+
+        rc_moments_add(&sums, 1, x, u);
+    }
+    TEST_ASSERT_TRUE(rc_moments_finish(&sums));
+    for (int sign = -1; sign < 2; sign += 2) {
+        const rigcal_real m3[3] = {RC(sign), 0, 0};
+
+        TEST_ASSERT_TRUE(rc_direction_cost(&sums, m3) >= RC_MAX);
+    }
+}
+
 /* Mirrored points have the sums of points that are given mirrored. */
 static void test_the_sums_of_mirrored_points_are_those_of_points_given_mirrored(void)
 {
@@ -450,5 +489,7 @@ TEST_MAIN()
     RUN_TEST(test_the_cost_goes_with_the_unit_and_the_frame_of_the_target);
     RUN_TEST(test_a_weight_of_three_is_a_point_seen_thrice);
     RUN_TEST(test_an_image_without_extent_is_refused);
+    RUN_TEST(test_an_image_less_than_rounding_is_refused);
+    RUN_TEST(test_an_image_that_no_yaw_explains_costs_the_most);
     RUN_TEST(test_the_sums_of_mirrored_points_are_those_of_points_given_mirrored);
 }

@@ -659,6 +659,192 @@ static void test_clocks_without_their_memory_are_refused(void)
 #undef ADJUST
 }
 
+/* ---- where one finds nothing ------------------------------------------------------- */
+
+/* A rig of two cameras 1 beside each other, which look the same way and see the same three
+ * or four points in each of n placements. */
+static void set_up_simple(fixture *f, int n_placements, int n_points, double noise)
+{
+    static const double X[4][2] = {{-1, -1}, {1, -1}, {-1, 1}, {1, 1}};
+    test_rng rng = test_seed(71);
+
+    memset(f, 0, sizeof *f);
+    for (int c = 0; c < 2; c++) {
+        const double t[3] = {-c, 0, 0};
+
+        f->camera[c] = test_pinhole();
+        f->camera[c].cx = f->camera[c].cy = 320;
+        f->cams[c] = test_transform(NULL, t);
+    }
+    for (int p = 0; p < n_placements; p++) {
+        const double t[3] = {0, 0, 8 << p};
+
+        f->places[p] = test_transform(NULL, t);
+        for (int c = 0; c < 2; c++) {
+            rigcal_rig_view *const view = &f->views[2 * p + c];
+            rigcal_observation *const o = f->o[2 * p + c];
+
+            for (int i = 0; i < n_points; i++) {
+                o[i].X_w[0] = RC(X[i][0]);
+                o[i].X_w[1] = RC(X[i][1]);
+                o[i].uv[0] = RC(320 + 800 * (X[i][0] - c) / t[2]);
+                o[i].uv[1] = RC(320 + 800 * X[i][1] / t[2]);
+                for (int k = 0; k < 2; k++) {
+                    o[i].uv[k] += RC(noise * test_normal(&rng));
+                }
+            }
+            *view = (rigcal_rig_view){.view = VIEW(&f->camera[c], o, NULL, n_points),
+                                      .camera = c,
+                                      .placement = p};
+        }
+    }
+    f->rig.cams_from_rig = f->cams;
+    f->rig.n_cameras = 2;
+    f->rig.rig_from_placements = f->places;
+    f->rig.n_placements = (size_t)n_placements;
+    f->rig.group = f->group;
+    f->rig.n_views = (size_t)(2 * n_placements);
+    f->rig.views = f->views;
+    f->rig.work = f->work;
+    f->rig.work_capacity = sizeof f->work / sizeof *f->work;
+    f->options.work = f->room;
+    f->options.work_capacity = sizeof f->room / sizeof *f->room;
+    (void)least_sum(f);
+}
+
+/* Three points fit by themselves whatever their pixels: there is nothing to compare with.
+ * Of two placements six numbers are left over, as many as a camera that moved has. */
+static void test_views_of_three_points_have_no_loop(void)
+{
+    static const uint8_t breaks[PLACEMENTS] = {0, 1, 0, 0, 0, 0};
+
+    WANTS_A_RIG;
+    for (int n = 2; n < 4; n++) {
+        set_up_simple(&x, n, 3, 0.3);
+        x.options.breaks = breaks;
+        test_it(&x);
+        TEST_ASSERT_TRUE((x.found.bits & RIGCAL_FAULTS_NO_LOOP) != 0);
+        TEST_ASSERT_EQUAL_INT32(RIGCAL_RIG_AGREES, x.found.verdict);
+        ASSERT_NEAR(6 * (n - 1), x.found.freedom_between, 0);
+        ASSERT_NEAR(0, x.found.freedom_within, 0);
+        for (int c = 0; c < 2; c++) {
+            const rigcal_fault *const moved = fault_of(&x, RIGCAL_FAULT_MOVED, c);
+
+            TEST_ASSERT_EQUAL_INT32(n > 2, moved->is_seen);
+            TEST_ASSERT_EQUAL_INT32(n > 2 ? 1 : -1, moved->placement);
+        }
+    }
+}
+
+/* The target stands still but for noise: a clock that is off would not show. */
+static void test_of_a_target_that_stands_still_no_clock_is_told(void)
+{
+    WANTS_A_RIG;
+    for (int is_still = 0; is_still < 2; is_still++) {
+        set_up_simple(&x, 3, 4, 0.3);
+        for (int v = 2; v < 6 && is_still; v++) {
+            test_rng rng = test_seed(72 + (uint64_t)v);
+            for (int k = 0; k < 8; k++) {
+                x.o[v][k / 2].uv[k % 2] =
+                    RC(D(x.o[v % 2][k / 2].uv[k % 2]) + 1e-3 * test_normal(&rng));
+            }
+            x.places[v / 2] = x.places[0];
+        }
+        for (int p = 0; p < 3; p++) {
+            x.times[p] = RC(p / 30.);
+        }
+        ASSERT_STATUS(RIGCAL_OK, rigcal_clocks_defaults(&x.with_clocks));
+        x.with_clocks.times = x.times;
+        x.with_clocks.instants = x.instants;
+        x.with_clocks.offsets = x.offsets;
+        x.with_clocks.states = x.states;
+        x.rig.clocks = &x.with_clocks;
+        (void)least_sum(&x);
+        test_it(&x);
+        TEST_ASSERT_EQUAL_INT(is_still, (x.found.bits & RIGCAL_FAULTS_NO_MOTION) != 0);
+        TEST_ASSERT_EQUAL_INT(0, x.found.bits & RIGCAL_FAULTS_NO_NEIGHBOUR);
+    }
+}
+
+/* The board in another frame of its own: all its points have Y = 0. */
+static void test_a_board_in_the_plane_of_x_and_z_has_the_same_cameras(void)
+{
+    static const double ACROSS[9] = {1, 0, 0, 0, 0, 1, 0, -1, 0};
+    rigcal_fault before;
+
+    WANTS_A_RIG;
+    set_up(&x, 3);
+    (void)least_sum(&x);
+    test_it(&x);
+    before = *fault_of(&x, RIGCAL_FAULT_FOCAL, 1);
+    for (int p = 0; p < PLACEMENTS; p++) {
+        const rigcal_transform turned_from_board = test_transform(ACROSS, NULL),
+                               back = test_inverse(&turned_from_board);
+        x.places[p] = test_times(&x.places[p], &back);
+    }
+    for (int i = 0; i < VIEWS * POINTS; i++) {
+        rigcal_real *const X = x.o[i / POINTS][i % POINTS].X_w;
+        X[2] = -X[1];
+        X[1] = 0;
+    }
+    (void)least_sum(&x);
+    test_it(&x);
+    ASSERT_NEAR(before.value[0], fault_of(&x, RIGCAL_FAULT_FOCAL, 1)->value[0],
+                TOL(1e-6, 5e-2) * D(before.sigma[0]));
+    ASSERT_NEAR(before.gain, fault_of(&x, RIGCAL_FAULT_FOCAL, 1)->gain,
+                TOL(1e-6, 1e-2) * (1 + D(before.gain)));
+}
+
+/* Two cameras are held: neither can take up what a fault of it does to its pose. */
+static void test_a_fault_of_a_camera_that_is_held_is_that_of_an_adjustment(void)
+{
+    static const uint8_t ROLES[CAMERAS] = {RIGCAL_CAMERA_HELD, RIGCAL_CAMERA_HELD,
+                                           RIGCAL_CAMERA_FREE};
+
+    WANTS_A_RIG;
+    for (int c = 0; c < CAMERAS; c++) {
+        set_up(&x, 3);
+        x.rig.roles = ROLES;
+        const double before = least_sum(&x);
+        test_it(&x);
+        const rigcal_fault seen = *fault_of(&x, RIGCAL_FAULT_FOCAL, c);
+        correct(&x, RIGCAL_FAULT_FOCAL, c, seen.value);
+        ASSERT_NEAR(before - least_sum(&x), seen.gain,
+                    0.02 * D(seen.gain) + TOL(1e-3, 1e-2) * before);
+    }
+}
+
+static void test_clocks_need_not_be_written(void)
+{
+    rigcal_fault all;
+
+    WANTS_A_RIG;
+    set_up(&x, 2);
+    test_it(&x);
+    all = *fault_of(&x, RIGCAL_FAULT_CLOCKS, -1);
+    x.options.clocks = NULL;
+    test_it(&x);
+    TEST_ASSERT_EQUAL_MEMORY(&all, fault_of(&x, RIGCAL_FAULT_CLOCKS, -1), sizeof all);
+    TEST_ASSERT_NULL(x.found.clocks);
+}
+
+/* The stamps of a rig that was adjusted become so noisy that they say nothing. */
+static void test_placements_that_nothing_fixes_are_degenerate(void)
+{
+    int32_t at_fault;
+
+    WANTS_A_RIG;
+    set_up(&x, 2);
+    set_clocks(&x, 0, 0, 0.001);
+    (void)least_sum(&x);
+    x.with_clocks.memory.ratio2 = RC(TOL(1e-30, 1e-20));
+    FILL(x.found);
+    ASSERT_STATUS(RIGCAL_ERR_DEGENERATE, rigcal_rig_faults(&x.found, x.faults, FAULTS,
+                                                           &at_fault, &x.options, &x.rig));
+    ASSERT_UNTOUCHED(x.found);
+    TEST_ASSERT_TRUE(at_fault >= 0 && at_fault % CAMERAS == 0); /* of its placement */
+}
+
 /* ---- the verdict by itself -------------------------------------------------- */
 
 /* 200 numbers of sum 260, of which the views by themselves leave 100 of 120. */
@@ -700,6 +886,43 @@ static void test_a_step_whose_numbers_overflow_is_not_seen(void)
             ASSERT_NEAR(0, fault.turn, 0);
         }
     }
+}
+
+/* Of two parameters the first has an infinite sigma, and turns nothing. */
+static void test_a_step_with_one_infinite_sigma_is_not_seen(void)
+{
+    const rigcal_real theta[2] = {1, 1}, variance[2] = {TEST_INF, RC(1e-3)};
+    const rigcal_real turn[2] = {0, 1};
+    const rc_one_step step = {2, 1, theta, variance, turn, turn, 100, 0};
+    rigcal_fault fault = {0};
+
+    rc_finding_of(&fault, &COMMON, &step);
+    TEST_ASSERT_EQUAL_INT32(0, fault.is_seen);
+    ASSERT_NEAR(0, fault.sigma[0], 0);
+    ASSERT_NEAR(0, fault.sigma[1], 0);
+}
+
+/* As of the clocks of many cameras: the first are told, all count. */
+static void test_of_many_parameters_the_first_are_told(void)
+{
+    enum { MANY = RIGCAL_FAULT_VALUES + 2 };
+    rigcal_real theta[MANY], variance[MANY], turn[MANY];
+    rigcal_fault fault = {0};
+
+    for (int i = 0; i < MANY; i++) {
+        theta[i] = RC(1 + i);
+        variance[i] = 1;
+        turn[i] = RC(i);
+    }
+    const rc_one_step step = {MANY, 1, theta, variance, turn, turn, 100, 0};
+    rc_finding_of(&fault, &COMMON, &step);
+    TEST_ASSERT_EQUAL_INT32(MANY, fault.n);
+    for (int i = 0; i < RIGCAL_FAULT_VALUES; i++) {
+        ASSERT_NEAR(1 + i, fault.value[i], 0);
+    }
+    const double sigma = sqrt((260 - 100) / (150. - MANY));
+    ASSERT_NEAR(sigma, fault.sigma[0], TOL(1e-14, 1e-6));
+    ASSERT_NEAR(5 * sigma * (MANY - 1), fault.turn, TOL(1e-13, 1e-4));
 }
 
 static void test_the_verdict_of_what_could_not_be_seen(void)
@@ -773,7 +996,15 @@ TEST_MAIN()
     RUN_TEST(test_options_are_checked);
     RUN_TEST(test_kinds_that_are_asked_for);
     RUN_TEST(test_clocks_without_their_memory_are_refused);
+    RUN_TEST(test_views_of_three_points_have_no_loop);
+    RUN_TEST(test_of_a_target_that_stands_still_no_clock_is_told);
+    RUN_TEST(test_a_board_in_the_plane_of_x_and_z_has_the_same_cameras);
+    RUN_TEST(test_a_fault_of_a_camera_that_is_held_is_that_of_an_adjustment);
+    RUN_TEST(test_clocks_need_not_be_written);
+    RUN_TEST(test_placements_that_nothing_fixes_are_degenerate);
     RUN_TEST(test_a_step_whose_numbers_overflow_is_not_seen);
+    RUN_TEST(test_a_step_with_one_infinite_sigma_is_not_seen);
+    RUN_TEST(test_of_many_parameters_the_first_are_told);
     RUN_TEST(test_the_verdict_of_what_could_not_be_seen);
     RUN_TEST(test_residues_of_nothing_have_no_pattern);
 }

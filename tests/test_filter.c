@@ -323,40 +323,104 @@ static void test_a_spread_of_equal_axes_is_that_of_its_covariance(void)
     }
 }
 
+/* d of body 3 = by d of body 1 + noise; or of body 1, by body 3, whose unknowns are
+ * later. */
 static void test_a_body_comes_with_its_covariance_and_leaves(void)
 {
-    test_rng rng = test_seed(70);
-    double by[6][6], expected;
-    rigcal_real T[36], Q[36];
+    for (int turned = 0; turned < 2; turned++) {
+        test_rng rng = test_seed(70);
+        const int new_at = turned ? 0 : 12, from = turned ? 12 : 0;
+        double by[6][6], expected;
+        rigcal_real T[36], Q[36];
+
+        begin(&rng, 0);
+        for (int k = 0; k < 36; k++) {
+            by[k / 6][k % 6] = test_normal(&rng);
+            T[k] = (rigcal_real)by[k / 6][k % 6];
+            by[k / 6][k % 6] = D(T[k]);
+            Q[k] = k % 7 == 0 ? RC(1e-6) : 0;
+        }
+        rc_filter_multiply(s.UD, N);
+        rc_filter_come(&s.f, s.UD, turned ? 1 : 3, turned ? 3 : 1, T, Q);
+        for (int i = 0; i < 6; i++) {
+            for (int j = 0; j < N; j++) {
+                const int is_own = j >= new_at && j < new_at + 6;
+                const int row = j > new_at + i ? j : new_at + i;
+                const int column = j > new_at + i ? new_at + i : j;
+                expected = j == new_at + i ? 1e-6 : 0;
+                for (int k = 0; k < 36; k++) {
+                    expected += is_own ? by[i][k / 6] * s.P[from + k / 6][from + k % 6] *
+                                             by[j - new_at][k % 6]
+                                       : (k < 6) * by[i][k % 6] * s.P[from + k % 6][j];
+                }
+                ASSERT_NEAR(expected, s.UD[row * (row + 1) / 2 + column], TOL(1e-15, 1e-9));
+            }
+        }
+        rc_filter_leave(&s.f, s.UD, 2);
+        for (int i = 6; i < 12; i++) {
+            for (int j = 0; j < N; j++) {
+                const int row = i > j ? i : j, column = i > j ? j : i;
+                ASSERT_NEAR(0, s.UD[row * (row + 1) / 2 + column], 0);
+            }
+        }
+        const int kept = from * (from + 3) / 2;
+        ASSERT_NEAR(s.P[from][from], s.UD[kept], TOL(1e-15, 1e-10));
+    }
+}
+
+/* The first unknowns of body 2 are known exactly: they stay, and the others learn. */
+static void test_unknowns_that_are_known_exactly_learn_nothing(void)
+{
+    for (int n_known = 1; n_known <= 6; n_known++) {
+        test_rng rng = test_seed(75);
+        double h[N], beta, z;
+        rc_row row;
+        rc_news news;
+
+        begin(&rng, 0);
+        rc_filter_multiply(s.UD, N);
+        for (int i = 0; i < N; i++) {
+            for (int j = 0; j < N; j++) {
+                const int is_known =
+                    (i >= 6 && i < 6 + n_known) || (j >= 6 && j < 6 + n_known);
+                s.P[i][j] *= !is_known;
+                if (j <= i) {
+                    s.UD[i * (i + 1) / 2 + j] *= RC(!is_known);
+                }
+            }
+        }
+        rc_filter_factor(s.UD, N);
+        random_row(&row, h, 1, 2, &rng);
+        row.r = 1;
+        learn(h, 1, 0, &beta, &z);
+        TEST_ASSERT_TRUE(rc_filter_row(&news, &s.f, 1, 2, &row, 0, 0));
+        ASSERT_NEAR(z, news.z, TOL(1e-12, 1e-4));
+        for (size_t i = 0; i < N; i++) {
+            ASSERT_NEAR(s.mean[i], s.d[i], TOL(1e-15, 1e-8));
+            for (size_t j = 0; j <= i; j++) {
+                ASSERT_NEAR(s.P[i][j], rc_filter_element(s.UD, N, i, j), TOL(1e-17, 1e-9));
+            }
+        }
+    }
+}
+
+/* An innovation that overflows: the row is not taken and leaves no trace. */
+static void test_a_row_that_overflows_leaves_no_trace(void)
+{
+    test_rng rng = test_seed(76);
+    double h[N];
+    rc_row row;
+    rc_news news;
+    static held before;
 
     begin(&rng, 0);
-    for (int k = 0; k < 36; k++) {
-        by[k / 6][k % 6] = test_normal(&rng);
-        T[k] = (rigcal_real)by[k / 6][k % 6];
-        by[k / 6][k % 6] = D(T[k]);
-        Q[k] = k % 7 == 0 ? RC(1e-6) : 0;
-    }
-    rc_filter_multiply(s.UD, N);
-    rc_filter_come(&s.f, s.UD, 3, 1, T, Q);
-    for (int i = 12; i < 18; i++) {
-        for (int j = 0; j <= i; j++) {
-            expected = i == j ? 1e-6 : 0;
-            for (int k = 0; k < 36; k++) {
-                expected += j < 12
-                                ? (k < 6) * by[i - 12][k % 6] * s.P[k % 6][j]
-                                : by[i - 12][k / 6] * s.P[k / 6][k % 6] * by[j - 12][k % 6];
-            }
-            ASSERT_NEAR(expected, s.UD[i * (i + 1) / 2 + j], TOL(1e-15, 1e-9));
-        }
-    }
-    rc_filter_leave(&s.f, s.UD, 2);
-    for (int i = 6; i < 12; i++) {
-        for (int j = 0; j < N; j++) {
-            const int row = i > j ? i : j, column = i > j ? j : i;
-            ASSERT_NEAR(0, s.UD[row * (row + 1) / 2 + column], 0);
-        }
-    }
-    ASSERT_NEAR(s.P[0][0], s.UD[0], TOL(1e-15, 1e-10));
+    random_row(&row, h, 1, 2, &rng);
+    s.d[0] = RC(TOL(1e300, 1e38));
+    row.h_a[0] = RC(TOL(1e10, 1e6));
+    row.r = 0;
+    before = s;
+    TEST_ASSERT_FALSE(rc_filter_row(&news, &s.f, 1, 2, &row, 0, 0));
+    TEST_ASSERT_EQUAL_MEMORY(&before, &s, sizeof s);
 }
 
 static void test_rows_of_a_body_that_is_open_count_for_less(void)
@@ -401,5 +465,7 @@ TEST_MAIN()
     RUN_TEST(test_a_move_of_the_frame_is_one_of_all_others);
     RUN_TEST(test_a_spread_of_equal_axes_is_that_of_its_covariance);
     RUN_TEST(test_a_body_comes_with_its_covariance_and_leaves);
+    RUN_TEST(test_unknowns_that_are_known_exactly_learn_nothing);
+    RUN_TEST(test_a_row_that_overflows_leaves_no_trace);
     RUN_TEST(test_rows_of_a_body_that_is_open_count_for_less);
 }

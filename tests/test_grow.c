@@ -304,6 +304,42 @@ static void test_poses_from_sources(void)
     TEST_ASSERT_EQUAL_INT32(5, at_fault);
 }
 
+/* Tells of view 1, when it is asked for the lie-th time, that it is of placement 0. */
+static struct {
+    int asked, lie;
+} liar;
+
+static rigcal_status lying(rigcal_view_pose *pose, size_t index, void *context)
+{
+    *pose = ((test_tags *)context)->own[index];
+    if (index == 1 && ++liar.asked == liar.lie) {
+        pose->placement = 0;
+    }
+    return RIGCAL_OK;
+}
+
+/* Two cameras that share no placement stay apart, even where a source says once that they
+ * share one. */
+static void test_a_placement_that_a_source_changes_joins_nothing(void)
+{
+    test_rng rng = test_seed(535);
+
+    WANTS_RIG;
+    for (liar.lie = 1; liar.lie < 6; liar.lie++) {
+        simulate(&rng, 2, 2, 8, 1);
+        t.own[1] = t.own[3]; /* camera 1 in placement 1 */
+        t.rig.n_views = 2;
+        t.rig.view_poses = NULL;
+        t.rig.view_pose_source = lying;
+        t.rig.context = &t;
+        t.choice.second_poses = NULL;
+        liar.asked = 0;
+        const rigcal_status status = rigcal_rig_choose(&t.choice, NULL, &t.rig);
+        TEST_ASSERT_TRUE(liar.asked >= 3);
+        TEST_ASSERT_TRUE(liar.lie < 3 || status == RIGCAL_DISCONNECTED);
+    }
+}
+
 /* Without second poses it is a join that leaves out what does not agree. */
 static void test_without_second_poses(void)
 {
@@ -363,6 +399,45 @@ static void test_views_that_contradict_each_other(void)
         TEST_ASSERT_EQUAL_INT32(-1, at_fault);
         TEST_ASSERT_EQUAL_MEMORY(cams, t.cams, sizeof cams);
         TEST_ASSERT_TRUE(D(t.choice.share) < 0.5);
+    }
+}
+
+/* Camera 2 is wrong in all its views. Cameras 0 and 1 are right together in n_right of n
+ * placements. */
+static rigcal_status choose_two_of_three(uint64_t seed, int n_right, int n)
+{
+    test_rng rng = test_seed(seed);
+
+    simulate(&rng, 3, n, 10, 1);
+    for (size_t v = 0; v < t.rig.n_views; v++) {
+        if (t.views[v].camera == 2 ||
+            (t.views[v].camera == 1 && t.views[v].placement >= n_right)) {
+            const double shift[3] = {test_normal(&rng), test_normal(&rng), 10};
+            double R[9];
+
+            test_random_rotation(R, &rng);
+            t.own[v].cam_from_target = test_transform(R, shift);
+            t.second[v].n = 0;
+        }
+    }
+    return choose();
+}
+
+/* Two cameras that agree in most of their placements are believed against a third one; not
+ * where they agree in less than half, or in two placements only. */
+static void test_two_cameras_that_agree_are_believed_against_a_third(void)
+{
+    WANTS_RIG;
+    for (int trial = 0; trial < TEST_TRIALS(5); trial++) {
+        const uint64_t seed = 5460 + (uint64_t)trial;
+
+        TEST_ASSERT_TRUE(choose_two_of_three(seed, 10, 10) >= 0);
+        TEST_ASSERT_TRUE(D(t.choice.share) < 0.5);
+        for (size_t v = 0; v < t.rig.n_views; v++) {
+            TEST_ASSERT_TRUE(t.views[v].camera == 2 || t.takes[v] != RIGCAL_TAKES_NONE);
+        }
+        ASSERT_STATUS(RIGCAL_ERR_CONTRADICTION, choose_two_of_three(seed, 4, 10));
+        ASSERT_STATUS(RIGCAL_ERR_CONTRADICTION, choose_two_of_three(seed, 2, 2));
     }
 }
 
@@ -606,6 +681,40 @@ static void test_a_doubtful_placement_does_not_count(void)
     }
 }
 
+/* Twelve cameras, of which the last two are the same one twice. More than eight views of a
+ * placement do not place it anew. */
+enum { MANY = TEST_ONE_IN > 1 ? 1 : 12 };
+TEST_TAGS(many, MANY, 4);
+
+static void test_many_cameras_and_two_that_are_alike(void)
+{
+    test_rng rng = test_seed(556);
+    size_t last[2] = {0, 0};
+
+    TEST_ON_HOST_ONLY("memory of twelve cameras");
+    many.distance = 10;
+    many.share_seen = 1;
+    many.noise_px = 0.3;
+    test_tags_random(&many, &rng, MANY, 4);
+    test_tags_solve(&many);
+    for (size_t v = 0; v < many.rig.n_views; v++) {
+        if (many.views[v].camera >= MANY - 2) {
+            last[many.views[v].camera - (MANY - 2)] = v;
+        }
+        if (many.views[v].camera == MANY - 1) {
+            many.own[v] = many.own[last[0]];
+            many.second[v] = many.second[last[0]];
+            many.own[v].camera = many.second[v].camera = MANY - 1;
+            many.right[v] = many.right[last[0]];
+        }
+    }
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_choose(&many.choice, NULL, &many.rig));
+    TEST_ASSERT_EQUAL(0, test_tags_wrong(&many));
+    TEST_ASSERT_EQUAL(0, many.choice.n_left_out);
+    ASSERT_TRANSFORM(&many.cams[MANY - 2], &many.cams[MANY - 1], TOL(1e-9, 1e-3),
+                     TOL(1e-8, 1e-2));
+}
+
 /* ---- refused ------------------------------------------------------------- */
 
 static void assert_at_fault(rigcal_status expected, int32_t view)
@@ -708,9 +817,11 @@ TEST_MAIN()
     RUN_TEST(test_the_order_does_not_matter);
     RUN_TEST(test_the_same_bits_whatever_the_budgets);
     RUN_TEST(test_poses_from_sources);
+    RUN_TEST(test_a_placement_that_a_source_changes_joins_nothing);
     RUN_TEST(test_without_second_poses);
     RUN_TEST(test_a_wrong_view_is_left_out);
     RUN_TEST(test_views_that_contradict_each_other);
+    RUN_TEST(test_two_cameras_that_agree_are_believed_against_a_third);
     RUN_TEST(test_what_is_more_than_noise_raises_the_limit);
     RUN_TEST(test_the_noise_of_the_views);
     RUN_TEST(test_the_median_by_hand);
@@ -719,6 +830,7 @@ TEST_MAIN()
     RUN_TEST(test_a_camera_by_itself);
     RUN_TEST(test_a_camera_that_joins_by_a_doubtful_placement);
     RUN_TEST(test_a_doubtful_placement_does_not_count);
+    RUN_TEST(test_many_cameras_and_two_that_are_alike);
     RUN_TEST(test_what_is_refused);
     RUN_TEST(test_after_a_choice_the_rig_is_not_adjusted);
 }

@@ -54,7 +54,7 @@ enum { ROUNDS = 8 };
 
 /* limits: a pose is a rival if its score is above the best one's by less than this many
  * points that disagree. */
-#define RIVAL_WITHIN RC(0.8)
+#define RIVAL_WITHIN RC(0.7)
 
 /* limits: while triples are tried, a pose that far above the best is improved too. */
 #define IMPROVED_WITHIN RC(2)

@@ -575,8 +575,8 @@ RIGCAL_API rigcal_status rigcal_robust_begin(rigcal_robust_solver *solver,
  *   a unit is                                          at most
  *   the ray of one point of a triple (of a pinhole     a triple takes 7 of these two
  *     all three), or one pose scored by all points       (of a pinhole 5); all with
- *   the choice of the points that agree with a new       the next two max_units
- *     best pose, one evaluation of them, or its score  20 a new best pose
+ *   the choice of the points that agree with a good      the next two max_units
+ *     pose, one evaluation of them, or its score       20 a good pose
  *   the choice of the points that agree at last, or    26
  *     one evaluation of them
  *   a unit of rigcal_pose_step                         those of 9 searches */
@@ -586,8 +586,9 @@ RIGCAL_API rigcal_status rigcal_robust_step(rigcal_robust_solver *solver, int32_
  * is 1, not 0. The first status that applies:
  *
  * RIGCAL_FEW_AGREE: fewer than 6 agree, or so few, or so badly, that with all points wrong
- *     chance might bring it about: do not trust the pose without another reason. (E) Of
- *     270 000 scenes with all points wrong at most 3 have a pose without this caveat.
+ *     chance might bring it about; or another pose agrees with other points nearly as well:
+ *     do not trust the pose without another reason. (E) Of 270 000 scenes with all points
+ *     wrong at most 3 have a pose without this caveat.
  * RIGCAL_POOR_FIT, _BUDGET_SPENT, _VAGUE, _AMBIGUOUS: as there, of these points.
  * RIGCAL_MOST_DISAGREE: fewer than half of all points agree. The pose is no chance, but may
  *     be that of a part of the target, as of a grid shifted by one square.

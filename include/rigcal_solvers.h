@@ -145,11 +145,12 @@ struct rigcal_pose_solver {
 
 /* ---- a robust pose ---------------------------------------------------------- */
 
-/* The best pose so far, the rays and poses of one triple, and a pose that is improved. */
+/* The best pose so far, the rays and poses of one triple, and a good one, improved. */
 typedef struct rigcal_trial_poses {
-    rigcal_transform best, tried[RIGCAL_POSES_MAX];
-    rigcal_real ray[3][3], cost;
+    rigcal_transform best, tried[RIGCAL_POSES_MAX], good;
+    rigcal_real ray[3][3], cost, good_cost;
     rigcal_refinement better;
+    size_t n_good; /* points that agree with it */
 } rigcal_trial_poses;
 
 struct rigcal_robust_solver {
@@ -159,11 +160,11 @@ struct rigcal_robust_solver {
         rigcal_trial_poses trial;
         rigcal_pose_solver pose;
     } work;
-    rigcal_real sigma_px, threshold_px, area_px2, by_chance;
+    rigcal_transform rival; /* the best pose that differs from the best of all */
+    rigcal_real sigma_px, threshold_px, area_px2, by_chance, cost, rival_cost;
     uint32_t random;
     int32_t sample[3], samples, tried, wanted, is_complete, phase, next, n_poses, rounds;
-    int32_t rank, stride; /* of the triples where all are tried */
-    int32_t units, max_units, failure;
+    int32_t rank, stride, units, max_units, failure, is_doubtful;
 };
 
 /* ---- an adjusted rig -------------------------------------------------------- */

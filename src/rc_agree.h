@@ -30,6 +30,20 @@ typedef struct {
 size_t rc_agree_mark(uint8_t marks[], rc_agree_histogram *off, const rigcal_points *points,
                      const rigcal_transform *cam_from_points, rigcal_real limit);
 
+/* The area [px^2] of the rectangle in which the points were seen, over the mean of their
+ * sigma_i^2. It exceeds the image by at most the image's size. */
+rigcal_real rc_agree_area(const rigcal_view *view);
+
+/* (E) How badly the rectangle in which the points were seen fits that of the image of all
+ * points. It is 1 less the area that they share over the area of both together: 0 if they
+ * are equal, 1 if they do not meet. It is 1 if the camera does not see a point. */
+rigcal_real rc_agree_misfit(const rigcal_points *points,
+                            const rigcal_transform *cam_from_points);
+
+/* Whether two poses differ by more than `most` [rad], or more than that part of a's
+ * distance. */
+int rc_agree_differ(const rigcal_transform *a, const rigcal_transform *b, rigcal_real most);
+
 /* (E) How many poses would be expected to have so many of n points so near, if all points
  * were wrong. The nearest k points are counted, for the k that makes the figure least. The
  * search stops once it is below `enough`. area: of the pixels, in the unit of the squared

@@ -111,6 +111,91 @@ size_t rc_agree_mark(uint8_t marks[], rc_agree_histogram *off, const rigcal_poin
     return changed;
 }
 
+/* ---- where the points lie ----------------------------------------------------- */
+
+typedef struct {
+    rigcal_real low[2], high[2];
+} box;
+
+static void box_clear(box *b)
+{
+    *b = (box){{RC_MAX, RC_MAX}, {-RC_MAX, -RC_MAX}};
+}
+
+static void box_add(box *b, const rigcal_real uv[2])
+{
+    for (int k = 0; k < 2; k++) {
+        b->low[k] = rc_min(b->low[k], uv[k]);
+        b->high[k] = rc_max(b->high[k], uv[k]);
+    }
+}
+
+/* Where the points were seen. It exceeds the image by at most the image's size. Else one
+ * wrong pixel could make it as large as it likes. */
+static void box_of_seen(box *b, const rigcal_view *view)
+{
+    const int32_t size[2] = {view->camera->width, view->camera->height};
+    box_clear(b);
+    for (size_t i = 0; i < view->n; i++) {
+        box_add(b, view->observations[i].uv);
+    }
+    for (int k = 0; k < 2; k++) {
+        const rigcal_real side = (rigcal_real)size[k];
+        b->low[k] = rc_min(rc_max(b->low[k], -side), 2 * side);
+        b->high[k] = rc_max(rc_min(b->high[k], 2 * side), -side);
+    }
+}
+
+static rigcal_real box_area(const box *b)
+{
+    return rc_max(b->high[0] - b->low[0], 0) * rc_max(b->high[1] - b->low[1], 0);
+}
+
+rigcal_real rc_agree_area(const rigcal_view *view)
+{
+    box seen;
+    rigcal_real variances = 0;
+    box_of_seen(&seen, view);
+    for (size_t i = 0; i < view->n; i++) {
+        variances += (view->sigma == NULL) ? 1 : view->sigma[i] * view->sigma[i];
+    }
+    return box_area(&seen) * (rigcal_real)view->n / variances;
+}
+
+rigcal_real rc_agree_misfit(const rigcal_points *points,
+                            const rigcal_transform *cam_from_points)
+{
+    box seen, target, common;
+    box_of_seen(&seen, &points->view);
+    box_clear(&target);
+    for (size_t i = 0; i < points->view.n; i++) {
+        rigcal_real q[3], X_c[3], uv[2];
+        rc_points_place(q, X_c, points, cam_from_points, i);
+        if (rc_project_usable(uv, points->view.camera, X_c) != RIGCAL_OK) {
+            return 1;
+        }
+        box_add(&target, uv);
+    }
+    for (int k = 0; k < 2; k++) {
+        common.low[k] = rc_max(seen.low[k], target.low[k]);
+        common.high[k] = rc_min(seen.high[k], target.high[k]);
+    }
+    const rigcal_real shared = box_area(&common);
+    const rigcal_real all = box_area(&seen) + box_area(&target) - shared;
+    return (shared < all) ? 1 - shared / all : 0;
+}
+
+int rc_agree_differ(const rigcal_transform *a, const rigcal_transform *b, rigcal_real most)
+{
+    rigcal_real turn2 = 0, step[3];
+    for (int k = 0; k < 9; k++) {
+        turn2 += (a->R[k] - b->R[k]) * (a->R[k] - b->R[k]);
+    }
+    rc_vec3_sub(step, a->t, b->t);
+    return turn2 > 2 * most * most ||
+           rc_vec3_dot(step, step) > most * most * rc_vec3_dot(a->t, a->t);
+}
+
 /* ---- chance -------------------------------------------------------------- */
 
 /* Poses expected by chance. A pose that is fitted to k points leaves 2 k - 6 free errors,

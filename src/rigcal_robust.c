@@ -3,6 +3,7 @@
 #include "rc_agree.h"
 #include "rc_logs.h"
 #include "rc_pose.h"
+#include "rc_sample.h"
 
 /* ---- constants ----------------------------------------------------------- */
 
@@ -19,14 +20,6 @@ enum { SAMPLES_MAX = 100000 };
 
 /* units: the default for the search. A triple usually takes 3, or 5 through a lens. */
 enum { UNITS = 100000 };
-
-/* points: with more than this the triples are not counted. Their number would overflow, and
- * is far more than SAMPLES_MAX. */
-enum { COUNTED_MAX = 1000 };
-
-/* part: if all triples are tried, the next one's number is this part of their count further
- * on. It is the golden section, which spreads them (Weyl 1916). */
-#define STRIDE_PART RC(0.618)
 
 /* px: a point agrees if it is off by no more than this. It serves if no noise is stated. */
 #define THRESHOLD_PX RC(3)
@@ -59,9 +52,22 @@ enum { IMPROVE_ROUNDS = 4 };
  * ones. */
 enum { ROUNDS = 8 };
 
-/* poses expected by chance: above this the pose has a caveat. The expected number is far
- * above the true one: of 270 000 scenes with all points wrong at most 3 are below. */
-#define CHANCE RC(4e-3)
+/* limits: a pose is a rival if its score is above the best one's by less than this many
+ * points that disagree. */
+#define RIVAL_WITHIN RC(0.7)
+
+/* limits: while triples are tried, a pose that far above the best is improved too. */
+#define IMPROVED_WITHIN RC(2)
+
+/* rad, part of the distance: poses that differ by less are one. */
+#define POSES_APART RC(0.05)
+
+/* poses expected by chance: above this, times the fourth power of the misfit, the pose has
+ * a caveat. Of 270 000 scenes with all points wrong at most 3 are below. */
+#define CHANCE RC(5e-5)
+
+/* part: a smaller misfit counts as this. Noise and the wrong pixels make as much. */
+#define MISFIT_LEAST RC(0.1)
 
 /* poses expected by chance: from this on there is no pose. */
 #define CHANCE_MOST RC(0.3)
@@ -80,81 +86,9 @@ enum {
     DONE
 };
 
-/* ---- samples ------------------------------------------------------------- */
-
-/* Draws by Marsaglia's xorshift of 32 bits (2003). Its state is never 0. */
-static size_t draw(rigcal_robust_solver *s, size_t n)
+static rigcal_real limit_of(const rigcal_robust_solver *s)
 {
-    uint32_t x = s->random;
-    x ^= x << 13;
-    x ^= x >> 17;
-    x ^= x << 5;
-    s->random = x;
-    return (size_t)(((uint64_t)x * (uint64_t)n) >> 32);
-}
-
-/* How many triples n points make, or RC_COUNT_MAX if there are more. */
-static size_t count_triples(size_t n)
-{
-    return (n > COUNTED_MAX) ? RC_COUNT_MAX : n * (n - 1) / 2 * (n - 2) / 3;
-}
-
-/* A number near STRIDE_PART of `total` that has no divisor in common with it. Steps of this
- * size reach each number below `total` once. */
-static int32_t stride_of(int32_t total)
-{
-    int32_t stride = (int32_t)(STRIDE_PART * (rigcal_real)total) + 1;
-    for (;; stride++) {
-        int32_t a = stride, b = total;
-        while (b > 0) {
-            const int32_t rest = a % b;
-            a = b;
-            b = rest;
-        }
-        if (a == 1) {
-            return stride;
-        }
-    }
-}
-
-/* Finds triple number s->rank; (0, 1, 2) is the first. The next rank is far from it. */
-static void next_of_all(rigcal_robust_solver *s)
-{
-    const int32_t n = (int32_t)s->points.view.n;
-    int32_t i = 0, rest = s->rank;
-    for (; rest >= (n - 1 - i) * (n - 2 - i) / 2; i++) {
-        rest -= (n - 1 - i) * (n - 2 - i) / 2;
-    }
-    s->sample[0] = i;
-    for (i++; rest >= n - 1 - i; i++) {
-        rest -= n - 1 - i;
-    }
-    s->sample[1] = i;
-    s->sample[2] = i + 1 + rest;
-    s->rank += (s->rank < s->samples - s->stride) ? s->stride : s->stride - s->samples;
-}
-
-static void next_sample(rigcal_robust_solver *s)
-{
-    const size_t n = s->points.view.n;
-    if (s->is_complete) {
-        next_of_all(s);
-        return;
-    }
-    for (int k = 0; k < 3; k++) { /* distinct: skips those taken, in order */
-        size_t i = draw(s, n - (size_t)k);
-        const size_t low =
-            (size_t)((s->sample[0] < s->sample[1]) ? s->sample[0] : s->sample[1]);
-        const size_t high =
-            (size_t)((s->sample[0] < s->sample[1]) ? s->sample[1] : s->sample[0]);
-        if (k == 1) {
-            i += i >= (size_t)s->sample[0];
-        } else if (k == 2) {
-            i += i >= low;
-            i += i >= high;
-        }
-        s->sample[k] = (int32_t)i;
-    }
+    return s->threshold_px * s->threshold_px;
 }
 
 /* ---- phases -------------------------------------------------------------- */
@@ -163,6 +97,17 @@ static void fail(rigcal_robust_solver *s, rigcal_status status)
 {
     s->failure = status;
     s->phase = DONE;
+}
+
+/* If all triples are tried, the next one's number is far from this one's. */
+static void next_sample(rigcal_robust_solver *s)
+{
+    if (s->is_complete) {
+        rc_sample_ranked(s->sample, (int32_t)s->points.view.n, s->rank);
+        s->rank += (s->rank < s->samples - s->stride) ? s->stride : s->stride - s->samples;
+    } else {
+        rc_sample_random(s->sample, &s->random, s->points.view.n);
+    }
 }
 
 /* Goes to the next triple, unless there have been enough. */
@@ -207,11 +152,6 @@ static void seeing_step(rigcal_robust_solver *s)
     }
 }
 
-static rigcal_real limit_of(const rigcal_robust_solver *s)
-{
-    return s->threshold_px * s->threshold_px;
-}
-
 /* Decides how many samples are enough if `count` points agree with the best pose. N random
  * samples miss all useful triples with the chance exp(-useful N / all). If each triple is
  * drawn once, the chance is (1 - N / all)^useful. */
@@ -235,19 +175,48 @@ static void decide_samples(rigcal_robust_solver *s, size_t count)
     }
 }
 
-/* Takes the pose if it is the best so far. Then its points are to improve it. */
-static int is_best(rigcal_robust_solver *s, const rigcal_transform *pose)
+/* Whether the pose scores below `most`. If so, it is the one that is improved. */
+static int is_good(rigcal_robust_solver *s, const rigcal_transform *pose, rigcal_real most)
 {
     rigcal_trial_poses *const trial = &s->work.trial;
     rigcal_real cost;
-    const size_t count = rc_agree_score(&cost, &s->points, pose, limit_of(s), trial->cost);
-    if (!(cost < trial->cost)) {
+    const size_t count = rc_agree_score(&cost, &s->points, pose, limit_of(s), most);
+    if (!(cost < most)) {
         return 0;
     }
-    trial->cost = cost;
-    trial->best = *pose;
-    decide_samples(s, count);
-    return count >= IMPROVED_LEAST;
+    trial->good = *pose;
+    trial->good_cost = cost;
+    trial->n_good = count;
+    return 1;
+}
+
+/* The pose that was improved becomes the best or its rival, if it is as good. A rival
+ * differs from the best. */
+static void take_good(rigcal_robust_solver *s)
+{
+    rigcal_trial_poses *const trial = &s->work.trial;
+    const int is_other = rc_agree_differ(&trial->good, &trial->best, POSES_APART);
+    if (trial->good_cost < trial->cost) {
+        if (is_other && trial->cost < RC_MAX) {
+            s->rival = trial->best;
+            s->rival_cost = trial->cost;
+        } else if (!rc_agree_differ(&trial->good, &s->rival, POSES_APART)) {
+            s->rival_cost = RC_MAX;
+        }
+        trial->cost = trial->good_cost;
+        trial->best = trial->good;
+        decide_samples(s, trial->n_good);
+    } else if (is_other && trial->good_cost < s->rival_cost) {
+        s->rival = trial->good;
+        s->rival_cost = trial->good_cost;
+    }
+}
+
+/* The score below which a pose of three points is improved. */
+static rigcal_real good_below(const rigcal_robust_solver *s)
+{
+    const rigcal_real cost = s->work.trial.cost;
+    return (cost < RC_MAX) ? cost + IMPROVED_WITHIN * limit_of(s) : cost;
 }
 
 /* Goes to the next pose of the triple, or to the next triple. */
@@ -260,22 +229,31 @@ static void end_pose(rigcal_robust_solver *s)
     }
 }
 
+/* A pose near the best is not improved if most points agree with it: it would become the
+ * same. */
 static void scoring_step(rigcal_robust_solver *s)
 {
-    if (is_best(s, &s->work.trial.tried[s->next++])) {
+    const rigcal_trial_poses *const trial = &s->work.trial;
+    if (!is_good(s, &trial->tried[s->next++], good_below(s))) {
+        end_pose(s);
+    } else if (trial->n_good >= IMPROVED_LEAST &&
+               (trial->good_cost < trial->cost || 2 * trial->n_good < s->points.view.n ||
+                rc_agree_differ(&trial->good, &trial->best, POSES_APART))) {
         s->phase = MARKING;
     } else {
+        take_good(s);
         end_pose(s);
     }
 }
 
 /* ---- the best pose, improved ---------------------------------------------- */
 
-static void begin_improving(rigcal_robust_solver *s, int32_t phase)
+static void begin_improving(rigcal_robust_solver *s, const rigcal_transform *pose,
+                            int32_t phase)
 {
     rigcal_trial_poses *const trial = &s->work.trial;
     rc_refine_begin(&trial->better, 0);
-    trial->better.cam_from_points = trial->best;
+    trial->better.cam_from_points = *pose;
     s->phase = phase;
 }
 
@@ -291,8 +269,9 @@ static int improve(rigcal_robust_solver *s)
 
 static void marking_step(rigcal_robust_solver *s)
 {
-    (void)rc_agree_mark(s->inliers, NULL, &s->points, &s->work.trial.best, limit_of(s));
-    begin_improving(s, IMPROVING);
+    const rigcal_transform *const good = &s->work.trial.good;
+    (void)rc_agree_mark(s->inliers, NULL, &s->points, good, limit_of(s));
+    begin_improving(s, good, IMPROVING);
 }
 
 static void improving_step(rigcal_robust_solver *s)
@@ -304,9 +283,12 @@ static void improving_step(rigcal_robust_solver *s)
 
 static void rescoring_step(rigcal_robust_solver *s)
 {
-    if (is_best(s, &s->work.trial.better.cam_from_points) && ++s->rounds < IMPROVE_ROUNDS) {
+    rigcal_trial_poses *const trial = &s->work.trial;
+    if (is_good(s, &trial->better.cam_from_points, trial->good_cost) &&
+        ++s->rounds < IMPROVE_ROUNDS) {
         s->phase = MARKING;
     } else {
+        take_good(s);
         end_pose(s);
     }
 }
@@ -336,9 +318,12 @@ static void settling_step(rigcal_robust_solver *s)
     rigcal_trial_poses *const trial = &s->work.trial;
     if (!(trial->cost < RC_MAX)) {
         fail(s, RIGCAL_ERR_NO_CONSENSUS);
-    } else if (rc_agree_mark(s->inliers, NULL, &s->points, &trial->best, limit_of(s)) > 0 &&
-               s->rounds++ < IMPROVE_ROUNDS) {
-        begin_improving(s, REFINING);
+        return;
+    }
+    s->cost = trial->cost;
+    if (rc_agree_mark(s->inliers, NULL, &s->points, &trial->best, limit_of(s)) > 0 &&
+        s->rounds++ < IMPROVE_ROUNDS) {
+        begin_improving(s, &trial->best, REFINING);
     } else {
         s->rounds = 0;
         begin_solving(s);
@@ -361,24 +346,59 @@ static void solving_step(rigcal_robust_solver *s)
     }
 }
 
+static void to_points(rigcal_transform *cam_from_points, const rigcal_robust_solver *s,
+                      const rigcal_pose *pose)
+{
+    *cam_from_points = pose->cam_from_world;
+    rc_transform_point(cam_from_points->t, &pose->cam_from_world, s->points.origin);
+}
+
+/* Whether the rival is nearly as good as the best pose, agrees with other points, and is
+ * none of the poses found. */
+static int is_rivalled(rigcal_robust_solver *s, const rigcal_pose poses[], size_t n)
+{
+    rigcal_transform found;
+    int is_rival = s->rival_cost < s->cost + RIVAL_WITHIN * limit_of(s);
+    for (size_t i = n; i > 0 && is_rival; i--) {
+        to_points(&found, s, &poses[i - 1]);
+        is_rival = rc_agree_differ(&s->rival, &found, POSES_APART);
+    }
+    if (is_rival) { /* `found` is the first pose, whose marks it restores */
+        is_rival = rc_agree_mark(s->inliers, NULL, &s->points, &s->rival, limit_of(s)) > 0;
+        (void)rc_agree_mark(s->inliers, NULL, &s->points, &found, limit_of(s));
+    }
+    return is_rival;
+}
+
+/* Whether chance or a rival may explain that the points agree. */
+static int is_doubtful(rigcal_robust_solver *s, const rigcal_pose poses[], size_t n)
+{
+    rigcal_transform found;
+    to_points(&found, s, &poses[0]);
+    const rigcal_real misfit = rc_max(rc_agree_misfit(&s->points, &found), MISFIT_LEAST);
+    const rigcal_real squared = misfit * misfit;
+    return !(s->by_chance * squared * squared < CHANCE) || is_rivalled(s, poses, n);
+}
+
 /* Marks the points that agree with the pose found. If they changed, it solves again. */
 static void solved_step(rigcal_robust_solver *s)
 {
-    rigcal_pose pose;
+    rigcal_pose poses[RIGCAL_POSES_MAX];
+    rigcal_transform found;
     size_t n_found;
     rc_agree_histogram off;
-    s->failure = rigcal_pose_result(&pose, 1, &n_found, NULL, &s->work.pose);
+    s->failure = rigcal_pose_result(poses, RIGCAL_POSES_MAX, &n_found, NULL, &s->work.pose);
     s->phase = DONE;
     if (s->failure < 0) {
         return;
     }
-    rigcal_transform cam_from_points = pose.cam_from_world;
-    rc_transform_point(cam_from_points.t, &pose.cam_from_world, s->points.origin);
-    if (rc_agree_mark(s->inliers, &off, &s->points, &cam_from_points, limit_of(s)) > 0 &&
+    to_points(&found, s, &poses[0]);
+    if (rc_agree_mark(s->inliers, &off, &s->points, &found, limit_of(s)) > 0 &&
         s->rounds++ < ROUNDS) {
         begin_solving(s);
     } else {
         s->by_chance = rc_agree_by_chance(&off, s->points.view.n, s->area_px2, CHANCE);
+        s->is_doubtful = is_doubtful(s, poses, n_found);
     }
 }
 
@@ -411,29 +431,6 @@ static rigcal_status check_options(const rigcal_robust_options *o)
     return status;
 }
 
-/* The rectangle [px^2] in which the points were seen, over the mean of their sigma_i^2. It
- * exceeds the image by at most the image's size. Else one wrong pixel could make it as
- * large as it likes. */
-static rigcal_real seen_area(const rigcal_view *view)
-{
-    const rigcal_observation *const o = view->observations;
-    const int32_t size[2] = {view->camera->width, view->camera->height};
-    rigcal_real area = (rigcal_real)view->n, variances = 0;
-    for (int k = 0; k < 2; k++) {
-        const rigcal_real side = (rigcal_real)size[k];
-        rigcal_real low = 2 * side, high = -side;
-        for (size_t i = 0; i < view->n; i++) {
-            low = rc_min(low, o[i].uv[k]);
-            high = rc_max(high, o[i].uv[k]);
-        }
-        area *= rc_max(rc_min(high, 2 * side) - rc_max(low, -side), 0);
-    }
-    for (size_t i = 0; i < view->n; i++) {
-        variances += (view->sigma == NULL) ? 1 : view->sigma[i] * view->sigma[i];
-    }
-    return area / variances;
-}
-
 /* Fills in *s for points that have been surveyed. */
 static void fill(rigcal_robust_solver *s, const rigcal_points *points, uint8_t inliers[],
                  const rigcal_robust_options *o)
@@ -449,18 +446,18 @@ static void fill(rigcal_robust_solver *s, const rigcal_points *points, uint8_t i
     s->random = (o->seed != 0) ? o->seed : UINT32_C(0x9e3779b9);
     s->samples = o->samples;
     s->max_units = o->max_units;
-    s->is_complete = count_triples(n) <= (size_t)o->samples;
+    s->is_complete = rc_count_triples(n) <= (size_t)o->samples;
     if (s->is_complete) {
-        s->samples = (int32_t)count_triples(n);
-        s->stride = stride_of(s->samples);
+        s->samples = (int32_t)rc_count_triples(n);
+        s->stride = rc_sample_stride(s->samples);
     }
     s->wanted = s->samples;
-    s->work.trial.cost = RC_MAX;
+    s->work.trial.cost = s->rival_cost = RC_MAX;
     s->sample[1] = 1;
     s->sample[2] = 2;
     next_sample(s);
     memset(inliers, 0, n);
-    s->area_px2 = seen_area(&points->view);
+    s->area_px2 = rc_agree_area(&points->view);
     s->phase = SEEING;
 }
 
@@ -548,6 +545,9 @@ rigcal_status rigcal_robust_step(rigcal_robust_solver *solver, int32_t budget)
     }
     for (int32_t i = 0; i < budget && solver->phase != DONE; i++) {
         if (solver->phase < SETTLING && solver->units++ == solver->max_units) {
+            if (solver->phase >= MARKING) {
+                take_good(solver);
+            }
             solver->phase = SETTLING;
             solver->rounds = 0;
         }
@@ -581,7 +581,7 @@ rigcal_status rigcal_robust_result(rigcal_pose poses[], size_t capacity, size_t 
         return status;
     }
     *n_inliers = count;
-    if (count < SURE_LEAST || !(solver->by_chance < CHANCE)) {
+    if (count < SURE_LEAST || solver->is_doubtful) {
         return RIGCAL_FEW_AGREE;
     }
     return (status == RIGCAL_OK && 2 * count < n) ? RIGCAL_MOST_DISAGREE : status;

@@ -87,6 +87,10 @@ tidy          gcc,clang-tidy               sh tests/checks/check_tidy.sh
 callgraph     gcc,arm,python
               $PYTHON tests/checks/check_callgraph.py build/callgraph
 cppcheck      cppcheck                     sh tests/checks/check_cppcheck.sh
+static        gcc,python                   $PYTHON tests/checks/check_static.py short
+proof         frama-c                      sh tests/proof/run.sh short
+matrix        gcc,g++,clang,i686,cmake,unity,build/gcc-double,build/gcc-float
+              preset_build gcc-double && preset_build gcc-float && sh tests/ways/matrix.sh short
 readme        gcc,python                   $PYTHON tests/checks/check_readme.py
 header        gcc,g++,clang                sh tests/checks/check_header.sh
 cross         arm                          sh tests/checks/check_cross.sh
@@ -134,6 +138,11 @@ want_need() {
     clang-format) want clang-format clang-format --version ;;
     clang-tidy) want clang-tidy clang-tidy --version ;;
     cppcheck) want cppcheck cppcheck --version ;;
+    frama-c) want frama-c-base frama-c -version ;;
+    i686)
+        want gcc-i686-linux-gnu i686-linux-gnu-gcc --version
+        want libc6-dev-i386-cross test -e /usr/i686-linux-gnu/include/stdio.h
+        ;;
     rust) want rustc rustc --version ;;
     ceres) want libceres-dev test -e /usr/include/ceres/ceres.h ;;
     arduino) want arduino-builder arduino-builder -version ;;

@@ -1,0 +1,339 @@
+#!/bin/sh
+# The library by each compiler, standard and option that it is promised for.
+#
+#   sh tests/ways/matrix.sh [SECONDS]
+#                                   everything; writes tests/ways/MATRIX.md. By hand. What has
+#                                   not begun after so many seconds, 100000, is "not run".
+#   sh tests/ways/matrix.sh short   what CI has time for
+#
+# Each combination compiles src/ with the project's warnings as errors. Unit tests of
+# build/gcc-double and build/gcc-float, which must be built, are linked with its library and
+# run, and so is the gate. Where every object of a combination is the same, byte for byte, as
+# that of an earlier one, the tests are not run again. The public headers are included by C
+# and by C++ programs that take the address of every public function.
+set -eu
+cd "$(dirname "$0")/../.."
+. tests/support/packages.sh
+
+form=full
+end=$(($(date +%s) + 100000))
+case ${1-} in
+short) form=short ;;
+[0-9]*) end=$(($(date +%s) + $1)) ;;
+esac
+out=$PWD/build/matrix
+strict="-Wall -Wextra -Wpedantic -Wconversion -Wdouble-promotion -Wshadow -Werror"
+tests="adjust bytes camera chain chance diagnose faults filter graph hostile judge join layout
+    lens levenberg linalg locate match measure monitor neldermead p3p paper pose rig robust
+    rotation score seeds spans store store_rig trial triangulate verdict watch"
+# What is linked anew for each program, all of the library optimised together, takes long.
+tests_lto="lens measure pose rig store"
+rm -rf "$out"
+mkdir -p "$out/seen"
+count=0
+
+complain() {
+    echo "matrix: $*" | tee -a "$out/bad.txt"
+}
+
+# row COMBINATION REAL RESULT: a line of the table
+row() {
+    printf '| %s | %s | %s |\n' "$1" "$2" "$3" | tee -a "$out/$2.md"
+}
+
+# define REAL: what a compiler is told of the precision
+define() {
+    [ "$1" = double ] || echo -DRIGCAL_USE_FLOAT=1
+}
+
+# compile FOLDER COMPILER FLAG...: each file of src/ to an object in FOLDER
+compile() {
+    folder=$1
+    shift
+    mkdir -p "$folder"
+    root=$PWD
+    # shellcheck disable=SC2086 -- warnings
+    (cd "$folder" && printf '%s\n' "$root"/src/*.c |
+        xargs "$@" $strict -I"$root/include" -DRIGCAL_BUILD -c) \
+        >"$folder/compiler.txt" 2>&1
+}
+
+# The code of the objects in a folder, as one number.
+code_of() {
+    cat "$1"/*.o | sha256sum | cut -d' ' -f1
+}
+
+# run_tests FOLDER REAL COMPILER FLAG...: sets failed to the tests that fail
+run_tests() {
+    folder=$1
+    built=build/gcc-$2
+    shift 2
+    failed=
+    ran=0
+    chosen=$tests
+    case " $* " in
+    *" -flto "*) chosen=$tests_lto ;;
+    esac
+    for name in $chosen; do
+        # shellcheck disable=SC2046 -- one object or more
+        "$@" $(find "$built/tests/CMakeFiles/test_$name.dir" -name '*.o') \
+            "$built/tests/librigcal_test_support.a" "$built/tests/libunity.a" \
+            "$folder"/*.o -lm -o "$folder/test_$name" 2>>"$folder/compiler.txt"
+        ran=$((ran + 1))
+        "$folder/test_$name" >"$folder/test_$name.txt" 2>&1 || failed="$failed $name"
+        rm "$folder/test_$name"
+    done
+}
+
+# run_gate FOLDER REAL COMPILER FLAG...: the gate, with a library that counts
+run_gate() {
+    counted=$1/counted
+    real=$2
+    shift 2
+    # shellcheck disable=SC2046 -- one option or none
+    compile "$counted" "$@" $(define "$real") -I"$PWD/tests/support" \
+        "-DRIGCAL_CONFIG_FILE=<count_hooks.h>" || return 1
+    "$@" "build/gcc-$real/tests/CMakeFiles/gate.dir/gate/gate.c.o" "$counted"/*.o -lm \
+        -o "$counted/gate"
+    # The depth of a stack is the option's; all other counts are asked for.
+    "$counted/gate" check "tests/gate/expected_$real.txt" >"$counted/gate.txt" 2>&1 ||
+        { grep -q '^gate: ' "$counted/gate.txt" &&
+            ! grep ', now ' "$counted/gate.txt" | grep -qv '^stack\.'; }
+}
+
+# combination REAL COMPILER FLAG...
+combination() {
+    real=$1
+    shift
+    if [ "$(date +%s)" -ge "$end" ]; then
+        row "$*" "$real" "not run"
+        return 0
+    fi
+    count=$((count + 1))
+    folder=$out/$real-$count
+    # shellcheck disable=SC2046 -- one option or none
+    if ! compile "$folder" "$@" $(define "$real"); then
+        cat "$folder/compiler.txt"
+        row "$*" "$real" "is not compiled"
+        complain "$* does not compile"
+        return 0
+    fi
+    code=$(code_of "$folder")
+    if [ -e "$out/seen/$real-$code" ]; then
+        row "$*" "$real" "the same objects as $(cat "$out/seen/$real-$code")"
+        rm -r "$folder"
+        return 0
+    fi
+    echo "$*" >"$out/seen/$real-$code"
+    run_tests "$folder" "$real" "$@"
+    if [ "$form" = full ]; then
+        run_gate "$folder" "$real" "$@" || failed="$failed gate"
+        ran=$((ran + 1))
+    fi
+    told=
+    case " $* " in
+    *" -ffp-contract=fast "*) ;;
+    *) [ -z "$failed" ] || complain "$* in $real fails:$failed, $folder" ;;
+    esac
+    [ -z "$failed" ] || told=", **failed:$failed**"
+    row "$*" "$real" "$((ran - $(echo "$failed" | wc -w))) of $ran pass$told"
+    [ -n "$failed" ] || rm -r "$folder"
+}
+
+# syntax REAL COMPILER FLAG...: the warnings of a standard
+syntax() {
+    real=$1
+    shift
+    count=$((count + 1))
+    # shellcheck disable=SC2046,SC2086 -- options
+    "$@" $strict $(define "$real") -Iinclude -DRIGCAL_BUILD -fsyntax-only src/*.c ||
+        complain "$* in $real does not compile"
+}
+
+# refused REAL MESSAGE COMPILER FLAG...: every file of the library must say MESSAGE
+refused() {
+    real=$1
+    message=$2
+    shift 2
+    for source in src/*.c; do
+        if "$@" -Iinclude -DRIGCAL_BUILD -fsyntax-only "$source" 2>"$out/refused-$real.txt"; then
+            complain "$* accepts $source"
+        elif ! grep -q "$message" "$out/refused-$real.txt"; then
+            complain "$* refuses $source without \"$message\""
+        fi
+    done
+    count=$((count + 1))
+    row "$*" "$real" "refused, by each file: $message"
+}
+
+# A program that includes every public header and links every public function.
+write_user() {
+    for header in include/*.h; do
+        echo "#include \"${header#include/}\""
+    done >"$out/user.c"
+    functions=$(gcc -E -P -Iinclude -DRIGCAL_API=RIGCAL_DECLARED "$out/user.c" |
+        tr '\n' ' ' | grep -o 'RIGCAL_DECLARED[^;(]*(' |
+        sed 's/ *($//; s/.*[ *]//' | sort -u)
+    {
+        echo 'typedef void (*any_function)(void);'
+        echo 'static const any_function all[] = {'
+        for function in $functions; do
+            echo "    (any_function)$function,"
+        done
+        echo '};'
+        echo 'int main(void)'
+        echo '{'
+        echo '    unsigned i = 0;'
+        echo '    for (; i < sizeof all / sizeof *all; i++) {'
+        echo '        if (!all[i]) {'
+        echo '            return 1;'
+        echo '        }'
+        echo '    }'
+        echo '    return rigcal_sizeof_real() != sizeof(rigcal_real);'
+        echo '}'
+    } >>"$out/user.c"
+    sed 's/(any_function)\(rigcal.*\),/reinterpret_cast<any_function>(\1),/' \
+        "$out/user.c" >"$out/user.cpp"
+    n_functions=$(echo "$functions" | wc -l)
+}
+
+# users REAL: programs in C and C++ that link the library of gcc -O2
+users() {
+    real=$1
+    library=build/gcc-$real/librigcal.a
+    cast=-Wno-cast-function-type # a list of functions of all types
+    for std in c99 c11 c17 c2x c++11 c++14 c++17 c++20 c++2b; do
+        case $std in
+        c++*)
+            compilers="g++ clang++"
+            source=$out/user.cpp
+            more="-Wold-style-cast -Wzero-as-null-pointer-constant"
+            ;;
+        *)
+            compilers="gcc clang"
+            source=$out/user.c
+            more=
+            ;;
+        esac
+        for compiler in $compilers; do
+            count=$((count + 1))
+            # shellcheck disable=SC2046,SC2086 -- options
+            if "$compiler" -std=$std $strict $more $cast $(define "$real") -Iinclude \
+                    "$source" "$library" -lm -o "$out/user-$real" && "$out/user-$real"; then
+                row "a user's program, $compiler -std=$std" "$real" \
+                    "includes every header, links $n_functions functions"
+            else
+                complain "a user's program by $compiler -std=$std in $real fails"
+            fi
+        done
+    done
+}
+
+# other REAL COMPILER FLAG...: another architecture of this processor; tests compiled for it
+other() {
+    real=$1
+    shift
+    if [ "$(date +%s)" -ge "$end" ]; then
+        row "$*" "$real" "not run"
+        return 0
+    fi
+    count=$((count + 1))
+    folder=$out/$real-$count
+    # shellcheck disable=SC2046 -- one option or none
+    if ! compile "$folder" "$@" $(define "$real"); then
+        cat "$folder/compiler.txt"
+        complain "$* does not compile"
+        return 0
+    fi
+    failed=
+    ran=0
+    unity=$(unity_folder "build/gcc-$real")
+    for name in $tests; do
+        ran=$((ran + 1))
+        # As the tests' own build: gcc 12 vectorises the rounding to float away.
+        # shellcheck disable=SC2046 -- one option or none
+        "$@" -O1 -fno-tree-slp-vectorize $(define "$real") -Iinclude -Isrc -Itests/support \
+            -Itests/vectors -I"$unity" "-DRIGCAL_DATA_DIR=\"$PWD/examples/data\"" -static \
+            "tests/test_$name.c" tests/support/test_*.c "$unity/unity.c" "$folder"/*.o -lm \
+            -o "$folder/test_$name" >"$folder/test_$name.txt" 2>&1 &&
+            "$folder/test_$name" >"$folder/test_$name.txt" 2>&1 || failed="$failed $name"
+        rm -f "$folder/test_$name"
+    done
+    told=
+    if [ -n "$failed" ]; then
+        complain "$* in $real fails:$failed, $folder"
+        told=", **failed:$failed**"
+    fi
+    row "$*" "$real" "$((ran - $(echo "$failed" | wc -w))) of $ran pass, no gate$told"
+}
+
+# Where the tests of a build found Unity.
+unity_folder() {
+    sed -n 's/^ *"file": "\(.*\)\/unity\.c",*$/\1/p' "$1/compile_commands.json"
+}
+
+# whole REAL: the full form in one precision
+whole() {
+    real=$1
+    for compiler in gcc clang; do
+        combination "$real" $compiler -std=c99 -O2 -march=native -ffp-contract=fast
+    done
+    for level in "-O3 -march=native" -O0 -Os "-O2 -flto" -O3 -O1 -O2; do
+        for compiler in gcc clang; do
+            # shellcheck disable=SC2086 -- two options
+            combination "$real" $compiler -std=c99 $level $off
+        done
+    done
+    for std in c11 c17 c2x; do
+        for compiler in gcc clang; do
+            combination "$real" $compiler -std=$std -O2 $off
+        done
+    done
+    other "$real" i686-linux-gnu-gcc -std=c99 -O2 -msse2 -mfpmath=sse $off
+    # shellcheck disable=SC2046 -- one option or none
+    refused "$real" "FLT_EVAL_METHOD is not 0" i686-linux-gnu-gcc -std=c99 $(define "$real")
+    users "$real"
+    echo "$count" >"$out/$real.count"
+}
+
+# The last result, for the tree.
+write_table() {
+    echo '# The library by each compiler, standard and option'
+    echo
+    echo "\`sh tests/ways/matrix.sh\` writes this file. A line's tests are the gate and"
+    # shellcheck disable=SC2086 -- a list
+    echo "$(echo $tests | wc -w) programs of unit tests, linked with the line's library; with \`-flto\` $(echo $tests_lto |
+        wc -w). Warnings are errors: \`$strict\`."
+    echo
+    echo '| compiled by | precision | result |'
+    echo '| --- | --- | --- |'
+    cat "$out/double.md" "$out/float.md"
+    echo
+    changed=
+    git diff --quiet HEAD -- src include || changed=" with changes"
+    echo "*$(date -u +%Y-%m-%d), commit $(git rev-parse --short HEAD)$changed, $(gcc --version |
+        sed -n 1p), $(clang --version | sed -n 1p), $(uname -m), $(sed -n \
+        's/^model name.*: //p' /proc/cpuinfo | sed -n 1p)*"
+}
+
+write_user
+off="-ffp-contract=off"
+if [ "$form" = short ]; then
+    for compiler in gcc clang; do
+        syntax double $compiler -std=c11 $off
+        syntax float $compiler -std=c2x $off
+    done
+    refused float "FLT_EVAL_METHOD is not 0" i686-linux-gnu-gcc -std=c99
+    users float
+    tests="bytes layout linalg lens pose store rig"
+    combination double gcc -std=c99 -O0 $off
+else
+    whole double &
+    whole float || complain "float stops"
+    wait $! || complain "double stops"
+    write_table >"$out/MATRIX.md"
+    [ -e "$out/bad.txt" ] || cp "$out/MATRIX.md" tests/ways/MATRIX.md
+    count=$(($(cat "$out/double.count") + $(cat "$out/float.count")))
+fi
+[ ! -e "$out/bad.txt" ] || exit 1
+echo "$count combinations: compilers, standards, options, programs in C and C++"

@@ -5,6 +5,14 @@
 
 #include "rc_choose.h"
 
+/* ---- constants ----------------------------------------------------------- */
+
+/* halvings: of an interval that holds a median. Its error is then 2^-60 of the largest
+ * number. */
+enum { RC_HALVINGS = 60 };
+
+/* ---- scores -------------------------------------------------------------- */
+
 enum { RC_SCORE_PLACEMENTS = RIGCAL_CHOOSE_PLACEMENTS };
 
 /* tau^2 at a rung of the ladder. Two claims agree if their squared distance is below a

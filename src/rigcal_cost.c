@@ -14,10 +14,6 @@
  * Right views of real sets, with clocks apart, have cost up to 60 times. */
 #define SCALE_SLOPE RC(10)
 
-/* halvings: of the interval that holds the median. Its error is then 2^-60 of the largest
- * cost. */
-enum { HALVINGS = 60 };
-
 void rc_judge_end(rigcal_judge_solver *s, rigcal_status status, int32_t at_fault)
 {
     s->status = status;
@@ -279,7 +275,7 @@ void rc_judge_cost(rigcal_judge_solver *s, const rc_rig_parts *parts)
 static rigcal_real cost_at(const rigcal_judge_solver *s, size_t place)
 {
     rigcal_real low = 0, high = 0;
-    for (int k = 0; k <= HALVINGS; k++) {
+    for (int k = 0; k <= RC_HALVINGS; k++) {
         const rigcal_real middle = (k == 0) ? RC_MAX : low + (high - low) / 2;
         size_t within = 0;
         for (size_t v = 0; v < s->rig->n_views; v++) {

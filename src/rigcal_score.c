@@ -10,10 +10,6 @@
 /* px: the least noise where none is stated. No camera's pixels are better. */
 #define NOISE_LEAST RC(0.01)
 
-/* halvings: of the interval that holds the median. Its error is then 2^-60 of the largest
- * number. */
-enum { HALVINGS = 60 };
-
 enum { RUNGS = RIGCAL_CHOOSE_RUNGS, HYPOTHESES = 4 * RC_SCORE_PLACEMENTS };
 
 rigcal_real rc_score_tau2(int rung)
@@ -107,7 +103,7 @@ static rigcal_real ordered(const rigcal_real x[], size_t n, size_t place)
     for (size_t i = 0; i < n; i++) {
         high = rc_max(high, x[i]);
     }
-    for (int k = 0; k < HALVINGS; k++) {
+    for (int k = 0; k < RC_HALVINGS; k++) {
         const rigcal_real middle = low + (high - low) / 2;
         size_t within = 0;
         for (size_t i = 0; i < n; i++) {

@@ -723,6 +723,40 @@ static void search_of_nothing(const char *name)
     line(name, "%d of %d, %ld units", (int)solver.tried, (int)solver.samples, steps);
 }
 
+/* Six of twenty points are right, and the others lie among them: a rival may be nearly as
+ * good. */
+static void gate_rivals(void)
+{
+    tally t;
+    begin(&t, "rivals");
+    state = 630;
+    for (int i = 0; i < 300; i++) {
+        scene s;
+        rigcal_pose pose;
+        uint8_t inliers[POINTS_MAX];
+        size_t n_found, n_in;
+        double low[2] = {1e9, 1e9}, high[2] = {-1e9, -1e9};
+        random_scene(&s, 20, GENERAL, PINHOLE, 1, 3, 6);
+        for (int k = 0; k < 2 * s.n; k++) {
+            const double u = (double)s.o[k / 2].uv[k % 2];
+            low[k % 2] = u < low[k % 2] ? u : low[k % 2];
+            high[k % 2] = u > high[k % 2] ? u : high[k % 2];
+        }
+        for (int k = 0; k < 2 * 14; k++) {
+            s.o[k / 2].uv[k % 2] = RC(uniform(low[k % 2], high[k % 2]));
+        }
+        const rigcal_view view = view_of(&s);
+        const rigcal_status status =
+            rigcal_robust_solve(&pose, 1, &n_found, inliers, &n_in, NULL, &view, NULL);
+        const int is_right =
+            status >= 0 && rotation_error(s.R, pose.cam_from_world.R) < 0.3;
+        t.misses += !is_right;
+        t.wrong_ok += !is_right && (status == RIGCAL_OK || status == RIGCAL_MOST_DISAGREE);
+        count(&t, status);
+    }
+    end(&t);
+}
+
 static void gate_robust_edges(void)
 {
     state = 620;
@@ -3934,6 +3968,7 @@ static void run(void)
     gate_caveats();
     gate_robust();
     gate_robust_edges();
+    gate_rivals();
     gate_diagnose();
     gate_blame_edges();
     gate_tags("tag", 60, 0.4, 0);

@@ -785,6 +785,7 @@ static void test_arguments_are_checked(void)
 
     WANTS_RIG;
     simulate(&rng, 3, NOISE);
+    ASSERT_REFUSED(RIGCAL_ERR_NULL, point, rigcal_point_measure(&point, NULL, NULL));
     s = m.s;
     s.n = 1;
     ASSERT_REFUSED(RIGCAL_ERR_TOO_FEW, point, rigcal_point_measure(&point, NULL, &s));

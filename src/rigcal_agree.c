@@ -169,9 +169,10 @@ rigcal_real rc_agree_misfit(const rigcal_points *points,
     box_of_seen(&seen, &points->view);
     box_clear(&target);
     for (size_t i = 0; i < points->view.n; i++) {
-        rigcal_real q[3], X_c[3], uv[2];
+        rigcal_real q[3], X_c[3], uv[2], J[6];
         rc_points_place(q, X_c, points, cam_from_points, i);
-        if (rc_project_usable(uv, points->view.camera, X_c) != RIGCAL_OK) {
+        if (rc_project_through(uv, J, points->view.camera, points->is_pinhole, X_c) !=
+            RIGCAL_OK) { /* to prove that the lens sees it would cost twice as much */
             return 1;
         }
         box_add(&target, uv);

@@ -23,9 +23,9 @@ uint32_t rc_crc32(const uint8_t bytes[], size_t n)
     /* Remainders of the sixteen values of 4 bits. */
     static const uint32_t NIBBLE[16] = {0x00000000,  0x1db71064,  0x3b6e20c8,  0x26d930ac,
                                         0x76dc4190,  0x6b6b51f4,  0x4db26158,  0x5005713c,
-                                        0xedb88320u, 0xf00f9344u, 0xd6d6a3e8u, 0xcb61b38cu,
-                                        0x9b64c2b0u, 0x86d3d2d4u, 0xa00ae278u, 0xbdbdf21cu};
-    uint32_t crc = 0xffffffffu;
+                                        0xedb88320U, 0xf00f9344U, 0xd6d6a3e8U, 0xcb61b38cU,
+                                        0x9b64c2b0U, 0x86d3d2d4U, 0xa00ae278U, 0xbdbdf21cU};
+    uint32_t crc = 0xffffffffU;
     for (size_t i = 0; i < n; i++) {
         crc ^= bytes[i];
         crc = crc >> 4 ^ NIBBLE[crc & 15];

@@ -83,6 +83,8 @@ enum {
     REFINING,
     SOLVING,
     SOLVED,
+    FITTING,   /* whether the target lies where the pixels do */
+    RIVALLING, /* whether a rival is nearly as good */
     DONE
 };
 
@@ -353,31 +355,47 @@ static void to_points(rigcal_transform *cam_from_points, const rigcal_robust_sol
     rc_transform_point(cam_from_points->t, &pose->cam_from_world, s->points.origin);
 }
 
-/* Whether the rival is nearly as good as the best pose, agrees with other points, and is
- * none of the poses found. */
-static int is_rivalled(rigcal_robust_solver *s, const rigcal_pose poses[], size_t n)
+/* The poses found: their number. *first: the best one. */
+static size_t found_poses(rigcal_pose poses[], rigcal_transform *first,
+                          const rigcal_robust_solver *s)
 {
-    rigcal_transform found;
-    int is_rival = s->rival_cost < s->cost + RIVAL_WITHIN * limit_of(s);
-    for (size_t i = n; i > 0 && is_rival; i--) {
-        to_points(&found, s, &poses[i - 1]);
-        is_rival = rc_agree_differ(&s->rival, &found, POSES_APART);
-    }
-    if (is_rival) { /* `found` is the first pose, whose marks it restores */
-        is_rival = rc_agree_mark(s->inliers, NULL, &s->points, &s->rival, limit_of(s)) > 0;
-        (void)rc_agree_mark(s->inliers, NULL, &s->points, &found, limit_of(s));
-    }
-    return is_rival;
+    size_t n = 0;
+    (void)rigcal_pose_result(poses, RIGCAL_POSES_MAX, &n, NULL, &s->work.pose);
+    to_points(first, s, &poses[0]);
+    return n;
 }
 
-/* Whether chance or a rival may explain that the points agree. */
-static int is_doubtful(rigcal_robust_solver *s, const rigcal_pose poses[], size_t n)
+/* Whether the rival agrees with other points and is none of the poses found. */
+static void rivalling_step(rigcal_robust_solver *s)
 {
-    rigcal_transform found;
-    to_points(&found, s, &poses[0]);
-    const rigcal_real misfit = rc_max(rc_agree_misfit(&s->points, &found), MISFIT_LEAST);
+    rigcal_pose poses[RIGCAL_POSES_MAX];
+    rigcal_transform first, found;
+    const size_t n = found_poses(poses, &first, s);
+    int is_rival = 1;
+    for (size_t i = 0; i < n && is_rival; i++) {
+        to_points(&found, s, &poses[i]);
+        is_rival = rc_agree_differ(&s->rival, &found, POSES_APART);
+    }
+    if (is_rival) {
+        s->is_doubtful =
+            rc_agree_mark(s->inliers, NULL, &s->points, &s->rival, limit_of(s)) > 0;
+        (void)rc_agree_mark(s->inliers, NULL, &s->points, &first, limit_of(s));
+    }
+    s->phase = DONE;
+}
+
+/* Whether chance may explain that the points agree. If not, a rival nearly as good as the
+ * best pose is looked at. */
+static void fitting_step(rigcal_robust_solver *s)
+{
+    rigcal_pose poses[RIGCAL_POSES_MAX];
+    rigcal_transform first;
+    (void)found_poses(poses, &first, s);
+    const rigcal_real misfit = rc_max(rc_agree_misfit(&s->points, &first), MISFIT_LEAST);
     const rigcal_real squared = misfit * misfit;
-    return !(s->by_chance * squared * squared < CHANCE) || is_rivalled(s, poses, n);
+    s->is_doubtful = !(s->by_chance * squared * squared < CHANCE);
+    const int has_rival = s->rival_cost < s->cost + RIVAL_WITHIN * limit_of(s);
+    s->phase = (!s->is_doubtful && has_rival) ? RIVALLING : DONE;
 }
 
 /* Marks the points that agree with the pose found. If they changed, it solves again. */
@@ -398,7 +416,7 @@ static void solved_step(rigcal_robust_solver *s)
         begin_solving(s);
     } else {
         s->by_chance = rc_agree_by_chance(&off, s->points.view.n, s->area_px2, CHANCE);
-        s->is_doubtful = is_doubtful(s, poses, n_found);
+        s->phase = FITTING;
     }
 }
 
@@ -526,8 +544,14 @@ static void unit(rigcal_robust_solver *s)
     case SOLVING:
         solving_step(s);
         break;
-    default:
+    case SOLVED:
         solved_step(s);
+        break;
+    case FITTING:
+        fitting_step(s);
+        break;
+    default:
+        rivalling_step(s);
         break;
     }
 }

@@ -49,6 +49,7 @@ typedef struct {
     rigcal_mounted_camera cameras[FIRMWARE_CAMERAS];
     uint32_t sequence;
     int levels[FIRMWARE_CAMERAS]; /* UNKNOWN: not where a camera truly was */
+    int in_doubt; /* stored after a bump, before its alarm: on the way between both */
 } record;
 
 static firmware app;
@@ -60,11 +61,11 @@ static int unsettled, since_bump, bumped;
 static int since_start; /* frames */
 static int from_start;  /* the last alarm was of what happened before a reset */
 static int after;       /* frames in which an alarm counts as a second one, see judge */
-static int wants_help, broken;
+static int at_work, wants_help, broken;
 
 static struct {
     long ticks, frames, still_frames, bumps, alarms, false_alarms, names, wrong, settled;
-    long resets, cuts, saved, failed, flips, second, from_start;
+    long resets, cuts, saved, failed, flips, second, from_start, in_doubt;
     double doubt; /* the sum of 1 - sure over the names of bumps */
 } count;
 
@@ -132,6 +133,7 @@ static void note_pending(void)
     memcpy(pending.cameras, app.cameras, sizeof pending.cameras);
     pending.sequence = app.sequence + 1;
     memcpy(pending.levels, base, sizeof pending.levels);
+    pending.in_doubt = at_work && !still && unsettled == 0;
 }
 
 static void check_tick(int32_t slot_before)
@@ -157,6 +159,8 @@ static void learn_base(const record *r)
     base[FIRMWARE_CAMERAS] = levels[FIRMWARE_CAMERAS]; /* it is looked for anew */
     since_bump = unsettled = 0;
     bumped = UNKNOWN;
+    wants_help |= r->in_doubt; /* it may be right or wrong: no alarm can be asked for */
+    count.in_doubt += r->in_doubt;
 }
 
 /* Power on, with whatever is in flash. */
@@ -281,6 +285,7 @@ static void count_lines(void)
 static void calibrate(void)
 {
     int whole = 1;
+    at_work = 0;
     sim_clear_serial();
     place_all();
     make_flash_worse();
@@ -408,6 +413,7 @@ static void frame(void)
     shoot(1);
     count.frames++;
     since_start++;
+    at_work = 1;
     count.still_frames += still && after == 0;
     after -= after > 0;
     if (run()) {
@@ -448,11 +454,11 @@ static void report(unsigned long seed)
     want(at_least(count.wrong, count.doubt) > 1e-4, "more wrong names than stated");
     printf(
         "| %s | %lu | %ld | %ld | %ld | %ld | %ld | %ld | %ld | %ld | %ld of %ld, %.2f | "
-        "%ld of %.2f | %ld of %ld | %d of %d | %s |\n",
+        "%ld of %.2f | %ld of %ld | %ld | %d of %d | %s |\n",
         sizeof(rigcal_real) == sizeof(float) ? "float" : "double", seed, count.ticks,
         count.frames, count.resets, count.cuts, count.flips, count.saved, count.failed,
         count.bumps, count.wrong, count.names, count.doubt, count.false_alarms, mean,
-        count.second, count.from_start, sim.most_spent, SIM_WATCHDOG_UNITS,
+        count.second, count.from_start, count.in_doubt, sim.most_spent, SIM_WATCHDOG_UNITS,
         broken ? "no" : "yes");
 }
 

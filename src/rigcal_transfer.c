@@ -199,12 +199,13 @@ static void write_out(rigcal_transfer *out, const transferred *t, rigcal_real V[
         (weighed > noise) ? weighed * (weighed / (weighed + V[ROW_MISS][ROW_MISS])) : 0;
 }
 
-/* Whether all variances are 0 or more. They may not be if the rig's Sigma is no
- * covariance. */
+/* Whether all variances are 0 or more, chi2 too, which is divided by one. They may not be
+ * if the rig's Sigma is no covariance. */
 static int has_variances(const rigcal_transfer *made)
 {
     const rigcal_real *const S = made->Sigma, *const S_X = made->Sigma_X;
-    return S[0] >= 0 && S[3] >= 0 && S_X[0] >= 0 && S_X[4] >= 0 && S_X[8] >= 0;
+    return made->chi2 >= 0 && S[0] >= 0 && S[3] >= 0 && S_X[0] >= 0 && S_X[4] >= 0 &&
+           S_X[8] >= 0;
 }
 
 /* ---- public -------------------------------------------------------------- */

@@ -301,7 +301,7 @@ static int may_drop(const rigcal_point_solver *p)
 /* Judges the point of all views. The search ends with `status` if the point is right. */
 static void judge_all(rigcal_point_solver *p, rigcal_status status)
 {
-    if ((status >= 0 && is_one_point(p)) || (status < 0 && !may_drop(p))) {
+    if ((status < 0) ? !may_drop(p) : is_one_point(p)) {
         end(p, status);
     } else if (!may_drop(p)) {
         end(p, RIGCAL_POOR_FIT);

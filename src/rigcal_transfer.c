@@ -106,7 +106,7 @@ static rigcal_status find_point(transferred *t, const rigcal_real uv_a[2],
             rc_vec3_add(t->X, g);
         }
     }
-    return rc_all_finite(t->X, 3) ? RIGCAL_OK : RIGCAL_ERR_PARALLEL;
+    return RIGCAL_OK; /* an X that is not finite has no H that can be factored */
 }
 
 /* ---- how sure ------------------------------------------------------------ */
@@ -199,12 +199,13 @@ static void write_out(rigcal_transfer *out, const transferred *t, rigcal_real V[
         (weighed > noise) ? weighed * (weighed / (weighed + V[ROW_MISS][ROW_MISS])) : 0;
 }
 
-/* Whether all variances are 0 or more. They may not be if the rig's Sigma is no
- * covariance. */
+/* Whether all variances are 0 or more, chi2 too, which is divided by one. They may not be
+ * if the rig's Sigma is no covariance. */
 static int has_variances(const rigcal_transfer *made)
 {
     const rigcal_real *const S = made->Sigma, *const S_X = made->Sigma_X;
-    return S[0] >= 0 && S[3] >= 0 && S_X[0] >= 0 && S_X[4] >= 0 && S_X[8] >= 0;
+    return made->chi2 >= 0 && S[0] >= 0 && S[3] >= 0 && S_X[0] >= 0 && S_X[4] >= 0 &&
+           S_X[8] >= 0;
 }
 
 /* ---- public -------------------------------------------------------------- */
@@ -277,9 +278,8 @@ rigcal_status rigcal_transfer_make(rigcal_transfer *out, const rigcal_calibrated
     }
     rigcal_transfer made;
     write_out(&made, &t, V);
-    if (!rc_all_finite(made.uv, 2) || !rc_all_finite(made.Sigma, 4) ||
-        !rc_all_finite(made.Sigma_X, 9) || !rc_is_finite(made.chi2) ||
-        !has_variances(&made)) {
+    if (!rc_all_finite(made.Sigma, 4) || !rc_all_finite(made.Sigma_X, 9) ||
+        !rc_is_finite(made.chi2) || !has_variances(&made)) {
         return RIGCAL_ERR_DEGENERATE;
     }
     *out = made;

@@ -35,7 +35,7 @@ static void put_letter(writer *w, char letter)
 {
     if (w->n < w->capacity) {
         w->text[w->n] = letter;
-        if (w->is_start && letter >= 'a' && letter <= 'z') {
+        if (w->is_start && letter >= 'a') { /* no name begins a sentence */
             w->text[w->n] = (char)(letter + ('A' - 'a'));
         }
     }

@@ -224,6 +224,23 @@ static void test_a_curve_may_have_one_point(void)
     TEST_ASSERT_GREATER_THAN_INT(0, alone);
 }
 
+/* Where a moves along its ray, the near end is behind b, the far end is the epipole, and
+ * halfway between the two there is no direction. */
+static void test_a_curve_along_the_baseline_has_no_point(void)
+{
+    rigcal_band_point points[3];
+    size_t n = 7;
+
+    memset(&band, 0, sizeof band);
+    band.camera_b = test_pinhole();
+    band.ray[2] = band.towards[0] = band.line[1] = 1;
+    band.along = RC(TOL(-1e20, -1e8));
+    band.across = RC(TOL(1e-307, 1e-37)); /* nothing beside `along` */
+    band.near_a = band.sigma_b = band.k = 1;
+    ASSERT_REFUSED(RIGCAL_ERR_OUTSIDE, points, rigcal_band_curve(points, 3, &n, &band));
+    TEST_ASSERT_EQUAL_size_t(7, n);
+}
+
 TEST_MAIN()
 {
     RUN_TEST(test_those_inside_come_best_first);
@@ -233,4 +250,5 @@ TEST_MAIN()
     RUN_TEST(test_the_curve_is_the_line_and_its_borders_the_band);
     RUN_TEST(test_the_curve_runs_from_near_to_far);
     RUN_TEST(test_a_curve_may_have_one_point);
+    RUN_TEST(test_a_curve_along_the_baseline_has_no_point);
 }

@@ -684,6 +684,30 @@ static void test_a_point_behind_a_camera_has_a_status(void)
     ASSERT_NEAR(10, point.X[2], TOL(1e-6, 1e-2));
 }
 
+/* Views 0, 1 and 3 show a point 10 ahead. Camera 2 cannot have seen it: it looks back, or
+ * so far aside that its lens turns back before. */
+static void test_a_camera_that_cannot_see_the_point_is_left_out(void)
+{
+    WANTS_RIG;
+    for (int is_aside = 0; is_aside < 2; is_aside++) {
+        uint8_t used[N];
+
+        clear(4, 1);
+        fill_covariance(3, 1);
+        look(0, 0, 0, 0, 0);
+        look(1, 1, 0, 0, 0);
+        look(2, 2, 0, 0, is_aside ? TEST_PI / 3 : TEST_PI);
+        m.cameras[2].camera.k1 = RC(is_aside ? -0.4 : 0);
+        look(3, -1, 0, 0, 0);
+        m.seen[1].uv[0] -= 80;
+        m.seen[3].uv[0] += 80;
+        ASSERT_STATUS(RIGCAL_VIEWS_LEFT_OUT, rigcal_point_measure(&point, used, &m.s));
+        TEST_ASSERT_EQUAL_INT(0, used[2]);
+        TEST_ASSERT_EQUAL_UINT64(3, point.n_used);
+        ASSERT_NEAR(10, point.X[2], TOL(1e-6, 1e-2));
+    }
+}
+
 /* A barrel lens turns back 490 pixels from the middle: there is no ray beyond. */
 static void test_a_pixel_beyond_a_lens_has_a_status(void)
 {
@@ -785,6 +809,7 @@ static void test_arguments_are_checked(void)
 
     WANTS_RIG;
     simulate(&rng, 3, NOISE);
+    ASSERT_REFUSED(RIGCAL_ERR_NULL, point, rigcal_point_measure(&point, NULL, NULL));
     s = m.s;
     s.n = 1;
     ASSERT_REFUSED(RIGCAL_ERR_TOO_FEW, point, rigcal_point_measure(&point, NULL, &s));
@@ -934,6 +959,7 @@ TEST_MAIN()
     RUN_TEST(test_zero_parallax_has_a_status);
     RUN_TEST(test_the_least_parallax_is_the_callers);
     RUN_TEST(test_a_point_behind_a_camera_has_a_status);
+    RUN_TEST(test_a_camera_that_cannot_see_the_point_is_left_out);
     RUN_TEST(test_a_pixel_beyond_a_lens_has_a_status);
     RUN_TEST(test_cameras_without_a_common_frame_are_refused);
     RUN_TEST(test_without_a_joint_covariance_there_is_noise_alone);

@@ -3,6 +3,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "rc_monitor.h"
 #include "test_watched.h"
 
 static const double DEGREE = TEST_PI / 180, WRONG = 0.05;
@@ -84,6 +85,29 @@ static void test_a_bit_that_was_changed_is_noticed(void)
     ASSERT_STATUS(RIGCAL_OK, rigcal_monitor_ask(&report, w.monitor));
 }
 
+/* A seal is no proof: numbers that would lead out of the memory are refused under one that
+ * is right. */
+static void test_a_head_of_wrong_numbers_is_refused_under_a_right_seal(void)
+{
+    test_rng rng = test_seed(8);
+    rc_monitor open;
+
+    WANTS_RIG();
+    for (int k = 0; k < 4; k++) {
+        rigcal_monitor_report report;
+
+        test_watched_make(&w, &rng, 2, 1, 0.05 * DEGREE, 2e-3);
+        test_watched_begin(&w, 0, NULL);
+        ASSERT_STATUS(RIGCAL_OK, rc_monitor_open(&open, w.monitor));
+        open.top.head.n_targets = k == 1 ? 17 : 0;
+        open.top.head.frame = k == 2 ? 2 : 0;
+        open.top.head.alarm.n_bodies += k == 3;
+        rc_monitor_close(&open, 1);
+        ASSERT_STATUS(k == 0 ? RIGCAL_OK : RIGCAL_ERR_STATE,
+                      rigcal_monitor_ask(&report, w.monitor));
+    }
+}
+
 static void test_a_monitor_may_be_copied(void)
 {
     const watched_matches like = {20, 0.3, 0.1, 0};
@@ -135,6 +159,12 @@ static void test_rigs_that_cannot_be_watched_are_refused(void)
     w.Sigma[1] = 2 * w.Sigma[0];
     ASSERT_STATUS(RIGCAL_ERR_RANGE, rigcal_monitor_begin(w.monitor, size, &w.rig, 0, NULL));
     w.Sigma[1] = 0;
+    w.held[0] = 0; /* none is the frame */
+    ASSERT_STATUS(RIGCAL_ERR_RANGE, rigcal_monitor_begin(w.monitor, size, &w.rig, 0, NULL));
+    w.held[0] = w.held[1] = 1; /* the first is */
+    ASSERT_STATUS(RIGCAL_OK, rigcal_monitor_begin(w.monitor, size, &w.rig, 0, NULL));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_monitor_rig(&w.rig, w.monitor));
+    TEST_ASSERT_TRUE(w.held[0] == 1 && w.held[1] == 0);
     const rigcal_transform kept = w.cameras[1].cam_from_rig;
     w.cameras[1].cam_from_rig = w.cameras[0].cam_from_rig;
     ASSERT_STATUS(RIGCAL_ERR_DEGENERATE,
@@ -362,6 +392,7 @@ TEST_MAIN()
     RUN_TEST(test_a_monitor_takes_what_its_macro_says_and_no_more_than_it_may);
     RUN_TEST(test_memory_that_was_not_begun_is_refused);
     RUN_TEST(test_a_bit_that_was_changed_is_noticed);
+    RUN_TEST(test_a_head_of_wrong_numbers_is_refused_under_a_right_seal);
     RUN_TEST(test_a_monitor_may_be_copied);
     RUN_TEST(test_rigs_that_cannot_be_watched_are_refused);
     RUN_TEST(test_matches_of_a_still_pair_do_not_learn_the_length_of_its_base);

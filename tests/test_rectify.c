@@ -107,9 +107,26 @@ static void test_a_pair_without_rows_is_refused(void)
     ASSERT_REFUSED(RIGCAL_ERR_WIDE_RAY, r, rigcal_rectify(&r, &camera, &camera, &aside));
 }
 
+/* The middle of b's image is nearly along the baseline, far off what a's focal length
+ * leaves of an image: its place is beyond all pixels. */
+static void test_an_image_that_is_beyond_all_pixels_is_refused(void)
+{
+    const rigcal_transform beside = stereo(0.3, 0, 0);
+    rigcal_camera wide = camera;
+    rigcal_rectified r;
+
+    camera.fx = camera.fy = RC(1e8);
+    wide.cx = -20000; /* 40 focal lengths: 1e8 / 4 * 2 * 40 / 2 pixels */
+    ASSERT_STATUS(RIGCAL_OK, rigcal_camera_check(&wide));
+    ASSERT_REFUSED(RIGCAL_ERR_WIDE_RAY, r, rigcal_rectify(&r, &camera, &wide, &beside));
+    wide.cx = -2000;
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rectify(&r, &camera, &wide, &beside));
+}
+
 TEST_MAIN()
 {
     RUN_TEST(test_points_are_on_one_row_and_have_their_depth);
     RUN_TEST(test_an_aligned_pair_stays);
     RUN_TEST(test_a_pair_without_rows_is_refused);
+    RUN_TEST(test_an_image_that_is_beyond_all_pixels_is_refused);
 }

@@ -235,6 +235,58 @@ static void test_the_side_is_that_of_the_line_of_sight(void)
     TEST_ASSERT_GREATER_THAN_INT(TEST_TRIALS(400), back);
 }
 
+/* Whether the camera is before the tag: its centre is at -R^T t, and z is ahead. */
+static int is_before(const rigcal_transform *cam_from_tag)
+{
+    double R[9], t[3];
+
+    test_transform_parts(R, t, cam_from_tag);
+    return R[2] * t[0] + R[5] * t[1] + R[8] * t[2] < 0;
+}
+
+/* Corners that are mostly noise fit poses seen from both sides. Those from the front are
+ * what is left of them. */
+static void test_of_poses_from_both_sides_those_from_the_front_are_kept(void)
+{
+    test_rng rng = test_seed(9);
+    rigcal_pose_options options;
+    int both = 0;
+
+    (void)rigcal_pose_defaults(&options);
+    options.sigma_px = 1;
+    for (int trial = 0; trial < TEST_TRIALS(4000); trial++) {
+        rigcal_pose all[RIGCAL_POSES_MAX], front[RIGCAL_POSES_MAX];
+        rigcal_observation o[4];
+        size_t n_all = 0, n_front = 0, n = 0;
+        sight s;
+
+        s.camera = test_pinhole();
+        s.size = 1;
+        for (int i = 0; i < 4; i++) {
+            o[i].X_w[0] = RC(CORNER[i][0]);
+            o[i].X_w[1] = RC(CORNER[i][1]);
+            o[i].X_w[2] = 0;
+            s.uv[2 * i] = o[i].uv[0] = RC(320 + test_uniform(&rng, -4, 4));
+            s.uv[2 * i + 1] = o[i].uv[1] = RC(240 + test_uniform(&rng, -0.2, 0.2));
+        }
+        if (rigcal_pose_solve(all, RIGCAL_POSES_MAX, &n_all, NULL,
+                              &VIEW(&s.camera, o, NULL, 4), &options) < 0 ||
+            solve(front, &n_front, &s, &options) < 0) {
+            continue;
+        }
+        for (size_t i = 0; i < n_all; i++) {
+            if (is_before(&all[i].cam_from_world)) {
+                TEST_ASSERT_TRUE(n < n_front);
+                ASSERT_TRANSFORM(&all[i].cam_from_world, &front[n].cam_from_world, 0, 0);
+                n++;
+            }
+        }
+        TEST_ASSERT_EQUAL_size_t(n, n_front);
+        both += n < n_all;
+    }
+    TEST_ASSERT_TRUE(TEST_ONE_IN > 1 || both > 10);
+}
+
 TEST_MAIN()
 {
     RUN_TEST(test_the_pose_of_a_tag_in_the_unit_of_its_size);
@@ -243,4 +295,5 @@ TEST_MAIN()
     RUN_TEST(test_another_first_corner_is_a_turned_tag);
     RUN_TEST(test_what_is_no_tag_is_refused_by_name);
     RUN_TEST(test_the_side_is_that_of_the_line_of_sight);
+    RUN_TEST(test_of_poses_from_both_sides_those_from_the_front_are_kept);
 }

@@ -372,6 +372,89 @@ static void test_a_target_without_a_place_has_no_report(void)
     show(0, &rng, 0);
     ASSERT_STATUS(RIGCAL_OK, rigcal_monitor_body(&report, w.monitor, 2));
     TEST_ASSERT_TRUE(report.weakest_sigma > 0);
+    ASSERT_REFUSED(RIGCAL_ERR_RANGE, m, rigcal_monitor_camera(&m, w.monitor, 2));
+}
+
+/* Of a square that is far away, two poses fit. */
+static void test_a_view_of_two_poses_places_nothing(void)
+{
+    static const double SIDE[4][2] = {{-1, 1}, {1, 1}, {1, -1}, {-1, -1}};
+    static const double axis[3] = {1, 0.3, 0};
+    test_rng rng = test_seed(202);
+    rigcal_observation o[4];
+    rigcal_transform b_from_a;
+    rigcal_real Sigma[36];
+    double R[9];
+    int32_t at_fault = 0;
+
+    WANTS_RIG();
+    test_watched_make(&w, &rng, 2, 1, 0.05 * DEGREE, 2e-3);
+    test_watched_begin(&w, 1, NULL);
+    test_rotation_about(R, axis, 0.5);
+    for (int i = 0; i < 4; i++) {
+        const double X[3] = {0.02 * SIDE[i][0], 0.02 * SIDE[i][1], 0}, far[3] = {0, 0, 3};
+        double X_c[3], uv[2];
+
+        test_apply(X_c, R, X, far);
+        test_project_px(uv, &w.cameras[0].camera, X_c);
+        test_to_real(o[i].X_w, X, 3);
+        test_to_real(o[i].uv, uv, 2);
+    }
+    ASSERT_STATUS(RIGCAL_AMBIGUOUS,
+                  rigcal_monitor_view(w.monitor, &at_fault, 0, 0, o, 4, RC(NOISE)));
+    ASSERT_STATUS(RIGCAL_ERR_RANGE, rigcal_monitor_pair(&b_from_a, Sigma, w.monitor, 0, 2));
+}
+
+/* While an alarm waits for its answer the cameras' poses are in doubt, and a target's place
+ * would be too. */
+static void test_a_target_gets_no_place_while_an_alarm_waits(void)
+{
+    const watched_matches like = {60, 0.3, 0, 0};
+    const double d[6] = {0, 2 * DEGREE, 0.5 * DEGREE, 0, 0, 0};
+    test_rng rng = test_seed(203);
+    rigcal_monitor_report report = {0};
+    rigcal_observation o[POINTS];
+    int32_t at_fault = 0;
+
+    WANTS_RIG();
+    test_watched_make(&w, &rng, 2, 1, 0.05 * DEGREE, 2e-3);
+    test_watched_begin(&w, 1, NULL);
+    hang(&rng, 0.1);
+    for (int f = 0; f < 330 && !report.alarm; f++) {
+        test_watched_match(&w, &rng, &like);
+        ASSERT_STATUS(RIGCAL_OK, rigcal_monitor_frame(&report, w.monitor, RC(0.03)));
+        if (f == 30) {
+            test_watched_bump(&w, 1, d);
+        }
+    }
+    TEST_ASSERT_EQUAL_INT32(1, report.alarm);
+    see(o, 0, &rng, 0);
+    ASSERT_STATUS(RIGCAL_ERR_STATE,
+                  rigcal_monitor_view(w.monitor, &at_fault, 0, 0, o, POINTS, RC(NOISE)));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_monitor_dismiss(w.monitor));
+    show(0, &rng, 0);
+}
+
+/* A target that moved and then was lifted has no place to settle at. */
+static void test_a_target_that_settles_may_be_lifted(void)
+{
+    test_rng rng = test_seed(204);
+    rigcal_transform b_from_a;
+    rigcal_real Sigma[36];
+
+    WANTS_RIG();
+    test_watched_make(&w, &rng, 2, 1, 0.05 * DEGREE, 2e-3);
+    test_watched_begin(&w, 1, NULL);
+    hang(&rng, 0.1);
+    show(0, &rng, 0);
+    ASSERT_STATUS(RIGCAL_OK, rigcal_monitor_moved(w.monitor, 2));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_monitor_lifted(w.monitor, 0));
+    ASSERT_STATUS(RIGCAL_ERR_RANGE, rigcal_monitor_pair(&b_from_a, Sigma, w.monitor, 0, 2));
+    hang(&rng, -0.2);
+    show(0, &rng, 0); /* elsewhere, from its first view alone */
+    ASSERT_STATUS(RIGCAL_OK, rigcal_monitor_pair(&b_from_a, Sigma, w.monitor, 0, 2));
+    const rigcal_transform expected = test_transform(w.truth[2].R, w.truth[2].t);
+    ASSERT_TRANSFORM(&expected, &b_from_a, TOL(1e-6, 2e-3), TOL(1e-5, 5e-3));
 }
 
 TEST_MAIN()
@@ -382,4 +465,7 @@ TEST_MAIN()
     RUN_TEST(test_a_target_that_stays_tells_which_of_two_cameras_moved);
     RUN_TEST(test_views_that_cannot_be_are_refused_and_change_nothing);
     RUN_TEST(test_a_target_without_a_place_has_no_report);
+    RUN_TEST(test_a_view_of_two_poses_places_nothing);
+    RUN_TEST(test_a_target_gets_no_place_while_an_alarm_waits);
+    RUN_TEST(test_a_target_that_settles_may_be_lifted);
 }

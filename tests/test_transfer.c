@@ -3,6 +3,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "rc_real.h"
 #include "test_rigs.h"
 
 enum { N = 3, FREE = 2 };
@@ -243,6 +244,151 @@ static void test_each_argument_is_needed(void)
                    rigcal_transfer_make(&out, &kept, ABC, uv[0], uv[1], NULL));
 }
 
+/* ---- a Sigma that is no covariance ------------------------------------------------- */
+
+/* Three cameras of 1024 px that look along z: 0 is held, 1 is one to its left, 2 is
+ * anywhere. 1 and 0 see (x, 0, 4); Sigma is 0. */
+static void stand(double x, const double t_c[3])
+{
+    static const size_t of[N] = {1, 0, 2};
+    static const double t[2][3] = {{0, 0, 0}, {1, 0, 0}};
+
+    memset(&kept, 0, sizeof kept);
+    memset(cameras, 0, sizeof cameras);
+    memset(Sigma, 0, sizeof Sigma);
+    memset(group, 0, sizeof group);
+    memset(held, 0, sizeof held);
+    held[0] = 1;
+    kept.cameras = cameras;
+    kept.group = group;
+    kept.held = held;
+    kept.capacity = kept.n_cameras = N;
+    kept.Sigma = Sigma;
+    kept.Sigma_capacity = RIGCAL_CALIBRATED_SIZE(FREE);
+    kept.sigma_px = kept.F = 1;
+    kept.freedom_between = kept.freedom_within = 10;
+    for (int c = 0; c < N; c++) {
+        cameras[c].camera = test_pinhole();
+        cameras[c].camera.fx = cameras[c].camera.fy = 1024;
+        cameras[c].cam_from_rig = test_transform(NULL, c < 2 ? t[c] : t_c);
+    }
+    X[0] = x;
+    X[1] = 0;
+    X[2] = 4;
+    for (int c = 0; c < N; c++) {
+        double X_c[3], px[2];
+
+        test_move_point(X_c, &cameras[of[c]].cam_from_rig, X);
+        test_project_px(px, &cameras[of[c]].camera, X_c);
+        test_to_real(uv[c], px, 2);
+    }
+}
+
+/* The variance of an unknown of camera 1 or 2. */
+static void vary(int camera, int unknown, double variance)
+{
+    const int i = 6 * (camera - 1) + unknown;
+
+    Sigma[i * (i + 1) / 2 + i] = RC(variance);
+}
+
+/* dt of camera 2 shifts its pixel alone; dt of camera 1 shifts the point: x and z by dt_x,
+ * on the axis of camera 0 z alone, and y by dt_y. */
+static void test_a_negative_variance_gives_no_transfer(void)
+{
+    static const double aside[3] = {-1, 0, 0};
+    static const struct {
+        double x;
+        int camera, unknown;
+    } at[5] = {{0.5, 2, 3}, {0.5, 2, 4}, {0.5, 1, 3}, {0.5, 1, 4}, {0, 1, 3}};
+
+    for (int k = 0; k < 5; k++) {
+        rigcal_transfer out;
+
+        stand(at[k].x, aside);
+        ASSERT_STATUS(RIGCAL_OK,
+                      rigcal_transfer_make(&out, &kept, ABC, uv[0], uv[1], NOISE));
+        if (at[k].camera == 1) { /* and the pixel of 2 is as unsure as can be */
+            vary(2, 3, 1e9);
+            vary(2, 4, 1e9);
+        }
+        vary(at[k].camera, at[k].unknown, 100);
+        ASSERT_STATUS(RIGCAL_OK,
+                      rigcal_transfer_make(&out, &kept, ABC, uv[0], uv[1], NOISE));
+        vary(at[k].camera, at[k].unknown, -100);
+        ASSERT_REFUSED(RIGCAL_ERR_DEGENERATE, out,
+                       rigcal_transfer_make(&out, &kept, ABC, uv[0], uv[1], NOISE));
+    }
+}
+
+/* A dt_x of camera 2 is 256 px, one of camera 1 is 4 in z: the variance of the pixel, or of
+ * the point, is beyond the largest number. Camera 2 on the axis does not see z. */
+static void test_a_variance_beyond_all_numbers_gives_no_transfer(void)
+{
+    static const double aside[3] = {-1, 0, 0}, behind[3] = {0, 0, 1};
+    const double most = D(RC_MAX);
+    rigcal_transfer out;
+
+    stand(0.5, aside);
+    vary(2, 3, most / 8);
+    ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, out,
+                   rigcal_transfer_make(&out, &kept, ABC, uv[0], uv[1], NOISE));
+    vary(2, 3, 0.75 * most / (256.0 * 256)); /* twice that is none */
+    ASSERT_REFUSED(RIGCAL_ERR_DEGENERATE, out,
+                   rigcal_transfer_make(&out, &kept, ABC, uv[0], uv[1], NOISE));
+    stand(0, behind);
+    vary(1, 3, 0.75 * most / 16);
+    ASSERT_REFUSED(RIGCAL_ERR_DEGENERATE, out,
+                   rigcal_transfer_make(&out, &kept, ABC, uv[0], uv[1], NOISE));
+}
+
+static void test_a_candidate_beyond_all_numbers_has_no_chi2(void)
+{
+    const rigcal_real uv_c[2] = {RC(1e8), 0};
+    rigcal_transfer out;
+    rigcal_real chi2;
+
+    memset(&out, 0, sizeof out);
+    out.Sigma[0] = RC(TOL(1e-100, 1e-10)); /* vv du^2 is beyond, as is chi2 in float */
+    out.Sigma[3] = RC(TOL(1e295, 1e25));
+    ASSERT_REFUSED(RIGCAL_ERR_DEGENERATE, chi2, rigcal_transfer_test(&chi2, &out, 0, uv_c));
+}
+
+/* A point nearest to the ray of a lies behind b: b looks along x, and its ray passes 2
+ * ahead of it, on the other side of the ray of a. */
+static void test_a_point_behind_b_gives_no_transfer(void)
+{
+    static const double aside[3] = {-1, 0, 0};
+    static const double along_x[9] = {0, 0, -1, 0, 1, 0, 1, 0, 0}; /* rows: -z, y, x */
+    const double b_from_rig[3] = {7, 20, -1};                      /* at (1, -20, 7) */
+    static const size_t abc[N] = {0, 1, 2};
+    rigcal_transfer out;
+
+    stand(0, aside);
+    cameras[1].cam_from_rig = test_transform(along_x, b_from_rig);
+    uv[0][0] = cameras[0].camera.cx;
+    uv[0][1] = cameras[0].camera.cy;
+    uv[1][0] = cameras[1].camera.cx;
+    uv[1][1] = cameras[1].camera.cy + 20 * 1024;
+    ASSERT_REFUSED(RIGCAL_ERR_BEHIND, out,
+                   rigcal_transfer_make(&out, &kept, abc, uv[0], uv[1], NOISE));
+}
+
+/* A camera that knows nothing beside the other gives no depth. */
+static void test_a_pair_of_one_camera_that_counts_has_no_depth(void)
+{
+    static const double aside[3] = {-1, 0, 0};
+    const rigcal_real noise[2] = {RC(1e-6), RC(1e6)};
+    rigcal_transfer out;
+
+    stand(0.5, aside);
+    ASSERT_REFUSED(RIGCAL_ERR_PARALLEL, out,
+                   rigcal_transfer_make(&out, &kept, ABC, uv[0], uv[1], noise));
+    cameras[2].camera.fx = 0;
+    ASSERT_REFUSED(RIGCAL_ERR_CAMERA, out,
+                   rigcal_transfer_make(&out, &kept, ABC, uv[0], uv[1], NOISE));
+}
+
 TEST_MAIN()
 {
     RUN_TEST(test_an_exact_pair_shows_the_point);
@@ -251,4 +397,9 @@ TEST_MAIN()
     RUN_TEST(test_a_candidate_off_by_so_much_has_that_chi2);
     RUN_TEST(test_where_there_is_no_point_there_is_no_transfer);
     RUN_TEST(test_each_argument_is_needed);
+    RUN_TEST(test_a_negative_variance_gives_no_transfer);
+    RUN_TEST(test_a_variance_beyond_all_numbers_gives_no_transfer);
+    RUN_TEST(test_a_candidate_beyond_all_numbers_has_no_chi2);
+    RUN_TEST(test_a_point_behind_b_gives_no_transfer);
+    RUN_TEST(test_a_pair_of_one_camera_that_counts_has_no_depth);
 }

@@ -124,6 +124,13 @@ static void test_each_kind_has_its_words_and_units(void)
     say();
     ASSERT_SAYS(
         "the principal point of door: off in x and y by 7.0 +- 1.5 px and -4 +- 2 px");
+    explained_by(RIGCAL_FAULT_DISTORTION, 3, 0.25, 0.01);
+    faults[0].n = 2;
+    faults[0].value[1] = RC(-0.5);
+    faults[0].sigma[1] = RC(0.02);
+    say();
+    ASSERT_SAYS(
+        "the distortion of door: k1 and k2 are off by 0.250 +- 0.010 and -0.50 +- 0.02.");
     explained_by(RIGCAL_FAULT_STRETCHED, -1, 0.003, 0.0002);
     say();
     ASSERT_SAYS("the board is stretched: its X is longer than its Y by 0.30 +- 0.02 %");
@@ -246,6 +253,16 @@ static void test_without_names_and_units_there_are_numbers(void)
         "0.010 s.");
 }
 
+static void test_a_name_that_begins_with_no_letter_stays(void)
+{
+    static const char *const odd[4] = {"{1}", "~2", "9", "[4]"};
+
+    explained_by(RIGCAL_FAULT_CLOCKS, -1, 0, 0);
+    words.names = odd;
+    say();
+    ASSERT_SAYS("~2's pictures are earlier by");
+}
+
 /* Whatever the room: whole sentences, and how much all of them take. */
 static void test_a_buffer_that_is_too_small_gets_whole_sentences(void)
 {
@@ -327,6 +344,7 @@ TEST_MAIN()
     RUN_TEST(test_what_cannot_be_told_apart);
     RUN_TEST(test_what_would_have_been_seen_comes_on_demand);
     RUN_TEST(test_without_names_and_units_there_are_numbers);
+    RUN_TEST(test_a_name_that_begins_with_no_letter_stays);
     RUN_TEST(test_a_buffer_that_is_too_small_gets_whole_sentences);
     RUN_TEST(test_what_is_no_result_is_refused);
     RUN_TEST(test_a_named_fault_that_is_not_there_is_refused);

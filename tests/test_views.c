@@ -181,6 +181,7 @@ static void test_views_are_in_order_and_no_camera_twice_in_a_placement(void)
 
 static void test_memory_to_work_in_is_as_told(void)
 {
+    rigcal_real Sigma[36];
     rigcal_rig_fit fit;
     int32_t at_fault;
 
@@ -200,6 +201,31 @@ static void test_memory_to_work_in_is_as_told(void)
     for (size_t k = RIGCAL_RIG_WORK(2, 3, 2); k < RIG_WORK; k++) {
         ASSERT_NEAR(77, r.work[k], 0);
     }
+    /* A rig of which the memory became less since then is not adjusted. */
+    r.rig.work_capacity--;
+    ASSERT_STATUS(RIGCAL_ERR_STATE, rigcal_rig_covariance(Sigma, &r.rig, RC(0.2), 1));
+    r.rig.work_capacity++;
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_covariance(Sigma, &r.rig, RC(0.2), 1));
+}
+
+/* In the pose of a view its points may be far from the origin against their size: what a
+ * pose cannot be found from may still be adjusted. */
+static void test_a_target_may_be_far_from_its_origin(void)
+{
+    rigcal_pose poses[RIGCAL_POSES_MAX];
+    rigcal_rig_fit fit;
+    int32_t at_fault;
+    size_t n_found;
+
+    WANTS_RIG;
+    make(2, 3);
+    for (size_t i = 0; i < r.views[0].view.n; i++) {
+        r.o[0][i].X_w[0] += RC(TOL(1e13, 1e5));
+    }
+    ASSERT_STATUS(RIGCAL_ERR_PRECISION,
+                  rigcal_pose_solve(poses, RIGCAL_POSES_MAX, &n_found, &at_fault,
+                                    &r.views[0].view, NULL));
+    TEST_ASSERT_TRUE(rigcal_rig_adjust(&fit, &at_fault, &r.rig) != RIGCAL_ERR_PRECISION);
 }
 
 static void test_a_view_that_is_bad_is_named(void)
@@ -469,6 +495,7 @@ TEST_MAIN()
     RUN_TEST(test_roles_and_what_priors_want);
     RUN_TEST(test_views_are_in_order_and_no_camera_twice_in_a_placement);
     RUN_TEST(test_memory_to_work_in_is_as_told);
+    RUN_TEST(test_a_target_may_be_far_from_its_origin);
     RUN_TEST(test_a_view_that_is_bad_is_named);
     RUN_TEST(test_cameras_are_grouped_by_what_they_share);
     RUN_TEST(test_a_source_gives_the_bits_of_arrays);

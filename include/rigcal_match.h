@@ -163,9 +163,10 @@ RIGCAL_API rigcal_status rigcal_band_search_rays(rigcal_match matches[], size_t 
  * which the test refuses, count as inside.
  *
  * All this holds while the half width of the band is below a fiftieth of fx and of fy, 1.1
- * degrees; p1 and p2 are within 0.05; and nowhere in the image the lens shrinks an area to
- * a quarter of fx fy. For a pinhole or a fisheye it also holds up to half of fx and of fy.
- * The spans of other bands may lack pixels. */
+ * degrees; p1 and p2 are within 0.05; nowhere in the image the lens shrinks an area to a
+ * quarter of fx fy; and the image reaches at most 10 fx and 10 fy from its centre. For a
+ * pinhole or a fisheye the half width may be up to half of fx and of fy. The spans of other
+ * bands may lack pixels. */
 typedef struct rigcal_span {
     int32_t row, first, last; /* columns first to last, within the image */
 } rigcal_span;

@@ -322,12 +322,15 @@ static void check_band(const scene *s, fuzz_bytes *bytes)
 
 /* The manual promises no more than: half the width of a band is below this part of a focal
  * length, the lens is decentered by this at most, and shrinks no area to less than this
- * part of fx fy. */
+ * part of fx fy; and no border of the image is farther from its centre than so many focal
+ * lengths. */
 enum { NARROW = 50 };
 #define DECENTERED 0.05
 #define SHRUNK 0.25
+#define FOCALS 10
 
-/* Whether the lens shrinks nothing to SHRUNK, at 17 x 17 places of the image. */
+/* Whether no border of the image is farther from its centre than FOCALS focal lengths, and
+ * the lens shrinks nothing to SHRUNK, at 17 x 17 places. */
 static int is_gentle(const rigcal_camera *camera)
 {
     enum { STEPS = 16 };
@@ -340,7 +343,9 @@ static int is_gentle(const rigcal_camera *camera)
         rigcal_ray ray;
         double x, y, z;
 
-        if (rigcal_ray_make(&ray, camera, uv) != RIGCAL_OK) {
+        if (!(fabs(u - camera->cx) <= FOCALS * (double)camera->fx &&
+              fabs(v - camera->cy) <= FOCALS * (double)camera->fy) ||
+            rigcal_ray_make(&ray, camera, uv) != RIGCAL_OK) {
             return 0;
         }
         x = (double)ray.D[2] * ray.D[5] - (double)ray.D[4] * ray.D[3];

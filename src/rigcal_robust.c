@@ -348,38 +348,30 @@ static void solving_step(rigcal_robust_solver *s)
     }
 }
 
-static void to_points(rigcal_transform *cam_from_points, const rigcal_robust_solver *s,
-                      const rigcal_pose *pose)
+/* Pose i of those found, best first, for points as all of them are centred. */
+static void found_pose(rigcal_transform *cam_from_points, const rigcal_robust_solver *s,
+                       int32_t i)
 {
-    *cam_from_points = pose->cam_from_world;
-    rc_transform_point(cam_from_points->t, &pose->cam_from_world, s->points.origin);
-}
-
-/* The poses found: their number. *first: the best one. */
-static size_t found_poses(rigcal_pose poses[], rigcal_transform *first,
-                          const rigcal_robust_solver *s)
-{
-    size_t n = 0;
-    (void)rigcal_pose_result(poses, RIGCAL_POSES_MAX, &n, NULL, &s->work.pose);
-    to_points(first, s, &poses[0]);
-    return n;
+    rigcal_real shift[3], turned[3];
+    rc_pose_found(cam_from_points, &s->work.pose, i);
+    rc_vec3_sub(shift, s->points.origin, s->work.pose.search.points.origin);
+    rc_mat3_mul_vec3(turned, cam_from_points->R, shift);
+    rc_vec3_add(cam_from_points->t, turned);
 }
 
 /* Whether the rival agrees with other points and is none of the poses found. */
 static void rivalling_step(rigcal_robust_solver *s)
 {
-    rigcal_pose poses[RIGCAL_POSES_MAX];
-    rigcal_transform first, found;
-    const size_t n = found_poses(poses, &first, s);
+    rigcal_transform found;
     int is_rival = 1;
-    for (size_t i = 0; i < n && is_rival; i++) {
-        to_points(&found, s, &poses[i]);
+    for (int32_t i = rc_pose_n_found(&s->work.pose); i > 0 && is_rival; i--) {
+        found_pose(&found, s, i - 1);
         is_rival = rc_agree_differ(&s->rival, &found, POSES_APART);
     }
-    if (is_rival) {
+    if (is_rival) { /* `found` is the best pose, whose marks come back */
         s->is_doubtful =
             rc_agree_mark(s->inliers, NULL, &s->points, &s->rival, limit_of(s)) > 0;
-        (void)rc_agree_mark(s->inliers, NULL, &s->points, &first, limit_of(s));
+        (void)rc_agree_mark(s->inliers, NULL, &s->points, &found, limit_of(s));
     }
     s->phase = DONE;
 }
@@ -388,10 +380,9 @@ static void rivalling_step(rigcal_robust_solver *s)
  * best pose is looked at. */
 static void fitting_step(rigcal_robust_solver *s)
 {
-    rigcal_pose poses[RIGCAL_POSES_MAX];
-    rigcal_transform first;
-    (void)found_poses(poses, &first, s);
-    const rigcal_real misfit = rc_max(rc_agree_misfit(&s->points, &first), MISFIT_LEAST);
+    rigcal_transform best;
+    found_pose(&best, s, 0);
+    const rigcal_real misfit = rc_max(rc_agree_misfit(&s->points, &best), MISFIT_LEAST);
     const rigcal_real squared = misfit * misfit;
     s->is_doubtful = !(s->by_chance * squared * squared < CHANCE);
     const int has_rival = s->rival_cost < s->cost + RIVAL_WITHIN * limit_of(s);
@@ -401,16 +392,16 @@ static void fitting_step(rigcal_robust_solver *s)
 /* Marks the points that agree with the pose found. If they changed, it solves again. */
 static void solved_step(rigcal_robust_solver *s)
 {
-    rigcal_pose poses[RIGCAL_POSES_MAX];
+    rigcal_pose pose;
     rigcal_transform found;
     size_t n_found;
     rc_agree_histogram off;
-    s->failure = rigcal_pose_result(poses, RIGCAL_POSES_MAX, &n_found, NULL, &s->work.pose);
+    s->failure = rigcal_pose_result(&pose, 1, &n_found, NULL, &s->work.pose);
     s->phase = DONE;
     if (s->failure < 0) {
         return;
     }
-    to_points(&found, s, &poses[0]);
+    found_pose(&found, s, 0);
     if (rc_agree_mark(s->inliers, &off, &s->points, &found, limit_of(s)) > 0 &&
         s->rounds++ < ROUNDS) {
         begin_solving(s);

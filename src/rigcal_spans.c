@@ -206,12 +206,23 @@ static rigcal_real cross2(const rigcal_real a[2], const rigcal_real b[2])
     return a[0] * b[1] - a[1] * b[0];
 }
 
-/* Squared distance from the axis, in the normalised image. */
-static rigcal_real radius2_of(const rigcal_spans_solver *s, rigcal_real u, rigcal_real v)
+/* A pixel's place in the normalised image, and its squared distance from the axis. */
+static rigcal_real normalise(rigcal_real x[2], const rigcal_spans_solver *s, rigcal_real u,
+                             rigcal_real v)
 {
     const rigcal_camera *const c = &s->band.camera_b;
-    const rigcal_real x = (u - c->cx) / c->fx, y = (v - c->cy) / c->fy;
-    return x * x + y * y;
+    x[0] = (u - c->cx) / c->fx;
+    x[1] = (v - c->cy) / c->fy;
+    return x[0] * x[0] + x[1] * x[1];
+}
+
+/* Whether the border is outside the image at this node of the arc, and goes on outwards to
+ * the last one. */
+static int is_leaving(const rigcal_spans_solver *s, int node)
+{
+    rigcal_real x[2];
+    const rigcal_real before = normalise(x, s, s->u[node], s->v[node]);
+    return before > s->radius2 && normalise(x, s, s->u[LAST], s->v[LAST]) > before;
 }
 
 /* Sets the end of the next arc: `stride` ahead, or the end of the depth range. Returns 0 if
@@ -321,8 +332,7 @@ static int finish_arc(rigcal_spans_solver *s)
     }
     rc_outline_add(&s->outline, s->u, s->v);
     s->n_arcs++;
-    const rigcal_real before = radius2_of(s, s->u[LAST - 1], s->v[LAST - 1]);
-    const rigcal_real now = radius2_of(s, s->u[LAST], s->v[LAST]);
+    const int leaves = is_leaving(s, LAST - 1);
     place_of_node(p, s, 1);
     (void)rc_vec3_unit(unit, p);
     s->at[0] = unit[0];
@@ -330,8 +340,7 @@ static int finish_arc(rigcal_spans_solver *s)
     set_stride(s, bend);
     s->u[0] = s->u[LAST];
     s->v[0] = s->v[LAST];
-    return !s->is_last && s->n_arcs < 2 * ARCS_OF_BORDER &&
-           (!(before > s->radius2) || !(now > before));
+    return !s->is_last && s->n_arcs < 2 * ARCS_OF_BORDER && !leaves;
 }
 
 /* Adds one node of the current arc. If the lens does not see it, the arc begins again at
@@ -372,41 +381,40 @@ static void add_line(rigcal_spans_solver *s, const rigcal_real from[2],
     rc_outline_add(&s->outline, s->u, s->v);
 }
 
-/* Whether the straight line from a to b, in the normalised image, comes nearer to the axis
- * than both its ends and the circle around the image. */
-static int cuts_circle(const rigcal_spans_solver *s, const rigcal_real a[2],
-                       const rigcal_real b[2])
+/* Whether the straight line between two places of the normalised image comes nearer to the
+ * axis than both of them and the circle around the image. a2 and b2 are their squared
+ * distances from the axis. */
+static int cuts_circle(const rigcal_spans_solver *s, const rigcal_real a[2], rigcal_real a2,
+                       const rigcal_real b[2], rigcal_real b2)
 {
-    const rigcal_real ab[2] = {b[0] - a[0], b[1] - a[1]};
-    const rigcal_real a2 = a[0] * a[0] + a[1] * a[1], b2 = b[0] * b[0] + b[1] * b[1];
+    const rigcal_real ab[2] = {b[0] - a[0], b[1] - a[1]}, area = cross2(a, b);
     const rigcal_real length2 = ab[0] * ab[0] + ab[1] * ab[1];
     const rigcal_real ahead = -(a[0] * ab[0] + a[1] * ab[1]);
-    const rigcal_real area = cross2(a, b);
     return ahead > 0 && ahead < length2 &&
            area * area < CUT * rc_min(s->radius2, rc_min(a2, b2)) * length2;
 }
 
 /* Joins two ends that are outside the image or where the lens ends. A straight line between
- * them may cut the image if the band is wide. The join then goes out from the axis, around
- * it on a wide circle, the shorter way, and in again. */
+ * them may cut the image if the band is wide. Then the join goes out from the axis, around
+ * it on a wide circle by the shorter way, and in again. */
 static void go_round(rigcal_spans_solver *s, const rigcal_real from[2],
                      const rigcal_real to[2])
 {
     const rigcal_camera *const c = &s->band.camera_b;
-    const rigcal_real a[3] = {(from[0] - c->cx) / c->fx, (from[1] - c->cy) / c->fy, 0};
-    const rigcal_real b[3] = {(to[0] - c->cx) / c->fx, (to[1] - c->cy) / c->fy, 0};
     const rigcal_real radius = WIDE * RC_SQRT(s->radius2);
-    rigcal_real at[2] = {from[0], from[1]}, here[3], end[3];
-    if (!cuts_circle(s, a, b) || !rc_vec3_unit(here, a) || !rc_vec3_unit(end, b)) {
+    rigcal_real a[3] = {0, 0, 0}, b[3] = {0, 0, 0}, at[2] = {from[0], from[1]};
+    const rigcal_real a2 = normalise(a, s, from[0], from[1]);
+    const rigcal_real b2 = normalise(b, s, to[0], to[1]);
+    if (!cuts_circle(s, a, a2, b, b2) || !rc_vec3_unit(a, a) || !rc_vec3_unit(b, b)) {
         add_line(s, from, to);
         return;
     }
-    const rigcal_real way = (cross2(here, end) < 0) ? RC(-1) : RC(1);
-    const rigcal_real aside[3] = {way * (end[1] - here[1]), way * (here[0] - end[0]), 0};
-    rigcal_real between[3] = {end[0], end[1], 0};
+    const rigcal_real way = (cross2(a, b) < 0) ? RC(-1) : RC(1);
+    const rigcal_real aside[3] = {way * (b[1] - a[1]), way * (a[0] - b[0]), 0};
+    rigcal_real between[3] = {b[0], b[1], 0};
     (void)rc_vec3_unit(between, aside);
     for (int i = 0; i < 3; i++) {
-        const rigcal_real *const d = (i == 0) ? here : (i == 1) ? between : end;
+        const rigcal_real *const d = (i == 0) ? a : (i == 1) ? between : b;
         const rigcal_real next[2] = {c->cx + radius * d[0] * c->fx,
                                      c->cy + radius * d[1] * c->fy};
         add_line(s, at, next);
@@ -414,6 +422,22 @@ static void go_round(rigcal_spans_solver *s, const rigcal_real from[2],
         at[1] = next[1];
     }
     add_line(s, at, to);
+}
+
+/* Finds the nodes of a part of an end of the depth range: from the height `from` on, over
+ * `rise`. The first node stays. Returns 0 if the lens does not see one of them. */
+static int place_nodes(rigcal_spans_solver *s, rigcal_real from, rigcal_real rise)
+{
+    for (int i = 1; i < NODES; i++) {
+        const rigcal_real h = from + (rigcal_real)i / LAST * rise;
+        rigcal_real uv[2], J[6], D[2][3];
+        if (place_at(uv, J, D, s, s->ends[s->way], h) != RIGCAL_OK) {
+            return 0;
+        }
+        s->u[i] = uv[0];
+        s->v[i] = uv[1];
+    }
+    return 1;
 }
 
 /* Follows an end of the depth range across the band, from border `side` to the other one,
@@ -425,30 +449,21 @@ static int cross_band(rigcal_real stop[2], rigcal_spans_solver *s, int side)
     const rigcal_border_end *const to = &s->corners[!side][s->way];
     const rigcal_real rise = to->height - from->height;
     rigcal_real at = 0, part = 1;
+    int leaves = 0;
     stop[0] = from->uv[0];
     stop[1] = from->uv[1];
-    while (at < 1) {
-        int n = 1;
-        for (; n < NODES; n++) {
-            const rigcal_real h = from->height + (at + part * (rigcal_real)n / LAST) * rise;
-            rigcal_real uv[2], J[6], D[2][3];
-            if (place_at(uv, J, D, s, s->ends[s->way], h) != RIGCAL_OK) {
-                break;
-            }
-            s->u[n] = uv[0];
-            s->v[n] = uv[1];
-        }
+    while (at < 1 && !leaves) {
         s->u[0] = stop[0];
         s->v[0] = stop[1];
-        const int is_bent = n == NODES && rc_max(bend_of(s->u), bend_of(s->v)) > BEND_MAX;
-        if ((n < NODES || is_bent) && part > PART_LEAST) {
+        const int is_seen = place_nodes(s, from->height + at * rise, part * rise);
+        const int is_bent = is_seen && rc_max(bend_of(s->u), bend_of(s->v)) > BEND_MAX;
+        if ((!is_seen || is_bent) && part > PART_LEAST) {
             part /= 2;
             continue;
         }
-        if (n < NODES) {
+        if (!is_seen) {
             return 0;
         }
-        const rigcal_real before = radius2_of(s, s->u[0], s->v[0]);
         at += part;
         if (!(at < 1) && to->is_of_range) {
             s->u[LAST] = to->uv[0];
@@ -457,10 +472,7 @@ static int cross_band(rigcal_real stop[2], rigcal_spans_solver *s, int side)
         stop[0] = s->u[LAST];
         stop[1] = s->v[LAST];
         rc_outline_add(&s->outline, s->u, s->v);
-        if (!to->is_of_range && before > s->radius2 &&
-            radius2_of(s, stop[0], stop[1]) > before) {
-            break;
-        }
+        leaves = !to->is_of_range && is_leaving(s, 0);
     }
     return to->is_of_range;
 }
@@ -523,7 +535,7 @@ static int prepare(rigcal_spans_solver *s)
         s->start[1] = s->ends[nearer][1];
     }
     const rigcal_real start[3] = {s->start[0], s->start[1], 0};
-    rigcal_real unit[3] = {1, 0, 0};
+    rigcal_real unit[3] = {1, 0, 0}, x[2];
     (void)rc_vec3_unit(unit, start);
     s->start[0] = unit[0];
     s->start[1] = unit[1];
@@ -531,7 +543,7 @@ static int prepare(rigcal_spans_solver *s)
     for (int i = 0; i < 4; i++) {
         const rigcal_real u = (i % 2 == 0) ? 0 : (rigcal_real)(c->width - 1);
         const rigcal_real v = (i < 2) ? 0 : (rigcal_real)(c->height - 1);
-        s->radius2 = rc_max(s->radius2, radius2_of(s, u, v));
+        s->radius2 = rc_max(s->radius2, normalise(x, s, u, v));
     }
     s->radius2 *= BEYOND * BEYOND;
     s->radius = RC_SQRT(s->radius2) * c->fx + 1;

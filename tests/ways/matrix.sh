@@ -101,13 +101,14 @@ run_gate() {
             ! grep ', now ' "$counted/gate.txt" | grep -qv '^stack\.'; }
 }
 
-# combination REAL COMPILER FLAG...
-combination() {
+# begin_line REAL COMPILER FLAG...: the library's objects, in $folder; fails if the line ends
+# here, for want of time or because a file is not compiled
+begin_line() {
     real=$1
     shift
     if [ "$(date +%s)" -ge "$end" ]; then
         row "$*" "$real" "not run"
-        return 0
+        return 1
     fi
     count=$((count + 1))
     folder=$out/$real-$count
@@ -116,8 +117,30 @@ combination() {
         cat "$folder/compiler.txt"
         row "$*" "$real" "is not compiled"
         complain "$* does not compile"
-        return 0
+        return 1
     fi
+}
+
+# end_line MORE COMPILER FLAG...: the row of what passed. A test that fails is a complaint,
+# except with contraction.
+end_line() {
+    more=$1
+    shift
+    told=
+    if [ -n "$failed" ]; then
+        told=", **failed:$failed**"
+        case " $* " in
+        *" -ffp-contract=fast "*) ;;
+        *) complain "$* in $real fails:$failed, $folder" ;;
+        esac
+    fi
+    row "$*" "$real" "$((ran - $(echo "$failed" | wc -w))) of $ran pass$more$told"
+}
+
+# combination REAL COMPILER FLAG...
+combination() {
+    begin_line "$@" || return 0
+    shift
     code=$(code_of "$folder")
     if [ -e "$out/seen/$real-$code" ]; then
         row "$*" "$real" "the same objects as $(cat "$out/seen/$real-$code")"
@@ -130,13 +153,7 @@ combination() {
         run_gate "$folder" "$real" "$@" || failed="$failed gate"
         ran=$((ran + 1))
     fi
-    told=
-    case " $* " in
-    *" -ffp-contract=fast "*) ;;
-    *) [ -z "$failed" ] || complain "$* in $real fails:$failed, $folder" ;;
-    esac
-    [ -z "$failed" ] || told=", **failed:$failed**"
-    row "$*" "$real" "$((ran - $(echo "$failed" | wc -w))) of $ran pass$told"
+    end_line "" "$@"
     [ -n "$failed" ] || rm -r "$folder"
 }
 
@@ -231,20 +248,8 @@ users() {
 
 # other REAL COMPILER FLAG...: another architecture of this processor; tests compiled for it
 other() {
-    real=$1
+    begin_line "$@" || return 0
     shift
-    if [ "$(date +%s)" -ge "$end" ]; then
-        row "$*" "$real" "not run"
-        return 0
-    fi
-    count=$((count + 1))
-    folder=$out/$real-$count
-    # shellcheck disable=SC2046 -- one option or none
-    if ! compile "$folder" "$@" $(define "$real"); then
-        cat "$folder/compiler.txt"
-        complain "$* does not compile"
-        return 0
-    fi
     failed=
     ran=0
     unity=$(unity_folder "build/gcc-$real")
@@ -259,12 +264,7 @@ other() {
             "$folder/test_$name" >"$folder/test_$name.txt" 2>&1 || failed="$failed $name"
         rm -f "$folder/test_$name"
     done
-    told=
-    if [ -n "$failed" ]; then
-        complain "$* in $real fails:$failed, $folder"
-        told=", **failed:$failed**"
-    fi
-    row "$*" "$real" "$((ran - $(echo "$failed" | wc -w))) of $ran pass, no gate$told"
+    end_line ", no gate" "$@"
 }
 
 # Where the tests of a build found Unity.

@@ -35,6 +35,14 @@ static void hang(test_rng *rng, double shift)
     }
 }
 
+/* Two cameras that are watched, and a target that they do not know yet. */
+static void begin_pair(test_rng *rng)
+{
+    test_watched_make(&w, rng, 2, 1, 0.05 * DEGREE, 2e-3);
+    test_watched_begin(&w, 1, NULL);
+    hang(rng, 0.1);
+}
+
 static void see(rigcal_observation o[POINTS], int camera, test_rng *rng, double noise)
 {
     for (int i = 0; i < POINTS; i++) {
@@ -260,9 +268,7 @@ static void test_a_target_that_was_lifted_has_no_place(void)
     rigcal_real Sigma[36];
 
     WANTS_RIG();
-    test_watched_make(&w, &rng, 2, 1, 0.05 * DEGREE, 2e-3);
-    test_watched_begin(&w, 1, NULL);
-    hang(&rng, 0.1);
+    begin_pair(&rng);
     ASSERT_STATUS(RIGCAL_ERR_RANGE, rigcal_monitor_pair(&b_from_a, Sigma, w.monitor, 0, 2));
     ASSERT_STATUS(RIGCAL_ERR_RANGE, rigcal_monitor_moved(w.monitor, 2));
     show(0, &rng, 0);
@@ -323,9 +329,7 @@ static void test_views_that_cannot_be_are_refused_and_change_nothing(void)
     int32_t at_fault = 0;
 
     TEST_WANTS_RAM(sizeof w + 40000);
-    test_watched_make(&w, &rng, 2, 1, 0.05 * DEGREE, 2e-3);
-    test_watched_begin(&w, 1, NULL);
-    hang(&rng, 0.1);
+    begin_pair(&rng);
     see(o, 0, &rng, 0);
     memcpy(kept, w.monitor, sizeof kept);
     ASSERT_STATUS(RIGCAL_ERR_TOO_FEW,
@@ -361,9 +365,7 @@ static void test_a_target_without_a_place_has_no_report(void)
     rigcal_body_report report;
 
     WANTS_RIG();
-    test_watched_make(&w, &rng, 2, 1, 0.05 * DEGREE, 2e-3);
-    test_watched_begin(&w, 1, NULL);
-    hang(&rng, 0.1);
+    begin_pair(&rng);
     ASSERT_STATUS(RIGCAL_ERR_RANGE, rigcal_monitor_camera(&m, w.monitor, 2));
     ASSERT_STATUS(RIGCAL_OK, rigcal_monitor_body(&report, w.monitor, 2));
     TEST_ASSERT_TRUE(report.is_blind != 0);
@@ -417,9 +419,7 @@ static void test_a_target_gets_no_place_while_an_alarm_waits(void)
     int32_t at_fault = 0;
 
     WANTS_RIG();
-    test_watched_make(&w, &rng, 2, 1, 0.05 * DEGREE, 2e-3);
-    test_watched_begin(&w, 1, NULL);
-    hang(&rng, 0.1);
+    begin_pair(&rng);
     for (int f = 0; f < 330 && !report.alarm; f++) {
         test_watched_match(&w, &rng, &like);
         ASSERT_STATUS(RIGCAL_OK, rigcal_monitor_frame(&report, w.monitor, RC(0.03)));
@@ -443,9 +443,7 @@ static void test_a_target_that_settles_may_be_lifted(void)
     rigcal_real Sigma[36];
 
     WANTS_RIG();
-    test_watched_make(&w, &rng, 2, 1, 0.05 * DEGREE, 2e-3);
-    test_watched_begin(&w, 1, NULL);
-    hang(&rng, 0.1);
+    begin_pair(&rng);
     show(0, &rng, 0);
     ASSERT_STATUS(RIGCAL_OK, rigcal_monitor_moved(w.monitor, 2));
     ASSERT_STATUS(RIGCAL_OK, rigcal_monitor_lifted(w.monitor, 0));

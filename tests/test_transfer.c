@@ -21,6 +21,31 @@ static rigcal_real uv[N][2];
 
 #define WANTS_RIG TEST_WANTS_RAM(sizeof(test_rig) + 16000)
 
+/* The memory of a calibrated rig, with nothing in it. */
+static void clear(void)
+{
+    memset(&kept, 0, sizeof kept);
+    memset(cameras, 0, sizeof cameras);
+    kept.cameras = cameras;
+    kept.group = group;
+    kept.held = held;
+    kept.capacity = N;
+    kept.Sigma = Sigma;
+    kept.Sigma_capacity = RIGCAL_CALIBRATED_SIZE(FREE);
+}
+
+/* The pixels of X, exactly. */
+static void see(void)
+{
+    for (int c = 0; c < N; c++) {
+        double X_c[3], px[2];
+
+        test_move_point(X_c, &cameras[ABC[c]].cam_from_rig, X);
+        test_project_px(px, &cameras[ABC[c]].camera, X_c);
+        test_to_real(uv[c], px, 2);
+    }
+}
+
 /* A rig, adjusted, and a point that all see, exactly. */
 static void make(uint64_t seed)
 {
@@ -31,26 +56,13 @@ static void make(uint64_t seed)
     test_rig_see_all(&r, &rng, 0.3);
     test_rig_solve_views(&r);
     ASSERT_STATUS(RIGCAL_OK, rigcal_rig_adjust(&fit, NULL, &r.rig));
-    memset(&kept, 0, sizeof kept);
-    memset(cameras, 0, sizeof cameras);
-    kept.cameras = cameras;
-    kept.group = group;
-    kept.held = held;
-    kept.capacity = N;
-    kept.Sigma = Sigma;
-    kept.Sigma_capacity = RIGCAL_CALIBRATED_SIZE(FREE);
+    clear();
     for (int c = 0; c < N; c++) {
         cameras[c].camera = r.camera[c];
     }
     ASSERT_STATUS(RIGCAL_OK, rigcal_calibrated_take(&kept, &r.rig, &fit, RC(0.3)));
     test_move_point(X, &r.true_places[0], r.X[2]);
-    for (int c = 0; c < N; c++) {
-        double X_c[3], px[2];
-
-        test_move_point(X_c, &cameras[ABC[c]].cam_from_rig, X);
-        test_project_px(px, &cameras[ABC[c]].camera, X_c);
-        test_to_real(uv[c], px, 2);
-    }
+    see();
 }
 
 static void test_an_exact_pair_shows_the_point(void)
@@ -250,21 +262,14 @@ static void test_each_argument_is_needed(void)
  * anywhere. 1 and 0 see (x, 0, 4); Sigma is 0. */
 static void stand(double x, const double t_c[3])
 {
-    static const size_t of[N] = {1, 0, 2};
     static const double t[2][3] = {{0, 0, 0}, {1, 0, 0}};
 
-    memset(&kept, 0, sizeof kept);
-    memset(cameras, 0, sizeof cameras);
+    clear();
     memset(Sigma, 0, sizeof Sigma);
     memset(group, 0, sizeof group);
     memset(held, 0, sizeof held);
     held[0] = 1;
-    kept.cameras = cameras;
-    kept.group = group;
-    kept.held = held;
-    kept.capacity = kept.n_cameras = N;
-    kept.Sigma = Sigma;
-    kept.Sigma_capacity = RIGCAL_CALIBRATED_SIZE(FREE);
+    kept.n_cameras = N;
     kept.sigma_px = kept.F = 1;
     kept.freedom_between = kept.freedom_within = 10;
     for (int c = 0; c < N; c++) {
@@ -275,13 +280,7 @@ static void stand(double x, const double t_c[3])
     X[0] = x;
     X[1] = 0;
     X[2] = 4;
-    for (int c = 0; c < N; c++) {
-        double X_c[3], px[2];
-
-        test_move_point(X_c, &cameras[of[c]].cam_from_rig, X);
-        test_project_px(px, &cameras[of[c]].camera, X_c);
-        test_to_real(uv[c], px, 2);
-    }
+    see();
 }
 
 /* The variance of an unknown of camera 1 or 2. */

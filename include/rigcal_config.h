@@ -42,10 +42,10 @@
  *   - The same input gives the same bits on every target with the same libm.
  *   - A search takes as many evaluations as on other targets. Its upper bounds hold.
  *   - In float, a search by rigcal_neldermead_* ends at the same place of a flat valley.
- *   - A status near its limit is the same. Of 1000 poses about one is RIGCAL_VAGUE instead
- *     of RIGCAL_AMBIGUOUS, or the other way; in float also RIGCAL_BUDGET_SPENT or not.
- *   - In float, a fault of rigcal_rig_faults is within 0.005 of its standard deviation of
- *     that of dense least squares. With contraction one of the tests' is off by 0.007.
+ *   - A status near its limit is the same. A few poses are RIGCAL_VAGUE instead of
+ *     RIGCAL_AMBIGUOUS, or the other way. In float a few are RIGCAL_BUDGET_SPENT instead.
+ *   - In float, a fault of rigcal_rig_faults differs from that of dense least squares by
+ *     less than 0.005 of its standard deviation. With contraction it may be 0.007.
  *
  * If gcc links a program with -ffast-math, the processor takes subnormal numbers for zero.
  * Then lengths whose squares are below 1e-308 / 1e-38 count as zero. */

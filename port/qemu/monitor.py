@@ -5,6 +5,7 @@ memory, flash: two Markdown tables of BENCHMARKS.md.
     monitor.py [FRAMES]           300 frames a line
     monitor.py --check [FRAMES]   fails if four cameras cost more than the limits below
 """
+import argparse
 import sys
 
 import figures
@@ -30,8 +31,10 @@ FLASH = {
 
 
 def main():
-    arguments = [a for a in sys.argv[1:] if a != "--check"]
-    frames = int(arguments[0]) if arguments else 300
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("frames", nargs="?", type=int, default=300, metavar="FRAMES")
+    parser.add_argument("--check", action="store_true")
+    options = parser.parse_args()
     is_over = False
     flash = []
     print("| target | cameras | frame | at most | its end | at most | after an alarm | stack | monitor |")
@@ -40,7 +43,7 @@ def main():
     for target, optimisation, cameras in LINES:
         image = figures.Image(target, "float", optimisation)
         elf, counts = image.dir / "monitor.elf", image.dir / "monitor_counts.txt"
-        some = frames if target != "cortex-m0" else min(frames, 100)
+        some = options.frames if target != "cortex-m0" else min(options.frames, 100)
         memory = [m.replace("=4096", "=3072") for m in image.memory]
         figures.run(image.gcc, *image.flags, f"-DCAMERAS={cameras}", f"-DFRAMES={some}",
                     figures.HERE / "monitor.c", image.library, "-lm", "--crt0=semihost",
@@ -65,7 +68,7 @@ def main():
                 flash.append(f"| {target} -Os | {row} | {own} | {own + libraries} |")
     print("\n| target | flash | rigcal | with libraries |\n| --- | --- | ---: | ---: |")
     print("\n".join(flash))
-    if is_over and "--check" in sys.argv:
+    if is_over and options.check:
         sys.exit("monitor: a frame of four cameras takes too long")
 
 

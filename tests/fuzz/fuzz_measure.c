@@ -338,7 +338,7 @@ static int is_gentle(const rigcal_camera *camera)
 
     for (i = 0; i < (STEPS + 1) * (STEPS + 1); i++) {
         const double u = (i % (STEPS + 1)) * (camera->width - 1.) / STEPS;
-        const double v = (int)(i / (STEPS + 1)) * (camera->height - 1.) / STEPS;
+        const double v = i / (STEPS + 1) * (camera->height - 1.) / STEPS;
         const rigcal_real uv[2] = {(rigcal_real)u, (rigcal_real)v};
         rigcal_ray ray;
         double x, y, z;
@@ -375,13 +375,13 @@ static void check_pixel(const rigcal_band *band, rigcal_spans_solver *solver, in
         PROMISE(i == 0 || spans[i].first > spans[i - 1].last);
         is_covered = is_covered || (spans[i].first <= u && u <= spans[i].last);
     }
-    if (rigcal_band_test(&match, band, uv) == RIGCAL_OK && match.is_inside &&
+    const int is_missed =
+        !is_covered && rigcal_band_test(&match, band, uv) == RIGCAL_OK && match.is_inside &&
         NARROW * match.half_width_px < band->camera_b.fx &&
         NARROW * match.half_width_px < band->camera_b.fy &&
         fabs((double)band->camera_b.p1) <= DECENTERED &&
-        fabs((double)band->camera_b.p2) <= DECENTERED && is_gentle(&band->camera_b)) {
-        PROMISE(is_covered);
-    }
+        fabs((double)band->camera_b.p2) <= DECENTERED && is_gentle(&band->camera_b);
+    PROMISE(!is_missed);
 }
 
 static void check_spans(const scene *s, fuzz_bytes *bytes)

@@ -43,7 +43,7 @@ import threading
 import time
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-BUILD = ROOT / os.environ.get("RIGCAL_MUTATION_BUILD", "build/gcc-double")
+BUILD = ROOT / "build/gcc-double"
 ASAN = ROOT / "build/asan"
 WORK = ROOT / "build/mutation"
 RECORDED = pathlib.Path(__file__).with_name("recorded.csv")

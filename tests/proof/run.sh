@@ -6,9 +6,9 @@
 #   sh tests/proof/run.sh         everything, by hand
 #   sh tests/proof/run.sh short   a sample
 #
-# store.c   rigcal_store_info, _load and _load_rig on unknown bytes: each length that is too short
-#           for a camera; one camera in each version, precision and role, and two, with lengths around the
-#           right one. Reals of 8 bytes are read by a double build and by a float build.
+# store.c   rigcal_store_info, _load and _load_rig on unknown bytes. Any header, with each length
+#           up to 163 bytes. One camera in each version, precision and role, and two cameras in
+#           version 1, with lengths around the right one. Both builds read both precisions.
 # linalg.c  every function of rc_linalg.h; packed matrices of up to 6 unknowns of 3 cameras.
 #
 # Numbers may be NaN and infinite. A harness fixes the length, which the loops depend on: of

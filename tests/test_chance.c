@@ -251,7 +251,8 @@ static void test_of_very_many_degrees_of_freedom_the_tail_is_a_chance(void)
     if (!RIGCAL_USE_FLOAT) {
         ASSERT_NEAR(0.5, rc_f_tail(1, RC(1e8), RC(1e8)), 1e-5);
     }
-    for (double n = 1e6; n < 1e12; n *= 10) {
+    for (int i = 0; i < 6; i++) {
+        const double n = 1e7 * pow(10, 0.5 * i);
         const rigcal_real tail = rc_f_tail(1, RC(n), RC(n));
 
         TEST_ASSERT_TRUE(tail >= 0 && tail <= 1);

@@ -1,6 +1,6 @@
-/* A pixel just beyond where a lens turns back has no ray, but is as near to the point of the
- * other views as noise allows. It was counted among the views that agree, and so the point
- * was refused as ERR_NO_RAY. It is left out. */
+/* A pixel just beyond where a lens turns back has no ray, but is as near to the point of
+ * the other views as noise allows. It was counted among the views that agree, and so the
+ * point was refused as ERR_NO_RAY. It is left out. */
 #include <math.h>
 #include <string.h>
 

@@ -19,7 +19,7 @@ asan-float    gcc,cmake,unity              preset asan-float
 paper         gcc,cmake,unity,python,build/gcc-double
               preset_build gcc-double && $PYTHON tests/checks/check_paper.py
 figures       gcc,arm,riscv,cmake,unity,python,build/cortex-m4f,build/cortex-m7,build/cortex-m7-double,build/cortex-m33,build/rv32imafc
-              $PYTHON port/qemu/figures.py
+              $PYTHON port/qemu/figures.py && $PYTHON port/qemu/monitor.py --check
 cortex-m4f    arm,cmake,unity,build/cortex-m4f
               preset cortex-m4f
 gcc-float     gcc,cmake,unity,build/gcc-float

@@ -91,7 +91,7 @@ static        gcc,python                   $PYTHON tests/checks/check_static.py 
 proof         frama-c                      sh tests/proof/run.sh short
 matrix        gcc,g++,clang,i686,cmake,unity,build/gcc-double,build/gcc-float
               preset_build gcc-double && preset_build gcc-float && sh tests/ways/matrix.sh short
-readme        gcc,python                   $PYTHON tests/checks/check_readme.py
+readme        gcc,python                   $PYTHON tests/checks/check_readme.py && $PYTHON tests/bench/quoted.py --check
 header        gcc,g++,clang                sh tests/checks/check_header.sh
 cross         arm                          sh tests/checks/check_cross.sh
 fuzz          libfuzzer,python             sh tests/fuzz/run.sh

@@ -16,7 +16,8 @@ A table stands in its document between two comments:
 form of CI, with fewer scenes; `within` is how far a figure of it may be from that in
 short.md. A table without `short` is made by hand only. A command is a bench of the preset
 gcc-double, or PRESET/BENCH, or "sh FILE ..." or "python3 FILE ...", from the root of the project.
-Below a table stands what made it: command, commit, day, compiler and processor.
+Below a table stands what made it: command, commit, day, compiler and processor. In the end
+quoted.py writes the figures of README.md that are taken from the tables.
 
 Exit status 1: a figure differs, or a command failed; the table stays as it was.
 """
@@ -30,7 +31,7 @@ import subprocess
 import sys
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-DOCUMENTS = [ROOT / "BENCHMARKS.md", ROOT / "port/cmsis_dsp/README.md"]
+DOCUMENTS = [ROOT / "BENCHMARKS.md", ROOT / "port/cmsis_dsp/README.md", ROOT / "port/python/README.md"]
 SHORT = ROOT / "tests/bench/short.md"
 
 MARK = re.compile(
@@ -69,15 +70,21 @@ def table_of(command: str, number: int, printed: dict[str, str]) -> str:
     return tables[number - 1]
 
 
+def by_gcc(command: str) -> bool:
+    """Not for emulated targets and other platforms, whose compiler is another one."""
+    return "port/" not in command and "hooks.sh" not in command
+
+
 def made_by(command: str) -> str:
     git = ["git", "-C", str(ROOT)]
     commit = subprocess.run([*git, "rev-parse", "--short", "HEAD"], capture_output=True, text=True).stdout.strip()
     changed = subprocess.run([*git, "status", "--porcelain", "--", "src", "include", "tests/bench"],
                              capture_output=True, text=True).stdout
     gcc = subprocess.run(["gcc", "-dumpfullversion"], capture_output=True, text=True).stdout.strip()
+    built = f"gcc {gcc} -O2 -ffp-contract=off, " if by_gcc(command) else ""
     models = re.findall(r"^model name\s*: (.*)$", pathlib.Path("/proc/cpuinfo").read_text(), re.MULTILINE)
     return (f"`{command}`, {datetime.date.today()}, commit {commit}{' with changes' * bool(changed)}, "
-            f"gcc {gcc} -O2 -ffp-contract=off, {platform.machine()}, {models[0] if models else 'processor unknown'}")
+            f"{built}{platform.machine()}, {models[0] if models else 'processor unknown'}")
 
 
 def numbers_of(text: str) -> list[str]:
@@ -122,6 +129,7 @@ def write(names: list[str]) -> int:
         document, mark = mark_named(name)  # it may have been edited meanwhile
         text, (start, end) = mark.string, mark.span("body")
         document.write_text(f"{text[:start]}{table}\n*{made_by(mark['command'])}*\n{text[end:]}")
+    subprocess.run([sys.executable, ROOT / "tests/bench/quoted.py"], check=True)
     return failed
 
 

@@ -78,7 +78,8 @@ def by_gcc(command: str) -> bool:
 def made_by(command: str) -> str:
     git = ["git", "-C", str(ROOT)]
     commit = subprocess.run([*git, "rev-parse", "--short", "HEAD"], capture_output=True, text=True).stdout.strip()
-    changed = subprocess.run([*git, "status", "--porcelain", "--", "src", "include", "tests/bench"],
+    changed = subprocess.run([*git, "status", "--porcelain", "--", "src", "include", "tests/bench",
+                              ":!tests/bench/figures", ":!tests/bench/short.md"],  # which benches write
                              capture_output=True, text=True).stdout
     gcc = subprocess.run(["gcc", "-dumpfullversion"], capture_output=True, text=True).stdout.strip()
     built = f"gcc {gcc} -O2 -ffp-contract=off, " if by_gcc(command) else ""

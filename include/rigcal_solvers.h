@@ -19,10 +19,9 @@ typedef struct rigcal_points {
     rigcal_view view;
     const uint8_t *mask; /* one for each point: 0: it does not count. NULL: all count */
     int32_t left_out;    /* index of one more point that does not count, or -1 */
-    uint8_t is_mirrored; /* 1: the points are mirrored at the origin */
-    uint8_t is_pinhole;
-    size_t n_used;          /* that count */
-    rigcal_real origin[3];  /* weighted mean of the points */
+    uint8_t is_mirrored, is_pinhole; /* mirrored: at the origin */
+    size_t n_used;                   /* that count */
+    rigcal_real origin[3];           /* weighted mean of the points */
     rigcal_real size;       /* their longest distance from the first point, along an axis */
     rigcal_real extent_px;  /* the same of their pixels */
     rigcal_real pixel_size; /* see rc_pixel_size */
@@ -37,8 +36,7 @@ typedef struct rigcal_vertex {
 } rigcal_vertex;
 
 typedef struct rigcal_neldermead {
-    int32_t k, evals, max_evals;
-    int32_t phase, vertex_next;
+    int32_t k, evals, max_evals, phase, vertex_next;
     int32_t status; /* RUNNING, OK or BUDGET_SPENT */
     rigcal_real xtol, ftol;
     rigcal_vertex trial;     /* the point asked for */
@@ -56,8 +54,7 @@ typedef struct rigcal_levenberg {
 typedef struct rigcal_refinement {
     rigcal_levenberg search;
     int32_t evals;
-    uint8_t is_approach,
-        is_part; /* the next step is along the rays, by some of the points */
+    uint8_t is_approach, is_part; /* the next step: along the rays; by some points */
     rigcal_transform cam_from_points;
     rigcal_real g[6], H[21];
 } rigcal_refinement;
@@ -323,6 +320,14 @@ typedef struct rigcal_outline {
     rigcal_arc arcs[RIGCAL_SPANS_ARCS];
 } rigcal_outline;
 
+/* A border of a band, and where it is over the place of the line that was found last. */
+typedef struct rigcal_edge {
+    rigcal_band band;
+    int32_t is_pinhole, side;
+    rigcal_real A, normal[3];   /* (M6); line / across */
+    rigcal_real height, slope2; /* over the line; |ds/du|^2, for a p of length 1 */
+} rigcal_edge;
+
 /* Where a border ends. */
 typedef struct rigcal_border_end {
     rigcal_real uv[2], height;
@@ -330,17 +335,12 @@ typedef struct rigcal_border_end {
 } rigcal_border_end;
 
 struct rigcal_spans_solver {
-    rigcal_band band;
-    int32_t phase, status, is_pinhole;
-    int32_t side, way, node, n_arcs; /* place on the border under way */
-    int32_t is_last, is_closing;     /* this arc ends the depth range; the lens ends near */
-    rigcal_real A, normal[3];        /* (M6); line / across */
-    rigcal_real ends[2][2], start[2];
+    rigcal_edge edge;
+    int32_t side, way, node, n_arcs;            /* place on the border under way */
+    int32_t phase, status, is_last, is_closing; /* last arc in range; near the lens's end */
+    rigcal_real ends[2][2], start[2], at[2];    /* at: of the first node of the arc */
     rigcal_real radius2, radius; /* of the image about the axis: normalised; px */
-    rigcal_real slope2;          /* |ds/du|^2 where it was last known */
-    rigcal_real at[2];           /* position of the first node */
-    rigcal_real stride;          /* tangent of the step from it to the last one */
-    rigcal_real length, height;  /* px: of the step; of the last node over the line */
+    rigcal_real stride, length;  /* of the step from it to the last one: tangent; px */
     rigcal_real start_uv[2], start_height, start_speed; /* px for a tangent of 1 */
     rigcal_real u[RIGCAL_SPANS_NODES], v[RIGCAL_SPANS_NODES];
     rigcal_border_end corners[2][2]; /* indexed by side and way */

@@ -18,6 +18,9 @@ void rc_pose_found(rigcal_transform *cam_from_points, const rigcal_pose_solver *
                    int32_t i);
 rigcal_real rc_pose_likelihood(const rigcal_pose_solver *s, int32_t i);
 
+/* The origin to which the points of this search are centred. */
+const rigcal_real *rc_pose_origin(const rigcal_pose_solver *s);
+
 /* Removes optimum i from those found. */
 void rc_pose_drop(rigcal_pose_solver *s, int32_t i);
 

@@ -381,6 +381,11 @@ void rc_pose_found(rigcal_transform *cam_from_points, const rigcal_pose_solver *
     rc_optimum_transform(cam_from_points, &s->search.optima.list[i]);
 }
 
+const rigcal_real *rc_pose_origin(const rigcal_pose_solver *s)
+{
+    return s->search.points.origin;
+}
+
 rigcal_real rc_pose_likelihood(const rigcal_pose_solver *s, int32_t i)
 {
     RIGCAL_ASSERT(i >= 0 && i < s->search.optima.n);

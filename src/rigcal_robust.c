@@ -354,7 +354,7 @@ static void found_pose(rigcal_transform *cam_from_points, const rigcal_robust_so
 {
     rigcal_real shift[3], turned[3];
     rc_pose_found(cam_from_points, &s->work.pose, i);
-    rc_vec3_sub(shift, s->points.origin, s->work.pose.search.points.origin);
+    rc_vec3_sub(shift, s->points.origin, rc_pose_origin(&s->work.pose));
     rc_mat3_mul_vec3(turned, cam_from_points->R, shift);
     rc_vec3_add(cam_from_points->t, turned);
 }

@@ -1,4 +1,4 @@
-#include "rc_band.h"
+#include "rc_edge.h"
 #include "rc_outline.h"
 
 /* ---- constants ----------------------------------------------------------- */
@@ -29,14 +29,6 @@
 /* px: a border ends if even an arc of this length would go beyond the lens. */
 #define CLOSED_PX RC_TOL(0.02, 0.1)
 
-/* px: a place of a border is final if the last correction was no more. The next one would
- * be some hundredths of it. */
-#define SETTLED_PX RC_TOL(1e-5, 0.05)
-
-/* rounds: to find a place of a border, usually 1 or 2. Where the lens folds all are
- * used. */
-enum { ROUNDS_MAX = 24 };
-
 /* arcs: the most of one border in one direction. */
 enum { ARCS_OF_BORDER = 24 };
 
@@ -51,146 +43,9 @@ enum { ARCS_OF_BORDER = 24 };
 /* part of the width of the band: the least part of a join, if the lens bends it. */
 #define PART_LEAST RC(0.1)
 
-/* 1: a height over the line, as a tangent, above which it is proved that the lens sees the
- * place. */
-#define LEAP RC(0.05)
-
 enum { NODES = RIGCAL_SPANS_NODES, LAST = NODES - 1 };
 
 enum { NOT_BEGUN, START, TRACE, DONE };
-
-/* ---- one place of a border ----------------------------------------------- */
-
-/* (M6) The height of the border on this side over the line at p, in the direction `normal`.
- * It is the root of A h^2 - 2 k^2 b h - k^2 (a + sigma_b^2 slope2) = 0 with the sign of the
- * side. */
-static rigcal_real height_at(const rigcal_spans_solver *s, const rigcal_real p[2],
-                             rigcal_real slope2)
-{
-    const rigcal_real *const M = s->band.Sigma_line;
-    const rigcal_real k2 = s->band.k * s->band.k;
-    const rigcal_real a = p[0] * (p[0] * M[0] + 2 * p[1] * M[1]) + p[1] * p[1] * M[3];
-    const rigcal_real b = k2 * (p[0] * M[2] + p[1] * M[4]);
-    const rigcal_real c = k2 * (a + s->band.sigma_b * s->band.sigma_b * slope2);
-    const rigcal_real root = RC_SQRT(rc_max(b * b + s->A * c, 0));
-    return (b + ((s->side == 0) ? root : -root)) / s->A;
-}
-
-static void direction_at(rigcal_real m[3], const rigcal_spans_solver *s,
-                         const rigcal_real p[2], rigcal_real height)
-{
-    rc_vec3_combine(m, p[0], s->band.ray, p[1], s->band.towards);
-    rc_vec3_add_scaled(m, height, s->normal);
-}
-
-/* Projects the place of the band at this height over p. Far from the line it also proves
- * that the lens sees it: between two places a fold may have been passed unnoticed. */
-static rigcal_status place_at(rigcal_real uv[2], rigcal_real J[6], rigcal_real D[2][3],
-                              const rigcal_spans_solver *s, const rigcal_real p[2],
-                              rigcal_real height)
-{
-    rigcal_real m[3], again[2];
-    direction_at(m, s, p, height);
-    const rigcal_status status =
-        rc_band_place(uv, J, D, &s->band.camera_b, s->is_pinhole, m);
-    return (status == RIGCAL_OK && RC_FABS(height) > LEAP)
-               ? rc_project_usable(again, &s->band.camera_b, m)
-               : status;
-}
-
-/* One try of a border: the height h, the height `wish` that follows from the slope there,
- * and the move in pixels between them. */
-typedef struct {
-    rigcal_real uv[2], J[6], h, wish, move[2], speed, slope2; /* speed: px per unit of h */
-} trial;
-
-static rigcal_status try_height(trial *at, const rigcal_spans_solver *s,
-                                const rigcal_real p[2], rigcal_real h)
-{
-    rigcal_real D[2][3];
-    const rigcal_status status = place_at(at->uv, at->J, D, s, p, h);
-    if (status != RIGCAL_OK) {
-        return status;
-    }
-    const rigcal_real g[2] = {rc_vec3_dot(D[0], s->band.line),
-                              rc_vec3_dot(D[1], s->band.line)};
-    at->slope2 = g[0] * g[0] + g[1] * g[1];
-    at->h = h;
-    at->wish = height_at(s, p, at->slope2);
-    const rigcal_real du = rc_vec3_dot(&at->J[0], s->normal);
-    const rigcal_real dv = rc_vec3_dot(&at->J[3], s->normal);
-    at->speed = rc_max(RC_FABS(du), RC_FABS(dv));
-    at->move[0] = (at->wish - h) * du;
-    at->move[1] = (at->wish - h) * dv;
-    return rc_is_finite(at->uv[0] + at->uv[1] + at->move[0] + at->move[1])
-               ? RIGCAL_OK
-               : RIGCAL_ERR_NO_RAY;
-}
-
-/* Finds the height of the border of this side over p. The noise of b's pixels weighs by the
- * slope at the place itself, so the height is computed again until it stays. If the lens
- * folds before, the border is the fold. It lies between a height that the lens sees and one
- * that it does not see; these two are brought together. Returns 0 if there is no border. */
-static int find_height(trial *found, const rigcal_spans_solver *s, const rigcal_real p[2],
-                       rigcal_real slope2)
-{
-    const rigcal_real out = (s->side == 0) ? 1 : -1;
-    rigcal_real h = height_at(s, p, slope2), beyond = out * RC_MAX;
-    trial now, inside;
-    int has_inside = 0;
-    inside.uv[0] = inside.uv[1] = inside.move[0] = inside.move[1] = inside.h = 0;
-    inside.speed = RC_MAX;
-    for (int i = 0; i < ROUNDS_MAX; i++) {
-        const int is_seen = try_height(&now, s, p, h) == RIGCAL_OK;
-        const rigcal_real px =
-            is_seen ? rc_max(RC_FABS(now.move[0]), RC_FABS(now.move[1])) : RC_MAX;
-        if (px <= SETTLED_PX) {
-            inside = now;
-            has_inside = 1;
-            break;
-        }
-        if (is_seen && out * (now.wish - h) > 0) {
-            inside = now;
-            has_inside = 1;
-        } else {
-            beyond = h;
-        }
-        const rigcal_real low = has_inside ? inside.h : 0; /* the line itself */
-        if (!has_inside && !is_seen && !(RC_FABS(h) > 0)) {
-            break;
-        }
-        if (has_inside && out * (beyond - low) * inside.speed <= SETTLED_PX) {
-            break;
-        }
-        h = is_seen ? now.wish : low;
-        if (has_inside && (!(out * (h - low) > 0) || !(out * (beyond - h) > 0))) {
-            h = (low + beyond) / 2;
-        }
-    }
-    *found = inside;
-    return has_inside;
-}
-
-/* Finds the pixel of the border of this side at p, and J there. */
-static rigcal_status place_border(rigcal_real uv[2], rigcal_real J[6],
-                                  rigcal_spans_solver *s, const rigcal_real p[2])
-{
-    const rigcal_real p2 = p[0] * p[0] + p[1] * p[1];
-    trial inside;
-    if (!find_height(&inside, s, p, s->slope2 * p2)) {
-        return RIGCAL_ERR_NO_RAY;
-    }
-    const rigcal_real px = rc_max(RC_FABS(inside.move[0]), RC_FABS(inside.move[1]));
-    const int is_settled = px <= SETTLED_PX;
-    for (int i = 0; i < 6; i++) {
-        J[i] = inside.J[i];
-    }
-    uv[0] = inside.uv[0] + (is_settled ? inside.move[0] : 0);
-    uv[1] = inside.uv[1] + (is_settled ? inside.move[1] : 0);
-    s->height = is_settled ? inside.wish : inside.h;
-    s->slope2 = inside.slope2 / p2;
-    return RIGCAL_OK;
-}
 
 /* ---- a border, one way --------------------------------------------------- */
 
@@ -198,6 +53,11 @@ static rigcal_status place_border(rigcal_real uv[2], rigcal_real J[6],
 static rigcal_real sign_of(const rigcal_spans_solver *s)
 {
     return (s->way == 0) ? RC(-1) : RC(1);
+}
+
+static rigcal_real dot2(const rigcal_real a[2], const rigcal_real b[2])
+{
+    return a[0] * b[0] + a[1] * b[1];
 }
 
 /* a x b */
@@ -210,10 +70,10 @@ static rigcal_real cross2(const rigcal_real a[2], const rigcal_real b[2])
 static rigcal_real normalise(rigcal_real x[2], const rigcal_spans_solver *s, rigcal_real u,
                              rigcal_real v)
 {
-    const rigcal_camera *const c = &s->band.camera_b;
+    const rigcal_camera *const c = &s->edge.band.camera_b;
     x[0] = (u - c->cx) / c->fx;
     x[1] = (v - c->cy) / c->fy;
-    return x[0] * x[0] + x[1] * x[1];
+    return dot2(x, x);
 }
 
 /* Whether the border is outside the image at this node of the arc, and goes on outwards to
@@ -230,8 +90,7 @@ static int is_leaving(const rigcal_spans_solver *s, int node)
 static int aim(rigcal_spans_solver *s)
 {
     const rigcal_real *const p = s->at, *const end = s->ends[s->way];
-    const rigcal_real across = sign_of(s) * (p[0] * end[1] - p[1] * end[0]);
-    const rigcal_real ahead = p[0] * end[0] + p[1] * end[1];
+    const rigcal_real across = sign_of(s) * cross2(p, end), ahead = dot2(p, end);
     s->stride = rc_min(s->stride, STRIDE_MOST);
     s->is_last = ahead > 0 && across <= s->stride * ahead;
     if (s->is_last) {
@@ -253,23 +112,16 @@ static void place_of_node(rigcal_real p[2], const rigcal_spans_solver *s, rigcal
  * not see it. */
 static int begin_side(rigcal_spans_solver *s)
 {
-    const rigcal_real *const p = s->start, across[2] = {-p[1], p[0]};
-    rigcal_real uv[2], J[6], D[2][3], m[3];
-    direction_at(m, s, p, 0);
-    if ((s->side == 0 && rc_project_usable(uv, &s->band.camera_b, m) != RIGCAL_OK) ||
-        rc_band_place(uv, J, D, &s->band.camera_b, s->is_pinhole, m) != RIGCAL_OK) {
+    const rigcal_real *const p = s->start;
+    rigcal_real J[6], m[3];
+    if (!rc_edge_begin_side(&s->edge, s->side, p) ||
+        rc_edge_find(s->start_uv, J, &s->edge, p) != RIGCAL_OK) {
         return 0;
     }
-    const rigcal_real g[2] = {rc_vec3_dot(D[0], s->band.line),
-                              rc_vec3_dot(D[1], s->band.line)};
-    s->slope2 = g[0] * g[0] + g[1] * g[1];
-    if (place_border(s->start_uv, J, s, p) != RIGCAL_OK) {
-        return 0;
-    }
-    rc_vec3_combine(m, across[0], s->band.ray, across[1], s->band.towards);
+    rc_vec3_combine(m, -p[1], s->edge.band.ray, p[0], s->edge.band.towards);
     const rigcal_real speed[3] = {rc_vec3_dot(&J[0], m), rc_vec3_dot(&J[3], m), 0};
     s->start_speed = rc_vec3_norm(speed);
-    s->start_height = s->height;
+    s->start_height = s->edge.height;
     s->way = 0;
     return s->start_speed > 0;
 }
@@ -281,7 +133,7 @@ static void begin_way(rigcal_spans_solver *s)
     s->v[0] = s->start_uv[1];
     s->at[0] = s->start[0];
     s->at[1] = s->start[1];
-    s->height = s->start_height;
+    s->edge.height = s->start_height;
     s->length = ARC_FIRST * s->radius;
     s->stride = s->length / s->start_speed;
     s->n_arcs = s->is_closing = 0;
@@ -292,7 +144,7 @@ static void end_way(rigcal_spans_solver *s)
     rigcal_border_end *const corner = &s->corners[s->side][s->way];
     corner->uv[0] = s->u[0];
     corner->uv[1] = s->v[0];
-    corner->height = s->height;
+    corner->height = s->edge.height;
     corner->is_of_range = s->is_last;
     s->way++;
 }
@@ -348,11 +200,8 @@ static int finish_arc(rigcal_spans_solver *s)
 static int add_node(rigcal_spans_solver *s)
 {
     rigcal_real p[2], uv[2], J[6];
-    const rigcal_real height = s->height, slope2 = s->slope2;
     place_of_node(p, s, (rigcal_real)s->node / LAST);
-    if (place_border(uv, J, s, p) != RIGCAL_OK) {
-        s->height = height;
-        s->slope2 = slope2;
+    if (rc_edge_find(uv, J, &s->edge, p) != RIGCAL_OK) {
         s->length /= 2;
         s->stride /= 2;
         s->is_closing = 1;
@@ -388,8 +237,7 @@ static int cuts_circle(const rigcal_spans_solver *s, const rigcal_real a[2], rig
                        const rigcal_real b[2], rigcal_real b2)
 {
     const rigcal_real ab[2] = {b[0] - a[0], b[1] - a[1]}, area = cross2(a, b);
-    const rigcal_real length2 = ab[0] * ab[0] + ab[1] * ab[1];
-    const rigcal_real ahead = -(a[0] * ab[0] + a[1] * ab[1]);
+    const rigcal_real length2 = dot2(ab, ab), ahead = -dot2(a, ab);
     return ahead > 0 && ahead < length2 &&
            area * area < CUT * rc_min(s->radius2, rc_min(a2, b2)) * length2;
 }
@@ -400,7 +248,7 @@ static int cuts_circle(const rigcal_spans_solver *s, const rigcal_real a[2], rig
 static void go_round(rigcal_spans_solver *s, const rigcal_real from[2],
                      const rigcal_real to[2])
 {
-    const rigcal_camera *const c = &s->band.camera_b;
+    const rigcal_camera *const c = &s->edge.band.camera_b;
     const rigcal_real radius = WIDE * RC_SQRT(s->radius2);
     rigcal_real a[3] = {0, 0, 0}, b[3] = {0, 0, 0}, at[2] = {from[0], from[1]};
     const rigcal_real a2 = normalise(a, s, from[0], from[1]);
@@ -430,8 +278,8 @@ static int place_nodes(rigcal_spans_solver *s, rigcal_real from, rigcal_real ris
 {
     for (int i = 1; i < NODES; i++) {
         const rigcal_real h = from + (rigcal_real)i / LAST * rise;
-        rigcal_real uv[2], J[6], D[2][3];
-        if (place_at(uv, J, D, s, s->ends[s->way], h) != RIGCAL_OK) {
+        rigcal_real uv[2];
+        if (rc_edge_pixel(uv, &s->edge, s->ends[s->way], h) != RIGCAL_OK) {
             return 0;
         }
         s->u[i] = uv[0];
@@ -506,7 +354,7 @@ static void finish(rigcal_spans_solver *s, int is_seen)
         close_way(s, 0);
         close_way(s, 1);
     } else {
-        rc_outline_begin(&s->outline, s->band.camera_b.height);
+        rc_outline_begin(&s->outline, s->edge.band.camera_b.height);
     }
     rc_outline_close(&s->outline);
     s->phase = DONE;
@@ -515,27 +363,19 @@ static void finish(rigcal_spans_solver *s, int is_seen)
 
 /* ---- begin, step, result ------------------------------------------------- */
 
-/* (M6) Finds the place of the line that is nearest to the axis, within the depth range, and
- * what is the same for the whole band. Returns 0 unless A > 0: otherwise there are no two
- * borders. */
-static int prepare(rigcal_spans_solver *s)
+/* Finds the place of the line that is nearest to the axis, within the depth range, and the
+ * circle around the image. */
+static void prepare(rigcal_spans_solver *s)
 {
-    const rigcal_band *const band = &s->band;
+    const rigcal_band *const band = &s->edge.band;
     const rigcal_camera *const c = &band->camera_b;
-    rc_vec3_scale(s->normal, 1 / band->across, band->line);
-    s->A = band->across * band->across - band->k * band->k * band->Sigma_line[5];
     rc_band_ends(s->ends, band);
-    s->start[0] = band->ray[2];
-    s->start[1] = band->towards[2];
-    if (cross2(s->ends[0], s->start) < 0 || cross2(s->start, s->ends[1]) < 0) {
-        const rigcal_real far = s->ends[0][0] * s->start[0] + s->ends[0][1] * s->start[1];
-        const rigcal_real near = s->ends[1][0] * s->start[0] + s->ends[1][1] * s->start[1];
-        const int nearer = near > far;
-        s->start[0] = s->ends[nearer][0];
-        s->start[1] = s->ends[nearer][1];
+    rigcal_real start[3] = {band->ray[2], band->towards[2], 0}, unit[3] = {1, 0, 0}, x[2];
+    if (cross2(s->ends[0], start) < 0 || cross2(start, s->ends[1]) < 0) {
+        const int is_nearer = dot2(s->ends[1], start) > dot2(s->ends[0], start);
+        start[0] = s->ends[is_nearer][0];
+        start[1] = s->ends[is_nearer][1];
     }
-    const rigcal_real start[3] = {s->start[0], s->start[1], 0};
-    rigcal_real unit[3] = {1, 0, 0}, x[2];
     (void)rc_vec3_unit(unit, start);
     s->start[0] = unit[0];
     s->start[1] = unit[1];
@@ -547,7 +387,6 @@ static int prepare(rigcal_spans_solver *s)
     }
     s->radius2 *= BEYOND * BEYOND;
     s->radius = RC_SQRT(s->radius2) * c->fx + 1;
-    return s->A > 0;
 }
 
 rigcal_status rigcal_spans_begin(rigcal_spans_solver *solver, const rigcal_band *band)
@@ -560,11 +399,10 @@ rigcal_status rigcal_spans_begin(rigcal_spans_solver *solver, const rigcal_band 
     if (status != RIGCAL_OK) {
         return status;
     }
-    solver->band = *band;
-    solver->is_pinhole = rc_lens_is_pinhole(&band->camera_b);
-    if (!prepare(solver)) {
+    if (!rc_edge_begin(&solver->edge, band)) {
         return RIGCAL_ERR_RANGE;
     }
+    prepare(solver);
     rc_outline_begin(&solver->outline, band->camera_b.height);
     solver->side = solver->way = 0;
     solver->phase = START;
@@ -627,10 +465,11 @@ rigcal_status rigcal_spans_row(rigcal_span spans[], size_t *n_found,
     if (solver->phase != DONE || solver->status != RIGCAL_OK) {
         return RIGCAL_ERR_STATE;
     }
-    if (row < 0 || row >= solver->band.camera_b.height) {
+    if (row < 0 || row >= solver->edge.band.camera_b.height) {
         return RIGCAL_ERR_RANGE;
     }
-    *n_found = rc_outline_row(spans, &solver->outline, row, solver->band.camera_b.width);
+    *n_found =
+        rc_outline_row(spans, &solver->outline, row, solver->edge.band.camera_b.width);
     return RIGCAL_OK;
 }
 
@@ -643,7 +482,7 @@ rigcal_status rigcal_spans_result(rigcal_span spans[], size_t capacity, size_t *
     if (solver->phase != DONE || solver->status != RIGCAL_OK) {
         return RIGCAL_ERR_STATE;
     }
-    const int32_t width = solver->band.camera_b.width;
+    const int32_t width = solver->edge.band.camera_b.width;
     size_t found = 0;
     int32_t last, row = rc_outline_rows(&last, &solver->outline);
     while (row <= last) {

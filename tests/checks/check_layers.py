@@ -68,6 +68,7 @@ SOLVERS = {
     "rigcal_cause_solver": ("cause", set()),
     "rigcal_arc": ("outline", set()),
     "rigcal_outline": ("outline", {"is_full"}),
+    "rigcal_edge": ("edge", {"band", "height"}),
     "rigcal_border_end": ("spans", set()),
     "rigcal_spans_solver": ("spans", set()),
     "rigcal_point_sums": ("sight", None),

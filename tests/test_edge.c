@@ -1,0 +1,170 @@
+/* edge: the pixel of a band's border over one place of its line. The truth: what the six
+ * derivatives of (G24) say of that pixel. */
+#include <math.h>
+#include <string.h>
+
+#include "rc_edge.h"
+#include "test_bands.h"
+
+static rigcal_edge edge;
+
+/* The place of the line at this share of the angle between the ends of the depth range. */
+static void place_of(rigcal_real p[2], const rigcal_band *band, double share)
+{
+    rigcal_real ends[2][2];
+    rc_band_ends(ends, band);
+    const double far = atan2(ends[0][1], ends[0][0]), near = atan2(ends[1][1], ends[1][0]);
+    const double angle = far + share * (near - far);
+
+    p[0] = RC(cos(angle));
+    p[1] = RC(sin(angle));
+}
+
+static int is_in_image(const rigcal_camera *camera, const rigcal_real uv[2])
+{
+    return uv[0] >= 0 && uv[1] >= 0 && uv[0] < RC(camera->width) &&
+           uv[1] < RC(camera->height);
+}
+
+/* The pixels of the two borders over p are k standard deviations from the line, one on each
+ * side. Returns how many of them are in the image, whose every pixel the lens sees. */
+static int look_at_place(const test_bands *scene, const rigcal_real p[2])
+{
+    double s[2] = {0, 0};
+    int found = 0;
+    test_ray a, b;
+
+    TEST_ASSERT_TRUE(test_ray_of(&a, &scene->a, scene->uv_a));
+    for (int side = 0; side < 2; side++) {
+        rigcal_real uv[2], J[6];
+        test_band_truth truth;
+
+        if (!rc_edge_begin_side(&edge, side, p)) {
+            break;
+        }
+        if (rc_edge_find(uv, J, &edge, p) != RIGCAL_OK || !is_in_image(&scene->b, uv)) {
+            continue;
+        }
+        TEST_ASSERT_TRUE(test_ray_of(&b, &scene->b, uv));
+        test_band_look(&truth, scene, &a, &b);
+        ASSERT_NEAR(scene->pair.k, sqrt(truth.chi2), TOL(2e-5, 2e-2));
+        s[side] = truth.s;
+        found++;
+    }
+    TEST_ASSERT_TRUE(!(s[0] * s[1] > 0));
+    return found;
+}
+
+static void test_a_border_is_k_standard_deviations_from_the_line(void)
+{
+    enum { SCENES = 60, PLACES = 5 };
+    int found = 0, scenes = 0;
+
+    for (int i = 0; i < TEST_TRIALS(SCENES); i++) {
+        test_rng rng = test_seed(4800 + (uint64_t)i);
+        test_bands scene;
+        rigcal_band band;
+
+        test_bands_random(&scene, &rng, i % TEST_LENS_KINDS, 96);
+        if (rigcal_band_make(&band, &scene.pair, scene.uv_a) != RIGCAL_OK ||
+            !rc_edge_begin(&edge, &band)) {
+            continue;
+        }
+        scenes++;
+        for (int k = 0; k < PLACES; k++) {
+            rigcal_real p[2];
+
+            place_of(p, &band, test_uniform(&rng, 0, 1));
+            found += look_at_place(&scene, p);
+        }
+    }
+    TEST_ASSERT_TRUE(found > scenes);
+}
+
+/* ---- known by hand --------------------------------------------------------- */
+
+/* b is 1 to the right of a, both the same pinhole: the line of pixel (40, 30) is its row.
+ * sigma_b is all the noise there is: the borders are k sigma_b = 2 rows away, nearly. */
+static void make_rows(rigcal_band *band)
+{
+    static const double t[3] = {-1, 0, 0};
+    const rigcal_real uv_a[2] = {40, 30};
+    rigcal_camera camera;
+    rigcal_match_pair pair;
+
+    memset(&camera, 0, sizeof camera);
+    camera.width = 80;
+    camera.height = 60;
+    camera.fx = camera.fy = 50;
+    camera.cx = 40;
+    camera.cy = 30;
+    memset(&pair, 0, sizeof pair);
+    pair.camera_a = pair.camera_b = &camera;
+    pair.b_from_a = test_transform(NULL, t);
+    pair.sigma_b = RC(0.5);
+    pair.k = 4;
+    pair.near_a = 2;
+    ASSERT_STATUS(RIGCAL_OK, rigcal_band_make(band, &pair, uv_a));
+    TEST_ASSERT_TRUE(rc_edge_begin(&edge, band));
+}
+
+/* y of the border at x of (x, y, 1): its distance s = y / r is 0.04 of the slope of s, where
+ * r is the length of (x, y, 1). */
+static double border_of_row(double x)
+{
+    double y = 0;
+
+    for (int i = 0; i < 20; i++) {
+        const double r2 = x * x + y * y + 1;
+
+        y = 0.04 * hypot(1 - y * y / r2, x * y / r2);
+    }
+    return y;
+}
+
+static void test_the_borders_of_a_row_are_beside_it(void)
+{
+    rigcal_band band;
+
+    make_rows(&band);
+    for (int side = 0; side < 2; side++) {
+        rigcal_real p[2], uv[2], J[6], line[2], again[2];
+
+        place_of(p, &band, 0.5);
+        TEST_ASSERT_TRUE(rc_edge_begin_side(&edge, side, p));
+        ASSERT_STATUS(RIGCAL_OK, rc_edge_find(uv, J, &edge, p));
+        ASSERT_STATUS(RIGCAL_OK, rc_edge_pixel(line, &edge, p, 0));
+        ASSERT_STATUS(RIGCAL_OK, rc_edge_pixel(again, &edge, p, edge.height));
+        ASSERT_NEAR(30, line[1], TOL(1e-9, 1e-3));
+        ASSERT_NEAR(50 * border_of_row(((double)uv[0] - 40) / 50), fabs((double)uv[1] - 30),
+                    TOL(1e-6, 2e-3));
+        ASSERT_NEAR(uv[0], again[0], TOL(1e-4, 5e-2));
+        ASSERT_NEAR(uv[1], again[1], TOL(1e-4, 5e-2));
+        TEST_ASSERT_TRUE((edge.height > 0) == (side == 0));
+    }
+}
+
+static void test_a_border_that_the_lens_does_not_see_leaves_the_edge(void)
+{
+    rigcal_band band;
+    rigcal_real p[2], uv[2], J[6];
+
+    make_rows(&band);
+    place_of(p, &band, 0.5);
+    TEST_ASSERT_TRUE(rc_edge_begin_side(&edge, 0, p));
+    ASSERT_STATUS(RIGCAL_OK, rc_edge_find(uv, J, &edge, p));
+    const rigcal_edge before = edge;
+    const rigcal_real behind[2] = {-p[0], -p[1]};
+
+    ASSERT_STATUS(RIGCAL_ERR_NO_RAY, rc_edge_find(uv, J, &edge, behind));
+    TEST_ASSERT_EQUAL_MEMORY(&before, &edge, sizeof edge);
+    TEST_ASSERT_FALSE(rc_edge_begin_side(&edge, 0, behind));
+    TEST_ASSERT_FALSE(rc_edge_begin_side(&edge, 1, behind));
+}
+
+TEST_MAIN()
+{
+    RUN_TEST(test_a_border_is_k_standard_deviations_from_the_line);
+    RUN_TEST(test_the_borders_of_a_row_are_beside_it);
+    RUN_TEST(test_a_border_that_the_lens_does_not_see_leaves_the_edge);
+}

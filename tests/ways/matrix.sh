@@ -1,11 +1,12 @@
 #!/bin/sh
 # The library by each compiler, standard and option that it is promised for.
 #
-#   sh tests/ways/matrix.sh [SECONDS]
-#                                   everything; writes tests/ways/MATRIX.md. By hand. A line
-#                                   that has not begun after SECONDS, 100000, is "not run".
-#                                   The next run goes on from there: it takes over each line
-#                                   that passed on the same sources, tests and compilers.
+#   sh tests/ways/matrix.sh [rest] [SECONDS]
+#                                   everything; writes tests/ways/MATRIX.md. By hand. It goes
+#                                   on where the last run ended: a line that passed on the same
+#                                   sources, tests and compilers is not run again. A line that
+#                                   has not begun after SECONDS, 100000, keeps its last result,
+#                                   as does, with `rest`, each that has one.
 #   sh tests/ways/matrix.sh short   what CI has time for
 #
 # Each combination compiles src/ with the project's warnings as errors. Unit tests of
@@ -19,8 +20,15 @@ cd "$(dirname "$0")/../.."
 
 form=full
 end=$(($(date +%s) + 100000))
+is_rest=
 case ${1-} in
 short) form=short ;;
+rest)
+    is_rest=yes
+    shift
+    ;;
+esac
+case ${1-} in
 [0-9]*) end=$(($(date +%s) + $1)) ;;
 esac
 out=$PWD/build/matrix
@@ -47,24 +55,42 @@ state_of() {
     } 2>/dev/null | sha256sum | cut -d' ' -f1
 }
 
-# The full form keeps the lines of the last run if they are of the same state.
+# Where no line of the same state has been run, none has been seen.
 begin_folder() {
-    if [ "$form" = short ] || [ "$(cat "$out/state" 2>/dev/null)" != "$(state_of)" ]; then
-        rm -rf "$out"
+    state=$(state_of)
+    commit=$(git rev-parse --short HEAD)
+    git diff --quiet HEAD -- src include tests || commit="$commit, changed"
+    if [ "$form" = short ] || [ "$(cat "$out/state" 2>/dev/null)" != "$state" ]; then
+        rm -rf "$out/seen"
     fi
     rm -f "$out"/*.md "$out/bad.txt"
     mkdir -p "$out/seen" "$out/kept"
-    [ "$form" = short ] || state_of >"$out/state"
+    echo "$state" >"$out/state"
 }
 
-# kept REAL COMPILER FLAG...: the file of a line that has passed
+# kept REAL COMPILER FLAG...: the file of a line's last result: its state, and its row
 kept() {
-    echo "$out/kept/$(echo "$*" | tr ' ' '_')"
+    echo "$out/kept/$(echo "$*" | tr ' /' '__')"
 }
 
 # row COMBINATION REAL RESULT: a line of the table
 row() {
-    printf '| %s | %s | %s |\n' "$1" "$2" "$3" | tee -a "$out/$2.md"
+    printf '| %s | %s | %s | %s |\n' "$1" "$2" "$3" "$commit" | tee -a "$out/$2.md"
+}
+
+# keep REAL COMPILER FLAG...: the last row is the line's result
+keep() {
+    [ "$form" = full ] || return 0
+    {
+        echo "$state"
+        tail -n 1 "$out/$1.md"
+    } >"$(kept "$@")"
+}
+
+# is_kept REAL COMPILER FLAG...: whether the line's last result holds still, or has to do
+is_kept() {
+    [ "$form" = full ] && [ -e "$(kept "$@")" ] && { [ "$(sed -n 1p "$(kept "$@")")" = "$state" ] ||
+        [ -n "$is_rest" ] || [ "$(date +%s)" -ge "$end" ]; }
 }
 
 # define REAL: what a compiler is told of the precision
@@ -144,21 +170,22 @@ run_gate() {
 }
 
 # begin_line REAL COMPILER FLAG...: the library's objects, in $folder; fails if the line ends
-# here, because an earlier run has passed it, for want of time, or because a file is not compiled
+# here: its last result is taken, or there is no time, or a file is not compiled
 begin_line() {
     real=$1
     shift
-    if [ -e "$(kept "$real" "$@")" ]; then
+    if is_kept "$real" "$@"; then
         count=$((count + 1))
-        tee -a "$out/$real.md" <"$(kept "$real" "$@")"
+        sed -n 2p "$(kept "$real" "$@")" | tee -a "$out/$real.md"
         return 1
     fi
     if [ "$(date +%s)" -ge "$end" ]; then
-        row "$*" "$real" "not run"
+        printf '| %s | %s | not run | |\n' "$*" "$real" | tee -a "$out/$real.md"
         return 1
     fi
     count=$((count + 1))
     folder=$out/$real-$count
+    rm -rf "$folder"
     # shellcheck disable=SC2046 -- one option or none
     if ! compile "$folder" "$@" $(define "$real"); then
         cat "$folder/compiler.txt"
@@ -186,7 +213,7 @@ end_line() {
         esac
     fi
     row "$*" "$real" "$((ran - $(echo "$failed" | wc -w))) of $ran pass$more$told"
-    [ -n "$is_wrong" ] || tail -n 1 "$out/$real.md" >"$(kept "$real" "$@")"
+    [ -n "$is_wrong" ] || keep "$real" "$@"
 }
 
 # combination REAL COMPILER FLAG...
@@ -196,6 +223,7 @@ combination() {
     code=$(code_of "$folder")
     if [ -e "$out/seen/$real-$code" ]; then
         row "$*" "$real" "the same objects as $(cat "$out/seen/$real-$code")"
+        keep "$real" "$@"
         rm -r "$folder"
         return 0
     fi
@@ -359,13 +387,11 @@ write_table() {
     echo "$(echo $tests | wc -w) programs of unit tests, linked with the line's library; with \`-flto\` $(echo $tests_lto |
         wc -w). Warnings are errors: \`$strict\`."
     echo
-    echo '| compiled by | precision | result |'
-    echo '| --- | --- | --- |'
+    echo '| compiled by | precision | result | commit |'
+    echo '| --- | --- | --- | --- |'
     cat "$out/double.md" "$out/float.md"
     echo
-    changed=
-    git diff --quiet HEAD -- src include || changed=" with changes"
-    echo "*$(date -u +%Y-%m-%d), commit $(git rev-parse --short HEAD)$changed, $(gcc --version |
+    echo "*$(date -u +%Y-%m-%d), $(gcc --version |
         sed -n 1p), $(clang --version | sed -n 1p), $(uname -m), $(sed -n \
         's/^model name.*: //p' /proc/cpuinfo | sed -n 1p)*"
 }

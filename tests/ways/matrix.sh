@@ -328,21 +328,32 @@ users() {
     done
 }
 
+# for_test REAL COMPILER FLAG... FILE...: a call of the compiler as the tests' own build has it.
+# gcc 12 vectorises the rounding to float away.
+for_test() {
+    float=$(define "$1")
+    unity=$(unity_folder "build/gcc-$1")
+    shift
+    # shellcheck disable=SC2086 -- one option or none
+    "$@" -O1 -fno-tree-slp-vectorize $float -I"$PWD/include" -I"$PWD/src" \
+        -I"$PWD/tests/support" -I"$PWD/tests/vectors" -I"$unity" \
+        "-DRIGCAL_DATA_DIR=\"$PWD/examples/data\""
+}
+
 # other REAL COMPILER FLAG...: another architecture of this processor; tests compiled for it
 other() {
     begin_line "$@" || return 0
     shift
     failed=
     ran=0
-    unity=$(unity_folder "build/gcc-$real")
+    mkdir "$folder/support"
+    for source in tests/support/test_*.c "$(unity_folder "build/gcc-$real")/unity.c"; do
+        for_test "$real" "$@" -c "$source" -o "$folder/support/$(basename "$source" .c).o"
+    done
     for name in $tests; do
         ran=$((ran + 1))
-        # As the tests' own build: gcc 12 vectorises the rounding to float away.
-        # shellcheck disable=SC2046 -- one option or none
-        "$@" -O1 -fno-tree-slp-vectorize $(define "$real") -Iinclude -Isrc -Itests/support \
-            -Itests/vectors -I"$unity" "-DRIGCAL_DATA_DIR=\"$PWD/examples/data\"" -static \
-            "tests/test_$name.c" tests/support/test_*.c "$unity/unity.c" "$folder"/*.o -lm \
-            -o "$folder/test_$name" >"$folder/test_$name.txt" 2>&1 &&
+        for_test "$real" "$@" -static "tests/test_$name.c" "$folder"/support/*.o "$folder"/*.o \
+            -lm -o "$folder/test_$name" >"$folder/test_$name.txt" 2>&1 &&
             "$folder/test_$name" >"$folder/test_$name.txt" 2>&1 || failed="$failed $name"
         rm -f "$folder/test_$name"
     done

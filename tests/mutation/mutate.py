@@ -260,8 +260,8 @@ def digest(*paths: pathlib.Path) -> str:
     return hashlib.sha256(b"".join(path.read_bytes() for path in paths if path.exists())).hexdigest()[:12]
 
 
-def digest_of_tests(tests: list[str]) -> str:
-    return digest(*(ROOT / "tests" / (f"regression/{test.removeprefix('regression_')}.c"
+def digest_of_tests(tests: list[str], has_asan: bool) -> str:
+    return "asan " * has_asan + digest(*(ROOT / "tests" / (f"regression/{test.removeprefix('regression_')}.c"
                                       if test.startswith("regression_") else f"test_{test}.c") for test in sorted(tests)))
 
 
@@ -288,10 +288,10 @@ def place_of(m: Mutant) -> str:
     return f"{m.start}:{m.text.strip()}"
 
 
-def kept(results: Results, source: Source, m: Mutant, tests: list[str]) -> dict[str, str] | None:
+def kept(results: Results, source: Source, m: Mutant, of_tests: str) -> dict[str, str] | None:
     """What is known of a mutant, where it still holds."""
     row = results.known.get((source.layer, place_of(m)))
-    if row and row["source"] == digest(source.path) and (row["killed_by"] or row["tests"] == digest_of_tests(tests)):
+    if row and row["source"] == digest(source.path) and (row["killed_by"] or row["tests"] == of_tests):
         return row
     return None
 
@@ -413,7 +413,8 @@ def main() -> int:
             count["equivalent"] += 1
             return
         tests = bench.tests_of(layer)
-        row = None if options.only or is_ci else kept(results, source, m, tests)
+        of_tests = digest_of_tests(tests, asan is not None)
+        row = None if options.only or is_ci else kept(results, source, m, of_tests)
         if not row:
             lane, start = lanes.pop(), time.monotonic()
             first = history.get(layer, {}).get("test", "") if is_ci else ""
@@ -425,7 +426,7 @@ def main() -> int:
                 killer = killer and "asan " + killer
             lanes.append(lane)
             row = {"layer": layer, "line": f"{m.line}", "kind": m.kind, "key": place_of(m), "was": key[2],
-                   "became": key[3], "source": digest(source.path), "tests": digest_of_tests(tests),
+                   "became": key[3], "source": digest(source.path), "tests": of_tests,
                    "killed_by": killer, "seconds": f"{time.monotonic() - start:.1f}"}
             results.add(row)
         count[{"": "survive", "compiler": "compiler"}.get(row["killed_by"], "killed")] += 1

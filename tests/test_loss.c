@@ -175,8 +175,7 @@ static void test_the_answer_is_the_least_of_the_loss(void)
 
     WANTS_RIG;
     make(&rng, 0.2);
-    ASSERT_STATUS(RIGCAL_OK,
-                  rigcal_rig_robust_begin(&solver, &r.rig, RIGCAL_LOSS_HUBER));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_robust_begin(&solver, &r.rig, RIGCAL_LOSS_HUBER));
     while (rigcal_rig_step(&solver, 1000) == RIGCAL_RUNNING) {
     }
     for (int k = 0; k < 6; k++) {

@@ -262,6 +262,35 @@ static void test_the_noise_found_is_that_of_the_pixels(void)
                 TOL(1e-12, 1e-5) * D(fit.sum));
 }
 
+/* The unknowns lower the freedom of all cameras together by their number. The covariance is
+ * that of the last step but one: the poses have since moved by 1e-7. */
+static void test_the_freedom_of_the_cameras_is_that_of_the_rig(void)
+{
+    rigcal_rig_fit fit;
+    rigcal_real sigma_px[3], freedom[3];
+
+    WANTS_RIG;
+    make();
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_adjust(&fit, NULL, &r.rig));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_noise(sigma_px, freedom, &r.rig));
+    ASSERT_NEAR(192 - 6 * (2 + 4), D(freedom[0]) + D(freedom[1]) + D(freedom[2]),
+                TOL(1e-3, 0.1));
+}
+
+/* Views have no poses of their own to compare with. */
+static void test_without_poses_of_views_there_is_no_loop_closure(void)
+{
+    rigcal_rig_fit fit;
+
+    WANTS_RIG;
+    make();
+    r.rig.view_poses = NULL;
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_adjust(&fit, NULL, &r.rig));
+    ASSERT_NEAR(0, fit.F, 0);
+    ASSERT_NEAR(0, fit.freedom_between, 0);
+    ASSERT_NEAR(0, fit.freedom_within, 0);
+}
+
 TEST_MAIN()
 {
     RUN_TEST(test_the_information_of_a_view_is_that_of_its_covariance);
@@ -275,4 +304,6 @@ TEST_MAIN()
     RUN_TEST(test_steps_are_asked_in_order);
     RUN_TEST(test_poses_to_start_from_are_checked);
     RUN_TEST(test_the_noise_found_is_that_of_the_pixels);
+    RUN_TEST(test_the_freedom_of_the_cameras_is_that_of_the_rig);
+    RUN_TEST(test_without_poses_of_views_there_is_no_loop_closure);
 }

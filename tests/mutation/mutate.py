@@ -11,8 +11,8 @@
 
 A mutant changes a relation, a condition, an operator, a sign, a number, a return value, or
 leaves a statement out; assertions and traces stay. Its file is compiled with assertions and with the sanitizer of
-undefined behaviour, which traps, linked before the library, and run against the test of its
-layer and of the layers that include it. The tests come in the order of their time, divided by
+undefined behaviour, which traps; what it does not initialize has huge numbers. It is linked
+before the library, and run against the test of its layer and of the layers that include it. The tests come in the order of their time, divided by
 the share of this layer's mutants that each killed so far. A test that fails, crashes or takes
 20 times as long kills the mutant. Where none does and the preset asan is built, the tests run
 again with the address sanitizer. A survivor is printed, unless equivalent.txt says why no test
@@ -50,7 +50,8 @@ RECORDED = pathlib.Path(__file__).with_name("recorded.csv")
 REPORT = pathlib.Path(__file__).with_name("RESULTS.md")
 EQUIVALENT = pathlib.Path(__file__).with_name("equivalent.txt")
 SEED = 22
-TESTS_MOST = 8  # of a mutant: its own layer's, and the nearest that include it; then hostile
+TESTS_MOST = 8  # of a mutant: its own layer's, and the nearest to it; then hostile
+CALLERS_MOST = 4  # of these: tests of other layers that call most of its functions
 SLOW = 20  # times the usual time of a test, and 10 s: then it hangs
 
 RELATIONS = {"<": "<=", "<=": "<", ">": ">=", ">=": ">", "==": "!=", "!=": "=="}
@@ -154,12 +155,14 @@ class Bench:
                 words = [w for w in shlex.split(command) if w != "-Werror" and not w.startswith(("-O", "-W", "-g"))]
                 self.compile[match[1]] = [*words[:words.index("-MD")], "-w", "-O0"]
             elif match := re.search(r" -o tests/test_(\w+) ", command):
-                if (build / "tests" / f"test_{match[1]}").exists():
+                if (build / "tests" / f"test_{match[1]}").exists() and "src/rigcal_" not in command:  # none compiled again
                     self.link[match[1]] = shlex.split(command.removeprefix(": && ").removesuffix(" && :"))
         if build != ASAN:
             for words in self.compile.values():
-                words += ["-DRIGCAL_ASSERTS=1", "-fsanitize=undefined", "-fsanitize-undefined-trap-on-error"]
+                words += ["-DRIGCAL_ASSERTS=1", "-fsanitize=undefined", "-fsanitize-undefined-trap-on-error",
+                          "-ftrivial-auto-var-init=pattern"]
         self.includes = {layer: self.included(layer) for layer in self.compile}
+        self.called = {test: set(re.findall(r"\b(?:rigcal|rc)_\w+", text_of(test))) for test in self.link}
         self.lock = threading.Lock()
         self.times_file = WORK / f"times-{build.name}.json"
         self.times: dict[str, float] = json.loads(self.times_file.read_text()) if self.times_file.exists() else {}
@@ -173,13 +176,18 @@ class Bench:
         return set(re.findall(r'#include "rc_(\w+)\.h"', "".join(texts))) - {layer}
 
     def tests_of(self, layer: str) -> list[str]:
+        """Its own, those that call most of its functions, those of the layers that include it."""
         order, wave = [layer], {layer}
         while wave:
             wave = {other for other in self.includes if self.includes[other] & wave and other not in order}
             order += sorted(wave)
-        named = [name for at in order for name in sorted(self.link)
-                 if name == at or name.startswith((at + "_", f"regression_{at}_"))]
-        seen = list(dict.fromkeys(named))
+        of = {at: [name for name in sorted(self.link) if name == at or name.startswith((at + "_", f"regression_{at}_"))]
+              for at in order}
+        text = (ROOT / "src" / f"rigcal_{layer}.c").read_text()
+        functions = re.findall(r"^(?!static|typedef| |#|/).*?\b((?:rigcal|rc)_\w+)\(", text, re.M)
+        calls = {name: len(self.called[name].intersection(functions)) for name in self.link}
+        callers = sorted((name for name in calls if calls[name]), key=lambda name: (-calls[name], name))
+        seen = list(dict.fromkeys(of[layer] + callers[:CALLERS_MOST] + [name for at in order for name in of[at]]))
         nearest = [t for t in seen if t != "hostile"][:TESTS_MOST]
         return nearest + ["hostile"] * (bool(nearest) and "hostile" in self.link)
 
@@ -260,9 +268,18 @@ def digest(*paths: pathlib.Path) -> str:
     return hashlib.sha256(b"".join(path.read_bytes() for path in paths if path.exists())).hexdigest()[:12]
 
 
+def file_of(test: str) -> pathlib.Path:
+    name = test.removeprefix("regression_")
+    return ROOT / "tests" / (f"test_{name}.c" if name == test else f"regression/{name}.c")
+
+
+def text_of(test: str) -> str:
+    path = file_of(test)
+    return path.read_text() if path.exists() else ""
+
+
 def digest_of_tests(tests: list[str], has_asan: bool) -> str:
-    return "asan " * has_asan + digest(*(ROOT / "tests" / (f"regression/{test.removeprefix('regression_')}.c"
-                                      if test.startswith("regression_") else f"test_{test}.c") for test in sorted(tests)))
+    return "asan " * has_asan + "pattern " + digest(*map(file_of, sorted(tests)))
 
 
 def equivalents() -> dict[tuple[str, str, str, str], str]:

@@ -166,7 +166,8 @@ static void test_the_sum_is_that_of_the_loss(void)
 }
 
 /* A camera that is moved either way from where Huber's loss put it costs more: the parabola
- * through the three sums has its least within 0.03 deviations of there. */
+ * through the three sums has its least within 0.03 deviations of there. In float the
+ * rounding of a sum of 7000 sigma^2 hides gains of 0.01 sigma^2, of steps of 0.1. */
 static void test_the_answer_is_the_least_of_the_loss(void)
 {
     test_rng rng = test_seed(386);
@@ -191,7 +192,7 @@ static void test_the_answer_is_the_least_of_the_loss(void)
         const double slope = (sum[2][0] - sum[0][0]) / 2,
                      bend = sum[2][0] + sum[0][0] - 2 * sum[1][0];
         TEST_ASSERT_TRUE(bend > 0);
-        ASSERT_NEAR(0, slope / sqrt(bend) / NOISE, 0.03);
+        ASSERT_NEAR(0, slope / sqrt(bend) / NOISE, TOL(0.03, 0.15));
     }
 }
 
@@ -235,6 +236,21 @@ static void test_a_loss_wants_the_noise(void)
                   rigcal_rig_robust_begin(&solver, &r.rig, RIGCAL_LOSS_HUBER));
 }
 
+static void test_without_room_for_the_answer_nothing_moves(void)
+{
+    static rigcal_transform before[RIG_CAMERAS_MAX];
+    test_rng rng = test_seed(387);
+    rigcal_rig_fit fit;
+    size_t n_wrong;
+
+    WANTS_RIG;
+    make(&rng, 0.05);
+    memcpy(before, r.cams, sizeof before);
+    ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_rig_adjust_robust(NULL, &n_wrong, NULL, &r.rig));
+    ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_rig_adjust_robust(&fit, NULL, NULL, &r.rig));
+    TEST_ASSERT_EQUAL_MEMORY(before, r.cams, sizeof before);
+}
+
 TEST_MAIN()
 {
     RUN_TEST(test_wrong_points_do_no_harm);
@@ -243,4 +259,5 @@ TEST_MAIN()
     RUN_TEST(test_the_answer_is_the_least_of_the_loss);
     RUN_TEST(test_the_budget_changes_no_bit);
     RUN_TEST(test_a_loss_wants_the_noise);
+    RUN_TEST(test_without_room_for_the_answer_nothing_moves);
 }

@@ -98,6 +98,32 @@ static void test_the_body_that_moved_is_named_and_found(void)
     }
 }
 
+/* Without noise of the pixels the pose is found to a part of its step: the rows are taken
+ * where the body is by then. */
+static void test_without_noise_the_step_is_found(void)
+{
+    for (size_t body = 0; body < BODIES; body++) {
+        test_rng rng = test_seed(20 + body);
+        const double axis[3] = {2, -1, 1}, t_step = 2e-3;
+        double turn[9], R[9], t[3], moved[9];
+        rigcal_transform pose;
+        rigcal_real Sigma[36];
+
+        begin();
+        test_rotation_about(turn, axis, 0.05);
+        test_transform_parts(R, t, &truth[body]);
+        test_product(moved, turn, R);
+        t[1] += t_step;
+        truth[body] = test_transform(moved, t);
+        for (int i = 0; i < 300; i++) {
+            take(&rng, 0);
+        }
+        rc_trial_result(&pose, Sigma, &f, bodies, body);
+        test_transform_parts(R, t, &pose);
+        ASSERT_NEAR(0, test_angle_between(moved, R), 1e-4);
+    }
+}
+
 static void test_without_rows_all_bodies_are_equally_likely(void)
 {
     begin();
@@ -113,4 +139,5 @@ TEST_MAIN()
 {
     RUN_TEST(test_the_body_that_moved_is_named_and_found);
     RUN_TEST(test_without_rows_all_bodies_are_equally_likely);
+    RUN_TEST(test_without_noise_the_step_is_found);
 }

@@ -15,8 +15,8 @@ undefined behaviour, which traps; what it does not initialize has huge numbers. 
 before the library, and run against the test of its layer and of the layers that include it. The tests come in the order of their time, divided by
 the share of this layer's mutants that each killed so far. A test that fails, crashes or takes
 20 times as long kills the mutant. Where none does and the preset asan is built, the tests run
-again with the address sanitizer. A survivor is printed, unless equivalent.txt says why no test
-can kill it. Exit status 1 where a survivor is left or equivalent.txt is stale.
+again with the address sanitizer. A survivor is equivalent if gcc -O2 makes the same object of
+it, or equivalent.txt says why no test can kill it; any other is printed. Exit status 1 where a survivor is left or equivalent.txt is stale.
 
 The recorded mutant of a file is, of those that a test killed, the one of the fastest test,
 and of these the first by the seed; recorded.csv names mutant and test. A file without one
@@ -50,8 +50,9 @@ RECORDED = pathlib.Path(__file__).with_name("recorded.csv")
 REPORT = pathlib.Path(__file__).with_name("RESULTS.md")
 EQUIVALENT = pathlib.Path(__file__).with_name("equivalent.txt")
 SEED = 22
-TESTS_MOST = 8  # of a mutant: its own layer's, and the nearest to it; then hostile
+TESTS_MOST = 12  # of a mutant: its own layer's, and the nearest to it; then hostile
 CALLERS_MOST = 4  # of these: tests of other layers that call most of its functions
+SAME = "compiler: the same"
 SLOW = 20  # times the usual time of a test, and 10 s: then it hangs
 
 RELATIONS = {"<": "<=", "<=": "<", ">": ">=", ">=": ">", "==": "!=", "!=": "=="}
@@ -153,7 +154,7 @@ class Bench:
         for command in said.stdout.splitlines():
             if match := re.search(r"-o CMakeFiles/rigcal\.dir/src/rigcal_(\w+)\.c\.o ", command):
                 words = [w for w in shlex.split(command) if w != "-Werror" and not w.startswith(("-O", "-W", "-g"))]
-                self.compile[match[1]] = [*words[:words.index("-MD")], "-w", "-O0"]
+                self.compile[match[1]] = [*words[:words.index("-MD")], f"-I{ROOT / 'src'}", "-w", "-O0"]
             elif match := re.search(r" -o tests/test_(\w+) ", command):
                 if (build / "tests" / f"test_{match[1]}").exists() and "src/rigcal_" not in command:  # none compiled again
                     self.link[match[1]] = shlex.split(command.removeprefix(": && ").removesuffix(" && :"))
@@ -208,7 +209,7 @@ class Bench:
         """The first of the tests that kills it, "compiler", or nothing."""
         changed, obj, program = (WORK / f"{self.build.name}-{lane}-{name}" for name in ("mutant.c", "mutant.o", "test"))
         changed.write_text(source.text[:mutant.start] + mutant.text + source.text[mutant.end:])
-        command = [*self.compile[source.layer], f"-I{ROOT / 'src'}", "-o", str(obj), "-c", str(changed)]
+        command = [*self.compile[source.layer], "-o", str(obj), "-c", str(changed)]
         if subprocess.run(command, cwd=self.build, capture_output=True).returncode:
             return "compiler"
         for test in tests:
@@ -223,6 +224,18 @@ class Bench:
             except subprocess.TimeoutExpired:
                 return test
         return ""
+
+
+    def is_same(self, source: Source, mutant: Mutant, lane: int) -> bool:
+        """Whether the compiler makes the same of both, as of code that this build leaves out."""
+        changed, obj = (WORK / f"{self.build.name}-{lane}-{name}" for name in ("mutant.c", "mutant.o"))
+        made = []
+        for text in (source.text, source.text[:mutant.start] + mutant.text + source.text[mutant.end:]):
+            changed.write_text(text)
+            words = [word for word in self.compile[source.layer] if not word.startswith(("-O", "-fsan", "-DRIGCAL_ASSERTS", "-ftri"))]
+            subprocess.run([*words, "-O2", "-o", str(obj), "-c", str(changed)], cwd=self.build, check=True, capture_output=True)
+            made.append(obj.read_bytes())
+        return made[0] == made[1]
 
 
 class Results:
@@ -344,7 +357,7 @@ def record(results: Results, layers: list[str], known: dict[tuple[str, str, str,
             elif not row or row["source"] != digest(source.path):
                 continue
             else:
-                what = {"": "survivors", "compiler": ""}.get(row["killed_by"], "killed")
+                what = {"": "survivors", "compiler": "", SAME: "equivalent"}.get(row["killed_by"], "killed")
                 if what == "killed" and not row["killed_by"].startswith("asan "):
                     cost = times(row["killed_by"])
                     chosen = {"layer": layer, "line": key[1], "was": key[2], "became": key[3], "test": row["killed_by"]}
@@ -441,12 +454,14 @@ def main() -> int:
             if not killer and asan and (has := [t for t in order if t in asan.link]):
                 killer = asan.killer(source, m, has, lane)
                 killer = killer and "asan " + killer
+            if not killer and bench.is_same(source, m, lane):
+                killer = SAME
             lanes.append(lane)
             row = {"layer": layer, "line": f"{m.line}", "kind": m.kind, "key": place_of(m), "was": key[2],
                    "became": key[3], "source": digest(source.path), "tests": of_tests,
                    "killed_by": killer, "seconds": f"{time.monotonic() - start:.1f}"}
             results.add(row)
-        count[{"": "survive", "compiler": "compiler"}.get(row["killed_by"], "killed")] += 1
+        count[{"": "survive", "compiler": "compiler", SAME: "equivalent"}.get(row["killed_by"], "killed")] += 1
         if not row["killed_by"]:
             print(f"src/{source.path.name}:{m.line}: {key[2]!r} to {key[3]!r} ({m.kind}, {m.number}) survives: {key[1]}",
                   flush=True)

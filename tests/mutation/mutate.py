@@ -342,7 +342,7 @@ def recorded() -> dict[str, dict[str, str]]:
 
 def record(results: Results, layers: list[str], known: dict[tuple[str, str, str, str], str], seed: int) -> None:
     """Writes recorded.csv and RESULTS.md."""
-    rows, table, total = [], [], collections.Counter[str]()
+    rows, table, left, total = [], [], [], collections.Counter[str]()
     times = Bench(BUILD).time_of
     for layer in layers:
         source = Source(layer)
@@ -358,6 +358,9 @@ def record(results: Results, layers: list[str], known: dict[tuple[str, str, str,
                 continue
             else:
                 what = {"": "survivors", "compiler": "", SAME: "equivalent"}.get(row["killed_by"], "killed")
+                total["asan"] += row["killed_by"].startswith("asan ")
+                if what == "survivors":
+                    left.append(f"- `{layer}`, line {m.line}: `{key[1]}`: `{key[2]}` to `{key[3]}`")
                 if what == "killed" and not row["killed_by"].startswith("asan "):
                     cost = times(row["killed_by"])
                     chosen = {"layer": layer, "line": key[1], "was": key[2], "became": key[3], "test": row["killed_by"]}
@@ -383,10 +386,12 @@ Mutants that do not compile are not counted. "There" are all mutants of a file, 
 
 {tried + total['equivalent']} mutants of {len(layers)} files: {total['killed']} killed, {total['equivalent']} equivalent, """
                       f"""{total['survivors']} survivors: {100 * total['killed'] / max(tried, 1):.1f} % of those that are not equivalent are killed.
+{total['asan']} of the killed were noticed by the address sanitizer alone. Why a mutant is equivalent is in equivalent.txt, or gcc
+makes the same of it.
 
 | file | there | run | killed | equivalent | survivors | killed % |
 | --- | --- | --- | --- | --- | --- | --- |
-""" + "\n".join(table) + "\n")
+""" + "\n".join(table) + "\n\n## Survivors\n\n" + ("\n".join(left) or "None.") + "\n")
 
 
 def chosen_of(source: Source, options: argparse.Namespace, row: dict[str, str] | None) -> list[Mutant]:

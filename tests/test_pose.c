@@ -1111,6 +1111,46 @@ static void test_a_solver_with_a_field_out_of_range_is_refused(void)
     }
 }
 
+/* The middle of the target is seen twice, far off to either side: against that sum of
+ * squares all else is nothing, and the first step is the last one. From three times the
+ * distance it goes behind the camera. That is no pose. */
+static void test_a_start_whose_last_step_leads_behind_is_dropped(void)
+{
+    rigcal_pose_options options = test_options(0);
+    const double I[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1}, t[3] = {0, 0, 12};
+    rigcal_pose poses[RIGCAL_POSES_MAX];
+    rigcal_camera camera = test_pinhole();
+    rigcal_observation o[6];
+    size_t n_found;
+
+    camera.k1 = RC(1e-6);
+    for (int i = 0; i < 6; i++) {
+        const double x = i < 4 ? (i % 2 ? 0.5 : -0.5) : 0, y = i < 4 ? i / 2 - 0.5 : 0;
+        const double far = i < 4 ? 0 : i == 4 ? 1e9 - 320 : 320 - 1e9;
+
+        o[i] = (rigcal_observation){{RC(x), RC(y), 0},
+                                    {RC(320 + 200 * x + far), RC(240 + 200 * y)}};
+    }
+    options.use_start = 1;
+    options.start = test_transform(I, t);
+    const rigcal_status status = rigcal_pose_solve(poses, RIGCAL_POSES_MAX, &n_found, NULL,
+                                                   &VIEW(&camera, o, NULL, 6), &options);
+    if (status < 0) {
+        ASSERT_STATUS(RIGCAL_ERR_NO_POSE, status);
+        return;
+    }
+    ASSERT_STATUS(RIGCAL_POOR_FIT, status);
+    for (size_t i = 0; i < n_found; i++) {
+        for (int k = 0; k < 6; k++) {
+            double X[3], X_c[3];
+
+            test_to_double(X, o[k].X_w, 3);
+            test_move_point(X_c, &poses[i].cam_from_world, X);
+            TEST_ASSERT_TRUE(X_c[2] > 0);
+        }
+    }
+}
+
 TEST_MAIN()
 {
     RUN_TEST(test_exact_scenes_give_their_pose);
@@ -1146,4 +1186,5 @@ TEST_MAIN()
     RUN_TEST(test_arguments_are_checked);
     RUN_TEST(test_room_for_one_pose_gives_the_first);
     RUN_TEST(test_a_solver_with_a_field_out_of_range_is_refused);
+    RUN_TEST(test_a_start_whose_last_step_leads_behind_is_dropped);
 }

@@ -1151,6 +1151,43 @@ static void test_a_start_whose_last_step_leads_behind_is_dropped(void)
     }
 }
 
+/* A scene of which three pixels in ten are anywhere. */
+static void garbled(test_problem *p, test_rng *rng)
+{
+    const int n = 4 + (int)(test_next(rng) % 5);
+
+    test_random_problem(p, rng, n, test_next(rng) % 2 ? TEST_PLANAR : TEST_GENERAL);
+    for (int i = 0; i < n; i++) {
+        if (test_next(rng) % 10 < 3) {
+            p->o[i].uv[0] = RC(320 + 300 * test_normal(rng));
+            p->o[i].uv[1] = RC(240 + 300 * test_normal(rng));
+        }
+    }
+}
+
+/* Whatever the pixels: the poses are those that the header promises, or none. Of the first
+ * seed no pose of three points is the start of one that is seen; of the second a search
+ * ends in a saddle. */
+static void test_garbled_pixels_give_honest_poses_or_none(void)
+{
+    const rigcal_pose_options options = test_options(0);
+
+    for (int trial = 0; trial < TEST_TRIALS(300) + 2; trial++) {
+        test_rng rng = test_seed(trial == 0   ? 3713
+                                 : trial == 1 ? 26666
+                                              : 5000 + (uint64_t)trial);
+        test_problem p;
+
+        p.use_sigma = 0;
+        garbled(&p, &rng);
+        if (test_solve_pose(&p, NULL) >= 0) {
+            assert_honest(&p, &options);
+        } else {
+            ASSERT_STATUS(RIGCAL_ERR_NO_POSE, p.status);
+        }
+    }
+}
+
 TEST_MAIN()
 {
     RUN_TEST(test_exact_scenes_give_their_pose);
@@ -1187,4 +1224,5 @@ TEST_MAIN()
     RUN_TEST(test_room_for_one_pose_gives_the_first);
     RUN_TEST(test_a_solver_with_a_field_out_of_range_is_refused);
     RUN_TEST(test_a_start_whose_last_step_leads_behind_is_dropped);
+    RUN_TEST(test_garbled_pixels_give_honest_poses_or_none);
 }

@@ -262,6 +262,30 @@ static void test_a_camera_that_is_opened_is_solved_anew_by_the_next_rows(void)
     }
 }
 
+/* In the ten frames after it was opened, a camera's pose follows each row. After them it
+ * rests until the frame ends, like the others. */
+static void test_an_opened_camera_follows_its_rows_for_ten_frames(void)
+{
+    test_rng rng = test_seed(700);
+    rigcal_monitor_options o;
+
+    WANTS_RIG();
+    options_of(&o, 1e9);
+    test_watched_make(&w, &rng, 2, 1, 0.05 * DEGREE, 2e-3);
+    test_watched_begin(&w, 0, &o);
+    ASSERT_STATUS(RIGCAL_OK, rigcal_monitor_moved(w.monitor, 1));
+    for (int f = 0; f < 12; f++) {
+        rigcal_mounted_camera before, after;
+
+        ASSERT_STATUS(RIGCAL_OK, rigcal_monitor_camera(&before, w.monitor, 1));
+        test_watched_match(&w, &rng, &CLEAN);
+        ASSERT_STATUS(RIGCAL_OK, rigcal_monitor_camera(&after, w.monitor, 1));
+        TEST_ASSERT_EQUAL_INT(f < 10, memcmp(before.cam_from_rig.t, after.cam_from_rig.t,
+                                             sizeof after.cam_from_rig.t) != 0);
+        ASSERT_STATUS(RIGCAL_OK, rigcal_monitor_frame(NULL, w.monitor, RC(1.0 / 30)));
+    }
+}
+
 static void test_an_empty_scene_is_blind_not_well(void)
 {
     test_rng rng = test_seed(700);
@@ -308,6 +332,7 @@ TEST_MAIN()
     RUN_TEST(test_of_two_cameras_with_matches_alone_either_may_have_moved);
     RUN_TEST(test_poses_rest_until_an_alarm_is_answered);
     RUN_TEST(test_a_camera_that_is_opened_is_solved_anew_by_the_next_rows);
+    RUN_TEST(test_an_opened_camera_follows_its_rows_for_ten_frames);
     RUN_TEST(test_an_empty_scene_is_blind_not_well);
     RUN_TEST(test_frames_that_cannot_be_are_refused);
 }

@@ -309,12 +309,12 @@ static void test_of_two_views_that_contradict_each_other_both_are_named(void)
     }
 }
 
-static void test_a_view_that_nobody_shares_is_unchecked(void)
+/* A rig of whose placement 4 camera 2 has the only view, which is wrong. */
+static int make_unshared(void)
 {
     test_rng rng = test_seed(1900);
     int gone;
 
-    WANTS_BOARDS(1);
     test_boards_make(&b, &rng, 3, 6, 3, NOISE, 0);
     for (int c = 0; c < 2; c++) { /* placement 4 is camera 2's alone */
         gone = test_boards_view(&b, c, 4);
@@ -325,13 +325,40 @@ static void test_a_view_that_nobody_shares_is_unchecked(void)
             b.views[v].view.observations = b.o[v];
         }
     }
-    test_boards_reverse(&b, test_boards_view(&b, 2, 4));
-    ASSERT_STATUS(RIGCAL_OK, judge(&b));
+    gone = test_boards_view(&b, 2, 4);
+    test_boards_reverse(&b, gone);
+    return gone;
+}
+
+static void assert_unshared(int alone)
+{
     TEST_ASSERT_EQUAL_INT32(1, b.judgement.n_unchecked);
-    TEST_ASSERT_EQUAL_INT32(RIGCAL_VIEW_UNCHECKED,
-                            b.judged[test_boards_view(&b, 2, 4)].verdict);
-    ASSERT_NEAR(0, b.judged[test_boards_view(&b, 2, 4)].cost, 0);
+    TEST_ASSERT_EQUAL_INT32(RIGCAL_VIEW_UNCHECKED, b.judged[alone].verdict);
+    ASSERT_NEAR(0, b.judged[alone].cost, 0);
     TEST_ASSERT_EQUAL_INT32(15, b.judgement.n_fit);
+}
+
+static void test_a_view_that_nobody_shares_is_unchecked(void)
+{
+    int alone;
+
+    WANTS_BOARDS(1);
+    alone = make_unshared();
+    ASSERT_STATUS(RIGCAL_OK, judge(&b));
+    assert_unshared(alone);
+}
+
+static void test_a_view_that_nobody_shares_is_unchecked_if_it_is_left_out_too(void)
+{
+    int alone;
+
+    WANTS_BOARDS(1);
+    alone = make_unshared();
+    test_boards_solve(&b);
+    b.choice.sigma_px = RC(NOISE);
+    b.takes[alone] = RIGCAL_TAKES_NONE;
+    (void)rigcal_rig_judge(&b.judgement, NULL, b.judged, b.left_out, &b.choice, &b.rig);
+    assert_unshared(alone);
 }
 
 /* ---- second poses ---------------------------------------------------------- */
@@ -451,6 +478,7 @@ TEST_MAIN()
     RUN_TEST(test_the_only_right_view_of_a_camera_stays_if_its_pose_is_known);
     RUN_TEST(test_of_two_views_that_contradict_each_other_both_are_named);
     RUN_TEST(test_a_view_that_nobody_shares_is_unchecked);
+    RUN_TEST(test_a_view_that_nobody_shares_is_unchecked_if_it_is_left_out_too);
     RUN_TEST(test_a_second_pose_is_taken_up);
     RUN_TEST(test_the_same_bits_whatever_the_budgets);
     RUN_TEST(test_what_cannot_be_judged_is_refused);

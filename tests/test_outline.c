@@ -112,6 +112,23 @@ static void test_more_arcs_than_there_is_room_for_are_told(void)
     TEST_ASSERT_EQUAL_INT32(RIGCAL_SPANS_ARCS, outline.n_arcs);
 }
 
+/* A parabola of the row is kept as one: u = 20 + w^2 / 100, w the rows from its first. */
+static void test_a_polynomial_of_the_row_is_kept_as_one(void)
+{
+    static const rigcal_real u[RIGCAL_SPANS_NODES] = {20, 21, 24, 29, 36};
+    static const rigcal_real v[RIGCAL_SPANS_NODES] = {5, 15, 25, 35, 45};
+    const rigcal_arc *const arc = &outline.arcs[0];
+
+    rc_outline_begin(&outline, 60);
+    rc_outline_add(&outline, u, v);
+    TEST_ASSERT_EQUAL_INT32(1, outline.n_arcs);
+    TEST_ASSERT_TRUE(arc->is_direct);
+    ASSERT_NEAR(5, arc->b[0], TOL(1e-12, 1e-4));
+    for (int k = 0; k <= LAST; k++) {
+        ASSERT_NEAR(k == 0 ? 20 : k == 2 ? 0.01 : 0, arc->a[k], TOL(1e-12, 1e-5));
+    }
+}
+
 /* ---- arcs that are no quarter of a circle ----------------------------------- */
 
 /* A curve that falls straight down at u = `left`, so that the one before it has a right
@@ -261,6 +278,7 @@ TEST_MAIN()
     RUN_TEST(test_a_row_may_have_several_spans);
     RUN_TEST(test_an_empty_outline_has_no_rows);
     RUN_TEST(test_more_arcs_than_there_is_room_for_are_told);
+    RUN_TEST(test_a_polynomial_of_the_row_is_kept_as_one);
     RUN_TEST(test_spans_that_touch_become_one);
     RUN_TEST(test_a_row_has_no_more_spans_than_there_is_room_for);
     RUN_TEST(test_a_stretch_ends_where_the_room_does);

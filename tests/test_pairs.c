@@ -530,6 +530,19 @@ static void test_rays_in_one_plane_are_refused(void)
     }
 }
 
+static void test_rays_in_one_plane_are_refused_however_near(void)
+{
+    rigcal_bearing s[6];
+
+    six_bearings(s, 42, TEST_GENERAL);
+    for (int i = 0; i < 6; i++) {
+        s[i].ray[0] = RC(TOL(1e-10, 1e-3) * i); /* a plane to the last bit */
+        s[i].ray[1] = 0;
+        s[i].ray[2] = 1;
+    }
+    assert_choice_refused(RIGCAL_ERR_EDGE_ON, s, 6);
+}
+
 /* A telephoto's bundle is narrow and no plane for it. */
 static void test_a_narrow_bundle_of_rays_is_accepted(void)
 {
@@ -655,6 +668,7 @@ TEST_MAIN()
     RUN_TEST(test_fewer_than_three_distinct_points_or_rays_are_refused);
     RUN_TEST(test_points_on_one_line_are_refused);
     RUN_TEST(test_rays_in_one_plane_are_refused);
+    RUN_TEST(test_rays_in_one_plane_are_refused_however_near);
     RUN_TEST(test_a_narrow_bundle_of_rays_is_accepted);
     RUN_TEST(test_the_unit_of_length_does_not_decide_what_is_a_line);
     RUN_TEST(test_arguments_of_the_choice_are_checked);

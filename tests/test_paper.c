@@ -582,6 +582,10 @@ static void test_the_defaults_are_those_of_the_header(void)
     TEST_ASSERT_EQUAL_INT32(RIGCAL_BEST_CONDITIONED, o.eliminated);
     TEST_ASSERT_EQUAL_INT32(0, o.pairs_used);
     TEST_ASSERT_EQUAL_INT32(0, o.use_guess);
+    TEST_ASSERT_EQUAL_INT32(0, o.max_evals);
+    for (int k = 0; k < 3; k++) {
+        ASSERT_NEAR(0, o.guess_ypr[k], 0);
+    }
 
     spelled = o;
     spelled.max_evals = EVALS_WITHOUT_GUESS;

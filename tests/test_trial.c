@@ -98,6 +98,64 @@ static void test_the_body_that_moved_is_named_and_found(void)
     }
 }
 
+/* Without noise of the pixels the pose is found to a part of its step: the rows are taken
+ * where the body is by then. */
+static void test_without_noise_the_step_is_found(void)
+{
+    for (size_t body = 0; body < BODIES; body++) {
+        test_rng rng = test_seed(20 + body);
+        const double axis[3] = {2, -1, 1}, t_step = 2e-3;
+        double turn[9], R[9], t[3], moved[9];
+        rigcal_transform pose;
+        rigcal_real Sigma[36];
+
+        begin();
+        test_rotation_about(turn, axis, 0.05);
+        test_transform_parts(R, t, &truth[body]);
+        test_product(moved, turn, R);
+        t[1] += t_step;
+        truth[body] = test_transform(moved, t);
+        for (int i = 0; i < 300; i++) {
+            take(&rng, 0);
+        }
+        rc_trial_result(&pose, Sigma, &f, bodies, body);
+        test_transform_parts(R, t, &pose);
+        ASSERT_NEAR(0, test_angle_between(moved, R), 1e-4);
+    }
+}
+
+/* What the filter has found of a body, and not yet put into its pose, is no move: the rows
+ * say nothing new, so all bodies stay as likely. */
+static void test_an_error_that_is_known_is_no_move(void)
+{
+    static const double W[3] = {1e-4, -2e-4, 1e-4};
+
+    for (int body = 1; body < BODIES; body++) {
+        test_rng rng = test_seed(30 + (uint64_t)body);
+        double turn[9], R[9], t[3], moved[9];
+
+        begin();
+        test_rotation_about(turn, W, test_norm(W));
+        test_transform_parts(R, t, &truth[body]);
+        test_product(moved, turn, R);
+        for (int k = 0; k < 3; k++) {
+            error[6 * (body - 1) + k] = RC(W[k]);
+            error[6 * (body - 1) + 3 + k] = RC(1e-4 * (k + 1));
+            t[k] += 1e-4 * (k + 1);
+        }
+        truth[body] = test_transform(moved, t);
+        for (int i = 0; i < 60; i++) {
+            take(&rng, 0);
+        }
+        for (size_t b = 0; b < BODIES; b++) {
+            const rigcal_real *const move = &bodies[b * RC_ALARM_BODY + RC_TRIAL_MOVE];
+            for (int k = 0; k < 6; k++) {
+                ASSERT_NEAR(0, move[k], 2e-6);
+            }
+        }
+    }
+}
+
 static void test_without_rows_all_bodies_are_equally_likely(void)
 {
     begin();
@@ -194,6 +252,8 @@ TEST_MAIN()
 {
     RUN_TEST(test_the_body_that_moved_is_named_and_found);
     RUN_TEST(test_without_rows_all_bodies_are_equally_likely);
+    RUN_TEST(test_without_noise_the_step_is_found);
+    RUN_TEST(test_an_error_that_is_known_is_no_move);
     RUN_TEST(test_a_move_that_hides_the_point_explains_nothing);
     RUN_TEST(test_an_error_that_overflows_in_the_trial_explains_nothing);
     RUN_TEST(test_rows_that_the_filter_cannot_take_are_left_out);

@@ -3,6 +3,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "rc_real.h"
 #include "test_two_views.h"
 #include "vectors_camera.h"
 #include "vectors_transform.h"
@@ -214,6 +215,18 @@ static void test_no_or_negative_disparity_is_refused(void)
 
     ASSERT_REFUSED(RIGCAL_ERR_PARALLEL, X, rigcal_depth_aligned(X, 1, left, left));
     ASSERT_REFUSED(RIGCAL_ERR_BEHIND, X, rigcal_depth_aligned(X, 1, left, right));
+}
+
+/* As long as a coordinate may be: its depth is half of that. */
+static void test_the_longest_baseline_is_accepted(void)
+{
+    const rigcal_real left[2] = {2, 0}, right[2] = {0, 0};
+    rigcal_real X[3];
+
+    ASSERT_STATUS(RIGCAL_OK, rigcal_depth_aligned(X, RC_COORDINATE_MAX, left, right));
+    ASSERT_NEAR(0.5, D(X[2]) / D(RC_COORDINATE_MAX), TOL(1e-9, 1e-4));
+    ASSERT_REFUSED(RIGCAL_ERR_RANGE, X,
+                   rigcal_depth_aligned(X, 2 * RC_COORDINATE_MAX, left, right));
 }
 
 static void test_arguments_of_aligned_stereo_are_checked(void)
@@ -708,6 +721,7 @@ TEST_MAIN()
     RUN_TEST(test_disparity_gives_depth_on_paper);
     RUN_TEST(test_aligned_stereo_agrees_with_two_general_views);
     RUN_TEST(test_no_or_negative_disparity_is_refused);
+    RUN_TEST(test_the_longest_baseline_is_accepted);
     RUN_TEST(test_arguments_of_aligned_stereo_are_checked);
     RUN_TEST(test_a_point_of_perfect_views_is_where_it_is);
     RUN_TEST(test_points_of_noisy_views_are_scipys_least_squares);

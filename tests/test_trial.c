@@ -169,8 +169,8 @@ static void test_without_rows_all_bodies_are_equally_likely(void)
 
 /* ---- rows that tell nothing ---------------------------------------------------- */
 
-/* Camera 1 is 2 before a target, body 2, of which it sees a point 0.1 aside. In its trial it
- * is moved by `closer` towards it. */
+/* Camera 1 is 2 before a target, body 2, of which it sees a point 0.1 aside. In its trial
+ * it is moved by `closer` towards it. */
 static void see_target(rc_seen *seen, const rigcal_camera *camera, double above,
                        double closer, double step_t)
 {

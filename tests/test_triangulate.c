@@ -660,7 +660,7 @@ static void assert_best(const test_views *v, const rigcal_point *point)
     }
 }
 
-/* Rays that are far from meeting, so that a search goes on for long, or away to infinity. */
+/* Rays that are far from meeting, so that a search goes on for long, or to infinity. */
 static void test_no_point_near_one_of_wild_views_is_better(void)
 {
     test_rng rng = test_seed(57);

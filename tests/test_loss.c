@@ -222,6 +222,24 @@ static void test_the_budget_changes_no_bit(void)
     }
 }
 
+/* Three points of one view take all that is measured: no noise is found. */
+static void test_without_freedom_no_noise_is_found(void)
+{
+    test_rng rng = test_seed(386);
+    rigcal_rig_fit fit;
+    size_t n_wrong = 9;
+
+    WANTS_RIG;
+    test_rig_random(&r, &rng, 1, 1, 8);
+    test_rig_see_all(&r, &rng, NOISE);
+    r.rig.sigma_px = RC(NOISE);
+    r.views[0].view.n = 3;
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_adjust_robust(&fit, &n_wrong, NULL, &r.rig));
+    TEST_ASSERT_EQUAL_size_t(0, n_wrong);
+    ASSERT_NEAR(0, fit.freedom, 0);
+    ASSERT_NEAR(0, fit.sigma_px, 0);
+}
+
 static void test_a_loss_wants_the_noise(void)
 {
     test_rng rng = test_seed(385);
@@ -258,6 +276,7 @@ TEST_MAIN()
     RUN_TEST(test_the_sum_is_that_of_the_loss);
     RUN_TEST(test_the_answer_is_the_least_of_the_loss);
     RUN_TEST(test_the_budget_changes_no_bit);
+    RUN_TEST(test_without_freedom_no_noise_is_found);
     RUN_TEST(test_a_loss_wants_the_noise);
     RUN_TEST(test_without_room_for_the_answer_nothing_moves);
 }

@@ -123,6 +123,22 @@ static void test_a_held_camera_is_known_exactly(void)
     }
 }
 
+/* Views that were left out only after the adjustment tell nothing of the placement. */
+static void test_a_placement_that_no_view_is_left_of_has_no_covariance(void)
+{
+    static uint8_t left_out[RIG_VIEWS_MAX];
+    rigcal_real Sigma[36];
+
+    WANTS_RIG;
+    make_adjusted();
+    memset(left_out, 0, sizeof left_out);
+    r.rig.left_out = left_out;
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_placement(Sigma, &r.rig, 1, 1));
+    memset(left_out + 3, 1, 3); /* of placement 1 */
+    ASSERT_STATUS(RIGCAL_ERR_DEGENERATE, rigcal_rig_placement(Sigma, &r.rig, 1, 1));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_placement(Sigma, &r.rig, 1, 0));
+}
+
 /* The covariance that is asked of a rig before it has one. */
 static void assert_no_covariance(void)
 {
@@ -213,6 +229,25 @@ static void test_without_a_cycle_there_is_no_loop_closure(void)
     ASSERT_STATUS(RIGCAL_OK, rigcal_rig_adjust(&fit, NULL, &r.rig));
     ASSERT_NEAR(0, fit.F, 0);
     ASSERT_NEAR(0, fit.freedom_between, 0);
+}
+
+/* Views of three points fit by themselves, whatever the noise: there is nothing that the
+ * rig could disagree with. */
+static void test_views_of_three_points_have_no_test_of_the_rig(void)
+{
+    rigcal_rig_fit fit;
+
+    WANTS_RIG;
+    make();
+    for (size_t v = 0; v < r.rig.n_views; v++) {
+        r.views[v].view.n = 3;
+    }
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_adjust(&fit, NULL, &r.rig));
+    ASSERT_NEAR(12 * 6 - 6 * (2 + 4), fit.freedom, 0);
+    TEST_ASSERT_TRUE(fit.sigma_px > RC(0.1) && fit.sigma_px < RC(0.6));
+    ASSERT_NEAR(0, fit.F, 0);
+    ASSERT_NEAR(0, fit.freedom_between, 0);
+    ASSERT_NEAR(0, fit.freedom_within, 0);
 }
 
 static void test_steps_are_asked_in_order(void)
@@ -339,10 +374,12 @@ TEST_MAIN()
     RUN_TEST(test_a_pose_of_a_view_is_refused_and_nothing_written);
     RUN_TEST(test_points_that_do_not_fix_a_pose_are_degenerate);
     RUN_TEST(test_a_held_camera_is_known_exactly);
+    RUN_TEST(test_a_placement_that_no_view_is_left_of_has_no_covariance);
     RUN_TEST(test_a_rig_that_is_not_adjusted_has_no_covariance);
     RUN_TEST(test_arguments_of_the_covariances_are_checked);
     RUN_TEST(test_cameras_of_two_groups_have_no_pair);
     RUN_TEST(test_without_a_cycle_there_is_no_loop_closure);
+    RUN_TEST(test_views_of_three_points_have_no_test_of_the_rig);
     RUN_TEST(test_steps_are_asked_in_order);
     RUN_TEST(test_poses_to_start_from_are_checked);
     RUN_TEST(test_the_noise_found_is_that_of_the_pixels);

@@ -298,6 +298,13 @@ static void test_a_match_on_the_line_through_both_centres_is_refused(void)
     ASSERT_STATUS(RIGCAL_OK, rc_sight_of(&seen.sight[0], &camera, aside, RC(SIGMA)));
     ASSERT_STATUS(RIGCAL_OK, rc_sight_of(&seen.sight[1], &camera, aside, RC(SIGMA)));
     ASSERT_STATUS(RIGCAL_OK, rc_rows_of(&row, &seen, &T[0], &T[1]));
+    /* Within the noise of one of both rays it is on that line. */
+    for (int c = 0; c < 2; c++) {
+        rc_seen noisy = seen;
+
+        ASSERT_STATUS(RIGCAL_OK, rc_sight_of(&noisy.sight[c], &camera, aside, 30));
+        ASSERT_STATUS(RIGCAL_ERR_DEGENERATE, rc_rows_of(&row, &noisy, &T[0], &T[1]));
+    }
 }
 
 static void test_a_match_without_noise_is_refused(void)
@@ -514,6 +521,40 @@ static void test_a_ray_of_no_length_is_none(void)
     ASSERT_STATUS(RIGCAL_ERR_DEGENERATE, rc_sight_of(&sight, &camera, nothing, 1));
 }
 
+/* Of Brown's lens with k6 alone the pixel hardly moves far off the axis, with k3 alone by
+ * more than a square may have: the noise of such a ray is no number. */
+static void test_a_ray_whose_noise_is_no_number_has_no_sight(void)
+{
+    const rigcal_real ray[3] = {1, 0, RC(TOL(1e-20, 1e-3))};
+    rigcal_camera still = test_pinhole(), wild = test_pinhole();
+    rc_sight sight;
+
+    still.k6 = RC(1e9);
+    wild.k3 = RC(TOL(1e9, 1e7));
+    ASSERT_STATUS(RIGCAL_ERR_NO_RAY, rc_sight_of(&sight, &still, ray, 1));
+    ASSERT_STATUS(RIGCAL_ERR_NO_RAY, rc_sight_of(&sight, &wild, ray, 1));
+}
+
+/* A point so near to the plane of the camera that its pixel, or how the pixel moves, is no
+ * number. */
+static void test_a_point_that_grazes_has_no_row(void)
+{
+    const double depths[2] = {TOL(1e-200, 1e-20), TOL(1e-306, 1e-37)};
+    const double I[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+    const rigcal_camera camera = lens(0);
+    rc_seen seen = {.a = 0, .b = 1, .n_rows = 2, .sigma_px = 1};
+    rc_row rows[2];
+
+    seen.camera = &camera;
+    seen.X[0] = seen.X[1] = 1;
+    for (int i = 0; i < 2; i++) {
+        const double t[3] = {0, 0, depths[i]}, o[3] = {0, 0, 0};
+        const rigcal_transform T[2] = {test_transform(I, t), test_transform(I, o)};
+
+        ASSERT_STATUS(RIGCAL_ERR_NO_RAY, rc_rows_of(rows, &seen, &T[0], &T[1]));
+    }
+}
+
 TEST_MAIN()
 {
     RUN_TEST(test_a_match_agrees_with_differences_through_any_lens);
@@ -529,4 +570,6 @@ TEST_MAIN()
     RUN_TEST(test_a_ray_of_no_length_is_none);
     RUN_TEST(test_a_match_without_noise_is_refused);
     RUN_TEST(test_a_sight_has_any_unit_of_pixels);
+    RUN_TEST(test_a_ray_whose_noise_is_no_number_has_no_sight);
+    RUN_TEST(test_a_point_that_grazes_has_no_row);
 }

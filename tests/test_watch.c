@@ -71,12 +71,12 @@ static void test_the_ellipsoid_of_all_cameras_holds_the_truth(void)
     ASSERT_NEAR(1, mean / tried, 0.12);
 }
 
-static double variance_of(int camera)
+static double variance_of(int camera, int unknown)
 {
     rigcal_mounted_camera m;
 
     ASSERT_STATUS(RIGCAL_OK, rigcal_monitor_camera(&m, w.monitor, (size_t)camera));
-    return D(m.Sigma[0]);
+    return D(m.Sigma[7 * unknown]);
 }
 
 static void test_time_adds_the_walk_of_both_cameras_and_nothing_without_one(void)
@@ -85,15 +85,21 @@ static void test_time_adds_the_walk_of_both_cameras_and_nothing_without_one(void
     rigcal_monitor_options o;
 
     WANTS_RIG();
-    for (int has_walk = 0; has_walk < 2; has_walk++) {
+    for (int has_walk = 0; has_walk < 3; has_walk++) { /* 2: a walk of places alone */
         options_of(&o, 1e9);
-        o.walk_rad = has_walk ? RC(1e-4) : 0;
+        o.walk_rad = has_walk == 1 ? RC(1e-4) : 0;
+        o.walk_t = has_walk == 2 ? RC(1e-3) : 0;
         test_watched_make(&w, &rng, 2, 1, 1e-3, 2e-3);
         test_watched_begin(&w, 0, &o);
         for (int f = 0; f < 10; f++) {
             ASSERT_STATUS(RIGCAL_OK, rigcal_monitor_frame(NULL, w.monitor, RC(0.5)));
         }
-        ASSERT_NEAR(1e-6 + has_walk * 2 * 1e-8 * 5, variance_of(1), TOL(1e-15, 1e-11));
+        ASSERT_NEAR(1e-6 + (has_walk == 1) * 2 * 1e-8 * 5, variance_of(1, 0),
+                    TOL(1e-15, 1e-11));
+        if (has_walk != 1) { /* a turn of camera 0 moves camera 1 too */
+            ASSERT_NEAR(4e-6 + (has_walk == 2) * 2 * 1e-6 * 5, variance_of(1, 3),
+                        TOL(1e-15, 1e-10));
+        }
     }
 }
 

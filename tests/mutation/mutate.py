@@ -10,13 +10,15 @@
     mutate.py --record             writes RESULTS.md and recorded.csv of the results so far
 
 A mutant changes a relation, a condition, an operator, a sign, a number, a return value, or
-leaves a statement out; assertions and traces stay. Its file is compiled with assertions and with the sanitizer of
-undefined behaviour, which traps; what it does not initialize has huge numbers. It is linked
-before the library, and run against the test of its layer and of the layers that include it. The tests come in the order of their time, divided by
-the share of this layer's mutants that each killed so far. A test that fails, crashes or takes
-20 times as long kills the mutant. Where none does and the preset asan is built, the first of
-them run again with the address sanitizer. A survivor is equivalent if gcc -O2 makes the same object of
-it, or equivalent.txt says why no test can kill it; any other is printed. Exit status 1 where a survivor is left or equivalent.txt is stale.
+leaves a statement out; assertions and traces stay. Its file is compiled with assertions and
+with the sanitizer of undefined behaviour, which traps; what it does not initialize has huge
+numbers. It is linked before the library, and run against the tests of its layer, those that
+call most of its functions, and those of the layers that include it. They come in the order of
+their time, divided by the share of this layer's mutants that each killed so far. A test that
+fails, crashes or takes 20 times as long kills the mutant. Where none does and the preset asan
+is built, the first of them run again with the address sanitizer. A survivor is equivalent if
+gcc -O2 makes the same object of it, or equivalent.txt says why no test can kill it; any other
+is printed. Exit status 1 where a survivor is left or equivalent.txt is stale.
 
 The recorded mutant of a file is, of those that a test killed, the one of the fastest test,
 and of these the first by the seed; recorded.csv names mutant and test. A file without one
@@ -190,7 +192,8 @@ class Bench:
         text = (ROOT / "src" / f"rigcal_{layer}.c").read_text()
         functions = re.findall(r"^(?!static|typedef| |#|/).*?\b((?:rigcal|rc)_\w+)\(", text, re.M)
         calls = {name: len(self.called[name].intersection(functions)) for name in self.link}
-        callers = sorted((name for name in calls if calls[name] and self.times.get(name, 0) < CALLER_SECONDS), key=lambda name: (-calls[name], name))
+        callers = sorted((name for name in calls if calls[name] and self.times.get(name, 0) < CALLER_SECONDS),
+                         key=lambda name: (-calls[name], name))
         seen = list(dict.fromkeys(of[layer] + callers[:CALLERS_MOST] + [name for at in order for name in of[at]]))
         nearest = [t for t in seen if t != "hostile"][:TESTS_MOST]
         return nearest + ["hostile"] * (bool(nearest) and "hostile" in self.link)

@@ -32,7 +32,7 @@ void cli_hold(void);
 void cli_release(void);
 
 /* A text of cli_alloc. */
-const char *cli_text(const char *format, ...) CLI_PRINTF(1, 2);
+char *cli_text(const char *format, ...) CLI_PRINTF(1, 2);
 
 /* A line on stderr that the next one takes the place of; every message removes it. It is
  * shown only on a terminal, and only for work on so many views that it can be long. */

@@ -72,7 +72,7 @@ tables        gcc,cmake,unity,python,build/gcc-double
 pictures      gcc,cmake,unity,python,build/gcc-double
               preset_build gcc-double && sh examples/pictures/run.sh --check build/gcc-double
 scale         gcc,cmake,unity,numpy,time,build/gcc-double
-              preset_build gcc-double && $PYTHON tests/bench/scale.py build/gcc-double/rigcal short
+              preset_build gcc-double && $PYTHON tests/bench/scale.py build/gcc-double/rigcal short && $PYTHON tests/long/lines.py short
 ffi           gcc,cmake,rust,numpy,build/shared
               preset_build shared && sh examples/ffi/run.sh
 firmware      gcc,arm,unity                sh examples/firmware/run.sh build/firmware

@@ -65,7 +65,7 @@ begin_folder() {
     if [ "$form" = short ] || [ "$(cat "$out/state" 2>/dev/null)" != "$state" ]; then
         rm -rf "$out/seen"
     fi
-    rm -f "$out/double.md" "$out/float.md" "$out/bad.txt"
+    rm -f "$out/double.md" "$out/float.md" "$out/bad.txt" "$out"/small-*.txt
     mkdir -p "$out/seen"
     echo "$state" >"$out/state"
 }
@@ -159,8 +159,10 @@ run_gate() {
     case " $* " in
     *" -Os "*)
         expected=$out/small-$2.txt
-        build_gate "$out/small-$2" "$2" gcc -std=c99 -O2 $off -DRIGCAL_FOR_SPEED=0 || return 1
-        "$out/small-$2/gate" >"$expected"
+        if [ ! -e "$expected" ]; then
+            build_gate "$out/small-$2" "$2" gcc -std=c99 -O2 $off -DRIGCAL_FOR_SPEED=0 || return 1
+            "$out/small-$2/gate" >"$expected"
+        fi
         ;;
     esac
     folder_of_line=$1

@@ -1,4 +1,4 @@
-/* The band of rigcal line. */
+/* The band that rigcal line prints. */
 #include "cli_band.h"
 
 #include <math.h>
@@ -72,7 +72,8 @@ static int failed(rigcal_status status, const char *what)
     return status < 0;
 }
 
-/* Its middle line, its half width and the depth, at places from near to far. */
+/* Prints the middle line of the band, its half width and the depth, at places from near to
+ * far. */
 static int print_curve(const rigcal_band *made)
 {
     enum { PLACES = 17 };
@@ -109,7 +110,7 @@ static int print_spans(const rigcal_band *made)
     return CLI_DONE;
 }
 
-/* The columns u and v of a file, pair by pair. */
+/* Reads the columns u and v of a file: one pair of numbers a candidate. */
 static rigcal_real *read_candidates(csv_table *table, const char *path)
 {
     rigcal_real *uv;
@@ -127,7 +128,8 @@ static rigcal_real *read_candidates(csv_table *table, const char *path)
     return uv;
 }
 
-/* Those that are inside, the best first, by their lines in the file. */
+/* Prints the candidates that are inside the band, best first, each by its line in the
+ * file. */
 static int print_candidates(const rigcal_band *made, const char *path)
 {
     csv_table table;

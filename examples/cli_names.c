@@ -1,4 +1,4 @@
-/* Names, numbered in order of first appearance; those that look alike. */
+/* Names, numbered in order of first appearance, and names that look alike. */
 #include "cli_input.h"
 #include "cli_os.h"
 
@@ -17,7 +17,7 @@ void cli_names_open(cli_names *names)
     names->name = cli_alloc(names->room, sizeof *names->name);
 }
 
-/* Where the name is, or the free slot it belongs in (FNV-1a hash). */
+/* The slot of the name, or the free slot in which it belongs (FNV-1a hash). */
 static size_t slot_of(const cli_names *names, const char *name)
 {
     uint32_t hash = 2166136261U;
@@ -43,7 +43,7 @@ size_t cli_names_find(const cli_names *names, const char *name)
     return number > 0 ? number - 1 : CLI_UNKNOWN;
 }
 
-/* A copy that stays where it is. Many names share a block. */
+/* A copy of the name that is never moved. Many names share a block of memory. */
 static const char *keep(cli_names *names, const char *name)
 {
     enum { BLOCK = 4096 };
@@ -60,7 +60,7 @@ static const char *keep(cli_names *names, const char *name)
     return copy;
 }
 
-/* Room for twice as many. */
+/* Makes room for twice as many names. */
 static void enlarge(cli_names *names)
 {
     size_t i;
@@ -100,7 +100,7 @@ static int is_ignored(unsigned long c, int is_blank)
            c == 0xfeff || c == '"' || c == '\'';
 }
 
-/* Whether the name is a number that a double holds exactly. */
+/* Whether the name is a number that a double holds exactly. *value is that number. */
 static int is_number(double *value, const char *name)
 {
     const char *problem, *end = cli_number(value, &problem, name);
@@ -108,7 +108,8 @@ static int is_number(double *value, const char *name)
     return problem == NULL && *end == '\0' && strlen(name) <= 15;
 }
 
-/* The same for names that look alike: 5, 05 and 5.0; cam1, Cam1 and CAM01. To be freed. */
+/* A key that is the same for names that look alike: 5, 05 and 5.0; cam1, Cam1 and CAM01.
+ * The caller frees it. */
 static char *key_of(const char *name)
 {
     enum { DIGITS = 9 };

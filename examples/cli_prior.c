@@ -4,7 +4,7 @@
 
 #include <string.h>
 
-/* The numbers of the cameras of --hold, which become held. */
+/* Reads the names of --hold. These cameras become held. */
 static void read_hold(known_cameras *known, const cli_cameras *cameras, const char *hold)
 {
     char *text = cli_alloc(strlen(hold) + 1, 1), *name, *next;
@@ -29,7 +29,7 @@ static void read_hold(known_cameras *known, const cli_cameras *cameras, const ch
     }
 }
 
-/* The lines of --prior. Cameras of --hold need no covariance. */
+/* Reads the lines of --prior. Cameras of --hold need no covariance. */
 static void read_prior(known_cameras *known, const cli_cameras *cameras, const char *path)
 {
     cli_transforms file;

@@ -1,4 +1,4 @@
-/* What a person reads of a calibration. */
+/* What is printed of a calibration for a person to read. */
 #include "cli_calibrate.h"
 
 #include <math.h>
@@ -7,14 +7,14 @@
 
 /* ==== points that --robust left out ======================================= */
 
-/* A point left out, and how far it is from its place; less than 0: the camera cannot
- * see it there at all. */
+/* A point that was left out, and its distance from its expected pixel; below 0: the camera
+ * cannot see it there at all. */
 typedef struct {
-    size_t point; /* of the view's */
+    size_t point; /* number of the point in the view */
     double error_px;
 } outlier;
 
-/* The worst first: those that cannot be seen, then the farthest. */
+/* Sorts the worst first: points that cannot be seen, then the farthest. */
 static int compare_outliers(const void *va, const void *vb)
 {
     const outlier *a = va, *b = vb;
@@ -46,7 +46,7 @@ static size_t list_outliers(outlier list[], const calibration *c, const view *v)
     return count;
 }
 
-/* One line a view; returns how many points it does not name. */
+/* Prints one line for each view. Returns the number of points that it did not name. */
 static size_t name_outliers(const calibration *c, const view *v, const outlier list[],
                             size_t count)
 {
@@ -131,8 +131,8 @@ static void print_caveat(const view *v)
     }
 }
 
-/* How well the view's points that count fit in the rig; less than 0: the camera cannot
- * see one of them there. *worst: the point that is farthest off. */
+/* Rms of the view's points that count, in the rig; below 0: the camera cannot see one of
+ * them there. *worst is the point that is farthest off. */
 static double rms_in_rig(const calibration *c, const view *v, outlier *worst)
 {
     const residual *list = view_residuals_in_rig(c, v);
@@ -204,8 +204,8 @@ static void print_views(const calibration *c)
     }
 }
 
-/* Of all the views of a camera in the rig; less than 0: there is none, or one with a
- * point that the camera cannot see. */
+/* Rms of all views of a camera in the rig; below 0: there is no view, or one has a point
+ * that the camera cannot see. */
 static double camera_rms(const calibration *c, size_t rig_camera)
 {
     double sum = 0;
@@ -228,7 +228,7 @@ static double camera_rms(const calibration *c, size_t rig_camera)
     return n > 0 ? sqrt(sum / (double)n) : -1;
 }
 
-/* Noise of one coordinate, by the camera's own residuals. */
+/* Prints the noise of one coordinate, by the camera's own residuals. */
 static void print_sigma_px(const calibration *c, size_t rig_camera)
 {
     if (c->sigma_px != NULL && c->sigma_px[rig_camera] > 0) {
@@ -247,7 +247,8 @@ void print_rig_sigma(const rig_sigma *s, int is_known)
     }
 }
 
-/* Those of one frame: the main camera's, or of another group, its first one's. */
+/* Prints the cameras of one frame: that of the main camera, or, in another group, that of
+ * its first camera. */
 static void print_cameras(const calibration *c, const int shown[], const char *frame)
 {
     const int wide = widest(&c->cameras.names);
@@ -311,7 +312,7 @@ static void print_closure(const calibration *c)
     print_verdict(c);
 }
 
-/* What --intrinsics-sigma adds. */
+/* Prints what --intrinsics-sigma adds. */
 static void print_intrinsics(const calibration *c)
 {
     const rigcal_intrinsics_sigma *s = &c->intrinsics;
@@ -324,7 +325,7 @@ static void print_intrinsics(const calibration *c)
     }
 }
 
-/* How points of different noise count. */
+/* Prints how points of different noise are weighted. */
 static void print_weights(const calibration *c)
 {
     if (c->is_weighing) {
@@ -374,7 +375,7 @@ static int compare_residuals(const void *va, const void *vb)
     return a->v < b->v ? -1 : a->v > b->v;
 }
 
-/* The worst point of each of the views where it is largest. */
+/* Prints the worst point of each view in which it is largest. */
 static void print_largest(const calibration *c)
 {
     enum { SHOWN = 5 };
@@ -403,7 +404,7 @@ static void print_largest(const calibration *c)
     }
 }
 
-/* What does not count in the rig, and what nothing checks. */
+/* Prints what does not count in the rig, and what is not checked by anything. */
 static void print_left_out(const calibration *c)
 {
     size_t i, n = 0, n_unchecked = 0;

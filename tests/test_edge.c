@@ -108,8 +108,8 @@ static void make_rows(rigcal_band *band)
     TEST_ASSERT_TRUE(rc_edge_begin(&edge, band));
 }
 
-/* y of the border at x of (x, y, 1): its distance s = y / r is 0.04 of the slope of s, where
- * r is the length of (x, y, 1). */
+/* y of the border at x of (x, y, 1). Its distance s = y / r is 0.04 of the slope of s,
+ * where r is the length of (x, y, 1). */
 static double border_of_row(double x)
 {
     double y = 0;

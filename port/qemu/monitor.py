@@ -10,12 +10,12 @@ import sys
 
 import figures
 
-# target, optimisation, cameras
+# target, optimisation, number of cameras
 LINES = [("cortex-m4f", "-O2", 2), ("cortex-m4f", "-O2", 3), ("cortex-m4f", "-O2", 4),
          ("cortex-m4f", "-O2", 8), ("cortex-m4f", "-Os", 4), ("cortex-m7", "-O2", 3),
          ("cortex-m0", "-Os", 2)]
 
-# Of four cameras on the Cortex-M4F, -O2: a frame, and its end.
+# Limits for four cameras on the Cortex-M4F, -O2: a frame, and its end.
 LIMIT_FRAME, LIMIT_END = 100000, 25000
 
 FLASH = {

@@ -245,6 +245,68 @@ static void test_the_nearest_count_if_they_alone_are_rarer(void)
     TEST_ASSERT_TRUE(D(rc_agree_by_chance(&off, 100, area, 0)) > 1e30);
 }
 
+/* All pixels are in one column: no area is left for chance, so that any points agree. */
+static void test_without_an_area_all_is_chance(void)
+{
+    rc_agree_histogram off = {{0}, {0}};
+
+    off.count[0] = 5;
+    off.sum[0] = 1;
+    /* 8 - 3 numbers of points; 2 poses of each of 56 triples; 10 pairs of 5 more points;
+     * Stirling: 1 / sqrt(2 pi 2) */
+    const double sets = 5.0 * 2 * 56 * 10 / sqrt(4 * TEST_PI);
+    ASSERT_NEAR(sets, rc_agree_by_chance(&off, 8, 0, 0), 1e-5 * sets);
+}
+
+/* The square of the depth overflows. */
+static void test_a_point_beyond_all_numbers_disagrees(void)
+{
+    test_rng rng = test_seed(6);
+    rigcal_transform T;
+    rigcal_real sum;
+    problem p;
+
+    make(&p, &rng, 0, 0);
+    pose_near(&T, &p, &rng, 0);
+    for (int k = 0; k < 3; k++) {
+        T.t[k] = RC(k == 2 ? TOL(1e200, 1e30) : TOL(1e199, 1e29));
+    }
+    TEST_ASSERT_EQUAL_INT(0, rc_agree_score(&sum, &p.points, &T, RC(LIMIT), RC_MAX));
+    ASSERT_NEAR(N * LIMIT, sum, 0);
+}
+
+/* Pixels that are exact in every number: the target's box is that of the pixels. */
+static void test_a_target_in_its_place_has_no_misfit(void)
+{
+    rigcal_camera camera;
+    rigcal_observation o[4];
+    rigcal_points points;
+    rigcal_real uv_middle[2];
+    rigcal_transform T;
+    int32_t at;
+
+    memset(&camera, 0, sizeof camera);
+    camera.fx = camera.fy = 64;
+    camera.cx = camera.cy = 64;
+    camera.width = camera.height = 128;
+    memset(&T, 0, sizeof T);
+    T.R[0] = T.R[4] = T.R[8] = 1;
+    for (int i = 0; i < 4; i++) {
+        o[i].X_w[0] = (i % 2 == 0) ? RC(-0.25) : RC(0.25);
+        o[i].X_w[1] = (i < 2) ? RC(-0.25) : RC(0.25);
+        o[i].X_w[2] = 1;
+        o[i].uv[0] = 64 + 64 * o[i].X_w[0];
+        o[i].uv[1] = 64 + 64 * o[i].X_w[1];
+    }
+    const rigcal_view view = VIEW(&camera, o, NULL, 4);
+    rc_points_of(&points, &view, NULL);
+    ASSERT_STATUS(RIGCAL_OK, rc_points_survey(&points, uv_middle, &at));
+    T.t[2] = points.origin[2];
+    ASSERT_NEAR(0, rc_agree_misfit(&points, &T), 0);
+    T.t[0] = RC(0.25); /* half of each box is shared: a third of both */
+    ASSERT_NEAR(2.0 / 3, rc_agree_misfit(&points, &T), 1e-6);
+}
+
 TEST_MAIN()
 {
     RUN_TEST(test_the_sum_is_that_of_the_errors_and_their_limit);
@@ -253,4 +315,7 @@ TEST_MAIN()
     RUN_TEST(test_marks_and_bins_are_those_of_the_distances);
     RUN_TEST(test_what_is_expected_is_the_mean_of_draws);
     RUN_TEST(test_the_nearest_count_if_they_alone_are_rarer);
+    RUN_TEST(test_without_an_area_all_is_chance);
+    RUN_TEST(test_a_point_beyond_all_numbers_disagrees);
+    RUN_TEST(test_a_target_in_its_place_has_no_misfit);
 }

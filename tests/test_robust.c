@@ -507,6 +507,171 @@ static void test_all_triples_are_tried_once(void)
     TEST_ASSERT_EQUAL_INT(TRIPLES - 1, before);
 }
 
+/* ---- thresholds near the noise, and below it ------------------------------ */
+
+/* The points that agree change again and again. The pose is right where the marks end. */
+static void test_a_threshold_of_two_sigma_gives_the_right_pose(void)
+{
+    rigcal_robust_options options;
+    problem p;
+
+    ASSERT_STATUS(RIGCAL_OK, rigcal_robust_defaults(&options));
+    options.threshold_px = RC(2 * NOISE);
+    options.samples = 200;
+    for (int trial = 0; trial < TEST_TRIALS(32); trial++) {
+        test_rng rng = test_seed(900 + (uint64_t)(trial / 2));
+
+        make(&p, &rng, N_MAX < 56 ? N_MAX : 44 + 12 * (trial % 2),
+             trial % 4 < 2 ? TEST_PLANAR : TEST_GENERAL);
+        TEST_ASSERT_TRUE(solve(&p, &options) >= 0);
+        TEST_ASSERT_TRUE(is_right(&p));
+        TEST_ASSERT_TRUE(2 * counted(&p) > p.n);
+    }
+}
+
+/* The pixels are so many and so sure that rounding alone is more than the threshold. */
+static void test_a_threshold_below_rounding_has_no_consensus(void)
+{
+    const rigcal_real larger = 10000;
+    rigcal_real sigma[6];
+    test_rng rng = test_seed(16);
+    rigcal_robust_options options;
+    problem p;
+
+    ASSERT_STATUS(RIGCAL_OK, rigcal_robust_defaults(&options));
+    options.threshold_px = RC(1e-6);
+    for (int trial = 0; trial < TEST_TRIALS(20); trial++) {
+        make(&p, &rng, 6, TEST_GENERAL);
+        p.camera.fx *= larger;
+        p.camera.fy *= larger;
+        p.camera.cx *= larger;
+        p.camera.cy *= larger;
+        for (int i = 0; i < 6; i++) {
+            p.o[i].uv[0] *= larger;
+            p.o[i].uv[1] *= larger;
+            sigma[i] = RC(1e-6);
+        }
+        ASSERT_STATUS(RIGCAL_ERR_NO_CONSENSUS,
+                      rigcal_robust_solve(p.poses, RIGCAL_POSES_MAX, &p.n_found, p.inliers,
+                                          &p.n_inliers, NULL,
+                                          &VIEW(&p.camera, p.o, sigma, 6), &options));
+    }
+}
+
+/* If the points that agree have no pose of their own, the status says why: it is that of
+ * these points alone. */
+static void test_what_agrees_may_have_no_pose(void)
+{
+    rigcal_robust_options options;
+    problem p;
+
+    ASSERT_STATUS(RIGCAL_OK, rigcal_robust_defaults(&options));
+    options.threshold_px = 40;
+    options.samples = 200;
+    for (int trial = 0; trial < TEST_TRIALS(20); trial++) {
+        test_rng rng = test_seed(900 + (uint64_t)trial);
+
+        make(&p, &rng, 9, TEST_PLANAR);
+        spoil(&p, &rng, 6, IN_THE_IMAGE);
+        const rigcal_status status = solve(&p, &options);
+        if (status < 0 && status != RIGCAL_ERR_NO_CONSENSUS) {
+            rigcal_observation agreeing[9];
+            size_t n = 0;
+
+            for (int i = 0; i < 9; i++) {
+                if (p.inliers[i] != 0) {
+                    agreeing[n++] = p.o[i];
+                }
+            }
+            ASSERT_STATUS(status,
+                          rigcal_pose_solve(p.poses, RIGCAL_POSES_MAX, &p.n_found, NULL,
+                                            &VIEW(&p.camera, agreeing, NULL, n), NULL));
+        }
+    }
+}
+
+/* ---- what is refused ------------------------------------------------------- */
+
+static void test_points_on_a_line_are_refused(void)
+{
+    test_rng rng = test_seed(17);
+    problem p;
+
+    make(&p, &rng, 6, TEST_GENERAL);
+    for (int i = 0; i < 6; i++) {
+        for (int k = 0; k < 3; k++) {
+            p.o[i].X_w[k] = RC(i * (k + 1));
+        }
+    }
+    ASSERT_STATUS(RIGCAL_ERR_COLLINEAR, solve(&p, NULL));
+}
+
+static void test_options_out_of_range_are_refused(void)
+{
+    test_rng rng = test_seed(18);
+    rigcal_robust_options options;
+    problem p;
+
+    make(&p, &rng, 6, TEST_GENERAL);
+    ASSERT_STATUS(RIGCAL_OK, rigcal_robust_defaults(&options));
+    options.threshold_px = -1;
+    ASSERT_STATUS(RIGCAL_ERR_RANGE, solve(&p, &options));
+    options.sigma_px = RC(NAN); /* a number that is none comes first */
+    ASSERT_STATUS(RIGCAL_ERR_NOT_FINITE, solve(&p, &options));
+    options.threshold_px = 1;
+    ASSERT_STATUS(RIGCAL_ERR_NOT_FINITE, solve(&p, &options));
+}
+
+static void test_a_solver_that_was_not_begun_is_refused(void)
+{
+    rigcal_robust_solver solver;
+
+    memset(&solver, 0, sizeof solver);
+    ASSERT_STATUS(RIGCAL_ERR_STATE, rigcal_robust_step(&solver, 1));
+    memset(&solver, 0x7f, sizeof solver);
+    ASSERT_STATUS(RIGCAL_ERR_STATE, rigcal_robust_step(&solver, 1));
+}
+
+/* Seed 0 would draw the same triple for ever. */
+static void test_seed_0_is_a_seed(void)
+{
+    test_rng rng = test_seed(19);
+    rigcal_robust_options options;
+    problem p;
+
+    make(&p, &rng, N_MAX, TEST_GENERAL); /* too many triples to try all */
+    spoil(&p, &rng, N_MAX / 2, NEAR_THE_TARGET);
+    ASSERT_STATUS(RIGCAL_OK, rigcal_robust_defaults(&options));
+    options.samples = 1000;
+    options.seed = 0;
+    TEST_ASSERT_TRUE(solve(&p, &options) >= 0);
+    TEST_ASSERT_TRUE(is_right(&p));
+}
+
+/* ---- the cost of a search -------------------------------------------------- */
+
+/* Whatever the unit at which it must end, a search returns the best pose so far. */
+static void test_a_search_may_end_at_any_unit(void)
+{
+    rigcal_robust_options options;
+    problem p;
+    int right = 0;
+
+    ASSERT_STATUS(RIGCAL_OK, rigcal_robust_defaults(&options));
+    for (int units = 1; units < 40; units++) {
+        test_rng rng = test_seed(20);
+
+        make(&p, &rng, 20, TEST_GENERAL);
+        options.max_units = units;
+        const rigcal_status status = solve(&p, &options);
+        TEST_ASSERT_TRUE(status >= 0 || status == RIGCAL_ERR_NO_CONSENSUS);
+        TEST_ASSERT_TRUE(status < 0 || is_right(&p));
+        TEST_ASSERT_TRUE(status >= 0 || right == 0);
+        right += status >= 0;
+    }
+    TEST_ASSERT_TRUE(right > 20);
+}
+
 TEST_MAIN()
 {
     RUN_TEST(test_three_in_ten_may_be_wrong);
@@ -523,4 +688,12 @@ TEST_MAIN()
     RUN_TEST(test_nine_in_ten_may_be_wrong);
     RUN_TEST(test_a_search_ends_after_the_units_that_it_may_spend);
     RUN_TEST(test_all_triples_are_tried_once);
+    RUN_TEST(test_a_threshold_of_two_sigma_gives_the_right_pose);
+    RUN_TEST(test_a_threshold_below_rounding_has_no_consensus);
+    RUN_TEST(test_what_agrees_may_have_no_pose);
+    RUN_TEST(test_points_on_a_line_are_refused);
+    RUN_TEST(test_options_out_of_range_are_refused);
+    RUN_TEST(test_a_solver_that_was_not_begun_is_refused);
+    RUN_TEST(test_seed_0_is_a_seed);
+    RUN_TEST(test_a_search_may_end_at_any_unit);
 }

@@ -28,7 +28,7 @@ int main(void)
     rigcal_mounted_camera cam = {
         .camera = {.width = 640, .height = 480, .fx = 800, .fy = 800, .cx = 320, .cy = 240},
         .cam_from_rig = {{0, 1, 0, -1, 0, 0, 0, 0, 1}, {-0.2, 0.5, -0.1}}};
-    size_t n_bytes; /* number of bytes of the page that were written */
+    size_t n_bytes; /* how many of the page are written */
 
     load("empty page");
     rigcal_status status = rigcal_store_save(page, sizeof page, &n_bytes, &cam, 1, 7, 0);

@@ -1,8 +1,8 @@
 /* measure.c - a point in space from its pixels in two cameras.
  *
- * Given: both cameras and their poses; the pixel of the point in each. Asked: where the
- * point is in the frame of camera a, and how sure that is. Truth: camera b is 0.25 m to the
- * right of camera a and 0.1 m below it. Both look one way.
+ * Given: both cameras and where they are; the pixel of the point in each.
+ * Asked: where the point is in the frame of camera a, and how sure that is.
+ * Truth: camera b is 0.25 m to the right of camera a and 0.1 m below it. Both look one way.
  *        The point is at (0.1, 0.05, 1) m: x to the right, y down, z ahead. With
  *        u = 640 + 800 X / Z, v = 480 + 800 Y / Z camera a sees it at (720, 520), camera b
  *        at (520, 440). The pixels below are off by up to 0.4. */

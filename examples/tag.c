@@ -26,7 +26,7 @@ int main(void)
         printf("%s\n", rigcal_status_text(status));
         return 1;
     }
-    if (status > 0) { /* poses[0] is the best one, with the caveat that the text states */
+    if (status > 0) { /* poses[0] is the best one, but read what the text says */
         printf("Caution: %s\n", rigcal_status_text(status));
     }
     const rigcal_real *t = poses[0].cam_from_world.t, *R = poses[0].cam_from_world.R;

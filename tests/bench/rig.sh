@@ -41,7 +41,7 @@ fi
 install_missing >&2
 sh tests/support/get_unity.sh \
     "${XDG_CACHE_HOME:-${HOME:-/nowhere}/.cache}/rigcal/unity-2.5.1" \
-    >/dev/null 2>&1 || true # else CMake clones it
+    >/dev/null 2>&1 || true # otherwise CMake clones it
 mkdir -p build
 drop_moved_build "$build"
 if ! { cmake -S . -B "$build" -DCMAKE_C_COMPILER=gcc -DCMAKE_CXX_COMPILER=g++ \
@@ -67,7 +67,7 @@ if [ "$what" = check ]; then
     exit 0
 fi
 
-# Instructions of one method.
+# The instructions of one method.
 count() {
     # shellcheck disable=SC2086 -- three numbers
     valgrind --tool=callgrind --toggle-collect=bench_call \

@@ -45,7 +45,7 @@ class Failed(Exception):
 
 
 def output_of(command: str, printed: dict[str, str]) -> str:
-    """What a command prints; one that several tables share runs once."""
+    """What a command prints. A command that several tables share runs once."""
     if command not in printed:
         words = shlex.split(command)
         if words[0] in ("sh", "python3"):
@@ -85,7 +85,8 @@ def numbers_of(text: str) -> list[str]:
 
 
 def differences(expected: str, found: str, part: float) -> list[str]:
-    """Where two tables differ by more than a part of a figure, or a unit of its last digit."""
+    """The places where two tables differ by more than the given part of a figure, or more
+    than a unit of its last digit."""
     if NUMBER.sub("#", expected) != NUMBER.sub("#", found):
         return ["its words or lines differ"]
     wrong = []
@@ -111,7 +112,7 @@ def write(names: list[str]) -> int:
             print(failure, file=sys.stderr)
             failed = 1
             continue
-        text = DOCUMENT.read_text()  # it may have been edited meanwhile
+        text = DOCUMENT.read_text()  # the document may have been edited meanwhile
         start, end = next(m.span("body") for m in MARK.finditer(text) if m["name"] == name)
         DOCUMENT.write_text(f"{text[:start]}{table}\n*{made_by(mark['command'])}*\n{text[end:]}")
     return failed

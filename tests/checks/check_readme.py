@@ -39,7 +39,7 @@ def run(*command, cwd=ROOT):
 
 
 def blocks_of(text):
-    """(language, content, line, text since the block before) of each block."""
+    """The blocks: (language, content, line, text since the block before)."""
     found, end = [], 0
     for m in BLOCK.finditer(text):
         found.append((m[1], m[2], text.count("\n", 0, m.start()) + 1, text[end:m.start()]))
@@ -97,7 +97,7 @@ def check_part(code, path, where):
 
 
 def check_document(name, work, shown):
-    """Counts what was compared; adds the programs shown to `shown`."""
+    """Returns how many blocks were compared. Adds the programs that are shown to `shown`."""
     folder = (ROOT / name).parent
     blocks = blocks_of((ROOT / name).read_text())
     count = 0
@@ -133,7 +133,7 @@ NUMBER = re.compile(r"(?<![\w.-])\d+(?:\.\d+)?(?:e[-+]?\d+)?(?![\w-])")
 
 
 def check_figures(name):
-    """How many numbers of the document stand in the file that they are from."""
+    """The number of numbers of the document that were found in the file they come from."""
     text, count = (ROOT / name).read_text(), 0
     for found in FIGURES.finditer(text):
         known = set(NUMBER.findall((ROOT / found[1]).read_text()))

@@ -26,13 +26,13 @@ def moved(pose, x):
 
 
 def slope(function, h):
-    """By central differences; h: the step of each number."""
+    """The derivative by central differences. h: the step of each number."""
     return np.stack([(function(e) - function(-e)) / (2 * k)
                      for k, e in zip(h, np.diag(h))], 1)
 
 
 def step_of(pose, start):
-    """(w, dt) of a small step."""
+    """The small step (w, dt) between two poses."""
     W = pose[0] @ start[0].T
     return np.array([W[2, 1] - W[1, 2], W[0, 2] - W[2, 0], W[1, 0] - W[0, 1],
                      *2 * (pose[1] - start[1])]) / 2
@@ -91,12 +91,12 @@ class Adjusted:
         return d[:, None] * np.linalg.inv(d[:, None] * M * d) * d
 
     def noise(self):
-        """Of the rig's sigmas, without --sigma."""
+        """The noise that the sigmas of the rig are for, without --sigma."""
         noise = np.sqrt(self.own / self.within)
         return noise * max(1, np.sqrt(self.F)) if self.between > 0 else noise
 
     def cameras_covariance(self):
-        """For noise of one pixel, held ones included."""
+        """The covariance for noise of one pixel, with rows for held cameras."""
         C = self.scaled(self.H)
 
         def block(a, b):
@@ -118,7 +118,7 @@ class Adjusted:
 
 class RigTest(CliTest):
     def close(self, found, known, part):
-        """Covariances, each entry against its two sigmas."""
+        """Compares covariances. The tolerance of an entry is relative to its two sigmas."""
         s = np.sqrt(np.diag(known))
         np.testing.assert_allclose(found / np.outer(s, s), known / np.outer(s, s),
                                    atol=part)
@@ -127,14 +127,14 @@ class RigTest(CliTest):
         return {tuple(r[k] for k in keys) if len(keys) > 1 else r[keys[0]]: r
                 for r in read(self.result(name))}
 
-    # Of rigs made up: three cameras, five placements.
+    # Simulated rigs: three cameras, five placements.
     CAMERAS = {"a": STILL, "b": (rotation(0, 0.3, 0.05), np.array([-1.2, 0.1, 0.2])),
                "c": (rotation(0.1, -0.4, 0), np.array([1.4, 0, 0.3]))}
     PLACES = {str(i): (rotation(0.3 * i - 0.5, 0.4 - 0.2 * i, 0.1 * i),
                        np.array([0.2 * i - 0.4, 0.1 * i, 6 + 0.3 * i])) for i in range(5)}
 
     def made(self, noise_px=0.1, seed=1, spoil=None, shared=None, places=None):
-        """Folder with a rig's files; spoil changes the lines of observations."""
+        """A folder with the files of a rig. `spoil` changes the lines of observations."""
         places = places or self.PLACES
         shared = shared or {f: "abc" for f in places}
         table, text = made_up({n: camera_row(n) for n in self.CAMERAS}, self.CAMERAS,
@@ -176,7 +176,7 @@ class TestAgainstBundleAdjustment(RigTest):
                 self.check_reference(folder)
 
     def check_least_squares(self, folder, *options, held=None):
-        """Whatever is written, against normal equations by differences."""
+        """Compares all that is written with normal equations by difference quotients."""
         run = self.calibrate_well(folder, *options)
         rig = Adjusted(folder, self.out, held or [next(iter(cameras(folder)))])
         C = rig.scaled(rig.H)

@@ -26,7 +26,7 @@ TARGETS = [("tag", 4), ("planar", 4), ("planar", 8), ("planar", 50), ("near-plan
 
 
 def enter_environment() -> None:
-    """Runs this script again with the environment's Python, after making the environment."""
+    """Runs this script again with the environment's Python, which it makes first."""
     python = VENV / "bin/python"
     if pathlib.Path(sys.prefix) == VENV:
         return

@@ -83,7 +83,7 @@ class Monitor:
             raise RuntimeError(f"status {status}")
 
     def frame(self, left, right):
-        """Takes one frame of rays. Returns whether there is an alarm, which is dismissed."""
+        """Takes one frame of rays. Returns whether it alarms; the alarm is dismissed."""
         for a, b in zip(left, right):
             self.check(self.library.rigcal_monitor_match_rays(
                 self.monitor, C.c_size_t(0), (self.real * 3)(*a), C.c_size_t(1), (self.real * 3)(*b),

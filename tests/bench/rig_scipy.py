@@ -80,7 +80,7 @@ class Rig:
         return pattern
 
     def off_by(self, x):
-        """The largest difference of a camera's pose from rigcal's, in standard deviations."""
+        """The largest difference of a camera from rigcal's, in standard deviations."""
         poses = x.reshape(-1, 6)[:self.C - 1]
         turn = vectors(matrices(poses[:, :3]) @ self.R[1:self.C].transpose(0, 2, 1))
         off = np.hstack([turn, poses[:, 3:] - self.t[1:self.C]])

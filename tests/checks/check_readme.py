@@ -97,7 +97,7 @@ def check_part(code, path, where):
 
 
 def check_document(name, work, shown):
-    """Returns how many blocks were compared. Adds the programs that are shown to `shown`."""
+    """Returns the number of blocks compared. Adds programs that are shown to `shown`."""
     folder = (ROOT / name).parent
     blocks = blocks_of((ROOT / name).read_text())
     count = 0

@@ -32,7 +32,7 @@ MATRIX = [f"R{i}{j}" for i in "123" for j in "123"]
 
 
 def sound(run):
-    """Returns the run, unless a sanitizer stopped it: its exit status would be 1 as well."""
+    """The run, unless a sanitizer stopped it: its exit status would be 1 as well."""
     for word in ("Sanitizer", "runtime error"):
         if word in (run.stderr or ""):
             raise AssertionError(run.stderr)

@@ -180,7 +180,7 @@ class TestAgainstBundleAdjustment(RigTest):
         run = self.calibrate_well(folder, *options)
         rig = Adjusted(folder, self.out, held or [next(iter(cameras(folder)))])
         C = rig.scaled(rig.H)
-        # At the optimum no step is left, in parts of its sigma.
+        # At the optimum the remaining step is 0, in parts of each sigma.
         left = np.abs(C @ rig.g) / np.sqrt(np.diag(C)) / np.sqrt(rig.sum / rig.freedom)
         measured(f"left {left.max():.1e} sigma")
         self.assertLess(left.max(), 0.05 if FLOAT else 1e-4)
@@ -200,7 +200,8 @@ class TestAgainstBundleAdjustment(RigTest):
         return run, rig
 
     def check_sigmas(self, row, part):
-        """sigma_rot_deg and sigma_pos, from the covariance: of the centre."""
+        """sigma_rot_deg and sigma_pos follow from the covariance; sigma_pos is that of the
+        centre."""
         S, pose = covariance(row), transform(row)
         far = max(1e-3, np.linalg.norm(pose[1]))
         J = slope(lambda x: invert(moved(pose, x))[1],
@@ -264,7 +265,7 @@ class TestDisagreement(RigTest):
                           r"the noise\)\.")
 
     def moved_for_c(self, far):
-        """The target has moved when camera c sees it, in another direction each time."""
+        """The target has moved before camera c sees it, in another direction each time."""
         late = {f: (R, t + far * np.array([np.cos(2 * i), np.sin(2 * i), 0]))
                 for i, (f, (R, t)) in enumerate(self.PLACES.items())}
         self.made()
@@ -344,7 +345,7 @@ class TestHold(RigTest):
         self.made()
         self.calibrate_well(self.folder)
         head, a, b, c = content(self.out, "rig.csv").splitlines()
-        # Without the covariances, and b moved by hand.
+        # Removes the covariances, and moves b by hand.
         fields = b.split(",")
         fields[10] = repr(float(fields[10]) + 0.004)
         prior = write(self.folder, "prior.csv", "\n".join(
@@ -367,7 +368,7 @@ class TestPrior(RigTest):
     SIGMA = 0.1
 
     def with_prior(self, shift):
-        """A prior of cameras b and c, away from the free answer by shift of their sigma."""
+        """A prior of cameras b and c that differs from the free answer by `shift` sigma."""
         self.made()
         self.calibrate_well(self.folder, "--sigma", str(self.SIGMA))
         free = Adjusted(self.folder, self.out, ["a"])
@@ -503,7 +504,7 @@ class TestProgress(RigTest):
             try:
                 while data := os.read(master, 65536):
                     shown += data
-            except OSError:  # how a terminal ends
+            except OSError:  # this is how a terminal ends
                 pass
             out = run.stdout.read().decode()
         os.close(master)
@@ -514,12 +515,12 @@ class TestProgress(RigTest):
         places = {f"{k}{i}": (R, t + [0, 0, 0.02 * k]) for k in range(4)
                   for i, (R, t) in enumerate(self.PLACES.values())}
         self.made(places=places)  # 60 views
-        plain = self.calibrate_well(self.folder).stdout  # and nothing on stderr
+        plain = self.calibrate_well(self.folder).stdout  # and stderr is empty
         out, shown = self.run_on_terminal()
         self.assertEqual(out, plain)
         self.assertIn("rigcal: view 60 of 60", shown)
         self.assertIn("rigcal: adjusting the rig of 60 views, step 1", shown)
-        self.assertTrue(shown.endswith("\r\033[K"))  # and it is gone
+        self.assertTrue(shown.endswith("\r\033[K"))  # and it was removed
 
     def test_short_work_is_not(self):
         self.made()

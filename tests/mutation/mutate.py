@@ -50,7 +50,8 @@ RECORDED = pathlib.Path(__file__).with_name("recorded.csv")
 REPORT = pathlib.Path(__file__).with_name("RESULTS.md")
 EQUIVALENT = pathlib.Path(__file__).with_name("equivalent.txt")
 SEED = 22
-TESTS_MOST = 8  # of a mutant: its own layer's, and the nearest that include it; then hostile
+TESTS_MOST = 8  # tests of a mutant: of its own layer, and of the nearest layers that
+                # include it; then test_hostile
 SLOW = 20  # times the usual time of a test, and 10 s: then it hangs
 
 RELATIONS = {"<": "<=", "<=": "<", ">": ">=", ">=": ">", "==": "!=", "!=": "=="}
@@ -66,7 +67,7 @@ Mutant = collections.namedtuple("Mutant", "layer number line kind start end text
 
 
 class Source:
-    """A file of src/: its text and the places where it can be changed."""
+    """A file of src/: its text, and the places that can be changed."""
 
     def __init__(self, layer: str) -> None:
         self.layer = layer
@@ -87,7 +88,7 @@ class Source:
 
         depth = 0
         before = ""
-        untouched = -1  # the end of an assertion or a trace
+        untouched = -1  # the end of an assertion or trace was not reached yet
         begun = 0  # the statement
         tokens = [m for m in TOKEN.finditer(self.text) if not m[0].startswith(("/*", "//"))]
         for at, token in enumerate(tokens):
@@ -109,7 +110,7 @@ class Source:
                 elif word == "!":
                     add("condition", start, end, "")
                 elif re.fullmatch(r"\d+", word) and DECLARED.match(self.text[begun:start]):
-                    if int(word) > 1:  # a longer array harms nobody
+                    if int(word) > 1:  # a longer array does no harm
                         add("number", start, end, str(int(word) - 1))
                 elif re.fullmatch(r"\d+", word) and before not in ("case",):
                     add("number", start, end, str(int(word) + 1))
@@ -140,7 +141,7 @@ class Source:
 
 
 class Bench:
-    """How a file is compiled, and which tests a layer has."""
+    """How a file is compiled, and the tests of each layer."""
 
     def __init__(self, build: pathlib.Path) -> None:
         self.build = build
@@ -184,7 +185,7 @@ class Bench:
         return nearest + ["hostile"] * (bool(nearest) and "hostile" in self.link)
 
     def time_of(self, test: str) -> float:
-        """Seconds of the test without a mutant, measured once."""
+        """The seconds of a test without a mutant, measured once."""
         with self.lock:
             if test not in self.times:
                 start = time.monotonic()
@@ -197,7 +198,7 @@ class Bench:
             return self.times[test]
 
     def killer(self, source: Source, mutant: Mutant, tests: list[str], lane: int) -> str:
-        """The first of the tests that kills it, "compiler", or nothing."""
+        """The first test that kills the mutant, "compiler", or nothing."""
         changed, obj, program = (WORK / f"{self.build.name}-{lane}-{name}" for name in ("mutant.c", "mutant.o", "test"))
         changed.write_text(source.text[:mutant.start] + mutant.text + source.text[mutant.end:])
         command = [*self.compile[source.layer], f"-I{ROOT / 'src'}", "-o", str(obj), "-c", str(changed)]
@@ -218,7 +219,7 @@ class Bench:
 
 
 class Results:
-    """What is known of mutants: results.csv of this build folder, to which rows are appended."""
+    """The results so far: results.csv of this build folder. New rows are appended to it."""
 
     FIELDS = ["layer", "line", "kind", "key", "was", "became", "source", "tests", "killed_by", "seconds"]
 
@@ -245,8 +246,9 @@ class Results:
             self.take(row)
 
     def in_order(self, bench: Bench, layer: str, tests: list[str]) -> list[str]:
-        """The least time for a kill first. A test that ran on nothing yet counts as if it
-        had killed one mutant of two, or of ten if it is of another layer."""
+        """The order in which the tests are tried: the least expected time for a kill first.
+        A test that ran on nothing yet counts as if it had killed one mutant of two, or one
+        of ten if it belongs to another layer."""
         kills = self.kills[layer]
         total = sum(n for test, n in kills.items() if test != "compiler")
 
@@ -266,7 +268,7 @@ def digest_of_tests(tests: list[str]) -> str:
 
 
 def equivalents() -> dict[tuple[str, str, str, str], str]:
-    """{(layer, line, what was there, what came): why}."""
+    """{(layer, line, text before, text after): why}."""
     known = {}
     for number, line in enumerate(EQUIVALENT.read_text().splitlines(), 1):
         if line and not line.startswith("#"):
@@ -278,7 +280,7 @@ def equivalents() -> dict[tuple[str, str, str, str], str]:
 
 
 def key_of(source: Source, m: Mutant) -> tuple[str, str, str, str]:
-    """(layer, line, what was there, what came). "+ (2)" is the second + of its line."""
+    """(layer, line, text before, text after). "+ (2)" is the second + of its line."""
     was = source.text[m.start:m.end]
     before = source.text[source.text.rfind("\n", 0, m.start) + 1:m.start].count(was)
     return (source.layer, source.line(m.line), " ".join(was.split()) + f" ({before + 1})" * (before > 0), m.text.strip())
@@ -289,7 +291,7 @@ def place_of(m: Mutant) -> str:
 
 
 def kept(results: Results, source: Source, m: Mutant, tests: list[str]) -> dict[str, str] | None:
-    """What is known of a mutant, where it still holds."""
+    """The result of a mutant, if it is still valid."""
     row = results.known.get((source.layer, place_of(m)))
     if row and row["source"] == digest(source.path) and (row["killed_by"] or row["tests"] == digest_of_tests(tests)):
         return row
@@ -297,7 +299,8 @@ def kept(results: Results, source: Source, m: Mutant, tests: list[str]) -> dict[
 
 
 def shuffled(mutants: list[Mutant], source: Source, seed: int) -> list[Mutant]:
-    """An order that depends on the text of each mutant alone: a change of the file moves no other."""
+    """An order that depends only on the text of each mutant. A change of the file moves no
+    other mutant."""
     def place(m: Mutant) -> str:
         return hashlib.sha256(f"{seed} {key_of(source, m)}".encode()).hexdigest()
     return sorted(mutants, key=lambda m: (place(m), m.number))

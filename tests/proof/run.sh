@@ -33,7 +33,7 @@ prove() {
     for source in $sources; do
         files="$files src/rigcal_$source.c"
     done
-    # What is written depends on the status.
+    # Which outputs are written depends on the status.
     case $name in
     store) split=rigcal_store_info:0,check_bytes:0,is_length_right:0,rc_check_transform:0,rc_rotation_nearest:0 ;;
     linalg) split=invert_root:0,rc_sym3_factor:0,rc_sym6_factor_of:0 ;;

@@ -12,7 +12,7 @@
 
 enum { CAPACITY = 2, LOWER = 3 * CAPACITY * (6 * CAPACITY + 1) };
 
-/* Where version 2 has the role of the first camera. */
+/* The place of the first camera's role in version 2. */
 #define ROLE (32 + 4 * REAL_BYTES + 12)
 
 static uint8_t memory[LONGEST];

@@ -5,10 +5,10 @@
 
 #include "test_support.h"
 
-/* A second camera that looks roughly where the first does, from 1 aside. */
+/* A second camera that looks roughly in the direction of the first, at a distance of 1. */
 rigcal_transform test_beside(test_rng *rng);
 
-/* A point some way before both cameras. */
+/* A point at some distance in front of both cameras. */
 void test_point_ahead(double X[3], test_rng *rng);
 
 /* (X / Z, Y / Z, 1) */

@@ -1,5 +1,5 @@
-/* locate: a point from the views that are used, view by view: what is left after a search
- * that did not run straight, and where it ends. */
+/* locate: a point from the views that are used, view by view: its equations after a search
+ * with detours, and where it ends. */
 #include <math.h>
 #include <string.h>
 
@@ -18,7 +18,7 @@ static rigcal_calibrated_rig rig;
 static rigcal_sightings s;
 static rigcal_point_solver solver;
 
-/* Cameras about the origin, each of which sees a pixel of its own. */
+/* Cameras about the origin. Each sees a random pixel. */
 static void build(test_rng *rng, double spread_px)
 {
     rig.cameras = cameras;
@@ -73,8 +73,8 @@ static double sum_at(const double X[3])
     return sum;
 }
 
-/* Whatever way the search went, views' A are those of the point where it ends: of
- * (A^T A)^-1, which N is, the inverse is the sum over differences of the projections. */
+/* Whatever path the search took, the matrices A of the views belong to its final point:
+ * N^-1 must equal A^T A, by differences of the projections. */
 static void test_equations_are_those_of_the_point_that_is_found(void)
 {
     test_rng rng = test_seed(631);
@@ -116,7 +116,8 @@ static void test_equations_are_those_of_the_point_that_is_found(void)
             for (int j = 0; j < 3; j++) {
                 product += H[3 * (k / 3) + j] * D(solver.sums.N[AT[3 * j + k % 3]]);
             }
-            /* The last step is not evaluated: in float, of such residuals, it is longer. */
+            /* The last step is not evaluated. In float, with such residuals, it is
+             * longer. */
             ASSERT_NEAR(k % 4 == 0, product, TOL(1e-3, 6e-2));
         }
     }

@@ -1,4 +1,4 @@
-/* outline: the spans of a closed curve that is handed in piece by piece. The truth: a
+/* outline: the spans of a closed curve that is given piece by piece. The truth: a
  * circle. */
 #include <math.h>
 
@@ -9,7 +9,7 @@ enum { PIECES = 12, LAST = RIGCAL_SPANS_NODES - 1 };
 
 static rigcal_outline outline;
 
-/* The circle, in PIECES arcs of five nodes each, one way round or the other. */
+/* Adds the circle as PIECES arcs of five nodes each, in either direction. */
 static void add_circle(double u, double v, double radius, double from, int way)
 {
     const double step = way * 2 * TEST_PI / (PIECES * LAST);
@@ -34,7 +34,7 @@ static void assert_row(int32_t row, double left, double right, int32_t width)
     const double first = fmax(ceil(left), 0), last = fmin(floor(right), width - 1);
 
     if (fabs(left - round(left)) < 0.02 || fabs(right - round(right)) < 0.02) {
-        return; /* rounding decides */
+        return; /* here rounding decides */
     }
     TEST_ASSERT_EQUAL_UINT64(first <= last, n);
     if (n > 0) {
@@ -72,7 +72,7 @@ static void test_the_rows_of_a_circle_are_its_chords(void)
     }
 }
 
-/* A ring: its rows have two spans, or one. */
+/* A ring. Its rows have two spans, or one. */
 static void test_a_row_may_have_several_spans(void)
 {
     rigcal_span spans[RIGCAL_SPANS_ROW];

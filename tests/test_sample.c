@@ -25,7 +25,8 @@ static void test_a_stride_reaches_all(void)
     }
 }
 
-/* Random triples: three different points each, and each triple about as often. */
+/* Random triples: each has three different points, and all triples are about equally
+ * frequent. */
 static void test_random_triples_are_spread(void)
 {
     static int count[N][N][N];

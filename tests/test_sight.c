@@ -1,5 +1,5 @@
-/* sight: what one camera saw of a point: its ray, its derivatives, and what the calibration
- * adds to the covariance of two views. */
+/* sight: what one camera saw of a point: its ray, its derivatives, and what the error of
+ * the calibration adds to the covariance of two views. */
 #include <math.h>
 #include <string.h>
 
@@ -35,7 +35,8 @@ static void see(const double camera[15], const double ypr[3], const double t[3],
     test_to_real(seen.uv, uv, 2);
 }
 
-/* Of a pinhole, of mild lenses and of others, which are sought with more care. */
+/* For a pinhole, for mild lenses, and for other lenses, whose rays take a more careful
+ * search. */
 static void test_the_ray_points_to_what_was_seen(void)
 {
     test_rng rng = test_seed(641);
@@ -76,8 +77,8 @@ static void test_where_a_lens_images_nothing_the_ray_is_zero(void)
     }
 }
 
-/* The point on the other branch of a lens that turns back: it has the pixel, and is not
- * what was seen. */
+/* The point on the other branch of a lens that folds. It has the same pixel, but it was not
+ * seen. */
 static void test_a_point_beyond_the_lens_is_not_seen(void)
 {
     static const double ypr[3] = {0, 0, 0}, t[3] = {0, 0, 0}, X[3] = {0.5, 0, 1};
@@ -102,8 +103,8 @@ static void test_a_point_beyond_the_lens_is_not_seen(void)
     ASSERT_STATUS(RIGCAL_OK, rc_sight_move(&v, &s, 0, there));
 }
 
-/* C = B_a Sigma_ab B_b^T, element by element, of cameras in any order, one camera twice,
- * and held ones. */
+/* C = B_a Sigma_ab B_b^T, element by element, for cameras in any order, for one camera
+ * twice, and for held ones. */
 static void test_blocks_are_the_products(void)
 {
     enum { FREE = 18 };

@@ -1,4 +1,4 @@
-/* times: what is handed in of clocks, and the time of a view. The truth: made by hand. */
+/* times: the input of clocks, and the time of a view. The truth is made by hand. */
 #include "test_motions.h"
 
 static test_motions m;
@@ -70,7 +70,7 @@ static void test_times_must_rise(void)
     ASSERT_STATUS(RIGCAL_OK, adjust(&fit));
     TEST_ASSERT_EQUAL_INT32(RIGCAL_CLOCK_FREE, m.states[1]);
     m.times[4] = right;
-    for (int f = 0; f < 9; f++) { /* their rounding is more than their steps */
+    for (int f = 0; f < 9; f++) { /* their rounding is larger than their steps */
         m.times[f] = (rigcal_real)(TOL(1e14, 1e5) + f);
     }
     ASSERT_STATUS(RIGCAL_ERR_PRECISION, adjust(&fit));

@@ -1,5 +1,5 @@
-/* trial: which body explains the rows, and where it then is. The truth: a body of a made
- * rig that is moved by a known step. */
+/* trial: which body explains the rows, and where it is then. The truth: a simulated rig in
+ * which a body is moved by a known step. */
 #include <math.h>
 #include <string.h>
 

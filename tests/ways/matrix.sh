@@ -26,7 +26,8 @@ strict="-Wall -Wextra -Wpedantic -Wconversion -Wdouble-promotion -Wshadow -Werro
 tests="adjust bytes camera chain chance diagnose faults filter graph hostile judge join layout
     lens levenberg linalg locate match measure monitor neldermead p3p paper pose rig robust
     rotation score seeds spans store store_rig trial triangulate verdict watch"
-# What is linked anew for each program, all of the library optimised together, takes long.
+# Link-time optimisation compiles the whole library for each program, which takes long. So
+# only these tests are run.
 tests_lto="lens measure pose rig store"
 rm -rf "$out"
 mkdir -p "$out/seen"
@@ -41,7 +42,7 @@ row() {
     printf '| %s | %s | %s |\n' "$1" "$2" "$3" | tee -a "$out/$2.md"
 }
 
-# define REAL: what a compiler is told of the precision
+# define REAL: the options that set the precision
 define() {
     [ "$1" = double ] || echo -DRIGCAL_USE_FLOAT=1
 }
@@ -58,12 +59,12 @@ compile() {
         >"$folder/compiler.txt" 2>&1
 }
 
-# The code of the objects in a folder, as one number.
+# The code of all objects in a folder, as one checksum.
 code_of() {
     cat "$1"/*.o | sha256sum | cut -d' ' -f1
 }
 
-# run_tests FOLDER REAL COMPILER FLAG...: sets failed to the tests that fail
+# run_tests FOLDER REAL COMPILER FLAG...: sets `failed` to the tests that fail
 run_tests() {
     folder=$1
     built=build/gcc-$2
@@ -95,7 +96,7 @@ run_gate() {
         "-DRIGCAL_CONFIG_FILE=<count_hooks.h>" || return 1
     "$@" "build/gcc-$real/tests/CMakeFiles/gate.dir/gate/gate.c.o" "$counted"/*.o -lm \
         -o "$counted/gate"
-    # The depth of a stack is the option's; all other counts are asked for.
+    # The depth of the stack depends on the options. All other counts must be equal.
     "$counted/gate" check "tests/gate/expected_$real.txt" >"$counted/gate.txt" 2>&1 ||
         { grep -q '^gate: ' "$counted/gate.txt" &&
             ! grep ', now ' "$counted/gate.txt" | grep -qv '^stack\.'; }
@@ -296,7 +297,7 @@ whole() {
     echo "$count" >"$out/$real.count"
 }
 
-# The last result, for the tree.
+# Writes the last result for the tree.
 write_table() {
     echo '# The library by each compiler, standard and option'
     echo

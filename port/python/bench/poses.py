@@ -43,7 +43,7 @@ def scene(views: int) -> tuple[rigcal.Camera, np.ndarray, np.ndarray]:
 
 
 def in_c(camera, X, uv, repeats: int) -> list[float]:
-    """Microseconds a pose: with the package's library, and with the sources at -O3."""
+    """Microseconds for a pose: with the package's library, and with the sources at -O3."""
     numbers = [camera.fx, camera.fy, camera.cx, camera.cy, *camera.coefficients.values()]
     flags = ["-std=c99", "-D_DEFAULT_SOURCE", "-ffp-contract=off", "-DNDEBUG", "-O3"]
     sources = sorted((ROOT / "src").glob("*.c"))

@@ -1,4 +1,4 @@
-"""While a rig runs: has it moved, which camera, where is it now."""
+"""A rig that is in use: has it moved, which camera, where is it now."""
 
 from __future__ import annotations
 

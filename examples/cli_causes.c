@@ -378,8 +378,8 @@ static void collect_placement(wrong_views *w, calibration *c, size_t first, size
     }
 }
 
-/* Views that were not told of yet. Of views that contradict a view that was told of, none
- * is named. */
+/* Names the views without a message so far. Views that contradict a view with a message are
+ * not named. */
 static void find_wrong_placements(calibration *c)
 {
     const cli_observation **place = points_in_rig(c);

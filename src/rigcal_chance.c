@@ -26,8 +26,8 @@ enum { FRACTION_STEPS = 2000 };
 
 /* ---- facts --------------------------------------------------------------- */
 
-/* 2^90, in which large expected numbers are counted, lest they overflow on the way to a
- * small one. */
+/* 2^90. Large expected numbers are counted in this unit, so that they do not overflow
+ * before they become small. */
 #define EXPECTED_UNIT RC(1.237940039285380274899124224e27)
 
 /* Numerators and denominators of both quotients of rc_normal_within, by ascending powers

@@ -23,8 +23,8 @@ enum { SURE_LEAST = 2 };
  * by chance. */
 enum { SURE_RUNG = 2 };
 
-/* pairs: so many are scored for each camera, those that share most information. More take
- * more time. */
+/* pairs: the number that is scored for each camera, those that share most information. More
+ * take more time. */
 enum { PAIRS_MOST = 3 };
 
 /* views: of a placement, those of most information, that may place it. */

@@ -7,7 +7,8 @@
 /* standard deviations: a normal variable exceeds this once in a hundred times. */
 #define DEVIATIONS RC(2.326)
 
-/* chi squared of 2: it exceeds this once in a hundred times. A view below it agrees. */
+/* chi squared with 2 degrees of freedom: it exceeds this once in a hundred times. A view
+ * below it agrees. */
 #define AGREES RC(9.21)
 
 /* views: every pair is tried if there are no more than this. */

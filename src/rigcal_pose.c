@@ -38,7 +38,7 @@ enum { REFINE_EVALS = 100 };
 /* px: mirrored points are suspected only if the error is above this noise. */
 #define MIRROR_NOISE RC(0.1)
 
-/* odds: mirrored points are believed only if they are so many times as likely. */
+/* odds: mirrored points are believed only if they are this many times as likely. */
 #define MIRROR_ODDS RC(100)
 
 /* rad: if the standard deviation of the rotation is larger than this, the points hardly fix
@@ -240,8 +240,8 @@ static void seeding_step(rigcal_pose_solver *s)
 }
 
 /* Ends a warm start. If it ended elsewhere than at the pose, its error shows that. If
- * hardly any data support it, it is dropped too: the search tells what is wrong with the
- * data. */
+ * hardly any data support it, it is dropped too: the status of the search then names what
+ * is wrong with the data. */
 static void end_warm(rigcal_pose_solver *s)
 {
     rigcal_optima *const optima = &s->search.optima;

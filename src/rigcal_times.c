@@ -10,7 +10,8 @@
  * It is less than two because a curve through a gap is not known well enough. */
 #define STEP_LONGEST RC(1.6)
 
-/* part of a frame: the times tell nothing about clocks if their rounding is larger. */
+/* part of a frame: the times contain no information on clocks if their rounding is
+ * larger. */
 #define ROUNDING_MOST RC(0.001)
 
 /* frames: the largest offset of a clock. Frame numbers then fit an int32_t. */

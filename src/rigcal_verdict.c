@@ -235,7 +235,7 @@ static void put_clocks(writer *w)
     }
 }
 
-/* Writes the size of a fault. It has no sign if the words tell the direction. */
+/* Writes the size of a fault. It has no sign if the words state the direction. */
 static void put_size(writer *w)
 {
     const rigcal_fault *const f = w->fault;

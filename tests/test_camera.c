@@ -411,7 +411,7 @@ static void test_no_error_is_told_of_points_that_cannot_be_seen(void)
     ASSERT_UNTOUCHED(worst);
 }
 
-/* A pixel that is no number is told before a point that is out of range. */
+/* A pixel that is no number is reported before a point that is out of range. */
 static void test_what_is_no_number_is_told_first(void)
 {
     const rigcal_transform same = test_transform(NULL, NULL);

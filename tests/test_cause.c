@@ -525,7 +525,7 @@ static void test_permutations_are_checked(void)
     ASSERT_STATUS(RIGCAL_OK, CAUSE);
     symmetries.n_points = 2;
     ASSERT_REFUSED(RIGCAL_ERR_TOO_FEW, cause, CAUSE);
-    symmetries.n_points = BOARD_POINTS / 2; /* no view has so many */
+    symmetries.n_points = BOARD_POINTS / 2; /* no view has this number of points */
     permutations[5] = 0;
     symmetries.n_permutations = 1;
     ASSERT_REFUSED(RIGCAL_ERR_RANGE, cause, CAUSE);

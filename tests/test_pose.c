@@ -1002,7 +1002,7 @@ static void test_the_observation_at_fault_is_told(void)
     at_fault = -2;
     ASSERT_STATUS(RIGCAL_OK,
                   rigcal_pose_begin(&solver, &at_fault, &VIEW(&p.camera, p.o, NULL, 6),
-                                    NULL)); /* rays are for the steps */
+                                    NULL)); /* the steps check the rays */
     TEST_ASSERT_EQUAL_INT(-1, at_fault);
     ASSERT_STATUS(RIGCAL_OK, rigcal_pose_step(&solver, 300));
     ASSERT_STATUS(RIGCAL_UNSEEN_POINT,

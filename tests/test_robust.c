@@ -530,7 +530,8 @@ static void test_a_threshold_of_two_sigma_gives_the_right_pose(void)
     }
 }
 
-/* The pixels are so many and so sure that rounding alone is more than the threshold. */
+/* There are so many pixels, and so exact, that rounding alone is more than the
+ * threshold. */
 static void test_a_threshold_below_rounding_has_no_consensus(void)
 {
     const rigcal_real larger = 10000;

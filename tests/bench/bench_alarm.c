@@ -6,7 +6,7 @@
  *   bench_alarm watched FRAMES ARL0 COMMON [CASE]  the whole monitor, which begins with
  *                                                  0.05 degrees and 2 mm
  *
- * Tables, of so many frames a case; 1e7 take an hour. */
+ * FRAMES is the number of frames in each case; 1e7 take an hour. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

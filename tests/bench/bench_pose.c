@@ -1,12 +1,12 @@
 /* bench_pose: the figures of BENCHMARKS.md about rigcal_pose_solve, as Markdown.
  *
  *   bench_pose minima [SCENES] [SIGMA_PX] [--known] [--list]
- *       whether the best minimum is found, and how good it is; --known: the noise
- *       is told to the solver; --list: the scenes that went wrong, on stderr
+ *       whether the best minimum is found, and how good it is; --known: the solver knows
+ *       the noise; --list: the scenes that went wrong, on stderr
  *   bench_pose replay FAMILY N INDEX [SIGMA_PX]
  *       one of those scenes: its minima, and what was returned
  *   bench_pose coverage [SCENES]
- *       whether the covariance tells the truth
+ *       whether the covariance is right
  *   bench_pose answers [SCENES] [SIGMA_PX] | bench_pose compare [SCENES] [SIGMA_PX]
  *       the first of a double build piped to the second of a float build
  *   bench_pose solve FAMILY N COUNT [warm]

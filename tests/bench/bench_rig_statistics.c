@@ -1,6 +1,7 @@
-/* bench_rig_statistics: how far adjusted rigs are from the truth, by what their covariances
- * tell. Two to eight cameras stand in an arc; a board, a spatial target or the corners of a
- * tag is in 5 to 50 placements, of which a camera sees 30 to 100 %. Noise is 0.3 px.
+/* bench_rig_statistics: how far adjusted rigs are from the truth, in units of their
+ * covariances. Two to eight cameras stand in an arc; a board, a spatial target or the
+ * corners of a tag is in 5 to 50 placements, of which a camera sees 30 to 100 %. Noise is
+ * 0.3 px.
  *
  *   bench_rig_statistics RIGS [SEED]
  *       two tables in Markdown: a line a number of cameras, a target, a lens

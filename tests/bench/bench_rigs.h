@@ -2,7 +2,7 @@
  *
  * Cameras of 800 px with a Brown lens stand in an arc about a target of random points in a
  * box of 1 x 1 x 0.5, 5 away. Every camera sees every placement, with 0.3 px noise. A rig
- * is told by its numbers of cameras, placements and points, and by a seed. */
+ * is defined by its numbers of cameras, placements and points, and by a seed. */
 #ifndef BENCH_RIGS_H
 #define BENCH_RIGS_H
 

@@ -1,8 +1,8 @@
 /* bench_scenes.h - the random scenes that the benchmarks of a pose share, and what
  * the truth says of a pose.
  *
- * A scene is told by its family, its number of points and its index, so that any of
- * them can be had again alone. */
+ * A scene is defined by its family, its number of points and its index, so any scene can be
+ * made again alone. */
 #ifndef BENCH_SCENES_H
 #define BENCH_SCENES_H
 

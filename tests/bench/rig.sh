@@ -12,7 +12,7 @@
 # The rigs are those of bench_rigs.h: cameras x placements x points. Nothing is printed of a
 # rig unless all sums of squares agree to 1e-8, the cameras' poses to 0.01 of their standard
 # deviations and Ceres's covariances to 1e-4. Every method's line is in build/rig/all_*.txt,
-# those of SciPy that do not end there are told on stderr.
+# those of SciPy that do not end there are named on stderr.
 set -eu
 cd "$(dirname "$0")/../.."
 . tests/support/packages.sh

@@ -8,7 +8,7 @@ kept; of the random placements, the first third are judged by fits. --all makes 
 
 The last bit of another math library may change the numbers: up to a hundredth of
 the guesses of a map, up to a fiftieth of a number. Then this checks that
-  - the tables agree with each other where two of them tell the same,
+  - the tables agree with each other where two of them have the same numbers,
   - every claim has the answer that is known, judged from the new numbers,
   - independent fits confirm the solver that needs no guess,
   - README and figures are made from the numbers kept.

@@ -3,7 +3,7 @@
 
 Runs the tests of this file, of every test_*.py beside it, and of every
 tests/regression/cli_*.py. RIGCAL_BIN and RIGCAL_ROOT: see cli_support.py.
--v tells measured figures.
+-v prints measured figures.
 """
 import glob
 import importlib.util

@@ -1,8 +1,8 @@
 #!/bin/sh
 # The fuzz harnesses, with the address and undefined-behaviour sanitizers.
 #
-#   sh tests/fuzz/run.sh                   each from the corpus in double: so many inputs, always
-#                                          the same; a step of CI
+#   sh tests/fuzz/run.sh each from the corpus in double, with the same inputs each time; a
+#                                          step of CI
 #   sh tests/fuzz/run.sh float             the same in float
 #   sh tests/fuzz/run.sh msan              the inputs found so far, under the memory sanitizer
 #   sh tests/fuzz/run.sh campaign SECONDS [HARNESS...]

@@ -11,8 +11,8 @@
  * and at the end that
  *
  *   - each bump was told within ALARM_FRAMES, and mended within SETTLE_FRAMES after that
- *   - the alarms of a rig that stood still are no more than the stated rate allows, but for
- *     a chance of 1e-4, and the wrong names no more than the stated confidences allow
+ *   - the alarms of a rig at rest are no more than the stated rate allows, except by a
+ *     chance of 1e-4, and wrong names no more than the stated probabilities allow
  *
  *   firmware_long [TICKS [SEED]]     status 1 and a line when one of these is broken */
 #include <math.h>

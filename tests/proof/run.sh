@@ -1,7 +1,7 @@
 #!/bin/sh
 # Proofs by Frama-C's Eva: no access out of bounds, to memory that is not there or not written,
 # no overflow of a signed integer, no shift or conversion that C leaves undefined. An alarm is
-# a failure. Eva follows every execution; it knows no values but those that it is told.
+# a failure. Eva follows every execution; it knows only the values that a harness states.
 #
 #   sh tests/proof/run.sh         everything, by hand
 #   sh tests/proof/run.sh short   a sample

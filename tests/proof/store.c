@@ -1,5 +1,5 @@
 /* For Frama-C's Eva: whatever the bytes, the reader of stored calibrations accesses nothing
- * out of bounds. tests/proof/run.sh tells how it runs.
+ * out of bounds. tests/proof/run.sh runs it.
  *
  * Lengths from SHORTEST to LONGEST are tried one by one, each with an array that ends where
  * the bytes do. All bytes are unknown, but three fields of the header, REAL_BYTES, VERSION

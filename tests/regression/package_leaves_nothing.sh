@@ -1,5 +1,5 @@
 #!/bin/sh
-# port/package.sh needs no Python but for the single file, says what is missing, and leaves
+# port/package.sh needs Python only for the single file, says what is missing, and leaves
 # nothing behind when it fails: neither a part of a package nor a temporary folder.
 #
 #   sh tests/regression/package_leaves_nothing.sh FOLDER

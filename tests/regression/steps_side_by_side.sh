@@ -1,7 +1,7 @@
 #!/bin/sh
 # The steps of tests/run.sh that run side by side: each runs once; two that need the same
-# folder never at the same time; one that fails, or is killed, is told and stops no other; a
-# signal ends all that runs.
+# folder never at the same time; one that fails, or is killed, is reported and stops no
+# other; a signal ends all that runs.
 #
 #   sh tests/regression/steps_side_by_side.sh FOLDER
 set -u

@@ -2,8 +2,8 @@
 # The library by each compiler, standard and option that it is promised for.
 #
 #   sh tests/ways/matrix.sh [SECONDS]
-#                                   everything; writes tests/ways/MATRIX.md. By hand. What has
-#                                   not begun after so many seconds, 100000, is "not run".
+#                                   everything; writes tests/ways/MATRIX.md. By hand. What
+#                                   has not begun after SECONDS (100000) is "not run".
 #   sh tests/ways/matrix.sh short   what CI has time for
 #
 # Each combination compiles src/ with the project's warnings as errors. Unit tests of

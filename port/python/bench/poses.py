@@ -5,8 +5,8 @@
 
 rigcal must be installed in this Python; gcc compiles the program in C, once with the
 package's own library and once with the sources at -O3. Views of 8 points through a
-distorted lens. Prints a table for README.md: seconds of a processor, but for threads,
-which are seconds of the clock. The least of the repeats counts.
+distorted lens. Prints a table for README.md: seconds of a processor; with threads, seconds
+of the clock. The least of the repeats counts.
 """
 
 from __future__ import annotations

@@ -92,7 +92,7 @@ FAST = 1 + 2 + 8  # cv2.CALIB_CB_ADAPTIVE_THRESH, _NORMALIZE_IMAGE, _FAST_CHECK
 
 
 def _sizes(board: Chessboard, by: int) -> list[tuple[int, int]]:
-    """Sizes that differ from the one given by at most so many, the nearest first."""
+    """Sizes that differ from the given one by at most `by`, the nearest first."""
     given = (max(board.columns, board.rows), min(board.columns, board.rows))
     columns = range(max(3, given[0] - by), given[0] + by + 1)
     rows = range(max(3, given[1] - by), given[1] + by + 1)

@@ -78,7 +78,7 @@ def read_picture(picture: Any) -> Image:
 
 @dataclass(frozen=True)
 class Looks:
-    """What is told of a picture: size (width, height), channels, bits of a value, and by
+    """What is known of a picture: size (width, height), channels, bits of a value, and by
     how many degrees its EXIF says that it is turned."""
 
     size: tuple[int, int]

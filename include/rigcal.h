@@ -593,9 +593,9 @@ RIGCAL_API rigcal_status rigcal_robust_step(rigcal_robust_solver *solver, int32_
  * RIGCAL_MOST_DISAGREE: fewer than half of all points agree. The pose is no chance, but may
  *     be that of a part of the target, as of a grid shifted by one square.
  * OK.
- * ERR_NO_CONSENSUS: no more agree than chance makes agree.
- * ERR_NULL, ERR_RANGE, ERR_STATE, ERR_NO_POSE, ERR_DEGENERATE, and what rigcal_pose_begin
- * says of the points that agree. */
+ * ERR_NO_CONSENSUS: no more agree than chance makes agree, or those that agree are too few
+ *     for a pose, or lie on a line.
+ * ERR_NULL, ERR_RANGE, ERR_STATE, ERR_NO_POSE, ERR_DEGENERATE. */
 RIGCAL_API rigcal_status rigcal_robust_result(rigcal_pose poses[], size_t capacity,
                                               size_t *n_found, size_t *n_inliers,
                                               const rigcal_robust_solver *solver);

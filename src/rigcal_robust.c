@@ -297,7 +297,8 @@ static void rescoring_step(rigcal_robust_solver *s)
 
 /* ---- the points that agree ------------------------------------------------ */
 
-/* Begins to solve the pose of the marked points. The phase is DONE if it cannot. */
+/* Begins to solve the pose of the marked points. The phase is DONE if they are too few, or
+ * on a line. */
 static void begin_solving(rigcal_robust_solver *s)
 {
     rigcal_pose_options options;
@@ -305,11 +306,10 @@ static void begin_solving(rigcal_robust_solver *s)
     (void)rigcal_pose_defaults(&options);
     options.sigma_px = s->sigma_px;
     rc_points_of(&agreeing, &s->points.view, s->inliers);
-    const rigcal_status status = rc_pose_begin(&s->work.pose, NULL, &agreeing, &options);
-    if (status == RIGCAL_OK) {
+    if (rc_pose_begin(&s->work.pose, NULL, &agreeing, &options) == RIGCAL_OK) {
         s->phase = SOLVING;
     } else {
-        fail(s, (status == RIGCAL_ERR_TOO_FEW) ? RIGCAL_ERR_NO_CONSENSUS : status);
+        fail(s, RIGCAL_ERR_NO_CONSENSUS);
     }
 }
 

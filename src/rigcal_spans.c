@@ -205,8 +205,8 @@ static int add_node(rigcal_spans_solver *s)
         s->length /= 2;
         s->stride /= 2;
         s->is_closing = 1;
-        s->is_last = 0;
-        return s->length > CLOSED_PX && aim(s);
+        (void)aim(s);
+        return s->length > CLOSED_PX;
     }
     s->u[s->node] = uv[0];
     s->v[s->node] = uv[1];
@@ -253,10 +253,12 @@ static void go_round(rigcal_spans_solver *s, const rigcal_real from[2],
     rigcal_real a[3] = {0, 0, 0}, b[3] = {0, 0, 0}, at[2] = {from[0], from[1]};
     const rigcal_real a2 = normalise(a, s, from[0], from[1]);
     const rigcal_real b2 = normalise(b, s, to[0], to[1]);
-    if (!cuts_circle(s, a, a2, b, b2) || !rc_vec3_unit(a, a) || !rc_vec3_unit(b, b)) {
+    if (!cuts_circle(s, a, a2, b, b2)) {
         add_line(s, from, to);
         return;
     }
+    (void)rc_vec3_unit(a, a); /* the line passes the axis between them: neither is on it */
+    (void)rc_vec3_unit(b, b);
     const rigcal_real way = (cross2(a, b) < 0) ? RC(-1) : RC(1);
     const rigcal_real aside[3] = {way * (b[1] - a[1]), way * (a[0] - b[0]), 0};
     rigcal_real between[3] = {b[0], b[1], 0};

@@ -530,33 +530,64 @@ static void test_a_threshold_of_two_sigma_gives_the_right_pose(void)
     }
 }
 
-/* There are so many pixels, and so exact, that rounding alone is more than the
- * threshold. */
-static void test_a_threshold_below_rounding_has_no_consensus(void)
+/* The image has so many pixels, and the noise is so small, that rounding decides which
+ * points agree. */
+static rigcal_status solve_to_rounding(problem *p, int n, double threshold)
 {
-    const rigcal_real larger = 10000;
-    rigcal_real sigma[6];
-    test_rng rng = test_seed(16);
+    const rigcal_real larger = 50;
     rigcal_robust_options options;
-    problem p;
+    rigcal_real sigma[N_MAX];
 
     ASSERT_STATUS(RIGCAL_OK, rigcal_robust_defaults(&options));
-    options.threshold_px = RC(1e-6);
+    options.threshold_px = RC(threshold);
+    options.samples = 200;
+    p->camera.fx *= larger;
+    p->camera.fy *= larger;
+    p->camera.cx *= larger;
+    p->camera.cy *= larger;
+    p->camera.width *= 50;
+    p->camera.height *= 50;
+    for (int i = 0; i < n; i++) {
+        p->o[i].uv[0] *= larger;
+        p->o[i].uv[1] *= larger;
+        sigma[i] = RC(TOL(1e-6, 1));
+    }
+    return rigcal_robust_solve(p->poses, RIGCAL_POSES_MAX, &p->n_found, p->inliers,
+                               &p->n_inliers, NULL,
+                               &VIEW(&p->camera, p->o, sigma, (size_t)n), &options);
+}
+
+static void test_a_threshold_below_rounding_has_no_consensus(void)
+{
+    test_rng rng = test_seed(16);
+    problem p;
+
     for (int trial = 0; trial < TEST_TRIALS(20); trial++) {
         make(&p, &rng, 6, TEST_GENERAL);
-        p.camera.fx *= larger;
-        p.camera.fy *= larger;
-        p.camera.cx *= larger;
-        p.camera.cy *= larger;
-        for (int i = 0; i < 6; i++) {
-            p.o[i].uv[0] *= larger;
-            p.o[i].uv[1] *= larger;
-            sigma[i] = RC(1e-6);
+        ASSERT_STATUS(RIGCAL_ERR_NO_CONSENSUS, solve_to_rounding(&p, 6, 1e-6));
+    }
+}
+
+/* Where the last bits decide, the marks change with every pose. The search ends all the
+ * same. With a threshold 30 times as wide all points agree. */
+static void test_marks_that_rounding_decides_end(void)
+{
+    for (int trial = 0; trial < TEST_TRIALS(20); trial++) {
+        for (int is_wide = 0; is_wide < 2; is_wide++) {
+            test_rng rng = test_seed(900 + (uint64_t)trial);
+            problem p;
+
+            make(&p, &rng, 20, TEST_GENERAL);
+            test_observations(p.o, &p.scene, &p.camera); /* without noise */
+            const rigcal_status status =
+                solve_to_rounding(&p, 20, TOL(3e-6, 1e-3) * (is_wide ? 30 : 1));
+            TEST_ASSERT_TRUE(status >= 0 ||
+                             (!is_wide && status == RIGCAL_ERR_NO_CONSENSUS));
+            if (status >= 0) {
+                TEST_ASSERT_TRUE(least_error(&p, p.poses, p.n_found) < TOL(1e-9, 1e-3));
+                TEST_ASSERT_TRUE(!is_wide || p.n_inliers == 20);
+            }
         }
-        ASSERT_STATUS(RIGCAL_ERR_NO_CONSENSUS,
-                      rigcal_robust_solve(p.poses, RIGCAL_POSES_MAX, &p.n_found, p.inliers,
-                                          &p.n_inliers, NULL,
-                                          &VIEW(&p.camera, p.o, sigma, 6), &options));
     }
 }
 
@@ -692,6 +723,7 @@ TEST_MAIN()
     RUN_TEST(test_all_triples_are_tried_once);
     RUN_TEST(test_a_threshold_of_two_sigma_gives_the_right_pose);
     RUN_TEST(test_a_threshold_below_rounding_has_no_consensus);
+    RUN_TEST(test_marks_that_rounding_decides_end);
     RUN_TEST(test_what_agrees_may_have_no_pose);
     RUN_TEST(test_points_on_a_line_are_refused);
     RUN_TEST(test_options_out_of_range_are_refused);

@@ -296,6 +296,75 @@ static void test_too_little_room_is_refused(void)
                    rigcal_spans_result(spans, all - 1, &n, &solver));
 }
 
+/* ---- lenses for which nothing is promised ---------------------------------- */
+
+/* A lens that nearly folds in a ring: 1 + 3 k1 s + 5 k2 s^2 has its least value, a few
+ * thousandths, at s = r^2 = -3 k1 / (10 k2). Bands as wide as the ring and wider. */
+static void make_wild(test_bands *scene, test_rng *rng)
+{
+    test_bands_random(scene, rng, TEST_PINHOLE, 16 * SIDE);
+    scene->b.k2 = RC(exp(test_uniform(rng, log(2), log(80))));
+    scene->b.k1 = RC(-sqrt(20.0 / 9 * D(scene->b.k2) * test_uniform(rng, 0.9, 0.9999)));
+    scene->b.fx = RC(D(scene->b.width) * exp(test_uniform(rng, log(0.1), log(1.2))));
+    scene->b.fy = RC(D(scene->b.fx) * test_uniform(rng, 0.9, 1.1));
+    scene->pair.sigma_b =
+        RC(D(scene->b.fx) * exp(test_uniform(rng, log(1e-3), 0)) / D(scene->pair.k));
+}
+
+/* The spans of each row are in order and in the image. */
+static void assert_rows_in_order(const rigcal_camera *lens)
+{
+    for (int32_t row = 0; row < lens->height; row++) {
+        size_t n = 0;
+
+        ASSERT_STATUS(RIGCAL_OK, rigcal_spans_row(spans, &n, &solver, row));
+        TEST_ASSERT_TRUE(n <= RIGCAL_SPANS_ROW);
+        for (size_t i = 0; i < n; i++) {
+            TEST_ASSERT_EQUAL_INT32(row, spans[i].row);
+            TEST_ASSERT_TRUE(0 <= spans[i].first && spans[i].first <= spans[i].last);
+            TEST_ASSERT_TRUE(spans[i].last < lens->width);
+            TEST_ASSERT_TRUE(i == 0 || spans[i].first > spans[i - 1].last);
+        }
+    }
+}
+
+static void assert_no_row_has_an_answer(void)
+{
+    size_t n = 7;
+
+    ASSERT_STATUS(RIGCAL_ERR_STATE, rigcal_spans_row(spans, &n, &solver, 0));
+    ASSERT_STATUS(RIGCAL_ERR_STATE, rigcal_spans_result(spans, SPANS_MAX, &n, &solver));
+    TEST_ASSERT_EQUAL_UINT64(7, n);
+}
+
+/* Such a band has rows in order, or more arcs than there is room for. */
+static void test_a_lens_that_nearly_folds_ends_the_search_all_the_same(void)
+{
+    enum { SCENES = 600 };
+    int too_many = 0;
+
+    for (int i = 0; i < TEST_TRIALS(SCENES); i++) {
+        test_rng rng = test_seed(4900 + (uint64_t)i);
+        test_bands scene;
+        rigcal_band band;
+
+        make_wild(&scene, &rng);
+        if (rigcal_band_make(&band, &scene.pair, scene.uv_a) != RIGCAL_OK ||
+            rigcal_spans_begin(&solver, &band) != RIGCAL_OK) {
+            continue; /* no line, or a band without two borders */
+        }
+        const rigcal_status status = rigcal_spans_step(&solver, RIGCAL_SPANS_UNITS);
+        if (status == RIGCAL_ERR_DEGENERATE) {
+            assert_no_row_has_an_answer();
+            too_many++;
+        } else {
+            ASSERT_STATUS(RIGCAL_OK, status);
+            assert_rows_in_order(&scene.b);
+        }
+    }
+    TEST_ASSERT_TRUE(TEST_TRIALS(SCENES) < SCENES || too_many > 0);
+}
+
 TEST_MAIN()
 {
     RUN_TEST(test_spans_hold_the_band_and_at_most_a_pixel_more_at_each_end);
@@ -307,4 +376,5 @@ TEST_MAIN()
     RUN_TEST(test_the_spans_are_the_same_whatever_the_budgets);
     RUN_TEST(test_rows_may_come_in_any_order);
     RUN_TEST(test_too_little_room_is_refused);
+    RUN_TEST(test_a_lens_that_nearly_folds_ends_the_search_all_the_same);
 }

@@ -203,7 +203,7 @@ static void scan_of(rc_scan *scan, const rigcal_faults_solver *s, int32_t camera
 
 /* ---- a view ------------------------------------------------------------ */
 
-/* Adds how much of the view's disagreement lies along its motion (H12). Q and q are those
+/* Adds how much of the view's disagreement lies along its motion (H14). Q and q are those
  * of the clock. */
 static void add_along(rigcal_faults_solver *s, rigcal_real Q, rigcal_real q,
                       rigcal_real disagreement)

@@ -27,7 +27,7 @@ static void walk(const rc_monitor *m, rigcal_real seconds)
     rc_filter_factor(f->UD, f->n);
 }
 
-/* (M14) Weighs the frame, and raises the alarm if the evidence suffices. */
+/* (A5) Weighs the frame, and raises the alarm if the evidence suffices. */
 static void weigh(rc_monitor *m)
 {
     rc_monitor_head *const head = &m->top.head;

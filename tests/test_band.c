@@ -1,5 +1,5 @@
 /* band: where the match of a pixel can be in another image. The truth is made with the
- * derivatives of (G24), one by one, in double (support/test_bands.h). */
+ * derivatives of (M3), one by one, in double (support/test_bands.h). */
 #include <math.h>
 #include <string.h>
 

@@ -1,5 +1,5 @@
 /* edge: the pixel of a band's border over one place of its line. The truth: the six
- * derivatives of (G24) at that pixel. */
+ * derivatives of (M3) at that pixel. */
 #include <math.h>
 #include <string.h>
 

@@ -176,7 +176,7 @@ typedef struct {
     double residual, condition;
 } objective;
 
-/* (14), (15), (13c) at the searched angles; with three angles (5). */
+/* (14), (15) at the searched angles; with three angles (5). */
 static objective objective_at(const rigcal_paper_options *o, int eliminate,
                               const double ypr[3])
 {

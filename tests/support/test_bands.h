@@ -1,5 +1,5 @@
 /* test_bands.h - two random cameras with any lens, and the truth about a pixel of each, in
- * double. It uses the six derivatives of (G24), one after the other. The library has one
+ * double. It uses the six derivatives of (M3), one after the other. The library has one
  * covariance of the line instead. */
 #ifndef TEST_BANDS_H
 #define TEST_BANDS_H

@@ -7,8 +7,8 @@
 
 /* ---- constants ----------------------------------------------------------- */
 
-/* halvings: of an interval that holds a median. Its error is then 2^-60 of the largest
- * number. */
+/* halvings: an interval that holds a median is halved this many times. The error is then
+ * 2^-60 of the largest number. */
 enum { RC_HALVINGS = 60 };
 
 /* ---- scores -------------------------------------------------------------- */

@@ -20,8 +20,8 @@
 /* 1: from here on Stirling's series is exact to 3e-10. A smaller x is raised first. */
 #define STIRLING_FROM RC(8)
 
-/* steps: of the continued fraction. It needs some ten cube roots of the degrees of
- * freedom. */
+/* steps: the most of the continued fraction. It needs about ten times the cube root of the
+ * degrees of freedom. */
 enum { FRACTION_STEPS = 2000 };
 
 /* ---- facts --------------------------------------------------------------- */

@@ -8,8 +8,8 @@
  * be some hundredths of it. */
 #define SETTLED_PX RC_TOL(1e-5, 0.05)
 
-/* rounds: to find a place of a border, usually 1 or 2. Where the lens folds all are
- * used. */
+/* rounds: the most to find a place of a border, usually 1 or 2. Where the lens folds, all
+ * are used. */
 enum { ROUNDS_MAX = 24 };
 
 /* 1: a height over the line, as a tangent, above which it is proved that the lens sees the

@@ -14,7 +14,8 @@
  * 100. */
 #define ALIKE_MOST RC(9.2)
 
-/* part of F - 1: that a fault must explain to be the reason, if F stays significant. */
+/* part of F - 1: a fault must explain at least this much to be the reason, if F stays
+ * significant. */
 #define EXPLAINS_LEAST RC(0.5)
 
 /* part of the sum: no gain may take more, or the logarithm of 0 follows. */

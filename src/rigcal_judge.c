@@ -5,8 +5,8 @@
 
 /* ---- constants ----------------------------------------------------------- */
 
-/* rounds: of naming. Each round takes the worst view of every placement. Wrong views that
- * it hides follow in the next round. */
+/* rounds: wrong views are named in at most this many rounds. Each round takes the worst
+ * view of every placement. Wrong views that it hides follow in the next round. */
 enum { ROUNDS = 3 };
 
 /* ---- what is handed in ------------------------------------------------------ */

@@ -14,7 +14,7 @@
 /* views: every pair is tried if there are no more than this. */
 enum { ALL_PAIRS = 16 };
 
-/* reals: that a ranked pair takes: its parallax and its two views. */
+/* reals: the memory of a ranked pair: its parallax and its two views. */
 enum { PAIR_REALS = 3 };
 
 /* ---- memory -------------------------------------------------------------- */

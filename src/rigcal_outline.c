@@ -22,13 +22,13 @@
 /* rows: a longer arc is divided if no polynomial in v fits it. */
 #define PART_ROWS RC(16)
 
-/* parts: into which such an arc is divided. */
+/* parts: such an arc is divided into this many. */
 enum { PARTS = 4 };
 
 /* arcs: none is divided if there are more. */
 enum { ARCS_TO_PART = RIGCAL_SPANS_ARCS / 2 };
 
-/* steps: of Newton's method for a crossing, usually 2. */
+/* steps: the most of Newton's method for a crossing, usually 2. */
 enum { CROSSING_STEPS = 24 };
 
 enum { NODES = RIGCAL_SPANS_NODES, LAST = NODES - 1 };

@@ -20,8 +20,8 @@ enum { ALL_PAIRS_UP_TO = 9 };
 /* pairs: each point has this many, if there are more than ALL_PAIRS_UP_TO points. */
 enum { PARTNERS = 4 };
 
-/* rounds: in which those pairs are chosen: 4, and as many again because pairs may be left
- * out. */
+/* rounds: those pairs are chosen in at most this many: 4, and as many again because pairs
+ * may be left out. */
 enum { ROUNDS_MAX = 8 };
 
 /* 1: how far the square of a unit vector may be from 1. It allows for a vector that was

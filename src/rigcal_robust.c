@@ -69,7 +69,7 @@ enum { ROUNDS = 8 };
 /* part: a smaller misfit counts as this. Noise and the wrong pixels make as much. */
 #define MISFIT_LEAST RC(0.1)
 
-/* poses expected by chance: from this on there is no pose. */
+/* poses expected by chance: with this number or more, no pose is returned. */
 #define CHANCE_MOST RC(0.3)
 
 enum {

@@ -17,7 +17,7 @@
 /* frames: the largest offset of a clock. Frame numbers then fit an int32_t. */
 #define FRAMES_MOST RC(1e6)
 
-/* halvings: to find the median step. It is then exact to float's rounding. */
+/* halvings: the median step is found by this many. It is then exact to float's rounding. */
 enum { HALVINGS = 24 };
 
 /* ---- what is handed in --------------------------------------------------- */

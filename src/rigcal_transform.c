@@ -2,8 +2,8 @@
 
 /* ---- constants ----------------------------------------------------------- */
 
-/* steps: to the mean of rotations, usually 2 or 3. It bounds the worst case, which the
- * manual states. */
+/* steps: the most to the mean of rotations, usually 2 or 3. It bounds the worst case, which
+ * the manual states. */
 enum { KARCHER_MAX = 20 };
 
 /* rad: the steps end if one turns no more than this, which is rounding. */

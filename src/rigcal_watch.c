@@ -5,8 +5,8 @@
 /* s: the longest time between the ends of two frames. */
 #define SECONDS_MOST RC(1e6)
 
-/* frames: for which an opened body's pose changes after each row. A row is not linear over
- * degrees. */
+/* frames: in this many, an opened body's pose changes after each row. A row is not linear
+ * over degrees. */
 enum { SETTLING = 10 };
 
 /* ---- the end of a frame ------------------------------------------------------ */

@@ -5,7 +5,7 @@
 #   target   those that a target may change though another of its kind passes: the layout
 #            of types, the order of bytes, rounding, the C library's functions, deep stacks
 #   large    target, and those that 32 KB of RAM are too little for
-#   one      one test: the build is what is tried
+#   one one test: only the build is tested
 #
 # Every layer runs on a target of each kind:
 #

@@ -129,7 +129,7 @@ RIGCAL_API size_t rigcal_batch_curves(rigcal_band_point points[], size_t capacit
                                       int32_t n_written[], int32_t status[],
                                       const rigcal_band bands[], size_t n);
 
-/* rigcal_band_test of pixel k by band k, or, is_one_band 1, by bands[0]. */
+/* rigcal_band_test of pixel k by band k; if is_one_band is 1, by bands[0]. */
 RIGCAL_API size_t rigcal_batch_tests(rigcal_match matches[], int32_t status[],
                                      const rigcal_band bands[], int32_t is_one_band,
                                      const rigcal_real uv_b[], size_t n);

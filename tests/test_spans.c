@@ -195,6 +195,30 @@ static void test_a_depth_range_ends_the_spans(void)
     TEST_ASSERT_EQUAL_INT32(27, spans[0].last);
 }
 
+/* The end of the depth range is put where an arc ends, to the bit. The border ends there,
+ * although the arc was not begun as the last one. */
+static void test_a_depth_range_may_end_where_an_arc_ends(void)
+{
+    rigcal_band band;
+    rigcal_real end[2];
+
+    beside(&band, 30, 0.7, 0, 0);
+    ASSERT_STATUS(RIGCAL_OK, rigcal_spans_begin(&solver, &band));
+    while (solver.node < RIGCAL_SPANS_NODES - 1 || solver.is_last) {
+        ASSERT_STATUS(RIGCAL_RUNNING, rigcal_spans_step(&solver, 1));
+    }
+    const int32_t side = solver.side, way = solver.way;
+    const rigcal_real turn = way == 0 ? -solver.stride : solver.stride;
+
+    end[0] = solver.at[0] - turn * solver.at[1];
+    end[1] = solver.at[1] + turn * solver.at[0];
+    memcpy(solver.ends[way], end, sizeof end);
+    ASSERT_STATUS(RIGCAL_RUNNING, rigcal_spans_step(&solver, 1));
+    TEST_ASSERT_TRUE(solver.side != side || solver.way != way);
+    TEST_ASSERT_EQUAL_INT32(1, solver.corners[side][way].is_of_range);
+    ASSERT_STATUS(RIGCAL_OK, rigcal_spans_step(&solver, RIGCAL_SPANS_UNITS));
+}
+
 static void test_a_band_between_two_rows_has_no_pixel(void)
 {
     size_t n;
@@ -371,6 +395,7 @@ TEST_MAIN()
     RUN_TEST(test_spans_hold_bands_of_half_a_focal_length);
     RUN_TEST(test_a_level_band_has_level_spans);
     RUN_TEST(test_a_depth_range_ends_the_spans);
+    RUN_TEST(test_a_depth_range_may_end_where_an_arc_ends);
     RUN_TEST(test_a_band_between_two_rows_has_no_pixel);
     RUN_TEST(test_a_band_outside_the_image_has_no_pixel);
     RUN_TEST(test_the_spans_are_the_same_whatever_the_budgets);

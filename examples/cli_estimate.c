@@ -180,7 +180,7 @@ void print_estimated(const calibration *c)
             }
         }
         if (n_cannot > 0) {
-            printf("%s it could not tell %s", n_moved > 0 ? ";" : "",
+            printf("%s it could not determine %s", n_moved > 0 ? ";" : "",
                    names_joined(cannot, n_cannot, " and "));
         }
         printf("\n");

@@ -508,7 +508,7 @@ static void print_option(const calibration *c)
                                                        : "");
     } else if (c->times.is_free && !(c->times.sigma > 0) &&
                (c->verdict.bits & RIGCAL_FAULTS_ALONG_MOTION) != 0) {
-        printf("(--sigma-time tells how uncertain a time is by itself.)\n");
+        printf("(--sigma-time states the noise of each time.)\n");
     }
 }
 
@@ -577,7 +577,7 @@ static const char *state_of(const calibration *c, size_t camera)
     const int32_t state = c->clocks.states[camera];
 
     if (state == RIGCAL_CLOCK_HELD) {
-        return c->times.is_free ? "the clock that the others are told against" : "as given";
+        return c->times.is_free ? "the clock that the others are relative to" : "as given";
     }
     return STATE[state];
 }

@@ -318,7 +318,7 @@ static void answer(watch *w)
                 "degrees and its centre shifted by %.3g; it is solved anew",
                 w->alarm_time, name_of(w, body), probability, deg, shift);
     } else {
-        cli_say("alarm at %.6g s: a camera moved, and nothing tells which: %s. A turn of "
+        cli_say("alarm at %.6g s: a camera moved, and nothing shows which: %s. A turn of "
                 "%.3g degrees and a shift of %.3g between %s and %s are taken for %s's",
                 w->alarm_time, who, deg, shift, name_of(w, other), name_of(w, body),
                 name_of(w, body));

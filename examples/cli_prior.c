@@ -58,7 +58,7 @@ static void read_prior(known_cameras *known, const cli_cameras *cameras, const c
         }
     }
     if (n_held < known->n_held) {
-        cli_fail("a camera of --hold has no line in %s, which tells where it is held",
+        cli_fail("a camera of --hold has no line in %s, which must say where it is held",
                  path);
     }
 }
@@ -80,8 +80,7 @@ void read_known(known_cameras *known, const cli_cameras *cameras, const char *pr
     if (prior != NULL) {
         read_prior(known, cameras, prior);
     } else if (known->n_held > 1) {
-        cli_fail(
-            "--hold of several cameras needs --prior FILE, which tells where they are");
+        cli_fail("--hold of several cameras needs --prior FILE, which says where they are");
     }
     if (known->n_prior > 0 && !has_sigma) {
         cli_fail("--prior needs --sigma: the noise of a pixel weighs the observations "

@@ -306,8 +306,8 @@ static void print_closure(const calibration *c)
         printf("sqrt(F) is not known: no two ways lead from a camera to another\n");
         return;
     }
-    printf("sqrt(F) %.2f: times more than noise the views disagree; F has %.0f and %.0f "
-           "degrees of freedom\n",
+    printf("sqrt(F) %.2f: the views disagree this many times as much as noise; F has %.0f "
+           "and %.0f degrees of freedom\n",
            c->root_F, (double)fit->freedom_between, (double)fit->freedom_within);
     print_verdict(c);
 }
@@ -351,7 +351,7 @@ static void print_fit(const calibration *c)
         return;
     }
     printf("+- of the rig: standard deviation for noise of %.3g px, %s%s", c->noise_px,
-           c->pose.sigma_px > 0 ? "as given" : "as the views by themselves tell",
+           c->pose.sigma_px > 0 ? "as given" : "as estimated view by view",
            c->factor > 1 ? "," : "\n");
     if (c->factor > 1) {
         printf("\nmultiplied by sqrt(F), %.2f\n", c->factor);

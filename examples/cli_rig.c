@@ -303,7 +303,7 @@ static void name_those_by_prior(calibration *c)
     for (i = 0; i < c->rig.n_cameras; i++) {
         if (c->in_frame[i] && c->rig.group[i] != c->rig.group[c->main_camera]) {
             cli_say("camera %s shares no frame with %s, nor with a camera that does: "
-                    "only %s tells how they lie, and pairs.csv leaves the pair out",
+                    "only %s says how they lie, and pairs.csv leaves the pair out",
                     rig_camera_name(c, i), rig_camera_name(c, c->main_camera),
                     c->known.path);
             c->exit_status = CLI_GEOMETRY;

@@ -141,11 +141,11 @@ static void name_left_out(triangulation *t, measurement *m, size_t n, int only_t
     }
     t->exit_status = CLI_GEOMETRY;
     if (t->n_left_out++ < NAMED) {
-        cli_say("frame %s, point %s: left out, for it contradicts the others: camera %s%s",
-                t->observations.frames.name[m->frame],
-                t->observations.points.name[m->point], m->left_out,
-                only_two ? "; only two cameras agree, which wrong ones may do by chance"
-                         : "");
+        cli_say(
+            "frame %s, point %s: left out, because it contradicts the others: camera %s%s",
+            t->observations.frames.name[m->frame], t->observations.points.name[m->point],
+            m->left_out,
+            only_two ? "; only two cameras agree, which wrong ones may do by chance" : "");
     }
 }
 

@@ -68,8 +68,8 @@ static const char HELP_CALIBRATE[] =
     "  --method     ml, the default: the maximum-likelihood poses and rig, and their\n"
     "               uncertainties. paper: the published procedure, without --sigma,\n"
     "               --weigh, --robust, --hold and --prior.\n"
-    "  --progress   tells on standard error how far the work is, a line each, for\n"
-    "               programs that show it. A terminal shows it without being asked.\n"
+    "  --progress   prints on standard error how much of the work is done, line by\n"
+    "               line, for programs that show it. A terminal shows it anyway.\n"
     "\n";
 
 static const char HELP_OTHERS[] =

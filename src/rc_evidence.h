@@ -26,7 +26,8 @@ extern const uint8_t rc_pair_first[RC_PAIRS];
 
 /* How far the points reach, and which of them count. */
 typedef struct {
-    rigcal_real middle[2], half[2]; /* of the points' X and Y, over all views */
+    rigcal_real middle[2], half[2]; /* middle and half extent of the points' X and Y, over
+                                       all views */
     rigcal_real limit2;             /* px^2: limit of the squared error over sigma_i^2; 0:
                                        none */
     const rigcal_real *reference;   /* 3, of the camera: see below */

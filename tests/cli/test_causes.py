@@ -304,7 +304,7 @@ class TestEstimatedIntrinsics(Recorded):
         after = self.off_by()
         self.assertLess(after[1], 0.7 * before[1])
         self.assertIn("intrinsics estimated, with their deviations as a prior", run.stdout)
-        self.assertRegex(run.stdout, r"\n  b: moved f by 0\.\d+ \+- 0\.\d+ %.*; it could not tell .*k2\n")
+        self.assertRegex(run.stdout, r"\n  b: moved f by 0\.\d+ \+- 0\.\d+ %.*; it could not determine .*k2\n")
         found = {r["camera"]: r for r in read(self.result("cameras.csv"))}
         self.assertEqual(list(found), list(NAMES))
         left = [abs(float(found[n]["fx"]) / camera_row(n)["fx"] - 1) for n in NAMES]

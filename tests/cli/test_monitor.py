@@ -149,7 +149,7 @@ class Monitor(CliTest):
         run = self.watch(rig, matches(lambda f: after if f >= 30 else poses, 80,
                                       np.random.default_rng(5)), "--arl0", "10000")
         self.assertEqual(run.returncode, 1, run.stderr)
-        self.assertIn("a camera moved, and nothing tells which: a or b. A turn of", run.stderr)
+        self.assertIn("a camera moved, and nothing shows which: a or b. A turn of", run.stderr)
         self.assertNotIn("probability", run.stderr)
 
     def test_a_camera_without_matches_is_blind(self):

@@ -144,7 +144,7 @@ class TestWrongViews(MeasureTest):
         path = write(self.folder, "observations.csv", "\n".join([head, *lines]) + "\n")
         run = self.triangulate(CAVITY, observations=path)
         self.assertEqual(run.returncode, 1)
-        self.assertIn(f"frame {fields[0]}, point {fields[2]}: left out, for it contradicts "
+        self.assertIn(f"frame {fields[0]}, point {fields[2]}: left out, because it contradicts "
                       f"the others: camera {fields[1]}", run.stderr)
         found = {row["point"]: row for row in read(run.stdout)}
         for point, row in found.items():

@@ -214,7 +214,7 @@ class TestAgainstBundleAdjustment(RigTest):
     def test_covariances_of_the_stereo_pair(self):
         run, rig = self.check_least_squares(STEREO)
         self.assertGreater(rig.F, 1)
-        self.assertIn(f"sqrt(F) {np.sqrt(rig.F):.2f}: times more than noise", run.stdout)
+        self.assertIn(f"sqrt(F) {np.sqrt(rig.F):.2f}: the views disagree", run.stdout)
         self.assertIn(f"multiplied by sqrt(F), {np.sqrt(rig.F):.2f}\n", run.stdout)
         self.assertIn(f"F has {rig.between} and {rig.within} degrees of freedom", run.stdout)
         self.assertRegex(run.stdout, r"(?m)^rig: 14 views, 756 points, sigma "
@@ -438,7 +438,7 @@ class TestPrior(RigTest):
         run = self.calibrate_set(self.folder, "--sigma", "0.1", "--prior", prior)
         self.assertEqual(run.returncode, 1)
         self.assertIn(f"camera c shares no frame with a, nor with a camera that does: only "
-                      f"{prior} tells how they lie", run.stderr)
+                      f"{prior} says how they lie", run.stderr)
         self.assertEqual(list(self.rows("rig.csv", "camera")), ["a", "b", "c"])
         self.assertEqual(list(self.rows("pairs.csv", "camera_a", "camera_b")), [("a", "b")])
         self.assertEqual(sorted(self.rows("targets.csv", "frame")), list("01234"))

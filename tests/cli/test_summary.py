@@ -31,7 +31,7 @@ class TestSummary(CliTest):
         self.assertEqual((s["exit_status"], s["frame"], s["findings"]), (0, "left", []))
         self.assertIn(f"rig: {s['n_views']} views, {s['n_points']} points, sigma "
                       f"{s['sigma_px']:.3g} px", run.stdout)
-        self.assertIn(f"sqrt(F) {s['sqrt_F']:.2f}: times", run.stdout)
+        self.assertIn(f"sqrt(F) {s['sqrt_F']:.2f}: the views", run.stdout)
         self.assertIn(f"F has {s['freedom_between']:.0f} and {s['freedom_within']:.0f} degrees",
                       run.stdout)
         self.assertIn(f"for noise of {s['noise_px']:.3g} px", run.stdout)

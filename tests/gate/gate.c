@@ -2348,8 +2348,8 @@ static long found_of(const scene *s)
     return t.found;
 }
 
-/* Whether the two poses of a square count as one. The square is tilted by this little, and
- * far away. */
+/* Whether the two poses of a square that is far away count as one. `tangent` is that of its
+ * small tilt. */
 static int poses_are_one(double tangent)
 {
     scene s = probed;

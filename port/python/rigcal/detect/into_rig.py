@@ -175,7 +175,7 @@ def same_pictures(detections: Detections) -> list[str]:
 
 
 def swapped(detections: Detections, cameras: Mapping[str, Camera]) -> list[str]:
-    """Cameras whose views fit the intrinsics of another one, which fit theirs."""
+    """Pairs of cameras whose views fit each other's intrinsics."""
     rms: dict[Key, list[float]] = {}
     views = _views(detections)
     names = detections.cameras

@@ -363,8 +363,7 @@ static void tell_limits(const watch *w)
             continue;
         }
         if (body.is_blind) {
-            cli_say("camera %s is blind: too few of its matches came to tell whether it "
-                    "moved",
+            cli_say("camera %s is blind: it has too few matches to tell whether it moved",
                     name_of(w, i));
         } else if ((double)body.smallest_rad > worst) {
             worst = (double)body.smallest_rad;

@@ -510,7 +510,7 @@ static void test_all_triples_are_tried_once(void)
 
 /* ---- thresholds near the noise, and below it ------------------------------ */
 
-/* The points that agree change again and again. The pose is right where the marks end. */
+/* The set of points that agree changes again and again. The last pose is right. */
 static void test_a_threshold_of_two_sigma_gives_the_right_pose(void)
 {
     rigcal_robust_options options;

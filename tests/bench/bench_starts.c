@@ -76,7 +76,7 @@ static double sum_of(const bearings *b, const double R[9], const double t[3])
     return sum;
 }
 
-/* The lower triangle of J^T J, J^T e, and the sum, by (w, dt) of test_move. */
+/* The lower triangle of J^T J, J^T e, and the sum. J is by the (w, dt) of test_move. */
 static double equations_of(double H[36], double g[6], const bearings *b, const double R[9],
                            const double t[3])
 {

@@ -38,7 +38,7 @@ LIMIT = 120  # seconds of a run of the gate, after which it hangs
 
 # Constants whose change is not noticed, and why that does no harm.
 HARMLESS = {
-    "adjust.RANK_TOL": "rounding: of a smaller pivot nothing but rounding is left either",
+    "adjust.RANK_TOL": "rounding: a smaller pivot is nothing but rounding too",
     "grow.SURE_LEAST": "a guard: with half of it one placement by chance would do",
     "grow.SURE_RUNG": "a guard: no pair of the scenes is sure by chance at a higher rung",
     "adjust.PASSES_MAX": "it bounds the worst case: no scene takes over 51",

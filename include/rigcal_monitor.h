@@ -1,5 +1,5 @@
-/* rigcal_monitor.h - watches a rig that runs: has a camera moved, which one, where is it
- * now. Included by rigcal.h, whose first page holds here too.
+/* rigcal_monitor.h - watches a rig in use: whether a camera has moved, which one, and
+ * where it is now. Included by rigcal.h, whose first page holds here too.
  *
  * A monitor begins with a calibrated rig. Frame by frame it takes what the cameras see:
  * matched points, and views of targets that stay or are carried about. It follows the

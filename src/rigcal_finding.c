@@ -64,7 +64,7 @@ static void keep_if_finite(rigcal_fault *fault)
     *fault = unseen;
 }
 
-/* n log(1 - gain / sum), 0 of exact pixels. */
+/* n log(1 - gain / sum); 0 if the pixels are exact. */
 static rigcal_real log_of_rest(const rc_common *c, rigcal_real gain)
 {
     return (c->sum > 0) ? c->n_measured * rc_log1p(-rc_min(gain / c->sum, GAIN_MOST)) : 0;

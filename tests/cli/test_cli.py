@@ -57,8 +57,8 @@ class TestCalibrateRealData(CliTest):
                 self.assertLess(part, part_limit)
                 self.assertLess(abs(rms), rms_limit)
 
-    # The reference is the optimum. So the difference is rounding, also of its nine digits,
-    # and the place where the refinement ends. No sum of squares shows it.
+    # The reference is the optimum, printed with nine digits. The difference has two causes:
+    # rounding, and the place where the refinement ends. No sum of squares shows it.
     BEST = (0.01, 5e-5, 1e-3) if FLOAT else (1e-5, 2e-8, 1e-8)
 
     def test_poses_of_the_stereo_pair(self):

@@ -234,7 +234,7 @@ static void place_all(void)
     sim_place(1, centers[1], -1.4 + 2 * b);
 }
 
-/* Takes a picture with most corners; sometimes with few or none, with one twice, or with
+/* Takes a picture. It shows most corners, or sometimes few or none, one of them twice, or
  * unknown ones. */
 static void shoot(int camera)
 {

@@ -12,12 +12,12 @@
 typedef struct {
     size_t point; /* number of the point in the view */
     double error_px;
-} outlier;
+} left_out_point;
 
 /* Sorts the worst first: points that cannot be seen, then the farthest. */
-static int compare_outliers(const void *va, const void *vb)
+static int compare_errors(const void *va, const void *vb)
 {
-    const outlier *a = va, *b = vb;
+    const left_out_point *a = va, *b = vb;
     const int a_unseen = a->error_px < 0, b_unseen = b->error_px < 0;
 
     if (a_unseen != b_unseen) {
@@ -29,7 +29,7 @@ static int compare_outliers(const void *va, const void *vb)
     return (a->point > b->point) - (a->point < b->point);
 }
 
-static size_t list_outliers(outlier list[], const calibration *c, const view *v)
+static size_t list_left_out(left_out_point list[], const calibration *c, const view *v)
 {
     size_t k, count = 0;
 
@@ -42,13 +42,13 @@ static size_t list_outliers(outlier list[], const calibration *c, const view *v)
             list[count++].error_px = is_known ? (double)r.error_px : -1;
         }
     }
-    qsort(list, count, sizeof *list, compare_outliers);
+    qsort(list, count, sizeof *list, compare_errors);
     return count;
 }
 
 /* Prints one line for each view. Returns the number of points that it did not name. */
-static size_t name_outliers(const calibration *c, const view *v, const outlier list[],
-                            size_t count)
+static size_t name_points(const calibration *c, const view *v, const left_out_point list[],
+                          size_t count)
 {
     enum { NAMED = 5 };
     size_t i;
@@ -74,7 +74,7 @@ static size_t name_outliers(const calibration *c, const view *v, const outlier l
 
 void name_left_out(const calibration *c, const char *folder)
 {
-    outlier *list;
+    left_out_point *list;
     size_t i, count, unnamed = 0;
 
     for (i = 0; i < c->n_views; i++) {
@@ -82,8 +82,8 @@ void name_left_out(const calibration *c, const char *folder)
 
         if (v->n + v->n_unseen < v->n_seen) {
             list = cli_alloc(v->n_seen, sizeof *list);
-            count = list_outliers(list, c, v);
-            unnamed += name_outliers(c, v, list, count);
+            count = list_left_out(list, c, v);
+            unnamed += name_points(c, v, list, count);
         }
     }
     if (unnamed > 0 && folder != NULL) {
@@ -133,7 +133,7 @@ static void print_caveat(const view *v)
 
 /* Rms of the view's points that count, in the rig; below 0: the camera cannot see one of
  * them there. *worst is the point that is farthest off. */
-static double rms_in_rig(const calibration *c, const view *v, outlier *worst)
+static double rms_in_rig(const calibration *c, const view *v, left_out_point *worst)
 {
     const residual *list = view_residuals_in_rig(c, v);
     double sum = 0;
@@ -186,7 +186,7 @@ static void print_views(const calibration *c)
            wide_camera, "camera", wide_frame, "frame");
     for (i = 0; i < c->n_views; i++) {
         const view *v = &c->views[i];
-        outlier worst;
+        left_out_point worst;
 
         printf("%-*s  %-*s  %6lu  %8.3f", wide_camera, c->cameras.names.name[v->camera],
                wide_frame, c->observations.frames.name[v->frame], (unsigned long)v->n,
@@ -213,7 +213,7 @@ static double camera_rms(const calibration *c, size_t rig_camera)
 
     for (i = 0; i < c->n_views; i++) {
         const view *v = &c->views[i];
-        outlier worst;
+        left_out_point worst;
         double rms_px;
 
         if (v->rig_camera == rig_camera && v->in_rig) {
@@ -361,7 +361,7 @@ static void print_fit(const calibration *c)
 
 typedef struct {
     const view *v;
-    outlier worst;
+    left_out_point worst;
     double rms_px;
 } view_residuals;
 

@@ -18,7 +18,7 @@
  * significant. */
 #define EXPLAINS_LEAST RC(0.5)
 
-/* part of the sum: no gain may take more, or the logarithm of 0 follows. */
+/* part of the sum: the most that a gain may take. More would give the logarithm of 0. */
 #define GAIN_MOST (1 - RC_EPS)
 
 /* part of the disagreement: if more of it lies along the motion, single time stamps are

@@ -53,7 +53,7 @@ ROW = pa.schema(
         **dict.fromkeys(["turn_deg", "sigma_turn_deg"], pa.float64()),
         **dict.fromkeys(["shift", "sigma_shift"], pa.float64()),  # of the camera's centre
         "names": pa.string(),  # of the cameras in `stored`
-        "stored": pa.binary(),  # the last extrinsics that are known, of the whole rig
+        "stored": pa.binary(),  # the last known poses of all cameras of the rig
         "digest": pa.string(),  # of all data that the row is made from
     }
 )
@@ -77,7 +77,7 @@ def cameras_of(rows: pd.DataFrame) -> dict[str, rigcal.Camera]:
 
 
 def stored_rig(names: str | None, stored: bytes | None) -> rigcal.CalibratedRig | None:
-    """The last extrinsics with their joint covariance. None if there are none."""
+    """The last known poses with their joint covariance. None if there are none."""
     if not isinstance(stored, bytes) or not isinstance(names, str):
         return None
     return rigcal.CalibratedRig.from_bytes(stored, names.split(","))

@@ -110,52 +110,70 @@ static int print_spans(const rigcal_band *made)
     return CLI_DONE;
 }
 
-/* Reads the columns u and v of a file: one pair of numbers a candidate. */
-static rigcal_real *read_candidates(csv_table *table, const char *path)
-{
+/* The columns u and v of a file, one pair for each candidate, and the line of each pair.
+ * There may be millions of pairs. */
+typedef struct {
+    csv_table table; /* without its rows */
     rigcal_real *uv;
-    size_t row, u, v;
+    uint32_t *line;
+    size_t count;
+} candidate_list;
 
-    csv_read(table, path);
-    table->form = NULL;
+static void read_candidates(candidate_list *list, const char *path)
+{
+    csv_table *table = &list->table;
+    size_t room = 1024, u, v;
+
+    csv_open(table, path);
     u = csv_column(table, "u");
     v = csv_column(table, "v");
-    uv = cli_alloc(2 * table->n_rows, sizeof *uv);
-    for (row = 0; row < table->n_rows; row++) {
-        uv[2 * row] = csv_real(table, row, u);
-        uv[2 * row + 1] = csv_real(table, row, v);
+    list->uv = cli_alloc(2 * room, sizeof *list->uv);
+    list->line = cli_alloc(room, sizeof *list->line);
+    for (list->count = 0; csv_next(table); list->count++) {
+        if (list->count == room) {
+            room += room / 2;
+            list->uv = cli_resize(list->uv, 2 * room, sizeof *list->uv);
+            list->line = cli_resize(list->line, room, sizeof *list->line);
+        }
+        if (table->lines[0] > UINT32_MAX) {
+            csv_fail(table, 0, "the file has more lines than can be counted");
+        }
+        list->uv[2 * list->count] = csv_real(table, 0, u);
+        list->uv[2 * list->count + 1] = csv_real(table, 0, v);
+        list->line[list->count] = (uint32_t)table->lines[0];
     }
-    return uv;
 }
 
 /* Prints the candidates that are inside the band, best first, each by its line in the
  * file. */
 static int print_candidates(const rigcal_band *made, const char *path)
 {
-    csv_table table;
-    const rigcal_real *uv = read_candidates(&table, path);
-    rigcal_match *matches = cli_alloc(table.n_rows, sizeof *matches);
+    candidate_list list;
+    rigcal_match *matches;
     size_t i, n, n_inside;
     int32_t at_fault;
-    const rigcal_status status = rigcal_band_search(matches, table.n_rows, &n, &n_inside,
-                                                    &at_fault, made, uv, table.n_rows);
+    rigcal_status status;
 
+    read_candidates(&list, path);
+    matches = cli_alloc(list.count, sizeof *matches);
+    status = rigcal_band_search(matches, list.count, &n, &n_inside, &at_fault, made,
+                                list.uv, list.count);
     if (status < 0 && at_fault >= 0) {
-        csv_fail(&table, (size_t)at_fault, "%s", rigcal_status_text(status));
+        csv_fail_line(&list.table, list.line[at_fault], "%s", rigcal_status_text(status));
     }
     if (failed(status, "candidates")) {
         return CLI_GEOMETRY;
     }
     for (i = 0; i < n; i++) {
-        const size_t row = (size_t)matches[i].index;
+        const size_t k = (size_t)matches[i].index;
 
-        printf("candidate,%lu", (unsigned long)table.lines[row]);
-        cli_write_numbers(stdout, &uv[2 * row], 2);
+        printf("candidate,%lu", (unsigned long)list.line[k]);
+        cli_write_numbers(stdout, &list.uv[2 * k], 2);
         cli_write_numbers(stdout, &matches[i].chi2, 1);
         printf("\n");
     }
     cli_say("%lu of %lu candidates are in the band", (unsigned long)n,
-            (unsigned long)table.n_rows);
+            (unsigned long)list.count);
     return CLI_DONE;
 }
 

@@ -153,7 +153,7 @@ void cli_fail(const char *format, ...)
     exit(CLI_USAGE);
 }
 
-const char *cli_text(const char *format, ...)
+char *cli_text(const char *format, ...)
 {
     va_list arguments;
     char *text;
@@ -380,9 +380,9 @@ static void check_fields(const csv_table *table, size_t line, const char *text)
 
 static char *copy_of(const char *text)
 {
-    char *copy = cli_alloc(strlen(text) + 1, 1);
+    const size_t size = strlen(text) + 1;
 
-    return strcpy(copy, text);
+    return memcpy(cli_alloc(size, 1), text, size);
 }
 
 static void read_header(csv_table *table)

@@ -31,7 +31,7 @@ void cli_hold(void);
 void cli_release(void);
 
 /* A formatted text in memory of cli_alloc. */
-const char *cli_text(const char *format, ...) CLI_PRINTF(1, 2);
+char *cli_text(const char *format, ...) CLI_PRINTF(1, 2);
 
 /* Shows a line on stderr that the next such line replaces, and that every message removes.
  * It is shown only on a terminal, and only for so many views that the work can take

@@ -10,7 +10,7 @@ typedef struct {
     const char **name;
     size_t count;
     size_t room;
-    size_t *slots; /* hash table: number + 1, or 0 */
+    uint32_t *slots; /* hash table: number + 1, or 0 */
     size_t n_slots;
     char *text; /* free memory for the text of further names */
     size_t text_left;

@@ -35,17 +35,13 @@ typedef struct {
 static const char *beside(const char *path)
 {
     const size_t length = strlen(path);
-    char *other;
 
     if (length < 4 || strcmp(path + length - 4, ".csv") != 0) {
         cli_fail("--rig %s: give the rig.csv that calibrate wrote, with the rig.bin "
                  "beside it",
                  path);
     }
-    other = cli_alloc(length + 1, 1);
-    memcpy(other, path, length - 4);
-    strcpy(other + length - 4, ".bin");
-    return other;
+    return cli_text("%.*s.bin", (int)(length - 4), path);
 }
 
 static uint8_t *read_bytes(size_t *n_bytes, const char *path)

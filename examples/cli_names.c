@@ -17,17 +17,23 @@ void cli_names_open(cli_names *names)
     names->name = cli_alloc(names->room, sizeof *names->name);
 }
 
-/* The slot of the name, or the free slot in which it belongs (FNV-1a hash). */
-static size_t slot_of(const cli_names *names, const char *name)
+/* The FNV-1a hash of a name. */
+static uint32_t hash_of(const char *text)
 {
     uint32_t hash = 2166136261U;
-    size_t slot;
-    const char *c;
 
-    for (c = name; *c != '\0'; c++) {
-        hash = (hash ^ (unsigned char)*c) * 16777619U;
+    for (; *text != '\0'; text++) {
+        hash = (hash ^ (unsigned char)*text) * 16777619U;
     }
-    for (slot = hash % names->n_slots; names->slots[slot] != 0;
+    return hash;
+}
+
+/* The slot of the name, or the free slot in which it belongs. */
+static size_t slot_of(const cli_names *names, const char *name)
+{
+    size_t slot;
+
+    for (slot = hash_of(name) % names->n_slots; names->slots[slot] != 0;
          slot = (slot + 1) % names->n_slots) {
         if (strcmp(names->name[names->slots[slot] - 1], name) == 0) {
             break;
@@ -71,7 +77,7 @@ static void enlarge(cli_names *names)
     names->n_slots = 2 * names->room + 1;
     names->slots = cli_alloc(names->n_slots, sizeof *names->slots);
     for (i = 0; i < names->count; i++) {
-        names->slots[slot_of(names, names->name[i])] = i + 1;
+        names->slots[slot_of(names, names->name[i])] = (uint32_t)(i + 1);
     }
 }
 
@@ -87,7 +93,7 @@ size_t cli_names_add(cli_names *names, const char *name)
         slot = slot_of(names, name);
     }
     names->name[names->count++] = keep(names, name);
-    names->slots[slot] = names->count;
+    names->slots[slot] = (uint32_t)names->count;
     return names->count - 1;
 }
 
@@ -156,30 +162,58 @@ const char *cli_names_alike(const cli_names *names, const char *name)
     return NULL;
 }
 
+/* Names by their keys, of which only hashes are held: there may be millions of names. */
+typedef struct {
+    const cli_names *names;
+    uint32_t *hash;  /* of each name's key */
+    uint32_t *slots; /* hash table: number + 1, or 0 */
+    size_t n_slots;
+} keyed_names;
+
+/* The first name with the key of name i, where the names before i have been asked for: i if
+ * none of them has that key. */
+static size_t first_alike(keyed_names *keyed, size_t i)
+{
+    const cli_names *names = keyed->names;
+    char *key = key_of(names->name[i]);
+    const uint32_t hash = hash_of(key);
+    size_t slot = hash % keyed->n_slots;
+
+    cli_free(key);
+    for (; keyed->slots[slot] != 0; slot = (slot + 1) % keyed->n_slots) {
+        const size_t other = keyed->slots[slot] - 1;
+
+        if (keyed->hash[other] == hash &&
+            cli_look_alike(names->name[other], names->name[i])) {
+            return other;
+        }
+    }
+    keyed->hash[i] = hash;
+    keyed->slots[slot] = (uint32_t)(i + 1);
+    return i;
+}
+
 void cli_names_tell_alike(const cli_names *names, const char *kind, const char *path)
 {
     enum { TOLD = 3 };
-    size_t *first = cli_alloc(names->count, sizeof *first);
+    const size_t n = names->count;
+    keyed_names keyed = {names, cli_alloc(n, sizeof *keyed.hash),
+                         cli_alloc(2 * n + 1, sizeof *keyed.slots), 2 * n + 1};
     size_t i, n_alike = 0;
-    cli_names keys;
 
-    cli_names_open(&keys);
-    for (i = 0; i < names->count; i++) {
-        const size_t known = keys.count;
-        char *key = key_of(names->name[i]);
-        const size_t number = cli_names_add(&keys, key);
+    for (i = 0; i < n; i++) {
+        const size_t first = first_alike(&keyed, i);
 
-        cli_free(key);
-        if (number == known) {
-            first[number] = i;
-        } else if (++n_alike <= TOLD) {
+        if (first != i && ++n_alike <= TOLD) {
             cli_say("%s: %ss %s and %s are taken as two different %ss: if they are "
                     "one, spell them alike",
-                    path, kind, names->name[first[number]], names->name[i], kind);
+                    path, kind, names->name[first], names->name[i], kind);
         }
     }
     if (n_alike > TOLD) {
         cli_say("%s: so are %lu more pairs of %ss", path, (unsigned long)(n_alike - TOLD),
                 kind);
     }
+    cli_free(keyed.slots);
+    cli_free(keyed.hash);
 }

@@ -167,18 +167,15 @@ static void make_work(cli_output *output)
 {
     static const char NAME[] = UNFINISHED "XXXXXX";
     size_t parent = strlen(output->folder);
-    char *work = cli_alloc(parent + sizeof NAME + 2, 1);
+    char *work;
 
     if (output->is_new) {
         while (parent > 0 && !cli_os_is_slash(output->folder[parent - 1])) {
             parent--;
         }
-        memcpy(work, output->folder, parent);
-        strcpy(work + parent, NAME);
+        work = cli_text("%.*s%s", (int)parent, output->folder, NAME);
     } else {
-        strcpy(work, output->folder);
-        strcat(work, "/");
-        strcat(work, NAME);
+        work = cli_text("%s/%s", output->folder, NAME);
     }
     if (cli_os_make_own_folder(work) != 0) {
         give_up(output, output->folder);

@@ -7,10 +7,9 @@
 /* Reads the names of --hold. These cameras become held. */
 static void read_hold(known_cameras *known, const cli_cameras *cameras, const char *hold)
 {
-    char *text = cli_alloc(strlen(hold) + 1, 1), *name, *next;
+    char *name, *next;
 
-    strcpy(text, hold);
-    for (name = text; name != NULL; name = next) {
+    for (name = cli_text("%s", hold); name != NULL; name = next) {
         size_t camera;
 
         next = strchr(name, ',');

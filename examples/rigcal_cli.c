@@ -261,17 +261,6 @@ static int is_option(const char *value, const char *word)
     return value != NULL && value == word && strncmp(value, "--", 2) == 0;
 }
 
-/* "a,b" */
-static const char *joined(const char *a, const char *b)
-{
-    char *text = cli_alloc(strlen(a) + strlen(b) + 2, 1);
-
-    strcpy(text, a);
-    strcat(text, ",");
-    strcat(text, b);
-    return text;
-}
-
 /* Takes one option from getopt_long. Returns 0 for --help and --version, after which
  * nothing else is done. */
 static int take_option(const char *option[OPTION_COUNT], const command *chosen, int given,
@@ -296,7 +285,7 @@ static int take_option(const char *option[OPTION_COUNT], const command *chosen, 
                   "--%s=%s",
                   OPTIONS[given].name, optarg, OPTIONS[given].name, optarg);
     }
-    option[given] = option[given] != NULL ? joined(option[given], optarg)
+    option[given] = option[given] != NULL ? cli_text("%s,%s", option[given], optarg)
                     : optarg != NULL      ? optarg
                                           : "";
     return 1;

@@ -300,7 +300,7 @@ struct rigcal_point_solver {
 /* A part of the border on which v only rises or only falls. */
 typedef struct rigcal_arc {
     rigcal_real low, high;  /* of v, at its ends */
-    rigcal_real a[5], b[5]; /* direct: u at v is a[0] + (v - b[0]) (a[1] + (v - b[1]) ...;
+    rigcal_real a[5], b[5]; /* direct: u at v is a[0] + w (a[1] + w ..., w = v - b[0];
                                else u and v by powers of t */
     rigcal_real t_low, t_high;
     int32_t is_direct;

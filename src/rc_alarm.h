@@ -68,8 +68,11 @@ rigcal_real *rc_alarm_lent(rigcal_real bodies[], size_t body);
 
 /* ---- after rc_alarm_frame -------------------------------------------------- */
 
-/* The share of a body in the sum, 0 .. 1. All shares add up to 1. */
-rigcal_real rc_alarm_share(const rc_alarm *alarm, const rigcal_real bodies[], size_t body);
+/* log of the sum over all bodies. One exp a body */
+rigcal_real rc_alarm_log_sum(const rc_alarm *alarm, const rigcal_real bodies[]);
+
+/* The share of a body in that sum, 0 .. 1. All shares add up to 1. */
+rigcal_real rc_alarm_share(const rigcal_real bodies[], size_t body, rigcal_real log_sum);
 
 /* 1: the body is blind. It had fewer than 6 rows in the longest window. */
 int rc_alarm_is_blind(const rigcal_real bodies[], size_t body);

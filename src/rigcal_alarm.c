@@ -301,9 +301,9 @@ void rc_alarm_row(rc_alarm *alarm, rigcal_real bodies[], rigcal_real z, rigcal_r
 
 /* ---- the end of a frame ------------------------------------------------------ */
 
-/* log of the sum over all bodies. */
-static rigcal_real log_of_all(const rigcal_real bodies[], size_t n)
+rigcal_real rc_alarm_log_sum(const rc_alarm *alarm, const rigcal_real bodies[])
 {
+    const size_t n = (size_t)alarm->n_bodies;
     rigcal_real most = body_in(bodies, 0)[LOG_SUM], sum = 0;
     for (size_t b = 1; b < n; b++) {
         most = rc_max(most, body_in(bodies, b)[LOG_SUM]);
@@ -484,15 +484,14 @@ rigcal_real rc_alarm_frame(rc_alarm *alarm, rigcal_real bodies[])
             end_windows(body, alarm->rows - alarm->rows);
         }
     }
-    return log_of_all(bodies, (size_t)alarm->n_bodies) - alarm->log_limit;
+    return rc_alarm_log_sum(alarm, bodies) - alarm->log_limit;
 }
 
 /* ---- what it says ------------------------------------------------------------ */
 
-rigcal_real rc_alarm_share(const rc_alarm *alarm, const rigcal_real bodies[], size_t body)
+rigcal_real rc_alarm_share(const rigcal_real bodies[], size_t body, rigcal_real log_sum)
 {
-    const rigcal_real all = log_of_all(bodies, (size_t)alarm->n_bodies);
-    return rc_min(1, rc_exp(body_in(bodies, body)[LOG_SUM] - all));
+    return rc_min(1, rc_exp(body_in(bodies, body)[LOG_SUM] - log_sum));
 }
 
 int rc_alarm_is_blind(const rigcal_real bodies[], size_t body)

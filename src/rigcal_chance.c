@@ -210,6 +210,8 @@ rigcal_real rc_f_tail(rigcal_real F, rigcal_real k, rigcal_real n)
     const rigcal_real x = 1 / (1 + odds), y = odds / (1 + odds);
     const rigcal_real front =
         rc_exp(log_beta_inverse(a, b) - a * rc_log1p(odds) - b * rc_log1p(1 / odds));
-    return (x * (a + b + 2) < a + 1) ? front * beta_fraction(a, b, x) / a
-                                     : 1 - front * beta_fraction(b, a, y) / b;
+    const rigcal_real tail = (x * (a + b + 2) < a + 1)
+                                 ? front * beta_fraction(a, b, x) / a
+                                 : 1 - front * beta_fraction(b, a, y) / b;
+    return rc_max(0, rc_min(tail, 1)); /* rounding grows with the degrees of freedom */
 }

@@ -134,10 +134,8 @@ static int find_height(trial *found, const rigcal_edge *e, const rigcal_real p[2
 {
     const rigcal_real out = (e->side == 0) ? 1 : -1;
     rigcal_real h = height_at(e, p, slope2), beyond = out * RC_MAX;
-    trial now, inside;
+    trial now, inside = {.speed = RC_MAX}; /* all written, as it is copied */
     int has_inside = 0;
-    inside.uv[0] = inside.uv[1] = inside.move[0] = inside.move[1] = inside.h = 0;
-    inside.speed = RC_MAX;
     for (int i = 0; i < ROUNDS_MAX; i++) {
         const int is_seen = try_height(&now, e, p, h) == RIGCAL_OK;
         const rigcal_real px =

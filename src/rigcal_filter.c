@@ -385,6 +385,27 @@ static int tell(rc_news *news, rigcal_real *hPh, rigcal_real *nu, const rc_filte
     return 1;
 }
 
+/* room = 0. `zero` is 0, here and below; the compiler must not know it, or it calls the C
+ * library's memset, which is slow. */
+static void clear_room(const rc_filter *f, rigcal_real zero)
+{
+    for (size_t j = 0; j < f->n; j++) {
+        f->room[j] = zero;
+    }
+}
+
+/* d += by room; room = 0. */
+static void take_room(const rc_filter *f, rigcal_real by, rigcal_real zero)
+{
+    rigcal_real *d = f->d, *room = f->room, *const end = &room[f->n];
+    for (; room < end; d += 2, room += 2) {
+        d[0] += room[0] * by;
+        room[0] = zero;
+        d[1] += room[1] * by;
+        room[1] = zero;
+    }
+}
+
 int rc_filter_ask(rc_news *news, const rc_filter *f, size_t a, size_t b, const rc_row *row,
                   rigcal_real wrong)
 {
@@ -392,7 +413,7 @@ int rc_filter_ask(rc_news *news, const rc_filter *f, size_t a, size_t b, const r
     rc_part part;
     part_of(&part, f, a, b, row);
     const int is_told = tell(news, &hPh, &nu, f, &part, row, wrong, 0);
-    rc_clear(f->room, f->n);
+    clear_room(f, is_told ? nu - nu : 0);
     return is_told;
 }
 
@@ -402,14 +423,14 @@ int rc_filter_row(rc_news *news, const rc_filter *f, size_t a, size_t b, const r
     rigcal_real hPh, nu;
     rc_part part;
     part_of(&part, f, a, b, row);
-    const int is_told = tell(news, &hPh, &nu, f, &part, row, wrong, open);
-    if (is_told) {
-        const rigcal_real S = news->sd * news->sd;
-        rc_filter_learn(f->UD, f->room, f->n, hPh, S, news->doubt.gain);
-        add_scaled(f->d, f->room, f->n, news->doubt.beta * nu / S);
+    if (!tell(news, &hPh, &nu, f, &part, row, wrong, open)) {
+        clear_room(f, 0);
+        return 0;
     }
-    rc_clear(f->room, f->n);
-    return is_told;
+    const rigcal_real S = news->sd * news->sd;
+    rc_filter_learn(f->UD, f->room, f->n, hPh, S, news->doubt.gain);
+    take_room(f, news->doubt.beta * nu / S, nu - nu);
+    return 1;
 }
 
 /* ---- poses ------------------------------------------------------------------- */

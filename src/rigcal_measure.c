@@ -242,7 +242,8 @@ static rigcal_real miss_of(const rigcal_point_solver *p, size_t i)
     const rigcal_sightings *const s = p->sightings;
     rc_sighted v = rc_sights_of(p)[i];
     rigcal_real C[4], a[3];
-    if (rc_sight_evaluate(&v, s, i, p->X) != RIGCAL_OK ||
+    if (!(rc_vec3_dot(v.ray, v.ray) > 0) || /* the view could not be used */
+        rc_sight_evaluate(&v, s, i, p->X) != RIGCAL_OK ||
         rc_sight_move(&v, s, i, p->X) != RIGCAL_OK) {
         return p->tolerance * AGREES;
     }

@@ -283,17 +283,13 @@ static inline rigcal_real crossing(const rigcal_arc *arc, rigcal_real row)
     return arc->is_direct ? direct_at(arc->a, row - arc->b[0]) : crossing_of_t(arc, row);
 }
 
-static int crosses(const rigcal_arc *arc, rigcal_real row)
-{
-    return arc->low <= row && row < arc->high;
-}
-
 static void see_change(rigcal_outline *outline, rigcal_real v)
 {
     outline->changes = rc_min(outline->changes, v);
 }
 
-/* Finds the arcs that cross the row. They stay the same up to the row `changes`. */
+/* Finds the arcs that cross the row. They stay the same up to the row `changes`. No active
+ * arc begins below the row: if the row is above the last one, all are found anew. */
 static void go_to_row(rigcal_outline *outline, int32_t row)
 {
     const rigcal_real v = (rigcal_real)row;
@@ -303,7 +299,7 @@ static void go_to_row(rigcal_outline *outline, int32_t row)
     }
     outline->changes = RC_MAX;
     for (int32_t i = 0; i < outline->n_active; i++) {
-        if (crosses(&outline->arcs[outline->active[i]], v)) {
+        if (v < outline->arcs[outline->active[i]].high) {
             outline->active[kept] = outline->active[i];
             kept++;
             see_change(outline, outline->arcs[outline->active[i]].high);
@@ -315,7 +311,7 @@ static void go_to_row(rigcal_outline *outline, int32_t row)
             see_change(outline, outline->arcs[which].low);
             break;
         }
-        if (crosses(&outline->arcs[which], v) && kept < RIGCAL_SPANS_ACTIVE) {
+        if (v < outline->arcs[which].high && kept < RIGCAL_SPANS_ACTIVE) {
             outline->active[kept] = which;
             kept++;
             see_change(outline, outline->arcs[which].high);

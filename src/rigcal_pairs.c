@@ -171,10 +171,8 @@ static rigcal_status check_rays_shape(rigcal_real *extent, const rigcal_bearing 
     }
     (void)rc_vec3_unit(m_a, bearings[a].ray);
     (void)rc_vec3_unit(m_b, bearings[b].ray);
-    rc_vec3_cross(normal, m_a, m_b);
-    if (!rc_vec3_unit(normal, normal)) {
-        return RIGCAL_ERR_EDGE_ON;
-    }
+    rc_vec3_cross(normal, m_a, m_b); /* not 0: the rays differ, and all have z > 0 */
+    (void)rc_vec3_unit(normal, normal);
     for (size_t i = 0; i < n; i++) {
         rigcal_real m[3];
         (void)rc_vec3_unit(m, bearings[i].ray);
@@ -187,8 +185,12 @@ static rigcal_status check_rays_shape(rigcal_real *extent, const rigcal_bearing 
     return (height > FLAT * *extent + SAME) ? RIGCAL_OK : RIGCAL_ERR_EDGE_ON;
 }
 
+/* A choice has at least so many pairs. */
+enum { PAIRS_LEAST = 3 };
+
+/* The first pairs wait until there are enough of them: a call that fails writes nothing. */
 typedef struct {
-    rigcal_pair *pairs;
+    rigcal_pair first[PAIRS_LEAST], *pairs;
     size_t n, capacity;
     const rigcal_bearing *bearings;
     rigcal_real nearest; /* least distance between the two rays */
@@ -197,8 +199,10 @@ typedef struct {
 static void add_pair(pair_list *list, size_t i, size_t j)
 {
     const rigcal_bearing *const s = list->bearings;
+    rigcal_pair *const to =
+        (list->n < PAIRS_LEAST) ? &list->first[list->n] : &list->pairs[list->n];
     if (list->n < list->capacity && ray_distance(s[i].ray, s[j].ray) >= list->nearest &&
-        make_pair(&list->pairs[list->n], s, i, j)) {
+        make_pair(to, s, i, j)) {
         list->n++;
     }
 }
@@ -350,7 +354,7 @@ rigcal_status rigcal_pairs_choose(rigcal_pair pairs[], size_t capacity, size_t *
     if (status == RIGCAL_OK && n < 3) {
         status = RIGCAL_ERR_TOO_FEW;
     }
-    if (status == RIGCAL_OK && capacity < 3) {
+    if (status == RIGCAL_OK && capacity < PAIRS_LEAST) {
         status = RIGCAL_ERR_CAPACITY;
     }
     if (status == RIGCAL_OK) {
@@ -362,14 +366,21 @@ rigcal_status rigcal_pairs_choose(rigcal_pair pairs[], size_t capacity, size_t *
     if (status != RIGCAL_OK) {
         return status;
     }
-    pair_list list = {pairs, 0, capacity, bearings, NEAR_PART * extent};
+    pair_list list;
+    list.pairs = pairs;
+    list.capacity = capacity;
+    list.bearings = bearings;
+    list.nearest = NEAR_PART * extent;
     add_pairs(&list, n);
-    if (list.n < 3) { /* few points, some of them near: takes near pairs too */
+    if (list.n < PAIRS_LEAST) { /* few points, some of them near: takes near pairs too */
         list.nearest = 0;
         add_pairs(&list, n);
     }
-    if (list.n < 3) {
+    if (list.n < PAIRS_LEAST) {
         return RIGCAL_ERR_COINCIDENT;
+    }
+    for (int k = 0; k < PAIRS_LEAST; k++) {
+        pairs[k] = list.first[k];
     }
     put_best_first(&list);
     *n_pairs = list.n;

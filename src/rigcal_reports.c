@@ -193,7 +193,8 @@ rigcal_status rigcal_monitor_body(rigcal_body_report *report, const rigcal_real 
     if (m.top.head.is_alarm) {
         report->blame = rc_trial_share(f, m.bodies, body);
     } else if (rc_filter_has(f, body)) {
-        report->share = rc_alarm_share(&m.top.head.alarm, m.bodies, body);
+        report->share =
+            rc_alarm_share(m.bodies, body, rc_alarm_log_sum(&m.top.head.alarm, m.bodies));
     }
     return RIGCAL_OK;
 }

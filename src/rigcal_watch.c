@@ -44,15 +44,16 @@ static void report_on(rigcal_monitor_report *report, const rc_monitor *m)
 {
     const rc_monitor_head *const head = &m->top.head;
     const rc_filter *const f = &m->filter;
+    const rigcal_real log_sum =
+        head->is_alarm ? 0 : rc_alarm_log_sum(&head->alarm, m->bodies);
     rigcal_real most = -1;
     report->alarm = (int32_t)head->is_alarm;
     report->body = 0;
     report->n_blind = 0;
     report->smallest_rad = 0;
     for (size_t b = 0; b < f->n_bodies; b++) {
-        const rigcal_real share = head->is_alarm
-                                      ? rc_trial_share(f, m->bodies, b)
-                                      : rc_alarm_share(&head->alarm, m->bodies, b);
+        const rigcal_real share = head->is_alarm ? rc_trial_share(f, m->bodies, b)
+                                                 : rc_alarm_share(m->bodies, b, log_sum);
         if (!rc_filter_has(f, b)) {
             continue;
         }

@@ -19,7 +19,7 @@ asan-float    gcc,cmake,unity              preset asan-float
 paper         gcc,cmake,unity,python,build/gcc-double
               preset_build gcc-double && $PYTHON tests/checks/check_paper.py
 figures       gcc,arm,riscv,cmake,unity,python,build/cortex-m4f,build/cortex-m7,build/cortex-m7-double,build/cortex-m33,build/rv32imafc
-              $PYTHON port/qemu/figures.py
+              $PYTHON port/qemu/figures.py && $PYTHON port/qemu/monitor.py --check
 cortex-m4f    arm,cmake,unity,build/cortex-m4f
               preset cortex-m4f
 gcc-float     gcc,cmake,unity,build/gcc-float
@@ -72,7 +72,7 @@ tables        gcc,cmake,unity,python,build/gcc-double
 pictures      gcc,cmake,unity,python,build/gcc-double
               preset_build gcc-double && sh examples/pictures/run.sh --check build/gcc-double
 scale         gcc,cmake,unity,numpy,time,build/gcc-double
-              preset_build gcc-double && $PYTHON tests/bench/scale.py build/gcc-double/rigcal short
+              preset_build gcc-double && $PYTHON tests/bench/scale.py build/gcc-double/rigcal short && $PYTHON tests/long/lines.py short
 ffi           gcc,cmake,rust,numpy,build/shared
               preset_build shared && sh examples/ffi/run.sh
 firmware      gcc,arm,unity                sh examples/firmware/run.sh build/firmware
@@ -91,7 +91,7 @@ static        gcc,python                   $PYTHON tests/checks/check_static.py 
 proof         frama-c                      sh tests/proof/run.sh short
 matrix        gcc,g++,clang,i686,cmake,unity,build/gcc-double,build/gcc-float
               preset_build gcc-double && preset_build gcc-float && sh tests/ways/matrix.sh short
-readme        gcc,python                   $PYTHON tests/checks/check_readme.py
+readme        gcc,python                   $PYTHON tests/checks/check_readme.py && $PYTHON tests/bench/quoted.py --check
 header        gcc,g++,clang                sh tests/checks/check_header.sh
 cross         arm                          sh tests/checks/check_cross.sh
 fuzz          libfuzzer,python             sh tests/fuzz/run.sh

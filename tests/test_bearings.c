@@ -74,8 +74,27 @@ static void test_the_observation_at_fault_is_told(void)
     TEST_ASSERT_EQUAL_INT32(-1, at_fault);
 }
 
+/* The first point is wrong, so no other is read. */
+static void test_the_most_points_are_2_to_the_28(void)
+{
+    rigcal_camera camera = test_pinhole();
+    rigcal_observation first = {{0, 0, 1}, {TEST_NAN, 0}};
+    rigcal_bearing bearing;
+    rigcal_view view = VIEW(&camera, &first, NULL, 0);
+
+    ASSERT_REFUSED(RIGCAL_ERR_TOO_FEW, bearing,
+                   rigcal_bearings_of_view(&bearing, NULL, &view));
+    view.n = RC_COUNT_MAX;
+    ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, bearing,
+                   rigcal_bearings_of_view(&bearing, NULL, &view));
+    view.n++; /* 0 where a size has few bits */
+    ASSERT_REFUSED(view.n > 0 ? RIGCAL_ERR_RANGE : RIGCAL_ERR_TOO_FEW, bearing,
+                   rigcal_bearings_of_view(&bearing, NULL, &view));
+}
+
 TEST_MAIN()
 {
     RUN_TEST(test_observations_become_bearings_one_by_one);
     RUN_TEST(test_the_observation_at_fault_is_told);
+    RUN_TEST(test_the_most_points_are_2_to_the_28);
 }

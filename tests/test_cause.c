@@ -89,6 +89,30 @@ static void test_a_turned_view_is_told_with_its_permutation(void)
     }
 }
 
+/* The farther its pose is off, the larger the distance of a view that is turned, up to the
+ * limit: beyond it the cause is unknown. */
+static void test_up_to_the_limit_the_cause_is_told(void)
+{
+    rigcal_real step = RC(0.002);
+    int told = 0;
+
+    WANTS_BOARDS;
+    make(3000, 4, 8);
+    test_boards_reverse(&b, 6);
+    judge();
+    rigcal_cause cause = cause_of(6);
+    for (; cause.cause == RIGCAL_CAUSE_TURNED && told < 500; told++) {
+        TEST_ASSERT_TRUE(cause.distance <= 1);
+        for (int i = 0; i < BOARD_POINTS; i++) {
+            b.o[6][i].uv[0] += 40 * step;
+        }
+        test_boards_solve_view(&b, 6);
+        cause = cause_of(6);
+    }
+    TEST_ASSERT_EQUAL_INT32(RIGCAL_CAUSE_UNKNOWN, cause.cause);
+    TEST_ASSERT_GREATER_THAN_INT(2, told);
+}
+
 /* Either of the two views may be the turned one. */
 static void test_of_two_views_either_may_be_turned(void)
 {
@@ -607,6 +631,7 @@ static void test_a_camera_that_has_nothing_to_turn(void)
 TEST_MAIN()
 {
     RUN_TEST(test_a_turned_view_is_told_with_its_permutation);
+    RUN_TEST(test_up_to_the_limit_the_cause_is_told);
     RUN_TEST(test_of_two_views_either_may_be_turned);
     RUN_TEST(test_a_view_of_the_placement_before_or_after_is_told);
     RUN_TEST(test_of_a_target_that_stood_still_the_shift_is_open);

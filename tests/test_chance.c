@@ -246,6 +246,21 @@ static void test_the_tail_of_F_is_that_of_scipy(void)
     ASSERT_NEAR(1, rc_f_tail(RC(TOL(1e-310, 1e-40)), 3, 4000), 0); /* 1 / F overflows */
 }
 
+/* Half, by symmetry. In double the steps of the fraction suffice for 1e-5; in float
+ * rounding leaves nothing but a chance. */
+static void test_of_very_many_degrees_of_freedom_the_tail_is_a_chance(void)
+{
+    if (!RIGCAL_USE_FLOAT) {
+        ASSERT_NEAR(0.5, rc_f_tail(1, RC(1e8), RC(1e8)), 1e-5);
+    }
+    for (int i = 0; i < 6; i++) {
+        const double n = 1e7 * pow(10, 0.5 * i);
+        const rigcal_real tail = rc_f_tail(1, RC(n), RC(n));
+
+        TEST_ASSERT_TRUE(tail >= 0 && tail <= 1);
+    }
+}
+
 static void test_the_logarithm_is_that_of_the_C_library(void)
 {
     for (int i = -4; i < 20; i++) {
@@ -275,5 +290,6 @@ TEST_MAIN()
     RUN_TEST(test_expected_sets_are_clipped_and_not_infinite);
     RUN_TEST(test_expected_sets_are_not_clipped_on_the_way);
     RUN_TEST(test_the_tail_of_F_is_that_of_scipy);
+    RUN_TEST(test_of_very_many_degrees_of_freedom_the_tail_is_a_chance);
     RUN_TEST(test_the_logarithm_is_that_of_the_C_library);
 }

@@ -482,6 +482,24 @@ static void test_a_clock_that_is_known_is_held(void)
     ASSERT_NEAR(1, fit.F, 0.6);
 }
 
+/* No drift is an unknown here. */
+static void test_drifts_that_are_held_are_exact(void)
+{
+    const uint8_t held[3] = {0, 0, 1};
+    rigcal_real offsets[3], drifts[3];
+    rigcal_rig_fit fit;
+
+    WANTS_MOTIONS();
+    make(&SCENE, 104);
+    m.clocks.held = held;
+    ASSERT_STATUS(RIGCAL_OK, adjust(&fit));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_clocks_sigma(offsets, drifts, &m.rig, RC(0.3)));
+    for (int c = 0; c < 3; c++) {
+        TEST_ASSERT_EQUAL_INT(!held[c], D(offsets[c]) > 0);
+        ASSERT_NEAR(0, drifts[c], 0);
+    }
+}
+
 /* The clock of a camera without views does not change. */
 static void test_the_clock_of_a_camera_without_views_is_left_alone(void)
 {
@@ -727,6 +745,7 @@ TEST_MAIN()
     RUN_TEST(test_clocks_of_a_target_that_stands_still_are_held);
     RUN_TEST(test_clocks_of_single_pictures_are_held);
     RUN_TEST(test_a_clock_that_is_known_is_held);
+    RUN_TEST(test_drifts_that_are_held_are_exact);
     RUN_TEST(test_the_clock_of_a_camera_without_views_is_left_alone);
     RUN_TEST(test_what_is_left_is_of_views_at_their_times);
     RUN_TEST(test_no_view_is_named_for_its_clock);

@@ -163,9 +163,32 @@ static void test_a_border_that_the_lens_does_not_see_leaves_the_edge(void)
     TEST_ASSERT_FALSE(rc_edge_begin_side(&edge, 1, behind));
 }
 
+/* Of a lens that folds at 0.7 of its focal length the border is there where k sigma_b would
+ * be beyond: in the image at 0.7 (1 - 1/3) of the focal length from the centre. */
+static void test_where_the_lens_folds_before_the_border_is_the_fold(void)
+{
+    const double far = 50 * 0.7 * 2 / 3;
+    rigcal_band band;
+
+    make_rows(&band);
+    band.sigma_b = 8;
+    band.camera_b.k1 = RC(-1 / (3 * 0.49));
+    TEST_ASSERT_TRUE(rc_edge_begin(&edge, &band));
+    for (int side = 0; side < 2; side++) {
+        for (int k = 1; k < 5; k++) {
+            rigcal_real p[2] = {RC(cos(0.1 * k)), RC(sin(0.1 * k))}, uv[2], J[6];
+
+            TEST_ASSERT_TRUE(rc_edge_begin_side(&edge, side, p));
+            ASSERT_STATUS(RIGCAL_OK, rc_edge_find(uv, J, &edge, p));
+            ASSERT_NEAR(far, hypot((double)uv[0] - 40, (double)uv[1] - 30), 0.1);
+        }
+    }
+}
+
 TEST_MAIN()
 {
     RUN_TEST(test_a_border_is_k_standard_deviations_from_the_line);
     RUN_TEST(test_the_borders_of_a_row_are_beside_it);
     RUN_TEST(test_a_border_that_the_lens_does_not_see_leaves_the_edge);
+    RUN_TEST(test_where_the_lens_folds_before_the_border_is_the_fold);
 }

@@ -249,7 +249,9 @@ static void test_the_same_bits_whatever_the_budgets(void)
             int32_t budget = trial % 2 ? 1 : 1 + (int32_t)(test_next(&rng) % 50);
             rigcal_choose_solver moved;
 
+            at_fault = 7;
             ASSERT_STATUS(RIGCAL_ERR_STATE, rigcal_choose_result(&at_fault, &solver));
+            TEST_ASSERT_EQUAL_INT32(-1, at_fault);
             status = rigcal_choose_step(&solver, budget);
             moved = solver; /* the solver may be copied */
             memset(&solver, 0x55, sizeof solver);

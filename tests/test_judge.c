@@ -252,6 +252,40 @@ static void test_a_named_view_does_not_touch_the_rig(void)
     ASSERT_NEAR(fit.sum, b.judgement.fit.sum, TOL(1e-6, 1e-3) * D(fit.sum));
 }
 
+/* Of one right view and nine wrong ones of a camera the right one goes too: nothing else
+ * says where the camera is. It stays where the camera is held, or has a prior. */
+static void test_the_only_right_view_of_a_camera_stays_if_its_pose_is_known(void)
+{
+    enum { LATE = 1 };
+    static rigcal_camera_prior priors[4];
+
+    WANTS_BOARDS(1);
+    for (int role = RIGCAL_CAMERA_FREE; role <= RIGCAL_CAMERA_PRIOR; role++) {
+        const uint8_t roles[4] = {RIGCAL_CAMERA_HELD, (uint8_t)role, 0, 0};
+        test_rng rng = test_seed(1650);
+
+        test_boards_make(&b, &rng, 4, 10, 4, NOISE, 0);
+        for (int f = 9; f > 0; f--) {
+            test_boards_replace(&b, test_boards_view(&b, LATE, f),
+                                test_boards_view(&b, LATE, f - 1));
+        }
+        priors[LATE].cam_from_rig = b.true_cams[LATE];
+        for (int k = 0; k < 6; k++) {
+            priors[LATE].Sigma[7 * k] = RC(1e-10);
+        }
+        b.rig.roles = roles;
+        b.rig.priors = priors;
+        b.rig.sigma_px = RC(NOISE);
+        TEST_ASSERT_TRUE(judge(&b) > 0);
+
+        for (size_t v = 0; v < b.rig.n_views; v++) {
+            const int is_alone = role == RIGCAL_CAMERA_FREE && b.views[v].camera == LATE;
+
+            TEST_ASSERT_EQUAL_INT(b.is_wrong[v] || is_alone, is_named(&b, v));
+        }
+    }
+}
+
 /* ---- what cannot be known -------------------------------------------------- */
 
 static void test_of_two_views_that_contradict_each_other_both_are_named(void)
@@ -276,12 +310,12 @@ static void test_of_two_views_that_contradict_each_other_both_are_named(void)
     }
 }
 
-static void test_a_view_that_nobody_shares_is_unchecked(void)
+/* A rig of whose placement 4 camera 2 has the only view, which is wrong. */
+static int make_unshared(void)
 {
     test_rng rng = test_seed(1900);
     int gone;
 
-    WANTS_BOARDS(1);
     test_boards_make(&b, &rng, 3, 6, 3, NOISE, 0);
     for (int c = 0; c < 2; c++) { /* only camera 2 sees placement 4 */
         gone = test_boards_view(&b, c, 4);
@@ -292,13 +326,40 @@ static void test_a_view_that_nobody_shares_is_unchecked(void)
             b.views[v].view.observations = b.o[v];
         }
     }
-    test_boards_reverse(&b, test_boards_view(&b, 2, 4));
-    ASSERT_STATUS(RIGCAL_OK, judge(&b));
+    gone = test_boards_view(&b, 2, 4);
+    test_boards_reverse(&b, gone);
+    return gone;
+}
+
+static void assert_unshared(int alone)
+{
     TEST_ASSERT_EQUAL_INT32(1, b.judgement.n_unchecked);
-    TEST_ASSERT_EQUAL_INT32(RIGCAL_VIEW_UNCHECKED,
-                            b.judged[test_boards_view(&b, 2, 4)].verdict);
-    ASSERT_NEAR(0, b.judged[test_boards_view(&b, 2, 4)].cost, 0);
+    TEST_ASSERT_EQUAL_INT32(RIGCAL_VIEW_UNCHECKED, b.judged[alone].verdict);
+    ASSERT_NEAR(0, b.judged[alone].cost, 0);
     TEST_ASSERT_EQUAL_INT32(15, b.judgement.n_fit);
+}
+
+static void test_a_view_that_nobody_shares_is_unchecked(void)
+{
+    int alone;
+
+    WANTS_BOARDS(1);
+    alone = make_unshared();
+    ASSERT_STATUS(RIGCAL_OK, judge(&b));
+    assert_unshared(alone);
+}
+
+static void test_a_view_that_nobody_shares_is_unchecked_if_it_is_left_out_too(void)
+{
+    int alone;
+
+    WANTS_BOARDS(1);
+    alone = make_unshared();
+    test_boards_solve(&b);
+    b.choice.sigma_px = RC(NOISE);
+    b.takes[alone] = RIGCAL_TAKES_NONE;
+    (void)rigcal_rig_judge(&b.judgement, NULL, b.judged, b.left_out, &b.choice, &b.rig);
+    assert_unshared(alone);
 }
 
 /* ---- second poses ---------------------------------------------------------- */
@@ -415,8 +476,10 @@ TEST_MAIN()
     RUN_TEST(test_a_camera_that_is_late_is_left_out);
     RUN_TEST(test_wrong_views_that_were_joined_are_named);
     RUN_TEST(test_a_named_view_does_not_touch_the_rig);
+    RUN_TEST(test_the_only_right_view_of_a_camera_stays_if_its_pose_is_known);
     RUN_TEST(test_of_two_views_that_contradict_each_other_both_are_named);
     RUN_TEST(test_a_view_that_nobody_shares_is_unchecked);
+    RUN_TEST(test_a_view_that_nobody_shares_is_unchecked_if_it_is_left_out_too);
     RUN_TEST(test_a_second_pose_is_taken_up);
     RUN_TEST(test_the_same_bits_whatever_the_budgets);
     RUN_TEST(test_what_cannot_be_judged_is_refused);

@@ -628,6 +628,84 @@ static void test_a_radial_lens_has_rays_exactly_inside_its_circle(void)
     TEST_ASSERT_TRUE(none > TEST_TRIALS(1000));
 }
 
+/* ---- where bounds do not decide -------------------------------------------- */
+
+/* Of k4 = -1 the denominator is 1 - r^2: the lens has a pole at r = 1. */
+static void test_nothing_is_proved_beyond_a_pole(void)
+{
+    const rigcal_camera camera = {.fx = 1, .fy = 1, .k4 = -1};
+    const rigcal_real before[2] = {RC(0.6), RC(0.5)}, beyond[2] = {2, RC(0.5)};
+
+    TEST_ASSERT_TRUE(rc_lens_is_usable(&camera, before));
+    TEST_ASSERT_FALSE(rc_lens_is_usable(&camera, beyond));
+#if RIGCAL_FOR_SPEED
+    const rigcal_real proved2 = rc_lens_proved(&camera, RC(1.1));
+    rigcal_real x[2];
+
+    TEST_ASSERT_TRUE(proved2 > 0 && proved2 < 1);
+    TEST_ASSERT_FALSE(rc_lens_invert_within(x, &camera, beyond, 9)); /* not proved */
+#endif
+}
+
+/* F = r - r^3 / 3 turns back at r = 1. Near there a step of Newton's method only halves the
+ * error, and from F(0.999) it is a third. */
+static void test_a_place_near_the_turn_takes_more_than_a_few_steps(void)
+{
+#if RIGCAL_FOR_SPEED
+    const rigcal_camera camera = {.fx = 1, .fy = 1, .k1 = RC(-1.0 / 3)};
+    const rigcal_real target[2] = {RC(0.999 - 0.999 * 0.999 * 0.999 / 3), 0};
+    rigcal_real x[2];
+
+    TEST_ASSERT_FALSE(rc_lens_invert_within(x, &camera, target, RC(0.9999)));
+    TEST_ASSERT_TRUE(rc_lens_invert(x, &camera, target, RC(TOL(1e-12, 1e-6))));
+    ASSERT_NEAR(0.999, x[0], TOL(1e-9, 2e-3));
+#endif
+}
+
+/* Along x the map's slope is m at r = 1, where its next three derivatives are 0: it is
+ * nearly 0 for long. So a proof would take more steps than there may be. */
+static void test_a_proof_that_takes_too_long_is_none(void)
+{
+    const double m = 1e-4, e = (1 - m) / 5;
+    const rigcal_camera camera = {.fx = 1,
+                                  .fy = 1,
+                                  .p2 = RC(-16 * e / 6),
+                                  .k1 = RC(5 * e),
+                                  .k2 = RC(-e),
+                                  .k3 = RC(e / 7)};
+    const rigcal_real near[2] = {RC(0.5), 0}, far[2] = {2, 0};
+
+    for (int i = 0; i <= 400; i++) {
+        const rigcal_real x[2] = {RC(2 * i / 400.0), 0};
+        rigcal_real F[2], J[3];
+
+        TEST_ASSERT_TRUE(rc_lens_map(F, J, &camera, x));
+        TEST_ASSERT_TRUE(J[0] > 0 && J[2] > RC(0.5));
+        ASSERT_NEAR(0, J[1], 0);
+    }
+    TEST_ASSERT_TRUE(rc_lens_is_usable(&camera, near));
+    TEST_ASSERT_FALSE(rc_lens_is_usable(&camera, far));
+}
+
+/* p1 alone bends rays along x only sideways. There J = (1, 2 p1 r; 2 p1 r, 1), and turns
+ * back where r = 1 / (2 p1). */
+static void test_a_lens_that_bends_only_sideways_is_proved_to_its_turn(void)
+{
+    const rigcal_camera camera = {.fx = 1, .fy = 1, .p1 = RC(0.25)};
+    const rigcal_real before[2] = {RC(1.99), 0}, beyond[2] = {RC(2.01), 0};
+
+    TEST_ASSERT_TRUE(rc_lens_is_usable(&camera, before));
+    TEST_ASSERT_FALSE(rc_lens_is_usable(&camera, beyond));
+}
+
+static void test_a_place_whose_square_overflows_is_not_usable(void)
+{
+    const rigcal_camera camera = {.fx = 1, .fy = 1, .k1 = RC(0.1)};
+    const rigcal_real far[2] = {RC(TOL(1e200, 1e30)), 0};
+
+    TEST_ASSERT_FALSE(rc_lens_is_usable(&camera, far));
+}
+
 TEST_MAIN()
 {
     RUN_TEST(test_the_map_and_its_derivative_are_those_of_the_formulas);
@@ -642,4 +720,9 @@ TEST_MAIN()
     RUN_TEST(test_any_lens_gives_every_ray_before_its_turning_point);
     RUN_TEST(test_any_lens_projects_up_to_its_turning_point_and_not_beyond);
     RUN_TEST(test_a_radial_lens_has_rays_exactly_inside_its_circle);
+    RUN_TEST(test_nothing_is_proved_beyond_a_pole);
+    RUN_TEST(test_a_place_near_the_turn_takes_more_than_a_few_steps);
+    RUN_TEST(test_a_proof_that_takes_too_long_is_none);
+    RUN_TEST(test_a_lens_that_bends_only_sideways_is_proved_to_its_turn);
+    RUN_TEST(test_a_place_whose_square_overflows_is_not_usable);
 }

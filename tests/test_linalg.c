@@ -153,6 +153,24 @@ static void test_singular_indefinite_and_nan_matrices_have_no_factor(void)
     TEST_ASSERT_FALSE(has_factor(1, 0, 0, 1, test_nan(), 1, eps));
 }
 
+/* The pivots of a diagonal matrix are its elements, however much their sizes differ. */
+static void test_each_pivot_is_held_against_its_own_element(void)
+{
+    static const double SIZES[3] = {1, 1e-6, 1e6};
+
+    for (int turn = 0; turn < 3; turn++) {
+        rigcal_real L[6], diagonal[3], A[6] = {0, 0, 0, 0, 0, 0};
+
+        for (int k = 0; k < 3; k++) {
+            diagonal[k] = RC(SIZES[(k + turn) % 3]);
+        }
+        A[0] = diagonal[0];
+        A[3] = diagonal[1];
+        A[5] = diagonal[2];
+        TEST_ASSERT_TRUE(rc_sym3_factor(L, A, diagonal, RC(0.5)));
+    }
+}
+
 /* [1 1; 1 1 + d] has the pivot d for a diagonal element 1 + d. */
 static void test_the_rank_tolerance_is_what_a_pivot_must_keep_of_its_diagonal(void)
 {
@@ -641,6 +659,7 @@ TEST_MAIN()
     RUN_TEST(test_a_cholesky_factor_on_paper);
     RUN_TEST(test_solutions_put_back_give_the_right_side);
     RUN_TEST(test_singular_indefinite_and_nan_matrices_have_no_factor);
+    RUN_TEST(test_each_pivot_is_held_against_its_own_element);
     RUN_TEST(test_the_rank_tolerance_is_what_a_pivot_must_keep_of_its_diagonal);
     RUN_TEST(test_a_direction_is_completed_to_a_rotation);
     RUN_TEST(test_the_normal_of_a_plane_is_found);

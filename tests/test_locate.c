@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "rc_locate.h"
-#include "test_support.h"
+#include "test_two_views.h"
 #include "vectors_camera.h"
 
 enum { N = 3 };
@@ -13,24 +13,33 @@ static rigcal_mounted_camera cameras[N];
 static int32_t group[N];
 static uint8_t held[N] = {1, 1, 1};
 static rigcal_sighting seen[N];
-static rigcal_real work[RIGCAL_POINT_WORK(N)], noise[N] = {1, 1, 1};
+static rigcal_real work[RIGCAL_POINT_WORK(N)], noise[N];
 static rigcal_calibrated_rig rig;
 static rigcal_sightings s;
 static rigcal_point_solver solver;
 
-/* Cameras about the origin. Each sees a random pixel. */
-static void build(test_rng *rng, double spread_px)
+static void hand_in(int n)
 {
     rig.cameras = cameras;
     rig.group = group;
     rig.held = held;
-    rig.n_cameras = rig.capacity = N;
+    rig.n_cameras = rig.capacity = (size_t)n;
     s.rig = &rig;
     s.seen = seen;
-    s.n = N;
+    s.n = (size_t)n;
     s.sigma_px = noise;
     s.work = work;
     s.work_capacity = RIGCAL_POINT_WORK(N);
+    for (int i = 0; i < n; i++) {
+        seen[i].camera = i;
+        noise[i] = 1;
+    }
+}
+
+/* Cameras about the origin. Each sees a random pixel. */
+static void build(test_rng *rng, double spread_px)
+{
+    hand_in(N);
     for (int i = 0; i < N; i++) {
         const double t[3] = {0, 0, 5};
         double R[9];
@@ -39,9 +48,19 @@ static void build(test_rng *rng, double spread_px)
         test_rotation(R, test_uniform(rng, -3, 3), 0.6 * (i - 1),
                       test_uniform(rng, -0.3, 0.3));
         cameras[i].cam_from_rig = test_transform(R, t);
-        seen[i].camera = i;
         seen[i].uv[0] = RC(D(cameras[i].camera.cx) + spread_px * test_normal(rng));
         seen[i].uv[1] = RC(D(cameras[i].camera.cy) + spread_px * test_normal(rng));
+    }
+}
+
+static void build_views(const test_views *v)
+{
+    hand_in(v->n);
+    for (int i = 0; i < v->n; i++) {
+        cameras[i].camera = v->cameras[i];
+        cameras[i].cam_from_rig = v->cams_from_world[i];
+        seen[i].uv[0] = v->uv[2 * i];
+        seen[i].uv[1] = v->uv[2 * i + 1];
     }
 }
 
@@ -50,8 +69,8 @@ static rigcal_status locate(void)
     rigcal_status status = RIGCAL_RUNNING;
 
     ASSERT_STATUS(RIGCAL_OK, rigcal_point_begin(&solver, &s));
-    ASSERT_STATUS(RIGCAL_RUNNING, rigcal_point_step(&solver, N)); /* checked */
-    rc_locate_begin(&solver, N);
+    ASSERT_STATUS(RIGCAL_RUNNING, rigcal_point_step(&solver, (int32_t)s.n)); /* checked */
+    rc_locate_begin(&solver, s.n);
     for (int units = 0; status == RIGCAL_RUNNING; units++) {
         TEST_ASSERT_TRUE(units < 60 * N);
         status = rc_locate_step(&solver);
@@ -147,8 +166,81 @@ static void test_no_point_nearby_is_better(void)
     }
 }
 
+/* Rays that are far from meeting, so that a search goes on for long, goes back, or away to
+ * infinity. */
+static void test_no_point_near_one_of_wild_views_is_better(void)
+{
+    test_rng rng = test_seed(633);
+    int counts[3] = {0, 0, 0};
+
+    for (int trial = 0; trial < TEST_TRIALS(20000); trial++) {
+        double X[3];
+        test_views v;
+
+        test_wild_views(&v, &rng);
+        build_views(&v);
+        const rigcal_status status = locate();
+        test_to_double(X, solver.X, 3);
+        if (status == RIGCAL_OK) {
+            const double least = test_views_sum(&v, X), step = 1e-3 * (1 + test_norm(X));
+
+            counts[0]++;
+            for (int way = 0; way < 6; way++) {
+                double aside[3] = {X[0], X[1], X[2]};
+
+                aside[way / 2] += way % 2 ? step : -step;
+                TEST_ASSERT_TRUE(test_views_sum(&v, aside) > least * (1 - TOL(1e-5, 1e-3)));
+            }
+        } else if (status == RIGCAL_BUDGET_SPENT) {
+            counts[1]++;
+            TEST_ASSERT_TRUE(test_views_sum(&v, X) < test_infinity()); /* seen by all */
+        } else {
+            counts[2] += status == RIGCAL_ERR_PARALLEL;
+            TEST_ASSERT_TRUE(status == RIGCAL_ERR_PARALLEL || status == RIGCAL_ERR_BEHIND ||
+                             status == RIGCAL_ERR_DEGENERATE);
+        }
+    }
+    for (int i = 0; i < 3; i++) {
+        TEST_ASSERT_TRUE(TEST_ONE_IN > 1 || counts[i] > 20);
+    }
+}
+
+/* The point is so near to the plane of a camera that its pixel, or how it moves, is no
+ * number. */
+static void test_a_point_that_grazes_a_camera_is_refused(void)
+{
+    test_views v;
+
+    test_grazing_views(&v, 0);
+    build_views(&v);
+    ASSERT_STATUS(RIGCAL_ERR_PARALLEL, locate());
+    test_grazing_views(&v, 1);
+    build_views(&v);
+    ASSERT_STATUS(RIGCAL_ERR_NO_RAY, locate());
+}
+
+/* A camera may be anywhere: the point's covariance is no number. */
+static void test_a_covariance_that_overflows_is_told(void)
+{
+    static rigcal_real Sigma[RIGCAL_CALIBRATED_SIZE(1)];
+    test_rng rng = test_seed(634);
+
+    build(&rng, 0);
+    Sigma[3 * (3 + 3) / 2] = RC(TOL(1e306, 1e36)); /* of its place along x */
+    rig.Sigma = Sigma;
+    rig.Sigma_capacity = RIGCAL_CALIBRATED_SIZE(1);
+    rig.sigma_px = 1;
+    held[0] = 0;
+    ASSERT_STATUS(RIGCAL_ERR_NOT_FINITE, locate());
+    held[0] = 1;
+    rig.sigma_px = 0;
+}
+
 TEST_MAIN()
 {
     RUN_TEST(test_equations_are_those_of_the_point_that_is_found);
     RUN_TEST(test_no_point_nearby_is_better);
+    RUN_TEST(test_no_point_near_one_of_wild_views_is_better);
+    RUN_TEST(test_a_point_that_grazes_a_camera_is_refused);
+    RUN_TEST(test_a_covariance_that_overflows_is_told);
 }

@@ -93,16 +93,12 @@ static void test_where_room_is_short_the_best_stay(void)
     }
 }
 
-/* If b's pixel has the only noise, all widths are equal and the nearest candidate is the
- * best. */
-static void test_the_nearest_to_the_line_is_best(void)
+/* Pinholes side by side, with noise in b alone. The pixel of a is (40, 20). */
+static void make_beside(void)
 {
     static const double t[3] = {-1, 0, 0};
-    static const rigcal_real at[8] = {30, RC(20.9), 25, RC(20.2), 20, RC(22), 28, RC(19.5)};
-    rigcal_camera camera;
-    rigcal_match matches[4];
+    static rigcal_camera camera;
     const rigcal_real uv_a[2] = {40, 20};
-    size_t written, inside;
 
     memset(&camera, 0, sizeof camera);
     camera.width = 80;
@@ -116,6 +112,17 @@ static void test_the_nearest_to_the_line_is_best(void)
     scene.pair.sigma_b = RC(0.5);
     scene.pair.k = 2;
     ASSERT_STATUS(RIGCAL_OK, rigcal_band_make(&band, &scene.pair, uv_a));
+}
+
+/* If b's pixel has the only noise, all widths are equal and the nearest candidate is the
+ * best. */
+static void test_the_nearest_to_the_line_is_best(void)
+{
+    static const rigcal_real at[8] = {30, RC(20.9), 25, RC(20.2), 20, RC(22), 28, RC(19.5)};
+    rigcal_match matches[4];
+    size_t written, inside;
+
+    make_beside();
     ASSERT_STATUS(RIGCAL_OK,
                   rigcal_band_search(matches, 4, &written, &inside, NULL, &band, at, 4));
     TEST_ASSERT_EQUAL_UINT64(3, written);
@@ -207,6 +214,20 @@ static void test_the_curve_runs_from_near_to_far(void)
     ASSERT_NEAR(D(band.far_a), points[4].depth_a, TOL(1e-9, 1e-3) * D(band.far_a));
 }
 
+/* Cameras side by side see what is infinitely far at the same pixel. */
+static void test_a_curve_to_infinity_ends_at_the_ray(void)
+{
+    rigcal_band_point points[3];
+    size_t n;
+
+    make_beside();
+    ASSERT_STATUS(RIGCAL_OK, rigcal_band_curve(points, 3, &n, &band));
+    TEST_ASSERT_GREATER_THAN_size_t(0, n);
+    ASSERT_NEAR(40, points[n - 1].uv[0], TOL(1e-9, 1e-4));
+    ASSERT_NEAR(20, points[n - 1].uv[1], TOL(1e-9, 1e-4));
+    ASSERT_NEAR(0, points[n - 1].depth_a, 0);
+}
+
 /* If two places are far and near, often only one is in the image. */
 static void test_a_curve_may_have_one_point(void)
 {
@@ -252,6 +273,7 @@ TEST_MAIN()
     RUN_TEST(test_a_candidate_that_is_no_number_is_named);
     RUN_TEST(test_the_curve_is_the_line_and_its_borders_the_band);
     RUN_TEST(test_the_curve_runs_from_near_to_far);
+    RUN_TEST(test_a_curve_to_infinity_ends_at_the_ray);
     RUN_TEST(test_a_curve_may_have_one_point);
     RUN_TEST(test_a_curve_along_the_baseline_has_no_point);
 }

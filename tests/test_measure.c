@@ -732,6 +732,29 @@ static void test_a_pixel_beyond_a_lens_has_a_status(void)
     TEST_ASSERT_EQUAL_UINT64(3, point.n_used);
 }
 
+/* Of two cameras each has a covariance, and with the exact one a point; both have none, of
+ * a correlation of 2. */
+static void test_a_joint_covariance_that_is_none_has_a_status(void)
+{
+    test_rng rng = test_seed(622);
+
+    WANTS_RIG;
+    simulate(&rng, 3, 0);
+    memset(m.Sigma, 0, sizeof m.Sigma);
+    for (int i = 3; i < 6; i++) {
+        const int j = i + 6;
+
+        m.Sigma[i * (i + 1) / 2 + i] = m.Sigma[j * (j + 1) / 2 + j] = RC(0.01);
+        m.Sigma[j * (j + 1) / 2 + i] = RC(0.02);
+    }
+    ASSERT_REFUSED(RIGCAL_ERR_DEGENERATE, point, rigcal_point_measure(&point, NULL, &m.s));
+    m.seen[2] = m.seen[1];
+    m.s.n = 2; /* without the third it is one */
+    memset(&point, 0, sizeof point);
+    ASSERT_STATUS(RIGCAL_OK, rigcal_point_measure(&point, NULL, &m.s));
+    ASSERT_ARRAY_NEAR(m.X, point.X, 3, TOL(1e-11, 1e-4));
+}
+
 static void test_cameras_without_a_common_frame_are_refused(void)
 {
     test_rng rng = test_seed(614);
@@ -966,6 +989,7 @@ TEST_MAIN()
     RUN_TEST(test_a_point_behind_a_camera_has_a_status);
     RUN_TEST(test_a_camera_that_cannot_see_the_point_is_left_out);
     RUN_TEST(test_a_pixel_beyond_a_lens_has_a_status);
+    RUN_TEST(test_a_joint_covariance_that_is_none_has_a_status);
     RUN_TEST(test_cameras_without_a_common_frame_are_refused);
     RUN_TEST(test_without_a_joint_covariance_there_is_noise_alone);
     RUN_TEST(test_the_noise_is_the_rigs_if_no_other_is_given);

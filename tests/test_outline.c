@@ -112,10 +112,176 @@ static void test_more_arcs_than_there_is_room_for_are_told(void)
     TEST_ASSERT_EQUAL_INT32(RIGCAL_SPANS_ARCS, outline.n_arcs);
 }
 
+/* A parabola of the row is kept as one: u = 20 + w^2 / 100, w the rows from its first. */
+static void test_a_polynomial_of_the_row_is_kept_as_one(void)
+{
+    static const rigcal_real u[RIGCAL_SPANS_NODES] = {20, 21, 24, 29, 36};
+    static const rigcal_real v[RIGCAL_SPANS_NODES] = {5, 15, 25, 35, 45};
+    const rigcal_arc *const arc = &outline.arcs[0];
+
+    rc_outline_begin(&outline, 60);
+    rc_outline_add(&outline, u, v);
+    TEST_ASSERT_EQUAL_INT32(1, outline.n_arcs);
+    TEST_ASSERT_TRUE(arc->is_direct);
+    ASSERT_NEAR(5, arc->b[0], TOL(1e-12, 1e-4));
+    for (int k = 0; k <= LAST; k++) {
+        ASSERT_NEAR(k == 0 ? 20 : k == 2 ? 0.01 : 0, arc->a[k], TOL(1e-12, 1e-5));
+    }
+}
+
+/* ---- arcs that are no quarter of a circle ----------------------------------- */
+
+/* A curve that falls straight down at u = `left`, so that the one before it has a right
+ * end. */
+static void add_edge(double u, double from, double to)
+{
+    rigcal_real at[2][RIGCAL_SPANS_NODES];
+
+    for (int i = 0; i <= LAST; i++) {
+        at[0][i] = RC(u);
+        at[1][i] = RC(from + (to - from) * i / LAST);
+    }
+    rc_outline_add(&outline, at[0], at[1]);
+}
+
+/* Of 0.05 px apart the spans of one row are one; of 2 px they are two. */
+static void test_spans_that_touch_become_one(void)
+{
+    for (int apart = 0; apart < 2; apart++) {
+        const double right = apart ? 42 : 40.05;
+        rigcal_span spans[RIGCAL_SPANS_ROW];
+
+        rc_outline_begin(&outline, 60);
+        add_edge(30, 10, 20);
+        add_edge(40, 20, 10);
+        add_edge(right, 10, 20);
+        add_edge(49.98, 20, 10);
+        if (!apart) { /* the pixel at its end belongs to both */
+            add_edge(49.99, 10, 20);
+            add_edge(50.02, 20, 10);
+        }
+        rc_outline_close(&outline);
+        TEST_ASSERT_EQUAL_UINT64(1 + apart, rc_outline_row(spans, &outline, 15, 100));
+        TEST_ASSERT_EQUAL_INT32(30, spans[0].first);
+        TEST_ASSERT_EQUAL_INT32(50, spans[apart].last);
+        if (apart) {
+            TEST_ASSERT_EQUAL_INT32(40, spans[0].last);
+            TEST_ASSERT_EQUAL_INT32(42, spans[1].first);
+        }
+    }
+}
+
+/* More arcs cross a row than it has room for: those that are left out cost spans, not
+ * memory. */
+static void test_a_row_has_no_more_spans_than_there_is_room_for(void)
+{
+    rigcal_span spans[RIGCAL_SPANS_ROW];
+
+    rc_outline_begin(&outline, 60);
+    for (int i = 0; i < RIGCAL_SPANS_ACTIVE + 2; i++) {
+        add_edge(4 * i, i % 2 ? 20 : 10, i % 2 ? 10 : 20);
+    }
+    rc_outline_close(&outline);
+    TEST_ASSERT_FALSE(outline.is_full);
+    TEST_ASSERT_EQUAL_UINT64(RIGCAL_SPANS_ACTIVE / 2,
+                             rc_outline_row(spans, &outline, 15, 100));
+    for (int i = 0; i < RIGCAL_SPANS_ACTIVE / 2; i++) {
+        TEST_ASSERT_EQUAL_INT32(8 * i, spans[i].first);
+        TEST_ASSERT_EQUAL_INT32(8 * i + 4, spans[i].last);
+    }
+}
+
+static void test_a_stretch_ends_where_the_room_does(void)
+{
+    rigcal_span spans[RIGCAL_SPANS_ROW + 1];
+    int32_t row = 12;
+
+    rc_outline_begin(&outline, 60);
+    add_edge(30, 10, 50);
+    add_edge(40, 50, 10);
+    rc_outline_close(&outline);
+    TEST_ASSERT_EQUAL_UINT64(RIGCAL_SPANS_ROW, rc_outline_stretch(spans, RIGCAL_SPANS_ROW,
+                                                                  &outline, &row, 49, 100));
+    TEST_ASSERT_EQUAL_INT32(12 + RIGCAL_SPANS_ROW, row);
+    TEST_ASSERT_EQUAL_INT32(row - 1, spans[RIGCAL_SPANS_ROW - 1].row);
+}
+
+/* v = 100 t^4 - `below` hardly rises where it begins: there Newton's method goes too far,
+ * and is slow on its way back. u = width t. */
+static void add_flat(double below, double width)
+{
+    rigcal_real u[RIGCAL_SPANS_NODES], v[RIGCAL_SPANS_NODES];
+
+    for (int i = 0; i <= LAST; i++) {
+        u[i] = RC(width * i);
+        v[i] = RC(i > 0 ? 100 * i * i * i * i : -below);
+    }
+    rc_outline_begin(&outline, 60);
+    rc_outline_add(&outline, u, v);
+    add_edge(4 * width, 25600, -below);
+    rc_outline_close(&outline);
+}
+
+static void test_a_flat_start_of_an_arc_is_crossed(void)
+{
+    rigcal_span spans[RIGCAL_SPANS_ROW];
+
+    add_flat(0, 16);
+    for (int32_t row = 1; row < 60; row += 7) {
+        TEST_ASSERT_EQUAL_UINT64(1, rc_outline_row(spans, &outline, row, 100));
+        ASSERT_NEAR(ceil(16 * pow(row / 100.0, 0.25) - 0.1), spans[0].first, 0);
+        TEST_ASSERT_EQUAL_INT32(64, spans[0].last);
+    }
+    add_flat(1e-18, 2000); /* too slow for the steps there are: on the arc all the same */
+    TEST_ASSERT_EQUAL_UINT64(1, rc_outline_row(spans, &outline, 0, 100));
+    TEST_ASSERT_TRUE(spans[0].first <= 3);
+    TEST_ASSERT_EQUAL_INT32(99, spans[0].last);
+}
+
+/* A curve that turns back twice between two nodes, by 0.08 px. */
+static double folded(double t)
+{
+    return 10.04 + t * (0.045 + t * (-0.205 + t * (-1.0 / 6 + t / 4)));
+}
+
+static void test_an_arc_that_folds_between_nodes_keeps_its_rows(void)
+{
+    rigcal_real u[RIGCAL_SPANS_NODES], v[RIGCAL_SPANS_NODES];
+    rigcal_span spans[RIGCAL_SPANS_ROW];
+
+    TEST_ASSERT_TRUE(folded(1) < folded(0));
+    for (int i = 0; i <= LAST; i++) {
+        u[i] = RC(16 * i);
+        v[i] = RC(folded(i));
+    }
+    rc_outline_begin(&outline, 70);
+    rc_outline_add(&outline, u, v);
+    add_edge(64, D(v[LAST]), D(v[0]));
+    rc_outline_close(&outline);
+    for (int32_t row = 11; row < folded(LAST); row++) {
+        double low = 1, high = LAST;
+
+        for (int i = 0; i < 50; i++) {
+            const double middle = (low + high) / 2;
+
+            *(folded(middle) < row ? &low : &high) = middle;
+        }
+        TEST_ASSERT_EQUAL_UINT64(1, rc_outline_row(spans, &outline, row, 100));
+        ASSERT_NEAR(ceil(16 * low - 0.1), spans[0].first, 0);
+        TEST_ASSERT_EQUAL_INT32(64, spans[0].last);
+    }
+}
+
 TEST_MAIN()
 {
     RUN_TEST(test_the_rows_of_a_circle_are_its_chords);
     RUN_TEST(test_a_row_may_have_several_spans);
     RUN_TEST(test_an_empty_outline_has_no_rows);
     RUN_TEST(test_more_arcs_than_there_is_room_for_are_told);
+    RUN_TEST(test_a_polynomial_of_the_row_is_kept_as_one);
+    RUN_TEST(test_spans_that_touch_become_one);
+    RUN_TEST(test_a_row_has_no_more_spans_than_there_is_room_for);
+    RUN_TEST(test_a_stretch_ends_where_the_room_does);
+    RUN_TEST(test_a_flat_start_of_an_arc_is_crossed);
+    RUN_TEST(test_an_arc_that_folds_between_nodes_keeps_its_rows);
 }

@@ -729,6 +729,86 @@ static void test_nan_has_none(void)
     }
 }
 
+static void make_unit(scene *s)
+{
+    for (int i = 0; i < 3; i++) {
+        const double length = test_norm(s->ray[i]);
+
+        for (int k = 0; k < 3; k++) {
+            s->ray[i][k] /= length;
+        }
+    }
+}
+
+/* Rays nearly on one line, to both sides of the centre, and points close together, all by
+ * powers of 2. */
+static void nearly_on_a_line(scene *s, test_rng *rng)
+{
+    const int most = RIGCAL_USE_FLOAT ? 20 : 48;
+    double far[4];
+
+    for (int i = 0; i < 4; i++) {
+        far[i] = ldexp(1, -(int)(test_next(rng) % (uint64_t)most));
+    }
+    for (int k = 0; k < 3; k++) {
+        s->X[0][k] = test_uniform(rng, -1, 1);
+        s->ray[0][k] = test_uniform(rng, -1, 1);
+        s->X[1][k] = s->X[0][k] + far[0] * test_uniform(rng, -1, 1);
+        s->ray[1][k] = -s->ray[0][k] + far[1] * test_uniform(rng, -1, 1);
+        s->X[2][k] = s->X[0][k] + far[2] * test_uniform(rng, -1, 1);
+        s->ray[2][k] = s->ray[0][k] + far[3] * test_uniform(rng, -1, 1);
+    }
+    make_unit(s);
+}
+
+/* Rays in one plane, close together. */
+static void narrow_in_a_plane(scene *s, test_rng *rng)
+{
+    const int most = RIGCAL_USE_FLOAT ? 18 : 44;
+    const double far = ldexp(1, -most / 3 - (int)(test_next(rng) % (uint64_t)most) / 2);
+
+    for (int i = 0; i < 3; i++) {
+        for (int k = 0; k < 3; k++) {
+            s->X[i][k] = test_uniform(rng, -1, 1);
+        }
+        s->ray[i][0] = far * test_uniform(rng, -1, 1);
+        s->ray[i][1] = 0;
+        s->ray[i][2] = 1;
+    }
+    make_unit(s);
+}
+
+static void assert_poses_or_none(scene *s)
+{
+    (void)solve(s);
+    for (int i = 0; i < s->count; i++) {
+        TEST_ASSERT_TRUE(is_pose(s, i));
+    }
+}
+
+/* Here rounding decides: a root is threefold or takes many steps, a solution is 0, has no
+ * length, or its points are on a line. The seeds that are named are such cases. */
+static void test_rays_that_hardly_differ_give_poses_or_none(void)
+{
+    static const uint64_t ON_A_LINE[] = {1104, 1141, 1476, 7471, 43456, 148206};
+    static const uint64_t IN_A_PLANE[] = {22102, 48870};
+    enum { LINES = sizeof ON_A_LINE / sizeof ON_A_LINE[0] };
+    scene s;
+
+    for (int n = 0; n < TEST_TRIALS(2000) + LINES; n++) {
+        test_rng rng = test_seed(n < LINES ? ON_A_LINE[n] : 2000 + (uint64_t)n);
+
+        nearly_on_a_line(&s, &rng);
+        assert_poses_or_none(&s);
+    }
+    for (int n = 0; n < TEST_TRIALS(2000) + 2; n++) {
+        test_rng rng = test_seed(n < 2 ? IN_A_PLANE[n] : 2000 + (uint64_t)n);
+
+        narrow_in_a_plane(&s, &rng);
+        assert_poses_or_none(&s);
+    }
+}
+
 TEST_MAIN()
 {
     RUN_TEST(test_the_true_pose_is_among_them);
@@ -745,4 +825,5 @@ TEST_MAIN()
     RUN_TEST(test_rays_together_have_none);
     RUN_TEST(test_anything_else_gives_poses_or_none);
     RUN_TEST(test_nan_has_none);
+    RUN_TEST(test_rays_that_hardly_differ_give_poses_or_none);
 }

@@ -529,6 +529,19 @@ static void test_rays_in_one_plane_are_refused(void)
     }
 }
 
+static void test_rays_in_one_plane_are_refused_however_near(void)
+{
+    rigcal_bearing s[6];
+
+    six_bearings(s, 42, TEST_GENERAL);
+    for (int i = 0; i < 6; i++) {
+        s[i].ray[0] = RC(TOL(1e-10, 1e-3) * i); /* a plane to the last bit */
+        s[i].ray[1] = 0;
+        s[i].ray[2] = 1;
+    }
+    assert_choice_refused(RIGCAL_ERR_EDGE_ON, s, 6);
+}
+
 /* The rays of a telephoto lens form a narrow bundle, but not a plane. */
 static void test_a_narrow_bundle_of_rays_is_accepted(void)
 {
@@ -619,6 +632,22 @@ static void test_arguments_of_the_choice_are_checked(void)
     }
 }
 
+/* One point, seen in two places: one of both is wrong, and no pair is made of them. */
+static void test_a_point_seen_twice_is_not_paired_with_itself(void)
+{
+    rigcal_bearing s[6];
+    rigcal_pair pairs[15];
+    size_t n_pairs;
+
+    six_bearings(s, 47, TEST_GENERAL);
+    memcpy(s[5].X_w, s[0].X_w, sizeof s[5].X_w);
+    s[5].ray[0] = s[0].ray[0] + 2 * s[0].ray[2];
+    ASSERT_STATUS(RIGCAL_OK, rigcal_pairs_choose(pairs, 15, &n_pairs, s, 6));
+    assert_pairs_sound(pairs, n_pairs, s, 6);
+    TEST_ASSERT_TRUE(is_chosen(pairs, n_pairs, 1, 5));
+    TEST_ASSERT_FALSE(is_chosen(pairs, n_pairs, 0, 5));
+}
+
 TEST_MAIN()
 {
     RUN_TEST(test_a_pair_is_a_plane_of_rays_and_a_direction);
@@ -638,7 +667,9 @@ TEST_MAIN()
     RUN_TEST(test_fewer_than_three_distinct_points_or_rays_are_refused);
     RUN_TEST(test_points_on_one_line_are_refused);
     RUN_TEST(test_rays_in_one_plane_are_refused);
+    RUN_TEST(test_rays_in_one_plane_are_refused_however_near);
     RUN_TEST(test_a_narrow_bundle_of_rays_is_accepted);
     RUN_TEST(test_the_unit_of_length_does_not_decide_what_is_a_line);
     RUN_TEST(test_arguments_of_the_choice_are_checked);
+    RUN_TEST(test_a_point_seen_twice_is_not_paired_with_itself);
 }

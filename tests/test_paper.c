@@ -583,6 +583,10 @@ static void test_the_defaults_are_those_of_the_header(void)
     TEST_ASSERT_EQUAL_INT32(RIGCAL_BEST_CONDITIONED, o.eliminated);
     TEST_ASSERT_EQUAL_INT32(0, o.pairs_used);
     TEST_ASSERT_EQUAL_INT32(0, o.use_guess);
+    TEST_ASSERT_EQUAL_INT32(0, o.max_evals);
+    for (int k = 0; k < 3; k++) {
+        ASSERT_NEAR(0, o.guess_ypr[k], 0);
+    }
 
     spelled = o;
     spelled.max_evals = EVALS_WITHOUT_GUESS;
@@ -1152,6 +1156,27 @@ static void test_a_solver_with_a_phase_out_of_range_is_refused(void)
     ASSERT_STATUS(RIGCAL_ERR_STATE, rigcal_paper_step(&solver, 1));
 }
 
+/* One pair, three times, fixes no angle: whatever the others are, the equations are
+ * singular. */
+static void test_equations_that_are_singular_everywhere_give_no_pose(void)
+{
+    rigcal_paper_options o = options_of(2, RIGCAL_BEST_CONDITIONED, 2);
+    rigcal_paper_pose pose;
+    test_scene scene;
+
+    box_scene(&scene, 8);
+    see(&scene);
+    pairs[1] = pairs[2] = pairs[0];
+    ASSERT_REFUSED(RIGCAL_ERR_NO_POSE, pose,
+                   rigcal_paper_solve(&pose, bearings, 8, pairs, 3, &o));
+    o.use_guess = 1;
+    ASSERT_REFUSED(RIGCAL_ERR_NO_POSE, pose,
+                   rigcal_paper_solve(&pose, bearings, 8, pairs, 3, &o));
+    o.xtol = RC(TOL(1e-300, 1e-37)); /* about 0 never met: the simplex runs out */
+    ASSERT_REFUSED(RIGCAL_ERR_NO_POSE, pose,
+                   rigcal_paper_solve(&pose, bearings, 8, pairs, 3, &o));
+}
+
 TEST_MAIN()
 {
     RUN_TEST(test_a_box_is_found_from_all_sides_whichever_angle_is_eliminated);
@@ -1184,4 +1209,5 @@ TEST_MAIN()
     RUN_TEST(test_three_angles_are_not_searched_without_a_guess);
     RUN_TEST(test_a_mirrored_target_does_not_fit);
     RUN_TEST(test_a_solver_with_a_phase_out_of_range_is_refused);
+    RUN_TEST(test_equations_that_are_singular_everywhere_give_no_pose);
 }

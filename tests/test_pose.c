@@ -1115,6 +1115,83 @@ static void test_a_solver_with_a_field_out_of_range_is_refused(void)
     }
 }
 
+/* The middle of the target is seen twice, far off to either side: against that sum of
+ * squares all else is nothing, and the first step is the last one. From three times the
+ * distance it goes behind the camera. That is no pose. */
+static void test_a_start_whose_last_step_leads_behind_is_dropped(void)
+{
+    rigcal_pose_options options = test_options(0);
+    const double I[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1}, t[3] = {0, 0, 12};
+    rigcal_pose poses[RIGCAL_POSES_MAX];
+    rigcal_camera camera = test_pinhole();
+    rigcal_observation o[6];
+    size_t n_found;
+
+    camera.k1 = RC(1e-6);
+    for (int i = 0; i < 6; i++) {
+        const double x = i < 4 ? (i % 2 ? 0.5 : -0.5) : 0, y = i < 4 ? i / 2 - 0.5 : 0;
+        const double far = i < 4 ? 0 : i == 4 ? 1e9 - 320 : 320 - 1e9;
+
+        o[i] = (rigcal_observation){{RC(x), RC(y), 0},
+                                    {RC(320 + 200 * x + far), RC(240 + 200 * y)}};
+    }
+    options.use_start = 1;
+    options.start = test_transform(I, t);
+    const rigcal_status status = rigcal_pose_solve(poses, RIGCAL_POSES_MAX, &n_found, NULL,
+                                                   &VIEW(&camera, o, NULL, 6), &options);
+    if (status < 0) {
+        ASSERT_STATUS(RIGCAL_ERR_NO_POSE, status);
+        return;
+    }
+    ASSERT_STATUS(RIGCAL_POOR_FIT, status);
+    for (size_t i = 0; i < n_found; i++) {
+        for (int k = 0; k < 6; k++) {
+            double X[3], X_c[3];
+
+            test_to_double(X, o[k].X_w, 3);
+            test_move_point(X_c, &poses[i].cam_from_world, X);
+            TEST_ASSERT_TRUE(X_c[2] > 0);
+        }
+    }
+}
+
+/* A scene of which three pixels in ten are anywhere. */
+static void garbled(test_problem *p, test_rng *rng)
+{
+    const int n = 4 + (int)(test_next(rng) % 5);
+
+    test_random_problem(p, rng, n, test_next(rng) % 2 ? TEST_PLANAR : TEST_GENERAL);
+    for (int i = 0; i < n; i++) {
+        if (test_next(rng) % 10 < 3) {
+            p->o[i].uv[0] = RC(320 + 300 * test_normal(rng));
+            p->o[i].uv[1] = RC(240 + 300 * test_normal(rng));
+        }
+    }
+}
+
+/* Whatever the pixels: the poses are those that the header promises, or none. Of the first
+ * seed no pose of three points is the start of one that is seen; of the second a search
+ * ends in a saddle. */
+static void test_garbled_pixels_give_honest_poses_or_none(void)
+{
+    const rigcal_pose_options options = test_options(0);
+
+    for (int trial = 0; trial < TEST_TRIALS(300) + 2; trial++) {
+        test_rng rng = test_seed(trial == 0   ? 3713
+                                 : trial == 1 ? 26666
+                                              : 5000 + (uint64_t)trial);
+        test_problem p;
+
+        p.use_sigma = 0;
+        garbled(&p, &rng);
+        if (test_solve_pose(&p, NULL) >= 0) {
+            assert_honest(&p, &options);
+        } else {
+            ASSERT_STATUS(RIGCAL_ERR_NO_POSE, p.status);
+        }
+    }
+}
+
 TEST_MAIN()
 {
     RUN_TEST(test_exact_scenes_give_their_pose);
@@ -1150,4 +1227,6 @@ TEST_MAIN()
     RUN_TEST(test_arguments_are_checked);
     RUN_TEST(test_room_for_one_pose_gives_the_first);
     RUN_TEST(test_a_solver_with_a_field_out_of_range_is_refused);
+    RUN_TEST(test_a_start_whose_last_step_leads_behind_is_dropped);
+    RUN_TEST(test_garbled_pixels_give_honest_poses_or_none);
 }

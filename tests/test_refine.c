@@ -581,6 +581,108 @@ static void test_points_on_a_line_leave_the_equations_singular(void)
     TEST_ASSERT_LESS_OR_EQUAL_INT(20, missed);
 }
 
+/* ---- starts from which nothing can be seen ------------------------------------ */
+
+/* Begins at an unturned pose, t before the camera. Its first step goes by a part of the
+ * points, if there are enough. */
+static void begin_at(rigcal_refinement *state, const problem *p, double t)
+{
+    const double I[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1}, place[3] = {0, 0, t};
+
+    state->cam_from_points = test_transform(I, place);
+    rc_refine_begin(state, 0);
+    rc_refine_begin_part(state, &p->points);
+}
+
+/* Of k4 = -1 the lens has a pole 45 degrees off its axis. At depth 1 most points are beyond
+ * it. So near to the plane of a pinhole that its sum of squares is no number, a flat target
+ * is not seen either. */
+static void test_a_start_that_the_lens_does_not_see_is_told(void)
+{
+    for (int is_pole = 0; is_pole < 2; is_pole++) {
+        rigcal_refinement state;
+        problem p;
+
+        p.camera = test_pinhole();
+        p.camera.k4 = is_pole ? -1 : 0;
+        for (int i = 0; i < 4; i++) {
+            p.o[i] = (rigcal_observation){{RC(i % 2 ? 1 : -1), RC(i / 2 ? 1 : -1), 0},
+                                          {RC(300 + 40 * (i % 2)), RC(220 + 40 * (i / 2))}};
+        }
+        ready(&p, 4, 0, ZERO);
+        begin_at(&state, &p, is_pole ? 1 : TOL(1e-160, 1e-20));
+        rc_refine_step(&state, &p.points, EVALS_MAX);
+        ASSERT_STATUS(RIGCAL_ERR_NO_RAY, state.search.status);
+    }
+}
+
+enum { MANY = 24 };
+
+/* Points on the plane z = 1 about the axis, but for the first one, which is the origin. */
+static void many(problem *p, rigcal_observation o[MANY])
+{
+    rigcal_real uv_middle[2];
+    int32_t at_fault;
+
+    for (int i = 0; i < MANY; i++) {
+        const double x = i % 5 - 2, y = i / 5 - 2;
+
+        o[i] = (rigcal_observation){{RC(x), RC(y), 1},
+                                    {RC(320 + 800 * x / 5), RC(240 + 800 * y / 5)}};
+    }
+    o[0] = (rigcal_observation){{0, 0, 0}, {320, 240}};
+    rc_points_of(&p->points, &VIEW(&p->camera, o, NULL, MANY), NULL);
+    ASSERT_STATUS(RIGCAL_OK, rc_points_survey(&p->points, uv_middle, &at_fault));
+    test_to_real(p->points.origin, ZERO, 3);
+}
+
+/* A first step by a part of the points that cannot be made is left out, and all points tell
+ * what is wrong: they are behind the camera, or one of them is nearly in its centre, where
+ * its pixel moves by more than a number. */
+static void test_a_part_without_a_step_is_left_out(void)
+{
+#if RIGCAL_FOR_SPEED
+    const double places[2] = {-5, TOL(1e-160, 1e-25)};
+    const rigcal_status ends[2] = {RIGCAL_ERR_BEHIND, RIGCAL_ERR_DEGENERATE};
+
+    for (int i = 0; i < 2; i++) {
+        rigcal_observation o[MANY];
+        rigcal_refinement state;
+        problem p;
+
+        p.camera = test_pinhole();
+        many(&p, o);
+        begin_at(&state, &p, places[i]);
+        TEST_ASSERT_TRUE(state.is_part);
+        rc_refine_step(&state, &p.points, EVALS_MAX);
+        TEST_ASSERT_FALSE(state.is_part);
+        ASSERT_STATUS(RIGCAL_RUNNING, state.search.status);
+        ASSERT_NEAR(RC(places[i]), state.cam_from_points.t[2], 0);
+        while (state.search.status == RIGCAL_RUNNING) {
+            rc_refine_step(&state, &p.points, EVALS_MAX);
+        }
+        ASSERT_STATUS(ends[i], state.search.status);
+    }
+#endif
+}
+
+static void test_of_a_fisheye_all_points_make_the_first_step(void)
+{
+    rigcal_observation o[MANY];
+    rigcal_refinement state;
+    problem p;
+
+    p.camera = test_pinhole();
+    p.camera.lens = RIGCAL_LENS_FISHEYE;
+    many(&p, o);
+    begin_at(&state, &p, 4);
+#if RIGCAL_FOR_SPEED
+    TEST_ASSERT_FALSE(state.is_part);
+#endif
+    rc_refine_step(&state, &p.points, EVALS_MAX);
+    TEST_ASSERT_TRUE(state.search.sum < RC_MAX); /* evaluated */
+}
+
 TEST_MAIN()
 {
     RUN_TEST(test_equations_are_those_of_the_oracle);
@@ -595,4 +697,7 @@ TEST_MAIN()
     RUN_TEST(test_a_point_of_large_sigma_hardly_counts);
     RUN_TEST(test_the_covariance_is_the_inverse);
     RUN_TEST(test_points_on_a_line_leave_the_equations_singular);
+    RUN_TEST(test_a_start_that_the_lens_does_not_see_is_told);
+    RUN_TEST(test_a_part_without_a_step_is_left_out);
+    RUN_TEST(test_of_a_fisheye_all_points_make_the_first_step);
 }

@@ -123,6 +123,22 @@ static void test_a_held_camera_is_known_exactly(void)
     }
 }
 
+/* Views that were left out only after the adjustment tell nothing of the placement. */
+static void test_a_placement_that_no_view_is_left_of_has_no_covariance(void)
+{
+    static uint8_t left_out[RIG_VIEWS_MAX];
+    rigcal_real Sigma[36];
+
+    WANTS_RIG;
+    make_adjusted();
+    memset(left_out, 0, sizeof left_out);
+    r.rig.left_out = left_out;
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_placement(Sigma, &r.rig, 1, 1));
+    memset(left_out + 3, 1, 3); /* of placement 1 */
+    ASSERT_STATUS(RIGCAL_ERR_DEGENERATE, rigcal_rig_placement(Sigma, &r.rig, 1, 1));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_placement(Sigma, &r.rig, 1, 0));
+}
+
 /* Asks a rig that has no covariance for one. */
 static void assert_no_covariance(void)
 {
@@ -215,6 +231,25 @@ static void test_without_a_cycle_there_is_no_loop_closure(void)
     ASSERT_NEAR(0, fit.freedom_between, 0);
 }
 
+/* Views of three points fit by themselves, whatever the noise: there is nothing that the
+ * rig could disagree with. */
+static void test_views_of_three_points_have_no_test_of_the_rig(void)
+{
+    rigcal_rig_fit fit;
+
+    WANTS_RIG;
+    make();
+    for (size_t v = 0; v < r.rig.n_views; v++) {
+        r.views[v].view.n = 3;
+    }
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_adjust(&fit, NULL, &r.rig));
+    ASSERT_NEAR(12 * 6 - 6 * (2 + 4), fit.freedom, 0);
+    TEST_ASSERT_TRUE(fit.sigma_px > RC(0.1) && fit.sigma_px < RC(0.6));
+    ASSERT_NEAR(0, fit.F, 0);
+    ASSERT_NEAR(0, fit.freedom_between, 0);
+    ASSERT_NEAR(0, fit.freedom_within, 0);
+}
+
 static void test_steps_are_asked_in_order(void)
 {
     rigcal_rig_solver solver;
@@ -263,17 +298,93 @@ static void test_the_noise_found_is_that_of_the_pixels(void)
                 TOL(1e-12, 1e-5) * D(fit.sum));
 }
 
+/* The unknowns lower the freedom of all cameras together by their number. The covariance is
+ * that of the last step but one: the poses have since moved by 1e-7. */
+static void test_the_freedom_of_the_cameras_is_that_of_the_rig(void)
+{
+    rigcal_rig_fit fit;
+    rigcal_real sigma_px[3], freedom[3];
+
+    WANTS_RIG;
+    make();
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_adjust(&fit, NULL, &r.rig));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_noise(sigma_px, freedom, &r.rig));
+    ASSERT_NEAR(192 - 6 * (2 + 4), D(freedom[0]) + D(freedom[1]) + D(freedom[2]),
+                TOL(1e-3, 0.1));
+}
+
+/* Point 0 of every view has half the noise, or is seen four times. */
+static void make_weighed(const rigcal_real sigma[], int is_repeated)
+{
+    make();
+    for (size_t v = 0; v < r.rig.n_views; v++) {
+        rigcal_view *const view = &r.views[v].view;
+
+        view->sigma = is_repeated ? NULL : sigma;
+        for (; is_repeated && view->n < 11; view->n++) {
+            r.o[v][view->n] = r.o[v][0];
+        }
+    }
+}
+
+static void test_a_point_of_half_the_noise_counts_as_four(void)
+{
+    static const rigcal_real sigma[8] = {RC(0.5), 1, 1, 1, 1, 1, 1, 1};
+    rigcal_transform cams[RIG_CAMERAS_MAX];
+    rigcal_view_pose pose[2];
+    rigcal_rig_fit fit[2];
+
+    WANTS_RIG;
+    for (int k = 0; k < 2; k++) {
+        make_weighed(sigma, k);
+        ASSERT_STATUS(RIGCAL_OK, rigcal_view_pose_make(&pose[k], &r.views[5],
+                                                       &r.own[5].cam_from_target));
+        ASSERT_STATUS(RIGCAL_OK, rigcal_rig_adjust(&fit[k], NULL, &r.rig));
+        if (k == 0) {
+            memcpy(cams, r.cams, sizeof cams);
+        }
+    }
+    ASSERT_NEAR(pose[1].sse, pose[0].sse, TOL(1e-10, 1e-3) * D(pose[1].sse));
+    for (int k = 0; k < 21; k++) {
+        ASSERT_NEAR(pose[1].information[k], pose[0].information[k],
+                    TOL(1e-10, 1e-4) * D(pose[1].information[0] + pose[1].information[20]));
+    }
+    ASSERT_NEAR(fit[1].sum, fit[0].sum, TOL(1e-9, 1e-3) * D(fit[1].sum));
+    for (int c = 0; c < 3; c++) {
+        ASSERT_TRANSFORM(&r.cams[c], &cams[c], TOL(1e-7, 1e-4), TOL(1e-6, 1e-3));
+    }
+}
+
+/* Views have no poses of their own to compare with. */
+static void test_without_poses_of_views_there_is_no_loop_closure(void)
+{
+    rigcal_rig_fit fit;
+
+    WANTS_RIG;
+    make();
+    r.rig.view_poses = NULL;
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_adjust(&fit, NULL, &r.rig));
+    ASSERT_NEAR(0, fit.F, 0);
+    ASSERT_NEAR(0, fit.freedom_between, 0);
+    ASSERT_NEAR(0, fit.freedom_within, 0);
+}
+
 TEST_MAIN()
 {
     RUN_TEST(test_the_information_of_a_view_is_that_of_its_covariance);
     RUN_TEST(test_a_pose_of_a_view_is_refused_and_nothing_written);
     RUN_TEST(test_points_that_do_not_fix_a_pose_are_degenerate);
     RUN_TEST(test_a_held_camera_is_known_exactly);
+    RUN_TEST(test_a_placement_that_no_view_is_left_of_has_no_covariance);
     RUN_TEST(test_a_rig_that_is_not_adjusted_has_no_covariance);
     RUN_TEST(test_arguments_of_the_covariances_are_checked);
     RUN_TEST(test_cameras_of_two_groups_have_no_pair);
     RUN_TEST(test_without_a_cycle_there_is_no_loop_closure);
+    RUN_TEST(test_views_of_three_points_have_no_test_of_the_rig);
     RUN_TEST(test_steps_are_asked_in_order);
     RUN_TEST(test_poses_to_start_from_are_checked);
     RUN_TEST(test_the_noise_found_is_that_of_the_pixels);
+    RUN_TEST(test_the_freedom_of_the_cameras_is_that_of_the_rig);
+    RUN_TEST(test_without_poses_of_views_there_is_no_loop_closure);
+    RUN_TEST(test_a_point_of_half_the_noise_counts_as_four);
 }

@@ -384,7 +384,98 @@ static void test_the_threshold_is_that_stated(void)
     TEST_ASSERT_EQUAL_INT(1, p.inliers[3]);
 }
 
+static void test_a_threshold_may_be_less_than_a_pixel(void)
+{
+    test_rng rng = test_seed(16);
+    rigcal_robust_options options;
+    problem p;
+
+    ASSERT_STATUS(RIGCAL_OK, rigcal_robust_defaults(&options));
+    make(&p, &rng, 20, TEST_GENERAL);
+    test_observations(p.o, &p.scene, &p.camera);
+    p.o[3].uv[0] += RC(0.5);
+    options.threshold_px = RC(0.25);
+    ASSERT_STATUS(RIGCAL_OK, solve(&p, &options));
+    TEST_ASSERT_EQUAL_INT(0, p.inliers[3]);
+    TEST_ASSERT_EQUAL_INT(19, p.n_inliers);
+    options.threshold_px = RC(0.75);
+    TEST_ASSERT_TRUE(solve(&p, &options) >= 0);
+    TEST_ASSERT_EQUAL_INT(20, p.n_inliers);
+}
+
+/* Three points alone fit several poses; these five have two. */
+static void test_with_room_for_one_pose_the_best_is_written(void)
+{
+    test_rng rng = test_seed(17);
+    int several = 0;
+
+    for (int n = 0; n < TEST_TRIALS(40); n++) {
+        rigcal_pose one[2];
+        uint8_t inliers[N_MAX];
+        size_t n_found, n_inliers;
+        problem p;
+
+        make(&p, &rng, 12, TEST_PLANAR);
+        const rigcal_status status = solve(&p, NULL);
+        if (status < 0 || p.n_found < 2) {
+            continue;
+        }
+        memset(one, 7, sizeof one);
+        const rigcal_pose beyond = one[1];
+        ASSERT_STATUS(status,
+                      rigcal_robust_solve(one, 1, &n_found, inliers, &n_inliers, NULL,
+                                          &VIEW(&p.camera, p.o, NULL, 12), NULL));
+        TEST_ASSERT_EQUAL_INT(1, n_found);
+        TEST_ASSERT_EQUAL_INT(p.n_inliers, n_inliers);
+        TEST_ASSERT_EQUAL_MEMORY(&p.poses[0], &one[0], sizeof one[0]);
+        TEST_ASSERT_EQUAL_MEMORY(&beyond, &one[1], sizeof beyond);
+        several++;
+    }
+    TEST_ASSERT_TRUE(TEST_ONE_IN > 1 || several > 3);
+}
+
 /* ---- steps --------------------------------------------------------------- */
+
+/* How many triples are tried if the points that `agree` agree with the first. Of useful
+ * triples 0.7 lead to the pose; the chance to miss all must be below exp(-6.9). */
+static void assert_tried(int n, int agree, int32_t samples)
+{
+    const double all = n * (n - 1) * (n - 2) / 6.0;
+    const double useful = 0.7 * (agree * (agree - 1) * (agree - 2) / 6.0);
+    const int is_all = all <= samples;
+    test_rng rng = test_seed(18);
+    rigcal_robust_options options;
+    rigcal_robust_solver solver;
+    double missed[2];
+    problem p;
+
+    ASSERT_STATUS(RIGCAL_OK, rigcal_robust_defaults(&options));
+    options.samples = samples;
+    make(&p, &rng, n, TEST_GENERAL);
+    test_observations(p.o, &p.scene, &p.camera);
+    for (int i = agree; i < n; i++) {
+        p.o[i].uv[0] += RC(100 + 17 * (i - agree));
+    }
+    ASSERT_STATUS(RIGCAL_OK,
+                  rigcal_robust_begin(&solver, p.inliers, NULL,
+                                      &VIEW(&p.camera, p.o, NULL, (size_t)n), &options));
+    while (rigcal_robust_step(&solver, 1000) == RIGCAL_RUNNING) {
+    }
+    for (int k = 0; k < 2; k++) {
+        const double tried = solver.tried - k;
+        missed[k] = is_all ? useful * log(1 - tried / all) : -useful / all * tried;
+    }
+    TEST_ASSERT_TRUE(missed[0] <= -6.9);
+    TEST_ASSERT_TRUE(missed[1] > -6.9);
+}
+
+static void test_as_many_triples_are_tried_as_the_chance_to_miss_asks(void)
+{
+    assert_tried(10, 10, 10000); /* each of all once: 10 of 120 */
+    assert_tried(10, 8, 10000);
+    assert_tried(20, 20, 1000); /* at random: 10 */
+    assert_tried(20, 15, 1000);
+}
 
 static void test_budgets_change_no_bit(void)
 {
@@ -721,6 +812,9 @@ TEST_MAIN()
     RUN_TEST(test_nine_in_ten_may_be_wrong);
     RUN_TEST(test_a_search_ends_after_the_units_that_it_may_spend);
     RUN_TEST(test_all_triples_are_tried_once);
+    RUN_TEST(test_a_threshold_may_be_less_than_a_pixel);
+    RUN_TEST(test_with_room_for_one_pose_the_best_is_written);
+    RUN_TEST(test_as_many_triples_are_tried_as_the_chance_to_miss_asks);
     RUN_TEST(test_a_threshold_of_two_sigma_gives_the_right_pose);
     RUN_TEST(test_a_threshold_below_rounding_has_no_consensus);
     RUN_TEST(test_marks_that_rounding_decides_end);

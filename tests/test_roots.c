@@ -107,6 +107,21 @@ static void test_a_narrow_triple_gives_none(void)
     }
 }
 
+/* Points that all have one pixel have no pose. */
+static void test_one_pixel_gives_none(void)
+{
+    test_rng rng = test_seed(2604);
+    rigcal_optima optima;
+    scene s;
+
+    make_scene(&s, &rng, 6, 1);
+    for (int i = 1; i < 6; i++) {
+        memcpy(s.seen[i].uv, s.seen[0].uv, sizeof s.seen[i].uv);
+    }
+    optima.n = 0;
+    TEST_ASSERT_EQUAL_INT32(0, find(&optima, &s.points));
+}
+
 /* Points that do not count are in no triple. Here the farthest point has a pixel that is
  * far off. */
 static void test_only_points_that_count_do(void)
@@ -139,6 +154,7 @@ TEST_MAIN()
 #if RIGCAL_FOR_SPEED && RIGCAL_WITH_THREE_POINTS
     RUN_TEST(test_the_truth_is_the_first);
     RUN_TEST(test_a_narrow_triple_gives_none);
+    RUN_TEST(test_one_pixel_gives_none);
     RUN_TEST(test_only_points_that_count_do);
 #endif
 }

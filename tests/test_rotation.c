@@ -95,6 +95,23 @@ static void test_gimbal_lock_gives_roll_as_zero(void)
     }
 }
 
+/* The lock begins where the cosine of the pitch is four times the rounding. */
+static void test_where_gimbal_lock_begins(void)
+{
+    const double sr = sin(0.3), cr = cos(0.3);
+
+    for (int more = 0; more < 2; more++) {
+        const rigcal_real c = RC((4 + more) * RC_EPS);
+        const double M[9] = {D(c), sr, cr, 0, cr, -sr, -1, D(c) * sr, D(c) * cr};
+        rigcal_real R[9], ypr[3];
+
+        test_to_real(R, M, 9);
+        ASSERT_STATUS(RIGCAL_OK, rigcal_yaw_pitch_roll_from_rotation(ypr, R));
+        ASSERT_NEAR(more ? 0 : -0.3, ypr[0], TOL_ENTRY);
+        ASSERT_NEAR(more ? 0.3 : 0, ypr[2], TOL_ENTRY);
+    }
+}
+
 /* Near gimbal lock yaw and roll may depend on the last digit, but they must give the same
  * matrix. */
 static void test_angles_near_gimbal_lock_still_make_the_same_matrix(void)
@@ -641,6 +658,7 @@ TEST_MAIN()
     RUN_TEST(test_matrices_of_angles_are_the_oracles);
     RUN_TEST(test_angles_of_matrices_are_the_oracles);
     RUN_TEST(test_gimbal_lock_gives_roll_as_zero);
+    RUN_TEST(test_where_gimbal_lock_begins);
     RUN_TEST(test_angles_near_gimbal_lock_still_make_the_same_matrix);
     RUN_TEST(test_angles_stay_within_their_ranges);
     RUN_TEST(test_many_turns_are_accepted_up_to_the_limit);

@@ -300,6 +300,48 @@ static void test_a_match_on_the_line_through_both_centres_is_refused(void)
     ASSERT_STATUS(RIGCAL_OK, rc_sight_of(&seen.sight[0], &camera, aside, RC(SIGMA)));
     ASSERT_STATUS(RIGCAL_OK, rc_sight_of(&seen.sight[1], &camera, aside, RC(SIGMA)));
     ASSERT_STATUS(RIGCAL_OK, rc_rows_of(&row, &seen, &T[0], &T[1]));
+    /* Within the noise of one of both rays it is on that line. */
+    for (int c = 0; c < 2; c++) {
+        rc_seen noisy = seen;
+
+        ASSERT_STATUS(RIGCAL_OK, rc_sight_of(&noisy.sight[c], &camera, aside, 30));
+        ASSERT_STATUS(RIGCAL_ERR_DEGENERATE, rc_rows_of(&row, &noisy, &T[0], &T[1]));
+    }
+}
+
+static void test_a_match_without_noise_is_refused(void)
+{
+    const rigcal_camera camera = lens(0);
+    const rigcal_real aside[3] = {RC(0.3), 0, 1};
+    const double o[3] = {0, 0, 0}, x[3] = {1, 0, 0};
+    const rigcal_transform T[2] = {test_transform(NULL, o), test_transform(NULL, x)};
+    rc_seen seen = {.a = 0, .b = 1, .n_rows = 1};
+    rc_row row;
+
+    for (int k = 0; k < 2; k++) {
+        ASSERT_STATUS(RIGCAL_OK, rc_sight_of(&seen.sight[k], &camera, aside, RC(SIGMA)));
+    }
+    ASSERT_STATUS(RIGCAL_OK, rc_rows_of(&row, &seen, &T[0], &T[1]));
+    memset(seen.sight[0].T, 0, sizeof seen.sight[0].T);
+    memset(seen.sight[1].T, 0, sizeof seen.sight[1].T);
+    ASSERT_STATUS(RIGCAL_ERR_DEGENERATE, rc_rows_of(&row, &seen, &T[0], &T[1]));
+}
+
+/* A camera in units of its focal length, and half of that. */
+static void test_a_sight_has_any_unit_of_pixels(void)
+{
+    static const rigcal_real ray[3] = {RC(0.3), RC(0.1), 1};
+    rigcal_camera camera = test_pinhole();
+    rc_sight large, small;
+
+    camera.k1 = RC(0.05);
+    ASSERT_STATUS(RIGCAL_OK, rc_sight_of(&large, &camera, ray, RC(1024)));
+    camera.fx /= 1024;
+    camera.fy /= 1024;
+    ASSERT_STATUS(RIGCAL_OK, rc_sight_of(&small, &camera, ray, 1));
+    for (int k = 0; k < 6; k++) {
+        ASSERT_NEAR(large.T[k / 3][k % 3], small.T[k / 3][k % 3], TOL(1e-9, 1e-2));
+    }
 }
 
 /* ---- a view of a target -------------------------------------------------------------- */
@@ -378,6 +420,11 @@ static void test_a_point_behind_the_camera_has_no_row(void)
     seen.camera = &camera;
     seen.X[2] = -2;
     ASSERT_STATUS(RIGCAL_ERR_BEHIND, rc_rows_of(rows, &seen, &T, &T));
+    seen.X[2] = 2;
+    ASSERT_STATUS(RIGCAL_OK, rc_rows_of(rows, &seen, &T, &T));
+    seen.uv[1] = RC(1e6); /* so many deviations off that they are no number */
+    seen.sigma_px = RC(TOL(1e-305, 1e-36));
+    ASSERT_STATUS(RIGCAL_ERR_NO_RAY, rc_rows_of(rows, &seen, &T, &T));
 }
 
 /* ---- a target gets its place -----------------------------------------------------------
@@ -476,6 +523,40 @@ static void test_a_ray_of_no_length_is_none(void)
     ASSERT_STATUS(RIGCAL_ERR_DEGENERATE, rc_sight_of(&sight, &camera, nothing, 1));
 }
 
+/* Of Brown's lens with k6 alone the pixel hardly moves far off the axis, with k3 alone by
+ * more than a square may have: the noise of such a ray is no number. */
+static void test_a_ray_whose_noise_is_no_number_has_no_sight(void)
+{
+    const rigcal_real ray[3] = {1, 0, RC(TOL(1e-20, 1e-3))};
+    rigcal_camera still = test_pinhole(), wild = test_pinhole();
+    rc_sight sight;
+
+    still.k6 = RC(1e9);
+    wild.k3 = RC(TOL(1e9, 1e7));
+    ASSERT_STATUS(RIGCAL_ERR_NO_RAY, rc_sight_of(&sight, &still, ray, 1));
+    ASSERT_STATUS(RIGCAL_ERR_NO_RAY, rc_sight_of(&sight, &wild, ray, 1));
+}
+
+/* A point so near to the plane of the camera that its pixel, or how the pixel moves, is no
+ * number. */
+static void test_a_point_that_grazes_has_no_row(void)
+{
+    const double depths[2] = {TOL(1e-200, 1e-20), TOL(1e-306, 1e-37)};
+    const double I[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+    const rigcal_camera camera = lens(0);
+    rc_seen seen = {.a = 0, .b = 1, .n_rows = 2, .sigma_px = 1};
+    rc_row rows[2];
+
+    seen.camera = &camera;
+    seen.X[0] = seen.X[1] = 1;
+    for (int i = 0; i < 2; i++) {
+        const double t[3] = {0, 0, depths[i]}, o[3] = {0, 0, 0};
+        const rigcal_transform T[2] = {test_transform(I, t), test_transform(I, o)};
+
+        ASSERT_STATUS(RIGCAL_ERR_NO_RAY, rc_rows_of(rows, &seen, &T[0], &T[1]));
+    }
+}
+
 TEST_MAIN()
 {
     RUN_TEST(test_a_match_agrees_with_differences_through_any_lens);
@@ -489,4 +570,8 @@ TEST_MAIN()
     RUN_TEST(test_each_coefficient_of_a_lens_counts);
     RUN_TEST(test_a_ray_that_grazes_has_no_sight);
     RUN_TEST(test_a_ray_of_no_length_is_none);
+    RUN_TEST(test_a_match_without_noise_is_refused);
+    RUN_TEST(test_a_sight_has_any_unit_of_pixels);
+    RUN_TEST(test_a_ray_whose_noise_is_no_number_has_no_sight);
+    RUN_TEST(test_a_point_that_grazes_has_no_row);
 }

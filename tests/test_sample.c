@@ -60,9 +60,53 @@ static void test_random_triples_are_spread(void)
     TEST_ASSERT_LESS_THAN_INT(140, most);
 }
 
+/* 270369, 67634689 and 2647435461 are the generator's first numbers of the seed 1. Of 2^32
+ * parts they are point 0 of 9, 0 of the other 8, and 4 of the other 7: 1 and 6. */
+static void test_the_first_random_triple_is_that_of_the_generator(void)
+{
+    int32_t sample[3] = {5, 3, 8};
+    uint32_t random = 1;
+
+    rc_sample_random(sample, &random, N);
+    TEST_ASSERT_EQUAL_INT32(0, sample[0]);
+    TEST_ASSERT_EQUAL_INT32(1, sample[1]);
+    TEST_ASSERT_EQUAL_INT32(6, sample[2]);
+    TEST_ASSERT_EQUAL_UINT32(2647435461, random);
+}
+
+static void test_ranked_triples_are_in_order(void)
+{
+    int32_t rank = 0;
+
+    for (int32_t a = 0; a < N; a++) {
+        for (int32_t b = a + 1; b < N; b++) {
+            for (int32_t c = b + 1; c < N; c++) {
+                int32_t sample[3];
+
+                rc_sample_ranked(sample, N, rank++);
+                TEST_ASSERT_EQUAL_INT32(a, sample[0]);
+                TEST_ASSERT_EQUAL_INT32(b, sample[1]);
+                TEST_ASSERT_EQUAL_INT32(c, sample[2]);
+            }
+        }
+    }
+    TEST_ASSERT_EQUAL_INT32(TRIPLES, rank);
+}
+
+/* About 0.6 of all, so that neighbours are far apart. */
+static void test_a_stride_is_the_golden_section(void)
+{
+    TEST_ASSERT_INT32_WITHIN(3, 618, rc_sample_stride(1000));
+    TEST_ASSERT_INT32_WITHIN(3, 53, rc_sample_stride(84));
+    TEST_ASSERT_EQUAL_INT32(1, rc_sample_stride(1));
+}
+
 TEST_MAIN()
 {
     RUN_TEST(test_triples_are_counted);
     RUN_TEST(test_a_stride_reaches_all);
     RUN_TEST(test_random_triples_are_spread);
+    RUN_TEST(test_the_first_random_triple_is_that_of_the_generator);
+    RUN_TEST(test_ranked_triples_are_in_order);
+    RUN_TEST(test_a_stride_is_the_golden_section);
 }

@@ -207,10 +207,25 @@ static void test_hypotheses_from_the_rig(void)
     TEST_ASSERT_EQUAL(7, s.n);
 }
 
+/* A view whose information is 0 makes no claim. */
+static void test_a_view_that_knows_nothing_is_degenerate(void)
+{
+    test_rng rng = test_seed(575);
+    rc_claim claims[2];
+
+    WANTS_RIG;
+    begin(&rng, 1);
+    ASSERT_STATUS(RIGCAL_OK, rc_candidates(claims, &s, 3));
+    TEST_ASSERT_EQUAL_INT32(3, claims[0].view);
+    memset(t.own[3].information, 0, sizeof t.own[3].information);
+    ASSERT_STATUS(RIGCAL_ERR_DEGENERATE, rc_candidates(claims, &s, 3));
+}
+
 TEST_MAIN()
 {
     RUN_TEST(test_the_list_has_the_placements_that_tell_most);
     RUN_TEST(test_the_best_hypothesis_is_that_of_all_comparisons);
     RUN_TEST(test_hypotheses_from_the_rig);
     RUN_TEST(test_how_many_agree_with_a_score);
+    RUN_TEST(test_a_view_that_knows_nothing_is_degenerate);
 }

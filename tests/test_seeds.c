@@ -604,6 +604,61 @@ static void test_neither_a_plane_nor_right_points_near_by_are_tried_mirrored(voi
     }
 }
 
+/* ---- seeds of an odd kind ------------------------------------------------------ */
+
+/* The points of a cross, all of one bar seen left and all of the other seen right: in no
+ * direction do pixels go with points. */
+static void test_an_image_that_does_not_go_with_the_target_has_no_start(void)
+{
+    test_problem p;
+    rigcal_search s;
+
+    p.camera = test_pinhole();
+    p.camera.fx = p.camera.fy = 512;
+    p.use_sigma = 0;
+    p.scene.n = 12;
+    for (int i = 0; i < 12; i++) {
+        const double r = (i < 4 ? 1 : i < 8 ? 0.5 : 0.25) * (i % 2 ? 1 : -1);
+        const int is_bar = i / 2 % 2;
+
+        p.o[i] = (rigcal_observation){{RC(is_bar ? 0 : r), RC(is_bar ? r : 0), 0},
+                                      {RC(is_bar ? 320 + 64 : 320 - 64), 240}};
+    }
+    begin(&s, &p);
+    TEST_ASSERT_EQUAL_INT32(RC_SEEDS_SPENT, next_start(&s));
+    TEST_ASSERT_EQUAL_INT32(RIGCAL_SEEDS_MAX, s.n_seeds); /* the lattice was tried */
+}
+
+/* Half-way between a seed and an optimum straight across there is no direction. The seed
+ * then takes a descent. */
+static void test_a_seed_straight_across_from_what_was_found_takes_a_descent(void)
+{
+    const rigcal_real z = 1 - RC(1) / 24, r = RC(sqrt(D(1 - z * z)));
+    test_rng rng = test_seed(107);
+    test_problem p;
+    rigcal_search s;
+    double first[3];
+
+    test_random_problem(&p, &rng, 12, TEST_GENERAL);
+    begin(&s, &p);
+    while (s.n_seeds < RIGCAL_SEEDS_MAX || s.next > 0) {
+        TEST_ASSERT_EQUAL_INT32(RC_SEEDS_BUSY, rc_seeds_step(&s));
+    }
+    TEST_ASSERT_FALSE(s.is_flat);
+    lattice_direction(first, 0);
+    s.from.lattice.index[0] = 0;
+    s.axis[0] = s.axis[1] = 0;
+    s.axis[2] = 1;
+    s.optima.n = 1; /* it looks along the rows' product, (-r, 0, -z) */
+    const rigcal_real rows[6] = {0, 1, 0, z, 0, -r};
+    memcpy(s.optima.list[0].rows, rows, sizeof rows);
+    TEST_ASSERT_EQUAL_INT32(RC_SEEDS_BUSY, rc_seeds_step(&s));
+    ASSERT_NEAR(first[0], s.work.descent.m3[0], TOL(1e-14, 1e-6));
+    ASSERT_NEAR(first[2], s.work.descent.m3[2], TOL(1e-14, 1e-6));
+    ASSERT_NEAR(0, s.work.descent.m3[0] - r, 0);
+    ASSERT_NEAR(0, s.work.descent.m3[2] - z, 0);
+}
+
 TEST_MAIN()
 {
     RUN_TEST(test_the_virtual_camera_looks_at_the_middle_of_the_image);
@@ -624,4 +679,6 @@ TEST_MAIN()
     RUN_TEST(test_after_a_pose_two_triples_are_enough);
     RUN_TEST(test_of_mirrored_points_the_start_is_near_the_pose);
     RUN_TEST(test_neither_a_plane_nor_right_points_near_by_are_tried_mirrored);
+    RUN_TEST(test_an_image_that_does_not_go_with_the_target_has_no_start);
+    RUN_TEST(test_a_seed_straight_across_from_what_was_found_takes_a_descent);
 }

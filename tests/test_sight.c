@@ -77,6 +77,24 @@ static void test_where_a_lens_images_nothing_the_ray_is_zero(void)
     }
 }
 
+/* Near where a lens turns back the short search ends too early, and the long one goes on:
+ * x - x^3 / 3, which turns back at 1. */
+static void test_a_ray_near_the_end_of_a_lens_is_found(void)
+{
+    static const double ypr[3] = {0, 0, 0}, t[3] = {0, 0, 0}, X[3] = {0, 0, 1};
+
+    see(CAMERA[0], ypr, t, X);
+    mounted.camera.k1 = RC(-1.0 / 3);
+    for (double x = 0.9; x < 0.985; x += 0.01) {
+        const double seen_at = x - x * x * x / 3;
+
+        seen.uv[0] = RC(D(mounted.camera.cx) + seen_at * D(mounted.camera.fx));
+        ASSERT_STATUS(RIGCAL_OK, rc_sight_check(&v, &s, 0));
+        ASSERT_NEAR(x, v.ray[0] / v.ray[2], TOL(1e-12, 1e-4));
+        ASSERT_NEAR(0, v.ray[1], TOL(1e-12, 1e-4));
+    }
+}
+
 /* The point on the other branch of a lens that folds. It has the same pixel, but it was not
  * seen. */
 static void test_a_point_beyond_the_lens_is_not_seen(void)
@@ -101,6 +119,23 @@ static void test_a_point_beyond_the_lens_is_not_seen(void)
     ASSERT_STATUS(RIGCAL_OK, rc_sight_evaluate(&v, &s, 0, there));
     ASSERT_NEAR(0, v.e[0], TOL(1e-9, 1e-3));
     ASSERT_STATUS(RIGCAL_OK, rc_sight_move(&v, &s, 0, there));
+}
+
+/* More than a right angle from what was seen a point is seen too, if it is before the
+ * camera. */
+static void test_a_point_across_the_image_is_seen(void)
+{
+    static const double ypr[3] = {0, 0, 0}, t[3] = {0, 0, 0}, X[3] = {2, 0, 1};
+    const rigcal_real across[3] = {-2, 0, 1}, behind[3] = {-2, 0, -1};
+
+    see(CAMERA[0], ypr, t, X);
+    mounted.camera = test_pinhole();
+    seen.uv[0] = RC(D(mounted.camera.cx) + 2 * D(mounted.camera.fx));
+    ASSERT_STATUS(RIGCAL_OK, rc_sight_check(&v, &s, 0));
+    ASSERT_STATUS(RIGCAL_OK, rc_sight_evaluate(&v, &s, 0, across));
+    ASSERT_NEAR(4 * D(mounted.camera.fx), v.e[0], TOL(1e-9, 1e-3));
+    ASSERT_STATUS(RIGCAL_OK, rc_sight_move(&v, &s, 0, across));
+    ASSERT_STATUS(RIGCAL_ERR_BEHIND, rc_sight_evaluate(&v, &s, 0, behind));
 }
 
 /* C = B_a Sigma_ab B_b^T, element by element, for cameras in any order, for one camera
@@ -150,6 +185,8 @@ TEST_MAIN()
 {
     RUN_TEST(test_the_ray_points_to_what_was_seen);
     RUN_TEST(test_where_a_lens_images_nothing_the_ray_is_zero);
+    RUN_TEST(test_a_ray_near_the_end_of_a_lens_is_found);
     RUN_TEST(test_a_point_beyond_the_lens_is_not_seen);
+    RUN_TEST(test_a_point_across_the_image_is_seen);
     RUN_TEST(test_blocks_are_the_products);
 }

@@ -462,6 +462,24 @@ static void test_counts_that_do_not_fit_the_length_are_damage(void)
     assert_refused(RIGCAL_ERR_VERSION, own, sizeof own);
 }
 
+/* More free cameras than a rig may have, 3800, and no joint covariance after them. */
+static void test_more_free_cameras_than_a_rig_may_have_are_damage(void)
+{
+    enum { MANY = 3801 };
+    const size_t size = CAMERAS_AT + (size_t)MANY * STRIDE;
+    rigcal_saved_info info;
+
+    TEST_ON_HOST_ONLY("it takes 800 KB");
+    uint8_t *const bytes = calloc(size, 1);
+    TEST_ASSERT_NOT_NULL(bytes);
+    memcpy(bytes, own, CAMERAS_AT);
+    put_u32(bytes + 8, MANY);
+    put_u32(bytes + 20, (uint32_t)size);
+    seal(bytes, size);
+    ASSERT_REFUSED(RIGCAL_ERR_DAMAGED, info, rigcal_store_info(&info, bytes, size));
+    free(bytes);
+}
+
 /* ---- numbers that are not taken -------------------------------------------- */
 
 static void refuses_real(rigcal_status expected, size_t at, double x)
@@ -638,6 +656,7 @@ TEST_MAIN_WITH_SETUP()
     RUN_TEST(test_every_single_bit_flipped_is_refused);
     RUN_TEST(test_every_torn_write_is_refused);
     RUN_TEST(test_counts_that_do_not_fit_the_length_are_damage);
+    RUN_TEST(test_more_free_cameras_than_a_rig_may_have_are_damage);
     RUN_TEST(test_numbers_that_no_function_takes_are_not_loaded);
     RUN_TEST(test_integers_that_no_function_takes_are_not_loaded);
     RUN_TEST(test_a_block_that_is_no_covariance_is_refused);

@@ -407,6 +407,44 @@ static void test_a_view_of_two_poses_places_nothing(void)
     ASSERT_STATUS(RIGCAL_ERR_RANGE, rigcal_monitor_pair(&b_from_a, Sigma, w.monitor, 0, 2));
 }
 
+/* Seen from the danger cylinder of its three points a target has two poses, or one that
+ * its view hardly fixes; to rounding some have no covariance. */
+static void test_a_pose_without_a_covariance_places_nothing(void)
+{
+    test_rng rng = test_seed(204);
+    int n_refused = 0;
+
+    WANTS_RIG();
+    begin_pair(&rng);
+    for (int k = 0; k < 60; k++) {
+        const double turn = 0.3 + 0.19 * k;
+        rigcal_body_report report;
+        rigcal_observation o[3];
+        int32_t at_fault;
+
+        for (int i = 0; i < 3; i++) {
+            const double X[3] = {cos(2.9 * i), sin(2.9 * i), 0};
+            const double X_c[3] = {X[0] - cos(turn), X[1] - sin(turn), 4};
+            double uv[2];
+
+            test_project_px(uv, &w.cameras[0].camera, X_c);
+            test_to_real(o[i].X_w, X, 3);
+            test_to_real(o[i].uv, uv, 2);
+        }
+        const rigcal_status status =
+            rigcal_monitor_view(w.monitor, &at_fault, 0, 0, o, 3, RC(NOISE));
+        if (status == RIGCAL_ERR_DEGENERATE) {
+            n_refused++;
+            ASSERT_STATUS(RIGCAL_OK, rigcal_monitor_body(&report, w.monitor, 2));
+            ASSERT_NEAR(0, report.share, 0); /* it has no place */
+        } else {
+            TEST_ASSERT_TRUE(status == RIGCAL_AMBIGUOUS || status == RIGCAL_VAGUE);
+        }
+        ASSERT_STATUS(RIGCAL_OK, rigcal_monitor_lifted(w.monitor, 0));
+    }
+    TEST_ASSERT_TRUE(n_refused > 0);
+}
+
 /* While an alarm waits for its answer the poses of the cameras are in doubt, so a target
  * gets no place. */
 static void test_a_target_gets_no_place_while_an_alarm_waits(void)
@@ -464,6 +502,7 @@ TEST_MAIN()
     RUN_TEST(test_views_that_cannot_be_are_refused_and_change_nothing);
     RUN_TEST(test_a_target_without_a_place_has_no_report);
     RUN_TEST(test_a_view_of_two_poses_places_nothing);
+    RUN_TEST(test_a_pose_without_a_covariance_places_nothing);
     RUN_TEST(test_a_target_gets_no_place_while_an_alarm_waits);
     RUN_TEST(test_a_target_that_settles_may_be_lifted);
 }

@@ -1,4 +1,5 @@
 /* times: the input of clocks, and the time of a view. The truth is made by hand. */
+#include "rc_times.h"
 #include "test_motions.h"
 
 static test_motions m;
@@ -76,9 +77,27 @@ static void test_times_must_rise(void)
     ASSERT_STATUS(RIGCAL_ERR_PRECISION, adjust(&fit));
 }
 
+/* Of times that are not known the middle is 0: clocks of such a rig do not drift. */
+static void test_the_middle_of_no_times_is_0(void)
+{
+    WANTS_MOTIONS();
+    make(&SCENE, 122);
+    m.rig.clocks = &m.clocks;
+    m.clocks.frame = RC(1.0 / 30);
+    ASSERT_STATUS(RIGCAL_OK, rc_times_check(&m.rig));
+    ASSERT_NEAR((D(m.times[0]) + D(m.times[m.rig.n_placements - 1])) / 2,
+                m.clocks.memory.middle, TOL(1e-12, 1e-4));
+    for (size_t f = 0; f < m.rig.n_placements; f++) {
+        m.times[f] = TEST_NAN;
+    }
+    ASSERT_STATUS(RIGCAL_OK, rc_times_check(&m.rig));
+    ASSERT_NEAR(0, m.clocks.memory.middle, 0);
+}
+
 TEST_MAIN()
 {
     RUN_TEST(test_the_frame_is_the_middle_step);
     RUN_TEST(test_offsets_in_frames);
     RUN_TEST(test_times_must_rise);
+    RUN_TEST(test_the_middle_of_no_times_is_0);
 }

@@ -341,6 +341,24 @@ static void test_a_variance_beyond_all_numbers_gives_no_transfer(void)
                    rigcal_transfer_make(&out, &kept, ABC, uv[0], uv[1], NOISE));
 }
 
+/* Pixels 1 above and 1 below the point, with noise of 1: weighed, they are 2. The variance
+ * -2 / 256^2 of dt_y of camera 1, 256 px each, takes all of that away. */
+static void test_a_residual_without_variance_gives_no_transfer(void)
+{
+    static const double behind[3] = {0, 0, 1};
+    const rigcal_real noise[2] = {1, 1};
+    rigcal_transfer out;
+
+    stand(0, behind);
+    uv[0][1] += 1;
+    uv[1][1] -= 1;
+    ASSERT_STATUS(RIGCAL_OK, rigcal_transfer_make(&out, &kept, ABC, uv[0], uv[1], noise));
+    ASSERT_NEAR(2, out.chi2, TOL(1e-12, 1e-5));
+    vary(1, 4, -2.0 / (256 * 256));
+    ASSERT_REFUSED(RIGCAL_ERR_DEGENERATE, out,
+                   rigcal_transfer_make(&out, &kept, ABC, uv[0], uv[1], noise));
+}
+
 static void test_a_candidate_beyond_all_numbers_has_no_chi2(void)
 {
     const rigcal_real uv_c[2] = {RC(1e8), 0};
@@ -398,6 +416,7 @@ TEST_MAIN()
     RUN_TEST(test_each_argument_is_needed);
     RUN_TEST(test_a_negative_variance_gives_no_transfer);
     RUN_TEST(test_a_variance_beyond_all_numbers_gives_no_transfer);
+    RUN_TEST(test_a_residual_without_variance_gives_no_transfer);
     RUN_TEST(test_a_candidate_beyond_all_numbers_has_no_chi2);
     RUN_TEST(test_a_point_behind_b_gives_no_transfer);
     RUN_TEST(test_a_pair_of_one_camera_that_counts_has_no_depth);

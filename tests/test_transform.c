@@ -459,6 +459,34 @@ static void test_the_mean_turns_with_its_frame(void)
     }
 }
 
+/* Rotations so far apart that the steps to their mean shrink slowly: they are few
+ * nevertheless, and the mean of the deviations, which is 0 at the end, is small. */
+static void test_the_steps_to_a_mean_are_bounded(void)
+{
+    static const rigcal_real Q[7][4] = {
+        {-2, 8, -7, 37},    {-30, 6, -1, -8},   {24, -37, -33, 2}, {-38, -31, 43, 37},
+        {-5, -31, 43, -26}, {-22, 19, -33, 16}, {9, 50, 45, 18}};
+    rigcal_transform seven[7], mean, back, between;
+    double left[3] = {0, 0, 0};
+
+    for (int i = 0; i < 7; i++) {
+        seven[i] = NOTHING;
+        ASSERT_STATUS(RIGCAL_OK, rigcal_rotation_from_quaternion(seven[i].R, Q[i]));
+    }
+    ASSERT_STATUS(RIGCAL_OK, rigcal_transform_mean(&mean, NULL, NULL, seven, NULL, 7));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_transform_invert(&back, &mean));
+    for (int i = 0; i < 7; i++) {
+        rigcal_real w[3];
+
+        ASSERT_STATUS(RIGCAL_OK, rigcal_transform_compose(&between, &back, &seven[i]));
+        ASSERT_STATUS(RIGCAL_OK, rigcal_vector_from_rotation(w, between.R));
+        for (int k = 0; k < 3; k++) {
+            left[k] += D(w[k]) / 7;
+        }
+    }
+    TEST_ASSERT_TRUE(test_norm(left) < 1e-5);
+}
+
 static void test_rotations_that_cancel_have_no_mean(void)
 {
     static const double axes[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
@@ -550,6 +578,7 @@ TEST_MAIN()
     RUN_TEST(test_angles_are_averaged_and_not_entries);
     RUN_TEST(test_a_weight_counts_as_so_many_repetitions);
     RUN_TEST(test_the_mean_turns_with_its_frame);
+    RUN_TEST(test_the_steps_to_a_mean_are_bounded);
     RUN_TEST(test_rotations_that_cancel_have_no_mean);
     RUN_TEST(test_arguments_of_the_mean_are_checked);
 }

@@ -98,6 +98,64 @@ static void test_the_body_that_moved_is_named_and_found(void)
     }
 }
 
+/* Without noise of the pixels the pose is found to a part of its step: the rows are taken
+ * where the body is by then. */
+static void test_without_noise_the_step_is_found(void)
+{
+    for (size_t body = 0; body < BODIES; body++) {
+        test_rng rng = test_seed(20 + body);
+        const double axis[3] = {2, -1, 1}, t_step = 2e-3;
+        double turn[9], R[9], t[3], moved[9];
+        rigcal_transform pose;
+        rigcal_real Sigma[36];
+
+        begin();
+        test_rotation_about(turn, axis, 0.05);
+        test_transform_parts(R, t, &truth[body]);
+        test_product(moved, turn, R);
+        t[1] += t_step;
+        truth[body] = test_transform(moved, t);
+        for (int i = 0; i < 300; i++) {
+            take(&rng, 0);
+        }
+        rc_trial_result(&pose, Sigma, &f, bodies, body);
+        test_transform_parts(R, t, &pose);
+        ASSERT_NEAR(0, test_angle_between(moved, R), 1e-4);
+    }
+}
+
+/* What the filter has found of a body, and not yet put into its pose, is no move: the rows
+ * say nothing new, so all bodies stay as likely. */
+static void test_an_error_that_is_known_is_no_move(void)
+{
+    static const double W[3] = {1e-4, -2e-4, 1e-4};
+
+    for (int body = 1; body < BODIES; body++) {
+        test_rng rng = test_seed(30 + (uint64_t)body);
+        double turn[9], R[9], t[3], moved[9];
+
+        begin();
+        test_rotation_about(turn, W, test_norm(W));
+        test_transform_parts(R, t, &truth[body]);
+        test_product(moved, turn, R);
+        for (int k = 0; k < 3; k++) {
+            error[6 * (body - 1) + k] = RC(W[k]);
+            error[6 * (body - 1) + 3 + k] = RC(1e-4 * (k + 1));
+            t[k] += 1e-4 * (k + 1);
+        }
+        truth[body] = test_transform(moved, t);
+        for (int i = 0; i < 60; i++) {
+            take(&rng, 0);
+        }
+        for (size_t b = 0; b < BODIES; b++) {
+            const rigcal_real *const move = &bodies[b * RC_ALARM_BODY + RC_TRIAL_MOVE];
+            for (int k = 0; k < 6; k++) {
+                ASSERT_NEAR(0, move[k], 2e-6);
+            }
+        }
+    }
+}
+
 static void test_without_rows_all_bodies_are_equally_likely(void)
 {
     begin();
@@ -109,8 +167,94 @@ static void test_without_rows_all_bodies_are_equally_likely(void)
     ASSERT_NEAR(0, rc_trial_share(&f, bodies, 2), 0);
 }
 
+/* ---- rows that tell nothing ---------------------------------------------------- */
+
+/* Camera 1 is 2 before a target, body 2, of which it sees a point 0.1 aside. In its trial it
+ * is moved by `closer` towards it. */
+static void see_target(rc_seen *seen, const rigcal_camera *camera, double above,
+                       double closer, double step_t)
+{
+    const double I[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1}, o[3] = {0, 0, 0}, t[3] = {0, 0, 2};
+
+    begin();
+    f.n_cameras = 2;
+    f.placed = 1;
+    poses[1] = test_transform(I, t);
+    poses[2] = test_transform(I, o);
+    rc_trial_begin(&f, &alarm, bodies, RC(step_t), RC(step_t));
+    bodies[RC_ALARM_BODY + RC_TRIAL_MOVE + 5] = RC(-closer);
+    *seen = (rc_seen){.a = 1, .b = 2, .n_rows = 2, .sigma_px = 1};
+    seen->camera = camera;
+    seen->X[0] = RC(0.1);
+    seen->X[2] = RC(above);
+    seen->uv[0] = 360;
+    seen->uv[1] = 240;
+}
+
+/* Where the trial's row is none, the move explains nothing: the body's log falls, but stays
+ * a number, and the move stays what it was. */
+static void assert_explains_nothing(const rc_seen *seen)
+{
+    const rigcal_real *const trial = &bodies[RC_ALARM_BODY];
+    const double log_before = D(trial[RC_TRIAL_LOG]), before = D(trial[RC_TRIAL_MOVE + 5]);
+
+    TEST_ASSERT_FALSE(rc_trial_take(&f, bodies, seen, RC(0.1)));
+    TEST_ASSERT_TRUE(D(trial[RC_TRIAL_LOG]) < log_before - 30);
+    TEST_ASSERT_TRUE(rc_is_finite(trial[RC_TRIAL_LOG]));
+    ASSERT_NEAR(before, trial[RC_TRIAL_MOVE + 5], 0);
+    TEST_ASSERT_TRUE(rc_trial_share(&f, bodies, 1) < RC(1e-6));
+}
+
+static void test_a_move_that_hides_the_point_explains_nothing(void)
+{
+    const rigcal_camera camera = test_pinhole();
+    rc_seen seen;
+
+    see_target(&seen, &camera, 0, 3, 0.05); /* behind the camera */
+    assert_explains_nothing(&seen);
+    /* so near to its plane that the pixel's variance is no number */
+    see_target(&seen, &camera, TOL(1e-100, 1e-15), 2, 0.05);
+    assert_explains_nothing(&seen);
+}
+
+/* Its own error, moved as much, is no number either. */
+static void test_an_error_that_overflows_in_the_trial_explains_nothing(void)
+{
+    const rigcal_camera camera = test_pinhole();
+    rc_seen seen;
+
+    see_target(&seen, &camera, TOL(1e-100, 1e-15), 2, 0);
+    error[5] = RC(TOL(1e150, 1e10));
+    (void)rc_trial_take(&f, bodies, &seen, RC(0.1));
+    TEST_ASSERT_TRUE(rc_is_finite(bodies[RC_ALARM_BODY + RC_TRIAL_LOG]));
+    ASSERT_NEAR(-2, bodies[RC_ALARM_BODY + RC_TRIAL_MOVE + 5], 0);
+}
+
+/* What the filter itself cannot evaluate tells no trial anything. */
+static void test_rows_that_the_filter_cannot_take_are_left_out(void)
+{
+    static rigcal_real before[BODIES * RC_ALARM_BODY];
+    const rigcal_camera camera = test_pinhole();
+    rc_seen seen;
+
+    see_target(&seen, &camera, -3, 0, 0.05); /* behind the camera */
+    memcpy(before, bodies, sizeof before);
+    TEST_ASSERT_FALSE(rc_trial_take(&f, bodies, &seen, RC(0.1)));
+    TEST_ASSERT_EQUAL_MEMORY(before, bodies, sizeof before);
+    see_target(&seen, &camera, 0, 0, 0.05);
+    error[3] = error[5] = TEST_INF;
+    memcpy(before, bodies, sizeof before);
+    TEST_ASSERT_TRUE(rc_trial_take(&f, bodies, &seen, RC(0.1)));
+    TEST_ASSERT_EQUAL_MEMORY(before, bodies, sizeof before);
+}
+
 TEST_MAIN()
 {
     RUN_TEST(test_the_body_that_moved_is_named_and_found);
     RUN_TEST(test_without_rows_all_bodies_are_equally_likely);
+    RUN_TEST(test_without_noise_the_step_is_found);
+    RUN_TEST(test_an_error_that_is_known_is_no_move);
+    RUN_TEST(test_a_move_that_hides_the_point_explains_nothing);
+    RUN_TEST(test_an_error_that_overflows_in_the_trial_explains_nothing);
+    RUN_TEST(test_rows_that_the_filter_cannot_take_are_left_out);
 }

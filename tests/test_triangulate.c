@@ -3,6 +3,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "rc_real.h"
 #include "test_two_views.h"
 #include "vectors_camera.h"
 #include "vectors_transform.h"
@@ -214,6 +215,18 @@ static void test_no_or_negative_disparity_is_refused(void)
 
     ASSERT_REFUSED(RIGCAL_ERR_PARALLEL, X, rigcal_depth_aligned(X, 1, left, left));
     ASSERT_REFUSED(RIGCAL_ERR_BEHIND, X, rigcal_depth_aligned(X, 1, left, right));
+}
+
+/* As long as a coordinate may be: its depth is half of that. */
+static void test_the_longest_baseline_is_accepted(void)
+{
+    const rigcal_real left[2] = {2, 0}, right[2] = {0, 0};
+    rigcal_real X[3];
+
+    ASSERT_STATUS(RIGCAL_OK, rigcal_depth_aligned(X, RC_COORDINATE_MAX, left, right));
+    ASSERT_NEAR(0.5, D(X[2]) / D(RC_COORDINATE_MAX), TOL(1e-9, 1e-4));
+    ASSERT_REFUSED(RIGCAL_ERR_RANGE, X,
+                   rigcal_depth_aligned(X, 2 * RC_COORDINATE_MAX, left, right));
 }
 
 static void test_arguments_of_aligned_stereo_are_checked(void)
@@ -629,6 +642,72 @@ static void test_arguments_of_the_bound_are_checked(void)
     }
 }
 
+/* ---- views that contradict each other ---------------------------------------- */
+
+/* What an answer is worth: the views see it, and no place nearby is better. */
+static void assert_best(const test_views *v, const rigcal_point *point)
+{
+    double X[3];
+
+    test_to_double(X, point->X, 3);
+    const double least = test_views_sum(v, X), step = 1e-3 * (1 + test_norm(X));
+    for (int way = 0; way < 6; way++) {
+        double aside[3] = {X[0], X[1], X[2]};
+
+        aside[way / 2] += way % 2 ? step : -step;
+        TEST_ASSERT_TRUE(test_views_sum(v, aside) > least * (1 - TOL(1e-5, 1e-3)));
+    }
+}
+
+/* Rays that are far from meeting, so that a search goes on for long, or away to infinity. */
+static void test_no_point_near_one_of_wild_views_is_better(void)
+{
+    test_rng rng = test_seed(57);
+    int counts[3] = {0, 0, 0};
+
+    for (int trial = 0; trial < TEST_TRIALS(20000); trial++) {
+        rigcal_point point;
+        test_views v;
+
+        test_wild_views(&v, &rng);
+        const rigcal_status status = rigcal_point_triangulate(
+            &point, v.cameras, v.cams_from_world, v.uv, (size_t)v.n, 1);
+        if (status == RIGCAL_OK) {
+            counts[0]++;
+            assert_best(&v, &point);
+        } else if (status == RIGCAL_BUDGET_SPENT) {
+            double X[3];
+
+            counts[1]++;
+            test_to_double(X, point.X, 3);
+            TEST_ASSERT_TRUE(test_views_sum(&v, X) < test_infinity()); /* seen by all */
+        } else {
+            counts[2] += status == RIGCAL_ERR_PARALLEL;
+            TEST_ASSERT_TRUE(status == RIGCAL_ERR_PARALLEL || status == RIGCAL_ERR_BEHIND);
+        }
+    }
+    for (int i = 0; i < 3; i++) {
+        TEST_ASSERT_TRUE(TEST_ONE_IN > 1 || counts[i] > 20);
+    }
+}
+
+/* The point is so near to the plane of a camera that its pixel, or how it moves, is no
+ * number. */
+static void test_a_point_that_grazes_a_camera_is_refused(void)
+{
+    rigcal_point point;
+    test_views v;
+
+    test_grazing_views(&v, 0);
+    ASSERT_REFUSED(
+        RIGCAL_ERR_PARALLEL, point,
+        rigcal_point_triangulate(&point, v.cameras, v.cams_from_world, v.uv, 3, 1));
+    test_grazing_views(&v, 1);
+    ASSERT_REFUSED(
+        RIGCAL_ERR_NO_RAY, point,
+        rigcal_point_triangulate(&point, v.cameras, v.cams_from_world, v.uv, 3, 1));
+}
+
 TEST_MAIN()
 {
     RUN_TEST(test_skew_rays_give_both_depths_and_their_miss);
@@ -641,6 +720,7 @@ TEST_MAIN()
     RUN_TEST(test_disparity_gives_depth_on_paper);
     RUN_TEST(test_aligned_stereo_agrees_with_two_general_views);
     RUN_TEST(test_no_or_negative_disparity_is_refused);
+    RUN_TEST(test_the_longest_baseline_is_accepted);
     RUN_TEST(test_arguments_of_aligned_stereo_are_checked);
     RUN_TEST(test_a_point_of_perfect_views_is_where_it_is);
     RUN_TEST(test_points_of_noisy_views_are_scipys_least_squares);
@@ -654,4 +734,6 @@ TEST_MAIN()
     RUN_TEST(test_no_point_is_farther_off_than_the_bound);
     RUN_TEST(test_the_bound_is_reached_on_paper);
     RUN_TEST(test_arguments_of_the_bound_are_checked);
+    RUN_TEST(test_no_point_near_one_of_wild_views_is_better);
+    RUN_TEST(test_a_point_that_grazes_a_camera_is_refused);
 }

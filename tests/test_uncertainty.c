@@ -198,6 +198,38 @@ static void test_a_covariance_that_does_not_exist_is_refused_by_name(void)
                    rigcal_pose_covariance(&u, &VIEW(&p.camera, p.o, NULL, 6), &pose, 1));
 }
 
+/* Points and camera so far from the origin that the shape is nearly rounded away; these are
+ * exact there, so the turns are as sure as at the origin. */
+static void test_far_from_the_origin_the_turns_are_as_sure(void)
+{
+    const double far = TOL(1099511627776.0, 2048); /* 2^40, 2^11 */
+    const rigcal_camera camera = test_pinhole();
+    rigcal_pose_uncertainty u[2];
+
+    for (int k = 0; k < 2; k++) {
+        const double t[3] = {-k * far, 0.25, 4};
+        const rigcal_transform pose = test_transform(NULL, t);
+        rigcal_observation o[5];
+
+        for (int i = 0; i < 5; i++) {
+            const double X[3] = {(i % 2 - 0.5) * (1 + 0.25 * i), (i / 2 - 1) * 0.5, i % 3};
+            const double X_c[3] = {X[0], X[1] + 0.25, X[2] + 4};
+            const double there[3] = {X[0] + k * far, X[1], X[2]};
+            double uv[2];
+
+            test_project_px(uv, &camera, X_c);
+            test_to_real(o[i].X_w, there, 3);
+            test_to_real(o[i].uv, uv, 2);
+        }
+        ASSERT_STATUS(RIGCAL_OK, rigcal_pose_covariance(&u[k], &VIEW(&camera, o, NULL, 5),
+                                                        &pose, RC(0.5)));
+    }
+    for (int i = 0; i < 3; i++) {
+        ASSERT_NEAR(D(u[0].rotation[i]), u[1].rotation[i],
+                    TOL(1e-9, 1e-3) * D(u[0].rotation[i]));
+    }
+}
+
 /* If the camera is on the cylinder through three points, upright on their plane, it can
  * move a little without a change of their pixels: the danger cylinder of three points. */
 static void test_on_the_danger_cylinder_of_three_points_there_is_no_covariance(void)
@@ -243,5 +275,6 @@ TEST_MAIN()
     RUN_TEST(test_the_deviation_of_the_centre_follows);
     RUN_TEST(test_the_covariance_holds_the_truth_as_often_as_it_says);
     RUN_TEST(test_a_covariance_that_does_not_exist_is_refused_by_name);
+    RUN_TEST(test_far_from_the_origin_the_turns_are_as_sure);
     RUN_TEST(test_on_the_danger_cylinder_of_three_points_there_is_no_covariance);
 }

@@ -71,12 +71,12 @@ static void test_the_ellipsoid_of_all_cameras_holds_the_truth(void)
     ASSERT_NEAR(1, mean / tried, 0.12);
 }
 
-static double variance_of(int camera)
+static double variance_of(int camera, int unknown)
 {
     rigcal_mounted_camera m;
 
     ASSERT_STATUS(RIGCAL_OK, rigcal_monitor_camera(&m, w.monitor, (size_t)camera));
-    return D(m.Sigma[0]);
+    return D(m.Sigma[7 * unknown]);
 }
 
 static void test_time_adds_the_walk_of_both_cameras_and_nothing_without_one(void)
@@ -85,15 +85,21 @@ static void test_time_adds_the_walk_of_both_cameras_and_nothing_without_one(void
     rigcal_monitor_options o;
 
     WANTS_RIG();
-    for (int has_walk = 0; has_walk < 2; has_walk++) {
+    for (int has_walk = 0; has_walk < 3; has_walk++) { /* 2: a walk of places alone */
         options_of(&o, 1e9);
-        o.walk_rad = has_walk ? RC(1e-4) : 0;
+        o.walk_rad = has_walk == 1 ? RC(1e-4) : 0;
+        o.walk_t = has_walk == 2 ? RC(1e-3) : 0;
         test_watched_make(&w, &rng, 2, 1, 1e-3, 2e-3);
         test_watched_begin(&w, 0, &o);
         for (int f = 0; f < 10; f++) {
             ASSERT_STATUS(RIGCAL_OK, rigcal_monitor_frame(NULL, w.monitor, RC(0.5)));
         }
-        ASSERT_NEAR(1e-6 + has_walk * 2 * 1e-8 * 5, variance_of(1), TOL(1e-15, 1e-11));
+        ASSERT_NEAR(1e-6 + (has_walk == 1) * 2 * 1e-8 * 5, variance_of(1, 0),
+                    TOL(1e-15, 1e-11));
+        if (has_walk != 1) { /* a turn of camera 0 moves camera 1 too */
+            ASSERT_NEAR(4e-6 + (has_walk == 2) * 2 * 1e-6 * 5, variance_of(1, 3),
+                        TOL(1e-15, 1e-10));
+        }
     }
 }
 
@@ -256,6 +262,30 @@ static void test_a_camera_that_is_opened_is_solved_anew_by_the_next_rows(void)
     }
 }
 
+/* In the ten frames after it was opened, a camera's pose follows each row. After them it
+ * rests until the frame ends, like the others. */
+static void test_an_opened_camera_follows_its_rows_for_ten_frames(void)
+{
+    test_rng rng = test_seed(700);
+    rigcal_monitor_options o;
+
+    WANTS_RIG();
+    options_of(&o, 1e9);
+    test_watched_make(&w, &rng, 2, 1, 0.05 * DEGREE, 2e-3);
+    test_watched_begin(&w, 0, &o);
+    ASSERT_STATUS(RIGCAL_OK, rigcal_monitor_moved(w.monitor, 1));
+    for (int f = 0; f < 12; f++) {
+        rigcal_mounted_camera before, after;
+
+        ASSERT_STATUS(RIGCAL_OK, rigcal_monitor_camera(&before, w.monitor, 1));
+        test_watched_match(&w, &rng, &CLEAN);
+        ASSERT_STATUS(RIGCAL_OK, rigcal_monitor_camera(&after, w.monitor, 1));
+        TEST_ASSERT_EQUAL_INT(f < 10, memcmp(before.cam_from_rig.t, after.cam_from_rig.t,
+                                             sizeof after.cam_from_rig.t) != 0);
+        ASSERT_STATUS(RIGCAL_OK, rigcal_monitor_frame(NULL, w.monitor, RC(1.0 / 30)));
+    }
+}
+
 static void test_an_empty_scene_is_blind_not_well(void)
 {
     test_rng rng = test_seed(700);
@@ -302,6 +332,7 @@ TEST_MAIN()
     RUN_TEST(test_of_two_cameras_with_matches_alone_either_may_have_moved);
     RUN_TEST(test_poses_rest_until_an_alarm_is_answered);
     RUN_TEST(test_a_camera_that_is_opened_is_solved_anew_by_the_next_rows);
+    RUN_TEST(test_an_opened_camera_follows_its_rows_for_ten_frames);
     RUN_TEST(test_an_empty_scene_is_blind_not_well);
     RUN_TEST(test_frames_that_cannot_be_are_refused);
 }

@@ -180,7 +180,7 @@ def draw_frames(folder):
     a, b, w = side(places["a"]), side(places["b"]), side(board[1])
     u, v = curved(picture, (a[0] + 16, a[1] + 22), (b[0] - 16, b[1] + 22), 22, "ink")
     picture.text((u, v + 20), "b_from_a", "ink", 14, "middle", mono=True, halo=True)
-    u, v = curved(picture, (w[0] - 14, w[1] - 6), (a[0] - 2, a[1] - 24), -26, "ink")
+    u, v = curved(picture, (w[0] - 14, w[1] - 6), (a[0] - 26, a[1] - 42), 16, "ink")
     picture.text((u - 6, v - 8), "a_from_target", "ink", 14, "end", mono=True, halo=True)
     picture.text((a[0] - 14, a[1] + 30), "camera a", "ink", 15, "end", bold=True)
     picture.text((b[0] + 22, b[1] + 34), "camera b", "ink", 15, bold=True)
@@ -246,7 +246,7 @@ def draw_sphere(folder):
                 picture.circle(at(x, y), 7.5, stroke="page", width=5)
                 picture.circle(at(x, y), 7.5, stroke=colour, width=3)
                 u, v = at(x, y)
-                picture.text((u, v - 15), name, colour, 14, "middle", bold=True, halo=True)
+                picture.text((u, v + 26), name, colour, 14, "middle", bold=True, halo=True)
         picture.text((left, 32), head, "ink", 15, "middle", bold=True)
     x, y = 32, 376
     picture.circle((x, y - 4), 4.2, fill="page", stroke="ink", width=1.2)

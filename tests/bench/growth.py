@@ -60,7 +60,7 @@ def slope(line):
 
 def draw(lines):
     plt.rcParams.update({"svg.hashsalt": "rigcal", "svg.fonttype": "none", "text.color": GREY, "axes.edgecolor": GREY,
-                         "axes.labelcolor": GREY, "xtick.color": GREY, "ytick.color": GREY, "font.size": 11})
+                         "axes.labelcolor": GREY, "xtick.color": GREY, "ytick.color": GREY, "font.size": 12})
     figure, panels = plt.subplots(1, 3, figsize=(11, 4), sharey=True)
     for panel, way in zip(panels, WAYS):
         for lens in LENSES:
@@ -71,8 +71,8 @@ def draw(lines):
         for side in ("top", "right"):
             panel.spines[side].set_visible(False)
     panels[0].set_ylabel("instructions of a solve")
-    panels[0].legend(frameon=False)
-    figure.tight_layout()
+    figure.tight_layout(rect=(0, 0.07, 1, 1))
+    figure.legend(*panels[0].get_legend_handles_labels(), loc="lower center", ncol=3, frameon=False)
     figure.savefig(PICTURE, transparent=True, metadata={"Date": None})
 
 

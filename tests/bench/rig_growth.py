@@ -104,7 +104,7 @@ def draw(adjusted, joined):
         "font.family": "DejaVu Sans", "font.size": 9, "axes.titlesize": 9, "axes.grid": True,
         "grid.color": "#dddddd", "grid.linewidth": 0.6, "axes.axisbelow": True,
         "lines.linewidth": 1.6, "lines.markersize": 4, "legend.fontsize": 8})
-    figure, axes = plt.subplots(2, 4, figsize=(11, 5.4), sharex="col",
+    figure, axes = plt.subplots(2, 4, figsize=(9.3, 5.2), sharex="col",
                                 gridspec_kw={"height_ratios": [3, 2]})
     for k, (name, rows) in enumerate(adjusted.items()):
         draw_panel(axes[:, k], [rig[k] for rig, _, _ in rows], rows,
@@ -123,7 +123,7 @@ def draw(adjusted, joined):
     figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="lower center", ncol=3)
     PICTURE.parent.mkdir(exist_ok=True)
     pixels = io.BytesIO()
-    figure.savefig(pixels, format="png", dpi=100)
+    figure.savefig(pixels, format="png", dpi=180)
     # 64 colours are enough, and halve the bytes.
     Image.open(pixels).convert("RGB").quantize(
         64, method=Image.MEDIANCUT, dither=Image.NONE).save(PICTURE, optimize=True)

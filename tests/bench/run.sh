@@ -1,5 +1,5 @@
 #!/bin/sh
-# The tables of BENCHMARKS.md, written by what makes them.
+# The tables of BENCHMARKS.md and of port/cmsis_dsp, written by what makes them.
 #
 #   sh tests/bench/run.sh              all: hours
 #   sh tests/bench/run.sh NAME...      these; --list prints the names

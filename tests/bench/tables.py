@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The tables of BENCHMARKS.md: each is what one command prints.
+"""The tables of BENCHMARKS.md, and of READMEs of port/: each is what one command prints.
 
     tables.py               runs every command and writes its table: hours
     tables.py NAME...       only these
@@ -7,7 +7,7 @@
     tables.py --short       runs the short form of each, and writes tests/bench/short.md
     tables.py --check       for CI: runs the short forms and compares them with short.md
 
-A table stands in BENCHMARKS.md between two comments:
+A table stands in its document between two comments:
 
     <!-- table NAME: COMMAND; short: COMMAND; within 2 % -->
     <!-- end -->
@@ -16,7 +16,8 @@ A table stands in BENCHMARKS.md between two comments:
 form of CI, with fewer scenes; `within` is how far a figure of it may be from that in
 short.md. A table without `short` is made by hand only. A command is a bench of the preset
 gcc-double, or PRESET/BENCH, or "sh FILE ..." or "python3 FILE ...", from the root of the project.
-Below a table stands what made it: command, commit, day, compiler and processor.
+Below a table stands what made it: command, commit, day, compiler and processor. In the end
+quoted.py writes the figures of README.md that are taken from the tables.
 
 Exit status 1: a figure differs, or a command failed; the table stays as it was.
 """
@@ -30,7 +31,7 @@ import subprocess
 import sys
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-DOCUMENT = ROOT / "BENCHMARKS.md"
+DOCUMENTS = [ROOT / "BENCHMARKS.md", ROOT / "port/cmsis_dsp/README.md", ROOT / "port/python/README.md"]
 SHORT = ROOT / "tests/bench/short.md"
 
 MARK = re.compile(
@@ -69,15 +70,22 @@ def table_of(command: str, number: int, printed: dict[str, str]) -> str:
     return tables[number - 1]
 
 
+def by_gcc(command: str) -> bool:
+    """Not for emulated targets and other platforms, whose compiler is another one."""
+    return "port/" not in command and "hooks.sh" not in command
+
+
 def made_by(command: str) -> str:
     git = ["git", "-C", str(ROOT)]
     commit = subprocess.run([*git, "rev-parse", "--short", "HEAD"], capture_output=True, text=True).stdout.strip()
-    changed = subprocess.run([*git, "status", "--porcelain", "--", "src", "include", "tests/bench"],
+    changed = subprocess.run([*git, "status", "--porcelain", "--", "src", "include", "tests/bench",
+                              ":!tests/bench/figures", ":!tests/bench/short.md"],  # which benches write
                              capture_output=True, text=True).stdout
     gcc = subprocess.run(["gcc", "-dumpfullversion"], capture_output=True, text=True).stdout.strip()
+    built = f"gcc {gcc} -O2 -ffp-contract=off, " if by_gcc(command) else ""
     models = re.findall(r"^model name\s*: (.*)$", pathlib.Path("/proc/cpuinfo").read_text(), re.MULTILINE)
     return (f"`{command}`, {datetime.date.today()}, commit {commit}{' with changes' * bool(changed)}, "
-            f"gcc {gcc} -O2 -ffp-contract=off, {platform.machine()}, {models[0] if models else 'processor unknown'}")
+            f"{built}{platform.machine()}, {models[0] if models else 'processor unknown'}")
 
 
 def numbers_of(text: str) -> list[str]:
@@ -100,11 +108,19 @@ def differences(expected: str, found: str, part: float) -> list[str]:
     return wrong
 
 
+def marks_of(document: pathlib.Path) -> list[re.Match[str]]:
+    return list(MARK.finditer(document.read_text()))
+
+
+def mark_named(name: str) -> tuple[pathlib.Path, re.Match[str]]:
+    return next((document, m) for document in DOCUMENTS for m in marks_of(document) if m["name"] == name)
+
+
 def write(names: list[str]) -> int:
     printed: dict[str, str] = {}
     failed = 0
     for name in names:
-        mark = next(m for m in MARK.finditer(DOCUMENT.read_text()) if m["name"] == name)
+        _, mark = mark_named(name)
         print(f"{name}: {mark['command']}", flush=True)
         try:
             table = table_of(mark["command"], int(mark["number"] or 1), printed)
@@ -112,9 +128,10 @@ def write(names: list[str]) -> int:
             print(failure, file=sys.stderr)
             failed = 1
             continue
-        text = DOCUMENT.read_text()  # the document may have been edited meanwhile
-        start, end = next(m.span("body") for m in MARK.finditer(text) if m["name"] == name)
-        DOCUMENT.write_text(f"{text[:start]}{table}\n*{made_by(mark['command'])}*\n{text[end:]}")
+        document, mark = mark_named(name)  # the document may have been edited meanwhile
+        text, (start, end) = mark.string, mark.span("body")
+        document.write_text(f"{text[:start]}{table}\n*{made_by(mark['command'])}*\n{text[end:]}")
+    subprocess.run([sys.executable, ROOT / "tests/bench/quoted.py"], check=True)
     return failed
 
 
@@ -134,8 +151,8 @@ def check(marks: list[re.Match[str]]) -> int:
                 wrong.append(f"{name}: short.md has no such table; write it by tables.py --short")
             else:
                 wrong += [f"{name}: {what}" for what in differences(kept[name], found[name], part)]
-    wrong += [f"{name}: short.md has a table that BENCHMARKS.md has not" for name in kept.keys() - found.keys()]
-    print("\n".join(wrong) or f"tables: {len(found)} short tables as kept, of {len(marks)} in BENCHMARKS.md")
+    wrong += [f"{name}: short.md has a table that no document has" for name in kept.keys() - found.keys()]
+    print("\n".join(wrong) or f"tables: {len(found)} short tables as kept, of {len(marks)} in all")
     return bool(wrong)
 
 
@@ -146,11 +163,11 @@ def main() -> int:
     for option in ("list", "short", "check"):
         one.add_argument(f"--{option}", action="store_true")
     options = parser.parse_args()
-    marks = list(MARK.finditer(DOCUMENT.read_text()))
+    marks = [mark for document in DOCUMENTS for mark in marks_of(document)]
     known = [mark["name"] for mark in marks]
     for name in options.names:
         if name not in known:
-            parser.error(f"BENCHMARKS.md has no table {name}; it has {', '.join(known)}")
+            parser.error(f"there is no table {name}; there are {', '.join(known)}")
     try:
         if options.list:
             for mark in marks:

@@ -11,9 +11,6 @@ examples/README.md shows all of them.
 
 A ```sh block of CONTRIBUTING.md that a ```text block follows is run as it is printed, in a
 copy of the project; it must print that text.
-
-Between "<!-- figures from FILE -->" and "<!-- end of figures -->" every number must stand
-in FILE, which a script wrote.
 """
 import pathlib
 import re
@@ -128,26 +125,6 @@ def check_document(name, work, shown):
     return count
 
 
-FIGURES = re.compile(r"<!-- figures from (\S+) -->\n(.*?)<!-- end of figures -->", re.S)
-NUMBER = re.compile(r"(?<![\w.-])\d+(?:\.\d+)?(?:e[-+]?\d+)?(?![\w-])")
-
-
-def check_figures(name):
-    """The number of numbers of the document that were found in the file they come from."""
-    text, count = (ROOT / name).read_text(), 0
-    for found in FIGURES.finditer(text):
-        known = set(NUMBER.findall((ROOT / found[1]).read_text()))
-        rows = [row.split("|")[2:] for row in found[2].splitlines()[2:]]
-        figures = [number for row in rows for cell in row for number in NUMBER.findall(cell)]
-        count += len(figures)
-        missing = sorted(set(figures) - known)
-        if missing:
-            sys.exit(f"{name}: {', '.join(missing)}: not in {found[1]}")
-    if text.count("<!-- figures from") != len(FIGURES.findall(text)):
-        sys.exit(f"{name}: a block of figures has no end")
-    return count
-
-
 def main():
     shown = set()
     programs = first_programs()
@@ -164,9 +141,7 @@ def main():
             if path not in shown:
                 sys.exit(f"examples/README.md does not show examples/{path.name}")
         count += check_document("CONTRIBUTING.md", work, shown)
-    figures = check_figures("README.md")
-    print(f"{count} outputs as printed, {len(programs)} programs of at most {LINES_MOST} lines, "
-          f"{figures} figures from their files")
+    print(f"{count} outputs as printed, {len(programs)} programs of at most {LINES_MOST} lines")
 
 
 if __name__ == "__main__":

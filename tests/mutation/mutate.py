@@ -11,12 +11,12 @@
 
 A mutant changes a relation, a condition, an operator, a sign, a number, a return value, or
 leaves a statement out; assertions and traces stay. Its file is compiled with assertions and with the sanitizer of
-undefined behaviour, which traps, linked before the library, and run against the test of its
-layer and of the layers that include it. The tests come in the order of their time, divided by
+undefined behaviour, which traps; what it does not initialize has huge numbers. It is linked
+before the library, and run against the test of its layer and of the layers that include it. The tests come in the order of their time, divided by
 the share of this layer's mutants that each killed so far. A test that fails, crashes or takes
 20 times as long kills the mutant. Where none does and the preset asan is built, the tests run
-again with the address sanitizer. A survivor is printed, unless equivalent.txt says why no test
-can kill it. Exit status 1 where a survivor is left or equivalent.txt is stale.
+again with the address sanitizer. A survivor is equivalent if gcc -O2 makes the same object of
+it, or equivalent.txt says why no test can kill it; any other is printed. Exit status 1 where a survivor is left or equivalent.txt is stale.
 
 The recorded mutant of a file is, of those that a test killed, the one of the fastest test,
 and of these the first by the seed; recorded.csv names mutant and test. A file without one
@@ -50,8 +50,10 @@ RECORDED = pathlib.Path(__file__).with_name("recorded.csv")
 REPORT = pathlib.Path(__file__).with_name("RESULTS.md")
 EQUIVALENT = pathlib.Path(__file__).with_name("equivalent.txt")
 SEED = 22
-TESTS_MOST = 8  # tests of a mutant: of its own layer, and of the nearest layers that
-                # include it; then test_hostile
+TESTS_MOST = 12  # tests of a mutant: of its own layer, and of the nearest layers; then
+                 # test_hostile
+CALLERS_MOST = 4  # of these: tests of other layers that call most of its functions
+SAME = "compiler: the same"
 SLOW = 20  # times the usual time of a test, and 10 s: then it hangs
 
 RELATIONS = {"<": "<=", "<=": "<", ">": ">=", ">=": ">", "==": "!=", "!=": "=="}
@@ -153,14 +155,16 @@ class Bench:
         for command in said.stdout.splitlines():
             if match := re.search(r"-o CMakeFiles/rigcal\.dir/src/rigcal_(\w+)\.c\.o ", command):
                 words = [w for w in shlex.split(command) if w != "-Werror" and not w.startswith(("-O", "-W", "-g"))]
-                self.compile[match[1]] = [*words[:words.index("-MD")], "-w", "-O0"]
+                self.compile[match[1]] = [*words[:words.index("-MD")], f"-I{ROOT / 'src'}", "-w", "-O0"]
             elif match := re.search(r" -o tests/test_(\w+) ", command):
-                if (build / "tests" / f"test_{match[1]}").exists():
+                if (build / "tests" / f"test_{match[1]}").exists() and "src/rigcal_" not in command:  # none compiled again
                     self.link[match[1]] = shlex.split(command.removeprefix(": && ").removesuffix(" && :"))
         if build != ASAN:
             for words in self.compile.values():
-                words += ["-DRIGCAL_ASSERTS=1", "-fsanitize=undefined", "-fsanitize-undefined-trap-on-error"]
+                words += ["-DRIGCAL_ASSERTS=1", "-fsanitize=undefined", "-fsanitize-undefined-trap-on-error",
+                          "-ftrivial-auto-var-init=pattern"]
         self.includes = {layer: self.included(layer) for layer in self.compile}
+        self.called = {test: set(re.findall(r"\b(?:rigcal|rc)_\w+", text_of(test))) for test in self.link}
         self.lock = threading.Lock()
         self.times_file = WORK / f"times-{build.name}.json"
         self.times: dict[str, float] = json.loads(self.times_file.read_text()) if self.times_file.exists() else {}
@@ -174,13 +178,18 @@ class Bench:
         return set(re.findall(r'#include "rc_(\w+)\.h"', "".join(texts))) - {layer}
 
     def tests_of(self, layer: str) -> list[str]:
+        """Its own, those that call most of its functions, those of the layers that include it."""
         order, wave = [layer], {layer}
         while wave:
             wave = {other for other in self.includes if self.includes[other] & wave and other not in order}
             order += sorted(wave)
-        named = [name for at in order for name in sorted(self.link)
-                 if name == at or name.startswith((at + "_", f"regression_{at}_"))]
-        seen = list(dict.fromkeys(named))
+        of = {at: [name for name in sorted(self.link) if name == at or name.startswith((at + "_", f"regression_{at}_"))]
+              for at in order}
+        text = (ROOT / "src" / f"rigcal_{layer}.c").read_text()
+        functions = re.findall(r"^(?!static|typedef| |#|/).*?\b((?:rigcal|rc)_\w+)\(", text, re.M)
+        calls = {name: len(self.called[name].intersection(functions)) for name in self.link}
+        callers = sorted((name for name in calls if calls[name]), key=lambda name: (-calls[name], name))
+        seen = list(dict.fromkeys(of[layer] + callers[:CALLERS_MOST] + [name for at in order for name in of[at]]))
         nearest = [t for t in seen if t != "hostile"][:TESTS_MOST]
         return nearest + ["hostile"] * (bool(nearest) and "hostile" in self.link)
 
@@ -201,7 +210,7 @@ class Bench:
         """The first test that kills the mutant, "compiler", or nothing."""
         changed, obj, program = (WORK / f"{self.build.name}-{lane}-{name}" for name in ("mutant.c", "mutant.o", "test"))
         changed.write_text(source.text[:mutant.start] + mutant.text + source.text[mutant.end:])
-        command = [*self.compile[source.layer], f"-I{ROOT / 'src'}", "-o", str(obj), "-c", str(changed)]
+        command = [*self.compile[source.layer], "-o", str(obj), "-c", str(changed)]
         if subprocess.run(command, cwd=self.build, capture_output=True).returncode:
             return "compiler"
         for test in tests:
@@ -216,6 +225,18 @@ class Bench:
             except subprocess.TimeoutExpired:
                 return test
         return ""
+
+
+    def is_same(self, source: Source, mutant: Mutant, lane: int) -> bool:
+        """Whether the compiler makes the same of both, as of code that this build leaves out."""
+        changed, obj = (WORK / f"{self.build.name}-{lane}-{name}" for name in ("mutant.c", "mutant.o"))
+        made = []
+        for text in (source.text, source.text[:mutant.start] + mutant.text + source.text[mutant.end:]):
+            changed.write_text(text)
+            words = [word for word in self.compile[source.layer] if not word.startswith(("-O", "-fsan", "-DRIGCAL_ASSERTS", "-ftri"))]
+            subprocess.run([*words, "-O2", "-o", str(obj), "-c", str(changed)], cwd=self.build, check=True, capture_output=True)
+            made.append(obj.read_bytes())
+        return made[0] == made[1]
 
 
 class Results:
@@ -262,9 +283,18 @@ def digest(*paths: pathlib.Path) -> str:
     return hashlib.sha256(b"".join(path.read_bytes() for path in paths if path.exists())).hexdigest()[:12]
 
 
-def digest_of_tests(tests: list[str]) -> str:
-    return digest(*(ROOT / "tests" / (f"regression/{test.removeprefix('regression_')}.c"
-                                      if test.startswith("regression_") else f"test_{test}.c") for test in sorted(tests)))
+def file_of(test: str) -> pathlib.Path:
+    name = test.removeprefix("regression_")
+    return ROOT / "tests" / (f"test_{name}.c" if name == test else f"regression/{name}.c")
+
+
+def text_of(test: str) -> str:
+    path = file_of(test)
+    return path.read_text() if path.exists() else ""
+
+
+def digest_of_tests(tests: list[str], has_asan: bool) -> str:
+    return "asan " * has_asan + "pattern " + digest(*map(file_of, sorted(tests)))
 
 
 def equivalents() -> dict[tuple[str, str, str, str], str]:
@@ -290,10 +320,10 @@ def place_of(m: Mutant) -> str:
     return f"{m.start}:{m.text.strip()}"
 
 
-def kept(results: Results, source: Source, m: Mutant, tests: list[str]) -> dict[str, str] | None:
+def kept(results: Results, source: Source, m: Mutant, of_tests: str) -> dict[str, str] | None:
     """The result of a mutant, if it is still valid."""
     row = results.known.get((source.layer, place_of(m)))
-    if row and row["source"] == digest(source.path) and (row["killed_by"] or row["tests"] == digest_of_tests(tests)):
+    if row and row["source"] == digest(source.path) and (row["killed_by"] or row["tests"] == of_tests):
         return row
     return None
 
@@ -315,7 +345,7 @@ def recorded() -> dict[str, dict[str, str]]:
 
 def record(results: Results, layers: list[str], known: dict[tuple[str, str, str, str], str], seed: int) -> None:
     """Writes recorded.csv and RESULTS.md."""
-    rows, table, total = [], [], collections.Counter[str]()
+    rows, table, left, total = [], [], [], collections.Counter[str]()
     times = Bench(BUILD).time_of
     for layer in layers:
         source = Source(layer)
@@ -330,7 +360,10 @@ def record(results: Results, layers: list[str], known: dict[tuple[str, str, str,
             elif not row or row["source"] != digest(source.path):
                 continue
             else:
-                what = {"": "survivors", "compiler": ""}.get(row["killed_by"], "killed")
+                what = {"": "survivors", "compiler": "", SAME: "equivalent"}.get(row["killed_by"], "killed")
+                total["asan"] += row["killed_by"].startswith("asan ")
+                if what == "survivors":
+                    left.append(f"- `{layer}`, line {m.line}: `{key[1]}`: `{key[2]}` to `{key[3]}`")
                 if what == "killed" and not row["killed_by"].startswith("asan "):
                     cost = times(row["killed_by"])
                     chosen = {"layer": layer, "line": key[1], "was": key[2], "became": key[3], "test": row["killed_by"]}
@@ -356,10 +389,12 @@ Mutants that do not compile are not counted. "There" are all mutants of a file, 
 
 {tried + total['equivalent']} mutants of {len(layers)} files: {total['killed']} killed, {total['equivalent']} equivalent, """
                       f"""{total['survivors']} survivors: {100 * total['killed'] / max(tried, 1):.1f} % of those that are not equivalent are killed.
+{total['asan']} of the killed were noticed by the address sanitizer alone. Why a mutant is equivalent is in equivalent.txt, or gcc
+makes the same of it.
 
 | file | there | run | killed | equivalent | survivors | killed % |
 | --- | --- | --- | --- | --- | --- | --- |
-""" + "\n".join(table) + "\n")
+""" + "\n".join(table) + "\n\n## Survivors\n\n" + ("\n".join(left) or "None.") + "\n")
 
 
 def chosen_of(source: Source, options: argparse.Namespace, row: dict[str, str] | None) -> list[Mutant]:
@@ -416,7 +451,8 @@ def main() -> int:
             count["equivalent"] += 1
             return
         tests = bench.tests_of(layer)
-        row = None if options.only or is_ci else kept(results, source, m, tests)
+        of_tests = digest_of_tests(tests, asan is not None)
+        row = None if options.only or is_ci else kept(results, source, m, of_tests)
         if not row:
             lane, start = lanes.pop(), time.monotonic()
             first = history.get(layer, {}).get("test", "") if is_ci else ""
@@ -426,12 +462,14 @@ def main() -> int:
             if not killer and asan and (has := [t for t in order if t in asan.link]):
                 killer = asan.killer(source, m, has, lane)
                 killer = killer and "asan " + killer
+            if not killer and bench.is_same(source, m, lane):
+                killer = SAME
             lanes.append(lane)
             row = {"layer": layer, "line": f"{m.line}", "kind": m.kind, "key": place_of(m), "was": key[2],
-                   "became": key[3], "source": digest(source.path), "tests": digest_of_tests(tests),
+                   "became": key[3], "source": digest(source.path), "tests": of_tests,
                    "killed_by": killer, "seconds": f"{time.monotonic() - start:.1f}"}
             results.add(row)
-        count[{"": "survive", "compiler": "compiler"}.get(row["killed_by"], "killed")] += 1
+        count[{"": "survive", "compiler": "compiler", SAME: "equivalent"}.get(row["killed_by"], "killed")] += 1
         if not row["killed_by"]:
             print(f"src/{source.path.name}:{m.line}: {key[2]!r} to {key[3]!r} ({m.kind}, {m.number}) survives: {key[1]}",
                   flush=True)

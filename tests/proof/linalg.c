@@ -17,6 +17,14 @@ static void three(void)
     UNKNOWN(K);
     UNKNOWN(A);
     UNKNOWN(D);
+    rc_vec3_cross(c, a, b);
+    (void)rc_vec3_dot(a, b);
+    rc_vec3_sub(c, a, b);
+    rc_vec3_add(c, a);
+    rc_vec3_add_scaled(c, a[0], b);
+    rc_vec3_scale(c, a[0], b);
+    rc_vec3_combine(c, a[0], a, a[1], b);
+    rc_mat3_mul_vec3(c, M, a);
     (void)rc_vec3_norm(a);
     (void)rc_vec3_max_abs(a);
     (void)rc_vec3_unit(c, a);

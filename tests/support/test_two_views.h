@@ -14,4 +14,23 @@ void test_point_ahead(double X[3], test_rng *rng);
 /* (X / Z, Y / Z, 1) */
 void test_ray_to(rigcal_real ray[3], const double X[3]);
 
+/* Views of one point by pinholes. */
+typedef struct {
+    rigcal_camera cameras[3];
+    rigcal_transform cams_from_world[3];
+    rigcal_real uv[6];
+    int n;
+} test_views;
+
+/* Two or three cameras 5 from the origin that look there, and a pixel at random in each:
+ * their rays are far from meeting. */
+void test_wild_views(test_views *v, test_rng *rng);
+
+/* Cameras 0 and 1 see a point at (0, 0, e) from aside, e tiny. Camera 2 looks along z, from
+ * (-aside, -aside, 0), and sees another one there. */
+void test_grazing_views(test_views *v, double aside);
+
+/* The sum of the squared errors [px^2], infinite if a camera does not see X. */
+double test_views_sum(const test_views *v, const double X[3]);
+
 #endif /* TEST_TWO_VIEWS_H */

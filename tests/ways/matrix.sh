@@ -1,9 +1,13 @@
 #!/bin/sh
 # The library by each compiler, standard and option that it is promised for.
 #
-#   sh tests/ways/matrix.sh [SECONDS]
-#                                   everything; writes tests/ways/MATRIX.md. By hand. What
-#                                   has not begun after SECONDS (100000) is "not run".
+#   sh tests/ways/matrix.sh [rest] [SECONDS]
+#                                   everything; writes tests/ways/MATRIX.md. By hand. It
+#                                   continues where the last run ended: a line that passed
+#                                   with the same sources, tests and compilers is not run
+#                                   again. A line that has not begun after SECONDS (100000)
+#                                   keeps its last result. With `rest`, every line that has a
+#                                   result keeps it.
 #   sh tests/ways/matrix.sh short   what CI has time for
 #
 # Each combination compiles src/ with the project's warnings as errors. Unit tests of
@@ -17,8 +21,15 @@ cd "$(dirname "$0")/../.."
 
 form=full
 end=$(($(date +%s) + 100000))
+is_rest=
 case ${1-} in
 short) form=short ;;
+rest)
+    is_rest=yes
+    shift
+    ;;
+esac
+case ${1-} in
 [0-9]*) end=$(($(date +%s) + $1)) ;;
 esac
 out=$PWD/build/matrix
@@ -29,17 +40,59 @@ tests="adjust bytes camera chain chance diagnose faults filter graph hostile jud
 # Link-time optimisation compiles the whole library for each program, which takes long. So
 # only these tests are run.
 tests_lto="lens measure pose rig store"
-rm -rf "$out"
-mkdir -p "$out/seen"
 count=0
 
 complain() {
     echo "matrix: $*" | tee -a "$out/bad.txt"
 }
 
+# What the results of the full form depend on, as one number.
+state_of() {
+    {
+        cat src/* include/* tests/*.c tests/support/* tests/vectors/* tests/gate/gate.c \
+            tests/gate/expected_*.txt tests/ways/matrix.sh
+        gcc --version
+        clang --version
+        i686-linux-gnu-gcc --version
+    } 2>/dev/null | sha256sum | cut -d' ' -f1
+}
+
+# Where no line of the same state has been run, none has been seen.
+begin_folder() {
+    state=$(state_of)
+    commit=$(git rev-parse --short HEAD)
+    git diff --quiet HEAD -- src include tests || commit="$commit, changed"
+    if [ "$form" = short ] || [ "$(cat "$out/state" 2>/dev/null)" != "$state" ]; then
+        rm -rf "$out/seen"
+    fi
+    rm -f "$out"/*.md "$out/bad.txt"
+    mkdir -p "$out/seen" "$out/kept"
+    echo "$state" >"$out/state"
+}
+
+# kept REAL COMPILER FLAG...: the file of a line's last result: its state, and its row
+kept() {
+    echo "$out/kept/$(echo "$*" | tr ' /' '__')"
+}
+
 # row COMBINATION REAL RESULT: a line of the table
 row() {
-    printf '| %s | %s | %s |\n' "$1" "$2" "$3" | tee -a "$out/$2.md"
+    printf '| %s | %s | %s | %s |\n' "$1" "$2" "$3" "$commit" | tee -a "$out/$2.md"
+}
+
+# keep REAL COMPILER FLAG...: the last row is the line's result
+keep() {
+    [ "$form" = full ] || return 0
+    {
+        echo "$state"
+        tail -n 1 "$out/$1.md"
+    } >"$(kept "$@")"
+}
+
+# is_kept REAL COMPILER FLAG...: whether the line's last result holds still, or has to do
+is_kept() {
+    [ "$form" = full ] && [ -e "$(kept "$@")" ] && { [ "$(sed -n 1p "$(kept "$@")")" = "$state" ] ||
+        [ -n "$is_rest" ] || [ "$(date +%s)" -ge "$end" ]; }
 }
 
 # define REAL: the options that set the precision
@@ -86,9 +139,9 @@ run_tests() {
     done
 }
 
-# run_gate FOLDER REAL COMPILER FLAG...: the gate, with a library that counts
-run_gate() {
-    counted=$1/counted
+# build_gate FOLDER REAL COMPILER FLAG...: FOLDER/gate, with a library that counts
+build_gate() {
+    counted=$1
     real=$2
     shift 2
     # shellcheck disable=SC2046 -- one option or none
@@ -96,23 +149,45 @@ run_gate() {
         "-DRIGCAL_CONFIG_FILE=<count_hooks.h>" || return 1
     "$@" "build/gcc-$real/tests/CMakeFiles/gate.dir/gate/gate.c.o" "$counted"/*.o -lm \
         -o "$counted/gate"
+}
+
+# run_gate FOLDER REAL COMPILER FLAG...: its counts must be the expected ones. A build for size
+# has other code (RIGCAL_FOR_SPEED): its counts must be those of that code with -O2.
+run_gate() {
+    expected=tests/gate/expected_$2.txt
+    case " $* " in
+    *" -Os "*)
+        expected=$out/small-$2.txt
+        build_gate "$out/small-$2" "$2" gcc -std=c99 -O2 $off -DRIGCAL_FOR_SPEED=0 || return 1
+        "$out/small-$2/gate" >"$expected"
+        ;;
+    esac
+    folder_of_line=$1
+    shift
+    build_gate "$folder_of_line/counted" "$@" || return 1
     # The depth of the stack depends on the options. All other counts must be equal.
-    "$counted/gate" check "tests/gate/expected_$real.txt" >"$counted/gate.txt" 2>&1 ||
+    "$counted/gate" check "$expected" >"$counted/gate.txt" 2>&1 ||
         { grep -q '^gate: ' "$counted/gate.txt" &&
             ! grep ', now ' "$counted/gate.txt" | grep -qv '^stack\.'; }
 }
 
 # begin_line REAL COMPILER FLAG...: the library's objects, in $folder; fails if the line ends
-# here, for want of time or because a file is not compiled
+# here: its last result is taken, or there is no time, or a file is not compiled
 begin_line() {
     real=$1
     shift
+    if is_kept "$real" "$@"; then
+        count=$((count + 1))
+        sed -n 2p "$(kept "$real" "$@")" | tee -a "$out/$real.md"
+        return 1
+    fi
     if [ "$(date +%s)" -ge "$end" ]; then
-        row "$*" "$real" "not run"
+        printf '| %s | %s | not run | |\n' "$*" "$real" | tee -a "$out/$real.md"
         return 1
     fi
     count=$((count + 1))
     folder=$out/$real-$count
+    rm -rf "$folder"
     # shellcheck disable=SC2046 -- one option or none
     if ! compile "$folder" "$@" $(define "$real"); then
         cat "$folder/compiler.txt"
@@ -128,14 +203,19 @@ end_line() {
     more=$1
     shift
     told=
+    is_wrong=
     if [ -n "$failed" ]; then
         told=", **failed:$failed**"
         case " $* " in
         *" -ffp-contract=fast "*) ;;
-        *) complain "$* in $real fails:$failed, $folder" ;;
+        *)
+            is_wrong=yes
+            complain "$* in $real fails:$failed, $folder"
+            ;;
         esac
     fi
     row "$*" "$real" "$((ran - $(echo "$failed" | wc -w))) of $ran pass$more$told"
+    [ -n "$is_wrong" ] || keep "$real" "$@"
 }
 
 # combination REAL COMPILER FLAG...
@@ -145,17 +225,20 @@ combination() {
     code=$(code_of "$folder")
     if [ -e "$out/seen/$real-$code" ]; then
         row "$*" "$real" "the same objects as $(cat "$out/seen/$real-$code")"
+        keep "$real" "$@"
         rm -r "$folder"
         return 0
     fi
-    echo "$*" >"$out/seen/$real-$code"
     run_tests "$folder" "$real" "$@"
     if [ "$form" = full ]; then
         run_gate "$folder" "$real" "$@" || failed="$failed gate"
         ran=$((ran + 1))
     fi
     end_line "" "$@"
-    [ -n "$failed" ] || rm -r "$folder"
+    if [ -z "$failed" ]; then
+        echo "$*" >"$out/seen/$real-$code"
+        rm -r "$folder"
+    fi
 }
 
 # syntax REAL COMPILER FLAG...: the warnings of a standard
@@ -247,21 +330,32 @@ users() {
     done
 }
 
+# for_test REAL COMPILER FLAG... FILE...: a call of the compiler as the tests' own build has it.
+# gcc 12 vectorises the rounding to float away.
+for_test() {
+    float=$(define "$1")
+    unity=$(unity_folder "build/gcc-$1")
+    shift
+    # shellcheck disable=SC2086 -- one option or none
+    "$@" -O1 -fno-tree-slp-vectorize $float -I"$PWD/include" -I"$PWD/src" \
+        -I"$PWD/tests/support" -I"$PWD/tests/vectors" -I"$unity" \
+        "-DRIGCAL_DATA_DIR=\"$PWD/examples/data\""
+}
+
 # other REAL COMPILER FLAG...: another architecture of this processor; tests compiled for it
 other() {
     begin_line "$@" || return 0
     shift
     failed=
     ran=0
-    unity=$(unity_folder "build/gcc-$real")
+    mkdir "$folder/support"
+    for source in tests/support/test_*.c "$(unity_folder "build/gcc-$real")/unity.c"; do
+        for_test "$real" "$@" -c "$source" -o "$folder/support/$(basename "$source" .c).o"
+    done
     for name in $tests; do
         ran=$((ran + 1))
-        # As the tests' own build: gcc 12 vectorises the rounding to float away.
-        # shellcheck disable=SC2046 -- one option or none
-        "$@" -O1 -fno-tree-slp-vectorize $(define "$real") -Iinclude -Isrc -Itests/support \
-            -Itests/vectors -I"$unity" "-DRIGCAL_DATA_DIR=\"$PWD/examples/data\"" -static \
-            "tests/test_$name.c" tests/support/test_*.c "$unity/unity.c" "$folder"/*.o -lm \
-            -o "$folder/test_$name" >"$folder/test_$name.txt" 2>&1 &&
+        for_test "$real" "$@" -static "tests/test_$name.c" "$folder"/support/*.o "$folder"/*.o \
+            -lm -o "$folder/test_$name" >"$folder/test_$name.txt" 2>&1 &&
             "$folder/test_$name" >"$folder/test_$name.txt" 2>&1 || failed="$failed $name"
         rm -f "$folder/test_$name"
     done
@@ -306,17 +400,16 @@ write_table() {
     echo "$(echo $tests | wc -w) programs of unit tests, linked with the line's library; with \`-flto\` $(echo $tests_lto |
         wc -w). Warnings are errors: \`$strict\`."
     echo
-    echo '| compiled by | precision | result |'
-    echo '| --- | --- | --- |'
+    echo '| compiled by | precision | result | commit |'
+    echo '| --- | --- | --- | --- |'
     cat "$out/double.md" "$out/float.md"
     echo
-    changed=
-    git diff --quiet HEAD -- src include || changed=" with changes"
-    echo "*$(date -u +%Y-%m-%d), commit $(git rev-parse --short HEAD)$changed, $(gcc --version |
+    echo "*$(date -u +%Y-%m-%d), $(gcc --version |
         sed -n 1p), $(clang --version | sed -n 1p), $(uname -m), $(sed -n \
         's/^model name.*: //p' /proc/cpuinfo | sed -n 1p)*"
 }
 
+begin_folder
 write_user
 off="-ffp-contract=off"
 if [ "$form" = short ]; then

@@ -162,7 +162,8 @@ const char *cli_names_alike(const cli_names *names, const char *name)
     return NULL;
 }
 
-/* Names by their keys, of which only hashes are held: there may be millions of names. */
+/* Names by their keys. Only the hashes of keys are held, because there may be millions of
+ * names. */
 typedef struct {
     const cli_names *names;
     uint32_t *hash;  /* of each name's key */
@@ -170,8 +171,8 @@ typedef struct {
     size_t n_slots;
 } keyed_names;
 
-/* The first name with the key of name i, where the names before i have been asked for: i if
- * none of them has that key. */
+/* The first name that has the key of name i; i if no earlier name has it. The names before
+ * i must have been asked for. */
 static size_t first_alike(keyed_names *keyed, size_t i)
 {
     const cli_names *names = keyed->names;

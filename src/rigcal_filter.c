@@ -385,7 +385,7 @@ static int tell(rc_news *news, rigcal_real *hPh, rigcal_real *nu, const rc_filte
     return 1;
 }
 
-/* room = 0. `zero` is 0, here and below; the compiler must not know it, or it calls the C
+/* room = 0. `zero` is 0, here and below. If the compiler knew that, it would call the C
  * library's memset, which is slow. */
 static void clear_room(const rc_filter *f, rigcal_real zero)
 {

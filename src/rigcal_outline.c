@@ -288,8 +288,9 @@ static void see_change(rigcal_outline *outline, rigcal_real v)
     outline->changes = rc_min(outline->changes, v);
 }
 
-/* Finds the arcs that cross the row. They stay the same up to the row `changes`. No active
- * arc begins below the row: if the row is above the last one, all are found anew. */
+/* Finds the arcs that cross the row. They stay the same up to the row `changes`. If the row
+ * is above the last one, all arcs are found anew, so that no active arc begins below the
+ * row. */
 static void go_to_row(rigcal_outline *outline, int32_t row)
 {
     const rigcal_real v = (rigcal_real)row;

@@ -163,7 +163,7 @@ static rigcal_status mean_rotation(rigcal_real R[9], const rigcal_transform tran
             break;
         }
     }
-    (void)rc_rotation_nearest(R, mean); /* but for rounding it is one */
+    (void)rc_rotation_nearest(R, mean); /* it is a rotation except for rounding */
     return RIGCAL_OK;
 }
 

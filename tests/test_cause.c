@@ -89,8 +89,8 @@ static void test_a_turned_view_is_told_with_its_permutation(void)
     }
 }
 
-/* The farther its pose is off, the larger the distance of a view that is turned, up to the
- * limit: beyond it the cause is unknown. */
+/* The farther the pose of a turned view is off, the larger is `distance`. Beyond the limit
+ * the cause is unknown. */
 static void test_up_to_the_limit_the_cause_is_told(void)
 {
     rigcal_real step = RC(0.002);

@@ -246,8 +246,8 @@ static void test_the_tail_of_F_is_that_of_scipy(void)
     ASSERT_NEAR(1, rc_f_tail(RC(TOL(1e-310, 1e-40)), 3, 4000), 0); /* 1 / F overflows */
 }
 
-/* Half, by symmetry. In double the steps of the fraction suffice for 1e-5; in float
- * rounding leaves nothing but a chance. */
+/* It is half, by symmetry. In double the steps of the fraction are enough for 1e-5. In
+ * float rounding leaves only some number between 0 and 1. */
 static void test_of_very_many_degrees_of_freedom_the_tail_is_a_chance(void)
 {
     if (!RIGCAL_USE_FLOAT) {

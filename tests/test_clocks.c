@@ -482,7 +482,7 @@ static void test_a_clock_that_is_known_is_held(void)
     ASSERT_NEAR(1, fit.F, 0.6);
 }
 
-/* No drift is an unknown here. */
+/* Here no drift is estimated. */
 static void test_drifts_that_are_held_are_exact(void)
 {
     const uint8_t held[3] = {0, 0, 1};

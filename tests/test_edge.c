@@ -163,8 +163,9 @@ static void test_a_border_that_the_lens_does_not_see_leaves_the_edge(void)
     TEST_ASSERT_FALSE(rc_edge_begin_side(&edge, 1, behind));
 }
 
-/* Of a lens that folds at 0.7 of its focal length the border is there where k sigma_b would
- * be beyond: in the image at 0.7 (1 - 1/3) of the focal length from the centre. */
+/* The lens folds at 0.7 of its focal length. Where k sigma_b reaches beyond that, the
+ * border is the fold. In the image it is at 0.7 (1 - 1/3) of the focal length from the
+ * centre. */
 static void test_where_the_lens_folds_before_the_border_is_the_fold(void)
 {
     const double far = 50 * 0.7 * 2 / 3;

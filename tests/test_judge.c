@@ -252,8 +252,9 @@ static void test_a_named_view_does_not_touch_the_rig(void)
     ASSERT_NEAR(fit.sum, b.judgement.fit.sum, TOL(1e-6, 1e-3) * D(fit.sum));
 }
 
-/* Of one right view and nine wrong ones of a camera the right one goes too: nothing else
- * says where the camera is. It stays where the camera is held, or has a prior. */
+/* A camera has one right view and nine wrong ones. The right one is left out too, because
+ * nothing else says where the camera is. If the camera is held or has a prior, the right
+ * view stays. */
 static void test_the_only_right_view_of_a_camera_stays_if_its_pose_is_known(void)
 {
     enum { LATE = 1 };
@@ -310,7 +311,7 @@ static void test_of_two_views_that_contradict_each_other_both_are_named(void)
     }
 }
 
-/* A rig of whose placement 4 camera 2 has the only view, which is wrong. */
+/* A rig in which only camera 2 sees placement 4, and this view is wrong. */
 static int make_unshared(void)
 {
     test_rng rng = test_seed(1900);

@@ -630,7 +630,7 @@ static void test_a_radial_lens_has_rays_exactly_inside_its_circle(void)
 
 /* ---- where bounds do not decide -------------------------------------------- */
 
-/* Of k4 = -1 the denominator is 1 - r^2: the lens has a pole at r = 1. */
+/* With k4 = -1 the denominator is 1 - r^2, so the lens has a pole at r = 1. */
 static void test_nothing_is_proved_beyond_a_pole(void)
 {
     const rigcal_camera camera = {.fx = 1, .fy = 1, .k4 = -1};
@@ -647,8 +647,8 @@ static void test_nothing_is_proved_beyond_a_pole(void)
 #endif
 }
 
-/* F = r - r^3 / 3 turns back at r = 1. Near there a step of Newton's method only halves the
- * error, and from F(0.999) it is a third. */
+/* F = r - r^3 / 3 turns back at r = 1. Near that place a step of Newton's method only
+ * halves the error. From F(0.999) the first error is a third. */
 static void test_a_place_near_the_turn_takes_more_than_a_few_steps(void)
 {
 #if RIGCAL_FOR_SPEED
@@ -662,8 +662,9 @@ static void test_a_place_near_the_turn_takes_more_than_a_few_steps(void)
 #endif
 }
 
-/* Along x the map's slope is m at r = 1, where its next three derivatives are 0: it is
- * nearly 0 for long. So a proof would take more steps than there may be. */
+/* Along x the slope of the map is m at r = 1, and its next three derivatives are 0 there.
+ * So the slope is nearly 0 over a long part, and a proof would take more steps than are
+ * allowed. */
 static void test_a_proof_that_takes_too_long_is_none(void)
 {
     const double m = 1e-4, e = (1 - m) / 5;
@@ -687,8 +688,8 @@ static void test_a_proof_that_takes_too_long_is_none(void)
     TEST_ASSERT_FALSE(rc_lens_is_usable(&camera, far));
 }
 
-/* p1 alone bends rays along x only sideways. There J = (1, 2 p1 r; 2 p1 r, 1), and turns
- * back where r = 1 / (2 p1). */
+/* With p1 alone, rays along x are bent only sideways. There J = (1, 2 p1 r; 2 p1 r, 1), so
+ * the lens turns back at r = 1 / (2 p1). */
 static void test_a_lens_that_bends_only_sideways_is_proved_to_its_turn(void)
 {
     const rigcal_camera camera = {.fx = 1, .fy = 1, .p1 = RC(0.25)};

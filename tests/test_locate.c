@@ -166,7 +166,7 @@ static void test_no_point_nearby_is_better(void)
     }
 }
 
-/* Rays that are far from meeting, so that a search goes on for long, goes back, or away to
+/* The rays are far from meeting. So a search takes long, goes back, or goes away to
  * infinity. */
 static void test_no_point_near_one_of_wild_views_is_better(void)
 {
@@ -205,8 +205,8 @@ static void test_no_point_near_one_of_wild_views_is_better(void)
     }
 }
 
-/* The point is so near to the plane of a camera that its pixel, or how it moves, is no
- * number. */
+/* The point is so near to the plane of a camera that its pixel, or the pixel's derivative,
+ * overflows. */
 static void test_a_point_that_grazes_a_camera_is_refused(void)
 {
     test_views v;
@@ -219,7 +219,7 @@ static void test_a_point_that_grazes_a_camera_is_refused(void)
     ASSERT_STATUS(RIGCAL_ERR_NO_RAY, locate());
 }
 
-/* A camera may be anywhere: the point's covariance is no number. */
+/* A camera may be anywhere, so the point's covariance overflows. */
 static void test_a_covariance_that_overflows_is_told(void)
 {
     static rigcal_real Sigma[RIGCAL_CALIBRATED_SIZE(1)];

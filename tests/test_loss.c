@@ -222,7 +222,7 @@ static void test_the_budget_changes_no_bit(void)
     }
 }
 
-/* Three points of one view take all that is measured: no noise is found. */
+/* Three points of one view leave no degree of freedom, so no noise is found. */
 static void test_without_freedom_no_noise_is_found(void)
 {
     test_rng rng = test_seed(386);

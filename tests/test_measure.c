@@ -732,8 +732,8 @@ static void test_a_pixel_beyond_a_lens_has_a_status(void)
     TEST_ASSERT_EQUAL_UINT64(3, point.n_used);
 }
 
-/* Of two cameras each has a covariance, and with the exact one a point; both have none, of
- * a correlation of 2. */
+/* Each of two cameras has a covariance, and gives a point together with the exact camera.
+ * Their joint covariance has a correlation of 2, so it is no covariance. */
 static void test_a_joint_covariance_that_is_none_has_a_status(void)
 {
     test_rng rng = test_seed(622);
@@ -749,7 +749,7 @@ static void test_a_joint_covariance_that_is_none_has_a_status(void)
     }
     ASSERT_REFUSED(RIGCAL_ERR_DEGENERATE, point, rigcal_point_measure(&point, NULL, &m.s));
     m.seen[2] = m.seen[1];
-    m.s.n = 2; /* without the third it is one */
+    m.s.n = 2; /* without the third camera it is a covariance */
     memset(&point, 0, sizeof point);
     ASSERT_STATUS(RIGCAL_OK, rigcal_point_measure(&point, NULL, &m.s));
     ASSERT_ARRAY_NEAR(m.X, point.X, 3, TOL(1e-11, 1e-4));

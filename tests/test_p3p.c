@@ -740,8 +740,8 @@ static void make_unit(scene *s)
     }
 }
 
-/* Rays nearly on one line, to both sides of the centre, and points close together, all by
- * powers of 2. */
+/* The rays are nearly on one line, on both sides of the centre, and the points are close
+ * together. All numbers are powers of 2. */
 static void nearly_on_a_line(scene *s, test_rng *rng)
 {
     const int most = RIGCAL_USE_FLOAT ? 20 : 48;
@@ -786,8 +786,8 @@ static void assert_poses_or_none(scene *s)
     }
 }
 
-/* Here rounding decides: a root is threefold or takes many steps, a solution is 0, has no
- * length, or its points are on a line. The seeds that are named are such cases. */
+/* Here rounding decides. A root is threefold, or takes many steps; a solution is 0, has no
+ * length, or has points on a line. The seeds below are such cases. */
 static void test_rays_that_hardly_differ_give_poses_or_none(void)
 {
     static const uint64_t ON_A_LINE[] = {1104, 1141, 1476, 7471, 43456, 148206};

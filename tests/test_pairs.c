@@ -632,7 +632,8 @@ static void test_arguments_of_the_choice_are_checked(void)
     }
 }
 
-/* One point, seen in two places: one of both is wrong, and no pair is made of them. */
+/* One point is given twice, with two pixels. One of these is wrong, and no pair is made of
+ * the two. */
 static void test_a_point_seen_twice_is_not_paired_with_itself(void)
 {
     rigcal_bearing s[6];

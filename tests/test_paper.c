@@ -1156,8 +1156,8 @@ static void test_a_solver_with_a_phase_out_of_range_is_refused(void)
     ASSERT_STATUS(RIGCAL_ERR_STATE, rigcal_paper_step(&solver, 1));
 }
 
-/* One pair, three times, fixes no angle: whatever the others are, the equations are
- * singular. */
+/* One pair, given three times, fixes no angle: the equations are singular for all values of
+ * the other angles. */
 static void test_equations_that_are_singular_everywhere_give_no_pose(void)
 {
     rigcal_paper_options o = options_of(2, RIGCAL_BEST_CONDITIONED, 2);
@@ -1172,7 +1172,7 @@ static void test_equations_that_are_singular_everywhere_give_no_pose(void)
     o.use_guess = 1;
     ASSERT_REFUSED(RIGCAL_ERR_NO_POSE, pose,
                    rigcal_paper_solve(&pose, bearings, 8, pairs, 3, &o));
-    o.xtol = RC(TOL(1e-300, 1e-37)); /* about 0 never met: the simplex runs out */
+    o.xtol = RC(TOL(1e-300, 1e-37)); /* never reached near 0, so the evaluations run out */
     ASSERT_REFUSED(RIGCAL_ERR_NO_POSE, pose,
                    rigcal_paper_solve(&pose, bearings, 8, pairs, 3, &o));
 }

@@ -1115,9 +1115,9 @@ static void test_a_solver_with_a_field_out_of_range_is_refused(void)
     }
 }
 
-/* The middle of the target is seen twice, far off to either side: against that sum of
- * squares all else is nothing, and the first step is the last one. From three times the
- * distance it goes behind the camera. That is no pose. */
+/* The middle of the target is seen twice, far off on either side. Against that sum of
+ * squares nothing else counts, so the search ends after its first step. If it starts at
+ * three times the distance, the step leads behind the camera. That is no pose. */
 static void test_a_start_whose_last_step_leads_behind_is_dropped(void)
 {
     rigcal_pose_options options = test_options(0);
@@ -1155,7 +1155,7 @@ static void test_a_start_whose_last_step_leads_behind_is_dropped(void)
     }
 }
 
-/* A scene of which three pixels in ten are anywhere. */
+/* A scene in which three of ten pixels are random. */
 static void garbled(test_problem *p, test_rng *rng)
 {
     const int n = 4 + (int)(test_next(rng) % 5);
@@ -1169,9 +1169,9 @@ static void garbled(test_problem *p, test_rng *rng)
     }
 }
 
-/* Whatever the pixels: the poses are those that the header promises, or none. Of the first
- * seed no pose of three points is the start of one that is seen; of the second a search
- * ends in a saddle. */
+/* Whatever the pixels are, the poses are as the header promises, or there are none. With
+ * the first seed no pose of three points leads to a pose that the lens sees. With the
+ * second a search ends on a saddle. */
 static void test_garbled_pixels_give_honest_poses_or_none(void)
 {
     const rigcal_pose_options options = test_options(0);

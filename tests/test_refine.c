@@ -583,8 +583,8 @@ static void test_points_on_a_line_leave_the_equations_singular(void)
 
 /* ---- starts from which nothing can be seen ------------------------------------ */
 
-/* Begins at an unturned pose, t before the camera. Its first step goes by a part of the
- * points, if there are enough. */
+/* Begins at a pose without rotation, with t in front of the camera. The first step uses a
+ * part of the points, if there are enough. */
 static void begin_at(rigcal_refinement *state, const problem *p, double t)
 {
     const double I[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1}, place[3] = {0, 0, t};
@@ -594,9 +594,9 @@ static void begin_at(rigcal_refinement *state, const problem *p, double t)
     rc_refine_begin_part(state, &p->points);
 }
 
-/* Of k4 = -1 the lens has a pole 45 degrees off its axis. At depth 1 most points are beyond
- * it. So near to the plane of a pinhole that its sum of squares is no number, a flat target
- * is not seen either. */
+/* With k4 = -1 the lens has a pole 45 degrees off its axis. At depth 1 most points are
+ * beyond the pole. A flat target is not seen either, if it is so near to the plane of a
+ * pinhole that its sum of squares overflows. */
 static void test_a_start_that_the_lens_does_not_see_is_told(void)
 {
     for (int is_pole = 0; is_pole < 2; is_pole++) {
@@ -618,7 +618,7 @@ static void test_a_start_that_the_lens_does_not_see_is_told(void)
 
 enum { MANY = 24 };
 
-/* Points on the plane z = 1 about the axis, but for the first one, which is the origin. */
+/* Points on the plane z = 1 about the axis, except the first one, which is the origin. */
 static void many(problem *p, rigcal_observation o[MANY])
 {
     rigcal_real uv_middle[2];
@@ -636,9 +636,9 @@ static void many(problem *p, rigcal_observation o[MANY])
     test_to_real(p->points.origin, ZERO, 3);
 }
 
-/* A first step by a part of the points that cannot be made is left out, and all points tell
- * what is wrong: they are behind the camera, or one of them is nearly in its centre, where
- * its pixel moves by more than a number. */
+/* If a first step by a part of the points is impossible, it is left out. Then all points
+ * show what is wrong: they are behind the camera, or one of them is nearly in its centre,
+ * where the derivative of its pixel overflows. */
 static void test_a_part_without_a_step_is_left_out(void)
 {
 #if RIGCAL_FOR_SPEED

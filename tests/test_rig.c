@@ -123,7 +123,7 @@ static void test_a_held_camera_is_known_exactly(void)
     }
 }
 
-/* Views that were left out only after the adjustment tell nothing of the placement. */
+/* Views that are left out after the adjustment say nothing about the placement. */
 static void test_a_placement_that_no_view_is_left_of_has_no_covariance(void)
 {
     static uint8_t left_out[RIG_VIEWS_MAX];
@@ -231,8 +231,8 @@ static void test_without_a_cycle_there_is_no_loop_closure(void)
     ASSERT_NEAR(0, fit.freedom_between, 0);
 }
 
-/* Views of three points fit by themselves, whatever the noise: there is nothing that the
- * rig could disagree with. */
+/* Views of three points fit exactly by themselves, whatever the noise is. So there is no
+ * error inside views to compare the rig with. */
 static void test_views_of_three_points_have_no_test_of_the_rig(void)
 {
     rigcal_rig_fit fit;
@@ -299,7 +299,7 @@ static void test_the_noise_found_is_that_of_the_pixels(void)
 }
 
 /* The unknowns lower the freedom of all cameras together by their number. The covariance is
- * that of the last step but one: the poses have since moved by 1e-7. */
+ * that of the last step but one. After that step the poses moved by 1e-7. */
 static void test_the_freedom_of_the_cameras_is_that_of_the_rig(void)
 {
     rigcal_rig_fit fit;

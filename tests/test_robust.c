@@ -436,8 +436,8 @@ static void test_with_room_for_one_pose_the_best_is_written(void)
 
 /* ---- steps --------------------------------------------------------------- */
 
-/* How many triples are tried if the points that `agree` agree with the first. Of useful
- * triples 0.7 lead to the pose; the chance to miss all must be below exp(-6.9). */
+/* Checks how many triples are tried if `agree` points agree with the first pose. 0.7 of the
+ * useful triples lead to the pose. The chance to miss all must be below exp(-6.9). */
 static void assert_tried(int n, int agree, int32_t samples)
 {
     const double all = n * (n - 1) * (n - 2) / 6.0;
@@ -471,7 +471,7 @@ static void assert_tried(int n, int agree, int32_t samples)
 
 static void test_as_many_triples_are_tried_as_the_chance_to_miss_asks(void)
 {
-    assert_tried(10, 10, 10000); /* each of all once: 10 of 120 */
+    assert_tried(10, 10, 10000); /* each of the 120 triples at most once: 10 are enough */
     assert_tried(10, 8, 10000);
     assert_tried(20, 20, 1000); /* at random: 10 */
     assert_tried(20, 15, 1000);

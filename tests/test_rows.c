@@ -300,7 +300,7 @@ static void test_a_match_on_the_line_through_both_centres_is_refused(void)
     ASSERT_STATUS(RIGCAL_OK, rc_sight_of(&seen.sight[0], &camera, aside, RC(SIGMA)));
     ASSERT_STATUS(RIGCAL_OK, rc_sight_of(&seen.sight[1], &camera, aside, RC(SIGMA)));
     ASSERT_STATUS(RIGCAL_OK, rc_rows_of(&row, &seen, &T[0], &T[1]));
-    /* Within the noise of one of both rays it is on that line. */
+    /* If one ray is this noisy, the match is within noise of the line. */
     for (int c = 0; c < 2; c++) {
         rc_seen noisy = seen;
 
@@ -422,7 +422,7 @@ static void test_a_point_behind_the_camera_has_no_row(void)
     ASSERT_STATUS(RIGCAL_ERR_BEHIND, rc_rows_of(rows, &seen, &T, &T));
     seen.X[2] = 2;
     ASSERT_STATUS(RIGCAL_OK, rc_rows_of(rows, &seen, &T, &T));
-    seen.uv[1] = RC(1e6); /* so many deviations off that they are no number */
+    seen.uv[1] = RC(1e6); /* so far off that the number of deviations overflows */
     seen.sigma_px = RC(TOL(1e-305, 1e-36));
     ASSERT_STATUS(RIGCAL_ERR_NO_RAY, rc_rows_of(rows, &seen, &T, &T));
 }
@@ -523,8 +523,9 @@ static void test_a_ray_of_no_length_is_none(void)
     ASSERT_STATUS(RIGCAL_ERR_DEGENERATE, rc_sight_of(&sight, &camera, nothing, 1));
 }
 
-/* Of Brown's lens with k6 alone the pixel hardly moves far off the axis, with k3 alone by
- * more than a square may have: the noise of such a ray is no number. */
+/* If Brown's lens has k6 alone, the pixel hardly moves far off the axis. If it has k3
+ * alone, the pixel moves so much that the square overflows. The noise of such a ray is no
+ * finite number. */
 static void test_a_ray_whose_noise_is_no_number_has_no_sight(void)
 {
     const rigcal_real ray[3] = {1, 0, RC(TOL(1e-20, 1e-3))};
@@ -537,8 +538,8 @@ static void test_a_ray_whose_noise_is_no_number_has_no_sight(void)
     ASSERT_STATUS(RIGCAL_ERR_NO_RAY, rc_sight_of(&sight, &wild, ray, 1));
 }
 
-/* A point so near to the plane of the camera that its pixel, or how the pixel moves, is no
- * number. */
+/* The point is so near to the plane of the camera that its pixel, or the pixel's
+ * derivative, overflows. */
 static void test_a_point_that_grazes_has_no_row(void)
 {
     const double depths[2] = {TOL(1e-200, 1e-20), TOL(1e-306, 1e-37)};

@@ -207,7 +207,7 @@ static void test_hypotheses_from_the_rig(void)
     TEST_ASSERT_EQUAL(7, s.n);
 }
 
-/* A view whose information is 0 makes no claim. */
+/* A view with an information of 0 makes no claim. */
 static void test_a_view_that_knows_nothing_is_degenerate(void)
 {
     test_rng rng = test_seed(575);

@@ -606,8 +606,8 @@ static void test_neither_a_plane_nor_right_points_near_by_are_tried_mirrored(voi
 
 /* ---- seeds of an odd kind ------------------------------------------------------ */
 
-/* The points of a cross, all of one bar seen left and all of the other seen right: in no
- * direction do pixels go with points. */
+/* The points of a cross. All points of one bar are seen on the left, all of the other on
+ * the right. So the pixels fit the points in no direction. */
 static void test_an_image_that_does_not_go_with_the_target_has_no_start(void)
 {
     test_problem p;

@@ -77,8 +77,8 @@ static void test_where_a_lens_images_nothing_the_ray_is_zero(void)
     }
 }
 
-/* Near where a lens turns back the short search ends too early, and the long one goes on:
- * x - x^3 / 3, which turns back at 1. */
+/* Near the place where a lens turns back, the short search ends too early, and the long one
+ * continues. The lens is x - x^3 / 3, which turns back at 1. */
 static void test_a_ray_near_the_end_of_a_lens_is_found(void)
 {
     static const double ypr[3] = {0, 0, 0}, t[3] = {0, 0, 0}, X[3] = {0, 0, 1};
@@ -121,8 +121,8 @@ static void test_a_point_beyond_the_lens_is_not_seen(void)
     ASSERT_STATUS(RIGCAL_OK, rc_sight_move(&v, &s, 0, there));
 }
 
-/* More than a right angle from what was seen a point is seen too, if it is before the
- * camera. */
+/* A point that is more than a right angle from the observed ray is seen too, if it is in
+ * front of the camera. */
 static void test_a_point_across_the_image_is_seen(void)
 {
     static const double ypr[3] = {0, 0, 0}, t[3] = {0, 0, 0}, X[3] = {2, 0, 1};

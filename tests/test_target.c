@@ -407,8 +407,8 @@ static void test_a_view_of_two_poses_places_nothing(void)
     ASSERT_STATUS(RIGCAL_ERR_RANGE, rigcal_monitor_pair(&b_from_a, Sigma, w.monitor, 0, 2));
 }
 
-/* Seen from the danger cylinder of its three points a target has two poses, or one that
- * its view hardly fixes; to rounding some have no covariance. */
+/* A target of three points is seen from their danger cylinder. It has two poses, or one
+ * that the view hardly fixes. Some of these have no covariance, to rounding. */
 static void test_a_pose_without_a_covariance_places_nothing(void)
 {
     test_rng rng = test_seed(204);

@@ -77,7 +77,7 @@ static void test_times_must_rise(void)
     ASSERT_STATUS(RIGCAL_ERR_PRECISION, adjust(&fit));
 }
 
-/* Of times that are not known the middle is 0: clocks of such a rig do not drift. */
+/* If no times are known, their middle is 0, and the clocks do not drift. */
 static void test_the_middle_of_no_times_is_0(void)
 {
     WANTS_MOTIONS();

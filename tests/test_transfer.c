@@ -341,8 +341,9 @@ static void test_a_variance_beyond_all_numbers_gives_no_transfer(void)
                    rigcal_transfer_make(&out, &kept, ABC, uv[0], uv[1], NOISE));
 }
 
-/* Pixels 1 above and 1 below the point, with noise of 1: weighed, they are 2. The variance
- * -2 / 256^2 of dt_y of camera 1, 256 px each, takes all of that away. */
+/* The pixels are 1 above and 1 below the point, with a noise of 1. So the variance of their
+ * residual is 2. dt_y of camera 1 moves its pixel by 256 px, so its variance of -2 / 256^2
+ * cancels that. */
 static void test_a_residual_without_variance_gives_no_transfer(void)
 {
     static const double behind[3] = {0, 0, 1};

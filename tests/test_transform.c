@@ -459,8 +459,8 @@ static void test_the_mean_turns_with_its_frame(void)
     }
 }
 
-/* Rotations so far apart that the steps to their mean shrink slowly: they are few
- * nevertheless, and the mean of the deviations, which is 0 at the end, is small. */
+/* The rotations are so far apart that the steps to their mean shrink slowly. Still the
+ * steps are few, and the mean of the deviations, which would be 0 at the end, is small. */
 static void test_the_steps_to_a_mean_are_bounded(void)
 {
     static const rigcal_real Q[7][4] = {

@@ -217,7 +217,7 @@ static void test_no_or_negative_disparity_is_refused(void)
     ASSERT_REFUSED(RIGCAL_ERR_BEHIND, X, rigcal_depth_aligned(X, 1, left, right));
 }
 
-/* As long as a coordinate may be: its depth is half of that. */
+/* The baseline is as long as a coordinate may be. The depth is half of that. */
 static void test_the_longest_baseline_is_accepted(void)
 {
     const rigcal_real left[2] = {2, 0}, right[2] = {0, 0};
@@ -659,7 +659,7 @@ static void assert_best(const test_views *v, const rigcal_point *point)
     }
 }
 
-/* Rays that are far from meeting, so that a search goes on for long, or away to infinity. */
+/* The rays are far from meeting. So a search takes long, or goes away to infinity. */
 static void test_no_point_near_one_of_wild_views_is_better(void)
 {
     test_rng rng = test_seed(57);
@@ -691,8 +691,8 @@ static void test_no_point_near_one_of_wild_views_is_better(void)
     }
 }
 
-/* The point is so near to the plane of a camera that its pixel, or how it moves, is no
- * number. */
+/* The point is so near to the plane of a camera that its pixel, or the pixel's derivative,
+ * overflows. */
 static void test_a_point_that_grazes_a_camera_is_refused(void)
 {
     rigcal_point point;

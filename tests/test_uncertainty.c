@@ -198,8 +198,8 @@ static void test_a_covariance_that_does_not_exist_is_refused_by_name(void)
                    rigcal_pose_covariance(&u, &VIEW(&p.camera, p.o, NULL, 6), &pose, 1));
 }
 
-/* Points and camera so far from the origin that the shape is nearly rounded away; these are
- * exact there, so the turns are as sure as at the origin. */
+/* The points and the camera are so far from the origin that rounding nearly destroys the
+ * shape. These points are exact there, so the rotation is as sure as at the origin. */
 static void test_far_from_the_origin_the_turns_are_as_sure(void)
 {
     const double far = TOL(1099511627776.0, 2048); /* 2^40, 2^11 */

@@ -262,8 +262,8 @@ static void test_a_camera_that_is_opened_is_solved_anew_by_the_next_rows(void)
     }
 }
 
-/* In the ten frames after it was opened, a camera's pose follows each row. After them it
- * rests until the frame ends, like the others. */
+/* In the ten frames after it was opened, a camera's pose follows each row. After these
+ * frames the pose rests until the end of the frame, like the others. */
 static void test_an_opened_camera_follows_its_rows_for_ten_frames(void)
 {
     test_rng rng = test_seed(700);

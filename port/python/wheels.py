@@ -35,7 +35,7 @@ TARGETS = {
     "win_arm64": ("aarch64-windows-gnu", "Windows", "ARM64"),
 }
 BYTES_MAX = 400 * 1024
-# Its calling convention keeps ten more registers, so that code is larger.
+# Functions must keep ten more registers by its calling convention, so the code is larger.
 LARGER = ("win_amd64",)
 # pip uses the last of these names that it knows.
 OLD_NAMES = {

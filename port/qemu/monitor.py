@@ -33,7 +33,8 @@ FLASH = {
 
 
 def count(image, cameras, frames):
-    """Instructions of each frame, of each end, whether it had an alarm; what was printed."""
+    """The instructions of each frame and of its end, whether it had an alarm, and what was
+    printed."""
     elf, counts = image.dir / "monitor.elf", image.dir / "monitor_counts.txt"
     memory = [m.replace("=4096", "=3072") for m in image.memory]
     figures.run(image.gcc, *image.flags, f"-DCAMERAS={cameras}", f"-DFRAMES={frames}",

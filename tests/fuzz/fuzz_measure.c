@@ -384,8 +384,8 @@ static void check_pixel(const rigcal_band *band, rigcal_spans_solver *solver, in
     PROMISE(!is_missed);
 }
 
-/* A unit near a fold of the lens may take a thousand times as long: there the search is
- * given up after so many. */
+/* A unit near a fold of the lens may take a thousand times as long. The search is ended
+ * there after this many units. */
 enum { UNITS_OF_FOLDED = 100 };
 
 static void check_spans(const scene *s, fuzz_bytes *bytes)

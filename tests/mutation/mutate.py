@@ -178,7 +178,8 @@ class Bench:
         return set(re.findall(r'#include "rc_(\w+)\.h"', "".join(texts))) - {layer}
 
     def tests_of(self, layer: str) -> list[str]:
-        """Its own, those that call most of its functions, those of the layers that include it."""
+        """The layer's own test, the tests that call most of its functions, and those of
+        layers that include it."""
         order, wave = [layer], {layer}
         while wave:
             wave = {other for other in self.includes if self.includes[other] & wave and other not in order}
@@ -228,7 +229,8 @@ class Bench:
 
 
     def is_same(self, source: Source, mutant: Mutant, lane: int) -> bool:
-        """Whether the compiler makes the same of both, as of code that this build leaves out."""
+        """Whether the compiler makes the same object of both. It does so for code that this
+        build leaves out."""
         changed, obj = (WORK / f"{self.build.name}-{lane}-{name}" for name in ("mutant.c", "mutant.o"))
         made = []
         for text in (source.text, source.text[:mutant.start] + mutant.text + source.text[mutant.end:]):

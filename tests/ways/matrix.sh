@@ -57,7 +57,7 @@ state_of() {
     } 2>/dev/null | sha256sum | cut -d' ' -f1
 }
 
-# Where no line of the same state has been run, none has been seen.
+# If no line was run with the same state, nothing has been seen.
 begin_folder() {
     state=$(state_of)
     commit=$(git rev-parse --short HEAD)
@@ -89,7 +89,8 @@ keep() {
     } >"$(kept "$@")"
 }
 
-# is_kept REAL COMPILER FLAG...: whether the line's last result holds still, or has to do
+# is_kept REAL COMPILER FLAG...: whether the line's last result is still valid, or has to be
+# enough
 is_kept() {
     [ "$form" = full ] && [ -e "$(kept "$@")" ] && { [ "$(sed -n 1p "$(kept "$@")")" = "$state" ] ||
         [ -n "$is_rest" ] || [ "$(date +%s)" -ge "$end" ]; }

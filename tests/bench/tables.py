@@ -71,7 +71,7 @@ def table_of(command: str, number: int, printed: dict[str, str]) -> str:
 
 
 def by_gcc(command: str) -> bool:
-    """Not for emulated targets and other platforms, because their compiler is another one."""
+    """Not for emulated targets and other platforms, which have another compiler."""
     return "port/" not in command and "hooks.sh" not in command
 
 

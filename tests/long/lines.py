@@ -181,7 +181,7 @@ def measure(kind: Kind, n: int, rigcal: str, folder: pathlib.Path, n_runs: int) 
 
 
 def measure_once(kind: Kind, n: int, rigcal: str, folder: pathlib.Path, n_runs: int) -> tuple[int, float, int]:
-    """As `measure`, but from an earlier run of the same program and script if there is one."""
+    """As `measure`, or from an earlier run of the same program and script."""
     text = pathlib.Path(__file__).read_bytes() + pathlib.Path(rigcal).read_bytes()
     path = ROOT / "build/lines" / f"{hashlib.sha256(text).hexdigest()[:16]}-{kind.name.replace(' ', '_')}-{n}.json"
     if not path.exists():

@@ -104,8 +104,8 @@ static void test_the_nearest_rotation_takes_at_most_40_iterations(void)
         keep_largest(&largest, polar_iterations(M));
     }
     TEST_ASSERT_LESS_OR_EQUAL_INT(40, largest);
-    TEST_ASSERT_GREATER_OR_EQUAL_INT(TOL(7, 6), largest);
-    TEST_ASSERT_LESS_OR_EQUAL_INT(7, largest); /* "usually" */
+    TEST_ASSERT_GREATER_OR_EQUAL_INT(TOL(6, 5), largest);
+    TEST_ASSERT_LESS_OR_EQUAL_INT(6, largest); /* "usually" */
 }
 
 /* ---- camera -------------------------------------------------------------- */

@@ -185,7 +185,7 @@ static rigcal_status check_rays_shape(rigcal_real *extent, const rigcal_bearing 
     return (height > FLAT * *extent + SAME) ? RIGCAL_OK : RIGCAL_ERR_EDGE_ON;
 }
 
-/* A choice has at least this many pairs. */
+/* A choice has at least this many pairs, one for each unknown angle. */
 enum { PAIRS_LEAST = 3 };
 
 /* The first pairs wait until there are enough of them: a call that fails writes nothing. */

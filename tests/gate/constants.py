@@ -102,6 +102,7 @@ FACTS = [
     ("rigcal_seeds.c", r"GOLDEN\[2\] = ", "the golden angle"),
     ("rigcal_bytes.c", r"DROPPED = 52 - 23", "the form of IEEE numbers"),
     ("rigcal_direction.c", r"EXTENT_LEAST \* RC_EPS", "rounding squared"),
+    ("rigcal_pairs.c", r"PAIRS_LEAST = 3", "a pair for each unknown angle"),
     ("rigcal_pairs.c", r"size \* RC_EPS <= RC_SHAPE_ROUNDING", "rounding of a coordinate"),
     ("rigcal_points.c", r"\* RC_EPS <= RC_SHAPE_ROUNDING", "rounding of a coordinate"),
 ]

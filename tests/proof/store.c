@@ -1,5 +1,5 @@
 /* For Frama-C's Eva: whatever the bytes, the reader of stored calibrations accesses nothing
- * out of bounds. tests/proof/run.sh tells how it runs.
+ * out of bounds. tests/proof/run.sh runs it.
  *
  * The header states how many bytes belong to the calibration. Stated lengths from SHORTEST to
  * LONGEST are tried one by one, each with all lengths at once that a caller may give: at least
@@ -18,7 +18,7 @@ enum {
     LOWER = 3 * CAPACITY * (6 * CAPACITY + 1),
     HEADER = RIGCAL_STORE_HEADER_BYTES,
     AT_STATED = 20,
-    ROLE = 32 + 4 * REAL_BYTES + 12 /* where version 2 has the role of the first camera */
+    ROLE = 32 + 4 * REAL_BYTES + 12 /* place of the first camera's role in version 2 */
 };
 
 static uint8_t memory[LONGEST];

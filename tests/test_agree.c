@@ -293,8 +293,8 @@ static void test_a_target_in_its_place_has_no_misfit(void)
     memset(&T, 0, sizeof T);
     T.R[0] = T.R[4] = T.R[8] = 1;
     for (int i = 0; i < 4; i++) {
-        o[i].X_w[0] = (i % 2 == 0) ? RC(-0.25) : RC(0.25);
-        o[i].X_w[1] = (i < 2) ? RC(-0.25) : RC(0.25);
+        o[i].X_w[0] = (i == 0) ? RC(-0.375) : (i % 2 == 0) ? RC(-0.25) : RC(0.25);
+        o[i].X_w[1] = (i == 0) ? RC(-0.375) : (i < 2) ? RC(-0.25) : RC(0.25);
         o[i].X_w[2] = 1;
         o[i].uv[0] = 64 + 64 * o[i].X_w[0];
         o[i].uv[1] = 64 + 64 * o[i].X_w[1];
@@ -302,10 +302,12 @@ static void test_a_target_in_its_place_has_no_misfit(void)
     const rigcal_view view = VIEW(&camera, o, NULL, 4);
     rc_points_of(&points, &view, NULL);
     ASSERT_STATUS(RIGCAL_OK, rc_points_survey(&points, uv_middle, &at));
-    T.t[2] = points.origin[2];
+    for (int k = 0; k < 3; k++) {
+        T.t[k] = points.origin[k];
+    }
     ASSERT_NEAR(0, rc_agree_misfit(&points, &T), 0);
-    T.t[0] = RC(0.25); /* half of each box is shared: a third of both */
-    ASSERT_NEAR(2.0 / 3, rc_agree_misfit(&points, &T), 1e-6);
+    T.t[0] += RC(0.25); /* 0.6 of each box, which is 0.625 wide, is shared: of both 3/7 */
+    ASSERT_NEAR(4.0 / 7, rc_agree_misfit(&points, &T), 1e-6);
 }
 
 TEST_MAIN()

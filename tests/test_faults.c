@@ -1037,6 +1037,24 @@ static void test_faults_are_ranked_in_any_order(void)
     }
 }
 
+/* F is 5. A fault explains it where at most half of F - 1 is left: F is 3 after it. */
+static void test_a_fault_explains_half_of_what_disagrees(void)
+{
+    const rc_common common = {1505, 1000, 2000, 1101, 101, 1000};
+    const rigcal_real one = 1;
+    rc_one_step step = {1, 1, &one, &one, &one, &one, 0, 0};
+    rigcal_fault fault;
+
+    ASSERT_NEAR(5, rc_F_of(&common, 0, 0, 0), TOL(1e-12, 1e-5));
+    for (int less = 0; less < 2; less++) {
+        memset(&fault, 0, sizeof fault);
+        step.gain = RC(205 - less);
+        rc_finding_of(&fault, &common, &step);
+        ASSERT_NEAR(3 + 0.01 * less, fault.F_after, TOL(1e-12, 1e-5));
+        TEST_ASSERT_EQUAL_INT(!less, fault.explains);
+    }
+}
+
 TEST_MAIN()
 {
     RUN_TEST(test_each_fault_is_that_of_dense_least_squares);
@@ -1071,4 +1089,5 @@ TEST_MAIN()
     RUN_TEST(test_residues_of_nothing_have_no_pattern);
     RUN_TEST(test_what_a_fault_explains_is_its_part_of_F_less_one);
     RUN_TEST(test_faults_are_ranked_in_any_order);
+    RUN_TEST(test_a_fault_explains_half_of_what_disagrees);
 }

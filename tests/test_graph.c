@@ -270,6 +270,12 @@ static void test_what_is_refused(void)
     ASSERT_REFUSED(RIGCAL_ERR_CAPACITY, links,
                    rigcal_rig_links(links, 2, &n_groups, &at_fault, &r.rig));
     TEST_ASSERT_EQUAL_INT32(-1, at_fault);
+    r.rig.left_out = (const uint8_t[]){1, 1, 1, 1, 1, 1};
+    at_fault = 7;
+    ASSERT_STATUS(RIGCAL_ERR_TOO_FEW,
+                  rigcal_rig_links(links, 3, &n_groups, &at_fault, &r.rig));
+    TEST_ASSERT_EQUAL_INT32(-1, at_fault);
+    r.rig.left_out = NULL;
     r.rig.view_poses = NULL;
     ASSERT_STATUS(RIGCAL_ERR_NULL,
                   rigcal_rig_links(links, 3, &n_groups, &at_fault, &r.rig));

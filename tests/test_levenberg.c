@@ -142,6 +142,18 @@ static void test_gains_that_fall_fast_end_it_and_slow_ones_do_not(void)
     TEST_ASSERT_EQUAL_INT(RC_NEWTON, slow.equations); /* from the next evaluation on */
 }
 
+/* A trifle, but more than may be left at last: after one that was a tenth larger, ten times
+ * as much is left. */
+static void test_a_trifle_in_a_valley_is_not_the_last(void)
+{
+    const rigcal_real gain = RC(TOL(0.5e-12, 1.5e-6));
+    rigcal_levenberg fast = at_sum_1(), slow = at_sum_1();
+    TEST_ASSERT_TRUE(rc_levenberg_tried(&fast, RIGCAL_OK, RC(0.9), 4 * gain, 0));
+    TEST_ASSERT_EQUAL_INT(RC_STEP_LAST, rc_levenberg_promised(&fast, gain, 0));
+    TEST_ASSERT_TRUE(rc_levenberg_tried(&slow, RIGCAL_OK, RC(0.9), gain * RC(1.1), 0));
+    TEST_ASSERT_EQUAL_INT(RC_STEP_TRY, rc_levenberg_promised(&slow, gain, 0));
+}
+
 /* The promise of a strongly damped step does not show how much is left to gain. */
 static void test_a_step_that_is_damped_much_is_never_the_last(void)
 {
@@ -410,6 +422,7 @@ TEST_MAIN()
     RUN_TEST(test_a_step_that_promises_what_means_nothing_is_the_last);
     RUN_TEST(test_a_step_that_promises_a_trifle_of_the_sum_is_the_last);
     RUN_TEST(test_gains_that_fall_fast_end_it_and_slow_ones_do_not);
+    RUN_TEST(test_a_trifle_in_a_valley_is_not_the_last);
     RUN_TEST(test_a_step_that_is_damped_much_is_never_the_last);
     RUN_TEST(test_a_saddle_is_no_optimum);
     RUN_TEST(test_a_step_that_helped_stays);

@@ -2,6 +2,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "rc_locate.h"
 #include "test_support.h"
 #include "vectors_camera.h"
 #include "vectors_point.h"
@@ -536,6 +537,39 @@ static void test_many_views_with_a_third_of_them_wrong(void)
     TEST_ASSERT_TRUE(exact >= trials - (trials + 9) / 10);
 }
 
+/* Of many views the pairs are tried from the widest angle down. */
+static void test_the_pair_of_the_widest_angle_is_tried_first(void)
+{
+    test_rng rng = test_seed(613);
+    rigcal_point_solver solver;
+    double last = 1;
+    size_t tried = 0;
+
+    WANTS_RIG;
+    simulate(&rng, N, NOISE);
+    for (int i = 0; i < N; i += 3) {
+        spoil(&rng, i, 40);
+    }
+    ASSERT_STATUS(RIGCAL_OK, rigcal_point_begin(&solver, &m.s));
+    while (rigcal_point_step(&solver, 1) == RIGCAL_RUNNING) {
+        double ray[2][3], across[3], sine2;
+
+        if (solver.pair == tried || solver.pair > solver.n_pairs) {
+            continue;
+        }
+        tried = solver.pair;
+        for (int k = 0; k < 2; k++) {
+            test_to_double(ray[k], rc_sights_of(&solver)[solver.two[k]].ray, 3);
+        }
+        test_cross(across, ray[0], ray[1]);
+        sine2 =
+            test_dot(across, across) / test_dot(ray[0], ray[0]) / test_dot(ray[1], ray[1]);
+        TEST_ASSERT_TRUE(sine2 <= last * (1 + TOL(1e-9, 1e-3)));
+        last = sine2;
+    }
+    TEST_ASSERT_GREATER_THAN_size_t(10, tried);
+}
+
 /* ---- steps ---------------------------------------------------------------------- */
 
 static void test_any_budgets_give_the_same_bits(void)
@@ -664,6 +698,24 @@ static void test_the_least_parallax_is_the_callers(void)
     ASSERT_STATUS(RIGCAL_OK, rigcal_point_measure(&point, NULL, &m.s));
     m.s.parallax_least = RC(5.01 * TEST_PI / 180);
     ASSERT_REFUSED(RIGCAL_ERR_PARALLEL, point, rigcal_point_measure(&point, NULL, &m.s));
+}
+
+/* Without a limit of the caller's it is 0.1 degree. */
+static void test_the_least_parallax_is_a_tenth_of_a_degree(void)
+{
+    WANTS_RIG;
+    for (int more = 0; more < 2; more++) {
+        const double angle = (more ? 0.11 : 0.09) * TEST_PI / 180;
+
+        clear(2, 1);
+        fill_covariance(1, 1);
+        look(0, 0, 0, 0, 0);
+        look(1, 1, 0, 0, 0);
+        m.seen[1].uv[0] -= RC(800 * tan(angle));
+        memset(&point, 0, sizeof point);
+        ASSERT_STATUS(more ? RIGCAL_OK : RIGCAL_ERR_PARALLEL,
+                      rigcal_point_measure(&point, NULL, &m.s));
+    }
 }
 
 static void test_a_point_behind_a_camera_has_a_status(void)
@@ -981,11 +1033,13 @@ TEST_MAIN()
     RUN_TEST(test_views_that_do_not_show_one_point_are_told);
     RUN_TEST(test_limits_grow_with_what_views_of_the_rig_disagree);
     RUN_TEST(test_many_views_with_a_third_of_them_wrong);
+    RUN_TEST(test_the_pair_of_the_widest_angle_is_tried_first);
     RUN_TEST(test_any_budgets_give_the_same_bits);
     RUN_TEST(test_units_are_views);
     RUN_TEST(test_a_solver_tells_its_state);
     RUN_TEST(test_zero_parallax_has_a_status);
     RUN_TEST(test_the_least_parallax_is_the_callers);
+    RUN_TEST(test_the_least_parallax_is_a_tenth_of_a_degree);
     RUN_TEST(test_a_point_behind_a_camera_has_a_status);
     RUN_TEST(test_a_camera_that_cannot_see_the_point_is_left_out);
     RUN_TEST(test_a_pixel_beyond_a_lens_has_a_status);

@@ -38,6 +38,34 @@ static void test_a_monitor_takes_what_its_macro_says_and_no_more_than_it_may(voi
                      rigcal_monitor_size(2, 17) == 0);
 }
 
+/* FNV-1a of the monitor's memory. */
+static uint32_t hash_of_monitor(void)
+{
+    const unsigned char *const bytes = (const unsigned char *)w.monitor;
+    uint32_t hash = 2166136261u;
+
+    for (size_t k = 0; k < w.size * sizeof w.monitor[0]; k++) {
+        hash = (hash ^ bytes[k]) * 16777619u;
+    }
+    return hash;
+}
+
+static void test_a_monitor_is_the_same_in_memory_of_any_bytes(void)
+{
+    uint32_t hash[2];
+
+    WANTS_RIG();
+    for (int k = 0; k < 2; k++) {
+        test_rng rng = test_seed(2);
+
+        test_watched_make(&w, &rng, 2, 1, 1e-3, 2e-3);
+        memset(w.monitor, k == 0 ? 0 : 0x5a, sizeof w.monitor);
+        test_watched_begin(&w, 1, NULL);
+        hash[k] = hash_of_monitor();
+    }
+    TEST_ASSERT_EQUAL_HEX32(hash[0], hash[1]);
+}
+
 static void test_memory_that_was_not_begun_is_refused(void)
 {
     test_rng rng = test_seed(1);
@@ -392,6 +420,7 @@ static void test_a_failed_match_changes_nothing(void)
 TEST_MAIN()
 {
     RUN_TEST(test_a_monitor_takes_what_its_macro_says_and_no_more_than_it_may);
+    RUN_TEST(test_a_monitor_is_the_same_in_memory_of_any_bytes);
     RUN_TEST(test_memory_that_was_not_begun_is_refused);
     RUN_TEST(test_a_bit_that_was_changed_is_noticed);
     RUN_TEST(test_a_head_of_wrong_numbers_is_refused_under_a_right_seal);

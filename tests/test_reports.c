@@ -47,6 +47,8 @@ static void test_a_monitor_gives_back_what_it_was_begun_with(void)
     for (int k = 0; k < 36; k++) {
         ASSERT_NEAR(0, m.Sigma[k], 0);
     }
+    w.rig.n_cameras = 0;
+    w.rig.sigma_px = w.rig.F = w.rig.freedom_between = w.rig.freedom_within = -1;
     ASSERT_STATUS(RIGCAL_OK, rigcal_monitor_rig(&w.rig, w.monitor));
     TEST_ASSERT_EQUAL_MEMORY(&rig, &w.rig, sizeof rig);
     TEST_ASSERT_TRUE(w.held[0] == 1 && w.held[1] == 0 && w.group[1] == 0);

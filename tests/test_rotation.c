@@ -101,7 +101,7 @@ static void test_where_gimbal_lock_begins(void)
     const double sr = sin(0.3), cr = cos(0.3);
 
     for (int more = 0; more < 2; more++) {
-        const rigcal_real c = RC((4 + more) * RC_EPS);
+        const rigcal_real c = RC(4 + more) * RC_EPS;
         const double M[9] = {D(c), sr, cr, 0, cr, -sr, -1, D(c) * sr, D(c) * cr};
         rigcal_real R[9], ypr[3];
 

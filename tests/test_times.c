@@ -32,6 +32,21 @@ static void test_the_frame_is_the_middle_step(void)
     ASSERT_NEAR(1.0 / 30, m.clocks.frame, 1e-6);
 }
 
+/* Of steps of 1 to 8 hundredths of a second the middle is the fourth. */
+static void test_the_frame_is_the_median_of_steps_that_differ(void)
+{
+    WANTS_MOTIONS();
+    make(&SCENE, 123);
+    TEST_ASSERT_EQUAL_size_t(9, m.rig.n_placements);
+    for (int f = 0; f < 9; f++) {
+        m.times[f] = RC(0.01 * f * (f + 1) / 2);
+    }
+    m.rig.clocks = &m.clocks;
+    m.clocks.frame = 0;
+    ASSERT_STATUS(RIGCAL_OK, rc_times_check(&m.rig));
+    ASSERT_NEAR(0.04, m.clocks.frame, 1e-6);
+}
+
 static void test_offsets_in_frames(void)
 {
     rigcal_real offsets[5] = {RC(0), RC(0.016), RC(0.018), RC(-0.09), RC(-0.01)};
@@ -100,4 +115,5 @@ TEST_MAIN()
     RUN_TEST(test_offsets_in_frames);
     RUN_TEST(test_times_must_rise);
     RUN_TEST(test_the_middle_of_no_times_is_0);
+    RUN_TEST(test_the_frame_is_the_median_of_steps_that_differ);
 }

@@ -38,7 +38,8 @@ static void begin(void)
     rc_trial_begin(&f, &alarm, bodies, RC(0.05), RC(5e-3));
 }
 
-static void take(test_rng *rng, double noise_px)
+/* Takes a match of a random pair. Returns whether it is doubted. */
+static int take(test_rng *rng, double noise_px)
 {
     static const double PINHOLE[15] = {0, 640, 480, 800, 800, 320, 240};
     const rigcal_camera camera = test_camera(PINHOLE);
@@ -57,7 +58,7 @@ static void take(test_rng *rng, double noise_px)
             (rigcal_real)(p[1] / p[2] + noise_px / 800 * test_normal(rng)), 1};
         ASSERT_STATUS(RIGCAL_OK, rc_sight_of(&seen.sight[k], &camera, ray, RC(0.3)));
     }
-    (void)rc_trial_take(&f, bodies, &seen, RC(0.1));
+    return rc_trial_take(&f, bodies, &seen, RC(0.1));
 }
 
 static void test_the_body_that_moved_is_named_and_found(void)
@@ -76,7 +77,7 @@ static void test_the_body_that_moved_is_named_and_found(void)
         t[1] += 2e-3;
         truth[body] = test_transform(moved, t);
         for (int i = 0; i < 200; i++) {
-            take(&rng, 0.3);
+            (void)take(&rng, 0.3);
             if (i % 20 == 19) {
                 rc_trial_settle(&f, bodies);
             }
@@ -116,7 +117,7 @@ static void test_without_noise_the_step_is_found(void)
         t[1] += t_step;
         truth[body] = test_transform(moved, t);
         for (int i = 0; i < 300; i++) {
-            take(&rng, 0);
+            (void)take(&rng, 0);
         }
         rc_trial_result(&pose, Sigma, &f, bodies, body);
         test_transform_parts(R, t, &pose);
@@ -145,7 +146,7 @@ static void test_an_error_that_is_known_is_no_move(void)
         }
         truth[body] = test_transform(moved, t);
         for (int i = 0; i < 60; i++) {
-            take(&rng, 0);
+            (void)take(&rng, 0);
         }
         for (size_t b = 0; b < BODIES; b++) {
             const rigcal_real *const move = &bodies[b * RC_ALARM_BODY + RC_TRIAL_MOVE];
@@ -154,6 +155,22 @@ static void test_an_error_that_is_known_is_no_move(void)
             }
         }
     }
+}
+
+/* Right matches are believed, those that are off by hundreds of pixels are not. */
+static void test_wrong_matches_are_doubted(void)
+{
+    test_rng rng = test_seed(40);
+    int doubted = 0;
+
+    begin();
+    for (int i = 0; i < 40; i++) {
+        TEST_ASSERT_FALSE(take(&rng, 0));
+    }
+    for (int i = 0; i < 40; i++) {
+        doubted += take(&rng, 300);
+    }
+    TEST_ASSERT_GREATER_THAN_INT(30, doubted);
 }
 
 static void test_without_rows_all_bodies_are_equally_likely(void)
@@ -254,6 +271,7 @@ TEST_MAIN()
     RUN_TEST(test_without_rows_all_bodies_are_equally_likely);
     RUN_TEST(test_without_noise_the_step_is_found);
     RUN_TEST(test_an_error_that_is_known_is_no_move);
+    RUN_TEST(test_wrong_matches_are_doubted);
     RUN_TEST(test_a_move_that_hides_the_point_explains_nothing);
     RUN_TEST(test_an_error_that_overflows_in_the_trial_explains_nothing);
     RUN_TEST(test_rows_that_the_filter_cannot_take_are_left_out);

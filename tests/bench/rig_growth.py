@@ -96,12 +96,13 @@ def draw_panel(axes, x, rows, parts, colour):
     below.set_ylim(0, 1.2 * max(each))
     for panel in axes:
         plain(panel.xaxis, x)
+        panel.tick_params(axis="x", labelsize=7.5)
     plain(top.yaxis)
 
 
 def draw(adjusted, joined):
     plt.rcParams.update({
-        "font.family": "DejaVu Sans", "font.size": 9, "axes.titlesize": 9, "axes.grid": True,
+        "font.family": "DejaVu Sans", "font.size": 9, "axes.titlesize": 8.5, "axes.grid": True,
         "grid.color": "#dddddd", "grid.linewidth": 0.6, "axes.axisbelow": True,
         "lines.linewidth": 1.6, "lines.markersize": 4, "legend.fontsize": 8})
     figure, axes = plt.subplots(2, 4, figsize=(9.3, 5.2), sharex="col",
@@ -119,7 +120,7 @@ def draw(adjusted, joined):
     axes[1, 0].set_ylabel("instructions a point\nand evaluation")
     axes[1, 3].set_ylabel("instructions a view\nand evaluation")
     figure.align_ylabels(axes[:, 0])
-    figure.tight_layout(rect=(0, 0.05, 1, 1))
+    figure.tight_layout(rect=(0, 0.05, 1, 1), w_pad=0.3)
     figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="lower center", ncol=3)
     PICTURE.parent.mkdir(exist_ok=True)
     pixels = io.BytesIO()

@@ -10,13 +10,15 @@
     mutate.py --record             writes RESULTS.md and recorded.csv of the results so far
 
 A mutant changes a relation, a condition, an operator, a sign, a number, a return value, or
-leaves a statement out; assertions and traces stay. Its file is compiled with assertions and with the sanitizer of
-undefined behaviour, which traps; what it does not initialize has huge numbers. It is linked
-before the library, and run against the test of its layer and of the layers that include it. The tests come in the order of their time, divided by
-the share of this layer's mutants that each killed so far. A test that fails, crashes or takes
-20 times as long kills the mutant. Where none does and the preset asan is built, the tests run
-again with the address sanitizer. A survivor is equivalent if gcc -O2 makes the same object of
-it, or equivalent.txt says why no test can kill it; any other is printed. Exit status 1 where a survivor is left or equivalent.txt is stale.
+leaves a statement out; assertions and traces stay. Its file is compiled with assertions and
+with the sanitizer of undefined behaviour, which traps; what it does not initialize has huge
+numbers. It is linked before the library, and run against the tests of its layer, those that
+call most of its functions, and those of the layers that include it. They come in the order of
+their time, divided by the share of this layer's mutants that each killed so far. A test that
+fails, crashes or takes 20 times as long kills the mutant. Where none does and the preset asan
+is built, the first of them run again with the address sanitizer. A survivor is equivalent if
+gcc -O2 makes the same object of it, or equivalent.txt says why no test can kill it; any other
+is printed. Exit status 1 where a survivor is left or equivalent.txt is stale.
 
 The recorded mutant of a file is, of those that a test killed, the one of the fastest test,
 and of these the first by the seed; recorded.csv names mutant and test. A file without one
@@ -50,9 +52,11 @@ RECORDED = pathlib.Path(__file__).with_name("recorded.csv")
 REPORT = pathlib.Path(__file__).with_name("RESULTS.md")
 EQUIVALENT = pathlib.Path(__file__).with_name("equivalent.txt")
 SEED = 22
-TESTS_MOST = 12  # tests of a mutant: of its own layer, and of the nearest layers; then
-                 # test_hostile
-CALLERS_MOST = 4  # of these: tests of other layers that call most of its functions
+TESTS_MOST = 12  # of a mutant: its own layer's, and the nearest to it; then hostile
+CALLERS_MOST = 4  # of these: tests of other layers that call most of its functions, none of them slow
+CALLER_SECONDS = 10
+ASAN_TESTS = 4  # of those, and none that takes longer without it
+ASAN_SECONDS = 2
 SAME = "compiler: the same"
 SLOW = 20  # times the usual time of a test, and 10 s: then it hangs
 
@@ -189,7 +193,8 @@ class Bench:
         text = (ROOT / "src" / f"rigcal_{layer}.c").read_text()
         functions = re.findall(r"^(?!static|typedef| |#|/).*?\b((?:rigcal|rc)_\w+)\(", text, re.M)
         calls = {name: len(self.called[name].intersection(functions)) for name in self.link}
-        callers = sorted((name for name in calls if calls[name]), key=lambda name: (-calls[name], name))
+        callers = sorted((name for name in calls if calls[name] and self.times.get(name, 0) < CALLER_SECONDS),
+                         key=lambda name: (-calls[name], name))
         seen = list(dict.fromkeys(of[layer] + callers[:CALLERS_MOST] + [name for at in order for name in of[at]]))
         nearest = [t for t in seen if t != "hostile"][:TESTS_MOST]
         return nearest + ["hostile"] * (bool(nearest) and "hostile" in self.link)
@@ -227,6 +232,10 @@ class Bench:
                 return test
         return ""
 
+
+    def brief(self, tests: list[str], usual: "Bench") -> list[str]:
+        """With the address sanitizer: the first few that it does not take minutes for."""
+        return [test for test in tests if test in self.link and usual.time_of(test) < ASAN_SECONDS][:ASAN_TESTS]
 
     def is_same(self, source: Source, mutant: Mutant, lane: int) -> bool:
         """Whether the compiler makes the same object of both. It does so for code that this
@@ -461,7 +470,7 @@ def main() -> int:
             killer = bench.killer(source, m, [first], lane) if first in bench.link else ""
             order = [] if killer else results.in_order(bench, layer, tests)
             killer = killer or bench.killer(source, m, order, lane)
-            if not killer and asan and (has := [t for t in order if t in asan.link]):
+            if not killer and asan and (has := asan.brief(order, bench)):
                 killer = asan.killer(source, m, has, lane)
                 killer = killer and "asan " + killer
             if not killer and bench.is_same(source, m, lane):

@@ -90,9 +90,16 @@ static void read_too_short(void)
     for (size_t length = 0; length < HEADER; length++) {
         read(unknown_bytes(length), length, length);
     }
-    uint8_t *const bytes = unknown_bytes(HEADER);
-    state(bytes, HEADER, Frama_C_unsigned_int_interval(LONGEST + 1, UINT32_MAX));
-    read(bytes, HEADER, LONGEST);
+    /* Byte k is the last one that is not 0: Eva knows the least number by it. */
+    for (int k = 0; k < 4; k++) {
+        uint8_t *const bytes = unknown_bytes(HEADER);
+        bytes[AT_STATED + k] =
+            Frama_C_unsigned_char_interval((k == 0) ? LONGEST + 1 : 1, 255);
+        for (int i = k + 1; i < 4; i++) {
+            bytes[AT_STATED + i] = 0;
+        }
+        read(bytes, HEADER, LONGEST);
+    }
 }
 #endif
 

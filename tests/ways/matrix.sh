@@ -2,12 +2,12 @@
 # The library by each compiler, standard and option that it is promised for.
 #
 #   sh tests/ways/matrix.sh [rest] [SECONDS]
-#                                   everything; writes tests/ways/MATRIX.md. By hand. It
-#                                   continues where the last run ended: a line that passed
-#                                   with the same sources, tests and compilers is not run
-#                                   again. A line that has not begun after SECONDS (100000)
-#                                   keeps its last result. With `rest`, every line that has a
-#                                   result keeps it.
+#                                   everything; writes tests/ways/MATRIX.md. By hand. It goes
+#                                   on where the last run ended: a line whose sources and tests
+#                                   are as they were at the commit of its last result is not
+#                                   run again. A line that has not begun after SECONDS, 100000,
+#                                   keeps its last result, as does, with `rest`, each that has
+#                                   one.
 #   sh tests/ways/matrix.sh short   what CI has time for
 #
 # Each combination compiles src/ with the project's warnings as errors. Unit tests of
@@ -61,18 +61,14 @@ state_of() {
 begin_folder() {
     state=$(state_of)
     commit=$(git rev-parse --short HEAD)
-    git diff --quiet HEAD -- src include tests || commit="$commit, changed"
+    git diff --quiet HEAD -- src include tests/*.c tests/support tests/vectors tests/gate ||
+        commit="$commit, changed"
     if [ "$form" = short ] || [ "$(cat "$out/state" 2>/dev/null)" != "$state" ]; then
         rm -rf "$out/seen"
     fi
-    rm -f "$out"/*.md "$out/bad.txt"
-    mkdir -p "$out/seen" "$out/kept"
+    rm -f "$out/double.md" "$out/float.md" "$out/bad.txt" "$out"/small-*.txt
+    mkdir -p "$out/seen"
     echo "$state" >"$out/state"
-}
-
-# kept REAL COMPILER FLAG...: the file of a line's last result: its state, and its row
-kept() {
-    echo "$out/kept/$(echo "$*" | tr ' /' '__')"
 }
 
 # row COMBINATION REAL RESULT: a line of the table
@@ -80,20 +76,25 @@ row() {
     printf '| %s | %s | %s | %s |\n' "$1" "$2" "$3" "$commit" | tee -a "$out/$2.md"
 }
 
-# keep REAL COMPILER FLAG...: the last row is the line's result
+# keep REAL: the last row is a result
 keep() {
-    [ "$form" = full ] || return 0
-    {
-        echo "$state"
-        tail -n 1 "$out/$1.md"
-    } >"$(kept "$@")"
+    [ "$form" = short ] || tail -n 1 "$out/$1.md" >>"$out/kept.md"
 }
 
-# is_kept REAL COMPILER FLAG...: whether the line's last result is still valid, or has to be
-# enough
-is_kept() {
-    [ "$form" = full ] && [ -e "$(kept "$@")" ] && { [ "$(sed -n 1p "$(kept "$@")")" = "$state" ] ||
-        [ -n "$is_rest" ] || [ "$(date +%s)" -ge "$end" ]; }
+# last_row REAL COMPILER FLAG...: the line's last result, of this run, of one that was
+# interrupted, or of the one whose table is in the tree
+last_row() {
+    wanted=$1
+    shift
+    [ "$form" = short ] || cat tests/ways/MATRIX.md "$out/kept.md" 2>/dev/null |
+        grep -F "| $* | $wanted | " | grep -v '| not run |' | tail -n 1
+}
+
+# is_enough ROW: nothing has changed since its commit, or it has to do
+is_enough() {
+    [ -n "$1" ] && { [ -n "$is_rest" ] || [ "$(date +%s)" -ge "$end" ] ||
+        git diff --quiet "$(echo "$1" | sed 's/.*| \([^|]*\) |$/\1/')" -- src include \
+            tests/*.c tests/support tests/vectors tests/gate 2>/dev/null; }
 }
 
 # define REAL: the options that set the precision
@@ -159,8 +160,10 @@ run_gate() {
     case " $* " in
     *" -Os "*)
         expected=$out/small-$2.txt
-        build_gate "$out/small-$2" "$2" gcc -std=c99 -O2 $off -DRIGCAL_FOR_SPEED=0 || return 1
-        "$out/small-$2/gate" >"$expected"
+        if [ ! -e "$expected" ]; then
+            build_gate "$out/small-$2" "$2" gcc -std=c99 -O2 $off -DRIGCAL_FOR_SPEED=0 || return 1
+            "$out/small-$2/gate" >"$expected"
+        fi
         ;;
     esac
     folder_of_line=$1
@@ -177,9 +180,10 @@ run_gate() {
 begin_line() {
     real=$1
     shift
-    if is_kept "$real" "$@"; then
+    last=$(last_row "$real" "$@")
+    if is_enough "$last"; then
         count=$((count + 1))
-        sed -n 2p "$(kept "$real" "$@")" | tee -a "$out/$real.md"
+        echo "$last" | tee -a "$out/$real.md"
         return 1
     fi
     if [ "$(date +%s)" -ge "$end" ]; then
@@ -216,7 +220,7 @@ end_line() {
         esac
     fi
     row "$*" "$real" "$((ran - $(echo "$failed" | wc -w))) of $ran pass$more$told"
-    [ -n "$is_wrong" ] || keep "$real" "$@"
+    [ -n "$is_wrong" ] || keep "$real"
 }
 
 # combination REAL COMPILER FLAG...
@@ -226,7 +230,7 @@ combination() {
     code=$(code_of "$folder")
     if [ -e "$out/seen/$real-$code" ]; then
         row "$*" "$real" "the same objects as $(cat "$out/seen/$real-$code")"
-        keep "$real" "$@"
+        keep "$real"
         rm -r "$folder"
         return 0
     fi
@@ -427,7 +431,10 @@ else
     whole float || complain "float stops"
     wait $! || complain "double stops"
     write_table >"$out/MATRIX.md"
-    [ -e "$out/bad.txt" ] || cp "$out/MATRIX.md" tests/ways/MATRIX.md
+    if [ ! -e "$out/bad.txt" ]; then
+        mv "$out/MATRIX.md" tests/ways/MATRIX.md
+        rm -f "$out/kept.md"
+    fi
     count=$(($(cat "$out/double.count") + $(cat "$out/float.count")))
 fi
 [ ! -e "$out/bad.txt" ] || exit 1

@@ -120,7 +120,7 @@ def frames(path: pathlib.Path) -> None:
     for pose, name, shift in ((left, "left = rig", [-48, 8]), (right, "right", [40, 26])):
         camera(pose)
         axes(pose, 0.55, name, shift)
-    axes(board, 0.5, "target", [-6, -40])
+    axes(board, 0.5, "target", [-6, -56])
     X = np.array([0.72, 0.48, 0])
     drawing.dot(on_page(board.apply(X)), 5)
     drawing.text(on_page(board.apply(X)) + [9, -6], "X")
@@ -242,7 +242,7 @@ def targets(path: pathlib.Path) -> None:
     at = np.array([560, 410])
     drawing.text([400, 300], "Tag(size, id=7)")
     drawing.path(on_paper(tag, tag.tags[7], 130, at), "line", closed=True)
-    axes_of(drawing, tag, 130, at, 0.4)
+    axes_of(drawing, tag, 130, at, 0.3)
     numbered(drawing, tag, ("7_0", "7_1", "7_2", "7_3"), 130, at)
     drawing.write(path)
 

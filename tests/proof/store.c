@@ -90,7 +90,8 @@ static void read_too_short(void)
     for (size_t length = 0; length < HEADER; length++) {
         read(unknown_bytes(length), length, length);
     }
-    /* Byte k is the last one that is not 0: Eva knows the least number by it. */
+    /* Byte k is the last one that is not 0. From it Eva knows the least value of the
+     * number. */
     for (int k = 0; k < 4; k++) {
         uint8_t *const bytes = unknown_bytes(HEADER);
         bytes[AT_STATED + k] =

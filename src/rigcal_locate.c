@@ -121,7 +121,7 @@ static void go_on(rigcal_point_solver *p)
     if (p->search.status < 0) {
         end(p, (p->search.status == RIGCAL_ERR_DEGENERATE) ? RIGCAL_ERR_PARALLEL
                                                            : p->search.status);
-    } else if (p->is_stale) { /* anew where the search ends */
+    } else if (p->is_stale) { /* the equations are computed anew where the search ends */
         p->is_tried = 0;
         begin_equations(p);
     } else {

@@ -306,7 +306,8 @@ static void test_a_target_in_its_place_has_no_misfit(void)
         T.t[k] = points.origin[k];
     }
     ASSERT_NEAR(0, rc_agree_misfit(&points, &T), 0);
-    T.t[0] += RC(0.25); /* 0.6 of each box, which is 0.625 wide, is shared: of both 3/7 */
+    /* Each box is 0.625 wide, and shares 0.6 of its width: 3/7 of the union. */
+    T.t[0] += RC(0.25);
     ASSERT_NEAR(4.0 / 7, rc_agree_misfit(&points, &T), 1e-6);
 }
 

@@ -1037,7 +1037,8 @@ static void test_faults_are_ranked_in_any_order(void)
     }
 }
 
-/* F is 5. A fault explains it where at most half of F - 1 is left: F is 3 after it. */
+/* F is 5. A fault explains it if at most half of F - 1 is left, that is, if F falls to
+ * 3. */
 static void test_a_fault_explains_half_of_what_disagrees(void)
 {
     const rc_common common = {1505, 1000, 2000, 1101, 101, 1000};

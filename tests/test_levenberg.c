@@ -142,8 +142,8 @@ static void test_gains_that_fall_fast_end_it_and_slow_ones_do_not(void)
     TEST_ASSERT_EQUAL_INT(RC_NEWTON, slow.equations); /* from the next evaluation on */
 }
 
-/* A trifle, but more than may be left at last: after one that was a tenth larger, ten times
- * as much is left. */
+/* A gain that is negligible, but more than may be left at the end. If the gain before was a
+ * tenth larger, ten times as much is still left. */
 static void test_a_trifle_in_a_valley_is_not_the_last(void)
 {
     const rigcal_real gain = RC(TOL(0.5e-12, 1.5e-6));

@@ -537,7 +537,8 @@ static void test_many_views_with_a_third_of_them_wrong(void)
     TEST_ASSERT_TRUE(exact >= trials - (trials + 9) / 10);
 }
 
-/* Of many views the pairs are tried from the widest angle down. */
+/* If there are many views, pairs are tried in the order of their angles, the widest
+ * first. */
 static void test_the_pair_of_the_widest_angle_is_tried_first(void)
 {
     test_rng rng = test_seed(613);
@@ -700,7 +701,7 @@ static void test_the_least_parallax_is_the_callers(void)
     ASSERT_REFUSED(RIGCAL_ERR_PARALLEL, point, rigcal_point_measure(&point, NULL, &m.s));
 }
 
-/* Without a limit of the caller's it is 0.1 degree. */
+/* If the caller states no limit, it is 0.1 degree. */
 static void test_the_least_parallax_is_a_tenth_of_a_degree(void)
 {
     WANTS_RIG;

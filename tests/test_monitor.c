@@ -38,7 +38,7 @@ static void test_a_monitor_takes_what_its_macro_says_and_no_more_than_it_may(voi
                      rigcal_monitor_size(2, 17) == 0);
 }
 
-/* FNV-1a of the monitor's memory. */
+/* The FNV-1a hash of the monitor's memory. */
 static uint32_t hash_of_monitor(void)
 {
     const unsigned char *const bytes = (const unsigned char *)w.monitor;

@@ -75,7 +75,8 @@ static void test_the_truth_is_the_first(void)
         scene s;
 
         make_scene(&s, &rng, 4 + trial % 5, 1);
-        memset(&optima, 0, sizeof optima); /* what is beyond the list fits exactly */
+        memset(&optima, 0, sizeof optima); /* poses beyond the end of the list would fit
+                                              exactly */
         const int32_t n = find(&optima, &s.points);
         TEST_ASSERT_EQUAL_INT32(0, optima.n);
         TEST_ASSERT_LESS_OR_EQUAL_INT32(RC_P3P_MAX, n);

@@ -32,7 +32,7 @@ static void test_the_frame_is_the_middle_step(void)
     ASSERT_NEAR(1.0 / 30, m.clocks.frame, 1e-6);
 }
 
-/* Of steps of 1 to 8 hundredths of a second the middle is the fourth. */
+/* The steps take 1 to 8 hundredths of a second. Their median is the fourth one. */
 static void test_the_frame_is_the_median_of_steps_that_differ(void)
 {
     WANTS_MOTIONS();

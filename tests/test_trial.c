@@ -157,7 +157,7 @@ static void test_an_error_that_is_known_is_no_move(void)
     }
 }
 
-/* Right matches are believed, those that are off by hundreds of pixels are not. */
+/* Right matches are believed. Matches that are off by hundreds of pixels are not. */
 static void test_wrong_matches_are_doubted(void)
 {
     test_rng rng = test_seed(40);

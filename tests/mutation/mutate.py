@@ -52,7 +52,7 @@ RECORDED = pathlib.Path(__file__).with_name("recorded.csv")
 REPORT = pathlib.Path(__file__).with_name("RESULTS.md")
 EQUIVALENT = pathlib.Path(__file__).with_name("equivalent.txt")
 SEED = 22
-TESTS_MOST = 12  # of a mutant: its own layer's, and the nearest to it; then hostile
+TESTS_MOST = 12  # tests of a mutant: of its layer and the nearest ones; then hostile
 CALLERS_MOST = 4  # of these: tests of other layers that call most of its functions, none of them slow
 CALLER_SECONDS = 10
 ASAN_TESTS = 4  # of those, and none that takes longer without it
@@ -234,7 +234,7 @@ class Bench:
 
 
     def brief(self, tests: list[str], usual: "Bench") -> list[str]:
-        """With the address sanitizer: the first few that it does not take minutes for."""
+        """The first few tests that do not take minutes with the address sanitizer."""
         return [test for test in tests if test in self.link and usual.time_of(test) < ASAN_SECONDS][:ASAN_TESTS]
 
     def is_same(self, source: Source, mutant: Mutant, lane: int) -> bool:

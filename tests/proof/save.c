@@ -1,8 +1,8 @@
-/* For Frama-C's Eva: whatever the cameras, what stores them writes no byte beyond the size
- * that the header states. tests/proof/run.sh tells how it runs.
+/* For Frama-C's Eva: whatever the cameras are, storing them writes no byte beyond the size
+ * that the header states. tests/proof/run.sh runs it.
  *
- * N_CAMERAS are unknown, also their number of cameras that are held: the first is, with
- * HELD. The array ends where the calibration does; the capacity is any up to that. */
+ * There are N_CAMERAS cameras with unknown numbers. The first is held, if HELD is 1. The
+ * array ends where the calibration ends. The capacity is any number up to that size. */
 #include "rc_store.h"
 #include "rigcal_rig.h"
 

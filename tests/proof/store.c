@@ -1,14 +1,17 @@
 /* For Frama-C's Eva: whatever the bytes, the reader of stored calibrations accesses
  * nothing out of bounds. tests/proof/run.sh runs it.
  *
- * The header states how many bytes belong to the calibration. Stated lengths from
- * SHORTEST to LONGEST are tried one by one. With each, a caller gives every length at
- * once: at least the stated one, up to SIZE_MAX, in an array that ends where the stated
- * bytes do; and less, in an array that ends where the header does. All bytes are unknown
- * except the stated length and three fields of the header: REAL_BYTES, VERSION and
- * N_CAMERAS. In version 2 it is also known whether the first camera is held, HELD. With
- * ANY_HEADER only the stated length is known. Then bytes without a whole header are tried
- * too, and a header that states more than LONGEST where fewer bytes are given. */
+ * The header states how many bytes belong to the calibration. Stated lengths from SHORTEST
+ * to LONGEST are tried one by one. Each is tried with all lengths at once that a caller
+ * may give. Lengths from the stated one to SIZE_MAX are tried in an array that ends where
+ * the stated bytes do. Lengths below it are tried in an array that ends where the header
+ * does.
+ *
+ * The stated length is known, and so are three fields of the header: REAL_BYTES, VERSION
+ * and N_CAMERAS. In version 2 it is also known whether the first camera is held (HELD).
+ * All other bytes are unknown. With ANY_HEADER only the stated length is known. Then bytes
+ * without a whole header are tried too, and a header that states more than LONGEST bytes
+ * where fewer are given. */
 #include "rc_store.h"
 #include "rigcal_rig.h"
 
@@ -87,7 +90,8 @@ static void read_too_short(void)
     for (size_t length = 0; length < HEADER; length++) {
         read(unknown_bytes(length), length, length);
     }
-    /* Byte k is the last one that is not 0: Eva knows the least number by it. */
+    /* Byte k is the last one that is not 0. From it Eva knows the least value of the
+     * number. */
     for (int k = 0; k < 4; k++) {
         uint8_t *const bytes = unknown_bytes(HEADER);
         bytes[AT_STATED + k] =

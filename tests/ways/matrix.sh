@@ -2,12 +2,12 @@
 # The library by each compiler, standard and option that it is promised for.
 #
 #   sh tests/ways/matrix.sh [rest] [SECONDS]
-#                                   everything; writes tests/ways/MATRIX.md. By hand. It goes
-#                                   on where the last run ended: a line whose sources and tests
-#                                   are as they were at the commit of its last result is not
-#                                   run again. A line that has not begun after SECONDS, 100000,
-#                                   keeps its last result, as does, with `rest`, each that has
-#                                   one.
+#                                   everything; writes tests/ways/MATRIX.md. By hand. It
+#                                   continues where the last run ended: a line is not run again
+#                                   if its sources and tests are as at the commit of its last
+#                                   result. A line that has not begun after SECONDS (100000)
+#                                   keeps its last result. With `rest`, every line that has a
+#                                   result keeps it.
 #   sh tests/ways/matrix.sh short   what CI has time for
 #
 # Each combination compiles src/ with the project's warnings as errors. Unit tests of
@@ -81,8 +81,8 @@ keep() {
     [ "$form" = short ] || tail -n 1 "$out/$1.md" >>"$out/kept.md"
 }
 
-# last_row REAL COMPILER FLAG...: the line's last result, of this run, of one that was
-# interrupted, or of the one whose table is in the tree
+# last_row REAL COMPILER FLAG...: the line's last result. It is from this run, from one that
+# was interrupted, or from the table in the tree
 last_row() {
     wanted=$1
     shift
@@ -90,7 +90,7 @@ last_row() {
         grep -F "| $* | $wanted | " | grep -v '| not run |' | tail -n 1
 }
 
-# is_enough ROW: nothing has changed since its commit, or it has to do
+# is_enough ROW: whether nothing has changed since its commit, or it has to be enough
 is_enough() {
     [ -n "$1" ] && { [ -n "$is_rest" ] || [ "$(date +%s)" -ge "$end" ] ||
         git diff --quiet "$(echo "$1" | sed 's/.*| \([^|]*\) |$/\1/')" -- src include \

@@ -1,5 +1,5 @@
 /* For Frama-C's Eva: whatever the bytes, the reader of stored calibrations accesses nothing
- * out of bounds. tests/proof/run.sh tells how it runs.
+ * out of bounds. tests/proof/run.sh runs it.
  *
  * The header states how many bytes belong to the calibration. Stated lengths from SHORTEST to
  * LONGEST are tried one by one, each with all lengths at once that a caller may give: at least
@@ -18,7 +18,7 @@ enum {
     LOWER = 3 * CAPACITY * (6 * CAPACITY + 1),
     HEADER = RIGCAL_STORE_HEADER_BYTES,
     AT_STATED = 20,
-    ROLE = 32 + 4 * REAL_BYTES + 12 /* where version 2 has the role of the first camera */
+    ROLE = 32 + 4 * REAL_BYTES + 12 /* place of the first camera's role in version 2 */
 };
 
 static uint8_t memory[LONGEST];
@@ -86,9 +86,16 @@ static void read_too_short(void)
     for (size_t length = 0; length < HEADER; length++) {
         read(unknown_bytes(length), length, length);
     }
-    uint8_t *const bytes = unknown_bytes(HEADER);
-    state(bytes, HEADER, Frama_C_unsigned_int_interval(LONGEST + 1, UINT32_MAX));
-    read(bytes, HEADER, LONGEST);
+    /* Byte k is the last one that is not 0: Eva knows the least number by it. */
+    for (int k = 0; k < 4; k++) {
+        uint8_t *const bytes = unknown_bytes(HEADER);
+        bytes[AT_STATED + k] =
+            Frama_C_unsigned_char_interval((k == 0) ? LONGEST + 1 : 1, 255);
+        for (int i = k + 1; i < 4; i++) {
+            bytes[AT_STATED + i] = 0;
+        }
+        read(bytes, HEADER, LONGEST);
+    }
 }
 #endif
 

@@ -35,8 +35,9 @@ TARGETS = {
     "win_arm64": ("aarch64-windows-gnu", "Windows", "ARM64"),
 }
 BYTES_MAX = 400 * 1024
-# Functions must keep ten more registers by its calling convention, so the code is larger.
-LARGER = ("win_amd64",)
+# These are larger: their code is larger than on Linux. On x86_64 functions must keep ten
+# more registers by the calling convention.
+LARGER = ("win_amd64", "win_arm64")
 # pip uses the last of these names that it knows.
 OLD_NAMES = {
     "manylinux2014_x86_64": "manylinux2014_x86_64.manylinux_2_17_x86_64",

@@ -1,5 +1,5 @@
-/* monitor: memory, begin, matches. The truth: simulated rigs, and the same filter in double
- * made here. */
+/* monitor: memory, begin, matches. The truth: simulated rigs, and the same filter in
+ * double. */
 #include <math.h>
 #include <string.h>
 
@@ -84,7 +84,7 @@ static void test_memory_that_was_not_begun_is_refused(void)
     }
 }
 
-/* Between frames any bit, within a frame any bit of the head. */
+/* Any bit between frames; within a frame, any bit of the head. */
 static void test_a_bit_that_was_changed_is_noticed(void)
 {
     const watched_matches like = {20, 0.3, 0, 0};
@@ -113,8 +113,8 @@ static void test_a_bit_that_was_changed_is_noticed(void)
     ASSERT_STATUS(RIGCAL_OK, rigcal_monitor_ask(&report, w.monitor));
 }
 
-/* A seal is no proof: numbers that would lead out of the memory are refused under one that
- * is right. */
+/* A seal is no proof. Numbers that would point outside the memory are refused, even with a
+ * right seal. */
 static void test_a_head_of_wrong_numbers_is_refused_under_a_right_seal(void)
 {
     test_rng rng = test_seed(8);
@@ -187,11 +187,11 @@ static void test_rigs_that_cannot_be_watched_are_refused(void)
     w.Sigma[1] = 2 * w.Sigma[0];
     ASSERT_STATUS(RIGCAL_ERR_RANGE, rigcal_monitor_begin(w.monitor, size, &w.rig, 0, NULL));
     w.Sigma[1] = 0;
-    w.held[0] = 0; /* none is the frame */
+    w.held[0] = 0; /* no camera is the frame */
     ASSERT_STATUS(w.rig.Sigma_capacity < RIGCAL_CALIBRATED_SIZE(2) ? RIGCAL_ERR_CAPACITY
                                                                    : RIGCAL_ERR_RANGE,
                   rigcal_monitor_begin(w.monitor, size, &w.rig, 0, NULL));
-    w.held[0] = w.held[1] = 1; /* the first is */
+    w.held[0] = w.held[1] = 1; /* the first camera is the frame */
     ASSERT_STATUS(RIGCAL_OK, rigcal_monitor_begin(w.monitor, size, &w.rig, 0, NULL));
     ASSERT_STATUS(RIGCAL_OK, rigcal_monitor_rig(&w.rig, w.monitor));
     TEST_ASSERT_TRUE(w.held[0] == 1 && w.held[1] == 0);
@@ -221,7 +221,7 @@ static double base_variance(void)
     return sum / (length * length);
 }
 
-/* A million in bench_monitor; here a fifth. */
+/* bench_monitor has a million frames; here a fifth of that. */
 static void test_matches_of_a_still_pair_do_not_learn_the_length_of_its_base(void)
 {
     const watched_matches like = {100, 0.3, 0, 1};
@@ -247,7 +247,7 @@ static void test_matches_of_a_still_pair_do_not_learn_the_length_of_its_base(voi
 /* ---- float against double
  * ------------------------------------------------------------------ */
 
-/* The same filter of two cameras, of the matches that the monitor gets, in double: (M1) to
+/* The same filter for two cameras and the matches that the monitor gets, in double: (M1) to
  * (M3), (M8) with P itself. */
 typedef struct {
     double R[9], t[3], P[6][6], d[6];

@@ -1,4 +1,4 @@
-/* reports: what a monitor gives back. The truth: what it was begun with, dense matrices in
+/* reports: what a monitor returns. The truth: what it was begun with, dense matrices in
  * double, and what storage keeps of it. */
 #include <math.h>
 #include <string.h>
@@ -55,7 +55,7 @@ static void test_a_monitor_gives_back_what_it_was_begun_with(void)
     ASSERT_STATUS(RIGCAL_ERR_RANGE, rigcal_monitor_camera(&m, w.monitor, 2));
 }
 
-/* One pass through storage, and a monitor begins again where it was. */
+/* After storing and loading, a monitor begins again where it was. */
 static void test_a_monitor_goes_on_from_what_was_stored(void)
 {
     static uint8_t bytes[RIGCAL_STORE_RIG_SIZE(2, 1)];
@@ -84,7 +84,7 @@ static void test_a_monitor_goes_on_from_what_was_stored(void)
     }
 }
 
-/* As of the calibrated rig that holds the same. */
+/* As for the calibrated rig with the same numbers. */
 static void test_a_pair_has_its_cross_terms(void)
 {
     test_rng rng = test_seed(3);
@@ -109,7 +109,7 @@ static void test_a_pair_has_its_cross_terms(void)
     }
 }
 
-/* Of matches that is the length of the base. */
+/* For matches this axis is the length of the base. */
 static void test_the_direction_known_worst_is_the_largest_axis_of_the_ellipsoid(void)
 {
     test_rng rng = test_seed(4);

@@ -1,4 +1,4 @@
-/* times: what is handed in of clocks, and the time of a view. The truth: made by hand. */
+/* times: the input of clocks, and the time of a view. The truth is made by hand. */
 #include "rc_times.h"
 #include "test_motions.h"
 
@@ -86,13 +86,13 @@ static void test_times_must_rise(void)
     ASSERT_STATUS(RIGCAL_OK, adjust(&fit));
     TEST_ASSERT_EQUAL_INT32(RIGCAL_CLOCK_FREE, m.states[1]);
     m.times[4] = right;
-    for (int f = 0; f < 9; f++) { /* their rounding is more than their steps */
+    for (int f = 0; f < 9; f++) { /* their rounding is larger than their steps */
         m.times[f] = (rigcal_real)(TOL(1e14, 1e5) + f);
     }
     ASSERT_STATUS(RIGCAL_ERR_PRECISION, adjust(&fit));
 }
 
-/* Of times that are not known the middle is 0: clocks of such a rig do not drift. */
+/* If no times are known, their middle is 0, and the clocks do not drift. */
 static void test_the_middle_of_no_times_is_0(void)
 {
     WANTS_MOTIONS();

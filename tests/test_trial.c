@@ -1,5 +1,5 @@
-/* trial: which body explains the rows, and where it then is. The truth: a body of a made
- * rig that is moved by a known step. */
+/* trial: which body explains the rows, and where it is then. The truth: a simulated rig in
+ * which a body is moved by a known step. */
 #include <math.h>
 #include <string.h>
 
@@ -99,8 +99,8 @@ static void test_the_body_that_moved_is_named_and_found(void)
     }
 }
 
-/* Without noise of the pixels the pose is found to a part of its step: the rows are taken
- * where the body is by then. */
+/* Without noise the pose is found to a small part of its step, because each row is computed
+ * where the trial then has the body. */
 static void test_without_noise_the_step_is_found(void)
 {
     for (size_t body = 0; body < BODIES; body++) {
@@ -125,8 +125,8 @@ static void test_without_noise_the_step_is_found(void)
     }
 }
 
-/* What the filter has found of a body, and not yet put into its pose, is no move: the rows
- * say nothing new, so all bodies stay as likely. */
+/* An error that the filter has found, but not yet put into a body's pose, is no move. The
+ * rows say nothing new, so all bodies stay equally likely. */
 static void test_an_error_that_is_known_is_no_move(void)
 {
     static const double W[3] = {1e-4, -2e-4, 1e-4};
@@ -186,8 +186,8 @@ static void test_without_rows_all_bodies_are_equally_likely(void)
 
 /* ---- rows that tell nothing ---------------------------------------------------- */
 
-/* Camera 1 is 2 before a target, body 2, of which it sees a point 0.1 aside. In its trial it
- * is moved by `closer` towards it. */
+/* Camera 1 is at a distance of 2 from a target, body 2. It sees a point of the target 0.1
+ * off the axis. In its trial the camera is moved by `closer` towards the target. */
 static void see_target(rc_seen *seen, const rigcal_camera *camera, double above,
                        double closer, double step_t)
 {
@@ -208,8 +208,8 @@ static void see_target(rc_seen *seen, const rigcal_camera *camera, double above,
     seen->uv[1] = 240;
 }
 
-/* Where the trial's row is none, the move explains nothing: the body's log falls, but stays
- * a number, and the move stays what it was. */
+/* If the trial has no row, the move explains nothing. The body's log falls but stays
+ * finite, and the move does not change. */
 static void assert_explains_nothing(const rc_seen *seen)
 {
     const rigcal_real *const trial = &bodies[RC_ALARM_BODY];
@@ -229,12 +229,12 @@ static void test_a_move_that_hides_the_point_explains_nothing(void)
 
     see_target(&seen, &camera, 0, 3, 0.05); /* behind the camera */
     assert_explains_nothing(&seen);
-    /* so near to its plane that the pixel's variance is no number */
+    /* so near to the camera's plane that the pixel's variance overflows */
     see_target(&seen, &camera, TOL(1e-100, 1e-15), 2, 0.05);
     assert_explains_nothing(&seen);
 }
 
-/* Its own error, moved as much, is no number either. */
+/* The body's own error, moved as far, overflows too. */
 static void test_an_error_that_overflows_in_the_trial_explains_nothing(void)
 {
     const rigcal_camera camera = test_pinhole();
@@ -247,7 +247,7 @@ static void test_an_error_that_overflows_in_the_trial_explains_nothing(void)
     ASSERT_NEAR(-2, bodies[RC_ALARM_BODY + RC_TRIAL_MOVE + 5], 0);
 }
 
-/* What the filter itself cannot evaluate tells no trial anything. */
+/* A row that the filter itself cannot evaluate changes no trial. */
 static void test_rows_that_the_filter_cannot_take_are_left_out(void)
 {
     static rigcal_real before[BODIES * RC_ALARM_BODY];

@@ -73,7 +73,7 @@ Mutant = collections.namedtuple("Mutant", "layer number line kind start end text
 
 
 class Source:
-    """A file of src/: its text and the places where it can be changed."""
+    """A file of src/: its text, and the places that can be changed."""
 
     def __init__(self, layer: str) -> None:
         self.layer = layer
@@ -94,7 +94,7 @@ class Source:
 
         depth = 0
         before = ""
-        untouched = -1  # the end of an assertion or a trace
+        untouched = -1  # the end of an assertion or trace was not reached yet
         begun = 0  # the statement
         tokens = [m for m in TOKEN.finditer(self.text) if not m[0].startswith(("/*", "//"))]
         for at, token in enumerate(tokens):
@@ -116,7 +116,7 @@ class Source:
                 elif word == "!":
                     add("condition", start, end, "")
                 elif re.fullmatch(r"\d+", word) and DECLARED.match(self.text[begun:start]):
-                    if int(word) > 1:  # a longer array harms nobody
+                    if int(word) > 1:  # a longer array does no harm
                         add("number", start, end, str(int(word) - 1))
                 elif re.fullmatch(r"\d+", word) and before not in ("case",):
                     add("number", start, end, str(int(word) + 1))
@@ -147,7 +147,7 @@ class Source:
 
 
 class Bench:
-    """How a file is compiled, and which tests a layer has."""
+    """How a file is compiled, and the tests of each layer."""
 
     def __init__(self, build: pathlib.Path) -> None:
         self.build = build
@@ -182,7 +182,8 @@ class Bench:
         return set(re.findall(r'#include "rc_(\w+)\.h"', "".join(texts))) - {layer}
 
     def tests_of(self, layer: str) -> list[str]:
-        """Its own, those that call most of its functions, those of the layers that include it."""
+        """The layer's own test, the tests that call most of its functions, and those of
+        layers that include it."""
         order, wave = [layer], {layer}
         while wave:
             wave = {other for other in self.includes if self.includes[other] & wave and other not in order}
@@ -199,7 +200,7 @@ class Bench:
         return nearest + ["hostile"] * (bool(nearest) and "hostile" in self.link)
 
     def time_of(self, test: str) -> float:
-        """Seconds of the test without a mutant, measured once."""
+        """The seconds of a test without a mutant, measured once."""
         with self.lock:
             if test not in self.times:
                 start = time.monotonic()
@@ -212,7 +213,7 @@ class Bench:
             return self.times[test]
 
     def killer(self, source: Source, mutant: Mutant, tests: list[str], lane: int) -> str:
-        """The first of the tests that kills it, "compiler", or nothing."""
+        """The first test that kills the mutant, "compiler", or nothing."""
         changed, obj, program = (WORK / f"{self.build.name}-{lane}-{name}" for name in ("mutant.c", "mutant.o", "test"))
         changed.write_text(source.text[:mutant.start] + mutant.text + source.text[mutant.end:])
         command = [*self.compile[source.layer], "-o", str(obj), "-c", str(changed)]
@@ -237,7 +238,8 @@ class Bench:
         return [test for test in tests if test in self.link and usual.time_of(test) < ASAN_SECONDS][:ASAN_TESTS]
 
     def is_same(self, source: Source, mutant: Mutant, lane: int) -> bool:
-        """Whether the compiler makes the same of both, as of code that this build leaves out."""
+        """Whether the compiler makes the same object of both. It does so for code that this
+        build leaves out."""
         changed, obj = (WORK / f"{self.build.name}-{lane}-{name}" for name in ("mutant.c", "mutant.o"))
         made = []
         for text in (source.text, source.text[:mutant.start] + mutant.text + source.text[mutant.end:]):
@@ -249,7 +251,7 @@ class Bench:
 
 
 class Results:
-    """What is known of mutants: results.csv of this build folder, to which rows are appended."""
+    """The results so far: results.csv of this build folder. New rows are appended to it."""
 
     FIELDS = ["layer", "line", "kind", "key", "was", "became", "source", "tests", "killed_by", "seconds"]
 
@@ -276,8 +278,9 @@ class Results:
             self.take(row)
 
     def in_order(self, bench: Bench, layer: str, tests: list[str]) -> list[str]:
-        """The least time for a kill first. A test that ran on nothing yet counts as if it
-        had killed one mutant of two, or of ten if it is of another layer."""
+        """The order in which the tests are tried: the least expected time for a kill first.
+        A test that ran on nothing yet counts as if it had killed one mutant of two, or one
+        of ten if it belongs to another layer."""
         kills = self.kills[layer]
         total = sum(n for test, n in kills.items() if test != "compiler")
 
@@ -306,7 +309,7 @@ def digest_of_tests(tests: list[str], has_asan: bool) -> str:
 
 
 def equivalents() -> dict[tuple[str, str, str, str], str]:
-    """{(layer, line, what was there, what came): why}."""
+    """{(layer, line, text before, text after): why}."""
     known = {}
     for number, line in enumerate(EQUIVALENT.read_text().splitlines(), 1):
         if line and not line.startswith("#"):
@@ -318,7 +321,7 @@ def equivalents() -> dict[tuple[str, str, str, str], str]:
 
 
 def key_of(source: Source, m: Mutant) -> tuple[str, str, str, str]:
-    """(layer, line, what was there, what came). "+ (2)" is the second + of its line."""
+    """(layer, line, text before, text after). "+ (2)" is the second + of its line."""
     was = source.text[m.start:m.end]
     before = source.text[source.text.rfind("\n", 0, m.start) + 1:m.start].count(was)
     return (source.layer, source.line(m.line), " ".join(was.split()) + f" ({before + 1})" * (before > 0), m.text.strip())
@@ -329,7 +332,7 @@ def place_of(m: Mutant) -> str:
 
 
 def kept(results: Results, source: Source, m: Mutant, of_tests: str) -> dict[str, str] | None:
-    """What is known of a mutant, where it still holds."""
+    """The result of a mutant, if it is still valid."""
     row = results.known.get((source.layer, place_of(m)))
     if row and row["source"] == digest(source.path) and (row["killed_by"] or row["tests"] == of_tests):
         return row
@@ -337,7 +340,8 @@ def kept(results: Results, source: Source, m: Mutant, of_tests: str) -> dict[str
 
 
 def shuffled(mutants: list[Mutant], source: Source, seed: int) -> list[Mutant]:
-    """An order that depends on the text of each mutant alone: a change of the file moves no other."""
+    """An order that depends only on the text of each mutant. A change of the file moves no
+    other mutant."""
     def place(m: Mutant) -> str:
         return hashlib.sha256(f"{seed} {key_of(source, m)}".encode()).hexdigest()
     return sorted(mutants, key=lambda m: (place(m), m.number))

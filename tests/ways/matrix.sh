@@ -3,10 +3,11 @@
 #
 #   sh tests/ways/matrix.sh [rest] [SECONDS]
 #                                   everything; writes tests/ways/MATRIX.md. By hand. It goes
-#                                   on where the last run ended: a line that passed on the same
-#                                   sources, tests and compilers is not run again. A line that
-#                                   has not begun after SECONDS, 100000, keeps its last result,
-#                                   as does, with `rest`, each that has one.
+#                                   on where the last run ended: a line whose sources and tests
+#                                   are as they were at the commit of its last result is not
+#                                   run again. A line that has not begun after SECONDS, 100000,
+#                                   keeps its last result, as does, with `rest`, each that has
+#                                   one.
 #   sh tests/ways/matrix.sh short   what CI has time for
 #
 # Each combination compiles src/ with the project's warnings as errors. Unit tests of
@@ -36,7 +37,8 @@ strict="-Wall -Wextra -Wpedantic -Wconversion -Wdouble-promotion -Wshadow -Werro
 tests="adjust bytes camera chain chance diagnose faults filter graph hostile judge join layout
     lens levenberg linalg locate match measure monitor neldermead p3p paper pose rig robust
     rotation score seeds spans store store_rig trial triangulate verdict watch"
-# What is linked anew for each program, all of the library optimised together, takes long.
+# Link-time optimisation compiles the whole library for each program, which takes long. So
+# only these tests are run.
 tests_lto="lens measure pose rig store"
 count=0
 
@@ -55,22 +57,18 @@ state_of() {
     } 2>/dev/null | sha256sum | cut -d' ' -f1
 }
 
-# Where no line of the same state has been run, none has been seen.
+# If no line was run with the same state, nothing has been seen.
 begin_folder() {
     state=$(state_of)
     commit=$(git rev-parse --short HEAD)
-    git diff --quiet HEAD -- src include tests || commit="$commit, changed"
+    git diff --quiet HEAD -- src include tests/*.c tests/support tests/vectors tests/gate ||
+        commit="$commit, changed"
     if [ "$form" = short ] || [ "$(cat "$out/state" 2>/dev/null)" != "$state" ]; then
         rm -rf "$out/seen"
     fi
-    rm -f "$out"/*.md "$out/bad.txt"
-    mkdir -p "$out/seen" "$out/kept"
+    rm -f "$out/double.md" "$out/float.md" "$out/bad.txt" "$out"/small-*.txt
+    mkdir -p "$out/seen"
     echo "$state" >"$out/state"
-}
-
-# kept REAL COMPILER FLAG...: the file of a line's last result: its state, and its row
-kept() {
-    echo "$out/kept/$(echo "$*" | tr ' /' '__')"
 }
 
 # row COMBINATION REAL RESULT: a line of the table
@@ -78,22 +76,28 @@ row() {
     printf '| %s | %s | %s | %s |\n' "$1" "$2" "$3" "$commit" | tee -a "$out/$2.md"
 }
 
-# keep REAL COMPILER FLAG...: the last row is the line's result
+# keep REAL: the last row is a result
 keep() {
-    [ "$form" = full ] || return 0
-    {
-        echo "$state"
-        tail -n 1 "$out/$1.md"
-    } >"$(kept "$@")"
+    [ "$form" = short ] || tail -n 1 "$out/$1.md" >>"$out/kept.md"
 }
 
-# is_kept REAL COMPILER FLAG...: whether the line's last result holds still, or has to do
-is_kept() {
-    [ "$form" = full ] && [ -e "$(kept "$@")" ] && { [ "$(sed -n 1p "$(kept "$@")")" = "$state" ] ||
-        [ -n "$is_rest" ] || [ "$(date +%s)" -ge "$end" ]; }
+# last_row REAL COMPILER FLAG...: the line's last result, of this run, of one that was
+# interrupted, or of the one whose table is in the tree
+last_row() {
+    wanted=$1
+    shift
+    [ "$form" = short ] || cat tests/ways/MATRIX.md "$out/kept.md" 2>/dev/null |
+        grep -F "| $* | $wanted | " | grep -v '| not run |' | tail -n 1
 }
 
-# define REAL: what a compiler is told of the precision
+# is_enough ROW: nothing has changed since its commit, or it has to do
+is_enough() {
+    [ -n "$1" ] && { [ -n "$is_rest" ] || [ "$(date +%s)" -ge "$end" ] ||
+        git diff --quiet "$(echo "$1" | sed 's/.*| \([^|]*\) |$/\1/')" -- src include \
+            tests/*.c tests/support tests/vectors tests/gate 2>/dev/null; }
+}
+
+# define REAL: the options that set the precision
 define() {
     [ "$1" = double ] || echo -DRIGCAL_USE_FLOAT=1
 }
@@ -110,12 +114,12 @@ compile() {
         >"$folder/compiler.txt" 2>&1
 }
 
-# The code of the objects in a folder, as one number.
+# The code of all objects in a folder, as one checksum.
 code_of() {
     cat "$1"/*.o | sha256sum | cut -d' ' -f1
 }
 
-# run_tests FOLDER REAL COMPILER FLAG...: sets failed to the tests that fail
+# run_tests FOLDER REAL COMPILER FLAG...: sets `failed` to the tests that fail
 run_tests() {
     folder=$1
     built=build/gcc-$2
@@ -149,21 +153,23 @@ build_gate() {
         -o "$counted/gate"
 }
 
-# run_gate FOLDER REAL COMPILER FLAG...: its counts must be those kept. Optimised for size the
-# code is another, see RIGCAL_FOR_SPEED: its counts must be those of that code with -O2.
+# run_gate FOLDER REAL COMPILER FLAG...: its counts must be the expected ones. A build for size
+# has other code (RIGCAL_FOR_SPEED): its counts must be those of that code with -O2.
 run_gate() {
     expected=tests/gate/expected_$2.txt
     case " $* " in
     *" -Os "*)
         expected=$out/small-$2.txt
-        build_gate "$out/small-$2" "$2" gcc -std=c99 -O2 $off -DRIGCAL_FOR_SPEED=0 || return 1
-        "$out/small-$2/gate" >"$expected"
+        if [ ! -e "$expected" ]; then
+            build_gate "$out/small-$2" "$2" gcc -std=c99 -O2 $off -DRIGCAL_FOR_SPEED=0 || return 1
+            "$out/small-$2/gate" >"$expected"
+        fi
         ;;
     esac
     folder_of_line=$1
     shift
     build_gate "$folder_of_line/counted" "$@" || return 1
-    # The depth of a stack is the option's; all other counts are asked for.
+    # The depth of the stack depends on the options. All other counts must be equal.
     "$counted/gate" check "$expected" >"$counted/gate.txt" 2>&1 ||
         { grep -q '^gate: ' "$counted/gate.txt" &&
             ! grep ', now ' "$counted/gate.txt" | grep -qv '^stack\.'; }
@@ -174,9 +180,10 @@ run_gate() {
 begin_line() {
     real=$1
     shift
-    if is_kept "$real" "$@"; then
+    last=$(last_row "$real" "$@")
+    if is_enough "$last"; then
         count=$((count + 1))
-        sed -n 2p "$(kept "$real" "$@")" | tee -a "$out/$real.md"
+        echo "$last" | tee -a "$out/$real.md"
         return 1
     fi
     if [ "$(date +%s)" -ge "$end" ]; then
@@ -213,7 +220,7 @@ end_line() {
         esac
     fi
     row "$*" "$real" "$((ran - $(echo "$failed" | wc -w))) of $ran pass$more$told"
-    [ -n "$is_wrong" ] || keep "$real" "$@"
+    [ -n "$is_wrong" ] || keep "$real"
 }
 
 # combination REAL COMPILER FLAG...
@@ -223,7 +230,7 @@ combination() {
     code=$(code_of "$folder")
     if [ -e "$out/seen/$real-$code" ]; then
         row "$*" "$real" "the same objects as $(cat "$out/seen/$real-$code")"
-        keep "$real" "$@"
+        keep "$real"
         rm -r "$folder"
         return 0
     fi
@@ -389,7 +396,7 @@ whole() {
     echo "$count" >"$out/$real.count"
 }
 
-# The last result, for the tree.
+# Writes the last result for the tree.
 write_table() {
     echo '# The library by each compiler, standard and option'
     echo
@@ -424,7 +431,10 @@ else
     whole float || complain "float stops"
     wait $! || complain "double stops"
     write_table >"$out/MATRIX.md"
-    [ -e "$out/bad.txt" ] || cp "$out/MATRIX.md" tests/ways/MATRIX.md
+    if [ ! -e "$out/bad.txt" ]; then
+        mv "$out/MATRIX.md" tests/ways/MATRIX.md
+        rm -f "$out/kept.md"
+    fi
     count=$(($(cat "$out/double.count") + $(cat "$out/float.count")))
 fi
 [ ! -e "$out/bad.txt" ] || exit 1

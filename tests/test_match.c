@@ -134,6 +134,19 @@ static void test_the_nearest_to_the_line_is_best(void)
     ASSERT_NEAR(1, matches[0].half_width_px, TOL(1e-6, 1e-4));
 }
 
+static void test_of_equal_candidates_the_first_stays(void)
+{
+    static const rigcal_real at[4] = {25, RC(20.2), 25, RC(20.2)};
+    rigcal_match match;
+    size_t written, inside;
+
+    make_beside();
+    ASSERT_STATUS(RIGCAL_OK,
+                  rigcal_band_search(&match, 1, &written, &inside, NULL, &band, at, 2));
+    TEST_ASSERT_EQUAL_UINT64(2, inside);
+    TEST_ASSERT_EQUAL_INT32(0, match.index);
+}
+
 static void test_a_candidate_that_is_no_number_is_named(void)
 {
     rigcal_match matches[2];
@@ -270,6 +283,7 @@ TEST_MAIN()
     RUN_TEST(test_those_inside_come_best_first);
     RUN_TEST(test_where_room_is_short_the_best_stay);
     RUN_TEST(test_the_nearest_to_the_line_is_best);
+    RUN_TEST(test_of_equal_candidates_the_first_stays);
     RUN_TEST(test_a_candidate_that_is_no_number_is_named);
     RUN_TEST(test_the_curve_is_the_line_and_its_borders_the_band);
     RUN_TEST(test_the_curve_runs_from_near_to_far);

@@ -1,8 +1,8 @@
-/* For Frama-C's Eva: whatever the cameras, what stores them writes no byte beyond the size that
- * the header states. tests/proof/run.sh tells how it runs.
+/* For Frama-C's Eva: whatever the cameras, what stores them writes no byte beyond the size
+ * that the header of the library states. tests/proof/run.sh tells how it runs.
  *
- * N_CAMERAS are unknown, also their number of cameras that are held: the first is, with HELD.
- * The array ends where the calibration does; the capacity is any up to that. */
+ * All numbers of N_CAMERAS cameras are unknown. The first is held, if HELD is 1. The array
+ * ends where the calibration does; the capacity is any up to that. */
 #include "rc_store.h"
 #include "rigcal_rig.h"
 

@@ -1,14 +1,14 @@
 /* For Frama-C's Eva: whatever the bytes, the reader of stored calibrations accesses nothing
  * out of bounds. tests/proof/run.sh tells how it runs.
  *
- * The header states how many bytes belong to the calibration. Stated lengths from SHORTEST
- * to LONGEST are tried one by one, each with all lengths at once that a caller may give: at
- * least the stated one, up to SIZE_MAX, in an array that ends where the stated bytes do; and
- * less, in an array that ends where the header does. All bytes are unknown, but the stated
- * length and three fields of the header, REAL_BYTES, VERSION and N_CAMERAS, and in version 2
- * whether the first camera is held, HELD. With ANY_HEADER only the stated length is known.
- * Then bytes without a whole header are tried too, and a header that states more than LONGEST
- * where there are fewer. */
+ * The header states how many bytes belong to the calibration. Stated lengths from
+ * SHORTEST to LONGEST are tried one by one, each with all lengths at once that a caller
+ * may give: at least the stated one, up to SIZE_MAX, in an array that ends where the
+ * stated bytes do; and less, in an array that ends where the header does. All bytes are
+ * unknown, but the stated length and three fields of the header, REAL_BYTES, VERSION and
+ * N_CAMERAS, and in version 2 whether the first camera is held, HELD. With ANY_HEADER only
+ * the stated length is known. Then bytes without a whole header are tried too, and a
+ * header that states more than LONGEST where there are fewer. */
 #include "rc_store.h"
 #include "rigcal_rig.h"
 

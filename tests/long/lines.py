@@ -179,10 +179,15 @@ def measure(kind: Kind, n: int, rigcal: str, folder: pathlib.Path, n_runs: int) 
     return path.stat().st_size, min(seconds for seconds, _ in runs), max(memory for _, memory in runs)
 
 
+def kept(kind: Kind, n: int, rigcal: str) -> pathlib.Path:
+    """Where the result of this program and script is."""
+    text = pathlib.Path(__file__).read_bytes() + pathlib.Path(rigcal).read_bytes()
+    return ROOT / "build/lines" / f"{hashlib.sha256(text).hexdigest()[:16]}-{kind.name.replace(' ', '_')}-{n}.json"
+
+
 def measure_once(kind: Kind, n: int, rigcal: str, folder: pathlib.Path, n_runs: int) -> tuple[int, float, int]:
     """The same, from an earlier run of this program and script if there is one."""
-    text = pathlib.Path(__file__).read_bytes() + pathlib.Path(rigcal).read_bytes()
-    path = ROOT / "build/lines" / f"{hashlib.sha256(text).hexdigest()[:16]}-{kind.name.replace(' ', '_')}-{n}.json"
+    path = kept(kind, n, rigcal)
     if not path.exists():
         result = measure(kind, n, rigcal, folder, n_runs)
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -239,6 +244,7 @@ def main() -> int:
     parser.add_argument("form", nargs="?", choices=["full", "short"], default="full")
     parser.add_argument("--rigcal", default=str(ROOT / "build/gcc-double/rigcal"))
     parser.add_argument("--only", default="")
+    parser.add_argument("--known", action="store_true", help="nothing is run: the table of what has been")
     parser.add_argument("--commit", help="of the program, if not HEAD")
     options = parser.parse_args()
     rows, wrong = [], []
@@ -248,6 +254,9 @@ def main() -> int:
         per_line = 0.0
         with tempfile.TemporaryDirectory() as name:
             for n in lengths_of(kind, options.form == "short"):
+                if options.known and not kept(kind, n, options.rigcal).exists():
+                    rows.append(f"| {kind.name} | {n} | | not run | | |")
+                    continue
                 row, bad, per_line = judge(kind, n, options.rigcal, pathlib.Path(name), per_line,
                                            options.form == "short")
                 rows.append(row)
